@@ -1,0 +1,13 @@
+//! Grids, meshes and linear algebra for Meniscus. This crate knows no physics.
+//!
+//! Everything is generic in the dimension `D` (2 or 3); lengths are in metres, arrays are dense and run
+//! fastest along the first axis.
+
+pub mod grid;
+pub mod linalg;
+pub mod par;
+
+/// A point or vector of `D` components.
+pub type Vector<const D: usize> = nalgebra::SVector<f64, D>;
+/// A `D × D` matrix.
+pub type Matrix<const D: usize> = nalgebra::SMatrix<f64, D, D>;

@@ -1,0 +1,47 @@
+//! What every solver sees of a linear system.
+
+use thiserror::Error;
+
+/// A symmetric positive (semi-)definite operator on vectors of [`size`](Self::size) entries.
+pub trait LinearOperator: Sync {
+    /// Number of unknowns.
+    fn size(&self) -> usize;
+    /// `y = A x`.
+    fn apply(&self, x: &[f64], y: &mut [f64]);
+}
+
+/// A symmetric positive definite approximation of the inverse of an operator.
+pub trait Preconditioner: Sync {
+    /// `z ≈ A⁻¹ r`.
+    fn apply(&self, r: &[f64], z: &mut [f64]);
+}
+
+/// How a solve went.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SolveReport {
+    /// Number of iterations.
+    pub iterations: usize,
+    /// True residual at the end over the norm of the right-hand side.
+    pub residual: f64,
+}
+
+/// Why a solve gave no answer.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum SolveError {
+    /// The tolerance was not reached.
+    #[error("the linear solve stopped after {iterations} iterations at a relative residual of {residual:.2e}; {tolerance:.1e} was asked for")]
+    NotConverged {
+        /// Iterations done.
+        iterations: usize,
+        /// Relative residual reached.
+        residual: f64,
+        /// Relative residual asked for.
+        tolerance: f64,
+    },
+    /// A number that is not finite came in or out.
+    #[error("the linear solve met a number that is not finite in iteration {iteration}")]
+    NotFinite {
+        /// Iteration in which it appeared.
+        iteration: usize,
+    },
+}

@@ -1,0 +1,1 @@
+//! Meniscus sim.
