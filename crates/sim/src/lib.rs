@@ -1,1 +1,13 @@
-//! Meniscus sim.
+//! The physics of Meniscus: a surface-tension liquid on a staggered grid.
+//!
+//! This crate never opens a file, reads a clock or chooses a number of threads.
+
+mod ledger;
+mod model;
+mod simulation;
+mod state;
+
+pub use ledger::{Ledger, StepReport};
+pub use model::{Model, Numerics, Wall};
+pub use simulation::{Body, PhaseEnd, Simulation, StepError};
+pub use state::{Drop, State};

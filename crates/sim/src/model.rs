@@ -1,0 +1,72 @@
+//! What stays fixed during a run.
+
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
+
+/// A side of the domain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wall {
+    /// Impermeable, without friction; the liquid meets it at 90 degrees.
+    Slip,
+    /// Air at zero pressure: liquid may leave.
+    Open,
+}
+
+/// The physical and numerical description of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model<const D: usize> {
+    /// The grid.
+    pub grid: Grid<D>,
+    /// The lower and upper side along each axis.
+    pub walls: [[Wall; 2]; D],
+    /// Density of the liquid, kg/m³.
+    pub density: f64,
+    /// Kinematic viscosity, m²/s; 0 for an inviscid liquid.
+    pub kinematic_viscosity: f64,
+    /// Tension of the liquid–air interface, N/m.
+    pub surface_tension: f64,
+    /// Gravity, m/s².
+    pub gravity: Vector<D>,
+    /// Choices of the discretisation.
+    pub numerics: Numerics,
+}
+
+/// Choices of the discretisation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Numerics {
+    /// Largest distance the liquid may move in a step, in cells.
+    pub cfl: f64,
+    /// Largest step as a multiple of the explicit capillary limit ([`Model::capillary_step`]).
+    pub capillary_step: f64,
+    /// Largest step, s.
+    pub max_step: f64,
+    /// Relative residual of the pressure solve.
+    pub tolerance: f64,
+    /// Most iterations of the pressure solve.
+    pub max_iterations: usize,
+    /// The same step length always (s): nothing limits it. For studies of the step length.
+    pub fixed_step: Option<f64>,
+    /// Give back the momentum that the discretisation loses (on, but for studies of what it does).
+    pub restore_momentum: bool,
+}
+
+impl Default for Numerics {
+    fn default() -> Self {
+        Self {
+            cfl: 0.7,
+            capillary_step: 5.0,
+            max_step: f64::INFINITY,
+            tolerance: 1e-6,
+            max_iterations: 200,
+            fixed_step: None,
+            restore_momentum: true,
+        }
+    }
+}
+
+impl<const D: usize> Model<D> {
+    /// The explicit capillary limit of a one-phase liquid, s: `2/ω_max = 0.36 √(ρ Δ³/γ)` (design, numerics).
+    pub fn capillary_step(&self) -> f64 {
+        0.36 * (self.density * self.grid.dx.powi(3) / self.surface_tension).sqrt()
+    }
+}

@@ -1,0 +1,58 @@
+//! Everything that evolves.
+
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::{CellField, FaceField, Grid};
+
+/// What a time step starts from and makes. Plain data: written to a checkpoint and read back it gives the same bits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State<const D: usize> {
+    /// Time, s.
+    pub time: f64,
+    /// Steps done.
+    pub step: u64,
+    /// Length of the last step, s (0 before the first).
+    pub last_dt: f64,
+    /// Distance that the interface may have moved since the last redistance, in cells.
+    pub drift: f64,
+    /// Signed distance to the liquid's surface, m, negative in the liquid; valid within the band, elsewhere ± its width.
+    pub phi: CellField<D>,
+    /// Velocity, m/s; valid in the liquid and a few cells around it.
+    pub velocity: FaceField<D>,
+    /// The connected components of the liquid, in order of their first cell.
+    pub drops: Vec<Drop<D>>,
+    /// Volume of components that became too small to see, m³ (2D: m²), since the start.
+    pub lost_volume: f64,
+}
+
+/// A connected component of the liquid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drop<const D: usize> {
+    /// Volume it must keep, m³ (2D: m²).
+    pub target_volume: f64,
+    /// Volume it has, m³ (2D: m²).
+    pub volume: f64,
+    /// Centre of mass, m.
+    pub centroid: Vector<D>,
+    /// Lower corner of its box, m.
+    pub lower: Vector<D>,
+    /// Upper corner of its box, m.
+    pub upper: Vector<D>,
+    /// Mean velocity, m/s.
+    pub velocity: Vector<D>,
+}
+
+impl<const D: usize> State<D> {
+    /// An empty state: no liquid, at rest, at time zero.
+    pub fn empty(grid: Grid<D>) -> Self {
+        Self {
+            time: 0.0,
+            step: 0,
+            last_dt: 0.0,
+            drift: 0.0,
+            phi: CellField::new(grid, 0.0),
+            velocity: FaceField::zeros(grid),
+            drops: Vec::new(),
+            lost_volume: 0.0,
+        }
+    }
+}
