@@ -4,8 +4,11 @@
 //! fastest along the first axis.
 
 pub mod grid;
+pub mod level_set;
 pub mod linalg;
+pub mod mesh;
 pub mod par;
+pub mod shape;
 
 /// A point or vector of `D` components.
 pub type Vector<const D: usize> = nalgebra::SVector<f64, D>;

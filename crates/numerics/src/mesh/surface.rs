@@ -1,0 +1,124 @@
+//! Closed surfaces made of facets: segments in 2D, triangles in 3D.
+
+use crate::Vector;
+
+/// A surface of facets with their outward side known by the order of their vertices.
+///
+/// In 3D a facet's vertices run counter-clockwise as seen from outside; in 2D the inside lies to the left of the edge
+/// from the first vertex to the second, so that the outward normal is `(dy, -dx)`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SurfaceMesh<const D: usize> {
+    /// Vertices, m.
+    pub positions: Vec<Vector<D>>,
+    /// For each facet the numbers of its vertices.
+    pub facets: Vec<[u32; D]>,
+}
+
+impl<const D: usize> SurfaceMesh<D> {
+    /// The vertices of a facet, m.
+    pub fn corners(&self, facet: usize) -> [Vector<D>; D] {
+        self.facets[facet].map(|v| self.positions[v as usize])
+    }
+
+    /// Outward area vector of a facet, m² (2D: m): its length is the area.
+    pub fn area_vector(&self, facet: usize) -> Vector<D> {
+        area_vector(&self.corners(facet))
+    }
+
+    /// Area of the surface, m² (2D: length, m).
+    pub fn area(&self) -> f64 {
+        crate::par::sum(self.facets.len(), |f| self.area_vector(f).norm())
+    }
+
+    /// Enclosed volume by the divergence theorem, $\frac1D \oint x \cdot n\, dA$, m³ (2D: m²). Positive if the
+    /// surface is closed and outward; positions are taken from its first vertex to keep digits.
+    pub fn volume(&self) -> f64 {
+        let Some(&origin) = self.positions.first() else { return 0.0 };
+        let facet = |f: usize| {
+            let c = self.corners(f);
+            (c[0] - origin).dot(&area_vector(&c))
+        };
+        crate::par::sum(self.facets.len(), facet) / D as f64
+    }
+
+    /// Whether the surface is closed and consistently oriented: each ridge (2D: vertex, 3D: edge) is passed as often
+    /// in one direction as in the other. An empty surface is.
+    pub fn is_watertight(&self) -> bool {
+        self.open_ridges() == 0
+    }
+
+    /// Number of ridges (2D: vertices, 3D: edges) that keep the surface from being closed and consistently oriented.
+    pub fn open_ridges(&self) -> usize {
+        let mut ridges: Vec<([u32; 2], i32)> = Vec::with_capacity(self.facets.len() * D);
+        for facet in &self.facets {
+            for k in 0..D {
+                ridges.push(if D == 2 {
+                    ([facet[k], 0], 1 - 2 * k as i32)
+                } else {
+                    let (a, b) = (facet[k], facet[(k + 1) % D]);
+                    ([a.min(b), a.max(b)], if a < b { 1 } else { -1 })
+                });
+            }
+        }
+        ridges.sort_unstable();
+        ridges.chunk_by(|a, b| a.0 == b.0).filter(|c| c.iter().map(|r| r.1).sum::<i32>() != 0).count()
+    }
+
+    /// Lower and upper corner of the box around all vertices, m. An empty surface has an inverted, infinite box.
+    pub fn bounds(&self) -> (Vector<D>, Vector<D>) {
+        let start = (Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY));
+        self.positions.iter().fold(start, |(l, u), p| (l.inf(p), u.sup(p)))
+    }
+
+    /// Turns every facet over: inside becomes outside.
+    pub fn flip(&mut self) {
+        self.facets.iter_mut().for_each(|f| f.swap(0, 1));
+    }
+}
+
+/// Area vector of a facet with the given corners, m² (2D: m), on its outward side.
+pub fn area_vector<const D: usize>(corners: &[Vector<D>; D]) -> Vector<D> {
+    let e = corners[1] - corners[0];
+    let mut out = Vector::<D>::zeros();
+    if D == 2 {
+        out[0] = e[1];
+        out[1] = -e[0];
+    } else {
+        let f = corners[D - 1] - corners[0];
+        for a in 0..D {
+            let (b, c) = ((a + 1) % D, (a + 2) % D);
+            out[a] = 0.5 * (e[b] * f[c] - e[c] * f[b]);
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mesh_surface_of_a_square() {
+        let positions = [[1.0, 1.0], [3.0, 1.0], [3.0, 2.0], [1.0, 2.0]].map(Vector::from).to_vec();
+        let mut square = SurfaceMesh { positions, facets: vec![[0, 1], [1, 2], [2, 3], [3, 0]] };
+        assert_eq!((square.volume(), square.area()), (2.0, 6.0));
+        assert!(square.is_watertight());
+        assert_eq!(square.area_vector(0), Vector::from([0.0, -2.0]));
+        square.flip();
+        assert_eq!(square.volume(), -2.0);
+        square.facets.pop();
+        assert_eq!(square.open_ridges(), 2);
+    }
+
+    #[test]
+    fn mesh_surface_of_a_tetrahedron() {
+        let positions =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vector::from).to_vec();
+        let facets = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let mut tetrahedron = SurfaceMesh { positions, facets };
+        assert!((tetrahedron.volume() - 1.0 / 6.0).abs() < 1e-16);
+        assert!(tetrahedron.is_watertight());
+        tetrahedron.facets[0].swap(0, 1);
+        assert_eq!(tetrahedron.open_ridges(), 3);
+    }
+}
