@@ -1,10 +1,17 @@
 //! The staggered (MAC) grid: cubic cells, values at cell centres and on faces.
 
+mod band;
+mod components;
 mod field;
+mod interpolate;
 mod runs;
+mod tiles;
 
+pub use band::Band;
 pub use field::{CellField, FaceField};
+pub use interpolate::{Edge, Sampler};
 pub use runs::{Run, Runs};
+pub use tiles::{Segment, TILE, Tiles};
 
 use crate::Vector;
 
@@ -67,6 +74,21 @@ impl<const D: usize> Lattice<D> {
             index /= self.extent[a];
         }
         at
+    }
+}
+
+impl<const D: usize> Lattice<D> {
+    /// Positions in memory of the points next to `index` along the axes: lower before upper, axis by axis.
+    pub fn neighbours(self, index: usize) -> impl Iterator<Item = usize> {
+        let at = self.coordinates(index);
+        (0..2 * D).filter_map(move |n| {
+            let a = n / 2;
+            if n % 2 == 0 {
+                (at[a] > 0).then(|| index - self.stride[a])
+            } else {
+                (at[a] + 1 < self.extent[a]).then(|| index + self.stride[a])
+            }
+        })
     }
 }
 

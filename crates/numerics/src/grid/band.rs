@@ -1,0 +1,89 @@
+//! The cells around the interface, in layers.
+
+use super::{Grid, Runs};
+use rayon::prelude::*;
+
+/// The cells around the zero set of a level set as a compact list, layer by layer outward on both sides.
+///
+/// Layer 0 holds the cells with a face neighbour of the other sign; layer `l + 1` the cells that share a face with
+/// layer `l`. Each layer is sorted by position in memory.
+#[derive(Clone, Debug)]
+pub struct Band<const D: usize> {
+    grid: Grid<D>,
+    /// The cells: positions in memory.
+    pub cells: Vec<u32>,
+    /// Layer `l` is `cells[layers[l]..layers[l + 1]]`.
+    pub layers: Vec<usize>,
+    /// For every cell of the grid 1 + its place in `cells`, or 0.
+    slots: Vec<u32>,
+}
+
+impl<const D: usize> Band<D> {
+    /// An empty band.
+    pub fn new(grid: Grid<D>) -> Self {
+        Self { grid, cells: Vec::new(), layers: vec![0], slots: vec![0; grid.lattice().len()] }
+    }
+
+    /// Place of a cell in the list.
+    pub fn slot(&self, cell: usize) -> Option<usize> {
+        (self.slots[cell] as usize).checked_sub(1)
+    }
+
+    /// The layers `0..n` as a range of the list.
+    pub fn first_layers(&self, n: usize) -> std::ops::Range<usize> {
+        0..self.layers[n.min(self.layers.len() - 1)]
+    }
+
+    /// Builds the band of `layers` layers around the zero set of `phi`, whose negative cells are `inside`.
+    pub fn rebuild(&mut self, phi: &[f64], inside: &Runs, layers: usize) {
+        for &cell in &self.cells {
+            self.slots[cell as usize] = 0;
+        }
+        self.cells.clear();
+        self.layers = vec![0];
+        let nx = self.grid.cells[0];
+        let lattice = self.grid.lattice();
+        let edge: Vec<Vec<u32>> = inside
+            .runs
+            .par_iter()
+            .map(|run| {
+                let row = run.row as usize * nx;
+                let cells = row + run.start as usize..row + run.end as usize;
+                cells.filter(|&c| lattice.neighbours(c).any(|n| phi[n] >= 0.0)).map(|c| c as u32).collect()
+            })
+            .collect();
+        edge.iter().flatten().for_each(|&c| self.push(c as usize));
+        for i in 0..self.cells.len() {
+            for n in lattice.neighbours(self.cells[i] as usize) {
+                if phi[n] >= 0.0 {
+                    self.push(n);
+                }
+            }
+        }
+        self.close_layer();
+        for l in 1..layers {
+            for i in self.layers[l - 1]..self.layers[l] {
+                for n in lattice.neighbours(self.cells[i] as usize) {
+                    self.push(n);
+                }
+            }
+            self.close_layer();
+        }
+    }
+
+    fn push(&mut self, cell: usize) {
+        if self.slots[cell] == 0 {
+            self.cells.push(cell as u32);
+            self.slots[cell] = self.cells.len() as u32;
+        }
+    }
+
+    fn close_layer(&mut self) {
+        let start = self.layers[self.layers.len() - 1];
+        self.cells[start..].par_sort_unstable();
+        for i in start..self.cells.len() {
+            self.slots[self.cells[i] as usize] = i as u32 + 1;
+        }
+        self.layers.push(self.cells.len());
+    }
+}

@@ -1,0 +1,252 @@
+//! Sampling of lattice data between its points.
+//!
+//! Cubic interpolation is Lagrange's through four points along each axis (fourth order); "limited" means that the
+//! result is kept within the values it is made of, so that repeated sampling makes no new extremes.
+
+use super::{Grid, Lattice};
+use crate::Vector;
+
+/// How data goes on beyond the last point of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Edge {
+    /// Mirrored: tangential velocity, distance and everything else at a frictionless wall.
+    Even,
+    /// Mirrored with the opposite sign: normal velocity at a wall.
+    Odd,
+    /// The last value goes on: an open side.
+    Clamp,
+}
+
+/// Lattice data with all it takes to sample it anywhere.
+#[derive(Clone, Copy)]
+pub struct Sampler<'a, const D: usize> {
+    data: &'a [f64],
+    lattice: Lattice<D>,
+    /// Position of point 0 in cells: 0.5 for centres, 0 along the normal of faces.
+    shift: [f64; D],
+    edges: [[Edge; 2]; D],
+    inverse_dx: f64,
+}
+
+/// The values around a point, four along each axis, the first axis running fastest.
+type Stencil = [[f64; 4]; 16];
+
+impl<'a, const D: usize> Sampler<'a, D> {
+    /// Samples values at cell centres; `edges` as for a scalar.
+    pub fn cells(grid: &Grid<D>, data: &'a [f64], edges: [[Edge; 2]; D]) -> Self {
+        Self { data, lattice: grid.lattice(), shift: [0.5; D], edges, inverse_dx: 1.0 / grid.dx }
+    }
+
+    /// Samples values on the faces normal to `axis`; `edges` as for that component of a velocity.
+    pub fn faces(grid: &Grid<D>, axis: usize, data: &'a [f64], edges: [[Edge; 2]; D]) -> Self {
+        let mut shift = [0.5; D];
+        shift[axis] = 0.0;
+        Self { data, lattice: grid.faces(axis), shift, edges, inverse_dx: 1.0 / grid.dx }
+    }
+
+    /// Multilinear interpolation at `x` (m).
+    pub fn linear(&self, x: &Vector<D>) -> f64 {
+        let (base, t) = self.locate(x);
+        let mut sum = 0.0;
+        if (0..D).all(|a| base[a] >= 0 && base[a] + 1 < self.lattice.extent[a] as isize) {
+            let origin = self.lattice.index(std::array::from_fn(|a| base[a] as usize));
+            for row in 0..1usize << (D - 1) {
+                let mut at = origin;
+                let mut weight = 1.0;
+                for a in 1..D {
+                    let up = row >> (a - 1) & 1;
+                    at += up * self.lattice.stride[a];
+                    weight *= if up == 1 { t[a] } else { 1.0 - t[a] };
+                }
+                sum += weight * (self.data[at] + t[0] * (self.data[at + 1] - self.data[at]));
+            }
+        } else {
+            for corner in 0..1usize << D {
+                let mut weight = 1.0;
+                let mut at = base;
+                for a in 0..D {
+                    let up = corner >> a & 1;
+                    at[a] += up as isize;
+                    weight *= if up == 1 { t[a] } else { 1.0 - t[a] };
+                }
+                sum += weight * self.value(at);
+            }
+        }
+        sum
+    }
+
+    /// Limited cubic interpolation at `x` (m).
+    pub fn cubic(&self, x: &Vector<D>) -> f64 {
+        let (base, t) = self.locate(x);
+        let stencil = self.stencil(base);
+        let rows = &stencil[..1 << (2 * (D - 1))];
+        let (mut low, mut high) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
+        for row in rows {
+            for i in 0..4 {
+                low[i] = low[i].min(row[i]);
+                high[i] = high[i].max(row[i]);
+            }
+        }
+        let weights: [[f64; 4]; D] = std::array::from_fn(|a| lagrange(t[a]));
+        let low = low[0].min(low[1]).min(low[2].min(low[3]));
+        let high = high[0].max(high[1]).max(high[2].max(high[3]));
+        contract::<D>(rows, &weights).clamp(low, high)
+    }
+
+    /// Cubic interpolation (not limited) at `x` (m): the value and its gradient (per m).
+    pub fn cubic_gradient(&self, x: &Vector<D>) -> (f64, Vector<D>) {
+        let (base, t) = self.locate(x);
+        let stencil = self.stencil(base);
+        let rows = &stencil[..1 << (2 * (D - 1))];
+        let weights: [[f64; 4]; D] = std::array::from_fn(|a| lagrange(t[a]));
+        let gradient = Vector::from_fn(|axis, _| {
+            let mut slopes = weights;
+            slopes[axis] = lagrange_slope(t[axis]);
+            contract::<D>(rows, &slopes) * self.inverse_dx
+        });
+        (contract::<D>(rows, &weights), gradient)
+    }
+
+    /// The lattice cell that holds `x`, and where in it `x` is.
+    fn locate(&self, x: &Vector<D>) -> ([isize; D], [f64; D]) {
+        let mut base = [0; D];
+        let mut t = [0.0; D];
+        for a in 0..D {
+            // Two cells beyond the edge at most: farther out nothing more is known.
+            let s = (x[a] * self.inverse_dx - self.shift[a]).clamp(-2.0, self.lattice.extent[a] as f64 + 1.0);
+            let floor = s.floor();
+            base[a] = floor as isize;
+            t[a] = s - floor;
+        }
+        (base, t)
+    }
+
+    fn stencil(&self, base: [isize; D]) -> Stencil {
+        let mut stencil = [[0.0; 4]; 16];
+        let inside = (0..D).all(|a| base[a] >= 1 && base[a] + 2 < self.lattice.extent[a] as isize);
+        if inside {
+            let origin = self.lattice.index(std::array::from_fn(|a| (base[a] - 1) as usize));
+            for (row, values) in stencil.iter_mut().enumerate().take(1 << (2 * (D - 1))) {
+                let mut at = origin;
+                for a in 1..D {
+                    at += (row >> (2 * (a - 1)) & 3) * self.lattice.stride[a];
+                }
+                values.copy_from_slice(&self.data[at..at + 4]);
+            }
+        } else {
+            for (row, values) in stencil.iter_mut().enumerate().take(1 << (2 * (D - 1))) {
+                for (i, value) in values.iter_mut().enumerate() {
+                    let mut at = base;
+                    at[0] += i as isize - 1;
+                    for a in 1..D {
+                        at[a] += (row >> (2 * (a - 1)) & 3) as isize - 1;
+                    }
+                    *value = self.value(at);
+                }
+            }
+        }
+        stencil
+    }
+
+    /// The value at a lattice point that may lie beyond the edges.
+    pub fn value(&self, mut at: [isize; D]) -> f64 {
+        let mut sign = 1.0;
+        for a in 0..D {
+            let n = self.lattice.extent[a] as isize;
+            // Mirrors lie on the domain's sides: half a cell beyond the outermost centre, or on the outermost face.
+            let beyond = if self.shift[a] == 0.5 { 1 } else { 0 };
+            let (edge, mirrored) = if at[a] < 0 {
+                (self.edges[a][0], -at[a] - beyond)
+            } else if at[a] >= n {
+                (self.edges[a][1], 2 * (n - 1) + beyond - at[a])
+            } else {
+                continue;
+            };
+            match edge {
+                Edge::Even => at[a] = mirrored.clamp(0, n - 1),
+                Edge::Odd => {
+                    at[a] = mirrored.clamp(0, n - 1);
+                    sign = -sign;
+                }
+                Edge::Clamp => at[a] = at[a].clamp(0, n - 1),
+            }
+        }
+        sign * self.data[self.lattice.index(std::array::from_fn(|a| at[a] as usize))]
+    }
+}
+
+/// Weights of the cubic through the points −1, 0, 1, 2 at `t`.
+fn lagrange(t: f64) -> [f64; 4] {
+    let (a, b, c) = (t + 1.0, t - 1.0, t - 2.0);
+    [-t * b * c / 6.0, a * b * c / 2.0, -a * t * c / 2.0, a * t * b / 6.0]
+}
+
+/// Derivatives of [`lagrange`].
+fn lagrange_slope(t: f64) -> [f64; 4] {
+    let s = t * t;
+    [
+        (-3.0 * s + 6.0 * t - 2.0) / 6.0,
+        (3.0 * s - 4.0 * t - 1.0) / 2.0,
+        (-3.0 * s + 2.0 * t + 2.0) / 2.0,
+        (3.0 * s - 1.0) / 6.0,
+    ]
+}
+
+/// Sum of the stencil with a product of weights.
+fn contract<const D: usize>(rows: &[[f64; 4]], weights: &[[f64; 4]; D]) -> f64 {
+    let mut sums = [0.0; 4];
+    for (row, values) in rows.iter().enumerate() {
+        let mut weight = 1.0;
+        for a in 1..D {
+            weight *= weights[a][row >> (2 * (a - 1)) & 3];
+        }
+        for i in 0..4 {
+            sums[i] += weight * values[i];
+        }
+    }
+    let w = &weights[0];
+    (sums[0] * w[0] + sums[1] * w[1]) + (sums[2] * w[2] + sums[3] * w[3])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cubic_is_exact<const D: usize>() {
+        let grid = Grid::<D>::new([8; D], 0.25);
+        let f = |x: &Vector<D>| 1.0 + x[0] - 2.0 * x[1] * x[1] + x[0] * x[1] * x[D - 1] + x[D - 1].powi(3);
+        let lattice = grid.lattice();
+        let data: Vec<f64> = (0..lattice.len()).map(|i| f(&grid.center(lattice.coordinates(i)))).collect();
+        let sampler = Sampler::cells(&grid, &data, [[Edge::Even; 2]; D]);
+        let x = Vector::from_fn(|a, _| 0.9 + 0.13 * a as f64);
+        let (value, gradient) = sampler.cubic_gradient(&x);
+        assert!((value - f(&x)).abs() < 1e-12 && (sampler.cubic(&x) - value).abs() < 1e-12);
+        for a in 0..D {
+            let mut up = x;
+            let mut down = x;
+            up[a] += 1e-5;
+            down[a] -= 1e-5;
+            assert!((gradient[a] - (f(&up) - f(&down)) / 2e-5).abs() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn cubic_reproduces_cubics() {
+        cubic_is_exact::<2>();
+        cubic_is_exact::<3>();
+    }
+
+    #[test]
+    fn edges_mirror() {
+        let grid = Grid::<2>::new([4, 4], 1.0);
+        let data: Vec<f64> = (0..16).map(|i| (i % 4) as f64).collect();
+        let sampler = Sampler::cells(&grid, &data, [[Edge::Even; 2]; 2]);
+        assert_eq!(sampler.value([-1, 2]), 0.0);
+        assert_eq!(sampler.value([-2, 2]), 1.0);
+        assert_eq!(sampler.value([5, 2]), 2.0);
+        let data: Vec<f64> = (0..20).map(|i| (i % 5) as f64).collect();
+        let faces = Sampler::faces(&grid, 0, &data, [[Edge::Odd; 2], [Edge::Even; 2]]);
+        assert_eq!(faces.value([-1, 0]), -1.0);
+        assert_eq!(faces.value([5, 0]), -3.0);
+    }
+}

@@ -1,0 +1,133 @@
+//! Active tiles: the part of the dense fields that is worth looking at.
+//!
+//! Fields are stored densely, but every sweep runs over the tiles of 8 cells a side that hold liquid or its
+//! neighbourhood, so that cost follows the liquid and not the box around it.
+
+use super::{Grid, Lattice, Run, Runs};
+use rayon::prelude::*;
+
+/// Cells along the side of a tile.
+pub const TILE: usize = 8;
+
+/// The tiles that hold the liquid and its neighbourhood, one tile wide.
+#[derive(Clone, Debug)]
+pub struct Tiles<const D: usize> {
+    grid: Grid<D>,
+    lattice: Lattice<D>,
+    active: Vec<bool>,
+}
+
+/// Part of a row: cells `start..end` of row `row`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Segment {
+    /// Row number.
+    pub row: usize,
+    /// First cell of the row.
+    pub start: usize,
+    /// One past the last.
+    pub end: usize,
+}
+
+impl<const D: usize> Tiles<D> {
+    /// All tiles.
+    pub fn all(grid: Grid<D>) -> Self {
+        let lattice = Lattice::new(grid.cells.map(|n| n.div_ceil(TILE)));
+        Self { grid, lattice, active: vec![true; lattice.len()] }
+    }
+
+    /// The tiles within these that hold a value below `threshold`, and their neighbours.
+    pub fn around(&self, data: &[f64], threshold: f64) -> Self {
+        let nx = self.grid.cells[0];
+        let mut marked = vec![false; self.lattice.len()];
+        let segments = self.segments();
+        let hits: Vec<Vec<usize>> = segments
+            .par_iter()
+            .map(|s| {
+                let row = self.tile_row(s.row);
+                let values = &data[s.row * nx + s.start..s.row * nx + s.end];
+                let tiles = values.chunks(TILE).enumerate();
+                tiles
+                    .filter(|(_, v)| v.iter().any(|&v| v < threshold))
+                    .map(|(t, _)| row + s.start / TILE + t)
+                    .collect()
+            })
+            .collect();
+        hits.iter().flatten().for_each(|&t| marked[t] = true);
+        let mut active = vec![false; self.lattice.len()];
+        for (tile, _) in marked.iter().enumerate().filter(|(_, m)| **m) {
+            self.for_neighbours(tile, |n| active[n] = true);
+        }
+        Self { grid: self.grid, lattice: self.lattice, active }
+    }
+
+    /// The rows of the active tiles, stretches as long as possible, in the order of memory.
+    pub fn segments(&self) -> Vec<Segment> {
+        let mut out = Vec::new();
+        for row in 0..self.grid.lattice().rows() {
+            let base = self.tile_row(row);
+            let tiles = &self.active[base..base + self.lattice.extent[0]];
+            let mut t = 0;
+            while t < tiles.len() {
+                if !tiles[t] {
+                    t += 1;
+                    continue;
+                }
+                let start = t;
+                while t < tiles.len() && tiles[t] {
+                    t += 1;
+                }
+                out.push(Segment { row, start: start * TILE, end: (t * TILE).min(self.grid.cells[0]) });
+            }
+        }
+        out
+    }
+
+    /// The cells of the active tiles with a negative value, as runs (components not yet labelled).
+    pub fn negative_runs(&self, data: &[f64]) -> Runs {
+        let nx = self.grid.cells[0];
+        let runs: Vec<Vec<Run>> = self
+            .segments()
+            .par_iter()
+            .map(|s| {
+                let values = &data[s.row * nx..(s.row + 1) * nx];
+                let mut runs = Vec::new();
+                let mut i = s.start;
+                while i < s.end {
+                    if values[i] >= 0.0 {
+                        i += 1;
+                        continue;
+                    }
+                    let start = i;
+                    while i < s.end && values[i] < 0.0 {
+                        i += 1;
+                    }
+                    runs.push(Run { row: s.row as u32, start: start as u32, end: i as u32, component: 0 });
+                }
+                runs
+            })
+            .collect();
+        Runs { runs: runs.into_iter().flatten().collect(), components: 0 }
+    }
+
+    /// Position in the tile lattice of the first tile that a row of cells crosses.
+    fn tile_row(&self, row: usize) -> usize {
+        let cells = self.grid.lattice();
+        let at = cells.coordinates(row * cells.extent[0]);
+        self.lattice.index(at.map(|i| i / TILE))
+    }
+
+    fn for_neighbours(&self, tile: usize, mut f: impl FnMut(usize)) {
+        let at = self.lattice.coordinates(tile);
+        for n in 0..3usize.pow(D as u32) {
+            let mut rest = n;
+            let to: [usize; D] = std::array::from_fn(|a| {
+                let step = rest % 3;
+                rest /= 3;
+                (at[a] + step).wrapping_sub(1)
+            });
+            if (0..D).all(|a| to[a] < self.lattice.extent[a]) {
+                f(self.lattice.index(to));
+            }
+        }
+    }
+}
