@@ -1,0 +1,376 @@
+//! The liquid's surface from a level set on the grid, by surface nets.
+//!
+//! The lattice of cell centres is padded by one ring of air beyond the walls. Each *cube* between $2^D$ neighbouring
+//! lattice points that are not all on one side carries one vertex, each lattice edge between liquid and air one dual
+//! facet through the vertices of the $2^{D-1}$ cubes around it (S. Gibson, "Constrained elastic surface nets", MICCAI
+//! 1998, extended by a projection onto the zero set; see [`dual_vertex`](super::dual_vertex)). The facet is a segment
+//! in 2D, in 3D a quad cut along its shorter diagonal. A vertex of a padded cube lies in the wall plane, so that liquid
+//! at a wall is closed by facets exactly in that plane. Each vertex stays in its cube: facets of different cubes do
+//! not fold over.
+//!
+//! Liquid is given as runs; each row of cubes is walked from change to change of the $2^{D-1}$ rows of cells around it,
+//! so that the cost follows the liquid's surface and its number of runs, not the box. Vertices are numbered by cube,
+//! facets by the lattice edge's lower end: the result does not depend on the number of threads.
+//!
+//! Known limit: a cube has one vertex, so that two sheets of surface within one cube touch there.
+
+use super::SurfaceMesh;
+use super::dual_vertex::place;
+use crate::Vector;
+use crate::grid::{CellField, Run, Runs};
+use rayon::prelude::*;
+
+/// A vertex between liquid and air.
+pub const LIQUID_AIR: u8 = 0;
+/// A vertex or facet in the plane of a wall, wetted all around.
+pub const LIQUID_SOLID: u8 = 1;
+/// A vertex in the plane of a wall at the edge of the wetted part.
+pub const CONTACT_LINE: u8 = 2;
+
+/// Rows of cubes walked by one task.
+const ROWS: usize = 32;
+
+/// The closed surface of the liquid.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Isosurface<const D: usize> {
+    /// Vertices (m) and facets, outward.
+    pub mesh: SurfaceMesh<D>,
+    /// For each vertex [`LIQUID_AIR`], [`LIQUID_SOLID`] or [`CONTACT_LINE`].
+    pub kind: Vec<u8>,
+    /// For each facet [`LIQUID_AIR`] or [`LIQUID_SOLID`].
+    pub facet_kind: Vec<u8>,
+}
+
+impl<const D: usize> Isosurface<D> {
+    /// Area of the facets of one kind, m² (2D: m).
+    pub fn area_of(&self, kind: u8) -> f64 {
+        let area = |f: usize| if self.facet_kind[f] == kind { self.mesh.area_vector(f).norm() } else { 0.0 };
+        crate::par::sum(self.facet_kind.len(), area)
+    }
+}
+
+/// The surface of the cells in `liquid`, placed on the zero set of `phi` (negative inside, any unit).
+///
+/// Where neighbouring cells differ in `liquid` but not in the sign of `phi`, the surface passes midway.
+pub fn extract<const D: usize>(phi: &CellField<D>, liquid: &Runs) -> Isosurface<D> {
+    let rows = Rows::new(phi, liquid);
+    let blocks: Vec<Block> =
+        (0..rows.count().div_ceil(ROWS)).into_par_iter().map(|b| rows.vertices_of(b)).collect();
+    let mut cubes = Cubes { first: vec![0], ..Cubes::default() };
+    cubes.corners.reserve_exact(blocks.iter().map(|b| b.corners.len()).sum());
+    for block in &blocks {
+        let base = cubes.corners.len() as u32;
+        cubes.corners.extend_from_slice(&block.corners);
+        let from = cubes.stretches.len() as u32;
+        cubes.stretches.extend(block.stretches.iter().map(|s| Stretch { vertex: s.vertex + base, ..*s }));
+        cubes.first.extend(block.ends.iter().map(|&e| e + from));
+    }
+    let parts: Vec<Part<D>> = (0..blocks.len()).into_par_iter().map(|b| rows.facets_of(b, &cubes)).collect();
+    let vertices: Vec<Vec<(Vector<D>, u8)>> =
+        (0..blocks.len()).into_par_iter().map(|b| rows.places_of(b, &cubes)).collect();
+    assemble(vertices, parts)
+}
+
+/// Joins the vertices and facets of all blocks and cuts the quads.
+fn assemble<const D: usize>(vertices: Vec<Vec<(Vector<D>, u8)>>, parts: Vec<Part<D>>) -> Isosurface<D> {
+    let mut out = Isosurface::<D>::default();
+    let count = vertices.iter().map(Vec::len).sum();
+    out.mesh.positions.reserve_exact(count);
+    out.kind.reserve_exact(count);
+    for (position, kind) in vertices.into_iter().flatten() {
+        out.mesh.positions.push(position);
+        out.kind.push(kind);
+    }
+    let positions = &out.mesh.positions;
+    let cut: Vec<Vec<([u32; D], u8)>> = parts
+        .par_iter()
+        .map(|p| p.iter().flat_map(|&(v, kind)| split(positions, v, kind)).collect())
+        .collect();
+    let count = cut.iter().map(Vec::len).sum();
+    out.mesh.facets.reserve_exact(count);
+    out.facet_kind.reserve_exact(count);
+    for (facet, kind) in cut.into_iter().flatten() {
+        out.mesh.facets.push(facet);
+        out.facet_kind.push(kind);
+    }
+    out
+}
+
+/// The facets of a dual face: itself in 2D, two triangles along the shorter diagonal of the quad in 3D.
+fn split<const D: usize>(
+    positions: &[Vector<D>],
+    v: [u32; 4],
+    kind: u8,
+) -> impl Iterator<Item = ([u32; D], u8)> + use<D> {
+    let length = |a: usize, b: usize| (positions[v[a] as usize] - positions[v[b] as usize]).norm_squared();
+    let (first, second) = if D == 2 {
+        ([0, 1, 1], [0, 1, 1])
+    } else if length(0, 2) <= length(1, 3) {
+        ([0, 1, 2], [0, 2, 3])
+    } else {
+        ([1, 2, 3], [1, 3, 0])
+    };
+    let pick = move |t: [usize; 3]| std::array::from_fn(|k| v[t[k]]);
+    std::iter::once((pick(first), kind)).chain((D == 3).then(|| (pick(second), kind)))
+}
+
+/// Dual faces, ordered: four cube vertices (2D: two, the last repeated) and the kind.
+type Part<const D: usize> = Vec<([u32; 4], u8)>;
+
+/// Consecutive cubes of a row that carry a vertex: cubes `start..end`, the first one's vertex.
+#[derive(Clone, Copy)]
+struct Stretch {
+    start: u32,
+    end: u32,
+    vertex: u32,
+}
+
+/// The cubes of one block of rows.
+#[derive(Default)]
+struct Block {
+    stretches: Vec<Stretch>,
+    /// For each row the number of stretches up to its end.
+    ends: Vec<u32>,
+    /// For each cube which of its corners are liquid, bit `Σ_a o_a 2^a`.
+    corners: Vec<u8>,
+}
+
+/// All cubes that carry a vertex.
+#[derive(Default)]
+struct Cubes {
+    stretches: Vec<Stretch>,
+    /// Row `r` has the stretches `first[r]..first[r + 1]`.
+    first: Vec<u32>,
+    corners: Vec<u8>,
+}
+
+impl Cubes {
+    fn row(&self, row: usize) -> &[Stretch] {
+        &self.stretches[self.first[row] as usize..self.first[row + 1] as usize]
+    }
+}
+
+/// Rows of cells with their runs, and the rows of cubes between them.
+struct Rows<'a, const D: usize> {
+    phi: &'a CellField<D>,
+    runs: &'a [Run],
+    /// Row `r` of cells has the runs `first[r]..first[r + 1]`.
+    first: Vec<u32>,
+}
+
+impl<'a, const D: usize> Rows<'a, D> {
+    fn new(phi: &'a CellField<D>, liquid: &'a Runs) -> Self {
+        let mut first = vec![0; phi.grid.lattice().rows() + 1];
+        liquid.runs.iter().for_each(|r| first[r.row as usize + 1] += 1);
+        for r in 1..first.len() {
+            first[r] += first[r - 1];
+        }
+        Self { phi, runs: &liquid.runs, first }
+    }
+
+    /// Number of rows of cubes.
+    fn count(&self) -> usize {
+        self.phi.grid.cells[1..].iter().map(|n| n + 1).product()
+    }
+
+    /// Coordinates of a row of cubes, the first unused: cube `c` lies between the cells `c - 1` and `c`.
+    fn at(&self, mut row: usize) -> [usize; D] {
+        let mut at = [0; D];
+        for a in 1..D {
+            at[a] = row % (self.phi.grid.cells[a] + 1);
+            row /= self.phi.grid.cells[a] + 1;
+        }
+        at
+    }
+
+    /// The rows of cubes of a block.
+    fn rows_of(&self, block: usize) -> std::ops::Range<usize> {
+        block * ROWS..((block + 1) * ROWS).min(self.count())
+    }
+
+    /// The runs in the rows of cells around a row of cubes; bit `a - 1` of the position is the side along axis `a`.
+    fn around(&self, row: usize) -> [&'a [Run]; 4] {
+        let at = self.at(row);
+        let cells = &self.phi.grid.cells;
+        std::array::from_fn(|q| {
+            let (mut cell_row, mut stride) = (0, 1);
+            for a in 1..D {
+                let c = (at[a] + (q >> (a - 1) & 1)).wrapping_sub(1);
+                if c >= cells[a] {
+                    return &[][..];
+                }
+                cell_row += c * stride;
+                stride *= cells[a];
+            }
+            if q >> (D - 1) > 0 {
+                return &[][..];
+            }
+            &self.runs[self.first[cell_row] as usize..self.first[cell_row + 1] as usize]
+        })
+    }
+
+    /// The cubes of a block that carry a vertex.
+    fn vertices_of(&self, block: usize) -> Block {
+        let mut out = Block::default();
+        for row in self.rows_of(block) {
+            self.walk(row, &mut out);
+            out.ends.push(out.stretches.len() as u32);
+        }
+        out
+    }
+
+    /// Walks a row of cubes from change to change of the cells around it.
+    fn walk(&self, row: usize, out: &mut Block) {
+        let full = (1u8 << (1 << (D - 1))) - 1;
+        let mut around = self.around(row);
+        let mut inside = 0u8; // which of the rows are liquid just before `from`
+        let mut from = 0u32;
+        let mut open = false; // whether the last stretch of `out` may be extended
+        loop {
+            let before = inside;
+            let next = |q: usize, runs: &[Run]| {
+                runs.first().map_or(u32::MAX, |r| if before >> q & 1 == 0 { r.start } else { r.end })
+            };
+            let to = (0..4).map(|q| next(q, around[q])).min().unwrap_or(u32::MAX);
+            if to == u32::MAX {
+                break;
+            }
+            // Cubes between cells of one pattern: from + 1 .. to (the cube at `from` was added with the change).
+            if before != 0 && before != full {
+                (from + 1..to).for_each(|c| push(out, &mut open, c, spread(before) * 3));
+            }
+            for (q, runs) in around.iter_mut().enumerate().filter(|(q, runs)| next(*q, runs) == to) {
+                if before >> q & 1 == 1 {
+                    *runs = &runs[1..];
+                }
+                let goes_on = before >> q & 1 == 1 && runs.first().is_some_and(|r| r.start == to);
+                inside ^= u8::from(!goes_on) << q;
+            }
+            let code = spread(before) | (spread(inside) << 1);
+            if code != 0 && code != spread(full) * 3 {
+                push(out, &mut open, to, code);
+            }
+            from = to;
+        }
+    }
+
+    /// Positions (m) and kinds of the vertices of a block.
+    fn places_of(&self, block: usize, cubes: &Cubes) -> Vec<(Vector<D>, u8)> {
+        let mut out = Vec::new();
+        for row in self.rows_of(block) {
+            let mut at = self.at(row);
+            for s in cubes.row(row) {
+                for c in s.start..s.end {
+                    at[0] = c as usize;
+                    out.push(place(self.phi, at, cubes.corners[(s.vertex + c - s.start) as usize]));
+                }
+            }
+        }
+        out
+    }
+
+    /// The dual faces of the lattice edges that start at the lowest corners of the cubes of a block.
+    fn facets_of(&self, block: usize, cubes: &Cubes) -> Part<D> {
+        let mut out = Vec::new();
+        for row in self.rows_of(block) {
+            let mut at = self.at(row);
+            if cubes.row(row).is_empty() {
+                continue;
+            }
+            let mut below = Below::new(self, cubes, row, at);
+            for s in cubes.row(row) {
+                for c in s.start..s.end {
+                    at[0] = c as usize;
+                    let code = cubes.corners[(s.vertex + c - s.start) as usize];
+                    self.faces_of_cube(at, code, &mut below, &mut out);
+                }
+            }
+        }
+        out
+    }
+
+    /// The dual faces of the edges from the lowest corner of a cube to its neighbours along the axes.
+    fn faces_of_cube(&self, at: [usize; D], code: u8, below: &mut Below, out: &mut Part<D>) {
+        let low = code & 1;
+        for a in 0..D {
+            if (code >> (1 << a) & 1) == low {
+                continue;
+            }
+            let mut face = [0; 4];
+            let (b, c) = ((a + 1) % D, (a + 2) % D);
+            // Counter-clockwise about axis a; in 2D from the lower to the upper cube along y, back along x.
+            let steps = if D == 3 {
+                [1 << b | 1 << c, 1 << c, 0, 1 << b]
+            } else if a == 0 {
+                [1 << b, 0, 0, 0]
+            } else {
+                [0, 1 << b, 1 << b, 1 << b]
+            };
+            for (v, step) in face.iter_mut().zip(steps) {
+                *v = below.vertex(at[0] as u32, step);
+            }
+            if low == 0 {
+                if D == 3 {
+                    face.swap(1, 3);
+                } else {
+                    face = [face[1], face[0], face[0], face[0]];
+                }
+            }
+            let wall = at[a] == 0 || at[a] == self.phi.grid.cells[a];
+            out.push((face, if wall { LIQUID_SOLID } else { LIQUID_AIR }));
+        }
+    }
+}
+
+/// Adds a cube to the row's stretches.
+fn push(out: &mut Block, open: &mut bool, cube: u32, code: u8) {
+    match out.stretches.last_mut() {
+        Some(s) if *open && s.end == cube => s.end += 1,
+        _ => out.stretches.push(Stretch { start: cube, end: cube + 1, vertex: out.corners.len() as u32 }),
+    }
+    *open = true;
+    out.corners.push(code);
+}
+
+/// Moves bit q to bit 2q.
+fn spread(q: u8) -> u8 {
+    (q & 1) | ((q & 2) << 1) | ((q & 4) << 2) | ((q & 8) << 3)
+}
+
+/// Looks up vertices of the cubes at and below a cube that moves up along its row.
+struct Below<'a> {
+    /// The stretches of the row itself and of the rows below along the second, the third and both axes.
+    rows: [&'a [Stretch]; 4],
+}
+
+impl<'a> Below<'a> {
+    fn new<const D: usize>(rows: &Rows<'a, D>, cubes: &'a Cubes, row: usize, at: [usize; D]) -> Self {
+        let mut stride = [0; 3];
+        for a in 1..D {
+            stride[a] = if a == 1 { 1 } else { rows.phi.grid.cells[1] + 1 };
+        }
+        let inside = |q: usize| (1..D).all(|a| q >> (a - 1) & 1 == 0 || at[a] > 0) && q >> (D - 1) == 0;
+        Self {
+            rows: std::array::from_fn(|q| {
+                let down = (q & 1) * stride[1] + (q >> 1) * stride[2];
+                if inside(q) { cubes.row(row - down) } else { &[][..] }
+            }),
+        }
+    }
+
+    /// The vertex of the cube `step` (bit a: one down along axis a) from cube `c` of the row. Asked for with `c`
+    /// rising.
+    fn vertex(&mut self, c: u32, step: usize) -> u32 {
+        let (c, q) = (c - (step as u32 & 1), step >> 1);
+        // One cube of slack: the next question may be about the cube before this one.
+        while self.rows[q].first().is_some_and(|s| s.end + 1 < c) {
+            self.rows[q] = &self.rows[q][1..];
+        }
+        let holds = |s: &&Stretch| s.start <= c && c < s.end;
+        self.rows[q].iter().take(4).find(holds).map_or(0, |s| s.vertex + c - s.start)
+    }
+}
+
+#[cfg(test)]
+#[path = "isosurface_tests.rs"]
+mod tests;
