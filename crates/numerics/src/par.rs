@@ -1,5 +1,6 @@
 //! Parallel loops whose results do not depend on the number of threads.
 
+use crate::grid::Segment;
 use rayon::prelude::*;
 
 /// Values summed one after another within a chunk.
@@ -12,4 +13,25 @@ pub fn sum(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
         .map(|c| (c * CHUNK..((c + 1) * CHUNK).min(n)).map(&f).sum())
         .collect();
     chunks.iter().sum()
+}
+
+/// Calls `f` with every stretch and its part of `data` (rows of `row` values), in parallel.
+///
+/// The stretches must be sorted and disjoint, as those of [`crate::grid::Tiles`] and [`crate::grid::Runs`] are.
+pub fn for_each_segment<T: Send>(
+    data: &mut [T],
+    row: usize,
+    segments: &[Segment],
+    f: impl Fn(&Segment, &mut [T]) + Sync,
+) {
+    let mut parts = Vec::with_capacity(segments.len());
+    let (mut rest, mut at) = (data, 0);
+    for s in segments {
+        let start = s.row * row + s.start;
+        let (_, tail) = rest.split_at_mut(start - at);
+        let (part, tail) = tail.split_at_mut(s.end - s.start);
+        parts.push((s, part));
+        (rest, at) = (tail, s.row * row + s.end);
+    }
+    parts.into_par_iter().with_min_len(16).for_each(|(s, part)| f(s, part));
 }

@@ -3,6 +3,7 @@
 //! This crate never opens a file, reads a clock or chooses a number of threads.
 
 mod ledger;
+mod liquid;
 mod model;
 mod simulation;
 mod state;

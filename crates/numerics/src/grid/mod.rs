@@ -2,12 +2,14 @@
 
 mod band;
 mod components;
+mod extrapolate;
 mod field;
 mod interpolate;
 mod runs;
 mod tiles;
 
 pub use band::Band;
+pub use extrapolate::KnownFaces;
 pub use field::{CellField, FaceField};
 pub use interpolate::{Edge, Sampler};
 pub use runs::{Run, Runs};

@@ -1,5 +1,7 @@
 //! Runs: the cells of one kind as a sorted list of stretches along the first axis.
 
+use super::{Grid, Segment};
+
 /// A stretch of consecutive cells of one row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Run {
@@ -23,8 +25,39 @@ pub struct Runs {
 }
 
 impl Runs {
+    /// The faces normal to `axis` that bound these cells, as stretches of the rows of the face lattice, sorted.
+    pub fn faces<const D: usize>(&self, grid: &Grid<D>, axis: usize) -> Vec<Segment> {
+        let cell = |r: &Run| Segment { row: r.row as usize, start: r.start as usize, end: r.end as usize };
+        if axis == 0 {
+            return self.runs.iter().map(cell).map(|s| Segment { end: s.end + 1, ..s }).collect();
+        }
+        // Rows of the face lattice: one more along `axis`, so rows beyond that axis move up.
+        let below: usize = grid.cells[1..axis].iter().product();
+        let block = below * grid.cells[axis];
+        let lift = |s: Segment| Segment { row: s.row + s.row / block * below, ..s };
+        let lower: Vec<Segment> = self.runs.iter().map(cell).map(lift).collect();
+        let upper = lower.iter().map(|s| Segment { row: s.row + below, ..*s });
+        merge(&lower, &upper.collect::<Vec<_>>())
+    }
+
     /// Number of cells.
     pub fn cells(&self) -> usize {
         self.runs.iter().map(|r| (r.end - r.start) as usize).sum()
     }
+}
+
+/// Union of two sorted lists of stretches.
+fn merge(a: &[Segment], b: &[Segment]) -> Vec<Segment> {
+    let mut out: Vec<Segment> = Vec::with_capacity(a.len() + b.len());
+    let (mut i, mut j) = (0, 0);
+    while i < a.len() || j < b.len() {
+        let first = j == b.len() || (i < a.len() && (a[i].row, a[i].start) <= (b[j].row, b[j].start));
+        let next = if first { a[i] } else { b[j] };
+        if first { i += 1 } else { j += 1 }
+        match out.last_mut() {
+            Some(last) if last.row == next.row && next.start <= last.end => last.end = last.end.max(next.end),
+            _ => out.push(next),
+        }
+    }
+    out
 }

@@ -1,0 +1,3 @@
+//! The liquid: its surface, its motion, its pressure.
+
+pub mod surface;
