@@ -1,1 +1,5 @@
 //! Meniscus scene.
+
+pub mod checkpoint;
+pub mod output;
+pub mod run;

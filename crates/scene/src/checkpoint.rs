@@ -1,0 +1,385 @@
+//! Checkpoints: all that a run needs to go on with the same bits.
+//!
+//! One file is: magic, format version, length of the header, header (`postcard`), the fields of the state as
+//! little-endian `f64` in LZ4 blocks, checksum of all before it. Files are written beside and renamed; the last two
+//! are kept, so that a damaged one costs some steps and not the run.
+
+use crate::output::file::{self, FileError};
+use crate::run::Tally;
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
+use meniscus_sim::{Drop, State};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+const MAGIC: &[u8; 8] = b"MENISCKP";
+const VERSION: u32 = 1;
+/// Values per compressed block (4 MiB).
+const BLOCK: usize = 1 << 19;
+/// Checkpoints that are kept.
+const KEEP: usize = 2;
+
+/// Why a checkpoint cannot be used.
+#[derive(Debug, Error)]
+pub enum CheckpointError {
+    /// It could not be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// It is not whole.
+    #[error("the checkpoint `{}` is damaged: {what}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// It belongs to something else.
+    #[error("the checkpoint `{}` is of another {what}", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What differs.
+        what: &'static str,
+    },
+}
+
+#[derive(Serialize, Deserialize)]
+struct Header {
+    scene: u64,
+    cells: Vec<u64>,
+    dx: f64,
+    time: f64,
+    step: u64,
+    last_dt: f64,
+    drift: f64,
+    lost_volume: f64,
+    drops: Vec<DropRecord>,
+    tally: Tally,
+    /// Bytes of each compressed block, per array: phi, then the velocity along each axis.
+    blocks: Vec<Vec<u64>>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct DropRecord {
+    target_volume: f64,
+    volume: f64,
+    /// Centroid, lower, upper, velocity.
+    vectors: [Vec<f64>; 4],
+}
+
+impl DropRecord {
+    fn of<const D: usize>(drop: &Drop<D>) -> Self {
+        let Drop { target_volume, volume, centroid, lower, upper, velocity } = drop;
+        let vectors = [centroid, lower, upper, velocity].map(|v| v.iter().copied().collect());
+        Self { target_volume: *target_volume, volume: *volume, vectors }
+    }
+
+    fn restore<const D: usize>(&self) -> Option<Drop<D>> {
+        if self.vectors.iter().any(|v| v.len() != D) {
+            return None;
+        }
+        let [centroid, lower, upper, velocity] =
+            [0, 1, 2, 3].map(|i| Vector::<D>::from_fn(|a, _| self.vectors[i][a]));
+        Some(Drop {
+            target_volume: self.target_volume,
+            volume: self.volume,
+            centroid,
+            lower,
+            upper,
+            velocity,
+        })
+    }
+}
+
+/// Writes the checkpoint of a state into a folder, then removes those that are too old.
+///
+/// # Errors
+/// [`FileError`]; earlier checkpoints are untouched then.
+pub fn write<const D: usize>(
+    folder: &Path,
+    scene: u64,
+    state: &State<D>,
+    tally: &Tally,
+) -> Result<PathBuf, FileError> {
+    let State { time, step, last_dt, drift, phi, velocity, drops, lost_volume } = state;
+    let arrays: Vec<Vec<Vec<u8>>> =
+        std::iter::once(&phi.data).chain(&velocity.axes).map(|array| compress(array)).collect();
+    let header = Header {
+        scene,
+        cells: phi.grid.cells.iter().map(|&n| n as u64).collect(),
+        dx: phi.grid.dx,
+        time: *time,
+        step: *step,
+        last_dt: *last_dt,
+        drift: *drift,
+        lost_volume: *lost_volume,
+        drops: drops.iter().map(DropRecord::of).collect(),
+        tally: tally.clone(),
+        blocks: arrays.iter().map(|blocks| blocks.iter().map(|b| b.len() as u64).collect()).collect(),
+    };
+    let path = folder.join(format!("step_{step:08}.ckpt"));
+    let header = postcard::to_stdvec(&header).map_err(|e| FileError {
+        action: "write",
+        path: path.clone(),
+        source: std::io::Error::other(e),
+    })?;
+    file::replace(&path, |writer| {
+        let mut sum = Checksum::default();
+        let mut put = |bytes: &[u8]| {
+            sum.update(bytes);
+            writer.write_all(bytes)
+        };
+        put(MAGIC)?;
+        put(&VERSION.to_le_bytes())?;
+        put(&(header.len() as u64).to_le_bytes())?;
+        put(&header)?;
+        arrays.iter().flatten().try_for_each(|block| put(block))?;
+        writer.write_all(&sum.value().to_le_bytes())
+    })?;
+    forget_old(folder);
+    Ok(path)
+}
+
+fn compress(array: &[f64]) -> Vec<Vec<u8>> {
+    array
+        .par_chunks(BLOCK)
+        .map(|values| {
+            let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+            lz4_flex::block::compress(&bytes)
+        })
+        .collect()
+}
+
+fn forget_old(folder: &Path) {
+    let files = list(folder);
+    for old in files.iter().skip(KEEP) {
+        let _ = std::fs::remove_file(old);
+    }
+}
+
+/// The checkpoints of a folder, newest first.
+pub fn list(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let mut files: Vec<PathBuf> = entries
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|e| e == "ckpt"))
+        .collect();
+    files.sort();
+    files.reverse();
+    files
+}
+
+/// Reads a checkpoint of the given scene on the given grid.
+///
+/// # Errors
+/// [`CheckpointError`].
+pub fn read<const D: usize>(
+    path: &Path,
+    scene: u64,
+    grid: Grid<D>,
+) -> Result<(State<D>, Tally), CheckpointError> {
+    let bytes = std::fs::read(path).map_err(FileError::of("read", path))?;
+    let foreign = |what| CheckpointError::Foreign { path: path.to_path_buf(), what };
+    let damaged = |what: &str| CheckpointError::Damaged { path: path.to_path_buf(), what: what.to_string() };
+    let (head, body) = open(&bytes).map_err(|what| match what {
+        Fault::Version => foreign("version of Meniscus"),
+        Fault::Damage(what) => damaged(what),
+    })?;
+    let header: Header = postcard::from_bytes(head).map_err(|_| damaged("its header is not readable"))?;
+    if header.scene != scene {
+        return Err(foreign("scene"));
+    }
+    let same_cells = header.cells.iter().map(|&n| n as usize).eq(grid.cells);
+    if !same_cells || header.dx.to_bits() != grid.dx.to_bits() {
+        return Err(foreign("grid"));
+    }
+    let state = restore(&header, body, grid).ok_or_else(|| damaged("its fields are not complete"))?;
+    Ok((state, header.tally))
+}
+
+enum Fault {
+    Version,
+    Damage(&'static str),
+}
+
+/// Checks magic, version and checksum; the header and what follows it.
+fn open(bytes: &[u8]) -> Result<(&[u8], &[u8]), Fault> {
+    let cut = Fault::Damage("it is cut off");
+    let Some((start, rest)) = bytes.split_at_checked(20) else { return Err(cut) };
+    if start[..8] != *MAGIC {
+        return Err(Fault::Damage("it does not begin as a checkpoint does"));
+    }
+    if start[8..12] != VERSION.to_le_bytes() {
+        return Err(Fault::Version);
+    }
+    let Some(covered) = bytes.len().checked_sub(8).filter(|&n| n >= 20) else { return Err(cut) };
+    let mut sum = Checksum::default();
+    sum.update(&bytes[..covered]);
+    if bytes[covered..] != sum.value().to_le_bytes() {
+        return Err(Fault::Damage("its checksum is wrong"));
+    }
+    let length = start[12..].iter().rev().fold(0u64, |n, &b| (n << 8) | u64::from(b));
+    rest[..covered - 20].split_at_checked(length as usize).ok_or(cut)
+}
+
+fn restore<const D: usize>(header: &Header, body: &[u8], grid: Grid<D>) -> Option<State<D>> {
+    if header.blocks.len() != D + 1 {
+        return None;
+    }
+    let mut state = State::empty(grid);
+    let mut rest = body;
+    let arrays = std::iter::once(&mut state.phi.data).chain(&mut state.velocity.axes);
+    for (array, blocks) in arrays.zip(&header.blocks) {
+        rest = decompress(array, blocks, rest)?;
+    }
+    state.time = header.time;
+    state.step = header.step;
+    state.last_dt = header.last_dt;
+    state.drift = header.drift;
+    state.lost_volume = header.lost_volume;
+    state.drops = header.drops.iter().map(DropRecord::restore).collect::<Option<_>>()?;
+    Some(state)
+}
+
+fn decompress<'a>(array: &mut [f64], blocks: &[u64], body: &'a [u8]) -> Option<&'a [u8]> {
+    if blocks.len() != array.len().div_ceil(BLOCK) {
+        return None;
+    }
+    let mut rest = body;
+    for (values, &length) in array.chunks_mut(BLOCK).zip(blocks) {
+        let (block, after) = rest.split_at_checked(length as usize)?;
+        let raw = lz4_flex::block::decompress(block, values.len() * 8).ok()?;
+        let (words, tail) = raw.as_chunks::<8>();
+        if words.len() != values.len() || !tail.is_empty() {
+            return None;
+        }
+        for (value, word) in values.iter_mut().zip(words) {
+            *value = f64::from_le_bytes(*word);
+        }
+        rest = after;
+    }
+    Some(rest)
+}
+
+/// A 64-bit sum that sees any single damaged bit: FNV-1a over 8-byte words. Independent of how the bytes are cut.
+#[derive(Default)]
+pub(crate) struct Checksum {
+    hash: u64,
+    pending: [u8; 8],
+    filled: usize,
+    length: u64,
+}
+
+impl Checksum {
+    pub(crate) fn update(&mut self, bytes: &[u8]) {
+        self.length += bytes.len() as u64;
+        let mut bytes = bytes;
+        while self.filled > 0 && !bytes.is_empty() {
+            self.push(bytes[0]);
+            bytes = &bytes[1..];
+        }
+        let (words, tail) = bytes.as_chunks::<8>();
+        for word in words {
+            self.mix(u64::from_le_bytes(*word));
+        }
+        tail.iter().for_each(|&byte| self.push(byte));
+    }
+
+    fn push(&mut self, byte: u8) {
+        self.pending[self.filled] = byte;
+        self.filled += 1;
+        if self.filled == 8 {
+            self.filled = 0;
+            self.mix(u64::from_le_bytes(self.pending));
+            self.pending = [0; 8];
+        }
+    }
+
+    fn mix(&mut self, word: u64) {
+        self.hash = (self.hash ^ 0xcbf2_9ce4_8422_2325 ^ word).wrapping_mul(0x0000_0100_0000_01b3);
+        self.hash ^= self.hash >> 29;
+    }
+
+    pub(crate) fn value(mut self) -> u64 {
+        self.mix(u64::from_le_bytes(self.pending));
+        self.mix(self.length);
+        self.hash
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("meniscus-{name}-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&folder);
+        file::create_folder(&folder).unwrap();
+        folder
+    }
+
+    fn example() -> State<2> {
+        let mut state = State::empty(Grid::new([31, 17], 0.1));
+        state.phi.data.iter_mut().enumerate().for_each(|(i, v)| *v = (i as f64).sin());
+        state.velocity.axes[1].iter_mut().enumerate().for_each(|(i, v)| *v = -1.0 / (i as f64 + 3.0));
+        state.time = 0.1 + 0.2;
+        state.step = 7;
+        state.drops.push(Drop {
+            target_volume: 1.0 / 3.0,
+            volume: 0.3,
+            centroid: Vector::from([0.1, 0.2]),
+            lower: Vector::zeros(),
+            upper: Vector::from([1.0, 2.0]),
+            velocity: Vector::from([-0.0, 1e-300]),
+        });
+        state
+    }
+
+    #[test]
+    fn what_is_written_is_read_bit_for_bit() {
+        let folder = folder("checkpoint-round");
+        let state = example();
+        let tally = Tally { next_frame: 3, natural_dt: 1e-3, ..Tally::default() };
+        let path = write(&folder, 42, &state, &tally).unwrap();
+        let (back, tally_back) = read(&path, 42, state.phi.grid).unwrap();
+        assert_eq!(back, state);
+        assert_eq!(tally_back, tally);
+        assert!(matches!(read(&path, 43, state.phi.grid), Err(CheckpointError::Foreign { .. })));
+        assert!(matches!(read(&path, 42, Grid::new([30, 17], 0.1)), Err(CheckpointError::Foreign { .. })));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn any_damaged_byte_is_noticed() {
+        let folder = folder("checkpoint-damage");
+        let state = example();
+        let path = write(&folder, 42, &state, &Tally::default()).unwrap();
+        let good = std::fs::read(&path).unwrap();
+        for at in (0..good.len()).step_by(7) {
+            let mut bad = good.clone();
+            bad[at] ^= 0x10;
+            std::fs::write(&path, &bad).unwrap();
+            assert!(read(&path, 42, state.phi.grid).is_err(), "byte {at}");
+            std::fs::write(&path, &good[..at]).unwrap();
+            assert!(read(&path, 42, state.phi.grid).is_err(), "cut at {at}");
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn the_last_two_are_kept() {
+        let folder = folder("checkpoint-keep");
+        let mut state = example();
+        for step in [7, 8, 120] {
+            state.step = step;
+            write(&folder, 1, &state, &Tally::default()).unwrap();
+        }
+        let names: Vec<_> = list(&folder).iter().map(|p| p.file_name().unwrap().to_owned()).collect();
+        assert_eq!(names, ["step_00000120.ckpt", "step_00000008.ckpt"]);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

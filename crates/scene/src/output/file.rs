@@ -1,0 +1,113 @@
+//! Files that are either whole or not there: written beside, synced, then renamed.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// An operation on a file that failed.
+#[derive(Debug, Error)]
+#[error("cannot {action} `{}`: {source}", path.display())]
+pub struct FileError {
+    /// What was tried, as a verb ("write", "read", …).
+    pub action: &'static str,
+    /// On which file or folder.
+    pub path: PathBuf,
+    /// What the system said.
+    pub source: io::Error,
+}
+
+impl FileError {
+    /// For `map_err`: names the action and the path of an input or output error.
+    pub fn of(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_path_buf();
+        move |source| Self { action, path, source }
+    }
+
+    /// What a user can do about it.
+    pub fn advice(&self) -> &'static str {
+        match self.source.kind() {
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+                "free some space, then continue with --resume"
+            }
+            io::ErrorKind::FileTooLarge => {
+                "raise the file size limit (ulimit -f), then continue with --resume"
+            }
+            io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+                "choose a folder you may write to with --out DIR"
+            }
+            io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
+                "a file is in the way: choose another folder with --out DIR"
+            }
+            _ => "check that the path exists and can be used",
+        }
+    }
+}
+
+/// Writes a file in one piece: `fill` writes into a file beside it, which then takes its place. After a failure or a
+/// kill at any moment the old file (or none) is still there.
+///
+/// # Errors
+/// [`FileError`]; the file beside is removed.
+pub fn replace(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<(), FileError> {
+    let beside = beside(path);
+    let written = (|| {
+        let mut writer = BufWriter::with_capacity(1 << 16, File::create(&beside)?);
+        fill(&mut writer)?;
+        writer.flush()?;
+        writer.get_ref().sync_all()?;
+        std::fs::rename(&beside, path)
+    })();
+    if written.is_err() {
+        let _ = std::fs::remove_file(&beside);
+    }
+    written.map_err(FileError::of("write", path))?;
+    sync_folder(path);
+    Ok(())
+}
+
+/// The name under which a file is prepared: `frames/x.ply` → `frames/x.ply.part`.
+fn beside(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".part");
+    PathBuf::from(name)
+}
+
+/// Makes a rename durable. Not all systems can sync a folder, and the rename has already happened: no error.
+fn sync_folder(path: &Path) {
+    if let Some(Ok(folder)) = path.parent().map(File::open) {
+        let _ = folder.sync_all();
+    }
+}
+
+/// Makes a folder and those above it.
+///
+/// # Errors
+/// [`FileError`].
+pub fn create_folder(path: &Path) -> Result<(), FileError> {
+    std::fs::create_dir_all(path).map_err(FileError::of("create the folder", path))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_keeps_the_old_file() {
+        let folder = std::env::temp_dir().join(format!("meniscus-file-{}", std::process::id()));
+        create_folder(&folder).unwrap();
+        let path = folder.join("a.txt");
+        replace(&path, |w| w.write_all(b"old")).unwrap();
+        let failed = replace(&path, |w| {
+            w.write_all(b"new")?;
+            Err(io::Error::from(io::ErrorKind::StorageFull))
+        });
+        assert!(failed.unwrap_err().to_string().contains("a.txt"));
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

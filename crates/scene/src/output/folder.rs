@@ -1,0 +1,164 @@
+//! Where everything of a run is, and who may write there.
+
+use super::file::{self, FileError};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// The output folder of a run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Folder {
+    root: PathBuf,
+}
+
+/// Why a folder cannot be used.
+#[derive(Debug, Error)]
+pub enum FolderError {
+    /// It holds a run.
+    #[error("the folder `{}` already holds a run", .0.display())]
+    Taken(PathBuf),
+    /// Another process is at work in it.
+    #[error("another run is writing into the folder `{}`", .0.display())]
+    Busy(PathBuf),
+    /// It could not be made, emptied or written.
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+/// All that a run writes, by name; nothing else in the folder is ever touched.
+const ENTRIES: &[&str] = &[
+    "scene.toml",
+    "summary.json",
+    "timeseries.csv",
+    "log.jsonl",
+    "frames",
+    "checkpoints",
+    "pictures",
+    "page",
+    "film.mp4",
+];
+
+impl Folder {
+    /// The folder at a path; nothing is read or written.
+    pub fn at(root: &Path) -> Self {
+        Self { root: root.to_path_buf() }
+    }
+
+    /// The folder itself.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// `scene.toml`: the scene as run.
+    pub fn scene(&self) -> PathBuf {
+        self.root.join("scene.toml")
+    }
+
+    /// `summary.json`.
+    pub fn summary(&self) -> PathBuf {
+        self.root.join("summary.json")
+    }
+
+    /// `timeseries.csv`.
+    pub fn series(&self) -> PathBuf {
+        self.root.join("timeseries.csv")
+    }
+
+    /// `log.jsonl`.
+    pub fn log(&self) -> PathBuf {
+        self.root.join("log.jsonl")
+    }
+
+    /// `frames/`.
+    pub fn frames(&self) -> PathBuf {
+        self.root.join("frames")
+    }
+
+    /// The liquid's surface of a frame.
+    pub fn liquid(&self, frame: u64) -> PathBuf {
+        self.frames().join(format!("liquid_{frame:04}.ply"))
+    }
+
+    /// `checkpoints/`.
+    pub fn checkpoints(&self) -> PathBuf {
+        self.root.join("checkpoints")
+    }
+
+    /// Whether it holds a run.
+    pub fn holds_a_run(&self) -> bool {
+        ["scene.toml", "summary.json", "timeseries.csv", "frames", "checkpoints"]
+            .iter()
+            .any(|name| self.root.join(name).exists())
+    }
+
+    /// Makes the folder ready for a new run. With `force` an earlier run in it is removed.
+    ///
+    /// # Errors
+    /// [`FolderError`].
+    pub fn start(&self, force: bool) -> Result<(), FolderError> {
+        if self.holds_a_run() {
+            if !force {
+                return Err(FolderError::Taken(self.root.clone()));
+            }
+            self.check_not_busy()?;
+            self.clear()?;
+        }
+        self.make()
+    }
+
+    /// Refuses a folder in which another process is at work: it holds a lock on the log.
+    ///
+    /// # Errors
+    /// [`FolderError::Busy`].
+    pub fn check_not_busy(&self) -> Result<(), FolderError> {
+        let Ok(log) = std::fs::File::open(self.log()) else { return Ok(()) };
+        match log.try_lock() {
+            Err(std::fs::TryLockError::WouldBlock) => Err(FolderError::Busy(self.root.clone())),
+            _ => Ok(()),
+        }
+    }
+
+    /// Makes the folders that are missing.
+    ///
+    /// # Errors
+    /// [`FolderError::File`].
+    pub fn make(&self) -> Result<(), FolderError> {
+        file::create_folder(&self.frames())?;
+        file::create_folder(&self.checkpoints())?;
+        Ok(())
+    }
+
+    fn clear(&self) -> Result<(), FileError> {
+        for name in ENTRIES {
+            let path = self.root.join(name);
+            let removed = match std::fs::symlink_metadata(&path) {
+                Err(_) => Ok(()),
+                Ok(entry) if entry.is_dir() => std::fs::remove_dir_all(&path),
+                Ok(_) => std::fs::remove_file(&path),
+            };
+            removed.map_err(FileError::of("remove", &path))?;
+        }
+        Ok(())
+    }
+
+    /// Removes the frames from number `from` on: a resumed run writes them again.
+    ///
+    /// # Errors
+    /// [`FileError`].
+    pub fn cut_frames(&self, from: u64) -> Result<(), FileError> {
+        let Ok(entries) = std::fs::read_dir(self.frames()) else { return Ok(()) };
+        for path in entries.flatten().map(|entry| entry.path()) {
+            if frame_number(&path).is_none_or(|number| number >= from) {
+                std::fs::remove_file(&path).map_err(FileError::of("remove", &path))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The number at the end of a frame's name: 12 of `liquid_0012.ply`. None for what is left of an unfinished write.
+fn frame_number(path: &Path) -> Option<u64> {
+    if path.extension()? == "part" {
+        return None;
+    }
+    path.file_stem()?.to_str()?.rsplit('_').next()?.parse().ok()
+}

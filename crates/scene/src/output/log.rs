@@ -1,0 +1,36 @@
+//! `log.jsonl`: what happened, one JSON object per line.
+
+use super::file::FileError;
+use serde_json::Value;
+use std::fs::{File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// The log, open for appending: a resumed run goes on where it was. While it is open it is locked, which tells other
+/// processes that the folder is in use.
+pub struct Log {
+    path: PathBuf,
+    file: File,
+}
+
+impl Log {
+    /// Opens or makes the file.
+    ///
+    /// # Errors
+    /// [`FileError`].
+    pub fn open(path: &Path) -> Result<Self, FileError> {
+        let file = OpenOptions::new().append(true).create(true).open(path);
+        let file = file.map_err(FileError::of("write", path))?;
+        // Some file systems have no locks: then two runs in one folder are not noticed.
+        let _ = file.try_lock();
+        Ok(Self { path: path.to_path_buf(), file })
+    }
+
+    /// Appends a line.
+    ///
+    /// # Errors
+    /// [`FileError`].
+    pub fn write(&mut self, line: &Value) -> Result<(), FileError> {
+        writeln!(self.file, "{line}").map_err(FileError::of("write", &self.path))
+    }
+}

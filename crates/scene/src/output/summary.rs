@@ -1,0 +1,192 @@
+//! `summary.json`: how a run stands or ended.
+
+use super::file::{self, FileError};
+use crate::run::{Tally, three};
+use meniscus_sim::{Drop, Simulation};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+
+/// The `exit_reason` of a run that did all it was asked.
+pub const FINISHED: &str = "finished";
+
+/// The content of `summary.json`. SI units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Name of the scene.
+    pub scene: String,
+    /// Version of Meniscus.
+    pub version: String,
+    /// Why the run ended: `finished`, `stopped: …`, `failed: …`; `running` while it goes.
+    pub exit_reason: String,
+    /// 2 or 3.
+    pub dimension: usize,
+    /// Cells along the longest side.
+    pub resolution: usize,
+    /// Cells along each axis.
+    pub cells: Vec<usize>,
+    /// Cell size, m.
+    pub dx: f64,
+    /// Lengths of the domain, m.
+    pub domain: Vec<f64>,
+    /// Threads at work.
+    pub threads: usize,
+    /// Steps done.
+    pub steps: u64,
+    /// Frames written.
+    pub frames: u64,
+    /// Time between frames, s.
+    pub frame_interval: f64,
+    /// Simulated time, s.
+    pub simulated_seconds: f64,
+    /// Seconds of work.
+    pub wall_seconds: f64,
+    /// Relative, signed, worst of the run.
+    pub volume_error: f64,
+    /// Relative, worst of the run: momentum that did not come from gravity (walls count too).
+    pub momentum_error: f64,
+    /// Largest divergence of the run, 1/s.
+    pub max_divergence: f64,
+    /// Largest speed of the run, m/s.
+    pub max_speed: f64,
+    /// Volume of drops that became too small to see, m³ (2D: m²).
+    pub lost_volume: f64,
+    /// Steps done again with half the length.
+    pub redone: u64,
+    /// Seconds per phase of a step.
+    pub phases: BTreeMap<String, f64>,
+    /// Iterations per solver.
+    pub solves: BTreeMap<String, Solves>,
+    /// Largest memory in use, bytes (0 where the system does not tell).
+    pub peak_memory_bytes: u64,
+    /// The connected components of the liquid.
+    pub drops: Vec<DropSummary>,
+    /// The solids: none in this version.
+    pub solids: Vec<serde_json::Value>,
+    /// The `[expect]` section of the scene, evaluated; empty before the end.
+    #[serde(default)]
+    pub expect: Vec<Verdict>,
+}
+
+/// An expectation of a scene and what came of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// What is expected of what.
+    pub quantity: String,
+    /// The bar, as text.
+    pub bar: String,
+    /// What came out; none if it could not be measured.
+    pub value: Option<f64>,
+    /// Unit of the value, empty if it has none.
+    pub unit: String,
+    /// Whether the bar is met.
+    pub pass: bool,
+}
+
+/// How often a solver was asked and what it took.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Solves {
+    /// Solves.
+    pub count: u64,
+    /// Mean number of iterations.
+    pub mean: f64,
+    /// Largest number of iterations.
+    pub max: u64,
+}
+
+/// A connected component of the liquid at the end.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DropSummary {
+    /// Volume, m³ (2D: m²).
+    pub volume: f64,
+    /// Volume it must keep, m³ (2D: m²).
+    pub target_volume: f64,
+    /// Centre of mass, m.
+    pub centroid: Vec<f64>,
+    /// Mean velocity, m/s.
+    pub velocity: Vec<f64>,
+    /// Lower corner of its box, m.
+    pub lower: Vec<f64>,
+    /// Upper corner of its box, m.
+    pub upper: Vec<f64>,
+}
+
+impl Summary {
+    /// The summary of a simulation as it stands.
+    pub fn of<const D: usize>(
+        scene: &str,
+        simulation: &Simulation<D>,
+        tally: &Tally,
+        frame_interval: f64,
+        exit_reason: &str,
+    ) -> Self {
+        let (grid, state) = (simulation.model.grid, &simulation.state);
+        let mean = tally.iterations as f64 / tally.solves.max(1) as f64;
+        let solves = Solves { count: tally.solves, mean, max: tally.most_iterations };
+        Self {
+            scene: scene.to_string(),
+            version: env!("CARGO_PKG_VERSION").to_string(),
+            exit_reason: exit_reason.to_string(),
+            dimension: D,
+            resolution: grid.cells.into_iter().max().unwrap_or(0),
+            cells: grid.cells.to_vec(),
+            dx: grid.dx,
+            domain: three(&grid.upper())[..D].to_vec(),
+            threads: rayon::current_num_threads(),
+            steps: state.step,
+            frames: tally.next_frame,
+            frame_interval,
+            simulated_seconds: state.time,
+            wall_seconds: tally.wall_seconds,
+            volume_error: tally.volume_error,
+            momentum_error: tally.momentum_error,
+            max_divergence: tally.max_divergence,
+            max_speed: tally.max_speed,
+            lost_volume: state.lost_volume,
+            redone: tally.redone,
+            phases: tally.phases.iter().cloned().collect(),
+            solves: BTreeMap::from([("pressure".to_string(), solves)]),
+            peak_memory_bytes: peak_memory().unwrap_or(0),
+            drops: state.drops.iter().map(DropSummary::of).collect(),
+            solids: Vec::new(),
+            expect: Vec::new(),
+        }
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`FileError`], also for content that is not a summary.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let fail = |source| FileError { action: "read", path: path.to_path_buf(), source };
+        let text = std::fs::read_to_string(path).map_err(fail)?;
+        serde_json::from_str(&text).map_err(|e| fail(e.into()))
+    }
+
+    /// Writes a file.
+    ///
+    /// # Errors
+    /// [`FileError`].
+    pub fn write(&self, path: &Path) -> Result<(), FileError> {
+        file::replace(path, |writer| {
+            serde_json::to_writer_pretty(&mut *writer, self)?;
+            writer.write_all(b"\n")
+        })
+    }
+}
+
+impl DropSummary {
+    fn of<const D: usize>(drop: &Drop<D>) -> Self {
+        let [centroid, velocity, lower, upper] =
+            [drop.centroid, drop.velocity, drop.lower, drop.upper].map(|v| three(&v)[..D].to_vec());
+        Self { volume: drop.volume, target_volume: drop.target_volume, centroid, velocity, lower, upper }
+    }
+}
+
+/// Largest memory that this process has had in use, bytes. Known on Linux only.
+pub fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line.split_whitespace().next()?.parse::<u64>().ok().map(|kib| kib * 1024)
+}

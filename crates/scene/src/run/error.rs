@@ -1,0 +1,93 @@
+//! Why a run could not go on.
+
+use crate::checkpoint::CheckpointError;
+use crate::output::{FileError, FolderError};
+use meniscus_sim::StepError;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Why a run could not begin or go on.
+#[derive(Debug, Error)]
+pub enum RunError {
+    /// The output folder cannot be used.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    /// No checkpoint of the folder can be used.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// The folder holds a run of another scene.
+    #[error("the run in `{}` is of another scene", .0.display())]
+    OtherScene(PathBuf),
+    /// Output failed during the run.
+    #[error("{error}")]
+    Output {
+        /// What failed.
+        error: FileError,
+        /// Last good checkpoint.
+        checkpoint: Option<PathBuf>,
+    },
+    /// The solver could not go on.
+    #[error("the solver could not go on: {error}")]
+    Step {
+        /// What failed.
+        error: StepError,
+        /// Last good checkpoint.
+        checkpoint: Option<PathBuf>,
+    },
+    /// A number that is not finite appeared.
+    #[error("the solver could not go on: the {what} is not finite at time {time:.6e} s")]
+    NotFinite {
+        /// Which.
+        what: &'static str,
+        /// When, s.
+        time: f64,
+        /// Last good checkpoint.
+        checkpoint: Option<PathBuf>,
+    },
+}
+
+impl RunError {
+    /// Exit status of a program that ends with this error.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            Self::Step { .. } | Self::NotFinite { .. } => 5,
+            _ => 4,
+        }
+    }
+
+    /// The last good checkpoint, if there is one.
+    pub fn checkpoint(&self) -> Option<&PathBuf> {
+        match self {
+            Self::Output { checkpoint, .. }
+            | Self::Step { checkpoint, .. }
+            | Self::NotFinite { checkpoint, .. } => checkpoint.as_ref(),
+            _ => None,
+        }
+    }
+
+    /// What a user can do about it.
+    pub fn advice(&self) -> String {
+        match self {
+            Self::Folder(FolderError::Taken(_)) => {
+                "continue it with --resume, replace it with --force, or choose another folder with --out DIR"
+                    .into()
+            }
+            Self::Folder(FolderError::Busy(_)) => "wait for it to end, or choose another folder with --out DIR".into(),
+            Self::Folder(FolderError::File(error)) | Self::Checkpoint(CheckpointError::File(error)) => {
+                error.advice().into()
+            }
+            Self::Checkpoint(CheckpointError::Damaged { .. }) => {
+                "no checkpoint of this run is whole: start again with --force".into()
+            }
+            Self::Checkpoint(CheckpointError::Foreign { .. }) | Self::OtherScene(_) => {
+                "run the scene as it was (scene.toml in the folder), or start again with --force or another --out DIR"
+                    .into()
+            }
+            Self::Output { error, .. } => error.advice().into(),
+            Self::Step { .. } | Self::NotFinite { .. } => {
+                "try a finer resolution or a smaller numerics.max_step; `meniscus check` shows what the scene asks for"
+                    .into()
+            }
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! The run of a scene: steps, frames, checkpoints, until it is done, is asked to stop, or fails.
+
+mod error;
+mod event;
+mod resume;
+mod schedule;
+mod session;
+mod tally;
+
+pub use error::RunError;
+pub use event::{Event, Observer, Progress, Silent};
+pub use schedule::Schedule;
+pub use tally::Tally;
+pub(crate) use tally::three;
+
+use crate::output::summary::{FINISHED, Summary};
+use crate::output::{FileError, Folder};
+use meniscus_numerics::Vector;
+use meniscus_numerics::shape::Shape;
+use meniscus_sim::{Body, Model, Simulation};
+
+/// What a simulation starts from: its model and the bodies of liquid.
+#[derive(Clone, Debug)]
+pub struct Setup<const D: usize> {
+    /// The model.
+    pub model: Model<D>,
+    /// Bodies of liquid with their start velocity, m/s.
+    pub bodies: Vec<(Shape<D>, Vector<D>)>,
+}
+
+impl<const D: usize> Setup<D> {
+    /// The simulation at its start.
+    pub fn simulation(&self) -> Simulation<D> {
+        let distances: Vec<_> =
+            self.bodies.iter().map(|(shape, _)| |x: &Vector<D>| shape.signed_distance(x)).collect();
+        let bodies: Vec<Body<'_, D>> = distances
+            .iter()
+            .zip(&self.bodies)
+            .map(|(distance, (_, velocity))| Body { distance, velocity: *velocity })
+            .collect();
+        Simulation::new(self.model.clone(), &bodies)
+    }
+}
+
+/// What a run needs to know of a scene beside the physics.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Job {
+    /// Name of the scene.
+    pub name: String,
+    /// The scene with everything filled in, as TOML: what `scene.toml` of the output will be.
+    pub text: String,
+    /// Identity of everything that decides the bits of the result. Checkpoints of another identity are refused.
+    pub identity: u64,
+    /// When frames are due.
+    pub schedule: Schedule,
+    /// Time between frames, s.
+    pub frame_interval: f64,
+    /// The frames to write, first and last; the run ends with the last.
+    pub frames: Option<(u64, u64)>,
+    /// Steps between checkpoints.
+    pub checkpoint_every: u64,
+}
+
+/// What to do with an output folder that holds a run already.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Existing {
+    /// Refuse.
+    Refuse,
+    /// Remove it and start again.
+    Replace,
+    /// Go on from its last checkpoint; start if there is none.
+    Resume,
+}
+
+/// Why a run is asked to stop before its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// A signal.
+    Signal,
+    /// The time given with `--walltime` is over.
+    Walltime,
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// It did all it was asked.
+    Finished(Summary),
+    /// There was nothing left to do.
+    AlreadyFinished(Summary),
+    /// It stopped on request after a checkpoint.
+    Stopped(Stop, Summary),
+}
+
+/// Runs a simulation into a folder. `stop` is asked between steps.
+///
+/// # Errors
+/// [`RunError`]; what was written is whole, and the last good checkpoint is kept.
+pub fn run<const D: usize>(
+    setup: &Setup<D>,
+    job: &Job,
+    folder: &Folder,
+    existing: Existing,
+    stop: &dyn Fn() -> Option<Stop>,
+    observer: &mut dyn Observer,
+) -> Result<Outcome, RunError> {
+    if existing == Existing::Resume
+        && let Some(summary) = finished(job, folder)?
+    {
+        return Ok(Outcome::AlreadyFinished(summary));
+    }
+    let session = match existing {
+        Existing::Resume => resume::resume(setup, job, folder, observer)?,
+        _ => {
+            folder.start(existing == Existing::Replace)?;
+            session::Session::start(setup.simulation(), job, folder)?
+        }
+    };
+    session.run(stop, observer)
+}
+
+/// The summary of an earlier run that has done all that is asked now.
+fn finished(job: &Job, folder: &Folder) -> Result<Option<Summary>, RunError> {
+    let Ok(summary) = Summary::read(&folder.summary()) else { return Ok(None) };
+    if summary.exit_reason != FINISHED || !job.schedule.reaches(summary.simulated_seconds, job.last_frame()) {
+        return Ok(None);
+    }
+    resume::check_identity(job, folder)?;
+    Ok(Some(summary))
+}
+
+impl Job {
+    /// Number of the last frame to write.
+    pub fn last_frame(&self) -> u64 {
+        let last = self.schedule.last_frame();
+        self.frames.map_or(last, |(_, b)| b.min(last))
+    }
+
+    fn writes(&self, frame: u64) -> bool {
+        self.frames.is_none_or(|(a, b)| (a..=b).contains(&frame))
+    }
+}
+
+impl From<FileError> for RunError {
+    fn from(error: FileError) -> Self {
+        Self::Output { error, checkpoint: None }
+    }
+}

@@ -1,0 +1,84 @@
+//! Going on from a checkpoint.
+
+use super::session::Session;
+use super::{Event, Job, Observer, RunError, Setup};
+use crate::checkpoint::{self, CheckpointError};
+use crate::output::series::Series;
+use crate::output::{FileError, Folder};
+use meniscus_sim::Simulation;
+
+/// A session that goes on from the newest checkpoint that is whole. If there is no checkpoint at all the run begins.
+pub(super) fn resume<'a, const D: usize>(
+    setup: &Setup<D>,
+    job: &'a Job,
+    folder: &'a Folder,
+    observer: &mut dyn Observer,
+) -> Result<Session<'a, D>, RunError> {
+    folder.check_not_busy()?;
+    let mut failure = None;
+    for path in checkpoint::list(&folder.checkpoints()) {
+        match checkpoint::read(&path, job.identity, setup.model.grid) {
+            Ok((state, mut tally)) => {
+                // A frame at the end of a shorter run may lie before its time in this longer one.
+                while tally.next_frame > 0 && !job.schedule.reaches(state.time, tally.next_frame - 1) {
+                    tally.next_frame -= 1;
+                }
+                let Some(series) = Series::reopen(&folder.series(), tally.series_bytes)? else {
+                    let what = "timeseries.csv is shorter than it was".to_string();
+                    failure.get_or_insert(CheckpointError::Damaged { path, what });
+                    continue;
+                };
+                folder.make()?;
+                folder.cut_frames(tally.next_frame)?;
+                let simulation = Simulation::resume(setup.model.clone(), state);
+                return Ok(Session::go_on(simulation, tally, series, job, folder)?);
+            }
+            Err(error @ CheckpointError::Foreign { .. }) => return Err(error.into()),
+            Err(error) => {
+                let message = format!("{error}: trying the one before it");
+                observer.see(&Event::Warning { message });
+                failure.get_or_insert(error);
+            }
+        }
+    }
+    match failure {
+        Some(error) => Err(error.into()),
+        None => {
+            if folder.holds_a_run() {
+                check_identity(job, folder)?;
+            }
+            folder.start(true)?;
+            Ok(Session::start(setup.simulation(), job, folder)?)
+        }
+    }
+}
+
+/// Refuses a folder whose scene is another one.
+pub(super) fn check_identity(job: &Job, folder: &Folder) -> Result<(), RunError> {
+    let path = folder.scene();
+    if !path.exists() {
+        return Ok(());
+    }
+    let text = std::fs::read_to_string(&path).map_err(FileError::of("read", &path))?;
+    if identity_line(&text) == Some(job.identity) {
+        return Ok(());
+    }
+    Err(RunError::OtherScene(folder.root().to_path_buf()))
+}
+
+const IDENTITY: &str = "# identity ";
+
+/// The scene file of the output: a comment with the identity, then the scene.
+pub(super) fn scene_text(job: &Job) -> String {
+    format!(
+        "# The scene as run by Meniscus {}: running it again gives this run.\n{IDENTITY}{:016x}\n\n{}",
+        env!("CARGO_PKG_VERSION"),
+        job.identity,
+        job.text
+    )
+}
+
+fn identity_line(text: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(IDENTITY))?;
+    u64::from_str_radix(line.trim(), 16).ok()
+}

@@ -1,0 +1,75 @@
+//! When frames are due, and how long a step may be to meet them.
+
+/// Frames at exact times `0, interval, 2 interval, …` and at the end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Schedule {
+    interval: f64,
+    end: f64,
+}
+
+impl Schedule {
+    /// Frames every `interval` seconds until `end`.
+    pub fn new(interval: f64, end: f64) -> Self {
+        Self { interval: if interval > 0.0 { interval.min(end) } else { end }, end }
+    }
+
+    /// End of the run, s.
+    pub fn end(&self) -> f64 {
+        self.end
+    }
+
+    /// Number of the last frame.
+    pub fn last_frame(&self) -> u64 {
+        if self.interval > 0.0 { (self.end / self.interval - 1e-9).ceil().max(0.0) as u64 } else { 0 }
+    }
+
+    /// Time of a frame, s.
+    pub fn time(&self, frame: u64) -> f64 {
+        if frame >= self.last_frame() { self.end } else { frame as f64 * self.interval }
+    }
+
+    /// The longest step (s) allowed at `time` on the way to `frame`, if the solver would choose `natural` (s). What
+    /// remains is never left as a sliver: less than two natural steps are halved.
+    pub fn longest_step(&self, time: f64, frame: u64, natural: f64) -> f64 {
+        let remaining = self.time(frame) - time;
+        if remaining > natural && remaining < 2.0 * natural { 0.5 * remaining } else { remaining }
+    }
+
+    /// Whether `time` is that of `frame` but for rounding.
+    pub fn meets(&self, time: f64, frame: u64) -> bool {
+        (time - self.time(frame)).abs() <= 1e-9 * self.interval
+    }
+
+    /// Whether `time` is that of `frame` or later.
+    pub fn reaches(&self, time: f64, frame: u64) -> bool {
+        time >= self.time(frame) - 1e-9 * self.interval
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_end_exactly() {
+        let s = Schedule::new(0.01, 1.0);
+        assert_eq!((s.last_frame(), s.time(100), s.time(50)), (100, 1.0, 0.5));
+        let s = Schedule::new(0.3, 1.0);
+        assert_eq!((s.last_frame(), s.time(3), s.time(4)), (4, 0.9 - 1.1102230246251565e-16, 1.0));
+        assert_eq!(Schedule::new(5.0, 1.0).last_frame(), 1);
+        assert_eq!(Schedule::new(0.1, 0.0).last_frame(), 0);
+    }
+
+    #[test]
+    fn no_slivers() {
+        let s = Schedule::new(0.1, 1.0);
+        let (mut time, mut steps) = (0.0, Vec::new());
+        while !s.meets(time, 1) {
+            let dt = s.longest_step(time, 1, 0.03).min(0.03);
+            steps.push(dt);
+            time += dt;
+        }
+        assert_eq!(steps.len(), 4);
+        assert!(steps.iter().all(|&dt| dt > 0.015));
+    }
+}

@@ -1,0 +1,294 @@
+//! One process at work on a run.
+
+use super::resume::scene_text;
+use super::{Event, Job, Observer, Outcome, Progress, RunError, Stop, Tally};
+use crate::checkpoint;
+use crate::output::log::Log;
+use crate::output::series::{self, Series};
+use crate::output::summary::{FINISHED, Summary};
+use crate::output::{FileError, Folder, file, frame};
+use meniscus_sim::{Simulation, StepReport};
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// Checkpoints of runs with very short steps are at least this far apart: writing them must not take the time.
+const SHORTEST_CHECKPOINT_PAUSE: Duration = Duration::from_millis(500);
+
+/// A run that is going on in this process.
+pub(super) struct Session<'a, const D: usize> {
+    job: &'a Job,
+    folder: &'a Folder,
+    simulation: Simulation<D>,
+    tally: Tally,
+    series: Series,
+    log: Log,
+    resumed_at: Option<f64>,
+    checkpoint: Option<PathBuf>,
+    checkpoint_step: u64,
+    checkpoint_time: Instant,
+    /// When this process began, less the seconds worked before it.
+    clock: Instant,
+    seconds_before: f64,
+}
+
+/// Why the loop was left without error.
+enum Left {
+    AtEnd,
+    Asked(Stop),
+}
+
+impl<'a, const D: usize> Session<'a, D> {
+    /// A new run in a folder that is ready.
+    pub(super) fn start(
+        simulation: Simulation<D>,
+        job: &'a Job,
+        folder: &'a Folder,
+    ) -> Result<Self, FileError> {
+        file::replace(&folder.scene(), |w| w.write_all(scene_text(job).as_bytes()))?;
+        let tally = Tally::start(&simulation.model, &simulation.ledger());
+        let series = Series::create(&folder.series())?;
+        Self::open(simulation, tally, series, job, folder, None)
+    }
+
+    /// A run that goes on from a checkpoint.
+    pub(super) fn go_on(
+        simulation: Simulation<D>,
+        tally: Tally,
+        series: Series,
+        job: &'a Job,
+        folder: &'a Folder,
+    ) -> Result<Self, FileError> {
+        file::replace(&folder.scene(), |w| w.write_all(scene_text(job).as_bytes()))?;
+        let time = simulation.state.time;
+        Self::open(simulation, tally, series, job, folder, Some(time))
+    }
+
+    fn open(
+        simulation: Simulation<D>,
+        tally: Tally,
+        series: Series,
+        job: &'a Job,
+        folder: &'a Folder,
+        resumed_at: Option<f64>,
+    ) -> Result<Self, FileError> {
+        Ok(Self {
+            job,
+            folder,
+            checkpoint: checkpoint::list(&folder.checkpoints()).first().cloned(),
+            checkpoint_step: simulation.state.step,
+            checkpoint_time: Instant::now(),
+            clock: Instant::now(),
+            seconds_before: tally.wall_seconds,
+            log: Log::open(&folder.log())?,
+            simulation,
+            tally,
+            series,
+            resumed_at,
+        })
+    }
+
+    /// Works until the end, a request to stop, or a failure.
+    pub(super) fn run(
+        mut self,
+        stop: &dyn Fn() -> Option<Stop>,
+        observer: &mut dyn Observer,
+    ) -> Result<Outcome, RunError> {
+        let left = self.begin(observer).and_then(|()| self.work(stop, observer));
+        let reason = match &left {
+            Ok(Left::AtEnd) => FINISHED.to_string(),
+            Ok(Left::Asked(Stop::Signal)) => "stopped: signal".to_string(),
+            Ok(Left::Asked(Stop::Walltime)) => "stopped: walltime".to_string(),
+            Err(error) => format!("failed: {error}"),
+        };
+        let closed = self.close(&reason, left.is_ok(), observer);
+        match (left, closed) {
+            (Err(error), _) => Err(self.with_checkpoint(error)),
+            (Ok(_), Err(error)) => Err(self.with_checkpoint(error)),
+            (Ok(Left::AtEnd), Ok(summary)) => Ok(Outcome::Finished(summary)),
+            (Ok(Left::Asked(stop)), Ok(summary)) => Ok(Outcome::Stopped(stop, summary)),
+        }
+    }
+
+    fn begin(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let event = Event::Begin {
+            scene: self.job.name.clone(),
+            dimension: D,
+            cells: self.simulation.model.grid.cells.to_vec(),
+            last_frame: self.job.last_frame(),
+            folder: self.folder.root().to_path_buf(),
+            resumed_at: self.resumed_at,
+            threads: rayon::current_num_threads(),
+            version: env!("CARGO_PKG_VERSION"),
+        };
+        self.tell(event, observer)?;
+        if self.resumed_at.is_some() {
+            return Ok(());
+        }
+        let ledger = self.simulation.ledger();
+        let report = StepReport { dt: 0.0, cfl: 0.0, iterations: 0, residual: 0.0, redone: 0, ledger };
+        self.append_row(&report, 0.0)?;
+        self.write_frame(observer)?;
+        self.write_checkpoint(observer)
+    }
+
+    fn work(
+        &mut self,
+        stop: &dyn Fn() -> Option<Stop>,
+        observer: &mut dyn Observer,
+    ) -> Result<Left, RunError> {
+        while self.tally.next_frame <= self.job.last_frame() {
+            if let Some(stop) = stop() {
+                return Ok(Left::Asked(stop));
+            }
+            let report = self.step()?;
+            observer.see(&Event::Step(self.progress(&report)));
+            if self.job.schedule.reaches(self.simulation.state.time, self.tally.next_frame) {
+                self.write_frame(observer)?;
+            }
+            let steps = self.simulation.state.step - self.checkpoint_step;
+            if steps >= self.job.checkpoint_every
+                && self.checkpoint_time.elapsed() >= SHORTEST_CHECKPOINT_PAUSE
+            {
+                self.write_checkpoint(observer)?;
+            }
+        }
+        Ok(Left::AtEnd)
+    }
+
+    /// One time step and its row.
+    fn step(&mut self) -> Result<StepReport<D>, RunError> {
+        let (schedule, frame) = (&self.job.schedule, self.tally.next_frame);
+        let fixed = self.simulation.model.numerics.fixed_step.is_some();
+        let longest = if fixed {
+            f64::INFINITY
+        } else {
+            schedule.longest_step(self.simulation.state.time, frame, self.tally.natural_dt)
+        };
+        let mut last = Instant::now();
+        let tally = &mut self.tally;
+        let mut phase_end = |name: &'static str| {
+            let now = Instant::now();
+            tally.add_phase(name, (now - last).as_secs_f64());
+            last = now;
+        };
+        let done = self.simulation.step(longest, &mut phase_end);
+        let report = done.map_err(|error| RunError::Step { error, checkpoint: None })?;
+        if schedule.meets(self.simulation.state.time, frame) {
+            self.simulation.state.time = schedule.time(frame);
+        }
+        let ledger = &report.ledger;
+        let sums = [ledger.volume, ledger.kinetic_energy, ledger.surface_energy, ledger.max_speed];
+        if !sums.into_iter().chain(ledger.momentum.iter().copied()).all(f64::is_finite) {
+            return Err(self.not_finite("sum over the liquid"));
+        }
+        let time = self.simulation.state.time;
+        let momentum_error = self.tally.add(&self.simulation.model, time, longest, &report);
+        self.append_row(&report, momentum_error)?;
+        Ok(report)
+    }
+
+    fn append_row(&mut self, report: &StepReport<D>, momentum_error: f64) -> Result<(), RunError> {
+        self.tally.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
+        let row = series::row(&self.simulation, report, momentum_error, self.tally.wall_seconds);
+        Ok(self.series.append(&row)?)
+    }
+
+    fn write_frame(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let start = Instant::now();
+        let number = self.tally.next_frame;
+        let path = self.folder.liquid(number);
+        let mesh = frame::liquid(&self.simulation).map_err(|what| self.not_finite(what))?;
+        self.tally.next_frame += 1;
+        if !self.job.writes(number) {
+            return Ok(());
+        }
+        frame::write(&path, &mesh)?;
+        self.tally.add_phase("frames", start.elapsed().as_secs_f64());
+        self.tell(Event::Frame { frame: number, time: self.simulation.state.time, path }, observer)
+    }
+
+    fn write_checkpoint(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let start = Instant::now();
+        self.tally.series_bytes = self.series.sync()?;
+        self.tally.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
+        let state = &self.simulation.state;
+        let (step, time) = (state.step, state.time);
+        let path = checkpoint::write(&self.folder.checkpoints(), self.job.identity, state, &self.tally)?;
+        self.checkpoint = Some(path.clone());
+        self.checkpoint_step = step;
+        self.summary("running").write(&self.folder.summary())?;
+        self.tally.add_phase("checkpoints", start.elapsed().as_secs_f64());
+        self.checkpoint_time = Instant::now();
+        self.tell(Event::Checkpoint { step, time, path }, observer)
+    }
+
+    /// Writes what is left to write. After a failure as much of it as still can be: the state is the last good one
+    /// unless it is not finite.
+    fn close(&mut self, reason: &str, good: bool, observer: &mut dyn Observer) -> Result<Summary, RunError> {
+        let sound = good || reason.starts_with("failed: the solver") && self.state_is_finite();
+        let saved = if sound { self.write_checkpoint(observer) } else { Ok(()) };
+        let written = self.series.sync();
+        self.tally.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
+        let summary = self.summary(reason);
+        let told = summary.write(&self.folder.summary());
+        let state = &self.simulation.state;
+        let event = Event::End {
+            reason: reason.to_string(),
+            steps: state.step,
+            time: state.time,
+            wall_seconds: self.tally.wall_seconds,
+        };
+        self.tell(event, observer)?;
+        saved?;
+        written?;
+        told?;
+        Ok(summary)
+    }
+
+    fn state_is_finite(&self) -> bool {
+        frame::liquid(&self.simulation).is_ok()
+    }
+
+    fn tell(&mut self, event: Event, observer: &mut dyn Observer) -> Result<(), RunError> {
+        observer.see(&event);
+        let line = serde_json::to_value(&event).unwrap_or_default();
+        Ok(self.log.write(&line)?)
+    }
+
+    fn summary(&self, reason: &str) -> Summary {
+        Summary::of(&self.job.name, &self.simulation, &self.tally, self.job.frame_interval, reason)
+    }
+
+    fn progress(&self, report: &StepReport<D>) -> Progress {
+        let state = &self.simulation.state;
+        Progress {
+            step: state.step,
+            time: state.time,
+            end: self.job.schedule.time(self.job.last_frame()),
+            dt: report.dt,
+            cfl: report.cfl,
+            iterations: report.iterations,
+            volume_error: report.ledger.volume_error,
+            frame: self.tally.next_frame,
+            last_frame: self.job.last_frame(),
+            drops: state.drops.len(),
+            wall_seconds: self.tally.wall_seconds,
+        }
+    }
+
+    fn not_finite(&self, what: &'static str) -> RunError {
+        RunError::NotFinite { what, time: self.simulation.state.time, checkpoint: None }
+    }
+
+    /// An error that names the last good checkpoint.
+    fn with_checkpoint(&self, error: RunError) -> RunError {
+        let checkpoint = self.checkpoint.clone();
+        match error {
+            RunError::Output { error, .. } => RunError::Output { error, checkpoint },
+            RunError::Step { error, .. } => RunError::Step { error, checkpoint },
+            RunError::NotFinite { what, time, .. } => RunError::NotFinite { what, time, checkpoint },
+            other => other,
+        }
+    }
+}

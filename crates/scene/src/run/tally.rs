@@ -1,0 +1,105 @@
+//! What a run carries along beside the state: counters, worst values, clocks.
+
+use meniscus_numerics::Vector;
+use meniscus_sim::{Ledger, Model, StepReport};
+use serde::{Deserialize, Serialize};
+
+/// Everything that a resumed run needs and the state does not have. Part of every checkpoint.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Tally {
+    /// Number of the frame to write next.
+    pub next_frame: u64,
+    /// Step length that the solver would choose freely, s: decides how a frame's time is reached.
+    pub natural_dt: f64,
+    /// Length of `timeseries.csv` so far, bytes.
+    pub series_bytes: u64,
+    /// Seconds of work so far.
+    pub wall_seconds: f64,
+    /// Momentum at the start, kg m/s.
+    pub start_momentum: [f64; 3],
+    /// Mass at the start, kg (2D: per metre).
+    pub mass: f64,
+    /// Largest kinetic energy so far, J: the scale of the momentum error.
+    pub largest_kinetic_energy: f64,
+    /// Relative, signed, worst so far.
+    pub volume_error: f64,
+    /// Worst so far, relative; see [`Tally::momentum_error`].
+    pub momentum_error: f64,
+    /// Largest divergence so far, 1/s.
+    pub max_divergence: f64,
+    /// Largest speed so far, m/s.
+    pub max_speed: f64,
+    /// Steps that had to be done again with half the length.
+    pub redone: u64,
+    /// Pressure solves.
+    pub solves: u64,
+    /// Their iterations.
+    pub iterations: u64,
+    /// Most iterations of one.
+    pub most_iterations: u64,
+    /// Seconds per named phase, in the order of their first end.
+    pub phases: Vec<(String, f64)>,
+}
+
+impl Tally {
+    /// The tally of a run that has not begun.
+    pub fn start<const D: usize>(model: &Model<D>, ledger: &Ledger<D>) -> Self {
+        let numerics = &model.numerics;
+        Self {
+            natural_dt: (numerics.capillary_step * model.capillary_step()).min(numerics.max_step),
+            start_momentum: three(&ledger.momentum),
+            mass: model.density * ledger.volume,
+            largest_kinetic_energy: ledger.kinetic_energy,
+            max_speed: ledger.max_speed,
+            ..Self::default()
+        }
+    }
+
+    /// Takes a step into account, `asked` (s) being the longest step that was allowed. The momentum error after it.
+    pub fn add<const D: usize>(
+        &mut self,
+        model: &Model<D>,
+        time: f64,
+        asked: f64,
+        report: &StepReport<D>,
+    ) -> f64 {
+        let ledger = &report.ledger;
+        let limited = report.dt >= asked * (1.0 - 1e-12);
+        self.natural_dt = if limited { self.natural_dt.max(report.dt) } else { report.dt };
+        self.largest_kinetic_energy = self.largest_kinetic_energy.max(ledger.kinetic_energy);
+        if ledger.volume_error.abs() > self.volume_error.abs() {
+            self.volume_error = ledger.volume_error;
+        }
+        let momentum_error = self.momentum_error(&model.gravity, time, &ledger.momentum);
+        self.momentum_error = self.momentum_error.max(momentum_error);
+        self.max_divergence = self.max_divergence.max(ledger.divergence_max);
+        self.max_speed = self.max_speed.max(ledger.max_speed);
+        self.redone += u64::from(report.redone);
+        self.solves += 1;
+        self.iterations += report.iterations as u64;
+        self.most_iterations = self.most_iterations.max(report.iterations as u64);
+        momentum_error
+    }
+
+    /// $|P - P_0 - M g t| / (M \sqrt{2 E_{max}/M})$: momentum that did not come from gravity, relative to that of all
+    /// the liquid at the largest root mean square speed so far. Walls give momentum too: it counts free drops only.
+    fn momentum_error<const D: usize>(&self, gravity: &Vector<D>, time: f64, momentum: &Vector<D>) -> f64 {
+        let start = Vector::<D>::from_fn(|a, _| self.start_momentum[a]);
+        let difference = (momentum - start - gravity * (self.mass * time)).norm();
+        let scale = (2.0 * self.largest_kinetic_energy * self.mass).sqrt();
+        if scale > 0.0 { difference / scale } else { 0.0 }
+    }
+
+    /// Adds seconds to a phase.
+    pub fn add_phase(&mut self, name: &str, seconds: f64) {
+        match self.phases.iter_mut().find(|(known, _)| known == name) {
+            Some((_, sum)) => *sum += seconds,
+            None => self.phases.push((name.to_string(), seconds)),
+        }
+    }
+}
+
+/// A vector as three components, the missing one 0.
+pub(crate) fn three<const D: usize>(v: &Vector<D>) -> [f64; 3] {
+    std::array::from_fn(|a| if a < D { v[a] } else { 0.0 })
+}
