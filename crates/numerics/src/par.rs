@@ -35,3 +35,8 @@ pub fn for_each_segment<T: Send>(
     }
     parts.into_par_iter().with_min_len(16).for_each(|(s, part)| f(s, part));
 }
+
+/// Number of threads that parallel loops run on here.
+pub fn threads() -> usize {
+    rayon::current_num_threads()
+}

@@ -1,5 +1,18 @@
 //! Linear operators, preconditioners and solvers.
 
+mod jacobi;
+mod krylov;
+mod layout;
+mod level;
+mod multigrid;
 mod operator;
+mod pressure;
+mod sweep;
+#[cfg(test)]
+mod tests;
+mod vectors;
 
+pub use jacobi::Jacobi;
+pub use krylov::conjugate_gradient;
 pub use operator::{LinearOperator, Preconditioner, SolveError, SolveReport};
+pub use pressure::{PoissonInput, PressureSolver};

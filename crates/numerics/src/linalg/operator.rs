@@ -8,12 +8,17 @@ pub trait LinearOperator: Sync {
     fn size(&self) -> usize;
     /// `y = A x`.
     fn apply(&self, x: &[f64], y: &mut [f64]);
+    /// `y = A x`; returns `x · y`.
+    fn apply_dot(&self, x: &[f64], y: &mut [f64]) -> f64 {
+        self.apply(x, y);
+        super::vectors::dot(x, y)
+    }
 }
 
 /// A symmetric positive definite approximation of the inverse of an operator.
 pub trait Preconditioner: Sync {
-    /// `z ≈ A⁻¹ r`.
-    fn apply(&self, r: &[f64], z: &mut [f64]);
+    /// `z ≈ A⁻¹ r`; returns `r · z`.
+    fn apply(&self, r: &[f64], z: &mut [f64]) -> f64;
 }
 
 /// How a solve went.
@@ -29,7 +34,9 @@ pub struct SolveReport {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SolveError {
     /// The tolerance was not reached.
-    #[error("the linear solve stopped after {iterations} iterations at a relative residual of {residual:.2e}; {tolerance:.1e} was asked for")]
+    #[error(
+        "the linear solve stopped after {iterations} iterations at a relative residual of {residual:.2e}; {tolerance:.1e} was asked for"
+    )]
     NotConverged {
         /// Iterations done.
         iterations: usize,

@@ -1,0 +1,35 @@
+//! The Jacobi preconditioner, for comparison.
+
+use super::operator::Preconditioner;
+use super::vectors;
+use rayon::prelude::*;
+
+/// Division by the diagonal.
+#[derive(Clone, Debug)]
+pub struct Jacobi {
+    inverse: Vec<f64>,
+}
+
+impl Jacobi {
+    /// From the diagonal of the operator (entries that are not positive are left out).
+    pub fn new(diagonal: &[f64]) -> Self {
+        let inverse = diagonal.iter().map(|d| if *d > 0.0 { 1.0 / d } else { 0.0 }).collect();
+        Self { inverse }
+    }
+}
+
+impl Preconditioner for Jacobi {
+    fn apply(&self, r: &[f64], z: &mut [f64]) -> f64 {
+        const CHUNK: usize = 1 << 14;
+        let inverse = self.inverse.par_chunks(CHUNK);
+        let parts: Vec<f64> = z
+            .par_chunks_mut(CHUNK)
+            .zip(r.par_chunks(CHUNK).zip(inverse))
+            .map(|(z, (r, inverse))| {
+                z.iter_mut().zip(r.iter().zip(inverse)).for_each(|(z, (r, i))| *z = r * i);
+                vectors::dot_serial(z, r)
+            })
+            .collect();
+        parts.iter().sum()
+    }
+}

@@ -1,0 +1,209 @@
+//! Compact storage of the unknowns: blocks of a row, split by colour.
+//!
+//! A *block* is [`CELLS`] consecutive cells of a row (aligned in absolute cell numbers), stored where it holds at least
+//! one unknown. A vector over the unknowns consists of two halves, one per colour of the chessboard; cell `i` of a row
+//! of parity `s` (sum of the other coordinates mod 2) has colour `(i + s) mod 2` and lies at entry `i / 2` of its row
+//! in that half. So the neighbours of a cell are entries of the other half at the *same* entry of the neighbouring
+//! rows, and at the same and one adjacent entry of its own row: every sweep over one colour runs at unit stride.
+//! Consecutive blocks of a row are contiguous, followed by one entry that stays zero. Each half starts with
+//! a stretch of zeros which stands for every row that is not stored.
+
+use crate::grid::Runs;
+use std::ops::Range;
+
+/// Entries of one colour in a block.
+pub(super) const LANES: usize = 8;
+/// Cells of a block.
+pub(super) const CELLS: usize = 2 * LANES;
+/// Longest span of blocks handled at once.
+pub(super) const LONGEST: usize = 64;
+/// Where the zeros stand that replace rows that are not stored.
+pub(super) const ZEROS: u32 = 1;
+/// First entry that belongs to a block.
+const FIRST: usize = LONGEST * LANES + 2;
+
+/// A maximal stretch of stored blocks of one row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stretch {
+    /// Row number.
+    pub row: u32,
+    /// First block.
+    pub block: u32,
+    /// Number of blocks.
+    pub blocks: u32,
+    /// Entry of its first cell pair in either half of a vector.
+    pub at: u32,
+    /// Position of its first block in the list of all stored blocks.
+    pub first: u32,
+}
+
+/// Which blocks are stored, and where.
+#[derive(Debug)]
+pub(super) struct Layout<const D: usize> {
+    /// Cells along each axis.
+    pub extent: [usize; D],
+    /// Stored stretches, by row.
+    pub stretches: Vec<Stretch>,
+    /// For each row its first stretch (one more entry than rows).
+    rows: Vec<u32>,
+    /// For each stored block which of its cells are unknowns.
+    pub masks: Vec<u16>,
+    /// Entries of half a vector.
+    pub half: usize,
+}
+
+impl<const D: usize> Layout<D> {
+    /// Stores the given cells of a grid with `extent` cells.
+    pub fn new(extent: [usize; D], unknowns: &Runs) -> Self {
+        let mut layout = Self::empty(extent);
+        let mut scratch = vec![0_u16; extent[0].div_ceil(CELLS)];
+        let mut next = 0;
+        for row in 0..layout.row_count() {
+            let from = next;
+            while unknowns.runs.get(next).is_some_and(|run| run.row as usize == row) {
+                mark(&mut scratch, unknowns.runs[next].start as usize, unknowns.runs[next].end as usize);
+                next += 1;
+            }
+            layout.close_row(row, &mut scratch, from < next);
+        }
+        layout
+    }
+
+    /// The cells of the grid of half the resolution that hold at least one unknown.
+    pub fn coarsened(&self) -> Self {
+        let extent = self.extent.map(|n| n.div_ceil(2));
+        let mut layout = Self::empty(extent);
+        let mut scratch = vec![0_u16; extent[0].div_ceil(CELLS)];
+        for row in 0..layout.row_count() {
+            let mut any = false;
+            for child in 0..1 << (D - 1) {
+                for stretch in self.child_row(layout.row_at(row), child).map_or(&[][..], |r| self.of_row(r)) {
+                    any = true;
+                    for b in 0..stretch.blocks {
+                        let half = halved(self.masks[(stretch.first + b) as usize]);
+                        let block = (stretch.block + b) as usize;
+                        scratch[block / 2] |= half << (LANES * (block % 2));
+                    }
+                }
+            }
+            layout.close_row(row, &mut scratch, any);
+        }
+        layout
+    }
+
+    fn empty(extent: [usize; D]) -> Self {
+        let rows = Vec::with_capacity(extent[1..].iter().product::<usize>() + 1);
+        let mut layout = Self { extent, stretches: Vec::new(), rows, masks: Vec::new(), half: FIRST };
+        layout.rows.push(0);
+        layout
+    }
+
+    /// Appends a row and clears the scratch.
+    fn close_row(&mut self, row: usize, scratch: &mut [u16], any: bool) {
+        let mut inside = false;
+        for (block, mask) in scratch.iter_mut().enumerate().take_while(|_| any) {
+            if *mask != 0 {
+                if !inside {
+                    let (at, first) = (self.half as u32, self.masks.len() as u32);
+                    self.stretches.push(Stretch {
+                        row: row as u32,
+                        block: block as u32,
+                        blocks: 0,
+                        at,
+                        first,
+                    });
+                }
+                if let Some(last) = self.stretches.last_mut() {
+                    last.blocks += 1;
+                }
+                self.masks.push(*mask);
+                self.half += LANES;
+            } else if inside {
+                self.half += 1;
+            }
+            inside = *mask != 0;
+            *mask = 0;
+        }
+        self.half += usize::from(inside);
+        self.rows.push(self.stretches.len() as u32);
+    }
+
+    /// Number of rows of the grid.
+    pub fn row_count(&self) -> usize {
+        self.extent[1..].iter().product()
+    }
+
+    /// Coordinates of a row (the first is 0).
+    pub fn row_at(&self, mut row: usize) -> [usize; D] {
+        let mut at = [0; D];
+        for a in 1..D {
+            at[a] = row % self.extent[a];
+            row /= self.extent[a];
+        }
+        at
+    }
+
+    /// Number of the row at given coordinates (the first is ignored).
+    pub fn row(&self, at: [usize; D]) -> usize {
+        (1..D).rev().fold(0, |row, a| row * self.extent[a] + at[a])
+    }
+
+    /// The stretches of a row.
+    pub fn of_row(&self, row: usize) -> &[Stretch] {
+        &self.stretches[self.rows[row] as usize..self.rows[row + 1] as usize]
+    }
+
+    /// Row of this layout that is child number `child` of a row of the coarsened one.
+    pub fn child_row(&self, parent: [usize; D], child: usize) -> Option<usize> {
+        let mut at = [0; D];
+        for a in 1..D {
+            at[a] = 2 * parent[a] + (child >> (a - 1) & 1);
+            if at[a] >= self.extent[a] {
+                return None;
+            }
+        }
+        Some(self.row(at))
+    }
+
+    /// Entry and list position of a stored block.
+    pub fn find(&self, row: usize, block: usize) -> Option<(u32, usize)> {
+        let stretch = self.of_row(row).iter().find(|s| block < (s.block + s.blocks) as usize)?;
+        let b = block.checked_sub(stretch.block as usize)?;
+        Some((stretch.at + (b * LANES) as u32, stretch.first as usize + b))
+    }
+
+    /// Colour of the even cells of a row.
+    pub fn parity(at: [usize; D]) -> usize {
+        at[1..].iter().sum::<usize>() % 2
+    }
+
+    /// Ranges of stretches to be worked on in parallel; whole rows, about equal in size, the same for any
+    /// number of threads.
+    pub fn chunks(&self) -> Vec<Range<usize>> {
+        let size = (self.masks.len() / 32).max(1024);
+        let (mut ranges, mut start, mut blocks) = (Vec::new(), 0, 0);
+        for (i, stretch) in self.stretches.iter().enumerate() {
+            blocks += stretch.blocks as usize;
+            let ends_row = self.stretches.get(i + 1).is_none_or(|next| next.row != stretch.row);
+            if (blocks >= size && ends_row) || i + 1 == self.stretches.len() {
+                ranges.push(start..i + 1);
+                (start, blocks) = (i + 1, 0);
+            }
+        }
+        ranges
+    }
+}
+
+/// Marks the cells `start..end` of a row in the masks of its blocks.
+fn mark(masks: &mut [u16], start: usize, end: usize) {
+    for block in start / CELLS..end.div_ceil(CELLS) {
+        let low = start.saturating_sub(block * CELLS).min(CELLS);
+        let high = (end - block * CELLS).min(CELLS);
+        masks[block] |= (((1_u32 << high) - 1) & !((1_u32 << low) - 1)) as u16;
+    }
+}
+
+/// The eight pairs of a mask, one bit each.
+fn halved(mask: u16) -> u16 {
+    (0..LANES).fold(0, |half, l| half | (u16::from(mask >> (2 * l) & 3 != 0) << l))
+}

@@ -1,0 +1,286 @@
+//! One level of the pressure system: coefficients by spans of blocks, and the loops over them.
+
+use super::layout::{CELLS, LANES, LONGEST, Layout, ZEROS};
+use rayon::prelude::*;
+use std::ops::{Add, Div, Mul, Range, Sub};
+
+/// The number types of the loops.
+pub(super) trait Real:
+    Copy
+    + Default
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+{
+    /// Rounds.
+    fn from_f64(value: f64) -> Self;
+}
+impl Real for f64 {
+    fn from_f64(value: f64) -> Self {
+        value
+    }
+}
+impl Real for f32 {
+    fn from_f64(value: f64) -> Self {
+        value as Self
+    }
+}
+
+/// Coefficients of the cells of one colour of a block: toward the lower and upper neighbour along each axis, then
+/// at [`DIAGONAL`] their sum plus the Dirichlet coefficient (1 where the row is empty).
+pub(super) type Pack<T> = [[T; LANES]; 7];
+/// Where the diagonal stands in a [`Pack`].
+pub(super) const DIAGONAL: usize = 6;
+
+/// The coefficients of a span.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Kind {
+    /// All cells and their neighbours are unknowns and all coefficients have this value, Dirichlet ones are zero.
+    Uniform(f64),
+    /// From this one on in the list of packs of the chunk.
+    General(u32),
+}
+
+/// Consecutive blocks of one row whose neighbours are also consecutive in memory.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    pub at: u32,
+    pub blocks: u32,
+    /// Entries of the lower and upper neighbours along axes 1.. .
+    pub neighbours: [u32; 4],
+    pub kind: Kind,
+    /// Entry of the parents on the coarser level.
+    pub parent: u32,
+    /// Colour of the even cells.
+    pub parity: u8,
+    /// Colour of the even parents.
+    pub parent_parity: u8,
+}
+
+/// A part of a level that one task works on.
+#[derive(Debug, Default)]
+pub(super) struct Chunk {
+    /// Stretches it covers.
+    pub stretches: Range<usize>,
+    /// Entries it covers.
+    pub entries: Range<usize>,
+    pub spans: Vec<Span>,
+    /// Coefficients by colour in double precision (finest level; others only while the hierarchy is built).
+    pub wide: [Vec<Pack<f64>>; 2],
+    /// Coefficients by colour, scaled, in single precision.
+    pub narrow: [Vec<Pack<f32>>; 2],
+    /// Dirichlet coefficients beside `wide`, while the hierarchy is built.
+    pub dirichlet: [Vec<[f64; LANES]>; 2],
+    /// For each block, while the hierarchy is built, what it is.
+    pub kinds: Vec<Kind>,
+    /// For each block where its children are on the finer level: two blocks of up to four rows.
+    pub children: Vec<[u32; 8]>,
+}
+
+/// A stored block while its coefficients are set up.
+pub(super) struct Site<const D: usize> {
+    /// Coordinates of its first cell.
+    pub at: [usize; D],
+    /// Its number within the row.
+    pub block: usize,
+    /// Its unknowns.
+    pub mask: u16,
+    /// Unknowns among the lower and upper neighbours along each axis.
+    pub neighbour_masks: [[u16; 2]; D],
+}
+
+/// Coefficients of a block that is not uniform.
+pub(super) struct General {
+    pub packs: [Pack<f64>; 2],
+    pub dirichlet: [[f64; LANES]; 2],
+}
+
+impl General {
+    pub fn new() -> Self {
+        Self { packs: [[[0.0; LANES]; 7]; 2], dirichlet: [[0.0; LANES]; 2] }
+    }
+
+    /// Sets the diagonals from the other coefficients.
+    pub fn close(&mut self) {
+        for colour in 0..2 {
+            for l in 0..LANES {
+                let pack = &mut self.packs[colour];
+                let sum: f64 = (0..DIAGONAL).map(|c| pack[c][l]).sum();
+                let diagonal = sum + self.dirichlet[colour][l];
+                pack[DIAGONAL][l] = if diagonal > 0.0 { diagonal } else { 1.0 };
+            }
+        }
+    }
+}
+
+/// Builds the chunks of a level. `coefficients` gives the value of a uniform block or sets the packs of another.
+pub(super) fn build<const D: usize>(
+    layout: &Layout<D>,
+    coarse: Option<&Layout<D>>,
+    coefficients: impl Fn(&Site<D>, &mut General) -> Option<f64> + Sync,
+) -> Vec<Chunk> {
+    let ranges = layout.chunks();
+    ranges.into_par_iter().map(|range| build_chunk(layout, coarse, range, &coefficients)).collect()
+}
+
+fn build_chunk<const D: usize>(
+    layout: &Layout<D>,
+    coarse: Option<&Layout<D>>,
+    range: Range<usize>,
+    coefficients: &impl Fn(&Site<D>, &mut General) -> Option<f64>,
+) -> Chunk {
+    let stretches = &layout.stretches[range.clone()];
+    let first = stretches.first().map_or(0, |s| s.at as usize);
+    let last = stretches.last().map_or(0, |s| s.at as usize + s.blocks as usize * LANES);
+    let mut chunk = Chunk { stretches: range, entries: first..last, ..Chunk::default() };
+    for stretch in stretches {
+        let row = stretch.row as usize;
+        let at = layout.row_at(row);
+        let rows = neighbour_rows(layout, row, at);
+        for b in 0..stretch.blocks as usize {
+            let block = stretch.block as usize + b;
+            let (neighbours, site) = survey(layout, row, at, block, stretch.first as usize + b, &rows);
+            let mut general = General::new();
+            let kind = match coefficients(&site, &mut general) {
+                Some(value) => Kind::Uniform(value),
+                None => {
+                    general.close();
+                    for colour in 0..2 {
+                        chunk.wide[colour].push(general.packs[colour]);
+                        chunk.dirichlet[colour].push(general.dirichlet[colour]);
+                    }
+                    Kind::General(chunk.wide[0].len() as u32 - 1)
+                }
+            };
+            chunk.kinds.push(kind);
+            let parent_at = at.map(|c| c / 2);
+            let parent = coarse
+                .and_then(|c| c.find(c.row(parent_at), block / 2))
+                .map_or(0, |(entry, _)| entry + (block % 2 * LANES / 2) as u32);
+            let entry = stretch.at + (b * LANES) as u32;
+            let parity = Layout::<D>::parity(at) as u8;
+            let parent_parity = Layout::<D>::parity(parent_at) as u8;
+            push_block(
+                &mut chunk.spans,
+                Span { at: entry, blocks: 1, neighbours, kind, parent, parity, parent_parity },
+            );
+        }
+    }
+    chunk
+}
+
+/// The rows below and above along axes 1.. .
+fn neighbour_rows<const D: usize>(layout: &Layout<D>, row: usize, at: [usize; D]) -> [Option<usize>; 4] {
+    let mut rows = [None; 4];
+    let mut stride = 1;
+    for a in 1..D {
+        rows[2 * (a - 1)] = (at[a] > 0).then(|| row - stride);
+        rows[2 * (a - 1) + 1] = (at[a] + 1 < layout.extent[a]).then(|| row + stride);
+        stride *= layout.extent[a];
+    }
+    rows
+}
+
+/// Where the neighbours of a block are, and which are unknowns.
+fn survey<const D: usize>(
+    layout: &Layout<D>,
+    row: usize,
+    at: [usize; D],
+    block: usize,
+    number: usize,
+    rows: &[Option<usize>; 4],
+) -> ([u32; 4], Site<D>) {
+    let mut neighbours = [ZEROS; 4];
+    let mask = layout.masks[number];
+    let mut masks = [[0; 2]; D];
+    let bit = |block: Option<usize>, bit: u16| {
+        block.and_then(|b| layout.find(row, b)).map_or(0, |(_, n)| layout.masks[n] >> bit & 1)
+    };
+    masks[0] = [mask << 1 | bit(block.checked_sub(1), 15), mask >> 1 | bit(Some(block + 1), 0) << 15];
+    for (r, neighbour) in rows.iter().enumerate() {
+        if let Some((entry, n)) = neighbour.and_then(|r| layout.find(r, block)) {
+            neighbours[r] = entry;
+            masks[1 + r / 2][r % 2] = layout.masks[n];
+        }
+    }
+    let mut first = at;
+    first[0] = block * CELLS;
+    (neighbours, Site { at: first, block, mask, neighbour_masks: masks })
+}
+
+/// Appends a block to the last span if it continues it, else starts a new one.
+fn push_block(spans: &mut Vec<Span>, block: Span) {
+    if let Some(last) = spans.last_mut() {
+        let blocks = last.blocks;
+        let follows = |a: u32, b: u32| a + blocks * LANES as u32 == b;
+        let same_kind = match (last.kind, block.kind) {
+            (Kind::Uniform(a), Kind::Uniform(b)) => a == b,
+            (Kind::General(a), Kind::General(b)) => a + blocks == b,
+            _ => false,
+        };
+        let neighbours = last.neighbours.iter().zip(&block.neighbours);
+        let in_line = neighbours.fold(true, |ok, (a, b)| {
+            ok && ((*a == ZEROS && *b == ZEROS) || (*a != ZEROS && follows(*a, *b)))
+        });
+        if same_kind && in_line && follows(last.at, block.at) && (blocks as usize) < LONGEST {
+            last.blocks += 1;
+            return;
+        }
+    }
+    spans.push(block);
+}
+
+/// Sums the coefficients of the finer level over the children of a block (Galerkin with piecewise constants).
+/// `kinds` and `packs` belong to the finer level.
+pub(super) fn aggregate<const D: usize>(
+    fine: &Layout<D>,
+    chunks: &[Chunk],
+    kinds: &[(u32, Kind)],
+    site: &Site<D>,
+    general: &mut General,
+) -> Option<f64> {
+    let parent = std::array::from_fn(|a| if a == 0 { 0 } else { site.at[a] });
+    let found = |child: usize, half: usize| {
+        let row = fine.child_row(parent, child)?;
+        fine.find(row, 2 * site.block + half).map(|(_, number)| (row, kinds[number]))
+    };
+    let children: [Option<(usize, (u32, Kind))>; 8] =
+        std::array::from_fn(|c| if c < 1 << D { found(c / 2, c % 2) } else { None });
+    if let Some((_, (_, Kind::Uniform(value)))) = children[0] {
+        if children[..1 << D].iter().all(|c| matches!(c, Some((_, (_, Kind::Uniform(v)))) if *v == value)) {
+            return Some(value * (1 << (D - 1)) as f64);
+        }
+    }
+    let coarse_parity = Layout::<D>::parity(site.at);
+    for (c, child) in children.iter().enumerate() {
+        let Some((row, (chunk, kind))) = child else { continue };
+        let parity = Layout::<D>::parity(fine.row_at(*row));
+        for i in 0..CELLS {
+            let (colour, lane) = ((i + parity) % 2, i / 2);
+            let target = c % 2 * LANES + lane;
+            let (to, to_lane) = ((target + coarse_parity) % 2, target / 2);
+            let (value, dirichlet) = match kind {
+                Kind::Uniform(value) => ([*value; DIAGONAL], 0.0),
+                Kind::General(pack) => {
+                    let source = &chunks[*chunk as usize];
+                    let pack = *pack as usize;
+                    (
+                        std::array::from_fn(|k| source.wide[colour][pack][k][lane]),
+                        source.dirichlet[colour][pack][lane],
+                    )
+                }
+            };
+            let pack = &mut general.packs[to];
+            pack[i % 2][to_lane] += value[i % 2];
+            for a in 1..D {
+                let side = 2 * a + (c / 2 >> (a - 1) & 1);
+                pack[side][to_lane] += value[side];
+            }
+            general.dirichlet[to][to_lane] += dirichlet;
+        }
+    }
+    None
+}

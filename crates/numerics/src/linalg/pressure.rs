@@ -1,0 +1,359 @@
+//! The pressure solver: conjugate gradients with multigrid on the matrix-free `2D + 1`-point system.
+
+use super::krylov::conjugate_gradient;
+use super::layout::{CELLS, LANES, Layout};
+use super::level::{Chunk, DIAGONAL, General, Kind, Site, build};
+use super::multigrid::{Hierarchy, Level, coarsened};
+use super::operator::{LinearOperator, Preconditioner, SolveError, SolveReport};
+use super::sweep::{Operands, over_chunks_pair, sweep};
+use super::vectors;
+use crate::grid::{CellField, FaceField, Grid, Run, Runs};
+use rayon::prelude::*;
+
+/// The pressure system `(A x)_i = Σ c_f (x_i − x_j) + d_i x_i`; the sum runs over the faces `f` to unknown neighbours `j`.
+///
+/// The unit of the coefficients is the caller's; only their ratio to the right-hand side matters.
+#[derive(Clone, Copy, Debug)]
+pub struct PoissonInput<'a, const D: usize> {
+    /// The grid.
+    pub grid: Grid<D>,
+    /// The unknown cells, each run labelled with its connected component.
+    pub unknowns: &'a Runs,
+    /// `c_f ≥ 0`; read only on faces between two unknown cells.
+    pub coefficients: &'a FaceField<D>,
+    /// `d_i ≥ 0`: sum of the coefficients toward known values; read only on unknown cells.
+    pub dirichlet: &'a CellField<D>,
+}
+
+/// A pressure system made ready to be solved.
+///
+/// Inside, vectors hold the unknowns in an order of their own, with some entries between that are always zero;
+/// [`gather`](Self::gather), [`scatter`](Self::scatter) and [`entry`](Self::entry) translate. Cells whose row is all
+/// zeros (no face, no Dirichlet value) get the solution 0, whatever the right-hand side says. In components
+/// without any Dirichlet value the mean is taken off the right-hand side and off the solution.
+#[derive(Debug)]
+pub struct PressureSolver<const D: usize> {
+    grid: Grid<D>,
+    hierarchy: Hierarchy<D>,
+    /// Entries of the cells whose row is all zeros.
+    isolated: Vec<usize>,
+    /// The runs of each component that has no Dirichlet value, and the number of cells of it that are not isolated.
+    floating: Vec<(Vec<Run>, usize)>,
+}
+
+impl<const D: usize> PressureSolver<D> {
+    /// Builds the multigrid hierarchy. Time and memory follow the number of unknowns (plus one word per grid row).
+    pub fn new(input: &PoissonInput<D>) -> Self {
+        let layout = Layout::<D>::new(input.grid.cells, input.unknowns);
+        let coarse = coarsened(&layout);
+        let chunks = build(&layout, coarse.as_ref(), |site, general| assemble(input, site, general));
+        let isolated = isolated(&layout, &chunks);
+        let hierarchy = Hierarchy::new(Level { layout, chunks }, coarse);
+        let mut solver = Self { grid: input.grid, hierarchy, isolated, floating: Vec::new() };
+        solver.floating = solver.floating_components(input);
+        solver
+    }
+
+    /// Solves `A x = rhs` to `‖rhs − A x‖₂ ≤ tolerance ‖rhs‖₂` from the initial guess in `x`. Both are dense and
+    /// cell-indexed; cells that are no unknowns are neither read nor written. Floating components and isolated cells:
+    /// see [`PressureSolver`]; the norm is that of the right-hand side as amended there.
+    ///
+    /// # Errors
+    /// [`SolveError`] when the tolerance was not reached or a number is not finite; `x` is then left as it was.
+    pub fn solve(
+        &self,
+        rhs: &CellField<D>,
+        x: &mut CellField<D>,
+        tolerance: f64,
+        max_iterations: usize,
+    ) -> Result<SolveReport, SolveError> {
+        self.solve_with(&self.hierarchy, rhs, x, tolerance, max_iterations)
+    }
+
+    /// The same with another preconditioner.
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve).
+    pub fn solve_with(
+        &self,
+        preconditioner: &impl Preconditioner,
+        rhs: &CellField<D>,
+        x: &mut CellField<D>,
+        tolerance: f64,
+        max_iterations: usize,
+    ) -> Result<SolveReport, SolveError> {
+        let mut b = self.gather(&rhs.data);
+        self.project(&mut b);
+        let mut solution = self.gather(&x.data);
+        self.project(&mut solution);
+        let report = conjugate_gradient(self, preconditioner, &b, &mut solution, tolerance, max_iterations)?;
+        self.project(&mut solution);
+        self.scatter(&solution, &mut x.data);
+        Ok(report)
+    }
+
+    /// The multigrid V-cycle, for solves of related systems.
+    pub fn preconditioner(&self) -> &impl Preconditioner {
+        &self.hierarchy
+    }
+
+    /// Number of grid levels.
+    pub fn levels(&self) -> usize {
+        self.hierarchy.levels.len()
+    }
+
+    /// Entry of an unknown cell (by its coordinates) in the vectors of this solver.
+    pub fn entry(&self, cell: [usize; D]) -> Option<usize> {
+        let layout = &self.finest().layout;
+        let (at, number) = layout.find(layout.row(cell), cell[0] / CELLS)?;
+        let i = cell[0] % CELLS;
+        let known = layout.masks[number] >> i & 1 == 1;
+        known.then(|| (i + Layout::<D>::parity(cell)) % 2 * layout.half + at as usize + i / 2)
+    }
+
+    /// The vector of the unknowns of a dense cell-indexed field.
+    pub fn gather(&self, field: &[f64]) -> Vec<f64> {
+        let Level { layout, chunks } = self.finest();
+        let mut vector = vec![0.0; 2 * layout.half];
+        let (first, second) = vector.split_at_mut(layout.half);
+        over_chunks_pair(chunks, [first, second], |chunk, out| {
+            let [first, second] = out;
+            self.for_each_block(chunk, |start, mask, at, parity| {
+                let at = at - chunk.entries.start..at - chunk.entries.start + LANES;
+                let (first, second) = (&mut first[at.clone()], &mut second[at]);
+                let (even, odd) = if parity == 0 { (first, second) } else { (second, first) };
+                if mask == u16::MAX {
+                    for (l, pair) in field[start..start + CELLS].as_chunks::<2>().0.iter().enumerate() {
+                        (even[l], odd[l]) = (pair[0], pair[1]);
+                    }
+                } else {
+                    (0..CELLS).filter(|i| mask >> i & 1 == 1).for_each(|i| {
+                        *(if i % 2 == 0 { &mut even[i / 2] } else { &mut odd[i / 2] }) = field[start + i];
+                    });
+                }
+            });
+        });
+        vector
+    }
+
+    /// Writes a vector of the unknowns into a dense cell-indexed field; leaves the other cells alone.
+    pub fn scatter(&self, vector: &[f64], field: &mut [f64]) {
+        let Level { layout, chunks } = self.finest();
+        let row = self.grid.cells[0];
+        let (mut rest, mut done) = (field, 0);
+        let mut jobs = Vec::with_capacity(chunks.len());
+        for chunk in chunks {
+            let Some(last) = layout.stretches[chunk.stretches.clone()].last() else { continue };
+            let (part, tail) = rest.split_at_mut((last.row as usize + 1) * row - done);
+            jobs.push((chunk, done, part));
+            (rest, done) = (tail, (last.row as usize + 1) * row);
+        }
+        jobs.into_par_iter().for_each(|(chunk, offset, part)| {
+            self.for_each_block(chunk, |start, mask, at, parity| {
+                let (first, second) =
+                    (&vector[at..at + LANES], &vector[layout.half + at..layout.half + at + LANES]);
+                let (even, odd) = if parity == 0 { (first, second) } else { (second, first) };
+                let start = start - offset;
+                if mask == u16::MAX {
+                    for (l, pair) in part[start..start + CELLS].as_chunks_mut::<2>().0.iter_mut().enumerate()
+                    {
+                        *pair = [even[l], odd[l]];
+                    }
+                } else {
+                    (0..CELLS).filter(|i| mask >> i & 1 == 1).for_each(|i| {
+                        part[start + i] = if i % 2 == 0 { even[i / 2] } else { odd[i / 2] };
+                    });
+                }
+            });
+        });
+    }
+
+    /// The diagonal of the matrix (1 at entries that belong to no unknown and at isolated cells).
+    pub fn diagonal(&self) -> Vec<f64> {
+        let half = self.finest().layout.half;
+        let mut diagonal = vec![1.0; 2 * half];
+        for chunk in &self.finest().chunks {
+            for span in &chunk.spans {
+                for (colour, part) in diagonal.chunks_mut(half).enumerate() {
+                    let part = &mut part[span.at as usize..span.at as usize + span.blocks as usize * LANES];
+                    match span.kind {
+                        Kind::Uniform(value) => part.fill(value * (2 * D) as f64),
+                        Kind::General(pack) => {
+                            let packs = &chunk.wide[colour][pack as usize..];
+                            part.chunks_mut(LANES)
+                                .zip(packs)
+                                .for_each(|(d, p)| d.copy_from_slice(&p[DIAGONAL]));
+                        }
+                    }
+                }
+            }
+        }
+        diagonal
+    }
+
+    /// Takes the mean off in every floating component and sets isolated cells to zero.
+    pub fn project(&self, vector: &mut [f64]) {
+        self.isolated.iter().for_each(|entry| vector[*entry] = 0.0);
+        for (runs, count) in self.floating.iter().filter(|(_, count)| *count > 0) {
+            let sum: f64 = runs
+                .iter()
+                .flat_map(|run| self.run_entries(run))
+                .map(|entries| vector[entries].iter().sum::<f64>())
+                .sum();
+            let mean = sum / *count as f64;
+            for entries in runs.iter().flat_map(|run| self.run_entries(run)) {
+                vector[entries].iter_mut().for_each(|value| *value -= mean);
+            }
+        }
+        self.isolated.iter().for_each(|entry| vector[*entry] = 0.0);
+    }
+
+    fn finest(&self) -> &Level<D> {
+        &self.hierarchy.levels[0]
+    }
+
+    /// Calls `f` with the first cell, the mask, the entry and the colour of the even cells of every block.
+    fn for_each_block(&self, chunk: &Chunk, mut f: impl FnMut(usize, u16, usize, usize)) {
+        let layout = &self.finest().layout;
+        for stretch in &layout.stretches[chunk.stretches.clone()] {
+            let parity = Layout::<D>::parity(layout.row_at(stretch.row as usize));
+            for b in 0..stretch.blocks as usize {
+                let mask = layout.masks[stretch.first as usize + b];
+                let cell = stretch.row as usize * layout.extent[0] + (stretch.block as usize + b) * CELLS;
+                f(cell, mask, stretch.at as usize + b * LANES, parity);
+            }
+        }
+    }
+
+    /// Entries of the cells of a run.
+    fn run_entries(&self, run: &Run) -> [std::ops::Range<usize>; 2] {
+        let layout = &self.finest().layout;
+        let (row, start, end) = (run.row as usize, run.start as usize, run.end as usize);
+        let Some((entry, _)) = layout.find(row, start / CELLS) else { return [0..0, 0..0] };
+        let parity = Layout::<D>::parity(layout.row_at(row));
+        std::array::from_fn(|odd| {
+            let shift = (odd + parity) % 2 * layout.half + entry as usize - start / CELLS * LANES;
+            shift + (start + 1 - odd) / 2..shift + (end + 1 - odd) / 2
+        })
+    }
+
+    /// The components without Dirichlet values.
+    fn floating_components(&self, input: &PoissonInput<D>) -> Vec<(Vec<Run>, usize)> {
+        let mut held = vec![false; input.unknowns.components as usize];
+        for run in &input.unknowns.runs {
+            let row = run.row as usize * self.grid.cells[0];
+            let cells = row + run.start as usize..row + run.end as usize;
+            if !held[run.component as usize] && input.dirichlet.data[cells].iter().any(|d| *d > 0.0) {
+                held[run.component as usize] = true;
+            }
+        }
+        let mut slot = vec![usize::MAX; held.len()];
+        let mut floating = Vec::new();
+        for run in input.unknowns.runs.iter().filter(|run| !held[run.component as usize]) {
+            let slot = &mut slot[run.component as usize];
+            if *slot == usize::MAX {
+                *slot = floating.len();
+                floating.push((Vec::new(), 0));
+            }
+            let lone = |entries: &std::ops::Range<usize>| {
+                let from = self.isolated.partition_point(|e| *e < entries.start);
+                entries.len() - (self.isolated.partition_point(|e| *e < entries.end) - from)
+            };
+            floating[*slot].1 += self.run_entries(run).iter().map(lone).sum::<usize>();
+            floating[*slot].0.push(*run);
+        }
+        floating
+    }
+}
+
+impl<const D: usize> LinearOperator for PressureSolver<D> {
+    fn size(&self) -> usize {
+        2 * self.finest().layout.half
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64]) {
+        self.apply_dot(x, y);
+    }
+
+    fn apply_dot(&self, x: &[f64], y: &mut [f64]) -> f64 {
+        let Level { layout, chunks } = self.finest();
+        let (x0, x1) = x.split_at(layout.half);
+        let (y0, y1) = y.split_at_mut(layout.half);
+        let parts = over_chunks_pair(chunks, [y0, y1], |chunk, out| {
+            let mut dot = 0.0;
+            for (colour, out) in out.into_iter().enumerate() {
+                let (own, other) = if colour == 0 { (x0, x1) } else { (x1, x0) };
+                let packs = &chunk.wide[colour];
+                let operands = Operands { colour, packs, scale: 1.0, other, own: [own, own] };
+                sweep::<f64, D>(chunk, &operands, out, |row| row.diagonal * row.a - row.sum);
+                dot += vectors::dot_serial(out, &own[chunk.entries.clone()]);
+            }
+            dot
+        });
+        parts.iter().sum()
+    }
+}
+
+/// Reads the coefficients of a block of the finest level; gives the value if they are all the same.
+fn assemble<const D: usize>(input: &PoissonInput<D>, site: &Site<D>, general: &mut General) -> Option<f64> {
+    let cell = input.grid.lattice().index(site.at);
+    let faces: [(usize, usize); D] = std::array::from_fn(|a| {
+        let lattice = input.grid.faces(a);
+        (lattice.index(site.at), lattice.stride[a])
+    });
+    let full = site.neighbour_masks.as_flattened().iter().fold(site.mask, |all, mask| all & mask) == u16::MAX;
+    if full {
+        let value = input.coefficients.axes[0][faces[0].0];
+        let same = |values: &[f64]| values.iter().fold(true, |ok, v| ok & (*v == value));
+        let uniform = value > 0.0
+            && input.dirichlet.data[cell..cell + CELLS].iter().fold(true, |ok, d| ok & (*d == 0.0))
+            && (0..D).all(|a| {
+                let (face, stride) = faces[a];
+                let data = &input.coefficients.axes[a];
+                same(&data[face..face + CELLS]) && same(&data[face + stride..face + stride + CELLS])
+            });
+        if uniform {
+            return Some(value);
+        }
+    }
+    let parity = Layout::<D>::parity(site.at);
+    for i in (0..CELLS).filter(|i| site.mask >> i & 1 == 1) {
+        let (colour, lane) = ((i + parity) % 2, i / 2);
+        for a in 0..D {
+            for side in 0..2 {
+                if site.neighbour_masks[a][side] >> i & 1 == 1 {
+                    let (face, stride) = faces[a];
+                    general.packs[colour][2 * a + side][lane] =
+                        input.coefficients.axes[a][face + i + side * stride];
+                }
+            }
+        }
+        general.dirichlet[colour][lane] = input.dirichlet.data[cell + i];
+    }
+    None
+}
+
+/// Entries of the unknowns whose row is all zeros, sorted.
+fn isolated<const D: usize>(layout: &Layout<D>, chunks: &[Chunk]) -> Vec<usize> {
+    let mut entries = Vec::new();
+    for chunk in chunks {
+        let mut kinds = chunk.kinds.iter();
+        for stretch in &layout.stretches[chunk.stretches.clone()] {
+            let parity = Layout::<D>::parity(layout.row_at(stretch.row as usize));
+            for b in 0..stretch.blocks as usize {
+                let Some(Kind::General(pack)) = kinds.next() else { continue };
+                let mask = layout.masks[stretch.first as usize + b];
+                for i in (0..CELLS).filter(|i| mask >> i & 1 == 1) {
+                    let (colour, lane) = ((i + parity) % 2, i / 2);
+                    let wide = &chunk.wide[colour][*pack as usize];
+                    let empty = (0..DIAGONAL).all(|k| wide[k][lane] == 0.0);
+                    if empty && chunk.dirichlet[colour][*pack as usize][lane] == 0.0 {
+                        entries.push(colour * layout.half + stretch.at as usize + b * LANES + lane);
+                    }
+                }
+            }
+        }
+    }
+    entries.sort_unstable();
+    entries
+}

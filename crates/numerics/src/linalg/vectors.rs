@@ -1,0 +1,76 @@
+//! Loops over whole vectors; sums are taken in an order that does not depend on the number of threads.
+
+use rayon::prelude::*;
+
+/// Entries per task.
+const CHUNK: usize = 1 << 14;
+/// Partial sums of a dot product.
+const WIDTH: usize = 16;
+
+/// `a · b` on one thread.
+pub(super) fn dot_serial(a: &[f64], b: &[f64]) -> f64 {
+    let (a_blocks, a_rest) = a.as_chunks::<WIDTH>();
+    let (b_blocks, b_rest) = b.as_chunks::<WIDTH>();
+    let mut sums = [0.0; WIDTH];
+    for (a, b) in a_blocks.iter().zip(b_blocks) {
+        for i in 0..WIDTH {
+            sums[i] += a[i] * b[i];
+        }
+    }
+    sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
+}
+
+/// `a · b`.
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    if a.len() <= CHUNK {
+        return dot_serial(a, b);
+    }
+    let parts: Vec<f64> =
+        a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK)).map(|(a, b)| dot_serial(a, b)).collect();
+    parts.iter().sum()
+}
+
+/// `r = scale (b − q)`; returns `r · r`.
+pub(super) fn residual(scale: f64, b: &[f64], q: &[f64], r: &mut [f64]) -> f64 {
+    let parts: Vec<f64> = r
+        .par_chunks_mut(CHUNK)
+        .zip(b.par_chunks(CHUNK).zip(q.par_chunks(CHUNK)))
+        .map(|(r, (b, q))| {
+            for ((r, b), q) in r.iter_mut().zip(b).zip(q) {
+                *r = scale * (b - q);
+            }
+            dot_serial(r, r)
+        })
+        .collect();
+    parts.iter().sum()
+}
+
+/// `r −= α q`; returns `r · r`.
+pub(super) fn subtract(alpha: f64, q: &[f64], r: &mut [f64]) -> f64 {
+    let parts: Vec<f64> = r
+        .par_chunks_mut(CHUNK)
+        .zip(q.par_chunks(CHUNK))
+        .map(|(r, q)| {
+            r.iter_mut().zip(q).for_each(|(r, q)| *r -= alpha * q);
+            dot_serial(r, r)
+        })
+        .collect();
+    parts.iter().sum()
+}
+
+/// `x += α p`, then `p = z + β p`.
+pub(super) fn advance(alpha: f64, beta: f64, z: &[f64], x: &mut [f64], p: &mut [f64]) {
+    x.par_chunks_mut(CHUNK).zip(p.par_chunks_mut(CHUNK).zip(z.par_chunks(CHUNK))).for_each(|(x, (p, z))| {
+        for ((x, p), z) in x.iter_mut().zip(p.iter_mut()).zip(z) {
+            *x += alpha * *p;
+            *p = z + beta * *p;
+        }
+    });
+}
+
+/// `x += α p`.
+pub(super) fn add(alpha: f64, p: &[f64], x: &mut [f64]) {
+    x.par_chunks_mut(CHUNK)
+        .zip(p.par_chunks(CHUNK))
+        .for_each(|(x, p)| x.iter_mut().zip(p).for_each(|(x, p)| *x += alpha * p));
+}
