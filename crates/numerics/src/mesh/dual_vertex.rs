@@ -86,9 +86,9 @@ impl<const D: usize> Patch<D> {
         if extent < 2 {
             return;
         }
-        let stride = 1 << (2 * axis);
+        let stride: usize = 1 << (2 * axis);
         let (first, last) = (2usize.saturating_sub(at), (extent + 1 - at).min(3));
-        for start in (0..1 << (2 * D)).filter(|i| i / stride % 4 == 0) {
+        for start in (0..1 << (2 * D)).filter(|i| (i / stride).is_multiple_of(4)) {
             let v = |k: usize| start + k * stride;
             // Where the wall's second cell lies outside the patch the neighbour inside repeats the first.
             let (a, b) = (self.values[v(first)], self.values[v((first + 1).min(3))]);

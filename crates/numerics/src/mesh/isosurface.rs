@@ -3,7 +3,7 @@
 //! The lattice of cell centres is padded by one ring of air beyond the walls. Each *cube* between $2^D$ neighbouring
 //! lattice points that are not all on one side carries one vertex, each lattice edge between liquid and air one dual
 //! facet through the vertices of the $2^{D-1}$ cubes around it (S. Gibson, "Constrained elastic surface nets", MICCAI
-//! 1998, extended by a projection onto the zero set; see [`dual_vertex`](super::dual_vertex)). The facet is a segment
+//! 1998, extended by a projection onto the zero set; see `dual_vertex.rs`). The facet is a segment
 //! in 2D, in 3D a quad cut along its shorter diagonal. A vertex of a padded cube lies in the wall plane, so that liquid
 //! at a wall is closed by facets exactly in that plane. Each vertex stays in its cube: facets of different cubes do
 //! not fold over.
@@ -176,9 +176,9 @@ impl<'a, const D: usize> Rows<'a, D> {
     /// Coordinates of a row of cubes, the first unused: cube `c` lies between the cells `c - 1` and `c`.
     fn at(&self, mut row: usize) -> [usize; D] {
         let mut at = [0; D];
-        for a in 1..D {
-            at[a] = row % (self.phi.grid.cells[a] + 1);
-            row /= self.phi.grid.cells[a] + 1;
+        for (c, cells) in at.iter_mut().zip(self.phi.grid.cells).skip(1) {
+            *c = row % (cells + 1);
+            row /= cells + 1;
         }
         at
     }
@@ -345,14 +345,11 @@ struct Below<'a> {
 
 impl<'a> Below<'a> {
     fn new<const D: usize>(rows: &Rows<'a, D>, cubes: &'a Cubes, row: usize, at: [usize; D]) -> Self {
-        let mut stride = [0; 3];
-        for a in 1..D {
-            stride[a] = if a == 1 { 1 } else { rows.phi.grid.cells[1] + 1 };
-        }
+        let over = if D == 3 { rows.phi.grid.cells[1] + 1 } else { 0 };
         let inside = |q: usize| (1..D).all(|a| q >> (a - 1) & 1 == 0 || at[a] > 0) && q >> (D - 1) == 0;
         Self {
             rows: std::array::from_fn(|q| {
-                let down = (q & 1) * stride[1] + (q >> 1) * stride[2];
+                let down = (q & 1) + (q >> 1) * over;
                 if inside(q) { cubes.row(row - down) } else { &[][..] }
             }),
         }

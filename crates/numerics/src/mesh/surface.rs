@@ -1,6 +1,6 @@
 //! Closed surfaces made of facets: segments in 2D, triangles in 3D.
 
-use crate::Vector;
+use crate::{Matrix, Vector};
 
 /// A surface of facets with their outward side known by the order of their vertices.
 ///
@@ -49,7 +49,12 @@ impl<const D: usize> SurfaceMesh<D> {
 
     /// Number of ridges (2D: vertices, 3D: edges) that keep the surface from being closed and consistently oriented.
     pub fn open_ridges(&self) -> usize {
-        let mut ridges: Vec<([u32; 2], i32)> = Vec::with_capacity(self.facets.len() * D);
+        self.ridges().chunk_by(|a, b| a.0 == b.0).filter(|c| c.iter().map(|r| r.1).sum::<i32>() != 0).count()
+    }
+
+    /// The ridges (2D: vertices, 3D: edges) of all facets, each with the direction it is passed in, sorted.
+    pub(super) fn ridges(&self) -> Vec<([u32; 2], i32)> {
+        let mut ridges = Vec::with_capacity(self.facets.len() * D);
         for facet in &self.facets {
             for k in 0..D {
                 ridges.push(if D == 2 {
@@ -61,7 +66,18 @@ impl<const D: usize> SurfaceMesh<D> {
             }
         }
         ridges.sort_unstable();
-        ridges.chunk_by(|a, b| a.0 == b.0).filter(|c| c.iter().map(|r| r.1).sum::<i32>() != 0).count()
+        ridges
+    }
+
+    /// The surface scaled, then rotated, then moved by `translate` (m). A mirror image is turned outward again.
+    pub fn transformed(mut self, scale: f64, rotation: &Matrix<D>, translate: &Vector<D>) -> Self {
+        let map = rotation * scale;
+        let before = self.volume();
+        self.positions.iter_mut().for_each(|p| *p = map * *p + translate);
+        if before * self.volume() < 0.0 {
+            self.flip();
+        }
+        self
     }
 
     /// Lower and upper corner of the box around all vertices, m. An empty surface has an inverted, infinite box.

@@ -39,7 +39,7 @@ pub(super) fn closest_point<const D: usize>(y: &Vector<D>, radii: &Vector<D>) ->
         }
         let step = f / slope;
         u += step;
-        if !(step > 1e-16 * u) {
+        if step.is_nan() || step <= 1e-16 * u {
             break;
         }
     }

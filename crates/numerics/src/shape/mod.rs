@@ -6,12 +6,16 @@
 
 mod ellipsoid;
 mod fraction;
+mod mesh_shape;
 mod perturbed;
+mod sample;
 
 pub use fraction::plane_box_fraction;
+pub use mesh_shape::MeshShape;
 
 use crate::{Matrix, Vector};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// A region of space, filled with liquid or solid. Lengths in m.
 #[derive(Clone, Debug)]
@@ -89,6 +93,8 @@ pub enum Shape<const D: usize> {
         /// The shape cut away.
         minus: Box<Shape<D>>,
     },
+    /// A closed surface, from a file or made by a program.
+    Mesh(Arc<MeshShape<D>>),
 }
 
 impl<const D: usize> Shape<D> {
@@ -120,6 +126,7 @@ impl<const D: usize> Shape<D> {
             }
             Self::Union(parts) => parts.iter().map(|s| s.signed_distance(x)).fold(f64::INFINITY, f64::min),
             Self::Difference { of, minus } => of.signed_distance(x).max(-minus.signed_distance(x)),
+            Self::Mesh(mesh) => mesh.signed_distance(x),
         }
     }
 
@@ -154,6 +161,7 @@ impl<const D: usize> Shape<D> {
                 parts.iter().map(Self::bounds).fold(start, |s, b| (s.0.inf(&b.0), s.1.sup(&b.1)))
             }
             Self::Difference { of, .. } => of.bounds(),
+            Self::Mesh(mesh) => mesh.surface().bounds(),
         }
     }
 
@@ -179,6 +187,7 @@ impl<const D: usize> Shape<D> {
                 let apart = (0..boxes.len()).all(|i| (0..i).all(|j| disjoint(&boxes[i], &boxes[j])));
                 if apart { parts.iter().map(Self::volume).sum() } else { None }
             }
+            Self::Mesh(mesh) => Some(mesh.surface().volume()),
             Self::Difference { of, minus } => {
                 if disjoint(&of.bounds(), &minus.bounds()) {
                     of.volume()
