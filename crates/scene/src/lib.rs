@@ -1,5 +1,9 @@
-//! Meniscus scene.
+//! Scenes of Meniscus: what is simulated, how it is run, and what is written.
 
 pub mod checkpoint;
+pub mod error;
+pub mod file;
 pub mod output;
 pub mod run;
+pub mod schema;
+pub mod units;

@@ -1,0 +1,359 @@
+//! The text of a scene as a tree whose values know where they stand, `--set`, and errors that point.
+
+use super::{HELP_MARK, SceneFile};
+use crate::error::{SceneError, nearest};
+use serde::Deserialize as _;
+use serde::de::Error as _;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::Arc;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// The largest scene text that is read, bytes.
+const MAX_TEXT: usize = 4 << 20;
+
+/// Where keys and values stand: the file, then every `--set`, in one run of byte positions.
+#[derive(Clone, Debug, Default)]
+pub struct Source {
+    /// First position, name and text of each piece.
+    pieces: Vec<(usize, String, Arc<str>)>,
+    /// Key and value positions by dotted path.
+    spans: BTreeMap<String, (Range<usize>, Range<usize>)>,
+}
+
+/// Where a scene came from is no part of what it is.
+impl PartialEq for Source {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Source {
+    /// Adds a text; gives the position of its first byte.
+    fn add(&mut self, name: &str, text: &str) -> usize {
+        let start = self.pieces.last().map_or(0, |(s, _, t)| s + t.len() + 1);
+        self.pieces.push((start, name.to_owned(), Arc::from(text)));
+        start
+    }
+
+    /// The same error pointing at a range of positions.
+    pub(crate) fn point(&self, error: SceneError, span: Option<Range<usize>>) -> SceneError {
+        let wanted = span.as_ref().map_or(0, |s| s.start);
+        let piece = self.pieces.iter().rev().find(|(start, _, _)| *start <= wanted);
+        match piece {
+            Some((start, name, text)) => {
+                let cut = span.map(|s| s.start - start..s.end.saturating_sub(*start));
+                error.at(name, text, cut)
+            }
+            None => error,
+        }
+    }
+
+    /// The same error pointing at the value of a path, or of the nearest table around it that stands in the text.
+    pub fn at_value(&self, error: SceneError, path: &str) -> SceneError {
+        let mut path = path;
+        loop {
+            if let Some((_, value)) = self.spans.get(path) {
+                return self.point(error, Some(value.clone()));
+            }
+            match path.rfind('.') {
+                Some(i) => path = &path[..i],
+                None => return self.point(error, None),
+            }
+        }
+    }
+
+    /// The same error pointing at a key.
+    pub fn at_key(&self, error: SceneError, path: &str) -> SceneError {
+        match self.spans.get(path) {
+            Some((key, _)) => self.point(error, Some(key.clone())),
+            None => self.at_value(error, path),
+        }
+    }
+
+    /// Whether a path is written in the scene.
+    pub fn has(&self, path: &str) -> bool {
+        self.spans.contains_key(path)
+    }
+
+    /// The scene's text without `--set`.
+    pub fn text(&self) -> &str {
+        self.pieces.first().map_or("", |p| &p.2)
+    }
+
+    fn collect_table(&mut self, prefix: &str, table: &DeTable<'_>) {
+        for (key, value) in table {
+            let path = if prefix.is_empty() {
+                key.get_ref().to_string()
+            } else {
+                format!("{prefix}.{}", key.get_ref())
+            };
+            self.collect(path, key.span(), value);
+        }
+    }
+
+    fn collect(&mut self, path: String, key: Range<usize>, value: &Spanned<DeValue<'_>>) {
+        match value.get_ref() {
+            DeValue::Table(t) => self.collect_table(&path, t),
+            DeValue::Array(a) => {
+                for (i, item) in a.iter().enumerate() {
+                    self.collect(format!("{path}.{i}"), item.span(), item);
+                }
+            }
+            _ => {}
+        }
+        // the span of a table written in dotted keys is empty or reversed: its key is better then
+        let span = value.span();
+        let span = if span.start < span.end { span } else { key.clone() };
+        self.spans.insert(path, (key, span));
+    }
+}
+
+/// A parsed scene text, before it is read as a scene.
+pub struct Document<'i> {
+    source: Source,
+    root: Spanned<DeTable<'i>>,
+}
+
+impl<'i> Document<'i> {
+    /// Parses the text of a scene.
+    ///
+    /// # Errors
+    /// [`SceneError`] pointing at what is not TOML.
+    pub fn parse(name: &str, text: &'i str) -> Result<Self, SceneError> {
+        let mut source = Source::default();
+        source.add(name, text);
+        if text.len() > MAX_TEXT {
+            let error = SceneError::new(format!("a scene of {} bytes is too long", text.len()));
+            return Err(error.with_help("meshes go into files of their own"));
+        }
+        match DeTable::parse(text) {
+            Ok(root) => Ok(Self { source, root }),
+            Err(e) => Err(from_toml(&source, &e)),
+        }
+    }
+
+    /// Replaces or adds a value: `domain.resolution=64`, `liquid.body.0.velocity=["1 m/s", 0]`. What is no TOML value
+    /// is taken as text, so `tension.liquid_air=0.5 mN/cm` needs no quotes.
+    ///
+    /// # Errors
+    /// [`SceneError`] pointing into the setting.
+    pub fn apply_set(&mut self, setting: &'i str) -> Result<(), SceneError> {
+        let start = self.source.add("--set", setting);
+        let Some((path, text)) = setting.split_once('=') else {
+            let error = SceneError::new(format!("`{setting}` sets nothing"))
+                .with_help("write path=value, like domain.resolution=64");
+            return Err(self.source.point(error, Some(start..start + setting.len())));
+        };
+        let value_start = start + path.len() + 1;
+        let value = parse_set_value(text).map_err(|e| {
+            let span = e.span().map(|s| s.start + value_start..s.end + value_start);
+            self.source.point(SceneError::new(e.message()).with_help("text goes in quotes"), span)
+        })?;
+        let value = shift(value, value_start);
+        let mut segments = Vec::new();
+        let mut at = start;
+        for word in path.split('.') {
+            let trimmed = word.trim();
+            let lead = word.len() - word.trim_start().len();
+            segments.push((trimmed, at + lead..at + lead + trimmed.len()));
+            at += word.len() + 1;
+        }
+        if segments.len() > 60 {
+            let error = SceneError::new("the path is too deep");
+            return Err(self.source.point(error, Some(start..value_start)));
+        }
+        self.drop_rival(path.trim());
+        set_in_table(self.root.get_mut(), &segments, value)
+            .map_err(|(error, span)| self.source.point(error, Some(span)))
+    }
+
+    /// `domain.dx` and `domain.resolution` exclude each other: the one set replaces the other.
+    fn drop_rival(&mut self, path: &str) {
+        let rival = match path {
+            "domain.dx" => "resolution",
+            "domain.resolution" => "dx",
+            _ => return,
+        };
+        if let Some(domain) = self.root.get_mut().get_mut("domain")
+            && let DeValue::Table(t) = domain.get_mut()
+        {
+            t.remove(rival);
+        }
+    }
+
+    /// Reads the tree as a scene file.
+    ///
+    /// # Errors
+    /// [`SceneError`] pointing at the key or value that is not accepted.
+    pub fn read(mut self) -> Result<(SceneFile, Source), SceneError> {
+        self.source.collect_table("", self.root.get_ref());
+        match SceneFile::deserialize(toml::de::Deserializer::from(self.root)) {
+            Ok(file) => Ok((file, self.source)),
+            Err(e) => Err(from_toml(&self.source, &e)),
+        }
+    }
+}
+
+fn parse_set_value(text: &str) -> Result<Spanned<DeValue<'_>>, toml::de::Error> {
+    let trimmed = text.trim();
+    let lead = text.len() - text.trim_start().len();
+    match DeValue::parse(trimmed) {
+        Ok(v) => Ok(shift(v, lead)),
+        Err(e) if trimmed.starts_with(['"', '\'', '[', '{']) => Err(e),
+        Err(_) if trimmed.is_empty() => Err(toml::de::Error::custom("no value")),
+        Err(_) => Ok(Spanned::new(lead..lead + trimmed.len(), DeValue::String(Cow::Borrowed(trimmed)))),
+    }
+}
+
+/// The same value with every position moved.
+fn shift<'i>(value: Spanned<DeValue<'i>>, by: usize) -> Spanned<DeValue<'i>> {
+    let move_by = |s: Range<usize>| s.start + by..s.end + by;
+    let span = move_by(value.span());
+    let mut inner = value.into_inner();
+    match &mut inner {
+        DeValue::Table(t) => {
+            *t = std::mem::take(t)
+                .into_iter()
+                .map(|(k, v)| (Spanned::new(move_by(k.span()), k.into_inner()), shift(v, by)))
+                .collect();
+        }
+        DeValue::Array(a) => {
+            for item in a.iter_mut() {
+                let old = std::mem::replace(item, Spanned::new(0..0, DeValue::Boolean(false)));
+                *item = shift(old, by);
+            }
+        }
+        _ => {}
+    }
+    Spanned::new(span, inner)
+}
+
+type SetError = (SceneError, Range<usize>);
+
+fn set_in_table<'i>(
+    table: &mut DeTable<'i>,
+    path: &[(&'i str, Range<usize>)],
+    value: Spanned<DeValue<'i>>,
+) -> Result<(), SetError> {
+    let Some(((word, span), rest)) = path.split_first() else { return Ok(()) };
+    if word.is_empty() {
+        let error = SceneError::new("the path has an empty part");
+        return Err((error.with_help("write path=value, like domain.resolution=64"), span.clone()));
+    }
+    if rest.is_empty() {
+        table.remove(*word);
+        table.insert(Spanned::new(span.clone(), Cow::Borrowed(*word)), value);
+        return Ok(());
+    }
+    if !table.contains_key(*word) {
+        let empty = Spanned::new(span.clone(), DeValue::Table(DeTable::new()));
+        table.insert(Spanned::new(span.clone(), Cow::Borrowed(*word)), empty);
+    }
+    match table.get_mut(*word) {
+        Some(next) => set_in_value(next.get_mut(), word, rest, value),
+        None => Ok(()),
+    }
+}
+
+fn set_in_value<'i>(
+    target: &mut DeValue<'i>,
+    name: &str,
+    path: &[(&'i str, Range<usize>)],
+    value: Spanned<DeValue<'i>>,
+) -> Result<(), SetError> {
+    let Some(((word, span), rest)) = path.split_first() else { return Ok(()) };
+    match target {
+        DeValue::Table(t) => set_in_table(t, path, value),
+        DeValue::Array(a) => {
+            let count = a.len();
+            let item = word.parse::<usize>().ok().and_then(|i| a.get_mut(i));
+            let Some(item) = item else {
+                let error = SceneError::new(format!("`{name}` has no entry `{word}`"));
+                let help = format!("it has {count}, counted from 0");
+                return Err((error.with_help(help), span.clone()));
+            };
+            if rest.is_empty() {
+                *item = value;
+                Ok(())
+            } else {
+                set_in_value(item.get_mut(), word, rest, value)
+            }
+        }
+        other => {
+            let error = SceneError::new(format!(
+                "`{name}` is {}, it has no key `{word}`",
+                with_article(other.type_str())
+            ));
+            Err((error.with_help(format!("set `{name}` itself")), span.clone()))
+        }
+    }
+}
+
+fn with_article(noun: &str) -> String {
+    let article = if noun.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
+    format!("{article} {noun}")
+}
+
+/// Turns what TOML or serde said into our words.
+fn from_toml(source: &Source, error: &toml::de::Error) -> SceneError {
+    let (message, help) = reword(error.message());
+    source.point(SceneError::new(message).with_help(help), error.span())
+}
+
+/// Message and help for people.
+fn reword(raw: &str) -> (String, String) {
+    if let Some((message, help)) = raw.split_once(HELP_MARK) {
+        return (message.to_owned(), help.to_owned());
+    }
+    let quoted: Vec<&str> = raw.split('`').skip(1).step_by(2).collect();
+    for (start, noun) in [("unknown field `", "key"), ("unknown variant `", "value")] {
+        if raw.starts_with(start) && !quoted.is_empty() {
+            let (found, accepted) = (quoted[0], &quoted[1..]);
+            let near = nearest(found, accepted.iter().copied())
+                .map_or_else(String::new, |n| format!("did you mean `{n}`? "));
+            let list = accepted.join(", ");
+            let help = match accepted {
+                [] => format!("no {noun} is accepted here"),
+                _ => format!("{near}accepted: {list}"),
+            };
+            return (format!("unknown {noun} `{found}`"), help);
+        }
+    }
+    if let (true, Some(key)) = (raw.starts_with("missing field `"), quoted.first()) {
+        return (format!("the key `{key}` is missing"), format!("add `{key} = …` to this table"));
+    }
+    if let (true, Some(key)) = (raw.starts_with("duplicate key"), quoted.first()) {
+        return (format!("the key `{key}` is given twice"), "remove one".to_owned());
+    }
+    if let Some((found, wanted)) = raw.strip_prefix("invalid ").and_then(|r| r.split_once(", expected ")) {
+        let found = found.split_once(": ").map_or(found, |f| f.1);
+        return (format!("found {}", found), format!("expected {}", plain_type(wanted)));
+    }
+    if raw.starts_with("wanted exactly 1 element") {
+        let help = "exactly one of them is wanted: remove the others";
+        return (
+            raw.replace("wanted exactly 1 element, found", "this table has").to_owned(),
+            help.to_owned(),
+        );
+    }
+    (raw.to_owned(), String::new())
+}
+
+/// Rust's name of a type in words.
+fn plain_type(wanted: &str) -> String {
+    match wanted {
+        "u32" | "u64" | "usize" => "a whole number, not negative, no quotes".to_owned(),
+        "f64" => "a number, no quotes".to_owned(),
+        "a string" => "text in quotes".to_owned(),
+        "a boolean" => "true or false".to_owned(),
+        "a sequence" => "a list [ … ]".to_owned(),
+        other => match other.strip_prefix("struct ") {
+            Some(_) => "a table { … }".to_owned(),
+            None if other.starts_with("enum ") => "a table with one key that names the kind".to_owned(),
+            None => other.to_owned(),
+        },
+    }
+}

@@ -1,0 +1,308 @@
+//! Solids, tensions, the contact line and expectations, resolved to SI.
+
+use super::resolve::Resolver;
+use super::*;
+use crate::error::{SceneError, nearest};
+use std::f64::consts::PI;
+
+impl Resolver {
+    pub fn solids(&mut self, files: &[SolidFile]) -> Result<Vec<Solid>, SceneError> {
+        let mut out: Vec<Solid> = Vec::new();
+        for (i, s) in files.iter().enumerate() {
+            let path = format!("solid.{i}");
+            let at = |key: &str| format!("{path}.{key}");
+            self.plain_name(&at("name"), &s.name)?;
+            if s.name == "liquid_air" {
+                let help = "`tension.liquid_air` is the liquid's surface";
+                return Err(self.error(&at("name"), "a solid cannot be called `liquid_air`", help));
+            }
+            if let Some(first) = out.iter().position(|o| o.name == s.name) {
+                let message = format!("two solids are called `{}`", s.name);
+                let help = format!("entry {first} (from 0) has that name already: rename one");
+                return Err(self.error(&at("name"), message, help));
+            }
+            let shape = self.shape(&at("shape"), &s.shape)?;
+            self.solid_inside(&at("shape"), &shape, &s.name)?;
+            let material = self.material(&at("material"), &s.material)?;
+            let still = matches!(material, Material::Rigid { fixed: true } | Material::Kinematic { .. });
+            let density = s.density.map(|d| self.positive(&at("density"), "the density", d.0)).transpose()?;
+            if density.is_none() && !still {
+                let message = format!("the density of `{}` is missing", s.name);
+                return Err(self.error(&path, message, "add `density = \"2.5 g/cm^3\"`"));
+            }
+            let mesh_edge = match s.mesh.as_ref().and_then(|m| m.edge) {
+                Some(e) => self.size_of(&at("mesh.edge"), "the edge length", e)?,
+                None => self.dx / 1.5,
+            };
+            let mut fixed = Vec::new();
+            for (j, f) in s.fixed.iter().enumerate() {
+                fixed.push(self.shape(&format!("{path}.fixed.{j}"), f)?);
+            }
+            let velocity = self.velocity(&at("velocity"), s.velocity.as_ref())?;
+            out.push(Solid { name: s.name.clone(), density, shape, mesh_edge, material, velocity, fixed });
+        }
+        Ok(out)
+    }
+
+    fn solid_inside(&self, path: &str, shape: &ShapeSpec, name: &str) -> Result<(), SceneError> {
+        let Some((lower, upper)) = shape.bounds(self.dim) else { return Ok(()) };
+        let slack = 1e-6 * self.dx;
+        for i in 0..self.dim {
+            let low = lower[i].is_finite() && lower[i] < -slack;
+            let high = upper[i].is_finite() && upper[i] > self.size[i] + slack;
+            if low || high || upper[i] <= 0.0 || lower[i] >= self.size[i] {
+                let axis = ["x", "y", "z"][i];
+                let message = format!(
+                    "the solid `{name}` is outside the domain: it reaches from {axis} = {} m to {} m",
+                    resolve::short(lower[i]),
+                    resolve::short(upper[i])
+                );
+                let help =
+                    format!("the domain reaches from {axis} = 0 m to {} m", resolve::short(self.size[i]));
+                return Err(self.error(path, message, help));
+            }
+        }
+        Ok(())
+    }
+
+    fn elastic(
+        &self,
+        path: &str,
+        young: Pressure,
+        poisson: f64,
+        damping: f64,
+    ) -> Result<Elastic, SceneError> {
+        let at = |key: &str| format!("{path}.{key}");
+        Ok(Elastic {
+            young_modulus: self.positive(&at("young_modulus"), "the Young modulus", young.0)?,
+            poisson_ratio: self.within(&at("poisson_ratio"), "the Poisson ratio", poisson, -0.99, 0.499)?,
+            damping_ratio: self.within(&at("damping_ratio"), "the damping ratio", damping, 0.0, 100.0)?,
+        })
+    }
+
+    fn material(&self, path: &str, m: &MaterialFile) -> Result<Material, SceneError> {
+        let at = |key: &str| format!("{path}.{key}");
+        let damping = |p: String, v: f64| self.within(&p, "the damping ratio", v, 0.0, 100.0);
+        Ok(match m {
+            MaterialFile::Rigid(r) => Material::Rigid { fixed: r.fixed },
+            MaterialFile::Kinematic(k) => self.kinematic(&at("kinematic"), k)?,
+            MaterialFile::Springs(s) => Material::Springs {
+                stiffness: self.positive(&at("springs.stiffness"), "the stiffness", s.stiffness.0)?,
+                damping_ratio: damping(at("springs.damping_ratio"), s.damping_ratio)?,
+            },
+            MaterialFile::NeoHookean(e) => Material::NeoHookean(self.elastic(
+                &at("neo_hookean"),
+                e.young_modulus,
+                e.poisson_ratio,
+                e.damping_ratio,
+            )?),
+            MaterialFile::Corotated(e) => Material::Corotated(self.elastic(
+                &at("corotated"),
+                e.young_modulus,
+                e.poisson_ratio,
+                e.damping_ratio,
+            )?),
+            MaterialFile::Shell(s) => Material::Shell {
+                elastic: self.elastic(&at("shell"), s.young_modulus, s.poisson_ratio, s.damping_ratio)?,
+                thickness: self.size_of(&at("shell.thickness"), "the thickness", s.thickness)?,
+            },
+            MaterialFile::Rod(s) => Material::Rod {
+                young_modulus: self.positive(
+                    &at("rod.young_modulus"),
+                    "the Young modulus",
+                    s.young_modulus.0,
+                )?,
+                radius: self.size_of(&at("rod.radius"), "the radius", s.radius)?,
+                damping_ratio: damping(at("rod.damping_ratio"), s.damping_ratio)?,
+            },
+        })
+    }
+
+    fn kinematic(&self, path: &str, k: &KinematicFile) -> Result<Material, SceneError> {
+        let turns = if self.dim == 2 { 1 } else { 3 };
+        let angular: Vec<f64> =
+            k.angular_velocity.as_ref().map_or(vec![0.0; turns], |w| w.iter().map(|x| x.0).collect());
+        if angular.len() != turns {
+            let message = format!("found {} entries of angular velocity", angular.len());
+            return Err(self.error(&format!("{path}.angular_velocity"), message, format!("give {turns}")));
+        }
+        let mut keyframes: Vec<(f64, Vec<f64>)> = Vec::new();
+        for (i, f) in k.keyframes.iter().flatten().enumerate() {
+            let p = format!("{path}.keyframes.{i}");
+            if keyframes.last().is_some_and(|l| l.0 >= f.time.0) {
+                let message = "the time of this keyframe is not after the one before";
+                return Err(self.error(&format!("{p}.time"), message, "sort the keyframes by time"));
+            }
+            keyframes.push((f.time.0, self.point(&format!("{p}.translate"), &f.translate)?));
+        }
+        if !keyframes.is_empty() && (k.velocity.is_some() || k.angular_velocity.is_some()) {
+            return Err(self.error(path, "both a velocity and keyframes are given", "remove one"));
+        }
+        let velocity = self.velocity(&format!("{path}.velocity"), k.velocity.as_ref())?;
+        Ok(Material::Kinematic { velocity, angular_velocity: angular, keyframes })
+    }
+
+    /// An error if no solid has this name.
+    fn known_solid(&self, path: &str, key: bool, name: &str, names: &[&str]) -> Result<(), SceneError> {
+        if names.contains(&name) {
+            return Ok(());
+        }
+        let near = nearest(name, names.iter().copied().chain(key.then_some("liquid_air")));
+        let near = near.map_or_else(String::new, |n| format!("did you mean `{n}`? "));
+        let list = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+        let error = SceneError::new(format!("there is no solid `{}`", name.escape_debug()))
+            .with_help(format!("{near}solids of this scene: {list}"));
+        Err(if key { self.source.at_key(error, path) } else { self.source.at_value(error, path) })
+    }
+
+    pub fn tension(&mut self, t: &TensionFile, names: &[&str]) -> Result<Tensions, SceneError> {
+        let liquid_air = self.positive("tension.liquid_air", "the tension", t.liquid_air.0)?;
+        let mut solids = Vec::new();
+        for (name, s) in &t.solids {
+            let path = format!("tension.{name}");
+            self.known_solid(&path, true, name, names)?;
+            let tension = match (s.liquid_solid, s.solid_air, s.contact_angle) {
+                (Some(ls), Some(sa), None) => SolidTension::Energies {
+                    liquid_solid: self.not_negative(&format!("{path}.liquid_solid"), "the tension", ls.0)?,
+                    solid_air: self.not_negative(&format!("{path}.solid_air"), "the tension", sa.0)?,
+                },
+                (None, None, Some(a)) => SolidTension::Angle(self.within(
+                    &format!("{path}.contact_angle"),
+                    "the contact angle (rad)",
+                    a.0,
+                    0.0,
+                    PI,
+                )?),
+                _ => {
+                    let help = "give `liquid_solid` and `solid_air`, or `contact_angle`";
+                    return Err(self.error(&path, "the tensions are not fixed by these keys", help));
+                }
+            };
+            let cosine = tension.young_cosine(liquid_air);
+            if cosine.abs() > 1.0 {
+                let state = if cosine > 0.0 { "wets it totally" } else { "does not wet it at all" };
+                self.warn(
+                    &path,
+                    format!("there is no Young angle (its cosine is {cosine:.3}): the liquid {state}"),
+                );
+            }
+            solids.push((name.clone(), tension));
+        }
+        solids.sort_by(|a, b| a.0.cmp(&b.0));
+        Ok(Tensions { liquid_air, solids })
+    }
+
+    pub fn contact_line(&mut self, c: &ContactLineFile, names: &[&str]) -> Result<ContactLine, SceneError> {
+        let path = "contact_line.friction";
+        let radius = c.radius.unwrap_or(Length { value: 3.0, in_cells: true });
+        let radius = self.size_of("contact_line.radius", "the radius", radius)?;
+        let (mut friction, mut friction_of) = (0.0, Vec::new());
+        match &c.friction {
+            Some(Either::Text(f)) => friction = self.not_negative(path, "the friction", f.0)?,
+            Some(Either::Rich(list)) => {
+                for (name, f) in &list.0 {
+                    let p = format!("{path}.{name}");
+                    self.known_solid(&p, true, name, names)?;
+                    friction_of.push((name.clone(), self.not_negative(&p, "the friction", f.0)?));
+                }
+                friction_of.sort_by(|a, b| a.0.cmp(&b.0));
+            }
+            None => {}
+        }
+        let hysteresis = c.hysteresis.as_ref().map(|h| (h.advancing.0, h.receding.0));
+        if let Some((advancing, receding)) = hysteresis {
+            let p = "contact_line.hysteresis";
+            self.within(&format!("{p}.advancing"), "the advancing angle (rad)", advancing, 0.0, PI)?;
+            self.within(&format!("{p}.receding"), "the receding angle (rad)", receding, 0.0, advancing)?;
+        }
+        Ok(ContactLine { enabled: c.enabled.unwrap_or(true), radius, friction, friction_of, hysteresis })
+    }
+
+    pub fn expect(&mut self, e: &ExpectFile, names: &[&str]) -> Result<Vec<Expectation>, SceneError> {
+        let bound = |key: &str, m: MaxFile| self.not_negative(&format!("expect.{key}.max"), "a bound", m.max);
+        let mut out = Vec::new();
+        if let Some(m) = e.volume_drift {
+            out.push(Expectation::VolumeDrift { max: bound("volume_drift", m)? });
+        }
+        if let Some(m) = e.momentum_error {
+            out.push(Expectation::MomentumError { max: bound("momentum_error", m)? });
+        }
+        if let Some(m) = e.energy_growth {
+            out.push(Expectation::EnergyGrowth { max: bound("energy_growth", m)? });
+        }
+        if let Some(m) = e.max_speed {
+            out.push(Expectation::MaxSpeed {
+                max: self.not_negative("expect.max_speed.max", "a bound", m.max.0)?,
+            });
+        }
+        if let Some(p) = e.period {
+            let value = self.positive("expect.period.value", "the period", p.value.0)?;
+            let tolerance = self.positive("expect.period.tolerance", "the tolerance", p.tolerance)?;
+            out.push(Expectation::Period { mode: p.mode, value, tolerance });
+        }
+        if let Some(p) = e.frequency {
+            let value = self.positive("expect.frequency.value", "the frequency", p.value.0)?;
+            let tolerance = self.positive("expect.frequency.tolerance", "the tolerance", p.tolerance)?;
+            out.push(Expectation::Frequency { mode: p.mode, value, tolerance });
+        }
+        self.expect_liquid(e, &mut out)?;
+        self.expect_solids(e, names, &mut out)?;
+        Ok(out)
+    }
+
+    fn expect_liquid(&self, e: &ExpectFile, out: &mut Vec<Expectation>) -> Result<(), SceneError> {
+        if let Some(d) = e.drops {
+            let (min, max) = match (d.count, d.min, d.max) {
+                (Some(n), None, None) => (n, n),
+                (None, min, max) if min.is_some() || max.is_some() => {
+                    (min.unwrap_or(0), max.unwrap_or(u32::MAX))
+                }
+                _ => {
+                    let help = "give `count`, or `min` and/or `max`";
+                    return Err(self.error("expect.drops", "the number of drops is not fixed", help));
+                }
+            };
+            if min > max {
+                let message = format!("`max` ({max}) is below `min` ({min})");
+                return Err(self.error("expect.drops.max", message, "swap them"));
+            }
+            out.push(Expectation::Drops { min, max });
+        }
+        for (i, r) in e.reach.iter().enumerate() {
+            let p = if e.reach.len() == 1 { "expect.reach".to_owned() } else { format!("expect.reach.{i}") };
+            if self.dim == 2 && matches!(r.side, Side::Front | Side::Back) {
+                let help = "accepted: left, right, bottom, top";
+                return Err(self.error(&format!("{p}.side"), "no such side in 2 dimensions", help));
+            }
+            let tolerance = self.size_of(&format!("{p}.tolerance"), "the tolerance", r.tolerance)?;
+            out.push(Expectation::Reach { side: r.side, value: r.value.resolve(self.dx), tolerance });
+        }
+        Ok(())
+    }
+
+    fn expect_solids(
+        &self,
+        e: &ExpectFile,
+        names: &[&str],
+        out: &mut Vec<Expectation>,
+    ) -> Result<(), SceneError> {
+        for (i, c) in e.contact_angle.iter().enumerate() {
+            let many = e.contact_angle.len() > 1;
+            let p =
+                if many { format!("expect.contact_angle.{i}") } else { "expect.contact_angle".to_owned() };
+            self.known_solid(&format!("{p}.solid"), false, &c.solid, names)?;
+            let value = self.within(&format!("{p}.value"), "the angle (rad)", c.value.0, 0.0, PI)?;
+            let tolerance = self.positive(&format!("{p}.tolerance"), "the tolerance", c.tolerance.0)?;
+            out.push(Expectation::ContactAngle { solid: c.solid.clone(), value, tolerance });
+        }
+        for (i, name) in e.floats.iter().enumerate() {
+            self.known_solid(&format!("expect.floats.{i}"), false, name, names)?;
+            out.push(Expectation::Floats { solid: name.clone() });
+        }
+        for (i, name) in e.sinks.iter().enumerate() {
+            self.known_solid(&format!("expect.sinks.{i}"), false, name, names)?;
+            out.push(Expectation::Sinks { solid: name.clone() });
+        }
+        Ok(())
+    }
+}

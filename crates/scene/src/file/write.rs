@@ -1,0 +1,302 @@
+//! A resolved scene written as a scene file again: reading it gives the same scene.
+
+use super::*;
+use crate::error::{ErrorKind, SceneError};
+
+impl Scene {
+    /// The scene as run: SI, defaults and overrides filled in. Reading it gives the identical scene.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the text cannot be written; no valid scene leads to it.
+    pub fn to_toml(&self) -> Result<String, SceneError> {
+        let body = toml::to_string(&self.to_file()).map_err(|e| SceneError {
+            kind: ErrorKind::Io,
+            ..SceneError::new(format!("the scene cannot be written: {e}"))
+        })?;
+        Ok(format!("# As run: every default and override filled in, SI units.\n{body}"))
+    }
+
+    /// The scene in the grammar of a scene file.
+    pub fn to_file(&self) -> SceneFile {
+        SceneFile {
+            format: 1,
+            name: self.name.clone(),
+            based_on: self.based_on.clone(),
+            description: self.description.clone(),
+            cost: self.cost.clone(),
+            domain: domain(&self.domain),
+            liquid: LiquidFile {
+                density: Density(self.liquid.density),
+                kinematic_viscosity: Some(KinematicViscosity(self.liquid.kinematic_viscosity)),
+                dynamic_viscosity: None,
+                gravity: Some(self.liquid.gravity.iter().map(|&g| Acceleration(g)).collect()),
+                body: self.liquid.bodies.iter().map(body).collect(),
+            },
+            solid: self.solids.iter().map(solid).collect(),
+            tension: tension(&self.tension),
+            contact_line: Some(contact_line(&self.contact_line)),
+            numerics: numerics(&self.numerics),
+            output: OutputFile {
+                duration: Time(self.output.duration),
+                frame_interval: Some(Time(self.output.frame_interval)),
+                formats: Some(self.output.formats.clone()),
+                checkpoint_every: u32::try_from(self.output.checkpoint_every).ok(),
+            },
+            expect: Some(expect(&self.expect)),
+        }
+    }
+}
+
+fn lengths(v: &[f64]) -> Vec<Length> {
+    v.iter().map(|&x| Length::metres(x)).collect()
+}
+
+fn speeds(v: &[f64]) -> Vec<Speed> {
+    v.iter().map(|&x| Speed(x)).collect()
+}
+
+fn whole(n: usize) -> Option<u32> {
+    u32::try_from(n).ok()
+}
+
+fn domain(d: &Domain) -> DomainFile {
+    let last = d.dimension - 1;
+    let deep = d.dimension == 3;
+    DomainFile {
+        dimension: d.dimension as u32,
+        size: lengths(&d.size),
+        resolution: d.cells.iter().max().and_then(|&n| whole(n)),
+        dx: None,
+        quality: None,
+        walls: WallsFile {
+            all: None,
+            left: Some(d.walls[0][0]),
+            right: Some(d.walls[0][1]),
+            front: deep.then(|| d.walls[1][0]),
+            back: deep.then(|| d.walls[1][1]),
+            bottom: Some(d.walls[last][0]),
+            top: Some(d.walls[last][1]),
+        },
+        wall_contact_angle: Some(Angle(d.wall_contact_angle)),
+    }
+}
+
+fn body(b: &Body) -> BodyFile {
+    BodyFile { shape: shape(&b.shape), velocity: Some(speeds(&b.velocity)) }
+}
+
+/// Nothing is written for no rotation; else the form follows the number of dimensions.
+fn rotation(r: &Rotation, dim: usize) -> Option<RotationFile> {
+    if *r == Rotation::NONE {
+        None
+    } else if dim == 2 {
+        Some(Either::Text(Angle(r.angle)))
+    } else {
+        Some(Either::Rich(AxisAngleFile { axis: r.axis.to_vec(), angle: Angle(r.angle) }))
+    }
+}
+
+fn shape(s: &ShapeSpec) -> ShapeFile {
+    let m = Length::metres;
+    match s {
+        ShapeSpec::Ball { center, radius } => {
+            ShapeFile::Ball(BallFile { center: lengths(center), radius: m(*radius) })
+        }
+        ShapeSpec::Box { center, half_size, rotation: r } => ShapeFile::Box(BoxFile {
+            center: Some(lengths(center)),
+            size: Some(half_size.iter().map(|h| m(2.0 * h)).collect()),
+            rotation: rotation(r, center.len()),
+            ..BoxFile::default()
+        }),
+        ShapeSpec::HalfSpace { point, normal } => {
+            ShapeFile::HalfSpace(HalfSpaceFile { point: lengths(point), normal: normal.clone() })
+        }
+        ShapeSpec::Cylinder { center, axis, radius, height } => ShapeFile::Cylinder(CylinderFile {
+            center: lengths(center),
+            axis: axis.clone(),
+            radius: m(*radius),
+            height: m(*height),
+        }),
+        ShapeSpec::Capsule { a, b, radius } => {
+            ShapeFile::Capsule(CapsuleFile { a: lengths(a), b: lengths(b), radius: m(*radius) })
+        }
+        ShapeSpec::Ellipsoid { center, radii, rotation: r } => ShapeFile::Ellipsoid(EllipsoidFile {
+            center: lengths(center),
+            radii: lengths(radii),
+            rotation: rotation(r, center.len()),
+        }),
+        ShapeSpec::PerturbedBall { center, radius, mode, amplitude } => {
+            ShapeFile::PerturbedBall(PerturbedBallFile {
+                center: lengths(center),
+                radius: m(*radius),
+                mode: *mode,
+                amplitude: *amplitude,
+            })
+        }
+        ShapeSpec::Wave { level, amplitude, wavelength, phase } => ShapeFile::Wave(WaveFile {
+            level: m(*level),
+            amplitude: m(*amplitude),
+            wavelength: m(*wavelength),
+            phase: Some(Angle(*phase)),
+        }),
+        ShapeSpec::Union(list) => ShapeFile::Union(list.iter().map(shape).collect()),
+        ShapeSpec::Difference { of, minus } => {
+            ShapeFile::Difference(DifferenceFile { of: Box::new(shape(of)), minus: Box::new(shape(minus)) })
+        }
+        ShapeSpec::Extrusion { .. } | ShapeSpec::Mesh { .. } => shape_3d(s),
+    }
+}
+
+fn shape_3d(s: &ShapeSpec) -> ShapeFile {
+    match s {
+        ShapeSpec::Extrusion { outline, thickness, center, rotation: r } => {
+            let (outline, size) = match outline {
+                Outline::Named(name, size) => (Either::Text(*name), Some(Length::metres(*size))),
+                Outline::Points(p) => (Either::Rich(p.iter().map(|q| lengths(q)).collect()), None),
+            };
+            ShapeFile::Extrusion(ExtrusionFile {
+                outline,
+                size,
+                thickness: Length::metres(*thickness),
+                center: lengths(center),
+                rotation: rotation(r, 3),
+            })
+        }
+        ShapeSpec::Mesh { path, scale, translate, rotation: r } => ShapeFile::Mesh(MeshFile {
+            file: path.display().to_string(),
+            scale: Some(MeshScale(*scale)),
+            translate: Some(lengths(translate)),
+            rotation: rotation(r, 3),
+        }),
+        other => shape(other),
+    }
+}
+
+fn elastic(e: &Elastic) -> ElasticFile {
+    ElasticFile {
+        young_modulus: Pressure(e.young_modulus),
+        poisson_ratio: e.poisson_ratio,
+        damping_ratio: e.damping_ratio,
+    }
+}
+
+fn solid(s: &Solid) -> SolidFile {
+    let material = match &s.material {
+        Material::Rigid { fixed } => MaterialFile::Rigid(RigidFile { fixed: *fixed }),
+        Material::Kinematic { velocity, angular_velocity, keyframes } => {
+            let moved = keyframes.is_empty();
+            let frame = |(t, x): &(f64, Vec<f64>)| KeyframeFile { time: Time(*t), translate: lengths(x) };
+            MaterialFile::Kinematic(KinematicFile {
+                velocity: moved.then(|| speeds(velocity)),
+                angular_velocity: moved
+                    .then(|| angular_velocity.iter().map(|&w| AngularVelocity(w)).collect()),
+                keyframes: (!moved).then(|| keyframes.iter().map(frame).collect()),
+            })
+        }
+        Material::Springs { stiffness, damping_ratio } => MaterialFile::Springs(SpringsFile {
+            stiffness: Tension(*stiffness),
+            damping_ratio: *damping_ratio,
+        }),
+        Material::NeoHookean(e) => MaterialFile::NeoHookean(elastic(e)),
+        Material::Corotated(e) => MaterialFile::Corotated(elastic(e)),
+        Material::Shell { elastic: e, thickness } => MaterialFile::Shell(ShellFile {
+            young_modulus: Pressure(e.young_modulus),
+            poisson_ratio: e.poisson_ratio,
+            thickness: Length::metres(*thickness),
+            damping_ratio: e.damping_ratio,
+        }),
+        Material::Rod { young_modulus, radius, damping_ratio } => MaterialFile::Rod(RodFile {
+            young_modulus: Pressure(*young_modulus),
+            radius: Length::metres(*radius),
+            damping_ratio: *damping_ratio,
+        }),
+    };
+    SolidFile {
+        name: s.name.clone(),
+        density: s.density.map(Density),
+        shape: shape(&s.shape),
+        mesh: Some(SolidMeshFile { edge: Some(Length::metres(s.mesh_edge)) }),
+        material,
+        velocity: Some(speeds(&s.velocity)),
+        fixed: s.fixed.iter().map(shape).collect(),
+    }
+}
+
+fn tension(t: &Tensions) -> TensionFile {
+    let of = |s: &SolidTension| match s {
+        SolidTension::Energies { liquid_solid, solid_air } => SolidTensionFile {
+            liquid_solid: Some(Tension(*liquid_solid)),
+            solid_air: Some(Tension(*solid_air)),
+            contact_angle: None,
+        },
+        SolidTension::Angle(a) => {
+            SolidTensionFile { contact_angle: Some(Angle(*a)), ..SolidTensionFile::default() }
+        }
+    };
+    let solids = t.solids.iter().map(|(n, s)| (n.clone(), of(s))).collect();
+    TensionFile { liquid_air: Tension(t.liquid_air), solids }
+}
+
+fn contact_line(c: &ContactLine) -> ContactLineFile {
+    let friction = if c.friction_of.is_empty() {
+        Either::Text(DynamicViscosity(c.friction))
+    } else {
+        Either::Rich(Named(c.friction_of.iter().map(|(n, f)| (n.clone(), DynamicViscosity(*f))).collect()))
+    };
+    ContactLineFile {
+        enabled: Some(c.enabled),
+        radius: Some(Length::metres(c.radius)),
+        friction: Some(friction),
+        hysteresis: c.hysteresis.map(|(a, r)| HysteresisFile { advancing: Angle(a), receding: Angle(r) }),
+    }
+}
+
+fn numerics(n: &Numerics) -> NumericsFile {
+    NumericsFile {
+        scheme: Some(n.scheme),
+        cfl: Some(n.cfl),
+        max_step: n.max_step.is_finite().then_some(Time(n.max_step)),
+        tolerance: Some(n.tolerance),
+        max_iterations: whole(n.max_iterations),
+        capillary_step: Some(n.capillary_step),
+        fixed_step: n.fixed_step.map(Time),
+        restore_momentum: Some(n.restore_momentum),
+        threads: n.threads.and_then(whole),
+    }
+}
+
+fn expect(list: &[Expectation]) -> ExpectFile {
+    let mut e = ExpectFile::default();
+    for item in list {
+        match item {
+            Expectation::VolumeDrift { max } => e.volume_drift = Some(MaxFile { max: *max }),
+            Expectation::MomentumError { max } => e.momentum_error = Some(MaxFile { max: *max }),
+            Expectation::EnergyGrowth { max } => e.energy_growth = Some(MaxFile { max: *max }),
+            Expectation::MaxSpeed { max } => e.max_speed = Some(MaxSpeedFile { max: Speed(*max) }),
+            Expectation::Period { mode, value, tolerance } => {
+                e.period = Some(PeriodFile { mode: *mode, value: Time(*value), tolerance: *tolerance });
+            }
+            Expectation::Frequency { mode, value, tolerance } => {
+                let value = Frequency(*value);
+                e.frequency = Some(FrequencyFile { mode: *mode, value, tolerance: *tolerance });
+            }
+            Expectation::ContactAngle { solid, value, tolerance } => e.contact_angle.push(ContactAngleFile {
+                solid: solid.clone(),
+                value: Angle(*value),
+                tolerance: Angle(*tolerance),
+            }),
+            Expectation::Drops { min, max } => {
+                let max = (*max < u32::MAX).then_some(*max);
+                e.drops = Some(DropsFile { count: None, min: Some(*min), max });
+            }
+            Expectation::Reach { side, value, tolerance } => e.reach.push(ReachFile {
+                side: *side,
+                value: Length::metres(*value),
+                tolerance: Length::metres(*tolerance),
+            }),
+            Expectation::Floats { solid } => e.floats.push(solid.clone()),
+            Expectation::Sinks { solid } => e.sinks.push(solid.clone()),
+        }
+    }
+    e
+}
