@@ -3,6 +3,7 @@
 //! A case is a [`Case`] in a file of its own under `cases`, listed in `cases/mod.rs`.
 
 pub mod cases;
+pub mod pressure_bench;
 pub mod report;
 
 use serde::Serialize;
@@ -135,4 +136,3 @@ impl Case {
         }
     }
 }
-pub mod pressure_bench;

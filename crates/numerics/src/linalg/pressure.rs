@@ -38,7 +38,7 @@ pub struct PressureSolver<const D: usize> {
     /// Entries of the cells whose row is all zeros.
     isolated: Vec<usize>,
     /// The runs of each component that has no Dirichlet value, and the number of cells of it that are not isolated.
-    floating: Vec<(Vec<Run>, usize)>,
+    pub(super) floating: Vec<(Vec<Run>, usize)>,
 }
 
 impl<const D: usize> PressureSolver<D> {
