@@ -1,9 +1,10 @@
 //! Where the vertex of a surface-nets cube lies.
 //!
-//! Within the cube the level set is the product cubic (Lagrange, four points along each axis) of the cell values;
-//! beyond a wall it is continued linearly. The vertex starts at the mean of the crossings of the cube's edges, the
-//! crossings being roots of the cubic along the edge, then steps twice by $-\varphi \nabla\varphi / |\nabla\varphi|^2$
-//! and is kept in the cube. In a padded cube (one at a wall) the coordinate across the wall is fixed in its plane.
+//! Within the cube the level set is the product cubic (Lagrange, four points along each axis) of the cell
+//! values; beyond a wall it is continued linearly. The vertex starts at the mean of the crossings of the
+//! cube's edges, the crossings being roots of the cubic along the edge, then steps twice by $-\varphi
+//! \nabla\varphi / |\nabla\varphi|^2$ and is kept in the cube. In a padded cube (one at a wall) the
+//! coordinate across the wall is fixed in its plane.
 
 use super::isosurface::{CONTACT_LINE, LIQUID_AIR, LIQUID_SOLID};
 use crate::Vector;
@@ -81,7 +82,8 @@ impl<const D: usize> Patch<D> {
         patch
     }
 
-    /// Overwrites the points beyond a wall along an axis by linear continuation of the two cells next to the wall.
+    /// Overwrites the points beyond a wall along an axis by linear continuation of the two cells next to the
+    /// wall.
     fn continue_linearly(&mut self, axis: usize, at: usize, extent: usize) {
         if extent < 2 {
             return;
@@ -98,7 +100,8 @@ impl<const D: usize> Patch<D> {
         }
     }
 
-    /// Mean of the crossings of the edges between two cells of different kind, in the cube's coordinates 0..1.
+    /// Mean of the crossings of the edges between two cells of different kind, in the cube's coordinates
+    /// 0..1.
     fn mean_crossing(&self, corners: u8, real: &[bool; 8]) -> Vector<D> {
         let (mut sum, mut count) = (Vector::<D>::zeros(), 0.0);
         for a in 0..D {
@@ -164,8 +167,8 @@ fn weights(s: f64) -> [[f64; 4]; 2] {
     [value, slope]
 }
 
-/// The crossing between the second and the third of four values: a root of their cubic, 0..1. Midway if those two do
-/// not differ in sign.
+/// The crossing between the second and the third of four values: a root of their cubic, 0..1. Midway if those
+/// two do not differ in sign.
 fn root(v: [f64; 4]) -> f64 {
     if (v[1] < 0.0) == (v[2] < 0.0) {
         return 0.5;

@@ -1,9 +1,9 @@
-//! Reading closed surfaces from files: `.obj`, `.stl` and `.ply` in 3D, closed polylines (`.obj` elements `l`, `.ply`
-//! edges) in 2D. Coordinates are taken as metres.
+//! Reading closed surfaces from files: `.obj`, `.stl` and `.ply` in 3D, closed polylines (`.obj` elements
+//! `l`, `.ply` edges) in 2D. Coordinates are taken as metres.
 //!
-//! Vertices at one place are welded (STL repeats them per triangle, OBJ per group), facets that vanish thereby are
-//! dropped, a surface that is inside out is turned. A polyline's direction means nothing: its outermost loops are
-//! filled, loops within them are holes, and so on.
+//! Vertices at one place are welded (STL repeats them per triangle, OBJ per group), facets that vanish
+//! thereby are dropped, a surface that is inside out is turned. A polyline's direction means nothing: its
+//! outermost loops are filled, loops within them are holes, and so on.
 
 use super::SurfaceMesh;
 use super::ply::{PlyError, PlyMesh};
@@ -45,7 +45,7 @@ pub enum ImportError {
         accepted: &'static str,
     },
     /// There is nothing in it.
-    #[error("{}: holds no {element}; a {dimension}D scene needs a closed surface made of them", path.display())]
+    #[error("{}: holds no {element}; a {dimension}D scene needs a closed surface of them", path.display())]
     Empty {
         /// The file.
         path: PathBuf,
@@ -142,8 +142,8 @@ pub fn load<const D: usize>(path: &Path) -> Result<SurfaceMesh<D>, ImportError> 
     from_raw(path, raw, tolerance)
 }
 
-/// Checks what a file holds and makes an outward closed surface of it. `tolerance` is the weld distance over the
-/// diagonal of the mesh.
+/// Checks what a file holds and makes an outward closed surface of it. `tolerance` is the weld distance over
+/// the diagonal of the mesh.
 fn from_raw<const D: usize>(
     path: &Path,
     (points, facets): Raw,

@@ -1,16 +1,17 @@
 //! The liquid's surface from a level set on the grid, by surface nets.
 //!
-//! The lattice of cell centres is padded by one ring of air beyond the walls. Each *cube* between $2^D$ neighbouring
-//! lattice points that are not all on one side carries one vertex, each lattice edge between liquid and air one dual
-//! facet through the vertices of the $2^{D-1}$ cubes around it (S. Gibson, "Constrained elastic surface nets", MICCAI
-//! 1998, extended by a projection onto the zero set; see `dual_vertex.rs`). The facet is a segment
-//! in 2D, in 3D a quad cut along its shorter diagonal. A vertex of a padded cube lies in the wall plane, so that liquid
-//! at a wall is closed by facets exactly in that plane. Each vertex stays in its cube: facets of different cubes do
-//! not fold over.
+//! The lattice of cell centres is padded by one ring of air beyond the walls. Each *cube* between $2^D$
+//! neighbouring lattice points that are not all on one side carries one vertex, each lattice edge between
+//! liquid and air one dual facet through the vertices of the $2^{D-1}$ cubes around it (S. Gibson,
+//! "Constrained elastic surface nets", MICCAI 1998, extended by a projection onto the zero set; see
+//! `dual_vertex.rs`). The facet is a segment in 2D, in 3D a quad cut along its shorter diagonal. A vertex of
+//! a padded cube lies in the wall plane, so that liquid at a wall is closed by facets exactly in that plane.
+//! Each vertex stays in its cube: facets of different cubes do not fold over.
 //!
-//! Liquid is given as runs; each row of cubes is walked from change to change of the $2^{D-1}$ rows of cells around it,
-//! so that the cost follows the liquid's surface and its number of runs, not the box. Vertices are numbered by cube,
-//! facets by the lattice edge's lower end: the result does not depend on the number of threads.
+//! Liquid is given as runs; each row of cubes is walked from change to change of the $2^{D-1}$ rows of cells
+//! around it, so that the cost follows the liquid's surface and its number of runs, not the box. Vertices are
+//! numbered by cube, facets by the lattice edge's lower end: the result does not depend on the number of
+//! threads.
 //!
 //! Known limit: a cube has one vertex, so that two sheets of surface within one cube touch there.
 
@@ -188,7 +189,8 @@ impl<'a, const D: usize> Rows<'a, D> {
         block * ROWS..((block + 1) * ROWS).min(self.count())
     }
 
-    /// The runs in the rows of cells around a row of cubes; bit `a - 1` of the position is the side along axis `a`.
+    /// The runs in the rows of cells around a row of cubes; bit `a - 1` of the position is the side along
+    /// axis `a`.
     fn around(&self, row: usize) -> [&'a [Run]; 4] {
         let at = self.at(row);
         let cells = &self.phi.grid.cells;
@@ -235,7 +237,8 @@ impl<'a, const D: usize> Rows<'a, D> {
             if to == u32::MAX {
                 break;
             }
-            // Cubes between cells of one pattern: from + 1 .. to (the cube at `from` was added with the change).
+            // Cubes between cells of one pattern: from + 1 .. to (the cube at `from` was added with the
+            // change).
             if before != 0 && before != full {
                 (from + 1..to).for_each(|c| push(out, &mut open, c, spread(before) * 3));
             }
@@ -355,8 +358,8 @@ impl<'a> Below<'a> {
         }
     }
 
-    /// The vertex of the cube `step` (bit a: one down along axis a) from cube `c` of the row. Asked for with `c`
-    /// rising.
+    /// The vertex of the cube `step` (bit a: one down along axis a) from cube `c` of the row. Asked for with
+    /// `c` rising.
     fn vertex(&mut self, c: u32, step: usize) -> u32 {
         let (c, q) = (c - (step as u32 & 1), step >> 1);
         // One cube of slack: the next question may be about the cube before this one.

@@ -144,7 +144,8 @@ fn isosurface_of_a_tank_is_exact() {
 
 #[test]
 fn isosurface_meets_the_wall_at_the_angle_of_the_level_set() {
-    // A cap on the floor: the contact line is the circle of the sphere in the plane of the wall, to second order.
+    // A cap on the floor: the contact line is the circle of the sphere in the plane of the wall, to second
+    // order.
     let error = |n: usize| {
         let center = Vector::from([0.5, 0.5, 0.1]);
         let s = surface(&field(Grid::<3>::new([n; 3], 1.0 / n as f64), |x| (x - center).norm() - 0.3));

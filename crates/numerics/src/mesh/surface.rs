@@ -4,8 +4,8 @@ use crate::{Matrix, Vector};
 
 /// A surface of facets with their outward side known by the order of their vertices.
 ///
-/// In 3D a facet's vertices run counter-clockwise as seen from outside; in 2D the inside lies to the left of the edge
-/// from the first vertex to the second, so that the outward normal is `(dy, -dx)`.
+/// In 3D a facet's vertices run counter-clockwise as seen from outside; in 2D the inside lies to the left of
+/// the edge from the first vertex to the second, so that the outward normal is `(dy, -dx)`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceMesh<const D: usize> {
     /// Vertices, m.
@@ -30,8 +30,8 @@ impl<const D: usize> SurfaceMesh<D> {
         crate::par::sum(self.facets.len(), |f| self.area_vector(f).norm())
     }
 
-    /// Enclosed volume by the divergence theorem, $\frac1D \oint x \cdot n\, dA$, m³ (2D: m²). Positive if the
-    /// surface is closed and outward; positions are taken from its first vertex to keep digits.
+    /// Enclosed volume by the divergence theorem, $\frac1D \oint x \cdot n\, dA$, m³ (2D: m²). Positive if
+    /// the surface is closed and outward; positions are taken from its first vertex to keep digits.
     pub fn volume(&self) -> f64 {
         let Some(&origin) = self.positions.first() else { return 0.0 };
         let facet = |f: usize| {
@@ -41,13 +41,14 @@ impl<const D: usize> SurfaceMesh<D> {
         crate::par::sum(self.facets.len(), facet) / D as f64
     }
 
-    /// Whether the surface is closed and consistently oriented: each ridge (2D: vertex, 3D: edge) is passed as often
-    /// in one direction as in the other. An empty surface is.
+    /// Whether the surface is closed and consistently oriented: each ridge (2D: vertex, 3D: edge) is passed
+    /// as often in one direction as in the other. An empty surface is.
     pub fn is_watertight(&self) -> bool {
         self.open_ridges() == 0
     }
 
-    /// Number of ridges (2D: vertices, 3D: edges) that keep the surface from being closed and consistently oriented.
+    /// Number of ridges (2D: vertices, 3D: edges) that keep the surface from being closed and consistently
+    /// oriented.
     pub fn open_ridges(&self) -> usize {
         self.ridges().chunk_by(|a, b| a.0 == b.0).filter(|c| c.iter().map(|r| r.1).sum::<i32>() != 0).count()
     }
@@ -69,7 +70,8 @@ impl<const D: usize> SurfaceMesh<D> {
         ridges
     }
 
-    /// The surface scaled, then rotated, then moved by `translate` (m). A mirror image is turned outward again.
+    /// The surface scaled, then rotated, then moved by `translate` (m). A mirror image is turned outward
+    /// again.
     pub fn transformed(mut self, scale: f64, rotation: &Matrix<D>, translate: &Vector<D>) -> Self {
         let map = rotation * scale;
         let before = self.volume();
@@ -80,7 +82,8 @@ impl<const D: usize> SurfaceMesh<D> {
         self
     }
 
-    /// Lower and upper corner of the box around all vertices, m. An empty surface has an inverted, infinite box.
+    /// Lower and upper corner of the box around all vertices, m. An empty surface has an inverted, infinite
+    /// box.
     pub fn bounds(&self) -> (Vector<D>, Vector<D>) {
         let start = (Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY));
         self.positions.iter().fold(start, |(l, u), p| (l.inf(p), u.sup(p)))

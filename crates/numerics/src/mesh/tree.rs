@@ -1,9 +1,10 @@
 //! A tree of boxes over the facets of a surface: closest point and winding number.
 //!
-//! The winding number (A. Jacobson, L. Kavan and O. Sorkine-Hornung, ACM Trans. Graph. 32 (2013) 33) counts how often
-//! the surface wraps around a point: 1 inside, 0 outside, in between only within a hole. Facets further away than twice
-//! the radius of their box act through the sum of their area vectors, a dipole (G. Barill et al., ACM Trans. Graph. 37
-//! (2018) 43), so that a query costs about the logarithm of the number of facets.
+//! The winding number (A. Jacobson, L. Kavan and O. Sorkine-Hornung, ACM Trans. Graph. 32 (2013) 33) counts
+//! how often the surface wraps around a point: 1 inside, 0 outside, in between only within a hole. Facets
+//! further away than twice the radius of their box act through the sum of their area vectors, a dipole (G.
+//! Barill et al., ACM Trans. Graph. 37 (2018) 43), so that a query costs about the logarithm of the number of
+//! facets.
 
 use super::surface::{SurfaceMesh, area_vector};
 use crate::Vector;
@@ -92,7 +93,8 @@ impl<const D: usize> FacetTree<D> {
         self.nodes[index].after = self.nodes.len() as u32;
     }
 
-    /// The closest point to `x` (m) nearer than `within` (m); of equally near ones the first in the tree's order.
+    /// The closest point to `x` (m) nearer than `within` (m); of equally near ones the first in the tree's
+    /// order.
     pub fn closest(&self, x: &Vector<D>, within: f64) -> Option<Closest<D>> {
         let mut best: Option<Closest<D>> = None;
         let mut bound = within * within;
@@ -218,7 +220,8 @@ fn facet_winding<const D: usize>(corners: &[Vector<D>; D], x: &Vector<D>) -> f64
     volume.atan2(na * nb * nc + a.dot(&b) * nc + b.dot(&c) * na + c.dot(&a) * nb) / (2.0 * PI)
 }
 
-/// The closest point of a facet and its barycentric weights (C. Ericson, Real-Time Collision Detection, 2005, §5.1.5).
+/// The closest point of a facet and its barycentric weights (C. Ericson, Real-Time Collision Detection, 2005,
+/// §5.1.5).
 pub fn closest_on_facet<const D: usize>(corners: &[Vector<D>; D], x: &Vector<D>) -> (Vector<D>, [f64; D]) {
     let weights = if D == 2 {
         let t = along(&corners[0], &corners[1], x);

@@ -1,14 +1,15 @@
 //! How much of a cube lies below a plane: exact clipping in two and three dimensions.
 //!
-//! With $m_a = |g_a|$ sorted upwards and $\alpha = \tfrac12 \sum_a m_a - |\varphi_0|$, the smaller of the two parts
-//! of the unit cube is the volume of $\{y \in [0,1]^D : m \cdot y < \alpha\}$. The closed forms are those of
-//! R. Scardovelli and S. Zaleski, J. Comput. Phys. 164 (2000) 228–237, rearranged so that no difference of nearly
-//! equal numbers is divided by a small $m_a$: any gradient, however close to an axis, keeps full precision.
+//! With $m_a = |g_a|$ sorted upwards and $\alpha = \tfrac12 \sum_a m_a - |\varphi_0|$, the smaller of the two
+//! parts of the unit cube is the volume of $\{y \in [0,1]^D : m \cdot y < \alpha\}$. The closed forms are
+//! those of R. Scardovelli and S. Zaleski, J. Comput. Phys. 164 (2000) 228–237, rearranged so that no
+//! difference of nearly equal numbers is divided by a small $m_a$: any gradient, however close to an axis,
+//! keeps full precision.
 
 /// The fraction of a cube in which a linear function is negative, between 0 and 1.
 ///
-/// `value_at_centre` is the function at the cube's centre and `gradient_times_dx` its gradient times the cube's side,
-/// both in the function's unit. A function that is zero throughout gives one half.
+/// `value_at_centre` is the function at the cube's centre and `gradient_times_dx` its gradient times the
+/// cube's side, both in the function's unit. A function that is zero throughout gives one half.
 ///
 /// ```
 /// use meniscus_numerics::shape::plane_box_fraction;
@@ -35,7 +36,8 @@ fn corner_area(m1: f64, m2: f64, alpha: f64) -> f64 {
     if alpha < m1 { (alpha / m1) * (alpha / m2) * 0.5 } else { (alpha - 0.5 * m1) / m2 }
 }
 
-/// Volume of `{m1 x + m2 y + m3 z < alpha}` in the unit cube; `m1 <= m2 <= m3`, `0 < alpha <= (m1 + m2 + m3) / 2`.
+/// Volume of `{m1 x + m2 y + m3 z < alpha}` in the unit cube; `m1 <= m2 <= m3`, `0 < alpha <= (m1 + m2 + m3)
+/// / 2`.
 fn corner_volume(m1: f64, m2: f64, m3: f64, alpha: f64) -> f64 {
     if alpha < m1 {
         return (alpha / m1) * (alpha / m2) * (alpha / m3) / 6.0;

@@ -1,8 +1,8 @@
 //! Shapes that fill the domain at the start of a run, and exact fractions of cut cells.
 //!
-//! Each shape knows its signed distance, negative inside. Ball, box, half space, cylinder, capsule, ellipsoid,
-//! perturbed ball and mesh give the true distance everywhere; unions and differences take the smaller or larger of
-//! their parts' distances, which is right on the surface and a bound away from it.
+//! Each shape knows its signed distance, negative inside. Ball, box, half space, cylinder, capsule,
+//! ellipsoid, perturbed ball and mesh give the true distance everywhere; unions and differences take the
+//! smaller or larger of their parts' distances, which is right on the surface and a bound away from it.
 
 mod ellipsoid;
 mod fraction;
@@ -93,6 +93,17 @@ pub enum Shape<const D: usize> {
         /// The shape cut away.
         minus: Box<Shape<D>>,
     },
+    /// A flat outline given a thickness along the last axis (2D: the outline).
+    Extrusion {
+        /// The outline, its origin at the shape's centre, m.
+        outline: Arc<MeshShape<2>>,
+        /// Where the outline's origin goes, halfway up the thickness, m.
+        center: Vector<D>,
+        /// The thickness, m; means nothing in 2D.
+        thickness: f64,
+        /// A rotation whose columns are the axes of the outline's frame.
+        rotation: Matrix<D>,
+    },
     /// A closed surface, from a file or made by a program.
     Mesh(Arc<MeshShape<D>>),
 }
@@ -126,6 +137,12 @@ impl<const D: usize> Shape<D> {
             }
             Self::Union(parts) => parts.iter().map(|s| s.signed_distance(x)).fold(f64::INFINITY, f64::min),
             Self::Difference { of, minus } => of.signed_distance(x).max(-minus.signed_distance(x)),
+            Self::Extrusion { outline, center, thickness, rotation } => {
+                let y = rotation.tr_mul(&(x - center));
+                let flat = outline.signed_distance(&Vector::from([y[0], y[1]]));
+                let across = if D == 3 { y[D - 1].abs() - 0.5 * thickness } else { f64::NEG_INFINITY };
+                box_distance(&Vector::from([flat, across]))
+            }
             Self::Mesh(mesh) => mesh.signed_distance(x),
         }
     }
@@ -135,9 +152,9 @@ impl<const D: usize> Shape<D> {
         self.signed_distance(x) < 0.0
     }
 
-    /// Lower and upper corner of an axis-aligned box that holds the shape, m. A half space is unbounded; an empty
-    /// union has an inverted, infinite box. Tight except for a difference (the box of what is cut into) and a
-    /// perturbed ball (the box of its largest radius).
+    /// Lower and upper corner of an axis-aligned box that holds the shape, m. A half space is unbounded; an
+    /// empty union has an inverted, infinite box. Tight except for a difference (the box of what is cut into)
+    /// and a perturbed ball (the box of its largest radius).
     pub fn bounds(&self) -> (Vector<D>, Vector<D>) {
         let around = |center: &Vector<D>, reach: Vector<D>| (center - reach, center + reach);
         match self {
@@ -161,12 +178,18 @@ impl<const D: usize> Shape<D> {
                 parts.iter().map(Self::bounds).fold(start, |s, b| (s.0.inf(&b.0), s.1.sup(&b.1)))
             }
             Self::Difference { of, .. } => of.bounds(),
+            Self::Extrusion { outline, center, thickness, rotation } => {
+                let (lower, upper) = outline.surface().bounds();
+                let pick = |v: Vector<2>, last| Vector::from_fn(|a, _| if a < 2 { v[a] } else { last });
+                let middle = center + rotation * pick((lower + upper) * 0.5, 0.0);
+                around(&middle, rotation.abs() * pick((upper - lower) * 0.5, 0.5 * thickness))
+            }
             Self::Mesh(mesh) => mesh.surface().bounds(),
         }
     }
 
-    /// Volume where it has a closed form, m³ (2D: m²). A union has one if the boxes of its parts do not overlap, a
-    /// difference if the boxes of its two shapes do not.
+    /// Volume where it has a closed form, m³ (2D: m²). A union has one if the boxes of its parts do not
+    /// overlap, a difference if the boxes of its two shapes do not.
     pub fn volume(&self) -> Option<f64> {
         let ball = if D == 2 { PI } else { 4.0 / 3.0 * PI };
         let power = |r: f64| r.powi(D as i32);
@@ -186,6 +209,9 @@ impl<const D: usize> Shape<D> {
                 let boxes: Vec<_> = parts.iter().map(Self::bounds).collect();
                 let apart = (0..boxes.len()).all(|i| (0..i).all(|j| disjoint(&boxes[i], &boxes[j])));
                 if apart { parts.iter().map(Self::volume).sum() } else { None }
+            }
+            Self::Extrusion { outline, thickness, .. } => {
+                Some(outline.surface().volume() * if D == 3 { *thickness } else { 1.0 })
             }
             Self::Mesh(mesh) => Some(mesh.surface().volume()),
             Self::Difference { of, minus } => {

@@ -1,8 +1,9 @@
 //! The closest point of a ball with one surface mode.
 //!
-//! Both dimensions reduce to a plane curve $r(\theta)$ in polar coordinates: in 3D the plane through the vertical
-//! axis and the point, $\theta$ from the axis. The closest point makes $f(\theta) = \tfrac12 |c(\theta) - p|^2$
-//! smallest; the candidates within reach of the point are sampled, the best one is refined by Newton's iteration.
+//! Both dimensions reduce to a plane curve $r(\theta)$ in polar coordinates: in 3D the plane through the
+//! vertical axis and the point, $\theta$ from the axis. The closest point makes $f(\theta) = \tfrac12
+//! |c(\theta) - p|^2$ smallest; the candidates within reach of the point are sampled, the best one is refined
+//! by Newton's iteration.
 
 use crate::Vector;
 use std::f64::consts::PI;
@@ -127,8 +128,8 @@ fn legendre(n: u32, x: f64) -> [f64; 3] {
     now
 }
 
-/// Volume over that of the unperturbed ball. In 3D, with the integral of $P_n^3$ from the Wigner 3j symbol (n n n; 0 0 0):
-/// $1 + 3\varepsilon^2/(2n+1) + \varepsilon^3 \tfrac12\int P_n^3$.
+/// Volume over that of the unperturbed ball. In 3D, with the integral of $P_n^3$ from the Wigner 3j symbol (n
+/// n n; 0 0 0): $1 + 3\varepsilon^2/(2n+1) + \varepsilon^3 \tfrac12\int P_n^3$.
 pub(super) fn relative_volume<const D: usize>(mode: u32, amplitude: f64) -> f64 {
     if mode == 0 {
         return (1.0 + amplitude).powi(D as i32);

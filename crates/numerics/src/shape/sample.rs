@@ -1,7 +1,7 @@
 //! A shape's signed distance at all cells of a grid.
 //!
-//! The distance to a mesh is found along a row of cells with what the cell before tells: its closest point bounds the
-//! distance, and the side changes only within a cell of the surface.
+//! The distance to a mesh is found along a row of cells with what the cell before tells: its closest point
+//! bounds the distance, and the side changes only within a cell of the surface.
 
 use super::{MeshShape, Shape};
 use crate::Vector;

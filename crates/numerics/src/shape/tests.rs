@@ -210,6 +210,31 @@ fn shape_volumes_and_bounds() {
     );
 }
 
+fn check_extrusion<const D: usize>() {
+    let square = crate::mesh::SurfaceMesh {
+        positions: [[0.4, 0.3], [-0.4, 0.3], [-0.4, -0.3], [0.4, -0.3]].map(Vector::from).to_vec(),
+        facets: vec![[0, 1], [1, 2], [2, 3], [3, 0]],
+    };
+    let (center, rotation) = (Vector::repeat(0.1), turn());
+    let outline = Arc::new(MeshShape::new(square));
+    let plate = Shape::<D>::Extrusion { outline, center, thickness: 0.2, rotation };
+    let half_size = Vector::from_fn(|a, _| [0.4, 0.3, 0.1][a]);
+    let exact = Shape::Box { center, half_size, rotation };
+    let mut random = Random(1);
+    for _ in 0..500 {
+        let x = random.point(1.0);
+        assert!((plate.signed_distance(&x) - exact.signed_distance(&x)).abs() < 1e-14);
+    }
+    assert!((plate.volume().unwrap() - exact.volume().unwrap()).abs() < 1e-15);
+    assert!((plate.bounds().0 - exact.bounds().0).norm() < 1e-15);
+}
+
+#[test]
+fn shape_extrusion_of_a_rectangle_is_a_box() {
+    check_extrusion::<2>();
+    check_extrusion::<3>();
+}
+
 #[test]
 fn shape_sampled_on_a_grid() {
     let outline = |r: f64| {
