@@ -355,8 +355,16 @@ fn obj_lines(text: &str) -> Result<Raw, String> {
     Ok((points, edges))
 }
 
-/// The triangles of an STL file, ASCII or binary.
+/// The triangles of an STL file, ASCII or binary. A binary file is known by its length, whatever its title says.
 fn stl_faces(bytes: &[u8]) -> Result<Raw, String> {
+    let mut bytes = bytes.to_vec();
+    let count = bytes.get(80..84).map(|b| u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])));
+    let needed = count.map_or(84, |n| 84 + 50 * n);
+    if bytes.len() as u64 == needed {
+        bytes[..5].fill(b' ');
+    } else if !bytes.starts_with(b"solid") {
+        return Err(format!("{} bytes, but its head announces {needed}", bytes.len()));
+    }
     let mesh = stl_io::read_stl(&mut io::Cursor::new(bytes)).map_err(|e| e.to_string())?;
     let points = mesh.vertices.iter().map(|v| [v[0], v[1], v[2]].map(f64::from)).collect();
     Ok((points, mesh.faces.iter().map(|f| f.vertices.iter().map(|v| *v as u32).collect()).collect()))

@@ -124,3 +124,49 @@ fn mesh_shape_agrees_with_the_box_it_is() {
     let mirrored = load::<3>(&path).unwrap().transformed(-2.0, &Matrix::identity(), &Vector::zeros());
     assert!((mirrored.volume() - 64.0).abs() < 1e-12);
 }
+
+/// Whatever the bytes, the answer is a closed surface or an error.
+#[test]
+fn mesh_import_survives_broken_files() {
+    let cube = load::<3>(&file("whole.obj", CUBE.as_bytes())).unwrap();
+    let triangles: Vec<stl_io::Triangle> = (0..12)
+        .map(|f| stl_io::Triangle {
+            normal: stl_io::Normal::new([0.0; 3]),
+            vertices: cube.corners(f).map(|p| stl_io::Vertex::new([p[0], p[1], p[2]].map(|x| x as f32))),
+        })
+        .collect();
+    let mut binary = Vec::new();
+    stl_io::write_stl(&mut binary, triangles.iter()).unwrap();
+    binary[..5].copy_from_slice(b"solid");
+    assert_eq!(load::<3>(&file("solid-binary.stl", &binary)).unwrap().facets.len(), 12);
+    let mut ascii = String::from("solid cube\n");
+    for f in 0..12 {
+        ascii += "facet normal 0 0 0\nouter loop\n";
+        cube.corners(f).iter().for_each(|p| ascii += &format!("vertex {} {} {}\n", p[0], p[1], p[2]));
+        ascii += "endloop\nendfacet\n";
+    }
+    ascii += "endsolid cube\n";
+    assert_eq!(load::<3>(&file("ascii.stl", ascii.as_bytes())).unwrap().facets.len(), 12);
+    let line = "v 0 0\nv 1 0\nv 0 1\nl 1 2 3 1\n";
+    for (name, whole) in [
+        ("b.stl", &binary[..]),
+        ("a.stl", ascii.as_bytes()),
+        ("c.obj", CUBE.as_bytes()),
+        ("l.obj", line.as_bytes()),
+    ] {
+        for k in 0..whole.len().min(300) {
+            let at = k * whole.len() / whole.len().min(300);
+            let mut flipped = whole.to_vec();
+            flipped[at] ^= 1 << (k % 8);
+            for content in [&flipped[..], &whole[..at]] {
+                let path = file(name, content);
+                if let Ok(mesh) = load::<3>(&path) {
+                    assert!(mesh.is_watertight() && mesh.volume() > 0.0);
+                }
+                if let Ok(mesh) = load::<2>(&path) {
+                    assert!(mesh.is_watertight() && mesh.volume() > 0.0);
+                }
+            }
+        }
+    }
+}
