@@ -1,2 +1,59 @@
 //! The `meniscus` command.
-fn main() {}
+
+mod args;
+mod commands;
+mod failure;
+mod progress;
+mod scenes;
+mod stop;
+
+use args::{Cli, Command, LogFormat};
+use clap::Parser;
+use failure::{Failure, Result};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let json = matches!(&cli.command, Command::Run(run) if run.log == LogFormat::Json);
+    let done = std::panic::catch_unwind(|| dispatch(cli.command));
+    let done = done.unwrap_or_else(|_| {
+        let help = "this is a bug: please report it with the scene and the message above";
+        Err(Failure::new(1, "internal error").help(help))
+    });
+    match done {
+        Ok(status) => ExitCode::from(status),
+        Err(failure) => {
+            let status = failure.status;
+            if json {
+                eprintln!("{}", failure.json());
+            } else {
+                eprintln!("{:?}", miette::Report::new(failure));
+            }
+            ExitCode::from(status)
+        }
+    }
+}
+
+fn dispatch(command: Command) -> Result {
+    match command {
+        Command::Run(args) => commands::run::run(&args),
+        Command::Scenes(args) => commands::scenes::list(args.json),
+        Command::New(args) => commands::scenes::new(&args),
+        Command::Check(args) => commands::check::check(&args),
+        Command::Verify(args) => commands::verify::verify(&args),
+        Command::Bench(args) => commands::bench::bench(&args),
+        Command::Page(args) => commands::view::page(&args),
+        Command::Render(args) => commands::view::render(&args),
+        Command::Schema => commands::info::schema(),
+        Command::Info(args) => commands::info::info(args.json),
+        Command::Completions { shell } => commands::info::completions(shell),
+        Command::Measure(_) => later("measure", "timeseries.csv holds volume, energies and drop boxes of every step"),
+        Command::Export(_) => later("export", "frames/ holds PLY files, which ParaView, Blender and MeshLab read"),
+        Command::Sweep(_) => later("sweep", "a shell loop over `meniscus run --set path=value --out DIR` does the same"),
+    }
+}
+
+/// A command of the interface that this version does not have.
+fn later(name: &str, instead: &str) -> Result {
+    Err(Failure::new(failure::USAGE, format!("`meniscus {name}` is not yet in this version")).help(instead))
+}

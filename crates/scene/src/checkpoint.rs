@@ -51,14 +51,12 @@ struct Header {
     scene: u64,
     cells: Vec<u64>,
     dx: f64,
-    time: f64,
     step: u64,
-    last_dt: f64,
-    drift: f64,
-    lost_volume: f64,
+    /// Time, last step, drift, lost volume, kinetic energy, surface area.
+    numbers: [f64; 6],
     drops: Vec<DropRecord>,
     tally: Tally,
-    /// Bytes of each compressed block, per array: phi, then the velocity along each axis.
+    /// Bytes of each compressed block, per array: phi, lambda, then the velocity along each axis.
     blocks: Vec<Vec<u64>>,
 }
 
@@ -68,13 +66,14 @@ struct DropRecord {
     volume: f64,
     /// Centroid, lower, upper, velocity.
     vectors: [Vec<f64>; 4],
+    spin: [f64; 3],
 }
 
 impl DropRecord {
     fn of<const D: usize>(drop: &Drop<D>) -> Self {
-        let Drop { target_volume, volume, centroid, lower, upper, velocity } = drop;
+        let Drop { target_volume, volume, centroid, lower, upper, velocity, spin } = drop;
         let vectors = [centroid, lower, upper, velocity].map(|v| v.iter().copied().collect());
-        Self { target_volume: *target_volume, volume: *volume, vectors }
+        Self { target_volume: *target_volume, volume: *volume, vectors, spin: *spin }
     }
 
     fn restore<const D: usize>(&self) -> Option<Drop<D>> {
@@ -90,6 +89,7 @@ impl DropRecord {
             lower,
             upper,
             velocity,
+            spin: self.spin,
         })
     }
 }
@@ -104,18 +104,17 @@ pub fn write<const D: usize>(
     state: &State<D>,
     tally: &Tally,
 ) -> Result<PathBuf, FileError> {
-    let State { time, step, last_dt, drift, phi, velocity, drops, lost_volume } = state;
-    let arrays: Vec<Vec<Vec<u8>>> =
-        std::iter::once(&phi.data).chain(&velocity.axes).map(|array| compress(array)).collect();
+    // Every field is named: one that is new must go into the file, or a resumed run is another run.
+    let State { time, step, last_dt, drift, phi, velocity, lambda, drops, lost_volume, kinetic_energy, surface_area } =
+        state;
+    let fields = [&phi.data, &lambda.data].into_iter().chain(&velocity.axes);
+    let arrays: Vec<Vec<Vec<u8>>> = fields.map(|array| compress(array)).collect();
     let header = Header {
         scene,
         cells: phi.grid.cells.iter().map(|&n| n as u64).collect(),
         dx: phi.grid.dx,
-        time: *time,
         step: *step,
-        last_dt: *last_dt,
-        drift: *drift,
-        lost_volume: *lost_volume,
+        numbers: [*time, *last_dt, *drift, *lost_volume, *kinetic_energy, *surface_area],
         drops: drops.iter().map(DropRecord::of).collect(),
         tally: tally.clone(),
         blocks: arrays.iter().map(|blocks| blocks.iter().map(|b| b.len() as u64).collect()).collect(),
@@ -227,20 +226,18 @@ fn open(bytes: &[u8]) -> Result<(&[u8], &[u8]), Fault> {
 }
 
 fn restore<const D: usize>(header: &Header, body: &[u8], grid: Grid<D>) -> Option<State<D>> {
-    if header.blocks.len() != D + 1 {
+    if header.blocks.len() != D + 2 {
         return None;
     }
     let mut state = State::empty(grid);
     let mut rest = body;
-    let arrays = std::iter::once(&mut state.phi.data).chain(&mut state.velocity.axes);
+    let arrays = [&mut state.phi.data, &mut state.lambda.data].into_iter().chain(&mut state.velocity.axes);
     for (array, blocks) in arrays.zip(&header.blocks) {
         rest = decompress(array, blocks, rest)?;
     }
-    state.time = header.time;
+    let State { time, last_dt, drift, lost_volume, kinetic_energy, surface_area, .. } = &mut state;
+    [*time, *last_dt, *drift, *lost_volume, *kinetic_energy, *surface_area] = header.numbers;
     state.step = header.step;
-    state.last_dt = header.last_dt;
-    state.drift = header.drift;
-    state.lost_volume = header.lost_volume;
     state.drops = header.drops.iter().map(DropRecord::restore).collect::<Option<_>>()?;
     Some(state)
 }
@@ -335,7 +332,9 @@ mod tests {
             lower: Vector::zeros(),
             upper: Vector::from([1.0, 2.0]),
             velocity: Vector::from([-0.0, 1e-300]),
+            spin: [0.0, 0.0, 0.7],
         });
+        (state.lambda.data[3], state.kinetic_energy, state.surface_area) = (2.5, 0.1, 0.3);
         state
     }
 

@@ -1,7 +1,9 @@
 //! Scenes of Meniscus: what is simulated, how it is run, and what is written.
 
+pub mod build;
 pub mod checkpoint;
 pub mod error;
+pub mod expect;
 pub mod file;
 pub mod output;
 pub mod run;

@@ -32,9 +32,8 @@ const ENTRIES: &[&str] = &[
     "log.jsonl",
     "frames",
     "checkpoints",
-    "pictures",
+    "render",
     "page",
-    "film.mp4",
 ];
 
 impl Folder {

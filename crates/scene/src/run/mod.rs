@@ -16,28 +16,26 @@ pub(crate) use tally::three;
 use crate::output::summary::{FINISHED, Summary};
 use crate::output::{FileError, Folder};
 use meniscus_numerics::Vector;
-use meniscus_numerics::shape::Shape;
 use meniscus_sim::{Body, Model, Simulation};
+use std::sync::Arc;
 
 /// What a simulation starts from: its model and the bodies of liquid.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Setup<const D: usize> {
     /// The model.
     pub model: Model<D>,
     /// Bodies of liquid with their start velocity, m/s.
-    pub bodies: Vec<(Shape<D>, Vector<D>)>,
+    pub bodies: Vec<(Region<D>, Vector<D>)>,
 }
+
+/// Signed distance to a region of space, m, negative inside.
+pub type Region<const D: usize> = Arc<dyn Fn(&Vector<D>) -> f64 + Send + Sync>;
 
 impl<const D: usize> Setup<D> {
     /// The simulation at its start.
     pub fn simulation(&self) -> Simulation<D> {
-        let distances: Vec<_> =
-            self.bodies.iter().map(|(shape, _)| |x: &Vector<D>| shape.signed_distance(x)).collect();
-        let bodies: Vec<Body<'_, D>> = distances
-            .iter()
-            .zip(&self.bodies)
-            .map(|(distance, (_, velocity))| Body { distance, velocity: *velocity })
-            .collect();
+        let bodies: Vec<Body<'_, D>> =
+            self.bodies.iter().map(|(region, velocity)| Body { distance: &**region, velocity: *velocity }).collect();
         Simulation::new(self.model.clone(), &bodies)
     }
 }
@@ -57,7 +55,7 @@ pub struct Job {
     pub frame_interval: f64,
     /// The frames to write, first and last; the run ends with the last.
     pub frames: Option<(u64, u64)>,
-    /// Steps between checkpoints.
+    /// Frames between checkpoints.
     pub checkpoint_every: u64,
 }
 

@@ -12,8 +12,10 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// Checkpoints of runs with very short steps are at least this far apart: writing them must not take the time.
-const SHORTEST_CHECKPOINT_PAUSE: Duration = Duration::from_millis(500);
+/// Checkpoints of very short runs are at least this far apart: writing them must not take the time.
+const SHORTEST_PAUSE: Duration = Duration::from_millis(100);
+/// Checkpoints of very long runs are at most this far apart, whatever the number of frames: no more can be lost.
+const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 
 /// A run that is going on in this process.
 pub(super) struct Session<'a, const D: usize> {
@@ -25,7 +27,7 @@ pub(super) struct Session<'a, const D: usize> {
     log: Log,
     resumed_at: Option<f64>,
     checkpoint: Option<PathBuf>,
-    checkpoint_step: u64,
+    checkpoint_frame: u64,
     checkpoint_time: Instant,
     /// When this process began, less the seconds worked before it.
     clock: Instant,
@@ -76,7 +78,7 @@ impl<'a, const D: usize> Session<'a, D> {
             job,
             folder,
             checkpoint: checkpoint::list(&folder.checkpoints()).first().cloned(),
-            checkpoint_step: simulation.state.step,
+            checkpoint_frame: tally.next_frame,
             checkpoint_time: Instant::now(),
             clock: Instant::now(),
             seconds_before: tally.wall_seconds,
@@ -146,14 +148,17 @@ impl<'a, const D: usize> Session<'a, D> {
             if self.job.schedule.reaches(self.simulation.state.time, self.tally.next_frame) {
                 self.write_frame(observer)?;
             }
-            let steps = self.simulation.state.step - self.checkpoint_step;
-            if steps >= self.job.checkpoint_every
-                && self.checkpoint_time.elapsed() >= SHORTEST_CHECKPOINT_PAUSE
-            {
+            if self.checkpoint_is_due() {
                 self.write_checkpoint(observer)?;
             }
         }
         Ok(Left::AtEnd)
+    }
+
+    fn checkpoint_is_due(&self) -> bool {
+        let frames = self.tally.next_frame.saturating_sub(self.checkpoint_frame);
+        let pause = self.checkpoint_time.elapsed();
+        pause >= LONGEST_PAUSE || frames >= self.job.checkpoint_every && pause >= SHORTEST_PAUSE
     }
 
     /// One time step and its row.
@@ -216,7 +221,7 @@ impl<'a, const D: usize> Session<'a, D> {
         let (step, time) = (state.step, state.time);
         let path = checkpoint::write(&self.folder.checkpoints(), self.job.identity, state, &self.tally)?;
         self.checkpoint = Some(path.clone());
-        self.checkpoint_step = step;
+        self.checkpoint_frame = self.tally.next_frame;
         self.summary("running").write(&self.folder.summary())?;
         self.tally.add_phase("checkpoints", start.elapsed().as_secs_f64());
         self.checkpoint_time = Instant::now();

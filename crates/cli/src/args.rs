@@ -1,0 +1,348 @@
+//! The command line, as `clap` reads it.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+use std::time::Duration;
+
+const AFTER: &str = "\
+Exit status: 0 done, 1 internal error, 2 wrong usage, 3 scene invalid, 4 input or output failed, \
+5 the solver could not go on, 6 an expectation or verification missed, 75 stopped on request (resumable).
+
+First steps:
+  meniscus scenes                  what there is to run
+  meniscus run oscillating-drop    run one; pictures and a page in out/oscillating-drop
+  meniscus check my-scene.toml     what a scene asks for, without running it";
+
+/// Surface-tension liquids: simulate, look, measure, verify.
+#[derive(Debug, Parser)]
+#[command(name = "meniscus", version, about, after_help = AFTER, max_term_width = 110)]
+#[command(arg_required_else_help = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Simulate a scene: a .toml file, the name of a built-in scene, or an output folder to run again.
+    Run(RunArgs),
+    /// The built-in scenes.
+    Scenes(JsonFlag),
+    /// Write a commented scene file to start from.
+    New(NewArgs),
+    /// Look at a scene without running it: resolved values, physics in numbers, cost, warnings.
+    Check(CheckArgs),
+    /// Contact angles, radii, heights, periods from stored frames.
+    Measure(MeasureArgs),
+    /// The validation suite: value, reference, error, bar, pass or fail.
+    Verify(VerifyArgs),
+    /// Time per phase.
+    Bench(BenchArgs),
+    /// One self-contained HTML page of a run.
+    Page(PageArgs),
+    /// Pictures of a run, and a film if ffmpeg is there.
+    Render(RenderArgs),
+    /// Convert stored frames.
+    Export(ExportArgs),
+    /// A folder of cases and one table.
+    Sweep(SweepArgs),
+    /// The JSON Schema of scene files.
+    Schema,
+    /// Version, build and machine.
+    Info(JsonFlag),
+    /// Completions for a shell.
+    Completions {
+        /// Which shell.
+        shell: clap_complete::Shell,
+    },
+}
+
+/// `--json`.
+#[derive(Debug, Args)]
+pub struct JsonFlag {
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Which scene, and what is changed in it.
+#[derive(Clone, Debug, Args)]
+pub struct SceneArgs {
+    /// A .toml file, or the name of a built-in scene.
+    #[arg(value_name = "SCENE")]
+    pub scene: String,
+    /// Change a value of the scene, such as --set domain.resolution=96 (repeatable).
+    #[arg(long, value_name = "PATH=VALUE")]
+    pub set: Vec<String>,
+    /// Resolution.
+    #[arg(long, value_enum)]
+    pub quality: Option<Quality>,
+}
+
+/// `meniscus run`.
+#[derive(Clone, Debug, Args)]
+pub struct RunArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Output folder; out/<name> without it.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Go on from the last checkpoint of the output folder.
+    #[arg(long, conflicts_with = "force")]
+    pub resume: bool,
+    /// Simulate until this time, such as "0.5 s", instead of the scene's duration.
+    #[arg(long, value_name = "TIME")]
+    pub until: Option<String>,
+    /// Write only these frames, first:last, and end with the last.
+    #[arg(long, value_name = "A:B", value_parser = frame_range)]
+    pub frames: Option<(u64, u64)>,
+    /// Threads; as many as the machine has without it. The result does not depend on it.
+    #[arg(long, value_name = "N", env = "MENISCUS_THREADS", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Stop after this time, such as 55m, with a checkpoint (exit status 75).
+    #[arg(long, value_name = "TIME", value_parser = wall_time)]
+    pub walltime: Option<Duration>,
+    /// How progress is reported.
+    #[arg(long, value_enum, default_value_t = LogFormat::Text)]
+    pub log: LogFormat,
+    /// Report errors only.
+    #[arg(long, short)]
+    pub quiet: bool,
+    /// Replace an earlier run in the output folder.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// How progress is reported.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LogFormat {
+    /// A bar on a terminal, lines elsewhere.
+    Text,
+    /// One JSON object per line.
+    Json,
+}
+
+/// Resolution of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Quality {
+    /// Coarse: to see what happens.
+    Draft,
+    /// What the scene says.
+    Normal,
+    /// What the paper used.
+    Paper,
+}
+
+/// `meniscus new`.
+#[derive(Debug, Args)]
+pub struct NewArgs {
+    /// The built-in scene to start from.
+    #[arg(required_unless_present = "list")]
+    pub preset: Option<String>,
+    /// The file to write; standard output without it.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// List what there is.
+    #[arg(long)]
+    pub list: bool,
+}
+
+/// `meniscus check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Warnings count as errors (exit status 3).
+    #[arg(long)]
+    pub strict: bool,
+}
+
+/// `meniscus measure`.
+#[derive(Debug, Args)]
+pub struct MeasureArgs {
+    /// The output folder.
+    pub dir: PathBuf,
+    /// At which time.
+    #[arg(long)]
+    pub at: Option<String>,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `meniscus verify`.
+#[derive(Debug, Args)]
+pub struct VerifyArgs {
+    /// Only these cases.
+    pub names: Vec<String>,
+    /// List the cases.
+    #[arg(long)]
+    pub list: bool,
+    /// Coarse and short: minutes, not hours.
+    #[arg(long)]
+    pub quick: bool,
+    /// Write the results as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the results as an HTML page.
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
+}
+
+/// `meniscus bench`.
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// What to time: pressure, step; both without it.
+    pub names: Vec<String>,
+    /// Small and short, to see that it works.
+    #[arg(long)]
+    pub quick: bool,
+    /// Threads; as many as the machine has without it.
+    #[arg(long, value_name = "N", env = "MENISCUS_THREADS")]
+    pub threads: Option<u16>,
+    /// Write the results as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// `meniscus page`.
+#[derive(Debug, Args)]
+pub struct PageArgs {
+    /// The output folder.
+    pub dir: PathBuf,
+    /// Take every n-th frame.
+    #[arg(long, default_value_t = 1)]
+    pub every: u32,
+    /// Largest size of the page, megabytes.
+    #[arg(long, default_value_t = 20.0)]
+    pub max_mb: f64,
+}
+
+/// `meniscus render`.
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// The output folder.
+    pub dir: PathBuf,
+    /// Size of the pictures.
+    #[arg(long, default_value = "640x360", value_parser = picture_size)]
+    pub size: (u32, u32),
+    /// The camera.
+    #[arg(long)]
+    pub camera: Option<String>,
+    /// The style.
+    #[arg(long)]
+    pub style: Option<String>,
+    /// Take every n-th frame.
+    #[arg(long, default_value_t = 1)]
+    pub every: u32,
+}
+
+/// `meniscus export`.
+#[derive(Debug, Args)]
+pub struct ExportArgs {
+    /// The output folder.
+    pub dir: PathBuf,
+    /// The format.
+    #[arg(long)]
+    pub to: String,
+    /// Only these frames.
+    #[arg(long, value_parser = frame_range)]
+    pub frames: Option<(u64, u64)>,
+    /// Take every n-th frame.
+    #[arg(long, default_value_t = 1)]
+    pub every: u32,
+}
+
+/// `meniscus sweep`.
+#[derive(Debug, Args)]
+pub struct SweepArgs {
+    /// The scene, or a folder of cases.
+    pub scene: String,
+    /// What varies.
+    #[arg(long)]
+    pub vary: Vec<String>,
+    /// Cases at a time.
+    #[arg(long)]
+    pub jobs: Option<u32>,
+    /// Write a Slurm array script.
+    #[arg(long)]
+    pub slurm: bool,
+    /// Run one case.
+    #[arg(long)]
+    pub case: Option<u32>,
+    /// Collect one table.
+    #[arg(long)]
+    pub collect: bool,
+}
+
+/// `10:20` → (10, 20); an open end is as far as there is.
+fn frame_range(text: &str) -> Result<(u64, u64), String> {
+    let (a, b) = text.split_once(':').ok_or("expected first:last, such as 10:20")?;
+    let number = |s: &str, open: u64| {
+        if s.is_empty() { Ok(open) } else { s.parse::<u64>().map_err(|_| format!("`{s}` is not a frame number")) }
+    };
+    let (a, b) = (number(a, 0)?, number(b, u64::MAX)?);
+    if a > b { Err(format!("frame {a} comes after frame {b}")) } else { Ok((a, b)) }
+}
+
+/// `55m`, `90s`, `1h30m`, `90` (seconds).
+fn wall_time(text: &str) -> Result<Duration, String> {
+    let help = "expected a time such as 55m, 90s or 1h30m";
+    let (mut seconds, mut number) = (0.0, String::new());
+    for c in text.chars().filter(|c| !c.is_whitespace()).chain(['s']) {
+        if c.is_ascii_digit() || c == '.' {
+            number.push(c);
+            continue;
+        }
+        let factor = match c {
+            'd' => 86400.0,
+            'h' => 3600.0,
+            'm' => 60.0,
+            's' => 1.0,
+            _ => return Err(help.into()),
+        };
+        if !number.is_empty() {
+            seconds += factor * number.parse::<f64>().map_err(|_| help)?;
+            number.clear();
+        }
+    }
+    Duration::try_from_secs_f64(seconds).ok().filter(|d| !d.is_zero()).ok_or_else(|| help.to_string())
+}
+
+fn picture_size(text: &str) -> Result<(u32, u32), String> {
+    let help = "expected width x height in pixels, such as 640x360";
+    let (w, h) = text.split_once('x').ok_or(help)?;
+    let side = |s: &str| s.trim().parse::<u32>().ok().filter(|n| (16..=8192).contains(n)).ok_or(help);
+    Ok((side(w)?, side(h)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn values() {
+        assert_eq!(wall_time("55m"), Ok(Duration::from_secs(3300)));
+        assert_eq!(wall_time("1h30m"), Ok(Duration::from_secs(5400)));
+        assert_eq!(wall_time("0.5"), Ok(Duration::from_millis(500)));
+        assert!(wall_time("soon").is_err() && wall_time("").is_err());
+        assert_eq!(frame_range("3:7"), Ok((3, 7)));
+        assert_eq!(frame_range(":7"), Ok((0, 7)));
+        assert!(frame_range("7:3").is_err() && frame_range("7").is_err());
+        assert_eq!(picture_size("640x360"), Ok((640, 360)));
+        assert!(picture_size("0x360").is_err());
+    }
+}

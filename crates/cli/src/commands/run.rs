@@ -1,0 +1,141 @@
+//! `meniscus run`.
+
+use super::{print, set_threads, view};
+use crate::args::{LogFormat, RunArgs};
+use crate::failure::{Failure, MISSED, Result, STOPPED};
+use crate::progress::{Reporter, clock};
+use crate::scenes;
+use crate::stop::Watch;
+use meniscus_scene::build::AnySetup;
+use meniscus_scene::expect;
+use meniscus_scene::file::{Format, Scene};
+use meniscus_scene::output::Folder;
+use meniscus_scene::output::series::Table;
+use meniscus_scene::output::summary::{Summary, Verdict};
+use meniscus_scene::run::{Existing, Job, Outcome};
+use meniscus_view::RenderOptions;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// Pictures that a run makes at its end at most: what shows the motion in a few seconds.
+const MOST_PICTURES: u64 = 50;
+
+/// Simulates a scene into its output folder, then makes pictures and the page.
+pub fn run(args: &RunArgs) -> Result {
+    let more: Vec<String> = args.until.iter().map(|time| scenes::until(time)).collect();
+    let loaded = scenes::load(&args.scene, &more)?;
+    let scene = loaded.scene;
+    scenes::check_runnable(&scene)?;
+    set_threads(args.threads.map(usize::from).or(scene.numerics.threads))?;
+    let out = args.out.clone().or(loaded.folder).unwrap_or_else(|| Path::new("out").join(&scene.name));
+    let watch = Watch::begin(args.walltime)
+        .map_err(|e| Failure::new(1, format!("cannot watch for signals: {e}")))?;
+    let mut job = Job::of(&scene, scene.to_toml()?);
+    job.frames = args.frames;
+    let existing = match (args.resume, args.force) {
+        (true, _) => Existing::Resume,
+        (_, true) => Existing::Replace,
+        _ => Existing::Refuse,
+    };
+    let folder = Folder::at(&out);
+    let mut reporter = Reporter::new(args.log, args.quiet);
+    let setup = AnySetup::of(&scene)?;
+    let outcome = setup.run(&job, &folder, existing, &|| watch.request(), &mut reporter)?;
+    let text = args.log == LogFormat::Text && !args.quiet;
+    match outcome {
+        Outcome::AlreadyFinished(_) => {
+            if text {
+                print(&format!("already finished: {}\n", out.display()))?;
+            }
+            Ok(0)
+        }
+        Outcome::Stopped(_, summary) => stopped(args, &summary, &out),
+        Outcome::Finished(summary) => finish(args, &scene, summary, &folder),
+    }
+}
+
+fn stopped(args: &RunArgs, summary: &Summary, out: &Path) -> Result {
+    if args.log == LogFormat::Text {
+        let (reason, time) = (&summary.exit_reason, summary.simulated_seconds);
+        eprintln!("{reason} at {time:.4} s. Go on with:\n  {}", resume_command(args, out));
+    }
+    Ok(STOPPED)
+}
+
+/// The command that goes on with this run.
+fn resume_command(args: &RunArgs, out: &Path) -> String {
+    let mut words = vec!["meniscus".to_string(), "run".into(), quote(&args.scene.scene)];
+    words.extend(args.scene.set.iter().flat_map(|set| ["--set".into(), quote(set)]));
+    if let Some(quality) = args.scene.quality {
+        words.push(format!("--quality {quality:?}").to_lowercase());
+    }
+    if let Some(until) = &args.until {
+        words.extend(["--until".into(), quote(until)]);
+    }
+    if let Some((a, b)) = args.frames {
+        let b = if b == u64::MAX { String::new() } else { b.to_string() };
+        words.push(format!("--frames {a}:{b}"));
+    }
+    words.extend(["--out".into(), quote(&out.display().to_string()), "--resume".into()]);
+    words.join(" ")
+}
+
+/// A word as a shell reads it back.
+fn quote(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_string()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+/// Expectations, pictures, page; where everything is.
+fn finish(args: &RunArgs, scene: &Scene, mut summary: Summary, folder: &Folder) -> Result {
+    summary.expect = expect::evaluate(scene, &summary, &Table::read(&folder.series())?);
+    summary.write(&folder.summary())?;
+    let text = args.log == LogFormat::Text && !args.quiet;
+    let mut report = String::new();
+    let _ = writeln!(
+        report,
+        "{}: {} s in {} steps, {} ({:.2} s/step), volume {:+.1e}",
+        summary.scene,
+        summary.simulated_seconds,
+        summary.steps,
+        clock(summary.wall_seconds),
+        summary.wall_seconds / summary.steps.max(1) as f64,
+        summary.volume_error
+    );
+    let _ = writeln!(report, "frames    {} ({} frames)", folder.frames().display(), summary.frames);
+    let shown = if scene.output.formats.contains(&Format::Page) {
+        show(folder.root(), summary.frames, !text)
+    } else {
+        Ok(String::new())
+    };
+    report += shown.as_deref().unwrap_or_default();
+    report += &verdicts(&summary.expect);
+    if text {
+        print(&report)?;
+    }
+    shown?;
+    Ok(if summary.expect.iter().all(|v| v.pass) { 0 } else { MISSED })
+}
+
+/// Makes pictures and the page; where they are.
+fn show(dir: &Path, frames: u64, quiet: bool) -> Result<String> {
+    let every = frames.div_ceil(MOST_PICTURES).max(1) as usize;
+    let options = RenderOptions { every, ..RenderOptions::default() };
+    let rendered = view::pictures(dir, &options, quiet)?;
+    let page: PathBuf = view::make_page(dir, 1, view::MAX_MB)?;
+    Ok(view::describe(&rendered) + &format!("page      {}\n", page.display()))
+}
+
+fn verdicts(verdicts: &[Verdict]) -> String {
+    let mut out = String::new();
+    for v in verdicts {
+        let value = v.value.map_or_else(|| "not measured".into(), |x| format!("{x:.6} {}", v.unit));
+        let verdict = if v.pass { "met" } else { "MISSED" };
+        let _ = writeln!(out, "expect    {}: {} (bar: {}) {verdict}", v.quantity, value.trim_end(), v.bar);
+    }
+    out
+}

@@ -1,0 +1,91 @@
+//! `meniscus render` and `meniscus page`, and what `run` makes of them at its end.
+
+use super::print;
+use crate::args::{PageArgs, RenderArgs};
+use crate::failure::{Failure, OUTPUT, Result, USAGE};
+use indicatif::{ProgressBar, ProgressStyle};
+use meniscus_view::{Camera, PageOptions, RenderOptions, Rendered, Style};
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+
+/// The size of a page that may be sent by mail, MB.
+pub const MAX_MB: f64 = 20.0;
+
+/// Makes pictures of a run.
+pub fn render(args: &RenderArgs) -> Result {
+    let options = RenderOptions {
+        size: args.size,
+        camera: args.camera.as_deref().map(camera).transpose()?,
+        style: args.style.as_deref().map_or(Ok(Style::default()), style)?,
+        every: args.every.max(1) as usize,
+        ..RenderOptions::default()
+    };
+    let rendered = pictures(&args.dir, &options, false)?;
+    print(&describe(&rendered))?;
+    Ok(0)
+}
+
+/// Makes the page of a run.
+pub fn page(args: &PageArgs) -> Result {
+    let path = make_page(&args.dir, args.every.max(1), args.max_mb)?;
+    print(&format!("page      {}\n", path.display()))?;
+    Ok(0)
+}
+
+/// `azimuth,elevation` in degrees, and the distance in metres if wanted.
+fn camera(text: &str) -> Result<Camera> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let numbers = numbers.filter(|n| n.iter().all(|x| x.is_finite())).unwrap_or_default();
+    match numbers[..] {
+        [azimuth, elevation] => Ok(Camera { azimuth, elevation, ..Camera::default() }),
+        [azimuth, elevation, distance] if distance > 0.0 => {
+            Ok(Camera { azimuth, elevation, distance: Some(distance) })
+        }
+        _ => Err(Failure::new(USAGE, format!("`{text}` is no camera"))
+            .help("give azimuth,elevation in degrees, and the distance in metres if wanted: 30,15 or 30,15,0.4")),
+    }
+}
+
+fn style(text: &str) -> Result<Style> {
+    match text {
+        "glass" => Ok(Style::Glass),
+        "matte" => Ok(Style::Matte),
+        _ => Err(Failure::new(USAGE, format!("there is no style `{text}`")).help("use glass or matte")),
+    }
+}
+
+/// Makes pictures, with a bar on a terminal unless quiet.
+pub fn pictures(dir: &Path, options: &RenderOptions, quiet: bool) -> Result<Rendered> {
+    let bar = if !quiet && std::io::stderr().is_terminal() { ProgressBar::new(0) } else { ProgressBar::hidden() };
+    if let Ok(style) = ProgressStyle::with_template("pictures {pos}/{len} [{bar:24.cyan}] ETA {eta}") {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    let rendered = meniscus_view::render(dir, options, |done, all| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+    });
+    bar.finish_and_clear();
+    rendered.map_err(|e| Failure::new(OUTPUT, e.to_string()))
+}
+
+/// Where the pictures are, in words.
+pub fn describe(rendered: &Rendered) -> String {
+    let mut out = String::new();
+    if let (Some(first), Some(last)) = (rendered.images.first(), rendered.images.last()) {
+        let name = |path: &Path| path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        let folder = first.parent().unwrap_or(Path::new(""));
+        out += &format!("pictures  {} ({} to {})\n", folder.display(), name(first), name(last));
+    }
+    if let Some(film) = &rendered.film {
+        out += &format!("film      {}\n", film.display());
+    } else if let Some(reason) = &rendered.no_film {
+        out += &format!("no film   {reason}\n");
+    }
+    out
+}
+
+/// Makes the page; its path.
+pub fn make_page(dir: &Path, every: u32, max_mb: f64) -> Result<PathBuf> {
+    let options = PageOptions { every: every as usize, max_mb, ..PageOptions::default() };
+    meniscus_view::write_page(dir, &options).map_err(|e| Failure::new(OUTPUT, e.to_string()))
+}

@@ -1,0 +1,118 @@
+//! How a command fails: one message for people, one exit status for scripts.
+
+use meniscus_scene::SceneError;
+use meniscus_scene::output::FileError;
+use meniscus_scene::run::RunError;
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+use std::fmt;
+use std::path::Path;
+
+/// Wrong usage.
+pub const USAGE: u8 = 2;
+/// The scene is not valid.
+pub const SCENE: u8 = 3;
+/// Input or output failed.
+pub const OUTPUT: u8 = 4;
+/// An expectation or a verification missed.
+pub const MISSED: u8 = 6;
+/// Stopped on request, resumable.
+pub const STOPPED: u8 = 75;
+
+/// Why a command failed.
+#[derive(Debug)]
+pub struct Failure {
+    /// Exit status.
+    pub status: u8,
+    message: String,
+    help: Option<String>,
+    source: Option<NamedSource<String>>,
+    label: Option<LabeledSpan>,
+}
+
+/// What a command returns: its exit status.
+pub type Result<T = u8> = std::result::Result<T, Failure>;
+
+impl Failure {
+    /// A failure with its exit status.
+    pub fn new(status: u8, message: impl Into<String>) -> Self {
+        Self { status, message: message.into(), help: None, source: None, label: None }
+    }
+
+    /// The same with advice.
+    #[must_use]
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+
+    /// For `map_err`: an operation on a file that failed.
+    pub fn file(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        let of = FileError::of(action, path);
+        move |source| of(source).into()
+    }
+
+    /// The failure as one line of JSON.
+    pub fn json(&self) -> serde_json::Value {
+        serde_json::json!({
+            "event": "error", "message": self.message, "help": self.help, "exit_status": self.status,
+        })
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Failure {}
+
+impl Diagnostic for Failure {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.source.as_ref().map(|source| source as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        self.label.clone().map(|label| Box::new(std::iter::once(label)) as Box<_>)
+    }
+}
+
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
+        Self::new(OUTPUT, error.to_string()).help(error.advice())
+    }
+}
+
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        let advice = error.advice();
+        let help = match error.checkpoint() {
+            Some(path) => format!("last good checkpoint: {}\n{advice}", path.display()),
+            None => advice,
+        };
+        Self::new(error.exit_status(), error.to_string()).help(help)
+    }
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        let mut failure = Self::new(error.exit_status(), error.message.clone());
+        failure.help = error.help.clone();
+        match &error.span {
+            Some(span) => {
+                let text = error.source_text.to_string();
+                failure.source = Some(NamedSource::new(&error.source_name, text));
+                failure.label = Some(LabeledSpan::new_with_span(Some("here".into()), span.clone()));
+            }
+            None if !error.source_name.is_empty() && !failure.message.contains(&error.source_name) => {
+                failure.message = format!("{}: {}", error.source_name, failure.message);
+            }
+            None => {}
+        }
+        failure
+    }
+}

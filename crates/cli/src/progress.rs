@@ -1,0 +1,143 @@
+//! Progress: a bar on a terminal, plain lines or JSON lines elsewhere.
+
+use crate::args::LogFormat;
+use indicatif::{ProgressBar, ProgressStyle};
+use meniscus_scene::run::{Event, Observer, Progress};
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+/// Shows what happens in a run on standard error.
+pub struct Reporter {
+    style: Style,
+    begun: Instant,
+    /// The frame that was next when this process began.
+    first_frame: Option<u64>,
+    last_step: Option<Progress>,
+    last_line: Option<Instant>,
+}
+
+enum Style {
+    Quiet,
+    Json,
+    Lines,
+    Bar(ProgressBar),
+}
+
+/// Plain lines are at least this far apart, so that logs of long runs stay readable.
+const LINE_PAUSE: Duration = Duration::from_millis(500);
+
+impl Reporter {
+    /// A reporter for standard error as it is.
+    pub fn new(log: LogFormat, quiet: bool) -> Self {
+        let style = match log {
+            LogFormat::Json => Style::Json,
+            LogFormat::Text if quiet => Style::Quiet,
+            LogFormat::Text if std::io::stderr().is_terminal() => Style::Bar(bar()),
+            LogFormat::Text => Style::Lines,
+        };
+        Self { style, begun: Instant::now(), first_frame: None, last_step: None, last_line: None }
+    }
+
+    fn say(&self, line: &str) {
+        match &self.style {
+            Style::Bar(bar) => bar.println(line),
+            Style::Lines => eprintln!("{line}"),
+            Style::Quiet | Style::Json => {}
+        }
+    }
+
+    /// Seconds per frame and seconds to go.
+    fn pace(&self, now: &Progress) -> Option<(f64, f64)> {
+        let done = now.frame.checked_sub(self.first_frame?).filter(|&n| n > 0)?;
+        let per_frame = self.begun.elapsed().as_secs_f64() / done as f64;
+        Some((per_frame, per_frame * (now.last_frame + 1).saturating_sub(now.frame) as f64))
+    }
+
+    fn line(&self, p: &Progress) -> String {
+        let mut line = format!(
+            "t {:.4} s  dt {:.1e} s  CFL {:.2}  {} it  volume {:+.1e}",
+            p.time, p.dt, p.cfl, p.iterations, p.volume_error
+        );
+        if let Some((per_frame, left)) = self.pace(p) {
+            line += &format!("  {per_frame:.2} s/frame  ETA {}", clock(left));
+        }
+        line
+    }
+
+    fn text(&mut self, event: &Event) {
+        match event {
+            Event::Begin { scene, dimension, cells, folder, resumed_at, threads, .. } => {
+                let cells: Vec<String> = cells.iter().map(usize::to_string).collect();
+                let mut line = format!(
+                    "{scene}: {dimension}D, {} cells, {threads} threads, into {}",
+                    cells.join(" x "),
+                    folder.display()
+                );
+                if let Some(time) = resumed_at {
+                    line += &format!(", on from {time:.4} s");
+                }
+                self.say(&line);
+            }
+            Event::Step(progress) => self.step(progress),
+            Event::Frame { frame, .. } => self.frame(*frame),
+            Event::Warning { message } => self.say(&format!("warning: {message}")),
+            Event::Checkpoint { .. } => {}
+            Event::End { .. } => {
+                if let Style::Bar(bar) = &self.style {
+                    bar.finish_and_clear();
+                }
+            }
+        }
+    }
+
+    fn step(&mut self, progress: &Progress) {
+        self.first_frame.get_or_insert(progress.frame);
+        if let Style::Bar(bar) = &self.style {
+            bar.set_length(1000);
+            bar.set_position((1000.0 * progress.time / progress.end.max(f64::MIN_POSITIVE)) as u64);
+            bar.set_prefix(format!("frame {}/{}", progress.frame, progress.last_frame));
+            bar.set_message(self.line(progress));
+        }
+        self.last_step = Some(progress.clone());
+    }
+
+    fn frame(&mut self, frame: u64) {
+        let Some(progress) = self.last_step.clone().filter(|_| matches!(self.style, Style::Lines)) else { return };
+        let due = self.last_line.is_none_or(|last| last.elapsed() >= LINE_PAUSE);
+        if due || frame == progress.last_frame {
+            self.last_line = Some(Instant::now());
+            let after = Progress { frame: frame + 1, ..progress.clone() };
+            self.say(&format!("frame {frame}/{}  {}", progress.last_frame, self.line(&after)));
+        }
+    }
+}
+
+impl Observer for Reporter {
+    fn see(&mut self, event: &Event) {
+        if matches!(self.style, Style::Json) {
+            if let Ok(line) = serde_json::to_string(event) {
+                eprintln!("{line}");
+            }
+        } else {
+            self.text(event);
+        }
+    }
+}
+
+fn bar() -> ProgressBar {
+    let bar = ProgressBar::new(1000);
+    if let Ok(style) = ProgressStyle::with_template("{prefix} [{bar:24.cyan}] {wide_msg}") {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    bar
+}
+
+/// Seconds as people read them: `42 s`, `3 min 20 s`, `2 h 05 min`.
+pub fn clock(seconds: f64) -> String {
+    let s = seconds.max(0.0).round() as u64;
+    match s {
+        0..60 => format!("{s} s"),
+        60..3600 => format!("{} min {:02} s", s / 60, s % 60),
+        _ => format!("{} h {:02} min", s / 3600, s % 3600 / 60),
+    }
+}

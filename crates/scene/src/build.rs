@@ -1,0 +1,252 @@
+//! From a resolved scene to a simulation: the one place where the dimension is chosen at run time.
+
+use crate::checkpoint::Checksum;
+use crate::error::SceneError;
+use crate::file::{Rotation, Scene, ShapeSpec, Wall};
+use crate::output::Folder;
+use crate::run::{self, Existing, Job, Observer, Outcome, Region, RunError, Schedule, Setup, Stop};
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::shape::{MeshShape, Shape};
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{Model, Numerics, Simulation};
+use std::sync::Arc;
+
+/// What a simulation starts from, in two or three dimensions.
+#[derive(Clone)]
+pub enum AnySetup {
+    /// Two dimensions.
+    D2(Setup<2>),
+    /// Three dimensions.
+    D3(Setup<3>),
+}
+
+/// A simulation in two or three dimensions.
+pub enum AnySimulation {
+    /// Two dimensions.
+    D2(Simulation<2>),
+    /// Three dimensions.
+    D3(Simulation<3>),
+}
+
+impl AnySetup {
+    /// The setup of a scene.
+    ///
+    /// # Errors
+    /// [`SceneError`] for a shape that cannot be made.
+    pub fn of(scene: &Scene) -> Result<Self, SceneError> {
+        match scene.domain.dimension {
+            2 => Ok(Self::D2(setup(scene)?)),
+            _ => Ok(Self::D3(setup(scene)?)),
+        }
+    }
+
+    /// The simulation at its start.
+    pub fn simulation(&self) -> AnySimulation {
+        match self {
+            Self::D2(setup) => AnySimulation::D2(setup.simulation()),
+            Self::D3(setup) => AnySimulation::D3(setup.simulation()),
+        }
+    }
+
+    /// Runs it into a folder; see [`run::run`].
+    ///
+    /// # Errors
+    /// [`RunError`].
+    pub fn run(
+        &self,
+        job: &Job,
+        folder: &Folder,
+        existing: Existing,
+        stop: &dyn Fn() -> Option<Stop>,
+        observer: &mut dyn Observer,
+    ) -> Result<Outcome, RunError> {
+        match self {
+            Self::D2(setup) => run::run(setup, job, folder, existing, stop, observer),
+            Self::D3(setup) => run::run(setup, job, folder, existing, stop, observer),
+        }
+    }
+}
+
+impl Job {
+    /// The job of a scene; `text` is the scene as `scene.toml` of the output will show it.
+    pub fn of(scene: &Scene, text: String) -> Self {
+        let output = &scene.output;
+        Self {
+            name: scene.name.clone(),
+            text,
+            identity: identity(scene),
+            schedule: Schedule::new(output.frame_interval, output.duration),
+            frame_interval: output.frame_interval,
+            frames: None,
+            checkpoint_every: output.checkpoint_every as u64,
+        }
+    }
+}
+
+/// A number that differs between scenes whose results differ. How long the run is, what is written beside the frames
+/// and how many threads work does not count.
+fn identity(scene: &Scene) -> u64 {
+    let Scene { name, domain, liquid, solids, tension, contact_line, numerics, output, .. } = scene;
+    let numerics = crate::file::Numerics { threads: None, ..numerics.clone() };
+    let parts = (name, domain, liquid, solids, tension, contact_line, numerics, output.frame_interval);
+    let mut sum = Checksum::default();
+    sum.update(format!("{parts:?}").as_bytes());
+    sum.value()
+}
+
+/// The setup of a scene of dimension `D`.
+///
+/// # Errors
+/// [`SceneError`] for a shape that cannot be made.
+pub fn setup<const D: usize>(scene: &Scene) -> Result<Setup<D>, SceneError> {
+    let bodies = scene.liquid.bodies.iter().map(|b| Ok((region(&b.shape)?, vector(&b.velocity))));
+    Ok(Setup { model: model(scene), bodies: bodies.collect::<Result<_, SceneError>>()? })
+}
+
+/// The model of a scene of dimension `D`.
+pub fn model<const D: usize>(scene: &Scene) -> Model<D> {
+    let domain = &scene.domain;
+    let wall = |axis: usize, side: usize| match domain.walls.get(axis).map(|w| w[side]) {
+        Some(Wall::Open) => meniscus_sim::Wall::Open,
+        _ => meniscus_sim::Wall::Slip,
+    };
+    let cells = std::array::from_fn(|a| domain.cells.get(a).copied().unwrap_or(1));
+    let n = &scene.numerics;
+    Model {
+        grid: Grid::new(cells, domain.dx),
+        walls: std::array::from_fn(|a| [wall(a, 0), wall(a, 1)]),
+        density: scene.liquid.density,
+        kinematic_viscosity: scene.liquid.kinematic_viscosity,
+        surface_tension: scene.tension.liquid_air,
+        gravity: vector(&scene.liquid.gravity),
+        numerics: Numerics {
+            cfl: n.cfl,
+            capillary_step: n.capillary_step,
+            max_step: n.max_step,
+            tolerance: n.tolerance,
+            max_iterations: n.max_iterations,
+            fixed_step: n.fixed_step,
+            restore_momentum: n.restore_momentum,
+        },
+    }
+}
+
+fn vector<const D: usize>(values: &[f64]) -> Vector<D> {
+    Vector::from_fn(|a, _| values.get(a).copied().unwrap_or(0.0))
+}
+
+fn rotation<const D: usize>(rotation: &Rotation) -> Matrix<D> {
+    let rows = rotation.matrix();
+    Matrix::from_fn(|i, j| rows[i][j])
+}
+
+/// The signed distance of a shape.
+///
+/// # Errors
+/// [`SceneError`] for a shape that cannot be made.
+pub fn region<const D: usize>(spec: &ShapeSpec) -> Result<Region<D>, SceneError> {
+    let shape = match spec {
+        ShapeSpec::Ball { center, radius } => Shape::Ball { center: vector(center), radius: *radius },
+        ShapeSpec::Box { center, half_size, rotation: turned } => Shape::Box {
+            center: vector(center),
+            half_size: vector(half_size),
+            rotation: rotation(turned),
+        },
+        ShapeSpec::HalfSpace { point, normal } => {
+            Shape::HalfSpace { point: vector(point), normal: vector(normal) }
+        }
+        ShapeSpec::Cylinder { center, axis, radius, height } => {
+            Shape::Cylinder { center: vector(center), axis: vector(axis), radius: *radius, height: *height }
+        }
+        ShapeSpec::Capsule { a, b, radius } => {
+            Shape::Capsule { a: vector(a), b: vector(b), radius: *radius }
+        }
+        ShapeSpec::Ellipsoid { center, radii, rotation: turned } => {
+            Shape::Ellipsoid { center: vector(center), radii: vector(radii), rotation: rotation(turned) }
+        }
+        ShapeSpec::PerturbedBall { center, radius, mode, amplitude } => Shape::PerturbedBall {
+            center: vector(center),
+            radius: *radius,
+            mode: *mode,
+            amplitude: *amplitude,
+        },
+        other => return composed(other),
+    };
+    Ok(Arc::new(move |x| shape.signed_distance(x)))
+}
+
+/// Shapes that are made of others, and those that are no closed formula.
+fn composed<const D: usize>(spec: &ShapeSpec) -> Result<Region<D>, SceneError> {
+    match spec {
+        ShapeSpec::Union(parts) => {
+            let parts: Vec<Region<D>> = parts.iter().map(region).collect::<Result<_, _>>()?;
+            Ok(Arc::new(move |x| parts.iter().map(|part| part(x)).fold(f64::INFINITY, f64::min)))
+        }
+        ShapeSpec::Difference { of, minus } => {
+            let (of, minus) = (region::<D>(of)?, region::<D>(minus)?);
+            Ok(Arc::new(move |x| of(x).max(-minus(x))))
+        }
+        ShapeSpec::Wave { level, amplitude, wavelength, phase } => {
+            let wave = Wave {
+                level: *level,
+                amplitude: *amplitude,
+                number: 2.0 * std::f64::consts::PI / wavelength,
+                phase: *phase,
+            };
+            Ok(Arc::new(move |x: &Vector<D>| wave.signed_distance(x[0], x[D - 1])))
+        }
+        ShapeSpec::Mesh { path, scale, translate, rotation: turned } => {
+            let mesh = MeshShape::<D>::load(path, *scale, &rotation(turned), &vector(translate))
+                .map_err(|e| SceneError::new(e.to_string()))?;
+            Ok(Arc::new(move |x| mesh.signed_distance(x)))
+        }
+        _ => Err(SceneError::new("this shape of liquid is not yet in this version")
+            .with_help("use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, wave, union or mesh")),
+    }
+}
+
+/// `level + amplitude cos(number x + phase)`.
+struct Wave {
+    level: f64,
+    amplitude: f64,
+    number: f64,
+    phase: f64,
+}
+
+impl Wave {
+    /// Distance to the nearest point of the curve by Newton's method from the point above or below, negative under it.
+    fn signed_distance(&self, x: f64, y: f64) -> f64 {
+        let height = |s: f64| {
+            let (sin, cos) = (self.number * s + self.phase).sin_cos();
+            let a = self.amplitude;
+            (self.level + a * cos, -a * self.number * sin, -a * self.number * self.number * cos)
+        };
+        let mut s = x;
+        for _ in 0..20 {
+            let (h, h1, h2) = height(s);
+            let slope = (s - x) + (h - y) * h1;
+            let curvature = (1.0 + h1 * h1 + (h - y) * h2).max(0.2);
+            s -= slope / curvature;
+        }
+        (s - x).hypot(height(s).0 - y).copysign(y - height(x).0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distance_to_a_wave() {
+        let spec = ShapeSpec::Wave { level: 1.0, amplitude: 0.05, wavelength: 1.0, phase: 0.3 };
+        let region = region::<2>(&spec).unwrap();
+        let curve = |s: f64| 1.0 + 0.05 * (2.0 * std::f64::consts::PI * s + 0.3).cos();
+        for (x, y) in [(0.2, 1.3), (0.7, 0.8), (0.5, 1.0), (0.0, 0.5)] {
+            let nearest = (-2000..3000).map(|i| f64::from(i) * 1e-3).map(|s| (s - x).hypot(curve(s) - y));
+            let nearest = nearest.fold(f64::INFINITY, f64::min);
+            let distance = region(&Vector::from([x, y]));
+            assert!((distance.abs() - nearest).abs() < 1e-5, "{x} {y}: {distance} {nearest}");
+            assert_eq!(distance > 0.0, y > curve(x));
+        }
+    }
+}

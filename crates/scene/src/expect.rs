@@ -1,0 +1,188 @@
+//! The `[expect]` section: evaluated at the end of a run from what lies in its folder.
+
+use crate::file::{Expectation, Scene, Side};
+use crate::output::series::Table;
+use crate::output::summary::{Summary, Verdict};
+
+/// Evaluates every expectation of a scene.
+pub fn evaluate(scene: &Scene, summary: &Summary, series: &Table) -> Vec<Verdict> {
+    scene.expect.iter().map(|expectation| verdict(expectation, scene, summary, series)).collect()
+}
+
+fn verdict(expectation: &Expectation, scene: &Scene, summary: &Summary, series: &Table) -> Verdict {
+    match expectation {
+        Expectation::VolumeDrift { max } => at_most("volume drift", Some(summary.volume_error.abs()), *max, ""),
+        Expectation::MomentumError { max } => at_most("momentum error", Some(summary.momentum_error), *max, ""),
+        Expectation::EnergyGrowth { max } => at_most("energy growth", energy_growth(series), *max, ""),
+        Expectation::MaxSpeed { max } => {
+            at_most("largest speed at the end", series.column("max_speed").last().copied(), *max, "m/s")
+        }
+        Expectation::Period { value, tolerance, .. } => {
+            near("period", period(series), *value, tolerance * value, "s")
+        }
+        Expectation::Frequency { value, tolerance, .. } => {
+            near("frequency", period(series).map(f64::recip), *value, tolerance * value, "Hz")
+        }
+        Expectation::Drops { min, max } => {
+            let count = summary.drops.len() as f64;
+            let bar = if min == max { min.to_string() } else { bounds(*min, *max) };
+            let pass = count >= f64::from(*min) && count <= f64::from(*max);
+            Verdict { quantity: "drops".into(), bar, value: Some(count), unit: String::new(), pass }
+        }
+        Expectation::Reach { side, value, tolerance } => {
+            near(&format!("reach towards {side:?}").to_lowercase(), reach(summary, *side), *value, *tolerance, "m")
+        }
+        Expectation::ContactAngle { solid, value, tolerance } => {
+            let degrees = |angle: f64| angle.to_degrees();
+            near(&format!("contact angle on {solid}"), None, degrees(*value), degrees(*tolerance), "deg")
+        }
+        Expectation::Floats { solid } => unknown(&format!("{solid} floats"), scene),
+        Expectation::Sinks { solid } => unknown(&format!("{solid} sinks"), scene),
+    }
+}
+
+fn at_most(quantity: &str, value: Option<f64>, max: f64, unit: &str) -> Verdict {
+    Verdict {
+        quantity: quantity.into(),
+        bar: format!("at most {max}{}", spaced(unit)),
+        value,
+        unit: unit.into(),
+        pass: value.is_some_and(|v| v <= max),
+    }
+}
+
+fn near(quantity: &str, value: Option<f64>, expected: f64, tolerance: f64, unit: &str) -> Verdict {
+    Verdict {
+        quantity: quantity.into(),
+        bar: format!("{expected:.6} within {tolerance:.2e}{}", spaced(unit)),
+        value,
+        unit: unit.into(),
+        pass: value.is_some_and(|v| (v - expected).abs() <= tolerance),
+    }
+}
+
+fn unknown(quantity: &str, _: &Scene) -> Verdict {
+    Verdict { quantity: quantity.into(), bar: "yes".into(), value: None, unit: String::new(), pass: false }
+}
+
+fn bounds(min: u32, max: u32) -> String {
+    if max == u32::MAX { format!("at least {min}") } else { format!("{min} to {max}") }
+}
+
+fn spaced(unit: &str) -> String {
+    if unit.is_empty() { String::new() } else { format!(" {unit}") }
+}
+
+/// How far the total energy rises above its start, relative to the largest kind of energy at the start.
+fn energy_growth(series: &Table) -> Option<f64> {
+    let kinds = ["kinetic_energy", "surface_energy", "potential_energy"].map(|name| series.column(name));
+    let total = |row: usize| kinds.iter().map(|kind| kind[row]).sum::<f64>();
+    let rows = kinds.iter().map(|kind| kind.len()).min().filter(|&n| n > 0)?;
+    let scale = kinds.iter().map(|kind| kind[0].abs()).fold(0.0, f64::max);
+    let start = total(0);
+    let growth = (0..rows).map(|row| total(row) - start).fold(0.0, f64::max);
+    if scale > 0.0 { Some(growth / scale) } else { None }
+}
+
+/// How far the liquid reaches towards a side at the end, m.
+fn reach(summary: &Summary, side: Side) -> Option<f64> {
+    let last = summary.dimension.checked_sub(1)?;
+    let (axis, upper) = match side {
+        Side::Left => (0, false),
+        Side::Right => (0, true),
+        Side::Front => (1, false),
+        Side::Back => (1, true),
+        Side::Bottom => (last, false),
+        Side::Top => (last, true),
+    };
+    let corners = summary.drops.iter().filter_map(|drop| {
+        let corner = if upper { &drop.upper } else { &drop.lower };
+        corner.get(axis).copied()
+    });
+    if upper { corners.reduce(f64::max) } else { corners.reduce(f64::min) }
+}
+
+/// The period of an oscillation, s: twice the mean distance of the maxima of the kinetic energy, which has two in each
+/// period. Each is placed by the middle between the crossings of half its height on either side, which a few noisy
+/// steps do not move. None with fewer than two maxima.
+pub fn period(series: &Table) -> Option<f64> {
+    let (time, energy) = (series.column("time"), series.column("kinetic_energy"));
+    let peaks = peaks(time, energy);
+    let (first, last) = (peaks.first()?, peaks.last()?);
+    let gaps = peaks.len().checked_sub(1).filter(|&n| n > 0)?;
+    Some(2.0 * (last - first) / gaps as f64)
+}
+
+/// Times of the maxima of a curve that falls below half of each of them on both sides.
+fn peaks(time: &[f64], curve: &[f64]) -> Vec<f64> {
+    let mut times = Vec::new();
+    let mut start = 0;
+    while let Some((top, end)) = next_peak(curve, start) {
+        let half = 0.5 * curve[top];
+        let rise = (start..top).rev().find(|&i| curve[i] < half);
+        if let Some(rise) = rise {
+            let before = crossing(time, curve, rise, half);
+            let after = crossing(time, curve, end - 1, half);
+            times.push(0.5 * (before + after));
+        }
+        start = end;
+    }
+    times
+}
+
+/// The largest value from `start` on before the curve falls below its half, and where it does so.
+fn next_peak(curve: &[f64], start: usize) -> Option<(usize, usize)> {
+    // Skip the flank of the last peak: begin at the valley.
+    let mut valley = start;
+    while valley + 1 < curve.len() && curve[valley + 1] <= curve[valley] {
+        valley += 1;
+    }
+    let mut top = valley;
+    for i in valley..curve.len() {
+        if curve[i] > curve[top] {
+            top = i;
+        } else if curve[top] > 2.0 * curve[valley] && curve[i] < 0.5 * curve[top] {
+            return Some((top, i));
+        }
+    }
+    None
+}
+
+/// The time between rows `i` and `i + 1` at which the curve has the value `level`.
+fn crossing(time: &[f64], curve: &[f64], i: usize, level: f64) -> f64 {
+    let fraction = (level - curve[i]) / (curve[i + 1] - curve[i]);
+    time[i] + fraction.clamp(0.0, 1.0) * (time[i + 1] - time[i])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn damped(decay: f64, noise: f64) -> Table {
+        let mut text = String::from("time,kinetic_energy\n");
+        let mut random = 1u64;
+        for i in 0..400 {
+            random = random.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            let t = f64::from(i) * 0.01 + 1e-9 * (random >> 40) as f64;
+            let jitter = 1.0 + noise * ((random >> 33) as f64 / 2f64.powi(31) - 0.5);
+            text += &format!("{t},{}\n", (-2.0 * decay * t).exp() * (2.0 * t * 2.5).sin().powi(2) * jitter);
+        }
+        Table::parse(&text)
+    }
+
+    #[test]
+    fn period_from_kinetic_energy() {
+        let expected = 2.0 * std::f64::consts::PI / 5.0;
+        let measured = period(&damped(0.0, 0.0)).unwrap();
+        assert!((measured / expected - 1.0).abs() < 1e-3, "{measured} {expected}");
+        let measured = period(&damped(0.1, 0.02)).unwrap();
+        assert!((measured / expected - 1.0).abs() < 5e-3, "{measured} {expected}");
+        assert_eq!(period(&Table::default()), None);
+    }
+
+    #[test]
+    fn energy_growth_is_relative() {
+        let table = Table::parse("kinetic_energy,surface_energy,potential_energy\n0,2,0\n1,1.5,0\n0,1,0\n");
+        assert_eq!(energy_growth(&table), Some(0.25));
+    }
+}
