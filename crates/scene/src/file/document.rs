@@ -73,6 +73,13 @@ impl Source {
         }
     }
 
+    /// The path of the first key inside a table, for tables that name a kind by their only key.
+    pub fn first_inside(&self, path: &str) -> String {
+        let prefix = format!("{path}.");
+        let next = self.spans.range(prefix.clone()..).next();
+        next.filter(|(k, _)| k.starts_with(&prefix)).map_or_else(|| path.to_owned(), |(k, _)| k.clone())
+    }
+
     /// Whether a path is written in the scene.
     pub fn has(&self, path: &str) -> bool {
         self.spans.contains_key(path)
@@ -166,8 +173,7 @@ impl<'i> Document<'i> {
             return Err(self.source.point(error, Some(start..value_start)));
         }
         self.drop_rival(path.trim());
-        set_in_table(self.root.get_mut(), &segments, value)
-            .map_err(|(error, span)| self.source.point(error, Some(span)))
+        set_in_table(self.root.get_mut(), &segments, value).map_err(|e| self.source.point(e.0, Some(e.1)))
     }
 
     /// `domain.dx` and `domain.resolution` exclude each other: the one set replaces the other.
@@ -231,7 +237,7 @@ fn shift<'i>(value: Spanned<DeValue<'i>>, by: usize) -> Spanned<DeValue<'i>> {
     Spanned::new(span, inner)
 }
 
-type SetError = (SceneError, Range<usize>);
+type SetError = Box<(SceneError, Range<usize>)>;
 
 fn set_in_table<'i>(
     table: &mut DeTable<'i>,
@@ -241,7 +247,7 @@ fn set_in_table<'i>(
     let Some(((word, span), rest)) = path.split_first() else { return Ok(()) };
     if word.is_empty() {
         let error = SceneError::new("the path has an empty part");
-        return Err((error.with_help("write path=value, like domain.resolution=64"), span.clone()));
+        return Err(Box::new((error.with_help("write path=value, like domain.resolution=64"), span.clone())));
     }
     if rest.is_empty() {
         table.remove(*word);
@@ -273,7 +279,7 @@ fn set_in_value<'i>(
             let Some(item) = item else {
                 let error = SceneError::new(format!("`{name}` has no entry `{word}`"));
                 let help = format!("it has {count}, counted from 0");
-                return Err((error.with_help(help), span.clone()));
+                return Err(Box::new((error.with_help(help), span.clone())));
             };
             if rest.is_empty() {
                 *item = value;
@@ -287,7 +293,7 @@ fn set_in_value<'i>(
                 "`{name}` is {}, it has no key `{word}`",
                 with_article(other.type_str())
             ));
-            Err((error.with_help(format!("set `{name}` itself")), span.clone()))
+            Err(Box::new((error.with_help(format!("set `{name}` itself")), span.clone())))
         }
     }
 }

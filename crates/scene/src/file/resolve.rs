@@ -245,7 +245,8 @@ impl Resolver {
             let size = if n >= count { fit } else { n * self.dx };
             if (size - self.size[i]).abs() > 1e-6 * self.dx {
                 let old = self.size[i];
-                self.warn(&path, format!("{old} m is no whole number of cells; {size} m is used"));
+                let used = short(size);
+                self.warn(&path, format!("{old} m is no whole number of cells; {used} m is used"));
                 self.size[i] = size;
             }
             cells.push(n as usize);
@@ -307,7 +308,8 @@ impl Resolver {
         Ok(Liquid { density, kinematic_viscosity, gravity, bodies })
     }
 
-    /// A body outside the domain is an error, one that sticks out is not: walls may cut it.
+    /// A body outside the domain is an error, one that sticks out is not: walls may cut it. Round shapes get a warning,
+    /// boxes, cylinders and the like are made to reach beyond walls.
     fn liquid_inside(&mut self, path: &str, shape: &ShapeSpec) -> Result<(), SceneError> {
         let Some((lower, upper)) = shape.bounds(self.dim) else { return Ok(()) };
         let mut cut = false;
@@ -320,13 +322,17 @@ impl Resolver {
                     short(upper[i])
                 );
                 let help = format!("the domain reaches from {axis} = 0 m to {} m", short(end));
-                return Err(self.error(path, message, help));
+                return Err(self.error(&self.source.first_inside(path), message, help));
             }
             let slack = 1e-6 * self.dx;
             cut |= (lower[i].is_finite() && lower[i] < -slack)
                 || (upper[i].is_finite() && upper[i] > self.size[i] + slack);
         }
-        if cut {
+        let round = matches!(
+            shape,
+            ShapeSpec::Ball { .. } | ShapeSpec::PerturbedBall { .. } | ShapeSpec::Ellipsoid { .. }
+        );
+        if cut && round {
             self.warn(path, "the liquid sticks out of the domain; the walls cut it");
         }
         Ok(())

@@ -59,7 +59,7 @@ impl Resolver {
                 );
                 let help =
                     format!("the domain reaches from {axis} = 0 m to {} m", resolve::short(self.size[i]));
-                return Err(self.error(path, message, help));
+                return Err(self.error(&self.source.first_inside(path), message, help));
             }
         }
         Ok(())

@@ -1,0 +1,407 @@
+//! The physics of a scene in numbers, without running it.
+
+use crate::error::SceneError;
+use crate::file::{Material, Scene, ShapeSpec, Warning};
+use serde::Serialize;
+use std::fmt::Write as _;
+
+/// Bytes per cell of the domain: 25 fields of 8 bytes.
+const BYTES_PER_CELL: f64 = 200.0;
+/// Bytes more per cell of liquid: 30 fields of 8 bytes.
+const BYTES_PER_LIQUID_CELL: f64 = 240.0;
+/// Core seconds per step and cell of the domain, a rough figure for the time estimate.
+const SECONDS_PER_CELL: f64 = 2e-7;
+/// Core seconds per step and cell of liquid.
+const SECONDS_PER_LIQUID_CELL: f64 = 4e-6;
+/// Fewer cells across a body than this deserve a warning.
+const FEW_CELLS: f64 = 8.0;
+
+/// The physics of a scene in numbers; SI, angles in degrees.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// Name of the scene.
+    pub name: String,
+    /// 2 or 3.
+    pub dimension: usize,
+    /// Cells along each axis.
+    pub cells: Vec<usize>,
+    /// All cells.
+    pub cell_count: f64,
+    /// Size of a cell, m.
+    pub dx: f64,
+    /// Volume of the liquid at the start, m³ (2D: m²), sampled; none with a mesh.
+    pub liquid_volume: Option<f64>,
+    /// Cells of liquid.
+    pub liquid_cells: Option<f64>,
+    /// Memory, bytes, estimated.
+    pub memory_bytes: f64,
+    /// Time steps, estimated.
+    pub steps: f64,
+    /// Time that a run takes here, s, rough.
+    pub run_seconds: f64,
+    /// Time step that is expected, s.
+    pub time_step: f64,
+    /// The explicit capillary limit 0.36 √(ρ Δ³ / γ), s.
+    pub capillary_step: f64,
+    /// Length of the dimensionless numbers: the smallest radius of a body (else that of a ball of the same volume), m.
+    pub radius: Option<f64>,
+    /// Speed of the dimensionless numbers: the largest difference between bodies, or of one body to rest, m/s.
+    pub speed: f64,
+    /// Capillary length √(γ / ρ g), m; none without gravity.
+    pub capillary_length: Option<f64>,
+    /// Capillary length in cells.
+    pub capillary_length_cells: Option<f64>,
+    /// Bo = ρ g R² / γ.
+    pub bond: Option<f64>,
+    /// We = ρ U² D / γ.
+    pub weber: Option<f64>,
+    /// Oh = μ / √(ρ γ D).
+    pub ohnesorge: Option<f64>,
+    /// La = γ ρ D / μ²; none without viscosity.
+    pub laplace: Option<f64>,
+    /// Re = U D / ν; none without viscosity.
+    pub reynolds: Option<f64>,
+    /// The bodies of liquid.
+    pub bodies: Vec<BodyReport>,
+    /// Every pair of liquid and solid.
+    pub pairs: Vec<PairReport>,
+    /// What looks odd.
+    pub warnings: Vec<Warning>,
+    /// Why this version cannot run the scene; none if it can.
+    pub cannot_run: Option<String>,
+}
+
+/// A body of liquid.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BodyReport {
+    /// Number in the scene, from 0.
+    pub index: usize,
+    /// The length that the grid has to resolve, m; none for a half-space.
+    pub radius: Option<f64>,
+    /// Cells per that length.
+    pub cells_per_radius: Option<f64>,
+}
+
+/// How the liquid meets a solid.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PairReport {
+    /// Name of the solid; `walls` for the sides of the domain.
+    pub solid: String,
+    /// Cosine of Young's angle; none if no tension is given.
+    pub young_cosine: Option<f64>,
+    /// Young's angle, degrees; none beyond total wetting or drying.
+    pub young_angle: Option<f64>,
+    /// `partial`, `total wetting`, `no wetting` or `no tension given`.
+    pub wetting: &'static str,
+    /// Elastocapillary length, m: √(B / γ) of a shell, (E / γ)-length γ / E of a block; none for rigid solids.
+    pub elastocapillary_length: Option<f64>,
+}
+
+/// The physics of a scene in numbers. `threads`: how many cores a run would use, for the time estimate.
+pub fn check(scene: &Scene, threads: usize) -> Report {
+    let (d, l, gamma) = (&scene.domain, &scene.liquid, scene.tension.liquid_air);
+    let volume = liquid_volume(scene);
+    let liquid_cells = volume.map(|v| v / d.dx.powi(d.dimension as i32));
+    let bodies: Vec<BodyReport> = body_reports(scene);
+    let smallest = bodies.iter().filter_map(|b| b.radius).reduce(f64::min);
+    let radius = smallest.or_else(|| volume.map(|v| ball_radius(v, d.dimension)));
+    let speed = typical_speed(scene);
+    let g = norm(&l.gravity);
+    let capillary_length = (g > 0.0).then(|| (gamma / (l.density * g)).sqrt());
+    let capillary_step = 0.36 * (l.density * d.dx.powi(3) / gamma).sqrt();
+    let time_step = time_step(scene, capillary_step, speed, radius);
+    let steps = (scene.output.duration / time_step).ceil();
+    let cells = d.cell_count();
+    let wet = liquid_cells.unwrap_or(cells);
+    let work = SECONDS_PER_CELL * cells + SECONDS_PER_LIQUID_CELL * wet;
+    let nu = l.kinematic_viscosity;
+    let diameter = radius.map(|r| 2.0 * r);
+    let mut warnings = scene.warnings.0.clone();
+    more_warnings(scene, &bodies, capillary_length, &mut warnings);
+    Report {
+        name: scene.name.clone(),
+        dimension: d.dimension,
+        cells: d.cells.clone(),
+        cell_count: cells,
+        dx: d.dx,
+        liquid_volume: volume,
+        liquid_cells,
+        memory_bytes: memory_estimate(cells, wet),
+        steps,
+        run_seconds: steps * work / (threads.max(1) as f64),
+        time_step,
+        capillary_step,
+        radius,
+        speed,
+        capillary_length,
+        capillary_length_cells: capillary_length.map(|c| c / d.dx),
+        bond: radius.filter(|_| g > 0.0).map(|r| l.density * g * r * r / gamma),
+        weber: diameter.map(|x| l.density * speed * speed * x / gamma),
+        ohnesorge: diameter.map(|x| nu * l.density / (l.density * gamma * x).sqrt()),
+        laplace: diameter.filter(|_| nu > 0.0).map(|x| gamma * x / (l.density * nu * nu)),
+        reynolds: diameter.filter(|_| nu > 0.0).map(|x| speed * x / nu),
+        bodies,
+        pairs: pairs(scene),
+        warnings,
+        cannot_run: crate::file::runnable(scene).err().map(|e| e.message),
+    }
+}
+
+/// Memory that a run needs, bytes, from all cells and those of liquid.
+pub fn memory_estimate(cells: f64, liquid_cells: f64) -> f64 {
+    BYTES_PER_CELL * cells + BYTES_PER_LIQUID_CELL * liquid_cells
+}
+
+/// Memory of this machine, bytes: what the kernel has, or what a container is allowed; none if it cannot be told.
+pub fn machine_memory() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find(|l| l.starts_with("MemTotal:"))?;
+    let total = line.split_whitespace().nth(1)?.parse::<u64>().ok()?.checked_mul(1024)?;
+    let allowed = std::fs::read_to_string("/sys/fs/cgroup/memory.max").ok();
+    let allowed = allowed.and_then(|t| t.trim().parse::<u64>().ok());
+    Some(allowed.map_or(total, |a| a.min(total)))
+}
+
+/// Refuses a scene that needs more memory than there is (`limit`, bytes; [`machine_memory`]).
+///
+/// # Errors
+/// [`SceneError`] that points at the resolution.
+pub fn fits_memory(scene: &Scene, limit: Option<u64>) -> Result<(), SceneError> {
+    let Some(limit) = limit else { return Ok(()) };
+    let limit = limit as f64;
+    let cells = scene.domain.cell_count();
+    let least = memory_estimate(cells, 0.0);
+    let wet =
+        || liquid_volume(scene).map_or(cells, |v| v / scene.domain.dx.powi(scene.domain.dimension as i32));
+    let need = if least > limit { least } else { memory_estimate(cells, wet()) };
+    if need <= limit {
+        return Ok(());
+    }
+    let longest = scene.domain.cells.iter().copied().max().unwrap_or(1) as f64;
+    let fit = (longest * (0.9 * limit / need).powf(1.0 / scene.domain.dimension as f64)).floor();
+    let message =
+        format!("the scene needs about {} of memory, this machine has {}", bytes(need), bytes(limit));
+    let error = SceneError::new(message).with_help(format!("at most about `resolution = {fit}` fits here"));
+    let path = if scene.source.has("domain.dx") { "domain.dx" } else { "domain.resolution" };
+    Err(scene.source.at_value(error, path))
+}
+
+fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn ball_radius(volume: f64, dimension: usize) -> f64 {
+    let pi = std::f64::consts::PI;
+    if dimension == 2 { (volume / pi).sqrt() } else { (0.75 * volume / pi).cbrt() }
+}
+
+/// The largest difference of start velocity between bodies; of a single body to rest.
+fn typical_speed(scene: &Scene) -> f64 {
+    let v: Vec<&[f64]> = scene.liquid.bodies.iter().map(|b| b.velocity.as_slice()).collect();
+    if let [one] = v.as_slice() {
+        return norm(one);
+    }
+    let mut most = 0.0_f64;
+    for (i, a) in v.iter().enumerate() {
+        for b in &v[..i] {
+            most = most.max(a.iter().zip(*b).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt());
+        }
+    }
+    most
+}
+
+/// The step that is expected: the capillary limit, the CFL limit at the largest speed in sight, the given limits.
+fn time_step(scene: &Scene, capillary: f64, speed: f64, radius: Option<f64>) -> f64 {
+    let (n, l) = (&scene.numerics, &scene.liquid);
+    if let Some(fixed) = n.fixed_step {
+        return fixed.min(scene.output.frame_interval);
+    }
+    let height = scene.domain.size.last().copied().unwrap_or(0.0);
+    let fall = (norm(&l.gravity) * height).sqrt();
+    let swing = radius.map_or(0.0, |r| (scene.tension.liquid_air / (l.density * r)).sqrt());
+    let fastest = speed.max(fall).max(0.5 * swing);
+    let cfl = if fastest > 0.0 { n.cfl * scene.domain.dx / fastest } else { f64::INFINITY };
+    (n.capillary_step * capillary).min(cfl).min(n.max_step).min(scene.output.frame_interval)
+}
+
+fn body_reports(scene: &Scene) -> Vec<BodyReport> {
+    let report = |(index, body): (usize, &crate::file::Body)| {
+        let radius = match &body.shape {
+            ShapeSpec::Box { rotation, .. } if rotation.angle == 0.0 => half_inside(scene, &body.shape),
+            shape => shape.radius(),
+        };
+        BodyReport { index, radius, cells_per_radius: radius.map(|r| r / scene.domain.dx) }
+    };
+    scene.liquid.bodies.iter().enumerate().map(report).collect()
+}
+
+/// Half the least extent of what lies inside the domain, m.
+fn half_inside(scene: &Scene, shape: &ShapeSpec) -> Option<f64> {
+    let (lower, upper) = shape.bounds(scene.domain.dimension)?;
+    let extent = |((l, u), s): ((&f64, &f64), &f64)| 0.5 * (u.min(*s) - l.max(0.0));
+    lower.iter().zip(&upper).zip(&scene.domain.size).map(extent).reduce(f64::min)
+}
+
+/// Volume of the liquid inside the domain by sampling; none if a shape cannot be sampled.
+pub fn liquid_volume(scene: &Scene) -> Option<f64> {
+    let d = &scene.domain;
+    let dim = d.dimension;
+    let mut lower = d.size.clone();
+    let mut upper = vec![0.0; dim];
+    for body in &scene.liquid.bodies {
+        let (l, u) = body.shape.bounds(dim)?;
+        for i in 0..dim {
+            lower[i] = lower[i].min(l[i].max(0.0));
+            upper[i] = f64::max(upper[i], u[i].min(d.size[i]));
+        }
+    }
+    let count: usize = if dim == 2 { 512 } else { 96 };
+    let total = count.pow(dim as u32);
+    let shapes: Vec<&ShapeSpec> = scene.liquid.bodies.iter().map(|b| &b.shape).collect();
+    let mut point = vec![0.0; dim];
+    let mut inside = 0_usize;
+    for k in 0..total {
+        let mut rest = k;
+        for i in 0..dim {
+            let t = ((rest % count) as f64 + 0.5) / count as f64;
+            point[i] = lower[i] + t * (upper[i] - lower[i]);
+            rest /= count;
+        }
+        let mut any = false;
+        for s in &shapes {
+            any |= s.contains(&point)?;
+        }
+        inside += usize::from(any);
+    }
+    let sampled: f64 = lower.iter().zip(&upper).map(|(l, u)| (u - l).max(0.0)).product();
+    Some(sampled * inside as f64 / total as f64)
+}
+
+fn pairs(scene: &Scene) -> Vec<PairReport> {
+    let gamma = scene.tension.liquid_air;
+    let report = |solid: &str, cosine: Option<f64>, length: Option<f64>| PairReport {
+        solid: solid.to_owned(),
+        young_cosine: cosine,
+        young_angle: cosine.filter(|c| c.abs() <= 1.0).map(|c| c.acos().to_degrees()),
+        wetting: match cosine {
+            None => "no tension given",
+            Some(c) if c >= 1.0 => "total wetting",
+            Some(c) if c <= -1.0 => "no wetting",
+            Some(_) => "partial",
+        },
+        elastocapillary_length: length,
+    };
+    let mut out = vec![report("walls", Some(scene.domain.wall_contact_angle.cos()), None)];
+    for s in &scene.solids {
+        let tension = scene.tension.solids.iter().find(|t| t.0 == s.name);
+        let length = match &s.material {
+            Material::Shell { elastic: e, thickness: t } => {
+                let bending = e.young_modulus * t.powi(3) / (12.0 * (1.0 - e.poisson_ratio.powi(2)));
+                Some((bending / gamma).sqrt())
+            }
+            Material::NeoHookean(e) | Material::Corotated(e) => Some(gamma / e.young_modulus),
+            _ => None,
+        };
+        out.push(report(&s.name, tension.map(|t| t.1.young_cosine(gamma)), length));
+    }
+    out
+}
+
+fn more_warnings(scene: &Scene, bodies: &[BodyReport], capillary: Option<f64>, out: &mut Vec<Warning>) {
+    for b in bodies {
+        if let Some(n) = b.cells_per_radius.filter(|n| 2.0 * n < FEW_CELLS) {
+            let message =
+                format!("only {:.1} cells across this body; {FEW_CELLS} or more are wanted", 2.0 * n);
+            out.push(Warning { path: format!("liquid.body.{}.shape", b.index), message });
+        }
+    }
+    if let Some(n) = capillary.map(|c| c / scene.domain.dx).filter(|n| *n < 1.0) {
+        let message =
+            format!("the capillary length is only {n:.2} cells: surface tension is hardly resolved");
+        out.push(Warning { path: "tension.liquid_air".to_owned(), message });
+    }
+    for s in &scene.solids {
+        if !scene.tension.solids.iter().any(|t| t.0 == s.name) {
+            let message = format!("the solid `{}` has no tension: 90 degrees", s.name);
+            out.push(Warning { path: "tension".to_owned(), message });
+        }
+    }
+    if scene.expect.is_empty() {
+        let message = "nothing is checked at the end: add [expect]".to_owned();
+        out.push(Warning { path: "expect".to_owned(), message });
+    }
+}
+
+/// Bytes for people.
+fn bytes(n: f64) -> String {
+    match n {
+        n if n < 1e6 => format!("{:.0} kB", n / 1e3),
+        n if n < 1e9 => format!("{:.0} MB", n / 1e6),
+        n => format!("{:.1} GB", n / 1e9),
+    }
+}
+
+/// Seconds for people.
+fn span_of_time(s: f64) -> String {
+    match s {
+        s if s < 90.0 => format!("{s:.0} s"),
+        s if s < 5400.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+impl Report {
+    /// The report as plain text, one fact a line.
+    pub fn render(&self) -> String {
+        let mut out = format!("{} ({}D)\n", self.name, self.dimension);
+        let mut line = |name: &str, value: String| {
+            let _ = writeln!(out, "  {name:<24}{value}");
+        };
+        let number = |v: f64| format!("{v:.4e}");
+        let cells: Vec<String> = self.cells.iter().map(ToString::to_string).collect();
+        line("cells", format!("{} = {:.0}, dx = {} m", cells.join(" x "), self.cell_count, number(self.dx)));
+        if let Some(v) = self.liquid_volume {
+            let unit = if self.dimension == 2 { "m^2" } else { "m^3" };
+            let n = self.liquid_cells.unwrap_or(0.0);
+            line("liquid", format!("{} {unit}, {n:.0} cells", number(v)));
+        }
+        line("memory", format!("about {}", bytes(self.memory_bytes)));
+        line("steps", format!("about {:.0} of {} s", self.steps, number(self.time_step)));
+        line("time", format!("roughly {}", span_of_time(self.run_seconds)));
+        line("capillary step", format!("{} s (explicit limit)", number(self.capillary_step)));
+        for b in &self.bodies {
+            if let (Some(r), Some(n)) = (b.radius, b.cells_per_radius) {
+                line(&format!("body {}", b.index), format!("radius {} m, {n:.1} cells", number(r)));
+            }
+        }
+        if let (Some(c), Some(n)) = (self.capillary_length, self.capillary_length_cells) {
+            line("capillary length", format!("{} m, {n:.1} cells", number(c)));
+        }
+        let numbers = [
+            ("Bo = rho g R^2 / gamma", self.bond),
+            ("We = rho U^2 D / gamma", self.weber),
+            ("Oh = mu/sqrt(rho gamma D)", self.ohnesorge),
+            ("La = gamma rho D / mu^2", self.laplace),
+            ("Re = U D / nu", self.reynolds),
+        ];
+        for (name, value) in numbers {
+            if let Some(v) = value {
+                line(name, format!(" {v:.4}"));
+            }
+        }
+        for p in &self.pairs {
+            let angle = p.young_angle.map_or_else(String::new, |a| format!("{a:.2} deg, "));
+            let length = p.elastocapillary_length;
+            let length =
+                length.map_or_else(String::new, |l| format!(", elastocapillary length {} m", number(l)));
+            line(&format!("angle on {}", p.solid), format!("{angle}{}{length}", p.wetting));
+        }
+        for w in &self.warnings {
+            let _ = writeln!(out, "warning: {}: {}", w.path, w.message);
+        }
+        if let Some(why) = &self.cannot_run {
+            let _ = writeln!(out, "cannot run: {why}");
+        }
+        out
+    }
+}

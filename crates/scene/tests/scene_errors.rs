@@ -1,0 +1,295 @@
+//! Every kind of bad scene: the exact text that a person sees, and the exit status.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use meniscus_scene::check::{fits_memory, memory_estimate};
+use meniscus_scene::error::SceneError;
+use meniscus_scene::file::{LoadOptions, Scene, runnable};
+use std::path::Path;
+
+const GOOD: &str = r#"format = 1
+name = "test"
+
+[domain]
+dimension = 3
+size = ["3 mm", "3 mm", "3 mm"]
+resolution = 32
+walls = { all = "slip" }
+
+[liquid]
+density = "1 g/cm^3"
+kinematic_viscosity = "0.01 cm^2/s"
+
+[[liquid.body]]
+shape.ball = { center = ["1.5 mm", "1.5 mm", "1.5 mm"], radius = "1 mm" }
+
+[tension]
+liquid_air = "72.8 mN/m"
+
+[output]
+duration = "10 ms"
+"#;
+
+const SOLID: &str = r#"
+[[solid]]
+name = "plate"
+shape.box = { lower = ["1 mm", "1 mm", "0.1 mm"], upper = ["2 mm", "2 mm", "0.3 mm"] }
+material.rigid = { fixed = true }
+"#;
+
+fn load(text: &str, sets: &[&str]) -> Result<Scene, SceneError> {
+    let options =
+        LoadOptions { sets: sets.iter().map(|s| (*s).to_owned()).collect(), ..LoadOptions::default() };
+    Scene::from_text("test.toml", text, Path::new("/nowhere"), &options)
+}
+
+/// The error of the good scene with a piece replaced.
+fn bad(from: &str, to: &str) -> SceneError {
+    assert!(GOOD.contains(from), "{from}");
+    bad_text(&GOOD.replacen(from, to, 1))
+}
+
+fn bad_text(text: &str) -> SceneError {
+    let e = load(text, &[]).and_then(|s| runnable(&s)).expect_err(text);
+    assert_eq!(e.exit_status(), 3);
+    e
+}
+
+fn marked(e: &SceneError) -> &str {
+    &e.source_text[e.span.clone().expect("a span")]
+}
+
+#[test]
+fn the_good_scene_is_good() {
+    let scene = load(GOOD, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+    runnable(&scene).unwrap();
+    assert_eq!(scene.domain.cells, [32, 32, 32]);
+    assert_eq!(scene.tension.liquid_air, 0.0728);
+    load(&format!("{GOOD}{SOLID}"), &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+}
+
+#[test]
+fn misspelt_key() {
+    assert_eq!(
+        bad("resolution = 32", "resolutoin = 32").render(),
+        "error: unknown key `resolutoin`\n --> test.toml:7:1\n  |\n7 | resolutoin = 32\n  | ^^^^^^^^^^\n  \
+         help: did you mean `resolution`? accepted: dimension, size, resolution, dx, quality, walls, \
+         wall_contact_angle\n"
+    );
+}
+
+#[test]
+fn wrong_dimension() {
+    assert_eq!(
+        bad("\"1 g/cm^3\"", "\"1 g/cm\"").render(),
+        "error: `1 g/cm` is in kg m^-1, but a density is wanted\n  --> test.toml:11:11\n   |\n\
+         11 | density = \"1 g/cm\"\n   |           ^^^^^^^^\n  \
+         help: a density is written as text with a unit, one of: kg/m^3, g/cm^3\n"
+    );
+}
+
+#[test]
+fn bare_number() {
+    let e = bad("radius = \"1 mm\"", "radius = 0.001");
+    assert_eq!(
+        e.render(),
+        "error: the number 0.001 has no unit\n  --> test.toml:15:66\n   |\n\
+         15 | shape.ball = { center = [\"1.5 mm\", \"1.5 mm\", \"1.5 mm\"], radius = 0.001 }\n   |  \
+         \u{20}                                                               ^^^^^\n  \
+         help: a length is written as text with a unit, one of: m, cm, mm, um, dx (cells); like \"0.001 m\"\n"
+    );
+    assert_eq!(e.line_column(), Some((15, 66)));
+}
+
+#[test]
+fn unknown_unit_and_not_finite() {
+    let e = bad("\"1 mm\"", "\"1.5 furlong\"");
+    assert_eq!(marked(&e), "\"1.5 furlong\"");
+    assert!(e.message.contains("unknown unit `furlong`"), "{e}");
+    for text in ["\"inf m\"", "\"1e999 m\"", "inf", "nan"] {
+        assert_eq!(marked(&bad("\"1 mm\"", text)), text);
+    }
+}
+
+#[test]
+fn sizes() {
+    for (text, what) in [("\"0 mm\"", "above zero"), ("\"-1 mm\"", "above zero"), ("0", "above zero")] {
+        let e = bad("\"1 mm\"", text);
+        assert_eq!(marked(&e), text);
+        assert!(e.message.contains(what), "{e}");
+    }
+    assert_eq!(marked(&bad("resolution = 32", "resolution = 0")), "0");
+    assert_eq!(marked(&bad("[\"3 mm\", ", "[\"0 mm\", ")), "\"0 mm\"");
+    assert_eq!(marked(&bad("\"10 ms\"", "\"-10 ms\"")), "\"-10 ms\"");
+    assert_eq!(marked(&bad("\"72.8 mN/m\"", "\"0 N/m\"")), "\"0 N/m\"");
+}
+
+#[test]
+fn outside_the_domain() {
+    let value = "{ center = [\"9 mm\", \"1.5 mm\", \"1.5 mm\"], radius = \"1 mm\" }";
+    let expected = format!(
+        "error: the liquid is outside the domain: it reaches from x = 0.008 m to 0.01 m\n  \
+         --> test.toml:15:14\n   |\n15 | shape.ball = {value}\n   |              {}\n  \
+         help: the domain reaches from x = 0 m to 0.003 m\n",
+        "^".repeat(value.len())
+    );
+    assert_eq!(bad("center = [\"1.5 mm\"", "center = [\"9 mm\"").render(), expected);
+}
+
+#[test]
+fn shapes() {
+    let corners = "box = { lower = [\"1 mm\", \"1 mm\", \"1 mm\"], upper = [\"2 mm\", \"1 mm\", \"2 mm\"] }";
+    let ball = "ball = { center = [\"1.5 mm\", \"1.5 mm\", \"1.5 mm\"], radius = \"1 mm\" }";
+    let e = bad(ball, corners);
+    assert_eq!(e.line_column(), Some((15, 66)), "{}", e.render());
+    assert!(e.message.contains("not above `lower`"), "{e}");
+    let e = bad("ball = {", "bal = {");
+    assert!(e.help.as_deref().is_some_and(|h| h.contains("did you mean `ball`?")), "{}", e.render());
+    assert_eq!(marked(&e), "bal");
+    let mode = "perturbed_ball = { center = [0, 0, 0], radius = \"1 mm\", mode = 1, amplitude = 0.1 }";
+    assert_eq!(marked(&bad(ball, mode)), "1");
+    let e = bad("[\"1.5 mm\", \"1.5 mm\", \"1.5 mm\"]", "[\"1.5 mm\", \"1.5 mm\"]");
+    assert_eq!(marked(&e), "[\"1.5 mm\", \"1.5 mm\"]");
+    assert!(e.message.contains("2 entries"), "{e}");
+    let e = bad(ball, "mesh = { file = \"lost.stl\" }");
+    assert_eq!(marked(&e), "\"lost.stl\"");
+    assert!(e.message.contains("no mesh file"), "{e}");
+    assert!(bad(ball, "mesh = { file = \"a.exe\" }").message.contains("no mesh that can be read"));
+    assert!(bad(ball, "union = []").message.contains("union of nothing"));
+    let e = bad(
+        ball,
+        "cylinder = { center = [0, 0, 0], axis = [0, 0, 0], radius = \"1 mm\", height = \"1 mm\" }",
+    );
+    assert_eq!(marked(&e), "[0, 0, 0]");
+}
+
+#[test]
+fn structure() {
+    assert!(bad("format = 1", "format = 2").message.contains("format 2"));
+    assert_eq!(marked(&bad("\"test\"", "\"../up\"")), "\"../up\"");
+    let e = bad("duration = \"10 ms\"", "");
+    assert!(e.message.contains("`duration` is missing"), "{e}");
+    let e = bad("dimension = 3", "dimension = 3\ndimension = 3");
+    assert!(e.line_column().is_some(), "{}", e.render());
+    let e = bad("dimension = 3", "dimension = \"3\"");
+    assert_eq!(
+        (marked(&e), e.help.as_deref()),
+        ("\"3\"", Some("expected a whole number, not negative, no quotes"))
+    );
+    let e = bad("dimension = 3", "dimension = ");
+    assert!(e.span.is_some(), "{}", e.render());
+    let e = bad("walls = { all = \"slip\" }", "walls = { all = \"slipp\" }");
+    assert_eq!(marked(&e), "\"slipp\"");
+    assert!(e.help.as_deref().is_some_and(|h| h.contains("did you mean `slip`?")));
+    let e = bad("resolution = 32", "resolution = 32\ndx = \"0.1 mm\"");
+    assert!(e.message.contains("both"), "{e}");
+    let e = bad(
+        "liquid_air = \"72.8 mN/m\"",
+        "liquid_air = \"72.8 mN/m\"\nplat = { contact_angle = \"60 deg\" }",
+    );
+    assert_eq!(marked(&e), "plat");
+}
+
+#[test]
+fn what_cannot_run_yet() {
+    let solid = bad_text(&format!("{GOOD}{SOLID}"));
+    assert_eq!(
+        solid.render(),
+        "error: this version cannot run scenes with solids (found `plate`) yet\n  --> test.toml:24:8\n   |\n\
+         24 | name = \"plate\"\n   |        ^^^^^^^\n  \
+         help: remove the [[solid]]; `meniscus check` reads such scenes in full\n"
+    );
+    let e = bad_text(&format!("{GOOD}formats = [\"vtk\"]\n"));
+    assert!(e.message.contains("`vtk`"), "{e}");
+    let e = bad_text(&format!("{GOOD}\n[numerics]\nscheme = \"paper\"\n"));
+    assert_eq!(marked(&e), "\"paper\"");
+    let e = bad("walls =", "wall_contact_angle = \"60 deg\"\nwalls =");
+    assert_eq!(marked(&e), "\"60 deg\"");
+    let ball = "ball = { center = [\"1.5 mm\", \"1.5 mm\", \"1.5 mm\"], radius = \"1 mm\" }";
+    let cut = "extrusion = { outline = \"petals-4\", size = \"1 mm\", thickness = \"0.2 mm\", center = \
+               [\"1.5 mm\", \"1.5 mm\", \"1.5 mm\"] }";
+    assert!(bad(ball, cut).message.contains("extrusion"));
+    let e = bad_text(&format!("{GOOD}\n[contact_line]\nfriction = \"0.3 Pa s\"\n"));
+    assert_eq!(marked(&e), "\"0.3 Pa s\"");
+}
+
+#[test]
+fn solids_make_sense() {
+    let with = |from: &str, to: &str| {
+        assert!(SOLID.contains(from));
+        load(&format!("{GOOD}{}", SOLID.replacen(from, to, 1)), &[]).expect_err(to)
+    };
+    let e = with("\"0.3 mm\"", "\"4 mm\"");
+    assert!(e.message.contains("the solid `plate` is outside the domain"), "{e}");
+    assert!(with("\"plate\"", "\"liquid_air\"").message.contains("liquid_air"));
+    assert!(with("fixed = true", "").message.contains("density"));
+    let e = load(&format!("{GOOD}{SOLID}{SOLID}"), &[]).unwrap_err();
+    assert_eq!(e.line_column(), Some((29, 8)), "{}", e.render());
+    let wets = "72.8 mN/m\"\nplate = { liquid_solid = \"0 N/m\", solid_air = \"1 N/m\" }";
+    let text = GOOD.replacen("72.8 mN/m\"", wets, 1);
+    let scene = load(&format!("{text}{SOLID}"), &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+    assert!(scene.warnings.0[0].message.contains("no Young angle"));
+}
+
+#[test]
+fn settings() {
+    let scene = load(
+        GOOD,
+        &["domain.resolution=64", "tension.liquid_air=0.5 mN/cm", "output.frame_interval=\"1 ms\""],
+    );
+    let scene = scene.unwrap_or_else(|e| panic!("{}", e.render()));
+    assert_eq!(
+        (scene.domain.cells[0], scene.tension.liquid_air, scene.output.frame_interval),
+        (64, 0.05, 1e-3)
+    );
+    let scene = load(GOOD, &["liquid.body.0.velocity=[\"1 m/s\", 0, 0]", "domain.dx=0.1 mm"]).unwrap();
+    assert_eq!((scene.liquid.bodies[0].velocity[0], scene.domain.cells[0]), (1.0, 30));
+    for (set, message, mark) in [
+        ("domain.resolutoin=64", "unknown key `resolutoin`", "resolutoin"),
+        ("liquid.body.3.velocity=[0,0,0]", "`body` has no entry `3`", "3"),
+        ("domain.resolution.x=1", "`resolution` is an integer, it has no key `x`", "x"),
+        ("domain.resolution", "sets nothing", "domain.resolution"),
+        ("domain..x=1", "empty part", ""),
+        ("tension.liquid_air=5 cm", "is a length", "5 cm"),
+        ("domain.size=[\"1 m\"", "", ""),
+    ] {
+        let e = load(GOOD, &[set]).expect_err(set);
+        assert!(e.message.contains(message), "{set}: {e}");
+        assert_eq!(e.source_name, "--set");
+        if !mark.is_empty() {
+            assert_eq!(marked(&e), mark, "{set}");
+        }
+    }
+}
+
+#[test]
+fn too_much_memory() {
+    let scene = load(GOOD, &["domain.resolution=256"]).unwrap();
+    let need = memory_estimate(256_f64.powi(3), 0.0);
+    fits_memory(&scene, Some(64 << 30)).unwrap();
+    let e = fits_memory(&scene, Some(need as u64 / 2)).unwrap_err();
+    assert_eq!((e.exit_status(), e.source_name.as_str()), (3, "--set"));
+    assert!(e.message.contains("3.4 GB of memory, this machine has 1.7 GB"), "{e}");
+    assert!(e.help.as_deref().is_some_and(|h| h.contains("resolution = 19")), "{e:?}");
+}
+
+#[test]
+fn missing_file() {
+    let e = Scene::load(Path::new("/nowhere/a.toml"), &LoadOptions::default()).unwrap_err();
+    assert_eq!(e.exit_status(), 4);
+    let e = meniscus_scene::builtin::open("oscilating-drop", &LoadOptions::default()).unwrap_err();
+    assert!(e.help.as_deref().is_some_and(|h| h.contains("`oscillating-drop`")));
+}
+
+#[test]
+fn deep_nesting_is_refused() {
+    for text in [
+        format!("{} = 1", vec!["a"; 100_000].join(".")),
+        format!("a = {}", "[".repeat(100_000)),
+        format!("a = {}", "{a=".repeat(100_000)),
+        format!("[{}]", vec!["a"; 100_000].join(".")),
+        (0..20_000).map(|i| format!("[{}]\n", vec!["a"; i % 500 + 1].join("."))).collect(),
+    ] {
+        assert!(load(&text, &[]).is_err());
+    }
+}
