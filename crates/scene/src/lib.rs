@@ -1,6 +1,8 @@
 //! Scenes of Meniscus: what is simulated, how it is run, and what is written.
 
 pub mod build;
+pub mod builtin;
+pub mod check;
 pub mod checkpoint;
 pub mod error;
 pub mod expect;
