@@ -7,6 +7,8 @@ mod liquid;
 mod model;
 mod simulation;
 mod state;
+mod step;
+mod workspace;
 
 pub use ledger::{Ledger, StepReport};
 pub use model::{Model, Numerics, Wall};

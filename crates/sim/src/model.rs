@@ -1,7 +1,7 @@
 //! What stays fixed during a run.
 
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::Grid;
+use meniscus_numerics::grid::{Edge, Grid};
 
 /// A side of the domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +65,24 @@ impl Default for Numerics {
 }
 
 impl<const D: usize> Model<D> {
+    /// How scalars go on beyond the sides.
+    pub fn scalar_edges(&self) -> [[Edge; 2]; D] {
+        self.walls.map(|sides| sides.map(|w| if w == Wall::Slip { Edge::Even } else { Edge::Clamp }))
+    }
+
+    /// How the velocity component along `axis` goes on beyond the sides.
+    pub fn velocity_edges(&self, axis: usize) -> [[Edge; 2]; D] {
+        let mut edges = self.scalar_edges();
+        edges[axis] = self.walls[axis].map(|w| if w == Wall::Slip { Edge::Odd } else { Edge::Clamp });
+        edges
+    }
+
+    /// Whether face `i` along `axis`, normal to it, lies on an impermeable side.
+    pub fn closed(&self, axis: usize, i: usize) -> bool {
+        (i == 0 && self.walls[axis][0] == Wall::Slip)
+            || (i == self.grid.cells[axis] && self.walls[axis][1] == Wall::Slip)
+    }
+
     /// The explicit capillary limit of a one-phase liquid, s: `2/ω_max = 0.36 √(ρ Δ³/γ)` (design, numerics).
     pub fn capillary_step(&self) -> f64 {
         0.36 * (self.density * self.grid.dx.powi(3) / self.surface_tension).sqrt()

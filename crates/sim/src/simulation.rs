@@ -3,9 +3,13 @@
 use crate::ledger::{Ledger, StepReport};
 use crate::model::Model;
 use crate::state::State;
+use crate::step::{ledger, max_component, open_books, step};
+use crate::workspace::{BAND, Snapshot, Workspace};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Runs;
 use meniscus_numerics::linalg::SolveError;
+use meniscus_numerics::par;
+use rayon::prelude::*;
 use thiserror::Error;
 
 /// Called at the end of every phase of a step with its name; the caller owns the clock.
@@ -52,58 +56,140 @@ pub enum StepError {
     },
 }
 
+/// Halvings of a step that went wrong before giving up.
+const RETRIES: u32 = 6;
+/// Halvings because of doubtful accuracy; after that the step is taken as it is.
+const DOUBTS: u32 = 2;
+/// Relative change of a component's volume in one step that is doubtful.
+const VOLUME_JUMP: f64 = 0.02;
+/// Relative growth of energy in one step that is doubtful.
+const ENERGY_JUMP: f64 = 0.05;
+
 /// A model, its state, and the memory a step works in.
 pub struct Simulation<const D: usize> {
     /// What stays fixed.
     pub model: Model<D>,
     /// What evolves.
     pub state: State<D>,
+    work: Workspace<D>,
 }
 
 impl<const D: usize> Simulation<D> {
     /// A simulation that starts from bodies of liquid. Where bodies overlap, the first one's velocity counts.
     pub fn new(model: Model<D>, bodies: &[Body<'_, D>]) -> Self {
-        let _ = bodies;
-        let state = State::empty(model.grid);
-        Self { model, state }
+        let grid = model.grid;
+        let mut state = State::empty(grid);
+        let limit = BAND * grid.dx;
+        let lattice = grid.lattice();
+        state.phi.data.par_iter_mut().enumerate().for_each(|(i, value)| {
+            let x = grid.center(lattice.coordinates(i));
+            let distance = bodies.iter().map(|b| (b.distance)(&x)).fold(f64::INFINITY, f64::min);
+            *value = distance.clamp(-limit, limit);
+        });
+        let work = Workspace::new(&model, &mut state);
+        let mut simulation = Self { model, state, work };
+        simulation.start_velocity(bodies);
+        simulation
     }
 
     /// A simulation that goes on from a state (a checkpoint). The same bits as if it had never stopped.
-    pub fn resume(model: Model<D>, state: State<D>) -> Self {
-        Self { model, state }
+    pub fn resume(model: Model<D>, mut state: State<D>) -> Self {
+        let work = Workspace::new(&model, &mut state);
+        Self { model, state, work }
     }
 
-    /// Goes one time step on, at most `max_dt` (s) long: the step ends early where stability or accuracy ask for it.
+    fn start_velocity(&mut self, bodies: &[Body<'_, D>]) {
+        let grid = self.model.grid;
+        for a in 0..D {
+            let faces = grid.faces(a);
+            let row = faces.extent[0];
+            let model = &self.model;
+            par::for_each_segment(&mut self.state.velocity.axes[a], row, &self.work.known.liquid()[a], |s, part| {
+                for (i, u) in part.iter_mut().enumerate() {
+                    let at = faces.coordinates(s.row * row + s.start + i);
+                    let x = grid.face_center(a, at);
+                    let nearest = bodies
+                        .iter()
+                        .map(|b| ((b.distance)(&x), b.velocity[a]))
+                        .reduce(|best, b| if best.0 < 0.0 || best.0 <= b.0 { best } else { b });
+                    *u = if model.closed(a, at[a]) { 0.0 } else { nearest.map_or(0.0, |b| b.1) };
+                }
+            });
+        }
+        self.work.extend_afresh(&self.model, &mut self.state);
+        open_books(&self.model, &mut self.state, &self.work);
+    }
+
+    /// Goes one time step on, at most `max_dt` (s) long: the step ends early where stability or accuracy ask for it,
+    /// and is chosen so that `max_dt` is met in steps of equal length.
     ///
     /// # Errors
     /// [`StepError`]; the state is then the one before the step.
     pub fn step(&mut self, max_dt: f64, phase_end: PhaseEnd<'_>) -> Result<StepReport<D>, StepError> {
-        let _ = phase_end;
-        let dt = max_dt;
-        self.state.time += dt;
-        self.state.step += 1;
-        Ok(StepReport { dt, cfl: 0.0, iterations: 0, residual: 0.0, redone: 0, ledger: self.ledger() })
+        let mut dt = self.choose_dt(max_dt);
+        let energy = self.energy();
+        let time = self.state.time;
+        let mut redone = 0;
+        loop {
+            let snapshot = Snapshot::take(&self.model, &self.state, &self.work);
+            let speed = max_component(&self.model, &self.state, &self.work);
+            let result = step(&self.model, &mut self.state, &mut self.work, dt, phase_end);
+            let failure = match result {
+                Ok(result) => {
+                    let fine = self.state.kinetic_energy.is_finite();
+                    let doubtful = result.volume_jump > VOLUME_JUMP
+                        || self.energy() - energy > ENERGY_JUMP * energy.abs();
+                    if fine && (!doubtful || redone >= DOUBTS || self.model.numerics.fixed_step.is_some()) {
+                        let cfl = speed * dt / self.model.grid.dx;
+                        let solve = result.solve;
+                        let (iterations, residual) = (solve.iterations, solve.residual);
+                        let ledger = self.ledger();
+                        return Ok(StepReport { dt, cfl, iterations, residual, redone, ledger });
+                    }
+                    if fine { None } else { Some(StepError::NotFinite { time, what: "velocity" }) }
+                }
+                Err(source) => Some(StepError::Pressure { time, dt, source }),
+            };
+            snapshot.restore(&self.model, &mut self.state, &mut self.work);
+            redone += 1;
+            if let Some(failure) = failure.filter(|_| redone > RETRIES) {
+                return Err(failure);
+            }
+            dt *= 0.5;
+        }
+    }
+
+    fn choose_dt(&self, max_dt: f64) -> f64 {
+        let n = &self.model.numerics;
+        let wanted = match n.fixed_step {
+            Some(dt) => dt,
+            None => {
+                let speed = max_component(&self.model, &self.state, &self.work);
+                let fall = self.model.gravity.norm();
+                // speed·h + ½ fall·h² = cfl·Δ
+                let reach = n.cfl * self.model.grid.dx;
+                let flow = 2.0 * reach / (speed + (speed * speed + 2.0 * fall * reach).sqrt()).max(1e-300);
+                let mut dt = flow.min(n.max_step);
+                if self.model.surface_tension > 0.0 {
+                    dt = dt.min(n.capillary_step * self.model.capillary_step());
+                }
+                if self.state.last_dt > 0.0 { dt.min(1.25 * self.state.last_dt) } else { dt }
+            }
+        };
+        if max_dt.is_finite() { max_dt / (max_dt / wanted * (1.0 - 1e-9)).ceil().max(1.0) } else { wanted }
+    }
+
+    fn energy(&self) -> f64 {
+        self.state.kinetic_energy + self.model.surface_tension * self.state.surface_area
     }
 
     /// The liquid cells (centre in the liquid) as runs labelled with their component.
-    pub fn liquid_cells(&self) -> Runs {
-        Runs::default()
+    pub fn liquid_cells(&self) -> &Runs {
+        &self.work.liquid
     }
 
     /// The books of the present state.
     pub fn ledger(&self) -> Ledger<D> {
-        Ledger {
-            volume: 0.0,
-            target_volume: 0.0,
-            volume_error: 0.0,
-            centroid: Vector::zeros(),
-            momentum: Vector::zeros(),
-            angular_momentum: [0.0; 3],
-            kinetic_energy: 0.0,
-            surface_energy: 0.0,
-            potential_energy: 0.0,
-            max_speed: 0.0,
-            divergence_max: 0.0,
-        }
+        ledger(&self.model, &self.state, &self.work)
     }
 }

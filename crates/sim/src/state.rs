@@ -18,10 +18,16 @@ pub struct State<const D: usize> {
     pub phi: CellField<D>,
     /// Velocity, m/s; valid in the liquid and a few cells around it.
     pub velocity: FaceField<D>,
+    /// Pressure times step over density in the liquid cells, m²/s: where the next solve starts.
+    pub lambda: CellField<D>,
     /// The connected components of the liquid, in order of their first cell.
     pub drops: Vec<Drop<D>>,
     /// Volume of components that became too small to see, m³ (2D: m²), since the start.
     pub lost_volume: f64,
+    /// Kinetic energy, J (2D: J per metre).
+    pub kinetic_energy: f64,
+    /// Area of the surface, m² (2D: m).
+    pub surface_area: f64,
 }
 
 /// A connected component of the liquid.
@@ -39,6 +45,8 @@ pub struct Drop<const D: usize> {
     pub upper: Vector<D>,
     /// Mean velocity, m/s.
     pub velocity: Vector<D>,
+    /// Angular momentum about its centre over the liquid's density, m⁵/s (2D: m⁴/s, in the last entry).
+    pub spin: [f64; 3],
 }
 
 impl<const D: usize> State<D> {
@@ -51,8 +59,11 @@ impl<const D: usize> State<D> {
             drift: 0.0,
             phi: CellField::new(grid, 0.0),
             velocity: FaceField::zeros(grid),
+            lambda: CellField::new(grid, 0.0),
             drops: Vec::new(),
             lost_volume: 0.0,
+            kinetic_energy: 0.0,
+            surface_area: 0.0,
         }
     }
 }

@@ -37,13 +37,21 @@ impl<const D: usize> KnownFaces<D> {
         for a in 0..D {
             let row = self.grid.faces(a).extent[0];
             for s in &self.segments[a] {
-                self.marks[a][s.row * row + s.start..s.row * row + s.end].fill(0);
                 velocity.axes[a][s.row * row + s.start..s.row * row + s.end].fill(0.0);
             }
-            for &f in &self.extended[a] {
-                self.marks[a][f as usize] = 0;
-                velocity.axes[a][f as usize] = 0.0;
+            self.extended[a].iter().for_each(|&f| velocity.axes[a][f as usize] = 0.0);
+        }
+        self.forget();
+    }
+
+    /// Forgets all.
+    pub fn forget(&mut self) {
+        for a in 0..D {
+            let row = self.grid.faces(a).extent[0];
+            for s in &self.segments[a] {
+                self.marks[a][s.row * row + s.start..s.row * row + s.end].fill(0);
             }
+            self.extended[a].iter().for_each(|&f| self.marks[a][f as usize] = 0);
             self.extended[a].clear();
             self.segments[a].clear();
         }

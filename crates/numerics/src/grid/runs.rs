@@ -27,17 +27,23 @@ pub struct Runs {
 impl Runs {
     /// The faces normal to `axis` that bound these cells, as stretches of the rows of the face lattice, sorted.
     pub fn faces<const D: usize>(&self, grid: &Grid<D>, axis: usize) -> Vec<Segment> {
-        let cell = |r: &Run| Segment { row: r.row as usize, start: r.start as usize, end: r.end as usize };
+        let cells = self.segments();
         if axis == 0 {
-            return self.runs.iter().map(cell).map(|s| Segment { end: s.end + 1, ..s }).collect();
+            return cells.into_iter().map(|s| Segment { end: s.end + 1, ..s }).collect();
         }
         // Rows of the face lattice: one more along `axis`, so rows beyond that axis move up.
         let below: usize = grid.cells[1..axis].iter().product();
         let block = below * grid.cells[axis];
         let lift = |s: Segment| Segment { row: s.row + s.row / block * below, ..s };
-        let lower: Vec<Segment> = self.runs.iter().map(cell).map(lift).collect();
+        let lower: Vec<Segment> = cells.into_iter().map(lift).collect();
         let upper = lower.iter().map(|s| Segment { row: s.row + below, ..*s });
         merge(&lower, &upper.collect::<Vec<_>>())
+    }
+
+    /// The runs as plain stretches.
+    pub fn segments(&self) -> Vec<Segment> {
+        let plain = |r: &Run| Segment { row: r.row as usize, start: r.start as usize, end: r.end as usize };
+        self.runs.iter().map(plain).collect()
     }
 
     /// Number of cells.

@@ -62,7 +62,7 @@ pub fn curvature<const D: usize>(
             }
         }
     }
-    let passes = 2;
+    let passes = std::env::var("PASSES").ok().and_then(|v| v.parse().ok()).unwrap_or(2);
     for _ in 0..passes {
         area = graph.smooth(&area);
         weight = graph.smooth(&weight);
@@ -93,7 +93,7 @@ pub fn curvature<const D: usize>(
 
 /// `√(c/k_c⁴ + base)` in cells².
 fn filter_strength(capillary: f64) -> f64 {
-    (STRENGTH * (capillary / 4.0).powf(4.0 / 3.0) + BASE).sqrt()
+    (STRENGTH * (capillary / 4.0).powf(4.0 / 3.0) + std::env::var("BASE").ok().and_then(|v| v.parse().ok()).unwrap_or(BASE)).sqrt()
 }
 
 impl<const D: usize> Graph<D> {

@@ -1,3 +1,8 @@
 //! The liquid: its surface, its motion, its pressure.
 
 pub mod surface;
+pub mod curvature;
+pub mod momentum;
+pub mod pressure;
+pub mod transport;
+pub mod volume;

@@ -1,0 +1,255 @@
+//! Pressure: the one solve that makes the velocity free of divergence.
+//!
+//! Unknown: `λ = p h / ρ` (m²/s) in the liquid cells. At the surface, a fraction θ of a cell from the liquid's centre,
+//! `p = γ κ` (ghost fluid: Gibou et al. 2002; Enright et al. 2003). For a liquid cell
+//! `Σ (λ_i − λ_j) + Σ (λ_i − λ_I)/θ = −Δ Σ ± u*`, which is symmetric and positive definite wherever a component has
+//! a free surface.
+
+use super::curvature::Curvature;
+use crate::model::Model;
+use meniscus_numerics::grid::{Band, CellField, FaceField, Runs, Sampler, Segment};
+use meniscus_numerics::linalg::{PoissonInput, PressureSolver, SolveError, SolveReport};
+use meniscus_numerics::par;
+use rayon::prelude::*;
+
+/// The surface is kept this share of a cell away from the liquid's centre at least.
+const NEAREST: f64 = 0.02;
+
+/// A face between a liquid cell and air, or an open side.
+#[derive(Clone, Copy, Debug)]
+pub struct CutFace {
+    /// Normal axis.
+    pub axis: usize,
+    /// Position in the face lattice.
+    pub face: usize,
+    /// The liquid cell.
+    pub cell: usize,
+    /// +1 where the air is above, −1 where it is below.
+    pub sign: f64,
+    /// Share of the way from the liquid's centre to the surface.
+    pub theta: f64,
+    /// Curvature there, 1/cells.
+    pub kappa: f64,
+}
+
+/// Finds the faces between liquid and air, with the surface's place (cubic root) and curvature.
+pub fn cut_faces<const D: usize>(
+    model: &Model<D>,
+    phi: &CellField<D>,
+    band: &Band<D>,
+    liquid: &Runs,
+    curvature: &Curvature,
+) -> Vec<CutFace> {
+    let lattice = model.grid.lattice();
+    let sampler = Sampler::cells(&model.grid, &phi.data, model.scalar_edges());
+    let value = |slot: Option<usize>| slot.filter(|s| curvature.known.get(*s) == Some(&true)).map(|s| curvature.kappa[s]);
+    let mut faces: Vec<CutFace> = band.cells[band.first_layers(1)]
+        .par_iter()
+        .filter(|&&c| phi.data[c as usize] < 0.0)
+        .flat_map_iter(|&c| {
+            let cell = c as usize;
+            let at = lattice.coordinates(cell);
+            let sampler = &sampler;
+            (0..2 * D).filter_map(move |n| {
+                let (axis, up) = (n / 2, n % 2);
+                let edge = if up == 1 { at[axis] + 1 == lattice.extent[axis] } else { at[axis] == 0 };
+                let other = if up == 1 { cell + lattice.stride[axis] } else { cell.wrapping_sub(lattice.stride[axis]) };
+                if edge || phi.data[other] < 0.0 {
+                    return None;
+                }
+                let step = if up == 1 { 1 } else { -1 };
+                let theta = crossing(sampler, at, axis, step).clamp(NEAREST, 1.0);
+                let here = value(band.slot(cell));
+                let there = value(band.slot(other));
+                let kappa = match (here, there) {
+                    (Some(i), Some(a)) => (1.0 - theta) * i + theta * a,
+                    (one, other) => one.or(other).unwrap_or(0.0),
+                };
+                let mut face = at;
+                face[axis] += up;
+                let face = model.grid.faces(axis).index(face);
+                Some(CutFace { axis, face, cell, sign: step as f64, theta, kappa })
+            })
+        })
+        .collect();
+    open_sides(model, liquid, &mut faces);
+    faces
+}
+
+/// Liquid cells at open sides: pressure zero on the side itself, half a cell away.
+fn open_sides<const D: usize>(model: &Model<D>, liquid: &Runs, faces: &mut Vec<CutFace>) {
+    let lattice = model.grid.lattice();
+    for axis in 0..D {
+        for side in 0..2 {
+            if model.walls[axis][side] == crate::Wall::Slip {
+                continue;
+            }
+            let edge = if side == 0 { 0 } else { lattice.extent[axis] - 1 };
+            for run in &liquid.runs {
+                let row = run.row as usize * lattice.extent[0];
+                let cells = row + run.start as usize..row + run.end as usize;
+                for cell in cells {
+                    let mut at = lattice.coordinates(cell);
+                    if at[axis] != edge {
+                        if axis == 0 { continue } else { break }
+                    }
+                    at[axis] += side;
+                    let face = model.grid.faces(axis).index(at);
+                    faces.push(CutFace { axis, face, cell, sign: 2.0 * side as f64 - 1.0, theta: 0.5, kappa: 0.0 });
+                }
+            }
+        }
+    }
+}
+
+/// Share of the way from the centre of liquid cell `at` to its neighbour where the cubic through four values is zero.
+fn crossing<const D: usize>(sampler: &Sampler<'_, D>, at: [usize; D], axis: usize, step: isize) -> f64 {
+    let value = |n: isize| {
+        let mut cell = at.map(|i| i as isize);
+        cell[axis] += n * step;
+        sampler.value(cell)
+    };
+    let f = [value(-1), value(0), value(1), value(2)];
+    let linear = f[1] / (f[1] - f[2]);
+    let cubic = |t: f64| {
+        let (a, b, c) = (t + 1.0, t - 1.0, t - 2.0);
+        -t * b * c / 6.0 * f[0] + a * b * c / 2.0 * f[1] - a * t * c / 2.0 * f[2] + a * t * b / 6.0 * f[3]
+    };
+    // The cubic takes the signs of its ends: regula falsi (Illinois) cannot leave the edge.
+    let (mut low, mut high, mut at_low, mut at_high) = (0.0, 1.0, f[1], f[2]);
+    let mut t = linear;
+    for _ in 0..30 {
+        let v = cubic(t);
+        if v.abs() <= 1e-13 * (f[2] - f[1]) {
+            break;
+        }
+        if v < 0.0 {
+            (low, at_low, at_high) = (t, v, 0.5 * at_high);
+        } else {
+            (high, at_high, at_low) = (t, v, 0.5 * at_low);
+        }
+        t = (low * at_high - high * at_low) / (at_high - at_low);
+    }
+    t
+}
+
+/// Dense memory of the solve, kept from step to step.
+pub struct PressureFields<const D: usize> {
+    coefficients: FaceField<D>,
+    dirichlet: CellField<D>,
+    rhs: CellField<D>,
+}
+
+/// The part of a state that a projection works on.
+pub struct Projection<'a, const D: usize> {
+    /// Velocity, m/s.
+    pub velocity: &'a mut FaceField<D>,
+    /// λ, m²/s: in, a guess; out, the solution.
+    pub lambda: &'a mut CellField<D>,
+    /// Distance, m.
+    pub phi: &'a CellField<D>,
+    /// The liquid cells.
+    pub liquid: &'a Runs,
+    /// Their faces.
+    pub faces: &'a [Vec<Segment>; D],
+    /// Those at the surface.
+    pub cut: &'a [CutFace],
+    /// The tension term `γ h / (ρ Δ)` (m²/s): times a curvature in 1/cells it is λ at the surface.
+    pub jump: f64,
+}
+
+impl<const D: usize> PressureFields<D> {
+    /// Memory for a grid; a cell has a coefficient of one to each neighbour.
+    pub fn new(model: &Model<D>) -> Self {
+        let grid = model.grid;
+        let coefficients = FaceField { grid, axes: std::array::from_fn(|a| vec![1.0; grid.faces(a).len()]) };
+        let zero = || CellField::new(grid, 0.0);
+        Self { coefficients, dirichlet: zero(), rhs: zero() }
+    }
+
+    /// Makes the velocity free of divergence in the liquid.
+    ///
+    /// # Errors
+    /// What the solver says.
+    pub fn project(&mut self, model: &Model<D>, p: &mut Projection<'_, D>) -> Result<SolveReport, SolveError> {
+        self.assemble(model, p);
+        let input = PoissonInput {
+            grid: model.grid,
+            unknowns: p.liquid,
+            coefficients: &self.coefficients,
+            dirichlet: &self.dirichlet,
+        };
+        let n = &model.numerics;
+        let report = PressureSolver::new(&input).solve(&self.rhs, p.lambda, n.tolerance, n.max_iterations)?;
+        subtract_gradient(model, p);
+        Ok(report)
+    }
+
+    fn assemble(&mut self, model: &Model<D>, p: &Projection<'_, D>) {
+        let lattice = model.grid.lattice();
+        let segments = p.liquid.segments();
+        let row = lattice.extent[0];
+        par::for_each_segment(&mut self.dirichlet.data, row, &segments, |_, part| part.fill(0.0));
+        par::for_each_segment(&mut self.rhs.data, row, &segments, |s, part| {
+            let base = lattice.coordinates(s.row * row + s.start);
+            part.fill(0.0);
+            for a in 0..D {
+                let faces = model.grid.faces(a);
+                let lower = faces.index(base);
+                let values = &p.velocity.axes[a];
+                for (i, out) in part.iter_mut().enumerate() {
+                    *out -= model.grid.dx * (values[lower + i + faces.stride[a]] - values[lower + i]);
+                }
+            }
+        });
+        for face in p.cut {
+            self.dirichlet.data[face.cell] += 1.0 / face.theta;
+            self.rhs.data[face.cell] += p.jump * face.kappa / face.theta;
+        }
+    }
+}
+
+/// Subtracts the pressure's gradient on the liquid's faces.
+fn subtract_gradient<const D: usize>(model: &Model<D>, p: &mut Projection<'_, D>) {
+    let cells = model.grid.lattice();
+    let (lambda, phi) = (&p.lambda.data, &p.phi.data);
+    for a in 0..D {
+        let lattice = model.grid.faces(a);
+        par::for_each_segment(&mut p.velocity.axes[a], lattice.extent[0], &p.faces[a], |s, part| {
+            let mut at = lattice.coordinates(s.row * lattice.extent[0]);
+            for (i, u) in part.iter_mut().enumerate() {
+                at[0] = s.start + i;
+                if at[a] == 0 || at[a] == cells.extent[a] {
+                    continue;
+                }
+                let upper = cells.index(at);
+                let lower = upper - cells.stride[a];
+                if phi[upper] < 0.0 && phi[lower] < 0.0 {
+                    *u -= (lambda[upper] - lambda[lower]) / model.grid.dx;
+                }
+            }
+        });
+    }
+    for face in p.cut {
+        let slope = (p.jump * face.kappa - lambda[face.cell]) / (face.theta * model.grid.dx);
+        p.velocity.axes[face.axis][face.face] -= face.sign * slope;
+    }
+}
+
+/// Largest divergence in a liquid cell, 1/s.
+pub fn divergence_max<const D: usize>(model: &Model<D>, velocity: &FaceField<D>, liquid: &Runs) -> f64 {
+    let lattice = model.grid.lattice();
+    let worst = |s: &Segment| {
+        let base = lattice.coordinates(s.row * lattice.extent[0] + s.start);
+        let mut sum = vec![0.0; s.end - s.start];
+        for a in 0..D {
+            let faces = model.grid.faces(a);
+            let lower = faces.index(base);
+            for (i, out) in sum.iter_mut().enumerate() {
+                *out += velocity.axes[a][lower + i + faces.stride[a]] - velocity.axes[a][lower + i];
+            }
+        }
+        sum.iter().fold(0.0f64, |m, v| m.max(v.abs()))
+    };
+    liquid.segments().par_iter().map(worst).reduce(|| 0.0, f64::max) / model.grid.dx
+}

@@ -1,0 +1,101 @@
+//! Moving the surface and the velocity with the flow (semi-Lagrangian, third-order Runge–Kutta paths).
+
+use crate::model::Model;
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::{Band, CellField, FaceField, Sampler, Segment};
+use meniscus_numerics::par;
+use rayon::prelude::*;
+
+/// Samples a velocity component by component.
+pub struct Flow<'a, const D: usize> {
+    axes: [Sampler<'a, D>; D],
+}
+
+impl<'a, const D: usize> Flow<'a, D> {
+    /// The flow of a velocity field.
+    pub fn new(model: &Model<D>, velocity: &'a FaceField<D>) -> Self {
+        let axes = std::array::from_fn(|a| {
+            Sampler::faces(&model.grid, a, &velocity.axes[a], model.velocity_edges(a))
+        });
+        Self { axes }
+    }
+
+    fn cubic(&self, x: &Vector<D>) -> Vector<D> {
+        Vector::from_fn(|a, _| self.axes[a].cubic(x))
+    }
+
+    fn linear(&self, x: &Vector<D>) -> Vector<D> {
+        Vector::from_fn(|a, _| self.axes[a].linear(x))
+    }
+}
+
+/// Where what arrives at `x` after `dt` came from (Ralston's third-order path).
+fn origin<const D: usize>(x: &Vector<D>, dt: f64, velocity: impl Fn(&Vector<D>) -> Vector<D>) -> Vector<D> {
+    let first = velocity(x);
+    let second = velocity(&(x - first * (0.5 * dt)));
+    let third = velocity(&(x - second * (0.75 * dt)));
+    x - (first * 2.0 + second * 3.0 + third * 4.0) * (dt / 9.0)
+}
+
+/// New values of φ in the cells of the band, in the order of `band.cells`.
+pub fn advect_surface<const D: usize>(
+    model: &Model<D>,
+    phi: &CellField<D>,
+    band: &Band<D>,
+    velocity: &FaceField<D>,
+    dt: f64,
+) -> Vec<f64> {
+    let grid = &model.grid;
+    let lattice = grid.lattice();
+    let flow = Flow::new(model, velocity);
+    let distance = Sampler::cells(grid, &phi.data, model.scalar_edges());
+    band.cells
+        .par_iter()
+        .map(|&cell| {
+            let x = grid.center(lattice.coordinates(cell as usize));
+            distance.cubic(&origin(&x, dt, |x| flow.cubic(x)))
+        })
+        .collect()
+}
+
+/// The velocity carried along, on the given faces: one list of values per axis, stretch after stretch.
+pub fn advect_velocity<const D: usize>(
+    model: &Model<D>,
+    velocity: &FaceField<D>,
+    faces: &[Vec<Segment>; D],
+    dt: f64,
+) -> [Vec<f64>; D] {
+    let flow = Flow::new(model, velocity);
+    std::array::from_fn(|axis| {
+        let lattice = model.grid.faces(axis);
+        let mut values = vec![0.0; faces[axis].iter().map(|s| s.end - s.start).sum()];
+        let packed = pack(&faces[axis]);
+        par::for_each_segment(&mut values, 0, &packed, |s, part| {
+            let from = &faces[axis][s.row];
+            let mut at = lattice.coordinates(from.row * lattice.extent[0]);
+            for (i, value) in part.iter_mut().enumerate() {
+                at[0] = from.start + i;
+                if model.closed(axis, at[axis]) {
+                    continue;
+                }
+                let x = model.grid.face_center(axis, at);
+                *value = flow.axes[axis].cubic(&origin(&x, dt, |x| flow.linear(x)));
+            }
+        });
+        values
+    })
+}
+
+/// The stretches one behind the other; `row` is the stretch's number.
+pub fn pack(segments: &[Segment]) -> Vec<Segment> {
+    let mut at = 0;
+    segments
+        .iter()
+        .enumerate()
+        .map(|(row, s)| {
+            let start = at;
+            at += s.end - s.start;
+            Segment { row, start, end: at }
+        })
+        .collect()
+}

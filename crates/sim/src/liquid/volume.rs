@@ -1,0 +1,155 @@
+//! Volume of every connected component of the liquid.
+//!
+//! Each component has a volume to keep. When components merge their targets add up, when one splits its target is
+//! shared in proportion to the volumes of the parts. What the level set loses or gains in a step is put right by
+//! shifting φ by a constant near the component's surface.
+
+use super::surface::{CutCube, SurfaceLattice};
+use crate::model::Model;
+use crate::state::Drop;
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::{Band, CellField, Runs};
+
+/// Components of two times that became one another: which old ones, which new ones.
+#[derive(Clone, Debug, Default)]
+pub struct Group {
+    /// Old components.
+    pub old: Vec<usize>,
+    /// New components.
+    pub new: Vec<usize>,
+}
+
+/// Follows components from `before` to `after` by the cells they share; strays by where they were heading.
+pub fn follow<const D: usize>(
+    before: &Runs,
+    after: &Runs,
+    drops: &[Drop<D>],
+    centroids: &[Vector<D>],
+    dt: f64,
+) -> Vec<Group> {
+    let (m, n) = (before.components as usize, after.components as usize);
+    let mut parent: Vec<usize> = (0..m + n).collect();
+    fn find(parent: &[usize], mut i: usize) -> usize {
+        while parent[i] != i {
+            i = parent[i];
+        }
+        i
+    }
+    let mut link = |i: usize, j: usize| {
+        let (a, b) = (find(&parent, i), find(&parent, j));
+        parent[a.max(b)] = a.min(b);
+    };
+    let overlaps = before.overlaps(after);
+    let mut met = vec![false; m + n];
+    for &(a, b, _) in &overlaps {
+        link(a as usize, m + b as usize);
+        (met[a as usize], met[m + b as usize]) = (true, true);
+    }
+    // A small drop may leave its cells in one step: the nearest newcomer is it.
+    for j in 0..n {
+        if met[m + j] {
+            continue;
+        }
+        let gap = |i: &usize| (drops[*i].centroid + drops[*i].velocity * dt - centroids[j]).norm();
+        if let Some(i) = (0..m).filter(|i| !met[*i]).min_by(|a, b| gap(a).total_cmp(&gap(b))) {
+            link(i, m + j);
+            met[i] = true;
+        }
+    }
+    let mut groups: Vec<Group> = vec![Group::default(); m + n];
+    for i in 0..m + n {
+        let root = find(&parent, i);
+        if i < m { groups[root].old.push(i) } else { groups[root].new.push(i - m) }
+    }
+    groups.retain(|g| !g.old.is_empty() || !g.new.is_empty());
+    groups
+}
+
+/// Target volumes of the new components, and the volume of old ones that are gone.
+pub fn targets<const D: usize>(groups: &[Group], drops: &[Drop<D>], volumes: &[f64]) -> (Vec<f64>, f64) {
+    let mut targets = volumes.to_vec();
+    let mut lost = 0.0;
+    for group in groups {
+        let total: f64 = group.old.iter().map(|&i| drops[i].target_volume).sum();
+        let measured: f64 = group.new.iter().map(|&j| volumes[j].max(0.0)).sum();
+        if group.new.is_empty() {
+            lost += total;
+        } else if group.old.is_empty() {
+            lost -= measured;
+        } else if measured > 0.0 {
+            group.new.iter().for_each(|&j| targets[j] = total * volumes[j].max(0.0) / measured);
+        }
+    }
+    (targets, lost)
+}
+
+/// The component that each cell of the band belongs to: its own, or that of the nearest liquid.
+pub fn band_labels<const D: usize>(
+    model: &Model<D>,
+    band: &Band<D>,
+    phi: &CellField<D>,
+    liquid: &Runs,
+) -> Vec<u32> {
+    let lattice = model.grid.lattice();
+    let rows = liquid.row_starts(&model.grid);
+    let mut labels = vec![u32::MAX; band.cells.len()];
+    for (i, &cell) in band.cells.iter().enumerate() {
+        if phi.data[cell as usize] < 0.0 {
+            let (row, x) = (cell as usize / lattice.extent[0], cell % lattice.extent[0] as u32);
+            let runs = &liquid.runs[rows[row]..rows[row + 1]];
+            let k = runs.partition_point(|r| r.end <= x);
+            labels[i] = runs.get(k).map_or(u32::MAX, |r| r.component);
+        }
+    }
+    for i in 0..band.cells.len() {
+        if labels[i] == u32::MAX {
+            let near = |n: usize| band.slot(n).map(|s| labels[s]).filter(|l| *l != u32::MAX);
+            labels[i] = lattice.neighbours(band.cells[i] as usize).find_map(near).unwrap_or(u32::MAX);
+        }
+    }
+    labels
+}
+
+/// Shifts φ near each component's surface until its volume is the target (Newton). Gives back the cut cubes and the
+/// volumes reached.
+pub fn correct<const D: usize>(
+    model: &Model<D>,
+    lattice: &SurfaceLattice<D>,
+    phi: &mut CellField<D>,
+    band: &Band<D>,
+    liquid: &Runs,
+    labels: &[u32],
+    targets: &[f64],
+    limit: f64,
+) -> (Vec<CutCube>, Vec<f64>) {
+    let label = |cell: usize| band.slot(cell).map(|s| labels[s]).filter(|l| *l != u32::MAX);
+    let unit = model.grid.cell_volume();
+    let mut cubes = lattice.cut(&phi.data, band);
+    let mut volumes = lattice.volumes(liquid, label, &cubes);
+    for _ in 0..4 {
+        let off = |c: usize| (volumes[c] - targets[c]).abs() > 1e-14 * targets[c].abs() + 1e-16 * unit;
+        if !(0..targets.len()).any(off) {
+            break;
+        }
+        let mut slopes = vec![0.0; targets.len()];
+        for cube in &cubes {
+            if let Some(c) = label(cube.liquid as usize) {
+                slopes[c as usize] += cube.volume_slope.iter().sum::<f64>();
+            }
+        }
+        let shifts: Vec<f64> = (0..targets.len())
+            .map(|c| ((volumes[c] - targets[c]) / unit / slopes[c].max(1.0)).clamp(-0.1, 0.1) * model.grid.dx)
+            .collect();
+        for (&cell, &l) in band.cells.iter().zip(labels) {
+            let value = &mut phi.data[cell as usize];
+            if l != u32::MAX && value.abs() < limit {
+                // Signs stay: the runs of liquid cells must remain what they are within a step.
+                let shifted = *value + shifts[l as usize];
+                *value = if *value < 0.0 { shifted.min(-1e-9 * limit) } else { shifted.max(0.0) };
+            }
+        }
+        cubes = lattice.cut(&phi.data, band);
+        volumes = lattice.volumes(liquid, label, &cubes);
+    }
+    (cubes, volumes)
+}

@@ -1,0 +1,136 @@
+//! Memory of a step, and what follows from the state: where the liquid is.
+
+use crate::liquid::pressure::PressureFields;
+use crate::liquid::surface::{CutCube, SurfaceLattice};
+use crate::model::Model;
+use crate::state::State;
+use meniscus_numerics::grid::{Band, CellField, KnownFaces, Runs, Sampler, Segment, Tiles};
+
+/// Half the width of the band in which φ is a distance, in cells.
+pub const BAND: f64 = 5.0;
+/// Layers of the band at most.
+pub const LAYERS: usize = 12;
+
+/// What follows from the state, kept from step to step, and scratch memory.
+pub struct Workspace<const D: usize> {
+    /// Tiles with liquid or band.
+    pub tiles: Tiles<D>,
+    /// The cells around the surface.
+    pub band: Band<D>,
+    /// The liquid cells.
+    pub liquid: Runs,
+    /// The faces with a velocity.
+    pub known: KnownFaces<D>,
+    /// The lattice that measures the surface.
+    pub lattice: SurfaceLattice<D>,
+    /// Dense memory of the pressure solve.
+    pub pressure: PressureFields<D>,
+}
+
+impl<const D: usize> Workspace<D> {
+    /// Finds the liquid of a state and extends its velocity.
+    pub fn new(model: &Model<D>, state: &mut State<D>) -> Self {
+        let grid = model.grid;
+        let mut workspace = Self {
+            tiles: Tiles::all(grid),
+            band: Band::new(grid),
+            liquid: Runs::default(),
+            known: KnownFaces::new(grid),
+            lattice: SurfaceLattice::new(grid),
+            pressure: PressureFields::new(model),
+        };
+        workspace.find_liquid(model, state);
+        workspace.extend_afresh(model, state);
+        workspace
+    }
+
+    /// Finds tiles, liquid cells and band of the state's φ.
+    pub fn find_liquid(&mut self, model: &Model<D>, state: &State<D>) {
+        let limit = BAND * model.grid.dx;
+        self.tiles = self.tiles.around(&state.phi.data, limit);
+        self.liquid = self.tiles.negative_runs(&state.phi.data).label(&model.grid);
+        self.band.rebuild(&state.phi.data, &self.liquid, LAYERS, limit);
+    }
+
+    /// Marks the liquid's faces anew and extends the velocity from them.
+    pub fn extend_afresh(&mut self, model: &Model<D>, state: &mut State<D>) {
+        let faces: [Vec<Segment>; D] = std::array::from_fn(|a| self.liquid.faces(&model.grid, a));
+        self.known.forget();
+        self.known.set_liquid(faces);
+        self.extend(model, state);
+    }
+
+    /// Extends the velocity from the liquid over the band.
+    pub fn extend(&mut self, model: &Model<D>, state: &mut State<D>) {
+        let distance = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
+        let closed = |a: usize, side: usize| model.walls[a][side] == crate::Wall::Slip;
+        self.known.extrapolate(&mut state.velocity, &self.band, &state.phi.data, &distance, closed);
+    }
+
+    /// Cubes that the surface passes and the volume of each component.
+    pub fn measure(&self, state: &State<D>, labels: &[u32]) -> (Vec<CutCube>, Vec<f64>) {
+        let cubes = self.lattice.cut(&state.phi.data, &self.band);
+        let label = |cell: usize| self.band.slot(cell).map(|s| labels[s]).filter(|l| *l != u32::MAX);
+        let volumes = self.lattice.volumes(&self.liquid, label, &cubes);
+        (cubes, volumes)
+    }
+}
+
+/// Component of each run found by cell.
+pub fn component_of(liquid: &Runs, rows: &[usize], nx: usize, cell: usize) -> u32 {
+    let (row, x) = (cell / nx, (cell % nx) as u32);
+    let runs = &liquid.runs[rows[row]..rows[row + 1]];
+    let k = runs.partition_point(|r| r.end <= x);
+    runs.get(k).filter(|r| r.start <= x).map_or(0, |r| r.component)
+}
+
+/// What a step overwrites, to go back if it fails: φ in the band and the velocity of the liquid. The rest follows.
+pub struct Snapshot<const D: usize> {
+    cells: Vec<u32>,
+    phi: Vec<f64>,
+    velocity: FaceValues<D>,
+    drops: Vec<crate::Drop<D>>,
+    scalars: (f64, u64, f64, f64, f64),
+}
+
+type FaceValues<const D: usize> = [Vec<(usize, Vec<f64>)>; D];
+
+impl<const D: usize> Snapshot<D> {
+    /// Copies what the coming step may overwrite.
+    pub fn take(model: &Model<D>, state: &State<D>, workspace: &Workspace<D>) -> Self {
+        let cells = workspace.band.cells.clone();
+        let phi = cells.iter().map(|&c| state.phi.data[c as usize]).collect();
+        let velocity = std::array::from_fn(|a| {
+            let row = model.grid.faces(a).extent[0];
+            let values = |s: &Segment| {
+                let at = s.row * row + s.start;
+                (at, state.velocity.axes[a][at..at + s.end - s.start].to_vec())
+            };
+            workspace.known.liquid()[a].iter().map(values).collect()
+        });
+        let scalars = (state.time, state.step, state.last_dt, state.drift, state.lost_volume);
+        Self { cells, phi, velocity, drops: state.drops.clone(), scalars }
+    }
+
+    /// Puts the state back as it was, and the workspace with it.
+    pub fn restore(self, model: &Model<D>, state: &mut State<D>, workspace: &mut Workspace<D>) {
+        let limit = BAND * model.grid.dx;
+        for &cell in &workspace.band.cells {
+            let value = &mut state.phi.data[cell as usize];
+            *value = limit.copysign(*value);
+        }
+        self.cells.iter().zip(&self.phi).for_each(|(&c, v)| state.phi.data[c as usize] = *v);
+        workspace.known.clear(&mut state.velocity);
+        for (a, stretches) in self.velocity.into_iter().enumerate() {
+            for (at, values) in stretches {
+                state.velocity.axes[a][at..at + values.len()].copy_from_slice(&values);
+            }
+        }
+        (state.time, state.step, state.last_dt, state.drift, state.lost_volume) = self.scalars;
+        state.drops = self.drops;
+        // What a failed solve left behind is no guess.
+        state.lambda = CellField::new(model.grid, 0.0);
+        workspace.find_liquid(model, state);
+        workspace.extend_afresh(model, state);
+    }
+}
