@@ -286,7 +286,11 @@ pub struct SweepArgs {
 fn frame_range(text: &str) -> Result<(u64, u64), String> {
     let (a, b) = text.split_once(':').ok_or("expected first:last, such as 10:20")?;
     let number = |s: &str, open: u64| {
-        if s.is_empty() { Ok(open) } else { s.parse::<u64>().map_err(|_| format!("`{s}` is not a frame number")) }
+        if s.is_empty() {
+            Ok(open)
+        } else {
+            s.parse::<u64>().map_err(|_| format!("`{s}` is not a frame number"))
+        }
     };
     let (a, b) = (number(a, 0)?, number(b, u64::MAX)?);
     if a > b { Err(format!("frame {a} comes after frame {b}")) } else { Ok((a, b)) }

@@ -1,6 +1,6 @@
 //! How a command fails: one message for people, one exit status for scripts.
 
-use meniscus_scene::SceneError;
+use meniscus_scene::error::SceneError;
 use meniscus_scene::output::FileError;
 use meniscus_scene::run::RunError;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};

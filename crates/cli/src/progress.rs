@@ -102,7 +102,9 @@ impl Reporter {
     }
 
     fn frame(&mut self, frame: u64) {
-        let Some(progress) = self.last_step.clone().filter(|_| matches!(self.style, Style::Lines)) else { return };
+        let Some(progress) = self.last_step.clone().filter(|_| matches!(self.style, Style::Lines)) else {
+            return;
+        };
         let due = self.last_line.is_none_or(|last| last.elapsed() >= LINE_PAUSE);
         if due || frame == progress.last_frame {
             self.last_line = Some(Instant::now());

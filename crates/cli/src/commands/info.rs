@@ -8,14 +8,14 @@ use serde_json::json;
 
 /// Prints the JSON Schema of scene files.
 pub fn schema() -> Result {
-    print(&format!("{:#}\n", crate::scenes::schema()))?;
+    print(&(meniscus_scene::schema::json_schema() + "\n"))?;
     Ok(0)
 }
 
 /// Prints version, build and machine.
 pub fn info(as_json: bool) -> Result {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let memory = memory_bytes();
+    let memory = meniscus_scene::check::machine_memory();
     let build = if cfg!(debug_assertions) { "debug" } else { "release" };
     let vectors = if cfg!(target_feature = "avx512f") {
         "AVX-512"
@@ -42,12 +42,6 @@ pub fn info(as_json: bool) -> Result {
         std::env::consts::ARCH,
     ))?;
     Ok(0)
-}
-
-fn memory_bytes() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
-    line.split_whitespace().next()?.parse::<u64>().ok().map(|kib| kib * 1024)
 }
 
 /// Prints completions for a shell.

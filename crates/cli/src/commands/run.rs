@@ -22,14 +22,14 @@ const MOST_PICTURES: u64 = 50;
 
 /// Simulates a scene into its output folder, then makes pictures and the page.
 pub fn run(args: &RunArgs) -> Result {
-    let more: Vec<String> = args.until.iter().map(|time| scenes::until(time)).collect();
+    let more: Vec<String> = args.until.iter().map(|time| duration(time)).collect();
     let loaded = scenes::load(&args.scene, &more)?;
     let scene = loaded.scene;
-    scenes::check_runnable(&scene)?;
+    scenes::refuse_what_cannot_run(&scene)?;
     set_threads(args.threads.map(usize::from).or(scene.numerics.threads))?;
     let out = args.out.clone().or(loaded.folder).unwrap_or_else(|| Path::new("out").join(&scene.name));
-    let watch = Watch::begin(args.walltime)
-        .map_err(|e| Failure::new(1, format!("cannot watch for signals: {e}")))?;
+    let watch =
+        Watch::begin(args.walltime).map_err(|e| Failure::new(1, format!("cannot watch for signals: {e}")))?;
     let mut job = Job::of(&scene, scene.to_toml()?);
     job.frames = args.frames;
     let existing = match (args.resume, args.force) {
@@ -52,6 +52,11 @@ pub fn run(args: &RunArgs) -> Result {
         Outcome::Stopped(_, summary) => stopped(args, &summary, &out),
         Outcome::Finished(summary) => finish(args, &scene, summary, &folder),
     }
+}
+
+/// `--until` is a setting of the scene like any other, so that `scene.toml` gives this run again.
+fn duration(time: &str) -> String {
+    format!("output.duration=\"{}\"", time.replace(['"', '\\'], ""))
 }
 
 fn stopped(args: &RunArgs, summary: &Summary, out: &Path) -> Result {

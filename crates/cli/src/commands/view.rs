@@ -41,8 +41,9 @@ fn camera(text: &str) -> Result<Camera> {
         [azimuth, elevation, distance] if distance > 0.0 => {
             Ok(Camera { azimuth, elevation, distance: Some(distance) })
         }
-        _ => Err(Failure::new(USAGE, format!("`{text}` is no camera"))
-            .help("give azimuth,elevation in degrees, and the distance in metres if wanted: 30,15 or 30,15,0.4")),
+        _ => Err(Failure::new(USAGE, format!("`{text}` is no camera")).help(
+            "give azimuth,elevation in degrees, and the distance in metres if wanted: 30,15 or 30,15,0.4",
+        )),
     }
 }
 
@@ -56,7 +57,8 @@ fn style(text: &str) -> Result<Style> {
 
 /// Makes pictures, with a bar on a terminal unless quiet.
 pub fn pictures(dir: &Path, options: &RenderOptions, quiet: bool) -> Result<Rendered> {
-    let bar = if !quiet && std::io::stderr().is_terminal() { ProgressBar::new(0) } else { ProgressBar::hidden() };
+    let bar =
+        if !quiet && std::io::stderr().is_terminal() { ProgressBar::new(0) } else { ProgressBar::hidden() };
     if let Ok(style) = ProgressStyle::with_template("pictures {pos}/{len} [{bar:24.cyan}] ETA {eta}") {
         bar.set_style(style.progress_chars("=> "));
     }
@@ -72,7 +74,8 @@ pub fn pictures(dir: &Path, options: &RenderOptions, quiet: bool) -> Result<Rend
 pub fn describe(rendered: &Rendered) -> String {
     let mut out = String::new();
     if let (Some(first), Some(last)) = (rendered.images.first(), rendered.images.last()) {
-        let name = |path: &Path| path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        let name =
+            |path: &Path| path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
         let folder = first.parent().unwrap_or(Path::new(""));
         out += &format!("pictures  {} ({} to {})\n", folder.display(), name(first), name(last));
     }

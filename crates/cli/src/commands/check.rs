@@ -1,0 +1,30 @@
+//! `meniscus check`.
+
+use super::print;
+use crate::args::CheckArgs;
+use crate::failure::{Failure, Result, SCENE};
+use crate::scenes;
+use meniscus_scene::check::{check as report, fits_memory, machine_memory};
+
+/// Prints what a scene asks for, without running it.
+pub fn check(args: &CheckArgs) -> Result {
+    let scene = scenes::load(&args.scene, &[])?.scene;
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let report = report(&scene, threads);
+    if args.json {
+        print(&format!("{:#}\n", serde_json::json!(report)))?;
+    } else {
+        print(&report.render())?;
+    }
+    fits_memory(&scene, machine_memory())?;
+    if args.strict {
+        if let Some(reason) = &report.cannot_run {
+            return Err(Failure::new(SCENE, reason.clone()));
+        }
+        if !report.warnings.is_empty() {
+            let count = report.warnings.len();
+            return Err(Failure::new(SCENE, format!("{count} warnings, and --strict takes them as errors")));
+        }
+    }
+    Ok(0)
+}
