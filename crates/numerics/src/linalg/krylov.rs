@@ -19,7 +19,23 @@ pub fn conjugate_gradient(
     tolerance: f64,
     max_iterations: usize,
 ) -> Result<SolveReport, SolveError> {
-    let n = operator.size();
+    let mut work = [(); 3].map(|()| vec![0.0; operator.size()]);
+    conjugate_gradient_in(operator, preconditioner, b, x, (tolerance, max_iterations), &mut work)
+}
+
+/// The same in memory that is passed in: three vectors whose contents do not matter, except that entries which the
+/// operator and the preconditioner do not write must be zero.
+///
+/// # Errors
+/// As [`conjugate_gradient`].
+pub fn conjugate_gradient_in(
+    operator: &impl LinearOperator,
+    preconditioner: &impl Preconditioner,
+    b: &[f64],
+    x: &mut [f64],
+    (tolerance, max_iterations): (f64, usize),
+    work: &mut [Vec<f64>; 3],
+) -> Result<SolveReport, SolveError> {
     let norm = vectors::dot(b, b).sqrt();
     if !norm.is_finite() {
         return Err(SolveError::NotFinite { iteration: 0 });
@@ -28,13 +44,14 @@ pub fn conjugate_gradient(
         x.fill(0.0);
         return Ok(SolveReport::default());
     }
-    let (mut r, mut z, mut p, mut q) = (vec![0.0; n], vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    // The preconditioned residual and the image of the direction take turns in the last one.
+    let [r, p, q] = work;
     // The recursion runs on residuals relative to the right-hand side.
     let scale = 1.0 / norm;
     let mut iterations = 0;
     loop {
-        operator.apply(x, &mut q);
-        let mut square = vectors::residual(scale, b, &q, &mut r);
+        operator.apply(x, q);
+        let mut square = vectors::residual(scale, b, q, r);
         let start = square;
         let failed = |iterations, square: f64| SolveError::NotConverged {
             iterations,
@@ -52,11 +69,14 @@ pub fn conjugate_gradient(
             if iterations == max_iterations {
                 return Err(failed(iterations, square));
             }
-            let next = preconditioner.apply(&r, &mut z);
-            let beta = if rho == 0.0 { 0.0 } else { next / rho };
-            vectors::advance(alpha * norm, beta, &z, x, &mut p);
+            let next = preconditioner.apply(r, q);
+            if rho == 0.0 {
+                vectors::copy(q, p);
+            } else {
+                vectors::advance(alpha * norm, next / rho, q, x, p);
+            }
             rho = next;
-            let curvature = operator.apply_dot(&p, &mut q);
+            let curvature = operator.apply_dot(p, q);
             if !(curvature.is_finite() && rho.is_finite()) {
                 return Err(SolveError::NotFinite { iteration: iterations });
             }
@@ -64,12 +84,12 @@ pub fn conjugate_gradient(
                 return Err(failed(iterations, square));
             }
             alpha = rho / curvature;
-            square = vectors::subtract(alpha, &q, &mut r);
+            square = vectors::subtract(alpha, q, r);
             iterations += 1;
             if !square.is_finite() || square > 1e12 * start {
                 return Err(SolveError::NotFinite { iteration: iterations });
             }
         }
-        vectors::add(alpha * norm, &p, x);
+        vectors::add(alpha * norm, p, x);
     }
 }

@@ -136,9 +136,9 @@ impl<const D: usize> Layout<D> {
     /// Coordinates of a row (the first is 0).
     pub fn row_at(&self, mut row: usize) -> [usize; D] {
         let mut at = [0; D];
-        for a in 1..D {
-            at[a] = row % self.extent[a];
-            row /= self.extent[a];
+        for (at, extent) in at.iter_mut().zip(&self.extent).skip(1) {
+            *at = row % extent;
+            row /= extent;
         }
         at
     }
@@ -177,6 +177,23 @@ impl<const D: usize> Layout<D> {
         at[1..].iter().sum::<usize>() % 2
     }
 
+    /// Makes a used buffer ready to hold a vector of `halves` halves: right length, zeros wherever no block is.
+    /// The blocks keep whatever they held.
+    pub fn prepare<T: Copy + Default>(&self, buffer: &mut Vec<T>, halves: usize) {
+        let length = halves * self.half;
+        if buffer.capacity() < length {
+            *buffer = vec![T::default(); length];
+            return;
+        }
+        buffer.resize(length, T::default());
+        for half in buffer.chunks_mut(self.half) {
+            half[..FIRST].fill(T::default());
+            for stretch in &self.stretches {
+                half[stretch.at as usize + stretch.blocks as usize * LANES] = T::default();
+            }
+        }
+    }
+
     /// Ranges of stretches to be worked on in parallel; whole rows, about equal in size, the same for any
     /// number of threads.
     pub fn chunks(&self) -> Vec<Range<usize>> {
@@ -196,10 +213,10 @@ impl<const D: usize> Layout<D> {
 
 /// Marks the cells `start..end` of a row in the masks of its blocks.
 fn mark(masks: &mut [u16], start: usize, end: usize) {
-    for block in start / CELLS..end.div_ceil(CELLS) {
+    for (block, mask) in masks.iter_mut().enumerate().take(end.div_ceil(CELLS)).skip(start / CELLS) {
         let low = start.saturating_sub(block * CELLS).min(CELLS);
         let high = (end - block * CELLS).min(CELLS);
-        masks[block] |= (((1_u32 << high) - 1) & !((1_u32 << low) - 1)) as u16;
+        *mask |= (((1_u32 << high) - 1) & !((1_u32 << low) - 1)) as u16;
     }
 }
 

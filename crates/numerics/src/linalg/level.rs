@@ -249,10 +249,10 @@ pub(super) fn aggregate<const D: usize>(
     };
     let children: [Option<(usize, (u32, Kind))>; 8] =
         std::array::from_fn(|c| if c < 1 << D { found(c / 2, c % 2) } else { None });
-    if let Some((_, (_, Kind::Uniform(value)))) = children[0] {
-        if children[..1 << D].iter().all(|c| matches!(c, Some((_, (_, Kind::Uniform(v)))) if *v == value)) {
-            return Some(value * (1 << (D - 1)) as f64);
-        }
+    if let Some((_, (_, Kind::Uniform(value)))) = children[0]
+        && children[..1 << D].iter().all(|c| matches!(c, Some((_, (_, Kind::Uniform(v)))) if *v == value))
+    {
+        return Some(value * (1 << (D - 1)) as f64);
     }
     let coarse_parity = Layout::<D>::parity(site.at);
     for (c, child) in children.iter().enumerate() {
@@ -276,7 +276,7 @@ pub(super) fn aggregate<const D: usize>(
             let pack = &mut general.packs[to];
             pack[i % 2][to_lane] += value[i % 2];
             for a in 1..D {
-                let side = 2 * a + (c / 2 >> (a - 1) & 1);
+                let side = 2 * a + (((c / 2) >> (a - 1)) & 1);
                 pack[side][to_lane] += value[side];
             }
             general.dirichlet[to][to_lane] += dirichlet;

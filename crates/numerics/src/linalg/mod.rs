@@ -13,6 +13,6 @@ mod tests;
 mod vectors;
 
 pub use jacobi::Jacobi;
-pub use krylov::conjugate_gradient;
+pub use krylov::{conjugate_gradient, conjugate_gradient_in};
 pub use operator::{LinearOperator, Preconditioner, SolveError, SolveReport};
 pub use pressure::{PoissonInput, PressureSolver};

@@ -31,7 +31,7 @@ pub(super) struct Level<const D: usize> {
 
 /// What a level works with, by colour.
 #[derive(Debug, Default)]
-struct Workspace {
+pub(super) struct Workspace {
     x: [Vec<f32>; 2],
     b: [Vec<f32>; 2],
     residual: Vec<f32>,
@@ -48,7 +48,9 @@ pub(super) struct Hierarchy<const D: usize> {
 
 impl<const D: usize> Hierarchy<D> {
     /// Builds the coarse levels below `finest`, whose chunks were built with `coarse` as its coarser layout.
-    pub fn new(finest: Level<D>, coarse: Option<Layout<D>>) -> Self {
+    ///
+    /// `work` may hold the memory of an earlier hierarchy.
+    pub fn new(finest: Level<D>, coarse: Option<Layout<D>>, mut work: Vec<Workspace>) -> Self {
         let mut levels = vec![finest];
         let mut next = coarse;
         while let (Some(layout), Some(fine)) = (next.take(), levels.last()) {
@@ -67,8 +69,14 @@ impl<const D: usize> Hierarchy<D> {
         for (l, level) in levels.iter_mut().enumerate() {
             level.chunks.par_iter_mut().for_each(|chunk| finish(chunk, scale, l > 0));
         }
-        let work = levels.iter().map(|level| Workspace::new(level.layout.half)).collect();
+        work.resize_with(levels.len(), Workspace::default);
+        work.iter_mut().zip(&levels).for_each(|(work, level)| work.prepare(&level.layout));
         Self { levels, scale, work: Mutex::new(work) }
+    }
+
+    /// The memory, for the next hierarchy.
+    pub fn into_work(self) -> Vec<Workspace> {
+        self.work.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn cycle(&self, depth: usize, work: &mut [Workspace]) {
@@ -159,9 +167,9 @@ impl<const D: usize> Preconditioner for Hierarchy<D> {
 }
 
 impl Workspace {
-    fn new(half: usize) -> Self {
-        let zeros = || vec![0.0; half];
-        Self { x: [zeros(), zeros()], b: [zeros(), zeros()], residual: zeros() }
+    fn prepare<const D: usize>(&mut self, layout: &Layout<D>) {
+        self.x.iter_mut().chain(&mut self.b).for_each(|half| layout.prepare(half, 1));
+        layout.prepare(&mut self.residual, 1);
     }
 }
 

@@ -1,14 +1,15 @@
 //! The pressure solver: conjugate gradients with multigrid on the matrix-free `2D + 1`-point system.
 
-use super::krylov::conjugate_gradient;
+use super::krylov::conjugate_gradient_in;
 use super::layout::{CELLS, LANES, Layout};
 use super::level::{Chunk, DIAGONAL, General, Kind, Site, build};
 use super::multigrid::{Hierarchy, Level, coarsened};
 use super::operator::{LinearOperator, Preconditioner, SolveError, SolveReport};
-use super::sweep::{Operands, over_chunks_pair, sweep};
+use super::sweep::{Operands, over_chunks_pair, sweep_span};
 use super::vectors;
 use crate::grid::{CellField, FaceField, Grid, Run, Runs};
 use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 /// The pressure system `(A x)_i = Σ c_f (x_i − x_j) + d_i x_i`; the sum runs over the faces `f` to unknown neighbours `j`.
 ///
@@ -37,6 +38,8 @@ pub struct PressureSolver<const D: usize> {
     hierarchy: Hierarchy<D>,
     /// Entries of the cells whose row is all zeros.
     isolated: Vec<usize>,
+    /// Vectors at rest.
+    pool: Mutex<Vec<Vec<f64>>>,
     /// The runs of each component that has no Dirichlet value, and the number of cells of it that are not isolated.
     pub(super) floating: Vec<(Vec<Run>, usize)>,
 }
@@ -44,12 +47,18 @@ pub struct PressureSolver<const D: usize> {
 impl<const D: usize> PressureSolver<D> {
     /// Builds the multigrid hierarchy. Time and memory follow the number of unknowns (plus one word per grid row).
     pub fn new(input: &PoissonInput<D>) -> Self {
+        Self::in_memory_of(None, input)
+    }
+
+    /// The same in the memory of a solver that is no longer needed, which saves the system from clearing new pages.
+    pub fn in_memory_of(used: Option<Self>, input: &PoissonInput<D>) -> Self {
+        let (work, pool) = used.map_or_else(Default::default, |used| (used.hierarchy.into_work(), used.pool));
         let layout = Layout::<D>::new(input.grid.cells, input.unknowns);
         let coarse = coarsened(&layout);
         let chunks = build(&layout, coarse.as_ref(), |site, general| assemble(input, site, general));
         let isolated = isolated(&layout, &chunks);
-        let hierarchy = Hierarchy::new(Level { layout, chunks }, coarse);
-        let mut solver = Self { grid: input.grid, hierarchy, isolated, floating: Vec::new() };
+        let hierarchy = Hierarchy::new(Level { layout, chunks }, coarse, work);
+        let mut solver = Self { grid: input.grid, hierarchy, isolated, pool, floating: Vec::new() };
         solver.floating = solver.floating_components(input);
         solver
     }
@@ -82,14 +91,30 @@ impl<const D: usize> PressureSolver<D> {
         tolerance: f64,
         max_iterations: usize,
     ) -> Result<SolveReport, SolveError> {
-        let mut b = self.gather(&rhs.data);
+        let mut b = self.take();
+        self.gather_into(&rhs.data, &mut b);
         self.project(&mut b);
-        let mut solution = self.gather(&x.data);
+        let mut solution = self.take();
+        self.gather_into(&x.data, &mut solution);
         self.project(&mut solution);
-        let report = conjugate_gradient(self, preconditioner, &b, &mut solution, tolerance, max_iterations)?;
-        self.project(&mut solution);
-        self.scatter(&solution, &mut x.data);
-        Ok(report)
+        let mut work = [(); 3].map(|()| self.take());
+        let limits = (tolerance, max_iterations);
+        let report = conjugate_gradient_in(self, preconditioner, &b, &mut solution, limits, &mut work);
+        if report.is_ok() {
+            self.project(&mut solution);
+            self.scatter(&solution, &mut x.data);
+        }
+        let mut pool = self.pool.lock().unwrap_or_else(PoisonError::into_inner);
+        pool.extend(work.into_iter().chain([b, solution]));
+        report
+    }
+
+    /// A vector with zeros wherever there is no unknown's block.
+    fn take(&self) -> Vec<f64> {
+        let used = self.pool.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let mut vector = used.unwrap_or_default();
+        self.finest().layout.prepare(&mut vector, 2);
+        vector
     }
 
     /// The multigrid V-cycle, for solves of related systems.
@@ -113,8 +138,13 @@ impl<const D: usize> PressureSolver<D> {
 
     /// The vector of the unknowns of a dense cell-indexed field.
     pub fn gather(&self, field: &[f64]) -> Vec<f64> {
+        let mut vector = vec![0.0; self.size()];
+        self.gather_into(field, &mut vector);
+        vector
+    }
+
+    fn gather_into(&self, field: &[f64], vector: &mut [f64]) {
         let Level { layout, chunks } = self.finest();
-        let mut vector = vec![0.0; 2 * layout.half];
         let (first, second) = vector.split_at_mut(layout.half);
         over_chunks_pair(chunks, [first, second], |chunk, out| {
             let [first, second] = out;
@@ -127,13 +157,13 @@ impl<const D: usize> PressureSolver<D> {
                         (even[l], odd[l]) = (pair[0], pair[1]);
                     }
                 } else {
-                    (0..CELLS).filter(|i| mask >> i & 1 == 1).for_each(|i| {
-                        *(if i % 2 == 0 { &mut even[i / 2] } else { &mut odd[i / 2] }) = field[start + i];
-                    });
+                    for i in 0..CELLS {
+                        let value = if mask >> i & 1 == 1 { field[start + i] } else { 0.0 };
+                        *(if i % 2 == 0 { &mut even[i / 2] } else { &mut odd[i / 2] }) = value;
+                    }
                 }
             });
         });
-        vector
     }
 
     /// Writes a vector of the unknowns into a dense cell-indexed field; leaves the other cells alone.
@@ -280,15 +310,21 @@ impl<const D: usize> LinearOperator for PressureSolver<D> {
         let (x0, x1) = x.split_at(layout.half);
         let (y0, y1) = y.split_at_mut(layout.half);
         let parts = over_chunks_pair(chunks, [y0, y1], |chunk, out| {
-            let mut dot = 0.0;
-            for (colour, out) in out.into_iter().enumerate() {
-                let (own, other) = if colour == 0 { (x0, x1) } else { (x1, x0) };
-                let packs = &chunk.wide[colour];
-                let operands = Operands { colour, packs, scale: 1.0, other, own: [own, own] };
-                sweep::<f64, D>(chunk, &operands, out, |row| row.diagonal * row.a - row.sum);
-                dot += vectors::dot_serial(out, &own[chunk.entries.clone()]);
+            let mut sums = [0.0; LANES];
+            let [y0, y1] = out;
+            for span in &chunk.spans {
+                let range = span.at as usize..span.at as usize + span.blocks as usize * LANES;
+                let local = range.start - chunk.entries.start..range.end - chunk.entries.start;
+                for colour in 0..2 {
+                    let (own, other) = if colour == 0 { (x0, x1) } else { (x1, x0) };
+                    let out = if colour == 0 { &mut y0[local.clone()] } else { &mut y1[local.clone()] };
+                    let packs = &chunk.wide[colour];
+                    let operands = Operands { colour, packs, scale: 1.0, other, own: [own, own] };
+                    sweep_span::<f64, D>(span, &operands, out, |row| row.diagonal * row.a - row.sum);
+                    vectors::dot_lanes(out, &own[range.clone()], &mut sums);
+                }
             }
-            dot
+            sums.iter().sum::<f64>()
         });
         parts.iter().sum()
     }
@@ -319,13 +355,10 @@ fn assemble<const D: usize>(input: &PoissonInput<D>, site: &Site<D>, general: &m
     let parity = Layout::<D>::parity(site.at);
     for i in (0..CELLS).filter(|i| site.mask >> i & 1 == 1) {
         let (colour, lane) = ((i + parity) % 2, i / 2);
-        for a in 0..D {
-            for side in 0..2 {
-                if site.neighbour_masks[a][side] >> i & 1 == 1 {
-                    let (face, stride) = faces[a];
-                    general.packs[colour][2 * a + side][lane] =
-                        input.coefficients.axes[a][face + i + side * stride];
-                }
+        for (a, (face, stride)) in faces.into_iter().enumerate() {
+            for side in (0..2).filter(|side| site.neighbour_masks[a][*side] >> i & 1 == 1) {
+                let value = input.coefficients.axes[a][face + i + side * stride];
+                general.packs[colour][2 * a + side][lane] = value;
             }
         }
         general.dirichlet[colour][lane] = input.dirichlet.data[cell + i];

@@ -258,8 +258,9 @@ fn solution_equals_that_of_a_dense_solver() {
 #[test]
 fn floating_component_beside_a_held_one_and_lone_cells() {
     // Two boxes, the upper one without Dirichlet values, a chessboard corner of single cells, some isolated.
-    let liquid =
-        |at: [usize; 3]| (at[2] != 4 && at[0] < 18) || (at[0] > 19 && (at[0] + at[1] + at[2]) % 2 == 0);
+    let liquid = |at: [usize; 3]| {
+        (at[2] != 4 && at[0] < 18) || (at[0] > 19 && (at[0] + at[1] + at[2]).is_multiple_of(2))
+    };
     let held = |at: [usize; 3]| f64::from(u8::from((at[2] == 0 && at[0] < 18) || (at[0] > 19 && at[1] == 1)));
     let system = System::new([24, 6, 9], liquid, || 1.0, held);
     assert!(system.unknowns.components > 20);
@@ -349,6 +350,23 @@ fn result_does_not_depend_on_the_number_of_threads() {
     };
     let (one, two) = (solve(1), solve(2));
     assert!(one.iter().zip(&two).all(|(a, b)| a.to_bits() == b.to_bits()));
+}
+
+#[test]
+fn used_memory_leaves_no_trace() {
+    let (large, small) = (drop::<3>(40), System::<3>::random([33, 19, 12], 0.95, 7));
+    for (first, second) in [(&large, &small), (&small, &large)] {
+        let rhs = consistent(second, &second.random_field(1));
+        let solve = |solver: &PressureSolver<3>| {
+            let mut x = CellField::new(second.grid, 0.0);
+            solver.solve(&rhs, &mut x, 1e-8, 400).map(|_| x.data)
+        };
+        let used = PressureSolver::new(&first.input());
+        let mut x = CellField::new(first.grid, 0.0);
+        used.solve(&first.random_field(2), &mut x, 1e-3, 50).ok();
+        let fresh = solve(&PressureSolver::new(&second.input()));
+        assert_eq!(fresh, solve(&PressureSolver::in_memory_of(Some(used), &second.input())));
+    }
 }
 
 #[test]

@@ -20,6 +20,16 @@ pub(super) fn dot_serial(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
 }
 
+/// Adds the products of the entries of `a` and `b`, whose length is a multiple of `N`, to sums by lane.
+#[inline(always)]
+pub(super) fn dot_lanes<const N: usize>(a: &[f64], b: &[f64], sums: &mut [f64; N]) {
+    for (a, b) in a.as_chunks::<N>().0.iter().zip(b.as_chunks::<N>().0) {
+        for l in 0..N {
+            sums[l] += a[l] * b[l];
+        }
+    }
+}
+
 /// `a · b`.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     if a.len() <= CHUNK {
@@ -56,6 +66,11 @@ pub(super) fn subtract(alpha: f64, q: &[f64], r: &mut [f64]) -> f64 {
         })
         .collect();
     parts.iter().sum()
+}
+
+/// `p = z`.
+pub(super) fn copy(z: &[f64], p: &mut [f64]) {
+    p.par_chunks_mut(CHUNK).zip(z.par_chunks(CHUNK)).for_each(|(p, z)| p.copy_from_slice(z));
 }
 
 /// `x += α p`, then `p = z + β p`.
