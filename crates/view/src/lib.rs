@@ -1,1 +1,14 @@
-//! Meniscus view.
+//! Pictures and pages of Meniscus runs.
+//!
+//! [`render`] makes a PNG of each stored frame, and a film; [`write_page`] makes one self-contained HTML page.
+//! Both read an output folder and need neither a GPU nor any system package.
+
+mod error;
+mod folder;
+mod page;
+mod render;
+
+pub use error::{Result, ViewError};
+pub use folder::{Frame, RunFolder};
+pub use page::{PageOptions, PageReport, make_page, write_page};
+pub use render::{Camera, Image, RenderOptions, Rendered, Renderer, Style, render};

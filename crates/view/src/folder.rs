@@ -1,0 +1,198 @@
+//! An output folder as it lies on disk: which frames there are, what is in them, how large the domain is.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use meniscus_numerics::Vector;
+use meniscus_numerics::mesh::ply::PlyMesh;
+
+use crate::error::{Result, ViewError};
+
+/// A point or direction in space.
+pub(crate) type V3 = Vector<3>;
+
+/// An output folder of a run.
+#[derive(Debug)]
+pub struct RunFolder {
+    /// The folder.
+    pub dir: PathBuf,
+    /// The frame numbers that have a `frames/liquid_NNNN.ply`, ascending.
+    pub numbers: Vec<u32>,
+    /// `summary.json`, or `null` if there is none.
+    pub summary: serde_json::Value,
+    /// The names of the solids.
+    pub solids: Vec<String>,
+    /// 2 or 3.
+    pub dimension: usize,
+    /// The lengths of the domain (m), if the summary has them.
+    pub domain: Option<[f64; 3]>,
+    /// The cell width (m), if the summary has it.
+    pub dx: Option<f64>,
+    frame_interval: Option<f64>,
+}
+
+/// The meshes of one frame.
+#[derive(Clone, Debug, Default)]
+pub struct Frame {
+    /// Its number.
+    pub number: u32,
+    /// Its time (s), where it is known.
+    pub time: Option<f64>,
+    /// The surface of the liquid.
+    pub liquid: PlyMesh,
+    /// The contact line, where there is one.
+    pub contact_line: Option<PlyMesh>,
+    /// The solids by name.
+    pub solids: BTreeMap<String, PlyMesh>,
+}
+
+/// An axis-aligned box.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
+    pub lower: V3,
+    pub upper: V3,
+}
+
+impl Bounds {
+    pub(crate) const EMPTY: Self = Self {
+        lower: V3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY),
+        upper: V3::new(f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY),
+    };
+
+    pub(crate) fn add(&mut self, p: V3) {
+        self.lower = self.lower.inf(&p);
+        self.upper = self.upper.sup(&p);
+    }
+
+    pub(crate) fn join(&mut self, other: &Self) {
+        self.lower = self.lower.inf(&other.lower);
+        self.upper = self.upper.sup(&other.upper);
+    }
+
+    pub(crate) fn of(points: &[[f64; 3]]) -> Self {
+        let mut b = Self::EMPTY;
+        points.iter().for_each(|&p| b.add(V3::from(p)));
+        b
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.lower.x > self.upper.x
+    }
+
+    pub(crate) fn size(&self) -> V3 {
+        if self.is_empty() { V3::zeros() } else { self.upper - self.lower }
+    }
+
+    pub(crate) fn center(&self) -> V3 {
+        if self.is_empty() { V3::zeros() } else { (self.lower + self.upper) * 0.5 }
+    }
+}
+
+impl RunFolder {
+    /// Looks through the folder `dir`. It needs at least one frame.
+    pub fn open(dir: &Path) -> Result<Self> {
+        let frames = dir.join("frames");
+        let mut numbers = Vec::new();
+        let mut solids = BTreeSet::new();
+        for entry in std::fs::read_dir(&frames).map_err(ViewError::io(&frames))? {
+            let name = entry.map_err(ViewError::io(&frames))?.file_name();
+            let Some(stem) = name.to_str().and_then(|n| n.strip_suffix(".ply")) else { continue };
+            let Some((what, number)) = stem.rsplit_once('_') else { continue };
+            let Ok(number) = number.parse::<u32>() else { continue };
+            if what == "liquid" {
+                numbers.push(number);
+            } else if let Some(solid) = what.strip_prefix("solid_") {
+                solids.insert(solid.to_string());
+            }
+        }
+        numbers.sort_unstable();
+        numbers.dedup();
+        if numbers.is_empty() {
+            return Err(ViewError::content(&frames, "there is no liquid_NNNN.ply in it"));
+        }
+        let mut folder = Self {
+            dir: dir.into(),
+            numbers,
+            summary: read_json(&dir.join("summary.json"))?,
+            solids: solids.into_iter().collect(),
+            dimension: 3,
+            domain: None,
+            dx: None,
+            frame_interval: None,
+        };
+        folder.read_summary()?;
+        Ok(folder)
+    }
+
+    fn read_summary(&mut self) -> Result<()> {
+        let number = |key: &str| self.summary.get(key).and_then(serde_json::Value::as_f64);
+        let positive = |key: &str| number(key).filter(|x| x.is_finite() && *x > 0.0);
+        let dimension = positive("dimension");
+        self.dx = positive("dx");
+        self.frame_interval = positive("frame_interval");
+        if let Some(lengths) = self.summary.get("domain").and_then(|d| d.as_array()) {
+            let lengths: Vec<f64> = lengths.iter().filter_map(serde_json::Value::as_f64).collect();
+            if (2..=3).contains(&lengths.len()) && lengths.iter().all(|x| x.is_finite() && *x > 0.0) {
+                self.domain = Some([lengths[0], lengths[1], lengths.get(2).copied().unwrap_or(0.0)]);
+            }
+        }
+        self.dimension = match dimension {
+            Some(d) => d as usize,
+            None => {
+                let first = PlyMesh::load(&self.mesh_path("liquid", self.numbers[0]))?;
+                if first.faces.is_empty() && !first.edges.is_empty() { 2 } else { 3 }
+            }
+        };
+        if self.frame_interval.is_none() {
+            let end = positive("simulated_seconds");
+            let last = self.numbers.last().copied().filter(|&n| n > 0);
+            self.frame_interval = end.zip(last).map(|(end, last)| end / f64::from(last));
+        }
+        Ok(())
+    }
+
+    fn mesh_path(&self, what: &str, number: u32) -> PathBuf {
+        self.dir.join("frames").join(format!("{what}_{number:04}.ply"))
+    }
+
+    fn optional(&self, what: &str, number: u32) -> Result<Option<PlyMesh>> {
+        let path = self.mesh_path(what, number);
+        Ok(if path.is_file() { Some(PlyMesh::load(&path)?) } else { None })
+    }
+
+    /// Reads the meshes of one frame.
+    pub fn frame(&self, number: u32) -> Result<Frame> {
+        let liquid = PlyMesh::load(&self.mesh_path("liquid", number))?;
+        let mut solids = BTreeMap::new();
+        for name in &self.solids {
+            if let Some(mesh) = self.optional(&format!("solid_{name}"), number)? {
+                solids.insert(name.clone(), mesh);
+            }
+        }
+        Ok(Frame {
+            number,
+            time: liquid.time().or(self.frame_interval.map(|dt| dt * f64::from(number))),
+            liquid,
+            contact_line: self.optional("contact_line", number)?,
+            solids,
+        })
+    }
+
+    /// At most `most` of `numbers`, evenly spread, with the first and the last.
+    pub(crate) fn spread(numbers: &[u32], most: usize) -> Vec<u32> {
+        let n = numbers.len();
+        if n <= most {
+            return numbers.to_vec();
+        }
+        (0..most).map(|i| numbers[i * (n - 1) / (most - 1).max(1)]).collect()
+    }
+}
+
+/// Reads a JSON file; `null` if it does not exist.
+fn read_json(path: &Path) -> Result<serde_json::Value> {
+    if !path.is_file() {
+        return Ok(serde_json::Value::Null);
+    }
+    let text = std::fs::read_to_string(path).map_err(ViewError::io(path))?;
+    serde_json::from_str(&text).map_err(|e| ViewError::content(path, e.to_string()))
+}

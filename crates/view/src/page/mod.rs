@@ -1,0 +1,281 @@
+//! The result page: one HTML file with everything in it.
+
+mod blob;
+mod series;
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::error::{Result, ViewError};
+use crate::folder::RunFolder;
+use series::Series;
+
+/// The page without data, as built from `web/`.
+const BUNDLE: &str = include_str!("../../assets/page.html");
+/// What stands in the bundle where the data belongs.
+const MARKER: &str = "\"MENISCUS_DATA\"";
+
+/// How the page is made.
+#[derive(Clone, Debug)]
+pub struct PageOptions {
+    /// Only each `every`-th frame.
+    pub every: usize,
+    /// The size that the page may have (MB); more frames are left out until it fits.
+    pub max_mb: f64,
+    /// The file to write; `None` for `page/index.html` in the output folder.
+    pub to: Option<PathBuf>,
+}
+
+impl Default for PageOptions {
+    fn default() -> Self {
+        Self { every: 1, max_mb: 20.0, to: None }
+    }
+}
+
+/// What has been written.
+#[derive(Clone, Debug)]
+pub struct PageReport {
+    /// The page.
+    pub path: PathBuf,
+    /// Its size in bytes.
+    pub bytes: u64,
+    /// The frames in it.
+    pub frames: usize,
+    /// Each how many-th frame of the run is in it.
+    pub every: usize,
+}
+
+/// One frame as packed meshes.
+struct Packed {
+    number: u32,
+    time: Option<f64>,
+    liquid: String,
+    line: Option<String>,
+    solids: BTreeMap<String, String>,
+}
+
+impl Packed {
+    fn meshes(&self) -> impl Iterator<Item = &String> {
+        std::iter::once(&self.liquid).chain(&self.line).chain(self.solids.values())
+    }
+}
+
+/// One frame as places in the list of meshes.
+#[derive(Serialize)]
+struct PageFrame {
+    number: u32,
+    time: Option<f64>,
+    liquid: usize,
+    line: Option<usize>,
+    solids: BTreeMap<String, usize>,
+}
+
+/// What the page is given.
+#[derive(Serialize)]
+struct Payload<'a> {
+    format: u32,
+    name: String,
+    version: &'a str,
+    dimension: usize,
+    domain: Option<[f64; 3]>,
+    dx: Option<f64>,
+    notes: Vec<String>,
+    frames: Vec<PageFrame>,
+    meshes: Vec<&'a str>,
+    series: Series,
+    summary: &'a serde_json::Value,
+    scene: String,
+}
+
+/// Writes the page of the output folder `dir` and returns its path.
+pub fn write_page(dir: &Path, options: &PageOptions) -> Result<PathBuf> {
+    make_page(dir, options).map(|report| report.path)
+}
+
+/// Writes the page of the output folder `dir` and tells what is in it.
+pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
+    let folder = RunFolder::open(dir)?;
+    let asked = options.every.max(1);
+    let numbers: Vec<u32> = folder.numbers.iter().copied().step_by(asked).collect();
+    let packed = numbers.par_iter().map(|&n| pack(&folder, n)).collect::<Result<Vec<Packed>>>()?;
+    let series = Series::load(&dir.join("timeseries.csv"))?;
+    let scene = std::fs::read_to_string(dir.join("scene.toml")).unwrap_or_default();
+    let fixed =
+        BUNDLE.len() + scene.len() + series.columns.iter().map(|c| 14 * c.len()).sum::<usize>() + 20_000;
+    let budget = ((options.max_mb * 1e6) as usize).saturating_sub(fixed);
+    let skip = (1..packed.len()).find(|&k| size(&packed, k) <= budget).unwrap_or(packed.len().max(1));
+    let kept: Vec<&Packed> = packed.iter().step_by(skip).collect();
+    let (frames, meshes) = share(&kept);
+    let payload = Payload {
+        format: 1,
+        name: name(&folder, dir),
+        version: env!("CARGO_PKG_VERSION"),
+        dimension: folder.dimension,
+        domain: folder.domain,
+        dx: folder.dx,
+        notes: notes(&folder, options, asked, skip, &series),
+        frames,
+        meshes,
+        series,
+        summary: &folder.summary,
+        scene,
+    };
+    let path = options.to.clone().unwrap_or_else(|| dir.join("page").join("index.html"));
+    let html = insert(&payload, &path)?;
+    if let Some(parent) = path.parent() {
+        std::fs::create_dir_all(parent).map_err(ViewError::io(parent))?;
+    }
+    std::fs::write(&path, &html).map_err(ViewError::io(&path))?;
+    Ok(PageReport { path, bytes: html.len() as u64, frames: kept.len(), every: asked * skip })
+}
+
+fn pack(folder: &RunFolder, number: u32) -> Result<Packed> {
+    let frame = folder.frame(number)?;
+    Ok(Packed {
+        number,
+        time: frame.time,
+        liquid: blob::pack(&frame.liquid),
+        line: frame.contact_line.as_ref().map(blob::pack),
+        solids: frame.solids.iter().map(|(name, mesh)| (name.clone(), blob::pack(mesh))).collect(),
+    })
+}
+
+/// The bytes of the meshes of each `skip`-th frame, equal ones counted once.
+fn size(packed: &[Packed], skip: usize) -> usize {
+    let mut seen = HashSet::new();
+    let meshes = packed.iter().step_by(skip).flat_map(Packed::meshes);
+    meshes.filter(|m| seen.insert(m.as_str())).map(|m| m.len() + 3).sum()
+}
+
+/// Frames that name their meshes by place in a list without doubles.
+fn share<'a>(packed: &[&'a Packed]) -> (Vec<PageFrame>, Vec<&'a str>) {
+    let mut meshes: Vec<&str> = Vec::new();
+    let mut known: HashMap<&str, usize> = HashMap::new();
+    let mut place = |mesh: &'a String| {
+        *known.entry(mesh).or_insert_with(|| {
+            meshes.push(mesh);
+            meshes.len() - 1
+        })
+    };
+    let frames = packed
+        .iter()
+        .map(|p| PageFrame {
+            number: p.number,
+            time: p.time,
+            liquid: place(&p.liquid),
+            line: p.line.as_ref().map(&mut place),
+            solids: p.solids.iter().map(|(name, mesh)| (name.clone(), place(mesh))).collect(),
+        })
+        .collect();
+    (frames, meshes)
+}
+
+fn name(folder: &RunFolder, dir: &Path) -> String {
+    let given = folder.summary.get("scene").and_then(|s| s.as_str()).map(str::to_string);
+    let of_dir = || dir.canonicalize().ok()?.file_name()?.to_str().map(str::to_string);
+    given.or_else(of_dir).unwrap_or_else(|| "run".into())
+}
+
+/// What the page says about what was left out.
+fn notes(
+    folder: &RunFolder,
+    options: &PageOptions,
+    asked: usize,
+    skip: usize,
+    series: &Series,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    let all = folder.numbers.len();
+    if asked * skip > 1 {
+        let kept = all.div_ceil(asked).div_ceil(skip);
+        let why = if skip > 1 { format!(" to stay below {} MB", options.max_mb) } else { String::new() };
+        notes.push(format!("{kept} of {all} frames are shown (every {}{why}).", ordinal(asked * skip)));
+    }
+    if series.stride > 1 {
+        let nth = ordinal(series.stride);
+        notes.push(format!("The plots show every {nth} of {} steps.", series.rows));
+    }
+    notes
+}
+
+fn ordinal(n: usize) -> String {
+    let end = match (n % 10, n % 100) {
+        (1, x) if x != 11 => "st",
+        (2, x) if x != 12 => "nd",
+        (3, x) if x != 13 => "rd",
+        _ => "th",
+    };
+    format!("{n}{end}")
+}
+
+/// The bundle with the data in it.
+fn insert(payload: &Payload, path: &Path) -> Result<String> {
+    let json = serde_json::to_string(payload).map_err(|e| ViewError::content(path, e.to_string()))?;
+    let (before, after) = BUNDLE
+        .split_once(MARKER)
+        .ok_or_else(|| ViewError::content(path, "the built-in page has no place for data"))?;
+    // A `<` could end the script element that holds the data; in JSON it stands only within strings.
+    Ok([before, &json.replace('<', "\\u003c"), after].concat())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use meniscus_numerics::mesh::ply::PlyMesh;
+
+    fn folder(name: &str, frames: u32) -> PathBuf {
+        let dir = std::env::temp_dir().join(format!("meniscus-page-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(dir.join("frames")).unwrap();
+        for n in 0..frames {
+            let point = |i: u32| [f64::from(i * (n + 7) % 89), f64::from(i * (n + 3) % 97), 0.0];
+            let edges = (0..500).map(|i| [i, (i + 1) % 500]).collect();
+            let mesh = PlyMesh { positions: (0..500).map(point).collect(), edges, ..PlyMesh::default() };
+            mesh.save(&dir.join(format!("frames/liquid_{n:04}.ply"))).unwrap();
+            let still = PlyMesh { positions: vec![[0.0; 3]; 2], edges: vec![[0, 1]], ..PlyMesh::default() };
+            still.save(&dir.join(format!("frames/solid_plate_{n:04}.ply"))).unwrap();
+        }
+        std::fs::write(dir.join("scene.toml"), "name = \"</script><b>\"").unwrap();
+        std::fs::write(dir.join("timeseries.csv"), "step,time\n0,0\n1,0.5\n").unwrap();
+        dir
+    }
+
+    fn data(html: &str) -> serde_json::Value {
+        let from = html.find("{\"format\":1").unwrap();
+        serde_json::Deserializer::from_str(&html[from..]).into_iter().next().unwrap().unwrap()
+    }
+
+    #[test]
+    fn the_payload_decodes() {
+        let dir = folder("decode", 3);
+        let path = write_page(&dir, &PageOptions::default()).unwrap();
+        let html = std::fs::read_to_string(path).unwrap();
+        assert!(!html.contains("</script><b>"));
+        let data = data(&html);
+        assert_eq!(data["dimension"], 2);
+        assert_eq!(data["scene"], "name = \"</script><b>\"");
+        assert_eq!(data["frames"].as_array().unwrap().len(), 3);
+        assert_eq!(data["meshes"].as_array().unwrap().len(), 4, "the solid at rest is there once");
+        let place = data["frames"][2]["liquid"].as_u64().unwrap() as usize;
+        let mesh = blob::tests::unpack(data["meshes"][place].as_str().unwrap());
+        assert_eq!(mesh.edges.len(), 500);
+        assert!((mesh.positions[5][0] - 45.0).abs() < 1e-2);
+        std::fs::remove_dir_all(dir).unwrap();
+    }
+
+    #[test]
+    fn frames_are_left_out_to_fit() {
+        let dir = folder("budget", 40);
+        let whole = make_page(&dir, &PageOptions::default()).unwrap();
+        let max_mb = whole.bytes as f64 * 1e-6 - 0.01;
+        let less = make_page(&dir, &PageOptions { max_mb, ..PageOptions::default() }).unwrap();
+        assert!(less.bytes as f64 <= max_mb * 1e6 && less.frames < 40 && less.every > 1, "{less:?}");
+        let html = std::fs::read_to_string(&less.path).unwrap();
+        assert!(data(&html)["notes"][0].as_str().unwrap().contains("of 40 frames"));
+        let one = make_page(&dir, &PageOptions { max_mb: 0.0, ..PageOptions::default() }).unwrap();
+        assert_eq!(one.frames, 1);
+        std::fs::remove_dir_all(dir).unwrap();
+    }
+}

@@ -1,0 +1,85 @@
+//! `timeseries.csv` as columns of numbers.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::error::{Result, ViewError};
+
+/// Rows that plots are given at most.
+const MOST_ROWS: usize = 4000;
+
+/// The columns of a time series.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub(crate) struct Series {
+    /// Their names.
+    pub names: Vec<String>,
+    /// Their values; `null` where a cell is empty.
+    pub columns: Vec<Vec<Option<f64>>>,
+    /// Rows in the file.
+    pub rows: usize,
+    /// Each how many-th row is kept.
+    pub stride: usize,
+}
+
+impl Series {
+    /// Reads a file; a missing one has no columns.
+    pub(crate) fn load(path: &Path) -> Result<Self> {
+        if !path.is_file() {
+            return Ok(Self { stride: 1, ..Self::default() });
+        }
+        Ok(Self::parse(&std::fs::read_to_string(path).map_err(ViewError::io(path))?))
+    }
+
+    /// Reads the text of a file. Rows with a wrong number of cells (a row just being written) are left out.
+    pub(crate) fn parse(text: &str) -> Self {
+        let mut lines = text.lines();
+        let names: Vec<String> = lines
+            .next()
+            .unwrap_or("")
+            .split(',')
+            .map(|c| c.trim().to_string())
+            .filter(|c| !c.is_empty())
+            .collect();
+        let rows: Vec<Vec<&str>> =
+            lines.map(|l| l.split(',').collect()).filter(|r: &Vec<&str>| r.len() == names.len()).collect();
+        let stride = rows.len().div_ceil(MOST_ROWS).max(1);
+        let last = rows.len().saturating_sub(1);
+        let kept: Vec<usize> = (0..rows.len()).filter(|i| i % stride == 0 || *i == last).collect();
+        let column = |c: usize| kept.iter().map(|&r| number(rows[r][c])).collect();
+        Self { columns: (0..names.len()).map(column).collect(), names, rows: rows.len(), stride }
+    }
+}
+
+/// A number rounded to seven digits, which is all that a plot shows.
+fn number(cell: &str) -> Option<f64> {
+    let x: f64 = cell.trim().parse().ok()?;
+    if !x.is_finite() {
+        return None;
+    }
+    format!("{x:.6e}").parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn empty_cells_and_cut_rows() {
+        let s = Series::parse("step,time,angle\n0,0,\n1,0.1,89.5\n2,0.2,nan\n3,0.");
+        assert_eq!(s.names, ["step", "time", "angle"]);
+        assert_eq!(s.columns[2], [None, Some(89.5), None]);
+        assert_eq!(s.rows, 3);
+        assert_eq!(Series::parse("").names.len(), 0);
+    }
+
+    #[test]
+    fn long_series_are_thinned_and_keep_the_end() {
+        let text: String =
+            std::iter::once("step\n".to_string()).chain((0..10_001).map(|i| format!("{i}\n"))).collect();
+        let s = Series::parse(&text);
+        assert_eq!(s.stride, 3);
+        assert!(s.columns[0].len() <= MOST_ROWS + 1);
+        assert_eq!(s.columns[0].last(), Some(&Some(10_000.0)));
+    }
+}

@@ -1,0 +1,91 @@
+//! The camera: where it stands and which ray belongs to a point of the picture.
+
+use super::bvh::Ray;
+use crate::folder::{Bounds, V3};
+
+/// Where the camera stands, as seen from the middle of the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// The angle about the vertical (degrees); 0 looks along +y, 90 along −x.
+    pub azimuth: f64,
+    /// The angle above the horizontal (degrees).
+    pub elevation: f64,
+    /// The distance to the middle (m); `None` fits what is to be seen into the picture.
+    pub distance: Option<f64>,
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        Self { azimuth: 25.0, elevation: 17.0, distance: None }
+    }
+}
+
+/// Half the vertical field of view, as a tangent.
+const HALF_VIEW: f64 = 0.24;
+/// The part of the picture that is filled, each way.
+const FILLED: f64 = 0.74;
+
+/// A camera made ready for one picture size.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct View {
+    pub eye: V3,
+    pub forward: V3,
+    right: V3,
+    up: V3,
+    half: [f64; 2],
+    size: [f64; 2],
+}
+
+impl View {
+    /// A view of `seen`; all lengths are in the picture's coordinates, `unit` metres each.
+    pub(crate) fn new(camera: &Camera, seen: &Bounds, unit: f64, size: (u32, u32)) -> Self {
+        let (az, el) = (camera.azimuth.to_radians(), camera.elevation.clamp(-89.0, 89.0).to_radians());
+        let forward = V3::new(-az.sin() * el.cos(), az.cos() * el.cos(), -el.sin());
+        let right = V3::new(az.cos(), az.sin(), 0.0);
+        let up = right.cross(&forward);
+        let size = [f64::from(size.0.max(1)), f64::from(size.1.max(1))];
+        let half = [HALF_VIEW * size[0] / size[1], HALF_VIEW];
+        let mut target = seen.center();
+        let fit = |target: &V3| {
+            corners(seen).iter().fold(1e-6f64, |far, p| {
+                let q = p - target;
+                let (x, y, depth) = (q.dot(&right).abs(), q.dot(&up).abs(), q.dot(&forward));
+                far.max(x / (half[0] * FILLED) - depth).max(y / (half[1] * FILLED) - depth)
+            })
+        };
+        let distance = camera.distance.map_or_else(|| fit(&target), |d| d / unit);
+        target -= up * (0.03 * distance * HALF_VIEW);
+        Self { eye: target - forward * distance, forward, right, up, half, size }
+    }
+
+    /// The ray through a point of the picture (pixels, from its upper left corner).
+    pub(crate) fn ray(&self, x: f64, y: f64) -> Ray {
+        let u = (2.0 * x / self.size[0] - 1.0) * self.half[0];
+        let v = (1.0 - 2.0 * y / self.size[1]) * self.half[1];
+        Ray::new(self.eye, (self.forward + self.right * u + self.up * v).normalize())
+    }
+
+    /// Where a point lies in the picture (pixels) and its depth; `None` behind the camera.
+    pub(crate) fn project(&self, p: &V3) -> Option<(f64, f64, f64)> {
+        let q = p - self.eye;
+        let depth = q.dot(&self.forward);
+        (depth > 1e-3).then(|| {
+            let u = q.dot(&self.right) / (depth * self.half[0]);
+            let v = q.dot(&self.up) / (depth * self.half[1]);
+            ((u + 1.0) * 0.5 * self.size[0], (1.0 - v) * 0.5 * self.size[1], depth)
+        })
+    }
+
+    /// The angle that a pixel takes up.
+    pub(crate) fn pixel_angle(&self) -> f64 {
+        2.0 * self.half[1] / self.size[1]
+    }
+}
+
+/// The eight corners of a box; bit `a` of the place says upper or lower along axis `a`.
+pub(crate) fn corners(b: &Bounds) -> [V3; 8] {
+    std::array::from_fn(|i| {
+        let pick = |a: usize| if i >> a & 1 == 1 { b.upper[a] } else { b.lower[a] };
+        V3::new(pick(0), pick(1), pick(2))
+    })
+}

@@ -1,0 +1,145 @@
+//! Pictures of runs in two dimensions.
+
+use meniscus_numerics::mesh::ply::PlyMesh;
+
+use super::fill::coverage;
+use super::image::{Canvas, Image};
+use super::label;
+use super::stage::round_length;
+use crate::folder::{Bounds, Frame, RunFolder, V3};
+
+/// The window of the plane that is shown, and how it lies in the picture.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Window {
+    center: [f64; 2],
+    /// Pixels per metre.
+    scale: f64,
+    size: (u32, u32),
+    domain: Option<[f64; 2]>,
+}
+
+/// sRGB as a linear colour.
+fn srgb(hex: u32) -> V3 {
+    let part = |shift: u32| {
+        let s = f64::from(hex >> shift & 255) / 255.0;
+        if s <= 0.040_45 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
+    };
+    V3::new(part(16), part(8), part(0))
+}
+
+/// A linear colour as 8-bit sRGB, without any change of tone.
+fn plain(c: &V3) -> [u8; 3] {
+    [c.x, c.y, c.z].map(|x| {
+        let s = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
+        (s.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
+    })
+}
+
+impl Window {
+    /// A window that shows the domain, or what is to be seen if that is a small part of it.
+    pub(crate) fn new(folder: &RunFolder, seen: &Bounds, size: (u32, u32)) -> Self {
+        let domain = folder.domain.map(|d| [d[0], d[1]]);
+        let (mut lower, mut upper) = (seen.lower, seen.upper);
+        let margin = 0.12 * seen.size().norm().max(1e-12);
+        lower -= V3::repeat(margin);
+        upper += V3::repeat(margin);
+        if let Some(d) = domain {
+            let small = (0..2).all(|a| upper[a] - lower[a] < 0.45 * d[a]);
+            for a in 0..2 {
+                lower[a] = if small { lower[a].max(0.0) } else { 0.0 };
+                upper[a] = if small { upper[a].min(d[a]) } else { d[a] };
+            }
+        }
+        let (w, h) = (f64::from(size.0), f64::from(size.1));
+        let border = 0.12 * w.min(h);
+        let fit = |a: usize, pixels: f64| (pixels - 2.0 * border).max(1.0) / (upper[a] - lower[a]).max(1e-12);
+        let center = [0.5 * (lower.x + upper.x), 0.5 * (lower.y + upper.y)];
+        Self { center, scale: fit(0, w).min(fit(1, h)), size, domain }
+    }
+
+    fn place(&self, p: &[f64]) -> [f64; 2] {
+        [
+            0.5 * f64::from(self.size.0) + (p[0] - self.center[0]) * self.scale,
+            0.5 * f64::from(self.size.1) - (p[1] - self.center[1]) * self.scale,
+        ]
+    }
+
+    fn segments(&self, mesh: &PlyMesh) -> Vec<[[f64; 2]; 2]> {
+        mesh.edges.iter().map(|e| e.map(|i| self.place(&mesh.positions[i as usize]))).collect()
+    }
+}
+
+/// The picture of one frame.
+pub(crate) fn picture(window: &Window, frame: &Frame) -> Image {
+    let mut canvas = Canvas::new(window.size, srgb(0x00e9_edf1));
+    let thick = (f64::from(window.size.1) / 240.0).max(1.0);
+    let air = srgb(0x00fb_fcfd);
+    if let Some(d) = window.domain {
+        let p = [[0.0, 0.0], [d[0], 0.0], [d[0], d[1]], [0.0, d[1]]].map(|p| window.place(&p));
+        let walls: Vec<_> = (0..4).map(|k| [p[k], p[(k + 1) % 4]]).collect();
+        fill(&mut canvas, &walls, &air, &air);
+        strokes(&mut canvas, &walls, thick * 1.2, &srgb(0x0055_5f69));
+    }
+    for solid in frame.solids.values() {
+        let outline = window.segments(solid);
+        fill(&mut canvas, &outline, &srgb(0x00c9_b49c), &srgb(0x00b3_9a80));
+        strokes(&mut canvas, &outline, thick * 0.9, &srgb(0x0070_5b46));
+    }
+    let outline = window.segments(&frame.liquid);
+    fill(&mut canvas, &outline, &srgb(0x0062_b0e8), &srgb(0x0023_74bf));
+    strokes(&mut canvas, &outline, thick, &srgb(0x0010_4b86));
+    if let Some(line) = &frame.contact_line {
+        for p in &line.positions {
+            let at = window.place(p);
+            canvas.line(at, at, thick * 5.4, &air, |_, _, _| 1.0);
+            canvas.line(at, at, thick * 4.0, &srgb(0x00d6_2718), |_, _, _| 1.0);
+        }
+    }
+    labels(window, frame, &mut canvas);
+    canvas.develop(plain)
+}
+
+/// Fills an outline; the colour goes from `top` to `bottom` over the height of the outline.
+fn fill(canvas: &mut Canvas, outline: &[[[f64; 2]; 2]], top: &V3, bottom: &V3) {
+    let heights = || outline.iter().flatten().map(|p| p[1]);
+    let (high, low) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+    let cover = coverage(outline, canvas.width, canvas.height);
+    for (i, c) in cover.into_iter().enumerate().filter(|(_, c)| *c > 0.0) {
+        let (x, y) = (i % canvas.width, i / canvas.width);
+        let t = ((y as f64 - high) / (low - high).max(1.0)).clamp(0.0, 1.0);
+        canvas.blend(x, y, &(top * (1.0 - t) + bottom * t), c);
+    }
+}
+
+/// Draws an outline. Where pieces meet the darker of the two counts, so that joints leave no dots.
+fn strokes(canvas: &mut Canvas, outline: &[[[f64; 2]; 2]], width: f64, color: &V3) {
+    let mut mask = Canvas::new((canvas.width as u32, canvas.height as u32), V3::zeros());
+    for [a, b] in outline {
+        mask.cover(*a, *b, width);
+    }
+    for (i, m) in mask.pixels.iter().enumerate().filter(|(_, m)| m.x > 0.0) {
+        canvas.blend(i % canvas.width, i / canvas.width, color, m.x);
+    }
+}
+
+/// The scale bar and the time.
+fn labels(window: &Window, frame: &Frame, canvas: &mut Canvas) {
+    let (w, h) = (f64::from(window.size.0), f64::from(window.size.1));
+    let (ink, height) = (srgb(0x0033_3d47), (h / 28.0).max(8.0));
+    let length = round_length(0.22 * w / window.scale);
+    let (right, low) = (w - 1.2 * height, h - 0.9 * height);
+    let left = right - length * window.scale;
+    let thick = (height * 0.16).max(1.2);
+    for [a, b] in
+        [[[left, low], [right, low]], [[left, low - 4.0], [left, low]], [[right, low - 4.0], [right, low]]]
+    {
+        canvas.line(a, b, thick, &ink, |_, _, _| 1.0);
+    }
+    let text = label::quantity(length, 'm');
+    let middle = 0.5 * (left + right - label::width(&text, height));
+    label::draw(canvas, &text, [middle, low - 0.7 * height], height, &ink);
+    if let Some(time) = frame.time {
+        let text = format!("t = {}", label::quantity(time, 's'));
+        label::draw(canvas, &text, [1.2 * height, 2.0 * height], height, &ink);
+    }
+}

@@ -1,0 +1,122 @@
+//! Pictures in memory, lines over them, and PNG files.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+
+use crate::error::{Result, ViewError};
+use crate::folder::V3;
+
+/// A picture with linear colours.
+#[derive(Clone, Debug)]
+pub(crate) struct Canvas {
+    pub width: usize,
+    pub height: usize,
+    pub pixels: Vec<V3>,
+}
+
+/// A finished picture: 8-bit sRGB, rows from the top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Image {
+    /// Pixels per row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Red, green, blue of each pixel.
+    pub rgb: Vec<u8>,
+}
+
+impl Canvas {
+    pub(crate) fn new(size: (u32, u32), color: V3) -> Self {
+        let (width, height) = (size.0.max(1) as usize, size.1.max(1) as usize);
+        Self { width, height, pixels: vec![color; width * height] }
+    }
+
+    /// Lays `color` over a pixel.
+    pub(crate) fn blend(&mut self, x: usize, y: usize, color: &V3, alpha: f64) {
+        let p = &mut self.pixels[y * self.width + x];
+        *p = *p * (1.0 - alpha) + color * alpha;
+    }
+
+    /// Draws a line with round ends. `alpha` is asked with the pixel and the place along the line (0 to 1).
+    pub(crate) fn line(
+        &mut self,
+        a: [f64; 2],
+        b: [f64; 2],
+        width: f64,
+        color: &V3,
+        alpha: impl Fn(usize, usize, f64) -> f64,
+    ) {
+        let reach = width * 0.5 + 1.0;
+        let Some((xs, ys)) = self.range(a, b, reach) else { return };
+        for y in ys {
+            for x in xs.clone() {
+                let (cover, t) = line_cover(a, b, width, x, y);
+                if cover > 0.0 {
+                    let a = cover * alpha(x, y, t);
+                    self.blend(x, y, color, a);
+                }
+            }
+        }
+    }
+
+    /// Raises each pixel's first component to the part of it that a line covers.
+    pub(crate) fn cover(&mut self, a: [f64; 2], b: [f64; 2], width: f64) {
+        let Some((xs, ys)) = self.range(a, b, width * 0.5 + 1.0) else { return };
+        for y in ys {
+            for x in xs.clone() {
+                let p = &mut self.pixels[y * self.width + x];
+                p.x = p.x.max(line_cover(a, b, width, x, y).0);
+            }
+        }
+    }
+
+    /// The pixels about a line, if any are in the picture.
+    #[allow(clippy::type_complexity)]
+    fn range(
+        &self,
+        a: [f64; 2],
+        b: [f64; 2],
+        reach: f64,
+    ) -> Option<(std::ops::Range<usize>, std::ops::Range<usize>)> {
+        let span = |k: usize, n: usize| {
+            let from = (a[k].min(b[k]) - reach).floor().clamp(0.0, n as f64);
+            let to = (a[k].max(b[k]) + reach).ceil().clamp(0.0, n as f64);
+            (from < to).then_some(from as usize..to as usize)
+        };
+        Some((span(0, self.width)?, span(1, self.height)?))
+    }
+
+    /// The finished picture.
+    pub(crate) fn develop(&self, curve: impl Fn(&V3) -> [u8; 3]) -> Image {
+        Image {
+            width: self.width as u32,
+            height: self.height as u32,
+            rgb: self.pixels.iter().flat_map(curve).collect(),
+        }
+    }
+}
+
+/// The part of a pixel that a line with round ends covers, and the nearest place along the line (0 to 1).
+fn line_cover(a: [f64; 2], b: [f64; 2], width: f64, x: usize, y: usize) -> (f64, f64) {
+    let d = [b[0] - a[0], b[1] - a[1]];
+    let length = d[0] * d[0] + d[1] * d[1];
+    let p = [x as f64 + 0.5 - a[0], y as f64 + 0.5 - a[1]];
+    let t = if length > 0.0 { ((p[0] * d[0] + p[1] * d[1]) / length).clamp(0.0, 1.0) } else { 0.0 };
+    let away = (p[0] - t * d[0]).hypot(p[1] - t * d[1]);
+    ((width * 0.5 + 0.5 - away).clamp(0.0, width.min(1.0)), t)
+}
+
+impl Image {
+    /// Writes the picture as a PNG file.
+    pub fn save(&self, path: &Path) -> Result<()> {
+        let file = File::create(path).map_err(ViewError::io(path))?;
+        let mut encoder = png::Encoder::new(BufWriter::new(file), self.width, self.height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        let fail = |source| ViewError::Png { path: path.into(), source };
+        let mut writer = encoder.write_header().map_err(fail)?;
+        writer.write_image_data(&self.rgb).map_err(fail)?;
+        writer.finish().map_err(fail)
+    }
+}

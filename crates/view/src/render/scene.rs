@@ -1,0 +1,105 @@
+//! The things in one picture, and the first of them that a ray meets.
+
+use super::Style;
+use super::bvh::Ray;
+use super::geometry::{Hit, TriMesh, Tubes};
+use super::stage::Stage;
+use crate::folder::{Bounds, Frame, V3};
+
+/// How far below the domain's floor the ground is drawn, so that the liquid's own bottom is met first.
+const GROUND: f64 = -2e-4;
+/// Hits nearer than this belong to the surface that the ray starts from.
+pub(crate) const NEAR: f64 = 1e-6;
+/// How much nearer the liquid must be to be met before a solid.
+const TIE: f64 = 1e-5;
+
+/// What a ray has met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Thing {
+    Liquid,
+    Solid(usize),
+    Line,
+    Ground,
+}
+
+/// All surfaces of one picture.
+#[derive(Debug)]
+pub(crate) struct Scene<'a> {
+    pub stage: &'a Stage,
+    pub style: Style,
+    pub liquid: TriMesh,
+    pub solids: Vec<TriMesh>,
+    pub line: Tubes,
+    /// The liquid's extent.
+    pub bounds: Bounds,
+    /// The extent of the solids.
+    pub solid_bounds: Bounds,
+    /// What a unit of way through the liquid takes of each colour (natural logarithm).
+    pub absorption: V3,
+}
+
+impl<'a> Scene<'a> {
+    pub(crate) fn new(stage: &'a Stage, frame: &Frame, style: Style) -> Self {
+        let points = stage.points(&frame.liquid.positions);
+        let wetted = stage.wetted(frame, &points);
+        let mut bounds = Bounds::EMPTY;
+        points.iter().for_each(|&p| bounds.add(p));
+        let mut solid_bounds = Bounds::EMPTY;
+        let mut solids = Vec::new();
+        for mesh in frame.solids.values() {
+            let points = stage.points(&mesh.positions);
+            points.iter().for_each(|&p| solid_bounds.add(p));
+            solids.push(TriMesh::new(&points, &mesh.faces, &[], 0.8));
+        }
+        let line = frame.contact_line.as_ref().map_or_else(Tubes::default, |mesh| {
+            Tubes::new(&stage.points(&mesh.positions), mesh, 0.02 * stage.liquid)
+        });
+        Self {
+            stage,
+            style,
+            liquid: TriMesh::new(&points, &frame.liquid.faces, &wetted, 0.3),
+            solids,
+            line,
+            bounds,
+            solid_bounds,
+            absorption: V3::new(0.62, 0.17, 0.07) / stage.liquid,
+        }
+    }
+
+    /// The first thing met beyond [`NEAR`].
+    pub(crate) fn meet(&self, ray: &Ray) -> Option<(Thing, Hit)> {
+        let mut best: Option<(Thing, Hit)> = None;
+        let mut limit = f64::INFINITY;
+        if ray.dir.z < 0.0 {
+            let t = (GROUND - ray.origin.z) / ray.dir.z;
+            if t > NEAR {
+                best = Some((Thing::Ground, Hit { t, facet: V3::z(), smooth: V3::z(), wetted: false }));
+                limit = t;
+            }
+        }
+        if let Some(hit) = self.liquid.hit(ray, NEAR, limit) {
+            limit = hit.t + TIE;
+            best = Some((Thing::Liquid, hit));
+        }
+        for (i, solid) in self.solids.iter().enumerate() {
+            if let Some(hit) = solid.hit(ray, NEAR, limit) {
+                limit = hit.t;
+                best = Some((Thing::Solid(i), hit));
+            }
+        }
+        if let Some(hit) = self.line.hit(ray, NEAR, limit) {
+            best = Some((Thing::Line, hit));
+        }
+        best
+    }
+
+    /// Whether a solid lies on the ray before `limit`.
+    pub(crate) fn solid_blocks(&self, ray: &Ray, limit: f64) -> bool {
+        self.solids.iter().any(|s| s.blocks(ray, 1e-4, limit))
+    }
+
+    /// Whether the liquid lies on the ray before `limit`.
+    pub(crate) fn liquid_blocks(&self, ray: &Ray, limit: f64) -> bool {
+        self.liquid.blocks(ray, 1e-4, limit)
+    }
+}

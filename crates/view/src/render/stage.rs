@@ -1,0 +1,127 @@
+//! What stays the same over all frames of a run: the picture's coordinates, the domain, the camera.
+
+use super::RenderOptions;
+use super::camera::View;
+use super::studio::Studio;
+use crate::error::Result;
+use crate::folder::{Bounds, Frame, RunFolder, V3};
+
+/// Frames looked at to find out what is to be seen.
+const LOOKED_AT: usize = 24;
+
+/// The fixed parts of all pictures of a run.
+#[derive(Clone, Debug)]
+pub(crate) struct Stage {
+    /// Metres per unit of the picture's coordinates.
+    pub unit: f64,
+    /// The point (m) that is the origin of the picture's coordinates, on the ground.
+    origin: V3,
+    /// The domain in the picture's coordinates, if it is known.
+    pub domain: Option<Bounds>,
+    /// The cell width in the picture's coordinates, if it is known.
+    pub dx: Option<f64>,
+    /// The typical width of the liquid in the picture's coordinates.
+    pub liquid: f64,
+    /// The distance of lines on the ground.
+    pub grid: f64,
+    /// Where lines on the ground cross.
+    pub grid_origin: [f64; 2],
+    pub view: View,
+    pub studio: Studio,
+}
+
+/// What is to be seen of the frames: the liquid and the part of the solids near it, and the first volume.
+pub(crate) fn seen(folder: &RunFolder, numbers: &[u32]) -> Result<(Bounds, f64)> {
+    let (mut liquid, mut solids, mut volume) = (Bounds::EMPTY, Bounds::EMPTY, 0.0f64);
+    for number in RunFolder::spread(numbers, LOOKED_AT) {
+        let frame = folder.frame(number)?;
+        liquid.join(&Bounds::of(&frame.liquid.positions));
+        frame.solids.values().for_each(|s| solids.join(&Bounds::of(&s.positions)));
+        volume = volume.max(measure(&frame));
+    }
+    let mut all = liquid;
+    if liquid.is_empty() {
+        all = solids;
+    } else if !solids.is_empty() {
+        let margin = V3::repeat(0.45 * liquid.size().norm());
+        let near = Bounds { lower: liquid.lower - margin, upper: liquid.upper + margin };
+        all.join(&Bounds { lower: solids.lower.sup(&near.lower), upper: solids.upper.inf(&near.upper) });
+    }
+    if all.is_empty() {
+        let size = folder.domain.map_or(V3::repeat(1.0), V3::from);
+        all = Bounds { lower: V3::zeros(), upper: size };
+    }
+    Ok((all, volume))
+}
+
+/// The volume enclosed by the liquid's surface.
+fn measure(frame: &Frame) -> f64 {
+    let p = |i: u32| V3::from(frame.liquid.positions[i as usize]);
+    let part = |f: &[u32; 3]| p(f[0]).dot(&p(f[1]).cross(&p(f[2])));
+    frame.liquid.faces.iter().map(part).sum::<f64>().abs() / 6.0
+}
+
+/// The number of the form 1, 2 or 5 times a power of ten that is nearest below `x`.
+pub(crate) fn round_length(x: f64) -> f64 {
+    let power = 10f64.powf(x.max(1e-300).log10().floor());
+    let digit = [5.0, 2.0, 1.0].into_iter().find(|d| d * power <= x * (1.0 + 1e-9)).unwrap_or(1.0);
+    digit * power
+}
+
+impl Stage {
+    pub(crate) fn new(folder: &RunFolder, numbers: &[u32], options: &RenderOptions) -> Result<Self> {
+        let (mut seen, volume) = seen(folder, numbers)?;
+        let size = seen.size().norm().max(1e-12);
+        let floor = if folder.domain.is_some() { 0.0f64.min(seen.lower.z) } else { seen.lower.z };
+        if seen.lower.z - floor < 0.35 * size {
+            seen.lower.z = floor;
+        }
+        let unit = seen.size().norm().max(1e-12);
+        let center = seen.center();
+        let origin = V3::new(center.x, center.y, floor);
+        let to_picture = |p: V3| (p - origin) / unit;
+        let domain =
+            folder.domain.map(|d| Bounds { lower: to_picture(V3::zeros()), upper: to_picture(V3::from(d)) });
+        let liquid = if volume > 0.0 { volume.cbrt() } else { 0.5 * size };
+        let grid = round_length(0.5 * liquid);
+        let lines = |a: usize| -((origin[a] / grid).fract() * grid) / unit;
+        let camera = options.camera.unwrap_or_default();
+        let in_picture = Bounds { lower: to_picture(seen.lower), upper: to_picture(seen.upper) };
+        let view = View::new(&camera, &in_picture, unit, options.size);
+        Ok(Self {
+            unit,
+            origin,
+            domain,
+            dx: folder.dx.map(|dx| dx / unit),
+            liquid: liquid / unit,
+            grid: grid / unit,
+            grid_origin: [lines(0), lines(1)],
+            studio: Studio::new(&view.forward),
+            view,
+        })
+    }
+
+    /// Points in the picture's coordinates, none below the ground.
+    pub(crate) fn points(&self, positions: &[[f64; 3]]) -> Vec<V3> {
+        let place = |p: &[f64; 3]| {
+            let q = (V3::from(*p) - self.origin) / self.unit;
+            V3::new(q.x, q.y, q.z.max(0.0))
+        };
+        positions.iter().map(place).collect()
+    }
+
+    /// Which vertices of the liquid lie on something opaque: a solid or the ground, not a side wall.
+    pub(crate) fn wetted(&self, frame: &Frame, points: &[V3]) -> Vec<bool> {
+        let kind = frame.liquid.scalars.get("kind");
+        let near = self.dx.map_or(2e-3, |dx| 1.5 * dx);
+        let wet = |(i, p): (usize, &V3)| {
+            let marked = kind.and_then(|k| k.get(i)).is_some_and(|&k| k >= 1.0);
+            let low = p.z < 1e-3 || (marked && p.z < near);
+            let at_side = self.domain.is_some_and(|d| {
+                (0..2).any(|a| p[a] < d.lower[a] + near || p[a] > d.upper[a] - near) || p.z > d.upper.z - near
+            });
+            low || (marked && !at_side)
+        };
+        points.iter().enumerate().map(wet).collect()
+    }
+}

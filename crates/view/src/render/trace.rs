@@ -1,0 +1,228 @@
+//! Follows rays from the camera and tells what light comes back along them.
+
+use rayon::prelude::*;
+
+use super::Style;
+use super::bvh::Ray;
+use super::camera::corners;
+use super::geometry::Hit;
+use super::image::Canvas;
+use super::light::LightMap;
+use super::optics::Interface;
+use super::sampling::{cone, cosine, in_pixel, pixel_shift, r2, smoothstep};
+use super::scene::{NEAR, Scene, Thing};
+use super::studio::{KEY, KEY_SPREAD};
+use crate::folder::V3;
+
+/// Branches of a path with less weight than this end in the surroundings.
+const LEAST_WEIGHT: f64 = 0.03;
+/// Surfaces a path may meet.
+const DEEPEST: u32 = 9;
+/// The brightest a sample can be.
+const BRIGHTEST: f64 = 1.8;
+/// Rays to the lamp, and to the surroundings, per sample of a matte surface.
+const SHADE_RAYS: u32 = 4;
+/// The colours of solids.
+const SOLIDS: [[f64; 3]; 5] =
+    [[0.50, 0.37, 0.28], [0.34, 0.40, 0.46], [0.38, 0.45, 0.31], [0.52, 0.41, 0.22], [0.43, 0.33, 0.43]];
+/// The colour of the liquid where it is drawn matte.
+const MATTE: V3 = V3::new(0.10, 0.34, 0.62);
+/// The colour of the contact line.
+const LINE: V3 = V3::new(0.85, 0.06, 0.04);
+
+/// A sample of the picture on its way.
+#[derive(Clone, Copy)]
+struct Path {
+    weight: f64,
+    depth: u32,
+    /// The way from the camera so far.
+    way: f64,
+    /// Which of the pixel's samples it is, and the pixel's own shift of patterns.
+    sample: u32,
+    shift: [f64; 2],
+}
+
+struct Tracer<'a> {
+    scene: &'a Scene<'a>,
+    light: LightMap,
+}
+
+/// The picture of a scene.
+pub(crate) fn picture(scene: &Scene, size: (u32, u32), samples: u32) -> Canvas {
+    let tracer = Tracer { scene, light: LightMap::new(scene) };
+    let mut canvas = Canvas::new(size, V3::zeros());
+    let mut depth = vec![f64::INFINITY; canvas.pixels.len()];
+    let width = canvas.width;
+    let samples = samples.max(1);
+    let rows = canvas.pixels.par_chunks_mut(width).zip(depth.par_chunks_mut(width));
+    rows.enumerate().for_each(|(y, (colors, depths))| {
+        for (x, (color, depth)) in colors.iter_mut().zip(depths).enumerate() {
+            for sample in 0..samples {
+                let at = in_pixel(sample, samples);
+                let ray = scene.stage.view.ray(x as f64 + at[0], y as f64 + at[1]);
+                let shift = pixel_shift(x as u32, y as u32);
+                let path = Path { weight: 1.0, depth: 0, way: 0.0, sample, shift };
+                let (light, t) = tracer.follow(&ray, path);
+                *color += light.map(|c| c.min(BRIGHTEST)) / f64::from(samples);
+                *depth = depth.min(t * ray.dir.dot(&scene.stage.view.forward));
+            }
+        }
+    });
+    outline(scene, &mut canvas, &depth);
+    canvas
+}
+
+/// Draws the edges of the domain, where nothing is before them.
+fn outline(scene: &Scene, canvas: &mut Canvas, depth: &[f64]) {
+    let Some(domain) = scene.stage.domain else { return };
+    let view = &scene.stage.view;
+    let corners = corners(&domain);
+    let (width, thick) = (canvas.width, (canvas.height as f64 / 400.0).max(0.8));
+    for i in 0..8 {
+        for j in (0..3).map(|a| i | 1 << a).filter(|&j| j != i) {
+            // Short pieces, so that an end behind the camera does not take the whole edge away.
+            for k in 0..24 {
+                let at = |k: i32| corners[i] + (corners[j] - corners[i]) * (f64::from(k) / 24.0);
+                let (Some(a), Some(b)) = (view.project(&at(k)), view.project(&at(k + 1))) else { continue };
+                let seen = |x: usize, y: usize, t: f64| {
+                    let z = 1.0 / ((1.0 - t) / a.2 + t / b.2);
+                    if z < depth[y * width + x] * 1.004 { 0.30 } else { 0.0 }
+                };
+                piece(canvas, [a.0, a.1], [b.0, b.1], thick, seen);
+            }
+        }
+    }
+}
+
+/// Draws a piece of a line that does not reach over its end, so that pieces join without dots.
+fn piece(canvas: &mut Canvas, a: [f64; 2], b: [f64; 2], thick: f64, seen: impl Fn(usize, usize, f64) -> f64) {
+    let inner = |x, y, t: f64| if t > 0.0 && t < 1.0 { seen(x, y, t) } else { 0.0 };
+    canvas.line(a, b, thick, &V3::new(0.10, 0.13, 0.17), inner);
+}
+
+impl Tracer<'_> {
+    /// The light that comes back along a ray, and the way to what it met.
+    fn follow(&self, ray: &Ray, path: Path) -> (V3, f64) {
+        let studio = &self.scene.stage.studio;
+        let Some((thing, hit)) = self.scene.meet(ray) else {
+            let light = if path.depth == 0 { studio.backdrop(&ray.dir) } else { studio.radiance(&ray.dir) };
+            // A lamp seen through the drop rather than mirrored in it would outshine everything.
+            let light = light.map(|c| c.min(BRIGHTEST / path.weight.max(LEAST_WEIGHT)));
+            return (light, f64::INFINITY);
+        };
+        let path = Path { way: path.way + hit.t, ..path };
+        let point = ray.at(hit.t);
+        let light = match thing {
+            Thing::Ground => self.ground(ray, &point, &path),
+            Thing::Solid(i) => {
+                let normal = if ray.dir.dot(&hit.facet) > 0.0 { -hit.smooth } else { hit.smooth };
+                self.matte(&point, &normal, &V3::from(SOLIDS[i % SOLIDS.len()]), &path)
+            }
+            Thing::Line => self.lacquer(ray, &point, &hit, LINE, &path),
+            Thing::Liquid if self.scene.style == Style::Matte => {
+                self.lacquer(ray, &point, &hit, MATTE, &path)
+            }
+            Thing::Liquid => self.glass(ray, &point, &hit, path),
+        };
+        (light, hit.t)
+    }
+
+    fn glass(&self, ray: &Ray, point: &V3, hit: &Hit, path: Path) -> V3 {
+        let side = Interface::new(&ray.dir, hit);
+        let mut light = V3::zeros();
+        if side.reflectance > 0.0 {
+            light += self.branch(point, &side.reflected, path, side.reflectance, !side.entering);
+        }
+        if let Some(dir) = side.refracted {
+            light += self.branch(point, &dir, path, 1.0 - side.reflectance, side.entering);
+        }
+        light
+    }
+
+    /// The light of one way on, weighted; `wet` if it goes through the liquid.
+    fn branch(&self, point: &V3, dir: &V3, path: Path, part: f64, wet: bool) -> V3 {
+        let weight = path.weight * part;
+        if weight < LEAST_WEIGHT || path.depth >= DEEPEST {
+            return self.scene.stage.studio.soft(dir) * part;
+        }
+        let next = Path { weight, depth: path.depth + 1, ..path };
+        let (light, t) = self.follow(&Ray::new(*point, *dir), next);
+        let t = if wet && t.is_finite() { t } else { 0.0 };
+        light.component_mul(&(self.scene.absorption * -t).map(f64::exp)) * part
+    }
+
+    /// The ground: fine squares that fade into the backdrop.
+    fn ground(&self, ray: &Ray, point: &V3, path: &Path) -> V3 {
+        let stage = self.scene.stage;
+        let blurred = path.way * stage.view.pixel_angle() * if path.depth > 0 { 2.5 } else { 1.2 };
+        let width = blurred / ray.dir.z.abs().max(0.05).sqrt();
+        let (x, y) = (point.x - stage.grid_origin[0], point.y - stage.grid_origin[1]);
+        let pattern = squares(x / stage.grid, y / stage.grid, width / stage.grid);
+        let away = point.x.hypot(point.y);
+        let near = 1.0 - smoothstep(0.9, 3.2, away);
+        let albedo = 0.74 + near * (0.10 * (pattern - 0.5));
+        let (sky, key) = self.light.ground(point.x, point.y);
+        let lamp = KEY * stage.studio.key.z;
+        let light = stage.studio.ambient(&V3::z()) * sky + key * lamp;
+        let pool = 1.0 - 0.42 * smoothstep(0.35, 2.6, away);
+        let shown = V3::new(albedo * 0.985, albedo, albedo * 1.015).component_mul(&light) * pool;
+        let fade = smoothstep(1.2, 5.5, away);
+        shown * (1.0 - fade) + stage.studio.backdrop(&ray.dir) * fade
+    }
+
+    /// A rough surface in the light of the lamp and the surroundings.
+    fn matte(&self, point: &V3, normal: &V3, color: &V3, path: &Path) -> V3 {
+        let studio = &self.scene.stage.studio;
+        let rays = if path.depth == 0 { SHADE_RAYS } else { 2 };
+        let from = point + normal * (20.0 * NEAR);
+        let (mut sky, mut lamp) = (0.0, 0.0);
+        for k in 0..rays {
+            let u = r2(path.sample * SHADE_RAYS + k, path.shift);
+            let out = Ray::new(from, cosine(normal, u));
+            let reach = 0.35;
+            sky += if self.scene.solid_blocks(&out, reach) { 0.25 } else { 1.0 };
+            let to_lamp = Ray::new(from, cone(&studio.key, KEY_SPREAD, u));
+            let facing = to_lamp.dir.dot(normal);
+            if facing > 0.0 && !self.scene.solid_blocks(&to_lamp, f64::INFINITY) {
+                lamp += facing * self.lit_through_liquid(&to_lamp, normal);
+            }
+        }
+        let mut light =
+            studio.ambient(normal) * (sky / f64::from(rays)) + V3::repeat(KEY * lamp / f64::from(rays));
+        if normal.z > 0.5 {
+            light += self.light.on_solid(point.x, point.y) * (KEY * studio.key.z);
+        }
+        color.component_mul(&light)
+    }
+
+    /// The part of the lamp's light that the liquid leaves: on upward faces the light paths bring it back.
+    fn lit_through_liquid(&self, to_lamp: &Ray, normal: &V3) -> f64 {
+        if !self.scene.liquid_blocks(to_lamp, f64::INFINITY) {
+            return 1.0;
+        }
+        if normal.z > 0.5 || self.scene.style == Style::Matte { 0.0 } else { 0.7 }
+    }
+
+    /// A coloured surface with a clear coat.
+    fn lacquer(&self, ray: &Ray, point: &V3, hit: &Hit, color: V3, path: &Path) -> V3 {
+        let dry = Hit { wetted: false, ..*hit };
+        let normal = if ray.dir.dot(&hit.facet) > 0.0 { -hit.smooth } else { hit.smooth };
+        let body = self.matte(point, &normal, &color, path);
+        let side = Interface::new(&ray.dir, &dry);
+        if !side.entering {
+            return body;
+        }
+        let shine = self.scene.stage.studio.soft(&side.reflected);
+        body * (1.0 - side.reflectance) + shine * side.reflectance
+    }
+}
+
+/// A board of squares averaged over a window of the given width: 0 or 1 far from edges.
+fn squares(x: f64, y: f64, width: f64) -> f64 {
+    let w = width.max(1e-4);
+    let wave = |p: f64| {
+        let tooth = |p: f64| (p * 0.5 - (p * 0.5).floor() - 0.5).abs();
+        2.0 * (tooth(p - 0.5 * w) - tooth(p + 0.5 * w)) / w
+    };
+    0.5 - 0.5 * wave(x) * wave(y)
+}
