@@ -1,5 +1,6 @@
 //! Linear operators, preconditioners and solvers.
 
+mod connect;
 mod jacobi;
 mod krylov;
 mod layout;

@@ -1,5 +1,6 @@
 //! The pressure solver: conjugate gradients with multigrid on the matrix-free `2D + 1`-point system.
 
+use super::connect::connected;
 use super::krylov::conjugate_gradient_in;
 use super::layout::{CELLS, LANES, Layout};
 use super::level::{Chunk, DIAGONAL, General, Kind, Site, build};
@@ -9,6 +10,7 @@ use super::sweep::{Operands, over_chunks_pair, sweep_span};
 use super::vectors;
 use crate::grid::{CellField, FaceField, Grid, Run, Runs};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// The pressure system `(A x)_i = Σ c_f (x_i − x_j) + d_i x_i`; the sum runs over the faces `f` to unknown neighbours `j`.
@@ -31,7 +33,7 @@ pub struct PoissonInput<'a, const D: usize> {
 /// Inside, vectors hold the unknowns in an order of their own, with some entries between that are always zero;
 /// [`gather`](Self::gather), [`scatter`](Self::scatter) and [`entry`](Self::entry) translate. Cells whose row is all
 /// zeros (no face, no Dirichlet value) get the solution 0, whatever the right-hand side says. In components
-/// without any Dirichlet value the mean is taken off the right-hand side and off the solution.
+/// (by positive coefficients) without any Dirichlet value the mean is taken off the right-hand side and off the solution.
 #[derive(Debug)]
 pub struct PressureSolver<const D: usize> {
     grid: Grid<D>,
@@ -55,11 +57,15 @@ impl<const D: usize> PressureSolver<D> {
         let (work, pool) = used.map_or_else(Default::default, |used| (used.hierarchy.into_work(), used.pool));
         let layout = Layout::<D>::new(input.grid.cells, input.unknowns);
         let coarse = coarsened(&layout);
-        let chunks = build(&layout, coarse.as_ref(), |site, general| assemble(input, site, general));
+        let severed = AtomicBool::new(false);
+        let chunks =
+            build(&layout, coarse.as_ref(), |site, general| assemble(input, site, general, &severed));
         let isolated = isolated(&layout, &chunks);
         let hierarchy = Hierarchy::new(Level { layout, chunks }, coarse, work);
         let mut solver = Self { grid: input.grid, hierarchy, isolated, pool, floating: Vec::new() };
-        solver.floating = solver.floating_components(input);
+        // Faces without flux may cut components apart that the caller, going by cells, sees as one.
+        let relabelled = severed.into_inner().then(|| connected(input));
+        solver.floating = solver.floating_components(input, relabelled.as_ref().unwrap_or(input.unknowns));
         solver
     }
 
@@ -268,9 +274,9 @@ impl<const D: usize> PressureSolver<D> {
     }
 
     /// The components without Dirichlet values.
-    fn floating_components(&self, input: &PoissonInput<D>) -> Vec<(Vec<Run>, usize)> {
-        let mut held = vec![false; input.unknowns.components as usize];
-        for run in &input.unknowns.runs {
+    fn floating_components(&self, input: &PoissonInput<D>, unknowns: &Runs) -> Vec<(Vec<Run>, usize)> {
+        let mut held = vec![false; unknowns.components as usize];
+        for run in &unknowns.runs {
             let row = run.row as usize * self.grid.cells[0];
             let cells = row + run.start as usize..row + run.end as usize;
             if !held[run.component as usize] && input.dirichlet.data[cells].iter().any(|d| *d > 0.0) {
@@ -279,7 +285,7 @@ impl<const D: usize> PressureSolver<D> {
         }
         let mut slot = vec![usize::MAX; held.len()];
         let mut floating = Vec::new();
-        for run in input.unknowns.runs.iter().filter(|run| !held[run.component as usize]) {
+        for run in unknowns.runs.iter().filter(|run| !held[run.component as usize]) {
             let slot = &mut slot[run.component as usize];
             if *slot == usize::MAX {
                 *slot = floating.len();
@@ -330,8 +336,14 @@ impl<const D: usize> LinearOperator for PressureSolver<D> {
     }
 }
 
-/// Reads the coefficients of a block of the finest level; gives the value if they are all the same.
-fn assemble<const D: usize>(input: &PoissonInput<D>, site: &Site<D>, general: &mut General) -> Option<f64> {
+/// Reads the coefficients of a block of the finest level; gives the value if they are all the same. Notes in `severed`
+/// whether one between two unknowns is zero.
+fn assemble<const D: usize>(
+    input: &PoissonInput<D>,
+    site: &Site<D>,
+    general: &mut General,
+    severed: &AtomicBool,
+) -> Option<f64> {
     let cell = input.grid.lattice().index(site.at);
     let faces: [(usize, usize); D] = std::array::from_fn(|a| {
         let lattice = input.grid.faces(a);
@@ -358,6 +370,9 @@ fn assemble<const D: usize>(input: &PoissonInput<D>, site: &Site<D>, general: &m
         for (a, (face, stride)) in faces.into_iter().enumerate() {
             for side in (0..2).filter(|side| site.neighbour_masks[a][*side] >> i & 1 == 1) {
                 let value = input.coefficients.axes[a][face + i + side * stride];
+                if value == 0.0 {
+                    severed.store(true, Ordering::Relaxed);
+                }
                 general.packs[colour][2 * a + side][lane] = value;
             }
         }
