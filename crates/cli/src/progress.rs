@@ -55,8 +55,12 @@ impl Reporter {
 
     fn line(&self, p: &Progress) -> String {
         let mut line = format!(
-            "t {:.4} s  dt {:.1e} s  CFL {:.2}  {} it  volume {:+.1e}",
-            p.time, p.dt, p.cfl, p.iterations, p.volume_error
+            "t {}  dt {:.1e} s  CFL {:.2}  {} it  volume {:+.0e}",
+            time(p.time, p.end),
+            p.dt,
+            p.cfl,
+            p.iterations,
+            p.volume_error
         );
         if let Some((per_frame, left)) = self.pace(p) {
             line += &format!("  {per_frame:.2} s/frame  ETA {}", clock(left));
@@ -74,7 +78,7 @@ impl Reporter {
                     folder.display()
                 );
                 if let Some(time) = resumed_at {
-                    line += &format!(", on from {time:.4} s");
+                    line += &format!(", on from {}", self::time(*time, *time));
                 }
                 self.say(&line);
             }
@@ -132,6 +136,17 @@ fn bar() -> ProgressBar {
         bar.set_style(style.progress_chars("=> "));
     }
     bar
+}
+
+/// A simulated time in the unit that suits the size of another.
+pub fn time(seconds: f64, size: f64) -> String {
+    if size < 1e-3 {
+        format!("{:.2} us", seconds * 1e6)
+    } else if size < 1.0 {
+        format!("{:.2} ms", seconds * 1e3)
+    } else {
+        format!("{seconds:.3} s")
+    }
 }
 
 /// Seconds as people read them: `42 s`, `3 min 20 s`, `2 h 05 min`.

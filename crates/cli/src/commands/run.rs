@@ -3,8 +3,8 @@
 use super::{print, set_threads, view};
 use crate::args::{LogFormat, RunArgs};
 use crate::failure::{Failure, MISSED, Result, STOPPED};
-use crate::progress::{Reporter, clock};
-use crate::scenes;
+use crate::progress::{Reporter, clock, time};
+use crate::scenes::{self, Loaded};
 use crate::stop::Watch;
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::expect;
@@ -22,8 +22,7 @@ const MOST_PICTURES: u64 = 50;
 
 /// Simulates a scene into its output folder, then makes pictures and the page.
 pub fn run(args: &RunArgs) -> Result {
-    let more: Vec<String> = args.until.iter().map(|time| duration(time)).collect();
-    let loaded = scenes::load(&args.scene, &more)?;
+    let loaded = load(args)?;
     let scene = loaded.scene;
     scenes::refuse_what_cannot_run(&scene)?;
     set_threads(args.threads.map(usize::from).or(scene.numerics.threads))?;
@@ -54,6 +53,24 @@ pub fn run(args: &RunArgs) -> Result {
     }
 }
 
+/// Loads the scene. `[expect]` is for the whole of it: a run that is cut short is not held to it.
+fn load(args: &RunArgs) -> Result<Loaded> {
+    let mut loaded = scenes::load(&args.scene, &[])?;
+    let whole = loaded.scene.output.duration;
+    if let Some(time) = &args.until {
+        loaded = scenes::load(&args.scene, &[duration(time)])?;
+    }
+    let output = &loaded.scene.output;
+    let last = args.frames.map_or(f64::INFINITY, |(_, b)| b as f64 * output.frame_interval);
+    if output.duration.min(last) < whole * (1.0 - 1e-9) && !loaded.scene.expect.is_empty() {
+        loaded.scene.expect.clear();
+        if !args.quiet && args.log == LogFormat::Text {
+            eprintln!("the run is cut short: [expect] is not checked");
+        }
+    }
+    Ok(loaded)
+}
+
 /// `--until` is a setting of the scene like any other, so that `scene.toml` gives this run again.
 fn duration(time: &str) -> String {
     format!("output.duration=\"{}\"", time.replace(['"', '\\'], ""))
@@ -61,8 +78,8 @@ fn duration(time: &str) -> String {
 
 fn stopped(args: &RunArgs, summary: &Summary, out: &Path) -> Result {
     if args.log == LogFormat::Text {
-        let (reason, time) = (&summary.exit_reason, summary.simulated_seconds);
-        eprintln!("{reason} at {time:.4} s. Go on with:\n  {}", resume_command(args, out));
+        let at = time(summary.simulated_seconds, summary.simulated_seconds);
+        eprintln!("{} at {at}. Go on with:\n  {}", summary.exit_reason, resume_command(args, out));
     }
     Ok(STOPPED)
 }
@@ -103,9 +120,9 @@ fn finish(args: &RunArgs, scene: &Scene, mut summary: Summary, folder: &Folder) 
     let mut report = String::new();
     let _ = writeln!(
         report,
-        "{}: {} s in {} steps, {} ({:.2} s/step), volume {:+.1e}",
+        "{}: {} in {} steps, {} ({:.2} s/step), volume {:+.0e}",
         summary.scene,
-        summary.simulated_seconds,
+        time(summary.simulated_seconds, summary.simulated_seconds),
         summary.steps,
         clock(summary.wall_seconds),
         summary.wall_seconds / summary.steps.max(1) as f64,

@@ -34,8 +34,11 @@ pub type Region<const D: usize> = Arc<dyn Fn(&Vector<D>) -> f64 + Send + Sync>;
 impl<const D: usize> Setup<D> {
     /// The simulation at its start.
     pub fn simulation(&self) -> Simulation<D> {
-        let bodies: Vec<Body<'_, D>> =
-            self.bodies.iter().map(|(region, velocity)| Body { distance: &**region, velocity: *velocity }).collect();
+        let bodies: Vec<Body<'_, D>> = self
+            .bodies
+            .iter()
+            .map(|(region, velocity)| Body { distance: &**region, velocity: *velocity })
+            .collect();
         Simulation::new(self.model.clone(), &bodies)
     }
 }

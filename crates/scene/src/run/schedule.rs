@@ -32,7 +32,8 @@ impl Schedule {
     /// remains is never left as a sliver: less than two natural steps are halved.
     pub fn longest_step(&self, time: f64, frame: u64, natural: f64) -> f64 {
         let remaining = self.time(frame) - time;
-        if remaining > natural && remaining < 2.0 * natural { 0.5 * remaining } else { remaining }
+        let steps = remaining / natural;
+        if steps > 1.0 + 1e-9 && steps < 2.0 - 1e-9 { 0.5 * remaining } else { remaining }
     }
 
     /// Whether `time` is that of `frame` but for rounding.
