@@ -25,8 +25,8 @@ pub struct Failure {
     pub status: u8,
     message: String,
     help: Option<String>,
-    source: Option<NamedSource<String>>,
-    label: Option<LabeledSpan>,
+    /// The text that it is about, and where in it.
+    place: Option<Box<(NamedSource<String>, LabeledSpan)>>,
 }
 
 /// What a command returns: its exit status.
@@ -35,7 +35,7 @@ pub type Result<T = u8> = std::result::Result<T, Failure>;
 impl Failure {
     /// A failure with its exit status.
     pub fn new(status: u8, message: impl Into<String>) -> Self {
-        Self { status, message: message.into(), help: None, source: None, label: None }
+        Self { status, message: message.into(), help: None, place: None }
     }
 
     /// The same with advice.
@@ -73,11 +73,11 @@ impl Diagnostic for Failure {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.source.as_ref().map(|source| source as &dyn SourceCode)
+        self.place.as_ref().map(|place| &place.0 as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        self.label.clone().map(|label| Box::new(std::iter::once(label)) as Box<_>)
+        self.place.as_ref().map(|place| Box::new(std::iter::once(place.1.clone())) as Box<_>)
     }
 }
 
@@ -105,8 +105,8 @@ impl From<SceneError> for Failure {
         match &error.span {
             Some(span) => {
                 let text = error.source_text.to_string();
-                failure.source = Some(NamedSource::new(&error.source_name, text));
-                failure.label = Some(LabeledSpan::new_with_span(Some("here".into()), span.clone()));
+                let source = NamedSource::new(&error.source_name, text);
+                failure.place = Some(Box::new((source, LabeledSpan::new_with_span(None, span.clone()))));
             }
             None if !error.source_name.is_empty() && !failure.message.contains(&error.source_name) => {
                 failure.message = format!("{}: {}", error.source_name, failure.message);

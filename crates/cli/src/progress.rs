@@ -153,7 +153,8 @@ pub fn time(seconds: f64, size: f64) -> String {
 pub fn clock(seconds: f64) -> String {
     let s = seconds.max(0.0).round() as u64;
     match s {
-        0..60 => format!("{s} s"),
+        0..10 => format!("{:.1} s", seconds.max(0.0)),
+        10..60 => format!("{s} s"),
         60..3600 => format!("{} min {:02} s", s / 60, s % 60),
         _ => format!("{} h {:02} min", s / 3600, s % 3600 / 60),
     }

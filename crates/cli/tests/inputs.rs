@@ -1,4 +1,5 @@
 //! Every bad input has a clear message and the right exit status.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod common;
 

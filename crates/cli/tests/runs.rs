@@ -1,5 +1,6 @@
 //! Runs end, stop, fail, go on, and are the same bits however they were cut.
 #![cfg(unix)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod common;
 

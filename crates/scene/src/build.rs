@@ -23,9 +23,9 @@ pub enum AnySetup {
 /// A simulation in two or three dimensions.
 pub enum AnySimulation {
     /// Two dimensions.
-    D2(Simulation<2>),
+    D2(Box<Simulation<2>>),
     /// Three dimensions.
-    D3(Simulation<3>),
+    D3(Box<Simulation<3>>),
 }
 
 impl AnySetup {
@@ -43,8 +43,8 @@ impl AnySetup {
     /// The simulation at its start.
     pub fn simulation(&self) -> AnySimulation {
         match self {
-            Self::D2(setup) => AnySimulation::D2(setup.simulation()),
-            Self::D3(setup) => AnySimulation::D3(setup.simulation()),
+            Self::D2(setup) => AnySimulation::D2(Box::new(setup.simulation())),
+            Self::D3(setup) => AnySimulation::D3(Box::new(setup.simulation())),
         }
     }
 
@@ -147,20 +147,16 @@ fn rotation<const D: usize>(rotation: &Rotation) -> Matrix<D> {
 pub fn region<const D: usize>(spec: &ShapeSpec) -> Result<Region<D>, SceneError> {
     let shape = match spec {
         ShapeSpec::Ball { center, radius } => Shape::Ball { center: vector(center), radius: *radius },
-        ShapeSpec::Box { center, half_size, rotation: turned } => Shape::Box {
-            center: vector(center),
-            half_size: vector(half_size),
-            rotation: rotation(turned),
-        },
+        ShapeSpec::Box { center, half_size, rotation: turned } => {
+            Shape::Box { center: vector(center), half_size: vector(half_size), rotation: rotation(turned) }
+        }
         ShapeSpec::HalfSpace { point, normal } => {
             Shape::HalfSpace { point: vector(point), normal: vector(normal) }
         }
         ShapeSpec::Cylinder { center, axis, radius, height } => {
             Shape::Cylinder { center: vector(center), axis: vector(axis), radius: *radius, height: *height }
         }
-        ShapeSpec::Capsule { a, b, radius } => {
-            Shape::Capsule { a: vector(a), b: vector(b), radius: *radius }
-        }
+        ShapeSpec::Capsule { a, b, radius } => Shape::Capsule { a: vector(a), b: vector(b), radius: *radius },
         ShapeSpec::Ellipsoid { center, radii, rotation: turned } => {
             Shape::Ellipsoid { center: vector(center), radii: vector(radii), rotation: rotation(turned) }
         }
@@ -200,8 +196,9 @@ fn composed<const D: usize>(spec: &ShapeSpec) -> Result<Region<D>, SceneError> {
                 .map_err(|e| SceneError::new(e.to_string()))?;
             Ok(Arc::new(move |x| mesh.signed_distance(x)))
         }
-        _ => Err(SceneError::new("this shape of liquid is not yet in this version")
-            .with_help("use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, wave, union or mesh")),
+        _ => Err(SceneError::new("this shape of liquid is not yet in this version").with_help(
+            "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, wave, union or mesh",
+        )),
     }
 }
 

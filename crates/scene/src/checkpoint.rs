@@ -105,8 +105,19 @@ pub fn write<const D: usize>(
     tally: &Tally,
 ) -> Result<PathBuf, FileError> {
     // Every field is named: one that is new must go into the file, or a resumed run is another run.
-    let State { time, step, last_dt, drift, phi, velocity, lambda, drops, lost_volume, kinetic_energy, surface_area } =
-        state;
+    let State {
+        time,
+        step,
+        last_dt,
+        drift,
+        phi,
+        velocity,
+        lambda,
+        drops,
+        lost_volume,
+        kinetic_energy,
+        surface_area,
+    } = state;
     let fields = [&phi.data, &lambda.data].into_iter().chain(&velocity.axes);
     let arrays: Vec<Vec<Vec<u8>>> = fields.map(|array| compress(array)).collect();
     let header = Header {

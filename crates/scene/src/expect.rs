@@ -11,8 +11,12 @@ pub fn evaluate(scene: &Scene, summary: &Summary, series: &Table) -> Vec<Verdict
 
 fn verdict(expectation: &Expectation, scene: &Scene, summary: &Summary, series: &Table) -> Verdict {
     match expectation {
-        Expectation::VolumeDrift { max } => at_most("volume drift", Some(summary.volume_error.abs()), *max, ""),
-        Expectation::MomentumError { max } => at_most("momentum error", Some(summary.momentum_error), *max, ""),
+        Expectation::VolumeDrift { max } => {
+            at_most("volume drift", Some(summary.volume_error.abs()), *max, "")
+        }
+        Expectation::MomentumError { max } => {
+            at_most("momentum error", Some(summary.momentum_error), *max, "")
+        }
         Expectation::EnergyGrowth { max } => at_most("energy growth", energy_growth(series), *max, ""),
         Expectation::MaxSpeed { max } => {
             at_most("largest speed at the end", series.column("max_speed").last().copied(), *max, "m/s")
@@ -29,9 +33,13 @@ fn verdict(expectation: &Expectation, scene: &Scene, summary: &Summary, series: 
             let pass = count >= f64::from(*min) && count <= f64::from(*max);
             Verdict { quantity: "drops".into(), bar, value: Some(count), unit: String::new(), pass }
         }
-        Expectation::Reach { side, value, tolerance } => {
-            near(&format!("reach towards {side:?}").to_lowercase(), reach(summary, *side), *value, *tolerance, "m")
-        }
+        Expectation::Reach { side, value, tolerance } => near(
+            &format!("reach towards {side:?}").to_lowercase(),
+            reach(summary, *side),
+            *value,
+            *tolerance,
+            "m",
+        ),
         Expectation::ContactAngle { solid, value, tolerance } => {
             let degrees = |angle: f64| angle.to_degrees();
             near(&format!("contact angle on {solid}"), None, degrees(*value), degrees(*tolerance), "deg")

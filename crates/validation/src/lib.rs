@@ -69,7 +69,11 @@ impl Check {
         unit: &str,
     ) -> Self {
         let error = value / reference - 1.0;
-        Self { error, pass: error.abs() <= must, ..Self::absolute(case, quantity, value, reference, must, aim, unit) }
+        Self {
+            error,
+            pass: error.abs() <= must,
+            ..Self::absolute(case, quantity, value, reference, must, aim, unit)
+        }
     }
 
     /// A check of the error in the unit of the value.

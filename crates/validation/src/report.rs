@@ -25,7 +25,7 @@ pub fn text(outcomes: &[Outcome]) -> String {
         }
     }
     let (passed, all) = count(outcomes);
-    let seconds: f64 = outcomes.iter().map(|o| o.seconds).sum();
+    let seconds = outcomes.iter().map(|o| o.seconds).fold(0.0, |sum, s| sum + s);
     let _ = writeln!(out, "\n{passed} of {all} checks passed in {seconds:.0} s");
     out
 }

@@ -25,16 +25,8 @@ pub enum FolderError {
 }
 
 /// All that a run writes, by name; nothing else in the folder is ever touched.
-const ENTRIES: &[&str] = &[
-    "scene.toml",
-    "summary.json",
-    "timeseries.csv",
-    "log.jsonl",
-    "frames",
-    "checkpoints",
-    "render",
-    "page",
-];
+const ENTRIES: &[&str] =
+    &["scene.toml", "summary.json", "timeseries.csv", "log.jsonl", "frames", "checkpoints", "render", "page"];
 
 impl Folder {
     /// The folder at a path; nothing is read or written.

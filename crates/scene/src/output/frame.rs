@@ -20,7 +20,7 @@ pub fn liquid<const D: usize>(simulation: &Simulation<D>) -> Result<PlyMesh, &'s
     if !state.velocity.axes.iter().all(|axis| axis.par_iter().all(|v| v.is_finite())) {
         return Err("velocity");
     }
-    let surface = isosurface::extract(&state.phi, &simulation.liquid_cells());
+    let surface = isosurface::extract(&state.phi, simulation.liquid_cells());
     let positions: Vec<[f64; 3]> = surface.mesh.positions.iter().map(three).collect();
     if !positions.iter().flatten().all(|x| x.is_finite()) {
         return Err("liquid's surface");
