@@ -16,13 +16,13 @@ pub(super) fn connected<const D: usize>(input: &PoissonInput<D>) -> Runs {
     }
     let mut labels = vec![u32::MAX; pieces.len()];
     let mut components = 0;
-    for number in 0..pieces.len() {
-        let root = root(&mut parents, number as u32) as usize;
+    for (number, piece) in (0..).zip(&mut pieces) {
+        let root = root(&mut parents, number) as usize;
         if labels[root] == u32::MAX {
             labels[root] = components;
             components += 1;
         }
-        pieces[number].component = labels[root];
+        piece.component = labels[root];
     }
     Runs { runs: pieces, components }
 }

@@ -16,7 +16,7 @@ use std::sync::{Mutex, PoisonError};
 /// Red-black sweeps before and after the coarse-grid correction.
 const SWEEPS: usize = 2;
 /// Over-correction: factor on the coarse-grid correction.
-const OVERCORRECTION: f32 = 1.9;
+const OVERCORRECTION: f32 = 2.0;
 /// Sweeps before and after on the coarsest level.
 const COARSEST_SWEEPS: usize = 20;
 /// The coarsest level has at most this many cells along each axis.
