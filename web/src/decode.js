@@ -1,0 +1,84 @@
+// Undoes the packing of crates/view/src/page/blob.rs.
+
+async function unzip(text) {
+  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+function positions(bytes, n, box) {
+  const out = new Float32Array(3 * n);
+  for (let a = 0; a < 3; a++) {
+    const low = box[a], step = (box[3 + a] - box[a]) / 65535, at = 40 + 2 * a * n;
+    let value = 0;
+    for (let v = 0; v < n; v++) {
+      value = (value + bytes[at + v] + 256 * bytes[at + n + v]) & 65535;
+      out[3 * v + a] = low + step * value;
+    }
+  }
+  return out;
+}
+
+/** A mesh from its text: positions, indices, corners per element, kinds (or null). */
+export async function decode(text) {
+  const bytes = await unzip(text);
+  const view = new DataView(bytes.buffer);
+  if (view.getUint32(0, false) !== 0x4d455348) throw new Error("a mesh of this page cannot be read");
+  const n = view.getUint32(4, true), elements = view.getUint32(8, true), flags = view.getUint32(12, true);
+  const corners = flags & 255;
+  const box = Array.from({ length: 6 }, (_, i) => view.getFloat32(16 + 4 * i, true));
+  const indices = new Uint32Array(elements * corners);
+  let at = 40 + 6 * n, last = 0;
+  for (let i = 0; i < indices.length; i++) {
+    let z = 0, scale = 1, byte;
+    do {
+      byte = bytes[at++];
+      z += (byte & 127) * scale;
+      scale *= 128;
+    } while (byte > 127);
+    last += z % 2 ? -(z + 1) / 2 : z / 2;
+    indices[i] = last;
+  }
+  const kinds = flags & 256 ? bytes.subarray(at, at + n) : null;
+  return { positions: positions(bytes, n, box), indices, corners, kinds, box };
+}
+
+/** Frames on demand, the most recent ones kept. */
+export class Frames {
+  constructor(data, keep = 48) {
+    this.data = data;
+    this.keep = keep;
+    this.meshes = new Map();
+  }
+
+  mesh(place) {
+    if (place === null || place === undefined) return Promise.resolve(null);
+    let mesh = this.meshes.get(place);
+    if (mesh) this.meshes.delete(place);
+    else mesh = decode(this.data.meshes[place]);
+    this.meshes.set(place, mesh);
+    if (this.meshes.size > this.keep) this.meshes.delete(this.meshes.keys().next().value);
+    return mesh;
+  }
+
+  async frame(i) {
+    const f = this.data.frames[i];
+    const names = Object.keys(f.solids);
+    const [liquid, line, ...solids] = await Promise.all(
+      [this.mesh(f.liquid), this.mesh(f.line), ...names.map((name) => this.mesh(f.solids[name]))]);
+    return { liquid, line, solids: names.map((name, k) => ({ name, mesh: solids[k] })) };
+  }
+}
+
+/** The box about the liquid over all frames (a few of them), and about everything in the first frame. */
+export async function extent(frames) {
+  const n = frames.data.frames.length, low = [1e30, 1e30, 1e30], high = [-1e30, -1e30, -1e30];
+  for (let k = 0; k < Math.min(n, 12); k++) {
+    const { liquid } = await frames.frame(Math.round(k * (n - 1) / Math.max(1, Math.min(n, 12) - 1)));
+    for (let a = 0; a < 3 && liquid.positions.length; a++) {
+      low[a] = Math.min(low[a], liquid.box[a]);
+      high[a] = Math.max(high[a], liquid.box[3 + a]);
+    }
+  }
+  return low[0] > high[0] ? { low: [0, 0, 0], high: frames.data.domain ?? [1, 1, 1] } : { low, high };
+}

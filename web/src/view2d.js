@@ -1,0 +1,142 @@
+import { css, quantity, round } from "./format.js";
+
+/** Chains edges into one path of closed or open lines. */
+function path(mesh) {
+  const { positions: p, indices: e } = mesh;
+  const next = new Map();
+  for (let i = 0; i < e.length; i += 2) next.set(e[i], e[i + 1]);
+  const shape = new Path2D(), done = new Set(), ends = new Set(next.values());
+  const starts = [...next.keys()].filter((v) => !ends.has(v)).concat([...next.keys()]);
+  for (const start of starts) {
+    if (done.has(start)) continue;
+    shape.moveTo(p[3 * start], p[3 * start + 1]);
+    let v = start;
+    while (next.has(v) && !done.has(v)) {
+      done.add(v);
+      v = next.get(v);
+      shape.lineTo(p[3 * v], p[3 * v + 1]);
+    }
+    if (v === start) shape.closePath();
+  }
+  return shape;
+}
+
+/** Flat pictures on a canvas: drag to move, wheel to zoom. */
+export class View2D {
+  constructor(box, data, extent) {
+    this.data = data;
+    this.extent = extent;
+    this.show = { line: true, solids: true };
+    this.canvas = document.createElement("canvas");
+    this.canvas.tabIndex = 0;
+    box.prepend(this.canvas);
+    this.home();
+    new ResizeObserver(() => this.draw()).observe(box);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
+    this.listen();
+  }
+
+  /** Shows the domain, or the liquid's way if that is a small part of it. */
+  home() {
+    const { low, high } = this.extent, domain = this.data.domain;
+    const margin = 0.25 * Math.hypot(high[0] - low[0], high[1] - low[1]);
+    let box = [low[0] - margin, low[1] - margin, high[0] + margin, high[1] + margin];
+    if (domain) {
+      const small = box[2] - box[0] < 0.45 * domain[0] && box[3] - box[1] < 0.45 * domain[1];
+      if (!small) box = [0, 0, domain[0], domain[1]];
+    }
+    this.window = box;
+    this.zoom = 1;
+    this.move = [0, 0];
+    this.draw();
+  }
+
+  listen() {
+    const c = this.canvas;
+    let last = null;
+    c.addEventListener("pointerdown", (e) => { last = [e.clientX, e.clientY]; c.setPointerCapture(e.pointerId); });
+    c.addEventListener("pointerup", () => { last = null; });
+    c.addEventListener("pointermove", (e) => {
+      if (!last) return;
+      this.move[0] += e.clientX - last[0];
+      this.move[1] += e.clientY - last[1];
+      last = [e.clientX, e.clientY];
+      this.draw();
+    });
+    c.addEventListener("wheel", (e) => {
+      e.preventDefault();
+      const factor = Math.exp(-0.0015 * e.deltaY), box = c.getBoundingClientRect();
+      const at = [e.clientX - box.left - box.width / 2, e.clientY - box.top - box.height / 2];
+      this.move = this.move.map((m, a) => at[a] + (m - at[a]) * factor);
+      this.zoom *= factor;
+      this.draw();
+    }, { passive: false });
+    c.addEventListener("dblclick", () => this.home());
+  }
+
+  set(frame) {
+    this.liquid = path(frame.liquid);
+    this.solids = frame.solids.map((s) => path(s.mesh));
+    this.points = frame.line?.positions ?? [];
+    this.draw();
+  }
+
+  draw() {
+    if (!this.liquid) return;
+    const ratio = devicePixelRatio, c = this.canvas, g = c.getContext("2d");
+    const width = c.clientWidth, height = c.clientHeight;
+    if (!width || !height) return;
+    c.width = Math.round(width * ratio);
+    c.height = Math.round(height * ratio);
+    const [x0, y0, x1, y1] = this.window;
+    const scale = this.zoom * Math.min((width - 48) / (x1 - x0), (height - 72) / (y1 - y0));
+    g.scale(ratio, ratio);
+    g.save();
+    g.translate(width / 2 + this.move[0], height / 2 + this.move[1]);
+    g.scale(scale, -scale);
+    g.translate(-(x0 + x1) / 2, -(y0 + y1) / 2);
+    this.shapes(g, scale);
+    g.restore();
+    this.bar(g, scale, width, height);
+  }
+
+  shapes(g, scale) {
+    g.lineJoin = "round";
+    const { domain } = this.data;
+    const stroke = (shape, color, width) => { g.strokeStyle = color; g.lineWidth = width / scale; g.stroke(shape); };
+    if (domain) {
+      const walls = new Path2D();
+      walls.rect(0, 0, domain[0], domain[1]);
+      g.fillStyle = css("--air");
+      g.fill(walls);
+      stroke(walls, css("--quiet"), 1.5);
+    }
+    for (const solid of this.show.solids ? this.solids : []) {
+      g.fillStyle = css("--solid");
+      g.fill(solid, "evenodd");
+      stroke(solid, css("--solid-edge"), 1.2);
+    }
+    g.fillStyle = css("--liquid");
+    g.fill(this.liquid, "evenodd");
+    stroke(this.liquid, css("--liquid-edge"), 1.6);
+    for (let i = 0; this.show.line && i < this.points.length; i += 3) {
+      const dot = new Path2D();
+      dot.arc(this.points[i], this.points[i + 1], 4.5 / scale, 0, 2 * Math.PI);
+      g.fillStyle = css("--line");
+      g.fill(dot);
+      stroke(dot, css("--air"), 1.2);
+    }
+  }
+
+  bar(g, scale, width, height) {
+    const length = round(0.22 * width / scale), x = width - 14 - length * scale, y = height - 12;
+    g.strokeStyle = g.fillStyle = css("--ink");
+    g.lineWidth = 1.5;
+    g.beginPath();
+    g.moveTo(x, y - 4); g.lineTo(x, y); g.lineTo(width - 14, y); g.lineTo(width - 14, y - 4);
+    g.stroke();
+    g.font = "12px system-ui, sans-serif";
+    g.textAlign = "center";
+    g.fillText(quantity(length, "m"), (x + width - 14) / 2, y - 6);
+  }
+}
