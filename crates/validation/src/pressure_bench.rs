@@ -1,8 +1,9 @@
 //! The pressure problem that every solver is timed on: a voxelised free-surface Poisson problem.
 //!
-//! `drop`: a ball of radius 0.3 N in the middle of a box of N³ cells. `tank`: the cells with `j < N/2`. Zero pressure in
-//! every other cell, no flux through the walls, all coefficients 1. The right-hand side is minus the divergence of
-//! a smooth velocity plus 10 % noise hashed from the face, the same as that of the drivers for other solvers.
+//! `drop`: a ball of radius 0.3 N in the middle of a box of N³ cells. `tank`: the cells with `j < N/2`. Zero
+//! pressure in every other cell, no flux through the walls, all coefficients 1. The right-hand side is minus
+//! the divergence of a smooth velocity plus 10 % noise hashed from the face, the same as that of the drivers
+//! for other solvers.
 
 use meniscus_numerics::grid::{CellField, FaceField, Grid, Run, Runs};
 use meniscus_numerics::linalg::{Jacobi, PoissonInput, PressureSolver, SolveError};

@@ -3,7 +3,8 @@
 use super::pressure::PoissonInput;
 use crate::grid::{Run, Runs};
 
-/// The unknowns in components that are connected by positive coefficients; runs are split at faces without flux.
+/// The unknowns in components that are connected by positive coefficients; runs are split at faces without
+/// flux.
 pub(super) fn connected<const D: usize>(input: &PoissonInput<D>) -> Runs {
     let mut pieces = split(input);
     let mut parents: Vec<u32> = (0..pieces.len() as u32).collect();

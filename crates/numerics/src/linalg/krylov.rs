@@ -5,12 +5,13 @@ use super::vectors;
 
 /// Solves `A x = b` by preconditioned conjugate gradients, starting from the `x` passed in.
 ///
-/// Stops when the true residual `b − A x`, computed anew at the end, is at most `tolerance` times `b` in the 2-norm.
-/// If the recursive residual reached that but the true one did not, the iteration starts anew from there.
+/// Stops when the true residual `b − A x`, computed anew at the end, is at most `tolerance` times `b` in the
+/// 2-norm. If the recursive residual reached that but the true one did not, the iteration starts anew from
+/// there.
 ///
 /// # Errors
-/// [`SolveError`] after `max_iterations`, when the operator or preconditioner turns out not to be positive, or when
-/// a number is not finite; `x` is then of no use.
+/// [`SolveError`] after `max_iterations`, when the operator or preconditioner turns out not to be positive,
+/// or when a number is not finite; `x` is then of no use.
 pub fn conjugate_gradient(
     operator: &impl LinearOperator,
     preconditioner: &impl Preconditioner,
@@ -23,8 +24,8 @@ pub fn conjugate_gradient(
     conjugate_gradient_in(operator, preconditioner, b, x, (tolerance, max_iterations), &mut work)
 }
 
-/// The same in memory that is passed in: three vectors whose contents do not matter, except that entries which the
-/// operator and the preconditioner do not write must be zero.
+/// The same in memory that is passed in: three vectors whose contents do not matter, except that entries
+/// which the operator and the preconditioner do not write must be zero.
 ///
 /// # Errors
 /// As [`conjugate_gradient`].

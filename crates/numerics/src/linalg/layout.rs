@@ -1,12 +1,13 @@
 //! Compact storage of the unknowns: blocks of a row, split by colour.
 //!
-//! A *block* is [`CELLS`] consecutive cells of a row (aligned in absolute cell numbers), stored where it holds at least
-//! one unknown. A vector over the unknowns consists of two halves, one per colour of the chessboard; cell `i` of a row
-//! of parity `s` (sum of the other coordinates mod 2) has colour `(i + s) mod 2` and lies at entry `i / 2` of its row
-//! in that half. So the neighbours of a cell are entries of the other half at the *same* entry of the neighbouring
-//! rows, and at the same and one adjacent entry of its own row: every sweep over one colour runs at unit stride.
-//! Consecutive blocks of a row are contiguous, followed by one entry that stays zero. Each half starts with
-//! a stretch of zeros which stands for every row that is not stored.
+//! A *block* is [`CELLS`] consecutive cells of a row (aligned in absolute cell numbers), stored where it
+//! holds at least one unknown. A vector over the unknowns consists of two halves, one per colour of the
+//! chessboard; cell `i` of a row of parity `s` (sum of the other coordinates mod 2) has colour `(i + s) mod
+//! 2` and lies at entry `i / 2` of its row in that half. So the neighbours of a cell are entries of the other
+//! half at the *same* entry of the neighbouring rows, and at the same and one adjacent entry of its own row:
+//! every sweep over one colour runs at unit stride. Consecutive blocks of a row are contiguous, followed by
+//! one entry that stays zero. Each half starts with a stretch of zeros which stands for every row that is not
+//! stored.
 
 use crate::grid::Runs;
 use std::ops::Range;
@@ -177,8 +178,8 @@ impl<const D: usize> Layout<D> {
         at[1..].iter().sum::<usize>() % 2
     }
 
-    /// Makes a used buffer ready to hold a vector of `halves` halves: right length, zeros wherever no block is.
-    /// The blocks keep whatever they held.
+    /// Makes a used buffer ready to hold a vector of `halves` halves: right length, zeros wherever no block
+    /// is. The blocks keep whatever they held.
     pub fn prepare<T: Copy + Default>(&self, buffer: &mut Vec<T>, halves: usize) {
         let length = halves * self.half;
         if buffer.capacity() < length {

@@ -29,8 +29,8 @@ impl Real for f32 {
     }
 }
 
-/// Coefficients of the cells of one colour of a block: toward the lower and upper neighbour along each axis, then
-/// at [`DIAGONAL`] their sum plus the Dirichlet coefficient (1 where the row is empty).
+/// Coefficients of the cells of one colour of a block: toward the lower and upper neighbour along each axis,
+/// then at [`DIAGONAL`] their sum plus the Dirichlet coefficient (1 where the row is empty).
 pub(super) type Pack<T> = [[T; LANES]; 7];
 /// Where the diagonal stands in a [`Pack`].
 pub(super) const DIAGONAL: usize = 6;
@@ -38,7 +38,8 @@ pub(super) const DIAGONAL: usize = 6;
 /// The coefficients of a span.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Kind {
-    /// All cells and their neighbours are unknowns and all coefficients have this value, Dirichlet ones are zero.
+    /// All cells and their neighbours are unknowns and all coefficients have this value, Dirichlet ones are
+    /// zero.
     Uniform(f64),
     /// From this one on in the list of packs of the chunk.
     General(u32),
@@ -116,7 +117,8 @@ impl General {
     }
 }
 
-/// Builds the chunks of a level. `coefficients` gives the value of a uniform block or sets the packs of another.
+/// Builds the chunks of a level. `coefficients` gives the value of a uniform block or sets the packs of
+/// another.
 pub(super) fn build<const D: usize>(
     layout: &Layout<D>,
     coarse: Option<&Layout<D>>,

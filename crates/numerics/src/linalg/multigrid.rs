@@ -1,10 +1,10 @@
 //! Aggregation multigrid: the preconditioner of the pressure solve.
 //!
-//! Aggregates of `2^D` cells, piecewise-constant prolongation, Galerkin coarse operators (their coefficients are sums of
-//! fine ones, so no cell has to be classified anew on a coarse level), over-correction of the coarse-grid correction
-//! (Braess, Computing 55 (1995) 379; Stüben, J. Comput. Appl. Math. 128 (2001) 281), red-black Gauss-Seidel in
-//! one order before and in the reverse order after the correction, which keeps the V-cycle symmetric. The cycle runs in
-//! single precision.
+//! Aggregates of `2^D` cells, piecewise-constant prolongation, Galerkin coarse operators (their coefficients
+//! are sums of fine ones, so no cell has to be classified anew on a coarse level), over-correction of the
+//! coarse-grid correction (Braess, Computing 55 (1995) 379; Stüben, J. Comput. Appl. Math. 128 (2001) 281),
+//! red-black Gauss-Seidel in one order before and in the reverse order after the correction, which keeps the
+//! V-cycle symmetric. The cycle runs in single precision.
 
 use super::layout::{Layout, ZEROS};
 use super::level::{Chunk, DIAGONAL, General, Kind, Pack, aggregate, build};

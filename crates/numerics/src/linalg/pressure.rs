@@ -13,7 +13,8 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// The pressure system `(A x)_i = Σ c_f (x_i − x_j) + d_i x_i`; the sum runs over the faces `f` to unknown neighbours `j`.
+/// The pressure system `(A x)_i = Σ c_f (x_i − x_j) + d_i x_i`; the sum runs over the faces `f` to unknown
+/// neighbours `j`.
 ///
 /// The unit of the coefficients is the caller's; only their ratio to the right-hand side matters.
 #[derive(Clone, Copy, Debug)]
@@ -30,10 +31,11 @@ pub struct PoissonInput<'a, const D: usize> {
 
 /// A pressure system made ready to be solved.
 ///
-/// Inside, vectors hold the unknowns in an order of their own, with some entries between that are always zero;
-/// [`gather`](Self::gather), [`scatter`](Self::scatter) and [`entry`](Self::entry) translate. Cells whose row is all
-/// zeros (no face, no Dirichlet value) get the solution 0, whatever the right-hand side says. In components
-/// (by positive coefficients) without any Dirichlet value the mean is taken off the right-hand side and off the solution.
+/// Inside, vectors hold the unknowns in an order of their own, with some entries between that are always
+/// zero; [`gather`](Self::gather), [`scatter`](Self::scatter) and [`entry`](Self::entry) translate. Cells
+/// whose row is all zeros (no face, no Dirichlet value) get the solution 0, whatever the right-hand side
+/// says. In components (by positive coefficients) without any Dirichlet value the mean is taken off the
+/// right-hand side and off the solution.
 #[derive(Debug)]
 pub struct PressureSolver<const D: usize> {
     grid: Grid<D>,
@@ -42,17 +44,20 @@ pub struct PressureSolver<const D: usize> {
     isolated: Vec<usize>,
     /// Vectors at rest.
     pool: Mutex<Vec<Vec<f64>>>,
-    /// The runs of each component that has no Dirichlet value, and the number of cells of it that are not isolated.
+    /// The runs of each component that has no Dirichlet value, and the number of cells of it that are not
+    /// isolated.
     pub(super) floating: Vec<(Vec<Run>, usize)>,
 }
 
 impl<const D: usize> PressureSolver<D> {
-    /// Builds the multigrid hierarchy. Time and memory follow the number of unknowns (plus one word per grid row).
+    /// Builds the multigrid hierarchy. Time and memory follow the number of unknowns (plus one word per grid
+    /// row).
     pub fn new(input: &PoissonInput<D>) -> Self {
         Self::in_memory_of(None, input)
     }
 
-    /// The same in the memory of a solver that is no longer needed, which saves the system from clearing new pages.
+    /// The same in the memory of a solver that is no longer needed, which saves the system from clearing new
+    /// pages.
     pub fn in_memory_of(used: Option<Self>, input: &PoissonInput<D>) -> Self {
         let (work, pool) = used.map_or_else(Default::default, |used| (used.hierarchy.into_work(), used.pool));
         let layout = Layout::<D>::new(input.grid.cells, input.unknowns);
@@ -69,12 +74,13 @@ impl<const D: usize> PressureSolver<D> {
         solver
     }
 
-    /// Solves `A x = rhs` to `‖rhs − A x‖₂ ≤ tolerance ‖rhs‖₂` from the initial guess in `x`. Both are dense and
-    /// cell-indexed; cells that are no unknowns are neither read nor written. Floating components and isolated cells:
-    /// see [`PressureSolver`]; the norm is that of the right-hand side as amended there.
+    /// Solves `A x = rhs` to `‖rhs − A x‖₂ ≤ tolerance ‖rhs‖₂` from the initial guess in `x`. Both are dense
+    /// and cell-indexed; cells that are no unknowns are neither read nor written. Floating components and
+    /// isolated cells: see [`PressureSolver`]; the norm is that of the right-hand side as amended there.
     ///
     /// # Errors
-    /// [`SolveError`] when the tolerance was not reached or a number is not finite; `x` is then left as it was.
+    /// [`SolveError`] when the tolerance was not reached or a number is not finite; `x` is then left as it
+    /// was.
     pub fn solve(
         &self,
         rhs: &CellField<D>,
@@ -336,8 +342,8 @@ impl<const D: usize> LinearOperator for PressureSolver<D> {
     }
 }
 
-/// Reads the coefficients of a block of the finest level; gives the value if they are all the same. Notes in `severed`
-/// whether one between two unknowns is zero.
+/// Reads the coefficients of a block of the finest level; gives the value if they are all the same. Notes in
+/// `severed` whether one between two unknowns is zero.
 fn assemble<const D: usize>(
     input: &PoissonInput<D>,
     site: &Site<D>,

@@ -4,7 +4,8 @@ use super::layout::LANES;
 use super::level::{Chunk, DIAGONAL, Kind, Pack, Real, Span};
 use rayon::prelude::*;
 
-/// Runs `work` on every chunk together with the entries of `out` that belong to it; returns the results in order.
+/// Runs `work` on every chunk together with the entries of `out` that belong to it; returns the results in
+/// order.
 pub(super) fn over_chunks<T: Send, R: Send>(
     chunks: &[Chunk],
     out: &mut [T],
@@ -181,8 +182,8 @@ fn general<T: Real, const D: usize>(
     }
 }
 
-/// Sets the two halves of a coarse right-hand side to the sums of the residual (of colour 0, that of colour 1 being
-/// zero) over the children.
+/// Sets the two halves of a coarse right-hand side to the sums of the residual (of colour 0, that of colour 1
+/// being zero) over the children.
 pub(super) fn restrict<const D: usize>(chunk: &Chunk, fine: &[f32], out: [&mut [f32]; 2]) {
     let [even_out, odd_out] = out;
     let mut block = 0;
