@@ -87,7 +87,7 @@ pub struct RunArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Output folder; out/<name> without it.
+    /// Output folder; out/NAME, by the name of the scene, without it.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Go on from the last checkpoint of the output folder.

@@ -23,7 +23,7 @@ pub struct Tally {
     pub largest_kinetic_energy: f64,
     /// Relative, signed, worst so far.
     pub volume_error: f64,
-    /// Worst so far, relative; see [`Tally::momentum_error`].
+    /// Worst so far, relative: momentum that did not come from gravity.
     pub momentum_error: f64,
     /// Largest divergence so far, 1/s.
     pub max_divergence: f64,
