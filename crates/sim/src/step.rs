@@ -86,6 +86,12 @@ pub fn step<const D: usize>(
     let solve = work.pressure.project(model, &mut projection)?;
     phase_end("pressure");
 
+    if std::env::var("DBG").is_ok() {
+        let tmin = cut.iter().map(|c| c.theta).fold(1.0, f64::min);
+        let (kmin, kmax) = cut.iter().fold((9.0f64, -9.0f64), |(a, b), c| (a.min(c.kappa), b.max(c.kappa)));
+        let um = cut.iter().map(|c| (state.velocity.axes[c.axis][c.face].abs(), c.axis, model.grid.faces(c.axis).coordinates(c.face), c.theta, c.kappa)).fold((0.0, 0, [0; D], 0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
+        eprintln!("dbg step {} tmin {tmin:.4} kappa {kmin:.5} {kmax:.5} ucut {um:?} res {:.2e} it {}", state.step, solve.residual, solve.iterations);
+    }
     // (6) Momentum that the discretisation lost comes back; the velocity extends beyond the liquid.
     let moments = keep_momentum(model, state, work, &cut, &change, dt);
     work.extend(model, state);

@@ -25,6 +25,9 @@ pub struct CutCube {
     pub volume_slope: [f64; 8],
 }
 
+/// The surface passes no corner nearer than this (in cells): a simplex cut exactly at a corner has no derivative.
+pub const NEAREST: f64 = 1e-6;
+
 /// A simplex of the split cube: corners, its volume, and the gradients of its barycentric coordinates.
 struct Simplex<const D: usize> {
     corners: [usize; 4],
@@ -97,8 +100,9 @@ impl<const D: usize> SurfaceLattice<D> {
                 (at[a] + (k >> a & 1)).saturating_sub(1).min(cells.extent[a] - 1)
             }));
             corners[k] = cell as u32;
-            values[k] = phi[cell] / self.grid.dx;
-            if values[k] < 0.0 {
+            let value = phi[cell] / self.grid.dx;
+            values[k] = value.abs().max(NEAREST).copysign(value);
+            if value < 0.0 {
                 wet += 1;
                 liquid.get_or_insert(cell as u32);
             }

@@ -4,7 +4,7 @@
 //! shared in proportion to the volumes of the parts. What the level set loses or gains in a step is put right by
 //! shifting φ by a constant near the component's surface.
 
-use super::surface::{CutCube, SurfaceLattice};
+use super::surface::{CutCube, NEAREST, SurfaceLattice};
 use crate::model::Model;
 use crate::state::Drop;
 use meniscus_numerics::Vector;
@@ -124,6 +124,7 @@ pub fn correct<const D: usize>(
 ) -> (Vec<CutCube>, Vec<f64>) {
     let label = |cell: usize| band.slot(cell).map(|s| labels[s]).filter(|l| *l != u32::MAX);
     let unit = model.grid.cell_volume();
+    let least = NEAREST * model.grid.dx;
     let mut cubes = lattice.cut(&phi.data, band);
     let mut volumes = lattice.volumes(liquid, label, &cubes);
     for _ in 0..4 {
@@ -145,7 +146,7 @@ pub fn correct<const D: usize>(
             if l != u32::MAX && value.abs() < limit {
                 // Signs stay: the runs of liquid cells must remain what they are within a step.
                 let shifted = *value + shifts[l as usize];
-                *value = if *value < 0.0 { shifted.min(-1e-9 * limit) } else { shifted.max(0.0) };
+                *value = if *value < 0.0 { shifted.min(-least) } else { shifted.max(least) };
             }
         }
         cubes = lattice.cut(&phi.data, band);
