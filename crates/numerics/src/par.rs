@@ -8,11 +8,21 @@ const CHUNK: usize = 4096;
 
 /// The sum of `f(i)` for `i` in `0..n`, in an order that does not depend on the number of threads.
 pub fn sum(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
-    let chunks: Vec<f64> = (0..n.div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|c| (c * CHUNK..((c + 1) * CHUNK).min(n)).map(&f).sum())
-        .collect();
-    chunks.iter().sum()
+    sums(n, |i| [f(i)])[0]
+}
+
+/// Several sums at once, as [`sum`].
+pub fn sums<const K: usize>(n: usize, f: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
+    let add = |mut a: [f64; K], b: [f64; K]| {
+        (0..K).for_each(|k| a[k] += b[k]);
+        a
+    };
+    let chunk = |c: usize| (c * CHUNK..((c + 1) * CHUNK).min(n)).map(&f).fold([0.0; K], add);
+    if n <= CHUNK {
+        return chunk(0);
+    }
+    let chunks: Vec<[f64; K]> = (0..n.div_ceil(CHUNK)).into_par_iter().map(chunk).collect();
+    chunks.into_iter().fold([0.0; K], add)
 }
 
 /// Calls `f` with every stretch and its part of `data` (rows of `row` values), in parallel.

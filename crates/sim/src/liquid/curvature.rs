@@ -18,12 +18,14 @@ const STRENGTH: f64 = 2.0;
 const BASE: f64 = 4.0;
 /// Cells whose surface measure is below this take no part.
 const THIN: f64 = 0.004;
-/// Cells that are worth a thread's while.
-const GRAIN: usize = 2048;
-/// No neighbour inside the band.
-const NONE: u32 = u32::MAX;
+/// Largest curvature, in 1/cells.
+const STEEPEST: f64 = 2.0;
+/// Relative residual of the filter's solve.
+const TOLERANCE: f64 = 1e-8;
+/// Cells summed one after another.
+const CHUNK: usize = 2048;
 
-/// Curvature and surface measure on the first cells of the band.
+/// Curvature on the first cells of the band.
 pub struct Curvature {
     /// Curvature, in 1/cells; 0 where unknown.
     pub kappa: Vec<f64>,
@@ -31,11 +33,6 @@ pub struct Curvature {
     pub known: Vec<bool>,
     /// Share of the interface cells whose curvature had to be cut.
     pub clipped: f64,
-}
-
-/// The first layers of the band as a graph.
-struct Graph<const D: usize> {
-    neighbours: Vec<[u32; 6]>,
 }
 
 /// What the filter must know of the step, in cells.
@@ -55,7 +52,6 @@ pub fn curvature<const D: usize>(
     step: &FilterStep,
 ) -> Curvature {
     let count = band.first_layers(layers).end;
-    let graph = Graph::<D>::new(grid, band, count);
     let (mut area, mut weight) = (vec![0.0; count], vec![0.0; count]);
     for cube in cubes {
         for k in 0..1 << D {
@@ -65,156 +61,223 @@ pub fn curvature<const D: usize>(
             }
         }
     }
-    let known: Vec<bool> = weight.iter().map(|w| *w > THIN).collect();
-    let raw: Vec<f64> = (0..count).map(|i| if known[i] { area[i] / weight[i] } else { 0.0 }).collect();
-    weight.iter_mut().zip(&known).for_each(|(w, k)| *w = if *k { *w } else { 0.0 });
-    let filter = Filter { graph: &graph, weight: &weight, strength: filter_strength(step.capillary) };
-    let mut kappa = filter.apply(&raw);
+    let graph = Graph::new(grid, band, &weight);
+    let raw: Vec<f64> = graph.slots.iter().map(|&s| area[s as usize] / weight[s as usize]).collect();
+    let strength = filter_strength(step.capillary);
+    let mut filtered = graph.filter(&raw, strength);
     if step.capillary > 0.0 {
-        // r − F r, then F of it: only waves that the step does not resolve.
-        let bend: Vec<f64> = filter.laplacian(&step.displacement[..count]);
-        let r: Vec<f64> = (0..count).map(|i| if known[i] { bend[i] / weight[i] } else { 0.0 }).collect();
-        let smooth = filter.apply(&r);
-        let rough: Vec<f64> = r.iter().zip(&smooth).map(|(r, s)| r - s).collect();
-        kappa.iter_mut().zip(filter.apply(&rough)).for_each(|(k, d)| *k += d);
+        // F (r − F r), the waves that the step does not resolve; r is what the step adds to the curvature.
+        let moved: Vec<f64> = graph.slots.iter().map(|&s| step.displacement[s as usize]).collect();
+        let bend = graph.laplacian(&moved);
+        let rough: Vec<f64> = graph.filter(&bend, strength).iter().zip(&bend).map(|(f, r)| r - f).collect();
+        filtered.iter_mut().zip(graph.filter(&rough, strength)).for_each(|(k, d)| *k += d);
     }
+    let (mut kappa, mut known) = (vec![0.0; count], vec![false; count]);
     let edge = band.first_layers(1).end;
     let mut clipped = 0;
-    for (i, k) in kappa.iter_mut().enumerate() {
-        if k.abs() > 2.0 {
-            *k = k.clamp(-2.0, 2.0);
-            clipped += (i < edge) as usize;
-        }
+    for (&slot, value) in graph.slots.iter().zip(filtered) {
+        kappa[slot as usize] = value.clamp(-STEEPEST, STEEPEST);
+        known[slot as usize] = true;
+        clipped += (value.abs() > STEEPEST && (slot as usize) < edge) as usize;
     }
     Curvature { kappa, known, clipped: clipped as f64 / edge.max(1) as f64 }
 }
 
-/// `√(c/k_c⁴ + base)` in cells².
+/// `√(c/k_c⁴ + b)` in cells².
 fn filter_strength(capillary: f64) -> f64 {
     (STRENGTH * (capillary / 4.0).powf(4.0 / 3.0) + BASE).sqrt()
 }
 
-impl<const D: usize> Graph<D> {
-    fn new(grid: &Grid<D>, band: &Band<D>, count: usize) -> Self {
+/// The cells that carry surface, and the surface Laplacian `L` between them.
+struct Graph {
+    /// Place in the band.
+    slots: Vec<u32>,
+    /// Surface measure `w`.
+    weight: Vec<f64>,
+    /// Neighbours (itself where there is none) and their coupling ½(w_i + w_j).
+    links: Vec<[(u32, f32); 6]>,
+}
+
+type Complex = [f64; 2];
+
+impl Graph {
+    fn new<const D: usize>(grid: &Grid<D>, band: &Band<D>, measure: &[f64]) -> Self {
         let lattice = grid.lattice();
-        let neighbours = band.cells[..count]
+        let mut place = vec![u32::MAX; measure.len()];
+        let slots: Vec<u32> = (0..measure.len() as u32).filter(|&s| measure[s as usize] > THIN).collect();
+        slots.iter().enumerate().for_each(|(i, &s)| place[s as usize] = i as u32);
+        let weight: Vec<f64> = slots.iter().map(|&s| measure[s as usize]).collect();
+        let links = slots
             .par_iter()
             .enumerate()
-            .map(|(i, &cell)| {
-                let at = lattice.coordinates(cell as usize);
-                std::array::from_fn(|n| {
-                    let a = n / 2;
-                    if a >= D {
-                        return NONE;
+            .with_min_len(512)
+            .map(|(i, &slot)| {
+                let mut links = [(i as u32, 0.0); 6];
+                for (k, n) in lattice.neighbours(band.cells[slot as usize] as usize).enumerate() {
+                    let other = band.slot(n).and_then(|s| place.get(s)).filter(|p| **p != u32::MAX);
+                    if let Some(&j) = other {
+                        links[k] = (j, (0.5 * (weight[i] + weight[j as usize])) as f32);
                     }
-                    let at_wall = if n % 2 == 0 { at[a] == 0 } else { at[a] + 1 == lattice.extent[a] };
-                    if at_wall {
-                        return i as u32;
-                    }
-                    let other = if n % 2 == 0 { cell as usize - lattice.stride[a] } else { cell as usize + lattice.stride[a] };
-                    band.slot(other).filter(|s| *s < count).map_or(NONE, |s| s as u32)
-                })
+                }
+                links
             })
             .collect();
-        Self { neighbours }
+        Self { slots, weight, links }
+    }
+
+    /// `W⁻¹ L v` in 1/cells².
+    fn laplacian(&self, v: &[f64]) -> Vec<f64> {
+        let row = |i: usize| -> f64 {
+            self.links[i].iter().map(|&(j, c)| c as f64 * (v[i] - v[j as usize])).sum::<f64>() / self.weight[i]
+        };
+        (0..v.len()).map(row).collect()
+    }
+
+    /// `F v = Re (W + i s L)⁻¹ W v` by conjugate gradients for complex symmetric matrices, started from `v`.
+    fn filter(&self, v: &[f64], s: f64) -> Vec<f64> {
+        let n = v.len();
+        let diagonal: Vec<Complex> = (0..n)
+            .map(|i| [self.weight[i], s * self.links[i].iter().map(|l| l.1 as f64).sum::<f64>()])
+            .collect();
+        let mut x: Vec<Complex> = v.iter().map(|v| [*v, 0.0]).collect();
+        let mut q = vec![[0.0; 2]; n];
+        self.multiply(s, &x, &mut q);
+        let mut r: Vec<Complex> = (0..n).map(|i| [self.weight[i] * v[i] - q[i][0], -q[i][1]]).collect();
+        let mut p: Vec<Complex> = (0..n).map(|i| over(r[i], diagonal[i])).collect();
+        let scale: f64 = v.iter().zip(&self.weight).map(|(v, w)| (v * w).powi(2)).sum();
+        let start = par::sums(n, |i| with_square(times(r[i], p[i]), r[i]));
+        let (mut rho, mut square) = ([start[0], start[1]], start[2]);
+        for _ in 0..500 {
+            if square <= TOLERANCE * TOLERANCE * scale {
+                break;
+            }
+            let product = self.multiply(s, &p, &mut q);
+            let alpha = over(rho, product);
+            let sums = update(&mut x, &mut r, &p, &q, &diagonal, alpha);
+            let next = [sums[0], sums[1]];
+            let beta = over(next, rho);
+            (rho, square) = (next, sums[2]);
+            p.par_chunks_mut(CHUNK).enumerate().for_each(|(c, p)| {
+                for (i, p) in p.iter_mut().enumerate() {
+                    let at = c * CHUNK + i;
+                    let (z, t) = (over(r[at], diagonal[at]), times(beta, *p));
+                    *p = [z[0] + t[0], z[1] + t[1]];
+                }
+            });
+        }
+        x.into_iter().map(|x| x[0]).collect()
+    }
+
+    /// `y = (W + i s L) x`; gives back `Σ x y`.
+    fn multiply(&self, s: f64, x: &[Complex], y: &mut [Complex]) -> Complex {
+        let sums: Vec<Complex> = y
+            .par_chunks_mut(CHUNK)
+            .enumerate()
+            .map(|(c, part)| {
+                let mut sum = [0.0; 2];
+                for (i, y) in part.iter_mut().enumerate() {
+                    let at = c * CHUNK + i;
+                    let here = x[at];
+                    let mut bend = [0.0; 2];
+                    for &(j, link) in &self.links[at] {
+                        let there = x[j as usize];
+                        bend[0] += link as f64 * (here[0] - there[0]);
+                        bend[1] += link as f64 * (here[1] - there[1]);
+                    }
+                    let w = self.weight[at];
+                    *y = [w * here[0] - s * bend[1], w * here[1] + s * bend[0]];
+                    let t = times(here, *y);
+                    sum = [sum[0] + t[0], sum[1] + t[1]];
+                }
+                sum
+            })
+            .collect();
+        sums.iter().fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])
     }
 }
 
-/// `W + i s L` and its use.
-struct Filter<'a, const D: usize> {
-    graph: &'a Graph<D>,
-    weight: &'a [f64],
-    strength: f64,
+/// `x += α p`, `r −= α q`; gives back `Σ r r/d` (complex) and `Σ |r|²`.
+fn update(
+    x: &mut [Complex],
+    r: &mut [Complex],
+    p: &[Complex],
+    q: &[Complex],
+    diagonal: &[Complex],
+    alpha: Complex,
+) -> [f64; 3] {
+    let sums: Vec<[f64; 3]> = x
+        .par_chunks_mut(CHUNK)
+        .zip(r.par_chunks_mut(CHUNK))
+        .enumerate()
+        .map(|(c, (x, r))| {
+            let mut sum = [0.0; 3];
+            for i in 0..x.len() {
+                let at = c * CHUNK + i;
+                let (dx, dr) = (times(alpha, p[at]), times(alpha, q[at]));
+                x[i] = [x[i][0] + dx[0], x[i][1] + dx[1]];
+                r[i] = [r[i][0] - dr[0], r[i][1] - dr[1]];
+                let terms = with_square(times(r[i], over(r[i], diagonal[at])), r[i]);
+                (0..3).for_each(|k| sum[k] += terms[k]);
+            }
+            sum
+        })
+        .collect();
+    sums.iter().fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]])
 }
 
-type Complex = (f64, f64);
+fn with_square(a: Complex, r: Complex) -> [f64; 3] {
+    [a[0], a[1], r[0] * r[0] + r[1] * r[1]]
+}
 
 fn times(a: Complex, b: Complex) -> Complex {
-    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
+    [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
 }
 
 fn over(a: Complex, b: Complex) -> Complex {
-    let square = b.0 * b.0 + b.1 * b.1;
-    if square == 0.0 { (0.0, 0.0) } else { times(a, (b.0 / square, -b.1 / square)) }
+    let square = b[0] * b[0] + b[1] * b[1];
+    if square == 0.0 { [0.0; 2] } else { times(a, [b[0] / square, -b[1] / square]) }
 }
 
-impl<const D: usize> Filter<'_, D> {
-    /// `L v`, the weighted surface Laplacian (positive) in 1/cells².
-    fn laplacian(&self, v: &[f64]) -> Vec<f64> {
-        (0..v.len()).into_par_iter().with_min_len(GRAIN).map(|i| self.row(i, |j| v[j] - v[i])).collect()
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ring of cells with uneven weights.
+    fn ring(n: usize) -> Graph {
+        let weight: Vec<f64> = (0..n).map(|i| 0.1 + 0.09 * (1.7 * i as f64).sin()).collect();
+        let links = (0..n)
+            .map(|i| {
+                let mut links = [(i as u32, 0.0); 6];
+                for (k, j) in [(i + 1) % n, (i + n - 1) % n].into_iter().enumerate() {
+                    links[k] = (j as u32, (0.5 * (weight[i] + weight[j])) as f32);
+                }
+                links
+            })
+            .collect();
+        Graph { slots: (0..n as u32).collect(), weight, links }
     }
 
-    /// −Σ_j ½(w_i + w_j) difference(j) over the neighbours that take part.
-    fn row(&self, i: usize, difference: impl Fn(usize) -> f64) -> f64 {
-        let w = self.weight[i];
-        if w == 0.0 {
-            return 0.0;
-        }
-        let mut sum = 0.0;
-        for &n in &self.graph.neighbours[i][..2 * D] {
-            if n != NONE && self.weight[n as usize] > 0.0 {
-                sum -= 0.5 * (w + self.weight[n as usize]) * difference(n as usize);
-            }
-        }
-        sum
+    #[test]
+    fn a_constant_passes_and_the_force_is_conserved() {
+        let graph = ring(5000);
+        let constant = graph.filter(&vec![0.7; 5000], 3.0);
+        assert!(constant.iter().all(|v| (v - 0.7).abs() < 1e-12));
+        let noise: Vec<f64> = (0..5000).map(|i| (i as f64 * 12.9898).sin()).collect();
+        let force = |v: &[f64]| v.iter().zip(&graph.weight).map(|(v, w)| v * w).sum::<f64>();
+        let smooth = graph.filter(&noise, 3.0);
+        let size = noise.iter().zip(&graph.weight).map(|(v, w)| (v * w).abs()).sum::<f64>();
+        assert!((force(&smooth) - force(&noise)).abs() < 1e-6 * size);
     }
 
-    /// `F v = Re (W + i s L)⁻¹ W v` by conjugate gradients for complex symmetric matrices, from the start `v`.
-    fn apply(&self, v: &[f64]) -> Vec<f64> {
-        let n = v.len();
-        let s = self.strength;
-        let multiply = |x: &[Complex]| -> Vec<Complex> {
-            (0..n)
-                .into_par_iter()
-                .with_min_len(GRAIN)
-                .map(|i| {
-                    let re = self.row(i, |j| x[j].0 - x[i].0);
-                    let im = self.row(i, |j| x[j].1 - x[i].1);
-                    (self.weight[i] * x[i].0 - s * im, self.weight[i] * x[i].1 + s * re)
-                })
-                .collect()
-        };
-        let diagonal: Vec<Complex> =
-            (0..n).into_par_iter().with_min_len(GRAIN).map(|i| (self.weight[i], s * self.row(i, |_| -1.0))).collect();
-        let precondition = |r: &[Complex]| -> Vec<Complex> {
-            r.par_iter().with_min_len(GRAIN).zip(&diagonal).map(|(r, d)| over(*r, *d)).collect()
-        };
-        let dot = |a: &[Complex], b: &[Complex]| -> Complex {
-            let [re, im] = par::sums(n, |i| times(a[i], b[i]).into());
-            (re, im)
-        };
-        let norm = |a: &[Complex]| par::sum(n, |i| a[i].0 * a[i].0 + a[i].1 * a[i].1).sqrt();
-        let mut x: Vec<Complex> = v.iter().map(|v| (*v, 0.0)).collect();
-        let product = multiply(&x);
-        let mut r: Vec<Complex> =
-            (0..n).map(|i| (self.weight[i] * v[i] - product[i].0, -product[i].1)).collect();
-        let scale = par::sum(n, |i| (self.weight[i] * v[i]).powi(2)).sqrt();
-        let mut z = precondition(&r);
-        let mut p = z.clone();
-        let mut rho = dot(&r, &z);
-        for _ in 0..400 {
-            if norm(&r) <= 1e-8 * scale {
-                break;
-            }
-            let q = multiply(&p);
-            let alpha = over(rho, dot(&p, &q));
-            let step = |a: &mut [Complex], b: &[Complex], c: Complex| {
-                a.par_iter_mut().with_min_len(GRAIN).zip(b).for_each(|(a, b)| {
-                    let t = times(c, *b);
-                    *a = (a.0 + t.0, a.1 + t.1);
-                })
-            };
-            step(&mut x, &p, alpha);
-            step(&mut r, &q, (-alpha.0, -alpha.1));
-            z = precondition(&r);
-            let next = dot(&r, &z);
-            let beta = over(next, rho);
-            rho = next;
-            p.par_iter_mut().with_min_len(GRAIN).zip(&z).for_each(|(p, z)| {
-                let t = times(beta, *p);
-                *p = (z.0 + t.0, z.1 + t.1);
-            });
+    #[test]
+    fn the_complex_solve_is_the_biharmonic_filter() {
+        // W v' + s² L W⁻¹ L v' = W v
+        let graph = ring(300);
+        let v: Vec<f64> = (0..300).map(|i| (i as f64 * 0.9).sin()).collect();
+        let (s, out) = (2.0, graph.filter(&v, 2.0));
+        let twice = graph.laplacian(&graph.laplacian(&out));
+        for i in 0..300 {
+            assert!((out[i] + s * s * twice[i] - v[i]).abs() < 1e-5, "{i}");
         }
-        x.into_iter().map(|x| x.0).collect()
     }
 }
