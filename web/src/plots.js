@@ -4,12 +4,16 @@ import { css, short } from "./format.js";
 
 const LABELS = {
   kinetic_energy: "kinetic", surface_energy: "surface", elastic_energy: "elastic", potential_energy: "potential",
+  contact_angle_mean: "mean", max_speed: "speed", momentum_x: "x", momentum_y: "y", momentum_z: "z",
+  solve_iterations: "iterations", volume_error: "error", contact_length: "length",
 };
+const ENERGIES = ["kinetic_energy", "surface_energy", "elastic_energy", "potential_energy"];
 const GROUPS = [
   { id: "angle", title: "Contact angle (°)", columns: ["contact_angle_mean"] },
-  { id: "energy", title: "Energy (J)", columns: Object.keys(LABELS) },
+  { id: "change", title: "Energy change since the start (J)", columns: [...ENERGIES, "sum"].map((c) => `Δ ${c}`) },
   { id: "volume", title: "Volume error (%)", columns: ["volume_error"] },
   { id: "speed", title: "Largest speed (m/s)", columns: ["max_speed"] },
+  { id: "energy", title: "Energy (J)", columns: ENERGIES },
   { id: "momentum", title: "Momentum (kg m/s)", columns: ["momentum_x", "momentum_y", "momentum_z"] },
   { id: "line", title: "Contact line (m)", columns: ["contact_length"] },
   { id: "iterations", title: "Solver iterations", columns: ["solve_iterations"] },
@@ -17,6 +21,8 @@ const GROUPS = [
   { id: "divergence", title: "Largest divergence (1/s)", columns: ["divergence_max"] },
   { id: "wall", title: "Wall time per step (s)", columns: ["wall_seconds"] },
 ];
+/** Those shown from the start. */
+const FIRST = new Set(["angle", "change", "volume", "speed"]);
 const HEIGHT = 148;
 
 /** The columns by name, with the volume error worked out. */
@@ -25,10 +31,30 @@ function columnsOf(series) {
   const volume = columns.get("liquid_volume");
   const first = volume?.find((v) => v);
   if (first) columns.set("volume_error", volume.map((v) => (v === null ? null : 100 * (v / first - 1))));
+  const energies = ENERGIES.map((name) => columns.get(name)).filter(Boolean);
+  if (energies.length) {
+    const sum = energies[0].map((_, i) => energies.reduce((s, c) => s + (c[i] ?? 0), 0));
+    for (const [name, column] of [...ENERGIES.map((n) => [n, columns.get(n)]), ["sum", sum]]) {
+      if (column) columns.set(`Δ ${name}`, column.map((v) => (v === null ? null : v - column[0])));
+    }
+  }
   return columns;
 }
 
+const label = (name) => LABELS[name.replace("Δ ", "")] ?? name.replace("Δ ", "").replaceAll("_", " ");
+
 const useful = (column) => column && column.some((v) => v !== null && v !== 0);
+
+/** The place in ascending `times` nearest to `t`. */
+function nearest(times, t) {
+  let low = 0, high = times.length - 1;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (times[middle] > t) high = middle;
+    else low = middle;
+  }
+  return t - times[low] < times[high] - t ? low : high;
+}
 
 export class Plots {
   /** `pick` is called with a time when a plot is clicked. */
@@ -46,11 +72,9 @@ export class Plots {
     this.groups = GROUPS.map((g) => ({ ...g, columns: g.columns.filter((c) => useful(this.columns.get(c))) }))
       .filter((g) => g.columns.length > 0);
     const known = new Set([...GROUPS.flatMap((g) => g.columns), "time", "step"]);
-    for (const name of this.columns.keys()) {
-      if (known.has(name) || !useful(this.columns.get(name))) continue;
-      this.groups.push({ id: name, title: name.replaceAll("_", " "), columns: [name] });
-    }
-    this.groups.forEach((g, i) => this.chip(g, i < 4));
+    this.groups.forEach((g) => this.chip(g, FIRST.has(g.id)));
+    const others = [...this.columns.keys()].filter((name) => !known.has(name) && useful(this.columns.get(name)));
+    if (others.length) this.menu(others);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.rebuild());
     new ResizeObserver(() => this.resize()).observe(this.box);
   }
@@ -69,6 +93,22 @@ export class Plots {
     if (on) this.show(group);
   }
 
+  /** A menu of the columns that have no place in any group. */
+  menu(names) {
+    const menu = document.createElement("select");
+    menu.setAttribute("aria-label", "More columns");
+    menu.append(new Option("more…", ""), ...names.map((name) => new Option(name.replaceAll("_", " "), name)));
+    menu.onchange = () => {
+      const name = menu.value, group = { id: name, title: label(name), columns: [name] };
+      menu.querySelector(`option[value="${CSS.escape(name)}"]`).remove();
+      menu.value = "";
+      this.groups.push(group);
+      this.chip(group, true);
+      document.getElementById("chips").append(menu);
+    };
+    document.getElementById("chips").append(menu);
+  }
+
   width() {
     return Math.max(220, this.box.clientWidth);
   }
@@ -80,11 +120,11 @@ export class Plots {
     box.style.order = order;
     box.innerHTML = `<h3>${group.title}</h3>`;
     this.box.append(box);
-    const colors = ["--a", "--b", "--c", "--d"].map(css);
+    const colors = ["--a", "--b", "--c", "--d", "--ink"].map(css);
     const grid = { stroke: css("--grid"), width: 1 };
     const axis = { stroke: css("--quiet"), grid, ticks: grid, font: "11px system-ui, sans-serif" };
     const series = group.columns.map((name, i) => ({
-      label: LABELS[name] ?? name.replaceAll("_", " "), stroke: colors[i % 4], width: 1.6, spanGaps: true,
+      label: label(name), stroke: colors[i % 5], width: 1.6, spanGaps: true,
       points: { show: false }, value: (_, v) => short(v),
     }));
     const options = {
@@ -102,7 +142,14 @@ export class Plots {
     const data = [this.times, ...group.columns.map((name) => this.columns.get(name))];
     const plot = new uPlot(options, data, box);
     plot.over.addEventListener("click", (e) => this.pick(plot.posToVal(e.offsetX, "x")));
+    plot.over.addEventListener("mouseleave", () => this.shown.forEach((s) => this.legend(s.plot)));
+    this.legend(plot);
     this.shown.set(group.id, { plot, box, group });
+  }
+
+  /** Shows the values at the viewer's time, once the plot has done its own. */
+  legend(plot) {
+    setTimeout(() => { if (plot.root.isConnected) plot.setLegend({ idx: this.row ?? 0 }, false); }, 0);
   }
 
   hide(group) {
@@ -138,6 +185,10 @@ export class Plots {
 
   at(time) {
     this.now = time;
-    for (const { plot } of this.shown.values()) plot.redraw(false);
+    this.row = nearest(this.times, time);
+    for (const { plot } of this.shown.values()) {
+      plot.redraw(false);
+      this.legend(plot);
+    }
   }
 }

@@ -125,7 +125,7 @@ export class View3D {
     this.ground.material.map.repeat.setScalar(8 * this.unit / this.grid);
     this.ground.position.z = -1e-3;
     this.scene.add(this.ground);
-    const shadow = new Mesh(new PlaneGeometry(16, 16), new ShadowMaterial({ opacity: 0.28 }));
+    const shadow = new Mesh(new PlaneGeometry(16, 16), new ShadowMaterial({ opacity: 0.2 }));
     shadow.position.z = -5e-4;
     shadow.receiveShadow = true;
     shadow.renderOrder = 1;
@@ -135,7 +135,7 @@ export class View3D {
     sun.target.position.copy(this.target);
     sun.castShadow = true;
     sun.shadow.mapSize.set(1024, 1024);
-    sun.shadow.radius = 5;
+    sun.shadow.radius = 9;
     sun.shadow.bias = -5e-4;
     sun.shadow.normalBias = 0.01;
     Object.assign(sun.shadow.camera, { left: -1.6, right: 1.6, top: 1.6, bottom: -1.6, near: 0.1, far: 8 });
@@ -165,13 +165,15 @@ export class View3D {
   contents() {
     const liquid = new MeshPhysicalMaterial({
       color: "#ffffff", transmission: 1, roughness: 0.02, ior: 1.33, thickness: 0.35 * this.unit, specularIntensity: 1,
-      attenuationColor: new Color("#5fb7e6"), attenuationDistance: 0.5 * this.unit, envMapIntensity: 1.1,
+      attenuationColor: new Color("#5fb7e6"), attenuationDistance: 0.55, envMapIntensity: 1.1,
     });
     this.liquid = new Mesh(new BufferGeometry(), liquid);
     this.liquid.castShadow = true;
     this.world.add(this.liquid);
     this.solids = new Map();
     this.line = new LineSegments2(new LineSegmentsGeometry(), new LineMaterial({ color: css("--line"), linewidth: 3 }));
+    // A little nearer than it is, so that the drop's own surface does not hide half of it.
+    Object.assign(this.line.material, { polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -4000 });
     this.line.frustumCulled = false;
     this.world.add(this.line);
   }

@@ -49,7 +49,7 @@ export class ViewPlain {
         ahead * ce - z * se];
     };
     const all = [];
-    const add = (mesh, color) => {
+    const add = (mesh, color, nearer) => {
       const points = Array.from({ length: mesh.positions.length / 3 }, (_, i) => place(mesh.positions, i));
       for (let i = 0; i < mesh.indices.length; i += 3) {
         const [p, q, r] = [0, 1, 2].map((k) => points[mesh.indices[i + k]]);
@@ -58,11 +58,11 @@ export class ViewPlain {
         const slope = Math.abs(turn) / (Math.abs(turn) + scale * scale * 1e-9 + Math.hypot(
           (q[1] - p[1]) * (r[2] - p[2]) - (q[2] - p[2]) * (r[1] - p[1]),
           (q[2] - p[2]) * (r[0] - p[0]) - (q[0] - p[0]) * (r[2] - p[2])) * scale);
-        all.push([p[2] + q[2] + r[2], p, q, r, color, 30 + 40 * slope]);
+        all.push([p[2] + q[2] + r[2] - nearer, p, q, r, color, 30 + 40 * slope]);
       }
     };
-    if (this.frame.liquid.corners === 3) add(this.frame.liquid, [208, 62]);
-    if (this.show.solids) this.frame.solids.forEach((s) => s.mesh.corners === 3 && add(s.mesh, [28, 26]));
+    if (this.frame.liquid.corners === 3) add(this.frame.liquid, [208, 62], 0.3 * size);
+    if (this.show.solids) this.frame.solids.forEach((s) => s.mesh.corners === 3 && add(s.mesh, [28, 26], 0));
     all.sort((a, b) => b[0] - a[0]);
     for (const [, p, q, r, [hue, tint], light] of all) {
       g.fillStyle = g.strokeStyle = `hsl(${hue} ${tint}% ${light}%)`;

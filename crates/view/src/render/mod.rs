@@ -44,7 +44,7 @@ pub struct RenderOptions {
     pub camera: Option<Camera>,
     /// The look of the liquid.
     pub style: Style,
-    /// Samples per pixel.
+    /// Samples per pixel; three times as many where the liquid is seen.
     pub samples: u32,
     /// The frame numbers to picture; `None` for all.
     pub frames: Option<RangeInclusive<u32>>,

@@ -18,12 +18,12 @@ pub(crate) fn r2(i: u32, shift: [f64; 2]) -> [f64; 2] {
     [(n * 0.754_877_666_246_693 + shift[0]).fract(), (n * 0.569_840_290_998_053 + shift[1]).fract()]
 }
 
-/// Where in a pixel sample `i` of `n` lies.
+/// Where in a pixel sample `i` of `n` lies; more than `n` fill the gaps.
 pub(crate) fn in_pixel(i: u32, n: u32) -> [f64; 2] {
     const ROTATED: [[f64; 2]; 4] = [[0.375, 0.125], [0.875, 0.375], [0.625, 0.875], [0.125, 0.625]];
     match n {
         0 | 1 => [0.5, 0.5],
-        4 => ROTATED[i as usize % 4],
+        4 if i < 4 => ROTATED[i as usize],
         _ => r2(i, [0.0, 0.0]),
     }
 }

@@ -60,7 +60,7 @@ impl Studio {
 
     /// The backdrop alone, as the ground fades into it.
     pub(crate) fn backdrop(&self, d: &V3) -> V3 {
-        let horizon = rgb(0.50, 0.56, 0.63);
+        let horizon = rgb(0.52, 0.565, 0.615);
         let zenith = rgb(0.26, 0.33, 0.43);
         let room = rgb(0.13, 0.16, 0.20);
         let ahead = d.dot(&self.forward);

@@ -20,6 +20,8 @@ const LEAST_WEIGHT: f64 = 0.03;
 const DEEPEST: u32 = 9;
 /// The brightest a sample can be.
 const BRIGHTEST: f64 = 1.8;
+/// How many times the samples are taken where the liquid is seen.
+const MORE: u32 = 3;
 /// Rays to the lamp, and to the surroundings, per sample of a matte surface.
 const SHADE_RAYS: u32 = 4;
 /// The colours of solids.
@@ -57,15 +59,22 @@ pub(crate) fn picture(scene: &Scene, size: (u32, u32), samples: u32) -> Canvas {
     let rows = canvas.pixels.par_chunks_mut(width).zip(depth.par_chunks_mut(width));
     rows.enumerate().for_each(|(y, (colors, depths))| {
         for (x, (color, depth)) in colors.iter_mut().zip(depths).enumerate() {
-            for sample in 0..samples {
-                let at = in_pixel(sample, samples);
+            let shift = pixel_shift(x as u32, y as u32);
+            let (mut taken, mut wanted) = (0, samples);
+            while taken < wanted {
+                let at = in_pixel(taken, samples);
                 let ray = scene.stage.view.ray(x as f64 + at[0], y as f64 + at[1]);
-                let shift = pixel_shift(x as u32, y as u32);
-                let path = Path { weight: 1.0, depth: 0, way: 0.0, sample, shift };
-                let (light, t) = tracer.follow(&ray, path);
-                *color += light.map(|c| c.min(BRIGHTEST)) / f64::from(samples);
-                *depth = depth.min(t * ray.dir.dot(&scene.stage.view.forward));
+                let path = Path { weight: 1.0, depth: 0, way: 0.0, sample: taken, shift };
+                let (light, met) = tracer.follow(&ray, path);
+                *color += light.map(|c| c.min(BRIGHTEST));
+                *depth =
+                    depth.min(met.map_or(f64::INFINITY, |m| m.1) * ray.dir.dot(&scene.stage.view.forward));
+                taken += 1;
+                if samples > 1 && met.is_some_and(|m| m.0 == Thing::Liquid) {
+                    wanted = MORE * samples;
+                }
             }
+            *color /= f64::from(taken);
         }
     });
     outline(scene, &mut canvas, &depth);
@@ -101,14 +110,14 @@ fn piece(canvas: &mut Canvas, a: [f64; 2], b: [f64; 2], thick: f64, seen: impl F
 }
 
 impl Tracer<'_> {
-    /// The light that comes back along a ray, and the way to what it met.
-    fn follow(&self, ray: &Ray, path: Path) -> (V3, f64) {
+    /// The light that comes back along a ray, what it met and how far away.
+    fn follow(&self, ray: &Ray, path: Path) -> (V3, Option<(Thing, f64)>) {
         let studio = &self.scene.stage.studio;
         let Some((thing, hit)) = self.scene.meet(ray) else {
             let light = if path.depth == 0 { studio.backdrop(&ray.dir) } else { studio.radiance(&ray.dir) };
             // A lamp seen through the drop rather than mirrored in it would outshine everything.
             let light = light.map(|c| c.min(BRIGHTEST / path.weight.max(LEAST_WEIGHT)));
-            return (light, f64::INFINITY);
+            return (light, None);
         };
         let path = Path { way: path.way + hit.t, ..path };
         let point = ray.at(hit.t);
@@ -124,7 +133,7 @@ impl Tracer<'_> {
             }
             Thing::Liquid => self.glass(ray, &point, &hit, path),
         };
-        (light, hit.t)
+        (light, Some((thing, hit.t)))
     }
 
     fn glass(&self, ray: &Ray, point: &V3, hit: &Hit, path: Path) -> V3 {
@@ -146,8 +155,8 @@ impl Tracer<'_> {
             return self.scene.stage.studio.soft(dir) * part;
         }
         let next = Path { weight, depth: path.depth + 1, ..path };
-        let (light, t) = self.follow(&Ray::new(*point, *dir), next);
-        let t = if wet && t.is_finite() { t } else { 0.0 };
+        let (light, met) = self.follow(&Ray::new(*point, *dir), next);
+        let t = met.map_or(0.0, |(_, t)| if wet { t } else { 0.0 });
         light.component_mul(&(self.scene.absorption * -t).map(f64::exp)) * part
     }
 
@@ -164,9 +173,9 @@ impl Tracer<'_> {
         let (sky, key) = self.light.ground(point.x, point.y);
         let lamp = KEY * stage.studio.key.z;
         let light = stage.studio.ambient(&V3::z()) * sky + key * lamp;
-        let pool = 1.0 - 0.42 * smoothstep(0.35, 2.6, away);
+        let pool = 1.0 - 0.30 * smoothstep(0.35, 2.6, away);
         let shown = V3::new(albedo * 0.985, albedo, albedo * 1.015).component_mul(&light) * pool;
-        let fade = smoothstep(1.2, 5.5, away);
+        let fade = smoothstep(1.0, 4.2, away);
         shown * (1.0 - fade) + stage.studio.backdrop(&ray.dir) * fade
     }
 

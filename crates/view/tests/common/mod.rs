@@ -1,4 +1,5 @@
 //! Made-up output folders, for tests and for looking at.
+#![allow(clippy::unwrap_used)]
 
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};

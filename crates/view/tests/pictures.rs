@@ -1,0 +1,103 @@
+//! Pictures and pages of made-up runs.
+
+mod common;
+
+use std::path::PathBuf;
+
+use common::Sample;
+use meniscus_view::{PageOptions, RenderOptions, Renderer, RunFolder, Style, make_page, render};
+
+fn folder(name: &str, sample: Sample, frames: u32) -> PathBuf {
+    let dir = std::env::temp_dir().join(format!("meniscus-view-{name}-{}", std::process::id()));
+    common::write(&dir, sample, frames);
+    dir
+}
+
+fn small() -> RenderOptions {
+    RenderOptions { size: (96, 64), film: false, ..RenderOptions::default() }
+}
+
+#[test]
+fn pictures_do_not_depend_on_the_number_of_threads() {
+    let dir = folder("threads", Sample::Drop, 1);
+    let picture = |threads: usize, style: Style| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let options = RenderOptions { style, ..small() };
+        pool.install(|| Renderer::open(&dir, &options).unwrap().image(0).unwrap())
+    };
+    for style in [Style::Glass, Style::Matte] {
+        assert_eq!(picture(1, style), picture(2, style));
+        assert_eq!(picture(2, style), picture(3, style));
+    }
+    std::fs::remove_dir_all(dir).unwrap();
+}
+
+#[test]
+fn the_drop_stands_out_and_no_pixel_is_black() {
+    let dir = folder("visible", Sample::Ball, 1);
+    let options = RenderOptions { size: (160, 90), ..small() };
+    let image = Renderer::open(&dir, &options).unwrap().image(0).unwrap();
+    let pixel = |x: usize, y: usize| &image.rgb[3 * (y * 160 + x)..][..3];
+    let bluish =
+        (0..160 * 90).filter(|i| pixel(i % 160, i / 160)[2] > pixel(i % 160, i / 160)[0] + 25).count();
+    assert!(bluish > 400, "{bluish}");
+    let dark = image.rgb.chunks(3).filter(|p| p.iter().all(|c| *c < 25)).count();
+    assert_eq!(dark, 0);
+    std::fs::remove_dir_all(dir).unwrap();
+}
+
+#[test]
+fn files_are_written_for_the_wanted_frames() {
+    let dir = folder("frames", Sample::Flat, 6);
+    let options = RenderOptions { frames: Some(1..=5), every: 2, ..small() };
+    let mut told = Vec::new();
+    let made = render(&dir, &options, |done, all| told.push((done, all))).unwrap();
+    let names: Vec<_> = made.images.iter().map(|p| p.file_name().unwrap().to_str().unwrap()).collect();
+    assert_eq!(names, ["frame_0001.png", "frame_0003.png", "frame_0005.png"]);
+    assert_eq!(told, [(1, 3), (2, 3), (3, 3)]);
+    let file = std::io::BufReader::new(std::fs::File::open(&made.images[0]).unwrap());
+    let reader = png::Decoder::new(file).read_info().unwrap();
+    assert_eq!((reader.info().width, reader.info().height), (96, 64));
+    let none = RenderOptions { frames: Some(70..=80), ..small() };
+    assert!(render(&dir, &none, |_, _| ()).is_err());
+    std::fs::remove_dir_all(dir).unwrap();
+}
+
+#[test]
+fn the_liquid_in_the_plane_covers_its_area() {
+    let dir = folder("area", Sample::Flat, 1);
+    std::fs::remove_file(dir.join("frames/solid_table_0000.ply")).unwrap();
+    std::fs::remove_file(dir.join("frames/contact_line_0000.ply")).unwrap();
+    common::blob([0.05, 0.03], 0.02, 0.0, 0.0, 600).save(&dir.join("frames/liquid_0000.ply")).unwrap();
+    let options = RenderOptions { size: (640, 480), ..small() };
+    let image = Renderer::open(&dir, &options).unwrap().image(0).unwrap();
+    // The domain is 0.1 m wide and fills the picture but for a border of 12 % of its height on either side.
+    let scale = (640.0 - 2.0 * 0.12 * 480.0) / 0.1;
+    let liquid = image.rgb.chunks(3).filter(|p| i32::from(p[2]) > i32::from(p[0]) + 60).count() as f64;
+    let exact = std::f64::consts::PI * (0.02f64 * scale).powi(2);
+    assert!((liquid / exact - 1.0).abs() < 0.03, "{liquid} {exact}");
+    std::fs::remove_dir_all(dir).unwrap();
+}
+
+#[test]
+fn odd_folders_are_errors_or_pictures_but_never_panics() {
+    let dir = folder("odd", Sample::Drop, 2);
+    std::fs::write(dir.join("frames/liquid_0001.ply"), "ply\nformat ascii 1.0\n").unwrap();
+    let error = Renderer::open(&dir, &small()).unwrap_err().to_string();
+    assert!(error.contains("liquid_0001.ply"), "{error}");
+    std::fs::write(dir.join("summary.json"), "{").unwrap();
+    assert!(RunFolder::open(&dir).unwrap_err().to_string().contains("summary.json"));
+    std::fs::remove_file(dir.join("summary.json")).unwrap();
+    let empty = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nend_header\n";
+    for n in 0..2 {
+        std::fs::write(dir.join(format!("frames/liquid_000{n}.ply")), empty).unwrap();
+    }
+    Renderer::open(&dir, &small()).unwrap().image(1).unwrap();
+    make_page(&dir, &PageOptions::default()).unwrap();
+    for what in ["contact_line", "solid_plate"] {
+        (0..2).for_each(|n| std::fs::remove_file(dir.join(format!("frames/{what}_000{n}.ply"))).unwrap());
+    }
+    Renderer::open(&dir, &small()).unwrap().image(0).unwrap();
+    assert!(RunFolder::open(&dir.join("nowhere")).unwrap_err().to_string().contains("nowhere"));
+    std::fs::remove_dir_all(dir).unwrap();
+}
