@@ -1,6 +1,6 @@
 //! Pictures and pages of Meniscus runs.
 //!
-//! [`render`] makes a PNG of each stored frame, and a film; [`write_page`] makes one self-contained HTML page.
+//! [`render`] makes a PNG of each stored frame, and a film; [`write_page`] makes one self-contained page.
 //! Both read an output folder and need neither a GPU nor any system package.
 
 mod error;

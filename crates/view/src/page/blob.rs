@@ -1,10 +1,10 @@
-//! Meshes packed for the page: positions as 16-bit numbers in the mesh's box, differences from one to the next,
-//! then gzip and base64.
+//! Meshes packed for the page: positions as 16-bit numbers in the mesh's box, differences from one to the
+//! next, then gzip and base64.
 //!
-//! Before gzip, little-endian: `MESH`, vertex count, element count, corners per element (2 or 3) + 256 if kinds
-//! follow (u32 each); lower and upper corner of the box (f32 each); per axis the low bytes, then the high bytes
-//! of the differences between successive positions (wrapping u16); the differences between successive vertex
-//! indices as zigzag LEB128; one byte per vertex for its kind.
+//! Before gzip, little-endian: `MESH`, vertex count, element count, corners per element (2 or 3) + 256 if
+//! kinds follow (u32 each); lower and upper corner of the box (f32 each); per axis the low bytes, then the
+//! high bytes of the differences between successive positions (wrapping u16); the differences between
+//! successive vertex indices as zigzag LEB128; one byte per vertex for its kind.
 
 use std::io::Write;
 

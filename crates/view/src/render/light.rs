@@ -1,5 +1,5 @@
-//! Light on the ground and on top of solids, worked out before the picture: soft shadows, and the light that the
-//! liquid gathers (caustics), followed from the lamp.
+//! Light on the ground and on top of solids, worked out before the picture: soft shadows, and the light that
+//! the liquid gathers (caustics), followed from the lamp.
 
 use rayon::prelude::*;
 

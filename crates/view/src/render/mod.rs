@@ -101,7 +101,7 @@ enum Look {
 }
 
 impl Renderer {
-    /// Reads through the output folder `dir` and sets up the camera for all wanted frames.
+    /// Reads through the output folder `dir` and sets up the camera for all its frames.
     pub fn open(dir: &Path, options: &RenderOptions) -> Result<Self> {
         let folder = RunFolder::open(dir)?;
         let wanted = |n: &u32| options.frames.as_ref().is_none_or(|range| range.contains(n));
@@ -115,10 +115,10 @@ impl Renderer {
             ));
         }
         let look = if folder.dimension == 2 {
-            let (seen, _) = stage::seen(&folder, &numbers)?;
+            let (seen, _) = stage::seen(&folder)?;
             Look::Flat(flat::Window::new(&folder, &seen, options.size))
         } else {
-            Look::Solid(Box::new(stage::Stage::new(&folder, &numbers, options)?))
+            Look::Solid(Box::new(stage::Stage::new(&folder, options)?))
         };
         Ok(Self { folder, numbers, options: options.clone(), look })
     }

@@ -31,9 +31,9 @@ pub(crate) struct Stage {
 }
 
 /// What is to be seen of the frames: the liquid and the part of the solids near it, and the first volume.
-pub(crate) fn seen(folder: &RunFolder, numbers: &[u32]) -> Result<(Bounds, f64)> {
+pub(crate) fn seen(folder: &RunFolder) -> Result<(Bounds, f64)> {
     let (mut liquid, mut solids, mut volume) = (Bounds::EMPTY, Bounds::EMPTY, 0.0f64);
-    for number in RunFolder::spread(numbers, LOOKED_AT) {
+    for number in RunFolder::spread(&folder.numbers, LOOKED_AT) {
         let frame = folder.frame(number)?;
         liquid.join(&Bounds::of(&frame.liquid.positions));
         frame.solids.values().for_each(|s| solids.join(&Bounds::of(&s.positions)));
@@ -69,8 +69,8 @@ pub(crate) fn round_length(x: f64) -> f64 {
 }
 
 impl Stage {
-    pub(crate) fn new(folder: &RunFolder, numbers: &[u32], options: &RenderOptions) -> Result<Self> {
-        let (mut seen, volume) = seen(folder, numbers)?;
+    pub(crate) fn new(folder: &RunFolder, options: &RenderOptions) -> Result<Self> {
+        let (mut seen, volume) = seen(folder)?;
         let size = seen.size().norm().max(1e-12);
         let floor = if folder.domain.is_some() { 0.0f64.min(seen.lower.z) } else { seen.lower.z };
         if seen.lower.z - floor < 0.35 * size {
