@@ -170,6 +170,14 @@ fn forget_old(folder: &Path) {
     }
 }
 
+/// Removes the checkpoints that are newer than one: damaged, they would only be in the way of good ones.
+pub fn forget_newer(path: &Path) {
+    let Some(folder) = path.parent() else { return };
+    for newer in list(folder).iter().take_while(|file| *file != path) {
+        let _ = std::fs::remove_file(newer);
+    }
+}
+
 /// The checkpoints of a folder, newest first.
 pub fn list(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
@@ -353,7 +361,7 @@ mod tests {
     fn what_is_written_is_read_bit_for_bit() {
         let folder = folder("checkpoint-round");
         let state = example();
-        let tally = Tally { next_frame: 3, natural_dt: 1e-3, ..Tally::default() };
+        let tally = Tally { next_frame: 3, mass: 1e-3, ..Tally::default() };
         let path = write(&folder, 42, &state, &tally).unwrap();
         let (back, tally_back) = read(&path, 42, state.phi.grid).unwrap();
         assert_eq!(back, state);

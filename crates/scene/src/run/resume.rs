@@ -28,6 +28,7 @@ pub(super) fn resume<'a, const D: usize>(
                     failure.get_or_insert(CheckpointError::Damaged { path, what });
                     continue;
                 };
+                checkpoint::forget_newer(&path);
                 folder.make()?;
                 folder.cut_frames(tally.next_frame)?;
                 let simulation = Simulation::resume(setup.model.clone(), state);

@@ -165,11 +165,8 @@ impl<'a, const D: usize> Session<'a, D> {
     fn step(&mut self) -> Result<StepReport<D>, RunError> {
         let (schedule, frame) = (&self.job.schedule, self.tally.next_frame);
         let fixed = self.simulation.model.numerics.fixed_step.is_some();
-        let longest = if fixed {
-            f64::INFINITY
-        } else {
-            schedule.longest_step(self.simulation.state.time, frame, self.tally.natural_dt)
-        };
+        let longest =
+            if fixed { f64::INFINITY } else { schedule.longest_step(self.simulation.state.time, frame) };
         let mut last = Instant::now();
         let tally = &mut self.tally;
         let mut phase_end = |name: &'static str| {
@@ -188,7 +185,7 @@ impl<'a, const D: usize> Session<'a, D> {
             return Err(self.not_finite("sum over the liquid"));
         }
         let time = self.simulation.state.time;
-        let momentum_error = self.tally.add(&self.simulation.model, time, longest, &report);
+        let momentum_error = self.tally.add(&self.simulation.model, time, &report);
         self.append_row(&report, momentum_error)?;
         Ok(report)
     }

@@ -9,8 +9,6 @@ use serde::{Deserialize, Serialize};
 pub struct Tally {
     /// Number of the frame to write next.
     pub next_frame: u64,
-    /// Step length that the solver would choose freely, s: decides how a frame's time is reached.
-    pub natural_dt: f64,
     /// Length of `timeseries.csv` so far, bytes.
     pub series_bytes: u64,
     /// Seconds of work so far.
@@ -44,9 +42,7 @@ pub struct Tally {
 impl Tally {
     /// The tally of a run that has not begun.
     pub fn start<const D: usize>(model: &Model<D>, ledger: &Ledger<D>) -> Self {
-        let numerics = &model.numerics;
         Self {
-            natural_dt: (numerics.capillary_step * model.capillary_step()).min(numerics.max_step),
             start_momentum: three(&ledger.momentum),
             mass: model.density * ledger.volume,
             largest_kinetic_energy: ledger.kinetic_energy,
@@ -55,17 +51,9 @@ impl Tally {
         }
     }
 
-    /// Takes a step into account, `asked` (s) being the longest step that was allowed. The momentum error after it.
-    pub fn add<const D: usize>(
-        &mut self,
-        model: &Model<D>,
-        time: f64,
-        asked: f64,
-        report: &StepReport<D>,
-    ) -> f64 {
+    /// Takes a step into account. The momentum error after it.
+    pub fn add<const D: usize>(&mut self, model: &Model<D>, time: f64, report: &StepReport<D>) -> f64 {
         let ledger = &report.ledger;
-        let limited = report.dt >= asked * (1.0 - 1e-12);
-        self.natural_dt = if limited { self.natural_dt.max(report.dt) } else { report.dt };
         self.largest_kinetic_energy = self.largest_kinetic_energy.max(ledger.kinetic_energy);
         if ledger.volume_error.abs() > self.volume_error.abs() {
             self.volume_error = ledger.volume_error;
