@@ -9,7 +9,7 @@ use crate::liquid::momentum::{FaceWalk, Moments};
 use crate::liquid::pressure::{CutFace, Projection, cut_faces};
 use crate::liquid::surface::CutCube;
 use crate::liquid::transport::{advect_surface, advect_velocity, pack};
-use crate::liquid::volume::{Group, band_labels, correct, follow, targets};
+use crate::liquid::volume::{Group, Measured, band_labels, follow, targets};
 use crate::model::Model;
 use crate::simulation::PhaseEnd;
 use crate::state::{Drop, State};
@@ -86,12 +86,6 @@ pub fn step<const D: usize>(
     let solve = work.pressure.project(model, &mut projection)?;
     phase_end("pressure");
 
-    if std::env::var("DBG").is_ok() {
-        let tmin = cut.iter().map(|c| c.theta).fold(1.0, f64::min);
-        let (kmin, kmax) = cut.iter().fold((9.0f64, -9.0f64), |(a, b), c| (a.min(c.kappa), b.max(c.kappa)));
-        let um = cut.iter().map(|c| (state.velocity.axes[c.axis][c.face].abs(), c.axis, model.grid.faces(c.axis).coordinates(c.face), c.theta, c.kappa)).fold((0.0, 0, [0; D], 0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
-        eprintln!("dbg step {} tmin {tmin:.4} kappa {kmin:.5} {kmax:.5} ucut {um:?} res {:.2e} it {}", state.step, solve.residual, solve.iterations);
-    }
     // (6) Momentum that the discretisation lost comes back; the velocity extends beyond the liquid.
     let moments = keep_momentum(model, state, work, &cut, &change, dt);
     work.extend(model, state);
@@ -148,7 +142,6 @@ fn keep_distance<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &
         edge.par_iter().map(deviation).filter(|d| *d > SLOPE).count() * 100 > edge.len()
     };
     if state.drift > DRIFT || skewed {
-        if std::env::var("DBG").is_ok() { eprintln!("redistance step {} drift {} skew {}", state.step, state.drift, skewed); }
         let limit = BAND * model.grid.dx;
         let values = redistance(&model.grid, &work.band, &state.phi.data, &sampler, limit);
         work.band.cells.iter().zip(values).for_each(|(&c, v)| state.phi.data[c as usize] = v);
@@ -173,7 +166,9 @@ fn keep_volume<const D: usize>(
     labels: &[u32],
     dt: f64,
 ) -> Change {
-    let (_, raw) = work.measure(state, labels);
+    let liquid = work.measured_liquid(model, labels);
+    let measured = liquid.measure(&state.phi);
+    let raw = measured.volumes.clone();
     let centers: Vec<Vector<D>> = boxes(model, &work.liquid).iter().map(|(c, _, _)| *c).collect();
     let groups = follow(before, &work.liquid, &state.drops, &centers, dt);
     let (targets, lost) = targets(&groups, &state.drops, &raw);
@@ -181,8 +176,7 @@ fn keep_volume<const D: usize>(
     let relative = |c: usize| (raw[c] - targets[c]).abs() / targets[c].abs().max(1e-300);
     let jump = (0..raw.len()).map(relative).fold(0.0, f64::max);
     let limit = BAND * model.grid.dx;
-    let (cubes, volumes) =
-        correct(model, &work.lattice, &mut state.phi, &work.band, &work.liquid, labels, &targets, limit);
+    let Measured { cubes, volumes } = liquid.correct(&mut state.phi, measured, &targets, limit);
     Change { groups, cubes, targets, volumes, jump }
 }
 
@@ -242,7 +236,7 @@ fn move_velocity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &
 /// The books of a new state: drops, energies. The velocity must be known on the liquid's faces.
 pub fn open_books<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
     let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
-    let (cubes, volumes) = work.measure(state, &labels);
+    let Measured { cubes, volumes } = work.measured_liquid(model, &labels).measure(&state.phi);
     let change = Change { groups: Vec::new(), cubes, targets: volumes.clone(), volumes, jump: 0.0 };
     let flat = Curvature { kappa: Vec::new(), known: Vec::new(), clipped: 0.0 };
     let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &flat);

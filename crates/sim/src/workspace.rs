@@ -1,15 +1,16 @@
 //! Memory of a step, and what follows from the state: where the liquid is.
 
 use crate::liquid::pressure::PressureFields;
-use crate::liquid::surface::{CutCube, SurfaceLattice};
+use crate::liquid::surface::SurfaceLattice;
+use crate::liquid::volume::Liquid;
 use crate::model::Model;
 use crate::state::State;
 use meniscus_numerics::grid::{Band, CellField, KnownFaces, Runs, Sampler, Segment, Tiles};
 
-/// Half the width of the band in which φ is a distance, in cells.
+/// Largest distance that φ tells, in cells.
 pub const BAND: f64 = 5.0;
-/// Layers of the band at most.
-pub const LAYERS: usize = 12;
+/// Layers of the band: enough for [`BAND`] where the surface lies slantwise to the axes.
+pub const LAYERS: usize = 8;
 
 /// What follows from the state, kept from step to step, and scratch memory.
 pub struct Workspace<const D: usize> {
@@ -44,12 +45,12 @@ impl<const D: usize> Workspace<D> {
         workspace
     }
 
-    /// Finds tiles, liquid cells and band of the state's φ.
+    /// Finds tiles, liquid cells and band of the state's φ. Only its signs count: what is found stays right when φ is
+    /// made a distance again or shifted, and a resumed run finds the same.
     pub fn find_liquid(&mut self, model: &Model<D>, state: &State<D>) {
-        let limit = BAND * model.grid.dx;
-        self.tiles = self.tiles.around(&state.phi.data, limit);
+        self.tiles = self.tiles.around_negative(&state.phi.data);
         self.liquid = self.tiles.negative_runs(&state.phi.data).label(&model.grid);
-        self.band.rebuild(&state.phi.data, &self.liquid, LAYERS, limit);
+        self.band.rebuild(&state.phi.data, &self.liquid, LAYERS);
     }
 
     /// Marks the liquid's faces anew and extends the velocity from them.
@@ -67,12 +68,9 @@ impl<const D: usize> Workspace<D> {
         self.known.extrapolate(&mut state.velocity, &self.band, &state.phi.data, &distance, closed);
     }
 
-    /// Cubes that the surface passes and the volume of each component.
-    pub fn measure(&self, state: &State<D>, labels: &[u32]) -> (Vec<CutCube>, Vec<f64>) {
-        let cubes = self.lattice.cut(&state.phi.data, &self.band);
-        let label = |cell: usize| self.band.slot(cell).map(|s| labels[s]).filter(|l| *l != u32::MAX);
-        let volumes = self.lattice.volumes(&self.liquid, label, &cubes);
-        (cubes, volumes)
+    /// The liquid as the volume correction sees it.
+    pub fn measured_liquid<'a>(&'a self, model: &'a Model<D>, labels: &'a [u32]) -> Liquid<'a, D> {
+        Liquid { model, lattice: &self.lattice, band: &self.band, cells: &self.liquid, labels }
     }
 }
 

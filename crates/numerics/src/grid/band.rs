@@ -34,9 +34,9 @@ impl<const D: usize> Band<D> {
         0..self.layers[n.min(self.layers.len() - 1)]
     }
 
-    /// Builds the band of at most `layers` layers around the zero set of `phi`, whose negative cells are `inside`.
-    /// It does not grow beyond cells with `|phi|` of `limit` or more.
-    pub fn rebuild(&mut self, phi: &[f64], inside: &Runs, layers: usize, limit: f64) {
+    /// Builds the band of `layers` layers around the zero set of `phi`, whose negative cells are `inside`. Only the
+    /// signs of `phi` count.
+    pub fn rebuild(&mut self, phi: &[f64], inside: &Runs, layers: usize) {
         for &cell in &self.cells {
             self.slots[cell as usize] = 0;
         }
@@ -64,9 +64,7 @@ impl<const D: usize> Band<D> {
         self.close_layer();
         for l in 1..layers {
             for i in self.layers[l - 1]..self.layers[l] {
-                if phi[self.cells[i] as usize].abs() < limit {
-                    lattice.neighbours(self.cells[i] as usize).for_each(|n| self.push(n));
-                }
+                lattice.neighbours(self.cells[i] as usize).for_each(|n| self.push(n));
             }
             self.close_layer();
         }

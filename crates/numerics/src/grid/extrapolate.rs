@@ -199,7 +199,7 @@ mod tests {
             (0..lattice.len()).map(|i| (grid.center(lattice.coordinates(i)) - center).norm() - 0.26).collect();
         let inside = Tiles::all(grid).negative_runs(&phi);
         let mut band = Band::new(grid);
-        band.rebuild(&phi, &inside, 3, f64::INFINITY);
+        band.rebuild(&phi, &inside, 3);
         let exact = |x: &Vector<D>| 1.0 + 2.0 * x[0] - 3.0 * x[1] + 0.5 * x[D - 1];
         let mut velocity = FaceField::zeros(grid);
         let mut known = KnownFaces::new(grid);

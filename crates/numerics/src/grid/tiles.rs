@@ -35,8 +35,8 @@ impl<const D: usize> Tiles<D> {
         Self { grid, lattice, active: vec![true; lattice.len()] }
     }
 
-    /// The tiles within these that hold a value below `threshold`, and their neighbours.
-    pub fn around(&self, data: &[f64], threshold: f64) -> Self {
+    /// The tiles within these that hold a negative value, and their neighbours.
+    pub fn around_negative(&self, data: &[f64]) -> Self {
         let nx = self.grid.cells[0];
         let mut marked = vec![false; self.lattice.len()];
         let segments = self.segments();
@@ -47,7 +47,7 @@ impl<const D: usize> Tiles<D> {
                 let values = &data[s.row * nx + s.start..s.row * nx + s.end];
                 let tiles = values.chunks(TILE).enumerate();
                 tiles
-                    .filter(|(_, v)| v.iter().any(|&v| v < threshold))
+                    .filter(|(_, v)| v.iter().any(|&v| v < 0.0))
                     .map(|(t, _)| row + s.start / TILE + t)
                     .collect()
             })

@@ -139,7 +139,7 @@ mod tests {
         }
         let inside = Tiles::all(grid).negative_runs(&phi.data);
         let mut band = Band::new(grid);
-        band.rebuild(&phi.data, &inside, 7, f64::INFINITY);
+        band.rebuild(&phi.data, &inside, 7);
         let sampler = Sampler::cells(&grid, &phi.data, [[Edge::Even; 2]; D]);
         let new = redistance(&grid, &band, &phi.data, &sampler, 6.0 * grid.dx);
         let mut worst = 0.0f64;

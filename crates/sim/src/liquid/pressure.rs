@@ -138,6 +138,8 @@ pub struct PressureFields<const D: usize> {
     coefficients: FaceField<D>,
     dirichlet: CellField<D>,
     rhs: CellField<D>,
+    /// The last solver, for its memory.
+    solver: Option<PressureSolver<D>>,
 }
 
 /// The part of a state that a projection works on.
@@ -164,7 +166,7 @@ impl<const D: usize> PressureFields<D> {
         let grid = model.grid;
         let coefficients = FaceField { grid, axes: std::array::from_fn(|a| vec![1.0; grid.faces(a).len()]) };
         let zero = || CellField::new(grid, 0.0);
-        Self { coefficients, dirichlet: zero(), rhs: zero() }
+        Self { coefficients, dirichlet: zero(), rhs: zero(), solver: None }
     }
 
     /// Makes the velocity free of divergence in the liquid.
@@ -180,7 +182,10 @@ impl<const D: usize> PressureFields<D> {
             dirichlet: &self.dirichlet,
         };
         let n = &model.numerics;
-        let report = PressureSolver::new(&input).solve(&self.rhs, p.lambda, n.tolerance, n.max_iterations)?;
+        let solver = PressureSolver::in_memory_of(self.solver.take(), &input);
+        let report = solver.solve(&self.rhs, p.lambda, n.tolerance, n.max_iterations);
+        self.solver = Some(solver);
+        let report = report?;
         subtract_gradient(model, p);
         Ok(report)
     }

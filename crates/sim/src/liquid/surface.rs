@@ -310,7 +310,7 @@ mod tests {
     fn measure<const D: usize>(phi: &[f64], grid: Grid<D>) -> (f64, f64, Vec<CutCube>) {
         let inside = Tiles::all(grid).negative_runs(phi).label(&grid);
         let mut band = Band::new(grid);
-        band.rebuild(phi, &inside, 3, f64::INFINITY);
+        band.rebuild(phi, &inside, 3);
         let lattice = SurfaceLattice::new(grid);
         let cubes = lattice.cut(phi, &band);
         let volume: f64 = lattice.volumes(&inside, |_| Some(0), &cubes).iter().sum();

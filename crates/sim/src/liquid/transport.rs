@@ -37,6 +37,9 @@ fn origin<const D: usize>(x: &Vector<D>, dt: f64, velocity: impl Fn(&Vector<D>) 
     x - (first * 2.0 + second * 3.0 + third * 4.0) * (dt / 9.0)
 }
 
+/// Cells from the surface within which its path is followed with cubic interpolation of the velocity.
+const CLOSE: f64 = 2.5;
+
 /// New values of φ in the cells of the band, in the order of `band.cells`.
 pub fn advect_surface<const D: usize>(
     model: &Model<D>,
@@ -53,7 +56,12 @@ pub fn advect_surface<const D: usize>(
         .par_iter()
         .map(|&cell| {
             let x = grid.center(lattice.coordinates(cell as usize));
-            distance.cubic(&origin(&x, dt, |x| flow.cubic(x)))
+            let near = phi.data[cell as usize].abs() < CLOSE * grid.dx;
+            distance.cubic(&if near {
+                origin(&x, dt, |x| flow.cubic(x))
+            } else {
+                origin(&x, dt, |x| flow.linear(x))
+            })
         })
         .collect()
 }

@@ -10,6 +10,9 @@ use crate::state::Drop;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CellField, Runs};
 
+/// Relative volume error that is left alone.
+const EXACT: f64 = 1e-13;
+
 /// Components of two times that became one another: which old ones, which new ones.
 #[derive(Clone, Debug, Default)]
 pub struct Group {
@@ -110,47 +113,73 @@ pub fn band_labels<const D: usize>(
     labels
 }
 
-/// Shifts φ near each component's surface until its volume is the target (Newton). Gives back the cut cubes and the
-/// volumes reached.
-pub fn correct<const D: usize>(
-    model: &Model<D>,
-    lattice: &SurfaceLattice<D>,
-    phi: &mut CellField<D>,
-    band: &Band<D>,
-    liquid: &Runs,
-    labels: &[u32],
-    targets: &[f64],
-    limit: f64,
-) -> (Vec<CutCube>, Vec<f64>) {
-    let label = |cell: usize| band.slot(cell).map(|s| labels[s]).filter(|l| *l != u32::MAX);
-    let unit = model.grid.cell_volume();
-    let least = NEAREST * model.grid.dx;
-    let mut cubes = lattice.cut(&phi.data, band);
-    let mut volumes = lattice.volumes(liquid, label, &cubes);
-    for _ in 0..4 {
-        let off = |c: usize| (volumes[c] - targets[c]).abs() > 1e-14 * targets[c].abs() + 1e-16 * unit;
-        if !(0..targets.len()).any(off) {
-            break;
-        }
-        let mut slopes = vec![0.0; targets.len()];
-        for cube in &cubes {
-            if let Some(c) = label(cube.liquid as usize) {
-                slopes[c as usize] += cube.volume_slope.iter().sum::<f64>();
-            }
-        }
-        let shifts: Vec<f64> = (0..targets.len())
-            .map(|c| ((volumes[c] - targets[c]) / unit / slopes[c].max(1.0)).clamp(-0.1, 0.1) * model.grid.dx)
-            .collect();
-        for (&cell, &l) in band.cells.iter().zip(labels) {
-            let value = &mut phi.data[cell as usize];
-            if l != u32::MAX && value.abs() < limit {
-                // Signs stay: the runs of liquid cells must remain what they are within a step.
-                let shifted = *value + shifts[l as usize];
-                *value = if *value < 0.0 { shifted.min(-least) } else { shifted.max(least) };
-            }
-        }
-        cubes = lattice.cut(&phi.data, band);
-        volumes = lattice.volumes(liquid, label, &cubes);
+/// The surface as it is: cubes cut, and the volume of each component.
+pub struct Measured {
+    /// Cubes that the surface passes.
+    pub cubes: Vec<CutCube>,
+    /// Volume of each component, m³ (2D: m²).
+    pub volumes: Vec<f64>,
+}
+
+/// Where the liquid is, for measuring and correcting its volume.
+pub struct Liquid<'a, const D: usize> {
+    /// The model.
+    pub model: &'a Model<D>,
+    /// The lattice that measures.
+    pub lattice: &'a SurfaceLattice<D>,
+    /// The cells around the surface.
+    pub band: &'a Band<D>,
+    /// The liquid cells.
+    pub cells: &'a Runs,
+    /// Component of each cell of the band ([`band_labels`]).
+    pub labels: &'a [u32],
+}
+
+impl<const D: usize> Liquid<'_, D> {
+    fn label(&self, cell: usize) -> Option<u32> {
+        self.band.slot(cell).map(|s| self.labels[s]).filter(|l| *l != u32::MAX)
     }
-    (cubes, volumes)
+
+    /// Measures the surface of `phi`.
+    pub fn measure(&self, phi: &CellField<D>) -> Measured {
+        let cubes = self.lattice.cut(&phi.data, self.band);
+        let volumes = self.lattice.volumes(self.cells, |c| self.label(c), &cubes);
+        Measured { cubes, volumes }
+    }
+
+    /// Shifts φ within `limit` of each component's surface until its volume is the target (Newton), and measures.
+    pub fn correct(
+        &self,
+        phi: &mut CellField<D>,
+        mut now: Measured,
+        targets: &[f64],
+        limit: f64,
+    ) -> Measured {
+        let unit = self.model.grid.cell_volume();
+        let least = NEAREST * self.model.grid.dx;
+        for _ in 0..4 {
+            let off = |c: usize| (now.volumes[c] - targets[c]).abs() > EXACT * targets[c].abs();
+            if !(0..targets.len()).any(off) {
+                break;
+            }
+            let mut slopes = vec![0.0; targets.len()];
+            for cube in &now.cubes {
+                if let Some(c) = self.label(cube.liquid as usize) {
+                    slopes[c as usize] += cube.volume_slope.iter().sum::<f64>();
+                }
+            }
+            let shift = |c: usize| ((now.volumes[c] - targets[c]) / unit / slopes[c].max(1.0)).clamp(-0.1, 0.1);
+            let shifts: Vec<f64> = (0..targets.len()).map(|c| shift(c) * self.model.grid.dx).collect();
+            for (&cell, &l) in self.band.cells.iter().zip(self.labels) {
+                let value = &mut phi.data[cell as usize];
+                if l != u32::MAX && value.abs() < limit {
+                    // Signs stay: the runs of liquid cells must remain what they are within a step.
+                    let shifted = *value + shifts[l as usize];
+                    *value = if *value < 0.0 { shifted.min(-least) } else { shifted.max(least) };
+                }
+            }
+            now = self.measure(phi);
+        }
+        now
+    }
 }
