@@ -3,8 +3,10 @@
 //! A case is a [`Case`] in a file of its own under `cases`, listed in `cases/mod.rs`.
 
 pub mod cases;
+pub mod measure;
 pub mod pressure_bench;
 pub mod report;
+pub mod setup;
 
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -1,0 +1,137 @@
+//! Momentum of an isolated system.
+
+use crate::measure::{at_most, settle, surface_points, volume_and_centroid};
+use crate::setup::{RADIUS, TENSION, model, offset, run_to};
+use crate::{Case, Check, Mode};
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::shape::Shape;
+use meniscus_sim::{Body, Ledger, Simulation, StepError, Wall};
+use std::f64::consts::{PI, TAU};
+
+/// The case.
+pub const CASE: Case = Case {
+    name: "momentum",
+    title: "Momentum of an isolated system",
+    theory: "Two drops that collide off-centre and a spinning, oscillating drop in free space. Nothing acts from \
+        outside: the linear and the angular momentum stay as they are (relative to γLt and γL²t, L = R; in 2D per \
+        metre of depth, γt and γLt), and the centre of mass, found from the surface alone, moves uniformly. Full: 12 \
+        cells per radius; quick: 8, 2D only.",
+    quick: true,
+    run: |mode| settle("momentum", run(mode)),
+};
+
+/// Angular velocity of the spinning drop.
+const SPIN: f64 = 5.0;
+/// Relative amplitude of its mode.
+const AMPLITUDE: f64 = 0.1;
+
+fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
+    if mode == Mode::Quick {
+        return isolated::<2>(8);
+    }
+    let mut checks = isolated::<2>(12)?;
+    checks.extend(isolated::<3>(12)?);
+    Ok(checks)
+}
+
+fn isolated<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
+    let (mut sim, time) = start::<D>(cells);
+    let dx = sim.model.grid.dx;
+    let before = sim.ledger();
+    let mass = sim.model.density * before.target_volume;
+    let center = |sim: &Simulation<D>| volume_and_centroid(&surface_points(&sim.model, &sim.state.phi)).1;
+    let first = center(&sim);
+    let (mut linear, mut angular, mut wander): (f64, f64, f64) = (0.0, 0.0, 0.0);
+    let unit = TENSION * RADIUS.powi(D as i32 - 2) * time;
+    run_to(&mut sim, time, |sim, report| {
+        let (p, l) = drift(&before, &report.ledger);
+        (linear, angular) = (linear.max(p / unit), angular.max(l / (unit * RADIUS)));
+        let expected = first + before.momentum * (sim.state.time / mass);
+        wander = wander.max((center(sim) - expected).norm() / dx);
+    })?;
+    let components = sim.state.drops.len() as f64;
+    let what = |text: &str| format!("{text}, {D}D");
+    let case = "momentum";
+    Ok(vec![
+        at_most(case, &what("drift of momentum / γLt"), linear, 1e-8, Some(1e-12), ""),
+        at_most(case, &what("drift of angular momentum / γL²t"), angular, 1e-8, Some(1e-12), ""),
+        at_most(case, &what("centre of mass off its straight path / Δ"), wander, 0.1, Some(0.01), ""),
+        Check::absolute(case, &what("drops at the end (merged)"), components, 2.0, 0.0, None, ""),
+    ])
+}
+
+/// Largest change of momentum and of angular momentum so far.
+fn drift<const D: usize>(before: &Ledger<D>, now: &Ledger<D>) -> (f64, f64) {
+    let linear = (now.momentum - before.momentum).norm();
+    let turn = |i: usize| (now.angular_momentum[i] - before.angular_momentum[i]).powi(2);
+    (linear, (0..3).map(turn).sum::<f64>().sqrt())
+}
+
+/// The three drops, and how long to run.
+fn start<const D: usize>(cells: usize) -> (Simulation<D>, f64) {
+    let dx = RADIUS / cells as f64;
+    let size = [8.5, 9.5, 4.5];
+    let count = std::array::from_fn(|a| (size[a] * cells as f64) as usize);
+    let mut model = model(Grid::<D>::new(count, dx), [[Wall::Open; 2]; D]);
+    model.numerics.tolerance = 1e-8;
+    let place = |x: f64, y: f64| offset::<D>(dx) + Vector::from_fn(|a, _| [x, y, 2.25][a] * RADIUS);
+    let flow = |x: f64, y: f64| Vector::from_fn(|a, _| [x, y, 0.5][a]);
+    let ball = |center: Vector<D>| Shape::Ball { center, radius: RADIUS };
+    let top = place(4.2, 7.0);
+    let shapes = [
+        ball(place(2.6, 2.2)),
+        ball(place(5.4, 3.1)),
+        Shape::PerturbedBall { center: top, radius: RADIUS, mode: 2, amplitude: AMPLITUDE },
+    ];
+    let speeds = [flow(6.0, 0.3), flow(-5.0, 0.0), flow(0.7, -0.4)];
+    let distances: Vec<_> = shapes.iter().map(|s| |x: &Vector<D>| s.signed_distance(x)).collect();
+    let bodies: Vec<Body<'_, D>> =
+        distances.iter().zip(speeds).map(|(distance, velocity)| Body { distance, velocity }).collect();
+    let mut sim = Simulation::new(model, &bodies);
+    spin(&mut sim, &top);
+    let Simulation { model, state, .. } = sim;
+    (Simulation::resume(model, state), 0.15)
+}
+
+/// Lets the drop around `center` spin about the last axis, in the velocity as well as in its books.
+fn spin<const D: usize>(sim: &mut Simulation<D>, center: &Vector<D>) {
+    let grid = sim.model.grid;
+    for a in 0..2 {
+        let faces = grid.faces(a);
+        for (i, u) in sim.state.velocity.axes[a].iter_mut().enumerate() {
+            let d = grid.face_center(a, faces.coordinates(i)) - center;
+            if d.norm() < RADIUS * (1.0 + AMPLITUDE) + grid.dx {
+                *u += if a == 0 { -SPIN * d[1] } else { SPIN * d[0] };
+            }
+        }
+    }
+    let radius = |t: f64| {
+        let direction = Vector::<D>::from_fn(|a, _| {
+            if a == 0 {
+                t.cos()
+            } else if a == D - 1 {
+                t.sin()
+            } else {
+                0.0
+            }
+        });
+        RADIUS * (1.0 + AMPLITUDE * crate::measure::mode_shape(2, &direction))
+    };
+    let steps = 1000;
+    let inertia: f64 = (0..steps)
+        .map(|i| (f64::from(i) + 0.5) / f64::from(steps))
+        .map(|s| match D {
+            2 => TAU * radius(TAU * s).powi(4) / 4.0,
+            // t is the angle from the equator.
+            _ => PI * TAU * radius(PI * (s - 0.5)).powi(5) / 5.0 * (PI * (s - 0.5)).cos().powi(3),
+        })
+        .sum::<f64>()
+        / f64::from(steps);
+    for drop in &mut sim.state.drops {
+        if (drop.centroid - center).norm() < 0.5 * RADIUS {
+            drop.spin[2] += SPIN * inertia;
+        }
+    }
+    sim.state.kinetic_energy += 0.5 * sim.model.density * SPIN * SPIN * inertia;
+}

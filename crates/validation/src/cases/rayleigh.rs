@@ -1,0 +1,170 @@
+//! Drops that oscillate: frequency, damping, step length, viscosity.
+
+use crate::measure::{at_least, at_most, convergence_order, fit_oscillation, settle};
+use crate::setup::{DropHistory, DropRun, RADIUS, rayleigh_frequency, run_drop};
+use crate::{Case, Check, Mode};
+use meniscus_sim::StepError;
+use std::f64::consts::TAU;
+
+/// Relative amplitude of the perturbation.
+const AMPLITUDE: f64 = 0.02;
+
+const THEORY: &str = "A drop r = R(1 + ε cos nθ) (2D) or R(1 + ε P_n) (3D), R = 0.5, ε = 0.02, γ = 100, ρ = 1, ν = 0, \
+    released at rest, oscillates with ω² = n(n² − 1)γ/ρR³ or n(n − 1)(n + 2)γ/ρR³ (Rayleigh 1879) and loses nothing. \
+    Frequency and loss come from a damped oscillation fitted to the mode's amplitude. Order of convergence of the \
+    frequency from three grids (2D: 8, 16, 32, 3D: 8, 12, 16 cells per radius). Full: 16 cells per radius; quick: 8 \
+    cells per radius, bars 4 % and 15 %, 2D order from 6, 8 and 12 cells.";
+
+/// In 2D.
+pub const PLANE: Case = Case {
+    name: "rayleigh-2d",
+    title: "Oscillating drop, 2D",
+    theory: THEORY,
+    quick: true,
+    run: |mode| settle("rayleigh-2d", modes::<2>("rayleigh-2d", mode)),
+};
+
+/// In 3D.
+pub const SPACE: Case = Case {
+    name: "rayleigh-3d",
+    title: "Oscillating drop, 3D",
+    theory: THEORY,
+    quick: true,
+    run: |mode| settle("rayleigh-3d", modes::<3>("rayleigh-3d", mode)),
+};
+
+/// Long steps.
+pub const STEPS: Case = Case {
+    name: "step-length",
+    title: "Oscillating drop with long steps",
+    theory: "The frequency of the mode n = 2 (see rayleigh-2d) with steps of 0.5, 5 and 20 times the explicit \
+        capillary limit, and no blow-up up to 40 times. Full: 16 cells per radius in 2D and 3D; quick: 8 cells per \
+        radius, 2D, bars twice as wide.",
+    quick: true,
+    run: |mode| settle("step-length", steps(mode)),
+};
+
+/// Viscous decay.
+pub const LAMB: Case = Case {
+    name: "lamb-decay",
+    title: "Viscous decay of an oscillating drop",
+    theory: "A slightly viscous drop's mode n decays at the rate 2n(n − 1)ν/R² (2D) or (n − 1)(2n + 1)ν/R² (3D) (Lamb, \
+        Hydrodynamics, 1932); here n = 2, ν = 0.01: 0.16 and 0.20 per second. The theory is the limit of small ν; \
+        the next order is about 2 % here. Full: 16 cells per radius; quick: 2D at 8 cells per radius, where \
+        numerical damping shows, bar 50 %.",
+    quick: true,
+    run: |mode| settle("lamb-decay", lamb(mode)),
+};
+
+/// Frequency and loss per period of a run.
+struct Tone {
+    frequency: f64,
+    loss: f64,
+    decay: f64,
+    growth: f64,
+    history: DropHistory,
+}
+
+fn tone<const D: usize>(cells: usize, n: u32, step: f64, periods: f64, nu: f64) -> Result<Tone, StepError> {
+    let omega = rayleigh_frequency::<D>(n);
+    let time = periods * TAU / omega;
+    let run = DropRun { cells, mode: n, amplitude: AMPLITUDE, viscosity: nu, step, time };
+    let history = run_drop::<D>(&run)?;
+    let growth = history.amplitudes.iter().fold(0.0f64, |m, a| m.max(a.abs())) / AMPLITUDE;
+    let fit = fit_oscillation(&history.times, &history.amplitudes, omega);
+    let (frequency, decay) = fit.map_or((f64::NAN, f64::NAN), |f| (f.omega, f.decay));
+    Ok(Tone { frequency, decay, loss: 1.0 - (-decay * TAU / omega).exp(), growth, history })
+}
+
+fn modes<const D: usize>(name: &str, mode: Mode) -> Result<Vec<Check>, StepError> {
+    let quick = mode == Mode::Quick;
+    let cells = if quick { 8 } else { 16 };
+    let (step, periods) = if D == 2 { (0.5, 3.0) } else { (2.0, 1.5) };
+    let bars = if quick { (0.04, 0.15) } else { (0.015, 0.05) };
+    let mut checks = Vec::new();
+    for n in [2, 3] {
+        let omega = rayleigh_frequency::<D>(n);
+        let tone = tone::<D>(cells, n, step, periods, 0.0)?;
+        let frequency = format!("frequency, n = {n}");
+        checks.push(Check::relative(name, &frequency, tone.frequency, omega, bars.0, Some(0.005), "rad/s"));
+        let loss = format!("loss of amplitude per period, n = {n}");
+        checks.push(at_most(name, &loss, tone.loss, bars.1, Some(0.02), ""));
+        if n == 2 {
+            let volume = tone.history.volume_error;
+            checks.push(at_most(name, "volume error", volume, 1e-4, Some(1e-8), ""));
+        }
+    }
+    if D == 2 || !quick {
+        checks.push(order::<D>(name, quick)?);
+    }
+    Ok(checks)
+}
+
+/// Order of convergence of the frequency of n = 2, at steps that shrink with the cells.
+fn order<const D: usize>(name: &str, quick: bool) -> Result<Check, StepError> {
+    let grids: [usize; 3] = match (D, quick) {
+        (2, false) => [8, 16, 32],
+        (2, true) => [6, 8, 12],
+        _ => [8, 12, 16],
+    };
+    let omega = rayleigh_frequency::<D>(2);
+    let mut errors = Vec::new();
+    for cells in grids {
+        let (step, periods) = if D == 2 { (0.5, 2.0) } else { (2.0, 1.25) };
+        let tone = tone::<D>(cells, 2, step, periods, 0.0)?;
+        errors.push((RADIUS / cells as f64, tone.frequency / omega - 1.0));
+    }
+    let list: Vec<String> = errors.iter().map(|(_, e)| format!("{:+.2} %", 100.0 * e)).collect();
+    let quantity = format!("order of convergence, n = 2 (errors {})", list.join(", "));
+    Ok(at_least(name, &quantity, convergence_order(&errors), 1.3, 1.8))
+}
+
+fn steps(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let name = "step-length";
+    if mode == Mode::Quick {
+        return steps_in::<2>(name, 8, 2.0);
+    }
+    let mut checks = steps_in::<2>(name, 16, 1.0)?;
+    checks.extend(steps_in::<3>(name, 16, 1.0)?);
+    Ok(checks)
+}
+
+fn steps_in<const D: usize>(name: &str, cells: usize, wider: f64) -> Result<Vec<Check>, StepError> {
+    let omega = rayleigh_frequency::<D>(2);
+    let mut checks = Vec::new();
+    for (step, must, aim) in [(0.5, 0.02, 0.01), (5.0, 0.03, 0.01), (20.0, 0.05, 0.02), (40.0, 0.0, 0.0)] {
+        let periods = if D == 2 { 3.0 } else { 1.0 + 0.25 * f64::min(step, 4.0) };
+        let tone = tone::<D>(cells, 2, step, periods, 0.0)?;
+        if must > 0.0 {
+            let quantity = format!("frequency, {D}D, steps {step} × the limit");
+            let frequency = tone.frequency;
+            checks.push(Check::relative(name, &quantity, frequency, omega, wider * must, Some(aim), "rad/s"));
+        }
+        let quantity = format!("largest amplitude over the first, {D}D, steps {step} × the limit");
+        checks.push(Check::absolute(name, &quantity, tone.growth, 1.0, 0.1, Some(0.02), ""));
+    }
+    Ok(checks)
+}
+
+fn lamb(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let (name, nu) = ("lamb-decay", 0.01);
+    let unit = nu / (RADIUS * RADIUS);
+    if mode == Mode::Quick {
+        let plane = tone::<2>(8, 2, 1.0, 4.0, nu)?;
+        return Ok(vec![Check::relative(
+            name,
+            "decay rate, 2D",
+            plane.decay,
+            4.0 * unit,
+            0.5,
+            Some(0.03),
+            "1/s",
+        )]);
+    }
+    let plane = tone::<2>(16, 2, 0.5, 6.0, nu)?;
+    let space = tone::<3>(16, 2, 4.0, 3.0, nu)?;
+    Ok(vec![
+        Check::relative(name, "decay rate, 2D", plane.decay, 4.0 * unit, 0.1, Some(0.03), "1/s"),
+        Check::relative(name, "decay rate, 3D", space.decay, 5.0 * unit, 0.1, Some(0.03), "1/s"),
+    ])
+}

@@ -1,0 +1,134 @@
+//! Models and drops that the cases share: the liquid of the design's tables, in any consistent units.
+
+use crate::measure::{Roundness, fit_mode, surface_points};
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::shape::Shape;
+use meniscus_sim::{Body, Model, Numerics, Simulation, StepError, StepReport, Wall};
+
+/// Radius of the drops.
+pub const RADIUS: f64 = 0.5;
+/// Surface tension.
+pub const TENSION: f64 = 100.0;
+
+/// The liquid of the tables without viscosity and gravity: density 1, tension 100.
+pub fn model<const D: usize>(grid: Grid<D>, walls: [[Wall; 2]; D]) -> Model<D> {
+    Model {
+        grid,
+        walls,
+        density: 1.0,
+        kinematic_viscosity: 0.0,
+        surface_tension: TENSION,
+        gravity: Vector::zeros(),
+        numerics: Numerics::default(),
+    }
+}
+
+/// A shift by irrational fractions of a cell, so that no symmetry of the grid helps.
+pub fn offset<const D: usize>(dx: f64) -> Vector<D> {
+    Vector::from_fn(|a, _| dx * [0.141_421_356, 0.273_205_081, 0.367_879_441][a])
+}
+
+/// Steps to a time; `each` sees the simulation after every step.
+///
+/// # Errors
+/// The step's.
+pub fn run_to<const D: usize>(
+    sim: &mut Simulation<D>,
+    end: f64,
+    mut each: impl FnMut(&Simulation<D>, &StepReport<D>),
+) -> Result<(), StepError> {
+    while sim.state.time < end * (1.0 - 1e-12) {
+        let report = sim.step(end - sim.state.time, &mut |_| ())?;
+        each(sim, &report);
+    }
+    Ok(())
+}
+
+/// An oscillating or resting drop in free space.
+#[derive(Clone, Copy, Debug)]
+pub struct DropRun {
+    /// Cells per radius.
+    pub cells: usize,
+    /// Mode of the perturbation.
+    pub mode: u32,
+    /// Relative amplitude of the perturbation.
+    pub amplitude: f64,
+    /// Kinematic viscosity.
+    pub viscosity: f64,
+    /// Step length as a multiple of the explicit capillary limit.
+    pub step: f64,
+    /// How long.
+    pub time: f64,
+}
+
+/// What was recorded.
+#[derive(Clone, Debug, Default)]
+pub struct DropHistory {
+    /// Times, from zero.
+    pub times: Vec<f64>,
+    /// Relative amplitude of the mode.
+    pub amplitudes: Vec<f64>,
+    /// Largest deviation of the surface from radius, shift and mode over the radius.
+    pub deviations: Vec<f64>,
+    /// Largest speed.
+    pub speeds: Vec<f64>,
+    /// Pressure at the centre of mass.
+    pub pressures: Vec<f64>,
+    /// Largest relative error of the volume.
+    pub volume_error: f64,
+    /// Solver iterations.
+    pub iterations: usize,
+}
+
+/// Rayleigh's frequency of a mode of a drop without viscosity (Lord Rayleigh 1879), rad/s.
+pub fn rayleigh_frequency<const D: usize>(mode: u32) -> f64 {
+    let n = f64::from(mode);
+    let number = if D == 2 { n * (n * n - 1.0) } else { n * (n - 1.0) * (n + 2.0) };
+    (number * TENSION / RADIUS.powi(3)).sqrt()
+}
+
+/// Runs a drop in the middle of a box 3.4 radii wide, off the grid's points, released at rest.
+///
+/// # Errors
+/// The step's.
+pub fn run_drop<const D: usize>(run: &DropRun) -> Result<DropHistory, StepError> {
+    let dx = RADIUS / run.cells as f64;
+    let cells = (3.4 * run.cells as f64).ceil() as usize;
+    let mut model = model(Grid::<D>::new([cells; D], dx), [[Wall::Open; 2]; D]);
+    model.kinematic_viscosity = run.viscosity;
+    model.numerics.tolerance = 1e-8;
+    model.numerics.fixed_step = Some(run.step * model.capillary_step());
+    let center = model.grid.upper() * 0.5 + offset(dx);
+    let shape = Shape::PerturbedBall { center, radius: RADIUS, mode: run.mode, amplitude: run.amplitude };
+    let distance = |x: &Vector<D>| shape.signed_distance(x);
+    let mut sim = Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }]);
+    let mut history = DropHistory::default();
+    history.record(&sim, run.mode);
+    run_to(&mut sim, run.time, |sim, report| {
+        history.record(sim, run.mode);
+        history.speeds.push(report.ledger.max_speed);
+        history.volume_error = history.volume_error.max(report.ledger.volume_error);
+        history.iterations += report.iterations;
+        let center = sim.state.drops.first().map_or(center, |d| d.centroid);
+        let cell = center.map(|x| (x / dx) as usize);
+        let index = sim.model.grid.lattice().index(std::array::from_fn(|a| cell[a]));
+        history.pressures.push(sim.state.lambda.data[index] * sim.model.density / sim.state.last_dt);
+    })?;
+    Ok(history)
+}
+
+impl DropHistory {
+    fn record<const D: usize>(&mut self, sim: &Simulation<D>, mode: u32) {
+        let fit = roundness(sim, mode).unwrap_or(Roundness { radius: 0.0, amplitude: 0.0, deviation: 0.0 });
+        self.times.push(sim.state.time);
+        self.amplitudes.push(fit.amplitude / RADIUS);
+        self.deviations.push(fit.deviation / RADIUS);
+    }
+}
+
+/// The shape of the only drop of a simulation.
+pub fn roundness<const D: usize>(sim: &Simulation<D>, mode: u32) -> Option<Roundness> {
+    let center = sim.state.drops.first()?.centroid;
+    fit_mode(&surface_points(&sim.model, &sim.state.phi), &center, mode)
+}
