@@ -2,6 +2,7 @@
 //!
 //! This crate never opens a file, reads a clock or chooses a number of threads.
 
+mod kinematic;
 mod ledger;
 mod liquid;
 mod model;
@@ -10,6 +11,7 @@ mod state;
 mod step;
 mod workspace;
 
+pub use kinematic::Kinematic;
 pub use ledger::{Ledger, StepReport};
 pub use model::{Model, Numerics, Wall};
 pub use simulation::{Body, PhaseEnd, Simulation, StepError};

@@ -101,7 +101,7 @@ pub fn step<const D: usize>(
 }
 
 /// Moves φ; gives back the liquid cells before.
-fn move_surface<const D: usize>(
+pub fn move_surface<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     work: &mut Workspace<D>,
@@ -124,7 +124,7 @@ fn move_surface<const D: usize>(
 }
 
 /// Redistances φ when the surface has moved enough or its slope has become wrong.
-fn keep_distance<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
+pub fn keep_distance<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
     let sampler = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
     let lattice = model.grid.lattice();
     let skewed = state.drift <= DRIFT && {
@@ -150,15 +150,17 @@ fn keep_distance<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &
 }
 
 /// What became of the components in a step.
-struct Change {
+pub struct Change {
     groups: Vec<Group>,
     cubes: Vec<CutCube>,
-    targets: Vec<f64>,
+    /// Volumes that the components must have.
+    pub targets: Vec<f64>,
     volumes: Vec<f64>,
     jump: f64,
 }
 
-fn keep_volume<const D: usize>(
+/// Follows the components and puts their volumes right.
+pub fn keep_volume<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     work: &Workspace<D>,

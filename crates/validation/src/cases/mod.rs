@@ -1,10 +1,16 @@
 //! The cases, one file per family.
 
 mod capillary_wave;
+mod dam_break;
 mod hydrostatic;
 mod momentum;
+mod moving_drop;
+mod pressure_matrix;
 mod rayleigh;
+mod rayleigh_plateau;
 mod static_drop;
+mod transport;
+mod volume;
 
 use crate::Case;
 
@@ -13,7 +19,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 9] = [
+const ALL: [Case; 16] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -21,6 +27,13 @@ const ALL: [Case; 9] = [
     rayleigh::STEPS,
     rayleigh::LAMB,
     capillary_wave::CASE,
+    moving_drop::CASE,
+    rayleigh_plateau::CASE,
     hydrostatic::CASE,
+    transport::ZALESAK,
+    transport::VORTEX,
+    dam_break::CASE,
+    volume::CASE,
     momentum::CASE,
+    pressure_matrix::CASE,
 ];

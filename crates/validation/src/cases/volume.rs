@@ -1,0 +1,62 @@
+//! Volume through a collision.
+
+use crate::measure::{at_most, settle};
+use crate::setup::{RADIUS, model, offset};
+use crate::{Case, Check, Mode};
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::shape::Shape;
+use meniscus_sim::{Body, Simulation, StepError, Wall};
+
+/// The case.
+pub const CASE: Case = Case {
+    name: "volume",
+    title: "Volume of colliding drops",
+    theory: "Two drops collide off-centre in 3D, merge and oscillate for 1000 steps. The volume within the surface of \
+        every component stays what it was at the start, or what its parts were, and the sum stays too. Full: 8 cells \
+        per radius; quick: 4.",
+    quick: true,
+    run: |mode| settle("volume", run(mode)),
+};
+
+fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let cells = if mode == Mode::Quick { 4 } else { 8 };
+    let dx = RADIUS / cells as f64;
+    let count = [7 * cells, 6 * cells, 5 * cells];
+    let mut model = model(Grid::<3>::new(count, dx), [[Wall::Slip; 2]; 3]);
+    model.kinematic_viscosity = 0.02;
+    let shift = offset::<3>(dx);
+    let ball =
+        |x: f64, y: f64| Shape::Ball { center: shift + Vector::<3>::new(x, y, 2.5) * RADIUS, radius: RADIUS };
+    let shapes = [ball(2.0, 2.7), ball(4.9, 3.3)];
+    let left = |x: &Vector<3>| shapes[0].signed_distance(x);
+    let right = |x: &Vector<3>| shapes[1].signed_distance(x);
+    let mut sim = Simulation::new(
+        model,
+        &[
+            Body { distance: &left, velocity: Vector::<3>::new(8.0, 0.0, 0.0) },
+            Body { distance: &right, velocity: Vector::<3>::new(-8.0, 0.0, 0.0) },
+        ],
+    );
+    let start = sim.ledger().volume;
+    let (mut worst, mut total): (f64, f64) = (0.0, 0.0);
+    while sim.state.step < 1000 {
+        let ledger = sim.step(f64::INFINITY, &mut |_| ())?.ledger;
+        worst = worst.max(ledger.volume_error);
+        total = total.max(((ledger.volume + sim.state.lost_volume) / start - 1.0).abs());
+    }
+    let drops = sim.state.drops.len();
+    let lost = sim.state.lost_volume / start;
+    Ok(vec![
+        at_most("volume", "drift of a component", worst, 1e-4, Some(1e-8), ""),
+        at_most(
+            "volume",
+            &format!("drift of the sum ({drops} components at the end)"),
+            total,
+            1e-4,
+            Some(1e-8),
+            "",
+        ),
+        at_most("volume", "volume of vanished components", lost, 1e-4, Some(1e-8), ""),
+    ])
+}
