@@ -12,7 +12,7 @@ impl Runs {
         for axis in 1..D {
             for (i, run) in self.runs.iter().enumerate() {
                 let row = run.row as usize;
-                if row / row_stride % lattice.extent[axis] == 0 {
+                if (row / row_stride).is_multiple_of(lattice.extent[axis]) {
                     continue;
                 }
                 let below = row - row_stride;

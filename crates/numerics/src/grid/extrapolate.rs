@@ -108,7 +108,8 @@ impl<const D: usize> KnownFaces<D> {
                     .par_iter()
                     .map(|&f| {
                         let at = self.grid.faces(a).coordinates(f as usize);
-                        let shut = (at[a] == 0 && closed(a, 0)) || (at[a] == self.grid.cells[a] && closed(a, 1));
+                        let shut =
+                            (at[a] == 0 && closed(a, 0)) || (at[a] == self.grid.cells[a] && closed(a, 1));
                         if shut { 0.0 } else { self.extend(&velocity.axes[a], a, at, mark, distance) }
                     })
                     .collect();
@@ -119,7 +120,14 @@ impl<const D: usize> KnownFaces<D> {
     }
 
     /// The value of the face `at` from faces marked before `mark`.
-    fn extend(&self, values: &[f64], axis: usize, at: [usize; D], mark: u8, distance: &Sampler<'_, D>) -> f64 {
+    fn extend(
+        &self,
+        values: &[f64],
+        axis: usize,
+        at: [usize; D],
+        mark: u8,
+        distance: &Sampler<'_, D>,
+    ) -> f64 {
         let lattice = self.grid.faces(axis);
         let here = lattice.index(at);
         let known = |f: usize| {
@@ -135,7 +143,8 @@ impl<const D: usize> KnownFaces<D> {
                 if room == 0 {
                     continue;
                 }
-                let step = |n: usize| if down { here - n * lattice.stride[b] } else { here + n * lattice.stride[b] };
+                let step =
+                    |n: usize| if down { here - n * lattice.stride[b] } else { here + n * lattice.stride[b] };
                 let first = step(1);
                 if !known(first) {
                     continue;
@@ -195,8 +204,9 @@ mod tests {
         let grid = Grid::<D>::new([20; D], 0.05);
         let lattice = grid.lattice();
         let center = Vector::from_fn(|_, _| 0.51);
-        let phi: Vec<f64> =
-            (0..lattice.len()).map(|i| (grid.center(lattice.coordinates(i)) - center).norm() - 0.26).collect();
+        let phi: Vec<f64> = (0..lattice.len())
+            .map(|i| (grid.center(lattice.coordinates(i)) - center).norm() - 0.26)
+            .collect();
         let inside = Tiles::all(grid).negative_runs(&phi);
         let mut band = Band::new(grid);
         band.rebuild(&phi, &inside, 3);

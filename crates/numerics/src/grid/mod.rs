@@ -49,7 +49,7 @@ impl<const D: usize> Lattice<D> {
     }
 
     /// Number of points.
-    #[allow(clippy::len_without_is_empty)]
+    #[expect(clippy::len_without_is_empty, reason = "no lattice is empty")]
     pub fn len(&self) -> usize {
         self.extent.iter().product()
     }

@@ -59,7 +59,11 @@ fn merge(a: &[Segment], b: &[Segment]) -> Vec<Segment> {
     while i < a.len() || j < b.len() {
         let first = j == b.len() || (i < a.len() && (a[i].row, a[i].start) <= (b[j].row, b[j].start));
         let next = if first { a[i] } else { b[j] };
-        if first { i += 1 } else { j += 1 }
+        if first {
+            i += 1
+        } else {
+            j += 1
+        }
         match out.last_mut() {
             Some(last) if last.row == next.row && next.start <= last.end => last.end = last.end.max(next.end),
             _ => out.push(next),

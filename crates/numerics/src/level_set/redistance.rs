@@ -55,12 +55,7 @@ pub fn redistance<const D: usize>(
 }
 
 /// The nearest crossing of the interface with the lattice edges of a cell.
-fn crossing<const D: usize>(
-    grid: &Grid<D>,
-    phi: &[f64],
-    cell: usize,
-    x: &Vector<D>,
-) -> Option<Vector<D>> {
+fn crossing<const D: usize>(grid: &Grid<D>, phi: &[f64], cell: usize, x: &Vector<D>) -> Option<Vector<D>> {
     let here = phi[cell];
     let mut best: Option<(f64, Vector<D>)> = None;
     for n in grid.lattice().neighbours(cell) {

@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::BufWriter;
+use std::ops::Range;
 use std::path::Path;
 
 use crate::error::{Result, ViewError};
@@ -72,13 +73,7 @@ impl Canvas {
     }
 
     /// The pixels about a line, if any are in the picture.
-    #[allow(clippy::type_complexity)]
-    fn range(
-        &self,
-        a: [f64; 2],
-        b: [f64; 2],
-        reach: f64,
-    ) -> Option<(std::ops::Range<usize>, std::ops::Range<usize>)> {
+    fn range(&self, a: [f64; 2], b: [f64; 2], reach: f64) -> Option<(Range<usize>, Range<usize>)> {
         let span = |k: usize, n: usize| {
             let from = (a[k].min(b[k]) - reach).floor().clamp(0.0, n as f64);
             let to = (a[k].max(b[k]) + reach).ceil().clamp(0.0, n as f64);
