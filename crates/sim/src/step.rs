@@ -9,6 +9,7 @@ use crate::liquid::momentum::{FaceWalk, Moments};
 use crate::liquid::pressure::{CutFace, Projection, cut_faces};
 use crate::liquid::surface::CutCube;
 use crate::liquid::transport::{advect_surface, advect_velocity, pack};
+use crate::liquid::viscosity::Diffusion;
 use crate::liquid::volume::{Group, Measured, band_labels, follow, targets};
 use crate::model::Model;
 use crate::simulation::PhaseEnd;
@@ -64,6 +65,17 @@ pub fn step<const D: usize>(
     let displacement = normal_displacement(model, state, work, dt);
     move_velocity(model, state, work, dt);
     phase_end("advect velocity");
+    if model.kinematic_viscosity > 0.0 {
+        let mut diffusion = Diffusion {
+            velocity: &mut state.velocity,
+            phi: &state.phi,
+            band: &work.band,
+            liquid: &work.liquid,
+            faces: work.known.liquid(),
+        };
+        diffusion.advance(model, dt)?;
+        phase_end("viscosity");
+    }
 
     // (4) Surface tension as a pressure on the surface.
     let capillary = model.surface_tension * dt * dt / (model.density * model.grid.dx.powi(3));

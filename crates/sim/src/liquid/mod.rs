@@ -5,4 +5,5 @@ pub mod curvature;
 pub mod momentum;
 pub mod pressure;
 pub mod transport;
+pub mod viscosity;
 pub mod volume;

@@ -1,0 +1,497 @@
+//! Viscosity: one implicit step with the free surface's condition of no traction.
+//!
+//! Variational (C. Batty and R. Bridson, "Accurate viscous free surfaces for buckling, coiling, and rotating
+//! liquids", SCA 2008): the new velocity minimises `½ Σ m_f (u_f − u*_f)² + ½ h Φ(u)` with the dissipation
+//! `Φ = ν ∫ 2 Σ_a (∂_a u_a)² + Σ_{a<b} (∂_b u_a + ∂_a u_b)² dV`. Each term is weighted by the share of its
+//! control volume that is liquid: a cell for the diagonal terms, the box around an edge (2D: a node) for the
+//! shear. Where there is no liquid nothing pulls: the traction at the surface vanishes by itself, and a rigid
+//! motion stays as it is.
+//!
+//! The mass `m_f` of a face is the one of the pressure solve (1 between liquid cells, the share θ of the way
+//! to the surface otherwise), so that this step and the projection are symmetric in the same inner product.
+//! Faces outside the liquid that a term needs are unknowns without mass: they follow the liquid as the
+//! missing traction demands.
+//!
+//! Walls are frictionless: edges on the domain's sides carry no shear, faces on closed sides stay as they
+//! are.
+
+use super::momentum::PLANES;
+use crate::model::Model;
+use meniscus_numerics::grid::{Band, CellField, FaceField, Lattice, Runs, Sampler, Segment};
+use meniscus_numerics::linalg::{Jacobi, LinearOperator, SolveError, SolveReport, conjugate_gradient};
+use meniscus_numerics::par;
+use meniscus_numerics::shape::plane_box_fraction;
+use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
+
+/// Relative residual of the solve.
+const TOLERANCE: f64 = 1e-8;
+/// Most iterations.
+const ITERATIONS: usize = 2000;
+/// Layers of the band whose air cells may hold a control volume that reaches into the liquid.
+const REACH: usize = 3;
+/// Distance from the surface, in cells, from which on all control volumes of a cell are full or empty: 1.6
+/// for a true distance.
+const DEEP: f64 = 2.0;
+/// Shares of liquid below this count as none.
+const LEAST: f64 = 1e-6;
+/// Least mass of a face of the liquid, as in the pressure solve.
+const NEAREST: f64 = 0.02;
+/// Cells that are worth a thread's while.
+const GRAIN: usize = 1024;
+
+/// The part of a state that viscosity works on.
+pub struct Diffusion<'a, const D: usize> {
+    /// Velocity, m/s; changed on the liquid's faces.
+    pub velocity: &'a mut FaceField<D>,
+    /// Distance, m.
+    pub phi: &'a CellField<D>,
+    /// The cells around the surface.
+    pub band: &'a Band<D>,
+    /// The liquid cells.
+    pub liquid: &'a Runs,
+    /// Their faces.
+    pub faces: &'a [Vec<Segment>; D],
+}
+
+impl<const D: usize> Diffusion<'_, D> {
+    /// Lets viscosity act for `dt` seconds.
+    ///
+    /// # Errors
+    /// What the solver says.
+    pub fn advance(&mut self, model: &Model<D>, dt: f64) -> Result<SolveReport, SolveError> {
+        self.advance_to(model, dt, TOLERANCE)
+    }
+
+    fn advance_to(&mut self, model: &Model<D>, dt: f64, tolerance: f64) -> Result<SolveReport, SolveError> {
+        let places = Places::new(model, self);
+        let stiffness = model.kinematic_viscosity * dt / (model.grid.dx * model.grid.dx);
+        let operator = Viscous::new(model, self.phi, &places, stiffness);
+        let mut x = operator.gather(model, &places, self.velocity);
+        let b: Vec<f64> = operator.cells.iter().flat_map(|c| c.mass).zip(&x).map(|(m, u)| m * u).collect();
+        let jacobi = Jacobi::new(&operator.diagonal());
+        let report = conjugate_gradient(&operator, &jacobi, &b, &mut x, tolerance, ITERATIONS)?;
+        for a in 0..D {
+            let lattice = model.grid.faces(a);
+            let row = lattice.extent[0];
+            par::for_each_segment(&mut self.velocity.axes[a], row, &self.faces[a], |s, part| {
+                let at = lattice.coordinates(s.row * row + s.start);
+                let slots = &places.slots[places.lattice.index(at)..][..part.len()];
+                for (u, slot) in part.iter_mut().zip(slots).filter(|(_, slot)| **slot != 0) {
+                    *u = x[*slot as usize * D + a];
+                }
+            });
+        }
+        Ok(report)
+    }
+}
+
+/// The cells whose lower faces are unknowns: liquid, the nearest air, and beyond open upper sides.
+struct Places<const D: usize> {
+    /// Cells and one more along each axis: every face is the lower face of one of these.
+    lattice: Lattice<D>,
+    /// Where they are; the first is a dummy.
+    list: Vec<u32>,
+    /// Place in the list; 0: none.
+    slots: Vec<u32>,
+}
+
+impl<const D: usize> Places<D> {
+    fn new(model: &Model<D>, d: &Diffusion<'_, D>) -> Self {
+        let cells = model.grid.lattice();
+        let lattice = Lattice::new(cells.extent.map(|n| n + 1));
+        let mut list = vec![0];
+        for run in &d.liquid.runs {
+            let start =
+                lattice.index(cells.coordinates(run.row as usize * cells.extent[0] + run.start as usize));
+            list.extend(start as u32..start as u32 + (run.end - run.start));
+        }
+        let near = &d.band.cells[d.band.first_layers(REACH)];
+        let far = DEEP * model.grid.dx;
+        let air = near.iter().filter(|c| (0.0..far).contains(&d.phi.data[**c as usize]));
+        list.extend(air.map(|&c| lattice.index(cells.coordinates(c as usize)) as u32));
+        for a in (0..D).filter(|a| !model.closed(*a, cells.extent[*a])) {
+            let last = |p: &u32| {
+                let at = lattice.coordinates(*p as usize);
+                at[a] + 1 == cells.extent[a] && (0..D).all(|b| at[b] < cells.extent[b])
+            };
+            let beyond: Vec<u32> =
+                list[1..].iter().filter(|p| last(p)).map(|p| p + lattice.stride[a] as u32).collect();
+            list.extend(beyond);
+        }
+        // Memory of a zero field is not touched where nothing is written.
+        let mut slots = vec![0; lattice.len()];
+        list.iter().enumerate().skip(1).for_each(|(i, p)| slots[*p as usize] = i as u32);
+        Self { lattice, list, slots }
+    }
+}
+
+/// What belongs to a cell: its volume, the edges at its lower corner, its lower faces.
+#[derive(Clone, Copy)]
+struct Cell<const D: usize> {
+    /// Places of the lower and upper neighbour along each axis.
+    next: [[u32; 2]; D],
+    /// `2 ν h/Δ²` times the share of the cell.
+    normal: f64,
+    /// `ν h/Δ²` times the share of the box around the lower edge of each plane.
+    shear: [f64; D],
+    /// Mass of the lower faces.
+    mass: [f64; D],
+    /// Whether the lower faces are unknown.
+    free: [bool; D],
+}
+
+/// The planes of shear: two axes each.
+fn planes<const D: usize>() -> &'static [(usize, usize, usize)] {
+    if D == 2 { &PLANES[..1] } else { &PLANES }
+}
+
+/// Mass plus `h` times half the slope of `Φ`.
+struct Viscous<const D: usize> {
+    cells: Vec<Cell<D>>,
+    /// Weighted strain rates of each cell: along the axes, in the planes.
+    strain: Mutex<Vec<[[f64; D]; 2]>>,
+}
+
+impl<const D: usize> Viscous<D> {
+    fn new(model: &Model<D>, phi: &CellField<D>, places: &Places<D>, stiffness: f64) -> Self {
+        let dummy =
+            Cell { next: [[0; 2]; D], normal: 0.0, shear: [0.0; D], mass: [0.0; D], free: [false; D] };
+        let builder = Builder {
+            model,
+            places,
+            phi: &phi.data,
+            sampler: Sampler::cells(&model.grid, &phi.data, model.scalar_edges()),
+            stiffness,
+        };
+        let build = |(i, p): (usize, &u32)| if i == 0 { dummy } else { builder.cell(*p as usize) };
+        let cells: Vec<Cell<D>> = places.list.par_iter().with_min_len(GRAIN).enumerate().map(build).collect();
+        let strain = Mutex::new(vec![[[0.0; D]; 2]; cells.len()]);
+        Self { cells, strain }
+    }
+
+    /// The velocity on the unknown faces; those outside the liquid take the mean of their neighbours in it.
+    fn gather(&self, model: &Model<D>, places: &Places<D>, velocity: &FaceField<D>) -> Vec<f64> {
+        let value = |i: usize, a: usize| {
+            let at = places.lattice.coordinates(places.list[i] as usize);
+            velocity.axes[a][model.grid.faces(a).index(at)]
+        };
+        let mut x = vec![0.0; self.cells.len() * D];
+        x.par_chunks_mut(D).zip(&self.cells).enumerate().with_min_len(GRAIN).for_each(|(i, (x, cell))| {
+            for a in (0..D).filter(|a| cell.free[*a]) {
+                let near = cell.next.iter().flatten().map(|n| *n as usize);
+                let known = near.filter(|n| self.cells[*n].mass[a] > 0.0);
+                x[a] = if cell.mass[a] > 0.0 {
+                    value(i, a)
+                } else {
+                    let (sum, count) = known.fold((0.0, 0.0), |(s, c), n| (s + value(n, a), c + 1.0));
+                    sum / f64::max(count, 1.0)
+                };
+            }
+        });
+        x
+    }
+
+    fn diagonal(&self) -> Vec<f64> {
+        let of = |c: &Cell<D>, a: usize| {
+            if !c.free[a] {
+                return 0.0;
+            }
+            let mut sum = c.mass[a] + c.normal + self.cells[c.next[a][0] as usize].normal;
+            for (k, &(p, q, _)) in planes::<D>().iter().enumerate() {
+                if a == p || a == q {
+                    sum += c.shear[k] + self.cells[c.next[p + q - a][1] as usize].shear[k];
+                }
+            }
+            sum
+        };
+        self.cells.par_iter().with_min_len(GRAIN).flat_map_iter(|c| (0..D).map(move |a| of(c, a))).collect()
+    }
+}
+
+impl<const D: usize> LinearOperator for Viscous<D> {
+    fn size(&self) -> usize {
+        self.cells.len() * D
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64]) {
+        let (u, _) = x.as_chunks::<D>();
+        let mut strain = self.strain.lock().unwrap_or_else(PoisonError::into_inner);
+        strain.par_iter_mut().zip(&self.cells).enumerate().with_min_len(GRAIN).for_each(|(i, (s, c))| {
+            let here = u[i];
+            for a in 0..D {
+                s[0][a] = c.normal * (u[c.next[a][1] as usize][a] - here[a]);
+            }
+            for (k, &(p, q, _)) in planes::<D>().iter().enumerate() {
+                let (below, left) = (u[c.next[q][0] as usize][p], u[c.next[p][0] as usize][q]);
+                s[1][k] = c.shear[k] * (here[p] - below + here[q] - left);
+            }
+        });
+        let strain = &*strain;
+        let (v, _) = y.as_chunks_mut::<D>();
+        v.par_iter_mut().zip(&self.cells).enumerate().with_min_len(GRAIN).for_each(|(i, (v, c))| {
+            let here = &strain[i];
+            for a in 0..D {
+                v[a] = c.mass[a] * u[i][a] + strain[c.next[a][0] as usize][0][a] - here[0][a];
+            }
+            for (k, &(p, q, _)) in planes::<D>().iter().enumerate() {
+                v[p] += here[1][k] - strain[c.next[q][1] as usize][1][k];
+                v[q] += here[1][k] - strain[c.next[p][1] as usize][1][k];
+            }
+            (0..D).filter(|a| !c.free[*a]).for_each(|a| v[a] = 0.0);
+        });
+    }
+}
+
+/// Finds the shares of liquid.
+struct Builder<'a, const D: usize> {
+    model: &'a Model<D>,
+    places: &'a Places<D>,
+    phi: &'a [f64],
+    sampler: Sampler<'a, D>,
+    stiffness: f64,
+}
+
+impl<const D: usize> Builder<'_, D> {
+    fn cell(&self, place: usize) -> Cell<D> {
+        let lattice = &self.places.lattice;
+        let extent = self.model.grid.cells;
+        let at = lattice.coordinates(place);
+        let inside = (0..D).all(|a| at[a] < extent[a]);
+        let next: [[u32; 2]; D] = std::array::from_fn(|a| {
+            let lower = if at[a] > 0 { self.places.slots[place - lattice.stride[a]] } else { 0 };
+            [lower, if at[a] < extent[a] { self.places.slots[place + lattice.stride[a]] } else { 0 }]
+        });
+        let value = if inside { self.phi[self.model.grid.lattice().index(at)] } else { f64::INFINITY };
+        let deep = value < -DEEP * self.model.grid.dx;
+        // A term that needs a face which is not there is left out.
+        let whole = |a: usize| next[a][1] != 0 || self.model.closed(a, at[a] + 1);
+        let normal = if !inside || !(0..D).all(whole) {
+            0.0
+        } else if deep {
+            1.0
+        } else {
+            self.share(at, &[])
+        };
+        let mut shear = [0.0; D];
+        for (k, &(p, q, _)) in planes::<D>().iter().enumerate() {
+            if inside && next[p][0] != 0 && next[q][0] != 0 {
+                shear[k] = self.stiffness * if deep { 1.0 } else { self.share(at, &[p, q]) };
+            }
+        }
+        let exists = |a: usize| (0..D).all(|b| b == a || at[b] < extent[b]);
+        let free = std::array::from_fn(|a| exists(a) && !self.model.closed(a, at[a]));
+        let mass = std::array::from_fn(|a| if free[a] { self.mass(at, a) } else { 0.0 });
+        Cell { next, normal: 2.0 * self.stiffness * normal, shear, mass, free }
+    }
+
+    /// Share of liquid in the box of a cell's size around its centre, or the middle of its lower edge: half a
+    /// cell down along each of the axes `down`.
+    fn share(&self, at: [usize; D], down: &[usize]) -> f64 {
+        let mut value = 0.0;
+        let mut slope = [0.0; D];
+        let count = 1 << down.len();
+        for corner in 0..count {
+            let mut cell = at.map(|i| i as isize);
+            for (n, a) in down.iter().enumerate() {
+                cell[*a] -= corner >> n & 1;
+            }
+            let here = self.sampler.value(cell);
+            value += here;
+            for (a, slope) in slope.iter_mut().enumerate() {
+                *slope += match down.iter().position(|d| *d == a) {
+                    Some(n) if corner >> n & 1 == 0 => 2.0 * here,
+                    Some(_) => -2.0 * here,
+                    None => {
+                        let (mut up, mut low) = (cell, cell);
+                        up[a] += 1;
+                        low[a] -= 1;
+                        0.5 * (self.sampler.value(up) - self.sampler.value(low))
+                    }
+                };
+            }
+        }
+        let scale = 1.0 / count as f64;
+        let share = plane_box_fraction(value * scale, slope.map(|s| s * scale));
+        if share < LEAST { 0.0 } else { share }
+    }
+
+    /// Mass of the lower face along `a`.
+    fn mass(&self, at: [usize; D], a: usize) -> f64 {
+        let cells = self.model.grid.lattice();
+        let side = at[a] == 0 || at[a] == cells.extent[a];
+        let mut inner = at;
+        inner[a] = inner[a].min(cells.extent[a] - 1);
+        let upper = self.phi[cells.index(inner)];
+        if side {
+            return if upper < 0.0 { 0.5 } else { 0.0 };
+        }
+        let lower = self.phi[cells.index(at) - cells.stride[a]];
+        if upper >= 0.0 && lower >= 0.0 {
+            return 0.0;
+        }
+        let liquid = upper.min(lower);
+        if upper.max(lower) < 0.0 { 1.0 } else { (liquid / (liquid - upper.max(lower))).max(NEAREST) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Numerics, Wall};
+    use crate::state::State;
+    use crate::workspace::{BAND, Workspace};
+    use meniscus_numerics::Vector;
+    use meniscus_numerics::grid::Grid;
+
+    fn model<const D: usize>(cells: usize) -> Model<D> {
+        Model {
+            grid: Grid::new([cells; D], 1.0 / cells as f64),
+            walls: [[Wall::Slip; 2]; D],
+            density: 1.0,
+            kinematic_viscosity: 0.1,
+            surface_tension: 1.0,
+            gravity: Vector::zeros(),
+            numerics: Numerics::default(),
+        }
+    }
+
+    /// Liquid where `distance` is negative, with a velocity on its faces.
+    fn liquid<const D: usize>(
+        model: &Model<D>,
+        distance: impl Fn(&Vector<D>) -> f64,
+        velocity: impl Fn(&Vector<D>) -> Vector<D>,
+    ) -> (State<D>, Workspace<D>) {
+        let grid = &model.grid;
+        let mut state = State::empty(*grid);
+        let lattice = grid.lattice();
+        let limit = BAND * grid.dx;
+        for i in 0..lattice.len() {
+            state.phi.data[i] = distance(&grid.center(lattice.coordinates(i))).clamp(-limit, limit);
+        }
+        let work = Workspace::new(model, &mut state);
+        for a in 0..D {
+            state.velocity.axes[a].fill(0.0);
+            let faces = grid.faces(a);
+            for s in &work.known.liquid()[a] {
+                for f in s.row * faces.extent[0] + s.start..s.row * faces.extent[0] + s.end {
+                    let at = faces.coordinates(f);
+                    if !model.closed(a, at[a]) {
+                        state.velocity.axes[a][f] = velocity(&grid.face_center(a, at))[a];
+                    }
+                }
+            }
+        }
+        (state, work)
+    }
+
+    fn diffusion<'a, const D: usize>(state: &'a mut State<D>, work: &'a Workspace<D>) -> Diffusion<'a, D> {
+        Diffusion {
+            velocity: &mut state.velocity,
+            phi: &state.phi,
+            band: &work.band,
+            liquid: &work.liquid,
+            faces: work.known.liquid(),
+        }
+    }
+
+    fn ball<const D: usize>(x: &Vector<D>) -> f64 {
+        (x - Vector::from_fn(|a, _| 0.47 + 0.041 * a as f64)).norm() - 0.26
+    }
+
+    fn rigid_motions_stay<const D: usize>() {
+        let model = model::<D>(if D == 2 { 40 } else { 24 });
+        let turn = |x: &Vector<D>| {
+            let (x, y, z) = (x[0], x[1], x[D - 1]);
+            Vector::from_fn(|a, _| match a {
+                0 => 0.7 - 2.0 * y + if D == 3 { 0.5 * z } else { 0.0 },
+                1 => 2.0 * x - 1.3 * if D == 3 { z } else { 0.0 },
+                _ => 0.4 + 1.3 * y - 0.5 * x,
+            })
+        };
+        let (mut state, work) = liquid(&model, ball, turn);
+        let before = state.velocity.clone();
+        let report = diffusion(&mut state, &work).advance_to(&model, 0.1, 1e-13).unwrap();
+        let mut change = 0.0f64;
+        for a in 0..D {
+            for (new, old) in state.velocity.axes[a].iter().zip(&before.axes[a]) {
+                change = change.max((new - old).abs());
+            }
+        }
+        assert!(change < 1e-10, "{D}D: change {change:e}, {report:?}");
+    }
+
+    #[test]
+    fn uniform_velocity_and_rotation_are_unchanged() {
+        rigid_motions_stay::<2>();
+        rigid_motions_stay::<3>();
+    }
+
+    fn operator_is_symmetric<const D: usize>() {
+        // The liquid touches a closed and an open side.
+        let mut model = model::<D>(12);
+        model.walls[0][1] = Wall::Open;
+        model.walls[1][0] = Wall::Open;
+        let (mut state, work) = liquid(&model, |x| ball(&(x * 0.6)), |_| Vector::zeros());
+        let d = diffusion(&mut state, &work);
+        let places = Places::new(&model, &d);
+        let operator = Viscous::new(&model, d.phi, &places, 3.0);
+        let diagonal = operator.diagonal();
+        let n = operator.size();
+        let (mut x, mut image) = (vec![0.0; n], vec![0.0; n]);
+        let mut rows = Vec::new();
+        for i in 0..n {
+            x[i] = if operator.cells[i / D].free[i % D] { 1.0 } else { 0.0 };
+            operator.apply(&x, &mut image);
+            assert!((image[i] - diagonal[i]).abs() < 1e-12, "{D}D: diagonal {i}");
+            rows.push(image.clone());
+            x[i] = 0.0;
+        }
+        for (i, row) in rows.iter().enumerate() {
+            assert!((0..i).all(|j| (row[j] - rows[j][i]).abs() < 1e-12), "{D}D: row {i}");
+        }
+    }
+
+    #[test]
+    fn the_operator_is_symmetric() {
+        operator_is_symmetric::<2>();
+        operator_is_symmetric::<3>();
+    }
+
+    #[test]
+    fn a_linear_strain_dissipates_what_it_should() {
+        let model = model::<2>(64);
+        let center = Vector::<2>::new(0.493, 0.508);
+        let (mut state, work) = liquid(&model, |x| (x - center).norm() - 0.25, |_| Vector::zeros());
+        let d = diffusion(&mut state, &work);
+        let places = Places::new(&model, &d);
+        let mut operator = Viscous::new(&model, d.phi, &places, 1.0);
+        operator.cells.iter_mut().for_each(|c| c.mass = [0.0; 2]);
+        let strain = |i: usize, a: usize| {
+            let x = model.grid.face_center(a, places.lattice.coordinates(places.list[i] as usize));
+            if i == 0 { 0.0 } else { [x[0], -x[1]][a] }
+        };
+        let x: Vec<f64> = (0..operator.size()).map(|i| strain(i / 2, i % 2)).collect();
+        let mut image = vec![0.0; x.len()];
+        // With stiffness one the operator is Φ/(ν Δ^(D−2)).
+        let dissipation = operator.apply_dot(&x, &mut image);
+        let exact = 4.0 * std::f64::consts::PI * 0.25 * 0.25;
+        assert!((dissipation / exact - 1.0).abs() < 0.01, "{dissipation} for {exact}");
+    }
+
+    #[test]
+    fn the_number_of_threads_changes_no_bit() {
+        let model = model::<3>(24);
+        let bits = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let flow = |x: &Vector<3>| Vector::from_fn(|a, _| (9.0 * x[(a + 1) % 3] + a as f64).sin());
+                let (mut state, work) = liquid(&model, ball, flow);
+                let report = diffusion(&mut state, &work).advance(&model, 0.05).unwrap();
+                assert!(report.iterations > 5);
+                state.velocity.axes.map(|v| v.iter().map(|u| u.to_bits()).collect::<Vec<_>>())
+            })
+        };
+        assert_eq!(bits(1), bits(2));
+    }
+}
