@@ -29,6 +29,10 @@ const DRIFT: f64 = 0.7;
 /// Deviation of |∇φ| from one at the interface before φ is made a distance again.
 const SLOPE: f64 = 0.1;
 
+/// Distances from the surface, in cells, up to which φ is kept and from which on it is renewed, if its slope is right.
+const KEPT: f64 = 1.8;
+const RENEWED: f64 = 3.5;
+
 /// What a step found out.
 pub struct StepResult {
     /// The pressure solve.
@@ -135,30 +139,38 @@ pub fn move_surface<const D: usize>(
     before
 }
 
-/// Redistances φ when the surface has moved enough or its slope has become wrong.
-pub fn keep_distance<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
+/// Makes φ a distance again when the surface has moved enough or its slope has become wrong.
+///
+/// As long as the slope at the surface is right, values near the surface stay as they are and only those farther off
+/// are renewed: a drop that swings gently then loses no energy to redistancing (measured: 2 % of amplitude a period
+/// at 16 cells a radius otherwise, from changes of 1e-3 cells in where linear interpolation puts the surface).
+pub(crate) fn keep_distance<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
+    let dx = model.grid.dx;
     let sampler = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
     let lattice = model.grid.lattice();
-    let skewed = state.drift <= DRIFT && {
-        let edge = &work.band.cells[work.band.first_layers(1)];
-        let deviation = |&c: &u32| {
-            let at = lattice.coordinates(c as usize).map(|i| i as isize);
-            let slope = |a: usize| {
-                let (mut up, mut down) = (at, at);
-                up[a] += 1;
-                down[a] -= 1;
-                (sampler.value(up) - sampler.value(down)) / (2.0 * model.grid.dx)
-            };
-            ((0..D).map(|a| slope(a).powi(2)).sum::<f64>().sqrt() - 1.0).abs()
+    let edge = &work.band.cells[work.band.first_layers(1)];
+    let deviation = |&c: &u32| {
+        let at = lattice.coordinates(c as usize).map(|i| i as isize);
+        let slope = |a: usize| {
+            let (mut up, mut down) = (at, at);
+            up[a] += 1;
+            down[a] -= 1;
+            (sampler.value(up) - sampler.value(down)) / (2.0 * dx)
         };
-        edge.par_iter().map(deviation).filter(|d| *d > SLOPE).count() * 100 > edge.len()
+        ((0..D).map(|a| slope(a).powi(2)).sum::<f64>().sqrt() - 1.0).abs()
     };
-    if state.drift > DRIFT || skewed {
-        let limit = BAND * model.grid.dx;
-        let values = redistance(&model.grid, &work.band, &state.phi.data, &sampler, limit);
-        work.band.cells.iter().zip(values).for_each(|(&c, v)| state.phi.data[c as usize] = v);
-        state.drift = 0.0;
+    let skewed = edge.par_iter().map(deviation).filter(|d| *d > SLOPE).count() * 100 > edge.len();
+    if state.drift <= DRIFT && !skewed {
+        return;
     }
+    let values = redistance(&model.grid, &work.band, &state.phi.data, &sampler, BAND * dx);
+    for (&c, new) in work.band.cells.iter().zip(values) {
+        let old = &mut state.phi.data[c as usize];
+        let t = ((new.abs() / dx - KEPT) / (RENEWED - KEPT)).clamp(0.0, 1.0);
+        let share = if skewed { 1.0 } else { t * t * (3.0 - 2.0 * t) };
+        *old += share * (new - *old);
+    }
+    state.drift = 0.0;
 }
 
 /// What became of the components in a step.
