@@ -104,17 +104,22 @@ impl<const D: usize> Simulation<D> {
             let faces = grid.faces(a);
             let row = faces.extent[0];
             let model = &self.model;
-            par::for_each_segment(&mut self.state.velocity.axes[a], row, &self.work.known.liquid()[a], |s, part| {
-                for (i, u) in part.iter_mut().enumerate() {
-                    let at = faces.coordinates(s.row * row + s.start + i);
-                    let x = grid.face_center(a, at);
-                    let nearest = bodies
-                        .iter()
-                        .map(|b| ((b.distance)(&x), b.velocity[a]))
-                        .reduce(|best, b| if best.0 < 0.0 || best.0 <= b.0 { best } else { b });
-                    *u = if model.closed(a, at[a]) { 0.0 } else { nearest.map_or(0.0, |b| b.1) };
-                }
-            });
+            par::for_each_segment(
+                &mut self.state.velocity.axes[a],
+                row,
+                &self.work.known.liquid()[a],
+                |s, part| {
+                    for (i, u) in part.iter_mut().enumerate() {
+                        let at = faces.coordinates(s.row * row + s.start + i);
+                        let x = grid.face_center(a, at);
+                        let nearest = bodies
+                            .iter()
+                            .map(|b| ((b.distance)(&x), b.velocity[a]))
+                            .reduce(|best, b| if best.0 < 0.0 || best.0 <= b.0 { best } else { b });
+                        *u = if model.closed(a, at[a]) { 0.0 } else { nearest.map_or(0.0, |b| b.1) };
+                    }
+                },
+            );
         }
         self.work.extend_afresh(&self.model, &mut self.state);
         open_books(&self.model, &mut self.state, &self.work);

@@ -385,11 +385,7 @@ pub fn max_component<const D: usize>(model: &Model<D>, state: &State<D>, work: &
 }
 
 /// The books of a state.
-pub fn ledger<const D: usize>(
-    model: &Model<D>,
-    state: &State<D>,
-    work: &Workspace<D>,
-) -> Ledger<D> {
+pub fn ledger<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Ledger<D> {
     let drops = &state.drops;
     let total: f64 = drops.iter().map(|d| d.target_volume).sum();
     let sum = |f: &dyn Fn(&Drop<D>) -> Vector<D>| {

@@ -128,7 +128,8 @@ impl Graph {
     /// `W⁻¹ L v` in 1/cells².
     fn laplacian(&self, v: &[f64]) -> Vec<f64> {
         let row = |i: usize| -> f64 {
-            self.links[i].iter().map(|&(j, c)| c as f64 * (v[i] - v[j as usize])).sum::<f64>() / self.weight[i]
+            self.links[i].iter().map(|&(j, c)| c as f64 * (v[i] - v[j as usize])).sum::<f64>()
+                / self.weight[i]
         };
         (0..v.len()).map(row).collect()
     }

@@ -1,9 +1,9 @@
 //! The liquid: its surface, its motion, its pressure.
 
-pub mod surface;
 pub mod curvature;
 pub mod momentum;
 pub mod pressure;
+pub mod surface;
 pub mod transport;
 pub mod viscosity;
 pub mod volume;

@@ -147,7 +147,13 @@ mod nalgebra3 {
     pub fn solve(matrix: [[f64; 3]; 3], right: [f64; 3], n: usize) -> [f64; 3] {
         let scale = (0..n).map(|i| matrix[i][i]).fold(0.0, f64::max);
         let full = meniscus_numerics::Matrix::<3>::from_fn(|r, c| {
-            if r < n && c < n { matrix[r][c] } else if r == c { scale } else { 0.0 }
+            if r < n && c < n {
+                matrix[r][c]
+            } else if r == c {
+                scale
+            } else {
+                0.0
+            }
         });
         let right = meniscus_numerics::Vector::<3>::from_fn(|r, _| if r < n { right[r] } else { 0.0 });
         let inverse = if scale > 0.0 { full.try_inverse() } else { None };
@@ -193,14 +199,12 @@ impl<const D: usize> FaceWalk<'_, D> {
     fn chunk(&self, a: usize, segments: &[Segment], values: &[f64]) -> Vec<(u32, Moments<D>)> {
         let mut out: Vec<(u32, Moments<D>)> = Vec::new();
         for s in segments {
-            self.inner(a, s, |face, x, component| {
-                match out.iter_mut().find(|(c, _)| *c == component) {
-                    Some((_, m)) => m.add_face(a, 1.0, x, values[face]),
-                    None => {
-                        let mut m = Moments::zero();
-                        m.add_face(a, 1.0, x, values[face]);
-                        out.push((component, m));
-                    }
+            self.inner(a, s, |face, x, component| match out.iter_mut().find(|(c, _)| *c == component) {
+                Some((_, m)) => m.add_face(a, 1.0, x, values[face]),
+                None => {
+                    let mut m = Moments::zero();
+                    m.add_face(a, 1.0, x, values[face]);
+                    out.push((component, m));
                 }
             });
         }
@@ -268,11 +272,7 @@ impl<const D: usize> FaceWalk<'_, D> {
         self.moments(velocity)
     }
 
-    fn add_motion(
-        &self,
-        velocity: &mut FaceField<D>,
-        change: &[Option<(Vector<D>, [f64; 3], Moments<D>)>],
-    ) {
+    fn add_motion(&self, velocity: &mut FaceField<D>, change: &[Option<(Vector<D>, [f64; 3], Moments<D>)>]) {
         let motion = |a: usize, x: &Vector<D>, component: u32| -> f64 {
             let Some((shift, rate, whole)) = &change[component as usize] else { return 0.0 };
             let arm = |b: usize| x[b] - whole.first[a][b] / whole.mass[a].max(1e-300);
@@ -288,10 +288,15 @@ impl<const D: usize> FaceWalk<'_, D> {
         };
         for a in 0..D {
             let row = self.model.grid.faces(a).extent[0];
-            meniscus_numerics::par::for_each_segment(&mut velocity.axes[a], row, &self.faces[a], |s, part| {
-                let base = s.row * row + s.start;
-                self.inner(a, s, |face, x, component| part[face - base] += motion(a, x, component));
-            });
+            meniscus_numerics::par::for_each_segment(
+                &mut velocity.axes[a],
+                row,
+                &self.faces[a],
+                |s, part| {
+                    let base = s.row * row + s.start;
+                    self.inner(a, s, |face, x, component| part[face - base] += motion(a, x, component));
+                },
+            );
         }
         for f in self.cut {
             let x = self.model.grid.face_center(f.axis, self.model.grid.faces(f.axis).coordinates(f.face));

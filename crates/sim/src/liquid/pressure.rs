@@ -42,7 +42,9 @@ pub fn cut_faces<const D: usize>(
 ) -> Vec<CutFace> {
     let lattice = model.grid.lattice();
     let sampler = Sampler::cells(&model.grid, &phi.data, model.scalar_edges());
-    let value = |slot: Option<usize>| slot.filter(|s| curvature.known.get(*s) == Some(&true)).map(|s| curvature.kappa[s]);
+    let value = |slot: Option<usize>| {
+        slot.filter(|s| curvature.known.get(*s) == Some(&true)).map(|s| curvature.kappa[s])
+    };
     let mut faces: Vec<CutFace> = band.cells[band.first_layers(1)]
         .par_iter()
         .filter(|&&c| phi.data[c as usize] < 0.0)
@@ -53,7 +55,11 @@ pub fn cut_faces<const D: usize>(
             (0..2 * D).filter_map(move |n| {
                 let (axis, up) = (n / 2, n % 2);
                 let edge = if up == 1 { at[axis] + 1 == lattice.extent[axis] } else { at[axis] == 0 };
-                let other = if up == 1 { cell + lattice.stride[axis] } else { cell.wrapping_sub(lattice.stride[axis]) };
+                let other = if up == 1 {
+                    cell + lattice.stride[axis]
+                } else {
+                    cell.wrapping_sub(lattice.stride[axis])
+                };
                 if edge || phi.data[other] < 0.0 {
                     return None;
                 }
@@ -95,7 +101,14 @@ fn open_sides<const D: usize>(model: &Model<D>, liquid: &Runs, faces: &mut Vec<C
                     }
                     at[axis] += side;
                     let face = model.grid.faces(axis).index(at);
-                    faces.push(CutFace { axis, face, cell, sign: 2.0 * side as f64 - 1.0, theta: 0.5, kappa: 0.0 });
+                    faces.push(CutFace {
+                        axis,
+                        face,
+                        cell,
+                        sign: 2.0 * side as f64 - 1.0,
+                        theta: 0.5,
+                        kappa: 0.0,
+                    });
                 }
             }
         }
@@ -173,7 +186,11 @@ impl<const D: usize> PressureFields<D> {
     ///
     /// # Errors
     /// What the solver says.
-    pub fn project(&mut self, model: &Model<D>, p: &mut Projection<'_, D>) -> Result<SolveReport, SolveError> {
+    pub fn project(
+        &mut self,
+        model: &Model<D>,
+        p: &mut Projection<'_, D>,
+    ) -> Result<SolveReport, SolveError> {
         self.assemble(model, p);
         let input = PoissonInput {
             grid: model.grid,

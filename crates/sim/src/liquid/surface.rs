@@ -72,9 +72,8 @@ impl<const D: usize> SurfaceLattice<D> {
             .filter(|&&c| phi[c as usize] < 0.0)
             .flat_map_iter(|&c| {
                 let at = cells.coordinates(c as usize);
-                (0..1usize << D).map(move |k| {
-                    cubes.index(std::array::from_fn(|a| at[a] + (k >> a & 1))) as u32
-                })
+                (0..1usize << D)
+                    .map(move |k| cubes.index(std::array::from_fn(|a| at[a] + (k >> a & 1))) as u32)
             })
             .collect();
         keys.par_sort_unstable();
@@ -116,7 +115,11 @@ impl<const D: usize> SurfaceLattice<D> {
             volume_slope: [0.0; 8],
         };
         for simplex in &self.simplices {
-            if D == 2 { cut_triangle(simplex, &values, &mut cube) } else { cut_tetrahedron(simplex, &values, &mut cube) }
+            if D == 2 {
+                cut_triangle(simplex, &values, &mut cube)
+            } else {
+                cut_tetrahedron(simplex, &values, &mut cube)
+            }
         }
         cube.area *= weight;
         cube.excess *= weight;
@@ -128,7 +131,12 @@ impl<const D: usize> SurfaceLattice<D> {
     }
 
     /// Volume of each component of the liquid, m³ (2D: m²).
-    pub fn volumes(&self, liquid: &Runs, label: impl Fn(usize) -> Option<u32>, cubes: &[CutCube]) -> Vec<f64> {
+    pub fn volumes(
+        &self,
+        liquid: &Runs,
+        label: impl Fn(usize) -> Option<u32>,
+        cubes: &[CutCube],
+    ) -> Vec<f64> {
         let mut volumes = vec![0.0; liquid.components as usize];
         for run in &liquid.runs {
             volumes[run.component as usize] += (run.end - run.start) as f64;
@@ -155,7 +163,13 @@ fn simplex<const D: usize>(corners: [usize; 4]) -> Simplex<D> {
         }
     }
     let central = D == 3 && corners.iter().all(|c| c.count_ones() % 2 == corners[0].count_ones() % 2);
-    let volume = if D == 2 { 0.5 } else if central { 1.0 / 3.0 } else { 1.0 / 6.0 };
+    let volume = if D == 2 {
+        0.5
+    } else if central {
+        1.0 / 3.0
+    } else {
+        1.0 / 6.0
+    };
     Simplex { corners, volume: 0.5 * volume, slopes }
 }
 
@@ -179,7 +193,13 @@ fn root<const D: usize>(simplex: &Simplex<D>, values: &[f64; 8], a: usize, b: us
 }
 
 /// Adds `force · ∂x/∂φ` for a force on a root to the slopes of its edge's corners (with a minus sign).
-fn pull<const D: usize>(s: &Simplex<D>, values: &[f64; 8], root: &Root, force: [f64; 3], slope: &mut [f64; 8]) {
+fn pull<const D: usize>(
+    s: &Simplex<D>,
+    values: &[f64; 8],
+    root: &Root,
+    force: [f64; 3],
+    slope: &mut [f64; 8],
+) {
     let (ka, kb) = (s.corners[root.a], s.corners[root.b]);
     let mut along = 0.0;
     for i in 0..D {
@@ -268,8 +288,7 @@ fn cut_tetrahedron<const D: usize>(s: &Simplex<D>, values: &[f64; 8], cube: &mut
         }
         _ => {
             let (ac, ad, bc, bd) = (edge(0, 2), edge(0, 3), edge(1, 2), edge(1, 3));
-            cube.excess += s.volume
-                * (ac.t * ad.t + ac.t * bd.t * (1.0 - ad.t) + (1.0 - ac.t) * bc.t * bd.t);
+            cube.excess += s.volume * (ac.t * ad.t + ac.t * bd.t * (1.0 - ad.t) + (1.0 - ac.t) * bc.t * bd.t);
             cut_facet(s, values, &[ac, ad, bd], cube);
             cut_facet(s, values, &[ac, bd, bc], cube);
         }

@@ -168,7 +168,8 @@ impl<const D: usize> Liquid<'_, D> {
                     slopes[c as usize] += cube.volume_slope.iter().sum::<f64>();
                 }
             }
-            let shift = |c: usize| ((now.volumes[c] - targets[c]) / unit / slopes[c].max(1.0)).clamp(-0.1, 0.1);
+            let shift =
+                |c: usize| ((now.volumes[c] - targets[c]) / unit / slopes[c].max(1.0)).clamp(-0.1, 0.1);
             let shifts: Vec<f64> = (0..targets.len()).map(|c| shift(c) * self.model.grid.dx).collect();
             for (&cell, &l) in self.band.cells.iter().zip(self.labels) {
                 let value = &mut phi.data[cell as usize];
