@@ -37,8 +37,6 @@ const RENEWED: f64 = 3.5;
 pub struct StepResult {
     /// The pressure solve.
     pub solve: SolveReport,
-    /// Share of interface cells whose curvature was cut.
-    pub clipped: f64,
     /// Largest relative change of a component's volume before it was put right.
     pub volume_jump: f64,
 }
@@ -113,7 +111,7 @@ pub fn step<const D: usize>(
     state.time += dt;
     state.step += 1;
     state.last_dt = dt;
-    Ok(StepResult { solve, clipped: kappa.clipped, volume_jump: change.jump })
+    Ok(StepResult { solve, volume_jump: change.jump })
 }
 
 /// Moves φ; gives back the liquid cells before.
@@ -264,7 +262,7 @@ pub fn open_books<const D: usize>(model: &Model<D>, state: &mut State<D>, work: 
     let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
     let Measured { cubes, volumes } = work.measured_liquid(model, &labels).measure(&state.phi);
     let change = Change { groups: Vec::new(), cubes, targets: volumes.clone(), volumes, jump: 0.0 };
-    let flat = Curvature { kappa: Vec::new(), known: Vec::new(), clipped: 0.0 };
+    let flat = Curvature { kappa: Vec::new(), known: Vec::new() };
     let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &flat);
     let moments = keep_momentum(model, state, work, &cut, &change, 0.0);
     state.drops = drops(model, work, &cut, &moments, &change);

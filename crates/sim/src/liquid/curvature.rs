@@ -31,8 +31,6 @@ pub struct Curvature {
     pub kappa: Vec<f64>,
     /// Whether it is known.
     pub known: Vec<bool>,
-    /// Share of the interface cells whose curvature had to be cut.
-    pub clipped: f64,
 }
 
 /// What the filter must know of the step, in cells.
@@ -73,14 +71,11 @@ pub fn curvature<const D: usize>(
         filtered.iter_mut().zip(graph.filter(&rough, strength)).for_each(|(k, d)| *k += d);
     }
     let (mut kappa, mut known) = (vec![0.0; count], vec![false; count]);
-    let edge = band.first_layers(1).end;
-    let mut clipped = 0;
     for (&slot, value) in graph.slots.iter().zip(filtered) {
         kappa[slot as usize] = value.clamp(-STEEPEST, STEEPEST);
         known[slot as usize] = true;
-        clipped += (value.abs() > STEEPEST && (slot as usize) < edge) as usize;
     }
-    Curvature { kappa, known, clipped: clipped as f64 / edge.max(1) as f64 }
+    Curvature { kappa, known }
 }
 
 /// `√(c/k_c⁴ + b)` in cells².
