@@ -14,7 +14,8 @@ pub const CASE: Case = Case {
     theory: "A column of water, a = 5.715 cm wide and 2a high, collapses along a floor. Position x/a of the front \
         against the experiments of Martin and Moyce (Phil. Trans. R. Soc. A 244, 1952; digitised values) at T = \
         t√(2g/a): largest and mean relative deviation. The simulation has no wall friction and no gate, so its \
-        front runs ahead early. 2D; full: 40 cells per a; quick: 16, bar 15 %.",
+        front runs ahead; the deviation that is left when the release is delayed by the time that fits best \
+        (T ≤ 0.5) tells how much of it is the gate. 2D; full: 40 cells per a; quick: 16, bar 15 %.",
     quick: true,
     run: |mode| settle("dam-break", run(mode)),
 };
@@ -27,6 +28,16 @@ const GRAVITY: f64 = 9.81;
 /// T and x/a as measured.
 const FRONT: [(f64, f64); 6] =
     [(0.832, 1.217), (1.219, 1.474), (1.997, 2.292), (2.547, 2.995), (3.345, 4.134), (4.034, 4.944)];
+
+/// Longest delay of the release that is tried, in units of T.
+const SHIFT: f64 = 0.5;
+
+/// The value of a series at a time, linear between its points.
+fn at(times: &[f64], values: &[f64], time: f64) -> f64 {
+    let k = times.partition_point(|t| *t < time).clamp(1, times.len() - 1);
+    let part = (time - times[k - 1]) / (times[k] - times[k - 1]);
+    values[k - 1] + part * (values[k] - values[k - 1])
+}
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let (cells, must) = if mode == Mode::Quick { (16, 0.15) } else { (40, 0.08) };
@@ -45,25 +56,30 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
         right.max(top).min(0.0) + right.max(0.0).hypot(top.max(0.0))
     };
     let mut sim = Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }]);
-    let (mut worst, mut mean, mut volume): (f64, f64, f64) = (0.0, 0.0, 0.0);
-    let mut list = Vec::new();
-    for (time, measured) in FRONT {
-        run_to(&mut sim, time / (2.0 * GRAVITY / WIDTH).sqrt(), |_, report| {
-            volume = volume.max(report.ledger.volume_error);
-        })?;
+    let unit = (2.0 * GRAVITY / WIDTH).sqrt();
+    let mut volume: f64 = 0.0;
+    let (mut times, mut fronts) = (vec![0.0], vec![1.0]);
+    run_to(&mut sim, (FRONT[FRONT.len() - 1].0 + SHIFT) / unit, |sim, report| {
+        volume = volume.max(report.ledger.volume_error);
         let largest = |a: &&Drop<2>, b: &&Drop<2>| a.target_volume.total_cmp(&b.target_volume);
-        let front = sim.state.drops.iter().max_by(largest).map_or(0.0, |d| d.upper[0]) / WIDTH;
-        let off = front / measured - 1.0;
-        list.push(format!("{:+.1}", 100.0 * off));
-        mean += off.abs() / FRONT.len() as f64;
-        if off.abs() > worst.abs() {
-            worst = off;
-        }
-    }
+        times.push(sim.state.time * unit);
+        fronts.push(sim.state.drops.iter().max_by(largest).map_or(0.0, |d| d.upper[0]) / WIDTH);
+    })?;
+    let off = |shift: f64| FRONT.map(|(time, measured)| at(&times, &fronts, time - shift) / measured - 1.0);
+    let size = |off: [f64; 6]| off.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
+    let mean = |off: [f64; 6]| off.iter().map(|e| e.abs()).sum::<f64>() / 6.0;
+    let worst = size(off(0.0));
+    let list: Vec<String> = off(0.0).iter().map(|e| format!("{:+.1}", 100.0 * e)).collect();
+    // The delay of the release that fits the measured front best.
+    let delays = (0..=100).map(|k| SHIFT * f64::from(k) / 100.0);
+    let delay = delays.min_by(|a, b| size(off(*a)).total_cmp(&size(off(*b)))).unwrap_or(0.0);
+    let late: Vec<String> = off(delay).iter().map(|e| format!("{:+.1}", 100.0 * e)).collect();
     let largest = format!("largest deviation of the front (all: {} %)", list.join(", "));
+    let later = format!("largest deviation, released ΔT = {delay:.2} later (all: {} %)", late.join(", "));
     Ok(vec![
         at_most("dam-break", &largest, worst, must, Some(0.05), ""),
-        at_most("dam-break", "mean deviation of the front", mean, must, Some(0.05), ""),
+        at_most("dam-break", "mean deviation of the front", mean(off(0.0)), must, Some(0.05), ""),
+        at_most("dam-break", &later, size(off(delay)), must, Some(0.05), ""),
         at_most("dam-break", "volume error", volume, 1e-4, Some(1e-8), ""),
     ])
 }
