@@ -45,8 +45,8 @@ fn corner_volume(m1: f64, m2: f64, m3: f64, alpha: f64) -> f64 {
     if alpha >= m1 + m2 {
         return (alpha - 0.5 * (m1 + m2)) / m3;
     }
-    // Here m1 > 0 and the cut-off corners, of size at most m1, are divided by m1 m2 m3 without loss.
-    let corner = |beyond: f64| (beyond / m1) * (beyond / m2) * (beyond / m3);
+    // The cut-off corners, of size at most m1, are divided by m1 m2 m3 without loss; there is none where m1 is zero.
+    let corner = |beyond: f64| if beyond > 0.0 { (beyond / m1) * (beyond / m2) * (beyond / m3) } else { 0.0 };
     let wedge = (alpha / m2) * ((alpha - m1) / m3) * 0.5 + (m1 / m2) * (m1 / m3) / 6.0;
     wedge - (corner((alpha - m2).max(0.0)) + corner((alpha - m3).max(0.0))) / 6.0
 }
@@ -54,6 +54,17 @@ fn corner_volume(m1: f64, m2: f64, m3: f64, alpha: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn planes_along_an_axis_have_a_share() {
+        // Exactly zero components: mirror planes of symmetric liquids.
+        for g in [[0.0, 0.6, 0.8], [0.6, 0.0, 0.8], [0.8, 0.6, 0.0], [0.0, 0.0, 1.0]] {
+            for v in [-0.6, -0.3, -0.1, 0.0, 0.1, 0.3, 0.6] {
+                let share = plane_box_fraction(v, g);
+                assert!((0.0..=1.0).contains(&share), "{v} {g:?}: {share}");
+            }
+        }
+    }
 
     /// A small generator of numbers in 0..1 (SplitMix64).
     struct Random(u64);
