@@ -40,7 +40,7 @@ macro_rules! scene {
 pub const BUILTINS: [Builtin; 9] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
-    scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "under a minute"),
+    scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
     scene!(
         "static-drop",
         3,
