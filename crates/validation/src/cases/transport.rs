@@ -17,7 +17,7 @@ pub const ZALESAK: Case = Case {
         outline, with and without the simulator's volume correction (which can hide a loss of shape in the area, not \
         in L1). Bars of L1: 0.61, a fifth-order level set, and 0.07, particle level set (Enright, Fedkiw, Ferziger, \
         Mitchell, J. Comput. Phys. 183, 2002, from memory). Quick is the same.",
-    quick: true,
+    quick: false,
     run: |_| zalesak(),
 };
 
@@ -29,7 +29,7 @@ pub const VORTEX: Case = Case {
         turns back by cos πt/T, T = 8: at t = T the disc should be back. Area and L1 error as in zalesak. Bars of L1: \
         0.031, a fifth-order level set in 128² cells, and 1.4e-3, particle level set (Enright et al. 2002, from \
         memory). Full: 128² cells; quick: 64², T = 4, bar of the area without correction 10 %.",
-    quick: true,
+    quick: false,
     run: vortex,
 };
 
