@@ -22,7 +22,7 @@ pub struct Group {
     pub new: Vec<usize>,
 }
 
-/// Follows components from `before` to `after` by the cells they share; strays by where they were heading.
+/// Follows components from `before` to `after` by the cells they share; strays join the nearest.
 pub fn follow<const D: usize>(
     before: &Runs,
     after: &Runs,
@@ -48,15 +48,26 @@ pub fn follow<const D: usize>(
         link(a as usize, m + b as usize);
         (met[a as usize], met[m + b as usize]) = (true, true);
     }
-    // A small drop may leave its cells in one step: the nearest newcomer is it.
+    // A small drop may leave its cells in one step, or become too small to see, or appear: it belongs to the nearest,
+    // so that neither volume nor momentum is lost. Newcomers look for drops that went missing first.
+    let gap = |i: usize, j: usize| (drops[i].centroid + drops[i].velocity * dt - centroids[j]).norm();
     for j in 0..n {
         if met[m + j] {
             continue;
         }
-        let gap = |i: &usize| (drops[*i].centroid + drops[*i].velocity * dt - centroids[j]).norm();
-        if let Some(i) = (0..m).filter(|i| !met[*i]).min_by(|a, b| gap(a).total_cmp(&gap(b))) {
+        let missing = (0..m).filter(|i| !met[*i]).min_by(|a, b| gap(*a, j).total_cmp(&gap(*b, j)));
+        let any = (0..m).min_by(|a, b| gap(*a, j).total_cmp(&gap(*b, j)));
+        if let Some(i) = missing.or(any) {
             link(i, m + j);
             met[i] = true;
+        }
+    }
+    for i in 0..m {
+        if met[i] {
+            continue;
+        }
+        if let Some(j) = (0..n).min_by(|a, b| gap(i, *a).total_cmp(&gap(i, *b))) {
+            link(i, m + j);
         }
     }
     let mut groups: Vec<Group> = vec![Group::default(); m + n];
@@ -157,7 +168,7 @@ impl<const D: usize> Liquid<'_, D> {
     ) -> Measured {
         let unit = self.model.grid.cell_volume();
         let least = NEAREST * self.model.grid.dx;
-        for _ in 0..4 {
+        for _ in 0..6 {
             let off = |c: usize| (now.volumes[c] - targets[c]).abs() > EXACT * targets[c].abs();
             if !(0..targets.len()).any(off) {
                 break;
