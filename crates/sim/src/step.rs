@@ -333,7 +333,6 @@ fn drops<const D: usize>(
         .zip(moments)
         .enumerate()
         .map(|(c, ((_, low, high), m))| {
-            let scale = change.targets[c] / m.mean_mass().max(1e-300);
             Drop {
                 target_volume: change.targets[c],
                 volume: change.volumes[c],
@@ -345,7 +344,7 @@ fn drops<const D: usize>(
                     if high[a] > side - 1.5 * half { side } else { high[a] }
                 }),
                 velocity: m.velocity(),
-                spin: m.spin().map(|s| s * scale),
+                spin: m.weighing(change.targets[c]).spin(),
             }
         })
         .collect();

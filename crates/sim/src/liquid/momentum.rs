@@ -74,14 +74,23 @@ impl<const D: usize> Moments<D> {
         }
     }
 
+    /// The same body with `mass` on the faces of every axis: their sums differ a little, bodies must not.
+    pub fn weighing(&self, mass: f64) -> Self {
+        let mut out = Self::zero();
+        for a in 0..D {
+            let scale = mass / self.mass[a].max(1e-300);
+            out.mass[a] = mass;
+            out.momentum[a] = scale * self.momentum[a];
+            out.first[a] = self.first[a].map(|x| scale * x);
+            out.turning[a] = self.turning[a].map(|x| scale * x);
+            out.second[a] = self.second[a].map(|row| row.map(|x| scale * x));
+        }
+        out
+    }
+
     /// Mean velocity.
     pub fn velocity(&self) -> Vector<D> {
         Vector::from_fn(|a, _| if self.mass[a] > 0.0 { self.momentum[a] / self.mass[a] } else { 0.0 })
-    }
-
-    /// Mean over the axes of the mass.
-    pub fn mean_mass(&self) -> f64 {
-        self.mass.iter().sum::<f64>() / D as f64
     }
 
     /// Mean position.
@@ -255,7 +264,7 @@ impl<const D: usize> FaceWalk<'_, D> {
             }));
             let mut whole = Moments::zero();
             for &j in &group.new {
-                whole.add(&moments[j], targets[j] / moments[j].mean_mass().max(1e-300));
+                whole.add(&moments[j].weighing(targets[j]), 1.0);
             }
             let expected = mean + self.model.gravity * dt;
             let shift = expected - whole.velocity();
