@@ -15,7 +15,8 @@ pub const CASE: Case = Case {
     theory: "A round drop (R = 0.5, γ = 100, ρ = 1, ν = 0, speed 10 along the first axis and 1 along the others) flies \
         12 radii, three lengths of a box of 4 R. In its own frame it is at rest: it stays round, keeps volume and \
         Laplace's pressure, and moves uniformly (Popinet, J. Comput. Phys. 228, 2009: codes show motion of 1e-3 U \
-        and more). Full: 2D with 16 cells per radius, 3D with 10; quick: 2D with 8, bar of the shape 3 %.",
+        and more). Full: 2D with 16 cells per radius, 3D with 10; quick: 2D with 8, bar of the shape 3 %, \
+        without the inner motion.",
     quick: true,
     run: |mode| settle("moving-drop", run(mode)),
 };
@@ -27,7 +28,10 @@ const SPEED: f64 = 10.0;
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     if mode == Mode::Quick {
-        return fly::<2>(8, 0.03);
+        // What moves inside is judged on the full grids only.
+        let mut checks = fly::<2>(8, 0.03)?;
+        checks.retain(|c| !c.quantity.contains("max|u|"));
+        return Ok(checks);
     }
     let mut checks = fly::<2>(16, 0.01)?;
     checks.extend(fly::<3>(10, 0.02)?);
