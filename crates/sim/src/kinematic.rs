@@ -20,7 +20,9 @@ pub struct Kinematic<const D: usize> {
 
 impl<const D: usize> Kinematic<D> {
     /// The liquid within the zero set of a distance.
-    pub fn new(model: Model<D>, distance: &(dyn Fn(&Vector<D>) -> f64 + Sync)) -> Self {
+    pub fn new(mut model: Model<D>, distance: &(dyn Fn(&Vector<D>) -> f64 + Sync)) -> Self {
+        // What a given flow does to the momentum is its own affair.
+        model.numerics.restore_momentum = false;
         let Simulation { model, mut state, .. } =
             Simulation::new(model, &[Body { distance, velocity: Vector::zeros() }]);
         let work = Workspace::new(&model, &mut state);

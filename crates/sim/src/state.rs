@@ -1,5 +1,6 @@
 //! Everything that evolves.
 
+use crate::liquid::momentum::Whole;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, FaceField, Grid};
 
@@ -37,7 +38,7 @@ pub struct Drop<const D: usize> {
     pub target_volume: f64,
     /// Volume it has, m³ (2D: m²).
     pub volume: f64,
-    /// Centre of mass, m.
+    /// Centre of mass, m: that of its surface; a body that touches nothing is carried by its velocity alone.
     pub centroid: Vector<D>,
     /// Lower corner of its box, m.
     pub lower: Vector<D>,
@@ -47,6 +48,13 @@ pub struct Drop<const D: usize> {
     pub velocity: Vector<D>,
     /// Angular momentum about its centre over the liquid's density, m⁵/s (2D: m⁴/s, in the last entry).
     pub spin: [f64; 3],
+}
+
+impl<const D: usize> Drop<D> {
+    /// What the drop is as a body.
+    pub(crate) fn whole(&self) -> Whole<D> {
+        Whole { mass: self.target_volume, center: self.centroid, velocity: self.velocity, spin: self.spin }
+    }
 }
 
 impl<const D: usize> State<D> {

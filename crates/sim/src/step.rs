@@ -5,12 +5,12 @@
 
 use crate::ledger::Ledger;
 use crate::liquid::curvature::{Curvature, FilterStep, curvature};
-use crate::liquid::momentum::{FaceWalk, Moments};
+use crate::liquid::momentum::{FaceWalk, Moments, together};
 use crate::liquid::pressure::{CutFace, Projection, cut_faces};
 use crate::liquid::surface::CutCube;
 use crate::liquid::transport::{advect_surface, advect_velocity, pack};
 use crate::liquid::viscosity::Diffusion;
-use crate::liquid::volume::{Group, Measured, band_labels, follow, targets};
+use crate::liquid::volume::{Group, Measured, astray, band_labels, follow, targets};
 use crate::model::Model;
 use crate::simulation::PhaseEnd;
 use crate::state::{Drop, State};
@@ -59,7 +59,7 @@ pub fn step<const D: usize>(
     keep_distance(model, state, work);
     phase_end("redistance");
 
-    // (2) Every component keeps its volume.
+    // (2) Every component keeps its volume, and the centre of mass of what touches nothing its path.
     let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
     let change = keep_volume(model, state, work, &before, &labels, dt);
     phase_end("volume");
@@ -195,16 +195,17 @@ fn around<const D: usize>(model: &Model<D>, work: &Workspace<D>, mut marks: Vec<
 }
 
 /// What became of the components in a step.
-pub struct Change {
-    groups: Vec<Group>,
+pub struct Change<const D: usize> {
+    groups: Vec<Group<D>>,
     cubes: Vec<CutCube>,
     /// Volumes that the components must have.
     pub targets: Vec<f64>,
     volumes: Vec<f64>,
+    centers: Vec<Vector<D>>,
     jump: f64,
 }
 
-/// Follows the components and puts their volumes right.
+/// Follows the components and puts their volumes and centres right.
 pub fn keep_volume<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
@@ -212,19 +213,46 @@ pub fn keep_volume<const D: usize>(
     before: &Runs,
     labels: &[u32],
     dt: f64,
-) -> Change {
+) -> Change<D> {
     let liquid = work.measured_liquid(model, labels);
     let measured = liquid.measure(&state.phi);
     let raw = measured.volumes.clone();
-    let centers: Vec<Vector<D>> = boxes(model, &work.liquid).iter().map(|(c, _, _)| *c).collect();
-    let groups = follow(before, &work.liquid, &state.drops, &centers, dt);
+    let mut groups = follow(before, &work.liquid, &state.drops, &measured.centers, dt);
+    expect(model, state, work, &mut groups, dt);
     let (targets, lost) = targets(&groups, &state.drops, &raw);
     state.lost_volume += lost;
     let relative = |c: usize| (raw[c] - targets[c]).abs() / targets[c].abs().max(1e-300);
     let jump = (0..raw.len()).map(relative).fold(0.0, f64::max);
     let limit = BAND * model.grid.dx;
-    let Measured { cubes, volumes } = liquid.correct(&mut state.phi, measured, &targets, limit);
-    Change { groups, cubes, targets, volumes, jump }
+    let Measured { cubes, volumes, mut centers } =
+        liquid.correct(&mut state.phi, measured, &targets, &groups, limit);
+    // Where the surface could not follow all the way, the books do.
+    let rest = astray(&groups, &targets, &centers);
+    centers.iter_mut().zip(rest).for_each(|(center, rest)| *center += rest);
+    Change { groups, cubes, targets, volumes, centers, jump }
+}
+
+/// Finds out what every group that touches no side of the domain must be after the step.
+fn expect<const D: usize>(
+    model: &Model<D>,
+    state: &State<D>,
+    work: &Workspace<D>,
+    groups: &mut [Group<D>],
+    dt: f64,
+) {
+    if !model.numerics.restore_momentum {
+        return;
+    }
+    let (near, upper) = (0.75 * model.grid.dx, model.grid.upper());
+    let boxes = boxes(model, &work.liquid);
+    let touches = |&j: &usize| (0..D).any(|a| boxes[j].0[a] < near || boxes[j].1[a] > upper[a] - near);
+    for group in groups {
+        if !group.old.is_empty() && !group.new.is_empty() && !group.new.iter().any(touches) {
+            let mut whole = together(group.old.iter().map(|&i| state.drops[i].whole()));
+            whole.center += whole.velocity * dt;
+            group.whole = Some(whole);
+        }
+    }
 }
 
 /// How far the surface moves along its normal in a step, in cells, on the first layers of the band.
@@ -283,8 +311,8 @@ fn move_velocity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &
 /// The books of a new state: drops, energies. The velocity must be known on the liquid's faces.
 pub fn open_books<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
     let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
-    let Measured { cubes, volumes } = work.measured_liquid(model, &labels).measure(&state.phi);
-    let change = Change { groups: Vec::new(), cubes, targets: volumes.clone(), volumes, jump: 0.0 };
+    let Measured { cubes, volumes, centers } = work.measured_liquid(model, &labels).measure(&state.phi);
+    let change = Change { groups: Vec::new(), cubes, targets: volumes.clone(), volumes, centers, jump: 0.0 };
     let flat = Curvature { kappa: Vec::new(), known: Vec::new() };
     let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &flat);
     let moments = keep_momentum(model, state, work, &cut, &change, 0.0);
@@ -298,7 +326,7 @@ fn keep_momentum<const D: usize>(
     state: &mut State<D>,
     work: &Workspace<D>,
     cut: &[CutFace],
-    change: &Change,
+    change: &Change<D>,
     dt: f64,
 ) -> Vec<Moments<D>> {
     let rows = work.liquid.row_starts(&model.grid);
@@ -311,16 +339,7 @@ fn keep_momentum<const D: usize>(
         label: &label,
         components: work.liquid.components as usize,
     };
-    if !model.numerics.restore_momentum {
-        return walk.moments(&state.velocity);
-    }
-    let upper = model.grid.upper();
-    let half = 0.75 * model.grid.dx;
-    let touching: Vec<bool> = boxes(model, &work.liquid)
-        .iter()
-        .map(|(_, low, high)| (0..D).any(|a| low[a] < half || high[a] > upper[a] - half))
-        .collect();
-    walk.restore(&mut state.velocity, &change.groups, &state.drops, &change.targets, &touching, dt)
+    walk.restore(&mut state.velocity, &change.groups, &change.targets, &change.centers, dt)
 }
 
 /// ½ ρ ∫ u², J.
@@ -328,11 +347,11 @@ fn kinetic_energy<const D: usize>(model: &Model<D>, moments: &[Moments<D>]) -> f
     0.5 * model.density * model.grid.cell_volume() * moments.iter().map(|m| m.energy).sum::<f64>()
 }
 
-/// Centre and box of the cell centres of every component.
-fn boxes<const D: usize>(model: &Model<D>, liquid: &Runs) -> Vec<(Vector<D>, Vector<D>, Vector<D>)> {
+/// Box of the cell centres of every component.
+fn boxes<const D: usize>(model: &Model<D>, liquid: &Runs) -> Vec<(Vector<D>, Vector<D>)> {
     let lattice = model.grid.lattice();
     let far: Vector<D> = Vector::repeat(f64::INFINITY);
-    let mut out = vec![(0.0, Vector::<D>::zeros(), far, -far); liquid.components as usize];
+    let mut out = vec![(far, -far); liquid.components as usize];
     for run in &liquid.runs {
         let at = lattice.coordinates(run.row as usize * lattice.extent[0]);
         let end = |i: u32| {
@@ -340,14 +359,11 @@ fn boxes<const D: usize>(model: &Model<D>, liquid: &Runs) -> Vec<(Vector<D>, Vec
             cell[0] = i as usize;
             model.grid.center(cell)
         };
-        let (first, last, n) = (end(run.start), end(run.end - 1), (run.end - run.start) as f64);
-        let b = &mut out[run.component as usize];
-        b.0 += n;
-        b.1 += (first + last) * (0.5 * n);
-        b.2 = b.2.inf(&first);
-        b.3 = b.3.sup(&last);
+        let (low, high) = &mut out[run.component as usize];
+        *low = low.inf(&end(run.start));
+        *high = high.sup(&end(run.end - 1));
     }
-    out.into_iter().map(|(n, sum, low, high)| (sum / n, low, high)).collect()
+    out
 }
 
 /// The components as drops.
@@ -356,7 +372,7 @@ fn drops<const D: usize>(
     work: &Workspace<D>,
     cut: &[CutFace],
     moments: &[Moments<D>],
-    change: &Change,
+    change: &Change<D>,
 ) -> Vec<Drop<D>> {
     let rows = work.liquid.row_starts(&model.grid);
     let half = 0.5 * model.grid.dx;
@@ -364,19 +380,20 @@ fn drops<const D: usize>(
         .into_iter()
         .zip(moments)
         .enumerate()
-        .map(|(c, ((_, low, high), m))| {
+        .map(|(c, ((low, high), m))| {
+            let whole = m.weighing(change.targets[c]).whole(change.centers[c]);
             Drop {
                 target_volume: change.targets[c],
                 volume: change.volumes[c],
-                centroid: m.centroid(),
+                centroid: whole.center,
                 // Outermost centres, or the wall behind them; the surface's place follows.
                 lower: low.map(|x| if x < 1.5 * half { 0.0 } else { x }),
                 upper: Vector::from_fn(|a, _| {
                     let side = model.grid.upper()[a];
                     if high[a] > side - 1.5 * half { side } else { high[a] }
                 }),
-                velocity: m.velocity(),
-                spin: m.weighing(change.targets[c]).spin(),
+                velocity: whole.velocity,
+                spin: whole.spin,
             }
         })
         .collect();
@@ -407,30 +424,19 @@ pub fn max_component<const D: usize>(model: &Model<D>, state: &State<D>, work: &
 /// The books of a state.
 pub fn ledger<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Ledger<D> {
     let drops = &state.drops;
-    let total: f64 = drops.iter().map(|d| d.target_volume).sum();
-    let sum = |f: &dyn Fn(&Drop<D>) -> Vector<D>| {
-        drops.iter().fold(Vector::zeros(), |s: Vector<D>, d| s + f(d) * d.target_volume)
-    };
-    let momentum = sum(&|d| d.velocity) * model.density;
-    let centroid = if total > 0.0 { sum(&|d| d.centroid) / total } else { Vector::zeros() };
-    let mut angular = [0.0; 3];
-    for d in drops {
-        for &(a, b, place) in &crate::liquid::momentum::PLANES[..if D == 2 { 1 } else { 3 }] {
-            let orbit = d.centroid[a] * d.velocity[b] - d.centroid[b] * d.velocity[a];
-            angular[place] += model.density * (d.spin[place] + d.target_volume * orbit);
-        }
-    }
+    let all = together(drops.iter().map(Drop::whole));
+    let mass = model.density * all.mass;
     let error = |d: &Drop<D>| (d.volume / d.target_volume - 1.0).abs();
     Ledger {
         volume: drops.iter().map(|d| d.volume).sum(),
-        target_volume: total,
+        target_volume: all.mass,
         volume_error: drops.iter().map(error).fold(0.0, f64::max),
-        centroid,
-        momentum,
-        angular_momentum: angular,
+        centroid: all.center,
+        momentum: all.velocity * mass,
+        angular_momentum: all.about(&Vector::zeros()).map(|l| model.density * l),
         kinetic_energy: state.kinetic_energy,
         surface_energy: model.surface_tension * state.surface_area,
-        potential_energy: -model.density * total * model.gravity.dot(&centroid),
+        potential_energy: -mass * model.gravity.dot(&all.center),
         max_speed: max_component(model, state, work),
         divergence_max: crate::liquid::pressure::divergence_max(model, &state.velocity, &work.liquid),
     }

@@ -1,16 +1,18 @@
 //! Momentum of every component, and giving back what the discretisation loses.
 //!
 //! Advection and the surface force are accurate but not conservative. A body of liquid that touches nothing must keep
-//! its mean velocity (but for gravity) and its spin: after each step a uniform velocity and a rigid rotation restore
-//! both. Rigid motions are free of divergence, so nothing else changes (design, experiments part 2).
+//! its mean velocity (but for gravity) and its angular momentum: after each step a uniform velocity and a rigid rotation
+//! restore both. Rigid motions are free of divergence, so nothing else changes (design, experiments part 2). Bodies that
+//! merge or part in a step are one [`Whole`] in it: orbits about the common centre count as well as spins. A centre is
+//! that of the surface, which the volume correction keeps on its path; the faces' own centres (one per axis) jitter.
 
 use super::pressure::CutFace;
 use super::volume::Group;
 use crate::model::Model;
-use crate::state::Drop;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, FaceField, Segment};
+use meniscus_numerics::{Matrix, Vector};
 use rayon::prelude::*;
+use std::iter::zip;
 
 /// Planes of rotation: (first axis, second axis, place in an angular momentum vector).
 pub const PLANES: [(usize, usize, usize); 3] = [(0, 1, 2), (1, 2, 0), (2, 0, 1)];
@@ -89,20 +91,17 @@ impl<const D: usize> Moments<D> {
     }
 
     /// Mean velocity.
-    pub fn velocity(&self) -> Vector<D> {
+    fn velocity(&self) -> Vector<D> {
         Vector::from_fn(|a, _| if self.mass[a] > 0.0 { self.momentum[a] / self.mass[a] } else { 0.0 })
     }
 
-    /// Mean position.
-    pub fn centroid(&self) -> Vector<D> {
-        Vector::from_fn(|b, _| {
-            let sum: f64 = (0..D).map(|a| self.first[a][b] / self.mass[a].max(1e-300)).sum();
-            sum / D as f64
-        })
+    /// Mean position of the faces of each axis.
+    fn middle(&self) -> [Vector<D>; D] {
+        std::array::from_fn(|a| Vector::from_fn(|b, _| self.first[a][b] / self.mass[a].max(1e-300)))
     }
 
     /// Angular momentum about the mean position of each axis' faces: a uniform velocity adds nothing.
-    pub fn spin(&self) -> [f64; 3] {
+    fn spin(&self) -> [f64; 3] {
         let relative = |a: usize, b: usize| {
             self.turning[a][b] - self.first[a][b] * self.momentum[a] / self.mass[a].max(1e-300)
         };
@@ -113,61 +112,52 @@ impl<const D: usize> Moments<D> {
         spin
     }
 
-    /// The rotation rate that carries a given spin: solves the inertia of the faces.
-    fn rotation(&self, spin: [f64; 3]) -> [f64; 3] {
-        let spread = |a: usize, b: usize, c: usize| {
-            self.second[a][b][c] - self.first[a][b] * self.first[a][c] / self.mass[a].max(1e-300)
-        };
-        // Rotation in plane (a, b): u_b += ω x_a, u_a −= ω x_b.
-        let mut inertia = nalgebra3::zeros();
-        for (i, &(a, b, _)) in planes::<D>().iter().enumerate() {
-            for (j, &(c, d, _)) in planes::<D>().iter().enumerate() {
-                let mut sum = 0.0;
-                for (axis, arm, s) in [(b, a, 1.0), (a, b, -1.0)] {
-                    for (other, lever, t) in [(d, c, 1.0), (c, d, -1.0)] {
-                        if axis == other {
-                            sum += s * t * spread(axis, arm, lever);
-                        }
+    /// The body as one whole with its centre where the surface says.
+    pub fn whole(&self, center: Vector<D>) -> Whole<D> {
+        Whole { mass: self.mass[0], center, velocity: self.velocity(), spin: self.spin() }
+    }
+
+    /// Σ m x_b x_c over the faces of axis `a`, about their mean position.
+    fn spread(&self, a: usize, b: usize, c: usize) -> f64 {
+        self.second[a][b][c] - self.first[a][b] * self.first[a][c] / self.mass[a].max(1e-300)
+    }
+}
+
+/// The rotation rate that carries a given angular momentum in bodies of the given spread (axis of the faces, two of
+/// positions) and mass.
+fn rotation<const D: usize>(
+    momentum: [f64; 3],
+    least: f64,
+    spread: impl Fn(usize, usize, usize) -> f64,
+) -> [f64; 3] {
+    // Rotation in plane (a, b): u_b += ω x_a, u_a −= ω x_b.
+    let mut inertia = Matrix::<3>::zeros();
+    for (i, &(a, b, _)) in planes::<D>().iter().enumerate() {
+        for (j, &(c, d, _)) in planes::<D>().iter().enumerate() {
+            for (axis, arm, s) in [(b, a, 1.0), (a, b, -1.0)] {
+                for (other, lever, t) in [(d, c, 1.0), (c, d, -1.0)] {
+                    if axis == other {
+                        inertia[(i, j)] += s * t * spread(axis, arm, lever);
                     }
                 }
-                inertia[i][j] = sum;
             }
         }
-        let mut right = [0.0; 3];
-        planes::<D>().iter().enumerate().for_each(|(i, p)| right[i] = spin[p.2]);
-        let solution = nalgebra3::solve(inertia, right, planes::<D>().len());
-        let mut rate = [0.0; 3];
-        planes::<D>().iter().enumerate().for_each(|(i, p)| rate[p.2] = solution[i]);
-        rate
     }
+    let mut right = Vector::<3>::zeros();
+    planes::<D>().iter().enumerate().for_each(|(i, p)| right[i] = momentum[p.2]);
+    // A body one cell thick has faces at one place only and cannot turn: directions without inertia are left out.
+    let inverse = inertia.symmetric_eigen();
+    let mut rate = [0.0; 3];
+    for (k, value) in inverse.eigenvalues.iter().enumerate().filter(|(_, value)| **value > least) {
+        let direction = inverse.eigenvectors.column(k);
+        let part = direction.dot(&right) / value;
+        planes::<D>().iter().enumerate().for_each(|(i, p)| rate[p.2] += part * direction[i]);
+    }
+    rate
 }
 
 fn planes<const D: usize>() -> &'static [(usize, usize, usize)] {
     if D == 2 { &PLANES[..1] } else { &PLANES }
-}
-
-/// Three by three systems.
-mod nalgebra3 {
-    pub fn zeros() -> [[f64; 3]; 3] {
-        [[0.0; 3]; 3]
-    }
-
-    /// Solves the leading `n` by `n` symmetric system; no rotation where the inertia vanishes.
-    pub fn solve(matrix: [[f64; 3]; 3], right: [f64; 3], n: usize) -> [f64; 3] {
-        let scale = (0..n).map(|i| matrix[i][i]).fold(0.0, f64::max);
-        let full = meniscus_numerics::Matrix::<3>::from_fn(|r, c| {
-            if r < n && c < n {
-                matrix[r][c]
-            } else if r == c {
-                scale
-            } else {
-                0.0
-            }
-        });
-        let right = meniscus_numerics::Vector::<3>::from_fn(|r, _| if r < n { right[r] } else { 0.0 });
-        let inverse = if scale > 0.0 { full.try_inverse() } else { None };
-        inverse.map_or([0.0; 3], |i| (i * right).into())
-    }
 }
 
 /// What is needed to walk over the faces of each component.
@@ -241,59 +231,47 @@ impl<const D: usize> FaceWalk<'_, D> {
         }
     }
 
-    /// Restores the momentum and spin of every group that touches no side of the domain. `expected` are the drops
-    /// before the step. Gives back the moments after.
+    /// Restores the momentum and angular momentum of every whole; `centers` are those of the components. Gives back the
+    /// moments after.
     pub fn restore(
         &self,
         velocity: &mut FaceField<D>,
-        groups: &[Group],
-        before: &[Drop<D>],
+        groups: &[Group<D>],
         targets: &[f64],
-        touching: &[bool],
+        centers: &[Vector<D>],
         dt: f64,
     ) -> Vec<Moments<D>> {
         let moments = self.moments(velocity);
-        let mut change: Vec<Option<(Vector<D>, [f64; 3], Moments<D>)>> = vec![None; self.components];
+        let mut motions: Vec<Option<Motion<D>>> = vec![None; self.components];
         for group in groups {
-            if group.old.is_empty() || group.new.is_empty() || group.new.iter().any(|&j| touching[j]) {
-                continue;
-            }
-            let (mean, spin) = together(group.old.iter().map(|&i| {
-                let d = &before[i];
-                (d.target_volume, d.velocity, d.centroid, d.spin)
-            }));
-            let mut whole = Moments::zero();
-            for &j in &group.new {
-                whole.add(&moments[j].weighing(targets[j]), 1.0);
-            }
-            let expected = mean + self.model.gravity * dt;
-            let shift = expected - whole.velocity();
-            let now = whole.spin();
-            let rate = whole.rotation(std::array::from_fn(|i| spin[i] - now[i]));
-            for &j in &group.new {
-                change[j] = Some((shift, rate, whole.clone()));
+            let Some(whole) = &group.whole else { continue };
+            let parts: Vec<Moments<D>> = group.new.iter().map(|&j| moments[j].weighing(targets[j])).collect();
+            let arms: Vec<Vector<D>> = group.new.iter().map(|&j| centers[j] - whole.center).collect();
+            let now = together(zip(&group.new, &parts).map(|(&j, m)| m.whole(centers[j])));
+            let shift = whole.velocity + self.model.gravity * dt - now.velocity;
+            let lost = std::array::from_fn(|i| whole.spin[i] - now.spin[i]);
+            let spread = |a: usize, b: usize, c: usize| {
+                zip(&parts, &arms).map(|(m, r)| m.spread(a, b, c) + m.mass[a] * r[b] * r[c]).sum()
+            };
+            let least = 1e-6 * whole.mass * self.model.grid.dx.powi(2);
+            let rate = rotation::<D>(lost, least, spread);
+            for ((&j, m), arm) in zip(&group.new, parts).zip(&arms) {
+                let middle = m.middle();
+                motions[j] = Some(Motion { velocity: shift + turn(&rate, arm), rate, middle });
             }
         }
-        if change.iter().all(Option::is_none) {
+        if motions.iter().all(Option::is_none) {
             return moments;
         }
-        self.add_motion(velocity, &change);
+        self.add_motion(velocity, &motions);
         self.moments(velocity)
     }
 
-    fn add_motion(&self, velocity: &mut FaceField<D>, change: &[Option<(Vector<D>, [f64; 3], Moments<D>)>]) {
+    fn add_motion(&self, velocity: &mut FaceField<D>, motions: &[Option<Motion<D>>]) {
         let motion = |a: usize, x: &Vector<D>, component: u32| -> f64 {
-            let Some((shift, rate, whole)) = &change[component as usize] else { return 0.0 };
-            let arm = |b: usize| x[b] - whole.first[a][b] / whole.mass[a].max(1e-300);
-            let mut u = shift[a];
-            for &(p, q, place) in planes::<D>() {
-                if a == q {
-                    u += rate[place] * arm(p);
-                } else if a == p {
-                    u -= rate[place] * arm(q);
-                }
-            }
-            u
+            motions[component as usize]
+                .as_ref()
+                .map_or(0.0, |m| m.velocity[a] + turn(&m.rate, &(x - m.middle[a]))[a])
         };
         for a in 0..D {
             let row = self.model.grid.faces(a).extent[0];
@@ -314,23 +292,62 @@ impl<const D: usize> FaceWalk<'_, D> {
     }
 }
 
-/// Mean velocity and spin about the common centre of bodies given by mass, velocity, centre and spin.
-pub fn together<const D: usize>(
-    bodies: impl Iterator<Item = (f64, Vector<D>, Vector<D>, [f64; 3])>,
-) -> (Vector<D>, [f64; 3]) {
+/// A rigid motion: velocity of the centre, rotation rate, and the mean position of the faces of each axis, about which
+/// a rotation leaves the mean velocity alone.
+#[derive(Clone)]
+struct Motion<const D: usize> {
+    velocity: Vector<D>,
+    rate: [f64; 3],
+    middle: [Vector<D>; D],
+}
+
+/// Velocity at `arm` of a rotation.
+fn turn<const D: usize>(rate: &[f64; 3], arm: &Vector<D>) -> Vector<D> {
+    let mut velocity = Vector::zeros();
+    for &(a, b, place) in planes::<D>() {
+        velocity[b] += rate[place] * arm[a];
+        velocity[a] -= rate[place] * arm[b];
+    }
+    velocity
+}
+
+/// Bodies seen as one: mass over density, centre of mass, its velocity, and the angular momentum about it over density.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Whole<const D: usize> {
+    /// Mass over density, m³ (2D: m²).
+    pub mass: f64,
+    /// Centre of mass, m.
+    pub center: Vector<D>,
+    /// Its velocity, m/s.
+    pub velocity: Vector<D>,
+    /// Angular momentum about it over density.
+    pub spin: [f64; 3],
+}
+
+impl<const D: usize> Whole<D> {
+    /// Angular momentum over density about the point `from`.
+    pub fn about(&self, from: &Vector<D>) -> [f64; 3] {
+        let (arm, mut sum) = (self.center - from, self.spin);
+        for &(a, b, place) in planes::<D>() {
+            sum[place] += self.mass * (arm[a] * self.velocity[b] - arm[b] * self.velocity[a]);
+        }
+        sum
+    }
+}
+
+/// Several bodies as one.
+pub fn together<const D: usize>(bodies: impl Iterator<Item = Whole<D>>) -> Whole<D> {
     let bodies: Vec<_> = bodies.collect();
-    let mass: f64 = bodies.iter().map(|b| b.0).sum();
-    let mean = |f: &dyn Fn(usize) -> Vector<D>| {
-        let sum = (0..bodies.len()).fold(Vector::zeros(), |s: Vector<D>, i| s + f(i) * bodies[i].0);
+    let mass: f64 = bodies.iter().map(|b| b.mass).sum();
+    let mean = |f: &dyn Fn(&Whole<D>) -> Vector<D>| {
+        let sum = bodies.iter().fold(Vector::zeros(), |s: Vector<D>, b| s + f(b) * b.mass);
         if mass > 0.0 { sum / mass } else { sum }
     };
-    let (velocity, center) = (mean(&|i| bodies[i].1), mean(&|i| bodies[i].2));
+    let (center, velocity) = (mean(&|b| b.center), mean(&|b| b.velocity));
     let mut spin = [0.0; 3];
-    for (m, v, c, s) in &bodies {
-        let (arm, relative) = (c - center, v - velocity);
-        for &(a, b, place) in planes::<D>() {
-            spin[place] += s[place] + m * (arm[a] * relative[b] - arm[b] * relative[a]);
-        }
+    for b in bodies {
+        let relative = Whole { velocity: b.velocity - velocity, ..b };
+        zip(&mut spin, relative.about(&center)).for_each(|(sum, s)| *sum += s);
     }
-    (velocity, spin)
+    Whole { mass, center, velocity, spin }
 }

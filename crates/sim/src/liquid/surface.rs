@@ -5,6 +5,7 @@
 //! `A(φ)` and `V(φ)` are functions of the cell values, and `∂A/∂φ_c / ∂V/∂φ_c` is the curvature (design, experiments
 //! parts 1 and 4). Walls mirror: a cube that reaches beyond a wall counts half.
 
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, Grid, Lattice, Runs};
 use rayon::prelude::*;
 
@@ -17,8 +18,10 @@ pub struct CutCube {
     pub area: f64,
     /// Liquid volume inside the cube less one share (1/2^D) for every liquid corner.
     pub excess: f64,
-    /// A liquid corner.
-    pub liquid: u32,
+    /// First moment of that difference about the origin.
+    pub moment: [f64; 3],
+    /// Which corners are liquid, one bit each.
+    pub wet: u8,
     /// −∂area/∂φ of each corner.
     pub area_slope: [f64; 8],
     /// −∂volume/∂φ of each corner.
@@ -92,8 +95,7 @@ impl<const D: usize> SurfaceLattice<D> {
         }
         let mut corners = [0; 8];
         let mut values = [0.0; 8];
-        let mut liquid = None;
-        let mut wet = 0;
+        let mut wet = 0u8;
         for k in 0..1 << D {
             let cell = cells.index(std::array::from_fn(|a| {
                 (at[a] + (k >> a & 1)).saturating_sub(1).min(cells.extent[a] - 1)
@@ -102,18 +104,21 @@ impl<const D: usize> SurfaceLattice<D> {
             let value = phi[cell] / self.grid.dx;
             values[k] = value.abs().max(NEAREST).copysign(value);
             if value < 0.0 {
-                wet += 1;
-                liquid.get_or_insert(cell as u32);
+                wet |= 1 << k;
             }
         }
         let mut cube = CutCube {
             corners,
             area: 0.0,
-            excess: -(wet as f64) / (1 << D) as f64,
-            liquid: liquid.unwrap_or(corners[0]),
+            excess: 0.0,
+            moment: [0.0; 3],
+            wet,
             area_slope: [0.0; 8],
             volume_slope: [0.0; 8],
         };
+        for k in (0..1 << D).filter(|k| wet >> k & 1 == 1) {
+            cube.fill(-1.0 / (1 << D) as f64, &[corner(k)]);
+        }
         for simplex in &self.simplices {
             if D == 2 {
                 cut_triangle(simplex, &values, &mut cube)
@@ -123,6 +128,16 @@ impl<const D: usize> SurfaceLattice<D> {
         }
         cube.area *= weight;
         cube.excess *= weight;
+        for a in 0..D {
+            // The half of a mirrored cube that is in the domain lies a quarter of a cell from the wall.
+            cube.moment[a] = if at[a] == 0 {
+                0.25 * cube.excess
+            } else if at[a] == cells.extent[a] {
+                (at[a] as f64 - 0.25) * cube.excess
+            } else {
+                cube.moment[a] * weight + (at[a] as f64 - 0.5) * cube.excess
+            };
+        }
         for k in 0..1 << D {
             cube.area_slope[k] *= weight;
             cube.volume_slope[k] *= weight;
@@ -130,24 +145,79 @@ impl<const D: usize> SurfaceLattice<D> {
         cube
     }
 
-    /// Volume of each component of the liquid, m³ (2D: m²).
+    /// Volume (m³, 2D: m²) and centre (m) of each component of the liquid. What a cube holds beyond its corners' shares
+    /// belongs to its liquid corners in equal parts: then no component has a negative volume.
     pub fn volumes(
         &self,
         liquid: &Runs,
         label: impl Fn(usize) -> Option<u32>,
         cubes: &[CutCube],
-    ) -> Vec<f64> {
-        let mut volumes = vec![0.0; liquid.components as usize];
-        for run in &liquid.runs {
-            volumes[run.component as usize] += (run.end - run.start) as f64;
-        }
+    ) -> Vec<(f64, Vector<D>)> {
+        let mut sums = self.whole_cells(liquid);
+        let middles: Vec<Vector<D>> = sums.iter().map(|(n, moment)| moment / *n).collect();
         for cube in cubes {
-            if let Some(c) = label(cube.liquid as usize) {
-                volumes[c as usize] += cube.excess;
+            cube.share(&label, |c, part| {
+                let (volume, moment) = &mut sums[c as usize];
+                *volume += part * cube.excess;
+                *moment += Vector::from_fn(|a, _| part * cube.moment[a]);
+            });
+        }
+        let dx = self.grid.dx;
+        let center = |(c, (volume, moment)): (usize, (f64, Vector<D>))| {
+            // Next to nothing has its centre lost in rounding.
+            let center = if volume > 1e-6 { moment / volume } else { middles[c] };
+            (volume * self.grid.cell_volume(), center * dx)
+        };
+        sums.into_iter().enumerate().map(center).collect()
+    }
+
+    /// Number of cells and sum of their centres, in cells; half a cell at a wall lies behind its centre.
+    fn whole_cells(&self, liquid: &Runs) -> Vec<(f64, Vector<D>)> {
+        let cells = self.grid.lattice();
+        let mut sums = vec![(0.0, Vector::zeros()); liquid.components as usize];
+        for run in &liquid.runs {
+            let at = cells.coordinates(run.row as usize * cells.extent[0]);
+            let n = (run.end - run.start) as f64;
+            let mut moment = Vector::from_fn(|a, _| n * (at[a] as f64 + 0.5));
+            moment[0] = 0.5 * n * (run.start + run.end) as f64;
+            for a in 0..D {
+                let (first, last) =
+                    if a == 0 { (run.start as usize, run.end as usize - 1) } else { (at[a], at[a]) };
+                let count = if a == 0 { 1.0 } else { n };
+                moment[a] -= if first == 0 { 0.125 * count } else { 0.0 };
+                moment[a] += if last + 1 == cells.extent[a] { 0.125 * count } else { 0.0 };
+            }
+            let sum = &mut sums[run.component as usize];
+            sum.0 += n;
+            sum.1 += moment;
+        }
+        sums
+    }
+}
+
+impl CutCube {
+    /// Adds (a negative `volume` takes away) a piece with its centre in the middle of `points` of the unit cube.
+    fn fill(&mut self, volume: f64, points: &[[f64; 3]]) {
+        self.excess += volume;
+        for x in points {
+            (0..3).for_each(|a| self.moment[a] += volume / points.len() as f64 * x[a]);
+        }
+    }
+
+    /// Calls `f(component, part)` for every liquid corner; the parts add up to one.
+    pub fn share(&self, label: impl Fn(usize) -> Option<u32>, mut f: impl FnMut(u32, f64)) {
+        let part = 1.0 / f64::from(self.wet.count_ones());
+        for k in (0..8).filter(|k| self.wet >> k & 1 == 1) {
+            if let Some(c) = label(self.corners[k] as usize) {
+                f(c, part);
             }
         }
-        volumes.iter().map(|v| v * self.grid.cell_volume()).collect()
     }
+}
+
+/// Where a corner of the unit cube is.
+fn corner(k: usize) -> [f64; 3] {
+    std::array::from_fn(|a| (k >> a & 1) as f64)
 }
 
 fn simplex<const D: usize>(corners: [usize; 4]) -> Simplex<D> {
@@ -186,7 +256,7 @@ fn root<const D: usize>(simplex: &Simplex<D>, values: &[f64; 8], a: usize, b: us
     let (ka, kb) = (simplex.corners[a], simplex.corners[b]);
     let t = values[ka] / (values[ka] - values[kb]).min(-1e-12);
     let x = std::array::from_fn(|i| {
-        let (xa, xb) = ((ka >> i & 1) as f64, (kb >> i & 1) as f64);
+        let (xa, xb) = (corner(ka)[i], corner(kb)[i]);
         xa + t * (xb - xa)
     });
     Root { a, b, t, x }
@@ -241,22 +311,22 @@ fn sides<const D: usize>(simplex: &Simplex<D>, values: &[f64; 8]) -> ([usize; 4]
 
 fn cut_triangle<const D: usize>(s: &Simplex<D>, values: &[f64; 8], cube: &mut CutCube) {
     let (o, wet) = sides(s, values);
-    let (p, q, volume) = match wet {
+    let at = |i: usize| corner(s.corners[o[i]]);
+    let (p, q) = match wet {
         0 => return,
-        3 => {
-            cube.excess += s.volume;
-            return;
-        }
+        3 => return cube.fill(s.volume, &[at(0), at(1), at(2)]),
         1 => {
             let (p, q) = (root(s, values, o[0], o[1]), root(s, values, o[0], o[2]));
-            (p, q, p.t * q.t)
+            cube.fill(s.volume * p.t * q.t, &[at(0), p.x, q.x]);
+            (p, q)
         }
         _ => {
             let (p, q) = (root(s, values, o[0], o[2]), root(s, values, o[1], o[2]));
-            (p, q, 1.0 - (1.0 - p.t) * (1.0 - q.t))
+            cube.fill(s.volume, &[at(0), at(1), at(2)]);
+            cube.fill(-s.volume * (1.0 - p.t) * (1.0 - q.t), &[at(2), p.x, q.x]);
+            (p, q)
         }
     };
-    cube.excess += s.volume * volume;
     let d: [f64; 3] = std::array::from_fn(|i| q.x[i] - p.x[i]);
     let length = (d[0] * d[0] + d[1] * d[1]).sqrt();
     cube.area += 0.5 * length;
@@ -273,22 +343,28 @@ fn cut_triangle<const D: usize>(s: &Simplex<D>, values: &[f64; 8], cube: &mut Cu
 fn cut_tetrahedron<const D: usize>(s: &Simplex<D>, values: &[f64; 8], cube: &mut CutCube) {
     let (o, wet) = sides(s, values);
     let edge = |i: usize, j: usize| root(s, values, o[i], o[j]);
+    let at = |i: usize| corner(s.corners[o[i]]);
+    let whole = [at(0), at(1), at(2), at(3)];
     match wet {
         0 => {}
-        4 => cube.excess += s.volume,
+        4 => cube.fill(s.volume, &whole),
         1 => {
             let r = [edge(0, 1), edge(0, 2), edge(0, 3)];
-            cube.excess += s.volume * r[0].t * r[1].t * r[2].t;
+            cube.fill(s.volume * r[0].t * r[1].t * r[2].t, &[at(0), r[0].x, r[1].x, r[2].x]);
             cut_facet(s, values, &r, cube);
         }
         3 => {
             let r = [edge(0, 3), edge(1, 3), edge(2, 3)];
-            cube.excess += s.volume * (1.0 - (1.0 - r[0].t) * (1.0 - r[1].t) * (1.0 - r[2].t));
+            let dry = (1.0 - r[0].t) * (1.0 - r[1].t) * (1.0 - r[2].t);
+            cube.fill(s.volume, &whole);
+            cube.fill(-s.volume * dry, &[at(3), r[0].x, r[1].x, r[2].x]);
             cut_facet(s, values, &r, cube);
         }
         _ => {
             let (ac, ad, bc, bd) = (edge(0, 2), edge(0, 3), edge(1, 2), edge(1, 3));
-            cube.excess += s.volume * (ac.t * ad.t + ac.t * bd.t * (1.0 - ad.t) + (1.0 - ac.t) * bc.t * bd.t);
+            cube.fill(s.volume * ac.t * ad.t, &[at(0), ac.x, ad.x, at(1)]);
+            cube.fill(s.volume * ac.t * bd.t * (1.0 - ad.t), &[ac.x, ad.x, bd.x, at(1)]);
+            cube.fill(s.volume * (1.0 - ac.t) * bc.t * bd.t, &[ac.x, bc.x, bd.x, at(1)]);
             cut_facet(s, values, &[ac, ad, bd], cube);
             cut_facet(s, values, &[ac, bd, bc], cube);
         }
@@ -332,7 +408,7 @@ mod tests {
         band.rebuild(phi, &inside, 3);
         let lattice = SurfaceLattice::new(grid);
         let cubes = lattice.cut(phi, &band);
-        let volume: f64 = lattice.volumes(&inside, |_| Some(0), &cubes).iter().sum();
+        let volume: f64 = lattice.volumes(&inside, |_| Some(0), &cubes).iter().map(|v| v.0).sum();
         (cubes.iter().map(|c| c.area).sum(), volume, cubes)
     }
 
@@ -380,5 +456,24 @@ mod tests {
             (0..lattice.len()).map(|i| grid.center(lattice.coordinates(i))[2] - 2.1).collect();
         let (area, volume, _) = measure(&phi, grid);
         assert!((area - 30.0).abs() < 1e-12 && (volume - 3.0 * 2.5 * 2.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_center_is_that_of_the_liquid() {
+        let grid = Grid::<3>::new([24, 20, 32], 0.125);
+        let lattice = grid.lattice();
+        let center = |f: &dyn Fn(Vector<3>) -> f64| {
+            let phi: Vec<f64> = (0..lattice.len()).map(|i| f(grid.center(lattice.coordinates(i)))).collect();
+            let inside = Tiles::all(grid).negative_runs(&phi).label(&grid);
+            let mut band = Band::new(grid);
+            band.rebuild(&phi, &inside, 3);
+            let measuring = SurfaceLattice::new(grid);
+            measuring.volumes(&inside, |_| Some(0), &measuring.cut(&phi, &band))[0].1
+        };
+        let tank = center(&|x| x[2] - 2.1);
+        assert!((tank - Vector::<3>::new(1.5, 1.25, 1.05)).norm() < 1e-12, "{tank}");
+        let middle = Vector::<3>::new(1.43, 1.31, 2.07);
+        let ball = center(&|x| (x - middle).norm() - 0.9);
+        assert!((ball - middle).norm() < 1e-3 * grid.dx, "{ball} {middle}");
     }
 }

@@ -2,24 +2,29 @@
 //!
 //! Each component has a volume to keep. When components merge their targets add up, when one splits its target is
 //! shared in proportion to the volumes of the parts. What the level set loses or gains in a step is put right by
-//! shifting φ by a constant near the component's surface.
+//! shifting φ by a constant near the component's surface; where the centre of mass of a body that touches nothing strays
+//! from its path, a translation of φ brings it back.
 
+use super::momentum::Whole;
 use super::surface::{CutCube, NEAREST, SurfaceLattice};
 use crate::model::Model;
 use crate::state::Drop;
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{Band, CellField, Runs};
+use meniscus_numerics::grid::{Band, CellField, Runs, Sampler};
+use rayon::prelude::*;
 
-/// Relative volume error that is left alone.
+/// Volume error over the volume, and distance of a centre of mass over the domain's size, that is left alone.
 const EXACT: f64 = 1e-13;
 
 /// Components of two times that became one another: which old ones, which new ones.
-#[derive(Clone, Debug, Default)]
-pub struct Group {
+#[derive(Clone, Debug)]
+pub struct Group<const D: usize> {
     /// Old components.
     pub old: Vec<usize>,
     /// New components.
     pub new: Vec<usize>,
+    /// What the new ones must be together, if they touch nothing.
+    pub whole: Option<Whole<D>>,
 }
 
 /// Follows components from `before` to `after` by the cells they share; strays join the nearest.
@@ -29,7 +34,7 @@ pub fn follow<const D: usize>(
     drops: &[Drop<D>],
     centroids: &[Vector<D>],
     dt: f64,
-) -> Vec<Group> {
+) -> Vec<Group<D>> {
     let (m, n) = (before.components as usize, after.components as usize);
     let mut parent: Vec<usize> = (0..m + n).collect();
     fn find(parent: &[usize], mut i: usize) -> usize {
@@ -70,7 +75,8 @@ pub fn follow<const D: usize>(
             link(i, m + j);
         }
     }
-    let mut groups: Vec<Group> = vec![Group::default(); m + n];
+    let empty = Group { old: Vec::new(), new: Vec::new(), whole: None };
+    let mut groups: Vec<Group<D>> = vec![empty; m + n];
     for i in 0..m + n {
         let root = find(&parent, i);
         if i < m { groups[root].old.push(i) } else { groups[root].new.push(i - m) }
@@ -80,7 +86,7 @@ pub fn follow<const D: usize>(
 }
 
 /// Target volumes of the new components, and the volume of old ones that are gone.
-pub fn targets<const D: usize>(groups: &[Group], drops: &[Drop<D>], volumes: &[f64]) -> (Vec<f64>, f64) {
+pub fn targets<const D: usize>(groups: &[Group<D>], drops: &[Drop<D>], volumes: &[f64]) -> (Vec<f64>, f64) {
     let mut targets = volumes.to_vec();
     let mut lost = 0.0;
     for group in groups {
@@ -90,8 +96,11 @@ pub fn targets<const D: usize>(groups: &[Group], drops: &[Drop<D>], volumes: &[f
             lost += total;
         } else if group.old.is_empty() {
             lost -= measured;
-        } else if measured > 0.0 {
-            group.new.iter().for_each(|&j| targets[j] = total * volumes[j].max(0.0) / measured);
+        } else {
+            let share = |j: usize| {
+                if measured > 0.0 { volumes[j].max(0.0) / measured } else { 1.0 / group.new.len() as f64 }
+            };
+            group.new.iter().for_each(|&j| targets[j] = total * share(j));
         }
     }
     (targets, lost)
@@ -124,12 +133,25 @@ pub fn band_labels<const D: usize>(
     labels
 }
 
-/// The surface as it is: cubes cut, and the volume of each component.
-pub struct Measured {
+/// The surface as it is: cubes cut, volume and centre of each component.
+pub struct Measured<const D: usize> {
     /// Cubes that the surface passes.
     pub cubes: Vec<CutCube>,
     /// Volume of each component, m³ (2D: m²).
     pub volumes: Vec<f64>,
+    /// Centre of each component, m.
+    pub centers: Vec<Vector<D>>,
+}
+
+/// How far the parts of each group must move for the whole to be in its place, by component.
+pub fn astray<const D: usize>(groups: &[Group<D>], targets: &[f64], centers: &[Vector<D>]) -> Vec<Vector<D>> {
+    let mut moves = vec![Vector::zeros(); centers.len()];
+    for group in groups {
+        let Some(whole) = &group.whole else { continue };
+        let sum = group.new.iter().fold(Vector::zeros(), |s: Vector<D>, &j| s + centers[j] * targets[j]);
+        group.new.iter().for_each(|&j| moves[j] = whole.center - sum / whole.mass);
+    }
+    moves
 }
 
 /// Where the liquid is, for measuring and correcting its volume.
@@ -152,46 +174,77 @@ impl<const D: usize> Liquid<'_, D> {
     }
 
     /// Measures the surface of `phi`.
-    pub fn measure(&self, phi: &CellField<D>) -> Measured {
+    pub fn measure(&self, phi: &CellField<D>) -> Measured<D> {
         let cubes = self.lattice.cut(&phi.data, self.band);
-        let volumes = self.lattice.volumes(self.cells, |c| self.label(c), &cubes);
-        Measured { cubes, volumes }
+        let sums = self.lattice.volumes(self.cells, |c| self.label(c), &cubes);
+        let (volumes, centers) = sums.into_iter().unzip();
+        Measured { cubes, volumes, centers }
     }
 
-    /// Shifts φ within `limit` of each component's surface until its volume is the target (Newton), and measures.
+    /// Shifts φ within `limit` of each component's surface until its volume is the target and the whole that it belongs
+    /// to is in its place (Newton), and measures.
     pub fn correct(
         &self,
         phi: &mut CellField<D>,
-        mut now: Measured,
+        mut now: Measured<D>,
         targets: &[f64],
+        groups: &[Group<D>],
         limit: f64,
-    ) -> Measured {
-        let unit = self.model.grid.cell_volume();
-        let least = NEAREST * self.model.grid.dx;
+    ) -> Measured<D> {
+        let dx = self.model.grid.dx;
+        let least = NEAREST * dx;
+        let near = EXACT * self.model.grid.upper().norm();
+        let slopes = self.slopes(phi, groups);
         for _ in 0..6 {
+            let moves = astray(groups, targets, &now.centers);
             let off = |c: usize| (now.volumes[c] - targets[c]).abs() > EXACT * targets[c].abs();
-            if !(0..targets.len()).any(off) {
+            if !(0..targets.len()).any(|c| off(c) || moves[c].norm() > near) {
                 break;
             }
-            let mut slopes = vec![0.0; targets.len()];
-            for cube in &now.cubes {
-                if let Some(c) = self.label(cube.liquid as usize) {
-                    slopes[c as usize] += cube.volume_slope.iter().sum::<f64>();
-                }
-            }
-            let shift =
-                |c: usize| ((now.volumes[c] - targets[c]) / unit / slopes[c].max(1.0)).clamp(-0.1, 0.1);
-            let shifts: Vec<f64> = (0..targets.len()).map(|c| shift(c) * self.model.grid.dx).collect();
-            for (&cell, &l) in self.band.cells.iter().zip(self.labels) {
+            let moves: Vec<Vector<D>> = moves.iter().map(|d| d.cap_magnitude(0.1 * dx)).collect();
+            let shifts = self.shifts(&now, targets);
+            for (i, (&cell, &l)) in self.band.cells.iter().zip(self.labels).enumerate() {
                 let value = &mut phi.data[cell as usize];
                 if l != u32::MAX && value.abs() < limit {
                     // Signs stay: the runs of liquid cells must remain what they are within a step.
-                    let shifted = *value + shifts[l as usize];
+                    let c = l as usize;
+                    let shifted = *value + shifts[c] - slopes.get(i).map_or(0.0, |s| s.dot(&moves[c]));
                     *value = if *value < 0.0 { shifted.min(-least) } else { shifted.max(least) };
                 }
             }
             now = self.measure(phi);
         }
         now
+    }
+
+    /// By how much φ must change for each component's volume to be right, m.
+    fn shifts(&self, now: &Measured<D>, targets: &[f64]) -> Vec<f64> {
+        let mut slopes = vec![0.0; targets.len()];
+        for cube in &now.cubes {
+            let slope = cube.volume_slope.iter().sum::<f64>();
+            cube.share(|c| self.label(c), |c, part| slopes[c as usize] += part * slope);
+        }
+        let grid = &self.model.grid;
+        let shift = |c: usize| (now.volumes[c] - targets[c]) / grid.cell_volume() / f64::max(slopes[c], 1.0);
+        (0..targets.len()).map(|c| shift(c).clamp(-0.1, 0.1) * grid.dx).collect()
+    }
+
+    /// ∇φ on the band; nothing where no group must be anywhere.
+    fn slopes(&self, phi: &CellField<D>, groups: &[Group<D>]) -> Vec<Vector<D>> {
+        if groups.iter().all(|g| g.whole.is_none()) {
+            return Vec::new();
+        }
+        let grid = &self.model.grid;
+        let sampler = Sampler::cells(grid, &phi.data, self.model.scalar_edges());
+        let slope = |&cell: &u32| {
+            let at = grid.lattice().coordinates(cell as usize).map(|i| i as isize);
+            Vector::from_fn(|a, _| {
+                let (mut up, mut down) = (at, at);
+                up[a] += 1;
+                down[a] -= 1;
+                (sampler.value(up) - sampler.value(down)) / (2.0 * grid.dx)
+            })
+        };
+        self.band.cells.par_iter().map(slope).collect()
     }
 }

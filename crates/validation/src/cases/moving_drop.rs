@@ -1,6 +1,6 @@
 //! A drop that flies: Galilean invariance.
 
-use crate::measure::{at_most, settle, surface_points, volume_and_centroid};
+use crate::measure::{at_most, settle, volume_and_centroid};
 use crate::setup::{RADIUS, TENSION, model, offset, roundness, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -51,7 +51,7 @@ fn fly<const D: usize>(cells: usize, round: f64) -> Result<Vec<Check>, StepError
     let distance = |x: &Vector<D>| shape.signed_distance(x);
     let mut sim = Simulation::new(model, &[Body { distance: &distance, velocity }]);
     let (mut deviation, mut volume, mut wander, mut pressure): (f64, f64, f64, f64) = (0.0, 0.0, 0.0, 0.0);
-    let measured = |sim: &Simulation<D>| volume_and_centroid(&surface_points(&sim.model, &sim.state.phi));
+    let measured = |sim: &Simulation<D>| volume_and_centroid(&sim.model, &sim.state.phi);
     let first = measured(&sim);
     let laplace = TENSION * (D as f64 - 1.0) / RADIUS;
     run_to(&mut sim, FLIGHT * RADIUS / SPEED, |sim, report| {

@@ -12,7 +12,7 @@ pub struct SurfacePoint<const D: usize> {
     pub at: Vector<D>,
     /// Outward unit normal.
     pub normal: Vector<D>,
-    /// The piece of surface that it stands for, m² (2D: m): sums over all points integrate over the surface.
+    /// The piece of surface that it stands for, m² (2D: m).
     pub area: f64,
 }
 
@@ -67,16 +67,35 @@ fn root(v: &[f64; 4]) -> f64 {
     0.5 * (low + high)
 }
 
-/// Volume (m³, 2D: m²) and centre of mass (m) of the liquid within a closed surface, by Gauss's theorem.
-pub fn volume_and_centroid<const D: usize>(points: &[SurfacePoint<D>]) -> (f64, Vector<D>) {
-    let total: f64 = points.iter().map(|p| p.area).sum();
-    let middle = points.iter().fold(Vector::zeros(), |s: Vector<D>, p| s + p.at * p.area) / total;
-    let volume = points.iter().map(|p| (p.at - middle).dot(&p.normal) * p.area).sum::<f64>() / D as f64;
-    let moment = points.iter().fold(Vector::zeros(), |s: Vector<D>, p| {
-        let d = p.at - middle;
-        s + d.component_mul(&d).component_mul(&p.normal) * p.area
-    });
-    (volume, middle + moment / (2.0 * volume))
+/// Volume (m³, 2D: m²) and centre of mass (m) of the liquid: four points per axis in the cells near the surface, φ cubic
+/// between the centres, each point as full as its distance says.
+///
+/// It shares nothing with the simulator's own sums. (Sums over [`surface_points`] were tried: where drops have just
+/// merged and the normals are wild, their volume is off by 2 % and their centre by 0.3 Δ.)
+pub fn volume_and_centroid<const D: usize>(model: &Model<D>, phi: &CellField<D>) -> (f64, Vector<D>) {
+    const FINE: usize = 4;
+    let (grid, lattice) = (&model.grid, model.grid.lattice());
+    let sampler = Sampler::cells(grid, &phi.data, model.scalar_edges());
+    let width = grid.dx / FINE as f64;
+    let (mut volume, mut moment) = (0.0, Vector::zeros());
+    let mut add = |x: &Vector<D>, share: f64| {
+        volume += share;
+        moment += x * share;
+    };
+    for (i, &here) in phi.data.iter().enumerate() {
+        let center = grid.center(lattice.coordinates(i));
+        if here.abs() > 1.5 * grid.dx {
+            add(&center, if here < 0.0 { 1.0 } else { 0.0 });
+            continue;
+        }
+        for k in 0..FINE.pow(D as u32) {
+            let place = |a: usize| (k / FINE.pow(a as u32) % FINE) as f64 - 0.5 * (FINE - 1) as f64;
+            let x = center + Vector::from_fn(|a, _| width * place(a));
+            let full = (0.5 - sampler.cubic(&x) / width).clamp(0.0, 1.0);
+            add(&x, full / FINE.pow(D as u32) as f64);
+        }
+    }
+    (volume * grid.cell_volume(), moment / volume)
 }
 
 /// A mode of a drop as a function of the direction from its centre: `cos nθ`, θ from the first axis, in 2D and the
@@ -153,8 +172,9 @@ mod tests {
         for (i, value) in phi.data.iter_mut().enumerate() {
             *value = shape.signed_distance(&grid.center(lattice.coordinates(i)));
         }
-        let points = surface_points(&model(grid, [[Wall::Open; 2]; D]), &phi);
-        let (volume, centroid) = volume_and_centroid(&points);
+        let model = model(grid, [[Wall::Open; 2]; D]);
+        let points = surface_points(&model, &phi);
+        let (volume, centroid) = volume_and_centroid(&model, &phi);
         (volume, centroid, fit_mode(&points, &center, 3).unwrap(), center)
     }
 
@@ -163,7 +183,7 @@ mod tests {
         let (volume, centroid, fit, center) = measured::<2>();
         assert!((fit.radius - 0.8).abs() < 2e-5 && (fit.amplitude - 0.04).abs() < 2e-5, "{fit:?}");
         assert!((volume - PI * 0.64 * (1.0 + 0.5 * 0.0025)).abs() < 1e-3, "{volume}");
-        assert!((centroid - center).norm() < 2e-3, "{centroid} {center}");
+        assert!((centroid - center).norm() < 2e-4, "{centroid} {center}");
         let (_, _, fit, _) = measured::<3>();
         assert!((fit.radius - 0.8).abs() < 1e-4 && (fit.amplitude - 0.04).abs() < 1e-4, "{fit:?}");
     }
