@@ -6,6 +6,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_sim::{Body, Drop, Model, Numerics, Simulation, StepError, Wall};
+use std::f64::consts::SQRT_2;
 
 /// The case.
 pub const CASE: Case = Case {
@@ -13,9 +14,12 @@ pub const CASE: Case = Case {
     title: "Dam break",
     theory: "A column of water, a = 5.715 cm wide and 2a high, collapses along a floor. Position x/a of the front \
         against the experiments of Martin and Moyce (Phil. Trans. R. Soc. A 244, 1952; digitised values) at T = \
-        t√(2g/a): largest and mean relative deviation. The simulation has no wall friction and no gate, so its \
-        front runs ahead; the deviation that is left when the release is delayed by the time that fits best \
-        (T ≤ 0.5) tells how much of it is the gate. 2D; full: 40 cells per a; quick: 16, bar 15 %.",
+        t√(2g/a): largest and mean relative deviation; and the height of the column (their table 6). The simulation \
+        has no wall friction and no gate, so its front runs ahead; the deviation that is left when the release is \
+        delayed by the time that fits best (T ≤ 0.5) tells how much of it is the gate. That the equations are solved \
+        right is judged apart from the experiment: without surface tension, front and height against potential flow \
+        (boundary integrals in place of a grid, 160 nodes; its energy holds to 1 %). It leads the experiment by 13 to \
+        20 %. 2D; full: 40 cells per a; quick: 16, bar 15 % (potential flow: 2 %, quick 5 %).",
     quick: false,
     run: |mode| settle("dam-break", run(mode)),
 };
@@ -29,6 +33,36 @@ const GRAVITY: f64 = 9.81;
 const FRONT: [(f64, f64); 6] =
     [(0.832, 1.217), (1.219, 1.474), (1.997, 2.292), (2.547, 2.995), (3.345, 4.134), (4.034, 4.944)];
 
+/// t√(g/a) and height of the column as measured, while T ≤ 4 (table 6, as transcribed in TormodLandet/Ocellaris).
+const HEIGHT: [(f64, f64); 12] = [
+    (0.56, 0.94),
+    (0.77, 0.89),
+    (0.93, 0.83),
+    (1.08, 0.78),
+    (1.28, 0.72),
+    (1.46, 0.67),
+    (1.66, 0.61),
+    (1.84, 0.56),
+    (2.00, 0.50),
+    (2.21, 0.44),
+    (2.45, 0.39),
+    (2.70, 0.33),
+];
+
+/// T, x/a and height of potential flow.
+const POTENTIAL: [(f64, f64, f64); 10] = [
+    (0.4, 1.121, 0.982),
+    (0.8, 1.386, 0.931),
+    (1.2, 1.747, 0.853),
+    (1.6, 2.181, 0.759),
+    (2.0, 2.677, 0.665),
+    (2.4, 3.223, 0.579),
+    (2.8, 3.813, 0.502),
+    (3.2, 4.438, 0.432),
+    (3.6, 5.097, 0.371),
+    (4.0, 5.782, 0.319),
+];
+
 /// Longest delay of the release that is tried, in units of T.
 const SHIFT: f64 = 0.5;
 
@@ -39,15 +73,32 @@ fn at(times: &[f64], values: &[f64], time: f64) -> f64 {
     values[k - 1] + part * (values[k] - values[k - 1])
 }
 
-fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
-    let (cells, must) = if mode == Mode::Quick { (16, 0.15) } else { (40, 0.08) };
+/// A collapse: T, x/a of the front and height of the column, step after step.
+struct Collapse {
+    times: Vec<f64>,
+    fronts: Vec<f64>,
+    heights: Vec<f64>,
+    volume_error: f64,
+}
+
+impl Collapse {
+    fn front(&self, time: f64) -> f64 {
+        at(&self.times, &self.fronts, time)
+    }
+
+    fn height(&self, time: f64) -> f64 {
+        at(&self.times, &self.heights, time)
+    }
+}
+
+fn collapse(cells: usize, surface_tension: f64) -> Result<Collapse, StepError> {
     let dx = WIDTH / cells as f64;
     let model = Model {
         grid: Grid::<2>::new([6 * cells, 5 * cells / 2], dx),
         walls: [[Wall::Slip; 2]; 2],
         density: 998.0,
         kinematic_viscosity: 1e-6,
-        surface_tension: 0.0728,
+        surface_tension,
         gravity: Vector::<2>::new(0.0, -GRAVITY),
         numerics: Numerics::default(),
     };
@@ -57,29 +108,52 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     };
     let mut sim = Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }]);
     let unit = (2.0 * GRAVITY / WIDTH).sqrt();
-    let mut volume: f64 = 0.0;
-    let (mut times, mut fronts) = (vec![0.0], vec![1.0]);
+    let mut c = Collapse { times: vec![0.0], fronts: vec![1.0], heights: vec![1.0], volume_error: 0.0 };
     run_to(&mut sim, (FRONT[FRONT.len() - 1].0 + SHIFT) / unit, |sim, report| {
-        volume = volume.max(report.ledger.volume_error);
         let largest = |a: &&Drop<2>, b: &&Drop<2>| a.target_volume.total_cmp(&b.target_volume);
-        times.push(sim.state.time * unit);
-        fronts.push(sim.state.drops.iter().max_by(largest).map_or(0.0, |d| d.upper[0]) / WIDTH);
+        let upper = sim.state.drops.iter().max_by(largest).map_or(Vector::zeros(), |d| d.upper);
+        c.times.push(sim.state.time * unit);
+        c.fronts.push(upper[0] / WIDTH);
+        c.heights.push(upper[1] / (2.0 * WIDTH));
+        c.volume_error = c.volume_error.max(report.ledger.volume_error);
     })?;
-    let off = |shift: f64| FRONT.map(|(time, measured)| at(&times, &fronts, time - shift) / measured - 1.0);
-    let size = |off: [f64; 6]| off.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
-    let mean = |off: [f64; 6]| off.iter().map(|e| e.abs()).sum::<f64>() / 6.0;
-    let worst = size(off(0.0));
-    let list: Vec<String> = off(0.0).iter().map(|e| format!("{:+.1}", 100.0 * e)).collect();
+    Ok(c)
+}
+
+/// The largest of some relative deviations by size.
+fn largest(deviations: impl Iterator<Item = f64>) -> f64 {
+    deviations.fold(0.0, |m, e| m.max(e.abs()))
+}
+
+fn percent(deviations: &[f64]) -> String {
+    deviations.iter().map(|e| format!("{:+.1}", 100.0 * e)).collect::<Vec<_>>().join(", ")
+}
+
+fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let (cells, must, exact) = if mode == Mode::Quick { (16, 0.15, 0.05) } else { (40, 0.08, 0.02) };
+    let water = collapse(cells, 0.0728)?;
+    let ideal = collapse(cells, 0.0)?;
+    let off = |delay: f64| FRONT.map(|(time, measured)| water.front(time - delay) / measured - 1.0);
+    let size = |delay: f64| largest(off(delay).into_iter());
+    let mean = off(0.0).iter().map(|e| e.abs()).sum::<f64>() / FRONT.len() as f64;
     // The delay of the release that fits the measured front best.
     let delays = (0..=100).map(|k| SHIFT * f64::from(k) / 100.0);
-    let delay = delays.min_by(|a, b| size(off(*a)).total_cmp(&size(off(*b)))).unwrap_or(0.0);
-    let late: Vec<String> = off(delay).iter().map(|e| format!("{:+.1}", 100.0 * e)).collect();
-    let largest = format!("largest deviation of the front (all: {} %)", list.join(", "));
-    let later = format!("largest deviation, released ΔT = {delay:.2} later (all: {} %)", late.join(", "));
+    let delay = delays.min_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap_or(0.0);
+    let sunk = HEIGHT.map(|(time, measured)| water.height(SQRT_2 * time) / measured - 1.0);
+    let lead = largest(POTENTIAL.iter().map(|p| ideal.front(p.0) / p.1 - 1.0));
+    let fall = largest(POTENTIAL.iter().map(|p| ideal.height(p.0) / p.2 - 1.0));
+    let front = format!("largest deviation of the front (all: {} %)", percent(&off(0.0)));
+    let (late, all) = (format!("{delay:.2}"), percent(&off(delay)));
+    let later = format!("largest deviation, released ΔT = {late} later (all: {all} %)");
+    let column = format!("largest deviation of the column's height (all: {} %)", percent(&sunk));
+    let case = "dam-break";
     Ok(vec![
-        at_most("dam-break", &largest, worst, must, Some(0.05), ""),
-        at_most("dam-break", "mean deviation of the front", mean(off(0.0)), must, Some(0.05), ""),
-        at_most("dam-break", &later, size(off(delay)), must, Some(0.05), ""),
-        at_most("dam-break", "volume error", volume, 1e-4, Some(1e-8), ""),
+        at_most(case, &front, size(0.0), must, Some(0.05), ""),
+        at_most(case, "mean deviation of the front", mean, must, Some(0.05), ""),
+        at_most(case, &later, size(delay), must, Some(0.05), ""),
+        at_most(case, &column, largest(sunk.into_iter()), must, Some(0.05), ""),
+        at_most(case, "front against potential flow", lead, exact, Some(0.005), ""),
+        at_most(case, "height of the column against potential flow", fall, exact, Some(0.005), ""),
+        at_most(case, "volume error", water.volume_error, 1e-4, Some(1e-8), ""),
     ])
 }
