@@ -17,7 +17,7 @@ use crate::state::{Drop, State};
 use crate::workspace::{BAND, Workspace, component_of};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Runs, Sampler, Segment};
-use meniscus_numerics::level_set::redistance;
+use meniscus_numerics::level_set::{redistance, slope};
 use meniscus_numerics::linalg::{SolveError, SolveReport};
 use meniscus_numerics::par;
 use rayon::prelude::*;
@@ -141,18 +141,8 @@ pub fn move_surface<const D: usize>(
 pub(crate) fn keep_distance<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
     let dx = model.grid.dx;
     let sampler = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
-    let lattice = model.grid.lattice();
     let edge = &work.band.cells[work.band.first_layers(1)];
-    let deviation = |&c: &u32| {
-        let at = lattice.coordinates(c as usize).map(|i| i as isize);
-        let slope = |a: usize| {
-            let (mut up, mut down) = (at, at);
-            up[a] += 1;
-            down[a] -= 1;
-            (sampler.value(up) - sampler.value(down)) / (2.0 * dx)
-        };
-        ((0..D).map(|a| slope(a).powi(2)).sum::<f64>().sqrt() - 1.0).abs()
-    };
+    let deviation = |&c: &u32| (slope(&model.grid, &state.phi.data, &sampler, c as usize) - 1.0).abs();
     let skewed = edge.par_iter().map(deviation).filter(|d| *d > SLOPE).count() * 100 > edge.len();
     if state.drift <= DRIFT && !skewed {
         return;
