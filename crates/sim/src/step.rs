@@ -17,7 +17,7 @@ use crate::state::{Drop, State};
 use crate::workspace::{BAND, Workspace, component_of};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Runs, Sampler, Segment};
-use meniscus_numerics::level_set::redistance;
+use meniscus_numerics::level_set::{redistance, slope};
 use meniscus_numerics::linalg::{SolveError, SolveReport};
 use meniscus_numerics::par;
 use rayon::prelude::*;
@@ -149,7 +149,7 @@ pub(crate) fn keep_distance<const D: usize>(model: &Model<D>, state: &mut State<
     let edge = work.band.first_layers(1);
     let skewed: Vec<bool> = work.band.cells[edge]
         .par_iter()
-        .map(|&c| (slope(model, &sampler, c as usize) - 1.0).abs() > SLOPE)
+        .map(|&c| (slope(&model.grid, &state.phi.data, &sampler, c as usize) - 1.0).abs() > SLOPE)
         .collect();
     let many = skewed.iter().filter(|s| **s).count() * 100 > skewed.len();
     if state.drift <= DRIFT && !many {
@@ -164,18 +164,6 @@ pub(crate) fn keep_distance<const D: usize>(model: &Model<D>, state: &mut State<
         *old += share * (new - *old);
     }
     state.drift = 0.0;
-}
-
-/// |∇φ| at a cell's centre.
-fn slope<const D: usize>(model: &Model<D>, phi: &Sampler<'_, D>, cell: usize) -> f64 {
-    let at = model.grid.lattice().coordinates(cell).map(|i| i as isize);
-    let square = |a: usize| {
-        let (mut up, mut down) = (at, at);
-        up[a] += 1;
-        down[a] -= 1;
-        ((phi.value(up) - phi.value(down)) / (2.0 * model.grid.dx)).powi(2)
-    };
-    (0..D).map(square).sum::<f64>().sqrt()
 }
 
 /// The cells of the band near the marked ones of its first layer.

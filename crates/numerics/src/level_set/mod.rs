@@ -2,4 +2,4 @@
 
 mod redistance;
 
-pub use redistance::redistance;
+pub use redistance::{redistance, slope};

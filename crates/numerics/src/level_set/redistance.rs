@@ -54,6 +54,12 @@ pub fn redistance<const D: usize>(
         .collect()
 }
 
+/// |∇φ| where the interface crosses a lattice edge of a cell, 1 where it does not.
+pub fn slope<const D: usize>(grid: &Grid<D>, phi: &[f64], sampler: &Sampler<'_, D>, cell: usize) -> f64 {
+    let x = grid.center(grid.lattice().coordinates(cell));
+    crossing(grid, phi, cell, &x).map_or(1.0, |point| sampler.distance(&point).1.norm())
+}
+
 /// The nearest crossing of the interface with the lattice edges of a cell.
 fn crossing<const D: usize>(grid: &Grid<D>, phi: &[f64], cell: usize, x: &Vector<D>) -> Option<Vector<D>> {
     let here = phi[cell];
@@ -94,7 +100,7 @@ fn nearest<const D: usize>(
 fn search<const D: usize>(sampler: &Sampler<'_, D>, dx: f64, x: &Vector<D>, start: Vector<D>) -> Vector<D> {
     let mut point = start;
     for _ in 0..STEPS {
-        let (value, gradient) = sampler.cubic_gradient(&point);
+        let (value, gradient) = sampler.distance(&point);
         let square = gradient.norm_squared();
         if square < 1e-4 {
             return start;
@@ -112,7 +118,7 @@ fn search<const D: usize>(sampler: &Sampler<'_, D>, dx: f64, x: &Vector<D>, star
             break;
         }
     }
-    let (value, gradient) = sampler.cubic_gradient(&point);
+    let (value, gradient) = sampler.distance(&point);
     let on_surface = value.abs() <= 1e-5 * dx * gradient.norm();
     let nearer = (point - x).norm_squared() <= (start - x).norm_squared() * (1.0 + 1e-2) + (0.2 * dx).powi(2);
     if on_surface && nearer { point } else { start }

@@ -57,11 +57,9 @@ pub fn advect_surface<const D: usize>(
         .map(|&cell| {
             let x = grid.center(lattice.coordinates(cell as usize));
             let near = phi.data[cell as usize].abs() < CLOSE * grid.dx;
-            distance.cubic(&if near {
-                origin(&x, dt, |x| flow.cubic(x))
-            } else {
-                origin(&x, dt, |x| flow.linear(x))
-            })
+            let from =
+                if near { origin(&x, dt, |x| flow.cubic(x)) } else { origin(&x, dt, |x| flow.linear(x)) };
+            distance.distance(&from).0
         })
         .collect()
 }
