@@ -96,22 +96,31 @@ impl<'a, const D: usize> Sampler<'a, D> {
     /// Cubic interpolation (not limited) at `x` (m): the value and its gradient (per m).
     pub fn cubic_gradient(&self, x: &Vector<D>) -> (f64, Vector<D>) {
         let (base, t) = self.locate(x);
-        let stencil = self.stencil(base);
-        let rows = &stencil[..1 << (2 * (D - 1))];
-        let weights: [[f64; 4]; D] = std::array::from_fn(|a| lagrange(t[a]));
-        let gradient = Vector::from_fn(|axis, _| {
-            let mut slopes = weights;
-            slopes[axis] = lagrange_slope(t[axis]);
-            contract::<D>(rows, &slopes) * self.inverse_dx
-        });
-        (contract::<D>(rows, &weights), gradient)
+        self.cubic_in(&self.stencil(base), &t)
     }
 
     /// Value and gradient (per m) at `x` (m) of a signed distance: cubic where it is smooth, as seen from one side at
     /// its kinks. Across a kink a cubic swings over, which makes filaments thicker.
     pub fn distance(&self, x: &Vector<D>) -> (f64, Vector<D>) {
         let (base, t) = self.locate(x);
-        let mut values = self.stencil(base);
+        let stencil = self.stencil(base);
+        if roughness::<D>(&stencil) * self.inverse_dx < SMOOTH {
+            self.cubic_in(&stencil, &t)
+        } else {
+            self.kinked_in(stencil, &t)
+        }
+    }
+
+    /// The cubic and its gradient.
+    fn cubic_in(&self, stencil: &Stencil, t: &[f64; D]) -> (f64, Vector<D>) {
+        let rows = &stencil[..1 << (2 * (D - 1))];
+        let weights: [[f64; 4]; D] = std::array::from_fn(|a| lagrange(t[a]));
+        let (value, slopes) = fold::<D>(rows, &weights, &std::array::from_fn(|a| lagrange_slope(t[a])));
+        (value, slopes * self.inverse_dx)
+    }
+
+    /// The piecewise cubic of a function with kinks and its gradient.
+    fn kinked_in(&self, mut values: Stencil, t: &[f64; D]) -> (f64, Vector<D>) {
         let dent = dent::<D>(&values);
         let mut slopes = [[[0.0; 4]; 16]; D];
         // Rows along an axis become single values, which make the rows of the next axis.
@@ -214,7 +223,9 @@ fn lagrange_slope(t: f64) -> [f64; 4] {
     ]
 }
 
-/// Difference of neighbouring second differences, in cells, that tells a kink: a ball of three cells makes no larger one.
+/// Third difference, in cells, up to which a distance has no kink: a ball of seven cells makes no larger one.
+const SMOOTH: f64 = 0.02;
+/// How much more tells a kink for sure.
 const KINK: f64 = 0.1;
 /// Part of the slope that differences no longer see where they tell a kink.
 const DENT: f64 = 0.05;
@@ -226,13 +237,14 @@ const DENT: f64 = 0.05;
 /// until they meet (Harten's subcell resolution), the deeper dent counts out.
 fn kinked(v: &[f64; 4], t: f64, dent: f64) -> ([f64; 4], [f64; 4]) {
     let (a, b) = (v[0] - 2.0 * v[1] + v[2], v[1] - 2.0 * v[2] + v[3]);
-    let differ = ((a - b) / KINK).powi(4);
+    let differ = (((a - b).abs() - SMOOTH).max(0.0) / KINK).powi(4);
     let smooth = 1.0 / (1.0 + differ) / 3.0;
     let (q, dq) = (0.5 * t * (t - 1.0), t - 0.5);
     let (mut left, mut right) = (smooth * (2.0 - t), smooth * (1.0 + t));
     let (mut l, mut r) = ([q * left, dq * left - q * smooth], [q * right, dq * right + q * smooth]);
     if a * b > 0.0 {
         let rest = 1.0 - 3.0 * smooth;
+        let dent = dent * rest;
         (left, right) = if a.abs() < b.abs() { (rest, 0.0) } else { (0.0, rest) };
         let near = t * a.abs() < (1.0 - t) * b.abs();
         let (low, high) = if near { ([-t, -1.0], [0.0; 2]) } else { ([0.0; 2], [t - 1.0, 1.0]) };
@@ -268,6 +280,59 @@ fn dent<const D: usize>(rows: &Stencil) -> f64 {
 
 fn dot(a: &[f64; 4], b: &[f64; 4]) -> f64 {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
+}
+
+/// Sum of the stencil with products of weights, and with the weights of one axis replaced by its slopes, for every axis.
+fn fold<const D: usize>(
+    rows: &[[f64; 4]],
+    weights: &[[f64; 4]; D],
+    slopes: &[[f64; 4]; D],
+) -> (f64, Vector<D>) {
+    let mut value = [0.0; 4];
+    let mut across = [[0.0; 4]; D];
+    let last = weights[D - 1];
+    // The rows of one place along the last axis are summed first: the axes between have one set of weights then.
+    let inner = rows.len() / 4;
+    for (k, plane) in rows.chunks_exact(inner).enumerate() {
+        let mut sum = [0.0; 4];
+        let mut turned = [0.0; 4];
+        for (j, row) in plane.iter().enumerate() {
+            let (w, s) = if D == 3 { (weights[1][j], slopes[1][j]) } else { (1.0, 0.0) };
+            for i in 0..4 {
+                sum[i] += w * row[i];
+                turned[i] += s * row[i];
+            }
+        }
+        for i in 0..4 {
+            value[i] += last[k] * sum[i];
+            across[D - 1][i] += slopes[D - 1][k] * sum[i];
+            if D == 3 {
+                across[1][i] += last[k] * turned[i];
+            }
+        }
+    }
+    let slope = |a: usize| if a == 0 { dot(&slopes[0], &value) } else { dot(&weights[0], &across[a]) };
+    (dot(&weights[0], &value), Vector::from_fn(|a, _| slope(a)))
+}
+
+/// The largest third difference of a stencil.
+fn roughness<const D: usize>(rows: &Stencil) -> f64 {
+    let mut worst = [0.0f64; 4];
+    let rows = &rows[..1 << (2 * (D - 1))];
+    for row in rows {
+        worst[0] = worst[0].max((3.0 * (row[1] - row[2]) + row[3] - row[0]).abs());
+    }
+    for a in 1..D {
+        let step = 1 << (2 * (a - 1));
+        for first in (0..rows.len()).filter(|r| r / step % 4 == 0) {
+            let line: [&[f64; 4]; 4] = std::array::from_fn(|k| &rows[first + k * step]);
+            for i in 0..4 {
+                let third = 3.0 * (line[1][i] - line[2][i]) + line[3][i] - line[0][i];
+                worst[i] = worst[i].max(third.abs());
+            }
+        }
+    }
+    worst[0].max(worst[1]).max(worst[2].max(worst[3]))
 }
 
 /// Sum of the stencil with a product of weights.
