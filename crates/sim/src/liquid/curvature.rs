@@ -12,6 +12,7 @@
 
 use super::filter::Graph;
 use super::surface::CutCube;
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, Grid, Sampler};
 use meniscus_numerics::level_set;
 use rayon::prelude::*;
@@ -19,7 +20,7 @@ use rayon::prelude::*;
 /// Strength of the filter `c`; stable from 0.4725 on, 2 as measured best.
 const STRENGTH: f64 = 2.0;
 /// Width of the filter that is always there, in cells⁴.
-const BASE: f64 = 1.0;
+const BASE: f64 = 0.5;
 /// Width of the band that is always damped, in cells⁴.
 const DAMPED: f64 = 4.0;
 /// Time in which that damping acts, in √(ρΔ³/γ): short steps damp as much in the same time as a step of this length.
@@ -36,11 +37,20 @@ pub struct Curvature {
 }
 
 /// What the filter must know of the step, in cells.
-pub struct FilterStep {
+pub struct FilterStep<const D: usize> {
     /// `γ h² / (ρ Δ³)`.
     pub capillary: f64,
-    /// Displacement along the normal during the step, per cell of the band, in cells.
-    pub displacement: Vec<f64>,
+    /// Normal and displacement during the step, per cell of the band, in cells.
+    pub displacement: Vec<Displacement<D>>,
+}
+
+/// How the surface moves near a cell.
+#[derive(Clone, Copy)]
+pub struct Displacement<const D: usize> {
+    /// Outward normal.
+    pub normal: Vector<D>,
+    /// Displacement in a step, in cells.
+    pub path: Vector<D>,
 }
 
 /// Filtered curvature on the first `layers` layers of the band; `phi` samples the distance.
@@ -50,7 +60,7 @@ pub fn curvature<const D: usize>(
     layers: usize,
     phi: &Sampler<'_, D>,
     cubes: &[CutCube],
-    step: &FilterStep,
+    step: &FilterStep<D>,
 ) -> Curvature {
     let count = band.first_layers(layers).end;
     let (mut area, mut weight) = (vec![0.0; count], vec![0.0; count]);
@@ -75,8 +85,7 @@ pub fn curvature<const D: usize>(
         // F (r − F r), the waves that the step does not resolve; r is what the step adds to the curvature.
         let strength = width(step.capillary, DAMPED);
         let stretch = (DAMPING_TIME / step.capillary.sqrt()).max(1.0);
-        let moved: Vec<f64> = graph.slots.iter().map(|&s| step.displacement[s as usize] * stretch).collect();
-        let bend = graph.laplacian(&moved);
+        let bend = bend(&graph, &step.displacement, stretch);
         let rough: Vec<f64> = graph.filter(&bend, strength).iter().zip(&bend).map(|(f, r)| r - f).collect();
         filtered.iter_mut().zip(graph.filter(&rough, strength)).for_each(|(k, d)| *k += d);
     }
@@ -86,6 +95,20 @@ pub fn curvature<const D: usize>(
         known[slot as usize] = true;
     }
     Curvature { kappa, known }
+}
+
+/// What the displacement, times `stretch`, adds to the curvature, in 1/cells: `n · L u`, which is nothing for a body that
+/// just flies. (`L (n · u)` is not: the lattice's noise of the Laplacian would then feed on the speed.)
+fn bend<const D: usize>(graph: &Graph, displacement: &[Displacement<D>], stretch: f64) -> Vec<f64> {
+    let mut bend = vec![0.0; graph.slots.len()];
+    for a in 0..D {
+        let path: Vec<f64> =
+            graph.slots.iter().map(|&s| displacement[s as usize].path[a] * stretch).collect();
+        for ((bend, &s), l) in bend.iter_mut().zip(&graph.slots).zip(graph.laplacian(&path)) {
+            *bend += displacement[s as usize].normal[a] * l;
+        }
+    }
+    bend
 }
 
 /// `s = √(c/k_c⁴ + b)` in cells².
