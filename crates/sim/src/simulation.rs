@@ -58,10 +58,10 @@ pub enum StepError {
 
 /// Halvings of a step that went wrong before giving up.
 const RETRIES: u32 = 6;
-/// Halvings because of doubtful accuracy; after that the step is taken as it is.
+/// Halvings because of doubtful accuracy, counted from the longest step allowed; a shorter one is taken as it is.
 const DOUBTS: u32 = 2;
-/// Relative change of a component's volume in one step that is doubtful.
-const VOLUME_JUMP: f64 = 0.02;
+/// Layer, in cells, that a component's volume gained or lost in one step and that is doubtful.
+const VOLUME_JUMP: f64 = 0.1;
 /// Relative growth of energy in one step that is doubtful.
 const ENERGY_JUMP: f64 = 0.05;
 
@@ -132,6 +132,7 @@ impl<const D: usize> Simulation<D> {
     /// [`StepError`]; the state is then the one before the step.
     pub fn step(&mut self, max_dt: f64, phase_end: PhaseEnd<'_>) -> Result<StepReport<D>, StepError> {
         let mut dt = self.choose_dt(max_dt);
+        let shortest = 1.5 * 0.5f64.powi(DOUBTS as i32) * self.wanted_dt();
         let energy = self.energy();
         let time = self.state.time;
         let mut redone = 0;
@@ -144,7 +145,7 @@ impl<const D: usize> Simulation<D> {
                     let fine = self.state.kinetic_energy.is_finite();
                     let doubtful = result.volume_jump > VOLUME_JUMP
                         || self.energy() - energy > ENERGY_JUMP * energy.abs();
-                    if fine && (!doubtful || redone >= DOUBTS || self.model.numerics.fixed_step.is_some()) {
+                    if fine && (!doubtful || dt < shortest || self.model.numerics.fixed_step.is_some()) {
                         let cfl = speed * dt / self.model.grid.dx;
                         let solve = result.solve;
                         let (iterations, residual) = (solve.iterations, solve.residual);
@@ -165,23 +166,30 @@ impl<const D: usize> Simulation<D> {
     }
 
     fn choose_dt(&self, max_dt: f64) -> f64 {
-        let n = &self.model.numerics;
-        let wanted = match n.fixed_step {
-            Some(dt) => dt,
-            None => {
-                let speed = max_component(&self.model, &self.state, &self.work);
-                let fall = self.model.gravity.norm();
-                // speed·h + ½ fall·h² = cfl·Δ
-                let reach = n.cfl * self.model.grid.dx;
-                let flow = 2.0 * reach / (speed + (speed * speed + 2.0 * fall * reach).sqrt()).max(1e-300);
-                let mut dt = flow.min(n.max_step);
-                if self.model.surface_tension > 0.0 {
-                    dt = dt.min(n.capillary_step * self.model.capillary_step());
-                }
-                if self.state.last_dt > 0.0 { dt.min(1.25 * self.state.last_dt) } else { dt }
-            }
-        };
+        let mut wanted = self.wanted_dt();
+        if self.model.numerics.fixed_step.is_none() && self.state.last_dt > 0.0 {
+            wanted = wanted.min(1.25 * self.state.last_dt);
+        }
         if max_dt.is_finite() { max_dt / (max_dt / wanted * (1.0 - 1e-9)).ceil().max(1.0) } else { wanted }
+    }
+
+    /// The longest step that the speeds and surface tension allow.
+    fn wanted_dt(&self) -> f64 {
+        let n = &self.model.numerics;
+        if let Some(dt) = n.fixed_step {
+            return dt;
+        }
+        let speed = max_component(&self.model, &self.state, &self.work);
+        let fall = self.model.gravity.norm();
+        // speed·h + ½ fall·h² = cfl·Δ
+        let reach = n.cfl * self.model.grid.dx;
+        let flow = 2.0 * reach / (speed + (speed * speed + 2.0 * fall * reach).sqrt()).max(1e-300);
+        let dt = flow.min(n.max_step);
+        if self.model.surface_tension > 0.0 {
+            dt.min(n.capillary_step * self.model.capillary_step())
+        } else {
+            dt
+        }
     }
 
     fn energy(&self) -> f64 {

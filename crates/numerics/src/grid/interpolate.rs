@@ -96,22 +96,40 @@ impl<'a, const D: usize> Sampler<'a, D> {
     /// Cubic interpolation (not limited) at `x` (m): the value and its gradient (per m).
     pub fn cubic_gradient(&self, x: &Vector<D>) -> (f64, Vector<D>) {
         let (base, t) = self.locate(x);
-        let stencil = self.stencil(base);
-        let rows = &stencil[..1 << (2 * (D - 1))];
-        let weights: [[f64; 4]; D] = std::array::from_fn(|a| lagrange(t[a]));
-        let gradient = Vector::from_fn(|axis, _| {
-            let mut slopes = weights;
-            slopes[axis] = lagrange_slope(t[axis]);
-            contract::<D>(rows, &slopes) * self.inverse_dx
-        });
-        (contract::<D>(rows, &weights), gradient)
+        self.cubic_in(&self.stencil(base), &t)
     }
 
     /// Value and gradient (per m) at `x` (m) of a signed distance: cubic where it is smooth, as seen from one side at
     /// its kinks. Across a kink a cubic swings over, which makes filaments thicker.
     pub fn distance(&self, x: &Vector<D>) -> (f64, Vector<D>) {
         let (base, t) = self.locate(x);
-        let mut values = self.stencil(base);
+        let stencil = self.stencil(base);
+        if roughness::<D>(&stencil) * self.inverse_dx < SMOOTH {
+            self.quintic_in(base, &t)
+        } else {
+            self.kinked_in(stencil, &t)
+        }
+    }
+
+    /// The quintic and its gradient.
+    fn quintic_in(&self, base: [isize; D], t: &[f64; D]) -> (f64, Vector<D>) {
+        let rows = self.rows::<6, 36>(base);
+        let both: [([f64; 6], [f64; 6]); D] = std::array::from_fn(|a| quintic(t[a]));
+        let (value, slopes) =
+            fold::<6, D>(&rows[..6usize.pow(D as u32 - 1)], &both.map(|b| b.0), &both.map(|b| b.1));
+        (value, slopes * self.inverse_dx)
+    }
+
+    /// The cubic and its gradient.
+    fn cubic_in(&self, stencil: &Stencil, t: &[f64; D]) -> (f64, Vector<D>) {
+        let rows = &stencil[..1 << (2 * (D - 1))];
+        let weights: [[f64; 4]; D] = std::array::from_fn(|a| lagrange(t[a]));
+        let (value, slopes) = fold::<4, D>(rows, &weights, &std::array::from_fn(|a| lagrange_slope(t[a])));
+        (value, slopes * self.inverse_dx)
+    }
+
+    /// The piecewise cubic of a function with kinks and its gradient.
+    fn kinked_in(&self, mut values: Stencil, t: &[f64; D]) -> (f64, Vector<D>) {
         let dent = dent::<D>(&values);
         let mut slopes = [[[0.0; 4]; 16]; D];
         // Rows along an axis become single values, which make the rows of the next axis.
@@ -144,30 +162,32 @@ impl<'a, const D: usize> Sampler<'a, D> {
     }
 
     fn stencil(&self, base: [isize; D]) -> Stencil {
-        let mut stencil = [[0.0; 4]; 16];
-        let inside = (0..D).all(|a| base[a] >= 1 && base[a] + 2 < self.lattice.extent[a] as isize);
+        self.rows::<4, 16>(base)
+    }
+
+    /// The values around a point, `N` along each axis; `R` is `N²`.
+    fn rows<const N: usize, const R: usize>(&self, base: [isize; D]) -> [[f64; N]; R] {
+        let mut rows = [[0.0; N]; R];
+        let before = N / 2 - 1;
+        let first = base.map(|b| b - before as isize);
+        let place = |row: usize, a: usize| row / N.pow(a as u32 - 1) % N;
+        let inside =
+            (0..D).all(|a| first[a] >= 0 && first[a] + N as isize <= self.lattice.extent[a] as isize);
         if inside {
-            let origin = self.lattice.index(std::array::from_fn(|a| (base[a] - 1) as usize));
-            for (row, values) in stencil.iter_mut().enumerate().take(1 << (2 * (D - 1))) {
-                let mut at = origin;
-                for a in 1..D {
-                    at += (row >> (2 * (a - 1)) & 3) * self.lattice.stride[a];
-                }
-                values.copy_from_slice(&self.data[at..at + 4]);
+            let origin = self.lattice.index(first.map(|i| i as usize));
+            for (row, values) in rows.iter_mut().enumerate().take(N.pow(D as u32 - 1)) {
+                let at = origin + (1..D).map(|a| place(row, a) * self.lattice.stride[a]).sum::<usize>();
+                values.copy_from_slice(&self.data[at..at + N]);
             }
         } else {
-            for (row, values) in stencil.iter_mut().enumerate().take(1 << (2 * (D - 1))) {
+            for (row, values) in rows.iter_mut().enumerate().take(N.pow(D as u32 - 1)) {
                 for (i, value) in values.iter_mut().enumerate() {
-                    let mut at = base;
-                    at[0] += i as isize - 1;
-                    for a in 1..D {
-                        at[a] += (row >> (2 * (a - 1)) & 3) as isize - 1;
-                    }
-                    *value = self.value(at);
+                    let shift = |a: usize| if a == 0 { i } else { place(row, a) };
+                    *value = self.value(std::array::from_fn(|a| first[a] + shift(a) as isize));
                 }
             }
         }
-        stencil
+        rows
     }
 
     /// The value at a lattice point that may lie beyond the edges.
@@ -214,7 +234,9 @@ fn lagrange_slope(t: f64) -> [f64; 4] {
     ]
 }
 
-/// Difference of neighbouring second differences, in cells, that tells a kink: a ball of three cells makes no larger one.
+/// Third difference, in cells, up to which a distance has no kink: a ball of seven cells makes no larger one.
+const SMOOTH: f64 = 0.02;
+/// How much more tells a kink for sure.
 const KINK: f64 = 0.1;
 /// Part of the slope that differences no longer see where they tell a kink.
 const DENT: f64 = 0.05;
@@ -226,13 +248,14 @@ const DENT: f64 = 0.05;
 /// until they meet (Harten's subcell resolution), the deeper dent counts out.
 fn kinked(v: &[f64; 4], t: f64, dent: f64) -> ([f64; 4], [f64; 4]) {
     let (a, b) = (v[0] - 2.0 * v[1] + v[2], v[1] - 2.0 * v[2] + v[3]);
-    let differ = ((a - b) / KINK).powi(4);
+    let differ = (((a - b).abs() - SMOOTH).max(0.0) / KINK).powi(4);
     let smooth = 1.0 / (1.0 + differ) / 3.0;
     let (q, dq) = (0.5 * t * (t - 1.0), t - 0.5);
     let (mut left, mut right) = (smooth * (2.0 - t), smooth * (1.0 + t));
     let (mut l, mut r) = ([q * left, dq * left - q * smooth], [q * right, dq * right + q * smooth]);
     if a * b > 0.0 {
         let rest = 1.0 - 3.0 * smooth;
+        let dent = dent * rest;
         (left, right) = if a.abs() < b.abs() { (rest, 0.0) } else { (0.0, rest) };
         let near = t * a.abs() < (1.0 - t) * b.abs();
         let (low, high) = if near { ([-t, -1.0], [0.0; 2]) } else { ([0.0; 2], [t - 1.0, 1.0]) };
@@ -268,6 +291,74 @@ fn dent<const D: usize>(rows: &Stencil) -> f64 {
 
 fn dot(a: &[f64; 4], b: &[f64; 4]) -> f64 {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
+}
+
+/// Sum of a stencil with products of weights, and with the weights of one axis replaced by its slopes, for every axis.
+fn fold<const N: usize, const D: usize>(
+    rows: &[[f64; N]],
+    weights: &[[f64; N]; D],
+    slopes: &[[f64; N]; D],
+) -> (f64, Vector<D>) {
+    let mut value = [0.0; N];
+    let mut across = [[0.0; N]; D];
+    // The rows of one place along the last axis are summed first.
+    for (k, plane) in rows.chunks_exact(rows.len() / N).enumerate() {
+        let (mut sum, mut turned) = ([0.0; N], [0.0; N]);
+        for (j, row) in plane.iter().enumerate() {
+            let (weight, slope) = if D == 3 { (weights[1][j], slopes[1][j]) } else { (1.0, 0.0) };
+            for i in 0..N {
+                sum[i] += weight * row[i];
+                turned[i] += slope * row[i];
+            }
+        }
+        for i in 0..N {
+            value[i] += weights[D - 1][k] * sum[i];
+            across[1][i] += weights[D - 1][k] * turned[i];
+        }
+        for i in 0..N {
+            across[D - 1][i] += slopes[D - 1][k] * sum[i];
+        }
+    }
+    let along = |w: &[f64; N], v: &[f64; N]| (0..N).map(|i| w[i] * v[i]).sum::<f64>();
+    let slope = |a: usize| if a == 0 { along(&slopes[0], &value) } else { along(&weights[0], &across[a]) };
+    (along(&weights[0], &value), Vector::from_fn(|a, _| slope(a)))
+}
+
+/// Weights of the quintic through the points −2 ... 3 at `t`, and their derivatives.
+fn quintic(t: f64) -> ([f64; 6], [f64; 6]) {
+    const SCALE: [f64; 6] = [-1.0 / 120.0, 1.0 / 24.0, -1.0 / 12.0, 1.0 / 12.0, -1.0 / 24.0, 1.0 / 120.0];
+    // Products of the distances to the points before and after each one, with derivatives.
+    let away = |i: usize| t + 2.0 - i as f64;
+    let (mut before, mut after) = ([(1.0, 0.0); 6], [(1.0, 0.0); 6]);
+    for i in 1..6 {
+        let (p, dp) = before[i - 1];
+        before[i] = (p * away(i - 1), dp * away(i - 1) + p);
+        let (q, dq) = after[6 - i];
+        after[5 - i] = (q * away(6 - i), dq * away(6 - i) + q);
+    }
+    let weight = |i: usize| SCALE[i] * before[i].0 * after[i].0;
+    let slope = |i: usize| SCALE[i] * (before[i].1 * after[i].0 + before[i].0 * after[i].1);
+    (std::array::from_fn(weight), std::array::from_fn(slope))
+}
+
+/// The largest third difference of a stencil.
+fn roughness<const D: usize>(rows: &Stencil) -> f64 {
+    let mut worst = [0.0f64; 4];
+    let rows = &rows[..1 << (2 * (D - 1))];
+    for row in rows {
+        worst[0] = worst[0].max((3.0 * (row[1] - row[2]) + row[3] - row[0]).abs());
+    }
+    for a in 1..D {
+        let step = 1 << (2 * (a - 1));
+        for first in (0..rows.len()).filter(|r| r / step % 4 == 0) {
+            let line: [&[f64; 4]; 4] = std::array::from_fn(|k| &rows[first + k * step]);
+            for i in 0..4 {
+                let third = 3.0 * (line[1][i] - line[2][i]) + line[3][i] - line[0][i];
+                worst[i] = worst[i].max(third.abs());
+            }
+        }
+    }
+    worst[0].max(worst[1]).max(worst[2].max(worst[3]))
 }
 
 /// Sum of the stencil with a product of weights.
@@ -312,6 +403,20 @@ mod tests {
     fn cubic_reproduces_cubics() {
         cubic_is_exact::<2>();
         cubic_is_exact::<3>();
+    }
+
+    #[test]
+    fn a_smooth_distance_is_sampled_by_quintics() {
+        let grid = Grid::<3>::new([8; 3], 1.0);
+        let f = |x: &Vector<3>| x[0] - 0.5 * x[1] + 1e-5 * (x[2].powi(5) - x[0].powi(4) * x[1]);
+        let lattice = grid.lattice();
+        let data: Vec<f64> = (0..lattice.len()).map(|i| f(&grid.center(lattice.coordinates(i)))).collect();
+        let sampler = Sampler::cells(&grid, &data, [[Edge::Even; 2]; 3]);
+        let x = Vector::from([3.7, 4.1, 3.95]);
+        let (value, gradient) = sampler.distance(&x);
+        assert!((value - f(&x)).abs() < 1e-12);
+        let exact = [1.0 - 4e-5 * 3.7f64.powi(3) * 4.1, -0.5 - 1e-5 * 3.7f64.powi(4), 5e-5 * 3.95f64.powi(4)];
+        (0..3).for_each(|a| assert!((gradient[a] - exact[a]).abs() < 1e-12));
     }
 
     #[test]

@@ -1,5 +1,7 @@
-//! Signed distance to an interface: keeping it one, moving it.
+//! Signed distance to an interface: keeping it one, its curvature.
 
+mod curvature;
 mod redistance;
 
+pub use curvature::curvature;
 pub use redistance::{redistance, slope};

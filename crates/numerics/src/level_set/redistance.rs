@@ -1,9 +1,9 @@
 //! Signed distance from closest points.
 //!
 //! Every cell looks for its closest point on the zero set of the cubic interpolant of the old values (Newton's method
-//! of Chopp 2001, "Some improvements of the fast marching method"). Search starts from the cells that the interface
-//! passes and goes outward layer by layer, each cell starting from the closest points of the neighbours nearer to the
-//! interface: started anywhere else it finds false ones. No first-order marching anywhere.
+//! of Chopp 2001, "Some improvements of the fast marching method"). Where the old values are nearly a distance, search
+//! starts from the point that they tell; elsewhere from the closest points of the neighbours nearer to the interface,
+//! layer by layer: started anywhere else it finds false ones. No first-order marching anywhere.
 
 use crate::Vector;
 use crate::grid::{Band, Grid, Sampler};
@@ -11,34 +11,45 @@ use rayon::prelude::*;
 
 /// Newton steps at most.
 const STEPS: usize = 12;
+/// Length of the last step, in cells; what it leaves is far smaller, the distance's error its square.
+const LAST: f64 = 1e-3;
+/// Deviation of the old values' slope from one up to which they tell where to start.
+const SLANT: f64 = 0.2;
 
-/// Replaces `phi` in the cells of the band by the signed distance (m) to its zero set, at most `limit` in size.
+/// The signed distance (m) to the zero set of `phi` on the first `layers` of the band, at most `limit` in size, in the
+/// order of `band.cells`.
 ///
-/// `sampler` must sample the old values; the new ones are returned in the order of `band.cells`.
+/// `sampler` must sample `phi`.
 pub fn redistance<const D: usize>(
     grid: &Grid<D>,
     band: &Band<D>,
+    layers: usize,
     phi: &[f64],
     sampler: &Sampler<'_, D>,
     limit: f64,
 ) -> Vec<f64> {
     let lattice = grid.lattice();
-    let mut closest: Vec<Vector<D>> = vec![Vector::zeros(); band.cells.len()];
-    let mut distance = vec![f64::INFINITY; band.cells.len()];
-    for layer in 0..band.layers.len() - 1 {
+    let count = band.first_layers(layers).end;
+    let mut closest: Vec<Vector<D>> = vec![Vector::zeros(); count];
+    let mut distance = vec![f64::INFINITY; count];
+    for layer in 0..layers.min(band.layers.len() - 1) {
         let range = band.layers[layer]..band.layers[layer + 1];
         let (done, _) = closest.split_at(range.start);
         let found: Vec<(Vector<D>, f64)> = band.cells[range.clone()]
             .par_iter()
             .map(|&cell| {
                 let x = grid.center(lattice.coordinates(cell as usize));
-                let start = if layer == 0 {
+                let known = if layer == 0 {
                     crossing(grid, phi, cell as usize, &x)
                 } else {
                     nearest(grid, band, done, cell as usize, &x)
                 };
-                let Some(start) = start else { return (x, f64::INFINITY) };
-                let best = search(sampler, grid.dx, &x, start);
+                let Some(known) = known else { return (x, f64::INFINITY) };
+                let told = told(sampler, phi[cell as usize], grid.dx, lattice.coordinates(cell as usize), &x);
+                let best = told
+                    .and_then(|start| search(sampler, grid.dx, &x, start, &known))
+                    .or_else(|| search(sampler, grid.dx, &x, known, &known))
+                    .unwrap_or(known);
                 (best, (best - x).norm())
             })
             .collect();
@@ -52,6 +63,24 @@ pub fn redistance<const D: usize>(
         .zip(distance)
         .map(|(&cell, d)| if phi[cell as usize] < 0.0 { -d.min(limit) } else { d.min(limit) })
         .collect()
+}
+
+/// The closest point of the cell at `x` as its old value and slope tell it, if they are those of a distance.
+fn told<const D: usize>(
+    sampler: &Sampler<'_, D>,
+    here: f64,
+    dx: f64,
+    cell: [usize; D],
+    x: &Vector<D>,
+) -> Option<Vector<D>> {
+    let slope = Vector::<D>::from_fn(|a, _| {
+        let (mut up, mut down) = (cell.map(|i| i as isize), cell.map(|i| i as isize));
+        up[a] += 1;
+        down[a] -= 1;
+        (sampler.value(up) - sampler.value(down)) / (2.0 * dx)
+    });
+    let square = slope.norm_squared();
+    ((square.sqrt() - 1.0).abs() < SLANT).then(|| x - slope * (here / square))
 }
 
 /// |∇φ| where the interface crosses a lattice edge of a cell, 1 where it does not.
@@ -96,14 +125,20 @@ fn nearest<const D: usize>(
     best.map(|(_, p)| p)
 }
 
-/// Newton's search for the point of the zero set closest to `x`; the start if it leads nowhere.
-fn search<const D: usize>(sampler: &Sampler<'_, D>, dx: f64, x: &Vector<D>, start: Vector<D>) -> Vector<D> {
+/// Newton's search for the point of the zero set closest to `x`, if it leads to one no farther than `known`.
+fn search<const D: usize>(
+    sampler: &Sampler<'_, D>,
+    dx: f64,
+    x: &Vector<D>,
+    start: Vector<D>,
+    known: &Vector<D>,
+) -> Option<Vector<D>> {
     let mut point = start;
     for _ in 0..STEPS {
         let (value, gradient) = sampler.distance(&point);
         let square = gradient.norm_squared();
         if square < 1e-4 {
-            return start;
+            return None;
         }
         let toward = gradient * (-value / square);
         let offset = x - point;
@@ -114,14 +149,12 @@ fn search<const D: usize>(sampler: &Sampler<'_, D>, dx: f64, x: &Vector<D>, star
             step *= 0.5 * dx / length;
         }
         point += step;
-        if length < 1e-10 * dx {
-            break;
+        if length < LAST * dx {
+            let nearer = (point - x).norm_squared() <= (known - x).norm_squared() * 1.01 + (0.2 * dx).powi(2);
+            return nearer.then_some(point);
         }
     }
-    let (value, gradient) = sampler.distance(&point);
-    let on_surface = value.abs() <= 1e-5 * dx * gradient.norm();
-    let nearer = (point - x).norm_squared() <= (start - x).norm_squared() * (1.0 + 1e-2) + (0.2 * dx).powi(2);
-    if on_surface && nearer { point } else { start }
+    None
 }
 
 #[cfg(test)]
@@ -142,7 +175,7 @@ mod tests {
         let mut band = Band::new(grid);
         band.rebuild(&phi.data, &inside, 7);
         let sampler = Sampler::cells(&grid, &phi.data, [[Edge::Even; 2]; D]);
-        let new = redistance(&grid, &band, &phi.data, &sampler, 6.0 * grid.dx);
+        let new = redistance(&grid, &band, 7, &phi.data, &sampler, 6.0 * grid.dx);
         let mut worst = 0.0f64;
         for (&cell, d) in band.cells.iter().zip(new) {
             let exact = (grid.center(lattice.coordinates(cell as usize)) - center).norm() - 0.3;

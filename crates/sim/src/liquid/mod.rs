@@ -1,6 +1,7 @@
 //! The liquid: its surface, its motion, its pressure.
 
 pub mod curvature;
+pub mod filter;
 pub mod momentum;
 pub mod pressure;
 pub mod surface;

@@ -166,7 +166,7 @@ fn lamb(mode: Mode) -> Result<Vec<Check>, StepError> {
         )]);
     }
     let plane = tone::<2>(16, 2, 0.5, 6.0, nu)?;
-    let space = tone::<3>(16, 2, 4.0, 3.0, nu)?;
+    let space = tone::<3>(16, 2, 0.5, 2.0, nu)?;
     Ok(vec![
         Check::relative(name, "decay rate, 2D", plane.decay, 4.0 * unit, 0.1, Some(0.03), "1/s"),
         Check::relative(name, "decay rate, 3D", space.decay, 5.0 * unit, 0.1, Some(0.03), "1/s"),

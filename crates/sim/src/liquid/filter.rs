@@ -1,0 +1,208 @@
+//! The implicit biharmonic filter on the cells of the surface.
+
+use meniscus_numerics::grid::{Band, Grid};
+use meniscus_numerics::par;
+use rayon::prelude::*;
+
+/// Cells whose surface measure is below this take no part.
+const THIN: f64 = 0.004;
+/// Relative residual of the filter's solve.
+const TOLERANCE: f64 = 1e-8;
+/// Cells summed one after another.
+const CHUNK: usize = 2048;
+
+/// The cells that carry surface, and the surface Laplacian `L` between them.
+pub struct Graph {
+    /// Place in the band.
+    pub slots: Vec<u32>,
+    /// Surface measure `w`.
+    weight: Vec<f64>,
+    /// Neighbours (itself where there is none) and their coupling ½(w_i + w_j).
+    links: Vec<[(u32, f32); 6]>,
+}
+
+type Complex = [f64; 2];
+
+impl Graph {
+    /// The graph of the band's first cells, whose surface measure (cells²) is given.
+    pub fn new<const D: usize>(grid: &Grid<D>, band: &Band<D>, measure: &[f64]) -> Self {
+        let lattice = grid.lattice();
+        let mut place = vec![u32::MAX; measure.len()];
+        let slots: Vec<u32> = (0..measure.len() as u32).filter(|&s| measure[s as usize] > THIN).collect();
+        slots.iter().enumerate().for_each(|(i, &s)| place[s as usize] = i as u32);
+        let weight: Vec<f64> = slots.iter().map(|&s| measure[s as usize]).collect();
+        let links = slots
+            .par_iter()
+            .enumerate()
+            .with_min_len(512)
+            .map(|(i, &slot)| {
+                let mut links = [(i as u32, 0.0); 6];
+                for (k, n) in lattice.neighbours(band.cells[slot as usize] as usize).enumerate() {
+                    let other = band.slot(n).and_then(|s| place.get(s)).filter(|p| **p != u32::MAX);
+                    if let Some(&j) = other {
+                        links[k] = (j, (0.5 * (weight[i] + weight[j as usize])) as f32);
+                    }
+                }
+                links
+            })
+            .collect();
+        Self { slots, weight, links }
+    }
+
+    /// `W⁻¹ L v` in 1/cells².
+    pub fn laplacian(&self, v: &[f64]) -> Vec<f64> {
+        let row = |i: usize| -> f64 {
+            self.links[i].iter().map(|&(j, c)| c as f64 * (v[i] - v[j as usize])).sum::<f64>()
+                / self.weight[i]
+        };
+        (0..v.len()).map(row).collect()
+    }
+
+    /// `F v = (W + s² L W⁻¹ L)⁻¹ W v = Re (W + i s L)⁻¹ W v` by conjugate gradients for complex symmetric matrices, started from `v`.
+    pub fn filter(&self, v: &[f64], s: f64) -> Vec<f64> {
+        let n = v.len();
+        let diagonal: Vec<Complex> = (0..n)
+            .map(|i| [self.weight[i], s * self.links[i].iter().map(|l| l.1 as f64).sum::<f64>()])
+            .collect();
+        let mut x: Vec<Complex> = v.iter().map(|v| [*v, 0.0]).collect();
+        let mut q = vec![[0.0; 2]; n];
+        self.multiply(s, &x, &mut q);
+        let mut r: Vec<Complex> = (0..n).map(|i| [self.weight[i] * v[i] - q[i][0], -q[i][1]]).collect();
+        let mut p: Vec<Complex> = (0..n).map(|i| over(r[i], diagonal[i])).collect();
+        let scale: f64 = v.iter().zip(&self.weight).map(|(v, w)| (v * w).powi(2)).sum();
+        let start = par::sums(n, |i| with_square(times(r[i], p[i]), r[i]));
+        let (mut rho, mut square) = ([start[0], start[1]], start[2]);
+        for _ in 0..500 {
+            if square <= TOLERANCE * TOLERANCE * scale {
+                break;
+            }
+            let product = self.multiply(s, &p, &mut q);
+            let alpha = over(rho, product);
+            let sums = update(&mut x, &mut r, &p, &q, &diagonal, alpha);
+            let next = [sums[0], sums[1]];
+            let beta = over(next, rho);
+            (rho, square) = (next, sums[2]);
+            p.par_chunks_mut(CHUNK).enumerate().for_each(|(c, p)| {
+                for (i, p) in p.iter_mut().enumerate() {
+                    let at = c * CHUNK + i;
+                    let (z, t) = (over(r[at], diagonal[at]), times(beta, *p));
+                    *p = [z[0] + t[0], z[1] + t[1]];
+                }
+            });
+        }
+        x.into_iter().map(|x| x[0]).collect()
+    }
+
+    /// `y = (W + i s L) x`; gives back `Σ x y`.
+    fn multiply(&self, s: f64, x: &[Complex], y: &mut [Complex]) -> Complex {
+        let sums: Vec<Complex> = y
+            .par_chunks_mut(CHUNK)
+            .enumerate()
+            .map(|(c, part)| {
+                let mut sum = [0.0; 2];
+                for (i, y) in part.iter_mut().enumerate() {
+                    let at = c * CHUNK + i;
+                    let here = x[at];
+                    let mut bend = [0.0; 2];
+                    for &(j, link) in &self.links[at] {
+                        let there = x[j as usize];
+                        bend[0] += link as f64 * (here[0] - there[0]);
+                        bend[1] += link as f64 * (here[1] - there[1]);
+                    }
+                    let w = self.weight[at];
+                    *y = [w * here[0] - s * bend[1], w * here[1] + s * bend[0]];
+                    let t = times(here, *y);
+                    sum = [sum[0] + t[0], sum[1] + t[1]];
+                }
+                sum
+            })
+            .collect();
+        sums.iter().fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])
+    }
+}
+
+/// `x += α p`, `r −= α q`; gives back `Σ r r/d` (complex) and `Σ |r|²`.
+fn update(
+    x: &mut [Complex],
+    r: &mut [Complex],
+    p: &[Complex],
+    q: &[Complex],
+    diagonal: &[Complex],
+    alpha: Complex,
+) -> [f64; 3] {
+    let sums: Vec<[f64; 3]> = x
+        .par_chunks_mut(CHUNK)
+        .zip(r.par_chunks_mut(CHUNK))
+        .enumerate()
+        .map(|(c, (x, r))| {
+            let mut sum = [0.0; 3];
+            for i in 0..x.len() {
+                let at = c * CHUNK + i;
+                let (dx, dr) = (times(alpha, p[at]), times(alpha, q[at]));
+                x[i] = [x[i][0] + dx[0], x[i][1] + dx[1]];
+                r[i] = [r[i][0] - dr[0], r[i][1] - dr[1]];
+                let terms = with_square(times(r[i], over(r[i], diagonal[at])), r[i]);
+                (0..3).for_each(|k| sum[k] += terms[k]);
+            }
+            sum
+        })
+        .collect();
+    sums.iter().fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]])
+}
+
+fn with_square(a: Complex, r: Complex) -> [f64; 3] {
+    [a[0], a[1], r[0] * r[0] + r[1] * r[1]]
+}
+
+fn times(a: Complex, b: Complex) -> Complex {
+    [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
+}
+
+fn over(a: Complex, b: Complex) -> Complex {
+    let square = b[0] * b[0] + b[1] * b[1];
+    if square == 0.0 { [0.0; 2] } else { times(a, [b[0] / square, -b[1] / square]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ring of cells with uneven weights.
+    fn ring(n: usize) -> Graph {
+        let weight: Vec<f64> = (0..n).map(|i| 0.1 + 0.09 * (1.7 * i as f64).sin()).collect();
+        let links = (0..n)
+            .map(|i| {
+                let mut links = [(i as u32, 0.0); 6];
+                for (k, j) in [(i + 1) % n, (i + n - 1) % n].into_iter().enumerate() {
+                    links[k] = (j as u32, (0.5 * (weight[i] + weight[j])) as f32);
+                }
+                links
+            })
+            .collect();
+        Graph { slots: (0..n as u32).collect(), weight, links }
+    }
+
+    #[test]
+    fn a_constant_passes_and_the_force_is_conserved() {
+        let graph = ring(5000);
+        let constant = graph.filter(&vec![0.7; 5000], 3.0);
+        assert!(constant.iter().all(|v| (v - 0.7).abs() < 1e-12));
+        let noise: Vec<f64> = (0..5000).map(|i| (i as f64 * 12.9898).sin()).collect();
+        let force = |v: &[f64]| v.iter().zip(&graph.weight).map(|(v, w)| v * w).sum::<f64>();
+        let smooth = graph.filter(&noise, 3.0);
+        let size = noise.iter().zip(&graph.weight).map(|(v, w)| (v * w).abs()).sum::<f64>();
+        assert!((force(&smooth) - force(&noise)).abs() < 1e-6 * size);
+    }
+
+    #[test]
+    fn the_complex_solve_is_the_biharmonic_filter() {
+        // W v' + s² L W⁻¹ L v' = W v
+        let graph = ring(300);
+        let v: Vec<f64> = (0..300).map(|i| (i as f64 * 0.9).sin()).collect();
+        let (s, out) = (2.0, graph.filter(&v, 2.0));
+        let twice = graph.laplacian(&graph.laplacian(&out));
+        for i in 0..300 {
+            assert!((out[i] + s * s * twice[i] - v[i]).abs() < 1e-5, "{i}");
+        }
+    }
+}
