@@ -6,13 +6,15 @@ use crate::{Case, Check, Mode};
 use meniscus_sim::StepError;
 use std::f64::consts::TAU;
 
-/// Relative amplitude of the perturbation.
+/// Relative amplitude of the perturbation; where convergence is measured, as theory is that of small ones.
 const AMPLITUDE: f64 = 0.02;
+const SMALL: f64 = 0.005;
 
 const THEORY: &str = "A drop r = R(1 + ε cos nθ) (2D) or R(1 + ε P_n) (3D), R = 0.5, ε = 0.02, γ = 100, ρ = 1, ν = 0, \
     released at rest, oscillates with ω² = n(n² − 1)γ/ρR³ or n(n − 1)(n + 2)γ/ρR³ (Rayleigh 1879) and loses nothing. \
     Frequency and loss come from a damped oscillation fitted to the mode's amplitude. Order of convergence of the \
-    frequency from three grids (2D: 8, 16, 32, 3D: 8, 12, 16 cells per radius). Full: 16 cells per radius; quick: n = 2 \
+    frequency from three grids (2D: 8, 16, 32, 3D: 8, 12, 16 cells per radius), ε = 0.005: at 0.02 the finite amplitude \
+    alone shifts the frequency by 0.05 %. Full: 16 cells per radius; quick: n = 2 \
     with 8 and, in 2D only, n = 3 with 12 cells per radius (8 are 17 per wave of n = 3), bars 4 % and 15 %, 2D \
     order from 6, 8 and 12 cells.";
 
@@ -66,12 +68,19 @@ struct Tone {
     history: DropHistory,
 }
 
-fn tone<const D: usize>(cells: usize, n: u32, step: f64, periods: f64, nu: f64) -> Result<Tone, StepError> {
+fn tone<const D: usize>(
+    cells: usize,
+    n: u32,
+    amplitude: f64,
+    step: f64,
+    periods: f64,
+    nu: f64,
+) -> Result<Tone, StepError> {
     let omega = rayleigh_frequency::<D>(n);
     let time = periods * TAU / omega;
-    let run = DropRun { cells, mode: n, amplitude: AMPLITUDE, viscosity: nu, step, time };
+    let run = DropRun { cells, mode: n, amplitude, viscosity: nu, step, time };
     let history = run_drop::<D>(&run)?;
-    let growth = history.amplitudes.iter().fold(0.0f64, |m, a| m.max(a.abs())) / AMPLITUDE;
+    let growth = history.amplitudes.iter().fold(0.0f64, |m, a| m.max(a.abs())) / amplitude;
     let fit = fit_oscillation(&history.times, &history.amplitudes, omega);
     let (frequency, decay) = fit.map_or((f64::NAN, f64::NAN), |f| (f.omega, f.decay));
     Ok(Tone { frequency, decay, loss: 1.0 - (-decay * TAU / omega).exp(), growth, history })
@@ -88,7 +97,7 @@ fn modes<const D: usize>(name: &str, mode: Mode) -> Result<Vec<Check>, StepError
         }
         let cells = if quick { coarse } else { 16 };
         let omega = rayleigh_frequency::<D>(n);
-        let tone = tone::<D>(cells, n, step, periods, 0.0)?;
+        let tone = tone::<D>(cells, n, AMPLITUDE, step, periods, 0.0)?;
         let frequency = format!("frequency, n = {n}");
         checks.push(Check::relative(name, &frequency, tone.frequency, omega, bars.0, Some(0.005), "rad/s"));
         let loss = format!("loss of amplitude per period, n = {n}");
@@ -115,7 +124,7 @@ fn order<const D: usize>(name: &str, quick: bool) -> Result<Check, StepError> {
     let mut errors = Vec::new();
     for cells in grids {
         let (step, periods) = if D == 2 { (0.5, 2.0) } else { (2.0, 1.25) };
-        let tone = tone::<D>(cells, 2, step, periods, 0.0)?;
+        let tone = tone::<D>(cells, 2, SMALL, step, periods, 0.0)?;
         errors.push((RADIUS / cells as f64, tone.frequency / omega - 1.0));
     }
     let list: Vec<String> = errors.iter().map(|(_, e)| format!("{:+.2} %", 100.0 * e)).collect();
@@ -138,7 +147,7 @@ fn steps_in<const D: usize>(name: &str, cells: usize, wider: f64) -> Result<Vec<
     let mut checks = Vec::new();
     for (step, must, aim) in [(0.5, 0.02, 0.01), (5.0, 0.03, 0.01), (20.0, 0.05, 0.02), (40.0, 0.0, 0.0)] {
         let periods = if D == 2 { 3.0 } else { 1.0 + 0.25 * f64::min(step, 4.0) };
-        let tone = tone::<D>(cells, 2, step, periods, 0.0)?;
+        let tone = tone::<D>(cells, 2, AMPLITUDE, step, periods, 0.0)?;
         if must > 0.0 {
             let quantity = format!("frequency, {D}D, steps {step} × the limit");
             let frequency = tone.frequency;
@@ -154,7 +163,7 @@ fn lamb(mode: Mode) -> Result<Vec<Check>, StepError> {
     let (name, nu) = ("lamb-decay", 0.01);
     let unit = nu / (RADIUS * RADIUS);
     if mode == Mode::Quick {
-        let plane = tone::<2>(8, 2, 1.0, 4.0, nu)?;
+        let plane = tone::<2>(8, 2, AMPLITUDE, 1.0, 4.0, nu)?;
         return Ok(vec![Check::relative(
             name,
             "decay rate, 2D",
@@ -165,8 +174,8 @@ fn lamb(mode: Mode) -> Result<Vec<Check>, StepError> {
             "1/s",
         )]);
     }
-    let plane = tone::<2>(16, 2, 0.5, 6.0, nu)?;
-    let space = tone::<3>(16, 2, 0.5, 2.0, nu)?;
+    let plane = tone::<2>(16, 2, AMPLITUDE, 0.5, 6.0, nu)?;
+    let space = tone::<3>(16, 2, AMPLITUDE, 0.5, 2.0, nu)?;
     Ok(vec![
         Check::relative(name, "decay rate, 2D", plane.decay, 4.0 * unit, 0.1, Some(0.03), "1/s"),
         Check::relative(name, "decay rate, 3D", space.decay, 5.0 * unit, 0.1, Some(0.03), "1/s"),
