@@ -17,10 +17,6 @@ use std::iter::zip;
 /// Planes of rotation: (first axis, second axis, place in an angular momentum vector).
 pub const PLANES: [(usize, usize, usize); 3] = [(0, 1, 2), (1, 2, 0), (2, 0, 1)];
 
-/// Volume, in cells, of a disc and of a ball of a radius of 1.5 cells: a smaller body has no inner motion that the grid
-/// could tell, and its few faces would make one of the jitter of the surface.
-const TINY: [f64; 2] = [7.07, 14.1];
-
 /// Sums over the faces of a body, mass in units of a cell's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moments<const D: usize> {
@@ -245,9 +241,7 @@ impl<const D: usize> FaceWalk<'_, D> {
         centers: &[Vector<D>],
         dt: f64,
     ) -> Vec<Moments<D>> {
-        let tiny: Vec<bool> =
-            targets.iter().map(|v| *v < TINY[D - 2] * self.model.grid.cell_volume()).collect();
-        let moments = self.stiffen(velocity, &tiny);
+        let moments = self.moments(velocity);
         let mut motions: Vec<Option<Motion<D>>> = vec![None; self.components];
         for group in groups {
             let Some(whole) = &group.whole else { continue };
@@ -260,8 +254,7 @@ impl<const D: usize> FaceWalk<'_, D> {
                 zip(&parts, &arms).map(|(m, r)| m.spread(a, b, c) + m.mass[a] * r[b] * r[c]).sum()
             };
             let least = 1e-6 * whole.mass * self.model.grid.dx.powi(2);
-            let rigid = group.new.iter().all(|&j| tiny[j]);
-            let rate = if rigid { [0.0; 3] } else { rotation::<D>(lost, least, spread) };
+            let rate = rotation::<D>(lost, least, spread);
             for ((&j, m), arm) in zip(&group.new, parts).zip(&arms) {
                 let middle = m.middle();
                 motions[j] = Some(Motion { velocity: shift + turn(&rate, arm), rate, middle });
@@ -274,31 +267,12 @@ impl<const D: usize> FaceWalk<'_, D> {
         self.moments(velocity)
     }
 
-    /// Lets bodies too small to have an inner motion fly as a whole; gives back all moments.
-    fn stiffen(&self, velocity: &mut FaceField<D>, tiny: &[bool]) -> Vec<Moments<D>> {
-        let moments = self.moments(velocity);
-        if !tiny.contains(&true) {
-            return moments;
-        }
-        let mean: Vec<Vector<D>> = moments.iter().map(Moments::velocity).collect();
-        self.change(
-            velocity,
-            |a, _, component, u| {
-                if tiny[component as usize] { mean[component as usize][a] } else { u }
-            },
-        );
-        self.moments(velocity)
-    }
-
     fn add_motion(&self, velocity: &mut FaceField<D>, motions: &[Option<Motion<D>>]) {
-        self.change(velocity, |a, x, component, u| {
-            let added = |m: &Motion<D>| m.velocity[a] + turn(&m.rate, &(x - m.middle[a]))[a];
-            u + motions[component as usize].as_ref().map_or(0.0, added)
-        });
-    }
-
-    /// Replaces the velocity on all faces by `f(axis, centre, component, velocity)`.
-    fn change(&self, velocity: &mut FaceField<D>, f: impl Fn(usize, &Vector<D>, u32, f64) -> f64 + Sync) {
+        let motion = |a: usize, x: &Vector<D>, component: u32| -> f64 {
+            motions[component as usize]
+                .as_ref()
+                .map_or(0.0, |m| m.velocity[a] + turn(&m.rate, &(x - m.middle[a]))[a])
+        };
         for a in 0..D {
             let row = self.model.grid.faces(a).extent[0];
             meniscus_numerics::par::for_each_segment(
@@ -307,17 +281,13 @@ impl<const D: usize> FaceWalk<'_, D> {
                 &self.faces[a],
                 |s, part| {
                     let base = s.row * row + s.start;
-                    self.inner(a, s, |face, x, component| {
-                        part[face - base] = f(a, x, component, part[face - base]);
-                    });
+                    self.inner(a, s, |face, x, component| part[face - base] += motion(a, x, component));
                 },
             );
         }
-        for face in self.cut {
-            let lattice = self.model.grid.faces(face.axis);
-            let x = self.model.grid.face_center(face.axis, lattice.coordinates(face.face));
-            let u = &mut velocity.axes[face.axis][face.face];
-            *u = f(face.axis, &x, (self.label)(face.cell), *u);
+        for f in self.cut {
+            let x = self.model.grid.face_center(f.axis, self.model.grid.faces(f.axis).coordinates(f.face));
+            velocity.axes[f.axis][f.face] += motion(f.axis, &x, (self.label)(f.cell));
         }
     }
 }
