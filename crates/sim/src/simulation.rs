@@ -131,14 +131,15 @@ impl<const D: usize> Simulation<D> {
     /// # Errors
     /// [`StepError`]; the state is then the one before the step.
     pub fn step(&mut self, max_dt: f64, phase_end: PhaseEnd<'_>) -> Result<StepReport<D>, StepError> {
-        let mut dt = self.choose_dt(max_dt);
-        let shortest = 1.5 * 0.5f64.powi(DOUBTS as i32) * self.wanted_dt();
+        let speed = max_component(&self.model, &self.state, &self.work);
+        let wanted = self.wanted_dt(speed);
+        let mut dt = self.choose_dt(wanted, max_dt);
+        let shortest = 1.5 * 0.5f64.powi(DOUBTS as i32) * wanted;
         let energy = self.energy();
         let time = self.state.time;
         let mut redone = 0;
         loop {
             let snapshot = Snapshot::take(&self.model, &self.state, &self.work);
-            let speed = max_component(&self.model, &self.state, &self.work);
             let result = step(&self.model, &mut self.state, &mut self.work, dt, phase_end);
             let failure = match result {
                 Ok(result) => {
@@ -165,8 +166,7 @@ impl<const D: usize> Simulation<D> {
         }
     }
 
-    fn choose_dt(&self, max_dt: f64) -> f64 {
-        let mut wanted = self.wanted_dt();
+    fn choose_dt(&self, mut wanted: f64, max_dt: f64) -> f64 {
         if self.model.numerics.fixed_step.is_none() && self.state.last_dt > 0.0 {
             wanted = wanted.min(1.25 * self.state.last_dt);
         }
@@ -174,12 +174,11 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// The longest step that the speeds and surface tension allow.
-    fn wanted_dt(&self) -> f64 {
+    fn wanted_dt(&self, speed: f64) -> f64 {
         let n = &self.model.numerics;
         if let Some(dt) = n.fixed_step {
             return dt;
         }
-        let speed = max_component(&self.model, &self.state, &self.work);
         let fall = self.model.gravity.norm();
         // speed·h + ½ fall·h² = cfl·Δ
         let reach = n.cfl * self.model.grid.dx;

@@ -275,18 +275,14 @@ fn displacements<const D: usize>(
         .par_iter()
         .map(|&c| {
             let at = lattice.coordinates(c as usize);
-            let (mut slope, mut path) = (Vector::<D>::zeros(), Vector::zeros());
+            let mut path = Vector::zeros();
             for a in 0..D {
                 let faces = model.grid.faces(a);
                 let f = faces.index(at);
                 let u = 0.5 * (state.velocity.axes[a][f] + state.velocity.axes[a][f + faces.stride[a]]);
-                let (mut up, mut down) = (at.map(|i| i as isize), at.map(|i| i as isize));
-                up[a] += 1;
-                down[a] -= 1;
-                slope[a] = sampler.value(up) - sampler.value(down);
                 path[a] = u * dt / model.grid.dx;
             }
-            Displacement { normal: slope.try_normalize(0.0).unwrap_or(Vector::zeros()), path }
+            Displacement { normal: sampler.slope(at).try_normalize(0.0).unwrap_or(Vector::zeros()), path }
         })
         .collect()
 }

@@ -1,8 +1,8 @@
 //! Velocity beyond the liquid.
 //!
 //! Layer by layer outward from the faces where it is known, each face takes the values of its neighbours on the
-//! liquid's side, extended quadratically, then linearly along each axis and weighted by the components of the normal (the upwind form of
-//! Aslam 2004, "A partial differential equation approach to multidimensional extrapolation", done in one sweep);
+//! liquid's side, extended quadratically, then linearly along each axis and weighted by the components of the normal
+//! (the upwind form of Aslam 2004, "A partial differential equation approach to multidimensional extrapolation", done in one sweep);
 //! farther out it is constant along the normal.
 
 use super::{Band, FaceField, Grid, Sampler, Segment};

@@ -99,8 +99,8 @@ impl<'a, const D: usize> Sampler<'a, D> {
         self.cubic_in(&self.stencil(base), &t)
     }
 
-    /// Value and gradient (per m) at `x` (m) of a signed distance: cubic where it is smooth, as seen from one side at
-    /// its kinks. Across a kink a cubic swings over, which makes filaments thicker.
+    /// Value and gradient (per m) at `x` (m) of a signed distance: quintic where it is smooth, cubic as seen from one
+    /// side at its kinks. Across a kink a cubic swings over, which makes filaments thicker.
     pub fn distance(&self, x: &Vector<D>) -> (f64, Vector<D>) {
         let (base, t) = self.locate(x);
         let stencil = self.stencil(base);
@@ -145,6 +145,16 @@ impl<'a, const D: usize> Sampler<'a, D> {
             }
         }
         (values[0][0], Vector::from_fn(|a, _| slopes[a][0][0]))
+    }
+
+    /// Gradient (per m) at a lattice point by central differences.
+    pub fn slope(&self, at: [usize; D]) -> Vector<D> {
+        Vector::from_fn(|a, _| {
+            let (mut up, mut down) = (at.map(|i| i as isize), at.map(|i| i as isize));
+            up[a] += 1;
+            down[a] -= 1;
+            0.5 * self.inverse_dx * (self.value(up) - self.value(down))
+        })
     }
 
     /// The lattice cell that holds `x`, and where in it `x` is.

@@ -1,7 +1,7 @@
 //! Signed distance from closest points.
 //!
-//! Every cell looks for its closest point on the zero set of the cubic interpolant of the old values (Newton's method
-//! of Chopp 2001, "Some improvements of the fast marching method"). Where the old values are nearly a distance, search
+//! Every cell looks for its closest point on the zero set of the old values' interpolant ([`Sampler::distance`]; Newton's
+//! method of Chopp 2001, "Some improvements of the fast marching method"). Where the old values are nearly a distance, search
 //! starts from the point that they tell; elsewhere from the closest points of the neighbours nearer to the interface,
 //! layer by layer: started anywhere else it finds false ones. No first-order marching anywhere.
 
@@ -45,8 +45,7 @@ pub fn redistance<const D: usize>(
                     nearest(grid, band, done, cell as usize, &x)
                 };
                 let Some(known) = known else { return (x, f64::INFINITY) };
-                let told = told(sampler, phi[cell as usize], grid.dx, lattice.coordinates(cell as usize), &x);
-                let best = told
+                let best = told(sampler, phi[cell as usize], lattice.coordinates(cell as usize), &x)
                     .and_then(|start| search(sampler, grid.dx, &x, start, &known))
                     .or_else(|| search(sampler, grid.dx, &x, known, &known))
                     .unwrap_or(known);
@@ -69,16 +68,10 @@ pub fn redistance<const D: usize>(
 fn told<const D: usize>(
     sampler: &Sampler<'_, D>,
     here: f64,
-    dx: f64,
     cell: [usize; D],
     x: &Vector<D>,
 ) -> Option<Vector<D>> {
-    let slope = Vector::<D>::from_fn(|a, _| {
-        let (mut up, mut down) = (cell.map(|i| i as isize), cell.map(|i| i as isize));
-        up[a] += 1;
-        down[a] -= 1;
-        (sampler.value(up) - sampler.value(down)) / (2.0 * dx)
-    });
+    let slope = sampler.slope(cell);
     let square = slope.norm_squared();
     ((square.sqrt() - 1.0).abs() < SLANT).then(|| x - slope * (here / square))
 }

@@ -236,15 +236,7 @@ impl<const D: usize> Liquid<'_, D> {
         }
         let grid = &self.model.grid;
         let sampler = Sampler::cells(grid, &phi.data, self.model.scalar_edges());
-        let slope = |&cell: &u32| {
-            let at = grid.lattice().coordinates(cell as usize).map(|i| i as isize);
-            Vector::from_fn(|a, _| {
-                let (mut up, mut down) = (at, at);
-                up[a] += 1;
-                down[a] -= 1;
-                (sampler.value(up) - sampler.value(down)) / (2.0 * grid.dx)
-            })
-        };
+        let slope = |&cell: &u32| sampler.slope(grid.lattice().coordinates(cell as usize));
         self.band.cells.par_iter().map(slope).collect()
     }
 }
