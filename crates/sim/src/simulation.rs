@@ -62,6 +62,9 @@ const RETRIES: u32 = 6;
 const DOUBTS: u32 = 2;
 /// Layer, in cells, that a component's volume gained or lost in one step and that is doubtful.
 const VOLUME_JUMP: f64 = 0.1;
+/// Shortest step that the speed may ask for, over the longest that tension, gravity and the user allow: far below what any
+/// splash needs, a liquid that asks for less runs away.
+const SHORTEST: f64 = 1e-5;
 /// Relative growth of energy in one step that is doubtful.
 const ENERGY_JUMP: f64 = 0.05;
 
@@ -132,7 +135,7 @@ impl<const D: usize> Simulation<D> {
     /// [`StepError`]; the state is then the one before the step.
     pub fn step(&mut self, max_dt: f64, phase_end: PhaseEnd<'_>) -> Result<StepReport<D>, StepError> {
         let speed = max_component(&self.model, &self.state, &self.work);
-        let wanted = self.wanted_dt(speed);
+        let wanted = self.wanted_dt(speed)?;
         let mut dt = self.choose_dt(wanted, max_dt);
         let shortest = 1.5 * 0.5f64.powi(DOUBTS as i32) * wanted;
         let energy = self.energy();
@@ -174,21 +177,25 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// The longest step that the speeds and surface tension allow.
-    fn wanted_dt(&self, speed: f64) -> f64 {
+    fn wanted_dt(&self, speed: f64) -> Result<f64, StepError> {
         let n = &self.model.numerics;
         if let Some(dt) = n.fixed_step {
-            return dt;
+            return Ok(dt);
         }
         let fall = self.model.gravity.norm();
         // speed·h + ½ fall·h² = cfl·Δ
         let reach = n.cfl * self.model.grid.dx;
-        let flow = 2.0 * reach / (speed + (speed * speed + 2.0 * fall * reach).sqrt()).max(1e-300);
-        let dt = flow.min(n.max_step);
-        if self.model.surface_tension > 0.0 {
-            dt.min(n.capillary_step * self.model.capillary_step())
-        } else {
-            dt
+        let flow =
+            |speed: f64| 2.0 * reach / (speed + (speed * speed + 2.0 * fall * reach).sqrt()).max(1e-300);
+        let tension = self.model.surface_tension > 0.0;
+        let capillary = if tension { n.capillary_step * self.model.capillary_step() } else { f64::INFINITY };
+        let (dt, calm) =
+            (flow(speed).min(n.max_step).min(capillary), flow(0.0).min(n.max_step).min(capillary));
+        if calm.is_finite() && dt < SHORTEST * calm {
+            let reason = format!("the liquid runs away, at {speed:.3e} m/s");
+            return Err(StepError::TooShort { time: self.state.time, dt, reason });
         }
+        Ok(dt)
     }
 
     fn energy(&self) -> f64 {

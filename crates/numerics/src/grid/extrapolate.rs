@@ -1,9 +1,11 @@
 //! Velocity beyond the liquid.
 //!
 //! Layer by layer outward from the faces where it is known, each face takes the values of its neighbours on the
-//! liquid's side, extended quadratically, then linearly along each axis and weighted by the components of the normal
-//! (the upwind form of Aslam 2004, "A partial differential equation approach to multidimensional extrapolation", done in one sweep);
-//! farther out it is constant along the normal.
+//! liquid's side, extended along each axis and weighted by the components of the normal (the upwind form of Aslam 2004,
+//! "A partial differential equation approach to multidimensional extrapolation", done in one sweep): quadratically in
+//! the first layer, linearly in the second, but only where that order would have foretold the last value known, and
+//! constantly elsewhere. What a parabola makes of noise is seven times as large: taken everywhere, it drove torn sheets
+//! to any speed.
 
 use super::{Band, FaceField, Grid, Sampler, Segment};
 use rayon::prelude::*;
@@ -12,6 +14,9 @@ use rayon::prelude::*;
 const LINEAR: usize = 2;
 /// Layers in which it is quadratic: linear there costs a capillary wave 0.08 (kΔ)² of its frequency.
 const QUADRATIC: usize = 1;
+/// Error of a forecast of the last known value, over that value's step, up to which its order is trusted: waves of 13
+/// cells still are.
+const TRUSTED: f64 = 0.25;
 
 /// Which faces carry a velocity, and in which layer they got it.
 #[derive(Clone, Debug)]
@@ -154,14 +159,9 @@ impl<const D: usize> KnownFaces<D> {
                 plain += values[first];
                 count += 1.0;
                 if (normal[b] > 0.0) == down && normal[b] != 0.0 {
-                    let mut value = values[first];
-                    if (mark as usize) < LINEAR + 2 && room > 1 && known(step(2)) {
-                        if (mark as usize) < QUADRATIC + 2 && room > 2 && known(step(3)) {
-                            value = 3.0 * (value - values[step(2)]) + values[step(3)];
-                        } else {
-                            value += value - values[step(2)];
-                        }
-                    }
+                    let value = |n: usize| (room >= n && known(step(n))).then(|| values[step(n)]);
+                    let line = [value(1), value(2), value(3), value(4)];
+                    let value = next(line, (mark as usize).saturating_sub(2));
                     sum += normal[b].abs() * value;
                     total += normal[b].abs();
                 }
@@ -174,6 +174,19 @@ impl<const D: usize> KnownFaces<D> {
         } else {
             0.0
         }
+    }
+}
+
+/// What follows the first of the known values of a line in extension layer `layer`.
+fn next(line: [Option<f64>; 4], layer: usize) -> f64 {
+    let [Some(one), Some(two), Some(three), four] = line else { return line[0].unwrap_or(0.0) };
+    let step = one - two;
+    let bend = step - (two - three);
+    let trusted = |error: f64| error.abs() <= TRUSTED * step.abs();
+    match four {
+        Some(four) if layer < QUADRATIC && trusted(bend - (two - 2.0 * three + four)) => one + step + bend,
+        _ if layer < LINEAR && trusted(bend) => one + step,
+        _ => one,
     }
 }
 
@@ -230,11 +243,18 @@ mod tests {
         known.extrapolate(&mut velocity, &band, &phi, &distance, |_, _| true);
         for a in 0..D {
             let faces = grid.faces(a);
-            let worst = (0..faces.len())
+            let errors: Vec<f64> = (0..faces.len())
                 .filter(|&f| known.marks[a][f] == 2)
                 .map(|f| (velocity.axes[a][f] - exact(&grid.face_center(a, faces.coordinates(f)))).abs())
-                .fold(0.0, f64::max);
-            assert!(worst < 1e-12, "{D}D axis {a}: {worst:e}");
+                .collect();
+            // A line of two faces, at the top of a ball, is too short to tell.
+            let exact = errors.iter().filter(|e| **e < 1e-12).count();
+            let worst = errors.iter().fold(0.0f64, |m, e| m.max(*e));
+            assert!(
+                exact * 100 >= errors.len() * 90 && worst < 0.03,
+                "{D}D {a}: {exact} of {} {worst:e}",
+                errors.len()
+            );
         }
     }
 
@@ -242,5 +262,21 @@ mod tests {
     fn extension_of_a_linear_field_is_exact() {
         linear_fields_go_on_linearly::<2>();
         linear_fields_go_on_linearly::<3>();
+    }
+
+    #[test]
+    fn only_what_is_smooth_is_extended_by_its_bend() {
+        let line =
+            |f: &dyn Fn(f64) -> f64, known: usize| std::array::from_fn(|i| (i < known).then(|| f(i as f64)));
+        let parabola = |n: f64| 2.0 - n + 0.02 * n * n;
+        assert!((next(line(&parabola, 4), 0) - parabola(-1.0)).abs() < 1e-14);
+        // Without a fourth value, or farther out: linearly. Farther still: constantly.
+        for value in [next(line(&parabola, 3), 0), next(line(&parabola, 4), 1)] {
+            assert!((value - (2.0 * parabola(0.0) - parabola(1.0))).abs() < 1e-14);
+        }
+        assert_eq!(next(line(&parabola, 4), 2), 2.0);
+        assert_eq!(next(line(&parabola, 2), 0), 2.0);
+        let noise = |n: f64| (n * std::f64::consts::PI).cos().round();
+        assert_eq!(next(line(&noise, 4), 0), 1.0);
     }
 }

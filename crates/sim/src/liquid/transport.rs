@@ -40,7 +40,13 @@ fn origin<const D: usize>(x: &Vector<D>, dt: f64, velocity: impl Fn(&Vector<D>) 
 /// Cells from the surface within which its path is followed with cubic interpolation of the velocity.
 const CLOSE: f64 = 2.5;
 
+/// Slope of the distance below which an air cell sees two fronts.
+const BETWEEN: f64 = 0.9;
+
 /// New values of φ in the cells of the band, in the order of `band.cells`.
+///
+/// In a gap of a cell or two between fronts that meet, the extended velocity is their mean, about nothing: an air
+/// cushion that never closes. There each front moves as the liquid beside the cell does, and the nearer one counts.
 pub fn advect_surface<const D: usize>(
     model: &Model<D>,
     phi: &CellField<D>,
@@ -52,11 +58,22 @@ pub fn advect_surface<const D: usize>(
     let lattice = grid.lattice();
     let flow = Flow::new(model, velocity);
     let distance = Sampler::cells(grid, &phi.data, model.scalar_edges());
+    let first = band.first_layers(1).end;
     band.cells
         .par_iter()
-        .map(|&cell| {
-            let x = grid.center(lattice.coordinates(cell as usize));
-            let near = phi.data[cell as usize].abs() < CLOSE * grid.dx;
+        .enumerate()
+        .map(|(slot, &cell)| {
+            let (at, value) = (lattice.coordinates(cell as usize), phi.data[cell as usize]);
+            let x = grid.center(at);
+            if slot < first && value >= 0.0 && distance.slope(at).norm() < BETWEEN {
+                let liquid = lattice.neighbours(cell as usize).filter(|n| phi.data[*n] < 0.0);
+                let fronts = liquid.map(|n| {
+                    let beside = grid.center(lattice.coordinates(n));
+                    distance.distance(&(x + origin(&beside, dt, |x| flow.cubic(x)) - beside)).0
+                });
+                return fronts.fold(f64::INFINITY, f64::min);
+            }
+            let near = value.abs() < CLOSE * grid.dx;
             let from =
                 if near { origin(&x, dt, |x| flow.cubic(x)) } else { origin(&x, dt, |x| flow.linear(x)) };
             distance.distance(&from).0

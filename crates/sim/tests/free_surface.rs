@@ -1,0 +1,60 @@
+//! What a free surface must do where the lattice sees it worst.
+
+#![allow(clippy::expect_used)]
+
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
+use meniscus_sim::{Body, Model, Numerics, Simulation, StepError, Wall};
+
+fn model<const D: usize>(cells: usize) -> Model<D> {
+    Model {
+        grid: Grid::new([cells; D], 1.0 / cells as f64),
+        walls: [[Wall::Slip; 2]; D],
+        density: 1.0,
+        kinematic_viscosity: 0.0,
+        surface_tension: 0.001,
+        gravity: Vector::zeros(),
+        numerics: Numerics::default(),
+    }
+}
+
+/// Two drops of radius 0.15 that fly at each other at ±1 along x, their surfaces 0.1 apart, met half-way at `x`: the
+/// time when they are one.
+fn meeting_time<const D: usize>(x: f64) -> f64 {
+    let ball = |center: f64| {
+        move |at: &Vector<D>| {
+            let mut arm = at - Vector::repeat(0.5);
+            arm[0] = at[0] - center;
+            arm.norm() - 0.15
+        }
+    };
+    let (left, right) = (ball(x - 0.2), ball(x + 0.2));
+    let speed = |u: f64| Vector::from_fn(|a, _| if a == 0 { u } else { 0.0 });
+    let bodies =
+        [Body { distance: &left, velocity: speed(1.0) }, Body { distance: &right, velocity: speed(-1.0) }];
+    let mut simulation = Simulation::new(model::<D>(40), &bodies);
+    while simulation.state.drops.len() > 1 && simulation.state.time < 0.2 {
+        simulation.step(0.004, &mut |_| ()).expect("a step");
+    }
+    simulation.state.time
+}
+
+#[test]
+fn drops_meet_in_time_wherever_the_lattice_is() {
+    // They touch after 0.05; a gap below a cell closes within a step.
+    for shift in [0.0, 0.25, 0.5, 0.75] {
+        for time in [meeting_time::<2>(0.5 + shift / 40.0), meeting_time::<3>(0.5 + shift / 40.0)] {
+            assert!((0.03..0.06).contains(&time), "shift {shift}: {time}");
+        }
+    }
+}
+
+#[test]
+fn a_liquid_that_runs_away_is_an_error() {
+    let ball = |at: &Vector<2>| (at - Vector::repeat(0.5)).norm() - 0.15;
+    let bodies = [Body { distance: &ball, velocity: Vector::from([1e6, 0.0]) }];
+    let mut simulation = Simulation::new(model::<2>(40), &bodies);
+    let error = simulation.step(1.0, &mut |_| ()).expect_err("too fast");
+    assert!(matches!(error, StepError::TooShort { .. }), "{error}");
+    assert_eq!(simulation.state.step, 0);
+}
