@@ -9,7 +9,8 @@ pub struct Ledger<const D: usize> {
     pub volume: f64,
     /// Volume there should be, m³.
     pub target_volume: f64,
-    /// Largest relative difference from its target volume over the components.
+    /// Volume too much or too little, summed over the components (an excess of one does not make up for what another
+    /// lacks), over all the volume; its sign is that of the sum.
     pub volume_error: f64,
     /// Centre of mass, m.
     pub centroid: Vector<D>,

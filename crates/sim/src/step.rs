@@ -443,11 +443,12 @@ pub fn ledger<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspa
     let drops = &state.drops;
     let all = together(drops.iter().map(Drop::whole));
     let mass = model.density * all.mass;
-    let error = |d: &Drop<D>| (d.volume / d.target_volume - 1.0).abs();
+    let excess = || drops.iter().map(|d| d.volume - d.target_volume);
+    let misplaced = excess().map(f64::abs).sum::<f64>().copysign(excess().sum());
     Ledger {
         volume: drops.iter().map(|d| d.volume).sum(),
         target_volume: all.mass,
-        volume_error: drops.iter().map(error).fold(0.0, f64::max),
+        volume_error: misplaced / all.mass.max(f64::MIN_POSITIVE),
         centroid: all.center,
         momentum: all.velocity * mass,
         angular_momentum: all.about(&Vector::zeros()).map(|l| model.density * l),

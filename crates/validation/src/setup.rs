@@ -108,7 +108,7 @@ pub fn run_drop<const D: usize>(run: &DropRun) -> Result<DropHistory, StepError>
     run_to(&mut sim, run.time, |sim, report| {
         history.record(sim, run.mode);
         history.speeds.push(report.ledger.max_speed);
-        history.volume_error = history.volume_error.max(report.ledger.volume_error);
+        history.volume_error = history.volume_error.max(report.ledger.volume_error.abs());
         history.iterations += report.iterations;
         let center = sim.state.drops.first().map_or(center, |d| d.centroid);
         let cell = center.map(|x| (x / dx) as usize);

@@ -1,22 +1,19 @@
 //! Velocity beyond the liquid.
 //!
 //! Layer by layer outward from the faces where it is known, each face takes the values of its neighbours on the
-//! liquid's side, extended along each axis and weighted by the components of the normal (the upwind form of Aslam 2004,
-//! "A partial differential equation approach to multidimensional extrapolation", done in one sweep): quadratically in
-//! the first layer, linearly in the second, but only where that order would have foretold the last value known, and
-//! constantly elsewhere. What a parabola makes of noise is seven times as large: taken everywhere, it drove torn sheets
-//! to any speed.
+//! liquid's side, weighted by the components of the normal (the upwind form of Aslam 2004, "A partial differential
+//! equation approach to multidimensional extrapolation", done in one sweep). In the first layer they are extended
+//! linearly along each axis, farther out they are constant. More is worse: with a linear second layer a drop loses energy
+//! in proportion to the step (0.4 % a period at 5 × the explicit limit, against 0.01 %), and a quadratic first one, of
+//! which noise comes out seven times as large, drives torn sheets to any speed.
 
 use super::{Band, FaceField, Grid, Sampler, Segment};
 use rayon::prelude::*;
 
-/// Layers in which the extension is linear.
-const LINEAR: usize = 2;
-/// Layers in which it is quadratic: linear there costs a capillary wave 0.08 (kΔ)² of its frequency.
-const QUADRATIC: usize = 1;
-/// Error of a forecast of the last known value, over that value's step, up to which its order is trusted: waves of 13
-/// cells still are.
-const TRUSTED: f64 = 0.25;
+/// Mark of the faces of the first layer.
+const FIRST: u8 = 2;
+/// Depth, in cells, at which the liquid behind a face is looked at, and what it must at least be there.
+const DEPTH: (f64, f64) = (3.0, 1.25);
 
 /// Which faces carry a velocity, and in which layer they got it.
 #[derive(Clone, Debug)]
@@ -91,7 +88,7 @@ impl<const D: usize> KnownFaces<D> {
     ) {
         let cells = self.grid.lattice();
         for layer in 0..band.layers.len() - 1 {
-            let mark = (layer + 2).min(255) as u8;
+            let mark = (layer + FIRST as usize).min(255) as u8;
             let mut fresh: [Vec<u32>; D] = std::array::from_fn(|_| Vec::new());
             for &cell in &band.cells[band.layers[layer]..band.layers[layer + 1]] {
                 if phi[cell as usize] < 0.0 {
@@ -126,6 +123,13 @@ impl<const D: usize> KnownFaces<D> {
         }
     }
 
+    /// Whether the liquid behind a face is deep enough to tell a slope: sheets and threads of a few cells are not.
+    fn deep(&self, axis: usize, at: [usize; D], normal: &[f64; D], distance: &Sampler<'_, D>) -> bool {
+        let mut x = self.grid.face_center(axis, at);
+        (0..D).for_each(|b| x[b] -= DEPTH.0 * self.grid.dx * normal[b]);
+        distance.linear(&x) < -DEPTH.1 * self.grid.dx
+    }
+
     /// The value of the face `at` from faces marked before `mark`.
     fn extend(
         &self,
@@ -142,6 +146,7 @@ impl<const D: usize> KnownFaces<D> {
             m != 0 && m < mark
         };
         let normal = face_normal(axis, at, distance);
+        let linear = mark == FIRST && self.deep(axis, at, &normal, distance);
         let (mut sum, mut total) = (0.0, 0.0);
         let (mut plain, mut count) = (0.0, 0.0);
         for b in 0..D {
@@ -159,9 +164,10 @@ impl<const D: usize> KnownFaces<D> {
                 plain += values[first];
                 count += 1.0;
                 if (normal[b] > 0.0) == down && normal[b] != 0.0 {
-                    let value = |n: usize| (room >= n && known(step(n))).then(|| values[step(n)]);
-                    let line = [value(1), value(2), value(3), value(4)];
-                    let value = next(line, (mark as usize).saturating_sub(2));
+                    let mut value = values[first];
+                    if linear && room > 1 && known(step(2)) {
+                        value += value - values[step(2)];
+                    }
                     sum += normal[b].abs() * value;
                     total += normal[b].abs();
                 }
@@ -174,19 +180,6 @@ impl<const D: usize> KnownFaces<D> {
         } else {
             0.0
         }
-    }
-}
-
-/// What follows the first of the known values of a line in extension layer `layer`.
-fn next(line: [Option<f64>; 4], layer: usize) -> f64 {
-    let [Some(one), Some(two), Some(three), four] = line else { return line[0].unwrap_or(0.0) };
-    let step = one - two;
-    let bend = step - (two - three);
-    let trusted = |error: f64| error.abs() <= TRUSTED * step.abs();
-    match four {
-        Some(four) if layer < QUADRATIC && trusted(bend - (two - 2.0 * three + four)) => one + step + bend,
-        _ if layer < LINEAR && trusted(bend) => one + step,
-        _ => one,
     }
 }
 
@@ -243,18 +236,11 @@ mod tests {
         known.extrapolate(&mut velocity, &band, &phi, &distance, |_, _| true);
         for a in 0..D {
             let faces = grid.faces(a);
-            let errors: Vec<f64> = (0..faces.len())
-                .filter(|&f| known.marks[a][f] == 2)
+            let worst = (0..faces.len())
+                .filter(|&f| known.marks[a][f] == FIRST)
                 .map(|f| (velocity.axes[a][f] - exact(&grid.face_center(a, faces.coordinates(f)))).abs())
-                .collect();
-            // A line of two faces, at the top of a ball, is too short to tell.
-            let exact = errors.iter().filter(|e| **e < 1e-12).count();
-            let worst = errors.iter().fold(0.0f64, |m, e| m.max(*e));
-            assert!(
-                exact * 100 >= errors.len() * 90 && worst < 0.03,
-                "{D}D {a}: {exact} of {} {worst:e}",
-                errors.len()
-            );
+                .fold(0.0, f64::max);
+            assert!(worst < 1e-12, "{D}D axis {a}: {worst:e}");
         }
     }
 
@@ -262,21 +248,5 @@ mod tests {
     fn extension_of_a_linear_field_is_exact() {
         linear_fields_go_on_linearly::<2>();
         linear_fields_go_on_linearly::<3>();
-    }
-
-    #[test]
-    fn only_what_is_smooth_is_extended_by_its_bend() {
-        let line =
-            |f: &dyn Fn(f64) -> f64, known: usize| std::array::from_fn(|i| (i < known).then(|| f(i as f64)));
-        let parabola = |n: f64| 2.0 - n + 0.02 * n * n;
-        assert!((next(line(&parabola, 4), 0) - parabola(-1.0)).abs() < 1e-14);
-        // Without a fourth value, or farther out: linearly. Farther still: constantly.
-        for value in [next(line(&parabola, 3), 0), next(line(&parabola, 4), 1)] {
-            assert!((value - (2.0 * parabola(0.0) - parabola(1.0))).abs() < 1e-14);
-        }
-        assert_eq!(next(line(&parabola, 4), 2), 2.0);
-        assert_eq!(next(line(&parabola, 2), 0), 2.0);
-        let noise = |n: f64| (n * std::f64::consts::PI).cos().round();
-        assert_eq!(next(line(&noise, 4), 0), 1.0);
     }
 }

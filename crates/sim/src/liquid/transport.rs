@@ -40,8 +40,9 @@ fn origin<const D: usize>(x: &Vector<D>, dt: f64, velocity: impl Fn(&Vector<D>) 
 /// Cells from the surface within which its path is followed with cubic interpolation of the velocity.
 const CLOSE: f64 = 2.5;
 
-/// Slope of the distance below which an air cell sees two fronts.
-const BETWEEN: f64 = 0.9;
+/// Slope of the distance below which an air cell sees two fronts: 0.9 took the wedge around a contact for a gap, which made
+/// liquid of it.
+const BETWEEN: f64 = 0.5;
 
 /// New values of φ in the cells of the band, in the order of `band.cells`.
 ///

@@ -115,7 +115,7 @@ fn collapse(cells: usize, surface_tension: f64) -> Result<Collapse, StepError> {
         c.times.push(sim.state.time * unit);
         c.fronts.push(upper[0] / WIDTH);
         c.heights.push(upper[1] / (2.0 * WIDTH));
-        c.volume_error = c.volume_error.max(report.ledger.volume_error);
+        c.volume_error = c.volume_error.max(report.ledger.volume_error.abs());
     })?;
     Ok(c)
 }

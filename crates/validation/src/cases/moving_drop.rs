@@ -61,7 +61,7 @@ fn fly<const D: usize>(cells: usize, round: f64) -> Result<Vec<Check>, StepError
         let (_, place) = measured(sim);
         let path = first.1 + velocity * sim.state.time;
         wander = wander.max((place - path).norm() / dx);
-        volume = volume.max(report.ledger.volume_error);
+        volume = volume.max(report.ledger.volume_error.abs());
         let cell = place.map(|x| (x / dx) as usize);
         let lambda = sim.state.lambda.data[grid.lattice().index(std::array::from_fn(|a| cell[a]))];
         pressure = lambda * sim.model.density / sim.state.last_dt;

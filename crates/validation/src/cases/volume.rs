@@ -43,7 +43,8 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let (mut worst, mut total): (f64, f64) = (0.0, 0.0);
     while sim.state.step < 1000 {
         let ledger = sim.step(f64::INFINITY, &mut |_| ())?.ledger;
-        worst = worst.max(ledger.volume_error);
+        let errors = sim.state.drops.iter().map(|d| (d.volume / d.target_volume - 1.0).abs());
+        worst = errors.fold(worst, f64::max);
         total = total.max(((ledger.volume + sim.state.lost_volume) / start - 1.0).abs());
     }
     let drops = sim.state.drops.len();
