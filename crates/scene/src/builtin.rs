@@ -58,7 +58,7 @@ pub const BUILTINS: [Builtin; 9] = [
     scene!(
         "colliding-drops-fast",
         3,
-        "Two water drops meet fast (We = 61), merge and tear apart again",
+        "Two water drops meet fast and off centre (We = 61), merge and tear apart again",
         "five to ten minutes"
     ),
     scene!(
