@@ -41,10 +41,10 @@ fn meeting_time<const D: usize>(x: f64) -> f64 {
 
 #[test]
 fn drops_meet_in_time_wherever_the_lattice_is() {
-    // They touch after 0.05; a gap below a cell closes within a step.
+    // They touch after 0.05. A gap under a cell, 0.0125 before, may close at once; a step of 0.004 later it must have.
     for shift in [0.0, 0.25, 0.5, 0.75] {
         for time in [meeting_time::<2>(0.5 + shift / 40.0), meeting_time::<3>(0.5 + shift / 40.0)] {
-            assert!((0.03..0.06).contains(&time), "shift {shift}: {time}");
+            assert!((0.033..0.0545).contains(&time), "shift {shift}: {time}");
         }
     }
 }

@@ -40,14 +40,15 @@ fn origin<const D: usize>(x: &Vector<D>, dt: f64, velocity: impl Fn(&Vector<D>) 
 /// Cells from the surface within which its path is followed with cubic interpolation of the velocity.
 const CLOSE: f64 = 2.5;
 
-/// Slope of the distance below which an air cell sees two fronts: 0.9 took the wedge around a contact for a gap, which made
-/// liquid of it.
+/// Slope of the distance below which an air cell lies between two fronts: at the ridge it is the cosine of half the angle
+/// between their normals, so 0.5 stands for a wedge of 60 degrees. 0.9, 130 degrees, made liquid of the groove around a
+/// fresh contact (3 % of the volume in eight steps).
 const BETWEEN: f64 = 0.5;
 
 /// New values of φ in the cells of the band, in the order of `band.cells`.
 ///
-/// In a gap of a cell or two between fronts that meet, the extended velocity is their mean, about nothing: an air
-/// cushion that never closes. There each front moves as the liquid beside the cell does, and the nearer one counts.
+/// In a gap of a cell between fronts that meet, the extended velocity is their mean, about nothing: an air cushion that
+/// never closes. There each front moves as the liquid beside the cell does, and the nearer one counts.
 pub fn advect_surface<const D: usize>(
     model: &Model<D>,
     phi: &CellField<D>,
