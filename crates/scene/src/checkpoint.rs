@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 const MAGIC: &[u8; 8] = b"MENISCKP";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Values per compressed block (4 MiB).
 const BLOCK: usize = 1 << 19;
 /// Checkpoints that are kept.
@@ -53,7 +53,7 @@ struct Header {
     dx: f64,
     step: u64,
     /// Time, last step, drift, lost volume, kinetic energy, surface area.
-    numbers: [f64; 6],
+    numbers: [f64; 7],
     drops: Vec<DropRecord>,
     tally: Tally,
     /// Bytes of each compressed block, per array: phi, lambda, then the velocity along each axis.
@@ -109,6 +109,7 @@ pub fn write<const D: usize>(
         time,
         step,
         last_dt,
+        lead,
         drift,
         phi,
         velocity,
@@ -125,7 +126,7 @@ pub fn write<const D: usize>(
         cells: phi.grid.cells.iter().map(|&n| n as u64).collect(),
         dx: phi.grid.dx,
         step: *step,
-        numbers: [*time, *last_dt, *drift, *lost_volume, *kinetic_energy, *surface_area],
+        numbers: [*time, *last_dt, *lead, *drift, *lost_volume, *kinetic_energy, *surface_area],
         drops: drops.iter().map(DropRecord::of).collect(),
         tally: tally.clone(),
         blocks: arrays.iter().map(|blocks| blocks.iter().map(|b| b.len() as u64).collect()).collect(),
@@ -254,8 +255,8 @@ fn restore<const D: usize>(header: &Header, body: &[u8], grid: Grid<D>) -> Optio
     for (array, blocks) in arrays.zip(&header.blocks) {
         rest = decompress(array, blocks, rest)?;
     }
-    let State { time, last_dt, drift, lost_volume, kinetic_energy, surface_area, .. } = &mut state;
-    [*time, *last_dt, *drift, *lost_volume, *kinetic_energy, *surface_area] = header.numbers;
+    let State { time, last_dt, lead, drift, lost_volume, kinetic_energy, surface_area, .. } = &mut state;
+    [*time, *last_dt, *lead, *drift, *lost_volume, *kinetic_energy, *surface_area] = header.numbers;
     state.step = header.step;
     state.drops = header.drops.iter().map(DropRecord::restore).collect::<Option<_>>()?;
     Some(state)

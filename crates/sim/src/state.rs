@@ -13,13 +13,15 @@ pub struct State<const D: usize> {
     pub step: u64,
     /// Length of the last step, s (0 before the first).
     pub last_dt: f64,
+    /// Time by which the velocity is ahead of the positions, s: half a step, where the step's length is constant.
+    pub lead: f64,
     /// Distance that the interface may have moved since the last redistance, in cells.
     pub drift: f64,
     /// Signed distance to the liquid's surface, m, negative in the liquid; valid within the band, elsewhere ± its width.
     pub phi: CellField<D>,
     /// Velocity, m/s; valid in the liquid and a few cells around it.
     pub velocity: FaceField<D>,
-    /// Pressure times step over density in the liquid cells, m²/s: where the next solve starts.
+    /// Pressure times the time it acted for, over density, in the liquid cells, m²/s: where the next solve starts.
     pub lambda: CellField<D>,
     /// The connected components of the liquid, in order of their first cell.
     pub drops: Vec<Drop<D>>,
@@ -64,6 +66,7 @@ impl<const D: usize> State<D> {
             time: 0.0,
             step: 0,
             last_dt: 0.0,
+            lead: 0.0,
             drift: 0.0,
             phi: CellField::new(grid, 0.0),
             velocity: FaceField::zeros(grid),

@@ -83,7 +83,9 @@ pub fn step<const D: usize>(
     }
 
     // (4) The forces.
-    let solve = push(model, state, work, &change, displacement, dt, phase_end)?;
+    let kick = kick(state.lead, dt);
+    let solve = push(model, state, work, &change, displacement, (dt, kick), phase_end)?;
+    state.lead += kick - dt;
     state.time += dt;
     state.step += 1;
     state.last_dt = dt;
@@ -106,24 +108,32 @@ fn start<const D: usize>(
     let targets = state.drops.iter().map(|d| d.target_volume).collect();
     let change = Change { groups, cubes, targets, volumes, centers, jump: 0.0 };
     let still = displacements(model, state, work, 0.0);
-    push(model, state, work, &change, still, 0.5 * dt, phase_end).map(|_| ())
+    push(model, state, work, &change, still, (dt, 0.5 * dt), phase_end)?;
+    state.lead = 0.5 * dt;
+    Ok(())
 }
 
-/// Adds what gravity, surface tension and pressure do to the velocity in `dt`; `displacement` as
-/// [`displacements`] found it.
+/// For how long the forces act at the end of a step, so that the velocity is then half a step ahead of the positions
+/// again: `dt` where it already was. After a step of another length within bounds, which the steps to come make good.
+fn kick(lead: f64, dt: f64) -> f64 {
+    (1.5 * dt - lead).clamp(0.5 * dt, 1.5 * dt)
+}
+
+/// Adds what gravity, surface tension and pressure do to the velocity in the time `kick`, in a step of `dt`;
+/// `displacement` as [`displacements`] found it.
 fn push<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     work: &mut Workspace<D>,
     change: &Change<D>,
     displacement: Vec<Displacement<D>>,
-    dt: f64,
+    (dt, kick): (f64, f64),
     phase_end: PhaseEnd<'_>,
 ) -> Result<SolveReport, SolveError> {
-    fall(model, state, work, dt);
+    fall(model, state, work, kick);
 
     // Surface tension as a pressure on the surface.
-    let capillary = model.surface_tension * dt * dt / (model.density * model.grid.dx.powi(3));
+    let capillary = model.surface_tension * dt * kick / (model.density * model.grid.dx.powi(3));
     let filter = FilterStep { capillary, displacement };
     let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
     let kappa = curvature(&model.grid, &work.band, CURVED, &phi, &change.cubes, &filter);
@@ -131,7 +141,7 @@ fn push<const D: usize>(
     phase_end("curvature");
 
     // One solve for the pressure.
-    let jump = model.surface_tension * dt / (model.density * model.grid.dx);
+    let jump = model.surface_tension * kick / (model.density * model.grid.dx);
     let mut projection = Projection {
         velocity: &mut state.velocity,
         lambda: &mut state.lambda,
@@ -145,7 +155,7 @@ fn push<const D: usize>(
     phase_end("pressure");
 
     // Momentum that the discretisation lost comes back; the velocity extends beyond the liquid.
-    let moments = keep_momentum(model, state, work, &cut, change, dt);
+    let moments = keep_momentum(model, state, work, &cut, change, kick);
     work.extend(model, state);
     state.drops = drops(model, work, &cut, &moments, change);
     state.kinetic_energy = kinetic_energy(model, &moments);

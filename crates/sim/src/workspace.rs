@@ -88,7 +88,7 @@ pub struct Snapshot<const D: usize> {
     phi: Vec<f64>,
     velocity: FaceValues<D>,
     drops: Vec<crate::Drop<D>>,
-    scalars: (f64, u64, f64, f64, f64),
+    scalars: (f64, u64, f64, f64, f64, f64),
 }
 
 type FaceValues<const D: usize> = [Vec<(usize, Vec<f64>)>; D];
@@ -106,7 +106,7 @@ impl<const D: usize> Snapshot<D> {
             };
             workspace.known.liquid()[a].iter().map(values).collect()
         });
-        let scalars = (state.time, state.step, state.last_dt, state.drift, state.lost_volume);
+        let scalars = (state.time, state.step, state.last_dt, state.lead, state.drift, state.lost_volume);
         Self { cells, phi, velocity, drops: state.drops.clone(), scalars }
     }
 
@@ -124,7 +124,7 @@ impl<const D: usize> Snapshot<D> {
                 state.velocity.axes[a][at..at + values.len()].copy_from_slice(&values);
             }
         }
-        (state.time, state.step, state.last_dt, state.drift, state.lost_volume) = self.scalars;
+        (state.time, state.step, state.last_dt, state.lead, state.drift, state.lost_volume) = self.scalars;
         state.drops = self.drops;
         // What a failed solve left behind is no guess.
         state.lambda = CellField::new(model.grid, 0.0);
