@@ -2,6 +2,7 @@
 
 mod band;
 mod components;
+mod cut;
 mod extrapolate;
 mod field;
 mod interpolate;
@@ -9,6 +10,7 @@ mod runs;
 mod tiles;
 
 pub use band::Band;
+pub use cut::{CutBy, CutCells, WetCell};
 pub use extrapolate::KnownFaces;
 pub use field::{CellField, FaceField};
 pub use interpolate::{Edge, Sampler};

@@ -1,0 +1,384 @@
+//! Cells cut by solids: the open part of every face, and the solid's surface in every cell.
+//!
+//! The solids' distance is known at the corners of the cells. On a face it is taken as linear between them (2D: along
+//! the edge; 3D: on the four triangles around the middle, which has the mean); where it is positive the face is open.
+//! What closes the open parts of a cell's faces is the wetted surface `S`: with the normal out of the cell,
+//!
+//! `∫_S n dS = −Σ A_f`, `∫_S r × n dS = −Σ r_f × A_f`
+//!
+//! over the open parts `A_f` and their centroids `r_f`, whatever `S` is. Taken so, a constant pressure pushes a body
+//! nowhere and turns it nowhere, to rounding, and no surface has to be built (design, numerics §1).
+
+use super::{FaceField, Grid, Lattice};
+use crate::Vector;
+use rayon::prelude::*;
+
+/// Planes of rotation: first axis, second axis, place of their moment.
+const PLANES: [(usize, usize, usize); 3] = [(0, 1, 2), (1, 2, 0), (2, 0, 1)];
+/// Shares of a face that are nearer than this to none or all count as that: no flow is worth the stiffness of such a gap.
+const LEAST: f64 = 1e-4;
+/// Distance of what is far from all solids, in cells.
+const FAR: f64 = 1e3;
+
+/// A solid as the cells that it cuts see it.
+#[derive(Clone, Copy)]
+pub struct CutBy<'a, const D: usize> {
+    /// Distance to its surface, m, negative inside.
+    pub distance: &'a (dyn Fn(&Vector<D>) -> f64 + Sync),
+    /// Lower and upper corner of a box that holds it, m; may reach beyond the grid.
+    pub bounds: [Vector<D>; 2],
+}
+
+/// The wetted surface of a solid in a cell; lengths in cells, the normal `n` points into the solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WetCell<const D: usize> {
+    /// The cell.
+    pub cell: u32,
+    /// Number of the solid: the one nearest to the cell's centre.
+    pub solid: u32,
+    /// `∫ n dS`.
+    pub area: Vector<D>,
+    /// `∫ r × n dS` about the grid's origin (2D: in the last entry).
+    pub moment: [f64; 3],
+}
+
+/// The faces and cells that solids cut.
+#[derive(Clone, Debug)]
+pub struct CutCells<const D: usize> {
+    /// Share of every face that is open, 0 to 1.
+    pub open: FaceField<D>,
+    /// The cells with a wetted surface, sorted.
+    pub wet: Vec<WetCell<D>>,
+    /// Distance at the corners of the cells, in cells; empty as long as there is no solid.
+    corners: Vec<f64>,
+    /// Cells around each solid: lower corner, and one past the upper one.
+    boxes: Vec<[[usize; D]; 2]>,
+}
+
+impl<const D: usize> CutCells<D> {
+    /// No solid: all faces are open.
+    pub fn none(grid: Grid<D>) -> Self {
+        let open = FaceField { grid, axes: std::array::from_fn(|a| vec![1.0; grid.faces(a).len()]) };
+        Self { open, wet: Vec::new(), corners: Vec::new(), boxes: Vec::new() }
+    }
+
+    /// Finds what the solids cut where they are now. Cost follows the boxes around them. Where solids overlap they are
+    /// one.
+    pub fn rebuild(&mut self, solids: &[CutBy<'_, D>]) {
+        self.forget();
+        let grid = self.open.grid;
+        if self.corners.is_empty() && !solids.is_empty() {
+            self.corners = vec![FAR; corner_lattice(&grid).len()];
+        }
+        self.boxes = solids.iter().map(|s| cells_around(&grid, s.bounds)).collect();
+        for (solid, cells) in solids.iter().zip(&self.boxes) {
+            let lattice = corner_lattice(&grid);
+            let [low, high] = *cells;
+            let values: Vec<(usize, f64)> = points([low, high.map(|n| n + 1)])
+                .into_par_iter()
+                .with_min_len(256)
+                .map(|at| {
+                    let x = Vector::from_fn(|a, _| at[a] as f64 * grid.dx);
+                    (lattice.index(at), (solid.distance)(&x) / grid.dx)
+                })
+                .collect();
+            values.into_iter().for_each(|(i, v)| self.corners[i] = self.corners[i].min(v));
+        }
+        for cells in self.boxes.clone() {
+            self.open_faces(cells);
+        }
+        let mut wet: Vec<WetCell<D>> = self.boxes.iter().flat_map(|b| self.wet_cells(*b, solids)).collect();
+        wet.sort_by_key(|w| w.cell);
+        wet.dedup_by_key(|w| w.cell);
+        self.wet = wet;
+    }
+
+    /// Whether a cell has no open face.
+    pub fn closed(&self, at: [usize; D]) -> bool {
+        (0..D).all(|a| {
+            let faces = self.open.grid.faces(a);
+            let f = faces.index(at);
+            self.open.axes[a][f] == 0.0 && self.open.axes[a][f + faces.stride[a]] == 0.0
+        })
+    }
+
+    fn forget(&mut self) {
+        let grid = self.open.grid;
+        for [low, high] in std::mem::take(&mut self.boxes) {
+            let lattice = corner_lattice(&grid);
+            points([low, high.map(|n| n + 1)])
+                .into_iter()
+                .for_each(|at| self.corners[lattice.index(at)] = FAR);
+            for a in 0..D {
+                let faces = grid.faces(a);
+                points(face_box([low, high], a))
+                    .into_iter()
+                    .for_each(|at| self.open.axes[a][faces.index(at)] = 1.0);
+            }
+        }
+    }
+
+    fn open_faces(&mut self, cells: [[usize; D]; 2]) {
+        for a in 0..D {
+            let faces = self.open.grid.faces(a);
+            let shares: Vec<(usize, f64)> = points(face_box(cells, a))
+                .into_par_iter()
+                .with_min_len(256)
+                .map(|at| (faces.index(at), self.opening(a, at).0))
+                .collect();
+            shares.into_iter().for_each(|(f, share)| self.open.axes[a][f] = share);
+        }
+    }
+
+    fn wet_cells(&self, cells: [[usize; D]; 2], solids: &[CutBy<'_, D>]) -> Vec<WetCell<D>> {
+        let grid = self.open.grid;
+        let lattice = grid.lattice();
+        let wet = |at: [usize; D]| {
+            let (mut area, mut moment): (Vector<D>, [f64; 3]) = (Vector::zeros(), [0.0; 3]);
+            for a in 0..D {
+                for side in 0..2 {
+                    let mut face = at;
+                    face[a] += side;
+                    let (share, r) = self.opening(a, face);
+                    let outward = if side == 1 { share } else { -share };
+                    area[a] -= outward;
+                    for &(b, c, place) in &PLANES[..if D == 2 { 1 } else { 3 }] {
+                        // r × A, of which only the entry of A along `a` is not zero.
+                        let turn = if c == a {
+                            r[b]
+                        } else if b == a {
+                            -r[c]
+                        } else {
+                            0.0
+                        };
+                        moment[place] -= outward * turn;
+                    }
+                }
+            }
+            // A cell between open faces of the same share has no surface, one of rounding none that counts.
+            if area.amax() < 1e-12 {
+                return None;
+            }
+            let x = grid.center(at);
+            let near = |i: &usize, j: &usize| (solids[*i].distance)(&x).total_cmp(&(solids[*j].distance)(&x));
+            let solid = (0..solids.len()).min_by(near)? as u32;
+            Some(WetCell { cell: lattice.index(at) as u32, solid, area, moment })
+        };
+        points(cells).into_par_iter().with_min_len(256).filter_map(wet).collect()
+    }
+
+    /// Open share of a face, and the centroid of the open part, in cells from the origin.
+    fn opening(&self, axis: usize, at: [usize; D]) -> (f64, Vector<D>) {
+        let lattice = corner_lattice(&self.open.grid);
+        let base = lattice.index(at);
+        let along: [usize; 2] = match D {
+            2 => [1 - axis; 2],
+            _ => [(axis + 1) % 3, (axis + 2) % 3],
+        };
+        let corner = |i: usize, j: usize| {
+            self.corners[base + i * lattice.stride[along[0]] + j * lattice.stride[along[1]]]
+        };
+        let (share, [s, t]) = if D == 2 {
+            edge_part(corner(0, 0), corner(1, 0))
+        } else {
+            square_part([[corner(0, 0), corner(0, 1)], [corner(1, 0), corner(1, 1)]])
+        };
+        let (share, [s, t]) = match share {
+            none if none < LEAST => (0.0, [0.5; 2]),
+            all if all > 1.0 - LEAST => (1.0, [0.5; 2]),
+            some => (some, [s, t]),
+        };
+        let mut centroid = Vector::from_fn(|b, _| at[b] as f64);
+        centroid[along[0]] += s;
+        if D == 3 {
+            centroid[along[1]] += t;
+        }
+        (share, centroid)
+    }
+}
+
+fn corner_lattice<const D: usize>(grid: &Grid<D>) -> Lattice<D> {
+    Lattice::new(grid.cells.map(|n| n + 1))
+}
+
+/// The cells that a box touches, and one more all around.
+fn cells_around<const D: usize>(grid: &Grid<D>, bounds: [Vector<D>; 2]) -> [[usize; D]; 2] {
+    let clamp = |x: f64, n: usize| x.clamp(0.0, n as f64) as usize;
+    let low = std::array::from_fn(|a| clamp((bounds[0][a] / grid.dx).floor() - 1.0, grid.cells[a]));
+    let high: [usize; D] =
+        std::array::from_fn(|a| clamp((bounds[1][a] / grid.dx).ceil() + 1.0, grid.cells[a]));
+    [low, std::array::from_fn(|a| high[a].max(low[a]))]
+}
+
+/// The faces normal to `axis` of the cells of a box.
+fn face_box<const D: usize>([low, mut high]: [[usize; D]; 2], axis: usize) -> [[usize; D]; 2] {
+    high[axis] += 1;
+    [low, high]
+}
+
+/// The lattice points of a box, the first axis running fastest.
+fn points<const D: usize>([low, high]: [[usize; D]; 2]) -> Vec<[usize; D]> {
+    let inner = Lattice::new(std::array::from_fn::<_, D, _>(|a| high[a] - low[a]));
+    (0..inner.len()).map(|i| inner.coordinates(i)).map(|at| std::array::from_fn(|a| low[a] + at[a])).collect()
+}
+
+/// Part of the unit edge where a linear function is positive: its length and middle.
+fn edge_part(v0: f64, v1: f64) -> (f64, [f64; 2]) {
+    match (v0 > 0.0, v1 > 0.0) {
+        (true, true) => (1.0, [0.5; 2]),
+        (false, false) => (0.0, [0.5; 2]),
+        (true, false) => {
+            let t = v0 / (v0 - v1);
+            (t, [0.5 * t, 0.5])
+        }
+        (false, true) => {
+            let t = v1 / (v1 - v0);
+            (t, [1.0 - 0.5 * t, 0.5])
+        }
+    }
+}
+
+/// Part of the unit square where the function that is linear on the triangles around the middle is positive: area and
+/// centroid.
+fn square_part(v: [[f64; 2]; 2]) -> (f64, [f64; 2]) {
+    let ring = [([0.0, 0.0], v[0][0]), ([1.0, 0.0], v[1][0]), ([1.0, 1.0], v[1][1]), ([0.0, 1.0], v[0][1])];
+    if ring.iter().all(|c| c.1 > 0.0) {
+        return (1.0, [0.5; 2]);
+    }
+    if ring.iter().all(|c| c.1 <= 0.0) {
+        return (0.0, [0.5; 2]);
+    }
+    let middle = ([0.5, 0.5], 0.25 * (v[0][0] + v[0][1] + v[1][0] + v[1][1]));
+    let (mut area, mut first) = (0.0, [0.0; 2]);
+    for k in 0..4 {
+        let (part, center) = triangle_part([middle, ring[k], ring[(k + 1) % 4]]);
+        area += 0.25 * part;
+        (0..2).for_each(|a| first[a] += 0.25 * part * center[a]);
+    }
+    (area, first.map(|f| if area > 0.0 { f / area } else { 0.5 }))
+}
+
+/// Part of a triangle where the linear function given at its corners is positive: share of the area, and centroid.
+fn triangle_part(corners: [([f64; 2], f64); 3]) -> (f64, [f64; 2]) {
+    let mean = |p: [[f64; 2]; 3]| [0, 1].map(|a| (p[0][a] + p[1][a] + p[2][a]) / 3.0);
+    let whole = mean(corners.map(|c| c.0));
+    let positive = corners.iter().filter(|c| c.1 > 0.0).count();
+    if positive == 3 || positive == 0 {
+        return (if positive == 3 { 1.0 } else { 0.0 }, whole);
+    }
+    // The corner that is alone with its sign, and the small triangle that the zero line cuts off at it.
+    let lone = (0..3).find(|k| (corners[*k].1 > 0.0) == (positive == 1)).unwrap_or(0);
+    let (p, v) = corners[lone];
+    let cut = |k: usize| {
+        let (q, w) = corners[(lone + k) % 3];
+        let t = v / (v - w);
+        (t, [0, 1].map(|a| p[a] + t * (q[a] - p[a])))
+    };
+    let ((t1, p1), (t2, p2)) = (cut(1), cut(2));
+    let (share, center) = (t1 * t2, mean([p, p1, p2]));
+    if positive == 1 {
+        return (share, center);
+    }
+    let rest = 1.0 - share;
+    (rest, [0, 1].map(|a| if rest > 0.0 { (whole[a] - share * center[a]) / rest } else { whole[a] }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ball<const D: usize>(x: &Vector<D>) -> f64 {
+        (x - Vector::from_fn(|a, _| 0.487 + 0.03 * a as f64)).norm() - 0.271
+    }
+
+    fn cut<const D: usize>(cells: usize, distance: &(dyn Fn(&Vector<D>) -> f64 + Sync)) -> CutCells<D> {
+        let mut cut = CutCells::none(Grid::new([cells; D], 1.0 / cells as f64));
+        cut.rebuild(&[CutBy { distance, bounds: [Vector::repeat(0.1), Vector::repeat(0.9)] }]);
+        cut
+    }
+
+    fn surface_closes<const D: usize>(distance: &(dyn Fn(&Vector<D>) -> f64 + Sync)) {
+        let cut = cut::<D>(if D == 2 { 50 } else { 25 }, distance);
+        let area = cut.wet.iter().fold(Vector::zeros(), |s: Vector<D>, w| s + w.area);
+        let moment =
+            cut.wet.iter().fold([0.0; 3], |m: [f64; 3], w| std::array::from_fn(|i| m[i] + w.moment[i]));
+        assert!(area.amax() < 1e-11, "{D}D: {area}");
+        assert!(moment.iter().all(|m| m.abs() < 1e-9), "{D}D: {moment:?}");
+    }
+
+    #[test]
+    fn the_surface_of_a_body_closes_to_rounding() {
+        surface_closes::<2>(&ball);
+        surface_closes::<3>(&ball);
+        // A cross of bars a cell and a half thick, slantwise.
+        let bar = |x: f64, y: f64| (0.8 * x + 0.6 * y - 0.7).abs() - 0.03;
+        surface_closes::<2>(&|x| bar(x[0], x[1]).max((x - Vector::repeat(0.5)).norm() - 0.35));
+        surface_closes::<3>(&|x| {
+            bar(x[0], x[2]).min(bar(x[1], x[0])).max((x - Vector::repeat(0.5)).norm() - 0.35)
+        });
+    }
+
+    /// Volume of the body by the divergence theorem, over the exact one, minus one.
+    fn volume_error<const D: usize>(cells: usize) -> f64 {
+        let cut = cut::<D>(cells, &ball);
+        let grid = cut.open.grid;
+        let at_surface = |w: &WetCell<D>| {
+            let x = grid.center(grid.lattice().coordinates(w.cell as usize));
+            let n = w.area.normalize();
+            // −n is the body's outward normal; the surface lies where the distance is zero.
+            (x + n * ball(&x)).dot(&-w.area)
+        };
+        let volume = cut.wet.iter().map(at_surface).sum::<f64>() / D as f64 * grid.face_area();
+        let exact = match D {
+            2 => std::f64::consts::PI * 0.271f64.powi(2),
+            _ => 4.0 / 3.0 * std::f64::consts::PI * 0.271f64.powi(3),
+        };
+        volume / exact - 1.0
+    }
+
+    #[test]
+    fn the_surface_is_second_order() {
+        for (coarse, fine) in
+            [(volume_error::<2>(20), volume_error::<2>(80)), (volume_error::<3>(16), volume_error::<3>(64))]
+        {
+            assert!(coarse.abs() < 0.02 && fine.abs() < coarse.abs() / 10.0, "{coarse:e}, {fine:e}");
+        }
+    }
+
+    fn plane_is_exact<const D: usize>() {
+        let normal = Vector::<D>::from_fn(|a, _| [0.48, 0.6, 0.64][a]).normalize();
+        let offset = 0.55;
+        let mut cut = CutCells::none(Grid::<D>::new([9; D], 1.0 / 9.0));
+        let distance = |x: &Vector<D>| x.dot(&normal) - offset;
+        cut.rebuild(&[CutBy { distance: &distance, bounds: [Vector::repeat(-1.0), Vector::repeat(2.0)] }]);
+        for w in &cut.wet {
+            let along = w.area.normalize().dot(&-normal);
+            assert!((along - 1.0).abs() < 1e-9 || w.area.norm() < 0.05, "{w:?}");
+            // The moment is that of the area at its centroid, which lies on the plane: both are orthogonal.
+            let lean: f64 = if D == 2 { 0.0 } else { (0..D).map(|a| w.moment[a] * w.area[a]).sum() };
+            assert!(lean.abs() < 1e-9, "{w:?}");
+        }
+        // Shares of a face and what lies beyond it make a whole.
+        let other = |x: &Vector<D>| -distance(x);
+        let mut rest = CutCells::none(cut.open.grid);
+        rest.rebuild(&[CutBy { distance: &other, bounds: [Vector::repeat(-1.0), Vector::repeat(2.0)] }]);
+        for a in 0..D {
+            for (open, shut) in cut.open.axes[a].iter().zip(&rest.open.axes[a]) {
+                assert!((open + shut - 1.0).abs() < 1e-12, "{open} {shut}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_plane_is_cut_exactly() {
+        plane_is_exact::<2>();
+        plane_is_exact::<3>();
+    }
+
+    #[test]
+    fn a_solid_that_leaves_leaves_nothing_behind() {
+        let mut cut = cut::<3>(20, &ball);
+        cut.rebuild(&[]);
+        assert!(cut.wet.is_empty() && cut.open.axes.iter().flatten().all(|s| *s == 1.0));
+    }
+}
