@@ -1,6 +1,7 @@
 //! Linear operators, preconditioners and solvers.
 
 mod connect;
+mod coupled;
 mod jacobi;
 mod krylov;
 mod layout;
@@ -13,6 +14,7 @@ mod sweep;
 mod tests;
 mod vectors;
 
+pub use coupled::Column;
 pub use jacobi::Jacobi;
 pub use krylov::{conjugate_gradient, conjugate_gradient_in};
 pub use operator::{LinearOperator, Preconditioner, SolveError, SolveReport};

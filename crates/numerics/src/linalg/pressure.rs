@@ -103,17 +103,29 @@ impl<const D: usize> PressureSolver<D> {
         tolerance: f64,
         max_iterations: usize,
     ) -> Result<SolveReport, SolveError> {
+        let floats: Vec<usize> = (0..self.floating.len()).collect();
+        self.solve_system(self, preconditioner, &floats, (rhs, x), (tolerance, max_iterations))
+    }
+
+    /// The same for an operator built upon this one; `floats` are the floating components that float in it too.
+    pub(super) fn solve_system(
+        &self,
+        operator: &impl LinearOperator,
+        preconditioner: &impl Preconditioner,
+        floats: &[usize],
+        (rhs, x): (&CellField<D>, &mut CellField<D>),
+        limits: (f64, usize),
+    ) -> Result<SolveReport, SolveError> {
         let mut b = self.take();
         self.gather_into(&rhs.data, &mut b);
-        self.project(&mut b);
+        self.project_on(floats, &mut b);
         let mut solution = self.take();
         self.gather_into(&x.data, &mut solution);
-        self.project(&mut solution);
+        self.project_on(floats, &mut solution);
         let mut work = [(); 3].map(|()| self.take());
-        let limits = (tolerance, max_iterations);
-        let report = conjugate_gradient_in(self, preconditioner, &b, &mut solution, limits, &mut work);
+        let report = conjugate_gradient_in(operator, preconditioner, &b, &mut solution, limits, &mut work);
         if report.is_ok() {
-            self.project(&mut solution);
+            self.project_on(floats, &mut solution);
             self.scatter(&solution, &mut x.data);
         }
         let mut pool = self.pool.lock().unwrap_or_else(PoisonError::into_inner);
@@ -235,8 +247,12 @@ impl<const D: usize> PressureSolver<D> {
 
     /// Takes the mean off in every floating component and sets isolated cells to zero.
     pub fn project(&self, vector: &mut [f64]) {
+        self.project_on(&(0..self.floating.len()).collect::<Vec<_>>(), vector);
+    }
+
+    fn project_on(&self, floats: &[usize], vector: &mut [f64]) {
         self.isolated.iter().for_each(|entry| vector[*entry] = 0.0);
-        for (runs, count) in self.floating.iter().filter(|(_, count)| *count > 0) {
+        for (runs, count) in floats.iter().map(|f| &self.floating[*f]).filter(|(_, count)| *count > 0) {
             let sum: f64 = runs
                 .iter()
                 .flat_map(|run| self.run_entries(run))
@@ -248,6 +264,27 @@ impl<const D: usize> PressureSolver<D> {
             }
         }
         self.isolated.iter().for_each(|entry| vector[*entry] = 0.0);
+    }
+
+    /// The floating components on which no column (entries and values) feels a constant.
+    pub(super) fn floating_under(&self, columns: &[Vec<(usize, f64)>]) -> Vec<usize> {
+        let blind = |floating: &&usize| {
+            let runs = self.floating[**floating].0.iter();
+            let mut ranges: Vec<_> =
+                runs.flat_map(|r| self.run_entries(r)).filter(|r| !r.is_empty()).collect();
+            ranges.sort_by_key(|r| r.start);
+            let within = |entry: &usize| {
+                let k = ranges.partition_point(|r| r.end <= *entry);
+                ranges.get(k).is_some_and(|r| r.contains(entry))
+            };
+            columns.iter().all(|column| {
+                let felt = column.iter().filter(|(i, _)| within(i)).map(|(_, v)| v);
+                let (sum, size) = felt.fold((0.0, 0.0), |(s, t), v| (s + v, t + v.abs()));
+                sum.abs() <= 1e-9 * size
+            })
+        };
+        let all: Vec<usize> = (0..self.floating.len()).collect();
+        all.iter().filter(blind).copied().collect()
     }
 
     fn finest(&self) -> &Level<D> {

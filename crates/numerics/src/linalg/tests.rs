@@ -255,6 +255,39 @@ fn solution_equals_that_of_a_dense_solver() {
     }
 }
 
+fn coupled_solution_matches<const D: usize>(system: &System<D>, scale: f64) {
+    let solver = PressureSolver::new(&system.input());
+    let (rhs, mut x) = (system.random_field(5), system.random_field(6));
+    let column = |seed: u64| -> super::Column {
+        let values = system.random_field(seed);
+        let every = system.cells().into_iter().step_by(3);
+        every.map(|c| (c as u32, scale * values.data[c])).collect()
+    };
+    let columns = [column(7), column(8), column(9)];
+    let report = solver.solve_coupled(&columns, &rhs, &mut x, (1e-11, 400)).unwrap();
+    let mut dense = system.dense();
+    let cells = system.cells();
+    for column in &columns {
+        let mut j = DVector::zeros(cells.len());
+        column.iter().for_each(|(c, v)| j[cells.binary_search(&(*c as usize)).unwrap()] = *v);
+        dense += &j * j.transpose();
+    }
+    let exact = dense.cholesky().expect("positive definite").solve(&system.values(&rhs));
+    let error = (&exact - system.values(&x)).norm() / exact.norm();
+    assert!(error < 1e-7, "{error}");
+    assert!(report.iterations < 80, "{}", report.iterations);
+}
+
+#[test]
+fn columns_are_part_of_the_system() {
+    for scale in [0.01, 1.0, 100.0] {
+        coupled_solution_matches(&slab::<2>(), scale);
+        coupled_solution_matches(&slab::<3>(), scale);
+    }
+    // All that holds this one is its columns.
+    coupled_solution_matches(&System::new([12, 9], |_| true, || 1.0, |_| 0.0), 1.0);
+}
+
 #[test]
 fn floating_component_beside_a_held_one_and_lone_cells() {
     // Two boxes, the upper one without Dirichlet values, a chessboard corner of single cells, some isolated.
