@@ -24,8 +24,8 @@ use meniscus_numerics::shape::plane_box_fraction;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
-/// Relative residual of the solve.
-const TOLERANCE: f64 = 1e-8;
+/// Relative residual of the solve: 1e-8 took twice the iterations and changed the decay of a drop by 0.03 %.
+const TOLERANCE: f64 = 1e-6;
 /// Most iterations.
 const ITERATIONS: usize = 2000;
 /// Layers of the band whose air cells may hold a control volume that reaches into the liquid.
@@ -68,7 +68,9 @@ impl<const D: usize> Diffusion<'_, D> {
         let stiffness = model.kinematic_viscosity * dt / (model.grid.dx * model.grid.dx);
         let operator = Viscous::new(model, self.phi, &places, stiffness);
         let mut x = operator.gather(model, &places, self.velocity);
-        let b: Vec<f64> = operator.cells.iter().flat_map(|c| c.mass).zip(&x).map(|(m, u)| m * u).collect();
+        let mut b = x.clone();
+        let cells = b.par_chunks_mut(D).zip(&operator.cells).with_min_len(GRAIN);
+        cells.for_each(|(b, cell)| (0..D).for_each(|a| b[a] *= cell.mass[a]));
         let jacobi = Jacobi::new(&operator.diagonal());
         let report = conjugate_gradient(&operator, &jacobi, &b, &mut x, tolerance, ITERATIONS)?;
         for a in 0..D {
