@@ -119,6 +119,7 @@ pub fn model<const D: usize>(scene: &Scene) -> Model<D> {
         kinematic_viscosity: scene.liquid.kinematic_viscosity,
         surface_tension: scene.tension.liquid_air,
         gravity: vector(&scene.liquid.gravity),
+        solids: Vec::new(),
         numerics: Numerics {
             cfl: n.cfl,
             capillary_step: n.capillary_step,

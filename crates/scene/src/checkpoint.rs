@@ -6,9 +6,9 @@
 
 use crate::output::file::{self, FileError};
 use crate::run::Tally;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Drop, State};
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{Drop, SolidState, State};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
@@ -52,9 +52,11 @@ struct Header {
     cells: Vec<u64>,
     dx: f64,
     step: u64,
-    /// Time, last step, drift, lost volume, kinetic energy, surface area.
+    /// Time, last step, lead, drift, lost volume, kinetic energy, surface area.
     numbers: [f64; 7],
     drops: Vec<DropRecord>,
+    /// Centre, rotation by columns, velocity, spin of each solid.
+    solids: Vec<Vec<f64>>,
     tally: Tally,
     /// Bytes of each compressed block, per array: phi, lambda, then the velocity along each axis.
     blocks: Vec<Vec<u64>>,
@@ -67,6 +69,26 @@ struct DropRecord {
     /// Centroid, lower, upper, velocity.
     vectors: [Vec<f64>; 4],
     spin: [f64; 3],
+}
+
+fn solid_record<const D: usize>(solid: &SolidState<D>) -> Vec<f64> {
+    let SolidState { center, rotation, velocity, spin } = solid;
+    center.iter().chain(rotation).chain(velocity).chain(spin).copied().collect()
+}
+
+fn restore_solid<const D: usize>(record: &[f64]) -> Option<SolidState<D>> {
+    if record.len() != 2 * D + D * D + 3 {
+        return None;
+    }
+    let (center, rest) = record.split_at(D);
+    let (rotation, rest) = rest.split_at(D * D);
+    let (velocity, spin) = rest.split_at(D);
+    Some(SolidState {
+        center: Vector::from_column_slice(center),
+        rotation: Matrix::from_column_slice(rotation),
+        velocity: Vector::from_column_slice(velocity),
+        spin: spin.try_into().ok()?,
+    })
 }
 
 impl DropRecord {
@@ -115,6 +137,7 @@ pub fn write<const D: usize>(
         velocity,
         lambda,
         drops,
+        solids,
         lost_volume,
         kinetic_energy,
         surface_area,
@@ -128,6 +151,7 @@ pub fn write<const D: usize>(
         step: *step,
         numbers: [*time, *last_dt, *lead, *drift, *lost_volume, *kinetic_energy, *surface_area],
         drops: drops.iter().map(DropRecord::of).collect(),
+        solids: solids.iter().map(solid_record).collect(),
         tally: tally.clone(),
         blocks: arrays.iter().map(|blocks| blocks.iter().map(|b| b.len() as u64).collect()).collect(),
     };
@@ -259,6 +283,7 @@ fn restore<const D: usize>(header: &Header, body: &[u8], grid: Grid<D>) -> Optio
     [*time, *last_dt, *lead, *drift, *lost_volume, *kinetic_energy, *surface_area] = header.numbers;
     state.step = header.step;
     state.drops = header.drops.iter().map(DropRecord::restore).collect::<Option<_>>()?;
+    state.solids = header.solids.iter().map(|r| restore_solid(r)).collect::<Option<_>>()?;
     Some(state)
 }
 

@@ -1,5 +1,6 @@
 //! What stays fixed during a run.
 
+use crate::solid::Solid;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Edge, Grid};
 
@@ -13,7 +14,7 @@ pub enum Wall {
 }
 
 /// The physical and numerical description of a run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Model<const D: usize> {
     /// The grid.
     pub grid: Grid<D>,
@@ -27,6 +28,8 @@ pub struct Model<const D: usize> {
     pub surface_tension: f64,
     /// Gravity, m/s².
     pub gravity: Vector<D>,
+    /// The solids.
+    pub solids: Vec<Solid<D>>,
     /// Choices of the discretisation.
     pub numerics: Numerics,
 }

@@ -2,6 +2,7 @@
 
 use crate::ledger::{Ledger, StepReport};
 use crate::model::Model;
+use crate::solid::Solid;
 use crate::state::State;
 use crate::step::{ledger, max_component, open_books, step};
 use crate::workspace::{BAND, Snapshot, Workspace};
@@ -82,6 +83,7 @@ impl<const D: usize> Simulation<D> {
     pub fn new(model: Model<D>, bodies: &[Body<'_, D>]) -> Self {
         let grid = model.grid;
         let mut state = State::empty(grid);
+        state.solids = model.solids.iter().map(Solid::start).collect();
         let limit = BAND * grid.dx;
         let lattice = grid.lattice();
         state.phi.data.par_iter_mut().enumerate().for_each(|(i, value)| {

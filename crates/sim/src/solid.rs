@@ -18,6 +18,8 @@ pub struct Solid<const D: usize> {
     pub shape: Shape<D>,
     /// What moves it.
     pub motion: Motion<D>,
+    /// Velocity at the start, m/s.
+    pub velocity: Vector<D>,
     /// Mass and how it is spread.
     pub body: RigidBody<D>,
 }
@@ -123,15 +125,16 @@ fn share<const D: usize>(shape: &Shape<D>, at: &Vector<D>, h: f64) -> f64 {
 }
 
 impl<const D: usize> Solid<D> {
-    /// A homogeneous solid of a density, kg/m³.
+    /// A homogeneous solid of a density, kg/m³, that starts at rest.
     pub fn new(shape: Shape<D>, motion: Motion<D>, density: f64) -> Self {
         let body = RigidBody::homogeneous(&shape, density);
-        Self { shape, motion, body }
+        Self { shape, motion, velocity: Vector::zeros(), body }
     }
 
-    /// Where it starts, with a velocity, m/s.
-    pub fn start(&self, velocity: Vector<D>) -> SolidState<D> {
-        SolidState { center: self.body.center, rotation: Matrix::identity(), velocity, spin: [0.0; 3] }
+    /// Where and how it starts.
+    pub fn start(&self) -> SolidState<D> {
+        let (center, velocity) = (self.body.center, self.velocity);
+        SolidState { center, rotation: Matrix::identity(), velocity, spin: [0.0; 3] }
     }
 
     /// Distance to its surface where it is now, m, negative inside.
@@ -258,7 +261,7 @@ mod tests {
             rotation: Matrix::identity(),
         };
         let solid = Solid::new(shape, Motion::Free, 1.0);
-        let mut now = solid.start(Vector::zeros());
+        let mut now = solid.start();
         // Turning about the middle axis is unstable: it flips over and over.
         now.spin = [0.01, 1.0, 0.02];
         let energy = |now: &SolidState<3>| solid.angular_momentum(now).dot(&Vector::<3>::from(now.spin));
@@ -286,7 +289,7 @@ mod tests {
         assert_eq!(path.displacement(9.0), Vector::<2>::new(0.4, -0.2));
         let shape = Shape::Ball { center: Vector::<2>::new(0.5, 0.5), radius: 0.1 };
         let solid = Solid::new(shape, Motion::Given(path), 1.0);
-        let mut now = solid.start(Vector::zeros());
+        let mut now = solid.start();
         solid.advance(&mut now, 2.5, 0.25);
         assert!((solid.distance(&now, &(now.center + Vector::<2>::new(0.3, 0.0))) - 0.2).abs() < 1e-12);
         assert!((now.center - Vector::<2>::new(0.85, 0.325)).norm() < 1e-3, "{}", now.center);

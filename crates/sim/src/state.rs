@@ -1,6 +1,7 @@
 //! Everything that evolves.
 
 use crate::liquid::momentum::Whole;
+use crate::solid::SolidState;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, FaceField, Grid};
 
@@ -25,6 +26,8 @@ pub struct State<const D: usize> {
     pub lambda: CellField<D>,
     /// The connected components of the liquid, in order of their first cell.
     pub drops: Vec<Drop<D>>,
+    /// The solids, in the model's order.
+    pub solids: Vec<SolidState<D>>,
     /// Volume of components that became too small to see, m³ (2D: m²), since the start.
     pub lost_volume: f64,
     /// Kinetic energy, J (2D: J per metre).
@@ -72,6 +75,7 @@ impl<const D: usize> State<D> {
             velocity: FaceField::zeros(grid),
             lambda: CellField::new(grid, 0.0),
             drops: Vec::new(),
+            solids: Vec::new(),
             lost_volume: 0.0,
             kinetic_energy: 0.0,
             surface_area: 0.0,

@@ -137,7 +137,7 @@ fn push<const D: usize>(
     let filter = FilterStep { capillary, displacement };
     let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
     let kappa = curvature(&model.grid, &work.band, CURVED, &phi, &change.cubes, &filter);
-    let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &kappa);
+    let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &kappa, &work.cut);
     phase_end("curvature");
 
     // One solve for the pressure.
@@ -149,6 +149,8 @@ fn push<const D: usize>(
         liquid: &work.liquid,
         faces: work.known.liquid(),
         cut: &cut,
+        cut_cells: &work.cut,
+        solids: &mut state.solids,
         jump,
     };
     let solve = work.pressure.project(model, &mut projection)?;
@@ -341,7 +343,7 @@ pub fn open_books<const D: usize>(model: &Model<D>, state: &mut State<D>, work: 
     let Measured { cubes, volumes, centers } = work.measured_liquid(model, &labels).measure(&state.phi);
     let change = Change { groups: Vec::new(), cubes, targets: volumes.clone(), volumes, centers, jump: 0.0 };
     let flat = Curvature { kappa: Vec::new(), known: Vec::new() };
-    let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &flat);
+    let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &flat, &work.cut);
     let moments = keep_momentum(model, state, work, &cut, &change, 0.0);
     state.drops = drops(model, work, &cut, &moments, &change);
     state.kinetic_energy = kinetic_energy(model, &moments);

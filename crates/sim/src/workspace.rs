@@ -5,7 +5,8 @@ use crate::liquid::surface::SurfaceLattice;
 use crate::liquid::volume::Liquid;
 use crate::model::Model;
 use crate::state::State;
-use meniscus_numerics::grid::{Band, CellField, KnownFaces, Runs, Sampler, Segment, Tiles};
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::{Band, CellField, CutCells, KnownFaces, Runs, Sampler, Segment, Tiles};
 
 /// Largest distance that φ tells, in cells.
 pub const BAND: f64 = 5.0;
@@ -20,6 +21,8 @@ pub struct Workspace<const D: usize> {
     pub band: Band<D>,
     /// The liquid cells.
     pub liquid: Runs,
+    /// What the solids leave open.
+    pub cut: CutCells<D>,
     /// The faces with a velocity.
     pub known: KnownFaces<D>,
     /// The lattice that measures the surface.
@@ -36,20 +39,34 @@ impl<const D: usize> Workspace<D> {
             tiles: Tiles::all(grid),
             band: Band::new(grid),
             liquid: Runs::default(),
+            cut: CutCells::none(grid),
             known: KnownFaces::new(grid),
             lattice: SurfaceLattice::new(grid),
             pressure: PressureFields::new(model),
         };
+        workspace.cut_cells(model, state);
         workspace.find_liquid(model, state);
         workspace.extend_afresh(model, state);
         workspace
+    }
+
+    /// Finds what the solids cut where they are now.
+    pub fn cut_cells(&mut self, model: &Model<D>, state: &State<D>) {
+        let solids: Vec<_> = model.solids.iter().zip(&state.solids).collect();
+        let distances: Vec<_> =
+            solids.iter().map(|(solid, now)| move |x: &Vector<D>| solid.distance(now, x)).collect();
+        let cuts = solids.iter().zip(&distances).map(|((solid, now), d)| solid.cut_by(now, d));
+        self.cut.rebuild(&cuts.collect::<Vec<_>>());
     }
 
     /// Finds tiles, liquid cells and band of the state's φ. Only its signs count: what is found stays right when φ is
     /// made a distance again or shifted, and a resumed run finds the same.
     pub fn find_liquid(&mut self, model: &Model<D>, state: &State<D>) {
         self.tiles = self.tiles.around_negative(&state.phi.data);
-        self.liquid = self.tiles.negative_runs(&state.phi.data).label(&model.grid);
+        let negative = self.tiles.negative_runs(&state.phi.data);
+        let open = |cell: usize| !self.cut.closed(model.grid.lattice().coordinates(cell));
+        let liquid = if self.cut.wet.is_empty() { negative } else { negative.filtered(&model.grid, open) };
+        self.liquid = liquid.label(&model.grid);
         self.band.rebuild(&state.phi.data, &self.liquid, LAYERS);
     }
 
@@ -88,6 +105,7 @@ pub struct Snapshot<const D: usize> {
     phi: Vec<f64>,
     velocity: FaceValues<D>,
     drops: Vec<crate::Drop<D>>,
+    solids: Vec<crate::SolidState<D>>,
     scalars: (f64, u64, f64, f64, f64, f64),
 }
 
@@ -107,7 +125,7 @@ impl<const D: usize> Snapshot<D> {
             workspace.known.liquid()[a].iter().map(values).collect()
         });
         let scalars = (state.time, state.step, state.last_dt, state.lead, state.drift, state.lost_volume);
-        Self { cells, phi, velocity, drops: state.drops.clone(), scalars }
+        Self { cells, phi, velocity, drops: state.drops.clone(), solids: state.solids.clone(), scalars }
     }
 
     /// Puts the state back as it was, and the workspace with it.
@@ -126,6 +144,7 @@ impl<const D: usize> Snapshot<D> {
         }
         (state.time, state.step, state.last_dt, state.lead, state.drift, state.lost_volume) = self.scalars;
         state.drops = self.drops;
+        state.solids = self.solids;
         // What a failed solve left behind is no guess.
         state.lambda = CellField::new(model.grid, 0.0);
         workspace.find_liquid(model, state);

@@ -14,6 +14,7 @@ fn model<const D: usize>(cells: usize) -> Model<D> {
         kinematic_viscosity: 0.0,
         surface_tension: 0.001,
         gravity: Vector::zeros(),
+        solids: Vec::new(),
         numerics: Numerics::default(),
     }
 }

@@ -20,6 +20,7 @@ pub fn model<const D: usize>(grid: Grid<D>, walls: [[Wall; 2]; D]) -> Model<D> {
         kinematic_viscosity: 0.0,
         surface_tension: TENSION,
         gravity: Vector::zeros(),
+        solids: Vec::new(),
         numerics: Numerics::default(),
     }
 }

@@ -40,6 +40,24 @@ impl Runs {
         merge(&lower, &upper.collect::<Vec<_>>())
     }
 
+    /// The cells for which `keep` holds; components must be labelled anew.
+    pub fn filtered<const D: usize>(self, grid: &Grid<D>, keep: impl Fn(usize) -> bool) -> Self {
+        let mut runs = Vec::with_capacity(self.runs.len());
+        for run in self.runs {
+            let row = run.row as usize * grid.cells[0];
+            let mut start = run.start;
+            for x in run.start..=run.end {
+                if x == run.end || !keep(row + x as usize) {
+                    if x > start {
+                        runs.push(Run { start, end: x, ..run });
+                    }
+                    start = x + 1;
+                }
+            }
+        }
+        Self { runs, components: 0 }
+    }
+
     /// The runs as plain stretches.
     pub fn segments(&self) -> Vec<Segment> {
         let plain = |r: &Run| Segment { row: r.row as usize, start: r.start as usize, end: r.end as usize };

@@ -7,8 +7,10 @@
 //! velocity there as accurate as it is inside; it takes a few iterations.
 
 use super::curvature::Curvature;
+use crate::coupling::Coupling;
 use crate::model::Model;
-use meniscus_numerics::grid::{Band, CellField, FaceField, Runs, Sampler, Segment};
+use crate::solid::SolidState;
+use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Runs, Sampler, Segment};
 use meniscus_numerics::linalg::{PoissonInput, PressureSolver, SolveError, SolveReport};
 use meniscus_numerics::par;
 use rayon::prelude::*;
@@ -32,6 +34,8 @@ pub struct CutFace {
     pub theta: f64,
     /// Curvature there, 1/cells.
     pub kappa: f64,
+    /// Share of the face that no solid closes.
+    pub open: f64,
 }
 
 /// Finds the faces between liquid and air, with the surface's place (cubic root) and curvature.
@@ -41,6 +45,7 @@ pub fn cut_faces<const D: usize>(
     band: &Band<D>,
     liquid: &Runs,
     curvature: &Curvature,
+    solids: &CutCells<D>,
 ) -> Vec<CutFace> {
     let lattice = model.grid.lattice();
     let sampler = Sampler::cells(&model.grid, &phi.data, model.scalar_edges());
@@ -76,16 +81,22 @@ pub fn cut_faces<const D: usize>(
                 let mut face = at;
                 face[axis] += up;
                 let face = model.grid.faces(axis).index(face);
-                Some(CutFace { axis, face, cell, sign: step as f64, theta, kappa })
+                let open = solids.open.axes[axis][face];
+                (open > 0.0).then_some(CutFace { axis, face, cell, sign: step as f64, theta, kappa, open })
             })
         })
         .collect();
-    open_sides(model, liquid, &mut faces);
+    open_sides(model, liquid, solids, &mut faces);
     faces
 }
 
 /// Liquid cells at open sides: pressure zero on the side itself, half a cell away.
-fn open_sides<const D: usize>(model: &Model<D>, liquid: &Runs, faces: &mut Vec<CutFace>) {
+fn open_sides<const D: usize>(
+    model: &Model<D>,
+    liquid: &Runs,
+    solids: &CutCells<D>,
+    faces: &mut Vec<CutFace>,
+) {
     let lattice = model.grid.lattice();
     for axis in 0..D {
         for side in 0..2 {
@@ -110,6 +121,7 @@ fn open_sides<const D: usize>(model: &Model<D>, liquid: &Runs, faces: &mut Vec<C
                         sign: 2.0 * side as f64 - 1.0,
                         theta: 0.5,
                         kappa: 0.0,
+                        open: solids.open.axes[axis][face],
                     });
                 }
             }
@@ -150,7 +162,6 @@ fn crossing<const D: usize>(sampler: &Sampler<'_, D>, at: [usize; D], axis: usiz
 
 /// Dense memory of the solve, kept from step to step.
 pub struct PressureFields<const D: usize> {
-    coefficients: FaceField<D>,
     dirichlet: CellField<D>,
     rhs: CellField<D>,
     /// The last solver, for its memory.
@@ -171,17 +182,20 @@ pub struct Projection<'a, const D: usize> {
     pub faces: &'a [Vec<Segment>; D],
     /// Those at the surface.
     pub cut: &'a [CutFace],
+    /// What the solids leave open.
+    pub cut_cells: &'a CutCells<D>,
+    /// The solids; their velocities change with the liquid's.
+    pub solids: &'a mut Vec<SolidState<D>>,
     /// The tension term `γ h / (ρ Δ)` (m²/s): times a curvature in 1/cells it is λ at the surface.
     pub jump: f64,
 }
 
 impl<const D: usize> PressureFields<D> {
-    /// Memory for a grid; a cell has a coefficient of one to each neighbour.
+    /// Memory for a grid.
     pub fn new(model: &Model<D>) -> Self {
         let grid = model.grid;
-        let coefficients = FaceField { grid, axes: std::array::from_fn(|a| vec![1.0; grid.faces(a).len()]) };
         let zero = || CellField::new(grid, 0.0);
-        Self { coefficients, dirichlet: zero(), rhs: zero(), solver: None }
+        Self { dirichlet: zero(), rhs: zero(), solver: None }
     }
 
     /// Makes the velocity free of divergence in the liquid.
@@ -197,20 +211,25 @@ impl<const D: usize> PressureFields<D> {
         let input = PoissonInput {
             grid: model.grid,
             unknowns: p.liquid,
-            coefficients: &self.coefficients,
+            coefficients: &p.cut_cells.open,
             dirichlet: &self.dirichlet,
         };
         let n = &model.numerics;
         let solver = PressureSolver::in_memory_of(self.solver.take(), &input);
-        let mut report = solver.solve(&self.rhs, p.lambda, n.tolerance, n.max_iterations)?;
+        let coupling = Coupling::new(model, p.cut_cells, p.solids, &p.phi.data);
+        coupling.fluxes(|cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
+        let (columns, limits) = (coupling.columns(), (n.tolerance, n.max_iterations));
+        let mut report = solver.solve_coupled(&columns, &self.rhs, p.lambda, limits)?;
         let bends = bends(model, p);
         if bends.iter().any(|b| *b != 0.0) {
-            zip(p.cut, &bends).for_each(|(face, bend)| self.rhs.data[face.cell] += bend);
+            zip(p.cut, &bends).for_each(|(face, bend)| self.rhs.data[face.cell] += face.open * bend);
             let first = report.iterations;
-            report = solver.solve(&self.rhs, p.lambda, n.tolerance, n.max_iterations)?;
+            report = solver.solve_coupled(&columns, &self.rhs, p.lambda, limits)?;
             report.iterations += first;
         }
+        let solids = coupling.pushed(&coupling.impulses(&p.lambda.data));
         self.solver = Some(solver);
+        *p.solids = solids;
         subtract_gradient(model, p, &bends);
         Ok(report)
     }
@@ -219,6 +238,7 @@ impl<const D: usize> PressureFields<D> {
         let lattice = model.grid.lattice();
         let segments = p.liquid.segments();
         let row = lattice.extent[0];
+        let solids = !p.cut_cells.wet.is_empty();
         par::for_each_segment(&mut self.dirichlet.data, row, &segments, |_, part| part.fill(0.0));
         par::for_each_segment(&mut self.rhs.data, row, &segments, |s, part| {
             let base = lattice.coordinates(s.row * row + s.start);
@@ -227,14 +247,16 @@ impl<const D: usize> PressureFields<D> {
                 let faces = model.grid.faces(a);
                 let lower = faces.index(base);
                 let values = &p.velocity.axes[a];
+                let open = solids.then_some(&p.cut_cells.open.axes[a]);
+                let flux = |f: usize| open.map_or(values[f], |open| open[f] * values[f]);
                 for (i, out) in part.iter_mut().enumerate() {
-                    *out -= model.grid.dx * (values[lower + i + faces.stride[a]] - values[lower + i]);
+                    *out -= model.grid.dx * (flux(lower + i + faces.stride[a]) - flux(lower + i));
                 }
             }
         });
         for face in p.cut {
-            self.dirichlet.data[face.cell] += 1.0 / face.theta;
-            self.rhs.data[face.cell] += p.jump * face.kappa / face.theta;
+            self.dirichlet.data[face.cell] += face.open / face.theta;
+            self.rhs.data[face.cell] += face.open * p.jump * face.kappa / face.theta;
         }
     }
 }
@@ -268,11 +290,13 @@ fn subtract_gradient<const D: usize>(model: &Model<D>, p: &mut Projection<'_, D>
     let (lambda, phi) = (&p.lambda.data, &p.phi.data);
     for a in 0..D {
         let lattice = model.grid.faces(a);
+        let open = (!p.cut_cells.wet.is_empty()).then_some(&p.cut_cells.open.axes[a]);
         par::for_each_segment(&mut p.velocity.axes[a], lattice.extent[0], &p.faces[a], |s, part| {
             let mut at = lattice.coordinates(s.row * lattice.extent[0]);
             for (i, u) in part.iter_mut().enumerate() {
                 at[0] = s.start + i;
-                if at[a] == 0 || at[a] == cells.extent[a] {
+                let shut = open.is_some_and(|open| open[lattice.index(at)] == 0.0);
+                if at[a] == 0 || at[a] == cells.extent[a] || shut {
                     continue;
                 }
                 let upper = cells.index(at);
@@ -331,6 +355,7 @@ mod tests {
             kinematic_viscosity: 0.0,
             surface_tension: 1.0,
             gravity: Vector::zeros(),
+            solids: Vec::new(),
             numerics: Numerics { tolerance: 1e-11, ..Numerics::default() },
         };
         let grid = model.grid;
@@ -344,7 +369,7 @@ mod tests {
         let mut work = Workspace::new(&model, &mut state);
         let known =
             Curvature { kappa: vec![0.0; work.band.cells.len()], known: vec![true; work.band.cells.len()] };
-        let mut cut = cut_faces(&model, &state.phi, &work.band, &work.liquid, &known);
+        let mut cut = cut_faces(&model, &state.phi, &work.band, &work.liquid, &known, &work.cut);
         for f in &mut cut {
             let mut x = grid.center(grid.lattice().coordinates(f.cell));
             x[f.axis] += f.sign * f.theta * grid.dx;
@@ -365,6 +390,7 @@ mod tests {
                 }
             }
         }
+        let mut solids = Vec::new();
         let mut projection = Projection {
             velocity: &mut state.velocity,
             lambda: &mut state.lambda,
@@ -372,6 +398,8 @@ mod tests {
             liquid: &work.liquid,
             faces: work.known.liquid(),
             cut: &cut,
+            cut_cells: &work.cut,
+            solids: &mut solids,
             jump: 1.0,
         };
         work.pressure.project(&model, &mut projection).unwrap();

@@ -354,6 +354,7 @@ mod tests {
             kinematic_viscosity: 0.1,
             surface_tension: 1.0,
             gravity: Vector::zeros(),
+            solids: Vec::new(),
             numerics: Numerics::default(),
         }
     }

@@ -100,6 +100,7 @@ fn collapse(cells: usize, surface_tension: f64) -> Result<Collapse, StepError> {
         kinematic_viscosity: 1e-6,
         surface_tension,
         gravity: Vector::<2>::new(0.0, -GRAVITY),
+        solids: Vec::new(),
         numerics: Numerics::default(),
     };
     let distance = |x: &Vector<2>| {

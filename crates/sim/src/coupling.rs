@@ -1,0 +1,252 @@
+//! Pressure between liquid and rigid solids.
+//!
+//! In a liquid cell that a solid cuts, the flow through the open faces and into the moving surface balance:
+//! `Σ ± α u + ∫ v·n dS = 0`, with `v` the surface's velocity and `n` pointing into the solid. A free solid takes up
+//! `∫ p n dS` and its moment in the same solve: with `J` the cells' surfaces by the solid's degrees of freedom and `M`
+//! its mass matrix, the system for `λ = p h/ρ` gains `ρ Jᵀ M⁻¹ J`, which is symmetric and positive, so that light
+//! solids are as stable as heavy ones (C. Batty, F. Bertails, R. Bridson, "A fast variational framework for accurate
+//! solid-fluid coupling", SIGGRAPH 2007; design, numerics §1).
+
+use crate::model::Model;
+use crate::solid::{Motion, SolidState};
+use meniscus_numerics::grid::{CutCells, WetCell};
+use meniscus_numerics::linalg::Column;
+use meniscus_numerics::{Matrix, Vector};
+
+/// The wetted surfaces of the solids, and how they move.
+pub struct Coupling<'a, const D: usize> {
+    model: &'a Model<D>,
+    solids: &'a [SolidState<D>],
+    wet: Vec<WetCell<D>>,
+}
+
+impl<'a, const D: usize> Coupling<'a, D> {
+    /// The surfaces in liquid cells (`phi` negative).
+    pub fn new(model: &'a Model<D>, cut: &CutCells<D>, solids: &'a [SolidState<D>], phi: &[f64]) -> Self {
+        let wet = cut.wet.iter().filter(|w| phi[w.cell as usize] < 0.0).copied().collect();
+        Self { model, solids, wet }
+    }
+
+    /// Calls `f(cell, flux)` with the flow into the surface of every cell, `∫ v·n dS` in areas of a face, m/s.
+    pub fn fluxes(&self, mut f: impl FnMut(usize, f64)) {
+        for w in &self.wet {
+            let solid = &self.solids[w.solid as usize];
+            let turning = Vector::<3>::from(solid.spin).dot(&self.moment(w));
+            f(w.cell as usize, solid.velocity.dot(&w.area) + turning);
+        }
+    }
+
+    /// What the free solids add to the pressure system: a column for each degree of freedom.
+    pub fn columns(&self) -> Vec<Column> {
+        let weight = self.model.density * self.model.grid.cell_volume();
+        let mut columns = Vec::new();
+        for (number, solid) in self.free() {
+            let body = &self.model.solids[number].body;
+            let scale = (weight / body.mass).sqrt();
+            for a in 0..D {
+                columns.push(self.column(number, |w| scale * w.area[a]));
+            }
+            let inverse = self.model.solids[number].inverse_inertia(solid);
+            let root = inverse.cholesky().map_or_else(Matrix::zeros, |c| c.l()) * weight.sqrt();
+            for k in if D == 2 { 2..3 } else { 0..3 } {
+                columns.push(self.column(number, |w| root.column(k).dot(&self.moment(w))));
+            }
+        }
+        columns
+    }
+
+    fn column(&self, solid: usize, value: impl Fn(&WetCell<D>) -> f64) -> Column {
+        let own = self.wet.iter().filter(|w| w.solid as usize == solid);
+        own.map(|w| (w.cell, value(w))).collect()
+    }
+
+    /// Impulse (N s) and moment of the impulse (N m s) that the liquid gives to each solid; `lambda` is `p h/ρ`.
+    pub fn impulses(&self, lambda: &[f64]) -> Vec<(Vector<D>, Vector<3>)> {
+        let scale = self.model.density * self.model.grid.face_area();
+        let mut sums = vec![(Vector::zeros(), Vector::<3>::zeros()); self.solids.len()];
+        for w in &self.wet {
+            let push = scale * lambda[w.cell as usize];
+            let sum = &mut sums[w.solid as usize];
+            sum.0 += w.area * push;
+            sum.1 += self.moment(w) * push;
+        }
+        sums
+    }
+
+    /// The solids' states after impulses.
+    pub fn pushed(&self, impulses: &[(Vector<D>, Vector<3>)]) -> Vec<SolidState<D>> {
+        let mut solids = self.solids.to_vec();
+        for (number, _) in self.free() {
+            let (solid, model) = (&mut solids[number], &self.model.solids[number]);
+            solid.velocity += impulses[number].0 / model.body.mass;
+            let spin = Vector::<3>::from(solid.spin) + model.inverse_inertia(solid) * impulses[number].1;
+            solid.spin = spin.into();
+        }
+        solids
+    }
+
+    fn free(&self) -> impl Iterator<Item = (usize, &SolidState<D>)> {
+        self.solids.iter().enumerate().filter(|(i, _)| self.model.solids[*i].motion == Motion::Free)
+    }
+
+    /// `∫ r × n dS` about the solid's centre, in areas of a face times m.
+    fn moment(&self, w: &WetCell<D>) -> Vector<3> {
+        let center = &self.solids[w.solid as usize].center;
+        let three = |v: &Vector<D>| Vector::<3>::from_fn(|a, _| if a < D { v[a] } else { 0.0 });
+        Vector::<3>::from(w.moment) * self.model.grid.dx - three(center).cross(&three(&w.area))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::liquid::curvature::Curvature;
+    use crate::liquid::pressure::{Projection, cut_faces};
+    use crate::model::{Numerics, Wall};
+    use crate::solid::Solid;
+    use crate::state::State;
+    use crate::workspace::{BAND, Workspace};
+    use meniscus_numerics::grid::Grid;
+    use meniscus_numerics::linalg::SolveReport;
+    use meniscus_numerics::shape::Shape;
+    use std::f64::consts::PI;
+
+    struct Projected<const D: usize> {
+        state: State<D>,
+        impulses: Vec<(Vector<D>, Vector<3>)>,
+        report: SolveReport,
+        fastest: f64,
+    }
+
+    /// One pressure solve in a unit box that is filled up to a height, with a velocity on all open faces.
+    fn project<const D: usize>(
+        cells: usize,
+        solids: Vec<Solid<D>>,
+        height: f64,
+        velocity: Vector<D>,
+    ) -> Projected<D> {
+        let model = Model {
+            grid: Grid::new([cells; D], 1.0 / cells as f64),
+            walls: [[Wall::Slip; 2]; D],
+            density: 1.0,
+            kinematic_viscosity: 0.0,
+            surface_tension: 0.0,
+            gravity: Vector::zeros(),
+            solids,
+            numerics: Numerics { tolerance: 1e-10, ..Numerics::default() },
+        };
+        let grid = model.grid;
+        let mut state = State::empty(grid);
+        state.solids = model.solids.iter().map(Solid::start).collect();
+        let limit = BAND * grid.dx;
+        for i in 0..grid.lattice().len() {
+            let x = grid.center(grid.lattice().coordinates(i));
+            state.phi.data[i] = (x[D - 1] - height).clamp(-limit, limit);
+        }
+        let mut work = Workspace::new(&model, &mut state);
+        let flat = Curvature { kappa: Vec::new(), known: Vec::new() };
+        let cut = cut_faces(&model, &state.phi, &work.band, &work.liquid, &flat, &work.cut);
+        let faces = work.known.liquid().clone();
+        let walk = |mut f: Box<dyn FnMut(usize, usize) + '_>| {
+            for a in 0..D {
+                let lattice = grid.faces(a);
+                for s in &faces[a] {
+                    for face in s.row * lattice.extent[0] + s.start..s.row * lattice.extent[0] + s.end {
+                        let shut = model.closed(a, lattice.coordinates(face)[a])
+                            || work.cut.open.axes[a][face] == 0.0;
+                        if !shut {
+                            f(a, face);
+                        }
+                    }
+                }
+            }
+        };
+        let mut start = state.velocity.clone();
+        walk(Box::new(|a, face| start.axes[a][face] = velocity[a]));
+        state.velocity = start;
+        let before = state.solids.clone();
+        let mut projection = Projection {
+            velocity: &mut state.velocity,
+            lambda: &mut state.lambda,
+            phi: &state.phi,
+            liquid: &work.liquid,
+            faces: &faces,
+            cut: &cut,
+            cut_cells: &work.cut,
+            solids: &mut state.solids,
+            jump: 0.0,
+        };
+        let report = work.pressure.project(&model, &mut projection).unwrap();
+        let coupling = Coupling::new(&model, &work.cut, &before, &state.phi.data);
+        let impulses = coupling.impulses(&state.lambda.data);
+        let mut fastest = 0.0f64;
+        walk(Box::new(|a, face| fastest = fastest.max(state.velocity.axes[a][face].abs())));
+        Projected { state, impulses, report, fastest }
+    }
+
+    fn ball<const D: usize>(radius: f64) -> Shape<D> {
+        Shape::Ball { center: Vector::from_fn(|a, _| 0.49 + 0.017 * a as f64), radius }
+    }
+
+    fn volume<const D: usize>(radius: f64) -> f64 {
+        if D == 2 { PI * radius * radius } else { 4.0 / 3.0 * PI * radius.powi(3) }
+    }
+
+    fn liquid_at_rest_lifts<const D: usize>() {
+        // A ball under water, and a slanting bottom.
+        let slope = Vector::<D>::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.3 });
+        let bottom = Shape::HalfSpace { point: Vector::from_fn(|_, _| 0.11), normal: slope };
+        let solids = vec![Solid::new(ball(0.22), Motion::Fixed, 1.0), Solid::new(bottom, Motion::Fixed, 1.0)];
+        let fall = Vector::from_fn(|a, _| if a + 1 == D { -1.0 } else { 0.0 });
+        let p = project::<D>(if D == 2 { 64 } else { 40 }, solids, 0.873, fall);
+        assert!(p.fastest < 1e-7, "{D}D: {}", p.fastest);
+        let lift = p.impulses[0].0;
+        assert!(
+            (lift[D - 1] / volume::<D>(0.22) - 1.0).abs() < 0.01,
+            "{D}D: {}",
+            lift[D - 1] / volume::<D>(0.22)
+        );
+        assert!((0..D - 1).all(|a| lift[a].abs() < 1e-7), "{D}D: {lift}");
+        assert!(p.impulses[0].1.norm() < 1e-3 * volume::<D>(0.22) * 0.22, "{D}D: {}", p.impulses[0].1);
+    }
+
+    #[test]
+    fn liquid_at_rest_stays_and_lifts_a_body() {
+        liquid_at_rest_lifts::<2>();
+        liquid_at_rest_lifts::<3>();
+    }
+
+    /// Speed that a ball keeps of its start velocity within a shell full of liquid, and iterations.
+    fn kept_speed<const D: usize>(cells: usize, density: f64) -> (f64, usize) {
+        let all = Shape::Box {
+            center: Vector::repeat(0.5),
+            half_size: Vector::repeat(1.0),
+            rotation: Matrix::identity(),
+        };
+        let shell = Shape::Difference { of: Box::new(all), minus: Box::new(ball(0.45)) };
+        let mut inner = Solid::new(ball(0.2), Motion::Free, density);
+        inner.velocity[0] = 1.0;
+        let p = project::<D>(cells, vec![inner, Solid::new(shell, Motion::Fixed, 1.0)], 9.0, Vector::zeros());
+        (p.state.solids[0].velocity[0], p.report.iterations)
+    }
+
+    fn added_mass_is_right<const D: usize>(cells: usize, bar: f64) {
+        // Potential flow between concentric balls (Lamb, Hydrodynamics, §93): the liquid adds (bᴰ + (D−1) aᴰ)/((D−1)(bᴰ − aᴰ))
+        // times the mass that the ball displaces.
+        let (a, b) = (0.2f64.powi(D as i32), 0.45f64.powi(D as i32));
+        let d = D as f64 - 1.0;
+        let added = (b + d * a) / (d * (b - a));
+        for density in [0.01, 0.1, 1.0, 10.0, 100.0] {
+            let (speed, iterations) = kept_speed::<D>(cells, density);
+            let found = density / speed - density;
+            assert!((found / added - 1.0).abs() < bar, "{D}D, density {density}: {found} for {added}");
+            assert!(iterations < 20, "{D}D, density {density}: {iterations} iterations");
+        }
+    }
+
+    #[test]
+    fn a_ball_in_a_shell_feels_the_added_mass() {
+        added_mass_is_right::<2>(80, 0.003);
+        added_mass_is_right::<3>(48, 0.01);
+    }
+}
