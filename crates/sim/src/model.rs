@@ -1,6 +1,6 @@
 //! What stays fixed during a run.
 
-use crate::solid::Solid;
+use crate::solid::{Solid, SolidState};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Edge, Grid};
 
@@ -28,7 +28,8 @@ pub struct Model<const D: usize> {
     pub surface_tension: f64,
     /// Gravity, m/s².
     pub gravity: Vector<D>,
-    /// The solids.
+    /// The solids. So far they act under water: where the surface meets one, nothing is modelled yet, and no scene may
+    /// have one.
     pub solids: Vec<Solid<D>>,
     /// Choices of the discretisation.
     pub numerics: Numerics,
@@ -84,6 +85,16 @@ impl<const D: usize> Model<D> {
     pub fn closed(&self, axis: usize, i: usize) -> bool {
         (i == 0 && self.walls[axis][0] == Wall::Slip)
             || (i == self.grid.cells[axis] && self.walls[axis][1] == Wall::Slip)
+    }
+
+    /// The solid whose surface is nearest to a point (or deepest around it), and where it is now.
+    pub(crate) fn nearest_solid<'a>(
+        &'a self,
+        now: &'a [SolidState<D>],
+        x: &Vector<D>,
+    ) -> Option<(&'a Solid<D>, &'a SolidState<D>)> {
+        let all = self.solids.iter().zip(now);
+        all.min_by(|(a, at), (b, bt)| a.distance(at, x).total_cmp(&b.distance(bt, x)))
     }
 
     /// The explicit capillary limit of a one-phase liquid, s: `2/ω_max = 0.36 √(ρ Δ³/γ)` (design, numerics).

@@ -136,7 +136,8 @@ impl<const D: usize> Simulation<D> {
     /// # Errors
     /// [`StepError`]; the state is then the one before the step.
     pub fn step(&mut self, max_dt: f64, phase_end: PhaseEnd<'_>) -> Result<StepReport<D>, StepError> {
-        let speed = max_component(&self.model, &self.state, &self.work);
+        let solids = self.model.solids.iter().zip(&self.state.solids).map(|(s, now)| s.largest_speed(now));
+        let speed = solids.fold(max_component(&self.model, &self.state, &self.work), f64::max);
         let wanted = self.wanted_dt(speed)?;
         let mut dt = self.choose_dt(wanted, max_dt);
         let shortest = 1.5 * 0.5f64.powi(DOUBTS as i32) * wanted;

@@ -133,13 +133,33 @@ impl<const D: usize> Solid<D> {
 
     /// Where and how it starts.
     pub fn start(&self) -> SolidState<D> {
-        let (center, velocity) = (self.body.center, self.velocity);
-        SolidState { center, rotation: Matrix::identity(), velocity, spin: [0.0; 3] }
+        let (velocity, spin) = match &self.motion {
+            Motion::Given(path) => (path.mean_velocity(0.0, 1e-9), path.spin),
+            _ => (self.velocity, [0.0; 3]),
+        };
+        SolidState { center: self.body.center, rotation: Matrix::identity(), velocity, spin }
     }
 
     /// Distance to its surface where it is now, m, negative inside.
     pub fn distance(&self, now: &SolidState<D>, x: &Vector<D>) -> f64 {
         self.shape.signed_distance(&(self.body.center + now.rotation.tr_mul(&(x - now.center))))
+    }
+
+    /// Direction away from its surface, by differences over `step` (m); nothing where it has none.
+    pub fn normal(&self, now: &SolidState<D>, x: &Vector<D>, step: f64) -> Vector<D> {
+        let slope: Vector<D> = Vector::from_fn(|a, _| {
+            let by = Vector::<D>::from_fn(|b, _| if a == b { step } else { 0.0 });
+            self.distance(now, &(x + by)) - self.distance(now, &(x - by))
+        });
+        slope.try_normalize(0.0).unwrap_or(Vector::zeros())
+    }
+
+    /// Largest speed of any point of it, m/s.
+    pub fn largest_speed(&self, now: &SolidState<D>) -> f64 {
+        let [low, high] = self.bounds(now);
+        let turning = Vector::<3>::from(now.spin).norm();
+        let reach = (low - now.center).abs().sup(&(high - now.center).abs()).norm();
+        now.velocity.norm() + if turning > 0.0 { turning * reach } else { 0.0 }
     }
 
     /// A box around it where it is now, m.
@@ -169,14 +189,14 @@ impl<const D: usize> Solid<D> {
         inertia.try_inverse().unwrap_or_else(Matrix::zeros)
     }
 
-    /// Moves it from `time` on for `dt` seconds.
+    /// Moves it from `time` on for `dt` seconds. Where it goes as told, its velocity is then that of the coming step, for
+    /// which the liquid's is solved.
     pub fn advance(&self, now: &mut SolidState<D>, time: f64, dt: f64) {
         match &self.motion {
             Motion::Fixed => {}
             Motion::Given(path) => {
-                let to = self.body.center + path.displacement(time + dt);
-                now.velocity = (to - now.center) / dt;
-                now.center = to;
+                now.center = self.body.center + path.displacement(time + dt);
+                now.velocity = path.mean_velocity(time + dt, dt);
                 now.spin = path.spin;
                 now.rotation = turned(&now.rotation, &path.spin, dt);
             }
@@ -199,7 +219,21 @@ impl<const D: usize> Solid<D> {
     }
 }
 
+impl<const D: usize> SolidState<D> {
+    /// Velocity of the solid at a point, m/s.
+    pub fn velocity_at(&self, x: &Vector<D>) -> Vector<D> {
+        let arm = Vector::<3>::from_fn(|a, _| if a < D { x[a] - self.center[a] } else { 0.0 });
+        let turning = Vector::<3>::from(self.spin).cross(&arm);
+        self.velocity + Vector::from_fn(|a, _| turning[a])
+    }
+}
+
 impl<const D: usize> Path<D> {
+    /// Mean velocity over `dt` from a time on, m/s.
+    pub fn mean_velocity(&self, time: f64, dt: f64) -> Vector<D> {
+        (self.displacement(time + dt) - self.displacement(time)) / dt
+    }
+
     /// Displacement from the start at a time, m.
     pub fn displacement(&self, time: f64) -> Vector<D> {
         let frames = &self.keyframes;

@@ -13,6 +13,7 @@ use crate::liquid::viscosity::Diffusion;
 use crate::liquid::volume::{Group, Measured, astray, band_labels, follow, targets};
 use crate::model::Model;
 use crate::simulation::PhaseEnd;
+use crate::solid::Motion;
 use crate::state::{Drop, State};
 use crate::workspace::{BAND, LAYERS, Workspace, component_of};
 use meniscus_numerics::Vector;
@@ -54,6 +55,10 @@ pub fn step<const D: usize>(
     if state.step == 0 {
         start(model, state, work, dt, phase_end)?;
     }
+
+    // (0) The solids move.
+    move_solids(model, state, work, dt);
+    phase_end("solids");
 
     // (1) The surface moves with the flow and becomes a distance again.
     let before = move_surface(model, state, work, dt);
@@ -108,6 +113,7 @@ fn start<const D: usize>(
     let targets = state.drops.iter().map(|d| d.target_volume).collect();
     let change = Change { groups, cubes, targets, volumes, centers, jump: 0.0 };
     let still = displacements(model, state, work, 0.0);
+    work.mark_afresh(model);
     push(model, state, work, &change, still, (dt, 0.5 * dt), phase_end)?;
     state.lead = 0.5 * dt;
     Ok(())
@@ -264,7 +270,9 @@ fn expect<const D: usize>(
     }
     let (near, upper) = (0.75 * model.grid.dx, model.grid.upper());
     let boxes = boxes(model, &work.liquid);
-    let touches = |&j: &usize| (0..D).any(|a| boxes[j].0[a] < near || boxes[j].1[a] > upper[a] - near);
+    let wetting = work.wetting(model);
+    let touches =
+        |&j: &usize| wetting[j] || (0..D).any(|a| boxes[j].0[a] < near || boxes[j].1[a] > upper[a] - near);
     for group in groups {
         if !group.old.is_empty() && !group.new.is_empty() && !group.new.iter().any(touches) {
             let mut whole = together(group.old.iter().map(|&i| state.drops[i].whole()));
@@ -319,10 +327,23 @@ fn move_velocity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &
         });
     }
     work.known.set_liquid(faces);
+    work.known.forget_shut(&work.cut.shut);
+}
+
+/// Moves the solids and finds what they cut.
+fn move_solids<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut Workspace<D>, dt: f64) {
+    let (time, all) = (state.time, model.solids.iter());
+    all.zip(&mut state.solids).for_each(|(solid, now)| solid.advance(now, time, dt));
+    if model.solids.iter().any(|s| s.motion != Motion::Fixed) {
+        work.cut_cells(model, state);
+    }
 }
 
 /// Adds gravity to the velocity.
 fn fall<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>, dt: f64) {
+    for (now, solid) in state.solids.iter_mut().zip(&model.solids) {
+        now.velocity += if solid.motion == Motion::Free { model.gravity * dt } else { Vector::zeros() };
+    }
     for a in (0..D).filter(|&a| model.gravity[a] != 0.0) {
         let fall = model.gravity[a] * dt;
         let lattice = model.grid.faces(a);
@@ -364,6 +385,7 @@ fn keep_momentum<const D: usize>(
         model,
         phi: &state.phi,
         faces: work.known.liquid(),
+        open: (!work.cut.wet.is_empty()).then_some(&work.cut.open),
         cut,
         label: &label,
         components: work.liquid.components as usize,
@@ -468,6 +490,6 @@ pub fn ledger<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspa
         surface_energy: model.surface_tension * state.surface_area,
         potential_energy: -mass * model.gravity.dot(&all.center),
         max_speed: max_component(model, state, work),
-        divergence_max: crate::liquid::pressure::divergence_max(model, &state.velocity, &work.liquid),
+        divergence_max: crate::liquid::pressure::divergence_max(model, state, &work.liquid, &work.cut),
     }
 }

@@ -2,11 +2,13 @@
 
 use crate::liquid::pressure::PressureFields;
 use crate::liquid::surface::SurfaceLattice;
+use crate::liquid::transport::Flow;
 use crate::liquid::volume::Liquid;
 use crate::model::Model;
 use crate::state::State;
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{Band, CellField, CutCells, KnownFaces, Runs, Sampler, Segment, Tiles};
+use meniscus_numerics::grid::{Band, CellField, CutCells, KnownFaces, Run, Runs, Sampler, Segment, Tiles};
+use rayon::prelude::*;
 
 /// Largest distance that φ tells, in cells.
 pub const BAND: f64 = 5.0;
@@ -72,10 +74,16 @@ impl<const D: usize> Workspace<D> {
 
     /// Marks the liquid's faces anew and extends the velocity from them.
     pub fn extend_afresh(&mut self, model: &Model<D>, state: &mut State<D>) {
+        self.mark_afresh(model);
+        self.extend(model, state);
+    }
+
+    /// Marks the liquid's faces anew: no other is known.
+    pub fn mark_afresh(&mut self, model: &Model<D>) {
         let faces: [Vec<Segment>; D] = std::array::from_fn(|a| self.liquid.faces(&model.grid, a));
         self.known.forget();
         self.known.set_liquid(faces);
-        self.extend(model, state);
+        self.known.forget_shut(&self.cut.shut);
     }
 
     /// Extends the velocity from the liquid over the band.
@@ -83,6 +91,22 @@ impl<const D: usize> Workspace<D> {
         let distance = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
         let closed = |a: usize, side: usize| model.walls[a][side] == crate::Wall::Slip;
         self.known.extrapolate(&mut state.velocity, &self.band, &state.phi.data, &distance, closed);
+        if !self.cut.wet.is_empty() {
+            self.known.extend_behind(&mut state.velocity, &self.cut.shut);
+            slip_along(model, state, &self.cut);
+        }
+    }
+
+    /// Which components touch a solid.
+    pub fn wetting(&self, model: &Model<D>) -> Vec<bool> {
+        let rows = self.liquid.row_starts(&model.grid);
+        let mut wetting = vec![false; self.liquid.components as usize];
+        for w in &self.cut.wet {
+            let component =
+                run_of(&self.liquid, &rows, model.grid.cells[0], w.cell as usize).map(|r| r.component);
+            component.into_iter().for_each(|c| wetting[c as usize] = true);
+        }
+        wetting
     }
 
     /// The liquid as the volume correction sees it.
@@ -91,12 +115,37 @@ impl<const D: usize> Workspace<D> {
     }
 }
 
+/// Gives the velocity on the faces that solids close the normal part of the nearest solid's surface.
+fn slip_along<const D: usize>(model: &Model<D>, state: &mut State<D>, cut: &CutCells<D>) {
+    let flow = Flow::new(model, &state.velocity);
+    let new: [Vec<f64>; D] = std::array::from_fn(|a| {
+        let lattice = model.grid.faces(a);
+        let slipping = |&f: &u32| {
+            let x = model.grid.face_center(a, lattice.coordinates(f as usize));
+            let (solid, now) = model.nearest_solid(&state.solids, &x)?;
+            let mut u = flow.linear(&x);
+            u[a] = state.velocity.axes[a][f as usize];
+            let normal = solid.normal(now, &x, 0.01 * model.grid.dx);
+            Some(u[a] - normal[a] * (u - now.velocity_at(&x)).dot(&normal))
+        };
+        cut.shut[a].par_iter().with_min_len(64).map(|f| slipping(f).unwrap_or(0.0)).collect()
+    });
+    for a in 0..D {
+        cut.shut[a].iter().zip(&new[a]).for_each(|(f, u)| state.velocity.axes[a][*f as usize] = *u);
+    }
+}
+
 /// Component of each run found by cell.
 pub fn component_of(liquid: &Runs, rows: &[usize], nx: usize, cell: usize) -> u32 {
+    run_of(liquid, rows, nx, cell).map_or(0, |r| r.component)
+}
+
+/// The run that holds a cell.
+fn run_of<'a>(liquid: &'a Runs, rows: &[usize], nx: usize, cell: usize) -> Option<&'a Run> {
     let (row, x) = (cell / nx, (cell % nx) as u32);
     let runs = &liquid.runs[rows[row]..rows[row + 1]];
     let k = runs.partition_point(|r| r.end <= x);
-    runs.get(k).filter(|r| r.start <= x).map_or(0, |r| r.component)
+    runs.get(k).filter(|r| r.start <= x)
 }
 
 /// What a step overwrites, to go back if it fails: φ in the band and the velocity of the liquid. The rest follows.
@@ -147,6 +196,7 @@ impl<const D: usize> Snapshot<D> {
         state.solids = self.solids;
         // What a failed solve left behind is no guess.
         state.lambda = CellField::new(model.grid, 0.0);
+        workspace.cut_cells(model, state);
         workspace.find_liquid(model, state);
         workspace.extend_afresh(model, state);
     }

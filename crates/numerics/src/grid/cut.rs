@@ -19,6 +19,8 @@ const PLANES: [(usize, usize, usize); 3] = [(0, 1, 2), (1, 2, 0), (2, 0, 1)];
 const LEAST: f64 = 1e-4;
 /// Distance of what is far from all solids, in cells.
 const FAR: f64 = 1e3;
+/// Depth to which closed faces are listed, in cells: paths and their stencils reach no farther.
+const DEEP: f64 = 4.0;
 
 /// A solid as the cells that it cuts see it.
 #[derive(Clone, Copy)]
@@ -49,6 +51,8 @@ pub struct CutCells<const D: usize> {
     pub open: FaceField<D>,
     /// The cells with a wetted surface, sorted.
     pub wet: Vec<WetCell<D>>,
+    /// Closed faces within four cells of a surface, per axis, sorted.
+    pub shut: [Vec<u32>; D],
     /// Distance at the corners of the cells, in cells; empty as long as there is no solid.
     corners: Vec<f64>,
     /// Cells around each solid: lower corner, and one past the upper one.
@@ -59,7 +63,13 @@ impl<const D: usize> CutCells<D> {
     /// No solid: all faces are open.
     pub fn none(grid: Grid<D>) -> Self {
         let open = FaceField { grid, axes: std::array::from_fn(|a| vec![1.0; grid.faces(a).len()]) };
-        Self { open, wet: Vec::new(), corners: Vec::new(), boxes: Vec::new() }
+        Self {
+            open,
+            wet: Vec::new(),
+            shut: std::array::from_fn(|_| Vec::new()),
+            corners: Vec::new(),
+            boxes: Vec::new(),
+        }
     }
 
     /// Finds what the solids cut where they are now. Cost follows the boxes around them. Where solids overlap they are
@@ -87,6 +97,10 @@ impl<const D: usize> CutCells<D> {
         for cells in self.boxes.clone() {
             self.open_faces(cells);
         }
+        self.shut.iter_mut().for_each(|faces| {
+            faces.sort_unstable();
+            faces.dedup();
+        });
         let mut wet: Vec<WetCell<D>> = self.boxes.iter().flat_map(|b| self.wet_cells(*b, solids)).collect();
         wet.sort_by_key(|w| w.cell);
         wet.dedup_by_key(|w| w.cell);
@@ -104,6 +118,7 @@ impl<const D: usize> CutCells<D> {
 
     fn forget(&mut self) {
         let grid = self.open.grid;
+        self.shut.iter_mut().for_each(Vec::clear);
         for [low, high] in std::mem::take(&mut self.boxes) {
             let lattice = corner_lattice(&grid);
             points([low, high.map(|n| n + 1)])
@@ -121,13 +136,29 @@ impl<const D: usize> CutCells<D> {
     fn open_faces(&mut self, cells: [[usize; D]; 2]) {
         for a in 0..D {
             let faces = self.open.grid.faces(a);
-            let shares: Vec<(usize, f64)> = points(face_box(cells, a))
+            let shares: Vec<(usize, f64, bool)> = points(face_box(cells, a))
                 .into_par_iter()
                 .with_min_len(256)
-                .map(|at| (faces.index(at), self.opening(a, at).0))
+                .map(|at| {
+                    let share = self.opening(a, at).0;
+                    (faces.index(at), share, share == 0.0 && self.depth(a, at) < DEEP)
+                })
                 .collect();
-            shares.into_iter().for_each(|(f, share)| self.open.axes[a][f] = share);
+            for (f, share, near) in shares {
+                self.open.axes[a][f] = share;
+                if near {
+                    self.shut[a].push(f as u32);
+                }
+            }
         }
+    }
+
+    /// Least depth of a face's corners, in cells.
+    fn depth(&self, axis: usize, at: [usize; D]) -> f64 {
+        let lattice = corner_lattice(&self.open.grid);
+        let across = (0..1usize << D).filter(|k| k >> axis & 1 == 0);
+        let depth = |k: usize| -self.corners[lattice.index(std::array::from_fn(|b| at[b] + (k >> b & 1)))];
+        across.map(depth).fold(f64::INFINITY, f64::min)
     }
 
     fn wet_cells(&self, cells: [[usize; D]; 2], solids: &[CutBy<'_, D>]) -> Vec<WetCell<D>> {

@@ -128,6 +128,38 @@ impl<const D: usize> KnownFaces<D> {
         }
     }
 
+    /// Takes the mark of known ones from faces that a solid closes.
+    pub fn forget_shut(&mut self, shut: &[Vec<u32>; D]) {
+        (0..D).for_each(|a| shut[a].iter().for_each(|&f| self.marks[a][f as usize] = 0));
+    }
+
+    /// Extends the velocity over the faces that solids close: layer by layer, each the mean of its known neighbours along
+    /// the axes.
+    pub fn extend_behind(&mut self, velocity: &mut FaceField<D>, shut: &[Vec<u32>; D]) {
+        for a in 0..D {
+            let lattice = self.grid.faces(a);
+            let mut rest: Vec<u32> =
+                shut[a].iter().copied().filter(|&f| self.marks[a][f as usize] == 0).collect();
+            loop {
+                let mean = |&f: &u32| {
+                    let known = lattice.neighbours(f as usize).filter(|n| self.marks[a][*n] != 0);
+                    let (sum, count) = known.fold((0.0, 0.0), |(s, c), n| (s + velocity.axes[a][n], c + 1.0));
+                    (count > 0.0).then(|| (f, sum / count))
+                };
+                let fresh: Vec<(u32, f64)> = rest.par_iter().with_min_len(256).filter_map(mean).collect();
+                if fresh.is_empty() {
+                    break;
+                }
+                for (f, value) in fresh {
+                    velocity.axes[a][f as usize] = value;
+                    self.marks[a][f as usize] = u8::MAX;
+                    self.extended[a].push(f);
+                }
+                rest.retain(|&f| self.marks[a][f as usize] == 0);
+            }
+        }
+    }
+
     /// Whether the liquid behind a face is deep enough to tell a slope: sheets and threads of a few cells are not.
     fn deep(
         &self,

@@ -168,6 +168,8 @@ pub struct FaceWalk<'a, const D: usize> {
     pub phi: &'a CellField<D>,
     /// The liquid's faces.
     pub faces: &'a [Vec<Segment>; D],
+    /// Shares of them that solids leave open, where there are solids.
+    pub open: Option<&'a FaceField<D>>,
     /// Those at the surface.
     pub cut: &'a [CutFace],
     /// Component of a liquid cell.
@@ -190,7 +192,7 @@ impl<const D: usize> FaceWalk<'_, D> {
         for f in self.cut {
             let x = self.model.grid.face_center(f.axis, self.model.grid.faces(f.axis).coordinates(f.face));
             let component = (self.label)(f.cell) as usize;
-            total[component].add_face(f.axis, f.theta, &x, velocity.axes[f.axis][f.face]);
+            total[component].add_face(f.axis, f.theta * f.open, &x, velocity.axes[f.axis][f.face]);
         }
         total
     }
@@ -198,20 +200,22 @@ impl<const D: usize> FaceWalk<'_, D> {
     fn chunk(&self, a: usize, segments: &[Segment], values: &[f64]) -> Vec<(u32, Moments<D>)> {
         let mut out: Vec<(u32, Moments<D>)> = Vec::new();
         for s in segments {
-            self.inner(a, s, |face, x, component| match out.iter_mut().find(|(c, _)| *c == component) {
-                Some((_, m)) => m.add_face(a, 1.0, x, values[face]),
-                None => {
-                    let mut m = Moments::zero();
-                    m.add_face(a, 1.0, x, values[face]);
-                    out.push((component, m));
+            self.inner(a, s, |face, x, component, mass| {
+                match out.iter_mut().find(|(c, _)| *c == component) {
+                    Some((_, m)) => m.add_face(a, mass, x, values[face]),
+                    None => {
+                        let mut m = Moments::zero();
+                        m.add_face(a, mass, x, values[face]);
+                        out.push((component, m));
+                    }
                 }
             });
         }
         out
     }
 
-    /// Calls `f(face, centre, component)` for the faces of a stretch between two liquid cells.
-    fn inner(&self, a: usize, s: &Segment, mut f: impl FnMut(usize, &Vector<D>, u32)) {
+    /// Calls `f(face, centre, component, mass)` for the faces of a stretch between two liquid cells.
+    fn inner(&self, a: usize, s: &Segment, mut f: impl FnMut(usize, &Vector<D>, u32, f64)) {
         let (faces, cells) = (self.model.grid.faces(a), self.model.grid.lattice());
         let mut at = faces.coordinates(s.row * faces.extent[0]);
         let mut component = None;
@@ -227,7 +231,11 @@ impl<const D: usize> FaceWalk<'_, D> {
                 continue;
             }
             let label = *component.get_or_insert_with(|| (self.label)(upper));
-            f(faces.index(at), &self.model.grid.face_center(a, at), label);
+            let face = faces.index(at);
+            let mass = self.open.map_or(1.0, |open| open.axes[a][face]);
+            if mass > 0.0 {
+                f(face, &self.model.grid.face_center(a, at), label, mass);
+            }
         }
     }
 
@@ -281,7 +289,7 @@ impl<const D: usize> FaceWalk<'_, D> {
                 &self.faces[a],
                 |s, part| {
                     let base = s.row * row + s.start;
-                    self.inner(a, s, |face, x, component| part[face - base] += motion(a, x, component));
+                    self.inner(a, s, |face, x, component, _| part[face - base] += motion(a, x, component));
                 },
             );
         }

@@ -10,10 +10,12 @@ use super::curvature::Curvature;
 use crate::coupling::Coupling;
 use crate::model::Model;
 use crate::solid::SolidState;
+use crate::state::State;
 use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Runs, Sampler, Segment};
 use meniscus_numerics::linalg::{PoissonInput, PressureSolver, SolveError, SolveReport};
 use meniscus_numerics::par;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::iter::zip;
 
 /// The surface is kept this share of a cell away from the liquid's centre at least.
@@ -313,19 +315,32 @@ fn subtract_gradient<const D: usize>(model: &Model<D>, p: &mut Projection<'_, D>
     }
 }
 
-/// Largest divergence in a liquid cell, 1/s.
-pub fn divergence_max<const D: usize>(model: &Model<D>, velocity: &FaceField<D>, liquid: &Runs) -> f64 {
+/// Largest divergence in a liquid cell, 1/s: of what flows through open faces and into moving solids.
+pub fn divergence_max<const D: usize>(
+    model: &Model<D>,
+    state: &State<D>,
+    liquid: &Runs,
+    cut: &CutCells<D>,
+) -> f64 {
     let lattice = model.grid.lattice();
+    let mut fluxes = BTreeMap::new();
+    Coupling::new(model, cut, &state.solids, &state.phi.data).fluxes(|cell, flux| {
+        fluxes.insert(cell, flux);
+    });
     let worst = |s: &Segment| {
         let base = lattice.coordinates(s.row * lattice.extent[0] + s.start);
         let mut sum = vec![0.0; s.end - s.start];
         for a in 0..D {
             let faces = model.grid.faces(a);
             let lower = faces.index(base);
+            let (values, open) = (&state.velocity.axes[a], &cut.open.axes[a]);
+            let flux = |f: usize| if fluxes.is_empty() { values[f] } else { open[f] * values[f] };
             for (i, out) in sum.iter_mut().enumerate() {
-                *out += velocity.axes[a][lower + i + faces.stride[a]] - velocity.axes[a][lower + i];
+                *out += flux(lower + i + faces.stride[a]) - flux(lower + i);
             }
         }
+        let first = lattice.index(base);
+        fluxes.range(first..first + sum.len()).for_each(|(cell, flux)| sum[cell - first] += flux);
         sum.iter().fold(0.0f64, |m, v| m.max(v.abs()))
     };
     liquid.segments().par_iter().map(worst).reduce(|| 0.0, f64::max) / model.grid.dx
@@ -335,7 +350,6 @@ pub fn divergence_max<const D: usize>(model: &Model<D>, velocity: &FaceField<D>,
 mod tests {
     use super::*;
     use crate::model::{Numerics, Wall};
-    use crate::state::State;
     use crate::workspace::{BAND, Workspace};
     use meniscus_numerics::Vector;
     use meniscus_numerics::grid::Grid;

@@ -24,7 +24,8 @@ impl<'a, const D: usize> Flow<'a, D> {
         Vector::from_fn(|a, _| self.axes[a].cubic(x))
     }
 
-    fn linear(&self, x: &Vector<D>) -> Vector<D> {
+    /// The velocity at a point, interpolated linearly.
+    pub fn linear(&self, x: &Vector<D>) -> Vector<D> {
         Vector::from_fn(|a, _| self.axes[a].linear(x))
     }
 }

@@ -121,7 +121,7 @@ pub fn band_labels<const D: usize>(
             let (row, x) = (cell as usize / lattice.extent[0], cell % lattice.extent[0] as u32);
             let runs = &liquid.runs[rows[row]..rows[row + 1]];
             let k = runs.partition_point(|r| r.end <= x);
-            labels[i] = runs.get(k).map_or(u32::MAX, |r| r.component);
+            labels[i] = runs.get(k).filter(|r| r.start <= x).map_or(u32::MAX, |r| r.component);
         }
     }
     for i in 0..band.cells.len() {

@@ -1,0 +1,108 @@
+//! What liquid and rigid solids do to each other under water.
+
+#![allow(clippy::expect_used)]
+
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::shape::Shape;
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{Body, Model, Motion, Numerics, Path, Simulation, Solid, Wall};
+
+const GRAVITY: f64 = 10.0;
+
+fn model<const D: usize>(cells: usize, solids: Vec<Solid<D>>) -> Model<D> {
+    Model {
+        grid: Grid::new([cells; D], 1.0 / cells as f64),
+        walls: [[Wall::Slip; 2]; D],
+        density: 1.0,
+        kinematic_viscosity: 0.0,
+        surface_tension: 0.0,
+        gravity: Vector::from_fn(|a, _| if a + 1 == D { -GRAVITY } else { 0.0 }),
+        solids,
+        numerics: Numerics { tolerance: 1e-10, ..Numerics::default() },
+    }
+}
+
+fn filled<const D: usize>(model: Model<D>, height: f64) -> Simulation<D> {
+    let distance = |x: &Vector<D>| x[D - 1] - height;
+    Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }])
+}
+
+fn ball<const D: usize>(radius: f64) -> Shape<D> {
+    Shape::Ball { center: Vector::from_fn(|a, _| 0.49 + 0.017 * a as f64), radius }
+}
+
+fn shell<const D: usize>(radius: f64) -> Solid<D> {
+    let all = Shape::Box {
+        center: Vector::repeat(0.5),
+        half_size: Vector::repeat(1.0),
+        rotation: Matrix::identity(),
+    };
+    let shape = Shape::Difference { of: Box::new(all), minus: Box::new(ball(radius)) };
+    Solid::new(shape, Motion::Fixed, 1.0)
+}
+
+fn tank_rests<const D: usize>(cells: usize) {
+    let normal = Vector::<D>::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.3 });
+    let bottom = Shape::HalfSpace { point: Vector::repeat(0.11), normal };
+    let solids = vec![Solid::new(ball(0.2), Motion::Fixed, 1.0), Solid::new(bottom, Motion::Fixed, 1.0)];
+    let mut simulation = filled(model::<D>(cells, solids), 0.873);
+    let mut fastest = 0.0f64;
+    for _ in 0..20 {
+        let report = simulation.step(0.01, &mut |_| ()).expect("a step");
+        fastest = fastest.max(report.ledger.max_speed);
+        assert!(report.ledger.divergence_max < 1e-6, "{D}D: {}", report.ledger.divergence_max);
+    }
+    assert!(fastest < 1e-10 * GRAVITY.sqrt(), "{D}D: {fastest}");
+}
+
+#[test]
+fn a_tank_with_a_ball_and_a_slanting_bottom_stays_at_rest() {
+    tank_rests::<2>(48);
+    tank_rests::<3>(24);
+}
+
+fn light_ball_rises<const D: usize>(cells: usize, bar: f64) {
+    let density = 0.3;
+    let ball = Solid::new(ball(0.2), Motion::Free, density);
+    let mut simulation = filled(model::<D>(cells, vec![ball, shell(0.45)]), 9.0);
+    let start = simulation.state.solids[0].center[D - 1];
+    for _ in 0..10 {
+        simulation.step(0.004, &mut |_| ()).expect("a step");
+    }
+    let (a, b, d) = (0.2f64.powi(D as i32), 0.45f64.powi(D as i32), D as f64 - 1.0);
+    let added = (b + d * a) / (d * (b - a));
+    let time = simulation.state.time;
+    let expected = (1.0 - density) / (density + added) * GRAVITY * 0.5 * time * time;
+    let risen = simulation.state.solids[0].center[D - 1] - start;
+    assert!((risen / expected - 1.0).abs() < bar, "{D}D: {risen} for {expected}");
+}
+
+#[test]
+fn a_light_ball_in_a_shell_rises_as_the_added_mass_says() {
+    light_ball_rises::<2>(60, 0.02);
+    light_ball_rises::<3>(32, 0.03);
+}
+
+#[test]
+fn a_stirrer_that_goes_as_told_moves_the_liquid_without_divergence() {
+    let path = Path {
+        velocity: Vector::<2>::zeros(),
+        spin: [0.0, 0.0, 5.0],
+        keyframes: vec![(0.0, Vector::<2>::zeros()), (0.1, Vector::<2>::new(0.1, 0.05))],
+    };
+    let bar = Shape::Box {
+        center: Vector::<2>::new(0.45, 0.45),
+        half_size: Vector::<2>::new(0.15, 0.05),
+        rotation: Matrix::identity(),
+    };
+    let mut simulation = filled(model::<2>(64, vec![Solid::new(bar, Motion::Given(path), 1.0)]), 0.873);
+    let mut time = 0.0;
+    while time < 0.12 {
+        let report = simulation.step(0.01, &mut |_| ()).expect("a step");
+        time = simulation.state.time;
+        assert!(report.ledger.divergence_max < 1e-4, "{time}: {}", report.ledger.divergence_max);
+        assert!(report.ledger.max_speed < 5.0, "{time}: {}", report.ledger.max_speed);
+    }
+    let center = simulation.state.solids[0].center;
+    assert!((center - Vector::<2>::new(0.55, 0.5)).norm() < 1e-3, "{center}");
+}
