@@ -4,12 +4,14 @@
 //! ellipsoid, perturbed ball and mesh give the true distance everywhere; unions and differences take the
 //! smaller or larger of their parts' distances, which is right on the surface and a bound away from it.
 
+mod clip;
 mod ellipsoid;
 mod fraction;
 mod mesh_shape;
 mod perturbed;
 mod sample;
 
+pub use clip::{Cut, Simplex};
 pub use fraction::plane_box_fraction;
 pub use mesh_shape::MeshShape;
 
