@@ -215,11 +215,7 @@ fn section<const D: usize>(values: &[f64; 4]) -> Vec<(Point, usize)> {
 }
 
 /// The part of a segment or polygon where a linear function is positive; the new edge is the solid's.
-fn clip<const D: usize>(
-    section: Vec<(Point, usize)>,
-    values: &[f64; 4],
-    label: usize,
-) -> Vec<(Point, usize)> {
+fn clip<const D: usize>(section: Vec<(Point, usize)>, values: &[f64; 4]) -> Vec<(Point, usize)> {
     let inside = |p: &Point| at(p, values) > 0.0;
     let cross = |p: &Point, q: &Point| between(p, q, at(p, values), at(q, values));
     if D == 2 {
