@@ -52,8 +52,8 @@ struct Header {
     cells: Vec<u64>,
     dx: f64,
     step: u64,
-    /// Time, last step, lead, drift, lost volume, kinetic energy, surface area.
-    numbers: [f64; 7],
+    /// Time, last step, lead, kick, drift, lost volume, kinetic energy, surface area.
+    numbers: [f64; 8],
     drops: Vec<DropRecord>,
     /// Centre, rotation by columns, velocity, spin of each solid.
     solids: Vec<Vec<f64>>,
@@ -132,6 +132,7 @@ pub fn write<const D: usize>(
         step,
         last_dt,
         lead,
+        kick,
         drift,
         phi,
         velocity,
@@ -149,7 +150,7 @@ pub fn write<const D: usize>(
         cells: phi.grid.cells.iter().map(|&n| n as u64).collect(),
         dx: phi.grid.dx,
         step: *step,
-        numbers: [*time, *last_dt, *lead, *drift, *lost_volume, *kinetic_energy, *surface_area],
+        numbers: [*time, *last_dt, *lead, *kick, *drift, *lost_volume, *kinetic_energy, *surface_area],
         drops: drops.iter().map(DropRecord::of).collect(),
         solids: solids.iter().map(solid_record).collect(),
         tally: tally.clone(),
@@ -279,8 +280,9 @@ fn restore<const D: usize>(header: &Header, body: &[u8], grid: Grid<D>) -> Optio
     for (array, blocks) in arrays.zip(&header.blocks) {
         rest = decompress(array, blocks, rest)?;
     }
-    let State { time, last_dt, lead, drift, lost_volume, kinetic_energy, surface_area, .. } = &mut state;
-    [*time, *last_dt, *lead, *drift, *lost_volume, *kinetic_energy, *surface_area] = header.numbers;
+    let State { time, last_dt, lead, kick, drift, lost_volume, kinetic_energy, surface_area, .. } =
+        &mut state;
+    [*time, *last_dt, *lead, *kick, *drift, *lost_volume, *kinetic_energy, *surface_area] = header.numbers;
     state.step = header.step;
     state.drops = header.drops.iter().map(DropRecord::restore).collect::<Option<_>>()?;
     state.solids = header.solids.iter().map(|r| restore_solid(r)).collect::<Option<_>>()?;

@@ -19,8 +19,9 @@ fn differences<const D: usize>(a: &State<D>, b: &State<D>) -> String {
     note("lambda", count(&a.lambda.data, &b.lambda.data));
     (0..D).for_each(|i| note("velocity", count(&a.velocity.axes[i], &b.velocity.axes[i])));
     note("drops", usize::from(a.drops != b.drops));
-    let numbers =
-        |s: &State<D>| [s.time, s.last_dt, s.lead, s.drift, s.lost_volume, s.kinetic_energy, s.surface_area];
+    let numbers = |s: &State<D>| {
+        [s.time, s.last_dt, s.lead, s.kick, s.drift, s.lost_volume, s.kinetic_energy, s.surface_area]
+    };
     note("numbers", count(&numbers(a), &numbers(b)));
     out
 }

@@ -3,7 +3,7 @@
 use crate::ledger::{Ledger, StepReport};
 use crate::model::Model;
 use crate::solid::Solid;
-use crate::state::State;
+use crate::state::{Drop, State};
 use crate::step::{ledger, max_component, open_books, step};
 use crate::workspace::{BAND, Snapshot, Workspace};
 use meniscus_numerics::Vector;
@@ -66,8 +66,10 @@ const VOLUME_JUMP: f64 = 0.1;
 /// Shortest step that the speed may ask for, over the longest that tension, gravity and the user allow: far below what any
 /// splash needs, a liquid that asks for less runs away.
 const SHORTEST: f64 = 1e-5;
-/// Relative growth of energy in one step that is doubtful.
+/// Growth of the energy in one step, over what there is without gravity's, that is doubtful.
 const ENERGY_JUMP: f64 = 0.05;
+/// Distance, in cells, of motions in a step, and of falls, whose energy is nothing.
+const STILL: f64 = 1e-6;
 
 /// A model, its state, and the memory a step works in.
 pub struct Simulation<const D: usize> {
@@ -141,7 +143,7 @@ impl<const D: usize> Simulation<D> {
         let wanted = self.wanted_dt(speed)?;
         let mut dt = self.choose_dt(wanted, max_dt);
         let shortest = 1.5 * 0.5f64.powi(DOUBTS as i32) * wanted;
-        let energy = self.energy();
+        let (energy, height) = (self.energy(), self.potential_energy());
         let time = self.state.time;
         let mut redone = 0;
         loop {
@@ -150,8 +152,9 @@ impl<const D: usize> Simulation<D> {
             let failure = match result {
                 Ok(result) => {
                     let fine = self.state.kinetic_energy.is_finite();
+                    let gain = self.energy() + self.potential_energy() - (energy + height);
                     let doubtful = result.volume_jump > VOLUME_JUMP
-                        || self.energy() - energy > ENERGY_JUMP * energy.abs();
+                        || gain > ENERGY_JUMP * energy + self.energy_of_nothing(dt);
                     if fine && (!doubtful || dt < shortest || self.model.numerics.fixed_step.is_some()) {
                         let cfl = speed * dt / self.model.grid.dx;
                         let solve = result.solve;
@@ -203,6 +206,18 @@ impl<const D: usize> Simulation<D> {
 
     fn energy(&self) -> f64 {
         self.state.kinetic_energy + self.model.surface_tension * self.state.surface_area
+    }
+
+    fn potential_energy(&self) -> f64 {
+        let lift = |d: &Drop<D>| -d.target_volume * self.model.gravity.dot(&d.centroid);
+        self.model.density * self.state.drops.iter().map(lift).sum::<f64>()
+    }
+
+    /// Energy of motions too small to count: without it rounding alone would be doubtful in a liquid at rest.
+    fn energy_of_nothing(&self, dt: f64) -> f64 {
+        let mass = self.model.density * self.state.drops.iter().map(|d| d.target_volume).sum::<f64>();
+        let path = STILL * self.model.grid.dx;
+        mass * ((path / dt).powi(2) + path * self.model.gravity.norm())
     }
 
     /// The liquid cells (centre in the liquid) as runs labelled with their component.

@@ -16,13 +16,15 @@ pub struct State<const D: usize> {
     pub last_dt: f64,
     /// Time by which the velocity is ahead of the positions, s: half a step, where the step's length is constant.
     pub lead: f64,
+    /// Time for which the last forces acted, s.
+    pub kick: f64,
     /// Distance that the interface may have moved since the last redistance, in cells.
     pub drift: f64,
     /// Signed distance to the liquid's surface, m, negative in the liquid; valid within the band, elsewhere ± its width.
     pub phi: CellField<D>,
     /// Velocity, m/s; valid in the liquid and a few cells around it.
     pub velocity: FaceField<D>,
-    /// Pressure times the time it acted for, over density, in the liquid cells, m²/s: where the next solve starts.
+    /// Pressure times the time it acted for (`kick`), over density, in the liquid cells, m²/s: where the next solve starts.
     pub lambda: CellField<D>,
     /// The connected components of the liquid, in order of their first cell.
     pub drops: Vec<Drop<D>>,
@@ -63,6 +65,11 @@ impl<const D: usize> Drop<D> {
 }
 
 impl<const D: usize> State<D> {
+    /// Pressure in a liquid cell, Pa (2D: N/m), of a liquid of a density, kg/m³.
+    pub fn pressure(&self, density: f64, cell: usize) -> f64 {
+        self.lambda.data[cell] * density / self.kick
+    }
+
     /// An empty state: no liquid, at rest, at time zero.
     pub fn empty(grid: Grid<D>) -> Self {
         Self {
@@ -70,6 +77,7 @@ impl<const D: usize> State<D> {
             step: 0,
             last_dt: 0.0,
             lead: 0.0,
+            kick: 0.0,
             drift: 0.0,
             phi: CellField::new(grid, 0.0),
             velocity: FaceField::zeros(grid),

@@ -90,7 +90,7 @@ pub fn step<const D: usize>(
     // (4) The forces.
     let kick = kick(state.lead, dt);
     let solve = push(model, state, work, &change, displacement, (dt, kick), phase_end)?;
-    state.lead += kick - dt;
+    (state.lead, state.kick) = (state.lead + kick - dt, kick);
     state.time += dt;
     state.step += 1;
     state.last_dt = dt;
@@ -115,7 +115,7 @@ fn start<const D: usize>(
     let still = displacements(model, state, work, 0.0);
     work.mark_afresh(model);
     push(model, state, work, &change, still, (dt, 0.5 * dt), phase_end)?;
-    state.lead = 0.5 * dt;
+    (state.lead, state.kick) = (0.5 * dt, 0.5 * dt);
     Ok(())
 }
 

@@ -114,7 +114,7 @@ pub fn run_drop<const D: usize>(run: &DropRun) -> Result<DropHistory, StepError>
         let center = sim.state.drops.first().map_or(center, |d| d.centroid);
         let cell = center.map(|x| (x / dx) as usize);
         let index = sim.model.grid.lattice().index(std::array::from_fn(|a| cell[a]));
-        history.pressures.push(sim.state.lambda.data[index] * sim.model.density / sim.state.last_dt);
+        history.pressures.push(sim.state.pressure(sim.model.density, index));
     })?;
     Ok(history)
 }

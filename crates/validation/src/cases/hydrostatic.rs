@@ -45,7 +45,7 @@ fn tank<const D: usize>(cells: usize, tension: f64) -> Result<Vec<Check>, StepEr
         speed = sim.step(f64::INFINITY, &mut |_| ())?.ledger.max_speed;
         steps += 1;
     }
-    let pressure = sim.state.lambda.data[0] * sim.model.density / sim.state.last_dt;
+    let pressure = sim.state.pressure(sim.model.density, 0);
     let bottom = sim.model.density * GRAVITY * (height - 0.5 * dx);
     let unit = (GRAVITY * height).sqrt();
     let speeds = format!("max|u| / √(gH), {D}D, γ = {tension}");

@@ -63,8 +63,8 @@ fn fly<const D: usize>(cells: usize, round: f64) -> Result<Vec<Check>, StepError
         wander = wander.max((place - path).norm() / dx);
         volume = volume.max(report.ledger.volume_error.abs());
         let cell = place.map(|x| (x / dx) as usize);
-        let lambda = sim.state.lambda.data[grid.lattice().index(std::array::from_fn(|a| cell[a]))];
-        pressure = lambda * sim.model.density / sim.state.last_dt;
+        let cell = grid.lattice().index(std::array::from_fn(|a| cell[a]));
+        pressure = sim.state.pressure(sim.model.density, cell);
     })?;
     let what = |text: &str| format!("{text}, {D}D, {cells} cells/R");
     let case = "moving-drop";
