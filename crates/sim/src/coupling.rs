@@ -199,15 +199,13 @@ mod tests {
         let solids = vec![Solid::new(ball(0.22), Motion::Fixed, 1.0), Solid::new(bottom, Motion::Fixed, 1.0)];
         let fall = Vector::from_fn(|a, _| if a + 1 == D { -1.0 } else { 0.0 });
         let p = project::<D>(if D == 2 { 64 } else { 40 }, solids, 0.873, fall);
-        assert!(p.fastest < 1e-7, "{D}D: {}", p.fastest);
+        // What is left is the solve's tolerance, 1e-10; the volume is the cut cells', right to second order.
+        assert!(p.fastest < 1e-9, "{D}D: {}", p.fastest);
+        let (volume, bar) = (volume::<D>(0.22), if D == 2 { 0.002 } else { 0.008 });
         let lift = p.impulses[0].0;
-        assert!(
-            (lift[D - 1] / volume::<D>(0.22) - 1.0).abs() < 0.01,
-            "{D}D: {}",
-            lift[D - 1] / volume::<D>(0.22)
-        );
-        assert!((0..D - 1).all(|a| lift[a].abs() < 1e-7), "{D}D: {lift}");
-        assert!(p.impulses[0].1.norm() < 1e-3 * volume::<D>(0.22) * 0.22, "{D}D: {}", p.impulses[0].1);
+        assert!((lift[D - 1] / volume - 1.0).abs() < bar, "{D}D: {}", lift[D - 1] / volume);
+        assert!((0..D - 1).all(|a| lift[a].abs() < 1e-9), "{D}D: {lift}");
+        assert!(p.impulses[0].1.norm() < 1e-4 * volume * 0.22, "{D}D: {}", p.impulses[0].1);
     }
 
     #[test]

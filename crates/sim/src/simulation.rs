@@ -3,8 +3,8 @@
 use crate::ledger::{Ledger, StepReport};
 use crate::model::Model;
 use crate::solid::Solid;
-use crate::state::{Drop, State};
-use crate::step::{ledger, max_component, open_books, step};
+use crate::state::State;
+use crate::step::{ledger, max_component, open_books, potential_energy, step};
 use crate::workspace::{BAND, Snapshot, Workspace};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Runs;
@@ -143,7 +143,7 @@ impl<const D: usize> Simulation<D> {
         let wanted = self.wanted_dt(speed)?;
         let mut dt = self.choose_dt(wanted, max_dt);
         let shortest = 1.5 * 0.5f64.powi(DOUBTS as i32) * wanted;
-        let (energy, height) = (self.energy(), self.potential_energy());
+        let (energy, height) = (self.energy(), potential_energy(&self.model, &self.state));
         let time = self.state.time;
         let mut redone = 0;
         loop {
@@ -152,7 +152,7 @@ impl<const D: usize> Simulation<D> {
             let failure = match result {
                 Ok(result) => {
                     let fine = self.state.kinetic_energy.is_finite();
-                    let gain = self.energy() + self.potential_energy() - (energy + height);
+                    let gain = self.energy() + potential_energy(&self.model, &self.state) - (energy + height);
                     let doubtful = result.volume_jump > VOLUME_JUMP
                         || gain > ENERGY_JUMP * energy + self.energy_of_nothing(dt);
                     if fine && (!doubtful || dt < shortest || self.model.numerics.fixed_step.is_some()) {
@@ -206,11 +206,6 @@ impl<const D: usize> Simulation<D> {
 
     fn energy(&self) -> f64 {
         self.state.kinetic_energy + self.model.surface_tension * self.state.surface_area
-    }
-
-    fn potential_energy(&self) -> f64 {
-        let lift = |d: &Drop<D>| -d.target_volume * self.model.gravity.dot(&d.centroid);
-        self.model.density * self.state.drops.iter().map(lift).sum::<f64>()
     }
 
     /// Energy of motions too small to count: without it rounding alone would be doubtful in a liquid at rest.

@@ -125,9 +125,12 @@ fn share<const D: usize>(shape: &Shape<D>, at: &Vector<D>, h: f64) -> f64 {
 }
 
 impl<const D: usize> Solid<D> {
-    /// A homogeneous solid of a density, kg/m³, that starts at rest.
+    /// A homogeneous solid of a density, kg/m³, that starts at rest. One without bounds has no mass to be free with: it
+    /// stays where it is.
     pub fn new(shape: Shape<D>, motion: Motion<D>, density: f64) -> Self {
         let body = RigidBody::homogeneous(&shape, density);
+        let stuck = motion == Motion::Free && !body.mass.is_finite();
+        let motion = if stuck { Motion::Fixed } else { motion };
         Self { shape, motion, velocity: Vector::zeros(), body }
     }
 

@@ -57,8 +57,10 @@ pub fn step<const D: usize>(
     }
 
     // (0) The solids move.
-    move_solids(model, state, work, dt);
-    phase_end("solids");
+    if !model.solids.is_empty() {
+        move_solids(model, state, work, dt);
+        phase_end("solids");
+    }
 
     // (1) The surface moves with the flow and becomes a distance again.
     let before = move_surface(model, state, work, dt);
@@ -119,7 +121,7 @@ fn start<const D: usize>(
     Ok(())
 }
 
-/// For how long the forces act at the end of a step, so that the velocity is then half a step ahead of the positions
+/// For how long the forces act at the end of a step (leapfrog with steps of any length; design, numerics §8), so that the velocity is then half a step ahead of the positions
 /// again: `dt` where it already was. After a step of another length within bounds, which the steps to come make good.
 fn kick(lead: f64, dt: f64) -> f64 {
     (1.5 * dt - lead).clamp(0.5 * dt, 1.5 * dt)
@@ -334,9 +336,7 @@ fn move_velocity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &
 fn move_solids<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut Workspace<D>, dt: f64) {
     let (time, all) = (state.time, model.solids.iter());
     all.zip(&mut state.solids).for_each(|(solid, now)| solid.advance(now, time, dt));
-    if model.solids.iter().any(|s| s.motion != Motion::Fixed) {
-        work.cut_cells(model, state);
-    }
+    work.follow_solids(model, state);
 }
 
 /// Adds gravity to the velocity.
@@ -472,6 +472,12 @@ pub fn max_component<const D: usize>(model: &Model<D>, state: &State<D>, work: &
         .fold(0.0, f64::max)
 }
 
+/// Energy of the liquid in gravity, J.
+pub fn potential_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
+    let lift = |d: &Drop<D>| -d.target_volume * model.gravity.dot(&d.centroid);
+    model.density * state.drops.iter().map(lift).sum::<f64>()
+}
+
 /// The books of a state.
 pub fn ledger<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Ledger<D> {
     let drops = &state.drops;
@@ -488,7 +494,7 @@ pub fn ledger<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspa
         angular_momentum: all.about(&Vector::zeros()).map(|l| model.density * l),
         kinetic_energy: state.kinetic_energy,
         surface_energy: model.surface_tension * state.surface_area,
-        potential_energy: -mass * model.gravity.dot(&all.center),
+        potential_energy: potential_energy(model, state),
         max_speed: max_component(model, state, work),
         divergence_max: crate::liquid::pressure::divergence_max(model, state, &work.liquid, &work.cut),
     }

@@ -5,6 +5,7 @@ use crate::liquid::surface::SurfaceLattice;
 use crate::liquid::transport::Flow;
 use crate::liquid::volume::Liquid;
 use crate::model::Model;
+use crate::solid::Motion;
 use crate::state::State;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CellField, CutCells, KnownFaces, Run, Runs, Sampler, Segment, Tiles};
@@ -61,6 +62,13 @@ impl<const D: usize> Workspace<D> {
         self.cut.rebuild(&cuts.collect::<Vec<_>>());
     }
 
+    /// Finds what they cut anew, if any solid moves.
+    pub fn follow_solids(&mut self, model: &Model<D>, state: &State<D>) {
+        if model.solids.iter().any(|s| s.motion != Motion::Fixed) {
+            self.cut_cells(model, state);
+        }
+    }
+
     /// Finds tiles, liquid cells and band of the state's φ. Only its signs count: what is found stays right when φ is
     /// made a distance again or shifted, and a resumed run finds the same.
     pub fn find_liquid(&mut self, model: &Model<D>, state: &State<D>) {
@@ -99,8 +107,11 @@ impl<const D: usize> Workspace<D> {
 
     /// Which components touch a solid.
     pub fn wetting(&self, model: &Model<D>) -> Vec<bool> {
-        let rows = self.liquid.row_starts(&model.grid);
         let mut wetting = vec![false; self.liquid.components as usize];
+        if self.cut.wet.is_empty() {
+            return wetting;
+        }
+        let rows = self.liquid.row_starts(&model.grid);
         for w in &self.cut.wet {
             let component =
                 run_of(&self.liquid, &rows, model.grid.cells[0], w.cell as usize).map(|r| r.component);
@@ -155,7 +166,7 @@ pub struct Snapshot<const D: usize> {
     velocity: FaceValues<D>,
     drops: Vec<crate::Drop<D>>,
     solids: Vec<crate::SolidState<D>>,
-    scalars: (f64, u64, f64, f64, f64, f64),
+    scalars: (f64, u64, [f64; 5]),
 }
 
 type FaceValues<const D: usize> = [Vec<(usize, Vec<f64>)>; D];
@@ -173,7 +184,8 @@ impl<const D: usize> Snapshot<D> {
             };
             workspace.known.liquid()[a].iter().map(values).collect()
         });
-        let scalars = (state.time, state.step, state.last_dt, state.lead, state.drift, state.lost_volume);
+        let rest = [state.last_dt, state.lead, state.kick, state.drift, state.lost_volume];
+        let scalars = (state.time, state.step, rest);
         Self { cells, phi, velocity, drops: state.drops.clone(), solids: state.solids.clone(), scalars }
     }
 
@@ -191,12 +203,13 @@ impl<const D: usize> Snapshot<D> {
                 state.velocity.axes[a][at..at + values.len()].copy_from_slice(&values);
             }
         }
-        (state.time, state.step, state.last_dt, state.lead, state.drift, state.lost_volume) = self.scalars;
+        (state.time, state.step) = (self.scalars.0, self.scalars.1);
+        [state.last_dt, state.lead, state.kick, state.drift, state.lost_volume] = self.scalars.2;
         state.drops = self.drops;
         state.solids = self.solids;
         // What a failed solve left behind is no guess.
         state.lambda = CellField::new(model.grid, 0.0);
-        workspace.cut_cells(model, state);
+        workspace.follow_solids(model, state);
         workspace.find_liquid(model, state);
         workspace.extend_afresh(model, state);
     }

@@ -50,7 +50,7 @@ fn tank_rests<const D: usize>(cells: usize) {
     for _ in 0..20 {
         let report = simulation.step(0.01, &mut |_| ()).expect("a step");
         fastest = fastest.max(report.ledger.max_speed);
-        assert!(report.ledger.divergence_max < 1e-6, "{D}D: {}", report.ledger.divergence_max);
+        assert!(report.ledger.divergence_max < 1e-8, "{D}D: {}", report.ledger.divergence_max);
     }
     assert!(fastest < 1e-10 * GRAVITY.sqrt(), "{D}D: {fastest}");
 }
@@ -79,8 +79,9 @@ fn light_ball_rises<const D: usize>(cells: usize, bar: f64) {
 
 #[test]
 fn a_light_ball_in_a_shell_rises_as_the_added_mass_says() {
-    light_ball_rises::<2>(60, 0.02);
-    light_ball_rises::<3>(32, 0.03);
+    // Of the error, the way that the ball has gone off the shell's centre is a part.
+    light_ball_rises::<2>(60, 0.01);
+    light_ball_rises::<3>(32, 0.006);
 }
 
 #[test]
@@ -100,7 +101,7 @@ fn a_stirrer_that_goes_as_told_moves_the_liquid_without_divergence() {
     while time < 0.12 {
         let report = simulation.step(0.01, &mut |_| ()).expect("a step");
         time = simulation.state.time;
-        assert!(report.ledger.divergence_max < 1e-4, "{time}: {}", report.ledger.divergence_max);
+        assert!(report.ledger.divergence_max < 1e-7, "{time}: {}", report.ledger.divergence_max);
         assert!(report.ledger.max_speed < 5.0, "{time}: {}", report.ledger.max_speed);
     }
     let center = simulation.state.solids[0].center;

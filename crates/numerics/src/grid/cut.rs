@@ -10,13 +10,13 @@
 //! nowhere and turns it nowhere, to rounding, and no surface has to be built (design, numerics §1).
 
 use super::{FaceField, Grid, Lattice};
-use crate::Vector;
+use crate::{Vector, planes};
 use rayon::prelude::*;
 
-/// Planes of rotation: first axis, second axis, place of their moment.
-const PLANES: [(usize, usize, usize); 3] = [(0, 1, 2), (1, 2, 0), (2, 0, 1)];
 /// Shares of a face that are nearer than this to none or all count as that: no flow is worth the stiffness of such a gap.
 const LEAST: f64 = 1e-4;
+/// Areas and moments below this, in cells, are rounding: positions go up to some hundreds.
+const ROUNDING: f64 = 1e-11;
 /// Distance of what is far from all solids, in cells.
 const FAR: f64 = 1e3;
 /// Depth to which closed faces are listed, in cells: paths and their stencils reach no farther.
@@ -173,7 +173,7 @@ impl<const D: usize> CutCells<D> {
                     let (share, r) = self.opening(a, face);
                     let outward = if side == 1 { share } else { -share };
                     area[a] -= outward;
-                    for &(b, c, place) in &PLANES[..if D == 2 { 1 } else { 3 }] {
+                    for &(b, c, place) in planes::<D>() {
                         // r × A, of which only the entry of A along `a` is not zero.
                         let turn = if c == a {
                             r[b]
@@ -186,8 +186,12 @@ impl<const D: usize> CutCells<D> {
                     }
                 }
             }
-            // A cell between open faces of the same share has no surface, one of rounding none that counts.
-            if area.amax() < 1e-12 {
+            // What is left of whole faces is rounding. Two surfaces in a cell may cancel in area and still turn a body (3D).
+            let turning = planes::<D>().iter().map(|&(b, c, place)| {
+                let (y, z) = (at[b] as f64 + 0.5, at[c] as f64 + 0.5);
+                (moment[place] - (y * area[c] - z * area[b])).abs()
+            });
+            if turning.fold(area.amax(), f64::max) < ROUNDING {
                 return None;
             }
             let x = grid.center(at);

@@ -3,8 +3,8 @@
 //! Layer by layer outward from the faces where it is known, each face takes the values of its neighbours on the
 //! liquid's side, weighted by the components of the normal (the upwind form of Aslam 2004, "A partial differential
 //! equation approach to multidimensional extrapolation", done in one sweep). Along each axis they are extended with all
-//! of the last slope, then with half of it, then constantly: all of it in the second layer makes a drop's frequency 0.07 %
-//! too low on 16 cells a radius in 2D, and costs energy in proportion to the step; none of it makes the frequency 0.13 % too
+//! of the last slope, then with half of it, then constantly: all of it in the second layer makes a drop's frequency 0.12 %
+//! too low on 16 cells a radius in 2D (half: 0.02 %), and costs energy in proportion to the step; none of it makes the frequency 0.08 % too
 //! high, with an error of first order. A quadratic extension, of which noise comes out seven times as large, drove torn
 //! sheets to any speed.
 

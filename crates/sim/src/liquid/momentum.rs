@@ -10,12 +10,9 @@ use super::pressure::CutFace;
 use super::volume::Group;
 use crate::model::Model;
 use meniscus_numerics::grid::{CellField, FaceField, Segment};
-use meniscus_numerics::{Matrix, Vector};
+use meniscus_numerics::{Matrix, Vector, planes};
 use rayon::prelude::*;
 use std::iter::zip;
-
-/// Planes of rotation: (first axis, second axis, place in an angular momentum vector).
-pub const PLANES: [(usize, usize, usize); 3] = [(0, 1, 2), (1, 2, 0), (2, 0, 1)];
 
 /// Sums over the faces of a body, mass in units of a cell's.
 #[derive(Clone, Debug, PartialEq)]
@@ -154,10 +151,6 @@ fn rotation<const D: usize>(
         planes::<D>().iter().enumerate().for_each(|(i, p)| rate[p.2] += part * direction[i]);
     }
     rate
-}
-
-fn planes<const D: usize>() -> &'static [(usize, usize, usize)] {
-    if D == 2 { &PLANES[..1] } else { &PLANES }
 }
 
 /// What is needed to walk over the faces of each component.

@@ -15,12 +15,11 @@
 //! Walls are frictionless: edges on the domain's sides carry no shear, faces on closed sides stay as they
 //! are.
 
-use super::momentum::PLANES;
 use crate::model::Model;
 use meniscus_numerics::grid::{Band, CellField, FaceField, Lattice, Runs, Sampler, Segment};
 use meniscus_numerics::linalg::{Jacobi, LinearOperator, SolveError, SolveReport, conjugate_gradient};
-use meniscus_numerics::par;
 use meniscus_numerics::shape::plane_box_fraction;
+use meniscus_numerics::{par, planes};
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
@@ -141,11 +140,6 @@ struct Cell<const D: usize> {
     mass: [f64; D],
     /// Whether the lower faces are unknown.
     free: [bool; D],
-}
-
-/// The planes of shear: two axes each.
-fn planes<const D: usize>() -> &'static [(usize, usize, usize)] {
-    if D == 2 { &PLANES[..1] } else { &PLANES }
 }
 
 /// Mass plus `h` times half the slope of `Φ`.
