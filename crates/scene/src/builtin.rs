@@ -59,7 +59,7 @@ pub const BUILTINS: [Builtin; 9] = [
         "colliding-drops-fast",
         3,
         "Two water drops meet fast and off centre (We = 61), merge and tear apart again",
-        "five to ten minutes"
+        "two to ten minutes"
     ),
     scene!(
         "crown-splash",
