@@ -87,14 +87,10 @@ impl<const D: usize> Model<D> {
             || (i == self.grid.cells[axis] && self.walls[axis][1] == Wall::Slip)
     }
 
-    /// The solid whose surface is nearest to a point (or deepest around it), and where it is now.
-    pub(crate) fn nearest_solid<'a>(
-        &'a self,
-        now: &'a [SolidState<D>],
-        x: &Vector<D>,
-    ) -> Option<(&'a Solid<D>, &'a SolidState<D>)> {
-        let all = self.solids.iter().zip(now);
-        all.min_by(|(a, at), (b, bt)| a.distance(at, x).total_cmp(&b.distance(bt, x)))
+    /// Number of the solid whose surface is nearest to a point (or deepest around it); `now` is where they are.
+    pub(crate) fn nearest_solid(&self, now: &[SolidState<D>], x: &Vector<D>) -> Option<usize> {
+        let distance = |i: &usize| self.solids[*i].distance(&now[*i], x);
+        (0..self.solids.len()).min_by(|i, j| distance(i).total_cmp(&distance(j)))
     }
 
     /// The explicit capillary limit of a one-phase liquid, s: `2/ω_max = 0.36 √(ρ Δ³/γ)` (design, numerics).

@@ -22,6 +22,8 @@ pub struct Solid<const D: usize> {
     pub velocity: Vector<D>,
     /// Mass and how it is spread.
     pub body: RigidBody<D>,
+    /// `(γ_sa − γ_ls)/γ_la`, the cosine of the contact angle (Young); beyond ±1 nothing or all is wetted.
+    pub cosine: f64,
 }
 
 /// What moves a solid.
@@ -125,13 +127,13 @@ fn share<const D: usize>(shape: &Shape<D>, at: &Vector<D>, h: f64) -> f64 {
 }
 
 impl<const D: usize> Solid<D> {
-    /// A homogeneous solid of a density, kg/m³, that starts at rest. One without bounds has no mass to be free with: it
+    /// A homogeneous solid of a density, kg/m³, that starts at rest and that liquid meets at 90 degrees. One without bounds has no mass to be free with: it
     /// stays where it is.
     pub fn new(shape: Shape<D>, motion: Motion<D>, density: f64) -> Self {
         let body = RigidBody::homogeneous(&shape, density);
         let stuck = motion == Motion::Free && !body.mass.is_finite();
         let motion = if stuck { Motion::Fixed } else { motion };
-        Self { shape, motion, velocity: Vector::zeros(), body }
+        Self { shape, motion, velocity: Vector::zeros(), body, cosine: 0.0 }
     }
 
     /// Where and how it starts.

@@ -5,9 +5,10 @@
 
 use crate::ledger::Ledger;
 use crate::liquid::curvature::{Curvature, Displacement, FilterStep, curvature};
+use crate::liquid::ghost::extend_into_solids;
 use crate::liquid::momentum::{FaceWalk, Moments, together};
 use crate::liquid::pressure::{CutFace, Projection, cut_faces};
-use crate::liquid::surface::CutCube;
+use crate::liquid::cube::CutCube;
 use crate::liquid::transport::{advect_surface, advect_velocity, pack};
 use crate::liquid::viscosity::Diffusion;
 use crate::liquid::volume::{Group, Measured, astray, band_labels, follow, targets};
@@ -144,7 +145,7 @@ fn push<const D: usize>(
     let capillary = model.surface_tension * dt * kick / (model.density * model.grid.dx.powi(3));
     let filter = FilterStep { capillary, displacement };
     let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
-    let kappa = curvature(&model.grid, &work.band, CURVED, &phi, &change.cubes, &filter);
+    let kappa = curvature(&model.grid, &work.band, CURVED, &phi, &change.cubes, &work.cut, &filter);
     let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &kappa, &work.cut);
     phase_end("curvature");
 
@@ -169,7 +170,7 @@ fn push<const D: usize>(
     work.extend(model, state);
     state.drops = drops(model, work, &cut, &moments, change);
     state.kinetic_energy = kinetic_energy(model, &moments);
-    state.surface_area = change.cubes.iter().map(|c| c.area).sum::<f64>() * model.grid.face_area();
+    state.surface_area = surface_energy(model, &change.cubes);
     phase_end("momentum and extension");
     Ok(solve)
 }
@@ -183,6 +184,7 @@ pub fn move_surface<const D: usize>(
 ) -> Runs {
     let values = advect_surface(model, &state.phi, &work.band, &state.velocity, dt);
     work.band.cells.iter().zip(values).for_each(|(&c, v)| state.phi.data[c as usize] = v);
+    extend_into_solids(model, state, &work.band, &work.cut);
     state.drift += max_component(model, state, work) * dt / model.grid.dx;
     let before = std::mem::take(&mut work.liquid);
     let left = work.band.cells.clone();
@@ -368,7 +370,12 @@ pub fn open_books<const D: usize>(model: &Model<D>, state: &mut State<D>, work: 
     let moments = keep_momentum(model, state, work, &cut, &change, 0.0);
     state.drops = drops(model, work, &cut, &moments, &change);
     state.kinetic_energy = kinetic_energy(model, &moments);
-    state.surface_area = change.cubes.iter().map(|c| c.area).sum::<f64>() * model.grid.face_area();
+    state.surface_area = surface_energy(model, &change.cubes);
+}
+
+/// The surface's energy over its tension, m² (2D: m).
+fn surface_energy<const D: usize>(model: &Model<D>, cubes: &[CutCube]) -> f64 {
+    cubes.iter().map(CutCube::energy).sum::<f64>() * model.grid.face_area()
 }
 
 fn keep_momentum<const D: usize>(

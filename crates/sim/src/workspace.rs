@@ -60,6 +60,11 @@ impl<const D: usize> Workspace<D> {
             solids.iter().map(|(solid, now)| move |x: &Vector<D>| solid.distance(now, x)).collect();
         let cuts = solids.iter().zip(&distances).map(|((solid, now), d)| solid.cut_by(now, d));
         self.cut.rebuild(&cuts.collect::<Vec<_>>());
+        let nearest = |x: &Vector<D>| {
+            let number = model.nearest_solid(&state.solids, x).unwrap_or(0);
+            (number as u32, model.solids[number].cosine)
+        };
+        self.lattice.follow(&self.cut, nearest);
     }
 
     /// Finds what they cut anew, if any solid moves.
@@ -133,7 +138,8 @@ fn slip_along<const D: usize>(model: &Model<D>, state: &mut State<D>, cut: &CutC
         let lattice = model.grid.faces(a);
         let slipping = |&f: &u32| {
             let x = model.grid.face_center(a, lattice.coordinates(f as usize));
-            let (solid, now) = model.nearest_solid(&state.solids, &x)?;
+            let number = model.nearest_solid(&state.solids, &x)?;
+            let (solid, now) = (&model.solids[number], &state.solids[number]);
             let mut u = flow.linear(&x);
             u[a] = state.velocity.axes[a][f as usize];
             let normal = solid.normal(now, &x, 0.01 * model.grid.dx);

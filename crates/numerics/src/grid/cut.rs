@@ -19,6 +19,8 @@ const LEAST: f64 = 1e-4;
 const ROUNDING: f64 = 1e-11;
 /// Distance of what is far from all solids, in cells.
 const FAR: f64 = 1e3;
+/// Cells around a solid's box in which its distance is known.
+const MARGIN: f64 = 6.0;
 /// Depth to which closed faces are listed, in cells: paths and their stencils reach no farther.
 const DEEP: f64 = 4.0;
 
@@ -55,6 +57,8 @@ pub struct CutCells<const D: usize> {
     pub shut: [Vec<u32>; D],
     /// Distance at the corners of the cells, in cells; empty as long as there is no solid.
     corners: Vec<f64>,
+    /// The same at their centres.
+    centers: Vec<f64>,
     /// Cells around each solid: lower corner, and one past the upper one.
     boxes: Vec<[[usize; D]; 2]>,
 }
@@ -68,6 +72,7 @@ impl<const D: usize> CutCells<D> {
             wet: Vec::new(),
             shut: std::array::from_fn(|_| Vec::new()),
             corners: Vec::new(),
+            centers: Vec::new(),
             boxes: Vec::new(),
         }
     }
@@ -79,20 +84,14 @@ impl<const D: usize> CutCells<D> {
         let grid = self.open.grid;
         if self.corners.is_empty() && !solids.is_empty() {
             self.corners = vec![FAR; corner_lattice(&grid).len()];
+            self.centers = vec![FAR; grid.lattice().len()];
         }
         self.boxes = solids.iter().map(|s| cells_around(&grid, s.bounds)).collect();
-        for (solid, cells) in solids.iter().zip(&self.boxes) {
-            let lattice = corner_lattice(&grid);
-            let [low, high] = *cells;
-            let values: Vec<(usize, f64)> = points([low, high.map(|n| n + 1)])
-                .into_par_iter()
-                .with_min_len(256)
-                .map(|at| {
-                    let x = Vector::from_fn(|a, _| at[a] as f64 * grid.dx);
-                    (lattice.index(at), (solid.distance)(&x) / grid.dx)
-                })
-                .collect();
-            values.into_iter().for_each(|(i, v)| self.corners[i] = self.corners[i].min(v));
+        for (solid, [low, high]) in solids.iter().zip(&self.boxes) {
+            let corner = |at: [usize; D]| Vector::from_fn(|a, _| at[a] as f64 * grid.dx);
+            let center = |at: [usize; D]| grid.center(at);
+            nearest(solid, corner_lattice(&grid), [*low, high.map(|n| n + 1)], corner, &mut self.corners);
+            nearest(solid, grid.lattice(), [*low, *high], center, &mut self.centers);
         }
         for cells in self.boxes.clone() {
             self.open_faces(cells);
@@ -105,6 +104,17 @@ impl<const D: usize> CutCells<D> {
         wet.sort_by_key(|w| w.cell);
         wet.dedup_by_key(|w| w.cell);
         self.wet = wet;
+    }
+
+    /// Distance of a cell's centre to the nearest solid, in cells, negative inside; a large number more than six cells
+    /// away.
+    pub fn distance(&self, cell: usize) -> f64 {
+        self.centers.get(cell).copied().unwrap_or(FAR)
+    }
+
+    /// The cells whose distance to a solid is known, as boxes: lower corner, and one past the upper one.
+    pub fn boxes(&self) -> &[[[usize; D]; 2]] {
+        &self.boxes
     }
 
     /// Whether a cell has no open face.
@@ -124,6 +134,7 @@ impl<const D: usize> CutCells<D> {
             points([low, high.map(|n| n + 1)])
                 .into_iter()
                 .for_each(|at| self.corners[lattice.index(at)] = FAR);
+            points([low, high]).into_iter().for_each(|at| self.centers[grid.lattice().index(at)] = FAR);
             for a in 0..D {
                 let faces = grid.faces(a);
                 points(face_box([low, high], a))
@@ -236,12 +247,29 @@ fn corner_lattice<const D: usize>(grid: &Grid<D>) -> Lattice<D> {
     Lattice::new(grid.cells.map(|n| n + 1))
 }
 
-/// The cells that a box touches, and one more all around.
+/// Makes `values` the distance to a solid, in cells, where that is less, at the points of a box; `place` is where they are.
+fn nearest<const D: usize>(
+    solid: &CutBy<'_, D>,
+    lattice: Lattice<D>,
+    cells: [[usize; D]; 2],
+    place: impl Fn([usize; D]) -> Vector<D> + Sync,
+    values: &mut [f64],
+) {
+    let dx = (place([1; D]) - place([0; D]))[0];
+    let found: Vec<(usize, f64)> = points(cells)
+        .into_par_iter()
+        .with_min_len(256)
+        .map(|at| (lattice.index(at), (solid.distance)(&place(at)) / dx))
+        .collect();
+    found.into_iter().for_each(|(i, v)| values[i] = values[i].min(v));
+}
+
+/// The cells that a box touches, and some more all around.
 fn cells_around<const D: usize>(grid: &Grid<D>, bounds: [Vector<D>; 2]) -> [[usize; D]; 2] {
     let clamp = |x: f64, n: usize| x.clamp(0.0, n as f64) as usize;
-    let low = std::array::from_fn(|a| clamp((bounds[0][a] / grid.dx).floor() - 1.0, grid.cells[a]));
+    let low = std::array::from_fn(|a| clamp((bounds[0][a] / grid.dx).floor() - MARGIN, grid.cells[a]));
     let high: [usize; D] =
-        std::array::from_fn(|a| clamp((bounds[1][a] / grid.dx).ceil() + 1.0, grid.cells[a]));
+        std::array::from_fn(|a| clamp((bounds[1][a] / grid.dx).ceil() + MARGIN, grid.cells[a]));
     [low, std::array::from_fn(|a| high[a].max(low[a]))]
 }
 
@@ -252,7 +280,7 @@ fn face_box<const D: usize>([low, mut high]: [[usize; D]; 2], axis: usize) -> [[
 }
 
 /// The lattice points of a box, the first axis running fastest.
-fn points<const D: usize>([low, high]: [[usize; D]; 2]) -> Vec<[usize; D]> {
+pub fn points<const D: usize>([low, high]: [[usize; D]; 2]) -> Vec<[usize; D]> {
     let inner = Lattice::new(std::array::from_fn::<_, D, _>(|a| high[a] - low[a]));
     (0..inner.len()).map(|i| inner.coordinates(i)).map(|at| std::array::from_fn(|a| low[a] + at[a])).collect()
 }

@@ -40,6 +40,9 @@ pub struct Cut {
     pub area: f64,
     /// Area of the solid under liquid.
     pub wetted: f64,
+    /// What the free surface pulls at the solid with: the integral along the contact line (2D: the sum over its points) of
+    /// the direction into the surface.
+    pub pull: [f64; 3],
     /// Derivative of the volume by the value of φ at each corner.
     pub volume_slope: [f64; 4],
     /// That of the free surface's area.
@@ -124,6 +127,10 @@ impl<const D: usize> Simplex<D> {
             let cosine = outward.try_normalize(0.0).map_or(0.0, |m| m.dot(&n));
             let least = if label == SOLID { FLATTEST_ON_SOLID } else { FLATTEST };
             let sine = (1.0 - cosine * cosine).max(0.0).sqrt().max(least);
+            if label == SOLID {
+                let into = (n * cosine - outward.try_normalize(0.0).unwrap_or(Vector::zeros())) * (length / sine);
+                (0..D).for_each(|a| cut.pull[a] += into[a]);
+            }
             for c in 0..=D {
                 let weight = length * 0.5 * (p[c] + q[c]) / (steepness * sine);
                 cut.area_slope[c] += weight * cosine;

@@ -11,9 +11,9 @@
 //! (design, experiments part 3, scheme C). `F` leaves a constant as it is: a drop at rest stays at rest.
 
 use super::filter::Graph;
-use super::surface::CutCube;
+use super::cube::CutCube;
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{Band, Grid, Sampler};
+use meniscus_numerics::grid::{Band, CutCells, Grid, Sampler};
 use meniscus_numerics::level_set;
 use rayon::prelude::*;
 
@@ -29,6 +29,10 @@ const DAMPED: f64 = 4.0;
 /// of it, as half of the width above, still kept a flying drop round to 1e-5; a quarter with twice the width did not. It adds
 /// 2 % (2D) and 3 % (3D) to the viscous damping of Lamb's case (steps of half the explicit limit).
 const DAMPING_TIME: f64 = 1.0;
+/// Distance from solids, in cells, up to which the curvature is the energy's slope.
+const NEAR: f64 = 3.0;
+/// Distance from which on differences of φ tell it.
+const FAR: f64 = 5.0;
 /// Largest curvature, in 1/cells.
 const STEEPEST: f64 = 2.0;
 
@@ -64,6 +68,7 @@ pub fn curvature<const D: usize>(
     layers: usize,
     phi: &Sampler<'_, D>,
     cubes: &[CutCube],
+    solids: &CutCells<D>,
     step: &FilterStep<D>,
 ) -> Curvature {
     let count = band.first_layers(layers).end;
@@ -71,17 +76,23 @@ pub fn curvature<const D: usize>(
     for cube in cubes {
         for k in 0..1 << D {
             if let Some(s) = band.slot(cube.corners[k] as usize).filter(|s| *s < count) {
-                area[s] += cube.area_slope[k];
+                area[s] += cube.energy_slope[k];
                 weight[s] += cube.volume_slope[k];
             }
         }
     }
     let graph = Graph::new(grid, band, &weight);
     let lattice = grid.lattice();
+    let beside = beside_solids(grid, band, solids, &area, &weight);
     let seen = |&slot: &u32| {
         let s = slot as usize;
-        level_set::curvature(phi, grid.dx, lattice.coordinates(band.cells[s] as usize))
-            .map_or_else(|| area[s] / weight[s], |k| k * grid.dx)
+        let cell = band.cells[s] as usize;
+        let off = ((solids.distance(cell) - NEAR) / (FAR - NEAR)).clamp(0.0, 1.0);
+        let differences = || {
+            let curvature = level_set::curvature(phi, grid.dx, lattice.coordinates(cell));
+            curvature.map_or_else(|| area[s] / weight[s], |k| k * grid.dx)
+        };
+        off * if off > 0.0 { differences() } else { 0.0 } + (1.0 - off) * if off < 1.0 { beside[s] } else { 0.0 }
     };
     let raw: Vec<f64> = graph.slots.par_iter().with_min_len(512).map(seen).collect();
     let mut filtered = graph.filter(&raw, width(step.capillary, BASE));
@@ -99,6 +110,75 @@ pub fn curvature<const D: usize>(
         known[slot as usize] = true;
     }
     Curvature { kappa, known }
+}
+
+/// Curvature, in 1/cells, of the first cells of the band near solids as the energy's slope, smoothed: the lattice's noise
+/// goes, what the contact line pulls stays. The energy and the volume are smoothed alike, so that a constant curvature stays
+/// as it is (design, experiments parts 1 and 4).
+fn beside_solids<const D: usize>(
+    grid: &Grid<D>,
+    band: &Band<D>,
+    solids: &CutCells<D>,
+    energy: &[f64],
+    volume: &[f64],
+) -> Vec<f64> {
+    let passes = if D == 2 { 2 } else { 4 };
+    let reach = FAR + passes as f64;
+    let near: Vec<u32> = (0..energy.len() as u32)
+        .filter(|s| solids.distance(band.cells[*s as usize] as usize) < reach)
+        .collect();
+    if near.is_empty() {
+        return Vec::new();
+    }
+    let mut values: Vec<[f64; 2]> = energy.iter().zip(volume).map(|(e, v)| [*e, *v]).collect();
+    for _ in 0..passes {
+        let smooth = |&s: &u32| binomial(grid, band, &values, band.cells[s as usize] as usize);
+        let new: Vec<[f64; 2]> = near.par_iter().with_min_len(256).map(smooth).collect();
+        near.iter().zip(new).for_each(|(s, v)| values[*s as usize] = v);
+    }
+    let curvature = |[e, v]: [f64; 2]| if v > 1e-5 { (e / v).clamp(-STEEPEST, STEEPEST) } else { 0.0 };
+    let mut out: Vec<f64> = values.iter().map(|v| curvature(*v)).collect();
+    // Within a solid there is too little surface to tell: what is outside goes on.
+    let lifted: Vec<(u32, f64)> = near
+        .iter()
+        .filter_map(|&s| {
+            let cell = band.cells[s as usize] as usize;
+            let above = band.slot(outward(grid, solids, cell)?).filter(|s| *s < values.len())?;
+            (values[above][1] > 1e-5).then(|| (s, out[above]))
+        })
+        .collect();
+    lifted.into_iter().for_each(|(s, v)| out[s as usize] = v);
+    out
+}
+
+/// Weighted mean (1/4, 1/2, 1/4 along each axis) of what the cells around one hold; sides mirror.
+fn binomial<const D: usize>(grid: &Grid<D>, band: &Band<D>, values: &[[f64; 2]], cell: usize) -> [f64; 2] {
+    let lattice = grid.lattice();
+    let at = lattice.coordinates(cell);
+    let mut sum = [0.0; 2];
+    for n in 0..3usize.pow(D as u32) {
+        let mut weight = 1.0;
+        let mut rest = n;
+        let to = std::array::from_fn(|a| {
+            let step = rest % 3;
+            rest /= 3;
+            weight *= if step == 1 { 0.5 } else { 0.25 };
+            (at[a] + step).saturating_sub(1).min(lattice.extent[a] - 1)
+        });
+        if let Some(v) = band.slot(lattice.index(to)).and_then(|s| values.get(s)) {
+            (0..2).for_each(|i| sum[i] += weight * v[i]);
+        }
+    }
+    sum
+}
+
+/// The neighbour of a cell with its centre in a solid that lies farthest out.
+fn outward<const D: usize>(grid: &Grid<D>, solids: &CutCells<D>, cell: usize) -> Option<usize> {
+    if solids.distance(cell) >= 0.0 {
+        return None;
+    }
+    let far = |a: &usize, b: &usize| solids.distance(*a).total_cmp(&solids.distance(*b));
+    grid.lattice().neighbours(cell).max_by(far)
 }
 
 /// What the displacement, times `stretch`, adds to the curvature, in 1/cells: `n · L u`, which is nothing for a body that

@@ -1,7 +1,9 @@
 //! The liquid: its surface, its motion, its pressure.
 
+pub mod cube;
 pub mod curvature;
 pub mod filter;
+pub mod ghost;
 pub mod momentum;
 pub mod pressure;
 pub mod surface;

@@ -6,7 +6,8 @@
 //! from its path, a translation of φ brings it back.
 
 use super::momentum::Whole;
-use super::surface::{CutCube, NEAREST, SurfaceLattice};
+use super::cube::{CutCube, NEAREST};
+use super::surface::SurfaceLattice;
 use crate::model::Model;
 use crate::state::Drop;
 use meniscus_numerics::Vector;

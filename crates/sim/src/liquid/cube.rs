@@ -1,0 +1,366 @@
+//! One cube between cell centres: the area of the liquid's surface in it, the liquid's volume, the area that it wets, and
+//! their exact derivatives by the values of φ at the corners.
+//!
+//! Cubes are split into simplices on which φ is linear: four triangles in 2D, two times five tetrahedra in 3D, both ways
+//! to split counting half, so that no direction is preferred.
+
+use meniscus_numerics::shape::Simplex as ClippedSimplex;
+use meniscus_numerics::{Matrix, Vector};
+
+/// What the liquid's surface cuts out of a cube, in units of the cell size.
+#[derive(Clone, Debug)]
+pub struct CutCube {
+    /// Cell of each corner (beyond a wall: its mirror image).
+    pub corners: [u32; 8],
+    /// Which corners are liquid cells, one bit each.
+    pub wet: u8,
+    /// Area of the free surface.
+    pub area: f64,
+    /// Area of the solid under liquid.
+    pub wetted: f64,
+    /// Liquid volume less one share (1/2^D) for every liquid corner.
+    pub excess: f64,
+    /// First moment of that difference about the origin.
+    pub moment: [f64; 3],
+    /// −∂/∂φ of each corner of the free area less `cosine` times the wetted area.
+    pub energy_slope: [f64; 8],
+    /// −∂volume/∂φ of each corner.
+    pub volume_slope: [f64; 8],
+    /// Number of the solid in the cube, if any.
+    pub solid: u32,
+    /// Cosine of its contact angle.
+    pub cosine: f64,
+    /// What the free surface pulls at the solid with, over the tension: the integral along the contact line of the
+    /// direction into the surface.
+    pub pull: [f64; 3],
+}
+
+/// The surface passes no corner nearer than this (in cells): a simplex cut exactly at a corner has no derivative.
+pub const NEAREST: f64 = 1e-6;
+
+/// A value in cells, kept away from zero.
+pub fn away_from_zero(value: f64) -> f64 {
+    value.abs().max(NEAREST).copysign(value)
+}
+
+/// A simplex of the split cube: corners, its volume, and the gradients of its barycentric coordinates.
+struct Simplex<const D: usize> {
+    corners: [usize; 4],
+    volume: f64,
+    slopes: [[f64; D]; 4],
+}
+
+/// Corners (bit a = up along axis a) of the simplices of both splits, each counting half.
+const TRIANGLES: [[usize; 4]; 4] = [[0, 1, 3, 9], [0, 3, 2, 9], [0, 1, 2, 9], [1, 3, 2, 9]];
+const TETRAHEDRA: [[usize; 4]; 10] = [
+    [0, 3, 5, 6],
+    [1, 0, 3, 5],
+    [2, 0, 3, 6],
+    [4, 0, 5, 6],
+    [7, 3, 5, 6],
+    [7, 4, 2, 1],
+    [0, 1, 2, 4],
+    [3, 1, 2, 7],
+    [5, 1, 4, 7],
+    [6, 2, 4, 7],
+];
+
+/// Both splits of a cube.
+pub struct Split<const D: usize> {
+    free: Vec<Simplex<D>>,
+    clipped: Vec<ClippedSimplex<D>>,
+}
+
+impl<const D: usize> Split<D> {
+    /// The splits of the unit cube.
+    pub fn new() -> Self {
+        let table: &[[usize; 4]] = if D == 2 { &TRIANGLES } else { &TETRAHEDRA };
+        let place = |k: usize| Vector::from_fn(|a, _| corner(k)[a]);
+        Self {
+            free: table.iter().map(|c| simplex(*c)).collect(),
+            clipped: table.iter().map(|c| ClippedSimplex::new(c.map(place))).collect(),
+        }
+    }
+
+    /// Adds what the surface cuts out of the unit cube without solids.
+    pub fn cut(&self, values: &[f64; 8], cube: &mut CutCube) {
+        cube.take_shares::<D>();
+        for simplex in &self.free {
+            if D == 2 {
+                cut_triangle(simplex, values, cube)
+            } else {
+                cut_tetrahedron(simplex, values, cube)
+            }
+        }
+    }
+
+    /// Adds what the surface cuts out of the part of the unit cube where `psi` is positive.
+    pub fn cut_beside(&self, values: &[f64; 8], psi: &[f64; 8], cube: &mut CutCube) {
+        cube.take_shares::<D>();
+        for (clipped, simplex) in self.clipped.iter().zip(&self.free) {
+            // A corner that does not exist (2D) is outside everything.
+            let of = |v: &[f64; 8]| std::array::from_fn(|i| if i <= D { v[simplex.corners[i]] } else { 1.0 });
+            let cut = clipped.cut(&of(values), &of(psi));
+            cube.area += 0.5 * cut.area;
+            cube.wetted += 0.5 * cut.wetted;
+            cube.excess += 0.5 * cut.volume;
+            for a in 0..3 {
+                cube.moment[a] += 0.5 * cut.moment[a];
+                cube.pull[a] += 0.5 * cut.pull[a];
+            }
+            for i in 0..=D {
+                let energy = cut.area_slope[i] - cube.cosine * cut.wetted_slope[i];
+                cube.energy_slope[simplex.corners[i]] -= 0.5 * energy;
+                cube.volume_slope[simplex.corners[i]] -= 0.5 * cut.volume_slope[i];
+            }
+        }
+    }
+}
+
+impl<const D: usize> Default for Split<D> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl CutCube {
+    /// A cube in which the surface is yet to be cut; the liquid corners' shares are yet to be taken away.
+    pub fn new(corners: [u32; 8], wet: u8) -> Self {
+        let zero = [0.0; 8];
+        Self {
+            corners,
+            wet,
+            area: 0.0,
+            wetted: 0.0,
+            excess: 0.0,
+            moment: [0.0; 3],
+            energy_slope: zero,
+            volume_slope: zero,
+            solid: u32::MAX,
+            cosine: 0.0,
+            pull: [0.0; 3],
+        }
+    }
+
+    /// The surface's energy over its tension.
+    pub fn energy(&self) -> f64 {
+        self.area - self.cosine * self.wetted
+    }
+
+    /// Multiplies what it holds.
+    pub fn scale(&mut self, by: f64) {
+        for part in [&mut self.area, &mut self.wetted, &mut self.excess] {
+            *part *= by;
+        }
+        let lists = self.moment.iter_mut().chain(&mut self.pull);
+        lists.chain(&mut self.energy_slope).chain(&mut self.volume_slope).for_each(|v| *v *= by);
+    }
+
+    /// Takes away the liquid corners' shares.
+    fn take_shares<const D: usize>(&mut self) {
+        let wet = self.wet;
+        for k in (0..1 << D).filter(|k| wet >> k & 1 == 1) {
+            self.fill(-1.0 / (1 << D) as f64, &[corner(k)]);
+        }
+    }
+
+    /// Adds (a negative `volume` takes away) a piece with its centre in the middle of `points` of the unit cube.
+    fn fill(&mut self, volume: f64, points: &[[f64; 3]]) {
+        self.excess += volume;
+        for x in points {
+            (0..3).for_each(|a| self.moment[a] += volume / points.len() as f64 * x[a]);
+        }
+    }
+
+    /// Calls `f(component, part)` for every liquid corner; the parts add up to one.
+    pub fn share(&self, label: impl Fn(usize) -> Option<u32>, mut f: impl FnMut(u32, f64)) {
+        let part = 1.0 / f64::from(self.wet.count_ones());
+        for k in (0..8).filter(|k| self.wet >> k & 1 == 1) {
+            if let Some(c) = label(self.corners[k] as usize) {
+                f(c, part);
+            }
+        }
+    }
+}
+
+/// Where a corner of the unit cube is.
+fn corner(k: usize) -> [f64; 3] {
+    std::array::from_fn(|a| (k >> a & 1) as f64)
+}
+
+fn simplex<const D: usize>(corners: [usize; 4]) -> Simplex<D> {
+    let point = |k: usize| Vector::<D>::from_fn(|a, _| (corners[k] >> a & 1) as f64);
+    let edges = Matrix::<D>::from_fn(|r, c| (point(c + 1) - point(0))[r]);
+    // Rows of the inverse are the gradients of the barycentric coordinates 1 … D.
+    let inverse = edges.try_inverse().unwrap_or_else(Matrix::zeros);
+    let mut slopes = [[0.0; D]; 4];
+    for i in 0..D {
+        for a in 0..D {
+            slopes[i + 1][a] = inverse[(i, a)];
+            slopes[0][a] -= inverse[(i, a)];
+        }
+    }
+    let central = D == 3 && corners.iter().all(|c| c.count_ones() % 2 == corners[0].count_ones() % 2);
+    let volume = if D == 2 {
+        0.5
+    } else if central {
+        1.0 / 3.0
+    } else {
+        1.0 / 6.0
+    };
+    Simplex { corners, volume: 0.5 * volume, slopes }
+}
+
+/// A point where the surface crosses an edge: from liquid corner `a` a fraction `t` toward corner `b`.
+#[derive(Clone, Copy)]
+struct Root {
+    a: usize,
+    b: usize,
+    t: f64,
+    x: [f64; 3],
+}
+
+fn root<const D: usize>(simplex: &Simplex<D>, values: &[f64; 8], a: usize, b: usize) -> Root {
+    let (ka, kb) = (simplex.corners[a], simplex.corners[b]);
+    let t = values[ka] / (values[ka] - values[kb]).min(-1e-12);
+    let x = std::array::from_fn(|i| {
+        let (xa, xb) = (corner(ka)[i], corner(kb)[i]);
+        xa + t * (xb - xa)
+    });
+    Root { a, b, t, x }
+}
+
+/// Adds `force · ∂x/∂φ` for a force on a root to the slopes of its edge's corners (with a minus sign).
+fn pull<const D: usize>(
+    s: &Simplex<D>,
+    values: &[f64; 8],
+    root: &Root,
+    force: [f64; 3],
+    slope: &mut [f64; 8],
+) {
+    let (ka, kb) = (s.corners[root.a], s.corners[root.b]);
+    let mut along = 0.0;
+    for i in 0..D {
+        along += force[i] * ((kb >> i & 1) as f64 - (ka >> i & 1) as f64);
+    }
+    let span = (values[ka] - values[kb]).min(-1e-12);
+    slope[ka] -= along * (1.0 - root.t) / span;
+    slope[kb] -= along * root.t / span;
+}
+
+fn gradient_norm<const D: usize>(simplex: &Simplex<D>, values: &[f64; 8]) -> f64 {
+    let mut square = 0.0;
+    for a in 0..D {
+        let slope: f64 = (0..=D).map(|i| values[simplex.corners[i]] * simplex.slopes[i][a]).sum();
+        square += slope * slope;
+    }
+    square.sqrt().max(1e-12)
+}
+
+/// Splits the simplex's corners into liquid ones and others.
+fn sides<const D: usize>(simplex: &Simplex<D>, values: &[f64; 8]) -> ([usize; 4], usize) {
+    let mut order = [0; 4];
+    let mut wet = 0;
+    for i in 0..=D {
+        if values[simplex.corners[i]] < 0.0 {
+            order[wet] = i;
+            wet += 1;
+        }
+    }
+    let mut at = wet;
+    for i in 0..=D {
+        if values[simplex.corners[i]] >= 0.0 {
+            order[at] = i;
+            at += 1;
+        }
+    }
+    (order, wet)
+}
+
+fn cut_triangle<const D: usize>(s: &Simplex<D>, values: &[f64; 8], cube: &mut CutCube) {
+    let (o, wet) = sides(s, values);
+    let at = |i: usize| corner(s.corners[o[i]]);
+    let (p, q) = match wet {
+        0 => return,
+        3 => return cube.fill(s.volume, &[at(0), at(1), at(2)]),
+        1 => {
+            let (p, q) = (root(s, values, o[0], o[1]), root(s, values, o[0], o[2]));
+            cube.fill(s.volume * p.t * q.t, &[at(0), p.x, q.x]);
+            (p, q)
+        }
+        _ => {
+            let (p, q) = (root(s, values, o[0], o[2]), root(s, values, o[1], o[2]));
+            cube.fill(s.volume, &[at(0), at(1), at(2)]);
+            cube.fill(-s.volume * (1.0 - p.t) * (1.0 - q.t), &[at(2), p.x, q.x]);
+            (p, q)
+        }
+    };
+    let d: [f64; 3] = std::array::from_fn(|i| q.x[i] - p.x[i]);
+    let length = (d[0] * d[0] + d[1] * d[1]).sqrt();
+    cube.area += 0.5 * length;
+    let unit = d.map(|c| 0.5 * c / length.max(1e-12));
+    pull(s, values, &q, unit, &mut cube.energy_slope);
+    pull(s, values, &p, unit.map(|c| -c), &mut cube.energy_slope);
+    let share = 0.25 * length / gradient_norm(s, values);
+    for r in [&p, &q] {
+        cube.volume_slope[s.corners[r.a]] += share * (1.0 - r.t);
+        cube.volume_slope[s.corners[r.b]] += share * r.t;
+    }
+}
+
+fn cut_tetrahedron<const D: usize>(s: &Simplex<D>, values: &[f64; 8], cube: &mut CutCube) {
+    let (o, wet) = sides(s, values);
+    let edge = |i: usize, j: usize| root(s, values, o[i], o[j]);
+    let at = |i: usize| corner(s.corners[o[i]]);
+    let whole = [at(0), at(1), at(2), at(3)];
+    match wet {
+        0 => {}
+        4 => cube.fill(s.volume, &whole),
+        1 => {
+            let r = [edge(0, 1), edge(0, 2), edge(0, 3)];
+            cube.fill(s.volume * r[0].t * r[1].t * r[2].t, &[at(0), r[0].x, r[1].x, r[2].x]);
+            cut_facet(s, values, &r, cube);
+        }
+        3 => {
+            let r = [edge(0, 3), edge(1, 3), edge(2, 3)];
+            let dry = (1.0 - r[0].t) * (1.0 - r[1].t) * (1.0 - r[2].t);
+            cube.fill(s.volume, &whole);
+            cube.fill(-s.volume * dry, &[at(3), r[0].x, r[1].x, r[2].x]);
+            cut_facet(s, values, &r, cube);
+        }
+        _ => {
+            let (ac, ad, bc, bd) = (edge(0, 2), edge(0, 3), edge(1, 2), edge(1, 3));
+            cube.fill(s.volume * ac.t * ad.t, &[at(0), ac.x, ad.x, at(1)]);
+            cube.fill(s.volume * ac.t * bd.t * (1.0 - ad.t), &[ac.x, ad.x, bd.x, at(1)]);
+            cube.fill(s.volume * (1.0 - ac.t) * bc.t * bd.t, &[ac.x, bc.x, bd.x, at(1)]);
+            cut_facet(s, values, &[ac, ad, bd], cube);
+            cut_facet(s, values, &[ac, bd, bc], cube);
+        }
+    }
+}
+
+fn cut_facet<const D: usize>(s: &Simplex<D>, values: &[f64; 8], r: &[Root; 3], cube: &mut CutCube) {
+    let edge = |i: usize, j: usize| -> [f64; 3] { std::array::from_fn(|k| r[j].x[k] - r[i].x[k]) };
+    let normal = cross(edge(0, 1), edge(0, 2));
+    let double = (normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]).sqrt();
+    if double < 1e-14 {
+        return;
+    }
+    let unit = normal.map(|c| c / double);
+    let area = 0.5 * double;
+    cube.area += 0.5 * area;
+    for i in 0..3 {
+        let force = cross(unit, edge((i + 1) % 3, (i + 2) % 3)).map(|c| 0.25 * c);
+        pull(s, values, &r[i], force, &mut cube.energy_slope);
+    }
+    let share = 0.5 * area / (3.0 * gradient_norm(s, values));
+    for r in r {
+        cube.volume_slope[s.corners[r.a]] += share * (1.0 - r.t);
+        cube.volume_slope[s.corners[r.b]] += share * r.t;
+    }
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
