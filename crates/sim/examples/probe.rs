@@ -29,7 +29,12 @@ fn run<const D: usize>() {
         gravity: Vector::zeros(), solids: vec![plate],
         numerics: Numerics { capillary_step: arg("CAP", 5.0), ..Numerics::default() },
     };
-    let d = |x: &Vector<D>| (x - point).norm() - 1.0;
+    let (rad, c) = if arg("INIT", 0.0) > 0.0 {
+        let (s, c) = theta.sin_cos();
+        let rad = if D == 2 { (0.5 * std::f64::consts::PI / (theta - s * c)).sqrt() } else { (2.0 / (2.0 - 3.0 * c + c * c * c)).cbrt() };
+        (rad, point - normal * (rad * c))
+    } else { (1.0, point) };
+    let d = |x: &Vector<D>| (x - c).norm() - rad;
     let mut sim = Simulation::new(model, &[Body { distance: &d, velocity: Vector::zeros() }]);
     let v0 = sim.ledger().volume;
     let t_end = arg("T", 12.0);

@@ -4,8 +4,8 @@
 //! damps nor drives it (design, numerics §8).
 
 use crate::ledger::Ledger;
-use crate::liquid::curvature::{Curvature, Displacement, FilterStep, curvature};
-use crate::liquid::ghost::extend_into_solids;
+use crate::liquid::curvature::{Beside, Curvature, Displacement, FilterStep, curvature};
+use crate::liquid::ghost::{extend_into_solids, ghosts};
 use crate::liquid::momentum::{FaceWalk, Moments, together};
 use crate::liquid::pressure::{CutFace, Projection, cut_faces};
 use crate::liquid::cube::CutCube;
@@ -64,15 +64,27 @@ pub fn step<const D: usize>(
     }
 
     // (1) The surface moves with the flow and becomes a distance again.
+    let show = |what: &str, state: &State<D>| if std::env::var("DUMP").is_ok_and(|v| v.parse() == Ok(state.step)) {
+        let l = model.grid.lattice();
+        let v: Vec<String> = [(7,5),(8,5),(9,5),(8,6),(9,6),(9,7),(10,7),(10,8),(11,8)].iter().map(|&(i,j)| format!("({i},{j}) {:7.4}", state.phi.data[l.index(std::array::from_fn(|a| if a == 0 { i } else { j }))] / model.grid.dx)).collect();
+        eprintln!("{what:12} {}", v.join(" "));
+        if what == "start" { for j in (4..10).rev() {
+            let r: Vec<String> = (5..15).map(|i| { let u = |a: usize| { let f = model.grid.faces(a); state.velocity.axes[a][f.index(std::array::from_fn(|b| if b == 0 { i } else { j }))] }; format!("({:6.3},{:6.3})", u(0), u(1)) }).collect();
+            eprintln!("{j} {}", r.join(" ")); } }
+    };
+    show("start", state);
     let before = move_surface(model, state, work, dt);
+    show("moved+ext", state);
     phase_end("advect surface");
     keep_distance(model, state, work);
     phase_end("redistance");
+    show("redistance", state);
 
     // (2) Every component keeps its volume, and the centre of mass of what touches nothing its path.
     let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
     let change = keep_volume(model, state, work, &before, &labels, dt);
     phase_end("volume");
+    show("volume", state);
 
     // (3) The velocity is carried along.
     let displacement = displacements(model, state, work, dt);
@@ -145,9 +157,23 @@ fn push<const D: usize>(
     let capillary = model.surface_tension * dt * kick / (model.density * model.grid.dx.powi(3));
     let filter = FilterStep { capillary, displacement };
     let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
-    let kappa = curvature(&model.grid, &work.band, CURVED, &phi, &change.cubes, &work.cut, &filter);
+    let ghosts = ghosts(model, &state.solids, &state.phi, &work.band, &work.cut);
+    let beside = Beside { solids: &work.cut, ghosts: &ghosts };
+    let kappa = curvature(&model.grid, &work.band, CURVED, &phi, &change.cubes, &beside, &filter);
     let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &kappa, &work.cut);
     phase_end("curvature");
+    if std::env::var("DUMP").is_ok_and(|v| v.parse() == Ok(state.step)) {
+        for f in &cut {
+            let x = model.grid.center(model.grid.lattice().coordinates(f.cell));
+            let c = x / model.grid.dx;
+            if c[0] < 32.0 && c[1] < 14.0 { eprintln!("cut {:?} axis {} sign {} theta {:.3} kappa {:.5} open {:.2} u {:.4}", c.as_slice(), f.axis, f.sign, f.theta, f.kappa, f.open, state.velocity.axes[f.axis][f.face]); }
+        }
+        let l = model.grid.lattice();
+        for j in (3..11).rev() {
+            let row: Vec<String> = (2..22).map(|i| format!("{:6.2}", state.phi.data[l.index(std::array::from_fn(|a| if a == 0 { i } else { j }))] / model.grid.dx)).collect();
+            eprintln!("{j} {}", row.join(" "));
+        }
+    }
 
     // One solve for the pressure.
     let jump = model.surface_tension * kick / (model.density * model.grid.dx);
@@ -164,6 +190,14 @@ fn push<const D: usize>(
     };
     let solve = work.pressure.project(model, &mut projection)?;
     phase_end("pressure");
+    if std::env::var("DUMP").is_ok_and(|v| v.parse() == Ok(state.step)) {
+        eprintln!("after projection");
+        for f in &cut {
+            let x = model.grid.center(model.grid.lattice().coordinates(f.cell));
+            let c = x / model.grid.dx;
+            if c[0] < 32.0 && c[1] < 9.0 { eprintln!("CUT {:?} axis {} theta {:.3} jump {:.6} lambda {:.6} u {:.5}", c.as_slice(), f.axis, f.theta, f.kappa * jump, state.lambda.data[f.cell], state.velocity.axes[f.axis][f.face]); }
+        }
+    }
 
     // Momentum that the discretisation lost comes back; the velocity extends beyond the liquid.
     let moments = keep_momentum(model, state, work, &cut, change, kick);
@@ -184,7 +218,12 @@ pub fn move_surface<const D: usize>(
 ) -> Runs {
     let values = advect_surface(model, &state.phi, &work.band, &state.velocity, dt);
     work.band.cells.iter().zip(values).for_each(|(&c, v)| state.phi.data[c as usize] = v);
-    extend_into_solids(model, state, &work.band, &work.cut);
+    if std::env::var("DUMP").is_ok_and(|v| v.parse() == Ok(state.step)) {
+        let l = model.grid.lattice();
+        let v: Vec<String> = [(7,5),(8,5),(9,5),(8,6),(9,6),(9,7),(10,7),(10,8),(11,8)].iter().map(|&(i,j)| format!("({i},{j}) {:7.4}", state.phi.data[l.index(std::array::from_fn(|a| if a == 0 { i } else { j }))] / model.grid.dx)).collect();
+        eprintln!("advected     {}", v.join(" "));
+    }
+    extend_into_solids(model, &state.solids, &mut state.phi, &work.band, &work.cut);
     state.drift += max_component(model, state, work) * dt / model.grid.dx;
     let before = std::mem::take(&mut work.liquid);
     let left = work.band.cells.clone();

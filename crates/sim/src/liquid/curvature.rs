@@ -11,6 +11,7 @@
 //! (design, experiments part 3, scheme C). `F` leaves a constant as it is: a drop at rest stays at rest.
 
 use super::filter::Graph;
+use super::ghost::Ghost;
 use super::cube::CutCube;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CutCells, Grid, Sampler};
@@ -61,6 +62,14 @@ pub struct Displacement<const D: usize> {
     pub path: Vector<D>,
 }
 
+/// What curvature must know of solids.
+pub struct Beside<'a, const D: usize> {
+    /// Where they are.
+    pub solids: &'a CutCells<D>,
+    /// The cells of the band within them.
+    pub ghosts: &'a [Ghost<D>],
+}
+
 /// Filtered curvature on the first `layers` layers of the band; `phi` samples the distance.
 pub fn curvature<const D: usize>(
     grid: &Grid<D>,
@@ -68,31 +77,35 @@ pub fn curvature<const D: usize>(
     layers: usize,
     phi: &Sampler<'_, D>,
     cubes: &[CutCube],
-    solids: &CutCells<D>,
+    beside: &Beside<'_, D>,
     step: &FilterStep<D>,
 ) -> Curvature {
     let count = band.first_layers(layers).end;
-    let (mut area, mut weight) = (vec![0.0; count], vec![0.0; count]);
+    // The slopes of energy and volume.
+    let mut slopes = vec![[0.0; 2]; count];
     for cube in cubes {
         for k in 0..1 << D {
             if let Some(s) = band.slot(cube.corners[k] as usize).filter(|s| *s < count) {
-                area[s] += cube.energy_slope[k];
-                weight[s] += cube.volume_slope[k];
+                slopes[s][0] += cube.energy_slope[k];
+                slopes[s][1] += cube.volume_slope[k];
             }
         }
     }
+    let ghosts = beside.out_of_solids(grid, band, &mut slopes);
+    let weight: Vec<f64> = slopes.iter().map(|s| s[1]).collect();
     let graph = Graph::new(grid, band, &weight);
     let lattice = grid.lattice();
-    let beside = beside_solids(grid, band, solids, &area, &weight);
+    let near = beside.smoothed(grid, band, &slopes);
     let seen = |&slot: &u32| {
         let s = slot as usize;
         let cell = band.cells[s] as usize;
-        let off = ((solids.distance(cell) - NEAR) / (FAR - NEAR)).clamp(0.0, 1.0);
+        let off = ((beside.solids.distance(cell) - NEAR) / (FAR - NEAR)).clamp(0.0, 1.0);
         let differences = || {
             let curvature = level_set::curvature(phi, grid.dx, lattice.coordinates(cell));
-            curvature.map_or_else(|| area[s] / weight[s], |k| k * grid.dx)
+            curvature.map_or_else(|| slopes[s][0] / slopes[s][1], |k| k * grid.dx)
         };
-        off * if off > 0.0 { differences() } else { 0.0 } + (1.0 - off) * if off < 1.0 { beside[s] } else { 0.0 }
+        let differences = if off > 0.0 { off * differences() } else { 0.0 };
+        differences + if off < 1.0 { (1.0 - off) * near[s] } else { 0.0 }
     };
     let raw: Vec<f64> = graph.slots.par_iter().with_min_len(512).map(seen).collect();
     let mut filtered = graph.filter(&raw, width(step.capillary, BASE));
@@ -109,46 +122,75 @@ pub fn curvature<const D: usize>(
         kappa[slot as usize] = value.clamp(-STEEPEST, STEEPEST);
         known[slot as usize] = true;
     }
+    for (slot, outside) in ghosts {
+        let seen = outside.iter().filter(|(s, _)| known[*s]);
+        let (sum, all) = seen.fold((0.0, 0.0), |(sum, all), (s, w)| (sum + w * kappa[*s], all + w));
+        if all > 0.0 {
+            kappa[slot] = sum / all;
+            known[slot] = true;
+        }
+    }
     Curvature { kappa, known }
 }
 
-/// Curvature, in 1/cells, of the first cells of the band near solids as the energy's slope, smoothed: the lattice's noise
-/// goes, what the contact line pulls stays. The energy and the volume are smoothed alike, so that a constant curvature stays
-/// as it is (design, experiments parts 1 and 4).
-fn beside_solids<const D: usize>(
-    grid: &Grid<D>,
-    band: &Band<D>,
-    solids: &CutCells<D>,
-    energy: &[f64],
-    volume: &[f64],
-) -> Vec<f64> {
-    let passes = if D == 2 { 2 } else { 4 };
-    let reach = FAR + passes as f64;
-    let near: Vec<u32> = (0..energy.len() as u32)
-        .filter(|s| solids.distance(band.cells[*s as usize] as usize) < reach)
-        .collect();
-    if near.is_empty() {
-        return Vec::new();
+/// A cell and others with weights, as places in the band.
+type Spread = (usize, Vec<(usize, f64)>);
+
+impl<const D: usize> Beside<'_, D> {
+    /// Moves what cells within solids hold to those around the points where the surface comes out: φ within follows φ
+    /// outside, and so does what it does to the energy. Gives back where it went.
+    fn out_of_solids(&self, grid: &Grid<D>, band: &Band<D>, slopes: &mut [[f64; 2]]) -> Vec<Spread> {
+        let lattice = grid.lattice();
+        let mut spreads = Vec::new();
+        for ghost in self.ghosts.iter().filter(|g| (g.slot as usize) < slopes.len()) {
+            let place = ghost.outside / grid.dx - Vector::repeat(0.5);
+            let mut to = Vec::with_capacity(1 << D);
+            for k in 0..1usize << D {
+                let mut weight = 1.0;
+                let at = std::array::from_fn(|a| {
+                    let (low, up) = (place[a].floor(), (k >> a & 1) as f64);
+                    weight *= 1.0 - (place[a] - low - up).abs();
+                    (low + up).clamp(0.0, lattice.extent[a] as f64 - 1.0) as usize
+                });
+                let cell = lattice.index(at);
+                let slot = band.slot(cell).filter(|s| *s < slopes.len() && self.solids.distance(cell) >= 0.0);
+                if let Some(s) = slot.filter(|_| weight > 0.0) {
+                    to.push((s, weight));
+                }
+            }
+            spreads.push((ghost.slot as usize, to));
+        }
+        for (from, to) in &spreads {
+            let all: f64 = to.iter().map(|t| t.1).sum();
+            if all > 0.0 {
+                let here = std::mem::take(&mut slopes[*from]);
+                to.iter().for_each(|(s, w)| (0..2).for_each(|i| slopes[*s][i] += w / all * here[i]));
+            }
+        }
+        spreads
     }
-    let mut values: Vec<[f64; 2]> = energy.iter().zip(volume).map(|(e, v)| [*e, *v]).collect();
-    for _ in 0..passes {
-        let smooth = |&s: &u32| binomial(grid, band, &values, band.cells[s as usize] as usize);
-        let new: Vec<[f64; 2]> = near.par_iter().with_min_len(256).map(smooth).collect();
-        near.iter().zip(new).for_each(|(s, v)| values[*s as usize] = v);
+
+    /// Curvature, in 1/cells, of the first cells of the band near solids as the energy's slope, smoothed: the lattice's noise
+    /// goes, what the contact line pulls stays. The energy and the volume are smoothed alike, so that a constant curvature
+    /// stays as it is (design, experiments parts 1 and 4).
+    fn smoothed(&self, grid: &Grid<D>, band: &Band<D>, slopes: &[[f64; 2]]) -> Vec<f64> {
+        let passes = if D == 2 { 2 } else { 4 };
+        let reach = FAR + passes as f64;
+        let near: Vec<u32> = (0..slopes.len() as u32)
+            .filter(|s| self.solids.distance(band.cells[*s as usize] as usize) < reach)
+            .collect();
+        if near.is_empty() {
+            return Vec::new();
+        }
+        let mut values = slopes.to_vec();
+        for _ in 0..passes {
+            let smooth = |&s: &u32| binomial(grid, band, &values, band.cells[s as usize] as usize);
+            let new: Vec<[f64; 2]> = near.par_iter().with_min_len(256).map(smooth).collect();
+            near.iter().zip(new).for_each(|(s, v)| values[*s as usize] = v);
+        }
+        let curvature = |[e, v]: [f64; 2]| if v > 1e-5 { (e / v).clamp(-STEEPEST, STEEPEST) } else { 0.0 };
+        values.iter().map(|v| curvature(*v)).collect()
     }
-    let curvature = |[e, v]: [f64; 2]| if v > 1e-5 { (e / v).clamp(-STEEPEST, STEEPEST) } else { 0.0 };
-    let mut out: Vec<f64> = values.iter().map(|v| curvature(*v)).collect();
-    // Within a solid there is too little surface to tell: what is outside goes on.
-    let lifted: Vec<(u32, f64)> = near
-        .iter()
-        .filter_map(|&s| {
-            let cell = band.cells[s as usize] as usize;
-            let above = band.slot(outward(grid, solids, cell)?).filter(|s| *s < values.len())?;
-            (values[above][1] > 1e-5).then(|| (s, out[above]))
-        })
-        .collect();
-    lifted.into_iter().for_each(|(s, v)| out[s as usize] = v);
-    out
 }
 
 /// Weighted mean (1/4, 1/2, 1/4 along each axis) of what the cells around one hold; sides mirror.
@@ -170,15 +212,6 @@ fn binomial<const D: usize>(grid: &Grid<D>, band: &Band<D>, values: &[[f64; 2]],
         }
     }
     sum
-}
-
-/// The neighbour of a cell with its centre in a solid that lies farthest out.
-fn outward<const D: usize>(grid: &Grid<D>, solids: &CutCells<D>, cell: usize) -> Option<usize> {
-    if solids.distance(cell) >= 0.0 {
-        return None;
-    }
-    let far = |a: &usize, b: &usize| solids.distance(*a).total_cmp(&solids.distance(*b));
-    grid.lattice().neighbours(cell).max_by(far)
 }
 
 /// What the displacement, times `stretch`, adds to the curvature, in 1/cells: `n · L u`, which is nothing for a body that

@@ -277,7 +277,12 @@ fn bends<const D: usize>(model: &Model<D>, p: &Projection<'_, D>) -> Vec<f64> {
             let step = n * lattice.stride[f.axis];
             if f.sign > 0.0 { f.cell - step } else { f.cell + step }
         };
-        if p.phi.data[inward(1)] >= 0.0 || p.phi.data[inward(2)] >= 0.0 {
+        let faces = model.grid.faces(f.axis).stride[f.axis];
+        let behind = |n: usize| if f.sign > 0.0 { f.face - n * faces } else { f.face + n * faces };
+        let liquid = |n: usize| {
+            p.phi.data[inward(n)] < 0.0 && p.cut_cells.open.axes[f.axis][behind(n)] > 0.0
+        };
+        if !liquid(1) || !liquid(2) {
             return 0.0;
         }
         let lambda = |n: usize| p.lambda.data[inward(n)];
