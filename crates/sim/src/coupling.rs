@@ -7,6 +7,7 @@
 //! solids are as stable as heavy ones (C. Batty, F. Bertails, R. Bridson, "A fast variational framework for accurate
 //! solid-fluid coupling", SIGGRAPH 2007; design, numerics §1).
 
+use crate::line::{Exchange, Impulse};
 use crate::model::Model;
 use crate::solid::{Motion, SolidState};
 use meniscus_numerics::grid::{CutCells, WetCell};
@@ -60,29 +61,19 @@ impl<'a, const D: usize> Coupling<'a, D> {
         own.map(|w| (w.cell, value(w))).collect()
     }
 
-    /// Impulse (N s) and moment of the impulse (N m s) that the liquid gives to each solid; `lambda` is `p h/ρ`.
-    pub fn impulses(&self, lambda: &[f64]) -> Vec<(Vector<D>, Vector<3>)> {
+    /// What the liquid's pressure gives to the solids; `lambda` is `p h/ρ`, `label` the component of a liquid cell.
+    pub fn impulses(&self, lambda: &[f64], label: impl Fn(usize) -> Option<u32>) -> Exchange<D> {
         let scale = self.model.density * self.model.grid.face_area();
-        let mut sums = vec![(Vector::zeros(), Vector::<3>::zeros()); self.solids.len()];
+        let mut exchange = Exchange::new();
         for w in &self.wet {
             let push = scale * lambda[w.cell as usize];
-            let sum = &mut sums[w.solid as usize];
-            sum.0 += w.area * push;
-            sum.1 += self.moment(w) * push;
+            let turning = Vector::<3>::from(w.moment) * (push * self.model.grid.dx);
+            let impulse = Impulse { linear: w.area * push, turning };
+            if let Some(component) = label(w.cell as usize) {
+                exchange.entry((component, w.solid)).or_insert_with(Impulse::none).add(&impulse, 1.0);
+            }
         }
-        sums
-    }
-
-    /// The solids' states after impulses.
-    pub fn pushed(&self, impulses: &[(Vector<D>, Vector<3>)]) -> Vec<SolidState<D>> {
-        let mut solids = self.solids.to_vec();
-        for (number, _) in self.free() {
-            let (solid, model) = (&mut solids[number], &self.model.solids[number]);
-            solid.velocity += impulses[number].0 / model.body.mass;
-            let spin = Vector::<3>::from(solid.spin) + model.inverse_inertia(solid) * impulses[number].1;
-            solid.spin = spin.into();
-        }
-        solids
+        exchange
     }
 
     fn free(&self) -> impl Iterator<Item = (usize, &SolidState<D>)> {
@@ -94,6 +85,18 @@ impl<'a, const D: usize> Coupling<'a, D> {
         let center = &self.solids[w.solid as usize].center;
         let three = |v: &Vector<D>| Vector::<3>::from_fn(|a, _| if a < D { v[a] } else { 0.0 });
         Vector::<3>::from(w.moment) * self.model.grid.dx - three(center).cross(&three(&w.area))
+    }
+}
+
+/// Gives impulses to the free solids.
+pub fn push_solids<const D: usize>(model: &Model<D>, solids: &mut [SolidState<D>], exchange: &Exchange<D>) {
+    let sums = Impulse::sums(exchange, solids.len(), |(_, solid)| solid);
+    for ((now, solid), sum) in solids.iter_mut().zip(&model.solids).zip(sums) {
+        if solid.motion == Motion::Free {
+            now.velocity += sum.linear / solid.body.mass;
+            let spin = Vector::<3>::from(now.spin) + solid.inverse_inertia(now) * sum.about(&now.center);
+            now.spin = spin.into();
+        }
     }
 }
 
@@ -113,7 +116,7 @@ mod tests {
 
     struct Projected<const D: usize> {
         state: State<D>,
-        impulses: Vec<(Vector<D>, Vector<3>)>,
+        impulses: Vec<Impulse<D>>,
         report: SolveReport,
         fastest: f64,
     }
@@ -164,7 +167,6 @@ mod tests {
         let mut start = state.velocity.clone();
         walk(Box::new(|a, face| start.axes[a][face] = velocity[a]));
         state.velocity = start;
-        let before = state.solids.clone();
         let mut projection = Projection {
             velocity: &mut state.velocity,
             lambda: &mut state.lambda,
@@ -173,12 +175,13 @@ mod tests {
             faces: &faces,
             cut: &cut,
             cut_cells: &work.cut,
-            solids: &mut state.solids,
+            solids: &state.solids,
             jump: 0.0,
+            label: &|_| Some(0),
         };
-        let report = work.pressure.project(&model, &mut projection).unwrap();
-        let coupling = Coupling::new(&model, &work.cut, &before, &state.phi.data);
-        let impulses = coupling.impulses(&state.lambda.data);
+        let (report, exchange) = work.pressure.project(&model, &mut projection).unwrap();
+        let impulses = Impulse::sums(&exchange, model.solids.len(), |(_, solid)| solid);
+        push_solids(&model, &mut state.solids, &exchange);
         let mut fastest = 0.0f64;
         walk(Box::new(|a, face| fastest = fastest.max(state.velocity.axes[a][face].abs())));
         Projected { state, impulses, report, fastest }
@@ -202,10 +205,11 @@ mod tests {
         // What is left is the solve's tolerance, 1e-10; the volume is the cut cells', right to second order.
         assert!(p.fastest < 1e-9, "{D}D: {}", p.fastest);
         let (volume, bar) = (volume::<D>(0.22), if D == 2 { 0.002 } else { 0.008 });
-        let lift = p.impulses[0].0;
+        let lift = p.impulses[0].linear;
         assert!((lift[D - 1] / volume - 1.0).abs() < bar, "{D}D: {}", lift[D - 1] / volume);
         assert!((0..D - 1).all(|a| lift[a].abs() < 1e-9), "{D}D: {lift}");
-        assert!(p.impulses[0].1.norm() < 1e-4 * volume * 0.22, "{D}D: {}", p.impulses[0].1);
+        let turning = p.impulses[0].about(&p.state.solids[0].center);
+        assert!(turning.norm() < 1e-4 * volume * 0.22, "{D}D: {turning}");
     }
 
     #[test]

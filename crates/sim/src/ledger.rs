@@ -1,6 +1,16 @@
 //! The books: volume, momentum and energy of a state.
 
+use crate::liquid::cube::CutCube;
+use crate::liquid::momentum::{Moments, together};
+use crate::liquid::pressure::{CutFace, divergence_max};
+use crate::model::Model;
+use crate::solid::Motion;
+use crate::state::{Drop, State};
+use crate::step::Change;
+use crate::workspace::{Workspace, boxes};
 use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Segment;
+use rayon::prelude::*;
 
 /// Sums over the whole liquid. In 2D everything is per metre of depth.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,4 +55,107 @@ pub struct StepReport<const D: usize> {
     pub redone: u32,
     /// The books after the step.
     pub ledger: Ledger<D>,
+}
+
+/// The surface's energy over its tension, m² (2D: m).
+pub fn surface_energy<const D: usize>(model: &Model<D>, cubes: &[CutCube]) -> f64 {
+    cubes.iter().map(CutCube::energy).sum::<f64>() * model.grid.face_area()
+}
+
+/// ½ ρ ∫ u² of the liquid, J.
+pub fn kinetic_energy<const D: usize>(model: &Model<D>, moments: &[Moments<D>]) -> f64 {
+    0.5 * model.density * model.grid.cell_volume() * moments.iter().map(|m| m.energy).sum::<f64>()
+}
+
+/// The components as drops.
+pub fn drops<const D: usize>(
+    model: &Model<D>,
+    work: &Workspace<D>,
+    cut: &[CutFace],
+    moments: &[Moments<D>],
+    change: &Change<D>,
+) -> Vec<Drop<D>> {
+    let label = work.liquid.component(&model.grid);
+    let half = 0.5 * model.grid.dx;
+    let mut drops: Vec<Drop<D>> = boxes(model, &work.liquid)
+        .into_iter()
+        .zip(moments)
+        .enumerate()
+        .map(|(c, ((low, high), m))| {
+            let whole = m.weighing(change.targets[c]).whole(change.centers[c]);
+            Drop {
+                target_volume: change.targets[c],
+                volume: change.volumes[c],
+                centroid: whole.center,
+                // Outermost centres, or the wall behind them; the surface's place follows.
+                lower: low.map(|x| if x < 1.5 * half { 0.0 } else { x }),
+                upper: Vector::from_fn(|a, _| {
+                    let side = model.grid.upper()[a];
+                    if high[a] > side - 1.5 * half { side } else { high[a] }
+                }),
+                velocity: whole.velocity,
+                spin: whole.spin,
+            }
+        })
+        .collect();
+    for f in cut {
+        let Some(c) = label(f.cell) else { continue };
+        let drop = &mut drops[c as usize];
+        let x = model.grid.center(model.grid.lattice().coordinates(f.cell))[f.axis];
+        let surface = x + f.sign * f.theta * model.grid.dx;
+        drop.lower[f.axis] = drop.lower[f.axis].min(surface);
+        drop.upper[f.axis] = drop.upper[f.axis].max(surface);
+    }
+    drops
+}
+
+/// Largest velocity component on the liquid's faces, m/s.
+pub fn max_component<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> f64 {
+    (0..D)
+        .map(|a| {
+            let row = model.grid.faces(a).extent[0];
+            let values = &state.velocity.axes[a];
+            let stretch = |s: &Segment| {
+                values[s.row * row + s.start..s.row * row + s.end].iter().fold(0.0f64, |m, v| m.max(v.abs()))
+            };
+            work.known.liquid()[a].par_iter().map(stretch).reduce(|| 0.0, f64::max)
+        })
+        .fold(0.0, f64::max)
+}
+
+/// Energy of liquid and free solids in gravity, J.
+pub fn potential_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
+    let lift = |d: &Drop<D>| -d.target_volume * model.gravity.dot(&d.centroid);
+    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| s.motion == Motion::Free);
+    let solids: f64 = solids.map(|(s, now)| -s.body.mass * model.gravity.dot(&now.center)).sum();
+    model.density * state.drops.iter().map(lift).sum::<f64>() + solids
+}
+
+/// Energy of the motion of liquid and free solids, and of the surfaces, J.
+pub fn own_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
+    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| s.motion == Motion::Free);
+    let moving: f64 = solids.map(|(s, now)| s.kinetic_energy(now)).sum();
+    state.kinetic_energy + moving + model.surface_tension * state.surface_area
+}
+
+/// The books of a state.
+pub fn ledger<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Ledger<D> {
+    let drops = &state.drops;
+    let all = together(drops.iter().map(Drop::whole));
+    let mass = model.density * all.mass;
+    let excess = || drops.iter().map(|d| d.volume - d.target_volume);
+    let misplaced = excess().map(f64::abs).sum::<f64>().copysign(excess().sum());
+    Ledger {
+        volume: drops.iter().map(|d| d.volume).sum(),
+        target_volume: all.mass,
+        volume_error: misplaced / all.mass.max(f64::MIN_POSITIVE),
+        centroid: all.center,
+        momentum: all.velocity * mass,
+        angular_momentum: all.about(&Vector::zeros()).map(|l| model.density * l),
+        kinetic_energy: state.kinetic_energy,
+        surface_energy: model.surface_tension * state.surface_area,
+        potential_energy: potential_energy(model, state),
+        max_speed: max_component(model, state, work),
+        divergence_max: divergence_max(model, state, &work.liquid, &work.cut),
+    }
 }

@@ -5,6 +5,7 @@
 mod coupling;
 mod kinematic;
 mod ledger;
+mod line;
 mod liquid;
 mod model;
 mod simulation;

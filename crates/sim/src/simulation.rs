@@ -1,10 +1,10 @@
 //! A run in memory: the model, the state, and how to step.
 
-use crate::ledger::{Ledger, StepReport};
+use crate::ledger::{Ledger, StepReport, ledger, max_component, own_energy, potential_energy};
 use crate::model::Model;
 use crate::solid::Solid;
 use crate::state::State;
-use crate::step::{ledger, max_component, open_books, potential_energy, step};
+use crate::step::{open_books, step};
 use crate::workspace::{BAND, Snapshot, Workspace};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Runs;
@@ -143,7 +143,8 @@ impl<const D: usize> Simulation<D> {
         let wanted = self.wanted_dt(speed)?;
         let mut dt = self.choose_dt(wanted, max_dt);
         let shortest = 1.5 * 0.5f64.powi(DOUBTS as i32) * wanted;
-        let (energy, height) = (self.energy(), potential_energy(&self.model, &self.state));
+        let (energy, height) =
+            (own_energy(&self.model, &self.state), potential_energy(&self.model, &self.state));
         let time = self.state.time;
         let mut redone = 0;
         loop {
@@ -152,9 +153,11 @@ impl<const D: usize> Simulation<D> {
             let failure = match result {
                 Ok(result) => {
                     let fine = self.state.kinetic_energy.is_finite();
-                    let gain = self.energy() + potential_energy(&self.model, &self.state) - (energy + height);
+                    let (own, high) =
+                        (own_energy(&self.model, &self.state), potential_energy(&self.model, &self.state));
+                    let gain = own + high - (energy + height) - result.stirred;
                     let doubtful = result.volume_jump > VOLUME_JUMP
-                        || gain > ENERGY_JUMP * energy + self.energy_of_nothing(dt);
+                        || gain > ENERGY_JUMP * energy.abs() + self.energy_of_nothing(dt);
                     if fine && (!doubtful || dt < shortest || self.model.numerics.fixed_step.is_some()) {
                         let cfl = speed * dt / self.model.grid.dx;
                         let solve = result.solve;
@@ -202,10 +205,6 @@ impl<const D: usize> Simulation<D> {
             return Err(StepError::TooShort { time: self.state.time, dt, reason });
         }
         Ok(dt)
-    }
-
-    fn energy(&self) -> f64 {
-        self.state.kinetic_energy + self.model.surface_tension * self.state.surface_area
     }
 
     /// Energy of motions too small to count: without it rounding alone would be doubtful in a liquid at rest.

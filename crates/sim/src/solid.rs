@@ -217,6 +217,12 @@ impl<const D: usize> Solid<D> {
         }
     }
 
+    /// Energy of its motion, J.
+    pub fn kinetic_energy(&self, now: &SolidState<D>) -> f64 {
+        let turning = self.angular_momentum(now).dot(&Vector::<3>::from(now.spin));
+        0.5 * (self.body.mass * now.velocity.norm_squared() + turning)
+    }
+
     /// Angular momentum about its centre, kg m²/s.
     pub fn angular_momentum(&self, now: &SolidState<D>) -> Vector<3> {
         let turn = in_space(&now.rotation);

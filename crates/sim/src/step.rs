@@ -3,20 +3,22 @@
 //! Positions first, then one solve for the velocity: a capillary wave then obeys symplectic Euler, which neither
 //! damps nor drives it (design, numerics §8).
 
-use crate::ledger::Ledger;
+use crate::coupling::push_solids;
+use crate::ledger::{drops, kinetic_energy, max_component, surface_energy};
+use crate::line::{Exchange, Impulse, Lines};
+use crate::liquid::cube::CutCube;
 use crate::liquid::curvature::{Beside, Curvature, Displacement, FilterStep, curvature};
 use crate::liquid::ghost::{extend_into_solids, ghosts};
 use crate::liquid::momentum::{FaceWalk, Moments, together};
 use crate::liquid::pressure::{CutFace, Projection, cut_faces};
-use crate::liquid::cube::CutCube;
 use crate::liquid::transport::{advect_surface, advect_velocity, pack};
 use crate::liquid::viscosity::Diffusion;
 use crate::liquid::volume::{Group, Measured, astray, band_labels, follow, targets};
 use crate::model::Model;
 use crate::simulation::PhaseEnd;
 use crate::solid::Motion;
-use crate::state::{Drop, State};
-use crate::workspace::{BAND, LAYERS, Workspace, component_of};
+use crate::state::State;
+use crate::workspace::{BAND, LAYERS, Workspace};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Runs, Sampler, Segment};
 use meniscus_numerics::level_set::{redistance, slope};
@@ -38,6 +40,8 @@ const NEAR: usize = 6;
 pub struct StepResult {
     /// The pressure solve.
     pub solve: SolveReport,
+    /// Work that solids which go as told did, J.
+    pub stirred: f64,
     /// What a component's volume was wrong by before it was put right, as a layer on a ball of its volume, in cells.
     pub volume_jump: f64,
 }
@@ -64,27 +68,15 @@ pub fn step<const D: usize>(
     }
 
     // (1) The surface moves with the flow and becomes a distance again.
-    let show = |what: &str, state: &State<D>| if std::env::var("DUMP").is_ok_and(|v| v.parse() == Ok(state.step)) {
-        let l = model.grid.lattice();
-        let v: Vec<String> = [(7,5),(8,5),(9,5),(8,6),(9,6),(9,7),(10,7),(10,8),(11,8)].iter().map(|&(i,j)| format!("({i},{j}) {:7.4}", state.phi.data[l.index(std::array::from_fn(|a| if a == 0 { i } else { j }))] / model.grid.dx)).collect();
-        eprintln!("{what:12} {}", v.join(" "));
-        if what == "start" { for j in (4..10).rev() {
-            let r: Vec<String> = (5..15).map(|i| { let u = |a: usize| { let f = model.grid.faces(a); state.velocity.axes[a][f.index(std::array::from_fn(|b| if b == 0 { i } else { j }))] }; format!("({:6.3},{:6.3})", u(0), u(1)) }).collect();
-            eprintln!("{j} {}", r.join(" ")); } }
-    };
-    show("start", state);
     let before = move_surface(model, state, work, dt);
-    show("moved+ext", state);
     phase_end("advect surface");
     keep_distance(model, state, work);
     phase_end("redistance");
-    show("redistance", state);
 
     // (2) Every component keeps its volume, and the centre of mass of what touches nothing its path.
     let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
-    let change = keep_volume(model, state, work, &before, &labels, dt);
+    let mut change = keep_volume(model, state, work, &before, &labels, dt);
     phase_end("volume");
-    show("volume", state);
 
     // (3) The velocity is carried along.
     let displacement = displacements(model, state, work, dt);
@@ -104,12 +96,12 @@ pub fn step<const D: usize>(
 
     // (4) The forces.
     let kick = kick(state.lead, dt);
-    let solve = push(model, state, work, &change, displacement, (dt, kick), phase_end)?;
+    let (solve, stirred) = push(model, state, work, &mut change, displacement, (dt, kick), phase_end)?;
     (state.lead, state.kick) = (state.lead + kick - dt, kick);
     state.time += dt;
     state.step += 1;
     state.last_dt = dt;
-    Ok(StepResult { solve, volume_jump: change.jump })
+    Ok(StepResult { solve, stirred, volume_jump: change.jump })
 }
 
 /// Brings the velocity half a step ahead of the positions, where leapfrog wants it: once, before the first step.
@@ -122,14 +114,14 @@ fn start<const D: usize>(
 ) -> Result<(), SolveError> {
     let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
     let Measured { cubes, volumes, centers } = work.measured_liquid(model, &labels).measure(&state.phi);
-    let one = |c: usize| Group { old: vec![c], new: vec![c], whole: None };
+    let one = |c: usize| Group { old: vec![c], new: vec![c], whole: None, placed: false };
     let mut groups: Vec<Group<D>> = (0..volumes.len()).map(one).collect();
     expect(model, state, work, &mut groups, 0.0);
     let targets = state.drops.iter().map(|d| d.target_volume).collect();
-    let change = Change { groups, cubes, targets, volumes, centers, jump: 0.0 };
+    let mut change = Change { groups, cubes, targets, volumes, centers, jump: 0.0 };
     let still = displacements(model, state, work, 0.0);
     work.mark_afresh(model);
-    push(model, state, work, &change, still, (dt, 0.5 * dt), phase_end)?;
+    push(model, state, work, &mut change, still, (dt, 0.5 * dt), phase_end)?;
     (state.lead, state.kick) = (0.5 * dt, 0.5 * dt);
     Ok(())
 }
@@ -141,16 +133,16 @@ fn kick(lead: f64, dt: f64) -> f64 {
 }
 
 /// Adds what gravity, surface tension and pressure do to the velocity in the time `kick`, in a step of `dt`;
-/// `displacement` as [`displacements`] found it.
+/// `displacement` as [`displacements`] found it. Gives back the work of solids, too.
 fn push<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     work: &mut Workspace<D>,
-    change: &Change<D>,
+    change: &mut Change<D>,
     displacement: Vec<Displacement<D>>,
     (dt, kick): (f64, f64),
     phase_end: PhaseEnd<'_>,
-) -> Result<SolveReport, SolveError> {
+) -> Result<(SolveReport, f64), SolveError> {
     fall(model, state, work, kick);
 
     // Surface tension as a pressure on the surface.
@@ -162,42 +154,12 @@ fn push<const D: usize>(
     let kappa = curvature(&model.grid, &work.band, CURVED, &phi, &change.cubes, &beside, &filter);
     let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &kappa, &work.cut);
     phase_end("curvature");
-    if std::env::var("DUMP").is_ok_and(|v| v.parse() == Ok(state.step)) {
-        for f in &cut {
-            let x = model.grid.center(model.grid.lattice().coordinates(f.cell));
-            let c = x / model.grid.dx;
-            if c[0] < 32.0 && c[1] < 14.0 { eprintln!("cut {:?} axis {} sign {} theta {:.3} kappa {:.5} open {:.2} u {:.4}", c.as_slice(), f.axis, f.sign, f.theta, f.kappa, f.open, state.velocity.axes[f.axis][f.face]); }
-        }
-        let l = model.grid.lattice();
-        for j in (3..11).rev() {
-            let row: Vec<String> = (2..22).map(|i| format!("{:6.2}", state.phi.data[l.index(std::array::from_fn(|a| if a == 0 { i } else { j }))] / model.grid.dx)).collect();
-            eprintln!("{j} {}", row.join(" "));
-        }
-    }
 
-    // One solve for the pressure.
-    let jump = model.surface_tension * kick / (model.density * model.grid.dx);
-    let mut projection = Projection {
-        velocity: &mut state.velocity,
-        lambda: &mut state.lambda,
-        phi: &state.phi,
-        liquid: &work.liquid,
-        faces: work.known.liquid(),
-        cut: &cut,
-        cut_cells: &work.cut,
-        solids: &mut state.solids,
-        jump,
-    };
-    let solve = work.pressure.project(model, &mut projection)?;
+    // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
+    let (solve, given) = press(model, state, work, change, &cut, kick)?;
+    let stirred = stirred(model, state, &given);
+    give_back(model, &mut change.groups, &given);
     phase_end("pressure");
-    if std::env::var("DUMP").is_ok_and(|v| v.parse() == Ok(state.step)) {
-        eprintln!("after projection");
-        for f in &cut {
-            let x = model.grid.center(model.grid.lattice().coordinates(f.cell));
-            let c = x / model.grid.dx;
-            if c[0] < 32.0 && c[1] < 9.0 { eprintln!("CUT {:?} axis {} theta {:.3} jump {:.6} lambda {:.6} u {:.5}", c.as_slice(), f.axis, f.theta, f.kappa * jump, state.lambda.data[f.cell], state.velocity.axes[f.axis][f.face]); }
-        }
-    }
 
     // Momentum that the discretisation lost comes back; the velocity extends beyond the liquid.
     let moments = keep_momentum(model, state, work, &cut, change, kick);
@@ -206,7 +168,67 @@ fn push<const D: usize>(
     state.kinetic_energy = kinetic_energy(model, &moments);
     state.surface_area = surface_energy(model, &change.cubes);
     phase_end("momentum and extension");
-    Ok(solve)
+    Ok((solve, stirred))
+}
+
+/// Projects the velocity, and pushes the solids. Gives back what line and pressure gave them.
+fn press<const D: usize>(
+    model: &Model<D>,
+    state: &mut State<D>,
+    work: &mut Workspace<D>,
+    change: &Change<D>,
+    cut: &[CutFace],
+    kick: f64,
+) -> Result<(SolveReport, [Exchange<D>; 2]), SolveError> {
+    let inside: Vec<bool> = work.touching(model).iter().map(|t| !t.side).collect();
+    let label = work.liquid.component(&model.grid);
+    let line = Lines { model, cubes: &change.cubes, cut, label: &label, inside: &inside }.impulses(kick);
+    push_solids(model, &mut state.solids, &line);
+    let mut projection = Projection {
+        velocity: &mut state.velocity,
+        lambda: &mut state.lambda,
+        phi: &state.phi,
+        liquid: &work.liquid,
+        faces: work.known.liquid(),
+        cut,
+        cut_cells: &work.cut,
+        solids: &state.solids,
+        label: &label,
+        jump: model.surface_tension * kick / (model.density * model.grid.dx),
+    };
+    let (solve, pressure) = work.pressure.project(model, &mut projection)?;
+    push_solids(model, &mut state.solids, &pressure);
+    Ok((solve, [line, pressure]))
+}
+
+/// The work, J, that solids which go as told do on the rest.
+fn stirred<const D: usize>(model: &Model<D>, state: &State<D>, given: &[Exchange<D>; 2]) -> f64 {
+    let mut work = 0.0;
+    for ((_, solid), impulse) in given.iter().flatten() {
+        let now = &state.solids[*solid as usize];
+        if model.solids[*solid as usize].motion != Motion::Free {
+            let turning = impulse.about(&now.center).dot(&Vector::<3>::from(now.spin));
+            work -= impulse.linear.dot(&now.velocity) + turning;
+        }
+    }
+    work
+}
+
+/// Takes from the groups what they gave to solids.
+fn give_back<const D: usize>(model: &Model<D>, groups: &mut [Group<D>], given: &[Exchange<D>; 2]) {
+    let count = groups.iter().flat_map(|g| &g.new).max().map_or(0, |c| c + 1);
+    let mut sums = vec![Impulse::none(); count];
+    for ((component, _), impulse) in given.iter().flatten() {
+        sums[*component as usize].add(impulse, 1.0);
+    }
+    for group in groups {
+        let Some(whole) = &mut group.whole else { continue };
+        for j in &group.new {
+            whole.velocity -= sums[*j].linear / (model.density * whole.mass);
+            let turning = sums[*j].about(&whole.center) / model.density;
+            (0..3).for_each(|i| whole.spin[i] -= turning[i]);
+        }
+    }
 }
 
 /// Moves φ; gives back the liquid cells before.
@@ -218,11 +240,6 @@ pub fn move_surface<const D: usize>(
 ) -> Runs {
     let values = advect_surface(model, &state.phi, &work.band, &state.velocity, dt);
     work.band.cells.iter().zip(values).for_each(|(&c, v)| state.phi.data[c as usize] = v);
-    if std::env::var("DUMP").is_ok_and(|v| v.parse() == Ok(state.step)) {
-        let l = model.grid.lattice();
-        let v: Vec<String> = [(7,5),(8,5),(9,5),(8,6),(9,6),(9,7),(10,7),(10,8),(11,8)].iter().map(|&(i,j)| format!("({i},{j}) {:7.4}", state.phi.data[l.index(std::array::from_fn(|a| if a == 0 { i } else { j }))] / model.grid.dx)).collect();
-        eprintln!("advected     {}", v.join(" "));
-    }
     extend_into_solids(model, &state.solids, &mut state.phi, &work.band, &work.cut);
     state.drift += max_component(model, state, work) * dt / model.grid.dx;
     let before = std::mem::take(&mut work.liquid);
@@ -259,11 +276,14 @@ pub(crate) fn keep_distance<const D: usize>(model: &Model<D>, state: &mut State<
 /// What became of the components in a step.
 pub struct Change<const D: usize> {
     groups: Vec<Group<D>>,
-    cubes: Vec<CutCube>,
+    /// The surface in cubes.
+    pub cubes: Vec<CutCube>,
     /// Volumes that the components must have.
     pub targets: Vec<f64>,
-    volumes: Vec<f64>,
-    centers: Vec<Vector<D>>,
+    /// Volumes that they have.
+    pub volumes: Vec<f64>,
+    /// Their centres of mass.
+    pub centers: Vec<Vector<D>>,
     jump: f64,
 }
 
@@ -300,7 +320,7 @@ fn depth<const D: usize>(model: &Model<D>, change: f64, whole: f64) -> f64 {
     change.abs() / (D as f64 * unit * radius.powi(D as i32 - 1) * model.grid.dx)
 }
 
-/// Finds out what every group that touches no side of the domain must be after the step.
+/// Finds out what every group that nothing holds must be after the step.
 fn expect<const D: usize>(
     model: &Model<D>,
     state: &State<D>,
@@ -311,13 +331,11 @@ fn expect<const D: usize>(
     if !model.numerics.restore_momentum {
         return;
     }
-    let (near, upper) = (0.75 * model.grid.dx, model.grid.upper());
-    let boxes = boxes(model, &work.liquid);
-    let wetting = work.wetting(model);
-    let touches =
-        |&j: &usize| wetting[j] || (0..D).any(|a| boxes[j].0[a] < near || boxes[j].1[a] > upper[a] - near);
+    let touching = work.touching(model);
     for group in groups {
-        if !group.old.is_empty() && !group.new.is_empty() && !group.new.iter().any(touches) {
+        let held = group.new.iter().any(|&j| touching[j].side || touching[j].held);
+        if !group.old.is_empty() && !group.new.is_empty() && !held {
+            group.placed = !group.new.iter().any(|&j| touching[j].free);
             let mut whole = together(group.old.iter().map(|&i| state.drops[i].whole()));
             whole.center += whole.velocity * dt;
             group.whole = Some(whole);
@@ -412,11 +430,6 @@ pub fn open_books<const D: usize>(model: &Model<D>, state: &mut State<D>, work: 
     state.surface_area = surface_energy(model, &change.cubes);
 }
 
-/// The surface's energy over its tension, m² (2D: m).
-fn surface_energy<const D: usize>(model: &Model<D>, cubes: &[CutCube]) -> f64 {
-    cubes.iter().map(CutCube::energy).sum::<f64>() * model.grid.face_area()
-}
-
 fn keep_momentum<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
@@ -425,8 +438,8 @@ fn keep_momentum<const D: usize>(
     change: &Change<D>,
     dt: f64,
 ) -> Vec<Moments<D>> {
-    let rows = work.liquid.row_starts(&model.grid);
-    let label = |cell: usize| component_of(&work.liquid, &rows, model.grid.cells[0], cell);
+    let of = work.liquid.component(&model.grid);
+    let label = |cell: usize| of(cell).unwrap_or(0);
     let walk = FaceWalk {
         model,
         phi: &state.phi,
@@ -437,111 +450,4 @@ fn keep_momentum<const D: usize>(
         components: work.liquid.components as usize,
     };
     walk.restore(&mut state.velocity, &change.groups, &change.targets, &change.centers, dt)
-}
-
-/// ½ ρ ∫ u², J.
-fn kinetic_energy<const D: usize>(model: &Model<D>, moments: &[Moments<D>]) -> f64 {
-    0.5 * model.density * model.grid.cell_volume() * moments.iter().map(|m| m.energy).sum::<f64>()
-}
-
-/// Box of the cell centres of every component.
-fn boxes<const D: usize>(model: &Model<D>, liquid: &Runs) -> Vec<(Vector<D>, Vector<D>)> {
-    let lattice = model.grid.lattice();
-    let far: Vector<D> = Vector::repeat(f64::INFINITY);
-    let mut out = vec![(far, -far); liquid.components as usize];
-    for run in &liquid.runs {
-        let at = lattice.coordinates(run.row as usize * lattice.extent[0]);
-        let end = |i: u32| {
-            let mut cell = at;
-            cell[0] = i as usize;
-            model.grid.center(cell)
-        };
-        let (low, high) = &mut out[run.component as usize];
-        *low = low.inf(&end(run.start));
-        *high = high.sup(&end(run.end - 1));
-    }
-    out
-}
-
-/// The components as drops.
-fn drops<const D: usize>(
-    model: &Model<D>,
-    work: &Workspace<D>,
-    cut: &[CutFace],
-    moments: &[Moments<D>],
-    change: &Change<D>,
-) -> Vec<Drop<D>> {
-    let rows = work.liquid.row_starts(&model.grid);
-    let half = 0.5 * model.grid.dx;
-    let mut drops: Vec<Drop<D>> = boxes(model, &work.liquid)
-        .into_iter()
-        .zip(moments)
-        .enumerate()
-        .map(|(c, ((low, high), m))| {
-            let whole = m.weighing(change.targets[c]).whole(change.centers[c]);
-            Drop {
-                target_volume: change.targets[c],
-                volume: change.volumes[c],
-                centroid: whole.center,
-                // Outermost centres, or the wall behind them; the surface's place follows.
-                lower: low.map(|x| if x < 1.5 * half { 0.0 } else { x }),
-                upper: Vector::from_fn(|a, _| {
-                    let side = model.grid.upper()[a];
-                    if high[a] > side - 1.5 * half { side } else { high[a] }
-                }),
-                velocity: whole.velocity,
-                spin: whole.spin,
-            }
-        })
-        .collect();
-    for f in cut {
-        let drop = &mut drops[component_of(&work.liquid, &rows, model.grid.cells[0], f.cell) as usize];
-        let x = model.grid.center(model.grid.lattice().coordinates(f.cell))[f.axis];
-        let surface = x + f.sign * f.theta * model.grid.dx;
-        drop.lower[f.axis] = drop.lower[f.axis].min(surface);
-        drop.upper[f.axis] = drop.upper[f.axis].max(surface);
-    }
-    drops
-}
-
-/// Largest velocity component on the liquid's faces, m/s.
-pub fn max_component<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> f64 {
-    (0..D)
-        .map(|a| {
-            let row = model.grid.faces(a).extent[0];
-            let values = &state.velocity.axes[a];
-            let stretch = |s: &Segment| {
-                values[s.row * row + s.start..s.row * row + s.end].iter().fold(0.0f64, |m, v| m.max(v.abs()))
-            };
-            work.known.liquid()[a].par_iter().map(stretch).reduce(|| 0.0, f64::max)
-        })
-        .fold(0.0, f64::max)
-}
-
-/// Energy of the liquid in gravity, J.
-pub fn potential_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
-    let lift = |d: &Drop<D>| -d.target_volume * model.gravity.dot(&d.centroid);
-    model.density * state.drops.iter().map(lift).sum::<f64>()
-}
-
-/// The books of a state.
-pub fn ledger<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Ledger<D> {
-    let drops = &state.drops;
-    let all = together(drops.iter().map(Drop::whole));
-    let mass = model.density * all.mass;
-    let excess = || drops.iter().map(|d| d.volume - d.target_volume);
-    let misplaced = excess().map(f64::abs).sum::<f64>().copysign(excess().sum());
-    Ledger {
-        volume: drops.iter().map(|d| d.volume).sum(),
-        target_volume: all.mass,
-        volume_error: misplaced / all.mass.max(f64::MIN_POSITIVE),
-        centroid: all.center,
-        momentum: all.velocity * mass,
-        angular_momentum: all.about(&Vector::zeros()).map(|l| model.density * l),
-        kinetic_energy: state.kinetic_energy,
-        surface_energy: model.surface_tension * state.surface_area,
-        potential_energy: potential_energy(model, state),
-        max_speed: max_component(model, state, work),
-        divergence_max: crate::liquid::pressure::divergence_max(model, state, &work.liquid, &work.cut),
-    }
 }

@@ -8,13 +8,24 @@ use crate::model::Model;
 use crate::solid::Motion;
 use crate::state::State;
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{Band, CellField, CutCells, KnownFaces, Run, Runs, Sampler, Segment, Tiles};
+use meniscus_numerics::grid::{Band, CellField, CutCells, KnownFaces, Runs, Sampler, Segment, Tiles};
 use rayon::prelude::*;
 
 /// Largest distance that φ tells, in cells.
 pub const BAND: f64 = 5.0;
 /// Layers of the band: enough for [`BAND`] where the surface lies slantwise to the axes.
 pub const LAYERS: usize = 8;
+
+/// What a component of the liquid touches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Touching {
+    /// A side of the domain.
+    pub side: bool,
+    /// A solid that stays or goes as told.
+    pub held: bool,
+    /// A free solid.
+    pub free: bool,
+}
 
 /// What follows from the state, kept from step to step, and scratch memory.
 pub struct Workspace<const D: usize> {
@@ -110,19 +121,23 @@ impl<const D: usize> Workspace<D> {
         }
     }
 
-    /// Which components touch a solid.
-    pub fn wetting(&self, model: &Model<D>) -> Vec<bool> {
-        let mut wetting = vec![false; self.liquid.components as usize];
-        if self.cut.wet.is_empty() {
-            return wetting;
-        }
-        let rows = self.liquid.row_starts(&model.grid);
+    /// What each component touches.
+    pub fn touching(&self, model: &Model<D>) -> Vec<Touching> {
+        let (near, upper) = (0.75 * model.grid.dx, model.grid.upper());
+        let at_side =
+            |(low, high): &(Vector<D>, Vector<D>)| (0..D).any(|a| low[a] < near || high[a] > upper[a] - near);
+        let boxes = boxes(model, &self.liquid);
+        let mut touching: Vec<Touching> =
+            boxes.iter().map(|b| Touching { side: at_side(b), held: false, free: false }).collect();
+        let label = self.liquid.component(&model.grid);
         for w in &self.cut.wet {
-            let component =
-                run_of(&self.liquid, &rows, model.grid.cells[0], w.cell as usize).map(|r| r.component);
-            component.into_iter().for_each(|c| wetting[c as usize] = true);
+            if let Some(c) = label(w.cell as usize) {
+                let free = model.solids[w.solid as usize].motion == Motion::Free;
+                let touching = &mut touching[c as usize];
+                if free { touching.free = true } else { touching.held = true }
+            }
         }
-        wetting
+        touching
     }
 
     /// The liquid as the volume correction sees it.
@@ -152,17 +167,23 @@ fn slip_along<const D: usize>(model: &Model<D>, state: &mut State<D>, cut: &CutC
     }
 }
 
-/// Component of each run found by cell.
-pub fn component_of(liquid: &Runs, rows: &[usize], nx: usize, cell: usize) -> u32 {
-    run_of(liquid, rows, nx, cell).map_or(0, |r| r.component)
-}
-
-/// The run that holds a cell.
-fn run_of<'a>(liquid: &'a Runs, rows: &[usize], nx: usize, cell: usize) -> Option<&'a Run> {
-    let (row, x) = (cell / nx, (cell % nx) as u32);
-    let runs = &liquid.runs[rows[row]..rows[row + 1]];
-    let k = runs.partition_point(|r| r.end <= x);
-    runs.get(k).filter(|r| r.start <= x)
+/// Box of the cell centres of every component.
+pub fn boxes<const D: usize>(model: &Model<D>, liquid: &Runs) -> Vec<(Vector<D>, Vector<D>)> {
+    let lattice = model.grid.lattice();
+    let far: Vector<D> = Vector::repeat(f64::INFINITY);
+    let mut out = vec![(far, -far); liquid.components as usize];
+    for run in &liquid.runs {
+        let at = lattice.coordinates(run.row as usize * lattice.extent[0]);
+        let end = |i: u32| {
+            let mut cell = at;
+            cell[0] = i as usize;
+            model.grid.center(cell)
+        };
+        let (low, high) = &mut out[run.component as usize];
+        *low = low.inf(&end(run.start));
+        *high = high.sup(&end(run.end - 1));
+    }
+    out
 }
 
 /// What a step overwrites, to go back if it fails: φ in the band and the velocity of the liquid. The rest follows.

@@ -39,6 +39,20 @@ impl Runs {
         self
     }
 
+    /// The component of a cell, if it is one of these.
+    pub fn component<const D: usize>(
+        &self,
+        grid: &Grid<D>,
+    ) -> impl Fn(usize) -> Option<u32> + Sync + use<'_, D> {
+        let (rows, nx) = (self.row_starts(grid), grid.cells[0]);
+        move |cell| {
+            let (row, x) = (cell / nx, (cell % nx) as u32);
+            let runs = &self.runs[rows[row]..rows[row + 1]];
+            let k = runs.partition_point(|r| r.end <= x);
+            runs.get(k).filter(|r| r.start <= x).map(|r| r.component)
+        }
+    }
+
     /// For every row of the grid the number of runs in rows before it.
     pub fn row_starts<const D: usize>(&self, grid: &Grid<D>) -> Vec<usize> {
         let rows = grid.lattice().rows();

@@ -171,7 +171,7 @@ impl<const D: usize> KnownFaces<D> {
     ) -> bool {
         let mut x = self.grid.face_center(axis, at);
         (0..D).for_each(|b| x[b] -= (DEPTH.0 + layer as f64) * self.grid.dx * normal[b]);
-        distance.linear(&x) < -DEPTH.1 * self.grid.dx && std::env::var("FLATEXT").is_err()
+        distance.linear(&x) < -DEPTH.1 * self.grid.dx
     }
 
     /// The value of the face `at` from faces marked before `mark`.

@@ -9,7 +9,7 @@
 //!
 //! (design, experiments part 4). Points are kept in barycentric coordinates, so that one code cuts triangles and tetrahedra.
 
-use crate::{Matrix, Vector};
+use crate::{Matrix, Vector, planes};
 
 /// Least sine of the angle between the free surface and a face of the simplex.
 const FLATTEST: f64 = 1e-3;
@@ -43,6 +43,8 @@ pub struct Cut {
     /// What the free surface pulls at the solid with: the integral along the contact line (2D: the sum over its points) of
     /// the direction into the surface.
     pub pull: [f64; 3],
+    /// Moment of that pull about the origin (2D: in the last entry).
+    pub turn: [f64; 3],
     /// Derivative of the volume by the value of φ at each corner.
     pub volume_slope: [f64; 4],
     /// That of the free surface's area.
@@ -128,8 +130,13 @@ impl<const D: usize> Simplex<D> {
             let least = if label == SOLID { FLATTEST_ON_SOLID } else { FLATTEST };
             let sine = (1.0 - cosine * cosine).max(0.0).sqrt().max(least);
             if label == SOLID {
-                let into = (n * cosine - outward.try_normalize(0.0).unwrap_or(Vector::zeros())) * (length / sine);
+                let into =
+                    (n * cosine - outward.try_normalize(0.0).unwrap_or(Vector::zeros())) * (length / sine);
                 (0..D).for_each(|a| cut.pull[a] += into[a]);
+                let middle = (self.place(&p) + self.place(&q)) * 0.5;
+                for &(a, b, place) in planes::<D>() {
+                    cut.turn[place] += middle[a] * into[b] - middle[b] * into[a];
+                }
             }
             for c in 0..=D {
                 let weight = length * 0.5 * (p[c] + q[c]) / (steepness * sine);

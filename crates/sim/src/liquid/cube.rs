@@ -33,6 +33,8 @@ pub struct CutCube {
     /// What the free surface pulls at the solid with, over the tension: the integral along the contact line of the
     /// direction into the surface.
     pub pull: [f64; 3],
+    /// Moment of that pull about the origin (2D: in the last entry).
+    pub turn: [f64; 3],
 }
 
 /// The surface passes no corner nearer than this (in cells): a simplex cut exactly at a corner has no derivative.
@@ -86,11 +88,7 @@ impl<const D: usize> Split<D> {
     pub fn cut(&self, values: &[f64; 8], cube: &mut CutCube) {
         cube.take_shares::<D>();
         for simplex in &self.free {
-            if D == 2 {
-                cut_triangle(simplex, values, cube)
-            } else {
-                cut_tetrahedron(simplex, values, cube)
-            }
+            if D == 2 { cut_triangle(simplex, values, cube) } else { cut_tetrahedron(simplex, values, cube) }
         }
     }
 
@@ -107,6 +105,7 @@ impl<const D: usize> Split<D> {
             for a in 0..3 {
                 cube.moment[a] += 0.5 * cut.moment[a];
                 cube.pull[a] += 0.5 * cut.pull[a];
+                cube.turn[a] += 0.5 * cut.turn[a];
             }
             for i in 0..=D {
                 let energy = cut.area_slope[i] - cube.cosine * cut.wetted_slope[i];
@@ -139,6 +138,7 @@ impl CutCube {
             solid: u32::MAX,
             cosine: 0.0,
             pull: [0.0; 3],
+            turn: [0.0; 3],
         }
     }
 
@@ -152,7 +152,7 @@ impl CutCube {
         for part in [&mut self.area, &mut self.wetted, &mut self.excess] {
             *part *= by;
         }
-        let lists = self.moment.iter_mut().chain(&mut self.pull);
+        let lists = self.moment.iter_mut().chain(&mut self.pull).chain(&mut self.turn);
         lists.chain(&mut self.energy_slope).chain(&mut self.volume_slope).for_each(|v| *v *= by);
     }
 
@@ -363,4 +363,3 @@ fn cut_facet<const D: usize>(s: &Simplex<D>, values: &[f64; 8], r: &[Root; 3], c
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
-

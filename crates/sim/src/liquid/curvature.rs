@@ -10,9 +10,9 @@
 //! noise between neighbours (`b`). A band-pass term damps the waves in between, those that the step does not resolve
 //! (design, experiments part 3, scheme C). `F` leaves a constant as it is: a drop at rest stays at rest.
 
+use super::cube::CutCube;
 use super::filter::Graph;
 use super::ghost::Ghost;
-use super::cube::CutCube;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CutCells, Grid, Sampler};
 use meniscus_numerics::level_set;

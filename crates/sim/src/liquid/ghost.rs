@@ -39,8 +39,7 @@ pub fn ghosts<const D: usize>(
 ) -> Vec<Ghost<D>> {
     let sampler = Sampler::cells(&model.grid, &phi.data, model.scalar_edges());
     let within = |c: &u32| (-DEPTH..0.0).contains(&cut.distance(*c as usize));
-    let slots: Vec<u32> =
-        (0..band.cells.len() as u32).filter(|s| within(&band.cells[*s as usize])).collect();
+    let slots: Vec<u32> = (0..band.cells.len() as u32).filter(|s| within(&band.cells[*s as usize])).collect();
     let ghost = |&slot: &u32| {
         let cell = band.cells[slot as usize] as usize;
         let x = model.grid.center(model.grid.lattice().coordinates(cell));
@@ -80,13 +79,12 @@ pub fn extend_into_solids<const D: usize>(
     band: &Band<D>,
     cut: &CutCells<D>,
 ) {
-    let relaxation: f64 = std::env::var("RELAX").map_or(RELAXATION, |v| v.parse().unwrap_or(0.1));
     let ghosts = ghosts(model, solids, phi, band, cut);
     let sampler = Sampler::cells(&model.grid, &phi.data, model.scalar_edges());
     let target = |g: &Ghost<D>| sampler.distance(&g.outside).0;
     let targets: Vec<f64> = ghosts.par_iter().with_min_len(64).map(target).collect();
     for (ghost, target) in ghosts.iter().zip(targets) {
         let value = &mut phi.data[band.cells[ghost.slot as usize] as usize];
-        *value += relaxation * (target - *value);
+        *value += RELAXATION * (target - *value);
     }
 }

@@ -245,10 +245,13 @@ impl<const D: usize> FaceWalk<'_, D> {
         let moments = self.moments(velocity);
         let mut motions: Vec<Option<Motion<D>>> = vec![None; self.components];
         for group in groups {
-            let Some(whole) = &group.whole else { continue };
+            let Some(mut whole) = group.whole.clone() else { continue };
             let parts: Vec<Moments<D>> = group.new.iter().map(|&j| moments[j].weighing(targets[j])).collect();
-            let arms: Vec<Vector<D>> = group.new.iter().map(|&j| centers[j] - whole.center).collect();
             let now = together(zip(&group.new, &parts).map(|(&j, m)| m.whole(centers[j])));
+            if !group.placed {
+                whole = whole.moved_to(now.center);
+            }
+            let arms: Vec<Vector<D>> = group.new.iter().map(|&j| centers[j] - whole.center).collect();
             let shift = whole.velocity + self.model.gravity * dt - now.velocity;
             let lost = std::array::from_fn(|i| whole.spin[i] - now.spin[i]);
             let spread = |a: usize, b: usize, c: usize| {
@@ -326,6 +329,11 @@ pub struct Whole<const D: usize> {
 }
 
 impl<const D: usize> Whole<D> {
+    /// The same body found elsewhere: its momentum and its angular momentum about any point stay.
+    fn moved_to(self, center: Vector<D>) -> Self {
+        Self { spin: self.about(&center), center, ..self }
+    }
+
     /// Angular momentum over density about the point `from`.
     pub fn about(&self, from: &Vector<D>) -> [f64; 3] {
         let (arm, mut sum) = (self.center - from, self.spin);

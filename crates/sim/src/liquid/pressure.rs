@@ -8,6 +8,7 @@
 
 use super::curvature::Curvature;
 use crate::coupling::Coupling;
+use crate::line::Exchange;
 use crate::model::Model;
 use crate::solid::SolidState;
 use crate::state::State;
@@ -186,8 +187,10 @@ pub struct Projection<'a, const D: usize> {
     pub cut: &'a [CutFace],
     /// What the solids leave open.
     pub cut_cells: &'a CutCells<D>,
-    /// The solids; their velocities change with the liquid's.
-    pub solids: &'a mut Vec<SolidState<D>>,
+    /// The solids.
+    pub solids: &'a [SolidState<D>],
+    /// Component of a liquid cell.
+    pub label: &'a (dyn Fn(usize) -> Option<u32> + Sync),
     /// The tension term `γ h / (ρ Δ)` (m²/s): times a curvature in 1/cells it is λ at the surface.
     pub jump: f64,
 }
@@ -200,7 +203,7 @@ impl<const D: usize> PressureFields<D> {
         Self { dirichlet: zero(), rhs: zero(), solver: None }
     }
 
-    /// Makes the velocity free of divergence in the liquid.
+    /// Makes the velocity free of divergence in the liquid. Gives back what the pressure gives to the solids, too.
     ///
     /// # Errors
     /// What the solver says.
@@ -208,7 +211,7 @@ impl<const D: usize> PressureFields<D> {
         &mut self,
         model: &Model<D>,
         p: &mut Projection<'_, D>,
-    ) -> Result<SolveReport, SolveError> {
+    ) -> Result<(SolveReport, Exchange<D>), SolveError> {
         self.assemble(model, p);
         let input = PoissonInput {
             grid: model.grid,
@@ -229,11 +232,10 @@ impl<const D: usize> PressureFields<D> {
             report = solver.solve_coupled(&columns, &self.rhs, p.lambda, limits)?;
             report.iterations += first;
         }
-        let solids = coupling.pushed(&coupling.impulses(&p.lambda.data));
+        let exchange = coupling.impulses(&p.lambda.data, p.label);
         self.solver = Some(solver);
-        *p.solids = solids;
         subtract_gradient(model, p, &bends);
-        Ok(report)
+        Ok((report, exchange))
     }
 
     fn assemble(&mut self, model: &Model<D>, p: &Projection<'_, D>) {
@@ -279,9 +281,7 @@ fn bends<const D: usize>(model: &Model<D>, p: &Projection<'_, D>) -> Vec<f64> {
         };
         let faces = model.grid.faces(f.axis).stride[f.axis];
         let behind = |n: usize| if f.sign > 0.0 { f.face - n * faces } else { f.face + n * faces };
-        let liquid = |n: usize| {
-            p.phi.data[inward(n)] < 0.0 && p.cut_cells.open.axes[f.axis][behind(n)] > 0.0
-        };
+        let liquid = |n: usize| p.phi.data[inward(n)] < 0.0 && p.cut_cells.open.axes[f.axis][behind(n)] > 0.0;
         if !liquid(1) || !liquid(2) {
             return 0.0;
         }
@@ -409,7 +409,6 @@ mod tests {
                 }
             }
         }
-        let mut solids = Vec::new();
         let mut projection = Projection {
             velocity: &mut state.velocity,
             lambda: &mut state.lambda,
@@ -418,8 +417,9 @@ mod tests {
             faces: work.known.liquid(),
             cut: &cut,
             cut_cells: &work.cut,
-            solids: &mut solids,
+            solids: &[],
             jump: 1.0,
+            label: &|_| Some(0),
         };
         work.pressure.project(&model, &mut projection).unwrap();
         let square = |f: &CutFace| state.velocity.axes[f.axis][f.face].powi(2);

@@ -6,8 +6,8 @@
 //! experiments parts 1 and 4). Walls mirror: a cube that reaches beyond a wall counts half.
 
 use super::cube::{CutCube, Split, away_from_zero};
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CutCells, Grid, Lattice, Runs, points};
+use meniscus_numerics::{Vector, planes};
 use rayon::prelude::*;
 
 /// The lattice of cubes and how it splits.
@@ -132,6 +132,10 @@ impl<const D: usize> SurfaceLattice<D> {
     /// Brings a cube from the unit cube to its place.
     fn place(&self, cube: &mut CutCube, at: [usize; D]) {
         let last = self.grid.cells;
+        for &(a, b, place) in planes::<D>() {
+            let (x, y) = (at[a] as f64 - 0.5, at[b] as f64 - 0.5);
+            cube.turn[place] += x * cube.pull[b] - y * cube.pull[a];
+        }
         let sides = (0..D).filter(|&a| at[a] == 0 || at[a] == last[a]).count();
         cube.scale(0.5f64.powi(sides as i32));
         for a in 0..D {

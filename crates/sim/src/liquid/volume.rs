@@ -5,8 +5,8 @@
 //! shifting φ by a constant near the component's surface; where the centre of mass of a body that touches nothing strays
 //! from its path, a translation of φ brings it back.
 
-use super::momentum::Whole;
 use super::cube::{CutCube, NEAREST};
+use super::momentum::Whole;
 use super::surface::SurfaceLattice;
 use crate::model::Model;
 use crate::state::Drop;
@@ -24,8 +24,10 @@ pub struct Group<const D: usize> {
     pub old: Vec<usize>,
     /// New components.
     pub new: Vec<usize>,
-    /// What the new ones must be together, if they touch nothing.
+    /// What the new ones must be together, if they touch nothing that holds them.
     pub whole: Option<Whole<D>>,
+    /// Whether that is so of their place, too: they touch nothing at all.
+    pub placed: bool,
 }
 
 /// Follows components from `before` to `after` by the cells they share; strays join the nearest.
@@ -76,7 +78,7 @@ pub fn follow<const D: usize>(
             link(i, m + j);
         }
     }
-    let empty = Group { old: Vec::new(), new: Vec::new(), whole: None };
+    let empty = Group { old: Vec::new(), new: Vec::new(), whole: None, placed: false };
     let mut groups: Vec<Group<D>> = vec![empty; m + n];
     for i in 0..m + n {
         let root = find(&parent, i);
@@ -148,7 +150,7 @@ pub struct Measured<const D: usize> {
 pub fn astray<const D: usize>(groups: &[Group<D>], targets: &[f64], centers: &[Vector<D>]) -> Vec<Vector<D>> {
     let mut moves = vec![Vector::zeros(); centers.len()];
     for group in groups {
-        let Some(whole) = &group.whole else { continue };
+        let Some(whole) = group.whole.as_ref().filter(|_| group.placed) else { continue };
         let sum = group.new.iter().fold(Vector::zeros(), |s: Vector<D>, &j| s + centers[j] * targets[j]);
         group.new.iter().for_each(|&j| moves[j] = whole.center - sum / whole.mass);
     }
@@ -232,7 +234,7 @@ impl<const D: usize> Liquid<'_, D> {
 
     /// ∇φ on the band; nothing where no group must be anywhere.
     fn slopes(&self, phi: &CellField<D>, groups: &[Group<D>]) -> Vec<Vector<D>> {
-        if groups.iter().all(|g| g.whole.is_none()) {
+        if groups.iter().all(|g| !g.placed) {
             return Vec::new();
         }
         let grid = &self.model.grid;
