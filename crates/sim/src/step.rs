@@ -245,6 +245,11 @@ pub fn move_surface<const D: usize>(
     let before = std::mem::take(&mut work.liquid);
     let left = work.band.cells.clone();
     work.find_liquid(model, state);
+    let strays = work.strays(model);
+    if !strays.is_empty() {
+        strays.iter().for_each(|&c| state.phi.data[c] = model.grid.dx);
+        work.find_liquid(model, state);
+    }
     let limit = BAND * model.grid.dx;
     for cell in left {
         if work.band.slot(cell as usize).is_none() {

@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::solid::Motion;
 use crate::state::State;
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{Band, CellField, CutCells, KnownFaces, Runs, Sampler, Segment, Tiles};
+use meniscus_numerics::grid::{Band, CellField, CutCells, KnownFaces, Run, Runs, Sampler, Segment, Tiles};
 use rayon::prelude::*;
 
 /// Largest distance that φ tells, in cells.
@@ -94,6 +94,24 @@ impl<const D: usize> Workspace<D> {
         let liquid = if self.cut.wet.is_empty() { negative } else { negative.filtered(&model.grid, open) };
         self.liquid = liquid.label(&model.grid);
         self.band.rebuild(&state.phi.data, &self.liquid, LAYERS);
+    }
+
+    /// The liquid cells of components that lie within solids altogether: no centre of theirs is outside. A line that
+    /// recedes leaves such cells behind.
+    pub fn strays(&self, model: &Model<D>) -> Vec<usize> {
+        if self.cut.wet.is_empty() {
+            return Vec::new();
+        }
+        let cells = |runs: &Run| {
+            let row = runs.row as usize * model.grid.cells[0];
+            row + runs.start as usize..row + runs.end as usize
+        };
+        let mut within = vec![true; self.liquid.components as usize];
+        for run in &self.liquid.runs {
+            let within = &mut within[run.component as usize];
+            *within = *within && cells(run).all(|c| self.cut.distance(c) < 0.0);
+        }
+        self.liquid.runs.iter().filter(|r| within[r.component as usize]).flat_map(cells).collect()
     }
 
     /// Marks the liquid's faces anew and extends the velocity from them.
