@@ -89,6 +89,7 @@ pub fn step<const D: usize>(
             band: &work.band,
             liquid: &work.liquid,
             faces: work.known.liquid(),
+            solids: &work.cut,
         };
         diffusion.advance(model, dt)?;
         phase_end("viscosity");
