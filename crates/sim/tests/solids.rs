@@ -1,4 +1,4 @@
-//! What liquid and rigid solids do to each other under water.
+//! What liquid and rigid solids do to each other.
 
 #![allow(clippy::expect_used)]
 
@@ -106,4 +106,54 @@ fn a_stirrer_that_goes_as_told_moves_the_liquid_without_divergence() {
     }
     let center = simulation.state.solids[0].center;
     assert!((center - Vector::<2>::new(0.55, 0.5)).norm() < 1e-3, "{center}");
+}
+
+/// A plate with a drop on it, off its middle, both free; no gravity.
+fn drop_on_free_plate<const D: usize>(cells: usize, steps: usize) {
+    let mut center = Vector::repeat(0.51);
+    center[D - 1] = 0.4;
+    let half_size = Vector::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.34 });
+    let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
+    let mut plate = Solid::new(shape, Motion::Free, 1.25);
+    plate.cosine = 0.5;
+    let mut model = model::<D>(cells, vec![plate]);
+    model.gravity = Vector::zeros();
+    model.surface_tension = 1.0;
+    let middle = center + Vector::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.08 });
+    let distance = |x: &Vector<D>| (x - middle).norm() - 0.16;
+    let above = |x: &Vector<D>| distance(x).max(center[D - 1] - x[D - 1]);
+    let body = Body { distance: &above, velocity: Vector::from_fn(|a, _| 0.3 - 0.2 * a as f64) };
+    let mut simulation = Simulation::new(model, &[body]);
+    let books = |s: &Simulation<D>| {
+        let (liquid, now, plate) = (s.ledger(), &s.state.solids[0], &s.model.solids[0]);
+        let momentum = liquid.momentum + now.velocity * plate.body.mass;
+        let own = plate.angular_momentum(now);
+        let turning: Vec<f64> = (0..3)
+            .map(|i| {
+                let (a, b) = ((i + 1) % 3, (i + 2) % 3);
+                let orbit = if a.max(b) < D {
+                    now.center[a] * now.velocity[b] - now.center[b] * now.velocity[a]
+                } else {
+                    0.0
+                };
+                liquid.angular_momentum[i] + own[i] + plate.body.mass * orbit
+            })
+            .collect();
+        (momentum, turning)
+    };
+    let start = books(&simulation);
+    for _ in 0..steps {
+        simulation.step(f64::INFINITY, &mut |_| ()).expect("a step");
+    }
+    let end = books(&simulation);
+    assert!((end.0 - start.0).norm() < 1e-13, "{D}D: {} {}", start.0, end.0);
+    let turned = start.1.iter().zip(&end.1).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(turned < 1e-13, "{D}D: {:?} {:?}", start.1, end.1);
+    assert!(simulation.state.solids[0].velocity.norm() > 1e-3, "the plate never moved");
+}
+
+#[test]
+fn a_drop_and_a_plate_keep_their_momentum_together() {
+    drop_on_free_plate::<2>(48, 60);
+    drop_on_free_plate::<3>(28, 12);
 }

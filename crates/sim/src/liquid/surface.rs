@@ -252,6 +252,65 @@ mod tests {
         check::<3>();
     }
 
+    /// Energy and volume beside a ball, and the cubes.
+    fn measure_beside<const D: usize>(phi: &[f64], grid: Grid<D>) -> (f64, f64, Vec<CutCube>) {
+        let ball = |x: &Vector<D>| (x - Vector::from_fn(|a, _| 8.2 - 0.4 * a as f64)).norm() - 3.1;
+        let bounds = [Vector::repeat(3.0), Vector::repeat(12.0)];
+        let mut cut = CutCells::none(grid);
+        cut.rebuild(&[meniscus_numerics::grid::CutBy { distance: &ball, bounds }]);
+        let mut lattice = SurfaceLattice::new(grid);
+        lattice.follow(&cut, |_| (0, 0.6));
+        let inside = Tiles::all(grid).negative_runs(phi);
+        let inside = inside.filtered(&grid, |c| !cut.closed(grid.lattice().coordinates(c))).label(&grid);
+        let mut band = Band::new(grid);
+        band.rebuild(phi, &inside, 3);
+        let cubes = lattice.cut(phi, &band);
+        let volume: f64 = lattice.volumes(&inside, |_| Some(0), &cubes).iter().map(|v| v.0).sum();
+        (cubes.iter().map(CutCube::energy).sum(), volume, cubes)
+    }
+
+    fn check_beside<const D: usize>() {
+        let grid = Grid::<D>::new([14; D], 1.0);
+        let lattice = grid.lattice();
+        let phi: Vec<f64> = (0..lattice.len())
+            .map(|i| {
+                let x = grid.center(lattice.coordinates(i));
+                (x - Vector::from_fn(|a, _| 5.1 + 0.3 * a as f64)).norm() - 3.9
+            })
+            .collect();
+        let (_, _, cubes) = measure_beside(&phi, grid);
+        assert!(cubes.iter().filter(|c| c.pull != [0.0; 3]).count() > if D == 2 { 1 } else { 20 });
+        let mut slopes = vec![(0.0, 0.0); phi.len()];
+        for cube in &cubes {
+            for k in 0..1 << D {
+                slopes[cube.corners[k] as usize].0 -= cube.energy_slope[k];
+                slopes[cube.corners[k] as usize].1 -= cube.volume_slope[k];
+            }
+        }
+        let (mut worst, mut checked) = ((0.0f64, 0.0f64), 0);
+        for cell in (0..phi.len()).filter(|&c| slopes[c].1 != 0.0 && phi[c].abs() > 1e-3) {
+            let shifted = |h: f64| {
+                let mut p = phi.clone();
+                p[cell] += h;
+                measure_beside(&p, grid)
+            };
+            if D == 3 && cell % 5 != 0 {
+                continue;
+            }
+            let (up, down) = (shifted(1e-6), shifted(-1e-6));
+            worst.0 = worst.0.max(((up.0 - down.0) / 2e-6 - slopes[cell].0).abs());
+            worst.1 = worst.1.max(((up.1 - down.1) / 2e-6 - slopes[cell].1).abs());
+            checked += 1;
+        }
+        assert!(checked > 10 && worst.0 < 1e-5 && worst.1 < 1e-5, "{D}D: {worst:?} of {checked}");
+    }
+
+    #[test]
+    fn slopes_beside_a_solid_are_exact_derivatives() {
+        check_beside::<2>();
+        check_beside::<3>();
+    }
+
     #[test]
     fn half_a_tank_is_half_a_tank() {
         let grid = Grid::<3>::new([6, 5, 8], 0.5);

@@ -8,6 +8,7 @@ mod moving_drop;
 mod pressure_matrix;
 mod rayleigh;
 mod rayleigh_plateau;
+mod sessile;
 mod static_drop;
 mod transport;
 mod volume;
@@ -19,7 +20,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 16] = [
+const ALL: [Case; 19] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -33,6 +34,9 @@ const ALL: [Case; 16] = [
     transport::ZALESAK,
     transport::VORTEX,
     dam_break::CASE,
+    sessile::PLANE,
+    sessile::SPACE,
+    sessile::CURVED,
     volume::CASE,
     momentum::CASE,
     pressure_matrix::CASE,

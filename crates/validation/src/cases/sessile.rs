@@ -1,0 +1,244 @@
+//! Drops on solids without gravity: Young's angle on planes of any place and slope, on a cylinder and a ball.
+
+use crate::measure::{Cap, at_least, at_most, convergence_order, settle, surface_points};
+use crate::setup::run_to;
+use crate::{Case, Check, Mode};
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::shape::Shape;
+use meniscus_sim::{Body, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use std::f64::consts::PI;
+
+/// Drops on lines in the plane.
+pub const PLANE: Case = Case {
+    name: "sessile-2d",
+    title: "Drops on a wall, 2D",
+    theory: "Half a disc (radius 1, γ = ρ = 1, ν = 0.5, no gravity) on a frictionless wall spreads or contracts to the \
+        segment of a circle that meets the wall at Young's angle. Walls along the grid 0, 0.3 and 0.7 cells off its \
+        faces, and tilted by 22.5 and 45 degrees; the worst of them counts. The angle is that of the circle through the \
+        surface more than 1.5 cells above the wall. Quick: 8 cells per radius, tilted by 22.5 degrees, bars of 3 degrees.",
+    quick: true,
+    run: |mode| {
+        let angles: &[f64] = if mode == Mode::Quick { &[60.0, 120.0] } else { &ANGLES };
+        let places: &[Place] = if mode == Mode::Quick { &TILTED[..1] } else { &PLACES };
+        settle("sessile-2d", planes::<2>("sessile-2d", mode, angles, places))
+    },
+};
+
+/// Drops on planes in space.
+pub const SPACE: Case = Case {
+    name: "sessile-3d",
+    title: "Drops on a wall, 3D",
+    theory: "As in 2D, from half a ball; walls 0.3 cells off the grid's faces and tilted by 22.5 degrees about an axis of \
+        30 degrees' azimuth. 16 cells per radius.",
+    quick: false,
+    run: |mode| settle("sessile-3d", planes::<3>("sessile-3d", mode, &SOME_ANGLES, &SOME_PLACES)),
+};
+
+/// Drops on curved solids, and convergence.
+pub const CURVED: Case = Case {
+    name: "sessile-curved",
+    title: "Drops on a cylinder and a ball, and convergence",
+    theory: "A drop of a quarter of the area of a disc (2D), an eighth of the volume of a ball (3D), on it: circles and \
+        spheres that meet at Young's angle (design, validation §2, 5a and 5b). And the order of the error of the angle on a \
+        wall tilted by 22.5 degrees, 8, 16 and 32 cells per radius, root mean square over 60, 90 and 120 degrees (2D).",
+    quick: false,
+    run: |_| {
+        settle(
+            "sessile-curved",
+            curved().and_then(|mut c| {
+                Ok({
+                    c.extend(order()?);
+                    c
+                })
+            }),
+        )
+    },
+};
+
+/// Where a wall lies: cells off the grid's faces, and tilt in degrees.
+type Place = (f64, f64);
+
+const ANGLES: [f64; 7] = [30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 150.0];
+const SOME_ANGLES: [f64; 5] = [30.0, 60.0, 90.0, 120.0, 150.0];
+const PLACES: [Place; 5] = [(0.0, 0.0), (0.3, 0.0), (0.7, 0.0), (0.0, 22.5), (0.0, 45.0)];
+const TILTED: [Place; 1] = [(0.0, 22.5)];
+const SOME_PLACES: [Place; 2] = [(0.3, 0.0), (0.0, 22.5)];
+/// How long drops are left alone, in √(ρR³/γ): they creep into the corner the slower the flatter they are.
+const TIME: f64 = 24.0;
+
+/// What came of a drop.
+struct Rest {
+    /// Angle less Young's, degrees.
+    angle: f64,
+    /// Base radius and height over those of the circle, less one.
+    sizes: [f64; 2],
+    /// Root mean square of the speed over √(γ/ρR).
+    speed: f64,
+    /// By how much the angle changed in the last third, degrees.
+    creep: f64,
+}
+
+fn liquid<const D: usize>(grid: Grid<D>, solid: Solid<D>) -> Model<D> {
+    Model {
+        grid,
+        walls: [[Wall::Slip; 2]; D],
+        density: 1.0,
+        kinematic_viscosity: 0.5,
+        surface_tension: 1.0,
+        gravity: Vector::zeros(),
+        solids: vec![solid],
+        numerics: Numerics::default(),
+    }
+}
+
+/// Radius of the circle or sphere whose cap of this angle (rad) is as large as half of that of radius one.
+fn cap_radius<const D: usize>(angle: f64) -> f64 {
+    let (s, c) = angle.sin_cos();
+    if D == 2 { (0.5 * PI / (angle - s * c)).sqrt() } else { (2.0 / ((2.0 + c) * (1.0 - c).powi(2))).cbrt() }
+}
+
+fn planes<const D: usize>(
+    case: &str,
+    mode: Mode,
+    angles: &[f64],
+    places: &[Place],
+) -> Result<Vec<Check>, StepError> {
+    let cells = if mode == Mode::Quick { 8 } else { 16 };
+    let mut checks = Vec::new();
+    for &angle in angles {
+        let rests: Vec<Rest> =
+            places.iter().map(|p| drop_on_plane::<D>(cells, angle, *p)).collect::<Result<_, _>>()?;
+        let worst = |f: &dyn Fn(&Rest) -> f64| {
+            rests.iter().map(f).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
+        };
+        let middle = (45.0..=135.0).contains(&angle);
+        let bars = if mode == Mode::Quick || !middle { (3.0, 1.5) } else { (1.5, 0.5) };
+        let what = |text: &str| format!("{text}, θ = {angle}°, {cells} cells/R");
+        let found = angle + worst(&|r| r.angle);
+        checks.push(Check::absolute(case, &what("angle"), found, angle, bars.0, Some(bars.1), "deg"));
+        if mode == Mode::Full {
+            if (45.0..=120.0).contains(&angle) {
+                let base = 1.0 + worst(&|r| r.sizes[0]);
+                let height = 1.0 + worst(&|r| r.sizes[1]);
+                checks.push(Check::relative(case, &what("base radius"), base, 1.0, 0.02, Some(0.007), ""));
+                checks.push(Check::relative(case, &what("height"), height, 1.0, 0.02, Some(0.007), ""));
+            }
+            checks.push(at_most(case, &what("u_rms √(ρR/γ)"), worst(&|r| r.speed), 1e-2, Some(1e-3), ""));
+            checks.push(at_most(case, &what("creep"), worst(&|r| r.creep), 0.5, Some(0.1), "deg"));
+        }
+    }
+    Ok(checks)
+}
+
+fn drop_on_plane<const D: usize>(cells: usize, angle: f64, place: Place) -> Result<Rest, StepError> {
+    let dx = 1.0 / cells as f64;
+    let young = angle.to_radians();
+    let radius = cap_radius::<D>(young);
+    let (base, height) = (radius * young.sin(), radius * (1.0 - young.cos()));
+    // Room for the widest state, which overshoots, around a wall through the middle.
+    let half = (1.25 * base.max(1.0).max(height) + 0.5) * cells as f64;
+    let grid = Grid::<D>::new([2 * half.ceil() as usize; D], dx);
+    let (tilt, azimuth) = (place.1.to_radians(), if D == 2 { 0.0 } else { PI / 6.0 });
+    let mut normal = Vector::<D>::zeros();
+    normal[D - 1] = tilt.cos();
+    normal[0] += tilt.sin() * azimuth.cos();
+    if D == 3 {
+        normal[1] += tilt.sin() * azimuth.sin();
+    }
+    let mut point = grid.upper() * 0.5;
+    point[D - 1] += place.0 * dx;
+    let mut wall = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
+    wall.cosine = young.cos();
+    let start = |x: &Vector<D>| (x - point).norm() - 1.0;
+    let body = Body { distance: &start, velocity: Vector::zeros() };
+    let mut sim = Simulation::new(liquid(grid, wall), &[body]);
+    let measure = |sim: &Simulation<D>| {
+        let above = |x: &Vector<D>| (x - point).dot(&normal) > 1.5 * dx;
+        let cap = fit(sim, above);
+        (cap.angle_on_plane(&point, &normal), cap.radius)
+    };
+    run_to(&mut sim, TIME * 2.0 / 3.0, |_, _| ())?;
+    let before = measure(&sim).0;
+    run_to(&mut sim, TIME, |_, _| ())?;
+    let (found, size) = measure(&sim);
+    let turned = found.to_radians();
+    let sizes = [size * turned.sin() / base - 1.0, size * (1.0 - turned.cos()) / height - 1.0];
+    Ok(Rest { angle: found - angle, sizes, speed: speed(&sim), creep: found - before })
+}
+
+/// The cap that the surface is part of, by its points for which `counts` holds.
+fn fit<const D: usize>(sim: &Simulation<D>, counts: impl Fn(&Vector<D>) -> bool) -> Cap<D> {
+    let mut points = surface_points(&sim.model, &sim.state.phi);
+    points.retain(|p| counts(&p.at));
+    Cap::fit(&points).unwrap_or(Cap { center: Vector::zeros(), radius: f64::NAN })
+}
+
+fn speed<const D: usize>(sim: &Simulation<D>) -> f64 {
+    let books = sim.ledger();
+    (2.0 * books.kinetic_energy / (sim.model.density * books.volume)).sqrt()
+}
+
+fn curved() -> Result<Vec<Check>, StepError> {
+    let mut checks = Vec::new();
+    // Apex of the drop over the solid's, in radii of the solid (design, validation §2).
+    let plane = [(30.0, 0.44273), (60.0, 0.60972), (90.0, 0.74911), (120.0, 0.86908), (150.0, 0.96114)];
+    let space = [(60.0, 0.51405), (120.0, 0.84051)];
+    for (angle, apex) in plane {
+        checks.extend(drop_on_ball::<2>(angle, apex)?);
+    }
+    for (angle, apex) in space {
+        checks.extend(drop_on_ball::<3>(angle, apex)?);
+    }
+    Ok(checks)
+}
+
+/// A drop of half the size of a ball of radius 1.25 on that ball, 16 cells per radius of the drop's disc or ball.
+fn drop_on_ball<const D: usize>(angle: f64, apex: f64) -> Result<Vec<Check>, StepError> {
+    let (cells, solid) = (16.0, 1.25);
+    let dx = 1.0 / cells;
+    let size = [3.4, 3.4, 4.0];
+    let grid =
+        Grid::<D>::new(std::array::from_fn(|a| (size[if a + 1 == D { 2 } else { a }] * cells) as usize), dx);
+    let mut center = grid.upper() * 0.5 + Vector::from_fn(|a, _| dx * [0.141, 0.273, 0.368][a]);
+    center[D - 1] = 1.4;
+    let mut ball = Solid::new(Shape::Ball { center, radius: solid }, Motion::Fixed, 1.0);
+    ball.cosine = angle.to_radians().cos();
+    // A ball around the top, so large that what the solid leaves of it is the drop.
+    let volume = if D == 2 { 0.25 * PI * solid * solid } else { PI / 6.0 * solid.powi(3) };
+    let up = Vector::<D>::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
+    let start = |radius: f64| {
+        let distance = |x: &Vector<D>| (x - center - up * solid).norm() - radius;
+        let body = Body { distance: &distance, velocity: Vector::zeros() };
+        Simulation::new(liquid(grid, ball.clone()), &[body])
+    };
+    let mut radius = 1.0;
+    for _ in 0..8 {
+        radius *= (volume / start(radius).ledger().volume).powf(1.0 / D as f64);
+    }
+    let mut sim = start(radius);
+    run_to(&mut sim, TIME, |_, _| ())?;
+    let cap = fit(&sim, |x| (x - center).norm() > solid + 1.5 * dx);
+    let found = cap.angle_on_ball(&center, solid);
+    let top = (cap.center - center).norm() + cap.radius - solid;
+    let what = |text: &str| format!("{text} on a {}, θ = {angle}°", if D == 2 { "cylinder" } else { "ball" });
+    let case = "sessile-curved";
+    Ok(vec![
+        Check::absolute(case, &what("angle"), found, angle, 2.0, Some(1.0), "deg"),
+        Check::relative(case, &what("height / R"), top / solid, apex, 0.02, Some(0.01), ""),
+    ])
+}
+
+fn order() -> Result<Vec<Check>, StepError> {
+    let mut errors = Vec::new();
+    for cells in [8, 16, 32] {
+        let mut square = 0.0;
+        for angle in [60.0, 90.0, 120.0] {
+            square += drop_on_plane::<2>(cells, angle, TILTED[0])?.angle.powi(2) / 3.0;
+        }
+        errors.push((1.0 / cells as f64, square.sqrt()));
+    }
+    let text =
+        format!("order of the angle's error ({:.2}, {:.2}, {:.2}°)", errors[0].1, errors[1].1, errors[2].1);
+    Ok(vec![at_least("sessile-curved", &text, convergence_order(&errors), 1.0, 1.5)])
+}
