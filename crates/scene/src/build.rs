@@ -2,13 +2,13 @@
 
 use crate::checkpoint::Checksum;
 use crate::error::SceneError;
-use crate::file::{Rotation, Scene, ShapeSpec, Wall};
+use crate::file::{Material, Rotation, Scene, ShapeSpec, Solid as SolidSpec, Wall};
 use crate::output::Folder;
 use crate::run::{self, Existing, Job, Observer, Outcome, Region, RunError, Schedule, Setup, Stop};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::{MeshShape, Shape};
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Model, Numerics, Simulation};
+use meniscus_sim::{Model, Motion, Numerics, Path, Simulation, Solid};
 use std::sync::Arc;
 
 /// What a simulation starts from, in two or three dimensions.
@@ -79,6 +79,7 @@ impl Job {
             frame_interval: output.frame_interval,
             frames: None,
             checkpoint_every: output.checkpoint_every as u64,
+            solids: scene.solids.iter().map(|s| (s.name.clone(), s.mesh_edge)).collect(),
         }
     }
 }
@@ -100,10 +101,12 @@ fn identity(scene: &Scene) -> u64 {
 /// [`SceneError`] for a shape that cannot be made.
 pub fn setup<const D: usize>(scene: &Scene) -> Result<Setup<D>, SceneError> {
     let bodies = scene.liquid.bodies.iter().map(|b| Ok((region(&b.shape)?, vector(&b.velocity))));
-    Ok(Setup { model: model(scene), bodies: bodies.collect::<Result<_, SceneError>>()? })
+    let solids = scene.solids.iter().map(|s| solid(scene, s)).collect::<Result<_, _>>()?;
+    let bodies = bodies.collect::<Result<_, SceneError>>()?;
+    Ok(Setup { model: Model { solids, ..model(scene) }, bodies })
 }
 
-/// The model of a scene of dimension `D`.
+/// The model of a scene of dimension `D`, without its solids.
 pub fn model<const D: usize>(scene: &Scene) -> Model<D> {
     let domain = &scene.domain;
     let wall = |axis: usize, side: usize| match domain.walls.get(axis).map(|w| w[side]) {
@@ -141,12 +144,59 @@ fn rotation<const D: usize>(rotation: &Rotation) -> Matrix<D> {
     Matrix::from_fn(|i, j| rows[i][j])
 }
 
+/// A solid of a scene.
+fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, SceneError> {
+    let motion = match &spec.material {
+        Material::Kinematic { velocity, angular_velocity, keyframes } => {
+            let mut spin = [0.0; 3];
+            let first = 3 - angular_velocity.len().min(3);
+            spin[first..].copy_from_slice(&angular_velocity[..3 - first]);
+            let keyframes = keyframes.iter().map(|(time, to)| (*time, vector(to))).collect();
+            Motion::Given(Path { velocity: vector(velocity), spin, keyframes })
+        }
+        Material::Rigid { fixed: false } => Motion::Free,
+        _ => Motion::Fixed,
+    };
+    let mut solid = Solid::new(shape(&spec.shape)?, motion, spec.density.unwrap_or(scene.liquid.density));
+    solid.velocity = vector(&spec.velocity);
+    let tension = scene.tension.solids.iter().find(|(name, _)| *name == spec.name);
+    solid.cosine = tension.map_or(0.0, |(_, t)| t.young_cosine(scene.tension.liquid_air));
+    Ok(solid)
+}
+
 /// The signed distance of a shape.
 ///
 /// # Errors
 /// [`SceneError`] for a shape that cannot be made.
 pub fn region<const D: usize>(spec: &ShapeSpec) -> Result<Region<D>, SceneError> {
-    let shape = match spec {
+    match spec {
+        ShapeSpec::Union(parts) => {
+            let parts: Vec<Region<D>> = parts.iter().map(region).collect::<Result<_, _>>()?;
+            Ok(Arc::new(move |x| parts.iter().map(|part| part(x)).fold(f64::INFINITY, f64::min)))
+        }
+        ShapeSpec::Difference { of, minus } => {
+            let (of, minus) = (region::<D>(of)?, region::<D>(minus)?);
+            Ok(Arc::new(move |x| of(x).max(-minus(x))))
+        }
+        ShapeSpec::Wave { level, amplitude, wavelength, phase } => {
+            let wave = Wave {
+                level: *level,
+                amplitude: *amplitude,
+                number: 2.0 * std::f64::consts::PI / wavelength,
+                phase: *phase,
+            };
+            Ok(Arc::new(move |x: &Vector<D>| wave.signed_distance(x[0], x[D - 1])))
+        }
+        other => {
+            let shape = shape::<D>(other)?;
+            Ok(Arc::new(move |x| shape.signed_distance(x)))
+        }
+    }
+}
+
+/// A shape of any kind but a wave.
+fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneError> {
+    Ok(match spec {
         ShapeSpec::Ball { center, radius } => Shape::Ball { center: vector(center), radius: *radius },
         ShapeSpec::Box { center, half_size, rotation: turned } => {
             Shape::Box { center: vector(center), half_size: vector(half_size), rotation: rotation(turned) }
@@ -167,40 +217,21 @@ pub fn region<const D: usize>(spec: &ShapeSpec) -> Result<Region<D>, SceneError>
             mode: *mode,
             amplitude: *amplitude,
         },
-        other => return composed(other),
-    };
-    Ok(Arc::new(move |x| shape.signed_distance(x)))
-}
-
-/// Shapes that are made of others, and those that are no closed formula.
-fn composed<const D: usize>(spec: &ShapeSpec) -> Result<Region<D>, SceneError> {
-    match spec {
-        ShapeSpec::Union(parts) => {
-            let parts: Vec<Region<D>> = parts.iter().map(region).collect::<Result<_, _>>()?;
-            Ok(Arc::new(move |x| parts.iter().map(|part| part(x)).fold(f64::INFINITY, f64::min)))
-        }
+        ShapeSpec::Union(parts) => Shape::Union(parts.iter().map(shape).collect::<Result<_, _>>()?),
         ShapeSpec::Difference { of, minus } => {
-            let (of, minus) = (region::<D>(of)?, region::<D>(minus)?);
-            Ok(Arc::new(move |x| of(x).max(-minus(x))))
-        }
-        ShapeSpec::Wave { level, amplitude, wavelength, phase } => {
-            let wave = Wave {
-                level: *level,
-                amplitude: *amplitude,
-                number: 2.0 * std::f64::consts::PI / wavelength,
-                phase: *phase,
-            };
-            Ok(Arc::new(move |x: &Vector<D>| wave.signed_distance(x[0], x[D - 1])))
+            Shape::Difference { of: Box::new(shape(of)?), minus: Box::new(shape(minus)?) }
         }
         ShapeSpec::Mesh { path, scale, translate, rotation: turned } => {
             let mesh = MeshShape::<D>::load(path, *scale, &rotation(turned), &vector(translate))
                 .map_err(|e| SceneError::new(e.to_string()))?;
-            Ok(Arc::new(move |x| mesh.signed_distance(x)))
+            Shape::Mesh(Arc::new(mesh))
         }
-        _ => Err(SceneError::new("this shape of liquid is not yet in this version").with_help(
-            "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, wave, union or mesh",
-        )),
-    }
+        ShapeSpec::Wave { .. } | ShapeSpec::Extrusion { .. } => {
+            let help = "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, union, \
+                        difference or mesh";
+            return Err(SceneError::new("this shape is not yet in this version").with_help(help));
+        }
+    })
 }
 
 /// `level + amplitude cos(number x + phase)`.

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 const MAGIC: &[u8; 8] = b"MENISCKP";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Values per compressed block (4 MiB).
 const BLOCK: usize = 1 << 19;
 /// Checkpoints that are kept.
@@ -55,7 +55,7 @@ struct Header {
     /// Time, last step, lead, kick, drift, lost volume, kinetic energy, surface area.
     numbers: [f64; 8],
     drops: Vec<DropRecord>,
-    /// Centre, rotation by columns, velocity, spin of each solid.
+    /// Centre, rotation by columns, velocity, spin, forces of each solid.
     solids: Vec<Vec<f64>>,
     tally: Tally,
     /// Bytes of each compressed block, per array: phi, lambda, then the velocity along each axis.
@@ -72,22 +72,27 @@ struct DropRecord {
 }
 
 fn solid_record<const D: usize>(solid: &SolidState<D>) -> Vec<f64> {
-    let SolidState { center, rotation, velocity, spin } = solid;
-    center.iter().chain(rotation).chain(velocity).chain(spin).copied().collect()
+    let SolidState { center, rotation, velocity, spin, pressed, pulled } = solid;
+    let motion = center.iter().chain(rotation).chain(velocity).chain(spin);
+    motion.chain(pressed).chain(pulled).copied().collect()
 }
 
 fn restore_solid<const D: usize>(record: &[f64]) -> Option<SolidState<D>> {
-    if record.len() != 2 * D + D * D + 3 {
+    if record.len() != 4 * D + D * D + 3 {
         return None;
     }
     let (center, rest) = record.split_at(D);
     let (rotation, rest) = rest.split_at(D * D);
-    let (velocity, spin) = rest.split_at(D);
+    let (velocity, rest) = rest.split_at(D);
+    let (spin, rest) = rest.split_at(3);
+    let (pressed, pulled) = rest.split_at(D);
     Some(SolidState {
         center: Vector::from_column_slice(center),
         rotation: Matrix::from_column_slice(rotation),
         velocity: Vector::from_column_slice(velocity),
         spin: spin.try_into().ok()?,
+        pressed: Vector::from_column_slice(pressed),
+        pulled: Vector::from_column_slice(pulled),
     })
 }
 

@@ -192,13 +192,11 @@ fn structure() {
 
 #[test]
 fn what_cannot_run_yet() {
-    let solid = bad_text(&format!("{GOOD}{SOLID}"));
-    assert_eq!(
-        solid.render(),
-        "error: this version cannot run scenes with solids (found `plate`) yet\n  --> test.toml:24:8\n   |\n\
-         24 | name = \"plate\"\n   |        ^^^^^^^\n  \
-         help: remove the [[solid]]; `meniscus check` reads such scenes in full\n"
-    );
+    let free =
+        SOLID.replacen("{ fixed = true }", "{}", 1).replacen("name =", "density = \"1 g/cm^3\"\nname =", 1);
+    let e = bad_text(&format!("{GOOD}{free}"));
+    assert!(e.message.contains("solids that move freely"), "{e}");
+    assert_eq!(e.line_column().map(|at| at.0), Some(27), "{}", e.render());
     let e = bad_text(&format!("{GOOD}formats = [\"vtk\"]\n"));
     assert!(e.message.contains("`vtk`"), "{e}");
     let e = bad_text(&format!("{GOOD}\n[numerics]\nscheme = \"paper\"\n"));

@@ -46,7 +46,7 @@ impl<const D: usize> Kinematic<D> {
         work.known.set_liquid(faces);
         let targets = volume.then(|| {
             let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
-            keep_volume(model, state, work, &before, &labels, dt).targets
+            keep_volume(model, state, work, &before, labels, dt).targets
         });
         open_books(model, state, work);
         for (drop, target) in state.drops.iter_mut().zip(targets.into_iter().flatten()) {

@@ -219,6 +219,12 @@ impl<const D: usize> Simulation<D> {
         &self.work.liquid
     }
 
+    /// Distance of a point to the nearest solid where it is now, m, negative inside.
+    pub fn distance_to_solids(&self, x: &Vector<D>) -> f64 {
+        let all = self.model.solids.iter().zip(&self.state.solids);
+        all.map(|(solid, now)| solid.distance(now, x)).fold(f64::INFINITY, f64::min)
+    }
+
     /// The books of the present state.
     pub fn ledger(&self) -> Ledger<D> {
         ledger(&self.model, &self.state, &self.work)

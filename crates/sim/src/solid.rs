@@ -70,6 +70,10 @@ pub struct SolidState<const D: usize> {
     pub velocity: Vector<D>,
     /// Angular velocity, rad/s (2D: the last entry).
     pub spin: [f64; 3],
+    /// Force of the liquid's pressure in the last step, N (2D: N/m).
+    pub pressed: Vector<D>,
+    /// Force of the liquid's surface along the contact line in the last step, N (2D: N/m).
+    pub pulled: Vector<D>,
 }
 
 impl<const D: usize> RigidBody<D> {
@@ -142,7 +146,8 @@ impl<const D: usize> Solid<D> {
             Motion::Given(path) => (path.mean_velocity(0.0, 1e-9), path.spin),
             _ => (self.velocity, [0.0; 3]),
         };
-        SolidState { center: self.body.center, rotation: Matrix::identity(), velocity, spin }
+        let (pressed, pulled) = (Vector::zeros(), Vector::zeros());
+        SolidState { center: self.body.center, rotation: Matrix::identity(), velocity, spin, pressed, pulled }
     }
 
     /// Distance to its surface where it is now, m, negative inside.

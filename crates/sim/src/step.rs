@@ -75,12 +75,13 @@ pub fn step<const D: usize>(
 
     // (2) Every component keeps its volume, and the centre of mass of what touches nothing its path.
     let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
-    let mut change = keep_volume(model, state, work, &before, &labels, dt);
+    let mut change = keep_volume(model, state, work, &before, labels, dt);
     phase_end("volume");
 
     // (3) The velocity is carried along.
     let displacement = displacements(model, state, work, dt);
     move_velocity(model, state, work, dt);
+    keep_carried(model, state, work, &change);
     phase_end("advect velocity");
     if model.kinematic_viscosity > 0.0 {
         let mut diffusion = Diffusion {
@@ -115,11 +116,11 @@ fn start<const D: usize>(
 ) -> Result<(), SolveError> {
     let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
     let Measured { cubes, volumes, centers } = work.measured_liquid(model, &labels).measure(&state.phi);
-    let one = |c: usize| Group { old: vec![c], new: vec![c], whole: None, placed: false };
+    let one = |c: usize| Group { old: vec![c], new: vec![c], whole: None, carried: None, placed: false };
     let mut groups: Vec<Group<D>> = (0..volumes.len()).map(one).collect();
     expect(model, state, work, &mut groups, 0.0);
     let targets = state.drops.iter().map(|d| d.target_volume).collect();
-    let mut change = Change { groups, cubes, targets, volumes, centers, jump: 0.0 };
+    let mut change = Change { groups, labels, cubes, targets, volumes, centers, jump: 0.0 };
     let still = displacements(model, state, work, 0.0);
     work.mark_afresh(model);
     push(model, state, work, &mut change, still, (dt, 0.5 * dt), phase_end)?;
@@ -163,7 +164,7 @@ fn push<const D: usize>(
     phase_end("pressure");
 
     // Momentum that the discretisation lost comes back; the velocity extends beyond the liquid.
-    let moments = keep_momentum(model, state, work, &cut, change, kick);
+    let moments = keep_momentum(model, state, work, &cut, (change, &change.groups), kick);
     work.extend(model, state);
     state.drops = drops(model, work, &cut, &moments, change);
     state.kinetic_energy = kinetic_energy(model, &moments);
@@ -183,7 +184,8 @@ fn press<const D: usize>(
 ) -> Result<(SolveReport, [Exchange<D>; 2]), SolveError> {
     let inside: Vec<bool> = work.touching(model).iter().map(|t| !t.side).collect();
     let label = work.liquid.component(&model.grid);
-    let line = Lines { model, cubes: &change.cubes, cut, label: &label, inside: &inside }.impulses(kick);
+    let near = |cell: usize| work.band.slot(cell).map(|s| change.labels[s]).filter(|l| *l != u32::MAX);
+    let line = Lines { model, cubes: &change.cubes, cut, label: &near, inside: &inside }.impulses(kick);
     push_solids(model, &mut state.solids, &line);
     let mut projection = Projection {
         velocity: &mut state.velocity,
@@ -199,6 +201,10 @@ fn press<const D: usize>(
     };
     let (solve, pressure) = work.pressure.project(model, &mut projection)?;
     push_solids(model, &mut state.solids, &pressure);
+    let sums = |exchange| Impulse::sums(exchange, model.solids.len(), |(_, solid)| solid);
+    for ((now, line), pressure) in state.solids.iter_mut().zip(sums(&line)).zip(sums(&pressure)) {
+        (now.pulled, now.pressed) = (line.linear / kick, pressure.linear / kick);
+    }
     Ok((solve, [line, pressure]))
 }
 
@@ -282,6 +288,8 @@ pub(crate) fn keep_distance<const D: usize>(model: &Model<D>, state: &mut State<
 /// What became of the components in a step.
 pub struct Change<const D: usize> {
     groups: Vec<Group<D>>,
+    /// Component that each cell of the band belongs to.
+    labels: Vec<u32>,
     /// The surface in cubes.
     pub cubes: Vec<CutCube>,
     /// Volumes that the components must have.
@@ -299,10 +307,10 @@ pub fn keep_volume<const D: usize>(
     state: &mut State<D>,
     work: &Workspace<D>,
     before: &Runs,
-    labels: &[u32],
+    labels: Vec<u32>,
     dt: f64,
 ) -> Change<D> {
-    let liquid = work.measured_liquid(model, labels);
+    let liquid = work.measured_liquid(model, &labels);
     let measured = liquid.measure(&state.phi);
     let raw = measured.volumes.clone();
     let mut groups = follow(before, &work.liquid, &state.drops, &measured.centers, dt);
@@ -316,7 +324,7 @@ pub fn keep_volume<const D: usize>(
     // Where the surface could not follow all the way, the books do.
     let rest = astray(&groups, &targets, &centers);
     centers.iter_mut().zip(rest).for_each(|(center, rest)| *center += rest);
-    Change { groups, cubes, targets, volumes, centers, jump }
+    Change { groups, labels, cubes, targets, volumes, centers, jump }
 }
 
 /// Thickness, in cells, of a layer of volume `change` on a ball of volume `whole`.
@@ -339,12 +347,13 @@ fn expect<const D: usize>(
     }
     let touching = work.touching(model);
     for group in groups {
-        let held = group.new.iter().any(|&j| touching[j].side || touching[j].held);
-        if !group.old.is_empty() && !group.new.is_empty() && !held {
-            group.placed = !group.new.iter().any(|&j| touching[j].free);
+        let free = group.new.iter().all(|&j| !touching[j].side);
+        if !group.old.is_empty() && !group.new.is_empty() && free {
+            group.placed = !group.new.iter().any(|&j| touching[j].free || touching[j].held);
             let mut whole = together(group.old.iter().map(|&i| state.drops[i].whole()));
             whole.center += whole.velocity * dt;
-            group.whole = Some(whole);
+            let held = group.new.iter().any(|&j| touching[j].held);
+            if held { group.carried = Some(whole) } else { group.whole = Some(whole) }
         }
     }
 }
@@ -423,14 +432,32 @@ fn fall<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace
     }
 }
 
+/// Gives back what components that solids hold lost of their momentum on the way: nothing has pushed them yet.
+fn keep_carried<const D: usize>(
+    model: &Model<D>,
+    state: &mut State<D>,
+    work: &Workspace<D>,
+    change: &Change<D>,
+) {
+    if change.groups.iter().all(|g| g.carried.is_none()) {
+        return;
+    }
+    let carried = |g: &Group<D>| Group { whole: g.carried.clone(), placed: false, ..g.clone() };
+    let groups: Vec<Group<D>> = change.groups.iter().map(carried).collect();
+    let flat = Curvature { kappa: Vec::new(), known: Vec::new() };
+    let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &flat, &work.cut);
+    keep_momentum(model, state, work, &cut, (change, &groups), 0.0);
+}
+
 /// The books of a new state: drops, energies. The velocity must be known on the liquid's faces.
 pub fn open_books<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
     let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
     let Measured { cubes, volumes, centers } = work.measured_liquid(model, &labels).measure(&state.phi);
-    let change = Change { groups: Vec::new(), cubes, targets: volumes.clone(), volumes, centers, jump: 0.0 };
+    let change =
+        Change { groups: Vec::new(), labels, cubes, targets: volumes.clone(), volumes, centers, jump: 0.0 };
     let flat = Curvature { kappa: Vec::new(), known: Vec::new() };
     let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &flat, &work.cut);
-    let moments = keep_momentum(model, state, work, &cut, &change, 0.0);
+    let moments = keep_momentum(model, state, work, &cut, (&change, &[]), 0.0);
     state.drops = drops(model, work, &cut, &moments, &change);
     state.kinetic_energy = kinetic_energy(model, &moments);
     state.surface_area = surface_energy(model, &change.cubes);
@@ -441,7 +468,7 @@ fn keep_momentum<const D: usize>(
     state: &mut State<D>,
     work: &Workspace<D>,
     cut: &[CutFace],
-    change: &Change<D>,
+    (change, groups): (&Change<D>, &[Group<D>]),
     dt: f64,
 ) -> Vec<Moments<D>> {
     let of = work.liquid.component(&model.grid);
@@ -455,5 +482,5 @@ fn keep_momentum<const D: usize>(
         label: &label,
         components: work.liquid.components as usize,
     };
-    walk.restore(&mut state.velocity, &change.groups, &change.targets, &change.centers, dt)
+    walk.restore(&mut state.velocity, groups, &change.targets, &change.centers, dt)
 }

@@ -1,6 +1,6 @@
 //! What this version can run; the rest is refused, never ignored.
 
-use super::{Format, Scene, Scheme, ShapeSpec};
+use super::{Format, Material, Scene, Scheme, ShapeSpec};
 use crate::error::SceneError;
 use std::f64::consts::FRAC_PI_2;
 
@@ -13,17 +13,26 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
         let error = SceneError::new(format!("this version cannot run {what} yet")).with_help(help);
         Err(scene.source.at_value(error, path))
     };
-    if let Some(solid) = scene.solids.first() {
-        let what = format!("scenes with solids (found `{}`)", solid.name);
-        return refuse(
-            "solid.0.name",
-            &what,
-            "remove the [[solid]]; `meniscus check` reads such scenes in full",
-        );
-    }
-    if !scene.tension.solids.is_empty() {
-        let path = format!("tension.{}", scene.tension.solids[0].0);
-        return refuse(&path, "tensions of solids", "remove it");
+    for (i, solid) in scene.solids.iter().enumerate() {
+        let at = |key: &str| format!("solid.{i}.{key}");
+        match solid.material {
+            Material::Rigid { fixed: true } | Material::Kinematic { .. } => {}
+            Material::Rigid { fixed: false } => {
+                let help = "use rigid = { fixed = true } or kinematic";
+                return refuse(&at("material"), "solids that move freely (they would not collide)", help);
+            }
+            _ => {
+                let help =
+                    "use rigid = { fixed = true } or kinematic; `meniscus check` reads such scenes in full";
+                return refuse(&at("material"), "solids that deform", help);
+            }
+        }
+        if !solid.fixed.is_empty() {
+            return refuse(&at("fixed.0"), "fixed parts of a solid that does not deform", "remove `fixed`");
+        }
+        if has(&solid.shape, &|s| matches!(s, ShapeSpec::Extrusion { .. } | ShapeSpec::Wave { .. })) {
+            return refuse(&at("shape"), "solids of this shape", SHAPES);
+        }
     }
     if scene.numerics.scheme == Scheme::Paper {
         return refuse("numerics.scheme", "the scheme `paper`", "use scheme = \"meniscus\"");
@@ -39,16 +48,14 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
     }
     contact_line(scene)?;
     for (i, body) in scene.liquid.bodies.iter().enumerate() {
-        if has_extrusion(&body.shape) {
-            let help = "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, wave, union, \
-                        difference or mesh";
-            return refuse(&format!("liquid.body.{i}.shape"), "liquid in the shape of an extrusion", help);
+        if has(&body.shape, &|s| matches!(s, ShapeSpec::Extrusion { .. })) {
+            return refuse(&format!("liquid.body.{i}.shape"), "liquid in the shape of an extrusion", SHAPES);
         }
     }
     Ok(())
 }
 
-/// Everything about the contact line that would have no effect without solids.
+/// Everything about the contact line that has no effect yet.
 fn contact_line(scene: &Scene) -> Result<(), SceneError> {
     let c = &scene.contact_line;
     let key = if !c.enabled {
@@ -63,16 +70,21 @@ fn contact_line(scene: &Scene) -> Result<(), SceneError> {
         return Ok(());
     };
     let error =
-        SceneError::new(format!("this version has no contact line on solids yet: `{key}` has no effect"));
+        SceneError::new(format!("this version cannot change the contact line yet: `{key}` has no effect"));
     let error = error.with_help(format!("remove `contact_line.{key}`"));
     Err(scene.source.at_value(error, &format!("contact_line.{key}")))
 }
 
-fn has_extrusion(shape: &ShapeSpec) -> bool {
-    match shape {
-        ShapeSpec::Extrusion { .. } => true,
-        ShapeSpec::Union(list) => list.iter().any(has_extrusion),
-        ShapeSpec::Difference { of, minus } => has_extrusion(of) || has_extrusion(minus),
-        _ => false,
-    }
+/// Shapes that both liquid and solids can have.
+const SHAPES: &str =
+    "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, union, difference or mesh";
+
+/// Whether a shape or one of its parts is one that is looked for.
+fn has(shape: &ShapeSpec, wanted: &dyn Fn(&ShapeSpec) -> bool) -> bool {
+    wanted(shape)
+        || match shape {
+            ShapeSpec::Union(list) => list.iter().any(|s| has(s, wanted)),
+            ShapeSpec::Difference { of, minus } => has(of, wanted) || has(minus, wanted),
+            _ => false,
+        }
 }

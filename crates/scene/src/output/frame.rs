@@ -1,14 +1,20 @@
-//! A frame: the liquid's surface as a PLY file.
+//! A frame: the surfaces of the liquid and of the solids as PLY files.
 
 use super::file::{self, FileError};
 use crate::run::three;
-use meniscus_numerics::mesh::isosurface;
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::{CellField, Grid, Sampler, Tiles};
 use meniscus_numerics::mesh::ply::PlyMesh;
-use meniscus_sim::Simulation;
+use meniscus_numerics::mesh::{SurfaceMesh, isosurface};
+use meniscus_sim::{Model, Simulation, Solid};
 use rayon::prelude::*;
 use std::path::Path;
 
-/// The liquid's surface of a state; `Err` names a field that is not finite.
+/// Distance from a solid's surface, in cells, up to which a vertex of the liquid's surface lies on it; from the free surface
+/// up to which it lies on the contact line. Surface nets place vertices as well as that.
+const ON: f64 = 0.3;
+
+/// The liquid's surface of a state, where it is not within solids; `Err` names a field that is not finite.
 ///
 /// # Errors
 /// The name of the field.
@@ -20,24 +26,89 @@ pub fn liquid<const D: usize>(simulation: &Simulation<D>) -> Result<PlyMesh, &'s
     if !state.velocity.axes.iter().all(|axis| axis.par_iter().all(|v| v.is_finite())) {
         return Err("velocity");
     }
-    let surface = isosurface::extract(&state.phi, simulation.liquid_cells());
-    let positions: Vec<[f64; 3]> = surface.mesh.positions.iter().map(three).collect();
-    if !positions.iter().flatten().all(|x| x.is_finite()) {
+    let mut surface = match simulation.model.solids.is_empty() {
+        true => isosurface::extract(&state.phi, simulation.liquid_cells()),
+        false => {
+            let outside = outside_solids(simulation);
+            let cells = simulation.liquid_cells().clone();
+            let cells = cells.filtered(&simulation.model.grid, |c| outside.data[c] < 0.0);
+            isosurface::extract(&outside, &cells)
+        }
+    };
+    mark_wetted(simulation, &surface.mesh.positions, &mut surface.kind);
+    let mut mesh = ply(&surface.mesh, state.time);
+    if !mesh.positions.iter().flatten().all(|x| x.is_finite()) {
         return Err("liquid's surface");
     }
+    mesh.scalars.insert("kind".into(), surface.kind.into_iter().map(f64::from).collect());
+    mesh.comments.push("kind 0 liquid-air, 1 liquid-solid, 2 contact line".into());
+    Ok(mesh)
+}
+
+/// φ, or minus the distance to the solids where that is larger.
+fn outside_solids<const D: usize>(simulation: &Simulation<D>) -> CellField<D> {
+    let mut field = simulation.state.phi.clone();
+    let (grid, lattice) = (simulation.model.grid, simulation.model.grid.lattice());
+    field.data.par_iter_mut().enumerate().filter(|(_, v)| **v < grid.dx).for_each(|(i, value)| {
+        *value = value.max(-simulation.distance_to_solids(&grid.center(lattice.coordinates(i))));
+    });
+    field
+}
+
+fn mark_wetted<const D: usize>(simulation: &Simulation<D>, positions: &[Vector<D>], kind: &mut [u8]) {
+    if simulation.model.solids.is_empty() {
+        return;
+    }
+    let (model, near) = (&simulation.model, ON * simulation.model.grid.dx);
+    let phi = Sampler::cells(&model.grid, &simulation.state.phi.data, model.scalar_edges());
+    positions.par_iter().zip(kind).for_each(|(x, kind)| {
+        if simulation.distance_to_solids(x) < near {
+            *kind = if phi.linear(x) > -near { isosurface::CONTACT_LINE } else { isosurface::LIQUID_SOLID };
+        }
+    });
+}
+
+/// The surface of a solid where it starts, with facets about `edge` (m) across; one without bounds ends at the domain's
+/// sides.
+pub fn solid_at_start<const D: usize>(model: &Model<D>, solid: &Solid<D>, edge: f64) -> SurfaceMesh<D> {
+    let (low, high) = solid.shape.bounds();
+    let margin = Vector::repeat(2.0 * edge);
+    let (low, high) = ((low - margin).sup(&Vector::zeros()), (high + margin).inf(&model.grid.upper()));
+    let cells = std::array::from_fn(|a| ((high[a] - low[a]) / edge).ceil().max(1.0) as usize);
+    let grid = Grid::<D>::new(cells, edge);
+    let lattice = grid.lattice();
+    let mut field = CellField::new(grid, 0.0);
+    field.data.par_iter_mut().enumerate().for_each(|(i, value)| {
+        *value = solid.shape.signed_distance(&(low + grid.center(lattice.coordinates(i))));
+    });
+    let inside = Tiles::all(grid).negative_runs(&field.data);
+    let mut mesh = isosurface::extract(&field, &inside).mesh;
+    mesh.positions.iter_mut().for_each(|x| *x = (*x + low).inf(&model.grid.upper()));
+    mesh
+}
+
+/// The surface of a solid where it is now; `start` is [`solid_at_start`].
+pub fn solid<const D: usize>(simulation: &Simulation<D>, number: usize, start: &SurfaceMesh<D>) -> PlyMesh {
+    let (solid, now) = (&simulation.model.solids[number], &simulation.state.solids[number]);
+    let moved = |x: &Vector<D>| now.center + now.rotation * (x - solid.body.center);
+    let positions = start.positions.iter().map(moved).collect();
+    ply(&SurfaceMesh { positions, facets: start.facets.clone() }, simulation.state.time)
+}
+
+fn ply<const D: usize>(surface: &SurfaceMesh<D>, time: f64) -> PlyMesh {
+    let positions = surface.positions.iter().map(three).collect();
     let mut mesh = PlyMesh { positions, ..PlyMesh::default() };
     if D == 2 {
-        mesh.edges = surface.mesh.facets.iter().map(|f| [f[0], f[1]]).collect();
+        mesh.edges = surface.facets.iter().map(|f| [f[0], f[1]]).collect();
     } else {
-        mesh.faces = surface.mesh.facets.iter().map(|f| [f[0], f[1], f[D - 1]]).collect();
+        mesh.faces = surface.facets.iter().map(|f| [f[0], f[1], f[D - 1]]).collect();
     }
-    mesh.scalars.insert("kind".into(), surface.kind.into_iter().map(f64::from).collect());
     mesh.comments = vec![
         concat!("Meniscus ", env!("CARGO_PKG_VERSION")).into(),
-        format!("time {:?}", state.time),
-        "unit metre; kind 0 liquid-air, 1 liquid-solid, 2 contact line".into(),
+        format!("time {time:?}"),
+        "unit metre".into(),
     ];
-    Ok(mesh)
+    mesh
 }
 
 /// Writes a mesh.

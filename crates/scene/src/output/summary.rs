@@ -1,8 +1,9 @@
 //! `summary.json`: how a run stands or ended.
 
 use super::file::{self, FileError};
-use crate::run::{Tally, three};
-use meniscus_sim::{Drop, Simulation};
+use crate::run::{Job, Tally, three};
+use meniscus_numerics::Vector;
+use meniscus_sim::{Drop, Simulation, Solid, SolidState};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -62,8 +63,8 @@ pub struct Summary {
     pub peak_memory_bytes: u64,
     /// The connected components of the liquid.
     pub drops: Vec<DropSummary>,
-    /// The solids: none in this version.
-    pub solids: Vec<serde_json::Value>,
+    /// The solids.
+    pub solids: Vec<SolidSummary>,
     /// The `[expect]` section of the scene, evaluated; empty before the end.
     #[serde(default)]
     pub expect: Vec<Verdict>,
@@ -112,20 +113,60 @@ pub struct DropSummary {
     pub upper: Vec<f64>,
 }
 
+/// A solid at the end.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SolidSummary {
+    /// Its name.
+    pub name: String,
+    /// Centre of mass, m.
+    pub centroid: Vec<f64>,
+    /// Its velocity, m/s.
+    pub velocity: Vec<f64>,
+    /// Lower corner of its box, m; null where it has no bounds.
+    pub lower: Vec<Option<f64>>,
+    /// Upper corner of its box, m; null where it has no bounds.
+    pub upper: Vec<Option<f64>>,
+    /// Force of the liquid, N (2D: N/m).
+    pub net_force: Vec<f64>,
+    /// The part of it that pressure has.
+    pub pressure_force: Vec<f64>,
+    /// The part of it that the surface has, along the contact line.
+    pub line_force: Vec<f64>,
+}
+
+impl SolidSummary {
+    fn of<const D: usize>(name: &str, solid: &Solid<D>, now: &SolidState<D>) -> Self {
+        let list = |v: &Vector<D>| v.iter().copied().collect::<Vec<f64>>();
+        let bounds = solid.bounds(now).map(|b| b.iter().map(|x| x.is_finite().then_some(*x)).collect());
+        let [lower, upper] = bounds;
+        Self {
+            name: name.to_string(),
+            centroid: list(&now.center),
+            velocity: list(&now.velocity),
+            lower,
+            upper,
+            net_force: list(&(now.pressed + now.pulled)),
+            pressure_force: list(&now.pressed),
+            line_force: list(&now.pulled),
+        }
+    }
+}
+
 impl Summary {
     /// The summary of a simulation as it stands.
     pub fn of<const D: usize>(
-        scene: &str,
+        job: &Job,
         simulation: &Simulation<D>,
         tally: &Tally,
-        frame_interval: f64,
         exit_reason: &str,
     ) -> Self {
         let (grid, state) = (simulation.model.grid, &simulation.state);
+        let solids = job.solids.iter().zip(simulation.model.solids.iter().zip(&state.solids));
+        let solids = solids.map(|((name, _), (solid, now))| SolidSummary::of(name, solid, now)).collect();
         let mean = tally.iterations as f64 / tally.solves.max(1) as f64;
         let solves = Solves { count: tally.solves, mean, max: tally.most_iterations };
         Self {
-            scene: scene.to_string(),
+            scene: job.name.clone(),
             version: env!("CARGO_PKG_VERSION").to_string(),
             exit_reason: exit_reason.to_string(),
             dimension: D,
@@ -136,7 +177,7 @@ impl Summary {
             threads: rayon::current_num_threads(),
             steps: state.step,
             frames: tally.next_frame,
-            frame_interval,
+            frame_interval: job.frame_interval,
             simulated_seconds: state.time,
             wall_seconds: tally.wall_seconds,
             volume_error: tally.volume_error,
@@ -149,7 +190,7 @@ impl Summary {
             solves: BTreeMap::from([("pressure".to_string(), solves)]),
             peak_memory_bytes: peak_memory().unwrap_or(0),
             drops: state.drops.iter().map(DropSummary::of).collect(),
-            solids: Vec::new(),
+            solids,
             expect: Vec::new(),
         }
     }

@@ -60,6 +60,8 @@ pub struct Job {
     pub frames: Option<(u64, u64)>,
     /// Frames between checkpoints.
     pub checkpoint_every: u64,
+    /// Name and mesh edge, m, of every solid.
+    pub solids: Vec<(String, f64)>,
 }
 
 /// What to do with an output folder that holds a run already.

@@ -7,6 +7,7 @@ use crate::output::log::Log;
 use crate::output::series::{self, Series};
 use crate::output::summary::{FINISHED, Summary};
 use crate::output::{FileError, Folder, file, frame};
+use meniscus_numerics::mesh::SurfaceMesh;
 use meniscus_sim::{Simulation, StepReport};
 use std::io::Write;
 use std::path::PathBuf;
@@ -22,6 +23,8 @@ pub(super) struct Session<'a, const D: usize> {
     job: &'a Job,
     folder: &'a Folder,
     simulation: Simulation<D>,
+    /// The solids' surfaces where they start.
+    solids: Vec<SurfaceMesh<D>>,
     tally: Tally,
     series: Series,
     log: Log,
@@ -74,9 +77,12 @@ impl<'a, const D: usize> Session<'a, D> {
         folder: &'a Folder,
         resumed_at: Option<f64>,
     ) -> Result<Self, FileError> {
+        let edges = simulation.model.solids.iter().zip(&job.solids);
+        let solids = edges.map(|(s, (_, edge))| frame::solid_at_start(&simulation.model, s, *edge)).collect();
         Ok(Self {
             job,
             folder,
+            solids,
             checkpoint: checkpoint::list(&folder.checkpoints()).first().cloned(),
             checkpoint_frame: tally.next_frame,
             checkpoint_time: Instant::now(),
@@ -206,6 +212,9 @@ impl<'a, const D: usize> Session<'a, D> {
             return Ok(());
         }
         frame::write(&path, &mesh)?;
+        for (i, (mesh, (name, _))) in self.solids.iter().zip(&self.job.solids).enumerate() {
+            frame::write(&self.folder.solid(name, number), &frame::solid(&self.simulation, i, mesh))?;
+        }
         self.tally.add_phase("frames", start.elapsed().as_secs_f64());
         self.tell(Event::Frame { frame: number, time: self.simulation.state.time, path }, observer)
     }
@@ -259,7 +268,7 @@ impl<'a, const D: usize> Session<'a, D> {
     }
 
     fn summary(&self, reason: &str) -> Summary {
-        Summary::of(&self.job.name, &self.simulation, &self.tally, self.job.frame_interval, reason)
+        Summary::of(self.job, &self.simulation, &self.tally, reason)
     }
 
     fn progress(&self, report: &StepReport<D>) -> Progress {

@@ -10,7 +10,7 @@ use meniscus_numerics::{Matrix, Vector};
 /// What the liquid's surface cuts out of a cube, in units of the cell size.
 #[derive(Clone, Debug)]
 pub struct CutCube {
-    /// Cell of each corner (beyond a wall: its mirror image).
+    /// Cell of each corner (beyond a wall: its mirror image; 2D: the last four are none, `u32::MAX`).
     pub corners: [u32; 8],
     /// Which corners are liquid cells, one bit each.
     pub wet: u8,
@@ -174,12 +174,14 @@ impl CutCube {
 
     /// Calls `f(component, part)` for every liquid corner; the parts add up to one.
     pub fn share(&self, label: impl Fn(usize) -> Option<u32>, mut f: impl FnMut(u32, f64)) {
-        let part = 1.0 / f64::from(self.wet.count_ones());
-        for k in (0..8).filter(|k| self.wet >> k & 1 == 1) {
-            if let Some(c) = label(self.corners[k] as usize) {
-                f(c, part);
-            }
-        }
+        // Where a solid takes all liquid corners, the liquid is that of any corner's neighbourhood.
+        let corners = if self.wet == 0 { u8::MAX } else { self.wet };
+        let labels: [Option<u32>; 8] = std::array::from_fn(|k| {
+            let there = corners >> k & 1 == 1 && self.corners[k] != u32::MAX;
+            if there { label(self.corners[k] as usize) } else { None }
+        });
+        let part = 1.0 / labels.iter().flatten().count() as f64;
+        labels.iter().flatten().for_each(|c| f(*c, part));
     }
 }
 

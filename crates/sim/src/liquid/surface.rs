@@ -98,15 +98,16 @@ impl<const D: usize> SurfaceLattice<D> {
         let cells = self.grid.lattice();
         let corner = |k: usize, a: usize| (at[a] + (k >> a & 1)).saturating_sub(1).min(cells.extent[a] - 1);
         std::array::from_fn(|k| {
-            if k < 1 << D { cells.index(std::array::from_fn(|a| corner(k, a))) as u32 } else { 0 }
+            if k < 1 << D { cells.index(std::array::from_fn(|a| corner(k, a))) as u32 } else { u32::MAX }
         })
     }
 
     fn cube(&self, phi: &[f64], key: u32) -> CutCube {
         let at = self.cubes().coordinates(key as usize);
         let corners = self.corners(at);
-        let values: [f64; 8] =
-            std::array::from_fn(|k| away_from_zero(phi[corners[k] as usize] / self.grid.dx));
+        let values: [f64; 8] = std::array::from_fn(|k| {
+            phi.get(corners[k] as usize).map_or(1.0, |v| away_from_zero(v / self.grid.dx))
+        });
         let liquid = (0..1 << D).filter(|k| values[*k] < 0.0).fold(0u8, |bits, k| bits | 1 << k);
         if let Ok(i) = self.dry.binary_search_by_key(&key, |d| d.key) {
             let dry = &self.dry[i];

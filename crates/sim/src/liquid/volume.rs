@@ -24,8 +24,10 @@ pub struct Group<const D: usize> {
     pub old: Vec<usize>,
     /// New components.
     pub new: Vec<usize>,
-    /// What the new ones must be together, if they touch nothing that holds them.
+    /// What the new ones must be together at the end of the step, if they touch nothing that holds them.
     pub whole: Option<Whole<D>>,
+    /// What they must be once they are carried along and before any force acts, if solids hold them.
+    pub carried: Option<Whole<D>>,
     /// Whether that is so of their place, too: they touch nothing at all.
     pub placed: bool,
 }
@@ -78,7 +80,7 @@ pub fn follow<const D: usize>(
             link(i, m + j);
         }
     }
-    let empty = Group { old: Vec::new(), new: Vec::new(), whole: None, placed: false };
+    let empty = Group { old: Vec::new(), new: Vec::new(), whole: None, carried: None, placed: false };
     let mut groups: Vec<Group<D>> = vec![empty; m + n];
     for i in 0..m + n {
         let root = find(&parent, i);
@@ -172,14 +174,19 @@ pub struct Liquid<'a, const D: usize> {
 }
 
 impl<const D: usize> Liquid<'_, D> {
-    fn label(&self, cell: usize) -> Option<u32> {
-        self.band.slot(cell).map(|s| self.labels[s]).filter(|l| *l != u32::MAX)
+    /// Component of a cell: in the band that of the nearest liquid.
+    fn labels(&self) -> impl Fn(usize) -> Option<u32> {
+        let deep = self.cells.component(&self.model.grid);
+        move |cell| match self.band.slot(cell) {
+            Some(slot) => Some(self.labels[slot]).filter(|l| *l != u32::MAX),
+            None => deep(cell),
+        }
     }
 
     /// Measures the surface of `phi`.
     pub fn measure(&self, phi: &CellField<D>) -> Measured<D> {
         let cubes = self.lattice.cut(&phi.data, self.band);
-        let sums = self.lattice.volumes(self.cells, |c| self.label(c), &cubes);
+        let sums = self.lattice.volumes(self.cells, self.labels(), &cubes);
         let (volumes, centers) = sums.into_iter().unzip();
         Measured { cubes, volumes, centers }
     }
@@ -222,10 +229,11 @@ impl<const D: usize> Liquid<'_, D> {
 
     /// By how much φ must change for each component's volume to be right, m.
     fn shifts(&self, now: &Measured<D>, targets: &[f64]) -> Vec<f64> {
+        let label = self.labels();
         let mut slopes = vec![0.0; targets.len()];
         for cube in &now.cubes {
             let slope = cube.volume_slope.iter().sum::<f64>();
-            cube.share(|c| self.label(c), |c, part| slopes[c as usize] += part * slope);
+            cube.share(&label, |c, part| slopes[c as usize] += part * slope);
         }
         let grid = &self.model.grid;
         let shift = |c: usize| (now.volumes[c] - targets[c]) / grid.cell_volume() / f64::max(slopes[c], 1.0);
