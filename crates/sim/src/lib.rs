@@ -3,6 +3,7 @@
 //! This crate never opens a file, reads a clock or chooses a number of threads.
 
 mod coupling;
+mod keep;
 mod kinematic;
 mod ledger;
 mod line;

@@ -3,12 +3,13 @@
 //! Along the contact line the free surface pulls at the solid with its tension. The lattice of the surface tells that pull
 //! to a percent; a body of liquid that touches nothing but solids tells it exactly: what its surface's pressure pushes
 //! the liquid with, the solids must give back. So the difference is spread over its lines, and drop and solids together
-//! neither gain nor lose momentum (design, experiments part 2, EFT).
+//! neither gain nor lose momentum (design, experiments part 2, EFT). But along a solid the lines pull as at rest, whatever
+//! the liquid does: what the surface's pressure lacks there, the liquid gets; a drop on an even wall does not start to glide.
 
 use crate::liquid::cube::CutCube;
 use crate::liquid::pressure::CutFace;
 use crate::model::Model;
-use meniscus_numerics::{Vector, planes};
+use meniscus_numerics::{Matrix, Vector, planes};
 use std::collections::BTreeMap;
 
 /// An impulse and its moment.
@@ -60,6 +61,14 @@ fn moment<const D: usize>(r: &Vector<D>, f: &Vector<D>) -> Vector<3> {
     sum
 }
 
+/// What the lattice tells of the lines: pulls, lengths in cells (times the sine of the angle), and the mean over each
+/// component's lines of the projector across the solids.
+struct Pulls<const D: usize> {
+    exchange: Exchange<D>,
+    lengths: BTreeMap<(u32, u32), f64>,
+    across: Vec<Matrix<D>>,
+}
+
 /// The surface as it pulls at solids.
 pub struct Lines<'a, const D: usize> {
     /// The model.
@@ -75,39 +84,49 @@ pub struct Lines<'a, const D: usize> {
 }
 
 impl<const D: usize> Lines<'_, D> {
-    /// The impulses of the time `kick` (s) on the solids.
-    pub fn impulses(&self, kick: f64) -> Exchange<D> {
-        let (mut pulls, lengths) = self.pulls(kick);
+    /// The impulses of the time `kick` (s) on the solids, and what is missing along them: an impulse for each component.
+    pub fn impulses(&self, kick: f64) -> (Exchange<D>, Vec<Vector<D>>) {
+        let Pulls { mut exchange, lengths, across } = self.pulls(kick);
         let mut total = vec![0.0; self.inside.len()];
         lengths.iter().for_each(|((c, _), length)| total[*c as usize] += length);
         let mut missing = self.pushes(kick);
-        pulls.iter().for_each(|((c, _), pull)| missing[*c as usize].add(pull, 1.0));
-        for (pair, pull) in &mut pulls {
+        exchange.iter().for_each(|((c, _), pull)| missing[*c as usize].add(pull, 1.0));
+        let mut along = vec![Vector::zeros(); self.inside.len()];
+        for c in (0..along.len()).filter(|&c| self.inside[c] && total[c] > 0.0) {
+            let share = across[c] / across[c].trace();
+            let linear = share * missing[c].linear;
+            along[c] = linear - missing[c].linear;
+            missing[c].linear = linear;
+        }
+        for (pair, pull) in &mut exchange {
             let c = pair.0 as usize;
             if self.inside[c] && total[c] > 0.0 {
                 pull.add(&missing[c], -lengths[pair] / total[c]);
             }
         }
-        pulls
+        (exchange, along)
     }
 
-    /// What the lattice tells, and the lengths of the lines in cells.
-    fn pulls(&self, kick: f64) -> (Exchange<D>, BTreeMap<(u32, u32), f64>) {
+    /// What the lattice tells.
+    fn pulls(&self, kick: f64) -> Pulls<D> {
         let grid = &self.model.grid;
         let strength = self.model.surface_tension * kick * grid.dx.powi(D as i32 - 2);
-        let (mut pulls, mut lengths) = (Exchange::new(), BTreeMap::new());
-        for cube in self.cubes.iter().filter(|c| c.pull != [0.0; 3]) {
+        let (mut exchange, mut lengths) = (Exchange::new(), BTreeMap::new());
+        let mut across = vec![Matrix::zeros(); self.inside.len()];
+        for cube in self.cubes.iter().filter(|c| c.lift != [0.0; 3]) {
             let impulse: Impulse<D> = Impulse {
                 linear: Vector::from_fn(|a, _| strength * cube.pull[a]),
                 turning: Vector::<3>::from(cube.turn) * (strength * grid.dx),
             };
-            let size = impulse.linear.norm() / strength;
+            let lift: Vector<D> = Vector::from_fn(|a, _| cube.lift[a]);
+            let size = lift.norm();
             cube.share(self.label, |c, part| {
-                pulls.entry((c, cube.solid)).or_insert_with(Impulse::none).add(&impulse, part);
+                exchange.entry((c, cube.solid)).or_insert_with(Impulse::none).add(&impulse, part);
                 *lengths.entry((c, cube.solid)).or_insert(0.0) += part * size;
+                across[c as usize] += lift * lift.transpose() * (part / size);
             });
         }
-        (pulls, lengths)
+        Pulls { exchange, lengths, across }
     }
 
     /// What the surface's pressure pushes each component with.

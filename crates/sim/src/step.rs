@@ -4,12 +4,13 @@
 //! damps nor drives it (design, numerics §8).
 
 use crate::coupling::push_solids;
+use crate::keep::{give_back, keep_carried, keep_momentum, walk};
 use crate::ledger::{drops, kinetic_energy, max_component, surface_energy};
 use crate::line::{Exchange, Impulse, Lines};
 use crate::liquid::cube::CutCube;
 use crate::liquid::curvature::{Beside, Curvature, Displacement, FilterStep, curvature};
 use crate::liquid::ghost::{extend_into_solids, ghosts};
-use crate::liquid::momentum::{FaceWalk, Moments, together};
+use crate::liquid::momentum::together;
 use crate::liquid::pressure::{CutFace, Projection, cut_faces};
 use crate::liquid::transport::{advect_surface, advect_velocity, pack};
 use crate::liquid::viscosity::Diffusion;
@@ -35,6 +36,9 @@ const DRIFT: f64 = 0.7;
 const SLOPE: f64 = 0.1;
 /// Layers of the band on which φ is made a distance in every step: all that the curvature sees.
 const NEAR: usize = 6;
+
+/// Radius, in cells, from which on a drop's volume tells whether a step was too long.
+const RESOLVED: f64 = 2.0;
 
 /// What a step found out.
 pub struct StepResult {
@@ -185,8 +189,13 @@ fn press<const D: usize>(
     let inside: Vec<bool> = work.touching(model).iter().map(|t| !t.side).collect();
     let label = work.liquid.component(&model.grid);
     let near = |cell: usize| work.band.slot(cell).map(|s| change.labels[s]).filter(|l| *l != u32::MAX);
-    let line = Lines { model, cubes: &change.cubes, cut, label: &near, inside: &inside }.impulses(kick);
+    let lines = Lines { model, cubes: &change.cubes, cut, label: &near, inside: &inside };
+    let (line, along) = lines.impulses(kick);
     push_solids(model, &mut state.solids, &line);
+    let speed = |(j, volume): (&Vector<D>, &f64)| j / (model.density * volume);
+    let along: Vec<Vector<D>> = along.iter().zip(&change.targets).map(speed).collect();
+    let of = |cell: usize| label(cell).unwrap_or(0);
+    walk(model, &state.phi, work, cut, &of).shift(&mut state.velocity, &along);
     let mut projection = Projection {
         velocity: &mut state.velocity,
         lambda: &mut state.lambda,
@@ -219,23 +228,6 @@ fn stirred<const D: usize>(model: &Model<D>, state: &State<D>, given: &[Exchange
         }
     }
     work
-}
-
-/// Takes from the groups what they gave to solids.
-fn give_back<const D: usize>(model: &Model<D>, groups: &mut [Group<D>], given: &[Exchange<D>; 2]) {
-    let count = groups.iter().flat_map(|g| &g.new).max().map_or(0, |c| c + 1);
-    let mut sums = vec![Impulse::none(); count];
-    for ((component, _), impulse) in given.iter().flatten() {
-        sums[*component as usize].add(impulse, 1.0);
-    }
-    for group in groups {
-        let Some(whole) = &mut group.whole else { continue };
-        for j in &group.new {
-            whole.velocity -= sums[*j].linear / (model.density * whole.mass);
-            let turning = sums[*j].about(&whole.center) / model.density;
-            (0..3).for_each(|i| whole.spin[i] -= turning[i]);
-        }
-    }
 }
 
 /// Moves φ; gives back the liquid cells before.
@@ -287,7 +279,8 @@ pub(crate) fn keep_distance<const D: usize>(model: &Model<D>, state: &mut State<
 
 /// What became of the components in a step.
 pub struct Change<const D: usize> {
-    groups: Vec<Group<D>>,
+    /// Which became which.
+    pub groups: Vec<Group<D>>,
     /// Component that each cell of the band belongs to.
     labels: Vec<u32>,
     /// The surface in cubes.
@@ -317,7 +310,10 @@ pub fn keep_volume<const D: usize>(
     expect(model, state, work, &mut groups, dt);
     let (targets, lost) = targets(&groups, &state.drops, &raw);
     state.lost_volume += lost;
-    let jump = (0..raw.len()).map(|c| depth(model, raw[c] - targets[c], targets[c])).fold(0.0, f64::max);
+    // A drop too small to be resolved loses its shape in any step: it must not make the others wait.
+    let seen = |c: &usize| targets[*c] > ball_volume::<D>(RESOLVED * model.grid.dx);
+    let depths = (0..raw.len()).filter(seen).map(|c| depth(model, raw[c] - targets[c], targets[c]));
+    let jump = depths.fold(0.0, f64::max);
     let limit = BAND * model.grid.dx;
     let Measured { cubes, volumes, mut centers } =
         liquid.correct(&mut state.phi, measured, &targets, &groups, limit);
@@ -327,9 +323,14 @@ pub fn keep_volume<const D: usize>(
     Change { groups, labels, cubes, targets, volumes, centers, jump }
 }
 
+/// Volume of a ball, m³ (2D: area of a disc, m²).
+fn ball_volume<const D: usize>(radius: f64) -> f64 {
+    (if D == 2 { PI } else { 4.0 / 3.0 * PI }) * radius.powi(D as i32)
+}
+
 /// Thickness, in cells, of a layer of volume `change` on a ball of volume `whole`.
 fn depth<const D: usize>(model: &Model<D>, change: f64, whole: f64) -> f64 {
-    let unit = if D == 2 { PI } else { 4.0 / 3.0 * PI };
+    let unit = ball_volume::<D>(1.0);
     let radius = (whole / unit).max(0.0).powf(1.0 / D as f64).max(0.5 * model.grid.dx);
     change.abs() / (D as f64 * unit * radius.powi(D as i32 - 1) * model.grid.dx)
 }
@@ -432,23 +433,6 @@ fn fall<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace
     }
 }
 
-/// Gives back what components that solids hold lost of their momentum on the way: nothing has pushed them yet.
-fn keep_carried<const D: usize>(
-    model: &Model<D>,
-    state: &mut State<D>,
-    work: &Workspace<D>,
-    change: &Change<D>,
-) {
-    if change.groups.iter().all(|g| g.carried.is_none()) {
-        return;
-    }
-    let carried = |g: &Group<D>| Group { whole: g.carried.clone(), placed: false, ..g.clone() };
-    let groups: Vec<Group<D>> = change.groups.iter().map(carried).collect();
-    let flat = Curvature { kappa: Vec::new(), known: Vec::new() };
-    let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &flat, &work.cut);
-    keep_momentum(model, state, work, &cut, (change, &groups), 0.0);
-}
-
 /// The books of a new state: drops, energies. The velocity must be known on the liquid's faces.
 pub fn open_books<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
     let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
@@ -461,26 +445,4 @@ pub fn open_books<const D: usize>(model: &Model<D>, state: &mut State<D>, work: 
     state.drops = drops(model, work, &cut, &moments, &change);
     state.kinetic_energy = kinetic_energy(model, &moments);
     state.surface_area = surface_energy(model, &change.cubes);
-}
-
-fn keep_momentum<const D: usize>(
-    model: &Model<D>,
-    state: &mut State<D>,
-    work: &Workspace<D>,
-    cut: &[CutFace],
-    (change, groups): (&Change<D>, &[Group<D>]),
-    dt: f64,
-) -> Vec<Moments<D>> {
-    let of = work.liquid.component(&model.grid);
-    let label = |cell: usize| of(cell).unwrap_or(0);
-    let walk = FaceWalk {
-        model,
-        phi: &state.phi,
-        faces: work.known.liquid(),
-        open: (!work.cut.wet.is_empty()).then_some(&work.cut.open),
-        cut,
-        label: &label,
-        components: work.liquid.components as usize,
-    };
-    walk.restore(&mut state.velocity, groups, &change.targets, &change.centers, dt)
 }

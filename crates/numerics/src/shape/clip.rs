@@ -40,11 +40,11 @@ pub struct Cut {
     pub area: f64,
     /// Area of the solid under liquid.
     pub wetted: f64,
-    /// What the free surface pulls at the solid with: the integral along the contact line (2D: the sum over its points) of
-    /// the direction into the surface.
-    pub pull: [f64; 3],
-    /// Moment of that pull about the origin (2D: in the last entry).
-    pub turn: [f64; 3],
+    /// The part along the solid's normal of what the free surface pulls with: the integral along the contact line (2D: the
+    /// sum over its points) of the sine of its angle times the normal; and its moment about the origin (2D: in the last entry).
+    pub lift: [[f64; 3]; 2],
+    /// The integral of the direction along the solid into the liquid, and its moment.
+    pub wetward: [[f64; 3]; 2],
     /// Derivative of the volume by the value of φ at each corner.
     pub volume_slope: [f64; 4],
     /// That of the free surface's area.
@@ -130,13 +130,10 @@ impl<const D: usize> Simplex<D> {
             let least = if label == SOLID { FLATTEST_ON_SOLID } else { FLATTEST };
             let sine = (1.0 - cosine * cosine).max(0.0).sqrt().max(least);
             if label == SOLID {
-                let into =
-                    (n * cosine - outward.try_normalize(0.0).unwrap_or(Vector::zeros())) * (length / sine);
-                (0..D).for_each(|a| cut.pull[a] += into[a]);
+                let inward = outward.try_normalize(0.0).unwrap_or(Vector::zeros());
                 let middle = (self.place(&p) + self.place(&q)) * 0.5;
-                for &(a, b, place) in planes::<D>() {
-                    cut.turn[place] += middle[a] * into[b] - middle[b] * into[a];
-                }
+                add_force(&mut cut.lift, &middle, &(inward * (-sine * length)));
+                add_force(&mut cut.wetward, &middle, &((inward * cosine - n) * (length / sine)));
             }
             for c in 0..=D {
                 let weight = length * 0.5 * (p[c] + q[c]) / (steepness * sine);
@@ -168,6 +165,14 @@ impl<const D: usize> Simplex<D> {
             let square = e.norm_squared() * d.norm_squared() - e.dot(&d).powi(2);
             f(0.5 * square.max(0.0).sqrt(), std::array::from_fn(|i| (p[i] + q[i] + r[i]) / 3.0));
         }
+    }
+}
+
+/// Adds a force at a place, and its moment.
+fn add_force<const D: usize>(sum: &mut [[f64; 3]; 2], at: &Vector<D>, force: &Vector<D>) {
+    (0..D).for_each(|a| sum[0][a] += force[a]);
+    for &(a, b, place) in planes::<D>() {
+        sum[1][place] += at[a] * force[b] - at[b] * force[a];
     }
 }
 

@@ -30,9 +30,11 @@ pub struct CutCube {
     pub solid: u32,
     /// Cosine of its contact angle.
     pub cosine: f64,
-    /// What the free surface pulls at the solid with, over the tension: the integral along the contact line of the
-    /// direction into the surface.
+    /// What surface and line pull at the solid with, over the tension, integrated along the contact line: across the solid
+    /// as the free surface does, along it as at rest: what is unbalanced there moves the liquid.
     pub pull: [f64; 3],
+    /// The part of it across the solid.
+    pub lift: [f64; 3],
     /// Moment of that pull about the origin (2D: in the last entry).
     pub turn: [f64; 3],
 }
@@ -104,8 +106,9 @@ impl<const D: usize> Split<D> {
             cube.excess += 0.5 * cut.volume;
             for a in 0..3 {
                 cube.moment[a] += 0.5 * cut.moment[a];
-                cube.pull[a] += 0.5 * cut.pull[a];
-                cube.turn[a] += 0.5 * cut.turn[a];
+                cube.pull[a] += 0.5 * (cut.lift[0][a] + cube.cosine * cut.wetward[0][a]);
+                cube.turn[a] += 0.5 * (cut.lift[1][a] + cube.cosine * cut.wetward[1][a]);
+                cube.lift[a] += 0.5 * cut.lift[0][a];
             }
             for i in 0..=D {
                 let energy = cut.area_slope[i] - cube.cosine * cut.wetted_slope[i];
@@ -138,6 +141,7 @@ impl CutCube {
             solid: u32::MAX,
             cosine: 0.0,
             pull: [0.0; 3],
+            lift: [0.0; 3],
             turn: [0.0; 3],
         }
     }
@@ -152,7 +156,7 @@ impl CutCube {
         for part in [&mut self.area, &mut self.wetted, &mut self.excess] {
             *part *= by;
         }
-        let lists = self.moment.iter_mut().chain(&mut self.pull).chain(&mut self.turn);
+        let lists = self.moment.iter_mut().chain(&mut self.pull).chain(&mut self.lift).chain(&mut self.turn);
         lists.chain(&mut self.energy_slope).chain(&mut self.volume_slope).for_each(|v| *v *= by);
     }
 

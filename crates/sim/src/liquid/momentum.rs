@@ -271,6 +271,16 @@ impl<const D: usize> FaceWalk<'_, D> {
         self.moments(velocity)
     }
 
+    /// Adds a velocity to each component.
+    pub fn shift(&self, velocity: &mut FaceField<D>, by: &[Vector<D>]) {
+        let still = |v: &Vector<D>| Motion { velocity: *v, rate: [0.0; 3], middle: [Vector::zeros(); D] };
+        let motions: Vec<Option<Motion<D>>> =
+            by.iter().map(|v| v.iter().any(|u| *u != 0.0).then(|| still(v))).collect();
+        if motions.iter().any(Option::is_some) {
+            self.add_motion(velocity, &motions);
+        }
+    }
+
     fn add_motion(&self, velocity: &mut FaceField<D>, motions: &[Option<Motion<D>>]) {
         let motion = |a: usize, x: &Vector<D>, component: u32| -> f64 {
             motions[component as usize]

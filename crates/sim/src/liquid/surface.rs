@@ -280,7 +280,7 @@ mod tests {
             })
             .collect();
         let (_, _, cubes) = measure_beside(&phi, grid);
-        assert!(cubes.iter().filter(|c| c.pull != [0.0; 3]).count() > if D == 2 { 1 } else { 20 });
+        assert!(cubes.iter().filter(|c| c.lift != [0.0; 3]).count() > if D == 2 { 1 } else { 20 });
         let mut slopes = vec![(0.0, 0.0); phi.len()];
         for cube in &cubes {
             for k in 0..1 << D {

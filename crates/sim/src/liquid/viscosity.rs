@@ -12,8 +12,9 @@
 //! Faces outside the liquid that a term needs are unknowns without mass: they follow the liquid as the
 //! missing traction demands.
 //!
-//! Walls and solids are frictionless: edges on the domain's sides or in solids carry no shear, faces on closed sides and
-//! those that solids close stay as they are. In cells that solids cut, shares and masses are those of the open part.
+//! Walls and solids are frictionless: edges on the domain's sides or in solids carry no shear, faces on closed sides stay as
+//! they are. In cells that solids cut, shares and masses are those of the open part; faces that solids close have no mass
+//! and follow the liquid, so that nothing is pushed along a solid (as fixed values they made drops glide).
 
 use crate::model::Model;
 use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Lattice, Runs, Sampler, Segment};
@@ -292,8 +293,7 @@ impl<const D: usize> Builder<'_, D> {
         }
         let exists = |a: usize| (0..D).all(|b| b == a || at[b] < extent[b]);
         let open = |a: usize| self.solids.open.axes[a][self.model.grid.faces(a).index(at)];
-        let free: [bool; D] =
-            std::array::from_fn(|a| exists(a) && !self.model.closed(a, at[a]) && open(a) > 0.0);
+        let free: [bool; D] = std::array::from_fn(|a| exists(a) && !self.model.closed(a, at[a]));
         let mass = std::array::from_fn(|a| if free[a] { open(a) * self.mass(at, a) } else { 0.0 });
         let mut cell = Cell { next, normal: 2.0 * self.stiffness * normal, shear, mass, free };
         if inside && !self.solids.wet.is_empty() {

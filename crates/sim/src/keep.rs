@@ -1,0 +1,80 @@
+//! Momentum kept: of liquid that touches nothing, of liquid and free solids together, and on the way with the flow.
+
+use crate::line::{Exchange, Impulse};
+use crate::liquid::curvature::Curvature;
+use crate::liquid::momentum::{FaceWalk, Moments};
+use crate::liquid::pressure::{CutFace, cut_faces};
+use crate::liquid::volume::Group;
+use crate::model::Model;
+use crate::state::State;
+use crate::step::Change;
+use crate::workspace::Workspace;
+use meniscus_numerics::grid::CellField;
+
+/// Takes from the groups what they gave to solids.
+pub fn give_back<const D: usize>(model: &Model<D>, groups: &mut [Group<D>], given: &[Exchange<D>; 2]) {
+    let count = groups.iter().flat_map(|g| &g.new).max().map_or(0, |c| c + 1);
+    let mut sums = vec![Impulse::none(); count];
+    for ((component, _), impulse) in given.iter().flatten() {
+        sums[*component as usize].add(impulse, 1.0);
+    }
+    for group in groups {
+        let Some(whole) = &mut group.whole else { continue };
+        for j in &group.new {
+            whole.velocity -= sums[*j].linear / (model.density * whole.mass);
+            let turning = sums[*j].about(&whole.center) / model.density;
+            (0..3).for_each(|i| whole.spin[i] -= turning[i]);
+        }
+    }
+}
+
+/// Gives back what components that solids hold lost of their momentum on the way: nothing has pushed them yet.
+pub fn keep_carried<const D: usize>(
+    model: &Model<D>,
+    state: &mut State<D>,
+    work: &Workspace<D>,
+    change: &Change<D>,
+) {
+    if change.groups.iter().all(|g| g.carried.is_none()) {
+        return;
+    }
+    let carried = |g: &Group<D>| Group { whole: g.carried.clone(), placed: false, ..g.clone() };
+    let groups: Vec<Group<D>> = change.groups.iter().map(carried).collect();
+    let flat = Curvature { kappa: Vec::new(), known: Vec::new() };
+    let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &flat, &work.cut);
+    keep_momentum(model, state, work, &cut, (change, &groups), 0.0);
+}
+
+/// Restores the momentum of every group that must have one; gives back the components' moments.
+pub fn keep_momentum<const D: usize>(
+    model: &Model<D>,
+    state: &mut State<D>,
+    work: &Workspace<D>,
+    cut: &[CutFace],
+    (change, groups): (&Change<D>, &[Group<D>]),
+    dt: f64,
+) -> Vec<Moments<D>> {
+    let of = work.liquid.component(&model.grid);
+    let label = |cell: usize| of(cell).unwrap_or(0);
+    let walk = walk(model, &state.phi, work, cut, &label);
+    walk.restore(&mut state.velocity, groups, &change.targets, &change.centers, dt)
+}
+
+/// A walk over the faces of each component.
+pub fn walk<'a, const D: usize>(
+    model: &'a Model<D>,
+    phi: &'a CellField<D>,
+    work: &'a Workspace<D>,
+    cut: &'a [CutFace],
+    label: &'a (dyn Fn(usize) -> u32 + Sync),
+) -> FaceWalk<'a, D> {
+    FaceWalk {
+        model,
+        phi,
+        faces: work.known.liquid(),
+        open: (!work.cut.wet.is_empty()).then_some(&work.cut.open),
+        cut,
+        label,
+        components: work.liquid.components as usize,
+    }
+}
