@@ -70,15 +70,41 @@ export class Frames {
   }
 }
 
-/** The box about the liquid over all frames (a few of them), and about everything in the first frame. */
+/** A solid larger than this many times the liquid is shown near the liquid only. */
+const LARGE = 1.5;
+
+const size = ({ low, high }) => Math.hypot(...high.map((h, a) => h - low[a]));
+
+/** A box grown so that it holds another. */
+const join = (box, low, high) => {
+  box.low = box.low.map((l, a) => Math.min(l, low[a]));
+  box.high = box.high.map((h, a) => Math.max(h, high[a]));
+};
+
+/**
+ * The box about the liquid over all frames (a few of them), about solids of its size, and about what is near it of
+ * larger ones: as the pictures of `meniscus render` frame it.
+ */
 export async function extent(frames) {
-  const n = frames.data.frames.length, low = [1e30, 1e30, 1e30], high = [-1e30, -1e30, -1e30];
+  const n = frames.data.frames.length, empty = () => ({ low: [1e30, 1e30, 1e30], high: [-1e30, -1e30, -1e30] });
+  const liquid = empty(), solids = new Map();
   for (let k = 0; k < Math.min(n, 12); k++) {
-    const { liquid } = await frames.frame(Math.round(k * (n - 1) / Math.max(1, Math.min(n, 12) - 1)));
-    for (let a = 0; a < 3 && liquid.positions.length; a++) {
-      low[a] = Math.min(low[a], liquid.box[a]);
-      high[a] = Math.max(high[a], liquid.box[3 + a]);
+    const frame = await frames.frame(Math.round(k * (n - 1) / Math.max(1, Math.min(n, 12) - 1)));
+    if (frame.liquid.positions.length) join(liquid, frame.liquid.box.slice(0, 3), frame.liquid.box.slice(3));
+    for (const { name, mesh: { box } } of frame.solids.filter((s) => s.mesh?.positions.length)) {
+      const way = solids.get(name) ?? { ...empty(), size: 0 };
+      join(way, box.slice(0, 3), box.slice(3));
+      way.size = Math.max(way.size, size({ low: box.slice(0, 3), high: box.slice(3) }));
+      solids.set(name, way);
     }
   }
-  return low[0] > high[0] ? { low: [0, 0, 0], high: frames.data.domain ?? [1, 1, 1] } : { low, high };
+  if (liquid.low[0] > liquid.high[0]) return { low: [0, 0, 0], high: frames.data.domain ?? [1, 1, 1] };
+  const all = { ...liquid }, margin = 0.25 * size(liquid);
+  for (const way of solids.values()) {
+    const whole = way.size <= LARGE * size(liquid);
+    const low = whole ? way.low : way.low.map((l, a) => Math.max(l, liquid.low[a] - margin));
+    const high = whole ? way.high : way.high.map((h, a) => Math.min(h, liquid.high[a] + margin));
+    if (low.every((l, a) => l <= high[a])) join(all, low, high);
+  }
+  return all;
 }

@@ -9,7 +9,7 @@ const LABELS = {
 };
 const ENERGIES = ["kinetic_energy", "surface_energy", "elastic_energy", "potential_energy"];
 const GROUPS = [
-  { id: "angle", title: "Contact angle (°)", columns: ["contact_angle_mean"] },
+  { id: "angle", title: "Contact angle (°)", columns: ["contact_angle_mean", "mean + std", "mean − std"], band: [2, 3] },
   { id: "change", title: "Energy change since the start (J)", columns: [...ENERGIES, "sum"].map((c) => `Δ ${c}`) },
   { id: "volume", title: "Volume error (%)", columns: ["volume_error"] },
   { id: "speed", title: "Largest speed (m/s)", columns: ["max_speed"] },
@@ -25,12 +25,34 @@ const GROUPS = [
 const FIRST = new Set(["angle", "change", "volume", "speed"]);
 const HEIGHT = 148;
 
+/** Columns of the force on a solid, `NAME_force_y` or `force_NAME_y`: the solid's name and the axis. */
+const FORCE = /^(?:(.+)_force|force_(.+))_([xyz])$/;
+
+/** One group for each solid whose force is among the columns. */
+function forces(names) {
+  const groups = new Map();
+  for (const name of names) {
+    const found = FORCE.exec(name);
+    if (!found) continue;
+    const solid = found[1] ?? found[2], id = `force ${solid}`;
+    if (!groups.has(id)) groups.set(id, { id, title: `Force on ${solid} (N)`, columns: [] });
+    groups.get(id).columns.push(name);
+  }
+  return [...groups.values()];
+}
+
 /** The columns by name, with the volume error worked out. */
 function columnsOf(series) {
   const columns = new Map(series.names.map((name, i) => [name, series.columns[i]]));
   const volume = columns.get("liquid_volume");
   const first = volume?.find((v) => v);
   if (first) columns.set("volume_error", volume.map((v) => (v === null ? null : 100 * (v / first - 1))));
+  const [mean, std] = [columns.get("contact_angle_mean"), columns.get("contact_angle_std")];
+  if (mean && std?.some((v) => v)) {
+    for (const [name, sign] of [["mean + std", 1], ["mean − std", -1]]) {
+      columns.set(name, mean.map((v, i) => (v === null || std[i] === null ? null : v + sign * std[i])));
+    }
+  }
   const energies = ENERGIES.map((name) => columns.get(name)).filter(Boolean);
   if (energies.length) {
     const sum = energies[0].map((_, i) => energies.reduce((s, c) => s + (c[i] ?? 0), 0));
@@ -41,7 +63,7 @@ function columnsOf(series) {
   return columns;
 }
 
-const label = (name) => LABELS[name.replace("Δ ", "")] ?? name.replace("Δ ", "").replaceAll("_", " ");
+const label = (name) => LABELS[name.replace("Δ ", "")] ?? FORCE.exec(name)?.[3] ?? name.replace("Δ ", "").replaceAll("_", " ");
 
 const useful = (column) => column && column.some((v) => v !== null && v !== 0);
 
@@ -69,10 +91,11 @@ export class Plots {
       this.box.innerHTML = "<p class='quiet'>There is no time series in this folder.</p>";
       return;
     }
-    this.groups = GROUPS.map((g) => ({ ...g, columns: g.columns.filter((c) => useful(this.columns.get(c))) }))
+    const all = [GROUPS[0], ...forces(this.columns.keys()), ...GROUPS.slice(1)];
+    this.groups = all.map((g) => ({ ...g, columns: g.columns.filter((c) => useful(this.columns.get(c))) }))
       .filter((g) => g.columns.length > 0);
-    const known = new Set([...GROUPS.flatMap((g) => g.columns), "time", "step"]);
-    this.groups.forEach((g) => this.chip(g, FIRST.has(g.id)));
+    const known = new Set([...all.flatMap((g) => g.columns), "contact_angle_std", "time", "step"]);
+    this.groups.forEach((g) => this.chip(g, FIRST.has(g.id) || g.id.startsWith("force ")));
     const others = [...this.columns.keys()].filter((name) => !known.has(name) && useful(this.columns.get(name)));
     if (others.length) this.menu(others);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.rebuild());
@@ -123,15 +146,19 @@ export class Plots {
     const colors = ["--a", "--b", "--c", "--d", "--ink"].map(css);
     const grid = { stroke: css("--grid"), width: 1 };
     const axis = { stroke: css("--quiet"), grid, ticks: grid, font: "11px system-ui, sans-serif" };
+    // The edges of a band take the colour of its middle, thin.
+    const inBand = (i) => group.band?.includes(i + 1);
     const series = group.columns.map((name, i) => ({
-      label: label(name), stroke: colors[i % 5], width: 1.6, spanGaps: true,
-      points: { show: false }, value: (_, v) => short(v),
+      label: label(name), stroke: inBand(i) ? `${colors[0]}66` : colors[i % 5], width: inBand(i) ? 0.6 : 1.6,
+      spanGaps: !group.band, points: { show: false }, value: (_, v) => short(v),
     }));
+    const bands = group.band?.[1] === series.length ? [{ series: group.band, fill: `${colors[0]}26` }] : [];
     const options = {
       width: this.width(), height: HEIGHT,
       scales: { x: { time: false } },
       cursor: { sync: { key: "meniscus" }, drag: { x: false, y: false }, points: { size: 6 } },
       legend: { show: true },
+      bands,
       series: [{ label: "t", value: (_, v) => (v === null ? "–" : `${short(v)} s`) }, ...series],
       axes: [
         { ...axis, values: (_, ticks) => ticks.map((t) => short(t)), size: 26, gap: 3 },

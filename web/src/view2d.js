@@ -21,9 +21,13 @@ function path(mesh) {
   return shape;
 }
 
+/** The window leaves the whole domain where that shows the liquid more than this many times larger. */
+const CLOSER = 1.7;
+
 /** Flat pictures on a canvas: drag to move, wheel to zoom. */
 export class View2D {
   constructor(box, data, extent) {
+    this.box = box;
     this.data = data;
     this.extent = extent;
     this.show = { line: true, solids: true };
@@ -36,14 +40,17 @@ export class View2D {
     this.listen();
   }
 
-  /** Shows the domain, or the liquid's way if that is a small part of it. */
+  /** Shows the domain, or what is to be seen where that makes it much larger. */
   home() {
     const { low, high } = this.extent, domain = this.data.domain;
-    const margin = 0.25 * Math.hypot(high[0] - low[0], high[1] - low[1]);
+    const margin = 0.12 * Math.hypot(high[0] - low[0], high[1] - low[1]);
     let box = [low[0] - margin, low[1] - margin, high[0] + margin, high[1] + margin];
     if (domain) {
-      const small = box[2] - box[0] < 0.45 * domain[0] && box[3] - box[1] < 0.45 * domain[1];
-      if (!small) box = [0, 0, domain[0], domain[1]];
+      const { clientWidth: w, clientHeight: h } = this.box;
+      const scale = (width, height) => Math.min((w || 4) / width, (h || 3) / height);
+      if (scale(box[2] - box[0], box[3] - box[1]) > CLOSER * scale(domain[0], domain[1])) {
+        box = box.map((x, i) => (i < 2 ? Math.max(x, 0) : Math.min(x, domain[i - 2])));
+      } else box = [0, 0, domain[0], domain[1]];
     }
     this.window = box;
     this.zoom = 1;

@@ -11,7 +11,8 @@ Exit status: 0 done, 1 internal error, 2 wrong usage, 3 scene invalid, 4 input o
 First steps:
   meniscus scenes                  what there is to run
   meniscus run oscillating-drop    run one; pictures and a page in out/oscillating-drop
-  meniscus check my-scene.toml     what a scene asks for, without running it";
+  meniscus check my-scene.toml     what a scene asks for, without running it
+  meniscus measure out/my-scene    contact angles, radii and heights of a finished run";
 
 /// Surface-tension liquids: simulate, look, measure, verify.
 #[derive(Debug, Parser)]
@@ -34,7 +35,7 @@ pub enum Command {
     New(NewArgs),
     /// Look at a scene without running it: resolved values, physics in numbers, cost, warnings.
     Check(CheckArgs),
-    /// Contact angles, radii, heights, periods from stored frames.
+    /// Contact angles, base radii, heights, wetted areas and touches, from stored frames.
     Measure(MeasureArgs),
     /// The validation suite: value, reference, error, bar, pass or fail.
     Verify(VerifyArgs),
@@ -169,8 +170,8 @@ pub struct CheckArgs {
 pub struct MeasureArgs {
     /// The output folder.
     pub dir: PathBuf,
-    /// At which time.
-    #[arg(long)]
+    /// Measure the frame nearest to this time, such as "20 ms"; the last frame without it.
+    #[arg(long, value_name = "TIME")]
     pub at: Option<String>,
     /// Print JSON.
     #[arg(long)]

@@ -47,9 +47,7 @@ fn dispatch(command: Command) -> Result {
         Command::Schema => commands::info::schema(),
         Command::Info(args) => commands::info::info(args.json),
         Command::Completions { shell } => commands::info::completions(shell),
-        Command::Measure(_) => {
-            later("measure", "timeseries.csv holds volume, energies and drop boxes of every step")
-        }
+        Command::Measure(args) => commands::measure::measure(&args),
         Command::Export(_) => {
             later("export", "frames/ holds PLY files, which ParaView, Blender and MeshLab read")
         }

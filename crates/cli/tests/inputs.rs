@@ -48,6 +48,7 @@ fn missing_files_are_named() {
     refused(&place, "run oscilating-drop", 4, &["did you mean `oscillating-drop`?"]);
     refused(&place, "render nowhere", 4, &["nowhere"]);
     refused(&place, "page nowhere", 4, &["nowhere"]);
+    refused(&place, "measure nowhere", 4, &["nowhere", "output folder"]);
     let text = common::SCENE
         .replace("dimension = 2", "dimension = 3")
         .replace("size = [\"3 mm\", \"3 mm\"]", "size = [\"3 mm\", \"3 mm\", \"3 mm\"]");
@@ -65,9 +66,9 @@ fn missing_files_are_named() {
 fn what_cannot_run_is_refused_before_the_first_step() {
     let place = Place::new("cannot");
     let solid = "[[solid]]\nname = \"plate\"\ndensity = \"2.5 g/cm^3\"\n\
-                 shape.box = { lower = [0, 0], upper = [\"3 mm\", \"0.2 mm\"] }\nmaterial.rigid = {}\n";
+                 shape.box = { lower = [0, 0], upper = [\"3 mm\", \"0.2 mm\"] }\nmaterial.springs = { stiffness = \"1 N/m\" }\n";
     std::fs::write(place.path("solid.toml"), common::SCENE.to_string() + solid).unwrap();
-    refused(&place, "run solid.toml", 3, &["solids that move freely", "solid.toml"]);
+    refused(&place, "run solid.toml", 3, &["solids that deform", "solid.toml"]);
     refused(&place, "run small.toml --set domain.resolution=16000", 3, &["memory"]);
     refused(&place, "run small.toml --set numerics.scheme=paper", 3, &["paper"]);
     refused(&place, "run small.toml --quality paper", 3, &["paper"]);
@@ -100,13 +101,14 @@ fn wrong_usage_is_status_2() {
         "bench no-such-bench",
         "new no-such-scene",
         "render small --size 3",
-        "measure out",
         "export out --to obj",
         "sweep small.toml",
     ] {
         place.expect(line, 2);
     }
-    refused(&place, "measure out", 2, &["not yet in this version"]);
+    refused(&place, "export out --to obj", 2, &["not yet in this version"]);
+    refused(&place, "measure out --at soon", 2, &["--at", "soon", "a time"]);
+    refused(&place, "measure out --at 3", 2, &["no unit", "ms"]);
 }
 
 #[test]

@@ -5,6 +5,7 @@
 mod common;
 
 use common::{Place, assert_same, frames, series, signal, text, wait_for_frames, words};
+use meniscus_numerics::mesh::ply::PlyMesh;
 use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
@@ -191,4 +192,43 @@ fn two_runs_cannot_share_a_folder() {
     }
     signal(&child, "TERM");
     assert_eq!(child.wait_with_output().unwrap().status.code(), Some(75));
+}
+
+#[test]
+fn the_contact_line_is_written_and_its_angle_expected() {
+    let place = Place::new("line");
+    place.expect("run plate.toml --out whole --quiet", 0);
+    let whole = place.path("whole");
+    let names: Vec<String> = frames(&whole).into_iter().map(|f| f.0).collect();
+    assert!(names.contains(&"contact_line_0005.ply".to_string()), "{names:?}");
+    let line = PlyMesh::load(&whole.join("frames/contact_line_0005.ply")).unwrap();
+    assert_eq!(line.positions.len(), 2);
+    for name in ["angle", "speed", "fx", "fy", "fz", "solid"] {
+        assert_eq!(line.scalars[name].len(), 2, "{name}");
+    }
+    let plate = PlyMesh::load(&whole.join("frames/solid_plate_0005.ply")).unwrap();
+    assert!(
+        plate.scalars["phi_c"].iter().any(|d| *d < 0.0) && plate.scalars["phi_c"].iter().any(|d| *d > 0.0)
+    );
+    let rows = series(&whole);
+    let names: Vec<&str> = rows[0].split(',').collect();
+    let last: Vec<&str> = rows[rows.len() - 1].split(',').collect();
+    let cell = |name: &str| last[names.iter().position(|n| *n == name).unwrap()];
+    assert_eq!((cell("contact_points"), cell("contact_length")), ("2", ""));
+    let angle: f64 = cell("contact_angle_mean").parse().unwrap();
+    assert!((angle - line.scalars["angle"].iter().sum::<f64>() / 2.0).abs() < 1e-9);
+    assert!(cell("line_distance").parse::<f64>().unwrap() < 1.0);
+    let told = &summary(&whole)["expect"][0];
+    assert!((told["value"].as_f64().unwrap() - angle).abs() < 1e-9 && told["pass"] == true, "{told}");
+
+    // In two parts it is the same, to the last bit.
+    place.expect("run plate.toml --until 0.6ms --out parts --quiet", 0);
+    place.expect("run plate.toml --out parts --resume --quiet", 0);
+    assert_same(&whole, &place.path("parts"));
+
+    let strict = common::PLATE.replace("\"80 deg\"", "\"0.001 deg\"");
+    std::fs::write(place.path("plate.toml"), strict).unwrap();
+    let missed = place.run("run plate.toml --out missed");
+    let said = words(&(text(&missed.stdout) + &text(&missed.stderr)));
+    assert!(missed.status.code() == Some(6) && said.contains("contact angle on plate"), "{said}");
 }

@@ -3,6 +3,7 @@
 //! Everything is generic in the dimension `D` (2 or 3); lengths are in metres, arrays are dense and run
 //! fastest along the first axis.
 
+pub mod fit;
 pub mod grid;
 pub mod level_set;
 pub mod linalg;

@@ -103,7 +103,36 @@ pub fn setup<const D: usize>(scene: &Scene) -> Result<Setup<D>, SceneError> {
     let bodies = scene.liquid.bodies.iter().map(|b| Ok((region(&b.shape)?, vector(&b.velocity))));
     let solids = scene.solids.iter().map(|s| solid(scene, s)).collect::<Result<_, _>>()?;
     let bodies = bodies.collect::<Result<_, SceneError>>()?;
-    Ok(Setup { model: Model { solids, ..model(scene) }, bodies })
+    let model = Model { solids, ..model(scene) };
+    apart(scene, &model)?;
+    Ok(Setup { model, bodies })
+}
+
+/// Depth of an overlap, in cells, that is rounding of the numbers in a scene.
+const ROUNDING: f64 = 0.01;
+
+/// Refuses solids that could not move as they should: such without bounds, and those that overlap where they start.
+fn apart<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneError> {
+    let at = |i: usize, key: &str| format!("solid.{i}.{key}");
+    let name = |i: usize| &scene.solids[i].name;
+    let free = |s: &SolidSpec| matches!(s.material, Material::Rigid { fixed: false });
+    for (i, solid) in model.solids.iter().enumerate() {
+        if free(&scene.solids[i]) && solid.motion != Motion::Free {
+            let error = SceneError::new(format!("the solid `{}` has no bounds, and so no mass", name(i)));
+            let help = "use rigid = { fixed = true }, or another shape";
+            return Err(scene.source.at_value(error.with_help(help), &at(i, "material")));
+        }
+    }
+    let start: Vec<_> = model.solids.iter().map(Solid::start).collect();
+    let all = meniscus_sim::overlaps(model, &start);
+    let deepest = all.into_iter().max_by(|a, b| a.2.total_cmp(&b.2));
+    let Some((i, other, depth)) = deepest.filter(|o| o.2 > ROUNDING * model.grid.dx) else { return Ok(()) };
+    // The later one in the file is the one to mend.
+    let (i, other) = other.map_or((i, None), |j| (i.max(j), Some(i.min(j))));
+    let what = other.map_or("a closed side of the domain".to_owned(), |j| format!("the solid `{}`", name(j)));
+    let error = SceneError::new(format!("the solid `{}` overlaps {what} by {depth:.3e} m", name(i)));
+    let error = error.with_help("move them apart: they may touch");
+    Err(scene.source.at_value(error, &scene.source.first_inside(&at(i, "shape"))))
 }
 
 /// The model of a scene of dimension `D`, without its solids.
@@ -131,6 +160,7 @@ pub fn model<const D: usize>(scene: &Scene) -> Model<D> {
             max_iterations: n.max_iterations,
             fixed_step: n.fixed_step,
             restore_momentum: n.restore_momentum,
+            contact_line: scene.contact_line.enabled,
         },
     }
 }
@@ -160,6 +190,14 @@ fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, Sc
     let mut solid = Solid::new(shape(&spec.shape)?, motion, spec.density.unwrap_or(scene.liquid.density));
     solid.velocity = vector(&spec.velocity);
     let tension = scene.tension.solids.iter().find(|(name, _)| *name == spec.name);
+    (solid.restitution, solid.friction) = (spec.restitution, spec.friction);
+    if !scene.contact_line.enabled {
+        return Ok(solid);
+    }
+    let own = scene.contact_line.friction_of.iter().find(|(name, _)| *name == spec.name);
+    solid.line_friction = own.map_or(scene.contact_line.friction, |(_, friction)| *friction);
+    solid.hysteresis =
+        scene.contact_line.hysteresis.map(|(advancing, receding)| [advancing.cos(), receding.cos()]);
     solid.cosine = tension.map_or(0.0, |(_, t)| t.young_cosine(scene.tension.liquid_air));
     Ok(solid)
 }

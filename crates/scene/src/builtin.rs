@@ -25,10 +25,13 @@ pub struct Builtin {
 
 macro_rules! scene {
     ($name:literal, $dimension:literal, $line:literal, $cost:literal) => {
+        scene!($name, $dimension, None, $line, $cost)
+    };
+    ($name:literal, $dimension:literal, $figure:expr, $line:literal, $cost:literal) => {
         Builtin {
             name: $name,
             dimension: $dimension,
-            figure: None,
+            figure: $figure,
             line: $line,
             cost: $cost,
             text: include_str!(concat!("../../../scenes/", $name, ".toml")),
@@ -37,10 +40,81 @@ macro_rules! scene {
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 9] = [
+pub const BUILTINS: [Builtin; 27] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
+    scene!(
+        "fig12-contact-angle-90-2d",
+        2,
+        Some("Fig. 12"),
+        "A disc of liquid settles on a plate at 90 degrees",
+        "under half a minute"
+    ),
+    scene!(
+        "fig12-contact-angle-45-2d",
+        2,
+        Some("Fig. 12"),
+        "A disc of liquid settles on a plate at 45 degrees",
+        "under half a minute"
+    ),
+    scene!(
+        "fig12-contact-angle-135-2d",
+        2,
+        Some("Fig. 12"),
+        "A disc of liquid settles on a plate at 135 degrees",
+        "under half a minute"
+    ),
+    scene!(
+        "fig13-escaping-sphere",
+        2,
+        Some("Fig. 13"),
+        "A hydrophobic sphere in a drop breaks through its surface and is pushed out",
+        "under half a minute"
+    ),
+    scene!(
+        "fig13-hydrophilic-twin",
+        2,
+        Some("Fig. 13"),
+        "The same sphere, hydrophilic, stays in the drop",
+        "under half a minute"
+    ),
+    scene!(
+        "fig17a-kinematic-sphere",
+        2,
+        Some("Fig. 17 (a)"),
+        "A hydrophilic sphere dips into a pool and takes the liquid up with it",
+        "half a minute"
+    ),
+    scene!(
+        "fig17a-kinematic-sphere-hydrophobic",
+        2,
+        Some("Fig. 17 (a)"),
+        "The same sphere, hydrophobic, leaves the pool dry",
+        "half a minute"
+    ),
+    scene!(
+        "fig17a-kinematic-sphere-no-line",
+        2,
+        Some("Fig. 17 (a)"),
+        "The same without a contact line: the liquid does not climb the sphere",
+        "half a minute"
+    ),
+    scene!("fig17c-sink", 2, Some("Fig. 17 (c)"), "The same sphere, hydrophilic, sinks", "half a minute"),
+    scene!(
+        "fig17c-sink-heavy",
+        2,
+        Some("Fig. 17 (c)"),
+        "A hydrophobic sphere that is too heavy sinks",
+        "half a minute"
+    ),
+    scene!(
+        "fig17c-float",
+        2,
+        Some("Fig. 17 (c)"),
+        "A hydrophobic sphere twice as dense as the liquid floats on it",
+        "one to two minutes"
+    ),
     scene!(
         "static-drop",
         3,
@@ -52,6 +126,48 @@ pub const BUILTINS: [Builtin; 9] = [
         3,
         "A water drop of 1 mm swings in its second mode with Rayleigh's period",
         "one to two minutes"
+    ),
+    scene!(
+        "fig12-contact-angle-135",
+        3,
+        Some("Fig. 12"),
+        "A drop settles on a plate at 135 degrees",
+        "a few minutes"
+    ),
+    scene!(
+        "fig12-contact-angle-90",
+        3,
+        Some("Fig. 12"),
+        "A drop settles on a plate at 90 degrees",
+        "a few minutes"
+    ),
+    scene!(
+        "fig12-contact-angle-45",
+        3,
+        Some("Fig. 12"),
+        "A drop settles on a plate at 45 degrees",
+        "a few minutes"
+    ),
+    scene!(
+        "drop-on-sphere",
+        3,
+        None,
+        "A drop spreads on a ball until it meets it at 60 degrees",
+        "a few minutes"
+    ),
+    scene!(
+        "capillary-bridge",
+        3,
+        None,
+        "A drop between two plates becomes a bridge that pulls them together",
+        "a few minutes"
+    ),
+    scene!("bouncing-drop", 3, None, "A drop bounces off a plate that repels it", "a few minutes"),
+    scene!(
+        "raindrop-on-window",
+        3,
+        "Of two drops on a window pane the small one stays, the large one runs down",
+        "a few minutes"
     ),
     scene!("colliding-drops", 3, "Two water drops meet slowly (We = 10), merge and wobble", "a few minutes"),
     scene!("filament-breakup", 3, "A thread of water bulges, necks and breaks into drops", "a few minutes"),

@@ -1,5 +1,6 @@
 //! The physics of a scene in numbers, without running it.
 
+use crate::build::AnySetup;
 use crate::error::SceneError;
 use crate::file::{Material, Scene, ShapeSpec, Warning};
 use serde::Serialize;
@@ -143,8 +144,13 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
         bodies,
         pairs: pairs(scene),
         warnings,
-        cannot_run: crate::file::runnable(scene).err().map(|e| e.message),
+        cannot_run: cannot_run(scene).map(|e| e.message),
     }
+}
+
+/// Why this version cannot run a scene.
+fn cannot_run(scene: &Scene) -> Option<SceneError> {
+    crate::file::runnable(scene).and_then(|()| AnySetup::of(scene).map(drop)).err()
 }
 
 /// Memory that a run needs, bytes, from all cells and those of liquid.

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 const MAGIC: &[u8; 8] = b"MENISCKP";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// Values per compressed block (4 MiB).
 const BLOCK: usize = 1 << 19;
 /// Checkpoints that are kept.
@@ -55,7 +55,7 @@ struct Header {
     /// Time, last step, lead, kick, drift, lost volume, kinetic energy, surface area.
     numbers: [f64; 8],
     drops: Vec<DropRecord>,
-    /// Centre, rotation by columns, velocity, spin, forces of each solid.
+    /// Centre, rotation by columns, velocity, spin, forces, what holds and braces it, of each solid.
     solids: Vec<Vec<f64>>,
     tally: Tally,
     /// Bytes of each compressed block, per array: phi, lambda, then the velocity along each axis.
@@ -72,20 +72,22 @@ struct DropRecord {
 }
 
 fn solid_record<const D: usize>(solid: &SolidState<D>) -> Vec<f64> {
-    let SolidState { center, rotation, velocity, spin, pressed, pulled } = solid;
+    let SolidState { center, rotation, velocity, spin, pressed, pulled, held, braced } = solid;
     let motion = center.iter().chain(rotation).chain(velocity).chain(spin);
-    motion.chain(pressed).chain(pulled).copied().collect()
+    motion.chain(pressed).chain(pulled).chain(held).chain(braced).copied().collect()
 }
 
 fn restore_solid<const D: usize>(record: &[f64]) -> Option<SolidState<D>> {
-    if record.len() != 4 * D + D * D + 3 {
+    if record.len() != 5 * D + D * D + 6 {
         return None;
     }
     let (center, rest) = record.split_at(D);
     let (rotation, rest) = rest.split_at(D * D);
     let (velocity, rest) = rest.split_at(D);
     let (spin, rest) = rest.split_at(3);
-    let (pressed, pulled) = rest.split_at(D);
+    let (pressed, rest) = rest.split_at(D);
+    let (pulled, rest) = rest.split_at(D);
+    let (held, braced) = rest.split_at(D);
     Some(SolidState {
         center: Vector::from_column_slice(center),
         rotation: Matrix::from_column_slice(rotation),
@@ -93,6 +95,8 @@ fn restore_solid<const D: usize>(record: &[f64]) -> Option<SolidState<D>> {
         spin: spin.try_into().ok()?,
         pressed: Vector::from_column_slice(pressed),
         pulled: Vector::from_column_slice(pulled),
+        held: Vector::from_column_slice(held),
+        braced: braced.try_into().ok()?,
     })
 }
 
@@ -385,6 +389,16 @@ mod tests {
             upper: Vector::from([1.0, 2.0]),
             velocity: Vector::from([-0.0, 1e-300]),
             spin: [0.0, 0.0, 0.7],
+        });
+        state.solids.push(SolidState {
+            center: Vector::from([0.3, 0.4]),
+            rotation: Matrix::from_column_slice(&[0.6, 0.8, -0.8, 0.6]),
+            velocity: Vector::from([1.0, -2.0]),
+            spin: [0.0, 0.0, 3.0],
+            pressed: Vector::from([0.1, 0.7]),
+            pulled: Vector::from([0.2, -0.1]),
+            held: Vector::from([0.5, 9.0]),
+            braced: [0.0, 0.0, -4.0],
         });
         (state.lambda.data[3], state.kinetic_energy, state.surface_area) = (2.5, 0.1, 0.3);
         state

@@ -4,12 +4,17 @@ use crate::file::{Expectation, Scene, Side};
 use crate::output::series::Table;
 use crate::output::summary::{Summary, Verdict};
 
+/// Wetted share of a surface from which on it is all: the cells at a gap to the floor may count as dry.
+const WHOLE: f64 = 0.98;
+/// Force of the liquid over that of what a solid rests on, from which on the liquid carries it.
+const HELD: f64 = 10.0;
+
 /// Evaluates every expectation of a scene.
 pub fn evaluate(scene: &Scene, summary: &Summary, series: &Table) -> Vec<Verdict> {
-    scene.expect.iter().map(|expectation| verdict(expectation, scene, summary, series)).collect()
+    scene.expect.iter().map(|expectation| verdict(expectation, summary, series)).collect()
 }
 
-fn verdict(expectation: &Expectation, scene: &Scene, summary: &Summary, series: &Table) -> Verdict {
+fn verdict(expectation: &Expectation, summary: &Summary, series: &Table) -> Verdict {
     match expectation {
         Expectation::VolumeDrift { max } => {
             at_most("volume drift", Some(summary.volume_error.abs()), *max, "")
@@ -42,10 +47,41 @@ fn verdict(expectation: &Expectation, scene: &Scene, summary: &Summary, series: 
         ),
         Expectation::ContactAngle { solid, value, tolerance } => {
             let degrees = |angle: f64| angle.to_degrees();
-            near(&format!("contact angle on {solid}"), None, degrees(*value), degrees(*tolerance), "deg")
+            let found = summary.solids.iter().find(|s| s.name == *solid).and_then(|s| s.contact_angle);
+            near(&format!("contact angle on {solid}"), found, degrees(*value), degrees(*tolerance), "deg")
         }
-        Expectation::Floats { solid } => unknown(&format!("{solid} floats"), scene),
-        Expectation::Sinks { solid } => unknown(&format!("{solid} sinks"), scene),
+        Expectation::Floats { solid } => afloat(summary, solid),
+        Expectation::Sinks { solid } => {
+            let wetted = summary.solids.iter().find(|s| s.name == *solid).map(|s| s.wetted);
+            Verdict {
+                quantity: format!("wetted share of {solid}, which sinks"),
+                bar: format!("at least {WHOLE}"),
+                value: wetted,
+                unit: String::new(),
+                pass: wetted.is_some_and(|share| share >= WHOLE),
+            }
+        }
+        Expectation::Wetted { solid, min, max } => {
+            let wetted = summary.solids.iter().find(|s| s.name == *solid).map(|s| s.wetted);
+            Verdict {
+                quantity: format!("wetted share of {solid}"),
+                bar: format!("{min} to {max}"),
+                value: wetted,
+                unit: String::new(),
+                pass: wetted.is_some_and(|share| share >= *min && share <= *max),
+            }
+        }
+        Expectation::Position { solid, value, tolerance, along } => {
+            let found = summary.solids.iter().find(|s| s.name == *solid);
+            let off = found.map(|s| {
+                let off = s.centroid.iter().zip(value).map(|(x, y)| x - y);
+                match along {
+                    Some(along) => off.zip(along).map(|(d, a)| d * a).sum::<f64>().abs(),
+                    None => off.map(|d| d * d).sum::<f64>().sqrt(),
+                }
+            });
+            at_most(&format!("distance of {solid} from its place"), off, *tolerance, "m")
+        }
     }
 }
 
@@ -69,8 +105,19 @@ fn near(quantity: &str, value: Option<f64>, expected: f64, tolerance: f64, unit:
     }
 }
 
-fn unknown(quantity: &str, _: &Scene) -> Verdict {
-    Verdict { quantity: quantity.into(), bar: "yes".into(), value: None, unit: String::new(), pass: false }
+/// Whether the liquid carries a solid that sticks out of it. The value is the share that is wetted.
+fn afloat(summary: &Summary, name: &str) -> Verdict {
+    let solid = summary.solids.iter().find(|s| s.name == *name);
+    let up = |force: &[f64]| force.last().copied().unwrap_or(0.0);
+    let carried = solid.is_some_and(|s| up(&s.net_force) > HELD * up(&s.contact_force).abs());
+    let wetted = solid.map(|s| s.wetted);
+    Verdict {
+        quantity: format!("wetted share of {name}, which floats"),
+        bar: format!("below {WHOLE}, and carried by the liquid alone"),
+        value: wetted,
+        unit: String::new(),
+        pass: carried && wetted.is_some_and(|share| share > 0.0 && share < WHOLE),
+    }
 }
 
 fn bounds(min: u32, max: u32) -> String {

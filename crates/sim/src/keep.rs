@@ -1,18 +1,19 @@
 //! Momentum kept: of liquid that touches nothing, of liquid and free solids together, and on the way with the flow.
 
+use crate::change::Change;
 use crate::line::{Exchange, Impulse};
 use crate::liquid::curvature::Curvature;
+use crate::liquid::cut_faces::{CutFace, cut_faces};
 use crate::liquid::momentum::{FaceWalk, Moments};
-use crate::liquid::pressure::{CutFace, cut_faces};
 use crate::liquid::volume::Group;
 use crate::model::Model;
 use crate::state::State;
-use crate::step::Change;
 use crate::workspace::Workspace;
+use meniscus_numerics::Matrix;
 use meniscus_numerics::grid::CellField;
 
 /// Takes from the groups what they gave to solids.
-pub fn give_back<const D: usize>(model: &Model<D>, groups: &mut [Group<D>], given: &[Exchange<D>; 2]) {
+pub fn give_back<const D: usize>(model: &Model<D>, groups: &mut [Group<D>], given: &[Exchange<D>]) {
     let count = groups.iter().flat_map(|g| &g.new).max().map_or(0, |c| c + 1);
     let mut sums = vec![Impulse::none(); count];
     for ((component, _), impulse) in given.iter().flatten() {
@@ -38,7 +39,7 @@ pub fn keep_carried<const D: usize>(
     if change.groups.iter().all(|g| g.carried.is_none()) {
         return;
     }
-    let carried = |g: &Group<D>| Group { whole: g.carried.clone(), placed: false, ..g.clone() };
+    let carried = |g: &Group<D>| Group { whole: g.carried.clone(), placed: Matrix::zeros(), ..g.clone() };
     let groups: Vec<Group<D>> = change.groups.iter().map(carried).collect();
     let flat = Curvature { kappa: Vec::new(), known: Vec::new() };
     let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &flat, &work.cut);

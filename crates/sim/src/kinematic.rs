@@ -1,10 +1,10 @@
 //! The surface in a given flow: what a step does to φ, without forces.
 
-use crate::liquid::volume::band_labels;
+use crate::change::keep_volume;
 use crate::model::Model;
 use crate::simulation::{Body, Simulation};
 use crate::state::State;
-use crate::step::{keep_distance, keep_volume, move_surface, open_books};
+use crate::step::{keep_distance, move_surface, open_books};
 use crate::workspace::Workspace;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Segment;
@@ -44,10 +44,7 @@ impl<const D: usize> Kinematic<D> {
         let faces: [Vec<Segment>; D] = std::array::from_fn(|a| work.liquid.faces(&model.grid, a));
         work.known.forget();
         work.known.set_liquid(faces);
-        let targets = volume.then(|| {
-            let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
-            keep_volume(model, state, work, &before, labels, dt).targets
-        });
+        let targets = volume.then(|| keep_volume(model, state, work, &before, dt).targets);
         open_books(model, state, work);
         for (drop, target) in state.drops.iter_mut().zip(targets.into_iter().flatten()) {
             drop.target_volume = target;

@@ -1,12 +1,13 @@
 //! The books: volume, momentum and energy of a state.
 
+use crate::change::Change;
 use crate::liquid::cube::CutCube;
+use crate::liquid::cut_faces::CutFace;
 use crate::liquid::momentum::{Moments, together};
-use crate::liquid::pressure::{CutFace, divergence_max};
+use crate::liquid::pressure::divergence_max;
 use crate::model::Model;
 use crate::solid::Motion;
 use crate::state::{Drop, State};
-use crate::step::Change;
 use crate::workspace::{Workspace, boxes};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Segment;
@@ -28,11 +29,11 @@ pub struct Ledger<const D: usize> {
     pub momentum: Vector<D>,
     /// Angular momentum about the origin, kg m²/s; in 2D only the last entry.
     pub angular_momentum: [f64; 3],
-    /// Kinetic energy, J.
+    /// Kinetic energy, J, of free solids as well.
     pub kinetic_energy: f64,
     /// Tension times the area of the surface, J.
     pub surface_energy: f64,
-    /// −mass × gravity · centre of mass, J.
+    /// −mass × gravity · centre of mass, J, of free solids as well.
     pub potential_energy: f64,
     /// Largest speed, m/s.
     pub max_speed: f64,
@@ -59,7 +60,8 @@ pub struct StepReport<const D: usize> {
 
 /// The surface's energy over its tension, m² (2D: m).
 pub fn surface_energy<const D: usize>(model: &Model<D>, cubes: &[CutCube]) -> f64 {
-    cubes.iter().map(CutCube::energy).sum::<f64>() * model.grid.face_area()
+    let young = |cube: &CutCube| model.solids.get(cube.solid as usize).map_or(0.0, |s| s.cosine);
+    cubes.iter().map(|c| c.area - young(c) * c.wetted).sum::<f64>() * model.grid.face_area()
 }
 
 /// ½ ρ ∫ u² of the liquid, J.
@@ -133,9 +135,13 @@ pub fn potential_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f
 
 /// Energy of the motion of liquid and free solids, and of the surfaces, J.
 pub fn own_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
+    moving_energy(model, state) + model.surface_tension * state.surface_area
+}
+
+/// Energy of the motion of liquid and free solids, J.
+fn moving_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| s.motion == Motion::Free);
-    let moving: f64 = solids.map(|(s, now)| s.kinetic_energy(now)).sum();
-    state.kinetic_energy + moving + model.surface_tension * state.surface_area
+    state.kinetic_energy + solids.map(|(s, now)| s.kinetic_energy(now)).sum::<f64>()
 }
 
 /// The books of a state.
@@ -152,7 +158,7 @@ pub fn ledger<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspa
         centroid: all.center,
         momentum: all.velocity * mass,
         angular_momentum: all.about(&Vector::zeros()).map(|l| model.density * l),
-        kinetic_energy: state.kinetic_energy,
+        kinetic_energy: moving_energy(model, state),
         surface_energy: model.surface_tension * state.surface_area,
         potential_energy: potential_energy(model, state),
         max_speed: max_component(model, state, work),

@@ -2,22 +2,30 @@
 //!
 //! This crate never opens a file, reads a clock or chooses a number of threads.
 
+mod change;
+mod collide;
+mod compiled;
 mod coupling;
+mod hysteresis;
 mod keep;
 mod kinematic;
 mod ledger;
 mod line;
 mod liquid;
 mod model;
+mod profile;
 mod simulation;
 mod solid;
 mod state;
 mod step;
+mod track;
 mod workspace;
 
+pub use collide::overlaps;
 pub use kinematic::Kinematic;
 pub use ledger::{Ledger, StepReport};
 pub use model::{Model, Numerics, Wall};
 pub use simulation::{Body, PhaseEnd, Simulation, StepError};
-pub use solid::{Motion, Path, RigidBody, Solid, SolidState};
+pub use solid::{FRICTION, Motion, Path, RESTITUTION, RigidBody, Solid, SolidState};
 pub use state::{Drop, State};
+pub use track::{ContactLine, LinePoint, LineTracker};

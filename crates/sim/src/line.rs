@@ -1,14 +1,19 @@
 //! What the liquid's surface pulls at the solids with.
 //!
-//! Along the contact line the free surface pulls at the solid with its tension. The lattice of the surface tells that pull
-//! to a percent; a body of liquid that touches nothing but solids tells it exactly: what its surface's pressure pushes
-//! the liquid with, the solids must give back. So the difference is spread over its lines, and drop and solids together
-//! neither gain nor lose momentum (design, experiments part 2, EFT). But along a solid the lines pull as at rest, whatever
-//! the liquid does: what the surface's pressure lacks there, the liquid gets; a drop on an even wall does not start to glide.
+//! Along the contact line a solid feels the free surface's tension across its own surface, `γ sin θ n` with the angle `θ`
+//! that the surface has, and along it `γ cos θ_Y t` with Young's: what is unbalanced there moves the liquid, and no even
+//! wall is pulled along itself, as the energy does not change when the liquid moves along it. At rest both make the pull
+//! of the free surface, `γ t_la`.
+//!
+//! The lattice of the surface tells that to a percent or two; a body of liquid that touches nothing but solids tells it
+//! exactly: what its surface's pressure pushes the liquid with, the solids must give back. So across the solids the
+//! difference is spread over its lines, and drop and solids together neither gain nor lose momentum (design, experiments
+//! part 2, EFT); along them the lattice is right, and the liquid gets what its surface's pressure lacks. Without that a drop
+//! that spreads on a tilted wall starts to glide along it.
 
 use crate::liquid::cube::CutCube;
-use crate::liquid::pressure::CutFace;
-use crate::model::Model;
+use crate::liquid::cut_faces::CutFace;
+use crate::model::{Model, Wall};
 use meniscus_numerics::{Matrix, Vector, planes};
 use std::collections::BTreeMap;
 
@@ -61,12 +66,51 @@ fn moment<const D: usize>(r: &Vector<D>, f: &Vector<D>) -> Vector<3> {
     sum
 }
 
-/// What the lattice tells of the lines: pulls, lengths in cells (times the sine of the angle), and the mean over each
-/// component's lines of the projector across the solids.
+/// What the lattice tells of the lines: pulls, and lengths in cells (times the sine of the angle) with their first moments
+/// (m).
 struct Pulls<const D: usize> {
     exchange: Exchange<D>,
-    lengths: BTreeMap<(u32, u32), f64>,
-    across: Vec<Matrix<D>>,
+    lengths: BTreeMap<(u32, u32), (f64, Vector<D>)>,
+}
+
+/// Least share of the lines' pull across solids that a direction must have for lines to pull in it.
+const PULLED: f64 = 0.1;
+
+/// The part of a vector in directions in which lines pull across their solids: all but those along an even wall.
+fn pulled<const D: usize>(across: &Matrix<D>) -> Matrix<D> {
+    let square =
+        Matrix::<3>::from_fn(|i, j| if i < D && j < D { across[(i, j)] / across.trace() } else { 0.0 });
+    let eigen = square.symmetric_eigen();
+    let weight = eigen.eigenvalues.map(|share| (share / PULLED).min(1.0));
+    let part = eigen.eigenvectors * Matrix::<3>::from_diagonal(&weight) * eigen.eigenvectors.transpose();
+    Matrix::from_fn(|i, j| part[(i, j)])
+}
+
+/// The sum over each component's lines of the projector across the solids.
+fn across<const D: usize>(
+    cubes: &[CutCube],
+    label: &dyn Fn(usize) -> Option<u32>,
+    count: usize,
+) -> Vec<Matrix<D>> {
+    let mut across = vec![Matrix::zeros(); count];
+    for cube in cubes.iter().filter(|c| c.lift != [0.0; 3]) {
+        let lift: Vector<D> = Vector::from_fn(|a, _| cube.lift[a]);
+        let part = lift * lift.transpose() / lift.norm();
+        cube.share(label, |c, share| across[c as usize] += part * share);
+    }
+    across
+}
+
+/// For each component the part of a vector in directions in which its lines pull at no solid; nothing without lines.
+pub fn unpulled<const D: usize>(
+    cubes: &[CutCube],
+    label: &dyn Fn(usize) -> Option<u32>,
+    count: usize,
+) -> Vec<Matrix<D>> {
+    let rest = |across: &Matrix<D>| {
+        if across.trace() > 0.0 { Matrix::identity() - pulled(across) } else { Matrix::zeros() }
+    };
+    across(cubes, label, count).iter().map(rest).collect()
 }
 
 /// The surface as it pulls at solids.
@@ -86,25 +130,50 @@ pub struct Lines<'a, const D: usize> {
 impl<const D: usize> Lines<'_, D> {
     /// The impulses of the time `kick` (s) on the solids, and what is missing along them: an impulse for each component.
     pub fn impulses(&self, kick: f64) -> (Exchange<D>, Vec<Vector<D>>) {
-        let Pulls { mut exchange, lengths, across } = self.pulls(kick);
+        let Pulls { mut exchange, lengths } = self.pulls(kick);
+        let across = across(self.cubes, self.label, self.inside.len());
         let mut total = vec![0.0; self.inside.len()];
-        lengths.iter().for_each(|((c, _), length)| total[*c as usize] += length);
+        lengths.iter().for_each(|((c, _), (length, _))| total[*c as usize] += length);
         let mut missing = self.pushes(kick);
         exchange.iter().for_each(|((c, _), pull)| missing[*c as usize].add(pull, 1.0));
         let mut along = vec![Vector::zeros(); self.inside.len()];
-        for c in (0..along.len()).filter(|&c| self.inside[c] && total[c] > 0.0) {
-            let share = across[c] / across[c].trace();
-            let linear = share * missing[c].linear;
-            along[c] = linear - missing[c].linear;
+        let sides = self.sides();
+        for c in (0..along.len()).filter(|&c| total[c] > 0.0) {
+            // Sides of the domain pull across themselves only, and with what moment is not known.
+            let balanced = Vector::from_fn(|a, _| if sides[c][a] { 0.0 } else { missing[c].linear[a] });
+            let linear = pulled(&across[c]) * balanced;
+            if self.inside[c] {
+                along[c] = linear - missing[c].linear;
+            }
             missing[c].linear = linear;
         }
         for (pair, pull) in &mut exchange {
             let c = pair.0 as usize;
-            if self.inside[c] && total[c] > 0.0 {
-                pull.add(&missing[c], -lengths[pair] / total[c]);
+            let (length, middle) = lengths[pair];
+            let share = -length / total[c];
+            if self.inside[c] {
+                pull.add(&missing[c], share);
+            } else if total[c] > 0.0 {
+                pull.add(&Impulse::at(&(middle / length), missing[c].linear), share);
             }
         }
         (exchange, along)
+    }
+
+    /// Along which axes sides of the domain pull at the surface of each component: slip sides along their normals, open ones
+    /// in any direction.
+    fn sides(&self) -> Vec<[bool; D]> {
+        let mut sides = vec![[false; D]; self.inside.len()];
+        for cube in self.cubes.iter().filter(|c| c.area > 0.0) {
+            // Beyond a side a corner stands for its mirror image.
+            for a in (0..D).filter(|a| cube.corners[0] == cube.corners[1 << a]) {
+                let open = self.model.walls[a].contains(&Wall::Open);
+                cube.share(self.label, |c, _| {
+                    (0..D).filter(|b| *b == a || open).for_each(|b| sides[c as usize][b] = true);
+                });
+            }
+        }
+        sides
     }
 
     /// What the lattice tells.
@@ -112,21 +181,23 @@ impl<const D: usize> Lines<'_, D> {
         let grid = &self.model.grid;
         let strength = self.model.surface_tension * kick * grid.dx.powi(D as i32 - 2);
         let (mut exchange, mut lengths) = (Exchange::new(), BTreeMap::new());
-        let mut across = vec![Matrix::zeros(); self.inside.len()];
         for cube in self.cubes.iter().filter(|c| c.lift != [0.0; 3]) {
+            let pull = cube.pull();
             let impulse: Impulse<D> = Impulse {
-                linear: Vector::from_fn(|a, _| strength * cube.pull[a]),
+                linear: Vector::from_fn(|a, _| strength * pull[a]),
                 turning: Vector::<3>::from(cube.turn) * (strength * grid.dx),
             };
-            let lift: Vector<D> = Vector::from_fn(|a, _| cube.lift[a]);
-            let size = lift.norm();
+            let size = Vector::<3>::from(cube.lift).norm();
+            let place = grid.center(grid.lattice().coordinates(cube.corners[0] as usize))
+                + Vector::repeat(0.5 * grid.dx);
             cube.share(self.label, |c, part| {
                 exchange.entry((c, cube.solid)).or_insert_with(Impulse::none).add(&impulse, part);
-                *lengths.entry((c, cube.solid)).or_insert(0.0) += part * size;
-                across[c as usize] += lift * lift.transpose() * (part / size);
+                let (length, moment) = lengths.entry((c, cube.solid)).or_insert((0.0, Vector::zeros()));
+                *length += part * size;
+                *moment += place * (part * size);
             });
         }
-        Pulls { exchange, lengths, across }
+        Pulls { exchange, lengths }
     }
 
     /// What the surface's pressure pushes each component with.

@@ -4,6 +4,10 @@ use crate::solid::{Solid, SolidState};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Edge, Grid};
 
+/// Weight, in 1/cells², from which on the grid does not see the capillary length (three cells): it is balanced ever less
+/// from there, as the filter of the curvature would take it for noise.
+const HEAVY: f64 = 0.1;
+
 /// A side of the domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wall {
@@ -28,8 +32,7 @@ pub struct Model<const D: usize> {
     pub surface_tension: f64,
     /// Gravity, m/s².
     pub gravity: Vector<D>,
-    /// The solids. So far they act under water: where the surface meets one, nothing is modelled yet, and no scene may
-    /// have one.
+    /// The solids.
     pub solids: Vec<Solid<D>>,
     /// Choices of the discretisation.
     pub numerics: Numerics,
@@ -52,6 +55,9 @@ pub struct Numerics {
     pub fixed_step: Option<f64>,
     /// Give back the momentum that the discretisation loses (on, but for studies of what it does).
     pub restore_momentum: bool,
+    /// Contact lines pull at solids. Without it solids feel pressure only, as in a traditional two-way coupling, and the
+    /// liquid meets them at 90 degrees if their `cosine` is 0, as it then should be.
+    pub contact_line: bool,
 }
 
 impl Default for Numerics {
@@ -64,6 +70,7 @@ impl Default for Numerics {
             max_iterations: 200,
             fixed_step: None,
             restore_momentum: true,
+            contact_line: true,
         }
     }
 }
@@ -91,6 +98,15 @@ impl<const D: usize> Model<D> {
     pub(crate) fn nearest_solid(&self, now: &[SolidState<D>], x: &Vector<D>) -> Option<usize> {
         let distance = |i: &usize| self.solids[*i].distance(&now[*i], x);
         (0..self.solids.len()).min_by(|i, j| distance(i).total_cmp(&distance(j)))
+    }
+
+    /// The liquid's weight as the surface beside solids balances it, `−ρ g Δ²/γ` in 1/cells²; none without solids.
+    pub(crate) fn weight(&self) -> Vector<D> {
+        if self.solids.is_empty() || self.surface_tension <= 0.0 {
+            return Vector::zeros();
+        }
+        let weight = self.gravity * (-self.density * self.grid.dx.powi(2) / self.surface_tension);
+        weight / (1.0 + (weight.norm() / HEAVY).powi(2))
     }
 
     /// The explicit capillary limit of a one-phase liquid, s: `2/ω_max = 0.36 √(ρ Δ³/γ)` (design, numerics).

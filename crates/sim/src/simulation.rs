@@ -1,5 +1,6 @@
 //! A run in memory: the model, the state, and how to step.
 
+use crate::compiled::by_dimension;
 use crate::ledger::{Ledger, StepReport, ledger, max_component, own_energy, potential_energy};
 use crate::model::Model;
 use crate::solid::Solid;
@@ -68,6 +69,8 @@ const VOLUME_JUMP: f64 = 0.1;
 const SHORTEST: f64 = 1e-5;
 /// Growth of the energy in one step, over what there is without gravity's, that is doubtful.
 const ENERGY_JUMP: f64 = 0.05;
+/// Most that a step may be longer than the one before.
+pub const GROWTH: f64 = 1.25;
 /// Distance, in cells, of motions in a step, and of falls, whose energy is nothing.
 const STILL: f64 = 1e-6;
 
@@ -77,7 +80,7 @@ pub struct Simulation<const D: usize> {
     pub model: Model<D>,
     /// What evolves.
     pub state: State<D>,
-    work: Workspace<D>,
+    pub(crate) work: Workspace<D>,
 }
 
 impl<const D: usize> Simulation<D> {
@@ -93,15 +96,16 @@ impl<const D: usize> Simulation<D> {
             let distance = bodies.iter().map(|b| (b.distance)(&x)).fold(f64::INFINITY, f64::min);
             *value = distance.clamp(-limit, limit);
         });
-        let work = Workspace::new(&model, &mut state);
-        let mut simulation = Self { model, state, work };
+        let mut simulation = Self::resume(model, state);
         simulation.start_velocity(bodies);
         simulation
     }
 
     /// A simulation that goes on from a state (a checkpoint). The same bits as if it had never stopped.
-    pub fn resume(model: Model<D>, mut state: State<D>) -> Self {
-        let work = Workspace::new(&model, &mut state);
+    pub fn resume(model: Model<D>, state: State<D>) -> Self {
+        let mut parts = (model, state);
+        let work = by_dimension(&mut parts, (), workspace_2, workspace_3);
+        let (model, state) = parts;
         Self { model, state, work }
     }
 
@@ -128,6 +132,10 @@ impl<const D: usize> Simulation<D> {
                 },
             );
         }
+        by_dimension(self, (), open_2, open_3)
+    }
+
+    fn open(&mut self) {
         self.work.extend_afresh(&self.model, &mut self.state);
         open_books(&self.model, &mut self.state, &self.work);
     }
@@ -138,6 +146,10 @@ impl<const D: usize> Simulation<D> {
     /// # Errors
     /// [`StepError`]; the state is then the one before the step.
     pub fn step(&mut self, max_dt: f64, phase_end: PhaseEnd<'_>) -> Result<StepReport<D>, StepError> {
+        by_dimension(self, (max_dt, phase_end), step_2, step_3)
+    }
+
+    fn advance(&mut self, max_dt: f64, phase_end: PhaseEnd<'_>) -> Result<StepReport<D>, StepError> {
         let solids = self.model.solids.iter().zip(&self.state.solids).map(|(s, now)| s.largest_speed(now));
         let speed = solids.fold(max_component(&self.model, &self.state, &self.work), f64::max);
         let wanted = self.wanted_dt(speed)?;
@@ -180,7 +192,7 @@ impl<const D: usize> Simulation<D> {
 
     fn choose_dt(&self, mut wanted: f64, max_dt: f64) -> f64 {
         if self.model.numerics.fixed_step.is_none() && self.state.last_dt > 0.0 {
-            wanted = wanted.min(1.25 * self.state.last_dt);
+            wanted = wanted.min(GROWTH * self.state.last_dt);
         }
         if max_dt.is_finite() { max_dt / (max_dt / wanted * (1.0 - 1e-9)).ceil().max(1.0) } else { wanted }
     }
@@ -225,8 +237,42 @@ impl<const D: usize> Simulation<D> {
         all.map(|(solid, now)| solid.distance(now, x)).fold(f64::INFINITY, f64::min)
     }
 
+    /// Share of a solid's surface that is wetted, 0 to 1.
+    pub fn wetted(&self, number: usize) -> f64 {
+        let own = || self.work.cut.wet.iter().filter(|w| w.solid as usize == number);
+        let wet = own().filter(|w| self.state.phi.data[w.cell as usize] < 0.0);
+        let all: f64 = own().map(|w| w.area.norm()).sum();
+        if all > 0.0 { wet.map(|w| w.area.norm()).sum::<f64>() / all } else { 0.0 }
+    }
+
     /// The books of the present state.
     pub fn ledger(&self) -> Ledger<D> {
         ledger(&self.model, &self.state, &self.work)
     }
 }
+
+/// The functions of either dimension ([`crate::compiled`]).
+macro_rules! of_dimension {
+    ($d:literal, $workspace:ident, $open:ident, $step:ident) => {
+        #[inline(never)]
+        fn $workspace((model, state): &mut (Model<$d>, State<$d>), (): ()) -> Workspace<$d> {
+            Workspace::new(model, state)
+        }
+
+        #[inline(never)]
+        fn $open(simulation: &mut Simulation<$d>, (): ()) {
+            simulation.open();
+        }
+
+        #[inline(never)]
+        fn $step(
+            simulation: &mut Simulation<$d>,
+            (max_dt, phase_end): (f64, PhaseEnd<'_>),
+        ) -> Result<StepReport<$d>, StepError> {
+            simulation.advance(max_dt, phase_end)
+        }
+    };
+}
+
+of_dimension!(2, workspace_2, open_2, step_2);
+of_dimension!(3, workspace_3, open_3, step_3);

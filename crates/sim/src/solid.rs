@@ -24,7 +24,21 @@ pub struct Solid<const D: usize> {
     pub body: RigidBody<D>,
     /// `(γ_sa − γ_ls)/γ_la`, the cosine of the contact angle (Young); beyond ±1 nothing or all is wetted.
     pub cosine: f64,
+    /// Friction of the contact line, Pa s: force on a length of it, over its speed.
+    pub line_friction: f64,
+    /// Cosines of the advancing and of the receding angle, between which a contact line rests; without them none rests.
+    pub hysteresis: Option<[f64; 2]>,
+    /// Speed after a hit over that before it, 0 to 1. Of two solids the geometric mean counts; a side of the domain has
+    /// the solid's.
+    pub restitution: f64,
+    /// Coulomb's coefficient of friction, combined in the same way.
+    pub friction: f64,
 }
+
+/// Restitution of solids of which none is told.
+pub const RESTITUTION: f64 = 0.3;
+/// Friction of solids of which none is told.
+pub const FRICTION: f64 = 0.3;
 
 /// What moves a solid.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,6 +88,10 @@ pub struct SolidState<const D: usize> {
     pub pressed: Vector<D>,
     /// Force of the liquid's surface along the contact line in the last step, N (2D: N/m).
     pub pulled: Vector<D>,
+    /// What the contacts that it rests on accelerated it by in the last step, m/s².
+    pub held: Vector<D>,
+    /// The same of its turning, rad/s².
+    pub braced: [f64; 3],
 }
 
 impl<const D: usize> RigidBody<D> {
@@ -131,13 +149,34 @@ fn share<const D: usize>(shape: &Shape<D>, at: &Vector<D>, h: f64) -> f64 {
 }
 
 impl<const D: usize> Solid<D> {
-    /// A homogeneous solid of a density, kg/m³, that starts at rest and that liquid meets at 90 degrees. One without bounds has no mass to be free with: it
-    /// stays where it is.
+    /// The cosine of the angle that a line tends to which has the angle of the given cosine, and whether it rests: between
+    /// the advancing and the receding angle it stays what it is.
+    pub fn wetting(&self, now: f64) -> (f64, bool) {
+        match self.hysteresis {
+            None => (self.cosine, false),
+            Some([advancing, receding]) => {
+                (now.clamp(advancing, receding), (advancing..=receding).contains(&now))
+            }
+        }
+    }
+
+    /// A homogeneous solid of a density, kg/m³, that starts at rest and that liquid meets at 90 degrees, with the usual
+    /// [`RESTITUTION`] and [`FRICTION`]. One without bounds has no mass to be free with: it stays where it is.
     pub fn new(shape: Shape<D>, motion: Motion<D>, density: f64) -> Self {
         let body = RigidBody::homogeneous(&shape, density);
         let stuck = motion == Motion::Free && !body.mass.is_finite();
         let motion = if stuck { Motion::Fixed } else { motion };
-        Self { shape, motion, velocity: Vector::zeros(), body, cosine: 0.0 }
+        Self {
+            shape,
+            motion,
+            velocity: Vector::zeros(),
+            body,
+            cosine: 0.0,
+            line_friction: 0.0,
+            hysteresis: None,
+            restitution: RESTITUTION,
+            friction: FRICTION,
+        }
     }
 
     /// Where and how it starts.
@@ -146,8 +185,9 @@ impl<const D: usize> Solid<D> {
             Motion::Given(path) => (path.mean_velocity(0.0, 1e-9), path.spin),
             _ => (self.velocity, [0.0; 3]),
         };
-        let (pressed, pulled) = (Vector::zeros(), Vector::zeros());
-        SolidState { center: self.body.center, rotation: Matrix::identity(), velocity, spin, pressed, pulled }
+        let (center, rotation, none) = (self.body.center, Matrix::identity(), Vector::zeros());
+        let (pressed, pulled, held, braced) = (none, none, none, [0.0; 3]);
+        SolidState { center, rotation, velocity, spin, pressed, pulled, held, braced }
     }
 
     /// Distance to its surface where it is now, m, negative inside.
@@ -219,6 +259,16 @@ impl<const D: usize> Solid<D> {
                 now.rotation = turned(&now.rotation, &spin, dt);
                 now.spin = (self.inverse_inertia(now) * momentum).into();
             }
+        }
+    }
+
+    /// Moves it by `way` (m) and turns it by `turn` (rad) about its centre; its momentum and angular momentum stay.
+    pub fn shift(&self, now: &mut SolidState<D>, way: &Vector<D>, turn: &[f64; 3]) {
+        if self.motion == Motion::Free {
+            let momentum = self.angular_momentum(now);
+            now.center += way;
+            now.rotation = turned(&now.rotation, turn, 1.0);
+            now.spin = (self.inverse_inertia(now) * momentum).into();
         }
     }
 

@@ -3,18 +3,20 @@
 //! Positions first, then one solve for the velocity: a capillary wave then obeys symplectic Euler, which neither
 //! damps nor drives it (design, numerics §8).
 
+use crate::change::{Change, expect, in_band, keep_volume, resolved_volume};
+use crate::collide::{collide, lean, part};
 use crate::coupling::push_solids;
+use crate::hysteresis::hold_lines;
 use crate::keep::{give_back, keep_carried, keep_momentum, walk};
 use crate::ledger::{drops, kinetic_energy, max_component, surface_energy};
 use crate::line::{Exchange, Impulse, Lines};
-use crate::liquid::cube::CutCube;
 use crate::liquid::curvature::{Beside, Curvature, Displacement, FilterStep, curvature};
+use crate::liquid::cut_faces::{CutFace, cut_faces};
+use crate::liquid::friction::{DraggedFace, drag, friction};
 use crate::liquid::ghost::{extend_into_solids, ghosts};
-use crate::liquid::momentum::together;
-use crate::liquid::pressure::{CutFace, Projection, cut_faces};
+use crate::liquid::pressure::Projection;
 use crate::liquid::transport::{advect_surface, advect_velocity, pack};
 use crate::liquid::viscosity::Diffusion;
-use crate::liquid::volume::{Group, Measured, astray, band_labels, follow, targets};
 use crate::model::Model;
 use crate::simulation::PhaseEnd;
 use crate::solid::Motion;
@@ -26,7 +28,6 @@ use meniscus_numerics::level_set::{redistance, slope};
 use meniscus_numerics::linalg::{SolveError, SolveReport};
 use meniscus_numerics::par;
 use rayon::prelude::*;
-use std::f64::consts::PI;
 
 /// Layers of the band on which curvature is found.
 const CURVED: usize = 5;
@@ -37,8 +38,12 @@ const SLOPE: f64 = 0.1;
 /// Layers of the band on which φ is made a distance in every step: all that the curvature sees.
 const NEAR: usize = 6;
 
-/// Radius, in cells, from which on a drop's volume tells whether a step was too long.
-const RESOLVED: f64 = 2.0;
+/// φ, in cells, of what a receding line leaves behind in a solid: no liquid, and else as little changed as can be.
+const LEFT_BEHIND: f64 = 0.01;
+
+/// Part of the way to a distance that φ goes in a step within solids. There no force smooths it, and redistancing turns a
+/// zigzag of the period of two cells into its opposite: all the way it stays for ever and stirs drops at rest (u_rms 1e-2).
+const WITHIN: f64 = 0.5;
 
 /// What a step found out.
 pub struct StepResult {
@@ -76,10 +81,10 @@ pub fn step<const D: usize>(
     phase_end("advect surface");
     keep_distance(model, state, work);
     phase_end("redistance");
+    hold_lines(model, state, work);
 
     // (2) Every component keeps its volume, and the centre of mass of what touches nothing its path.
-    let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
-    let mut change = keep_volume(model, state, work, &before, labels, dt);
+    let mut change = keep_volume(model, state, work, &before, dt);
     phase_end("volume");
 
     // (3) The velocity is carried along.
@@ -118,13 +123,10 @@ fn start<const D: usize>(
     dt: f64,
     phase_end: PhaseEnd<'_>,
 ) -> Result<(), SolveError> {
-    let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
-    let Measured { cubes, volumes, centers } = work.measured_liquid(model, &labels).measure(&state.phi);
-    let one = |c: usize| Group { old: vec![c], new: vec![c], whole: None, carried: None, placed: false };
-    let mut groups: Vec<Group<D>> = (0..volumes.len()).map(one).collect();
-    expect(model, state, work, &mut groups, 0.0);
-    let targets = state.drops.iter().map(|d| d.target_volume).collect();
-    let mut change = Change { groups, labels, cubes, targets, volumes, centers, jump: 0.0 };
+    hold_lines(model, state, work);
+    let mut change = Change::none(model, state, work);
+    change.targets = state.drops.iter().map(|d| d.target_volume).collect();
+    expect(model, state, work, &mut change.groups, &[], 0.0);
     let still = displacements(model, state, work, 0.0);
     work.mark_afresh(model);
     push(model, state, work, &mut change, still, (dt, 0.5 * dt), phase_end)?;
@@ -132,8 +134,9 @@ fn start<const D: usize>(
     Ok(())
 }
 
-/// For how long the forces act at the end of a step (leapfrog with steps of any length; design, numerics §8), so that the velocity is then half a step ahead of the positions
-/// again: `dt` where it already was. After a step of another length within bounds, which the steps to come make good.
+/// For how long the forces act at the end of a step (leapfrog with steps of any length; design, numerics §8), so that the
+/// velocity is then half a step ahead of the positions again: `dt` where it already was. After a step of another length
+/// within bounds, which the steps to come make good.
 fn kick(lead: f64, dt: f64) -> f64 {
     (1.5 * dt - lead).clamp(0.5 * dt, 1.5 * dt)
 }
@@ -149,6 +152,7 @@ fn push<const D: usize>(
     (dt, kick): (f64, f64),
     phase_end: PhaseEnd<'_>,
 ) -> Result<(SolveReport, f64), SolveError> {
+    let before = state.solids.clone();
     fall(model, state, work, kick);
 
     // Surface tension as a pressure on the surface.
@@ -156,14 +160,16 @@ fn push<const D: usize>(
     let filter = FilterStep { capillary, displacement };
     let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
     let ghosts = ghosts(model, &state.solids, &state.phi, &work.band, &work.cut);
-    let beside = Beside { solids: &work.cut, ghosts: &ghosts };
+    let beside = Beside { solids: &work.cut, ghosts: &ghosts, weight: model.weight() };
     let kappa = curvature(&model.grid, &work.band, CURVED, &phi, &change.cubes, &beside, &filter);
-    let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &kappa, &work.cut);
+    let mut cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &kappa, &work.cut);
+    let dragged = drag(model, state, &change.cubes, (&mut cut, &work.cut), kick);
     phase_end("curvature");
 
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
-    let (solve, given) = press(model, state, work, change, &cut, kick)?;
-    let stirred = stirred(model, state, &given);
+    let (solve, given) = press(model, state, work, change, (&cut, &dragged), kick)?;
+    let stirred =
+        stirred(model, state, &given) + collide(model, &mut state.solids, &work.probes, &before, (dt, kick));
     give_back(model, &mut change.groups, &given);
     phase_end("pressure");
 
@@ -183,19 +189,28 @@ fn press<const D: usize>(
     state: &mut State<D>,
     work: &mut Workspace<D>,
     change: &Change<D>,
-    cut: &[CutFace],
+    (cut, dragged): (&[CutFace], &[DraggedFace]),
     kick: f64,
-) -> Result<(SolveReport, [Exchange<D>; 2]), SolveError> {
+) -> Result<(SolveReport, [Exchange<D>; 3]), SolveError> {
     let inside: Vec<bool> = work.touching(model).iter().map(|t| !t.side).collect();
     let label = work.liquid.component(&model.grid);
-    let near = |cell: usize| work.band.slot(cell).map(|s| change.labels[s]).filter(|l| *l != u32::MAX);
+    let near = in_band(&work.band, &change.labels);
     let lines = Lines { model, cubes: &change.cubes, cut, label: &near, inside: &inside };
-    let (line, along) = lines.impulses(kick);
+    let (line, along) = if model.numerics.contact_line {
+        lines.impulses(kick)
+    } else {
+        (Exchange::new(), vec![Vector::zeros(); inside.len()])
+    };
     push_solids(model, &mut state.solids, &line);
-    let speed = |(j, volume): (&Vector<D>, &f64)| j / (model.density * volume);
+    // Of a drop too small to be resolved the lattice's pull is noise.
+    let least = resolved_volume(model);
+    let speed = |(j, volume): (&Vector<D>, &f64)| {
+        if *volume > least { j / (model.density * volume) } else { Vector::zeros() }
+    };
     let along: Vec<Vector<D>> = along.iter().zip(&change.targets).map(speed).collect();
     let of = |cell: usize| label(cell).unwrap_or(0);
     walk(model, &state.phi, work, cut, &of).shift(&mut state.velocity, &along);
+    lean(&mut state.solids, kick);
     let mut projection = Projection {
         velocity: &mut state.velocity,
         lambda: &mut state.lambda,
@@ -203,22 +218,28 @@ fn press<const D: usize>(
         liquid: &work.liquid,
         faces: work.known.liquid(),
         cut,
-        cut_cells: &work.cut,
+        dragged,
+        cut_cells: &mut work.cut,
         solids: &state.solids,
         label: &label,
         jump: model.surface_tension * kick / (model.density * model.grid.dx),
     };
     let (solve, pressure) = work.pressure.project(model, &mut projection)?;
     push_solids(model, &mut state.solids, &pressure);
+    lean(&mut state.solids, -kick);
+    let friction = friction(model, state, dragged, label);
+    push_solids(model, &mut state.solids, &friction);
     let sums = |exchange| Impulse::sums(exchange, model.solids.len(), |(_, solid)| solid);
-    for ((now, line), pressure) in state.solids.iter_mut().zip(sums(&line)).zip(sums(&pressure)) {
-        (now.pulled, now.pressed) = (line.linear / kick, pressure.linear / kick);
+    let pulls = sums(&line).into_iter().zip(sums(&friction));
+    for ((now, (line, friction)), pressure) in state.solids.iter_mut().zip(pulls).zip(sums(&pressure)) {
+        now.pulled = (line.linear + friction.linear) / kick;
+        now.pressed = pressure.linear / kick;
     }
-    Ok((solve, [line, pressure]))
+    Ok((solve, [line, pressure, friction]))
 }
 
 /// The work, J, that solids which go as told do on the rest.
-fn stirred<const D: usize>(model: &Model<D>, state: &State<D>, given: &[Exchange<D>; 2]) -> f64 {
+fn stirred<const D: usize>(model: &Model<D>, state: &State<D>, given: &[Exchange<D>; 3]) -> f64 {
     let mut work = 0.0;
     for ((_, solid), impulse) in given.iter().flatten() {
         let now = &state.solids[*solid as usize];
@@ -246,7 +267,7 @@ pub fn move_surface<const D: usize>(
     work.find_liquid(model, state);
     let strays = work.strays(model);
     if !strays.is_empty() {
-        strays.iter().for_each(|&c| state.phi.data[c] = model.grid.dx);
+        strays.iter().for_each(|&c| state.phi.data[c] = LEFT_BEHIND * model.grid.dx);
         work.find_liquid(model, state);
     }
     let limit = BAND * model.grid.dx;
@@ -267,95 +288,19 @@ pub fn move_surface<const D: usize>(
 pub(crate) fn keep_distance<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
     let sampler = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
     let edge = &work.band.cells[work.band.first_layers(1)];
-    let wrong = |c: &&u32| (slope(&model.grid, &state.phi.data, &sampler, **c as usize) - 1.0).abs() > SLOPE;
-    let all = state.drift > DRIFT || edge.par_iter().filter(wrong).count() * 100 > edge.len();
+    let outside = |c: u32| work.cut.distance(c as usize) >= 0.0;
+    let wrong = |c: u32| (slope(&model.grid, &state.phi.data, &sampler, c as usize) - 1.0).abs() > SLOPE;
+    let count = edge.par_iter().filter(|c| outside(**c) && wrong(**c)).count();
+    let all = state.drift > DRIFT || count * 100 > edge.len();
     let layers = if all { LAYERS } else { NEAR };
     let values = redistance(&model.grid, &work.band, layers, &state.phi.data, &sampler, BAND * model.grid.dx);
-    work.band.cells.iter().zip(values).for_each(|(&c, v)| state.phi.data[c as usize] = v);
+    let cells = work.band.cells.iter().zip(values);
+    cells.for_each(|(&c, v)| {
+        let value = &mut state.phi.data[c as usize];
+        *value += if outside(c) { v - *value } else { WITHIN * (v - *value) };
+    });
     if all {
         state.drift = 0.0;
-    }
-}
-
-/// What became of the components in a step.
-pub struct Change<const D: usize> {
-    /// Which became which.
-    pub groups: Vec<Group<D>>,
-    /// Component that each cell of the band belongs to.
-    labels: Vec<u32>,
-    /// The surface in cubes.
-    pub cubes: Vec<CutCube>,
-    /// Volumes that the components must have.
-    pub targets: Vec<f64>,
-    /// Volumes that they have.
-    pub volumes: Vec<f64>,
-    /// Their centres of mass.
-    pub centers: Vec<Vector<D>>,
-    jump: f64,
-}
-
-/// Follows the components and puts their volumes and centres right.
-pub fn keep_volume<const D: usize>(
-    model: &Model<D>,
-    state: &mut State<D>,
-    work: &Workspace<D>,
-    before: &Runs,
-    labels: Vec<u32>,
-    dt: f64,
-) -> Change<D> {
-    let liquid = work.measured_liquid(model, &labels);
-    let measured = liquid.measure(&state.phi);
-    let raw = measured.volumes.clone();
-    let mut groups = follow(before, &work.liquid, &state.drops, &measured.centers, dt);
-    expect(model, state, work, &mut groups, dt);
-    let (targets, lost) = targets(&groups, &state.drops, &raw);
-    state.lost_volume += lost;
-    // A drop too small to be resolved loses its shape in any step: it must not make the others wait.
-    let seen = |c: &usize| targets[*c] > ball_volume::<D>(RESOLVED * model.grid.dx);
-    let depths = (0..raw.len()).filter(seen).map(|c| depth(model, raw[c] - targets[c], targets[c]));
-    let jump = depths.fold(0.0, f64::max);
-    let limit = BAND * model.grid.dx;
-    let Measured { cubes, volumes, mut centers } =
-        liquid.correct(&mut state.phi, measured, &targets, &groups, limit);
-    // Where the surface could not follow all the way, the books do.
-    let rest = astray(&groups, &targets, &centers);
-    centers.iter_mut().zip(rest).for_each(|(center, rest)| *center += rest);
-    Change { groups, labels, cubes, targets, volumes, centers, jump }
-}
-
-/// Volume of a ball, m³ (2D: area of a disc, m²).
-fn ball_volume<const D: usize>(radius: f64) -> f64 {
-    (if D == 2 { PI } else { 4.0 / 3.0 * PI }) * radius.powi(D as i32)
-}
-
-/// Thickness, in cells, of a layer of volume `change` on a ball of volume `whole`.
-fn depth<const D: usize>(model: &Model<D>, change: f64, whole: f64) -> f64 {
-    let unit = ball_volume::<D>(1.0);
-    let radius = (whole / unit).max(0.0).powf(1.0 / D as f64).max(0.5 * model.grid.dx);
-    change.abs() / (D as f64 * unit * radius.powi(D as i32 - 1) * model.grid.dx)
-}
-
-/// Finds out what every group that nothing holds must be after the step.
-fn expect<const D: usize>(
-    model: &Model<D>,
-    state: &State<D>,
-    work: &Workspace<D>,
-    groups: &mut [Group<D>],
-    dt: f64,
-) {
-    if !model.numerics.restore_momentum {
-        return;
-    }
-    let touching = work.touching(model);
-    for group in groups {
-        let free = group.new.iter().all(|&j| !touching[j].side);
-        if !group.old.is_empty() && !group.new.is_empty() && free {
-            group.placed = !group.new.iter().any(|&j| touching[j].free || touching[j].held);
-            let mut whole = together(group.old.iter().map(|&i| state.drops[i].whole()));
-            whole.center += whole.velocity * dt;
-            let held = group.new.iter().any(|&j| touching[j].held);
-            if held { group.carried = Some(whole) } else { group.whole = Some(whole) }
-        }
     }
 }
 
@@ -411,6 +356,7 @@ fn move_velocity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &
 fn move_solids<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut Workspace<D>, dt: f64) {
     let (time, all) = (state.time, model.solids.iter());
     all.zip(&mut state.solids).for_each(|(solid, now)| solid.advance(now, time, dt));
+    part(model, &mut state.solids, &work.probes);
     work.follow_solids(model, state);
 }
 
@@ -435,10 +381,7 @@ fn fall<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace
 
 /// The books of a new state: drops, energies. The velocity must be known on the liquid's faces.
 pub fn open_books<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
-    let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
-    let Measured { cubes, volumes, centers } = work.measured_liquid(model, &labels).measure(&state.phi);
-    let change =
-        Change { groups: Vec::new(), labels, cubes, targets: volumes.clone(), volumes, centers, jump: 0.0 };
+    let change = Change::none(model, state, work);
     let flat = Curvature { kappa: Vec::new(), known: Vec::new() };
     let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &flat, &work.cut);
     let moments = keep_momentum(model, state, work, &cut, (&change, &[]), 0.0);

@@ -1,5 +1,6 @@
 //! Memory of a step, and what follows from the state: where the liquid is.
 
+use crate::collide::Probes;
 use crate::liquid::pressure::PressureFields;
 use crate::liquid::surface::SurfaceLattice;
 use crate::liquid::transport::Flow;
@@ -8,7 +9,9 @@ use crate::model::Model;
 use crate::solid::Motion;
 use crate::state::State;
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{Band, CellField, CutCells, KnownFaces, Run, Runs, Sampler, Segment, Tiles};
+use meniscus_numerics::grid::{
+    Band, CellField, CutCells, Grid, KnownFaces, Run, Runs, Sampler, Segment, Tiles, points,
+};
 use rayon::prelude::*;
 
 /// Largest distance that φ tells, in cells.
@@ -43,6 +46,8 @@ pub struct Workspace<const D: usize> {
     pub lattice: SurfaceLattice<D>,
     /// Dense memory of the pressure solve.
     pub pressure: PressureFields<D>,
+    /// Where solids may meet.
+    pub probes: Probes<D>,
 }
 
 impl<const D: usize> Workspace<D> {
@@ -55,8 +60,9 @@ impl<const D: usize> Workspace<D> {
             liquid: Runs::default(),
             cut: CutCells::none(grid),
             known: KnownFaces::new(grid),
-            lattice: SurfaceLattice::new(grid),
+            lattice: SurfaceLattice::new(grid, model.weight()),
             pressure: PressureFields::new(model),
+            probes: Probes::of(model),
         };
         workspace.cut_cells(model, state);
         workspace.find_liquid(model, state);
@@ -93,25 +99,50 @@ impl<const D: usize> Workspace<D> {
         let open = |cell: usize| !self.cut.closed(model.grid.lattice().coordinates(cell));
         let liquid = if self.cut.wet.is_empty() { negative } else { negative.filtered(&model.grid, open) };
         self.liquid = liquid.label(&model.grid);
+        let tips = self.tips(&state.phi.data);
+        self.liquid.unite(&tips);
         self.band.rebuild(&state.phi.data, &self.liquid, LAYERS);
     }
 
     /// The liquid cells of components that lie within solids altogether: no centre of theirs is outside. A line that
     /// recedes leaves such cells behind.
     pub fn strays(&self, model: &Model<D>) -> Vec<usize> {
+        let within = self.within();
+        let strays = self.liquid.runs.iter().filter(|r| within.get(r.component as usize) == Some(&true));
+        strays.flat_map(|r| cells_of(&model.grid, r)).collect()
+    }
+
+    /// Which components lie within solids altogether; nothing where there are no solids.
+    fn within(&self) -> Vec<bool> {
         if self.cut.wet.is_empty() {
             return Vec::new();
         }
-        let cells = |runs: &Run| {
-            let row = runs.row as usize * model.grid.cells[0];
-            row + runs.start as usize..row + runs.end as usize
-        };
         let mut within = vec![true; self.liquid.components as usize];
         for run in &self.liquid.runs {
             let within = &mut within[run.component as usize];
-            *within = *within && cells(run).all(|c| self.cut.distance(c) < 0.0);
+            *within = *within && cells_of(&self.cut.open.grid, run).all(|c| self.cut.distance(c) < 0.0);
         }
-        self.liquid.runs.iter().filter(|r| within[r.component as usize]).flat_map(cells).collect()
+        within
+    }
+
+    /// Components that are but tips of wedges, and those that they are the tips of: at a slanting solid a cell at the tip
+    /// may share no face with the rest.
+    fn tips(&self, phi: &[f64]) -> Vec<(u32, u32)> {
+        let within = self.within();
+        let lattice = self.cut.open.grid.lattice();
+        let component = self.liquid.component(&self.cut.open.grid);
+        let mut pairs = Vec::new();
+        for run in self.liquid.runs.iter().filter(|r| within.get(r.component as usize) == Some(&true)) {
+            for cell in cells_of(&self.cut.open.grid, run).filter(|c| self.cut.airy(*c, phi)) {
+                let at = lattice.coordinates(cell);
+                let low = at.map(|i| i.saturating_sub(1));
+                let high = std::array::from_fn(|a| (at[a] + 2).min(lattice.extent[a]));
+                let around = points([low, high]).into_iter().filter_map(|at| component(lattice.index(at)));
+                let whole = around.filter(|c| !within[*c as usize]).min();
+                pairs.extend(whole.map(|whole| (run.component, whole)));
+            }
+        }
+        pairs
     }
 
     /// Marks the liquid's faces anew and extends the velocity from them.
@@ -162,6 +193,12 @@ impl<const D: usize> Workspace<D> {
     pub fn measured_liquid<'a>(&'a self, model: &'a Model<D>, labels: &'a [u32]) -> Liquid<'a, D> {
         Liquid { model, lattice: &self.lattice, band: &self.band, cells: &self.liquid, labels }
     }
+}
+
+/// The cells of a run.
+fn cells_of<const D: usize>(grid: &Grid<D>, run: &Run) -> std::ops::Range<usize> {
+    let row = run.row as usize * grid.cells[0];
+    row + run.start as usize..row + run.end as usize
 }
 
 /// Gives the velocity on the faces that solids close the normal part of the nearest solid's surface.

@@ -1,7 +1,7 @@
 //! Made-up runs to look at: `demo sample DIR` writes three output folders, `demo render DIR [SIZE [FRAME [STYLE]]]`
 //! and `demo page DIR` show one.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/all/common/mod.rs"]
 mod common;
 
 use std::path::Path;

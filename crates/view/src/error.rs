@@ -27,6 +27,18 @@ pub enum ViewError {
         /// What is wrong with it.
         what: String,
     },
+    /// A time lies beyond the frames.
+    #[error("{}: there is no frame near {at} s: its frames go from {first} s to {last} s", path.display())]
+    Time {
+        /// The folder.
+        path: PathBuf,
+        /// The time that was asked for (s).
+        at: f64,
+        /// The first frame's time (s).
+        first: f64,
+        /// The last frame's time (s).
+        last: f64,
+    },
     /// An image could not be encoded.
     #[error("{}: {source}", path.display())]
     Png {

@@ -178,6 +178,29 @@ impl RunFolder {
         })
     }
 
+    /// The time (s) of a frame, where it is known.
+    pub(crate) fn time(&self, number: u32) -> Result<Option<f64>> {
+        if let Some(interval) = self.frame_interval {
+            return Ok(Some(interval * f64::from(number)));
+        }
+        Ok(PlyMesh::load(&self.mesh_path("liquid", number))?.time())
+    }
+
+    /// The solids' names in the order of the scene, as `solid` numbers of contact lines count; by name if not known.
+    pub(crate) fn solid_order(&self) -> Vec<String> {
+        let listed = self.summary.get("solids").and_then(|s| s.as_array());
+        let name = |s: &serde_json::Value| s.get("name")?.as_str().map(String::from);
+        let names: Option<Vec<String>> = listed.map(|list| list.iter().filter_map(name).collect());
+        names.filter(|n| n.len() == self.solids.len()).unwrap_or_else(|| self.solids.clone())
+    }
+
+    /// The scene's name, or the folder's.
+    pub(crate) fn name(&self) -> String {
+        let given = self.summary.get("scene").and_then(|s| s.as_str()).map(str::to_string);
+        let of_dir = || self.dir.canonicalize().ok()?.file_name()?.to_str().map(str::to_string);
+        given.or_else(of_dir).unwrap_or_else(|| "run".into())
+    }
+
     /// At most `most` of `numbers`, evenly spread, with the first and the last.
     pub(crate) fn spread(numbers: &[u32], most: usize) -> Vec<u32> {
         let n = numbers.len();

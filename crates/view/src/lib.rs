@@ -1,14 +1,19 @@
-//! Pictures and pages of Meniscus runs.
+//! Pictures, pages and measurements of Meniscus runs.
 //!
 //! [`render`] makes a PNG of each stored frame, and a film; [`write_page`] makes one self-contained page.
-//! Both read an output folder and need neither a GPU nor any system package.
+//! [`measure`] tells angles, radii and heights of a stored frame. All read an output folder and need neither a GPU nor any system package.
 
 mod error;
 mod folder;
+mod measure;
 mod page;
 mod render;
 
 pub use error::{Result, ViewError};
 pub use folder::{Frame, RunFolder};
+pub use measure::{
+    ContactMeasure, DropMeasure, FitShape, FittedAngle, Floating, Forces, LocalAngle, Measurement,
+    SolidMeasure, Touch, measure,
+};
 pub use page::{PageOptions, PageReport, make_page, write_page};
 pub use render::{Camera, Image, RenderOptions, Rendered, Renderer, Style, render};

@@ -3,6 +3,7 @@
 pub mod bench;
 pub mod check;
 pub mod info;
+pub mod measure;
 pub mod run;
 pub mod scenes;
 pub mod verify;

@@ -26,6 +26,35 @@ formats = ["ply"]
 checkpoint_every = 1
 "#;
 
+/// A drop that spreads on a plate, and what is expected of its angle.
+pub const PLATE: &str = r#"
+format = 1
+name = "plate"
+[domain]
+dimension = 2
+size = ["3 mm", "3 mm"]
+resolution = 32
+[liquid]
+density = "1 g/cm^3"
+kinematic_viscosity = "0.05 cm^2/s"
+[[liquid.body]]
+shape.ball = { center = ["1.5 mm", "1.3 mm"], radius = "0.9 mm" }
+[[solid]]
+name = "plate"
+shape.half_space = { point = ["1.5 mm", "0.83 mm"], normal = [0.1, 1.0] }
+material.rigid = { fixed = true }
+[tension]
+liquid_air = "72.8 mN/m"
+plate = { contact_angle = "60 deg" }
+[output]
+duration = "1.5 ms"
+frame_interval = "0.3 ms"
+formats = ["ply"]
+checkpoint_every = 1
+[expect]
+contact_angle = { solid = "plate", value = "90 deg", tolerance = "80 deg" }
+"#;
+
 /// A temporary folder with the scene in it, removed at the end.
 pub struct Place(pub PathBuf);
 
@@ -35,6 +64,7 @@ impl Place {
         let _ = std::fs::remove_dir_all(&root);
         std::fs::create_dir_all(&root).unwrap();
         std::fs::write(root.join("small.toml"), SCENE).unwrap();
+        std::fs::write(root.join("plate.toml"), PLATE).unwrap();
         Self(root)
     }
 

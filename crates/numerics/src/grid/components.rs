@@ -39,6 +39,24 @@ impl Runs {
         self
     }
 
+    /// Makes each pair of components one, and numbers them in order of their first cell again.
+    pub fn unite(&mut self, pairs: &[(u32, u32)]) {
+        let mut parent: Vec<u32> = (0..self.components).collect();
+        pairs.iter().for_each(|&(a, b)| unite(&mut parent, a, b));
+        let mut label = vec![u32::MAX; parent.len()];
+        let mut count = 0;
+        for i in 0..self.components {
+            let root = find(&mut parent, i) as usize;
+            if label[root] == u32::MAX {
+                label[root] = count;
+                count += 1;
+            }
+            label[i as usize] = label[root];
+        }
+        self.runs.iter_mut().for_each(|run| run.component = label[run.component as usize]);
+        self.components = count;
+    }
+
     /// The component of a cell, if it is one of these.
     pub fn component<const D: usize>(
         &self,
@@ -115,5 +133,8 @@ mod tests {
         assert_eq!(runs.components, 2);
         assert_eq!(runs.cells(), data.iter().filter(|v| **v < 0.0).count());
         assert_eq!(runs.overlaps(&runs).len(), 2);
+        let mut one = runs.clone();
+        one.unite(&[(1, 0)]);
+        assert_eq!((one.components, one.overlaps(&runs).len()), (1, 2));
     }
 }

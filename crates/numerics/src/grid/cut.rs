@@ -10,13 +10,15 @@
 //! nowhere and turns it nowhere, to rounding, and no surface has to be built (design, numerics §1).
 
 use super::{FaceField, Grid, Lattice};
-use crate::{Vector, planes};
+use crate::{Matrix, Vector, planes};
 use rayon::prelude::*;
 
 /// Shares of a face that are nearer than this to none or all count as that: no flow is worth the stiffness of such a gap.
 const LEAST: f64 = 1e-4;
 /// Areas and moments below this, in cells, are rounding: positions go up to some hundreds.
 const ROUNDING: f64 = 1e-11;
+/// Points nearer to a solid's surface than this, in cells, are within: rounding must not tell neighbours on it apart.
+const ON_SURFACE: f64 = 1e-6;
 /// Distance of what is far from all solids, in cells.
 const FAR: f64 = 1e3;
 /// Cells around a solid's box in which its distance is known.
@@ -44,6 +46,8 @@ pub struct WetCell<const D: usize> {
     pub area: Vector<D>,
     /// `∫ r × n dS` about the grid's origin (2D: in the last entry).
     pub moment: [f64; 3],
+    /// `∫ n ⊗ r dS` with `r` from the cell's centre: the slope of a pressure pushes with this times itself.
+    pub spread: Matrix<D>,
 }
 
 /// The faces and cells that solids cut.
@@ -112,6 +116,22 @@ impl<const D: usize> CutCells<D> {
         self.centers.get(cell).copied().unwrap_or(FAR)
     }
 
+    /// Whether a cell has an open face to one where `phi` is not negative.
+    pub fn airy(&self, cell: usize, phi: &[f64]) -> bool {
+        let lattice = self.open.grid.lattice();
+        let at = lattice.coordinates(cell);
+        (0..2 * D).any(|n| {
+            let (a, up) = (n / 2, n % 2);
+            if at[a] + up == 0 || at[a] + up == lattice.extent[a] {
+                return false;
+            }
+            let mut face = at;
+            face[a] += up;
+            let open = self.open.axes[a][self.open.grid.faces(a).index(face)] > 0.0;
+            open && phi[if up == 1 { cell + lattice.stride[a] } else { cell - lattice.stride[a] }] >= 0.0
+        })
+    }
+
     /// The cells whose distance to a solid is known, as boxes: lower corner, and one past the upper one.
     pub fn boxes(&self) -> &[[[usize; D]; 2]] {
         &self.boxes
@@ -177,6 +197,7 @@ impl<const D: usize> CutCells<D> {
         let lattice = grid.lattice();
         let wet = |at: [usize; D]| {
             let (mut area, mut moment): (Vector<D>, [f64; 3]) = (Vector::zeros(), [0.0; 3]);
+            let (mut spread, center): (Matrix<D>, _) = (Matrix::zeros(), grid.center(at) / grid.dx);
             for a in 0..D {
                 for side in 0..2 {
                     let mut face = at;
@@ -184,6 +205,7 @@ impl<const D: usize> CutCells<D> {
                     let (share, r) = self.opening(a, face);
                     let outward = if side == 1 { share } else { -share };
                     area[a] -= outward;
+                    (0..D).for_each(|b| spread[(a, b)] -= outward * (r[b] - center[b]));
                     for &(b, c, place) in planes::<D>() {
                         // r × A, of which only the entry of A along `a` is not zero.
                         let turn = if c == a {
@@ -205,12 +227,25 @@ impl<const D: usize> CutCells<D> {
             if turning.fold(area.amax(), f64::max) < ROUNDING {
                 return None;
             }
+            // All around what is open `∫ n ⊗ r dS` is its volume. Of that volume's D-fold the surface has its distance times its
+            // area, the faces the rest.
+            let distance = self.mean_distance(at) * area.norm();
+            let volume = ((distance - spread.trace()) / D as f64).clamp(0.0, 1.0);
+            spread += Matrix::identity() * volume;
             let x = grid.center(at);
             let near = |i: &usize, j: &usize| (solids[*i].distance)(&x).total_cmp(&(solids[*j].distance)(&x));
             let solid = (0..solids.len()).min_by(near)? as u32;
-            Some(WetCell { cell: lattice.index(at) as u32, solid, area, moment })
+            Some(WetCell { cell: lattice.index(at) as u32, solid, area, moment, spread })
         };
         points(cells).into_par_iter().with_min_len(256).filter_map(wet).collect()
+    }
+
+    /// Mean distance in a cell, in cells.
+    fn mean_distance(&self, at: [usize; D]) -> f64 {
+        let lattice = corner_lattice(&self.open.grid);
+        let corner = |k: usize| self.corners[lattice.index(std::array::from_fn(|a| at[a] + (k >> a & 1)))];
+        let corners = (0..1usize << D).map(corner).sum::<f64>() / (1 << D) as f64;
+        (2.0 * self.centers[self.open.grid.lattice().index(at)] + corners) / 3.0
     }
 
     /// Open share of a face, and the centroid of the open part, in cells from the origin.
@@ -260,6 +295,7 @@ fn nearest<const D: usize>(
         .into_par_iter()
         .with_min_len(256)
         .map(|at| (lattice.index(at), (solid.distance)(&place(at)) / dx))
+        .map(|(i, v)| (i, if v.abs() < ON_SURFACE { -ON_SURFACE } else { v }))
         .collect();
     found.into_iter().for_each(|(i, v)| values[i] = values[i].min(v));
 }
@@ -365,6 +401,15 @@ mod tests {
         let area = cut.wet.iter().fold(Vector::zeros(), |s: Vector<D>, w| s + w.area);
         let moment =
             cut.wet.iter().fold([0.0; 3], |m: [f64; 3], w| std::array::from_fn(|i| m[i] + w.moment[i]));
+        // What a pressure of slope one does is the volume of the body in its direction, and nothing across.
+        let grid = cut.open.grid;
+        let push = |w: &WetCell<D>| {
+            let x = grid.center(grid.lattice().coordinates(w.cell as usize)) / grid.dx;
+            w.spread + w.area * x.transpose()
+        };
+        let push = cut.wet.iter().fold(Matrix::<D>::zeros(), |s, w| s + push(w));
+        let across = push - Matrix::identity() * push[(0, 0)];
+        assert!(across.amax() < 1e-9, "{D}D: {push}");
         assert!(area.amax() < 1e-11, "{D}D: {area}");
         assert!(moment.iter().all(|m| m.abs() < 1e-9), "{D}D: {moment:?}");
     }

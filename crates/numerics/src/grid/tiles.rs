@@ -93,15 +93,19 @@ impl<const D: usize> Tiles<D> {
                 let mut runs = Vec::new();
                 let mut i = s.start;
                 while i < s.end {
-                    if values[i] >= 0.0 {
-                        i += 1;
-                        continue;
-                    }
                     let start = i;
                     while i < s.end && values[i] < 0.0 {
                         i += 1;
                     }
-                    runs.push(Run { row: s.row as u32, start: start as u32, end: i as u32, component: 0 });
+                    if start < i {
+                        runs.push(Run {
+                            row: s.row as u32,
+                            start: start as u32,
+                            end: i as u32,
+                            component: 0,
+                        });
+                    }
+                    i += 1;
                 }
                 runs
             })

@@ -2,7 +2,8 @@
 //!
 //! With `g = ∇φ`, `n = g/|g|` and barycentric coordinates `λ_c`, moving the value of `φ` at corner `c` changes
 //!
-//! - the volume of `{φ < 0, ψ > 0}` by `−(1/|g|) ∫_P λ_c dA` over the free surface `P = {φ = 0, ψ > 0}`;
+//! - the volume of `{φ < 0, ψ > 0}` by `−(1/|g|) ∫_P λ_c dA` over the free surface `P = {φ = 0, ψ > 0}`, and its first
+//!   moment by `−(1/|g|) ∫_P λ_c x dA`;
 //! - the area of `P` by `(1/|g|) Σ_e l_e λ_c(e) (m·n)/√(1 − (m·n)²)` over the edges `e` of `P`, `m` being the outward normal
 //!   of the face of the simplex, or of the solid's surface, in which the edge lies (2D: over its two ends);
 //! - the wetted area of `{ψ = 0, φ < 0}` by `−(1/|g|) Σ_e l_e λ_c(e)/√(1 − (m·n)²)` over the edge on the solid
@@ -47,6 +48,8 @@ pub struct Cut {
     pub wetward: [[f64; 3]; 2],
     /// Derivative of the volume by the value of φ at each corner.
     pub volume_slope: [f64; 4],
+    /// That of the volume's first moment.
+    pub moment_slope: [[f64; 3]; 4],
     /// That of the free surface's area.
     pub area_slope: [f64; 4],
     /// That of the wetted area.
@@ -118,8 +121,8 @@ impl<const D: usize> Simplex<D> {
         let steepness = gradient.norm().max(1e-12);
         let n = gradient / steepness;
         cut.area = self.measure(&surface);
-        self.for_each_facet(&surface, |area, mean| {
-            (0..=D).for_each(|c| cut.volume_slope[c] -= area * mean[c] / steepness);
+        self.for_each_facet(&surface, |area, corners| {
+            self.add_slopes(area / steepness, corners, &mut cut.volume_slope, &mut cut.moment_slope)
         });
         for k in 0..surface.len() {
             let (p, label) = surface[k];
@@ -143,6 +146,19 @@ impl<const D: usize> Simplex<D> {
         }
     }
 
+    /// Takes away `∫ λ_c dA` and `∫ λ_c x dA` over a facet of the free surface.
+    fn add_slopes(&self, area: f64, facet: &[Point], volume: &mut [f64; 4], moment: &mut [[f64; 3]; 4]) {
+        let n = facet.len() as f64;
+        for c in 0..=D {
+            let sum: f64 = facet.iter().map(|p| p[c]).sum();
+            volume[c] -= area * sum / n;
+            for p in facet {
+                let (x, weight) = (self.place(p), area * (p[c] + sum) / (n * (n + 1.0)));
+                (0..D).for_each(|a| moment[c][a] -= weight * x[a]);
+            }
+        }
+    }
+
     /// Length or area of a segment or polygon.
     fn measure(&self, section: &[(Point, usize)]) -> f64 {
         let mut sum = 0.0;
@@ -150,12 +166,12 @@ impl<const D: usize> Simplex<D> {
         sum
     }
 
-    /// Calls `f(size, mean of the barycentric coordinates)` for the segment, or the triangles of the polygon.
-    fn for_each_facet(&self, section: &[(Point, usize)], mut f: impl FnMut(f64, Point)) {
+    /// Calls `f(size, corners)` for the segment, or the triangles of the polygon.
+    fn for_each_facet(&self, section: &[(Point, usize)], mut f: impl FnMut(f64, &[Point])) {
         if D == 2 {
             if let [(p, _), (q, _)] = section {
                 let length = (self.place(q) - self.place(p)).norm();
-                f(length, std::array::from_fn(|i| 0.5 * (p[i] + q[i])));
+                f(length, &[*p, *q]);
             }
             return;
         }
@@ -163,7 +179,7 @@ impl<const D: usize> Simplex<D> {
             let (p, q, r) = (section[0].0, section[k - 1].0, section[k].0);
             let (e, d) = (self.place(&q) - self.place(&p), self.place(&r) - self.place(&p));
             let square = e.norm_squared() * d.norm_squared() - e.dot(&d).powi(2);
-            f(0.5 * square.max(0.0).sqrt(), std::array::from_fn(|i| (p[i] + q[i] + r[i]) / 3.0));
+            f(0.5 * square.max(0.0).sqrt(), &[p, q, r]);
         }
     }
 }
@@ -302,6 +318,8 @@ mod tests {
                 let (up, down) = (shifted(1e-5), shifted(-1e-5));
                 for (slope, up, down) in [
                     (cut.volume_slope[c], up.volume, down.volume),
+                    (cut.moment_slope[c][0], up.moment[0], down.moment[0]),
+                    (cut.moment_slope[c][D - 1], up.moment[D - 1], down.moment[D - 1]),
                     (cut.area_slope[c], up.area, down.area),
                     (cut.wetted_slope[c], up.wetted, down.wetted),
                 ] {

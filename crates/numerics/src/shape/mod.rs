@@ -9,11 +9,13 @@ mod ellipsoid;
 mod fraction;
 mod mesh_shape;
 mod perturbed;
+mod probes;
 mod sample;
 
 pub use clip::{Cut, Simplex};
 pub use fraction::plane_box_fraction;
 pub use mesh_shape::MeshShape;
+pub use probes::Probe;
 
 use crate::{Matrix, Vector};
 use std::f64::consts::PI;

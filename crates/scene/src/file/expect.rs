@@ -37,12 +37,20 @@ pub struct ExpectFile {
     #[serde(default, skip_serializing_if = "Vec::is_empty", with = "one_or_many")]
     #[schemars(with = "super::Either<ReachFile, Vec<ReachFile>>")]
     pub reach: Vec<ReachFile>,
-    /// Solids that are afloat at the end.
+    /// Solids that the liquid carries at the end: wetted in part, and nothing else holds them up.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub floats: Vec<String>,
-    /// Solids that have sunk at the end.
+    /// Solids that are wholly under the liquid's surface at the end.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sinks: Vec<String>,
+    /// How much of solids is wetted at the end.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", with = "one_or_many")]
+    #[schemars(with = "super::Either<WettedFile, Vec<WettedFile>>")]
+    pub wetted: Vec<WettedFile>,
+    /// Where solids are at the end.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", with = "one_or_many")]
+    #[schemars(with = "super::Either<PositionFile, Vec<PositionFile>>")]
+    pub position: Vec<PositionFile>,
 }
 
 /// An upper bound of a pure number.
@@ -124,6 +132,35 @@ pub struct ReachFile {
     pub value: Length,
     /// Accepted deviation.
     pub tolerance: Length,
+}
+
+/// The wetted share of a solid's surface, 0 to 1: one bound, or both.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WettedFile {
+    /// Name of the solid.
+    pub solid: String,
+    /// At least so much.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub min: Option<f64>,
+    /// At most so much.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max: Option<f64>,
+}
+
+/// Where a solid's centre of mass is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PositionFile {
+    /// Name of the solid.
+    pub solid: String,
+    /// Expected centre of mass.
+    pub value: Vec<Length>,
+    /// Accepted distance from it.
+    pub tolerance: Length,
+    /// Only the distance along this direction counts (pure numbers), where nothing holds the solid in others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub along: Option<Vec<f64>>,
 }
 
 /// A side of the domain.

@@ -4,6 +4,7 @@
 
 mod document;
 mod expect;
+mod expectation;
 mod extent;
 mod quantity;
 mod resolve;
@@ -17,6 +18,7 @@ mod write;
 
 pub use document::{Document, Source};
 pub use expect::*;
+pub use expectation::Expectation;
 pub use extent::Bounds;
 pub use quantity::*;
 pub use resolve::{LoadOptions, Quality};

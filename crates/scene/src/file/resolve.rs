@@ -79,6 +79,7 @@ fn resolve(file: SceneFile, source: Source, base: &Path, quality: Quality) -> Re
     let names: Vec<&str> = solids.iter().map(|s| s.name.as_str()).collect();
     let tension = r.tension(&file.tension, &names)?;
     let contact_line = r.contact_line(&file.contact_line.unwrap_or_default(), &names)?;
+    r.young_within(&tension, &contact_line)?;
     let numerics = r.numerics(&file.numerics)?;
     let output = r.output(&file.output)?;
     let expect = r.expect(&file.expect.unwrap_or_default(), &names)?;

@@ -39,9 +39,31 @@ impl Resolver {
                 fixed.push(self.shape(&format!("{path}.fixed.{j}"), f)?);
             }
             let velocity = self.velocity(&at("velocity"), s.velocity.as_ref())?;
-            out.push(Solid { name: s.name.clone(), density, shape, mesh_edge, material, velocity, fixed });
+            let (restitution, friction) = self.collision(&at("collision"), s.collision.as_ref())?;
+            let name = s.name.clone();
+            out.push(Solid {
+                name,
+                density,
+                shape,
+                mesh_edge,
+                material,
+                velocity,
+                restitution,
+                friction,
+                fixed,
+            });
         }
         Ok(out)
+    }
+
+    /// Restitution and friction.
+    fn collision(&self, path: &str, c: Option<&CollisionFile>) -> Result<(f64, f64), SceneError> {
+        let restitution = c.and_then(|c| c.restitution).unwrap_or(meniscus_sim::RESTITUTION);
+        let friction = c.and_then(|c| c.friction).unwrap_or(meniscus_sim::FRICTION);
+        let restitution =
+            self.within(&format!("{path}.restitution"), "the restitution", restitution, 0.0, 1.0)?;
+        let friction = self.not_negative(&format!("{path}.friction"), "the friction", friction)?;
+        Ok((restitution, friction))
     }
 
     fn solid_inside(&self, path: &str, shape: &ShapeSpec, name: &str) -> Result<(), SceneError> {
@@ -215,7 +237,32 @@ impl Resolver {
             self.within(&format!("{p}.advancing"), "the advancing angle (rad)", advancing, 0.0, PI)?;
             self.within(&format!("{p}.receding"), "the receding angle (rad)", receding, 0.0, advancing)?;
         }
-        Ok(ContactLine { enabled: c.enabled.unwrap_or(true), radius, friction, friction_of, hysteresis })
+        let enabled = c.enabled.unwrap_or(true);
+        let given = [("friction", c.friction.is_some()), ("hysteresis", hysteresis.is_some())];
+        if let Some((key, _)) = given.iter().find(|(_, given)| *given && !enabled) {
+            let error = SceneError::new(format!("`{key}` of a contact line that is switched off"));
+            let error = error.with_help(format!("remove `{key}`, or `enabled = false`"));
+            return Err(self.source.at_value(error, &format!("contact_line.{key}")));
+        }
+        Ok(ContactLine { enabled, radius, friction, friction_of, hysteresis })
+    }
+
+    /// Young's angle lies between the receding and the advancing one.
+    pub fn young_within(&self, tension: &Tensions, line: &ContactLine) -> Result<(), SceneError> {
+        let Some((advancing, receding)) = line.hysteresis else { return Ok(()) };
+        for (name, solid) in &tension.solids {
+            let angle = solid.young_cosine(tension.liquid_air).clamp(-1.0, 1.0).acos();
+            if !(receding - 1e-9..=advancing + 1e-9).contains(&angle) {
+                let [young, advancing, receding] = [angle, advancing, receding].map(f64::to_degrees);
+                let message = format!(
+                    "the contact angle of `{name}`, {young:.1} deg, is not between the receding one, {receding:.1} deg, \
+                     and the advancing one, {advancing:.1} deg"
+                );
+                let help = "change `contact_line.hysteresis` or the solid's tensions";
+                return Err(self.error("contact_line.hysteresis", message, help));
+            }
+        }
+        Ok(())
     }
 
     pub fn expect(&mut self, e: &ExpectFile, names: &[&str]) -> Result<Vec<Expectation>, SceneError> {
@@ -302,6 +349,27 @@ impl Resolver {
         for (i, name) in e.sinks.iter().enumerate() {
             self.known_solid(&format!("expect.sinks.{i}"), false, name, names)?;
             out.push(Expectation::Sinks { solid: name.clone() });
+        }
+        for (i, w) in e.wetted.iter().enumerate() {
+            let many = e.wetted.len() > 1;
+            let p = if many { format!("expect.wetted.{i}") } else { "expect.wetted".to_owned() };
+            self.known_solid(&format!("{p}.solid"), false, &w.solid, names)?;
+            if w.min.is_none() && w.max.is_none() {
+                return Err(self.error(&p, "the wetted share is not bounded", "give `min`, `max` or both"));
+            }
+            let min = self.within(&format!("{p}.min"), "the share", w.min.unwrap_or(0.0), 0.0, 1.0)?;
+            let max = self.within(&format!("{p}.max"), "the share", w.max.unwrap_or(1.0), min, 1.0)?;
+            out.push(Expectation::Wetted { solid: w.solid.clone(), min, max });
+        }
+        for (i, x) in e.position.iter().enumerate() {
+            let many = e.position.len() > 1;
+            let p = if many { format!("expect.position.{i}") } else { "expect.position".to_owned() };
+            self.known_solid(&format!("{p}.solid"), false, &x.solid, names)?;
+            let value = self.point(&format!("{p}.value"), &x.value)?;
+            let tolerance = self.size_of(&format!("{p}.tolerance"), "the tolerance", x.tolerance)?;
+            let direction = |d: &Vec<f64>| self.direction(&format!("{p}.along"), d, self.dim);
+            let along = x.along.as_ref().map(direction).transpose()?;
+            out.push(Expectation::Position { solid: x.solid.clone(), value, tolerance, along });
         }
         Ok(())
     }

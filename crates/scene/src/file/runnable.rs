@@ -16,14 +16,9 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
     for (i, solid) in scene.solids.iter().enumerate() {
         let at = |key: &str| format!("solid.{i}.{key}");
         match solid.material {
-            Material::Rigid { fixed: true } | Material::Kinematic { .. } => {}
-            Material::Rigid { fixed: false } => {
-                let help = "use rigid = { fixed = true } or kinematic";
-                return refuse(&at("material"), "solids that move freely (they would not collide)", help);
-            }
+            Material::Rigid { .. } | Material::Kinematic { .. } => {}
             _ => {
-                let help =
-                    "use rigid = { fixed = true } or kinematic; `meniscus check` reads such scenes in full";
+                let help = "use rigid or kinematic; `meniscus check` reads such scenes in full";
                 return refuse(&at("material"), "solids that deform", help);
             }
         }
@@ -58,21 +53,11 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
 /// Everything about the contact line that has no effect yet.
 fn contact_line(scene: &Scene) -> Result<(), SceneError> {
     let c = &scene.contact_line;
-    let key = if !c.enabled {
-        "enabled"
-    } else if c.friction != 0.0 || !c.friction_of.is_empty() {
-        "friction"
-    } else if c.hysteresis.is_some() {
-        "hysteresis"
-    } else if (c.radius - 3.0 * scene.domain.dx).abs() > 1e-9 * scene.domain.dx {
-        "radius"
-    } else {
+    if (c.radius - 3.0 * scene.domain.dx).abs() <= 1e-9 * scene.domain.dx {
         return Ok(());
-    };
-    let error =
-        SceneError::new(format!("this version cannot change the contact line yet: `{key}` has no effect"));
-    let error = error.with_help(format!("remove `contact_line.{key}`"));
-    Err(scene.source.at_value(error, &format!("contact_line.{key}")))
+    }
+    let error = SceneError::new("this version cannot change the contact line yet: `radius` has no effect");
+    Err(scene.source.at_value(error.with_help("remove `contact_line.radius`"), "contact_line.radius"))
 }
 
 /// Shapes that both liquid and solids can have.

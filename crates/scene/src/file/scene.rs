@@ -1,6 +1,6 @@
 //! A resolved scene: SI, defaults filled in, checked for sense. Vectors have `dimension` entries.
 
-use super::{Format, Scheme, Side, Source, Wall};
+use super::{Expectation, Format, Scheme, Source, Wall};
 use std::path::PathBuf;
 
 pub use super::shape::OutlineName;
@@ -245,6 +245,10 @@ pub struct Solid {
     pub material: Material,
     /// Start velocity, m/s.
     pub velocity: Vec<f64>,
+    /// Speed after a hit over that before it.
+    pub restitution: f64,
+    /// Coefficient of friction between solids.
+    pub friction: f64,
     /// Vertices inside these shapes do not move.
     pub fixed: Vec<ShapeSpec>,
 }
@@ -388,84 +392,6 @@ pub struct Output {
     pub formats: Vec<Format>,
     /// Frames between checkpoints.
     pub checkpoint_every: usize,
-}
-
-/// What is checked at the end of a run.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Expectation {
-    /// Worst relative change of volume of the run.
-    VolumeDrift {
-        /// Bound.
-        max: f64,
-    },
-    /// Relative error of momentum.
-    MomentumError {
-        /// Bound.
-        max: f64,
-    },
-    /// Growth of the total energy over its start, relative to the largest kind of energy there.
-    EnergyGrowth {
-        /// Bound.
-        max: f64,
-    },
-    /// Largest speed at the end.
-    MaxSpeed {
-        /// Bound, m/s.
-        max: f64,
-    },
-    /// Period, measured from the peaks of the kinetic energy (two in each period).
-    Period {
-        /// Mode number, for the record.
-        mode: Option<u32>,
-        /// Expected, s.
-        value: f64,
-        /// Accepted relative deviation.
-        tolerance: f64,
-    },
-    /// Frequency, measured like the period.
-    Frequency {
-        /// Mode number, for the record.
-        mode: Option<u32>,
-        /// Expected, Hz.
-        value: f64,
-        /// Accepted relative deviation.
-        tolerance: f64,
-    },
-    /// Contact angle at the end.
-    ContactAngle {
-        /// Name of the solid.
-        solid: String,
-        /// Expected, rad.
-        value: f64,
-        /// Accepted deviation, rad.
-        tolerance: f64,
-    },
-    /// Connected components of the liquid at the end.
-    Drops {
-        /// At least.
-        min: u32,
-        /// At most.
-        max: u32,
-    },
-    /// How far the liquid reaches towards a side at the end.
-    Reach {
-        /// Towards which side.
-        side: Side,
-        /// Expected coordinate, m.
-        value: f64,
-        /// Accepted deviation, m.
-        tolerance: f64,
-    },
-    /// A solid is afloat at the end.
-    Floats {
-        /// Name of the solid.
-        solid: String,
-    },
-    /// A solid has sunk at the end.
-    Sinks {
-        /// Name of the solid.
-        solid: String,
-    },
 }
 
 /// What looks odd but runs.

@@ -26,9 +26,24 @@ pub struct SolidFile {
     /// Start velocity; at rest without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity: Option<Vec<Speed>>,
+    /// How it collides with other solids and the domain's closed sides.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub collision: Option<CollisionFile>,
     /// Vertices inside these shapes do not move.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fixed: Vec<ShapeFile>,
+}
+
+/// How a solid collides. Of two solids the geometric mean of both counts; a side of the domain has the solid's own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CollisionFile {
+    /// Speed after a hit over that before it, 0 to 1; 0.3 without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub restitution: Option<f64>,
+    /// Coulomb's coefficient of friction; 0.3 without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<f64>,
 }
 
 /// How a solid is meshed.

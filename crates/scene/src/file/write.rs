@@ -218,6 +218,7 @@ fn solid(s: &Solid) -> SolidFile {
         mesh: Some(SolidMeshFile { edge: Some(Length::metres(s.mesh_edge)) }),
         material,
         velocity: Some(speeds(&s.velocity)),
+        collision: Some(CollisionFile { restitution: Some(s.restitution), friction: Some(s.friction) }),
         fixed: s.fixed.iter().map(shape).collect(),
     }
 }
@@ -296,6 +297,15 @@ fn expect(list: &[Expectation]) -> ExpectFile {
             }),
             Expectation::Floats { solid } => e.floats.push(solid.clone()),
             Expectation::Sinks { solid } => e.sinks.push(solid.clone()),
+            Expectation::Wetted { solid, min, max } => {
+                e.wetted.push(WettedFile { solid: solid.clone(), min: Some(*min), max: Some(*max) });
+            }
+            Expectation::Position { solid, value, tolerance, along } => e.position.push(PositionFile {
+                solid: solid.clone(),
+                value: value.iter().map(|&x| Length::metres(x)).collect(),
+                tolerance: Length::metres(*tolerance),
+                along: along.clone(),
+            }),
         }
     }
     e

@@ -69,6 +69,11 @@ impl Folder {
         self.frames().join(format!("liquid_{frame:04}.ply"))
     }
 
+    /// The contact line of a frame.
+    pub fn contact_line(&self, frame: u64) -> PathBuf {
+        self.frames().join(format!("contact_line_{frame:04}.ply"))
+    }
+
     /// A solid's surface of a frame.
     pub fn solid(&self, name: &str, frame: u64) -> PathBuf {
         self.frames().join(format!("solid_{name}_{frame:04}.ply"))

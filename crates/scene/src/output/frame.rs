@@ -1,12 +1,12 @@
-//! A frame: the surfaces of the liquid and of the solids as PLY files.
+//! A frame: the surfaces of the liquid and of the solids and the contact line as PLY files.
 
 use super::file::{self, FileError};
 use crate::run::three;
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{CellField, Grid, Sampler, Tiles};
+use meniscus_numerics::grid::{CellField, Sampler};
 use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_numerics::mesh::{SurfaceMesh, isosurface};
-use meniscus_sim::{Model, Simulation, Solid};
+use meniscus_sim::{ContactLine, LinePoint, Simulation};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -68,31 +68,40 @@ fn mark_wetted<const D: usize>(simulation: &Simulation<D>, positions: &[Vector<D
     });
 }
 
-/// The surface of a solid where it starts, with facets about `edge` (m) across; one without bounds ends at the domain's
-/// sides.
-pub fn solid_at_start<const D: usize>(model: &Model<D>, solid: &Solid<D>, edge: f64) -> SurfaceMesh<D> {
-    let (low, high) = solid.shape.bounds();
-    let margin = Vector::repeat(2.0 * edge);
-    let (low, high) = ((low - margin).sup(&Vector::zeros()), (high + margin).inf(&model.grid.upper()));
-    let cells = std::array::from_fn(|a| ((high[a] - low[a]) / edge).ceil().max(1.0) as usize);
-    let grid = Grid::<D>::new(cells, edge);
-    let lattice = grid.lattice();
-    let mut field = CellField::new(grid, 0.0);
-    field.data.par_iter_mut().enumerate().for_each(|(i, value)| {
-        *value = solid.shape.signed_distance(&(low + grid.center(lattice.coordinates(i))));
-    });
-    let inside = Tiles::all(grid).negative_runs(&field.data);
-    let mut mesh = isosurface::extract(&field, &inside).mesh;
-    mesh.positions.iter_mut().for_each(|x| *x = (*x + low).inf(&model.grid.upper()));
-    mesh
-}
-
-/// The surface of a solid where it is now; `start` is [`solid_at_start`].
-pub fn solid<const D: usize>(simulation: &Simulation<D>, number: usize, start: &SurfaceMesh<D>) -> PlyMesh {
+/// The surface of a solid where it is now, and on it the distance to the contact line; `start` is its surface where it
+/// starts.
+pub fn solid<const D: usize>(
+    simulation: &Simulation<D>,
+    number: usize,
+    start: &SurfaceMesh<D>,
+    line: &ContactLine<D>,
+) -> PlyMesh {
     let (solid, now) = (&simulation.model.solids[number], &simulation.state.solids[number]);
     let moved = |x: &Vector<D>| now.center + now.rotation * (x - solid.body.center);
     let positions = start.positions.iter().map(moved).collect();
-    ply(&SurfaceMesh { positions, facets: start.facets.clone() }, simulation.state.time)
+    let mut mesh = ply(&SurfaceMesh { positions, facets: start.facets.clone() }, simulation.state.time);
+    let distance = line.phi_c.get(number).cloned().unwrap_or_default();
+    mesh.scalars.insert("phi_c".into(), distance);
+    mesh.comments.push("phi_c distance to the contact line along the surface, negative where wetted".into());
+    mesh
+}
+
+/// The contact line: vertices with angle, speed, force per length and solid, in 3D with edges.
+pub fn contact_line<const D: usize>(simulation: &Simulation<D>, line: &ContactLine<D>) -> PlyMesh {
+    let mut mesh = ply(&SurfaceMesh::<D>::default(), simulation.state.time);
+    mesh.positions = line.points.iter().map(|p| three(&p.at)).collect();
+    mesh.edges = line.segments.clone();
+    let mut put = |name: &str, value: &dyn Fn(&LinePoint<D>) -> f64| {
+        mesh.scalars.insert(name.into(), line.points.iter().map(value).collect());
+    };
+    put("angle", &|p| p.angle);
+    put("speed", &|p| p.speed);
+    for (a, name) in ["fx", "fy", "fz"].into_iter().enumerate() {
+        put(name, &|p| three(&p.force)[a]);
+    }
+    put("solid", &|p| f64::from(p.solid));
+    mesh.comments.push("angle in degrees through the liquid, speed in m/s, force in N/m".into());
+    mesh
 }
 
 fn ply<const D: usize>(surface: &SurfaceMesh<D>, time: f64) -> PlyMesh {

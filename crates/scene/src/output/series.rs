@@ -2,7 +2,7 @@
 
 use super::file::FileError;
 use crate::run::three;
-use meniscus_sim::{Simulation, StepReport};
+use meniscus_sim::{ContactLine, Simulation, StepReport};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs::{File, OpenOptions};
@@ -48,12 +48,14 @@ pub const COLUMNS: &[&str] = &[
     "drop_upper_z",
     "redone",
     "residual",
+    "line_distance",
 ];
 
 /// A row: the state after a step, and what the step did. Numbers are written so that they read back to the same bits.
 pub fn row<const D: usize>(
     simulation: &Simulation<D>,
     report: &StepReport<D>,
+    line: &ContactLine<D>,
     momentum_error: f64,
     wall_seconds: f64,
 ) -> String {
@@ -65,7 +67,7 @@ pub fn row<const D: usize>(
     row.push(',');
     put(&mut row, &[ledger.potential_energy, ledger.max_speed]);
     put(&mut row, &three(&ledger.momentum));
-    row.push_str(",,,,");
+    put_line(&mut row, line);
     put(&mut row, &[ledger.divergence_max]);
     let _ = write!(row, ",{},{wall_seconds:.3}", report.iterations);
     put(&mut row, &[ledger.volume_error, momentum_error]);
@@ -81,8 +83,28 @@ pub fn row<const D: usize>(
     }
     let _ = write!(row, ",{}", report.redone);
     put(&mut row, &[report.residual]);
+    put_known(&mut row, line.apart);
     row.push('\n');
     row
+}
+
+/// The columns of the contact line; empty where there is none.
+fn put_line<const D: usize>(row: &mut String, line: &ContactLine<D>) {
+    row.push(',');
+    if !line.points.is_empty() {
+        let _ = write!(row, "{}", line.points.len());
+    }
+    put_known(row, line.length());
+    let angle = line.angle(None);
+    put_known(row, angle.map(|a| a.0));
+    put_known(row, angle.map(|a| a.1));
+}
+
+fn put_known(row: &mut String, value: Option<f64>) {
+    match value {
+        Some(value) => put(row, &[value]),
+        None => row.push(','),
+    }
 }
 
 fn put(row: &mut String, values: &[f64]) {

@@ -3,7 +3,7 @@
 use super::file::{self, FileError};
 use crate::run::{Job, Tally, three};
 use meniscus_numerics::Vector;
-use meniscus_sim::{Drop, Simulation, Solid, SolidState};
+use meniscus_sim::{ContactLine, Drop, Motion, Simulation};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -132,10 +132,20 @@ pub struct SolidSummary {
     pub pressure_force: Vec<f64>,
     /// The part of it that the surface has, along the contact line.
     pub line_force: Vec<f64>,
+    /// Mean contact angle, degrees; null where no line is on it.
+    #[serde(default)]
+    pub contact_angle: Option<f64>,
+    /// Force of the solids and sides that it rests on, N (2D: N/m).
+    #[serde(default)]
+    pub contact_force: Vec<f64>,
+    /// Share of its surface that is wetted.
+    #[serde(default)]
+    pub wetted: f64,
 }
 
 impl SolidSummary {
-    fn of<const D: usize>(name: &str, solid: &Solid<D>, now: &SolidState<D>) -> Self {
+    fn of<const D: usize>(name: &str, simulation: &Simulation<D>, number: usize, angle: Option<f64>) -> Self {
+        let (solid, now) = (&simulation.model.solids[number], &simulation.state.solids[number]);
         let list = |v: &Vector<D>| v.iter().copied().collect::<Vec<f64>>();
         let bounds = solid.bounds(now).map(|b| b.iter().map(|x| x.is_finite().then_some(*x)).collect());
         let [lower, upper] = bounds;
@@ -148,6 +158,13 @@ impl SolidSummary {
             net_force: list(&(now.pressed + now.pulled)),
             pressure_force: list(&now.pressed),
             line_force: list(&now.pulled),
+            contact_angle: angle,
+            contact_force: if solid.motion == Motion::Free {
+                list(&(now.held * solid.body.mass))
+            } else {
+                list(&Vector::zeros())
+            },
+            wetted: simulation.wetted(number),
         }
     }
 }
@@ -157,12 +174,14 @@ impl Summary {
     pub fn of<const D: usize>(
         job: &Job,
         simulation: &Simulation<D>,
+        line: &ContactLine<D>,
         tally: &Tally,
         exit_reason: &str,
     ) -> Self {
         let (grid, state) = (simulation.model.grid, &simulation.state);
-        let solids = job.solids.iter().zip(simulation.model.solids.iter().zip(&state.solids));
-        let solids = solids.map(|((name, _), (solid, now))| SolidSummary::of(name, solid, now)).collect();
+        let angle = |i: usize| line.angle(Some(i as u32)).map(|a| a.0);
+        let solids = job.solids.iter().enumerate();
+        let solids = solids.map(|(i, (name, _))| SolidSummary::of(name, simulation, i, angle(i))).collect();
         let mean = tally.iterations as f64 / tally.solves.max(1) as f64;
         let solves = Solves { count: tally.solves, mean, max: tally.most_iterations };
         Self {

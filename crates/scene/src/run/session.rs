@@ -7,8 +7,7 @@ use crate::output::log::Log;
 use crate::output::series::{self, Series};
 use crate::output::summary::{FINISHED, Summary};
 use crate::output::{FileError, Folder, file, frame};
-use meniscus_numerics::mesh::SurfaceMesh;
-use meniscus_sim::{Simulation, StepReport};
+use meniscus_sim::{ContactLine, LineTracker, Simulation, StepReport};
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -23,8 +22,9 @@ pub(super) struct Session<'a, const D: usize> {
     job: &'a Job,
     folder: &'a Folder,
     simulation: Simulation<D>,
-    /// The solids' surfaces where they start.
-    solids: Vec<SurfaceMesh<D>>,
+    tracker: LineTracker<D>,
+    /// The contact line of the simulation as it stands.
+    line: ContactLine<D>,
     tally: Tally,
     series: Series,
     log: Log,
@@ -77,12 +77,13 @@ impl<'a, const D: usize> Session<'a, D> {
         folder: &'a Folder,
         resumed_at: Option<f64>,
     ) -> Result<Self, FileError> {
-        let edges = simulation.model.solids.iter().zip(&job.solids);
-        let solids = edges.map(|(s, (_, edge))| frame::solid_at_start(&simulation.model, s, *edge)).collect();
+        let edges: Vec<f64> = job.solids.iter().map(|(_, edge)| *edge).collect();
+        let tracker = LineTracker::new(&simulation.model, &edges);
         Ok(Self {
             job,
             folder,
-            solids,
+            line: tracker.find(&simulation),
+            tracker,
             checkpoint: checkpoint::list(&folder.checkpoints()).first().cloned(),
             checkpoint_frame: tally.next_frame,
             checkpoint_time: Instant::now(),
@@ -192,13 +193,22 @@ impl<'a, const D: usize> Session<'a, D> {
         }
         let time = self.simulation.state.time;
         let momentum_error = self.tally.add(&self.simulation.model, time, &report);
+        self.follow_line();
         self.append_row(&report, momentum_error)?;
         Ok(report)
     }
 
+    fn follow_line(&mut self) {
+        if !self.job.solids.is_empty() {
+            let start = Instant::now();
+            self.line = self.tracker.find(&self.simulation);
+            self.tally.add_phase("contact line", start.elapsed().as_secs_f64());
+        }
+    }
+
     fn append_row(&mut self, report: &StepReport<D>, momentum_error: f64) -> Result<(), RunError> {
         self.tally.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
-        let row = series::row(&self.simulation, report, momentum_error, self.tally.wall_seconds);
+        let row = series::row(&self.simulation, report, &self.line, momentum_error, self.tally.wall_seconds);
         Ok(self.series.append(&row)?)
     }
 
@@ -212,8 +222,13 @@ impl<'a, const D: usize> Session<'a, D> {
             return Ok(());
         }
         frame::write(&path, &mesh)?;
-        for (i, (mesh, (name, _))) in self.solids.iter().zip(&self.job.solids).enumerate() {
-            frame::write(&self.folder.solid(name, number), &frame::solid(&self.simulation, i, mesh))?;
+        for (i, (name, _)) in self.job.solids.iter().enumerate() {
+            let mesh = frame::solid(&self.simulation, i, self.tracker.surface(i), &self.line);
+            frame::write(&self.folder.solid(name, number), &mesh)?;
+        }
+        if !self.job.solids.is_empty() {
+            let mesh = frame::contact_line(&self.simulation, &self.line);
+            frame::write(&self.folder.contact_line(number), &mesh)?;
         }
         self.tally.add_phase("frames", start.elapsed().as_secs_f64());
         self.tell(Event::Frame { frame: number, time: self.simulation.state.time, path }, observer)
@@ -268,7 +283,7 @@ impl<'a, const D: usize> Session<'a, D> {
     }
 
     fn summary(&self, reason: &str) -> Summary {
-        Summary::of(self.job, &self.simulation, &self.tally, reason)
+        Summary::of(self.job, &self.simulation, &self.line, &self.tally, reason)
     }
 
     fn progress(&self, report: &StepReport<D>) -> Progress {

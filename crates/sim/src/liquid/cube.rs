@@ -22,7 +22,8 @@ pub struct CutCube {
     pub excess: f64,
     /// First moment of that difference about the origin.
     pub moment: [f64; 3],
-    /// −∂/∂φ of each corner of the free area less `cosine` times the wetted area.
+    /// −∂/∂φ of each corner of the energy: free area, less `cosine` times the wetted area, and the liquid's weight times
+    /// its height.
     pub energy_slope: [f64; 8],
     /// −∂volume/∂φ of each corner.
     pub volume_slope: [f64; 8],
@@ -30,12 +31,13 @@ pub struct CutCube {
     pub solid: u32,
     /// Cosine of its contact angle.
     pub cosine: f64,
-    /// What surface and line pull at the solid with, over the tension, integrated along the contact line: across the solid
-    /// as the free surface does, along it as at rest: what is unbalanced there moves the liquid.
-    pub pull: [f64; 3],
-    /// The part of it across the solid.
+    /// Whether a contact line in it rests.
+    pub pinned: bool,
+    /// What the free surface pulls at the solid with across the solid, over the tension, integrated along the contact line.
     pub lift: [f64; 3],
-    /// Moment of that pull about the origin (2D: in the last entry).
+    /// The direction along the solid into the liquid, integrated along the contact line.
+    pub wetward: [f64; 3],
+    /// Moment of [`Self::pull`] about the origin (2D: in the last entry).
     pub turn: [f64; 3],
 }
 
@@ -86,16 +88,18 @@ impl<const D: usize> Split<D> {
         }
     }
 
-    /// Adds what the surface cuts out of the unit cube without solids.
-    pub fn cut(&self, values: &[f64; 8], cube: &mut CutCube) {
+    /// Adds what the surface cuts out of the unit cube without solids; `weight` is the energy of a unit of volume for each
+    /// unit of height along the axes.
+    pub fn cut(&self, values: &[f64; 8], weight: &Vector<D>, cube: &mut CutCube) {
         cube.take_shares::<D>();
         for simplex in &self.free {
-            if D == 2 { cut_triangle(simplex, values, cube) } else { cut_tetrahedron(simplex, values, cube) }
+            let surface = Surface { simplex, values, weight };
+            if D == 2 { cut_triangle(&surface, cube) } else { cut_tetrahedron(&surface, cube) }
         }
     }
 
     /// Adds what the surface cuts out of the part of the unit cube where `psi` is positive.
-    pub fn cut_beside(&self, values: &[f64; 8], psi: &[f64; 8], cube: &mut CutCube) {
+    pub fn cut_beside(&self, values: &[f64; 8], psi: &[f64; 8], weight: &Vector<D>, cube: &mut CutCube) {
         cube.take_shares::<D>();
         for (clipped, simplex) in self.clipped.iter().zip(&self.free) {
             // A corner that does not exist (2D) is outside everything.
@@ -106,12 +110,13 @@ impl<const D: usize> Split<D> {
             cube.excess += 0.5 * cut.volume;
             for a in 0..3 {
                 cube.moment[a] += 0.5 * cut.moment[a];
-                cube.pull[a] += 0.5 * (cut.lift[0][a] + cube.cosine * cut.wetward[0][a]);
-                cube.turn[a] += 0.5 * (cut.lift[1][a] + cube.cosine * cut.wetward[1][a]);
                 cube.lift[a] += 0.5 * cut.lift[0][a];
+                cube.wetward[a] += 0.5 * cut.wetward[0][a];
+                cube.turn[a] += 0.5 * (cut.lift[1][a] + cube.cosine * cut.wetward[1][a]);
             }
             for i in 0..=D {
-                let energy = cut.area_slope[i] - cube.cosine * cut.wetted_slope[i];
+                let heavy: f64 = (0..D).map(|a| weight[a] * cut.moment_slope[i][a]).sum();
+                let energy = cut.area_slope[i] - cube.cosine * cut.wetted_slope[i] + heavy;
                 cube.energy_slope[simplex.corners[i]] -= 0.5 * energy;
                 cube.volume_slope[simplex.corners[i]] -= 0.5 * cut.volume_slope[i];
             }
@@ -140,15 +145,30 @@ impl CutCube {
             volume_slope: zero,
             solid: u32::MAX,
             cosine: 0.0,
-            pull: [0.0; 3],
+            pinned: false,
             lift: [0.0; 3],
+            wetward: [0.0; 3],
             turn: [0.0; 3],
         }
     }
 
-    /// The surface's energy over its tension.
-    pub fn energy(&self) -> f64 {
-        self.area - self.cosine * self.wetted
+    /// What surface and line pull at the solid with, over the tension, integrated along the contact line: across the solid
+    /// as the free surface does, along it as at rest: what is unbalanced there moves the liquid.
+    pub fn pull(&self) -> [f64; 3] {
+        std::array::from_fn(|a| self.lift[a] + self.cosine * self.wetward[a])
+    }
+
+    /// Length of the contact line (2D: its points).
+    pub fn length(&self) -> f64 {
+        dot(self.wetward, self.wetward).sqrt()
+    }
+
+    /// Direction of the contact line; none in 2D, where it is a point.
+    pub fn along(&self) -> [f64; 3] {
+        let direction = cross(self.lift, self.wetward);
+        let size = dot(direction, direction).sqrt();
+        // In 2D it points out of the plane.
+        if size > 0.0 { direction.map(|c| c / size) } else { [0.0; 3] }
     }
 
     /// Multiplies what it holds.
@@ -156,7 +176,8 @@ impl CutCube {
         for part in [&mut self.area, &mut self.wetted, &mut self.excess] {
             *part *= by;
         }
-        let lists = self.moment.iter_mut().chain(&mut self.pull).chain(&mut self.lift).chain(&mut self.turn);
+        let lists =
+            self.moment.iter_mut().chain(&mut self.lift).chain(&mut self.wetward).chain(&mut self.turn);
         lists.chain(&mut self.energy_slope).chain(&mut self.volume_slope).for_each(|v| *v *= by);
     }
 
@@ -217,6 +238,13 @@ fn simplex<const D: usize>(corners: [usize; 4]) -> Simplex<D> {
     Simplex { corners, volume: 0.5 * volume, slopes }
 }
 
+/// A simplex, the values of φ at the corners of its cube, and the weight.
+struct Surface<'a, const D: usize> {
+    simplex: &'a Simplex<D>,
+    values: &'a [f64; 8],
+    weight: &'a Vector<D>,
+}
+
 /// A point where the surface crosses an edge: from liquid corner `a` a fraction `t` toward corner `b`.
 #[derive(Clone, Copy)]
 struct Root {
@@ -263,6 +291,24 @@ fn gradient_norm<const D: usize>(simplex: &Simplex<D>, values: &[f64; 8]) -> f64
     square.sqrt().max(1e-12)
 }
 
+impl<const D: usize> Surface<'_, D> {
+    /// Adds what a facet of this area takes from volume, and weight times height, when it sinks into the liquid.
+    fn sink(&self, area: f64, facet: &[Root], cube: &mut CutCube) {
+        let n = facet.len() as f64;
+        let share = area / (n * gradient_norm(self.simplex, self.values));
+        let height = |r: &Root| (0..D).map(|a| self.weight[a] * r.x[a]).sum::<f64>();
+        let sum: f64 = facet.iter().map(height).sum();
+        for r in facet {
+            let heavy = share * (height(r) + sum) / (n + 1.0);
+            for (corner, part) in [(r.a, 1.0 - r.t), (r.b, r.t)] {
+                let corner = self.simplex.corners[corner];
+                cube.volume_slope[corner] += share * part;
+                cube.energy_slope[corner] += heavy * part;
+            }
+        }
+    }
+}
+
 /// Splits the simplex's corners into liquid ones and others.
 fn sides<const D: usize>(simplex: &Simplex<D>, values: &[f64; 8]) -> ([usize; 4], usize) {
     let mut order = [0; 4];
@@ -283,7 +329,8 @@ fn sides<const D: usize>(simplex: &Simplex<D>, values: &[f64; 8]) -> ([usize; 4]
     (order, wet)
 }
 
-fn cut_triangle<const D: usize>(s: &Simplex<D>, values: &[f64; 8], cube: &mut CutCube) {
+fn cut_triangle<const D: usize>(surface: &Surface<'_, D>, cube: &mut CutCube) {
+    let (s, values) = (surface.simplex, surface.values);
     let (o, wet) = sides(s, values);
     let at = |i: usize| corner(s.corners[o[i]]);
     let (p, q) = match wet {
@@ -307,14 +354,11 @@ fn cut_triangle<const D: usize>(s: &Simplex<D>, values: &[f64; 8], cube: &mut Cu
     let unit = d.map(|c| 0.5 * c / length.max(1e-12));
     pull(s, values, &q, unit, &mut cube.energy_slope);
     pull(s, values, &p, unit.map(|c| -c), &mut cube.energy_slope);
-    let share = 0.25 * length / gradient_norm(s, values);
-    for r in [&p, &q] {
-        cube.volume_slope[s.corners[r.a]] += share * (1.0 - r.t);
-        cube.volume_slope[s.corners[r.b]] += share * r.t;
-    }
+    surface.sink(0.5 * length, &[p, q], cube);
 }
 
-fn cut_tetrahedron<const D: usize>(s: &Simplex<D>, values: &[f64; 8], cube: &mut CutCube) {
+fn cut_tetrahedron<const D: usize>(surface: &Surface<'_, D>, cube: &mut CutCube) {
+    let (s, values) = (surface.simplex, surface.values);
     let (o, wet) = sides(s, values);
     let edge = |i: usize, j: usize| root(s, values, o[i], o[j]);
     let at = |i: usize| corner(s.corners[o[i]]);
@@ -325,27 +369,28 @@ fn cut_tetrahedron<const D: usize>(s: &Simplex<D>, values: &[f64; 8], cube: &mut
         1 => {
             let r = [edge(0, 1), edge(0, 2), edge(0, 3)];
             cube.fill(s.volume * r[0].t * r[1].t * r[2].t, &[at(0), r[0].x, r[1].x, r[2].x]);
-            cut_facet(s, values, &r, cube);
+            cut_facet(surface, &r, cube);
         }
         3 => {
             let r = [edge(0, 3), edge(1, 3), edge(2, 3)];
             let dry = (1.0 - r[0].t) * (1.0 - r[1].t) * (1.0 - r[2].t);
             cube.fill(s.volume, &whole);
             cube.fill(-s.volume * dry, &[at(3), r[0].x, r[1].x, r[2].x]);
-            cut_facet(s, values, &r, cube);
+            cut_facet(surface, &r, cube);
         }
         _ => {
             let (ac, ad, bc, bd) = (edge(0, 2), edge(0, 3), edge(1, 2), edge(1, 3));
             cube.fill(s.volume * ac.t * ad.t, &[at(0), ac.x, ad.x, at(1)]);
             cube.fill(s.volume * ac.t * bd.t * (1.0 - ad.t), &[ac.x, ad.x, bd.x, at(1)]);
             cube.fill(s.volume * (1.0 - ac.t) * bc.t * bd.t, &[ac.x, bc.x, bd.x, at(1)]);
-            cut_facet(s, values, &[ac, ad, bd], cube);
-            cut_facet(s, values, &[ac, bd, bc], cube);
+            cut_facet(surface, &[ac, ad, bd], cube);
+            cut_facet(surface, &[ac, bd, bc], cube);
         }
     }
 }
 
-fn cut_facet<const D: usize>(s: &Simplex<D>, values: &[f64; 8], r: &[Root; 3], cube: &mut CutCube) {
+fn cut_facet<const D: usize>(surface: &Surface<'_, D>, r: &[Root; 3], cube: &mut CutCube) {
+    let (s, values) = (surface.simplex, surface.values);
     let edge = |i: usize, j: usize| -> [f64; 3] { std::array::from_fn(|k| r[j].x[k] - r[i].x[k]) };
     let normal = cross(edge(0, 1), edge(0, 2));
     let double = (normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]).sqrt();
@@ -359,11 +404,11 @@ fn cut_facet<const D: usize>(s: &Simplex<D>, values: &[f64; 8], r: &[Root; 3], c
         let force = cross(unit, edge((i + 1) % 3, (i + 2) % 3)).map(|c| 0.25 * c);
         pull(s, values, &r[i], force, &mut cube.energy_slope);
     }
-    let share = 0.5 * area / (3.0 * gradient_norm(s, values));
-    for r in r {
-        cube.volume_slope[s.corners[r.a]] += share * (1.0 - r.t);
-        cube.volume_slope[s.corners[r.b]] += share * r.t;
-    }
+    surface.sink(0.5 * area, r, cube);
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {

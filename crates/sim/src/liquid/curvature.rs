@@ -68,6 +68,8 @@ pub struct Beside<'a, const D: usize> {
     pub solids: &'a CutCells<D>,
     /// The cells of the band within them.
     pub ghosts: &'a [Ghost<D>],
+    /// The liquid's weight, in 1/cells² ([`super::surface`]).
+    pub weight: Vector<D>,
 }
 
 /// Filtered curvature on the first `layers` layers of the band; `phi` samples the distance.
@@ -95,14 +97,24 @@ pub fn curvature<const D: usize>(
     let weight: Vec<f64> = slopes.iter().map(|s| s[1]).collect();
     let graph = Graph::new(grid, band, &weight);
     let lattice = grid.lattice();
-    let near = beside.smoothed(grid, band, &slopes);
+    // The weight times the height of the surface that a cell stands for: what the energy's slope has too much.
+    let high = |slot: usize| {
+        if beside.weight.norm_squared() == 0.0 {
+            return 0.0;
+        }
+        let at = lattice.coordinates(band.cells[slot] as usize);
+        let foot = grid.center(at) / grid.dx
+            - step.displacement[slot].normal * (phi.value(at.map(|i| i as isize)) / grid.dx);
+        beside.weight.dot(&foot)
+    };
+    let near = beside.smoothed(grid, band, &slopes, high);
     let seen = |&slot: &u32| {
         let s = slot as usize;
         let cell = band.cells[s] as usize;
         let off = ((beside.solids.distance(cell) - NEAR) / (FAR - NEAR)).clamp(0.0, 1.0);
         let differences = || {
             let curvature = level_set::curvature(phi, grid.dx, lattice.coordinates(cell));
-            curvature.map_or_else(|| slopes[s][0] / slopes[s][1], |k| k * grid.dx)
+            curvature.map_or_else(|| slopes[s][0] / slopes[s][1], |k| k * grid.dx + high(s))
         };
         let differences = if off > 0.0 { off * differences() } else { 0.0 };
         differences + if off < 1.0 { (1.0 - off) * near[s] } else { 0.0 }
@@ -119,7 +131,7 @@ pub fn curvature<const D: usize>(
     }
     let (mut kappa, mut known) = (vec![0.0; count], vec![false; count]);
     for (&slot, value) in graph.slots.iter().zip(filtered) {
-        kappa[slot as usize] = value.clamp(-STEEPEST, STEEPEST);
+        kappa[slot as usize] = value;
         known[slot as usize] = true;
     }
     for (slot, outside) in ghosts {
@@ -129,6 +141,9 @@ pub fn curvature<const D: usize>(
             kappa[slot] = sum / all;
             known[slot] = true;
         }
+    }
+    for slot in (0..count).filter(|s| known[*s]) {
+        kappa[slot] = (kappa[slot] - high(slot)).clamp(-STEEPEST, STEEPEST);
     }
     Curvature { kappa, known }
 }
@@ -173,7 +188,13 @@ impl<const D: usize> Beside<'_, D> {
     /// Curvature, in 1/cells, of the first cells of the band near solids as the energy's slope, smoothed: the lattice's noise
     /// goes, what the contact line pulls stays. The energy and the volume are smoothed alike, so that a constant curvature
     /// stays as it is (design, experiments parts 1 and 4).
-    fn smoothed(&self, grid: &Grid<D>, band: &Band<D>, slopes: &[[f64; 2]]) -> Vec<f64> {
+    fn smoothed(
+        &self,
+        grid: &Grid<D>,
+        band: &Band<D>,
+        slopes: &[[f64; 2]],
+        high: impl Fn(usize) -> f64,
+    ) -> Vec<f64> {
         let passes = if D == 2 { 2 } else { 4 };
         let reach = FAR + passes as f64;
         let near: Vec<u32> = (0..slopes.len() as u32)
@@ -188,8 +209,11 @@ impl<const D: usize> Beside<'_, D> {
             let new: Vec<[f64; 2]> = near.par_iter().with_min_len(256).map(smooth).collect();
             near.iter().zip(new).for_each(|(s, v)| values[*s as usize] = v);
         }
-        let curvature = |[e, v]: [f64; 2]| if v > 1e-5 { (e / v).clamp(-STEEPEST, STEEPEST) } else { 0.0 };
-        values.iter().map(|v| curvature(*v)).collect()
+        let curvature = |(slot, [e, v]): (usize, [f64; 2])| {
+            let high = high(slot);
+            high + if v > 1e-5 { (e / v - high).clamp(-STEEPEST, STEEPEST) } else { 0.0 }
+        };
+        values.into_iter().enumerate().map(curvature).collect()
     }
 }
 

@@ -15,8 +15,6 @@ use rayon::prelude::*;
 const RELAXATION: f64 = 0.1;
 /// Height above a solid, in cells, at which the surface is looked for.
 const HEIGHT: f64 = 1.0;
-/// Depth to which φ is continued, in cells.
-const DEPTH: f64 = 5.0;
 /// Least sine of the angle at which it is continued.
 const FLATTEST: f64 = 0.25;
 
@@ -38,7 +36,7 @@ pub fn ghosts<const D: usize>(
     cut: &CutCells<D>,
 ) -> Vec<Ghost<D>> {
     let sampler = Sampler::cells(&model.grid, &phi.data, model.scalar_edges());
-    let within = |c: &u32| (-DEPTH..0.0).contains(&cut.distance(*c as usize));
+    let within = |c: &u32| cut.distance(*c as usize) < 0.0;
     let slots: Vec<u32> = (0..band.cells.len() as u32).filter(|s| within(&band.cells[*s as usize])).collect();
     let ghost = |&slot: &u32| {
         let cell = band.cells[slot as usize] as usize;
@@ -60,11 +58,12 @@ fn comes_out<const D: usize>(
     let dx = model.grid.dx;
     let number = model.nearest_solid(solids, x)?;
     let (solid, now) = (&model.solids[number], &solids[number]);
-    let normal = solid.normal(now, x, 0.01 * dx);
+    // Half-way between two sides of a solid there is none.
+    let normal = solid.normal(now, x, 0.01 * dx).try_normalize(0.5)?;
     let way = depth + HEIGHT * dx;
     let (_, slope) = phi.distance(&(x + normal * way));
     let along = slope - normal * slope.dot(&normal);
-    let cosine = solid.cosine.clamp(-1.0, 1.0);
+    let cosine = solid.wetting(slope.dot(&normal) / slope.norm().max(0.5)).0.clamp(-1.0, 1.0);
     let sine = (1.0 - cosine * cosine).sqrt().max(FLATTEST);
     let cosine = (1.0 - sine * sine).sqrt().copysign(cosine);
     let direction = along.try_normalize(1e-3).map_or(normal, |t| normal * sine - t * cosine);

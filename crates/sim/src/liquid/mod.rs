@@ -2,7 +2,9 @@
 
 pub mod cube;
 pub mod curvature;
+pub mod cut_faces;
 pub mod filter;
+pub mod friction;
 pub mod ghost;
 pub mod momentum;
 pub mod pressure;

@@ -6,7 +6,7 @@
 //! merge or part in a step are one [`Whole`] in it: orbits about the common centre count as well as spins. A centre is
 //! that of the surface, which the volume correction keeps on its path; the faces' own centres (one per axis) jitter.
 
-use super::pressure::CutFace;
+use super::cut_faces::CutFace;
 use super::volume::Group;
 use crate::model::Model;
 use meniscus_numerics::grid::{CellField, FaceField, Segment};
@@ -248,7 +248,7 @@ impl<const D: usize> FaceWalk<'_, D> {
             let Some(mut whole) = group.whole.clone() else { continue };
             let parts: Vec<Moments<D>> = group.new.iter().map(|&j| moments[j].weighing(targets[j])).collect();
             let now = together(zip(&group.new, &parts).map(|(&j, m)| m.whole(centers[j])));
-            if !group.placed {
+            if !group.placed.is_identity(0.0) {
                 whole = whole.moved_to(now.center);
             }
             let arms: Vec<Vector<D>> = group.new.iter().map(|&j| centers[j] - whole.center).collect();

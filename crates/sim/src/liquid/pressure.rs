@@ -6,162 +6,19 @@
 //! a free surface. A second solve with what the first one's bend adds to the slopes at the surface ([`bends`]) makes the
 //! velocity there as accurate as it is inside; it takes a few iterations.
 
-use super::curvature::Curvature;
+use super::cut_faces::CutFace;
+use super::friction::DraggedFace;
 use crate::coupling::Coupling;
-use crate::line::Exchange;
+use crate::line::{Exchange, Impulse};
 use crate::model::Model;
 use crate::solid::SolidState;
 use crate::state::State;
-use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Runs, Sampler, Segment};
+use meniscus_numerics::grid::{CellField, CutCells, FaceField, Runs, Segment};
 use meniscus_numerics::linalg::{PoissonInput, PressureSolver, SolveError, SolveReport};
-use meniscus_numerics::par;
+use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::iter::zip;
-
-/// The surface is kept this share of a cell away from the liquid's centre at least.
-const NEAREST: f64 = 0.02;
-
-/// A face between a liquid cell and air, or an open side.
-#[derive(Clone, Copy, Debug)]
-pub struct CutFace {
-    /// Normal axis.
-    pub axis: usize,
-    /// Position in the face lattice.
-    pub face: usize,
-    /// The liquid cell.
-    pub cell: usize,
-    /// +1 where the air is above, −1 where it is below.
-    pub sign: f64,
-    /// Share of the way from the liquid's centre to the surface.
-    pub theta: f64,
-    /// Curvature there, 1/cells.
-    pub kappa: f64,
-    /// Share of the face that no solid closes.
-    pub open: f64,
-}
-
-/// Finds the faces between liquid and air, with the surface's place (cubic root) and curvature.
-pub fn cut_faces<const D: usize>(
-    model: &Model<D>,
-    phi: &CellField<D>,
-    band: &Band<D>,
-    liquid: &Runs,
-    curvature: &Curvature,
-    solids: &CutCells<D>,
-) -> Vec<CutFace> {
-    let lattice = model.grid.lattice();
-    let sampler = Sampler::cells(&model.grid, &phi.data, model.scalar_edges());
-    let value = |slot: Option<usize>| {
-        slot.filter(|s| curvature.known.get(*s) == Some(&true)).map(|s| curvature.kappa[s])
-    };
-    let mut faces: Vec<CutFace> = band.cells[band.first_layers(1)]
-        .par_iter()
-        .filter(|&&c| phi.data[c as usize] < 0.0)
-        .flat_map_iter(|&c| {
-            let cell = c as usize;
-            let at = lattice.coordinates(cell);
-            let sampler = &sampler;
-            (0..2 * D).filter_map(move |n| {
-                let (axis, up) = (n / 2, n % 2);
-                let edge = if up == 1 { at[axis] + 1 == lattice.extent[axis] } else { at[axis] == 0 };
-                let other = if up == 1 {
-                    cell + lattice.stride[axis]
-                } else {
-                    cell.wrapping_sub(lattice.stride[axis])
-                };
-                if edge || phi.data[other] < 0.0 {
-                    return None;
-                }
-                let step = if up == 1 { 1 } else { -1 };
-                let theta = crossing(sampler, at, axis, step).clamp(NEAREST, 1.0);
-                let here = value(band.slot(cell));
-                let there = value(band.slot(other));
-                let kappa = match (here, there) {
-                    (Some(i), Some(a)) => (1.0 - theta) * i + theta * a,
-                    (one, other) => one.or(other).unwrap_or(0.0),
-                };
-                let mut face = at;
-                face[axis] += up;
-                let face = model.grid.faces(axis).index(face);
-                let open = solids.open.axes[axis][face];
-                (open > 0.0).then_some(CutFace { axis, face, cell, sign: step as f64, theta, kappa, open })
-            })
-        })
-        .collect();
-    open_sides(model, liquid, solids, &mut faces);
-    faces
-}
-
-/// Liquid cells at open sides: pressure zero on the side itself, half a cell away.
-fn open_sides<const D: usize>(
-    model: &Model<D>,
-    liquid: &Runs,
-    solids: &CutCells<D>,
-    faces: &mut Vec<CutFace>,
-) {
-    let lattice = model.grid.lattice();
-    for axis in 0..D {
-        for side in 0..2 {
-            if model.walls[axis][side] == crate::Wall::Slip {
-                continue;
-            }
-            let edge = if side == 0 { 0 } else { lattice.extent[axis] - 1 };
-            for run in &liquid.runs {
-                let row = run.row as usize * lattice.extent[0];
-                let cells = row + run.start as usize..row + run.end as usize;
-                for cell in cells {
-                    let mut at = lattice.coordinates(cell);
-                    if at[axis] != edge {
-                        if axis == 0 { continue } else { break }
-                    }
-                    at[axis] += side;
-                    let face = model.grid.faces(axis).index(at);
-                    faces.push(CutFace {
-                        axis,
-                        face,
-                        cell,
-                        sign: 2.0 * side as f64 - 1.0,
-                        theta: 0.5,
-                        kappa: 0.0,
-                        open: solids.open.axes[axis][face],
-                    });
-                }
-            }
-        }
-    }
-}
-
-/// Share of the way from the centre of liquid cell `at` to its neighbour where the cubic through four values is zero.
-fn crossing<const D: usize>(sampler: &Sampler<'_, D>, at: [usize; D], axis: usize, step: isize) -> f64 {
-    let value = |n: isize| {
-        let mut cell = at.map(|i| i as isize);
-        cell[axis] += n * step;
-        sampler.value(cell)
-    };
-    let f = [value(-1), value(0), value(1), value(2)];
-    let linear = f[1] / (f[1] - f[2]);
-    let cubic = |t: f64| {
-        let (a, b, c) = (t + 1.0, t - 1.0, t - 2.0);
-        -t * b * c / 6.0 * f[0] + a * b * c / 2.0 * f[1] - a * t * c / 2.0 * f[2] + a * t * b / 6.0 * f[3]
-    };
-    // The cubic takes the signs of its ends: regula falsi (Illinois) cannot leave the edge.
-    let (mut low, mut high, mut at_low, mut at_high) = (0.0, 1.0, f[1], f[2]);
-    let mut t = linear;
-    for _ in 0..30 {
-        let v = cubic(t);
-        if v.abs() <= 1e-13 * (f[2] - f[1]) {
-            break;
-        }
-        if v < 0.0 {
-            (low, at_low, at_high) = (t, v, 0.5 * at_high);
-        } else {
-            (high, at_high, at_low) = (t, v, 0.5 * at_low);
-        }
-        t = (low * at_high - high * at_low) / (at_high - at_low);
-    }
-    t
-}
 
 /// Dense memory of the solve, kept from step to step.
 pub struct PressureFields<const D: usize> {
@@ -185,8 +42,10 @@ pub struct Projection<'a, const D: usize> {
     pub faces: &'a [Vec<Segment>; D],
     /// Those at the surface.
     pub cut: &'a [CutFace],
+    /// Those that contact lines drag.
+    pub dragged: &'a [DraggedFace],
     /// What the solids leave open.
-    pub cut_cells: &'a CutCells<D>,
+    pub cut_cells: &'a mut CutCells<D>,
     /// The solids.
     pub solids: &'a [SolidState<D>],
     /// Component of a liquid cell.
@@ -212,30 +71,48 @@ impl<const D: usize> PressureFields<D> {
         model: &Model<D>,
         p: &mut Projection<'_, D>,
     ) -> Result<(SolveReport, Exchange<D>), SolveError> {
+        slow(p);
         self.assemble(model, p);
+        let solver = self.solver(model, p);
+        let n = &model.numerics;
+        let coupling = Coupling::new(model, p.cut_cells, p.solids, &p.phi.data);
+        coupling.fluxes(|cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
+        let (columns, limits) = (coupling.columns(), (n.tolerance, n.max_iterations));
+        let mut report = solver.solve_coupled(&columns, &self.rhs, p.lambda, limits)?;
+        let bends = bends(model, p);
+        let beyond = coupling.beyond_centers(|cell| slope(model, p, cell), p.label);
+        if !beyond.is_empty() || bends.iter().any(|b| *b != 0.0) {
+            zip(p.cut, &bends)
+                .for_each(|(face, bend)| self.rhs.data[face.cell] += face.open * face.mobility * bend);
+            coupling.fluxes_of_push(&beyond, |cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
+            let first = report.iterations;
+            report = solver.solve_coupled(&columns, &self.rhs, p.lambda, limits)?;
+            report.iterations += first;
+        }
+        let mut exchange = coupling.impulses(&p.lambda.data, p.label);
+        for (pair, impulse) in &beyond {
+            exchange.entry(*pair).or_insert_with(Impulse::none).add(impulse, 1.0);
+        }
+        self.solver = Some(solver);
+        subtract_gradient(model, p, &bends);
+        Ok((report, exchange))
+    }
+
+    /// The system made ready; faces that are dragged give way less.
+    fn solver(&mut self, model: &Model<D>, p: &mut Projection<'_, D>) -> PressureSolver<D> {
+        let open = &mut p.cut_cells.open.axes;
+        let whole: Vec<f64> = p.dragged.iter().map(|f| open[f.axis][f.face]).collect();
+        p.dragged.iter().for_each(|f| open[f.axis][f.face] *= f.mobility());
         let input = PoissonInput {
             grid: model.grid,
             unknowns: p.liquid,
             coefficients: &p.cut_cells.open,
             dirichlet: &self.dirichlet,
         };
-        let n = &model.numerics;
         let solver = PressureSolver::in_memory_of(self.solver.take(), &input);
-        let coupling = Coupling::new(model, p.cut_cells, p.solids, &p.phi.data);
-        coupling.fluxes(|cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
-        let (columns, limits) = (coupling.columns(), (n.tolerance, n.max_iterations));
-        let mut report = solver.solve_coupled(&columns, &self.rhs, p.lambda, limits)?;
-        let bends = bends(model, p);
-        if bends.iter().any(|b| *b != 0.0) {
-            zip(p.cut, &bends).for_each(|(face, bend)| self.rhs.data[face.cell] += face.open * bend);
-            let first = report.iterations;
-            report = solver.solve_coupled(&columns, &self.rhs, p.lambda, limits)?;
-            report.iterations += first;
-        }
-        let exchange = coupling.impulses(&p.lambda.data, p.label);
-        self.solver = Some(solver);
-        subtract_gradient(model, p, &bends);
-        Ok((report, exchange))
+        let open = &mut p.cut_cells.open.axes;
+        zip(p.dragged, whole).for_each(|(f, whole)| open[f.axis][f.face] = whole);
+        solver
     }
 
     fn assemble(&mut self, model: &Model<D>, p: &Projection<'_, D>) {
@@ -259,10 +136,38 @@ impl<const D: usize> PressureFields<D> {
             }
         });
         for face in p.cut {
-            self.dirichlet.data[face.cell] += face.open / face.theta;
-            self.rhs.data[face.cell] += face.open * p.jump * face.kappa / face.theta;
+            let weight = face.open * face.mobility / face.theta;
+            self.dirichlet.data[face.cell] += weight;
+            self.rhs.data[face.cell] += weight * p.jump * face.kappa;
         }
     }
+}
+
+/// The velocity of dragged faces before the pressure pushes them.
+fn slow<const D: usize>(p: &mut Projection<'_, D>) {
+    for f in p.dragged {
+        let u = &mut p.velocity.axes[f.axis][f.face];
+        *u = f.slowed(*u);
+    }
+}
+
+/// Slope of λ in a liquid cell, a cell: along each axis the mean over the open faces to other liquid cells.
+fn slope<const D: usize>(model: &Model<D>, p: &Projection<'_, D>, cell: usize) -> Vector<D> {
+    let lattice = model.grid.lattice();
+    let at = lattice.coordinates(cell);
+    Vector::from_fn(|a, _| {
+        let face = model.grid.faces(a).index(at);
+        let open = |up: usize| p.cut_cells.open.axes[a][face + up * model.grid.faces(a).stride[a]] > 0.0;
+        let (mut sum, mut count) = (0.0, 0.0);
+        if at[a] > 0 && open(0) && p.phi.data[cell - lattice.stride[a]] < 0.0 {
+            (sum, count) = (p.lambda.data[cell] - p.lambda.data[cell - lattice.stride[a]], 1.0);
+        }
+        if at[a] + 1 < lattice.extent[a] && open(1) && p.phi.data[cell + lattice.stride[a]] < 0.0 {
+            sum += p.lambda.data[cell + lattice.stride[a]] - p.lambda.data[cell];
+            count += 1.0;
+        }
+        if count > 0.0 { sum / count } else { 0.0 }
+    })
 }
 
 /// What the ghost fluid's slope of λ misses on each cut face, times Δ: it is the slope half-way to the surface, `θ/2` from
@@ -294,6 +199,7 @@ fn bends<const D: usize>(model: &Model<D>, p: &Projection<'_, D>) -> Vec<f64> {
 /// Subtracts the pressure's gradient on the liquid's faces.
 fn subtract_gradient<const D: usize>(model: &Model<D>, p: &mut Projection<'_, D>, bends: &[f64]) {
     let cells = model.grid.lattice();
+    let before: Vec<f64> = p.dragged.iter().map(|f| p.velocity.axes[f.axis][f.face]).collect();
     let (lambda, phi) = (&p.lambda.data, &p.phi.data);
     for a in 0..D {
         let lattice = model.grid.faces(a);
@@ -317,6 +223,10 @@ fn subtract_gradient<const D: usize>(model: &Model<D>, p: &mut Projection<'_, D>
     for (face, bend) in zip(p.cut, bends) {
         let slope = ((p.jump * face.kappa - lambda[face.cell]) / face.theta + bend) / model.grid.dx;
         p.velocity.axes[face.axis][face.face] -= face.sign * slope;
+    }
+    for (f, before) in zip(p.dragged, before) {
+        let u = &mut p.velocity.axes[f.axis][f.face];
+        *u = before + f.mobility() * (*u - before);
     }
 }
 
@@ -354,6 +264,8 @@ pub fn divergence_max<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::liquid::curvature::Curvature;
+    use crate::liquid::cut_faces::cut_faces;
     use crate::model::{Numerics, Wall};
     use crate::workspace::{BAND, Workspace};
     use meniscus_numerics::Vector;
@@ -416,7 +328,8 @@ mod tests {
             liquid: &work.liquid,
             faces: work.known.liquid(),
             cut: &cut,
-            cut_cells: &work.cut,
+            dragged: &[],
+            cut_cells: &mut work.cut,
             solids: &[],
             jump: 1.0,
             label: &|_| Some(0),

@@ -2,16 +2,16 @@
 //!
 //! Each component has a volume to keep. When components merge their targets add up, when one splits its target is
 //! shared in proportion to the volumes of the parts. What the level set loses or gains in a step is put right by
-//! shifting φ by a constant near the component's surface; where the centre of mass of a body that touches nothing strays
-//! from its path, a translation of φ brings it back.
+//! shifting φ by a constant near the component's surface; where the centre of mass of a body strays from its path in a
+//! direction in which nothing but its momentum moves it, a translation of φ brings it back.
 
 use super::cube::{CutCube, NEAREST};
 use super::momentum::Whole;
 use super::surface::SurfaceLattice;
 use crate::model::Model;
 use crate::state::Drop;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CellField, Runs, Sampler};
+use meniscus_numerics::{Matrix, Vector};
 use rayon::prelude::*;
 
 /// Volume error over the volume, and distance of a centre of mass over the domain's size, that is left alone.
@@ -28,8 +28,16 @@ pub struct Group<const D: usize> {
     pub whole: Option<Whole<D>>,
     /// What they must be once they are carried along and before any force acts, if solids hold them.
     pub carried: Option<Whole<D>>,
-    /// Whether that is so of their place, too: they touch nothing at all.
-    pub placed: bool,
+    /// The part of a vector in directions in which nothing but momentum tells their place: all of it where they touch
+    /// nothing, what is along an even wall for drops on it.
+    pub placed: Matrix<D>,
+}
+
+impl<const D: usize> Group<D> {
+    /// These old components became these new ones.
+    pub fn new(old: Vec<usize>, new: Vec<usize>) -> Self {
+        Self { old, new, whole: None, carried: None, placed: Matrix::zeros() }
+    }
 }
 
 /// Follows components from `before` to `after` by the cells they share; strays join the nearest.
@@ -80,8 +88,7 @@ pub fn follow<const D: usize>(
             link(i, m + j);
         }
     }
-    let empty = Group { old: Vec::new(), new: Vec::new(), whole: None, carried: None, placed: false };
-    let mut groups: Vec<Group<D>> = vec![empty; m + n];
+    let mut groups: Vec<Group<D>> = vec![Group::new(Vec::new(), Vec::new()); m + n];
     for i in 0..m + n {
         let root = find(&parent, i);
         if i < m { groups[root].old.push(i) } else { groups[root].new.push(i - m) }
@@ -152,9 +159,9 @@ pub struct Measured<const D: usize> {
 pub fn astray<const D: usize>(groups: &[Group<D>], targets: &[f64], centers: &[Vector<D>]) -> Vec<Vector<D>> {
     let mut moves = vec![Vector::zeros(); centers.len()];
     for group in groups {
-        let Some(whole) = group.whole.as_ref().filter(|_| group.placed) else { continue };
+        let Some(whole) = group.whole.as_ref().or(group.carried.as_ref()) else { continue };
         let sum = group.new.iter().fold(Vector::zeros(), |s: Vector<D>, &j| s + centers[j] * targets[j]);
-        group.new.iter().for_each(|&j| moves[j] = whole.center - sum / whole.mass);
+        group.new.iter().for_each(|&j| moves[j] = group.placed * (whole.center - sum / whole.mass));
     }
     moves
 }
@@ -242,7 +249,7 @@ impl<const D: usize> Liquid<'_, D> {
 
     /// ∇φ on the band; nothing where no group must be anywhere.
     fn slopes(&self, phi: &CellField<D>, groups: &[Group<D>]) -> Vec<Vector<D>> {
-        if groups.iter().all(|g| !g.placed) {
+        if groups.iter().all(|g| g.placed.norm_squared() == 0.0) {
             return Vec::new();
         }
         let grid = &self.model.grid;

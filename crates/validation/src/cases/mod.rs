@@ -1,15 +1,23 @@
 //! The cases, one file per family.
 
+mod buoyancy;
 mod capillary_wave;
 mod dam_break;
+mod floating;
 mod hydrostatic;
+mod hysteresis;
+mod line_friction;
+mod meniscus;
 mod momentum;
+mod momentum_with_solid;
 mod moving_drop;
 mod pressure_matrix;
 mod rayleigh;
 mod rayleigh_plateau;
 mod sessile;
+mod sessile_gravity;
 mod static_drop;
+mod surface_distance;
 mod transport;
 mod volume;
 
@@ -20,7 +28,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 19] = [
+const ALL: [Case; 30] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -37,7 +45,18 @@ const ALL: [Case; 19] = [
     sessile::PLANE,
     sessile::SPACE,
     sessile::CURVED,
+    hysteresis::CASE,
+    line_friction::CASE,
+    sessile_gravity::PLANE,
+    meniscus::PLANE,
+    floating::FREE,
+    floating::HELD,
+    buoyancy::BUOYANCY,
+    buoyancy::ADDED,
+    surface_distance::DISTANCE,
+    surface_distance::LENGTH,
     volume::CASE,
     momentum::CASE,
+    momentum_with_solid::CASE,
     pressure_matrix::CASE,
 ];

@@ -1,7 +1,8 @@
 //! The pressure matrix against a dense solve.
 
-use crate::measure::{at_least, at_most, cholesky, solve};
+use crate::measure::{at_least, at_most};
 use crate::{Case, Check};
+use meniscus_numerics::fit::{cholesky, solve};
 use meniscus_numerics::grid::{CellField, FaceField, Grid, Lattice, Run, Runs};
 use meniscus_numerics::linalg::{LinearOperator, PoissonInput, PressureSolver};
 

@@ -1,9 +1,10 @@
 //! A liquid column that breaks up.
 
-use crate::measure::{fit_growth, least_squares, settle, surface_points};
+use crate::measure::{fit_growth, settle, surface_points};
 use crate::setup::{RADIUS, TENSION, model, offset, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
+use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::Grid;
 use meniscus_sim::{Body, Simulation, StepError, Wall};
 use std::f64::consts::PI;

@@ -1,6 +1,6 @@
 //! Oscillations and growth in time series.
 
-use super::dense::{least_squares, solve};
+use meniscus_numerics::fit::{least_squares, solve};
 
 /// A damped oscillation `e^(−βt) (A cos ωt + B sin ωt) + C`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -111,7 +111,7 @@ pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
     let (frames, meshes) = share(&kept);
     let payload = Payload {
         format: 1,
-        name: name(&folder, dir),
+        name: folder.name(),
         version: env!("CARGO_PKG_VERSION"),
         dimension: folder.dimension,
         domain: folder.domain,
@@ -171,12 +171,6 @@ fn share<'a>(packed: &[&'a Packed]) -> (Vec<PageFrame>, Vec<&'a str>) {
         })
         .collect();
     (frames, meshes)
-}
-
-fn name(folder: &RunFolder, dir: &Path) -> String {
-    let given = folder.summary.get("scene").and_then(|s| s.as_str()).map(str::to_string);
-    let of_dir = || dir.canonicalize().ok()?.file_name()?.to_str().map(str::to_string);
-    given.or_else(of_dir).unwrap_or_else(|| "run".into())
 }
 
 /// What the page says about what was left out.

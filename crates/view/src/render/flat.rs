@@ -8,6 +8,9 @@ use super::label;
 use super::stage::round_length;
 use crate::folder::{Bounds, Frame, RunFolder, V3};
 
+/// The window leaves the whole domain where that shows the liquid more than this many times larger.
+const CLOSER: f64 = 1.7;
+
 /// The window of the plane that is shown, and how it lies in the picture.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Window {
@@ -36,25 +39,28 @@ fn plain(c: &V3) -> [u8; 3] {
 }
 
 impl Window {
-    /// A window that shows the domain, or what is to be seen if that is a small part of it.
+    /// A window that shows the domain, or what is to be seen where that makes it much larger.
     pub(crate) fn new(folder: &RunFolder, seen: &Bounds, size: (u32, u32)) -> Self {
         let domain = folder.domain.map(|d| [d[0], d[1]]);
-        let (mut lower, mut upper) = (seen.lower, seen.upper);
-        let margin = 0.12 * seen.size().norm().max(1e-12);
-        lower -= V3::repeat(margin);
-        upper += V3::repeat(margin);
-        if let Some(d) = domain {
-            let small = (0..2).all(|a| upper[a] - lower[a] < 0.45 * d[a]);
-            for a in 0..2 {
-                lower[a] = if small { lower[a].max(0.0) } else { 0.0 };
-                upper[a] = if small { upper[a].min(d[a]) } else { d[a] };
-            }
-        }
         let (w, h) = (f64::from(size.0), f64::from(size.1));
         let border = 0.12 * w.min(h);
-        let fit = |a: usize, pixels: f64| (pixels - 2.0 * border).max(1.0) / (upper[a] - lower[a]).max(1e-12);
+        let scale = |lower: &V3, upper: &V3| {
+            let fit =
+                |a: usize, pixels: f64| (pixels - 2.0 * border).max(1.0) / (upper[a] - lower[a]).max(1e-12);
+            fit(0, w).min(fit(1, h))
+        };
+        let margin = V3::repeat(0.12 * seen.size().norm().max(1e-12));
+        let (mut lower, mut upper) = (seen.lower - margin, seen.upper + margin);
+        if let Some(d) = domain {
+            let whole = (V3::zeros(), V3::new(d[0], d[1], 0.0));
+            (lower, upper) = if scale(&lower, &upper) > CLOSER * scale(&whole.0, &whole.1) {
+                (lower.sup(&whole.0), upper.inf(&whole.1))
+            } else {
+                whole
+            };
+        }
         let center = [0.5 * (lower.x + upper.x), 0.5 * (lower.y + upper.y)];
-        Self { center, scale: fit(0, w).min(fit(1, h)), size, domain }
+        Self { center, scale: scale(&lower, &upper), size, domain }
     }
 
     fn place(&self, p: &[f64]) -> [f64; 2] {

@@ -5,6 +5,7 @@ use super::bvh::Ray;
 use super::geometry::{Hit, TriMesh, Tubes};
 use super::stage::Stage;
 use crate::folder::{Bounds, Frame, V3};
+use meniscus_numerics::mesh::{FacetTree, SurfaceMesh};
 
 /// How far below the domain's floor the ground is drawn, so that the liquid's own bottom is met first.
 const GROUND: f64 = -2e-4;
@@ -12,6 +13,14 @@ const GROUND: f64 = -2e-4;
 pub(crate) const NEAR: f64 = 1e-6;
 /// How much nearer the liquid must be to be met before a solid.
 const TIE: f64 = 1e-5;
+/// Half the width of the contact line: in typical widths of the liquid, and in pixels at least.
+const LINE: f64 = 0.02;
+const LINE_PIXELS: f64 = 1.1;
+/// How far off a solid, in cells, wetted vertices can be, and their neighbours that go with them.
+const OFF: f64 = 1.0;
+const OFF_BESIDE: f64 = 0.6;
+/// How far below the solid's surface they are put, in cells.
+const SUNK: f64 = 0.05;
 
 /// What a ray has met.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,20 +49,26 @@ pub(crate) struct Scene<'a> {
 
 impl<'a> Scene<'a> {
     pub(crate) fn new(stage: &'a Stage, frame: &Frame, style: Style) -> Self {
-        let points = stage.points(&frame.liquid.positions);
+        let mut points = stage.points(&frame.liquid.positions);
         let wetted = stage.wetted(frame, &points);
         let mut bounds = Bounds::EMPTY;
         points.iter().for_each(|&p| bounds.add(p));
         let mut solid_bounds = Bounds::EMPTY;
-        let mut solids = Vec::new();
+        let (mut solids, mut surfaces) = (Vec::new(), Vec::new());
         for mesh in frame.solids.values() {
             let points = stage.points(&mesh.positions);
             points.iter().for_each(|&p| solid_bounds.add(p));
             solids.push(TriMesh::new(&points, &mesh.faces, &[], 0.8));
+            surfaces.push(SurfaceMesh { positions: points, facets: mesh.faces.clone() });
         }
-        let line = frame.contact_line.as_ref().map_or_else(Tubes::default, |mesh| {
-            Tubes::new(&stage.points(&mesh.positions), mesh, 0.02 * stage.liquid)
-        });
+        seat(&mut points, &frame.liquid.faces, &wetted, &surfaces, stage.dx.unwrap_or(0.0));
+        // However far the camera is, the line is to be seen.
+        let thinnest = LINE_PIXELS * stage.view.pixel_angle() * (bounds.center() - stage.view.eye).norm();
+        let radius = (LINE * stage.liquid).max(thinnest);
+        let line = frame
+            .contact_line
+            .as_ref()
+            .map_or_else(Tubes::default, |mesh| Tubes::new(&stage.points(&mesh.positions), mesh, radius));
         Self {
             stage,
             style,
@@ -101,5 +116,24 @@ impl<'a> Scene<'a> {
     /// Whether the liquid lies on the ray before `limit`.
     pub(crate) fn liquid_blocks(&self, ray: &Ray, limit: f64) -> bool {
         self.liquid.blocks(ray, 1e-4, limit)
+    }
+}
+
+/// Puts wetted vertices of the liquid, and the ragged ring next to them, a little below the surface of the solid that
+/// they are on. The two meshes are made apart and fit to a part of a cell; a gap between them would show as a bright seam
+/// around the drop's foot.
+fn seat(points: &mut [V3], faces: &[[u32; 3]], wetted: &[bool], solids: &[SurfaceMesh<3>], dx: f64) {
+    let mut reach: Vec<f64> = wetted.iter().map(|&wet| if wet { OFF * dx } else { 0.0 }).collect();
+    for face in faces.iter().filter(|f| f.iter().any(|&v| wetted[v as usize])) {
+        face.iter().for_each(|&v| reach[v as usize] = reach[v as usize].max(OFF_BESIDE * dx));
+    }
+    let trees: Vec<FacetTree<3>> = solids.iter().map(FacetTree::new).collect();
+    for (point, reach) in points.iter_mut().zip(reach).filter(|(_, reach)| *reach > 0.0) {
+        let closest = |(tree, mesh): (&FacetTree<3>, _)| Some((tree.closest(point, reach)?, mesh));
+        let near = trees.iter().zip(solids).filter_map(closest);
+        let nearest = near.min_by(|a, b| a.0.distance_squared.total_cmp(&b.0.distance_squared));
+        let Some((at, mesh)) = nearest else { continue };
+        let out = mesh.area_vector(at.facet as usize).try_normalize(0.0).unwrap_or_else(V3::zeros);
+        *point = at.point - out * (SUNK * dx);
     }
 }

@@ -1,5 +1,7 @@
 //! What stays the same over all frames of a run: the picture's coordinates, the domain, the camera.
 
+use std::collections::BTreeMap;
+
 use super::RenderOptions;
 use super::camera::View;
 use super::studio::Studio;
@@ -30,22 +32,42 @@ pub(crate) struct Stage {
     pub studio: Studio,
 }
 
-/// What is to be seen of the frames: the liquid and the part of the solids near it, and the first volume.
+/// A solid larger than this many times the liquid is shown near the liquid only.
+const LARGE: f64 = 1.5;
+/// How far around the liquid, in its diagonals, such a solid is shown.
+const MARGIN: f64 = 0.25;
+
+/// What is to be seen of the frames, and the largest volume of the liquid: the liquid, solids of about its size, and the
+/// part near the liquid of those so large that the liquid would be lost on them.
 pub(crate) fn seen(folder: &RunFolder) -> Result<(Bounds, f64)> {
-    let (mut liquid, mut solids, mut volume) = (Bounds::EMPTY, Bounds::EMPTY, 0.0f64);
+    let (mut liquid, mut volume) = (Bounds::EMPTY, 0.0f64);
+    // Each solid's way, and its largest size in any frame.
+    let mut solids: BTreeMap<String, (Bounds, f64)> = BTreeMap::new();
     for number in RunFolder::spread(&folder.numbers, LOOKED_AT) {
         let frame = folder.frame(number)?;
         liquid.join(&Bounds::of(&frame.liquid.positions));
-        frame.solids.values().for_each(|s| solids.join(&Bounds::of(&s.positions)));
+        for (name, mesh) in &frame.solids {
+            let now = Bounds::of(&mesh.positions);
+            let (way, size) = solids.entry(name.clone()).or_insert((Bounds::EMPTY, 0.0));
+            way.join(&now);
+            *size = size.max(now.size().norm());
+        }
         volume = volume.max(measure(&frame));
     }
     let mut all = liquid;
-    if liquid.is_empty() {
-        all = solids;
-    } else if !solids.is_empty() {
-        let margin = V3::repeat(0.45 * liquid.size().norm());
-        let near = Bounds { lower: liquid.lower - margin, upper: liquid.upper + margin };
-        all.join(&Bounds { lower: solids.lower.sup(&near.lower), upper: solids.upper.inf(&near.upper) });
+    let margin = V3::repeat(MARGIN * liquid.size().norm());
+    for (way, size) in solids.values().filter(|(way, _)| !way.is_empty()) {
+        if liquid.is_empty() || *size <= LARGE * liquid.size().norm() {
+            all.join(way);
+            continue;
+        }
+        let part = Bounds {
+            lower: way.lower.sup(&(liquid.lower - margin)),
+            upper: way.upper.inf(&(liquid.upper + margin)),
+        };
+        if (0..3).all(|a| part.lower[a] <= part.upper[a]) {
+            all.join(&part);
+        }
     }
     if all.is_empty() {
         let size = folder.domain.map_or(V3::repeat(1.0), V3::from);

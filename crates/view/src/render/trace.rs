@@ -198,18 +198,16 @@ impl Tracer<'_> {
         }
         let mut light =
             studio.ambient(normal) * (sky / f64::from(rays)) + V3::repeat(KEY * lamp / f64::from(rays));
-        if normal.z > 0.5 {
-            light += self.light.on_solid(point.x, point.y) * (KEY * studio.key.z);
-        }
+        light += self.light.on_solid(point.x, point.y) * (KEY * studio.key.z * upward(normal));
         color.component_mul(&light)
     }
 
-    /// The part of the lamp's light that the liquid leaves: on upward faces the light paths bring it back.
+    /// The part of the lamp's light that the liquid leaves; on upward faces the light paths bring it back.
     fn lit_through_liquid(&self, to_lamp: &Ray, normal: &V3) -> f64 {
         if !self.scene.liquid_blocks(to_lamp, f64::INFINITY) {
             return 1.0;
         }
-        if normal.z > 0.5 || self.scene.style == Style::Matte { 0.0 } else { 0.7 }
+        if self.scene.style == Style::Matte { 0.0 } else { 0.7 * (1.0 - upward(normal)) }
     }
 
     /// A coloured surface with a clear coat.
@@ -224,6 +222,11 @@ impl Tracer<'_> {
         let shine = self.scene.stage.studio.soft(&side.reflected);
         body * (1.0 - side.reflectance) + shine * side.reflectance
     }
+}
+
+/// How far a face counts as horizontal, where light paths end: 1 facing up, 0 where it is steep, gradual between.
+fn upward(normal: &V3) -> f64 {
+    smoothstep(0.15, 0.75, normal.z)
 }
 
 /// A board of squares averaged over a window of the given width: 0 or 1 far from edges.

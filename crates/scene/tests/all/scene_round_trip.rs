@@ -116,6 +116,7 @@ material.shell = { young_modulus = "10 kPa", poisson_ratio = 0.3, thickness = "0
 [[solid]]
 name = "stirrer"
 shape.ball = { center = ["5 cm", "5 cm", "5 cm"], radius = "1 cm" }
+collision = { restitution = 0.7, friction = 0.15 }
 material.kinematic.keyframes = [{ time = 0, translate = [0, 0, 0] }, { time = "1 s", translate = [0, 0, "1 cm"] }]
 [[solid]]
 name = "thread"
@@ -128,7 +129,7 @@ plate = { liquid_solid = "0.1 mN/cm", solid_air = "0.13 mN/cm" }
 leaf = { contact_angle = "120 deg" }
 [contact_line]
 friction = { plate = "0.3 Pa s", leaf = 0 }
-hysteresis = { advancing = "110 deg", receding = "70 deg" }
+hysteresis = { advancing = "130 deg", receding = "70 deg" }
 [numerics]
 scheme = "paper"
 max_step = "6.67 ms"

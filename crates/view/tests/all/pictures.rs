@@ -1,10 +1,9 @@
 //! Pictures and pages of made-up runs.
 
-mod common;
-
 use std::path::PathBuf;
 
-use common::Sample;
+use crate::common::{self, Sample};
+use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_view::{PageOptions, RenderOptions, Renderer, RunFolder, Style, make_page, render};
 
 fn folder(name: &str, sample: Sample, frames: u32) -> PathBuf {
@@ -77,6 +76,48 @@ fn the_liquid_in_the_plane_covers_its_area() {
     let exact = std::f64::consts::PI * (0.02f64 * scale).powi(2);
     assert!((liquid / exact - 1.0).abs() < 0.03, "{liquid} {exact}");
     std::fs::remove_dir_all(dir).unwrap();
+}
+
+/// Pixels as red as the contact line.
+fn red(image: &meniscus_view::Image) -> usize {
+    let is_red = |p: &&[u8]| p[0] > 90 && i32::from(p[0]) > 2 * i32::from(p[1].max(p[2]));
+    image.rgb.chunks(3).filter(is_red).count()
+}
+
+#[test]
+fn the_contact_line_is_red_where_it_is_stored() {
+    for sample in [Sample::Drop, Sample::Flat] {
+        let dir = folder("line", sample, 1);
+        let options = RenderOptions { size: (240, 160), ..small() };
+        let seen = red(&Renderer::open(&dir, &options).unwrap().image(0).unwrap());
+        assert!(seen > 15, "{sample:?}: {seen}");
+        std::fs::remove_file(dir.join("frames/contact_line_0000.ply")).unwrap();
+        assert_eq!(red(&Renderer::open(&dir, &options).unwrap().image(0).unwrap()), 0, "{sample:?}");
+        std::fs::remove_dir_all(dir).unwrap();
+    }
+}
+
+#[test]
+fn a_huge_plate_does_not_make_the_drop_tiny() {
+    let options = RenderOptions { size: (240, 160), ..small() };
+    let dir = folder("huge-3d", Sample::Drop, 1);
+    let before = red(&Renderer::open(&dir, &options).unwrap().image(0).unwrap());
+    let huge = common::cuboid([-0.95, -0.95, 0.008], [1.05, 1.05, 0.012], 40);
+    huge.save(&dir.join("frames/solid_plate_0000.ply")).unwrap();
+    let after = red(&Renderer::open(&dir, &options).unwrap().image(0).unwrap());
+    assert!(2 * after > before, "{before} {after}");
+    std::fs::remove_dir_all(&dir).unwrap();
+
+    let dir = folder("huge-2d", Sample::Flat, 1);
+    let summary = std::fs::read_to_string(dir.join("summary.json")).unwrap();
+    std::fs::write(dir.join("summary.json"), summary.replace("[0.1, 0.06]", "[2.0, 0.5]")).unwrap();
+    let mut plate = PlyMesh { edges: vec![[0, 1], [1, 2], [2, 3], [3, 0]], ..PlyMesh::default() };
+    plate.positions = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 0.01, 0.0], [0.0, 0.01, 0.0]];
+    plate.save(&dir.join("frames/solid_table_0000.ply")).unwrap();
+    let image = Renderer::open(&dir, &options).unwrap().image(0).unwrap();
+    let liquid = image.rgb.chunks(3).filter(|p| i32::from(p[2]) > i32::from(p[0]) + 60).count();
+    assert!(liquid > 240 * 160 / 8, "{liquid}");
+    std::fs::remove_dir_all(&dir).unwrap();
 }
 
 #[test]

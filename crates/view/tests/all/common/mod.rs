@@ -1,5 +1,5 @@
 //! Made-up output folders, for tests and for looking at.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, dead_code)]
 
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};

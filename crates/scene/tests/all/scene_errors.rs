@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use meniscus_scene::build::AnySetup;
 use meniscus_scene::check::{fits_memory, memory_estimate};
 use meniscus_scene::error::SceneError;
 use meniscus_scene::file::{LoadOptions, Scene, runnable};
@@ -192,10 +193,13 @@ fn structure() {
 
 #[test]
 fn what_cannot_run_yet() {
-    let free =
-        SOLID.replacen("{ fixed = true }", "{}", 1).replacen("name =", "density = \"1 g/cm^3\"\nname =", 1);
-    let e = bad_text(&format!("{GOOD}{free}"));
-    assert!(e.message.contains("solids that move freely"), "{e}");
+    let soft = SOLID.replacen("rigid = { fixed = true }", "springs = { stiffness = \"1 N/m\" }", 1).replacen(
+        "name =",
+        "density = \"1 g/cm^3\"\nname =",
+        1,
+    );
+    let e = bad_text(&format!("{GOOD}{soft}"));
+    assert!(e.message.contains("solids that deform"), "{e}");
     assert_eq!(e.line_column().map(|at| at.0), Some(27), "{}", e.render());
     let e = bad_text(&format!("{GOOD}formats = [\"vtk\"]\n"));
     assert!(e.message.contains("`vtk`"), "{e}");
@@ -207,8 +211,25 @@ fn what_cannot_run_yet() {
     let cut = "extrusion = { outline = \"petals-4\", size = \"1 mm\", thickness = \"0.2 mm\", center = \
                [\"1.5 mm\", \"1.5 mm\", \"1.5 mm\"] }";
     assert!(bad(ball, cut).message.contains("extrusion"));
-    let e = bad_text(&format!("{GOOD}\n[contact_line]\nfriction = \"0.3 Pa s\"\n"));
+    let e = bad_text(&format!("{GOOD}\n[contact_line]\nradius = \"4 dx\"\n"));
+    assert_eq!(marked(&e), "\"4 dx\"");
+}
+
+#[test]
+fn a_line_that_is_off_has_no_friction() {
+    let e = bad_text(&format!("{GOOD}\n[contact_line]\nenabled = false\nfriction = \"0.3 Pa s\"\n"));
     assert_eq!(marked(&e), "\"0.3 Pa s\"");
+}
+
+#[test]
+fn lines_rest_around_their_angle() {
+    let window = "\n[contact_line]\nhysteresis = { advancing = \"80 deg\", receding = \"50 deg\" }\n";
+    let e = bad_text(&format!("{GOOD}{SOLID}{window}").replacen(
+        "liquid_air = \"72.8 mN/m\"",
+        "liquid_air = \"72.8 mN/m\"\nplate = { contact_angle = \"90 deg\" }",
+        1,
+    ));
+    assert!(e.message.contains("`plate`, 90.0 deg, is not between the receding one, 50.0 deg"), "{e}");
 }
 
 #[test]
@@ -227,6 +248,34 @@ fn solids_make_sense() {
     let text = GOOD.replacen("72.8 mN/m\"", wets, 1);
     let scene = load(&format!("{text}{SOLID}"), &[]).unwrap_or_else(|e| panic!("{}", e.render()));
     assert!(scene.warnings.0[0].message.contains("no Young angle"));
+}
+
+#[test]
+fn free_solids_have_room() {
+    let free = SOLID.replacen("{ fixed = true }", "{}", 1).replacen(
+        "name = \"plate\"",
+        "density = \"1 g/cm^3\"\nname = \"boat\"",
+        1,
+    );
+    let start = |text: &str| load(text, &[]).and_then(|s| AnySetup::of(&s).map(drop));
+    start(&format!("{GOOD}{free}")).unwrap_or_else(|e| panic!("{}", e.render()));
+    let e = start(&format!("{GOOD}{SOLID}{free}")).unwrap_err();
+    assert_eq!(e.exit_status(), 3);
+    assert!(e.message.contains("`boat` overlaps the solid `plate` by"), "{e}");
+    assert_eq!(e.line_column().map(|at| at.0), Some(31), "{}", e.render());
+    // What does not move may overlap, and what only touches is no overlap.
+    start(&format!("{GOOD}{SOLID}{}", SOLID.replacen("plate", "other", 1))).unwrap();
+    let beside = free.replacen("\"1 mm\", \"1 mm\", \"0.1 mm\"", "\"1 mm\", \"1 mm\", \"0.3 mm\"", 1);
+    start(&format!("{GOOD}{SOLID}{}", beside.replacen("\"0.3 mm\"] }", "\"0.5 mm\"] }", 1))).unwrap();
+    let (before, rest) = free.split_once("shape.box").unwrap();
+    let (_, after) = rest.split_once('\n').unwrap();
+    let plane = "shape.half_space = { point = [0, 0, \"1 mm\"], normal = [0, 0, 1] }";
+    let e = start(&format!("{GOOD}{before}{plane}\n{after}")).unwrap_err();
+    assert!(e.message.contains("`boat` has no bounds"), "{e}");
+    let e = load(&format!("{GOOD}{free}collision.restitution = 1.5\n"), &[]).unwrap_err();
+    assert_eq!(marked(&e), "1.5");
+    let e = load(&format!("{GOOD}{free}collision.friction = -1\n"), &[]).unwrap_err();
+    assert_eq!(marked(&e), "-1");
 }
 
 #[test]

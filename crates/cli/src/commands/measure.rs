@@ -1,0 +1,198 @@
+//! `meniscus measure`: what drops and solids are like in a stored frame.
+
+use super::print;
+use crate::args::MeasureArgs;
+use crate::failure::{Failure, OUTPUT, Result, USAGE};
+use meniscus_scene::units::{Dimension, parse};
+use meniscus_view::{ContactMeasure, FitShape, Measurement, SolidMeasure, Touch, ViewError};
+use std::fmt::Write as _;
+
+/// What stands where there is no value.
+const NONE: &str = "–";
+
+/// Measures a stored frame and prints a table or JSON.
+pub fn measure(args: &MeasureArgs) -> Result {
+    let at = args.at.as_deref().map(time).transpose()?;
+    let measured = meniscus_view::measure(&args.dir, at).map_err(failure)?;
+    let text = if args.json { format!("{:#}\n", serde_json::json!(measured)) } else { table(&measured) };
+    print(&text)?;
+    Ok(0)
+}
+
+fn time(text: &str) -> Result<f64> {
+    let parsed = parse(text, Dimension::Time);
+    parsed.map(|p| p.value).map_err(|e| Failure::new(USAGE, format!("--at: {}", e.message)).help(e.help))
+}
+
+fn failure(error: ViewError) -> Failure {
+    match error {
+        ViewError::Time { .. } => {
+            Failure::new(USAGE, error.to_string()).help("choose a time within them for --at")
+        }
+        _ => Failure::new(OUTPUT, error.to_string()).help("measure takes the output folder of a run"),
+    }
+}
+
+/// All of a measurement as text.
+fn table(m: &Measurement) -> String {
+    let at = m.time.map_or_else(String::new, |t| format!(" at {}", prefixed(t, "s")));
+    let mut out =
+        format!("{}: frame {}{at}, {}D, cells of {}\n\n", m.scene, m.frame, m.dimension, prefixed(m.dx, "m"));
+    let power = if m.dimension == 2 { "m²" } else { "m³" };
+    let header = [
+        "drop",
+        "volume",
+        "on",
+        "angle",
+        "fit",
+        "residual",
+        "along the line",
+        "base radius",
+        "height",
+        "wetted",
+    ];
+    let mut rows = vec![header.map(String::from).to_vec()];
+    for (i, drop) in m.drops.iter().enumerate() {
+        let first = [(i + 1).to_string(), format!("{:.4e} {power}", drop.volume)];
+        let blank = [String::new(), String::new()];
+        let contacts = drop.contacts.iter().enumerate();
+        let lines =
+            contacts.map(|(k, c)| [if k == 0 { &first } else { &blank }.to_vec(), contact(c, m)].concat());
+        rows.extend(lines);
+        if drop.contacts.is_empty() {
+            rows.push([first.to_vec(), vec!["nothing".into()]].concat());
+        }
+    }
+    out += &aligned(&rows);
+    if m.small_drops > 0 {
+        let _ = writeln!(out, "and {} too small to be measured", m.small_drops);
+    }
+    if !m.solids.is_empty() {
+        let header = ["solid", "force", "of it pressure", "of it line", "over the level", "depth", "touched"];
+        let mut rows = vec![header.map(String::from).to_vec()];
+        rows.extend(m.solids.iter().map(|s| solid(s, m)));
+        out += "\n";
+        out += &aligned(&rows);
+    }
+    out
+}
+
+fn contact(c: &ContactMeasure, m: &Measurement) -> Vec<String> {
+    let [angle, shape, residual] = c.angle.as_ref().map_or([NONE; 3].map(String::from), |a| {
+        let shape = match a.shape {
+            FitShape::Circle => "circle",
+            FitShape::Ellipse => "ellipse",
+            FitShape::Sphere => "sphere",
+            FitShape::Spheroid => "spheroid",
+        };
+        [
+            format!("{:.2} ± {:.2}°", a.value, a.uncertainty),
+            shape.into(),
+            format!("{:.3} dx", a.residual / m.dx),
+        ]
+    });
+    let along = |l: &meniscus_view::LocalAngle| {
+        format!("{:.2} ± {:.2}° ({:.1} to {:.1})", l.mean, l.std, l.min, l.max)
+    };
+    let area =
+        if m.dimension == 2 { prefixed(c.contact_area, "m") } else { format!("{:.4e} m²", c.contact_area) };
+    vec![
+        if c.wall { format!("wall {}", c.solid) } else { c.solid.clone() },
+        angle,
+        shape,
+        residual,
+        c.local_angle.as_ref().map_or(NONE.into(), along),
+        c.base_radius.map_or(NONE.into(), |r| prefixed(r, "m")),
+        prefixed(c.height, "m"),
+        area,
+    ]
+}
+
+fn solid(s: &SolidMeasure, m: &Measurement) -> Vec<String> {
+    let unit = if m.dimension == 2 { "N/m" } else { "N" };
+    let force = |f: &[f64]| vector(f, unit);
+    let part = |f: Option<&Vec<f64>>| f.map_or(NONE.into(), |f| force(f));
+    let forces = s.forces.as_ref();
+    let floats = |f: fn(&meniscus_view::Floating) -> f64| {
+        s.floating.as_ref().map_or(NONE.into(), |x| prefixed(f(x), "m"))
+    };
+    let touched: Vec<String> = s.touches.iter().map(touch).collect();
+    vec![
+        s.name.clone(),
+        part(forces.map(|f| &f.net)),
+        part(forces.and_then(|f| f.pressure.as_ref())),
+        part(forces.and_then(|f| f.line.as_ref())),
+        floats(|f| f.centre_above_level),
+        floats(|f| f.depth),
+        if touched.is_empty() { "never".into() } else { touched.join("; ") },
+    ]
+}
+
+fn touch(t: &Touch) -> String {
+    let ends = format!("{} to {}", prefixed(t.start, "s"), prefixed(t.end, "s"));
+    t.duration.map_or(ends.clone(), |d| format!("{ends}: for {}", prefixed(d, "s")))
+}
+
+/// Columns side by side, as wide as their widest cell.
+fn aligned(rows: &[Vec<String>]) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |c: usize| rows.iter().filter_map(|r| r.get(c)).map(|s| s.chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let mut out = String::new();
+    for row in rows {
+        let cells: Vec<String> = row.iter().zip(&widths).map(|(s, w)| format!("{s:w$}")).collect();
+        out += cells.join("  ").trim_end();
+        out += "\n";
+    }
+    out
+}
+
+/// A vector with one prefix for all its components; those that vanish beside the largest are 0.
+fn vector(v: &[f64], unit: &str) -> String {
+    let largest = v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let (scale, prefix) = prefix(largest);
+    let part = |x: &f64| if x.abs() < 1e-6 * largest { "0".into() } else { four_digits(x / scale) };
+    format!("({}) {prefix}{unit}", v.iter().map(part).collect::<Vec<_>>().join(", "))
+}
+
+/// A number with four digits and a unit with a prefix that keeps it handy: `1.612 mm`.
+fn prefixed(x: f64, unit: &str) -> String {
+    let (scale, prefix) = prefix(x);
+    format!("{} {prefix}{unit}", four_digits(x / scale))
+}
+
+/// The prefix for a number, and what it stands for.
+fn prefix(x: f64) -> (f64, &'static str) {
+    const PREFIXES: [(f64, &str); 4] = [(1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n")];
+    let fits = PREFIXES.into_iter().find(|(scale, _)| x.abs() >= scale * 0.999_95);
+    if x == 0.0 { PREFIXES[0] } else { fits.unwrap_or(PREFIXES[3]) }
+}
+
+fn four_digits(x: f64) -> String {
+    let whole = x.abs().max(1.0).log10().floor() as usize;
+    let digits = 3usize.saturating_sub(whole);
+    let text = format!("{x:.digits$}");
+    let cut = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if cut == "-0" { "0".into() } else { cut.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_handy() {
+        assert_eq!(prefixed(0.001_612_3, "m"), "1.612 mm");
+        assert_eq!(prefixed(6.25e-5, "m"), "62.5 um");
+        assert_eq!(prefixed(0.0, "s"), "0 s");
+        assert_eq!(prefixed(-0.06, "s"), "-60 ms");
+        assert_eq!(prefixed(1234.5, "m"), "1234 m");
+        assert_eq!(vector(&[1e-20, -0.0211, 0.1], "N"), "(0, -21.1, 100) mN");
+    }
+
+    #[test]
+    fn columns_are_aligned() {
+        let rows = [vec!["a".to_string(), "bb".into()], vec!["ccc".into(), "–".into()]];
+        assert_eq!(aligned(&rows), "a    bb\nccc  –\n");
+    }
+}

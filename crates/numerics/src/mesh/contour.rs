@@ -1,0 +1,89 @@
+//! Where values on a surface's vertices change sign: marching triangles (2D: marching segments).
+//!
+//! The contour of values that are linear on each facet (W. Lorensen and H. Cline, SIGGRAPH 1987, in one dimension less;
+//! paper, 4.3.1). On a closed surface it is made of closed loops.
+
+use super::SurfaceMesh;
+use crate::Vector;
+
+/// A point of a contour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContourPoint {
+    /// The vertices of the edge that it lies on, the lower number first.
+    pub edge: [u32; 2],
+    /// How far along the edge, 0 to 1.
+    pub at: f64,
+    /// One of the facets that it lies in.
+    pub facet: u32,
+}
+
+/// The line (2D: the points) where values on the vertices of a surface are zero.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contour {
+    /// Its points, sorted by their edges.
+    pub points: Vec<ContourPoint>,
+    /// Its segments as numbers of points: seen from outside, negative values lie on their left. None in 2D.
+    pub segments: Vec<[u32; 2]>,
+    /// The facet of each segment.
+    pub facets: Vec<u32>,
+}
+
+impl Contour {
+    /// The contour on some facets of a mesh. Vertices of facets with a value that is not finite are left out.
+    pub fn of<const D: usize>(facets: &[[u32; D]], values: &[f64]) -> Self {
+        let wet = |v: u32| values[v as usize] < 0.0;
+        let crossed = |f: &&u32| {
+            let facet = &facets[**f as usize];
+            facet.iter().any(|v| wet(*v) != wet(facet[0]))
+                && facet.iter().all(|v| values[*v as usize].is_finite())
+        };
+        let all: Vec<u32> = (0..facets.len() as u32).collect();
+        let crossed: Vec<u32> = all.iter().filter(crossed).copied().collect();
+        let mut ends: Vec<([u32; 2], u32)> = Vec::with_capacity(2 * crossed.len());
+        for &f in &crossed {
+            ends.extend(crossings(&facets[f as usize], &wet).into_iter().flatten().map(|e| (e, f)));
+        }
+        ends.sort_unstable();
+        ends.dedup_by_key(|e| e.0);
+        let point = |&(edge, facet): &([u32; 2], u32)| {
+            let [a, b] = edge.map(|v| values[v as usize]);
+            ContourPoint { edge, at: a / (a - b), facet }
+        };
+        let mut contour = Self { points: ends.iter().map(point).collect(), ..Self::default() };
+        for &f in crossed.iter().filter(|_| D == 3) {
+            let place = |e: [u32; 2]| ends.binary_search_by_key(&e, |e| e.0).ok().map(|i| i as u32);
+            if let [Some(from), Some(to)] = crossings(&facets[f as usize], &wet).map(|e| e.and_then(place)) {
+                contour.segments.push([from, to]);
+                contour.facets.push(f);
+            }
+        }
+        contour
+    }
+
+    /// Where its points are, m.
+    pub fn positions<const D: usize>(&self, mesh: &SurfaceMesh<D>) -> Vec<Vector<D>> {
+        self.points.iter().map(|p| p.position(mesh)).collect()
+    }
+}
+
+impl ContourPoint {
+    /// Where it is, m.
+    pub fn position<const D: usize>(&self, mesh: &SurfaceMesh<D>) -> Vector<D> {
+        let [a, b] = self.edge.map(|v| mesh.positions[v as usize]);
+        a + (b - a) * self.at
+    }
+}
+
+/// The edges of a crossed facet on which the sign changes; in 3D first the one on which it changes from positive to
+/// negative, going around.
+fn crossings<const D: usize>(facet: &[u32; D], wet: &impl Fn(u32) -> bool) -> [Option<[u32; 2]>; 2] {
+    let mut out = [None; 2];
+    for k in 0..D {
+        let (a, b) = (facet[k], facet[(k + 1) % D]);
+        if wet(a) != wet(b) && (D == 3 || k == 0) {
+            // Counter-clockwise, what is wet begins at the segment's end and stops at its start: it lies on the left.
+            out[usize::from(wet(b) && D == 3)] = Some([a.min(b), a.max(b)]);
+        }
+    }
+    out
+}

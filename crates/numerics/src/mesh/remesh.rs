@@ -1,0 +1,253 @@
+//! Mending a surface of facets: long edges are split, short ones collapsed, bad diagonals flipped.
+//!
+//! T. Brochu and R. Bridson, SIAM J. Sci. Comput. 31 (2009) 2472; bounds as in the paper, 4.3.1. A change that would turn a
+//! facet over, bend a crease away or join what is apart is not made, so a closed surface stays closed. Works on segments
+//! (2D) as well.
+
+use super::SurfaceMesh;
+use super::surface::area_vector;
+use crate::Vector;
+
+/// Longest and shortest edge, in mean edges.
+const BOUNDS: [f64; 2] = [1.5, 0.5];
+/// Cosine of the angle by which a change may turn a facet.
+const TURN: f64 = 0.9;
+/// The same where the facet is next to nothing, in squares of the mean edge (2D: mean edges).
+const NOTHING: f64 = 0.05;
+/// Rounds of changes.
+const ROUNDS: usize = 8;
+
+/// A surface that is mended.
+pub struct Remesh<'a, const D: usize> {
+    /// The surface.
+    pub mesh: SurfaceMesh<D>,
+    /// A tag for each facet: facets made of one keep its tag.
+    pub tags: Vec<u8>,
+    /// The vertices that must stay; edges between two of them stay as they are.
+    pub fixed: Vec<bool>,
+    /// Brings a new vertex to where the surface should be.
+    pub project: &'a dyn Fn(&Vector<D>) -> Vector<D>,
+}
+
+/// An edge: length and vertices.
+type Edge = (f64, [u32; 2]);
+
+/// The facets around each vertex.
+struct Stars {
+    first: Vec<u32>,
+    facets: Vec<u32>,
+}
+
+impl Stars {
+    fn of(&self, v: u32) -> &[u32] {
+        &self.facets[self.first[v as usize] as usize..self.first[v as usize + 1] as usize]
+    }
+}
+
+impl<const D: usize> Remesh<'_, D> {
+    /// Mends the surface.
+    pub fn mend(&mut self) {
+        let edges = self.edges();
+        let mean = edges.iter().map(|e| e.0).sum::<f64>() / edges.len().max(1) as f64;
+        for _ in 0..ROUNDS {
+            let changes = self.split(BOUNDS[0] * mean) + self.collapse(mean) + self.flip(mean);
+            if changes == 0 {
+                break;
+            }
+        }
+        self.drop_unused();
+    }
+
+    /// All edges, by their vertices.
+    fn edges(&self) -> Vec<Edge> {
+        let mut edges: Vec<[u32; 2]> = Vec::with_capacity(D * self.mesh.facets.len());
+        for f in &self.mesh.facets {
+            for k in 0..D {
+                let (a, b) = (f[k], f[(k + 1) % D]);
+                edges.push([a.min(b), a.max(b)]);
+            }
+        }
+        edges.sort_unstable();
+        edges.dedup();
+        let length = |e: &[u32; 2]| (self.at(e[0]) - self.at(e[1])).norm();
+        edges.into_iter().map(|e| (length(&e), e)).collect()
+    }
+
+    fn at(&self, v: u32) -> Vector<D> {
+        self.mesh.positions[v as usize]
+    }
+
+    fn stars(&self) -> Stars {
+        let mut first = vec![0; self.mesh.positions.len() + 1];
+        self.mesh.facets.iter().flatten().for_each(|v| first[*v as usize + 1] += 1);
+        (1..first.len()).for_each(|v| first[v] += first[v - 1]);
+        let (mut fill, mut facets) = (first.clone(), vec![0; D * self.mesh.facets.len()]);
+        for (f, facet) in self.mesh.facets.iter().enumerate() {
+            for v in facet {
+                facets[fill[*v as usize] as usize] = f as u32;
+                fill[*v as usize] += 1;
+            }
+        }
+        Stars { first, facets }
+    }
+
+    fn stays(&self, e: &[u32; 2]) -> bool {
+        e.iter().all(|v| self.fixed[*v as usize])
+    }
+
+    /// The vertices next to one, sorted.
+    fn ring(&self, stars: &Stars, v: u32) -> Vec<u32> {
+        let around = stars.of(v).iter().flat_map(|f| self.mesh.facets[*f as usize]);
+        let mut ring: Vec<u32> = around.filter(|w| *w != v).collect();
+        ring.sort_unstable();
+        ring.dedup();
+        ring
+    }
+
+    /// The facets at an edge.
+    fn sides(&self, stars: &Stars, [a, b]: [u32; 2]) -> Vec<u32> {
+        stars.of(a).iter().copied().filter(|f| self.mesh.facets[*f as usize].contains(&b)).collect()
+    }
+
+    /// Splits edges longer than `longest` in their middle, the longest first.
+    fn split(&mut self, longest: f64) -> usize {
+        let mut long: Vec<Edge> =
+            self.edges().into_iter().filter(|e| e.0 > longest && !self.stays(&e.1)).collect();
+        long.sort_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
+        let stars = self.stars();
+        let mut touched = vec![false; self.mesh.facets.len()];
+        let mut count = 0;
+        for (_, [a, b]) in long {
+            let sides = self.sides(&stars, [a, b]);
+            if sides.iter().any(|f| touched[*f as usize]) {
+                continue;
+            }
+            let middle = self.mesh.positions.len() as u32;
+            self.mesh.positions.push((self.project)(&((self.at(a) + self.at(b)) * 0.5)));
+            self.fixed.push(false);
+            for f in sides {
+                touched[f as usize] = true;
+                let facet = self.mesh.facets[f as usize];
+                self.mesh.facets[f as usize] = facet.map(|v| if v == b { middle } else { v });
+                self.mesh.facets.push(facet.map(|v| if v == a { middle } else { v }));
+                self.tags.push(self.tags[f as usize]);
+            }
+            count += 1;
+        }
+        count
+    }
+
+    /// Collapses short edges, the shortest first.
+    fn collapse(&mut self, mean: f64) -> usize {
+        let shortest = BOUNDS[1] * mean;
+        let mut short: Vec<Edge> =
+            self.edges().into_iter().filter(|e| e.0 < shortest && !self.stays(&e.1)).collect();
+        short.sort_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
+        let stars = self.stars();
+        let mut touched = vec![false; self.mesh.positions.len()];
+        let mut gone = vec![false; self.mesh.facets.len()];
+        let mut count = 0;
+        for (_, [a, b]) in short {
+            let rings = [a, b].map(|v| self.ring(&stars, v));
+            if rings.iter().flatten().any(|v| touched[*v as usize]) {
+                continue;
+            }
+            // Else something else than the two sides' facets would be pressed flat.
+            let shared = rings[0].iter().filter(|v| rings[1].binary_search(v).is_ok()).count();
+            if shared != 2 * (D - 2) || rings[0].len() + rings[1].len() < 2 * D + 2 {
+                continue;
+            }
+            let Some(place) = self.joint(&stars, [a, b], mean) else { continue };
+            self.mesh.positions[a as usize] = place;
+            self.fixed[a as usize] |= self.fixed[b as usize];
+            self.sides(&stars, [a, b]).into_iter().for_each(|f| gone[f as usize] = true);
+            for f in stars.of(b) {
+                let facet = &mut self.mesh.facets[*f as usize];
+                *facet = facet.map(|v| if v == b { a } else { v });
+            }
+            rings.iter().flatten().for_each(|v| touched[*v as usize] = true);
+            count += 1;
+        }
+        let mut kept = gone.iter().map(|g| !g);
+        self.mesh.facets.retain(|_| kept.next().unwrap_or(true));
+        let mut kept = gone.iter().map(|g| !g);
+        self.tags.retain(|_| kept.next().unwrap_or(true));
+        count
+    }
+
+    /// Where the two ends of an edge may be put together so that no facet around turns much.
+    fn joint(&self, stars: &Stars, edge: [u32; 2], mean: f64) -> Option<Vector<D>> {
+        let [a, b] = edge.map(|v| self.at(v));
+        let places = match edge.map(|v| self.fixed[v as usize]) {
+            [true, _] => vec![a],
+            [_, true] => vec![b],
+            _ => vec![(self.project)(&((a + b) * 0.5)), a, b],
+        };
+        let fits = |place: &Vector<D>| {
+            edge.iter().flat_map(|v| stars.of(*v)).all(|f| {
+                let facet = self.mesh.facets[*f as usize];
+                let inner = edge.iter().all(|v| facet.contains(v));
+                let new = facet.map(|v| if edge.contains(&v) { *place } else { self.at(v) });
+                inner || self.keeps_side(&self.mesh.corners(*f as usize), &new, mean)
+            })
+        };
+        places.into_iter().find(fits)
+    }
+
+    /// Whether a facet that changes still looks to the same side.
+    fn keeps_side(&self, old: &[Vector<D>; D], new: &[Vector<D>; D], mean: f64) -> bool {
+        let (old, new) = (area_vector(old), area_vector(new));
+        let bar = if old.norm() < NOTHING * mean.powi(D as i32 - 1) { 0.0 } else { TURN };
+        new.dot(&old) > bar * old.norm() * new.norm()
+    }
+
+    /// Flips diagonals of two triangles whose opposite angles add up to more than half a turn.
+    fn flip(&mut self, mean: f64) -> usize {
+        if D == 2 {
+            return 0;
+        }
+        let stars = self.stars();
+        let mut touched = vec![false; self.mesh.positions.len()];
+        let mut count = 0;
+        for (_, [a, b]) in self.edges() {
+            let &[f, g] = self.sides(&stars, [a, b]).as_slice() else { continue };
+            let apex = |f: u32| self.mesh.facets[f as usize].into_iter().find(|v| *v != a && *v != b);
+            let (Some(c), Some(d)) = (apex(f), apex(g)) else { continue };
+            let busy = [a, b, c, d].iter().any(|v| touched[*v as usize]);
+            if busy || self.stays(&[a, b]) || self.tags[f as usize] != self.tags[g as usize] {
+                continue;
+            }
+            let angle = |v: u32| (self.at(a) - self.at(v)).angle(&(self.at(b) - self.at(v)));
+            if angle(c) + angle(d) < std::f64::consts::PI + 1e-3
+                || self.ring(&stars, c).binary_search(&d).is_ok()
+            {
+                continue;
+            }
+            // `f` without `b` but with `d`, `g` without `a` but with `c`.
+            let new_f = self.mesh.facets[f as usize].map(|v| if v == b { d } else { v });
+            let new_g = self.mesh.facets[g as usize].map(|v| if v == a { c } else { v });
+            let corners = |t: [u32; D]| t.map(|v| self.at(v));
+            let old: Vec<_> = [f, g].iter().map(|t| self.mesh.corners(*t as usize)).collect();
+            let flat = |new: [u32; D]| old.iter().all(|o| self.keeps_side(o, &corners(new), mean));
+            if flat(new_f) && flat(new_g) {
+                self.mesh.facets[f as usize] = new_f;
+                self.mesh.facets[g as usize] = new_g;
+                [a, b, c, d].iter().for_each(|v| touched[*v as usize] = true);
+                count += 1;
+            }
+        }
+        count
+    }
+
+    /// Leaves out vertices of no facet.
+    fn drop_unused(&mut self) {
+        let mut number = vec![u32::MAX; self.mesh.positions.len()];
+        self.mesh.facets.iter().flatten().for_each(|v| number[*v as usize] = 0);
+        number.iter_mut().filter(|n| **n == 0).zip(0..).for_each(|(n, new)| *n = new);
+        let mut kept = number.iter().map(|n| *n != u32::MAX);
+        self.mesh.positions.retain(|_| kept.next().unwrap_or(true));
+        let mut kept = number.iter().map(|n| *n != u32::MAX);
+        self.fixed.retain(|_| kept.next().unwrap_or(true));
+        self.mesh.facets.iter_mut().for_each(|f| *f = f.map(|v| number[v as usize]));
+    }
+}

@@ -1,0 +1,133 @@
+//! What becomes of the liquid's components in a step: which become which, and the volume, place and momentum each must have.
+
+use crate::line::unpulled;
+use crate::liquid::cube::CutCube;
+use crate::liquid::momentum::together;
+use crate::liquid::volume::{Group, Measured, astray, band_labels, follow, targets};
+use crate::model::Model;
+use crate::state::State;
+use crate::workspace::{BAND, Workspace};
+use meniscus_numerics::grid::{Band, Runs};
+use meniscus_numerics::{Matrix, Vector};
+use std::f64::consts::PI;
+
+/// Radius, in cells, from which on a drop's volume tells whether a step was too long, and its line what pulls at it.
+const RESOLVED: f64 = 2.0;
+
+/// What became of the components in a step.
+pub struct Change<const D: usize> {
+    /// Which became which.
+    pub groups: Vec<Group<D>>,
+    /// Component that each cell of the band belongs to.
+    pub labels: Vec<u32>,
+    /// The surface in cubes.
+    pub cubes: Vec<CutCube>,
+    /// Volumes that the components must have.
+    pub targets: Vec<f64>,
+    /// Volumes that they have.
+    pub volumes: Vec<f64>,
+    /// Their centres of mass.
+    pub centers: Vec<Vector<D>>,
+    /// What a component's volume was wrong by, as a layer on a ball of its volume, in cells.
+    pub jump: f64,
+}
+
+impl<const D: usize> Change<D> {
+    /// The components as they are, each become itself.
+    pub fn none(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Self {
+        let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
+        let Measured { cubes, volumes, centers } = work.measured_liquid(model, &labels).measure(&state.phi);
+        let groups = (0..volumes.len()).map(|c| Group::new(vec![c], vec![c])).collect();
+        Self { groups, labels, cubes, targets: volumes.clone(), volumes, centers, jump: 0.0 }
+    }
+}
+
+/// Follows the components and puts their volumes and centres right.
+pub fn keep_volume<const D: usize>(
+    model: &Model<D>,
+    state: &mut State<D>,
+    work: &Workspace<D>,
+    before: &Runs,
+    dt: f64,
+) -> Change<D> {
+    let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
+    let liquid = work.measured_liquid(model, &labels);
+    let measured = liquid.measure(&state.phi);
+    let raw = measured.volumes.clone();
+    let mut groups = follow(before, &work.liquid, &state.drops, &measured.centers, dt);
+    let unpulled = unpulled(&measured.cubes, &in_band(&work.band, &labels), raw.len());
+    expect(model, state, work, &mut groups, &unpulled, dt);
+    let (targets, lost) = targets(&groups, &state.drops, &raw);
+    state.lost_volume += lost;
+    // A drop too small to be resolved loses its shape in any step: it must not make the others wait.
+    let seen = |c: &usize| targets[*c] > resolved_volume(model);
+    let depths = (0..raw.len()).filter(seen).map(|c| depth(model, raw[c] - targets[c], targets[c]));
+    let jump = depths.fold(0.0, f64::max);
+    let limit = BAND * model.grid.dx;
+    let Measured { cubes, volumes, mut centers } =
+        liquid.correct(&mut state.phi, measured, &targets, &groups, limit);
+    // Where the surface could not follow all the way, the books do.
+    let rest = astray(&groups, &targets, &centers);
+    centers.iter_mut().zip(rest).for_each(|(center, rest)| *center += rest);
+    Change { groups, labels, cubes, targets, volumes, centers, jump }
+}
+
+/// Least volume of a drop that the grid resolves, m³ (2D: area, m²).
+pub fn resolved_volume<const D: usize>(model: &Model<D>) -> f64 {
+    ball_volume::<D>(RESOLVED * model.grid.dx)
+}
+
+/// Volume of a ball, m³ (2D: area of a disc, m²).
+fn ball_volume<const D: usize>(radius: f64) -> f64 {
+    (if D == 2 { PI } else { 4.0 / 3.0 * PI }) * radius.powi(D as i32)
+}
+
+/// Thickness, in cells, of a layer of volume `change` on a ball of volume `whole`.
+fn depth<const D: usize>(model: &Model<D>, change: f64, whole: f64) -> f64 {
+    let unit = ball_volume::<D>(1.0);
+    let radius = (whole / unit).max(0.0).powf(1.0 / D as f64).max(0.5 * model.grid.dx);
+    change.abs() / (D as f64 * unit * radius.powi(D as i32 - 1) * model.grid.dx)
+}
+
+/// The component of a cell of the band.
+pub fn in_band<'a, const D: usize>(
+    band: &'a Band<D>,
+    labels: &'a [u32],
+) -> impl Fn(usize) -> Option<u32> + 'a {
+    |cell| band.slot(cell).map(|s| labels[s]).filter(|l| *l != u32::MAX)
+}
+
+/// Finds out what every group that nothing holds must be after the step; `unpulled` is, for each component, the part of a
+/// vector in directions in which lines pull at no solid.
+pub fn expect<const D: usize>(
+    model: &Model<D>,
+    state: &State<D>,
+    work: &Workspace<D>,
+    groups: &mut [Group<D>],
+    unpulled: &[Matrix<D>],
+    dt: f64,
+) {
+    if !model.numerics.restore_momentum {
+        return;
+    }
+    let touching = work.touching(model);
+    for group in groups {
+        let free = group.new.iter().all(|&j| !touching[j].side);
+        if !group.old.is_empty() && !group.new.is_empty() && free {
+            let touches = group.new.iter().any(|&j| touching[j].free || touching[j].held);
+            group.placed = if touches { only(group, unpulled) } else { Matrix::identity() };
+            let mut whole = together(group.old.iter().map(|&i| state.drops[i].whole()));
+            whole.center += whole.velocity * dt;
+            let held = group.new.iter().any(|&j| touching[j].held);
+            if held { group.carried = Some(whole) } else { group.whole = Some(whole) }
+        }
+    }
+}
+
+/// The one of these parts of vectors that is a group's: nothing if it is of several components.
+fn only<const D: usize>(group: &Group<D>, parts: &[Matrix<D>]) -> Matrix<D> {
+    match group.new[..] {
+        [one] => parts.get(one).copied().unwrap_or(Matrix::zeros()),
+        _ => Matrix::zeros(),
+    }
+}

@@ -1,0 +1,162 @@
+//! The faces between liquid and air: where the surface crosses the way between two cells, and what it pushes with there.
+
+use super::curvature::Curvature;
+use crate::model::Model;
+use meniscus_numerics::grid::{Band, CellField, CutCells, Runs, Sampler};
+use rayon::prelude::*;
+
+/// The surface is kept this share of a cell away from the liquid's centre at least.
+const NEAREST: f64 = 0.02;
+
+/// A face between a liquid cell and air, or an open side.
+#[derive(Clone, Copy, Debug)]
+pub struct CutFace {
+    /// Normal axis.
+    pub axis: usize,
+    /// Position in the face lattice.
+    pub face: usize,
+    /// The liquid cell.
+    pub cell: usize,
+    /// +1 where the air is above, −1 where it is below.
+    pub sign: f64,
+    /// Share of the way from the liquid's centre to the surface.
+    pub theta: f64,
+    /// Curvature there, 1/cells.
+    pub kappa: f64,
+    /// Share of the face that no solid closes.
+    pub open: f64,
+    /// What drag leaves of a push at it, 0 to 1.
+    pub mobility: f64,
+}
+
+/// Finds the faces between liquid and air, with the surface's place (cubic root) and curvature.
+pub fn cut_faces<const D: usize>(
+    model: &Model<D>,
+    phi: &CellField<D>,
+    band: &Band<D>,
+    liquid: &Runs,
+    curvature: &Curvature,
+    solids: &CutCells<D>,
+) -> Vec<CutFace> {
+    let lattice = model.grid.lattice();
+    let sampler = Sampler::cells(&model.grid, &phi.data, model.scalar_edges());
+    let value = |slot: Option<usize>| {
+        slot.filter(|s| curvature.known.get(*s) == Some(&true)).map(|s| curvature.kappa[s])
+    };
+    let mut faces: Vec<CutFace> = band.cells[band.first_layers(1)]
+        .par_iter()
+        .filter(|&&c| phi.data[c as usize] < 0.0)
+        .flat_map_iter(|&c| {
+            let cell = c as usize;
+            let at = lattice.coordinates(cell);
+            let sampler = &sampler;
+            (0..2 * D).filter_map(move |n| {
+                let (axis, up) = (n / 2, n % 2);
+                let edge = if up == 1 { at[axis] + 1 == lattice.extent[axis] } else { at[axis] == 0 };
+                let other = if up == 1 {
+                    cell + lattice.stride[axis]
+                } else {
+                    cell.wrapping_sub(lattice.stride[axis])
+                };
+                if edge || phi.data[other] < 0.0 {
+                    return None;
+                }
+                let step = if up == 1 { 1 } else { -1 };
+                let theta = crossing(sampler, at, axis, step).clamp(NEAREST, 1.0);
+                let here = value(band.slot(cell));
+                let there = value(band.slot(other));
+                let kappa = match (here, there) {
+                    (Some(i), Some(a)) => (1.0 - theta) * i + theta * a,
+                    (one, other) => one.or(other).unwrap_or(0.0),
+                };
+                let mut face = at;
+                face[axis] += up;
+                let face = model.grid.faces(axis).index(face);
+                let open = solids.open.axes[axis][face];
+                (open > 0.0).then_some(CutFace {
+                    axis,
+                    face,
+                    cell,
+                    sign: step as f64,
+                    theta,
+                    kappa,
+                    open,
+                    mobility: 1.0,
+                })
+            })
+        })
+        .collect();
+    open_sides(model, liquid, solids, &mut faces);
+    faces
+}
+
+/// Liquid cells at open sides: pressure zero on the side itself, half a cell away.
+fn open_sides<const D: usize>(
+    model: &Model<D>,
+    liquid: &Runs,
+    solids: &CutCells<D>,
+    faces: &mut Vec<CutFace>,
+) {
+    let lattice = model.grid.lattice();
+    for axis in 0..D {
+        for side in 0..2 {
+            if model.walls[axis][side] == crate::Wall::Slip {
+                continue;
+            }
+            let edge = if side == 0 { 0 } else { lattice.extent[axis] - 1 };
+            for run in &liquid.runs {
+                let row = run.row as usize * lattice.extent[0];
+                let cells = row + run.start as usize..row + run.end as usize;
+                for cell in cells {
+                    let mut at = lattice.coordinates(cell);
+                    if at[axis] != edge {
+                        if axis == 0 { continue } else { break }
+                    }
+                    at[axis] += side;
+                    let face = model.grid.faces(axis).index(at);
+                    faces.push(CutFace {
+                        axis,
+                        face,
+                        cell,
+                        sign: 2.0 * side as f64 - 1.0,
+                        theta: 0.5,
+                        kappa: 0.0,
+                        open: solids.open.axes[axis][face],
+                        mobility: 1.0,
+                    });
+                }
+            }
+        }
+    }
+}
+
+/// Share of the way from the centre of liquid cell `at` to its neighbour where the cubic through four values is zero.
+fn crossing<const D: usize>(sampler: &Sampler<'_, D>, at: [usize; D], axis: usize, step: isize) -> f64 {
+    let value = |n: isize| {
+        let mut cell = at.map(|i| i as isize);
+        cell[axis] += n * step;
+        sampler.value(cell)
+    };
+    let f = [value(-1), value(0), value(1), value(2)];
+    let linear = f[1] / (f[1] - f[2]);
+    let cubic = |t: f64| {
+        let (a, b, c) = (t + 1.0, t - 1.0, t - 2.0);
+        -t * b * c / 6.0 * f[0] + a * b * c / 2.0 * f[1] - a * t * c / 2.0 * f[2] + a * t * b / 6.0 * f[3]
+    };
+    // The cubic takes the signs of its ends: regula falsi (Illinois) cannot leave the edge.
+    let (mut low, mut high, mut at_low, mut at_high) = (0.0, 1.0, f[1], f[2]);
+    let mut t = linear;
+    for _ in 0..30 {
+        let v = cubic(t);
+        if v.abs() <= 1e-13 * (f[2] - f[1]) {
+            break;
+        }
+        if v < 0.0 {
+            (low, at_low, at_high) = (t, v, 0.5 * at_high);
+        } else {
+            (high, at_high, at_low) = (t, v, 0.5 * at_low);
+        }
+        t = (low * at_high - high * at_low) / (at_high - at_low);
+    }
+    t
+}

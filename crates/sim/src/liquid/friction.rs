@@ -1,0 +1,169 @@
+//! Friction of contact lines.
+//!
+//! A line that moves along a solid with the speed `U` is held back with the force `ζ U` on its length, so that the angle it
+//! moves with differs from Young's: `γ (cos θ_Y − cos θ) = ζ U` (molecular-kinetic theory, linear: T. D. Blake, J. M. Haynes,
+//! "Kinetics of liquid/liquid displacement", 1969; design, numerics §3). The liquid's faces around the line feel it as a drag
+//! towards the solid's velocity, but not along a line that moves, with the velocity of the step's end: no step is too long
+//! for it, however light the liquid at the line. In the pressure solve such faces give way less, as if they were heavier.
+
+use super::cube::CutCube;
+use super::cut_faces::CutFace;
+use crate::line::{Exchange, Impulse};
+use crate::model::Model;
+use crate::state::State;
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::{CutCells, points};
+use std::collections::BTreeMap;
+
+/// Cubes around the line's own whose faces it drags: the surface pulls at the liquid over as many. Without them the liquid
+/// rolls over the few faces that are held (a drop then spreads in half the time).
+const REACH: usize = 1;
+
+/// `ζ h / (ρ Δ²)` of a line that rests: what pushes it moves it by a thousandth of what it would.
+const PINNED: f64 = 1e3;
+
+/// A face near a contact line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DraggedFace {
+    /// Normal axis.
+    pub axis: usize,
+    /// Position in the face lattice.
+    pub face: usize,
+    /// A liquid cell at it.
+    cell: usize,
+    /// Liquid that moves with it, in cells.
+    mass: f64,
+    /// Drag in the step, over the mass.
+    drag: f64,
+    /// Drag times the velocity towards which it drags, m/s.
+    toward: f64,
+    /// Number of the solid.
+    solid: u32,
+}
+
+impl DraggedFace {
+    /// What the drag leaves of a push, 0 to 1.
+    pub fn mobility(&self) -> f64 {
+        1.0 / (1.0 + self.drag)
+    }
+
+    /// The velocity `u` after the drag, when nothing else pushes.
+    pub fn slowed(&self, u: f64) -> f64 {
+        (u + self.toward) * self.mobility()
+    }
+}
+
+/// The faces that the lines drag in the time `kick` (s). Those at the surface are told what that leaves of a push.
+pub fn drag<const D: usize>(
+    model: &Model<D>,
+    state: &State<D>,
+    cubes: &[CutCube],
+    (cut, solids): (&mut [CutFace], &CutCells<D>),
+    kick: f64,
+) -> Vec<DraggedFace> {
+    let unit = kick / (model.density * model.grid.dx * model.grid.dx);
+    let strength = |cube: &CutCube| {
+        let friction = model.solids.get(cube.solid as usize).map_or(0.0, |s| s.line_friction);
+        if cube.pinned { PINNED } else { unit * friction }
+    };
+    let rough: Vec<&CutCube> = cubes.iter().filter(|c| c.length() > 0.0 && strength(c) > 0.0).collect();
+    let mut faces: BTreeMap<(usize, usize), DraggedFace> = BTreeMap::new();
+    for cube in &rough {
+        for (axis, face, sides) in faces_around(model, cube) {
+            let Some(cell) = sides.into_iter().find(|c| state.phi.data[*c] < 0.0) else { continue };
+            let inner = sides.iter().all(|c| state.phi.data[*c] < 0.0);
+            let mass = if inner { solids.open.axes[axis][face] } else { 0.0 };
+            let still = DraggedFace { axis, face, cell, mass, drag: 0.0, toward: 0.0, solid: cube.solid };
+            faces.entry((axis, face)).or_insert(still);
+        }
+    }
+    if faces.is_empty() {
+        return Vec::new();
+    }
+    for f in cut.iter() {
+        if let Some(dragged) = faces.get_mut(&(f.axis, f.face)) {
+            dragged.mass = f.theta * f.open;
+        }
+    }
+    for cube in rough {
+        add_drag(model, state, cube, strength(cube), &mut faces);
+    }
+    for f in cut {
+        f.mobility = faces.get(&(f.axis, f.face)).map_or(1.0, DraggedFace::mobility);
+    }
+    faces.into_values().filter(|f| f.drag > 0.0).collect()
+}
+
+/// Adds the drag of the line in a cube to its faces; `strength` is `ζ h / (ρ Δ²)`.
+fn add_drag<const D: usize>(
+    model: &Model<D>,
+    state: &State<D>,
+    cube: &CutCube,
+    strength: f64,
+    faces: &mut BTreeMap<(usize, usize), DraggedFace>,
+) {
+    let mut mass = [0.0; D];
+    let mut velocity = Vector::<D>::zeros();
+    for (a, face, _) in faces_around(model, cube) {
+        if let Some(f) = faces.get(&(a, face)) {
+            mass[a] += f.mass;
+            velocity[a] += f.mass * state.velocity.axes[a][face];
+        }
+    }
+    (0..D).for_each(|a| velocity[a] /= mass[a].max(1e-300));
+    let now = &state.solids[cube.solid as usize];
+    let along = cube.along();
+    for (a, face, _) in faces_around(model, cube) {
+        let Some(f) = faces.get_mut(&(a, face)).filter(|f| f.mass > 0.0) else { continue };
+        let x = model.grid.face_center(a, model.grid.faces(a).coordinates(face));
+        let solid = now.velocity_at(&x);
+        // A line that rests lets nothing slide by: where it bends, what slides along one part of it would cross the next.
+        let slides = if cube.pinned { 0.0 } else { 1.0 };
+        let sliding: f64 = (0..D).map(|b| slides * along[b] * (velocity[b] - solid[b])).sum();
+        let drag = strength * cube.length() / mass[a];
+        f.drag += drag;
+        f.toward += drag * (solid[a] + along[a] * sliding);
+    }
+}
+
+/// The inner faces of a cube and of the cubes around it, with their axes and the cells beside them.
+fn faces_around<const D: usize>(model: &Model<D>, cube: &CutCube) -> Vec<(usize, usize, [usize; 2])> {
+    let cells = model.grid.lattice();
+    let (first, last) =
+        (cells.coordinates(cube.corners[0] as usize), cells.coordinates(cube.corners[(1 << D) - 1] as usize));
+    let low: [usize; D] = std::array::from_fn(|a| first[a].saturating_sub(REACH));
+    let high: [usize; D] = std::array::from_fn(|a| (last[a] + REACH + 1).min(cells.extent[a]));
+    let mut faces = Vec::new();
+    for a in 0..D {
+        let mut from = low;
+        from[a] += 1;
+        let face = |at: [usize; D]| {
+            let upper = cells.index(at);
+            (a, model.grid.faces(a).index(at), [upper - cells.stride[a], upper])
+        };
+        faces.extend(points([from, high]).into_iter().map(face));
+    }
+    faces
+}
+
+/// What the drag gave to the solids, with the velocity after the step.
+pub fn friction<const D: usize>(
+    model: &Model<D>,
+    state: &State<D>,
+    faces: &[DraggedFace],
+    label: impl Fn(usize) -> Option<u32>,
+) -> Exchange<D> {
+    let mut exchange = Exchange::new();
+    for f in faces {
+        let Some(component) = label(f.cell) else { continue };
+        let x = model.grid.face_center(f.axis, model.grid.faces(f.axis).coordinates(f.face));
+        let mut impulse = Vector::<D>::zeros();
+        let u = state.velocity.axes[f.axis][f.face];
+        impulse[f.axis] = model.density * model.grid.cell_volume() * f.mass * (f.drag * u - f.toward);
+        exchange
+            .entry((component, f.solid))
+            .or_insert_with(Impulse::none)
+            .add(&Impulse::at(&x, impulse), 1.0);
+    }
+    exchange
+}

@@ -1,0 +1,126 @@
+//! The angle at which the liquid's surface meets a solid, from the surface a few cells away.
+//!
+//! Next to the solid the interpolant of φ reaches into it, where φ is only a continuation. So the surface is followed from
+//! the line up the solid's normal `n`: at `y` with the normal `ν = ∇φ` it goes on along the part of `n` in its tangent
+//! plane, and each step ends on the zero set again. What is [`FROM`] to [`TO`] cells above the solid tells the angle
+//! `arccos ν·n` as a linear function of the arc length (exact for a circle and for a drop that is a surface of revolution
+//! about the solid's normal), and that is continued to where the arc reaches the solid.
+
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Sampler;
+
+/// Heights, in cells, between which the surface counts.
+const FROM: f64 = 1.5;
+const TO: f64 = 4.5;
+/// Part of the height of a flat drop from which on its surface counts.
+const FLAT: f64 = 0.4;
+/// Arc length of a step, in cells.
+const STEP: f64 = 0.5;
+/// Most steps.
+const STEPS: usize = 40;
+/// Arc length that is used, in cells.
+const SPAN: f64 = 6.0;
+/// Least sine of the angle at which the surface still leads up.
+const LEVEL: f64 = 0.1;
+/// Fewest points for a fit.
+const POINTS: usize = 3;
+/// Slope of φ below which it is no distance: a ridge between two surfaces.
+const RIDGE: f64 = 0.7;
+
+/// A point of the surface.
+struct Trace<const D: usize> {
+    at: Vector<D>,
+    normal: Vector<D>,
+    /// Arc length from where the way began, in cells.
+    arc: f64,
+    /// Height above the solid, in cells.
+    height: f64,
+    /// Angle between the surface's normal and the solid's.
+    angle: f64,
+}
+
+/// A place on a solid where a line is.
+pub struct Foot<'a, const D: usize> {
+    /// The place, m.
+    pub at: Vector<D>,
+    /// The solid's normal there.
+    pub normal: Vector<D>,
+    /// Cell size, m.
+    pub dx: f64,
+    /// Distance to the solid, m.
+    pub height: &'a dyn Fn(&Vector<D>) -> f64,
+}
+
+/// The contact angle through the liquid, rad; without enough surface to fit it is that of the surface nearest to a point
+/// above the line. `None` where there is no surface.
+pub fn contact_angle<const D: usize>(phi: &Sampler<'_, D>, foot: &Foot<'_, D>) -> Option<f64> {
+    let trace = follow(phi, foot)?;
+    // Of a flat drop the upper part must do.
+    let top = trace.iter().map(|t| t.height).fold(0.0, f64::max);
+    let from = FROM.min(FLAT * top);
+    let first = trace.iter().position(|t| t.height >= from).unwrap_or(0);
+    let used: Vec<&Trace<D>> =
+        trace.get(first..)?.iter().take_while(|t| t.arc - trace[first].arc <= SPAN).collect();
+    if used.len() < POINTS {
+        return Some(trace[0].angle);
+    }
+    let count = used.len() as f64;
+    let mean = |f: &dyn Fn(&Trace<D>) -> f64| used.iter().map(|t| f(t)).sum::<f64>() / count;
+    let (arc, angle) = (mean(&|t| t.arc), mean(&|t| t.angle));
+    let spread = mean(&|t| (t.arc - arc).powi(2));
+    let bend = mean(&|t| (t.arc - arc) * (t.angle - angle)) / spread;
+    Some(at_foot(foot, used[0], angle + bend * (used[0].arc - arc), bend))
+}
+
+/// The way up along the surface.
+fn follow<const D: usize>(phi: &Sampler<'_, D>, foot: &Foot<'_, D>) -> Option<Vec<Trace<D>>> {
+    let (dx, n) = (foot.dx, foot.normal);
+    let mut trace: Vec<Trace<D>> = Vec::new();
+    let (mut target, mut arc) = (foot.at + n * (FROM * dx), 0.0);
+    for _ in 0..STEPS {
+        let (at, slope) = nearest(phi, &target, dx);
+        let normal = slope.try_normalize(RIDGE)?;
+        let height = (foot.height)(&at) / dx;
+        let angle = normal.dot(&n).clamp(-1.0, 1.0).acos();
+        if let Some(last) = trace.last() {
+            arc += (at - last.at).norm() / dx;
+            // Past the top, or no way up.
+            if height <= last.height {
+                break;
+            }
+        }
+        trace.push(Trace { at, normal, arc, height, angle });
+        if height > TO || angle.sin() < LEVEL {
+            break;
+        }
+        target = at + (n - normal * normal.dot(&n)).normalize() * (STEP * dx);
+    }
+    Some(trace)
+}
+
+/// The point of the surface nearest to `x`, and the slope there.
+fn nearest<const D: usize>(phi: &Sampler<'_, D>, x: &Vector<D>, dx: f64) -> (Vector<D>, Vector<D>) {
+    let mut at = *x;
+    let mut slope = Vector::zeros();
+    for _ in 0..3 {
+        let (value, gradient) = phi.distance(&at);
+        slope = gradient;
+        at -= gradient * (value.clamp(-dx, dx) / gradient.norm_squared().max(0.25));
+    }
+    (at, slope)
+}
+
+/// The angle where the arc that has the angle `angle` at `point` and turns by `bend` (rad per cell) reaches the solid.
+fn at_foot<const D: usize>(foot: &Foot<'_, D>, point: &Trace<D>, angle: f64, bend: f64) -> f64 {
+    let n = foot.normal;
+    let outward = (point.normal - n * point.normal.dot(&n)).try_normalize(0.0).unwrap_or(Vector::zeros());
+    let mut arc = 0.0;
+    for _ in 0..6 {
+        let (middle, half) = (angle + 0.5 * bend * arc, 0.5 * bend * arc);
+        let chord = arc * if half.abs() > 1e-6 { half.sin() / half } else { 1.0 };
+        let at = point.at + (n * middle.sin() - outward * middle.cos()) * (chord * foot.dx);
+        let steep = (angle + bend * arc).sin().max(0.2);
+        arc = (arc - (foot.height)(&at) / foot.dx / steep).clamp(-2.0 * SPAN, 0.0);
+    }
+    (angle + bend * arc).clamp(0.0, std::f64::consts::PI)
+}

@@ -1,0 +1,420 @@
+//! What rigid solids do to each other and to the sides of the domain, without liquid and in it.
+
+#![allow(clippy::expect_used)]
+
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::shape::Shape;
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{Body, Model, Motion, Numerics, Path, Simulation, Solid, SolidState, Wall};
+
+const GRAVITY: f64 = 10.0;
+const CELLS: usize = 24;
+const DX: f64 = 1.0 / CELLS as f64;
+/// A step longer than any that is taken.
+const LONG: f64 = 0.5;
+
+fn dry<const D: usize>(solids: Vec<Solid<D>>, gravity: Vector<D>, max_step: f64) -> Simulation<D> {
+    let model = Model {
+        grid: Grid::new([CELLS; D], DX),
+        walls: [[Wall::Slip; 2]; D],
+        density: 1.0,
+        kinematic_viscosity: 0.0,
+        surface_tension: 0.0,
+        gravity,
+        solids,
+        numerics: Numerics { max_step, ..Numerics::default() },
+    };
+    Simulation::new(model, &[])
+}
+
+fn down<const D: usize>() -> Vector<D> {
+    Vector::from_fn(|a, _| if a + 1 == D { -GRAVITY } else { 0.0 })
+}
+
+fn run<const D: usize>(simulation: &mut Simulation<D>, time: f64, mut each: impl FnMut(&Simulation<D>)) {
+    while simulation.state.time < time * (1.0 - 1e-12) {
+        simulation.step(time - simulation.state.time, &mut |_| ()).expect("a step");
+        each(simulation);
+    }
+}
+
+fn ball<const D: usize>(center: Vector<D>, radius: f64, velocity: Vector<D>) -> Solid<D> {
+    let mut ball = Solid::new(Shape::Ball { center, radius }, Motion::Free, 2.0);
+    ball.velocity = velocity;
+    ball
+}
+
+fn block<const D: usize>(center: Vector<D>, half_size: Vector<D>, motion: Motion<D>) -> Solid<D> {
+    Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, motion, 2.0)
+}
+
+fn last<const D: usize>(x: &Vector<D>) -> f64 {
+    x[D - 1]
+}
+
+/// Momentum, and angular momentum about the origin, of all free solids.
+fn books<const D: usize>(s: &Simulation<D>) -> (Vector<D>, Vector<3>, f64) {
+    let mut sum = (Vector::zeros(), Vector::zeros(), 0.0);
+    let three = |v: &Vector<D>| Vector::<3>::from_fn(|a, _| if a < D { v[a] } else { 0.0 });
+    for (solid, now) in s.model.solids.iter().zip(&s.state.solids) {
+        if solid.motion == Motion::Free {
+            sum.0 += now.velocity * solid.body.mass;
+            sum.1 += solid.angular_momentum(now)
+                + three(&now.center).cross(&three(&now.velocity)) * solid.body.mass;
+            sum.2 += solid.kinetic_energy(now);
+        }
+    }
+    sum
+}
+
+fn bounces<const D: usize>(step: f64) {
+    let mut center = Vector::repeat(0.5);
+    center[D - 1] = 0.85;
+    for restitution in [0.3, 0.5, 0.8, 1.0] {
+        let mut ball = ball(center, 0.1, Vector::zeros());
+        ball.restitution = restitution;
+        let mut simulation = dry::<D>(vec![ball], down(), step);
+        let (mut lowest, mut highest, mut hit) = (1.0f64, 0.0f64, false);
+        run(&mut simulation, 0.85, |s| {
+            let now = &s.state.solids[0];
+            lowest = lowest.min(last(&now.center));
+            hit |= now.velocity[D - 1] > -1e-3 && s.state.time > 0.1;
+            if hit {
+                highest = highest.max(last(&now.center));
+            }
+        });
+        // Solids keep a small gap: that is where it meets the floor.
+        let gap = 0.05 * DX;
+        let ratio = (highest - 0.1 - gap) / (0.75 - gap);
+        let expected = restitution * restitution;
+        assert!((ratio - expected).abs() <= 0.01 * expected, "{D}D e = {restitution}: {ratio}");
+        assert!(lowest - 0.1 > 0.0, "{D}D: {lowest}");
+    }
+}
+
+#[test]
+fn a_ball_bounces_as_its_restitution_says() {
+    bounces::<2>(1e-3);
+    bounces::<2>(LONG);
+    bounces::<3>(LONG);
+}
+
+fn incline<const D: usize>(friction: f64, expected: impl Fn(f64) -> f64) {
+    let alpha = 0.4f64;
+    let mut normal = Vector::zeros();
+    (normal[0], normal[D - 1]) = (alpha.sin(), alpha.cos());
+    let point = Vector::repeat(0.3);
+    let mut floor = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
+    let center = Vector::<D>::from_fn(|a, _| if a == 0 { 0.2 } else { 0.3 });
+    let center = center + normal * (0.1 + 0.05 * DX + (point - center).dot(&normal));
+    let mut ball = ball(center, 0.1, Vector::zeros());
+    (floor.friction, ball.friction, ball.restitution) = (friction, friction, 0.0);
+    let inertia = if D == 2 { 0.5 } else { 0.4 };
+    let mut simulation = dry::<D>(vec![floor, ball], down(), 1e-3);
+    run(&mut simulation, 0.3, |_| ());
+    let along = Vector::<D>::from_fn(|a, _| {
+        if a == 0 {
+            alpha.cos()
+        } else if a + 1 == D {
+            -alpha.sin()
+        } else {
+            0.0
+        }
+    });
+    let way = (simulation.state.solids[1].center - center).dot(&along);
+    let expected = 0.5 * GRAVITY * expected(inertia) * 0.09;
+    assert!((way / expected - 1.0).abs() < 0.01, "{D}D friction {friction}: {way} for {expected}");
+}
+
+#[test]
+fn a_ball_rolls_or_slides_down_an_incline() {
+    let (s, c) = 0.4f64.sin_cos();
+    incline::<2>(0.5, |inertia| s / (1.0 + inertia));
+    incline::<3>(0.5, |inertia| s / (1.0 + inertia));
+    // Too little friction to roll: μ < tan α / (1 + m r²/I).
+    incline::<2>(0.05, |_| s - 0.05 * c);
+    incline::<3>(0.0, |_| s);
+}
+
+fn central<const D: usize>() {
+    let at = |x: f64| Vector::<D>::from_fn(|a, _| if a == 0 { x } else { 0.5 });
+    let fast = Vector::from_fn(|a, _| if a == 0 { 1.0 } else { 0.0 });
+    for restitution in [1.0, 0.5] {
+        let mut balls: Vec<_> =
+            [(0.2, 0.08), (0.45, 0.1), (0.65, 0.1)].map(|(x, r)| ball(at(x), r, Vector::zeros())).into();
+        balls[0].velocity = fast;
+        balls.iter_mut().for_each(|b| b.restitution = restitution);
+        if restitution < 1.0 {
+            balls.pop();
+        }
+        let mut simulation = dry::<D>(balls, Vector::zeros(), LONG);
+        let start = books(&simulation);
+        run(&mut simulation, 0.12, |_| ());
+        let (m, n) = (simulation.model.solids[0].body.mass, simulation.model.solids[1].body.mass);
+        let speeds: Vec<f64> = simulation.state.solids.iter().map(|s| s.velocity[0]).collect();
+        let first = (m - restitution * n) / (m + n);
+        let second = (1.0 + restitution) * m / (m + n);
+        // The middle one of three hands all on.
+        let expected = if restitution < 1.0 { vec![first, second] } else { vec![first, 0.0, second] };
+        let wrong = speeds.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let end = books(&simulation);
+        assert!(wrong < 1e-9, "{D}D: {speeds:?} for {expected:?}");
+        assert!((end.0 - start.0).norm() < 1e-15);
+    }
+}
+
+#[test]
+fn balls_in_a_row_hand_the_blow_on() {
+    central::<2>();
+    central::<3>();
+}
+
+fn off_centre<const D: usize>() {
+    let mut first =
+        block::<D>(Vector::repeat(0.3), Vector::from_fn(|a, _| 0.12 - 0.03 * a as f64), Motion::Free);
+    first.velocity = Vector::from_fn(|a, _| 1.0 - 0.1 * a as f64);
+    let mut center = Vector::repeat(0.55);
+    center[0] = 0.6;
+    let axis = Vector::from_fn(|a, _| 0.4 + a as f64);
+    let second = Solid::new(Shape::Cylinder { center, axis, radius: 0.07, height: 0.3 }, Motion::Free, 1.0);
+    let mut simulation = dry::<D>(vec![first, second], Vector::zeros(), LONG);
+    simulation.model.walls = [[Wall::Open; 2]; D];
+    let start = books(&simulation);
+    let mut deepest = 0.0f64;
+    run(&mut simulation, 0.5, |s| {
+        let energy = books(s).2;
+        assert!(energy <= start.2 * (1.0 + 1e-12), "{D}D: energy {energy} of {}", start.2);
+        let depth =
+            meniscus_sim::overlaps(&s.model, &s.state.solids).into_iter().map(|o| o.2).fold(0.0, f64::max);
+        deepest = deepest.max(depth);
+    });
+    let end = books(&simulation);
+    let (momentum, turning) =
+        ((end.0 - start.0).norm() / start.0.norm(), (end.1 - start.1).norm() / start.0.norm());
+    assert!(momentum < 1e-14 && turning < 1e-13, "{D}D: {momentum:e} {turning:e}");
+    assert!(simulation.state.solids[1].velocity.norm() > 0.05, "{D}D: they never met");
+    assert!(deepest < 0.1 * DX, "{D}D: {} dx", deepest / DX);
+}
+
+#[test]
+fn an_off_centre_hit_keeps_momentum_and_spin() {
+    off_centre::<2>();
+    off_centre::<3>();
+}
+
+fn rests<const D: usize>(count: usize, flush: bool) {
+    let half = Vector::<D>::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.1 });
+    let gap = if flush { 0.0 } else { 0.05 * DX };
+    let boxes = (0..count).map(|k| {
+        let mut center = Vector::repeat(0.5 + 0.003 * k as f64);
+        center[D - 1] = 0.06 + gap + k as f64 * (0.12 + gap);
+        block(center, half, Motion::Free)
+    });
+    let mut simulation = dry::<D>(boxes.collect(), down(), LONG);
+    let start = simulation.state.solids.clone();
+    let (mut moved, mut fastest) = (0.0f64, 0.0f64);
+    for _ in 0..1000 {
+        simulation.step(1e-3, &mut |_| ()).expect("a step");
+        for (now, then) in simulation.state.solids.iter().zip(&start) {
+            moved =
+                moved.max((now.center - then.center).norm()).max((now.rotation - then.rotation).norm() * 0.1);
+            fastest = fastest.max(now.velocity.norm());
+        }
+    }
+    assert!(moved < 0.01 * DX, "{D}D, {count} boxes: moved {} dx", moved / DX);
+    assert!(fastest < 1e-6, "{D}D: {fastest}");
+}
+
+#[test]
+fn boxes_at_rest_stay_at_rest() {
+    rests::<2>(1, true);
+    rests::<2>(3, true);
+    rests::<2>(3, false);
+    rests::<3>(1, false);
+    rests::<3>(3, true);
+}
+
+fn dropped_stack<const D: usize>() {
+    let half = Vector::<D>::from_fn(|a, _| if a + 1 == D { 0.05 } else { 0.1 });
+    let boxes = (0..3).map(|k| {
+        let mut center = Vector::repeat(0.5 + 0.01 * k as f64);
+        center[D - 1] = 0.1 + k as f64 * 0.13;
+        block(center, half, Motion::Free)
+    });
+    let mut simulation = dry::<D>(boxes.collect(), down(), LONG);
+    run(&mut simulation, 1.0, |_| ());
+    let heights: Vec<f64> = simulation.state.solids.iter().map(|s| last(&s.center)).collect();
+    let fastest = simulation.state.solids.iter().map(|s| s.velocity.norm()).fold(0.0, f64::max);
+    for (k, height) in heights.iter().enumerate() {
+        assert!((height - 0.05 - 0.1 * k as f64).abs() < 0.2 * DX, "{D}D: {heights:?}");
+    }
+    assert!(fastest < 1e-5, "{D}D: {fastest}");
+}
+
+#[test]
+fn a_dropped_stack_comes_to_rest() {
+    dropped_stack::<2>();
+    dropped_stack::<3>();
+}
+
+fn bar_meets_plate<const D: usize>() {
+    let thin = |a: usize| if a == 0 { 0.15 * DX } else { 0.2 };
+    let mut center = Vector::repeat(0.5);
+    center[0] = 0.3;
+    let mut bar = block::<D>(center, Vector::from_fn(|a, _| thin(a)), Motion::Free);
+    bar.velocity = Vector::from_fn(|a, _| if a == 0 { 50.0 } else { 0.0 });
+    let plate = block::<D>(Vector::repeat(0.6), Vector::from_fn(|a, _| thin(a)), Motion::Free);
+    let mut simulation = dry::<D>(vec![bar, plate], Vector::zeros(), LONG);
+    let mut fastest = 0.0f64;
+    for _ in 0..60 {
+        let before: Vec<SolidState<D>> = simulation.state.solids.clone();
+        simulation.step(f64::INFINITY, &mut |_| ()).expect("a step");
+        let way = before.iter().zip(&simulation.state.solids).map(|(a, b)| (a.center - b.center).norm());
+        fastest = way.fold(fastest, f64::max);
+        let x = |i: usize| simulation.state.solids[i].center[0];
+        assert!(x(1) > x(0), "{D}D: the bar is through: {} {}", x(0), x(1));
+        assert!(x(1) < 1.0 && x(0) > 0.0);
+    }
+    assert!(fastest > 0.6 * DX && fastest < DX, "{D}D: {} cells in a step", fastest / DX);
+}
+
+#[test]
+fn nothing_passes_through_thin_plates() {
+    bar_meets_plate::<2>();
+    bar_meets_plate::<3>();
+}
+
+#[test]
+fn a_pusher_moves_a_box_with_its_own_speed_and_its_work_is_told() {
+    let path = Path { velocity: Vector::<2>::new(0.3, 0.0), spin: [0.0; 3], keyframes: Vec::new() };
+    let pusher = block(Vector::<2>::new(0.2, 0.3), Vector::<2>::new(0.05, 0.2), Motion::Given(path));
+    let mut cargo = block(Vector::<2>::new(0.42, 0.1), Vector::<2>::new(0.1, 0.1), Motion::Free);
+    cargo.friction = 0.2;
+    let mut simulation = dry(vec![pusher, cargo], down(), LONG);
+    run(&mut simulation, 1.0, |_| ());
+    let cargo = &simulation.state.solids[1];
+    assert!((cargo.velocity - Vector::<2>::new(0.3, 0.0)).norm() < 1e-6, "{}", cargo.velocity);
+    assert!(
+        (cargo.center[0] - 0.65).abs() < 0.3 * DX && cargo.rotation[(0, 0)] > 0.99999,
+        "{}",
+        cargo.center
+    );
+}
+
+#[test]
+fn what_is_squeezed_between_a_wall_and_a_pusher_stays_finite_and_slow() {
+    let path = Path { velocity: Vector::<2>::new(0.3, 0.0), spin: [0.0; 3], keyframes: Vec::new() };
+    let pusher = block(Vector::<2>::new(0.4, 0.3), Vector::<2>::new(0.05, 0.2), Motion::Given(path));
+    let mut simulation =
+        dry(vec![pusher, ball(Vector::<2>::new(0.8, 0.1), 0.1, Vector::zeros())], down(), LONG);
+    run(&mut simulation, 1.2, |s| {
+        let now = &s.state.solids[1];
+        assert!(now.velocity.norm() < 1.0 && now.center.norm() < 2.0, "{} {}", now.center, now.velocity);
+    });
+}
+
+#[test]
+fn a_ball_comes_to_rest_between_two_slopes_and_in_a_bowl() {
+    let slope =
+        |x: f64| Shape::HalfSpace { point: Vector::<2>::repeat(0.2), normal: Vector::<2>::new(x, 1.0) };
+    let valley = Solid::new(Shape::Union(vec![slope(1.0), slope(-1.0)]), Motion::Fixed, 1.0);
+    let all = Shape::Box {
+        center: Vector::<2>::new(0.5, 0.3),
+        half_size: Vector::<2>::new(0.45, 0.25),
+        rotation: Matrix::identity(),
+    };
+    let hole = Shape::Ball { center: Vector::<2>::new(0.5, 0.6), radius: 0.4 };
+    let bowl = Solid::new(Shape::Difference { of: Box::new(all), minus: Box::new(hole) }, Motion::Fixed, 1.0);
+    for (rest, lowest) in
+        [(valley, Vector::<2>::new(0.2, 0.2 + 0.1 * 2.0f64.sqrt())), (bowl, Vector::<2>::new(0.5, 0.3))]
+    {
+        let mut ball = ball(lowest + Vector::<2>::new(0.1, 0.2), 0.1, Vector::zeros());
+        ball.friction = 0.0;
+        let mut simulation = dry(vec![rest, ball], down(), LONG);
+        let mut highest = 0.0f64;
+        run(&mut simulation, 4.0, |s| {
+            if s.state.time > 3.0 {
+                highest = highest.max((s.state.solids[1].center - lowest)[1]);
+            }
+        });
+        assert!(highest < 2.0 * DX && highest > 0.0, "{} dx", highest / DX);
+    }
+}
+
+#[test]
+fn a_heavy_ball_sinks_and_rests_on_the_floor() {
+    let mut ball = ball(Vector::<2>::new(0.51, 0.8), 0.12, Vector::zeros());
+    ball.cosine = 0.3;
+    let cells = 32;
+    let model = Model {
+        grid: Grid::new([cells; 2], 1.0 / cells as f64),
+        walls: [[Wall::Slip; 2]; 2],
+        density: 1.0,
+        kinematic_viscosity: 0.01,
+        surface_tension: 0.05,
+        gravity: down(),
+        solids: vec![ball],
+        numerics: Numerics::default(),
+    };
+    let dx = model.grid.dx;
+    let distance = |x: &Vector<2>| x[1] - 0.5;
+    let mut simulation = Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }]);
+    let weight = GRAVITY * simulation.model.solids[0].body.mass;
+    let mut settled = None;
+    while simulation.state.time < 2.5 {
+        let report = simulation.step(0.05, &mut |_| ()).expect("a step");
+        let (now, time) = (&simulation.state.solids[0], simulation.state.time);
+        let gap = (now.center[1] - 0.12) / dx;
+        assert!(gap > 0.0 && report.ledger.max_speed < 5.0, "{time}: {gap} {}", report.ledger.max_speed);
+        if time > 1.0 {
+            let settled = *settled.get_or_insert(gap);
+            assert!((gap - settled).abs() < 1e-9 && gap < 0.06, "{time}: {gap} of {settled}");
+            assert!(now.velocity[1].abs() < 1e-12, "{time}: {}", now.velocity[1]);
+        }
+        if time > 2.0 {
+            // Floor and liquid together hold it, though the liquid still swings.
+            let held = (now.held[1] * weight / GRAVITY + now.pressed[1] + now.pulled[1]) / weight;
+            assert!((held - 1.0).abs() < 1e-3, "{time}: {held} of its weight is held");
+        }
+    }
+}
+
+/// A drop on a plate in free fall sideways: the plate hits the side, the drop does not feel it until its pressure does.
+#[test]
+fn a_hit_is_not_given_back_to_the_drop() {
+    let mut plate = block(Vector::<2>::new(0.3, 0.4), Vector::<2>::new(0.25, 0.06), Motion::Free);
+    (plate.velocity, plate.restitution, plate.cosine) = (Vector::<2>::new(-1.0, 0.0), 1.0, 0.5);
+    let mass = plate.body.mass;
+    let cells = 48;
+    let model = Model {
+        grid: Grid::new([cells; 2], 1.0 / cells as f64),
+        walls: [[Wall::Slip; 2]; 2],
+        density: 1.0,
+        kinematic_viscosity: 0.0,
+        surface_tension: 0.2,
+        gravity: Vector::zeros(),
+        solids: vec![plate],
+        numerics: Numerics::default(),
+    };
+    let distance = |x: &Vector<2>| ((x - Vector::<2>::new(0.3, 0.46)).norm() - 0.14).max(0.4 - x[1]);
+    let velocity = Vector::<2>::new(-1.0, 0.0);
+    let mut simulation = Simulation::new(model, &[Body { distance: &distance, velocity }]);
+    let momentum = |s: &Simulation<2>| s.ledger().momentum + s.state.solids[0].velocity * mass;
+    let start = momentum(&simulation);
+    let (mut before, mut after) = (start, None);
+    while simulation.state.time < 0.12 {
+        let held = simulation.state.solids[0].velocity[0];
+        simulation.step(0.05, &mut |_| ()).expect("a step");
+        let now = momentum(&simulation);
+        if held < 0.0 && simulation.state.solids[0].velocity[0] > 0.0 {
+            assert!((before - start).norm() < 1e-13, "before the hit: {before} of {start}");
+            after = Some(now);
+        } else if let Some(after) = after {
+            assert!((now - after).norm() < 1e-13, "after the hit: {now} of {after}");
+        }
+        before = now;
+    }
+    let after = after.expect("a hit");
+    // An elastic hit turns the plate's momentum round, and no other.
+    assert!((after[0] - start[0] - 2.0 * mass).abs() < 0.05 * mass, "{after} of {start}");
+}

@@ -1,0 +1,6 @@
+//! The tests of this crate's public face, in one program: every program of its own compiles the whole simulation anew.
+
+mod collisions;
+mod contact_line;
+mod free_surface;
+mod solids;

@@ -1,0 +1,106 @@
+//! Bodies in liquid without surface tension: Archimedes, and the liquid that moves with them.
+
+use super::floating::{TIME, level_at_sides, tank};
+use crate::measure::settle;
+use crate::setup::{offset, run_to};
+use crate::{Case, Check, Mode};
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::shape::Shape;
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{Body, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use std::f64::consts::PI;
+
+/// Light bodies that float.
+pub const BUOYANCY: Case = Case {
+    name: "buoyancy",
+    title: "A light cylinder afloat, without tension",
+    theory: "A cylinder (2D; R = ρ = g = 1, ν = 1, γ = 0) D times as dense as the liquid, released 0.1 R above equilibrium, \
+        comes to rest where the share D of it is under water (Archimedes): height of its centre over the level at the sides, \
+        6 R off. 12 cells per radius, time 40 √(R/g). Quick: D = 0.5, 8 cells, time 20.",
+    quick: true,
+    run: |mode| settle("buoyancy", buoyancy(mode)),
+};
+
+/// Bodies that start to rise or fall in full shells.
+pub const ADDED: Case = Case {
+    name: "added-mass",
+    title: "Added mass in a shell full of liquid",
+    theory: "A cylinder or ball of radius Ri in the middle of a fixed shell of radius Ro full of inviscid liquid is let go \
+        under gravity: potential flow (Lamb, Hydrodynamics, §93) adds (Ro² + Ri²)/(Ro² − Ri²) times the mass that it \
+        displaces, for balls (Ro³ + 2 Ri³)/(2 (Ro³ − Ri³)). The added mass by how far it gets in 10 steps, 0.02 Ri in \
+        all. 12 cells per Ri. Quick: 2D, Ro/Ri = 2.",
+    quick: true,
+    run: |mode| settle("added-mass", added(mode)),
+};
+
+fn buoyancy(mode: Mode) -> Result<Vec<Check>, StepError> {
+    if mode == Mode::Quick {
+        return Ok(vec![afloat(0.5, 8, 0.5 * TIME)?]);
+    }
+    [0.25, 0.5, 0.75].into_iter().map(|density| afloat(density, 12, TIME)).collect()
+}
+
+fn afloat(density: f64, cells: usize, time: f64) -> Result<Check, StepError> {
+    // Half the angle that the level cuts out of the circle, from below.
+    let (mut low, mut high) = (0.0, PI);
+    while high - low > 1e-12 {
+        let middle: f64 = 0.5 * (low + high);
+        if middle - 0.5 * (2.0 * middle).sin() < PI * density { low = middle } else { high = middle }
+    }
+    let expected = low.cos();
+    let mut sim = tank::<2>((f64::INFINITY, 90.0, density), (cells, 6.0), expected + 0.1, &|_| 0.0);
+    sim.model.numerics.max_step = 0.1;
+    run_to(&mut sim, time, |_, _| ())?;
+    let found = sim.state.solids[0].center[1] - level_at_sides(&sim);
+    let text = format!("centre / R, D = {density}, {cells} cells/R");
+    Ok(Check::absolute("buoyancy", &text, found, expected, 0.02, Some(0.01), ""))
+}
+
+fn added(mode: Mode) -> Result<Vec<Check>, StepError> {
+    if mode == Mode::Quick {
+        return Ok(vec![in_shell::<2>(2.0, 0.1)?]);
+    }
+    let mut checks = Vec::new();
+    for (ratio, density) in [(2.0, 0.01), (2.0, 0.1), (2.0, 3.0), (3.0, 0.1), (4.0, 0.1)] {
+        checks.push(in_shell::<2>(ratio, density)?);
+    }
+    for (ratio, density) in [(2.0, 0.01), (2.0, 0.1), (3.0, 0.1)] {
+        checks.push(in_shell::<3>(ratio, density)?);
+    }
+    Ok(checks)
+}
+
+fn in_shell<const D: usize>(ratio: f64, density: f64) -> Result<Check, StepError> {
+    const STEPS: u32 = 10;
+    let (cells, way) = (12.0, 0.02);
+    let dx = 1.0 / cells;
+    let grid = Grid::<D>::new([((2.0 * ratio + 0.5) * cells) as usize; D], dx);
+    let center = grid.upper() * 0.5 + offset(dx);
+    let all = Shape::Box { center, half_size: Vector::repeat(2.0 * ratio), rotation: Matrix::identity() };
+    let hole = Shape::Ball { center, radius: ratio };
+    let shell = Shape::Difference { of: Box::new(all), minus: Box::new(hole) };
+    let inner = Solid::new(Shape::Ball { center, radius: 1.0 }, Motion::Free, density);
+    let model = Model {
+        grid,
+        walls: [[Wall::Slip; 2]; D],
+        density: 1.0,
+        kinematic_viscosity: 0.0,
+        surface_tension: 0.0,
+        gravity: Vector::from_fn(|a, _| if a + 1 == D { -1.0 } else { 0.0 }),
+        solids: vec![inner, Solid::new(shell, Motion::Fixed, 1.0)],
+        numerics: Numerics::default(),
+    };
+    let (d, outer) = (D as f64 - 1.0, ratio.powi(D as i32));
+    let expected = (outer + d) / (d * (outer - 1.0));
+    let full = |x: &Vector<D>| x[D - 1] - 100.0 * ratio;
+    let mut sim = Simulation::new(model, &[Body { distance: &full, velocity: Vector::zeros() }]);
+    let start = sim.state.solids[0].center[D - 1];
+    let time = (2.0 * way * (density + expected) / (1.0 - density).abs()).sqrt();
+    for _ in 0..STEPS {
+        sim.step(time / f64::from(STEPS), &mut |_| ())?;
+    }
+    let risen = sim.state.solids[0].center[D - 1] - start;
+    let found = 0.5 * (1.0 - density) * sim.state.time.powi(2) / risen - density;
+    let text = format!("added over displaced mass, {D}D, Ro/Ri = {ratio}, D = {density}");
+    Ok(Check::relative("added-mass", &text, found, expected, 0.04, Some(0.01), ""))
+}

@@ -1,0 +1,73 @@
+//! Drops that rest on slopes, held by its contact lines.
+
+use crate::measure::{at_least, at_most, settle};
+use crate::setup::run_to;
+use crate::{Case, Check, Mode};
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::shape::Shape;
+use meniscus_sim::{Body, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use std::f64::consts::PI;
+
+/// A drop on a slope.
+pub const CASE: Case = Case {
+    name: "hysteresis",
+    title: "Drops on slopes that hold their lines",
+    theory: "Half a disc (radius 1, γ = ρ = 1, ν = 0.3, contact-line friction 0.3) on a wall with the advancing angle 110° \
+        and the receding one 70°, pulled along it. In 2D it rests, whatever its shape, as long as ρ g A sin α is less than \
+        γ (cos 70° − cos 110°) (C. G. L. Furmidge, J. Colloid Sci. 17 (1962) 309). Pulled with 0.9 of that its middle must \
+        have come to rest after six capillary times, with 1.1 of it the drop must go on. In 3D (half a ball, 8 cells) a round \
+        base a wide in radius holds ρ g V sin α = k γ 2a (cos 70° − cos 110°) with k = 24/π³ where its angle varies smoothly \
+        around (A. I. ElSherbini, A. M. Jacobi, J. Colloid Interface Sci. 299 (2006) 841), and none holds more than k = 1: \
+        0.7 of the first (load comes at once: it swings beyond) must leave it at rest, 1.1 of the second must not.",
+    quick: true,
+    run: |mode| settle("hysteresis", slopes(if mode == Mode::Quick { 8 } else { 16 })),
+};
+
+/// Share of γ times its width times the difference of the cosines that a round drop holds.
+const ROUND: f64 = 24.0 / (PI * PI * PI);
+
+fn slopes(cells: usize) -> Result<Vec<Check>, StepError> {
+    let (area, volume) = (0.5 * PI, 2.0 / 3.0 * PI);
+    let mut checks = pulled::<2>(cells, [0.9, 1.1].map(|share| (share, share / area)))?;
+    checks.extend(pulled::<3>(8, [(0.7, 0.7 * ROUND * 2.0 / volume), (1.1, 1.1 * 2.0 / volume)])?);
+    Ok(checks)
+}
+
+/// One that must rest, and one that must not: share of the critical pull, and the pull over γ (cos θ_r − cos θ_a).
+fn pulled<const D: usize>(cells: usize, [rest, slide]: [(f64, f64); 2]) -> Result<Vec<Check>, StepError> {
+    let what = |share: f64| format!("way / R at {share} of the critical pull, {D}D, {cells} cells/R");
+    let (stays, goes) = (way::<D>(cells, rest.1)?.abs(), way::<D>(cells, slide.1)?);
+    Ok(vec![
+        at_most("hysteresis", &what(rest.0), stays, 0.02, Some(0.005), ""),
+        at_least("hysteresis", &what(slide.0), goes, 0.1, 0.2),
+    ])
+}
+
+/// How far the drop's middle goes from the sixth to the twelfth capillary time; `pull` over γ (cos θ_r − cos θ_a).
+fn way<const D: usize>(cells: usize, pull: f64) -> Result<f64, StepError> {
+    let dx = 1.0 / cells as f64;
+    let point = Vector::<D>::from_fn(|a, _| if a + 1 == D { 6.3 * dx } else { 2.0 });
+    let normal = Vector::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
+    let shape = Shape::HalfSpace { point, normal };
+    let mut wall = Solid::new(shape, Motion::Fixed, 1.0);
+    let [advancing, receding] = [110.0f64, 70.0].map(|angle| angle.to_radians().cos());
+    (wall.hysteresis, wall.line_friction) = (Some([advancing, receding]), 0.3);
+    let wide = [7, if D == 2 { 3 } else { 4 }, 3];
+    let model = Model {
+        grid: Grid::new(std::array::from_fn(|a| wide[a] * cells), dx),
+        walls: [[Wall::Slip; 2]; D],
+        density: 1.0,
+        kinematic_viscosity: 0.3,
+        surface_tension: 1.0,
+        gravity: Vector::from_fn(|a, _| if a == 0 { pull * (receding - advancing) } else { 0.0 }),
+        solids: vec![wall],
+        numerics: Numerics::default(),
+    };
+    let half = |x: &Vector<D>| (x - point).norm() - 1.0;
+    let mut sim = Simulation::new(model, &[Body { distance: &half, velocity: Vector::zeros() }]);
+    run_to(&mut sim, 6.0, |_, _| ())?;
+    let before = sim.ledger().centroid[0];
+    run_to(&mut sim, 12.0, |_, _| ())?;
+    Ok(sim.ledger().centroid[0] - before)
+}

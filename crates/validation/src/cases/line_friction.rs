@@ -1,0 +1,116 @@
+//! The friction of contact lines: how fast a drop spreads that nothing else holds back.
+
+use super::sessile::{cap_radius, fit, liquid};
+use crate::measure::{at_most, settle};
+use crate::setup::run_to;
+use crate::{Case, Check, Mode};
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::shape::Shape;
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{Body, Motion, Simulation, Solid, StepError};
+use std::f64::consts::PI;
+
+/// The case.
+pub const CASE: Case = Case {
+    name: "line-friction",
+    title: "Drops held back by the friction of their contact line",
+    theory: "Half a disc (radius 1, γ = ρ = 1, ν = 0.5, no gravity, 16 cells per radius) at 90 degrees spreads to Young's \
+        60 on a wall 0.3 cells off the grid's faces, with the friction ζ = 3 √(ργR) of its contact lines. That is so slow \
+        that the drop stays a segment of a circle, of half-width a and angle θ, and the molecular-kinetic law (Blake and \
+        Haynes 1969, linear) ζ da/dt = γ (cos θ_Y − cos θ(a)) tells all; integrated by Runge–Kutta. The angle is that of \
+        the circle through the surface more than 1.5 cells above the wall. And the momentum of such a drop and a free \
+        plate under it, together, over γ L t, with L the drop's radius. Quick: the momentum \
+        in 2D alone.",
+    quick: true,
+    run: |mode| settle(NAME, run(mode)),
+};
+
+const NAME: &str = "line-friction";
+const TIMES: [f64; 4] = [2.0, 4.0, 6.0, 8.0];
+/// The friction over √(ργR).
+const FRICTION: f64 = 3.0;
+const YOUNG: f64 = 60.0;
+
+fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let mut checks = spreading(16)?;
+    checks.push(momentum::<2>(48, 60)?);
+    if mode == Mode::Full {
+        checks.push(momentum::<3>(28, 20)?);
+    }
+    Ok(checks)
+}
+
+fn spreading(cells: usize) -> Result<Vec<Check>, StepError> {
+    let dx = 1.0 / cells as f64;
+    let grid = Grid::<2>::new([4 * cells, 2 * cells], dx);
+    let point = Vector::<2>::new(2.0, (0.5 * cells as f64).floor() * dx + 0.3 * dx);
+    let normal = Vector::<2>::new(0.0, 1.0);
+    let mut wall = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
+    wall.cosine = YOUNG.to_radians().cos();
+    wall.line_friction = FRICTION;
+    let start = |x: &Vector<2>| (x - point).norm() - 1.0;
+    let mut sim =
+        Simulation::new(liquid(grid, wall), &[Body { distance: &start, velocity: Vector::zeros() }]);
+    let mut checks = Vec::new();
+    for time in TIMES {
+        run_to(&mut sim, time, |_, _| ())?;
+        let cap = fit(&sim, |x| x[1] - point[1] > 1.5 * dx);
+        let found = cap.angle_on_plane(&point, &normal);
+        let what = format!("angle at t = {time}, {cells} cells/R");
+        checks.push(Check::absolute(NAME, &what, found, angle_at(time), 1.5, Some(0.7), "deg"));
+    }
+    Ok(checks)
+}
+
+/// The angle (degrees) that the law tells.
+fn angle_at(time: f64) -> f64 {
+    const STEPS: usize = 1000;
+    let h = time / STEPS as f64;
+    let slope = |width: f64| (YOUNG.to_radians().cos() - angle_of(width).cos()) / FRICTION;
+    let mut width = 1.0;
+    for _ in 0..STEPS {
+        let k1 = slope(width);
+        let k2 = slope(width + 0.5 * h * k1);
+        let k3 = slope(width + 0.5 * h * k2);
+        let k4 = slope(width + h * k3);
+        width += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+    }
+    angle_of(width).to_degrees()
+}
+
+/// The angle (rad) of the segment of the drop's area that is `2 width` wide.
+fn angle_of(width: f64) -> f64 {
+    let (mut low, mut high) = (0.01, PI - 0.01);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if cap_radius::<2>(middle) * middle.sin() > width { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// The momentum that a free plate and a drop, off its middle and moving, gain together.
+fn momentum<const D: usize>(cells: usize, steps: usize) -> Result<Check, StepError> {
+    const RADIUS: f64 = 0.16;
+    let mut center = Vector::repeat(0.51);
+    center[D - 1] = 0.4;
+    let half_size = Vector::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.34 });
+    let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
+    let mut plate = Solid::new(shape, Motion::Free, 1.25);
+    plate.cosine = 0.5;
+    plate.line_friction = FRICTION * RADIUS.sqrt();
+    let mut model = liquid(Grid::<D>::new([cells; D], 1.0 / cells as f64), plate);
+    model.numerics.tolerance = 1e-10;
+    let middle = center + Vector::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.08 });
+    let above = |x: &Vector<D>| ((x - middle).norm() - RADIUS).max(center[D - 1] - x[D - 1]);
+    let body = Body { distance: &above, velocity: Vector::from_fn(|a, _| 0.3 - 0.2 * a as f64) };
+    let mut sim = Simulation::new(model, &[body]);
+    let sum = |sim: &Simulation<D>| {
+        sim.ledger().momentum + sim.state.solids[0].velocity * sim.model.solids[0].body.mass
+    };
+    let start = sum(&sim);
+    for _ in 0..steps {
+        sim.step(f64::INFINITY, &mut |_| ())?;
+    }
+    let gained = (sum(&sim) - start).norm() / (RADIUS.powi(D as i32 - 1) * sim.state.time);
+    Ok(at_most(NAME, &format!("momentum of drop and free plate, {D}D"), gained, 1e-6, Some(1e-10), ""))
+}

@@ -1,0 +1,160 @@
+//! Baths that climb walls, or shun them: plates and gaps.
+
+use super::sessile::{liquid, speeds};
+use crate::measure::{at_most, settle};
+use crate::setup::run_to;
+use crate::{Case, Check, Mode};
+use meniscus_numerics::grid::{Grid, Sampler};
+use meniscus_numerics::shape::Shape;
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{Body, LineTracker, Motion, Simulation, Solid, StepError};
+use std::f64::consts::SQRT_2;
+
+/// Plates and gaps in the plane.
+pub const PLANE: Case = Case {
+    name: "meniscus-2d",
+    title: "Menisci at plates and between them, 2D",
+    theory: "A bath (ρ = g = γ = 1, so the capillary length lc is 1; ν = 1, 8 cells per lc, 12.5 for gaps) that starts level. At an \
+        upright wall the contact line rises √(2 (1 − sin θ)) lc, or sinks, 8 lc from the tank's end, where the level is \
+        measured (6a). A plate 1 lc thick that reaches 2 lc below the level is borne by its buoyancy up to the level less \
+        γ cos θ for each side (6b, Wilhelmy). Between plates a distance of 2a apart, dipping into a bath, the liquid \
+        stands, at the middle, as high as the Young–Laplace equation says (6c). Design, validation §2. Quick: 60 degrees, \
+        wall and plate.",
+    quick: false,
+    run: |mode| settle(PLANE_NAME, plane(mode)),
+};
+
+const PLANE_NAME: &str = "meniscus-2d";
+const ANGLES: [f64; 4] = [30.0, 60.0, 120.0, 150.0];
+/// Half the gap over lc, angle (degrees), height at the middle over lc.
+const GAPS: [(f64, f64, f64); 4] =
+    [(0.5, 30.0, 1.65156), (0.5, 60.0, 0.95797), (1.0, 30.0, 0.72221), (1.0, 60.0, 0.42316)];
+/// Distance from a plate to the tank's end, lc.
+const FAR: f64 = 8.0;
+const TIME: f64 = 25.0;
+
+fn plane(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let mut checks = Vec::new();
+    let angles = if mode == Mode::Quick { &ANGLES[1..2] } else { &ANGLES[..] };
+    for &angle in angles {
+        checks.extend(wall(angle)?);
+    }
+    for &angle in angles {
+        checks.extend(plate(angle)?);
+    }
+    for row in GAPS.iter().filter(|_| mode == Mode::Full) {
+        checks.extend(gap(*row)?);
+    }
+    Ok(checks)
+}
+
+/// A tank, filled up to a level, with a solid that the liquid meets at an angle (degrees).
+fn bath<const D: usize>(grid: Grid<D>, shape: Shape<D>, angle: f64, level: f64) -> Simulation<D> {
+    let mut solid = Solid::new(shape, Motion::Fixed, 1.0);
+    solid.cosine = angle.to_radians().cos();
+    let mut model = liquid(grid, solid);
+    model.kinematic_viscosity = 1.0;
+    model.gravity[D - 1] = -1.0;
+    let distance = |x: &Vector<D>| x[D - 1] - level;
+    Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }])
+}
+
+/// Height of the surface over or under a point.
+fn level<const D: usize>(sim: &Simulation<D>, mut x: Vector<D>) -> f64 {
+    let grid = &sim.model.grid;
+    let sampler = Sampler::cells(grid, &sim.state.phi.data, sim.model.scalar_edges());
+    let mut at = |height: f64| {
+        x[D - 1] = height;
+        sampler.cubic(&x)
+    };
+    let mut high = grid.upper()[D - 1];
+    let mut low = high - grid.dx;
+    while low > 0.0 && at(low) >= 0.0 {
+        (low, high) = (low - grid.dx, low);
+    }
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if at(middle) < 0.0 { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// How lively the bath still is.
+fn rest<const D: usize>(case: &str, what: &str, sim: &Simulation<D>) -> Check {
+    at_most(case, &format!("u_rms / √(g lc), {what}"), speeds(sim).0, 1e-2, Some(1e-3), "")
+}
+
+/// 6a: an upright wall.
+fn wall(angle: f64) -> Result<Vec<Check>, StepError> {
+    let dx = 0.125;
+    let x = 4.3 * dx;
+    let grid = Grid::<2>::new([((x + FAR) / dx).ceil() as usize, 38], dx);
+    let shape = Shape::HalfSpace { point: Vector::<2>::new(x, 0.0), normal: Vector::<2>::new(1.0, 0.0) };
+    let mut sim = bath(grid, shape, angle, 2.43);
+    run_to(&mut sim, TIME, |_, _| ())?;
+    let line = LineTracker::new(&sim.model, &[dx / 1.5]).find(&sim);
+    let risen = match line.points[..] {
+        [point] => point.at[1] - level(&sim, grid.upper()),
+        _ => f64::NAN,
+    };
+    let sine = angle.to_radians().sin();
+    let should = (SQRT_2 * (1.0 - sine).sqrt()).copysign(90.0 - angle);
+    let what = format!("wall, θ = {angle}°");
+    Ok(vec![
+        Check::relative(PLANE_NAME, &format!("height, {what}"), risen, should, 0.02, Some(0.01), "lc"),
+        rest(PLANE_NAME, &what, &sim),
+    ])
+}
+
+/// 6b: a plate held in the middle of a tank.
+fn plate(angle: f64) -> Result<Vec<Check>, StepError> {
+    const THICK: f64 = 1.0;
+    let dx = 0.125;
+    let grid = Grid::<2>::new([((2.0 * FAR + THICK) / dx) as usize + 1, 46], dx);
+    let (bottom, top) = (1.5 + 0.3 * dx, 10.0);
+    let shape = Shape::Box {
+        center: Vector::<2>::new(0.5 * grid.upper()[0] + 0.17 * dx, 0.5 * (bottom + top)),
+        half_size: Vector::<2>::new(0.5 * THICK, 0.5 * (top - bottom)),
+        rotation: Matrix::identity(),
+    };
+    let mut sim = bath(grid, shape, angle, bottom + 2.0);
+    run_to(&mut sim, TIME, |_, _| ())?;
+    let (start, mut force, mut side) = (sim.state.time, 0.0, 0.0);
+    run_to(&mut sim, 1.1 * TIME, |sim, report| {
+        let now = &sim.state.solids[0];
+        force += (now.pressed + now.pulled)[1] * report.dt;
+        side += now.pulled[1] * report.dt;
+    })?;
+    let time = sim.state.time - start;
+    let deep = 0.5 * (level(&sim, grid.upper()) + level(&sim, Vector::zeros())) - bottom;
+    let pull = 0.5 * (THICK * deep - force / time);
+    let should = angle.to_radians().cos();
+    let what = format!("plate, θ = {angle}°");
+    let name = |text: &str| format!("{text}, {what}");
+    let line = -0.5 * side / time;
+    Ok(vec![
+        Check::relative(PLANE_NAME, &name("force less buoyancy"), pull, should, 0.02, Some(0.01), "γ"),
+        Check::relative(PLANE_NAME, &name("pull of the contact line"), line, should, 0.02, Some(0.01), "γ"),
+        rest(PLANE_NAME, &what, &sim),
+    ])
+}
+
+/// 6c: half a gap beside a plane of symmetry, its plate, and the bath beyond.
+fn gap((half, angle, should): (f64, f64, f64)) -> Result<Vec<Check>, StepError> {
+    let (dx, thick) = (0.08, 1.0);
+    let grid = Grid::<2>::new([((half + thick + FAR) / dx).ceil() as usize, 66], dx);
+    let (bottom, top) = (1.2 + 0.3 * dx, 10.0);
+    let shape = Shape::Box {
+        center: Vector::<2>::new(half + 0.5 * thick, 0.5 * (bottom + top)),
+        half_size: Vector::<2>::new(0.5 * thick, 0.5 * (top - bottom)),
+        rotation: Matrix::identity(),
+    };
+    let mut sim = bath(grid, shape, angle, 2.73);
+    run_to(&mut sim, 1.5 * TIME, |_, _| ())?;
+    let risen = level(&sim, Vector::zeros()) - level(&sim, grid.upper());
+    let what = format!("gap, a = {half} lc, θ = {angle}°");
+    Ok(vec![
+        Check::relative(PLANE_NAME, &format!("height, {what}"), risen, should, 0.02, Some(0.01), "lc"),
+        rest(PLANE_NAME, &what, &sim),
+    ])
+}

@@ -1,0 +1,174 @@
+//! Drops that gravity flattens, and what they do to the solid under them.
+
+use super::sessile::{fit, liquid, speeds};
+use crate::measure::{at_most, settle, surface_points};
+use crate::setup::run_to;
+use crate::{Case, Check, Mode};
+use meniscus_numerics::Vector;
+use meniscus_numerics::fit::least_squares;
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::shape::Shape;
+use meniscus_sim::{Body, LineTracker, Motion, Simulation, Solid, StepError};
+use std::f64::consts::PI;
+
+/// Drops under gravity in the plane.
+pub const PLANE: Case = Case {
+    name: "sessile-gravity-2d",
+    title: "Drops on a wall under gravity, 2D",
+    theory: "A drop as large as a disc of radius R0 = 1 (γ = ρ = 1, ν = 1, Bo = ρgR0²/γ of 1 and 5) on a wall without \
+        friction 0.3 cells off the grid's faces, 16 cells per R0; it starts as half an ellipse with 85 % of the base that \
+        it should have and is left alone for 30 √(ρR0³/γ), at 30 degrees 60. Base radius (from the contact line's points) and height (a parabola through the surface around the \
+        top) from the Young–Laplace equation (design, validation §2, 4g). The force on the wall is the drop's weight (4f), \
+        the mean over the last tenth of the run; without gravity the contact line pulls with 2γ sin θ what the pressure of \
+        the drop pushes. Quick: θ = 60 degrees at Bo = 1, half as long.",
+    quick: true,
+    run: |mode| settle("sessile-gravity-2d", plane(mode)),
+};
+
+/// A drop of the table: angle (degrees), Bond number, height and base radius over R0.
+type Row = (f64, f64, f64, f64);
+
+const ROWS: [Row; 12] = [
+    (30.0, 1.0, 0.49989, 3.99804),
+    (30.0, 5.0, 0.23149, 7.21743),
+    (45.0, 1.0, 0.69775, 2.96354),
+    (45.0, 5.0, 0.34227, 5.00235),
+    (60.0, 1.0, 0.86168, 2.41006),
+    (60.0, 5.0, 0.44709, 3.89971),
+    (90.0, 1.0, 1.12208, 1.77022),
+    (90.0, 5.0, 0.63088, 2.79987),
+    (120.0, 1.0, 1.31705, 1.35572),
+    (120.0, 5.0, 0.76966, 2.25145),
+    (135.0, 1.0, 1.39105, 1.18472),
+    (135.0, 5.0, 0.81961, 2.07197),
+];
+/// How long drops are left alone, √(ρR0³/γ), and thin ones, which are slower.
+const PLANE_TIME: f64 = 30.0;
+const THIN: (f64, f64) = (30.0, 60.0);
+
+fn plane(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let case = "sessile-gravity-2d";
+    if mode == Mode::Quick {
+        return drop::<2>(case, 16, ROWS[4], 15.0);
+    }
+    let mut checks = Vec::new();
+    for row in ROWS {
+        let time = if row.0 <= THIN.0 { THIN.1 } else { PLANE_TIME };
+        checks.extend(drop::<2>(case, 16, row, time)?);
+    }
+    for angle in [60.0, 90.0, 120.0] {
+        checks.extend(weightless(case, 16, angle)?);
+    }
+    Ok(checks)
+}
+
+/// A drop on a wall, and the wall's surface.
+struct Setting<const D: usize> {
+    sim: Simulation<D>,
+    point: Vector<D>,
+}
+
+/// Half an ellipse on a wall, `volume` large and with a base of `base`; room for a drop `widest` wide to each side.
+fn set<const D: usize>(
+    cells: usize,
+    (angle, gravity): (f64, f64),
+    volume: f64,
+    (base, widest): (f64, f64),
+) -> Setting<D> {
+    let dx = 1.0 / cells as f64;
+    let round = |x: f64| (x * cells as f64).ceil() as usize;
+    let mut height = if D == 2 { 2.0 * volume / (PI * base) } else { 1.5 * volume / (PI * base * base) };
+    let size: [usize; D] = std::array::from_fn(|a| {
+        if a + 1 == D { round(1.0 + 1.2 * height) } else { 2 * round(1.15 * widest + 0.4) }
+    });
+    let grid = Grid::<D>::new(size, dx);
+    let mut point = grid.upper() * 0.5;
+    point[D - 1] = (0.4 * cells as f64).floor() * dx + 0.3 * dx;
+    let normal = Vector::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
+    let mut wall = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
+    wall.cosine = angle.to_radians().cos();
+    let mut model = liquid(grid, wall);
+    model.kinematic_viscosity = 1.0;
+    model.gravity[D - 1] = -gravity;
+    let start = |height: f64| {
+        let radii = Vector::from_fn(|a, _| if a + 1 == D { height } else { base });
+        let ellipsoid =
+            Shape::Ellipsoid { center: point, radii, rotation: meniscus_numerics::Matrix::identity() };
+        let distance = |x: &Vector<D>| ellipsoid.signed_distance(x);
+        Simulation::new(model.clone(), &[Body { distance: &distance, velocity: Vector::zeros() }])
+    };
+    // What the lattice makes of the shape is not quite its volume.
+    for _ in 0..4 {
+        height *= volume / start(height).ledger().volume;
+    }
+    Setting { sim: start(height), point }
+}
+
+fn drop<const D: usize>(case: &str, cells: usize, row: Row, time: f64) -> Result<Vec<Check>, StepError> {
+    let (angle, bond, height, base) = row;
+    let volume = if D == 2 { PI } else { 4.0 / 3.0 * PI };
+    let Setting { mut sim, point } = set::<D>(cells, (angle, bond), volume, (0.85 * base, base));
+    run_to(&mut sim, 0.9 * time, |_, _| ())?;
+    let (_, force) = mean_forces(&mut sim, time)?;
+    let (found_height, found_base) = sizes(&sim, &point);
+    let what = |text: &str| format!("{text}, θ = {angle}°, Bo = {bond}, {cells} cells/R0");
+    let weight = volume * bond;
+    Ok(vec![
+        Check::relative(case, &what("height"), found_height, height, 0.02, Some(0.007), "R0"),
+        Check::relative(case, &what("base radius"), found_base, base, 0.02, Some(0.007), "R0"),
+        Check::relative(case, &what("force on the wall"), -force, weight, 0.02, Some(0.005), ""),
+        at_most(case, &what("u_rms √(ρR0/γ)"), speeds(&sim).0, 1e-2, Some(1e-3), ""),
+    ])
+}
+
+/// A drop without weight: the contact line's pull against the pressure's push.
+fn weightless(case: &str, cells: usize, angle: f64) -> Result<Vec<Check>, StepError> {
+    let Setting { mut sim, point } = set::<2>(cells, (angle, 0.0), 0.5 * PI, (1.0, 1.4));
+    run_to(&mut sim, 12.0, |_, _| ())?;
+    let (pull, sum) = mean_forces(&mut sim, 15.0)?;
+    let above = |x: &Vector<2>| x[1] - point[1] > 1.5 / cells as f64;
+    let cap = fit(&sim, above);
+    let laplace = 2.0 * sizes(&sim, &point).1 / cap.radius;
+    let what = |text: &str| format!("{text}, θ = {angle}°, no gravity");
+    let should = 2.0 * angle.to_radians().sin();
+    Ok(vec![
+        Check::relative(case, &what("pull of the contact line"), pull, should, 0.02, Some(0.005), ""),
+        Check::relative(case, &what("push of the pressure"), pull - sum, should, 0.02, Some(0.005), ""),
+        Check::relative(case, &what("2 a γ/R of the drop's shape"), laplace, should, 0.02, Some(0.005), ""),
+        at_most(case, &what("force on the wall over γ"), sum, 0.02, Some(0.005), ""),
+    ])
+}
+
+/// Means until `end` of the upward force of the contact line on the wall, and of all the liquid's.
+fn mean_forces<const D: usize>(sim: &mut Simulation<D>, end: f64) -> Result<(f64, f64), StepError> {
+    let start = sim.state.time;
+    let (mut pull, mut all) = (0.0, 0.0);
+    run_to(sim, end, |sim, report| {
+        let wall = &sim.state.solids[0];
+        pull += wall.pulled[D - 1] * report.dt;
+        all += (wall.pulled + wall.pressed)[D - 1] * report.dt;
+    })?;
+    let time = sim.state.time - start;
+    Ok((pull / time, all / time))
+}
+
+/// Height over a horizontal wall through a point, and radius of the base.
+fn sizes<const D: usize>(sim: &Simulation<D>, point: &Vector<D>) -> (f64, f64) {
+    let dx = sim.model.grid.dx;
+    let line = LineTracker::new(&sim.model, &[dx / 1.5]).find(sim);
+    let length: f64 = line.points.iter().map(|p| p.length).sum();
+    let middle = line.points.iter().map(|p| p.at * p.length).sum::<Vector<D>>() / length;
+    let base = line.points.iter().map(|p| (p.at - middle).norm() * p.length).sum::<f64>() / length;
+    let points = surface_points(&sim.model, &sim.state.phi);
+    let top = points.iter().filter_map(|p| {
+        let mut arm = p.at - middle;
+        let up = arm[D - 1];
+        arm[D - 1] = 0.0;
+        let (near, bend) = (arm.norm() < 4.0 * dx && p.normal[D - 1] > 0.5, arm.norm_squared());
+        let other = if D == 3 { arm[1] } else { 0.0 };
+        near.then_some((p.area, [1.0, arm[0], other, bend], up))
+    });
+    let pin = (1e-12, [0.0, 0.0, 1.0, 0.0], 0.0);
+    let apex = least_squares(top.chain([pin])).map_or(f64::NAN, |c| c[0]);
+    (apex + middle[D - 1] - point[D - 1], base)
+}

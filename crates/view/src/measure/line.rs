@@ -1,0 +1,108 @@
+//! The stored contact line, shared out to the drops and bodies that it belongs to.
+
+use meniscus_numerics::Vector;
+use meniscus_numerics::mesh::FacetTree;
+use serde::Serialize;
+
+use super::body::Body;
+use super::contact::LinePoint;
+use super::drops::Drop;
+use crate::folder::{Frame, RunFolder};
+
+/// A point of the line lies no farther from its drop than this, in cells.
+const NEAR: f64 = 3.0;
+
+/// The angles along a contact line, degrees through the liquid; weighted with the length of the line in 3D.
+#[derive(Clone, Debug, Serialize)]
+pub struct LocalAngle {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// Smallest.
+    pub min: f64,
+    /// Largest.
+    pub max: f64,
+    /// Points of the line.
+    pub points: usize,
+    /// Length of the line, m (2D: 0).
+    pub length: f64,
+}
+
+/// The stored line between one drop and one body.
+#[derive(Clone, Debug)]
+pub(super) struct Stored<const D: usize> {
+    pub points: Vec<LinePoint<D>>,
+    /// The angle at each point, degrees; NaN where none is stored.
+    angles: Vec<f64>,
+}
+
+impl<const D: usize> Stored<D> {
+    /// What the stored angles come to; none where there are none.
+    pub(super) fn angles(&self) -> Option<LocalAngle> {
+        let known: Vec<(f64, f64)> = self
+            .points
+            .iter()
+            .zip(&self.angles)
+            .filter(|(_, a)| a.is_finite())
+            .map(|(p, a)| (p.weight, *a))
+            .collect();
+        let weight: f64 = known.iter().map(|k| k.0).sum();
+        if weight <= 0.0 {
+            return None;
+        }
+        let mean = known.iter().map(|(w, a)| w * a).sum::<f64>() / weight;
+        let square = known.iter().map(|(w, a)| w * (a - mean).powi(2)).sum::<f64>() / weight;
+        Some(LocalAngle {
+            mean,
+            std: square.sqrt(),
+            min: known.iter().map(|k| k.1).fold(f64::INFINITY, f64::min),
+            max: known.iter().map(|k| k.1).fold(f64::NEG_INFINITY, f64::max),
+            points: known.len(),
+            length: if D == 2 { 0.0 } else { self.points.iter().map(|p| p.weight).sum() },
+        })
+    }
+}
+
+/// For each drop and each body the part of the stored line that is theirs; all empty if no line is stored.
+pub(super) fn assign<const D: usize>(
+    folder: &RunFolder,
+    frame: &Frame,
+    drops: &[Drop<D>],
+    bodies: &[Body<D>],
+    dx: f64,
+) -> Vec<Vec<Stored<D>>> {
+    let empty = Stored { points: Vec::new(), angles: Vec::new() };
+    let mut out = vec![vec![empty; bodies.len()]; drops.len()];
+    let Some(line) = &frame.contact_line else { return out };
+    let mut weights = vec![if D == 2 { 1.0 } else { 0.0 }; line.positions.len()];
+    let at = |v: usize| Vector::<D>::from_fn(|a, _| line.positions[v][a]);
+    for edge in line.edges.iter().filter(|_| D == 3) {
+        let [a, b] = edge.map(|v| v as usize);
+        let half = 0.5 * (at(a) - at(b)).norm();
+        weights[a] += half;
+        weights[b] += half;
+    }
+    let trees: Vec<FacetTree<D>> = drops.iter().map(|d| FacetTree::new(&d.mesh)).collect();
+    let names = folder.solid_order();
+    for v in 0..line.positions.len() {
+        let x = at(v);
+        let near = trees
+            .iter()
+            .enumerate()
+            .filter_map(|(i, t)| Some((i, t.closest(&x, NEAR * dx)?.distance_squared)));
+        let Some((drop, _)) = near.min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        let named = line.scalars.get("solid").and_then(|s| names.get(*s.get(v)? as usize));
+        let named = named.and_then(|name| bodies.iter().position(|b| !b.wall && b.name == *name));
+        let Some(body) = named.or_else(|| nearest(bodies, &x)) else { continue };
+        let stored = &mut out[drop][body];
+        stored.points.push(LinePoint { at: x, weight: weights[v] });
+        stored.angles.push(line.scalars.get("angle").and_then(|a| a.get(v)).copied().unwrap_or(f64::NAN));
+    }
+    out
+}
+
+fn nearest<const D: usize>(bodies: &[Body<D>], x: &Vector<D>) -> Option<usize> {
+    let distances = bodies.iter().enumerate().filter_map(|(i, b)| Some((i, b.closest(x)?.distance)));
+    distances.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
+}

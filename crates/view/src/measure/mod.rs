@@ -1,0 +1,210 @@
+//! A goniometer for stored frames: what drops and solids are like where they touch.
+//!
+//! It needs nothing but an output folder. Angles go through the liquid. A circle or sphere, or an ellipse or spheroid
+//! where that fits clearly better, is fitted to the free surface away from the contact line, and met with the solid: the
+//! angle that an optical goniometer would show. The angles stored with the contact line are told beside it.
+
+mod body;
+mod contact;
+mod drops;
+mod fit;
+mod line;
+mod solids;
+
+use std::path::Path;
+
+use serde::Serialize;
+
+pub use fit::{FitShape, FittedAngle};
+pub use line::LocalAngle;
+pub use solids::{Floating, Forces, SolidMeasure, Touch};
+
+use crate::error::{Result, ViewError};
+use crate::folder::{Frame, RunFolder};
+use body::Body;
+use contact::{LinePoint, Patch};
+use drops::Drop;
+use fit::{Feet, Fit};
+
+/// Drops smaller than this many cells are counted but not measured.
+const SMALLEST: f64 = 8.0;
+
+/// What was measured in one frame of a run. SI units; in 2D areas are lengths and volumes areas.
+#[derive(Clone, Debug, Serialize)]
+pub struct Measurement {
+    /// Name of the scene.
+    pub scene: String,
+    /// 2 or 3.
+    pub dimension: usize,
+    /// Cell width, m.
+    pub dx: f64,
+    /// Number of the frame.
+    pub frame: u32,
+    /// Its time, s, where it is known.
+    pub time: Option<f64>,
+    /// Drops too small to be measured.
+    pub small_drops: usize,
+    /// The drops, the largest first.
+    pub drops: Vec<DropMeasure>,
+    /// The solids.
+    pub solids: Vec<SolidMeasure>,
+}
+
+/// A connected part of the liquid.
+#[derive(Clone, Debug, Serialize)]
+pub struct DropMeasure {
+    /// Its volume, m³ (2D: m²).
+    pub volume: f64,
+    /// Its centre of mass, m.
+    pub centroid: Vec<f64>,
+    /// Lower corner of its box, m.
+    pub lower: Vec<f64>,
+    /// Upper corner of its box, m.
+    pub upper: Vec<f64>,
+    /// What it touches.
+    pub contacts: Vec<ContactMeasure>,
+}
+
+/// Where a drop touches a solid or a wall of the domain.
+#[derive(Clone, Debug, Serialize)]
+pub struct ContactMeasure {
+    /// Name of the solid, or the wall's side: `bottom`, `left`, ….
+    pub solid: String,
+    /// Whether it is a wall of the domain.
+    pub wall: bool,
+    /// The angle by a fit of the free surface; none where there is no line or the surface is of no such shape.
+    pub angle: Option<FittedAngle>,
+    /// The angles along the contact line, where they are stored.
+    pub local_angle: Option<LocalAngle>,
+    /// Mean distance of the line from its middle, m; none without a line.
+    pub base_radius: Option<f64>,
+    /// Largest distance of the drop from the surface of the solid, m.
+    pub height: f64,
+    /// Wetted area, m² (2D: m).
+    pub contact_area: f64,
+}
+
+/// Measures a run at a time (s): in the frame nearest to it, or in the last.
+///
+/// # Errors
+/// [`ViewError`], also for a time beyond the frames.
+pub fn measure(dir: &Path, at: Option<f64>) -> Result<Measurement> {
+    let folder = RunFolder::open(dir)?;
+    let Some(dx) = folder.dx else {
+        let summary = dir.join("summary.json");
+        let what =
+            if summary.is_file() { "it tells no cell width `dx`" } else { "there is none: is this a run?" };
+        return Err(ViewError::content(&summary, what));
+    };
+    let frame = frame_at(&folder, at)?;
+    if folder.dimension == 2 {
+        frame_measure::<2>(&folder, &frame, dx)
+    } else {
+        frame_measure::<3>(&folder, &frame, dx)
+    }
+}
+
+/// The frame nearest to a time, the last one without a time.
+fn frame_at(folder: &RunFolder, at: Option<f64>) -> Result<Frame> {
+    let last = folder.frame(folder.numbers[folder.numbers.len() - 1])?;
+    let Some(at) = at else { return Ok(last) };
+    let mut times = Vec::with_capacity(folder.numbers.len());
+    for &number in &folder.numbers {
+        let Some(time) = folder.time(number)? else {
+            return Err(ViewError::content(&folder.dir, format!("the time of frame {number} is not known")));
+        };
+        times.push(time);
+    }
+    let (first, end) = (times[0], times[times.len() - 1]);
+    // A time half a frame beyond the ends still has a nearest frame that is meant.
+    let slack = if times.len() > 1 { 0.5 * (end - first) / (times.len() - 1) as f64 } else { 0.0 };
+    if !(first - slack..=end + slack).contains(&at) {
+        return Err(ViewError::Time { path: folder.dir.clone(), at, first, last: end });
+    }
+    let nearest = (0..times.len()).min_by(|&i, &j| (times[i] - at).abs().total_cmp(&(times[j] - at).abs()));
+    folder.frame(folder.numbers[nearest.unwrap_or(0)])
+}
+
+fn frame_measure<const D: usize>(folder: &RunFolder, frame: &Frame, dx: f64) -> Result<Measurement> {
+    let bodies = Body::<D>::all(folder, frame);
+    let mesh = body::surface::<D>(&frame.liquid);
+    let mut drops = Drop::all(&mesh, &kinds(frame));
+    let all = drops.len();
+    drops.retain(|d| d.volume >= SMALLEST * dx.powi(D as i32));
+    let lines = line::assign(folder, frame, &drops, &bodies, dx);
+    let measured = drops.iter().enumerate();
+    let measured = measured.map(|(i, drop)| drop_measure(drop, &bodies, &lines[i], dx)).collect();
+    Ok(Measurement {
+        scene: folder.name(),
+        dimension: D,
+        dx,
+        frame: frame.number,
+        time: frame.time,
+        small_drops: all - drops.len(),
+        drops: measured,
+        solids: solids::measure(folder, frame, &drops, &bodies, dx)?,
+    })
+}
+
+/// For each vertex of the liquid 0 liquid–air, 1 liquid–solid, 2 contact line.
+fn kinds(frame: &Frame) -> Vec<u8> {
+    let kinds = frame.liquid.scalars.get("kind").map_or(&[][..], Vec::as_slice);
+    kinds.iter().map(|&k| k as u8).collect()
+}
+
+fn drop_measure<const D: usize>(
+    drop: &Drop<D>,
+    bodies: &[Body<D>],
+    lines: &[line::Stored<D>],
+    dx: f64,
+) -> DropMeasure {
+    let patches = contact::patches(drop, bodies, dx);
+    let fit = Fit::of(drop, &patches, bodies, dx);
+    let contacts = patches.iter().map(|patch| {
+        let stored = &lines[patch.body];
+        contact_measure(drop, patch, &bodies[patch.body], fit.as_ref(), stored, dx)
+    });
+    let (lower, upper) = drop.mesh.bounds();
+    let list = |v: &meniscus_numerics::Vector<D>| v.iter().copied().collect::<Vec<f64>>();
+    DropMeasure {
+        volume: drop.volume,
+        centroid: list(&drop.centroid),
+        lower: list(&lower),
+        upper: list(&upper),
+        contacts: contacts.collect(),
+    }
+}
+
+fn contact_measure<const D: usize>(
+    drop: &Drop<D>,
+    patch: &Patch<D>,
+    body: &Body<D>,
+    fit: Option<&Fit<D>>,
+    stored: &line::Stored<D>,
+    dx: f64,
+) -> ContactMeasure {
+    // The stored line is the better start; facets show it to a cell only.
+    let line = if stored.points.is_empty() { &patch.line } else { &stored.points };
+    let feet = fit.and_then(|fit| fit.feet(&patch.line, body, dx));
+    let strip = |feet: &Feet<D>| feet.at.iter().zip(&feet.beyond).map(|(p, way)| p.weight * way).sum::<f64>();
+    let distances = drop.mesh.positions.iter().filter_map(|x| body.closest(x)).map(|foot| foot.distance);
+    ContactMeasure {
+        solid: body.name.clone(),
+        wall: body.wall,
+        local_angle: stored.angles(),
+        base_radius: base_radius(feet.as_ref().map_or(line, |f| &f.at)),
+        height: distances.fold(0.0, f64::max),
+        contact_area: patch.area + feet.as_ref().map_or(0.0, strip),
+        angle: feet.map(|f| f.angle),
+    }
+}
+
+/// Mean distance of the points of a line from their middle, m.
+fn base_radius<const D: usize>(line: &[LinePoint<D>]) -> Option<f64> {
+    let weight: f64 = line.iter().map(|p| p.weight).sum();
+    if weight <= 0.0 || line.len() < 2 {
+        return None;
+    }
+    let middle = line.iter().map(|p| p.at * p.weight).sum::<meniscus_numerics::Vector<D>>() / weight;
+    Some(line.iter().map(|p| p.weight * (p.at - middle).norm()).sum::<f64>() / weight)
+}

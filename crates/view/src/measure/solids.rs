@@ -1,0 +1,202 @@
+//! What solids do: how deep they float, what pulls at them, when they were touched.
+
+use meniscus_numerics::Vector;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::body::Body;
+use super::drops::Drop;
+use crate::error::Result;
+use crate::folder::{Frame, RunFolder};
+
+/// A solid is touched where a wetted vertex lies nearer to it than this, in cells.
+const TOUCHING: f64 = 0.75;
+/// Liquid that comes nearer than this to the domain's sides, in cells, stands in it as in a tank.
+const AT_SIDE: f64 = 0.5;
+/// The part of a tank's surface, the farthest from all solids, that shows the undisturbed level.
+const UNDISTURBED: f64 = 0.25;
+
+/// What was measured of a solid.
+#[derive(Clone, Debug, Serialize)]
+pub struct SolidMeasure {
+    /// Its name.
+    pub name: String,
+    /// How it floats, where the liquid fills the domain as a tank.
+    pub floating: Option<Floating>,
+    /// The forces of the liquid on it; stored for the end of the run only.
+    pub forces: Option<Forces>,
+    /// When liquid touched it, by the frames of the whole run.
+    pub touches: Vec<Touch>,
+}
+
+/// How a solid lies in the liquid of a tank.
+#[derive(Clone, Debug, Serialize)]
+pub struct Floating {
+    /// Height of the undisturbed surface, m.
+    pub level: f64,
+    /// Height of the middle of the solid over it, m.
+    pub centre_above_level: f64,
+    /// Depth of the solid's lowest point below it, m.
+    pub depth: f64,
+}
+
+/// Forces of the liquid on a solid, N (2D: N/m).
+#[derive(Clone, Debug, Serialize)]
+pub struct Forces {
+    /// All of it.
+    pub net: Vec<f64>,
+    /// The part of the pressure.
+    pub pressure: Option<Vec<f64>>,
+    /// The part of the contact line.
+    pub line: Option<Vec<f64>>,
+}
+
+/// A stretch of frames with contact, s. Each end is known to a frame's interval.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Touch {
+    /// Time of the first frame with contact.
+    pub start: f64,
+    /// Time of the last one.
+    pub end: f64,
+    /// From the middle between the last frame without and the first with contact to the same at the end; none where the
+    /// contact began before the first frame or goes on after the last.
+    pub duration: Option<f64>,
+}
+
+/// Measures the solids of a frame.
+pub(super) fn measure<const D: usize>(
+    folder: &RunFolder,
+    frame: &Frame,
+    drops: &[Drop<D>],
+    bodies: &[Body<D>],
+    dx: f64,
+) -> Result<Vec<SolidMeasure>> {
+    let solids: Vec<&Body<D>> = bodies.iter().filter(|b| !b.wall).collect();
+    let touched = touched::<D>(folder, &solids, dx)?;
+    let level = level(folder, drops, &solids, dx);
+    let one = |(i, body): (usize, &&Body<D>)| {
+        let times =
+            touched.iter().filter_map(|(time, touched)| Some(((*time)?, touched[i]))).collect::<Vec<_>>();
+        SolidMeasure {
+            name: body.name.clone(),
+            floating: level.and_then(|level| floating(body, level)),
+            forces: forces(folder, frame, &body.name),
+            touches: touches(&times),
+        }
+    };
+    Ok(solids.iter().enumerate().map(one).collect())
+}
+
+/// For each frame its time, and for each solid whether liquid touches it.
+fn touched<const D: usize>(
+    folder: &RunFolder,
+    solids: &[&Body<D>],
+    dx: f64,
+) -> Result<Vec<(Option<f64>, Vec<bool>)>> {
+    if solids.is_empty() {
+        return Ok(Vec::new());
+    }
+    let one = |&number: &u32| {
+        let frame = folder.frame(number)?;
+        let kinds = super::kinds(&frame);
+        let wet = || frame.liquid.positions.iter().zip(&kinds).filter(|(_, kind)| **kind > 0);
+        let touched = solids.iter().map(|solid| {
+            let mesh = frame.solids.get(&solid.name)?;
+            let body = Body::<D>::solid(&solid.name, &super::body::surface(mesh));
+            Some(wet().any(|(p, _)| body.is_near(&Vector::from_fn(|a, _| p[a]), TOUCHING * dx)))
+        });
+        Ok((frame.time, touched.map(|t| t.unwrap_or(false)).collect()))
+    };
+    folder.numbers.par_iter().map(one).collect()
+}
+
+/// The stretches of contact in a row of frames: time and whether there is contact.
+fn touches(frames: &[(f64, bool)]) -> Vec<Touch> {
+    let mut out = Vec::new();
+    let mut from = 0;
+    for part in frames.chunk_by(|a, b| a.1 == b.1) {
+        let to = from + part.len();
+        if part[0].1 {
+            let (start, end) = (part[0].0, part[part.len() - 1].0);
+            let before = from.checked_sub(1).map(|i| 0.5 * (frames[i].0 + start));
+            let after = frames.get(to).map(|f| 0.5 * (end + f.0));
+            out.push(Touch { start, end, duration: before.zip(after).map(|(a, b)| b - a) });
+        }
+        from = to;
+    }
+    out
+}
+
+/// The forces on a solid; the summary tells them for the end of the run.
+fn forces(folder: &RunFolder, frame: &Frame, name: &str) -> Option<Forces> {
+    let end = folder.summary.get("simulated_seconds")?.as_f64()?;
+    let is_end = frame.time.is_some_and(|t| (t - end).abs() <= 1e-9 * end.abs());
+    let solids = folder.summary.get("solids")?.as_array()?;
+    let solid = solids.iter().find(|s| s.get("name").and_then(|n| n.as_str()) == Some(name))?;
+    let list = |key: &str| -> Option<Vec<f64>> {
+        solid.get(key)?.as_array()?.iter().map(serde_json::Value::as_f64).collect()
+    };
+    let net = list("net_force").filter(|_| is_end)?;
+    Some(Forces { net, pressure: list("pressure_force"), line: list("line_force") })
+}
+
+/// The height of a tank's undisturbed surface, m: the mean of the quarter that is farthest from all solids, as seen from
+/// above. None where the liquid does not reach the bottom and all sides.
+fn level<const D: usize>(folder: &RunFolder, drops: &[Drop<D>], solids: &[&Body<D>], dx: f64) -> Option<f64> {
+    let domain = folder.domain?;
+    let tank = drops.iter().find(|drop| {
+        let (low, high) = drop.mesh.bounds();
+        let sides = (0..D - 1).all(|a| low[a] < AT_SIDE * dx && high[a] > domain[a] - AT_SIDE * dx);
+        sides && low[D - 1] < AT_SIDE * dx
+    })?;
+    let boxes: Vec<_> = solids.iter().filter_map(|s| s.bounds()).collect();
+    let away = |x: &Vector<D>| {
+        let outside = |(low, high): &(Vector<D>, Vector<D>)| {
+            let off = |a: usize| (low[a] - x[a]).max(x[a] - high[a]).max(0.0);
+            (0..D - 1).map(|a| off(a).powi(2)).sum::<f64>()
+        };
+        boxes.iter().map(outside).fold(f64::INFINITY, f64::min)
+    };
+    let mut parts: Vec<(f64, f64, f64)> = Vec::new();
+    for (f, facet) in tank.mesh.facets.iter().enumerate() {
+        let area = tank.mesh.area_vector(f)[D - 1];
+        if area > 0.0 && facet.iter().all(|&v| tank.kinds[v as usize] == 0) {
+            let middle = tank.mesh.corners(f).iter().sum::<Vector<D>>() / D as f64;
+            parts.push((away(&middle), middle[D - 1], area));
+        }
+    }
+    parts.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let wanted = UNDISTURBED * parts.iter().map(|p| p.2).sum::<f64>();
+    let (mut height, mut area) = (0.0, 0.0);
+    for (_, z, part) in parts {
+        if area >= wanted {
+            break;
+        }
+        height += z * part;
+        area += part;
+    }
+    (area > 0.0).then(|| height / area)
+}
+
+fn floating<const D: usize>(body: &Body<D>, level: f64) -> Option<Floating> {
+    let (low, high) = body.bounds()?;
+    let up = D - 1;
+    Some(Floating { level, centre_above_level: 0.5 * (low[up] + high[up]) - level, depth: level - low[up] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contact_times_are_known_where_both_ends_are_seen() {
+        let row = |text: &str| -> Vec<(f64, bool)> {
+            text.chars().enumerate().map(|(i, c)| (0.5 * i as f64, c == '#')).collect()
+        };
+        assert_eq!(touches(&row("..##.")), [Touch { start: 1.0, end: 1.5, duration: Some(1.0) }]);
+        let open = |start, end| Touch { start, end, duration: None };
+        assert_eq!(touches(&row("#..#")), [open(0.0, 0.0), open(1.5, 1.5)]);
+        assert_eq!(touches(&row("...")), []);
+        assert_eq!(touches(&[]), []);
+    }
+}
