@@ -238,7 +238,8 @@ impl Resolver {
             self.within(&format!("{p}.receding"), "the receding angle (rad)", receding, 0.0, advancing)?;
         }
         let enabled = c.enabled.unwrap_or(true);
-        let given = [("friction", c.friction.is_some()), ("hysteresis", hysteresis.is_some())];
+        let rubs = friction > 0.0 || friction_of.iter().any(|(_, f)| *f > 0.0);
+        let given = [("friction", rubs), ("hysteresis", hysteresis.is_some())];
         if let Some((key, _)) = given.iter().find(|(_, given)| *given && !enabled) {
             let error = SceneError::new(format!("`{key}` of a contact line that is switched off"));
             let error = error.with_help(format!("remove `{key}`, or `enabled = false`"));
