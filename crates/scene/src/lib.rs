@@ -10,4 +10,5 @@ pub mod file;
 pub mod output;
 pub mod run;
 pub mod schema;
+mod thin;
 pub mod units;

@@ -1,5 +1,6 @@
 //! The cases, one file per family.
 
+mod bounce;
 mod buoyancy;
 mod capillary_wave;
 mod dam_break;
@@ -28,7 +29,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 30] = [
+const ALL: [Case; 32] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -45,6 +46,8 @@ const ALL: [Case; 30] = [
     sessile::PLANE,
     sessile::SPACE,
     sessile::CURVED,
+    sessile::STEPS,
+    bounce::CASE,
     hysteresis::CASE,
     line_friction::CASE,
     sessile_gravity::PLANE,
