@@ -11,3 +11,4 @@ pub mod output;
 pub mod run;
 pub mod schema;
 pub mod units;
+mod wetting;

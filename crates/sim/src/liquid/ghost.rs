@@ -63,7 +63,8 @@ fn comes_out<const D: usize>(
     let way = depth + HEIGHT * dx;
     let (_, slope) = phi.distance(&(x + normal * way));
     let along = slope - normal * slope.dot(&normal);
-    let cosine = solid.wetting(slope.dot(&normal) / slope.norm().max(0.5)).0.clamp(-1.0, 1.0);
+    let young = solid.cosine_near(now, x, dx);
+    let cosine = solid.wetting(young, slope.dot(&normal) / slope.norm().max(0.5)).0.clamp(-1.0, 1.0);
     let sine = (1.0 - cosine * cosine).sqrt().max(FLATTEST);
     let cosine = (1.0 - sine * sine).sqrt().copysign(cosine);
     let direction = along.try_normalize(1e-3).map_or(normal, |t| normal * sine - t * cosine);

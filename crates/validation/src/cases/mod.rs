@@ -11,15 +11,18 @@ mod meniscus;
 mod momentum;
 mod momentum_with_solid;
 mod moving_drop;
+mod moving_plate;
 mod pressure_matrix;
 mod rayleigh;
 mod rayleigh_plateau;
 mod sessile;
 mod sessile_gravity;
+mod sliding;
 mod static_drop;
 mod surface_distance;
 mod transport;
 mod volume;
+mod wettability_step;
 
 use crate::Case;
 
@@ -28,7 +31,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 30] = [
+const ALL: [Case; 33] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -45,6 +48,9 @@ const ALL: [Case; 30] = [
     sessile::PLANE,
     sessile::SPACE,
     sessile::CURVED,
+    moving_plate::CASE,
+    sliding::CASE,
+    wettability_step::CASE,
     hysteresis::CASE,
     line_friction::CASE,
     sessile_gravity::PLANE,
