@@ -90,7 +90,7 @@ fn drops_end_within_a_wetting_stripe() {
 #[test]
 fn a_drop_takes_the_shape_of_a_stripe() {
     let mut simulation = drop_on::<3>(8, 140.0, (-0.6, 0.6, 30.0), 0.0);
-    run_to(&mut simulation, 1.5);
+    run_to(&mut simulation, 1.0);
     let [low, high] = reach(&simulation).map(|x| x * 8.0);
     let dx = simulation.model.grid.dx;
     let line = LineTracker::new(&simulation.model, &[dx / 1.5]).find(&simulation);
@@ -98,5 +98,6 @@ fn a_drop_takes_the_shape_of_a_stripe() {
     let long = (y(f64::max, f64::NEG_INFINITY) - y(f64::min, f64::INFINITY)) / (2.0 * 0.6);
     println!("{low} to {high} cells, {long} times as long as wide");
     assert!((low + 4.8).abs() < 1.0 && (high - 4.8).abs() < 1.0, "{low} {high}");
-    assert!(long > 1.8 && long < 3.0, "{long}");
+    // 3.3 would be from side to side of the domain: there the drop is no longer by itself.
+    assert!(long > 1.8 && long < 3.2, "{long}");
 }
