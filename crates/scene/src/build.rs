@@ -5,6 +5,7 @@ use crate::error::SceneError;
 use crate::file::{Material, Rotation, Scene, ShapeSpec, Solid as SolidSpec, Wall};
 use crate::output::Folder;
 use crate::run::{self, Existing, Job, Observer, Outcome, Region, RunError, Schedule, Setup, Stop};
+use crate::thin::thick_enough;
 use crate::wetting;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::{MeshShape, Shape};
@@ -106,6 +107,7 @@ pub fn setup<const D: usize>(scene: &Scene) -> Result<Setup<D>, SceneError> {
     let bodies = bodies.collect::<Result<_, SceneError>>()?;
     let model = Model { solids, ..model(scene) };
     apart(scene, &model)?;
+    thick_enough(scene, &model)?;
     Ok(Setup { model, bodies })
 }
 

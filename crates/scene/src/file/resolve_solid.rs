@@ -5,6 +5,9 @@ use super::*;
 use crate::error::{SceneError, nearest};
 use std::f64::consts::PI;
 
+/// Speed of sound in air, m/s.
+const SOUND: f64 = 343.0;
+
 impl Resolver {
     pub fn solids(&mut self, files: &[SolidFile]) -> Result<Vec<Solid>, SceneError> {
         let mut out: Vec<Solid> = Vec::new();
@@ -155,13 +158,29 @@ impl Resolver {
                 let message = "the time of this keyframe is not after the one before";
                 return Err(self.error(&format!("{p}.time"), message, "sort the keyframes by time"));
             }
-            keyframes.push((f.time.0, self.point(&format!("{p}.translate"), &f.translate)?));
+            let to = self.point(&format!("{p}.translate"), &f.translate)?;
+            if let Some((before, from)) = keyframes.last() {
+                let way = to.iter().zip(from).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+                self.no_jump(&format!("{p}.translate"), way / (f.time.0 - before))?;
+            }
+            keyframes.push((f.time.0, to));
         }
         if !keyframes.is_empty() && (k.velocity.is_some() || k.angular_velocity.is_some()) {
             return Err(self.error(path, "both a velocity and keyframes are given", "remove one"));
         }
         let velocity = self.velocity(&format!("{path}.velocity"), k.velocity.as_ref())?;
+        self.no_jump(&format!("{path}.velocity"), velocity.iter().map(|v| v * v).sum::<f64>().sqrt())?;
         Ok(Material::Kinematic { velocity, angular_velocity: angular, keyframes })
+    }
+
+    /// An error if a solid that goes as told is faster than sound in air (m/s): no liquid is incompressible then.
+    fn no_jump(&self, path: &str, speed: f64) -> Result<(), SceneError> {
+        if speed <= SOUND {
+            return Ok(());
+        }
+        let message =
+            format!("the solid would jump: with {} m/s it is faster than sound", resolve::short(speed));
+        Err(self.error(&self.source.first_inside(path), message, "give it more time, or a shorter way"))
     }
 
     /// An error if no solid has this name.

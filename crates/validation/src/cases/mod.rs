@@ -1,5 +1,6 @@
 //! The cases, one file per family.
 
+mod bounce;
 mod buoyancy;
 mod capillary_wave;
 mod dam_break;
@@ -31,7 +32,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 33] = [
+const ALL: [Case; 35] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -48,6 +49,8 @@ const ALL: [Case; 33] = [
     sessile::PLANE,
     sessile::SPACE,
     sessile::CURVED,
+    sessile::STEPS,
+    bounce::CASE,
     moving_plate::CASE,
     sliding::CASE,
     wettability_step::CASE,
