@@ -6,6 +6,7 @@ use crate::file::{Material, Rotation, Scene, ShapeSpec, Solid as SolidSpec, Wall
 use crate::output::Folder;
 use crate::run::{self, Existing, Job, Observer, Outcome, Region, RunError, Schedule, Setup, Stop};
 use crate::thin::thick_enough;
+use crate::wetting;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::{MeshShape, Shape};
 use meniscus_numerics::{Matrix, Vector};
@@ -167,7 +168,7 @@ pub fn model<const D: usize>(scene: &Scene) -> Model<D> {
     }
 }
 
-fn vector<const D: usize>(values: &[f64]) -> Vector<D> {
+pub(crate) fn vector<const D: usize>(values: &[f64]) -> Vector<D> {
     Vector::from_fn(|a, _| values.get(a).copied().unwrap_or(0.0))
 }
 
@@ -198,9 +199,11 @@ fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, Sc
     }
     let own = scene.contact_line.friction_of.iter().find(|(name, _)| *name == spec.name);
     solid.line_friction = own.map_or(scene.contact_line.friction, |(_, friction)| *friction);
-    solid.hysteresis =
-        scene.contact_line.hysteresis.map(|(advancing, receding)| [advancing.cos(), receding.cos()]);
-    solid.cosine = tension.map_or(0.0, |(_, t)| t.young_cosine(scene.tension.liquid_air));
+    solid.hysteresis = scene.contact_line.hysteresis.as_ref().map(wetting::hysteresis);
+    if let Some((_, wetting)) = tension {
+        solid.cosine = wetting.tension.young_cosine(scene.tension.liquid_air);
+        solid.pattern = wetting::layers(scene, &spec.name, wetting)?;
+    }
     Ok(solid)
 }
 
@@ -235,7 +238,7 @@ pub fn region<const D: usize>(spec: &ShapeSpec) -> Result<Region<D>, SceneError>
 }
 
 /// A shape of any kind but a wave.
-fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneError> {
+pub(crate) fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneError> {
     Ok(match spec {
         ShapeSpec::Ball { center, radius } => Shape::Ball { center: vector(center), radius: *radius },
         ShapeSpec::Box { center, half_size, rotation: turned } => {

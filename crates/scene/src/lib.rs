@@ -12,3 +12,4 @@ pub mod run;
 pub mod schema;
 mod thin;
 pub mod units;
+mod wetting;

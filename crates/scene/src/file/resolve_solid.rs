@@ -1,4 +1,4 @@
-//! Solids, tensions, the contact line and expectations, resolved to SI.
+//! Solids, the contact line and expectations, resolved to SI.
 
 use super::resolve::Resolver;
 use super::*;
@@ -184,7 +184,7 @@ impl Resolver {
     }
 
     /// An error if no solid has this name.
-    fn known_solid(&self, path: &str, key: bool, name: &str, names: &[&str]) -> Result<(), SceneError> {
+    pub fn known_solid(&self, path: &str, key: bool, name: &str, names: &[&str]) -> Result<(), SceneError> {
         if names.contains(&name) {
             return Ok(());
         }
@@ -194,43 +194,6 @@ impl Resolver {
         let error = SceneError::new(format!("there is no solid `{}`", name.escape_debug()))
             .with_help(format!("{near}solids of this scene: {list}"));
         Err(if key { self.source.at_key(error, path) } else { self.source.at_value(error, path) })
-    }
-
-    pub fn tension(&mut self, t: &TensionFile, names: &[&str]) -> Result<Tensions, SceneError> {
-        let liquid_air = self.positive("tension.liquid_air", "the tension", t.liquid_air.0)?;
-        let mut solids = Vec::new();
-        for (name, s) in &t.solids {
-            let path = format!("tension.{name}");
-            self.known_solid(&path, true, name, names)?;
-            let tension = match (s.liquid_solid, s.solid_air, s.contact_angle) {
-                (Some(ls), Some(sa), None) => SolidTension::Energies {
-                    liquid_solid: self.not_negative(&format!("{path}.liquid_solid"), "the tension", ls.0)?,
-                    solid_air: self.not_negative(&format!("{path}.solid_air"), "the tension", sa.0)?,
-                },
-                (None, None, Some(a)) => SolidTension::Angle(self.within(
-                    &format!("{path}.contact_angle"),
-                    "the contact angle (rad)",
-                    a.0,
-                    0.0,
-                    PI,
-                )?),
-                _ => {
-                    let help = "give `liquid_solid` and `solid_air`, or `contact_angle`";
-                    return Err(self.error(&path, "the tensions are not fixed by these keys", help));
-                }
-            };
-            let cosine = tension.young_cosine(liquid_air);
-            if cosine.abs() > 1.0 {
-                let state = if cosine > 0.0 { "wets it totally" } else { "does not wet it at all" };
-                self.warn(
-                    &path,
-                    format!("there is no Young angle (its cosine is {cosine:.3}): the liquid {state}"),
-                );
-            }
-            solids.push((name.clone(), tension));
-        }
-        solids.sort_by(|a, b| a.0.cmp(&b.0));
-        Ok(Tensions { liquid_air, solids })
     }
 
     pub fn contact_line(&mut self, c: &ContactLineFile, names: &[&str]) -> Result<ContactLine, SceneError> {
@@ -250,12 +213,7 @@ impl Resolver {
             }
             None => {}
         }
-        let hysteresis = c.hysteresis.as_ref().map(|h| (h.advancing.0, h.receding.0));
-        if let Some((advancing, receding)) = hysteresis {
-            let p = "contact_line.hysteresis";
-            self.within(&format!("{p}.advancing"), "the advancing angle (rad)", advancing, 0.0, PI)?;
-            self.within(&format!("{p}.receding"), "the receding angle (rad)", receding, 0.0, advancing)?;
-        }
+        let hysteresis = c.hysteresis.as_ref().map(|h| self.hysteresis(h)).transpose()?;
         let enabled = c.enabled.unwrap_or(true);
         let rubs = friction > 0.0 || friction_of.iter().any(|(_, f)| *f > 0.0);
         let given = [("friction", rubs), ("hysteresis", hysteresis.is_some())];
@@ -265,24 +223,6 @@ impl Resolver {
             return Err(self.source.at_value(error, &format!("contact_line.{key}")));
         }
         Ok(ContactLine { enabled, radius, friction, friction_of, hysteresis })
-    }
-
-    /// Young's angle lies between the receding and the advancing one.
-    pub fn young_within(&self, tension: &Tensions, line: &ContactLine) -> Result<(), SceneError> {
-        let Some((advancing, receding)) = line.hysteresis else { return Ok(()) };
-        for (name, solid) in &tension.solids {
-            let angle = solid.young_cosine(tension.liquid_air).clamp(-1.0, 1.0).acos();
-            if !(receding - 1e-9..=advancing + 1e-9).contains(&angle) {
-                let [young, advancing, receding] = [angle, advancing, receding].map(f64::to_degrees);
-                let message = format!(
-                    "the contact angle of `{name}`, {young:.1} deg, is not between the receding one, {receding:.1} deg, \
-                     and the advancing one, {advancing:.1} deg"
-                );
-                let help = "change `contact_line.hysteresis` or the solid's tensions";
-                return Err(self.error("contact_line.hysteresis", message, help));
-            }
-        }
-        Ok(())
     }
 
     pub fn expect(&mut self, e: &ExpectFile, names: &[&str]) -> Result<Vec<Expectation>, SceneError> {

@@ -78,7 +78,8 @@ fn comes_out<const D: usize>(
     let angle = |slope: &Vector<D>| (slope.dot(&normal) / slope.norm().max(0.5)).clamp(-1.0, 1.0).acos();
     let steepest = FLATTEST.asin();
     let bound = |angle: f64| angle.clamp(steepest, PI - steepest);
-    let young = bound(solid.wetting(angle(&slope).cos()).0.clamp(-1.0, 1.0).acos());
+    let cosine = solid.wetting(solid.cosine_near(now, x, dx), angle(&slope).cos()).0;
+    let young = bound(cosine.clamp(-1.0, 1.0).acos());
     let above = bound(angle(&phi.distance(&outside(young)).1));
     // The chord of an arc that turns evenly with the height.
     let turn = ((above - young) / HEIGHT).clamp(-SHARPEST, SHARPEST);

@@ -95,7 +95,7 @@ impl<const D: usize> PressureFields<D> {
             self.assemble(model, p);
             phase_end("viscosity");
         }
-        let mut report = first.clone();
+        let mut report = first;
         let coupling = Coupling::new(model, p.cut_cells, p.solids, &p.phi.data);
         if viscous || !beyond.is_empty() || bends.iter().any(|b| *b != 0.0) {
             zip(p.cut, &bends)

@@ -3,4 +3,5 @@
 mod collisions;
 mod contact_line;
 mod free_surface;
+mod patterns;
 mod solids;

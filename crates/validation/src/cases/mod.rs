@@ -12,15 +12,18 @@ mod meniscus;
 mod momentum;
 mod momentum_with_solid;
 mod moving_drop;
+mod moving_plate;
 mod pressure_matrix;
 mod rayleigh;
 mod rayleigh_plateau;
 mod sessile;
 mod sessile_gravity;
+mod sliding;
 mod static_drop;
 mod surface_distance;
 mod transport;
 mod volume;
+mod wettability_step;
 
 use crate::Case;
 
@@ -29,7 +32,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 32] = [
+const ALL: [Case; 35] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -48,6 +51,9 @@ const ALL: [Case; 32] = [
     sessile::CURVED,
     sessile::STEPS,
     bounce::CASE,
+    moving_plate::CASE,
+    sliding::CASE,
+    wettability_step::CASE,
     hysteresis::CASE,
     line_friction::CASE,
     sessile_gravity::PLANE,
