@@ -146,7 +146,7 @@ fn push<const D: usize>(
     let capillary = model.surface_tension * dt * kick / (model.density * model.grid.dx.powi(3));
     let filter = FilterStep { capillary, displacement };
     let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
-    let ghosts = ghosts(model, &state.solids, &state.phi, &work.band, &work.cut);
+    let ghosts = ghosts(model, state, &work.band, &work.cut);
     let beside = Beside { solids: &work.cut, ghosts: &ghosts, weight: model.weight() };
     let kappa = curvature(&model.grid, &work.band, CURVED, &phi, &change.cubes, &beside, &filter);
     let mut cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &kappa, &work.cut);
@@ -250,7 +250,7 @@ pub fn move_surface<const D: usize>(
 ) -> Runs {
     let values = advect_surface(model, &state.phi, &work.band, &state.velocity, dt);
     work.band.cells.iter().zip(values).for_each(|(&c, v)| state.phi.data[c as usize] = v);
-    extend_into_solids(model, &state.solids, &mut state.phi, &work.band, &work.cut);
+    extend_into_solids(model, state, &work.band, &work.cut);
     state.drift += max_component(model, state, work) * dt / model.grid.dx;
     let before = std::mem::take(&mut work.liquid);
     let left = work.band.cells.clone();

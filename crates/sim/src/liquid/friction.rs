@@ -5,6 +5,10 @@
 //! "Kinetics of liquid/liquid displacement", 1969; design, numerics §3). The liquid's faces around the line feel it as a drag
 //! towards the solid's velocity, but not along a line that moves, with the velocity of the step's end: no step is too long
 //! for it, however light the liquid at the line. In the pressure solve such faces give way less, as if they were heavier.
+//!
+//! The line's speed is taken half-way between that of the liquid around it and that of the surface there, which rolls over
+//! it: by the liquid's alone a thin liquid spreads a quarter too fast, by the surface's a quarter too slowly. Drops that
+//! slide roll more, and are still 1.3 (ν = 1) to 1.7 times (ν = 0.03 √(γR/ρ)) as fast as they should be, 12 cells a radius.
 
 use super::cube::CutCube;
 use super::cut_faces::CutFace;
@@ -33,6 +37,8 @@ pub struct DraggedFace {
     cell: usize,
     /// Liquid that moves with it, in cells.
     mass: f64,
+    /// Whether the surface crosses it.
+    surface: bool,
     /// Drag in the step, over the mass.
     drag: f64,
     /// Drag times the velocity towards which it drags, m/s.
@@ -73,8 +79,16 @@ pub fn drag<const D: usize>(
             let Some(cell) = sides.into_iter().find(|c| state.phi.data[*c] < 0.0) else { continue };
             let inner = sides.iter().all(|c| state.phi.data[*c] < 0.0);
             let mass = if inner { solids.open.axes[axis][face] } else { 0.0 };
-            let still = DraggedFace { axis, face, cell, mass, drag: 0.0, toward: 0.0, solid: cube.solid };
-            faces.entry((axis, face)).or_insert(still);
+            faces.entry((axis, face)).or_insert(DraggedFace {
+                axis,
+                face,
+                cell,
+                mass,
+                surface: false,
+                drag: 0.0,
+                toward: 0.0,
+                solid: cube.solid,
+            });
         }
     }
     if faces.is_empty() {
@@ -83,6 +97,7 @@ pub fn drag<const D: usize>(
     for f in cut.iter() {
         if let Some(dragged) = faces.get_mut(&(f.axis, f.face)) {
             dragged.mass = f.theta * f.open;
+            dragged.surface = f.open > 0.0;
         }
     }
     for cube in rough {
@@ -102,15 +117,20 @@ fn add_drag<const D: usize>(
     strength: f64,
     faces: &mut BTreeMap<(usize, usize), DraggedFace>,
 ) {
-    let mut mass = [0.0; D];
-    let mut velocity = Vector::<D>::zeros();
+    let (mut mass, mut crossed) = ([0.0; D], [0.0; D]);
+    let (mut velocity, mut surface) = (Vector::<D>::zeros(), Vector::<D>::zeros());
     for (a, face, _) in faces_around(model, cube) {
-        if let Some(f) = faces.get(&(a, face)) {
-            mass[a] += f.mass;
-            velocity[a] += f.mass * state.velocity.axes[a][face];
-        }
+        let Some(f) = faces.get(&(a, face)) else { continue };
+        let u = state.velocity.axes[a][face];
+        mass[a] += f.mass;
+        velocity[a] += f.mass * u;
+        crossed[a] += f64::from(f.surface);
+        surface[a] += if f.surface { u } else { 0.0 };
     }
     (0..D).for_each(|a| velocity[a] /= mass[a].max(1e-300));
+    let over = |a: usize| if crossed[a] > 0.0 { surface[a] / crossed[a] - velocity[a] } else { 0.0 };
+    let outward = -Vector::<D>::from_fn(|a, _| cube.wetward[a]) / cube.length();
+    let rolling = if cube.pinned { 0.0 } else { 0.5 * (0..D).map(|a| outward[a] * over(a)).sum::<f64>() };
     let now = &state.solids[cube.solid as usize];
     let along = cube.along();
     for (a, face, _) in faces_around(model, cube) {
@@ -122,7 +142,7 @@ fn add_drag<const D: usize>(
         let sliding: f64 = (0..D).map(|b| slides * along[b] * (velocity[b] - solid[b])).sum();
         let drag = strength * cube.length() / mass[a];
         f.drag += drag;
-        f.toward += drag * (solid[a] + along[a] * sliding);
+        f.toward += drag * (solid[a] + along[a] * sliding - outward[a] * rolling);
     }
 }
 

@@ -6,11 +6,16 @@
 //! value (design, experiments part 2). The continuation is an arc: it turns on as the surface does between the solid, where
 //! it has the contact angle, and that point. Where it is straight, the kink in φ makes redistancing pull the line back in
 //! every step (a base radius 0.6 % short where the surface turns within four cells), which short steps do more often.
+//!
+//! A line with friction `ζ` has the angle `cos θ = cos θ_Y − ζ U/γ` while it moves with the speed `U`. With Young's instead the
+//! continuation carried the line on past the liquid that the friction holds: a drop slid down a slope three times too fast.
 
+use super::transport::Flow;
 use crate::model::Model;
 use crate::solid::SolidState;
+use crate::state::State;
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{Band, CellField, CutCells, Sampler};
+use meniscus_numerics::grid::{Band, CutCells, Sampler};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -37,70 +42,82 @@ pub struct Ghost<const D: usize> {
 /// The cells of the band within solids.
 pub fn ghosts<const D: usize>(
     model: &Model<D>,
-    solids: &[SolidState<D>],
-    phi: &CellField<D>,
+    state: &State<D>,
     band: &Band<D>,
     cut: &CutCells<D>,
 ) -> Vec<Ghost<D>> {
-    let sampler = Sampler::cells(&model.grid, &phi.data, model.scalar_edges());
+    let surface = Surface {
+        model,
+        solids: &state.solids,
+        phi: Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges()),
+        flow: Flow::new(model, &state.velocity),
+    };
     let within = |c: &u32| cut.distance(*c as usize) < 0.0;
     let slots: Vec<u32> = (0..band.cells.len() as u32).filter(|s| within(&band.cells[*s as usize])).collect();
     let ghost = |&slot: &u32| {
         let cell = band.cells[slot as usize] as usize;
         let x = model.grid.center(model.grid.lattice().coordinates(cell));
         let depth = -cut.distance(cell) * model.grid.dx;
-        let (outside, scale) = comes_out(model, solids, &sampler, &x, depth)?;
+        let (outside, scale) = surface.comes_out(&x, depth)?;
         Some(Ghost { slot, outside, scale })
     };
     slots.par_iter().with_min_len(64).filter_map(ghost).collect()
 }
 
-/// Where the continuation through a point at a depth (m) comes out of its solid, and how dense it is within.
-fn comes_out<const D: usize>(
-    model: &Model<D>,
-    solids: &[SolidState<D>],
-    phi: &Sampler<'_, D>,
-    x: &Vector<D>,
-    depth: f64,
-) -> Option<(Vector<D>, f64)> {
-    let dx = model.grid.dx;
-    let number = model.nearest_solid(solids, x)?;
-    let (solid, now) = (&model.solids[number], &solids[number]);
-    // Half-way between two sides of a solid there is none.
-    let normal = solid.normal(now, x, 0.01 * dx).try_normalize(0.5)?;
-    let way = depth + HEIGHT * dx;
-    let slope = phi.distance(&(x + normal * way)).1;
-    let along = (slope - normal * slope.dot(&normal)).try_normalize(1e-3);
-    let outside = |angle: f64| {
-        let direction = along.map_or(normal, |t| normal * angle.sin() - t * angle.cos());
-        x + direction * (way / direction.dot(&normal))
-    };
-    let angle = |slope: &Vector<D>| (slope.dot(&normal) / slope.norm().max(0.5)).clamp(-1.0, 1.0).acos();
-    let steepest = FLATTEST.asin();
-    let bound = |angle: f64| angle.clamp(steepest, PI - steepest);
-    let cosine = solid.wetting(solid.cosine_near(now, x, dx), angle(&slope).cos()).0;
-    let young = bound(cosine.clamp(-1.0, 1.0).acos());
-    let above = bound(angle(&phi.distance(&outside(young)).1));
-    // The chord of an arc that turns evenly with the height.
-    let turn = ((above - young) / HEIGHT).clamp(-SHARPEST, SHARPEST);
-    let chord = bound(young + 0.5 * turn * (HEIGHT - depth / dx));
-    Some((outside(chord), young.sin() / above.sin()))
+/// The surface and how it moves.
+struct Surface<'a, const D: usize> {
+    model: &'a Model<D>,
+    solids: &'a [SolidState<D>],
+    phi: Sampler<'a, D>,
+    flow: Flow<'a, D>,
+}
+
+impl<const D: usize> Surface<'_, D> {
+    /// Where the continuation through a point at a depth (m) comes out of its solid, and how dense it is within.
+    fn comes_out(&self, x: &Vector<D>, depth: f64) -> Option<(Vector<D>, f64)> {
+        let dx = self.model.grid.dx;
+        let number = self.model.nearest_solid(self.solids, x)?;
+        let (solid, now) = (&self.model.solids[number], &self.solids[number]);
+        // Half-way between two sides of a solid there is none.
+        let normal = solid.normal(now, x, 0.01 * dx).try_normalize(0.5)?;
+        let way = depth + HEIGHT * dx;
+        let slope = self.phi.distance(&(x + normal * way)).1;
+        let along = (slope - normal * slope.dot(&normal)).try_normalize(1e-3);
+        let outside = |angle: f64| {
+            let direction = along.map_or(normal, |t| normal * angle.sin() - t * angle.cos());
+            x + direction * (way / direction.dot(&normal))
+        };
+        let angle = |slope: &Vector<D>| (slope.dot(&normal) / slope.norm().max(0.5)).clamp(-1.0, 1.0).acos();
+        let steepest = FLATTEST.asin();
+        let bound = |angle: f64| angle.clamp(steepest, PI - steepest);
+        let (mut cosine, _) = solid.wetting(solid.cosine_near(now, x, dx), angle(&slope).cos());
+        if solid.line_friction > 0.0 {
+            let at = outside(bound(cosine.clamp(-1.0, 1.0).acos()));
+            let speed = along.map_or(0.0, |t| (self.flow.linear(&at) - now.velocity_at(&at)).dot(&t));
+            cosine -= solid.line_friction * speed / self.model.surface_tension;
+        }
+        let foot = bound(cosine.clamp(-1.0, 1.0).acos());
+        let above = bound(angle(&self.phi.distance(&outside(foot)).1));
+        // The chord of an arc that turns evenly with the height.
+        let turn = ((above - foot) / HEIGHT).clamp(-SHARPEST, SHARPEST);
+        let chord = bound(foot + 0.5 * turn * (HEIGHT - depth / dx));
+        Some((outside(chord), foot.sin() / above.sin()))
+    }
 }
 
 /// Brings φ in the band's cells within solids nearer to the surface's continuation.
 pub fn extend_into_solids<const D: usize>(
     model: &Model<D>,
-    solids: &[SolidState<D>],
-    phi: &mut CellField<D>,
+    state: &mut State<D>,
     band: &Band<D>,
     cut: &CutCells<D>,
 ) {
-    let ghosts = ghosts(model, solids, phi, band, cut);
-    let sampler = Sampler::cells(&model.grid, &phi.data, model.scalar_edges());
+    let ghosts = ghosts(model, state, band, cut);
+    let sampler = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
     let target = |g: &Ghost<D>| g.scale * sampler.distance(&g.outside).0;
     let targets: Vec<f64> = ghosts.par_iter().with_min_len(64).map(target).collect();
     for (ghost, target) in ghosts.iter().zip(targets) {
-        let value = &mut phi.data[band.cells[ghost.slot as usize] as usize];
+        let value = &mut state.phi.data[band.cells[ghost.slot as usize] as usize];
         *value += RELAXATION * (target - *value);
     }
 }
