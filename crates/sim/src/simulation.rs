@@ -92,7 +92,7 @@ impl<const D: usize> Simulation<D> {
         let limit = BAND * grid.dx;
         let lattice = grid.lattice();
         state.phi.data.par_iter_mut().enumerate().for_each(|(i, value)| {
-            let x = grid.center(lattice.coordinates(i));
+            let x = model.mirrored(&grid.center(lattice.coordinates(i)));
             let distance = bodies.iter().map(|b| (b.distance)(&x)).fold(f64::INFINITY, f64::min);
             *value = distance.clamp(-limit, limit);
         });

@@ -172,9 +172,10 @@ impl<const D: usize> Workspace<D> {
 
     /// What each component touches.
     pub fn touching(&self, model: &Model<D>) -> Vec<Touching> {
-        let (near, upper) = (0.75 * model.grid.dx, model.grid.upper());
-        let at_side =
-            |(low, high): &(Vector<D>, Vector<D>)| (0..D).any(|a| low[a] < near || high[a] > upper[a] - near);
+        let (near, [first, last]) = (0.75 * model.grid.dx, model.grid.bounds());
+        let at_side = |(low, high): &(Vector<D>, Vector<D>)| {
+            (0..D).any(|a| low[a] < first[a] + near || high[a] > last[a] - near)
+        };
         let boxes = boxes(model, &self.liquid);
         let mut touching: Vec<Touching> =
             boxes.iter().map(|b| Touching { side: at_side(b), held: false, free: false }).collect();

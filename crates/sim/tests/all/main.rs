@@ -4,3 +4,4 @@ mod collisions;
 mod contact_line;
 mod free_surface;
 mod solids;
+mod walls;
