@@ -105,7 +105,18 @@ pub fn setup<const D: usize>(scene: &Scene) -> Result<Setup<D>, SceneError> {
     let bodies = bodies.collect::<Result<_, SceneError>>()?;
     let model = Model { solids, ..model(scene) };
     apart(scene, &model)?;
-    Ok(Setup { model, bodies })
+    Ok(Setup { model: if scene.walls_wet() { wetting(scene, model) } else { model }, bodies })
+}
+
+/// The model with walls that wet.
+fn wetting<const D: usize>(scene: &Scene, model: Model<D>) -> Model<D> {
+    let cosine = scene.domain.wall_contact_angle.cos();
+    model.with_wetting_walls(cosine, scene.contact_line.friction, hysteresis(scene))
+}
+
+/// Cosines of the advancing and the receding angle.
+fn hysteresis(scene: &Scene) -> Option<[f64; 2]> {
+    scene.contact_line.hysteresis.map(|(advancing, receding)| [advancing.cos(), receding.cos()])
 }
 
 /// Depth of an overlap, in cells, that is rounding of the numbers in a scene.
@@ -196,8 +207,7 @@ fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, Sc
     }
     let own = scene.contact_line.friction_of.iter().find(|(name, _)| *name == spec.name);
     solid.line_friction = own.map_or(scene.contact_line.friction, |(_, friction)| *friction);
-    solid.hysteresis =
-        scene.contact_line.hysteresis.map(|(advancing, receding)| [advancing.cos(), receding.cos()]);
+    solid.hysteresis = hysteresis(scene);
     solid.cosine = tension.map_or(0.0, |(_, t)| t.young_cosine(scene.tension.liquid_air));
     Ok(solid)
 }

@@ -156,7 +156,7 @@ impl<'a, const D: usize> Seen<'a, D> {
         let normal = solid.normal(now, &at, 0.01 * self.dx);
         let (_, slope) = self.phi.distance(&(at + normal * (HIGHER * self.dx)));
         let outward = (slope - normal * slope.dot(&normal)).try_normalize(0.0).unwrap_or(Vector::zeros());
-        let height = |x: &Vector<D>| solid.distance(now, x);
+        let height = |x: &Vector<D>| self.model.height(self.solids, number, (&at, &normal), x);
         let foot = Foot { at, normal, dx: self.dx, height: &height };
         let angle =
             contact_angle(&self.phi, &foot).unwrap_or_else(|| slope.dot(&normal).clamp(-1.0, 1.0).acos());

@@ -5,7 +5,7 @@
 //! solids run into are still the sides themselves (`collide/`).
 
 use crate::model::{Model, Wall};
-use crate::solid::{Motion, Solid};
+use crate::solid::{Motion, Solid, SolidState};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 
@@ -37,6 +37,21 @@ impl<const D: usize> Model<D> {
     /// Number of the solid that is the closed sides, if they wet at another angle than 90 degrees.
     pub fn wetting_walls(&self) -> Option<usize> {
         self.solids.len().checked_sub(1).filter(|_| self.grid.has_margin())
+    }
+
+    /// Height of a point over a solid around a foot on it with this normal, m: of the walls only the side of the foot counts,
+    /// or none could be seen from beside an edge.
+    pub(crate) fn height(
+        &self,
+        now: &[SolidState<D>],
+        solid: usize,
+        (foot, normal): (&Vector<D>, &Vector<D>),
+        x: &Vector<D>,
+    ) -> f64 {
+        match self.wetting_walls() == Some(solid) {
+            true => (x - foot).dot(normal),
+            false => self.solids[solid].distance(&now[solid], x),
+        }
     }
 
     /// All space beyond the closed sides.

@@ -249,24 +249,38 @@ impl Resolver {
     }
 
     /// Young's angle lies between the receding and the advancing one.
-    pub fn young_within(&self, tension: &Tensions, line: &ContactLine) -> Result<(), SceneError> {
+    pub fn young_within(
+        &self,
+        tension: &Tensions,
+        line: &ContactLine,
+        domain: &Domain,
+    ) -> Result<(), SceneError> {
         let Some((advancing, receding)) = line.hysteresis else { return Ok(()) };
-        for (name, solid) in &tension.solids {
-            let angle = solid.young_cosine(tension.liquid_air).clamp(-1.0, 1.0).acos();
+        let young = |s: &SolidTension| s.young_cosine(tension.liquid_air).clamp(-1.0, 1.0).acos();
+        let solids = tension.solids.iter().map(|(name, solid)| (name.as_str(), young(solid)));
+        let walls = domain.wets().then_some((WALLS, domain.wall_contact_angle));
+        for (name, angle) in solids.chain(walls) {
             if !(receding - 1e-9..=advancing + 1e-9).contains(&angle) {
                 let [young, advancing, receding] = [angle, advancing, receding].map(f64::to_degrees);
                 let message = format!(
                     "the contact angle of `{name}`, {young:.1} deg, is not between the receding one, {receding:.1} deg, \
                      and the advancing one, {advancing:.1} deg"
                 );
-                let help = "change `contact_line.hysteresis` or the solid's tensions";
+                let help =
+                    "change `contact_line.hysteresis`, the solid's tensions or `domain.wall_contact_angle`";
                 return Err(self.error("contact_line.hysteresis", message, help));
             }
         }
         Ok(())
     }
 
-    pub fn expect(&mut self, e: &ExpectFile, names: &[&str]) -> Result<Vec<Expectation>, SceneError> {
+    /// The expectations; `names` are the solids', `angles` those of what has a contact angle.
+    pub fn expect(
+        &mut self,
+        e: &ExpectFile,
+        names: &[&str],
+        angles: &[&str],
+    ) -> Result<Vec<Expectation>, SceneError> {
         let bound = |key: &str, m: MaxFile| self.not_negative(&format!("expect.{key}.max"), "a bound", m.max);
         let mut out = Vec::new();
         if let Some(m) = e.volume_drift {
@@ -294,6 +308,7 @@ impl Resolver {
             out.push(Expectation::Frequency { mode: p.mode, value, tolerance });
         }
         self.expect_liquid(e, &mut out)?;
+        self.expect_angles(e, angles, &mut out)?;
         self.expect_solids(e, names, &mut out)?;
         Ok(out)
     }
@@ -328,7 +343,7 @@ impl Resolver {
         Ok(())
     }
 
-    fn expect_solids(
+    fn expect_angles(
         &self,
         e: &ExpectFile,
         names: &[&str],
@@ -343,6 +358,15 @@ impl Resolver {
             let tolerance = self.positive(&format!("{p}.tolerance"), "the tolerance", c.tolerance.0)?;
             out.push(Expectation::ContactAngle { solid: c.solid.clone(), value, tolerance });
         }
+        Ok(())
+    }
+
+    fn expect_solids(
+        &self,
+        e: &ExpectFile,
+        names: &[&str],
+        out: &mut Vec<Expectation>,
+    ) -> Result<(), SceneError> {
         for (i, name) in e.floats.iter().enumerate() {
             self.known_solid(&format!("expect.floats.{i}"), false, name, names)?;
             out.push(Expectation::Floats { solid: name.clone() });

@@ -101,6 +101,9 @@ pub fn contact_line<const D: usize>(simulation: &Simulation<D>, line: &ContactLi
     }
     put("solid", &|p| f64::from(p.solid));
     mesh.comments.push("angle in degrees through the liquid, speed in m/s, force in N/m".into());
+    if let Some(walls) = simulation.model.wetting_walls() {
+        mesh.comments.push(format!("solid {walls} are the walls of the domain"));
+    }
     mesh
 }
 

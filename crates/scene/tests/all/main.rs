@@ -4,3 +4,4 @@ mod free_solids;
 mod resume;
 mod scene_errors;
 mod scene_round_trip;
+mod walls;

@@ -20,6 +20,7 @@ mod static_drop;
 mod surface_distance;
 mod transport;
 mod volume;
+mod walls;
 
 use crate::Case;
 
@@ -28,7 +29,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 30] = [
+const ALL: [Case; 31] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -49,6 +50,7 @@ const ALL: [Case; 30] = [
     line_friction::CASE,
     sessile_gravity::PLANE,
     meniscus::PLANE,
+    walls::CASE,
     floating::FREE,
     floating::HELD,
     buoyancy::BUOYANCY,
