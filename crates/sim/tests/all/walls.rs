@@ -155,3 +155,25 @@ fn solids_run_into_walls_that_wet_as_into_others() {
     assert!((mirror.center - wet.center).norm() < 1e-12 && (mirror.velocity - wet.velocity).norm() < 1e-12);
     assert!(mirror.center[1] < 1.0, "it never fell");
 }
+
+#[test]
+fn a_bath_climbs_its_walls_and_rests() {
+    let mut tank = walled(8, Vector::<2>::new(10.0, 3.5), 45.0);
+    tank.gravity[1] = -1.0;
+    tank.kinematic_viscosity = 1.0;
+    let distance = |x: &Vector<2>| x[1] - 1.71;
+    let mut sim = Simulation::new(tank, &[Body { distance: &distance, velocity: Vector::zeros() }]);
+    settle(&mut sim, 15.0);
+    let line = line(&sim);
+    let higher = (line.points[0].at[1] - line.points[1].at[1]).abs();
+    println!(
+        "{:?}, speed {:.1e}",
+        line.points.iter().map(|p| (p.at[1], p.angle)).collect::<Vec<_>>(),
+        sim.ledger().max_speed
+    );
+    // A meniscus holds cos θ lc² of liquid, which the level lacks.
+    let height = line.points[0].at[1] - 1.71 + 2.0 * 0.5f64.sqrt() / 10.0;
+    let should = (2.0 - 2.0f64.sqrt()).sqrt();
+    assert!((height / should - 1.0).abs() < 0.04 && higher < 1e-3, "{height} {should}");
+    assert!(sim.ledger().max_speed < 0.02);
+}

@@ -32,7 +32,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
         return tank(60.0, 6);
     }
     let mut checks = Vec::new();
-    for angle in [30.0, 60.0, 120.0, 150.0] {
+    for angle in [30.0, 45.0, 60.0, 120.0, 135.0, 150.0] {
         checks.extend(tank(angle, 8)?);
     }
     for angle in [60.0, 75.0, 120.0] {
