@@ -86,7 +86,8 @@ pub fn solid<const D: usize>(
     mesh
 }
 
-/// The contact line: vertices with angle, speed, force per length and solid, in 3D with edges.
+/// The contact line: vertices with angle, speed, force per length and the number of the solid (that after the last one: the
+/// walls of the domain), in 3D with edges.
 pub fn contact_line<const D: usize>(simulation: &Simulation<D>, line: &ContactLine<D>) -> PlyMesh {
     let mut mesh = ply(&SurfaceMesh::<D>::default(), simulation.state.time);
     mesh.positions = line.points.iter().map(|p| three(&p.at)).collect();
