@@ -5,6 +5,8 @@ use crate::error::SceneError;
 use crate::file::{Material, Rotation, Scene, ShapeSpec, Solid as SolidSpec, Wall};
 use crate::output::Folder;
 use crate::run::{self, Existing, Job, Observer, Outcome, Region, RunError, Schedule, Setup, Stop};
+use crate::thin::thick_enough;
+use crate::wetting;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::{MeshShape, Shape};
 use meniscus_numerics::{Matrix, Vector};
@@ -105,18 +107,14 @@ pub fn setup<const D: usize>(scene: &Scene) -> Result<Setup<D>, SceneError> {
     let bodies = bodies.collect::<Result<_, SceneError>>()?;
     let model = Model { solids, ..model(scene) };
     apart(scene, &model)?;
-    Ok(Setup { model: if scene.walls_wet() { wetting(scene, model) } else { model }, bodies })
+    thick_enough(scene, &model)?;
+    Ok(Setup { model: if scene.walls_wet() { wet(scene, model) } else { model }, bodies })
 }
 
 /// The model with walls that wet.
-fn wetting<const D: usize>(scene: &Scene, model: Model<D>) -> Model<D> {
-    let cosine = scene.domain.wall_contact_angle.cos();
-    model.with_wetting_walls(cosine, scene.contact_line.friction, hysteresis(scene))
-}
-
-/// Cosines of the advancing and the receding angle.
-fn hysteresis(scene: &Scene) -> Option<[f64; 2]> {
-    scene.contact_line.hysteresis.map(|(advancing, receding)| [advancing.cos(), receding.cos()])
+fn wet<const D: usize>(scene: &Scene, model: Model<D>) -> Model<D> {
+    let (cosine, line) = (scene.domain.wall_contact_angle.cos(), &scene.contact_line);
+    model.with_wetting_walls(cosine, line.friction, line.hysteresis.as_ref().map(wetting::hysteresis))
 }
 
 /// Depth of an overlap, in cells, that is rounding of the numbers in a scene.
@@ -176,7 +174,7 @@ pub fn model<const D: usize>(scene: &Scene) -> Model<D> {
     }
 }
 
-fn vector<const D: usize>(values: &[f64]) -> Vector<D> {
+pub(crate) fn vector<const D: usize>(values: &[f64]) -> Vector<D> {
     Vector::from_fn(|a, _| values.get(a).copied().unwrap_or(0.0))
 }
 
@@ -207,8 +205,11 @@ fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, Sc
     }
     let own = scene.contact_line.friction_of.iter().find(|(name, _)| *name == spec.name);
     solid.line_friction = own.map_or(scene.contact_line.friction, |(_, friction)| *friction);
-    solid.hysteresis = hysteresis(scene);
-    solid.cosine = tension.map_or(0.0, |(_, t)| t.young_cosine(scene.tension.liquid_air));
+    solid.hysteresis = scene.contact_line.hysteresis.as_ref().map(wetting::hysteresis);
+    if let Some((_, wetting)) = tension {
+        solid.cosine = wetting.tension.young_cosine(scene.tension.liquid_air);
+        solid.pattern = wetting::layers(scene, &spec.name, wetting)?;
+    }
     Ok(solid)
 }
 
@@ -243,7 +244,7 @@ pub fn region<const D: usize>(spec: &ShapeSpec) -> Result<Region<D>, SceneError>
 }
 
 /// A shape of any kind but a wave.
-fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneError> {
+pub(crate) fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneError> {
     Ok(match spec {
         ShapeSpec::Ball { center, radius } => Shape::Ball { center: vector(center), radius: *radius },
         ShapeSpec::Box { center, half_size, rotation: turned } => {

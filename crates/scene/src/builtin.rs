@@ -40,7 +40,7 @@ macro_rules! scene {
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 27] = [
+pub const BUILTINS: [Builtin; 28] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
@@ -167,6 +167,12 @@ pub const BUILTINS: [Builtin; 27] = [
         "raindrop-on-window",
         3,
         "Of two drops on a window pane the small one stays, the large one runs down",
+        "a few minutes"
+    ),
+    scene!(
+        "textured-wettability",
+        3,
+        "A drop lands on a plate that repels it but for a cross, and takes its shape",
         "a few minutes"
     ),
     scene!("colliding-drops", 3, "Two water drops meet slowly (We = 10), merge and wobble", "a few minutes"),

@@ -92,7 +92,9 @@ pub struct PairReport {
     pub young_cosine: Option<f64>,
     /// Young's angle, degrees; none beyond total wetting or drying.
     pub young_angle: Option<f64>,
-    /// `partial`, `total wetting`, `no wetting` or `no tension given`.
+    /// Smallest and largest angle of a pattern, degrees; none where it is the same everywhere.
+    pub young_angles: Option<[f64; 2]>,
+    /// `partial`, `total wetting`, `no wetting`, `patterned` or `no tension given`.
     pub wetting: &'static str,
     /// Elastocapillary length, m: √(B / γ) of a shell, (E / γ)-length γ / E of a block; none for rigid solids.
     pub elastocapillary_length: Option<f64>,
@@ -289,6 +291,7 @@ fn pairs(scene: &Scene) -> Vec<PairReport> {
         solid: solid.to_owned(),
         young_cosine: cosine,
         young_angle: cosine.filter(|c| c.abs() <= 1.0).map(|c| c.acos().to_degrees()),
+        young_angles: None,
         wetting: match cosine {
             None => "no tension given",
             Some(c) if c >= 1.0 => "total wetting",
@@ -308,7 +311,12 @@ fn pairs(scene: &Scene) -> Vec<PairReport> {
             Material::NeoHookean(e) | Material::Corotated(e) => Some(gamma / e.young_modulus),
             _ => None,
         };
-        out.push(report(&s.name, tension.map(|t| t.1.young_cosine(gamma)), length));
+        let mut pair = report(&s.name, tension.map(|t| t.1.tension.young_cosine(gamma)), length);
+        if let Some((_, wetting)) = tension.filter(|t| !t.1.is_even()) {
+            let [low, high] = wetting.cosines(gamma).map(|c| c.clamp(-1.0, 1.0).acos().to_degrees());
+            (pair.young_angles, pair.wetting) = (Some([high, low]), "patterned");
+        }
+        out.push(pair);
     }
     out
 }
@@ -396,7 +404,11 @@ impl Report {
             }
         }
         for p in &self.pairs {
-            let angle = p.young_angle.map_or_else(String::new, |a| format!("{a:.2} deg, "));
+            let angle = match (p.young_angles, p.young_angle) {
+                (Some([low, high]), _) => format!("{low:.2} to {high:.2} deg, "),
+                (None, Some(a)) => format!("{a:.2} deg, "),
+                (None, None) => String::new(),
+            };
             let length = p.elastocapillary_length;
             let length =
                 length.map_or_else(String::new, |l| format!(", elastocapillary length {} m", number(l)));

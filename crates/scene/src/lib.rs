@@ -10,4 +10,6 @@ pub mod file;
 pub mod output;
 pub mod run;
 pub mod schema;
+mod thin;
 pub mod units;
+mod wetting;

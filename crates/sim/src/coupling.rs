@@ -219,6 +219,7 @@ mod tests {
             velocity: &mut state.velocity,
             lambda: &mut state.lambda,
             phi: &state.phi,
+            band: &work.band,
             liquid: &work.liquid,
             faces: &faces,
             cut: &cut,
@@ -227,8 +228,9 @@ mod tests {
             solids: &state.solids,
             jump: 0.0,
             label: &|_| Some(0),
+            time: 1.0,
         };
-        let (report, exchange) = work.pressure.project(&model, &mut projection).unwrap();
+        let (report, exchange) = work.pressure.project(&model, &mut projection, &mut |_| ()).unwrap();
         let impulses = Impulse::sums(&exchange, model.solids.len(), |(_, solid)| solid);
         push_solids(&model, &mut state.solids, &exchange);
         let mut fastest = 0.0f64;

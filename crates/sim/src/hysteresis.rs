@@ -25,6 +25,7 @@ pub fn hold_lines<const D: usize>(model: &Model<D>, state: &State<D>, work: &mut
         let height = |x: &Vector<D>| model.height(&state.solids, number as usize, (place, &normal), x);
         let foot = Foot { at: *place, normal, dx, height: &height };
         let angle = contact_angle(&phi, &foot);
-        angle.map_or((solid.cosine, false), |angle| solid.wetting(angle.cos()))
+        let young = solid.cosine_near(now, place, dx);
+        angle.map_or((young, false), |angle| solid.wetting(young, angle.cos()))
     });
 }

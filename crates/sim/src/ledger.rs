@@ -60,8 +60,7 @@ pub struct StepReport<const D: usize> {
 
 /// The surface's energy over its tension, m² (2D: m).
 pub fn surface_energy<const D: usize>(model: &Model<D>, cubes: &[CutCube]) -> f64 {
-    let young = |cube: &CutCube| model.solids.get(cube.solid as usize).map_or(0.0, |s| s.cosine);
-    cubes.iter().map(|c| c.area - young(c) * c.wetted).sum::<f64>() * model.grid.face_area()
+    cubes.iter().map(|c| c.area - c.young * c.wetted).sum::<f64>() * model.grid.face_area()
 }
 
 /// ½ ρ ∫ u² of the liquid, J.

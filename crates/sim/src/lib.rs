@@ -20,6 +20,7 @@ mod state;
 mod step;
 mod track;
 mod walls;
+mod wetting;
 mod workspace;
 
 pub use collide::overlaps;
@@ -31,3 +32,4 @@ pub use solid::{FRICTION, Motion, Path, RESTITUTION, RigidBody, Solid, SolidStat
 pub use state::{Drop, State};
 pub use track::{ContactLine, LinePoint, LineTracker};
 pub use walls::MARGIN;
+pub use wetting::{Hysteresis, Layer, Picture};

@@ -4,6 +4,7 @@
 //! while `I` turns with it: the step uses the `ω` that `L` has half-way, which keeps `L` exactly and the energy to second
 //! order.
 
+use crate::wetting::{Hysteresis, Layer};
 use meniscus_numerics::grid::CutBy;
 use meniscus_numerics::shape::{Shape, plane_box_fraction};
 use meniscus_numerics::{Matrix, Vector};
@@ -24,10 +25,12 @@ pub struct Solid<const D: usize> {
     pub body: RigidBody<D>,
     /// `(γ_sa − γ_ls)/γ_la`, the cosine of the contact angle (Young); beyond ±1 nothing or all is wetted.
     pub cosine: f64,
+    /// What lies over that where it varies, the last on top; nothing where the cosine is the same everywhere.
+    pub pattern: Vec<Layer<D>>,
     /// Friction of the contact line, Pa s: force on a length of it, over its speed.
     pub line_friction: f64,
-    /// Cosines of the advancing and of the receding angle, between which a contact line rests; without them none rests.
-    pub hysteresis: Option<[f64; 2]>,
+    /// The angles between which a contact line rests; without them none rests.
+    pub hysteresis: Option<Hysteresis>,
     /// Speed after a hit over that before it, 0 to 1. Of two solids the geometric mean counts; a side of the domain has
     /// the solid's.
     pub restitution: f64,
@@ -149,17 +152,6 @@ fn share<const D: usize>(shape: &Shape<D>, at: &Vector<D>, h: f64) -> f64 {
 }
 
 impl<const D: usize> Solid<D> {
-    /// The cosine of the angle that a line tends to which has the angle of the given cosine, and whether it rests: between
-    /// the advancing and the receding angle it stays what it is.
-    pub fn wetting(&self, now: f64) -> (f64, bool) {
-        match self.hysteresis {
-            None => (self.cosine, false),
-            Some([advancing, receding]) => {
-                (now.clamp(advancing, receding), (advancing..=receding).contains(&now))
-            }
-        }
-    }
-
     /// A homogeneous solid of a density, kg/m³, that starts at rest and that liquid meets at 90 degrees, with the usual
     /// [`RESTITUTION`] and [`FRICTION`]. One without bounds has no mass to be free with: it stays where it is.
     pub fn new(shape: Shape<D>, motion: Motion<D>, density: f64) -> Self {
@@ -172,6 +164,7 @@ impl<const D: usize> Solid<D> {
             velocity: Vector::zeros(),
             body,
             cosine: 0.0,
+            pattern: Vec::new(),
             line_friction: 0.0,
             hysteresis: None,
             restitution: RESTITUTION,
@@ -192,7 +185,12 @@ impl<const D: usize> Solid<D> {
 
     /// Distance to its surface where it is now, m, negative inside.
     pub fn distance(&self, now: &SolidState<D>, x: &Vector<D>) -> f64 {
-        self.shape.signed_distance(&(self.body.center + now.rotation.tr_mul(&(x - now.center))))
+        self.shape.signed_distance(&self.at_start(now, x))
+    }
+
+    /// Where the point of it that is at `x` now was at the start, m.
+    pub fn at_start(&self, now: &SolidState<D>, x: &Vector<D>) -> Vector<D> {
+        self.body.center + now.rotation.tr_mul(&(x - now.center))
     }
 
     /// Direction away from its surface, by differences over `step` (m); nothing where it has none.

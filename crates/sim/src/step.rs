@@ -16,7 +16,6 @@ use crate::liquid::friction::{DraggedFace, drag, friction};
 use crate::liquid::ghost::{extend_into_solids, ghosts};
 use crate::liquid::pressure::Projection;
 use crate::liquid::transport::{advect_surface, advect_velocity, pack};
-use crate::liquid::viscosity::Diffusion;
 use crate::model::Model;
 use crate::simulation::PhaseEnd;
 use crate::solid::Motion;
@@ -92,20 +91,8 @@ pub fn step<const D: usize>(
     move_velocity(model, state, work, dt);
     keep_carried(model, state, work, &change);
     phase_end("advect velocity");
-    if model.kinematic_viscosity > 0.0 {
-        let mut diffusion = Diffusion {
-            velocity: &mut state.velocity,
-            phi: &state.phi,
-            band: &work.band,
-            liquid: &work.liquid,
-            faces: work.known.liquid(),
-            solids: &work.cut,
-        };
-        diffusion.advance(model, dt)?;
-        phase_end("viscosity");
-    }
 
-    // (4) The forces.
+    // (4) The forces, and viscosity.
     let kick = kick(state.lead, dt);
     let (solve, stirred) = push(model, state, work, &mut change, displacement, (dt, kick), phase_end)?;
     (state.lead, state.kick) = (state.lead + kick - dt, kick);
@@ -167,7 +154,7 @@ fn push<const D: usize>(
     phase_end("curvature");
 
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
-    let (solve, given) = press(model, state, work, change, (&cut, &dragged), kick)?;
+    let (solve, given) = press(model, state, work, change, (&cut, &dragged), kick, phase_end)?;
     let stirred =
         stirred(model, state, &given) + collide(model, &mut state.solids, &work.probes, &before, (dt, kick));
     give_back(model, &mut change.groups, &given);
@@ -191,6 +178,7 @@ fn press<const D: usize>(
     change: &Change<D>,
     (cut, dragged): (&[CutFace], &[DraggedFace]),
     kick: f64,
+    phase_end: PhaseEnd<'_>,
 ) -> Result<(SolveReport, [Exchange<D>; 3]), SolveError> {
     let inside: Vec<bool> = work.touching(model).iter().map(|t| !t.side).collect();
     let label = work.liquid.component(&model.grid);
@@ -215,6 +203,7 @@ fn press<const D: usize>(
         velocity: &mut state.velocity,
         lambda: &mut state.lambda,
         phi: &state.phi,
+        band: &work.band,
         liquid: &work.liquid,
         faces: work.known.liquid(),
         cut,
@@ -223,8 +212,9 @@ fn press<const D: usize>(
         solids: &state.solids,
         label: &label,
         jump: model.surface_tension * kick / (model.density * model.grid.dx),
+        time: kick,
     };
-    let (solve, pressure) = work.pressure.project(model, &mut projection)?;
+    let (solve, pressure) = work.pressure.project(model, &mut projection, phase_end)?;
     push_solids(model, &mut state.solids, &pressure);
     lean(&mut state.solids, -kick);
     let friction = friction(model, state, dragged, label);

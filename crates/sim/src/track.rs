@@ -160,7 +160,7 @@ impl<'a, const D: usize> Seen<'a, D> {
         let foot = Foot { at, normal, dx: self.dx, height: &height };
         let angle =
             contact_angle(&self.phi, &foot).unwrap_or_else(|| slope.dot(&normal).clamp(-1.0, 1.0).acos());
-        let young = solid.cosine.clamp(-1.0, 1.0);
+        let young = solid.cosine_near(now, &at, self.dx).clamp(-1.0, 1.0);
         let force = (normal * angle.sin() - outward * young) * self.model.surface_tension;
         let speed = (self.flow.linear(&at) - now.velocity_at(&at)).dot(&outward);
         LinePoint { at, solid: number as u32, angle: angle.to_degrees(), speed, force, length }

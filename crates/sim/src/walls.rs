@@ -6,6 +6,7 @@
 
 use crate::model::{Model, Wall};
 use crate::solid::{Motion, Solid, SolidState};
+use crate::wetting::Hysteresis;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 
@@ -15,15 +16,15 @@ pub const MARGIN: usize = 3;
 const FAR: f64 = 10.0;
 
 impl<const D: usize> Model<D> {
-    /// Closed sides that liquid meets at the angle of this cosine, with the given friction of the line, Pa s, and the cosines
-    /// of its advancing and receding angle. To be called once, when all other solids are in the model: the walls are the last
+    /// Closed sides that liquid meets at the angle of this cosine, with the given friction of the line, Pa s, and where it
+    /// rests. To be called once, when all other solids are in the model: the walls are the last
     /// one. With open sides only nothing changes.
     #[must_use]
     pub fn with_wetting_walls(
         mut self,
         cosine: f64,
         line_friction: f64,
-        hysteresis: Option<[f64; 2]>,
+        hysteresis: Option<Hysteresis>,
     ) -> Self {
         let margin = self.walls.map(|sides| sides.map(|w| if w == Wall::Slip { MARGIN } else { 0 }));
         self.grid = self.grid.with_margin(margin);

@@ -79,7 +79,7 @@ impl<const D: usize> Workspace<D> {
         self.cut.rebuild(&cuts.collect::<Vec<_>>());
         let nearest = |x: &Vector<D>| {
             let number = model.nearest_solid(&state.solids, x).unwrap_or(0);
-            (number as u32, model.solids[number].cosine)
+            (number as u32, model.solids[number].cosine_near(&state.solids[number], x, model.grid.dx))
         };
         self.lattice.follow(&self.cut, nearest);
     }

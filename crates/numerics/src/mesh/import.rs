@@ -64,6 +64,17 @@ pub enum ImportError {
         /// Number of the facet, from 0.
         facet: usize,
     },
+    /// The surface passes through itself.
+    #[error(
+        "{}: the surface passes through itself, or lies on itself, near {at:?}; mend it (Blender: Boolean union, \
+         or 3D-Print Toolbox, Make Manifold)", path.display()
+    )]
+    Crossing {
+        /// The file.
+        path: PathBuf,
+        /// Where, in the file's coordinates.
+        at: Vec<f64>,
+    },
     /// A 2D outline does not lie in the plane z = 0.
     #[error("{}: vertex {vertex} has z = {z}; an outline of a 2D scene lies in z = 0", path.display())]
     NotPlanar {

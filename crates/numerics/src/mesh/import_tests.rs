@@ -107,6 +107,31 @@ fn mesh_import_names_the_defect() {
 }
 
 #[test]
+fn a_surface_that_passes_through_itself_is_refused() {
+    let load = |text: &str| {
+        MeshShape::<3>::load(&file("two.obj", text.as_bytes()), 1.0, &Matrix::identity(), &Vector::zeros())
+    };
+    // The cube and another one beside it, one that overlaps it by half, one that shares a side with it.
+    let pair = |shift: f64| {
+        let vertex = |line: &str| {
+            let x: Vec<f64> = line.split(' ').skip(1).map(|x| x.parse().unwrap()).collect();
+            format!("v {} {} {}\n", x[0] + shift, x[1], x[2])
+        };
+        let facet = |line: &str| {
+            let corners = line.split(' ').skip(1).map(|i| format!(" {}", i.parse::<usize>().unwrap() + 8));
+            format!("f{}\n", corners.collect::<String>())
+        };
+        let more = CUBE.lines().map(|l| if l.starts_with('v') { vertex(l) } else { facet(l) });
+        CUBE.to_owned() + &more.collect::<String>()
+    };
+    assert!(load(&pair(2.5)).is_ok());
+    for shift in [1.0, 2.0] {
+        let error = load(&pair(shift)).unwrap_err().to_string();
+        assert!(error.contains("two.obj: the surface passes through itself"), "{error}");
+    }
+}
+
+#[test]
 fn mesh_shape_agrees_with_the_box_it_is() {
     let path = file("shape.obj", CUBE.as_bytes());
     let (s, c) = 0.3f64.sin_cos();

@@ -10,6 +10,7 @@ mod quantity;
 mod resolve;
 mod resolve_shape;
 mod resolve_solid;
+mod resolve_wetting;
 mod runnable;
 mod scene;
 mod shape;

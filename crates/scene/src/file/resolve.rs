@@ -77,7 +77,7 @@ fn resolve(file: SceneFile, source: Source, base: &Path, quality: Quality) -> Re
     let liquid = r.liquid(&file.liquid)?;
     let solids = r.solids(&file.solid)?;
     let names: Vec<&str> = solids.iter().map(|s| s.name.as_str()).collect();
-    let tension = r.tension(&file.tension, &names)?;
+    let tension = r.tension(&file.tension, &solids)?;
     let contact_line = r.contact_line(&file.contact_line.unwrap_or_default(), &names)?;
     r.young_within(&tension, &contact_line, &domain)?;
     let numerics = r.numerics(&file.numerics)?;

@@ -1,9 +1,12 @@
-//! Solids, tensions, the contact line and expectations, resolved to SI.
+//! Solids, the contact line and expectations, resolved to SI.
 
 use super::resolve::Resolver;
 use super::*;
 use crate::error::{SceneError, nearest};
 use std::f64::consts::PI;
+
+/// Speed of sound in air, m/s.
+const SOUND: f64 = 343.0;
 
 impl Resolver {
     pub fn solids(&mut self, files: &[SolidFile]) -> Result<Vec<Solid>, SceneError> {
@@ -155,17 +158,33 @@ impl Resolver {
                 let message = "the time of this keyframe is not after the one before";
                 return Err(self.error(&format!("{p}.time"), message, "sort the keyframes by time"));
             }
-            keyframes.push((f.time.0, self.point(&format!("{p}.translate"), &f.translate)?));
+            let to = self.point(&format!("{p}.translate"), &f.translate)?;
+            if let Some((before, from)) = keyframes.last() {
+                let way = to.iter().zip(from).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+                self.no_jump(&format!("{p}.translate"), way / (f.time.0 - before))?;
+            }
+            keyframes.push((f.time.0, to));
         }
         if !keyframes.is_empty() && (k.velocity.is_some() || k.angular_velocity.is_some()) {
             return Err(self.error(path, "both a velocity and keyframes are given", "remove one"));
         }
         let velocity = self.velocity(&format!("{path}.velocity"), k.velocity.as_ref())?;
+        self.no_jump(&format!("{path}.velocity"), velocity.iter().map(|v| v * v).sum::<f64>().sqrt())?;
         Ok(Material::Kinematic { velocity, angular_velocity: angular, keyframes })
     }
 
+    /// An error if a solid that goes as told is faster than sound in air (m/s): no liquid is incompressible then.
+    fn no_jump(&self, path: &str, speed: f64) -> Result<(), SceneError> {
+        if speed <= SOUND {
+            return Ok(());
+        }
+        let message =
+            format!("the solid would jump: with {} m/s it is faster than sound", resolve::short(speed));
+        Err(self.error(&self.source.first_inside(path), message, "give it more time, or a shorter way"))
+    }
+
     /// An error if no solid has this name.
-    fn known_solid(&self, path: &str, key: bool, name: &str, names: &[&str]) -> Result<(), SceneError> {
+    pub fn known_solid(&self, path: &str, key: bool, name: &str, names: &[&str]) -> Result<(), SceneError> {
         if names.contains(&name) {
             return Ok(());
         }
@@ -175,43 +194,6 @@ impl Resolver {
         let error = SceneError::new(format!("there is no solid `{}`", name.escape_debug()))
             .with_help(format!("{near}solids of this scene: {list}"));
         Err(if key { self.source.at_key(error, path) } else { self.source.at_value(error, path) })
-    }
-
-    pub fn tension(&mut self, t: &TensionFile, names: &[&str]) -> Result<Tensions, SceneError> {
-        let liquid_air = self.positive("tension.liquid_air", "the tension", t.liquid_air.0)?;
-        let mut solids = Vec::new();
-        for (name, s) in &t.solids {
-            let path = format!("tension.{name}");
-            self.known_solid(&path, true, name, names)?;
-            let tension = match (s.liquid_solid, s.solid_air, s.contact_angle) {
-                (Some(ls), Some(sa), None) => SolidTension::Energies {
-                    liquid_solid: self.not_negative(&format!("{path}.liquid_solid"), "the tension", ls.0)?,
-                    solid_air: self.not_negative(&format!("{path}.solid_air"), "the tension", sa.0)?,
-                },
-                (None, None, Some(a)) => SolidTension::Angle(self.within(
-                    &format!("{path}.contact_angle"),
-                    "the contact angle (rad)",
-                    a.0,
-                    0.0,
-                    PI,
-                )?),
-                _ => {
-                    let help = "give `liquid_solid` and `solid_air`, or `contact_angle`";
-                    return Err(self.error(&path, "the tensions are not fixed by these keys", help));
-                }
-            };
-            let cosine = tension.young_cosine(liquid_air);
-            if cosine.abs() > 1.0 {
-                let state = if cosine > 0.0 { "wets it totally" } else { "does not wet it at all" };
-                self.warn(
-                    &path,
-                    format!("there is no Young angle (its cosine is {cosine:.3}): the liquid {state}"),
-                );
-            }
-            solids.push((name.clone(), tension));
-        }
-        solids.sort_by(|a, b| a.0.cmp(&b.0));
-        Ok(Tensions { liquid_air, solids })
     }
 
     pub fn contact_line(&mut self, c: &ContactLineFile, names: &[&str]) -> Result<ContactLine, SceneError> {
@@ -231,12 +213,7 @@ impl Resolver {
             }
             None => {}
         }
-        let hysteresis = c.hysteresis.as_ref().map(|h| (h.advancing.0, h.receding.0));
-        if let Some((advancing, receding)) = hysteresis {
-            let p = "contact_line.hysteresis";
-            self.within(&format!("{p}.advancing"), "the advancing angle (rad)", advancing, 0.0, PI)?;
-            self.within(&format!("{p}.receding"), "the receding angle (rad)", receding, 0.0, advancing)?;
-        }
+        let hysteresis = c.hysteresis.as_ref().map(|h| self.hysteresis(h)).transpose()?;
         let enabled = c.enabled.unwrap_or(true);
         let rubs = friction > 0.0 || friction_of.iter().any(|(_, f)| *f > 0.0);
         let given = [("friction", rubs), ("hysteresis", hysteresis.is_some())];
@@ -246,32 +223,6 @@ impl Resolver {
             return Err(self.source.at_value(error, &format!("contact_line.{key}")));
         }
         Ok(ContactLine { enabled, radius, friction, friction_of, hysteresis })
-    }
-
-    /// Young's angle lies between the receding and the advancing one.
-    pub fn young_within(
-        &self,
-        tension: &Tensions,
-        line: &ContactLine,
-        domain: &Domain,
-    ) -> Result<(), SceneError> {
-        let Some((advancing, receding)) = line.hysteresis else { return Ok(()) };
-        let young = |s: &SolidTension| s.young_cosine(tension.liquid_air).clamp(-1.0, 1.0).acos();
-        let solids = tension.solids.iter().map(|(name, solid)| (name.as_str(), young(solid)));
-        let walls = domain.wets().then_some((WALLS, domain.wall_contact_angle));
-        for (name, angle) in solids.chain(walls) {
-            if !(receding - 1e-9..=advancing + 1e-9).contains(&angle) {
-                let [young, advancing, receding] = [angle, advancing, receding].map(f64::to_degrees);
-                let message = format!(
-                    "the contact angle of `{name}`, {young:.1} deg, is not between the receding one, {receding:.1} deg, \
-                     and the advancing one, {advancing:.1} deg"
-                );
-                let help =
-                    "change `contact_line.hysteresis`, the solid's tensions or `domain.wall_contact_angle`";
-                return Err(self.error("contact_line.hysteresis", message, help));
-            }
-        }
-        Ok(())
     }
 
     /// The expectations; `names` are the solids', `angles` those of what has a contact angle.

@@ -28,6 +28,12 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
             return refuse(&at("shape"), "solids of this shape", SHAPES);
         }
     }
+    for (name, wetting) in &scene.tension.solids {
+        let strange = |s: &ShapeSpec| matches!(s, ShapeSpec::Extrusion { .. } | ShapeSpec::Wave { .. });
+        if let Some(i) = wetting.patches.iter().position(|(shape, _)| has(shape, &strange)) {
+            return refuse(&format!("tension.{name}.patches.{i}.shape"), "patches of this shape", SHAPES);
+        }
+    }
     if scene.numerics.scheme == Scheme::Paper {
         return refuse("numerics.scheme", "the scheme `paper`", "use scheme = \"meniscus\"");
     }

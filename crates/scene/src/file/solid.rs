@@ -161,7 +161,8 @@ pub struct RodFile {
     pub damping_ratio: f64,
 }
 
-/// Tensions of a solid: both interface energies, or the contact angle.
+/// Tensions of a solid: both interface energies, the contact angle, or a gradient of it; where the angle varies, an image
+/// over that, and patches over both.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SolidTensionFile {
@@ -174,6 +175,63 @@ pub struct SolidTensionFile {
     /// Contact angle through the liquid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_angle: Option<Angle>,
+    /// The cosine of the contact angle varies from one place to another.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gradient: Option<GradientFile>,
+    /// A picture of the contact angle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub image: Option<WettingImageFile>,
+    /// Parts of the surface with an angle of their own; where they overlap the later one counts.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub patches: Vec<PatchFile>,
+}
+
+/// `gradient`: the cosine of the angle is linear between two places, and constant before and beyond. Places are those of the
+/// solid at its start: it takes them along.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GradientFile {
+    /// Where it starts.
+    pub from: AngleAtFile,
+    /// Where it ends.
+    pub to: AngleAtFile,
+}
+
+/// A contact angle and its place.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AngleAtFile {
+    /// The place, where the solid starts.
+    pub point: Vec<Length>,
+    /// The angle there.
+    pub contact_angle: Angle,
+}
+
+/// `image`: grey values tell the contact angle, seen along the vertical axis (2D: its middle row, along x). Cosines are
+/// interpolated between the pixels' middles; clear pixels show what is below.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WettingImageFile {
+    /// Path of a `.png`, relative to the scene file.
+    pub file: String,
+    /// Where its lower left corner lies, seen from above: x and y (2D: x), where the solid starts.
+    pub lower: Vec<Length>,
+    /// Where its upper right corner lies.
+    pub upper: Vec<Length>,
+    /// Contact angle of black.
+    pub black: Angle,
+    /// Contact angle of white.
+    pub white: Angle,
+}
+
+/// A part of a solid's surface with an angle of its own: what lies within a shape.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PatchFile {
+    /// The shape, where the solid starts; it may reach beyond the solid.
+    pub shape: ShapeFile,
+    /// The angle there.
+    pub contact_angle: Angle,
 }
 
 /// `[contact_line]`.
@@ -194,12 +252,21 @@ pub struct ContactLineFile {
     pub hysteresis: Option<HysteresisFile>,
 }
 
-/// The angles between which a contact line rests.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// The angles between which a contact line rests: `advancing` and `receding`, or `above` and `below` Young's angle of the
+/// place, which is how patterns have it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HysteresisFile {
     /// The line advances above this angle.
-    pub advancing: Angle,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub advancing: Option<Angle>,
     /// The line recedes below this angle.
-    pub receding: Angle,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub receding: Option<Angle>,
+    /// The line advances this much above Young's angle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub above: Option<Angle>,
+    /// The line recedes this much below Young's angle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub below: Option<Angle>,
 }

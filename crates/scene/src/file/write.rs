@@ -224,18 +224,51 @@ fn solid(s: &Solid) -> SolidFile {
 }
 
 fn tension(t: &Tensions) -> TensionFile {
-    let of = |s: &SolidTension| match s {
-        SolidTension::Energies { liquid_solid, solid_air } => SolidTensionFile {
-            liquid_solid: Some(Tension(*liquid_solid)),
-            solid_air: Some(Tension(*solid_air)),
-            contact_angle: None,
-        },
-        SolidTension::Angle(a) => {
-            SolidTensionFile { contact_angle: Some(Angle(*a)), ..SolidTensionFile::default() }
-        }
-    };
-    let solids = t.solids.iter().map(|(n, s)| (n.clone(), of(s))).collect();
+    let solids = t.solids.iter().map(|(n, s)| (n.clone(), wetting(s))).collect();
     TensionFile { liquid_air: Tension(t.liquid_air), solids }
+}
+
+fn wetting(w: &Wetting) -> SolidTensionFile {
+    let at = |(point, angle): &(Vec<f64>, f64)| AngleAtFile {
+        point: lengths(point),
+        contact_angle: Angle(*angle),
+    };
+    let image = |i: &WettingImage| WettingImageFile {
+        file: i.path.display().to_string(),
+        lower: lengths(&i.lower),
+        upper: lengths(&i.upper),
+        black: Angle(i.black),
+        white: Angle(i.white),
+    };
+    let patch = |(of, angle): &(ShapeSpec, f64)| PatchFile { shape: shape(of), contact_angle: Angle(*angle) };
+    let mut file = SolidTensionFile {
+        image: w.image.as_ref().map(image),
+        patches: w.patches.iter().map(patch).collect(),
+        ..SolidTensionFile::default()
+    };
+    match &w.tension {
+        SolidTension::Energies { liquid_solid, solid_air } => {
+            file.liquid_solid = Some(Tension(*liquid_solid));
+            file.solid_air = Some(Tension(*solid_air));
+        }
+        SolidTension::Angle(a) => file.contact_angle = Some(Angle(*a)),
+        SolidTension::Gradient { from, to } => {
+            file.gradient = Some(GradientFile { from: at(from), to: at(to) });
+        }
+    }
+    file
+}
+
+fn hysteresis(h: &Hysteresis) -> HysteresisFile {
+    let none = HysteresisFile::default();
+    match *h {
+        Hysteresis::Between { advancing, receding } => {
+            HysteresisFile { advancing: Some(Angle(advancing)), receding: Some(Angle(receding)), ..none }
+        }
+        Hysteresis::Around { above, below } => {
+            HysteresisFile { above: Some(Angle(above)), below: Some(Angle(below)), ..none }
+        }
+    }
 }
 
 fn contact_line(c: &ContactLine) -> ContactLineFile {
@@ -248,7 +281,7 @@ fn contact_line(c: &ContactLine) -> ContactLineFile {
         enabled: Some(c.enabled),
         radius: Some(Length::metres(c.radius)),
         friction: Some(friction),
-        hysteresis: c.hysteresis.map(|(a, r)| HysteresisFile { advancing: Angle(a), receding: Angle(r) }),
+        hysteresis: c.hysteresis.as_ref().map(hysteresis),
     }
 }
 

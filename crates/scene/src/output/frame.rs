@@ -68,7 +68,7 @@ fn mark_wetted<const D: usize>(simulation: &Simulation<D>, positions: &[Vector<D
     });
 }
 
-/// The surface of a solid where it is now, and on it the distance to the contact line; `start` is its surface where it
+/// The surface of a solid where it is now, and on it the distance to the contact line, and Young's angle where it varies; `start` is its surface where it
 /// starts.
 pub fn solid<const D: usize>(
     simulation: &Simulation<D>,
@@ -78,12 +78,27 @@ pub fn solid<const D: usize>(
 ) -> PlyMesh {
     let (solid, now) = (&simulation.model.solids[number], &simulation.state.solids[number]);
     let moved = |x: &Vector<D>| now.center + now.rotation * (x - solid.body.center);
-    let positions = start.positions.iter().map(moved).collect();
+    let positions: Vec<Vector<D>> = start.positions.iter().map(moved).collect();
+    let young = young(simulation, number, &positions);
     let mut mesh = ply(&SurfaceMesh { positions, facets: start.facets.clone() }, simulation.state.time);
     let distance = line.phi_c.get(number).cloned().unwrap_or_default();
     mesh.scalars.insert("phi_c".into(), distance);
     mesh.comments.push("phi_c distance to the contact line along the surface, negative where wetted".into());
+    if !young.is_empty() {
+        mesh.scalars.insert("young".into(), young);
+        mesh.comments.push("young contact angle at rest in degrees".into());
+    }
     mesh
+}
+
+/// Young's angle, degrees, at points of a solid if it has a pattern of it.
+fn young<const D: usize>(simulation: &Simulation<D>, number: usize, points: &[Vector<D>]) -> Vec<f64> {
+    let (solid, now) = (&simulation.model.solids[number], &simulation.state.solids[number]);
+    if solid.pattern.is_empty() {
+        return Vec::new();
+    }
+    let cosine = |x: &Vector<D>| solid.cosine_near(now, x, simulation.model.grid.dx);
+    points.par_iter().map(|x| cosine(x).clamp(-1.0, 1.0).acos().to_degrees()).collect()
 }
 
 /// The contact line: vertices with angle, speed, force per length and the number of the solid (that after the last one: the

@@ -1,6 +1,7 @@
 //! The tests of this crate's public face, in one program: every program of its own compiles the whole simulation anew.
 
 mod free_solids;
+mod patterns;
 mod resume;
 mod scene_errors;
 mod scene_round_trip;

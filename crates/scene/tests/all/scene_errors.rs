@@ -277,6 +277,26 @@ fn free_solids_have_room() {
 }
 
 #[test]
+fn solids_that_jump_or_that_the_grid_cannot_see() {
+    let moved = |time: &str| {
+        let frames = format!(
+            "{{ keyframes = [{{ time = \"0 s\", translate = [\"0 m\", \"0 m\", \"0 m\"] }}, \
+             {{ time = \"{time}\", translate = [\"0 m\", \"0 m\", \"1 mm\"] }}] }}"
+        );
+        let kinematic = SOLID.replacen("rigid = { fixed = true }", &format!("kinematic = {frames}"), 1);
+        load(&format!("{GOOD}{kinematic}"), &[])
+    };
+    moved("1 ms").unwrap_or_else(|e| panic!("{}", e.render()));
+    let e = moved("1 us").unwrap_err();
+    assert!(e.message.contains("would jump: with 1000 m/s"), "{e}");
+    let start = |set: &str| load(&format!("{GOOD}{SOLID}"), &[set]).and_then(|s| AnySetup::of(&s).map(drop));
+    start("domain.dx=0.15 mm").unwrap_or_else(|e| panic!("{}", e.render()));
+    let e = start("domain.dx=0.3 mm").unwrap_err();
+    assert!(e.message.contains("`plate` is thinner than a cell"), "{e}");
+    assert_eq!(e.exit_status(), 3);
+}
+
+#[test]
 fn settings() {
     let scene = load(
         GOOD,

@@ -125,11 +125,15 @@ shape.capsule = { a = ["1 cm", "1 cm", "1 cm"], b = ["2 cm", "1 cm", "1 cm"], ra
 material.rod = { young_modulus = "1 MPa", radius = "0.1 mm" }
 [tension]
 liquid_air = "1.0 mN/cm"
-plate = { liquid_solid = "0.1 mN/cm", solid_air = "0.13 mN/cm" }
+plate = { liquid_solid = "0.1 mN/cm", solid_air = "0.13 mN/cm", patches = [
+  { shape.box = { lower = ["2 cm", "2 cm", "4 cm"], upper = ["3 cm", "8 cm", "4.3 cm"] }, contact_angle = "30 deg" },
+  { shape.difference = { of.ball = { center = ["5 cm", "5 cm", "4 cm"], radius = "1 cm" }, minus.ball = { center = ["5 cm", "5 cm", "4 cm"], radius = "5 mm" } }, contact_angle = "2 rad" },
+] }
 leaf = { contact_angle = "120 deg" }
+stirrer.gradient = { from = { point = ["4 cm", "5 cm", "5 cm"], contact_angle = "20 deg" }, to = { point = ["6 cm", "5 cm", "5 cm"], contact_angle = "110 deg" } }
 [contact_line]
 friction = { plate = "0.3 Pa s", leaf = 0 }
-hysteresis = { advancing = "130 deg", receding = "70 deg" }
+hysteresis = { above = "10 deg", below = "12 deg" }
 [numerics]
 scheme = "paper"
 max_step = "6.67 ms"
@@ -159,6 +163,9 @@ fn the_whole_grammar_comes_back() {
     let report = check::check(&scene, 2);
     assert_eq!(report.pairs.len(), 5);
     assert!((report.pairs[1].young_cosine.unwrap() - 0.03).abs() < 1e-12, "{report:?}");
+    let angles = report.pairs[1].young_angles.unwrap();
+    assert!((angles[0] - 30.0).abs() < 1e-9 && (angles[1] - 2f64.to_degrees()).abs() < 1e-9, "{angles:?}");
+    assert!(report.render().contains("20.00 to 110.00 deg, patterned"), "{}", report.render());
     assert!(report.cannot_run.is_some());
 }
 

@@ -31,6 +31,8 @@ pub struct CutCube {
     pub solid: u32,
     /// Cosine of its contact angle.
     pub cosine: f64,
+    /// The same of Young's: the two differ where lines rest.
+    pub young: f64,
     /// Whether a contact line in it rests.
     pub pinned: bool,
     /// What the free surface pulls at the solid with across the solid, over the tension, integrated along the contact line.
@@ -145,6 +147,7 @@ impl CutCube {
             volume_slope: zero,
             solid: u32::MAX,
             cosine: 0.0,
+            young: 0.0,
             pinned: false,
             lift: [0.0; 3],
             wetward: [0.0; 3],

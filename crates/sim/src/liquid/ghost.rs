@@ -1,15 +1,18 @@
 //! The surface inside solids: it goes on at the contact angle.
 //!
 //! Stencils at a solid's surface reach into it, and a solid that moves leaves what was in it. There φ tends to the
-//! surface's straight continuation under the contact angle: from a point at depth `d` the direction
-//! `w = n sin θ − t cos θ`, with `n` the solid's normal and `t` that of φ's slope along the solid, leads out to a point
-//! above the solid that has the same value (design, experiments part 2).
+//! surface's continuation under the contact angle `θ`: from a point at depth `d` the direction `w = n sin θ − t cos θ`, with
+//! `n` the solid's normal and `t` that of φ's slope along the solid, leads out to a point above the solid that has the same
+//! value (design, experiments part 2). The continuation is an arc: it turns on as the surface does between the solid, where
+//! it has the contact angle, and that point. Where it is straight, the kink in φ makes redistancing pull the line back in
+//! every step (a base radius 0.6 % short where the surface turns within four cells), which short steps do more often.
 
 use crate::model::Model;
 use crate::solid::SolidState;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CellField, CutCells, Sampler};
 use rayon::prelude::*;
+use std::f64::consts::PI;
 
 /// Part of the way to the continuation that φ goes in a step: at once it lifts drops off, never it keeps what is stale.
 const RELAXATION: f64 = 0.1;
@@ -17,6 +20,8 @@ const RELAXATION: f64 = 0.1;
 const HEIGHT: f64 = 1.0;
 /// Least sine of the angle at which it is continued.
 const FLATTEST: f64 = 0.25;
+/// Most that it turns in a cell of depth, rad: a surface with a radius of two cells.
+const SHARPEST: f64 = 0.5;
 
 /// A cell with its centre in a solid, and where the surface's continuation through it comes out.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +30,8 @@ pub struct Ghost<const D: usize> {
     pub slot: u32,
     /// A point of the continuation outside the solid, m.
     pub outside: Vector<D>,
+    /// φ here over φ there: as many times as dense as there lie its values along the solid if it is to be a distance.
+    scale: f64,
 }
 
 /// The cells of the band within solids.
@@ -42,32 +49,42 @@ pub fn ghosts<const D: usize>(
         let cell = band.cells[slot as usize] as usize;
         let x = model.grid.center(model.grid.lattice().coordinates(cell));
         let depth = -cut.distance(cell) * model.grid.dx;
-        Some(Ghost { slot, outside: comes_out(model, solids, &sampler, &x, depth)? })
+        let (outside, scale) = comes_out(model, solids, &sampler, &x, depth)?;
+        Some(Ghost { slot, outside, scale })
     };
     slots.par_iter().with_min_len(64).filter_map(ghost).collect()
 }
 
-/// Where the straight continuation through a point at a depth (m) comes out of its solid.
+/// Where the continuation through a point at a depth (m) comes out of its solid, and how dense it is within.
 fn comes_out<const D: usize>(
     model: &Model<D>,
     solids: &[SolidState<D>],
     phi: &Sampler<'_, D>,
     x: &Vector<D>,
     depth: f64,
-) -> Option<Vector<D>> {
+) -> Option<(Vector<D>, f64)> {
     let dx = model.grid.dx;
     let number = model.nearest_solid(solids, x)?;
     let (solid, now) = (&model.solids[number], &solids[number]);
     // Half-way between two sides of a solid there is none.
     let normal = solid.normal(now, x, 0.01 * dx).try_normalize(0.5)?;
     let way = depth + HEIGHT * dx;
-    let (_, slope) = phi.distance(&(x + normal * way));
-    let along = slope - normal * slope.dot(&normal);
-    let cosine = solid.wetting(slope.dot(&normal) / slope.norm().max(0.5)).0.clamp(-1.0, 1.0);
-    let sine = (1.0 - cosine * cosine).sqrt().max(FLATTEST);
-    let cosine = (1.0 - sine * sine).sqrt().copysign(cosine);
-    let direction = along.try_normalize(1e-3).map_or(normal, |t| normal * sine - t * cosine);
-    Some(x + direction * (way / direction.dot(&normal)))
+    let slope = phi.distance(&(x + normal * way)).1;
+    let along = (slope - normal * slope.dot(&normal)).try_normalize(1e-3);
+    let outside = |angle: f64| {
+        let direction = along.map_or(normal, |t| normal * angle.sin() - t * angle.cos());
+        x + direction * (way / direction.dot(&normal))
+    };
+    let angle = |slope: &Vector<D>| (slope.dot(&normal) / slope.norm().max(0.5)).clamp(-1.0, 1.0).acos();
+    let steepest = FLATTEST.asin();
+    let bound = |angle: f64| angle.clamp(steepest, PI - steepest);
+    let cosine = solid.wetting(solid.cosine_near(now, x, dx), angle(&slope).cos()).0;
+    let young = bound(cosine.clamp(-1.0, 1.0).acos());
+    let above = bound(angle(&phi.distance(&outside(young)).1));
+    // The chord of an arc that turns evenly with the height.
+    let turn = ((above - young) / HEIGHT).clamp(-SHARPEST, SHARPEST);
+    let chord = bound(young + 0.5 * turn * (HEIGHT - depth / dx));
+    Some((outside(chord), young.sin() / above.sin()))
 }
 
 /// Brings φ in the band's cells within solids nearer to the surface's continuation.
@@ -80,7 +97,7 @@ pub fn extend_into_solids<const D: usize>(
 ) {
     let ghosts = ghosts(model, solids, phi, band, cut);
     let sampler = Sampler::cells(&model.grid, &phi.data, model.scalar_edges());
-    let target = |g: &Ghost<D>| sampler.distance(&g.outside).0;
+    let target = |g: &Ghost<D>| g.scale * sampler.distance(&g.outside).0;
     let targets: Vec<f64> = ghosts.par_iter().with_min_len(64).map(target).collect();
     for (ghost, target) in ghosts.iter().zip(targets) {
         let value = &mut phi.data[band.cells[ghost.slot as usize] as usize];

@@ -35,8 +35,9 @@ struct DryCube {
     open: u8,
     /// Number of the solid that is nearest.
     solid: u32,
-    /// Cosine of the contact angle there.
+    /// Cosine of the contact angle there, and of Young's.
     cosine: f64,
+    young: f64,
     /// Whether a line there rests.
     pinned: bool,
     /// What a cube is in which all is liquid.
@@ -49,7 +50,8 @@ impl<const D: usize> SurfaceLattice<D> {
         Self { grid, split: Split::new(), dry: Vec::new(), weight }
     }
 
-    /// Finds the cubes that solids cut; `nearest` tells the nearest solid's number and the cosine of its contact angle.
+    /// Finds the cubes that solids cut; `nearest` tells the nearest solid's number and the cosine of its contact
+    /// angle there.
     pub fn follow(&mut self, cut: &CutCells<D>, nearest: impl Fn(&Vector<D>) -> (u32, f64) + Sync) {
         let cubes = self.cubes();
         let mut keys: Vec<u32> = Vec::new();
@@ -69,9 +71,9 @@ impl<const D: usize> SurfaceLattice<D> {
             if open == 0 || psi[..1 << D].iter().all(|v| *v > 0.0) {
                 return None;
             }
-            let (solid, cosine) = nearest(&self.grid.corner(at));
+            let (solid, young) = nearest(&self.grid.corner(at));
             let flooded = CutCube::new(corners, open);
-            let mut dry = DryCube { key, psi, open, solid, cosine, pinned: false, flooded };
+            let mut dry = DryCube { key, psi, open, solid, cosine: young, young, pinned: false, flooded };
             dry.flooded = self.wetted(&dry, &[-1.0; 8], at);
             Some(dry)
         };
@@ -169,7 +171,7 @@ impl<const D: usize> SurfaceLattice<D> {
     fn wetted(&self, dry: &DryCube, values: &[f64; 8], at: [usize; D]) -> CutCube {
         let liquid = (0..1 << D).filter(|k| values[*k] < 0.0).fold(0u8, |bits, k| bits | 1 << k);
         let mut cube = CutCube::new(dry.flooded.corners, liquid & dry.open);
-        (cube.solid, cube.cosine, cube.pinned) = (dry.solid, dry.cosine, dry.pinned);
+        (cube.solid, cube.cosine, cube.young, cube.pinned) = (dry.solid, dry.cosine, dry.young, dry.pinned);
         self.split.cut_beside(values, &dry.psi, &self.weight_within(at), &mut cube);
         self.place(&mut cube, at);
         cube

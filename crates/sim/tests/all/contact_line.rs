@@ -180,6 +180,6 @@ fn the_line_of_a_drop_is_where_the_energy_has_it() {
         rests::<2>(10, angle, false);
         rests::<2>(16, angle, true);
     }
-    rests::<3>(6, 60.0, false);
-    rests::<3>(6, 90.0, true);
+    rests::<3>(8, 60.0, false);
+    rests::<3>(8, 90.0, true);
 }

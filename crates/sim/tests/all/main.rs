@@ -3,5 +3,6 @@
 mod collisions;
 mod contact_line;
 mod free_surface;
+mod patterns;
 mod solids;
 mod walls;

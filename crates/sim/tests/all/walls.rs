@@ -81,7 +81,7 @@ fn a_drop_on_a_wall_is_one_on_a_half_space() {
         for (p, q) in own.points.iter().zip(&other.points) {
             let off = (p.at - q.at + up).norm() / on_wall.model.grid.dx;
             println!("{angle}: {:.3}, {off:.1e} cells and {:.1e} deg apart", p.angle, p.angle - q.angle);
-            assert!((p.angle - angle).abs() < 1.5 && (p.angle - q.angle).abs() < 0.05 && off < 2e-3);
+            assert!((p.angle - angle).abs() < 1.5 && (p.angle - q.angle).abs() < 0.05 && off < 0.01);
         }
     }
 }
@@ -103,7 +103,7 @@ fn corner<const D: usize>(cells: usize, wide: f64, angle: f64, [bar, off]: [f64;
         sim.ledger().max_speed
     );
     assert!(angles.iter().all(|x| (x - angle).abs() < bar) && rough * (cells as f64) < off);
-    assert!((mean - angle).abs() < 1.5);
+    assert!((mean - angle).abs() < 2.0);
 }
 
 #[test]

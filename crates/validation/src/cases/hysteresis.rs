@@ -6,7 +6,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Body, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Body, Hysteresis, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// A drop on a slope.
@@ -52,7 +52,7 @@ fn way<const D: usize>(cells: usize, pull: f64) -> Result<f64, StepError> {
     let shape = Shape::HalfSpace { point, normal };
     let mut wall = Solid::new(shape, Motion::Fixed, 1.0);
     let [advancing, receding] = [110.0f64, 70.0].map(|angle| angle.to_radians().cos());
-    (wall.hysteresis, wall.line_friction) = (Some([advancing, receding]), 0.3);
+    (wall.hysteresis, wall.line_friction) = (Some(Hysteresis::Between([advancing, receding])), 0.3);
     let wide = [7, if D == 2 { 3 } else { 4 }, 3];
     let model = Model {
         grid: Grid::new(std::array::from_fn(|a| wide[a] * cells), dx),

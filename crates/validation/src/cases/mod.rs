@@ -1,5 +1,6 @@
 //! The cases, one file per family.
 
+mod bounce;
 mod buoyancy;
 mod capillary_wave;
 mod dam_break;
@@ -11,16 +12,19 @@ mod meniscus;
 mod momentum;
 mod momentum_with_solid;
 mod moving_drop;
+mod moving_plate;
 mod pressure_matrix;
 mod rayleigh;
 mod rayleigh_plateau;
 mod sessile;
 mod sessile_gravity;
+mod sliding;
 mod static_drop;
 mod surface_distance;
 mod transport;
 mod volume;
 mod walls;
+mod wettability_step;
 
 use crate::Case;
 
@@ -29,7 +33,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 31] = [
+const ALL: [Case; 36] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -46,6 +50,11 @@ const ALL: [Case; 31] = [
     sessile::PLANE,
     sessile::SPACE,
     sessile::CURVED,
+    sessile::STEPS,
+    bounce::CASE,
+    moving_plate::CASE,
+    sliding::CASE,
+    wettability_step::CASE,
     hysteresis::CASE,
     line_friction::CASE,
     sessile_gravity::PLANE,

@@ -58,14 +58,27 @@ pub const CURVED: Case = Case {
     },
 };
 
+/// Drops on a wall with short and long steps.
+pub const STEPS: Case = Case {
+    name: "sessile-steps",
+    title: "Drops on a wall with short and long steps, 2D",
+    theory: "The drops of sessile-2d on walls tilted by 22.5 and 45 degrees with steps of 0.5, 10 and 20 times the explicit \
+        capillary limit: the angle less that with the usual 5 times; the worst of the walls counts. It must not depend on \
+        the steps.",
+    quick: false,
+    run: |_| settle("sessile-steps", steps()),
+};
+
 /// Where a wall lies: cells off the grid's faces, and tilt in degrees.
 type Place = (f64, f64);
 
 const ANGLES: [f64; 7] = [30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 150.0];
 const SOME_ANGLES: [f64; 5] = [30.0, 60.0, 90.0, 120.0, 150.0];
 const PLACES: [Place; 5] = [(0.0, 0.0), (0.3, 0.0), (0.7, 0.0), (0.0, 22.5), (0.0, 45.0)];
-const TILTED: [Place; 1] = [(0.0, 22.5)];
+const TILTED: [Place; 2] = [(0.0, 22.5), (0.0, 45.0)];
 const SOME_PLACES: [Place; 2] = [(0.3, 0.0), (0.0, 22.5)];
+/// The usual length of steps over the explicit capillary limit.
+const USUAL: f64 = 5.0;
 /// How long drops are left alone, in √(ρR³/γ).
 const TIME: f64 = 12.0;
 
@@ -112,7 +125,7 @@ fn planes<const D: usize>(
     let mut checks = Vec::new();
     for &angle in angles {
         let rests: Vec<Rest> =
-            places.iter().map(|p| drop_on_plane::<D>(cells, angle, *p)).collect::<Result<_, _>>()?;
+            places.iter().map(|p| drop_on_plane::<D>(cells, angle, *p, USUAL)).collect::<Result<_, _>>()?;
         let worst = |f: &dyn Fn(&Rest) -> f64| {
             rests.iter().map(f).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
         };
@@ -137,7 +150,13 @@ fn planes<const D: usize>(
     Ok(checks)
 }
 
-fn drop_on_plane<const D: usize>(cells: usize, angle: f64, place: Place) -> Result<Rest, StepError> {
+/// What comes of half a disc or ball on a plane; `step` is the steps' length over the explicit capillary limit.
+fn drop_on_plane<const D: usize>(
+    cells: usize,
+    angle: f64,
+    place: Place,
+    step: f64,
+) -> Result<Rest, StepError> {
     let dx = 1.0 / cells as f64;
     let young = angle.to_radians();
     let radius = cap_radius::<D>(young);
@@ -158,7 +177,9 @@ fn drop_on_plane<const D: usize>(cells: usize, angle: f64, place: Place) -> Resu
     wall.cosine = young.cos();
     let start = |x: &Vector<D>| (x - point).norm() - 1.0;
     let body = Body { distance: &start, velocity: Vector::zeros() };
-    let mut sim = Simulation::new(liquid(grid, wall), &[body]);
+    let mut model = liquid(grid, wall);
+    model.numerics.capillary_step = step;
+    let mut sim = Simulation::new(model, &[body]);
     let measure = |sim: &Simulation<D>| {
         let above = |x: &Vector<D>| (x - point).dot(&normal) > 1.5 * dx;
         let cap = fit(sim, above);
@@ -193,6 +214,22 @@ pub(super) fn speeds<const D: usize>(sim: &Simulation<D>) -> (f64, f64) {
     let mass = sim.model.density * books.volume;
     let mean = books.momentum.norm() / mass;
     ((2.0 * books.kinetic_energy / mass - mean * mean).max(0.0).sqrt(), mean)
+}
+
+fn steps() -> Result<Vec<Check>, StepError> {
+    let mut checks = Vec::new();
+    for angle in [45.0, 60.0, 90.0, 120.0, 135.0] {
+        let angles = |step: f64| -> Result<Vec<f64>, StepError> {
+            TILTED.iter().map(|p| Ok(drop_on_plane::<2>(16, angle, *p, step)?.angle)).collect()
+        };
+        let usual = angles(USUAL)?;
+        for step in [0.5, 10.0, 20.0] {
+            let turned = angles(step)?.iter().zip(&usual).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let what = format!("change of the angle, {step} times the limit, θ = {angle}°");
+            checks.push(at_most("sessile-steps", &what, turned, 0.5, None, "deg"));
+        }
+    }
+    Ok(checks)
 }
 
 fn curved() -> Result<Vec<Check>, StepError> {
@@ -250,7 +287,7 @@ fn order() -> Result<Vec<Check>, StepError> {
     for cells in [8, 16, 32] {
         let mut square = 0.0;
         for angle in [60.0, 90.0, 120.0] {
-            square += drop_on_plane::<2>(cells, angle, TILTED[0])?.angle.powi(2) / 3.0;
+            square += drop_on_plane::<2>(cells, angle, TILTED[0], USUAL)?.angle.powi(2) / 3.0;
         }
         errors.push((1.0 / cells as f64, square.sqrt()));
     }

@@ -15,6 +15,8 @@ pub(crate) struct Hit {
     pub smooth: V3,
     /// Whether the facet touches something opaque (see [`TriMesh::new`]).
     pub wetted: bool,
+    /// How far from its plain colour the surface is, 0 to 1.
+    pub tint: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +26,7 @@ struct Triangle {
     ac: V3,
     corners: [u32; 3],
     wetted: bool,
+    tint: [f64; 3],
 }
 
 /// A triangle mesh with smooth normals.
@@ -38,6 +41,16 @@ impl TriMesh {
     /// A mesh of points already in the picture's coordinates. A facet is wetted if `wetted` says so of all
     /// its vertices. Edges sharper than `crease` (cosine) are kept sharp.
     pub(crate) fn new(points: &[V3], faces: &[[u32; 3]], wetted: &[bool], crease: f64) -> Self {
+        Self::tinted(points, faces, (wetted, &[]), crease)
+    }
+
+    /// The same with a tint at each vertex, 0 (as without one) to 1.
+    pub(crate) fn tinted(
+        points: &[V3],
+        faces: &[[u32; 3]],
+        (wetted, tint): (&[bool], &[f64]),
+        crease: f64,
+    ) -> Self {
         let (normals, corners) = corner_normals(points, faces, crease);
         let mut boxes = Vec::with_capacity(faces.len());
         let mut all = Vec::with_capacity(faces.len());
@@ -50,7 +63,8 @@ impl TriMesh {
             [a, b, c].into_iter().for_each(|p| bounds.add(p));
             boxes.push(bounds);
             let wetted = face.iter().all(|&i| wetted.get(i as usize).copied().unwrap_or(false));
-            all.push(Triangle { a, ab: b - a, ac: c - a, corners, wetted });
+            let tint = face.map(|i| tint.get(i as usize).copied().unwrap_or(0.0));
+            all.push(Triangle { a, ab: b - a, ac: c - a, corners, wetted, tint });
         }
         let bvh = Bvh::new(&boxes);
         let triangles = bvh.order().iter().map(|&i| all[i as usize]).collect();
@@ -76,7 +90,8 @@ impl TriMesh {
         let facet = tri.ab.cross(&tri.ac).normalize();
         let [a, b, c] = tri.corners.map(|i| self.normals[i as usize]);
         let smooth = (a * (1.0 - u - v) + b * u + c * v).try_normalize(1e-12).unwrap_or(facet);
-        Some(Hit { t, facet, smooth, wetted: tri.wetted })
+        let tint = tri.tint[0] * (1.0 - u - v) + tri.tint[1] * u + tri.tint[2] * v;
+        Some(Hit { t, facet, smooth, wetted: tri.wetted, tint })
     }
 
     /// Whether anything is hit with `least < t < limit`.
@@ -187,7 +202,7 @@ impl Tubes {
             }
             _ => limit,
         });
-        best.map(|(t, n)| Hit { t, facet: n, smooth: n, wetted: false })
+        best.map(|(t, n)| Hit { t, facet: n, smooth: n, wetted: false, tint: 0.0 })
     }
 }
 

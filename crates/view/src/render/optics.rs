@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     fn at(d: V3) -> Interface {
-        Interface::new(&d, &Hit { t: 1.0, facet: V3::z(), smooth: V3::z(), wetted: false })
+        Interface::new(&d, &Hit { t: 1.0, facet: V3::z(), smooth: V3::z(), wetted: false, tint: 0.0 })
     }
 
     #[test]

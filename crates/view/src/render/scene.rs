@@ -5,6 +5,7 @@ use super::bvh::Ray;
 use super::geometry::{Hit, TriMesh, Tubes};
 use super::stage::Stage;
 use crate::folder::{Bounds, Frame, V3};
+use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_numerics::mesh::{FacetTree, SurfaceMesh};
 
 /// How far below the domain's floor the ground is drawn, so that the liquid's own bottom is met first.
@@ -58,7 +59,7 @@ impl<'a> Scene<'a> {
         for mesh in frame.solids.values() {
             let points = stage.points(&mesh.positions);
             points.iter().for_each(|&p| solid_bounds.add(p));
-            solids.push(TriMesh::new(&points, &mesh.faces, &[], 0.8));
+            solids.push(TriMesh::tinted(&points, &mesh.faces, (&[], &tint(mesh)), 0.8));
             surfaces.push(SurfaceMesh { positions: points, facets: mesh.faces.clone() });
         }
         seat(&mut points, &frame.liquid.faces, &wetted, &surfaces, stage.dx.unwrap_or(0.0));
@@ -88,7 +89,10 @@ impl<'a> Scene<'a> {
         if ray.dir.z < 0.0 {
             let t = (GROUND - ray.origin.z) / ray.dir.z;
             if t > NEAR {
-                best = Some((Thing::Ground, Hit { t, facet: V3::z(), smooth: V3::z(), wetted: false }));
+                best = Some((
+                    Thing::Ground,
+                    Hit { t, facet: V3::z(), smooth: V3::z(), wetted: false, tint: 0.0 },
+                ));
                 limit = t;
             }
         }
@@ -117,6 +121,14 @@ impl<'a> Scene<'a> {
     pub(crate) fn liquid_blocks(&self, ray: &Ray, limit: f64) -> bool {
         self.liquid.blocks(ray, 1e-4, limit)
     }
+}
+
+/// Where the contact angle of a solid varies: 0 where it is largest, 1 where it is smallest.
+fn tint(mesh: &PlyMesh) -> Vec<f64> {
+    let Some(angles) = mesh.scalars.get("young") else { return Vec::new() };
+    let low = angles.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = angles.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    angles.iter().map(|angle| (high - angle) / (high - low).max(1e-9)).collect()
 }
 
 /// Puts wetted vertices of the liquid, and the ragged ring next to them, a little below the surface of the solid that

@@ -27,6 +27,8 @@ const SHADE_RAYS: u32 = 4;
 /// The colours of solids.
 const SOLIDS: [[f64; 3]; 5] =
     [[0.50, 0.37, 0.28], [0.34, 0.40, 0.46], [0.38, 0.45, 0.31], [0.52, 0.41, 0.22], [0.43, 0.33, 0.43]];
+/// The colour of patterned solids where liquid wets them most.
+const WETTING: V3 = V3::new(0.16, 0.33, 0.45);
 /// The colour of the liquid where it is drawn matte.
 const MATTE: V3 = V3::new(0.10, 0.34, 0.62);
 /// The colour of the contact line.
@@ -125,7 +127,8 @@ impl Tracer<'_> {
             Thing::Ground => self.ground(ray, &point, &path),
             Thing::Solid(i) => {
                 let normal = if ray.dir.dot(&hit.facet) > 0.0 { -hit.smooth } else { hit.smooth };
-                self.matte(&point, &normal, &V3::from(SOLIDS[i % SOLIDS.len()]), &path)
+                let plain = V3::from(SOLIDS[i % SOLIDS.len()]);
+                self.matte(&point, &normal, &plain.lerp(&WETTING, hit.tint), &path)
             }
             Thing::Line => self.lacquer(ray, &point, &hit, LINE, &path),
             Thing::Liquid if self.scene.style == Style::Matte => {
