@@ -108,7 +108,13 @@ pub fn setup<const D: usize>(scene: &Scene) -> Result<Setup<D>, SceneError> {
     let model = Model { solids, ..model(scene) };
     apart(scene, &model)?;
     thick_enough(scene, &model)?;
-    Ok(Setup { model, bodies })
+    Ok(Setup { model: if scene.walls_wet() { wet(scene, model) } else { model }, bodies })
+}
+
+/// The model with walls that wet.
+fn wet<const D: usize>(scene: &Scene, model: Model<D>) -> Model<D> {
+    let (cosine, line) = (scene.domain.wall_contact_angle.cos(), &scene.contact_line);
+    model.with_wetting_walls(cosine, line.friction, line.hysteresis.as_ref().map(wetting::hysteresis))
 }
 
 /// Depth of an overlap, in cells, that is rounding of the numbers in a scene.

@@ -2,7 +2,7 @@
 
 use crate::build::AnySetup;
 use crate::error::SceneError;
-use crate::file::{Material, Scene, ShapeSpec, Warning};
+use crate::file::{Material, Scene, ShapeSpec, WALLS, Warning};
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -116,7 +116,7 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
     let steps = (scene.output.duration / time_step).ceil();
     let cells = d.cell_count();
     let wet = liquid_cells.unwrap_or(cells);
-    let work = SECONDS_PER_CELL * cells + SECONDS_PER_LIQUID_CELL * wet;
+    let work = SECONDS_PER_CELL * scene.grid_cells() + SECONDS_PER_LIQUID_CELL * wet;
     let nu = l.kinematic_viscosity;
     let diameter = radius.map(|r| 2.0 * r);
     let mut warnings = scene.warnings.0.clone();
@@ -129,7 +129,7 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
         dx: d.dx,
         liquid_volume: volume,
         liquid_cells,
-        memory_bytes: memory_estimate(cells, wet),
+        memory_bytes: memory_estimate(scene.grid_cells(), wet),
         steps,
         run_seconds: steps * work / (threads.max(1) as f64),
         time_step,
@@ -177,7 +177,7 @@ pub fn machine_memory() -> Option<u64> {
 pub fn fits_memory(scene: &Scene, limit: Option<u64>) -> Result<(), SceneError> {
     let Some(limit) = limit else { return Ok(()) };
     let limit = limit as f64;
-    let cells = scene.domain.cell_count();
+    let cells = scene.grid_cells();
     let least = memory_estimate(cells, 0.0);
     let wet =
         || liquid_volume(scene).map_or(cells, |v| v / scene.domain.dx.powi(scene.domain.dimension as i32));
@@ -300,7 +300,7 @@ fn pairs(scene: &Scene) -> Vec<PairReport> {
         },
         elastocapillary_length: length,
     };
-    let mut out = vec![report("walls", Some(scene.domain.wall_contact_angle.cos()), None)];
+    let mut out = vec![report(WALLS, Some(scene.domain.wall_contact_angle.cos()), None)];
     for s in &scene.solids {
         let tension = scene.tension.solids.iter().find(|t| t.0 == s.name);
         let length = match &s.material {

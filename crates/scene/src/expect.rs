@@ -1,6 +1,6 @@
 //! The `[expect]` section: evaluated at the end of a run from what lies in its folder.
 
-use crate::file::{Expectation, Scene, Side};
+use crate::file::{Expectation, Scene, Side, WALLS};
 use crate::output::series::Table;
 use crate::output::summary::{Summary, Verdict};
 
@@ -47,7 +47,9 @@ fn verdict(expectation: &Expectation, summary: &Summary, series: &Table) -> Verd
         ),
         Expectation::ContactAngle { solid, value, tolerance } => {
             let degrees = |angle: f64| angle.to_degrees();
-            let found = summary.solids.iter().find(|s| s.name == *solid).and_then(|s| s.contact_angle);
+            let named = summary.solids.iter().find(|s| s.name == *solid);
+            let walls = || summary.wall_contact_angle.filter(|_| solid == WALLS);
+            let found = named.map_or_else(walls, |s| s.contact_angle);
             near(&format!("contact angle on {solid}"), found, degrees(*value), degrees(*tolerance), "deg")
         }
         Expectation::Floats { solid } => afloat(summary, solid),

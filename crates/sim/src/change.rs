@@ -14,6 +14,10 @@ use std::f64::consts::PI;
 /// Radius, in cells, from which on a drop's volume tells whether a step was too long, and its line what pulls at it.
 const RESOLVED: f64 = 2.0;
 
+/// Share of the wetted surface, as seen along the directions in which lines pull at no solid, from which on solids hold a
+/// component there as well: it stands in a vessel.
+const FACED: f64 = 0.01;
+
 /// What became of the components in a step.
 pub struct Change<const D: usize> {
     /// Which became which.
@@ -55,7 +59,9 @@ pub fn keep_volume<const D: usize>(
     let measured = liquid.measure(&state.phi);
     let raw = measured.volumes.clone();
     let mut groups = follow(before, &work.liquid, &state.drops, &measured.centers, dt);
-    let unpulled = unpulled(&measured.cubes, &in_band(&work.band, &labels), raw.len());
+    let mut unpulled = unpulled(&measured.cubes, &in_band(&work.band, &labels), raw.len());
+    let free = work.faced(&unpulled).into_iter().map(|share| share < FACED);
+    unpulled.iter_mut().zip(free).filter(|(_, free)| !free).for_each(|(part, _)| part.fill(0.0));
     expect(model, state, work, &mut groups, &unpulled, dt);
     let (targets, lost) = targets(&groups, &state.drops, &raw);
     state.lost_volume += lost;

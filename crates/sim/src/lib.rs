@@ -19,6 +19,7 @@ mod solid;
 mod state;
 mod step;
 mod track;
+mod walls;
 mod wetting;
 mod workspace;
 
@@ -30,4 +31,5 @@ pub use simulation::{Body, PhaseEnd, Simulation, StepError};
 pub use solid::{FRICTION, Motion, Path, RESTITUTION, RigidBody, Solid, SolidState};
 pub use state::{Drop, State};
 pub use track::{ContactLine, LinePoint, LineTracker};
+pub use walls::MARGIN;
 pub use wetting::{Hysteresis, Layer, Picture};

@@ -5,7 +5,7 @@ use crate::ledger::{Ledger, StepReport, ledger, max_component, own_energy, poten
 use crate::model::Model;
 use crate::solid::Solid;
 use crate::state::State;
-use crate::step::{open_books, step};
+use crate::step::{keep_distance, open_books, step};
 use crate::workspace::{BAND, Snapshot, Workspace};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Runs;
@@ -92,11 +92,12 @@ impl<const D: usize> Simulation<D> {
         let limit = BAND * grid.dx;
         let lattice = grid.lattice();
         state.phi.data.par_iter_mut().enumerate().for_each(|(i, value)| {
-            let x = grid.center(lattice.coordinates(i));
+            let x = model.mirrored(&grid.center(lattice.coordinates(i)));
             let distance = bodies.iter().map(|b| (b.distance)(&x)).fold(f64::INFINITY, f64::min);
             *value = distance.clamp(-limit, limit);
         });
         let mut simulation = Self::resume(model, state);
+        simulation.forget_sides();
         simulation.start_velocity(bodies);
         simulation
     }
@@ -107,6 +108,20 @@ impl<const D: usize> Simulation<D> {
         let work = by_dimension(&mut parts, (), workspace_2, workspace_3);
         let (model, state) = parts;
         Self { model, state, work }
+    }
+
+    /// Makes φ the distance to the surface where sides wet: a body may end at a side, and there no surface is.
+    fn forget_sides(&mut self) {
+        if !self.model.grid.has_margin() {
+            return;
+        }
+        let limit = BAND * self.model.grid.dx;
+        let work = &self.work;
+        let deep =
+            self.state.phi.data.par_iter_mut().enumerate().filter(|(c, _)| work.band.slot(*c).is_none());
+        deep.for_each(|(_, value)| *value = limit.copysign(*value));
+        self.state.drift = f64::INFINITY;
+        keep_distance(&self.model, &mut self.state, &self.work);
     }
 
     fn start_velocity(&mut self, bodies: &[Body<'_, D>]) {

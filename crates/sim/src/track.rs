@@ -15,7 +15,7 @@ use crate::liquid::transport::Flow;
 use crate::model::Model;
 use crate::profile::{Foot, contact_angle};
 use crate::simulation::Simulation;
-use crate::solid::{Solid, SolidState};
+use crate::solid::SolidState;
 use crate::workspace::BAND;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Sampler;
@@ -81,10 +81,11 @@ pub struct LinePoint<const D: usize> {
 }
 
 impl<const D: usize> LineTracker<D> {
-    /// Makes a mesh of every solid, with edges of the given lengths (m); one without bounds ends at the domain's sides.
+    /// Makes a mesh of every solid, with edges of the given lengths (m); one without bounds ends at the domain's sides, and
+    /// walls that wet at those of the grid.
     pub fn new(model: &Model<D>, edges: &[f64]) -> Self {
-        let tracked = |(solid, edge): (&Solid<D>, &f64)| Tracked::new(model, solid, *edge);
-        Self { solids: model.solids.iter().zip(edges).map(tracked).collect() }
+        let tracked = |(number, edge): (usize, &f64)| Tracked::new(model, number, *edge);
+        Self { solids: (0..model.solids.len()).zip(edges).map(tracked).collect() }
     }
 
     /// The surface of a solid where it starts; the vertices of [`ContactLine::phi_c`].
@@ -143,9 +144,9 @@ impl<'a, const D: usize> Seen<'a, D> {
     /// Whether a point lies in a solid other than `number`, or beyond the domain.
     fn is_covered(&self, number: usize, x: &Vector<D>) -> bool {
         let mut others = (0..self.solids.len()).filter(|i| *i != number);
-        let upper = self.model.grid.upper();
-        let slack = 1e-9 * upper.max();
-        (0..D).any(|a| x[a] < -slack || x[a] > upper[a] + slack)
+        let [low, high] = self.model.grid.bounds();
+        let slack = 1e-9 * high.max();
+        (0..D).any(|a| x[a] < low[a] - slack || x[a] > high[a] + slack)
             || others.any(|i| self.model.solids[i].distance(&self.solids[i], x) < 0.0)
     }
 
@@ -155,7 +156,7 @@ impl<'a, const D: usize> Seen<'a, D> {
         let normal = solid.normal(now, &at, 0.01 * self.dx);
         let (_, slope) = self.phi.distance(&(at + normal * (HIGHER * self.dx)));
         let outward = (slope - normal * slope.dot(&normal)).try_normalize(0.0).unwrap_or(Vector::zeros());
-        let height = |x: &Vector<D>| solid.distance(now, x);
+        let height = |x: &Vector<D>| self.model.height(self.solids, number, (&at, &normal), x);
         let foot = Foot { at, normal, dx: self.dx, height: &height };
         let angle =
             contact_angle(&self.phi, &foot).unwrap_or_else(|| slope.dot(&normal).clamp(-1.0, 1.0).acos());
@@ -167,10 +168,15 @@ impl<'a, const D: usize> Seen<'a, D> {
 }
 
 impl<const D: usize> Tracked<D> {
-    fn new(model: &Model<D>, solid: &Solid<D>, edge: f64) -> Self {
+    fn new(model: &Model<D>, number: usize, edge: f64) -> Self {
+        let solid = &model.solids[number];
         let (low, high) = solid.shape.bounds();
         let margin = Vector::repeat(2.0 * edge);
-        let (low, high) = ((low - margin).sup(&Vector::zeros()), (high + margin).inf(&model.grid.upper()));
+        let [first, last] = match model.wetting_walls() == Some(number) {
+            true => model.grid.bounds(),
+            false => [Vector::zeros(), model.grid.upper()],
+        };
+        let (low, high) = ((low - margin).sup(&first), (high + margin).inf(&last));
         let surface = ShapeSurface::new(&|x| solid.shape.signed_distance(x), low, high, edge);
         let mut normals = vec![Vector::zeros(); surface.mesh.positions.len()];
         for (f, facet) in surface.own_facets().iter().enumerate() {

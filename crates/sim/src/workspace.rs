@@ -8,10 +8,10 @@ use crate::liquid::volume::Liquid;
 use crate::model::Model;
 use crate::solid::Motion;
 use crate::state::State;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{
     Band, CellField, CutCells, Grid, KnownFaces, Run, Runs, Sampler, Segment, Tiles, points,
 };
+use meniscus_numerics::{Matrix, Vector};
 use rayon::prelude::*;
 
 /// Largest distance that φ tells, in cells.
@@ -172,9 +172,10 @@ impl<const D: usize> Workspace<D> {
 
     /// What each component touches.
     pub fn touching(&self, model: &Model<D>) -> Vec<Touching> {
-        let (near, upper) = (0.75 * model.grid.dx, model.grid.upper());
-        let at_side =
-            |(low, high): &(Vector<D>, Vector<D>)| (0..D).any(|a| low[a] < near || high[a] > upper[a] - near);
+        let (near, [first, last]) = (0.75 * model.grid.dx, model.grid.bounds());
+        let at_side = |(low, high): &(Vector<D>, Vector<D>)| {
+            (0..D).any(|a| low[a] < first[a] + near || high[a] > last[a] - near)
+        };
         let boxes = boxes(model, &self.liquid);
         let mut touching: Vec<Touching> =
             boxes.iter().map(|b| Touching { side: at_side(b), held: false, free: false }).collect();
@@ -187,6 +188,20 @@ impl<const D: usize> Workspace<D> {
             }
         }
         touching
+    }
+
+    /// The share of the solids' surface that each component wets which faces the directions of its part of vectors.
+    pub fn faced(&self, parts: &[Matrix<D>]) -> Vec<f64> {
+        let label = self.liquid.component(&self.cut.open.grid);
+        let mut sums = vec![(0.0, 0.0); parts.len()];
+        for w in &self.cut.wet {
+            if let Some(c) = label(w.cell as usize).filter(|c| (*c as usize) < parts.len()) {
+                let (faced, all) = &mut sums[c as usize];
+                *faced += (parts[c as usize] * w.area).norm();
+                *all += w.area.norm();
+            }
+        }
+        sums.into_iter().map(|(faced, all)| faced / f64::max(all, f64::MIN_POSITIVE)).collect()
     }
 
     /// The liquid as the volume correction sees it.

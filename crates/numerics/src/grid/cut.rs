@@ -44,7 +44,7 @@ pub struct WetCell<const D: usize> {
     pub solid: u32,
     /// `∫ n dS`.
     pub area: Vector<D>,
-    /// `∫ r × n dS` about the grid's origin (2D: in the last entry).
+    /// `∫ r × n dS` about the origin (2D: in the last entry).
     pub moment: [f64; 3],
     /// `∫ n ⊗ r dS` with `r` from the cell's centre: the slope of a pressure pushes with this times itself.
     pub spread: Matrix<D>,
@@ -92,7 +92,7 @@ impl<const D: usize> CutCells<D> {
         }
         self.boxes = solids.iter().map(|s| cells_around(&grid, s.bounds)).collect();
         for (solid, [low, high]) in solids.iter().zip(&self.boxes) {
-            let corner = |at: [usize; D]| Vector::from_fn(|a, _| at[a] as f64 * grid.dx);
+            let corner = |at: [usize; D]| grid.corner(at);
             let center = |at: [usize; D]| grid.center(at);
             nearest(solid, corner_lattice(&grid), [*low, high.map(|n| n + 1)], corner, &mut self.corners);
             nearest(solid, grid.lattice(), [*low, *high], center, &mut self.centers);
@@ -221,7 +221,7 @@ impl<const D: usize> CutCells<D> {
             }
             // What is left of whole faces is rounding. Two surfaces in a cell may cancel in area and still turn a body (3D).
             let turning = planes::<D>().iter().map(|&(b, c, place)| {
-                let (y, z) = (at[b] as f64 + 0.5, at[c] as f64 + 0.5);
+                let [y, z] = [b, c].map(|a| grid.from_origin(a, at[a] as f64 + 0.5));
                 (moment[place] - (y * area[c] - z * area[b])).abs()
             });
             if turning.fold(area.amax(), f64::max) < ROUNDING {
@@ -269,7 +269,7 @@ impl<const D: usize> CutCells<D> {
             all if all > 1.0 - LEAST => (1.0, [0.5; 2]),
             some => (some, [s, t]),
         };
-        let mut centroid = Vector::from_fn(|b, _| at[b] as f64);
+        let mut centroid = Vector::from_fn(|b, _| self.open.grid.from_origin(b, at[b] as f64));
         centroid[along[0]] += s;
         if D == 3 {
             centroid[along[1]] += t;
@@ -302,10 +302,9 @@ fn nearest<const D: usize>(
 
 /// The cells that a box touches, and some more all around.
 fn cells_around<const D: usize>(grid: &Grid<D>, bounds: [Vector<D>; 2]) -> [[usize; D]; 2] {
-    let clamp = |x: f64, n: usize| x.clamp(0.0, n as f64) as usize;
-    let low = std::array::from_fn(|a| clamp((bounds[0][a] / grid.dx).floor() - MARGIN, grid.cells[a]));
-    let high: [usize; D] =
-        std::array::from_fn(|a| clamp((bounds[1][a] / grid.dx).ceil() + MARGIN, grid.cells[a]));
+    let clamp = |a: usize, x: f64| (x + grid.margin[a][0] as f64).clamp(0.0, grid.cells[a] as f64) as usize;
+    let low = std::array::from_fn(|a| clamp(a, (bounds[0][a] / grid.dx).floor() - MARGIN));
+    let high: [usize; D] = std::array::from_fn(|a| clamp(a, (bounds[1][a] / grid.dx).ceil() + MARGIN));
     [low, std::array::from_fn(|a| high[a].max(low[a]))]
 }
 

@@ -22,8 +22,10 @@ pub enum Edge {
 pub struct Sampler<'a, const D: usize> {
     data: &'a [f64],
     lattice: Lattice<D>,
-    /// Position of point 0 in cells: 0.5 for centres, 0 along the normal of faces.
+    /// Position of point 0 in cells from the grid's lower side: 0.5 for centres, 0 along the normal of faces.
     shift: [f64; D],
+    /// Cells of the grid before the origin.
+    before: [f64; D],
     edges: [[Edge; 2]; D],
     inverse_dx: f64,
 }
@@ -34,14 +36,25 @@ type Stencil = [[f64; 4]; 16];
 impl<'a, const D: usize> Sampler<'a, D> {
     /// Samples values at cell centres; `edges` as for a scalar.
     pub fn cells(grid: &Grid<D>, data: &'a [f64], edges: [[Edge; 2]; D]) -> Self {
-        Self { data, lattice: grid.lattice(), shift: [0.5; D], edges, inverse_dx: 1.0 / grid.dx }
+        Self::new(grid, data, grid.lattice(), [0.5; D], edges)
     }
 
     /// Samples values on the faces normal to `axis`; `edges` as for that component of a velocity.
     pub fn faces(grid: &Grid<D>, axis: usize, data: &'a [f64], edges: [[Edge; 2]; D]) -> Self {
         let mut shift = [0.5; D];
         shift[axis] = 0.0;
-        Self { data, lattice: grid.faces(axis), shift, edges, inverse_dx: 1.0 / grid.dx }
+        Self::new(grid, data, grid.faces(axis), shift, edges)
+    }
+
+    fn new(
+        grid: &Grid<D>,
+        data: &'a [f64],
+        lattice: Lattice<D>,
+        shift: [f64; D],
+        edges: [[Edge; 2]; D],
+    ) -> Self {
+        let before = grid.margin.map(|m| m[0] as f64);
+        Self { data, lattice, shift, before, edges, inverse_dx: 1.0 / grid.dx }
     }
 
     /// Multilinear interpolation at `x` (m).
@@ -163,7 +176,8 @@ impl<'a, const D: usize> Sampler<'a, D> {
         let mut t = [0.0; D];
         for a in 0..D {
             // Two cells beyond the edge at most: farther out nothing more is known.
-            let s = (x[a] * self.inverse_dx - self.shift[a]).clamp(-2.0, self.lattice.extent[a] as f64 + 1.0);
+            let s = x[a] * self.inverse_dx + (self.before[a] - self.shift[a]);
+            let s = s.clamp(-2.0, self.lattice.extent[a] as f64 + 1.0);
             let floor = s.floor();
             base[a] = floor as isize;
             t[a] = s - floor;

@@ -19,16 +19,18 @@ pub use tiles::{Segment, TILE, Tiles};
 
 use crate::Vector;
 
-/// A box of cubic cells with its lower corner at the origin.
+/// A box of cubic cells around the domain, whose lower corner is the origin.
 ///
 /// Cells are numbered with the first axis running fastest: `index = i + nx (j + ny k)`. The faces normal to axis
 /// `a` form a lattice of their own with one more entry along `a`; face `i` along `a` is the *lower* face of cell `i`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid<const D: usize> {
-    /// Number of cells along each axis.
+    /// Number of cells along each axis, with those beyond the domain.
     pub cells: [usize; D],
     /// Cell size, m.
     pub dx: f64,
+    /// Cells beyond the lower and the upper side of the domain along each axis; as a rule none.
+    pub margin: [[usize; 2]; D],
 }
 
 /// The shape of a dense array over a lattice: extents and strides, the first axis running fastest.
@@ -97,10 +99,31 @@ impl<const D: usize> Lattice<D> {
 }
 
 impl<const D: usize> Grid<D> {
-    /// A grid of `cells` cells of size `dx` (m).
+    /// A grid of `cells` cells of size `dx` (m), none of them beyond the domain.
     pub fn new(cells: [usize; D], dx: f64) -> Self {
         const { assert!(D == 2 || D == 3, "Meniscus works in two or three dimensions") };
-        Self { cells, dx }
+        Self { cells, dx, margin: [[0; 2]; D] }
+    }
+
+    /// The same domain with `margin` cells beyond its sides.
+    pub fn with_margin(&self, margin: [[usize; 2]; D]) -> Self {
+        let inner = self.domain_cells();
+        Self { cells: std::array::from_fn(|a| inner[a] + margin[a][0] + margin[a][1]), margin, ..*self }
+    }
+
+    /// Whether it has cells beyond the domain.
+    pub fn has_margin(&self) -> bool {
+        self.margin != [[0; 2]; D]
+    }
+
+    /// Number of cells of the domain along each axis.
+    pub fn domain_cells(&self) -> [usize; D] {
+        std::array::from_fn(|a| self.cells[a] - self.margin[a][0] - self.margin[a][1])
+    }
+
+    /// Distance from the origin along an axis, in cells, of what lies `i` cells from the grid's lower side.
+    pub fn from_origin(&self, axis: usize, i: f64) -> f64 {
+        i - self.margin[axis][0] as f64
     }
 
     /// The lattice of cell centres.
@@ -125,18 +148,29 @@ impl<const D: usize> Grid<D> {
         self.dx.powi(D as i32 - 1)
     }
 
-    /// Upper corner of the box, m.
+    /// Upper corner of the domain, m.
     pub fn upper(&self) -> Vector<D> {
-        Vector::from_fn(|a, _| self.cells[a] as f64 * self.dx)
+        Vector::from_fn(|a, _| self.domain_cells()[a] as f64 * self.dx)
+    }
+
+    /// Lower and upper corner of the grid, m: those of the domain with what lies beyond its sides.
+    pub fn bounds(&self) -> [Vector<D>; 2] {
+        [self.corner([0; D]), self.corner(self.cells)]
+    }
+
+    /// Lower corner of a cell, m.
+    pub fn corner(&self, at: [usize; D]) -> Vector<D> {
+        Vector::from_fn(|a, _| self.from_origin(a, at[a] as f64) * self.dx)
     }
 
     /// Centre of a cell, m.
     pub fn center(&self, at: [usize; D]) -> Vector<D> {
-        Vector::from_fn(|a, _| (at[a] as f64 + 0.5) * self.dx)
+        Vector::from_fn(|a, _| self.from_origin(a, at[a] as f64 + 0.5) * self.dx)
     }
 
     /// Centre of a face normal to `axis`, m.
     pub fn face_center(&self, axis: usize, at: [usize; D]) -> Vector<D> {
-        Vector::from_fn(|a, _| (at[a] as f64 + if a == axis { 0.0 } else { 0.5 }) * self.dx)
+        let shift = |a: usize| if a == axis { 0.0 } else { 0.5 };
+        Vector::from_fn(|a, _| self.from_origin(a, at[a] as f64 + shift(a)) * self.dx)
     }
 }

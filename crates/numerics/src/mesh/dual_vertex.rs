@@ -34,7 +34,7 @@ pub(super) fn place<const D: usize>(phi: &CellField<D>, at: [usize; D], corners:
             kind = CONTACT_LINE;
         }
     }
-    (Vector::from_fn(|a, _| (at[a] as f64 - 0.5 + s[a]) * phi.grid.dx), kind)
+    (Vector::from_fn(|a, _| phi.grid.from_origin(a, at[a] as f64 - 0.5 + s[a]) * phi.grid.dx), kind)
 }
 
 /// Whether a corner of a cube is a cell rather than padding.

@@ -99,7 +99,7 @@ pub struct FrequencyFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactAngleFile {
-    /// Name of the solid.
+    /// Name of the solid; `walls` for the closed sides of the domain, if no solid is called so.
     pub solid: String,
     /// Expected angle.
     pub value: Angle,

@@ -45,7 +45,7 @@ pub enum Expectation {
     },
     /// Contact angle at the end.
     ContactAngle {
-        /// Name of the solid.
+        /// Name of the solid, or [`super::WALLS`].
         solid: String,
         /// Expected, rad.
         value: f64,

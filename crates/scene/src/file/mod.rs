@@ -90,7 +90,8 @@ pub struct DomainFile {
     /// What each side is.
     #[serde(default)]
     pub walls: WallsFile,
-    /// Angle at which the liquid meets the sides, through the liquid.
+    /// Angle at which the liquid meets the closed sides, through the liquid. At 90 degrees, as without this key, they are
+    /// mirrors: no contact line is seen on them, and it has neither friction nor hysteresis.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wall_contact_angle: Option<Angle>,
 }

@@ -79,10 +79,12 @@ fn resolve(file: SceneFile, source: Source, base: &Path, quality: Quality) -> Re
     let names: Vec<&str> = solids.iter().map(|s| s.name.as_str()).collect();
     let tension = r.tension(&file.tension, &solids)?;
     let contact_line = r.contact_line(&file.contact_line.unwrap_or_default(), &names)?;
-    r.young_within(&tension, &contact_line)?;
+    r.young_within(&tension, &contact_line, &domain)?;
     let numerics = r.numerics(&file.numerics)?;
     let output = r.output(&file.output)?;
-    let expect = r.expect(&file.expect.unwrap_or_default(), &names)?;
+    let wets = (domain.wets() && contact_line.enabled).then_some(WALLS);
+    let angles: Vec<&str> = names.iter().copied().chain(wets).collect();
+    let expect = r.expect(&file.expect.unwrap_or_default(), &names, &angles)?;
     Ok(Scene {
         name: file.name,
         based_on: file.based_on,

@@ -225,7 +225,13 @@ impl Resolver {
         Ok(ContactLine { enabled, radius, friction, friction_of, hysteresis })
     }
 
-    pub fn expect(&mut self, e: &ExpectFile, names: &[&str]) -> Result<Vec<Expectation>, SceneError> {
+    /// The expectations; `names` are the solids', `angles` those of what has a contact angle.
+    pub fn expect(
+        &mut self,
+        e: &ExpectFile,
+        names: &[&str],
+        angles: &[&str],
+    ) -> Result<Vec<Expectation>, SceneError> {
         let bound = |key: &str, m: MaxFile| self.not_negative(&format!("expect.{key}.max"), "a bound", m.max);
         let mut out = Vec::new();
         if let Some(m) = e.volume_drift {
@@ -253,6 +259,7 @@ impl Resolver {
             out.push(Expectation::Frequency { mode: p.mode, value, tolerance });
         }
         self.expect_liquid(e, &mut out)?;
+        self.expect_angles(e, angles, &mut out)?;
         self.expect_solids(e, names, &mut out)?;
         Ok(out)
     }
@@ -287,7 +294,7 @@ impl Resolver {
         Ok(())
     }
 
-    fn expect_solids(
+    fn expect_angles(
         &self,
         e: &ExpectFile,
         names: &[&str],
@@ -302,6 +309,15 @@ impl Resolver {
             let tolerance = self.positive(&format!("{p}.tolerance"), "the tolerance", c.tolerance.0)?;
             out.push(Expectation::ContactAngle { solid: c.solid.clone(), value, tolerance });
         }
+        Ok(())
+    }
+
+    fn expect_solids(
+        &self,
+        e: &ExpectFile,
+        names: &[&str],
+        out: &mut Vec<Expectation>,
+    ) -> Result<(), SceneError> {
         for (i, name) in e.floats.iter().enumerate() {
             self.known_solid(&format!("expect.floats.{i}"), false, name, names)?;
             out.push(Expectation::Floats { solid: name.clone() });

@@ -173,9 +173,15 @@ impl Resolver {
     }
 
     /// Young's angle lies between the receding and the advancing one, and does not vary where those do not.
-    pub fn young_within(&self, tension: &Tensions, line: &ContactLine) -> Result<(), SceneError> {
+    pub fn young_within(
+        &self,
+        tension: &Tensions,
+        line: &ContactLine,
+        domain: &Domain,
+    ) -> Result<(), SceneError> {
         let Some(Hysteresis::Between { advancing, receding }) = line.hysteresis else { return Ok(()) };
         let refuse = |message: String, help| Err(self.error("contact_line.hysteresis", message, help));
+        let mut all = Vec::from_iter(domain.wets().then_some((WALLS, domain.wall_contact_angle)));
         for (name, solid) in &tension.solids {
             if !solid.is_even() {
                 let message = format!(
@@ -186,14 +192,18 @@ impl Resolver {
                     "give them around Young's angle: { above = \"10 deg\", below = \"10 deg\" }",
                 );
             }
-            let angle = solid.tension.young_cosine(tension.liquid_air).clamp(-1.0, 1.0).acos();
+            all.push((name, solid.tension.young_cosine(tension.liquid_air).clamp(-1.0, 1.0).acos()));
+        }
+        for (name, angle) in all {
             if !(receding - 1e-9..=advancing + 1e-9).contains(&angle) {
                 let [young, advancing, receding] = [angle, advancing, receding].map(f64::to_degrees);
                 let message = format!(
                     "the contact angle of `{name}`, {young:.1} deg, is not between the receding one, {receding:.1} deg, \
                      and the advancing one, {advancing:.1} deg"
                 );
-                return refuse(message, "change `contact_line.hysteresis` or the solid's tensions");
+                let help =
+                    "change `contact_line.hysteresis`, the solid's tensions or `domain.wall_contact_angle`";
+                return refuse(message, help);
             }
         }
         Ok(())

@@ -2,7 +2,6 @@
 
 use super::{Format, Material, Scene, Scheme, ShapeSpec};
 use crate::error::SceneError;
-use std::f64::consts::FRAC_PI_2;
 
 /// Whether this version can run the scene.
 ///
@@ -37,10 +36,6 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
     }
     if scene.numerics.scheme == Scheme::Paper {
         return refuse("numerics.scheme", "the scheme `paper`", "use scheme = \"meniscus\"");
-    }
-    if (scene.domain.wall_contact_angle - FRAC_PI_2).abs() > 1e-9 {
-        let help = "use wall_contact_angle = \"90 deg\"";
-        return refuse("domain.wall_contact_angle", "wall contact angles other than 90 deg", help);
     }
     if let Some(i) = scene.output.formats.iter().position(|f| !matches!(f, Format::Ply | Format::Page)) {
         let name = format!("{:?}", scene.output.formats[i]).to_lowercase();

@@ -1,7 +1,11 @@
 //! A resolved scene: SI, defaults filled in, checked for sense. Vectors have `dimension` entries.
 
 use super::{Expectation, Format, Scheme, Source, Wall};
+use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
+
+/// What the closed sides are called where solids have names.
+pub const WALLS: &str = "walls";
 
 pub use super::shape::OutlineName;
 
@@ -51,7 +55,7 @@ pub struct Domain {
     pub dx: f64,
     /// Lower and upper side along each axis.
     pub walls: Vec<[Wall; 2]>,
-    /// Angle at which the liquid meets the sides, rad.
+    /// Angle at which the liquid meets the closed sides, rad.
     pub wall_contact_angle: f64,
 }
 
@@ -59,6 +63,26 @@ impl Domain {
     /// Number of cells.
     pub fn cell_count(&self) -> f64 {
         self.cells.iter().map(|&n| n as f64).product()
+    }
+
+    /// Whether the angle at the closed sides is another one than 90 degrees, that of a mirror.
+    pub fn wets(&self) -> bool {
+        (self.wall_contact_angle - FRAC_PI_2).abs() > 1e-9
+    }
+}
+
+impl Scene {
+    /// Whether liquid meets the closed sides at another angle than 90 degrees.
+    pub fn walls_wet(&self) -> bool {
+        self.domain.wets() && self.contact_line.enabled
+    }
+
+    /// Number of cells of the grid: those of the domain, and those beyond sides that wet.
+    pub fn grid_cells(&self) -> f64 {
+        let margin = if self.walls_wet() { meniscus_sim::MARGIN } else { 0 };
+        let closed = |sides: &[Wall; 2]| sides.iter().filter(|w| **w == Wall::Slip).count();
+        let along = |(n, sides): (&usize, &[Wall; 2])| (n + margin * closed(sides)) as f64;
+        self.domain.cells.iter().zip(&self.domain.walls).map(along).product()
     }
 }
 

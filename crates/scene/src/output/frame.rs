@@ -101,7 +101,8 @@ fn young<const D: usize>(simulation: &Simulation<D>, number: usize, points: &[Ve
     points.par_iter().map(|x| cosine(x).clamp(-1.0, 1.0).acos().to_degrees()).collect()
 }
 
-/// The contact line: vertices with angle, speed, force per length and solid, in 3D with edges.
+/// The contact line: vertices with angle, speed, force per length and the number of the solid (that after the last one: the
+/// walls of the domain), in 3D with edges.
 pub fn contact_line<const D: usize>(simulation: &Simulation<D>, line: &ContactLine<D>) -> PlyMesh {
     let mut mesh = ply(&SurfaceMesh::<D>::default(), simulation.state.time);
     mesh.positions = line.points.iter().map(|p| three(&p.at)).collect();
@@ -116,6 +117,9 @@ pub fn contact_line<const D: usize>(simulation: &Simulation<D>, line: &ContactLi
     }
     put("solid", &|p| f64::from(p.solid));
     mesh.comments.push("angle in degrees through the liquid, speed in m/s, force in N/m".into());
+    if let Some(walls) = simulation.model.wetting_walls() {
+        mesh.comments.push(format!("solid {walls} are the walls of the domain"));
+    }
     mesh
 }
 

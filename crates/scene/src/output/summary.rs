@@ -23,9 +23,9 @@ pub struct Summary {
     pub exit_reason: String,
     /// 2 or 3.
     pub dimension: usize,
-    /// Cells along the longest side.
+    /// Cells along the longest side of the domain.
     pub resolution: usize,
-    /// Cells along each axis.
+    /// Cells of the domain along each axis.
     pub cells: Vec<usize>,
     /// Cell size, m.
     pub dx: f64,
@@ -65,6 +65,9 @@ pub struct Summary {
     pub drops: Vec<DropSummary>,
     /// The solids.
     pub solids: Vec<SolidSummary>,
+    /// Mean contact angle on the closed sides, degrees; null where no line is on them, and where they are mirrors.
+    #[serde(default)]
+    pub wall_contact_angle: Option<f64>,
     /// The `[expect]` section of the scene, evaluated; empty before the end.
     #[serde(default)]
     pub expect: Vec<Verdict>,
@@ -189,8 +192,8 @@ impl Summary {
             version: env!("CARGO_PKG_VERSION").to_string(),
             exit_reason: exit_reason.to_string(),
             dimension: D,
-            resolution: grid.cells.into_iter().max().unwrap_or(0),
-            cells: grid.cells.to_vec(),
+            resolution: grid.domain_cells().into_iter().max().unwrap_or(0),
+            cells: grid.domain_cells().to_vec(),
             dx: grid.dx,
             domain: three(&grid.upper())[..D].to_vec(),
             threads: rayon::current_num_threads(),
@@ -210,6 +213,7 @@ impl Summary {
             peak_memory_bytes: peak_memory().unwrap_or(0),
             drops: state.drops.iter().map(DropSummary::of).collect(),
             solids,
+            wall_contact_angle: simulation.model.wetting_walls().and_then(angle),
             expect: Vec::new(),
         }
     }

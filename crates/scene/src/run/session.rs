@@ -17,6 +17,9 @@ const SHORTEST_PAUSE: Duration = Duration::from_millis(100);
 /// Checkpoints of very long runs are at most this far apart, whatever the number of frames: no more can be lost.
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 
+/// Edges of the mesh of walls that wet along a cell: as many as solids have of which nothing is told.
+const EDGES: f64 = 1.5;
+
 /// A run that is going on in this process.
 pub(super) struct Session<'a, const D: usize> {
     job: &'a Job,
@@ -77,8 +80,10 @@ impl<'a, const D: usize> Session<'a, D> {
         folder: &'a Folder,
         resumed_at: Option<f64>,
     ) -> Result<Self, FileError> {
-        let edges: Vec<f64> = job.solids.iter().map(|(_, edge)| *edge).collect();
-        let tracker = LineTracker::new(&simulation.model, &edges);
+        let model = &simulation.model;
+        let walls = model.wetting_walls().map(|_| model.grid.dx / EDGES);
+        let edges: Vec<f64> = job.solids.iter().map(|(_, edge)| *edge).chain(walls).collect();
+        let tracker = LineTracker::new(model, &edges);
         Ok(Self {
             job,
             folder,
@@ -123,7 +128,7 @@ impl<'a, const D: usize> Session<'a, D> {
         let event = Event::Begin {
             scene: self.job.name.clone(),
             dimension: D,
-            cells: self.simulation.model.grid.cells.to_vec(),
+            cells: self.simulation.model.grid.domain_cells().to_vec(),
             last_frame: self.job.last_frame(),
             folder: self.folder.root().to_path_buf(),
             resumed_at: self.resumed_at,
@@ -199,7 +204,7 @@ impl<'a, const D: usize> Session<'a, D> {
     }
 
     fn follow_line(&mut self) {
-        if !self.job.solids.is_empty() {
+        if !self.simulation.model.solids.is_empty() {
             let start = Instant::now();
             self.line = self.tracker.find(&self.simulation);
             self.tally.add_phase("contact line", start.elapsed().as_secs_f64());
@@ -226,7 +231,7 @@ impl<'a, const D: usize> Session<'a, D> {
             let mesh = frame::solid(&self.simulation, i, self.tracker.surface(i), &self.line);
             frame::write(&self.folder.solid(name, number), &mesh)?;
         }
-        if !self.job.solids.is_empty() {
+        if !self.simulation.model.solids.is_empty() {
             let mesh = frame::contact_line(&self.simulation, &self.line);
             frame::write(&self.folder.contact_line(number), &mesh)?;
         }

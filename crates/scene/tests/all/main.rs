@@ -5,3 +5,4 @@ mod patterns;
 mod resume;
 mod scene_errors;
 mod scene_round_trip;
+mod walls;

@@ -205,8 +205,6 @@ fn what_cannot_run_yet() {
     assert!(e.message.contains("`vtk`"), "{e}");
     let e = bad_text(&format!("{GOOD}\n[numerics]\nscheme = \"paper\"\n"));
     assert_eq!(marked(&e), "\"paper\"");
-    let e = bad("walls =", "wall_contact_angle = \"60 deg\"\nwalls =");
-    assert_eq!(marked(&e), "\"60 deg\"");
     let ball = "ball = { center = [\"1.5 mm\", \"1.5 mm\", \"1.5 mm\"], radius = \"1 mm\" }";
     let cut = "extrusion = { outline = \"petals-4\", size = \"1 mm\", thickness = \"0.2 mm\", center = \
                [\"1.5 mm\", \"1.5 mm\", \"1.5 mm\"] }";

@@ -40,11 +40,14 @@ const EXACT: f64 = 1e-12;
 pub struct Probes<const D: usize>(Vec<Vec<Probe<D>>>);
 
 impl<const D: usize> Probes<D> {
-    /// Those of a model's solids; none where nothing can collide.
+    /// Those of a model's solids; none where nothing can collide, and none of the sides.
     pub fn of(model: &Model<D>) -> Self {
         let free = model.solids.iter().any(|s| s.motion == Motion::Free);
-        let probes = |s: &Solid<D>| if free { s.shape.probes(EDGE * model.grid.dx) } else { Vec::new() };
-        Self(model.solids.iter().map(probes).collect())
+        let probes = |(i, s): (usize, &Solid<D>)| match free && model.wetting_walls() != Some(i) {
+            true => s.shape.probes(EDGE * model.grid.dx),
+            false => Vec::new(),
+        };
+        Self(model.solids.iter().enumerate().map(probes).collect())
     }
 }
 
@@ -197,7 +200,8 @@ impl<'a, const D: usize> Contacts<'a, D> {
         let inverse = inverse.collect();
         let near = Near { model, solids, probes, ahead };
         let mut all = Vec::new();
-        for i in 0..model.solids.len() {
+        // Sides are met as such, whatever liquid does at them.
+        for i in (0..model.solids.len()).filter(|i| model.wetting_walls() != Some(*i)) {
             if free(i) {
                 near.sides(i, &mut all);
             }

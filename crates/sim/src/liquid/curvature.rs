@@ -158,7 +158,8 @@ impl<const D: usize> Beside<'_, D> {
         let lattice = grid.lattice();
         let mut spreads = Vec::new();
         for ghost in self.ghosts.iter().filter(|g| (g.slot as usize) < slopes.len()) {
-            let place = ghost.outside / grid.dx - Vector::repeat(0.5);
+            let place: [f64; D] =
+                std::array::from_fn(|a| ghost.outside[a] / grid.dx + grid.margin[a][0] as f64 - 0.5);
             let mut to = Vec::with_capacity(1 << D);
             for k in 0..1usize << D {
                 let mut weight = 1.0;

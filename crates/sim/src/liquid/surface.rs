@@ -71,8 +71,7 @@ impl<const D: usize> SurfaceLattice<D> {
             if open == 0 || psi[..1 << D].iter().all(|v| *v > 0.0) {
                 return None;
             }
-            let middle = Vector::from_fn(|a, _| at[a] as f64 * self.grid.dx);
-            let (solid, young) = nearest(&middle);
+            let (solid, young) = nearest(&self.grid.corner(at));
             let flooded = CutCube::new(corners, open);
             let mut dry = DryCube { key, psi, open, solid, cosine: young, young, pinned: false, flooded };
             dry.flooded = self.wetted(&dry, &[-1.0; 8], at);
@@ -116,7 +115,7 @@ impl<const D: usize> SurfaceLattice<D> {
             let wet = (0..1 << D).filter(|k| values[*k] < 0.0).count();
             let at = cubes.coordinates(dry.key as usize);
             let pulls = || self.wetted(dry, &values, at).lift != [0.0; 3];
-            let lower = Vector::from_fn(|a, _| at[a] as f64 - 0.5);
+            let lower = Vector::from_fn(|a, _| self.grid.from_origin(a, at[a] as f64 - 0.5));
             let there = wet > 0 && wet < 1 << D && pulls();
             there.then(|| (number, (lower + both_zero(&values, &dry.psi)) * self.grid.dx))
         };
@@ -188,16 +187,17 @@ impl<const D: usize> SurfaceLattice<D> {
     fn place(&self, cube: &mut CutCube, at: [usize; D]) {
         let last = self.grid.cells;
         // The half of a mirrored cube that is in the domain lies a quarter of a cell from the wall.
+        let from_origin = |a: usize, i: f64| self.grid.from_origin(a, i);
         let shift = Vector::<D>::from_fn(|a, _| match at[a] {
-            0 => 0.25,
-            n if n == last[a] => n as f64 - 0.25,
-            n => n as f64 - 0.5,
+            0 => from_origin(a, 0.25),
+            n if n == last[a] => from_origin(a, n as f64 - 0.25),
+            n => from_origin(a, n as f64 - 0.5),
         });
         let high = self.weight.dot(&shift);
         (0..1 << D).for_each(|k| cube.energy_slope[k] += high * cube.volume_slope[k]);
         let pull = cube.pull();
         for &(a, b, place) in planes::<D>() {
-            let (x, y) = (at[a] as f64 - 0.5, at[b] as f64 - 0.5);
+            let [x, y] = [a, b].map(|a| from_origin(a, at[a] as f64 - 0.5));
             cube.turn[place] += x * pull[b] - y * pull[a];
         }
         let sides = (0..D).filter(|&a| at[a] == 0 || at[a] == last[a]).count();
@@ -241,8 +241,8 @@ impl<const D: usize> SurfaceLattice<D> {
         for run in &liquid.runs {
             let at = cells.coordinates(run.row as usize * cells.extent[0]);
             let n = (run.end - run.start) as f64;
-            let mut moment = Vector::from_fn(|a, _| n * (at[a] as f64 + 0.5));
-            moment[0] = 0.5 * n * (run.start + run.end) as f64;
+            let mut moment = Vector::from_fn(|a, _| n * self.grid.from_origin(a, at[a] as f64 + 0.5));
+            moment[0] = n * self.grid.from_origin(0, 0.5 * (run.start + run.end) as f64);
             for a in 0..D {
                 let (first, last) =
                     if a == 0 { (run.start as usize, run.end as usize - 1) } else { (at[a], at[a]) };

@@ -5,3 +5,4 @@ mod contact_line;
 mod free_surface;
 mod patterns;
 mod solids;
+mod walls;

@@ -60,7 +60,7 @@ fn bath<const D: usize>(grid: Grid<D>, shape: Shape<D>, angle: f64, level: f64) 
 }
 
 /// Height of the surface over or under a point.
-fn level<const D: usize>(sim: &Simulation<D>, mut x: Vector<D>) -> f64 {
+pub(super) fn level<const D: usize>(sim: &Simulation<D>, mut x: Vector<D>) -> f64 {
     let grid = &sim.model.grid;
     let sampler = Sampler::cells(grid, &sim.state.phi.data, sim.model.scalar_edges());
     let mut at = |height: f64| {

@@ -23,6 +23,7 @@ mod static_drop;
 mod surface_distance;
 mod transport;
 mod volume;
+mod walls;
 mod wettability_step;
 
 use crate::Case;
@@ -32,7 +33,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 35] = [
+const ALL: [Case; 36] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -58,6 +59,7 @@ const ALL: [Case; 35] = [
     line_friction::CASE,
     sessile_gravity::PLANE,
     meniscus::PLANE,
+    walls::CASE,
     floating::FREE,
     floating::HELD,
     buoyancy::BUOYANCY,
