@@ -15,6 +15,7 @@ mod runnable;
 mod scene;
 mod shape;
 mod solid;
+mod tension;
 mod write;
 
 pub use document::{Document, Source};
@@ -27,6 +28,7 @@ pub use runnable::runnable;
 pub use scene::*;
 pub use shape::*;
 pub use solid::*;
+pub use tension::*;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
