@@ -40,7 +40,7 @@ macro_rules! scene {
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 28] = [
+pub const BUILTINS: [Builtin; 31] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
@@ -127,6 +127,14 @@ pub const BUILTINS: [Builtin; 28] = [
         "A water drop of 1 mm swings in its second mode with Rayleigh's period",
         "one to two minutes"
     ),
+    scene!("drop-on-incline", 3, "A drop slides down a slope that nothing holds it on", "one to two minutes"),
+    scene!(
+        "fig12-contact-angle-180",
+        3,
+        Some("Fig. 12"),
+        "A drop settles on a plate that it does not wet",
+        "a few minutes"
+    ),
     scene!(
         "fig12-contact-angle-135",
         3,
@@ -160,6 +168,12 @@ pub const BUILTINS: [Builtin; 28] = [
         3,
         None,
         "A drop between two plates becomes a bridge that pulls them together",
+        "a few minutes"
+    ),
+    scene!(
+        "drop-on-incline-pinned",
+        3,
+        "Hysteresis of the contact angle holds a drop on a slope",
         "a few minutes"
     ),
     scene!("bouncing-drop", 3, None, "A drop bounces off a plate that repels it", "a few minutes"),
