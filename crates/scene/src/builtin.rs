@@ -40,7 +40,7 @@ macro_rules! scene {
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 31] = [
+pub const BUILTINS: [Builtin; 32] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
@@ -189,6 +189,7 @@ pub const BUILTINS: [Builtin; 31] = [
         "A drop lands on a plate that repels it but for a cross, and takes its shape",
         "a few minutes"
     ),
+    scene!("cheerios", 3, "Two floating discs attract each other and meet", "ten minutes"),
     scene!("colliding-drops", 3, "Two water drops meet slowly (We = 10), merge and wobble", "a few minutes"),
     scene!("filament-breakup", 3, "A thread of water bulges, necks and breaks into drops", "a few minutes"),
     scene!(
