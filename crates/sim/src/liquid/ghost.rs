@@ -7,8 +7,8 @@
 //! it has the contact angle, and that point. Where it is straight, the kink in φ makes redistancing pull the line back in
 //! every step (a base radius 0.6 % short where the surface turns within four cells), which short steps do more often.
 //!
-//! A line with friction `ζ` has the angle `cos θ = cos θ_Y − ζ U/γ` while it moves with the speed `U`. With Young's instead the
-//! continuation carried the line on past the liquid that the friction holds: a drop slid down a slope three times too fast.
+//! A line with friction `ζ` has the angle `cos θ = cos θ_Y − ζ U/γ` while it moves with the speed `U`: with Young's the
+//! continuation would carry the line past the liquid that the friction holds. A line that rests keeps the angle it has.
 
 use super::transport::Flow;
 use crate::model::Model;
@@ -90,8 +90,8 @@ impl<const D: usize> Surface<'_, D> {
         let angle = |slope: &Vector<D>| (slope.dot(&normal) / slope.norm().max(0.5)).clamp(-1.0, 1.0).acos();
         let steepest = FLATTEST.asin();
         let bound = |angle: f64| angle.clamp(steepest, PI - steepest);
-        let (mut cosine, _) = solid.wetting(solid.cosine_near(now, x, dx), angle(&slope).cos());
-        if solid.line_friction > 0.0 {
+        let (mut cosine, rests) = solid.wetting(solid.cosine_near(now, x, dx), angle(&slope).cos());
+        if solid.line_friction > 0.0 && !rests {
             let at = outside(bound(cosine.clamp(-1.0, 1.0).acos()));
             let speed = along.map_or(0.0, |t| (self.flow.linear(&at) - now.velocity_at(&at)).dot(&t));
             cosine -= solid.line_friction * speed / self.model.surface_tension;

@@ -17,8 +17,7 @@ pub const CASE: Case = Case {
     theory: "A tank 14 capillary lengths lc wide (ρ = g = γ = 1, ν = 1, 8 cells per lc) is filled level. At its sides the contact \
         line rises √(2 (1 − sin θ)) lc over the level in the middle, or sinks. A drop in a corner of two sides (2D, 12 \
         cells a radius of the ball it starts as; ν = 0.3, no gravity) or three (3D, 10 cells) ends as part of a disc or ball: its \
-        mean curvature is the same everywhere, and it meets every side at θ. At 150 degrees the tank's \
-        line is 2.3 % too high: not part of the case. Quick: a tank of 6 cells per lc, 60 degrees.",
+        mean curvature is the same everywhere, and it meets every side at θ. Quick: a tank of 6 cells per lc, 60 degrees.",
     quick: true,
     run: |mode| settle(NAME, run(mode)),
 };
@@ -33,7 +32,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
         return tank(60.0, 6);
     }
     let mut checks = Vec::new();
-    for angle in [30.0, 45.0, 60.0, 120.0, 135.0] {
+    for angle in [30.0, 45.0, 60.0, 120.0, 135.0, 150.0] {
         checks.extend(tank(angle, 8)?);
     }
     for angle in [60.0, 75.0, 120.0] {
