@@ -11,6 +11,7 @@ mod remesh;
 mod shape_surface;
 pub mod surface;
 pub mod tree;
+pub mod volume;
 
 pub use contour::{Contour, ContourPoint};
 pub use geodesic::Geodesic;
@@ -18,3 +19,4 @@ pub use isosurface::{Isosurface, extract};
 pub use shape_surface::ShapeSurface;
 pub use surface::SurfaceMesh;
 pub use tree::FacetTree;
+pub use volume::{Simplex, VolumeMesh};
