@@ -8,7 +8,8 @@ use crate::output::file::{self, FileError};
 use crate::run::Tally;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Drop, SolidState, State};
+use meniscus_elastic::ElasticState;
+use meniscus_sim::{Drop, Soft, SolidState, State};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
@@ -55,7 +56,8 @@ struct Header {
     /// Time, last step, lead, kick, drift, lost volume, kinetic energy, surface area.
     numbers: [f64; 8],
     drops: Vec<DropRecord>,
-    /// Centre, rotation by columns, velocity, spin, forces, what holds and braces it, of each solid.
+    /// Centre, rotation by columns, velocity, spin, forces, what holds and braces it, of each solid; of one that deforms
+    /// also its time, all positions, then all velocities.
     solids: Vec<Vec<f64>>,
     tally: Tally,
     /// Bytes of each compressed block, per array: phi, lambda, then the velocity along each axis.
@@ -72,15 +74,25 @@ struct DropRecord {
 }
 
 fn solid_record<const D: usize>(solid: &SolidState<D>) -> Vec<f64> {
-    let SolidState { center, rotation, velocity, spin, pressed, pulled, held, braced } = solid;
+    let SolidState { center, rotation, velocity, spin, pressed, pulled, held, braced, soft } = solid;
     let motion = center.iter().chain(rotation).chain(velocity).chain(spin);
-    motion.chain(pressed).chain(pulled).chain(held).chain(braced).copied().collect()
+    let vertices = soft.iter().flat_map(|s| s.body.positions.iter().chain(&s.body.velocities)).flatten();
+    let time = soft.iter().map(|s| &s.body.time);
+    let forces = pressed.iter().chain(pulled).chain(held).chain(braced);
+    motion.chain(forces).chain(time).chain(vertices).copied().collect()
 }
 
 fn restore_solid<const D: usize>(record: &[f64]) -> Option<SolidState<D>> {
-    if record.len() != 5 * D + D * D + 6 {
+    let (record, vertices) = record.split_at_checked(5 * D + D * D + 6)?;
+    let (time, vertices) = vertices.split_at(vertices.len().min(1));
+    let (vertices, rest) = vertices.as_chunks::<D>();
+    if !rest.is_empty() || vertices.len() % 2 != 0 {
         return None;
     }
+    let vertices: Vec<Vector<D>> = vertices.iter().map(|v| Vector::from(*v)).collect();
+    let (positions, velocities) = vertices.split_at(vertices.len() / 2);
+    let (positions, velocities) = (positions.to_vec(), velocities.to_vec());
+    let soft = time.first().map(|time| Soft::bare(ElasticState { positions, velocities, time: *time }));
     let (center, rest) = record.split_at(D);
     let (rotation, rest) = rest.split_at(D * D);
     let (velocity, rest) = rest.split_at(D);
@@ -97,6 +109,7 @@ fn restore_solid<const D: usize>(record: &[f64]) -> Option<SolidState<D>> {
         pulled: Vector::from_column_slice(pulled),
         held: Vector::from_column_slice(held),
         braced: braced.try_into().ok()?,
+        soft,
     })
 }
 
@@ -399,6 +412,11 @@ mod tests {
             pulled: Vector::from([0.2, -0.1]),
             held: Vector::from([0.5, 9.0]),
             braced: [0.0, 0.0, -4.0],
+            soft: Some(Soft::bare(ElasticState {
+                time: 0.7,
+                positions: vec![Vector::from([0.1, 0.2]), Vector::from([-3.0, 1e-9])],
+                velocities: vec![Vector::from([0.3, 0.0]), Vector::from([7.0, -0.1])],
+            })),
         });
         (state.lambda.data[3], state.kinetic_energy, state.surface_area) = (2.5, 0.1, 0.3);
         state

@@ -4,7 +4,7 @@ use crate::error::SceneError;
 use crate::file::Scene;
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::SurfaceMesh;
-use meniscus_sim::{LineTracker, Model};
+use meniscus_sim::{LineTracker, Model, Solid};
 
 /// Part of a solid's surface behind which it may be thinner than a cell: sharp rims.
 const RIMS: f64 = 0.1;
@@ -16,9 +16,10 @@ const RIMS: f64 = 0.1;
 pub fn thick_enough<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneError> {
     let edges: Vec<f64> = scene.solids.iter().map(|s| s.mesh_edge.max(0.5 * scene.domain.dx)).collect();
     let surfaces = LineTracker::new(model, &edges);
+    let start: Vec<_> = model.solids.iter().map(Solid::start).collect();
     for (i, solid) in scene.solids.iter().enumerate() {
-        let inside = |x: &Vector<D>| model.solids[i].shape.signed_distance(x) < 0.0;
-        let thin = thin_part(surfaces.surface(i), scene.domain.dx, inside);
+        let inside = |x: &Vector<D>| model.solids[i].distance(&start[i], x) < 0.0;
+        let thin = thin_part(&surfaces.surface(model, &start, i), scene.domain.dx, inside);
         if thin > RIMS {
             let error = SceneError::new(format!(
                 "the solid `{}` is thinner than a cell ({:.3e} m) behind {:.0} % of its surface: liquid would pass",

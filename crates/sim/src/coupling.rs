@@ -12,25 +12,36 @@
 //! the slope of a first solution says that the surface has more ([`Coupling::beyond_centers`]) is given to the solids
 //! before a second one.
 
-use crate::line::{Exchange, Impulse};
+use crate::exchange::{Exchange, Impulse};
 use crate::model::Model;
+use crate::skin::Grip;
+use crate::soft::Systems;
 use crate::solid::{Motion, SolidState};
 use meniscus_numerics::grid::{CutCells, WetCell};
-use meniscus_numerics::linalg::Column;
+use meniscus_numerics::linalg::{Bodies, Column, Compliance};
 use meniscus_numerics::{Matrix, Vector};
+use std::collections::BTreeMap;
 
 /// The wetted surfaces of the solids, and how they move.
 pub struct Coupling<'a, const D: usize> {
     model: &'a Model<D>,
     solids: &'a [SolidState<D>],
-    wet: Vec<WetCell<D>>,
+    systems: &'a Systems<D>,
+    /// With the place where the pressure takes hold of a solid that deforms.
+    wet: Vec<(WetCell<D>, Option<Grip<D>>)>,
 }
 
 impl<'a, const D: usize> Coupling<'a, D> {
     /// The surfaces in liquid cells (`phi` negative).
-    pub fn new(model: &'a Model<D>, cut: &CutCells<D>, solids: &'a [SolidState<D>], phi: &[f64]) -> Self {
-        let wet = cut.wet.iter().filter(|w| phi[w.cell as usize] < 0.0).copied().collect();
-        Self { model, solids, wet }
+    pub fn new(
+        model: &'a Model<D>,
+        cut: &CutCells<D>,
+        (solids, systems): (&'a [SolidState<D>], &'a Systems<D>),
+        phi: &[f64],
+    ) -> Self {
+        let wet = cut.wet.iter().filter(|w| phi[w.cell as usize] < 0.0);
+        let gripped = |w: &WetCell<D>| (*w, solids[w.solid as usize].grip(&(middle(model, w) * model.grid.dx)));
+        Self { model, solids, systems, wet: wet.map(gripped).collect() }
     }
 
     /// Calls `f(cell, flux)` with the flow into the surface of every cell, `∫ v·n dS` in areas of a face, m/s.
@@ -41,21 +52,29 @@ impl<'a, const D: usize> Coupling<'a, D> {
     /// The same with what impulses add to the velocities of free solids.
     pub fn fluxes_of_push(&self, push: &Exchange<D>, f: impl FnMut(usize, f64)) {
         let mut still = self.solids.to_vec();
-        still.iter_mut().for_each(|now| (now.velocity, now.spin) = (Vector::zeros(), [0.0; 3]));
-        push_solids(self.model, &mut still, push);
+        still.iter_mut().for_each(SolidState::stop);
+        push_solids(self.model, &mut still, push, self.systems);
         self.fluxes_of(&still, f);
     }
 
     fn fluxes_of(&self, solids: &[SolidState<D>], mut f: impl FnMut(usize, f64)) {
-        for w in &self.wet {
+        for (w, grip) in &self.wet {
             let solid = &solids[w.solid as usize];
-            let turning = Vector::<3>::from(solid.spin).dot(&self.moment(w));
-            f(w.cell as usize, solid.velocity.dot(&w.area) + turning);
+            let flux = match (grip, &solid.soft) {
+                (Some(grip), Some(soft)) => grip.mean(|k| soft.body.velocities[k]).dot(&w.area),
+                _ => solid.velocity.dot(&w.area) + Vector::<3>::from(solid.spin).dot(&self.moment(w)),
+            };
+            f(w.cell as usize, flux);
         }
     }
 
-    /// What the free solids add to the pressure system: a column for each degree of freedom.
-    pub fn columns(&self) -> Vec<Column> {
+    /// What the solids that give way add to the pressure system.
+    pub fn bodies(&self) -> Bodies<'_> {
+        Bodies { columns: self.columns(), soft: self.compliances() }
+    }
+
+    /// What the free rigid solids add: a column for each degree of freedom.
+    fn columns(&self) -> Vec<Column> {
         let weight = self.model.density * self.model.grid.cell_volume();
         let mut columns = Vec::new();
         for (number, solid) in self.free() {
@@ -74,8 +93,29 @@ impl<'a, const D: usize> Coupling<'a, D> {
     }
 
     fn column(&self, solid: usize, value: impl Fn(&WetCell<D>) -> f64) -> Column {
-        let own = self.wet.iter().filter(|w| w.solid as usize == solid);
-        own.map(|w| (w.cell, value(w))).collect()
+        let own = self.wet.iter().filter(|(w, _)| w.solid as usize == solid);
+        own.map(|(w, _)| (w.cell, value(w))).collect()
+    }
+
+    /// What the solids that deform add.
+    fn compliances(&self) -> Vec<Compliance<'_>> {
+        let scale = (self.model.density * self.model.grid.cell_volume()).sqrt();
+        let mut flows: BTreeMap<u32, Vec<_>> = BTreeMap::new();
+        for (w, grip) in &self.wet {
+            let Some(grip) = grip else { continue };
+            let entry = |n: usize| {
+                let (k, a) = (n / D, n % D);
+                (grip.vertices[k] * D as u32 + a as u32, scale * grip.weights[k] * w.area[a])
+            };
+            flows.entry(w.solid).or_default().push((w.cell, (0..D * D).map(entry).collect::<Vec<_>>()));
+        }
+        let compliance = |(solid, flows): (u32, Vec<_>)| {
+            let system = self.systems.get(solid as usize)?.as_ref()?;
+            let porous = system.porous(&flows);
+            let solve = Box::new(|x: &mut [f64]| system.solve(x));
+            Some(Compliance { freedoms: system.freedoms(), flows, porous, solve })
+        };
+        flows.into_iter().filter_map(compliance).collect()
     }
 
     /// What the liquid's pressure gives to the solids; `lambda` is `p h/ρ`, `label` the component of a liquid cell.
@@ -93,12 +133,9 @@ impl<'a, const D: usize> Coupling<'a, D> {
         slope: impl Fn(usize) -> Vector<D>,
         label: impl Fn(usize) -> Option<u32>,
     ) -> Exchange<D> {
-        let grid = &self.model.grid;
         self.exchange(label, |w| {
             let push = w.spread * slope(w.cell as usize);
-            let center = grid.center(grid.lattice().coordinates(w.cell as usize)) / grid.dx;
-            let middle = center + w.spread.tr_mul(&w.area) / w.area.norm_squared().max(f64::MIN_POSITIVE);
-            (push, three(&middle).cross(&three(&push)))
+            (push, three(&middle(self.model, w)).cross(&three(&push)))
         })
     }
 
@@ -110,11 +147,16 @@ impl<'a, const D: usize> Coupling<'a, D> {
     ) -> Exchange<D> {
         let scale = self.model.density * self.model.grid.face_area();
         let mut exchange = Exchange::new();
-        for w in &self.wet {
+        for (w, grip) in &self.wet {
             let Some(component) = label(w.cell as usize) else { continue };
             let (linear, turning) = push(w);
-            let impulse = Impulse { linear: linear * scale, turning: turning * (scale * self.model.grid.dx) };
-            exchange.entry((component, w.solid)).or_insert_with(Impulse::none).add(&impulse, 1.0);
+            match grip {
+                Some(grip) => exchange.grip((component, w.solid), grip, linear * scale),
+                None => {
+                    let turning = turning * (scale * self.model.grid.dx);
+                    exchange.add((component, w.solid), &Impulse { linear: linear * scale, turning }, 1.0);
+                }
+            }
         }
         exchange
     }
@@ -130,19 +172,36 @@ impl<'a, const D: usize> Coupling<'a, D> {
     }
 }
 
+/// Middle of the solid's surface in a cell, in cells.
+fn middle<const D: usize>(model: &Model<D>, w: &WetCell<D>) -> Vector<D> {
+    let center = model.grid.center(model.grid.lattice().coordinates(w.cell as usize)) / model.grid.dx;
+    center + w.spread.tr_mul(&w.area) / w.area.norm_squared().max(f64::MIN_POSITIVE)
+}
+
 /// A vector in space.
 fn three<const D: usize>(v: &Vector<D>) -> Vector<3> {
     Vector::from_fn(|a, _| if a < D { v[a] } else { 0.0 })
 }
 
-/// Gives impulses to the free solids.
-pub fn push_solids<const D: usize>(model: &Model<D>, solids: &mut [SolidState<D>], exchange: &Exchange<D>) {
-    let sums = Impulse::sums(exchange, solids.len(), |(_, solid)| solid);
+/// Gives impulses to the solids that give way; `systems` are those that deform.
+pub fn push_solids<const D: usize>(
+    model: &Model<D>,
+    solids: &mut [SolidState<D>],
+    exchange: &Exchange<D>,
+    systems: &Systems<D>,
+) {
+    let sums = exchange.by_solid(solids.len());
     for ((now, solid), sum) in solids.iter_mut().zip(&model.solids).zip(sums) {
         if solid.motion == Motion::Free {
             now.velocity += sum.linear / solid.body.mass;
             let spin = Vector::<3>::from(now.spin) + solid.inverse_inertia(now) * sum.about(&now.center);
             now.spin = spin.into();
+        }
+    }
+    for (number, grips) in &exchange.grips {
+        let number = *number as usize;
+        if let (Some(elastic), Some(Some(system))) = (model.solids[number].elastic(), systems.get(number)) {
+            solids[number].push(elastic, system, grips);
         }
     }
 }
@@ -226,13 +285,14 @@ mod tests {
             dragged: &[],
             cut_cells: &mut work.cut,
             solids: &state.solids,
+            systems: &work.soft,
             jump: 0.0,
             label: &|_| Some(0),
             time: 1.0,
         };
         let (report, exchange) = work.pressure.project(&model, &mut projection, &mut |_| ()).unwrap();
-        let impulses = Impulse::sums(&exchange, model.solids.len(), |(_, solid)| solid);
-        push_solids(&model, &mut state.solids, &exchange);
+        let impulses = exchange.by_solid(model.solids.len());
+        push_solids(&model, &mut state.solids, &exchange, &work.soft);
         let mut fastest = 0.0f64;
         walk(Box::new(|a, face| fastest = fastest.max(state.velocity.axes[a][face].abs())));
         Projected { state, impulses, report, fastest }

@@ -1,7 +1,7 @@
 //! Momentum kept: of liquid that touches nothing, of liquid and free solids together, and on the way with the flow.
 
 use crate::change::Change;
-use crate::line::{Exchange, Impulse};
+use crate::exchange::{Exchange, Impulse};
 use crate::liquid::curvature::Curvature;
 use crate::liquid::cut_faces::{CutFace, cut_faces};
 use crate::liquid::momentum::{FaceWalk, Moments};
@@ -16,7 +16,7 @@ use meniscus_numerics::grid::CellField;
 pub fn give_back<const D: usize>(model: &Model<D>, groups: &mut [Group<D>], given: &[Exchange<D>]) {
     let count = groups.iter().flat_map(|g| &g.new).max().map_or(0, |c| c + 1);
     let mut sums = vec![Impulse::none(); count];
-    for ((component, _), impulse) in given.iter().flatten() {
+    for ((component, _), impulse) in given.iter().flat_map(|g| &g.pairs) {
         sums[*component as usize].add(impulse, 1.0);
     }
     for group in groups {

@@ -6,7 +6,7 @@ use crate::liquid::cut_faces::CutFace;
 use crate::liquid::momentum::{Moments, together};
 use crate::liquid::pressure::divergence_max;
 use crate::model::Model;
-use crate::solid::Motion;
+use crate::solid::{Solid, SolidState};
 use crate::state::{Drop, State};
 use crate::workspace::{Workspace, boxes};
 use meniscus_numerics::Vector;
@@ -33,6 +33,8 @@ pub struct Ledger<const D: usize> {
     pub kinetic_energy: f64,
     /// Tension times the area of the surface, J.
     pub surface_energy: f64,
+    /// Energy in the deformation of solids, J.
+    pub elastic_energy: f64,
     /// −mass × gravity · centre of mass, J, of free solids as well.
     pub potential_energy: f64,
     /// Largest speed, m/s.
@@ -127,19 +129,27 @@ pub fn max_component<const D: usize>(model: &Model<D>, state: &State<D>, work: &
 /// Energy of liquid and free solids in gravity, J.
 pub fn potential_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     let lift = |d: &Drop<D>| -d.target_volume * model.gravity.dot(&d.centroid);
-    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| s.motion == Motion::Free);
+    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.motion.is_told());
     let solids: f64 = solids.map(|(s, now)| -s.body.mass * model.gravity.dot(&now.center)).sum();
     model.density * state.drops.iter().map(lift).sum::<f64>() + solids
 }
 
 /// Energy of the motion of liquid and free solids, and of the surfaces, J.
 pub fn own_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
-    moving_energy(model, state) + model.surface_tension * state.surface_area
+    moving_energy(model, state) + elastic_energy(model, state) + model.surface_tension * state.surface_area
+}
+
+/// Energy in the solids' deformation, J.
+fn elastic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
+    let soft = |(solid, now): (&Solid<D>, &SolidState<D>)| {
+        solid.elastic().zip(now.soft.as_ref()).map_or(0.0, |(e, soft)| e.elastic_energy(&soft.body.positions))
+    };
+    model.solids.iter().zip(&state.solids).map(soft).sum()
 }
 
 /// Energy of the motion of liquid and free solids, J.
 fn moving_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
-    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| s.motion == Motion::Free);
+    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.motion.is_told());
     state.kinetic_energy + solids.map(|(s, now)| s.kinetic_energy(now)).sum::<f64>()
 }
 
@@ -159,6 +169,7 @@ pub fn ledger<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspa
         angular_momentum: all.about(&Vector::zeros()).map(|l| model.density * l),
         kinetic_energy: moving_energy(model, state),
         surface_energy: model.surface_tension * state.surface_area,
+        elastic_energy: elastic_energy(model, state),
         potential_energy: potential_energy(model, state),
         max_speed: max_component(model, state, work),
         divergence_max: divergence_max(model, state, &work.liquid, &work.cut),

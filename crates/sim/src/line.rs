@@ -11,66 +11,22 @@
 //! part 2, EFT); along them the lattice is right, and the liquid gets what its surface's pressure lacks. Without that a drop
 //! that spreads on a tilted wall starts to glide along it.
 
+use crate::exchange::{Exchange, Impulse};
 use crate::liquid::cube::CutCube;
 use crate::liquid::cut_faces::CutFace;
 use crate::model::{Model, Wall};
+use crate::skin::Grip;
+use crate::solid::SolidState;
 use meniscus_numerics::{Matrix, Vector, planes};
 use std::collections::BTreeMap;
-
-/// An impulse and its moment.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Impulse<const D: usize> {
-    /// N s (2D: per metre).
-    pub linear: Vector<D>,
-    /// About the origin, N m s (2D: N s, in the last entry).
-    pub turning: Vector<3>,
-}
-
-/// Impulses between components of the liquid and solids, by their numbers; they act on the solids.
-pub type Exchange<const D: usize> = BTreeMap<(u32, u32), Impulse<D>>;
-
-impl<const D: usize> Impulse<D> {
-    /// None.
-    pub fn none() -> Self {
-        Self { linear: Vector::zeros(), turning: Vector::zeros() }
-    }
-
-    /// One that acts at a point.
-    pub fn at(x: &Vector<D>, linear: Vector<D>) -> Self {
-        Self { linear, turning: moment(x, &linear) }
-    }
-
-    /// Adds `scale` times another.
-    pub fn add(&mut self, other: &Self, scale: f64) {
-        self.linear += other.linear * scale;
-        self.turning += other.turning * scale;
-    }
-
-    /// The moment about a point.
-    pub fn about(&self, center: &Vector<D>) -> Vector<3> {
-        self.turning - moment(center, &self.linear)
-    }
-
-    /// Those of an exchange, summed by `key` of component and solid.
-    pub fn sums(exchange: &Exchange<D>, count: usize, key: impl Fn((u32, u32)) -> u32) -> Vec<Self> {
-        let mut sums = vec![Self::none(); count];
-        exchange.iter().for_each(|(&pair, impulse)| sums[key(pair) as usize].add(impulse, 1.0));
-        sums
-    }
-}
-
-/// `r × f` (2D: in the last entry).
-fn moment<const D: usize>(r: &Vector<D>, f: &Vector<D>) -> Vector<3> {
-    let mut sum = Vector::<3>::zeros();
-    planes::<D>().iter().for_each(|&(a, b, place)| sum[place] += r[a] * f[b] - r[b] * f[a]);
-    sum
-}
 
 /// What the lattice tells of the lines: pulls, and lengths in cells (times the sine of the angle) with their first moments
 /// (m).
 struct Pulls<const D: usize> {
     exchange: Exchange<D>,
     lengths: BTreeMap<(u32, u32), (f64, Vector<D>)>,
+    /// Where lines take hold of solids that deform, each with its length.
+    feet: BTreeMap<(u32, u32), Vec<(Grip<D>, f64)>>,
 }
 
 /// Least share of the lines' pull across solids that a direction must have for lines to pull in it.
@@ -117,6 +73,8 @@ pub fn unpulled<const D: usize>(
 pub struct Lines<'a, const D: usize> {
     /// The model.
     pub model: &'a Model<D>,
+    /// The solids.
+    pub solids: &'a [SolidState<D>],
     /// The surface in cubes.
     pub cubes: &'a [CutCube],
     /// The faces that it cuts.
@@ -130,12 +88,12 @@ pub struct Lines<'a, const D: usize> {
 impl<const D: usize> Lines<'_, D> {
     /// The impulses of the time `kick` (s) on the solids, and what is missing along them: an impulse for each component.
     pub fn impulses(&self, kick: f64) -> (Exchange<D>, Vec<Vector<D>>) {
-        let Pulls { mut exchange, lengths } = self.pulls(kick);
+        let Pulls { mut exchange, lengths, feet } = self.pulls(kick);
         let across = across(self.cubes, self.label, self.inside.len());
         let mut total = vec![0.0; self.inside.len()];
         lengths.iter().for_each(|((c, _), (length, _))| total[*c as usize] += length);
         let mut missing = self.pushes(kick);
-        exchange.iter().for_each(|((c, _), pull)| missing[*c as usize].add(pull, 1.0));
+        exchange.pairs.iter().for_each(|((c, _), pull)| missing[*c as usize].add(pull, 1.0));
         let mut along = vec![Vector::zeros(); self.inside.len()];
         let sides = self.sides();
         for c in (0..along.len()).filter(|&c| total[c] > 0.0) {
@@ -147,14 +105,14 @@ impl<const D: usize> Lines<'_, D> {
             }
             missing[c].linear = linear;
         }
-        for (pair, pull) in &mut exchange {
+        for (pair, (length, middle)) in lengths.iter().filter(|(pair, _)| total[pair.0 as usize] > 0.0) {
             let c = pair.0 as usize;
-            let (length, middle) = lengths[pair];
-            let share = -length / total[c];
-            if self.inside[c] {
-                pull.add(&missing[c], share);
-            } else if total[c] > 0.0 {
-                pull.add(&Impulse::at(&(middle / length), missing[c].linear), share);
+            let mut rest = Impulse::none();
+            let at_middle = Impulse::at(&(middle / *length), missing[c].linear);
+            rest.add(if self.inside[c] { &missing[c] } else { &at_middle }, -length / total[c]);
+            match feet.get(pair) {
+                Some(feet) => spread(feet, &rest).for_each(|(grip, push)| exchange.grip(*pair, grip, push)),
+                None => exchange.add(*pair, &rest, 1.0),
             }
         }
         (exchange, along)
@@ -180,7 +138,7 @@ impl<const D: usize> Lines<'_, D> {
     fn pulls(&self, kick: f64) -> Pulls<D> {
         let grid = &self.model.grid;
         let strength = self.model.surface_tension * kick * grid.dx.powi(D as i32 - 2);
-        let (mut exchange, mut lengths) = (Exchange::new(), BTreeMap::new());
+        let (mut exchange, mut lengths, mut feet) = (Exchange::new(), BTreeMap::new(), BTreeMap::new());
         for cube in self.cubes.iter().filter(|c| c.lift != [0.0; 3]) {
             let pull = cube.pull();
             let impulse: Impulse<D> = Impulse {
@@ -190,14 +148,22 @@ impl<const D: usize> Lines<'_, D> {
             let size = Vector::<3>::from(cube.lift).norm();
             let place = grid.center(grid.lattice().coordinates(cube.corners[0] as usize))
                 + Vector::repeat(0.5 * grid.dx);
+            let grip = self.solids[cube.solid as usize].grip(&place);
             cube.share(self.label, |c, part| {
-                exchange.entry((c, cube.solid)).or_insert_with(Impulse::none).add(&impulse, part);
+                match &grip {
+                    Some(grip) => {
+                        exchange.grip((c, cube.solid), grip, impulse.linear * part);
+                        let feet: &mut Vec<_> = feet.entry((c, cube.solid)).or_default();
+                        feet.push((*grip, part * size));
+                    }
+                    None => exchange.add((c, cube.solid), &impulse, part),
+                }
                 let (length, moment) = lengths.entry((c, cube.solid)).or_insert((0.0, Vector::zeros()));
                 *length += part * size;
                 *moment += place * (part * size);
             });
         }
-        Pulls { exchange, lengths }
+        Pulls { exchange, lengths, feet }
     }
 
     /// What the surface's pressure pushes each component with.
@@ -215,4 +181,29 @@ impl<const D: usize> Lines<'_, D> {
         }
         pushes
     }
+}
+
+/// An impulse spread over places on a solid that deforms, by their lengths, as the accelerations of a rigid body are.
+fn spread<'a, const D: usize>(
+    feet: &'a [(Grip<D>, f64)],
+    impulse: &Impulse<D>,
+) -> impl Iterator<Item = (&'a Grip<D>, Vector<D>)> {
+    let length: f64 = feet.iter().map(|(_, length)| length).sum();
+    let middle: Vector<D> = feet.iter().map(|(grip, own)| grip.point * (own / length)).sum();
+    let mut second = Matrix::<3>::zeros();
+    for (grip, own) in feet {
+        let r = Vector::<3>::from_fn(|a, _| if a < D { grip.point[a] - middle[a] } else { 0.0 });
+        second += (Matrix::<3>::identity() * r.norm_squared() - r * r.transpose()) * (own / length);
+    }
+    let inverse = second.pseudo_inverse(1e-9 * second.trace()).unwrap_or_else(|_| Matrix::zeros());
+    let turning = inverse * impulse.about(&middle);
+    let linear = impulse.linear;
+    feet.iter().map(move |(grip, own)| {
+        let (arm, mut push) = (grip.point - middle, linear);
+        for &(a, b, place) in planes::<D>() {
+            push[b] += turning[place] * arm[a];
+            push[a] -= turning[place] * arm[b];
+        }
+        (grip, push * (own / length))
+    })
 }

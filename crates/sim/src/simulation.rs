@@ -3,6 +3,7 @@
 use crate::compiled::by_dimension;
 use crate::ledger::{Ledger, StepReport, ledger, max_component, own_energy, potential_energy};
 use crate::model::Model;
+use crate::soft::Soft;
 use crate::solid::Solid;
 use crate::state::State;
 use crate::step::{keep_distance, open_books, step};
@@ -103,7 +104,11 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// A simulation that goes on from a state (a checkpoint). The same bits as if it had never stopped.
-    pub fn resume(model: Model<D>, state: State<D>) -> Self {
+    pub fn resume(model: Model<D>, mut state: State<D>) -> Self {
+        for (solid, now) in model.solids.iter().zip(&mut state.solids) {
+            let soft = now.soft.take().zip(solid.elastic());
+            now.soft = soft.map(|(soft, elastic)| Soft::of(elastic, soft.body));
+        }
         let mut parts = (model, state);
         let work = by_dimension(&mut parts, (), workspace_2, workspace_3);
         let (model, state) = parts;

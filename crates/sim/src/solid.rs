@@ -4,10 +4,14 @@
 //! while `I` turns with it: the step uses the `ω` that `L` has half-way, which keeps `L` exactly and the energy to second
 //! order.
 
+use crate::skin::Grip;
+use crate::soft::Soft;
 use crate::wetting::{Hysteresis, Layer};
+use meniscus_elastic::Elastic;
 use meniscus_numerics::grid::CutBy;
 use meniscus_numerics::shape::{Shape, plane_box_fraction};
 use meniscus_numerics::{Matrix, Vector};
+use std::sync::Arc;
 
 /// Cells along the longest side of the box on which mass and inertia are summed up.
 const SUMMED: usize = 96;
@@ -44,7 +48,7 @@ pub const RESTITUTION: f64 = 0.3;
 pub const FRICTION: f64 = 0.3;
 
 /// What moves a solid.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum Motion<const D: usize> {
     /// Nothing.
     Fixed,
@@ -52,6 +56,26 @@ pub enum Motion<const D: usize> {
     Given(Path<D>),
     /// Gravity, liquid, and what it runs into.
     Free,
+    /// The same, and its own forces: it deforms.
+    Soft(Arc<Elastic<D>>),
+}
+
+impl<const D: usize> Motion<D> {
+    /// Whether nothing that happens changes it.
+    pub fn is_told(&self) -> bool {
+        matches!(self, Self::Fixed | Self::Given(_))
+    }
+}
+
+impl<const D: usize> PartialEq for Motion<D> {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Fixed, Self::Fixed) | (Self::Free, Self::Free) => true,
+            (Self::Given(a), Self::Given(b)) => a == b,
+            (Self::Soft(a), Self::Soft(b)) => Arc::ptr_eq(a, b),
+            _ => false,
+        }
+    }
 }
 
 /// A prescribed motion.
@@ -77,7 +101,7 @@ pub struct RigidBody<const D: usize> {
 }
 
 /// Where a solid is and how it moves. Plain data.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SolidState<const D: usize> {
     /// Its centre of mass, m.
     pub center: Vector<D>,
@@ -95,6 +119,8 @@ pub struct SolidState<const D: usize> {
     pub held: Vector<D>,
     /// The same of its turning, rad/s².
     pub braced: [f64; 3],
+    /// Where and how each part of it moves, if it deforms. Centre and velocity are then means, rotation and spin nothing.
+    pub soft: Option<Soft<D>>,
 }
 
 impl<const D: usize> RigidBody<D> {
@@ -180,21 +206,45 @@ impl<const D: usize> Solid<D> {
         };
         let (center, rotation, none) = (self.body.center, Matrix::identity(), Vector::zeros());
         let (pressed, pulled, held, braced) = (none, none, none, [0.0; 3]);
-        SolidState { center, rotation, velocity, spin, pressed, pulled, held, braced }
+        let soft = self.elastic().map(|elastic| Soft::start(elastic, &self.velocity));
+        let mut now = SolidState { center, rotation, velocity, spin, pressed, pulled, held, braced, soft };
+        self.elastic().iter().for_each(|elastic| now.follow(elastic));
+        now
     }
 
     /// Distance to its surface where it is now, m, negative inside.
     pub fn distance(&self, now: &SolidState<D>, x: &Vector<D>) -> f64 {
-        self.shape.signed_distance(&self.at_start(now, x))
+        match &now.soft {
+            Some(soft) => soft.skin.distance(x),
+            None => self.shape.signed_distance(&self.at_start(now, x)),
+        }
     }
 
-    /// Where the point of it that is at `x` now was at the start, m.
+    /// What it is made of, if it deforms.
+    pub fn elastic(&self) -> Option<&Elastic<D>> {
+        if let Motion::Soft(elastic) = &self.motion { Some(elastic) } else { None }
+    }
+
+    /// Whether it moves freely as a whole.
+    pub fn is_unheld(&self) -> bool {
+        self.motion == Motion::Free || self.elastic().is_some_and(|elastic| !elastic.held().contains(&true))
+    }
+
+    /// Where the point of a rigid solid that was at `x` at the start is now, m.
+    pub fn where_now(&self, now: &SolidState<D>, x: &Vector<D>) -> Vector<D> {
+        now.center + now.rotation * (x - self.body.center)
+    }
+
+    /// Where the point of a rigid solid that is at `x` now was at the start, m.
     pub fn at_start(&self, now: &SolidState<D>, x: &Vector<D>) -> Vector<D> {
         self.body.center + now.rotation.tr_mul(&(x - now.center))
     }
 
     /// Direction away from its surface, by differences over `step` (m); nothing where it has none.
     pub fn normal(&self, now: &SolidState<D>, x: &Vector<D>, step: f64) -> Vector<D> {
+        if let Some(soft) = &now.soft {
+            return soft.skin.normal(x, step);
+        }
         let slope: Vector<D> = Vector::from_fn(|a, _| {
             let by = Vector::<D>::from_fn(|b, _| if a == b { step } else { 0.0 });
             self.distance(now, &(x + by)) - self.distance(now, &(x - by))
@@ -204,6 +254,9 @@ impl<const D: usize> Solid<D> {
 
     /// Largest speed of any point of it, m/s.
     pub fn largest_speed(&self, now: &SolidState<D>) -> f64 {
+        if let Some(soft) = &now.soft {
+            return soft.body.velocities.iter().map(Vector::norm).fold(0.0, f64::max);
+        }
         let [low, high] = self.bounds(now);
         let turning = Vector::<3>::from(now.spin).norm();
         let reach = (low - now.center).abs().sup(&(high - now.center).abs()).norm();
@@ -212,6 +265,9 @@ impl<const D: usize> Solid<D> {
 
     /// A box around it where it is now, m.
     pub fn bounds(&self, now: &SolidState<D>) -> [Vector<D>; 2] {
+        if let Some(soft) = &now.soft {
+            return soft.skin.bounds();
+        }
         let (low, high) = self.shape.bounds();
         if !(high - low).iter().all(|s| s.is_finite()) {
             return [low, high];
@@ -251,11 +307,15 @@ impl<const D: usize> Solid<D> {
             Motion::Free => {
                 now.center += now.velocity * dt;
                 let momentum = self.angular_momentum(now);
-                let mut half = *now;
+                let mut half = now.clone();
                 half.rotation = turned(&now.rotation, &now.spin, 0.5 * dt);
                 let spin: [f64; 3] = (self.inverse_inertia(&half) * momentum).into();
                 now.rotation = turned(&now.rotation, &spin, dt);
                 now.spin = (self.inverse_inertia(now) * momentum).into();
+            }
+            Motion::Soft(elastic) => {
+                now.soft.iter_mut().for_each(|soft| soft.advance(elastic, dt));
+                now.follow(elastic);
             }
         }
     }
@@ -272,6 +332,9 @@ impl<const D: usize> Solid<D> {
 
     /// Energy of its motion, J.
     pub fn kinetic_energy(&self, now: &SolidState<D>) -> f64 {
+        if let (Some(soft), Some(elastic)) = (&now.soft, self.elastic()) {
+            return elastic.kinetic_energy(&soft.body.velocities);
+        }
         let turning = self.angular_momentum(now).dot(&Vector::<3>::from(now.spin));
         0.5 * (self.body.mass * now.velocity.norm_squared() + turning)
     }
@@ -284,8 +347,29 @@ impl<const D: usize> Solid<D> {
 }
 
 impl<const D: usize> SolidState<D> {
+    /// Where something at `x` takes hold of it, if it deforms.
+    pub fn grip(&self, x: &Vector<D>) -> Option<Grip<D>> {
+        self.soft.as_ref()?.skin.grip(x)
+    }
+
+    /// Takes all its velocity.
+    pub fn stop(&mut self) {
+        (self.velocity, self.spin) = (Vector::zeros(), [0.0; 3]);
+        self.soft.iter_mut().for_each(|soft| soft.body.velocities.fill(Vector::zeros()));
+    }
+
+    /// Makes centre and velocity those of its mass, if it deforms.
+    pub fn follow(&mut self, elastic: &Elastic<D>) {
+        if let Some(soft) = &self.soft {
+            (self.center, self.velocity) = soft.means(elastic);
+        }
+    }
+
     /// Velocity of the solid at a point, m/s.
     pub fn velocity_at(&self, x: &Vector<D>) -> Vector<D> {
+        if let Some((soft, grip)) = self.soft.as_ref().zip(self.grip(x)) {
+            return grip.mean(|k| soft.body.velocities[k]);
+        }
         let arm = Vector::<3>::from_fn(|a, _| if a < D { x[a] - self.center[a] } else { 0.0 });
         let turning = Vector::<3>::from(self.spin).cross(&arm);
         self.velocity + Vector::from_fn(|a, _| turning[a])

@@ -9,7 +9,9 @@ use crate::coupling::push_solids;
 use crate::hysteresis::hold_lines;
 use crate::keep::{give_back, keep_carried, keep_momentum, walk};
 use crate::ledger::{drops, kinetic_energy, max_component, surface_energy};
-use crate::line::{Exchange, Impulse, Lines};
+use crate::exchange::Exchange;
+use crate::line::Lines;
+use crate::soft::systems;
 use crate::liquid::curvature::{Beside, Curvature, Displacement, FilterStep, curvature};
 use crate::liquid::cut_faces::{CutFace, cut_faces};
 use crate::liquid::friction::{DraggedFace, drag, friction};
@@ -140,6 +142,7 @@ fn push<const D: usize>(
     phase_end: PhaseEnd<'_>,
 ) -> Result<(SolveReport, f64), SolveError> {
     let before = state.solids.clone();
+    work.soft = systems(model, &state.solids, kick)?;
     fall(model, state, work, kick);
 
     // Surface tension as a pressure on the surface.
@@ -183,13 +186,13 @@ fn press<const D: usize>(
     let inside: Vec<bool> = work.touching(model).iter().map(|t| !t.side).collect();
     let label = work.liquid.component(&model.grid);
     let near = in_band(&work.band, &change.labels);
-    let lines = Lines { model, cubes: &change.cubes, cut, label: &near, inside: &inside };
+    let lines = Lines { model, solids: &state.solids, cubes: &change.cubes, cut, label: &near, inside: &inside };
     let (line, along) = if model.numerics.contact_line {
         lines.impulses(kick)
     } else {
         (Exchange::new(), vec![Vector::zeros(); inside.len()])
     };
-    push_solids(model, &mut state.solids, &line);
+    push_solids(model, &mut state.solids, &line, &work.soft);
     // Of a drop too small to be resolved the lattice's pull is noise.
     let least = resolved_volume(model);
     let speed = |(j, volume): (&Vector<D>, &f64)| {
@@ -210,16 +213,17 @@ fn press<const D: usize>(
         dragged,
         cut_cells: &mut work.cut,
         solids: &state.solids,
+        systems: &work.soft,
         label: &label,
         jump: model.surface_tension * kick / (model.density * model.grid.dx),
         time: kick,
     };
     let (solve, pressure) = work.pressure.project(model, &mut projection, phase_end)?;
-    push_solids(model, &mut state.solids, &pressure);
+    push_solids(model, &mut state.solids, &pressure, &work.soft);
     lean(&mut state.solids, -kick);
     let friction = friction(model, state, dragged, label);
-    push_solids(model, &mut state.solids, &friction);
-    let sums = |exchange| Impulse::sums(exchange, model.solids.len(), |(_, solid)| solid);
+    push_solids(model, &mut state.solids, &friction, &work.soft);
+    let sums = |exchange: &Exchange<D>| exchange.by_solid(model.solids.len());
     let pulls = sums(&line).into_iter().zip(sums(&friction));
     for ((now, (line, friction)), pressure) in state.solids.iter_mut().zip(pulls).zip(sums(&pressure)) {
         now.pulled = (line.linear + friction.linear) / kick;
@@ -231,9 +235,9 @@ fn press<const D: usize>(
 /// The work, J, that solids which go as told do on the rest.
 fn stirred<const D: usize>(model: &Model<D>, state: &State<D>, given: &[Exchange<D>; 3]) -> f64 {
     let mut work = 0.0;
-    for ((_, solid), impulse) in given.iter().flatten() {
+    for ((_, solid), impulse) in given.iter().flat_map(|g| &g.pairs) {
         let now = &state.solids[*solid as usize];
-        if model.solids[*solid as usize].motion != Motion::Free {
+        if model.solids[*solid as usize].motion.is_told() {
             let turning = impulse.about(&now.center).dot(&Vector::<3>::from(now.spin));
             work -= impulse.linear.dot(&now.velocity) + turning;
         }
@@ -354,6 +358,11 @@ fn move_solids<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mu
 fn fall<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>, dt: f64) {
     for (now, solid) in state.solids.iter_mut().zip(&model.solids) {
         now.velocity += if solid.motion == Motion::Free { model.gravity * dt } else { Vector::zeros() };
+    }
+    for ((now, solid), system) in state.solids.iter_mut().zip(&model.solids).zip(&work.soft) {
+        if let Some((elastic, system)) = solid.elastic().zip(system.as_ref()) {
+            now.accelerate(elastic, system, &model.gravity);
+        }
     }
     for a in (0..D).filter(|&a| model.gravity[a] != 0.0) {
         let fall = model.gravity[a] * dt;

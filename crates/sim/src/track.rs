@@ -15,6 +15,7 @@ use crate::liquid::transport::Flow;
 use crate::model::Model;
 use crate::profile::{Foot, contact_angle};
 use crate::simulation::Simulation;
+use crate::skin::Skin;
 use crate::solid::SolidState;
 use crate::workspace::BAND;
 use meniscus_numerics::Vector;
@@ -34,13 +35,16 @@ const NEAR: f64 = 3.5;
 /// Finds the contact line on the solids of a model.
 #[derive(Clone, Debug)]
 pub struct LineTracker<const D: usize> {
-    solids: Vec<Tracked<D>>,
+    /// None for a solid that deforms: its mesh is its own surface, as it is at the time.
+    solids: Vec<Option<Tracked<D>>>,
 }
 
-/// A solid's surface where it starts.
+/// A solid's surface: of a rigid one where it starts.
 #[derive(Clone, Debug)]
 struct Tracked<const D: usize> {
-    surface: ShapeSurface<D>,
+    mesh: SurfaceMesh<D>,
+    /// Its first facets, that are the solid's; those after them close it at the domain's sides.
+    own: usize,
     geodesic: Geodesic<D>,
     /// Normal at each vertex; none where the surface is cut off.
     normals: Vec<Vector<D>>,
@@ -84,13 +88,20 @@ impl<const D: usize> LineTracker<D> {
     /// Makes a mesh of every solid, with edges of the given lengths (m); one without bounds ends at the domain's sides, and
     /// walls that wet at those of the grid.
     pub fn new(model: &Model<D>, edges: &[f64]) -> Self {
-        let tracked = |(number, edge): (usize, &f64)| Tracked::new(model, number, *edge);
+        let rigid = |number: usize| model.solids[number].elastic().is_none();
+        let tracked =
+            |(number, edge): (usize, &f64)| rigid(number).then(|| Tracked::rigid(model, number, *edge));
         Self { solids: (0..model.solids.len()).zip(edges).map(tracked).collect() }
     }
 
-    /// The surface of a solid where it starts; the vertices of [`ContactLine::phi_c`].
-    pub fn surface(&self, solid: usize) -> &SurfaceMesh<D> {
-        &self.solids[solid].surface.mesh
+    /// The surface of a solid where it is now; the vertices of [`ContactLine::phi_c`].
+    pub fn surface(&self, model: &Model<D>, solids: &[SolidState<D>], solid: usize) -> SurfaceMesh<D> {
+        let (fixed, now) = (&model.solids[solid], &solids[solid]);
+        let Some(tracked) = &self.solids[solid] else {
+            return now.soft.as_ref().map_or_else(SurfaceMesh::default, |soft| soft.skin.surface.clone());
+        };
+        let positions = tracked.mesh.positions.iter().map(|x| fixed.where_now(now, x)).collect();
+        SurfaceMesh { positions, facets: tracked.mesh.facets.clone() }
     }
 
     /// The contact line of a simulation as it stands.
@@ -99,7 +110,11 @@ impl<const D: usize> LineTracker<D> {
             ContactLine { points: Vec::new(), segments: Vec::new(), phi_c: Vec::new(), apart: None };
         let seen = Seen::new(simulation);
         for (number, tracked) in self.solids.iter().enumerate() {
-            tracked.find(&seen, number, &mut line);
+            let deformed = || simulation.state.solids[number].soft.as_ref().map(|s| Tracked::deformed(&s.skin));
+            match tracked {
+                Some(tracked) => tracked.find(&seen, number, &mut line),
+                None => deformed().iter().for_each(|t| t.find(&seen, number, &mut line)),
+            }
         }
         line.apart =
             line.distance_of(&simulation.work.lattice.line_places(&simulation.state.phi.data), seen.dx);
@@ -168,7 +183,7 @@ impl<'a, const D: usize> Seen<'a, D> {
 }
 
 impl<const D: usize> Tracked<D> {
-    fn new(model: &Model<D>, number: usize, edge: f64) -> Self {
+    fn rigid(model: &Model<D>, number: usize, edge: f64) -> Self {
         let solid = &model.solids[number];
         let (low, high) = solid.shape.bounds();
         let margin = Vector::repeat(2.0 * edge);
@@ -178,31 +193,43 @@ impl<const D: usize> Tracked<D> {
         };
         let (low, high) = ((low - margin).sup(&first), (high + margin).inf(&last));
         let surface = ShapeSurface::new(&|x| solid.shape.signed_distance(x), low, high, edge);
-        let mut normals = vec![Vector::zeros(); surface.mesh.positions.len()];
-        for (f, facet) in surface.own_facets().iter().enumerate() {
-            let area = surface.mesh.area_vector(f);
+        let own = surface.own_facets().len();
+        Self::new(surface.mesh, own)
+    }
+
+    fn deformed(skin: &Skin<D>) -> Self {
+        let mesh = skin.surface.clone();
+        let own = mesh.facets.len();
+        Self::new(mesh, own)
+    }
+
+    fn new(mesh: SurfaceMesh<D>, own: usize) -> Self {
+        let mut normals = vec![Vector::zeros(); mesh.positions.len()];
+        for (f, facet) in mesh.facets[..own].iter().enumerate() {
+            let area = mesh.area_vector(f);
             facet.iter().for_each(|v| normals[*v as usize] += area);
         }
         normals.iter_mut().for_each(|n| *n = n.try_normalize(0.0).unwrap_or(Vector::zeros()));
-        let geodesic = Geodesic::new(&surface.mesh.positions, surface.own_facets());
-        Self { surface, geodesic, normals }
+        let geodesic = Geodesic::new(&mesh.positions, &mesh.facets[..own]);
+        Self { mesh, own, geodesic, normals }
     }
 
     /// Adds the line on this solid.
     fn find(&self, seen: &Seen<'_, D>, number: usize, line: &mut ContactLine<D>) {
         let (solid, now) = (&seen.model.solids[number], &seen.solids[number]);
-        let moved = |x: &Vector<D>| now.center + now.rotation * (x - solid.body.center);
+        let moved = |x: &Vector<D>| if now.soft.is_some() { *x } else { solid.where_now(now, x) };
         let value = |(x, n): (&Vector<D>, &Vector<D>)| {
             let x = moved(x);
-            let value = seen.phi_on(&x, &(now.rotation * n));
+            let normal = if now.soft.is_some() { *n } else { now.rotation * n };
+            let value = seen.phi_on(&x, &normal);
             let open =
                 *n != Vector::<D>::zeros() && !(value.abs() < NEAR * seen.dx && seen.is_covered(number, &x));
             if open { value } else { f64::NAN }
         };
-        let mesh = &self.surface.mesh;
+        let mesh = &self.mesh;
         let vertices = mesh.positions.par_iter().zip(&self.normals).with_min_len(256);
         let values: Vec<f64> = vertices.map(value).collect();
-        let contour = Contour::of(self.surface.own_facets(), &values);
+        let contour = Contour::of(&mesh.facets[..self.own], &values);
         line.phi_c.push(self.geodesic.distance(mesh, &contour, &values, BAND * seen.dx));
         let places: Vec<Vector<D>> = contour.positions(mesh).iter().map(moved).collect();
         let mut lengths = vec![if D == 2 { 1.0 } else { 0.0 }; places.len()];

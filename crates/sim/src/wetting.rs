@@ -144,9 +144,7 @@ impl<const D: usize> Solid<D> {
         if self.pattern.is_empty() {
             return self.cosine;
         }
-        let at = self.at_start(now, x);
-        let normal = now.rotation.tr_mul(&self.normal(now, x, 0.01 * width));
-        let foot = at - normal * self.shape.signed_distance(&at);
+        let (foot, normal) = self.foot_at_start(now, x, 0.01 * width);
         let slack = SLACK * width;
         let cosine =
             |x: &Vector<D>| self.pattern.iter().fold(self.cosine, |below, l| l.over(below, x, slack));
@@ -162,6 +160,16 @@ impl<const D: usize> Solid<D> {
             foot + sides[0] * step(k % PLACES) + second
         };
         (0..count).map(|k| cosine(&place(k))).sum::<f64>() / count as f64
+    }
+
+    /// Where the point of the surface next to `x` was at the start, m, and the normal there; by differences over `step` (m).
+    fn foot_at_start(&self, now: &SolidState<D>, x: &Vector<D>, step: f64) -> (Vector<D>, Vector<D>) {
+        let soft = now.soft.as_ref().zip(self.elastic());
+        soft.and_then(|(soft, elastic)| soft.at_start(elastic, x)).unwrap_or_else(|| {
+            let at = self.at_start(now, x);
+            let normal = now.rotation.tr_mul(&self.normal(now, x, step));
+            (at - normal * self.shape.signed_distance(&at), normal)
+        })
     }
 
     /// The cosine of the angle that a line tends to which has the angle of the cosine `now` where Young's is `young`, and

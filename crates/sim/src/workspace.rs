@@ -6,6 +6,7 @@ use crate::liquid::surface::SurfaceLattice;
 use crate::liquid::transport::Flow;
 use crate::liquid::volume::Liquid;
 use crate::model::Model;
+use crate::soft::Systems;
 use crate::solid::Motion;
 use crate::state::State;
 use meniscus_numerics::grid::{
@@ -48,6 +49,8 @@ pub struct Workspace<const D: usize> {
     pub pressure: PressureFields<D>,
     /// Where solids may meet.
     pub probes: Probes<D>,
+    /// The solids that deform, as the forces of a step find them.
+    pub soft: Systems<D>,
 }
 
 impl<const D: usize> Workspace<D> {
@@ -63,6 +66,7 @@ impl<const D: usize> Workspace<D> {
             lattice: SurfaceLattice::new(grid, model.weight()),
             pressure: PressureFields::new(model),
             probes: Probes::of(model),
+            soft: Vec::new(),
         };
         workspace.cut_cells(model, state);
         workspace.find_liquid(model, state);
@@ -182,7 +186,7 @@ impl<const D: usize> Workspace<D> {
         let label = self.liquid.component(&model.grid);
         for w in &self.cut.wet {
             if let Some(c) = label(w.cell as usize) {
-                let free = model.solids[w.solid as usize].motion == Motion::Free;
+                let free = model.solids[w.solid as usize].is_unheld();
                 let touching = &mut touching[c as usize];
                 if free { touching.free = true } else { touching.held = true }
             }

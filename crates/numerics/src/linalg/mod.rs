@@ -2,6 +2,8 @@
 
 mod connect;
 mod coupled;
+#[cfg(test)]
+mod coupled_tests;
 mod jacobi;
 mod krylov;
 mod layout;
@@ -14,7 +16,7 @@ mod sweep;
 mod tests;
 mod vectors;
 
-pub use coupled::Column;
+pub use coupled::{Bodies, Column, Compliance};
 pub use jacobi::Jacobi;
 pub use krylov::{conjugate_gradient, conjugate_gradient_in};
 pub use operator::{LinearOperator, Preconditioner, SolveError, SolveReport};

@@ -5,11 +5,11 @@ use crate::grid::{CellField, FaceField, Grid, Run, Runs};
 use nalgebra::{DMatrix, DVector};
 
 /// A system with everything it needs.
-struct System<const D: usize> {
-    grid: Grid<D>,
-    unknowns: Runs,
-    coefficients: FaceField<D>,
-    dirichlet: CellField<D>,
+pub struct System<const D: usize> {
+    pub grid: Grid<D>,
+    pub unknowns: Runs,
+    pub coefficients: FaceField<D>,
+    pub dirichlet: CellField<D>,
 }
 
 /// A reproducible sequence of numbers in [0, 1).
@@ -24,7 +24,7 @@ impl Random {
 
 impl<const D: usize> System<D> {
     /// A system on the cells where `liquid` holds; other faces and cells hold NaN.
-    fn new(
+    pub fn new(
         cells: [usize; D],
         liquid: impl Fn([usize; D]) -> bool,
         mut coefficient: impl FnMut() -> f64,
@@ -70,7 +70,7 @@ impl<const D: usize> System<D> {
     }
 
     /// Random cells, coefficients over four orders of magnitude, some of them zero.
-    fn random(cells: [usize; D], density: f64, seed: u64) -> Self {
+    pub fn random(cells: [usize; D], density: f64, seed: u64) -> Self {
         let mut random = Random(seed);
         let lattice = Grid::new(cells, 1.0).lattice();
         let liquid: Vec<bool> = (0..lattice.len()).map(|_| random.next() < density).collect();
@@ -81,7 +81,7 @@ impl<const D: usize> System<D> {
         Self::new(cells, |at| liquid[lattice.index(at)], coefficient, dirichlet)
     }
 
-    fn input(&self) -> PoissonInput<'_, D> {
+    pub fn input(&self) -> PoissonInput<'_, D> {
         PoissonInput {
             grid: self.grid,
             unknowns: &self.unknowns,
@@ -91,14 +91,14 @@ impl<const D: usize> System<D> {
     }
 
     /// The unknown cells.
-    fn cells(&self) -> Vec<usize> {
+    pub fn cells(&self) -> Vec<usize> {
         let row = self.grid.cells[0];
         let runs = self.unknowns.runs.iter();
         runs.flat_map(|r| (r.start..r.end).map(move |i| r.row as usize * row + i as usize)).collect()
     }
 
     /// The assembled matrix, in the order of [`Self::cells`].
-    fn dense(&self) -> DMatrix<f64> {
+    pub fn dense(&self) -> DMatrix<f64> {
         let cells = self.cells();
         let mut matrix = DMatrix::zeros(cells.len(), cells.len());
         for (i, cell) in cells.iter().enumerate() {
@@ -114,14 +114,14 @@ impl<const D: usize> System<D> {
         matrix
     }
 
-    fn random_field(&self, seed: u64) -> CellField<D> {
+    pub fn random_field(&self, seed: u64) -> CellField<D> {
         let mut random = Random(seed);
         let mut field = CellField::new(self.grid, f64::NAN);
         self.cells().iter().for_each(|cell| field.data[*cell] = random.next() - 0.5);
         field
     }
 
-    fn values(&self, field: &CellField<D>) -> DVector<f64> {
+    pub fn values(&self, field: &CellField<D>) -> DVector<f64> {
         DVector::from_iterator(self.unknowns.cells(), self.cells().iter().map(|c| field.data[*c]))
     }
 }
@@ -144,7 +144,7 @@ fn neighbours<const D: usize>(grid: &Grid<D>, cell: usize) -> Vec<(usize, usize,
 }
 
 /// Two long slabs of cells with equal coefficients inside, so that there are uniform spans.
-fn slab<const D: usize>() -> System<D> {
+pub fn slab<const D: usize>() -> System<D> {
     let mut cells = [6; D];
     cells[0] = 53;
     System::new(cells, |at| at[1] < 5 || at[0] > 36, || 2.5, |at| if at[1] == 4 { 3.0 } else { 0.0 })
@@ -253,39 +253,6 @@ fn solution_equals_that_of_a_dense_solver() {
         let mask = |at: [usize; 3]| (at[0] * 7 + at[1] * 13 + at[0] * at[1] + at[2] * 3) % 11 > 2;
         solution_matches(&System::new([9, 8, 7], mask, coefficients(seed), held));
     }
-}
-
-fn coupled_solution_matches<const D: usize>(system: &System<D>, scale: f64) {
-    let solver = PressureSolver::new(&system.input());
-    let (rhs, mut x) = (system.random_field(5), system.random_field(6));
-    let column = |seed: u64| -> super::Column {
-        let values = system.random_field(seed);
-        let every = system.cells().into_iter().step_by(3);
-        every.map(|c| (c as u32, scale * values.data[c])).collect()
-    };
-    let columns = [column(7), column(8), column(9)];
-    let report = solver.solve_coupled(&columns, &rhs, &mut x, (1e-11, 400)).unwrap();
-    let mut dense = system.dense();
-    let cells = system.cells();
-    for column in &columns {
-        let mut j = DVector::zeros(cells.len());
-        column.iter().for_each(|(c, v)| j[cells.binary_search(&(*c as usize)).unwrap()] = *v);
-        dense += &j * j.transpose();
-    }
-    let exact = dense.cholesky().expect("positive definite").solve(&system.values(&rhs));
-    let error = (&exact - system.values(&x)).norm() / exact.norm();
-    assert!(error < 1e-7, "{error}");
-    assert!(report.iterations < 80, "{}", report.iterations);
-}
-
-#[test]
-fn columns_are_part_of_the_system() {
-    for scale in [0.01, 1.0, 100.0] {
-        coupled_solution_matches(&slab::<2>(), scale);
-        coupled_solution_matches(&slab::<3>(), scale);
-    }
-    // All that holds this one is its columns.
-    coupled_solution_matches(&System::new([12, 9], |_| true, || 1.0, |_| 0.0), 1.0);
 }
 
 #[test]

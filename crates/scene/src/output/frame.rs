@@ -68,19 +68,15 @@ fn mark_wetted<const D: usize>(simulation: &Simulation<D>, positions: &[Vector<D
     });
 }
 
-/// The surface of a solid where it is now, and on it the distance to the contact line, and Young's angle where it varies; `start` is its surface where it
-/// starts.
+/// The surface of a solid, and on it the distance to the contact line, and Young's angle where it varies.
 pub fn solid<const D: usize>(
     simulation: &Simulation<D>,
     number: usize,
-    start: &SurfaceMesh<D>,
+    surface: &SurfaceMesh<D>,
     line: &ContactLine<D>,
 ) -> PlyMesh {
-    let (solid, now) = (&simulation.model.solids[number], &simulation.state.solids[number]);
-    let moved = |x: &Vector<D>| now.center + now.rotation * (x - solid.body.center);
-    let positions: Vec<Vector<D>> = start.positions.iter().map(moved).collect();
-    let young = young(simulation, number, &positions);
-    let mut mesh = ply(&SurfaceMesh { positions, facets: start.facets.clone() }, simulation.state.time);
+    let young = young(simulation, number, &surface.positions);
+    let mut mesh = ply(surface, simulation.state.time);
     let distance = line.phi_c.get(number).cloned().unwrap_or_default();
     mesh.scalars.insert("phi_c".into(), distance);
     mesh.comments.push("phi_c distance to the contact line along the surface, negative where wetted".into());

@@ -63,8 +63,7 @@ pub fn row<const D: usize>(
     let ledger = &report.ledger;
     let mut row = state.step.to_string();
     put(&mut row, &[state.time, report.dt, report.cfl]);
-    put(&mut row, &[ledger.volume, ledger.kinetic_energy, ledger.surface_energy]);
-    row.push(',');
+    put(&mut row, &[ledger.volume, ledger.kinetic_energy, ledger.surface_energy, ledger.elastic_energy]);
     put(&mut row, &[ledger.potential_energy, ledger.max_speed]);
     put(&mut row, &three(&ledger.momentum));
     put_line(&mut row, line);

@@ -228,7 +228,9 @@ impl<'a, const D: usize> Session<'a, D> {
         }
         frame::write(&path, &mesh)?;
         for (i, (name, _)) in self.job.solids.iter().enumerate() {
-            let mesh = frame::solid(&self.simulation, i, self.tracker.surface(i), &self.line);
+            let (model, solids) = (&self.simulation.model, &self.simulation.state.solids);
+            let surface = self.tracker.surface(model, solids, i);
+            let mesh = frame::solid(&self.simulation, i, &surface, &self.line);
             frame::write(&self.folder.solid(name, number), &mesh)?;
         }
         if !self.simulation.model.solids.is_empty() {

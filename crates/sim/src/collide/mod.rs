@@ -158,7 +158,7 @@ pub fn lean<const D: usize>(solids: &mut [SolidState<D>], time: f64) {
 /// Moves solids apart that overlap.
 pub fn part<const D: usize>(model: &Model<D>, solids: &mut [SolidState<D>], probes: &Probes<D>) {
     let mut still = solids.to_vec();
-    still.iter_mut().for_each(|now| (now.velocity, now.spin) = (Vector::zeros(), [0.0; 3]));
+    still.iter_mut().for_each(SolidState::stop);
     let mut contacts = Contacts::find(model, &mut still, probes, 0.0);
     contacts.all.retain(|c| c.gap < 0.0);
     contacts.all.iter_mut().for_each(|c| c.target = -c.gap);
@@ -178,7 +178,7 @@ pub fn overlaps<const D: usize>(
     solids: &[SolidState<D>],
 ) -> Vec<(usize, Option<usize>, f64)> {
     let mut still = solids.to_vec();
-    still.iter_mut().for_each(|now| (now.velocity, now.spin) = (Vector::zeros(), [0.0; 3]));
+    still.iter_mut().for_each(SolidState::stop);
     let mut probes = Probes::of(model);
     // Surfaces that lie on each other do not tell; a ball inside each does.
     for (probes, solid) in probes.0.iter_mut().zip(&model.solids) {
@@ -248,7 +248,7 @@ impl<'a, const D: usize> Contacts<'a, D> {
         if told || self.energy() <= energy * (1.0 + 1e-12) {
             return work;
         }
-        self.solids.copy_from_slice(&start);
+        self.solids.clone_from_slice(&start);
         hits.iter().for_each(|&k| self.all[k].target = self.all[k].target.min(0.0));
         self.solve(hits)
     }

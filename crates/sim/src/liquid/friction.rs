@@ -14,7 +14,7 @@
 
 use super::cube::CutCube;
 use super::cut_faces::CutFace;
-use crate::line::{Exchange, Impulse};
+use crate::exchange::Exchange;
 use crate::model::Model;
 use crate::state::State;
 use meniscus_numerics::Vector;
@@ -182,10 +182,7 @@ pub fn friction<const D: usize>(
         let mut impulse = Vector::<D>::zeros();
         let u = state.velocity.axes[f.axis][f.face];
         impulse[f.axis] = model.density * model.grid.cell_volume() * f.mass * (f.drag * u - f.toward);
-        exchange
-            .entry((component, f.solid))
-            .or_insert_with(Impulse::none)
-            .add(&Impulse::at(&x, impulse), 1.0);
+        exchange.push((component, f.solid), &state.solids[f.solid as usize], &x, impulse);
     }
     exchange
 }

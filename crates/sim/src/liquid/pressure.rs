@@ -11,9 +11,10 @@ use super::cut_faces::CutFace;
 use super::friction::DraggedFace;
 use super::viscosity::Diffusion;
 use crate::coupling::Coupling;
-use crate::line::{Exchange, Impulse};
+use crate::exchange::Exchange;
 use crate::model::Model;
 use crate::simulation::PhaseEnd;
+use crate::soft::Systems;
 use crate::solid::SolidState;
 use crate::state::State;
 use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Runs, Segment};
@@ -53,6 +54,8 @@ pub struct Projection<'a, const D: usize> {
     pub cut_cells: &'a mut CutCells<D>,
     /// The solids.
     pub solids: &'a [SolidState<D>],
+    /// Those of them that deform.
+    pub systems: &'a Systems<D>,
     /// Component of a liquid cell.
     pub label: &'a (dyn Fn(usize) -> Option<u32> + Sync),
     /// The tension term `γ h / (ρ Δ)` (m²/s): times a curvature in 1/cells it is λ at the surface.
@@ -80,34 +83,35 @@ impl<const D: usize> PressureFields<D> {
         phase_end: PhaseEnd<'_>,
     ) -> Result<(SolveReport, Exchange<D>), SolveError> {
         slow(p);
-        self.assemble(model, p);
+        let coupling = Coupling::new(model, p.cut_cells, (p.solids, p.systems), &p.phi.data);
+        let bodies = coupling.bodies();
+        self.assemble(model, p, &coupling);
+        for body in &bodies.soft {
+            let porous = zip(&body.flows, &body.porous);
+            porous.for_each(|((cell, _), porous)| self.dirichlet.data[*cell as usize] += porous);
+        }
         let solver = self.solver(model, p);
         let limits = (model.numerics.tolerance, model.numerics.max_iterations);
-        let coupling = Coupling::new(model, p.cut_cells, p.solids, &p.phi.data);
-        let columns = coupling.columns();
-        let first = solver.solve_coupled(&columns, &self.rhs, p.lambda, limits)?;
+        let first = solver.solve_coupled(&bodies, &self.rhs, p.lambda, limits)?;
         let bends = bends(model, p);
         let beyond = coupling.beyond_centers(|cell| slope(model, p, cell), p.label);
         let viscous = model.kinematic_viscosity > 0.0;
         if viscous {
             phase_end("pressure");
             diffuse(model, p, &bends)?;
-            self.assemble(model, p);
+            self.assemble(model, p, &coupling);
             phase_end("viscosity");
         }
         let mut report = first;
-        let coupling = Coupling::new(model, p.cut_cells, p.solids, &p.phi.data);
         if viscous || !beyond.is_empty() || bends.iter().any(|b| *b != 0.0) {
             zip(p.cut, &bends)
                 .for_each(|(face, bend)| self.rhs.data[face.cell] += face.open * face.mobility * bend);
             coupling.fluxes_of_push(&beyond, |cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
-            report = solver.solve_coupled(&columns, &self.rhs, p.lambda, limits)?;
+            report = solver.solve_coupled(&bodies, &self.rhs, p.lambda, limits)?;
             report.iterations += first.iterations;
         }
         let mut exchange = coupling.impulses(&p.lambda.data, p.label);
-        for (pair, impulse) in &beyond {
-            exchange.entry(*pair).or_insert_with(Impulse::none).add(impulse, 1.0);
-        }
+        exchange.extend(&beyond);
         self.solver = Some(solver);
         accelerate(model, p, &bends, 1.0);
         Ok((report, exchange))
@@ -130,7 +134,7 @@ impl<const D: usize> PressureFields<D> {
         solver
     }
 
-    fn assemble(&mut self, model: &Model<D>, p: &Projection<'_, D>) {
+    fn assemble(&mut self, model: &Model<D>, p: &Projection<'_, D>, coupling: &Coupling<'_, D>) {
         let lattice = model.grid.lattice();
         let segments = p.liquid.segments();
         let row = lattice.extent[0];
@@ -155,7 +159,6 @@ impl<const D: usize> PressureFields<D> {
             self.dirichlet.data[face.cell] += weight;
             self.rhs.data[face.cell] += weight * p.jump * face.kappa;
         }
-        let coupling = Coupling::new(model, p.cut_cells, p.solids, &p.phi.data);
         coupling.fluxes(|cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
     }
 }
@@ -286,7 +289,7 @@ pub fn divergence_max<const D: usize>(
 ) -> f64 {
     let lattice = model.grid.lattice();
     let mut fluxes = BTreeMap::new();
-    Coupling::new(model, cut, &state.solids, &state.phi.data).fluxes(|cell, flux| {
+    Coupling::new(model, cut, (&state.solids, &Vec::new()), &state.phi.data).fluxes(|cell, flux| {
         fluxes.insert(cell, flux);
     });
     let worst = |s: &Segment| {
@@ -379,6 +382,7 @@ mod tests {
             dragged: &[],
             cut_cells: &mut work.cut,
             solids: &[],
+            systems: &Vec::new(),
             jump: 1.0,
             time: 1.0,
             label: &|_| Some(0),

@@ -78,17 +78,16 @@ fn on_a_ball<const D: usize>(cells: usize, angle: f64) {
     let (s, c) = 0.7f64.sin_cos();
     let turned = &mut simulation.state.solids[0].rotation;
     (turned[(0, 0)], turned[(0, D - 1)], turned[(D - 1, 0)], turned[(D - 1, D - 1)]) = (c, -s, s, c);
-    let now = simulation.state.solids[0];
     let tracker = LineTracker::new(&simulation.model, &[dx / 1.5]);
     let line = tracker.find(&simulation);
     let wrong = line.points.iter().map(|p| (p.angle - angle).abs()).fold(0.0, f64::max);
     // Colatitude of the line on the solid.
     let cosine = (gap * gap + radius * radius - 1.0) / (2.0 * gap * radius);
     let exact = |x: &Vector<D>| {
-        let place = now.rotation * (x - center);
-        radius * ((place[D - 1] / radius).clamp(-1.0, 1.0).acos() - cosine.acos())
+        radius * (((x - center)[D - 1] / radius).clamp(-1.0, 1.0).acos() - cosine.acos())
     };
-    let vertices = tracker.surface(0).positions.iter().zip(&line.phi_c[0]);
+    let surface = tracker.surface(&simulation.model, &simulation.state.solids, 0);
+    let vertices = surface.positions.iter().zip(&line.phi_c[0]);
     let errors: Vec<f64> = vertices
         .filter(|(x, _)| exact(x).abs() < 4.5 * dx)
         .map(|(x, found)| (found - exact(x)).abs() / dx)

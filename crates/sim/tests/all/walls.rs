@@ -145,7 +145,7 @@ fn thrown(angle: Option<f64>) -> SolidState<2> {
     };
     let mut sim = ball(model, Vector::<2>::new(1.2, 0.0));
     settle(&mut sim, 4.0);
-    sim.state.solids[0]
+    sim.state.solids[0].clone()
 }
 
 #[test]

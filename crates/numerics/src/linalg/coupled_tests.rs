@@ -1,0 +1,89 @@
+use super::coupled::{Bodies, Column, Compliance};
+use super::pressure::PressureSolver;
+use super::tests::{System, slab};
+use nalgebra::{DMatrix, DVector};
+
+fn coupled_solution_matches<const D: usize>(system: &System<D>, scale: f64) {
+    let solver = PressureSolver::new(&system.input());
+    let (rhs, mut x) = (system.random_field(5), system.random_field(6));
+    let column = |seed: u64| -> Column {
+        let values = system.random_field(seed);
+        let every = system.cells().into_iter().step_by(3);
+        every.map(|c| (c as u32, scale * values.data[c])).collect()
+    };
+    let columns = [column(7), column(8), column(9)];
+    let bodies = Bodies { columns: columns.to_vec(), soft: Vec::new() };
+    let report = solver.solve_coupled(&bodies, &rhs, &mut x, (1e-11, 400)).unwrap();
+    let mut dense = system.dense();
+    let cells = system.cells();
+    for column in &columns {
+        let mut j = DVector::zeros(cells.len());
+        column.iter().for_each(|(c, v)| j[cells.binary_search(&(*c as usize)).unwrap()] = *v);
+        dense += &j * j.transpose();
+    }
+    let exact = dense.cholesky().expect("positive definite").solve(&system.values(&rhs));
+    let error = (&exact - system.values(&x)).norm() / exact.norm();
+    assert!(error < 1e-7, "{error}");
+    assert!(report.iterations < 80, "{}", report.iterations);
+}
+
+#[test]
+fn columns_are_part_of_the_system() {
+    for scale in [0.01, 1.0, 100.0] {
+        coupled_solution_matches(&slab::<2>(), scale);
+        coupled_solution_matches(&slab::<3>(), scale);
+    }
+    // All that holds this one is its columns.
+    coupled_solution_matches(&System::new([12, 9], |_| true, || 1.0, |_| 0.0), 1.0);
+}
+
+fn compliant_solution_matches<const D: usize>(mut system: System<D>, scale: f64) {
+    let mut dense = system.dense();
+    let cells = system.cells();
+    let (wet, freedoms) = (cells.len().min(40), 12);
+    let values = system.random_field(3);
+    let flow = |i: usize| {
+        let value =
+            |k: usize| (((i + 3 * k) % freedoms) as u32, scale * values.data[cells[(i + 5 * k) % wet]]);
+        (cells[i] as u32, (0..3).map(value).collect::<Vec<_>>())
+    };
+    let flows: Vec<_> = (0..wet).map(flow).collect();
+    let stiff = DMatrix::from_fn(freedoms, freedoms, |i, j| match i.abs_diff(j) {
+        0 => 3.0 + i as f64,
+        1 => -1.0,
+        _ => 0.0,
+    });
+    let factor = stiff.clone().cholesky().expect("positive definite");
+    let solve = |x: &mut [f64]| {
+        let solved = factor.solve(&DVector::from_column_slice(x));
+        x.copy_from_slice(solved.as_slice());
+    };
+    let mut f = DMatrix::zeros(cells.len(), freedoms);
+    for (cell, flow) in &flows {
+        let row = cells.binary_search(&(*cell as usize)).unwrap();
+        flow.iter().for_each(|(k, v)| f[(row, *k as usize)] += v);
+    }
+    dense += &f * factor.solve(&f.transpose());
+    let porous: Vec<f64> =
+        flows.iter().map(|(_, flow)| flow.iter().map(|(_, v)| v * v / 3.0).sum()).collect();
+    for ((cell, _), porous) in flows.iter().zip(&porous) {
+        system.dirichlet.data[*cell as usize] += porous;
+    }
+    let solver = PressureSolver::new(&system.input());
+    let soft = Compliance { freedoms, flows, porous, solve: Box::new(solve) };
+    let bodies = Bodies { columns: Vec::new(), soft: vec![soft] };
+    let (rhs, mut x) = (system.random_field(5), system.random_field(6));
+    solver.solve_coupled(&bodies, &rhs, &mut x, (1e-11, 400)).unwrap();
+    let exact = dense.cholesky().expect("positive definite").solve(&system.values(&rhs));
+    let error = (&exact - system.values(&x)).norm() / exact.norm();
+    assert!(error < 1e-7, "{error}");
+}
+
+#[test]
+fn bodies_that_deform_are_part_of_the_system() {
+    for scale in [0.01, 1.0, 100.0] {
+        compliant_solution_matches(slab::<2>(), scale);
+        compliant_solution_matches(slab::<3>(), scale);
+    }
+    compliant_solution_matches(System::new([12, 9], |_| true, || 1.0, |_| 0.0), 1.0);
+}

@@ -1,0 +1,79 @@
+//! The surface of a solid that deforms, where it is now.
+
+use meniscus_numerics::Vector;
+use meniscus_numerics::mesh::{FacetTree, SurfaceMesh};
+
+/// Where something takes hold of a solid that deforms: a point of a facet of its surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grip<const D: usize> {
+    /// The facet's vertices, as numbers of those of the solid's mesh.
+    pub vertices: [u32; D],
+    /// The point's barycentric weights in it.
+    pub weights: [f64; D],
+    /// The point, m.
+    pub point: Vector<D>,
+}
+
+impl<const D: usize> Grip<D> {
+    /// What values of the mesh's vertices are at the point.
+    pub fn mean(&self, of: impl Fn(usize) -> Vector<D>) -> Vector<D> {
+        (0..D).map(|k| of(self.vertices[k] as usize) * self.weights[k]).sum()
+    }
+}
+
+/// The surface of a solid that deforms.
+#[derive(Clone, Debug)]
+pub struct Skin<const D: usize> {
+    /// The surface, m.
+    pub surface: SurfaceMesh<D>,
+    /// For each of its vertices the number of the mesh's.
+    vertices: Vec<u32>,
+    tree: FacetTree<D>,
+    bounds: [Vector<D>; 2],
+}
+
+impl<const D: usize> Skin<D> {
+    /// A surface, and for each of its vertices the number of the mesh's.
+    pub fn new(surface: SurfaceMesh<D>, vertices: Vec<u32>) -> Self {
+        let tree = FacetTree::new(&surface);
+        let (low, high) = surface.bounds();
+        Self { surface, vertices, tree, bounds: [low, high] }
+    }
+
+    /// The same surface with the mesh's vertices elsewhere.
+    pub fn at(&self, positions: &[Vector<D>]) -> Self {
+        let facets = self.surface.facets.clone();
+        let positions = self.vertices.iter().map(|v| positions[*v as usize]).collect();
+        Self::new(SurfaceMesh { positions, facets }, self.vertices.clone())
+    }
+
+    /// Lower and upper corner of the box around it, m.
+    pub fn bounds(&self) -> [Vector<D>; 2] {
+        self.bounds
+    }
+
+    /// Distance of a point, m, negative inside.
+    pub fn distance(&self, x: &Vector<D>) -> f64 {
+        self.tree.signed_distance(x)
+    }
+
+    /// The nearest point of it.
+    pub fn grip(&self, x: &Vector<D>) -> Option<Grip<D>> {
+        let closest = self.tree.closest(x, f64::INFINITY)?;
+        let vertices = self.surface.facets[closest.facet as usize].map(|v| self.vertices[v as usize]);
+        Some(Grip { vertices, weights: closest.weights, point: closest.point })
+    }
+
+    /// Direction away from it; on it that of its facet.
+    pub fn normal(&self, x: &Vector<D>, near: f64) -> Vector<D> {
+        let Some(closest) = self.tree.closest(x, f64::INFINITY) else { return Vector::zeros() };
+        let facet = self.surface.area_vector(closest.facet as usize);
+        let away = x - closest.point;
+        let normal = match away.norm() > near {
+            true if self.tree.contains(x) => -away,
+            true => away,
+            false => facet,
+        };
+        normal.try_normalize(0.0).unwrap_or(Vector::zeros())
+    }
+}

@@ -1,0 +1,154 @@
+//! Solids that deform, as the liquid meets them.
+//!
+//! Their positions go first, then their velocities, as the liquid's do: `A (v' − v) = h f + J` with the forces `f` at the new
+//! positions, what the liquid gives `J`, and `A = M + h D + c h² K` (`meniscus_elastic`). The liquid's pressure is solved
+//! for with `A⁻¹` in its system, so that soft and light solids are as stable as stiff and heavy ones (design, numerics §1).
+
+use crate::model::Model;
+use crate::skin::{Grip, Skin};
+use crate::solid::SolidState;
+use meniscus_elastic::{Elastic, ElasticState, System};
+use meniscus_numerics::Vector;
+use meniscus_numerics::linalg::SolveError;
+use meniscus_numerics::mesh::SurfaceMesh;
+use std::sync::Arc;
+
+/// Time, s, over which held vertices have their velocity at the start.
+const INSTANT: f64 = 1e-9;
+
+/// Where a solid that deforms is, and how it moves.
+#[derive(Clone, Debug)]
+pub struct Soft<const D: usize> {
+    /// Positions and velocities of its mesh's vertices.
+    pub body: ElasticState<D>,
+    /// Its surface there.
+    pub skin: Arc<Skin<D>>,
+}
+
+impl<const D: usize> PartialEq for Soft<D> {
+    fn eq(&self, other: &Self) -> bool {
+        self.body == other.body
+    }
+}
+
+/// The matrix `A` of a solid for a step.
+#[derive(Debug)]
+pub struct SoftSystem<const D: usize> {
+    matrix: System<D>,
+    /// Mass of each vertex, kg.
+    masses: Vec<f64>,
+}
+
+/// Those of all solids; none of a rigid one.
+pub type Systems<const D: usize> = Vec<Option<SoftSystem<D>>>;
+
+/// Factorises the matrices of the solids that deform where they are now, for forces that act for `h` seconds.
+///
+/// # Errors
+/// [`SolveError`] if a number is not finite.
+pub fn systems<const D: usize>(
+    model: &Model<D>,
+    solids: &[SolidState<D>],
+    h: f64,
+) -> Result<Systems<D>, SolveError> {
+    let of = |(solid, now): (&crate::Solid<D>, &SolidState<D>)| match (solid.elastic(), &now.soft) {
+        (Some(elastic), Some(soft)) => {
+            let matrix = elastic.system(&soft.body.positions, h, &[]);
+            let matrix = matrix.map_err(|_| SolveError::NotFinite { iteration: 0 })?;
+            Ok(Some(SoftSystem { matrix, masses: elastic.masses().to_vec() }))
+        }
+        _ => Ok(None),
+    };
+    model.solids.iter().zip(solids).map(of).collect()
+}
+
+impl<const D: usize> SoftSystem<D> {
+    /// Number of degrees of freedom.
+    pub fn freedoms(&self) -> usize {
+        D * self.masses.len()
+    }
+
+    /// `A⁻¹ x`, in place.
+    pub fn solve(&self, x: &mut [f64]) {
+        self.matrix.solve(x);
+    }
+
+    /// What each cell by itself would give way if the vertices were loose: a bound of `F M⁻¹ Fᵀ` by the sums of its rows.
+    pub fn porous(&self, flows: &[(u32, Vec<(u32, f64)>)]) -> Vec<f64> {
+        let mut sums = vec![0.0; self.freedoms()];
+        flows.iter().flat_map(|(_, flow)| flow).for_each(|(k, v)| sums[*k as usize] += v.abs());
+        let entry = |(k, v): &(u32, f64)| v.abs() * sums[*k as usize] / self.masses[*k as usize / D];
+        flows.iter().map(|(_, flow)| flow.iter().map(entry).sum()).collect()
+    }
+}
+
+impl<const D: usize> Soft<D> {
+    /// The solid at the start.
+    pub fn start(elastic: &Elastic<D>, velocity: &Vector<D>) -> Self {
+        let mut body = elastic.at_rest(INSTANT);
+        let free = body.velocities.iter_mut().zip(elastic.held()).filter(|(_, held)| !**held);
+        free.for_each(|(v, _)| *v = *velocity);
+        Self::of(elastic, body)
+    }
+
+    /// The solid as a checkpoint has it: [`crate::Simulation::resume`] gives it its surface.
+    pub fn bare(body: ElasticState<D>) -> Self {
+        Self { body, skin: Arc::new(Skin::new(SurfaceMesh::default(), Vec::new())) }
+    }
+
+    /// The solid in a state of its own.
+    pub fn of(elastic: &Elastic<D>, body: ElasticState<D>) -> Self {
+        let (surface, vertices) = elastic.mesh().surface();
+        let skin = Arc::new(Skin::new(surface, vertices).at(&body.positions));
+        Self { body, skin }
+    }
+
+    /// Moves it by its velocity.
+    pub fn advance(&mut self, elastic: &Elastic<D>, dt: f64) {
+        elastic.advance_positions(&mut self.body, dt);
+        self.skin = Arc::new(self.skin.at(&self.body.positions));
+    }
+
+    /// Where the point of its surface nearest to `x` was at the start, m, and its normal there.
+    pub fn at_start(&self, elastic: &Elastic<D>, x: &Vector<D>) -> Option<(Vector<D>, Vector<D>)> {
+        let rest = &elastic.mesh().positions;
+        let grip = self.skin.grip(x)?;
+        let corners = grip.vertices.map(|v| rest[v as usize]);
+        let normal = meniscus_numerics::mesh::surface::area_vector(&corners);
+        Some((grip.mean(|k| rest[k]), normal.normalize()))
+    }
+
+    /// Centre of mass, m, and its velocity, m/s.
+    pub fn means(&self, elastic: &Elastic<D>) -> (Vector<D>, Vector<D>) {
+        let masses = elastic.masses();
+        let mass: f64 = masses.iter().sum();
+        let mean = |of: &[Vector<D>]| of.iter().zip(masses).map(|(x, m)| x * (m / mass)).sum();
+        (mean(&self.body.positions), mean(&self.body.velocities))
+    }
+}
+
+impl<const D: usize> SolidState<D> {
+    /// Adds what gravity (m/s²) and its own forces do to its velocity in the time of `system`, if it deforms.
+    pub fn accelerate(&mut self, elastic: &Elastic<D>, system: &SoftSystem<D>, gravity: &Vector<D>) {
+        if let Some(soft) = &mut self.soft {
+            let weight: Vec<Vector<D>> = elastic.masses().iter().map(|m| gravity * *m).collect();
+            soft.body.velocities = elastic.free_velocities(&system.matrix, &soft.body, &weight);
+        }
+        self.follow(elastic);
+    }
+
+    /// Adds to its velocity what impulses (N s) where it is gripped do, if it deforms.
+    pub fn push(&mut self, elastic: &Elastic<D>, system: &SoftSystem<D>, grips: &[(Grip<D>, Vector<D>)]) {
+        let Some(soft) = &mut self.soft else { return };
+        let mut push = vec![0.0; system.freedoms()];
+        for (grip, impulse) in grips {
+            for (vertex, weight) in grip.vertices.iter().zip(grip.weights) {
+                (0..D).for_each(|a| push[*vertex as usize * D + a] += weight * impulse[a]);
+            }
+        }
+        system.solve(&mut push);
+        let (steps, _) = push.as_chunks::<D>();
+        soft.body.velocities.iter_mut().zip(steps).for_each(|(v, step)| *v += Vector::from(*step));
+        self.follow(elastic);
+    }
+}
