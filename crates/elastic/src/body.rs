@@ -131,13 +131,16 @@ impl<const D: usize> Elastic<D> {
         forces
     }
 
-    /// Forces of the damping, N (2D: N/m).
-    pub fn damping_forces(&self, positions: &[Vector<D>], velocities: &[Vector<D>]) -> Vec<Vector<D>> {
+    /// Forces that resist rates of strain, N (2D: N/m), proportional to the stiffness times `time`, s.
+    pub fn viscous_forces(
+        &self,
+        positions: &[Vector<D>],
+        velocities: &[Vector<D>],
+        time: f64,
+    ) -> Vec<Vector<D>> {
         let mut forces = vec![Vector::zeros(); positions.len()];
-        if self.damping_time > 0.0 {
-            self.terms.iter().for_each(|t| {
-                t.add_viscous_forces(positions, velocities, self.damping_time, &mut forces);
-            });
+        if time > 0.0 {
+            self.terms.iter().for_each(|t| t.add_viscous_forces(positions, velocities, time, &mut forces));
         }
         forces
     }

@@ -9,12 +9,12 @@
 //! The simulator is a leapfrog: positions first, `x ← x + h v`, then velocities from the forces at the new positions,
 //!
 //! ```text
-//! A (v' − v) = h (f(x) − D v + g),        A = M + h D + c h² K,
+//! A (v' − v) = h (f(x) − D v + g),        A = M + h D + h²/4 K,
 //! ```
 //!
-//! with the lumped masses `M`, the damping `D`, the positive part `K` of the stiffness, and external forces `g`
-//! ([`Integrator`]). With `c = 1/4` a mode of frequency `ω` neither grows nor decays for any `h`. [`System`] is the
-//! factorised `A`; a liquid's pressure solve applies `A⁻¹` once per iteration.
+//! with the lumped masses `M`, the damping `D`, the positive part `K` of the stiffness, and external forces `g`: a mode of
+//! any frequency neither grows nor decays for any `h`. A little dissipation ([`Integrator`]) is added where strains are
+//! large. [`System`] is the factorised `A`; a liquid's pressure solve applies `A⁻¹` once per iteration.
 //!
 //! # Thin plates
 //!

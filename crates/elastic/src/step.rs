@@ -2,14 +2,19 @@
 //!
 //! ```text
 //! x ← x + h v
-//! A (v' − v) = h (f(x) − D v + g − θ h K v),    A = M + h D + c h² K,    c = (1 + θ)²/4
+//! A (v' − v) = h (f(x) + g − D v − θ h K̂ v),    A = M + h D + h²/4 K + (θ/2 + θ²/4) h² K̂
 //! ```
 //!
-//! A mode of frequency `ω` has, for `z = h² ω²`, the amplification's determinant `1 − θ z/(1 + c z)` and trace
+//! `K` is the positive part of the stiffness, `K̂` that against rates of strain only, which a rigid motion does not feel
+//! ([`Weights`]), and `D = τ K̂` the damping. About rest `K = K̂`, and a mode of frequency `ω` without damping has, for
+//! `z = h² ω²` and `c = (1 + θ)²/4`, the amplification's determinant `1 − θ z/(1 + c z)` and trace
 //! `2 − (1 + θ) z/(1 + c z)`. It is stable for every `h`. With `θ = 0` it is neutral: symplectic Euler of the frequency
 //! `ω̃² = ω²/(1 + z/4)`, the implicit midpoint rule in other variables, of which a step is one Newton iteration. With
 //! `θ = 1` it is backward Euler. Between them both eigenvalues tend to `−(1 − θ)/(1 + θ)` for `h ω → ∞`, as in the
 //! generalised-α method (Chung & Hulbert 1993), and slow modes are damped by the fraction `θ h ω/2` of the critical one.
+//!
+//! That the dissipation is in rates of strain, other than in backward Euler of large deformations, keeps the angular
+//! momentum of bodies that nothing holds.
 
 use crate::linalg::Factor;
 use crate::term::Weights;
@@ -35,9 +40,11 @@ impl Default for Integrator {
 }
 
 impl Integrator {
-    /// The weight `c` of `h² K` in the matrix.
-    fn implicit(&self) -> f64 {
-        0.25 * (1.0 + self.dissipation).powi(2)
+    /// The weights of a step's matrix, for a damping time, s.
+    fn weights(&self, step: f64, damping_time: f64) -> Weights {
+        let theta = self.dissipation;
+        let viscosity = step * damping_time + (0.5 + 0.25 * theta) * theta * step * step;
+        Weights { stiffness: 0.25 * step * step, viscosity }
     }
 }
 
@@ -111,12 +118,11 @@ impl<const D: usize> Elastic<D> {
         step: f64,
         extra: &[StiffnessBlock<D>],
     ) -> Result<System<D>, ElasticError> {
-        let stiffness = self.integrator.implicit() * step * step;
-        let weights = Weights { stiffness, viscosity: self.damping_time * step };
+        let weights = self.integrator.weights(step, self.damping_time);
         let mut matrix = self.tangent(positions, weights);
         self.masses.iter().enumerate().for_each(|(v, m)| matrix.add_diagonal(v, *m));
         for StiffnessBlock { first, second, block } in extra {
-            if !matrix.add(*first, *second, &(block * stiffness)) {
+            if !matrix.add(*first, *second, &(block * weights.stiffness)) {
                 return Err(ElasticError::NotNeighbours { first: *first, second: *second });
             }
         }
@@ -134,17 +140,10 @@ impl<const D: usize> Elastic<D> {
     ) -> Vec<Vector<D>> {
         let h = system.step;
         let (x, v) = (&state.positions, &state.velocities);
-        let (elastic, damping) = (self.forces(x), self.damping_forces(x, v));
+        let time = self.damping_time + self.integrator.dissipation * h;
+        let (elastic, damping) = (self.forces(x), self.viscous_forces(x, v, time));
         let mut b: Vec<Vector<D>> =
             (0..x.len()).map(|k| (elastic[k] + damping[k] + external[k]) * h).collect();
-        let share = self.integrator.dissipation / self.integrator.implicit();
-        if share > 0.0 {
-            // `c h² K v`, from the matrix without its other parts.
-            let mut stiff: Vec<Vector<D>> =
-                (0..v.len()).map(|k| damping[k] * h - v[k] * self.masses[k]).collect();
-            system.matrix.add_product(v, &mut stiff);
-            b.iter_mut().zip(&stiff).for_each(|(b, s)| *b -= s * share);
-        }
         let mut change = vec![Vector::<D>::zeros(); x.len()];
         for (k, velocity) in self.held_velocities(state.time, h) {
             change[k] = v[k] - velocity;
@@ -196,7 +195,8 @@ impl<const D: usize> Elastic<D> {
         Ok(())
     }
 
-    /// Newton's iterations for `M w = h (f(y) − D (v + w) + g)`, `y = x + h (c w + θ v)`, from the linear step's `w`.
+    /// Newton's iterations for `M w = h (f(y) + g − D̂ (v + w) − θ h K̂ (v + w/2 + θ w/4))`, `y = x + h w/4`, with tangents
+    /// at `y`, from the linear step's `w`.
     fn iterate(
         &self,
         state: &ElasticState<D>,
@@ -204,17 +204,19 @@ impl<const D: usize> Elastic<D> {
         external: &[Vector<D>],
         velocities: &mut [Vector<D>],
     ) -> Result<(), ElasticError> {
-        let (c, theta) = (self.integrator.implicit(), self.integrator.dissipation);
+        let (x, v) = (&state.positions, &state.velocities);
+        let theta = self.integrator.dissipation;
         let mut first = 0.0;
         for k in 0..self.integrator.iterations {
-            let (x, v) = (&state.positions, &state.velocities);
-            let at = |k: usize| x[k] + ((velocities[k] - v[k]) * c + v[k] * theta) * h;
-            let y: Vec<Vector<D>> = (0..x.len()).map(at).collect();
-            let (elastic, damping) = (self.forces(&y), self.damping_forces(&y, velocities));
-            let rest = |k: usize| {
-                (elastic[k] + damping[k] + external[k]) * h - (velocities[k] - v[k]) * self.masses[k]
-            };
-            let mut change: Vec<Vector<D>> = (0..x.len()).map(rest).collect();
+            let w: Vec<Vector<D>> = (0..x.len()).map(|k| velocities[k] - v[k]).collect();
+            let y: Vec<Vector<D>> = (0..x.len()).map(|k| x[k] + w[k] * (0.25 * h)).collect();
+            let between: Vec<Vector<D>> = (0..x.len()).map(|k| v[k] + w[k] * (0.5 + 0.25 * theta)).collect();
+            let elastic = self.forces(&y);
+            let damping = self.viscous_forces(&y, velocities, self.damping_time);
+            let numerical = self.viscous_forces(&y, &between, theta * h);
+            let pull = |k: usize| elastic[k] + damping[k] + numerical[k] + external[k];
+            let mut change: Vec<Vector<D>> =
+                (0..x.len()).map(|k| pull(k) * h - w[k] * self.masses[k]).collect();
             self.system(&y, h, &[])?.solve_vectors(&mut change);
             velocities.iter_mut().zip(&change).for_each(|(v, c)| *v += c);
             let size = self.kinetic_energy(&change).sqrt();

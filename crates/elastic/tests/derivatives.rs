@@ -4,8 +4,8 @@ mod lattice;
 
 use lattice::{Noise, block};
 use meniscus_elastic::{
-    Continuum, Corotated, Description, Elastic, ForceTerm, Integrator, Lame, Law, NeoHookean, Smoothing, Springs,
-    Weights,
+    Continuum, Corotated, Description, Elastic, ForceTerm, Integrator, Lame, Law, NeoHookean, Smoothing,
+    Springs, Weights,
 };
 use meniscus_numerics::{Vector, planes};
 
@@ -59,7 +59,8 @@ fn forces_are_the_slope_of_the_energy<const D: usize>() {
             let x = moved(&rest, &noise.vectors(rest.len()), size);
             let along = noise.vectors(rest.len());
             let step = 1e-5;
-            let slope = (term.energy(&moved(&x, &along, step)) - term.energy(&moved(&x, &along, -step))) / (2.0 * step);
+            let slope = (term.energy(&moved(&x, &along, step)) - term.energy(&moved(&x, &along, -step)))
+                / (2.0 * step);
             let f = forces(term.as_ref(), &x);
             assert!((slope + dot(&f, &along)).abs() < 1e-7 * (1.0 + slope.abs()), "{D}D term {k} at {size}");
             let total: Vector<D> = f.iter().sum();
@@ -79,8 +80,8 @@ fn tangents_are_slopes_of_forces<const D: usize>() {
         let body = body(term);
         // Stretched, so that nothing of the stiffness is negative.
         let mut noise = Noise(k as u64);
-        let grown: Vec<Vector<D>> = rest.iter().map(|x| x * 1.3).collect();
-        let x = moved(&grown, &noise.vectors(rest.len()), 0.01);
+        let grown: Vec<Vector<D>> = rest.iter().map(|x| x * 1.05).collect();
+        let x = moved(&grown, &noise.vectors(rest.len()), 0.003);
         let along = noise.vectors(rest.len());
         let mut product = vec![Vector::zeros(); x.len()];
         let weights = Weights { stiffness: 1.0, viscosity: 0.0 };
@@ -89,7 +90,11 @@ fn tangents_are_slopes_of_forces<const D: usize>() {
         let (up, down) = (body.forces(&moved(&x, &along, step)), body.forces(&moved(&x, &along, -step)));
         for v in 0..x.len() {
             let slope = (down[v] - up[v]) / (2.0 * step);
-            assert!((slope - product[v]).norm() < 1e-7 * (1.0 + slope.norm()), "{D}D term {k}: {slope} {}", product[v]);
+            assert!(
+                (slope - product[v]).norm() < 1e-7 * (1.0 + slope.norm()),
+                "{D}D term {k}: {slope} {}",
+                product[v]
+            );
         }
     }
 }
@@ -115,7 +120,17 @@ fn tangents_are_positive_and_rates_of_strain_keep_momenta<const D: usize>() {
         let told = product(Weights { stiffness: 0.0, viscosity: 2.0 }, &v);
         assert!(told.iter().zip(&viscous).all(|(a, b)| (a + b).norm() < 1e-11), "{D}D term {k}");
         for (a, b, _) in planes::<D>() {
-            let turn = |x: &Vector<D>| Vector::from_fn(|r, _| if r == *a { -x[*b] } else if r == *b { x[*a] } else { 0.0 });
+            let turn = |x: &Vector<D>| {
+                Vector::from_fn(|r, _| {
+                    if r == *a {
+                        -x[*b]
+                    } else if r == *b {
+                        x[*a]
+                    } else {
+                        0.0
+                    }
+                })
+            };
             let turning: Vec<Vector<D>> = x.iter().map(turn).collect();
             let felt = product(Weights { stiffness: 0.0, viscosity: 1.0 }, &turning);
             assert!(felt.iter().all(|f| f.norm() < 1e-12), "{D}D term {k}");
@@ -129,7 +144,9 @@ fn small_strains_obey_hooke<const D: usize>() {
     let mesh = block::<D>([2; D], [1.0; D]);
     for (k, term) in terms::<D>().iter().enumerate().skip(1) {
         let size = 1e-6;
-        let strain = |x: &Vector<D>| Vector::from_fn(|r, _| x[r] + size * if r == 0 { x[0] + 0.5 * x[1] } else { 0.0 });
+        let strain = |x: &Vector<D>| {
+            Vector::from_fn(|r, _| x[r] + size * if r == 0 { x[0] + 0.5 * x[1] } else { 0.0 })
+        };
         let energy = term.energy(&mesh.positions.iter().map(strain).collect::<Vec<_>>());
         let told = size * size * (mu * (1.0 + 2.0 * 0.25 * 0.25) + 0.5 * lambda);
         assert!((energy / told - 1.0).abs() < 1e-4, "{D}D term {k}: {energy:e} {told:e}");
@@ -150,13 +167,16 @@ fn inverted_elements_are_pushed_back<const D: usize>() {
                 mesh.positions.iter().map(at).collect()
             };
             let mut last = 0.0;
-            for by in [0.5, 0.1, 0.0, -0.1, -1.0] {
+            for by in [0.5, 0.1, 0.0, -0.1, -0.9] {
                 let energy = law.energy(&squeezed(by));
                 assert!(energy.is_finite() && energy > last, "{D}D {by}: {energy} after {last}");
                 last = energy;
                 let f = forces(law.as_ref(), &squeezed(by));
                 let apart: f64 = f.iter().zip(&mesh.positions).map(|(f, x)| f[0] * (x[0] - 0.5)).sum();
-                assert!(f.iter().all(|f| f.iter().all(|c| c.is_finite())) && apart > 0.0, "{D}D {by}: {apart}");
+                assert!(
+                    f.iter().all(|f| f.iter().all(|c| c.is_finite())) && apart > 0.0,
+                    "{D}D {by}: {apart}"
+                );
             }
         }
     }

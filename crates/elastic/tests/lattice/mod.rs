@@ -49,13 +49,23 @@ pub fn block<const D: usize>(cells: [usize; D], size: [f64; D]) -> VolumeMesh<D>
 }
 
 /// A solid held at `x = 0`.
-pub fn clamped<const D: usize>(mesh: VolumeMesh<D>, density: f64, law: Law, integrator: Integrator) -> Description<D> {
+pub fn clamped<const D: usize>(
+    mesh: VolumeMesh<D>,
+    density: f64,
+    law: Law,
+    integrator: Integrator,
+) -> Description<D> {
     let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9)];
     Description { mesh, density, law, damping_ratio: 0.0, anchors, integrator }
 }
 
 /// A solid that nothing holds.
-pub fn free<const D: usize>(mesh: VolumeMesh<D>, density: f64, law: Law, integrator: Integrator) -> Description<D> {
+pub fn free<const D: usize>(
+    mesh: VolumeMesh<D>,
+    density: f64,
+    law: Law,
+    integrator: Integrator,
+) -> Description<D> {
     Description { mesh, density, law, damping_ratio: 0.0, anchors: Vec::new(), integrator }
 }
 
