@@ -1,0 +1,249 @@
+//! What a deformable solid is while it moves.
+
+use crate::describe::material;
+use crate::linalg::{BlockMatrix, Pattern, Symbolic};
+use crate::term::Weights;
+use crate::term::continuum::Continuum;
+use crate::{
+    Anchor, Corotated, Description, ElasticError, ElasticState, ForceTerm, Integrator, Lame, Law, Motion,
+    NeoHookean, Springs, lowest_modes,
+};
+use meniscus_numerics::Vector;
+use meniscus_numerics::mesh::VolumeMesh;
+use std::sync::Arc;
+
+/// Volume of an element over that of a regular one with its longest edge, below which it is refused.
+const FLAT: f64 = 1e-3;
+
+/// A deformable solid: all that does not change while it moves.
+///
+/// Masses are lumped: each element gives equal parts to its vertices. That keeps momentum, the centre of mass and the order
+/// of accuracy, and leaves `M⁻¹` a division, which preconditioners of the liquid's pressure need. The consistent matrix would
+/// have smaller errors of the same order, but makes the fastest modes of an element, which no one wants to see, faster.
+#[derive(Debug)]
+pub struct Elastic<const D: usize> {
+    pub(crate) rest: VolumeMesh<D>,
+    pub(crate) masses: Vec<f64>,
+    pub(crate) terms: Vec<Box<dyn ForceTerm<D>>>,
+    pub(crate) integrator: Integrator,
+    pub(crate) anchors: Vec<Anchor<D>>,
+    pub(crate) held: Vec<bool>,
+    pub(crate) damping_time: f64,
+    pub(crate) symbolic: Arc<Symbolic>,
+    pattern: Arc<Pattern>,
+}
+
+impl<const D: usize> Elastic<D> {
+    /// A solid as described.
+    ///
+    /// # Errors
+    /// Where the description is of no solid: see [`ElasticError`].
+    pub fn new(description: Description<D>) -> Result<Self, ElasticError> {
+        Self::with_terms(description, Vec::new())
+    }
+
+    /// A solid as described, with more terms.
+    ///
+    /// # Errors
+    /// Where the description is of no solid: see [`ElasticError`].
+    pub fn with_terms(
+        description: Description<D>,
+        more: Vec<Box<dyn ForceTerm<D>>>,
+    ) -> Result<Self, ElasticError> {
+        let Description { mesh, density, law, damping_ratio, anchors, integrator } = description;
+        material("the density", density, density > 0.0, "more than 0 kg/m³")?;
+        material("the damping ratio", damping_ratio, damping_ratio >= 0.0, "0 (none) or more")?;
+        let share = integrator.dissipation;
+        material("the integrator's dissipation", share, (0.0..=1.0).contains(&share), "from 0 to 1")?;
+        law.check()?;
+        let masses = masses(&mesh, density)?;
+        let held = held(&mesh, &anchors)?;
+        let mut terms = vec![term(&mesh, law)];
+        terms.extend(more);
+        let pattern = Arc::new(Pattern::new(masses.len(), terms.iter().map(|t| t.couplings())));
+        let symbolic = Symbolic::new(&mesh.positions, &pattern, &held)
+            .ok_or(ElasticError::TooLarge { vertices: masses.len() })?;
+        let symbolic = Arc::new(symbolic);
+        let mut body = Self {
+            rest: mesh,
+            masses,
+            terms,
+            integrator,
+            anchors,
+            held,
+            damping_time: 0.0,
+            symbolic,
+            pattern,
+        };
+        if damping_ratio > 0.0 {
+            let lowest = lowest_modes(&body, 1)?;
+            body.damping_time = lowest.first().map_or(0.0, |mode| 2.0 * damping_ratio / mode.frequency);
+        }
+        Ok(body)
+    }
+
+    /// The mesh at rest.
+    pub fn mesh(&self) -> &VolumeMesh<D> {
+        &self.rest
+    }
+
+    /// Masses of the vertices, kg (2D: kg/m).
+    pub fn masses(&self) -> &[f64] {
+        &self.masses
+    }
+
+    /// Which vertices are held.
+    pub fn held(&self) -> &[bool] {
+        &self.held
+    }
+
+    /// `D = τ K`: the time `τ`, s, of the damping that is proportional to the stiffness against rates of strain.
+    pub fn damping_time(&self) -> f64 {
+        self.damping_time
+    }
+
+    /// How velocities follow forces.
+    pub fn integrator(&self) -> Integrator {
+        self.integrator
+    }
+
+    /// Entries of a factor of the solid's matrix: twice as many multiplications make a solve.
+    pub fn factor_entries(&self) -> usize {
+        self.symbolic.entries()
+    }
+
+    /// At rest at time 0; held vertices where their motion has them, with its velocity over a step of `step` s.
+    pub fn at_rest(&self, step: f64) -> ElasticState<D> {
+        let positions = self.rest.positions.clone();
+        let velocities = vec![Vector::zeros(); positions.len()];
+        let mut state = ElasticState { positions, velocities, time: 0.0 };
+        self.place_held(&mut state);
+        for (v, velocity) in self.held_velocities(state.time, step) {
+            state.velocities[v] = velocity;
+        }
+        state
+    }
+
+    /// The elastic forces at positions, N (2D: N/m).
+    pub fn forces(&self, positions: &[Vector<D>]) -> Vec<Vector<D>> {
+        let mut forces = vec![Vector::zeros(); positions.len()];
+        self.terms.iter().for_each(|t| t.add_forces(positions, &mut forces));
+        forces
+    }
+
+    /// Forces that resist rates of strain, N (2D: N/m), proportional to the stiffness times `time`, s.
+    pub fn viscous_forces(
+        &self,
+        positions: &[Vector<D>],
+        velocities: &[Vector<D>],
+        time: f64,
+    ) -> Vec<Vector<D>> {
+        let mut forces = vec![Vector::zeros(); positions.len()];
+        if time > 0.0 {
+            self.terms.iter().for_each(|t| t.add_viscous_forces(positions, velocities, time, &mut forces));
+        }
+        forces
+    }
+
+    /// Tangents of all terms at positions.
+    pub fn tangent(&self, positions: &[Vector<D>], weights: Weights) -> BlockMatrix<D> {
+        let mut matrix = BlockMatrix::new(self.pattern.clone());
+        self.terms.iter().for_each(|t| t.add_tangent(positions, weights, &mut matrix));
+        matrix
+    }
+
+    /// Puts held vertices where they belong at the state's time.
+    pub(crate) fn place_held(&self, state: &mut ElasticState<D>) {
+        for anchor in &self.anchors {
+            let displacement = anchor.motion.displacement(state.time);
+            for v in &anchor.vertices {
+                state.positions[*v as usize] = self.rest.positions[*v as usize] + displacement;
+            }
+        }
+    }
+
+    /// Held vertices and the velocities that take them where they belong after a step of `step` s from `time`.
+    pub(crate) fn held_velocities(&self, time: f64, step: f64) -> impl Iterator<Item = (usize, Vector<D>)> {
+        self.anchors.iter().flat_map(move |anchor| {
+            let ahead = anchor.motion.displacement(time + step) - anchor.motion.displacement(time);
+            anchor.vertices.iter().map(move |v| (*v as usize, ahead / step))
+        })
+    }
+}
+
+/// The term of a law.
+fn term<const D: usize>(mesh: &VolumeMesh<D>, law: Law) -> Box<dyn ForceTerm<D>> {
+    match law {
+        Law::NeoHookean { young, poisson, smoothing } => {
+            Box::new(Continuum::new(mesh, NeoHookean, Lame::new(young, poisson), smoothing))
+        }
+        Law::Corotated { young, poisson, smoothing } => {
+            Box::new(Continuum::new(mesh, Corotated, Lame::new(young, poisson), smoothing))
+        }
+        Law::Springs { stiffness } => Box::new(Springs::new(mesh, stiffness)),
+    }
+}
+
+/// The masses of a mesh's vertices, kg (2D: kg/m).
+fn masses<const D: usize>(mesh: &VolumeMesh<D>, density: f64) -> Result<Vec<f64>, ElasticError> {
+    let (positions, count) = (&mesh.positions, mesh.positions.len());
+    if mesh.simplices.is_empty() {
+        return Err(ElasticError::Empty);
+    }
+    if let Some(vertex) = positions.iter().position(|x| !x.iter().all(|c| c.is_finite())) {
+        return Err(ElasticError::NotAPlace { vertex });
+    }
+    let mut masses = vec![0.0; count];
+    for (element, simplex) in mesh.simplices.iter().enumerate() {
+        if let Some(vertex) = simplex.vertices().find(|v| *v as usize >= count) {
+            return Err(ElasticError::NoSuchVertex { element, vertex, count });
+        }
+        let at: Vec<Vector<D>> = simplex.vertices().map(|v| positions[v as usize]).collect();
+        let center = || (at.iter().sum::<Vector<D>>() / at.len() as f64).iter().copied().collect();
+        let volume = simplex.volume(positions);
+        let longest = at.iter().flat_map(|a| at.iter().map(move |b| (a - b).norm())).fold(0.0, f64::max);
+        let quality =
+            volume / (longest.powi(D as i32) * if D == 2 { 3f64.sqrt() / 4.0 } else { 2f64.sqrt() / 12.0 });
+        if quality < -FLAT {
+            return Err(ElasticError::Inverted { element, center: center(), volume });
+        }
+        if quality.is_nan() || quality < FLAT {
+            return Err(ElasticError::Flat { element, center: center(), quality });
+        }
+        simplex.vertices().for_each(|v| masses[v as usize] += density * volume / (D + 1) as f64);
+    }
+    match masses.iter().position(|m| *m == 0.0) {
+        Some(vertex) => {
+            Err(ElasticError::LooseVertex { vertex, place: positions[vertex].iter().copied().collect() })
+        }
+        None => Ok(masses),
+    }
+}
+
+/// Which vertices are held.
+fn held<const D: usize>(mesh: &VolumeMesh<D>, anchors: &[Anchor<D>]) -> Result<Vec<bool>, ElasticError> {
+    let count = mesh.positions.len();
+    let mut by = vec![None; count];
+    for (anchor, held) in anchors.iter().enumerate() {
+        if held.vertices.is_empty() {
+            return Err(ElasticError::IdleAnchor { anchor });
+        }
+        if let Motion::Keyframes(keys) = &held.motion {
+            let rises = |k: usize| keys[k].0.is_finite() && (k == 0 || keys[k - 1].0 < keys[k].0);
+            if let Some(keyframe) = (0..keys.len()).find(|k| !rises(*k)) {
+                return Err(ElasticError::Keyframes { anchor, keyframe });
+            }
+        }
+        for vertex in held.vertices.iter().copied() {
+            match by.get_mut(vertex as usize) {
+                None => return Err(ElasticError::NoSuchAnchor { anchor, vertex, count }),
+                Some(Some(first)) if *first != anchor => {
+                    return Err(ElasticError::TwoAnchors { first: *first, second: anchor, vertex });
+                }
+                Some(holder) => *holder = Some(anchor),
+            }
+        }
+    }
+    let held: Vec<bool> = by.iter().map(Option::is_some).collect();
+    if held.iter().all(|h| *h) { Err(ElasticError::AllHeld) } else { Ok(held) }
+}

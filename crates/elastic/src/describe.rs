@@ -1,0 +1,125 @@
+//! What a deformable solid is told to be.
+
+use crate::ElasticError;
+use crate::step::Integrator;
+use crate::term::smoothing::Smoothing;
+use meniscus_numerics::Vector;
+use meniscus_numerics::mesh::VolumeMesh;
+
+/// A deformable solid, as described.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Description<const D: usize> {
+    /// Its mesh at rest.
+    pub mesh: VolumeMesh<D>,
+    /// Mass density, kg/m³.
+    pub density: f64,
+    /// What makes it elastic.
+    pub law: Law,
+    /// Damping of the lowest elastic mode as a fraction of the critical one; of others in proportion to their frequency.
+    /// Motions without strain are not damped.
+    pub damping_ratio: f64,
+    /// Vertices that are held.
+    pub anchors: Vec<Anchor<D>>,
+    /// How velocities follow forces.
+    pub integrator: Integrator,
+}
+
+/// What makes a solid elastic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law {
+    /// A continuum for large strains, [`crate::NeoHookean`].
+    NeoHookean {
+        /// Young's modulus, Pa.
+        young: f64,
+        /// Poisson's ratio.
+        poisson: f64,
+        /// How the mesh is kept from locking.
+        smoothing: Smoothing,
+    },
+    /// A continuum for small strains and any rotation, [`crate::Corotated`].
+    Corotated {
+        /// Young's modulus, Pa.
+        young: f64,
+        /// Poisson's ratio.
+        poisson: f64,
+        /// How the mesh is kept from locking.
+        smoothing: Smoothing,
+    },
+    /// A spring along every edge, [`crate::Springs`].
+    Springs {
+        /// Of each, N/m (2D: N/m²).
+        stiffness: f64,
+    },
+}
+
+impl Law {
+    /// Refuses what no solid can be.
+    pub(crate) fn check(&self) -> Result<(), ElasticError> {
+        match *self {
+            Self::NeoHookean { young, poisson, .. } | Self::Corotated { young, poisson, .. } => {
+                material("Young's modulus", young, young > 0.0, "more than 0 Pa")?;
+                let inside = poisson > -1.0 && poisson < 0.5;
+                material("Poisson's ratio", poisson, inside, "between -1 and 0.5; rubber has 0.45 to 0.49")
+            }
+            Self::Springs { stiffness } => {
+                material("the springs' stiffness", stiffness, stiffness > 0.0, "more than 0 N/m")
+            }
+        }
+    }
+}
+
+/// Refuses a constant that is not finite or not what is allowed.
+pub(crate) fn material(
+    name: &'static str,
+    value: f64,
+    fits: bool,
+    allowed: &'static str,
+) -> Result<(), ElasticError> {
+    if fits && value.is_finite() { Ok(()) } else { Err(ElasticError::Material { name, value, allowed }) }
+}
+
+/// Vertices that are held, or moved as told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Anchor<const D: usize> {
+    /// Which.
+    pub vertices: Vec<u32>,
+    /// Where they go.
+    pub motion: Motion<D>,
+}
+
+impl<const D: usize> Anchor<D> {
+    /// Of all vertices of a mesh at rest in a region, which do not move.
+    pub fn within(mesh: &VolumeMesh<D>, region: impl Fn(&Vector<D>) -> bool) -> Self {
+        let inside = |v: &u32| region(&mesh.positions[*v as usize]);
+        Self { vertices: (0..mesh.positions.len() as u32).filter(inside).collect(), motion: Motion::Fixed }
+    }
+}
+
+/// How held vertices move.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Motion<const D: usize> {
+    /// Not at all.
+    Fixed,
+    /// With a constant velocity, m/s, from time 0.
+    Velocity(Vector<D>),
+    /// Times, s, which rise, and displacements from rest, m; linear between, constant before and after.
+    Keyframes(Vec<(f64, Vector<D>)>),
+}
+
+impl<const D: usize> Motion<D> {
+    /// The displacement from rest at a time, m.
+    pub fn displacement(&self, time: f64) -> Vector<D> {
+        match self {
+            Self::Fixed => Vector::zeros(),
+            Self::Velocity(velocity) => velocity * time,
+            Self::Keyframes(keys) => {
+                let next = keys.partition_point(|k| k.0 <= time);
+                match (next.checked_sub(1).and_then(|k| keys.get(k)), keys.get(next)) {
+                    (Some(a), Some(b)) => a.1 + (b.1 - a.1) * ((time - a.0) / (b.0 - a.0)),
+                    (Some(only), None) | (None, Some(only)) => only.1,
+                    (None, None) => Vector::zeros(),
+                }
+            }
+        }
+    }
+}

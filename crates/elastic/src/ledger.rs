@@ -1,0 +1,40 @@
+//! Energies and momenta.
+
+use crate::{Elastic, ElasticState};
+use meniscus_numerics::{Vector, par, planes};
+
+impl<const D: usize> Elastic<D> {
+    /// Elastic energy at positions, J (2D: J/m).
+    pub fn elastic_energy(&self, positions: &[Vector<D>]) -> f64 {
+        self.terms.iter().map(|t| t.energy(positions)).sum()
+    }
+
+    /// Kinetic energy, J (2D: J/m).
+    pub fn kinetic_energy(&self, velocities: &[Vector<D>]) -> f64 {
+        0.5 * par::sum(velocities.len(), |v| self.masses[v] * velocities[v].norm_squared())
+    }
+
+    /// Elastic and kinetic energy at one time, J (2D: J/m).
+    ///
+    /// Velocities are those of the coming step, so that positions are taken half-way through it: for a linear solid this
+    /// sum is constant to rounding when nothing dissipates.
+    pub fn energy(&self, state: &ElasticState<D>, step: f64) -> f64 {
+        let ahead = state.positions.iter().zip(&state.velocities).map(|(x, v)| x + v * (0.5 * step));
+        self.elastic_energy(&ahead.collect::<Vec<_>>()) + self.kinetic_energy(&state.velocities)
+    }
+
+    /// Momentum, kg m/s (2D: per metre).
+    pub fn momentum(&self, state: &ElasticState<D>) -> Vector<D> {
+        Vector::from(par::sums(self.masses.len(), |v| (state.velocities[v] * self.masses[v]).into()))
+    }
+
+    /// Angular momentum about the origin, kg m²/s (2D: the last entry, per metre).
+    pub fn angular_momentum(&self, state: &ElasticState<D>) -> [f64; 3] {
+        par::sums(self.masses.len(), |k| {
+            let (x, p) = (state.positions[k], state.velocities[k] * self.masses[k]);
+            let mut moment = [0.0; 3];
+            planes::<D>().iter().for_each(|(a, b, at)| moment[*at] = x[*a] * p[*b] - x[*b] * p[*a]);
+            moment
+        })
+    }
+}

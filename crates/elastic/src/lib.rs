@@ -1,0 +1,47 @@
+//! Deformable solids by themselves, in two and three dimensions from one source.
+//!
+//! A body is a mesh of triangles or tetrahedra with its mass at the vertices ([`Elastic`], which never changes), the
+//! positions and velocities of these ([`ElasticState`], plain data), and terms that pull at them ([`ForceTerm`]). 2D is
+//! plane strain, per metre of depth; everything is SI.
+//!
+//! # One step
+//!
+//! The simulator is a leapfrog: positions first, `x ← x + h v`, then velocities from the forces at the new positions,
+//!
+//! ```text
+//! A (v' − v) = h (f(x) − D v + g),        A = M + h D + h²/4 K,
+//! ```
+//!
+//! with the lumped masses `M`, the damping `D`, the positive part `K` of the stiffness, and external forces `g`: a mode of
+//! any frequency neither grows nor decays for any `h`. A little dissipation ([`Integrator`]) is added where strains are
+//! large. [`System`] is the factorised `A`; a liquid's pressure solve applies `A⁻¹` once per iteration.
+//!
+//! # Thin plates
+//!
+//! Linear simplices are too stiff in bending: a plate of two layers 1.9 times at ν = 0.3, 2.7 times at 0.45.
+//! [`Smoothing`] averages strains over groups of elements, which makes that 1.01 and keeps the vertices the only unknowns.
+
+mod body;
+mod describe;
+mod error;
+mod ledger;
+mod linalg;
+mod modes;
+mod state;
+mod step;
+mod term;
+
+pub use body::Elastic;
+pub use describe::{Anchor, Description, Law, Motion};
+pub use error::ElasticError;
+pub use linalg::{BlockMatrix, Cliques};
+pub use modes::{Mode, lowest_modes};
+pub use state::ElasticState;
+pub use step::{Integrator, StiffnessBlock, System};
+pub use term::continuum::Continuum;
+pub use term::corotated::Corotated;
+pub use term::density::{Density, Lame, Principal};
+pub use term::neo_hookean::NeoHookean;
+pub use term::smoothing::Smoothing;
+pub use term::springs::Springs;
+pub use term::{ForceTerm, Weights};

@@ -1,0 +1,99 @@
+//! Symmetric matrices of `D × D` blocks, one for each pair of vertices that pull at each other.
+
+use super::Cliques;
+use meniscus_numerics::{Matrix, Vector};
+use std::sync::Arc;
+
+/// Which blocks there are: columns of the lower triangle, rows rising, the diagonal first.
+#[derive(Debug, PartialEq)]
+pub struct Pattern {
+    /// Where each column starts among the blocks; one more than columns.
+    pub starts: Vec<usize>,
+    /// The row of each block.
+    pub rows: Vec<u32>,
+}
+
+impl Pattern {
+    /// Of `n` vertices in these groups.
+    pub fn new<'a>(n: usize, groups: impl IntoIterator<Item = &'a Cliques>) -> Self {
+        let mut below: Vec<Vec<u32>> = (0..n).map(|i| vec![i as u32]).collect();
+        for group in groups {
+            for list in group.iter() {
+                for i in list {
+                    below[*i as usize].extend(list.iter().filter(|j| *j > i));
+                }
+            }
+        }
+        let mut starts = vec![0];
+        let mut rows = Vec::new();
+        for mut column in below {
+            column.sort_unstable();
+            column.dedup();
+            rows.extend(column);
+            starts.push(rows.len());
+        }
+        Self { starts, rows }
+    }
+
+    /// The rows of a column.
+    pub fn column(&self, j: usize) -> &[u32] {
+        &self.rows[self.starts[j]..self.starts[j + 1]]
+    }
+
+    /// Where block `(i, j)`, `i ≥ j`, lies.
+    fn slot(&self, i: u32, j: u32) -> Option<usize> {
+        let k = self.column(j as usize).binary_search(&i).ok()?;
+        Some(self.starts[j as usize] + k)
+    }
+}
+
+/// A symmetric matrix of `D × D` blocks.
+#[derive(Clone, Debug)]
+pub struct BlockMatrix<const D: usize> {
+    pub(crate) pattern: Arc<Pattern>,
+    pub(crate) blocks: Vec<Matrix<D>>,
+}
+
+impl<const D: usize> BlockMatrix<D> {
+    /// Zero.
+    pub(crate) fn new(pattern: Arc<Pattern>) -> Self {
+        let blocks = vec![Matrix::zeros(); pattern.rows.len()];
+        Self { pattern, blocks }
+    }
+
+    /// Adds to block `(i, j)` and its transpose to `(j, i)`; on the diagonal the block must be symmetric. Returns `false`,
+    /// and adds nothing, where the two vertices are in no common element or spring.
+    #[must_use]
+    pub fn add(&mut self, i: u32, j: u32, block: &Matrix<D>) -> bool {
+        let Some(slot) = self.pattern.slot(i.max(j), i.min(j)) else { return false };
+        if i >= j {
+            self.blocks[slot] += block;
+        } else {
+            self.blocks[slot] += block.transpose();
+        }
+        true
+    }
+
+    /// Adds to a block of the diagonal.
+    pub(crate) fn add_diagonal(&mut self, i: usize, value: f64) {
+        self.blocks[self.pattern.starts[i]] += Matrix::identity() * value;
+    }
+
+    /// `y ← y + A x`.
+    pub fn add_product(&self, x: &[Vector<D>], y: &mut [Vector<D>]) {
+        for j in 0..x.len() {
+            let start = self.pattern.starts[j];
+            y[j] += self.blocks[start] * x[j];
+            for slot in start + 1..self.pattern.starts[j + 1] {
+                let i = self.pattern.rows[slot] as usize;
+                y[i] += self.blocks[slot] * x[j];
+                y[j] += self.blocks[slot].tr_mul(&x[i]);
+            }
+        }
+    }
+
+    /// The sum of the diagonal.
+    pub(crate) fn trace(&self) -> f64 {
+        (0..self.pattern.starts.len() - 1).map(|j| self.blocks[self.pattern.starts[j]].trace()).sum()
+    }
+}

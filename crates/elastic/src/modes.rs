@@ -1,0 +1,181 @@
+//! The lowest vibrations about rest, by inverse iteration of several vectors at once (Bathe & Wilson 1972).
+
+use crate::linalg::Factor;
+use crate::term::Weights;
+use crate::{BlockMatrix, Elastic, ElasticError};
+use meniscus_numerics::{Vector, planes};
+use nalgebra::{DMatrix, DVector};
+
+/// Iterations at most.
+const ITERATIONS: usize = 100;
+/// Relative change of the squared frequencies at which they end.
+const CONVERGED: f64 = 1e-6;
+/// Vectors beyond those that are asked for, which makes the iterations fewer.
+const SPARE: usize = 4;
+
+/// A vibration about rest, without damping.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mode<const D: usize> {
+    /// Angular frequency, rad/s.
+    pub frequency: f64,
+    /// Displacements, normalised to a unit modal mass of 1 kg (2D: 1 kg/m).
+    pub shape: Vec<Vector<D>>,
+}
+
+/// The `count` slowest elastic modes; motions without strain are left out.
+///
+/// # Errors
+/// [`ElasticError::NotDefinite`].
+pub fn lowest_modes<const D: usize>(body: &Elastic<D>, count: usize) -> Result<Vec<Mode<D>>, ElasticError> {
+    let stiffness = body.tangent(&body.rest.positions, Weights { stiffness: 1.0, viscosity: 0.0 });
+    let rigid = rigid_motions(body);
+    let factor = shifted(body, &stiffness, !rigid.is_empty())?;
+    let wanted = (count + SPARE).min(body.masses.len() * D);
+    let mut vectors = orthonormal(body, start(body, wanted), &rigid);
+    let mut squares: Vec<f64> = Vec::new();
+    for _ in 0..ITERATIONS {
+        solve(body, &factor, &mut vectors);
+        vectors = orthonormal(body, vectors, &rigid);
+        let last = std::mem::replace(&mut squares, ritz(&stiffness, &mut vectors));
+        let settled = |k: usize| (squares[k] - last[k]).abs() <= CONVERGED * squares[k];
+        if !last.is_empty() && last.len() == squares.len() && (0..count.min(squares.len())).all(settled) {
+            break;
+        }
+    }
+    let modes = squares.iter().zip(vectors).take(count);
+    Ok(modes.map(|(square, shape)| Mode { frequency: square.max(0.0).sqrt(), shape }).collect())
+}
+
+/// Factors of `K`, with a little mass added where the body can move without strain.
+fn shifted<const D: usize>(
+    body: &Elastic<D>,
+    stiffness: &BlockMatrix<D>,
+    free: bool,
+) -> Result<Factor, ElasticError> {
+    let scale = stiffness.trace() / (D as f64 * body.masses.iter().sum::<f64>());
+    let shifts = [0.0, 1e-13, 1e-11, 1e-9, 1e-7];
+    for shift in &shifts[usize::from(free)..] {
+        let mut matrix = stiffness.clone();
+        body.masses.iter().enumerate().for_each(|(v, m)| matrix.add_diagonal(v, m * shift * scale));
+        if let Some(factor) = Factor::new(body.symbolic.clone(), &matrix, &body.held) {
+            return Ok(factor);
+        }
+    }
+    Err(ElasticError::NotDefinite { step: f64::INFINITY })
+}
+
+/// Motions without strain that leave held vertices where they are, orthonormal in the mass.
+fn rigid_motions<const D: usize>(body: &Elastic<D>) -> Vec<Vec<Vector<D>>> {
+    let positions = &body.rest.positions;
+    let (low, high) = positions.iter().fold((positions[0], positions[0]), |(l, h), x| (l.inf(x), h.sup(x)));
+    let (center, size) = ((low + high) * 0.5, (high - low).norm());
+    let shift = |a: usize| vec![Vector::<D>::from_fn(|r, _| f64::from(r == a)); positions.len()];
+    let turn = |(a, b, _): &(usize, usize, usize)| {
+        let about = |x: &Vector<D>| {
+            let y = (x - center) / size;
+            Vector::<D>::from_fn(|r, _| {
+                if r == *a {
+                    -y[*b]
+                } else if r == *b {
+                    y[*a]
+                } else {
+                    0.0
+                }
+            })
+        };
+        positions.iter().map(about).collect::<Vec<_>>()
+    };
+    let motions: Vec<Vec<Vector<D>>> = (0..D).map(shift).chain(planes::<D>().iter().map(turn)).collect();
+    // Those combinations that move no held vertex.
+    let product = |a: usize, b: usize| -> f64 {
+        let held = (0..positions.len()).filter(|v| body.held[*v]);
+        held.map(|v| motions[a][v].dot(&motions[b][v])).sum()
+    };
+    let gram = DMatrix::from_fn(motions.len(), motions.len(), product).symmetric_eigen();
+    let free = (0..motions.len()).filter(|k| gram.eigenvalues[*k] < 1e-9);
+    let mixed = free.map(|k| mix(&motions, &gram.eigenvectors.column(k).into_owned())).collect();
+    orthonormal(body, mixed, &[])
+}
+
+fn mix<const D: usize>(vectors: &[Vec<Vector<D>>], weights: &DVector<f64>) -> Vec<Vector<D>> {
+    let mut sum = vec![Vector::zeros(); vectors[0].len()];
+    for (vector, weight) in vectors.iter().zip(weights.iter()) {
+        sum.iter_mut().zip(vector).for_each(|(s, v)| *s += v * *weight);
+    }
+    sum
+}
+
+/// Smooth vectors to start from, each with its own waves along each axis.
+fn start<const D: usize>(body: &Elastic<D>, count: usize) -> Vec<Vec<Vector<D>>> {
+    let positions = &body.rest.positions;
+    let (low, high) = positions.iter().fold((positions[0], positions[0]), |(l, h), x| (l.inf(x), h.sup(x)));
+    let longest = (high - low).max();
+    let wave = |k: usize, x: &Vector<D>| {
+        Vector::<D>::from_fn(|r, _| {
+            let phase: f64 = (0..D)
+                .map(|a| (x[a] - low[a]) / longest * (1.0 + ((k * (D + a) + 2 * r + 3 * a) % 7) as f64))
+                .sum();
+            (2.0 * phase + (k * D + r) as f64).sin()
+        })
+    };
+    (0..count).map(|k| positions.iter().map(|x| wave(k, x)).collect()).collect()
+}
+
+/// `y ← (K + σ M)⁻¹ M y`.
+fn solve<const D: usize>(body: &Elastic<D>, factor: &Factor, vectors: &mut [Vec<Vector<D>>]) {
+    let weighted = |y: &Vec<Vector<D>>| {
+        let pairs = y.iter().zip(&body.masses);
+        pairs.flat_map(|(v, m)| (v * *m).iter().copied().collect::<Vec<_>>()).collect::<Vec<f64>>()
+    };
+    let mut flat: Vec<f64> = vectors.iter().flat_map(weighted).collect();
+    factor.solve::<D>(&mut flat, vectors.len());
+    let solved = flat.chunks_exact(D);
+    vectors.iter_mut().flatten().zip(solved).for_each(|(v, x)| v.copy_from_slice(x));
+}
+
+/// Makes vectors orthonormal in the mass, and orthogonal to others, which are orthonormal; leaves out what has nothing of
+/// its own.
+fn orthonormal<const D: usize>(
+    body: &Elastic<D>,
+    vectors: Vec<Vec<Vector<D>>>,
+    others: &[Vec<Vector<D>>],
+) -> Vec<Vec<Vector<D>>> {
+    let dot = |a: &[Vector<D>], b: &[Vector<D>]| -> f64 {
+        a.iter().zip(b).zip(&body.masses).map(|((a, b), m)| a.dot(b) * m).sum()
+    };
+    let mut done: Vec<Vec<Vector<D>>> = Vec::new();
+    for mut vector in vectors {
+        let before = dot(&vector, &vector).sqrt();
+        // Twice, against rounding.
+        for _ in 0..2 {
+            for other in others.iter().chain(&done) {
+                let part = dot(&vector, other);
+                vector.iter_mut().zip(other).for_each(|(v, o)| *v -= o * part);
+            }
+        }
+        let size = dot(&vector, &vector).sqrt();
+        if size > 1e-12 * before {
+            vector.iter_mut().for_each(|v| *v /= size);
+            done.push(vector);
+        }
+    }
+    done
+}
+
+/// Turns orthonormal vectors into those that are orthogonal in the stiffness too; their squared frequencies, rising.
+fn ritz<const D: usize>(stiffness: &BlockMatrix<D>, vectors: &mut Vec<Vec<Vector<D>>>) -> Vec<f64> {
+    let product = |v: &Vec<Vector<D>>| {
+        let mut pulled = vec![Vector::zeros(); v.len()];
+        stiffness.add_product(v, &mut pulled);
+        pulled
+    };
+    let pulled: Vec<Vec<Vector<D>>> = vectors.iter().map(product).collect();
+    let entry =
+        |a: usize, b: usize| -> f64 { vectors[a].iter().zip(&pulled[b]).map(|(x, y)| x.dot(y)).sum() };
+    let small = DMatrix::from_fn(vectors.len(), vectors.len(), |a, b| 0.5 * (entry(a, b) + entry(b, a)));
+    let small = small.symmetric_eigen();
+    let mut order: Vec<usize> = (0..vectors.len()).collect();
+    order.sort_by(|a, b| small.eigenvalues[*a].total_cmp(&small.eigenvalues[*b]));
+    *vectors = order.iter().map(|k| mix(vectors, &small.eigenvectors.column(*k).into_owned())).collect();
+    order.iter().map(|k| small.eigenvalues[*k]).collect()
+}

@@ -1,0 +1,132 @@
+//! Energy densities of isotropic solids as functions of the deformation gradient.
+
+use crate::linalg::{eigen, pairs, svd};
+use crate::term::Weights;
+use meniscus_numerics::{Matrix, Vector};
+use std::fmt::Debug;
+
+/// Lamé's parameters, Pa.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lame {
+    /// The first, `λ`.
+    pub lambda: f64,
+    /// The second, `μ`, the shear modulus.
+    pub mu: f64,
+}
+
+impl Lame {
+    /// From Young's modulus, Pa, and Poisson's ratio, between -1 and 0.5.
+    pub fn new(young: f64, poisson: f64) -> Self {
+        let mu = 0.5 * young / (1.0 + poisson);
+        Self { lambda: 2.0 * mu * poisson / (1.0 - 2.0 * poisson), mu }
+    }
+}
+
+/// Second derivatives of a density in the principal frame of the deformation.
+#[derive(Clone, Copy, Debug)]
+pub struct Principal<const D: usize> {
+    /// In the principal stretches, Pa.
+    pub stretch: Matrix<D>,
+    /// For each pair of axes `i < j`, in the order (0,1), (0,2), (1,2), in the direction `(e_i e_jᵀ + e_j e_iᵀ)/√2`:
+    /// `(Ψ_i − Ψ_j)/(σ_i − σ_j)`, Pa.
+    pub shear: [f64; 3],
+    /// And in the direction `(e_i e_jᵀ − e_j e_iᵀ)/√2`: `(Ψ_i + Ψ_j)/(σ_i + σ_j)`, Pa.
+    pub twist: [f64; 3],
+}
+
+/// An isotropic energy density `Ψ(F)`. Without strain its second derivatives are those of Hooke's law.
+pub trait Density<const D: usize>: Debug + Send + Sync {
+    /// `Ψ`, Pa.
+    fn energy(&self, lame: Lame, f: &Matrix<D>) -> f64;
+
+    /// The first Piola-Kirchhoff stress `∂Ψ/∂F`, Pa.
+    fn stress(&self, lame: Lame, f: &Matrix<D>) -> Matrix<D>;
+
+    /// Second derivatives at the stretches `σ`, of which the last is negative in inverted elements.
+    fn principal(&self, lame: Lame, stretches: &Vector<D>) -> Principal<D>;
+}
+
+/// A positive quadratic form of changes of `F`: the sum of `wₘ (Eₘ : δF)²` over modes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Modes<const D: usize> {
+    modes: [(f64, Matrix<D>); 16],
+    count: usize,
+}
+
+impl<const D: usize> Modes<D> {
+    /// The positive part of the second derivatives of `Ψ`, and Hooke's law for rates of Green's strain, at `F`.
+    ///
+    /// The eigenvectors of an isotropic density's Hessian are known but for those of the stretches (Smith et al. 2019,
+    /// "Analytic eigensystems for isotropic distortion energies").
+    pub fn new(density: &impl Density<D>, lame: Lame, f: &Matrix<D>, weights: Weights) -> Self {
+        let mut modes = Self { modes: [(0.0, Matrix::zeros()); 16], count: 0 };
+        if weights.stiffness != 0.0 {
+            modes.add_stiffness(density, lame, f, weights.stiffness);
+        }
+        if weights.viscosity != 0.0 {
+            modes.add_viscosity(lame, f, weights.viscosity);
+        }
+        modes
+    }
+
+    /// The weights and directions.
+    pub fn iter(&self) -> impl Iterator<Item = &(f64, Matrix<D>)> {
+        self.modes[..self.count].iter()
+    }
+
+    fn push(&mut self, weight: f64, direction: Matrix<D>) {
+        self.modes[self.count] = (weight, direction);
+        self.count += 1;
+    }
+
+    fn add_stiffness(&mut self, density: &impl Density<D>, lame: Lame, f: &Matrix<D>, weight: f64) {
+        let frame = svd(f);
+        let principal = density.principal(lame, &frame.values);
+        let (values, vectors) = eigen(&principal.stretch);
+        for k in 0..D {
+            if values[k] > 0.0 {
+                let along = Matrix::from_diagonal(&vectors.column(k).into_owned());
+                self.push(weight * values[k], frame.u * along * frame.v.transpose());
+            }
+        }
+        for (k, (i, j)) in pairs::<D>().enumerate() {
+            let ij = frame.u.column(i) * frame.v.column(j).transpose();
+            let ji = frame.u.column(j) * frame.v.column(i).transpose();
+            for (value, direction) in [(principal.shear[k], ij + ji), (principal.twist[k], ij - ji)] {
+                if value > 0.0 {
+                    self.push(0.5 * weight * value, direction);
+                }
+            }
+        }
+    }
+
+    fn add_viscosity(&mut self, lame: Lame, f: &Matrix<D>, weight: f64) {
+        self.push(weight * lame.lambda, *f);
+        for a in 0..D {
+            let column = Vector::<D>::from_fn(|r, _| f64::from(r == a));
+            self.push(2.0 * weight * lame.mu, f.column(a) * column.transpose());
+        }
+        for (i, j) in pairs::<D>() {
+            let mut direction = Matrix::<D>::zeros();
+            direction.set_column(i, &f.column(j));
+            direction.set_column(j, &f.column(i));
+            self.push(weight * lame.mu, direction);
+        }
+    }
+}
+
+/// The determinant.
+pub(crate) fn determinant<const D: usize>(f: &Matrix<D>) -> f64 {
+    f.component_mul(&cofactor(f)).column(0).sum()
+}
+
+/// The matrix of cofactors, the derivative of the determinant.
+pub(crate) fn cofactor<const D: usize>(f: &Matrix<D>) -> Matrix<D> {
+    if D == 2 {
+        return Matrix::from_fn(|r, c| if r == c { f[(1 - r, 1 - c)] } else { -f[(1 - r, 1 - c)] });
+    }
+    Matrix::from_fn(|r, c| {
+        let [(a, b), (p, q)] = [r, c].map(|k| ((k + 1) % D, (k + 2) % D));
+        f[(a, p)] * f[(b, q)] - f[(a, q)] * f[(b, p)]
+    })
+}

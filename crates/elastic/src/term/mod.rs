@@ -1,0 +1,41 @@
+//! What pulls at the vertices: one file a term.
+
+pub mod continuum;
+pub mod corotated;
+pub mod density;
+pub mod neo_hookean;
+pub mod smoothing;
+pub mod springs;
+
+use crate::linalg::{BlockMatrix, Cliques};
+use meniscus_numerics::Vector;
+use std::fmt::Debug;
+
+/// How much of a term's tangents a matrix takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// Of the stiffness `K`, the Hessian of the energy without its negative part.
+    pub stiffness: f64,
+    /// Of the stiffness against rates of strain only, which a rigid motion does not feel whatever the stress: what damping
+    /// is proportional to.
+    pub viscosity: f64,
+}
+
+/// A term of the elastic energy.
+pub trait ForceTerm<const D: usize>: Debug + Send + Sync {
+    /// The groups of vertices that pull at each other: where its tangents have blocks.
+    fn couplings(&self) -> &Cliques;
+
+    /// Energy, J (2D: J/m), at positions, m.
+    fn energy(&self, x: &[Vector<D>]) -> f64;
+
+    /// Adds the forces, N (2D: N/m): minus the gradient of the energy. Their sum and their torque vanish to rounding.
+    fn add_forces(&self, x: &[Vector<D>], forces: &mut [Vector<D>]);
+
+    /// Adds the forces with which strains resist their rates, proportionally to the stiffness; `time`, s, over the
+    /// duration of a change is the share of the elastic force. They dissipate, and keep both momenta.
+    fn add_viscous_forces(&self, x: &[Vector<D>], v: &[Vector<D>], time: f64, forces: &mut [Vector<D>]);
+
+    /// Adds the tangents, N/m (2D: N/m²); the matrix has a block for every pair of a group in [`Self::couplings`].
+    fn add_tangent(&self, x: &[Vector<D>], weights: Weights, matrix: &mut BlockMatrix<D>);
+}

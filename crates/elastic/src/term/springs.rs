@@ -1,0 +1,89 @@
+//! Springs along the edges of a mesh.
+
+use super::{ForceTerm, Weights};
+use crate::linalg::{BlockMatrix, Cliques};
+use meniscus_numerics::mesh::VolumeMesh;
+use meniscus_numerics::{Matrix, Vector, par};
+
+/// A Hooke spring along every edge of a mesh: energy `k/2 (|x_a − x_b| − l)²`.
+#[derive(Clone, Debug)]
+pub struct Springs {
+    edges: Cliques,
+    /// Lengths at rest, m.
+    lengths: Vec<f64>,
+    /// N/m (2D: N/m²).
+    stiffness: f64,
+}
+
+impl Springs {
+    /// At rest on a mesh; `stiffness` in N/m (2D: N/m²), of each edge.
+    pub fn new<const D: usize>(mesh: &VolumeMesh<D>, stiffness: f64) -> Self {
+        let mut pairs: Vec<[u32; 2]> = Vec::new();
+        for simplex in &mesh.simplices {
+            let vertices: Vec<u32> = simplex.vertices().collect();
+            for (k, a) in vertices.iter().enumerate() {
+                pairs.extend(vertices[k + 1..].iter().map(|b| [*a.min(b), *a.max(b)]));
+            }
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        let mut edges = Cliques::default();
+        let x = &mesh.positions;
+        let lengths = pairs.iter().map(|[a, b]| (x[*b as usize] - x[*a as usize]).norm()).collect();
+        pairs.into_iter().for_each(|pair| edges.push(pair));
+        Self { edges, lengths, stiffness }
+    }
+
+    /// Vertices of an edge, the direction from the first to the second, and the length.
+    fn edge<const D: usize>(&self, k: usize, x: &[Vector<D>]) -> (usize, usize, Vector<D>, f64) {
+        let [a, b] = [0, 1].map(|end| self.edges.get(k)[end] as usize);
+        let along = x[b] - x[a];
+        let length = along.norm();
+        // A spring of no length pulls nowhere.
+        (a, b, if length > 0.0 { along / length } else { along }, length)
+    }
+}
+
+impl<const D: usize> ForceTerm<D> for Springs {
+    fn couplings(&self) -> &Cliques {
+        &self.edges
+    }
+
+    fn energy(&self, x: &[Vector<D>]) -> f64 {
+        let stretched = |k| (self.edge(k, x).3 - self.lengths[k]).powi(2);
+        0.5 * self.stiffness * par::sum(self.lengths.len(), stretched)
+    }
+
+    fn add_forces(&self, x: &[Vector<D>], forces: &mut [Vector<D>]) {
+        for k in 0..self.lengths.len() {
+            let (a, b, along, length) = self.edge(k, x);
+            let pull = along * (self.stiffness * (length - self.lengths[k]));
+            forces[a] += pull;
+            forces[b] -= pull;
+        }
+    }
+
+    fn add_viscous_forces(&self, x: &[Vector<D>], v: &[Vector<D>], time: f64, forces: &mut [Vector<D>]) {
+        for k in 0..self.lengths.len() {
+            let (a, b, along, _) = self.edge(k, x);
+            let pull = along * (self.stiffness * time * along.dot(&(v[b] - v[a])));
+            forces[a] += pull;
+            forces[b] -= pull;
+        }
+    }
+
+    fn add_tangent(&self, x: &[Vector<D>], weights: Weights, matrix: &mut BlockMatrix<D>) {
+        for k in 0..self.lengths.len() {
+            let (a, b, along, length) = self.edge(k, x);
+            // A spring that is pushed together gives way sideways: the negative part.
+            let across = if length > self.lengths[k] { 1.0 - self.lengths[k] / length } else { 0.0 };
+            let outer = along * along.transpose();
+            let block = (outer * (weights.stiffness + weights.viscosity)
+                + (Matrix::identity() - outer) * (weights.stiffness * across))
+                * self.stiffness;
+            let [a, b] = [a as u32, b as u32];
+            let there = matrix.add(a, a, &block) & matrix.add(b, b, &block) & matrix.add(a, b, &-block);
+            debug_assert!(there, "an edge without a block");
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! Energies, forces and tangents fit together, in 2D and 3D.
+
+mod lattice;
+
+use lattice::{Noise, block};
+use meniscus_elastic::{
+    Continuum, Corotated, Description, Elastic, ForceTerm, Integrator, Lame, Law, NeoHookean, Smoothing,
+    Springs, Weights,
+};
+use meniscus_numerics::{Vector, planes};
+
+const ALL: [Smoothing; 3] = [Smoothing::None, Smoothing::Cells, Smoothing::Edges];
+
+fn terms<const D: usize>() -> Vec<Box<dyn ForceTerm<D>>> {
+    let mesh = block::<D>([2; D], [1.0; D]);
+    let lame = Lame::new(3.0, 0.35);
+    let mut terms: Vec<Box<dyn ForceTerm<D>>> = vec![Box::new(Springs::new(&mesh, 2.0))];
+    for smoothing in ALL {
+        terms.push(Box::new(Continuum::new(&mesh, NeoHookean, lame, smoothing)));
+        terms.push(Box::new(Continuum::new(&mesh, Corotated, lame, smoothing)));
+    }
+    terms
+}
+
+fn dot<const D: usize>(a: &[Vector<D>], b: &[Vector<D>]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+}
+
+fn moved<const D: usize>(x: &[Vector<D>], along: &[Vector<D>], by: f64) -> Vec<Vector<D>> {
+    x.iter().zip(along).map(|(x, a)| x + a * by).collect()
+}
+
+/// A body of a term only (and of one so soft that it does not count).
+fn body<const D: usize>(term: Box<dyn ForceTerm<D>>) -> Elastic<D> {
+    let law = Law::Corotated { young: 1e-200, poisson: 0.0, smoothing: Smoothing::Edges };
+    let mesh = block::<D>([2; D], [1.0; D]);
+    let description = Description {
+        mesh,
+        density: 1.0,
+        law,
+        damping_ratio: 0.0,
+        anchors: Vec::new(),
+        integrator: Integrator::default(),
+    };
+    Elastic::with_terms(description, vec![term]).unwrap()
+}
+
+fn forces<const D: usize>(term: &dyn ForceTerm<D>, x: &[Vector<D>]) -> Vec<Vector<D>> {
+    let mut forces = vec![Vector::zeros(); x.len()];
+    term.add_forces(x, &mut forces);
+    forces
+}
+
+fn forces_are_the_slope_of_the_energy<const D: usize>() {
+    let rest = block::<D>([2; D], [1.0; D]).positions;
+    for (k, term) in terms::<D>().iter().enumerate() {
+        for size in [0.0, 0.05, 0.6] {
+            let mut noise = Noise(k as u64);
+            let x = moved(&rest, &noise.vectors(rest.len()), size);
+            let along = noise.vectors(rest.len());
+            let step = 1e-5;
+            let slope = (term.energy(&moved(&x, &along, step)) - term.energy(&moved(&x, &along, -step)))
+                / (2.0 * step);
+            let f = forces(term.as_ref(), &x);
+            assert!((slope + dot(&f, &along)).abs() < 1e-7 * (1.0 + slope.abs()), "{D}D term {k} at {size}");
+            let total: Vector<D> = f.iter().sum();
+            let largest = f.iter().map(|f| f.norm()).fold(0.0, f64::max);
+            assert!(total.norm() < 1e-13 * (1.0 + largest));
+            for (a, b, _) in planes::<D>() {
+                let torque: f64 = x.iter().zip(&f).map(|(x, f)| x[*a] * f[*b] - x[*b] * f[*a]).sum();
+                assert!(torque.abs() < 1e-12 * (1.0 + largest), "{D}D term {k}: torque {torque:e}");
+            }
+        }
+    }
+}
+
+fn tangents_are_slopes_of_forces<const D: usize>() {
+    let rest = block::<D>([2; D], [1.0; D]).positions;
+    for (k, term) in terms::<D>().into_iter().enumerate() {
+        let body = body(term);
+        // Stretched, so that nothing of the stiffness is negative.
+        let mut noise = Noise(k as u64);
+        let grown: Vec<Vector<D>> = rest.iter().map(|x| x * 1.05).collect();
+        let x = moved(&grown, &noise.vectors(rest.len()), 0.003);
+        let along = noise.vectors(rest.len());
+        let mut product = vec![Vector::zeros(); x.len()];
+        let weights = Weights { stiffness: 1.0, viscosity: 0.0 };
+        body.tangent(&x, weights).add_product(&along, &mut product);
+        let step = 1e-5;
+        let (up, down) = (body.forces(&moved(&x, &along, step)), body.forces(&moved(&x, &along, -step)));
+        for v in 0..x.len() {
+            let slope = (down[v] - up[v]) / (2.0 * step);
+            assert!(
+                (slope - product[v]).norm() < 1e-7 * (1.0 + slope.norm()),
+                "{D}D term {k}: {slope} {}",
+                product[v]
+            );
+        }
+    }
+}
+
+fn tangents_are_positive_and_rates_of_strain_keep_momenta<const D: usize>() {
+    let rest = block::<D>([2; D], [1.0; D]).positions;
+    for (k, term) in terms::<D>().into_iter().enumerate() {
+        let mut noise = Noise(k as u64);
+        let x = moved(&rest, &noise.vectors(rest.len()), 0.6);
+        let (mut viscous, v) = (vec![Vector::zeros(); x.len()], noise.vectors(x.len()));
+        term.add_viscous_forces(&x, &v, 2.0, &mut viscous);
+        let body = body(term);
+        let product = |weights, v: &[Vector<D>]| {
+            let mut product = vec![Vector::zeros(); x.len()];
+            body.tangent(&x, weights).add_product(v, &mut product);
+            product
+        };
+        for _ in 0..20 {
+            let along = noise.vectors(x.len());
+            assert!(dot(&along, &product(Weights { stiffness: 1.0, viscosity: 0.0 }, &along)) > 0.0);
+        }
+        // Viscous forces are what the tangent says, and vanish for rigid motions of the strained body.
+        let told = product(Weights { stiffness: 0.0, viscosity: 2.0 }, &v);
+        assert!(told.iter().zip(&viscous).all(|(a, b)| (a + b).norm() < 1e-11), "{D}D term {k}");
+        for (a, b, _) in planes::<D>() {
+            let turn = |x: &Vector<D>| {
+                Vector::from_fn(|r, _| {
+                    if r == *a {
+                        -x[*b]
+                    } else if r == *b {
+                        x[*a]
+                    } else {
+                        0.0
+                    }
+                })
+            };
+            let turning: Vec<Vector<D>> = x.iter().map(turn).collect();
+            let felt = product(Weights { stiffness: 0.0, viscosity: 1.0 }, &turning);
+            assert!(felt.iter().all(|f| f.norm() < 1e-12), "{D}D term {k}");
+        }
+    }
+}
+
+fn small_strains_obey_hooke<const D: usize>() {
+    let (young, poisson) = (3.0, 0.35);
+    let Lame { lambda, mu } = Lame::new(young, poisson);
+    let mesh = block::<D>([2; D], [1.0; D]);
+    for (k, term) in terms::<D>().iter().enumerate().skip(1) {
+        let size = 1e-6;
+        let strain = |x: &Vector<D>| {
+            Vector::from_fn(|r, _| x[r] + size * if r == 0 { x[0] + 0.5 * x[1] } else { 0.0 })
+        };
+        let energy = term.energy(&mesh.positions.iter().map(strain).collect::<Vec<_>>());
+        let told = size * size * (mu * (1.0 + 2.0 * 0.25 * 0.25) + 0.5 * lambda);
+        assert!((energy / told - 1.0).abs() < 1e-4, "{D}D term {k}: {energy:e} {told:e}");
+    }
+}
+
+fn inverted_elements_are_pushed_back<const D: usize>() {
+    let mesh = block::<D>([1; D], [1.0; D]);
+    let lame = Lame::new(3.0, 0.35);
+    for smoothing in ALL {
+        let laws: [Box<dyn ForceTerm<D>>; 2] = [
+            Box::new(Continuum::new(&mesh, NeoHookean, lame, smoothing)),
+            Box::new(Continuum::new(&mesh, Corotated, lame, smoothing)),
+        ];
+        for law in laws {
+            let squeezed = |by: f64| -> Vec<Vector<D>> {
+                let at = |x: &Vector<D>| Vector::from_fn(|r, _| if r == 0 { by * x[r] } else { x[r] });
+                mesh.positions.iter().map(at).collect()
+            };
+            let mut last = 0.0;
+            for by in [0.5, 0.1, 0.0, -0.1, -0.9] {
+                let energy = law.energy(&squeezed(by));
+                assert!(energy.is_finite() && energy > last, "{D}D {by}: {energy} after {last}");
+                last = energy;
+                let f = forces(law.as_ref(), &squeezed(by));
+                let apart: f64 = f.iter().zip(&mesh.positions).map(|(f, x)| f[0] * (x[0] - 0.5)).sum();
+                assert!(
+                    f.iter().all(|f| f.iter().all(|c| c.is_finite())) && apart > 0.0,
+                    "{D}D {by}: {apart}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn derivatives() {
+    forces_are_the_slope_of_the_energy::<2>();
+    forces_are_the_slope_of_the_energy::<3>();
+    tangents_are_slopes_of_forces::<2>();
+    tangents_are_slopes_of_forces::<3>();
+}
+
+#[test]
+fn tangents() {
+    tangents_are_positive_and_rates_of_strain_keep_momenta::<2>();
+    tangents_are_positive_and_rates_of_strain_keep_momenta::<3>();
+}
+
+#[test]
+fn hooke() {
+    small_strains_obey_hooke::<2>();
+    small_strains_obey_hooke::<3>();
+}
+
+#[test]
+fn inversion() {
+    inverted_elements_are_pushed_back::<2>();
+    inverted_elements_are_pushed_back::<3>();
+}

@@ -1,0 +1,89 @@
+//! Boxes cut into cells, and these into simplices around a diagonal.
+#![allow(dead_code)]
+
+use meniscus_elastic::{Anchor, Description, Integrator, Law, Smoothing};
+use meniscus_numerics::Vector;
+use meniscus_numerics::mesh::{Simplex, VolumeMesh};
+
+/// A box from the origin. All diagonals are parallel.
+pub fn block<const D: usize>(cells: [usize; D], size: [f64; D]) -> VolumeMesh<D> {
+    let spread = |i: usize| -> [usize; D] {
+        let mut rest = i;
+        std::array::from_fn(|a| {
+            let k = rest % (cells[a] + 1);
+            rest /= cells[a] + 1;
+            k
+        })
+    };
+    let number = |c: [usize; D]| (0..D).rev().fold(0, |n, a| n * (cells[a] + 1) + c[a]) as u32;
+    let count: usize = cells.iter().map(|n| n + 1).product();
+    let place = |i: usize| {
+        let c = spread(i);
+        Vector::from_fn(|a, _| size[a] * c[a] as f64 / cells[a] as f64)
+    };
+    let mut mesh = VolumeMesh { positions: (0..count).map(place).collect(), simplices: Vec::new() };
+    let orders: &[[usize; 3]] = if D == 2 {
+        &[[0, 1, 2], [1, 0, 2]]
+    } else {
+        &[[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]]
+    };
+    for i in 0..count {
+        let low = spread(i);
+        if (0..D).any(|a| low[a] == cells[a]) {
+            continue;
+        }
+        for order in orders {
+            let mut at = low;
+            let rest = std::array::from_fn(|k| {
+                at[order[k]] += 1;
+                number(at)
+            });
+            let mut simplex = Simplex { root: number(low), rest };
+            if simplex.volume(&mesh.positions) < 0.0 {
+                simplex.rest.swap(0, 1);
+            }
+            mesh.simplices.push(simplex);
+        }
+    }
+    mesh
+}
+
+/// A solid held at `x = 0`.
+pub fn clamped<const D: usize>(
+    mesh: VolumeMesh<D>,
+    density: f64,
+    law: Law,
+    integrator: Integrator,
+) -> Description<D> {
+    let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9)];
+    Description { mesh, density, law, damping_ratio: 0.0, anchors, integrator }
+}
+
+/// A solid that nothing holds.
+pub fn free<const D: usize>(
+    mesh: VolumeMesh<D>,
+    density: f64,
+    law: Law,
+    integrator: Integrator,
+) -> Description<D> {
+    Description { mesh, density, law, damping_ratio: 0.0, anchors: Vec::new(), integrator }
+}
+
+/// A neo-Hookean solid of cells.
+pub fn rubber(young: f64, poisson: f64) -> Law {
+    Law::NeoHookean { young, poisson, smoothing: Smoothing::Cells }
+}
+
+/// Numbers between -1 and 1 that are always the same.
+pub struct Noise(pub u64);
+
+impl Noise {
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    pub fn vectors<const D: usize>(&mut self, n: usize) -> Vec<Vector<D>> {
+        (0..n).map(|_| Vector::from_fn(|_, _| self.next())).collect()
+    }
+}

@@ -1,0 +1,110 @@
+//! The stiffness of thin plates against that of plate theory, for few layers.
+
+mod lattice;
+
+use lattice::{block, free, rubber};
+use meniscus_elastic::{Elastic, Integrator, Law, Smoothing, StiffnessBlock, Weights};
+use meniscus_numerics::{Matrix, Vector};
+
+/// Vertex, component, displacement.
+type Told = (usize, usize, f64);
+
+/// The energy of a body with a unit Young's modulus, of which some displacements are told by springs that hardly give.
+fn energy<const D: usize>(body: &Elastic<D>, told: &[Told]) -> f64 {
+    let (hold, step) = (1e6, 1e6);
+    let unit = |a: usize| Matrix::from_fn(|r, c| if r == a && c == a { hold } else { 0.0 });
+    let extra: Vec<StiffnessBlock<D>> = told
+        .iter()
+        .map(|(v, a, _)| StiffnessBlock { first: *v as u32, second: *v as u32, block: unit(*a) })
+        .collect();
+    let system = body.system(&body.mesh().positions, step, &extra).unwrap();
+    let mut u = vec![Vector::<D>::zeros(); body.masses().len()];
+    told.iter().for_each(|(v, a, by)| u[*v][*a] += 0.25 * step * step * hold * by);
+    system.solve_vectors(&mut u);
+    let mut pull = vec![Vector::zeros(); u.len()];
+    body.tangent(&body.mesh().positions, Weights { stiffness: 1.0, viscosity: 0.0 })
+        .add_product(&u, &mut pull);
+    0.5 * u.iter().zip(&pull).map(|(u, p)| u.dot(p)).sum::<f64>()
+}
+
+fn plate<const D: usize>(cells: [usize; D], poisson: f64, smoothing: Smoothing, wide: f64) -> Elastic<D> {
+    let mut size = cells.map(|n| n as f64 * wide);
+    size[D - 1] = cells[D - 1] as f64;
+    let law = Law::NeoHookean { young: 1.0, poisson, smoothing };
+    let integrator = Integrator { dissipation: 0.0, iterations: 0 };
+    Elastic::new(free(block::<D>(cells, size), 1e-9, law, integrator)).unwrap()
+}
+
+/// Bending stiffness over nominal of a plate that bends about one axis and keeps its width.
+fn bending<const D: usize>(cells: [usize; D], poisson: f64, smoothing: Smoothing, wide: f64) -> f64 {
+    let body = plate(cells, poisson, smoothing, wide);
+    let x = &body.mesh().positions;
+    let size = x.iter().fold(Vector::<D>::zeros(), |s, x| s.sup(x));
+    let mut told: Vec<Told> = vec![(0, D - 1, 0.0)];
+    for (v, x) in x.iter().enumerate() {
+        if x[0] < 1e-9 {
+            told.push((v, 0, 0.0));
+        }
+        if x[0] > size[0] - 1e-9 {
+            told.push((v, 0, -(x[D - 1] - 0.5 * size[D - 1]) * size[0]));
+        }
+        if D == 3 && (x[1] < 1e-9 || x[1] > size[1] - 1e-9) {
+            told.push((v, 1, 0.0));
+        }
+    }
+    let area: f64 = (0..D - 1).map(|a| size[a]).product();
+    2.0 * energy(&body, &told) / area / (size[D - 1].powi(3) / 12.0 / (1.0 - poisson * poisson))
+}
+
+/// Twisting stiffness over nominal of a square plate.
+fn twisting(side: usize, layers: usize, poisson: f64, smoothing: Smoothing, wide: f64) -> f64 {
+    let body = plate([side, side, layers], poisson, smoothing, wide);
+    let positions = &body.mesh().positions;
+    let size = positions.iter().fold(Vector::<3>::zeros(), |s, x| s.sup(x));
+    let mut told: Vec<Told> = [0, side, side * (side + 1)].map(|v| (v, 2, 0.0)).to_vec();
+    for (v, x) in positions.iter().enumerate() {
+        for (a, b) in [(0, 1), (1, 0)] {
+            if x[a] < 1e-9 || x[a] > size[a] - 1e-9 {
+                told.push((v, b, x[a] * (x[2] - 0.5 * size[2])));
+            }
+        }
+    }
+    energy(&body, &told) / (size[0] * size[1]) / (size[2].powi(3) / 12.0 / (1.0 + poisson))
+}
+
+#[test]
+fn plates_of_few_layers_bend_as_they_should() {
+    for poisson in [0.0, 0.3, 0.45, 0.49] {
+        for smoothing in [Smoothing::None, Smoothing::Cells, Smoothing::Edges] {
+            let all: Vec<[f64; 3]> = [1, 2, 3, 4]
+                .map(|n| {
+                    [
+                        bending([16, n], poisson, smoothing, 1.0),
+                        bending([8, 4, n], poisson, smoothing, 1.0),
+                        twisting(6, n, poisson, smoothing, 1.0),
+                    ]
+                })
+                .to_vec();
+            println!("nu {poisson} {smoothing:?}: 1 to 4 layers [2D, 3D, twist]: {all:.3?}");
+            if smoothing == Smoothing::Cells {
+                assert!(all[1..].iter().flatten().all(|r| (r - 1.0).abs() < 0.02), "nu {poisson}: {all:?}");
+                assert!(all[0].iter().all(|r| (r - 1.0).abs() < 0.06), "nu {poisson}: {all:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn cells_that_are_not_cubes() {
+    for wide in [0.5, 0.75, 1.0, 1.33, 2.0] {
+        let all = [2, 3, 4].map(|n| {
+            let long = (8.0 / wide) as usize;
+            [bending([long, 4, n], 0.3, Smoothing::Cells, wide), twisting(6, n, 0.3, Smoothing::Cells, wide)]
+        });
+        println!("{wide} times as wide as high: {all:.3?}");
+        if (0.7..1.1).contains(&wide) {
+            assert!(all.iter().flatten().all(|r| (r - 1.0).abs() < 0.07));
+        }
+    }
+    let _ = rubber;
+}
