@@ -6,12 +6,16 @@
 
 pub mod block;
 pub mod extrude;
+pub mod outline;
 pub mod planar;
 pub mod quality;
 pub mod read;
 pub mod stuffing;
 
+pub use outline::{Outline, OutlineError};
+pub use planar::Planar;
 pub use quality::{MeshDefect, Quality, SimplexShape};
+pub use stuffing::{StuffingError, stuff};
 
 use super::SurfaceMesh;
 use crate::{Matrix, Vector};

@@ -19,14 +19,16 @@ const FEWEST: usize = 2;
 /// Numbers of cells of a block of the given size (m) with edges about `edge` long (m): at least two along every axis, in 3D
 /// even ones.
 pub fn cells<const D: usize>(size: &Vector<D>, edge: f64) -> [usize; D] {
-    let step = if D == 3 { 2 } else { 1 };
-    std::array::from_fn(|a| {
-        let wanted = (size[a] / edge).max(0.0);
-        // The next lower and higher number; the nearer one by the ratio of edges.
-        let lower = ((wanted / step as f64) as usize * step).max(FEWEST);
-        let higher = lower + step;
-        if wanted * wanted > (lower * higher) as f64 { higher } else { lower }
-    })
+    std::array::from_fn(|a| count(size[a], edge, if D == 3 { 2 } else { 1 }))
+}
+
+/// Number of cells along a side: a multiple of `step`, at least two.
+pub(super) fn count(side: f64, edge: f64, step: usize) -> usize {
+    let wanted = (side / edge).max(0.0);
+    // The next lower and higher number; the nearer one by the ratio of edges.
+    let lower = ((wanted / step as f64) as usize * step).max(FEWEST);
+    let higher = lower + step;
+    if wanted * wanted > lower as f64 * higher as f64 { higher } else { lower }
 }
 
 /// A block about the origin, of the given size (m), with given numbers of cells along the axes.
@@ -63,9 +65,8 @@ pub fn block<const D: usize>(cells: [usize; D], size: &Vector<D>) -> VolumeMesh<
             }
         }
     }
-    let simplex = |v: [u32; 4]| {
-        Simplex { root: v[0], rest: std::array::from_fn(|k| v[k + 1]) }.upright(&positions)
-    };
+    let simplex =
+        |v: [u32; 4]| Simplex { root: v[0], rest: std::array::from_fn(|k| v[k + 1]) }.upright(&positions);
     let simplices = simplices.into_iter().map(simplex).collect();
     VolumeMesh { positions, simplices }
 }

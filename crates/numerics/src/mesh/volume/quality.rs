@@ -62,7 +62,9 @@ pub enum MeshDefect {
         vertex: usize,
     },
     /// Simplices are inverted.
-    #[error("{count} elements are inverted, the first is element {simplex} near {near:?} with volume {volume:e}")]
+    #[error(
+        "{count} elements are inverted, the first is element {simplex} near {near:?} with volume {volume:e}"
+    )]
     Inverted {
         /// How many.
         count: usize,

@@ -12,7 +12,8 @@
 //!
 //! A crossed simplex is bisected at its crossings one after another, in an order that all simplices share, so that what
 //! neighbours make of their common facet agrees without any table of cases: long edges before short ones, as in the article's
-//! stencils, then those of which more is kept.
+//! stencils, then those of which more is kept. Measured, in degrees: dihedral angles of 17 to 141 at plane surfaces however
+//! they lie, of 11 to 164 whatever the signs at the vertices (the article proves 10.7 to 164.8); in 2D angles of 16 to 139.
 
 use super::{MeshDefect, Simplex, VolumeMesh};
 use crate::Vector;
@@ -21,8 +22,8 @@ use thiserror::Error;
 
 /// Share of an edge within which a crossing draws the vertex to itself: long edges, short edges (article, Table 1).
 const DRAWN_3D: [f64; 2] = [0.249_99, 0.411_89];
-/// The same in 2D, where all edges are alike: the smallest angle is largest with it (measured).
-const DRAWN_2D: [f64; 2] = [0.3, 0.3];
+/// The same in 2D, where all edges are alike: with it the smallest angle that can be is largest (measured).
+const DRAWN_2D: [f64; 2] = [0.4, 0.4];
 /// Length of the mesh's mean edge over that of the lattice's longest one.
 const MEAN_EDGE_3D: f64 = 0.923;
 /// Most vertices of a lattice.
@@ -31,11 +32,19 @@ const MOST: usize = 1 << 28;
 const STEPS: usize = 60;
 const CLOSE: f64 = 1e-13;
 
+/// How much farther than the nearest crossing others may be to count as near as it.
+const ALIKE: f64 = 1e-6;
+
+/// A signed distance, negative inside; point and distance in m.
+pub type Distance<'a, const D: usize> = dyn Fn(&Vector<D>) -> f64 + Sync + 'a;
+
 /// Why a region cannot be filled.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum StuffingError {
     /// The edge is no positive length, or the bounds are not finite.
-    #[error("edges of {edge} m within {lower:?} to {upper:?} cannot be; give a positive edge and finite bounds")]
+    #[error(
+        "edges of {edge} m within {lower:?} to {upper:?} cannot be; give a positive edge and finite bounds"
+    )]
     Size {
         /// Edge asked for, m.
         edge: f64,
@@ -84,7 +93,7 @@ pub enum StuffingError {
 /// # Errors
 /// Sizes that cannot be, a region that is empty, goes on beyond its bounds or is too thin.
 pub fn stuff<const D: usize>(
-    distance: &(dyn Fn(&Vector<D>) -> f64 + Sync),
+    distance: &Distance<D>,
     lower: &Vector<D>,
     upper: &Vector<D>,
     edge: f64,
@@ -96,7 +105,7 @@ pub fn stuff<const D: usize>(
 
 /// As [`stuff`], with given shares of an edge within which vertices are drawn to crossings, and without a check.
 fn stuff_drawn<const D: usize>(
-    distance: &(dyn Fn(&Vector<D>) -> f64 + Sync),
+    distance: &Distance<D>,
     lower: &Vector<D>,
     upper: &Vector<D>,
     edge: f64,
@@ -106,12 +115,10 @@ fn stuff_drawn<const D: usize>(
     let value = |i: usize| distance(&lattice.position(&lattice.point(i)));
     let values: Vec<f64> = (0..lattice.len()).into_par_iter().map(value).collect();
     if let Some(i) = (0..values.len()).find(|i| values[*i] < 0.0 && lattice.at_border(*i)) {
-        return Err(StuffingError::Beyond {
-            near: lattice.position(&lattice.point(i)).as_slice().to_vec(),
-        });
+        return Err(StuffingError::Beyond { near: lattice.position(&lattice.point(i)).as_slice().to_vec() });
     }
     let cuts = Cuts::new(&lattice, &values, distance);
-    let stuffing = Stuffing::new(&lattice, &values, cuts, drawn);
+    let stuffing = Stuffing::new(&lattice, &values, cuts, drawn, distance);
     let simplices = stuffing.simplices(distance);
     if simplices.is_empty() {
         return Err(StuffingError::Empty { edge });
@@ -209,7 +216,9 @@ impl<const D: usize> Lattice<D> {
     /// Where a point is moved to along some of the vectors (bits of `along`).
     fn moved(q: &[i32; D], along: usize) -> [i32; D] {
         let vectors = Self::vectors();
-        std::array::from_fn(|a| q[a] + (0..D).filter(|k| along >> k & 1 == 1).map(|k| vectors[k][a]).sum::<i32>())
+        std::array::from_fn(|a| {
+            q[a] + (0..D).filter(|k| along >> k & 1 == 1).map(|k| vectors[k][a]).sum::<i32>()
+        })
     }
 }
 
@@ -236,7 +245,7 @@ impl<const D: usize> Cut<D> {
 }
 
 impl<const D: usize> Cuts<D> {
-    fn new(lattice: &Lattice<D>, values: &[f64], distance: &(dyn Fn(&Vector<D>) -> f64 + Sync)) -> Self {
+    fn new(lattice: &Lattice<D>, values: &[f64], distance: &Distance<D>) -> Self {
         let crossing = |i: usize, along: usize| -> Option<Cut<D>> {
             let here = lattice.point(i);
             let there = Lattice::moved(&here, along);
@@ -276,7 +285,13 @@ struct Stuffing<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Stuffing<'a, D> {
-    fn new(lattice: &'a Lattice<D>, values: &[f64], cuts: Cuts<D>, drawn: [f64; 2]) -> Self {
+    fn new(
+        lattice: &'a Lattice<D>,
+        values: &[f64],
+        cuts: Cuts<D>,
+        drawn: [f64; 2],
+        distance: &Distance<D>,
+    ) -> Self {
         let sign = |v: &f64| if *v < 0.0 { -1 } else { i8::from(*v > 0.0) };
         let mut side: Vec<i8> = values.iter().map(sign).collect();
         let mut positions: Vec<Vector<D>> =
@@ -293,8 +308,11 @@ impl<'a, const D: usize> Stuffing<'a, D> {
         }
         draws.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
         for near in draws.chunk_by(|a, b| a.0 == b.0) {
-            side[near[0].0 as usize] = 0;
-            positions[near[0].0 as usize] = cuts.all[near[0].2].position;
+            let vertex = near[0].0 as usize;
+            let alike = near.iter().take_while(|n| n.1 <= near[0].1 * (1.0 + ALIKE));
+            let alike: Vec<Vector<D>> = alike.map(|n| cuts.all[n.2].position).collect();
+            positions[vertex] = drawn_to(&positions[vertex], values[vertex], &alike, distance);
+            side[vertex] = 0;
         }
         positions.extend(cuts.all.iter().map(|c| c.position));
         let mut order: Vec<usize> = (0..cuts.all.len()).collect();
@@ -308,7 +326,7 @@ impl<'a, const D: usize> Stuffing<'a, D> {
     }
 
     /// All simplices inside.
-    fn simplices(&self, distance: &(dyn Fn(&Vector<D>) -> f64 + Sync)) -> Vec<Simplex<D>> {
+    fn simplices(&self, distance: &Distance<D>) -> Vec<Simplex<D>> {
         const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 0, 2], [0, 2, 1], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
         let orders = &ORDERS[..if D == 2 { 2 } else { 6 }];
         let at = |i: usize| {
@@ -333,12 +351,7 @@ impl<'a, const D: usize> Stuffing<'a, D> {
     }
 
     /// Adds what of a simplex (its first `D + 1` vertices) is inside.
-    fn clip(
-        &self,
-        vertices: [u32; 4],
-        distance: &(dyn Fn(&Vector<D>) -> f64 + Sync),
-        out: &mut Vec<Simplex<D>>,
-    ) {
+    fn clip(&self, vertices: [u32; 4], distance: &Distance<D>, out: &mut Vec<Simplex<D>>) {
         let used = &vertices[..=D];
         let side = |v: u32| self.side.get(v as usize).copied().unwrap_or(0);
         if used.iter().all(|v| side(*v) > 0) {
@@ -371,6 +384,27 @@ impl<'a, const D: usize> Stuffing<'a, D> {
             out.push(simplex.upright(&self.positions));
         }
     }
+}
+
+/// Where a vertex goes that crossings at one distance draw: to the crossing, or to the surface in the direction of their
+/// mean, so that mirror images stay mirror images.
+fn drawn_to<const D: usize>(
+    vertex: &Vector<D>,
+    value: f64,
+    crossings: &[Vector<D>],
+    distance: &Distance<D>,
+) -> Vector<D> {
+    let toward = (crossings.iter().sum::<Vector<D>>() / crossings.len() as f64 - vertex) * 2.0;
+    let at = |t: f64| vertex + toward * t;
+    let beyond = distance(&at(1.0));
+    if crossings.len() == 1 || value * beyond >= 0.0 {
+        return crossings[0];
+    }
+    at(if value < 0.0 {
+        root(&|t| distance(&at(t)), [value, beyond])
+    } else {
+        root(&|t| -distance(&at(t)), [-value, -beyond])
+    })
 }
 
 /// The zero, 0 to 1, of a function that is negative at 0 and positive at 1, with the given values there: false position with
