@@ -1,4 +1,21 @@
 //! Volumes made of simplices: triangles in 2D, tetrahedra in 3D.
+//!
+//! Boxes are lattices ([`block`]), flat outlines are triangulated and given a thickness ([`planar`], [`extrude`]), any
+//! signed distance is filled by isosurface stuffing ([`stuffing`]), files are read ([`read`]); [`quality`] measures and
+//! checks what came of it.
+
+pub mod block;
+pub mod extrude;
+pub mod outline;
+pub mod planar;
+pub mod quality;
+pub mod read;
+pub mod stuffing;
+
+pub use outline::{Outline, OutlineError};
+pub use planar::Planar;
+pub use quality::{MeshDefect, Quality, SimplexShape};
+pub use stuffing::{StuffingError, stuff};
 
 use super::SurfaceMesh;
 use crate::{Matrix, Vector};
@@ -38,6 +55,14 @@ impl<const D: usize> Simplex<D> {
         }
     }
 
+    /// The same vertices in an order that makes its volume positive, if it has one.
+    pub fn upright(mut self, positions: &[Vector<D>]) -> Self {
+        if self.volume(positions) < 0.0 {
+            self.rest.swap(0, 1);
+        }
+        self
+    }
+
     /// The facet opposite to vertex `k` (0 is the root), outward if the volume is positive.
     pub fn facet(&self, k: usize) -> [u32; D] {
         let mut facet = self.rest;
@@ -63,6 +88,28 @@ impl<const D: usize> VolumeMesh<D> {
     /// Volume of all simplices, m³ (2D: m²).
     pub fn volume(&self) -> f64 {
         crate::par::sum(self.simplices.len(), |i| self.simplices[i].volume(&self.positions))
+    }
+
+    /// The mesh rotated about the origin, then moved by `translate` (m). `rotation` must be one: a mirror image is inverted.
+    pub fn moved(mut self, rotation: &Matrix<D>, translate: &Vector<D>) -> Self {
+        self.positions.iter_mut().for_each(|x| *x = rotation * *x + translate);
+        self
+    }
+
+    /// The mesh without vertices that no simplex has; the others keep their order.
+    pub fn compacted(&self) -> Self {
+        let mut number = vec![u32::MAX; self.positions.len()];
+        self.simplices.iter().flat_map(|s| s.vertices()).for_each(|v| number[v as usize] = 0);
+        let mut positions = Vec::new();
+        for (n, x) in number.iter_mut().zip(&self.positions).filter(|(n, _)| **n == 0) {
+            *n = positions.len() as u32;
+            positions.push(*x);
+        }
+        let renumbered = |s: &Simplex<D>| Simplex {
+            root: number[s.root as usize],
+            rest: s.rest.map(|v| number[v as usize]),
+        };
+        Self { positions, simplices: self.simplices.iter().map(renumbered).collect() }
     }
 
     /// The facets that bound it, outward, on the mesh's own vertices: those that only one simplex has.
@@ -113,11 +160,7 @@ mod tests {
                 at |= 1 << order[k];
                 at as u32
             });
-            let mut simplex = Simplex { root: 0, rest };
-            if simplex.volume(&positions) < 0.0 {
-                simplex.rest.swap(0, 1);
-            }
-            simplex
+            Simplex { root: 0, rest }.upright(&positions)
         };
         let simplices = orders.iter().map(simplex).collect();
         VolumeMesh { positions, simplices }

@@ -17,6 +17,7 @@ pub use fraction::plane_box_fraction;
 pub use mesh_shape::MeshShape;
 pub use probes::Probe;
 
+use crate::mesh::volume::Outline;
 use crate::{Matrix, Vector};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -113,6 +114,13 @@ pub enum Shape<const D: usize> {
 }
 
 impl<const D: usize> Shape<D> {
+    /// An outline given a thickness (m) along the last axis (2D: what it encloses), with the exact signed distance of the
+    /// polygon that the outline is. Its origin goes to `center` (m), halfway up; the columns of `rotation` are its axes.
+    pub fn extrusion(outline: &Outline, center: &Vector<D>, thickness: f64, rotation: &Matrix<D>) -> Self {
+        let outline = Arc::new(MeshShape::new(outline.surface()));
+        Self::Extrusion { outline, center: *center, thickness, rotation: *rotation }
+    }
+
     /// Distance to the shape's surface, negative inside, m.
     pub fn signed_distance(&self, x: &Vector<D>) -> f64 {
         match self {

@@ -1,0 +1,89 @@
+//! Flat outlines given a thickness: prisms on triangles, cut into tetrahedra.
+//!
+//! A prism is cut into three along diagonals that rise from the vertex of the lower colour to that of the higher one, so
+//! that neighbours agree and no prism is cut in a circle (J. Dompierre et al., "How to subdivide pyramids, prisms and
+//! hexahedra into tetrahedra", 8th Int. Meshing Roundtable, 1999). Colours change from vertex to vertex, so no direction is
+//! preferred. Layers are mirror images of their neighbours and even in number: the mesh is as symmetric as its
+//! triangulation, and from above as from below.
+
+use super::block::count;
+use super::outline::{Outline, OutlineError};
+use super::planar::Planar;
+use super::{Simplex, VolumeMesh};
+use crate::{Matrix, Vector};
+
+impl Planar {
+    /// Prisms on the triangles in layers about the plane, cut into tetrahedra; `thickness` (m) of all together. An even
+    /// number of layers makes both sides alike.
+    pub fn extruded(&self, layers: usize, thickness: f64) -> VolumeMesh<3> {
+        let flat = &self.mesh.positions;
+        let mut mesh = VolumeMesh::<3>::default();
+        for layer in 0..=layers {
+            let z = (layer as f64 / layers.max(1) as f64 - 0.5) * thickness;
+            mesh.positions.extend(flat.iter().map(|x| Vector::from([x[0], x[1], z])));
+        }
+        let at = |layer: usize, v: u32| (layer * flat.len()) as u32 + v;
+        for layer in 0..layers {
+            let from = layer + layer % 2;
+            let to = layer + 1 - layer % 2;
+            for triangle in &self.mesh.simplices {
+                let mut v = [triangle.root, triangle.rest[0], triangle.rest[1]];
+                v.sort_unstable_by_key(|v| self.color[*v as usize]);
+                let ([a, b, c], [d, e, f]) = (v.map(|v| at(from, v)), v.map(|v| at(to, v)));
+                for [root, x, y, z] in [[a, b, c, f], [a, b, e, f], [a, d, e, f]] {
+                    mesh.simplices.push(Simplex { root, rest: [x, y, z] }.upright(&mesh.positions));
+                }
+            }
+        }
+        mesh
+    }
+}
+
+impl<const D: usize> VolumeMesh<D> {
+    /// An outline with edges about `edge` long (m), given a thickness along the last axis (2D: what it encloses, whatever
+    /// the thickness). The outline's origin goes to `center` (m), halfway up the thickness (m); the columns of `rotation`
+    /// are its axes, as in [`Shape::Extrusion`](crate::shape::Shape::Extrusion). There are at least two layers. A square is
+    /// a [`block`](super::block::block).
+    ///
+    /// # Errors
+    /// Lengths that are none, edges too short for memory or too long for the outline.
+    pub fn of_outline(
+        outline: &Outline,
+        center: &Vector<D>,
+        thickness: f64,
+        rotation: &Matrix<D>,
+        edge: f64,
+    ) -> Result<Self, OutlineError> {
+        let length = |what, value: f64| match value > 0.0 && value.is_finite() {
+            true => Ok(()),
+            false => Err(OutlineError::Size { what, value }),
+        };
+        length("edges", edge)?;
+        if D == 3 {
+            length("a thickness", thickness)?;
+        }
+        if let Some(side) = outline.square {
+            length("a square", side)?;
+            let half = Vector::from_fn(|a, _| 0.5 * if a < 2 { side } else { thickness });
+            return Ok(Self::of_box(center, &half, rotation, edge));
+        }
+        let planar = outline.triangulate(edge)?;
+        let wide = |positions: &[Vector<3>]| {
+            positions.iter().map(|x| Vector::from_fn(|a, _| x[a])).collect::<Vec<Vector<D>>>()
+        };
+        let mesh = if D == 2 {
+            let flat: Vec<Vector<3>> =
+                planar.mesh.positions.iter().map(|x| Vector::from([x[0], x[1], 0.0])).collect();
+            let simplex = |s: &Simplex<2>| Simplex { root: s.root, rest: std::array::from_fn(|k| s.rest[k]) };
+            Self { positions: wide(&flat), simplices: planar.mesh.simplices.iter().map(simplex).collect() }
+        } else {
+            let solid = planar.extruded(count(thickness, edge, 2), thickness);
+            let simplex = |s: &Simplex<3>| Simplex { root: s.root, rest: std::array::from_fn(|k| s.rest[k]) };
+            Self {
+                positions: wide(&solid.positions),
+                simplices: solid.simplices.iter().map(simplex).collect(),
+            }
+        };
+        Ok(mesh.moved(rotation, center))
+    }
+}

@@ -1,0 +1,367 @@
+//! What an outline encloses as triangles of one size.
+//!
+//! The outline is divided evenly between its corners; points inside start on a triangular lattice and are moved, joined and
+//! added until the constrained Delaunay triangulation of all is well shaped: each goes to the mean of the circumcentres of its
+//! triangles, weighted by their areas (L. Chen, "Mesh smoothing schemes based on optimal Delaunay triangulations", 13th Int.
+//! Meshing Roundtable, 2004). An outline with mirror lines is triangulated between two of them and mirrored.
+
+use super::outline::{Outline, OutlineError};
+use super::{Simplex, VolumeMesh};
+use crate::Vector;
+use crate::mesh::{FacetTree, SurfaceMesh};
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+use std::f64::consts::PI;
+
+/// Cosine of the turn above which a point of an outline is no corner.
+const CORNER: f64 = 0.94;
+/// Sides longer than this, in edges, meet in a corner however little they turn.
+const LONG_SIDE: f64 = 0.5;
+/// Least distance of a point inside from the outline, in edges: at first, and when it is moved.
+const INSET: [f64; 2] = [0.6, 0.3];
+/// Rounds of moving, and how many pass between rounds of joining and adding.
+const ROUNDS: usize = 60;
+const CHANGE: usize = 10;
+/// Points nearer than this are joined, in edges.
+const JOINED: f64 = 0.62;
+/// Triangles with a larger circumradius get a point, in edges (that of a regular one: 0.58).
+const LARGE: f64 = 0.82;
+/// Area below which a triangle is rounding, in squares of the edge.
+const FLAT: f64 = 1e-9;
+/// Most vertices.
+const MOST: f64 = 3e6;
+
+/// A triangulation of what an outline encloses.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Planar {
+    /// The triangles.
+    pub mesh: VolumeMesh<2>,
+    /// A colour for each vertex, no two neighbours alike, as symmetric as the mesh: the order in which prisms on the
+    /// triangles are cut.
+    pub color: Vec<u32>,
+}
+
+impl Outline {
+    /// What it encloses as triangles with edges about `edge` (m) long. The boundary's vertices lie on the outline, its
+    /// corners are among them. Where the outline is thinner than two edges, triangles are flatter.
+    ///
+    /// # Errors
+    /// Edges that are no length, too short for memory, or too long for the outline.
+    pub fn triangulate(&self, edge: f64) -> Result<Planar, OutlineError> {
+        if !(edge > 0.0 && edge.is_finite()) {
+            return Err(OutlineError::Size { what: "edges", value: edge });
+        }
+        let vertices = self.surface().volume() / (edge * edge * 0.75f64.sqrt());
+        if !vertices.is_finite() {
+            return Err(OutlineError::Size { what: "an outline", value: vertices });
+        }
+        if vertices > MOST {
+            return Err(OutlineError::TooFine { edge, vertices });
+        }
+        let boundary = self.boundary(edge);
+        let mut wedge = Wedge::new(self, boundary, edge);
+        wedge.relax()?;
+        Ok(self.unfold(&wedge))
+    }
+
+    /// The loop around what is triangulated, divided: the outline, or its part between two mirror lines and these.
+    fn boundary(&self, edge: f64) -> Loop {
+        let mut out = Loop::default();
+        if self.mirrors == 0 {
+            let corners = corners(&self.part, true, edge);
+            let first = corners.first().copied().unwrap_or(0);
+            let n = self.part.len();
+            let turned: Vec<Vector<2>> = (0..=n).map(|k| self.part[(first + k) % n]).collect();
+            divide(&turned, edge, 0, &mut out);
+            return out;
+        }
+        let middle = Vector::zeros();
+        let (first, last) = (self.part[0], self.part[self.part.len() - 1]);
+        divide(&[middle, first], edge, ON_FIRST, &mut out);
+        divide(&self.part, edge, 0, &mut out);
+        divide(&[last, middle], edge, ON_LAST, &mut out);
+        // A division starts with what belongs to the last one as well.
+        let lines = [ON_FIRST, ON_LAST];
+        for (x, on) in out.points.iter().zip(&mut out.on) {
+            *on |= if *x == middle { lines[0] | lines[1] } else { 0 };
+            *on |= if *x == first { lines[0] } else { 0 };
+            *on |= if *x == last { lines[1] } else { 0 };
+        }
+        out
+    }
+
+    /// All images of the part between two mirror lines.
+    fn unfold(&self, wedge: &Wedge) -> Planar {
+        let color = wedge.colors();
+        if self.mirrors == 0 {
+            return Planar { mesh: wedge.mesh(), color };
+        }
+        let (n, count) = (self.mirrors, wedge.points.len());
+        let on = |v: usize| wedge.on.get(v).copied().unwrap_or(0);
+        let mut mesh = VolumeMesh::<2>::default();
+        let mut colors = Vec::new();
+        // Number of a point's image; one on a mirror line is that of both neighbours, the middle that of all.
+        let mut number = vec![u32::MAX; 2 * n * count];
+        for k in 0..n {
+            for mirrored in [true, false] {
+                for v in 0..count {
+                    let owner = match on(v) {
+                        on if on == ON_FIRST | ON_LAST => 0,
+                        ON_FIRST => 2 * k,
+                        ON_LAST => 2 * ((k + usize::from(!mirrored)) % n),
+                        _ => 2 * k + usize::from(!mirrored),
+                    };
+                    let slot = owner * count + v;
+                    if number[slot] == u32::MAX {
+                        number[slot] = mesh.positions.len() as u32;
+                        mesh.positions.push(self.image(&wedge.points[v], k, mirrored));
+                        colors.push(color[v]);
+                    }
+                    number[(2 * k + usize::from(!mirrored)) * count + v] = number[slot];
+                }
+                let image = |v: u32| number[(2 * k + usize::from(!mirrored)) * count + v as usize];
+                for t in &wedge.triangles {
+                    let [a, b, c] = t.map(image);
+                    mesh.simplices.push(Simplex { root: a, rest: if mirrored { [c, b] } else { [b, c] } });
+                }
+            }
+        }
+        Planar { mesh, color: colors }
+    }
+}
+
+/// Bits of points on the first and the last mirror line.
+const ON_FIRST: u8 = 1;
+const ON_LAST: u8 = 2;
+
+/// A divided loop and the mirror lines that its points lie on.
+#[derive(Default)]
+struct Loop {
+    points: Vec<Vector<2>>,
+    on: Vec<u8>,
+}
+
+/// The points of a polyline that must be vertices; closed: the last is followed by the first.
+fn corners(line: &[Vector<2>], closed: bool, edge: f64) -> Vec<usize> {
+    let n = line.len();
+    let corner = |i: &usize| {
+        let (a, b) = (line[*i] - line[(i + n - 1) % n], line[(i + 1) % n] - line[*i]);
+        let long = a.norm().min(b.norm()) > LONG_SIDE * edge;
+        long || a.dot(&b) < CORNER * a.norm() * b.norm()
+    };
+    (0..n).filter(|i| (!closed && (*i == 0 || i + 1 == n)) || corner(i)).collect()
+}
+
+/// Divides a polyline evenly between its corners and adds all but its last point.
+fn divide(line: &[Vector<2>], edge: f64, on: u8, out: &mut Loop) {
+    for ends in corners(line, false, edge).windows(2) {
+        let run = &line[ends[0]..=ends[1]];
+        let mut length = vec![0.0];
+        run.windows(2).for_each(|p| length.push(length[length.len() - 1] + (p[1] - p[0]).norm()));
+        let total = length[length.len() - 1];
+        let count = (total / edge).round().max(1.0) as usize;
+        for k in 0..count {
+            let at = total * k as f64 / count as f64;
+            let side = length.partition_point(|l| *l <= at).clamp(1, run.len() - 1);
+            let share = (at - length[side - 1]) / (length[side] - length[side - 1]);
+            out.points.push(run[side - 1] + (run[side] - run[side - 1]) * share);
+            out.on.push(on);
+        }
+    }
+}
+
+/// A region under triangulation.
+struct Wedge {
+    edge: f64,
+    /// The divided boundary, then the points inside.
+    points: Vec<Vector<2>>,
+    /// The mirror lines that each point of the boundary lies on.
+    on: Vec<u8>,
+    /// The boundary.
+    tree: FacetTree<2>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Wedge {
+    fn new(outline: &Outline, boundary: Loop, edge: f64) -> Self {
+        let Loop { mut points, on } = boundary;
+        let n = points.len() as u32;
+        let facets = (0..n).map(|i| [i, (i + 1) % n]).collect();
+        let surface = SurfaceMesh { positions: points.clone(), facets };
+        let tree = FacetTree::new(&surface);
+        let (lower, upper) = surface.bounds();
+        // A triangular lattice with a point in the origin, one of its directions along the first mirror line.
+        let (s, c) = outline.start.sin_cos();
+        let [along, across] = [[c, s], [-s, c]].map(|d| Vector::from(d) * edge);
+        let reach = (lower.norm().max(upper.norm()) / edge).ceil() as i64 * 2;
+        for j in -reach..=reach {
+            for i in -reach..=reach {
+                let shift = if j.rem_euclid(2) == 1 { 0.5 } else { 0.0 };
+                let x = along * (i as f64 + shift) + across * (j as f64 * 0.75f64.sqrt());
+                let near = (0..2).all(|a| x[a] > lower[a] && x[a] < upper[a]);
+                if near && tree.signed_distance(&x) < -INSET[0] * edge {
+                    points.push(x);
+                }
+            }
+        }
+        Self { edge, points, on, tree, triangles: Vec::new() }
+    }
+
+    fn relax(&mut self) -> Result<(), OutlineError> {
+        for round in 0..ROUNDS {
+            self.connect()?;
+            if round % CHANGE == CHANGE - 1 && round + CHANGE < ROUNDS {
+                self.add();
+                self.join();
+            } else {
+                self.smooth();
+            }
+        }
+        self.connect()
+    }
+
+    /// The constrained Delaunay triangulation of the points inside the boundary.
+    fn connect(&mut self) -> Result<(), OutlineError> {
+        let (n, edge) = (self.on.len(), self.edge);
+        let near = |v: usize| self.points.get(v).map_or([0.0; 2], |x| [x[0], x[1]]);
+        let points: Vec<Point2<f64>> = self.points.iter().map(|x| Point2::new(x[0], x[1])).collect();
+        let sides: Vec<[usize; 2]> = (0..n).map(|i| [i, (i + 1) % n]).collect();
+        let mut conflict = None;
+        let cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(points, sides, |e| {
+            conflict = conflict.or(Some(e[0]));
+        });
+        let cdt = cdt.map_err(|_| OutlineError::NotFinite { point: 0 })?;
+        if conflict.is_some() || cdt.num_vertices() < self.points.len() {
+            return Err(OutlineError::TooCoarse { edge, near: near(conflict.unwrap_or(0)) });
+        }
+        let mut triangles = Vec::new();
+        for face in cdt.inner_faces() {
+            let t = face.vertices().map(|v| v.fix().index() as u32);
+            let center = t.iter().map(|v| self.points[*v as usize]).sum::<Vector<2>>() / 3.0;
+            // Between points on a straight side that rounding bends inwards.
+            let flat = circumcenter(&self.corners(&t)).1 < FLAT * edge * edge;
+            if !flat && self.tree.contains(&center) {
+                triangles.push(t);
+            }
+        }
+        self.triangles = triangles;
+        Ok(())
+    }
+
+    fn corners(&self, t: &[u32; 3]) -> [Vector<2>; 3] {
+        t.map(|v| self.points[v as usize])
+    }
+
+    /// Moves every point inside to the mean of the circumcentres around it.
+    fn smooth(&mut self) {
+        let mut sums = vec![(Vector::<2>::zeros(), 0.0); self.points.len()];
+        for t in &self.triangles {
+            let corners = self.corners(t);
+            let (center, area) = circumcenter(&corners);
+            // Beyond the longest side of an obtuse triangle the circumcentre may be anywhere.
+            let middle = corners.iter().sum::<Vector<2>>() / 3.0;
+            let to = center - middle;
+            let center = middle + to * (self.edge / to.norm().max(self.edge));
+            for v in t {
+                sums[*v as usize].0 += center * area;
+                sums[*v as usize].1 += area;
+            }
+        }
+        for v in self.on.len()..self.points.len() {
+            let to = sums[v].0 / sums[v].1;
+            if sums[v].1 > 0.0 && self.tree.signed_distance(&to) < -INSET[1] * self.edge {
+                self.points[v] = to;
+            }
+        }
+    }
+
+    /// Removes points inside that are too near to others.
+    fn join(&mut self) {
+        let n = self.on.len();
+        let mut gone = vec![false; self.points.len()];
+        for t in &self.triangles {
+            for k in 0..3 {
+                let [a, b] = [t[k], t[(k + 1) % 3]].map(|v| v as usize);
+                let close = (self.points[a] - self.points[b]).norm() < JOINED * self.edge;
+                let last = a.max(b);
+                if close && last >= n && !gone[a] && !gone[b] {
+                    gone[last] = true;
+                }
+            }
+        }
+        let mut kept = gone.iter().map(|g| !g);
+        self.points.retain(|_| kept.next().unwrap_or(true));
+    }
+
+    /// Adds points in the middle of large triangles.
+    fn add(&mut self) {
+        let mut large: Vec<(f64, Vector<2>)> = Vec::new();
+        for t in &self.triangles {
+            let corners = self.corners(t);
+            let radius = (circumcenter(&corners).0 - corners[0]).norm();
+            if radius > LARGE * self.edge {
+                large.push((radius, corners.iter().sum::<Vector<2>>() / 3.0));
+            }
+        }
+        large.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut added: Vec<Vector<2>> = Vec::new();
+        for (_, x) in large {
+            let free = added.iter().all(|y| (x - y).norm() > self.edge);
+            if free && self.tree.signed_distance(&x) < -INSET[1] * self.edge {
+                added.push(x);
+            }
+        }
+        self.points.extend(added);
+    }
+
+    /// A colour for each point, the least that none of its earlier neighbours has.
+    fn colors(&self) -> Vec<u32> {
+        let n = self.points.len();
+        let mut pairs: Vec<[u32; 2]> = Vec::new();
+        for t in &self.triangles {
+            for k in 0..3 {
+                pairs.extend([[t[k], t[(k + 1) % 3]], [t[(k + 1) % 3], t[k]]]);
+            }
+        }
+        pairs.sort_unstable();
+        let around =
+            |v: u32| &pairs[pairs.partition_point(|p| p[0] < v)..pairs.partition_point(|p| p[0] <= v)];
+        let mut color = vec![u32::MAX; n];
+        // From neighbour to neighbour, so that a regular lattice needs three colours only.
+        let mut queue: Vec<u32> = Vec::new();
+        for start in 0..n as u32 {
+            let mut at = queue.len();
+            if color[start as usize] == u32::MAX {
+                queue.push(start);
+            }
+            while at < queue.len() {
+                let v = queue[at];
+                at += 1;
+                if color[v as usize] != u32::MAX {
+                    continue;
+                }
+                let taken: Vec<u32> = around(v).iter().map(|p| color[p[1] as usize]).collect();
+                color[v as usize] = (0..).find(|c| !taken.contains(c)).unwrap_or(0);
+                queue.extend(around(v).iter().map(|p| p[1]).filter(|w| color[*w as usize] == u32::MAX));
+            }
+        }
+        color
+    }
+
+    fn mesh(&self) -> VolumeMesh<2> {
+        let simplices = self.triangles.iter().map(|t| Simplex { root: t[0], rest: [t[1], t[2]] }).collect();
+        VolumeMesh { positions: self.points.clone(), simplices }
+    }
+}
+
+/// Circumcentre and area of a triangle.
+fn circumcenter([a, b, c]: &[Vector<2>; 3]) -> (Vector<2>, f64) {
+    let (u, v) = (b - a, c - a);
+    let double = u.perp(&v);
+    let (p, q) = (u.norm_squared(), v.norm_squared());
+    let at = Vector::from([v[1] * p - u[1] * q, u[0] * q - v[0] * p]) / (2.0 * double);
+    (if at.iter().all(|x| x.is_finite()) { a + at } else { (a + b + c) / 3.0 }, 0.5 * double.abs())
+}
+
+#[cfg(test)]
+#[path = "planar_tests.rs"]
+mod tests;
