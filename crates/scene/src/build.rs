@@ -5,6 +5,7 @@ use crate::error::SceneError;
 use crate::file::{Material, Rotation, Scene, ShapeSpec, Solid as SolidSpec, Wall};
 use crate::output::Folder;
 use crate::run::{self, Existing, Job, Observer, Outcome, Region, RunError, Schedule, Setup, Stop};
+use crate::soft;
 use crate::thin::thick_enough;
 use crate::wetting;
 use meniscus_numerics::grid::Grid;
@@ -178,7 +179,7 @@ pub(crate) fn vector<const D: usize>(values: &[f64]) -> Vector<D> {
     Vector::from_fn(|a, _| values.get(a).copied().unwrap_or(0.0))
 }
 
-fn rotation<const D: usize>(rotation: &Rotation) -> Matrix<D> {
+pub(crate) fn rotation<const D: usize>(rotation: &Rotation) -> Matrix<D> {
     let rows = rotation.matrix();
     Matrix::from_fn(|i, j| rows[i][j])
 }
@@ -194,7 +195,10 @@ fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, Sc
             Motion::Given(Path { velocity: vector(velocity), spin, keyframes })
         }
         Material::Rigid { fixed: false } => Motion::Free,
-        _ => Motion::Fixed,
+        _ => match soft::elastic(scene, spec)? {
+            Some(elastic) => Motion::Soft(Arc::new(elastic)),
+            None => Motion::Fixed,
+        },
     };
     let mut solid = Solid::new(shape(&spec.shape)?, motion, spec.density.unwrap_or(scene.liquid.density));
     solid.velocity = vector(&spec.velocity);

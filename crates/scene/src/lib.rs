@@ -10,6 +10,7 @@ pub mod file;
 pub mod output;
 pub mod run;
 pub mod schema;
+mod soft;
 mod thin;
 pub mod units;
 mod wetting;

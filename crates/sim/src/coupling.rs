@@ -40,7 +40,8 @@ impl<'a, const D: usize> Coupling<'a, D> {
         phi: &[f64],
     ) -> Self {
         let wet = cut.wet.iter().filter(|w| phi[w.cell as usize] < 0.0);
-        let gripped = |w: &WetCell<D>| (*w, solids[w.solid as usize].grip(&(middle(model, w) * model.grid.dx)));
+        let gripped =
+            |w: &WetCell<D>| (*w, solids[w.solid as usize].grip(&(middle(model, w) * model.grid.dx)));
         Self { model, solids, systems, wet: wet.map(gripped).collect() }
     }
 

@@ -6,12 +6,11 @@
 use crate::change::{Change, expect, in_band, keep_volume, resolved_volume};
 use crate::collide::{collide, lean, part};
 use crate::coupling::push_solids;
+use crate::exchange::Exchange;
 use crate::hysteresis::hold_lines;
 use crate::keep::{give_back, keep_carried, keep_momentum, walk};
 use crate::ledger::{drops, kinetic_energy, max_component, surface_energy};
-use crate::exchange::Exchange;
 use crate::line::Lines;
-use crate::soft::systems;
 use crate::liquid::curvature::{Beside, Curvature, Displacement, FilterStep, curvature};
 use crate::liquid::cut_faces::{CutFace, cut_faces};
 use crate::liquid::friction::{DraggedFace, drag, friction};
@@ -20,6 +19,7 @@ use crate::liquid::pressure::Projection;
 use crate::liquid::transport::{advect_surface, advect_velocity, pack};
 use crate::model::Model;
 use crate::simulation::PhaseEnd;
+use crate::soft::systems;
 use crate::solid::Motion;
 use crate::state::State;
 use crate::workspace::{BAND, LAYERS, Workspace};
@@ -186,7 +186,8 @@ fn press<const D: usize>(
     let inside: Vec<bool> = work.touching(model).iter().map(|t| !t.side).collect();
     let label = work.liquid.component(&model.grid);
     let near = in_band(&work.band, &change.labels);
-    let lines = Lines { model, solids: &state.solids, cubes: &change.cubes, cut, label: &near, inside: &inside };
+    let lines =
+        Lines { model, solids: &state.solids, cubes: &change.cubes, cut, label: &near, inside: &inside };
     let (line, along) = if model.numerics.contact_line {
         lines.impulses(kick)
     } else {

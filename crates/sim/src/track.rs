@@ -110,7 +110,8 @@ impl<const D: usize> LineTracker<D> {
             ContactLine { points: Vec::new(), segments: Vec::new(), phi_c: Vec::new(), apart: None };
         let seen = Seen::new(simulation);
         for (number, tracked) in self.solids.iter().enumerate() {
-            let deformed = || simulation.state.solids[number].soft.as_ref().map(|s| Tracked::deformed(&s.skin));
+            let deformed =
+                || simulation.state.solids[number].soft.as_ref().map(|s| Tracked::deformed(&s.skin));
             match tracked {
                 Some(tracked) => tracked.find(&seen, number, &mut line),
                 None => deformed().iter().for_each(|t| t.find(&seen, number, &mut line)),

@@ -15,13 +15,15 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
     for (i, solid) in scene.solids.iter().enumerate() {
         let at = |key: &str| format!("solid.{i}.{key}");
         match solid.material {
-            Material::Rigid { .. } | Material::Kinematic { .. } => {}
-            _ => {
-                let help = "use rigid or kinematic; `meniscus check` reads such scenes in full";
-                return refuse(&at("material"), "solids that deform", help);
+            Material::Shell { .. } | Material::Rod { .. } => {
+                let help =
+                    "use neo_hookean, corotated or springs; `meniscus check` reads such scenes in full";
+                return refuse(&at("material"), "thin sheets and threads", help);
             }
+            _ => {}
         }
-        if !solid.fixed.is_empty() {
+        let rigid = matches!(solid.material, Material::Rigid { .. } | Material::Kinematic { .. });
+        if rigid && !solid.fixed.is_empty() {
             return refuse(&at("fixed.0"), "fixed parts of a solid that does not deform", "remove `fixed`");
         }
         if has(&solid.shape, &|s| matches!(s, ShapeSpec::Extrusion { .. } | ShapeSpec::Wave { .. })) {

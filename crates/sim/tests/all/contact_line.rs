@@ -83,9 +83,8 @@ fn on_a_ball<const D: usize>(cells: usize, angle: f64) {
     let wrong = line.points.iter().map(|p| (p.angle - angle).abs()).fold(0.0, f64::max);
     // Colatitude of the line on the solid.
     let cosine = (gap * gap + radius * radius - 1.0) / (2.0 * gap * radius);
-    let exact = |x: &Vector<D>| {
-        radius * (((x - center)[D - 1] / radius).clamp(-1.0, 1.0).acos() - cosine.acos())
-    };
+    let exact =
+        |x: &Vector<D>| radius * (((x - center)[D - 1] / radius).clamp(-1.0, 1.0).acos() - cosine.acos());
     let surface = tracker.surface(&simulation.model, &simulation.state.solids, 0);
     let vertices = surface.positions.iter().zip(&line.phi_c[0]);
     let errors: Vec<f64> = vertices

@@ -1,0 +1,91 @@
+//! Solids of a scene that deform: their meshes, and what they are made of.
+
+use crate::build::{rotation, shape, vector};
+use crate::error::SceneError;
+use crate::file::{Elastic as Constants, Material, Scene, ShapeSpec, Solid as SolidSpec};
+use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Motion, Smoothing};
+use meniscus_numerics::mesh::VolumeMesh;
+use meniscus_numerics::mesh::volume::stuffing::stuff;
+
+/// How far, in edges of its mesh, a vertex may lie outside a region that holds it: on its surface it is held.
+const ON_SURFACE: f64 = 1e-6;
+
+/// What a solid of a scene is made of if it deforms.
+///
+/// # Errors
+/// [`SceneError`] for what no mesh can be made of, or no solid be.
+pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option<Elastic<D>>, SceneError> {
+    let Some((law, damping_ratio)) = law(&spec.material) else { return Ok(None) };
+    let at = |key: &str| {
+        let number = scene.solids.iter().position(|s| s.name == spec.name).unwrap_or(0);
+        format!("solid.{number}.{key}")
+    };
+    let mesh = mesh::<D>(&spec.shape, spec.mesh_edge).map_err(|message| {
+        let error = SceneError::new(format!("the solid `{}` cannot be meshed: {message}", spec.name));
+        scene.source.at_value(error, &scene.source.first_inside(&at("shape")))
+    })?;
+    let anchors = anchors(&mesh, spec)
+        .map_err(|(k, error)| scene.source.at_value(error, &at(&format!("fixed.{k}"))))?;
+    let density = spec.density.unwrap_or(scene.liquid.density);
+    let description =
+        Description { mesh, density, law, damping_ratio, anchors, integrator: Integrator::default() };
+    Elastic::new(description).map(Some).map_err(|error| {
+        let key = match error {
+            ElasticError::Material { .. } => "material",
+            _ => "shape",
+        };
+        let error = SceneError::new(format!("the solid `{}`: {error}", spec.name));
+        scene.source.at_value(error, &scene.source.first_inside(&at(key)))
+    })
+}
+
+/// The law of a material that deforms, and its damping ratio.
+fn law(material: &Material) -> Option<(Law, f64)> {
+    let smoothing = Smoothing::default();
+    match *material {
+        Material::Springs { stiffness, damping_ratio } => Some((Law::Springs { stiffness }, damping_ratio)),
+        Material::NeoHookean(Constants { young_modulus: young, poisson_ratio: poisson, damping_ratio }) => {
+            Some((Law::NeoHookean { young, poisson, smoothing }, damping_ratio))
+        }
+        Material::Corotated(Constants { young_modulus: young, poisson_ratio: poisson, damping_ratio }) => {
+            Some((Law::Corotated { young, poisson, smoothing }, damping_ratio))
+        }
+        _ => None,
+    }
+}
+
+/// The mesh of a shape with edges of a length, m; the message of an error if there is none.
+fn mesh<const D: usize>(spec: &ShapeSpec, edge: f64) -> Result<VolumeMesh<D>, String> {
+    if let ShapeSpec::Box { center, half_size, rotation: turned } = spec {
+        return Ok(VolumeMesh::of_box(&vector(center), &vector(half_size), &rotation(turned), edge));
+    }
+    let shape = shape::<D>(spec).map_err(|e| e.to_string())?;
+    let (low, high) = shape.bounds();
+    if !(high - low).iter().all(|s| s.is_finite()) {
+        return Err("it has no bounds".into());
+    }
+    stuff(&|x| shape.signed_distance(x), &low, &high, edge).map_err(|e| e.to_string())
+}
+
+/// The vertices that are held, by the regions that hold them; a region that holds none is an error, with its number.
+fn anchors<const D: usize>(
+    mesh: &VolumeMesh<D>,
+    spec: &SolidSpec,
+) -> Result<Vec<Anchor<D>>, (usize, SceneError)> {
+    let mut taken = vec![false; mesh.positions.len()];
+    let mut anchors = Vec::new();
+    for (k, region) in spec.fixed.iter().enumerate() {
+        let region = shape::<D>(region).map_err(|e| (k, e))?;
+        let inside = Anchor::within(mesh, |x| region.signed_distance(x) <= ON_SURFACE * spec.mesh_edge);
+        if inside.vertices.is_empty() {
+            let error = SceneError::new(format!("this holds no vertex of the solid `{}`", spec.name));
+            return Err((k, error.with_help("make it larger, or move it onto the solid")));
+        }
+        let vertices: Vec<u32> = inside.vertices.into_iter().filter(|v| !taken[*v as usize]).collect();
+        vertices.iter().for_each(|v| taken[*v as usize] = true);
+        if !vertices.is_empty() {
+            anchors.push(Anchor { vertices, motion: Motion::Fixed });
+        }
+    }
+    Ok(anchors)
+}
