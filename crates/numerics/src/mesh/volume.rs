@@ -15,6 +15,7 @@ pub mod stuffing;
 pub use outline::{Outline, OutlineError};
 pub use planar::Planar;
 pub use quality::{MeshDefect, Quality, SimplexShape};
+pub use read::VolumeImportError;
 pub use stuffing::{StuffingError, stuff};
 
 use super::SurfaceMesh;
