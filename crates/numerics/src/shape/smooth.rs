@@ -29,7 +29,7 @@ impl<const D: usize> SmoothUnion<D> {
 
     /// Lower and upper corner of a box that holds it, m; not tight: fillets are taken to stick out by half their width.
     pub fn bounds(&self) -> (Vector<D>, Vector<D>) {
-        let start = (Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY));
+        let start = (Vector::<D>::repeat(f64::INFINITY), Vector::<D>::repeat(f64::NEG_INFINITY));
         let (lower, upper) =
             self.parts.iter().map(Shape::bounds).fold(start, |s, b| (s.0.inf(&b.0), s.1.sup(&b.1)));
         (lower.add_scalar(-0.5 * self.width), upper.add_scalar(0.5 * self.width))
