@@ -12,6 +12,7 @@ pub mod quality;
 pub mod read;
 pub mod stuffing;
 
+pub use block::BlockError;
 pub use outline::{Outline, OutlineError};
 pub use planar::Planar;
 pub use quality::{MeshDefect, Quality, SimplexShape};

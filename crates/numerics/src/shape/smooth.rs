@@ -52,16 +52,16 @@ impl<const D: usize> SmoothUnion<D> {
             radii: place(radii),
             rotation: Matrix::identity(),
         };
-        parts.push(ellipsoid([-0.06, 0.0, 0.52], [0.34, 0.155, 0.165]));
-        parts.push(ellipsoid([0.13, 0.0, 0.53], [0.17, 0.14, 0.185]));
-        parts.push(ellipsoid([-0.25, 0.0, 0.55], [0.14, 0.14, 0.15]));
-        parts.push(capsule([0.22, 0.0, 0.58], [0.38, 0.0, 0.72], 0.085));
-        parts.push(capsule([0.39, 0.0, 0.73], [0.51, 0.0, 0.62], 0.062));
-        parts.push(capsule([0.51, 0.0, 0.62], [0.53, 0.0, 0.60], 0.058));
+        parts.push(ellipsoid([-0.06, 0.0, 0.52], [0.34, 0.165, 0.185]));
+        parts.push(ellipsoid([0.13, 0.0, 0.52], [0.18, 0.15, 0.205]));
+        parts.push(ellipsoid([-0.26, 0.0, 0.56], [0.14, 0.145, 0.155]));
+        parts.push(capsule([0.22, 0.0, 0.57], [0.38, 0.0, 0.68], 0.095));
+        parts.push(capsule([0.39, 0.0, 0.69], [0.51, 0.0, 0.58], 0.066));
+        parts.push(capsule([0.51, 0.0, 0.58], [0.53, 0.0, 0.56], 0.064));
         parts.push(capsule([-0.37, 0.0, 0.61], [-0.43, 0.0, 0.50], 0.025));
         parts.push(capsule([-0.43, 0.0, 0.50], [-0.44, 0.0, 0.30], 0.025));
         parts.push(ellipsoid([-0.445, 0.0, 0.26], [0.035, 0.035, 0.06]));
-        parts.push(ellipsoid([-0.16, 0.0, 0.37], [0.07, 0.06, 0.05]));
+        parts.push(ellipsoid([-0.17, 0.0, 0.35], [0.07, 0.06, 0.05]));
         let sides: &[f64] = if D == 2 { &[1.0] } else { &[1.0, -1.0] };
         for &side in sides {
             // In the plane horn and ear go up and back, where they can be seen.
@@ -69,8 +69,8 @@ impl<const D: usize> SmoothUnion<D> {
             parts.push(capsule([0.18, 0.09 * side, 0.45], [0.19, 0.09 * side, 0.045], 0.045));
             parts.push(capsule([-0.28, 0.09 * side, 0.48], [-0.30, 0.09 * side, 0.24], 0.058));
             parts.push(capsule([-0.30, 0.09 * side, 0.24], [-0.28, 0.09 * side, 0.045], 0.045));
-            parts.push(capsule([0.39, 0.04 * side, 0.78], [0.40 + 0.03 * flat, 0.10 * side, 0.87], 0.024));
-            parts.push(capsule([0.36, 0.05 * side, 0.76], [0.34 - 0.06 * flat, 0.14 * side, 0.76], 0.026));
+            parts.push(capsule([0.39, 0.04 * side, 0.74], [0.42 + 0.02 * flat, 0.11 * side, 0.83], 0.024));
+            parts.push(capsule([0.35, 0.05 * side, 0.71], [0.33 - 0.06 * flat, 0.15 * side, 0.70], 0.026));
         }
         Self { parts, width: 0.06 * length }
     }

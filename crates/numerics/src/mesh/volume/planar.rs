@@ -10,7 +10,6 @@ use super::{Simplex, VolumeMesh};
 use crate::Vector;
 use crate::mesh::{FacetTree, SurfaceMesh};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
-use std::f64::consts::PI;
 
 /// Cosine of the turn above which a point of an outline is no corner.
 const CORNER: f64 = 0.94;
@@ -28,7 +27,7 @@ const LARGE: f64 = 0.82;
 /// Area below which a triangle is rounding, in squares of the edge.
 const FLAT: f64 = 1e-9;
 /// Most vertices.
-const MOST: f64 = 3e6;
+const MOST: f64 = 1e6;
 
 /// A triangulation of what an outline encloses.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,8 +50,8 @@ impl Outline {
             return Err(OutlineError::Size { what: "edges", value: edge });
         }
         let vertices = self.surface().volume() / (edge * edge * 0.75f64.sqrt());
-        if !vertices.is_finite() {
-            return Err(OutlineError::Size { what: "an outline", value: vertices });
+        if !(vertices > 0.0 && vertices.is_finite()) {
+            return Err(OutlineError::Size { what: "an outline", value: vertices * edge });
         }
         if vertices > MOST {
             return Err(OutlineError::TooFine { edge, vertices });
@@ -189,14 +188,15 @@ impl Wedge {
         let surface = SurfaceMesh { positions: points.clone(), facets };
         let tree = FacetTree::new(&surface);
         let (lower, upper) = surface.bounds();
-        // A triangular lattice with a point in the origin, one of its directions along the first mirror line.
+        // A triangular lattice with a point where the mirror lines meet, one of its directions along the first.
+        let middle = if outline.mirrors > 0 { Vector::zeros() } else { (lower + upper) * 0.5 };
         let (s, c) = outline.start.sin_cos();
         let [along, across] = [[c, s], [-s, c]].map(|d| Vector::from(d) * edge);
-        let reach = (lower.norm().max(upper.norm()) / edge).ceil() as i64 * 2;
+        let reach = ((lower - middle).norm().max((upper - middle).norm()) / edge).ceil() as i64 * 2;
         for j in -reach..=reach {
             for i in -reach..=reach {
                 let shift = if j.rem_euclid(2) == 1 { 0.5 } else { 0.0 };
-                let x = along * (i as f64 + shift) + across * (j as f64 * 0.75f64.sqrt());
+                let x = middle + along * (i as f64 + shift) + across * (j as f64 * 0.75f64.sqrt());
                 let near = (0..2).all(|a| x[a] > lower[a] && x[a] < upper[a]);
                 if near && tree.signed_distance(&x) < -INSET[0] * edge {
                     points.push(x);

@@ -3,6 +3,7 @@
 use super::*;
 use crate::Matrix;
 use crate::shape::Shape;
+use std::f64::consts::PI;
 
 /// The named outlines, about 1 across.
 fn outlines() -> Vec<(&'static str, Outline)> {
@@ -87,6 +88,7 @@ fn triangulations_have_the_symmetry_of_their_outline() {
 fn triangulation_refuses_what_cannot_be() {
     let square = Outline::square(1.0);
     assert!(matches!(square.triangulate(0.0), Err(OutlineError::Size { .. })));
+    assert!(matches!(Outline::leaf(0.0).triangulate(0.1), Err(OutlineError::Size { .. })));
     assert!(matches!(square.triangulate(1e-5), Err(OutlineError::TooFine { .. })));
 }
 

@@ -191,8 +191,8 @@ fn from_raw<const D: usize>(path: &Path, raw: &Raw) -> Result<VolumeMesh<D>, Vol
     if raw.elements.is_empty() {
         return Err(VolumeImportError::Empty { path: path(), element: wanted::<D>(), dimension: D });
     }
-    let mut mesh = VolumeMesh::<D>::default();
-    mesh.positions = raw.points.iter().map(|p| Vector::from_fn(|a, _| p[a])).collect();
+    let positions = raw.points.iter().map(|p| Vector::from_fn(|a, _| p[a])).collect();
+    let mut mesh = VolumeMesh::<D> { positions, simplices: Vec::with_capacity(raw.elements.len()) };
     for (element, v) in &raw.elements {
         let repeated = (0..v.len()).any(|i| v[..i].contains(&v[i]));
         if v.len() != D + 1 || repeated || v.iter().any(|v| *v as usize >= raw.points.len()) {
@@ -225,8 +225,8 @@ fn orient<const D: usize>(
     };
     let volumes: Vec<f64> = mesh.simplices.iter().map(relative).collect();
     let near = |i: usize| mesh.simplices[i].center(positions).as_slice().to_vec();
-    // What is not a number is flat too.
-    let flat: Vec<usize> = (0..volumes.len()).filter(|i| !(volumes[*i].abs() > FLAT)).collect();
+    let is_flat = |v: f64| v.is_nan() || v.abs() < FLAT;
+    let flat: Vec<usize> = (0..volumes.len()).filter(|i| is_flat(volumes[*i])).collect();
     if let Some(first) = flat.first() {
         let (element, near) = (elements[*first].0, near(*first));
         return Err(VolumeImportError::Flat { path: path(), count: flat.len(), element, near });
