@@ -16,14 +16,14 @@ const CORNER: f64 = 0.94;
 /// Sides longer than this, in edges, meet in a corner however little they turn.
 const LONG_SIDE: f64 = 0.5;
 /// Least distance of a point inside from the outline, in edges: at first, and when it is moved.
-const INSET: [f64; 2] = [0.6, 0.3];
+const INSET: [f64; 2] = [0.6, 0.4];
 /// Rounds of moving, and how many pass between rounds of joining and adding.
-const ROUNDS: usize = 60;
+const ROUNDS: usize = 80;
 const CHANGE: usize = 10;
 /// Points nearer than this are joined, in edges.
-const JOINED: f64 = 0.62;
+const JOINED: f64 = 0.7;
 /// Triangles with a larger circumradius get a point, in edges (that of a regular one: 0.58).
-const LARGE: f64 = 0.82;
+const LARGE: f64 = 0.78;
 /// Area below which a triangle is rounding, in squares of the edge.
 const FLAT: f64 = 1e-9;
 /// Most vertices.
@@ -216,7 +216,13 @@ impl Wedge {
                 self.smooth();
             }
         }
-        self.connect()
+        self.connect()?;
+        match self.points.first() {
+            Some(x) if self.triangles.is_empty() => {
+                Err(OutlineError::TooCoarse { edge: self.edge, near: [x[0], x[1]] })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The constrained Delaunay triangulation of the points inside the boundary.

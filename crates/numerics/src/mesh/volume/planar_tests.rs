@@ -45,21 +45,8 @@ fn outlines_are_triangulated_well() {
             for e in mesh.edges() {
                 assert!(planar.color[e[0] as usize] != planar.color[e[1] as usize]);
             }
-            if std::env::var("MESH_PICTURES").is_ok() {
-                draw(name, mesh);
-            }
         }
     }
-}
-
-/// A list of segments for a throw-away picture.
-fn draw(name: &str, mesh: &VolumeMesh<2>) {
-    let mut text = String::new();
-    for [a, b] in mesh.edges() {
-        let (p, q) = (mesh.positions[a as usize], mesh.positions[b as usize]);
-        text += &format!("{} {} {} {}\n", p[0], p[1], q[0], q[1]);
-    }
-    std::fs::write(format!("/tmp/mesh-{name}.txt"), text).unwrap();
 }
 
 /// Mirror lines and turns map the triangles onto themselves.
@@ -90,6 +77,24 @@ fn triangulation_refuses_what_cannot_be() {
     assert!(matches!(square.triangulate(0.0), Err(OutlineError::Size { .. })));
     assert!(matches!(Outline::leaf(0.0).triangulate(0.1), Err(OutlineError::Size { .. })));
     assert!(matches!(square.triangulate(1e-5), Err(OutlineError::TooFine { .. })));
+}
+
+/// Edges longer than the outline is wide: a mesh, or an error that says so.
+#[test]
+fn long_edges_make_a_mesh_or_an_error() {
+    for (name, outline) in outlines() {
+        for edge in [0.05, 0.08, 0.13, 0.21, 0.34, 0.55, 3.0] {
+            match outline.triangulate(edge) {
+                Ok(planar) => {
+                    assert_eq!(planar.mesh.check(), Ok(()), "{name} {edge}");
+                    assert!(!planar.mesh.simplices.is_empty(), "{name} {edge}");
+                }
+                Err(error) => {
+                    assert!(matches!(error, OutlineError::TooCoarse { .. }), "{name} {edge}: {error}");
+                }
+            }
+        }
+    }
 }
 
 fn extruded<const D: usize>() {
