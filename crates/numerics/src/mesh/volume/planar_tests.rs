@@ -40,7 +40,7 @@ fn outlines_are_triangulated_well() {
             let (surface, _) = mesh.surface();
             assert!(surface.positions.iter().all(|x| tree.signed_distance(x).abs() < 1e-12), "{name}");
             assert!((quality.volume / outline.surface().volume() - 1.0).abs() < 3e-3, "{name}");
-            assert!(quality.smallest_angle.0.to_degrees() > 20.0, "{name} {quality}");
+            assert!(quality.smallest_angle.0.to_degrees() > 22.0, "{name} {quality}");
             assert!((quality.edges[1] / edge - 1.0).abs() < 0.1, "{name}");
             for e in mesh.edges() {
                 assert!(planar.color[e[0] as usize] != planar.color[e[1] as usize]);
@@ -111,7 +111,7 @@ fn extruded<const D: usize>() {
         assert!((quality.volume / shape.volume().unwrap() - 1.0).abs() < 3e-3);
         let (surface, _) = mesh.surface();
         assert!(surface.positions.iter().all(|x| shape.signed_distance(x).abs() < 1e-12), "{name}");
-        let least = if D == 2 { 24.0 } else { 20.0 };
+        let least = if D == 2 { 22.0 } else { 20.0 };
         assert!(quality.smallest_angle.0.to_degrees() > least, "{name} {quality}");
     }
 }
