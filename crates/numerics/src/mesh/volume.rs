@@ -12,9 +12,11 @@ pub mod quality;
 pub mod read;
 pub mod stuffing;
 
+pub use block::BlockError;
 pub use outline::{Outline, OutlineError};
 pub use planar::Planar;
 pub use quality::{MeshDefect, Quality, SimplexShape};
+pub use read::VolumeImportError;
 pub use stuffing::{StuffingError, stuff};
 
 use super::SurfaceMesh;

@@ -11,11 +11,13 @@ mod mesh_shape;
 mod perturbed;
 mod probes;
 mod sample;
+mod smooth;
 
 pub use clip::{Cut, Simplex};
 pub use fraction::plane_box_fraction;
 pub use mesh_shape::MeshShape;
 pub use probes::Probe;
+pub use smooth::SmoothUnion;
 
 use crate::mesh::volume::Outline;
 use crate::{Matrix, Vector};

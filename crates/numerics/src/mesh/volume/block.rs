@@ -12,9 +12,33 @@
 
 use super::{Simplex, VolumeMesh};
 use crate::{Matrix, Vector};
+use thiserror::Error;
 
+/// Most vertices of a block.
+const MOST: f64 = 2e8;
 /// Fewest cells along an axis.
 const FEWEST: usize = 2;
+
+/// Why a box cannot be a lattice.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum BlockError {
+    /// A side or an edge is not a positive length.
+    #[error("a box of {size:?} m cannot have edges of {edge} m; give positive lengths")]
+    Size {
+        /// Sides, m.
+        size: Vec<f64>,
+        /// Edge asked for, m.
+        edge: f64,
+    },
+    /// It would take too many vertices.
+    #[error("edges of {edge} m would take about {vertices:e} vertices; give longer ones")]
+    TooFine {
+        /// Edge asked for, m.
+        edge: f64,
+        /// Vertices that it takes.
+        vertices: f64,
+    },
+}
 
 /// Numbers of cells of a block of the given size (m) with edges about `edge` long (m): at least two along every axis, in 3D
 /// even ones.
@@ -75,9 +99,24 @@ impl<const D: usize> VolumeMesh<D> {
     /// A box with edges about `edge` long (m): centre and half sizes in m, and a rotation whose columns are the box's own
     /// axes, as in [`Shape::Box`](crate::shape::Shape::Box). There are at least two cells along every axis; an axis shorter
     /// than two edges has cells as flat as that takes.
-    pub fn of_box(center: &Vector<D>, half_size: &Vector<D>, rotation: &Matrix<D>, edge: f64) -> Self {
+    ///
+    /// # Errors
+    /// Lengths that are none, edges too short for memory.
+    pub fn of_box(
+        center: &Vector<D>,
+        half_size: &Vector<D>,
+        rotation: &Matrix<D>,
+        edge: f64,
+    ) -> Result<Self, BlockError> {
         let size = half_size * 2.0;
-        block(cells(&size, edge), &size).moved(rotation, center)
+        if !size.iter().chain([&edge]).all(|s| *s > 0.0 && s.is_finite()) {
+            return Err(BlockError::Size { size: size.as_slice().to_vec(), edge });
+        }
+        let vertices = size.iter().map(|s| s / edge + 2.0).product::<f64>();
+        if vertices > MOST {
+            return Err(BlockError::TooFine { edge, vertices });
+        }
+        Ok(block(cells(&size, edge), &size).moved(rotation, center))
     }
 }
 
@@ -91,7 +130,12 @@ mod tests {
         (rotation[(0, 0)], rotation[(0, 1)], rotation[(1, 0)], rotation[(1, 1)]) = (c, -s, s, c);
         let half = Vector::from_fn(|a, _| [0.5, 0.2, 0.03][a]);
         let center = Vector::from_fn(|a, _| 0.1 + a as f64);
-        let mesh = VolumeMesh::<D>::of_box(&center, &half, &rotation, 0.05);
+        let mesh = VolumeMesh::<D>::of_box(&center, &half, &rotation, 0.05).unwrap();
+        let refused =
+            |half: &Vector<D>, edge| VolumeMesh::<D>::of_box(&center, half, &rotation, edge).unwrap_err();
+        assert!(matches!(refused(&half, 1e-12), BlockError::TooFine { .. }));
+        assert!(matches!(refused(&half, f64::NAN), BlockError::Size { .. }));
+        assert!(matches!(refused(&(half * 0.0), 0.1), BlockError::Size { .. }));
         assert_eq!(mesh.check(), Ok(()));
         let quality = mesh.quality();
         println!("{D}D box: {quality}");

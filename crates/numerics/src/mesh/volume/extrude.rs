@@ -65,7 +65,7 @@ impl<const D: usize> VolumeMesh<D> {
         if let Some(side) = outline.square {
             length("a square", side)?;
             let half = Vector::from_fn(|a, _| 0.5 * if a < 2 { side } else { thickness });
-            return Ok(Self::of_box(center, &half, rotation, edge));
+            return Ok(Self::of_box(center, &half, rotation, edge)?);
         }
         let planar = outline.triangulate(edge)?;
         let wide = |positions: &[Vector<3>]| {

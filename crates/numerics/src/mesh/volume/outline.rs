@@ -3,6 +3,7 @@
 //! A named outline is given by the part between two neighbouring mirror lines; its triangulation is made there and
 //! mirrored, so that it has all symmetries of the outline.
 
+use super::block::BlockError;
 use crate::Vector;
 use crate::mesh::{FacetTree, SurfaceMesh};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6, PI, TAU};
@@ -65,6 +66,9 @@ pub enum OutlineError {
         /// Vertices that it takes.
         vertices: f64,
     },
+    /// The square that it is cannot be a lattice.
+    #[error(transparent)]
+    Block(#[from] BlockError),
     /// The outline is in places thinner than the edges are long.
     #[error("the outline is too thin near {near:?} for edges of {edge} m; give shorter ones")]
     TooCoarse {

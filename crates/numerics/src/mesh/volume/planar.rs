@@ -10,25 +10,24 @@ use super::{Simplex, VolumeMesh};
 use crate::Vector;
 use crate::mesh::{FacetTree, SurfaceMesh};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
-use std::f64::consts::PI;
 
 /// Cosine of the turn above which a point of an outline is no corner.
 const CORNER: f64 = 0.94;
 /// Sides longer than this, in edges, meet in a corner however little they turn.
 const LONG_SIDE: f64 = 0.5;
 /// Least distance of a point inside from the outline, in edges: at first, and when it is moved.
-const INSET: [f64; 2] = [0.6, 0.3];
+const INSET: [f64; 2] = [0.6, 0.4];
 /// Rounds of moving, and how many pass between rounds of joining and adding.
-const ROUNDS: usize = 60;
+const ROUNDS: usize = 80;
 const CHANGE: usize = 10;
 /// Points nearer than this are joined, in edges.
-const JOINED: f64 = 0.62;
+const JOINED: f64 = 0.7;
 /// Triangles with a larger circumradius get a point, in edges (that of a regular one: 0.58).
-const LARGE: f64 = 0.82;
+const LARGE: f64 = 0.78;
 /// Area below which a triangle is rounding, in squares of the edge.
 const FLAT: f64 = 1e-9;
 /// Most vertices.
-const MOST: f64 = 3e6;
+const MOST: f64 = 1e6;
 
 /// A triangulation of what an outline encloses.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,8 +50,8 @@ impl Outline {
             return Err(OutlineError::Size { what: "edges", value: edge });
         }
         let vertices = self.surface().volume() / (edge * edge * 0.75f64.sqrt());
-        if !vertices.is_finite() {
-            return Err(OutlineError::Size { what: "an outline", value: vertices });
+        if !(vertices > 0.0 && vertices.is_finite()) {
+            return Err(OutlineError::Size { what: "an outline", value: vertices * edge });
         }
         if vertices > MOST {
             return Err(OutlineError::TooFine { edge, vertices });
@@ -189,14 +188,15 @@ impl Wedge {
         let surface = SurfaceMesh { positions: points.clone(), facets };
         let tree = FacetTree::new(&surface);
         let (lower, upper) = surface.bounds();
-        // A triangular lattice with a point in the origin, one of its directions along the first mirror line.
+        // A triangular lattice with a point where the mirror lines meet, one of its directions along the first.
+        let middle = if outline.mirrors > 0 { Vector::zeros() } else { (lower + upper) * 0.5 };
         let (s, c) = outline.start.sin_cos();
         let [along, across] = [[c, s], [-s, c]].map(|d| Vector::from(d) * edge);
-        let reach = (lower.norm().max(upper.norm()) / edge).ceil() as i64 * 2;
+        let reach = ((lower - middle).norm().max((upper - middle).norm()) / edge).ceil() as i64 * 2;
         for j in -reach..=reach {
             for i in -reach..=reach {
                 let shift = if j.rem_euclid(2) == 1 { 0.5 } else { 0.0 };
-                let x = along * (i as f64 + shift) + across * (j as f64 * 0.75f64.sqrt());
+                let x = middle + along * (i as f64 + shift) + across * (j as f64 * 0.75f64.sqrt());
                 let near = (0..2).all(|a| x[a] > lower[a] && x[a] < upper[a]);
                 if near && tree.signed_distance(&x) < -INSET[0] * edge {
                     points.push(x);
@@ -216,7 +216,13 @@ impl Wedge {
                 self.smooth();
             }
         }
-        self.connect()
+        self.connect()?;
+        match self.points.first() {
+            Some(x) if self.triangles.is_empty() => {
+                Err(OutlineError::TooCoarse { edge: self.edge, near: [x[0], x[1]] })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The constrained Delaunay triangulation of the points inside the boundary.

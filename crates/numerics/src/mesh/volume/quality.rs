@@ -271,7 +271,7 @@ impl<const D: usize> VolumeMesh<D> {
             return Err(MeshDefect::Inverted { count, simplex, volume, near });
         }
         // What is not a number is flat too.
-        if let Some((count, simplex, volume, near)) = found(&|v| !(v >= FLAT || v < -FLAT)) {
+        if let Some((count, simplex, volume, near)) = found(&|v| v.is_nan() || (-FLAT..FLAT).contains(&v)) {
             return Err(MeshDefect::Degenerate { count, simplex, volume, near });
         }
         Ok(())

@@ -15,8 +15,10 @@
 //! stencils, then those of which more is kept. Measured, in degrees: dihedral angles of 17 to 141 at plane surfaces however
 //! they lie, of 11 to 164 whatever the signs at the vertices (the article proves 10.7 to 164.8); in 2D angles of 16 to 139.
 
+use super::block::BlockError;
 use super::{MeshDefect, Simplex, VolumeMesh};
 use crate::Vector;
+use crate::shape::Shape;
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -73,6 +75,9 @@ pub enum StuffingError {
         /// A point of it outside, m.
         near: Vec<f64>,
     },
+    /// A box that cannot be a lattice.
+    #[error(transparent)]
+    Block(#[from] BlockError),
     /// The region is in places thinner than an edge, so that the mesh touches itself there.
     #[error("with edges of {edge} m {defect}; give shorter edges")]
     Defect {
@@ -101,6 +106,21 @@ pub fn stuff<const D: usize>(
     let mesh = stuff_drawn(distance, lower, upper, edge, if D == 2 { DRAWN_2D } else { DRAWN_3D })?;
     mesh.check_pieces().map_err(|defect| StuffingError::Defect { edge, defect })?;
     Ok(mesh)
+}
+
+impl<const D: usize> VolumeMesh<D> {
+    /// A shape filled with edges about `edge` (m) long: a box as a lattice, anything else by [`stuff`]. Outlines keep their
+    /// corners when they are made with [`of_outline`](Self::of_outline).
+    ///
+    /// # Errors
+    /// As [`stuff`].
+    pub fn of_shape(shape: &Shape<D>, edge: f64) -> Result<Self, StuffingError> {
+        if let Shape::Box { center, half_size, rotation } = shape {
+            return Ok(Self::of_box(center, half_size, rotation, edge)?);
+        }
+        let (lower, upper) = shape.bounds();
+        stuff(&|x| shape.signed_distance(x), &lower, &upper, edge)
+    }
 }
 
 /// As [`stuff`], with given shares of an edge within which vertices are drawn to crossings, and without a check.

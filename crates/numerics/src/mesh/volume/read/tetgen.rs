@@ -1,0 +1,61 @@
+//! TetGen's `.node` and `.ele` files, and those of Triangle in 2D (H. Si, TetGen manual, 5.2; J. Shewchuk, Triangle).
+
+use super::Raw;
+use super::reader::{Fault, Reader};
+
+/// The vertices of a `.node` file, and the number of the first.
+pub(super) struct Nodes {
+    raw: Raw,
+    first: u64,
+}
+
+/// Reads a `.node` file: count, dimension, numbers of attributes and of markers; for each vertex its number, coordinates,
+/// attributes and markers.
+pub(super) fn nodes<const D: usize>(bytes: &[u8]) -> Result<Nodes, Fault> {
+    let mut from = Reader::new(bytes, Some(b'#'));
+    let count = from.count("the number of vertices")?;
+    let dimension: usize = from.number("the dimension")?;
+    if !(dimension == D || (D == 2 && dimension == 3)) {
+        return Err(from.fault(format!("vertices of a {dimension}D mesh in a {D}D scene")));
+    }
+    from.line();
+    let (mut raw, mut first) = (Raw::default(), 0);
+    for k in 0..count as u64 {
+        let number: u64 = from.number("a vertex' number")?;
+        first = if k == 0 { number } else { first };
+        if number != first + k {
+            return Err(from.fault(format!("vertex {number} where {} should be", first + k)));
+        }
+        let mut point = [0.0; 3];
+        for x in &mut point[..dimension] {
+            *x = from.f64("a coordinate")?;
+        }
+        raw.points.push(point);
+        from.line();
+    }
+    Ok(Nodes { raw, first })
+}
+
+/// Reads an `.ele` file: count, vertices of an element, attributes; for each element its number and vertices.
+pub(super) fn elements<const D: usize>(bytes: &[u8], nodes: Nodes) -> Result<Raw, Fault> {
+    let Nodes { mut raw, first } = nodes;
+    let mut from = Reader::new(bytes, Some(b'#'));
+    let count = from.count("the number of elements")?;
+    let corners: usize = from.number("the number of an element's vertices")?;
+    from.line();
+    for _ in 0..count {
+        let element: u64 = from.number("an element's number")?;
+        if corners != D + 1 {
+            return Err(Fault::Element { element, what: format!("one of {corners} vertices") });
+        }
+        let mut vertices = Vec::with_capacity(D + 1);
+        for _ in 0..=D {
+            let v: u64 = from.number("a vertex")?;
+            let place = v.checked_sub(first).and_then(|v| u32::try_from(v).ok());
+            vertices.push(place.ok_or(Fault::Vertex { element })?);
+        }
+        raw.elements.push((element, vertices));
+        from.line();
+    }
+    Ok(raw)
+}
