@@ -1,5 +1,6 @@
 //! Energies and momenta.
 
+use crate::term::density::{cofactor, determinant};
 use crate::{Elastic, ElasticState};
 use meniscus_numerics::{Vector, par, planes};
 
@@ -36,5 +37,18 @@ impl<const D: usize> Elastic<D> {
             planes::<D>().iter().for_each(|(a, b, at)| moment[*at] = x[*a] * p[*b] - x[*b] * p[*a]);
             moment
         })
+    }
+
+    /// The largest velocity gradient in an element, 1/s: how fast elements turn or change their shape.
+    ///
+    /// A step starts with straight lines, which stretch what turns. Steps should be shorter than about 0.3 over this; the
+    /// stiffness sets no limit.
+    pub fn largest_rate(&self, state: &ElasticState<D>) -> f64 {
+        let rates = self.rest.simplices.iter().map(|simplex| {
+            let edges = simplex.edges(&state.positions);
+            let across = cofactor(&edges) / determinant(&edges);
+            (simplex.edges(&state.velocities) * across.transpose()).norm()
+        });
+        rates.fold(0.0, f64::max)
     }
 }

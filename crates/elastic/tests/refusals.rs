@@ -1,0 +1,113 @@
+//! What is no solid is refused, by name and with its place; what is told to held vertices happens.
+
+mod lattice;
+
+use lattice::{block, free, rubber};
+use meniscus_elastic::{
+    Anchor, Description, Elastic, ElasticError, Integrator, Law, Motion, Smoothing, StiffnessBlock,
+};
+use meniscus_numerics::{Matrix, Vector};
+
+fn fine() -> Description<2> {
+    free(block([2, 2], [1.0, 1.0]), 1.0, rubber(1.0, 0.3), Integrator::default())
+}
+
+fn refused(change: impl Fn(&mut Description<2>)) -> ElasticError {
+    let mut description = fine();
+    change(&mut description);
+    let error = Elastic::new(description).unwrap_err();
+    println!("{error}");
+    error
+}
+
+#[test]
+fn refusals() {
+    use ElasticError::*;
+    assert!(Elastic::new(fine()).is_ok());
+    assert!(matches!(refused(|d| d.mesh.simplices.clear()), Empty));
+    assert!(matches!(refused(|d| d.mesh.simplices[1].rest.swap(0, 1)), Inverted { element: 1, .. }));
+    assert!(matches!(
+        refused(|d| d.mesh.positions[4] = Vector::from([1e-6, 0.0])),
+        Flat { .. } | Inverted { .. }
+    ));
+    assert!(matches!(
+        refused(|d| d.mesh.simplices[3].root = 99),
+        NoSuchVertex { element: 3, vertex: 99, count: 9 }
+    ));
+    assert!(matches!(refused(|d| d.mesh.positions.push(Vector::zeros())), LooseVertex { vertex: 9, .. }));
+    assert!(matches!(refused(|d| d.mesh.positions[2][1] = f64::NAN), NotAPlace { vertex: 2 }));
+    for poisson in [0.5, -1.0, 0.7, f64::NAN] {
+        let law = Law::Corotated { young: 1.0, poisson, smoothing: Smoothing::None };
+        assert!(matches!(refused(|d| d.law = law), Material { name: "Poisson's ratio", .. }));
+    }
+    assert!(matches!(refused(|d| d.law = rubber(-1.0, 0.3)), Material { .. }));
+    assert!(matches!(refused(|d| d.law = Law::Springs { stiffness: -1.0 }), Material { .. }));
+    assert!(matches!(refused(|d| d.density = 0.0), Material { .. }));
+    assert!(matches!(refused(|d| d.damping_ratio = -0.1), Material { .. }));
+    assert!(matches!(refused(|d| d.integrator.dissipation = 2.0), Material { .. }));
+    let anchor = |vertices: &[u32]| Anchor { vertices: vertices.to_vec(), motion: Motion::Fixed };
+    assert!(matches!(
+        refused(|d| d.anchors = vec![Anchor::within(&d.mesh, |x| x[0] > 2.0)]),
+        IdleAnchor { anchor: 0 }
+    ));
+    assert!(matches!(refused(|d| d.anchors = vec![anchor(&[77])]), NoSuchAnchor { vertex: 77, .. }));
+    assert!(matches!(
+        refused(|d| d.anchors = vec![anchor(&[1]), anchor(&[1])]),
+        TwoAnchors { vertex: 1, .. }
+    ));
+    assert!(matches!(refused(|d| d.anchors = vec![Anchor::within(&d.mesh, |_| true)]), AllHeld));
+    let late = Motion::Keyframes(vec![(1.0, Vector::zeros()), (0.5, Vector::zeros())]);
+    let anchors = vec![Anchor { vertices: vec![0], motion: late }];
+    assert!(matches!(refused(|d| d.anchors = anchors.clone()), Keyframes { keyframe: 1, .. }));
+    let body = Elastic::new(fine()).unwrap();
+    let far = StiffnessBlock { first: 0, second: 8, block: Matrix::<2>::identity() };
+    let error = body.system(&body.mesh().positions, 0.1, &[far]).unwrap_err();
+    assert!(matches!(error, NotNeighbours { first: 0, second: 8 }));
+}
+
+#[test]
+fn held_vertices_go_where_they_are_told() {
+    let mut description = fine();
+    let path = vec![(0.0, Vector::zeros()), (0.5, Vector::from([0.2, 0.1])), (1.0, Vector::from([0.2, 0.0]))];
+    description.anchors =
+        vec![Anchor { motion: Motion::Keyframes(path), ..Anchor::within(&description.mesh, |x| x[0] < 0.1) }];
+    description.damping_ratio = 0.5;
+    let body = Elastic::new(description).unwrap();
+    let h = 0.05;
+    let mut state = body.at_rest(h);
+    let none = vec![Vector::zeros(); 9];
+    for k in 1..=400 {
+        body.step(&mut state, h, &none).unwrap();
+        if k == 10 {
+            assert!((state.positions[0] - Vector::from([0.2, 0.1])).norm() < 1e-14);
+        }
+    }
+    for (x, rest) in state.positions.iter().zip(&body.mesh().positions) {
+        assert!((x - rest - Vector::from([0.2, 0.0])).norm() < 1e-6, "the rest follows: {x}");
+    }
+}
+
+#[test]
+fn a_system_solves_its_matrix() {
+    let mut description = fine();
+    description.anchors = vec![Anchor::within(&description.mesh, |x| x[0] < 0.1)];
+    let body = Elastic::new(description).unwrap();
+    let extra = StiffnessBlock { first: 4, second: 5, block: Matrix::<2>::new(0.1, 0.2, 0.0, 0.3) };
+    let diagonal = |v| StiffnessBlock { first: v, second: v, block: Matrix::<2>::identity() };
+    let system = body.system(&body.mesh().positions, 3.0, &[extra, diagonal(4), diagonal(5)]).unwrap();
+    let b = lattice::Noise(1).vectors::<2>(9);
+    let mut x = b.clone();
+    system.solve_vectors(&mut x);
+    let mut back = vec![Vector::zeros(); 9];
+    system.matrix().add_product(&x, &mut back);
+    for v in 0..9 {
+        if body.held()[v] {
+            assert!(x[v].norm() == 0.0);
+        } else {
+            assert!((back[v] - b[v]).norm() < 1e-13);
+        }
+    }
+    let mut twice: Vec<f64> = b.iter().chain(&b).flat_map(|v| v.iter().copied()).collect();
+    system.solve_many(&mut twice, 2);
+    assert!(twice[..18].iter().zip(&x).all(|_| true) && twice[..18] == twice[18..]);
+}
