@@ -2,13 +2,16 @@
 
 use crate::checkpoint::Checksum;
 use crate::error::SceneError;
-use crate::file::{Material, Rotation, Scene, ShapeSpec, Solid as SolidSpec, Wall};
+use crate::file::{
+    Material, Outline as OutlineSpec, OutlineName, Rotation, Scene, ShapeSpec, Solid as SolidSpec, Wall,
+};
 use crate::output::Folder;
 use crate::run::{self, Existing, Job, Observer, Outcome, Region, RunError, Schedule, Setup, Stop};
 use crate::soft;
 use crate::thin::thick_enough;
 use crate::wetting;
 use meniscus_numerics::grid::Grid;
+use meniscus_numerics::mesh::volume::Outline;
 use meniscus_numerics::shape::{MeshShape, Shape};
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{Model, Motion, Numerics, Path, Simulation, Solid};
@@ -279,10 +282,28 @@ pub(crate) fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneE
                 .map_err(|e| SceneError::new(e.to_string()))?;
             Shape::Mesh(Arc::new(mesh))
         }
-        ShapeSpec::Wave { .. } | ShapeSpec::Extrusion { .. } => {
-            let help = "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, union, \
-                        difference or mesh";
+        ShapeSpec::Extrusion { outline: flat, thickness, center, rotation: turned } => {
+            Shape::extrusion(&outline(flat)?, &vector(center), *thickness, &rotation(turned))
+        }
+        ShapeSpec::Wave { .. } => {
+            let help = "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, extrusion, \
+                        union, difference or mesh";
             return Err(SceneError::new("this shape is not yet in this version").with_help(help));
+        }
+    })
+}
+
+/// An outline in the plane.
+pub(crate) fn outline(spec: &OutlineSpec) -> Result<Outline, SceneError> {
+    Ok(match spec {
+        OutlineSpec::Named(OutlineName::Square, size) => Outline::square(*size),
+        OutlineSpec::Named(OutlineName::Triangle, size) => Outline::triangle(*size),
+        OutlineSpec::Named(OutlineName::Petals4, size) => Outline::petals(4, *size),
+        OutlineSpec::Named(OutlineName::Petals6, size) => Outline::petals(6, *size),
+        OutlineSpec::Named(OutlineName::Cross, size) => Outline::cross(*size),
+        OutlineSpec::Named(OutlineName::Leaf, size) => Outline::leaf(*size),
+        OutlineSpec::Points(points) => {
+            Outline::polygon(points).map_err(|e| SceneError::new(e.to_string()))?
         }
     })
 }

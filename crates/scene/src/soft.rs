@@ -1,11 +1,10 @@
 //! Solids of a scene that deform: their meshes, and what they are made of.
 
-use crate::build::{rotation, shape, vector};
+use crate::build::{self, rotation, shape, vector};
 use crate::error::SceneError;
 use crate::file::{Elastic as Constants, Material, Scene, ShapeSpec, Solid as SolidSpec};
 use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Motion, Smoothing};
 use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::mesh::volume::stuffing::stuff;
 
 /// How far, in edges of its mesh, a vertex may lie outside a region that holds it: on its surface it is held.
 const ON_SURFACE: f64 = 1e-6;
@@ -56,15 +55,13 @@ fn law(material: &Material) -> Option<(Law, f64)> {
 
 /// The mesh of a shape with edges of a length, m; the message of an error if there is none.
 fn mesh<const D: usize>(spec: &ShapeSpec, edge: f64) -> Result<VolumeMesh<D>, String> {
-    if let ShapeSpec::Box { center, half_size, rotation: turned } = spec {
-        return Ok(VolumeMesh::of_box(&vector(center), &vector(half_size), &rotation(turned), edge));
+    if let ShapeSpec::Extrusion { outline, thickness, center, rotation: turned } = spec {
+        let flat = build::outline(outline).map_err(|e| e.to_string())?;
+        let mesh = VolumeMesh::of_outline(&flat, &vector(center), *thickness, &rotation(turned), edge);
+        return mesh.map_err(|e| e.to_string());
     }
     let shape = shape::<D>(spec).map_err(|e| e.to_string())?;
-    let (low, high) = shape.bounds();
-    if !(high - low).iter().all(|s| s.is_finite()) {
-        return Err("it has no bounds".into());
-    }
-    stuff(&|x| shape.signed_distance(x), &low, &high, edge).map_err(|e| e.to_string())
+    VolumeMesh::of_shape(&shape, edge).map_err(|e| e.to_string())
 }
 
 /// The vertices that are held, by the regions that hold them; a region that holds none is an error, with its number.

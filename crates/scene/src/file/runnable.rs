@@ -26,12 +26,12 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
         if rigid && !solid.fixed.is_empty() {
             return refuse(&at("fixed.0"), "fixed parts of a solid that does not deform", "remove `fixed`");
         }
-        if has(&solid.shape, &|s| matches!(s, ShapeSpec::Extrusion { .. } | ShapeSpec::Wave { .. })) {
+        if has(&solid.shape, &|s| matches!(s, ShapeSpec::Wave { .. })) {
             return refuse(&at("shape"), "solids of this shape", SHAPES);
         }
     }
     for (name, wetting) in &scene.tension.solids {
-        let strange = |s: &ShapeSpec| matches!(s, ShapeSpec::Extrusion { .. } | ShapeSpec::Wave { .. });
+        let strange = |s: &ShapeSpec| matches!(s, ShapeSpec::Wave { .. });
         if let Some(i) = wetting.patches.iter().position(|(shape, _)| has(shape, &strange)) {
             return refuse(&format!("tension.{name}.patches.{i}.shape"), "patches of this shape", SHAPES);
         }
@@ -45,11 +45,6 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
         return refuse("output.formats", &what, "accepted: \"ply\", \"page\"");
     }
     contact_line(scene)?;
-    for (i, body) in scene.liquid.bodies.iter().enumerate() {
-        if has(&body.shape, &|s| matches!(s, ShapeSpec::Extrusion { .. })) {
-            return refuse(&format!("liquid.body.{i}.shape"), "liquid in the shape of an extrusion", SHAPES);
-        }
-    }
     Ok(())
 }
 
@@ -64,8 +59,7 @@ fn contact_line(scene: &Scene) -> Result<(), SceneError> {
 }
 
 /// Shapes that both liquid and solids can have.
-const SHAPES: &str =
-    "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, union, difference or mesh";
+const SHAPES: &str = "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, extrusion, union, difference or mesh";
 
 /// Whether a shape or one of its parts is one that is looked for.
 fn has(shape: &ShapeSpec, wanted: &dyn Fn(&ShapeSpec) -> bool) -> bool {
