@@ -113,6 +113,8 @@ impl<const D: usize> Elastic<D> {
     }
 
     /// At rest at time 0; held vertices where their motion has them, with its velocity over a step of `step` s.
+    ///
+    /// Velocities are half a step ahead of positions: where forces act from the start, those of half a step are to be added.
     pub fn at_rest(&self, step: f64) -> ElasticState<D> {
         let positions = self.rest.positions.clone();
         let velocities = vec![Vector::zeros(); positions.len()];

@@ -29,7 +29,8 @@ const CONVERGED: f64 = 1e-10;
 pub struct Integrator {
     /// How strongly modes are damped that the step does not resolve, `θ`: 0 not at all, 1 at once.
     pub dissipation: f64,
-    /// Newton iterations of [`Elastic::step`] after the linear step, for strong folding; 0 for none.
+    /// Newton iterations of [`Elastic::step`] after the linear step; 0 for none. Three or four keep the angular momentum to
+    /// rounding; they let no longer steps be taken.
     pub iterations: u32,
 }
 

@@ -1,4 +1,5 @@
 //! Energies, forces and tangents fit together, in 2D and 3D.
+#![allow(clippy::unwrap_used)]
 
 mod lattice;
 

@@ -1,4 +1,5 @@
 //! What is no solid is refused, by name and with its place; what is told to held vertices happens.
+#![allow(clippy::unwrap_used)]
 
 mod lattice;
 
@@ -83,7 +84,7 @@ fn held_vertices_go_where_they_are_told() {
         }
     }
     for (x, rest) in state.positions.iter().zip(&body.mesh().positions) {
-        assert!((x - rest - Vector::from([0.2, 0.0])).norm() < 1e-6, "the rest follows: {x}");
+        assert!((x - rest - Vector::from([0.2, 0.0])).norm() < 1e-5, "the rest follows: {x}");
     }
 }
 
@@ -109,5 +110,6 @@ fn a_system_solves_its_matrix() {
     }
     let mut twice: Vec<f64> = b.iter().chain(&b).flat_map(|v| v.iter().copied()).collect();
     system.solve_many(&mut twice, 2);
-    assert!(twice[..18].iter().zip(&x).all(|_| true) && twice[..18] == twice[18..]);
+    let one: Vec<f64> = x.iter().flat_map(|v| v.iter().copied()).collect();
+    assert!(twice.iter().zip(one.iter().cycle()).all(|(a, b)| (a - b).abs() < 1e-14));
 }

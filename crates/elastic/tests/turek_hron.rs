@@ -1,5 +1,6 @@
 //! The flag of Turek & Hron 2006 by itself: tests CSM1 (at rest) and CSM3 (swinging), a beam of 0.35 m × 0.02 m at a
 //! cylinder of radius 0.05 m, ρ = 1000 kg/m³, E = 1.4 MPa, ν = 0.4, under 2 m/s².
+#![allow(clippy::unwrap_used)]
 
 mod lattice;
 
@@ -35,11 +36,11 @@ fn moved(body: &Elastic<2>, positions: &[Vector<2>], tip: usize) -> Vector<2> {
 
 #[test]
 fn csm1_rest() {
-    for layers in [2, 4, 6] {
+    for layers in [2, 4] {
         let (body, tip) = flag([17 * layers, layers], 0.8, 0.1);
         let (h, weight) = (0.005, weight(&body));
         let mut state = body.at_rest(h);
-        (0..800).for_each(|_| body.step(&mut state, h, &weight).unwrap());
+        (0..600).for_each(|_| body.step(&mut state, h, &weight).unwrap());
         let u = moved(&body, &state.positions, tip) * 1e3;
         println!("CSM1, {layers} layers: ux {:.3} uy {:.3} (told -7.187 -66.10)", u[0], u[1]);
         assert!((u[1] / -66.10 - 1.0).abs() < 0.025 && (u[0] / -7.187 - 1.0).abs() < 0.04);
@@ -48,17 +49,7 @@ fn csm1_rest() {
 
 #[test]
 fn csm3_swing() {
-    for (layers, h, dissipation) in [
-        (2, 0.005, 0.0),
-        (2, 0.005, 0.1),
-        (4, 0.005, 0.0),
-        (4, 0.002, 0.0),
-        (4, 0.002, 0.1),
-        (4, 0.002, 0.5),
-        (4, 0.005, 0.5),
-        (4, 0.02, 0.1),
-        (6, 0.002, 0.3),
-    ] {
+    for (layers, h, dissipation, bar) in [(2, 0.005, 0.3, 0.04), (4, 0.005, 0.3, 0.015)] {
         let (body, tip) = flag([17 * layers, layers], 0.0, dissipation);
         let weight = weight(&body);
         let mut state = body.at_rest(h);
@@ -88,5 +79,8 @@ fn csm3_swing() {
             "CSM3, {layers} layers, h {h}, theta {dissipation}: ux {ux:.3}±{dx:.3} uy {uy:.3}±{dy:.3} f {frequency:.4} \
              (told -14.279±14.280 -63.541±65.094 1.0995)"
         );
+        for (found, told) in [(ux, -14.279), (dx, 14.280), (uy, -63.541), (dy, 65.094), (frequency, 1.0995)] {
+            assert!((found / told - 1.0).abs() < bar, "{layers} layers: {found} for {told}");
+        }
     }
 }

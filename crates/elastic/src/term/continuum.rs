@@ -7,9 +7,18 @@ use crate::linalg::{BlockMatrix, Cliques};
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector, par};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Strains whose tangents are worked out, in parallel, before they are added up in order.
 const BATCH: usize = 8192;
+
+/// Strains up to which threads are not worth their while.
+const FEW: usize = 512;
+
+/// Values of a function in order, in parallel where there are many.
+fn gathered<T: Send>(range: Range<usize>, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    if range.len() <= FEW { range.map(f).collect() } else { range.into_par_iter().map(f).collect() }
+}
 
 /// A solid of one density, constant strains over groups of elements (finite elements, Sifakis & Barbič 2012).
 #[derive(Clone, Debug)]
@@ -39,7 +48,7 @@ impl<P: Density<D>, const D: usize> Continuum<P, D> {
 
     /// Adds the forces of stresses.
     fn add_stresses(&self, stress: impl Fn(usize) -> Matrix<D> + Sync + Send, forces: &mut [Vector<D>]) {
-        let stresses: Vec<Matrix<D>> = (0..self.strains.volumes.len()).into_par_iter().map(stress).collect();
+        let stresses: Vec<Matrix<D>> = gathered(0..self.strains.volumes.len(), stress);
         for (k, stress) in stresses.iter().enumerate() {
             let (vertices, gradients) = self.part(k);
             for (v, g) in vertices.iter().zip(gradients) {
@@ -107,8 +116,7 @@ impl<P: Density<D>, const D: usize> ForceTerm<D> for Continuum<P, D> {
         let count = self.strains.volumes.len();
         for start in (0..count).step_by(BATCH) {
             let batch = start..(start + BATCH).min(count);
-            let blocks: Vec<Vec<Matrix<D>>> =
-                batch.clone().into_par_iter().map(|k| self.blocks(k, x, weights)).collect();
+            let blocks = gathered(batch.clone(), |k| self.blocks(k, x, weights));
             batch.zip(&blocks).for_each(|(k, blocks)| self.add_blocks(k, blocks, matrix));
         }
     }

@@ -17,9 +17,13 @@ fn pressure(lame: Lame, j: f64) -> f64 {
 
 impl<const D: usize> Density<D> for NeoHookean {
     fn energy(&self, lame: Lame, f: &Matrix<D>) -> f64 {
-        let swell = determinant(f) - 1.0;
-        0.5 * lame.mu * (f.norm_squared() - D as f64) - lame.mu * swell
-            + 0.5 * (lame.lambda + lame.mu) * swell * swell
+        // In `G = F − 1`, so that small strains are not lost in rounding.
+        let g = f - Matrix::identity();
+        let trace = g.trace();
+        let second = 0.5 * (trace * trace - (g * g).trace());
+        let beyond = if D == 2 { second } else { second + determinant(&g) };
+        0.5 * lame.mu * g.norm_squared() - lame.mu * beyond
+            + 0.5 * (lame.lambda + lame.mu) * (trace + beyond).powi(2)
     }
 
     fn stress(&self, lame: Lame, f: &Matrix<D>) -> Matrix<D> {
