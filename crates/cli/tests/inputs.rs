@@ -66,9 +66,9 @@ fn missing_files_are_named() {
 fn what_cannot_run_is_refused_before_the_first_step() {
     let place = Place::new("cannot");
     let solid = "[[solid]]\nname = \"plate\"\ndensity = \"2.5 g/cm^3\"\n\
-                 shape.box = { lower = [0, 0], upper = [\"3 mm\", \"0.2 mm\"] }\nmaterial.springs = { stiffness = \"1 N/m\" }\n";
+                 shape.box = { lower = [0, 0], upper = [\"3 mm\", \"0.2 mm\"] }\nmaterial.shell = { young_modulus = \"1 MPa\", poisson_ratio = 0.3, thickness = \"0.2 mm\" }\n";
     std::fs::write(place.path("solid.toml"), common::SCENE.to_string() + solid).unwrap();
-    refused(&place, "run solid.toml", 3, &["solids that deform", "solid.toml"]);
+    refused(&place, "run solid.toml", 3, &["thin sheets", "solid.toml"]);
     refused(&place, "run small.toml --set domain.resolution=16000", 3, &["memory"]);
     refused(&place, "run small.toml --set numerics.scheme=paper", 3, &["paper"]);
     refused(&place, "run small.toml --quality paper", 3, &["paper"]);

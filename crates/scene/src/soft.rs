@@ -23,8 +23,7 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
         let error = SceneError::new(format!("the solid `{}` cannot be meshed: {message}", spec.name));
         scene.source.at_value(error, &scene.source.first_inside(&at("shape")))
     })?;
-    let anchors = anchors(&mesh, spec)
-        .map_err(|(k, error)| scene.source.at_value(error, &at(&format!("fixed.{k}"))))?;
+    let anchors = anchors(&mesh, spec, &|k, error| scene.source.at_value(error, &at(&format!("fixed.{k}"))))?;
     let density = spec.density.unwrap_or(scene.liquid.density);
     let description =
         Description { mesh, density, law, damping_ratio, anchors, integrator: Integrator::default() };
@@ -64,19 +63,21 @@ fn mesh<const D: usize>(spec: &ShapeSpec, edge: f64) -> Result<VolumeMesh<D>, St
     VolumeMesh::of_shape(&shape, edge).map_err(|e| e.to_string())
 }
 
-/// The vertices that are held, by the regions that hold them; a region that holds none is an error, with its number.
+/// The vertices that are held, by the regions that hold them; a region that holds none is an error, which `at` marks with the
+/// region's number.
 fn anchors<const D: usize>(
     mesh: &VolumeMesh<D>,
     spec: &SolidSpec,
-) -> Result<Vec<Anchor<D>>, (usize, SceneError)> {
+    at: &dyn Fn(usize, SceneError) -> SceneError,
+) -> Result<Vec<Anchor<D>>, SceneError> {
     let mut taken = vec![false; mesh.positions.len()];
     let mut anchors = Vec::new();
     for (k, region) in spec.fixed.iter().enumerate() {
-        let region = shape::<D>(region).map_err(|e| (k, e))?;
+        let region = shape::<D>(region).map_err(|e| at(k, e))?;
         let inside = Anchor::within(mesh, |x| region.signed_distance(x) <= ON_SURFACE * spec.mesh_edge);
         if inside.vertices.is_empty() {
             let error = SceneError::new(format!("this holds no vertex of the solid `{}`", spec.name));
-            return Err((k, error.with_help("make it larger, or move it onto the solid")));
+            return Err(at(k, error.with_help("make it larger, or move it onto the solid")));
         }
         let vertices: Vec<u32> = inside.vertices.into_iter().filter(|v| !taken[*v as usize]).collect();
         vertices.iter().for_each(|v| taken[*v as usize] = true);

@@ -18,7 +18,7 @@ use crate::skin::Grip;
 use crate::soft::Systems;
 use crate::solid::{Motion, SolidState};
 use meniscus_numerics::grid::{CutCells, WetCell};
-use meniscus_numerics::linalg::{Bodies, Column, Compliance};
+use meniscus_numerics::linalg::{Bodies, Column, Compliance, Solve};
 use meniscus_numerics::{Matrix, Vector};
 use std::collections::BTreeMap;
 
@@ -113,7 +113,7 @@ impl<'a, const D: usize> Coupling<'a, D> {
         let compliance = |(solid, flows): (u32, Vec<_>)| {
             let system = self.systems.get(solid as usize)?.as_ref()?;
             let porous = system.porous(&flows);
-            let solve = Box::new(|x: &mut [f64]| system.solve(x));
+            let solve: Box<Solve<'_>> = Box::new(|x| system.solve(x));
             Some(Compliance { freedoms: system.freedoms(), flows, porous, solve })
         };
         flows.into_iter().filter_map(compliance).collect()

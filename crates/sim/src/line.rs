@@ -25,8 +25,17 @@ use std::collections::BTreeMap;
 struct Pulls<const D: usize> {
     exchange: Exchange<D>,
     lengths: BTreeMap<(u32, u32), (f64, Vector<D>)>,
-    /// Where lines take hold of solids that deform, each with its length.
-    feet: BTreeMap<(u32, u32), Vec<(Grip<D>, f64)>>,
+    /// Where lines take hold of solids that deform.
+    feet: BTreeMap<(u32, u32), Vec<Foot<D>>>,
+}
+
+/// A place where a line takes hold of a solid that deforms.
+struct Foot<const D: usize> {
+    grip: Grip<D>,
+    /// Length there, in cells.
+    length: f64,
+    /// What it pulls with across the solid, N s (2D: per metre).
+    across: Vector<D>,
 }
 
 /// Least share of the lines' pull across solids that a direction must have for lines to pull in it.
@@ -110,9 +119,9 @@ impl<const D: usize> Lines<'_, D> {
             let mut rest = Impulse::none();
             let at_middle = Impulse::at(&(middle / *length), missing[c].linear);
             rest.add(if self.inside[c] { &missing[c] } else { &at_middle }, -length / total[c]);
-            match feet.get(pair) {
-                Some(feet) => spread(feet, &rest).for_each(|(grip, push)| exchange.grip(*pair, grip, push)),
-                None => exchange.add(*pair, &rest, 1.0),
+            exchange.add(*pair, &rest, 1.0);
+            if let Some((feet, all)) = feet.get(pair).zip(exchange.pairs.remove(pair)) {
+                take_hold(feet, *pair, &all, &mut exchange);
             }
         }
         (exchange, along)
@@ -143,20 +152,19 @@ impl<const D: usize> Lines<'_, D> {
             let pull = cube.pull();
             let impulse: Impulse<D> = Impulse {
                 linear: Vector::from_fn(|a, _| strength * pull[a]),
-                turning: Vector::<3>::from(cube.turn) * (strength * grid.dx),
+                turning: Vector::<3>::from(cube.turn()) * (strength * grid.dx),
             };
             let size = Vector::<3>::from(cube.lift).norm();
             let place = grid.center(grid.lattice().coordinates(cube.corners[0] as usize))
                 + Vector::repeat(0.5 * grid.dx);
-            let grip = self.solids[cube.solid as usize].grip(&place);
+            let foot = cube.foot().map_or(place, |foot| Vector::from_fn(|a, _| foot[a] * grid.dx));
+            let grip = self.solids[cube.solid as usize].grip(&foot);
             cube.share(self.label, |c, part| {
-                match &grip {
-                    Some(grip) => {
-                        exchange.grip((c, cube.solid), grip, impulse.linear * part);
-                        let feet: &mut Vec<_> = feet.entry((c, cube.solid)).or_default();
-                        feet.push((*grip, part * size));
-                    }
-                    None => exchange.add((c, cube.solid), &impulse, part),
+                exchange.add((c, cube.solid), &impulse, part);
+                if let Some(grip) = grip {
+                    let across = Vector::from_fn(|a, _| strength * part * cube.lift[a]);
+                    let feet: &mut Vec<_> = feet.entry((c, cube.solid)).or_default();
+                    feet.push(Foot { grip, length: part * size, across });
                 }
                 let (length, moment) = lengths.entry((c, cube.solid)).or_insert((0.0, Vector::zeros()));
                 *length += part * size;
@@ -183,27 +191,41 @@ impl<const D: usize> Lines<'_, D> {
     }
 }
 
+/// Gives a solid that deforms what its lines pull with across it, each where it is, and what `all` is besides to all of them.
+/// Along the solid the surface's pull and the difference of the solid's own tensions are in balance (Young): a line by itself
+/// does not stretch what it lies on.
+fn take_hold<const D: usize>(
+    feet: &[Foot<D>],
+    pair: (u32, u32),
+    all: &Impulse<D>,
+    exchange: &mut Exchange<D>,
+) {
+    let mut rest = *all;
+    feet.iter().for_each(|f| rest.add(&Impulse::at(&f.grip.point, f.across), -1.0));
+    for (foot, more) in feet.iter().zip(spread(feet, &rest)) {
+        exchange.grip(pair, &foot.grip, foot.across + more);
+    }
+}
+
 /// An impulse spread over places on a solid that deforms, by their lengths, as the accelerations of a rigid body are.
-fn spread<'a, const D: usize>(
-    feet: &'a [(Grip<D>, f64)],
-    impulse: &Impulse<D>,
-) -> impl Iterator<Item = (&'a Grip<D>, Vector<D>)> {
-    let length: f64 = feet.iter().map(|(_, length)| length).sum();
-    let middle: Vector<D> = feet.iter().map(|(grip, own)| grip.point * (own / length)).sum();
+fn spread<const D: usize>(feet: &[Foot<D>], impulse: &Impulse<D>) -> impl Iterator<Item = Vector<D>> {
+    let length: f64 = feet.iter().map(|f| f.length).sum();
+    let middle: Vector<D> = feet.iter().map(|f| f.grip.point * (f.length / length)).sum();
     let mut second = Matrix::<3>::zeros();
-    for (grip, own) in feet {
-        let r = Vector::<3>::from_fn(|a, _| if a < D { grip.point[a] - middle[a] } else { 0.0 });
-        second += (Matrix::<3>::identity() * r.norm_squared() - r * r.transpose()) * (own / length);
+    for foot in feet {
+        let arm = foot.grip.point - middle;
+        let r = Vector::<3>::from_fn(|a, _| if a < D { arm[a] } else { 0.0 });
+        second += (Matrix::<3>::identity() * r.norm_squared() - r * r.transpose()) * (foot.length / length);
     }
     let inverse = second.pseudo_inverse(1e-9 * second.trace()).unwrap_or_else(|_| Matrix::zeros());
     let turning = inverse * impulse.about(&middle);
     let linear = impulse.linear;
-    feet.iter().map(move |(grip, own)| {
-        let (arm, mut push) = (grip.point - middle, linear);
+    feet.iter().map(move |foot| {
+        let (arm, mut push) = (foot.grip.point - middle, linear);
         for &(a, b, place) in planes::<D>() {
             push[b] += turning[place] * arm[a];
             push[a] -= turning[place] * arm[b];
         }
-        (grip, push * (own / length))
+        push * (foot.length / length)
     })
 }

@@ -64,16 +64,19 @@ impl<const D: usize> Skin<D> {
         Some(Grip { vertices, weights: closest.weights, point: closest.point })
     }
 
-    /// Direction away from it; on it that of its facet.
-    pub fn normal(&self, x: &Vector<D>, near: f64) -> Vector<D> {
+    /// Direction away from it, on it that of its facet; nothing within `step` (m) of halfway between two of its sides.
+    pub fn normal(&self, x: &Vector<D>, step: f64) -> Vector<D> {
         let Some(closest) = self.tree.closest(x, f64::INFINITY) else { return Vector::zeros() };
-        let facet = self.surface.area_vector(closest.facet as usize);
         let away = x - closest.point;
-        let normal = match away.norm() > near {
-            true if self.tree.contains(x) => -away,
-            true => away,
-            false => facet,
-        };
-        normal.try_normalize(0.0).unwrap_or(Vector::zeros())
+        if away.norm() <= step {
+            let facet = self.surface.area_vector(closest.facet as usize);
+            return facet.try_normalize(0.0).unwrap_or(Vector::zeros());
+        }
+        let away = away.normalize();
+        if !self.tree.contains(x) {
+            return away;
+        }
+        let deeper = self.distance(&(x + away * step)) < self.distance(x);
+        if deeper { -away } else { Vector::zeros() }
     }
 }

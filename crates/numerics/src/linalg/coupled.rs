@@ -15,6 +15,9 @@ use crate::grid::CellField;
 /// Entries of a column: the cell (by its place in memory) and the value.
 pub type Column = Vec<(u32, f64)>;
 
+/// A function that overwrites a vector with another.
+pub type Solve<'a> = dyn Fn(&mut [f64]) + Sync + 'a;
+
 /// A body that deforms under the pressure.
 pub struct Compliance<'a> {
     /// Number of its degrees of freedom.
@@ -23,8 +26,8 @@ pub struct Compliance<'a> {
     pub flows: Vec<(u32, Vec<(u32, f64)>)>,
     /// For each of these cells what the system's Dirichlet coefficient has already of `F B⁻¹ Fᵀ`.
     pub porous: Vec<f64>,
-    /// `x → B⁻¹ x`, in place.
-    pub solve: Box<dyn Fn(&mut [f64]) + Sync + 'a>,
+    /// `x → B⁻¹ x`.
+    pub solve: Box<Solve<'a>>,
 }
 
 /// What the pressure sets in motion.

@@ -39,8 +39,8 @@ pub struct CutCube {
     pub lift: [f64; 3],
     /// The direction along the solid into the liquid, integrated along the contact line.
     pub wetward: [f64; 3],
-    /// Moment of [`Self::pull`] about the origin (2D: in the last entry).
-    pub turn: [f64; 3],
+    /// Moments of both about the origin (2D: in the last entry).
+    pub turns: [[f64; 3]; 2],
 }
 
 /// The surface passes no corner nearer than this (in cells): a simplex cut exactly at a corner has no derivative.
@@ -114,7 +114,8 @@ impl<const D: usize> Split<D> {
                 cube.moment[a] += 0.5 * cut.moment[a];
                 cube.lift[a] += 0.5 * cut.lift[0][a];
                 cube.wetward[a] += 0.5 * cut.wetward[0][a];
-                cube.turn[a] += 0.5 * (cut.lift[1][a] + cube.cosine * cut.wetward[1][a]);
+                cube.turns[0][a] += 0.5 * cut.lift[1][a];
+                cube.turns[1][a] += 0.5 * cut.wetward[1][a];
             }
             for i in 0..=D {
                 let heavy: f64 = (0..D).map(|a| weight[a] * cut.moment_slope[i][a]).sum();
@@ -151,7 +152,7 @@ impl CutCube {
             pinned: false,
             lift: [0.0; 3],
             wetward: [0.0; 3],
-            turn: [0.0; 3],
+            turns: [[0.0; 3]; 2],
         }
     }
 
@@ -159,6 +160,22 @@ impl CutCube {
     /// as the free surface does, along it as at rest: what is unbalanced there moves the liquid.
     pub fn pull(&self) -> [f64; 3] {
         std::array::from_fn(|a| self.lift[a] + self.cosine * self.wetward[a])
+    }
+
+    /// Moment of [`Self::pull`] about the origin (2D: in the last entry).
+    pub fn turn(&self) -> [f64; 3] {
+        std::array::from_fn(|a| self.turns[0][a] + self.cosine * self.turns[1][a])
+    }
+
+    /// Middle of the contact line, in cells, as its moments tell; nothing without a line.
+    pub fn foot(&self) -> Option<[f64; 3]> {
+        // r × l = m for both directions l along which something is integrated: (l² − l lᵀ) r = l × m.
+        let [lift, wetward] = [self.lift, self.wetward].map(Vector::<3>::from);
+        let square = |l: &Vector<3>| Matrix::<3>::identity() * l.norm_squared() - l * l.transpose();
+        let [first, second] = self.turns.map(Vector::<3>::from);
+        let all = lift.cross(&first) + wetward.cross(&second);
+        let place = (square(&lift) + square(&wetward)).cholesky()?.solve(&all);
+        Some(place.into())
     }
 
     /// Length of the contact line (2D: its points).
@@ -179,8 +196,12 @@ impl CutCube {
         for part in [&mut self.area, &mut self.wetted, &mut self.excess] {
             *part *= by;
         }
-        let lists =
-            self.moment.iter_mut().chain(&mut self.lift).chain(&mut self.wetward).chain(&mut self.turn);
+        let lists = self
+            .moment
+            .iter_mut()
+            .chain(&mut self.lift)
+            .chain(&mut self.wetward)
+            .chain(self.turns.as_flattened_mut());
         lists.chain(&mut self.energy_slope).chain(&mut self.volume_slope).for_each(|v| *v *= by);
     }
 

@@ -195,10 +195,10 @@ impl<const D: usize> SurfaceLattice<D> {
         });
         let high = self.weight.dot(&shift);
         (0..1 << D).for_each(|k| cube.energy_slope[k] += high * cube.volume_slope[k]);
-        let pull = cube.pull();
         for &(a, b, place) in planes::<D>() {
             let [x, y] = [a, b].map(|a| from_origin(a, at[a] as f64 - 0.5));
-            cube.turn[place] += x * pull[b] - y * pull[a];
+            cube.turns[0][place] += x * cube.lift[b] - y * cube.lift[a];
+            cube.turns[1][place] += x * cube.wetward[b] - y * cube.wetward[a];
         }
         let sides = (0..D).filter(|&a| at[a] == 0 || at[a] == last[a]).count();
         cube.scale(0.5f64.powi(sides as i32));
