@@ -14,14 +14,23 @@
 //! Parry and rapier, the well-kept libraries of Rust, were looked at: they have 2D and 3D as two crates, no distances of
 //! unions and differences, and a solver that does not know of the liquid's.
 
+mod meet;
 mod near;
+mod pair;
+mod respond;
+mod settle;
+mod skins;
+mod touch;
+mod zones;
 
 use crate::model::Model;
 use crate::simulation::GROWTH;
+use crate::soft::Systems;
 use crate::solid::{Motion, Solid, SolidState};
 use meniscus_numerics::shape::Probe;
 use meniscus_numerics::{Matrix, Vector};
 use near::{Near, thin};
+use settle::Settling;
 
 /// Distance that solids keep, in cells: a film that the liquid's cut cells still have as open, and no picture shows. What
 /// starts nearer stays so.
@@ -42,8 +51,9 @@ pub struct Probes<const D: usize>(Vec<Vec<Probe<D>>>);
 impl<const D: usize> Probes<D> {
     /// Those of a model's solids; none where nothing can collide, and none of the sides.
     pub fn of(model: &Model<D>) -> Self {
-        let free = model.solids.iter().any(|s| s.motion == Motion::Free);
-        let probes = |(i, s): (usize, &Solid<D>)| match free && model.wetting_walls() != Some(i) {
+        let free = model.solids.iter().any(|s| !s.motion.is_told());
+        let own = |(i, s): (usize, &Solid<D>)| model.wetting_walls() != Some(i) && s.elastic().is_none();
+        let probes = |(i, s): (usize, &Solid<D>)| match free && own((i, s)) {
             true => s.shape.probes(EDGE * model.grid.dx),
             false => Vec::new(),
         };
@@ -118,7 +128,7 @@ impl<const D: usize> Forced<'_, D> {
 pub fn collide<const D: usize>(
     model: &Model<D>,
     solids: &mut [SolidState<D>],
-    probes: &Probes<D>,
+    (probes, systems): (&Probes<D>, &Systems<D>),
     before: &[SolidState<D>],
     (dt, kick): (f64, f64),
 ) -> f64 {
@@ -136,6 +146,13 @@ pub fn collide<const D: usize>(
     }
     let apart = |c: &Contact<D>| -(c.gap - GAP * model.grid.dx).max(0.0) / ahead;
     contacts.all.iter_mut().for_each(|c| c.target = apart(c));
+    if model.solids.iter().any(|s| s.elastic().is_some()) {
+        let settling = Settling { model, probes, systems, times: (ahead, kick) };
+        let mut now = contacts.solids.to_vec();
+        work += settling.settle(&mut now, contacts);
+        solids.clone_from_slice(&now);
+        return work;
+    }
     let free: Vec<SolidState<D>> = contacts.solids.to_vec();
     let every: Vec<usize> = (0..contacts.all.len()).collect();
     work += contacts.solve(&every);
@@ -152,6 +169,9 @@ pub fn lean<const D: usize>(solids: &mut [SolidState<D>], time: f64) {
     for now in solids {
         now.velocity += now.held * time;
         (0..3).for_each(|i| now.spin[i] += now.braced[i] * time);
+        if let Some(soft) = &mut now.soft {
+            soft.body.velocities.iter_mut().zip(&soft.held).for_each(|(v, held)| *v += held * time);
+        }
     }
 }
 
@@ -201,11 +221,12 @@ impl<'a, const D: usize> Contacts<'a, D> {
         let near = Near { model, solids, probes, ahead };
         let mut all = Vec::new();
         // Sides are met as such, whatever liquid does at them.
-        for i in (0..model.solids.len()).filter(|i| model.wetting_walls() != Some(*i)) {
+        let rigid = |i: &usize| model.wetting_walls() != Some(*i) && model.solids[*i].elastic().is_none();
+        for i in (0..model.solids.len()).filter(rigid) {
             if free(i) {
                 near.sides(i, &mut all);
             }
-            for j in (0..i).filter(|&j| free(i) || free(j)) {
+            for j in (0..i).filter(|j| rigid(j) && (free(i) || free(*j))) {
                 all.extend(thin(near.pair(i, j)));
             }
         }

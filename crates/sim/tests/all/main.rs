@@ -4,5 +4,6 @@ mod collisions;
 mod contact_line;
 mod free_surface;
 mod patterns;
+mod soft_collide;
 mod solids;
 mod walls;
