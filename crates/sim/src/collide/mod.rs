@@ -20,6 +20,7 @@ mod pair;
 mod respond;
 mod settle;
 mod skins;
+mod start;
 mod touch;
 mod zones;
 
@@ -58,6 +59,10 @@ impl<const D: usize> Probes<D> {
             false => Vec::new(),
         };
         Self(model.solids.iter().enumerate().map(probes).collect())
+    }
+
+    fn of_solid(&self, number: usize) -> &[Probe<D>] {
+        &self.0[number]
     }
 }
 
@@ -191,22 +196,26 @@ pub fn part<const D: usize>(model: &Model<D>, solids: &mut [SolidState<D>], prob
     }
 }
 
-/// What solids overlap where they are, and how deep, m: numbers of both; no second one for a side of the domain. Those
-/// that are not free may.
+/// Numbers of two solids that overlap, and how deep, m; no second one for a side of the domain, the same twice for a solid
+/// that runs through itself.
+pub type Overlap = (usize, Option<usize>, f64);
+
+/// What solids overlap where they are. Those that nothing moves may.
 pub fn overlaps<const D: usize>(
     model: &Model<D>,
     solids: &[SolidState<D>],
-) -> Vec<(usize, Option<usize>, f64)> {
+) -> Vec<Overlap> {
     let mut still = solids.to_vec();
     still.iter_mut().for_each(SolidState::stop);
     let mut probes = Probes::of(model);
+    let soft = start::soft_overlaps(model, solids, &probes);
     // Surfaces that lie on each other do not tell; a ball inside each does.
     for (probes, solid) in probes.0.iter_mut().zip(&model.solids) {
         let (at, radius) = (solid.body.center, -solid.shape.signed_distance(&solid.body.center));
         probes.extend((radius > 0.0 && radius.is_finite()).then_some(Probe { at, radius, sharp: false }));
     }
     let contacts = Contacts::find(model, &mut still, &probes, 0.0);
-    contacts.all.iter().map(|c| (c.pair.0, c.pair.1, -c.gap)).filter(|c| c.2 > 0.0).collect()
+    contacts.all.iter().map(|c| (c.pair.0, c.pair.1, -c.gap)).filter(|c| c.2 > 0.0).chain(soft).collect()
 }
 
 impl<'a, const D: usize> Contacts<'a, D> {

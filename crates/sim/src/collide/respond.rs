@@ -7,7 +7,8 @@
 
 use crate::soft::SoftSystem;
 use crate::solid::SolidState;
-use meniscus_elastic::Elastic;
+use super::zones::cross;
+use meniscus_elastic::{Elastic, ElasticState};
 use meniscus_numerics::{Matrix, Vector};
 
 /// Right-hand sides that are solved for at once.
@@ -100,6 +101,25 @@ impl<'a, const D: usize> Response<'a, D> {
             for (((b, _), wrong), wanted) in self.rigid.iter().zip(&wrong).zip(wanted) {
                 own.iter_mut().zip(b).for_each(|(v, b)| *v += (wanted - wrong) * b);
             }
+        }
+    }
+
+    /// Turns the whole by an angular impulse, N m s, unless something holds it.
+    pub fn turn(&self, body: &mut ElasticState<D>, couple: &Vector<3>) {
+        if self.rigid.is_empty() || couple.norm_squared() == 0.0 {
+            return;
+        }
+        let masses = self.elastic.masses();
+        let all: f64 = masses.iter().sum();
+        let center: Vector<D> = body.positions.iter().zip(masses).map(|(x, m)| x * (m / all)).sum();
+        let mut inertia = Matrix::<3>::zeros();
+        for (x, m) in body.positions.iter().zip(masses) {
+            let arm = Vector::<3>::from_fn(|a, _| if a < D { x[a] - center[a] } else { 0.0 });
+            inertia += (Matrix::identity() * arm.norm_squared() - arm * arm.transpose()) * *m;
+        }
+        let spin = inertia.try_inverse().map_or(Vector::zeros(), |i| i * couple);
+        for (v, x) in body.velocities.iter_mut().zip(&body.positions) {
+            *v += cross(&spin, &(x - center));
         }
     }
 

@@ -46,6 +46,8 @@ impl<const D: usize> Settling<'_, D> {
         }
         let free = solids.to_vec();
         let mut skins = Skins::new(self.model, solids, self.probes);
+        let t0 = std::time::Instant::now();
+        let mut stats = (0, 0, 0.0);
         for look in 0..LOOKS {
             let found = self.look(solids, &skins, look > 0);
             let before = touches.len();
@@ -56,11 +58,18 @@ impl<const D: usize> Settling<'_, D> {
                 break;
             }
             let mut all: Vec<Touch<D>> = touches.values().cloned().collect();
-            answers.solve(&free, &mut all);
+            let t1 = std::time::Instant::now();
+            stats.1 += answers.solve(&free, &mut all);
+            stats.2 += t1.elapsed().as_secs_f64();
+            stats.0 += 1;
             solids.clone_from_slice(&free);
             answers.give(solids, all.iter());
             touches.values_mut().zip(all).for_each(|(old, new)| *old = new);
             skins.follow(solids);
+        }
+        if std::env::var("TOUCH").is_ok() {
+            let rest = touches.values().filter(|t| t.push > 0.0).count();
+            eprintln!("TOUCH n {} active {rest} looks {} sweeps {} solve {:.5} all {:.5}", touches.len(), stats.0, stats.1, stats.2, t0.elapsed().as_secs_f64());
         }
         self.freeze(solids, &mut skins);
         self.hold(solids, &answers, &touches);
@@ -113,6 +122,9 @@ impl<const D: usize> Settling<'_, D> {
             let rigid = meet.met_rigid();
             if pairs.is_empty() && rigid.is_empty() {
                 return;
+            }
+            if std::env::var("TOUCH").is_ok() {
+                eprintln!("FREEZE {} {}", pairs.len(), rigid.len());
             }
             let zones = zones.get_or_insert_with(|| Zones::new(self.model, skins));
             pairs.iter().for_each(|(pair, _)| zones.join(&pair.points(skins).concat(), skins));

@@ -40,6 +40,16 @@ impl<const D: usize> End<D> {
         }
     }
 
+    /// Where a mean of vertices is, m.
+    fn place(&self, solids: &[SolidState<D>]) -> Vector<D> {
+        match self {
+            Self::Skin(i, mean) => solids[*i].soft.as_ref().map_or(Vector::zeros(), |soft| {
+                mean.iter().map(|(v, w)| soft.body.positions[*v as usize] * *w).sum()
+            }),
+            _ => Vector::zeros(),
+        }
+    }
+
     /// How fast it moves at a point, m/s.
     pub fn speed(&self, solids: &[SolidState<D>], at: &Vector<D>) -> Vector<D> {
         match self {
@@ -174,10 +184,18 @@ impl<const D: usize> Answers<'_, D> {
         rows
     }
 
-    /// Gives the solids the impulses of some contacts.
+    /// Gives the solids the impulses of some contacts. Friction acts on two surfaces a gap apart: the couple that this makes
+    /// both get back as bodies.
     pub fn give<'t>(&self, solids: &mut [SolidState<D>], touches: impl Iterator<Item = &'t Touch<D>>) {
         let mut pushes: Vec<Vec<f64>> = vec![Vec::new(); solids.len()];
+        let mut couples = vec![Vector::<3>::zeros(); solids.len()];
         for touch in touches {
+            if let [End::Skin(i, _), End::Skin(j, _)] = &touch.ends {
+                let arm = touch.ends[0].place(solids) - touch.ends[1].place(solids);
+                let couple = moment(&arm, &touch.rub) * 0.5;
+                couples[*i] -= couple;
+                couples[*j] -= couple;
+            }
             for (end, sign) in touch.ends.iter().zip([1.0, -1.0]) {
                 let impulse = touch.impulse() * sign;
                 match end {
@@ -200,12 +218,13 @@ impl<const D: usize> Answers<'_, D> {
                 }
             }
         }
-        for ((push, response), now) in pushes.iter_mut().zip(&self.soft).zip(solids) {
+        for (((push, response), couple), now) in pushes.iter_mut().zip(&self.soft).zip(&couples).zip(solids) {
             let (Some(response), Some(soft)) = (response, &mut now.soft) else { continue };
             if !push.is_empty() {
                 response.answer(push, 1);
                 let (changes, _) = push.as_chunks::<D>();
                 soft.body.velocities.iter_mut().zip(changes).for_each(|(v, c)| *v += Vector::from(*c));
+                response.turn(&mut soft.body, couple);
             }
         }
     }

@@ -156,8 +156,7 @@ fn depth<const D: usize>(s: &Simulation<D>) -> f64 {
             }
         }
     }
-    let starts = meniscus_sim::overlaps(&s.model, &s.state.solids);
-    starts.iter().filter(|o| o.1 == Some(o.0)).map(|o| o.2).fold(worst, f64::max)
+    meniscus_sim::overlaps(&s.model, &s.state.solids).iter().map(|o| o.2).fold(worst, f64::max)
 }
 
 fn drops<const D: usize>(n: usize, step: f64) {
@@ -187,11 +186,18 @@ fn a_soft_ball_bounces() {
 fn rests<const D: usize>(n: usize) {
     let mesh = ball::<D>(n, at(0.5, 0.1525), 0.15);
     let mut simulation = dry::<D>(vec![soft(mesh, 4e3, 0.2, Vec::new())], down(), 1e-3);
-    run(&mut simulation, 1.0, |s| assert!(depth(s) < 0.0, "{}", depth(s)));
+    let mut held = Vec::new();
+    run(&mut simulation, 1.5, |s| {
+        assert!(depth(s) < 0.0, "{}", depth(s));
+        if s.state.time > 1.0 {
+            held.push(s.state.solids[0].held[D - 1] / GRAVITY);
+        }
+    });
     let now = &simulation.state.solids[0];
-    let (weight, speed) = (now.held[D - 1] / GRAVITY, simulation.model.solids[0].largest_speed(now));
+    let weight = held.iter().sum::<f64>() / held.len() as f64;
+    let speed = simulation.model.solids[0].largest_speed(now);
     println!("{D}D rest: force over weight {weight:.6}, speed {speed:.2e}");
-    assert!((weight - 1.0).abs() < 1e-3, "{D}D: {weight}");
+    assert!((weight - 1.0).abs() < 5e-3, "{D}D: {weight}");
     assert!(speed < 1e-2, "{D}D: {speed}");
 }
 
@@ -321,7 +327,7 @@ fn a_soft_plate_is_squeezed() {
 }
 
 /// A strip whose ends are pulled together above its middle, and pressed on each other.
-fn closes(press: f64, time: f64) {
+fn closes(apart: f64, time: f64) {
     let n = [48, 2];
     let (half, low) = (0.4, 0.3);
     let mesh = block::<2>(n, Vector::from([0.5, low]), Vector::from([half, 0.01]));
@@ -329,7 +335,7 @@ fn closes(press: f64, time: f64) {
     let mut left = Anchor::within(&mesh, |x| end(-1.0, x));
     let mut right = Anchor::within(&mesh, |x| end(1.0, x));
     let keys = |side: f64| {
-        let way = side * (half - 0.012 + press);
+        let way = side * (half - apart);
         meniscus_elastic::Motion::Keyframes(vec![
             (0.0, Vector::zeros()),
             (0.4, Vector::from([-0.2 * side, 0.25])),
@@ -354,7 +360,7 @@ fn closes(press: f64, time: f64) {
 
 #[test]
 fn the_ends_of_a_strip_press_on_each_other() {
-    closes(-0.01, 2.5);
+    closes(0.004, 2.5);
 }
 
 /// A strip curled by hand into a spiral that is let go: it meets itself.
@@ -372,8 +378,15 @@ fn a_curled_strip_meets_itself() {
             *v = Vector::from([0.0, 40.0 * (x[0] - 0.09).powi(2)]);
         }
     }
-    let mut worst = f64::NEG_INFINITY;
-    run(&mut simulation, 0.3, |s| worst = worst.max(depth(s)));
-    println!("curled: depth {:.2e} dx in {} steps", worst / DX, simulation.state.step);
+    let (mut worst, mut near) = (f64::NEG_INFINITY, 1.0f64);
+    run(&mut simulation, 0.6, |s| {
+        worst = worst.max(depth(s));
+        let all = places(s, 0);
+        let far = |i: usize, j: usize| (i % 65).abs_diff(j % 65) > 8;
+        let pairs = (0..all.len()).flat_map(|i| (0..i).map(move |j| (i, j))).filter(|(i, j)| far(*i, *j));
+        near = pairs.map(|(i, j)| (all[i] - all[j]).norm()).fold(near, f64::min);
+    });
+    println!("curled: depth {:.2e} dx, near {:.3} dx in {} steps", worst / DX, near / DX, simulation.state.step);
+    assert!(near < 0.4 * DX, "it never met itself: {near}");
     assert!(worst < 0.0, "{worst}");
 }
