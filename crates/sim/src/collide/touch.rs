@@ -14,7 +14,7 @@ use meniscus_numerics::{Matrix, Vector};
 /// Sweeps of Gauss-Seidel, there and back.
 const SWEEPS: usize = 400;
 /// Change of speed in a sweep, over the speeds there are, that ends it.
-const EXACT: f64 = 1e-11;
+const EXACT: f64 = 1e-9;
 /// Vertices of a solid that are touched up to which its answer is found exactly.
 const MOST: usize = 400;
 /// Corrections of the velocities of more.

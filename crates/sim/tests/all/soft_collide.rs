@@ -183,9 +183,9 @@ fn a_soft_ball_bounces() {
     drops::<3>(4, 4e-3);
 }
 
-fn rests<const D: usize>(n: usize) {
+fn rests<const D: usize>(n: usize, young: f64) {
     let mesh = ball::<D>(n, at(0.5, 0.1525), 0.15);
-    let mut simulation = dry::<D>(vec![soft(mesh, 4e3, 0.2, Vec::new())], down(), 1e-3);
+    let mut simulation = dry::<D>(vec![soft(mesh, young, 0.3, Vec::new())], down(), 2e-3);
     let mut held = Vec::new();
     run(&mut simulation, 1.5, |s| {
         assert!(depth(s) < 0.0, "{}", depth(s));
@@ -203,15 +203,16 @@ fn rests<const D: usize>(n: usize) {
 
 #[test]
 fn a_soft_ball_rests_with_its_weight() {
-    rests::<2>(8);
-    rests::<3>(4);
+    rests::<2>(16, 400.0);
+    rests::<3>(6, 100.0);
 }
 
-fn meet<const D: usize>(n: usize, offset: f64, young: f64) {
+fn meet<const D: usize>(n: usize, offset: f64, young: f64, friction: f64) {
     let (one, other) = (ball::<D>(n, at(0.3, 0.5), 0.15), ball::<D>(n, at(0.7, 0.5 + offset), 0.15));
     let mut solids = vec![soft(one, young, 0.0, Vec::new()), soft(other, young, 0.0, Vec::new())];
     solids[0].velocity[0] = 1.0;
     solids[1].velocity[0] = -0.5;
+    solids.iter_mut().for_each(|s| s.friction = friction);
     let mut simulation = dry::<D>(solids, Vector::zeros(), 2e-3);
     let start = books(&simulation);
     let (mut worst, mut wrong, mut spun) = (f64::NEG_INFINITY, 0.0f64, 0.0f64);
@@ -224,17 +225,18 @@ fn meet<const D: usize>(n: usize, offset: f64, young: f64) {
     println!("{D}D {offset} E {young:e}: depth {:.2e} dx, momentum {wrong:.1e}, angular {spun:.1e}", worst / DX);
     assert!(worst < 0.0, "{D}D: {worst}");
     assert!(wrong < 1e-12, "{D}D: {wrong}");
-    assert!(spun < 1e-3, "{D}D: {spun}");
+    assert!(spun < 2e-3, "{D}D: {spun}");
 }
 
 #[test]
 fn soft_balls_meet() {
     for young in [50.0, 1e3, 1e6] {
-        meet::<2>(8, 0.0, young);
-        meet::<2>(8, 0.13, young);
+        meet::<2>(8, 0.0, young, 0.3);
+        meet::<2>(8, 0.13, young, 0.0);
+        meet::<2>(8, 0.13, young, 0.3);
     }
-    meet::<3>(4, 0.0, 1e3);
-    meet::<3>(4, 0.13, 1e3);
+    meet::<3>(4, 0.0, 1e3, 0.3);
+    meet::<3>(4, 0.13, 1e3, 0.3);
 }
 
 /// The weight of a block on an incline, and how far it gets.
@@ -326,6 +328,14 @@ fn a_soft_plate_is_squeezed() {
     squeezed::<3>([6, 6, 2]);
 }
 
+/// Distance of far parts of a strip with so many columns of vertices, m.
+fn own_distance(s: &Simulation<2>, columns: usize) -> f64 {
+    let all = places(s, 0);
+    let far = |i: usize, j: usize| (i % columns).abs_diff(j % columns) > 8;
+    let pairs = (0..all.len()).flat_map(|i| (0..i).map(move |j| (i, j))).filter(|(i, j)| far(*i, *j));
+    pairs.map(|(i, j)| (all[i] - all[j]).norm()).fold(1.0, f64::min)
+}
+
 /// A strip whose ends are pulled together above its middle, and pressed on each other.
 fn closes(apart: f64, time: f64) {
     let n = [48, 2];
@@ -345,15 +355,17 @@ fn closes(apart: f64, time: f64) {
     (left.motion, right.motion) = (keys(-1.0), keys(1.0));
     let strip = soft(mesh, 2e5, 0.1, vec![left, right]);
     let mut simulation = dry::<2>(vec![strip], Vector::zeros(), 5e-3);
-    let (mut worst, mut late) = (f64::NEG_INFINITY, 0.0f64);
+    let (mut worst, mut late, mut near) = (f64::NEG_INFINITY, 0.0f64, 1.0f64);
     run(&mut simulation, time, |s| {
         worst = worst.max(depth(s));
+        near = near.min(own_distance(s, 49));
         if s.state.time > 0.8 * time {
             late = late.max(s.model.solids[0].largest_speed(&s.state.solids[0]));
         }
     });
     let shape: Vec<_> = places(&simulation, 0).iter().take(49).step_by(6).map(|x| [x[0], x[1]]).collect();
-    println!("closing strip: depth {:.2e} dx, late speed {late:.1e}, {shape:.3?}", worst / DX);
+    println!("closing strip: depth {:.2e} dx, near {:.3} dx, late speed {late:.1e}, {shape:.3?}", worst / DX, near / DX);
+    assert!(near < 0.4 * DX, "it never met itself: {near}");
     assert!(worst < 0.0, "{worst}");
     assert!(late < 0.05, "{late}");
 }
@@ -381,12 +393,118 @@ fn a_curled_strip_meets_itself() {
     let (mut worst, mut near) = (f64::NEG_INFINITY, 1.0f64);
     run(&mut simulation, 0.6, |s| {
         worst = worst.max(depth(s));
-        let all = places(s, 0);
-        let far = |i: usize, j: usize| (i % 65).abs_diff(j % 65) > 8;
-        let pairs = (0..all.len()).flat_map(|i| (0..i).map(move |j| (i, j))).filter(|(i, j)| far(*i, *j));
-        near = pairs.map(|(i, j)| (all[i] - all[j]).norm()).fold(near, f64::min);
+        near = near.min(own_distance(s, 65));
     });
     println!("curled: depth {:.2e} dx, near {:.3} dx in {} steps", worst / DX, near / DX, simulation.state.step);
     assert!(near < 0.4 * DX, "it never met itself: {near}");
     assert!(worst < 0.0, "{worst}");
+}
+
+/// A sheet whose halves are thrown at each other.
+fn claps(n: [usize; 3], speed: f64, step: f64) {
+    let half = Vector::from([0.3, 0.3, 0.012]);
+    let mesh = block::<3>(n, Vector::from([0.5, 0.5, 0.3]), half);
+    let mut simulation = dry::<3>(vec![soft(mesh, 2e4, 0.05, Vec::new())], Vector::zeros(), step);
+    if let Some(soft) = &mut simulation.state.solids[0].soft {
+        for (x, v) in soft.body.positions.iter().zip(&mut soft.body.velocities) {
+            let arm = x[0] - 0.47;
+            *v = Vector::from([-arm, 0.1 * arm, 2.0 * arm.abs() - 0.3]) * speed;
+        }
+    }
+    let start = books(&simulation);
+    let mut worst = f64::NEG_INFINITY;
+    run(&mut simulation, 2.0 / speed, |s| worst = worst.max(depth(s)));
+    let wrong = (books(&simulation).0 - start.0).norm() / start.0.norm();
+    let steps = simulation.state.step;
+    println!("sheet of {n:?} at {speed}: depth {:.2e} dx, momentum {wrong:.1e}, {steps} steps", worst / DX);
+    assert!(worst < 0.0, "{worst}");
+    assert!(wrong < 1e-11, "{wrong}");
+}
+
+#[test]
+fn the_halves_of_a_sheet_meet() {
+    claps([10, 8, 1], 4.0, 1.0);
+    claps([17, 12, 1], 20.0, 1.0);
+}
+
+#[test]
+#[ignore = "a minute: more contacts than are solved for exactly"]
+fn the_halves_of_a_fine_sheet_meet() {
+    claps([31, 28, 1], 10.0, 1.0);
+}
+
+/// Plates thrown at each other with their edges ahead, and at a rigid box.
+fn edges_first<const D: usize>(n: [usize; D], speed: f64) {
+    let flat = Vector::<D>::from_fn(|a, _| if a + 1 == D { 0.012 } else { 0.15 });
+    let plate = |angle: f64, yaw: f64, center: Vector<D>| {
+        let turned = move |x: &Vector<D>| {
+            let mut y = x.component_mul(&flat);
+            if D == 3 {
+                (y[0], y[1]) = (y[0] * yaw.cos() - y[1] * yaw.sin(), y[0] * yaw.sin() + y[1] * yaw.cos());
+            }
+            (y[0], y[D - 1]) =
+                (y[0] * angle.cos() - y[D - 1] * angle.sin(), y[0] * angle.sin() + y[D - 1] * angle.cos());
+            center + y
+        };
+        soft(mapped(lattice(n), turned), 3e4, 0.02, Vec::new())
+    };
+    let mut solids = vec![plate(1.4, 0.6, at(0.25, 0.5)), plate(0.1, 0.2, at(0.62, 0.52))];
+    solids[0].velocity[0] = speed;
+    solids[1].velocity[0] = -speed;
+    solids.push(rigid(at(0.5, 0.15), Vector::repeat(0.08), Motion::Free));
+    solids[2].velocity[D - 1] = 0.7 * speed;
+    let mut simulation = dry::<D>(solids, Vector::zeros(), 1.0);
+    let start = books(&simulation);
+    let (mut worst, mut wrong) = (f64::NEG_INFINITY, 0.0f64);
+    let mut inside = true;
+    run(&mut simulation, 0.6 / speed, |s| {
+        worst = worst.max(depth(s));
+        // The sides of the domain take momentum.
+        inside = inside && (0..2).all(|i| places(s, i).iter().all(|x| x.min() > 0.1 * DX && x.max() < 1.0 - 0.1 * DX));
+        if inside {
+            wrong = wrong.max((books(s).0 - start.0).norm() / (speed * s.model.solids[0].body.mass));
+        }
+    });
+    let steps = simulation.state.step;
+    println!("{D}D edges first at {speed}: depth {:.2e} dx, momentum {wrong:.1e}, {steps} steps", worst / DX);
+    assert!(worst < 0.0, "{D}D: {worst}");
+    assert!(wrong < 1e-11, "{D}D: {wrong}");
+}
+
+#[test]
+fn plates_meet_with_their_edges_first() {
+    for speed in [1.0, 30.0] {
+        edges_first::<2>([24, 2], speed);
+        edges_first::<3>([8, 8, 1], speed);
+    }
+}
+
+/// Soft and rigid balls in a heap.
+fn heaps<const D: usize>(n: usize, time: f64) {
+    let mut solids = Vec::new();
+    for k in 0..9 {
+        let place = Vector::<D>::from_fn(|a, _| match a {
+            0 => 0.2 + 0.29 * (k % 3) as f64 + 0.02 * (k / 3) as f64,
+            a if a + 1 == D => 0.15 + 0.28 * (k / 3) as f64,
+            _ => 0.5 + 0.01 * (k % 4) as f64,
+        });
+        solids.push(if k % 4 == 3 {
+            Solid::new(Shape::Ball { center: place, radius: 0.12 }, Motion::Free, DENSITY)
+        } else {
+            soft(ball(n, place, 0.12), 300.0, 0.1, Vec::new())
+        });
+    }
+    let mut simulation = dry::<D>(solids, down(), 1.0);
+    let mut worst = f64::NEG_INFINITY;
+    run(&mut simulation, time, |s| worst = worst.max(depth(s)));
+    let all = simulation.model.solids.iter().zip(&simulation.state.solids);
+    let speed = all.map(|(s, now)| s.largest_speed(now)).fold(0.0, f64::max);
+    println!("{D}D heap: depth {:.2e} dx, speed {speed:.1e}, {} steps", worst / DX, simulation.state.step);
+    assert!(worst < 0.0, "{D}D: {worst}");
+}
+
+#[test]
+fn soft_and_rigid_balls_make_a_heap() {
+    heaps::<2>(8, 1.5);
+    heaps::<3>(4, 0.5);
 }
