@@ -6,9 +6,9 @@
 
 use crate::output::file::{self, FileError};
 use crate::run::Tally;
+use meniscus_elastic::ElasticState;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_elastic::ElasticState;
 use meniscus_sim::{Drop, Soft, SolidState, State};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

@@ -128,7 +128,11 @@ impl<const D: usize> Meet<'_, D> {
         let end = |k: usize| {
             let owner = skins.owner[near.means[k][0].0 as usize];
             let vertex = |(p, w): (u32, f64)| (skins.owner[p as usize].vertex.unwrap_or(0), w);
-            if owner.vertex.is_some() { End::Skin(owner.solid, near.means[k].map(vertex)) } else { End::Rigid(owner.solid) }
+            if owner.vertex.is_some() {
+                End::Skin(owner.solid, near.means[k].map(vertex))
+            } else {
+                End::Rigid(owner.solid)
+            }
         };
         // Of a probe the solid that deforms says where.
         let at = mean(&skins.at, &near.means[1]);
@@ -167,6 +171,23 @@ impl<const D: usize> Meet<'_, D> {
         }
     }
 
+    /// The vertices that would go through a side all the same.
+    pub fn met_sides(&self) -> Vec<u32> {
+        let upper = self.model.grid.upper();
+        let through = |p: &u32| {
+            let (at, speed) = (&self.skins.at[*p as usize], &self.skins.speed[*p as usize]);
+            (0..D).any(|a| {
+                [(at[a], speed[a]), (upper[a] - at[a], -speed[a])].into_iter().enumerate().any(
+                    |(side, (gap, v))| {
+                        let least = LOST * self.gap().min(2.0 * gap);
+                        self.model.walls[a][side] == Wall::Slip && gap > 0.0 && gap + v * self.ahead <= least
+                    },
+                )
+            })
+        };
+        (0..self.skins.vertices as u32).filter(through).collect()
+    }
+
     /// Contacts of vertices with rigid solids.
     pub fn rigid(&self, all: &mut Vec<(Key, Touch<D>)>) {
         let step = 1e-3 * self.model.grid.dx;
@@ -183,7 +204,8 @@ impl<const D: usize> Meet<'_, D> {
                     }
                     let normal = now.rotation * part.normal(&x, step);
                     let foot = self.skins.at[p] - normal * gap;
-                    let hidden = parts.len() > 1 && solid.distance(now, &(foot + normal * (100.0 * step))) < 90.0 * step;
+                    let hidden = parts.len() > 1
+                        && solid.distance(now, &(foot + normal * (100.0 * step))) < 90.0 * step;
                     if normal.norm_squared() > 0.0 && !hidden {
                         let key = (3, p as u32, [j as u32, k as u32, 0]);
                         all.extend(self.vertex(p, End::Rigid(j), (gap, normal)).map(|touch| (key, touch)));
@@ -262,16 +284,18 @@ impl<const D: usize> Meet<'_, D> {
     }
 
     /// The contact of a vertex that gets into a rigid solid after a time.
-    pub fn into_rigid(&self, p: usize, j: usize, time: f64) -> (Key, Touch<D>) {
+    pub fn in_rigid(&self, p: usize, j: usize, time: f64) -> (Key, Touch<D>) {
         let (solid, now) = (&self.model.solids[j], &self.solids[j]);
         let mut then = now.clone();
         solid.carry(&mut then, time);
-        let normal = solid.normal(&then, &(self.skins.at[p] + self.skins.speed[p] * time), 1e-3 * self.model.grid.dx);
+        let normal =
+            solid.normal(&then, &(self.skins.at[p] + self.skins.speed[p] * time), 1e-3 * self.model.grid.dx);
         let owner = self.skins.owner[p];
         let mean = std::array::from_fn(|k| (owner.vertex.unwrap_or(0), if k == 0 { 1.0 } else { 0.0 }));
         let closing = (now.velocity_at(&self.skins.at[p]) - self.skins.speed[p]).dot(&normal);
         let gap = LOST * self.gap() + closing * time;
-        let mut touch = self.contact([End::Skin(owner.solid, mean), End::Rigid(j)], self.skins.at[p], normal, gap);
+        let mut touch =
+            self.contact([End::Skin(owner.solid, mean), End::Rigid(j)], self.skins.at[p], normal, gap);
         (touch.target, touch.rests) = (touch.target.min(0.0), false);
         ((11, p as u32, [j as u32, 0, 0]), touch)
     }

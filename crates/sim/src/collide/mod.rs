@@ -1,4 +1,4 @@
-//! Collisions of rigid solids with each other and with the closed sides of the domain.
+//! Collisions of rigid solids with each other and with the closed sides of the domain; of those that deform: [`settle`].
 //!
 //! Where solids are near, probes of the one's surface are held against the other's signed distance, both ways, so that
 //! all shapes that have a distance collide: unions, differences, meshes, in 2D and 3D. A few contacts of every pair are
@@ -201,10 +201,7 @@ pub fn part<const D: usize>(model: &Model<D>, solids: &mut [SolidState<D>], prob
 pub type Overlap = (usize, Option<usize>, f64);
 
 /// What solids overlap where they are. Those that nothing moves may.
-pub fn overlaps<const D: usize>(
-    model: &Model<D>,
-    solids: &[SolidState<D>],
-) -> Vec<Overlap> {
+pub fn overlaps<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> Vec<Overlap> {
     let mut still = solids.to_vec();
     still.iter_mut().for_each(SolidState::stop);
     let mut probes = Probes::of(model);

@@ -61,7 +61,9 @@ impl Pair {
                 let [a, b] = [a, b].map(|e| skins.edges[*e as usize].ends);
                 let (s, t) = closest_of_edges(a.map(place), b.map(place));
                 let on = |e: [u32; 2], s: f64| -> Mean<D> {
-                    std::array::from_fn(|k| if k == 0 { (e[0], 1.0 - s) } else { (e[1], if k == 1 { s } else { 0.0 }) })
+                    std::array::from_fn(|k| {
+                        if k == 0 { (e[0], 1.0 - s) } else { (e[1], if k == 1 { s } else { 0.0 }) }
+                    })
                 };
                 let at = |e: [u32; 2], s: f64| place(e[0]) * (1.0 - s) + place(e[1]) * s;
                 ([on(a, s), on(b, t)], at(a, s) - at(b, t))

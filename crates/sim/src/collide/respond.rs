@@ -5,9 +5,9 @@
 //! holds, what they do as rigid bodies is taken out and put in exactly, `R = B Bᵀ + Q A⁻¹ Qᵀ` with rigid motions `B` such
 //! that `Bᵀ M B = 1`, and `Q = 1 − B Bᵀ M`. It is symmetric, and impulses change both momenta as they should to rounding.
 
+use super::zones::cross;
 use crate::soft::SoftSystem;
 use crate::solid::SolidState;
-use super::zones::cross;
 use meniscus_elastic::{Elastic, ElasticState};
 use meniscus_numerics::{Matrix, Vector};
 
@@ -35,7 +35,11 @@ pub struct Response<'a, const D: usize> {
 
 impl<'a, const D: usize> Response<'a, D> {
     /// That of a solid where it is now; nothing if it is rigid.
-    pub fn new(elastic: Option<&'a Elastic<D>>, system: Option<&'a SoftSystem<D>>, now: &SolidState<D>) -> Option<Self> {
+    pub fn new(
+        elastic: Option<&'a Elastic<D>>,
+        system: Option<&'a SoftSystem<D>>,
+        now: &SolidState<D>,
+    ) -> Option<Self> {
         let (elastic, system, soft) = (elastic?, system?, now.soft.as_ref()?);
         let slots = vec![UNKNOWN; elastic.masses().len()];
         let (rigid, known, blocks) = (Vec::new(), Vec::new(), Vec::new());
@@ -59,7 +63,8 @@ impl<'a, const D: usize> Response<'a, D> {
             };
             positions.iter().flat_map(|x| speed(x).iter().copied().collect::<Vec<_>>()).collect::<Vec<f64>>()
         };
-        let shifts = (0..D).map(|a| (0..positions.len() * D).map(|k| f64::from(u8::from(k % D == a))).collect());
+        let shifts =
+            (0..D).map(|a| (0..positions.len() * D).map(|k| f64::from(u8::from(k % D == a))).collect());
         let motions: Vec<Vec<f64>> = shifts.chain(planes.map(turn)).collect();
         for mut motion in motions {
             let whole = dot(&motion, &self.momentum(&motion));
@@ -156,7 +161,11 @@ impl<'a, const D: usize> Response<'a, D> {
     pub fn between(&self, one: u32, other: u32) -> Matrix<D> {
         if self.loose {
             let free = one == other && !self.elastic.held()[one as usize];
-            return if free { Matrix::identity() / self.elastic.masses()[one as usize] } else { Matrix::zeros() };
+            return if free {
+                Matrix::identity() / self.elastic.masses()[one as usize]
+            } else {
+                Matrix::zeros()
+            };
         }
         let [i, j] = [one, other].map(|v| self.slots[v as usize] as usize);
         if i <= j { self.blocks[j][i] } else { self.blocks[i][j].transpose() }

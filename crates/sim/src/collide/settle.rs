@@ -46,8 +46,6 @@ impl<const D: usize> Settling<'_, D> {
         }
         let free = solids.to_vec();
         let mut skins = Skins::new(self.model, solids, self.probes);
-        let t0 = std::time::Instant::now();
-        let mut stats = (0, 0, 0.0);
         for look in 0..LOOKS {
             let found = self.look(solids, &skins, look > 0);
             let before = touches.len();
@@ -58,18 +56,11 @@ impl<const D: usize> Settling<'_, D> {
                 break;
             }
             let mut all: Vec<Touch<D>> = touches.values().cloned().collect();
-            let t1 = std::time::Instant::now();
-            stats.1 += answers.solve(&free, &mut all);
-            stats.2 += t1.elapsed().as_secs_f64();
-            stats.0 += 1;
+            answers.solve(&free, &mut all);
             solids.clone_from_slice(&free);
             answers.give(solids, all.iter());
             touches.values_mut().zip(all).for_each(|(old, new)| *old = new);
             skins.follow(solids);
-        }
-        if std::env::var("TOUCH").is_ok() {
-            let rest = touches.values().filter(|t| t.push > 0.0).count();
-            eprintln!("TOUCH n {} active {rest} looks {} sweeps {} solve {:.5} all {:.5}", touches.len(), stats.0, stats.1, stats.2, t0.elapsed().as_secs_f64());
         }
         self.freeze(solids, &mut skins);
         self.hold(solids, &answers, &touches);
@@ -92,7 +83,7 @@ impl<const D: usize> Settling<'_, D> {
         meet.rigid(&mut all);
         if close {
             all.extend(meet.met(&pairs).iter().map(|(pair, time)| meet.on_the_way(pair, *time)));
-            all.extend(meet.met_rigid().iter().map(|(p, j, time)| meet.into_rigid(*p, *j, *time)));
+            all.extend(meet.met_rigid().iter().map(|(p, j, time)| meet.in_rigid(*p, *j, *time)));
         }
         all
     }
@@ -120,22 +111,26 @@ impl<const D: usize> Settling<'_, D> {
             let meet = Meet { model: self.model, solids, skins, ahead: self.times.0 };
             let pairs = meet.met(&self.moving(meet.pairs(), skins));
             let rigid = meet.met_rigid();
-            if pairs.is_empty() && rigid.is_empty() {
+            let sides: Vec<u32> = meet.met_sides().into_iter().filter(|p| !self.is_told(skins, *p)).collect();
+            if pairs.is_empty() && rigid.is_empty() && sides.is_empty() {
                 return;
-            }
-            if std::env::var("TOUCH").is_ok() {
-                eprintln!("FREEZE {} {}", pairs.len(), rigid.len());
             }
             let zones = zones.get_or_insert_with(|| Zones::new(self.model, skins));
             pairs.iter().for_each(|(pair, _)| zones.join(&pair.points(skins).concat(), skins));
             rigid.iter().for_each(|(p, j, _)| zones.join_rigid(*p as u32, *j));
+            sides.iter().for_each(|p| zones.join_side(*p));
             zones.freeze(solids, skins);
             skins.follow(solids);
         }
     }
 
     /// Keeps in mind what held the solids: of hits nothing.
-    fn hold(&self, solids: &mut [SolidState<D>], answers: &Answers<'_, D>, touches: &BTreeMap<Key, Touch<D>>) {
+    fn hold(
+        &self,
+        solids: &mut [SolidState<D>],
+        answers: &Answers<'_, D>,
+        touches: &BTreeMap<Key, Touch<D>>,
+    ) {
         let mut held = solids.to_vec();
         held.iter_mut().for_each(SolidState::stop);
         answers.give(&mut held, touches.values().filter(|t| t.rests));

@@ -25,13 +25,16 @@ pub fn soft_overlaps<const D: usize>(
         let upper = model.grid.upper();
         let beyond = |x: &Vector<D>| {
             let side = |a: usize| {
-                let past = |wall: Wall, depth: f64| if wall == Wall::Slip { depth } else { f64::NEG_INFINITY };
+                let past =
+                    |wall: Wall, depth: f64| if wall == Wall::Slip { depth } else { f64::NEG_INFINITY };
                 past(model.walls[a][0], -x[a]).max(past(model.walls[a][1], x[a] - upper[a]))
             };
             (0..D).map(side).fold(f64::NEG_INFINITY, f64::max)
         };
         all.push((i, None, loose.iter().map(beyond).fold(0.0, f64::max)));
-        for (j, other) in solids.iter().enumerate().filter(|(j, _)| *j != i && model.wetting_walls() != Some(*j)) {
+        for (j, other) in
+            solids.iter().enumerate().filter(|(j, _)| *j != i && model.wetting_walls() != Some(*j))
+        {
             let solid = &model.solids[j];
             let within = |x: &Vector<D>| -solid.distance(other, x);
             // It may be held within what stays or goes as told.

@@ -16,7 +16,7 @@ const SWEEPS: usize = 300;
 /// Change of speed in a sweep, over the speeds there are, that ends it.
 const EXACT: f64 = 1e-7;
 /// Vertices of a solid that are touched up to which its answer is found exactly.
-const MOST: usize = 400;
+const MOST: usize = 1200;
 /// Corrections of the velocities of more.
 const CORRECTIONS: usize = 40;
 
@@ -114,7 +114,9 @@ impl<const D: usize> Answers<'_, D> {
             let ends = touches.iter().flat_map(|t| &t.ends);
             let mut held: Vec<u32> = ends
                 .flat_map(|end| match end {
-                    End::Skin(solid, mean) if *solid == i => mean.iter().filter(|m| m.1 > 0.0).map(|m| m.0).collect(),
+                    End::Skin(solid, mean) if *solid == i => {
+                        mean.iter().filter(|m| m.1 > 0.0).map(|m| m.0).collect()
+                    }
                     _ => Vec::new(),
                 })
                 .collect();
@@ -266,7 +268,8 @@ struct Sweeps<'a, const D: usize> {
 impl<'a, const D: usize> Sweeps<'a, D> {
     fn new(free: &[SolidState<D>], touches: &[Touch<D>], rows: &'a [Vec<(u32, Matrix<D>)>]) -> Self {
         let mut speeds: Vec<Vector<D>> = touches.iter().map(|t| t.apart(free)).collect();
-        let both = |t: &Touch<D>| t.ends.iter().map(|e| e.speed(free, &t.at).norm()).fold(t.target.abs(), f64::max);
+        let both =
+            |t: &Touch<D>| t.ends.iter().map(|e| e.speed(free, &t.at).norm()).fold(t.target.abs(), f64::max);
         let scale = touches.iter().map(both).fold(0.0, f64::max);
         for (row, touch) in rows.iter().zip(touches) {
             let impulse = touch.impulse();

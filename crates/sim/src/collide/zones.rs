@@ -7,7 +7,7 @@ use crate::solid::{Motion, SolidState};
 use meniscus_numerics::{Matrix, Vector};
 use std::collections::BTreeMap;
 
-/// Which points go together: a forest of points, and after these the rigid solids.
+/// Which points go together: a forest of points, after these the solids, of which rigid ones count, and the sides.
 pub struct Zones<'a, const D: usize> {
     model: &'a Model<D>,
     parents: Vec<u32>,
@@ -17,7 +17,7 @@ pub struct Zones<'a, const D: usize> {
 impl<'a, const D: usize> Zones<'a, D> {
     /// Every point by itself.
     pub fn new(model: &'a Model<D>, skins: &Skins<D>) -> Self {
-        let count = skins.vertices + model.solids.len();
+        let count = skins.vertices + model.solids.len() + 1;
         Self { model, parents: (0..count as u32).collect(), points: skins.vertices }
     }
 
@@ -48,6 +48,11 @@ impl<'a, const D: usize> Zones<'a, D> {
         self.unite(point as usize, self.points + solid);
     }
 
+    /// Makes a vertex one with the sides of the domain.
+    pub fn join_side(&mut self, point: u32) {
+        self.unite(point as usize, self.points + self.model.solids.len());
+    }
+
     /// Makes what goes together move as a rigid body, with the momentum and the angular momentum that it has; with what
     /// is told in it, as that does.
     pub fn freeze(&self, solids: &mut [SolidState<D>], skins: &Skins<D>) {
@@ -61,7 +66,7 @@ impl<'a, const D: usize> Zones<'a, D> {
             for k in &members {
                 if *k >= self.points {
                     let i = k - self.points;
-                    if self.model.solids[i].motion == Motion::Free {
+                    if self.model.solids.get(i).is_some_and(|s| s.motion == Motion::Free) {
                         solids[i].velocity = at(&solids[i].center);
                         solids[i].spin = spin.into();
                     }
@@ -93,6 +98,7 @@ impl<'a, const D: usize> Zones<'a, D> {
         let mut bodies: Vec<(f64, Vector<D>, Vector<D>, Matrix<3>, Vector<3>)> = Vec::new();
         for k in members {
             let body = match k.checked_sub(self.points) {
+                Some(i) if i == solids.len() => return (Vector::zeros(), Vector::zeros(), Vector::zeros()),
                 Some(i) => {
                     let (solid, now) = (&self.model.solids[i], &solids[i]);
                     if solid.motion != Motion::Free {

@@ -5,5 +5,6 @@ mod contact_line;
 mod free_surface;
 mod patterns;
 mod soft_collide;
+mod soft_fold;
 mod solids;
 mod walls;
