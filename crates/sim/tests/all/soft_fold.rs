@@ -8,7 +8,7 @@ use crate::soft_collide::{
 use meniscus_elastic::Anchor;
 use meniscus_numerics::Vector;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Motion, Simulation, Solid};
+use meniscus_sim::{Body, Motion, Simulation, Solid};
 
 /// Distance of far parts of a strip with so many columns of vertices, m.
 fn own_distance(s: &Simulation<2>, columns: usize) -> f64 {
@@ -120,7 +120,6 @@ fn the_halves_of_a_sheet_meet() {
 }
 
 #[test]
-#[ignore = "a minute: more contacts than are solved for exactly"]
 fn the_halves_of_a_fine_sheet_meet() {
     claps([31, 28, 1], 10.0, 1.0);
 }
@@ -200,4 +199,32 @@ fn heaps<const D: usize>(n: usize, time: f64) {
 fn soft_and_rigid_balls_make_a_heap() {
     heaps::<2>(8, 1.5);
     heaps::<3>(4, 0.5);
+}
+
+/// Under water it rests with its weight less what the water carries.
+#[test]
+fn a_soft_disc_rests_on_the_floor_of_a_bath() {
+    let radius = 0.15;
+    let mut disc = soft(ball::<2>(12, at(0.5, radius + 0.05 * DX), radius), 2e3, 0.5, Vec::new());
+    disc.friction = 0.0;
+    let model = dry::<2>(vec![disc], down(), 1.0).model;
+    let surface = |x: &Vector<2>| x[1] - 0.7;
+    let mut simulation = Simulation::new(model, &[Body { distance: &surface, velocity: Vector::zeros() }]);
+    let (mut worst, mut held, mut fastest) = (f64::NEG_INFINITY, Vec::new(), 0.0f64);
+    run(&mut simulation, 1.2, |s| {
+        worst = worst.max(depth(s));
+        if s.state.time > 0.8 {
+            held.push(s.state.solids[0].held[1] / 10.0);
+            fastest = fastest.max(s.ledger().max_speed);
+        }
+    });
+    let mean = held.iter().sum::<f64>() / held.len() as f64;
+    let most = held.iter().copied().fold(0.0, f64::max);
+    let steps = simulation.state.step;
+    println!(
+        "bath: depth {:.2e} dx, force {mean:.4}, at most {most:.4}, speed {fastest:.1e}, {steps} steps",
+        worst / DX
+    );
+    assert!(worst < 0.0, "{worst}");
+    assert!((mean - 0.5).abs() < 0.05, "{mean}");
 }
