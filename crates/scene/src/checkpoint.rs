@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 const MAGIC: &[u8; 8] = b"MENISCKP";
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 /// Values per compressed block (4 MiB).
 const BLOCK: usize = 1 << 19;
 /// Checkpoints that are kept.
@@ -57,7 +57,7 @@ struct Header {
     numbers: [f64; 8],
     drops: Vec<DropRecord>,
     /// Centre, rotation by columns, velocity, spin, forces, what holds and braces it, of each solid; of one that deforms
-    /// also its time, all positions, then all velocities.
+    /// also its time, all positions, all velocities, then what holds its vertices.
     solids: Vec<Vec<f64>>,
     tally: Tally,
     /// Bytes of each compressed block, per array: phi, lambda, then the velocity along each axis.
@@ -73,10 +73,11 @@ struct DropRecord {
     spin: [f64; 3],
 }
 
-fn solid_record<const D: usize>(solid: &SolidState<D>) -> Vec<f64> {
+fn solid_record<'a, const D: usize>(solid: &'a SolidState<D>) -> Vec<f64> {
     let SolidState { center, rotation, velocity, spin, pressed, pulled, held, braced, soft } = solid;
     let motion = center.iter().chain(rotation).chain(velocity).chain(spin);
-    let vertices = soft.iter().flat_map(|s| s.body.positions.iter().chain(&s.body.velocities)).flatten();
+    let vertices = |s: &'a Soft<D>| s.body.positions.iter().chain(&s.body.velocities).chain(&s.held);
+    let vertices = soft.iter().flat_map(vertices).flatten();
     let time = soft.iter().map(|s| &s.body.time);
     let forces = pressed.iter().chain(pulled).chain(held).chain(braced);
     motion.chain(forces).chain(time).chain(vertices).copied().collect()
@@ -86,13 +87,15 @@ fn restore_solid<const D: usize>(record: &[f64]) -> Option<SolidState<D>> {
     let (record, vertices) = record.split_at_checked(5 * D + D * D + 6)?;
     let (time, vertices) = vertices.split_at(vertices.len().min(1));
     let (vertices, rest) = vertices.as_chunks::<D>();
-    if !rest.is_empty() || vertices.len() % 2 != 0 {
+    if !rest.is_empty() || vertices.len() % 3 != 0 {
         return None;
     }
     let vertices: Vec<Vector<D>> = vertices.iter().map(|v| Vector::from(*v)).collect();
-    let (positions, velocities) = vertices.split_at(vertices.len() / 2);
+    let (positions, rest) = vertices.split_at(vertices.len() / 3);
+    let (velocities, held) = rest.split_at(positions.len());
     let (positions, velocities) = (positions.to_vec(), velocities.to_vec());
-    let soft = time.first().map(|time| Soft::bare(ElasticState { positions, velocities, time: *time }));
+    let soft = |time: &f64| Soft::bare(ElasticState { positions, velocities, time: *time }, held.to_vec());
+    let soft = time.first().map(soft);
     let (center, rest) = record.split_at(D);
     let (rotation, rest) = rest.split_at(D * D);
     let (velocity, rest) = rest.split_at(D);

@@ -3,7 +3,6 @@
 use crate::compiled::by_dimension;
 use crate::ledger::{Ledger, StepReport, ledger, max_component, own_energy, potential_energy};
 use crate::model::Model;
-use crate::soft::Soft;
 use crate::solid::Solid;
 use crate::state::State;
 use crate::step::{keep_distance, open_books, step};
@@ -107,7 +106,7 @@ impl<const D: usize> Simulation<D> {
     pub fn resume(model: Model<D>, mut state: State<D>) -> Self {
         for (solid, now) in model.solids.iter().zip(&mut state.solids) {
             let soft = now.soft.take().zip(solid.elastic());
-            now.soft = soft.map(|(soft, elastic)| Soft::of(elastic, soft.body));
+            now.soft = soft.map(|(soft, elastic)| soft.dressed(elastic));
         }
         let mut parts = (model, state);
         let work = by_dimension(&mut parts, (), workspace_2, workspace_3);

@@ -47,6 +47,11 @@ impl<const D: usize> Skin<D> {
         Self::new(SurfaceMesh { positions, facets }, self.vertices.clone())
     }
 
+    /// For each vertex of the surface the number of the mesh's.
+    pub fn vertices(&self) -> &[u32] {
+        &self.vertices
+    }
+
     /// Lower and upper corner of the box around it, m.
     pub fn bounds(&self) -> [Vector<D>; 2] {
         self.bounds

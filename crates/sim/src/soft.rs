@@ -23,11 +23,13 @@ pub struct Soft<const D: usize> {
     pub body: ElasticState<D>,
     /// Its surface there.
     pub skin: Arc<Skin<D>>,
+    /// What the contacts that its vertices rest on accelerated each by in the last step, m/s².
+    pub held: Vec<Vector<D>>,
 }
 
 impl<const D: usize> PartialEq for Soft<D> {
     fn eq(&self, other: &Self) -> bool {
-        self.body == other.body
+        self.body == other.body && self.held == other.held
     }
 }
 
@@ -68,6 +70,11 @@ impl<const D: usize> SoftSystem<D> {
         D * self.masses.len()
     }
 
+    /// `A⁻¹ x` of `count` vectors one after another, in place.
+    pub fn solve_many(&self, x: &mut [f64], count: usize) {
+        self.matrix.solve_many(x, count);
+    }
+
     /// `A⁻¹ x`, in place.
     pub fn solve(&self, x: &mut [f64]) {
         self.matrix.solve(x);
@@ -92,15 +99,21 @@ impl<const D: usize> Soft<D> {
     }
 
     /// The solid as a checkpoint has it: [`crate::Simulation::resume`] gives it its surface.
-    pub fn bare(body: ElasticState<D>) -> Self {
-        Self { body, skin: Arc::new(Skin::new(SurfaceMesh::default(), Vec::new())) }
+    pub fn bare(body: ElasticState<D>, held: Vec<Vector<D>>) -> Self {
+        Self { body, skin: Arc::new(Skin::new(SurfaceMesh::default(), Vec::new())), held }
     }
 
     /// The solid in a state of its own.
     pub fn of(elastic: &Elastic<D>, body: ElasticState<D>) -> Self {
         let (surface, vertices) = elastic.mesh().surface();
         let skin = Arc::new(Skin::new(surface, vertices).at(&body.positions));
-        Self { body, skin }
+        let held = vec![Vector::zeros(); body.positions.len()];
+        Self { body, skin, held }
+    }
+
+    /// The same with its surface.
+    pub fn dressed(self, elastic: &Elastic<D>) -> Self {
+        Self { held: self.held, ..Self::of(elastic, self.body) }
     }
 
     /// Moves it by its velocity.

@@ -320,6 +320,12 @@ impl<const D: usize> Solid<D> {
         }
     }
 
+    /// Moves a rigid one as it moves now, for `time` (s).
+    pub fn carry(&self, now: &mut SolidState<D>, time: f64) {
+        now.center += now.velocity * time;
+        now.rotation = turned(&now.rotation, &now.spin, time);
+    }
+
     /// Moves it by `way` (m) and turns it by `turn` (rad) about its centre; its momentum and angular momentum stay.
     pub fn shift(&self, now: &mut SolidState<D>, way: &Vector<D>, turn: &[f64; 3]) {
         if self.motion == Motion::Free {

@@ -1,4 +1,4 @@
-//! Collisions of rigid solids with each other and with the closed sides of the domain.
+//! Collisions of rigid solids with each other and with the closed sides of the domain; of those that deform: [`settle`].
 //!
 //! Where solids are near, probes of the one's surface are held against the other's signed distance, both ways, so that
 //! all shapes that have a distance collide: unions, differences, meshes, in 2D and 3D. A few contacts of every pair are
@@ -14,14 +14,24 @@
 //! Parry and rapier, the well-kept libraries of Rust, were looked at: they have 2D and 3D as two crates, no distances of
 //! unions and differences, and a solver that does not know of the liquid's.
 
+mod meet;
 mod near;
+mod pair;
+mod respond;
+mod settle;
+mod skins;
+mod start;
+mod touch;
+mod zones;
 
 use crate::model::Model;
 use crate::simulation::GROWTH;
+use crate::soft::Systems;
 use crate::solid::{Motion, Solid, SolidState};
 use meniscus_numerics::shape::Probe;
 use meniscus_numerics::{Matrix, Vector};
 use near::{Near, thin};
+use settle::Settling;
 
 /// Distance that solids keep, in cells: a film that the liquid's cut cells still have as open, and no picture shows. What
 /// starts nearer stays so.
@@ -42,12 +52,17 @@ pub struct Probes<const D: usize>(Vec<Vec<Probe<D>>>);
 impl<const D: usize> Probes<D> {
     /// Those of a model's solids; none where nothing can collide, and none of the sides.
     pub fn of(model: &Model<D>) -> Self {
-        let free = model.solids.iter().any(|s| s.motion == Motion::Free);
-        let probes = |(i, s): (usize, &Solid<D>)| match free && model.wetting_walls() != Some(i) {
+        let free = model.solids.iter().any(|s| !s.motion.is_told());
+        let own = |(i, s): (usize, &Solid<D>)| model.wetting_walls() != Some(i) && s.elastic().is_none();
+        let probes = |(i, s): (usize, &Solid<D>)| match free && own((i, s)) {
             true => s.shape.probes(EDGE * model.grid.dx),
             false => Vec::new(),
         };
         Self(model.solids.iter().enumerate().map(probes).collect())
+    }
+
+    fn of_solid(&self, number: usize) -> &[Probe<D>] {
+        &self.0[number]
     }
 }
 
@@ -118,7 +133,7 @@ impl<const D: usize> Forced<'_, D> {
 pub fn collide<const D: usize>(
     model: &Model<D>,
     solids: &mut [SolidState<D>],
-    probes: &Probes<D>,
+    (probes, systems): (&Probes<D>, &Systems<D>),
     before: &[SolidState<D>],
     (dt, kick): (f64, f64),
 ) -> f64 {
@@ -136,6 +151,13 @@ pub fn collide<const D: usize>(
     }
     let apart = |c: &Contact<D>| -(c.gap - GAP * model.grid.dx).max(0.0) / ahead;
     contacts.all.iter_mut().for_each(|c| c.target = apart(c));
+    if model.solids.iter().any(|s| s.elastic().is_some()) {
+        let settling = Settling { model, probes, systems, times: (ahead, kick) };
+        let mut now = contacts.solids.to_vec();
+        work += settling.settle(&mut now, contacts);
+        solids.clone_from_slice(&now);
+        return work;
+    }
     let free: Vec<SolidState<D>> = contacts.solids.to_vec();
     let every: Vec<usize> = (0..contacts.all.len()).collect();
     work += contacts.solve(&every);
@@ -152,6 +174,9 @@ pub fn lean<const D: usize>(solids: &mut [SolidState<D>], time: f64) {
     for now in solids {
         now.velocity += now.held * time;
         (0..3).for_each(|i| now.spin[i] += now.braced[i] * time);
+        if let Some(soft) = &mut now.soft {
+            soft.body.velocities.iter_mut().zip(&soft.held).for_each(|(v, held)| *v += held * time);
+        }
     }
 }
 
@@ -171,22 +196,23 @@ pub fn part<const D: usize>(model: &Model<D>, solids: &mut [SolidState<D>], prob
     }
 }
 
-/// What solids overlap where they are, and how deep, m: numbers of both; no second one for a side of the domain. Those
-/// that are not free may.
-pub fn overlaps<const D: usize>(
-    model: &Model<D>,
-    solids: &[SolidState<D>],
-) -> Vec<(usize, Option<usize>, f64)> {
+/// Numbers of two solids that overlap, and how deep, m; no second one for a side of the domain, the same twice for a solid
+/// that runs through itself.
+pub type Overlap = (usize, Option<usize>, f64);
+
+/// What solids overlap where they are. Those that nothing moves may.
+pub fn overlaps<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> Vec<Overlap> {
     let mut still = solids.to_vec();
     still.iter_mut().for_each(SolidState::stop);
     let mut probes = Probes::of(model);
+    let soft = start::soft_overlaps(model, solids, &probes);
     // Surfaces that lie on each other do not tell; a ball inside each does.
     for (probes, solid) in probes.0.iter_mut().zip(&model.solids) {
         let (at, radius) = (solid.body.center, -solid.shape.signed_distance(&solid.body.center));
         probes.extend((radius > 0.0 && radius.is_finite()).then_some(Probe { at, radius, sharp: false }));
     }
     let contacts = Contacts::find(model, &mut still, &probes, 0.0);
-    contacts.all.iter().map(|c| (c.pair.0, c.pair.1, -c.gap)).filter(|c| c.2 > 0.0).collect()
+    contacts.all.iter().map(|c| (c.pair.0, c.pair.1, -c.gap)).filter(|c| c.2 > 0.0).chain(soft).collect()
 }
 
 impl<'a, const D: usize> Contacts<'a, D> {
@@ -201,11 +227,12 @@ impl<'a, const D: usize> Contacts<'a, D> {
         let near = Near { model, solids, probes, ahead };
         let mut all = Vec::new();
         // Sides are met as such, whatever liquid does at them.
-        for i in (0..model.solids.len()).filter(|i| model.wetting_walls() != Some(*i)) {
+        let rigid = |i: &usize| model.wetting_walls() != Some(*i) && model.solids[*i].elastic().is_none();
+        for i in (0..model.solids.len()).filter(rigid) {
             if free(i) {
                 near.sides(i, &mut all);
             }
-            for j in (0..i).filter(|&j| free(i) || free(j)) {
+            for j in (0..i).filter(|j| rigid(j) && (free(i) || free(*j))) {
                 all.extend(thin(near.pair(i, j)));
             }
         }

@@ -4,5 +4,7 @@ mod collisions;
 mod contact_line;
 mod free_surface;
 mod patterns;
+mod soft_collide;
+mod soft_fold;
 mod solids;
 mod walls;
