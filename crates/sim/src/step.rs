@@ -158,8 +158,8 @@ fn push<const D: usize>(
 
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
     let (solve, given) = press(model, state, work, change, (&cut, &dragged), kick, phase_end)?;
-    let stirred =
-        stirred(model, state, &given) + collide(model, &mut state.solids, (&work.probes, &work.soft), &before, (dt, kick));
+    let stirred = stirred(model, state, &given)
+        + collide(model, &mut state.solids, (&work.probes, &work.soft), &before, (dt, kick));
     give_back(model, &mut change.groups, &given);
     phase_end("pressure");
 

@@ -19,6 +19,7 @@ mod rayleigh_plateau;
 mod sessile;
 mod sessile_gravity;
 mod sliding;
+mod soft;
 mod static_drop;
 mod surface_distance;
 mod transport;
@@ -33,7 +34,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 36] = [
+const ALL: [Case; 39] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -69,5 +70,8 @@ const ALL: [Case; 36] = [
     volume::CASE,
     momentum::CASE,
     momentum_with_solid::CASE,
+    soft::KINK,
+    soft::STRIP,
+    soft::STIFF,
     pressure_matrix::CASE,
 ];

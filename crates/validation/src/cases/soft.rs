@@ -1,0 +1,293 @@
+//! Drops on solids that deform, against the theory of plates.
+
+use crate::measure::{at_most, settle};
+use crate::setup::run_to;
+use crate::{Case, Check, Mode};
+use meniscus_elastic::{Anchor, Description, Elastic, Integrator, Law, Smoothing};
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::mesh::VolumeMesh;
+use meniscus_numerics::shape::Shape;
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{Body, LineTracker, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
+
+/// Drops that bend plates.
+pub const KINK: Case = Case {
+    name: "soft-kink",
+    title: "A drop bends a thin plate",
+    theory: "2D, no gravity: a drop (γ = ρ = 1, area π/2, ν = 0.15) on a plate of bending stiffness B = 20. Its lines lift, its \
+        pressure presses: the plate's outer parts are inclined to each other by (2/3) γ sin θ a²/B (small slopes; a is half \
+        the wetted width), and where one end is clamped the part between stays straight (design, validation §4, 8c). \
+        Plates of 4 and of 3 cells, 16 cells a unit; quick: 12.",
+    quick: true,
+    run: |mode| settle("soft-kink", kinks(mode)),
+};
+
+/// A free strip and a drop.
+pub const STRIP: Case = Case {
+    name: "soft-strip",
+    title: "A soft strip and a drop keep their momentum and their place",
+    theory: "2D, no gravity, nothing holds them: a drop (radius 1, γ = ρ = 1, ν = 0.02) out of the middle of a strip 5 long and \
+        4 cells thick, √(B/γ) = 2.3 (it bends by 20 degrees). Momentum and angular momentum over γt and γLt, and the way of \
+        the centre of mass (design, validation §6, 16f).",
+    quick: true,
+    run: |mode| settle("soft-strip", strip(mode)),
+};
+
+/// A solid too stiff to deform.
+pub const STIFF: Case = Case {
+    name: "soft-stiff",
+    title: "On a stiff elastic plate drops have the angle that they have on a rigid one",
+    theory: "2D, no gravity: a drop (area π/2, γ = ρ = 1, ν = 0.3) at rest on a plate clamped at its bottom, elastic (E = 10⁵) \
+        and rigid: contact angles. 16 cells a unit; quick: 12.",
+    quick: true,
+    run: |mode| settle("soft-stiff", stiff(mode)),
+};
+
+/// A plate and a drop on it. Lengths and times: γ = ρ = 1.
+struct Setting {
+    cells: usize,
+    /// Contact angle, degrees.
+    angle: f64,
+    /// The drop's at the start.
+    first: f64,
+    length: f64,
+    thickness: f64,
+    /// Bending stiffness.
+    bending: f64,
+    /// Density of the plate.
+    density: f64,
+    /// Area of the drop.
+    area: f64,
+    /// Its place along the plate, from the middle.
+    place: f64,
+    viscosity: f64,
+    held: Held,
+}
+
+/// What holds a plate.
+#[derive(Clone, Copy, PartialEq)]
+enum Held {
+    Nowhere,
+    Left,
+    Bottom,
+    /// As it is rigid.
+    Everywhere,
+}
+
+/// A plate's simulation, and where its bottom's vertices were.
+struct Plate {
+    sim: Simulation<2>,
+    middle: Vector<2>,
+    /// Number and place along the plate from its middle.
+    bottom: Vec<(usize, f64)>,
+}
+
+impl Setting {
+    /// Half the width that the drop wets on a flat plate at a contact angle, degrees.
+    fn half_width(&self, angle: f64) -> f64 {
+        let t = angle.to_radians();
+        (self.area / (t - t.sin() * t.cos())).sqrt() * t.sin()
+    }
+
+    fn start(&self) -> Result<Plate, StepError> {
+        let dx = 1.0 / self.cells as f64;
+        let room = Vector::<2>::new(self.length + 1.6, 4.0);
+        let grid = Grid::<2>::new([0, 1].map(|a| (room[a] * self.cells as f64) as usize), dx);
+        let middle = Vector::<2>::new(0.5 * room[0] + 0.13 * dx, 1.4 + 0.3 * dx);
+        let half = Vector::<2>::new(0.5 * self.length, 0.5 * self.thickness);
+        let shape = Shape::Box { center: middle, half_size: half, rotation: Matrix::identity() };
+        let mesh = VolumeMesh::of_shape(&shape, dx / 1.5).unwrap_or_default();
+        let low = middle - half;
+        let bottom = mesh.positions.iter().enumerate().filter(|(_, x)| x[1] < low[1] + 1e-9);
+        let bottom = bottom.map(|(k, x)| (k, x[0] - middle[0])).collect();
+        let motion = match self.held {
+            Held::Everywhere => Some(Motion::Fixed),
+            _ => self.elastic(mesh, &low).map(|e| Motion::Soft(Arc::new(e))),
+        };
+        let mut solid = Solid::new(shape, motion.unwrap_or(Motion::Fixed), self.density);
+        solid.cosine = self.angle.to_radians().cos();
+        let t = self.first.to_radians();
+        let radius = self.half_width(self.first) / t.sin();
+        let center = middle + Vector::<2>::new(self.place, half[1] - radius * t.cos());
+        let drop = move |x: &Vector<2>| ((x - center).norm() - radius).max(middle[1] - x[1]);
+        let model = Model {
+            grid,
+            walls: [[Wall::Open; 2]; 2],
+            density: 1.0,
+            kinematic_viscosity: self.viscosity,
+            surface_tension: 1.0,
+            gravity: Vector::zeros(),
+            solids: vec![solid],
+            numerics: Numerics::default(),
+        };
+        let sim = Simulation::new(model, &[Body { distance: &drop, velocity: Vector::zeros() }]);
+        Ok(Plate { sim, middle, bottom })
+    }
+
+    fn elastic(&self, mesh: VolumeMesh<2>, low: &Vector<2>) -> Option<Elastic<2>> {
+        let poisson = 0.3;
+        let young = 12.0 * self.bending * (1.0 - poisson * poisson) / self.thickness.powi(3);
+        let anchors = match self.held {
+            Held::Left => vec![Anchor::within(&mesh, |x| x[0] < low[0] + 1e-9)],
+            Held::Bottom => vec![Anchor::within(&mesh, |x| x[1] < low[1] + 1e-9)],
+            _ => Vec::new(),
+        };
+        let law = Law::NeoHookean { young, poisson, smoothing: Smoothing::default() };
+        let integrator = Integrator::default();
+        Elastic::new(Description {
+            mesh,
+            density: self.density,
+            law,
+            damping_ratio: 0.3,
+            anchors,
+            integrator,
+        })
+        .ok()
+    }
+}
+
+impl Plate {
+    /// Slope of the bottom between two places along the plate.
+    fn slope(&self, from: f64, to: f64) -> f64 {
+        let Some(soft) = &self.sim.state.solids[0].soft else { return 0.0 };
+        let within = self.bottom.iter().filter(|(_, s)| (from..=to).contains(s));
+        let points: Vec<Vector<2>> = within.map(|(k, _)| soft.body.positions[*k] - self.middle).collect();
+        let mean = points.iter().sum::<Vector<2>>() / points.len() as f64;
+        let sum = |f: &dyn Fn(&Vector<2>) -> f64| points.iter().map(|p| f(&(p - mean))).sum::<f64>();
+        (sum(&|d| d[0] * d[1]) / sum(&|d| d[0] * d[0])).atan()
+    }
+
+    /// Runs to a time; the mean of a value over the last fifth.
+    fn mean_of(&mut self, time: f64, value: impl Fn(&Self) -> f64) -> Result<f64, StepError> {
+        run_to(&mut self.sim, 0.8 * time, |_, _| ())?;
+        let (mut sum, mut count) = (0.0, 0.0);
+        for k in 1..=20 {
+            run_to(&mut self.sim, time * (0.8 + 0.01 * f64::from(k)), |_, _| ())?;
+            (sum, count) = (sum + value(self), count + 1.0);
+        }
+        Ok(sum / count)
+    }
+}
+
+fn kinks(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let (cells, layers, angles): (_, &[f64], &[f64]) = match mode {
+        Mode::Quick => (12, &[4.0], &[60.0]),
+        Mode::Full => (16, &[4.0, 3.0], &[60.0, 90.0, 120.0]),
+    };
+    let mut checks = Vec::new();
+    for &thick in layers {
+        for &angle in angles {
+            for held in [Held::Nowhere, Held::Left] {
+                let thickness = thick / cells as f64;
+                let (length, place) = if held == Held::Left { (6.0, 0.5) } else { (5.6, 0.0) };
+                let setting = Setting {
+                    cells,
+                    angle,
+                    first: angle,
+                    length,
+                    thickness,
+                    bending: 20.0,
+                    density: 1.0,
+                    area: FRAC_PI_2,
+                    place,
+                    viscosity: 0.15,
+                    held,
+                };
+                let a = setting.half_width(angle);
+                let exact = 2.0 / 3.0 * angle.to_radians().sin() * a * a / 20.0;
+                let mut plate = setting.start()?;
+                let (end, left, right) = (0.5 * length, place - a - 0.2, place + a + 0.2);
+                let bend = |p: &Plate| p.slope(right, end) - p.slope(-end, left);
+                let tip = |p: &Plate| p.slope(right, end);
+                let value =
+                    if held == Held::Left { plate.mean_of(30.0, tip)? } else { plate.mean_of(10.0, bend)? };
+                let what =
+                    if held == Held::Left { "slope of a cantilever's tip" } else { "bend of a free plate" };
+                let text = format!("{what}, {thick} cells thick, θ = {angle}°, {cells} cells/R");
+                checks.push(Check::relative("soft-kink", &text, value, exact, 0.08, Some(0.03), ""));
+            }
+        }
+    }
+    Ok(checks)
+}
+
+fn strip(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let cells = if mode == Mode::Quick { 10 } else { 14 };
+    let mut checks = Vec::new();
+    let angles: &[f64] = if mode == Mode::Quick { &[60.0] } else { &[60.0, 90.0, 120.0] };
+    for &angle in angles {
+        let time = 10.0;
+        let setting = Setting {
+            cells,
+            angle,
+            first: angle,
+            length: 5.0,
+            thickness: 4.0 / cells as f64,
+            bending: 5.5,
+            density: 1.0,
+            area: FRAC_PI_2,
+            place: 0.4,
+            viscosity: 0.02,
+            held: Held::Nowhere,
+        };
+        let Plate { mut sim, .. } = setting.start()?;
+        let sums = |sim: &Simulation<2>| {
+            let (books, now) = (sim.ledger(), &sim.state.solids[0]);
+            let own = sim.model.solids[0].elastic().zip(now.soft.as_ref());
+            let (p, l, mass) = own.map_or((Vector::zeros(), 0.0, 0.0), |(e, soft)| {
+                (e.momentum(&soft.body), e.angular_momentum(&soft.body)[2], e.masses().iter().sum())
+            });
+            let center =
+                (books.centroid * books.target_volume + now.center * mass) / (books.target_volume + mass);
+            ((books.momentum + p).norm(), (books.angular_momentum[2] + l).abs(), center)
+        };
+        let (first, dx) = (sums(&sim).2, sim.model.grid.dx);
+        let (mut linear, mut angular, mut wander) = (0f64, 0f64, 0f64);
+        run_to(&mut sim, time, |sim, _| {
+            let (p, l, center) = sums(sim);
+            (linear, angular) = (linear.max(p / time), angular.max(l / time));
+            wander = wander.max((center - first).norm() / dx);
+        })?;
+        let what = |text: &str| format!("{text}, θ = {angle}°, {cells} cells/R");
+        checks.extend([
+            at_most("soft-strip", &what("momentum / γt"), linear, 1e-8, Some(1e-12), ""),
+            at_most("soft-strip", &what("angular momentum / γRt"), angular, 1e-3, Some(1e-12), ""),
+            at_most("soft-strip", &what("way of the centre of mass / Δ"), wander, 0.1, Some(0.01), ""),
+        ]);
+    }
+    Ok(checks)
+}
+
+fn stiff(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let (cells, angles): (_, &[f64]) = match mode {
+        Mode::Quick => (12, &[60.0]),
+        Mode::Full => (16, &[45.0, 60.0, 90.0, 120.0, 135.0]),
+    };
+    let mut checks = Vec::new();
+    for &angle in angles {
+        let contact = |held: Held| {
+            let setting = Setting {
+                cells,
+                angle,
+                first: 90.0,
+                length: 5.0,
+                thickness: 6.0 / cells as f64,
+                bending: 1e5,
+                density: 1.0,
+                area: FRAC_PI_2,
+                place: 0.0,
+                viscosity: 0.3,
+                held,
+            };
+            let mut plate = setting.start()?;
+            let tracker = LineTracker::new(&plate.sim.model, &[plate.sim.model.grid.dx / 1.5]);
+            plate.mean_of(15.0, |p| tracker.find(&p.sim).angle(None).map_or(0.0, |a| a.0))
+        };
+        let (soft, rigid) = (contact(Held::Bottom)?, contact(Held::Everywhere)?);
+        let text = format!("contact angle, θ = {angle}°, {cells} cells/R");
+        checks.push(Check::absolute("soft-stiff", &text, soft, rigid, 1.0, Some(0.5), "°"));
+    }
+    Ok(checks)
+}
