@@ -40,7 +40,7 @@ macro_rules! scene {
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 32] = [
+pub const BUILTINS: [Builtin; 36] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
@@ -187,6 +187,32 @@ pub const BUILTINS: [Builtin; 32] = [
         "textured-wettability",
         3,
         "A drop lands on a plate that repels it but for a cross, and takes its shape",
+        "a few minutes"
+    ),
+    scene!(
+        "drop-on-soft-plate-2d",
+        2,
+        "A drop falls on a soft plate, which gives way, swings and bends around it",
+        "a few seconds"
+    ),
+    scene!(
+        "fig17b-wrapping",
+        2,
+        Some("Fig. 17 (b)"),
+        "A drop that wets a soft strip well is wrapped up in it",
+        "half a minute"
+    ),
+    scene!(
+        "fig17b-open",
+        2,
+        Some("Fig. 17 (b)"),
+        "The same drop and strip, hydrophobic: the strip bends, and stays open",
+        "half a minute"
+    ),
+    scene!(
+        "drop-on-soft-plate",
+        3,
+        "A drop falls on a soft plate, which gives way, swings and bends around it",
         "a few minutes"
     ),
     scene!("cheerios", 3, "Two floating discs attract each other and meet", "ten minutes"),

@@ -69,6 +69,8 @@ const VOLUME_JUMP: f64 = 0.1;
 const SHORTEST: f64 = 1e-5;
 /// Growth of the energy in one step, over what there is without gravity's, that is doubtful.
 const ENERGY_JUMP: f64 = 0.05;
+/// Way of the liquid in a step, in cells, that is no motion but a failure.
+const WILD: f64 = 30.0;
 /// Most that a step may be longer than the one before.
 pub const GROWTH: f64 = 1.25;
 /// Distance, in cells, of motions in a step, and of falls, whose energy is nothing.
@@ -183,7 +185,8 @@ impl<const D: usize> Simulation<D> {
             let result = step(&self.model, &mut self.state, &mut self.work, dt, phase_end);
             let failure = match result {
                 Ok(result) => {
-                    let fine = self.state.kinetic_energy.is_finite();
+                    let way = max_component(&self.model, &self.state, &self.work) * dt / self.model.grid.dx;
+                    let fine = self.state.kinetic_energy.is_finite() && way < WILD;
                     let (own, high) =
                         (own_energy(&self.model, &self.state), potential_energy(&self.model, &self.state));
                     let gain = own + high - (energy + height) - result.stirred;
@@ -196,7 +199,12 @@ impl<const D: usize> Simulation<D> {
                         let ledger = self.ledger();
                         return Ok(StepReport { dt, cfl, iterations, residual, redone, ledger });
                     }
-                    if fine { None } else { Some(StepError::NotFinite { time, what: "velocity" }) }
+                    let reason = format!("the liquid would go {way:.1e} cells in a step");
+                    match way.is_finite() {
+                        true if fine => None,
+                        true => Some(StepError::TooShort { time, dt, reason }),
+                        false => Some(StepError::NotFinite { time, what: "velocity" }),
+                    }
                 }
                 Err(source) => Some(StepError::Pressure { time, dt, source }),
             };

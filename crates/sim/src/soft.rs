@@ -13,6 +13,9 @@ use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::mesh::SurfaceMesh;
 use std::sync::Arc;
 
+/// What a cell gives way, over what a face does, that is nothing: a pocket with no way out but through so little of a solid's
+/// surface could have any pressure.
+const SLIGHT: f64 = 1e-3;
 /// Time, s, over which held vertices have their velocity at the start.
 const INSTANT: f64 = 1e-9;
 
@@ -85,7 +88,8 @@ impl<const D: usize> SoftSystem<D> {
         let mut sums = vec![0.0; self.freedoms()];
         flows.iter().flat_map(|(_, flow)| flow).for_each(|(k, v)| sums[*k as usize] += v.abs());
         let entry = |(k, v): &(u32, f64)| v.abs() * sums[*k as usize] / self.masses[*k as usize / D];
-        flows.iter().map(|(_, flow)| flow.iter().map(entry).sum()).collect()
+        let all = flows.iter().map(|(_, flow)| flow.iter().map(entry).sum::<f64>());
+        all.map(|give| if give < SLIGHT { 0.0 } else { give }).collect()
     }
 }
 

@@ -24,7 +24,8 @@ pub struct Compliance<'a> {
     pub freedoms: usize,
     /// `F`: for each cell at its surface the degrees of freedom that flow into it, and how much.
     pub flows: Vec<(u32, Vec<(u32, f64)>)>,
-    /// For each of these cells what the system's Dirichlet coefficient has already of `F B⁻¹ Fᵀ`.
+    /// For each of these cells what the system's Dirichlet coefficient has already of `F B⁻¹ Fᵀ`; where that is nothing a
+    /// component is not held by it.
     pub porous: Vec<f64>,
     /// `x → B⁻¹ x`.
     pub solve: Box<Solve<'a>>,
@@ -107,7 +108,10 @@ impl<const D: usize> PressureSolver<D> {
             .map(|body| (body, body.flows.iter().map(|(cell, _)| entry(*cell)).collect::<Vec<_>>()))
             .collect();
         let mut feelers = columns.clone();
-        feelers.extend(soft.iter().map(|(_, entries)| entries.iter().flatten().map(|e| (*e, 1.0)).collect()));
+        feelers.extend(soft.iter().map(|(body, entries)| {
+            let felt = entries.iter().zip(&body.porous).filter(|(_, porous)| **porous > 0.0);
+            felt.filter_map(|(entry, _)| entry.map(|e| (e, 1.0))).collect()
+        }));
         let floats = self.floating_under(&feelers);
         let coupled = Coupled { system: self, columns, soft };
         self.solve_system(&coupled, self.preconditioner(), &floats, (rhs, x), (tolerance, max_iterations))
