@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 /// Lists the built-in scenes.
 pub fn list(json: bool) -> Result {
     if json {
-        print(&format!("{:#}\n", serde_json::json!(BUILTINS)))?;
+        print(&format!("{:#}\n", serde_json::json!(&BUILTINS[..])))?;
         return Ok(0);
     }
     let width = BUILTINS.iter().map(|b| b.name.len()).max().unwrap_or(0);
