@@ -1,7 +1,11 @@
 //! The surface of a solid that deforms, where it is now.
 
 use meniscus_numerics::Vector;
+use meniscus_numerics::mesh::tree::Closest;
 use meniscus_numerics::mesh::{FacetTree, SurfaceMesh};
+
+/// Barycentric weight from which on a point of a facet is not at its rim.
+const RIM: f64 = 1e-6;
 
 /// Where something takes hold of a solid that deforms: a point of a facet of its surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +63,17 @@ impl<const D: usize> Skin<D> {
 
     /// Distance of a point, m, negative inside.
     pub fn distance(&self, x: &Vector<D>) -> f64 {
-        self.tree.signed_distance(x)
+        let Some(closest) = self.tree.closest(x, f64::INFINITY) else { return f64::INFINITY };
+        closest.distance_squared.sqrt() * if self.is_inside(x, &closest) { -1.0 } else { 1.0 }
+    }
+
+    /// Whether a point lies inside, given the nearest point of the surface: what is nearest to the inner part of a facet is on
+    /// one side of it, the rest the winding number tells.
+    fn is_inside(&self, x: &Vector<D>, closest: &Closest<D>) -> bool {
+        match closest.weights.iter().all(|w| *w > RIM) {
+            true => (x - closest.point).dot(&self.surface.area_vector(closest.facet as usize)) < 0.0,
+            false => self.tree.contains(x),
+        }
     }
 
     /// The nearest point of it.
@@ -78,10 +92,11 @@ impl<const D: usize> Skin<D> {
             return facet.try_normalize(0.0).unwrap_or(Vector::zeros());
         }
         let away = away.normalize();
-        if !self.tree.contains(x) {
+        if !self.is_inside(x, &closest) {
             return away;
         }
-        let deeper = self.distance(&(x + away * step)) < self.distance(x);
+        let depth = -closest.distance_squared.sqrt();
+        let deeper = self.distance(&(x + away * step)) < depth;
         if deeper { -away } else { Vector::zeros() }
     }
 }

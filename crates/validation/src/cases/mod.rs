@@ -4,6 +4,7 @@ mod bounce;
 mod buoyancy;
 mod capillary_wave;
 mod dam_break;
+mod elastic;
 mod floating;
 mod hydrostatic;
 mod hysteresis;
@@ -20,6 +21,7 @@ mod sessile;
 mod sessile_gravity;
 mod sliding;
 mod soft;
+mod soft_tank;
 mod static_drop;
 mod surface_distance;
 mod transport;
@@ -34,7 +36,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 39] = [
+const ALL: [Case; 41] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -70,8 +72,10 @@ const ALL: [Case; 39] = [
     volume::CASE,
     momentum::CASE,
     momentum_with_solid::CASE,
+    elastic::BEAM,
     soft::KINK,
     soft::STRIP,
     soft::STIFF,
+    soft_tank::CASE,
     pressure_matrix::CASE,
 ];

@@ -127,7 +127,7 @@ fn extruded_outlines_are_their_shape() {
         &Matrix::identity(),
         0.034_67,
     );
-    assert_eq!(plate.unwrap().simplices.len(), 92_160);
+    assert_eq!(plate.unwrap().simplices.len(), 110_592);
     let thin =
         VolumeMesh::<3>::of_outline(&Outline::leaf(1.0), &Vector::zeros(), 0.0, &Matrix::identity(), 0.1);
     assert!(matches!(thin, Err(OutlineError::Size { .. })));

@@ -435,8 +435,7 @@ mod tests {
         defects::<3>();
         // Two tetrahedra of a block that share an edge but no facet.
         let mut mesh = block::<3>([1; 3], &Vector::repeat(1.0));
-        mesh.simplices.retain(|s| s.volume(&mesh.positions) < 0.2);
-        mesh.simplices.truncate(2);
+        mesh.simplices = vec![mesh.simplices[0], mesh.simplices[5]];
         assert!(matches!(mesh.check_pieces(), Err(MeshDefect::NonManifold { .. })));
     }
 }

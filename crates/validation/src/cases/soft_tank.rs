@@ -1,0 +1,72 @@
+//! An elastic plate as the bottom of a tank.
+
+use crate::measure::{at_most, settle};
+use crate::setup::run_to;
+use crate::{Case, Check, Mode};
+use meniscus_elastic::{Anchor, Description, Elastic, Integrator, Law, Smoothing};
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::mesh::VolumeMesh;
+use meniscus_numerics::shape::Shape;
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{Body, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use std::sync::Arc;
+
+/// The case.
+pub const CASE: Case = Case {
+    name: "soft-tank",
+    title: "A plate bears the water over it",
+    theory: "2D, g and cm: a plate 10 long and 0.4 thick (E = 2·10⁸, ν = 0.3, density 1.2), clamped at both ends, with 5 of water \
+        over it and air below. Its middle sinks by q L⁴/384 B = 0.119435, and the water comes to rest: largest speed over √(g H) \
+        (design, validation §6, 16a and 16b). 10 cells a unit; quick: 7.5, three cells through the plate.",
+    quick: true,
+    run: |mode| settle(NAME, run(mode)),
+};
+
+const NAME: &str = "soft-tank";
+const LENGTH: f64 = 10.0;
+const THICK: f64 = 0.4;
+/// Height of the plate's middle over the floor.
+const OVER: f64 = 2.03;
+const DEPTH: f64 = 5.0;
+const GRAVITY: f64 = 980.0;
+
+fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let cells = if mode == Mode::Quick { 7.5 } else { 10.0 };
+    let dx = 1.0 / cells;
+    let grid = Grid::<2>::new([(LENGTH * cells) as usize, (8.8 * cells) as usize], dx);
+    // The plate goes on within the walls, where it is held.
+    let (center, half) =
+        (Vector::<2>::new(0.5 * LENGTH, OVER), Vector::<2>::new(0.5 * LENGTH + 0.4, 0.5 * THICK));
+    let shape = Shape::Box { center, half_size: half, rotation: Matrix::identity() };
+    let mesh = VolumeMesh::of_shape(&shape, 0.1).unwrap_or_default();
+    let middle = mesh.positions.iter().enumerate();
+    let middle: Vec<usize> = middle.filter(|(_, x)| (*x - center).norm() < 0.06).map(|(k, _)| k).collect();
+    let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9 || x[0] > LENGTH - 1e-9)];
+    let law = Law::NeoHookean { young: 2e8, poisson: 0.3, smoothing: Smoothing::default() };
+    let integrator = Integrator::default();
+    let plate =
+        Elastic::new(Description { mesh, density: 1.2, law, damping_ratio: 1.0, anchors, integrator });
+    let motion = plate.map_or(Motion::Fixed, |e| Motion::Soft(Arc::new(e)));
+    let model = Model {
+        grid,
+        walls: [[Wall::Slip; 2]; 2],
+        density: 1.0,
+        kinematic_viscosity: 5.0,
+        surface_tension: 72.0,
+        gravity: Vector::<2>::new(0.0, -GRAVITY),
+        solids: vec![Solid::new(shape, motion, 1.2)],
+        numerics: Numerics::default(),
+    };
+    let top = OVER + 0.5 * THICK + DEPTH;
+    let water = |x: &Vector<2>| (x[1] - top).max(OVER - x[1]);
+    let mut sim = Simulation::new(model, &[Body { distance: &water, velocity: Vector::zeros() }]);
+    run_to(&mut sim, 1.0, |_, _| ())?;
+    let speed = sim.ledger().max_speed / (GRAVITY * DEPTH).sqrt();
+    let sunk = |k: &usize| sim.state.solids[0].soft.as_ref().map_or(0.0, |s| OVER - s.body.positions[*k][1]);
+    let sunk = middle.iter().map(sunk).sum::<f64>() / middle.len() as f64;
+    let text = |what: &str| format!("{what}, {cells} cells a unit");
+    Ok(vec![
+        Check::relative(NAME, &text("deflection of the middle"), sunk, 0.119435, 0.04, Some(0.01), "cm"),
+        at_most(NAME, &text("largest speed / √(gH)"), speed, 1e-4, Some(1e-6), ""),
+    ])
+}
