@@ -15,9 +15,10 @@ use std::sync::Arc;
 pub const CASE: Case = Case {
     name: "soft-tank",
     title: "A plate bears the water over it",
-    theory: "2D, g and cm: a plate 10 long and 0.4 thick (E = 2·10⁸, ν = 0.3, density 1.2), clamped at both ends, with 5 of water \
-        over it and air below. Its middle sinks by q L⁴/384 B = 0.119435, and the water comes to rest: largest speed over √(g H) \
-        (design, validation §6, 16a and 16b). 10 cells a unit; quick: 7.5, three cells through the plate.",
+    theory: "2D, g and cm: a plate 10 long and 0.4 thick (E = 2·10⁹, ν = 0.3, density 1.2), clamped at both ends, with 5 of water \
+        over it and air below. Its middle sinks by q L⁴/384 B = 0.0119435 (ten times stiffer than in validation.md: there it sinks by 0.3 of its thickness, and its ends, \
+        which cannot come nearer, hold it up by 4 % more than that says), and the water comes to rest: largest speed over √(g H) \
+        (design, validation §6, 16a and 16b). 15 cells a unit; quick: 10.",
     quick: true,
     run: |mode| settle(NAME, run(mode)),
 };
@@ -31,18 +32,18 @@ const DEPTH: f64 = 5.0;
 const GRAVITY: f64 = 980.0;
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
-    let cells = if mode == Mode::Quick { 7.5 } else { 10.0 };
+    let cells = if mode == Mode::Quick { 10.0 } else { 15.0 };
     let dx = 1.0 / cells;
     let grid = Grid::<2>::new([(LENGTH * cells) as usize, (8.8 * cells) as usize], dx);
     // The plate goes on within the walls, where it is held.
     let (center, half) =
         (Vector::<2>::new(0.5 * LENGTH, OVER), Vector::<2>::new(0.5 * LENGTH + 0.4, 0.5 * THICK));
     let shape = Shape::Box { center, half_size: half, rotation: Matrix::identity() };
-    let mesh = VolumeMesh::of_shape(&shape, 0.1).unwrap_or_default();
+    let mesh = VolumeMesh::of_shape(&shape, 0.1f64.min(dx)).unwrap_or_default();
     let middle = mesh.positions.iter().enumerate();
     let middle: Vec<usize> = middle.filter(|(_, x)| (*x - center).norm() < 0.06).map(|(k, _)| k).collect();
     let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9 || x[0] > LENGTH - 1e-9)];
-    let law = Law::NeoHookean { young: 2e8, poisson: 0.3, smoothing: Smoothing::default() };
+    let law = Law::NeoHookean { young: 2e9, poisson: 0.3, smoothing: Smoothing::default() };
     let integrator = Integrator::default();
     let plate =
         Elastic::new(Description { mesh, density: 1.2, law, damping_ratio: 1.0, anchors, integrator });
@@ -66,7 +67,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let sunk = middle.iter().map(sunk).sum::<f64>() / middle.len() as f64;
     let text = |what: &str| format!("{what}, {cells} cells a unit");
     Ok(vec![
-        Check::relative(NAME, &text("deflection of the middle"), sunk, 0.119435, 0.04, Some(0.01), "cm"),
+        Check::relative(NAME, &text("deflection of the middle"), sunk, 0.0119435, 0.04, Some(0.01), "cm"),
         at_most(NAME, &text("largest speed / √(gH)"), speed, 1e-4, Some(1e-6), ""),
     ])
 }
