@@ -120,7 +120,9 @@ impl<const D: usize> Lines<'_, D> {
             let at_middle = Impulse::at(&(middle / *length), missing[c].linear);
             rest.add(if self.inside[c] { &missing[c] } else { &at_middle }, -length / total[c]);
             exchange.add(*pair, &rest, 1.0);
-            if let Some((feet, all)) = feet.get(pair).zip(exchange.pairs.remove(pair)) {
+            if let Some(feet) = feet.get(pair)
+                && let Some(all) = exchange.pairs.remove(pair)
+            {
                 take_hold(feet, *pair, &all, &mut exchange);
             }
         }
