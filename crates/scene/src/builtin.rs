@@ -228,7 +228,7 @@ pub const BUILTINS: [Builtin; 36] = [
         "crown-splash",
         3,
         "A drop falls into a deep tank and throws up a crown (We = 1100)",
-        "one to two hours; --quality draft: a few minutes"
+        "half an hour; --quality draft: a few minutes"
     ),
 ];
 

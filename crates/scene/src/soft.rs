@@ -14,7 +14,7 @@ const ON_SURFACE: f64 = 1e-6;
 /// # Errors
 /// [`SceneError`] for what no mesh can be made of, or no solid be.
 pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option<Elastic<D>>, SceneError> {
-    let Some((law, damping_ratio)) = law(&spec.material) else { return Ok(None) };
+    let Some((law, damping_ratio)) = law(spec) else { return Ok(None) };
     let at = |key: &str| {
         let number = scene.solids.iter().position(|s| s.name == spec.name).unwrap_or(0);
         format!("solid.{number}.{key}")
@@ -37,10 +37,12 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
     })
 }
 
-/// The law of a material that deforms, and its damping ratio.
-fn law(material: &Material) -> Option<(Law, f64)> {
-    let smoothing = Smoothing::default();
-    match *material {
+/// The law of a solid that deforms, and its damping ratio. Boxes are lattices of cells, over which strains are averaged; other
+/// meshes have no such order.
+fn law(spec: &SolidSpec) -> Option<(Law, f64)> {
+    let lattice = matches!(spec.shape, ShapeSpec::Box { .. });
+    let smoothing = if lattice { Smoothing::Cells } else { Smoothing::Edges };
+    match spec.material {
         Material::Springs { stiffness, damping_ratio } => Some((Law::Springs { stiffness }, damping_ratio)),
         Material::NeoHookean(Constants { young_modulus: young, poisson_ratio: poisson, damping_ratio }) => {
             Some((Law::NeoHookean { young, poisson, smoothing }, damping_ratio))

@@ -355,3 +355,24 @@ fn deep_nesting_is_refused() {
         assert!(load(&text, &[]).is_err());
     }
 }
+
+#[test]
+fn solids_that_deform_are_what_they_can_be() {
+    let soft = |material: &str, more: &str| {
+        let solid = SOLID.replacen("material.rigid = { fixed = true }", material, 1);
+        format!("{GOOD}{solid}density = \"1 g/cm^3\"\n{more}")
+    };
+    let gel = "material.neo_hookean = { young_modulus = \"1 kPa\", poisson_ratio = 0.3 }";
+    let e = bad_text(&soft(&gel.replace("0.3", "0.5"), ""));
+    assert!(e.message.contains("Poisson"), "{e}");
+    let e = bad_text(&soft(&gel.replace("1 kPa", "-1 kPa"), ""));
+    assert!(e.message.contains("Young"), "{e}");
+    // What only the mesh can tell.
+    let held =
+        "fixed = [{ ball = { center = [\"2.5 mm\", \"2.5 mm\", \"2.5 mm\"], radius = \"0.1 mm\" } }]\n";
+    let scene = load(&soft(gel, held), &[]).unwrap();
+    let e = AnySetup::of(&scene).err().unwrap();
+    assert!(e.message.contains("holds no vertex of the solid `plate`"), "{e}");
+    assert!(e.line_column().is_some() && e.exit_status() == 3, "{}", e.render());
+    assert!(AnySetup::of(&load(&soft(gel, ""), &[]).unwrap()).is_ok());
+}

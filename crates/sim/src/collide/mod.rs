@@ -24,6 +24,7 @@ mod start;
 mod touch;
 mod zones;
 
+use crate::exchange::moment;
 use crate::model::Model;
 use crate::simulation::GROWTH;
 use crate::soft::Systems;
@@ -372,10 +373,4 @@ impl<'a, const D: usize> Contacts<'a, D> {
 fn speed<const D: usize>(solids: &[SolidState<D>], c: &Contact<D>) -> Vector<D> {
     let other = c.pair.1.map_or(Vector::zeros(), |j| solids[j].velocity_at(&c.at));
     solids[c.pair.0].velocity_at(&c.at) - other
-}
-
-/// `r × f` (2D: in the last entry).
-fn moment<const D: usize>(r: &Vector<D>, f: &Vector<D>) -> Vector<3> {
-    let three = |v: &Vector<D>| Vector::<3>::from_fn(|a, _| if a < D { v[a] } else { 0.0 });
-    three(r).cross(&three(f))
 }

@@ -5,9 +5,9 @@
 //! touched, and `λ` by Gauss-Seidel under Signorini's and Coulomb's conditions. Above [`MOST`] vertices of a solid `W` is
 //! that of loose vertices, which is larger in every direction, and the true velocities are corrected step by step.
 
-use super::moment;
 use super::respond::Response;
 use super::zones::cross;
+use crate::exchange::moment;
 use crate::solid::SolidState;
 use meniscus_numerics::{Matrix, Vector};
 

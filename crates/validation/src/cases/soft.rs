@@ -3,7 +3,7 @@
 use crate::measure::{at_most, settle};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, Description, Elastic, Integrator, Law, Smoothing};
+use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Smoothing};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
@@ -103,10 +103,10 @@ impl Setting {
         let bottom = mesh.positions.iter().enumerate().filter(|(_, x)| x[1] < low[1] + 1e-9);
         let bottom = bottom.map(|(k, x)| (k, x[0] - middle[0])).collect();
         let motion = match self.held {
-            Held::Everywhere => Some(Motion::Fixed),
-            _ => self.elastic(mesh, &low).map(|e| Motion::Soft(Arc::new(e))),
+            Held::Everywhere => Motion::Fixed,
+            _ => Motion::Soft(Arc::new(self.elastic(mesh, &low)?)),
         };
-        let mut solid = Solid::new(shape, motion.unwrap_or(Motion::Fixed), self.density);
+        let mut solid = Solid::new(shape, motion, self.density);
         solid.cosine = self.angle.to_radians().cos();
         let t = self.first.to_radians();
         let radius = self.half_width(self.first) / t.sin();
@@ -126,7 +126,7 @@ impl Setting {
         Ok(Plate { sim, middle, bottom })
     }
 
-    fn elastic(&self, mesh: VolumeMesh<2>, low: &Vector<2>) -> Option<Elastic<2>> {
+    fn elastic(&self, mesh: VolumeMesh<2>, low: &Vector<2>) -> Result<Elastic<2>, StepError> {
         let poisson = 0.3;
         let young = 12.0 * self.bending * (1.0 - poisson * poisson) / self.thickness.powi(3);
         let anchors = match self.held {
@@ -136,15 +136,10 @@ impl Setting {
         };
         let law = Law::NeoHookean { young, poisson, smoothing: Smoothing::default() };
         let integrator = Integrator::default();
-        Elastic::new(Description {
-            mesh,
-            density: self.density,
-            law,
-            damping_ratio: 0.3,
-            anchors,
-            integrator,
-        })
-        .ok()
+        let description =
+            Description { mesh, density: self.density, law, damping_ratio: 0.3, anchors, integrator };
+        let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
+        Elastic::new(description).map_err(failed)
     }
 }
 
