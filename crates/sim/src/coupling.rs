@@ -20,6 +20,7 @@ use crate::solid::{Motion, SolidState};
 use meniscus_numerics::grid::{CutCells, WetCell};
 use meniscus_numerics::linalg::{Bodies, Column, Compliance, Solve};
 use meniscus_numerics::{Matrix, Vector};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// The wetted surfaces of the solids, and how they move.
@@ -39,7 +40,7 @@ impl<'a, const D: usize> Coupling<'a, D> {
         (solids, systems): (&'a [SolidState<D>], &'a Systems<D>),
         phi: &[f64],
     ) -> Self {
-        let wet = cut.wet.iter().filter(|w| phi[w.cell as usize] < 0.0);
+        let wet = cut.wet.par_iter().with_min_len(64).filter(|w| phi[w.cell as usize] < 0.0);
         let gripped =
             |w: &WetCell<D>| (*w, solids[w.solid as usize].grip(&(middle(model, w) * model.grid.dx)));
         Self { model, solids, systems, wet: wet.map(gripped).collect() }

@@ -96,8 +96,23 @@ impl<const D: usize> Model<D> {
 
     /// Number of the solid whose surface is nearest to a point (or deepest around it); `now` is where they are.
     pub(crate) fn nearest_solid(&self, now: &[SolidState<D>], x: &Vector<D>) -> Option<usize> {
-        let distance = |i: &usize| self.solids[*i].distance(&now[*i], x);
-        (0..self.solids.len()).min_by(|i, j| distance(i).total_cmp(&distance(j)))
+        if self.solids.len() < 2 {
+            return (!self.solids.is_empty()).then_some(0);
+        }
+        let mut nearest = (f64::INFINITY, None);
+        for (number, (solid, now)) in self.solids.iter().zip(now).enumerate() {
+            let [low, high] = solid.bounds(now);
+            let off = (low - x).sup(&(x - high)).sup(&Vector::zeros()).norm();
+            // A point in the box may be inside it.
+            if off > 0.0 && off >= nearest.0 {
+                continue;
+            }
+            let distance = solid.distance(now, x);
+            if nearest.1.is_none() || distance < nearest.0 {
+                nearest = (distance, Some(number));
+            }
+        }
+        nearest.1
     }
 
     /// The liquid's weight as the surface beside solids balances it, `−ρ g Δ²/γ` in 1/cells²; none without solids.

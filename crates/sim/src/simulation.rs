@@ -266,10 +266,14 @@ impl<const D: usize> Simulation<D> {
 
     /// Share of a solid's surface that is wetted, 0 to 1.
     pub fn wetted(&self, number: usize) -> f64 {
-        let own = || self.work.cut.wet.iter().filter(|w| w.solid as usize == number);
-        let wet = own().filter(|w| self.state.phi.data[w.cell as usize] < 0.0);
-        let all: f64 = own().map(|w| w.area.norm()).sum();
-        if all > 0.0 { wet.map(|w| w.area.norm()).sum::<f64>() / all } else { 0.0 }
+        let own = self.work.cut.wet.iter().filter(|w| w.solid as usize == number);
+        let wet = own.filter(|w| self.state.phi.data[w.cell as usize] < 0.0);
+        let wet = wet.map(|w| w.area.norm()).sum::<f64>() * self.model.grid.face_area();
+        let all = match &self.state.solids[number].soft {
+            Some(soft) => soft.skin.surface.area(),
+            None => self.work.surfaces[number],
+        };
+        if all > 0.0 { (wet / all).min(1.0) } else { 0.0 }
     }
 
     /// The books of the present state.

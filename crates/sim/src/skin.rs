@@ -78,21 +78,34 @@ impl<const D: usize> Skin<D> {
 
     /// The nearest point of it.
     pub fn grip(&self, x: &Vector<D>) -> Option<Grip<D>> {
-        let closest = self.tree.closest(x, f64::INFINITY)?;
+        Some(self.grip_at(&self.tree.closest(x, f64::INFINITY)?))
+    }
+
+    fn grip_at(&self, closest: &Closest<D>) -> Grip<D> {
         let vertices = self.surface.facets[closest.facet as usize].map(|v| self.vertices[v as usize]);
-        Some(Grip { vertices, weights: closest.weights, point: closest.point })
+        Grip { vertices, weights: closest.weights, point: closest.point }
+    }
+
+    /// The nearest point of it, and [`Self::normal`].
+    pub fn grip_and_normal(&self, x: &Vector<D>, step: f64) -> Option<(Grip<D>, Vector<D>)> {
+        let closest = self.tree.closest(x, f64::INFINITY)?;
+        Some((self.grip_at(&closest), self.normal_at(x, &closest, step)))
     }
 
     /// Direction away from it, on it that of its facet; nothing within `step` (m) of halfway between two of its sides.
     pub fn normal(&self, x: &Vector<D>, step: f64) -> Vector<D> {
-        let Some(closest) = self.tree.closest(x, f64::INFINITY) else { return Vector::zeros() };
+        let closest = self.tree.closest(x, f64::INFINITY);
+        closest.map_or_else(Vector::zeros, |closest| self.normal_at(x, &closest, step))
+    }
+
+    fn normal_at(&self, x: &Vector<D>, closest: &Closest<D>, step: f64) -> Vector<D> {
         let away = x - closest.point;
         if away.norm() <= step {
             let facet = self.surface.area_vector(closest.facet as usize);
             return facet.try_normalize(0.0).unwrap_or(Vector::zeros());
         }
         let away = away.normalize();
-        if !self.is_inside(x, &closest) {
+        if !self.is_inside(x, closest) {
             return away;
         }
         let depth = -closest.distance_squared.sqrt();

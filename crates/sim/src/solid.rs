@@ -252,6 +252,15 @@ impl<const D: usize> Solid<D> {
         slope.try_normalize(0.0).unwrap_or(Vector::zeros())
     }
 
+    /// [`Self::normal`], and [`SolidState::velocity_at`].
+    pub fn normal_and_velocity(&self, now: &SolidState<D>, x: &Vector<D>, step: f64) -> [Vector<D>; 2] {
+        let gripped = now.soft.as_ref().and_then(|soft| Some((soft, soft.skin.grip_and_normal(x, step)?)));
+        match gripped {
+            Some((soft, (grip, normal))) => [normal, grip.mean(|k| soft.body.velocities[k])],
+            None => [self.normal(now, x, step), now.velocity_at(x)],
+        }
+    }
+
     /// Largest speed of any point of it, m/s.
     pub fn largest_speed(&self, now: &SolidState<D>) -> f64 {
         if let Some(soft) = &now.soft {

@@ -7,7 +7,7 @@ use crate::liquid::transport::Flow;
 use crate::liquid::volume::Liquid;
 use crate::model::Model;
 use crate::soft::Systems;
-use crate::solid::Motion;
+use crate::solid::{Motion, Solid, SolidState};
 use crate::state::State;
 use meniscus_numerics::grid::{
     Band, CellField, CutCells, Grid, KnownFaces, Run, Runs, Sampler, Segment, Tiles, points,
@@ -51,6 +51,8 @@ pub struct Workspace<const D: usize> {
     pub probes: Probes<D>,
     /// The solids that deform, as the forces of a step find them.
     pub soft: Systems<D>,
+    /// Surface of each solid at the start, m² (2D: m).
+    pub surfaces: Vec<f64>,
 }
 
 impl<const D: usize> Workspace<D> {
@@ -67,23 +69,30 @@ impl<const D: usize> Workspace<D> {
             pressure: PressureFields::new(model),
             probes: Probes::of(model),
             soft: Vec::new(),
+            surfaces: Vec::new(),
         };
-        workspace.cut_cells(model, state);
+        let start: Vec<_> = model.solids.iter().map(Solid::start).collect();
+        workspace.cut_cells(model, &start);
+        workspace.surfaces = workspace.measure_surfaces(model);
+        if start != state.solids {
+            workspace.cut_cells(model, &state.solids);
+        }
         workspace.find_liquid(model, state);
         workspace.extend_afresh(model, state);
         workspace
     }
 
-    /// Finds what the solids cut where they are now.
-    pub fn cut_cells(&mut self, model: &Model<D>, state: &State<D>) {
-        let solids: Vec<_> = model.solids.iter().zip(&state.solids).collect();
+    /// Finds what the solids cut where they are now, near the liquid.
+    fn cut_cells(&mut self, model: &Model<D>, now: &[SolidState<D>]) {
+        let solids: Vec<_> = model.solids.iter().zip(now).collect();
         let distances: Vec<_> =
             solids.iter().map(|(solid, now)| move |x: &Vector<D>| solid.distance(now, x)).collect();
         let cuts = solids.iter().zip(&distances).map(|((solid, now), d)| solid.cut_by(now, d));
-        self.cut.rebuild(&cuts.collect::<Vec<_>>());
+        // The liquid and its band go less than a tile in a step.
+        self.cut.rebuild(&cuts.collect::<Vec<_>>(), &self.tiles.grown());
         let nearest = |x: &Vector<D>| {
-            let number = model.nearest_solid(&state.solids, x).unwrap_or(0);
-            (number as u32, model.solids[number].cosine_near(&state.solids[number], x, model.grid.dx))
+            let number = model.nearest_solid(now, x).unwrap_or(0);
+            (number as u32, model.solids[number].cosine_near(&now[number], x, model.grid.dx))
         };
         self.lattice.follow(&self.cut, nearest);
     }
@@ -91,8 +100,16 @@ impl<const D: usize> Workspace<D> {
     /// Finds what they cut anew, if any solid moves.
     pub fn follow_solids(&mut self, model: &Model<D>, state: &State<D>) {
         if model.solids.iter().any(|s| s.motion != Motion::Fixed) {
-            self.cut_cells(model, state);
+            self.cut_cells(model, &state.solids);
         }
+    }
+
+    /// The surface of each solid in the domain, m² (2D: m).
+    fn measure_surfaces(&self, model: &Model<D>) -> Vec<f64> {
+        let mut sums = vec![0.0; model.solids.len()];
+        let wet = self.cut.wet.iter();
+        wet.for_each(|w| sums[w.solid as usize] += w.area.norm() * model.grid.face_area());
+        sums
     }
 
     /// Finds tiles, liquid cells and band of the state's φ. Only its signs count: what is found stays right when φ is
@@ -231,8 +248,8 @@ fn slip_along<const D: usize>(model: &Model<D>, state: &mut State<D>, cut: &CutC
             let (solid, now) = (&model.solids[number], &state.solids[number]);
             let mut u = flow.linear(&x);
             u[a] = state.velocity.axes[a][f as usize];
-            let normal = solid.normal(now, &x, 0.01 * model.grid.dx);
-            Some(u[a] - normal[a] * (u - now.velocity_at(&x)).dot(&normal))
+            let [normal, velocity] = solid.normal_and_velocity(now, &x, 0.01 * model.grid.dx);
+            Some(u[a] - normal[a] * (u - velocity).dot(&normal))
         };
         cut.shut[a].par_iter().with_min_len(64).map(|f| slipping(f).unwrap_or(0.0)).collect()
     });

@@ -9,7 +9,7 @@
 //! over the open parts `A_f` and their centroids `r_f`, whatever `S` is. Taken so, a constant pressure pushes a body
 //! nowhere and turns it nowhere, to rounding, and no surface has to be built (design, numerics §1).
 
-use super::{FaceField, Grid, Lattice};
+use super::{FaceField, Grid, Lattice, Tiles};
 use crate::{Matrix, Vector, planes};
 use rayon::prelude::*;
 
@@ -81,9 +81,9 @@ impl<const D: usize> CutCells<D> {
         }
     }
 
-    /// Finds what the solids cut where they are now. Cost follows the boxes around them. Where solids overlap they are
-    /// one.
-    pub fn rebuild(&mut self, solids: &[CutBy<'_, D>]) {
+    /// Finds what the solids cut where they are now, in active tiles; elsewhere they are as if they were not. Where solids
+    /// overlap they are one.
+    pub fn rebuild(&mut self, solids: &[CutBy<'_, D>], tiles: &Tiles<D>) {
         self.forget();
         let grid = self.open.grid;
         if self.corners.is_empty() && !solids.is_empty() {
@@ -92,19 +92,21 @@ impl<const D: usize> CutCells<D> {
         }
         self.boxes = solids.iter().map(|s| cells_around(&grid, s.bounds)).collect();
         for (solid, [low, high]) in solids.iter().zip(&self.boxes) {
-            let corner = |at: [usize; D]| grid.corner(at);
-            let center = |at: [usize; D]| grid.center(at);
-            nearest(solid, corner_lattice(&grid), [*low, high.map(|n| n + 1)], corner, &mut self.corners);
-            nearest(solid, grid.lattice(), [*low, *high], center, &mut self.centers);
+            let corner = |at: [usize; D]| tiles.holds_at_corner(at).then(|| grid.corner(at));
+            let center = |at: [usize; D]| tiles.holds(at).then(|| grid.center(at));
+            let (corners, cells) = ((grid.dx, corner_lattice(&grid)), (grid.dx, grid.lattice()));
+            nearest(solid, corners, [*low, high.map(|n| n + 1)], corner, &mut self.corners);
+            nearest(solid, cells, [*low, *high], center, &mut self.centers);
         }
         for cells in self.boxes.clone() {
-            self.open_faces(cells);
+            self.open_faces(cells, tiles);
         }
         self.shut.iter_mut().for_each(|faces| {
             faces.sort_unstable();
             faces.dedup();
         });
-        let mut wet: Vec<WetCell<D>> = self.boxes.iter().flat_map(|b| self.wet_cells(*b, solids)).collect();
+        let wet = |cells: &[[usize; D]; 2]| self.wet_cells(*cells, solids, tiles);
+        let mut wet: Vec<WetCell<D>> = self.boxes.iter().flat_map(wet).collect();
         wet.sort_by_key(|w| w.cell);
         wet.dedup_by_key(|w| w.cell);
         self.wet = wet;
@@ -164,12 +166,13 @@ impl<const D: usize> CutCells<D> {
         }
     }
 
-    fn open_faces(&mut self, cells: [[usize; D]; 2]) {
+    fn open_faces(&mut self, cells: [[usize; D]; 2], tiles: &Tiles<D>) {
         for a in 0..D {
             let faces = self.open.grid.faces(a);
             let shares: Vec<(usize, f64, bool)> = points(face_box(cells, a))
                 .into_par_iter()
                 .with_min_len(256)
+                .filter(|at| tiles.holds_at_face(a, *at))
                 .map(|at| {
                     let share = self.opening(a, at).0;
                     (faces.index(at), share, share == 0.0 && self.depth(a, at) < DEEP)
@@ -192,7 +195,12 @@ impl<const D: usize> CutCells<D> {
         across.map(depth).fold(f64::INFINITY, f64::min)
     }
 
-    fn wet_cells(&self, cells: [[usize; D]; 2], solids: &[CutBy<'_, D>]) -> Vec<WetCell<D>> {
+    fn wet_cells(
+        &self,
+        cells: [[usize; D]; 2],
+        solids: &[CutBy<'_, D>],
+        tiles: &Tiles<D>,
+    ) -> Vec<WetCell<D>> {
         let grid = self.open.grid;
         let lattice = grid.lattice();
         let wet = |at: [usize; D]| {
@@ -234,10 +242,15 @@ impl<const D: usize> CutCells<D> {
             spread += Matrix::identity() * volume;
             let x = grid.center(at);
             let near = |i: &usize, j: &usize| (solids[*i].distance)(&x).total_cmp(&(solids[*j].distance)(&x));
-            let solid = (0..solids.len()).min_by(near)? as u32;
+            let beside = |i: &usize| {
+                let [low, high] = self.boxes[*i];
+                (0..D).all(|a| (low[a]..high[a]).contains(&at[a]))
+            };
+            let solid = (0..solids.len()).filter(beside).min_by(near)? as u32;
             Some(WetCell { cell: lattice.index(at) as u32, solid, area, moment, spread })
         };
-        points(cells).into_par_iter().with_min_len(256).filter_map(wet).collect()
+        let near = points(cells).into_par_iter().with_min_len(256).filter(|at| tiles.holds(*at));
+        near.filter_map(wet).collect()
     }
 
     /// Mean distance in a cell, in cells.
@@ -282,19 +295,19 @@ fn corner_lattice<const D: usize>(grid: &Grid<D>) -> Lattice<D> {
     Lattice::new(grid.cells.map(|n| n + 1))
 }
 
-/// Makes `values` the distance to a solid, in cells, where that is less, at the points of a box; `place` is where they are.
+/// Makes `values` the distance to a solid, in cells, where that is less, at the points of a box; `place` is where those are
+/// that count.
 fn nearest<const D: usize>(
     solid: &CutBy<'_, D>,
-    lattice: Lattice<D>,
+    (dx, lattice): (f64, Lattice<D>),
     cells: [[usize; D]; 2],
-    place: impl Fn([usize; D]) -> Vector<D> + Sync,
+    place: impl Fn([usize; D]) -> Option<Vector<D>> + Sync,
     values: &mut [f64],
 ) {
-    let dx = (place([1; D]) - place([0; D]))[0];
     let found: Vec<(usize, f64)> = points(cells)
         .into_par_iter()
         .with_min_len(256)
-        .map(|at| (lattice.index(at), (solid.distance)(&place(at)) / dx))
+        .filter_map(|at| place(at).map(|x| (lattice.index(at), (solid.distance)(&x) / dx)))
         .map(|(i, v)| (i, if v.abs() < ON_SURFACE { -ON_SURFACE } else { v }))
         .collect();
     found.into_iter().for_each(|(i, v)| values[i] = values[i].min(v));
@@ -391,7 +404,10 @@ mod tests {
 
     fn cut<const D: usize>(cells: usize, distance: &(dyn Fn(&Vector<D>) -> f64 + Sync)) -> CutCells<D> {
         let mut cut = CutCells::none(Grid::new([cells; D], 1.0 / cells as f64));
-        cut.rebuild(&[CutBy { distance, bounds: [Vector::repeat(0.1), Vector::repeat(0.9)] }]);
+        cut.rebuild(
+            &[CutBy { distance, bounds: [Vector::repeat(0.1), Vector::repeat(0.9)] }],
+            &Tiles::all(cut.open.grid),
+        );
         cut
     }
 
@@ -457,7 +473,10 @@ mod tests {
         let offset = 0.55;
         let mut cut = CutCells::none(Grid::<D>::new([9; D], 1.0 / 9.0));
         let distance = |x: &Vector<D>| x.dot(&normal) - offset;
-        cut.rebuild(&[CutBy { distance: &distance, bounds: [Vector::repeat(-1.0), Vector::repeat(2.0)] }]);
+        cut.rebuild(
+            &[CutBy { distance: &distance, bounds: [Vector::repeat(-1.0), Vector::repeat(2.0)] }],
+            &Tiles::all(cut.open.grid),
+        );
         for w in &cut.wet {
             let along = w.area.normalize().dot(&-normal);
             assert!((along - 1.0).abs() < 1e-9 || w.area.norm() < 0.05, "{w:?}");
@@ -468,7 +487,10 @@ mod tests {
         // Shares of a face and what lies beyond it make a whole.
         let other = |x: &Vector<D>| -distance(x);
         let mut rest = CutCells::none(cut.open.grid);
-        rest.rebuild(&[CutBy { distance: &other, bounds: [Vector::repeat(-1.0), Vector::repeat(2.0)] }]);
+        rest.rebuild(
+            &[CutBy { distance: &other, bounds: [Vector::repeat(-1.0), Vector::repeat(2.0)] }],
+            &Tiles::all(rest.open.grid),
+        );
         for a in 0..D {
             for (open, shut) in cut.open.axes[a].iter().zip(&rest.open.axes[a]) {
                 assert!((open + shut - 1.0).abs() < 1e-12, "{open} {shut}");
@@ -485,7 +507,7 @@ mod tests {
     #[test]
     fn a_solid_that_leaves_leaves_nothing_behind() {
         let mut cut = cut::<3>(20, &ball);
-        cut.rebuild(&[]);
+        cut.rebuild(&[], &Tiles::all(cut.open.grid));
         assert!(cut.wet.is_empty() && cut.open.axes.iter().flatten().all(|s| *s == 1.0));
     }
 }

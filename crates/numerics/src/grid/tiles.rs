@@ -60,6 +60,36 @@ impl<const D: usize> Tiles<D> {
         Self { grid: self.grid, lattice: self.lattice, active }
     }
 
+    /// These and their neighbours.
+    pub fn grown(&self) -> Self {
+        let mut active = vec![false; self.lattice.len()];
+        for (tile, _) in self.active.iter().enumerate().filter(|(_, a)| **a) {
+            self.for_neighbours(tile, |n| active[n] = true);
+        }
+        Self { grid: self.grid, lattice: self.lattice, active }
+    }
+
+    /// Whether a cell is in an active tile.
+    pub fn holds(&self, cell: [usize; D]) -> bool {
+        self.active[self.lattice.index(cell.map(|i| i / TILE))]
+    }
+
+    /// Whether a corner of cells is one of a cell in an active tile.
+    pub fn holds_at_corner(&self, at: [usize; D]) -> bool {
+        (0..1usize << D).any(|k| self.holds_below(at, std::array::from_fn(|a| k >> a & 1)))
+    }
+
+    /// Whether a face normal to `axis` is one of a cell in an active tile.
+    pub fn holds_at_face(&self, axis: usize, at: [usize; D]) -> bool {
+        self.holds_below(at, [0; D]) || self.holds_below(at, std::array::from_fn(|a| usize::from(a == axis)))
+    }
+
+    /// Whether the cell `by` below another is in an active tile.
+    fn holds_below(&self, at: [usize; D], by: [usize; D]) -> bool {
+        let within = (0..D).all(|a| (by[a]..self.grid.cells[a] + by[a]).contains(&at[a]));
+        within && self.holds(std::array::from_fn(|a| at[a] - by[a]))
+    }
+
     /// The rows of the active tiles, stretches as long as possible, in the order of memory.
     pub fn segments(&self) -> Vec<Segment> {
         let mut out = Vec::new();

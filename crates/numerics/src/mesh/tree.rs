@@ -28,7 +28,7 @@ pub struct Closest<const D: usize> {
     pub distance_squared: f64,
 }
 
-/// A box of the tree. A node's first child follows it.
+/// A box of the tree, as searches see it: a line of the cache in 3D. A node's first child follows it.
 #[derive(Clone, Copy, Debug)]
 struct Node<const D: usize> {
     lower: Vector<D>,
@@ -40,6 +40,11 @@ struct Node<const D: usize> {
     second: u32,
     /// The node after all nodes below this one.
     after: u32,
+}
+
+/// The facets of a node from afar.
+#[derive(Clone, Copy, Debug)]
+struct Dipole<const D: usize> {
     /// Sum of the area vectors, their mean point and the farthest corner from it.
     area: Vector<D>,
     center: Vector<D>,
@@ -50,6 +55,7 @@ struct Node<const D: usize> {
 #[derive(Clone, Debug)]
 pub struct FacetTree<const D: usize> {
     nodes: Vec<Node<D>>,
+    dipoles: Vec<Dipole<D>>,
     facets: Vec<u32>,
     corners: Vec<[Vector<D>; D]>,
 }
@@ -60,7 +66,8 @@ impl<const D: usize> FacetTree<D> {
         let mut items: Vec<(Vector<D>, u32)> = (0..mesh.facets.len())
             .map(|f| (mesh.corners(f).iter().sum::<Vector<D>>() / D as f64, f as u32))
             .collect();
-        let mut tree = Self { nodes: Vec::new(), facets: Vec::new(), corners: Vec::new() };
+        let mut tree =
+            Self { nodes: Vec::new(), dipoles: Vec::new(), facets: Vec::new(), corners: Vec::new() };
         let count = items.len();
         if count > 0 {
             tree.build(mesh, &mut items, 0);
@@ -71,7 +78,9 @@ impl<const D: usize> FacetTree<D> {
     /// Adds the node of some facets and those below it, the facets in the tree's order from `first` on.
     fn build(&mut self, mesh: &SurfaceMesh<D>, items: &mut [(Vector<D>, u32)], first: usize) {
         let index = self.nodes.len();
-        self.nodes.push(node(mesh, items, first));
+        let (node, dipole) = node(mesh, items, first);
+        self.nodes.push(node);
+        self.dipoles.push(dipole);
         if items.len() <= LEAF {
             for (_, facet) in items.iter() {
                 self.facets.push(*facet);
@@ -135,10 +144,11 @@ impl<const D: usize> FacetTree<D> {
         let mut at = 0;
         // The nodes below a node follow it: skipping them is a jump.
         while let Some(node) = self.nodes.get(at) {
-            let d = node.center - x;
+            let far = &self.dipoles[at];
+            let d = far.center - x;
             let distance = d.norm();
-            if distance > FAR * node.radius && distance > 0.0 {
-                sum += node.area.dot(&d) / (2.0 * (D - 1) as f64 * PI * distance.powi(D as i32));
+            if distance > FAR * far.radius && distance > 0.0 {
+                sum += far.area.dot(&d) / (2.0 * (D - 1) as f64 * PI * distance.powi(D as i32));
                 at = node.after as usize;
             } else if node.second == 0 {
                 let range = node.first as usize..(node.first + node.count) as usize;
@@ -177,7 +187,11 @@ impl<const D: usize> Node<D> {
 }
 
 /// The box and the dipole of some facets.
-fn node<const D: usize>(mesh: &SurfaceMesh<D>, items: &[(Vector<D>, u32)], first: usize) -> Node<D> {
+fn node<const D: usize>(
+    mesh: &SurfaceMesh<D>,
+    items: &[(Vector<D>, u32)],
+    first: usize,
+) -> (Node<D>, Dipole<D>) {
     let (mut lower, mut upper) = (Vector::<D>::repeat(f64::INFINITY), Vector::<D>::repeat(f64::NEG_INFINITY));
     let (mut area, mut moment, mut weight) = (Vector::<D>::zeros(), Vector::<D>::zeros(), 0.0);
     for (middle, facet) in items {
@@ -191,17 +205,8 @@ fn node<const D: usize>(mesh: &SurfaceMesh<D>, items: &[(Vector<D>, u32)], first
     let center = if weight > 0.0 { moment / weight } else { (lower + upper) * 0.5 };
     let corners = items.iter().flat_map(|(_, f)| mesh.corners(*f as usize));
     let radius = corners.map(|c| (c - center).norm()).fold(0.0, f64::max);
-    Node {
-        lower,
-        upper,
-        first: first as u32,
-        count: items.len() as u32,
-        second: 0,
-        after: 0,
-        area,
-        center,
-        radius,
-    }
+    let node = Node { lower, upper, first: first as u32, count: items.len() as u32, second: 0, after: 0 };
+    (node, Dipole { area, center, radius })
 }
 
 /// The share of the full angle (2D) or solid angle (3D) under which a facet is seen, positive from inside.

@@ -344,7 +344,7 @@ mod tests {
         let ball = |x: &Vector<D>| (x - Vector::from_fn(|a, _| 8.2 - 0.4 * a as f64)).norm() - 3.1;
         let bounds = [Vector::repeat(3.0), Vector::repeat(12.0)];
         let mut cut = CutCells::none(grid);
-        cut.rebuild(&[meniscus_numerics::grid::CutBy { distance: &ball, bounds }]);
+        cut.rebuild(&[meniscus_numerics::grid::CutBy { distance: &ball, bounds }], &Tiles::all(grid));
         let mut lattice = SurfaceLattice::new(grid, weight());
         lattice.follow(&cut, |_| (0, 0.6));
         let inside = Tiles::all(grid).negative_runs(phi);
