@@ -12,6 +12,7 @@ use meniscus_elastic::{Elastic, ElasticState, System};
 use meniscus_numerics::Vector;
 use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::mesh::SurfaceMesh;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// What a cell gives way, over what a face does, that is nothing: a pocket with no way out but through so little of a solid's
@@ -65,7 +66,7 @@ pub fn systems<const D: usize>(
         }
         _ => Ok(None),
     };
-    model.solids.iter().zip(solids).map(of).collect()
+    model.solids.par_iter().zip(solids).map(of).collect()
 }
 
 impl<const D: usize> SoftSystem<D> {

@@ -19,7 +19,7 @@ use crate::liquid::pressure::Projection;
 use crate::liquid::transport::{advect_surface, advect_velocity, pack};
 use crate::model::Model;
 use crate::simulation::PhaseEnd;
-use crate::soft::systems;
+use crate::soft::{Systems, systems};
 use crate::solid::Motion;
 use crate::state::State;
 use crate::workspace::{BAND, LAYERS, Workspace};
@@ -77,6 +77,35 @@ pub fn step<const D: usize>(
         phase_end("solids");
     }
 
+    // (1) to (3) The liquid moves; meanwhile the matrices of the solids that deform are factorised.
+    let kick = kick(state.lead, dt);
+    let (solids, mut matrices) = (state.solids.clone(), Ok(Systems::new()));
+    let (mut change, displacement) = rayon::in_place_scope(|scope| {
+        scope.spawn(|_| matrices = systems(model, &solids, kick));
+        move_liquid(model, state, work, dt, phase_end)
+    });
+    work.soft = matrices?;
+    if !model.solids.is_empty() {
+        phase_end("solids");
+    }
+
+    // (4) The forces, and viscosity.
+    let (solve, stirred) = push(model, state, work, &mut change, displacement, (dt, kick), phase_end)?;
+    (state.lead, state.kick) = (state.lead + kick - dt, kick);
+    state.time += dt;
+    state.step += 1;
+    state.last_dt = dt;
+    Ok(StepResult { solve, stirred, volume_jump: change.jump })
+}
+
+/// Moves the liquid; gives back how it has changed, and how its surface moves.
+fn move_liquid<const D: usize>(
+    model: &Model<D>,
+    state: &mut State<D>,
+    work: &mut Workspace<D>,
+    dt: f64,
+    phase_end: PhaseEnd<'_>,
+) -> (Change<D>, Vec<Displacement<D>>) {
     // (1) The surface moves with the flow and becomes a distance again.
     let before = move_surface(model, state, work, dt);
     phase_end("advect surface");
@@ -85,7 +114,7 @@ pub fn step<const D: usize>(
     hold_lines(model, state, work);
 
     // (2) Every component keeps its volume, and the centre of mass of what touches nothing its path.
-    let mut change = keep_volume(model, state, work, &before, dt);
+    let change = keep_volume(model, state, work, &before, dt);
     phase_end("volume");
 
     // (3) The velocity is carried along.
@@ -93,15 +122,7 @@ pub fn step<const D: usize>(
     move_velocity(model, state, work, dt);
     keep_carried(model, state, work, &change);
     phase_end("advect velocity");
-
-    // (4) The forces, and viscosity.
-    let kick = kick(state.lead, dt);
-    let (solve, stirred) = push(model, state, work, &mut change, displacement, (dt, kick), phase_end)?;
-    (state.lead, state.kick) = (state.lead + kick - dt, kick);
-    state.time += dt;
-    state.step += 1;
-    state.last_dt = dt;
-    Ok(StepResult { solve, stirred, volume_jump: change.jump })
+    (change, displacement)
 }
 
 /// Brings the velocity half a step ahead of the positions, where leapfrog wants it: once, before the first step.
@@ -118,6 +139,7 @@ fn start<const D: usize>(
     expect(model, state, work, &mut change.groups, &[], 0.0);
     let still = displacements(model, state, work, 0.0);
     work.mark_afresh(model);
+    work.soft = systems(model, &state.solids, 0.5 * dt)?;
     push(model, state, work, &mut change, still, (dt, 0.5 * dt), phase_end)?;
     (state.lead, state.kick) = (0.5 * dt, 0.5 * dt);
     Ok(())
@@ -142,7 +164,6 @@ fn push<const D: usize>(
     phase_end: PhaseEnd<'_>,
 ) -> Result<(SolveReport, f64), SolveError> {
     let before = state.solids.clone();
-    work.soft = systems(model, &state.solids, kick)?;
     fall(model, state, work, kick);
 
     // Surface tension as a pressure on the surface.

@@ -11,6 +11,7 @@
 use super::operator::{LinearOperator, SolveError, SolveReport};
 use super::pressure::PressureSolver;
 use crate::grid::CellField;
+use rayon::prelude::*;
 
 /// Entries of a column: the cell (by its place in memory) and the value.
 pub type Column = Vec<(u32, f64)>;
@@ -58,19 +59,24 @@ impl<const D: usize> LinearOperator for Coupled<'_, D> {
     }
 
     fn apply_dot(&self, x: &[f64], y: &mut [f64]) -> f64 {
-        let mut dot = self.system.apply_dot(x, y);
-        for column in &self.columns {
-            let along: f64 = column.iter().map(|(i, v)| v * x[*i]).sum();
-            column.iter().for_each(|(i, v)| y[*i] += v * along);
-            dot += along * along;
-        }
-        for (body, entries) in &self.soft {
+        let given = |(body, entries): &(&Compliance<'_>, Vec<Option<usize>>)| {
             let mut push = vec![0.0; body.freedoms];
             for (entry, (_, flow)) in entries.iter().zip(&body.flows) {
                 let Some(entry) = entry else { continue };
                 flow.iter().for_each(|(k, v)| push[*k as usize] += v * x[*entry]);
             }
             (body.solve)(&mut push);
+            push
+        };
+        // A body's solve is serial: the bodies give way side by side, and with them the liquid.
+        let (mut dot, given): (f64, Vec<Vec<f64>>) =
+            rayon::join(|| self.system.apply_dot(x, y), || self.soft.par_iter().map(given).collect());
+        for column in &self.columns {
+            let along: f64 = column.iter().map(|(i, v)| v * x[*i]).sum();
+            column.iter().for_each(|(i, v)| y[*i] += v * along);
+            dot += along * along;
+        }
+        for ((body, entries), push) in self.soft.iter().zip(&given) {
             for ((entry, (_, flow)), porous) in entries.iter().zip(&body.flows).zip(&body.porous) {
                 let Some(entry) = *entry else { continue };
                 let more = flow.iter().map(|(k, v)| v * push[*k as usize]).sum::<f64>() - porous * x[entry];
