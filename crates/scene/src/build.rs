@@ -11,8 +11,9 @@ use crate::soft;
 use crate::thin::thick_enough;
 use crate::wetting;
 use meniscus_numerics::grid::Grid;
-use meniscus_numerics::mesh::volume::Outline;
-use meniscus_numerics::shape::{MeshShape, Shape};
+use meniscus_numerics::mesh::VolumeMesh;
+use meniscus_numerics::mesh::volume::{Outline, read};
+use meniscus_numerics::shape::{MeshShape, Shape, SmoothUnion};
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{Model, Motion, Numerics, Path, Simulation, Solid};
 use std::sync::Arc;
@@ -277,6 +278,17 @@ pub(crate) fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneE
         ShapeSpec::Difference { of, minus } => {
             Shape::Difference { of: Box::new(shape(of)?), minus: Box::new(shape(minus)?) }
         }
+        ShapeSpec::SmoothUnion { parts, width } => Shape::Smooth(SmoothUnion {
+            parts: parts.iter().map(shape).collect::<Result<_, _>>()?,
+            width: *width,
+        }),
+        ShapeSpec::Cow { at, length, rotation: turned } => {
+            Shape::Smooth(SmoothUnion::cow(*length, &vector(at), &rotation(turned)))
+        }
+        ShapeSpec::Mesh { .. } if spec.volume_file().is_some() => {
+            let (surface, _) = volume::<D>(spec).map_err(SceneError::new)?.surface();
+            Shape::Mesh(Arc::new(MeshShape::new(surface)))
+        }
         ShapeSpec::Mesh { path, scale, translate, rotation: turned } => {
             let mesh = MeshShape::<D>::load(path, *scale, &rotation(turned), &vector(translate))
                 .map_err(|e| SceneError::new(e.to_string()))?;
@@ -287,10 +299,20 @@ pub(crate) fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneE
         }
         ShapeSpec::Wave { .. } => {
             let help = "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, extrusion, \
-                        union, difference or mesh";
+                        union, smooth_union, difference, cow or mesh";
             return Err(SceneError::new("this shape is not yet in this version").with_help(help));
         }
     })
+}
+
+/// The elements of a mesh file that holds a volume, where the scene has them; the message of an error if there are none.
+pub(crate) fn volume<const D: usize>(spec: &ShapeSpec) -> Result<VolumeMesh<D>, String> {
+    let ShapeSpec::Mesh { path, scale, translate, rotation: turned } = spec else {
+        return Err("this shape has no elements of its own".to_owned());
+    };
+    let mut mesh = read::load::<D>(path).map_err(|e| e.to_string())?;
+    mesh.positions.iter_mut().for_each(|x| *x *= *scale);
+    Ok(mesh.moved(&rotation(turned), &vector(translate)))
 }
 
 /// An outline in the plane.

@@ -2,7 +2,7 @@
 
 use crate::build::{self, rotation, shape, vector};
 use crate::error::SceneError;
-use crate::file::{Elastic as Constants, Material, Scene, ShapeSpec, Solid as SolidSpec};
+use crate::file::{Elastic as Constants, Material, Moved, Scene, ShapeSpec, Solid as SolidSpec};
 use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Motion, Smoothing};
 use meniscus_numerics::mesh::VolumeMesh;
 
@@ -23,7 +23,7 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
         let error = SceneError::new(format!("the solid `{}` cannot be meshed: {message}", spec.name));
         scene.source.at_value(error, &scene.source.first_inside(&at("shape")))
     })?;
-    let anchors = anchors(&mesh, spec, &|k, error| scene.source.at_value(error, &at(&format!("fixed.{k}"))))?;
+    let anchors = anchors(&mesh, spec, &|key, error| scene.source.at_value(error, &at(key)))?;
     let density = spec.density.unwrap_or(scene.liquid.density);
     let description =
         Description { mesh, density, law, damping_ratio, anchors, integrator: Integrator::default() };
@@ -56,6 +56,9 @@ fn law(spec: &SolidSpec) -> Option<(Law, f64)> {
 
 /// The mesh of a shape with edges of a length, m; the message of an error if there is none.
 fn mesh<const D: usize>(spec: &ShapeSpec, edge: f64) -> Result<VolumeMesh<D>, String> {
+    if spec.volume_file().is_some() {
+        return build::volume(spec);
+    }
     if let ShapeSpec::Extrusion { outline, thickness, center, rotation: turned } = spec {
         let flat = build::outline(outline).map_err(|e| e.to_string())?;
         let mesh = VolumeMesh::of_outline(&flat, &vector(center), *thickness, &rotation(turned), edge);
@@ -65,27 +68,38 @@ fn mesh<const D: usize>(spec: &ShapeSpec, edge: f64) -> Result<VolumeMesh<D>, St
     VolumeMesh::of_shape(&shape, edge).map_err(|e| e.to_string())
 }
 
-/// The vertices that are held, by the regions that hold them; a region that holds none is an error, which `at` marks with the
-/// region's number.
+/// The vertices that are held, by the regions that hold them: a region that holds none is an error, which `at` marks with
+/// the region's key.
 fn anchors<const D: usize>(
     mesh: &VolumeMesh<D>,
     spec: &SolidSpec,
-    at: &dyn Fn(usize, SceneError) -> SceneError,
+    at: &dyn Fn(&str, SceneError) -> SceneError,
 ) -> Result<Vec<Anchor<D>>, SceneError> {
+    let fixed = spec.fixed.iter().enumerate().map(|(k, s)| (format!("fixed.{k}"), s, Motion::Fixed));
+    let moved = spec.moved.iter().enumerate();
+    let moved = moved.map(|(k, m)| (format!("moved.{k}.shape"), &m.shape, motion(m)));
     let mut taken = vec![false; mesh.positions.len()];
     let mut anchors = Vec::new();
-    for (k, region) in spec.fixed.iter().enumerate() {
-        let region = shape::<D>(region).map_err(|e| at(k, e))?;
+    for (key, region, motion) in fixed.chain(moved) {
+        let region = shape::<D>(region).map_err(|e| at(&key, e))?;
         let inside = Anchor::within(mesh, |x| region.signed_distance(x) <= ON_SURFACE * spec.mesh_edge);
         if inside.vertices.is_empty() {
             let error = SceneError::new(format!("this holds no vertex of the solid `{}`", spec.name));
-            return Err(at(k, error.with_help("make it larger, or move it onto the solid")));
+            return Err(at(&key, error.with_help("make it larger, or move it onto the solid")));
         }
         let vertices: Vec<u32> = inside.vertices.into_iter().filter(|v| !taken[*v as usize]).collect();
         vertices.iter().for_each(|v| taken[*v as usize] = true);
         if !vertices.is_empty() {
-            anchors.push(Anchor { vertices, motion: Motion::Fixed });
+            anchors.push(Anchor { vertices, motion });
         }
     }
     Ok(anchors)
+}
+
+/// How a part that goes as told does so.
+fn motion<const D: usize>(moved: &Moved) -> Motion<D> {
+    match moved.keyframes.is_empty() {
+        true => Motion::Velocity(vector(&moved.velocity)),
+        false => Motion::Keyframes(moved.keyframes.iter().map(|(time, to)| (*time, vector(to))).collect()),
+    }
 }

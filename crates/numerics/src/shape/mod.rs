@@ -2,7 +2,8 @@
 //!
 //! Each shape knows its signed distance, negative inside. Ball, box, half space, cylinder, capsule,
 //! ellipsoid, perturbed ball and mesh give the true distance everywhere; unions and differences take the
-//! smaller or larger of their parts' distances, which is right on the surface and a bound away from it.
+//! smaller or larger of their parts' distances, which is right on the surface and a bound away from it; what a smooth
+//! union gives is less than the distance at its fillets.
 
 mod clip;
 mod ellipsoid;
@@ -93,6 +94,8 @@ pub enum Shape<const D: usize> {
     },
     /// All points in any of the shapes.
     Union(Vec<Shape<D>>),
+    /// Shapes that melt into each other.
+    Smooth(SmoothUnion<D>),
     /// All points of one shape that are not in another.
     Difference {
         /// The shape cut into.
@@ -150,6 +153,7 @@ impl<const D: usize> Shape<D> {
                 perturbed::Outline::new::<D>(*radius, *mode, *amplitude).signed_distance(&d)
             }
             Self::Union(parts) => parts.iter().map(|s| s.signed_distance(x)).fold(f64::INFINITY, f64::min),
+            Self::Smooth(union) => union.signed_distance(x),
             Self::Difference { of, minus } => of.signed_distance(x).max(-minus.signed_distance(x)),
             Self::Extrusion { outline, center, thickness, rotation } => {
                 let y = rotation.tr_mul(&(x - center));
@@ -167,8 +171,8 @@ impl<const D: usize> Shape<D> {
     }
 
     /// Lower and upper corner of an axis-aligned box that holds the shape, m. A half space is unbounded; an
-    /// empty union has an inverted, infinite box. Tight except for a difference (the box of what is cut into)
-    /// and a perturbed ball (the box of its largest radius).
+    /// empty union has an inverted, infinite box. Tight except for a difference (the box of what is cut into),
+    /// a perturbed ball (the box of its largest radius) and a smooth union (with room for fillets).
     pub fn bounds(&self) -> (Vector<D>, Vector<D>) {
         let around = |center: &Vector<D>, reach: Vector<D>| (center - reach, center + reach);
         match self {
@@ -191,6 +195,7 @@ impl<const D: usize> Shape<D> {
                 let start = (Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY));
                 parts.iter().map(Self::bounds).fold(start, |s, b| (s.0.inf(&b.0), s.1.sup(&b.1)))
             }
+            Self::Smooth(union) => union.bounds(),
             Self::Difference { of, .. } => of.bounds(),
             Self::Extrusion { outline, center, thickness, rotation } => {
                 let (lower, upper) = outline.surface().bounds();
@@ -210,7 +215,7 @@ impl<const D: usize> Shape<D> {
         match self {
             Self::Ball { radius, .. } => Some(ball * power(*radius)),
             Self::Box { half_size, .. } => Some(power(2.0) * half_size.product()),
-            Self::HalfSpace { .. } => None,
+            Self::HalfSpace { .. } | Self::Smooth(_) => None,
             Self::Cylinder { radius, height, .. } => Some(height * disc::<D>(*radius)),
             Self::Capsule { a, b, radius } => {
                 Some(ball * power(*radius) + disc::<D>(*radius) * (b - a).norm())

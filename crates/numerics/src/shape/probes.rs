@@ -55,7 +55,7 @@ impl<const D: usize> Shape<D> {
             Self::Ball { .. } | Self::Box { .. } | Self::HalfSpace { .. } => true,
             Self::Cylinder { .. } | Self::Capsule { .. } | Self::Ellipsoid { .. } => true,
             Self::PerturbedBall { .. } | Self::Extrusion { .. } | Self::Mesh(_) => false,
-            Self::Difference { .. } => false,
+            Self::Difference { .. } | Self::Smooth(_) => false,
             Self::Union(parts) => parts.len() == 1 && parts[0].is_convex(),
         }
     }

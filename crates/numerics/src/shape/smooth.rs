@@ -29,19 +29,24 @@ impl<const D: usize> SmoothUnion<D> {
 
     /// Lower and upper corner of a box that holds it, m; not tight: fillets are taken to stick out by half their width.
     pub fn bounds(&self) -> (Vector<D>, Vector<D>) {
-        let start = (Vector::<D>::repeat(f64::INFINITY), Vector::<D>::repeat(f64::NEG_INFINITY));
-        let (lower, upper) =
-            self.parts.iter().map(Shape::bounds).fold(start, |s, b| (s.0.inf(&b.0), s.1.sup(&b.1)));
+        let (lower, upper) = self.parts_bounds();
         (lower.add_scalar(-0.5 * self.width), upper.add_scalar(0.5 * self.width))
     }
 
-    /// A cow, about `length` (m) from rump to muzzle. It faces along the first axis and stands at the origin, its feet at
-    /// height 0 of the last axis; in 2D it is seen from the side. Horns, ears and tail are a twentieth of the length thick:
-    /// fill it with edges of a thirtieth or less.
-    pub fn cow(length: f64) -> Self {
+    /// Lower and upper corner of the box around its parts without their fillets, m.
+    pub fn parts_bounds(&self) -> (Vector<D>, Vector<D>) {
+        let start = (Vector::<D>::repeat(f64::INFINITY), Vector::<D>::repeat(f64::NEG_INFINITY));
+        self.parts.iter().map(Shape::bounds).fold(start, |s, b| (s.0.inf(&b.0), s.1.sup(&b.1)))
+    }
+
+    /// A cow, about `length` (m) from rump to muzzle. It stands at the point `at` (m), which is below its chest, with its feet
+    /// at that height; it faces along the first of its own axes, the columns of `rotation`, and the last is up. In 2D it is
+    /// seen from the side. Horns, ears and tail are a twentieth of the length thick: fill it with edges of a thirtieth or less.
+    pub fn cow(length: f64, at: &Vector<D>, rotation: &Matrix<D>) -> Self {
         let mut parts = Vec::new();
         // Places as forward, sideways, up, in lengths.
-        let place = |p: [f64; 3]| Vector::<D>::from_fn(|a, _| length * if a + 1 == D { p[2] } else { p[a] });
+        let along = |p: [f64; 3]| Vector::<D>::from_fn(|a, _| length * if a + 1 == D { p[2] } else { p[a] });
+        let place = |p: [f64; 3]| at + rotation * along(p);
         let capsule = |a: [f64; 3], b: [f64; 3], radius: f64| Shape::Capsule {
             a: place(a),
             b: place(b),
@@ -49,8 +54,8 @@ impl<const D: usize> SmoothUnion<D> {
         };
         let ellipsoid = |center: [f64; 3], radii: [f64; 3]| Shape::Ellipsoid {
             center: place(center),
-            radii: place(radii),
-            rotation: Matrix::identity(),
+            radii: along(radii),
+            rotation: *rotation,
         };
         parts.push(ellipsoid([-0.06, 0.0, 0.52], [0.34, 0.165, 0.185]));
         parts.push(ellipsoid([0.13, 0.0, 0.52], [0.18, 0.15, 0.205]));
@@ -105,7 +110,7 @@ mod tests {
     }
 
     fn animal<const D: usize>(edge: f64) {
-        let cow = SmoothUnion::<D>::cow(1.0);
+        let cow = SmoothUnion::<D>::cow(1.0, &Vector::zeros(), &Matrix::identity());
         let (lower, upper) = cow.bounds();
         let mesh = stuff(&|x| cow.signed_distance(x), &lower, &upper, edge).unwrap();
         let quality = mesh.quality();
@@ -119,6 +124,28 @@ mod tests {
         );
     }
 
+    /// A cow elsewhere and turned is the same cow.
+    fn turned<const D: usize>() {
+        let (s, c) = 0.7f64.sin_cos();
+        let mut rotation = Matrix::<D>::identity();
+        (rotation[(0, 0)], rotation[(0, D - 1)], rotation[(D - 1, 0)], rotation[(D - 1, D - 1)]) =
+            (c, -s, s, c);
+        let at = Vector::from_fn(|a, _| 0.3 + a as f64);
+        let cow = SmoothUnion::<D>::cow(0.02, &Vector::zeros(), &Matrix::identity());
+        let other = SmoothUnion::<D>::cow(0.02, &at, &rotation);
+        for k in 0..500 {
+            let x = Vector::<D>::from_fn(|a, _| 0.02 * (((k * [7, 11, 13][a]) % 101) as f64 / 50.0 - 1.0));
+            let there = other.signed_distance(&(at + rotation * x));
+            assert!((cow.signed_distance(&x) - there).abs() < 1e-14, "{D}D at {x}");
+        }
+    }
+
+    #[test]
+    fn a_cow_turns() {
+        turned::<2>();
+        turned::<3>();
+    }
+
     #[test]
     fn a_cow_is_filled() {
         animal::<2>(1.0 / 30.0);
@@ -127,7 +154,7 @@ mod tests {
         animal::<3>(1.0 / 45.0);
         // Too coarse for horns and tail: an error, or parts that are left over.
         for edge in [0.05, 0.08, 0.15] {
-            let cow = SmoothUnion::<3>::cow(1.0);
+            let cow = SmoothUnion::<3>::cow(1.0, &Vector::zeros(), &Matrix::identity());
             let (lower, upper) = cow.bounds();
             match stuff(&|x| cow.signed_distance(x), &lower, &upper, edge) {
                 Ok(mesh) => println!("edges of {edge}: {}", mesh.quality()),

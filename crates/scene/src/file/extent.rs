@@ -1,6 +1,8 @@
 //! What a shape fills: bounds, points inside, a typical radius.
 
-use super::ShapeSpec;
+use super::{Rotation, ShapeSpec};
+use crate::build;
+use meniscus_numerics::shape::SmoothUnion;
 use std::f64::consts::PI;
 
 /// Lower and upper corner, m; infinite where the shape has no end.
@@ -52,14 +54,17 @@ impl ShapeSpec {
                 upper[dim - 1] = level + amplitude;
                 Some((vec![f64::NEG_INFINITY; dim], upper))
             }
-            Self::Extrusion { outline, thickness, center, .. } => {
-                let flat = match outline {
-                    super::Outline::Named(_, size) => 0.5 * size * 2.0_f64.sqrt(),
-                    super::Outline::Points(p) => p.iter().map(|q| q[0].hypot(q[1])).fold(0.0, f64::max),
-                };
-                around(center, &vec![flat.hypot(0.5 * thickness); dim])
+            Self::Extrusion { outline, thickness, center, rotation } => {
+                let (lower, upper) = build::outline(outline).ok()?.surface().bounds();
+                let (middle, half) = ((lower + upper) * 0.5, (upper - lower) * 0.5);
+                let half = [half[0], half[1], 0.5 * thickness];
+                Some(turned_box(center, &[middle[0], middle[1], 0.0], &half, rotation))
             }
-            Self::Union(list) => {
+            Self::Cow { at, length, rotation } => Some(match dim {
+                2 => cow_bounds::<2>(at, *length, rotation),
+                _ => cow_bounds::<3>(at, *length, rotation),
+            }),
+            Self::Union(list) | Self::SmoothUnion { parts: list, .. } => {
                 let mut parts = list.iter().map(|s| s.bounds(dim));
                 let first = parts.next()??;
                 parts.try_fold(first, |(lower, upper), next| {
@@ -74,7 +79,7 @@ impl ShapeSpec {
         }
     }
 
-    /// Whether a point is inside; none for a mesh and an extrusion.
+    /// Whether a point is inside; none where only a numerical shape can tell.
     pub fn contains(&self, p: &[f64]) -> Option<bool> {
         let distance2 = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum::<f64>();
         Some(match self {
@@ -117,7 +122,9 @@ impl ShapeSpec {
                 any
             }
             Self::Difference { of, minus } => of.contains(p)? && !minus.contains(p)?,
-            Self::Extrusion { .. } | Self::Mesh { .. } => return None,
+            Self::Extrusion { .. } | Self::SmoothUnion { .. } | Self::Cow { .. } | Self::Mesh { .. } => {
+                return None;
+            }
         })
     }
 
@@ -133,11 +140,33 @@ impl ShapeSpec {
             Self::Ellipsoid { radii, .. } => Some(least(radii)),
             Self::Wave { wavelength, .. } => Some(wavelength / (2.0 * PI)),
             Self::Extrusion { thickness, .. } => Some(0.5 * thickness),
-            Self::Union(list) => list.iter().filter_map(Self::radius).reduce(f64::min),
+            Self::Union(list) | Self::SmoothUnion { parts: list, .. } => {
+                list.iter().filter_map(Self::radius).reduce(f64::min)
+            }
+            // Half the thickness of its legs.
+            Self::Cow { length, .. } => Some(0.045 * length),
             Self::Difference { of, .. } => of.radius(),
             Self::HalfSpace { .. } | Self::Mesh { .. } => None,
         }
     }
+}
+
+/// A box around one of half sizes `half` about `middle` (m, in its own frame) that is turned and moved to `center`, m.
+fn turned_box(center: &[f64], middle: &[f64; 3], half: &[f64; 3], rotation: &Rotation) -> Bounds {
+    let m = rotation.matrix();
+    let end = |i: usize, sign: f64| {
+        let along = |j: usize| m[i][j] * middle[j] + sign * m[i][j].abs() * half[j];
+        center[i] + (0..center.len()).map(along).sum::<f64>()
+    };
+    let side = |sign: f64| (0..center.len()).map(|i| end(i, sign)).collect();
+    (side(-1.0), side(1.0))
+}
+
+/// The box around a cow's parts, m.
+fn cow_bounds<const D: usize>(at: &[f64], length: f64, rotation: &Rotation) -> Bounds {
+    let cow = SmoothUnion::<D>::cow(length, &build::vector(at), &build::rotation(rotation));
+    let (lower, upper) = cow.parts_bounds();
+    (lower.as_slice().to_vec(), upper.as_slice().to_vec())
 }
 
 /// A half-space has an end along an axis only if its normal lies in that axis.

@@ -1,6 +1,7 @@
 //! Shapes resolved to SI.
 
 use super::resolve::Resolver;
+use super::scene::VOLUMES;
 use super::*;
 use crate::error::SceneError;
 
@@ -60,8 +61,34 @@ impl Resolver {
                     minus: Box::new(self.shape(&format!("{p}.minus"), &d.minus)?),
                 }
             }
+            ShapeFile::SmoothUnion(u) => self.smooth_union(&at("smooth_union"), u)?,
+            ShapeFile::Cow(c) => {
+                let p = at("cow");
+                ShapeSpec::Cow {
+                    at: self.point(&format!("{p}.at"), &c.at)?,
+                    length: self.size_of(&format!("{p}.length"), "the length", c.length)?,
+                    rotation: self.rotation(&format!("{p}.rotation"), c.rotation.as_ref())?,
+                }
+            }
             ShapeFile::Mesh(m) => self.mesh(&at("mesh"), m)?,
         })
+    }
+
+    fn smooth_union(&mut self, path: &str, u: &SmoothUnionFile) -> Result<ShapeSpec, SceneError> {
+        let width = self.size_of(&format!("{path}.width"), "the width of the fillets", u.width)?;
+        let at = format!("{path}.parts");
+        let ShapeSpec::Union(parts) = self.union(&at, &u.parts)? else {
+            return Err(self.error(&at, "a union of nothing", "list at least one shape"));
+        };
+        let endless = |s: &ShapeSpec| {
+            s.bounds(self.dim).is_some_and(|(l, u)| l.iter().chain(&u).any(|x| !x.is_finite()))
+        };
+        if let Some(i) = parts.iter().position(endless) {
+            let help =
+                "use ball, box, capsule, ellipsoid, cylinder, extrusion, cow or mesh, or a plain union";
+            return Err(self.error(&format!("{at}.{i}"), "a part of a smooth union without bounds", help));
+        }
+        Ok(ShapeSpec::SmoothUnion { parts, width })
     }
 
     fn union(&mut self, path: &str, list: &[ShapeFile]) -> Result<ShapeSpec, SceneError> {
@@ -232,13 +259,16 @@ impl Resolver {
     }
 
     fn mesh(&self, path: &str, m: &MeshFile) -> Result<ShapeSpec, SceneError> {
-        self.only_3d(path, "mesh", "box, ball, union, difference")?;
         let at = |key: &str| format!("{path}.{key}");
         let file = self.base.join(&m.file);
-        let known = file.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-        if !matches!(known.as_deref(), Some("stl" | "obj" | "ply")) {
+        let known =
+            file.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).unwrap_or_default();
+        let surfaces = if self.dim == 2 { &["obj", "ply"][..] } else { &["obj", "ply", "stl"] };
+        if !surfaces.iter().chain(&VOLUMES).any(|e| *e == known) {
             let message = format!("`{}` is no mesh that can be read", m.file.escape_debug());
-            return Err(self.error(&at("file"), message, "accepted: .stl, .obj, .ply"));
+            let names = |list: &[&str]| list.iter().map(|e| format!(".{e}")).collect::<Vec<_>>().join(", ");
+            let help = format!("accepted: surfaces {}, volumes {}", names(surfaces), names(&VOLUMES));
+            return Err(self.error(&at("file"), message, help));
         }
         let file = match std::fs::canonicalize(&file) {
             Ok(f) if f.is_file() => f,
@@ -250,7 +280,7 @@ impl Resolver {
         };
         let translate = match &m.translate {
             Some(t) => self.point(&at("translate"), t)?,
-            None => vec![0.0; 3],
+            None => vec![0.0; self.dim],
         };
         Ok(ShapeSpec::Mesh {
             path: file,

@@ -34,6 +34,11 @@ impl Resolver {
                 return Err(self.error(&path, message, "add `density = \"2.5 g/cm^3\"`"));
             }
             let mesh_edge = match s.mesh.as_ref().and_then(|m| m.edge) {
+                Some(_) if shape.volume_file().is_some() => {
+                    let help = "remove `mesh`, or give a closed surface (.obj, .ply, .stl) to be filled with elements";
+                    let message = "the elements of this solid come from its file: `edge` has no effect";
+                    return Err(self.error(&at("mesh.edge"), message, help));
+                }
                 Some(e) => self.size_of(&at("mesh.edge"), "the edge length", e)?,
                 None => self.dx / 1.5,
             };
@@ -41,6 +46,7 @@ impl Resolver {
             for (j, f) in s.fixed.iter().enumerate() {
                 fixed.push(self.shape(&format!("{path}.fixed.{j}"), f)?);
             }
+            let moved = self.moved(&at("moved"), &s.moved)?;
             let velocity = self.velocity(&at("velocity"), s.velocity.as_ref())?;
             let (restitution, friction) = self.collision(&at("collision"), s.collision.as_ref())?;
             let name = s.name.clone();
@@ -54,6 +60,7 @@ impl Resolver {
                 restitution,
                 friction,
                 fixed,
+                moved,
             });
         }
         Ok(out)
@@ -151,8 +158,55 @@ impl Resolver {
             let message = format!("found {} entries of angular velocity", angular.len());
             return Err(self.error(&format!("{path}.angular_velocity"), message, format!("give {turns}")));
         }
+        let keyframes = self.keyframes(path, k.keyframes.as_deref())?;
+        if !keyframes.is_empty() && (k.velocity.is_some() || k.angular_velocity.is_some()) {
+            return Err(self.error(path, "both a velocity and keyframes are given", "remove one"));
+        }
+        let velocity = self.velocity(&format!("{path}.velocity"), k.velocity.as_ref())?;
+        self.no_jump(&format!("{path}.velocity"), velocity.iter().map(|v| v * v).sum::<f64>().sqrt())?;
+        Ok(Material::Kinematic { velocity, angular_velocity: angular, keyframes })
+    }
+
+    /// Parts that go as told.
+    fn moved(&mut self, path: &str, files: &[MovedFile]) -> Result<Vec<Moved>, SceneError> {
+        let mut out = Vec::new();
+        for (j, m) in files.iter().enumerate() {
+            let p = format!("{path}.{j}");
+            let shape = self.shape(&format!("{p}.shape"), &m.shape)?;
+            let keyframes = self.keyframes(&p, m.keyframes.as_deref())?;
+            match (m.velocity.is_some(), keyframes.is_empty()) {
+                (true, false) => {
+                    return Err(self.error(&p, "both a velocity and keyframes are given", "remove one"));
+                }
+                (false, true) => {
+                    let help = "give `velocity` or `keyframes`; what does not move goes into `fixed`";
+                    return Err(self.error(&p, "it is not told how this part moves", help));
+                }
+                _ => {}
+            }
+            if let Some((time, to)) = keyframes.first()
+                && *time <= 0.0
+                && to.iter().any(|x| *x != 0.0)
+            {
+                let help = "let the first displacement be 0: at its start the solid is at rest";
+                return Err(self.error(&format!("{p}.keyframes.0"), "the solid would start strained", help));
+            }
+            let velocity = self.velocity(&format!("{p}.velocity"), m.velocity.as_ref())?;
+            let speed = velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
+            self.no_jump(&format!("{p}.velocity"), speed)?;
+            out.push(Moved { shape, velocity, keyframes });
+        }
+        Ok(out)
+    }
+
+    /// Times, s, and displacements, m.
+    fn keyframes(
+        &self,
+        path: &str,
+        files: Option<&[KeyframeFile]>,
+    ) -> Result<Vec<(f64, Vec<f64>)>, SceneError> {
         let mut keyframes: Vec<(f64, Vec<f64>)> = Vec::new();
-        for (i, f) in k.keyframes.iter().flatten().enumerate() {
+        for (i, f) in files.iter().copied().flatten().enumerate() {
             let p = format!("{path}.keyframes.{i}");
             if keyframes.last().is_some_and(|l| l.0 >= f.time.0) {
                 let message = "the time of this keyframe is not after the one before";
@@ -165,12 +219,7 @@ impl Resolver {
             }
             keyframes.push((f.time.0, to));
         }
-        if !keyframes.is_empty() && (k.velocity.is_some() || k.angular_velocity.is_some()) {
-            return Err(self.error(path, "both a velocity and keyframes are given", "remove one"));
-        }
-        let velocity = self.velocity(&format!("{path}.velocity"), k.velocity.as_ref())?;
-        self.no_jump(&format!("{path}.velocity"), velocity.iter().map(|v| v * v).sum::<f64>().sqrt())?;
-        Ok(Material::Kinematic { velocity, angular_velocity: angular, keyframes })
+        Ok(keyframes)
     }
 
     /// An error if a solid that goes as told is faster than sound in air (m/s): no liquid is incompressible then.

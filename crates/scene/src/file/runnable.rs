@@ -26,6 +26,10 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
         if rigid && !solid.fixed.is_empty() {
             return refuse(&at("fixed.0"), "fixed parts of a solid that does not deform", "remove `fixed`");
         }
+        if rigid && !solid.moved.is_empty() {
+            let help = "use material.kinematic to move all of it, or a material that deforms";
+            return refuse(&at("moved.0"), "moved parts of a solid that does not deform", help);
+        }
         if has(&solid.shape, &|s| matches!(s, ShapeSpec::Wave { .. })) {
             return refuse(&at("shape"), "solids of this shape", SHAPES);
         }
@@ -59,13 +63,16 @@ fn contact_line(scene: &Scene) -> Result<(), SceneError> {
 }
 
 /// Shapes that both liquid and solids can have.
-const SHAPES: &str = "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, extrusion, union, difference or mesh";
+const SHAPES: &str = "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, extrusion, union, smooth_union, \
+                      difference, cow or mesh";
 
 /// Whether a shape or one of its parts is one that is looked for.
 fn has(shape: &ShapeSpec, wanted: &dyn Fn(&ShapeSpec) -> bool) -> bool {
     wanted(shape)
         || match shape {
-            ShapeSpec::Union(list) => list.iter().any(|s| has(s, wanted)),
+            ShapeSpec::Union(list) | ShapeSpec::SmoothUnion { parts: list, .. } => {
+                list.iter().any(|s| has(s, wanted))
+            }
             ShapeSpec::Difference { of, minus } => has(of, wanted) || has(minus, wanted),
             _ => false,
         }

@@ -199,6 +199,13 @@ pub enum ShapeSpec {
     },
     /// What any of them fills.
     Union(Vec<ShapeSpec>),
+    /// What any of them fills, with fillets.
+    SmoothUnion {
+        /// The parts.
+        parts: Vec<ShapeSpec>,
+        /// Width of the fillets, m.
+        width: f64,
+    },
     /// What `of` fills and `minus` does not.
     Difference {
         /// The shape that is cut.
@@ -206,7 +213,16 @@ pub enum ShapeSpec {
         /// The shape that is taken away.
         minus: Box<ShapeSpec>,
     },
-    /// A closed triangle mesh, 3D.
+    /// A cow.
+    Cow {
+        /// The point between its feet, m.
+        at: Vec<f64>,
+        /// Its length, m.
+        length: f64,
+        /// Rotation about that point.
+        rotation: Rotation,
+    },
+    /// A closed surface or a volume from a file.
     Mesh {
         /// Absolute path of an existing file.
         path: PathBuf,
@@ -275,7 +291,32 @@ pub struct Solid {
     pub friction: f64,
     /// Vertices inside these shapes do not move.
     pub fixed: Vec<ShapeSpec>,
+    /// Vertices inside these shapes go as told.
+    pub moved: Vec<Moved>,
 }
+
+/// A part of a solid that goes as told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moved {
+    /// What holds it at the start.
+    pub shape: ShapeSpec,
+    /// Constant velocity, m/s, where there are no keyframes.
+    pub velocity: Vec<f64>,
+    /// Time, s, and displacement, m; times increase.
+    pub keyframes: Vec<(f64, Vec<f64>)>,
+}
+
+impl ShapeSpec {
+    /// The file of a mesh whose own elements fill it, if it is one.
+    pub fn volume_file(&self) -> Option<&std::path::Path> {
+        let Self::Mesh { path, .. } = self else { return None };
+        let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase)?;
+        VOLUMES.contains(&ending.as_str()).then_some(path)
+    }
+}
+
+/// Endings of files that hold volumes.
+pub(super) const VOLUMES: [&str; 4] = ["msh", "node", "ele", "vtk"];
 
 /// What a solid is made of.
 #[derive(Clone, Debug, PartialEq)]

@@ -28,9 +28,13 @@ pub enum ShapeFile {
     Extrusion(ExtrusionFile),
     /// What any of the shapes fills.
     Union(Vec<ShapeFile>),
+    /// What shapes fill that melt into each other.
+    SmoothUnion(SmoothUnionFile),
     /// What `of` fills and `minus` does not.
     Difference(DifferenceFile),
-    /// A closed triangle mesh from a file (3D).
+    /// A cow.
+    Cow(CowFile),
+    /// A closed surface, or a volume of triangles (2D) or tetrahedra (3D), from a file.
     Mesh(MeshFile),
 }
 
@@ -197,6 +201,30 @@ pub enum OutlineName {
     Leaf,
 }
 
+/// `smooth_union`: as a union, with fillets where two parts meet.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SmoothUnionFile {
+    /// The parts.
+    pub parts: Vec<ShapeFile>,
+    /// Width of the fillets: parts that are farther apart than this do not change each other.
+    pub width: Length,
+}
+
+/// `cow`: body, head, legs, horns and tail. It looks along x, and up is the last axis; in 2D it is seen from the side. Its
+/// thinnest parts are a twentieth of its length thick.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CowFile {
+    /// The point that it stands at: between its feet, on their height.
+    pub at: Vec<Length>,
+    /// From its rump to its muzzle; it is 0.85 times as high and 0.4 times as wide.
+    pub length: Length,
+    /// Rotation about `at`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<RotationFile>,
+}
+
 /// `difference`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -211,7 +239,8 @@ pub struct DifferenceFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
-    /// Path, relative to the scene file: `.stl`, `.obj`, `.ply`.
+    /// Path, relative to the scene file. Closed surfaces (2D: closed lines): `.obj`, `.ply`, `.stl` (3D). Volumes, whose
+    /// elements a solid that deforms takes over: `.msh` (Gmsh 2.2, 4.1), `.node` with `.ele` (TetGen, Triangle), `.vtk`.
     pub file: String,
     /// Metres per unit of the file; 1 without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]

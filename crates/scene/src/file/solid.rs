@@ -32,6 +32,23 @@ pub struct SolidFile {
     /// Vertices inside these shapes do not move.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fixed: Vec<ShapeFile>,
+    /// Vertices inside these shapes go as told.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub moved: Vec<MovedFile>,
+}
+
+/// A part of a solid that deforms which goes as told: with a velocity, or by keyframes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MovedFile {
+    /// What holds it, where the solid starts.
+    pub shape: ShapeFile,
+    /// Constant velocity.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<Vec<Speed>>,
+    /// Displacement at given times, linear in between.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub keyframes: Option<Vec<KeyframeFile>>,
 }
 
 /// How a solid collides. Of two solids the geometric mean of both counts; a side of the domain has the solid's own.

@@ -143,11 +143,19 @@ fn shape(s: &ShapeSpec) -> ShapeFile {
         ShapeSpec::Difference { of, minus } => {
             ShapeFile::Difference(DifferenceFile { of: Box::new(shape(of)), minus: Box::new(shape(minus)) })
         }
-        ShapeSpec::Extrusion { .. } | ShapeSpec::Mesh { .. } => shape_3d(s),
+        ShapeSpec::SmoothUnion { parts, width } => ShapeFile::SmoothUnion(SmoothUnionFile {
+            parts: parts.iter().map(shape).collect(),
+            width: m(*width),
+        }),
+        ShapeSpec::Cow { at, length, rotation: r } => {
+            ShapeFile::Cow(CowFile { at: lengths(at), length: m(*length), rotation: rotation(r, at.len()) })
+        }
+        ShapeSpec::Extrusion { .. } | ShapeSpec::Mesh { .. } => outlined(s),
     }
 }
 
-fn shape_3d(s: &ShapeSpec) -> ShapeFile {
+/// Shapes given by an outline or a file.
+fn outlined(s: &ShapeSpec) -> ShapeFile {
     match s {
         ShapeSpec::Extrusion { outline, thickness, center, rotation: r } => {
             let (outline, size) = match outline {
@@ -166,7 +174,7 @@ fn shape_3d(s: &ShapeSpec) -> ShapeFile {
             file: path.display().to_string(),
             scale: Some(MeshScale(*scale)),
             translate: Some(lengths(translate)),
-            rotation: rotation(r, 3),
+            rotation: rotation(r, translate.len()),
         }),
         other => shape(other),
     }
@@ -185,12 +193,11 @@ fn solid(s: &Solid) -> SolidFile {
         Material::Rigid { fixed } => MaterialFile::Rigid(RigidFile { fixed: *fixed }),
         Material::Kinematic { velocity, angular_velocity, keyframes } => {
             let moved = keyframes.is_empty();
-            let frame = |(t, x): &(f64, Vec<f64>)| KeyframeFile { time: Time(*t), translate: lengths(x) };
             MaterialFile::Kinematic(KinematicFile {
                 velocity: moved.then(|| speeds(velocity)),
                 angular_velocity: moved
                     .then(|| angular_velocity.iter().map(|&w| AngularVelocity(w)).collect()),
-                keyframes: (!moved).then(|| keyframes.iter().map(frame).collect()),
+                keyframes: (!moved).then(|| frames(keyframes)),
             })
         }
         Material::Springs { stiffness, damping_ratio } => MaterialFile::Springs(SpringsFile {
@@ -215,11 +222,30 @@ fn solid(s: &Solid) -> SolidFile {
         name: s.name.clone(),
         density: s.density.map(Density),
         shape: shape(&s.shape),
-        mesh: Some(SolidMeshFile { edge: Some(Length::metres(s.mesh_edge)) }),
+        mesh: s.shape.volume_file().is_none().then(|| edge(s.mesh_edge)),
         material,
         velocity: Some(speeds(&s.velocity)),
         collision: Some(CollisionFile { restitution: Some(s.restitution), friction: Some(s.friction) }),
         fixed: s.fixed.iter().map(shape).collect(),
+        moved: s.moved.iter().map(moved).collect(),
+    }
+}
+
+fn edge(length: f64) -> SolidMeshFile {
+    SolidMeshFile { edge: Some(Length::metres(length)) }
+}
+
+fn frames(keyframes: &[(f64, Vec<f64>)]) -> Vec<KeyframeFile> {
+    let frame = |(t, x): &(f64, Vec<f64>)| KeyframeFile { time: Time(*t), translate: lengths(x) };
+    keyframes.iter().map(frame).collect()
+}
+
+fn moved(m: &Moved) -> MovedFile {
+    let told = m.keyframes.is_empty();
+    MovedFile {
+        shape: shape(&m.shape),
+        velocity: told.then(|| speeds(&m.velocity)),
+        keyframes: (!told).then(|| frames(&m.keyframes)),
     }
 }
 

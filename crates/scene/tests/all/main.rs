@@ -5,4 +5,5 @@ mod patterns;
 mod resume;
 mod scene_errors;
 mod scene_round_trip;
+mod soft;
 mod walls;

@@ -100,6 +100,7 @@ shape.union = [
   { extrusion = { outline = [["1 mm", 0], [0, "2 mm"], ["-1 mm", 0]], thickness = "1 mm", center = ["5 cm", "5 cm", "5 cm"] } },
   { wave = { level = "1 cm", amplitude = "1 mm", wavelength = "3 cm", phase = "77 deg" } },
   { half_space = { point = [0, 0, "7 mm"], normal = [0.1, 0, 1] } },
+  { smooth_union = { parts = [{ ball = { center = ["5 cm", "5 cm", "5 cm"], radius = "1 cm" } }, { cow = { at = ["5 cm", "5 cm", "5 cm"], length = "2 cm", rotation = { axis = [0, 0, 1], angle = "33 deg" } } }], width = "2 mm" } },
 ]
 [[solid]]
 name = "plate"
@@ -108,6 +109,10 @@ shape.box = { lower = ["2 cm", "2 cm", "4 cm"], upper = ["8 cm", "8 cm", "4.3 cm
 mesh = { edge = "0.35 mm" }
 material.springs = { stiffness = "5e4 mN/cm", damping_ratio = 0.05 }
 fixed = [{ box = { lower = ["2 cm", "2 cm", "4 cm"], upper = ["3 cm", "8 cm", "4.3 cm"] } }]
+moved = [
+  { shape.ball = { center = ["8 cm", "5 cm", "4 cm"], radius = "1 cm" }, velocity = [0, 0, "1 cm/s"] },
+  { shape.ball = { center = ["8 cm", "8 cm", "4 cm"], radius = "1 cm" }, keyframes = [{ time = "1 s", translate = [0, 0, "1 cm"] }] },
+]
 [[solid]]
 name = "leaf"
 density = "2 g/cm^3"
