@@ -200,7 +200,7 @@ pub struct VerifyArgs {
 /// `meniscus bench`.
 #[derive(Debug, Args)]
 pub struct BenchArgs {
-    /// What to time: pressure, step; both without it.
+    /// What to time: pressure, step (both without it), table1 (the paper's table, long).
     pub names: Vec<String>,
     /// Small and short, to see that it works.
     #[arg(long)]

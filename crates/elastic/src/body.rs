@@ -6,7 +6,7 @@ use crate::term::Weights;
 use crate::term::continuum::Continuum;
 use crate::{
     Anchor, Corotated, Description, ElasticError, ElasticState, ForceTerm, Integrator, Lame, Law, Motion,
-    NeoHookean, Springs, lowest_modes,
+    NeoHookean, Springs, settled_modes,
 };
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
@@ -14,6 +14,8 @@ use std::sync::Arc;
 
 /// Volume of an element over that of a regular one with its longest edge, below which it is refused.
 const FLAT: f64 = 1e-3;
+/// Change of the lowest frequency's square, as a part of it, at which the damping takes it.
+const SETTLED: f64 = 1e-3;
 
 /// A deformable solid: all that does not change while it moves.
 ///
@@ -76,7 +78,7 @@ impl<const D: usize> Elastic<D> {
             pattern,
         };
         if damping_ratio > 0.0 {
-            let lowest = lowest_modes(&body, 1)?;
+            let lowest = settled_modes(&body, 1, SETTLED)?;
             body.damping_time = lowest.first().map_or(0.0, |mode| 2.0 * damping_ratio / mode.frequency);
         }
         Ok(body)

@@ -27,6 +27,18 @@ pub struct Mode<const D: usize> {
 /// # Errors
 /// [`ElasticError::NotDefinite`].
 pub fn lowest_modes<const D: usize>(body: &Elastic<D>, count: usize) -> Result<Vec<Mode<D>>, ElasticError> {
+    settled_modes(body, count, CONVERGED)
+}
+
+/// The same, with iterations that end where the squared frequencies change by less than a part of them.
+///
+/// # Errors
+/// [`ElasticError::NotDefinite`].
+pub fn settled_modes<const D: usize>(
+    body: &Elastic<D>,
+    count: usize,
+    converged: f64,
+) -> Result<Vec<Mode<D>>, ElasticError> {
     let stiffness = body.tangent(&body.rest.positions, Weights { stiffness: 1.0, viscosity: 0.0 });
     let rigid = rigid_motions(body);
     let factor = shifted(body, &stiffness, !rigid.is_empty())?;
@@ -37,7 +49,7 @@ pub fn lowest_modes<const D: usize>(body: &Elastic<D>, count: usize) -> Result<V
         solve(body, &factor, &mut vectors);
         vectors = orthonormal(body, vectors, &rigid);
         let last = std::mem::replace(&mut squares, ritz(&stiffness, &mut vectors));
-        let settled = |k: usize| (squares[k] - last[k]).abs() <= CONVERGED * squares[k];
+        let settled = |k: usize| (squares[k] - last[k]).abs() <= converged * squares[k];
         if !last.is_empty() && last.len() == squares.len() && (0..count.min(squares.len())).all(settled) {
             break;
         }

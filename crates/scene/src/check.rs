@@ -3,6 +3,7 @@
 use crate::build::AnySetup;
 use crate::error::SceneError;
 use crate::file::{Material, Scene, ShapeSpec, WALLS, Warning};
+use crate::soft_report::{SoftReport, reports};
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -66,6 +67,8 @@ pub struct Report {
     pub bodies: Vec<BodyReport>,
     /// Every pair of liquid and solid.
     pub pairs: Vec<PairReport>,
+    /// Every solid that deforms; none where the scene cannot run.
+    pub soft: Vec<SoftReport>,
     /// What looks odd.
     pub warnings: Vec<Warning>,
     /// Why this version cannot run the scene; none if it can.
@@ -96,7 +99,7 @@ pub struct PairReport {
     pub young_angles: Option<[f64; 2]>,
     /// `partial`, `total wetting`, `no wetting`, `patterned` or `no tension given`.
     pub wetting: &'static str,
-    /// Elastocapillary length, m: √(B / γ) of a shell, (E / γ)-length γ / E of a block; none for rigid solids.
+    /// Elastocapillary length, m: √(B / γ) of a shell, γ / E of a block (plates: see `soft`); none for rigid solids.
     pub elastocapillary_length: Option<f64>,
 }
 
@@ -121,6 +124,9 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
     let diameter = radius.map(|r| 2.0 * r);
     let mut warnings = scene.warnings.0.clone();
     more_warnings(scene, &bodies, capillary_length, &mut warnings);
+    let setup = crate::file::runnable(scene).and_then(|()| AnySetup::of(scene));
+    let soft = setup.as_ref().map_or_else(|_| Vec::new(), |setup| reports(scene, setup));
+    let factors: f64 = soft.iter().map(|s| s.factor_bytes).sum();
     Report {
         name: scene.name.clone(),
         dimension: d.dimension,
@@ -129,7 +135,7 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
         dx: d.dx,
         liquid_volume: volume,
         liquid_cells,
-        memory_bytes: memory_estimate(scene.grid_cells(), wet),
+        memory_bytes: memory_estimate(scene.grid_cells(), wet) + factors,
         steps,
         run_seconds: steps * work / (threads.max(1) as f64),
         time_step,
@@ -145,14 +151,10 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
         reynolds: diameter.filter(|_| nu > 0.0).map(|x| speed * x / nu),
         bodies,
         pairs: pairs(scene),
+        soft,
         warnings,
-        cannot_run: cannot_run(scene).map(|e| e.message),
+        cannot_run: setup.err().map(|e| e.message),
     }
-}
-
-/// Why this version cannot run a scene.
-fn cannot_run(scene: &Scene) -> Option<SceneError> {
-    crate::file::runnable(scene).and_then(|()| AnySetup::of(scene).map(drop)).err()
 }
 
 /// Memory that a run needs, bytes, from all cells and those of liquid.
@@ -230,6 +232,13 @@ fn time_step(scene: &Scene, capillary: f64, speed: f64, radius: Option<f64>) -> 
     let fastest = speed.max(fall).max(0.5 * swing);
     let cfl = if fastest > 0.0 { n.cfl * scene.domain.dx / fastest } else { f64::INFINITY };
     (n.capillary_step * capillary).min(cfl).min(n.max_step).min(scene.output.frame_interval)
+}
+
+/// The longest step that a scene lets the simulation take, s.
+pub(crate) fn longest_step(scene: &Scene) -> f64 {
+    let (n, gamma) = (&scene.numerics, scene.tension.liquid_air);
+    let capillary = n.capillary_step * 0.36 * (scene.liquid.density * scene.domain.dx.powi(3) / gamma).sqrt();
+    n.fixed_step.unwrap_or_else(|| capillary.min(n.max_step)).min(scene.output.frame_interval)
 }
 
 fn body_reports(scene: &Scene) -> Vec<BodyReport> {
@@ -413,6 +422,9 @@ impl Report {
             let length =
                 length.map_or_else(String::new, |l| format!(", elastocapillary length {} m", number(l)));
             line(&format!("angle on {}", p.solid), format!("{angle}{}{length}", p.wetting));
+        }
+        for (name, value) in self.soft.iter().flat_map(|s| s.lines(self.dimension)) {
+            line(&name, value);
         }
         for w in &self.warnings {
             let _ = writeln!(out, "warning: {}: {}", w.path, w.message);

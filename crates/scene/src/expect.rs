@@ -73,6 +73,15 @@ fn verdict(expectation: &Expectation, summary: &Summary, series: &Table) -> Verd
                 pass: wetted.is_some_and(|share| share >= *min && share <= *max),
             }
         }
+        Expectation::Deflection { solid, min, max } => {
+            let found = summary.solids.iter().find(|s| s.name == *solid).and_then(|s| s.deflection);
+            let bar = match max.is_finite() {
+                true => format!("{min:.6} to {max:.6} m"),
+                false => format!("at least {min:.6} m"),
+            };
+            let pass = found.is_some_and(|d| d >= *min && d <= *max);
+            Verdict { quantity: format!("deflection of {solid}"), bar, value: found, unit: "m".into(), pass }
+        }
         Expectation::Position { solid, value, tolerance, along } => {
             let found = summary.solids.iter().find(|s| s.name == *solid);
             let off = found.map(|s| {

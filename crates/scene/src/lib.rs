@@ -11,6 +11,8 @@ pub mod output;
 pub mod run;
 pub mod schema;
 mod soft;
+pub mod soft_report;
+mod stiff;
 mod thin;
 pub mod units;
 mod wetting;

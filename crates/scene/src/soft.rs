@@ -3,6 +3,7 @@
 use crate::build::{self, rotation, shape, vector};
 use crate::error::SceneError;
 use crate::file::{Elastic as Constants, Material, Moved, Scene, ShapeSpec, Solid as SolidSpec};
+use crate::stiff::can_follow;
 use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Motion, Smoothing};
 use meniscus_numerics::mesh::VolumeMesh;
 
@@ -32,6 +33,8 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
     let Some((law, damping_ratio)) = law(spec, &mesh) else { return Ok(None) };
     let anchors = anchors(&mesh, spec, &|key, error| scene.source.at_value(error, &at(key)))?;
     let density = spec.density.unwrap_or(scene.liquid.density);
+    can_follow(scene, spec, &mesh, density)
+        .map_err(|error| scene.source.at_value(error, &scene.source.first_inside(&at("material"))))?;
     let description =
         Description { mesh, density, law, damping_ratio, anchors, integrator: Integrator::default() };
     Elastic::new(description).map(Some).map_err(|error| {

@@ -1,15 +1,22 @@
 //! Solids that the grid cannot see.
 
 use crate::error::SceneError;
-use crate::file::Scene;
+use crate::file::{Scene, Solid as SolidSpec};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::SurfaceMesh;
 use meniscus_sim::{LineTracker, Model, Solid};
 
 /// Part of a solid's surface behind which it may be thinner than a cell: sharp rims.
 const RIMS: f64 = 0.1;
+/// Fewest cells through a solid that deforms and has liquid on both sides.
+const LEAST_SOFT: f64 = 1.5;
+/// Part of a thickness that is rounding.
+const ROUNDING: f64 = 1e-6;
+/// Places at which a thickness is looked for.
+const SAMPLES: u32 = 100;
 
-/// Refuses solids with walls thinner than a cell: no cell's centre need lie in them, and liquid would pass.
+/// Refuses solids with walls thinner than a cell: no cell's centre need lie in them, and liquid would pass. Those that deform
+/// need [`LEAST_SOFT`] cells.
 ///
 /// # Errors
 /// [`SceneError`] at the solid's shape.
@@ -17,27 +24,70 @@ pub fn thick_enough<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(
     let edges: Vec<f64> = scene.solids.iter().map(|s| s.mesh_edge.max(0.5 * scene.domain.dx)).collect();
     let surfaces = LineTracker::new(model, &edges);
     let start: Vec<_> = model.solids.iter().map(Solid::start).collect();
+    let dx = scene.domain.dx;
     for (i, solid) in scene.solids.iter().enumerate() {
         let inside = |x: &Vector<D>| model.solids[i].distance(&start[i], x) < 0.0;
-        let thin = thin_part(&surfaces.surface(model, &start, i), scene.domain.dx, inside);
-        if thin > RIMS {
-            let error = SceneError::new(format!(
-                "the solid `{}` is thinner than a cell ({:.3e} m) behind {:.0} % of its surface: liquid would pass",
-                solid.name,
-                scene.domain.dx,
-                100.0 * thin
-            ));
-            let error = error.with_help("make it thicker (two cells are well seen), or the resolution finer");
-            return Err(scene
-                .source
-                .at_value(error, &scene.source.first_inside(&format!("solid.{i}.shape"))));
+        let soft = model.solids[i].elastic().is_some();
+        let least = if soft { LEAST_SOFT * (1.0 - ROUNDING) } else { 1.0 };
+        let surface = surfaces.surface(model, &start, i);
+        let thin = thin_part(&surface, least * dx, &inside);
+        if thin <= RIMS {
+            continue;
         }
+        let error = match soft {
+            true => too_thin(scene, solid, thin, thickness(&surface, least * dx, &inside)),
+            false => SceneError::new(format!(
+                "the solid `{}` is thinner than a cell ({dx:.3e} m) behind {:.0} % of its surface: liquid would pass",
+                solid.name,
+                100.0 * thin
+            ))
+            .with_help("make it thicker (two cells are well seen), or the resolution finer"),
+        };
+        return Err(scene.source.at_value(error, &scene.source.first_inside(&format!("solid.{i}.shape"))));
     }
     Ok(())
 }
 
+/// The error of a solid that deforms and is thinner than it may be behind a part of its surface, in the mean by `thickness`, m.
+fn too_thin(scene: &Scene, solid: &SolidSpec, part: f64, thickness: f64) -> SceneError {
+    let dx = scene.domain.dx;
+    let longest = scene.domain.cells.iter().max().copied().unwrap_or(1) as f64;
+    let message = format!(
+        "the solid `{}` is {:.2} cells ({thickness:.3e} m) thick behind {:.0} % of its surface: liquid on both sides of what \
+         deforms is told apart from {LEAST_SOFT} cells on",
+        solid.name,
+        thickness / dx,
+        100.0 * part
+    );
+    SceneError::new(message).with_help(format!(
+        "make it {:.3e} m thick or more (four cells are well seen), or the cells smaller: resolution = {:.0}",
+        LEAST_SOFT * dx,
+        (longest * LEAST_SOFT * dx / thickness).ceil()
+    ))
+}
+
+/// Mean thickness behind the part of a surface that has less than `most` (m) behind it.
+fn thickness<const D: usize>(
+    surface: &SurfaceMesh<D>,
+    most: f64,
+    inside: &dyn Fn(&Vector<D>) -> bool,
+) -> f64 {
+    let (mut sum, mut all) = (0.0, 0.0);
+    for facet in 0..surface.facets.len() {
+        let area = surface.area_vector(facet);
+        let Some(normal) = area.try_normalize(0.0) else { continue };
+        let middle = surface.corners(facet).iter().sum::<Vector<D>>() / D as f64;
+        let is_in = |k: u32| inside(&(middle - normal * (most * f64::from(k) / f64::from(SAMPLES))));
+        if let Some(k) = (1..=SAMPLES).find(|k| !is_in(*k)) {
+            sum += area.norm() * most * (f64::from(k) - 0.5) / f64::from(SAMPLES);
+            all += area.norm();
+        }
+    }
+    if all > 0.0 { sum / all } else { most }
+}
+
 /// The part of a surface behind which there is less than a depth `dx` (m) of what is `inside`.
-fn thin_part<const D: usize>(surface: &SurfaceMesh<D>, dx: f64, inside: impl Fn(&Vector<D>) -> bool) -> f64 {
+fn thin_part<const D: usize>(surface: &SurfaceMesh<D>, dx: f64, inside: &dyn Fn(&Vector<D>) -> bool) -> f64 {
     let (mut thin, mut all) = (0.0, 0.0);
     for facet in 0..surface.facets.len() {
         let area = surface.area_vector(facet);

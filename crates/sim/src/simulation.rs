@@ -28,8 +28,8 @@ pub struct Body<'a, const D: usize> {
 /// Why a step could not be done. The state is as it was before the step.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum StepError {
-    /// The pressure solve failed even with the shortest step tried.
-    #[error("pressure, time {time:.6e} s, step {dt:.3e} s: {source}")]
+    /// The solve failed even with the shortest step tried.
+    #[error("time {time:.6e} s, step {dt:.3e} s: {source}")]
     Pressure {
         /// Time of the last good state, s.
         time: f64,

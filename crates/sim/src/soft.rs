@@ -52,21 +52,21 @@ pub type Systems<const D: usize> = Vec<Option<SoftSystem<D>>>;
 /// Factorises the matrices of the solids that deform where they are now, for forces that act for `h` seconds.
 ///
 /// # Errors
-/// [`SolveError`] if a number is not finite.
+/// [`SolveError::Indefinite`] with the number of the solid whose matrix has no factors.
 pub fn systems<const D: usize>(
     model: &Model<D>,
     solids: &[SolidState<D>],
     h: f64,
 ) -> Result<Systems<D>, SolveError> {
-    let of = |(solid, now): (&crate::Solid<D>, &SolidState<D>)| match (solid.elastic(), &now.soft) {
+    let of = |(number, now): (usize, &SolidState<D>)| match (model.solids[number].elastic(), &now.soft) {
         (Some(elastic), Some(soft)) => {
             let matrix = elastic.system(&soft.body.positions, h, &[]);
-            let matrix = matrix.map_err(|_| SolveError::NotFinite { iteration: 0 })?;
+            let matrix = matrix.map_err(|_| SolveError::Indefinite { solid: number, step: h })?;
             Ok(Some(SoftSystem { matrix, masses: elastic.masses().to_vec() }))
         }
         _ => Ok(None),
     };
-    model.solids.par_iter().zip(solids).map(of).collect()
+    solids.par_iter().enumerate().map(of).collect()
 }
 
 impl<const D: usize> SoftSystem<D> {

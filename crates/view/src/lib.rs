@@ -12,8 +12,8 @@ mod render;
 pub use error::{Result, ViewError};
 pub use folder::{Frame, RunFolder};
 pub use measure::{
-    ContactMeasure, DropMeasure, FitShape, FittedAngle, Floating, Forces, LocalAngle, Measurement,
-    SolidMeasure, Touch, measure,
+    ContactMeasure, DropMeasure, FitShape, FittedAngle, Floating, Forces, LocalAngle, Measurement, Ridge,
+    SoftMeasure, SolidMeasure, Strip, Touch, measure,
 };
 pub use page::{PageOptions, PageReport, make_page, write_page};
 pub use render::{Camera, Image, RenderOptions, Rendered, Renderer, Style, render};

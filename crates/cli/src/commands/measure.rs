@@ -4,7 +4,9 @@ use super::print;
 use crate::args::MeasureArgs;
 use crate::failure::{Failure, OUTPUT, Result, USAGE};
 use meniscus_scene::units::{Dimension, parse};
-use meniscus_view::{ContactMeasure, FitShape, Measurement, SolidMeasure, Touch, ViewError};
+use meniscus_view::{
+    ContactMeasure, FitShape, Measurement, SoftMeasure, SolidMeasure, Strip, Touch, ViewError,
+};
 use std::fmt::Write as _;
 
 /// What stands where there is no value.
@@ -74,7 +76,47 @@ fn table(m: &Measurement) -> String {
         out += "\n";
         out += &aligned(&rows);
     }
+    let soft: Vec<(&str, &SoftMeasure)> =
+        m.solids.iter().filter_map(|s| Some((s.name.as_str(), s.soft.as_ref()?))).collect();
+    if !soft.is_empty() {
+        let header = [
+            "deforms",
+            "deflection",
+            "mean",
+            "displacement",
+            "tip at",
+            "tip went",
+            "slopes",
+            "fold",
+            "curvature",
+            "wetted",
+            "ridge",
+        ];
+        let mut rows = vec![header.map(String::from).to_vec()];
+        rows.extend(soft.iter().map(|(name, s)| bent(name, s, m)));
+        out += "\n";
+        out += &aligned(&rows);
+    }
     out
+}
+
+/// A solid that has deformed.
+fn bent(name: &str, s: &SoftMeasure, m: &Measurement) -> Vec<String> {
+    let place = |x: &[f64; 3]| vector(&x[..m.dimension], "m");
+    let strip = |tell: &dyn Fn(&Strip) -> String| s.strip.as_ref().map_or(NONE.into(), tell);
+    vec![
+        name.to_owned(),
+        prefixed(s.largest_deflection, "m"),
+        prefixed(s.mean_deflection, "m"),
+        prefixed(s.largest_displacement, "m"),
+        place(&s.tip),
+        place(&s.tip_displacement),
+        strip(&|x| format!("{:.2}° {:.2}°", x.slopes[0], x.slopes[1])),
+        strip(&|x| format!("{:.2}°", x.fold_angle)),
+        strip(&|x| format!("{}/m", four_digits(x.curvature))),
+        s.wetted.map_or(NONE.into(), |w| format!("{:.1} %", 100.0 * w)),
+        s.ridge.as_ref().map_or(NONE.into(), |r| prefixed(r.height, "m")),
+    ]
 }
 
 fn contact(c: &ContactMeasure, m: &Measurement) -> Vec<String> {

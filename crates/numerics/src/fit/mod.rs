@@ -1,9 +1,11 @@
-//! Fits by least squares: linear systems, circles and spheres, ellipses and spheroids.
+//! Fits by least squares: linear systems, circles and spheres, ellipses and spheroids, rigid motions.
 
 mod dense;
 mod ellipsoid;
+mod rigid;
 mod sphere;
 
 pub use dense::{cholesky, least_squares, solve};
 pub use ellipsoid::Ellipsoid;
+pub use rigid::RigidMotion;
 pub use sphere::Sphere;

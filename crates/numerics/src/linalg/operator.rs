@@ -51,4 +51,15 @@ pub enum SolveError {
         /// Iteration in which it appeared.
         iteration: usize,
     },
+    /// The matrix of a solid that deforms has no factors.
+    #[error(
+        "the matrix of the solid with number {solid} is not positive definite: it is too stiff for a step of {step:.3e} s to be \
+         told from rounding, or its elements are crushed"
+    )]
+    Indefinite {
+        /// Number of the solid, from 0.
+        solid: usize,
+        /// Length of the step, s.
+        step: f64,
+    },
 }

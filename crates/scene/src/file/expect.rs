@@ -51,6 +51,10 @@ pub struct ExpectFile {
     #[serde(default, skip_serializing_if = "Vec::is_empty", with = "one_or_many")]
     #[schemars(with = "super::Either<PositionFile, Vec<PositionFile>>")]
     pub position: Vec<PositionFile>,
+    /// How far solids that deform are bent at the end.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", with = "one_or_many")]
+    #[schemars(with = "super::Either<DeflectionFile, Vec<DeflectionFile>>")]
+    pub deflection: Vec<DeflectionFile>,
 }
 
 /// An upper bound of a pure number.
@@ -146,6 +150,21 @@ pub struct WettedFile {
     /// At most so much.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max: Option<f64>,
+}
+
+/// The largest way of a part of a solid that deforms from where it started (of one that moves freely, from where it would be
+/// had it moved as a rigid one): one bound, or both.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DeflectionFile {
+    /// Name of the solid.
+    pub solid: String,
+    /// At least so far.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub min: Option<Length>,
+    /// At most so far.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max: Option<Length>,
 }
 
 /// Where a solid's centre of mass is.

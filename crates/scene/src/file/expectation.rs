@@ -98,4 +98,13 @@ pub enum Expectation {
         /// Unit direction along which alone the distance counts.
         along: Option<Vec<f64>>,
     },
+    /// How far a solid that deforms is bent at the end.
+    Deflection {
+        /// Name of the solid.
+        solid: String,
+        /// At least, m.
+        min: f64,
+        /// At most, m; infinite if there is no bound.
+        max: f64,
+    },
 }

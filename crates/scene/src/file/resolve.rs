@@ -84,7 +84,8 @@ fn resolve(file: SceneFile, source: Source, base: &Path, quality: Quality) -> Re
     let output = r.output(&file.output)?;
     let wets = (domain.wets() && contact_line.enabled).then_some(WALLS);
     let angles: Vec<&str> = names.iter().copied().chain(wets).collect();
-    let expect = r.expect(&file.expect.unwrap_or_default(), &names, &angles)?;
+    let soft: Vec<&str> = solids.iter().filter(|s| s.material.deforms()).map(|s| s.name.as_str()).collect();
+    let expect = r.expect(&file.expect.unwrap_or_default(), &names, &angles, &soft)?;
     Ok(Scene {
         name: file.name,
         based_on: file.based_on,

@@ -107,9 +107,22 @@ impl Resolver {
         let at = |key: &str| format!("{path}.{key}");
         Ok(Elastic {
             young_modulus: self.positive(&at("young_modulus"), "the Young modulus", young.0)?,
-            poisson_ratio: self.within(&at("poisson_ratio"), "the Poisson ratio", poisson, -0.99, 0.499)?,
+            poisson_ratio: self.poisson(&at("poisson_ratio"), poisson)?,
             damping_ratio: self.within(&at("damping_ratio"), "the damping ratio", damping, 0.0, 100.0)?,
         })
+    }
+
+    fn poisson(&self, path: &str, ratio: f64) -> Result<f64, SceneError> {
+        if ratio >= 0.5 {
+            let message =
+                format!("the Poisson ratio is {ratio}: from 0.5 on no volume could change, or it would grow");
+            return Err(self.error(
+                path,
+                message,
+                "accepted: -0.99 to 0.499; rubber and gels have 0.45 to 0.49",
+            ));
+        }
+        self.within(path, "the Poisson ratio", ratio, -0.99, 0.499)
     }
 
     fn material(&self, path: &str, m: &MaterialFile) -> Result<Material, SceneError> {
@@ -274,12 +287,13 @@ impl Resolver {
         Ok(ContactLine { enabled, radius, friction, friction_of, hysteresis })
     }
 
-    /// The expectations; `names` are the solids', `angles` those of what has a contact angle.
+    /// The expectations; `names` are the solids', `angles` those of what has a contact angle, `soft` those of what deforms.
     pub fn expect(
         &mut self,
         e: &ExpectFile,
         names: &[&str],
         angles: &[&str],
+        soft: &[&str],
     ) -> Result<Vec<Expectation>, SceneError> {
         let bound = |key: &str, m: MaxFile| self.not_negative(&format!("expect.{key}.max"), "a bound", m.max);
         let mut out = Vec::new();
@@ -310,6 +324,7 @@ impl Resolver {
         self.expect_liquid(e, &mut out)?;
         self.expect_angles(e, angles, &mut out)?;
         self.expect_solids(e, names, &mut out)?;
+        self.expect_deflections(e, names, soft, &mut out)?;
         Ok(out)
     }
 
@@ -395,6 +410,39 @@ impl Resolver {
             let direction = |d: &Vec<f64>| self.direction(&format!("{p}.along"), d, self.dim);
             let along = x.along.as_ref().map(direction).transpose()?;
             out.push(Expectation::Position { solid: x.solid.clone(), value, tolerance, along });
+        }
+        Ok(())
+    }
+
+    fn expect_deflections(
+        &self,
+        e: &ExpectFile,
+        names: &[&str],
+        soft: &[&str],
+        out: &mut Vec<Expectation>,
+    ) -> Result<(), SceneError> {
+        for (i, d) in e.deflection.iter().enumerate() {
+            let many = e.deflection.len() > 1;
+            let p = if many { format!("expect.deflection.{i}") } else { "expect.deflection".to_owned() };
+            self.known_solid(&format!("{p}.solid"), false, &d.solid, names)?;
+            if !soft.contains(&d.solid.as_str()) {
+                let message = format!("the solid `{}` does not deform", d.solid);
+                let help = "use material.neo_hookean, corotated or springs, or expect its `position`";
+                return Err(self.error(&format!("{p}.solid"), message, help));
+            }
+            if d.min.is_none() && d.max.is_none() {
+                return Err(self.error(&p, "the deflection is not bounded", "give `min`, `max` or both"));
+            }
+            let bound = |key: &str, l: Option<Length>, none: f64| {
+                let value = l.map(|l| l.resolve(self.dx));
+                value.map_or(Ok(none), |v| self.not_negative(&format!("{p}.{key}"), "a deflection", v))
+            };
+            let (min, max) = (bound("min", d.min, 0.0)?, bound("max", d.max, f64::INFINITY)?);
+            if min > max {
+                let message = format!("`max` ({max} m) is below `min` ({min} m)");
+                return Err(self.error(&format!("{p}.max"), message, "swap them"));
+            }
+            out.push(Expectation::Deflection { solid: d.solid.clone(), min, max });
         }
         Ok(())
     }

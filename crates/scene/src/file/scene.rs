@@ -364,6 +364,13 @@ pub enum Material {
     },
 }
 
+impl Material {
+    /// Whether a mesh of it deforms.
+    pub fn deforms(&self) -> bool {
+        matches!(self, Self::Springs { .. } | Self::NeoHookean(_) | Self::Corotated(_))
+    }
+}
+
 /// Elastic constants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Elastic {

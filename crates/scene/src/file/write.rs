@@ -359,6 +359,11 @@ fn expect(list: &[Expectation]) -> ExpectFile {
             Expectation::Wetted { solid, min, max } => {
                 e.wetted.push(WettedFile { solid: solid.clone(), min: Some(*min), max: Some(*max) });
             }
+            Expectation::Deflection { solid, min, max } => e.deflection.push(DeflectionFile {
+                solid: solid.clone(),
+                min: Some(Length::metres(*min)),
+                max: max.is_finite().then(|| Length::metres(*max)),
+            }),
             Expectation::Position { solid, value, tolerance, along } => e.position.push(PositionFile {
                 solid: solid.clone(),
                 value: value.iter().map(|&x| Length::metres(x)).collect(),

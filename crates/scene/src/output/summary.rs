@@ -3,7 +3,8 @@
 use super::file::{self, FileError};
 use crate::run::{Job, Tally, three};
 use meniscus_numerics::Vector;
-use meniscus_sim::{ContactLine, Drop, Motion, Simulation};
+use meniscus_numerics::fit::RigidMotion;
+use meniscus_sim::{ContactLine, Drop, Motion, Simulation, Solid, SolidState};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -144,6 +145,10 @@ pub struct SolidSummary {
     /// Share of its surface that is wetted.
     #[serde(default)]
     pub wetted: f64,
+    /// The largest way of a part of it from where it started, m; of one that moves freely less the rigid motion nearest to all.
+    /// Null where it does not deform.
+    #[serde(default)]
+    pub deflection: Option<f64>,
 }
 
 impl SolidSummary {
@@ -168,8 +173,19 @@ impl SolidSummary {
                 list(&Vector::zeros())
             },
             wetted: simulation.wetted(number),
+            deflection: deflection(solid, now),
         }
     }
+}
+
+/// How far a solid that deforms is bent, m.
+pub fn deflection<const D: usize>(solid: &Solid<D>, now: &SolidState<D>) -> Option<f64> {
+    let (elastic, soft) = (solid.elastic()?, now.soft.as_ref()?);
+    let points = |all: &[Vector<D>]| all.iter().map(|x| Vector::<3>::from(three(x))).collect::<Vec<_>>();
+    let (start, end) = (points(&elastic.mesh().positions), points(&soft.body.positions));
+    let motion = (!elastic.held().contains(&true)).then(|| RigidMotion::of(&start, &end));
+    let bent = |x: &Vector<3>| motion.map_or(*x, |motion| motion.undone(x));
+    Some(start.iter().zip(&end).map(|(a, b)| (bent(b) - a).norm()).fold(0.0, f64::max))
 }
 
 impl Summary {

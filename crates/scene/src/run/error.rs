@@ -2,6 +2,7 @@
 
 use crate::checkpoint::CheckpointError;
 use crate::output::{FileError, FolderError};
+use meniscus_numerics::linalg::SolveError;
 use meniscus_sim::StepError;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -34,6 +35,21 @@ pub enum RunError {
         /// Last good checkpoint.
         checkpoint: Option<PathBuf>,
     },
+    /// A solid that deforms has no factors.
+    #[error(
+        "the solver could not go on: at time {time:.6e} s the matrix of the solid `{solid}` is not positive definite for a \
+         step of {step:.3e} s: it is too stiff to be told from rounding, or its elements are crushed"
+    )]
+    Solid {
+        /// Its name.
+        solid: String,
+        /// Time of the last good state, s.
+        time: f64,
+        /// Length of the step, s.
+        step: f64,
+        /// Last good checkpoint.
+        checkpoint: Option<PathBuf>,
+    },
     /// A number that is not finite appeared.
     #[error("the solver could not go on: the {what} is not finite at time {time:.6e} s")]
     NotFinite {
@@ -47,10 +63,22 @@ pub enum RunError {
 }
 
 impl RunError {
+    /// What a step's error is for people; `solids` are the names of the solids.
+    pub(super) fn of_step<'a>(error: StepError, mut solids: impl Iterator<Item = &'a str>) -> Self {
+        let checkpoint = None;
+        match &error {
+            StepError::Pressure { time, source: SolveError::Indefinite { solid, step }, .. } => {
+                let name = solids.nth(*solid).map_or_else(|| format!("number {solid}"), str::to_owned);
+                Self::Solid { solid: name, time: *time, step: *step, checkpoint }
+            }
+            _ => Self::Step { error, checkpoint },
+        }
+    }
+
     /// Exit status of a program that ends with this error.
     pub fn exit_status(&self) -> u8 {
         match self {
-            Self::Step { .. } | Self::NotFinite { .. } => 5,
+            Self::Step { .. } | Self::Solid { .. } | Self::NotFinite { .. } => 5,
             _ => 4,
         }
     }
@@ -60,6 +88,7 @@ impl RunError {
         match self {
             Self::Output { checkpoint, .. }
             | Self::Step { checkpoint, .. }
+            | Self::Solid { checkpoint, .. }
             | Self::NotFinite { checkpoint, .. } => checkpoint.as_ref(),
             _ => None,
         }
@@ -84,10 +113,34 @@ impl RunError {
                     .into()
             }
             Self::Output { error, .. } => error.advice().into(),
+            Self::Solid { .. } => {
+                "look at the last frame: where elements are crushed use a finer mesh, more damping_ratio or a smaller \
+                 numerics.max_step; else a softer material, or material.rigid"
+                    .into()
+            }
             Self::Step { .. } | Self::NotFinite { .. } => {
                 "try a finer resolution or a smaller numerics.max_step; `meniscus check` shows what the scene asks for"
                     .into()
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_matrix_without_factors_names_its_solid() {
+        let source = SolveError::Indefinite { solid: 1, step: 0.002 };
+        let error = StepError::Pressure { time: 0.5, dt: 0.002, source };
+        let error = RunError::of_step(error, ["floor", "leaf"].into_iter());
+        assert!(
+            error.to_string().contains("the matrix of the solid `leaf` is not positive definite"),
+            "{error}"
+        );
+        assert!(error.exit_status() == 5 && error.advice().contains("max_step"));
+        let other = StepError::NotFinite { time: 0.0, what: "velocity" };
+        assert!(matches!(RunError::of_step(other, std::iter::empty()), RunError::Step { .. }));
     }
 }

@@ -244,3 +244,149 @@ fn all_scene_files_are_scenes() {
     }
     assert!(count >= 3 * 36);
 }
+
+/// A plate of 2 cm, `thickness` cm thick and of cells of 1.25 mm, of a material.
+fn plate(thickness: f64, material: &str) -> String {
+    let upper = 1.0 + thickness;
+    let shape = format!("shape.box = {{ lower = [\"1 cm\", \"1 cm\"], upper = [\"3 cm\", \"{upper} cm\"] }}");
+    let old = r#"corotated = { young_modulus = "10 kPa", poisson_ratio = 0.3 }"#;
+    text(2, &shape).replace(old, material)
+}
+
+/// Why a scene is refused, and what of the scene is marked.
+fn refused(text: &str, base: &Path) -> (SceneError, String) {
+    let e = load(text, base).and_then(|s| AnySetup::of(&s).map(drop)).expect_err(text);
+    assert_eq!(e.exit_status(), 3);
+    let marked = e.source_text[e.span.clone().expect("a span")].to_owned();
+    (e, marked)
+}
+
+#[test]
+fn what_cannot_deform_is_refused() {
+    let none = Path::new("/nowhere");
+    let gel = r#"corotated = { young_modulus = "10 kPa", poisson_ratio = 0.3 }"#;
+    // 1.5 cells are 1.875 mm.
+    assert!(AnySetup::of(&load(&plate(0.1875, gel), none).unwrap()).is_ok());
+    let (e, marked) = refused(&plate(0.15, gel), none);
+    assert!(e.message.contains("1.2") && e.message.contains("cells (1.5"), "{e}");
+    let help = e.help.clone().unwrap_or_default();
+    assert!(help.contains("1.875e-3 m thick") && help.contains("resolution = 4"), "{help}");
+    assert!(marked.contains("lower"), "{marked}");
+    // A rigid one of that thickness is seen well enough.
+    assert!(AnySetup::of(&load(&plate(0.15, "rigid = {}"), none).unwrap()).is_ok());
+
+    let (e, marked) = refused(&plate(0.4, &gel.replace("10 kPa", "1e15 GPa")), none);
+    assert!(e.message.contains("too stiff for any step to follow"), "{e}");
+    assert!(e.help.clone().unwrap_or_default().contains("times softer"), "{}", e.render());
+    assert!(marked.contains("GPa"), "{marked}");
+    let stiff = r#"springs = { stiffness = "1e20 N/m" }"#;
+    assert!(refused(&plate(0.4, stiff), none).0.message.contains("too stiff"));
+    // Steel is not.
+    assert!(AnySetup::of(&load(&plate(0.4, &gel.replace("10 kPa", "200 GPa")), none).unwrap()).is_ok());
+
+    for (material, what, at) in [
+        (gel.replace("0.3", "0.5"), "from 0.5 on no volume could change", "0.5"),
+        (gel.replace("10 kPa", "-10 kPa"), "the Young modulus must be above zero", "\"-10 kPa\""),
+        (stiff.replace("1e20", "-3"), "the stiffness must be above zero", "\"-3 N/m\""),
+        (stiff.replace(" }", ", damping_ratio = -1 }"), "the damping ratio is -1", "-1"),
+    ] {
+        let (e, marked) = refused(&plate(0.4, &material), none);
+        assert!(e.message.contains(what) && marked == at, "{e} at {marked}");
+    }
+}
+
+#[test]
+fn meshes_that_are_none_are_refused() {
+    // Two squares that share a corner only, an element twice, and one without area.
+    for (name, elements, what) in [
+        ("corner", "1 2 2 1 1 1 2 3\n2 2 2 1 1 3 4 5", "the boundary touches itself at vertex"),
+        ("twice", "1 2 2 1 1 1 2 3\n2 2 2 1 1 2 3 1", "overlap"),
+        ("flat", "1 2 2 1 1 1 2 3\n2 2 2 1 1 1 3 6", "the first is element 2"),
+        ("twin", "1 2 2 1 1 1 2 3\n2 2 2 1 1 1 1 3", "element 2 has a vertex that does not exist"),
+    ] {
+        let file = format!("{name}.msh");
+        let nodes = "1 0 0 0\n2 1 0 0\n3 1 1 0\n4 2 1 0\n5 2 2 0\n6 0.5 0.5 0";
+        let content = format!(
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n{nodes}\n$EndNodes\n$Elements\n2\n{elements}\n$EndElements\n"
+        );
+        let dir = folder(&file, &content);
+        let shape = format!(
+            "shape.mesh = {{ file = \"{file}\", scale = \"1 cm\", translate = [\"1 cm\", \"1 cm\"] }}"
+        );
+        let (e, marked) = refused(&text(2, &shape), &dir);
+        assert!(e.message.contains(what) && e.message.contains(&file), "{name}: {e}");
+        assert!(marked.contains("msh"), "{marked}");
+        let _ = std::fs::remove_dir_all(dir);
+    }
+    // A surface with a hole.
+    let dir = folder("open.obj", CUBE.trim_end().rsplit_once('\n').unwrap().0);
+    let shape = r#"shape.mesh = { file = "open.obj", scale = "4 mm", translate = ["1 cm", "1 cm", "1 cm"] }"#;
+    let (e, _) = refused(&text(3, shape), &dir);
+    assert!(e.message.contains("not closed"), "{e}");
+    let _ = std::fs::remove_dir_all(dir);
+    // What lies beyond the domain.
+    let dir = folder("cube.obj", CUBE);
+    let beyond = shape.replace("open", "cube").replacen("1 cm", "3.9 cm", 1);
+    let (e, _) = refused(&text(3, &beyond), &dir);
+    assert!(e.message.contains("outside the domain") || e.message.contains("overlaps"), "{e}");
+    let _ = std::fs::remove_dir_all(dir);
+}
+
+#[test]
+fn deflections_are_expected_and_reported() {
+    let gel = r#"corotated = { young_modulus = "10 kPa", poisson_ratio = 0.3, damping_ratio = 0.1 }"#;
+    let with = |expect: &str| format!("{}[expect]\n{expect}\n", plate(0.4, gel));
+    let none = Path::new("/nowhere");
+    let scene = load(&with(r#"deflection = { solid = "body", max = "1 mm" }"#), none).unwrap();
+    assert_eq!(scene, load(&scene.to_toml().unwrap(), none).unwrap());
+    for (expect, what) in [
+        (r#"deflection = { solid = "body" }"#, "not bounded"),
+        (r#"deflection = { solid = "bodi", max = "1 mm" }"#, "no solid `bodi`"),
+        (r#"deflection = { solid = "body", min = "2 mm", max = "1 mm" }"#, "below `min`"),
+    ] {
+        let e = load(&with(expect), none).unwrap_err();
+        assert!(e.message.contains(what), "{e}");
+    }
+    let rigid = with(r#"deflection = { solid = "body", max = "1 mm" }"#).replace(gel, "rigid = {}");
+    assert!(load(&rigid, none).unwrap_err().message.contains("does not deform"));
+
+    let report = meniscus_scene::check::check(&scene, 2);
+    let [soft] = report.soft.as_slice() else { panic!("{report:?}") };
+    let (young, nu, t) = (1e4, 0.3, 0.004);
+    let wave = (young * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu)) / 1e3f64).sqrt();
+    assert!((soft.wave_speed.unwrap() / wave - 1.0).abs() < 1e-12);
+    assert!((soft.mass / (1e3 * 0.02 * t) - 1.0).abs() < 1e-12 && soft.held == 0);
+    assert!((soft.thickness_cells.unwrap() - 3.2).abs() < 1e-9);
+    let bending = young * t.powi(3) / 12.0 / (1.0 - nu * nu);
+    assert!((soft.bending_stiffness.unwrap() / bending - 1.0).abs() < 1e-12);
+    assert!((soft.elastocapillary_length.unwrap() / (bending / 0.07f64).sqrt() - 1.0).abs() < 1e-9);
+    // A free beam, plane strain: f = 22.373 / (2π L²) √(B / ρ t), less by shear and turning for one as short as this.
+    let beam = 22.373 / std::f64::consts::TAU / 4e-4 * (bending / (1e3 * t)).sqrt();
+    let f = soft.frequency.unwrap();
+    assert!(f < beam && f > 0.75 * beam, "{f} Hz, {beam} Hz");
+    assert!(soft.smallest_angle > 35.0 && soft.largest_angle < 105.0, "{soft:?}");
+    let text = report.render();
+    assert!(text.contains("body deforms") && text.contains("a plate of 3.20 cells"), "{text}");
+}
+
+#[test]
+fn the_summary_tells_the_deflection() {
+    let held = "shape.box = { lower = [\"1 cm\", \"1 cm\"], upper = [\"3 cm\", \"1.4 cm\"] }\nvelocity = [0, \"10 cm/s\"]\nHELD";
+    for (fixed, bent) in [
+        ("", false),
+        ("fixed = [{ box = { lower = [\"0.9 cm\", \"0.9 cm\"], upper = [\"1.2 cm\", \"1.5 cm\"] } }]", true),
+    ] {
+        let scene = scene(2, &held.replace("HELD", fixed), Path::new("/nowhere"));
+        let mut simulation = build::setup::<2>(&scene).unwrap().simulation();
+        for _ in 0..5 {
+            simulation.step(1e-3, &mut |_| {}).unwrap();
+        }
+        let way = meniscus_scene::output::summary::deflection(
+            &simulation.model.solids[0],
+            &simulation.state.solids[0],
+        );
+        let way = way.unwrap();
+        // A free plate flies as it is; one that is held bends.
+        assert!(if bent { way > 1e-4 } else { way < 1e-9 }, "{way} m");
+    }
+}

@@ -9,7 +9,9 @@ mod contact;
 mod drops;
 mod fit;
 mod line;
+mod soft;
 mod solids;
+mod strip;
 
 use std::path::Path;
 
@@ -17,7 +19,9 @@ use serde::Serialize;
 
 pub use fit::{FitShape, FittedAngle};
 pub use line::LocalAngle;
+pub use soft::{Ridge, SoftMeasure};
 pub use solids::{Floating, Forces, SolidMeasure, Touch};
+pub use strip::Strip;
 
 use crate::error::{Result, ViewError};
 use crate::folder::{Frame, RunFolder};

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::body::Body;
 use super::drops::Drop;
+use super::soft::{self, SoftMeasure};
 use crate::error::Result;
 use crate::folder::{Frame, RunFolder};
 
@@ -25,6 +26,8 @@ pub struct SolidMeasure {
     pub floating: Option<Floating>,
     /// The forces of the liquid on it; stored for the end of the run only.
     pub forces: Option<Forces>,
+    /// How it is deformed; none of a solid that is not.
+    pub soft: Option<SoftMeasure>,
     /// When liquid touched it, by the frames of the whole run.
     pub touches: Vec<Touch>,
 }
@@ -77,14 +80,15 @@ pub(super) fn measure<const D: usize>(
     let one = |(i, body): (usize, &&Body<D>)| {
         let times =
             touched.iter().filter_map(|(time, touched)| Some(((*time)?, touched[i]))).collect::<Vec<_>>();
-        SolidMeasure {
+        Ok(SolidMeasure {
+            soft: soft::measure(folder, frame, &body.name, dx)?,
             name: body.name.clone(),
             floating: level.and_then(|level| floating(body, level)),
             forces: forces(folder, frame, &body.name),
             touches: touches(&times),
-        }
+        })
     };
-    Ok(solids.iter().enumerate().map(one).collect())
+    solids.iter().enumerate().map(one).collect()
 }
 
 /// For each frame its time, and for each solid whether liquid touches it.

@@ -1,0 +1,309 @@
+//! How far a solid that deforms is bent: displacements, its tip, the line along its middle, what of it is wetted, and the ridge
+//! that a contact line pulls up.
+//!
+//! All of it comes from the solid's surface in two frames, the first and the one that is measured: its vertices are the same.
+
+use meniscus_numerics::fit::RigidMotion;
+use meniscus_numerics::mesh::ply::PlyMesh;
+use meniscus_numerics::{Matrix, Vector};
+use serde::Serialize;
+
+use super::strip::{self, Strip};
+use crate::error::Result;
+use crate::folder::{Frame, RunFolder};
+
+/// Deformation over size that is rounding: such a solid is rigid, or has not moved yet.
+const ROUNDING: f64 = 1e-7;
+/// Distance from its place at first over the size of a solid, below which a vertex is held.
+const HELD: f64 = 1e-12;
+/// Part of a size within which vertices are equally far away.
+const ALIKE: f64 = 1e-6;
+/// Reach of a ridge's profile on both sides of the line, and its steps, in cells.
+const REACH: f64 = 6.0;
+const STEP: f64 = 0.5;
+/// Most held vertices that distances are measured from.
+const MOST_HELD: usize = 2000;
+/// Difference of two moments, as a part of them, below which a plate is as wide as long.
+const ROUND: f64 = 0.02;
+/// Area vector around a vertex over its area, below which the surface has a rim there.
+const EVEN: f64 = 0.9;
+
+/// What was measured of a solid that has deformed. Lengths in m, angles in degrees.
+#[derive(Clone, Debug, Serialize)]
+pub struct SoftMeasure {
+    /// The largest way of a point of its surface from where it started.
+    pub largest_displacement: f64,
+    /// The mean way of its surface, by area.
+    pub mean_displacement: f64,
+    /// The largest of these ways less the rigid motion that is nearest to all: of a solid that moves freely, how far it is bent.
+    pub largest_deflection: f64,
+    /// The mean of them, by area.
+    pub mean_deflection: f64,
+    /// Whether part of its surface is where it started, to rounding: the deflections of such a solid are its displacements.
+    pub held: bool,
+    /// Where its tip is: of its surface at first the part farthest from what is held, or from its middle.
+    pub tip: [f64; 3],
+    /// The way of the tip.
+    pub tip_displacement: [f64; 3],
+    /// What is wetted of its surface, 0 to 1, where the contact line is stored.
+    pub wetted: Option<f64>,
+    /// The line along the middle of a plate or strip; none of solids that are none.
+    pub strip: Option<Strip>,
+    /// The surface's height around the contact line, where there is one.
+    pub ridge: Option<Ridge>,
+}
+
+/// The profile of the ridge along a contact line.
+#[derive(Clone, Debug, Serialize)]
+pub struct Ridge {
+    /// Height of the ridge: of the profile at the line over the mean of its ends.
+    pub height: f64,
+    /// Distance from the line along the surface (negative where wetted) and the mean way out of the surface there.
+    pub profile: Vec<[f64; 2]>,
+}
+
+/// Measures a solid of a frame; none of one that has not deformed.
+pub(super) fn measure(folder: &RunFolder, frame: &Frame, name: &str, dx: f64) -> Result<Option<SoftMeasure>> {
+    let Some(now) = frame.solids.get(name) else { return Ok(None) };
+    let first = folder.frame(folder.numbers[0])?;
+    let Some(start) = first.solids.get(name) else { return Ok(None) };
+    if start.positions.len() != now.positions.len()
+        || start.faces != now.faces
+        || start.edges != now.edges
+        || start.positions.is_empty()
+    {
+        return Ok(None);
+    }
+    Ok(Surfaces::new(start, now).measure(now, dx))
+}
+
+/// The surface of a solid at first and now.
+pub(super) struct Surfaces {
+    /// Vertices at first, m.
+    pub start: Vec<Vector<3>>,
+    /// Vertices now, m.
+    pub now: Vec<Vector<3>>,
+    /// Vertices now less the rigid motion, m; where something is held as they are.
+    pub bent: Vec<Vector<3>>,
+    /// Triangles; in 2D edges with the first vertex again.
+    pub facets: Vec<[u32; 3]>,
+    /// Area vector of each facet at first, outward, m² (2D: m).
+    pub areas: Vec<Vector<3>>,
+    /// Area that belongs to each vertex at first.
+    weights: Vec<f64>,
+    held: Vec<bool>,
+    /// Largest extent at first, m.
+    pub size: f64,
+    /// Whether it lies in a plane.
+    pub flat: bool,
+}
+
+impl Surfaces {
+    fn new(start: &PlyMesh, now: &PlyMesh) -> Self {
+        let points =
+            |mesh: &PlyMesh| mesh.positions.iter().map(|p| Vector::<3>::from(*p)).collect::<Vec<_>>();
+        let flat = start.faces.is_empty();
+        let (start_at, now_at) = (points(start), points(now));
+        let facets: Vec<[u32; 3]> =
+            if flat { start.edges.iter().map(|e| [e[0], e[1], e[0]]).collect() } else { start.faces.clone() };
+        let areas: Vec<Vector<3>> = facets.iter().map(|f| area(&start_at, f, flat)).collect();
+        let mut weights = vec![0.0; start_at.len()];
+        let corners = if flat { 2 } else { 3 };
+        for (facet, area) in facets.iter().zip(&areas) {
+            facet[..corners].iter().for_each(|v| weights[*v as usize] += area.norm() / corners as f64);
+        }
+        let (low, high) = start_at.iter().fold((start_at[0], start_at[0]), |(l, h), x| (l.inf(x), h.sup(x)));
+        let size = (high - low).max();
+        let still = |(a, b): (&Vector<3>, &Vector<3>)| (a - b).norm() <= HELD * size;
+        let held: Vec<bool> = start_at.iter().zip(&now_at).map(still).collect();
+        let bent = if held.contains(&true) {
+            now_at.clone()
+        } else {
+            let motion = RigidMotion::of(&start_at, &now_at);
+            now_at.iter().map(|x| motion.undone(x)).collect()
+        };
+        Self { start: start_at, now: now_at, bent, facets, areas, weights, held, size, flat }
+    }
+
+    /// All that is measured; none if it is not deformed.
+    fn measure(&self, mesh: &PlyMesh, dx: f64) -> Option<SoftMeasure> {
+        let ways = |to: &[Vector<3>]| -> (f64, f64) {
+            let way = |k: usize| (to[k] - self.start[k]).norm();
+            let all: f64 = self.weights.iter().sum();
+            let sum: f64 = (0..to.len()).map(|k| self.weights[k] * way(k)).sum();
+            ((0..to.len()).map(way).fold(0.0, f64::max), sum / all)
+        };
+        let (largest_displacement, mean_displacement) = ways(&self.now);
+        let (largest_deflection, mean_deflection) = ways(&self.bent);
+        if largest_deflection.is_nan() || largest_deflection <= ROUNDING * self.size {
+            return None;
+        }
+        let (tip, way) = self.tip();
+        let phi = mesh.scalars.get("phi_c").filter(|phi| phi.len() == self.now.len());
+        Some(SoftMeasure {
+            largest_displacement,
+            mean_displacement,
+            largest_deflection,
+            mean_deflection,
+            held: self.held.contains(&true),
+            tip: tip.into(),
+            tip_displacement: way.into(),
+            wetted: phi.and_then(|phi| self.wetted(phi)),
+            strip: strip::of(self),
+            ridge: phi.and_then(|phi| self.ridge(phi, dx)),
+        })
+    }
+
+    /// Where the tip is, and how far it has come, m.
+    fn tip(&self) -> (Vector<3>, Vector<3>) {
+        let held: Vec<Vector<3>> =
+            self.start.iter().zip(&self.held).filter(|(_, held)| **held).map(|(x, _)| *x).collect();
+        let some: Vec<&Vector<3>> = held.iter().step_by(held.len().div_ceil(MOST_HELD).max(1)).collect();
+        let middle = self.start.iter().zip(&self.weights).map(|(x, w)| x * *w).sum::<Vector<3>>()
+            / self.weights.iter().sum::<f64>();
+        let far = |x: &Vector<3>| match some.is_empty() {
+            true => (x - middle).norm(),
+            false => some.iter().map(|h| (x - *h).norm()).fold(f64::INFINITY, f64::min),
+        };
+        let distances: Vec<f64> = self.start.iter().map(far).collect();
+        let farthest = distances.iter().copied().fold(0.0, f64::max);
+        let mut sums = (Vector::<3>::zeros(), Vector::<3>::zeros(), 0.0);
+        for k in (0..distances.len()).filter(|k| distances[*k] >= farthest - ALIKE * self.size) {
+            sums.0 += self.now[k];
+            sums.1 += self.now[k] - self.start[k];
+            sums.2 += 1.0;
+        }
+        (sums.0 / sums.2, sums.1 / sums.2)
+    }
+
+    /// The wetted part of the surface as it is now: where the distance to the line, linear on each facet, is negative.
+    fn wetted(&self, phi: &[f64]) -> Option<f64> {
+        let (mut wet, mut all) = (0.0, 0.0);
+        for facet in &self.facets {
+            let size = area(&self.now, facet, self.flat).norm();
+            let mut at: Vec<f64> = facet[..self.corners()].iter().map(|v| phi[*v as usize]).collect();
+            at.sort_by(f64::total_cmp);
+            if at.iter().any(|v| v.is_nan()) {
+                return None;
+            }
+            all += size;
+            wet += size * part_below(&at);
+        }
+        (all > 0.0).then(|| wet / all)
+    }
+
+    /// The profile of the ridge around the line; none without a line.
+    fn ridge(&self, phi: &[f64], dx: f64) -> Option<Ridge> {
+        let bins = (2.0 * REACH / STEP).round() as usize + 1;
+        let mut sums = vec![[0.0; 2]; bins];
+        for (k, normal) in self.normals().iter().enumerate().filter(|n| n.1.norm() > 0.5) {
+            let place = (phi[k] / dx + REACH) / STEP;
+            if place.is_finite() && place > -0.5 && place < bins as f64 - 0.5 {
+                let bin = &mut sums[place.round().max(0.0) as usize];
+                bin[0] += self.weights[k];
+                bin[1] += self.weights[k] * (self.bent[k] - self.start[k]).dot(normal);
+            }
+        }
+        let told = sums.iter().enumerate().filter(|(_, sum)| sum[0] > 0.0);
+        let profile: Vec<[f64; 2]> =
+            told.map(|(k, sum)| [(k as f64 * STEP - REACH) * dx, sum[1] / sum[0]]).collect();
+        let (first, last) = (profile.first()?, profile.last()?);
+        if first[0] >= 0.0 || last[0] <= 0.0 {
+            return None;
+        }
+        let next = profile.iter().position(|p| p[0] >= 0.0)?;
+        let (a, b) = (profile[next.checked_sub(1)?], profile[next]);
+        let at_line = a[1] + (b[1] - a[1]) * (-a[0] / (b[0] - a[0]));
+        Some(Ridge { height: at_line - 0.5 * (first[1] + last[1]), profile })
+    }
+
+    /// Unit normals of the vertices at first, outward; 0 at rims, where the surface has none.
+    fn normals(&self) -> Vec<Vector<3>> {
+        let corners = self.corners();
+        let mut sums = vec![Vector::<3>::zeros(); self.start.len()];
+        for (facet, area) in self.facets.iter().zip(&self.areas) {
+            facet[..corners].iter().for_each(|v| sums[*v as usize] += area);
+        }
+        let even = |(n, w): (&Vector<3>, &f64)| n.norm() > EVEN * w * corners as f64;
+        let normal = |(n, w)| if even((n, w)) { n.normalize() } else { Vector::zeros() };
+        sums.iter().zip(&self.weights).map(normal).collect()
+    }
+
+    /// Corners of a facet.
+    fn corners(&self) -> usize {
+        if self.flat { 2 } else { 3 }
+    }
+
+    /// Its moments about its middle at first, m⁴ (2D: m³).
+    fn moments(&self) -> Matrix<3> {
+        let all: f64 = self.weights.iter().sum();
+        let middle = self.start.iter().zip(&self.weights).map(|(x, w)| x * *w).sum::<Vector<3>>() / all;
+        let n = self.corners() as f64;
+        let mut moments = Matrix::<3>::zeros();
+        for (facet, area) in self.facets.iter().zip(&self.areas) {
+            let at = facet.map(|v| self.start[v as usize] - middle);
+            let sum = at[..self.corners()].iter().sum::<Vector<3>>();
+            // Exact on a facet: its corners, and n² times its middle, which is their sum over n.
+            let own: Matrix<3> = at[..self.corners()].iter().map(|x| x * x.transpose()).sum();
+            moments += (own + sum * sum.transpose()) * (area.norm() / (n * (n + 1.0)));
+        }
+        moments
+    }
+
+    /// The axes of its moments and its extents along them at first, the longest first. In a plane the third is the plane's normal.
+    pub fn axes(&self) -> ([Vector<3>; 3], [f64; 3]) {
+        let eigen = self.moments().symmetric_eigen();
+        let mut order = [0, 1, 2];
+        order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+        let mut axes = order.map(|k| eigen.eigenvectors.column(k).into_owned());
+        let [one, two, _] = order.map(|k| eigen.eigenvalues[k]);
+        if !self.flat && two > (1.0 - ROUND) * one {
+            // As wide as long: along the coordinates.
+            let within = |a: usize| {
+                let e = Vector::<3>::from_fn(|b, _| if a == b { 1.0 } else { 0.0 });
+                e - axes[2] * axes[2].dot(&e)
+            };
+            let along = if within(0).norm() > 0.7 { within(0) } else { within(1) };
+            axes[0] = along.normalize();
+            axes[1] = axes[2].cross(&axes[0]);
+        }
+        let extent = |axis: &Vector<3>| {
+            let along = self.start.iter().map(|x| x.dot(axis));
+            let (low, high) =
+                along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            high - low
+        };
+        let extents = [extent(&axes[0]), extent(&axes[1]), extent(&axes[2])];
+        (axes, extents)
+    }
+}
+
+/// Area vector of a facet, m² (2D: m).
+fn area(points: &[Vector<3>], facet: &[u32; 3], flat: bool) -> Vector<3> {
+    let [a, b, c] = facet.map(|v| points[v as usize]);
+    if flat { Vector::<3>::new(b[1] - a[1], a[0] - b[0], 0.0) } else { (b - a).cross(&(c - a)) * 0.5 }
+}
+
+/// Part of a facet where a linear function with these values at its corners, rising, is negative.
+fn part_below(at: &[f64]) -> f64 {
+    match at {
+        [a, b] if *a < 0.0 && *b >= 0.0 => a / (a - b),
+        [a, b, c] if *a < 0.0 && *b >= 0.0 => a * a / ((a - b) * (a - c)),
+        [a, b, c] if *b < 0.0 && *c >= 0.0 => 1.0 - c * c / ((c - a) * (c - b)),
+        all => f64::from(u8::from(all.iter().all(|v| *v < 0.0))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_facets_are_exact() {
+        assert_eq!(part_below(&[-1.0, 3.0]), 0.25);
+        assert_eq!(part_below(&[-1.0, 1.0, 1.0]), 0.25);
+        assert_eq!(part_below(&[-1.0, -1.0, 1.0]), 0.75);
+        assert_eq!(part_below(&[-2.0, -1.0, -0.5]), 1.0);
+        assert_eq!(part_below(&[0.0, 1.0, 2.0]), 0.0);
+    }
+}
