@@ -277,11 +277,12 @@ pub fn move_surface<const D: usize>(
     let values = advect_surface(model, &state.phi, &work.band, &state.velocity, dt);
     work.band.cells.iter().zip(values).for_each(|(&c, v)| state.phi.data[c as usize] = v);
     extend_into_solids(model, state, &work.band, &work.cut);
-    state.drift += max_component(model, state, work) * dt / model.grid.dx;
+    let way = max_component(model, state, work) * dt / model.grid.dx;
+    state.drift += way;
     let before = std::mem::take(&mut work.liquid);
     let left = work.band.cells.clone();
     work.find_liquid(model, state);
-    let strays = work.strays(model);
+    let strays = work.strays(model, &before, way.ceil().max(1.0) as usize);
     if !strays.is_empty() {
         strays.iter().for_each(|&c| state.phi.data[c] = LEFT_BEHIND * model.grid.dx);
         work.find_liquid(model, state);

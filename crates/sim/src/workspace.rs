@@ -19,6 +19,8 @@ use rayon::prelude::*;
 pub const BAND: f64 = 5.0;
 /// Layers of the band: enough for [`BAND`] where the surface lies slantwise to the axes.
 pub const LAYERS: usize = 8;
+/// Distance, in cells, up to which a cell's centre is beside a solid.
+const BESIDE: f64 = 2.0;
 
 /// What a component of the liquid touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -125,12 +127,40 @@ impl<const D: usize> Workspace<D> {
         self.band.rebuild(&state.phi.data, &self.liquid, LAYERS);
     }
 
-    /// The liquid cells of components that lie within solids altogether: no centre of theirs is outside. A line that
-    /// recedes leaves such cells behind.
-    pub fn strays(&self, model: &Model<D>) -> Vec<usize> {
-        let within = self.within();
-        let strays = self.liquid.runs.iter().filter(|r| within.get(r.component as usize) == Some(&true));
+    /// The liquid cells of components that are none: those that lie within solids altogether, without a centre outside, as
+    /// a line that recedes leaves them behind, and those that no liquid can have reached. `before` is the liquid before
+    /// its surface moved, by `reach` cells at most.
+    pub fn strays(&self, model: &Model<D>, before: &Runs, reach: usize) -> Vec<usize> {
+        let (within, through) = (self.within(), self.through_solids(model, before, reach));
+        let stray = |c: u32| [&within, &through].iter().any(|s| s.get(c as usize) == Some(&true));
+        let strays = self.liquid.runs.iter().filter(|r| stray(r.component));
         strays.flat_map(|r| cells_of(&model.grid, r)).collect()
+    }
+
+    /// Which components have come through a solid: they lie beside one, where no liquid was within reach. Within a wall φ
+    /// goes on from the nearer side, and where the liquid of one side ends the other may take a cell of it for its own.
+    fn through_solids(&self, model: &Model<D>, before: &Runs, reach: usize) -> Vec<bool> {
+        if self.cut.wet.is_empty() {
+            return Vec::new();
+        }
+        let mut through = vec![true; self.liquid.components as usize];
+        before.overlaps(&self.liquid).iter().for_each(|(_, new, _)| through[*new as usize] = false);
+        if !through.contains(&true) {
+            return through;
+        }
+        let (was, lattice) = (before.component(&model.grid), model.grid.lattice());
+        let unreached = |cell: usize| {
+            let at = lattice.coordinates(cell);
+            let low = at.map(|i| i.saturating_sub(reach));
+            let high = std::array::from_fn(|a| (at[a] + reach + 1).min(lattice.extent[a]));
+            self.cut.distance(cell) < BESIDE
+                && points([low, high]).iter().all(|p| was(lattice.index(*p)).is_none())
+        };
+        for run in &self.liquid.runs {
+            let through = &mut through[run.component as usize];
+            *through = *through && cells_of(&model.grid, run).all(unreached);
+        }
+        through
     }
 
     /// Which components lie within solids altogether; nothing where there are no solids.
@@ -330,5 +360,44 @@ impl<const D: usize> Snapshot<D> {
         workspace.follow_solids(model, state);
         workspace.find_liquid(model, state);
         workspace.extend_afresh(model, state);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Numerics, Wall};
+    use crate::simulation::{Body, Simulation};
+    use crate::solid::Solid;
+    use meniscus_numerics::shape::Shape;
+
+    #[test]
+    fn liquid_beyond_a_wall_is_none() {
+        let grid = Grid::<2>::new([16; 2], 1.0);
+        let (center, half_size) = (Vector::<2>::new(7.3, 8.0), Vector::<2>::new(1.0, 20.0));
+        let wall =
+            Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, Motion::Fixed, 1.0);
+        let model = Model {
+            grid,
+            walls: [[Wall::Slip; 2]; 2],
+            density: 1.0,
+            kinematic_viscosity: 0.0,
+            surface_tension: 1.0,
+            gravity: Vector::zeros(),
+            solids: vec![wall],
+            numerics: Numerics::default(),
+        };
+        let left = |x: &Vector<2>| (x[0] - 7.3).max(x[1] - 9.2);
+        let body = Body { distance: &left, velocity: Vector::zeros() };
+        let Simulation { model, mut state, mut work } = Simulation::new(model, &[body]);
+        let before = work.liquid.clone();
+        let beyond = grid.lattice().index([8, 8]);
+        state.phi.data[beyond] = -0.1;
+        work.find_liquid(&model, &state);
+        assert_eq!(work.liquid.components, 2);
+        assert_eq!(work.strays(&model, &before, 1), [beyond]);
+        // Liquid that could have got there, or was there, stays.
+        assert!(work.strays(&model, &before, 3).is_empty());
+        assert!(work.strays(&model, &work.liquid.clone(), 1).is_empty());
     }
 }
