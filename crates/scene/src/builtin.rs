@@ -40,7 +40,7 @@ macro_rules! scene {
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 36] = [
+pub const BUILTINS: [Builtin; 37] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
@@ -208,6 +208,13 @@ pub const BUILTINS: [Builtin; 36] = [
         Some("Fig. 17 (b)"),
         "The same drop and strip, hydrophobic: the strip bends, and stays open",
         "half a minute"
+    ),
+    scene!(
+        "fig14-soft-plate",
+        2,
+        Some("Fig. 14"),
+        "A drop falls on a soft plate that repels it and bends",
+        "two minutes"
     ),
     scene!(
         "drop-on-soft-plate",

@@ -21,6 +21,7 @@ mod soft;
 mod solid;
 mod state;
 mod step;
+mod tension;
 mod track;
 mod walls;
 mod wetting;

@@ -10,6 +10,8 @@
 //! difference is spread over its lines, and drop and solids together neither gain nor lose momentum (design, experiments
 //! part 2, EFT); along them the lattice is right, and the liquid gets what its surface's pressure lacks. Without that a drop
 //! that spreads on a tilted wall starts to glide along it.
+//!
+//! A solid that deforms feels the tension of its own surface as well (`tension.rs`): along it the two are in balance.
 
 use crate::exchange::{Exchange, Impulse};
 use crate::liquid::cube::CutCube;
@@ -17,6 +19,7 @@ use crate::liquid::cut_faces::CutFace;
 use crate::model::{Model, Wall};
 use crate::skin::Grip;
 use crate::solid::SolidState;
+use crate::tension::Skins;
 use meniscus_numerics::{Matrix, Vector, planes};
 use std::collections::BTreeMap;
 
@@ -34,8 +37,8 @@ struct Foot<const D: usize> {
     grip: Grip<D>,
     /// Length there, in cells.
     length: f64,
-    /// What it pulls with across the solid, N s (2D: per metre).
-    across: Vector<D>,
+    /// What it pulls with, N s (2D: per metre).
+    pull: Vector<D>,
 }
 
 /// Least share of the lines' pull across solids that a direction must have for lines to pull in it.
@@ -92,6 +95,8 @@ pub struct Lines<'a, const D: usize> {
     pub label: &'a dyn Fn(usize) -> Option<u32>,
     /// Which components touch no side of the domain.
     pub inside: &'a [bool],
+    /// What is wetted of the solids that deform.
+    pub skins: &'a Skins<D>,
 }
 
 impl<const D: usize> Lines<'_, D> {
@@ -123,7 +128,8 @@ impl<const D: usize> Lines<'_, D> {
             if let Some(feet) = feet.get(pair)
                 && let Some(all) = exchange.pairs.remove(pair)
             {
-                take_hold(feet, *pair, &all, &mut exchange);
+                let skin = self.skins.get(pair).map_or(&[][..], |skin| skin);
+                take_hold(feet, (skin, kick), *pair, &all, &mut exchange);
             }
         }
         (exchange, along)
@@ -164,9 +170,9 @@ impl<const D: usize> Lines<'_, D> {
             cube.share(self.label, |c, part| {
                 exchange.add((c, cube.solid), &impulse, part);
                 if let Some(grip) = grip {
-                    let across = Vector::from_fn(|a, _| strength * part * cube.lift[a]);
+                    let pull = Vector::from_fn(|a, _| strength * part * pull[a]);
                     let feet: &mut Vec<_> = feet.entry((c, cube.solid)).or_default();
-                    feet.push(Foot { grip, length: part * size, across });
+                    feet.push(Foot { grip, length: part * size, pull });
                 }
                 let (length, moment) = lengths.entry((c, cube.solid)).or_insert((0.0, Vector::zeros()));
                 *length += part * size;
@@ -193,19 +199,21 @@ impl<const D: usize> Lines<'_, D> {
     }
 }
 
-/// Gives a solid that deforms what its lines pull with across it, each where it is, and what `all` is besides to all of them.
-/// Along the solid the surface's pull and the difference of the solid's own tensions are in balance (Young): a line by itself
-/// does not stretch what it lies on.
+/// Gives a solid that deforms what its lines pull with, each where it is, what the tension of its wetted surface (`skin`) does
+/// in the time `kick` (s), which along the solid is in balance with the lines, and what `all` is besides to all lines.
 fn take_hold<const D: usize>(
     feet: &[Foot<D>],
+    (skin, kick): (&[(Grip<D>, Vector<D>)], f64),
     pair: (u32, u32),
     all: &Impulse<D>,
     exchange: &mut Exchange<D>,
 ) {
     let mut rest = *all;
-    feet.iter().for_each(|f| rest.add(&Impulse::at(&f.grip.point, f.across), -1.0));
+    feet.iter().for_each(|f| rest.add(&Impulse::at(&f.grip.point, f.pull), -1.0));
+    skin.iter().for_each(|(grip, force)| rest.add(&Impulse::at(&grip.point, *force), -kick));
+    skin.iter().for_each(|(grip, force)| exchange.grip(pair, grip, force * kick));
     for (foot, more) in feet.iter().zip(spread(feet, &rest)) {
-        exchange.grip(pair, &foot.grip, foot.across + more);
+        exchange.grip(pair, &foot.grip, foot.pull + more);
     }
 }
 

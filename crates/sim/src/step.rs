@@ -22,6 +22,7 @@ use crate::simulation::PhaseEnd;
 use crate::soft::{Systems, systems};
 use crate::solid::Motion;
 use crate::state::State;
+use crate::tension::wetted_skins;
 use crate::workspace::{BAND, LAYERS, Workspace};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Runs, Sampler, Segment};
@@ -207,10 +208,11 @@ fn press<const D: usize>(
     let inside: Vec<bool> = work.touching(model).iter().map(|t| !t.side).collect();
     let label = work.liquid.component(&model.grid);
     let near = in_band(&work.band, &change.labels);
-    let lines =
-        Lines { model, solids: &state.solids, cubes: &change.cubes, cut, label: &near, inside: &inside };
+    let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
+    let (solids, cubes) = (&state.solids, &change.cubes);
     let (line, along) = if model.numerics.contact_line {
-        lines.impulses(kick)
+        let skins = &wetted_skins(model, solids, &phi, &label);
+        Lines { model, solids, cubes, cut, label: &near, inside: &inside, skins }.impulses(kick)
     } else {
         (Exchange::new(), vec![Vector::zeros(); inside.len()])
     };

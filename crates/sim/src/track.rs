@@ -123,6 +123,19 @@ impl<const D: usize> LineTracker<D> {
     }
 }
 
+/// φ at a point of a solid with the normal `n`, from above; `dx` is the size of a cell, m.
+pub fn phi_on<const D: usize>(phi: &Sampler<'_, D>, x: &Vector<D>, n: &Vector<D>, dx: f64) -> f64 {
+    let low = x + n * (HEIGHT * dx);
+    let rough = phi.linear(&low);
+    if rough.abs() > NEAR * dx {
+        return rough;
+    }
+    let (value, slope) = phi.distance(&low);
+    let (_, higher) = phi.distance(&(x + n * (HIGHER * dx)));
+    let bend = ((higher - slope).dot(n) / (HIGHER - HEIGHT)).clamp(-KINK, KINK);
+    value - dx * HEIGHT * (slope.dot(n) - 0.5 * HEIGHT * bend)
+}
+
 /// A state as the line sees it.
 struct Seen<'a, const D: usize> {
     model: &'a Model<D>,
@@ -142,19 +155,6 @@ impl<'a, const D: usize> Seen<'a, D> {
             flow: Flow::new(model, &state.velocity),
             dx: model.grid.dx,
         }
-    }
-
-    /// φ at a point of a solid with the normal `n`, from above.
-    fn phi_on(&self, x: &Vector<D>, n: &Vector<D>) -> f64 {
-        let (dx, low) = (self.dx, x + n * (HEIGHT * self.dx));
-        let rough = self.phi.linear(&low);
-        if rough.abs() > NEAR * dx {
-            return rough;
-        }
-        let (value, slope) = self.phi.distance(&low);
-        let (_, higher) = self.phi.distance(&(x + n * (HIGHER * dx)));
-        let bend = ((higher - slope).dot(n) / (HIGHER - HEIGHT)).clamp(-KINK, KINK);
-        value - dx * HEIGHT * (slope.dot(n) - 0.5 * HEIGHT * bend)
     }
 
     /// Whether a point lies in a solid other than `number`, or beyond the domain.
@@ -222,7 +222,7 @@ impl<const D: usize> Tracked<D> {
         let value = |(x, n): (&Vector<D>, &Vector<D>)| {
             let x = moved(x);
             let normal = if now.soft.is_some() { *n } else { now.rotation * n };
-            let value = seen.phi_on(&x, &normal);
+            let value = phi_on(&seen.phi, &x, &normal, seen.dx);
             let open =
                 *n != Vector::<D>::zeros() && !(value.abs() < NEAR * seen.dx && seen.is_covered(number, &x));
             if open { value } else { f64::NAN }

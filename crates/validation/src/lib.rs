@@ -3,7 +3,9 @@
 //! A case is a [`Case`] in a file of its own under `cases`, listed in `cases/mod.rs`.
 
 pub mod cases;
+pub mod elastica;
 pub mod measure;
+pub mod plate;
 pub mod pressure_bench;
 pub mod report;
 pub mod setup;

@@ -14,6 +14,7 @@ use super::transport::Flow;
 use crate::model::Model;
 use crate::solid::SolidState;
 use crate::state::State;
+use crate::workspace::BAND;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CutCells, Sampler};
 use rayon::prelude::*;
@@ -21,6 +22,11 @@ use std::f64::consts::PI;
 
 /// Part of the way to the continuation that φ goes in a step: at once it lifts drops off, never it keeps what is stale.
 const RELAXATION: f64 = 0.1;
+/// φ outside, in cells, from which on no surface is near: what has the other sign within is stale and goes at once. Else a dry
+/// side that moves away from what lies behind it would look wetted: it goes faster than what is left behind fades.
+const CLEAR: f64 = 3.0;
+/// Depth, in cells, within which a cell in a solid that deforms may be left by it in a step or two.
+const DEEPEST: f64 = 3.0;
 /// Height above a solid, in cells, at which the surface is looked for.
 const HEIGHT: f64 = 1.0;
 /// Least sine of the angle at which it is continued.
@@ -114,10 +120,50 @@ pub fn extend_into_solids<const D: usize>(
 ) {
     let ghosts = ghosts(model, state, band, cut);
     let sampler = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
-    let target = |g: &Ghost<D>| g.scale * sampler.distance(&g.outside).0;
-    let targets: Vec<f64> = ghosts.par_iter().with_min_len(64).map(target).collect();
-    for (ghost, target) in ghosts.iter().zip(targets) {
+    let seen = |g: &Ghost<D>| sampler.distance(&g.outside).0;
+    let all: Vec<f64> = ghosts.par_iter().with_min_len(64).map(seen).collect();
+    for (ghost, seen) in ghosts.iter().zip(all) {
         let value = &mut state.phi.data[band.cells[ghost.slot as usize] as usize];
-        *value += RELAXATION * (target - *value);
+        let stale = seen.abs() > CLEAR * model.grid.dx && *value * seen < 0.0;
+        *value += if stale { seen - *value } else { RELAXATION * (ghost.scale * seen - *value) };
     }
+    if model.solids.iter().any(|s| s.elastic().is_some()) {
+        follow_sides(model, state, band, cut);
+    }
+}
+
+/// Gives cells within solids that the band does not reach the sign that φ has outside, next to them: a solid that deforms leaves
+/// them to the air or to the liquid, and what they were at the start would be a surface there.
+fn follow_sides<const D: usize>(model: &Model<D>, state: &mut State<D>, band: &Band<D>, cut: &CutCells<D>) {
+    let (lattice, limit) = (model.grid.lattice(), BAND * model.grid.dx);
+    let phi = &state.phi.data;
+    let side = |cell: usize| {
+        let depth = -cut.distance(cell);
+        if depth <= 0.0 || depth > DEEPEST || band.slot(cell).is_some() {
+            return None;
+        }
+        let mut at = cell;
+        for _ in 0..2 * DEEPEST as usize {
+            at = lattice.neighbours(at).max_by(|i, j| cut.distance(*i).total_cmp(&cut.distance(*j)))?;
+            if cut.distance(at) >= 0.0 {
+                return Some((cell, limit.copysign(phi[at])));
+            }
+        }
+        None
+    };
+    let of = |[low, high]: &[[usize; D]; 2]| {
+        let (low, extent): (_, [usize; D]) = (*low, std::array::from_fn(|a| high[a] - low[a]));
+        let cell = move |mut k: usize| {
+            let place = |a: usize| {
+                let along = k % extent[a];
+                k /= extent[a];
+                low[a] + along
+            };
+            lattice.index(std::array::from_fn(place))
+        };
+        let all = (0..extent.iter().product()).into_par_iter().with_min_len(1024);
+        all.filter_map(|k| side(cell(k))).collect::<Vec<_>>()
+    };
+    let sides: Vec<(usize, f64)> = cut.boxes().iter().flat_map(of).collect();
+    sides.into_iter().for_each(|(cell, value)| state.phi.data[cell] = value);
 }

@@ -5,6 +5,7 @@ mod buoyancy;
 mod capillary_wave;
 mod dam_break;
 mod elastic;
+mod elastica_drop;
 mod floating;
 mod hydrostatic;
 mod hysteresis;
@@ -21,6 +22,8 @@ mod sessile;
 mod sessile_gravity;
 mod sliding;
 mod soft;
+mod soft_impact;
+mod soft_release;
 mod soft_tank;
 mod static_drop;
 mod surface_distance;
@@ -28,6 +31,7 @@ mod transport;
 mod volume;
 mod walls;
 mod wettability_step;
+mod wrapping;
 
 use crate::Case;
 
@@ -36,7 +40,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 41] = [
+const ALL: [Case; 46] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -77,5 +81,10 @@ const ALL: [Case; 41] = [
     soft::STRIP,
     soft::STIFF,
     soft_tank::CASE,
+    soft_release::CASE,
+    soft_impact::CASE,
+    elastica_drop::CASE,
+    wrapping::OPEN,
+    wrapping::WRAP,
     pressure_matrix::CASE,
 ];

@@ -1,16 +1,12 @@
 //! Drops on solids that deform, against the theory of plates.
 
 use crate::measure::{at_most, settle};
+use crate::plate::{Held, Plate, Setting};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Smoothing};
-use meniscus_numerics::grid::Grid;
-use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Body, LineTracker, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_numerics::Vector;
+use meniscus_sim::{LineTracker, Simulation, StepError};
 use std::f64::consts::FRAC_PI_2;
-use std::sync::Arc;
 
 /// Drops that bend plates.
 pub const KINK: Case = Case {
@@ -45,127 +41,6 @@ pub const STIFF: Case = Case {
     run: |mode| settle("soft-stiff", stiff(mode)),
 };
 
-/// A plate and a drop on it. Lengths and times: γ = ρ = 1.
-struct Setting {
-    cells: usize,
-    /// Contact angle, degrees.
-    angle: f64,
-    /// The drop's at the start.
-    first: f64,
-    length: f64,
-    thickness: f64,
-    /// Bending stiffness.
-    bending: f64,
-    /// Density of the plate.
-    density: f64,
-    /// Area of the drop.
-    area: f64,
-    /// Its place along the plate, from the middle.
-    place: f64,
-    viscosity: f64,
-    held: Held,
-}
-
-/// What holds a plate.
-#[derive(Clone, Copy, PartialEq)]
-enum Held {
-    Nowhere,
-    Left,
-    Bottom,
-    /// As it is rigid.
-    Everywhere,
-}
-
-/// A plate's simulation, and where its bottom's vertices were.
-struct Plate {
-    sim: Simulation<2>,
-    middle: Vector<2>,
-    /// Number and place along the plate from its middle.
-    bottom: Vec<(usize, f64)>,
-}
-
-impl Setting {
-    /// Half the width that the drop wets on a flat plate at a contact angle, degrees.
-    fn half_width(&self, angle: f64) -> f64 {
-        let t = angle.to_radians();
-        (self.area / (t - t.sin() * t.cos())).sqrt() * t.sin()
-    }
-
-    fn start(&self) -> Result<Plate, StepError> {
-        let dx = 1.0 / self.cells as f64;
-        let room = Vector::<2>::new(self.length + 1.6, 4.0);
-        let grid = Grid::<2>::new([0, 1].map(|a| (room[a] * self.cells as f64) as usize), dx);
-        let middle = Vector::<2>::new(0.5 * room[0] + 0.13 * dx, 1.4 + 0.3 * dx);
-        let half = Vector::<2>::new(0.5 * self.length, 0.5 * self.thickness);
-        let shape = Shape::Box { center: middle, half_size: half, rotation: Matrix::identity() };
-        let mesh = VolumeMesh::of_shape(&shape, dx / 1.5).unwrap_or_default();
-        let low = middle - half;
-        let bottom = mesh.positions.iter().enumerate().filter(|(_, x)| x[1] < low[1] + 1e-9);
-        let bottom = bottom.map(|(k, x)| (k, x[0] - middle[0])).collect();
-        let motion = match self.held {
-            Held::Everywhere => Motion::Fixed,
-            _ => Motion::Soft(Arc::new(self.elastic(mesh, &low)?)),
-        };
-        let mut solid = Solid::new(shape, motion, self.density);
-        solid.cosine = self.angle.to_radians().cos();
-        let t = self.first.to_radians();
-        let radius = self.half_width(self.first) / t.sin();
-        let center = middle + Vector::<2>::new(self.place, half[1] - radius * t.cos());
-        let drop = move |x: &Vector<2>| ((x - center).norm() - radius).max(middle[1] - x[1]);
-        let model = Model {
-            grid,
-            walls: [[Wall::Open; 2]; 2],
-            density: 1.0,
-            kinematic_viscosity: self.viscosity,
-            surface_tension: 1.0,
-            gravity: Vector::zeros(),
-            solids: vec![solid],
-            numerics: Numerics::default(),
-        };
-        let sim = Simulation::new(model, &[Body { distance: &drop, velocity: Vector::zeros() }]);
-        Ok(Plate { sim, middle, bottom })
-    }
-
-    fn elastic(&self, mesh: VolumeMesh<2>, low: &Vector<2>) -> Result<Elastic<2>, StepError> {
-        let poisson = 0.3;
-        let young = 12.0 * self.bending * (1.0 - poisson * poisson) / self.thickness.powi(3);
-        let anchors = match self.held {
-            Held::Left => vec![Anchor::within(&mesh, |x| x[0] < low[0] + 1e-9)],
-            Held::Bottom => vec![Anchor::within(&mesh, |x| x[1] < low[1] + 1e-9)],
-            _ => Vec::new(),
-        };
-        let law = Law::NeoHookean { young, poisson, smoothing: Smoothing::default() };
-        let integrator = Integrator::default();
-        let description =
-            Description { mesh, density: self.density, law, damping_ratio: 0.3, anchors, integrator };
-        let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
-        Elastic::new(description).map_err(failed)
-    }
-}
-
-impl Plate {
-    /// Slope of the bottom between two places along the plate.
-    fn slope(&self, from: f64, to: f64) -> f64 {
-        let Some(soft) = &self.sim.state.solids[0].soft else { return 0.0 };
-        let within = self.bottom.iter().filter(|(_, s)| (from..=to).contains(s));
-        let points: Vec<Vector<2>> = within.map(|(k, _)| soft.body.positions[*k] - self.middle).collect();
-        let mean = points.iter().sum::<Vector<2>>() / points.len() as f64;
-        let sum = |f: &dyn Fn(&Vector<2>) -> f64| points.iter().map(|p| f(&(p - mean))).sum::<f64>();
-        (sum(&|d| d[0] * d[1]) / sum(&|d| d[0] * d[0])).atan()
-    }
-
-    /// Runs to a time; the mean of a value over the last fifth.
-    fn mean_of(&mut self, time: f64, value: impl Fn(&Self) -> f64) -> Result<f64, StepError> {
-        run_to(&mut self.sim, 0.8 * time, |_, _| ())?;
-        let (mut sum, mut count) = (0.0, 0.0);
-        for k in 1..=20 {
-            run_to(&mut self.sim, time * (0.8 + 0.01 * f64::from(k)), |_, _| ())?;
-            (sum, count) = (sum + value(self), count + 1.0);
-        }
-        Ok(sum / count)
-    }
-}
-
 fn kinks(mode: Mode) -> Result<Vec<Check>, StepError> {
     let (cells, layers, angles): (_, &[f64], &[f64]) = match mode {
         Mode::Quick => (12, &[4.0], &[60.0]),
@@ -185,10 +60,12 @@ fn kinks(mode: Mode) -> Result<Vec<Check>, StepError> {
                     thickness,
                     bending: 20.0,
                     density: 1.0,
+                    damping: 0.3,
                     area: FRAC_PI_2,
                     place,
                     viscosity: 0.15,
                     held,
+                    heights: [4.0, 1.4],
                 };
                 let a = setting.half_width(angle);
                 let exact = 2.0 / 3.0 * angle.to_radians().sin() * a * a / 20.0;
@@ -222,10 +99,12 @@ fn strip(mode: Mode) -> Result<Vec<Check>, StepError> {
             thickness: 4.0 / cells as f64,
             bending: 5.5,
             density: 1.0,
+            damping: 0.3,
             area: FRAC_PI_2,
             place: 0.4,
             viscosity: 0.02,
             held: Held::Nowhere,
+            heights: [4.0, 1.4],
         };
         let Plate { mut sim, .. } = setting.start()?;
         let sums = |sim: &Simulation<2>| {
@@ -271,10 +150,12 @@ fn stiff(mode: Mode) -> Result<Vec<Check>, StepError> {
                 thickness: 6.0 / cells as f64,
                 bending: 1e5,
                 density: 1.0,
+                damping: 0.3,
                 area: FRAC_PI_2,
                 place: 0.0,
                 viscosity: 0.3,
                 held,
+                heights: [4.0, 1.4],
             };
             let mut plate = setting.start()?;
             let tracker = LineTracker::new(&plate.sim.model, &[plate.sim.model.grid.dx / 1.5]);

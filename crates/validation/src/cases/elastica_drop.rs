@@ -1,0 +1,139 @@
+//! A drop that holds a sheet by its ends.
+
+use crate::elastica::{Sheet, Unknowns};
+use crate::measure::settle;
+use crate::plate::{Held, Plate, Setting};
+use crate::{Case, Check, Mode};
+use meniscus_sim::StepError;
+
+/// The case.
+pub const CASE: Case = Case {
+    name: "elastica-drop",
+    title: "A drop on a short soft sheet holds its ends and folds it",
+    theory: "2D, no gravity: a drop of area A wets a free sheet of length l = 6 (γ = ρ = 1, ν = 0.5) to its ends, where the line \
+        is pinned: places of the ends, seen from the middle, by the theory of the sheet with its thickness (design, validation \
+        §4, 8: without it; 4 cells, 20 cells a unit, t/l = 0.033; quick: 16, 0.042). And while the drop dries up slowly the \
+        sheet folds and opens again below l/L = 3.541, L = √(B/γ), and closes above it (with the thickness in the theory above \
+        3.57): at 0.9 and at 1.1 times that.",
+    quick: false,
+    run: |mode| settle(NAME, run(mode)),
+};
+
+const NAME: &str = "elastica-drop";
+const LENGTH: f64 = 6.0;
+/// What the contact angle is less than the drop's at the start, on the flat sheet, degrees: the line stays at the ends.
+const BELOW: f64 = 15.0;
+/// l/L above which a drop that dries up closes its sheet.
+const CLOSING: f64 = 3.5412;
+/// A/l² from which and to which it dries up: the threshold is at 0.14.
+const DRYING: [f64; 2] = [0.2, 0.11];
+/// For how long, and for how long the sheet is watched after that.
+const DRYING_TIME: [f64; 2] = [30.0, 10.0];
+/// Distance between the ends over l, half of that of the last open state, at which the sheet is closing.
+const CLOSED: f64 = 0.3;
+/// l/L, A/l², and the sheet's without thickness: p l/γ, κ l in the middle, angle of the liquid with the sheet (degrees).
+const SHAPES: [(f64, f64, f64, f64, f64); 7] = [
+    (3.0, 0.2, 1.20033, 2.50209, 76.77),
+    (2.0, 0.1, 0.73628, 0.57756, 32.26),
+    (2.0, 0.3, 1.91670, 1.01586, 88.07),
+    (3.0, 0.1, 0.17480, 1.44347, 31.15),
+    (4.0, 0.3, 2.41839, 2.96560, 126.62),
+    (4.0, 0.2, 1.92459, 4.06673, 111.70),
+    (5.0, 0.2, 2.65753, 4.36529, 130.49),
+];
+
+fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let (cells, rows): (_, &[_]) = if mode == Mode::Quick { (16, &SHAPES[..1]) } else { (20, &SHAPES) };
+    let mut checks = Vec::new();
+    for row in rows {
+        checks.extend(shape(cells, row)?);
+    }
+    let parts: &[_] = if mode == Mode::Quick { &[(1.1, 1.0)] } else { &[(0.9, 0.0), (1.1, 1.0)] };
+    for &(part, closes) in parts {
+        let mut plate = setting(cells, part * CLOSING, DRYING[0]).start()?;
+        let closed = closes_up(&mut plate)?;
+        let text = format!("closes at {part} times the threshold, {cells} cells a unit");
+        checks.push(Check::absolute(NAME, &text, f64::from(u8::from(closed)), closes, 0.0, Some(0.0), ""));
+    }
+    Ok(checks)
+}
+
+/// A drop on a flat sheet; `ratio` is l/L, `area` A/l².
+fn setting(cells: usize, ratio: f64, area: f64) -> Setting {
+    let first = cap(area);
+    Setting {
+        cells,
+        angle: first - BELOW,
+        first,
+        length: LENGTH,
+        thickness: 4.0 / cells as f64,
+        bending: (LENGTH / ratio).powi(2),
+        density: 1.0,
+        damping: 1.0,
+        area: area * LENGTH * LENGTH,
+        place: 0.0,
+        viscosity: 0.5,
+        held: Held::Nowhere,
+        heights: [5.6, 2.2],
+    }
+}
+
+/// The angle, degrees, of a cap of a given area over the square of its width.
+fn cap(area: f64) -> f64 {
+    let over = |angle: f64| (angle - angle.sin() * angle.cos()) / (2.0 * angle.sin()).powi(2);
+    let (mut low, mut high) = (1e-3, 3.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if over(middle) < area { low = middle } else { high = middle }
+    }
+    low.to_degrees()
+}
+
+fn shape(
+    cells: usize,
+    &(ratio, area, p, curvature, apparent): &(f64, f64, f64, f64, f64),
+) -> Result<Vec<Check>, StepError> {
+    let setting = setting(cells, ratio, area);
+    let Some(told) = theory(&setting, (p / LENGTH, curvature / LENGTH, apparent)) else {
+        return Ok(Vec::new());
+    };
+    let mut plate = setting.start()?;
+    let x = plate.mean_of(20.0, |p| p.ends()[0])?;
+    let y = plate.ends()[1];
+    let text = |what: &str| format!("{what} of the ends, l/L = {ratio}, A/l² = {area}, {cells} cells a unit");
+    let check = |what: &str, value: f64, told: f64| {
+        let (value, told) = (value / LENGTH, told / LENGTH);
+        Check::relative(NAME, &text(what), value, told, 0.05, Some(0.02), "l")
+    };
+    Ok(vec![check("place along", x, told[0]), check("height", y, told[1])])
+}
+
+/// Where the ends are, by theory; `row` is the pressure, the curvature and the angle without thickness.
+fn theory(setting: &Setting, (pressure, curvature, apparent): (f64, f64, f64)) -> Option<[f64; 2]> {
+    let (bending, half) = (setting.bending, 0.5 * LENGTH);
+    let (thickness, area, angle) = (setting.thickness, setting.area, setting.angle);
+    let sheet = Sheet { bending, thickness, area, angle, pinned: Some(half) };
+    let thin = Sheet { thickness: 0.0, ..sheet };
+    // κ = (1 − q²)/2pB in the middle.
+    let root = (1.0 - 2.0 * pressure * curvature * bending).max(0.0).sqrt();
+    let guesses = [root, -root].map(|center| Unknowns { pressure, center, curvature, half });
+    let right = |g: &&Unknowns| thin.shape(g).is_some_and(|s| (s.apparent - apparent).abs() < 0.1);
+    sheet.shape(guesses.iter().find(right)?).map(|s| s.end)
+}
+
+/// Whether the ends meet while the drop dries up.
+fn closes_up(plate: &mut Plate) -> Result<bool, StepError> {
+    let [drying, watched] = DRYING_TIME;
+    let mut area = DRYING[0];
+    while plate.sim.state.time < drying + watched {
+        let part = (plate.sim.state.time / drying).min(1.0);
+        let next = DRYING[0] + (DRYING[1] - DRYING[0]) * part;
+        plate.sim.state.drops.iter_mut().for_each(|d| d.target_volume *= next / area);
+        area = next;
+        plate.sim.step(drying + watched - plate.sim.state.time, &mut |_| ())?;
+        if 2.0 * plate.ends()[0] < CLOSED * LENGTH {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}

@@ -1,0 +1,72 @@
+//! A drop falls on a soft plate at three resolutions, as in the paper's Fig. 14.
+
+use crate::measure::at_least;
+use crate::setup::run_to;
+use crate::{Case, Check, Mode};
+use meniscus_numerics::Vector;
+use meniscus_scene::build::{AnySetup, AnySimulation};
+use meniscus_scene::builtin;
+use meniscus_scene::file::LoadOptions;
+use meniscus_sim::{LineTracker, Simulation};
+
+/// The case.
+pub const CASE: Case = Case {
+    name: "soft-impact",
+    title: "A drop falls on a soft plate: the contact points' histories converge",
+    theory: "2D: the scene fig14-soft-plate at 256², 512² and 1024² cells, to 20 ms: it touches, spreads to its widest and \
+        starts back. How far the outermost contact points of two resolutions are apart, as a mean over times from the first \
+        contact on: from the coarse to the middle one over from the middle to the fine one (design, validation §7: it halves).",
+    quick: false,
+    run,
+};
+
+const NAME: &str = "soft-impact";
+const RESOLUTIONS: [usize; 3] = [256, 512, 1024];
+const TIMES: usize = 80;
+const END: f64 = 0.02;
+
+/// The outermost contact points at each time.
+type History = Vec<Option<[Vector<2>; 2]>>;
+
+fn run(_: Mode) -> Vec<Check> {
+    let Some(all) = RESOLUTIONS.iter().map(|n| history(*n)).collect::<Option<Vec<History>>>() else {
+        return Vec::new();
+    };
+    let size = 16e-3;
+    let [first, second] = [0, 1].map(|k| apart(&all[k], &all[k + 1]) / (size / RESOLUTIONS[0] as f64));
+    let between = |k: usize| format!("{}² and {}²", RESOLUTIONS[k], RESOLUTIONS[k + 1]);
+    let text = |k: usize| format!("contact points of {}, in cells of the coarsest", between(k));
+    vec![
+        Check::absolute(NAME, &text(0), first, 0.0, 1.0, None, ""),
+        Check::absolute(NAME, &text(1), second, 0.0, 0.5, None, ""),
+        at_least(NAME, "the first over the second", first / second, 2.0, 2.0),
+    ]
+}
+
+/// The contact points of the scene at a resolution.
+fn history(cells: usize) -> Option<History> {
+    let sets = vec![format!("domain.resolution={cells}")];
+    let scene = builtin::open("fig14-soft-plate", &LoadOptions { sets, ..LoadOptions::default() }).ok()?;
+    let AnySimulation::D2(mut sim) = AnySetup::of(&scene).ok()?.simulation() else { return None };
+    let tracker = LineTracker::new(&sim.model, &[sim.model.grid.dx / 1.5]);
+    let mut history = History::new();
+    for k in 1..=TIMES {
+        run_to(&mut sim, END * k as f64 / TIMES as f64, |_, _| ()).ok()?;
+        history.push(outermost(&sim, &tracker));
+    }
+    Some(history)
+}
+
+/// The first and the last contact point along the plate.
+fn outermost(sim: &Simulation<2>, tracker: &LineTracker<2>) -> Option<[Vector<2>; 2]> {
+    let mut points: Vec<Vector<2>> = tracker.find(sim).points.iter().map(|p| p.at).collect();
+    points.sort_by(|p, q| p[0].total_cmp(&q[0]));
+    points.first().zip(points.last()).filter(|(p, q)| p[0] < q[0]).map(|(p, q)| [*p, *q])
+}
+
+/// Mean distance of the points of two histories, m, at the times when both have some.
+fn apart(one: &History, other: &History) -> f64 {
+    let both = one.iter().zip(other).filter_map(|(p, q)| p.zip(*q));
+    let each: Vec<f64> = both.flat_map(|(p, q)| [0, 1].map(|k| (p[k] - q[k]).norm())).collect();
+    each.iter().sum::<f64>() / each.len().max(1) as f64
+}

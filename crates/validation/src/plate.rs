@@ -1,0 +1,214 @@
+//! Plates that deform with a drop on them, for the cases.
+
+use crate::setup::run_to;
+use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Smoothing};
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::mesh::VolumeMesh;
+use meniscus_numerics::shape::Shape;
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{Body, LineTracker, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use std::sync::Arc;
+
+/// Poisson's ratio of the plates.
+const POISSON: f64 = 0.3;
+
+/// A plate and a drop on it. Lengths and times: γ = ρ = 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting {
+    /// Cells per unit of length.
+    pub cells: usize,
+    /// Contact angle, degrees.
+    pub angle: f64,
+    /// The drop's at the start, degrees.
+    pub first: f64,
+    /// Length of the plate.
+    pub length: f64,
+    /// Its thickness.
+    pub thickness: f64,
+    /// Bending stiffness, `E t³ / 12 (1 − ν²)` over γ.
+    pub bending: f64,
+    /// Density of the plate over the liquid's.
+    pub density: f64,
+    /// Damping of its lowest mode over the critical one.
+    pub damping: f64,
+    /// Area of the drop.
+    pub area: f64,
+    /// Its place along the plate, from the middle.
+    pub place: f64,
+    /// Kinematic viscosity of the liquid.
+    pub viscosity: f64,
+    /// What holds the plate.
+    pub held: Held,
+    /// Height of the domain, and of the plate's middle in it at the start.
+    pub heights: [f64; 2],
+}
+
+/// What holds a plate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Held {
+    /// Nothing.
+    Nowhere,
+    /// Its left end.
+    Left,
+    /// Its lower side.
+    Bottom,
+    /// As it is rigid.
+    Everywhere,
+}
+
+/// A plate's simulation, and where its bottom's vertices were.
+pub struct Plate {
+    /// The simulation; the plate is its only solid.
+    pub sim: Simulation<2>,
+    /// Where its middle was.
+    pub middle: Vector<2>,
+    /// Numbers of its lower side's vertices, and their places along the plate from its middle, in order.
+    pub bottom: Vec<(usize, f64)>,
+    /// Those of its upper side's.
+    pub top: Vec<(usize, f64)>,
+}
+
+impl Setting {
+    /// Half the width that the drop wets on a flat plate at a contact angle, degrees.
+    pub fn half_width(&self, angle: f64) -> f64 {
+        let t = angle.to_radians();
+        (self.area / (t - t.sin() * t.cos())).sqrt() * t.sin()
+    }
+
+    /// The drop, a cap at the angle of the start, on the plate at rest.
+    ///
+    /// # Errors
+    /// If the plate cannot be made.
+    pub fn start(&self) -> Result<Plate, StepError> {
+        let dx = 1.0 / self.cells as f64;
+        let room = Vector::<2>::new(self.length + 1.6, self.heights[0]);
+        let grid = Grid::<2>::new([0, 1].map(|a| (room[a] * self.cells as f64) as usize), dx);
+        let middle = Vector::<2>::new(0.5 * room[0] + 0.13 * dx, self.heights[1] + 0.3 * dx);
+        let half = Vector::<2>::new(0.5 * self.length, 0.5 * self.thickness);
+        let shape = Shape::Box { center: middle, half_size: half, rotation: Matrix::identity() };
+        let mesh = VolumeMesh::of_shape(&shape, dx / 1.5).unwrap_or_default();
+        let low = middle - half;
+        let side = |height: f64| {
+            let on = mesh.positions.iter().enumerate().filter(|(_, x)| (x[1] - height).abs() < 1e-9);
+            let mut on: Vec<(usize, f64)> = on.map(|(k, x)| (k, x[0] - middle[0])).collect();
+            on.sort_by(|a, b| a.1.total_cmp(&b.1));
+            on
+        };
+        let (bottom, top) = (side(low[1]), side(low[1] + self.thickness));
+        let motion = match self.held {
+            Held::Everywhere => Motion::Fixed,
+            _ => Motion::Soft(Arc::new(self.elastic(mesh, &low)?)),
+        };
+        let mut solid = Solid::new(shape, motion, self.density);
+        solid.cosine = self.angle.to_radians().cos();
+        let t = self.first.to_radians();
+        let radius = self.half_width(self.first) / t.sin();
+        let center = middle + Vector::<2>::new(self.place, half[1] - radius * t.cos());
+        let drop = move |x: &Vector<2>| ((x - center).norm() - radius).max(middle[1] - x[1]);
+        let model = Model {
+            grid,
+            walls: [[Wall::Open; 2]; 2],
+            density: 1.0,
+            kinematic_viscosity: self.viscosity,
+            surface_tension: 1.0,
+            gravity: Vector::zeros(),
+            solids: vec![solid],
+            numerics: Numerics::default(),
+        };
+        let sim = Simulation::new(model, &[Body { distance: &drop, velocity: Vector::zeros() }]);
+        Ok(Plate { sim, middle, bottom, top })
+    }
+
+    fn elastic(&self, mesh: VolumeMesh<2>, low: &Vector<2>) -> Result<Elastic<2>, StepError> {
+        let young = 12.0 * self.bending * (1.0 - POISSON * POISSON) / self.thickness.powi(3);
+        let anchors = match self.held {
+            Held::Left => vec![Anchor::within(&mesh, |x| x[0] < low[0] + 1e-9)],
+            Held::Bottom => vec![Anchor::within(&mesh, |x| x[1] < low[1] + 1e-9)],
+            _ => Vec::new(),
+        };
+        let law = Law::NeoHookean { young, poisson: POISSON, smoothing: Smoothing::default() };
+        let integrator = Integrator::default();
+        let (density, damping_ratio) = (self.density, self.damping);
+        let description = Description { mesh, density, law, damping_ratio, anchors, integrator };
+        let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
+        Elastic::new(description).map_err(failed)
+    }
+}
+
+impl Plate {
+    /// Slope of its lower side between two places along it, radians.
+    pub fn slope(&self, from: f64, to: f64) -> f64 {
+        let Some(soft) = &self.sim.state.solids[0].soft else { return 0.0 };
+        let within = self.bottom.iter().filter(|(_, s)| (from..=to).contains(s));
+        let points: Vec<Vector<2>> = within.map(|(k, _)| soft.body.positions[*k] - self.middle).collect();
+        let mean = points.iter().sum::<Vector<2>>() / points.len() as f64;
+        let sum = |f: &dyn Fn(&Vector<2>) -> f64| points.iter().map(|p| f(&(p - mean))).sum::<f64>();
+        (sum(&|d| d[0] * d[1]) / sum(&|d| d[0] * d[0])).atan()
+    }
+
+    /// Where vertices of a side are.
+    fn places(&self, side: &[(usize, f64)], within: impl Fn(f64) -> bool) -> Vec<Vector<2>> {
+        let Some(soft) = &self.sim.state.solids[0].soft else { return Vec::new() };
+        side.iter().filter(|(_, s)| within(*s)).map(|(k, _)| soft.body.positions[*k]).collect()
+    }
+
+    /// Half the angle between the last pieces of both ends, of this length, radians; positive where they rise.
+    pub fn rise(&self, piece: f64) -> f64 {
+        let end = self.bottom.last().map_or(0.0, |b| b.1);
+        let direction = |within: &dyn Fn(f64) -> bool| {
+            let places = self.places(&self.bottom, within);
+            let way = places.last().zip(places.first()).map_or(Vector::zeros(), |(b, a)| b - a);
+            way[1].atan2(way[0])
+        };
+        0.5 * (direction(&|s| s > end - piece) - direction(&|s| s < piece - end))
+    }
+
+    /// Half the distance between the ends of its middle line, and their height over its middle.
+    pub fn ends(&self) -> [f64; 2] {
+        let sides = self.places(&self.top, |_| true).into_iter().zip(self.places(&self.bottom, |_| true));
+        let line: Vec<Vector<2>> = sides.map(|(a, b)| 0.5 * (a + b)).collect();
+        let (Some(first), Some(last)) = (line.first(), line.last()) else { return [0.0; 2] };
+        let middle = 0.5 * (line[(line.len() - 1) / 2] + line[line.len() / 2]);
+        let (way, over) = (last - first, 0.5 * (first + last) - middle);
+        [0.5 * way.norm(), (way[0] * over[1] - way[1] * over[0]) / way.norm()]
+    }
+
+    /// Length along the upper side between the first and the last point of the contact line on it.
+    pub fn wetted(&self, tracker: &LineTracker<2>) -> f64 {
+        let side = self.places(&self.top, |_| true);
+        let line = tracker.find(&self.sim);
+        let places = line.points.iter().map(|p| along(&side, &p.at));
+        let (low, high) =
+            places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s), high.max(s)));
+        high - low
+    }
+
+    /// Runs to a time; the mean of a value over the last fifth.
+    ///
+    /// # Errors
+    /// The step's.
+    pub fn mean_of(&mut self, time: f64, value: impl Fn(&Self) -> f64) -> Result<f64, StepError> {
+        run_to(&mut self.sim, 0.8 * time, |_, _| ())?;
+        let (mut sum, mut count) = (0.0, 0.0);
+        for k in 1..=20 {
+            run_to(&mut self.sim, time * (0.8 + 0.01 * f64::from(k)), |_, _| ())?;
+            (sum, count) = (sum + value(self), count + 1.0);
+        }
+        Ok(sum / count)
+    }
+}
+
+/// How far along a curve its point nearest to `x` is.
+fn along(curve: &[Vector<2>], x: &Vector<2>) -> f64 {
+    let (mut start, mut best) = (0.0, (f64::INFINITY, 0.0));
+    for piece in curve.windows(2) {
+        let way = piece[1] - piece[0];
+        let t = ((x - piece[0]).dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
+        let distance = (x - piece[0] - way * t).norm();
+        if distance < best.0 {
+            best = (distance, start + t * way.norm());
+        }
+        start += way.norm();
+    }
+    best.1
+}
