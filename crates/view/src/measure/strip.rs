@@ -1,7 +1,7 @@
 //! The line along the middle of a plate or strip: how it is bent and folded.
 //!
 //! It runs along the longest axis, halfway between the two faces, through the middle of the width. Slopes are angles between it
-//! and what it was at first, in the plane of its length and its thickness.
+//! and that axis, in the plane of its length and its thickness: what is curved at first has slopes from the start.
 
 use meniscus_numerics::Vector;
 use serde::Serialize;
