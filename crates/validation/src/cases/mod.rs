@@ -8,6 +8,8 @@ mod elastic;
 mod floating;
 mod hydrostatic;
 mod hysteresis;
+mod iterations;
+mod leak;
 mod line_friction;
 mod meniscus;
 mod momentum;
@@ -36,7 +38,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 41] = [
+const ALL: [Case; 45] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -61,7 +63,9 @@ const ALL: [Case; 41] = [
     hysteresis::CASE,
     line_friction::CASE,
     sessile_gravity::PLANE,
+    sessile_gravity::SPACE,
     meniscus::PLANE,
+    meniscus::TUBE,
     walls::CASE,
     floating::FREE,
     floating::HELD,
@@ -72,10 +76,12 @@ const ALL: [Case; 41] = [
     volume::CASE,
     momentum::CASE,
     momentum_with_solid::CASE,
+    leak::CASE,
     elastic::BEAM,
     soft::KINK,
     soft::STRIP,
     soft::STIFF,
     soft_tank::CASE,
     pressure_matrix::CASE,
+    iterations::CASE,
 ];
