@@ -107,6 +107,7 @@ fn steps(quick: bool) -> Result<Value> {
     let crown = builtin::open("crown-splash", &crown)?;
     let scenes = [
         (format!("drop in {n}^3"), drop_scene(n, 1)?),
+        (format!("drop on a free body in {n}^3"), body_scene(n)?),
         (format!("crown-splash {n}^3"), crown),
         (format!("drop in {}^3", 2 * n), drop_scene(n, 2)?),
     ];
@@ -141,6 +142,27 @@ fn drop_scene(n: usize, factor: usize) -> Result<Scene> {
         "#
     );
     Ok(Scene::from_text("bench-drop.toml", &text, Path::new(""), &LoadOptions::default())?)
+}
+
+/// As much liquid as half a ball on the middle of a free plate that it wets, without gravity, so that both move: 0.8 million
+/// cells for n = 192.
+fn body_scene(n: usize) -> Result<Scene> {
+    let text = format!(
+        r#"
+        format = 1
+        name = "bench-body"
+        domain = {{ dimension = 3, size = ["3 mm", "3 mm", "3 mm"], resolution = {n} }}
+        liquid = {{ density = "1 g/cm^3", kinematic_viscosity = "0.01 cm^2/s", body = [{{ shape = {{
+            difference = {{
+                of = {{ ball = {{ center = ["1.5 mm", "1.5 mm", "0.9 mm"], radius = "1.134 mm" }} }},
+                minus = {{ half_space = {{ point = ["0 mm", "0 mm", "0.75 mm"], normal = [0, 0, 1] }} }} }} }} }}] }}
+        solid = [{{ name = "plate", density = "1.25 g/cm^3", material = {{ rigid = {{}} }}, shape = {{
+            box = {{ lower = ["0.2 mm", "0.2 mm", "0.6 mm"], upper = ["2.8 mm", "2.8 mm", "0.9 mm"] }} }} }}]
+        tension = {{ liquid_air = "72.8 mN/m", plate = {{ contact_angle = "80 deg" }} }}
+        output = {{ duration = "1 s" }}
+        "#
+    );
+    Ok(Scene::from_text("bench-body.toml", &text, Path::new(""), &LoadOptions::default())?)
 }
 
 /// Times `count` steps of a scene in three dimensions.

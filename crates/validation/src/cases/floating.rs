@@ -200,7 +200,7 @@ fn undisturbed(sim: &Simulation<2>, edge: f64, depth: f64) -> f64 {
 }
 
 /// Height where the pressure of liquid at rest would vanish, by that at the bottom.
-fn level_by_pressure<const D: usize>(sim: &Simulation<D>) -> f64 {
+pub(super) fn level_by_pressure<const D: usize>(sim: &Simulation<D>) -> f64 {
     let fall = sim.model.density * sim.model.gravity.norm();
     sim.state.pressure(sim.model.density, 0) / fall + 0.5 * sim.model.grid.dx
 }

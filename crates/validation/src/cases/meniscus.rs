@@ -1,5 +1,6 @@
-//! Baths that climb walls, or shun them: plates and gaps.
+//! Baths that climb walls, or shun them: plates, gaps and tubes.
 
+use super::floating::level_by_pressure;
 use super::sessile::{liquid, speeds};
 use crate::measure::{at_most, settle};
 use crate::setup::run_to;
@@ -8,7 +9,7 @@ use meniscus_numerics::grid::{Grid, Sampler};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{Body, LineTracker, Motion, Simulation, Solid, StepError};
-use std::f64::consts::SQRT_2;
+use std::f64::consts::{PI, SQRT_2};
 
 /// Plates and gaps in the plane.
 pub const PLANE: Case = Case {
@@ -24,6 +25,22 @@ pub const PLANE: Case = Case {
     run: |mode| settle(PLANE_NAME, plane(mode)),
 };
 
+/// Tubes in space.
+pub const TUBE: Case = Case {
+    name: "tube",
+    title: "A tube in a bath, 3D",
+    theory: "A round tube of radius a = lc/2 dips one lc into a bath (ρ = g = γ = 1; ν = 1, and friction of the contact line, \
+        1, so that the column comes to rest). A quarter of it, beside two planes of symmetry, 8 cells per radius. The \
+        height of the meniscus in the middle over the level at which the pressure at the bath's bottom would vanish is \
+        that of the axisymmetric Young–Laplace equation (design, validation §2, 6d; Jurin). Time 25 √(lc/g). Quick: 60 \
+        degrees, 6 cells.",
+    quick: false,
+    run: |mode| settle(TUBE_NAME, tubes(mode)),
+};
+
+const TUBE_NAME: &str = "tube";
+/// Angle (degrees), and height at the middle of a tube of radius lc/2 over lc.
+const TUBES: [(f64, f64); 3] = [(30.0, 3.33983), (60.0, 1.93611), (120.0, -1.93611)];
 const PLANE_NAME: &str = "meniscus-2d";
 const ANGLES: [f64; 4] = [30.0, 60.0, 120.0, 150.0];
 /// Half the gap over lc, angle (degrees), height at the middle over lc.
@@ -156,5 +173,44 @@ fn gap((half, angle, should): (f64, f64, f64)) -> Result<Vec<Check>, StepError> 
     Ok(vec![
         Check::relative(PLANE_NAME, &format!("height, {what}"), risen, should, 0.02, Some(0.01), "lc"),
         rest(PLANE_NAME, &what, &sim),
+    ])
+}
+
+fn tubes(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let (cells, rows) = if mode == Mode::Quick { (6, &TUBES[1..2]) } else { (8, &TUBES[..]) };
+    let checks: Vec<_> = rows.iter().map(|row| tube(*row, cells)).collect::<Result<_, _>>()?;
+    Ok(checks.into_iter().flatten().collect())
+}
+
+/// 6d: a quarter of a tube, its axis the vertical edge of the domain.
+fn tube((angle, should): (f64, f64), cells: usize) -> Result<Vec<Check>, StepError> {
+    let (radius, thick, side) = (0.5, 0.25, 1.5);
+    let dx = radius / cells as f64;
+    let round = |x: f64| (x / dx).ceil() as usize;
+    // How deep the tube must dip, and how far it must stand out, with a lc to spare.
+    let (below, above) = (1.0 + f64::max(-should, 0.0), 1.0 + f64::max(should, 0.0));
+    let bottom = 0.6 + 0.3 * dx;
+    let start = bottom + below;
+    let grid = Grid::<3>::new([round(side), round(side), round(start + above)], dx);
+    let axis = Vector::<3>::new(0.0, 0.0, 1.0);
+    let long = |radius: f64| Shape::Cylinder {
+        center: axis * (bottom + 5.0 * above),
+        axis,
+        radius,
+        height: 10.0 * above,
+    };
+    let hole = Shape::Cylinder { center: axis * bottom, axis, radius, height: 40.0 * above };
+    let shape = Shape::Difference { of: Box::new(long(radius + thick)), minus: Box::new(hole) };
+    // What the lines carry above the level is missing in the bath: the level starts higher.
+    let lines = angle.to_radians().cos() * 0.5 * PI * (2.0 * radius + thick);
+    let taken = lines / (side * side - 0.25 * PI * thick * (2.0 * radius + thick));
+    let mut sim = bath(grid, shape, angle, start + taken);
+    sim.model.solids[0].line_friction = 1.0;
+    run_to(&mut sim, TIME, |_, _| ())?;
+    let risen = level(&sim, Vector::zeros()) - level_by_pressure(&sim);
+    let what = format!("tube, a = {radius} lc, θ = {angle}°, {cells} cells/a");
+    Ok(vec![
+        Check::relative(TUBE_NAME, &format!("height, {what}"), risen, should, 0.04, Some(0.01), "lc"),
+        rest(TUBE_NAME, &what, &sim),
     ])
 }

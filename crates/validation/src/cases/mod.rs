@@ -9,6 +9,8 @@ mod elastica_drop;
 mod floating;
 mod hydrostatic;
 mod hysteresis;
+mod iterations;
+mod leak;
 mod line_friction;
 mod meniscus;
 mod momentum;
@@ -40,7 +42,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 46] = [
+const ALL: [Case; 50] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -65,7 +67,9 @@ const ALL: [Case; 46] = [
     hysteresis::CASE,
     line_friction::CASE,
     sessile_gravity::PLANE,
+    sessile_gravity::SPACE,
     meniscus::PLANE,
+    meniscus::TUBE,
     walls::CASE,
     floating::FREE,
     floating::HELD,
@@ -76,6 +80,7 @@ const ALL: [Case; 46] = [
     volume::CASE,
     momentum::CASE,
     momentum_with_solid::CASE,
+    leak::CASE,
     elastic::BEAM,
     soft::KINK,
     soft::STRIP,
@@ -87,4 +92,5 @@ const ALL: [Case; 46] = [
     wrapping::OPEN,
     wrapping::WRAP,
     pressure_matrix::CASE,
+    iterations::CASE,
 ];

@@ -26,6 +26,8 @@ const TIME: f64 = 6.0;
 /// Half the plate's width and thickness.
 const WIDTH: f64 = 2.6;
 const THICKNESS: f64 = 0.25;
+/// Density of the plate over the liquid's.
+const DENSITY: f64 = 1.25;
 
 /// A plate and its drops.
 struct Pair {
@@ -85,6 +87,15 @@ fn isolated<const D: usize>(pair: &Pair, cells: usize) -> Result<Vec<Check>, Ste
     ])
 }
 
+/// A drop aside of the middle of a plate that is `density` times as dense.
+pub(super) fn plate_and_drop<const D: usize>(cells: usize, density: f64) -> Simulation<D> {
+    let mut sim = start(&PAIRS[0], cells);
+    let body = &mut sim.model.solids[0].body;
+    body.mass *= density / DENSITY;
+    body.inertia *= density / DENSITY;
+    sim
+}
+
 fn start<const D: usize>(pair: &Pair, cells: usize) -> Simulation<D> {
     let dx = 1.0 / cells as f64;
     let size = |a: usize| if a + 1 == D { 6.6 } else { 7.0 };
@@ -97,7 +108,7 @@ fn start<const D: usize>(pair: &Pair, cells: usize) -> Simulation<D> {
     let center = grid.upper() * 0.5 + offset(dx);
     let half_size = Vector::from_fn(|a, _| if a + 1 == D { THICKNESS } else { WIDTH });
     let shape = Shape::Box { center, half_size, rotation };
-    let mut plate = Solid::new(shape, Motion::Free, 1.25);
+    let mut plate = Solid::new(shape, Motion::Free, DENSITY);
     plate.cosine = pair.angle.to_radians().cos();
     plate.line_friction = pair.friction;
     let model = Model {

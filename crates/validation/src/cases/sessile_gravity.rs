@@ -25,6 +25,16 @@ pub const PLANE: Case = Case {
     run: |mode| settle("sessile-gravity-2d", plane(mode)),
 };
 
+/// Drops under gravity in space.
+pub const SPACE: Case = Case {
+    name: "sessile-gravity-3d",
+    title: "Drops on a wall under gravity, 3D",
+    theory: "As in 2D, R0 being the radius of a ball as large as the drop; a quarter of the drop, beside two planes of \
+        symmetry, 16 cells per R0, left alone for 20 √(ρR0³/γ). Quick: θ = 60 degrees at Bo = 1, 8 cells per R0.",
+    quick: false,
+    run: |mode| settle("sessile-gravity-3d", space(mode)),
+};
+
 /// A drop of the table: angle (degrees), Bond number, height and base radius over R0.
 type Row = (f64, f64, f64, f64);
 
@@ -42,9 +52,18 @@ const ROWS: [Row; 12] = [
     (135.0, 1.0, 1.39105, 1.18472),
     (135.0, 5.0, 0.81961, 2.07197),
 ];
+const SPACE_ROWS: [Row; 6] = [
+    (60.0, 1.0, 0.77621, 1.71595),
+    (60.0, 5.0, 0.47835, 2.01063),
+    (90.0, 1.0, 1.04291, 1.38849),
+    (90.0, 5.0, 0.66469, 1.66933),
+    (120.0, 1.0, 1.25865, 1.12230),
+    (120.0, 5.0, 0.80148, 1.44373),
+];
 /// How long drops are left alone, √(ρR0³/γ), and thin ones, which are slower.
 const PLANE_TIME: f64 = 30.0;
 const THIN: (f64, f64) = (30.0, 60.0);
+const SPACE_TIME: f64 = 20.0;
 
 fn plane(mode: Mode) -> Result<Vec<Check>, StepError> {
     let case = "sessile-gravity-2d";
@@ -62,13 +81,31 @@ fn plane(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// A drop on a wall, and the wall's surface.
+fn space(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let case = "sessile-gravity-3d";
+    if mode == Mode::Quick {
+        return drop::<3>(case, 8, SPACE_ROWS[0], SPACE_TIME);
+    }
+    let mut checks = Vec::new();
+    for row in SPACE_ROWS {
+        checks.extend(drop::<3>(case, 16, row, SPACE_TIME)?);
+    }
+    Ok(checks)
+}
+
+/// A drop on a wall, and the point of the wall in the middle under it.
 struct Setting<const D: usize> {
     sim: Simulation<D>,
     point: Vector<D>,
 }
 
-/// Half an ellipse on a wall, `volume` large and with a base of `base`; room for a drop `widest` wide to each side.
+/// Share of a drop that is in the domain: in 3D a quarter, beside two planes of symmetry.
+const fn share<const D: usize>() -> f64 {
+    if D == 3 { 0.25 } else { 1.0 }
+}
+
+/// Half an ellipse on a wall, `volume` large and with a base of `base`; room for a drop `widest` wide to each side. In 3D
+/// a quarter of half an ellipsoid around the vertical edge of the domain.
 fn set<const D: usize>(
     cells: usize,
     (angle, gravity): (f64, f64),
@@ -79,10 +116,10 @@ fn set<const D: usize>(
     let round = |x: f64| (x * cells as f64).ceil() as usize;
     let mut height = if D == 2 { 2.0 * volume / (PI * base) } else { 1.5 * volume / (PI * base * base) };
     let size: [usize; D] = std::array::from_fn(|a| {
-        if a + 1 == D { round(1.0 + 1.2 * height) } else { 2 * round(1.15 * widest + 0.4) }
+        if a + 1 == D { round(1.0 + 1.2 * height) } else { (4 - D) * round(1.15 * widest + 0.4) }
     });
     let grid = Grid::<D>::new(size, dx);
-    let mut point = grid.upper() * 0.5;
+    let mut point = if D == 3 { Vector::zeros() } else { grid.upper() * 0.5 };
     point[D - 1] = (0.4 * cells as f64).floor() * dx + 0.3 * dx;
     let normal = Vector::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
     let mut wall = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
@@ -99,7 +136,7 @@ fn set<const D: usize>(
     };
     // What the lattice makes of the shape is not quite its volume.
     for _ in 0..4 {
-        height *= volume / start(height).ledger().volume;
+        height *= share::<D>() * volume / start(height).ledger().volume;
     }
     Setting { sim: start(height), point }
 }
@@ -112,7 +149,7 @@ fn drop<const D: usize>(case: &str, cells: usize, row: Row, time: f64) -> Result
     let (_, force) = mean_forces(&mut sim, time)?;
     let (found_height, found_base) = sizes(&sim, &point);
     let what = |text: &str| format!("{text}, θ = {angle}°, Bo = {bond}, {cells} cells/R0");
-    let weight = volume * bond;
+    let weight = share::<D>() * volume * bond;
     Ok(vec![
         Check::relative(case, &what("height"), found_height, height, 0.02, Some(0.007), "R0"),
         Check::relative(case, &what("base radius"), found_base, base, 0.02, Some(0.007), "R0"),
@@ -158,6 +195,10 @@ fn sizes<const D: usize>(sim: &Simulation<D>, point: &Vector<D>) -> (f64, f64) {
     let line = LineTracker::new(&sim.model, &[dx / 1.5]).find(sim);
     let length: f64 = line.points.iter().map(|p| p.length).sum();
     let middle = line.points.iter().map(|p| p.at * p.length).sum::<Vector<D>>() / length;
+    // A quarter of a drop has its middle at the edge of the domain.
+    let quarter = D == 3;
+    let middle =
+        if quarter { Vector::from_fn(|a, _| if a + 1 == D { middle[a] } else { 0.0 }) } else { middle };
     let base = line.points.iter().map(|p| (p.at - middle).norm() * p.length).sum::<f64>() / length;
     let points = surface_points(&sim.model, &sim.state.phi);
     let top = points.iter().filter_map(|p| {
@@ -165,10 +206,10 @@ fn sizes<const D: usize>(sim: &Simulation<D>, point: &Vector<D>) -> (f64, f64) {
         let up = arm[D - 1];
         arm[D - 1] = 0.0;
         let (near, bend) = (arm.norm() < 4.0 * dx && p.normal[D - 1] > 0.5, arm.norm_squared());
-        let other = if D == 3 { arm[1] } else { 0.0 };
-        near.then_some((p.area, [1.0, arm[0], other, bend], up))
+        let tilt = if quarter { 0.0 } else { arm[0] };
+        near.then_some((p.area, [1.0, tilt, bend], up))
     });
-    let pin = (1e-12, [0.0, 0.0, 1.0, 0.0], 0.0);
+    let pin = (1e-12, [0.0, 1.0, 0.0], 0.0);
     let apex = least_squares(top.chain([pin])).map_or(f64::NAN, |c| c[0]);
     (apex + middle[D - 1] - point[D - 1], base)
 }

@@ -1,0 +1,133 @@
+//! A closed cup that is moved, tilted and shaken, and what gets through its wall.
+
+use crate::measure::{at_most, settle};
+use crate::{Case, Check, Mode};
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::shape::Shape;
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{Body, Model, Motion, Numerics, Path, Simulation, Solid, StepError, Wall};
+
+/// The case.
+pub const CASE: Case = Case {
+    name: "leak",
+    title: "A closed cup with a thin wall, moved, tilted and shaken",
+    theory: "A closed box (a square or cube of 2 L inside, 12 cells per L, in 3D 8, its wall 2 cells thick; ρ = γ = g = L = 1, \
+        ν = 0.01), half full, follows keyframes, up to 0.9 L apart along each axis and √(L/g)/2 after each other, so that \
+        its velocity jumps by up to 3.6 √(gL) along each axis, and turns at 0.3 √(g/L) at the same time, in 3D about an \
+        axis askew to the grid. No liquid may get out: the volume of the parts of liquid cells beyond the wall's outer \
+        surface, over the liquid's, as if these cells were full, after 1000 steps and the largest in any step; and the \
+        largest change of the volume that the components together have to keep, lost droplets included (droplets of a few cells do \
+        not have theirs in every step: case volume). At 60 and 120 degrees. Quick: 2D, 60 degrees.",
+    quick: true,
+    run: |mode| settle(NAME, run(mode)),
+};
+
+const NAME: &str = "leak";
+const STEPS: u64 = 1000;
+/// Cells in the wall's thickness.
+const WALL: f64 = 2.0;
+/// Farthest place of the keyframes from the start along each axis, and time between them.
+const AMPLITUDE: f64 = 0.45;
+const BEAT: f64 = 0.5;
+
+fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let mut checks = shaken::<2>(60.0)?;
+    if mode == Mode::Full {
+        checks.extend(shaken::<2>(120.0)?);
+        checks.extend(shaken::<3>(60.0)?);
+        checks.extend(shaken::<3>(120.0)?);
+    }
+    Ok(checks)
+}
+
+/// Where the cup goes: to and fro along each axis, in another order along each.
+fn path<const D: usize>() -> Path<D> {
+    let place = |k: u32| {
+        Vector::from_fn(|a, _| {
+            // The golden ratio's multiples never repeat; even ones go to one side, odd ones to the other.
+            let share = (f64::from(k * (a as u32 + 1)) * 0.618_033_988_75).fract();
+            let side = if (k >> a).is_multiple_of(2) { 1.0 } else { -1.0 };
+            if k == 0 { 0.0 } else { AMPLITUDE * side * (1.0 + 2.0 * share) / 3.0 }
+        })
+    };
+    let spin = if D == 2 { [0.0, 0.0, 0.3] } else { [0.2, 0.21, 0.08] };
+    let keyframes = (0..400).map(|k| (BEAT * f64::from(k), place(k))).collect();
+    Path { velocity: Vector::zeros(), spin, keyframes }
+}
+
+/// The cup and its liquid, which meets it at an angle (degrees).
+fn start<const D: usize>(angle: f64) -> Simulation<D> {
+    // Cells per half the cavity's width.
+    let cells = if D == 2 { 12.0 } else { 8.0 };
+    let dx = 1.0 / cells;
+    // Room for the diagonal, the way, and three cells.
+    let half = (1.0 + WALL * dx) * (D as f64).sqrt() + AMPLITUDE + 3.0 * dx;
+    let grid = Grid::<D>::new([2 * (half * cells).ceil() as usize; D], dx);
+    let center = grid.upper() * 0.5 + crate::setup::offset(dx);
+    let shape = |half_size: f64| Shape::Box {
+        center,
+        half_size: Vector::repeat(half_size),
+        rotation: Matrix::identity(),
+    };
+    let hollow = Shape::Difference { of: Box::new(shape(1.0 + WALL * dx)), minus: Box::new(shape(1.0)) };
+    let mut cup = Solid::new(hollow, Motion::Given(path()), 1.0);
+    cup.cosine = angle.to_radians().cos();
+    let model = Model {
+        grid,
+        walls: [[Wall::Slip; 2]; D],
+        density: 1.0,
+        kinematic_viscosity: 0.01,
+        surface_tension: 1.0,
+        gravity: Vector::from_fn(|a, _| if a + 1 == D { -1.0 } else { 0.0 }),
+        solids: vec![cup],
+        numerics: Numerics::default(),
+    };
+    // What lies within the wall is cut off.
+    let inside = shape(1.0 + 0.5 * WALL * dx);
+    let distance = |x: &Vector<D>| (x[D - 1] - center[D - 1]).max(inside.signed_distance(x));
+    Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }])
+}
+
+fn shaken<const D: usize>(angle: f64) -> Result<Vec<Check>, StepError> {
+    let mut sim = start::<D>(angle);
+    let full = sim.ledger().volume;
+    let (mut outside, mut change): (f64, f64) = (0.0, 0.0);
+    while sim.state.step < STEPS {
+        sim.step(f64::INFINITY, &mut |_| ())?;
+        let kept: f64 = sim.state.drops.iter().map(|d| d.target_volume).sum();
+        change = change.max(((kept + sim.state.lost_volume) / full - 1.0).abs());
+        outside = outside.max(beyond(&sim) / full);
+    }
+    let lost = sim.state.lost_volume / full;
+    let what = |text: &str| format!("{text}, {D}D, θ = {angle}°");
+    Ok(vec![
+        at_most(NAME, &what("volume outside in the end"), beyond(&sim) / full, 1e-6, Some(0.0), ""),
+        at_most(NAME, &what("volume outside in any step"), outside, 1e-6, Some(0.0), ""),
+        at_most(NAME, &what("change of the volume"), change, 1e-6, Some(1e-12), ""),
+        at_most(NAME, &what("volume of vanished droplets"), lost, 1e-4, Some(1e-8), ""),
+    ])
+}
+
+/// Volume of the parts of liquid cells that are beyond the wall.
+fn beyond<const D: usize>(sim: &Simulation<D>) -> f64 {
+    const FINE: usize = 4;
+    let (cup, now) = (&sim.model.solids[0], &sim.state.solids[0]);
+    let grid = sim.model.grid;
+    let half_size = Vector::repeat(1.0 + WALL * grid.dx);
+    let hull = Shape::Box { center: cup.body.center, half_size, rotation: Matrix::identity() };
+    let outside = |x: &Vector<D>| hull.signed_distance(&cup.at_start(now, x)) > 0.0;
+    let row = grid.cells[0];
+    let cells = sim
+        .liquid_cells()
+        .runs
+        .iter()
+        .flat_map(|r| (r.start..r.end).map(|i| r.row as usize * row + i as usize));
+    let mut points = 0;
+    for cell in cells {
+        let center = grid.center(grid.lattice().coordinates(cell));
+        let place = |k: usize, a: usize| (k / FINE.pow(a as u32) % FINE) as f64 - 0.5 * (FINE - 1) as f64;
+        let point = |k: usize| center + Vector::from_fn(|a, _| grid.dx / FINE as f64 * place(k, a));
+        points += (0..FINE.pow(D as u32)).filter(|k| outside(&point(*k))).count();
+    }
+    points as f64 / FINE.pow(D as u32) as f64 * grid.cell_volume()
+}
