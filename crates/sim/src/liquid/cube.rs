@@ -46,9 +46,10 @@ pub struct CutCube {
 /// The surface passes no corner nearer than this (in cells): a simplex cut exactly at a corner has no derivative.
 pub const NEAREST: f64 = 1e-6;
 
-/// A value in cells, kept away from zero.
+/// A value in cells, kept away from zero; −0 is no liquid, as everywhere.
 pub fn away_from_zero(value: f64) -> f64 {
-    value.abs().max(NEAREST).copysign(value)
+    let size = value.abs().max(NEAREST);
+    if value < 0.0 { -size } else { size }
 }
 
 /// A simplex of the split cube: corners, its volume, and the gradients of its barycentric coordinates.
