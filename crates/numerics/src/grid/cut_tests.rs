@@ -111,3 +111,34 @@ fn a_solid_that_leaves_leaves_nothing_behind() {
     cut.rebuild(&[], &Tiles::all(cut.open.grid));
     assert!(cut.wet.is_empty() && cut.open.axes.iter().flatten().all(|s| *s == 1.0));
 }
+
+/// Half of the grid's tiles are active: in their cells all is as if all were.
+fn tiles_are_cut_alike<const D: usize>() {
+    let grid = Grid::<D>::new([32; D], 1.0 / 32.0);
+    let mut phi = vec![1.0; grid.lattice().len()];
+    phi[grid.lattice().index([2; D])] = -1.0;
+    let tiles = Tiles::all(grid).around_negative(&phi);
+    let solid = CutBy { distance: &ball, bounds: [Vector::repeat(0.1), Vector::repeat(0.9)] };
+    let (mut some, mut all) = (CutCells::none(grid), CutCells::none(grid));
+    some.rebuild(&[solid], &tiles);
+    all.rebuild(&[solid], &Tiles::all(grid));
+    let at = |cell: u32| grid.lattice().coordinates(cell as usize);
+    let inside: Vec<_> = all.wet.iter().filter(|w| tiles.holds(at(w.cell))).copied().collect();
+    assert!(!inside.is_empty() && inside.len() < all.wet.len());
+    assert_eq!(some.wet, inside);
+    for cell in (0..grid.lattice().len() as u32).filter(|c| tiles.holds(at(*c))) {
+        assert_eq!(some.distance(cell as usize), all.distance(cell as usize));
+        for (a, up) in (0..2 * D).map(|n| (n / 2, n % 2)) {
+            let mut face = at(cell);
+            face[a] += up;
+            let face = grid.faces(a).index(face);
+            assert_eq!(some.open.axes[a][face], all.open.axes[a][face]);
+        }
+    }
+}
+
+#[test]
+fn what_is_cut_does_not_depend_on_which_tiles_are_active() {
+    tiles_are_cut_alike::<2>();
+    tiles_are_cut_alike::<3>();
+}

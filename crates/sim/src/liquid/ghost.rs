@@ -124,7 +124,7 @@ pub fn extend_into_solids<const D: usize>(
     let all: Vec<f64> = ghosts.par_iter().with_min_len(64).map(seen).collect();
     for (ghost, seen) in ghosts.iter().zip(all) {
         let value = &mut state.phi.data[band.cells[ghost.slot as usize] as usize];
-        let stale = seen.abs() > CLEAR * model.grid.dx && *value * seen < 0.0;
+        let stale = seen > CLEAR * model.grid.dx && *value < 0.0;
         *value += if stale { seen - *value } else { RELAXATION * (ghost.scale * seen - *value) };
     }
     if model.solids.iter().any(|s| s.elastic().is_some()) {

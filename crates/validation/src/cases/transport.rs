@@ -17,7 +17,7 @@ pub const ZALESAK: Case = Case {
         outline, with and without the simulator's volume correction (which can hide a loss of shape in the area, not \
         in L1). Bars of L1: 0.61, a fifth-order level set, and 0.07, particle level set (Enright, Fedkiw, Ferziger, \
         Mitchell, J. Comput. Phys. 183, 2002, from memory). Quick is the same.",
-    quick: false,
+    quick: true,
     run: |_| zalesak(),
 };
 
