@@ -39,7 +39,7 @@ impl<const D: usize> Kinematic<D> {
                 *u = flow(&model.grid.face_center(a, faces.coordinates(i)))[a];
             }
         }
-        let before = move_surface(model, state, work, dt);
+        let before = move_surface(model, state, work, &[], dt);
         keep_distance(model, state, work);
         let faces: [Vec<Segment>; D] = std::array::from_fn(|a| work.liquid.faces(&model.grid, a));
         work.known.forget();

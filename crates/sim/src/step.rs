@@ -20,7 +20,7 @@ use crate::liquid::transport::{advect_surface, advect_velocity, pack};
 use crate::model::Model;
 use crate::simulation::PhaseEnd;
 use crate::soft::{Systems, systems};
-use crate::solid::Motion;
+use crate::solid::{Motion, SolidState};
 use crate::state::State;
 use crate::tension::wetted_skins;
 use crate::workspace::{BAND, LAYERS, Workspace};
@@ -73,6 +73,7 @@ pub fn step<const D: usize>(
     }
 
     // (0) The solids move.
+    let before = state.solids.clone();
     if !model.solids.is_empty() {
         move_solids(model, state, work, dt);
         phase_end("solids");
@@ -83,7 +84,7 @@ pub fn step<const D: usize>(
     let (solids, mut matrices) = (state.solids.clone(), Ok(Systems::new()));
     let (mut change, displacement) = rayon::in_place_scope(|scope| {
         scope.spawn(|_| matrices = systems(model, &solids, kick));
-        move_liquid(model, state, work, dt, phase_end)
+        move_liquid(model, state, work, &before, dt, phase_end)
     });
     work.soft = matrices?;
     if !model.solids.is_empty() {
@@ -99,16 +100,17 @@ pub fn step<const D: usize>(
     Ok(StepResult { solve, stirred, volume_jump: change.jump })
 }
 
-/// Moves the liquid; gives back how it has changed, and how its surface moves.
+/// Moves the liquid; gives back how it has changed, and how its surface moves. `solids` is where they were before.
 fn move_liquid<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     work: &mut Workspace<D>,
+    solids: &[SolidState<D>],
     dt: f64,
     phase_end: PhaseEnd<'_>,
 ) -> (Change<D>, Vec<Displacement<D>>) {
     // (1) The surface moves with the flow and becomes a distance again.
-    let before = move_surface(model, state, work, dt);
+    let before = move_surface(model, state, work, solids, dt);
     phase_end("advect surface");
     keep_distance(model, state, work);
     phase_end("redistance");
@@ -269,16 +271,17 @@ fn stirred<const D: usize>(model: &Model<D>, state: &State<D>, given: &[Exchange
     work
 }
 
-/// Moves φ; gives back the liquid cells before.
+/// Moves φ; gives back the liquid cells before. `solids` is where they were before.
 pub fn move_surface<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     work: &mut Workspace<D>,
+    solids: &[SolidState<D>],
     dt: f64,
 ) -> Runs {
     let values = advect_surface(model, &state.phi, &work.band, &state.velocity, dt);
     work.band.cells.iter().zip(values).for_each(|(&c, v)| state.phi.data[c as usize] = v);
-    extend_into_solids(model, state, &work.band, &work.cut);
+    extend_into_solids(model, state, &work.band, &work.cut, solids);
     let way = max_component(model, state, work) * dt / model.grid.dx;
     state.drift += way;
     let before = std::mem::take(&mut work.liquid);

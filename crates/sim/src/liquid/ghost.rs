@@ -111,25 +111,38 @@ impl<const D: usize> Surface<'_, D> {
     }
 }
 
-/// Brings φ in the band's cells within solids nearer to the surface's continuation.
+/// Brings φ in the band's cells within solids nearer to the surface's continuation; `before` is where the solids were.
 pub fn extend_into_solids<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     band: &Band<D>,
     cut: &CutCells<D>,
+    before: &[SolidState<D>],
 ) {
     let ghosts = ghosts(model, state, band, cut);
     let sampler = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
     let seen = |g: &Ghost<D>| sampler.distance(&g.outside).0;
     let all: Vec<f64> = ghosts.par_iter().with_min_len(64).map(seen).collect();
     for (ghost, seen) in ghosts.iter().zip(all) {
-        let value = &mut state.phi.data[band.cells[ghost.slot as usize] as usize];
-        let stale = seen > CLEAR * model.grid.dx && *value < 0.0;
+        let cell = band.cells[ghost.slot as usize] as usize;
+        let value = &mut state.phi.data[cell];
+        let stale = *value * seen < 0.0
+            && (seen > CLEAR * model.grid.dx || changed_sides(model, [before, &state.solids], cell));
         *value += if stale { seen - *value } else { RELAXATION * (ghost.scale * seen - *value) };
     }
     if model.solids.iter().any(|s| s.elastic().is_some()) {
         follow_sides(model, state, band, cut);
     }
+}
+
+/// Whether the other side of a solid has become the nearest to a cell's centre in a step.
+fn changed_sides<const D: usize>(model: &Model<D>, solids: [&[SolidState<D>]; 2], cell: usize) -> bool {
+    let x = model.grid.center(model.grid.lattice().coordinates(cell));
+    let [before, now] = solids.map(|solids| match model.nearest_solid(solids, &x) {
+        Some(number) => model.solids[number].normal(&solids[number], &x, 0.01 * model.grid.dx),
+        None => Vector::zeros(),
+    });
+    before.dot(&now) < 0.0
 }
 
 /// Gives cells within solids that the band does not reach the sign that φ has outside, next to them: a solid that deforms leaves
