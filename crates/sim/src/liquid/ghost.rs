@@ -12,7 +12,7 @@
 
 use super::transport::Flow;
 use crate::model::Model;
-use crate::solid::SolidState;
+use crate::solid::{Motion, SolidState};
 use crate::state::State;
 use crate::workspace::BAND;
 use meniscus_numerics::Vector;
@@ -22,12 +22,11 @@ use std::f64::consts::PI;
 
 /// Part of the way to the continuation that φ goes in a step: at once it lifts drops off, never it keeps what is stale.
 const RELAXATION: f64 = 0.1;
-/// φ outside, in cells, from which on no surface is near: what has the other sign within is stale and goes at once. Else a dry
-/// side that moves away from what lies behind it would look wetted: it goes faster than what is left behind fades.
-const CLEAR: f64 = 3.0;
-/// Depth, in cells, within which a cell in a solid that deforms may be left by it in a step or two.
+/// Depth, in cells, within which a cell in a solid that moves may be left by it in a step or two.
 const DEEPEST: f64 = 3.0;
-/// Height above a solid, in cells, at which the surface is looked for.
+/// Height above a solid, in cells, at which the surface is looked for. If that is farther away than this no surface meets the
+/// solid below: liquid within is stale and goes at once. Else a dry side that moves away from what lies behind it would look
+/// wetted: it goes faster than what is left behind fades.
 const HEIGHT: f64 = 1.0;
 /// Least sine of the angle at which it is continued.
 const FLATTEST: f64 = 0.25;
@@ -127,10 +126,10 @@ pub fn extend_into_solids<const D: usize>(
         let cell = band.cells[ghost.slot as usize] as usize;
         let value = &mut state.phi.data[cell];
         let stale = *value * seen < 0.0
-            && (seen > CLEAR * model.grid.dx || changed_sides(model, [before, &state.solids], cell));
+            && (seen > HEIGHT * model.grid.dx || changed_sides(model, [before, &state.solids], cell));
         *value += if stale { seen - *value } else { RELAXATION * (ghost.scale * seen - *value) };
     }
-    if model.solids.iter().any(|s| s.elastic().is_some()) {
+    if model.solids.iter().any(|s| s.motion != Motion::Fixed) {
         follow_sides(model, state, band, cut);
     }
 }
@@ -145,7 +144,7 @@ fn changed_sides<const D: usize>(model: &Model<D>, solids: [&[SolidState<D>]; 2]
     before.dot(&now) < 0.0
 }
 
-/// Gives cells within solids that the band does not reach the sign that φ has outside, next to them: a solid that deforms leaves
+/// Gives cells within solids that the band does not reach the sign that φ has outside, next to them: a solid that moves leaves
 /// them to the air or to the liquid, and what they were at the start would be a surface there.
 fn follow_sides<const D: usize>(model: &Model<D>, state: &mut State<D>, band: &Band<D>, cut: &CutCells<D>) {
     let (lattice, limit) = (model.grid.lattice(), BAND * model.grid.dx);
