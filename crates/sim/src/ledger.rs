@@ -11,6 +11,7 @@ use crate::state::{Drop, State};
 use crate::workspace::{Workspace, boxes};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Segment;
+use meniscus_numerics::linalg::SolveReport;
 use rayon::prelude::*;
 
 /// Sums over the whole liquid. In 2D everything is per metre of depth.
@@ -50,14 +51,19 @@ pub struct StepReport<const D: usize> {
     pub dt: f64,
     /// Cells that the fastest liquid moved.
     pub cfl: f64,
-    /// Pressure solve iterations.
-    pub iterations: usize,
-    /// Its relative residual.
-    pub residual: f64,
+    /// The pressure solves: the one for the forces, and the short one for what viscosity and the surface's slope change.
+    pub solves: [SolveReport; 2],
     /// Times the step was halved and done again.
     pub redone: u32,
     /// The books after the step.
     pub ledger: Ledger<D>,
+}
+
+impl<const D: usize> StepReport<D> {
+    /// Iterations of both solves together.
+    pub fn iterations(&self) -> usize {
+        self.solves.iter().map(|solve| solve.iterations).sum()
+    }
 }
 
 /// The surface's energy over its tension, m² (2D: m).

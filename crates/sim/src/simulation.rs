@@ -194,10 +194,8 @@ impl<const D: usize> Simulation<D> {
                         || gain > ENERGY_JUMP * energy.abs() + self.energy_of_nothing(dt);
                     if fine && (!doubtful || dt < shortest || self.model.numerics.fixed_step.is_some()) {
                         let cfl = speed * dt / self.model.grid.dx;
-                        let solve = result.solve;
-                        let (iterations, residual) = (solve.iterations, solve.residual);
-                        let ledger = self.ledger();
-                        return Ok(StepReport { dt, cfl, iterations, residual, redone, ledger });
+                        let (solves, ledger) = (result.solves, self.ledger());
+                        return Ok(StepReport { dt, cfl, solves, redone, ledger });
                     }
                     let reason = format!("the liquid would go {way:.1e} cells in a step");
                     match way.is_finite() {

@@ -49,8 +49,8 @@ const WITHIN: f64 = 0.5;
 
 /// What a step found out.
 pub struct StepResult {
-    /// The pressure solve.
-    pub solve: SolveReport,
+    /// The pressure solves.
+    pub solves: [SolveReport; 2],
     /// Work that solids which go as told did, J.
     pub stirred: f64,
     /// What a component's volume was wrong by before it was put right, as a layer on a ball of its volume, in cells.
@@ -92,12 +92,12 @@ pub fn step<const D: usize>(
     }
 
     // (4) The forces, and viscosity.
-    let (solve, stirred) = push(model, state, work, &mut change, displacement, (dt, kick), phase_end)?;
+    let (solves, stirred) = push(model, state, work, &mut change, displacement, (dt, kick), phase_end)?;
     (state.lead, state.kick) = (state.lead + kick - dt, kick);
     state.time += dt;
     state.step += 1;
     state.last_dt = dt;
-    Ok(StepResult { solve, stirred, volume_jump: change.jump })
+    Ok(StepResult { solves, stirred, volume_jump: change.jump })
 }
 
 /// Moves the liquid; gives back how it has changed, and how its surface moves. `solids` is where they were before.
@@ -165,7 +165,7 @@ fn push<const D: usize>(
     displacement: Vec<Displacement<D>>,
     (dt, kick): (f64, f64),
     phase_end: PhaseEnd<'_>,
-) -> Result<(SolveReport, f64), SolveError> {
+) -> Result<([SolveReport; 2], f64), SolveError> {
     let before = state.solids.clone();
     fall(model, state, work, kick);
 
@@ -181,7 +181,7 @@ fn push<const D: usize>(
     phase_end("curvature");
 
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
-    let (solve, given) = press(model, state, work, change, (&cut, &dragged), kick, phase_end)?;
+    let (solves, given) = press(model, state, work, change, (&cut, &dragged), kick, phase_end)?;
     let stirred = stirred(model, state, &given)
         + collide(model, &mut state.solids, (&work.probes, &work.soft), &before, (dt, kick));
     give_back(model, &mut change.groups, &given);
@@ -194,7 +194,7 @@ fn push<const D: usize>(
     state.kinetic_energy = kinetic_energy(model, &moments);
     state.surface_area = surface_energy(model, &change.cubes);
     phase_end("momentum and extension");
-    Ok((solve, stirred))
+    Ok((solves, stirred))
 }
 
 /// Projects the velocity, and pushes the solids. Gives back what line and pressure gave them.
@@ -206,7 +206,7 @@ fn press<const D: usize>(
     (cut, dragged): (&[CutFace], &[DraggedFace]),
     kick: f64,
     phase_end: PhaseEnd<'_>,
-) -> Result<(SolveReport, [Exchange<D>; 3]), SolveError> {
+) -> Result<([SolveReport; 2], [Exchange<D>; 3]), SolveError> {
     let inside: Vec<bool> = work.touching(model).iter().map(|t| !t.side).collect();
     let label = work.liquid.component(&model.grid);
     let near = in_band(&work.band, &change.labels);
@@ -244,7 +244,7 @@ fn press<const D: usize>(
         jump: model.surface_tension * kick / (model.density * model.grid.dx),
         time: kick,
     };
-    let (solve, pressure) = work.pressure.project(model, &mut projection, phase_end)?;
+    let (solves, pressure) = work.pressure.project(model, &mut projection, phase_end)?;
     push_solids(model, &mut state.solids, &pressure, &work.soft);
     lean(&mut state.solids, -kick);
     let friction = friction(model, state, dragged, label);
@@ -255,7 +255,7 @@ fn press<const D: usize>(
         now.pulled = (line.linear + friction.linear) / kick;
         now.pressed = pressure.linear / kick;
     }
-    Ok((solve, [line, pressure, friction]))
+    Ok((solves, [line, pressure, friction]))
 }
 
 /// The work, J, that solids which go as told do on the rest.

@@ -110,7 +110,7 @@ pub fn run_drop<const D: usize>(run: &DropRun) -> Result<DropHistory, StepError>
         history.record(sim, run.mode);
         history.speeds.push(report.ledger.max_speed);
         history.volume_error = history.volume_error.max(report.ledger.volume_error.abs());
-        history.iterations += report.iterations;
+        history.iterations += report.iterations();
         let center = sim.state.drops.first().map_or(center, |d| d.centroid);
         let cell = center.map(|x| (x / dx) as usize);
         let index = sim.model.grid.lattice().index(std::array::from_fn(|a| cell[a]));

@@ -187,7 +187,7 @@ pub fn step(name: String, scene: &Scene, count: usize) -> Result<StepBench> {
             .map_err(|e| Failure::new(5, format!("{name}: {e}")))?;
         if i >= WARM {
             seconds += start.elapsed().as_secs_f64();
-            iterations += report.iterations;
+            iterations += report.iterations();
             time += report.dt;
         }
     }

@@ -68,7 +68,7 @@ pub fn row<const D: usize>(
     put(&mut row, &three(&ledger.momentum));
     put_line(&mut row, line);
     put(&mut row, &[ledger.divergence_max]);
-    let _ = write!(row, ",{},{wall_seconds:.3}", report.iterations);
+    let _ = write!(row, ",{},{wall_seconds:.3}", report.iterations());
     put(&mut row, &[ledger.volume_error, momentum_error]);
     put(&mut row, &ledger.angular_momentum);
     put(&mut row, &three(&ledger.centroid));
@@ -81,7 +81,7 @@ pub fn row<const D: usize>(
         None => row.push_str(",,,,,,"),
     }
     let _ = write!(row, ",{}", report.redone);
-    put(&mut row, &[report.residual]);
+    put(&mut row, &[report.solves[1].residual]);
     put_known(&mut row, line.apart);
     row.push('\n');
     row

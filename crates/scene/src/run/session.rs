@@ -140,7 +140,7 @@ impl<'a, const D: usize> Session<'a, D> {
             return Ok(());
         }
         let ledger = self.simulation.ledger();
-        let report = StepReport { dt: 0.0, cfl: 0.0, iterations: 0, residual: 0.0, redone: 0, ledger };
+        let report = StepReport { dt: 0.0, cfl: 0.0, solves: Default::default(), redone: 0, ledger };
         self.append_row(&report, 0.0)?;
         self.write_frame(observer)?;
         self.write_checkpoint(observer)
@@ -302,7 +302,7 @@ impl<'a, const D: usize> Session<'a, D> {
             end: self.job.schedule.time(self.job.last_frame()),
             dt: report.dt,
             cfl: report.cfl,
-            iterations: report.iterations,
+            iterations: report.iterations(),
             volume_error: report.ledger.volume_error,
             frame: self.tally.next_frame,
             last_frame: self.job.last_frame(),

@@ -63,9 +63,11 @@ impl Tally {
         self.max_divergence = self.max_divergence.max(ledger.divergence_max);
         self.max_speed = self.max_speed.max(ledger.max_speed);
         self.redone += u64::from(report.redone);
-        self.solves += 1;
-        self.iterations += report.iterations as u64;
-        self.most_iterations = self.most_iterations.max(report.iterations as u64);
+        for iterations in report.solves.iter().map(|solve| solve.iterations as u64).filter(|n| *n > 0) {
+            self.solves += 1;
+            self.iterations += iterations;
+            self.most_iterations = self.most_iterations.max(iterations);
+        }
         momentum_error
     }
 

@@ -72,7 +72,8 @@ impl<const D: usize> PressureFields<D> {
         Self { dirichlet: zero(), rhs: zero(), solver: None }
     }
 
-    /// Makes the velocity free of divergence in the liquid. Gives back what the pressure gives to the solids, too.
+    /// Makes the velocity free of divergence in the liquid. Gives back both solves, the second of which may not be needed,
+    /// and what the pressure gives to the solids.
     ///
     /// # Errors
     /// What the solver says.
@@ -81,7 +82,7 @@ impl<const D: usize> PressureFields<D> {
         model: &Model<D>,
         p: &mut Projection<'_, D>,
         phase_end: PhaseEnd<'_>,
-    ) -> Result<(SolveReport, Exchange<D>), SolveError> {
+    ) -> Result<([SolveReport; 2], Exchange<D>), SolveError> {
         slow(p);
         let coupling = Coupling::new(model, p.cut_cells, (p.solids, p.systems), &p.phi.data);
         let bodies = coupling.bodies();
@@ -102,19 +103,18 @@ impl<const D: usize> PressureFields<D> {
             self.assemble(model, p, &coupling);
             phase_end("viscosity");
         }
-        let mut report = first;
+        let mut second = SolveReport { iterations: 0, ..first };
         if viscous || !beyond.is_empty() || bends.iter().any(|b| *b != 0.0) {
             zip(p.cut, &bends)
                 .for_each(|(face, bend)| self.rhs.data[face.cell] += face.open * face.mobility * bend);
             coupling.fluxes_of_push(&beyond, |cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
-            report = solver.solve_coupled(&bodies, &self.rhs, p.lambda, limits)?;
-            report.iterations += first.iterations;
+            second = solver.solve_coupled(&bodies, &self.rhs, p.lambda, limits)?;
         }
         let mut exchange = coupling.impulses(&p.lambda.data, p.label);
         exchange.extend(&beyond);
         self.solver = Some(solver);
         accelerate(model, p, &bends, 1.0);
-        Ok((report, exchange))
+        Ok(([first, second], exchange))
     }
 
     /// The system made ready; faces that are dragged give way less.
