@@ -23,7 +23,7 @@ pub fn hold_lines<const D: usize>(model: &Model<D>, state: &State<D>, work: &mut
         let (solid, now) = (&model.solids[number as usize], &state.solids[number as usize]);
         let normal = solid.normal(now, place, 0.01 * dx);
         let height = |x: &Vector<D>| model.height(&state.solids, number as usize, (place, &normal), x);
-        let foot = Foot { at: *place, normal, dx, height: &height };
+        let foot = Foot { at: *place, normal, dx, weight: model.weight(), height: &height };
         let angle = contact_angle(&phi, &foot);
         let young = solid.cosine_near(now, place, dx);
         angle.map_or((young, false), |angle| solid.wetting(young, angle.cos()))

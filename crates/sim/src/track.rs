@@ -173,7 +173,7 @@ impl<'a, const D: usize> Seen<'a, D> {
         let (_, slope) = self.phi.distance(&(at + normal * (HIGHER * self.dx)));
         let outward = (slope - normal * slope.dot(&normal)).try_normalize(0.0).unwrap_or(Vector::zeros());
         let height = |x: &Vector<D>| self.model.height(self.solids, number, (&at, &normal), x);
-        let foot = Foot { at, normal, dx: self.dx, height: &height };
+        let foot = Foot { at, normal, dx: self.dx, weight: self.model.weight(), height: &height };
         let angle =
             contact_angle(&self.phi, &foot).unwrap_or_else(|| slope.dot(&normal).clamp(-1.0, 1.0).acos());
         let young = solid.cosine_near(now, &at, self.dx).clamp(-1.0, 1.0);
