@@ -133,7 +133,8 @@ pub fn phi_on<const D: usize>(phi: &Sampler<'_, D>, x: &Vector<D>, n: &Vector<D>
     let (value, slope) = phi.distance(&low);
     let (_, higher) = phi.distance(&(x + n * (HIGHER * dx)));
     let bend = ((higher - slope).dot(n) / (HIGHER - HEIGHT)).clamp(-KINK, KINK);
-    value - dx * HEIGHT * (slope.dot(n) - 0.5 * HEIGHT * bend)
+    // A distance changes by no more than the way: else there would be lines where φ jumps, within a thin solid.
+    value - dx * HEIGHT * (slope.dot(n) - 0.5 * HEIGHT * bend).clamp(-1.0, 1.0)
 }
 
 /// A state as the line sees it.

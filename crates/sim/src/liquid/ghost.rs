@@ -28,6 +28,13 @@ const DEEPEST: f64 = 3.0;
 /// solid below: liquid within is stale and goes at once. Else a dry side that moves away from what lies behind it would look
 /// wetted: it goes faster than what is left behind fades.
 const HEIGHT: f64 = 1.0;
+/// Depth, in cells, under a side up to which its continuation counts: farther no stencil reaches.
+const ACROSS: f64 = 2.5;
+/// Depth, in cells, from which on a cell is not uncovered in a step.
+const UNCOVERED: f64 = 0.75;
+/// Thickness, in cells, of a solid that is too thin for one side to yield to the other: what it yields might be uncovered
+/// before it is the nearest side's again.
+const THIN: f64 = 2.25;
 /// Least sine of the angle at which it is continued.
 const FLATTEST: f64 = 0.25;
 /// Most that it turns in a cell of depth, rad: a surface with a radius of two cells.
@@ -42,6 +49,8 @@ pub struct Ghost<const D: usize> {
     pub outside: Vector<D>,
     /// φ here over φ there: as many times as dense as there lie its values along the solid if it is to be a distance.
     scale: f64,
+    /// Most that φ may be here, m: where it goes on from the farther side of its solid, that must end before the nearest.
+    limit: f64,
 }
 
 /// The cells of the band within solids.
@@ -61,10 +70,10 @@ pub fn ghosts<const D: usize>(
     let slots: Vec<u32> = (0..band.cells.len() as u32).filter(|s| within(&band.cells[*s as usize])).collect();
     let ghost = |&slot: &u32| {
         let cell = band.cells[slot as usize] as usize;
-        let x = model.grid.center(model.grid.lattice().coordinates(cell));
-        let depth = -cut.distance(cell) * model.grid.dx;
-        let (outside, scale) = surface.comes_out(&x, depth)?;
-        Some(Ghost { slot, outside, scale })
+        let at = model.grid.lattice().coordinates(cell);
+        let depth = -cut.distance(cell);
+        let may_yield = depth > UNCOVERED && cut.closed(at);
+        surface.ghost(slot, &model.grid.center(at), depth * model.grid.dx, may_yield)
     };
     slots.par_iter().with_min_len(64).filter_map(ghost).collect()
 }
@@ -77,14 +86,56 @@ struct Surface<'a, const D: usize> {
     flow: Flow<'a, D>,
 }
 
+/// A side of a solid that a point lies under.
+struct Side<const D: usize> {
+    /// Number of the solid.
+    solid: usize,
+    /// Its normal.
+    normal: Vector<D>,
+    /// Depth of the point, m.
+    depth: f64,
+}
+
 impl<const D: usize> Surface<'_, D> {
-    /// Where the continuation through a point at a depth (m) comes out of its solid, and how dense it is within.
-    fn comes_out(&self, x: &Vector<D>, depth: f64) -> Option<(Vector<D>, f64)> {
+    /// The continuation through a point at a depth (m): that from the nearest side or, if it may yield, from the one across.
+    fn ghost(&self, slot: u32, x: &Vector<D>, depth: f64, may_yield: bool) -> Option<Ghost<D>> {
         let dx = self.model.grid.dx;
-        let number = self.model.nearest_solid(self.solids, x)?;
-        let (solid, now) = (&self.model.solids[number], &self.solids[number]);
+        let solid = self.model.nearest_solid(self.solids, x)?;
         // Half-way between two sides of a solid there is none.
-        let normal = solid.normal(now, x, 0.01 * dx).try_normalize(0.5)?;
+        let normal = self.model.solids[solid].normal(&self.solids[solid], x, 0.01 * dx).try_normalize(0.5)?;
+        let near = Side { solid, normal, depth };
+        let (outside, scale) = self.comes_out(x, &near);
+        let own = Ghost { slot, outside, scale, limit: f64::INFINITY };
+        let seen = |at: &Vector<D>| self.phi.distance(at).0 / dx;
+        let here = seen(&outside);
+        if !may_yield || here.abs() < HEIGHT {
+            return Some(own);
+        }
+        let Some(far) = self.across(x, &near) else { return Some(own) };
+        let (outside, scale) = self.comes_out(x, &far);
+        let there = seen(&outside);
+        // What separates the sides within the solid is farther away from there than this.
+        let yields = there.abs() < HEIGHT || (here > 0.0 && there < 0.0);
+        Some(if yields { Ghost { slot, outside, scale, limit: 0.5 * depth } } else { own })
+    }
+
+    /// The side across of a thin solid.
+    fn across(&self, x: &Vector<D>, near: &Side<D>) -> Option<Side<D>> {
+        let dx = self.model.grid.dx;
+        let (solid, now) = (&self.model.solids[near.solid], &self.solids[near.solid]);
+        let beyond = x - near.normal * (ACROSS * dx);
+        let height = solid.distance(now, &beyond);
+        let normal =
+            if height > 0.0 { solid.normal(now, &beyond, 0.01 * dx).try_normalize(0.5) } else { None }?;
+        let depth = ACROSS * dx - height;
+        let thick = near.depth + depth > THIN * dx;
+        (thick && normal.dot(&near.normal) < 0.0).then_some(Side { depth, normal, ..*near })
+    }
+
+    /// Where the continuation through a point under a side comes out of the solid, and how dense it is within.
+    fn comes_out(&self, x: &Vector<D>, side: &Side<D>) -> (Vector<D>, f64) {
+        let (dx, normal, depth) = (self.model.grid.dx, side.normal, side.depth);
+        let (solid, now) = (&self.model.solids[side.solid], &self.solids[side.solid]);
         let way = depth + HEIGHT * dx;
         let slope = self.phi.distance(&(x + normal * way)).1;
         let along = (slope - normal * slope.dot(&normal)).try_normalize(1e-3);
@@ -106,7 +157,7 @@ impl<const D: usize> Surface<'_, D> {
         // The chord of an arc that turns evenly with the height.
         let turn = ((above - foot) / HEIGHT).clamp(-SHARPEST, SHARPEST);
         let chord = bound(foot + 0.5 * turn * (HEIGHT - depth / dx));
-        Some((outside(chord), foot.sin() / above.sin()))
+        (outside(chord), foot.sin() / above.sin())
     }
 }
 
@@ -126,8 +177,11 @@ pub fn extend_into_solids<const D: usize>(
         let cell = band.cells[ghost.slot as usize] as usize;
         let value = &mut state.phi.data[cell];
         let stale = *value * seen < 0.0
-            && (seen > HEIGHT * model.grid.dx || changed_sides(model, [before, &state.solids], cell));
+            && (ghost.limit.is_finite()
+                || seen.abs() > HEIGHT * model.grid.dx
+                || changed_sides(model, [before, &state.solids], cell));
         *value += if stale { seen - *value } else { RELAXATION * (ghost.scale * seen - *value) };
+        *value = value.clamp(-ghost.limit, ghost.limit);
     }
     if model.solids.iter().any(|s| s.motion != Motion::Fixed) {
         follow_sides(model, state, band, cut);
