@@ -40,7 +40,7 @@ macro_rules! scene {
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 43] = [
+pub const BUILTINS: [Builtin; 41] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
@@ -246,8 +246,6 @@ pub const BUILTINS: [Builtin; 43] = [
         "A soft plate five times as dense as the liquid sinks through a weak surface",
         "half an hour; --quality draft: four minutes"
     ),
-    scene!("fig21-tank-float", 3, Some("Fig. 21"), "The same plate floats on a strong surface", "an hour; --quality draft: ten minutes"),
-    scene!("soft-duck", 3, "A soft duck, read from an .obj file, falls into a bath and floats", "an hour; --quality draft: a quarter"),
     scene!(
         "fig02-soft-cow",
         3,
