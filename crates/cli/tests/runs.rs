@@ -232,3 +232,24 @@ fn the_contact_line_is_written_and_its_angle_expected() {
     let said = words(&(text(&missed.stdout) + &text(&missed.stderr)));
     assert!(missed.status.code() == Some(6) && said.contains("contact angle on plate"), "{said}");
 }
+
+#[test]
+fn meshes_that_are_built_in_are_found_from_anywhere() {
+    let place = Place::new("mesh");
+    let duck = "[[solid]]\nname = \"duck\"\nmaterial.rigid = { fixed = true }\n\
+                shape.mesh = { file = \"builtin:duck.obj\", scale = \"0.3 mm\", translate = [\"1.5 mm\", \"1.5 mm\", \"0.5 mm\"] }\n";
+    let scene = common::SCENE
+        .replace("dimension = 2\nsize = [\"3 mm\", ", "dimension = 3\nsize = [\"3 mm\", \"3 mm\", ")
+        .replace(
+            "center = [\"1.5 mm\", \"1.5 mm\"], radius = \"0.9 mm\"",
+            "center = [\"1.5 mm\", \"1.5 mm\", \"2.2 mm\"], radius = \"0.6 mm\"",
+        );
+    std::fs::write(place.path("duck.toml"), scene + duck).unwrap();
+    place.expect("run duck.toml --until 0.6ms --out a --quiet", 0);
+    place.expect("run duck.toml --until 0.3ms --out b --quiet", 0);
+    std::fs::rename(place.path("b"), place.path("c")).unwrap();
+    place.expect("run c --until 0.6ms --resume --quiet", 0);
+    assert_same(&place.path("a"), &place.path("c"));
+    place.expect("new drop-on-leaf -o mine.toml", 0);
+    place.expect("check mine.toml --quality draft", 0);
+}

@@ -5,6 +5,7 @@ use crate::error::SceneError;
 use crate::file::{
     Material, Outline as OutlineSpec, OutlineName, Rotation, Scene, ShapeSpec, Solid as SolidSpec, Wall,
 };
+use crate::meshes;
 use crate::output::Folder;
 use crate::run::{self, Existing, Job, Observer, Outcome, Region, RunError, Schedule, Setup, Stop};
 use crate::soft;
@@ -290,9 +291,9 @@ pub(crate) fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneE
             Shape::Mesh(Arc::new(MeshShape::new(surface)))
         }
         ShapeSpec::Mesh { path, scale, translate, rotation: turned } => {
-            let mesh = MeshShape::<D>::load(path, *scale, &rotation(turned), &vector(translate))
-                .map_err(|e| SceneError::new(e.to_string()))?;
-            Shape::Mesh(Arc::new(mesh))
+            let turned = rotation(turned);
+            let mesh = meshes::read(path, |path| MeshShape::load(path, *scale, &turned, &vector(translate)));
+            Shape::Mesh(Arc::new(mesh.map_err(SceneError::new)?))
         }
         ShapeSpec::Extrusion { outline: flat, thickness, center, rotation: turned } => {
             Shape::extrusion(&outline(flat)?, &vector(center), *thickness, &rotation(turned))
@@ -310,7 +311,7 @@ pub(crate) fn volume<const D: usize>(spec: &ShapeSpec) -> Result<VolumeMesh<D>, 
     let ShapeSpec::Mesh { path, scale, translate, rotation: turned } = spec else {
         return Err("this shape has no elements of its own".to_owned());
     };
-    let mut mesh = read::load::<D>(path).map_err(|e| e.to_string())?;
+    let mut mesh = meshes::read(path, read::load::<D>)?;
     mesh.positions.iter_mut().for_each(|x| *x *= *scale);
     Ok(mesh.moved(&rotation(turned), &vector(translate)))
 }

@@ -40,7 +40,7 @@ macro_rules! scene {
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 38] = [
+pub const BUILTINS: [Builtin; 41] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
@@ -222,6 +222,13 @@ pub const BUILTINS: [Builtin; 38] = [
         "A drop falls on a soft plate, which gives way, swings and bends around it",
         "a few minutes"
     ),
+    scene!(
+        "drop-on-leaf",
+        3,
+        Some("Fig. 11"),
+        "A raindrop bends a soft leaf down, runs off and lets it swing back",
+        "ten minutes; --quality draft: three"
+    ),
     scene!("capillary-rise", 3, "Liquid climbs in a tube and stops at Jurin's height", "ten minutes"),
     scene!("cheerios", 3, "Two floating discs attract each other and meet", "ten minutes"),
     scene!("colliding-drops", 3, "Two water drops meet slowly (We = 10), merge and wobble", "a few minutes"),
@@ -231,6 +238,20 @@ pub const BUILTINS: [Builtin; 38] = [
         3,
         "Two water drops meet fast and off centre (We = 61), merge and tear apart again",
         "two to ten minutes"
+    ),
+    scene!(
+        "fig21-tank-sink",
+        3,
+        Some("Fig. 21"),
+        "A soft plate five times as dense as the liquid sinks through a weak surface",
+        "half an hour; --quality draft: four minutes"
+    ),
+    scene!(
+        "fig02-soft-cow",
+        3,
+        Some("Fig. 2"),
+        "A soft cow sinks in a tank; the contact line emerges, sweeps over it and vanishes",
+        "an hour; --quality draft: six minutes"
     ),
     scene!(
         "crown-splash",

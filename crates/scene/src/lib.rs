@@ -7,6 +7,7 @@ pub mod checkpoint;
 pub mod error;
 pub mod expect;
 pub mod file;
+mod meshes;
 pub mod output;
 pub mod run;
 pub mod schema;

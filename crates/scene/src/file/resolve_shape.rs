@@ -4,6 +4,8 @@ use super::resolve::Resolver;
 use super::scene::VOLUMES;
 use super::*;
 use crate::error::SceneError;
+use crate::meshes;
+use std::path::{Path, PathBuf};
 
 impl Resolver {
     pub fn shape(&mut self, path: &str, shape: &ShapeFile) -> Result<ShapeSpec, SceneError> {
@@ -270,14 +272,7 @@ impl Resolver {
             let help = format!("accepted: surfaces {}, volumes {}", names(surfaces), names(&VOLUMES));
             return Err(self.error(&at("file"), message, help));
         }
-        let file = match std::fs::canonicalize(&file) {
-            Ok(f) if f.is_file() => f,
-            _ => {
-                let message = format!("there is no mesh file `{}`", m.file.escape_debug());
-                let help = "the path is relative to the folder of the scene file";
-                return Err(self.error(&at("file"), message, help));
-            }
-        };
+        let file = self.mesh_file(&at("file"), &m.file, &file)?;
         let translate = match &m.translate {
             Some(t) => self.point(&at("translate"), t)?,
             None => vec![0.0; self.dim],
@@ -288,5 +283,23 @@ impl Resolver {
             translate,
             rotation: self.rotation(&at("rotation"), m.rotation.as_ref())?,
         })
+    }
+
+    /// Where the mesh file of this name is; one that is built in keeps its name.
+    fn mesh_file(&self, path: &str, name: &str, file: &Path) -> Result<PathBuf, SceneError> {
+        if let Some(of) = meshes::built_in(name) {
+            return match meshes::missing(of) {
+                None => Ok(PathBuf::from(name)),
+                Some((message, help)) => Err(self.error(path, message, help)),
+            };
+        }
+        match std::fs::canonicalize(file) {
+            Ok(f) if f.is_file() => Ok(f),
+            _ => {
+                let message = format!("there is no mesh file `{}`", name.escape_debug());
+                let help = "the path is relative to the folder of the scene file";
+                Err(self.error(path, message, help))
+            }
+        }
     }
 }

@@ -241,6 +241,7 @@ pub struct DifferenceFile {
 pub struct MeshFile {
     /// Path, relative to the scene file. Closed surfaces (2D: closed lines): `.obj`, `.ply`, `.stl` (3D). Volumes, whose
     /// elements a solid that deforms takes over: `.msh` (Gmsh 2.2, 4.1), `.node` with `.ele` (TetGen, Triangle), `.vtk`.
+    /// `builtin:duck.obj` and `builtin:leaf.msh` come with the program.
     pub file: String,
     /// Metres per unit of the file; 1 without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -390,3 +390,17 @@ fn the_summary_tells_the_deflection() {
         assert!(if bent { way > 1e-4 } else { way < 1e-9 }, "{way} m");
     }
 }
+
+#[test]
+fn meshes_that_are_built_in_need_no_file() {
+    let none = Path::new("/nowhere");
+    let leaf =
+        r#"shape.mesh = { file = "builtin:leaf.msh", scale = "5 mm", translate = ["5 mm", "2 cm", "2 cm"] }"#;
+    let text = text(3, leaf).replace("resolution = 32", "resolution = 80");
+    let scene = load(&text, none).unwrap_or_else(|e| panic!("{}", e.render()));
+    assert!(with_body::<3, usize>(&scene, |body| body.mesh().simplices.len()) > 1000);
+    assert_eq!(scene, load(&scene.to_toml().unwrap(), Path::new("/elsewhere")).unwrap());
+    let e = load(&text.replace("leaf.msh", "leav.msh"), none).unwrap_err();
+    assert!(e.message.contains("no built-in mesh `leav.msh`"), "{e}");
+    assert!(e.help.as_ref().is_some_and(|h| h.contains("did you mean `builtin:leaf.msh`?")), "{e:?}");
+}
