@@ -6,10 +6,12 @@ use crate::model::Model;
 use crate::solid::Solid;
 use crate::state::State;
 use crate::step::{keep_distance, open_books, step};
+use crate::track::phi_on;
 use crate::workspace::{BAND, Snapshot, Workspace};
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::Runs;
+use meniscus_numerics::grid::{Runs, Sampler};
 use meniscus_numerics::linalg::SolveError;
+use meniscus_numerics::mesh::SurfaceMesh;
 use meniscus_numerics::par;
 use rayon::prelude::*;
 use thiserror::Error;
@@ -264,14 +266,31 @@ impl<const D: usize> Simulation<D> {
 
     /// Share of a solid's surface that is wetted, 0 to 1.
     pub fn wetted(&self, number: usize) -> f64 {
+        if let Some(soft) = &self.state.solids[number].soft {
+            return self.wetted_of(&soft.skin.surface);
+        }
         let own = self.work.cut.wet.iter().filter(|w| w.solid as usize == number);
         let wet = own.filter(|w| self.state.phi.data[w.cell as usize] < 0.0);
         let wet = wet.map(|w| w.area.norm()).sum::<f64>() * self.model.grid.face_area();
-        let all = match &self.state.solids[number].soft {
-            Some(soft) => soft.skin.surface.area(),
-            None => self.work.surfaces[number],
-        };
+        let all = self.work.surfaces[number];
         if all > 0.0 { (wet / all).min(1.0) } else { 0.0 }
+    }
+
+    /// Share of a surface above the middles of whose facets there is liquid.
+    fn wetted_of(&self, surface: &SurfaceMesh<D>) -> f64 {
+        let grid = &self.model.grid;
+        let phi = Sampler::cells(grid, &self.state.phi.data, self.model.scalar_edges());
+        let (mut wet, mut all) = (0.0, 0.0);
+        for (f, facet) in surface.facets.iter().enumerate() {
+            let middle = facet.iter().map(|v| surface.positions[*v as usize]).sum::<Vector<D>>() / D as f64;
+            let area = surface.area_vector(f);
+            let size = area.norm();
+            all += size;
+            if size > 0.0 && phi_on(&phi, &middle, &(area / size), grid.dx) < 0.0 {
+                wet += size;
+            }
+        }
+        if all > 0.0 { wet / all } else { 0.0 }
     }
 
     /// The books of the present state.
