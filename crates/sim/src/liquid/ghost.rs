@@ -12,6 +12,7 @@
 
 use super::transport::Flow;
 use crate::model::Model;
+use crate::simulation::GROWTH;
 use crate::solid::{Motion, SolidState};
 use crate::state::State;
 use crate::workspace::BAND;
@@ -30,11 +31,9 @@ const DEEPEST: f64 = 3.0;
 const HEIGHT: f64 = 1.0;
 /// Depth, in cells, under a side up to which its continuation counts: farther no stencil reaches.
 const ACROSS: f64 = 2.5;
-/// Depth, in cells, from which on a cell is not uncovered in a step.
-const UNCOVERED: f64 = 0.75;
-/// Thickness, in cells, of a solid that is too thin for one side to yield to the other: what it yields might be uncovered
-/// before it is the nearest side's again.
-const THIN: f64 = 2.25;
+/// Depth, in cells, below what a solid uncovers in a step from which on one side may yield to the other. What comes nearer to a
+/// side by more than that in a step has that side's sign at once.
+const COVERED: f64 = 0.25;
 /// Least sine of the angle at which it is continued.
 const FLATTEST: f64 = 0.25;
 /// Most that it turns in a cell of depth, rad: a surface with a radius of two cells.
@@ -65,15 +64,14 @@ pub fn ghosts<const D: usize>(
         solids: &state.solids,
         phi: Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges()),
         flow: Flow::new(model, &state.velocity),
+        step: state.last_dt * GROWTH,
     };
     let within = |c: &u32| cut.distance(*c as usize) < 0.0;
     let slots: Vec<u32> = (0..band.cells.len() as u32).filter(|s| within(&band.cells[*s as usize])).collect();
     let ghost = |&slot: &u32| {
         let cell = band.cells[slot as usize] as usize;
         let at = model.grid.lattice().coordinates(cell);
-        let depth = -cut.distance(cell);
-        let may_yield = depth > UNCOVERED && cut.closed(at);
-        surface.ghost(slot, &model.grid.center(at), depth * model.grid.dx, may_yield)
+        surface.ghost(slot, &model.grid.center(at), -cut.distance(cell) * model.grid.dx, cut.closed(at))
     };
     slots.par_iter().with_min_len(64).filter_map(ghost).collect()
 }
@@ -84,6 +82,8 @@ struct Surface<'a, const D: usize> {
     solids: &'a [SolidState<D>],
     phi: Sampler<'a, D>,
     flow: Flow<'a, D>,
+    /// Longest that the coming step may be, s.
+    step: f64,
 }
 
 /// A side of a solid that a point lies under.
@@ -97,18 +97,22 @@ struct Side<const D: usize> {
 }
 
 impl<const D: usize> Surface<'_, D> {
-    /// The continuation through a point at a depth (m): that from the nearest side or, if it may yield, from the one across.
-    fn ghost(&self, slot: u32, x: &Vector<D>, depth: f64, may_yield: bool) -> Option<Ghost<D>> {
+    /// The continuation through a point at a depth (m): that from the nearest side or, in closed cells of thin solids, from
+    /// the one across.
+    fn ghost(&self, slot: u32, x: &Vector<D>, depth: f64, closed: bool) -> Option<Ghost<D>> {
         let dx = self.model.grid.dx;
         let solid = self.model.nearest_solid(self.solids, x)?;
+        let now = &self.solids[solid];
+        let [normal, velocity] = self.model.solids[solid].normal_and_velocity(now, x, 0.01 * dx);
         // Half-way between two sides of a solid there is none.
-        let normal = self.model.solids[solid].normal(&self.solids[solid], x, 0.01 * dx).try_normalize(0.5)?;
+        let normal = normal.try_normalize(0.5)?;
         let near = Side { solid, normal, depth };
         let (outside, scale) = self.comes_out(x, &near);
         let own = Ghost { slot, outside, scale, limit: f64::INFINITY };
         let seen = |at: &Vector<D>| self.phi.distance(at).0 / dx;
         let here = seen(&outside);
-        if !may_yield || here.abs() < HEIGHT {
+        let covered = depth > COVERED * dx + velocity.norm() * self.step;
+        if !closed || !covered || here.abs() < HEIGHT {
             return Some(own);
         }
         let Some(far) = self.across(x, &near) else { return Some(own) };
@@ -127,9 +131,7 @@ impl<const D: usize> Surface<'_, D> {
         let height = solid.distance(now, &beyond);
         let normal =
             if height > 0.0 { solid.normal(now, &beyond, 0.01 * dx).try_normalize(0.5) } else { None }?;
-        let depth = ACROSS * dx - height;
-        let thick = near.depth + depth > THIN * dx;
-        (thick && normal.dot(&near.normal) < 0.0).then_some(Side { depth, normal, ..*near })
+        (normal.dot(&near.normal) < 0.0).then_some(Side { depth: ACROSS * dx - height, normal, ..*near })
     }
 
     /// Where the continuation through a point under a side comes out of the solid, and how dense it is within.
@@ -179,7 +181,7 @@ pub fn extend_into_solids<const D: usize>(
         let stale = *value * seen < 0.0
             && (ghost.limit.is_finite()
                 || seen.abs() > HEIGHT * model.grid.dx
-                || changed_sides(model, [before, &state.solids], cell));
+                || moved_away(model, [before, &state.solids], cell));
         *value += if stale { seen - *value } else { RELAXATION * (ghost.scale * seen - *value) };
         *value = value.clamp(-ghost.limit, ghost.limit);
     }
@@ -188,14 +190,15 @@ pub fn extend_into_solids<const D: usize>(
     }
 }
 
-/// Whether the other side of a solid has become the nearest to a cell's centre in a step.
-fn changed_sides<const D: usize>(model: &Model<D>, solids: [&[SolidState<D>]; 2], cell: usize) -> bool {
+/// Whether a solid has moved so far in a step that what a cell holds may be another side's: that has become the nearest, or
+/// the cell's centre lies much less deep.
+fn moved_away<const D: usize>(model: &Model<D>, solids: [&[SolidState<D>]; 2], cell: usize) -> bool {
     let x = model.grid.center(model.grid.lattice().coordinates(cell));
-    let [before, now] = solids.map(|solids| match model.nearest_solid(solids, &x) {
-        Some(number) => model.solids[number].normal(&solids[number], &x, 0.01 * model.grid.dx),
-        None => Vector::zeros(),
-    });
-    before.dot(&now) < 0.0
+    let Some(number) = model.nearest_solid(solids[1], &x) else { return false };
+    let (solid, [before, now]) = (&model.solids[number], solids.map(|solids| &solids[number]));
+    let normal = |at| solid.normal(at, &x, 0.01 * model.grid.dx);
+    normal(before).dot(&normal(now)) < 0.0
+        || solid.distance(now, &x) - solid.distance(before, &x) > COVERED * model.grid.dx
 }
 
 /// Gives cells within solids that the band does not reach the sign that φ has outside, next to them: a solid that moves leaves

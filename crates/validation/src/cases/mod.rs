@@ -42,7 +42,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 50] = [
+const ALL: [Case; 51] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -60,6 +60,7 @@ const ALL: [Case; 50] = [
     sessile::SPACE,
     sessile::CURVED,
     sessile::STEPS,
+    sessile::THIN,
     bounce::CASE,
     moving_plate::CASE,
     sliding::CASE,
