@@ -40,7 +40,7 @@ macro_rules! scene {
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 41] = [
+pub const BUILTINS: [Builtin; 42] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
@@ -230,6 +230,13 @@ pub const BUILTINS: [Builtin; 41] = [
         "ten minutes; --quality draft: three"
     ),
     scene!("capillary-rise", 3, "Liquid climbs in a tube and stops at Jurin's height", "ten minutes"),
+    scene!(
+        "floating-sphere",
+        3,
+        Some("Fig. 17"),
+        "A ball twice as dense as the liquid floats on its surface",
+        "ten minutes"
+    ),
     scene!("cheerios", 3, "Two floating discs attract each other and meet", "ten minutes"),
     scene!("colliding-drops", 3, "Two water drops meet slowly (We = 10), merge and wobble", "a few minutes"),
     scene!("filament-breakup", 3, "A thread of water bulges, necks and breaks into drops", "a few minutes"),

@@ -149,10 +149,16 @@ mod tests {
 
     #[test]
     fn areas_shrink() {
-        let positions = [[0.1, 0.2, 0.3], [1.1, 0.4, 0.2], [0.3, 1.2, -0.4]].map(Vector::<3>::from).to_vec();
-        let surface = SurfaceMesh { positions, facets: vec![[0, 1, 2]] };
-        for (v, force) in shrink(&surface, 0).iter().enumerate() {
-            for a in 0..3 {
+        let corners = [[0.1, 0.2, 0.3], [1.1, 0.4, 0.2], [0.3, 1.2, -0.4]].map(Vector::<3>::from).to_vec();
+        shrinks(&SurfaceMesh { positions: corners, facets: vec![[0, 1, 2]] });
+        let ends = [[0.1, 0.2], [1.1, 0.4]].map(Vector::<2>::from).to_vec();
+        shrinks(&SurfaceMesh { positions: ends, facets: vec![[0, 1]] });
+    }
+
+    /// The force is minus the area's slope.
+    fn shrinks<const D: usize>(surface: &SurfaceMesh<D>) {
+        for (v, force) in shrink(surface, 0).iter().enumerate() {
+            for a in 0..D {
                 let area = |by: f64| {
                     let mut moved = surface.clone();
                     moved.positions[v][a] += by;

@@ -197,7 +197,7 @@ pub struct NumericsFile {
     /// Most iterations of a solve; 200 without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_iterations: Option<u32>,
-    /// Largest step as a multiple of the explicit capillary limit; 5 without it.
+    /// Largest step as a multiple of the explicit capillary limit; without it 5, where solids deform 2.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub capillary_step: Option<f64>,
     /// The same step length always, whatever stability asks for.

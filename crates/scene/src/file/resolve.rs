@@ -65,6 +65,10 @@ pub(super) struct Resolver {
     pub warnings: Vec<Warning>,
 }
 
+/// Longest step where solids deform, over the explicit capillary limit: the line's pull on them is explicit. With 3 a drop on a
+/// soft plate of 2.67 cells is off by 1.7 degrees, with 4 it stirs and is off by 12; with 2, by 0.8.
+const SOFT_STEP: f64 = 2.0;
+
 fn resolve(file: SceneFile, source: Source, base: &Path, quality: Quality) -> Result<Scene, SceneError> {
     let base = base.to_path_buf();
     let mut r = Resolver { source, base, dim: 0, dx: 0.0, size: Vec::new(), warnings: Vec::new() };
@@ -80,7 +84,7 @@ fn resolve(file: SceneFile, source: Source, base: &Path, quality: Quality) -> Re
     let tension = r.tension(&file.tension, &solids)?;
     let contact_line = r.contact_line(&file.contact_line.unwrap_or_default(), &names)?;
     r.young_within(&tension, &contact_line, &domain)?;
-    let numerics = r.numerics(&file.numerics)?;
+    let numerics = r.numerics(&file.numerics, solids.iter().any(|s| s.material.deforms()))?;
     let output = r.output(&file.output)?;
     let wets = (domain.wets() && contact_line.enabled).then_some(WALLS);
     let angles: Vec<&str> = names.iter().copied().chain(wets).collect();
@@ -342,7 +346,7 @@ impl Resolver {
         Ok(())
     }
 
-    fn numerics(&mut self, n: &NumericsFile) -> Result<Numerics, SceneError> {
+    fn numerics(&mut self, n: &NumericsFile, soft: bool) -> Result<Numerics, SceneError> {
         let time = |r: &Self, key: &str, t: Option<Time>| {
             t.map(|t| r.positive(&format!("numerics.{key}"), "a time step", t.0)).transpose()
         };
@@ -373,7 +377,7 @@ impl Resolver {
             capillary_step: self.within(
                 "numerics.capillary_step",
                 "the multiple of the explicit capillary limit",
-                n.capillary_step.unwrap_or(5.0),
+                n.capillary_step.unwrap_or(if soft { SOFT_STEP } else { 5.0 }),
                 0.01,
                 1000.0,
             )?,

@@ -7,6 +7,9 @@
 //! it has the contact angle, and that point. Where it is straight, the kink in φ makes redistancing pull the line back in
 //! every step (a base radius 0.6 % short where the surface turns within four cells), which short steps do more often.
 //!
+//! A plate of a few cells is thinner than two sides' stencils. Where the nearest side is clear of any surface, its closed
+//! cells take the continuation from the side across, within bounds that keep what then separates the sides in the plate.
+//!
 //! A line with friction `ζ` has the angle `cos θ = cos θ_Y − ζ U/γ` while it moves with the speed `U`: with Young's the
 //! continuation would carry the line past the liquid that the friction holds. A line that rests keeps the angle it has.
 
