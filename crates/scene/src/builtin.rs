@@ -193,21 +193,21 @@ pub const BUILTINS: [Builtin; 42] = [
         "drop-on-soft-plate-2d",
         2,
         "A drop falls on a soft plate, which gives way, swings and bends around it",
-        "a few seconds"
+        "under half a minute"
     ),
     scene!(
         "fig17b-wrapping",
         2,
         Some("Fig. 17 (b)"),
         "A drop that wets a soft strip well is wrapped up in it",
-        "half a minute"
+        "a minute"
     ),
     scene!(
         "fig17b-open",
         2,
         Some("Fig. 17 (b)"),
         "The same drop and strip, hydrophobic: the strip bends, and stays open",
-        "half a minute"
+        "a minute"
     ),
     scene!(
         "fig14-soft-plate",
