@@ -183,7 +183,7 @@ pub fn extend_into_solids<const D: usize>(
         let value = &mut state.phi.data[cell];
         let stale = *value * seen < 0.0
             && (ghost.limit.is_finite()
-                || seen.abs() > HEIGHT * model.grid.dx
+                || seen > HEIGHT * model.grid.dx
                 || moved_away(model, [before, &state.solids], cell));
         *value += if stale { seen - *value } else { RELAXATION * (ghost.scale * seen - *value) };
         *value = value.clamp(-ghost.limit, ghost.limit);
