@@ -5,7 +5,8 @@
 //! plane, and each step ends on the zero set again. What is [`FROM`] to [`TO`] cells above the solid tells the angle
 //! `arccos ν·n` as a function of the arc length, which is continued to where the arc reaches the solid: a linear one (exact
 //! for a circle and for a sphere on a plane), and what the liquid's weight adds to it, as it makes the curvature change with
-//! the height (without it the angle of a puddle with a capillary length of six cells is eight degrees too small).
+//! the height (Young and Laplace: `κ = κ0 − w·x`, with `w` as in [`Foot::weight`]; without it the angle of a puddle with a
+//! capillary length of six cells is eight degrees too small).
 
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Sampler;

@@ -65,8 +65,8 @@ pub(super) struct Resolver {
     pub warnings: Vec<Warning>,
 }
 
-/// Longest step where solids deform, over the explicit capillary limit: the line's pull on them is explicit. With 3 a drop on a
-/// soft plate of 2.67 cells is off by 1.7 degrees, with 4 it stirs and is off by 12; with 2, by 0.8.
+/// Longest step where solids deform, over the explicit capillary limit: the line's pull on them is explicit. In two dimensions
+/// the angle of the drop of `fig22-plate-90` is off by 0.7 degrees with 2, by 1.2 with 3, and by 12 with 4, where it stirs.
 const SOFT_STEP: f64 = 2.0;
 
 fn resolve(file: SceneFile, source: Source, base: &Path, quality: Quality) -> Result<Scene, SceneError> {

@@ -177,7 +177,7 @@ fn gap((half, angle, should): (f64, f64, f64)) -> Result<Vec<Check>, StepError> 
 }
 
 fn tubes(mode: Mode) -> Result<Vec<Check>, StepError> {
-    let (cells, rows) = if mode == Mode::Quick { (6, &TUBES[1..2]) } else { (12, &TUBES[..]) };
+    let (cells, rows) = if mode == Mode::Quick { (6, &TUBES[1..2]) } else { (8, &TUBES[..]) };
     let checks: Vec<_> = rows.iter().map(|row| tube(*row, cells)).collect::<Result<_, _>>()?;
     Ok(checks.into_iter().flatten().collect())
 }

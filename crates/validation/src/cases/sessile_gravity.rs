@@ -18,7 +18,7 @@ pub const PLANE: Case = Case {
     theory: "A drop as large as a disc of radius R0 = 1 (γ = ρ = 1, ν = 1, Bo = ρgR0²/γ of 1 and 5) on a wall without \
         friction 0.3 cells off the grid's faces, 16 cells per R0; it starts as half an ellipse with 85 % of the base that \
         it should have and is left alone for 30 √(ρR0³/γ), at 30 degrees 60. Base radius (from the contact line's points) and height (a parabola through the surface around the \
-        top) from the Young–Laplace equation (design, validation §2, 4g). The force on the wall is the drop's weight (4f), \
+        top) from the Young–Laplace equation (design, validation §2, 4g), and Young's angle along the line. The force on the wall is the drop's weight (4f), \
         the mean over the last tenth of the run; without gravity the contact line pulls with 2γ sin θ what the pressure of \
         the drop pushes. Quick: θ = 60 degrees at Bo = 1, half as long.",
     quick: true,
@@ -147,13 +147,15 @@ fn drop<const D: usize>(case: &str, cells: usize, row: Row, time: f64) -> Result
     let Setting { mut sim, point } = set::<D>(cells, (angle, bond), volume, (0.85 * base, base));
     run_to(&mut sim, 0.9 * time, |_, _| ())?;
     let (_, force) = mean_forces(&mut sim, time)?;
-    let (found_height, found_base) = sizes(&sim, &point);
+    let (found_height, found_base, found_angle) = sizes(&sim, &point);
+    let bars = if angle < 45.0 { (3.0, 1.5) } else { (1.5, 0.5) };
     let what = |text: &str| format!("{text}, θ = {angle}°, Bo = {bond}, {cells} cells/R0");
     let weight = share::<D>() * volume * bond;
     Ok(vec![
         Check::relative(case, &what("height"), found_height, height, 0.02, Some(0.007), "R0"),
         Check::relative(case, &what("base radius"), found_base, base, 0.02, Some(0.007), "R0"),
         Check::relative(case, &what("force on the wall"), -force, weight, 0.02, Some(0.005), ""),
+        Check::absolute(case, &what("angle along the line"), found_angle, angle, bars.0, Some(bars.1), "deg"),
         at_most(case, &what("u_rms √(ρR0/γ)"), speeds(&sim).0, 1e-2, Some(1e-3), ""),
     ])
 }
@@ -189,8 +191,8 @@ fn mean_forces<const D: usize>(sim: &mut Simulation<D>, end: f64) -> Result<(f64
     Ok((pull / time, all / time))
 }
 
-/// Height over a horizontal wall through a point, and radius of the base.
-fn sizes<const D: usize>(sim: &Simulation<D>, point: &Vector<D>) -> (f64, f64) {
+/// Height over a horizontal wall through a point, radius of the base, and mean of the angle along the line, degrees.
+fn sizes<const D: usize>(sim: &Simulation<D>, point: &Vector<D>) -> (f64, f64, f64) {
     let dx = sim.model.grid.dx;
     let line = LineTracker::new(&sim.model, &[dx / 1.5]).find(sim);
     let length: f64 = line.points.iter().map(|p| p.length).sum();
@@ -211,5 +213,5 @@ fn sizes<const D: usize>(sim: &Simulation<D>, point: &Vector<D>) -> (f64, f64) {
     });
     let pin = (1e-12, [0.0, 1.0, 0.0], 0.0);
     let apex = least_squares(top.chain([pin])).map_or(f64::NAN, |c| c[0]);
-    (apex + middle[D - 1] - point[D - 1], base)
+    (apex + middle[D - 1] - point[D - 1], base, line.angle(None).map_or(f64::NAN, |a| a.0))
 }
