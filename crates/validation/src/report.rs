@@ -4,11 +4,11 @@ use crate::{Check, Outcome};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// The results as a table for a terminal.
-pub fn text(outcomes: &[Outcome]) -> String {
+/// The results of a case as a table for a terminal.
+pub fn text(outcome: &Outcome) -> String {
     let header = ["case", "quantity", "value", "reference", "error", "must", "aim", ""].map(String::from);
     let mut rows = vec![header];
-    rows.extend(outcomes.iter().flat_map(|o| o.checks.iter().map(cells)));
+    rows.extend(outcome.checks.iter().map(cells));
     let widths: Vec<usize> =
         (0..8).map(|c| rows.iter().map(|row| row[c].chars().count()).max().unwrap_or(0)).collect();
     let mut out = String::new();
@@ -24,10 +24,14 @@ pub fn text(outcomes: &[Outcome]) -> String {
             let _ = writeln!(out, "{}", "-".repeat(line.trim_end().chars().count() + 6));
         }
     }
+    out + "\n"
+}
+
+/// How many checks passed in all, and how long they took.
+pub fn summary(outcomes: &[Outcome]) -> String {
     let (passed, all) = count(outcomes);
     let seconds = outcomes.iter().map(|o| o.seconds).fold(0.0, |sum, s| sum + s);
-    let _ = writeln!(out, "\n{passed} of {all} checks passed in {seconds:.0} s");
-    out
+    format!("{passed} of {all} checks passed in {seconds:.0} s\n")
 }
 
 /// The results as JSON.
@@ -122,8 +126,9 @@ mod tests {
             seconds: 1.0,
             checks,
         };
-        let text = text(std::slice::from_ref(&outcome));
-        assert!(text.contains("aim met") && text.contains("FAIL") && text.contains("1 of 2 checks"));
+        let text = text(&outcome);
+        assert!(text.contains("aim met") && text.contains("FAIL"));
+        assert!(summary(std::slice::from_ref(&outcome)).contains("1 of 2 checks"));
         assert!(html(std::slice::from_ref(&outcome)).contains("A &lt;drop&gt;"));
         assert_eq!(json(&[outcome])["passed"], 1);
     }

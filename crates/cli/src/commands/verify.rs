@@ -22,9 +22,11 @@ pub fn verify(args: &VerifyArgs) -> Result {
     let mut outcomes = Vec::new();
     for (i, case) in chosen.iter().enumerate() {
         eprintln!("[{}/{}] {}", i + 1, chosen.len(), case.title);
-        outcomes.push(case.outcome(mode));
+        let outcome = case.outcome(mode);
+        print(&report::text(&outcome))?;
+        outcomes.push(outcome);
     }
-    print(&report::text(&outcomes))?;
+    print(&report::summary(&outcomes))?;
     if let Some(path) = &args.json {
         save(path, &format!("{:#}\n", report::json(&outcomes)))?;
     }
