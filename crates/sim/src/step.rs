@@ -281,7 +281,7 @@ pub fn move_surface<const D: usize>(
 ) -> Runs {
     let values = advect_surface(model, &state.phi, &work.band, &state.velocity, dt);
     work.band.cells.iter().zip(values).for_each(|(&c, v)| state.phi.data[c as usize] = v);
-    extend_into_solids(model, state, &work.band, &work.cut, solids);
+    work.apart = extend_into_solids(model, state, &work.band, &work.cut, solids);
     let way = max_component(model, state, work) * dt / model.grid.dx;
     state.drift += way;
     let before = std::mem::take(&mut work.liquid);
@@ -316,7 +316,7 @@ pub(crate) fn keep_distance<const D: usize>(model: &Model<D>, state: &mut State<
     let all = state.drift > DRIFT || count * 100 > edge.len();
     let layers = if all { LAYERS } else { NEAR };
     let values = redistance(&model.grid, &work.band, layers, &state.phi.data, &sampler, BAND * model.grid.dx);
-    let cells = work.band.cells.iter().zip(values);
+    let cells = work.band.cells.iter().zip(values).filter(|(c, _)| work.apart.binary_search(c).is_err());
     cells.for_each(|(&c, v)| {
         let value = &mut state.phi.data[c as usize];
         *value += if outside(c) { v - *value } else { WITHIN * (v - *value) };

@@ -53,6 +53,8 @@ pub struct Workspace<const D: usize> {
     pub probes: Probes<D>,
     /// The solids that deform, as the forces of a step find them.
     pub soft: Systems<D>,
+    /// Cells in and beside thin solids where φ is no distance, in order.
+    pub apart: Vec<u32>,
     /// Surface of each solid at the start, m² (2D: m).
     pub surfaces: Vec<f64>,
 }
@@ -71,6 +73,7 @@ impl<const D: usize> Workspace<D> {
             pressure: PressureFields::new(model),
             probes: Probes::of(model),
             soft: Vec::new(),
+            apart: Vec::new(),
             surfaces: Vec::new(),
         };
         let start: Vec<_> = model.solids.iter().map(Solid::start).collect();

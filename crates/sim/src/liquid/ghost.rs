@@ -8,7 +8,8 @@
 //! every step (a base radius 0.6 % short where the surface turns within four cells), which short steps do more often.
 //!
 //! A plate of a few cells is thinner than two sides' stencils. Where the nearest side is clear of any surface, its closed
-//! cells take the continuation from the side across, within bounds that keep what then separates the sides in the plate.
+//! cells take the continuation from the side across, within bounds that keep what then separates the sides in the plate; and
+//! what lies beside them on the nearest side does not see that ([`clear`]).
 //!
 //! A line with friction `ζ` has the angle `cos θ = cos θ_Y − ζ U/γ` while it moves with the speed `U`: with Young's the
 //! continuation would carry the line past the liquid that the friction holds. A line that rests keeps the angle it has.
@@ -20,7 +21,7 @@ use crate::solid::{Motion, SolidState};
 use crate::state::State;
 use crate::workspace::BAND;
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{Band, CutCells, Sampler};
+use meniscus_numerics::grid::{Band, CutCells, Sampler, points};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -34,6 +35,11 @@ const DEEPEST: f64 = 3.0;
 const HEIGHT: f64 = 1.0;
 /// Depth, in cells, under a side up to which its continuation counts: farther no stencil reaches.
 const ACROSS: f64 = 2.5;
+/// Most that φ may be in cells that take that, over their depth: between there and a clear cell on the nearest side, where φ is
+/// at least [`HEIGHT`] and its height, the sign changes within the solid up to twice that.
+const BOUND: f64 = 1.5;
+/// Depth, in cells, up to which a cell has neighbours on the surface's side if that comes as far.
+const SHALLOW: f64 = 0.6;
 /// Depth, in cells, below what a solid uncovers in a step from which on one side may yield to the other. What comes nearer to a
 /// side by more than that in a step has that side's sign at once.
 const COVERED: f64 = 0.25;
@@ -51,8 +57,10 @@ pub struct Ghost<const D: usize> {
     pub outside: Vector<D>,
     /// φ here over φ there: as many times as dense as there lie its values along the solid if it is to be a distance.
     scale: f64,
-    /// Most that φ may be here, m: where it goes on from the farther side of its solid, that must end before the nearest.
-    limit: f64,
+    /// Whether it is closed, or its solid leaves it before what is stale has faded.
+    leaves: bool,
+    /// Where the surface goes on from the farther side of a thin solid: the normal of the nearest.
+    near: Option<Vector<D>>,
 }
 
 /// The cells of the band within solids.
@@ -111,10 +119,12 @@ impl<const D: usize> Surface<'_, D> {
         let normal = normal.try_normalize(0.5)?;
         let near = Side { solid, normal, depth };
         let (outside, scale) = self.comes_out(x, &near);
-        let own = Ghost { slot, outside, scale, limit: f64::INFINITY };
+        let way = velocity.norm() * self.step;
+        let leaves = closed || way > RELAXATION * COVERED * dx;
+        let own = Ghost { slot, outside, scale, leaves, near: None };
         let seen = |at: &Vector<D>| self.phi.distance(at).0 / dx;
         let here = seen(&outside);
-        let covered = depth > COVERED * dx + velocity.norm() * self.step;
+        let covered = depth > COVERED * dx + way;
         if !closed || !covered || here.abs() < HEIGHT {
             return Some(own);
         }
@@ -123,7 +133,7 @@ impl<const D: usize> Surface<'_, D> {
         let there = seen(&outside);
         // What separates the sides within the solid is farther away from there than this.
         let yields = there.abs() < HEIGHT || (here > 0.0 && there < 0.0);
-        Some(if yields { Ghost { slot, outside, scale, limit: 0.5 * depth } } else { own })
+        Some(if yields { Ghost { outside, scale, near: Some(normal), ..own } } else { own })
     }
 
     /// The side across of a thin solid.
@@ -166,31 +176,82 @@ impl<const D: usize> Surface<'_, D> {
     }
 }
 
-/// Brings φ in the band's cells within solids nearer to the surface's continuation; `before` is where the solids were.
+/// Brings φ in the band's cells within solids nearer to the surface's continuation; `before` is where the solids were. Gives
+/// back the cells whose φ is no distance, in order: those that thin solids keep their sides apart with.
 pub fn extend_into_solids<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     band: &Band<D>,
     cut: &CutCells<D>,
     before: &[SolidState<D>],
-) {
+) -> Vec<u32> {
     let ghosts = ghosts(model, state, band, cut);
     let sampler = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
     let seen = |g: &Ghost<D>| sampler.distance(&g.outside).0;
     let all: Vec<f64> = ghosts.par_iter().with_min_len(64).map(seen).collect();
+    let high = HEIGHT * model.grid.dx;
+    let mut apart = Vec::new();
     for (ghost, seen) in ghosts.iter().zip(all) {
         let cell = band.cells[ghost.slot as usize] as usize;
-        let value = &mut state.phi.data[cell];
-        let stale = *value * seen < 0.0
-            && (ghost.limit.is_finite()
-                || seen > HEIGHT * model.grid.dx
+        let value = state.phi.data[cell];
+        let stale = value * seen < 0.0
+            && (ghost.near.is_some()
+                || seen > high
+                || (ghost.leaves && (seen < -high || is_alone(model, &state.phi.data, cut, cell)))
                 || moved_away(model, [before, &state.solids], cell));
-        *value += if stale { seen - *value } else { RELAXATION * (ghost.scale * seen - *value) };
-        *value = value.clamp(-ghost.limit, ghost.limit);
+        let value = value + if stale { seen - value } else { RELAXATION * (ghost.scale * seen - value) };
+        state.phi.data[cell] = value;
+        if let Some(normal) = ghost.near {
+            let bound = -BOUND * cut.distance(cell) * model.grid.dx;
+            state.phi.data[cell] = value.clamp(-bound, bound);
+            apart.push(cell as u32);
+            apart.extend(clear(model, &mut state.phi.data, cut, cell, &normal));
+        }
     }
     if model.solids.iter().any(|s| s.motion != Motion::Fixed) {
         follow_sides(model, state, band, cut);
     }
+    apart.sort_unstable();
+    apart.dedup();
+    apart
+}
+
+/// The cells around a cell that no solid covers, and the ways there.
+fn open_around<const D: usize>(
+    model: &Model<D>,
+    cut: &CutCells<D>,
+    cell: usize,
+) -> impl Iterator<Item = (usize, Vector<D>)> {
+    let lattice = model.grid.lattice();
+    let at = lattice.coordinates(cell);
+    let low = at.map(|i| i.saturating_sub(1));
+    let high = std::array::from_fn(|a| (at[a] + 2).min(lattice.extent[a]));
+    let way = move |to: [usize; D]| Vector::from_fn(|a, _| to[a] as f64 - at[a] as f64);
+    let all = points([low, high]).into_iter().map(move |to| (lattice.index(to), way(to)));
+    all.filter(|(c, _)| cut.distance(*c) > 0.0)
+}
+
+/// Whether a cell in a solid, near its surface, has another sign than all that is open around it.
+fn is_alone<const D: usize>(model: &Model<D>, phi: &[f64], cut: &CutCells<D>, cell: usize) -> bool {
+    -cut.distance(cell) < SHALLOW && open_around(model, cut, cell).all(|(c, _)| phi[c] * phi[cell] < 0.0)
+}
+
+/// Keeps φ around a cell in a thin solid, where that is open on the side with this normal, as far from zero as it is at least
+/// where no surface is near: what separates the sides within the solid is none. Gives back these cells.
+fn clear<const D: usize>(
+    model: &Model<D>,
+    phi: &mut [f64],
+    cut: &CutCells<D>,
+    cell: usize,
+    normal: &Vector<D>,
+) -> Vec<u32> {
+    let beside = open_around(model, cut, cell).filter(|(_, way)| way.dot(normal) > 0.0);
+    let clear = |(c, _): (usize, Vector<D>)| {
+        let least = (HEIGHT + cut.distance(c)) * model.grid.dx;
+        phi[c] = phi[c].abs().max(least).copysign(phi[c]);
+        c as u32
+    };
+    beside.map(clear).collect()
 }
 
 /// Whether a solid has moved so far in a step that what a cell holds may be another side's: that has become the nearest, or
