@@ -196,19 +196,19 @@ fn peaks(time: &[f64], curve: &[f64]) -> Vec<f64> {
     times
 }
 
-/// The largest value from `start` on before the curve falls below its half, and where it does so.
+/// The largest value from `start` on before the curve falls below its half, and where it does so. It must be twice what the
+/// curve has been before: what falls from the start is no peak.
 fn next_peak(curve: &[f64], start: usize) -> Option<(usize, usize)> {
-    // Skip the flank of the last peak: begin at the valley.
-    let mut valley = start;
-    while valley + 1 < curve.len() && curve[valley + 1] <= curve[valley] {
-        valley += 1;
-    }
-    let mut top = valley;
-    for i in valley..curve.len() {
-        if curve[i] > curve[top] {
-            top = i;
-        } else if curve[top] > 2.0 * curve[valley] && curve[i] < 0.5 * curve[top] {
+    let (mut valley, mut top) = (start, start);
+    for i in start..curve.len() {
+        let risen = curve[top] > 2.0 * curve[valley];
+        if risen && curve[i] < 0.5 * curve[top] {
             return Some((top, i));
+        }
+        if !risen && curve[i] <= curve[valley] {
+            (valley, top) = (i, i);
+        } else if curve[i] > curve[top] {
+            top = i;
         }
     }
     None
@@ -244,6 +244,18 @@ mod tests {
         let measured = period(&damped(0.1, 0.02)).unwrap();
         assert!((measured / expected - 1.0).abs() < 5e-3, "{measured} {expected}");
         assert_eq!(period(&Table::default()), None);
+    }
+
+    #[test]
+    fn an_impact_is_no_peak() {
+        let mut text = String::from("time,kinetic_energy\n");
+        for i in 0..200 {
+            let t = f64::from(i) * 0.01;
+            let impact = if i < 20 { 5.0 + t } else { 0.0 };
+            text += &format!("{t},{}\n", impact + (5.0 * t).sin().powi(2));
+        }
+        let measured = period(&Table::parse(&text)).unwrap();
+        assert!((measured / (0.4 * std::f64::consts::PI) - 1.0).abs() < 1e-2, "{measured}");
     }
 
     #[test]
