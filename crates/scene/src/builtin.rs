@@ -40,7 +40,7 @@ macro_rules! scene {
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 42] = [
+pub const BUILTINS: [Builtin; 43] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
@@ -252,6 +252,13 @@ pub const BUILTINS: [Builtin; 42] = [
         Some("Fig. 21"),
         "A soft plate five times as dense as the liquid sinks through a weak surface",
         "half an hour; --quality draft: four minutes"
+    ),
+    scene!(
+        "fig15-origami-square",
+        3,
+        Some("Fig. 15"),
+        "A drop folds a square sheet around itself",
+        "forty minutes"
     ),
     scene!(
         "fig02-soft-cow",

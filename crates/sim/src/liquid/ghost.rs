@@ -57,8 +57,12 @@ pub struct Ghost<const D: usize> {
     pub outside: Vector<D>,
     /// φ here over φ there: as many times as dense as there lie its values along the solid if it is to be a distance.
     scale: f64,
-    /// Whether it is closed, or its solid leaves it before what is stale has faded.
-    leaves: bool,
+    /// Whether none of its faces is open.
+    closed: bool,
+    /// Whether its solid leaves it before what is stale has faded.
+    left: bool,
+    /// Whether it then may hold what is on the side across, as its solid is thin.
+    thin: bool,
     /// Where the surface goes on from the farther side of a thin solid: the normal of the nearest.
     near: Option<Vector<D>>,
 }
@@ -120,8 +124,9 @@ impl<const D: usize> Surface<'_, D> {
         let near = Side { solid, normal, depth };
         let (outside, scale) = self.comes_out(x, &near);
         let way = velocity.norm() * self.step;
-        let leaves = closed || way > RELAXATION * COVERED * dx;
-        let own = Ghost { slot, outside, scale, leaves, near: None };
+        let left = way > RELAXATION * COVERED * dx;
+        let thin = left && self.across(x, &near).is_some();
+        let own = Ghost { slot, outside, scale, closed, left, thin, near: None };
         let seen = |at: &Vector<D>| self.phi.distance(at).0 / dx;
         let here = seen(&outside);
         let covered = depth > COVERED * dx + way;
@@ -197,7 +202,8 @@ pub fn extend_into_solids<const D: usize>(
         let stale = value * seen < 0.0
             && (ghost.near.is_some()
                 || seen > high
-                || (ghost.leaves && (seen < -high || is_alone(model, &state.phi.data, cut, cell)))
+                || ((ghost.closed || ghost.left) && seen < -high)
+                || (ghost.thin && is_alone(model, &state.phi.data, cut, cell))
                 || moved_away(model, [before, &state.solids], cell));
         let value = value + if stale { seen - value } else { RELAXATION * (ghost.scale * seen - value) };
         state.phi.data[cell] = value;
