@@ -254,8 +254,10 @@ mod tests {
             let impact = if i < 20 { 5.0 + t } else { 0.0 };
             text += &format!("{t},{}\n", impact + (5.0 * t).sin().powi(2));
         }
-        let measured = period(&Table::parse(&text)).unwrap();
-        assert!((measured / (0.4 * std::f64::consts::PI) - 1.0).abs() < 1e-2, "{measured}");
+        let measured = period(&Table::parse(&text));
+        let expected = 0.4 * std::f64::consts::PI;
+        // The swing is sampled 60 times a maximum: the middles of its flanks are off by less than a sample.
+        assert!(measured.is_some_and(|m| (m / expected - 1.0).abs() < 5e-3), "{measured:?}");
     }
 
     #[test]
