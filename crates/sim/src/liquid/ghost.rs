@@ -38,7 +38,9 @@ const ACROSS: f64 = 2.5;
 /// Most that φ may be in cells that take that, over their depth: between there and a clear cell on the nearest side, where φ is
 /// at least [`HEIGHT`] and its height, the sign changes within the solid up to twice that.
 const BOUND: f64 = 1.5;
-/// Depth, in cells, up to which a cell has neighbours on the surface's side if that comes as far.
+/// The same beside cells that are not clear: the sign changes half-way between two distances.
+const UNCLEAR: f64 = 0.5;
+/// Depth, in cells, up to which a surface steeper than 45 degrees that reaches a cell passes between its open neighbours.
 const SHALLOW: f64 = 0.6;
 /// Depth, in cells, below what a solid uncovers in a step from which on one side may yield to the other. What comes nearer to a
 /// side by more than that in a step has that side's sign at once.
@@ -61,7 +63,7 @@ pub struct Ghost<const D: usize> {
     closed: bool,
     /// Whether its solid leaves it before what is stale has faded.
     left: bool,
-    /// Whether it then may hold what is on the side across, as its solid is thin.
+    /// Whether it then may hold what is on the side across: it is shallow, and its solid is thin.
     thin: bool,
     /// Where the surface goes on from the farther side of a thin solid: the normal of the nearest.
     near: Option<Vector<D>>,
@@ -125,7 +127,7 @@ impl<const D: usize> Surface<'_, D> {
         let (outside, scale) = self.comes_out(x, &near);
         let way = velocity.norm() * self.step;
         let left = way > RELAXATION * COVERED * dx;
-        let thin = left && self.across(x, &near).is_some();
+        let thin = left && depth < SHALLOW * dx && self.across(x, &near).is_some();
         let own = Ghost { slot, outside, scale, closed, left, thin, near: None };
         let seen = |at: &Vector<D>| self.phi.distance(at).0 / dx;
         let here = seen(&outside);
@@ -195,7 +197,7 @@ pub fn extend_into_solids<const D: usize>(
     let seen = |g: &Ghost<D>| sampler.distance(&g.outside).0;
     let all: Vec<f64> = ghosts.par_iter().with_min_len(64).map(seen).collect();
     let high = HEIGHT * model.grid.dx;
-    let mut apart = Vec::new();
+    let mut across = Vec::new();
     for (ghost, seen) in ghosts.iter().zip(all) {
         let cell = band.cells[ghost.slot as usize] as usize;
         let value = state.phi.data[cell];
@@ -208,17 +210,34 @@ pub fn extend_into_solids<const D: usize>(
         let value = value + if stale { seen - value } else { RELAXATION * (ghost.scale * seen - value) };
         state.phi.data[cell] = value;
         if let Some(normal) = ghost.near {
-            let bound = -BOUND * cut.distance(cell) * model.grid.dx;
-            state.phi.data[cell] = value.clamp(-bound, bound);
-            apart.push(cell as u32);
-            apart.extend(clear(model, &mut state.phi.data, cut, cell, &normal));
+            let beside = open_around(model, cut, cell).filter(|(_, way)| way.dot(&normal) > 0.0);
+            across.push((cell as u32, beside.map(|(c, _)| c as u32).collect::<Vec<_>>()));
         }
     }
+    let apart = keep_apart(model, &mut state.phi.data, cut, across);
     if model.solids.iter().any(|s| s.motion != Motion::Fixed) {
         follow_sides(model, state, band, cut);
     }
+    apart
+}
+
+/// Bounds φ in cells that go on from the side across, given with the open cells beside them, and clears those. Gives back all
+/// whose φ is then no distance, in order.
+fn keep_apart<const D: usize>(
+    model: &Model<D>,
+    phi: &mut [f64],
+    cut: &CutCells<D>,
+    across: Vec<(u32, Vec<u32>)>,
+) -> Vec<u32> {
+    let clear = clear(model, phi, cut, across.iter().flat_map(|a| &a.1).copied().collect());
+    for (cell, beside) in &across {
+        let all = beside.iter().all(|c| clear.binary_search(c).is_ok());
+        let bound = -cut.distance(*cell as usize) * model.grid.dx * if all { BOUND } else { UNCLEAR };
+        let value = &mut phi[*cell as usize];
+        *value = value.clamp(-bound, bound);
+    }
+    let mut apart: Vec<u32> = across.into_iter().map(|a| a.0).chain(clear).collect();
     apart.sort_unstable();
-    apart.dedup();
     apart
 }
 
@@ -239,25 +258,33 @@ fn open_around<const D: usize>(
 
 /// Whether a cell in a solid, near its surface, has another sign than all that is open around it.
 fn is_alone<const D: usize>(model: &Model<D>, phi: &[f64], cut: &CutCells<D>, cell: usize) -> bool {
-    -cut.distance(cell) < SHALLOW && open_around(model, cut, cell).all(|(c, _)| phi[c] * phi[cell] < 0.0)
+    open_around(model, cut, cell).all(|(c, _)| phi[c] * phi[cell] < 0.0)
 }
 
-/// Keeps φ around a cell in a thin solid, where that is open on the side with this normal, as far from zero as it is at least
-/// where no surface is near: what separates the sides within the solid is none. Gives back these cells.
+/// Of open cells beside those in a thin solid that go on from the side across: those that no neighbour tells of a surface
+/// nearer than [`HEIGHT`] over their solid's. What separates the sides within the solid is none: their φ is at least that.
 fn clear<const D: usize>(
     model: &Model<D>,
     phi: &mut [f64],
     cut: &CutCells<D>,
-    cell: usize,
-    normal: &Vector<D>,
+    mut open: Vec<u32>,
 ) -> Vec<u32> {
-    let beside = open_around(model, cut, cell).filter(|(_, way)| way.dot(normal) > 0.0);
-    let clear = |(c, _): (usize, Vector<D>)| {
-        let least = (HEIGHT + cut.distance(c)) * model.grid.dx;
-        phi[c] = phi[c].abs().max(least).copysign(phi[c]);
-        c as u32
+    open.sort_unstable();
+    open.dedup();
+    let dx = model.grid.dx;
+    let least = |cell: usize| (HEIGHT + cut.distance(cell)) * dx;
+    let is_clear = |cell: &u32| {
+        let cell = *cell as usize;
+        let tells = |(c, way): (usize, Vector<D>)| {
+            phi[c] * phi[cell] < 0.0 || phi[c].abs() + way.norm() * dx < least(cell)
+        };
+        !open_around(model, cut, cell).filter(|(c, _)| *c != cell).any(tells)
     };
-    beside.map(clear).collect()
+    let clear: Vec<u32> = open.into_par_iter().with_min_len(64).filter(is_clear).collect();
+    for cell in clear.iter().map(|c| *c as usize) {
+        phi[cell] = phi[cell].abs().max(least(cell)).copysign(phi[cell]);
+    }
+    clear
 }
 
 /// Whether a solid has moved so far in a step that what a cell holds may be another side's: that has become the nearest, or
