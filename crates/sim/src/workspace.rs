@@ -156,8 +156,7 @@ impl<const D: usize> Workspace<D> {
             let at = lattice.coordinates(cell);
             let low = at.map(|i| i.saturating_sub(reach));
             let high = std::array::from_fn(|a| (at[a] + reach + 1).min(lattice.extent[a]));
-            self.cut.distance(cell) < BESIDE
-                && points([low, high]).iter().all(|p| was(lattice.index(*p)).is_none())
+            self.cut.distance(cell) < BESIDE && points([low, high]).all(|p| was(lattice.index(p)).is_none())
         };
         for run in &self.liquid.runs {
             let through = &mut through[run.component as usize];
@@ -191,7 +190,7 @@ impl<const D: usize> Workspace<D> {
                 let at = lattice.coordinates(cell);
                 let low = at.map(|i| i.saturating_sub(1));
                 let high = std::array::from_fn(|a| (at[a] + 2).min(lattice.extent[a]));
-                let around = points([low, high]).into_iter().filter_map(|at| component(lattice.index(at)));
+                let around = points([low, high]).filter_map(|at| component(lattice.index(at)));
                 let whole = around.filter(|c| !within[*c as usize]).min();
                 pairs.extend(whole.map(|whole| (run.component, whole)));
             }
@@ -219,8 +218,8 @@ impl<const D: usize> Workspace<D> {
         let closed = |a: usize, side: usize| model.walls[a][side] == crate::Wall::Slip;
         self.known.extrapolate(&mut state.velocity, &self.band, &state.phi.data, &distance, closed);
         if !self.cut.wet.is_empty() {
-            self.known.extend_behind(&mut state.velocity, &self.cut.shut);
-            slip_along(model, state, &self.cut);
+            let shut = self.known.extend_behind(&mut state.velocity, &self.cut.shut);
+            slip_along(model, state, &shut);
         }
     }
 
@@ -270,8 +269,8 @@ fn cells_of<const D: usize>(grid: &Grid<D>, run: &Run) -> std::ops::Range<usize>
     row + run.start as usize..row + run.end as usize
 }
 
-/// Gives the velocity on the faces that solids close the normal part of the nearest solid's surface.
-fn slip_along<const D: usize>(model: &Model<D>, state: &mut State<D>, cut: &CutCells<D>) {
+/// Gives the velocity on faces that solids close the normal part of the nearest solid's surface.
+fn slip_along<const D: usize>(model: &Model<D>, state: &mut State<D>, shut: &[Vec<u32>; D]) {
     let flow = Flow::new(model, &state.velocity);
     let new: [Vec<f64>; D] = std::array::from_fn(|a| {
         let lattice = model.grid.faces(a);
@@ -284,10 +283,10 @@ fn slip_along<const D: usize>(model: &Model<D>, state: &mut State<D>, cut: &CutC
             let [normal, velocity] = solid.normal_and_velocity(now, &x, 0.01 * model.grid.dx);
             Some(u[a] - normal[a] * (u - velocity).dot(&normal))
         };
-        cut.shut[a].par_iter().with_min_len(64).map(|f| slipping(f).unwrap_or(0.0)).collect()
+        shut[a].par_iter().with_min_len(64).map(|f| slipping(f).unwrap_or(0.0)).collect()
     });
     for a in 0..D {
-        cut.shut[a].iter().zip(&new[a]).for_each(|(f, u)| state.velocity.axes[a][*f as usize] = *u);
+        shut[a].iter().zip(&new[a]).for_each(|(f, u)| state.velocity.axes[a][*f as usize] = *u);
     }
 }
 

@@ -141,10 +141,15 @@ impl<const D: usize> CutCells<D> {
 
     /// Whether a cell has no open face.
     pub fn closed(&self, at: [usize; D]) -> bool {
+        self.opens(at, 0.0)
+    }
+
+    /// Whether this share of each of a cell's faces is open.
+    fn opens(&self, at: [usize; D], share: f64) -> bool {
         (0..D).all(|a| {
             let faces = self.open.grid.faces(a);
             let f = faces.index(at);
-            self.open.axes[a][f] == 0.0 && self.open.axes[a][f + faces.stride[a]] == 0.0
+            self.open.axes[a][f] == share && self.open.axes[a][f + faces.stride[a]] == share
         })
     }
 
@@ -152,16 +157,10 @@ impl<const D: usize> CutCells<D> {
         let grid = self.open.grid;
         self.shut.iter_mut().for_each(Vec::clear);
         for [low, high] in std::mem::take(&mut self.boxes) {
-            let lattice = corner_lattice(&grid);
-            points([low, high.map(|n| n + 1)])
-                .into_iter()
-                .for_each(|at| self.corners[lattice.index(at)] = FAR);
-            points([low, high]).into_iter().for_each(|at| self.centers[grid.lattice().index(at)] = FAR);
+            fill(&mut self.corners, &corner_lattice(&grid), [low, high.map(|n| n + 1)], FAR);
+            fill(&mut self.centers, &grid.lattice(), [low, high], FAR);
             for a in 0..D {
-                let faces = grid.faces(a);
-                points(face_box([low, high], a))
-                    .into_iter()
-                    .for_each(|at| self.open.axes[a][faces.index(at)] = 1.0);
+                fill(&mut self.open.axes[a], &grid.faces(a), face_box([low, high], a), 1.0);
             }
         }
     }
@@ -169,9 +168,7 @@ impl<const D: usize> CutCells<D> {
     fn open_faces(&mut self, cells: [[usize; D]; 2], tiles: &Tiles<D>) {
         for a in 0..D {
             let faces = self.open.grid.faces(a);
-            let shares: Vec<(usize, f64, bool)> = points(face_box(cells, a))
-                .into_par_iter()
-                .with_min_len(256)
+            let shares: Vec<(usize, f64, bool)> = in_parallel(face_box(cells, a))
                 .filter(|at| tiles.holds_at_face(a, *at))
                 .map(|at| {
                     let share = self.opening(a, at).0;
@@ -204,6 +201,9 @@ impl<const D: usize> CutCells<D> {
         let grid = self.open.grid;
         let lattice = grid.lattice();
         let wet = |at: [usize; D]| {
+            if self.opens(at, 1.0) || self.closed(at) {
+                return None;
+            }
             let (mut area, mut moment): (Vector<D>, [f64; 3]) = (Vector::zeros(), [0.0; 3]);
             let (mut spread, center): (Matrix<D>, _) = (Matrix::zeros(), grid.center(at) / grid.dx);
             for a in 0..D {
@@ -249,8 +249,7 @@ impl<const D: usize> CutCells<D> {
             let solid = (0..solids.len()).filter(beside).min_by(near)? as u32;
             Some(WetCell { cell: lattice.index(at) as u32, solid, area, moment, spread })
         };
-        let near = points(cells).into_par_iter().with_min_len(256).filter(|at| tiles.holds(*at));
-        near.filter_map(wet).collect()
+        in_parallel(cells).filter(|at| tiles.holds(*at)).filter_map(wet).collect()
     }
 
     /// Mean distance in a cell, in cells.
@@ -304,9 +303,7 @@ fn nearest<const D: usize>(
     place: impl Fn([usize; D]) -> Option<Vector<D>> + Sync,
     values: &mut [f64],
 ) {
-    let found: Vec<(usize, f64)> = points(cells)
-        .into_par_iter()
-        .with_min_len(256)
+    let found: Vec<(usize, f64)> = in_parallel(cells)
         .filter_map(|at| place(at).map(|x| (lattice.index(at), (solid.distance)(&x) / dx)))
         .map(|(i, v)| (i, if v.abs() < ON_SURFACE { -ON_SURFACE } else { v }))
         .collect();
@@ -328,9 +325,37 @@ fn face_box<const D: usize>([low, mut high]: [[usize; D]; 2], axis: usize) -> [[
 }
 
 /// The lattice points of a box, the first axis running fastest.
-pub fn points<const D: usize>([low, high]: [[usize; D]; 2]) -> Vec<[usize; D]> {
+pub fn points<const D: usize>(cells: [[usize; D]; 2]) -> impl Iterator<Item = [usize; D]> {
+    let (count, place) = numbered(cells);
+    (0..count).map(place)
+}
+
+/// The same in parallel.
+pub fn in_parallel<const D: usize>(
+    cells: [[usize; D]; 2],
+) -> impl IndexedParallelIterator<Item = [usize; D]> {
+    let (count, place) = numbered(cells);
+    (0..count).into_par_iter().with_min_len(256).map(place)
+}
+
+/// The number of lattice points of a box, and the point of a number.
+fn numbered<const D: usize>([low, high]: [[usize; D]; 2]) -> (usize, impl Fn(usize) -> [usize; D]) {
     let inner = Lattice::new(std::array::from_fn::<_, D, _>(|a| high[a] - low[a]));
-    (0..inner.len()).map(|i| inner.coordinates(i)).map(|at| std::array::from_fn(|a| low[a] + at[a])).collect()
+    let place = move |i| {
+        let at = inner.coordinates(i);
+        std::array::from_fn(|a| low[a] + at[a])
+    };
+    (inner.len(), place)
+}
+
+/// Gives all points of a box a value.
+fn fill<const D: usize>(values: &mut [f64], lattice: &Lattice<D>, [low, high]: [[usize; D]; 2], value: f64) {
+    let mut ends = high;
+    ends[0] = low[0] + usize::from(high[0] > low[0]);
+    for start in points([low, ends]) {
+        let first = lattice.index(start);
+        values[first..first + high[0] - low[0]].fill(value);
+    }
 }
 
 /// Part of the unit edge where a linear function is positive: its length and middle.

@@ -19,6 +19,8 @@ const SLOPES: [f64; 2] = [1.0, 0.5];
 /// That face is at most √2 cells outside, so that in deep liquid at least 1.6 remain; a sheet of under 2.8 cells always
 /// fails, one of over 4.3 never.
 const DEPTH: (f64, f64) = (3.0, 1.25);
+/// Layers behind closed faces: those listed lie up to four cells deep, 4 √3 steps along the axes.
+const BEHIND: usize = 7;
 
 /// Which faces carry a velocity, and in which layer they got it.
 #[derive(Clone, Debug)]
@@ -134,30 +136,33 @@ impl<const D: usize> KnownFaces<D> {
     }
 
     /// Extends the velocity over the faces that solids close: layer by layer, each the mean of its known neighbours along
-    /// the axes.
-    pub fn extend_behind(&mut self, velocity: &mut FaceField<D>, shut: &[Vec<u32>; D]) {
+    /// the axes. Gives back those that are then known.
+    pub fn extend_behind(&mut self, velocity: &mut FaceField<D>, shut: &[Vec<u32>; D]) -> [Vec<u32>; D] {
         for a in 0..D {
             let lattice = self.grid.faces(a);
             let mut rest: Vec<u32> =
                 shut[a].iter().copied().filter(|&f| self.marks[a][f as usize] == 0).collect();
-            loop {
+            for _ in 0..BEHIND {
                 let mean = |&f: &u32| {
                     let known = lattice.neighbours(f as usize).filter(|n| self.marks[a][*n] != 0);
                     let (sum, count) = known.fold((0.0, 0.0), |(s, c), n| (s + velocity.axes[a][n], c + 1.0));
                     (count > 0.0).then(|| (f, sum / count))
                 };
                 let fresh: Vec<(u32, f64)> = rest.par_iter().with_min_len(256).filter_map(mean).collect();
-                if fresh.is_empty() {
-                    break;
-                }
+                rest.clear();
                 for (f, value) in fresh {
                     velocity.axes[a][f as usize] = value;
                     self.marks[a][f as usize] = u8::MAX;
                     self.extended[a].push(f);
+                    rest.extend(lattice.neighbours(f as usize).map(|n| n as u32));
                 }
-                rest.retain(|&f| self.marks[a][f as usize] == 0);
+                rest.sort_unstable();
+                rest.dedup();
+                rest.retain(|f| self.marks[a][*f as usize] == 0 && shut[a].binary_search(f).is_ok());
             }
         }
+        let marks = &self.marks;
+        std::array::from_fn(|a| shut[a].iter().copied().filter(|f| marks[a][*f as usize] != 0).collect())
     }
 
     /// Whether the liquid behind a face is deep enough to tell a slope: sheets and threads of a few cells are not.

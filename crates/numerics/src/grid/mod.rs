@@ -10,7 +10,7 @@ mod runs;
 mod tiles;
 
 pub use band::Band;
-pub use cut::{CutBy, CutCells, WetCell, points};
+pub use cut::{CutBy, CutCells, WetCell, in_parallel, points};
 pub use extrapolate::KnownFaces;
 pub use field::{CellField, FaceField};
 pub use interpolate::{Edge, Sampler};

@@ -95,7 +95,8 @@ impl<const D: usize> Simplex<D> {
     }
 
     fn fill(&self, piece: &[Point; 4], cut: &mut Cut) {
-        let share = Matrix::<4>::from_fn(|r, c| piece[r][c]).determinant().abs();
+        // Barycentric coordinates add up to one: the first of them tells nothing.
+        let share = Matrix::<3>::from_fn(|r, c| piece[r + 1][c + 1] - piece[0][c + 1]).determinant().abs();
         let volume = share * self.volume;
         cut.volume += volume;
         for p in &piece[..=D] {

@@ -163,7 +163,7 @@ fn faces_around<const D: usize>(model: &Model<D>, cube: &CutCube) -> Vec<(usize,
             let upper = cells.index(at);
             (a, model.grid.faces(a).index(at), [upper - cells.stride[a], upper])
         };
-        faces.extend(points([from, high]).into_iter().map(face));
+        faces.extend(points([from, high]).map(face));
     }
     faces
 }

@@ -252,7 +252,7 @@ fn open_around<const D: usize>(
     let low = at.map(|i| i.saturating_sub(1));
     let high = std::array::from_fn(|a| (at[a] + 2).min(lattice.extent[a]));
     let way = move |to: [usize; D]| Vector::from_fn(|a, _| to[a] as f64 - at[a] as f64);
-    let all = points([low, high]).into_iter().map(move |to| (lattice.index(to), way(to)));
+    let all = points([low, high]).map(move |to| (lattice.index(to), way(to)));
     all.filter(|(c, _)| cut.distance(*c) > 0.0)
 }
 

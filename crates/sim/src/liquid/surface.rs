@@ -12,7 +12,7 @@
 //! a drop with Bo = 1 on a plate that falls has its angle wrong by half a degree (28 cells a radius).
 
 use super::cube::{CutCube, Split, away_from_zero};
-use meniscus_numerics::grid::{Band, CutCells, Grid, Lattice, Runs, points};
+use meniscus_numerics::grid::{Band, CutCells, Grid, Lattice, Runs, in_parallel};
 use meniscus_numerics::{Vector, planes};
 use rayon::prelude::*;
 
@@ -53,31 +53,33 @@ impl<const D: usize> SurfaceLattice<D> {
     /// Finds the cubes that solids cut; `nearest` tells the nearest solid's number and the cosine of its contact
     /// angle there.
     pub fn follow(&mut self, cut: &CutCells<D>, nearest: impl Fn(&Vector<D>) -> (u32, f64) + Sync) {
-        let cubes = self.cubes();
-        let mut keys: Vec<u32> = Vec::new();
-        for [low, high] in cut.boxes() {
-            keys.extend(points([*low, high.map(|n| n + 1)]).into_iter().map(|at| cubes.index(at) as u32));
-        }
-        keys.sort_unstable();
-        keys.dedup();
-        let dry = |&key: &u32| {
-            let at = cubes.coordinates(key as usize);
+        let (cubes, cells) = (self.cubes(), self.grid.lattice());
+        let dry = |at: [usize; D]| {
             let corners = self.corners(at);
             let psi: [f64; 8] = std::array::from_fn(|k| away_from_zero(cut.distance(corners[k] as usize)));
-            let cells = self.grid.lattice();
+            if psi[..1 << D].iter().all(|v| *v > 0.0) {
+                return None;
+            }
             let open = (0..1 << D)
                 .filter(|k| !cut.closed(cells.coordinates(corners[*k] as usize)))
                 .fold(0, |bits, k| bits | 1 << k);
-            if open == 0 || psi[..1 << D].iter().all(|v| *v > 0.0) {
+            if open == 0 {
                 return None;
             }
+            let key = cubes.index(at) as u32;
             let (solid, young) = nearest(&self.grid.corner(at));
             let flooded = CutCube::new(corners, open);
             let mut dry = DryCube { key, psi, open, solid, cosine: young, young, pinned: false, flooded };
             dry.flooded = self.wetted(&dry, &[-1.0; 8], at);
             Some(dry)
         };
-        self.dry = keys.par_iter().with_min_len(256).filter_map(dry).collect();
+        let of = |[low, high]: &[[usize; D]; 2]| -> Vec<DryCube> {
+            in_parallel([*low, high.map(|n| n + 1)]).filter_map(dry).collect()
+        };
+        let mut all: Vec<DryCube> = cut.boxes().iter().flat_map(of).collect();
+        all.sort_by_key(|d| d.key);
+        all.dedup_by_key(|d| d.key);
+        self.dry = all;
     }
 
     /// Every cube that the surface passes or in which liquid wets a solid, in order of memory.
