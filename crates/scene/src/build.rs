@@ -176,6 +176,7 @@ pub fn model<const D: usize>(scene: &Scene) -> Model<D> {
             fixed_step: n.fixed_step,
             restore_momentum: n.restore_momentum,
             contact_line: scene.contact_line.enabled,
+            line_radius: scene.contact_line.radius.unwrap_or(0.0),
         },
     }
 }

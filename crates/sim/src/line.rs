@@ -166,12 +166,13 @@ impl<const D: usize> Lines<'_, D> {
             let place = grid.center(grid.lattice().coordinates(cube.corners[0] as usize))
                 + Vector::repeat(0.5 * grid.dx);
             let foot = cube.foot().map_or(place, |foot| Vector::from_fn(|a, _| foot[a] * grid.dx));
-            let grip = self.solids[cube.solid as usize].grip(&foot);
+            let now = &self.solids[cube.solid as usize];
+            let grips = now.patch(&foot, self.model.numerics.line_radius);
             cube.share(self.label, |c, part| {
                 exchange.add((c, cube.solid), &impulse, part);
-                if let Some(grip) = grip {
+                for &(grip, share) in &grips {
+                    let (part, feet) = (part * share, feet.entry((c, cube.solid)).or_insert_with(Vec::new));
                     let pull = Vector::from_fn(|a, _| strength * part * pull[a]);
-                    let feet: &mut Vec<_> = feet.entry((c, cube.solid)).or_default();
                     feet.push(Foot { grip, length: part * size, pull });
                 }
                 let (length, moment) = lengths.entry((c, cube.solid)).or_insert((0.0, Vector::zeros()));

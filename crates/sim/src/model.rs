@@ -58,6 +58,9 @@ pub struct Numerics {
     /// Contact lines pull at solids. Without it solids feel pressure only, as in a traditional two-way coupling, and the
     /// liquid meets them at 90 degrees if their `cosine` is 0, as it then should be.
     pub contact_line: bool,
+    /// Distance, m, from the line along solids that deform over which its pull is spread evenly (the paper's R); 0: it acts
+    /// where the line is, and how high it lifts a thick solid then depends on the mesh.
+    pub line_radius: f64,
 }
 
 impl Default for Numerics {
@@ -71,6 +74,7 @@ impl Default for Numerics {
             fixed_step: None,
             restore_momentum: true,
             contact_line: true,
+            line_radius: 0.0,
         }
     }
 }

@@ -3,9 +3,13 @@
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::tree::Closest;
 use meniscus_numerics::mesh::{FacetTree, SurfaceMesh};
+use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// Barycentric weight from which on a point of a facet is not at its rim.
 const RIM: f64 = 1e-6;
+/// Parts into which each edge of a triangle is divided that lies partly within a radius.
+const PARTS: usize = 4;
 
 /// Where something takes hold of a solid that deforms: a point of a facet of its surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +36,8 @@ pub struct Skin<const D: usize> {
     pub surface: SurfaceMesh<D>,
     /// For each of its vertices the number of the mesh's.
     vertices: Vec<u32>,
+    /// The facets around each vertex of the surface.
+    around: Arc<Vec<Vec<u32>>>,
     tree: FacetTree<D>,
     bounds: [Vector<D>; 2],
 }
@@ -39,16 +45,24 @@ pub struct Skin<const D: usize> {
 impl<const D: usize> Skin<D> {
     /// A surface, and for each of its vertices the number of the mesh's.
     pub fn new(surface: SurfaceMesh<D>, vertices: Vec<u32>) -> Self {
+        let mut around = vec![Vec::new(); surface.positions.len()];
+        for (f, facet) in surface.facets.iter().enumerate() {
+            facet.iter().for_each(|v| around[*v as usize].push(f as u32));
+        }
+        Self::with(surface, vertices, Arc::new(around))
+    }
+
+    fn with(surface: SurfaceMesh<D>, vertices: Vec<u32>, around: Arc<Vec<Vec<u32>>>) -> Self {
         let tree = FacetTree::new(&surface);
         let (low, high) = surface.bounds();
-        Self { surface, vertices, tree, bounds: [low, high] }
+        Self { surface, vertices, around, tree, bounds: [low, high] }
     }
 
     /// The same surface with the mesh's vertices elsewhere.
     pub fn at(&self, positions: &[Vector<D>]) -> Self {
         let facets = self.surface.facets.clone();
         let positions = self.vertices.iter().map(|v| positions[*v as usize]).collect();
-        Self::new(SurfaceMesh { positions, facets }, self.vertices.clone())
+        Self::with(SurfaceMesh { positions, facets }, self.vertices.clone(), self.around.clone())
     }
 
     /// For each vertex of the surface the number of the mesh's.
@@ -82,8 +96,43 @@ impl<const D: usize> Skin<D> {
     }
 
     fn grip_at(&self, closest: &Closest<D>) -> Grip<D> {
-        let vertices = self.surface.facets[closest.facet as usize].map(|v| self.vertices[v as usize]);
-        Grip { vertices, weights: closest.weights, point: closest.point }
+        Grip {
+            weights: closest.weights,
+            point: closest.point,
+            vertices: self.corners(closest.facet as usize),
+        }
+    }
+
+    /// The corners of a facet, as numbers of the mesh's vertices.
+    fn corners(&self, facet: usize) -> [u32; D] {
+        self.surface.facets[facet].map(|v| self.vertices[v as usize])
+    }
+
+    /// The part of it that hangs together within a radius (m) around its nearest point to `x`: places that stand for parts of
+    /// it, and how large those are (they add up to one). Linear functions on the facets are summed up exactly where a facet
+    /// lies within as a whole, and in 2D. With no radius it is the nearest point.
+    pub fn patch(&self, x: &Vector<D>, radius: f64) -> Vec<(Grip<D>, f64)> {
+        let Some(closest) = self.tree.closest(x, f64::INFINITY) else { return Vec::new() };
+        let (mut next, mut seen) = (vec![closest.facet], BTreeSet::from([closest.facet]));
+        let mut parts = Vec::new();
+        while let Some(facet) = next.pop().filter(|_| radius > 0.0) {
+            let corners = self.surface.corners(facet as usize);
+            let within = pieces(&corners, &closest.point, radius);
+            if within.is_empty() && facet != closest.facet {
+                continue;
+            }
+            for (weights, size) in within {
+                let point = (0..D).map(|k| corners[k] * weights[k]).sum();
+                parts.push((Grip { vertices: self.corners(facet as usize), weights, point }, size));
+            }
+            let around = self.surface.facets[facet as usize].iter().flat_map(|v| &self.around[*v as usize]);
+            next.extend(around.filter(|f| seen.insert(**f)));
+        }
+        let all: f64 = parts.iter().map(|p| p.1).sum();
+        if all == 0.0 {
+            return vec![(self.grip_at(&closest), 1.0)];
+        }
+        parts.into_iter().map(|(grip, size)| (grip, size / all)).collect()
     }
 
     /// The nearest point of it, and [`Self::normal`].
@@ -111,5 +160,78 @@ impl<const D: usize> Skin<D> {
         let depth = -closest.distance_squared.sqrt();
         let deeper = self.distance(&(x + away * step)) < depth;
         if deeper { -away } else { Vector::zeros() }
+    }
+}
+
+/// The parts of a facet within a radius (m) of a point: barycentric weights of their middles, and sizes.
+fn pieces<const D: usize>(corners: &[Vector<D>; D], center: &Vector<D>, radius: f64) -> Vec<([f64; D], f64)> {
+    let near = |x: &Vector<D>| (x - center).norm() <= radius;
+    let size = meniscus_numerics::mesh::surface::area_vector(corners).norm();
+    if corners.iter().all(near) {
+        return vec![([1.0 / D as f64; D], size)];
+    }
+    if D == 2 {
+        // Where the segment passes through the circle.
+        let (way, from) = (corners[1] - corners[0], corners[0] - center);
+        let (square, along) = (way.norm_squared(), way.dot(&from));
+        let root = (along * along - square * (from.norm_squared() - radius * radius)).max(0.0).sqrt();
+        let [first, last] = [-root, root].map(|r| ((r - along) / square).clamp(0.0, 1.0));
+        let middle = 0.5 * (first + last);
+        let weights = std::array::from_fn(|k| if k == 0 { 1.0 - middle } else { middle });
+        return if last > first { vec![(weights, (last - first) * size)] } else { Vec::new() };
+    }
+    let mut parts = Vec::new();
+    for i in 0..PARTS {
+        for j in 0..PARTS - i {
+            // The triangle at (i, j), and the one turned over beside it.
+            for turned in 0..if i + j + 1 < PARTS { 2 } else { 1 } {
+                let third = (1 + turned) as f64 / 3.0;
+                let [a, b] = [i, j].map(|n| (n as f64 + third) / PARTS as f64);
+                let weights: [f64; D] = std::array::from_fn(|k| [1.0 - a - b, a, b][k]);
+                if near(&(0..D).map(|k| corners[k] * weights[k]).sum()) {
+                    parts.push((weights, size / (PARTS * PARTS) as f64));
+                }
+            }
+        }
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patches_of_a_square_and_of_a_line() {
+        let n = 12;
+        let at = |i: usize, j: usize| (i * (n + 1) + j) as u32;
+        let place = |k: usize| Vector::<3>::new((k / (n + 1)) as f64, (k % (n + 1)) as f64, 0.0) / n as f64;
+        let positions: Vec<_> = (0..(n + 1) * (n + 1)).map(place).collect();
+        let square = |k: usize| (k / n, k % n);
+        let facets = (0..n * n).map(square).flat_map(|(i, j)| {
+            [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
+        });
+        let surface = SurfaceMesh { facets: facets.collect(), positions };
+        let vertices = (0..surface.positions.len() as u32).collect();
+        let skin = Skin::new(surface, vertices);
+        let x = Vector::<3>::new(0.47, 0.52, 0.1);
+        let patch = skin.patch(&x, 0.3);
+        let all: f64 = patch.iter().map(|p| p.1).sum();
+        let middle: Vector<3> = patch.iter().map(|(grip, part)| grip.point * *part).sum();
+        let square: f64 = patch.iter().map(|(g, part)| (g.point - middle).norm_squared() * part).sum();
+        assert!((all - 1.0).abs() < 1e-12 && (middle - Vector::<3>::new(0.47, 0.52, 0.0)).norm() < 2e-3);
+        assert!((square / 0.045 - 1.0).abs() < 0.02, "{square}");
+        assert_eq!(skin.patch(&x, 0.0).len(), 1);
+
+        let positions = (0..11).map(|k| Vector::<2>::new(0.1 * k as f64, 0.0)).collect();
+        let facets = (0..10).map(|k| [k, k + 1]).collect();
+        let skin = Skin::new(SurfaceMesh { positions, facets }, (0..11).collect());
+        let patch = skin.patch(&Vector::<2>::new(0.43, 0.2), 0.26);
+        let second: f64 = patch.iter().map(|(g, part)| g.point[0] * part).sum();
+        assert!(
+            (second - 0.43).abs() < 1e-12 && (patch.iter().map(|p| p.1).sum::<f64>() - 1.0).abs() < 1e-12
+        );
+        let short = skin.patch(&Vector::<2>::new(0.43, 0.2), 0.02);
+        assert!(short.len() == 1 && (short[0].0.point[0] - 0.43).abs() < 1e-12);
     }
 }

@@ -9,9 +9,6 @@ use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{Body, LineTracker, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
 
-/// Poisson's ratio of the plates.
-const POISSON: f64 = 0.3;
-
 /// A plate and a drop on it. Lengths and times: γ = ρ = 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Setting {
@@ -27,6 +24,8 @@ pub struct Setting {
     pub thickness: f64,
     /// Bending stiffness, `E t³ / 12 (1 − ν²)` over γ.
     pub bending: f64,
+    /// Its Poisson's ratio.
+    pub poisson: f64,
     /// Density of the plate over the liquid's.
     pub density: f64,
     /// Damping of its lowest mode over the critical one.
@@ -120,13 +119,13 @@ impl Setting {
     }
 
     fn elastic(&self, mesh: VolumeMesh<2>, low: &Vector<2>) -> Result<Elastic<2>, StepError> {
-        let young = 12.0 * self.bending * (1.0 - POISSON * POISSON) / self.thickness.powi(3);
+        let young = 12.0 * self.bending * (1.0 - self.poisson * self.poisson) / self.thickness.powi(3);
         let anchors = match self.held {
             Held::Left => vec![Anchor::within(&mesh, |x| x[0] < low[0] + 1e-9)],
             Held::Bottom => vec![Anchor::within(&mesh, |x| x[1] < low[1] + 1e-9)],
             _ => Vec::new(),
         };
-        let law = Law::NeoHookean { young, poisson: POISSON, smoothing: Smoothing::default() };
+        let law = Law::NeoHookean { young, poisson: self.poisson, smoothing: Smoothing::default() };
         let integrator = Integrator::default();
         let (density, damping_ratio) = (self.density, self.damping);
         let description = Description { mesh, density, law, damping_ratio, anchors, integrator };
@@ -161,6 +160,18 @@ impl Plate {
             way[1].atan2(way[0])
         };
         0.5 * (direction(&|s| s > end - piece) - direction(&|s| s < piece - end))
+    }
+
+    /// Mean height of its upper side at two places along it from its middle, over where it was.
+    pub fn lift(&self, places: [f64; 2], thickness: f64) -> f64 {
+        let side = self.places(&self.top, |_| true);
+        let height = |s: f64| {
+            let x = self.middle[0] + s;
+            let k = side.partition_point(|p| p[0] < x).clamp(1, side.len() - 1);
+            let (a, b) = (side[k - 1], side[k]);
+            a[1] + (b[1] - a[1]) * (x - a[0]) / (b[0] - a[0])
+        };
+        0.5 * (height(places[0]) + height(places[1])) - self.middle[1] - 0.5 * thickness
     }
 
     /// Half the distance between the ends of its middle line, and their height over its middle.

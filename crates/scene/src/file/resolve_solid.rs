@@ -260,8 +260,8 @@ impl Resolver {
 
     pub fn contact_line(&mut self, c: &ContactLineFile, names: &[&str]) -> Result<ContactLine, SceneError> {
         let path = "contact_line.friction";
-        let radius = c.radius.unwrap_or(Length { value: 3.0, in_cells: true });
-        let radius = self.size_of("contact_line.radius", "the radius", radius)?;
+        let of = |radius| self.size_of("contact_line.radius", "the radius", radius);
+        let radius = c.radius.map(of).transpose()?;
         let (mut friction, mut friction_of) = (0.0, Vec::new());
         match &c.friction {
             Some(Either::Text(f)) => friction = self.not_negative(path, "the friction", f.0)?,
@@ -278,7 +278,7 @@ impl Resolver {
         let hysteresis = c.hysteresis.as_ref().map(|h| self.hysteresis(h)).transpose()?;
         let enabled = c.enabled.unwrap_or(true);
         let rubs = friction > 0.0 || friction_of.iter().any(|(_, f)| *f > 0.0);
-        let given = [("friction", rubs), ("hysteresis", hysteresis.is_some())];
+        let given = [("friction", rubs), ("hysteresis", hysteresis.is_some()), ("radius", radius.is_some())];
         if let Some((key, _)) = given.iter().find(|(_, given)| *given && !enabled) {
             let error = SceneError::new(format!("`{key}` of a contact line that is switched off"));
             let error = error.with_help(format!("remove `{key}`, or `enabled = false`"));

@@ -48,18 +48,7 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
         let what = format!("output in the format `{name}`");
         return refuse("output.formats", &what, "accepted: \"ply\", \"page\"");
     }
-    contact_line(scene)?;
     Ok(())
-}
-
-/// Everything about the contact line that has no effect yet.
-fn contact_line(scene: &Scene) -> Result<(), SceneError> {
-    let c = &scene.contact_line;
-    if (c.radius - 3.0 * scene.domain.dx).abs() <= 1e-9 * scene.domain.dx {
-        return Ok(());
-    }
-    let error = SceneError::new("this version cannot change the contact line yet: `radius` has no effect");
-    Err(scene.source.at_value(error.with_help("remove `contact_line.radius`"), "contact_line.radius"))
 }
 
 /// Shapes that both liquid and solids can have.

@@ -258,7 +258,8 @@ pub struct ContactLineFile {
     /// Off: the traditional two-way coupling, for comparison; on without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub enabled: Option<bool>,
-    /// The paper's R; 3 dx without it.
+    /// The paper's R: distance from the line along solids that deform over which its pull is spread; without it the line pulls
+    /// where it is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radius: Option<Length>,
     /// Contact-line friction, or a table of it per solid.

@@ -96,8 +96,8 @@ impl SolidTension {
 pub struct ContactLine {
     /// Off: traditional two-way coupling.
     pub enabled: bool,
-    /// The paper's R, m.
-    pub radius: f64,
+    /// The paper's R, m, over which the line's pull is spread on solids that deform; without it the line pulls where it is.
+    pub radius: Option<f64>,
     /// Friction of every solid that is not named, Pa s.
     pub friction: f64,
     /// Friction per solid, Pa s, in alphabetical order.

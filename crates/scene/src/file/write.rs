@@ -305,7 +305,7 @@ fn contact_line(c: &ContactLine) -> ContactLineFile {
     };
     ContactLineFile {
         enabled: Some(c.enabled),
-        radius: Some(Length::metres(c.radius)),
+        radius: c.radius.map(Length::metres),
         friction: Some(friction),
         hysteresis: c.hysteresis.as_ref().map(hysteresis),
     }

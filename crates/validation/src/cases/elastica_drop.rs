@@ -68,6 +68,7 @@ fn setting(cells: usize, ratio: f64, area: f64) -> Setting {
         length: LENGTH,
         thickness: 4.0 / cells as f64,
         bending: (LENGTH / ratio).powi(2),
+        poisson: 0.3,
         density: 1.0,
         damping: 1.0,
         area: area * LENGTH * LENGTH,

@@ -20,6 +20,7 @@ mod moving_plate;
 mod pressure_matrix;
 mod rayleigh;
 mod rayleigh_plateau;
+mod ridge;
 mod sessile;
 mod sessile_gravity;
 mod sliding;
@@ -42,7 +43,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 51] = [
+const ALL: [Case; 52] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -86,6 +87,7 @@ const ALL: [Case; 51] = [
     soft::KINK,
     soft::STRIP,
     soft::STIFF,
+    ridge::CASE,
     soft_tank::CASE,
     soft_release::CASE,
     soft_impact::CASE,

@@ -65,6 +65,7 @@ fn sheet(angle: f64, ratio: f64) -> Setting {
         length: 6.4,
         thickness: 4.0 / CELLS as f64,
         bending: ratio.powi(-2),
+        poisson: 0.3,
         density: 1.0,
         damping: 1.0,
         area: PI,
