@@ -44,4 +44,5 @@ pub use term::density::{Density, Lame, Principal};
 pub use term::neo_hookean::NeoHookean;
 pub use term::smoothing::Smoothing;
 pub use term::springs::Springs;
+pub use term::tension::SurfaceTension;
 pub use term::{ForceTerm, Weights};

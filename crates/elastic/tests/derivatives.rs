@@ -6,7 +6,7 @@ mod lattice;
 use lattice::{Noise, block};
 use meniscus_elastic::{
     Continuum, Corotated, Description, Elastic, ForceTerm, Integrator, Lame, Law, NeoHookean, Smoothing,
-    Springs, Weights,
+    Springs, SurfaceTension, Weights,
 };
 use meniscus_numerics::{Vector, planes};
 
@@ -20,6 +20,13 @@ fn terms<const D: usize>() -> Vec<Box<dyn ForceTerm<D>>> {
         terms.push(Box::new(Continuum::new(&mesh, NeoHookean, lame, smoothing)));
         terms.push(Box::new(Continuum::new(&mesh, Corotated, lame, smoothing)));
     }
+    terms
+}
+
+/// These and the tension of the surface, whose tangent is but that against heights over it.
+fn all_terms<const D: usize>() -> Vec<Box<dyn ForceTerm<D>>> {
+    let mut terms = terms::<D>();
+    terms.push(Box::new(SurfaceTension::new(&block::<D>([2; D], [1.0; D]), 0.7)));
     terms
 }
 
@@ -54,7 +61,7 @@ fn forces<const D: usize>(term: &dyn ForceTerm<D>, x: &[Vector<D>]) -> Vec<Vecto
 
 fn forces_are_the_slope_of_the_energy<const D: usize>() {
     let rest = block::<D>([2; D], [1.0; D]).positions;
-    for (k, term) in terms::<D>().iter().enumerate() {
+    for (k, term) in all_terms::<D>().iter().enumerate() {
         for size in [0.0, 0.05, 0.6] {
             let mut noise = Noise(k as u64);
             let x = moved(&rest, &noise.vectors(rest.len()), size);
@@ -102,7 +109,7 @@ fn tangents_are_slopes_of_forces<const D: usize>() {
 
 fn tangents_are_positive_and_rates_of_strain_keep_momenta<const D: usize>() {
     let rest = block::<D>([2; D], [1.0; D]).positions;
-    for (k, term) in terms::<D>().into_iter().enumerate() {
+    for (k, term) in all_terms::<D>().into_iter().enumerate() {
         let mut noise = Noise(k as u64);
         let x = moved(&rest, &noise.vectors(rest.len()), 0.6);
         let (mut viscous, v) = (vec![Vector::zeros(); x.len()], noise.vectors(x.len()));
@@ -137,6 +144,33 @@ fn tangents_are_positive_and_rates_of_strain_keep_momenta<const D: usize>() {
             assert!(felt.iter().all(|f| f.norm() < 1e-12), "{D}D term {k}");
         }
     }
+}
+
+fn heights_over_a_surface_are_resisted_as_its_size_grows<const D: usize>() {
+    let mesh = block::<D>([2; D], [1.0; D]);
+    let rest = mesh.positions.clone();
+    let body = body(Box::new(SurfaceTension::new(&mesh, 0.7)));
+    // The middle of a side, which lies in its plane.
+    let at = |x: &Vector<D>| (0..D).all(|a| (x[a] - if a + 1 == D { 1.0 } else { 0.5 }).abs() < 1e-9);
+    let middle = rest.iter().position(at).unwrap();
+    let mut along = vec![Vector::zeros(); rest.len()];
+    along[middle][D - 1] = 1.0;
+    let mut product = vec![Vector::zeros(); rest.len()];
+    body.tangent(&rest, Weights { stiffness: 1.0, viscosity: 0.0 }).add_product(&along, &mut product);
+    let step = 1e-5;
+    let (up, down) = (body.forces(&moved(&rest, &along, step)), body.forces(&moved(&rest, &along, -step)));
+    let slope = (down[middle] - up[middle]) / (2.0 * step);
+    assert!(
+        (slope - product[middle]).norm() < 1e-7 && slope[D - 1] > 0.1,
+        "{D}D: {slope} {}",
+        product[middle]
+    );
+}
+
+#[test]
+fn surfaces_with_tension() {
+    heights_over_a_surface_are_resisted_as_its_size_grows::<2>();
+    heights_over_a_surface_are_resisted_as_its_size_grows::<3>();
 }
 
 fn small_strains_obey_hooke<const D: usize>() {

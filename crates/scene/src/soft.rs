@@ -2,9 +2,13 @@
 
 use crate::build::{self, rotation, shape, vector};
 use crate::error::SceneError;
-use crate::file::{Elastic as Constants, Material, Moved, Scene, ShapeSpec, Solid as SolidSpec};
+use crate::file::{
+    Elastic as Constants, Material, Moved, Scene, ShapeSpec, Solid as SolidSpec, SolidTension,
+};
 use crate::stiff::can_follow;
-use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Motion, Smoothing};
+use meniscus_elastic::{
+    Anchor, Description, Elastic, ElasticError, Integrator, Law, Motion, Smoothing, SurfaceTension,
+};
 use meniscus_numerics::mesh::VolumeMesh;
 
 /// Edges of its mesh through a solid, `2 V/A`, from which on it bends right, within some per cent, with one strain in each
@@ -37,7 +41,9 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
         .map_err(|error| scene.source.at_value(error, &scene.source.first_inside(&at("material"))))?;
     let description =
         Description { mesh, density, law, damping_ratio, anchors, integrator: Integrator::default() };
-    Elastic::new(description).map(Some).map_err(|error| {
+    let tension = own_tension(scene, spec)?;
+    let terms = tension.map(|tension| Box::new(SurfaceTension::new(&description.mesh, tension)) as Box<_>);
+    Elastic::with_terms(description, terms.into_iter().collect()).map(Some).map_err(|error| {
         let key = match error {
             ElasticError::Material { .. } => "material",
             _ => "shape",
@@ -45,6 +51,26 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
         let error = SceneError::new(format!("the solid `{}`: {error}", spec.name));
         scene.source.at_value(error, &scene.source.first_inside(&at(key)))
     })
+}
+
+/// The tension of its dry surface, N/m, where a solid feels it. Where it is wetted, liquid and line make the difference.
+fn own_tension(scene: &Scene, spec: &SolidSpec) -> Result<Option<f64>, SceneError> {
+    if !scene.contact_line.neumann {
+        return Ok(None);
+    }
+    let own = scene.tension.solids.iter().find(|(name, _)| *name == spec.name).map(|(_, w)| w);
+    match own.map(|wetting| (&wetting.tension, wetting.is_even())) {
+        Some((SolidTension::Energies { solid_air, .. }, true)) => Ok(Some(*solid_air)),
+        _ => {
+            let message =
+                format!("the tensions of the solid `{}` are not known, which balance at the line", spec.name);
+            let help = format!(
+                "give both: `tension.{} = {{ liquid_solid = \"30 mN/m\", solid_air = \"50 mN/m\" }}`, or remove `neumann`",
+                spec.name
+            );
+            Err(scene.source.at_value(SceneError::new(message).with_help(help), "contact_line.neumann"))
+        }
+    }
 }
 
 /// The law of a solid that deforms, and its damping ratio. Boxes are lattices of cells, over which strains are averaged; other

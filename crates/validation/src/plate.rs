@@ -1,12 +1,16 @@
 //! Plates that deform with a drop on them, for the cases.
 
 use crate::setup::run_to;
-use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Smoothing};
+use meniscus_elastic::{
+    Anchor, Description, Elastic, ElasticError, Integrator, Law, Smoothing, SurfaceTension,
+};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{Body, LineTracker, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use std::iter::Sum;
+use std::ops::Div;
 use std::sync::Arc;
 
 /// A plate and a drop on it. Lengths and times: γ = ρ = 1.
@@ -26,6 +30,8 @@ pub struct Setting {
     pub bending: f64,
     /// Its Poisson's ratio.
     pub poisson: f64,
+    /// Tension of its dry surface over γ.
+    pub own_tension: f64,
     /// Density of the plate over the liquid's.
     pub density: f64,
     /// Damping of its lowest mode over the critical one.
@@ -51,6 +57,8 @@ pub enum Held {
     Left,
     /// Its lower side.
     Bottom,
+    /// Its lower side and its ends.
+    Around,
     /// As it is rigid.
     Everywhere,
 }
@@ -123,6 +131,10 @@ impl Setting {
         let anchors = match self.held {
             Held::Left => vec![Anchor::within(&mesh, |x| x[0] < low[0] + 1e-9)],
             Held::Bottom => vec![Anchor::within(&mesh, |x| x[1] < low[1] + 1e-9)],
+            Held::Around => {
+                let at_end = |x: f64| x < 1e-9 || x > self.length - 1e-9;
+                vec![Anchor::within(&mesh, |x| x[1] < low[1] + 1e-9 || at_end(x[0] - low[0]))]
+            }
             _ => Vec::new(),
         };
         let law = Law::NeoHookean { young, poisson: self.poisson, smoothing: Smoothing::default() };
@@ -130,7 +142,8 @@ impl Setting {
         let (density, damping_ratio) = (self.density, self.damping);
         let description = Description { mesh, density, law, damping_ratio, anchors, integrator };
         let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
-        Elastic::new(description).map_err(failed)
+        let tension = SurfaceTension::new(&description.mesh, self.own_tension);
+        Elastic::with_terms(description, vec![Box::new(tension)]).map_err(failed)
     }
 }
 
@@ -198,14 +211,17 @@ impl Plate {
     ///
     /// # Errors
     /// The step's.
-    pub fn mean_of(&mut self, time: f64, value: impl Fn(&Self) -> f64) -> Result<f64, StepError> {
+    pub fn mean_of<T>(&mut self, time: f64, value: impl Fn(&Self) -> T) -> Result<T, StepError>
+    where
+        T: Sum + Div<f64, Output = T>,
+    {
+        const TIMES: u32 = 20;
         run_to(&mut self.sim, 0.8 * time, |_, _| ())?;
-        let (mut sum, mut count) = (0.0, 0.0);
-        for k in 1..=20 {
-            run_to(&mut self.sim, time * (0.8 + 0.01 * f64::from(k)), |_, _| ())?;
-            (sum, count) = (sum + value(self), count + 1.0);
-        }
-        Ok(sum / count)
+        let values = (1..=TIMES).map(|k| {
+            run_to(&mut self.sim, time * (0.8 + 0.2 * f64::from(k) / f64::from(TIMES)), |_, _| ())?;
+            Ok(value(self))
+        });
+        Ok(values.sum::<Result<T, StepError>>()? / f64::from(TIMES))
     }
 }
 

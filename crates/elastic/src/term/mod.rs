@@ -6,6 +6,7 @@ pub mod density;
 pub mod neo_hookean;
 pub mod smoothing;
 pub mod springs;
+pub mod tension;
 
 use crate::linalg::{BlockMatrix, Cliques};
 use meniscus_numerics::Vector;

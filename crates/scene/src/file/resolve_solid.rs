@@ -278,13 +278,19 @@ impl Resolver {
         let hysteresis = c.hysteresis.as_ref().map(|h| self.hysteresis(h)).transpose()?;
         let enabled = c.enabled.unwrap_or(true);
         let rubs = friction > 0.0 || friction_of.iter().any(|(_, f)| *f > 0.0);
-        let given = [("friction", rubs), ("hysteresis", hysteresis.is_some()), ("radius", radius.is_some())];
+        let neumann = c.neumann.unwrap_or(false);
+        let given = [
+            ("friction", rubs),
+            ("hysteresis", hysteresis.is_some()),
+            ("radius", radius.is_some()),
+            ("neumann", neumann),
+        ];
         if let Some((key, _)) = given.iter().find(|(_, given)| *given && !enabled) {
             let error = SceneError::new(format!("`{key}` of a contact line that is switched off"));
             let error = error.with_help(format!("remove `{key}`, or `enabled = false`"));
             return Err(self.source.at_value(error, &format!("contact_line.{key}")));
         }
-        Ok(ContactLine { enabled, radius, friction, friction_of, hysteresis })
+        Ok(ContactLine { enabled, radius, neumann, friction, friction_of, hysteresis })
     }
 
     /// The expectations; `names` are the solids', `angles` those of what has a contact angle, `soft` those of what deforms.

@@ -48,6 +48,13 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
         let what = format!("output in the format `{name}`");
         return refuse("output.formats", &what, "accepted: \"ply\", \"page\"");
     }
+    let deforms = |m: &Material| {
+        matches!(m, Material::Springs { .. } | Material::NeoHookean(_) | Material::Corotated(_))
+    };
+    if scene.contact_line.neumann && !scene.solids.iter().any(|s| deforms(&s.material)) {
+        let error = SceneError::new("no solid deforms that could feel the tension of its own surface");
+        return Err(scene.source.at_value(error.with_help("remove `neumann`"), "contact_line.neumann"));
+    }
     Ok(())
 }
 

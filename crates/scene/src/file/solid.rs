@@ -262,6 +262,10 @@ pub struct ContactLineFile {
     /// where it is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radius: Option<Length>,
+    /// On: solids that deform feel the tensions of their own surface, `liquid_solid` where it is wetted and `solid_air` where
+    /// it is dry, and at the line three tensions balance (Neumann); off without it: Young's balance along the solid only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub neumann: Option<bool>,
     /// Contact-line friction, or a table of it per solid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Either<DynamicViscosity, Named<DynamicViscosity>>>,

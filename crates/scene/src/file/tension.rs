@@ -98,6 +98,8 @@ pub struct ContactLine {
     pub enabled: bool,
     /// The paper's R, m, over which the line's pull is spread on solids that deform; without it the line pulls where it is.
     pub radius: Option<f64>,
+    /// Solids that deform feel the tensions of their own surface.
+    pub neumann: bool,
     /// Friction of every solid that is not named, Pa s.
     pub friction: f64,
     /// Friction per solid, Pa s, in alphabetical order.

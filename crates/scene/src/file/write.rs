@@ -306,6 +306,7 @@ fn contact_line(c: &ContactLine) -> ContactLineFile {
     ContactLineFile {
         enabled: Some(c.enabled),
         radius: c.radius.map(Length::metres),
+        neumann: c.neumann.then_some(true),
         friction: Some(friction),
         hysteresis: c.hysteresis.as_ref().map(hysteresis),
     }

@@ -206,8 +206,8 @@ fn what_cannot_run_yet() {
     assert!(e.message.contains("`vtk`"), "{e}");
     let e = bad_text(&format!("{GOOD}\n[numerics]\nscheme = \"paper\"\n"));
     assert_eq!(marked(&e), "\"paper\"");
-    let e = bad_text(&format!("{GOOD}\n[contact_line]\nradius = \"4 dx\"\n"));
-    assert_eq!(marked(&e), "\"4 dx\"");
+    let e = bad_text(&format!("{GOOD}\n[contact_line]\nneumann = true\n"));
+    assert!(e.message.contains("no solid deforms"), "{e}");
 }
 
 #[test]
@@ -375,4 +375,17 @@ fn solids_that_deform_are_what_they_can_be() {
     assert!(e.message.contains("holds no vertex of the solid `plate`"), "{e}");
     assert!(e.line_column().is_some() && e.exit_status() == 3, "{}", e.render());
     assert!(AnySetup::of(&load(&soft(gel, ""), &[]).unwrap()).is_ok());
+    // Three tensions balance at the line only where all are known.
+    let line = "\n[contact_line]\nneumann = true\nradius = \"2 dx\"\n";
+    let scene = load(&soft(gel, line), &[]).unwrap();
+    let e = AnySetup::of(&scene).err().unwrap();
+    assert!(
+        e.message.contains("the tensions of the solid `plate` are not known") && marked(&e) == "true",
+        "{e}"
+    );
+    let air = "liquid_air = \"72.8 mN/m\"";
+    let both = format!("{air}\nplate = {{ liquid_solid = \"20 mN/m\", solid_air = \"30 mN/m\" }}");
+    let scene = load(&soft(gel, line).replacen(air, &both, 1), &[]).unwrap();
+    let AnySetup::D3(setup) = AnySetup::of(&scene).unwrap() else { panic!("in space") };
+    assert!((setup.model.numerics.line_radius / scene.domain.dx - 2.0).abs() < 1e-9);
 }

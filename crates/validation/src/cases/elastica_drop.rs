@@ -69,6 +69,7 @@ fn setting(cells: usize, ratio: f64, area: f64) -> Setting {
         thickness: 4.0 / cells as f64,
         bending: (LENGTH / ratio).powi(2),
         poisson: 0.3,
+        own_tension: 0.0,
         density: 1.0,
         damping: 1.0,
         area: area * LENGTH * LENGTH,

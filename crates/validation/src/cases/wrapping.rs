@@ -66,6 +66,7 @@ fn sheet(angle: f64, ratio: f64) -> Setting {
         thickness: 4.0 / CELLS as f64,
         bending: ratio.powi(-2),
         poisson: 0.3,
+        own_tension: 0.0,
         density: 1.0,
         damping: 1.0,
         area: PI,
