@@ -40,7 +40,7 @@ macro_rules! scene {
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 43] = [
+pub const BUILTINS: [Builtin; 48] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
@@ -214,7 +214,7 @@ pub const BUILTINS: [Builtin; 43] = [
         2,
         Some("Fig. 14"),
         "A drop falls on a soft plate that repels it and bends",
-        "two minutes"
+        "ten minutes"
     ),
     scene!(
         "drop-on-soft-plate",
@@ -247,6 +247,13 @@ pub const BUILTINS: [Builtin; 43] = [
         "two to ten minutes"
     ),
     scene!(
+        "fig21-tank-float",
+        3,
+        Some("Fig. 21"),
+        "A soft plate five times as dense as the liquid floats on its strong surface",
+        "an hour; --quality draft: half an hour"
+    ),
+    scene!(
         "fig21-tank-sink",
         3,
         Some("Fig. 21"),
@@ -259,6 +266,34 @@ pub const BUILTINS: [Builtin; 43] = [
         Some("Fig. 15"),
         "A drop folds a square sheet around itself",
         "forty minutes"
+    ),
+    scene!(
+        "fig22-plate-90",
+        3,
+        Some("Fig. 22"),
+        "A drop rests on a soft plate at 90 degrees",
+        "an hour; --quality draft: half an hour"
+    ),
+    scene!(
+        "fig22-plate-90-paper-constants",
+        3,
+        Some("Fig. 22"),
+        "The same with the springs that the paper prints: the plate is stiff",
+        "an hour; --quality draft: half an hour"
+    ),
+    scene!(
+        "fig22-plate-180",
+        3,
+        Some("Fig. 22"),
+        "A drop rests on a soft plate that it hardly wets (97.7 degrees)",
+        "an hour; --quality draft: half an hour"
+    ),
+    scene!(
+        "fig22-plate-0",
+        3,
+        Some("Fig. 22"),
+        "A drop spreads over a soft plate that it wets completely",
+        "an hour; --quality draft: half an hour"
     ),
     scene!(
         "fig02-soft-cow",
