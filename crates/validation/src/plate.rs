@@ -120,7 +120,8 @@ impl Setting {
             surface_tension: 1.0,
             gravity: Vector::zeros(),
             solids: vec![solid],
-            numerics: Numerics::default(),
+            // What scenes with solids that deform have.
+            numerics: Numerics { capillary_step: 2.0, ..Numerics::default() },
         };
         let sim = Simulation::new(model, &[Body { distance: &drop, velocity: Vector::zeros() }]);
         Ok(Plate { sim, middle, bottom, top })

@@ -112,6 +112,25 @@ pub fn area_vector<const D: usize>(corners: &[Vector<D>; D]) -> Vector<D> {
     out
 }
 
+/// Derivatives of the area (2D: length) of a facet by the positions of its corners, m (2D: unit vectors); none of a facet
+/// without an area.
+pub fn area_slopes<const D: usize>(corners: &[Vector<D>; D]) -> [Vector<D>; D] {
+    let unit = |v: Vector<D>| v.try_normalize(0.0).unwrap_or(Vector::zeros());
+    if D == 2 {
+        let along = unit(corners[1] - corners[0]);
+        return std::array::from_fn(|k| if k == 0 { -along } else { along });
+    }
+    let normal = unit(area_vector(corners));
+    std::array::from_fn(|k| {
+        // Half the opposite edge turned by a right angle in the facet's plane, outward.
+        let edge = corners[(k + 2) % D] - corners[(k + 1) % D];
+        Vector::from_fn(|a, _| {
+            let (b, c) = ((a + 1) % D, (a + 2) % D);
+            0.5 * (normal[b] * edge[c] - normal[c] * edge[b])
+        })
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -139,5 +158,24 @@ mod tests {
         assert!(tetrahedron.is_watertight());
         tetrahedron.facets[0].swap(0, 1);
         assert_eq!(tetrahedron.open_ridges(), 3);
+    }
+
+    #[test]
+    fn areas_change_as_their_slopes_say() {
+        slopes(&[[0.1, 0.2, 0.3], [1.1, 0.4, 0.2], [0.3, 1.2, -0.4]].map(Vector::<3>::from));
+        slopes(&[[0.1, 0.2], [1.1, 0.4]].map(Vector::<2>::from));
+    }
+
+    fn slopes<const D: usize>(corners: &[Vector<D>; D]) {
+        for (v, slope) in area_slopes(corners).iter().enumerate() {
+            for a in 0..D {
+                let area = |by: f64| {
+                    let mut moved = *corners;
+                    moved[v][a] += by;
+                    area_vector(&moved).norm()
+                };
+                assert!((slope[a] - (area(1e-6) - area(-1e-6)) / 2e-6).abs() < 1e-9, "{v} {a}");
+            }
+        }
     }
 }

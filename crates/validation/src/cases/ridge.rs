@@ -94,8 +94,6 @@ impl Layer {
         };
         let mut plate = setting.start()?;
         plate.sim.model.numerics.line_radius = self.width;
-        // What scenes with solids that deform have.
-        plate.sim.model.numerics.capillary_step = 2.0;
         let tracker = LineTracker::new(&plate.sim.model, &[plate.sim.model.grid.dx / 1.5]);
         plate
             .mean_of(8.0, |p| {
