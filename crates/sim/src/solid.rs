@@ -367,7 +367,7 @@ impl<const D: usize> SolidState<D> {
         self.soft.as_ref()?.skin.grip(x)
     }
 
-    /// Where something takes hold of it that is spread over a radius (m) around `x`, if it deforms ([`Skin::patch`]).
+    /// Where something takes hold of it that is spread over a radius (m) around `x`, if it deforms.
     pub fn patch(&self, x: &Vector<D>, radius: f64) -> Vec<(Grip<D>, f64)> {
         self.soft.as_ref().map_or_else(Vec::new, |soft| soft.skin.patch(x, radius))
     }
