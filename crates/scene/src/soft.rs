@@ -23,7 +23,7 @@ const ON_SURFACE: f64 = 1e-6;
 /// # Errors
 /// [`SceneError`] for what no mesh can be made of, or no solid be.
 pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option<Elastic<D>>, SceneError> {
-    if !matches!(spec.material, Material::Springs { .. } | Material::NeoHookean(_) | Material::Corotated(_)) {
+    if !spec.material.deforms() {
         return Ok(None);
     }
     let at = |key: &str| {
@@ -58,18 +58,30 @@ fn own_tension(scene: &Scene, spec: &SolidSpec) -> Result<Option<f64>, SceneErro
     if !scene.contact_line.neumann {
         return Ok(None);
     }
-    let own = scene.tension.solids.iter().find(|(name, _)| *name == spec.name).map(|(_, w)| w);
+    let name = &spec.name;
+    let refuse = |message: String, help: String| {
+        Err(scene.source.at_value(SceneError::new(message).with_help(help), "contact_line.neumann"))
+    };
+    let own = scene.tension.solids.iter().find(|(other, _)| other == name).map(|(_, w)| w);
     match own.map(|wetting| (&wetting.tension, wetting.is_even())) {
-        Some((SolidTension::Energies { solid_air, .. }, true)) => Ok(Some(*solid_air)),
-        _ => {
-            let message =
-                format!("the tensions of the solid `{}` are not known, which balance at the line", spec.name);
-            let help = format!(
-                "give both: `tension.{} = {{ liquid_solid = \"30 mN/m\", solid_air = \"50 mN/m\" }}`, or remove `neumann`",
-                spec.name
+        Some((tension @ SolidTension::Energies { solid_air, .. }, true)) => {
+            if tension.young_cosine(scene.tension.liquid_air).abs() <= 1.0 {
+                return Ok(Some(*solid_air));
+            }
+            let message = format!(
+                "no three tensions balance at a line on the solid `{name}`: it wets totally, or not at all"
             );
-            Err(scene.source.at_value(SceneError::new(message).with_help(help), "contact_line.neumann"))
+            refuse(
+                message,
+                format!("bring the tensions of `tension.{name}` nearer to each other, or remove `neumann`"),
+            )
         }
+        _ => refuse(
+            format!("the tensions of the solid `{name}` are not known, which balance at the line"),
+            format!(
+                "give both: `tension.{name} = {{ liquid_solid = \"30 mN/m\", solid_air = \"50 mN/m\" }}`, or remove `neumann`"
+            ),
+        ),
     }
 }
 

@@ -6,11 +6,12 @@ use meniscus_numerics::mesh::surface::{area_slopes, area_vector};
 use meniscus_numerics::mesh::{SurfaceMesh, VolumeMesh};
 use meniscus_numerics::{Vector, par};
 
-/// The same energy for every part of a mesh's surface, however stretched: a tension (no Shuttleworth effect).
+/// The same energy `γ_s` for every part of a mesh's surface, however stretched: a tension (design, validation §4, 9, `Υs`; a
+/// tension that strain changes, Shuttleworth's, is left out).
 #[derive(Clone, Debug)]
 pub struct SurfaceTension {
     facets: Cliques,
-    /// N/m (2D: N).
+    /// `γ_s`, N/m.
     tension: f64,
 }
 
@@ -49,7 +50,9 @@ impl<const D: usize> ForceTerm<D> for SurfaceTension {
 
     fn add_viscous_forces(&self, _: &[Vector<D>], _: &[Vector<D>], _: f64, _: &mut [Vector<D>]) {}
 
-    /// A facet's size changes with heights `u` over it by `½ ∫ |∇u|²`; along itself it has no stiffness that is positive.
+    /// A facet's size changes with heights `u` over it by `½ ∫ |∇u|²` (the area's second variation on what is flat), of which
+    /// the linear functions' slopes are those of the size over it; what else its Hessian has is left out, as most of it is
+    /// negative.
     fn add_tangent(&self, x: &[Vector<D>], weights: Weights, matrix: &mut BlockMatrix<D>) {
         for k in 0..self.facets.len() {
             let (vertices, corners) = self.facet(k, x);

@@ -48,10 +48,7 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
         let what = format!("output in the format `{name}`");
         return refuse("output.formats", &what, "accepted: \"ply\", \"page\"");
     }
-    let deforms = |m: &Material| {
-        matches!(m, Material::Springs { .. } | Material::NeoHookean(_) | Material::Corotated(_))
-    };
-    if scene.contact_line.neumann && !scene.solids.iter().any(|s| deforms(&s.material)) {
+    if scene.contact_line.neumann && !scene.solids.iter().any(|s| s.material.deforms()) {
         let error = SceneError::new("no solid deforms that could feel the tension of its own surface");
         return Err(scene.source.at_value(error.with_help("remove `neumann`"), "contact_line.neumann"));
     }

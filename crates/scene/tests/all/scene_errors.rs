@@ -377,15 +377,23 @@ fn solids_that_deform_are_what_they_can_be() {
     assert!(AnySetup::of(&load(&soft(gel, ""), &[]).unwrap()).is_ok());
     // Three tensions balance at the line only where all are known.
     let line = "\n[contact_line]\nneumann = true\nradius = \"2 dx\"\n";
-    let scene = load(&soft(gel, line), &[]).unwrap();
-    let e = AnySetup::of(&scene).err().unwrap();
-    assert!(
-        e.message.contains("the tensions of the solid `plate` are not known") && marked(&e) == "true",
-        "{e}"
-    );
-    let air = "liquid_air = \"72.8 mN/m\"";
-    let both = format!("{air}\nplate = {{ liquid_solid = \"20 mN/m\", solid_air = \"30 mN/m\" }}");
-    let scene = load(&soft(gel, line).replacen(air, &both, 1), &[]).unwrap();
-    let AnySetup::D3(setup) = AnySetup::of(&scene).unwrap() else { panic!("in space") };
-    assert!((setup.model.numerics.line_radius / scene.domain.dx - 2.0).abs() < 1e-9);
+    let with = |tensions: &str| {
+        let air = "liquid_air = \"72.8 mN/m\"";
+        let scene = load(&soft(gel, line).replacen(air, &format!("{air}\n{tensions}"), 1), &[]);
+        let scene = scene.expect("a scene that is right by itself");
+        (AnySetup::of(&scene), scene.domain.dx)
+    };
+    let refused = |tensions: &str, why: &str| {
+        let e = with(tensions).0.err().expect("a setup that is refused");
+        assert!(e.message.contains(why) && marked(&e) == "true", "{tensions}: {e}");
+    };
+    refused("", "the tensions of the solid `plate` are not known");
+    refused("plate = { contact_angle = \"80 deg\" }", "the tensions of the solid `plate` are not known");
+    refused("plate = { liquid_solid = \"20 mN/m\", solid_air = \"99 mN/m\" }", "no three tensions balance");
+    match with("plate = { liquid_solid = \"20 mN/m\", solid_air = \"30 mN/m\" }") {
+        (Ok(AnySetup::D3(setup)), dx) => {
+            assert!((setup.model.numerics.line_radius / dx - 2.0).abs() < 1e-9);
+        }
+        (other, _) => panic!("not a setup in space: {:?}", other.err()),
+    }
 }

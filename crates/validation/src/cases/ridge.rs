@@ -123,6 +123,7 @@ fn ridges(mode: Mode) -> Result<Vec<Check>, StepError> {
         let which = if width > 0.0 { format!("w = {width} h") } else { format!("own tension {tension} γ") };
         let what = |text: &str| format!("{text}, ν = {poisson}, {which}, {cells} cells/h");
         let name = "wetting-ridge";
+        // The width has the bars of a drop's shape on a sheet (`elastica-drop`).
         checks.extend([
             Check::relative(name, &what("height of the ridge"), high, should[1], 0.08, Some(0.03), "h"),
             Check::relative(name, &what("depth under the drop"), deep, should[2], 0.08, Some(0.03), "h"),
