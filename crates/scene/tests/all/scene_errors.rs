@@ -380,11 +380,11 @@ fn solids_that_deform_are_what_they_can_be() {
     let with = |tensions: &str| {
         let air = "liquid_air = \"72.8 mN/m\"";
         let scene = load(&soft(gel, line).replacen(air, &format!("{air}\n{tensions}"), 1), &[]);
-        let scene = scene.expect("a scene that is right by itself");
+        let scene = scene.unwrap_or_else(|e| panic!("{tensions}: {}", e.render()));
         (AnySetup::of(&scene), scene.domain.dx)
     };
     let refused = |tensions: &str, why: &str| {
-        let e = with(tensions).0.err().expect("a setup that is refused");
+        let Err(e) = with(tensions).0 else { panic!("not refused: {tensions}") };
         assert!(e.message.contains(why) && marked(&e) == "true", "{tensions}: {e}");
     };
     refused("", "the tensions of the solid `plate` are not known");
