@@ -152,7 +152,9 @@ fn heights_over_a_surface_are_resisted_as_its_size_grows<const D: usize>() {
     let body = body(Box::new(SurfaceTension::new(&mesh, 0.7)));
     // The middle of a side, which lies in its plane.
     let at = |x: &Vector<D>| (0..D).all(|a| (x[a] - if a + 1 == D { 1.0 } else { 0.5 }).abs() < 1e-9);
-    let Some(middle) = rest.iter().position(at) else { panic!("no vertex in the middle of a side") };
+    let middles: Vec<usize> = (0..rest.len()).filter(|v| at(&rest[*v])).collect();
+    assert_eq!(middles.len(), 1, "vertices in the middle of the upper side");
+    let middle = middles[0];
     let mut along = vec![Vector::zeros(); rest.len()];
     along[middle][D - 1] = 1.0;
     let mut product = vec![Vector::zeros(); rest.len()];
