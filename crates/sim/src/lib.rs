@@ -2,6 +2,7 @@
 //!
 //! This crate never opens a file, reads a clock or chooses a number of threads.
 
+mod balance;
 mod change;
 mod collide;
 mod compiled;

@@ -13,6 +13,7 @@
 //!
 //! A solid that deforms feels the tension of its own surface as well (`tension.rs`): along it the two are in balance.
 
+use crate::balance::Surroundings;
 use crate::exchange::{Exchange, Impulse};
 use crate::liquid::cube::CutCube;
 use crate::liquid::cut_faces::CutFace;
@@ -30,11 +31,15 @@ struct Pulls<const D: usize> {
     lengths: BTreeMap<(u32, u32), (f64, Vector<D>)>,
     /// Where lines take hold of solids that deform.
     feet: BTreeMap<(u32, u32), Vec<Foot<D>>>,
+    /// The pieces of the lines on such solids: places, m, and pulls over the time and the tension of a cell.
+    pieces: Vec<(Vector<D>, Vector<D>)>,
 }
 
 /// A place where a line takes hold of a solid that deforms.
 struct Foot<const D: usize> {
     grip: Grip<D>,
+    /// Number of the line's piece, and how much of it takes hold here.
+    piece: (usize, f64),
     /// Length there, in cells.
     length: f64,
     /// What it pulls with, N s (2D: per metre).
@@ -87,6 +92,8 @@ pub struct Lines<'a, const D: usize> {
     pub model: &'a Model<D>,
     /// The solids.
     pub solids: &'a [SolidState<D>],
+    /// The distance to the surface, cell by cell.
+    pub phi: &'a [f64],
     /// The surface in cubes.
     pub cubes: &'a [CutCube],
     /// The faces that it cuts.
@@ -102,7 +109,8 @@ pub struct Lines<'a, const D: usize> {
 impl<const D: usize> Lines<'_, D> {
     /// The impulses of the time `kick` (s) on the solids, and what is missing along them: an impulse for each component.
     pub fn impulses(&self, kick: f64) -> (Exchange<D>, Vec<Vector<D>>) {
-        let Pulls { mut exchange, lengths, feet } = self.pulls(kick);
+        let Pulls { mut exchange, lengths, mut feet, pieces } = self.pulls(kick);
+        self.balance(kick, &pieces, feet.values_mut().flatten());
         let across = across(self.cubes, self.label, self.inside.len());
         let mut total = vec![0.0; self.inside.len()];
         lengths.iter().for_each(|((c, _), (length, _))| total[*c as usize] += length);
@@ -156,6 +164,7 @@ impl<const D: usize> Lines<'_, D> {
         let grid = &self.model.grid;
         let strength = self.model.surface_tension * kick * grid.dx.powi(D as i32 - 2);
         let (mut exchange, mut lengths, mut feet) = (Exchange::new(), BTreeMap::new(), BTreeMap::new());
+        let mut pieces = Vec::new();
         for cube in self.cubes.iter().filter(|c| c.lift != [0.0; 3]) {
             let pull = cube.pull();
             let impulse: Impulse<D> = Impulse {
@@ -168,19 +177,40 @@ impl<const D: usize> Lines<'_, D> {
             let foot = cube.foot().map_or(place, |foot| Vector::from_fn(|a, _| foot[a] * grid.dx));
             let now = &self.solids[cube.solid as usize];
             let grips = now.patch(&foot, self.model.numerics.line_radius);
+            let number = pieces.len();
+            if !grips.is_empty() {
+                pieces.push((foot, Vector::from_fn(|a, _| pull[a])));
+            }
             cube.share(self.label, |c, part| {
                 exchange.add((c, cube.solid), &impulse, part);
                 for &(grip, share) in &grips {
                     let (part, feet) = (part * share, feet.entry((c, cube.solid)).or_insert_with(Vec::new));
                     let pull = Vector::from_fn(|a, _| strength * part * pull[a]);
-                    feet.push(Foot { grip, length: part * size, pull });
+                    feet.push(Foot { grip, piece: (number, part), length: part * size, pull });
                 }
                 let (length, moment) = lengths.entry((c, cube.solid)).or_insert((0.0, Vector::zeros()));
                 *length += part * size;
                 *moment += place * (part * size);
             });
         }
-        Pulls { exchange, lengths, feet }
+        Pulls { exchange, lengths, feet, pieces }
+    }
+
+    /// Gives each piece of the lines on solids that deform what the balance of the surface around it asks for.
+    fn balance<'f>(
+        &self,
+        kick: f64,
+        pieces: &[(Vector<D>, Vector<D>)],
+        feet: impl Iterator<Item = &'f mut Foot<D>>,
+    ) {
+        let grid = &self.model.grid;
+        let strength = self.model.surface_tension * kick * grid.dx.powi(D as i32 - 2);
+        let places: Vec<Vector<D>> = pieces.iter().map(|p| p.0).collect();
+        let around = Surroundings::new(grid, &places);
+        let mut lacks: Vec<Vector<D>> = pieces.iter().map(|p| -p.1).collect();
+        around.add_tension(self.phi, self.cubes, &mut lacks);
+        around.take_pushes(grid, self.cut, &mut lacks);
+        feet.for_each(|foot| foot.pull += lacks[foot.piece.0] * (strength * foot.piece.1));
     }
 
     /// What the surface's pressure pushes each component with.

@@ -214,7 +214,8 @@ fn press<const D: usize>(
     let (solids, cubes) = (&state.solids, &change.cubes);
     let (line, along) = if model.numerics.contact_line {
         let skins = &wetted_skins(model, solids, &phi, &label);
-        Lines { model, solids, cubes, cut, label: &near, inside: &inside, skins }.impulses(kick)
+        let phi = &state.phi.data;
+        Lines { model, solids, phi, cubes, cut, label: &near, inside: &inside, skins }.impulses(kick)
     } else {
         (Exchange::new(), vec![Vector::zeros(); inside.len()])
     };

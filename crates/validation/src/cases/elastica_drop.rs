@@ -25,10 +25,11 @@ const LENGTH: f64 = 6.0;
 const BELOW: f64 = 15.0;
 /// l/L above which a drop that dries up closes its sheet.
 const CLOSING: f64 = 3.5412;
-/// A/l² from which and to which it dries up: the threshold is at 0.14.
-const DRYING: [f64; 2] = [0.2, 0.11];
+/// A/l² from which and to which it dries up: the threshold is at 0.14, where the sheet opens again or goes on. At 1.1 times the
+/// threshold its ends come together as the drop goes: with the thickness in the theory 2 x_e/l is 0.33 at 0.11, 0.15 at 0.08.
+const DRYING: [f64; 2] = [0.2, 0.08];
 /// For how long, and for how long the sheet is watched after that.
-const DRYING_TIME: [f64; 2] = [30.0, 10.0];
+const DRYING_TIME: [f64; 2] = [40.0, 10.0];
 /// Distance between the ends over l, half of that of the last open state, at which the sheet is closing.
 const CLOSED: f64 = 0.3;
 /// l/L, A/l², and the sheet's without thickness: p l/γ, κ l in the middle, angle of the liquid with the sheet (degrees).
