@@ -15,16 +15,25 @@ use std::collections::HashMap;
 const NEAR: f64 = 1.5;
 const FAR: f64 = 3.0;
 
-/// Cells near places on contact lines: the number of the nearest place, the distance to it in cells, and how much of the cell
-/// belongs to it.
-pub struct Surroundings(HashMap<usize, (f64, usize, f64)>);
+/// Cells near places on contact lines.
+pub struct Surroundings(HashMap<usize, Near>);
+
+/// What a cell has near it.
+struct Near {
+    /// Number of the nearest place.
+    place: usize,
+    /// Distance to it, in cells.
+    distance: f64,
+    /// How much of the cell belongs to it.
+    part: f64,
+}
 
 impl Surroundings {
     /// Of these places (m).
     pub fn new<const D: usize>(grid: &Grid<D>, places: &[Vector<D>]) -> Self {
         let (lattice, reach) = (grid.lattice(), FAR.ceil() as isize);
         let width = 2 * reach as usize + 1;
-        let mut near: HashMap<usize, (f64, usize, f64)> = HashMap::new();
+        let mut near: HashMap<usize, Near> = HashMap::new();
         for (number, place) in places.iter().enumerate() {
             let from = (place - grid.corner([0; D])) / grid.dx;
             for n in 0..width.pow(D as u32) {
@@ -34,15 +43,16 @@ impl Surroundings {
                     rest /= width;
                     from[a].floor() as isize + step
                 });
-                if (0..D).any(|a| at[a] < 0 || at[a] >= lattice.extent[a] as isize) {
+                let distance = Vector::<D>::from_fn(|a, _| at[a] as f64 + 0.5 - from[a]).norm();
+                let inside = (0..D).all(|a| at[a] >= 0 && at[a] < lattice.extent[a] as isize);
+                if !inside || distance >= FAR {
                     continue;
                 }
-                let distance = Vector::<D>::from_fn(|a, _| at[a] as f64 + 0.5 - from[a]).norm();
-                let part = ((FAR - distance) / (FAR - NEAR)).clamp(0.0, 1.0);
+                let part = ((FAR - distance) / (FAR - NEAR)).min(1.0);
+                let here = Near { place: number, distance, part };
                 let cell = lattice.index(at.map(|i| i as usize));
-                let old = near.entry(cell).or_insert((f64::INFINITY, 0, 0.0));
-                if part > 0.0 && distance < old.0 {
-                    *old = (distance, number, part);
+                if near.get(&cell).is_none_or(|old| distance < old.distance) {
+                    near.insert(cell, here);
                 }
             }
         }
@@ -55,7 +65,7 @@ impl Surroundings {
         let slope = |k: usize, a: usize| (if k >> a & 1 == 1 { 1.0 } else { -1.0 }) / (1 << (D - 1)) as f64;
         for cube in cubes.iter().filter(|c| c.area > 0.0) {
             let corners = &cube.corners[..1 << D];
-            let belong = || corners.iter().map(|c| self.0.get(&(*c as usize)).filter(|b| b.2 > 0.0));
+            let belong = || corners.iter().map(|c| self.0.get(&(*c as usize)));
             if belong().all(|b| b.is_none()) {
                 continue;
             }
@@ -63,7 +73,7 @@ impl Surroundings {
             let normal = Vector::<D>::from_fn(|a, _| (0..1 << D).map(|k| slope(k, a) * value(k)).sum());
             let Some(normal) = normal.try_normalize(0.0) else { continue };
             for (k, belongs) in belong().enumerate() {
-                let Some((_, place, part)) = belongs else { continue };
+                let Some(Near { place, part, .. }) = belongs else { continue };
                 let way = Vector::<D>::from_fn(|a, _| slope(k, a));
                 sums[*place] -= (way - normal * normal.dot(&way)) * (cube.area * part);
             }
@@ -80,10 +90,62 @@ impl Surroundings {
             let beyond =
                 if beyond[face.axis] < lattice.extent[face.axis] { lattice.index(beyond) } else { face.cell };
             for (cell, share) in [(face.cell, 1.0 - face.theta), (beyond, face.theta)] {
-                if let Some((_, place, part)) = self.0.get(&cell) {
+                if let Some(Near { place, part, .. }) = self.0.get(&cell) {
                     sums[*place][face.axis] -= push * part * share;
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::liquid::surface::SurfaceLattice;
+    use meniscus_numerics::grid::{Band, Tiles};
+
+    /// A flat surface that ends at a place, as a line on a solid: the rest pulls its end along it, with the tension.
+    fn check<const D: usize>(place: Vector<D>, pieces: usize) {
+        let grid = Grid::<D>::new([20; D], 1.0);
+        let lattice = grid.lattice();
+        let normal = Vector::<D>::from_fn(|a, _| {
+            if a == 0 {
+                -0.6
+            } else if a == 1 {
+                0.8
+            } else {
+                0.0
+            }
+        });
+        let phi: Vec<f64> =
+            (0..lattice.len()).map(|i| (grid.center(lattice.coordinates(i)) - place).dot(&normal)).collect();
+        let mut band = Band::new(grid);
+        band.rebuild(&phi, &Tiles::all(grid).negative_runs(&phi).label(&grid), 3);
+        let mut cubes = SurfaceLattice::new(grid, Vector::zeros()).cut(&phi, &band);
+        let beside =
+            |c: &CutCube| grid.center(lattice.coordinates(c.corners[0] as usize))[0] + 0.5 - place[0];
+        cubes.retain(|c| beside(c) > 0.0);
+        // In 3D the line is as long as the grid is wide: one piece in each cell.
+        let at = |k: usize| Vector::from_fn(|a, _| if a == 2 { k as f64 + 0.5 } else { place[a] });
+        let places: Vec<Vector<D>> = (0..pieces).map(at).collect();
+        let mut sums = vec![Vector::zeros(); pieces];
+        Surroundings::new(&grid, &places).add_tension(&phi, &cubes, &mut sums);
+        let expected = Vector::<D>::from_fn(|a, _| {
+            if a == 0 {
+                0.8
+            } else if a == 1 {
+                0.6
+            } else {
+                0.0
+            }
+        });
+        let middle = sums[pieces / 2];
+        assert!((middle - expected).norm() < 0.02, "{middle:?}");
+    }
+
+    #[test]
+    fn a_surface_pulls_its_end_along_itself() {
+        check::<2>(Vector::<2>::new(10.0, 10.0), 1);
+        check::<3>(Vector::<3>::new(10.0, 10.0, 10.0), 20);
     }
 }

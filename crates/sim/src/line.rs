@@ -203,6 +203,9 @@ impl<const D: usize> Lines<'_, D> {
         pieces: &[(Vector<D>, Vector<D>)],
         feet: impl Iterator<Item = &'f mut Foot<D>>,
     ) {
+        if pieces.is_empty() {
+            return;
+        }
         let grid = &self.model.grid;
         let strength = self.model.surface_tension * kick * grid.dx.powi(D as i32 - 2);
         let places: Vec<Vector<D>> = pieces.iter().map(|p| p.0).collect();

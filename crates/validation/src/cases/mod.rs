@@ -10,6 +10,7 @@ mod floating;
 mod hydrostatic;
 mod hysteresis;
 mod iterations;
+mod iterations_soft;
 mod leak;
 mod line_friction;
 mod meniscus;
@@ -43,7 +44,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 52] = [
+const ALL: [Case; 53] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -96,4 +97,5 @@ const ALL: [Case; 52] = [
     wrapping::WRAP,
     pressure_matrix::CASE,
     iterations::CASE,
+    iterations_soft::CASE,
 ];
