@@ -11,9 +11,13 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use std::collections::HashMap;
 
-/// Distance from the line, in cells, up to which the surface belongs to it, and from which on it does not.
-const NEAR: f64 = 1.5;
-const FAR: f64 = 3.0;
+/// Distance from the line, in cells, up to which the surface belongs to it, and from which on it does not: what the line pulls
+/// at the liquid with is smoothed with the curvature over some cells (with 1.5 and 3 the forces on a sheet's halves were wrong by
+/// a tenth of the tension).
+const NEAR: f64 = 4.0;
+const FAR: f64 = 6.0;
+/// Distance from the surface, in cells, of cells that it cuts.
+const CUT: f64 = 2.0;
 
 /// Cells near places on contact lines.
 pub struct Surroundings(HashMap<usize, Near>);
@@ -29,9 +33,10 @@ struct Near {
 }
 
 impl Surroundings {
-    /// Of these places (m).
-    pub fn new<const D: usize>(grid: &Grid<D>, places: &[Vector<D>]) -> Self {
-        let (lattice, reach) = (grid.lattice(), FAR.ceil() as isize);
+    /// Of these places (m); `phi` is the distance to the surface, cell by cell.
+    pub fn new<const D: usize>(grid: &Grid<D>, phi: &[f64], places: &[Vector<D>]) -> Self {
+        let (lattice, reach) = (grid.lattice(), (FAR + CUT).ceil() as isize);
+        let foot = |at: [usize; D]| foot(grid, phi, at);
         let width = 2 * reach as usize + 1;
         let mut near: HashMap<usize, Near> = HashMap::new();
         for (number, place) in places.iter().enumerate() {
@@ -43,14 +48,20 @@ impl Surroundings {
                     rest /= width;
                     from[a].floor() as isize + step
                 });
-                let distance = Vector::<D>::from_fn(|a, _| at[a] as f64 + 0.5 - from[a]).norm();
-                let inside = (0..D).all(|a| at[a] >= 0 && at[a] < lattice.extent[a] as isize);
-                if !inside || distance >= FAR {
+                if (0..D).any(|a| at[a] < 0 || at[a] >= lattice.extent[a] as isize) {
                     continue;
                 }
-                let part = ((FAR - distance) / (FAR - NEAR)).min(1.0);
-                let here = Near { place: number, distance, part };
-                let cell = lattice.index(at.map(|i| i as usize));
+                let at = at.map(|i| i as usize);
+                let cell = lattice.index(at);
+                if phi[cell].abs() > CUT * grid.dx {
+                    continue;
+                }
+                let distance = (foot(at) - from).norm();
+                if distance >= FAR {
+                    continue;
+                }
+                let way = ((FAR - distance) / (FAR - NEAR)).min(1.0);
+                let here = Near { place: number, distance, part: way * way * (3.0 - 2.0 * way) };
                 if near.get(&cell).is_none_or(|old| distance < old.distance) {
                     near.insert(cell, here);
                 }
@@ -98,6 +109,19 @@ impl Surroundings {
     }
 }
 
+/// The point of the surface next to a cell's centre, in cells from the first cell's lower corner.
+fn foot<const D: usize>(grid: &Grid<D>, phi: &[f64], at: [usize; D]) -> Vector<D> {
+    let lattice = grid.lattice();
+    let value = |a: usize, up: usize| {
+        let mut to = at;
+        to[a] = (at[a] + up).saturating_sub(1).min(lattice.extent[a] - 1);
+        phi[lattice.index(to)]
+    };
+    let slope = Vector::<D>::from_fn(|a, _| 0.5 * (value(a, 2) - value(a, 0)) / grid.dx);
+    let way = phi[lattice.index(at)] / grid.dx / slope.norm_squared().max(0.25);
+    Vector::from_fn(|a, _| at[a] as f64 + 0.5) - slope * way
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -106,7 +130,7 @@ mod tests {
 
     /// A flat surface that ends at a place, as a line on a solid: the rest pulls its end along it, with the tension.
     fn check<const D: usize>(place: Vector<D>, pieces: usize) {
-        let grid = Grid::<D>::new([20; D], 1.0);
+        let grid = Grid::<D>::new([24; D], 1.0);
         let lattice = grid.lattice();
         let normal = Vector::<D>::from_fn(|a, _| {
             if a == 0 {
@@ -129,7 +153,7 @@ mod tests {
         let at = |k: usize| Vector::from_fn(|a, _| if a == 2 { k as f64 + 0.5 } else { place[a] });
         let places: Vec<Vector<D>> = (0..pieces).map(at).collect();
         let mut sums = vec![Vector::zeros(); pieces];
-        Surroundings::new(&grid, &places).add_tension(&phi, &cubes, &mut sums);
+        Surroundings::new(&grid, &phi, &places).add_tension(&phi, &cubes, &mut sums);
         let expected = Vector::<D>::from_fn(|a, _| {
             if a == 0 {
                 0.8
@@ -145,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_surface_pulls_its_end_along_itself() {
-        check::<2>(Vector::<2>::new(10.0, 10.0), 1);
-        check::<3>(Vector::<3>::new(10.0, 10.0, 10.0), 20);
+        check::<2>(Vector::<2>::new(12.0, 12.0), 1);
+        check::<3>(Vector::<3>::new(12.0, 12.0, 12.0), 24);
     }
 }

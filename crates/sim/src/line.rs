@@ -209,7 +209,7 @@ impl<const D: usize> Lines<'_, D> {
         let grid = &self.model.grid;
         let strength = self.model.surface_tension * kick * grid.dx.powi(D as i32 - 2);
         let places: Vec<Vector<D>> = pieces.iter().map(|p| p.0).collect();
-        let around = Surroundings::new(grid, &places);
+        let around = Surroundings::new(grid, self.phi, &places);
         let mut lacks: Vec<Vector<D>> = pieces.iter().map(|p| -p.1).collect();
         around.add_tension(self.phi, self.cubes, &mut lacks);
         around.take_pushes(grid, self.cut, &mut lacks);

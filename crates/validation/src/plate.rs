@@ -111,7 +111,10 @@ impl Setting {
         let t = self.first.to_radians();
         let radius = self.half_width(self.first) / t.sin();
         let center = middle + Vector::<2>::new(self.place, half[1] - radius * t.cos());
-        let drop = move |x: &Vector<2>| ((x - center).norm() - radius).max(middle[1] - x[1]);
+        // Liquid may reach into the plate, but not down beside its ends.
+        let beside =
+            move |x: &Vector<2>| (middle[1] + half[1] - x[1]).min((x[0] - middle[0]).abs() - half[0]);
+        let drop = move |x: &Vector<2>| ((x - center).norm() - radius).max(middle[1] - x[1]).max(beside(x));
         let model = Model {
             grid,
             walls: [[Wall::Open; 2]; 2],
