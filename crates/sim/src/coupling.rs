@@ -113,7 +113,8 @@ impl<'a, const D: usize> Coupling<'a, D> {
         }
         let compliance = |(solid, flows): (u32, Vec<_>)| {
             let system = self.systems.get(solid as usize)?.as_ref()?;
-            let porous = system.porous(&flows);
+            let lattice = self.model.grid.lattice();
+            let porous = system.porous(&flows, |cell| lattice.coordinates(cell as usize));
             let solve: Box<Solve<'_>> = Box::new(|x| system.solve(x));
             Some(Compliance { freedoms: system.freedoms(), flows, porous, solve })
         };
