@@ -13,6 +13,8 @@ use std::f64::consts::PI;
 
 /// Radius, in cells, from which on a drop's volume tells whether a step was too long, and its line what pulls at it.
 const RESOLVED: f64 = 2.0;
+/// From which on it is told how one on a solid turns.
+const TURNING: f64 = 3.0;
 
 /// Share of the wetted surface, as seen along the directions in which lines pull at no solid, from which on solids hold a
 /// component there as well: it stands in a vessel.
@@ -81,6 +83,11 @@ pub fn keep_volume<const D: usize>(
 /// Least volume of a drop that the grid resolves, m³ (2D: area, m²).
 pub fn resolved_volume<const D: usize>(model: &Model<D>) -> f64 {
     ball_volume::<D>(RESOLVED * model.grid.dx)
+}
+
+/// Least volume of a drop of which it is told how solids turn it, m³ (2D: area, m²).
+pub fn turning_volume<const D: usize>(model: &Model<D>) -> f64 {
+    ball_volume::<D>(TURNING * model.grid.dx)
 }
 
 /// Volume of a ball, m³ (2D: area of a disc, m²).

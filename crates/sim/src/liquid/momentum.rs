@@ -258,7 +258,7 @@ impl<const D: usize> FaceWalk<'_, D> {
                 zip(&parts, &arms).map(|(m, r)| m.spread(a, b, c) + m.mass[a] * r[b] * r[c]).sum()
             };
             let least = 1e-6 * whole.mass * self.model.grid.dx.powi(2);
-            let rate = rotation::<D>(lost, least, spread);
+            let rate = if group.turns { rotation::<D>(lost, least, spread) } else { [0.0; 3] };
             for ((&j, m), arm) in zip(&group.new, parts).zip(&arms) {
                 let middle = m.middle();
                 motions[j] = Some(Motion { velocity: shift + turn(&rate, arm), rate, middle });

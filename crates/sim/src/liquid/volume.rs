@@ -31,12 +31,14 @@ pub struct Group<const D: usize> {
     /// The part of a vector in directions in which nothing but momentum tells their place: all of it where they touch
     /// nothing, what is along an even wall for drops on it.
     pub placed: Matrix<D>,
+    /// Whether their angular momentum is told well enough to be kept.
+    pub turns: bool,
 }
 
 impl<const D: usize> Group<D> {
     /// These old components became these new ones.
     pub fn new(old: Vec<usize>, new: Vec<usize>) -> Self {
-        Self { old, new, whole: None, carried: None, placed: Matrix::zeros() }
+        Self { old, new, whole: None, carried: None, placed: Matrix::zeros(), turns: true }
     }
 }
 
