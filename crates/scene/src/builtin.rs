@@ -40,7 +40,7 @@ macro_rules! scene {
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 48] = [
+pub const BUILTINS: [Builtin; 49] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
@@ -259,6 +259,12 @@ pub const BUILTINS: [Builtin; 48] = [
         Some("Fig. 21"),
         "A soft plate five times as dense as the liquid sinks through a weak surface",
         "half an hour; --quality draft: four minutes"
+    ),
+    scene!(
+        "soft-pillars",
+        3,
+        "Soft hairs are drawn out of a bath, and the liquid that drains draws them together",
+        "an hour; --quality draft: twenty minutes"
     ),
     scene!(
         "fig15-origami-square",
