@@ -153,7 +153,7 @@ pub struct WettedFile {
 }
 
 /// The largest way of a part of a solid that deforms from where it started (of one that moves freely, from where it would be
-/// had it moved as a rigid one): one bound, or both.
+/// had it moved as a rigid one; of one whose held parts go as told, from where they would have carried it): one bound, or both.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeflectionFile {

@@ -145,7 +145,8 @@ pub struct SolidSummary {
     /// Share of its surface that is wetted.
     #[serde(default)]
     pub wetted: f64,
-    /// The largest way of a part of it from where it started, m; of one that moves freely less the rigid motion nearest to all.
+    /// The largest way of a part of it from where it started, m; of one that moves freely less the rigid motion nearest to all,
+    /// of one whose held parts go as told less theirs.
     /// Null where it does not deform.
     #[serde(default)]
     pub deflection: Option<f64>,
@@ -183,9 +184,22 @@ pub fn deflection<const D: usize>(solid: &Solid<D>, now: &SolidState<D>) -> Opti
     let (elastic, soft) = (solid.elastic()?, now.soft.as_ref()?);
     let points = |all: &[Vector<D>]| all.iter().map(|x| Vector::<3>::from(three(x))).collect::<Vec<_>>();
     let (start, end) = (points(&elastic.mesh().positions), points(&soft.body.positions));
-    let motion = (!elastic.held().contains(&true)).then(|| RigidMotion::of(&start, &end));
+    let motion = carried(elastic.held(), &start, &end);
     let bent = |x: &Vector<3>| motion.map_or(*x, |motion| motion.undone(x));
     Some(start.iter().zip(&end).map(|(a, b)| (bent(b) - a).norm()).fold(0.0, f64::max))
+}
+
+/// The rigid motion that a solid takes part in: nearest to that of its held parts, or to that of all of it where none is held;
+/// none where they stay.
+fn carried(held: &[bool], start: &[Vector<3>], end: &[Vector<3>]) -> Option<RigidMotion> {
+    if !held.contains(&true) {
+        return Some(RigidMotion::of(start, end));
+    }
+    let of = |all: &[Vector<3>]| -> Vec<Vector<3>> {
+        all.iter().zip(held).filter(|(_, held)| **held).map(|(x, _)| *x).collect()
+    };
+    let (start, end) = (of(start), of(end));
+    (start != end).then(|| RigidMotion::of(&start, &end))
 }
 
 impl Summary {
