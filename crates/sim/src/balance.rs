@@ -167,6 +167,26 @@ mod tests {
         assert!((middle - expected).norm() < 0.02, "{middle:?}");
     }
 
+    /// A film between two lines closer than the surroundings of either: each gets its own end's pull, not both none.
+    #[test]
+    fn two_lines_share_the_surface_between_them() {
+        let grid = Grid::<2>::new([24; 2], 1.0);
+        let lattice = grid.lattice();
+        let phi: Vec<f64> =
+            (0..lattice.len()).map(|i| grid.center(lattice.coordinates(i))[1] - 12.2).collect();
+        let mut band = Band::new(grid);
+        band.rebuild(&phi, &Tiles::all(grid).negative_runs(&phi).label(&grid), 3);
+        let mut cubes = SurfaceLattice::new(grid, Vector::zeros()).cut(&phi, &band);
+        let ends = [Vector::<2>::new(10.0, 12.2), Vector::<2>::new(15.0, 12.2)];
+        let at = |c: &CutCube| grid.center(lattice.coordinates(c.corners[0] as usize))[0] + 0.5;
+        cubes.retain(|c| (ends[0][0]..ends[1][0]).contains(&at(c)));
+        let mut sums = vec![Vector::zeros(); 2];
+        Surroundings::new(&grid, &phi, &ends).add_tension(&phi, &cubes, &mut sums);
+        for (sum, way) in sums.iter().zip([1.0, -1.0]) {
+            assert!((sum - Vector::<2>::new(way, 0.0)).norm() < 0.02, "{sums:?}");
+        }
+    }
+
     #[test]
     fn a_surface_pulls_its_end_along_itself() {
         check::<2>(Vector::<2>::new(12.0, 12.0), 1);

@@ -11,7 +11,8 @@
 //! part 2, EFT); along them the lattice is right, and the liquid gets what its surface's pressure lacks. Without that a drop
 //! that spreads on a tilted wall starts to glide along it.
 //!
-//! A solid that deforms feels the tension of its own surface as well (`tension.rs`): along it the two are in balance.
+//! A solid that deforms feels the tension of its own surface as well (`tension.rs`): along it the two are in balance. What each
+//! piece of a line pulls it with, the balance of the surface around tells (`balance.rs`); the sum over a line is as above.
 
 use crate::balance::Surroundings;
 use crate::exchange::{Exchange, Impulse};
@@ -31,7 +32,8 @@ struct Pulls<const D: usize> {
     lengths: BTreeMap<(u32, u32), (f64, Vector<D>)>,
     /// Where lines take hold of solids that deform.
     feet: BTreeMap<(u32, u32), Vec<Foot<D>>>,
-    /// The pieces of the lines on such solids: places, m, and pulls over the time and the tension of a cell.
+    /// The pieces of all lines, and of the surface's rims at sides of the domain, each of which has its part of the surface
+    /// around it: places, m, and pulls over the time and the tension of a cell.
     pieces: Vec<(Vector<D>, Vector<D>)>,
 }
 
@@ -110,7 +112,9 @@ impl<const D: usize> Lines<'_, D> {
     /// The impulses of the time `kick` (s) on the solids, and what is missing along them: an impulse for each component.
     pub fn impulses(&self, kick: f64) -> (Exchange<D>, Vec<Vector<D>>) {
         let Pulls { mut exchange, lengths, mut feet, pieces } = self.pulls(kick);
-        self.balance(kick, &pieces, feet.values_mut().flatten());
+        if !feet.is_empty() {
+            self.balance(kick, pieces, feet.values_mut().flatten());
+        }
         let across = across(self.cubes, self.label, self.inside.len());
         let mut total = vec![0.0; self.inside.len()];
         lengths.iter().for_each(|((c, _), (length, _))| total[*c as usize] += length);
@@ -178,9 +182,7 @@ impl<const D: usize> Lines<'_, D> {
             let now = &self.solids[cube.solid as usize];
             let grips = now.patch(&foot, self.model.numerics.line_radius);
             let number = pieces.len();
-            if !grips.is_empty() {
-                pieces.push((foot, Vector::from_fn(|a, _| pull[a])));
-            }
+            pieces.push((foot, Vector::from_fn(|a, _| pull[a])));
             cube.share(self.label, |c, part| {
                 exchange.add((c, cube.solid), &impulse, part);
                 for &(grip, share) in &grips {
@@ -200,14 +202,14 @@ impl<const D: usize> Lines<'_, D> {
     fn balance<'f>(
         &self,
         kick: f64,
-        pieces: &[(Vector<D>, Vector<D>)],
+        mut pieces: Vec<(Vector<D>, Vector<D>)>,
         feet: impl Iterator<Item = &'f mut Foot<D>>,
     ) {
-        if pieces.is_empty() {
-            return;
-        }
         let grid = &self.model.grid;
         let strength = self.model.surface_tension * kick * grid.dx.powi(D as i32 - 2);
+        let rim = |c: &&CutCube| c.area > 0.0 && (0..D).any(|a| c.corners[0] == c.corners[1 << a]);
+        let corner = |c: &CutCube| grid.center(grid.lattice().coordinates(c.corners[0] as usize));
+        pieces.extend(self.cubes.iter().filter(rim).map(|c| (corner(c), Vector::zeros())));
         let places: Vec<Vector<D>> = pieces.iter().map(|p| p.0).collect();
         let around = Surroundings::new(grid, self.phi, &places);
         let mut lacks: Vec<Vector<D>> = pieces.iter().map(|p| -p.1).collect();

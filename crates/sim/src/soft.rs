@@ -107,16 +107,18 @@ impl<const D: usize> SoftSystem<D> {
     /// hundred, as if rigid from 10⁵ on).
     fn looseness(&self, flows: &[Flow], place: impl Fn(u32) -> [usize; D]) -> f64 {
         let n = self.freedoms();
+        // Both sides of a sheet are pushed the same way.
+        let sides = flows.iter().map(|(cell, flow)| {
+            let along = |a: usize| flow.iter().filter(|(k, _)| *k as usize % D == a).map(|f| f.1).sum();
+            let total = Vector::<D>::from_fn(|a, _| along(a));
+            (place(*cell), total[total.iamax()].signum(), flow)
+        });
+        let sides: Vec<_> = sides.collect();
         let mut pushes = vec![0.0; WIDTHS as usize * n];
         for (width, push) in pushes.chunks_exact_mut(n).enumerate() {
-            for (cell, flow) in flows {
-                let blocks = place(*cell).map(|i| i >> width);
-                let sign = if blocks.iter().sum::<usize>() % 2 == 0 { 1.0 } else { -1.0 };
-                // Both sides of a sheet are pushed the same way.
-                let total = Vector::<D>::from_fn(|a, _| {
-                    flow.iter().filter(|(k, _)| *k as usize % D == a).map(|f| f.1).sum()
-                });
-                let sign = sign * total[total.iamax()].signum();
+            for (at, side, flow) in &sides {
+                let even = at.iter().map(|i| i >> width).sum::<usize>() % 2 == 0;
+                let sign = if even { *side } else { -side };
                 flow.iter().for_each(|(k, v)| push[*k as usize] += sign * v);
             }
         }
