@@ -284,3 +284,24 @@ pub fn peak_memory() -> Option<u64> {
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     line.split_whitespace().next()?.parse::<u64>().ok().map(|kib| kib * 1024)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn held_parts_carry_a_solid_along() {
+        let start = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 3.0]];
+        let start = start.map(Vector::<3>::from);
+        let held = [true, true, true, true, false];
+        // All go up by two, and the end that is not held goes aside by half besides.
+        let mut end = start.map(|x| x + Vector::<3>::new(0.0, 0.0, 2.0));
+        end[4][0] += 0.5;
+        let undone = carried(&held, &start, &end).map(|motion| motion.undone(&end[4]) - start[4]);
+        assert!(
+            undone.is_some_and(|way| (way - Vector::<3>::new(0.5, 0.0, 0.0)).norm() < 1e-12),
+            "{undone:?}"
+        );
+        assert!(carried(&held, &start, &start).is_none());
+    }
+}
