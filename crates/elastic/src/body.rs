@@ -1,7 +1,7 @@
 //! What a deformable solid is while it moves.
 
 use crate::describe::material;
-use crate::linalg::{BlockMatrix, Pattern, Symbolic};
+use crate::linalg::{BlockMatrix, Pattern, Solver};
 use crate::term::Weights;
 use crate::term::continuum::Continuum;
 use crate::{
@@ -31,7 +31,7 @@ pub struct Elastic<const D: usize> {
     pub(crate) anchors: Vec<Anchor<D>>,
     pub(crate) held: Vec<bool>,
     pub(crate) damping_time: f64,
-    pub(crate) symbolic: Arc<Symbolic>,
+    pub(crate) solver: Solver,
     pattern: Arc<Pattern>,
 }
 
@@ -63,20 +63,10 @@ impl<const D: usize> Elastic<D> {
         let mut terms = vec![term(&mesh, law)];
         terms.extend(more);
         let pattern = Arc::new(Pattern::new(masses.len(), terms.iter().map(|t| t.couplings())));
-        let symbolic = Symbolic::new(&mesh.positions, &pattern, &held)
+        let solver = Solver::new(&mesh.positions, &pattern, &held)
             .ok_or(ElasticError::TooLarge { vertices: masses.len() })?;
-        let symbolic = Arc::new(symbolic);
-        let mut body = Self {
-            rest: mesh,
-            masses,
-            terms,
-            integrator,
-            anchors,
-            held,
-            damping_time: 0.0,
-            symbolic,
-            pattern,
-        };
+        let mut body =
+            Self { rest: mesh, masses, terms, integrator, anchors, held, damping_time: 0.0, solver, pattern };
         if damping_ratio > 0.0 {
             let lowest = settled_modes(&body, 1, SETTLED)?;
             body.damping_time = lowest.first().map_or(0.0, |mode| 2.0 * damping_ratio / mode.frequency);
@@ -109,9 +99,15 @@ impl<const D: usize> Elastic<D> {
         self.integrator
     }
 
-    /// Entries of a factor of the solid's matrix: twice as many multiplications make a solve.
-    pub fn factor_entries(&self) -> usize {
-        self.symbolic.entries()
+    /// Entries of a factor of the solid's matrix: twice as many multiplications make a solve. Without factors the entries that
+    /// iterations go through.
+    pub fn solver_entries(&self) -> usize {
+        self.solver.entries()
+    }
+
+    /// Whether its matrix is factorised; else the factor would be too large, and systems with it are solved by iterations.
+    pub fn is_factorised(&self) -> bool {
+        matches!(self.solver, Solver::Factors(_))
     }
 
     /// At rest at time 0; held vertices where their motion has them, with its velocity over a step of `step` s.

@@ -14,7 +14,8 @@
 //!
 //! with the lumped masses `M`, the damping `D`, the positive part `K` of the stiffness, and external forces `g`: a mode of
 //! any frequency neither grows nor decays for any `h`. A little dissipation ([`Integrator`]) is added where strains are
-//! large. [`System`] is the factorised `A`; a liquid's pressure solve applies `A⁻¹` once per iteration.
+//! large. [`System`] is the factorised `A` (of the largest meshes conjugate gradients); a liquid's pressure solve applies
+//! `A⁻¹` once per iteration.
 //!
 //! # Thin plates
 //!

@@ -1,6 +1,6 @@
 //! The lowest vibrations about rest, by inverse iteration of several vectors at once (Bathe & Wilson 1972).
 
-use crate::linalg::Factor;
+use crate::linalg::Inverse;
 use crate::term::Weights;
 use crate::{BlockMatrix, Elastic, ElasticError};
 use meniscus_numerics::{Vector, planes};
@@ -10,6 +10,8 @@ use nalgebra::{DMatrix, DVector};
 const ITERATIONS: usize = 100;
 /// Relative change of the squared frequencies at which they end.
 const CONVERGED: f64 = 1e-6;
+/// Error of a solve where there are no factors: the iterations around it make it less.
+const TOLERANCE: f64 = 1e-2;
 /// Vectors beyond those that are asked for, which makes the iterations fewer.
 const SPARE: usize = 4;
 
@@ -41,12 +43,12 @@ pub fn settled_modes<const D: usize>(
 ) -> Result<Vec<Mode<D>>, ElasticError> {
     let stiffness = body.tangent(&body.rest.positions, Weights { stiffness: 1.0, viscosity: 0.0 });
     let rigid = rigid_motions(body);
-    let factor = shifted(body, &stiffness, !rigid.is_empty())?;
+    let inverse = shifted(body, &stiffness, !rigid.is_empty())?;
     let wanted = (count + SPARE).min(body.masses.len() * D);
     let mut vectors = orthonormal(body, start(body, wanted), &rigid);
     let mut squares: Vec<f64> = Vec::new();
     for _ in 0..ITERATIONS {
-        solve(body, &factor, &mut vectors);
+        solve(body, &inverse, &mut vectors);
         vectors = orthonormal(body, vectors, &rigid);
         let last = std::mem::replace(&mut squares, ritz(&stiffness, &mut vectors));
         let settled = |k: usize| (squares[k] - last[k]).abs() <= converged * squares[k];
@@ -58,19 +60,19 @@ pub fn settled_modes<const D: usize>(
     Ok(modes.map(|(square, shape)| Mode { frequency: square.max(0.0).sqrt(), shape }).collect())
 }
 
-/// Factors of `K`, with a little mass added where the body can move without strain.
+/// The inverse of `K`, with a little mass added where the body can move without strain.
 fn shifted<const D: usize>(
     body: &Elastic<D>,
     stiffness: &BlockMatrix<D>,
     free: bool,
-) -> Result<Factor, ElasticError> {
+) -> Result<Inverse<D>, ElasticError> {
     let scale = stiffness.trace() / (D as f64 * body.masses.iter().sum::<f64>());
     let shifts = [0.0, 1e-13, 1e-11, 1e-9, 1e-7];
     for shift in &shifts[usize::from(free)..] {
         let mut matrix = stiffness.clone();
         body.masses.iter().enumerate().for_each(|(v, m)| matrix.add_diagonal(v, m * shift * scale));
-        if let Some(factor) = Factor::new(body.symbolic.clone(), &matrix, &body.held) {
-            return Ok(factor);
+        if let Some(inverse) = body.solver.invert(&matrix, &body.held, TOLERANCE) {
+            return Ok(inverse);
         }
     }
     Err(ElasticError::NotDefinite { step: f64::INFINITY })
@@ -134,13 +136,13 @@ fn start<const D: usize>(body: &Elastic<D>, count: usize) -> Vec<Vec<Vector<D>>>
 }
 
 /// `y ← (K + σ M)⁻¹ M y`.
-fn solve<const D: usize>(body: &Elastic<D>, factor: &Factor, vectors: &mut [Vec<Vector<D>>]) {
+fn solve<const D: usize>(body: &Elastic<D>, inverse: &Inverse<D>, vectors: &mut [Vec<Vector<D>>]) {
     let weighted = |y: &Vec<Vector<D>>| {
         let pairs = y.iter().zip(&body.masses);
         pairs.flat_map(|(v, m)| (v * *m).iter().copied().collect::<Vec<_>>()).collect::<Vec<f64>>()
     };
     let mut flat: Vec<f64> = vectors.iter().flat_map(weighted).collect();
-    factor.solve::<D>(&mut flat, vectors.len());
+    inverse.solve(&mut flat, vectors.len());
     let solved = flat.chunks_exact(D);
     vectors.iter_mut().flatten().zip(solved).for_each(|(v, x)| v.copy_from_slice(x));
 }

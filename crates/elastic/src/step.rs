@@ -16,13 +16,15 @@
 //! ones lose but the fraction `θ c (h ω)³/2` of the critical damping. It takes another solve. Because the dissipation is in
 //! rates of strain, bodies that nothing holds keep their angular momentum.
 
-use crate::linalg::Factor;
+use crate::linalg::Inverse;
 use crate::term::Weights;
 use crate::{BlockMatrix, Elastic, ElasticError, ElasticState};
 use meniscus_numerics::{Matrix, Vector};
 
 /// Change of the velocities, relative to the first, below which Newton's iterations end.
 const CONVERGED: f64 = 1e-10;
+/// Error of a solve where there are no factors, over the whole.
+const TOLERANCE: f64 = 1e-9;
 
 /// How velocities follow forces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,11 +64,11 @@ pub struct StiffnessBlock<const D: usize> {
     pub block: Matrix<D>,
 }
 
-/// The matrix `A` of a step, factorised.
+/// The matrix `A` of a step, and its inverse.
 #[derive(Clone, Debug)]
 pub struct System<const D: usize> {
     matrix: BlockMatrix<D>,
-    factor: Factor,
+    inverse: Inverse<D>,
     step: f64,
 }
 
@@ -74,14 +76,14 @@ impl<const D: usize> System<D> {
     /// `b ← A⁻¹ b`, where `b` has the components of all vertices in turn. What belongs to held vertices becomes 0, as
     /// nothing that pulls at them moves them.
     ///
-    /// Costs two multiplications for every entry of the factor.
+    /// Costs two multiplications for every entry of the factor, if it has one ([`Elastic::is_factorised`]).
     pub fn solve(&self, b: &mut [f64]) {
-        self.factor.solve::<D>(b, 1);
+        self.inverse.solve(b, 1);
     }
 
     /// The same for `count` right-hand sides one after another, which costs less than so many solves.
     pub fn solve_many(&self, b: &mut [f64], count: usize) {
-        self.factor.solve::<D>(b, count);
+        self.inverse.solve(b, count);
     }
 
     /// The same of vectors.
@@ -128,8 +130,8 @@ impl<const D: usize> Elastic<D> {
                 return Err(ElasticError::NotNeighbours { first: *first, second: *second });
             }
         }
-        let factor = Factor::new(self.symbolic.clone(), &matrix, &self.held);
-        factor.map(|factor| System { matrix, factor, step }).ok_or(ElasticError::NotDefinite { step })
+        let inverse = self.solver.invert(&matrix, &self.held, TOLERANCE);
+        inverse.map(|inverse| System { matrix, inverse, step }).ok_or(ElasticError::NotDefinite { step })
     }
 
     /// The right-hand side of `A (v' − v) = b` at a state whose positions have advanced, N s (2D: N s/m), with external

@@ -113,7 +113,7 @@ pub fn setup<const D: usize>(scene: &Scene) -> Result<Setup<D>, SceneError> {
     let bodies = bodies.collect::<Result<_, SceneError>>()?;
     let model = Model { solids, ..model(scene) };
     apart(scene, &model)?;
-    thick_enough(scene, &model)?;
+    let model = Model { solids: thick_enough(scene, &model)?, ..model };
     Ok(Setup { model: if scene.walls_wet() { wet(scene, model) } else { model }, bodies })
 }
 

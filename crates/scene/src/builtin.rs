@@ -40,7 +40,7 @@ macro_rules! scene {
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 49] = [
+pub const BUILTINS: [Builtin; 53] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
@@ -229,6 +229,13 @@ pub const BUILTINS: [Builtin; 49] = [
         "A raindrop bends a soft leaf down, runs off and lets it swing back",
         "ten minutes; --quality draft: three"
     ),
+    scene!(
+        "drop-on-leaf-paper-constants",
+        3,
+        Some("Fig. 11"),
+        "The same with the stiffness and density that the paper has: the leaf hardly bends",
+        "ten minutes; --quality draft: three"
+    ),
     scene!("capillary-rise", 3, "Liquid climbs in a tube and stops at Jurin's height", "ten minutes"),
     scene!(
         "floating-sphere",
@@ -274,6 +281,13 @@ pub const BUILTINS: [Builtin; 49] = [
         "forty minutes"
     ),
     scene!(
+        "fig15-origami-square-paper-constants",
+        3,
+        Some("Fig. 15"),
+        "The same with the springs that the paper prints: the sheet is too stiff to fold",
+        "an hour"
+    ),
+    scene!(
         "fig22-plate-90",
         3,
         Some("Fig. 22"),
@@ -295,10 +309,24 @@ pub const BUILTINS: [Builtin; 49] = [
         "an hour; --quality draft: half an hour"
     ),
     scene!(
+        "fig22-plate-180-paper-constants",
+        3,
+        Some("Fig. 22"),
+        "The same with the springs that the paper prints: the plate is stiff",
+        "an hour; --quality draft: half an hour"
+    ),
+    scene!(
         "fig22-plate-0",
         3,
         Some("Fig. 22"),
         "A drop spreads over a soft plate that it wets completely",
+        "an hour; --quality draft: half an hour"
+    ),
+    scene!(
+        "fig22-plate-0-paper-constants",
+        3,
+        Some("Fig. 22"),
+        "The same with the springs and tensions that the paper prints: it runs off a stiff plate in a film",
         "an hour; --quality draft: half an hour"
     ),
     scene!(

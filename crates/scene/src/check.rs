@@ -129,7 +129,7 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
     more_warnings(scene, &bodies, capillary_length, &mut warnings);
     let setup = crate::file::runnable(scene).and_then(|()| AnySetup::of(scene));
     let soft = setup.as_ref().map_or_else(|_| Vec::new(), |setup| reports(scene, setup));
-    let factors: f64 = soft.iter().map(|s| s.factor_bytes).sum();
+    let factors: f64 = soft.iter().map(|s| s.solver_bytes).sum();
     Report {
         name: scene.name.clone(),
         dimension: d.dimension,

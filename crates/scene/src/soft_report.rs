@@ -38,8 +38,10 @@ pub struct SoftReport {
     pub worst_radius_ratio: f64,
     /// Mass, kg (2D: kg/m).
     pub mass: f64,
-    /// Memory of its matrix's factors, bytes.
-    pub factor_bytes: f64,
+    /// Memory of what solves systems with its matrix, bytes.
+    pub solver_bytes: f64,
+    /// Whether that is factors; else it is what iterations go through.
+    pub factorised: bool,
     /// Speed of elastic waves √((λ + 2μ) / ρ), m/s; of springs about.
     pub wave_speed: Option<f64>,
     /// Longest step over the time that a wave takes along an edge.
@@ -86,7 +88,8 @@ fn of_solid<const D: usize>(scene: &Scene, spec: &SolidSpec, body: &Elastic<D>) 
         largest_angle: quality.largest_angle.0.to_degrees(),
         worst_radius_ratio: quality.worst_radius_ratio.0,
         mass: body.masses().iter().sum(),
-        factor_bytes: BYTES * body.factor_entries() as f64,
+        solver_bytes: BYTES * body.solver_entries() as f64,
+        factorised: body.is_factorised(),
         wave_speed,
         edges_per_step: wave_speed.map(|c| c * step / quality.edges[1]),
         frequency,
@@ -107,7 +110,7 @@ fn frequency<const D: usize>(spec: &SolidSpec, body: &Elastic<D>) -> Option<f64>
     if ratio > 0.0 && body.damping_time() > 0.0 {
         return Some(2.0 * ratio / body.damping_time() / TAU);
     }
-    if body.factor_entries() > QUICK {
+    if body.solver_entries() > QUICK {
         return None;
     }
     settled_modes(body, 1, SETTLED).ok()?.first().map(|mode| mode.frequency / TAU)
@@ -132,12 +135,13 @@ impl SoftReport {
             ),
         )];
         let mut line = |value: String| lines.push((String::new(), value));
+        let factors = match self.factorised {
+            true => format!("factors of {:.0} MB", self.solver_bytes * 1e-6),
+            false => "solved by iterations (its factors would take over 2 GB)".into(),
+        };
         line(format!(
-            "{angle} of {:.1} to {:.1} deg, worst radius ratio {:.3}, factors of {:.0} MB",
-            self.smallest_angle,
-            self.largest_angle,
-            self.worst_radius_ratio,
-            self.factor_bytes * 1e-6
+            "{angle} of {:.1} to {:.1} deg, worst radius ratio {:.3}, {factors}",
+            self.smallest_angle, self.largest_angle, self.worst_radius_ratio,
         ));
         if let (Some(speed), Some(edges)) = (self.wave_speed, self.edges_per_step) {
             line(format!("elastic waves of {} m/s: {edges:.1} edges a step", number(speed)));

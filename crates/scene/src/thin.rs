@@ -4,10 +4,12 @@ use crate::error::SceneError;
 use crate::file::{Scene, Solid as SolidSpec};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::SurfaceMesh;
-use meniscus_sim::{LineTracker, Model, Solid};
+use meniscus_sim::{LineTracker, Model, Solid, THINNEST};
 
 /// Part of a solid's surface behind which it may be thinner than a cell: sharp rims.
 const RIMS: f64 = 0.1;
+/// Part of a plate's surface behind which it is thin; what has thin limbs only is left as it is.
+const MOST: f64 = 0.5;
 /// Fewest cells through a solid that deforms and has liquid on both sides.
 const LEAST_SOFT: f64 = 1.5;
 /// Part of a thickness that is rounding.
@@ -16,15 +18,16 @@ const ROUNDING: f64 = 1e-6;
 const SAMPLES: u32 = 100;
 
 /// Refuses solids with walls thinner than a cell: no cell's centre need lie in them, and liquid would pass. Those that deform
-/// need [`LEAST_SOFT`] cells.
+/// need [`LEAST_SOFT`] cells. Gives back the solids, padded where they have less than the liquid needs ([`Solid::padded`]).
 ///
 /// # Errors
 /// [`SceneError`] at the solid's shape.
-pub fn thick_enough<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneError> {
+pub fn thick_enough<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<Vec<Solid<D>>, SceneError> {
     let edges: Vec<f64> = scene.solids.iter().map(|s| s.mesh_edge.max(0.5 * scene.domain.dx)).collect();
     let surfaces = LineTracker::new(model, &edges);
     let start: Vec<_> = model.solids.iter().map(Solid::start).collect();
     let dx = scene.domain.dx;
+    let mut seen = Vec::new();
     for (i, solid) in scene.solids.iter().enumerate() {
         let inside = |x: &Vector<D>| model.solids[i].distance(&start[i], x) < 0.0;
         let soft = model.solids[i].elastic().is_some();
@@ -32,6 +35,10 @@ pub fn thick_enough<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(
         let surface = surfaces.surface(model, &start, i);
         let thin = thin_part(&surface, least * dx, &inside);
         if thin <= RIMS {
+            let is_plate = thin_part(&surface, THINNEST * dx, &inside) > MOST;
+            let thickness =
+                if is_plate { thickness(&surface, THINNEST * dx, &inside) } else { f64::INFINITY };
+            seen.push(model.solids[i].clone().padded(thickness, dx));
             continue;
         }
         let error = match soft {
@@ -45,7 +52,7 @@ pub fn thick_enough<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(
         };
         return Err(scene.source.at_value(error, &scene.source.first_inside(&format!("solid.{i}.shape"))));
     }
-    Ok(())
+    Ok(seen)
 }
 
 /// The error of a solid that deforms and is thinner than it may be behind a part of its surface, in the mean by `thickness`, m.

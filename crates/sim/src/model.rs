@@ -108,10 +108,10 @@ impl<const D: usize> Model<D> {
             let [low, high] = solid.bounds(now);
             let off = (low - x).sup(&(x - high)).sup(&Vector::zeros()).norm();
             // A point in the box may be inside it.
-            if off > 0.0 && off >= nearest.0 {
+            if off > 0.0 && off - solid.padding >= nearest.0 {
                 continue;
             }
-            let distance = solid.distance(now, x);
+            let distance = solid.liquid_distance(now, x);
             if nearest.1.is_none() || distance < nearest.0 {
                 nearest = (distance, Some(number));
             }

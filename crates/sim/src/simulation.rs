@@ -267,7 +267,7 @@ impl<const D: usize> Simulation<D> {
     /// Share of a solid's surface that is wetted, 0 to 1.
     pub fn wetted(&self, number: usize) -> f64 {
         if let Some(soft) = &self.state.solids[number].soft {
-            return self.wetted_of(&soft.skin.surface);
+            return self.wetted_of(&soft.skin.surface, self.model.solids[number].padding);
         }
         let own = self.work.cut.wet.iter().filter(|w| w.solid as usize == number);
         let wet = own.filter(|w| self.state.phi.data[w.cell as usize] < 0.0);
@@ -276,8 +276,8 @@ impl<const D: usize> Simulation<D> {
         if all > 0.0 { (wet / all).min(1.0) } else { 0.0 }
     }
 
-    /// Share of a surface above the middles of whose facets there is liquid.
-    fn wetted_of(&self, surface: &SurfaceMesh<D>) -> f64 {
+    /// Share of a surface over the middles of whose facets, `padding` (m) above them, there is liquid.
+    fn wetted_of(&self, surface: &SurfaceMesh<D>, padding: f64) -> f64 {
         let grid = &self.model.grid;
         let phi = Sampler::cells(grid, &self.state.phi.data, self.model.scalar_edges());
         let (mut wet, mut all) = (0.0, 0.0);
@@ -286,7 +286,8 @@ impl<const D: usize> Simulation<D> {
             let area = surface.area_vector(f);
             let size = area.norm();
             all += size;
-            if size > 0.0 && phi_on(&phi, &middle, &(area / size), grid.dx) < 0.0 {
+            let normal = area / size;
+            if size > 0.0 && phi_on(&phi, &(middle + normal * padding), &normal, grid.dx) < 0.0 {
                 wet += size;
             }
         }

@@ -8,7 +8,7 @@
 use crate::model::Model;
 use crate::skin::{Grip, Skin};
 use crate::solid::SolidState;
-use meniscus_elastic::{Elastic, ElasticState, System};
+use meniscus_elastic::{Elastic, ElasticState, StiffnessBlock, System};
 use meniscus_numerics::Vector;
 use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::mesh::SurfaceMesh;
@@ -55,18 +55,20 @@ pub struct SoftSystem<const D: usize> {
 /// Those of all solids; none of a rigid one.
 pub type Systems<const D: usize> = Vec<Option<SoftSystem<D>>>;
 
-/// Factorises the matrices of the solids that deform where they are now, for forces that act for `h` seconds.
+/// Factorises the matrices of the solids that deform where they are now, for forces that act for `h` seconds; `stiffness` is what
+/// other forces add to each.
 ///
 /// # Errors
 /// [`SolveError::Indefinite`] with the number of the solid whose matrix has no factors.
 pub fn systems<const D: usize>(
     model: &Model<D>,
     solids: &[SolidState<D>],
+    stiffness: &[Vec<StiffnessBlock<D>>],
     h: f64,
 ) -> Result<Systems<D>, SolveError> {
     let of = |(number, now): (usize, &SolidState<D>)| match (model.solids[number].elastic(), &now.soft) {
         (Some(elastic), Some(soft)) => {
-            let matrix = elastic.system(&soft.body.positions, h, &[]);
+            let matrix = elastic.system(&soft.body.positions, h, &stiffness[number]);
             let matrix = matrix.map_err(|_| SolveError::Indefinite { solid: number, step: h })?;
             Ok(Some(SoftSystem { matrix, masses: elastic.masses().to_vec() }))
         }

@@ -22,7 +22,7 @@ use crate::simulation::PhaseEnd;
 use crate::soft::{Systems, systems};
 use crate::solid::{Motion, SolidState};
 use crate::state::State;
-use crate::tension::wetted_skins;
+use crate::tension::{wetted_skins, wetted_stiffness};
 use crate::workspace::{BAND, LAYERS, Workspace};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Runs, Sampler, Segment};
@@ -82,8 +82,9 @@ pub fn step<const D: usize>(
     // (1) to (3) The liquid moves; meanwhile the matrices of the solids that deform are factorised.
     let kick = kick(state.lead, dt);
     let (solids, mut matrices) = (state.solids.clone(), Ok(Systems::new()));
+    let stiffness = wetted_stiffness(model, state);
     let (mut change, displacement) = rayon::in_place_scope(|scope| {
-        scope.spawn(|_| matrices = systems(model, &solids, kick));
+        scope.spawn(|_| matrices = systems(model, &solids, &stiffness, kick));
         move_liquid(model, state, work, &before, dt, phase_end)
     });
     work.soft = matrices?;
@@ -142,7 +143,7 @@ fn start<const D: usize>(
     expect(model, state, work, &mut change.groups, &[], 0.0);
     let still = displacements(model, state, work, 0.0);
     work.mark_afresh(model);
-    work.soft = systems(model, &state.solids, 0.5 * dt)?;
+    work.soft = systems(model, &state.solids, &wetted_stiffness(model, state), 0.5 * dt)?;
     push(model, state, work, &mut change, still, (dt, 0.5 * dt), phase_end)?;
     (state.lead, state.kick) = (0.5 * dt, 0.5 * dt);
     Ok(())

@@ -8,13 +8,15 @@
 //! The force on a vertex is `−∂A/∂x` of the area of its facets that is wetted, times the difference.
 
 use crate::model::Model;
-use crate::skin::Grip;
+use crate::skin::{Grip, Skin};
 use crate::solid::SolidState;
+use crate::state::State;
 use crate::track::phi_on;
+use meniscus_elastic::StiffnessBlock;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Sampler;
 use meniscus_numerics::mesh::SurfaceMesh;
-use meniscus_numerics::mesh::surface::area_slopes;
+use meniscus_numerics::mesh::surface::{area_slopes, area_stiffness};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -51,6 +53,20 @@ pub fn wetted_skins<const D: usize>(
     skins
 }
 
+/// The positive part of the stiffness of the same, for the matrix of each solid ([`meniscus_elastic::Elastic::system`]):
+/// where what is wetted is the tenser, beyond 90 degrees. Else it is negative, and left out.
+pub fn wetted_stiffness<const D: usize>(model: &Model<D>, state: &State<D>) -> Vec<Vec<StiffnessBlock<D>>> {
+    let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
+    let of = |(number, now): (usize, &SolidState<D>)| {
+        let solid = &model.solids[number];
+        let tenser = model.numerics.contact_line && (solid.cosine < 0.0 || !solid.pattern.is_empty());
+        let Some(soft) = now.soft.as_ref().filter(|_| tenser) else { return Vec::new() };
+        let under = Under { model, number, now, phi: &phi, label: &|_| Some(0) };
+        under.stiffness(&soft.skin)
+    };
+    state.solids.iter().enumerate().map(of).collect()
+}
+
 /// A solid under liquid.
 struct Under<'a, const D: usize> {
     model: &'a Model<D>,
@@ -66,18 +82,12 @@ type Seen = (f64, Option<u32>, f64);
 impl<const D: usize> Under<'_, D> {
     /// By component the forces on the vertices of its surface.
     fn forces(&self, surface: &SurfaceMesh<D>) -> BTreeMap<u32, BTreeMap<u32, Vector<D>>> {
-        let mut normals = vec![Vector::zeros(); surface.positions.len()];
-        for (f, facet) in surface.facets.iter().enumerate() {
-            let area = surface.area_vector(f);
-            facet.iter().for_each(|v| normals[*v as usize] += area);
-        }
-        let vertices = surface.positions.par_iter().zip(&normals).with_min_len(256);
-        let seen: Vec<Seen> = vertices.map(|(x, n)| self.seen(x, n)).collect();
+        let seen = self.vertices(surface);
         let mut forces: BTreeMap<u32, BTreeMap<u32, Vector<D>>> = BTreeMap::new();
         for (f, facet) in surface.facets.iter().enumerate() {
             let corners = facet.map(|v| seen[v as usize]);
             let Some(component) = corners.iter().find_map(|c| c.1) else { continue };
-            let tension = corners.iter().map(|c| c.2).sum::<f64>() / D as f64 * wetted(corners.map(|c| c.0));
+            let tension = tension(&corners);
             let of = forces.entry(component).or_default();
             for (v, slope) in facet.iter().zip(area_slopes(&surface.corners(f))) {
                 *of.entry(*v).or_insert_with(Vector::zeros) -= slope * tension;
@@ -86,14 +96,47 @@ impl<const D: usize> Under<'_, D> {
         forces
     }
 
+    /// Its stiffness, of facets whose tension it adds to.
+    fn stiffness(&self, skin: &Skin<D>) -> Vec<StiffnessBlock<D>> {
+        let seen = self.vertices(&skin.surface);
+        let mut blocks = Vec::new();
+        for (f, facet) in skin.surface.facets.iter().enumerate() {
+            let tension = tension(&facet.map(|v| seen[v as usize]));
+            if tension <= 0.0 {
+                continue;
+            }
+            let stiffness = area_stiffness(&skin.surface.corners(f));
+            let vertices = facet.map(|v| skin.vertices()[v as usize]);
+            let pairs = (0..D).flat_map(|i| (i..D).map(move |j| (i, j)));
+            blocks.extend(pairs.map(|(i, j)| {
+                let (first, second, block) = (vertices[i], vertices[j], stiffness[i][j] * tension);
+                StiffnessBlock { first, second, block }
+            }));
+        }
+        blocks
+    }
+
+    /// The vertices of its surface.
+    fn vertices(&self, surface: &SurfaceMesh<D>) -> Vec<Seen> {
+        let mut normals = vec![Vector::zeros(); surface.positions.len()];
+        for (f, facet) in surface.facets.iter().enumerate() {
+            let area = surface.area_vector(f);
+            facet.iter().for_each(|v| normals[*v as usize] += area);
+        }
+        let vertices = surface.positions.par_iter().zip(&normals).with_min_len(256);
+        vertices.map(|(x, n)| self.seen(x, n)).collect()
+    }
+
     /// A vertex; `normal` need not be a unit vector.
     fn seen(&self, x: &Vector<D>, normal: &Vector<D>) -> Seen {
         let dx = self.model.grid.dx;
         let Some(normal) = normal.try_normalize(0.0) else { return (dx, None, 0.0) };
+        let solid = &self.model.solids[self.number];
+        let x = &(x + normal * solid.padding);
         let phi = phi_on(self.phi, x, &normal, dx);
         let at = |h: &f64| (self.label)(self.cell(&(x + normal * (h * dx)))?);
         let component = if phi < 0.0 { ABOVE.iter().find_map(at) } else { None };
-        let cosine = self.model.solids[self.number].cosine_near(self.now, x, dx).clamp(-1.0, 1.0);
+        let cosine = solid.cosine_near(self.now, x, dx).clamp(-1.0, 1.0);
         (phi, component, -self.model.surface_tension * cosine)
     }
 
@@ -104,6 +147,11 @@ impl<const D: usize> Under<'_, D> {
         let inside = (0..D).all(|a| from[a] >= 0.0 && from[a] < grid.cells[a] as f64);
         inside.then(|| grid.lattice().index(std::array::from_fn(|a| from[a] as usize)))
     }
+}
+
+/// The mean tension that being wetted adds to a facet, N/m, by its corners.
+fn tension<const D: usize>(corners: &[Seen; D]) -> f64 {
+    corners.iter().map(|c| c.2).sum::<f64>() / D as f64 * wetted(corners.map(|c| c.0))
 }
 
 /// The share of a facet where a linear function with these values at its corners is negative.

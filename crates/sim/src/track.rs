@@ -164,22 +164,23 @@ impl<'a, const D: usize> Seen<'a, D> {
         let [low, high] = self.model.grid.bounds();
         let slack = 1e-9 * high.max();
         (0..D).any(|a| x[a] < low[a] - slack || x[a] > high[a] + slack)
-            || others.any(|i| self.model.solids[i].distance(&self.solids[i], x) < 0.0)
+            || others.any(|i| self.model.solids[i].liquid_distance(&self.solids[i], x) < 0.0)
     }
 
     /// A point of the line.
     fn point(&self, number: usize, at: Vector<D>, length: f64) -> LinePoint<D> {
         let (solid, now) = (&self.model.solids[number], &self.solids[number]);
         let normal = solid.normal(now, &at, 0.01 * self.dx);
-        let (_, slope) = self.phi.distance(&(at + normal * (HIGHER * self.dx)));
+        let foot = at + normal * solid.padding;
+        let (_, slope) = self.phi.distance(&(foot + normal * (HIGHER * self.dx)));
         let outward = (slope - normal * slope.dot(&normal)).try_normalize(0.0).unwrap_or(Vector::zeros());
-        let height = |x: &Vector<D>| self.model.height(self.solids, number, (&at, &normal), x);
-        let foot = Foot { at, normal, dx: self.dx, weight: self.model.weight(), height: &height };
+        let height = |x: &Vector<D>| self.model.height(self.solids, number, (&foot, &normal), x);
+        let foot = Foot { at: foot, normal, dx: self.dx, weight: self.model.weight(), height: &height };
         let angle =
             contact_angle(&self.phi, &foot).unwrap_or_else(|| slope.dot(&normal).clamp(-1.0, 1.0).acos());
         let young = solid.cosine_near(now, &at, self.dx).clamp(-1.0, 1.0);
         let force = (normal * angle.sin() - outward * young) * self.model.surface_tension;
-        let speed = (self.flow.linear(&at) - now.velocity_at(&at)).dot(&outward);
+        let speed = (self.flow.linear(&foot.at) - now.velocity_at(&at)).dot(&outward);
         LinePoint { at, solid: number as u32, angle: angle.to_degrees(), speed, force, length }
     }
 }
@@ -221,8 +222,8 @@ impl<const D: usize> Tracked<D> {
         let (solid, now) = (&seen.model.solids[number], &seen.solids[number]);
         let moved = |x: &Vector<D>| if now.soft.is_some() { *x } else { solid.where_now(now, x) };
         let value = |(x, n): (&Vector<D>, &Vector<D>)| {
-            let x = moved(x);
             let normal = if now.soft.is_some() { *n } else { now.rotation * n };
+            let x = moved(x) + normal * solid.padding;
             let value = phi_on(&seen.phi, &x, &normal, seen.dx);
             let open =
                 *n != Vector::<D>::zeros() && !(value.abs() < NEAR * seen.dx && seen.is_covered(number, &x));

@@ -51,7 +51,7 @@ impl<const D: usize> Model<D> {
     ) -> f64 {
         match self.wetting_walls() == Some(solid) {
             true => (x - foot).dot(normal),
-            false => self.solids[solid].distance(&now[solid], x),
+            false => self.solids[solid].liquid_distance(&now[solid], x),
         }
     }
 

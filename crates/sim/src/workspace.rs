@@ -91,7 +91,7 @@ impl<const D: usize> Workspace<D> {
     fn cut_cells(&mut self, model: &Model<D>, now: &[SolidState<D>]) {
         let solids: Vec<_> = model.solids.iter().zip(now).collect();
         let distances: Vec<_> =
-            solids.iter().map(|(solid, now)| move |x: &Vector<D>| solid.distance(now, x)).collect();
+            solids.iter().map(|(solid, now)| move |x: &Vector<D>| solid.liquid_distance(now, x)).collect();
         let cuts = solids.iter().zip(&distances).map(|((solid, now), d)| solid.cut_by(now, d));
         // The liquid and its band go less than a tile in a step.
         self.cut.rebuild(&cuts.collect::<Vec<_>>(), &self.tiles.grown());

@@ -106,14 +106,14 @@ impl Setting {
             Held::Everywhere => Motion::Fixed,
             _ => Motion::Soft(Arc::new(self.elastic(mesh, &low)?)),
         };
-        let mut solid = Solid::new(shape, motion, self.density);
+        let mut solid = Solid::new(shape, motion, self.density).padded(self.thickness, dx);
         solid.cosine = self.angle.to_radians().cos();
         let t = self.first.to_radians();
         let radius = self.half_width(self.first) / t.sin();
-        let center = middle + Vector::<2>::new(self.place, half[1] - radius * t.cos());
+        let side = half[1] + solid.padding;
+        let center = middle + Vector::<2>::new(self.place, side - radius * t.cos());
         // Liquid may reach into the plate, but not down beside its ends.
-        let beside =
-            move |x: &Vector<2>| (middle[1] + half[1] - x[1]).min((x[0] - middle[0]).abs() - half[0]);
+        let beside = move |x: &Vector<2>| (middle[1] + side - x[1]).min((x[0] - middle[0]).abs() - half[0]);
         let drop = move |x: &Vector<2>| ((x - center).norm() - radius).max(middle[1] - x[1]).max(beside(x));
         let model = Model {
             grid,

@@ -41,7 +41,7 @@ impl Pattern {
     }
 
     /// Where block `(i, j)`, `i ≥ j`, lies.
-    fn slot(&self, i: u32, j: u32) -> Option<usize> {
+    pub(super) fn slot(&self, i: u32, j: u32) -> Option<usize> {
         let k = self.column(j as usize).binary_search(&i).ok()?;
         Some(self.starts[j as usize] + k)
     }

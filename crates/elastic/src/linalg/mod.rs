@@ -2,12 +2,18 @@
 
 mod blocks;
 mod cliques;
+mod coarse;
 mod dissection;
 mod factor;
+mod inverse;
+mod iterated;
 mod small;
 
 pub use blocks::BlockMatrix;
 pub(crate) use blocks::Pattern;
 pub use cliques::Cliques;
+pub(crate) use coarse::{Coarse, Lattice};
 pub(crate) use factor::{Factor, Symbolic};
+pub(crate) use inverse::{Inverse, Solver};
+pub(crate) use iterated::Iterated;
 pub(crate) use small::{eigen, pairs, svd};

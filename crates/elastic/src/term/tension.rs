@@ -2,7 +2,7 @@
 
 use super::{ForceTerm, Weights};
 use crate::linalg::{BlockMatrix, Cliques};
-use meniscus_numerics::mesh::surface::{area_slopes, area_vector};
+use meniscus_numerics::mesh::surface::{area_slopes, area_stiffness, area_vector};
 use meniscus_numerics::mesh::{SurfaceMesh, VolumeMesh};
 use meniscus_numerics::{Vector, par};
 
@@ -50,21 +50,14 @@ impl<const D: usize> ForceTerm<D> for SurfaceTension {
 
     fn add_viscous_forces(&self, _: &[Vector<D>], _: &[Vector<D>], _: f64, _: &mut [Vector<D>]) {}
 
-    /// A facet's size changes with heights `u` over it by `½ ∫ |∇u|²` (the area's second variation on what is flat), of which
-    /// the linear functions' slopes are those of the size over it; what else its Hessian has is left out, as most of it is
-    /// negative.
     fn add_tangent(&self, x: &[Vector<D>], weights: Weights, matrix: &mut BlockMatrix<D>) {
         for k in 0..self.facets.len() {
             let (vertices, corners) = self.facet(k, x);
-            let (area, slopes) = (area_vector(&corners), area_slopes(&corners));
-            let size = area.norm();
-            if size == 0.0 {
-                continue;
-            }
-            let outer = area * area.transpose() * (self.tension * weights.stiffness / size.powi(3));
+            let stiffness = area_stiffness(&corners);
             for i in 0..D {
                 for j in i..D {
-                    let there = matrix.add(vertices[i], vertices[j], &(outer * slopes[i].dot(&slopes[j])));
+                    let block = stiffness[i][j] * (self.tension * weights.stiffness);
+                    let there = matrix.add(vertices[i], vertices[j], &block);
                     debug_assert!(there, "a facet without a block");
                 }
             }

@@ -131,6 +131,16 @@ pub fn area_slopes<const D: usize>(corners: &[Vector<D>; D]) -> [Vector<D>; D] {
     })
 }
 
+/// The positive part of the second derivatives of the area (2D: length) of a facet by the positions of its corners, without
+/// a unit (2D: 1/m): with heights `u` over what is flat it grows by `½ ∫ |∇u|²`, of which the linear functions' slopes are those
+/// of the area over it. What else there is, is left out: most of it is negative. None of a facet without an area.
+pub fn area_stiffness<const D: usize>(corners: &[Vector<D>; D]) -> [[Matrix<D>; D]; D] {
+    let (area, slopes) = (area_vector(corners), area_slopes(corners));
+    let size = area.norm();
+    let outer = if size > 0.0 { area * area.transpose() / size.powi(3) } else { Matrix::zeros() };
+    std::array::from_fn(|i| std::array::from_fn(|j| outer * slopes[i].dot(&slopes[j])))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -158,6 +168,24 @@ mod tests {
         assert!(tetrahedron.is_watertight());
         tetrahedron.facets[0].swap(0, 1);
         assert_eq!(tetrahedron.open_ridges(), 3);
+    }
+
+    #[test]
+    fn areas_grow_with_heights_over_them_as_their_stiffness_says() {
+        bent(&[[0.1, 0.2, 0.3], [1.1, 0.4, 0.2], [0.3, 1.2, -0.4]].map(Vector::<3>::from), &[0.3, -0.7, 0.5]);
+        bent(&[[0.1, 0.2], [1.1, 0.4]].map(Vector::<2>::from), &[0.3, -0.7]);
+    }
+
+    fn bent<const D: usize>(corners: &[Vector<D>; D], heights: &[f64; D]) {
+        let normal = area_vector(corners).normalize();
+        let area =
+            |by: f64| area_vector(&std::array::from_fn(|k| corners[k] + normal * (by * heights[k]))).norm();
+        let stiffness = area_stiffness(corners);
+        let pairs = (0..D).flat_map(|i| (0..D).map(move |j| (i, j)));
+        let work: f64 =
+            pairs.map(|(i, j)| heights[i] * heights[j] * normal.dot(&(stiffness[i][j] * normal))).sum();
+        let exact = (area(1e-4) - 2.0 * area(0.0) + area(-1e-4)) / 1e-8;
+        assert!((work - exact).abs() < 1e-6 * exact, "{work} {exact}");
     }
 
     #[test]

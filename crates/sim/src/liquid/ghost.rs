@@ -148,7 +148,7 @@ impl<const D: usize> Surface<'_, D> {
         let dx = self.model.grid.dx;
         let (solid, now) = (&self.model.solids[near.solid], &self.solids[near.solid]);
         let beyond = x - near.normal * (ACROSS * dx);
-        let height = solid.distance(now, &beyond);
+        let height = solid.liquid_distance(now, &beyond);
         let normal =
             if height > 0.0 { solid.normal(now, &beyond, 0.01 * dx).try_normalize(0.5) } else { None }?;
         (normal.dot(&near.normal) < 0.0).then_some(Side { depth: ACROSS * dx - height, normal, ..*near })

@@ -1,0 +1,73 @@
+//! How systems with a matrix are solved.
+
+use super::{BlockMatrix, Factor, Iterated, Lattice, Pattern, Symbolic};
+use meniscus_numerics::Vector;
+use std::sync::Arc;
+
+/// Entries of a factor beyond which there is none: 2 GB.
+const MOST: usize = 250_000_000;
+
+/// What all inverses of matrices with one pattern share.
+#[derive(Clone, Debug)]
+pub enum Solver {
+    /// They have factors of a bearable size.
+    Factors(Arc<Symbolic>),
+    /// They have not: iterations, and entries that each goes through.
+    Iterations(Arc<Lattice>, usize),
+}
+
+/// The inverse of a matrix, applied.
+#[derive(Clone, Debug)]
+pub enum Inverse<const D: usize> {
+    /// By Cholesky factors.
+    Factor(Factor),
+    /// By iterations.
+    Iterated(Iterated<D>),
+}
+
+impl Solver {
+    /// For matrices of this pattern; `held` vertices are left out. Nothing where memory does not suffice.
+    pub fn new<const D: usize>(positions: &[Vector<D>], pattern: &Pattern, held: &[bool]) -> Option<Self> {
+        let symbolic = Symbolic::new(positions, pattern, held)?;
+        if symbolic.entries() <= MOST {
+            return Some(Self::Factors(Arc::new(symbolic)));
+        }
+        let lattice = Lattice::new(positions, pattern, held)?;
+        Some(Self::Iterations(Arc::new(lattice), 2 * D * D * pattern.rows.len()))
+    }
+
+    /// Entries that are kept of an inverse.
+    pub fn entries(&self) -> usize {
+        match self {
+            Self::Factors(symbolic) => symbolic.entries(),
+            Self::Iterations(_, entries) => *entries,
+        }
+    }
+
+    /// The inverse of a matrix; iterations go on until the error is `tolerance` times as large. Nothing where the matrix is seen
+    /// not to be positive definite.
+    pub fn invert<const D: usize>(
+        &self,
+        matrix: &BlockMatrix<D>,
+        held: &[bool],
+        tolerance: f64,
+    ) -> Option<Inverse<D>> {
+        match self {
+            Self::Factors(symbolic) => Factor::new(symbolic.clone(), matrix, held).map(Inverse::Factor),
+            Self::Iterations(lattice, _) => {
+                Iterated::new(matrix, held, lattice, tolerance).map(Inverse::Iterated)
+            }
+        }
+    }
+}
+
+impl<const D: usize> Inverse<D> {
+    /// `b ← A⁻¹ b` for `count` right-hand sides of all vertices' components, one after another. What belongs to held
+    /// vertices becomes 0.
+    pub fn solve(&self, b: &mut [f64], count: usize) {
+        match self {
+            Self::Factor(factor) => factor.solve::<D>(b, count),
+            Self::Iterated(iterated) => iterated.solve(b),
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Conjugate gradients, for matrices whose factors would be too large: those of many vertices that fill space.
+//!
+//! The preconditioner is the blocks of the matrix's diagonal and, for what is smooth over some edges, the matrix on a coarse
+//! lattice (two levels, added: Bramble, Pasciak & Xu 1990).
+
+use super::{BlockMatrix, Coarse, Lattice};
+use meniscus_numerics::{Matrix, Vector, par};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Most iterations, which rounding ends only if the tolerance asks for too much.
+const MOST: usize = 20_000;
+/// Fewest rows that a thread takes.
+const ROWS: usize = 512;
+
+/// A matrix with both of its triangles, without the rows and columns of vertices that are held.
+#[derive(Clone, Debug)]
+pub struct Iterated<const D: usize> {
+    /// Where each row starts among the blocks; one more than rows.
+    starts: Vec<usize>,
+    columns: Vec<u32>,
+    blocks: Vec<Matrix<D>>,
+    /// Inverse of each block of the diagonal; zero where a vertex is held.
+    diagonal: Vec<Matrix<D>>,
+    coarse: Coarse,
+    /// What the error is less than, over that at the start, in the norm of the preconditioner.
+    tolerance: f64,
+}
+
+impl<const D: usize> Iterated<D> {
+    /// Nothing where the matrix is seen not to be positive definite.
+    pub fn new(
+        matrix: &BlockMatrix<D>,
+        held: &[bool],
+        lattice: &Arc<Lattice>,
+        tolerance: f64,
+    ) -> Option<Self> {
+        let n = held.len();
+        let mut rows: Vec<Vec<(u32, Matrix<D>)>> = vec![Vec::new(); n];
+        for j in (0..n).filter(|j| !held[*j]) {
+            let start = matrix.pattern.starts[j];
+            for (k, i) in matrix.pattern.column(j).iter().enumerate().filter(|(_, i)| !held[**i as usize]) {
+                let block = matrix.blocks[start + k];
+                rows[*i as usize].push((j as u32, block));
+                if k > 0 {
+                    rows[j].push((*i, block.transpose()));
+                }
+            }
+        }
+        let inverse = |j: usize| match held[j] {
+            true => Some(Matrix::zeros()),
+            false => Some(matrix.blocks[matrix.pattern.starts[j]].cholesky()?.inverse()),
+        };
+        let diagonal = (0..n).map(inverse).collect::<Option<_>>()?;
+        let (mut starts, mut columns, mut blocks) = (vec![0], Vec::new(), Vec::new());
+        for row in rows {
+            columns.extend(row.iter().map(|r| r.0));
+            blocks.extend(row.iter().map(|r| r.1));
+            starts.push(blocks.len());
+        }
+        let coarse = lattice.factorised(&starts, &columns, &blocks)?;
+        Some(Self { starts, columns, blocks, diagonal, coarse, tolerance })
+    }
+
+    /// `b ← A⁻¹ b` for right-hand sides of all vertices' components, one after another. What belongs to held vertices
+    /// becomes 0.
+    pub fn solve(&self, b: &mut [f64]) {
+        for b in b.chunks_exact_mut(D * self.diagonal.len()) {
+            let x = self.solved(b.chunks_exact(D).map(Vector::from_column_slice).collect());
+            b.chunks_exact_mut(D).zip(x).for_each(|(b, x)| b.copy_from_slice(x.as_slice()));
+        }
+    }
+
+    /// `A⁻¹ r`.
+    fn solved(&self, mut r: Vec<Vector<D>>) -> Vec<Vector<D>> {
+        let dot = |a: &[Vector<D>], b: &[Vector<D>]| par::sum(a.len(), |k| a[k].dot(&b[k]));
+        let mut x = vec![Vector::zeros(); r.len()];
+        let mut z = self.preconditioned(&r);
+        let mut p = z.clone();
+        let mut size = dot(&r, &z);
+        let target = size * self.tolerance * self.tolerance;
+        for _ in 0..MOST {
+            if size <= target {
+                break;
+            }
+            let pulled = self.product(&p);
+            let step = size / dot(&p, &pulled);
+            x.iter_mut().zip(&p).for_each(|(x, p)| *x += p * step);
+            r.iter_mut().zip(&pulled).for_each(|(r, q)| *r -= q * step);
+            z = self.preconditioned(&r);
+            let last = std::mem::replace(&mut size, dot(&r, &z));
+            p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + *p * (size / last));
+        }
+        x
+    }
+
+    fn preconditioned(&self, r: &[Vector<D>]) -> Vec<Vector<D>> {
+        let mut z: Vec<Vector<D>> = r.iter().zip(&self.diagonal).map(|(r, inverse)| inverse * r).collect();
+        self.coarse.add_solved(r, &mut z);
+        z
+    }
+
+    fn product(&self, x: &[Vector<D>]) -> Vec<Vector<D>> {
+        let row = |i: usize| {
+            let all = self.starts[i]..self.starts[i + 1];
+            all.map(|k| self.blocks[k] * x[self.columns[k] as usize]).sum()
+        };
+        (0..x.len()).into_par_iter().with_min_len(ROWS).map(row).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::{Cliques, Factor, Pattern, Symbolic};
+
+    /// A chain of springs along which masses differ, some held.
+    #[test]
+    fn iterations_give_what_factors_give() {
+        let n = 300;
+        let positions: Vec<Vector<3>> =
+            (0..n).map(|i| Vector::<3>::new(i as f64, (i % 7) as f64, (i % 3) as f64)).collect();
+        let mut springs = Cliques::default();
+        (0..n as u32 - 5).for_each(|i| [1, 2, 5].into_iter().for_each(|k| springs.push([i, i + k])));
+        let pattern = Arc::new(Pattern::new(n, [&springs]));
+        let mut matrix = BlockMatrix::<3>::new(pattern.clone());
+        for pair in springs.iter() {
+            let (i, j) = (pair[0], pair[1]);
+            let along = (positions[i as usize] - positions[j as usize]).normalize();
+            let block = (along * along.transpose() + Matrix::identity() * 0.1) * 20.0;
+            assert!(matrix.add(i, i, &block) && matrix.add(j, j, &block) && matrix.add(i, j, &-block));
+        }
+        (0..n).for_each(|i| matrix.add_diagonal(i, 1.0 + (i % 4) as f64));
+        let held: Vec<bool> = (0..n).map(|i| i % 50 == 3).collect();
+        let symbolic = Symbolic::new(&positions, &pattern, &held).map(Arc::new).ok_or("no memory");
+        let factor = symbolic.map(|s| Factor::new(s, &matrix, &held));
+        let mut exact: Vec<f64> = (0..6 * n).map(|k| (k as f64 * 0.37).sin()).collect();
+        let mut found = exact.clone();
+        let lattice = Lattice::new(&positions, &pattern, &held);
+        let iterated = lattice.and_then(|l| Iterated::new(&matrix, &held, &Arc::new(l), 1e-12));
+        assert!(iterated.is_some() && matches!(factor, Ok(Some(_))));
+        factor.iter().flatten().for_each(|f| f.solve::<3>(&mut exact, 2));
+        iterated.iter().for_each(|i| i.solve(&mut found));
+        let size = exact.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
+        let off = exact.iter().zip(&found).fold(0.0, |s: f64, (a, b)| s.max((a - b).abs()));
+        assert!(off < 1e-11 * size, "{off} of {size}");
+        assert!(held.iter().enumerate().all(|(v, held)| !held || found[3 * v] == 0.0));
+    }
+}
