@@ -258,7 +258,7 @@ pub const BUILTINS: [Builtin; 53] = [
         3,
         Some("Fig. 21"),
         "A soft plate five times as dense as the liquid floats on its strong surface",
-        "an hour; --quality draft: half an hour"
+        "two hours; --quality draft: one"
     ),
     scene!(
         "fig21-tank-sink",

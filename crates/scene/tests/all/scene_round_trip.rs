@@ -31,11 +31,13 @@ fn builtins_are_sound() {
             assert_eq!((scene.name.as_str(), scene.domain.dimension as u32), (b.name, b.dimension));
             assert_eq!((scene.description.as_deref(), scene.cost.as_deref()), (Some(b.line), Some(b.cost)));
             runnable(&scene).unwrap_or_else(|e| panic!("{}", e.render()));
-            assert_eq!(scene.warnings.0, [], "{}", b.name);
+            // What the paper prints for it has no Young angle, and a capillary length of half a cell.
+            let odd = b.name == "fig22-plate-0-paper-constants";
+            assert!(odd || scene.warnings.0.is_empty(), "{}: {:?}", b.name, scene.warnings.0);
             same_again(&scene);
             if quality == Quality::Normal {
                 let report = check::check(&scene, 2);
-                assert_eq!(report.warnings, [], "{}", b.name);
+                assert!(odd || report.warnings.is_empty(), "{}: {:?}", b.name, report.warnings);
                 println!("{}", report.render());
                 assert!(serde_json::to_string(&report).is_ok());
             }
