@@ -2,7 +2,9 @@
 
 use crate::term::density::{cofactor, determinant};
 use crate::{Elastic, ElasticState};
+use meniscus_numerics::mesh::Simplex;
 use meniscus_numerics::{Vector, par, planes};
+use rayon::prelude::*;
 
 impl<const D: usize> Elastic<D> {
     /// Elastic energy at positions, J (2D: J/m).
@@ -37,6 +39,14 @@ impl<const D: usize> Elastic<D> {
             planes::<D>().iter().for_each(|(a, b, at)| moment[*at] = x[*a] * p[*b] - x[*b] * p[*a]);
             moment
         })
+    }
+
+    /// The smallest volume of an element (2D: area) over that at rest; not above zero where one is turned inside out.
+    pub fn least_element(&self, positions: &[Vector<D>]) -> f64 {
+        let ratio = |simplex: &Simplex<D>| {
+            determinant(&simplex.edges(positions)) / determinant(&simplex.edges(&self.rest.positions))
+        };
+        self.rest.simplices.par_iter().with_min_len(1024).map(ratio).reduce(|| f64::INFINITY, f64::min)
     }
 
     /// The largest velocity gradient in an element, 1/s: how fast elements turn or change their shape.

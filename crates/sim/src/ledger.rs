@@ -36,6 +36,9 @@ pub struct Ledger<const D: usize> {
     pub surface_energy: f64,
     /// Energy in the deformation of solids, J.
     pub elastic_energy: f64,
+    /// The smallest volume (2D: area) of an element of the solids that deform over that at rest, not above zero where one is
+    /// turned inside out; none without such solids.
+    pub least_element: Option<f64>,
     /// −mass × gravity · centre of mass, J, of free solids as well.
     pub potential_energy: f64,
     /// Largest speed, m/s.
@@ -153,6 +156,14 @@ fn elastic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     model.solids.iter().zip(&state.solids).map(soft).sum()
 }
 
+/// [`Ledger::least_element`].
+fn least_element<const D: usize>(model: &Model<D>, state: &State<D>) -> Option<f64> {
+    let soft = |(solid, now): (&Solid<D>, &SolidState<D>)| {
+        solid.elastic().zip(now.soft.as_ref()).map(|(e, soft)| e.least_element(&soft.body.positions))
+    };
+    model.solids.iter().zip(&state.solids).filter_map(soft).reduce(f64::min)
+}
+
 /// Energy of the motion of liquid and free solids, J.
 fn moving_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.motion.is_told());
@@ -176,6 +187,7 @@ pub fn ledger<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspa
         kinetic_energy: moving_energy(model, state),
         surface_energy: model.surface_tension * state.surface_area,
         elastic_energy: elastic_energy(model, state),
+        least_element: least_element(model, state),
         potential_energy: potential_energy(model, state),
         max_speed: max_component(model, state, work),
         divergence_max: divergence_max(model, state, &work.liquid, &work.cut),

@@ -49,6 +49,7 @@ pub const COLUMNS: &[&str] = &[
     "redone",
     "residual",
     "line_distance",
+    "least_element",
 ];
 
 /// A row: the state after a step, and what the step did. Numbers are written so that they read back to the same bits.
@@ -83,6 +84,7 @@ pub fn row<const D: usize>(
     let _ = write!(row, ",{}", report.redone);
     put(&mut row, &[report.solves[1].residual]);
     put_known(&mut row, line.apart);
+    put_known(&mut row, ledger.least_element);
     row.push('\n');
     row
 }

@@ -52,6 +52,10 @@ pub struct Summary {
     pub max_divergence: f64,
     /// Largest speed of the run, m/s.
     pub max_speed: f64,
+    /// Smallest volume (2D: area) that an element of a solid that deforms had, over that at rest: not above zero where one was
+    /// turned inside out. Null without such solids.
+    #[serde(default)]
+    pub least_element: Option<f64>,
     /// Volume of drops that became too small to see, m³ (2D: m²).
     pub lost_volume: f64,
     /// Steps done again with half the length.
@@ -236,6 +240,7 @@ impl Summary {
             momentum_error: tally.momentum_error,
             max_divergence: tally.max_divergence,
             max_speed: tally.max_speed,
+            least_element: tally.least_element,
             lost_volume: state.lost_volume,
             redone: tally.redone,
             phases: tally.phases.iter().cloned().collect(),

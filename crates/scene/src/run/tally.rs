@@ -27,6 +27,8 @@ pub struct Tally {
     pub max_divergence: f64,
     /// Largest speed so far, m/s.
     pub max_speed: f64,
+    /// Smallest volume of an element of a solid that deforms so far, over that at rest.
+    pub least_element: Option<f64>,
     /// Steps that had to be done again with half the length.
     pub redone: u64,
     /// Pressure solves.
@@ -62,6 +64,8 @@ impl Tally {
         self.momentum_error = self.momentum_error.max(momentum_error);
         self.max_divergence = self.max_divergence.max(ledger.divergence_max);
         self.max_speed = self.max_speed.max(ledger.max_speed);
+        self.least_element =
+            [self.least_element, ledger.least_element].into_iter().flatten().reduce(f64::min);
         self.redone += u64::from(report.redone);
         for iterations in report.solves.iter().map(|solve| solve.iterations as u64).filter(|n| *n > 0) {
             self.solves += 1;

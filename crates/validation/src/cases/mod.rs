@@ -7,6 +7,7 @@ mod dam_break;
 mod elastic;
 mod elastica_drop;
 mod floating;
+mod floating_plate;
 mod hydrostatic;
 mod hysteresis;
 mod iterations;
@@ -44,7 +45,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 53] = [
+const ALL: [Case; 54] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -76,6 +77,7 @@ const ALL: [Case; 53] = [
     walls::CASE,
     floating::FREE,
     floating::HELD,
+    floating_plate::CASE,
     buoyancy::BUOYANCY,
     buoyancy::ADDED,
     surface_distance::DISTANCE,
