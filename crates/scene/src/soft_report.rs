@@ -6,6 +6,7 @@ use crate::file::{Material, Scene, Solid as SolidSpec};
 use crate::run::Setup;
 use crate::stiff;
 use meniscus_elastic::{Elastic, settled_modes};
+use meniscus_sim::THINNEST;
 use serde::Serialize;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -153,6 +154,9 @@ impl SoftReport {
         let mut plate = String::new();
         if let Some(cells) = self.thickness_cells {
             let _ = write!(plate, "a plate of {cells:.2} cells");
+            if cells < THINNEST {
+                let _ = write!(plate, ", which the liquid meets as one of {THINNEST}");
+            }
         }
         if let (Some(b), Some(l)) = (self.bending_stiffness, self.elastocapillary_length) {
             let _ = write!(plate, ", bending stiffness {} N m, √(B / γ) = {} m", number(b), number(l));

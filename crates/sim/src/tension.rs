@@ -54,7 +54,8 @@ pub fn wetted_skins<const D: usize>(
 }
 
 /// The positive part of the stiffness of the same, for the matrix of each solid ([`meniscus_elastic::Elastic::system`]):
-/// where what is wetted is the tenser, beyond 90 degrees. Else it is negative, and left out.
+/// where what is wetted is the tenser, beyond 90 degrees. Else it is negative, and left out. What is wetted is taken before the
+/// liquid moves: the matrices are factorised meanwhile, and a positive part more or less keeps the step as stable.
 pub fn wetted_stiffness<const D: usize>(model: &Model<D>, state: &State<D>) -> Vec<Vec<StiffnessBlock<D>>> {
     let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
     let of = |(number, now): (usize, &SolidState<D>)| {
