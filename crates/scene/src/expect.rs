@@ -9,9 +9,28 @@ const WHOLE: f64 = 0.98;
 /// Force of the liquid over that of what a solid rests on, from which on the liquid carries it.
 const HELD: f64 = 10.0;
 
-/// Evaluates every expectation of a scene.
+/// Depth, in cells, up to which solids that touch do not count as overlapping.
+const OVERLAP: f64 = 0.01;
+
+/// Evaluates every expectation of a scene, and what must hold wherever solids deform: no element is turned inside out, nothing
+/// goes through anything.
 pub fn evaluate(scene: &Scene, summary: &Summary, series: &Table) -> Vec<Verdict> {
-    scene.expect.iter().map(|expectation| verdict(expectation, summary, series)).collect()
+    let expected = scene.expect.iter().map(|expectation| verdict(expectation, summary, series));
+    expected.chain(sound(summary)).collect()
+}
+
+/// What must hold of solids that deform.
+fn sound(summary: &Summary) -> impl Iterator<Item = Verdict> {
+    let element = summary.least_element.map(|least| Verdict {
+        quantity: "smallest element over its volume at rest".into(),
+        bar: "above 0".into(),
+        value: Some(least),
+        unit: String::new(),
+        pass: least > 0.0,
+    });
+    let overlap = summary.deepest_overlap;
+    let overlap = overlap.map(|_| at_most("deepest overlap of solids", overlap, OVERLAP * summary.dx, "m"));
+    element.into_iter().chain(overlap)
 }
 
 fn verdict(expectation: &Expectation, summary: &Summary, series: &Table) -> Verdict {

@@ -119,6 +119,11 @@ impl<const D: usize> Model<D> {
         nearest.1
     }
 
+    /// Distance to where the liquid meets the nearest solid, m, negative inside; infinite where there are none.
+    pub(crate) fn solid_distance(&self, now: &[SolidState<D>], x: &Vector<D>) -> f64 {
+        self.nearest_solid(now, x).map_or(f64::INFINITY, |i| self.solids[i].liquid_distance(&now[i], x))
+    }
+
     /// The liquid's weight as the surface beside solids balances it, `−ρ g Δ²/γ` in 1/cells²; none without solids.
     pub(crate) fn weight(&self) -> Vector<D> {
         if self.solids.is_empty() || self.surface_tension <= 0.0 {

@@ -19,8 +19,9 @@ use rayon::prelude::*;
 pub const BAND: f64 = 5.0;
 /// Layers of the band: enough for [`BAND`] where the surface lies slantwise to the axes.
 pub const LAYERS: usize = 8;
-/// Distance, in cells, up to which a cell's centre is beside a solid.
-const BESIDE: f64 = 2.0;
+/// How much deeper, in cells, it is half-way between two cells than in the mean if they are on either side of a thin solid. Under
+/// one side the depth is linear; through one of 2.5 cells it is 0.38 and more where both cells have open faces.
+const ACROSS: f64 = 0.25;
 
 /// What a component of the liquid touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -125,7 +126,7 @@ impl<const D: usize> Workspace<D> {
         let open = |cell: usize| !self.cut.closed(model.grid.lattice().coordinates(cell));
         let liquid = if self.cut.wet.is_empty() { negative } else { negative.filtered(&model.grid, open) };
         self.liquid = liquid.label(&model.grid);
-        let tips = self.tips(&state.phi.data);
+        let tips = self.tips(model, state);
         self.liquid.unite(&tips);
         self.band.rebuild(&state.phi.data, &self.liquid, LAYERS);
     }
@@ -140,8 +141,8 @@ impl<const D: usize> Workspace<D> {
         strays.flat_map(|r| cells_of(&model.grid, r)).collect()
     }
 
-    /// Which components have come through a solid: they lie beside one, where no liquid was within reach. Within a wall φ
-    /// goes on from the nearer side, and where the liquid of one side ends the other may take a cell of it for its own.
+    /// Which components have come through a solid: they lie where no liquid was within reach. Within a wall φ goes on from
+    /// the nearer side, and where the liquid of one side ends the other may take a cell of it for its own.
     fn through_solids(&self, model: &Model<D>, before: &Runs, reach: usize) -> Vec<bool> {
         if self.cut.wet.is_empty() {
             return Vec::new();
@@ -156,7 +157,7 @@ impl<const D: usize> Workspace<D> {
             let at = lattice.coordinates(cell);
             let low = at.map(|i| i.saturating_sub(reach));
             let high = std::array::from_fn(|a| (at[a] + reach + 1).min(lattice.extent[a]));
-            self.cut.distance(cell) < BESIDE && points([low, high]).all(|p| was(lattice.index(p)).is_none())
+            points([low, high]).all(|p| was(lattice.index(p)).is_none())
         };
         for run in &self.liquid.runs {
             let through = &mut through[run.component as usize];
@@ -179,20 +180,25 @@ impl<const D: usize> Workspace<D> {
     }
 
     /// Components that are but tips of wedges, and those that they are the tips of: at a slanting solid a cell at the tip
-    /// may share no face with the rest.
-    fn tips(&self, phi: &[f64]) -> Vec<(u32, u32)> {
-        let within = self.within();
-        let lattice = self.cut.open.grid.lattice();
-        let component = self.liquid.component(&self.cut.open.grid);
+    /// may share no face with the rest. That of the other side of a thin solid is not.
+    fn tips(&self, model: &Model<D>, state: &State<D>) -> Vec<(u32, u32)> {
+        let (within, grid) = (self.within(), model.grid);
+        let lattice = grid.lattice();
+        let depth = |x: &Vector<D>| -model.solid_distance(&state.solids, x);
+        let across = |from: [usize; D], to: [usize; D]| {
+            let (from, to) = (grid.center(from), grid.center(to));
+            depth(&((from + to) * 0.5)) > 0.5 * (depth(&from) + depth(&to)) + ACROSS * grid.dx
+        };
+        let component = self.liquid.component(&grid);
         let mut pairs = Vec::new();
         for run in self.liquid.runs.iter().filter(|r| within.get(r.component as usize) == Some(&true)) {
-            for cell in cells_of(&self.cut.open.grid, run).filter(|c| self.cut.airy(*c, phi)) {
+            for cell in cells_of(&grid, run).filter(|c| self.cut.airy(*c, &state.phi.data)) {
                 let at = lattice.coordinates(cell);
                 let low = at.map(|i| i.saturating_sub(1));
                 let high = std::array::from_fn(|a| (at[a] + 2).min(lattice.extent[a]));
-                let around = points([low, high]).filter_map(|at| component(lattice.index(at)));
-                let whole = around.filter(|c| !within[*c as usize]).min();
-                pairs.extend(whole.map(|whole| (run.component, whole)));
+                let whole = |to: [usize; D]| component(lattice.index(to)).filter(|c| !within[*c as usize]);
+                let around = points([low, high]).filter_map(|to| whole(to).filter(|_| !across(at, to)));
+                pairs.extend(around.min().map(|whole| (run.component, whole)));
             }
         }
         pairs

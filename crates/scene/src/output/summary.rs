@@ -56,6 +56,9 @@ pub struct Summary {
     /// turned inside out. Null without such solids.
     #[serde(default)]
     pub least_element: Option<f64>,
+    /// Deepest that a solid that deforms overlapped a side, another solid or itself in any frame, m. Null without such solids.
+    #[serde(default)]
+    pub deepest_overlap: Option<f64>,
     /// Volume of drops that became too small to see, m³ (2D: m²).
     pub lost_volume: f64,
     /// Steps done again with half the length.
@@ -241,6 +244,7 @@ impl Summary {
             max_divergence: tally.max_divergence,
             max_speed: tally.max_speed,
             least_element: tally.least_element,
+            deepest_overlap: tally.deepest_overlap,
             lost_volume: state.lost_volume,
             redone: tally.redone,
             phases: tally.phases.iter().cloned().collect(),

@@ -224,6 +224,7 @@ impl<'a, const D: usize> Session<'a, D> {
         let path = self.folder.liquid(number);
         let mesh = frame::liquid(&self.simulation).map_err(|what| self.not_finite(what))?;
         self.tally.next_frame += 1;
+        self.tally.add_overlaps(&self.simulation.model, &self.simulation.state.solids);
         if !self.job.writes(number) {
             return Ok(());
         }

@@ -1,7 +1,7 @@
 //! What a run carries along beside the state: counters, worst values, clocks.
 
 use meniscus_numerics::Vector;
-use meniscus_sim::{Ledger, Model, StepReport};
+use meniscus_sim::{Ledger, Model, SolidState, StepReport, overlaps};
 use serde::{Deserialize, Serialize};
 
 /// Everything that a resumed run needs and the state does not have. Part of every checkpoint.
@@ -29,6 +29,8 @@ pub struct Tally {
     pub max_speed: f64,
     /// Smallest volume of an element of a solid that deforms so far, over that at rest.
     pub least_element: Option<f64>,
+    /// Deepest that a solid that deforms overlapped anything in a frame so far, m.
+    pub deepest_overlap: Option<f64>,
     /// Steps that had to be done again with half the length.
     pub redone: u64,
     /// Pressure solves.
@@ -73,6 +75,14 @@ impl Tally {
             self.most_iterations = self.most_iterations.max(iterations);
         }
         momentum_error
+    }
+
+    /// Takes into account what the solids of a frame overlap, if any of them deforms.
+    pub fn add_overlaps<const D: usize>(&mut self, model: &Model<D>, solids: &[SolidState<D>]) {
+        if solids.iter().any(|now| now.soft.is_some()) {
+            let so_far = self.deepest_overlap.unwrap_or(0.0);
+            self.deepest_overlap = Some(overlaps(model, solids).iter().map(|o| o.2).fold(so_far, f64::max));
+        }
     }
 
     /// $|P - P_0 - M g t| / (M \sqrt{2 E_{max}/M})$: momentum that did not come from gravity, relative to that of all

@@ -6,7 +6,11 @@ use meniscus_elastic::Elastic;
 use meniscus_numerics::Vector;
 use meniscus_scene::build::{self, AnySetup};
 use meniscus_scene::error::SceneError;
+use meniscus_scene::expect;
 use meniscus_scene::file::{LoadOptions, Quality, Scene, runnable};
+use meniscus_scene::output::Folder;
+use meniscus_scene::output::series::Table;
+use meniscus_scene::run::{Existing, Job, Outcome, Schedule, Silent};
 use std::path::{Path, PathBuf};
 
 const SCENE: &str = r#"format = 1
@@ -389,6 +393,26 @@ fn the_summary_tells_the_deflection() {
         // A free plate flies as it is; one that is held bends.
         assert!(if bent { way > 1e-4 } else { way < 1e-9 }, "{way} m");
     }
+}
+
+#[test]
+fn runs_tell_of_inverted_elements_and_overlaps() {
+    let shape = r#"shape.box = { lower = ["1 cm", "1 cm"], upper = ["3 cm", "1.4 cm"] }"#;
+    let scene = scene(2, shape, Path::new("/nowhere"));
+    let mut job = Job::of(&scene, String::new());
+    job.schedule = Schedule::new(1e-3, 2e-3);
+    let out = std::env::temp_dir().join(format!("meniscus-sound-{}", std::process::id()));
+    let setup = AnySetup::of(&scene).unwrap();
+    let done = setup.run(&job, &Folder::at(&out), Existing::Replace, &|| None, &mut Silent).unwrap();
+    std::fs::remove_dir_all(&out).unwrap();
+    let Outcome::Finished(mut summary) = done else { panic!("it did not finish") };
+    let passes = |summary: &_| -> Vec<bool> {
+        expect::evaluate(&scene, summary, &Table::default()).iter().map(|v| v.pass).collect()
+    };
+    assert_eq!(passes(&summary), [true, true]);
+    assert!(summary.least_element.unwrap() > 0.5 && summary.deepest_overlap == Some(0.0), "{summary:?}");
+    (summary.least_element, summary.deepest_overlap) = (Some(-0.1), Some(summary.dx));
+    assert_eq!(passes(&summary), [false, false]);
 }
 
 #[test]

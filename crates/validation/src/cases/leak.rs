@@ -17,7 +17,7 @@ pub const CASE: Case = Case {
         axis askew to the grid. No liquid may get out: the volume of the parts of liquid cells beyond the wall's outer \
         surface, over the liquid's, as if these cells were full, after 1000 steps and the largest in any step; and the \
         largest change of the volume that the components together have to keep, lost droplets included (droplets of a few \
-        cells do not have theirs in every step: case volume). At 60 and 120 degrees. Quick: 2D, 60 degrees, not padded.",
+        cells do not have theirs in every step: case volume). At 60 and 120 degrees. Quick: 2D, 60 degrees.",
     quick: true,
     run,
 };
@@ -32,7 +32,7 @@ const BEAT: f64 = 0.5;
 
 fn run(mode: Mode) -> Vec<Check> {
     if mode == Mode::Quick {
-        return settle(NAME, shaken::<2>(WALLS[0], 60.0));
+        return WALLS.into_iter().flat_map(|wall| settle(NAME, shaken::<2>(wall, 60.0))).collect();
     }
     let all = WALLS.into_iter().flat_map(|wall| [60.0, 120.0].map(|angle| (wall, angle)));
     let both = |(wall, angle)| [shaken::<2>(wall, angle), shaken::<3>(wall, angle)];
