@@ -6,7 +6,7 @@ use crate::term::Weights;
 use crate::term::continuum::Continuum;
 use crate::{
     Anchor, Corotated, Description, ElasticError, ElasticState, ForceTerm, Integrator, Lame, Law, Motion,
-    NeoHookean, Springs, settled_modes,
+    NeoHookean, Springs, Upright, settled_modes,
 };
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
@@ -60,7 +60,7 @@ impl<const D: usize> Elastic<D> {
         law.check()?;
         let masses = masses(&mesh, density)?;
         let held = held(&mesh, &anchors)?;
-        let mut terms = vec![term(&mesh, law)];
+        let mut terms = terms(&mesh, law);
         terms.extend(more);
         let pattern = Arc::new(Pattern::new(masses.len(), terms.iter().map(|t| t.couplings())));
         let solver = Solver::new(&mesh.positions, &pattern, &held)
@@ -171,16 +171,18 @@ impl<const D: usize> Elastic<D> {
     }
 }
 
-/// The term of a law.
-fn term<const D: usize>(mesh: &VolumeMesh<D>, law: Law) -> Box<dyn ForceTerm<D>> {
+/// The terms of a law.
+fn terms<const D: usize>(mesh: &VolumeMesh<D>, law: Law) -> Vec<Box<dyn ForceTerm<D>>> {
     match law {
         Law::NeoHookean { young, poisson, smoothing } => {
-            Box::new(Continuum::new(mesh, NeoHookean, Lame::new(young, poisson), smoothing))
+            vec![Box::new(Continuum::new(mesh, NeoHookean, Lame::new(young, poisson), smoothing))]
         }
         Law::Corotated { young, poisson, smoothing } => {
-            Box::new(Continuum::new(mesh, Corotated, Lame::new(young, poisson), smoothing))
+            vec![Box::new(Continuum::new(mesh, Corotated, Lame::new(young, poisson), smoothing))]
         }
-        Law::Springs { stiffness } => Box::new(Springs::new(mesh, stiffness)),
+        Law::Springs { stiffness } => {
+            vec![Box::new(Springs::new(mesh, stiffness)), Box::new(Upright::new(mesh, stiffness))]
+        }
     }
 }
 

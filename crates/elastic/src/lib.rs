@@ -46,4 +46,5 @@ pub use term::neo_hookean::NeoHookean;
 pub use term::smoothing::Smoothing;
 pub use term::springs::Springs;
 pub use term::tension::SurfaceTension;
+pub use term::upright::Upright;
 pub use term::{ForceTerm, Weights};

@@ -6,7 +6,7 @@ mod lattice;
 use lattice::{Noise, block};
 use meniscus_elastic::{
     Continuum, Corotated, Description, Elastic, ForceTerm, Integrator, Lame, Law, NeoHookean, Smoothing,
-    Springs, SurfaceTension, Weights,
+    Springs, SurfaceTension, Upright, Weights,
 };
 use meniscus_numerics::{Vector, planes};
 
@@ -23,10 +23,13 @@ fn terms<const D: usize>() -> Vec<Box<dyn ForceTerm<D>>> {
     terms
 }
 
-/// These and the tension of the surface, whose tangent is but that against heights over it.
+/// These, the tension of the surface, whose tangent is but that against heights over it, and what keeps elements upright, whose
+/// tangent is but that against changes of volume.
 fn all_terms<const D: usize>() -> Vec<Box<dyn ForceTerm<D>>> {
     let mut terms = terms::<D>();
-    terms.push(Box::new(SurfaceTension::new(&block::<D>([2; D], [1.0; D]), 0.7)));
+    let mesh = block::<D>([2; D], [1.0; D]);
+    terms.push(Box::new(SurfaceTension::new(&mesh, 0.7)));
+    terms.push(Box::new(Upright::new(&mesh, 2.0)));
     terms
 }
 

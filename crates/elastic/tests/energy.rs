@@ -4,8 +4,9 @@
 mod lattice;
 
 use lattice::{Noise, block, clamped, free, rubber};
-use meniscus_elastic::{Elastic, ElasticState, Integrator, Weights};
+use meniscus_elastic::{Elastic, ElasticState, Integrator, Law, Weights};
 use meniscus_numerics::Vector;
+use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 
 /// The highest frequency of a body at rest, rad/s, by power iteration.
 fn highest<const D: usize>(body: &Elastic<D>) -> f64 {
@@ -57,6 +58,31 @@ fn swing(load: f64, ratio: f64, integrator: Integrator) -> Option<Swing> {
         scale = scale.max(body.kinetic_energy(&state.velocities));
     }
     Some(Swing { steps, most: most / scale, last: total(&state) / scale, turn })
+}
+
+/// An element of springs, one vertex of which is on the wrong side of the others: all edges have their lengths.
+fn turns_back<const D: usize>() {
+    let positions = (0..=D).map(|v| Vector::<D>::from_fn(|a, _| f64::from(v == a + 1))).collect();
+    let rest: [u32; D] = std::array::from_fn(|a| a as u32 + 1);
+    let mesh = VolumeMesh::<D> { positions, simplices: vec![Simplex { root: 0, rest }] };
+    let law = Law::Springs { stiffness: 1.0 };
+    let body = Elastic::new(free(mesh, 1.0, law, Integrator::default())).unwrap();
+    let h = 0.1 / highest(&body);
+    let mut state = body.at_rest(h);
+    state.positions[D] = -state.positions[D];
+    assert!(body.least_element(&state.positions) == -1.0);
+    let none = vec![Vector::zeros(); D + 1];
+    for _ in 0..2000 {
+        body.step(&mut state, h, &none).unwrap();
+    }
+    let least = body.least_element(&state.positions);
+    assert!(least > 0.2, "{D}D: {least} of its volume");
+}
+
+#[test]
+fn elements_of_springs_turn_back() {
+    turns_back::<2>();
+    turns_back::<3>();
 }
 
 #[test]

@@ -171,6 +171,86 @@ fn wetted<const D: usize>(values: [f64; D]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::{Numerics, Wall};
+    use crate::soft::Soft;
+    use crate::solid::{Motion, Solid};
+    use crate::workspace::BAND;
+    use meniscus_elastic::{Description, Elastic, Integrator, Law, Smoothing};
+    use meniscus_numerics::Matrix;
+    use meniscus_numerics::grid::Grid;
+    use meniscus_numerics::mesh::{Simplex, VolumeMesh};
+    use meniscus_numerics::shape::Shape;
+    use std::sync::Arc;
+
+    const GAMMA: f64 = 0.7;
+
+    /// A triangle that is wetted all around at an angle (degrees).
+    fn drowned(angle: f64) -> (Model<2>, State<2>) {
+        let (center, half_size) = (Vector::repeat(0.5), Vector::repeat(0.2));
+        let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
+        let positions = [[0.3, 0.35], [0.7, 0.4], [0.45, 0.65]].map(Vector::from).to_vec();
+        let mesh = VolumeMesh { positions, simplices: vec![Simplex { root: 0, rest: [1, 2] }] };
+        let law = Law::NeoHookean { young: 1.0, poisson: 0.3, smoothing: Smoothing::default() };
+        let (anchors, integrator) = (Vec::new(), Integrator::default());
+        let description = Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors, integrator };
+        let elastic = Elastic::new(description).unwrap_or_else(|e| panic!("{e}"));
+        let mut solid = Solid::new(shape, Motion::Soft(Arc::new(elastic)), 1.0);
+        solid.cosine = angle.to_radians().cos();
+        let model = Model {
+            grid: Grid::new([32; 2], 1.0 / 32.0),
+            walls: [[Wall::Slip; 2]; 2],
+            density: 1.0,
+            kinematic_viscosity: 0.0,
+            surface_tension: GAMMA,
+            gravity: Vector::zeros(),
+            solids: vec![solid],
+            numerics: Numerics::default(),
+        };
+        let mut state = State::empty(model.grid);
+        state.phi.data.fill(-BAND * model.grid.dx);
+        state.solids = model.solids.iter().map(Solid::start).collect();
+        (model, state)
+    }
+
+    /// The forces on the vertices after one of their coordinates has changed by a length, m.
+    fn pulls(model: &Model<2>, state: &State<2>, moved: usize, way: f64) -> [Vector<2>; 3] {
+        let mut solids = state.solids.clone();
+        let (elastic, soft) = (model.solids[0].elastic().unwrap_or_else(|| panic!()), &state.solids[0].soft);
+        let mut body = soft.as_ref().unwrap_or_else(|| panic!()).body.clone();
+        body.positions[moved / 2][moved % 2] += way;
+        solids[0].soft = Some(Soft::of(elastic, body));
+        let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
+        let mut forces = [Vector::zeros(); 3];
+        for (grip, force) in wetted_skins(model, &solids, &phi, &|_| Some(0)).values().flatten() {
+            forces[grip.vertices[0] as usize] += force;
+        }
+        forces
+    }
+
+    #[test]
+    fn the_stiffness_is_the_slope_of_the_forces() {
+        let (model, state) = drowned(120.0);
+        let mut stiffness = [[Matrix::<2>::zeros(); 3]; 3];
+        for StiffnessBlock { first, second, block } in &wetted_stiffness(&model, &state)[0] {
+            let [i, j] = [*first as usize, *second as usize];
+            stiffness[i][j] += block;
+            if i != j {
+                stiffness[j][i] += block.transpose();
+            }
+        }
+        let way = 1e-6;
+        for moved in 0..6 {
+            let [more, less] = [way, -way].map(|way| pulls(&model, &state, moved, way));
+            for (i, row) in stiffness.iter().enumerate() {
+                let slope = (less[i] - more[i]) / (2.0 * way);
+                let told = row[moved / 2].column(moved % 2);
+                assert!((slope - told).norm() < 1e-7 * GAMMA / 0.4, "{i}, {moved}: {slope} for {told}");
+            }
+        }
+        // Below 90 degrees it would be negative.
+        let (model, state) = drowned(60.0);
+        assert!(wetted_stiffness(&model, &state)[0].is_empty());
+    }
 
     #[test]
     fn shares_of_facets() {

@@ -7,6 +7,7 @@ pub mod neo_hookean;
 pub mod smoothing;
 pub mod springs;
 pub mod tension;
+pub mod upright;
 
 use crate::linalg::{BlockMatrix, Cliques};
 use meniscus_numerics::Vector;
