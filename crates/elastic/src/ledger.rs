@@ -54,11 +54,11 @@ impl<const D: usize> Elastic<D> {
     /// A step starts with straight lines, which stretch what turns. Steps should be shorter than about 0.3 over this; the
     /// stiffness sets no limit.
     pub fn largest_rate(&self, state: &ElasticState<D>) -> f64 {
-        let rates = self.rest.simplices.iter().map(|simplex| {
+        let rate = |simplex: &Simplex<D>| {
             let edges = simplex.edges(&state.positions);
             let across = cofactor(&edges) / determinant(&edges);
             (simplex.edges(&state.velocities) * across.transpose()).norm()
-        });
-        rates.fold(0.0, f64::max)
+        };
+        self.rest.simplices.par_iter().with_min_len(1024).map(rate).reduce(|| 0.0, f64::max)
     }
 }

@@ -78,32 +78,39 @@ fn shifted<const D: usize>(
     Err(ElasticError::NotDefinite { step: f64::INFINITY })
 }
 
-/// Motions without strain that leave held vertices where they are, orthonormal in the mass.
+/// Motions of each piece without strain that leave held vertices where they are, orthonormal in the mass.
 fn rigid_motions<const D: usize>(body: &Elastic<D>) -> Vec<Vec<Vector<D>>> {
+    let pieces = body.rest.pieces();
+    let count = pieces.iter().max().map_or(0, |last| *last as usize + 1);
+    (0..count).flat_map(|piece| rigid_motions_of(body, &|v| pieces[v] as usize == piece)).collect()
+}
+
+/// The same of one piece, of the vertices of which `own` tells.
+fn rigid_motions_of<const D: usize>(body: &Elastic<D>, own: &dyn Fn(usize) -> bool) -> Vec<Vec<Vector<D>>> {
     let positions = &body.rest.positions;
-    let (low, high) = positions.iter().fold((positions[0], positions[0]), |(l, h), x| (l.inf(x), h.sup(x)));
+    let vertices: Vec<usize> = (0..positions.len()).filter(|v| own(*v)).collect();
+    let first = positions[vertices[0]];
+    let ends = |(l, h): (Vector<D>, Vector<D>), v: &usize| (l.inf(&positions[*v]), h.sup(&positions[*v]));
+    let (low, high) = vertices.iter().fold((first, first), ends);
     let (center, size) = ((low + high) * 0.5, (high - low).norm());
-    let shift = |a: usize| vec![Vector::<D>::from_fn(|r, _| f64::from(r == a)); positions.len()];
-    let turn = |(a, b, _): &(usize, usize, usize)| {
-        let about = |x: &Vector<D>| {
+    let motion = |of: &dyn Fn(&Vector<D>) -> Vector<D>| {
+        let mut all = vec![Vector::<D>::zeros(); positions.len()];
+        vertices.iter().for_each(|v| all[*v] = of(&positions[*v]));
+        all
+    };
+    let shift = |a: usize| motion(&|_| Vector::from_fn(|r, _| f64::from(r == a)));
+    let turn = |&(a, b, _): &(usize, usize, usize)| {
+        motion(&|x| {
             let y = (x - center) / size;
-            Vector::<D>::from_fn(|r, _| {
-                if r == *a {
-                    -y[*b]
-                } else if r == *b {
-                    y[*a]
-                } else {
-                    0.0
-                }
-            })
-        };
-        positions.iter().map(about).collect::<Vec<_>>()
+            let along = |r| if r == a { -y[b] } else { y[a] };
+            Vector::from_fn(|r, _| if r == a || r == b { along(r) } else { 0.0 })
+        })
     };
     let motions: Vec<Vec<Vector<D>>> = (0..D).map(shift).chain(planes::<D>().iter().map(turn)).collect();
     // Those combinations that move no held vertex.
     let product = |a: usize, b: usize| -> f64 {
-        let held = (0..positions.len()).filter(|v| body.held[*v]);
-        held.map(|v| motions[a][v].dot(&motions[b][v])).sum()
+        let held = vertices.iter().filter(|v| body.held[**v]);
+        held.map(|v| motions[a][*v].dot(&motions[b][*v])).sum()
     };
     let gram = DMatrix::from_fn(motions.len(), motions.len(), product).symmetric_eigen();
     let free = (0..motions.len()).filter(|k| gram.eigenvalues[*k] < 1e-9);

@@ -4,7 +4,7 @@
 mod lattice;
 
 use lattice::{Noise, block, clamped, free, rubber};
-use meniscus_elastic::{Elastic, ElasticState, Integrator, Law, Weights};
+use meniscus_elastic::{Anchor, Elastic, ElasticState, Integrator, Law, Weights};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 
@@ -77,6 +77,35 @@ fn turns_back<const D: usize>() {
     }
     let least = body.least_element(&state.positions);
     assert!(least > 0.2, "{D}D: {least} of its volume");
+}
+
+/// Two bodies as one solid are damped as each by itself is, whether the second is held or not.
+fn pieces<const D: usize>() {
+    let one = block::<D>([3; D], [1.0; D]);
+    let mut two = one.clone();
+    let count = one.positions.len() as u32;
+    two.positions.extend(one.positions.iter().map(|x| x + Vector::repeat(5.0)));
+    let moved = |s: &Simplex<D>| Simplex { root: s.root + count, rest: s.rest.map(|v| v + count) };
+    two.simplices.extend(one.simplices.iter().map(moved));
+    let time = |mesh: &VolumeMesh<D>, held: bool| {
+        let mut description = free(mesh.clone(), 1.0, rubber(1e4, 0.3), Integrator::default());
+        description.damping_ratio = 0.1;
+        if held {
+            description.anchors = vec![Anchor::within(mesh, |x| x[0] > 5.9)];
+        }
+        Elastic::new(description).unwrap().damping_time()
+    };
+    let alone = time(&one, false);
+    assert!(alone > 0.0 && (time(&two, false) / alone - 1.0).abs() < 1e-2);
+    // The clamped one is the slower.
+    let clamped = time(&two, true);
+    assert!(clamped > alone && clamped < 10.0 * alone, "{clamped} {alone}");
+}
+
+#[test]
+fn pieces_are_damped_each_by_itself() {
+    pieces::<2>();
+    pieces::<3>();
 }
 
 #[test]

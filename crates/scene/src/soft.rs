@@ -142,9 +142,11 @@ fn anchors<const D: usize>(
         }
         let vertices: Vec<u32> = inside.vertices.into_iter().filter(|v| !taken[*v as usize]).collect();
         vertices.iter().for_each(|v| taken[*v as usize] = true);
-        if !vertices.is_empty() {
-            anchors.push(Anchor { vertices, motion });
+        if vertices.is_empty() {
+            let error = SceneError::new("what this holds is held by the parts before it already");
+            return Err(at(&key, error.with_help("remove it, or make it reach farther")));
         }
+        anchors.push(Anchor { vertices, motion });
     }
     Ok(anchors)
 }

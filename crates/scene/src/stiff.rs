@@ -102,10 +102,11 @@ pub fn can_follow<const D: usize>(
          {crossed:.1e} elements of {shortest:.2e} m, and beyond {MOST_CROSSED:.0e} rounding hides its mass",
         spec.name
     );
+    // Rounded so that it is enough.
+    let more = (crossed / MOST_CROSSED).powi(2) * 1.05;
     let help = format!(
-        "make it {:.0e} times softer, or rigid, or set numerics.max_step = \"{:.1e} s\"",
-        (crossed / MOST_CROSSED).powi(2),
-        step * MOST_CROSSED / crossed
+        "make it {more:.1e} times softer, or rigid, or set numerics.max_step = \"{:.1e} s\"",
+        0.95 * step * MOST_CROSSED / crossed
     );
     Err(SceneError::new(message).with_help(help))
 }

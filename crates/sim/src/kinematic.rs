@@ -39,7 +39,8 @@ impl<const D: usize> Kinematic<D> {
                 *u = flow(&model.grid.face_center(a, faces.coordinates(i)))[a];
             }
         }
-        let before = move_surface(model, state, work, &[], dt);
+        let solids = state.solids.clone();
+        let before = move_surface(model, state, work, &solids, dt);
         keep_distance(model, state, work);
         let faces: [Vec<Segment>; D] = std::array::from_fn(|a| work.liquid.faces(&model.grid, a));
         work.known.forget();

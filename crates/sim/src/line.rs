@@ -144,6 +144,11 @@ impl<const D: usize> Lines<'_, D> {
                 take_hold(feet, (skin, kick), *pair, &all, &mut exchange);
             }
         }
+        // Without a line nothing holds the tension of what is wetted, nor needs to: that of every facet is in balance.
+        let lineless = self.skins.iter().filter(|(pair, _)| lengths.get(pair).is_none());
+        for (pair, skin) in lineless {
+            skin.iter().for_each(|(grip, force)| exchange.grip(*pair, grip, force * kick));
+        }
         (exchange, along)
     }
 

@@ -119,7 +119,10 @@ impl<const D: usize> Solid<D> {
     /// A homogeneous solid of a density, kg/m³, that starts at rest and that liquid meets at 90 degrees, with the usual
     /// [`RESTITUTION`] and [`FRICTION`]. One without bounds has no mass to be free with: it stays where it is.
     pub fn new(shape: Shape<D>, motion: Motion<D>, density: f64) -> Self {
-        let body = RigidBody::homogeneous(&shape, density);
+        let mut body = RigidBody::homogeneous(&shape, density);
+        if let Motion::Soft(elastic) = &motion {
+            body.mass = elastic.masses().iter().sum();
+        }
         let stuck = motion == Motion::Free && !body.mass.is_finite();
         let motion = if stuck { Motion::Fixed } else { motion };
         Self {

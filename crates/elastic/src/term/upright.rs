@@ -80,14 +80,15 @@ impl<const D: usize> ForceTerm<D> for Upright<D> {
     /// None: it acts where something goes wrong only.
     fn add_viscous_forces(&self, _: &[Vector<D>], _: &[Vector<D>], _: f64, _: &mut [Vector<D>]) {}
 
-    /// That of the change of volume; what pressure does to its curvature is indefinite and left out.
+    /// That of the change of volume; what pressure does to its curvature is indefinite and left out. Four times that: a step's
+    /// matrix has a quarter of the stiffness, with which a stiff push of one step would throw elements as far again.
     fn add_tangent(&self, x: &[Vector<D>], weights: Weights, matrix: &mut BlockMatrix<D>) {
         for k in 0..self.stiffness.len() {
             let Some((_, along)) = self.pressed(k, x) else { continue };
             let vertices = self.strains.vertices.get(k);
             for (i, a) in along.iter().enumerate() {
                 for (j, b) in along.iter().enumerate().skip(i) {
-                    let block = a * b.transpose() * (weights.stiffness * self.stiffness[k]);
+                    let block = a * b.transpose() * (4.0 * weights.stiffness * self.stiffness[k]);
                     let there = matrix.add(vertices[i], vertices[j], &block);
                     debug_assert!(there, "an element without a block");
                 }

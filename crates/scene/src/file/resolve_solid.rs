@@ -197,11 +197,9 @@ impl Resolver {
                 }
                 _ => {}
             }
-            if let Some((time, to)) = keyframes.first()
-                && *time <= 0.0
-                && to.iter().any(|x| *x != 0.0)
-            {
-                let help = "let the first displacement be 0: at its start the solid is at rest";
+            if is_displaced(&keyframes) {
+                let help = "let the displacement be 0 at time 0, before the first keyframe it is the first one's: at its start the \
+                            solid is at rest";
                 return Err(self.error(&format!("{p}.keyframes.0"), "the solid would start strained", help));
             }
             let velocity = self.velocity(&format!("{p}.velocity"), m.velocity.as_ref())?;
@@ -452,4 +450,18 @@ impl Resolver {
         }
         Ok(())
     }
+}
+
+/// Whether keyframes have a displacement at time 0: linear between two, that of the first before it.
+fn is_displaced(keyframes: &[(f64, Vec<f64>)]) -> bool {
+    let next = keyframes.partition_point(|k| k.0 <= 0.0);
+    let start: Vec<f64> = match &keyframes[next.saturating_sub(1)..(next + 1).min(keyframes.len())] {
+        [(before, from), (after, to)] if *before < 0.0 => {
+            let ahead = -before / (after - before);
+            from.iter().zip(to).map(|(x, y)| x + (y - x) * ahead).collect()
+        }
+        [(_, at), ..] => at.clone(),
+        [] => Vec::new(),
+    };
+    start.iter().any(|x| *x != 0.0)
 }

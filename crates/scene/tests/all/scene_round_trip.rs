@@ -113,7 +113,7 @@ material.springs = { stiffness = "5e4 mN/cm", damping_ratio = 0.05 }
 fixed = [{ box = { lower = ["2 cm", "2 cm", "4 cm"], upper = ["3 cm", "8 cm", "4.3 cm"] } }]
 moved = [
   { shape.ball = { center = ["8 cm", "5 cm", "4 cm"], radius = "1 cm" }, velocity = [0, 0, "1 cm/s"] },
-  { shape.ball = { center = ["8 cm", "8 cm", "4 cm"], radius = "1 cm" }, keyframes = [{ time = "1 s", translate = [0, 0, "1 cm"] }] },
+  { shape.ball = { center = ["8 cm", "8 cm", "4 cm"], radius = "1 cm" }, keyframes = [{ time = "1 s", translate = [0, 0, 0] }, { time = "2 s", translate = [0, 0, "1 cm"] }] },
 ]
 [[solid]]
 name = "leaf"

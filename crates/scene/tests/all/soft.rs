@@ -201,11 +201,22 @@ fn parts_go_as_told() {
         ("", "not told how"),
         (r#"velocity = [0, 0], keyframes = [{ time = 0, translate = [0, 0] }]"#, "both a velocity"),
         (r#"keyframes = [{ time = 0, translate = ["1 mm", 0] }]"#, "start strained"),
+        (r#"keyframes = [{ time = "1 s", translate = ["1 mm", 0] }]"#, "start strained"),
+        (
+            r#"keyframes = [{ time = "-1 s", translate = [0, 0] }, { time = "1 s", translate = ["1 mm", 0] }]"#,
+            "start strained",
+        ),
         (r#"velocity = ["1 km/s", 0]"#, "faster than sound"),
     ] {
         let e = load(&text(2, &shape(moved).replace(",  }", " }")), nowhere).unwrap_err();
         assert!(e.message.contains(what), "{e}");
     }
+    let (region, twice) =
+        (r#"lower = ["0.9 cm", "0.9 cm"], upper = ["1.2 cm", "1.5 cm"]"#, r#"velocity = [0, "1 cm/s"]"#);
+    let fixed = format!("{}\nfixed = [{{ box = {{ {region} }} }}]", shape(twice));
+    let scene = load(&text(2, &fixed), nowhere).unwrap();
+    let e = build::setup::<2>(&scene).err().unwrap();
+    assert!(e.message.contains("held by the parts before it already"), "{e}");
     let rigid = text(2, &shape(r#"velocity = [0, "1 cm/s"]"#));
     let rigid = rigid.replace(
         r#"material.corotated = { young_modulus = "10 kPa", poisson_ratio = 0.3 }"#,

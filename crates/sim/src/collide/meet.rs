@@ -236,9 +236,20 @@ impl<const D: usize> Meet<'_, D> {
         (0..self.skins.vertices).filter(inside)
     }
 
+    /// Whether neither a vertex nor what it meets gives way.
+    fn is_held(&self, p: usize, other: &End<D>) -> bool {
+        let owner = self.skins.owner[p];
+        let elastic = self.model.solids[owner.solid].elastic();
+        let held = elastic.zip(owner.vertex).is_some_and(|(elastic, v)| elastic.held()[v as usize]);
+        held && other.solid().is_none_or(|j| self.model.solids[j].motion.is_told())
+    }
+
     /// The contact of a vertex, if it comes near enough.
     fn vertex(&self, p: usize, other: End<D>, (gap, normal): (f64, Vector<D>)) -> Option<Touch<D>> {
         let owner = self.skins.owner[p];
+        if self.is_held(p, &other) {
+            return None;
+        }
         let mean = std::array::from_fn(|k| (owner.vertex.unwrap_or(0), if k == 0 { 1.0 } else { 0.0 }));
         let dx = self.model.grid.dx;
         let touch = self.contact([End::Skin(owner.solid, mean), other], self.skins.at[p], normal, gap);

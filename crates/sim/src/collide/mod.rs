@@ -267,9 +267,8 @@ impl<'a, const D: usize> Contacts<'a, D> {
     /// Solves for hits. Energy that they would make (what bounces at several points and rubs can) they do not get: they
     /// stop instead.
     fn bounce(&mut self, hits: &[usize]) -> f64 {
-        let told = |c: &Contact<D>| {
-            c.pair.1.is_some_and(|j| matches!(self.model.solids[j].motion, Motion::Given(_)))
-        };
+        let given = |i: usize| matches!(self.model.solids[i].motion, Motion::Given(_));
+        let told = |c: &Contact<D>| given(c.pair.0) || c.pair.1.is_some_and(given);
         let told = hits.iter().any(|&k| told(&self.all[k]));
         let (start, energy) = (self.solids.to_vec(), self.energy());
         let work = self.solve(hits);

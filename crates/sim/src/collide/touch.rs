@@ -186,15 +186,15 @@ impl<const D: usize> Answers<'_, D> {
         rows
     }
 
-    /// Gives the solids the impulses of some contacts. Friction acts on two surfaces a gap apart: the couple that this makes
-    /// both get back as bodies.
+    /// Gives the solids the impulses of some contacts. They act on two surfaces a gap apart: the couple that this makes (by
+    /// friction, and by a normal of the place where both will meet) both get back as bodies.
     pub fn give<'t>(&self, solids: &mut [SolidState<D>], touches: impl Iterator<Item = &'t Touch<D>>) {
         let mut pushes: Vec<Vec<f64>> = vec![Vec::new(); solids.len()];
         let mut couples = vec![Vector::<3>::zeros(); solids.len()];
         for touch in touches {
             if let [End::Skin(i, _), End::Skin(j, _)] = &touch.ends {
                 let arm = touch.ends[0].place(solids) - touch.ends[1].place(solids);
-                let couple = moment(&arm, &touch.rub) * 0.5;
+                let couple = moment(&arm, &touch.impulse()) * 0.5;
                 couples[*i] -= couple;
                 couples[*j] -= couple;
             }

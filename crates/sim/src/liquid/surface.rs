@@ -130,7 +130,8 @@ impl<const D: usize> SurfaceLattice<D> {
         let lines = self.line_cubes(phi);
         let held: Vec<(f64, bool)> =
             lines.par_iter().map(|(number, place)| wetting(place, self.dry[*number].solid)).collect();
-        self.dry.iter_mut().for_each(|dry| dry.pinned = false);
+        // A line may come to any of them before it is held again; nothing of earlier steps is kept that a checkpoint has not.
+        self.dry.iter_mut().for_each(|dry| (dry.cosine, dry.pinned) = (dry.young, false));
         for ((number, _), (cosine, pinned)) in lines.into_iter().zip(held) {
             let dry = &mut self.dry[number];
             (dry.cosine, dry.pinned) = (cosine, pinned);

@@ -10,8 +10,8 @@ use super::{Simplex, VolumeMesh};
 use crate::{Matrix, Vector};
 use thiserror::Error;
 
-/// Most vertices of a block.
-const MOST: f64 = 2e8;
+/// Most vertices of a block: a solid's matrices take some 8 kB of memory for each in 3D.
+const MOST: f64 = 2e6;
 /// The orders of the axes; the first two of the plane's.
 const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 0, 2], [0, 2, 1], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
 /// Fewest cells along an axis.

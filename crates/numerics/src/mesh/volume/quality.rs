@@ -220,6 +220,30 @@ impl<const D: usize> VolumeMesh<D> {
         count
     }
 
+    /// The number of the piece that each vertex belongs to, from 0; pieces have no vertex in common.
+    pub fn pieces(&self) -> Vec<u32> {
+        let mut parent: Vec<usize> = (0..self.positions.len()).collect();
+        for simplex in &self.simplices {
+            for v in simplex.rest {
+                let [a, b] = [simplex.root, v].map(|v| root(&mut parent, v as usize));
+                parent[a.max(b)] = a.min(b);
+            }
+        }
+        // A root is the first vertex of its piece.
+        let mut numbers = vec![0; parent.len()];
+        let mut count = 0;
+        for v in 0..parent.len() {
+            let first = root(&mut parent, v);
+            if first == v {
+                numbers[v] = count;
+                count += 1;
+            } else {
+                numbers[v] = numbers[first];
+            }
+        }
+        numbers
+    }
+
     /// Whether the mesh can carry a simulation as one body.
     ///
     /// # Errors

@@ -28,8 +28,8 @@ const DRAWN_3D: [f64; 2] = [0.249_99, 0.411_89];
 const DRAWN_2D: [f64; 2] = [0.4, 0.4];
 /// Length of the mesh's mean edge over that of the lattice's longest one.
 const MEAN_EDGE_3D: f64 = 0.923;
-/// Most vertices of a lattice.
-const MOST: usize = 1 << 28;
+/// Most vertices of a lattice, half of which a compact body fills: its matrices take some 8 kB of memory for each in 3D.
+const MOST: usize = 1 << 22;
 /// Most steps to a crossing, and how close to it they stop, in edges.
 const STEPS: usize = 60;
 const CLOSE: f64 = 1e-13;
