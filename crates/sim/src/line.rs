@@ -145,7 +145,7 @@ impl<const D: usize> Lines<'_, D> {
             }
         }
         // Without a line nothing holds the tension of what is wetted, nor needs to: that of every facet is in balance.
-        let lineless = self.skins.iter().filter(|(pair, _)| lengths.get(pair).is_none());
+        let lineless = self.skins.iter().filter(|(pair, _)| !lengths.contains_key(pair));
         for (pair, skin) in lineless {
             skin.iter().for_each(|(grip, force)| exchange.grip(*pair, grip, force * kick));
         }
