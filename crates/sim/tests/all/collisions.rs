@@ -301,6 +301,24 @@ fn a_pusher_moves_a_box_with_its_own_speed_and_its_work_is_told() {
     );
 }
 
+/// Of two boxes the smaller is looked at first: it may be the bat or what it hits.
+#[test]
+fn what_a_bat_hits_leaves_it_twice_as_fast() {
+    for (bat, hit) in [(0.04, 0.15), (0.15, 0.04)] {
+        let path = Path { velocity: Vector::from([1.0, 0.0]), spin: [0.0; 3], keyframes: Vec::new() };
+        let at = |x: f64| Vector::<2>::from([x, 0.5]);
+        let mut solids = vec![
+            block(at(0.4 - bat), Vector::repeat(bat), Motion::Given(path)),
+            block(at(0.45 + hit), Vector::repeat(hit), Motion::Free),
+        ];
+        solids.iter_mut().for_each(|s| s.restitution = 1.0);
+        let mut simulation = dry(solids, Vector::zeros(), 5e-3);
+        run(&mut simulation, 0.1, |_| {});
+        let speed = simulation.state.solids[1].velocity;
+        assert!((speed - Vector::from([2.0, 0.0])).norm() < 1e-6, "{speed}");
+    }
+}
+
 #[test]
 fn what_is_squeezed_between_a_wall_and_a_pusher_stays_finite_and_slow() {
     let path = Path { velocity: Vector::<2>::new(0.3, 0.0), spin: [0.0; 3], keyframes: Vec::new() };
