@@ -51,8 +51,8 @@ impl<const D: usize> Elastic<D> {
 
     /// The largest velocity gradient in an element, 1/s: how fast elements turn or change their shape.
     ///
-    /// A step starts with straight lines, which stretch what turns. Steps should be shorter than about 0.3 over this; the
-    /// stiffness sets no limit.
+    /// A step starts with straight lines, which stretch what turns. In steps shorter than 1 over this none turns inside out; what
+    /// turns hardly stretches in those shorter than 0.3 over it. The stiffness sets no limit.
     pub fn largest_rate(&self, state: &ElasticState<D>) -> f64 {
         let rate = |simplex: &Simplex<D>| {
             let edges = simplex.edges(&state.positions);

@@ -157,7 +157,7 @@ fn elastic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
 }
 
 /// [`Ledger::least_element`].
-pub fn least_element<const D: usize>(model: &Model<D>, state: &State<D>) -> Option<f64> {
+fn least_element<const D: usize>(model: &Model<D>, state: &State<D>) -> Option<f64> {
     let soft = |(solid, now): (&Solid<D>, &SolidState<D>)| {
         solid.elastic().zip(now.soft.as_ref()).map(|(e, soft)| e.least_element(&soft.body.positions))
     };

@@ -1,7 +1,7 @@
 //! A run in memory: the model, the state, and how to step.
 
 use crate::compiled::by_dimension;
-use crate::ledger::{Ledger, StepReport, least_element, ledger, max_component, own_energy, potential_energy};
+use crate::ledger::{Ledger, StepReport, ledger, max_component, own_energy, potential_energy};
 use crate::model::Model;
 use crate::solid::Solid;
 use crate::state::State;
@@ -69,9 +69,11 @@ const VOLUME_JUMP: f64 = 0.1;
 /// Shortest step that the speed may ask for, over the longest that tension, gravity and the user allow: far below what any
 /// splash needs, a liquid that asks for less runs away.
 const SHORTEST: f64 = 1e-5;
-/// Turn or strain of an element of a solid in one step: with more a straight line turns it inside out.
+/// Largest velocity gradient in an element of a solid times the step: `x + h v` turns none inside out below 1, where
+/// `det(1 + h ∇v)` cannot vanish.
 const STRAIN: f64 = 1.0;
-/// Least part of the longest step that tension, gravity and the user allow to which that shortens it.
+/// Least part of the longest step that tension, gravity and the user allow to which that shortens it: the gradient in an element
+/// that is crushed has no bound, and a run goes on.
 const SLOWEST: f64 = 0.05;
 /// Growth of the energy in one step, over what there is without gravity's, that is doubtful.
 const ENERGY_JUMP: f64 = 0.05;
@@ -184,7 +186,6 @@ impl<const D: usize> Simulation<D> {
         let shortest = 1.5 * 0.5f64.powi(DOUBTS as i32) * wanted;
         let (energy, height) =
             (own_energy(&self.model, &self.state), potential_energy(&self.model, &self.state));
-        let upright = least_element(&self.model, &self.state).is_none_or(|least| least > 0.0);
         let time = self.state.time;
         let mut redone = 0;
         loop {
@@ -197,9 +198,7 @@ impl<const D: usize> Simulation<D> {
                     let (own, high) =
                         (own_energy(&self.model, &self.state), potential_energy(&self.model, &self.state));
                     let gain = own + high - (energy + height) - result.stirred;
-                    let turned = upright && least_element(&self.model, &self.state).is_some_and(|j| j <= 0.0);
                     let doubtful = result.volume_jump > VOLUME_JUMP
-                        || turned
                         || gain > ENERGY_JUMP * energy.abs() + self.energy_of_nothing(dt);
                     if fine && (!doubtful || dt < shortest || self.model.numerics.fixed_step.is_some()) {
                         let cfl = speed * dt / self.model.grid.dx;
@@ -246,7 +245,8 @@ impl<const D: usize> Simulation<D> {
         let capillary = if tension { n.capillary_step * self.model.capillary_step() } else { f64::INFINITY };
         let (dt, calm) =
             (flow(speed).min(n.max_step).min(capillary), flow(0.0).min(n.max_step).min(capillary));
-        let dt = dt.min(self.straining_step().max(SLOWEST * calm));
+        let floor = if calm.is_finite() { SLOWEST * calm } else { 0.0 };
+        let dt = dt.min(self.straining_step().max(floor));
         if calm.is_finite() && dt < SHORTEST * calm {
             let reason = format!("the liquid runs away, at {speed:.3e} m/s");
             return Err(StepError::TooShort { time: self.state.time, dt, reason });
@@ -254,7 +254,7 @@ impl<const D: usize> Simulation<D> {
         Ok(dt)
     }
 
-    /// The longest step in which elements of solids turn and change their shape by as much as a straight line bears, s.
+    /// The longest step in which elements of solids turn and change their shape by as much as a straight line bears without turning them inside out, s.
     fn straining_step(&self) -> f64 {
         let solids = self.model.solids.iter().zip(&self.state.solids);
         let soft = solids.filter_map(|(solid, now)| solid.elastic().zip(now.soft.as_ref()));

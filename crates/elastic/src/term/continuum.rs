@@ -33,24 +33,11 @@ impl<P: Density<D>, const D: usize> Continuum<P, D> {
         Self { density, strains: Strains::new(mesh, lame, smoothing) }
     }
 
-    /// Vertices and gradients of a strain.
-    fn part(&self, k: usize) -> (&[u32], &[Vector<D>]) {
-        (self.strains.vertices.get(k), &self.strains.gradients[self.strains.vertices.range(k)])
-    }
-
-    /// `Σ x_v g_vᵀ`; differences of positions, so that it is the same wherever the body is.
-    fn gradient(&self, k: usize, x: &[Vector<D>]) -> Matrix<D> {
-        let (vertices, gradients) = self.part(k);
-        let first = x[vertices[0] as usize];
-        let ahead = vertices.iter().zip(gradients).skip(1);
-        ahead.fold(Matrix::zeros(), |f, (v, g)| f + (x[*v as usize] - first) * g.transpose())
-    }
-
     /// Adds the forces of stresses.
     fn add_stresses(&self, stress: impl Fn(usize) -> Matrix<D> + Sync + Send, forces: &mut [Vector<D>]) {
         let stresses: Vec<Matrix<D>> = gathered(0..self.strains.volumes.len(), stress);
         for (k, stress) in stresses.iter().enumerate() {
-            let (vertices, gradients) = self.part(k);
+            let (vertices, gradients) = self.strains.part(k);
             for (v, g) in vertices.iter().zip(gradients) {
                 forces[*v as usize] -= stress * g * self.strains.volumes[k];
             }
@@ -59,9 +46,9 @@ impl<P: Density<D>, const D: usize> Continuum<P, D> {
 
     /// The blocks of a strain's tangent, for pairs of its vertices in the order of [`Self::add_blocks`].
     fn blocks(&self, k: usize, x: &[Vector<D>], weights: Weights) -> Vec<Matrix<D>> {
-        let (vertices, gradients) = self.part(k);
+        let (vertices, gradients) = self.strains.part(k);
         let n = vertices.len();
-        let f = self.gradient(k, x);
+        let f = self.strains.gradient(k, x);
         let mut blocks = vec![Matrix::zeros(); n * (n + 1) / 2];
         let mut along = vec![Vector::zeros(); n];
         for (weight, direction) in Modes::new(&self.density, self.strains.lame[k], &f, weights).iter() {
@@ -93,20 +80,24 @@ impl<P: Density<D>, const D: usize> ForceTerm<D> for Continuum<P, D> {
     }
 
     fn energy(&self, x: &[Vector<D>]) -> f64 {
-        let energy =
-            |k| self.strains.volumes[k] * self.density.energy(self.strains.lame[k], &self.gradient(k, x));
+        let energy = |k| {
+            self.strains.volumes[k] * self.density.energy(self.strains.lame[k], &self.strains.gradient(k, x))
+        };
         par::sum(self.strains.volumes.len(), energy)
     }
 
     fn add_forces(&self, x: &[Vector<D>], forces: &mut [Vector<D>]) {
-        self.add_stresses(|k| self.density.stress(self.strains.lame[k], &self.gradient(k, x)), forces);
+        self.add_stresses(
+            |k| self.density.stress(self.strains.lame[k], &self.strains.gradient(k, x)),
+            forces,
+        );
     }
 
     /// Hooke's law for the rate of Green's strain (Kelvin and Voigt's solid).
     fn add_viscous_forces(&self, x: &[Vector<D>], v: &[Vector<D>], time: f64, forces: &mut [Vector<D>]) {
         let stress = |k: usize| {
-            let (f, Lame { lambda, mu }) = (self.gradient(k, x), self.strains.lame[k]);
-            let half = f.tr_mul(&self.gradient(k, v));
+            let (f, Lame { lambda, mu }) = (self.strains.gradient(k, x), self.strains.lame[k]);
+            let half = f.tr_mul(&self.strains.gradient(k, v));
             f * ((half + half.transpose()) * mu + Matrix::identity() * (lambda * half.trace())) * time
         };
         self.add_stresses(stress, forces);

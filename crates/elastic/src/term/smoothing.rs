@@ -22,8 +22,8 @@
 
 use super::density::Lame;
 use crate::linalg::Cliques;
-use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
+use meniscus_numerics::{Matrix, Vector};
 
 /// Over what strains are averaged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -73,6 +73,19 @@ impl<const D: usize> Strains<D> {
             }
         }
         strains
+    }
+
+    /// Vertices and gradients of a strain.
+    pub fn part(&self, k: usize) -> (&[u32], &[Vector<D>]) {
+        (self.vertices.get(k), &self.gradients[self.vertices.range(k)])
+    }
+
+    /// `F = Σ x_v g_vᵀ`; differences of positions, so that it is the same wherever the body is.
+    pub fn gradient(&self, k: usize, x: &[Vector<D>]) -> Matrix<D> {
+        let (vertices, gradients) = self.part(k);
+        let first = x[vertices[0] as usize];
+        let ahead = vertices.iter().zip(gradients).skip(1);
+        ahead.fold(Matrix::zeros(), |f, (v, g)| f + (x[*v as usize] - first) * g.transpose())
     }
 
     fn cells(&mut self, mesh: &VolumeMesh<D>, elements: &[Element<D>], lame: Lame) {

@@ -9,7 +9,8 @@ use meniscus_numerics::{Matrix, Vector, par};
 
 /// Volume over that at rest below which an element pushes back: milder strains are the springs' alone.
 const CRUSHED: f64 = 0.5;
-/// Its stiffness against that, over that of its springs. A regular element pressed flat has then twice its springs' energy.
+/// Its stiffness against that, `κ V/k l²`. Pressed flat it stores `κ V/8 = 0.25 k l²` then, as much as its springs: a regular
+/// triangle's, its apex pressed onto its base, `0.25 k l²`, a regular tetrahedron's `0.27 k l²`.
 const STIFFNESS: f64 = 2.0;
 
 /// Energy `κ V/2 (J − 1/2)²` of every element whose volume `J V` is less than half of its own. A simplex and its mirror image
@@ -40,11 +41,7 @@ impl<const D: usize> Upright<D> {
 
     /// How much less than half of its volume an element has, as a part of that at rest, and its deformation gradient.
     fn lack(&self, k: usize, x: &[Vector<D>]) -> (f64, Matrix<D>) {
-        let vertices = self.strains.vertices.get(k);
-        let gradients = &self.strains.gradients[self.strains.vertices.range(k)];
-        let first = x[vertices[0] as usize];
-        let ahead = vertices.iter().zip(gradients).skip(1);
-        let f = ahead.fold(Matrix::zeros(), |f, (v, g)| f + (x[*v as usize] - first) * g.transpose());
+        let f = self.strains.gradient(k, x);
         ((CRUSHED - determinant(&f)).max(0.0), f)
     }
 
@@ -53,7 +50,7 @@ impl<const D: usize> Upright<D> {
         let (lack, f) = self.lack(k, x);
         let slopes = || {
             let cofactor = cofactor(&f);
-            self.strains.gradients[self.strains.vertices.range(k)].iter().map(|g| cofactor * g).collect()
+            self.strains.part(k).1.iter().map(|g| cofactor * g).collect()
         };
         (lack > 0.0).then(|| (-self.stiffness[k] * lack, slopes()))
     }
@@ -80,15 +77,17 @@ impl<const D: usize> ForceTerm<D> for Upright<D> {
     /// None: it acts where something goes wrong only.
     fn add_viscous_forces(&self, _: &[Vector<D>], _: &[Vector<D>], _: f64, _: &mut [Vector<D>]) {}
 
-    /// That of the change of volume; what pressure does to its curvature is indefinite and left out. Four times that: a step's
-    /// matrix has a quarter of the stiffness, with which a stiff push of one step would throw elements as far again.
+    /// That of the change of volume; what pressure does to its curvature is indefinite and left out. Twice that: with the `h²/4` of
+    /// the stiffness that a step's matrix has, what is stiff goes by `4 d` in answer to a lack `d`, thrice as far beyond; a spring
+    /// throws it back, this, on one side only, does not. With twice as much it goes by `2 d`, as far beyond as it lacked. (Four
+    /// times would end a step where nothing lacks, with the speed of the way there: elements then settle later.)
     fn add_tangent(&self, x: &[Vector<D>], weights: Weights, matrix: &mut BlockMatrix<D>) {
         for k in 0..self.stiffness.len() {
             let Some((_, along)) = self.pressed(k, x) else { continue };
             let vertices = self.strains.vertices.get(k);
             for (i, a) in along.iter().enumerate() {
                 for (j, b) in along.iter().enumerate().skip(i) {
-                    let block = a * b.transpose() * (4.0 * weights.stiffness * self.stiffness[k]);
+                    let block = a * b.transpose() * (2.0 * weights.stiffness * self.stiffness[k]);
                     let there = matrix.add(vertices[i], vertices[j], &block);
                     debug_assert!(there, "an element without a block");
                 }

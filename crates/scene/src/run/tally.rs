@@ -79,9 +79,11 @@ impl Tally {
 
     /// Takes into account what the solids of a frame overlap, if any of them deforms.
     pub fn add_overlaps<const D: usize>(&mut self, model: &Model<D>, solids: &[SolidState<D>]) {
-        if solids.iter().any(|now| now.soft.is_some()) {
+        let soft = |i: usize| solids[i].soft.is_some();
+        if (0..solids.len()).any(soft) {
             let so_far = self.deepest_overlap.unwrap_or(0.0);
-            self.deepest_overlap = Some(overlaps(model, solids).iter().map(|o| o.2).fold(so_far, f64::max));
+            let all = overlaps(model, solids).into_iter().filter(|o| soft(o.0) || o.1.is_some_and(soft));
+            self.deepest_overlap = Some(all.map(|o| o.2).fold(so_far, f64::max));
         }
     }
 
