@@ -4,6 +4,7 @@ use crate::checkpoint::Checksum;
 use crate::error::SceneError;
 use crate::file::{
     Material, Outline as OutlineSpec, OutlineName, Rotation, Scene, ShapeSpec, Solid as SolidSpec, Wall,
+    outside,
 };
 use crate::meshes;
 use crate::output::Folder;
@@ -17,6 +18,7 @@ use meniscus_numerics::mesh::volume::{Outline, read};
 use meniscus_numerics::shape::{MeshShape, Shape, SmoothUnion};
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{Model, Motion, Numerics, Path, Simulation, Solid};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// What a simulation starts from, in two or three dimensions.
@@ -100,7 +102,32 @@ fn identity(scene: &Scene) -> u64 {
     let parts = (name, domain, liquid, solids, tension, contact_line, numerics, output.frame_interval);
     let mut sum = Checksum::default();
     sum.update(format!("{parts:?}").as_bytes());
+    // What cannot be read is no file of the disk, or is missed where the solid is made.
+    files(scene).iter().filter_map(|file| std::fs::read(file).ok()).for_each(|bytes| sum.update(&bytes));
     sum.value()
+}
+
+/// The files that a scene is made of besides its own.
+fn files(scene: &Scene) -> Vec<PathBuf> {
+    let of_solid = |s: &SolidSpec| {
+        let moved = s.moved.iter().map(|m| m.shape.clone());
+        s.fixed.iter().cloned().chain(moved).chain([s.shape.clone()]).collect::<Vec<_>>()
+    };
+    let patches = scene.tension.solids.iter().flat_map(|(_, w)| w.patches.iter().map(|p| p.0.clone()));
+    let bodies = scene.liquid.bodies.iter().map(|b| b.shape.clone());
+    let shapes: Vec<ShapeSpec> =
+        scene.solids.iter().flat_map(of_solid).chain(patches).chain(bodies).collect();
+    let mesh = |s: &ShapeSpec| match s {
+        // TetGen's are two.
+        ShapeSpec::Mesh { path, .. } if path.extension().is_some_and(|e| e == "node" || e == "ele") => {
+            vec![path.with_extension("node"), path.with_extension("ele")]
+        }
+        ShapeSpec::Mesh { path, .. } => vec![path.clone()],
+        _ => Vec::new(),
+    };
+    let meshes = shapes.iter().flat_map(ShapeSpec::parts).flat_map(mesh);
+    let images = scene.tension.solids.iter().filter_map(|(_, w)| Some(w.image.as_ref()?.path.clone()));
+    meshes.chain(images).collect()
 }
 
 /// The setup of a scene of dimension `D`.
@@ -112,6 +139,7 @@ pub fn setup<const D: usize>(scene: &Scene) -> Result<Setup<D>, SceneError> {
     let solids = scene.solids.iter().map(|s| solid(scene, s)).collect::<Result<_, _>>()?;
     let bodies = bodies.collect::<Result<_, SceneError>>()?;
     let model = Model { solids, ..model(scene) };
+    meshes_inside(scene, &model)?;
     apart(scene, &model)?;
     let model = Model { solids: thick_enough(scene, &model)?, ..model };
     Ok(Setup { model: if scene.walls_wet() { wet(scene, model) } else { model }, bodies })
@@ -125,6 +153,24 @@ fn wet<const D: usize>(scene: &Scene, model: Model<D>) -> Model<D> {
 
 /// Depth of an overlap, in cells, that is rounding of the numbers in a scene.
 const ROUNDING: f64 = 0.01;
+
+/// Refuses solids from mesh files that reach beyond the domain; of others the scene alone tells.
+fn meshes_inside<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneError> {
+    let list = |v: Vector<D>| v.iter().copied().collect::<Vec<f64>>();
+    for (i, (spec, solid)) in scene.solids.iter().zip(&model.solids).enumerate() {
+        let bounds = solid.bounds(&solid.start()).map(list);
+        if spec.shape.bounds(D).is_some() {
+            continue;
+        }
+        if let Some((reach, help)) = outside(&bounds.into(), &scene.domain.size, 1e-6 * model.grid.dx) {
+            let error =
+                SceneError::new(format!("the solid `{}` is outside the domain: it {reach}", spec.name));
+            let path = scene.source.first_inside(&format!("solid.{i}.shape"));
+            return Err(scene.source.at_value(error.with_help(help), &path));
+        }
+    }
+    Ok(())
+}
 
 /// Refuses solids that could not move as they should: such without bounds, and those that overlap where they start.
 fn apart<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneError> {

@@ -40,7 +40,7 @@ macro_rules! scene {
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 53] = [
+pub const BUILTINS: [Builtin; 54] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
@@ -235,6 +235,12 @@ pub const BUILTINS: [Builtin; 53] = [
         Some("Fig. 11"),
         "The same with the stiffness and density that the paper has: the leaf hardly bends",
         "ten minutes; --quality draft: three"
+    ),
+    scene!(
+        "soft-duck",
+        3,
+        "A soft duck, read from an .obj file, falls into a bath, tips over and floats on its side",
+        "half an hour; --quality draft: ten minutes"
     ),
     scene!("capillary-rise", 3, "Liquid climbs in a tube and stops at Jurin's height", "ten minutes"),
     scene!(

@@ -11,6 +11,8 @@ use std::fmt::Write as _;
 const BYTES_PER_CELL: f64 = 200.0;
 /// Bytes more per cell of liquid: 30 fields of 8 bytes.
 const BYTES_PER_LIQUID_CELL: f64 = 240.0;
+/// Bytes per vertex of a solid that deforms, without what solves systems with its matrix, measured.
+const BYTES_PER_VERTEX: f64 = 8e3;
 /// Core seconds per step and cell of the domain, a rough figure for the time estimate.
 const SECONDS_PER_CELL: f64 = 2e-7;
 /// Core seconds per step and cell of liquid.
@@ -132,6 +134,7 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
     more_warnings(scene, &bodies, capillary_length, &mut warnings);
     let setup = crate::file::runnable(scene).and_then(|()| AnySetup::of(scene));
     let soft = setup.as_ref().map_or_else(|_| Vec::new(), |setup| reports(scene, setup));
+    let vertices = soft.iter().map(|s| s.vertices as f64).sum::<f64>();
     let factors: f64 = soft.iter().map(|s| s.solver_bytes).sum();
     let per_byte = |factorised| if factorised { SECONDS_PER_FACTOR_BYTE } else { SECONDS_PER_ITERATED_BYTE };
     let solving: f64 = soft.iter().map(|s| per_byte(s.factorised) * s.solver_bytes).sum();
@@ -143,7 +146,7 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
         dx: d.dx,
         liquid_volume: volume,
         liquid_cells,
-        memory_bytes: memory_estimate(scene.grid_cells(), wet) + factors,
+        memory_bytes: memory_estimate(scene.grid_cells(), wet) + factors + vertices * BYTES_PER_VERTEX,
         steps,
         run_seconds: steps * (work / (threads.max(1) as f64) + solving),
         time_step,
@@ -161,7 +164,7 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
         pairs: pairs(scene),
         soft,
         warnings,
-        cannot_run: setup.err().map(|e| e.message),
+        cannot_run: setup.err().map(|e| e.line()),
     }
 }
 

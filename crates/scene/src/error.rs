@@ -82,6 +82,16 @@ impl SceneError {
         Some((before.matches('\n').count() + 1, before[line_start..].chars().count() + 1))
     }
 
+    /// The error in one line: what, where, and how to mend it.
+    pub fn line(&self) -> String {
+        let place = match self.line_column() {
+            Some((line, column)) => format!(" ({}:{line}:{column})", self.source_name),
+            None => String::new(),
+        };
+        let help = self.help.as_ref().map_or_else(String::new, |help| format!("; {help}"));
+        format!("{}{place}{help}", self.message)
+    }
+
     /// The error as plain text, with the line it is about.
     pub fn render(&self) -> String {
         let mut out = format!("error: {}\n", self.message);

@@ -1,5 +1,6 @@
 //! What a shape fills: bounds, points inside, a typical radius.
 
+use super::resolve::short;
 use super::{Rotation, ShapeSpec};
 use crate::build;
 use meniscus_numerics::shape::SmoothUnion;
@@ -8,7 +9,30 @@ use std::f64::consts::PI;
 /// Lower and upper corner, m; infinite where the shape has no end.
 pub type Bounds = (Vec<f64>, Vec<f64>);
 
+/// How far something reaches that is not inside the domain, and how far that does, in words; bounds without an end may leave it.
+pub(crate) fn outside((lower, upper): &Bounds, size: &[f64], slack: f64) -> Option<(String, String)> {
+    let leaves = |i: &usize| {
+        let low = lower[*i].is_finite() && lower[*i] < -slack;
+        let high = upper[*i].is_finite() && upper[*i] > size[*i] + slack;
+        low || high || upper[*i] <= 0.0 || lower[*i] >= size[*i]
+    };
+    let i = (0..size.len()).find(leaves)?;
+    let (axis, [low, high, end]) = (["x", "y", "z"][i], [lower[i], upper[i], size[i]].map(short));
+    let reach = format!("reaches from {axis} = {low} m to {high} m");
+    Some((reach, format!("the domain reaches from {axis} = 0 m to {end} m")))
+}
+
 impl ShapeSpec {
+    /// This shape and all that it is made of.
+    pub fn parts(&self) -> Vec<&Self> {
+        let within: Vec<&Self> = match self {
+            Self::Union(list) | Self::SmoothUnion { parts: list, .. } => list.iter().collect(),
+            Self::Difference { of, minus } => vec![of, minus],
+            _ => Vec::new(),
+        };
+        std::iter::once(self).chain(within.into_iter().flat_map(Self::parts)).collect()
+    }
+
     /// A box around the shape in `dim` dimensions; none for a mesh, whose file is not read here.
     pub fn bounds(&self, dim: usize) -> Option<Bounds> {
         let around = |center: &[f64], reach: &[f64]| {

@@ -22,6 +22,7 @@ pub use document::{Document, Source};
 pub use expect::*;
 pub use expectation::Expectation;
 pub use extent::Bounds;
+pub(crate) use extent::outside;
 pub use quantity::*;
 pub use resolve::{LoadOptions, Quality};
 pub use runnable::runnable;

@@ -77,24 +77,14 @@ impl Resolver {
     }
 
     fn solid_inside(&self, path: &str, shape: &ShapeSpec, name: &str) -> Result<(), SceneError> {
-        let Some((lower, upper)) = shape.bounds(self.dim) else { return Ok(()) };
-        let slack = 1e-6 * self.dx;
-        for i in 0..self.dim {
-            let low = lower[i].is_finite() && lower[i] < -slack;
-            let high = upper[i].is_finite() && upper[i] > self.size[i] + slack;
-            if low || high || upper[i] <= 0.0 || lower[i] >= self.size[i] {
-                let axis = ["x", "y", "z"][i];
-                let message = format!(
-                    "the solid `{name}` is outside the domain: it reaches from {axis} = {} m to {} m",
-                    resolve::short(lower[i]),
-                    resolve::short(upper[i])
-                );
-                let help =
-                    format!("the domain reaches from {axis} = 0 m to {} m", resolve::short(self.size[i]));
-                return Err(self.error(&self.source.first_inside(path), message, help));
+        let Some(bounds) = shape.bounds(self.dim) else { return Ok(()) };
+        match extent::outside(&bounds, &self.size, 1e-6 * self.dx) {
+            Some((reach, help)) => {
+                let message = format!("the solid `{name}` is outside the domain: it {reach}");
+                Err(self.error(&self.source.first_inside(path), message, help))
             }
+            None => Ok(()),
         }
-        Ok(())
     }
 
     fn elastic(
@@ -391,7 +381,12 @@ impl Resolver {
             out.push(Expectation::Floats { solid: name.clone() });
         }
         for (i, name) in e.sinks.iter().enumerate() {
-            self.known_solid(&format!("expect.sinks.{i}"), false, name, names)?;
+            let path = format!("expect.sinks.{i}");
+            self.known_solid(&path, false, name, names)?;
+            if e.floats.contains(name) {
+                let message = format!("`{name}` cannot float and sink");
+                return Err(self.error(&path, message, "remove it from `floats` or from `sinks`"));
+            }
             out.push(Expectation::Sinks { solid: name.clone() });
         }
         for (i, w) in e.wetted.iter().enumerate() {

@@ -12,6 +12,7 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
         let error = SceneError::new(format!("this version cannot run {what} yet")).with_help(help);
         Err(scene.source.at_value(error, path))
     };
+    let is_wave = |s: &ShapeSpec| matches!(s, ShapeSpec::Wave { .. });
     for (i, solid) in scene.solids.iter().enumerate() {
         let at = |key: &str| format!("solid.{i}.{key}");
         match solid.material {
@@ -30,13 +31,13 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
             let help = "use material.kinematic to move all of it, or a material that deforms";
             return refuse(&at("moved.0"), "moved parts of a solid that does not deform", help);
         }
-        if has(&solid.shape, &|s| matches!(s, ShapeSpec::Wave { .. })) {
+        if solid.shape.parts().into_iter().any(is_wave) {
             return refuse(&at("shape"), "solids of this shape", SHAPES);
         }
     }
     for (name, wetting) in &scene.tension.solids {
-        let strange = |s: &ShapeSpec| matches!(s, ShapeSpec::Wave { .. });
-        if let Some(i) = wetting.patches.iter().position(|(shape, _)| has(shape, &strange)) {
+        if let Some(i) = wetting.patches.iter().position(|(shape, _)| shape.parts().into_iter().any(is_wave))
+        {
             return refuse(&format!("tension.{name}.patches.{i}.shape"), "patches of this shape", SHAPES);
         }
     }
@@ -58,15 +59,3 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
 /// Shapes that both liquid and solids can have.
 const SHAPES: &str = "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, extrusion, union, smooth_union, \
                       difference, cow or mesh";
-
-/// Whether a shape or one of its parts is one that is looked for.
-fn has(shape: &ShapeSpec, wanted: &dyn Fn(&ShapeSpec) -> bool) -> bool {
-    wanted(shape)
-        || match shape {
-            ShapeSpec::Union(list) | ShapeSpec::SmoothUnion { parts: list, .. } => {
-                list.iter().any(|s| has(s, wanted))
-            }
-            ShapeSpec::Difference { of, minus } => has(of, wanted) || has(minus, wanted),
-            _ => false,
-        }
-}

@@ -342,8 +342,9 @@ fn meshes_that_are_none_are_refused() {
     // What lies beyond the domain.
     let dir = folder("cube.obj", CUBE);
     let beyond = shape.replace("open", "cube").replacen("1 cm", "3.9 cm", 1);
-    let (e, _) = refused(&text(3, &beyond), &dir);
-    assert!(e.message.contains("outside the domain") || e.message.contains("overlaps"), "{e}");
+    let (e, marked) = refused(&text(3, &beyond), &dir);
+    assert!(e.message.contains("outside the domain: it reaches from x = 0.03"), "{e}");
+    assert!(marked.contains("cube.obj"), "{marked}");
     let _ = std::fs::remove_dir_all(dir);
 }
 
@@ -438,4 +439,23 @@ fn meshes_that_are_built_in_need_no_file() {
     let e = load(&text.replace("leaf.msh", "leav.msh"), none).unwrap_err();
     assert!(e.message.contains("no built-in mesh `leav.msh`"), "{e}");
     assert!(e.help.as_ref().is_some_and(|h| h.contains("did you mean `builtin:leaf.msh`?")), "{e:?}");
+}
+
+#[test]
+fn a_changed_mesh_file_is_another_scene() {
+    let dir = folder("cube.obj", CUBE);
+    let shape = r#"shape.mesh = { file = "cube.obj", scale = "4 mm", translate = ["1 cm", "1 cm", "1 cm"] }"#;
+    let identity = || Job::of(&scene(3, shape, &dir), String::new()).identity;
+    let before = identity();
+    assert_eq!(before, identity());
+    std::fs::write(dir.join("cube.obj"), CUBE.replace('1', "1.5")).unwrap();
+    assert_ne!(before, identity());
+    let _ = std::fs::remove_dir_all(dir);
+}
+
+#[test]
+fn nothing_floats_and_sinks() {
+    let expect = "[expect]\nfloats = [\"body\"]\nsinks = [\"body\"]\n";
+    let (e, marked) = refused(&(plate(0.4, "rigid = {}") + expect), Path::new("/nowhere"));
+    assert!(e.message.contains("cannot float and sink") && marked.contains("body"), "{e}");
 }

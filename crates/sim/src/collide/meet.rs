@@ -5,8 +5,9 @@
 //! and comes much nearer on its way, however it moves: what the first misses because the line between them turns.
 
 use super::GAP;
+use super::boxes::{Extent, overlapping};
 use super::pair::{Nearest, Pair, mean};
-use super::skins::{Extent, Skins, overlapping};
+use super::skins::Skins;
 use super::touch::{End, Touch};
 use crate::model::{Model, Wall};
 use crate::solid::{Solid, SolidState};

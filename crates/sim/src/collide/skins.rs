@@ -171,30 +171,3 @@ fn around<const D: usize>(facets: &[[u32; D]], points: usize) -> (Vec<usize>, Ve
     let starts = (0..=points as u32).map(|p| pairs.partition_point(|q| q.0 < p)).collect();
     (starts, pairs.into_iter().map(|p| p.1).collect())
 }
-
-/// A box, by its lower and upper corner, m.
-pub type Extent<const D: usize> = [Vector<D>; 2];
-
-/// The pairs of boxes of two lists that overlap, in order.
-pub fn overlapping<const D: usize>(one: &[Extent<D>], other: &[Extent<D>]) -> Vec<(u32, u32)> {
-    let Some(first) = other.first() else { return Vec::new() };
-    let all = other.iter().fold(*first, |all, b| [all[0].inf(&b[0]), all[1].sup(&b[1])]);
-    let axis = (all[1] - all[0]).imax();
-    let mut order: Vec<u32> = (0..other.len() as u32).collect();
-    let low = |k: u32| other[k as usize][0][axis];
-    order.sort_unstable_by(|a, b| low(*a).total_cmp(&low(*b)).then(a.cmp(b)));
-    let widest = other.iter().map(|b| b[1][axis] - b[0][axis]).fold(0.0, f64::max);
-    let mut pairs = Vec::new();
-    for (k, own) in one.iter().enumerate() {
-        let from = order.partition_point(|o| low(*o) < own[0][axis] - widest);
-        let near = order[from..].iter().take_while(|o| low(**o) <= own[1][axis]);
-        let meets = |o: &&u32| {
-            let b = &other[**o as usize];
-            (0..D).all(|a| b[0][a] <= own[1][a] && own[0][a] <= b[1][a])
-        };
-        let mut found: Vec<u32> = near.filter(meets).copied().collect();
-        found.sort_unstable();
-        pairs.extend(found.into_iter().map(|o| (k as u32, o)));
-    }
-    pairs
-}

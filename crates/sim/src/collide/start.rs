@@ -1,12 +1,15 @@
 //! What solids that deform overlap where they are: with that no run can start.
 
-use super::skins::{Extent, Skins, overlapping};
+use super::boxes::{Extent, overlapping};
+use super::skins::Skins;
 use super::{Overlap, Probes};
 use crate::model::{Model, Wall};
 use crate::solid::SolidState;
 use meniscus_numerics::Vector;
+use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::mesh::surface::area_vector;
 use meniscus_numerics::mesh::tree::closest_on_facet;
+use meniscus_numerics::mesh::volume::Simplex;
 
 /// Overlaps of solids that deform with sides, rigid solids, each other, and themselves. What is held may be beyond a side
 /// and within solids that nothing moves.
@@ -47,12 +50,28 @@ pub fn soft_overlaps<const D: usize>(
                 };
                 depth = probes.of_solid(j).iter().map(inside).fold(depth, f64::max);
             }
+            // Surfaces that lie on each other do not tell; what is inside does.
+            depth = middles(&soft.body.positions, elastic.mesh(), solid.bounds(other))
+                .filter(|_| !rooted)
+                .map(|x| within(&x))
+                .fold(depth, f64::max);
             all.push((i, Some(j), depth));
         }
     }
     all.extend(crossings(&skins));
     all.retain(|o| o.2 > 0.0);
     all
+}
+
+/// The middles of the elements of a mesh, with its vertices where they are now, that lie within bounds.
+fn middles<const D: usize>(
+    now: &[Vector<D>],
+    mesh: &VolumeMesh<D>,
+    [low, high]: [Vector<D>; 2],
+) -> impl Iterator<Item = Vector<D>> {
+    let middle = |s: &Simplex<D>| s.vertices().map(|v| now[v as usize]).sum::<Vector<D>>() / (D + 1) as f64;
+    let inside = move |x: &Vector<D>| (0..D).all(|a| low[a] < x[a] && x[a] < high[a]);
+    mesh.simplices.iter().map(middle).filter(inside)
 }
 
 /// Surfaces that cross, their own as well.

@@ -358,3 +358,18 @@ fn a_soft_plate_is_squeezed() {
     squeezed::<2>([12, 4]);
     squeezed::<3>([6, 6, 2]);
 }
+
+/// Two solids of one mesh at one place: no vertex of one is inside the other.
+fn same_place<const D: usize>() {
+    let solid = || soft(block([4; D], Vector::repeat(0.5), Vector::repeat(0.1)), 1e3, 0.0, Vec::new());
+    let model = Model { solids: vec![solid(), solid()], ..dry(Vec::new(), Vector::zeros(), 1.0).model };
+    let start: Vec<_> = model.solids.iter().map(Solid::start).collect();
+    let deepest = meniscus_sim::overlaps(&model, &start).iter().map(|o| o.2).fold(0.0, f64::max);
+    assert!(deepest > 0.05, "{D}D: {deepest}");
+}
+
+#[test]
+fn solids_at_the_same_place_overlap() {
+    same_place::<2>();
+    same_place::<3>();
+}

@@ -125,7 +125,12 @@ fn msh_4<const D: usize>(mesh: &VolumeMesh<D>, binary: bool) -> Vec<u8> {
 fn vtk<const D: usize>(mesh: &VolumeMesh<D>, binary: bool, version: u8) -> Vec<u8> {
     let mut out = format!("# vtk DataFile Version {version}.1\na title\n").into_bytes();
     out.extend(if binary { "BINARY\n" } else { "ASCII\n" }.bytes());
-    out.extend(format!("DATASET UNSTRUCTURED_GRID\nPOINTS {} double\n", mesh.positions.len()).into_bytes());
+    out.extend(b"DATASET UNSTRUCTURED_GRID\nFIELD FieldData 2\nTIME 1 1 double\n");
+    // Bytes that are no text, or look like the next section.
+    out.extend(if binary { 0.25f64.to_be_bytes().to_vec() } else { b"0.25".to_vec() });
+    out.extend(b"\nSTEPS 2 3 short\n");
+    out.extend(if binary { b"\nPOINTS 0 \n\n".to_vec() } else { b"1 2 3 4 5 6".to_vec() });
+    out.extend(format!("\nPOINTS {} double\n", mesh.positions.len()).into_bytes());
     for x in mesh.positions.iter().flat_map(coordinates) {
         if binary {
             out.extend(x.to_be_bytes());
@@ -257,6 +262,12 @@ fn volume_import_names_the_defect() {
     assert!(bad.contains("word.msh, line 11: `x12` where a vertex' number should be"), "{bad}");
     assert!(message("old.msh", &text.replace("2.2 0", "1.0 0")).contains("use 2.2 or 4.1"));
     assert!(message("cut.msh", &text[..text.len() / 2]).contains("is missing"));
+    let count = example::<3>().simplices.len() + 1;
+    let few = text.replace(&format!("$Elements\n{count}\n"), &format!("$Elements\n{}\n", count - 1));
+    assert!(message("few.msh", &few).contains("more in `$Elements` than its count says"));
+    let [node, ele] = tetgen(&example::<3>());
+    file("few.ele", ele.replacen(&format!("{} ", count - 1), &format!("{} ", count - 2), 1).as_bytes());
+    assert!(message("few.node", &node).contains("more lines than the"));
     assert!(
         message("far.msh", &text.replace("\n2 4 2 1 1 11 ", "\n2 4 2 1 1 999 "))
             .contains("element 2 has a vertex")

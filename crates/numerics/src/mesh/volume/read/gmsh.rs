@@ -39,7 +39,13 @@ pub(super) fn read<const D: usize>(bytes: &[u8]) -> Result<Raw, Fault> {
             }
         }
         from.binary = false;
-        from.pass(&format!("$End{section}"))?;
+        let end = format!("$End{section}");
+        if !wanted {
+            from.pass(&end)?;
+        } else if from.word() != Some(&end) {
+            let what = format!("more in `${section}` than its count says, or `{end}` is missing");
+            return Err(from.fault(what));
+        }
     }
     if format.version == 0 {
         return Err(from.fault("the section `$MeshFormat` is missing"));

@@ -103,6 +103,15 @@ impl<'a> Reader<'a> {
         fits.ok_or_else(|| self.fault(format!("{what} is {count}, more than the file can hold")))
     }
 
+    /// Passes over so many bytes.
+    pub fn skip(&mut self, bytes: usize) -> Result<(), Fault> {
+        if bytes > self.bytes.len() - self.at {
+            return Err(self.fault("the file ends too early"));
+        }
+        self.at += bytes;
+        Ok(())
+    }
+
     fn take<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
         let found = self.bytes.get(self.at..self.at + N).and_then(|b| <[u8; N]>::try_from(b).ok());
         let Some(mut bytes) = found else { return Err(self.fault("the file ends too early")) };

@@ -33,6 +33,7 @@ pub(super) fn nodes<const D: usize>(bytes: &[u8]) -> Result<Nodes, Fault> {
         raw.points.push(point);
         from.line();
     }
+    ended(&mut from, count)?;
     Ok(Nodes { raw, first })
 }
 
@@ -57,5 +58,14 @@ pub(super) fn elements<const D: usize>(bytes: &[u8], nodes: Nodes) -> Result<Raw
         raw.elements.push((element, vertices));
         from.line();
     }
+    ended(&mut from, count)?;
     Ok(raw)
+}
+
+/// Refuses what follows the last of a list.
+fn ended(from: &mut Reader, count: usize) -> Result<(), Fault> {
+    match from.word() {
+        Some(_) => Err(from.fault(format!("more lines than the {count} of the file's head"))),
+        None => Ok(()),
+    }
 }

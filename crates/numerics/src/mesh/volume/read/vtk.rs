@@ -32,6 +32,7 @@ pub(super) fn read<const D: usize>(bytes: &[u8]) -> Result<Raw, Fault> {
                 types::<D>(&mut from, binary, &mut cells, &mut raw)?;
                 return Ok(raw);
             }
+            "FIELD" => fields(&mut from, binary)?,
             "METADATA" => {
                 // It ends with an empty line, or with the file.
                 from.line();
@@ -59,6 +60,33 @@ fn points(from: &mut Reader, binary: bool, raw: &mut Raw) -> Result<(), Fault> {
             *x = if double { from.f64("a coordinate")? } else { from.f32("a coordinate")? };
         }
         raw.points.push(point);
+    }
+    Ok(())
+}
+
+/// Passes over arrays that belong to the whole, such as a time.
+fn fields(from: &mut Reader, binary: bool) -> Result<(), Fault> {
+    from.word();
+    for _ in 0..from.count("the number of arrays")? {
+        from.word();
+        let parts = from.count("the number of an array's components")?;
+        let entries = parts.saturating_mul(from.count("the number of an array's entries")?);
+        let size = match from.word() {
+            Some("char" | "unsigned_char") => 1,
+            Some("short" | "unsigned_short") => 2,
+            Some("int" | "unsigned_int" | "float" | "vtkIdType") => 4,
+            Some("long" | "unsigned_long" | "double" | "vtktypeint64" | "vtktypeuint64") => 8,
+            other => {
+                let what = format!("entries of an array are `{}`", other.unwrap_or_default().escape_debug());
+                return Err(from.fault(what));
+            }
+        };
+        from.line();
+        if binary {
+            from.skip(entries.saturating_mul(size))?;
+        } else if (0..entries).any(|_| from.word().is_none()) {
+            return Err(from.fault("the file ends too early"));
+        }
     }
     Ok(())
 }
