@@ -19,7 +19,7 @@ function positions(bytes, n, box) {
   return out;
 }
 
-/** A mesh from its text: positions, indices, corners per element, kinds (or null). */
+/** A mesh from its text: positions, indices, corners per element, kinds (or null), and places of values in their ranges. */
 export async function decode(text) {
   const bytes = await unzip(text);
   const view = new DataView(bytes.buffer);
@@ -39,8 +39,9 @@ export async function decode(text) {
     last += z % 2 ? -(z + 1) / 2 : z / 2;
     indices[i] = last;
   }
-  const kinds = flags & 256 ? bytes.subarray(at, at + n) : null;
-  return { positions: positions(bytes, n, box), indices, corners, kinds, box };
+  const take = (bit) => (flags & bit ? bytes.subarray(at, at += n) : null);
+  const kinds = take(256), shades = [512, 1024, 2048].map(take);
+  return { positions: positions(bytes, n, box), indices, corners, kinds, shades, box };
 }
 
 /** Frames on demand, the most recent ones kept. */

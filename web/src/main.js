@@ -2,6 +2,7 @@ import "./style.css";
 import { Frames, extent } from "./decode.js";
 import { quantity } from "./format.js";
 import { Plots } from "./plots.js";
+import { gradient, shadesOf } from "./shade.js";
 import { fillTexts } from "./texts.js";
 import { View2D } from "./view2d.js";
 import { View3D } from "./view3d.js";
@@ -84,6 +85,26 @@ class Player {
   }
 }
 
+/** Lets solids be coloured by what is stored of them. */
+function offerShades(data, player, view) {
+  const shades = view.colorable ? shadesOf(data) : [];
+  if (!shades.length) return;
+  at("shade-choice").hidden = false;
+  for (const { name, label } of shades) at("shade").append(new Option(label, name));
+  at("shade").onchange = (e) => {
+    view.shade = shades.find((s) => s.name === e.target.value) ?? null;
+    const { name, range, unit } = view.shade ?? {};
+    at("legend").hidden = !view.shade;
+    if (view.shade) {
+      const text = (x) => (unit && x ? quantity(x, unit) : String(Number(x.toPrecision(3))));
+      at("legend-low").textContent = text(range.low);
+      at("legend-high").textContent = text(range.high);
+      at("legend-bar").style.background = gradient(name);
+    }
+    player.go(player.wanted);
+  };
+}
+
 function listen(player, view) {
   at("slider").addEventListener("input", (e) => { player.play(false); player.go(Number(e.target.value)); });
   at("play").onclick = () => player.play();
@@ -121,6 +142,7 @@ async function start() {
   at("solid-toggle").hidden = !data.frames.some((f) => Object.keys(f.solids).length);
   player.plots = new Plots(data.series, (time) => { player.play(false); player.at(time); });
   listen(player, view);
+  offerShades(data, player, view);
   const asked = /frame=(\d+)/.exec(location.hash);
   await player.go(asked ? Number(asked[1]) : 0);
   document.body.dataset.errors ??= "[]";

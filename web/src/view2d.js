@@ -1,4 +1,5 @@
 import { css, quantity, round } from "./format.js";
+import { palette } from "./shade.js";
 
 /** Chains edges into one path of closed or open lines. */
 function path(mesh) {
@@ -31,6 +32,8 @@ export class View2D {
     this.data = data;
     this.extent = extent;
     this.show = { line: true, solids: true };
+    this.colorable = true;
+    this.shade = null;
     this.canvas = document.createElement("canvas");
     this.canvas.tabIndex = 0;
     box.prepend(this.canvas);
@@ -84,6 +87,7 @@ export class View2D {
   set(frame) {
     this.liquid = path(frame.liquid);
     this.solids = frame.solids.map((s) => path(s.mesh));
+    this.meshes = frame.solids.map((s) => s.mesh);
     this.points = frame.line?.positions ?? [];
     this.draw();
   }
@@ -123,6 +127,7 @@ export class View2D {
       g.fill(solid, "evenodd");
       stroke(solid, css("--solid-edge"), 1.2);
     }
+    if (this.show.solids && this.shade) this.shaded(g, scale);
     g.fillStyle = css("--liquid");
     g.fill(this.liquid, "evenodd");
     stroke(this.liquid, css("--liquid-edge"), 1.6);
@@ -132,6 +137,23 @@ export class View2D {
       g.fillStyle = css("--line");
       g.fill(dot);
       stroke(dot, css("--air"), 1.2);
+    }
+  }
+
+  /** Draws the edges of solids in the colours of their values. */
+  shaded(g, scale) {
+    const colors = palette(this.shade.name);
+    g.lineWidth = 4 / scale;
+    g.lineCap = "round";
+    for (const { positions: p, indices: e, shades } of this.meshes) {
+      const places = shades[this.shade.k];
+      for (let i = 0; places && i < e.length; i += 2) {
+        g.strokeStyle = `rgb(${colors[(places[e[i]] + places[e[i + 1]]) >> 1]})`;
+        g.beginPath();
+        g.moveTo(p[3 * e[i]], p[3 * e[i] + 1]);
+        g.lineTo(p[3 * e[i + 1]], p[3 * e[i + 1] + 1]);
+        g.stroke();
+      }
     }
   }
 

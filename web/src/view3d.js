@@ -10,6 +10,7 @@ import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
 import { toCreasedNormals } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import { css, round } from "./format.js";
+import { palette } from "./shade.js";
 
 const SOLIDS = ["#b08d72", "#8a9aa8", "#92a57f", "#bda06a", "#a58aa5"];
 
@@ -81,6 +82,8 @@ export class View3D {
     this.renderer.shadowMap.type = PCFShadowMap;
     this.box = box;
     this.show = { line: true, solids: true };
+    this.colorable = true;
+    this.shade = null;
     box.prepend(this.renderer.domElement);
     this.scene = new Scene();
     this.scene.environment = studio(this.renderer);
@@ -178,10 +181,11 @@ export class View3D {
     this.world.add(this.line);
   }
 
-  /** A mesh's geometry; `crease` keeps edges sharp. */
-  geometry(mesh, crease) {
+  /** A mesh's geometry; `crease` keeps edges sharp, `colors` are those of its vertices. */
+  geometry(mesh, crease, colors) {
     const g = new BufferGeometry();
     g.setAttribute("position", new BufferAttribute(mesh.positions, 3));
+    if (colors) g.setAttribute("color", new BufferAttribute(colors, 3));
     g.setIndex(new BufferAttribute(mesh.indices, 1));
     if (crease) return toCreasedNormals(g, 0.6);
     g.computeVertexNormals();
@@ -208,14 +212,29 @@ export class View3D {
     if (!solid) {
       const color = SOLIDS[this.solids.size % SOLIDS.length];
       solid = new Mesh(new BufferGeometry(), new MeshStandardMaterial({ color, roughness: 0.85, side: 2, envMapIntensity: 0.7 }));
+      solid.userData.color = color;
       solid.castShadow = solid.receiveShadow = true;
       this.solids.set(name, solid);
       this.world.add(solid);
     }
-    if (solid.userData.mesh === mesh || mesh.corners !== 3) return;
-    solid.userData.mesh = mesh;
+    if ((solid.userData.mesh === mesh && solid.userData.shade === this.shade) || mesh.corners !== 3) return;
+    Object.assign(solid.userData, { mesh, shade: this.shade });
+    const colors = this.vertexColors(mesh);
+    solid.material.vertexColors = Boolean(colors);
+    solid.material.color.set(colors ? "#ffffff" : solid.userData.color);
+    solid.material.needsUpdate = true;
     solid.geometry.dispose();
-    solid.geometry = this.geometry(mesh, true);
+    solid.geometry = this.geometry(mesh, true, colors);
+  }
+
+  /** The colours of a solid's vertices, linear; null where it has its own colour. */
+  vertexColors(mesh) {
+    const places = this.shade && mesh.shades[this.shade.k];
+    if (!places) return null;
+    const all = palette(this.shade.name).map((rgb) => new Color().setRGB(...rgb.map((x) => x / 255), "srgb"));
+    const out = new Float32Array(3 * places.length);
+    places.forEach((place, v) => all[place].toArray(out, 3 * v));
+    return out;
   }
 
   home() {

@@ -240,6 +240,9 @@ pub struct RenderArgs {
     /// The style.
     #[arg(long)]
     pub style: Option<String>,
+    /// What solids are coloured by: plain, phi_c (distance to the contact line), strain or displacement.
+    #[arg(long)]
+    pub color: Option<String>,
     /// Take every n-th frame.
     #[arg(long, default_value_t = 1)]
     pub every: u32,

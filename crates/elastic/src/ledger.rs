@@ -1,5 +1,6 @@
 //! Energies and momenta.
 
+use crate::linalg::svd;
 use crate::term::density::{cofactor, determinant};
 use crate::{Elastic, ElasticState};
 use meniscus_numerics::mesh::Simplex;
@@ -47,6 +48,26 @@ impl<const D: usize> Elastic<D> {
             determinant(&simplex.edges(positions)) / determinant(&simplex.edges(&self.rest.positions))
         };
         self.rest.simplices.par_iter().with_min_len(1024).map(ratio).reduce(|| f64::INFINITY, f64::min)
+    }
+
+    /// How much the material is stretched or pressed at each vertex: the largest |λ − 1| of the principal stretches λ, the
+    /// mean over the elements there by their volume at rest.
+    pub fn strains(&self, positions: &[Vector<D>]) -> Vec<f64> {
+        let of = |simplex: &Simplex<D>| {
+            let edges = simplex.edges(&self.rest.positions);
+            let across = cofactor(&edges) / determinant(&edges);
+            let stretches = svd(&(simplex.edges(positions) * across.transpose())).values;
+            (simplex.volume(&self.rest.positions), stretches.map(|s| (s - 1.0).abs()).max())
+        };
+        let all: Vec<(f64, f64)> = self.rest.simplices.par_iter().with_min_len(1024).map(of).collect();
+        let mut sums = vec![(0.0, 0.0); positions.len()];
+        for (simplex, (volume, strain)) in self.rest.simplices.iter().zip(all) {
+            for v in simplex.vertices() {
+                let sum = &mut sums[v as usize];
+                *sum = (sum.0 + volume, sum.1 + volume * strain);
+            }
+        }
+        sums.into_iter().map(|(volume, sum)| if volume > 0.0 { sum / volume } else { 0.0 }).collect()
     }
 
     /// The largest velocity gradient in an element, 1/s: how fast elements turn or change their shape.

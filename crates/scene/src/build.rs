@@ -139,7 +139,6 @@ pub fn setup<const D: usize>(scene: &Scene) -> Result<Setup<D>, SceneError> {
     let solids = scene.solids.iter().map(|s| solid(scene, s)).collect::<Result<_, _>>()?;
     let bodies = bodies.collect::<Result<_, SceneError>>()?;
     let model = Model { solids, ..model(scene) };
-    meshes_inside(scene, &model)?;
     apart(scene, &model)?;
     let model = Model { solids: thick_enough(scene, &model)?, ..model };
     Ok(Setup { model: if scene.walls_wet() { wet(scene, model) } else { model }, bodies })
@@ -154,22 +153,23 @@ fn wet<const D: usize>(scene: &Scene, model: Model<D>) -> Model<D> {
 /// Depth of an overlap, in cells, that is rounding of the numbers in a scene.
 const ROUNDING: f64 = 0.01;
 
-/// Refuses solids from mesh files that reach beyond the domain; of others the scene alone tells.
-fn meshes_inside<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneError> {
-    let list = |v: Vector<D>| v.iter().copied().collect::<Vec<f64>>();
-    for (i, (spec, solid)) in scene.solids.iter().zip(&model.solids).enumerate() {
-        let bounds = solid.bounds(&solid.start()).map(list);
-        if spec.shape.bounds(D).is_some() {
-            continue;
-        }
-        if let Some((reach, help)) = outside(&bounds.into(), &scene.domain.size, 1e-6 * model.grid.dx) {
-            let error =
-                SceneError::new(format!("the solid `{}` is outside the domain: it {reach}", spec.name));
-            let path = scene.source.first_inside(&format!("solid.{i}.shape"));
-            return Err(scene.source.at_value(error.with_help(help), &path));
-        }
+/// Refuses a solid from a mesh file that reaches beyond the domain; of others the scene alone tells.
+fn mesh_inside<const D: usize>(scene: &Scene, spec: &SolidSpec, shape: &Shape<D>) -> Result<(), SceneError> {
+    if spec.shape.bounds(D).is_some() {
+        return Ok(());
     }
-    Ok(())
+    let list = |v: Vector<D>| v.iter().copied().collect::<Vec<f64>>();
+    let (lower, upper) = shape.bounds();
+    let bounds = (list(lower), list(upper));
+    let Some((reach, help)) = outside(&bounds, &scene.domain.size, 1e-6 * scene.domain.dx) else {
+        return Ok(());
+    };
+    let error = SceneError::new(format!("the solid `{}` is outside the domain: it {reach}", spec.name))
+        .with_help(format!(
+            "{help}; `scale` tells how long a unit of the file is, `translate` where it goes"
+        ));
+    let number = scene.solids.iter().position(|s| s.name == spec.name).unwrap_or(0);
+    Err(scene.source.at_value(error, &scene.source.first_inside(&format!("solid.{number}.shape"))))
 }
 
 /// Refuses solids that could not move as they should: such without bounds, and those that overlap where they start.
@@ -238,6 +238,8 @@ pub(crate) fn rotation<const D: usize>(rotation: &Rotation) -> Matrix<D> {
 
 /// A solid of a scene.
 fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, SceneError> {
+    let shape = shape(&spec.shape);
+    shape.iter().try_for_each(|shape| mesh_inside(scene, spec, shape))?;
     let motion = match &spec.material {
         Material::Kinematic { velocity, angular_velocity, keyframes } => {
             let mut spin = [0.0; 3];
@@ -252,7 +254,7 @@ fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, Sc
             None => Motion::Fixed,
         },
     };
-    let mut solid = Solid::new(shape(&spec.shape)?, motion, spec.density.unwrap_or(scene.liquid.density));
+    let mut solid = Solid::new(shape?, motion, spec.density.unwrap_or(scene.liquid.density));
     solid.velocity = vector(&spec.velocity);
     let tension = scene.tension.solids.iter().find(|(name, _)| *name == spec.name);
     (solid.restitution, solid.friction) = (spec.restitution, spec.friction);

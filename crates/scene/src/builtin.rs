@@ -40,7 +40,7 @@ macro_rules! scene {
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 54] = [
+pub const BUILTINS: [Builtin; 56] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
@@ -210,6 +210,13 @@ pub const BUILTINS: [Builtin; 54] = [
         "a minute"
     ),
     scene!(
+        "fig17b-no-line",
+        2,
+        Some("Fig. 17 (b)"),
+        "The same drop and strip without a contact line: nothing bends the strip",
+        "a minute"
+    ),
+    scene!(
         "fig14-soft-plate",
         2,
         Some("Fig. 14"),
@@ -241,6 +248,13 @@ pub const BUILTINS: [Builtin; 54] = [
         3,
         "A soft duck, read from an .obj file, falls into a bath, tips over and floats on its side",
         "half an hour; --quality draft: ten minutes"
+    ),
+    scene!(
+        "drop-on-cantilever",
+        3,
+        Some("Fig. 19"),
+        "A drop hits the end of a beam, which swings with it",
+        "ten minutes; --quality draft: five"
     ),
     scene!("capillary-rise", 3, "Liquid climbs in a tube and stops at Jurin's height", "ten minutes"),
     scene!(

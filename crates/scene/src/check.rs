@@ -79,8 +79,11 @@ pub struct Report {
     pub soft: Vec<SoftReport>,
     /// What looks odd.
     pub warnings: Vec<Warning>,
-    /// Why this version cannot run the scene; none if it can.
+    /// Why the scene cannot be run; none if it can.
     pub cannot_run: Option<String>,
+    /// The same as an error where the scene is wrong, not only beyond this version.
+    #[serde(skip)]
+    pub error: Option<SceneError>,
 }
 
 /// A body of liquid.
@@ -132,7 +135,9 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
     let diameter = radius.map(|r| 2.0 * r);
     let mut warnings = scene.warnings.0.clone();
     more_warnings(scene, &bodies, capillary_length, &mut warnings);
-    let setup = crate::file::runnable(scene).and_then(|()| AnySetup::of(scene));
+    let beyond = crate::file::runnable(scene);
+    let is_beyond = beyond.is_err();
+    let setup = beyond.and_then(|()| AnySetup::of(scene));
     let soft = setup.as_ref().map_or_else(|_| Vec::new(), |setup| reports(scene, setup));
     let vertices = soft.iter().map(|s| s.vertices as f64).sum::<f64>();
     let factors: f64 = soft.iter().map(|s| s.solver_bytes).sum();
@@ -164,7 +169,8 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
         pairs: pairs(scene),
         soft,
         warnings,
-        cannot_run: setup.err().map(|e| e.line()),
+        cannot_run: setup.as_ref().err().map(SceneError::line),
+        error: setup.err().filter(|_| !is_beyond),
     }
 }
 
@@ -440,7 +446,7 @@ impl Report {
         for w in &self.warnings {
             let _ = writeln!(out, "warning: {}: {}", w.path, w.message);
         }
-        if let Some(why) = &self.cannot_run {
+        if let (Some(why), None) = (&self.cannot_run, &self.error) {
             let _ = writeln!(out, "cannot run: {why}");
         }
         out

@@ -160,7 +160,8 @@ fn spaced(unit: &str) -> String {
 
 /// How far the total energy rises above its start, relative to the largest kind of energy at the start.
 fn energy_growth(series: &Table) -> Option<f64> {
-    let kinds = ["kinetic_energy", "surface_energy", "potential_energy"].map(|name| series.column(name));
+    let names = ["kinetic_energy", "surface_energy", "elastic_energy", "potential_energy"];
+    let kinds = names.map(|name| series.column(name));
     let total = |row: usize| kinds.iter().map(|kind| kind[row]).sum::<f64>();
     let rows = kinds.iter().map(|kind| kind.len()).min().filter(|&n| n > 0)?;
     let scale = kinds.iter().map(|kind| kind[0].abs()).fold(0.0, f64::max);
@@ -281,7 +282,13 @@ mod tests {
 
     #[test]
     fn energy_growth_is_relative() {
-        let table = Table::parse("kinetic_energy,surface_energy,potential_energy\n0,2,0\n1,1.5,0\n0,1,0\n");
+        let table = Table::parse(
+            "kinetic_energy,surface_energy,elastic_energy,potential_energy\n0,2,0,0\n1,1.5,0,0\n0,1,1.2,0\n",
+        );
         assert_eq!(energy_growth(&table), Some(0.25));
+        let bent = Table::parse(
+            "kinetic_energy,surface_energy,elastic_energy,potential_energy\n0,2,0,0\n0,1.5,1.5,0\n",
+        );
+        assert_eq!(energy_growth(&bent), Some(0.5));
     }
 }

@@ -180,8 +180,10 @@ impl<const D: usize> Simulation<D> {
 
     fn advance(&mut self, max_dt: f64, phase_end: PhaseEnd<'_>) -> Result<StepReport<D>, StepError> {
         let solids = self.model.solids.iter().zip(&self.state.solids).map(|(s, now)| s.largest_speed(now));
-        let speed = solids.fold(max_component(&self.model, &self.state, &self.work), f64::max);
-        let wanted = self.wanted_dt(speed)?;
+        let liquid = max_component(&self.model, &self.state, &self.work);
+        let solids = solids.fold(0.0, f64::max);
+        let speed = liquid.max(solids);
+        let wanted = self.wanted_dt(speed, if solids > liquid { "a solid" } else { "the liquid" })?;
         let mut dt = self.choose_dt(wanted, max_dt);
         let shortest = 1.5 * 0.5f64.powi(DOUBTS as i32) * wanted;
         let (energy, height) =
@@ -230,8 +232,8 @@ impl<const D: usize> Simulation<D> {
         if max_dt.is_finite() { max_dt / (max_dt / wanted * (1.0 - 1e-9)).ceil().max(1.0) } else { wanted }
     }
 
-    /// The longest step that the speeds and surface tension allow.
-    fn wanted_dt(&self, speed: f64) -> Result<f64, StepError> {
+    /// The longest step that the largest speed, which is that of `fastest`, and surface tension allow.
+    fn wanted_dt(&self, speed: f64, fastest: &str) -> Result<f64, StepError> {
         let n = &self.model.numerics;
         if let Some(dt) = n.fixed_step {
             return Ok(dt);
@@ -248,13 +250,14 @@ impl<const D: usize> Simulation<D> {
         let floor = if calm.is_finite() { SLOWEST * calm } else { 0.0 };
         let dt = dt.min(self.straining_step().max(floor));
         if calm.is_finite() && dt < SHORTEST * calm {
-            let reason = format!("the liquid runs away, at {speed:.3e} m/s");
+            let reason = format!("{fastest} runs away, at {speed:.3e} m/s");
             return Err(StepError::TooShort { time: self.state.time, dt, reason });
         }
         Ok(dt)
     }
 
-    /// The longest step in which elements of solids turn and change their shape by as much as a straight line bears without turning them inside out, s.
+    /// The longest step in which elements of solids turn and change their shape by as much as a straight line bears without
+    /// turning them inside out, s.
     fn straining_step(&self) -> f64 {
         let solids = self.model.solids.iter().zip(&self.state.solids);
         let soft = solids.filter_map(|(solid, now)| solid.elastic().zip(now.soft.as_ref()));

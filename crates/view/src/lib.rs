@@ -8,6 +8,7 @@ mod folder;
 mod measure;
 mod page;
 mod render;
+mod shade;
 
 pub use error::{Result, ViewError};
 pub use folder::{Frame, RunFolder};
@@ -17,3 +18,4 @@ pub use measure::{
 };
 pub use page::{PageOptions, PageReport, make_page, write_page};
 pub use render::{Camera, Image, RenderOptions, Rendered, Renderer, Style, render};
+pub use shade::Shade;

@@ -16,6 +16,9 @@ pub fn check(args: &CheckArgs) -> Result {
     } else {
         print(&report.render())?;
     }
+    if let Some(error) = report.error {
+        return Err(error.into());
+    }
     fits_memory(&scene, machine_memory())?;
     if args.strict {
         if let Some(reason) = &report.cannot_run {

@@ -4,7 +4,7 @@ use super::print;
 use crate::args::{PageArgs, RenderArgs};
 use crate::failure::{Failure, OUTPUT, Result, USAGE};
 use indicatif::{ProgressBar, ProgressStyle};
-use meniscus_view::{Camera, PageOptions, RenderOptions, Rendered, Style};
+use meniscus_view::{Camera, PageOptions, RenderOptions, Rendered, Shade, Style};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
@@ -17,6 +17,7 @@ pub fn render(args: &RenderArgs) -> Result {
         size: args.size,
         camera: args.camera.as_deref().map(camera).transpose()?,
         style: args.style.as_deref().map_or(Ok(Style::default()), style)?,
+        shade: args.color.as_deref().map_or(Ok(Shade::default()), shade)?,
         every: args.every.max(1) as usize,
         ..RenderOptions::default()
     };
@@ -53,6 +54,13 @@ fn style(text: &str) -> Result<Style> {
         "matte" => Ok(Style::Matte),
         _ => Err(Failure::new(USAGE, format!("there is no style `{text}`")).help("use glass or matte")),
     }
+}
+
+fn shade(text: &str) -> Result<Shade> {
+    Shade::named(text).ok_or_else(|| {
+        let failure = Failure::new(USAGE, format!("solids cannot be coloured by `{text}`"));
+        failure.help("use plain, phi_c, strain or displacement")
+    })
 }
 
 /// Makes pictures, with a bar on a terminal unless quiet.

@@ -84,7 +84,7 @@ fn mesh_import_names_the_defect() {
         |name: &str, content: &str| load::<3>(&file(name, content.as_bytes())).unwrap_err().to_string();
     let hole = message("hole.obj", CUBE.trim_end_matches("f 4 1 5 8\n"));
     assert!(
-        hole.contains("hole.obj: the surface is not closed: 4 ") && hole.contains("Fill Holes"),
+        hole.contains("hole.obj: the surface is not closed: 4 ") && hole.contains("fill the holes"),
         "{hole}"
     );
     let mixed = message("mixed.obj", &CUBE.replace("f 4 1 5 8", "f 8 5 1 4"));

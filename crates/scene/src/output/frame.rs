@@ -2,17 +2,21 @@
 
 use super::file::{self, FileError};
 use crate::run::three;
+use meniscus_elastic::Elastic;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, Sampler};
 use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_numerics::mesh::{SurfaceMesh, isosurface};
-use meniscus_sim::{ContactLine, LinePoint, Simulation};
+use meniscus_sim::{ContactLine, LinePoint, Simulation, Soft};
 use rayon::prelude::*;
 use std::path::Path;
 
 /// Distance from a solid's surface, in cells, up to which a vertex of the liquid's surface lies on it; from the free surface
 /// up to which it lies on the contact line. Surface nets place vertices as well as that.
 const ON: f64 = 0.3;
+
+/// The parts of a displacement.
+const DISPLACEMENT: [&str; 3] = ["ux", "uy", "uz"];
 
 /// The liquid's surface of a state, where it is not within solids; `Err` names a field that is not finite.
 ///
@@ -68,7 +72,8 @@ fn mark_wetted<const D: usize>(simulation: &Simulation<D>, positions: &[Vector<D
     });
 }
 
-/// The surface of a solid, and on it the distance to the contact line, and Young's angle where it varies.
+/// The surface of a solid, and on it the distance to the contact line, Young's angle where it varies, and where it deforms its
+/// displacement and strain.
 pub fn solid<const D: usize>(
     simulation: &Simulation<D>,
     number: usize,
@@ -80,11 +85,28 @@ pub fn solid<const D: usize>(
     let distance = line.phi_c.get(number).cloned().unwrap_or_default();
     mesh.scalars.insert("phi_c".into(), distance);
     mesh.comments.push("phi_c distance to the contact line along the surface, negative where wetted".into());
+    if let Some((elastic, soft)) = deformed(simulation, number) {
+        let (rest, strains) = (&elastic.mesh().positions, elastic.strains(&soft.body.positions));
+        let of =
+            |value: &dyn Fn(usize) -> f64| soft.skin.vertices().iter().map(|v| value(*v as usize)).collect();
+        for (a, name) in DISPLACEMENT.into_iter().enumerate() {
+            let way = |v: usize| three(&(soft.body.positions[v] - rest[v]))[a];
+            mesh.scalars.insert(name.into(), of(&way));
+        }
+        mesh.scalars.insert("strain".into(), of(&|v| strains[v]));
+        mesh.comments.push("ux uy uz way from the place at rest, strain largest |stretch - 1|".into());
+    }
     if !young.is_empty() {
         mesh.scalars.insert("young".into(), young);
         mesh.comments.push("young contact angle at rest in degrees".into());
     }
     mesh
+}
+
+/// A solid that deforms, and its state.
+fn deformed<const D: usize>(simulation: &Simulation<D>, number: usize) -> Option<(&Elastic<D>, &Soft<D>)> {
+    let soft = simulation.state.solids[number].soft.as_ref();
+    simulation.model.solids[number].elastic().zip(soft)
 }
 
 /// Young's angle, degrees, at points of a solid if it has a pattern of it.

@@ -52,13 +52,18 @@ pub const COLUMNS: &[&str] = &[
     "least_element",
 ];
 
-/// A row: the state after a step, and what the step did. Numbers are written so that they read back to the same bits.
+/// The columns of the liquid's force on a solid, N (2D: N/m).
+fn force_columns(solid: &str) -> impl Iterator<Item = String> {
+    ["x", "y", "z"].into_iter().map(move |axis| format!("force_{solid}_{axis}"))
+}
+
+/// A row: the state after a step, and what the step did; `solids` is the number of those that have names. Numbers are written so that they read back to the same bits.
 pub fn row<const D: usize>(
     simulation: &Simulation<D>,
     report: &StepReport<D>,
     line: &ContactLine<D>,
-    momentum_error: f64,
-    wall_seconds: f64,
+    (momentum_error, wall_seconds): (f64, f64),
+    solids: usize,
 ) -> String {
     let state = &simulation.state;
     let ledger = &report.ledger;
@@ -85,6 +90,9 @@ pub fn row<const D: usize>(
     put(&mut row, &[report.solves[1].residual]);
     put_known(&mut row, line.apart);
     put_known(&mut row, ledger.least_element);
+    for now in &state.solids[..solids] {
+        put(&mut row, &three(&(now.pressed + now.pulled)));
+    }
     row.push('\n');
     row
 }
@@ -122,14 +130,15 @@ pub struct Series {
 }
 
 impl Series {
-    /// A new file with its header row.
+    /// A new file with its header row: [`COLUMNS`], and the force on each solid of these names.
     ///
     /// # Errors
     /// [`FileError`].
-    pub fn create(path: &Path) -> Result<Self, FileError> {
+    pub fn create<'a>(path: &Path, solids: impl Iterator<Item = &'a str>) -> Result<Self, FileError> {
         let file = File::create(path).map_err(FileError::of("write", path))?;
         let mut series = Self { path: path.to_path_buf(), writer: BufWriter::new(file), bytes: 0 };
-        series.append(&(COLUMNS.join(",") + "\n"))?;
+        let names = COLUMNS.iter().map(|c| (*c).to_owned()).chain(solids.flat_map(force_columns));
+        series.append(&(names.collect::<Vec<_>>().join(",") + "\n"))?;
         Ok(series)
     }
 

@@ -175,10 +175,10 @@ impl SolidSummary {
             pressure_force: list(&now.pressed),
             line_force: list(&now.pulled),
             contact_angle: angle,
-            contact_force: if solid.motion == Motion::Free {
-                list(&(now.held * solid.body.mass))
-            } else {
-                list(&Vector::zeros())
+            contact_force: match (solid.motion == Motion::Free, solid.elastic()) {
+                (true, _) => list(&(now.held * solid.body.mass)),
+                (_, Some(elastic)) => list(&(now.held * elastic.masses().iter().sum::<f64>())),
+                _ => list(&Vector::zeros()),
             },
             wetted: simulation.wetted(number),
             deflection: deflection(solid, now),

@@ -55,7 +55,7 @@ impl<'a, const D: usize> Session<'a, D> {
     ) -> Result<Self, FileError> {
         file::replace(&folder.scene(), |w| w.write_all(scene_text(job).as_bytes()))?;
         let tally = Tally::start(&simulation.model, &simulation.ledger());
-        let series = Series::create(&folder.series())?;
+        let series = Series::create(&folder.series(), job.solids.iter().map(|s| s.0.as_str()))?;
         Self::open(simulation, tally, series, job, folder, None)
     }
 
@@ -214,7 +214,8 @@ impl<'a, const D: usize> Session<'a, D> {
 
     fn append_row(&mut self, report: &StepReport<D>, momentum_error: f64) -> Result<(), RunError> {
         self.tally.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
-        let row = series::row(&self.simulation, report, &self.line, momentum_error, self.tally.wall_seconds);
+        let told = (momentum_error, self.tally.wall_seconds);
+        let row = series::row(&self.simulation, report, &self.line, told, self.job.solids.len());
         Ok(self.series.append(&row)?)
     }
 

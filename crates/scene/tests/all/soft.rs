@@ -4,12 +4,13 @@
 
 use meniscus_elastic::Elastic;
 use meniscus_numerics::Vector;
+use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_scene::build::{self, AnySetup};
 use meniscus_scene::error::SceneError;
 use meniscus_scene::expect;
 use meniscus_scene::file::{LoadOptions, Quality, Scene, runnable};
 use meniscus_scene::output::Folder;
-use meniscus_scene::output::series::Table;
+use meniscus_scene::output::series::{COLUMNS, Table};
 use meniscus_scene::run::{Existing, Job, Outcome, Schedule, Silent};
 use std::path::{Path, PathBuf};
 
@@ -416,6 +417,15 @@ fn runs_tell_of_inverted_elements_and_overlaps() {
     let out = std::env::temp_dir().join(format!("meniscus-sound-{}", std::process::id()));
     let setup = AnySetup::of(&scene).unwrap();
     let done = setup.run(&job, &Folder::at(&out), Existing::Replace, &|| None, &mut Silent).unwrap();
+    let header = std::fs::read_to_string(out.join("timeseries.csv")).unwrap();
+    assert!(header.lines().next().unwrap().ends_with("force_body_x,force_body_y,force_body_z"), "{header}");
+    assert_eq!(header.lines().nth(1).unwrap().split(',').count(), COLUMNS.len() + 3);
+    let mesh = PlyMesh::load(&out.join("frames/solid_body_0002.ply")).unwrap();
+    for name in ["ux", "uy", "uz", "strain"] {
+        let values = &mesh.scalars[name];
+        // It rests without weight: nothing moves.
+        assert!(values.len() == mesh.positions.len() && values.iter().all(|v| v.abs() < 1e-9), "{name}");
+    }
     std::fs::remove_dir_all(&out).unwrap();
     let Outcome::Finished(mut summary) = done else { panic!("it did not finish") };
     let passes = |summary: &_| -> Vec<bool> {

@@ -33,6 +33,7 @@ mod soft_tank;
 mod static_drop;
 mod surface_distance;
 mod transport;
+mod turek_hron;
 mod volume;
 mod walls;
 mod wettability_step;
@@ -45,7 +46,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 54] = [
+const ALL: [Case; 55] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -87,6 +88,7 @@ const ALL: [Case; 54] = [
     momentum_with_solid::CASE,
     leak::CASE,
     elastic::BEAM,
+    turek_hron::FLAG,
     soft::KINK,
     soft::STRIP,
     soft::STIFF,

@@ -1,7 +1,8 @@
 //! How far a solid that deforms is bent: displacements, its tip, the line along its middle, what of it is wetted, and the ridge
 //! that a contact line pulls up.
 //!
-//! All of it comes from the solid's surface in two frames, the first and the one that is measured: its vertices are the same.
+//! All of it comes from the solid's surface in one frame, with the way that each vertex has come; of frames without that
+//! from the surface in the first frame, too: its vertices are the same.
 
 use meniscus_numerics::fit::RigidMotion;
 use meniscus_numerics::mesh::ply::PlyMesh;
@@ -65,6 +66,9 @@ pub struct Ridge {
 /// Measures a solid of a frame; none of one that has not deformed.
 pub(super) fn measure(folder: &RunFolder, frame: &Frame, name: &str, dx: f64) -> Result<Option<SoftMeasure>> {
     let Some(now) = frame.solids.get(name) else { return Ok(None) };
+    if let Some(start) = at_rest(now) {
+        return Ok(Surfaces::new(&start, now).measure(now, dx));
+    }
     let first = folder.frame(folder.numbers[0])?;
     let Some(start) = first.solids.get(name) else { return Ok(None) };
     if start.positions.len() != now.positions.len()
@@ -75,6 +79,16 @@ pub(super) fn measure(folder: &RunFolder, frame: &Frame, name: &str, dx: f64) ->
         return Ok(None);
     }
     Ok(Surfaces::new(start, now).measure(now, dx))
+}
+
+/// Where the surface was at rest, if it is stored how far it has come from there.
+fn at_rest(now: &PlyMesh) -> Option<PlyMesh> {
+    let mut start = now.clone();
+    for (a, name) in ["ux", "uy", "uz"].into_iter().enumerate() {
+        let way = now.scalars.get(name).filter(|u| u.len() == now.positions.len() && !u.is_empty())?;
+        start.positions.iter_mut().zip(way).for_each(|(x, u)| x[a] -= u);
+    }
+    Some(start)
 }
 
 /// The surface of a solid at first and now.

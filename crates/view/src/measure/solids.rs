@@ -9,9 +9,12 @@ use super::drops::Drop;
 use super::soft::{self, SoftMeasure};
 use crate::error::Result;
 use crate::folder::{Frame, RunFolder};
+use crate::page::series::Series;
 
 /// A solid is touched where a wetted vertex lies nearer to it than this, in cells.
 const TOUCHING: f64 = 0.75;
+/// Difference of two times, as a part of them, that is rounding of seven digits.
+const SAME: f64 = 1e-6;
 /// Liquid that comes nearer than this to the domain's sides, in cells, stands in it as in a tank.
 const AT_SIDE: f64 = 0.5;
 /// The part of a tank's surface, the farthest from all solids, that shows the undisturbed level.
@@ -24,7 +27,7 @@ pub struct SolidMeasure {
     pub name: String,
     /// How it floats, where the liquid fills the domain as a tank.
     pub floating: Option<Floating>,
-    /// The forces of the liquid on it; stored for the end of the run only.
+    /// The forces of the liquid on it; before the end of the run only their sum is stored.
     pub forces: Option<Forces>,
     /// How it is deformed; none of a solid that is not.
     pub soft: Option<SoftMeasure>,
@@ -77,6 +80,7 @@ pub(super) fn measure<const D: usize>(
     let solids: Vec<&Body<D>> = bodies.iter().filter(|b| !b.wall).collect();
     let touched = touched::<D>(folder, &solids, dx)?;
     let level = level(folder, drops, &solids, dx);
+    let series = Series::load(&folder.dir.join("timeseries.csv"))?;
     let one = |(i, body): (usize, &&Body<D>)| {
         let times =
             touched.iter().filter_map(|(time, touched)| Some(((*time)?, touched[i]))).collect::<Vec<_>>();
@@ -84,7 +88,7 @@ pub(super) fn measure<const D: usize>(
             soft: soft::measure(folder, frame, &body.name, dx)?,
             name: body.name.clone(),
             floating: level.and_then(|level| floating(body, level)),
-            forces: forces(folder, frame, &body.name),
+            forces: forces(folder, frame, &body.name, &series),
             touches: touches(&times),
         })
     };
@@ -131,8 +135,20 @@ fn touches(frames: &[(f64, bool)]) -> Vec<Touch> {
     out
 }
 
-/// The forces on a solid; the summary tells them for the end of the run.
-fn forces(folder: &RunFolder, frame: &Frame, name: &str) -> Option<Forces> {
+/// The forces on a solid: those that the summary tells at the end of the run, before it the sum that the series has.
+fn forces(folder: &RunFolder, frame: &Frame, name: &str, series: &Series) -> Option<Forces> {
+    forces_at_end(folder, frame, name).or_else(|| {
+        let time = frame.time?;
+        let same = |t: &Option<f64>| t.is_some_and(|t| (t - time).abs() <= SAME * time.abs());
+        let row = series.column("time")?.iter().position(same)?;
+        let axes = ["x", "y", "z"].into_iter().take(folder.dimension);
+        let of = |axis: &str| series.column(&format!("force_{name}_{axis}"))?[row];
+        Some(Forces { net: axes.map(of).collect::<Option<_>>()?, pressure: None, line: None })
+    })
+}
+
+/// The forces on a solid at the end of the run, where the frame is that.
+fn forces_at_end(folder: &RunFolder, frame: &Frame, name: &str) -> Option<Forces> {
     let end = folder.summary.get("simulated_seconds")?.as_f64()?;
     let is_end = frame.time.is_some_and(|t| (t - end).abs() <= 1e-9 * end.abs());
     let solids = folder.summary.get("solids")?.as_array()?;

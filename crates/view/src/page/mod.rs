@@ -1,7 +1,7 @@
 //! The result page: one HTML file with everything in it.
 
 mod blob;
-mod series;
+pub(crate) mod series;
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use crate::error::{Result, ViewError};
 use crate::folder::RunFolder;
+use crate::shade::{Range, Shade};
 use series::Series;
 
 /// The page without data, as built from `web/`.
@@ -73,6 +74,15 @@ struct PageFrame {
     solids: BTreeMap<String, usize>,
 }
 
+/// Values that solids can be coloured by.
+#[derive(Serialize)]
+struct PageShade {
+    name: &'static str,
+    unit: Option<char>,
+    /// None where nothing is stored.
+    range: Option<Range>,
+}
+
 /// What the page is given.
 #[derive(Serialize)]
 struct Payload<'a> {
@@ -83,6 +93,8 @@ struct Payload<'a> {
     domain: Option<[f64; 3]>,
     dx: Option<f64>,
     notes: Vec<String>,
+    /// What solids can be coloured by, in the order of [`Shade::STORED`].
+    shades: Vec<PageShade>,
     frames: Vec<PageFrame>,
     meshes: Vec<&'a str>,
     series: Series,
@@ -100,7 +112,11 @@ pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
     let folder = RunFolder::open(dir)?;
     let asked = options.every.max(1);
     let numbers: Vec<u32> = folder.numbers.iter().copied().step_by(asked).collect();
-    let packed = numbers.par_iter().map(|&n| pack(&folder, n)).collect::<Result<Vec<Packed>>>()?;
+    let mut ranges = blob::Ranges::default();
+    for (range, shade) in ranges.iter_mut().zip(Shade::STORED) {
+        *range = shade.range(&folder)?;
+    }
+    let packed = numbers.par_iter().map(|&n| pack(&folder, n, &ranges)).collect::<Result<Vec<Packed>>>()?;
     let series = Series::load(&dir.join("timeseries.csv"))?;
     let scene = std::fs::read_to_string(dir.join("scene.toml")).unwrap_or_default();
     let fixed =
@@ -117,6 +133,9 @@ pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
         domain: folder.domain,
         dx: folder.dx,
         notes: notes(&folder, options, asked, skip, &series),
+        shades: (ranges.iter().zip(Shade::STORED))
+            .map(|(range, shade)| PageShade { name: shade.name(), unit: shade.unit(), range: *range })
+            .collect(),
         frames,
         meshes,
         series,
@@ -132,14 +151,14 @@ pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
     Ok(PageReport { path, bytes: html.len() as u64, frames: kept.len(), every: asked * skip })
 }
 
-fn pack(folder: &RunFolder, number: u32) -> Result<Packed> {
+fn pack(folder: &RunFolder, number: u32, ranges: &blob::Ranges) -> Result<Packed> {
     let frame = folder.frame(number)?;
     Ok(Packed {
         number,
         time: frame.time,
-        liquid: blob::pack(&frame.liquid),
-        line: frame.contact_line.as_ref().map(blob::pack),
-        solids: frame.solids.iter().map(|(name, mesh)| (name.clone(), blob::pack(mesh))).collect(),
+        liquid: blob::pack(&frame.liquid, ranges),
+        line: frame.contact_line.as_ref().map(|line| blob::pack(line, ranges)),
+        solids: frame.solids.iter().map(|(name, mesh)| (name.clone(), blob::pack(mesh, ranges))).collect(),
     })
 }
 

@@ -31,6 +31,12 @@ impl Series {
         Ok(Self::parse(&std::fs::read_to_string(path).map_err(ViewError::io(path))?))
     }
 
+    /// The values of a column; none if there is none of that name.
+    pub(crate) fn column(&self, name: &str) -> Option<&[Option<f64>]> {
+        let place = self.names.iter().position(|n| n == name)?;
+        Some(&self.columns[place])
+    }
+
     /// Reads the text of a file. Rows with a wrong number of cells (a row just being written) are left out.
     pub(crate) fn parse(text: &str) -> Self {
         let mut lines = text.lines();

@@ -5,8 +5,10 @@ use meniscus_numerics::mesh::ply::PlyMesh;
 use super::fill::coverage;
 use super::image::{Canvas, Image};
 use super::label;
+use super::legend::Shading;
 use super::stage::round_length;
 use crate::folder::{Bounds, Frame, RunFolder, V3};
+use crate::shade::srgb;
 
 /// The window leaves the whole domain where that shows the liquid more than this many times larger.
 const CLOSER: f64 = 1.7;
@@ -19,15 +21,6 @@ pub(crate) struct Window {
     scale: f64,
     size: (u32, u32),
     domain: Option<[f64; 2]>,
-}
-
-/// sRGB as a linear colour.
-fn srgb(hex: u32) -> V3 {
-    let part = |shift: u32| {
-        let s = f64::from(hex >> shift & 255) / 255.0;
-        if s <= 0.040_45 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
-    };
-    V3::new(part(16), part(8), part(0))
 }
 
 /// A linear colour as 8-bit sRGB, without any change of tone.
@@ -76,7 +69,7 @@ impl Window {
 }
 
 /// The picture of one frame.
-pub(crate) fn picture(window: &Window, frame: &Frame) -> Image {
+pub(crate) fn picture(window: &Window, frame: &Frame, shading: Option<&Shading>) -> Image {
     let mut canvas = Canvas::new(window.size, srgb(0x00e9_edf1));
     let thick = (f64::from(window.size.1) / 240.0).max(1.0);
     let air = srgb(0x00fb_fcfd);
@@ -90,6 +83,12 @@ pub(crate) fn picture(window: &Window, frame: &Frame) -> Image {
         let outline = window.segments(solid);
         fill(&mut canvas, &outline, &srgb(0x00c9_b49c), &srgb(0x00b3_9a80));
         strokes(&mut canvas, &outline, thick * 0.9, &srgb(0x0070_5b46));
+        let places = shading.map_or_else(Vec::new, |shading| shading.places(solid));
+        for (edge, [a, b]) in solid.edges.iter().zip(&outline).filter(|_| !places.is_empty()) {
+            let place = 0.5 * edge.iter().map(|v| places[*v as usize]).sum::<f64>();
+            let color = shading.map_or_else(V3::zeros, |shading| shading.shade.color(place));
+            canvas.line(*a, *b, thick * 3.0, &color, |_, _, _| 1.0);
+        }
     }
     let outline = window.segments(&frame.liquid);
     fill(&mut canvas, &outline, &srgb(0x0062_b0e8), &srgb(0x0023_74bf));
@@ -102,6 +101,7 @@ pub(crate) fn picture(window: &Window, frame: &Frame) -> Image {
         }
     }
     labels(window, frame, &mut canvas);
+    shading.iter().for_each(|shading| shading.legend(&mut canvas));
     canvas.develop(plain)
 }
 

@@ -86,6 +86,15 @@ pub(crate) fn quantity(x: f64, unit: char) -> String {
     format!("{} {prefix}{unit}", round(x / scale))
 }
 
+/// A number, with its unit if it has one.
+pub(crate) fn value(x: f64, unit: Option<char>) -> String {
+    match unit {
+        Some(_) if x == 0.0 => "0".into(),
+        Some(unit) => quantity(x, unit),
+        None => round(x),
+    }
+}
+
 /// A number with four significant digits at most.
 fn round(x: f64) -> String {
     let decimals = if x.abs() >= 99.95 { 1 } else { 2 };

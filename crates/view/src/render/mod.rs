@@ -8,6 +8,7 @@ mod flat;
 mod geometry;
 mod image;
 mod label;
+mod legend;
 mod light;
 mod optics;
 mod sampling;
@@ -24,6 +25,8 @@ pub use image::Image;
 
 use crate::error::{Result, ViewError};
 use crate::folder::{Frame, RunFolder};
+use crate::shade::Shade;
+use legend::Shading;
 
 /// How the liquid looks in three dimensions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -44,6 +47,8 @@ pub struct RenderOptions {
     pub camera: Option<Camera>,
     /// The look of the liquid.
     pub style: Style,
+    /// What solids are coloured by.
+    pub shade: Shade,
     /// Samples per pixel; three times as many where the liquid is seen.
     pub samples: u32,
     /// The frame numbers to picture; `None` for all.
@@ -64,6 +69,7 @@ impl Default for RenderOptions {
             size: (640, 360),
             camera: None,
             style: Style::Glass,
+            shade: Shade::Plain,
             samples: 4,
             frames: None,
             every: 1,
@@ -92,6 +98,7 @@ pub struct Renderer {
     numbers: Vec<u32>,
     options: RenderOptions,
     look: Look,
+    shading: Option<Shading>,
 }
 
 #[derive(Debug)]
@@ -120,7 +127,8 @@ impl Renderer {
         } else {
             Look::Solid(Box::new(stage::Stage::new(&folder, options)?))
         };
-        Ok(Self { folder, numbers, options: options.clone(), look })
+        let shading = Shading::of(&folder, options.shade)?;
+        Ok(Self { folder, numbers, options: options.clone(), look, shading })
     }
 
     /// The numbers of the frames to picture.
@@ -135,11 +143,14 @@ impl Renderer {
 
     /// The picture of a frame.
     fn picture(&self, frame: &Frame) -> Image {
+        let shading = self.shading.as_ref();
         match &self.look {
-            Look::Flat(window) => flat::picture(window, frame),
+            Look::Flat(window) => flat::picture(window, frame, shading),
             Look::Solid(stage) => {
-                let scene = scene::Scene::new(stage, frame, self.options.style);
-                trace::picture(&scene, self.options.size, self.options.samples).develop(studio::develop)
+                let scene = scene::Scene::new(stage, frame, self.options.style, shading);
+                let mut canvas = trace::picture(&scene, self.options.size, self.options.samples);
+                shading.iter().for_each(|shading| shading.legend(&mut canvas));
+                canvas.develop(studio::develop)
             }
         }
     }

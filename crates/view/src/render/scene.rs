@@ -3,8 +3,10 @@
 use super::Style;
 use super::bvh::Ray;
 use super::geometry::{Hit, TriMesh, Tubes};
+use super::legend::Shading;
 use super::stage::Stage;
 use crate::folder::{Bounds, Frame, V3};
+use crate::shade::Shade;
 use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_numerics::mesh::{FacetTree, SurfaceMesh};
 
@@ -39,6 +41,8 @@ pub(crate) struct Scene<'a> {
     pub style: Style,
     pub liquid: TriMesh,
     pub solids: Vec<TriMesh>,
+    /// What each solid's tint shows: nothing but a wetting pattern, or values.
+    pub shades: Vec<Option<Shade>>,
     pub line: Tubes,
     /// The liquid's extent.
     pub bounds: Bounds,
@@ -49,17 +53,20 @@ pub(crate) struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    pub(crate) fn new(stage: &'a Stage, frame: &Frame, style: Style) -> Self {
+    pub(crate) fn new(stage: &'a Stage, frame: &Frame, style: Style, shading: Option<&Shading>) -> Self {
         let mut points = stage.points(&frame.liquid.positions);
         let wetted = stage.wetted(frame, &points);
         let mut bounds = Bounds::EMPTY;
         points.iter().for_each(|&p| bounds.add(p));
         let mut solid_bounds = Bounds::EMPTY;
-        let (mut solids, mut surfaces) = (Vec::new(), Vec::new());
+        let (mut solids, mut shades, mut surfaces) = (Vec::new(), Vec::new(), Vec::new());
         for mesh in frame.solids.values() {
             let points = stage.points(&mesh.positions);
             points.iter().for_each(|&p| solid_bounds.add(p));
-            solids.push(TriMesh::tinted(&points, &mesh.faces, (&[], &tint(mesh)), 0.8));
+            let places = shading.map_or_else(Vec::new, |shading| shading.places(mesh));
+            shades.push(shading.filter(|_| !places.is_empty()).map(|shading| shading.shade));
+            let tint = if places.is_empty() { tint(mesh) } else { places };
+            solids.push(TriMesh::tinted(&points, &mesh.faces, (&[], &tint), 0.8));
             surfaces.push(SurfaceMesh { positions: points, facets: mesh.faces.clone() });
         }
         seat(&mut points, &frame.liquid.faces, &wetted, &surfaces, stage.dx.unwrap_or(0.0));
@@ -75,6 +82,7 @@ impl<'a> Scene<'a> {
             style,
             liquid: TriMesh::new(&points, &frame.liquid.faces, &wetted, 0.3),
             solids,
+            shades,
             line,
             bounds,
             solid_bounds,

@@ -127,8 +127,11 @@ impl Tracer<'_> {
             Thing::Ground => self.ground(ray, &point, &path),
             Thing::Solid(i) => {
                 let normal = if ray.dir.dot(&hit.facet) > 0.0 { -hit.smooth } else { hit.smooth };
-                let plain = V3::from(SOLIDS[i % SOLIDS.len()]);
-                self.matte(&point, &normal, &plain.lerp(&WETTING, hit.tint), &path)
+                let color = match self.scene.shades[i] {
+                    Some(shade) => shade.color(hit.tint),
+                    None => V3::from(SOLIDS[i % SOLIDS.len()]).lerp(&WETTING, hit.tint),
+                };
+                self.matte(&point, &normal, &color, &path)
             }
             Thing::Line => self.lacquer(ray, &point, &hit, LINE, &path),
             Thing::Liquid if self.scene.style == Style::Matte => {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::common::{self, Sample};
 use meniscus_numerics::mesh::ply::PlyMesh;
-use meniscus_view::{PageOptions, RenderOptions, Renderer, RunFolder, Style, make_page, render};
+use meniscus_view::{PageOptions, RenderOptions, Renderer, RunFolder, Shade, Style, make_page, render};
 
 fn folder(name: &str, sample: Sample, frames: u32) -> PathBuf {
     let dir = std::env::temp_dir().join(format!("meniscus-view-{name}-{}", std::process::id()));
@@ -57,6 +57,9 @@ fn files_are_written_for_the_wanted_frames() {
     let file = std::io::BufReader::new(std::fs::File::open(&made.images[0]).unwrap());
     let reader = png::Decoder::new(file).read_info().unwrap();
     assert_eq!((reader.info().width, reader.info().height), (96, 64));
+    let shaded = RenderOptions { shade: Shade::Strain, ..small() };
+    let missing = render(&dir, &shaded, |_, _| ()).unwrap_err().to_string();
+    assert!(missing.contains("no solid in its frames has values of `strain`"), "{missing}");
     let none = RenderOptions { frames: Some(70..=80), ..small() };
     assert!(render(&dir, &none, |_, _| ()).is_err());
     std::fs::remove_dir_all(dir).unwrap();

@@ -1,0 +1,106 @@
+//! The flag of Turek and Hron by itself.
+
+use crate::measure::settle;
+use crate::{Case, Check, Mode};
+use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Motion, Smoothing};
+use meniscus_numerics::mesh::VolumeMesh;
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::StepError;
+
+/// The case.
+pub const FLAG: Case = Case {
+    name: "elastic-flag",
+    title: "Turek and Hron's flag swings (CSM3)",
+    theory: "2D, plane strain: a beam of 0.35 m by 0.02 m at a cylinder of radius 0.05 m, ρ = 1000 kg/m³, E = 1.4 MPa, \
+        ν = 0.4, let go under 2 m/s²: mean and amplitude of its tip's way, and the frequency, from 5 to 10 s (S. Turek, \
+        J. Hron, Fluid-Structure Interaction, Springer 2006, 371-385; design, validation §6, 15b). 2 and 4 layers of \
+        cells; quick: 2.",
+    quick: true,
+    run: |mode| settle(NAME, run(mode)),
+};
+
+const NAME: &str = "elastic-flag";
+const GRAVITY: f64 = 2.0;
+const STEP: f64 = 0.005;
+const END: f64 = 10.0;
+const RADIUS: f64 = 0.05;
+const THICK: f64 = 0.02;
+/// Where the flag ends, m from the cylinder's axis.
+const TIP: f64 = 0.4;
+/// Cells along the flag for each layer of them.
+const ALONG: usize = 17;
+/// Mean and amplitude of the tip's way along and across, mm.
+const TOLD: [(f64, f64); 2] = [(-14.279, 14.280), (-63.541, 65.094)];
+const FREQUENCY: f64 = 1.0995;
+
+fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let layers: &[usize] = if mode == Mode::Quick { &[2] } else { &[2, 4] };
+    let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
+    let mut checks = Vec::new();
+    for &layers in layers {
+        let path = swing(layers).map_err(failed)?;
+        let mut check = |what: &str, value: f64, told: f64, unit: &'static str| {
+            let what = format!("{what}, {layers} layers");
+            checks.push(Check::relative(NAME, &what, value, told, 0.04, Some(0.01), unit));
+        };
+        for (a, axis) in ["along", "across"].into_iter().enumerate() {
+            let ways = || path.iter().map(|u| 1e3 * u[a]);
+            let (low, high) =
+                (ways().fold(f64::INFINITY, f64::min), ways().fold(f64::NEG_INFINITY, f64::max));
+            check(&format!("mean way {axis}"), 0.5 * (low + high), TOLD[a].0, "mm");
+            check(&format!("amplitude {axis}"), 0.5 * (high - low), TOLD[a].1, "mm");
+            if a == 1 {
+                check("frequency", frequency(&path, 0.5e-3 * (low + high)), FREQUENCY, "Hz");
+            }
+        }
+    }
+    Ok(checks)
+}
+
+/// The way of the tip's middle in the second half of the time, m.
+fn swing(layers: usize) -> Result<Vec<Vector<2>>, ElasticError> {
+    let (body, tip) = flag(layers)?;
+    let weight: Vec<Vector<2>> = body.masses().iter().map(|m| Vector::<2>::new(0.0, -GRAVITY * m)).collect();
+    let mut state = body.at_rest(STEP);
+    // Velocities are half a step ahead: forces act for half a step before the first.
+    for (v, _) in state.velocities.iter_mut().zip(body.held()).filter(|(_, held)| !**held) {
+        v[1] = -0.5 * STEP * GRAVITY;
+    }
+    let mut path = Vec::new();
+    for _ in 0..(END / STEP).round() as usize {
+        body.step(&mut state, STEP, &weight)?;
+        path.push(state.positions[tip] - body.mesh().positions[tip]);
+    }
+    Ok(path.split_off(path.len() / 2))
+}
+
+/// The flag from the cylinder to its tip, and its tip's middle vertex.
+fn flag(layers: usize) -> Result<(Elastic<2>, usize), ElasticError> {
+    let half = Vector::<2>::new(0.5 * THICK * ALONG as f64, 0.5 * THICK);
+    let edge = THICK / layers as f64;
+    let mut mesh = VolumeMesh::of_box(&half, &half, &Matrix::identity(), edge).unwrap_or_default();
+    let length = 2.0 * half[0];
+    let anchors = vec![Anchor { motion: Motion::Fixed, ..Anchor::within(&mesh, |x| x[0] < 1e-9) }];
+    for x in &mut mesh.positions {
+        let start = (RADIUS * RADIUS - (x[1] - half[1]).powi(2)).sqrt();
+        x[0] = start + x[0] / length * (TIP - start);
+    }
+    let from_tip = |v: &usize| (mesh.positions[*v] - Vector::<2>::new(TIP, half[1])).norm();
+    let tip = (0..mesh.positions.len()).min_by(|a, b| from_tip(a).total_cmp(&from_tip(b))).unwrap_or(0);
+    let law = Law::NeoHookean { young: 1.4e6, poisson: 0.4, smoothing: Smoothing::default() };
+    let integrator = Integrator { dissipation: 0.3, iterations: 0 };
+    let description = Description { mesh, density: 1000.0, law, damping_ratio: 0.0, anchors, integrator };
+    Ok((Elastic::new(description)?, tip))
+}
+
+/// How often in a second the tip rises through a height, Hz.
+fn frequency(path: &[Vector<2>], height: f64) -> f64 {
+    let rises: Vec<f64> = (1..path.len())
+        .filter(|k| path[k - 1][1] < height && path[*k][1] >= height)
+        .map(|k| k as f64 * STEP)
+        .collect();
+    match rises[..] {
+        [first, .., last] => (rises.len() - 1) as f64 / (last - first),
+        _ => 0.0,
+    }
+}

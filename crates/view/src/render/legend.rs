@@ -1,0 +1,60 @@
+//! Colours of solids that show values, and what they mean.
+
+use meniscus_numerics::mesh::ply::PlyMesh;
+
+use super::image::Canvas;
+use super::label;
+use crate::error::{Result, ViewError};
+use crate::folder::RunFolder;
+use crate::shade::{Range, Shade, srgb};
+
+/// What solids are coloured by in all pictures of a run.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shading {
+    pub shade: Shade,
+    range: Range,
+}
+
+impl Shading {
+    /// That of a run; none where solids have their own colours.
+    ///
+    /// # Errors
+    /// A run that has no such values, or frames that cannot be read.
+    pub(crate) fn of(folder: &RunFolder, shade: Shade) -> Result<Option<Self>> {
+        if shade == Shade::Plain {
+            return Ok(None);
+        }
+        let nothing = || {
+            let what = format!("no solid in its frames has values of `{}`", shade.name());
+            ViewError::content(&folder.dir, what)
+        };
+        Ok(Some(Self { shade, range: shade.range(folder)?.ok_or_else(nothing)? }))
+    }
+
+    /// Where the values at a mesh's vertices lie in the range; empty where there are none.
+    pub(crate) fn places(&self, mesh: &PlyMesh) -> Vec<f64> {
+        let values = self.shade.values(mesh).unwrap_or_default();
+        values.into_iter().map(|v| self.range.place(v)).collect()
+    }
+
+    /// Draws a bar of the colours with the ends of the range.
+    pub(crate) fn legend(&self, canvas: &mut Canvas) {
+        let (w, h) = (canvas.width as f64, canvas.height as f64);
+        let (height, ink) = ((h / 28.0).max(8.0), srgb(0x0033_3d47));
+        let (left, low, width) = (1.2 * height, h - 1.2 * height, 0.25 * w);
+        let at = |t: f64| [left + t * width, low];
+        let pieces = 64;
+        for k in 0..pieces {
+            let [from, to] = [k, k + 1].map(|k| f64::from(k) / f64::from(pieces));
+            let color = self.shade.color(0.5 * (from + to));
+            canvas.line(at(from), at(to), 0.6 * height, &color, |_, _, t| {
+                if (0.0..=1.0).contains(&t) { 1.0 } else { 0.0 }
+            });
+        }
+        for (value, t) in [(self.range.low, 0.0), (self.range.high, 1.0)] {
+            let text = label::value(value, self.shade.unit());
+            let middle = at(t)[0] - t * label::width(&text, height);
+            label::draw(canvas, &text, [middle, low - 0.8 * height], height, &ink);
+        }
+    }
+}
