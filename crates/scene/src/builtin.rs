@@ -254,7 +254,7 @@ pub const BUILTINS: [Builtin; 56] = [
         3,
         Some("Fig. 19"),
         "A drop hits the end of a beam, which swings with it",
-        "ten minutes; --quality draft: five"
+        "five minutes"
     ),
     scene!("capillary-rise", 3, "Liquid climbs in a tube and stops at Jurin's height", "ten minutes"),
     scene!(
