@@ -1,17 +1,20 @@
 //! Cholesky factors of block matrices, without the rows and columns of vertices that are held.
 //!
-//! `faer` does the work, on one thread: its results are then the same bits however many there are.
+//! `faer` finds factors, on one thread: they are then the same bits however many there are. [`Subtrees`] solves with them.
 
 use super::blocks::{BlockMatrix, Pattern};
 use super::dissection;
+use super::subtrees::Subtrees;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::perm::PermRef;
+use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side};
+use faer::{Conj, Mat, MatMut, Par, Side};
 use meniscus_numerics::Vector;
 use std::sync::Arc;
 
@@ -23,6 +26,8 @@ pub struct Symbolic {
     columns: Vec<usize>,
     rows: Vec<usize>,
     cholesky: SymbolicCholesky<usize>,
+    /// None of a factor so sparse that it has no supernodes.
+    pub(super) subtrees: Option<Subtrees>,
 }
 
 impl Symbolic {
@@ -56,7 +61,11 @@ impl Symbolic {
             CholeskySymbolicParams::default(),
         )
         .ok()?;
-        Some(Self { free, columns, rows, cholesky })
+        let subtrees = match cholesky.raw() {
+            SymbolicCholeskyRaw::Supernodal(symbolic) => Some(Subtrees::new(symbolic)),
+            SymbolicCholeskyRaw::Simplicial(_) => None,
+        };
+        Some(Self { free, columns, rows, cholesky, subtrees })
     }
 
     /// Entries of a factor.
@@ -131,19 +140,31 @@ impl Factor {
                 free[k * D..(k + 1) * D].copy_from_slice(&all[*v as usize * D..(*v as usize + 1) * D]);
             }
         }
-        let scratch = self.symbolic.cholesky.solve_in_place_scratch::<f64>(count, Par::Seq);
-        let mut memory = MemBuffer::new(scratch);
-        LltRef::new(&self.symbolic.cholesky, &self.values).solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(&mut packed, n, count),
-            Par::Seq,
-            MemStack::new(&mut memory),
-        );
+        self.solve_packed(MatMut::from_column_major_slice_mut(&mut packed, n, count));
         for (all, free) in b.chunks_exact_mut(length).zip(packed.chunks_exact(n)) {
             all.fill(0.0);
             for (k, v) in self.symbolic.free.iter().enumerate() {
                 all[*v as usize * D..(*v as usize + 1) * D].copy_from_slice(&free[k * D..(k + 1) * D]);
             }
+        }
+    }
+
+    /// The same for the components of vertices that are not held.
+    fn solve_packed(&self, mut b: MatMut<'_, f64>) {
+        let cholesky = &self.symbolic.cholesky;
+        let (Some(subtrees), SymbolicCholeskyRaw::Supernodal(symbolic), Some(order)) =
+            (&self.symbolic.subtrees, cholesky.raw(), cholesky.perm())
+        else {
+            let scratch = cholesky.solve_in_place_scratch::<f64>(b.ncols(), Par::Seq);
+            let mut memory = MemBuffer::new(scratch);
+            let factor = LltRef::new(cholesky, &self.values);
+            return factor.solve_in_place_with_conj(Conj::No, b, Par::Seq, MemStack::new(&mut memory));
+        };
+        let (order, _) = order.arrays();
+        let mut x = Mat::from_fn(b.nrows(), b.ncols(), |i, j| b[(order[i], j)]);
+        subtrees.solve(SupernodalLltRef::new(symbolic, &self.values), &mut x);
+        for j in 0..b.ncols() {
+            order.iter().enumerate().for_each(|(i, to)| b[(*to, j)] = x[(i, j)]);
         }
     }
 }

@@ -8,6 +8,7 @@ mod factor;
 mod inverse;
 mod iterated;
 mod small;
+mod subtrees;
 
 pub use blocks::BlockMatrix;
 pub(crate) use blocks::Pattern;
