@@ -88,8 +88,8 @@ pub enum ImportError {
     /// The surface has holes.
     #[error(
         "{}: the surface is not closed: {open} of its edges (2D: end points) bound an odd number of facets, \
-         the first near {near:?}; fill the holes, or remove facets that are too many (Blender: Select > All by Trait > Non Manifold \
-         finds them)", path.display()
+         the first near {near:?}; fill the holes, or remove facets that are too many (Blender finds them: Select > All by \
+         Trait > Non Manifold)", path.display()
     )]
     Open {
         /// The file.

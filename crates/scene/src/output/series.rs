@@ -57,7 +57,8 @@ fn force_columns(solid: &str) -> impl Iterator<Item = String> {
     ["x", "y", "z"].into_iter().map(move |axis| format!("force_{solid}_{axis}"))
 }
 
-/// A row: the state after a step, and what the step did; `solids` is the number of those that have names. Numbers are written so that they read back to the same bits.
+/// A row: the state after a step, and what the step did; `solids` is the number of those that have names. Numbers are
+/// written so that they read back to the same bits.
 pub fn row<const D: usize>(
     simulation: &Simulation<D>,
     report: &StepReport<D>,

@@ -2,7 +2,8 @@
 //! next, then gzip and base64.
 //!
 //! Before gzip, little-endian: `MESH`, vertex count, element count, corners per element (2 or 3) + 256 if
-//! kinds follow + 512, 1024, 2048 for each of [`Shade::STORED`] whose values do (u32 each); lower and upper corner of the box (f32 each); per axis the low bytes, then the
+//! kinds follow + 512, 1024, 2048 for each of [`Shade::STORED`] whose values do (u32 each); lower and upper corner of the
+//! box (f32 each); per axis the low bytes, then the
 //! high bytes of the differences between successive positions (wrapping u16); the differences between
 //! successive vertex indices as zigzag LEB128; one byte per vertex for its kind; one for the place of each value in
 //! its range.
