@@ -71,21 +71,6 @@ impl Shade {
         }
     }
 
-    /// The range of a run's values; none where nothing is stored.
-    ///
-    /// # Errors
-    /// A frame that cannot be read.
-    pub(crate) fn range(self, folder: &RunFolder) -> Result<Option<Range>> {
-        let mut most: Option<f64> = None;
-        for number in RunFolder::spread(&folder.numbers, LOOKED_AT) {
-            let frame = folder.frame(number)?;
-            let values = frame.solids.values().filter_map(|mesh| self.values(mesh)).flatten();
-            most = values.filter(|v| v.is_finite()).map(f64::abs).chain(most).reduce(f64::max);
-        }
-        let low = |high: f64| if self == Self::PhiC { -high } else { 0.0 };
-        Ok(most.filter(|m| *m > 0.0).map(|high| Range { low: low(high), high }))
-    }
-
     /// The colour at a place in the range, 0 to 1; linear light.
     pub(crate) fn color(self, place: f64) -> V3 {
         let stops = if self == Self::PhiC { AROUND } else { RISING };
@@ -102,6 +87,26 @@ pub(crate) fn srgb(hex: u32) -> V3 {
         if s <= 0.040_45 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
     };
     V3::new(part(16), part(8), part(0))
+}
+
+/// The ranges of a run's values; none where nothing is stored.
+///
+/// # Errors
+/// A frame that cannot be read.
+pub(crate) fn ranges<const N: usize>(folder: &RunFolder, shades: [Shade; N]) -> Result<[Option<Range>; N]> {
+    let mut most: [Option<f64>; N] = [None; N];
+    for number in RunFolder::spread(&folder.numbers, LOOKED_AT) {
+        let frame = folder.frame(number)?;
+        for (most, shade) in most.iter_mut().zip(shades) {
+            let values = frame.solids.values().filter_map(|mesh| shade.values(mesh)).flatten();
+            *most = values.filter(|v| v.is_finite()).map(f64::abs).chain(*most).reduce(f64::max);
+        }
+    }
+    let range = |k: usize| {
+        let high = most[k].filter(|m| *m > 0.0)?;
+        Some(Range { low: if shades[k] == Shade::PhiC { -high } else { 0.0 }, high })
+    };
+    Ok(std::array::from_fn(range))
 }
 
 impl Range {

@@ -1,7 +1,8 @@
 //! Solving with a supernodal Cholesky factor in parts that know nothing of each other: subtrees of its elimination tree, then
 //! what is above them (J. Liu, SIAM J. Matrix Anal. Appl. 11 (1990) 134).
 //!
-//! A solve does little but read the factor, which is much larger than any cache: two cores read nearly twice as fast as one.
+//! A solve does little but read the factor, which is larger than any cache: two cores read faster than one (a factor of 490 MB:
+//! the pressure of a step in 1.38 s for 1.86).
 //! The parts and the order in which they are added up are those of the matrix, not of the threads: the bits are the same for any
 //! number of these.
 
@@ -12,10 +13,12 @@ use faer::sparse::linalg::cholesky::supernodal::{SupernodalLltRef, SymbolicSuper
 use faer::{Accum, Mat, Par};
 use rayon::prelude::*;
 
-/// Parts of a large factor.
+/// Parts of a large factor: memory feeds few cores.
 const PARTS: usize = 4;
-/// Entries below which a factor is one part.
+/// Entries below which a factor is one part: 2 MB, which a core's own cache holds.
 const SMALL: usize = 1 << 18;
+/// Subtrees smaller than a part by this are not divided further: parts then differ by a quarter at most.
+const FINE: usize = 4;
 /// Most subtrees from which the parts are put together.
 const MOST: usize = 64;
 
@@ -58,7 +61,7 @@ impl Subtrees {
         let mut above = Vec::new();
         while let Some(k) = (0..roots.len()).max_by_key(|k| (work[roots[*k]], roots[*k])) {
             let largest = roots[k];
-            if work[largest] * 4 * PARTS <= total || roots.len() >= MOST || children[largest].is_empty() {
+            if work[largest] * FINE * PARTS <= total || roots.len() >= MOST || children[largest].is_empty() {
                 break;
             }
             roots.swap_remove(k);
@@ -86,6 +89,10 @@ impl Subtrees {
 
     /// `x ← (L Lᵀ)⁻¹ x`, rows in the factor's order.
     pub fn solve(&self, factor: SupernodalLltRef<'_, usize, f64>, x: &mut Mat<f64>) {
+        if let [all] = &self.parts[..] {
+            forward(factor, all, x);
+            return backward(factor, all, x);
+        }
         let size = (x.nrows(), x.ncols());
         let begin = factor.symbolic().supernode_begin();
         let end = factor.symbolic().supernode_end();

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::error::{Result, ViewError};
 use crate::folder::RunFolder;
-use crate::shade::{Range, Shade};
+use crate::shade::{self, Range, Shade};
 use series::Series;
 
 /// The page without data, as built from `web/`.
@@ -112,10 +112,7 @@ pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
     let folder = RunFolder::open(dir)?;
     let asked = options.every.max(1);
     let numbers: Vec<u32> = folder.numbers.iter().copied().step_by(asked).collect();
-    let mut ranges = blob::Ranges::default();
-    for (range, shade) in ranges.iter_mut().zip(Shade::STORED) {
-        *range = shade.range(&folder)?;
-    }
+    let ranges = shade::ranges(&folder, Shade::STORED)?;
     let packed = numbers.par_iter().map(|&n| pack(&folder, n, &ranges)).collect::<Result<Vec<Packed>>>()?;
     let series = Series::load(&dir.join("timeseries.csv"))?;
     let scene = std::fs::read_to_string(dir.join("scene.toml")).unwrap_or_default();

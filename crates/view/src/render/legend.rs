@@ -6,7 +6,7 @@ use super::image::Canvas;
 use super::label;
 use crate::error::{Result, ViewError};
 use crate::folder::RunFolder;
-use crate::shade::{Range, Shade, srgb};
+use crate::shade::{Range, Shade, ranges, srgb};
 
 /// What solids are coloured by in all pictures of a run.
 #[derive(Clone, Copy, Debug)]
@@ -24,11 +24,12 @@ impl Shading {
         if shade == Shade::Plain {
             return Ok(None);
         }
+        let [range] = ranges(folder, [shade])?;
         let nothing = || {
             let what = format!("no solid in its frames has values of `{}`", shade.name());
             ViewError::content(&folder.dir, what)
         };
-        Ok(Some(Self { shade, range: shade.range(folder)?.ok_or_else(nothing)? }))
+        Ok(Some(Self { shade, range: range.ok_or_else(nothing)? }))
     }
 
     /// Where the values at a mesh's vertices lie in the range; empty where there are none.
