@@ -82,6 +82,7 @@ pub fn step<const D: usize>(
     // (1) to (3) The liquid moves; meanwhile the matrices of the solids that deform are factorised.
     let kick = kick(state.lead, dt);
     let (solids, mut matrices) = (state.solids.clone(), Ok(Systems::new()));
+    work.soft.clear();
     let stiffness = wetted_stiffness(model, state);
     let (mut change, displacement) = rayon::in_place_scope(|scope| {
         scope.spawn(|_| matrices = systems(model, &solids, &stiffness, kick));

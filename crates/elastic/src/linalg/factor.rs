@@ -1,33 +1,34 @@
 //! Cholesky factors of block matrices, without the rows and columns of vertices that are held.
-//!
-//! `faer` finds factors, on one thread: they are then the same bits however many there are. [`Subtrees`] solves with them.
 
 use super::blocks::{BlockMatrix, Pattern};
-use super::dissection;
 use super::subtrees::Subtrees;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltRegularization;
+use super::{dissection, fronts};
 use faer::perm::PermRef;
-use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
+use faer::sparse::SymbolicSparseColMatRef;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::supernodal::{SupernodalLltRef, SymbolicSupernodalCholesky};
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, Mat, MatMut, Par, Side};
+use faer::{Mat, Side};
 use meniscus_numerics::Vector;
-use std::sync::Arc;
+use rayon::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// What all factors of matrices with one pattern share.
 #[derive(Debug)]
 pub struct Symbolic {
     /// The vertices that are not held, rising.
     free: Vec<u32>,
-    columns: Vec<usize>,
+    /// The factor's row of each component of these, one after another.
     rows: Vec<usize>,
+    /// Where among a factor's values those of the matrix belong, in the order of [`entries`].
+    places: Vec<usize>,
     cholesky: SymbolicCholesky<usize>,
-    /// None of a factor so sparse that it has no supernodes.
-    pub(super) subtrees: Option<Subtrees>,
+    pub(super) subtrees: Subtrees,
+    /// Memory of a factor that is no more: threads that ask the system for theirs wait for each other.
+    spare: Mutex<Vec<f64>>,
 }
 
 impl Symbolic {
@@ -36,36 +37,39 @@ impl Symbolic {
         let free: Vec<u32> = (0..held.len() as u32).filter(|v| !held[*v as usize]).collect();
         let mut number = vec![usize::MAX; held.len()];
         free.iter().enumerate().for_each(|(k, v)| number[*v as usize] = k);
-        let (mut columns, mut rows) = (vec![0], Vec::new());
-        for j in &free {
-            for b in 0..D {
-                for (k, i) in pattern.column(*j as usize).iter().enumerate() {
-                    let at = number[*i as usize];
-                    if at != usize::MAX {
-                        rows.extend((if k == 0 { b } else { 0 }..D).map(|a| at * D + a));
-                    }
-                }
-                columns.push(rows.len());
-            }
-        }
-        let order = dissection::order(positions, pattern, free.clone());
-        let forward: Vec<usize> =
-            order.iter().flat_map(|v| (0..D).map(|a| number[*v as usize] * D + a)).collect();
-        let mut inverse = vec![0; forward.len()];
-        forward.iter().enumerate().for_each(|(k, v)| inverse[*v] = k);
-        let n = forward.len();
+        let order: Vec<usize> = dissection::order(positions, pattern, free.clone())
+            .iter()
+            .flat_map(|v| (0..D).map(|a| number[*v as usize] * D + a))
+            .collect();
+        let n = order.len();
+        let mut rows = vec![0; n];
+        order.iter().enumerate().for_each(|(row, k)| rows[*k] = row);
+        let mut below: Vec<Vec<usize>> = vec![Vec::new(); n];
+        let component = |vertex: u32, axis: usize| number[vertex as usize] * D + axis;
+        entries::<D>(pattern, &free, held, |_, (i, a), (j, b)| below[component(j, b)].push(component(i, a)));
+        let columns: Vec<usize> = std::iter::once(0)
+            .chain(below.iter().scan(0, |sum, column| {
+                *sum += column.len();
+                Some(*sum)
+            }))
+            .collect();
         let cholesky = factorize_symbolic_cholesky(
-            SymbolicSparseColMatRef::new_checked(n, n, &columns, None, &rows),
+            SymbolicSparseColMatRef::new_checked(n, n, &columns, None, &below.concat()),
             Side::Lower,
-            SymmetricOrdering::Custom(PermRef::new_checked(&forward, &inverse, n)),
-            CholeskySymbolicParams::default(),
+            SymmetricOrdering::Custom(PermRef::new_checked(&order, &rows, n)),
+            CholeskySymbolicParams {
+                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+                ..Default::default()
+            },
         )
         .ok()?;
-        let subtrees = match cholesky.raw() {
-            SymbolicCholeskyRaw::Supernodal(symbolic) => Some(Subtrees::new(symbolic)),
-            SymbolicCholeskyRaw::Simplicial(_) => None,
-        };
-        Some(Self { free, columns, rows, cholesky, subtrees })
+        let supernodes = supernodes(&cholesky)?;
+        let mut places = Vec::with_capacity(columns[n]);
+        entries::<D>(pattern, &free, held, |_, (i, a), (j, b)| {
+            places.push(place(supernodes, rows[component(i, a)], rows[component(j, b)]));
+        });
+        let subtrees = Subtrees::new(supernodes);
+        Some(Self { free, rows, places, cholesky, subtrees, spare: Mutex::default() })
     }
 
     /// Entries of a factor.
@@ -73,22 +77,49 @@ impl Symbolic {
         self.cholesky.len_val()
     }
 
-    /// The values of a matrix in the order of `rows`.
-    fn values<const D: usize>(&self, matrix: &BlockMatrix<D>, held: impl Fn(u32) -> bool) -> Vec<f64> {
-        let mut values = Vec::with_capacity(self.rows.len());
-        for j in &self.free {
-            let start = matrix.pattern.starts[*j as usize];
-            for b in 0..D {
-                for (k, i) in matrix.pattern.column(*j as usize).iter().enumerate() {
-                    if !held(*i) {
-                        let block = &matrix.blocks[start + k];
-                        values.extend((if k == 0 { b } else { 0 }..D).map(|a| block[(a, b)]));
-                    }
-                }
-            }
-        }
+    /// As many zeros.
+    fn zeros(&self) -> Vec<f64> {
+        let mut values = std::mem::take(&mut *self.spare.lock().unwrap_or_else(PoisonError::into_inner));
+        values.par_chunks_mut(1 << 16).for_each(|chunk| chunk.fill(0.0));
+        values.resize(self.entries(), 0.0);
         values
     }
+}
+
+/// Calls `f` with each component of a symmetric matrix's lower triangle: its block, row and column, the latter two as vertex and
+/// axis. Those of `held` vertices are left out.
+fn entries<const D: usize>(
+    pattern: &Pattern,
+    free: &[u32],
+    held: &[bool],
+    mut f: impl FnMut(usize, (u32, usize), (u32, usize)),
+) {
+    for j in free {
+        let start = pattern.starts[*j as usize];
+        for (k, i) in pattern.column(*j as usize).iter().enumerate().filter(|(_, i)| !held[**i as usize]) {
+            for b in 0..D {
+                (if k == 0 { b } else { 0 }..D).for_each(|a| f(start + k, (*i, a), (*j, b)));
+            }
+        }
+    }
+}
+
+/// The supernodes of a factor.
+fn supernodes(cholesky: &SymbolicCholesky<usize>) -> Option<&SymbolicSupernodalCholesky<usize>> {
+    match cholesky.raw() {
+        SymbolicCholeskyRaw::Supernodal(supernodes) => Some(supernodes),
+        SymbolicCholeskyRaw::Simplicial(_) => None,
+    }
+}
+
+/// Where a factor has the entry of two rows.
+fn place(supernodes: &SymbolicSupernodalCholesky<usize>, i: usize, j: usize) -> usize {
+    let (row, column) = (i.max(j), i.min(j));
+    let node = supernodes.supernode_begin().partition_point(|begin| *begin <= column) - 1;
+    let (begin, end) = (supernodes.supernode_begin()[node], supernodes.supernode_end()[node]);
+    let pattern = supernodes.supernode(node).pattern();
+    let down = if row < end { row - begin } else { end - begin + pattern.partition_point(|r| *r < row) };
+    supernodes.col_ptr_for_val()[node] + (column - begin) * (end - begin + pattern.len()) + down
 }
 
 /// The Cholesky factor of a matrix.
@@ -105,66 +136,38 @@ impl Factor {
         matrix: &BlockMatrix<D>,
         held: &[bool],
     ) -> Option<Self> {
-        let entries = symbolic.values(matrix, |v| held[v as usize]);
-        let n = symbolic.free.len() * D;
-        let mut values = vec![0.0; symbolic.cholesky.len_val()];
-        let params = Default::default();
-        let scratch = symbolic.cholesky.factorize_numeric_llt_scratch::<f64>(Par::Seq, params);
-        let mut memory = MemBuffer::try_new(scratch).ok()?;
-        symbolic
-            .cholesky
-            .factorize_numeric_llt(
-                &mut values,
-                SparseColMatRef::new(
-                    SymbolicSparseColMatRef::new_checked(n, n, &symbolic.columns, None, &symbolic.rows),
-                    &entries,
-                ),
-                Side::Lower,
-                LltRegularization::default(),
-                Par::Seq,
-                MemStack::new(&mut memory),
-                params,
-            )
-            .ok()?;
+        let mut values = symbolic.zeros();
+        let mut places = symbolic.places.iter();
+        entries::<D>(&matrix.pattern, &symbolic.free, held, |block, (_, a), (_, b)| {
+            places.next().into_iter().for_each(|place| values[*place] = matrix.blocks[block][(a, b)]);
+        });
+        fronts::factorise(supernodes(&symbolic.cholesky)?, &symbolic.subtrees, &mut values)?;
         Some(Self { symbolic, values })
     }
 
     /// `b ← A⁻¹ b` for `count` right-hand sides of all vertices' components, one after another. What belongs to held
     /// vertices becomes 0.
     pub fn solve<const D: usize>(&self, b: &mut [f64], count: usize) {
-        let n = self.symbolic.free.len() * D;
+        let (symbolic, Some(supernodes)) = (&self.symbolic, supernodes(&self.symbolic.cholesky)) else {
+            return;
+        };
         let Some(length) = b.len().checked_div(count) else { return };
-        let mut packed = vec![0.0; n * count];
-        for (all, free) in b.chunks_exact_mut(length).zip(packed.chunks_exact_mut(n)) {
-            for (k, v) in self.symbolic.free.iter().enumerate() {
-                free[k * D..(k + 1) * D].copy_from_slice(&all[*v as usize * D..(*v as usize + 1) * D]);
-            }
+        let mut x = Mat::zeros(symbolic.rows.len(), count);
+        let component = |k: usize| symbolic.free[k / D] as usize * D + k % D;
+        for (j, all) in b.chunks_exact(length).enumerate() {
+            symbolic.rows.iter().enumerate().for_each(|(k, row)| x[(*row, j)] = all[component(k)]);
         }
-        self.solve_packed(MatMut::from_column_major_slice_mut(&mut packed, n, count));
-        for (all, free) in b.chunks_exact_mut(length).zip(packed.chunks_exact(n)) {
+        symbolic.subtrees.solve(SupernodalLltRef::new(supernodes, &self.values), &mut x);
+        for (j, all) in b.chunks_exact_mut(length).enumerate() {
             all.fill(0.0);
-            for (k, v) in self.symbolic.free.iter().enumerate() {
-                all[*v as usize * D..(*v as usize + 1) * D].copy_from_slice(&free[k * D..(k + 1) * D]);
-            }
+            symbolic.rows.iter().enumerate().for_each(|(k, row)| all[component(k)] = x[(*row, j)]);
         }
     }
+}
 
-    /// The same for the components of vertices that are not held.
-    fn solve_packed(&self, mut b: MatMut<'_, f64>) {
-        let cholesky = &self.symbolic.cholesky;
-        let (Some(subtrees), SymbolicCholeskyRaw::Supernodal(symbolic), Some(order)) =
-            (&self.symbolic.subtrees, cholesky.raw(), cholesky.perm())
-        else {
-            let scratch = cholesky.solve_in_place_scratch::<f64>(b.ncols(), Par::Seq);
-            let mut memory = MemBuffer::new(scratch);
-            let factor = LltRef::new(cholesky, &self.values);
-            return factor.solve_in_place_with_conj(Conj::No, b, Par::Seq, MemStack::new(&mut memory));
-        };
-        let (order, _) = order.arrays();
-        let mut x = Mat::from_fn(b.nrows(), b.ncols(), |i, j| b[(order[i], j)]);
-        subtrees.solve(SupernodalLltRef::new(symbolic, &self.values), &mut x);
-        for j in 0..b.ncols() {
-            order.iter().enumerate().for_each(|(i, to)| b[(*to, j)] = x[(i, j)]);
-        }
+impl Drop for Factor {
+    fn drop(&mut self) {
+        *self.symbolic.spare.lock().unwrap_or_else(PoisonError::into_inner) =
+            std::mem::take(&mut self.values);
     }
 }

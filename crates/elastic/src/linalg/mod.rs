@@ -5,6 +5,7 @@ mod cliques;
 mod coarse;
 mod dissection;
 mod factor;
+mod fronts;
 mod inverse;
 mod iterated;
 mod small;
