@@ -193,7 +193,7 @@ mod tests {
         let n = 3 * BLOCK + 40;
         let entry = |i: usize, j: usize| if i == j { n as f64 } else { ((i * j) as f64).cos() };
         let factor = |threads| {
-            let mut a = Mat::from_fn(n, n, |i, j| entry(i, j));
+            let mut a = Mat::from_fn(n, n, entry);
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             let done = pool.map(|pool| pool.install(|| cholesky(a.as_mut())));
             assert!(matches!(done, Ok(Some(()))));
