@@ -38,7 +38,7 @@ pub use error::ElasticError;
 pub use linalg::{BlockMatrix, Cliques};
 pub use modes::{Mode, lowest_modes, settled_modes};
 pub use state::ElasticState;
-pub use step::{Integrator, StiffnessBlock, System};
+pub use step::{Integrator, Linearisation, StiffnessBlock, System};
 pub use term::continuum::Continuum;
 pub use term::corotated::Corotated;
 pub use term::density::{Density, Lame, Principal};

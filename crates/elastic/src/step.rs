@@ -64,6 +64,19 @@ pub struct StiffnessBlock<const D: usize> {
     pub block: Matrix<D>,
 }
 
+/// What a step of a solid starts from.
+#[derive(Clone, Copy, Debug)]
+pub struct Linearisation<'a, const D: usize> {
+    /// Positions that have advanced, and velocities that have not.
+    pub state: &'a ElasticState<D>,
+    /// The part of these that the step does not resolve ([`Elastic::fast`]), m/s.
+    pub fast: &'a [Vector<D>],
+    /// Stiffness of other forces.
+    pub extra: &'a [StiffnessBlock<D>],
+    /// Length of the step, s.
+    pub step: f64,
+}
+
 /// The matrix `A` of a step, and its inverse.
 #[derive(Clone, Debug)]
 pub struct System<const D: usize> {
@@ -160,7 +173,7 @@ impl<const D: usize> Elastic<D> {
     }
 
     /// The part of the velocities that a step does not resolve, `v − A⁻¹ M v`, m/s; zero where nothing is to be dissipated.
-    fn fast(&self, system: &System<D>, state: &ElasticState<D>) -> Vec<Vector<D>> {
+    pub fn fast(&self, system: &System<D>, state: &ElasticState<D>) -> Vec<Vector<D>> {
         let v = &state.velocities;
         if self.integrator.dissipation == 0.0 {
             return vec![Vector::zeros(); v.len()];
@@ -214,8 +227,7 @@ impl<const D: usize> Elastic<D> {
         Ok(())
     }
 
-    /// Newton's iterations for `M w = h (f(y) + g − D (v + w) − θ h K̂ (u + w/2 + θ w/4))`, `y = x + h w/4`, with tangents
-    /// at `y`, from the linear step's `w`.
+    /// Newton's iterations from the linear step's velocities.
     fn iterate(
         &self,
         system: &System<D>,
@@ -226,22 +238,13 @@ impl<const D: usize> Elastic<D> {
         if self.integrator.iterations == 0 {
             return Ok(());
         }
-        let (x, v, h) = (&state.positions, &state.velocities, system.step);
-        let theta = self.integrator.dissipation;
-        let fast = self.fast(system, state);
+        let step = system.step;
+        let start = Linearisation { state, fast: &self.fast(system, state), extra: &[], step };
+        let impulses: Vec<Vector<D>> = external.iter().map(|force| force * step).collect();
         let mut first = 0.0;
         for k in 0..self.integrator.iterations {
-            let w: Vec<Vector<D>> = (0..x.len()).map(|k| velocities[k] - v[k]).collect();
-            let y: Vec<Vector<D>> = (0..x.len()).map(|k| x[k] + w[k] * (0.25 * h)).collect();
-            let between: Vec<Vector<D>> =
-                (0..x.len()).map(|k| fast[k] + w[k] * (0.5 + 0.25 * theta)).collect();
-            let elastic = self.forces(&y);
-            let damping = self.viscous_forces(&y, velocities, self.damping_time);
-            let numerical = self.viscous_forces(&y, &between, theta * h);
-            let pull = |k: usize| elastic[k] + damping[k] + numerical[k] + external[k];
-            let mut change: Vec<Vector<D>> =
-                (0..x.len()).map(|k| pull(k) * h - w[k] * self.masses[k]).collect();
-            self.system(&y, h, &[])?.solve_vectors(&mut change);
+            let (system, mut change) = self.relinearised(&start, &impulses, velocities)?;
+            system.solve_vectors(&mut change);
             velocities.iter_mut().zip(&change).for_each(|(v, c)| *v += c);
             let size = self.kinetic_energy(&change).sqrt();
             if k == 0 {
@@ -252,5 +255,40 @@ impl<const D: usize> Elastic<D> {
             }
         }
         Ok(())
+    }
+
+    /// A step's system about the velocities `v + w` that it has come to, and what is wrong there, `r`, N s (2D: N s/m): they
+    /// change by `A⁻¹ r` in Newton's iteration for
+    /// `M w = h (f(y) − D (v + w) − θ h K̂ (u + w/2 + θ w/4)) − h²/4 K' w + j`, with `y = x + h w/4`, tangents at `y`, the
+    /// `impulses` `j` of all other forces, and their stiffness `K'`.
+    ///
+    /// # Errors
+    /// Those of [`Self::system`].
+    pub fn relinearised(
+        &self,
+        start: &Linearisation<'_, D>,
+        impulses: &[Vector<D>],
+        velocities: &[Vector<D>],
+    ) -> Result<(System<D>, Vec<Vector<D>>), ElasticError> {
+        let (x, v, h) = (&start.state.positions, &start.state.velocities, start.step);
+        let theta = self.integrator.dissipation;
+        let w: Vec<Vector<D>> = (0..x.len()).map(|k| velocities[k] - v[k]).collect();
+        let y: Vec<Vector<D>> = (0..x.len()).map(|k| x[k] + w[k] * (0.25 * h)).collect();
+        let between: Vec<Vector<D>> =
+            (0..x.len()).map(|k| start.fast[k] + w[k] * (0.5 + 0.25 * theta)).collect();
+        let elastic = self.forces(&y);
+        let damping = self.viscous_forces(&y, velocities, self.damping_time);
+        let numerical = self.viscous_forces(&y, &between, theta * h);
+        let wrong =
+            |k: usize| (elastic[k] + damping[k] + numerical[k]) * h + impulses[k] - w[k] * self.masses[k];
+        let mut wrong: Vec<Vector<D>> = (0..x.len()).map(wrong).collect();
+        for StiffnessBlock { first, second, block } in start.extra {
+            let (i, j, block) = (*first as usize, *second as usize, block * (0.25 * h * h));
+            wrong[i] -= block * w[j];
+            if i != j {
+                wrong[j] -= block.tr_mul(&w[i]);
+            }
+        }
+        Ok((self.system(&y, h, start.extra)?, wrong))
     }
 }

@@ -223,6 +223,7 @@ pub fn model<const D: usize>(scene: &Scene) -> Model<D> {
             restore_momentum: n.restore_momentum,
             contact_line: scene.contact_line.enabled,
             line_radius: scene.contact_line.radius.unwrap_or(0.0),
+            newton_iterations: n.newton_iterations,
         },
     }
 }

@@ -17,9 +17,9 @@ const BYTES_PER_VERTEX: f64 = 8e3;
 const SECONDS_PER_CELL: f64 = 2e-7;
 /// Core seconds per step and cell of liquid.
 const SECONDS_PER_LIQUID_CELL: f64 = 4e-6;
-/// Seconds per step and byte of the factors of solids that deform, which one thread finds and solves with some dozen times:
-/// `drop-on-soft-plate --quality draft`, with 66 MB of them, spends 0.42 s of a step on solids and pressure.
-const SECONDS_PER_FACTOR_BYTE: f64 = 6e-9;
+/// Seconds per step and byte of the factors of solids that deform, found and solved with some dozen times: `fig22-plate-180`,
+/// with 560 MB of them, spends 2.6 s of a step on solids and pressure.
+const SECONDS_PER_FACTOR_BYTE: f64 = 4.6e-9;
 /// The same of what iterations go through instead, some dozen times thirty: a ball of 58,400 vertices took 32 s a step, beside
 /// other runs.
 const SECONDS_PER_ITERATED_BYTE: f64 = 4e-7;
@@ -142,7 +142,8 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
     let vertices = soft.iter().map(|s| s.vertices as f64).sum::<f64>();
     let factors: f64 = soft.iter().map(|s| s.solver_bytes).sum();
     let per_byte = |factorised| if factorised { SECONDS_PER_FACTOR_BYTE } else { SECONDS_PER_ITERATED_BYTE };
-    let solving: f64 = soft.iter().map(|s| per_byte(s.factorised) * s.solver_bytes).sum();
+    let solves = if soft.is_empty() { 1.0 } else { 1.0 + f64::from(scene.numerics.newton_iterations) };
+    let solving: f64 = soft.iter().map(|s| solves * per_byte(s.factorised) * s.solver_bytes).sum();
     Report {
         name: scene.name.clone(),
         dimension: d.dimension,
@@ -153,7 +154,7 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
         liquid_cells,
         memory_bytes: memory_estimate(scene.grid_cells(), wet) + factors + vertices * BYTES_PER_VERTEX,
         steps,
-        run_seconds: steps * (work / (threads.max(1) as f64) + solving),
+        run_seconds: steps * (solves * work / (threads.max(1) as f64) + solving),
         time_step,
         capillary_step,
         radius,

@@ -15,6 +15,7 @@ mod ledger;
 mod line;
 mod liquid;
 mod model;
+mod newton;
 mod profile;
 mod rigid_body;
 mod simulation;

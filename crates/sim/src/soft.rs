@@ -8,7 +8,7 @@
 use crate::model::Model;
 use crate::skin::{Grip, Skin};
 use crate::solid::SolidState;
-use meniscus_elastic::{Elastic, ElasticState, StiffnessBlock, System};
+use meniscus_elastic::{Elastic, ElasticError, ElasticState, Linearisation, StiffnessBlock, System};
 use meniscus_numerics::Vector;
 use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::mesh::SurfaceMesh;
@@ -50,6 +50,8 @@ pub struct SoftSystem<const D: usize> {
     matrix: System<D>,
     /// Mass of each vertex, kg.
     masses: Vec<f64>,
+    /// The part of it that other forces than the solid's own add.
+    extra: Vec<StiffnessBlock<D>>,
 }
 
 /// Those of all solids; none of a rigid one.
@@ -63,18 +65,18 @@ pub type Systems<const D: usize> = Vec<Option<SoftSystem<D>>>;
 pub fn systems<const D: usize>(
     model: &Model<D>,
     solids: &[SolidState<D>],
-    stiffness: &[Vec<StiffnessBlock<D>>],
+    stiffness: Vec<Vec<StiffnessBlock<D>>>,
     h: f64,
 ) -> Result<Systems<D>, SolveError> {
-    let of = |(number, now): (usize, &SolidState<D>)| match (model.solids[number].elastic(), &now.soft) {
-        (Some(elastic), Some(soft)) => {
-            let matrix = elastic.system(&soft.body.positions, h, &stiffness[number]);
-            let matrix = matrix.map_err(|_| SolveError::Indefinite { solid: number, step: h })?;
-            Ok(Some(SoftSystem { matrix, masses: elastic.masses().to_vec() }))
-        }
-        _ => Ok(None),
+    let of = |((number, now), extra): ((usize, &SolidState<D>), Vec<_>)| {
+        let Some((elastic, soft)) = model.solids[number].elastic().zip(now.soft.as_ref()) else {
+            return Ok(None);
+        };
+        let matrix = elastic.system(&soft.body.positions, h, &extra);
+        let matrix = matrix.map_err(|_| SolveError::Indefinite { solid: number, step: h })?;
+        Ok(Some(SoftSystem { matrix, masses: elastic.masses().to_vec(), extra }))
     };
-    solids.par_iter().enumerate().map(of).collect()
+    solids.par_iter().enumerate().zip(stiffness).map(of).collect()
 }
 
 impl<const D: usize> SoftSystem<D> {
@@ -91,6 +93,34 @@ impl<const D: usize> SoftSystem<D> {
     /// `A⁻¹ x`, in place.
     pub fn solve(&self, x: &mut [f64]) {
         self.matrix.solve(x);
+    }
+
+    /// The part of a solid's velocity that a step does not resolve, m/s.
+    pub fn fast(&self, elastic: &Elastic<D>, body: &ElasticState<D>) -> Vec<Vector<D>> {
+        elastic.fast(&self.matrix, body)
+    }
+
+    /// Newton's iteration of a solid that started with `body`, unresolved velocities `fast`, and has come to `velocities` with
+    /// the `impulses` of all forces but its own: becomes the system about these; gives back what is wrong with them, N s.
+    ///
+    /// # Errors
+    /// [`ElasticError`].
+    pub fn iterate(
+        &mut self,
+        elastic: &Elastic<D>,
+        (body, fast): (&ElasticState<D>, &[Vector<D>]),
+        impulses: &[Vector<D>],
+        velocities: &[Vector<D>],
+    ) -> Result<Vec<Vector<D>>, ElasticError> {
+        let start = Linearisation { state: body, fast, extra: &self.extra, step: self.matrix.step() };
+        let (matrix, wrong) = elastic.relinearised(&start, impulses, velocities)?;
+        self.matrix = matrix;
+        Ok(wrong)
+    }
+
+    /// `A⁻¹ x` of vectors, in place.
+    pub fn solve_vectors(&self, x: &mut [Vector<D>]) {
+        self.matrix.solve_vectors(x);
     }
 
     /// What each cell by itself would give way if the vertices were loose, a bound of `F M⁻¹ Fᵀ` by the sums of its rows, times
@@ -200,15 +230,18 @@ impl<const D: usize> SolidState<D> {
     /// Adds to its velocity what impulses (N s) where it is gripped do, if it deforms.
     pub fn push(&mut self, elastic: &Elastic<D>, system: &SoftSystem<D>, grips: &[(Grip<D>, Vector<D>)]) {
         let Some(soft) = &mut self.soft else { return };
-        let mut push = vec![0.0; system.freedoms()];
-        for (grip, impulse) in grips {
-            for (vertex, weight) in grip.vertices.iter().zip(grip.weights) {
-                (0..D).for_each(|a| push[*vertex as usize * D + a] += weight * impulse[a]);
-            }
-        }
-        system.solve(&mut push);
-        let (steps, _) = push.as_chunks::<D>();
-        soft.body.velocities.iter_mut().zip(steps).for_each(|(v, step)| *v += Vector::from(*step));
+        let mut steps = vec![Vector::zeros(); soft.body.velocities.len()];
+        spread(grips, 1.0, &mut steps);
+        system.solve_vectors(&mut steps);
+        soft.body.velocities.iter_mut().zip(steps).for_each(|(v, step)| *v += step);
         self.follow(elastic);
+    }
+}
+
+/// Adds `scale` times impulses where a solid is gripped to those of its vertices.
+pub fn spread<const D: usize>(grips: &[(Grip<D>, Vector<D>)], scale: f64, vertices: &mut [Vector<D>]) {
+    for (grip, impulse) in grips {
+        let corners = grip.vertices.iter().zip(grip.weights);
+        corners.for_each(|(vertex, weight)| vertices[*vertex as usize] += impulse * (weight * scale));
     }
 }

@@ -18,6 +18,7 @@ use crate::liquid::ghost::{extend_into_solids, ghosts};
 use crate::liquid::pressure::Projection;
 use crate::liquid::transport::{advect_surface, advect_velocity, pack};
 use crate::model::Model;
+use crate::newton::Newton;
 use crate::simulation::PhaseEnd;
 use crate::soft::{Systems, systems};
 use crate::solid::{Motion, SolidState};
@@ -85,7 +86,7 @@ pub fn step<const D: usize>(
     work.soft.clear();
     let stiffness = wetted_stiffness(model, state);
     let (mut change, displacement) = rayon::in_place_scope(|scope| {
-        scope.spawn(|_| matrices = systems(model, &solids, &stiffness, kick));
+        scope.spawn(|_| matrices = systems(model, &solids, stiffness, kick));
         move_liquid(model, state, work, &before, dt, phase_end)
     });
     work.soft = matrices?;
@@ -144,7 +145,7 @@ fn start<const D: usize>(
     expect(model, state, work, &mut change.groups, &[], 0.0);
     let still = displacements(model, state, work, 0.0);
     work.mark_afresh(model);
-    work.soft = systems(model, &state.solids, &wetted_stiffness(model, state), 0.5 * dt)?;
+    work.soft = systems(model, &state.solids, wetted_stiffness(model, state), 0.5 * dt)?;
     push(model, state, work, &mut change, still, (dt, 0.5 * dt), phase_end)?;
     (state.lead, state.kick) = (0.5 * dt, 0.5 * dt);
     Ok(())
@@ -183,7 +184,7 @@ fn push<const D: usize>(
     phase_end("curvature");
 
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
-    let (solves, given) = press(model, state, work, change, (&cut, &dragged), kick, phase_end)?;
+    let (solves, given) = press(model, (state, &before), work, change, (&cut, &dragged), kick, phase_end)?;
     let stirred = stirred(model, state, &given)
         + collide(model, &mut state.solids, (&work.probes, &work.soft), &before, (dt, kick));
     give_back(model, &mut change.groups, &given);
@@ -199,10 +200,10 @@ fn push<const D: usize>(
     Ok((solves, stirred))
 }
 
-/// Projects the velocity, and pushes the solids. Gives back what line and pressure gave them.
+/// Projects the velocity, and pushes the solids, which were as `before`. Gives back what line and pressure gave them.
 fn press<const D: usize>(
     model: &Model<D>,
-    state: &mut State<D>,
+    (state, before): (&mut State<D>, &[SolidState<D>]),
     work: &mut Workspace<D>,
     change: &Change<D>,
     (cut, dragged): (&[CutFace], &[DraggedFace]),
@@ -230,26 +231,34 @@ fn press<const D: usize>(
     let along: Vec<Vector<D>> = along.iter().zip(&change.targets).map(speed).collect();
     let of = |cell: usize| label(cell).unwrap_or(0);
     walk(model, &state.phi, work, cut, &of).shift(&mut state.velocity, &along);
-    lean(&mut state.solids, kick);
-    let mut projection = Projection {
-        velocity: &mut state.velocity,
-        lambda: &mut state.lambda,
-        phi: &state.phi,
-        band: &work.band,
-        liquid: &work.liquid,
-        faces: work.known.liquid(),
-        cut,
-        dragged,
-        cut_cells: &mut work.cut,
-        solids: &state.solids,
-        systems: &work.soft,
-        label: &label,
-        jump: model.surface_tension * kick / (model.density * model.grid.dx),
-        time: kick,
+    let newton = Newton::start(model, (before, state), &work.soft, &line, kick);
+    let mut iterations = newton.iter().cycle().take(model.numerics.newton_iterations as usize);
+    let (solves, pressure) = loop {
+        lean(&mut state.solids, kick);
+        let mut projection = Projection {
+            velocity: &mut state.velocity,
+            lambda: &mut state.lambda,
+            phi: &state.phi,
+            band: &work.band,
+            liquid: &work.liquid,
+            faces: work.known.liquid(),
+            cut,
+            dragged,
+            cut_cells: &mut work.cut,
+            solids: &state.solids,
+            systems: &work.soft,
+            label: &label,
+            jump: model.surface_tension * kick / (model.density * model.grid.dx),
+            time: kick,
+        };
+        let (solves, pressure) = work.pressure.project(model, &mut projection, phase_end)?;
+        push_solids(model, &mut state.solids, &pressure, &work.soft);
+        lean(&mut state.solids, -kick);
+        match iterations.next() {
+            Some(newton) => newton.again(state, &mut work.soft, &pressure)?,
+            None => break (solves, pressure),
+        }
     };
-    let (solves, pressure) = work.pressure.project(model, &mut projection, phase_end)?;
-    push_solids(model, &mut state.solids, &pressure, &work.soft);
-    lean(&mut state.solids, -kick);
     let friction = friction(model, state, dragged, label);
     push_solids(model, &mut state.solids, &friction, &work.soft);
     let sums = |exchange: &Exchange<D>| exchange.by_solid(model.solids.len());

@@ -382,10 +382,20 @@ impl Resolver {
                 0.01,
                 1000.0,
             )?,
+            newton_iterations: self.newton(n.newton_iterations.unwrap_or(0), soft)?,
             fixed_step,
             restore_momentum: n.restore_momentum.unwrap_or(true),
             threads: threads.transpose()?.map(|t| t as usize),
         })
+    }
+
+    fn newton(&mut self, iterations: u32, soft: bool) -> Result<u32, SceneError> {
+        let key = "numerics.newton_iterations";
+        self.within(key, "the number of Newton's iterations", iterations.into(), 0.0, 20.0)?;
+        if iterations > 0 && !soft {
+            self.warn(key, "Newton's iterations have no effect: no solid deforms");
+        }
+        Ok(iterations)
     }
 
     fn output(&mut self, o: &OutputFile) -> Result<Output, SceneError> {

@@ -397,6 +397,8 @@ pub struct Numerics {
     pub max_iterations: usize,
     /// Largest step as a multiple of the explicit capillary limit.
     pub capillary_step: f64,
+    /// Newton's iterations of a step where solids deform.
+    pub newton_iterations: u32,
     /// The same step always, s.
     pub fixed_step: Option<f64>,
     /// Give back the momentum that the discretisation loses.

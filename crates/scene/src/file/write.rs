@@ -320,6 +320,7 @@ fn numerics(n: &Numerics) -> NumericsFile {
         tolerance: Some(n.tolerance),
         max_iterations: whole(n.max_iterations),
         capillary_step: Some(n.capillary_step),
+        newton_iterations: (n.newton_iterations > 0).then_some(n.newton_iterations),
         fixed_step: n.fixed_step.map(Time),
         restore_momentum: Some(n.restore_momentum),
         threads: n.threads.and_then(whole),

@@ -6,4 +6,5 @@ mod resume;
 mod scene_errors;
 mod scene_round_trip;
 mod soft;
+mod soft_runs;
 mod walls;

@@ -6,6 +6,7 @@ mod free_surface;
 mod patterns;
 mod soft_collide;
 mod soft_fold;
+mod soft_newton;
 mod soft_tension;
 mod solids;
 mod walls;

@@ -1,0 +1,106 @@
+//! What runs with solids that deform write and judge.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use meniscus_scene::build::{self, AnySetup};
+use meniscus_scene::expect;
+use meniscus_scene::file::{LoadOptions, Scene};
+use meniscus_scene::output::Folder;
+use meniscus_scene::output::series::Table;
+use meniscus_scene::output::summary::Summary;
+use meniscus_scene::run::{Existing, Job, Outcome, Silent};
+use std::path::Path;
+
+/// A soft block of 1 cm by 4 mm over the floor of a bath.
+const SCENE: &str = r#"format = 1
+name = "soft-runs"
+[domain]
+dimension = 2
+size = ["3 cm", "2 cm"]
+resolution = 30
+[liquid]
+density = "1 g/cm^3"
+kinematic_viscosity = "0.2 cm^2/s"
+gravity = [0, "-9.81 m/s^2"]
+[[liquid.body]]
+shape.box = { lower = [0, 0], upper = ["3 cm", LEVEL] }
+[[solid]]
+name = "block"
+density = "2 g/cm^3"
+shape.box = { lower = ["1 cm", "0.5 mm"], upper = ["2 cm", "4.5 mm"] }
+material.neo_hookean = { young_modulus = "4 kPa", poisson_ratio = 0.3, damping_ratio = 0.5 }
+[tension]
+liquid_air = "20 mN/m"
+block = { contact_angle = "90 deg" }
+[output]
+duration = "0.3 s"
+frame_interval = "0.1 s"
+[expect]
+floats = ["block"]
+"#;
+
+fn scene(level: &str, more: &str) -> Scene {
+    let text = format!("{}{more}", SCENE.replace("LEVEL", &format!("\"{level}\"")));
+    Scene::from_text("runs.toml", &text, Path::new("/nowhere"), &LoadOptions::default())
+        .unwrap_or_else(|e| panic!("{}", e.render()))
+}
+
+fn run(scene: &Scene, name: &str) -> (Summary, Table) {
+    let out = std::env::temp_dir().join(format!("meniscus-{name}-{}", std::process::id()));
+    let setup = AnySetup::of(scene).unwrap_or_else(|e| panic!("{}", e.render()));
+    let job = Job::of(scene, String::new());
+    let done = setup.run(&job, &Folder::at(&out), Existing::Replace, &|| None, &mut Silent).unwrap();
+    let series = Table::read(&Folder::at(&out).series()).unwrap();
+    std::fs::remove_dir_all(&out).unwrap();
+    let Outcome::Finished(summary) = done else { panic!("it did not finish") };
+    (summary, series)
+}
+
+/// A block that sticks out of shallow liquid rests on the floor: it does not float, and the floor bears the rest of its weight.
+#[test]
+fn what_rests_on_the_floor_does_not_float() {
+    let scene = scene("2 mm", "");
+    let (summary, series) = run(&scene, "rests");
+    let block = &summary.solids[0];
+    let weight = 2000.0 * 0.01 * 0.004 * 9.81;
+    let (carried, borne) = (block.net_force[1], block.contact_force[1]);
+    println!(
+        "wetted {:.2}, the liquid carries {carried:.3} and the floor {borne:.3} of {weight:.3} N/m",
+        block.wetted
+    );
+    assert!(block.wetted > 0.1 && block.wetted < 0.9);
+    assert!((carried + borne - weight).abs() < 0.02 * weight && borne > 0.4 * weight);
+    let verdicts = expect::evaluate(&scene, &summary, &series);
+    let floats = verdicts.iter().find(|v| v.quantity.contains("which floats")).unwrap();
+    assert!(!floats.pass, "{floats:?}");
+    // The last line of the series has the force that the summary has.
+    for (axis, force) in ["x", "y"].into_iter().zip(&block.net_force) {
+        let last = series.column(&format!("force_block_{axis}")).last().unwrap();
+        assert!((last - force).abs() <= 1e-9 * weight, "{axis}: {last} for {force}");
+    }
+}
+
+#[test]
+fn newton_iterations_are_asked_for() {
+    let with = |count: u32| format!("[numerics]\nnewton_iterations = {count}\n");
+    let scene = scene("2 mm", &with(3));
+    assert_eq!(build::setup::<2>(&scene).unwrap().model.numerics.newton_iterations, 3);
+    let again = Scene::from_text(
+        "again.toml",
+        &scene.to_toml().unwrap(),
+        Path::new("/nowhere"),
+        &LoadOptions::default(),
+    );
+    assert_eq!(again.unwrap(), scene);
+    let load =
+        |text: &str| Scene::from_text("runs.toml", text, Path::new("/nowhere"), &LoadOptions::default());
+    let text = SCENE.replace("LEVEL", "\"2 mm\"");
+    let e = load(&format!("{text}{}", with(50))).unwrap_err();
+    assert!(e.message.contains("Newton's iterations is 50"), "{e}");
+    let rigid = text.replace(
+        "material.neo_hookean = { young_modulus = \"4 kPa\", poisson_ratio = 0.3, damping_ratio = 0.5 }",
+        "material.rigid = {}",
+    );
+    let warnings = load(&format!("{rigid}{}", with(2))).unwrap().warnings.0;
+    assert!(warnings.iter().any(|w| w.message.contains("no solid deforms")), "{warnings:?}");
+}

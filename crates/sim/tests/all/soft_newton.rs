@@ -1,0 +1,88 @@
+//! Newton's iterations of steps in which a soft solid turns and bends far.
+
+#![allow(clippy::expect_used)]
+
+use crate::soft_collide::{block, dry, places, soft};
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
+use meniscus_sim::{Body, Model, Numerics, Simulation, Wall};
+
+/// Sets a soft solid spinning, rad/s, about its centre.
+fn spin(s: &mut Simulation<2>, omega: f64) {
+    let now = &mut s.state.solids[0];
+    let center = now.center;
+    let body = &mut now.soft.as_mut().expect("soft").body;
+    for (v, x) in body.velocities.iter_mut().zip(&body.positions) {
+        *v = Vector::<2>::from([center[1] - x[1], x[0] - center[0]]) * omega;
+    }
+}
+
+/// Angular momentum of a soft solid about its centre, kg m/s.
+fn angular_momentum(s: &Simulation<2>) -> f64 {
+    let elastic = s.model.solids[0].elastic().expect("soft");
+    let velocities = &s.state.solids[0].soft.as_ref().expect("soft").body.velocities;
+    let center = s.state.solids[0].center;
+    let all = places(s, 0).iter().zip(velocities).zip(elastic.masses());
+    all.map(|((x, v), m)| m * (x - center).perp(v)).sum()
+}
+
+/// Without liquid: turning by a tenth in a step, a block keeps its angular momentum by iterations only.
+#[test]
+fn iterations_keep_the_angular_momentum() {
+    let drift = |iterations| {
+        let square = soft(block([8, 4], Vector::repeat(0.5), Vector::from([0.2, 0.1])), 1e3, 0.0, Vec::new());
+        let mut s = dry(vec![square], Vector::zeros(), 0.01);
+        s.model.numerics.newton_iterations = iterations;
+        spin(&mut s, 10.0);
+        let before = angular_momentum(&s);
+        for _ in 0..20 {
+            s.step(f64::INFINITY, &mut |_| ()).expect("a step");
+        }
+        (angular_momentum(&s) / before - 1.0).abs()
+    };
+    let (linear, newton) = (drift(0), drift(4));
+    println!("{linear:.2e} without iterations, {newton:.2e} with four");
+    assert!(newton < 1e-9 && newton < 1e-3 * linear, "{linear} {newton}");
+}
+
+/// A spinning strip in a bath, after a step with so many iterations: the velocities of its vertices.
+fn stirred(iterations: u32) -> Vec<Vector<2>> {
+    const CELLS: usize = 32;
+    let strip =
+        soft(block([24, 2], Vector::from([0.51, 0.45]), Vector::from([0.3, 0.05])), 20.0, 0.1, Vec::new());
+    let model = Model {
+        grid: Grid::new([CELLS; 2], 1.0 / CELLS as f64),
+        walls: [[Wall::Slip; 2]; 2],
+        density: 1.0,
+        kinematic_viscosity: 1e-3,
+        surface_tension: 1.0,
+        gravity: Vector::zeros(),
+        solids: vec![strip],
+        numerics: Numerics {
+            tolerance: 1e-12,
+            newton_iterations: iterations,
+            fixed_step: Some(0.02),
+            ..Numerics::default()
+        },
+    };
+    let level = |x: &Vector<2>| x[1] - 0.85;
+    let mut s = Simulation::new(model, &[Body { distance: &level, velocity: Vector::zeros() }]);
+    spin(&mut s, 8.0);
+    s.step(f64::INFINITY, &mut |_| ()).expect("a step");
+    s.state.solids[0].soft.as_ref().expect("soft").body.velocities.clone()
+}
+
+/// With the liquid's pressure in them, iterations come to an end.
+#[test]
+fn iterations_converge_in_liquid() {
+    let all: Vec<Vec<Vector<2>>> = (0..6).map(stirred).collect();
+    let size = |of: &[Vector<2>]| of.iter().map(|v| v.norm_squared()).sum::<f64>().sqrt();
+    let change = |k: usize| {
+        let change: Vec<Vector<2>> = all[k].iter().zip(&all[k + 1]).map(|(a, b)| b - a).collect();
+        size(&change) / size(&all[5])
+    };
+    let changes: Vec<f64> = (0..5).map(change).collect();
+    println!("{changes:?}");
+    assert!(changes[0] > 1e-3, "nothing to do: {changes:?}");
+    assert!(changes[4] < 1e-4 * changes[0], "{changes:?}");
+}
