@@ -42,6 +42,9 @@ impl Resolver {
                 Some(e) => self.size_of(&at("mesh.edge"), "the edge length", e)?,
                 None => self.dx / 1.5,
             };
+            if material.deforms() {
+                self.can_be_filled(&path, &shape, mesh_edge, &s.name)?;
+            }
             let mut fixed = Vec::new();
             for (j, f) in s.fixed.iter().enumerate() {
                 fixed.push(self.shape(&format!("{path}.fixed.{j}"), f)?);
@@ -85,6 +88,29 @@ impl Resolver {
             }
             None => Ok(()),
         }
+    }
+
+    /// Elements fill what has an end, and are as long as they are asked to be where there is room.
+    fn can_be_filled(
+        &mut self,
+        path: &str,
+        shape: &ShapeSpec,
+        edge: f64,
+        name: &str,
+    ) -> Result<(), SceneError> {
+        let Some((lower, upper)) = shape.bounds(self.dim) else { return Ok(()) };
+        let sides: Vec<f64> = lower.iter().zip(&upper).map(|(l, u)| u - l).collect();
+        if sides.iter().any(|side| !side.is_finite()) {
+            let message = format!("the solid `{name}` deforms but goes on for ever: no elements can fill it");
+            let at = self.source.first_inside(&format!("{path}.shape"));
+            return Err(self.error(&at, message, "give it an end: a box instead of a half space"));
+        }
+        let thinnest = sides.into_iter().fold(f64::INFINITY, f64::min);
+        if edge > thinnest * (1.0 + 1e-9) && matches!(shape, ShapeSpec::Box { .. }) {
+            let at = format!("{path}.mesh.edge");
+            self.warn(&at, format!("edges of {edge:.3e} m are longer than `{name}` is thick ({thinnest:.3e} m): they are shorter there"));
+        }
+        Ok(())
     }
 
     fn elastic(

@@ -312,6 +312,20 @@ fn what_cannot_deform_is_refused() {
 }
 
 #[test]
+fn elements_need_an_end_and_room() {
+    let none = Path::new("/nowhere");
+    let endless = text(2, r#"shape.half_space = { point = ["1 cm", "1 cm"], normal = [0, 1] }"#);
+    let (e, marked) = refused(&endless, none);
+    assert!(e.message.contains("goes on for ever") && marked.contains("point"), "{e} at {marked}");
+    let edge = |length: &str| {
+        let shape = r#"shape.box = { lower = ["1 cm", "1 cm"], upper = ["2 cm", "1.5 cm"] }"#;
+        load(&text(2, &format!("{shape}\nmesh = {{ edge = \"{length}\" }}")), none).unwrap().warnings.0
+    };
+    assert!(edge("3 cm").iter().any(|w| w.message.contains("longer than `body` is thick")));
+    assert!(!edge("5 mm").iter().any(|w| w.message.contains("thick")));
+}
+
+#[test]
 fn meshes_that_are_none_are_refused() {
     // Two squares that share a corner only, an element twice, and one without area.
     for (name, elements, what) in [

@@ -64,7 +64,9 @@ pub enum StuffingError {
         vertices: f64,
     },
     /// The region is empty, or thinner than an edge.
-    #[error("no vertex of a lattice with edges of {edge} m lies in the region; give shorter edges")]
+    #[error(
+        "no vertex of a lattice with edges of {edge} m lies in the region: give shorter edges, or a region with something in it"
+    )]
     Empty {
         /// Edge asked for, m.
         edge: f64,
