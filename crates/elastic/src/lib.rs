@@ -35,7 +35,7 @@ mod term;
 pub use body::Elastic;
 pub use describe::{Anchor, Description, Law, Motion};
 pub use error::ElasticError;
-pub use linalg::{BlockMatrix, Cliques};
+pub use linalg::{BlockMatrix, Cliques, Reach};
 pub use modes::{Mode, lowest_modes, settled_modes};
 pub use state::ElasticState;
 pub use step::{Integrator, Linearisation, StiffnessBlock, System};

@@ -149,7 +149,7 @@ fn solve<const D: usize>(body: &Elastic<D>, inverse: &Inverse<D>, vectors: &mut 
         pairs.flat_map(|(v, m)| (v * *m).iter().copied().collect::<Vec<_>>()).collect::<Vec<f64>>()
     };
     let mut flat: Vec<f64> = vectors.iter().flat_map(weighted).collect();
-    inverse.solve(&mut flat, vectors.len());
+    inverse.solve(None, &mut flat, vectors.len());
     let solved = flat.chunks_exact(D);
     vectors.iter_mut().flatten().zip(solved).for_each(|(v, x)| v.copy_from_slice(x));
 }

@@ -16,7 +16,7 @@
 //! ones lose but the fraction `θ c (h ω)³/2` of the critical damping. It takes another solve. Because the dissipation is in
 //! rates of strain, bodies that nothing holds keep their angular momentum.
 
-use crate::linalg::Inverse;
+use crate::linalg::{Inverse, Reach};
 use crate::term::Weights;
 use crate::{BlockMatrix, Elastic, ElasticError, ElasticState};
 use meniscus_numerics::{Matrix, Vector};
@@ -91,12 +91,24 @@ impl<const D: usize> System<D> {
     ///
     /// Costs two multiplications for every entry of the factor, if it has one ([`Elastic::is_factorised`]).
     pub fn solve(&self, b: &mut [f64]) {
-        self.inverse.solve(b, 1);
+        self.inverse.solve(None, b, 1);
     }
 
     /// The same for `count` right-hand sides one after another, which costs less than so many solves.
     pub fn solve_many(&self, b: &mut [f64], count: usize) {
-        self.inverse.solve(b, count);
+        self.inverse.solve(None, b, count);
+    }
+
+    /// What right-hand sides that act on some vertices only need for the solution at these: less the fewer and the nearer to each
+    /// other they are.
+    pub fn reach(&self, vertices: impl Iterator<Item = u32>) -> Reach {
+        self.inverse.reach(vertices)
+    }
+
+    /// `b ← A⁻¹ b` at the vertices of a reach, for `count` right-hand sides one after another that are 0 at all others; what they
+    /// become there is not told.
+    pub fn solve_within(&self, reach: &Reach, b: &mut [f64], count: usize) {
+        self.inverse.solve(Some(reach), b, count);
     }
 
     /// The same of vectors.

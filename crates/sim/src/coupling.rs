@@ -114,8 +114,9 @@ impl<'a, const D: usize> Coupling<'a, D> {
         let compliance = |(solid, flows): (u32, Vec<_>)| {
             let system = self.systems.get(solid as usize)?.as_ref()?;
             let lattice = self.model.grid.lattice();
-            let porous = system.porous(&flows, |cell| lattice.coordinates(cell as usize));
-            let solve: Box<Solve<'_>> = Box::new(|x| system.solve(x));
+            let reach = system.reach(&flows);
+            let porous = system.porous(&flows, &reach, |cell| lattice.coordinates(cell as usize));
+            let solve: Box<Solve<'_>> = Box::new(move |x| system.solve_within(&reach, x));
             Some(Compliance { freedoms: system.freedoms(), flows, porous, solve })
         };
         flows.into_iter().filter_map(compliance).collect()

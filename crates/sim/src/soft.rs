@@ -8,11 +8,12 @@
 use crate::model::Model;
 use crate::skin::{Grip, Skin};
 use crate::solid::SolidState;
-use meniscus_elastic::{Elastic, ElasticError, ElasticState, Linearisation, StiffnessBlock, System};
+use meniscus_elastic::{Elastic, ElasticError, ElasticState, Linearisation, Reach, StiffnessBlock, System};
 use meniscus_numerics::Vector;
 use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::mesh::SurfaceMesh;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// What a cell gives way, over what a face does, that is nothing: a pocket with no way out but through so little of a solid's
@@ -90,9 +91,16 @@ impl<const D: usize> SoftSystem<D> {
         self.matrix.solve_many(x, count);
     }
 
-    /// `A⁻¹ x`, in place.
-    pub fn solve(&self, x: &mut [f64]) {
-        self.matrix.solve(x);
+    /// What is needed to solve for the degrees of freedom that flow into cells.
+    pub fn reach(&self, flows: &[Flow]) -> Reach {
+        let all = flows.iter().flat_map(|(_, flow)| flow);
+        let vertices: BTreeSet<u32> = all.map(|(k, _)| k / D as u32).collect();
+        self.matrix.reach(vertices.into_iter())
+    }
+
+    /// `A⁻¹ x` of these degrees of freedom, in place; `x` is 0 for all others.
+    pub fn solve_within(&self, reach: &Reach, x: &mut [f64]) {
+        self.matrix.solve_within(reach, x, 1);
     }
 
     /// The part of a solid's velocity that a step does not resolve, m/s.
@@ -125,19 +133,19 @@ impl<const D: usize> SoftSystem<D> {
 
     /// What each cell by itself would give way if the vertices were loose, a bound of `F M⁻¹ Fᵀ` by the sums of its rows, times
     /// the share of that which they are loose. `place` tells where a cell is.
-    pub fn porous(&self, flows: &[Flow], place: impl Fn(u32) -> [usize; D]) -> Vec<f64> {
+    pub fn porous(&self, flows: &[Flow], reach: &Reach, place: impl Fn(u32) -> [usize; D]) -> Vec<f64> {
         let mut sums = vec![0.0; self.freedoms()];
         flows.iter().flat_map(|(_, flow)| flow).for_each(|(k, v)| sums[*k as usize] += v.abs());
         let entry = |(k, v): &(u32, f64)| v.abs() * sums[*k as usize] / self.masses[*k as usize / D];
         let all: Vec<f64> = flows.iter().map(|(_, flow)| flow.iter().map(entry).sum()).collect();
-        let loose = self.looseness(flows, place);
+        let loose = self.looseness(flows, reach, place);
         all.into_iter().map(|give| if give < SLIGHT { 0.0 } else { give * loose }).collect()
     }
 
     /// What pressures give way to over what they would if the vertices were loose: the mean over pushes to and fro in blocks of
     /// 1 to 16 cells. Stiff sheets bend under wide ones only (design, numerics §1: as if loose up to a bending stiffness of some
     /// hundred, as if rigid from 10⁵ on).
-    fn looseness(&self, flows: &[Flow], place: impl Fn(u32) -> [usize; D]) -> f64 {
+    fn looseness(&self, flows: &[Flow], reach: &Reach, place: impl Fn(u32) -> [usize; D]) -> f64 {
         let n = self.freedoms();
         // Both sides of a sheet are pushed the same way.
         let sides = flows.iter().map(|(cell, flow)| {
@@ -155,7 +163,7 @@ impl<const D: usize> SoftSystem<D> {
             }
         }
         let mut gives = pushes.clone();
-        self.solve_many(&mut gives, WIDTHS as usize);
+        self.matrix.solve_within(reach, &mut gives, WIDTHS as usize);
         let ratio = |(push, gives): (&[f64], &[f64])| {
             let held: f64 = push.iter().zip(gives).map(|(f, x)| f * x).sum();
             let loose: f64 = push.iter().enumerate().map(|(k, f)| f * f / self.masses[k / D]).sum();

@@ -113,7 +113,7 @@ impl Coarse {
                 (0..D).for_each(|a| coarse[*node as usize * D + a] += weight * r[a]);
             }
         }
-        self.factor.solve::<D>(&mut coarse, 1);
+        self.factor.solve::<D>(None, &mut coarse, 1);
         for (z, weights) in z.iter_mut().zip(&lattice.weights) {
             for (node, weight) in weights {
                 (0..D).for_each(|a| z[a] += weight * coarse[*node as usize * D + a]);

@@ -145,9 +145,17 @@ impl Factor {
         Some(Self { symbolic, values })
     }
 
+    /// The parts of the factor with which right-hand sides of some vertices are solved for these.
+    pub fn reach<const D: usize>(&self, vertices: impl Iterator<Item = u32>) -> Option<Subtrees> {
+        let symbolic = &self.symbolic;
+        let free = vertices.filter_map(|v| symbolic.free.binary_search(&v).ok());
+        let rows = free.flat_map(|k| symbolic.rows[k * D..(k + 1) * D].iter().copied());
+        Some(symbolic.subtrees.reached(supernodes(&symbolic.cholesky)?, rows))
+    }
+
     /// `b ← A⁻¹ b` for `count` right-hand sides of all vertices' components, one after another. What belongs to held
-    /// vertices becomes 0.
-    pub fn solve<const D: usize>(&self, b: &mut [f64], count: usize) {
+    /// vertices becomes 0. With a `reach` that is so for its vertices, if the right-hand sides are 0 for all others.
+    pub fn solve<const D: usize>(&self, reach: Option<&Subtrees>, b: &mut [f64], count: usize) {
         let (symbolic, Some(supernodes)) = (&self.symbolic, supernodes(&self.symbolic.cholesky)) else {
             return;
         };
@@ -157,7 +165,8 @@ impl Factor {
         for (j, all) in b.chunks_exact(length).enumerate() {
             symbolic.rows.iter().enumerate().for_each(|(k, row)| x[(*row, j)] = all[component(k)]);
         }
-        symbolic.subtrees.solve(SupernodalLltRef::new(supernodes, &self.values), &mut x);
+        let subtrees = reach.unwrap_or(&symbolic.subtrees);
+        subtrees.solve(SupernodalLltRef::new(supernodes, &self.values), &mut x);
         for (j, all) in b.chunks_exact_mut(length).enumerate() {
             all.fill(0.0);
             symbolic.rows.iter().enumerate().for_each(|(k, row)| all[component(k)] = x[(*row, j)]);

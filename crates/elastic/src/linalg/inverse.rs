@@ -1,5 +1,6 @@
 //! How systems with a matrix are solved.
 
+use super::subtrees::Subtrees;
 use super::{BlockMatrix, Factor, Iterated, Lattice, Pattern, Symbolic};
 use meniscus_numerics::Vector;
 use std::sync::Arc;
@@ -61,12 +62,24 @@ impl Solver {
     }
 }
 
+/// What of a matrix right-hand sides of some vertices need for the solution there ([`crate::System::reach`]).
+#[derive(Clone, Debug)]
+pub struct Reach(Option<Subtrees>);
+
 impl<const D: usize> Inverse<D> {
-    /// `b ← A⁻¹ b` for `count` right-hand sides of all vertices' components, one after another. What belongs to held
-    /// vertices becomes 0.
-    pub fn solve(&self, b: &mut [f64], count: usize) {
+    /// What right-hand sides of some vertices need for the solution there.
+    pub fn reach(&self, vertices: impl Iterator<Item = u32>) -> Reach {
         match self {
-            Self::Factor(factor) => factor.solve::<D>(b, count),
+            Self::Factor(factor) => Reach(factor.reach::<D>(vertices)),
+            Self::Iterated(_) => Reach(None),
+        }
+    }
+
+    /// `b ← A⁻¹ b` for `count` right-hand sides of all vertices' components, one after another. What belongs to held
+    /// vertices becomes 0. With a `reach` that is so for its vertices, if the right-hand sides are 0 for all others.
+    pub fn solve(&self, reach: Option<&Reach>, b: &mut [f64], count: usize) {
+        match self {
+            Self::Factor(factor) => factor.solve::<D>(reach.and_then(|r| r.0.as_ref()), b, count),
             Self::Iterated(iterated) => iterated.solve(b),
         }
     }

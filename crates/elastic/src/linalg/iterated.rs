@@ -139,7 +139,7 @@ mod tests {
         let lattice = Lattice::new(&positions, &pattern, &held);
         let iterated = lattice.and_then(|l| Iterated::new(&matrix, &held, &Arc::new(l), 1e-12));
         assert!(iterated.is_some() && matches!(factor, Ok(Some(_))));
-        factor.iter().flatten().for_each(|f| f.solve::<3>(&mut exact, 2));
+        factor.iter().flatten().for_each(|f| f.solve::<3>(None, &mut exact, 2));
         iterated.iter().for_each(|i| i.solve(&mut found));
         let size = exact.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
         let off = exact.iter().zip(&found).fold(0.0, |s: f64, (a, b)| s.max((a - b).abs()));

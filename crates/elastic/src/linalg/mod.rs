@@ -16,6 +16,7 @@ pub(crate) use blocks::Pattern;
 pub use cliques::Cliques;
 pub(crate) use coarse::{Coarse, Lattice};
 pub(crate) use factor::{Factor, Symbolic};
+pub use inverse::Reach;
 pub(crate) use inverse::{Inverse, Solver};
 pub(crate) use iterated::Iterated;
 pub(crate) use small::{eigen, pairs, svd};

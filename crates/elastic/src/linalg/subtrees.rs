@@ -23,7 +23,7 @@ const FINE: usize = 4;
 const MOST: usize = 64;
 
 /// The supernodes of a factor, each list rising.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Subtrees {
     /// Those of each part.
     pub(super) parts: Vec<Vec<usize>>,
@@ -87,6 +87,30 @@ impl Subtrees {
         }
         parts.iter_mut().for_each(|part| part.reverse());
         Self { parts, above, parents }
+    }
+
+    /// Those supernodes of them that these rows of a right-hand side reach: their own, and all above. Solving with no others
+    /// gives the solution in these rows where the right-hand side vanishes in all others.
+    pub fn reached(
+        &self,
+        supernodes: &SymbolicSupernodalCholesky<usize>,
+        rows: impl Iterator<Item = usize>,
+    ) -> Self {
+        let begin = supernodes.supernode_begin();
+        let mut reached = vec![false; self.parents.len()];
+        for row in rows {
+            let mut next = Some(begin.partition_point(|b| *b <= row) - 1);
+            while let Some(s) = next.filter(|s| !reached[*s]) {
+                reached[s] = true;
+                next = self.parents[s];
+            }
+        }
+        let kept = |nodes: &Vec<usize>| nodes.iter().copied().filter(|s| reached[*s]).collect();
+        Self {
+            parts: self.parts.iter().map(kept).collect(),
+            above: kept(&self.above),
+            parents: self.parents.clone(),
+        }
     }
 
     /// `x ← (L Lᵀ)⁻¹ x`, rows in the factor's order.
@@ -171,6 +195,7 @@ fn longest(factor: SupernodalLltRef<'_, usize, f64>, nodes: &[usize]) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use super::Subtrees;
     use crate::linalg::{BlockMatrix, Cliques, Factor, Pattern, Symbolic};
     use meniscus_numerics::{Matrix, Vector};
     use std::sync::Arc;
@@ -201,7 +226,7 @@ mod tests {
         };
         let tree = &symbolic.subtrees;
         assert!(!tree.above.is_empty() && tree.parts.iter().all(|p| !p.is_empty()));
-        let Some(factor) = Factor::new(symbolic, &matrix, &held) else {
+        let Some(factor) = Factor::new(symbolic.clone(), &matrix, &held) else {
             unreachable!("it is positive definite")
         };
         let wave = |v: usize| Vector::<3>::new((v as f64 * 0.37).sin(), (v as f64 * 0.23).cos(), 0.5);
@@ -211,9 +236,22 @@ mod tests {
         matrix.add_product(&wanted, &mut product);
         let flat = |x: &[Vector<3>]| x.iter().flat_map(|x| [x[0], x[1], x[2]]).collect::<Vec<_>>();
         let mut x = [flat(&product), flat(&product)].concat();
-        factor.solve::<3>(&mut x, 2);
+        factor.solve::<3>(None, &mut x, 2);
         let wanted = [flat(&wanted), flat(&wanted)].concat();
         let off = x.iter().zip(&wanted).fold(0.0, |s: f64, (a, b)| s.max((a - b).abs()));
         assert!(off < 1e-12, "{off}");
+        // Where right-hand sides act, and at one vertex more, in a corner.
+        let corner: Vec<u32> = (0..30).chain([200, 215]).collect();
+        let mut pushed = vec![0.0; 3 * held.len()];
+        corner[1..].iter().for_each(|v| pushed[3 * *v as usize + 1] = f64::from(*v).cos());
+        let (mut all, mut there) = (pushed.clone(), pushed);
+        factor.solve::<3>(None, &mut all, 1);
+        let reach = factor.reach::<3>(corner.iter().copied());
+        let count = |tree: &Subtrees| tree.parts.iter().map(Vec::len).sum::<usize>() + tree.above.len();
+        assert!(reach.as_ref().is_some_and(|reach| 3 * count(reach) < count(tree)));
+        factor.solve::<3>(reach.as_ref(), &mut there, 1);
+        let at = corner.iter().flat_map(|v| (0..3).map(move |a| 3 * *v as usize + a));
+        assert!(at.clone().any(|k| all[k] != 0.0));
+        at.for_each(|k| assert!((all[k] - there[k]).abs() < 1e-14, "{k}: {} {}", all[k], there[k]));
     }
 }

@@ -28,7 +28,7 @@ pub struct Compliance<'a> {
     /// For each of these cells what the system's Dirichlet coefficient has already of `F B⁻¹ Fᵀ`; where that is nothing a
     /// component is not held by it.
     pub porous: Vec<f64>,
-    /// `x → B⁻¹ x`.
+    /// `x → B⁻¹ x` for the degrees of freedom in `flows`, where `x` is 0 for all others.
     pub solve: Box<Solve<'a>>,
 }
 
