@@ -13,6 +13,8 @@ const BYTES_PER_CELL: f64 = 200.0;
 const BYTES_PER_LIQUID_CELL: f64 = 240.0;
 /// Bytes per vertex of a solid that deforms, without what solves systems with its matrix, measured.
 const BYTES_PER_VERTEX: f64 = 8e3;
+/// Memory while factors are found over what they take, measured.
+const FRONTS: f64 = 1.3;
 /// Core seconds per step and cell of the domain, a rough figure for the time estimate.
 const SECONDS_PER_CELL: f64 = 2e-7;
 /// Core seconds per step and cell of liquid.
@@ -140,7 +142,7 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
     let setup = beyond.and_then(|()| AnySetup::of(scene));
     let soft = setup.as_ref().map_or_else(|_| Vec::new(), |setup| reports(scene, setup));
     let vertices = soft.iter().map(|s| s.vertices as f64).sum::<f64>();
-    let factors: f64 = soft.iter().map(|s| s.solver_bytes).sum();
+    let factors: f64 = FRONTS * soft.iter().map(|s| s.solver_bytes).sum::<f64>();
     let per_byte = |factorised| if factorised { SECONDS_PER_FACTOR_BYTE } else { SECONDS_PER_ITERATED_BYTE };
     let solves = if soft.is_empty() { 1.0 } else { 1.0 + f64::from(scene.numerics.newton_iterations) };
     let solving: f64 = soft.iter().map(|s| solves * per_byte(s.factorised) * s.solver_bytes).sum();

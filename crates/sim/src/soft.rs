@@ -108,22 +108,32 @@ impl<const D: usize> SoftSystem<D> {
         elastic.fast(&self.matrix, body)
     }
 
-    /// Newton's iteration of a solid that started with `body`, unresolved velocities `fast`, and has come to `velocities` with
-    /// the `impulses` of all forces but its own: becomes the system about these; gives back what is wrong with them, N s.
+    /// `A v`, N s: the impulses that bring changes of velocity, m/s.
+    pub fn impulses(&self, velocities: &[Vector<D>]) -> Vec<Vector<D>> {
+        let mut impulses = vec![Vector::zeros(); velocities.len()];
+        self.matrix.matrix().add_product(velocities, &mut impulses);
+        impulses
+    }
+
+    /// The system about `velocities` that a solid has come to which started with `body` and unresolved velocities `fast`, and
+    /// what is wrong with them, N s, if `impulses` are those of all forces but its own.
     ///
     /// # Errors
     /// [`ElasticError`].
-    pub fn iterate(
-        &mut self,
+    pub fn about(
+        self,
         elastic: &Elastic<D>,
         (body, fast): (&ElasticState<D>, &[Vector<D>]),
         impulses: &[Vector<D>],
         velocities: &[Vector<D>],
-    ) -> Result<Vec<Vector<D>>, ElasticError> {
-        let start = Linearisation { state: body, fast, extra: &self.extra, step: self.matrix.step() };
+    ) -> Result<(Self, Vec<Vector<D>>), ElasticError> {
+        let Self { matrix, masses, extra } = self;
+        let step = matrix.step();
+        // Its memory is that of the next.
+        drop(matrix);
+        let start = Linearisation { state: body, fast, extra: &extra, step };
         let (matrix, wrong) = elastic.relinearised(&start, impulses, velocities)?;
-        self.matrix = matrix;
-        Ok(wrong)
+        Ok((Self { matrix, masses, extra }, wrong))
     }
 
     /// `A⁻¹ x` of vectors, in place.
@@ -239,17 +249,17 @@ impl<const D: usize> SolidState<D> {
     pub fn push(&mut self, elastic: &Elastic<D>, system: &SoftSystem<D>, grips: &[(Grip<D>, Vector<D>)]) {
         let Some(soft) = &mut self.soft else { return };
         let mut steps = vec![Vector::zeros(); soft.body.velocities.len()];
-        spread(grips, 1.0, &mut steps);
+        spread(grips, &mut steps);
         system.solve_vectors(&mut steps);
         soft.body.velocities.iter_mut().zip(steps).for_each(|(v, step)| *v += step);
         self.follow(elastic);
     }
 }
 
-/// Adds `scale` times impulses where a solid is gripped to those of its vertices.
-pub fn spread<const D: usize>(grips: &[(Grip<D>, Vector<D>)], scale: f64, vertices: &mut [Vector<D>]) {
+/// Adds impulses where a solid is gripped to those of its vertices.
+pub fn spread<const D: usize>(grips: &[(Grip<D>, Vector<D>)], vertices: &mut [Vector<D>]) {
     for (grip, impulse) in grips {
         let corners = grip.vertices.iter().zip(grip.weights);
-        corners.for_each(|(vertex, weight)| vertices[*vertex as usize] += impulse * (weight * scale));
+        corners.for_each(|(vertex, weight)| vertices[*vertex as usize] += impulse * weight);
     }
 }

@@ -50,7 +50,7 @@ const WITHIN: f64 = 0.5;
 
 /// What a step found out.
 pub struct StepResult {
-    /// The pressure solves.
+    /// The pressure solves, the last of Newton's iterations where there are any.
     pub solves: [SolveReport; 2],
     /// Work that solids which go as told did, J.
     pub stirred: f64,
@@ -231,10 +231,10 @@ fn press<const D: usize>(
     let along: Vec<Vector<D>> = along.iter().zip(&change.targets).map(speed).collect();
     let of = |cell: usize| label(cell).unwrap_or(0);
     walk(model, &state.phi, work, cut, &of).shift(&mut state.velocity, &along);
-    let newton = Newton::start(model, (before, state), &work.soft, &line, kick);
-    let mut iterations = newton.iter().cycle().take(model.numerics.newton_iterations as usize);
+    lean(&mut state.solids, kick);
+    let mut newton = Newton::start(model, (before, state), &work.soft, &line, kick);
+    let mut iterations = 0..model.numerics.newton_iterations;
     let (solves, pressure) = loop {
-        lean(&mut state.solids, kick);
         let mut projection = Projection {
             velocity: &mut state.velocity,
             lambda: &mut state.lambda,
@@ -253,12 +253,12 @@ fn press<const D: usize>(
         };
         let (solves, pressure) = work.pressure.project(model, &mut projection, phase_end)?;
         push_solids(model, &mut state.solids, &pressure, &work.soft);
-        lean(&mut state.solids, -kick);
-        match iterations.next() {
-            Some(newton) => newton.again(state, &mut work.soft, &pressure)?,
-            None => break (solves, pressure),
+        let more = iterations.next().and(newton.as_mut());
+        if !more.map_or(Ok(false), |newton| newton.again(state, &mut work.soft))? {
+            break (solves, pressure);
         }
     };
+    lean(&mut state.solids, -kick);
     let friction = friction(model, state, dragged, label);
     push_solids(model, &mut state.solids, &friction, &work.soft);
     let sums = |exchange: &Exchange<D>| exchange.by_solid(model.solids.len());

@@ -2,7 +2,8 @@
 //! rest to the one above it (the multifrontal method: J. Liu, SIAM Review 34 (1992) 82).
 //!
 //! [`Subtrees`] know nothing of each other here either; above them work on large fronts is divided. What supernodes leave is
-//! added in the order of their numbers, and work is divided by sizes alone: the bits are the same for any number of threads.
+//! added part by part, within each in the order of their numbers, and work is divided by sizes alone: the bits are the same for
+//! any number of threads.
 
 use super::subtrees::Subtrees;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -69,7 +70,7 @@ fn eliminate(
             rest: MatMut::from_column_major_slice_mut(&mut rest, rows.len(), rows.len()),
         };
         for (child, update) in left.remove(&node).unwrap_or_default() {
-            front.add(&places(supernodes, child, node), &update);
+            front.add(&places(supernodes, child, node), &update)?;
             spare.push(update);
         }
         front.eliminate()?;
@@ -103,18 +104,14 @@ struct Front<'a> {
 
 impl Front<'_> {
     /// Adds the lower triangle of a matrix whose rows have these places, rising.
-    fn add(&mut self, to: &[usize], update: &[f64]) {
+    fn add(&mut self, to: &[usize], update: &[f64]) -> Option<()> {
         let own = self.slab.ncols();
         let (now, later) = to.split_at(to.partition_point(|i| *i < own));
         let (first, second) = update.split_at(now.len() * to.len());
         let mut slab = || add(self.slab.rb_mut(), 0, (to, now), first);
         let mut rest = || add(self.rest.rb_mut(), own, (later, later), second);
-        if to.len() > BLOCK {
-            rayon::join(slab, rest);
-        } else {
-            slab();
-            rest();
-        }
+        let (slab, rest) = if to.len() > BLOCK { rayon::join(slab, rest) } else { (slab(), rest()) };
+        slab.and(rest)
     }
 
     /// Eliminates the columns of the slab.
@@ -129,14 +126,20 @@ impl Front<'_> {
 }
 
 /// Adds a lower triangle to that of a matrix, in which its rows and columns have the places `rows` and `columns` after `shift`.
-fn add(mut a: MatMut<'_, f64>, shift: usize, (rows, columns): (&[usize], &[usize]), update: &[f64]) {
+fn add(
+    mut a: MatMut<'_, f64>,
+    shift: usize,
+    (rows, columns): (&[usize], &[usize]),
+    update: &[f64],
+) -> Option<()> {
     let height = update.len() / columns.len().max(1);
     for (j, to) in columns.iter().enumerate() {
-        let Some(into) = a.rb_mut().col_mut(to - shift).try_as_col_major_mut() else { return };
+        let into = a.rb_mut().col_mut(to - shift).try_as_col_major_mut()?;
         let (into, from) =
             (into.as_slice_mut(), &update[j * height + height - rows.len() + j..(j + 1) * height]);
         rows[j..].iter().zip(from).for_each(|(i, value)| into[i - shift] += value);
     }
+    Some(())
 }
 
 /// `A ← L` with `L Lᵀ = A`, lower triangles.

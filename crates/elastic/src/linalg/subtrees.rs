@@ -240,6 +240,21 @@ mod tests {
         let wanted = [flat(&wanted), flat(&wanted)].concat();
         let off = x.iter().zip(&wanted).fold(0.0, |s: f64, (a, b)| s.max((a - b).abs()));
         assert!(off < 1e-12, "{off}");
+        // The same bits on any number of threads, in memory that was another factor's, and after one that failed.
+        let again = |threads, scale| {
+            let mut matrix = matrix.clone();
+            matrix.blocks.iter_mut().for_each(|block| *block *= scale);
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let factor = pool.map(|pool| pool.install(|| Factor::new(symbolic.clone(), &matrix, &held)));
+            let mut x = [flat(&product), flat(&product)].concat();
+            factor.ok().flatten().map(|factor| {
+                factor.solve::<3>(None, &mut x, 2);
+                x
+            })
+        };
+        for (threads, scale) in [(1, 1.0), (3, 1.0), (2, -1.0), (2, 1.0)] {
+            assert!(again(threads, scale) == (scale > 0.0).then(|| x.clone()), "{threads} threads, {scale}");
+        }
         // Where right-hand sides act, and at one vertex more, in a corner.
         let corner: Vec<u32> = (0..30).chain([200, 215]).collect();
         let mut pushed = vec![0.0; 3 * held.len()];

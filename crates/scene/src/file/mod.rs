@@ -201,7 +201,7 @@ pub struct NumericsFile {
     /// Largest step as a multiple of the explicit capillary limit; without it 5, where solids deform 2.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub capillary_step: Option<f64>,
-    /// Newton's iterations of a step where solids deform, after its one linear solve; none without it.
+    /// Most of Newton's iterations of a step where solids deform, after its one linear solve; none without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub newton_iterations: Option<u32>,
     /// The same step length always, whatever stability asks for.

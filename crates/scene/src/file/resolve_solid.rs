@@ -105,10 +105,14 @@ impl Resolver {
             let at = self.source.first_inside(&format!("{path}.shape"));
             return Err(self.error(&at, message, "give it an end: a box instead of a half space"));
         }
-        let thinnest = sides.into_iter().fold(f64::INFINITY, f64::min);
-        if edge > thinnest * (1.0 + 1e-9) && matches!(shape, ShapeSpec::Box { .. }) {
-            let at = format!("{path}.mesh.edge");
-            self.warn(&at, format!("edges of {edge:.3e} m are longer than `{name}` is thick ({thinnest:.3e} m): they are shorter there"));
+        let ShapeSpec::Box { half_size, .. } = shape else { return Ok(()) };
+        let thinnest = 2.0 * half_size.iter().copied().fold(f64::INFINITY, f64::min);
+        let at = format!("{path}.mesh.edge");
+        if self.source.has(&at) && edge > thinnest * (1.0 + 1e-9) {
+            let message = format!(
+                "edges of {edge:.3e} m are longer than `{name}` is thick ({thinnest:.3e} m): they are shorter there"
+            );
+            self.warn(&at, message);
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 #![allow(clippy::expect_used)]
 
-use crate::soft_collide::{block, dry, places, soft};
+use crate::soft_collide::{DENSITY, block, down, dry, places, run, soft};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_sim::{Body, Model, Numerics, Simulation, Wall};
@@ -85,4 +85,21 @@ fn iterations_converge_in_liquid() {
     println!("{changes:?}");
     assert!(changes[0] > 1e-3, "nothing to do: {changes:?}");
     assert!(changes[4] < 1e-4 * changes[0], "{changes:?}");
+}
+
+/// What rests on the floor, pressed by a fifth under its weight, is as high with iterations as without.
+#[test]
+fn iterations_know_of_the_floor() {
+    let height = |iterations| {
+        let young = 2.0 * DENSITY * 9.81 * 0.4;
+        let square = block([10, 10], Vector::from([0.5, 0.2]), Vector::repeat(0.2));
+        let mut s = dry(vec![soft(square, young, 1.0, Vec::new())], down(), 0.02);
+        s.model.numerics.newton_iterations = iterations;
+        run(&mut s, 3.0, |_| ());
+        let x = places(&s, 0);
+        x.iter().map(|x| x[1]).fold(0.0, f64::max) - x.iter().map(|x| x[1]).fold(1.0, f64::min)
+    };
+    let (linear, newton) = (height(0), height(3));
+    println!("{linear:.6} and {newton:.6} of 0.4 high");
+    assert!(linear < 0.34 && (newton - linear).abs() < 1e-4 * linear, "{linear} {newton}");
 }
