@@ -13,15 +13,16 @@ const BYTES_PER_CELL: f64 = 200.0;
 const BYTES_PER_LIQUID_CELL: f64 = 240.0;
 /// Bytes per vertex of a solid that deforms, without what solves systems with its matrix, measured.
 const BYTES_PER_VERTEX: f64 = 8e3;
-/// Memory while factors are found over what they take, measured.
-const FRONTS: f64 = 1.3;
+/// Memory while factors are found over what they take. Compact bodies have the largest fronts: `fig02-soft-cow`, with factors of
+/// 736 MB, takes 2.1 GB at most, of which 0.5 are the grid's and the vertices'; plates need less.
+const FRONTS: f64 = 2.2;
 /// Core seconds per step and cell of the domain, a rough figure for the time estimate.
 const SECONDS_PER_CELL: f64 = 2e-7;
 /// Core seconds per step and cell of liquid.
 const SECONDS_PER_LIQUID_CELL: f64 = 4e-6;
 /// Seconds per step and byte of the factors of solids that deform, found and solved with some dozen times: `fig22-plate-180`,
-/// with 560 MB of them, spends 2.6 s of a step on solids and pressure.
-const SECONDS_PER_FACTOR_BYTE: f64 = 4.6e-9;
+/// with 491 MB of them, takes 1.9 to 2.5 s a step on a machine that others share, nearly all for them.
+const SECONDS_PER_FACTOR_BYTE: f64 = 4.4e-9;
 /// The same of what iterations go through instead, some dozen times thirty: a ball of 58,400 vertices took 32 s a step, beside
 /// other runs.
 const SECONDS_PER_ITERATED_BYTE: f64 = 4e-7;
