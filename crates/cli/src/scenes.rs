@@ -3,8 +3,8 @@
 use crate::args::{self, SceneArgs};
 use crate::failure::Result;
 use meniscus_scene::builtin;
-use meniscus_scene::check::{fits_memory, machine_memory};
 use meniscus_scene::file::{LoadOptions, Quality, Scene, runnable};
+use meniscus_scene::memory;
 use std::path::{Path, PathBuf};
 
 /// A loaded scene and where it came from.
@@ -36,6 +36,6 @@ pub fn load(args: &SceneArgs, more: &[String]) -> Result<Loaded> {
 /// Refuses what this version or this machine cannot run.
 pub fn refuse_what_cannot_run(scene: &Scene) -> Result<()> {
     runnable(scene)?;
-    fits_memory(scene, machine_memory())?;
+    memory::liquid_fits(scene, memory::of_machine())?;
     Ok(())
 }

@@ -3,19 +3,11 @@
 use crate::build::AnySetup;
 use crate::error::SceneError;
 use crate::file::{Material, Scene, ShapeSpec, WALLS, Warning};
+use crate::memory;
 use crate::soft_report::{SoftReport, reports};
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Bytes per cell of the domain: 25 fields of 8 bytes.
-const BYTES_PER_CELL: f64 = 200.0;
-/// Bytes more per cell of liquid: 30 fields of 8 bytes.
-const BYTES_PER_LIQUID_CELL: f64 = 240.0;
-/// Bytes per vertex of a solid that deforms, without what solves systems with its matrix, measured.
-const BYTES_PER_VERTEX: f64 = 8e3;
-/// Memory while factors are found over what they take. Compact bodies have the largest fronts: `fig02-soft-cow`, with factors of
-/// 736 MB, takes 2.1 GB at most, of which 0.5 are the grid's and the vertices'; plates need less.
-const FRONTS: f64 = 2.2;
 /// Core seconds per step and cell of the domain, a rough figure for the time estimate.
 const SECONDS_PER_CELL: f64 = 2e-7;
 /// Core seconds per step and cell of liquid.
@@ -142,8 +134,7 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
     let is_beyond = beyond.is_err();
     let setup = beyond.and_then(|()| AnySetup::of(scene));
     let soft = setup.as_ref().map_or_else(|_| Vec::new(), |setup| reports(scene, setup));
-    let vertices = soft.iter().map(|s| s.vertices as f64).sum::<f64>();
-    let factors: f64 = FRONTS * soft.iter().map(|s| s.solver_bytes).sum::<f64>();
+    let soft_bytes: f64 = soft.iter().map(|s| s.memory_bytes).sum();
     let per_byte = |factorised| if factorised { SECONDS_PER_FACTOR_BYTE } else { SECONDS_PER_ITERATED_BYTE };
     let solves = if soft.is_empty() { 1.0 } else { 1.0 + f64::from(scene.numerics.newton_iterations) };
     let solving: f64 = soft.iter().map(|s| solves * per_byte(s.factorised) * s.solver_bytes).sum();
@@ -155,7 +146,7 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
         dx: d.dx,
         liquid_volume: volume,
         liquid_cells,
-        memory_bytes: memory_estimate(scene.grid_cells(), wet) + factors + vertices * BYTES_PER_VERTEX,
+        memory_bytes: memory::of_liquid(scene.grid_cells(), wet) + soft_bytes,
         steps,
         run_seconds: steps * (solves * work / (threads.max(1) as f64) + solving),
         time_step,
@@ -176,45 +167,6 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
         cannot_run: setup.as_ref().err().map(SceneError::line),
         error: setup.err().filter(|_| !is_beyond),
     }
-}
-
-/// Memory that a run needs, bytes, from all cells and those of liquid.
-pub fn memory_estimate(cells: f64, liquid_cells: f64) -> f64 {
-    BYTES_PER_CELL * cells + BYTES_PER_LIQUID_CELL * liquid_cells
-}
-
-/// Memory of this machine, bytes: what the kernel has, or what a container is allowed; none if it cannot be told.
-pub fn machine_memory() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find(|l| l.starts_with("MemTotal:"))?;
-    let total = line.split_whitespace().nth(1)?.parse::<u64>().ok()?.checked_mul(1024)?;
-    let allowed = std::fs::read_to_string("/sys/fs/cgroup/memory.max").ok();
-    let allowed = allowed.and_then(|t| t.trim().parse::<u64>().ok());
-    Some(allowed.map_or(total, |a| a.min(total)))
-}
-
-/// Refuses a scene that needs more memory than there is (`limit`, bytes; [`machine_memory`]).
-///
-/// # Errors
-/// [`SceneError`] that points at the resolution.
-pub fn fits_memory(scene: &Scene, limit: Option<u64>) -> Result<(), SceneError> {
-    let Some(limit) = limit else { return Ok(()) };
-    let limit = limit as f64;
-    let cells = scene.grid_cells();
-    let least = memory_estimate(cells, 0.0);
-    let wet =
-        || liquid_volume(scene).map_or(cells, |v| v / scene.domain.dx.powi(scene.domain.dimension as i32));
-    let need = if least > limit { least } else { memory_estimate(cells, wet()) };
-    if need <= limit {
-        return Ok(());
-    }
-    let longest = scene.domain.cells.iter().copied().max().unwrap_or(1) as f64;
-    let fit = (longest * (0.9 * limit / need).powf(1.0 / scene.domain.dimension as f64)).floor();
-    let message =
-        format!("the scene needs about {} of memory, this machine has {}", bytes(need), bytes(limit));
-    let error = SceneError::new(message).with_help(format!("at most about `resolution = {fit}` fits here"));
-    let path = if scene.source.has("domain.dx") { "domain.dx" } else { "domain.resolution" };
-    Err(scene.source.at_value(error, path))
 }
 
 fn norm(v: &[f64]) -> f64 {
@@ -376,15 +328,6 @@ fn more_warnings(scene: &Scene, bodies: &[BodyReport], capillary: Option<f64>, o
     }
 }
 
-/// Bytes for people.
-fn bytes(n: f64) -> String {
-    match n {
-        n if n < 1e6 => format!("{:.0} kB", n / 1e3),
-        n if n < 1e9 => format!("{:.0} MB", n / 1e6),
-        n => format!("{:.1} GB", n / 1e9),
-    }
-}
-
 /// Seconds for people.
 fn span_of_time(s: f64) -> String {
     match s {
@@ -409,7 +352,7 @@ impl Report {
             let n = self.liquid_cells.unwrap_or(0.0);
             line("liquid", format!("{} {unit}, {n:.0} cells", number(v)));
         }
-        line("memory", format!("about {}", bytes(self.memory_bytes)));
+        line("memory", format!("about {}", memory::words(self.memory_bytes)));
         line("steps", format!("about {:.0} of {} s", self.steps, number(self.time_step)));
         line("time", format!("roughly {}", span_of_time(self.run_seconds)));
         line("capillary step", format!("{} s (explicit limit)", number(self.capillary_step)));

@@ -7,6 +7,8 @@ pub mod checkpoint;
 pub mod error;
 pub mod expect;
 pub mod file;
+mod held;
+pub mod memory;
 mod meshes;
 pub mod output;
 pub mod run;

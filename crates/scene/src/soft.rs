@@ -2,21 +2,15 @@
 
 use crate::build::{self, rotation, shape, vector};
 use crate::error::SceneError;
-use crate::file::{
-    Elastic as Constants, Material, Moved, Scene, ShapeSpec, Solid as SolidSpec, SolidTension,
-};
+use crate::file::{Elastic as Constants, Material, Scene, ShapeSpec, Solid as SolidSpec, SolidTension};
+use crate::held;
 use crate::stiff::can_follow;
-use meniscus_elastic::{
-    Anchor, Description, Elastic, ElasticError, Integrator, Law, Motion, Smoothing, SurfaceTension,
-};
+use meniscus_elastic::{Description, Elastic, ElasticError, Integrator, Law, Smoothing, SurfaceTension};
 use meniscus_numerics::mesh::VolumeMesh;
 
 /// Edges of its mesh through a solid, `2 V/A`, from which on it bends right, within some per cent, with one strain in each
 /// element; averages over edges would make its factors several times as large.
 const THICK: f64 = 6.0;
-
-/// How far, in edges of its mesh, a vertex may lie outside a region that holds it: on its surface it is held.
-const ON_SURFACE: f64 = 1e-6;
 
 /// What a solid of a scene is made of if it deforms.
 ///
@@ -35,7 +29,7 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
         scene.source.at_value(error, &scene.source.first_inside(&at("shape")))
     })?;
     let Some((law, damping_ratio)) = law(spec, &mesh) else { return Ok(None) };
-    let anchors = anchors(&mesh, spec, &|key, error| scene.source.at_value(error, &at(key)))?;
+    let anchors = held::anchors(&mesh, scene, spec, &|key, error| scene.source.at_value(error, &at(key)))?;
     let density = spec.density.unwrap_or(scene.liquid.density);
     can_follow(scene, spec, &mesh, density)
         .map_err(|error| scene.source.at_value(error, &scene.source.first_inside(&at("material"))))?;
@@ -119,42 +113,4 @@ fn mesh<const D: usize>(spec: &ShapeSpec, edge: f64) -> Result<VolumeMesh<D>, St
     }
     let shape = shape::<D>(spec).map_err(|e| e.to_string())?;
     VolumeMesh::of_shape(&shape, edge).map_err(|e| e.to_string())
-}
-
-/// The vertices that are held, by the regions that hold them: a region that holds none is an error, which `at` marks with
-/// the region's key.
-fn anchors<const D: usize>(
-    mesh: &VolumeMesh<D>,
-    spec: &SolidSpec,
-    at: &dyn Fn(&str, SceneError) -> SceneError,
-) -> Result<Vec<Anchor<D>>, SceneError> {
-    let fixed = spec.fixed.iter().enumerate().map(|(k, s)| (format!("fixed.{k}"), s, Motion::Fixed));
-    let moved = spec.moved.iter().enumerate();
-    let moved = moved.map(|(k, m)| (format!("moved.{k}.shape"), &m.shape, motion(m)));
-    let mut taken = vec![false; mesh.positions.len()];
-    let mut anchors = Vec::new();
-    for (key, region, motion) in fixed.chain(moved) {
-        let region = shape::<D>(region).map_err(|e| at(&key, e))?;
-        let inside = Anchor::within(mesh, |x| region.signed_distance(x) <= ON_SURFACE * spec.mesh_edge);
-        if inside.vertices.is_empty() {
-            let error = SceneError::new(format!("this holds no vertex of the solid `{}`", spec.name));
-            return Err(at(&key, error.with_help("make it larger, or move it onto the solid")));
-        }
-        let vertices: Vec<u32> = inside.vertices.into_iter().filter(|v| !taken[*v as usize]).collect();
-        vertices.iter().for_each(|v| taken[*v as usize] = true);
-        if vertices.is_empty() {
-            let error = SceneError::new("what this holds is held by the parts before it already");
-            return Err(at(&key, error.with_help("remove it, or make it reach farther")));
-        }
-        anchors.push(Anchor { vertices, motion });
-    }
-    Ok(anchors)
-}
-
-/// How a part that goes as told does so.
-fn motion<const D: usize>(moved: &Moved) -> Motion<D> {
-    match moved.keyframes.is_empty() {
-        true => Motion::Velocity(vector(&moved.velocity)),
-        false => Motion::Keyframes(moved.keyframes.iter().map(|(time, to)| (*time, vector(to))).collect()),
-    }
 }

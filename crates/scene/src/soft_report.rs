@@ -3,6 +3,7 @@
 use crate::build::AnySetup;
 use crate::check::longest_step;
 use crate::file::{Material, Scene, Solid as SolidSpec};
+use crate::memory;
 use crate::run::Setup;
 use crate::stiff;
 use meniscus_elastic::{Elastic, settled_modes};
@@ -15,8 +16,6 @@ use std::fmt::Write as _;
 const QUICK: usize = 5_000_000;
 /// Change of the frequency's square, as a part of it, that is nothing.
 const SETTLED: f64 = 1e-3;
-/// Bytes of an entry of a factor, and factors that a step holds.
-const BYTES: f64 = 8.0;
 
 /// A solid that deforms; SI, angles in degrees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -41,6 +40,8 @@ pub struct SoftReport {
     pub mass: f64,
     /// Memory of what solves systems with its matrix, bytes.
     pub solver_bytes: f64,
+    /// Memory that the solid takes in all, bytes, estimated.
+    pub memory_bytes: f64,
     /// Whether that is factors; else it is what iterations go through.
     pub factorised: bool,
     /// Speed of elastic waves √((λ + 2μ) / ρ), m/s; of springs about.
@@ -89,7 +90,8 @@ fn of_solid<const D: usize>(scene: &Scene, spec: &SolidSpec, body: &Elastic<D>) 
         largest_angle: quality.largest_angle.0.to_degrees(),
         worst_radius_ratio: quality.worst_radius_ratio.0,
         mass: body.masses().iter().sum(),
-        solver_bytes: BYTES * body.solver_entries() as f64,
+        solver_bytes: memory::solver_bytes(body),
+        memory_bytes: memory::of_solid(body),
         factorised: body.is_factorised(),
         wave_speed,
         edges_per_step: wave_speed.map(|c| c * step / quality.edges[1]),

@@ -222,7 +222,9 @@ impl<const D: usize> Workspace<D> {
     pub fn extend(&mut self, model: &Model<D>, state: &mut State<D>) {
         let distance = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
         let closed = |a: usize, side: usize| model.walls[a][side] == crate::Wall::Slip;
-        self.known.extrapolate(&mut state.velocity, &self.band, &state.phi.data, &distance, closed);
+        let solid = |x: &Vector<D>| self.cut.hides(x);
+        let (velocity, phi) = (&mut state.velocity, &state.phi.data);
+        self.known.extrapolate(velocity, &self.band, phi, &distance, solid, closed);
         if !self.cut.wet.is_empty() {
             let shut = self.known.extend_behind(&mut state.velocity, &self.cut.shut);
             slip_along(model, state, &shut);

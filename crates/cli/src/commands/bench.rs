@@ -6,8 +6,8 @@ use crate::args::BenchArgs;
 use crate::failure::{Failure, Result, USAGE};
 use meniscus_scene::build;
 use meniscus_scene::builtin;
-use meniscus_scene::check::{fits_memory, machine_memory};
 use meniscus_scene::file::{LoadOptions, Scene};
+use meniscus_scene::memory;
 use meniscus_scene::output::summary::peak_memory;
 use meniscus_validation::pressure_bench::{self, PressureBench, PressureProblem};
 use serde::Serialize;
@@ -114,7 +114,7 @@ fn steps(quick: bool) -> Result<Value> {
     let count = if quick { 3 } else { 8 };
     let mut rows = Vec::new();
     for (name, scene) in scenes {
-        if let Err(error) = fits_memory(&scene, machine_memory()) {
+        if let Err(error) = memory::liquid_fits(&scene, memory::of_machine()) {
             eprintln!("{name}: left out: {error}");
             continue;
         }

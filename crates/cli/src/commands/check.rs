@@ -4,7 +4,8 @@ use super::print;
 use crate::args::CheckArgs;
 use crate::failure::{Failure, Result, SCENE};
 use crate::scenes;
-use meniscus_scene::check::{check as report, fits_memory, machine_memory};
+use meniscus_scene::check::check as report;
+use meniscus_scene::memory;
 
 /// Prints what a scene asks for, without running it.
 pub fn check(args: &CheckArgs) -> Result {
@@ -19,7 +20,7 @@ pub fn check(args: &CheckArgs) -> Result {
     if let Some(error) = report.error {
         return Err(error.into());
     }
-    fits_memory(&scene, machine_memory())?;
+    memory::liquid_fits(&scene, memory::of_machine())?;
     if args.strict {
         if let Some(reason) = &report.cannot_run {
             return Err(Failure::new(SCENE, reason.clone()));

@@ -15,7 +15,7 @@ pub fn schema() -> Result {
 /// Prints version, build and machine.
 pub fn info(as_json: bool) -> Result {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let memory = meniscus_scene::check::machine_memory();
+    let memory = meniscus_scene::memory::of_machine();
     let build = if cfg!(debug_assertions) { "debug" } else { "release" };
     let vectors = if cfg!(target_feature = "avx512f") {
         "AVX-512"

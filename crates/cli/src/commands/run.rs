@@ -9,6 +9,7 @@ use crate::stop::Watch;
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::expect;
 use meniscus_scene::file::{Format, Scene};
+use meniscus_scene::memory;
 use meniscus_scene::output::Folder;
 use meniscus_scene::output::series::Table;
 use meniscus_scene::output::summary::{Summary, Verdict};
@@ -39,6 +40,7 @@ pub fn run(args: &RunArgs) -> Result {
     let folder = Folder::at(&out);
     let mut reporter = Reporter::new(args.log, args.quiet);
     let setup = AnySetup::of(&scene)?;
+    memory::solids_fit(&scene, &setup, memory::of_machine())?;
     let outcome = setup.run(&job, &folder, existing, &|| watch.request(), &mut reporter)?;
     let text = args.log == LogFormat::Text && !args.quiet;
     match outcome {

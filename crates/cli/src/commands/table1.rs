@@ -4,8 +4,8 @@ use super::bench::{StepBench, step};
 use super::print;
 use crate::failure::Result;
 use meniscus_scene::builtin;
-use meniscus_scene::check::{fits_memory, machine_memory};
 use meniscus_scene::file::{LoadOptions, Quality, Scene};
+use meniscus_scene::memory;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -73,7 +73,7 @@ pub fn table1(quick: bool) -> Result<Value> {
             ))?;
             continue;
         };
-        if let Err(error) = fits_memory(&scene, machine_memory()) {
+        if let Err(error) = memory::liquid_fits(&scene, memory::of_machine()) {
             print(&format!("{:9} {:21} left out: {error}\n", paper.figure, paper.scene))?;
             continue;
         }

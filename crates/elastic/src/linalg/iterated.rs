@@ -8,7 +8,7 @@ use meniscus_numerics::{Matrix, Vector, par};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Most iterations, which rounding ends only if the tolerance asks for too much.
+/// Most iterations.
 const MOST: usize = 20_000;
 /// Fewest rows that a thread takes.
 const ROWS: usize = 512;
@@ -71,7 +71,7 @@ impl<const D: usize> Iterated<D> {
         }
     }
 
-    /// `A⁻¹ r`.
+    /// `A⁻¹ r`; not a number where iterations do not come to it, which a pressure's solve reports as its own failure.
     fn solved(&self, mut r: Vec<Vector<D>>) -> Vec<Vector<D>> {
         let dot = |a: &[Vector<D>], b: &[Vector<D>]| par::sum(a.len(), |k| a[k].dot(&b[k]));
         let mut x = vec![Vector::zeros(); r.len()];
@@ -81,7 +81,7 @@ impl<const D: usize> Iterated<D> {
         let target = size * self.tolerance * self.tolerance;
         for _ in 0..MOST {
             if size <= target {
-                break;
+                return x;
             }
             let pulled = self.product(&p);
             let step = size / dot(&p, &pulled);
@@ -91,7 +91,7 @@ impl<const D: usize> Iterated<D> {
             let last = std::mem::replace(&mut size, dot(&r, &z));
             p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + *p * (size / last));
         }
-        x
+        vec![Vector::repeat(f64::NAN); x.len()]
     }
 
     fn preconditioned(&self, r: &[Vector<D>]) -> Vec<Vector<D>> {

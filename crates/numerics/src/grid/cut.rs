@@ -118,6 +118,12 @@ impl<const D: usize> CutCells<D> {
         self.centers.get(cell).copied().unwrap_or(FAR)
     }
 
+    /// Whether a point lies in a cell whose centre is within a solid.
+    pub fn hides(&self, x: &Vector<D>) -> bool {
+        let grid = &self.open.grid;
+        !self.centers.is_empty() && self.distance(grid.lattice().index(grid.cell_at(x))) < 0.0
+    }
+
     /// Whether a cell has an open face to one where `phi` is not negative.
     pub fn airy(&self, cell: usize, phi: &[f64]) -> bool {
         let lattice = self.open.grid.lattice();

@@ -163,6 +163,14 @@ impl<const D: usize> Grid<D> {
         Vector::from_fn(|a, _| self.from_origin(a, at[a] as f64) * self.dx)
     }
 
+    /// The cell that holds a point, or the nearest one.
+    pub fn cell_at(&self, x: &Vector<D>) -> [usize; D] {
+        std::array::from_fn(|a| {
+            let place = x[a] / self.dx + self.margin[a][0] as f64;
+            (place.max(0.0) as usize).min(self.cells[a] - 1)
+        })
+    }
+
     /// Centre of a cell, m.
     pub fn center(&self, at: [usize; D]) -> Vector<D> {
         Vector::from_fn(|a, _| self.from_origin(a, at[a] as f64 + 0.5) * self.dx)

@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use meniscus_scene::build::AnySetup;
-use meniscus_scene::check::{fits_memory, memory_estimate};
 use meniscus_scene::error::SceneError;
 use meniscus_scene::file::{LoadOptions, Scene, runnable};
+use meniscus_scene::memory;
 use std::path::Path;
 
 const GOOD: &str = r#"format = 1
@@ -327,9 +327,9 @@ fn settings() {
 #[test]
 fn too_much_memory() {
     let scene = load(GOOD, &["domain.resolution=256"]).unwrap();
-    let need = memory_estimate(256_f64.powi(3), 0.0);
-    fits_memory(&scene, Some(64 << 30)).unwrap();
-    let e = fits_memory(&scene, Some(need as u64 / 2)).unwrap_err();
+    let need = memory::of_liquid(256_f64.powi(3), 0.0);
+    memory::liquid_fits(&scene, Some(64 << 30)).unwrap();
+    let e = memory::liquid_fits(&scene, Some(need as u64 / 2)).unwrap_err();
     assert_eq!((e.exit_status(), e.source_name.as_str()), (3, "--set"));
     assert!(e.message.contains("3.4 GB of memory, this machine has 1.7 GB"), "{e}");
     assert!(e.help.as_deref().is_some_and(|h| h.contains("resolution = 19")), "{e:?}");
@@ -374,7 +374,13 @@ fn solids_that_deform_are_what_they_can_be() {
     let e = AnySetup::of(&scene).err().unwrap();
     assert!(e.message.contains("holds no vertex of the solid `plate`"), "{e}");
     assert!(e.line_column().is_some() && e.exit_status() == 3, "{}", e.render());
-    assert!(AnySetup::of(&load(&soft(gel, ""), &[]).unwrap()).is_ok());
+    let scene = load(&soft(gel, ""), &[]).unwrap();
+    let setup = AnySetup::of(&scene).unwrap();
+    memory::solids_fit(&scene, &setup, Some(64 << 30)).unwrap();
+    memory::liquid_fits(&scene, Some(64 << 20)).unwrap();
+    let e = memory::solids_fit(&scene, &setup, Some(64 << 20)).unwrap_err();
+    assert!(e.help.as_deref().is_some_and(|h| h.contains("are the solid `plate`'s, of")), "{e:?}");
+    assert!(e.line_column().is_some() && e.exit_status() == 3, "{}", e.render());
     // Three tensions balance at the line only where all are known.
     let line = "\n[contact_line]\nneumann = true\nradius = \"2 dx\"\n";
     let with = |tensions: &str| {

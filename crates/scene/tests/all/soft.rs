@@ -212,12 +212,21 @@ fn parts_go_as_told() {
         let e = load(&text(2, &shape(moved).replace(",  }", " }")), nowhere).unwrap_err();
         assert!(e.message.contains(what), "{e}");
     }
-    let (region, twice) =
-        (r#"lower = ["0.9 cm", "0.9 cm"], upper = ["1.2 cm", "1.5 cm"]"#, r#"velocity = [0, "1 cm/s"]"#);
-    let fixed = format!("{}\nfixed = [{{ box = {{ {region} }} }}]", shape(twice));
-    let scene = load(&text(2, &fixed), nowhere).unwrap();
-    let e = build::setup::<2>(&scene).err().unwrap();
+    let (region, half) = (
+        r#"lower = ["0.9 cm", "0.9 cm"], upper = ["1.2 cm", "1.5 cm"]"#,
+        r#"lower = ["0.9 cm", "0.9 cm"], upper = ["1.1 cm", "1.5 cm"]"#,
+    );
+    let refused = |moved: &str, fixed: &str| {
+        let text = text(2, &format!("{}\nfixed = [{fixed}]", shape(moved)));
+        build::setup::<2>(&load(&text, nowhere).unwrap()).err().unwrap()
+    };
+    let slow = r#"velocity = [0, "1 cm/s"]"#;
+    let e = refused(slow, &format!("{{ box = {{ {half} }} }}"));
+    assert!(e.message.contains("held by a part before it, which moves otherwise"), "{e}");
+    let e = refused(slow, &format!("{{ box = {{ {region} }} }}, {{ box = {{ {half} }} }}"));
     assert!(e.message.contains("held by the parts before it already"), "{e}");
+    let e = refused(r#"velocity = [0, "-10 m/s"]"#, "");
+    assert!(e.message.contains("has left the domain") && e.line_column().is_some(), "{e}");
     let rigid = text(2, &shape(r#"velocity = [0, "1 cm/s"]"#));
     let rigid = rigid.replace(
         r#"material.corotated = { young_modulus = "10 kPa", poisson_ratio = 0.3 }"#,

@@ -17,34 +17,6 @@ fn spin(s: &mut Simulation<2>, omega: f64) {
     }
 }
 
-/// Angular momentum of a soft solid about its centre, kg m/s.
-fn angular_momentum(s: &Simulation<2>) -> f64 {
-    let elastic = s.model.solids[0].elastic().expect("soft");
-    let velocities = &s.state.solids[0].soft.as_ref().expect("soft").body.velocities;
-    let center = s.state.solids[0].center;
-    let all = places(s, 0).iter().zip(velocities).zip(elastic.masses());
-    all.map(|((x, v), m)| m * (x - center).perp(v)).sum()
-}
-
-/// Without liquid: turning by a tenth in a step, a block keeps its angular momentum by iterations only.
-#[test]
-fn iterations_keep_the_angular_momentum() {
-    let drift = |iterations| {
-        let square = soft(block([8, 4], Vector::repeat(0.5), Vector::from([0.2, 0.1])), 1e3, 0.0, Vec::new());
-        let mut s = dry(vec![square], Vector::zeros(), 0.01);
-        s.model.numerics.newton_iterations = iterations;
-        spin(&mut s, 10.0);
-        let before = angular_momentum(&s);
-        for _ in 0..20 {
-            s.step(f64::INFINITY, &mut |_| ()).expect("a step");
-        }
-        (angular_momentum(&s) / before - 1.0).abs()
-    };
-    let (linear, newton) = (drift(0), drift(4));
-    println!("{linear:.2e} without iterations, {newton:.2e} with four");
-    assert!(newton < 1e-9 && newton < 1e-3 * linear, "{linear} {newton}");
-}
-
 /// A spinning strip in a bath, after a step with so many iterations: the velocities of its vertices.
 fn stirred(iterations: u32) -> Vec<Vector<2>> {
     const CELLS: usize = 32;

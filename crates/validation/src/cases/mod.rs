@@ -19,6 +19,7 @@ mod momentum;
 mod momentum_with_solid;
 mod moving_drop;
 mod moving_plate;
+mod newton;
 mod pressure_matrix;
 mod rayleigh;
 mod rayleigh_plateau;
@@ -46,7 +47,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 55] = [
+const ALL: [Case; 56] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -95,6 +96,7 @@ const ALL: [Case; 55] = [
     ridge::CASE,
     soft_tank::CASE,
     soft_release::CASE,
+    newton::CASE,
     soft_impact::CASE,
     elastica_drop::CASE,
     wrapping::OPEN,

@@ -1,0 +1,91 @@
+//! Newton's iterations of steps in which a soft solid turns far.
+
+use crate::measure::{at_least, at_most, settle};
+use crate::{Case, Check, Mode};
+use meniscus_elastic::{Description, Elastic, ElasticError, Integrator, Law, Smoothing};
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::mesh::VolumeMesh;
+use meniscus_numerics::shape::Shape;
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use std::sync::Arc;
+
+/// The case.
+pub const CASE: Case = Case {
+    name: "newton",
+    title: "A spinning soft block keeps its angular momentum in long steps, with iterations",
+    theory: "Without liquid and gravity: a block of 1 x 0.5 (3D: x 0.5), density 1, E = 10³, ν = 0.3, no damping, set spinning with \
+        10 rad/s, in 20 steps of 0.01, in each of which it turns by a tenth: largest change of its angular momentum, which is \
+        constant. Steps that are linear about where they start lose it, with `newton_iterations = 4` it must stay. 2D and 3D; \
+        quick: 2D.",
+    quick: true,
+    run: |mode| settle(NAME, run(mode)),
+};
+
+const NAME: &str = "newton";
+const STEP: f64 = 0.01;
+const SPIN: f64 = 10.0;
+const STEPS: usize = 20;
+
+fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let mut checks = spinning::<2>()?;
+    if mode == Mode::Full {
+        checks.extend(spinning::<3>()?);
+    }
+    Ok(checks)
+}
+
+fn spinning<const D: usize>() -> Result<Vec<Check>, StepError> {
+    let (linear, newton) = (drift::<D>(0)?, drift::<D>(4)?);
+    let what = |text: &str| format!("change of the angular momentum, {text}, {D}D");
+    Ok(vec![
+        at_least(NAME, &what("no iterations: there is something to mend"), linear, 1e-6, 1e-6),
+        at_most(NAME, &what("4 iterations"), newton, 1e-6, Some(1e-9), ""),
+    ])
+}
+
+/// The largest change of the angular momentum, over it.
+fn drift<const D: usize>(iterations: u32) -> Result<f64, StepError> {
+    let mut sim = start::<D>(iterations)?;
+    let turning = |sim: &Simulation<D>| {
+        let soft = sim.model.solids[0].elastic().zip(sim.state.solids[0].soft.as_ref());
+        soft.map_or(Vector::<3>::zeros(), |(e, soft)| Vector::from(e.angular_momentum(&soft.body)))
+    };
+    let before = turning(&sim);
+    let mut most = 0f64;
+    for _ in 0..STEPS {
+        sim.step(f64::INFINITY, &mut |_| ())?;
+        most = most.max((turning(&sim) - before).norm() / before.norm());
+    }
+    Ok(most)
+}
+
+/// The block, spinning about the last axis (2D: about its centre).
+fn start<const D: usize>(iterations: u32) -> Result<Simulation<D>, StepError> {
+    let (center, half) = (Vector::repeat(1.0), Vector::from_fn(|a, _| if a == 0 { 0.5 } else { 0.25 }));
+    let mesh = VolumeMesh::of_box(&center, &half, &Matrix::identity(), 0.125).unwrap_or_default();
+    let law = Law::NeoHookean { young: 1e3, poisson: 0.3, smoothing: Smoothing::default() };
+    let (anchors, integrator) = (Vec::new(), Integrator::default());
+    let description = Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors, integrator };
+    let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
+    let elastic = Arc::new(Elastic::new(description).map_err(failed)?);
+    let shape = Shape::Box { center, half_size: half, rotation: Matrix::identity() };
+    let model = Model {
+        grid: Grid::<D>::new([20; D], 0.1),
+        walls: [[Wall::Open; 2]; D],
+        density: 1.0,
+        kinematic_viscosity: 0.0,
+        surface_tension: 0.0,
+        gravity: Vector::zeros(),
+        solids: vec![Solid::new(shape, Motion::Soft(elastic), 1.0)],
+        numerics: Numerics { max_step: STEP, newton_iterations: iterations, ..Numerics::default() },
+    };
+    let mut sim = Simulation::new(model, &[]);
+    if let Some(soft) = &mut sim.state.solids[0].soft {
+        for (v, x) in soft.body.velocities.iter_mut().zip(&soft.body.positions) {
+            let from = x - center;
+            *v = Vector::from_fn(|a, _| SPIN * [-from[1], from[0], 0.0][a]);
+        }
+    }
+    Ok(sim)
+}
