@@ -183,7 +183,7 @@ impl<const D: usize> KnownFaces<D> {
         std::array::from_fn(|a| shut[a].iter().copied().filter(|f| marks[a][*f as usize] != 0).collect())
     }
 
-    /// What slopes the liquid behind a face tells: sheets and threads of a few cells none.
+    /// What slopes the liquid behind a face tells: sheets and threads of a few cells none, what is beside a solid not all.
     fn slopes(
         &self,
         axis: usize,
@@ -192,11 +192,12 @@ impl<const D: usize> KnownFaces<D> {
         normal: &[f64; D],
         (distance, solid): (&Sampler<'_, D>, &dyn Fn(&Vector<D>) -> bool),
     ) -> Slopes {
-        let mut x = self.grid.face_center(axis, at);
-        (0..D).for_each(|b| x[b] -= (DEPTH.0 + layer as f64) * self.grid.dx * normal[b]);
-        match distance.linear(&x) < -DEPTH.1 * self.grid.dx {
+        let into =
+            |cells: f64| self.grid.face_center(axis, at) - Vector::from(*normal) * (cells * self.grid.dx);
+        let behind = into(DEPTH.0 + layer as f64);
+        match distance.linear(&behind) < -DEPTH.1 * self.grid.dx {
             false => Slopes::None,
-            true if solid(&x) => Slopes::Outward,
+            true if solid(&behind) || solid(&into(0.5)) => Slopes::Outward,
             true => Slopes::All,
         }
     }
