@@ -327,9 +327,9 @@ mod tests {
         linear_fields_go_on_linearly::<3>();
     }
 
-    /// The velocity `(x, −y)` times `rate` extended beyond the sheet |y| < `half` (cells), below the height `solid` within a solid:
+    /// The velocity `(x, −y)` times `rate` extended beyond the sheet |y| < `half` (cells), with a solid at some heights:
     /// the faces normal to y in the first layers above it, each with what it should be on the line.
-    fn above_a_sheet(half: f64, solid: f64, rate: f64) -> Vec<(f64, f64)> {
+    fn above_a_sheet(half: f64, solid: fn(f64) -> bool, rate: f64) -> Vec<(f64, f64)> {
         let grid = Grid::<2>::new([12, 24], 1.0);
         let lattice = grid.lattice();
         let phi: Vec<f64> =
@@ -344,22 +344,25 @@ mod tests {
         let exact = |f: usize| rate * (12.0 - faces.coordinates(f)[1] as f64);
         (0..faces.len()).filter(|&f| known.marks[1][f] == 1).for_each(|f| velocity.axes[1][f] = exact(f));
         let distance = Sampler::cells(&grid, &phi, [[Edge::Even; 2]; 2]);
-        known.extrapolate(&mut velocity, &band, &phi, &distance, |x| x[1] < solid, |_, _| true);
+        known.extrapolate(&mut velocity, &band, &phi, &distance, |x| solid(x[1]), |_, _| true);
         let top = (12..24).map(|y| faces.index([6, y])).filter(|&f| known.marks[1][f] >= FIRST);
         top.map(|f| (velocity.axes[1][f], exact(f))).collect()
     }
 
     #[test]
     fn the_slope_fades_and_thin_liquid_has_none() {
-        // What flows out of liquid on a solid has it.
-        for (thick, rate) in [(above_a_sheet(5.0, 0.0, 1.0), 1.0), (above_a_sheet(5.0, 15.5, -1.0), -1.0)] {
+        // A solid three cells behind the first face, and one at it: what flows out beside it has the slope.
+        let solids: [fn(f64) -> bool; 3] = [|_| false, |y| y < 15.5, |y| y > 17.0];
+        for (solid, rate) in [(solids[0], 1.0), (solids[1], -1.0), (solids[2], -1.0)] {
+            let thick = above_a_sheet(5.0, solid, rate);
             let (first, line) = thick[0];
             assert_eq!(first, line);
             assert_eq!(thick[1].0, first - 0.5 * rate);
             assert_eq!(thick[2].0, thick[1].0);
         }
         // What flows into it has not.
-        for thin in [above_a_sheet(1.0, 0.0, 1.0), above_a_sheet(5.0, 15.5, 1.0)] {
+        for (half, solid) in [(1.0, solids[0]), (5.0, solids[1]), (5.0, solids[2])] {
+            let thin = above_a_sheet(half, solid, 1.0);
             let last = thin[0].1 + 1.0;
             assert!(thin.iter().all(|(value, _)| *value == last), "{thin:?}");
         }
