@@ -76,7 +76,8 @@ pub struct Report {
     pub warnings: Vec<Warning>,
     /// Why the scene cannot be run; none if it can.
     pub cannot_run: Option<String>,
-    /// The same as an error where the scene is wrong, not only beyond this version.
+    /// The same as an error where the scene is wrong, not only beyond this version; or that its solids need more memory than
+    /// this machine has.
     #[serde(skip)]
     pub error: Option<SceneError>,
 }
@@ -134,6 +135,7 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
     let is_beyond = beyond.is_err();
     let setup = beyond.and_then(|()| AnySetup::of(scene));
     let soft = setup.as_ref().map_or_else(|_| Vec::new(), |setup| reports(scene, setup));
+    let fits = setup.as_ref().map_or(Ok(()), |setup| memory::solids_fit(scene, setup, memory::of_machine()));
     let soft_bytes: f64 = soft.iter().map(|s| s.memory_bytes).sum();
     let per_byte = |factorised| if factorised { SECONDS_PER_FACTOR_BYTE } else { SECONDS_PER_ITERATED_BYTE };
     let solves = if soft.is_empty() { 1.0 } else { 1.0 + f64::from(scene.numerics.newton_iterations) };
@@ -165,7 +167,7 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
         soft,
         warnings,
         cannot_run: setup.as_ref().err().map(SceneError::line),
-        error: setup.err().filter(|_| !is_beyond),
+        error: setup.err().filter(|_| !is_beyond).or(fits.err()),
     }
 }
 

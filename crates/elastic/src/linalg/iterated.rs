@@ -83,6 +83,9 @@ impl<const D: usize> Iterated<D> {
             if size <= target {
                 return x;
             }
+            if size.is_nan() {
+                break;
+            }
             let pulled = self.product(&p);
             let step = size / dot(&p, &pulled);
             x.iter_mut().zip(&p).for_each(|(x, p)| *x += p * step);
@@ -114,16 +117,13 @@ mod tests {
     use super::*;
     use crate::linalg::{Cliques, Factor, Pattern, Symbolic};
 
-    /// A chain of springs along which masses differ, some held.
-    #[test]
-    fn iterations_give_what_factors_give() {
-        let n = 300;
+    /// A chain of springs along which masses differ, some held: where its vertices are, which are held, and its matrix.
+    fn chain(n: usize) -> (Vec<Vector<3>>, Vec<bool>, BlockMatrix<3>) {
         let positions: Vec<Vector<3>> =
             (0..n).map(|i| Vector::<3>::new(i as f64, (i % 7) as f64, (i % 3) as f64)).collect();
         let mut springs = Cliques::default();
         (0..n as u32 - 5).for_each(|i| [1, 2, 5].into_iter().for_each(|k| springs.push([i, i + k])));
-        let pattern = Arc::new(Pattern::new(n, [&springs]));
-        let mut matrix = BlockMatrix::<3>::new(pattern.clone());
+        let mut matrix = BlockMatrix::<3>::new(Arc::new(Pattern::new(n, [&springs])));
         for pair in springs.iter() {
             let (i, j) = (pair[0], pair[1]);
             let along = (positions[i as usize] - positions[j as usize]).normalize();
@@ -131,13 +131,25 @@ mod tests {
             assert!(matrix.add(i, i, &block) && matrix.add(j, j, &block) && matrix.add(i, j, &-block));
         }
         (0..n).for_each(|i| matrix.add_diagonal(i, 1.0 + (i % 4) as f64));
-        let held: Vec<bool> = (0..n).map(|i| i % 50 == 3).collect();
-        let symbolic = Symbolic::new(&positions, &pattern, &held).map(Arc::new).ok_or("no memory");
+        (positions, (0..n).map(|i| i % 50 == 3).collect(), matrix)
+    }
+
+    /// What solves systems of the chain by iterations.
+    fn iterated(n: usize, tolerance: f64) -> Option<Iterated<3>> {
+        let (positions, held, matrix) = chain(n);
+        let lattice = Lattice::new(&positions, &matrix.pattern, &held)?;
+        Iterated::new(&matrix, &held, &Arc::new(lattice), tolerance)
+    }
+
+    #[test]
+    fn iterations_give_what_factors_give() {
+        let n = 300;
+        let (positions, held, matrix) = chain(n);
+        let symbolic = Symbolic::new(&positions, &matrix.pattern, &held).map(Arc::new).ok_or("no memory");
         let factor = symbolic.map(|s| Factor::new(s, &matrix, &held));
         let mut exact: Vec<f64> = (0..6 * n).map(|k| (k as f64 * 0.37).sin()).collect();
         let mut found = exact.clone();
-        let lattice = Lattice::new(&positions, &pattern, &held);
-        let iterated = lattice.and_then(|l| Iterated::new(&matrix, &held, &Arc::new(l), 1e-12));
+        let iterated = iterated(n, 1e-12);
         assert!(iterated.is_some() && matches!(factor, Ok(Some(_))));
         factor.iter().flatten().for_each(|f| f.solve::<3>(None, &mut exact, 2));
         iterated.iter().for_each(|i| i.solve(&mut found));
@@ -145,5 +157,16 @@ mod tests {
         let off = exact.iter().zip(&found).fold(0.0, |s: f64, (a, b)| s.max((a - b).abs()));
         assert!(off < 1e-11 * size, "{off} of {size}");
         assert!(held.iter().enumerate().all(|(v, held)| !held || found[3 * v] == 0.0));
+    }
+
+    /// A tolerance that rounding keeps from being met, and a right-hand side that is not a number.
+    #[test]
+    fn what_is_not_solved_is_not_a_number() {
+        let n = 100;
+        for (tolerance, right) in [(0.0, 1.0), (1e-9, f64::NAN)] {
+            let mut b = vec![right; 3 * n];
+            iterated(n, tolerance).iter().for_each(|i| i.solve(&mut b));
+            assert!(b.iter().all(|b| b.is_nan()));
+        }
     }
 }
