@@ -180,7 +180,7 @@ fn push<const D: usize>(
     let beside = Beside { solids: &work.cut, ghosts: &ghosts, weight: model.weight() };
     let kappa = curvature(&model.grid, &work.band, CURVED, &phi, &change.cubes, &beside, &filter);
     let mut cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &kappa, &work.cut);
-    let dragged = drag(model, state, &change.cubes, (&mut cut, &work.cut), kick);
+    let dragged = drag(model, (state, &before), &change.cubes, (&mut cut, &work.cut), kick);
     phase_end("curvature");
 
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
