@@ -123,8 +123,7 @@ impl Setting {
             surface_tension: 1.0,
             gravity: Vector::zeros(),
             solids: vec![solid],
-            // What scenes with solids that deform have.
-            numerics: Numerics { capillary_step: 2.0, ..Numerics::default() },
+            numerics: Numerics::default(),
         };
         let sim = Simulation::new(model, &[Body { distance: &drop, velocity: Vector::zeros() }]);
         Ok(Plate { sim, middle, bottom, top })

@@ -65,11 +65,6 @@ pub(super) struct Resolver {
     pub warnings: Vec<Warning>,
 }
 
-/// Longest step where solids deform, over the explicit capillary limit. These are thin, and longer steps keep what is wrong at
-/// the line on plates of less than three cells: in two dimensions the angle of the drop of `fig22-plate-90` is off by 0.7
-/// degrees with 2, by 1.7 with 3 and by 12 with 4, but with a plate of six cells by 0.2 with 4.
-const SOFT_STEP: f64 = 2.0;
-
 fn resolve(file: SceneFile, source: Source, base: &Path, quality: Quality) -> Result<Scene, SceneError> {
     let base = base.to_path_buf();
     let mut r = Resolver { source, base, dim: 0, dx: 0.0, size: Vec::new(), warnings: Vec::new() };
@@ -378,7 +373,7 @@ impl Resolver {
             capillary_step: self.within(
                 "numerics.capillary_step",
                 "the multiple of the explicit capillary limit",
-                n.capillary_step.unwrap_or(if soft { SOFT_STEP } else { 5.0 }),
+                n.capillary_step.unwrap_or(5.0),
                 0.01,
                 1000.0,
             )?,

@@ -64,9 +64,9 @@ impl DraggedFace {
 
 /// The faces that the lines drag in the time `kick` (s). Those at the surface are told what that leaves of a push.
 ///
-/// `bodies` are the solids with the velocities that the step before left, or that they are told: towards those the lines drag. What
-/// `state` has is on its way, with what some of the forces give to a solid at rest, before the others take it away: drops at rest
-/// on soft plates stirred with it, and had angles too small by up to 6 degrees, the more the longer the step. Where a solid
+/// `bodies` are the solids with the velocities that the step before left, or that they are told: towards those the lines drag.
+/// What `state` has is on its way, with what some of the forces give to a solid at rest, before the others take it away: drops
+/// on soft plates stirred with it, and had angles too small by up to 6 degrees (`verify soft-sag`). Where a solid
 /// accelerates by `a` they lag by `a h`, of what the step's end will have.
 pub fn drag<const D: usize>(
     model: &Model<D>,

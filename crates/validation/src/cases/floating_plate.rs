@@ -162,7 +162,7 @@ fn run() -> Result<Vec<Check>, StepError> {
         surface_tension: TENSION,
         gravity: Vector::<3>::new(0.0, 0.0, -GRAVITY),
         solids: vec![plate],
-        numerics: Numerics { capillary_step: 2.0, ..Numerics::default() },
+        numerics: Numerics::default(),
     };
     let bath = |x: &Vector<3>| x[2] - level + dimple.depth(x[0] - HALF, x[1] - HALF);
     let mut sim = Simulation::new(model, &[Body { distance: &bath, velocity: Vector::zeros() }]);

@@ -30,6 +30,7 @@ mod sliding;
 mod soft;
 mod soft_impact;
 mod soft_release;
+mod soft_sag;
 mod soft_tank;
 mod static_drop;
 mod surface_distance;
@@ -47,7 +48,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 56] = [
+const ALL: [Case; 57] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -94,6 +95,7 @@ const ALL: [Case; 56] = [
     soft::STRIP,
     soft::STIFF,
     ridge::CASE,
+    soft_sag::CASE,
     soft_tank::CASE,
     soft_release::CASE,
     newton::CASE,
