@@ -16,9 +16,9 @@ pub const CASE: Case = Case {
     name: "soft-sag",
     title: "A drop rests on a soft plate that sags, at Young's angle with steps of any length",
     theory: "2D twin of `fig22-plate-90`, SI: a drop (radius 5 mm, γ = 0.1, ν = 5·10⁻⁵, friction of the line 0.3 Pa s) on a plate \
-        2.67 cells thick and 33.3 mm long (B = 10⁻⁴ N m, density 2500), clamped at both ends, that sags by some three cells \
+        2.67 cells thick and 33.3 mm long (B = 5·10⁻⁵ N m, density 2500), clamped at both ends, that sags by several cells \
         under both: mean angle from 0.5 to 0.6 s with steps of 2 and 5 times the explicit capillary limit; the line feels the \
-        plate's speed, which is nothing, not what a part of the forces would make it. Quick: 5. The bar is that of Fig. 22.",
+        plate's speed, which is nothing, not what a part of the forces would make it (2.6° too little with steps of 5). Quick: 5.",
     quick: true,
     run: |mode| settle(NAME, run(mode)),
 };
@@ -47,7 +47,7 @@ fn check(step: f64) -> Result<Check, StepError> {
         count += 1.0;
     })?;
     let text = format!("angle with steps of {step} times the explicit limit");
-    Ok(Check::absolute(NAME, &text, sum / count, 90.0, 3.0, Some(1.5), "°"))
+    Ok(Check::absolute(NAME, &text, sum / count, 90.0, 1.5, Some(0.75), "°"))
 }
 
 fn start(step: f64) -> Simulation<2> {
@@ -58,7 +58,7 @@ fn start(step: f64) -> Simulation<2> {
     let mesh = VolumeMesh::of_shape(&shape, DX / 1.5).unwrap_or_default();
     let clamped = half[0] - 1.3 * DX;
     let anchors = vec![Anchor::within(&mesh, |x| (x[0] - center[0]).abs() > clamped)];
-    let young = 1e-4 * 12.0 * (1.0 - POISSON * POISSON) / THICK.powi(3);
+    let young = 5e-5 * 12.0 * (1.0 - POISSON * POISSON) / THICK.powi(3);
     let law = Law::NeoHookean { young, poisson: POISSON, smoothing: Smoothing::default() };
     let integrator = Integrator::default();
     let plate =
