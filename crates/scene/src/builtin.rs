@@ -278,7 +278,7 @@ pub const BUILTINS: [Builtin; 56] = [
         3,
         Some("Fig. 21"),
         "A soft plate five times as dense as the liquid floats on its strong surface",
-        "two hours; --quality draft: one"
+        "an hour; --quality draft: half an hour"
     ),
     scene!(
         "fig21-tank-sink",
@@ -312,42 +312,42 @@ pub const BUILTINS: [Builtin; 56] = [
         3,
         Some("Fig. 22"),
         "A drop rests on a soft plate at 90 degrees",
-        "an hour; --quality draft: half an hour"
+        "half an hour; --quality draft: a quarter"
     ),
     scene!(
         "fig22-plate-90-paper-constants",
         3,
         Some("Fig. 22"),
         "The same with the springs that the paper prints: the plate is stiff",
-        "an hour; --quality draft: half an hour"
+        "half an hour; --quality draft: a quarter"
     ),
     scene!(
         "fig22-plate-180",
         3,
         Some("Fig. 22"),
         "A drop rests on a soft plate that it hardly wets (97.7 degrees)",
-        "an hour; --quality draft: half an hour"
+        "half an hour; --quality draft: a quarter"
     ),
     scene!(
         "fig22-plate-180-paper-constants",
         3,
         Some("Fig. 22"),
         "The same with the springs that the paper prints: the plate is stiff",
-        "an hour; --quality draft: half an hour"
+        "half an hour; --quality draft: a quarter"
     ),
     scene!(
         "fig22-plate-0",
         3,
         Some("Fig. 22"),
         "A drop spreads over a soft plate that it wets completely",
-        "an hour; --quality draft: half an hour"
+        "half an hour; --quality draft: a quarter"
     ),
     scene!(
         "fig22-plate-0-paper-constants",
         3,
         Some("Fig. 22"),
         "The same with the springs and tensions that the paper prints: it runs off a stiff plate in a film",
-        "an hour; --quality draft: half an hour"
+        "half an hour; --quality draft: a quarter"
     ),
     scene!(
         "fig02-soft-cow",
