@@ -28,7 +28,7 @@ pub fn give_back<const D: usize>(model: &Model<D>, groups: &mut [Group<D>], give
             (0..3).for_each(|i| whole.spin[i] -= turning[i]);
         }
         let touches = group.new.iter().any(|j| sums[*j].linear.norm_squared() > 0.0);
-        group.turns = !touches || whole.mass > turning_volume(model);
+        group.turns &= !touches || whole.mass > turning_volume(model);
     }
 }
 

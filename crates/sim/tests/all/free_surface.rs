@@ -76,3 +76,26 @@ fn a_falling_drop_is_where_galilei_says() {
     let [x, y]: [f64; 2] = simulation.state.drops[0].centroid.into();
     assert!((y - (0.75 - time * time)).abs() < 1e-4 && (x - 0.5).abs() < 1e-6, "at {x}, {y} after {time}");
 }
+
+/// Drops of less than a cell that graze each other: their common angular momentum, kept in the faces of what became of them,
+/// flung it apart at up to twenty times their speed.
+#[test]
+fn small_drops_that_graze_do_not_whirl() {
+    for (radius, offset) in [(0.6, 1.2), (0.8, 0.9), (0.8, 1.2), (0.8, 1.6)] {
+        let ball = |way: f64| {
+            let center = Vector::from([0.5 + 0.1 * way, 0.5 + 0.5 * way * offset / 24.0, 0.52]);
+            move |at: &Vector<3>| (at - center).norm() - radius / 24.0
+        };
+        let (left, right) = (ball(-1.0), ball(1.0));
+        let speed = |u: f64| Vector::from([u, 0.0, 0.0]);
+        let bodies = [
+            Body { distance: &left, velocity: speed(1.0) },
+            Body { distance: &right, velocity: speed(-1.0) },
+        ];
+        let mut simulation = Simulation::new(model::<3>(24), &bodies);
+        while simulation.state.time < 0.3 {
+            let report = simulation.step(0.3 - simulation.state.time, &mut |_| ()).expect("a step");
+            assert!(report.ledger.max_speed < 2.5, "{radius}, {offset}: {}", report.ledger.max_speed);
+        }
+    }
+}
