@@ -78,7 +78,7 @@ fn a_falling_drop_is_where_galilei_says() {
 }
 
 /// Drops of less than a cell that graze each other: their common angular momentum, kept in the faces of what became of them,
-/// flung it apart at up to twenty times their speed.
+/// flung it apart at up to twenty times their speed (21, 4.8 and 4.6 in the first three). Without it none of these reaches 1.5.
 #[test]
 fn small_drops_that_graze_do_not_whirl() {
     for (radius, offset) in [(0.6, 1.2), (0.8, 0.9), (0.8, 1.2), (0.8, 1.6)] {
@@ -95,7 +95,7 @@ fn small_drops_that_graze_do_not_whirl() {
         let mut simulation = Simulation::new(model::<3>(24), &bodies);
         while simulation.state.time < 0.3 {
             let report = simulation.step(0.3 - simulation.state.time, &mut |_| ()).expect("a step");
-            assert!(report.ledger.max_speed < 2.5, "{radius}, {offset}: {}", report.ledger.max_speed);
+            assert!(report.ledger.max_speed < 2.0, "{radius}, {offset}: {}", report.ledger.max_speed);
         }
     }
 }
