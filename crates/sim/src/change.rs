@@ -62,7 +62,7 @@ pub fn keep_volume<const D: usize>(
     let measured = liquid.measure(&state.phi);
     let raw = measured.volumes.clone();
     let mut groups = follow(before, &work.liquid, &state.drops, &measured.centers, dt);
-    let mut unpulled = unpulled(&measured.cubes, &in_band(&work.band, &labels), raw.len());
+    let mut unpulled = unpulled(&measured.cubes, &work.cut.wet, &in_band(&work.band, &labels), raw.len());
     let free = work.faced(&unpulled).into_iter().map(|share| share < FACED);
     unpulled.iter_mut().zip(free).filter(|(_, free)| !free).for_each(|(part, _)| part.fill(0.0));
     expect(model, state, work, &mut groups, &unpulled, dt);

@@ -15,13 +15,14 @@
 //! piece of a line pulls it with, the balance of the surface around tells (`balance.rs`); the sum over a line is as above.
 
 use crate::balance::Surroundings;
-use crate::exchange::{Exchange, Impulse};
+use crate::exchange::{Exchange, Impulse, moment};
 use crate::liquid::cube::CutCube;
 use crate::liquid::cut_faces::CutFace;
 use crate::model::{Model, Wall};
 use crate::skin::Grip;
 use crate::solid::SolidState;
 use crate::tension::Skins;
+use meniscus_numerics::grid::WetCell;
 use meniscus_numerics::{Matrix, Vector, planes};
 use std::collections::BTreeMap;
 
@@ -61,31 +62,44 @@ fn pulled<const D: usize>(across: &Matrix<D>) -> Matrix<D> {
     Matrix::from_fn(|i, j| part[(i, j)])
 }
 
-/// The sum over each component's lines of the projector across the solids.
+/// The sum over each component's lines of the projector across the solids around them: the mean over the solids' surface in
+/// the cells that a piece of a line lies between, of which alone its energy knows. Beside an edge that has the normals of both
+/// sides: nothing there is along an even wall.
 fn across<const D: usize>(
     cubes: &[CutCube],
+    wet: &[WetCell<D>],
     label: &dyn Fn(usize) -> Option<u32>,
     count: usize,
 ) -> Vec<Matrix<D>> {
+    let projector = |n: &Vector<D>| n * n.transpose() / n.norm().max(f64::MIN_POSITIVE);
     let mut across = vec![Matrix::zeros(); count];
     for cube in cubes.iter().filter(|c| c.lift != [0.0; 3]) {
         let lift: Vector<D> = Vector::from_fn(|a, _| cube.lift[a]);
-        let part = lift * lift.transpose() / lift.norm();
+        let surfaces = cube.corners[..1 << D].iter().filter_map(|c| surface_in(wet, *c));
+        let around: Matrix<D> = surfaces.map(|w| projector(&w.area)).sum();
+        let around = if around.trace() > 0.0 { around } else { projector(&lift) };
+        let part = around * (lift.norm() / around.trace());
         cube.share(label, |c, share| across[c as usize] += part * share);
     }
     across
 }
 
+/// The solid's surface in a cell, if there is any.
+fn surface_in<const D: usize>(wet: &[WetCell<D>], cell: u32) -> Option<&WetCell<D>> {
+    wet.binary_search_by_key(&cell, |w| w.cell).ok().map(|at| &wet[at])
+}
+
 /// For each component the part of a vector in directions in which its lines pull at no solid; nothing without lines.
 pub fn unpulled<const D: usize>(
     cubes: &[CutCube],
+    wet: &[WetCell<D>],
     label: &dyn Fn(usize) -> Option<u32>,
     count: usize,
 ) -> Vec<Matrix<D>> {
     let rest = |across: &Matrix<D>| {
         if across.trace() > 0.0 { Matrix::identity() - pulled(across) } else { Matrix::zeros() }
     };
-    across(cubes, label, count).iter().map(rest).collect()
+    across(cubes, wet, label, count).iter().map(rest).collect()
 }
 
 /// The surface as it pulls at solids.
@@ -100,6 +114,10 @@ pub struct Lines<'a, const D: usize> {
     pub cubes: &'a [CutCube],
     /// The faces that it cuts.
     pub cut: &'a [CutFace],
+    /// The solids' surfaces in cells.
+    pub wet: &'a [WetCell<D>],
+    /// Centre of mass of each component, m.
+    pub centers: &'a [Vector<D>],
     /// Component of a liquid cell.
     pub label: &'a dyn Fn(usize) -> Option<u32>,
     /// Which components touch no side of the domain.
@@ -115,7 +133,7 @@ impl<const D: usize> Lines<'_, D> {
         if !feet.is_empty() {
             self.balance(kick, pieces, feet.values_mut().flatten());
         }
-        let across = across(self.cubes, self.label, self.inside.len());
+        let across = across(self.cubes, self.wet, self.label, self.inside.len());
         let mut total = vec![0.0; self.inside.len()];
         lengths.iter().for_each(|((c, _), (length, _))| total[*c as usize] += length);
         let mut missing = self.pushes(kick);
@@ -128,6 +146,8 @@ impl<const D: usize> Lines<'_, D> {
             let linear = pulled(&across[c]) * balanced;
             if self.inside[c] {
                 along[c] = linear - missing[c].linear;
+                // The liquid gets that as a whole.
+                missing[c].turning += moment(&self.centers[c], &along[c]);
             }
             missing[c].linear = linear;
         }

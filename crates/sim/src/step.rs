@@ -217,8 +217,9 @@ fn press<const D: usize>(
     let (solids, cubes) = (&state.solids, &change.cubes);
     let (line, along) = if model.numerics.contact_line {
         let skins = &wetted_skins(model, solids, &phi, &label);
-        let phi = &state.phi.data;
-        Lines { model, solids, phi, cubes, cut, label: &near, inside: &inside, skins }.impulses(kick)
+        let (phi, wet, centers) = (&state.phi.data, &work.cut.wet, &change.centers);
+        let (label, inside) = (&near, &inside);
+        Lines { model, solids, phi, cubes, cut, wet, centers, label, inside, skins }.impulses(kick)
     } else {
         (Exchange::new(), vec![Vector::zeros(); inside.len()])
     };
