@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 const MAGIC: &[u8; 8] = b"MENISCKP";
-const VERSION: u32 = 8;
+const VERSION: u32 = 9;
 /// Values per compressed block (4 MiB).
 const BLOCK: usize = 1 << 19;
 /// Checkpoints that are kept.
@@ -53,8 +53,8 @@ struct Header {
     cells: Vec<u64>,
     dx: f64,
     step: u64,
-    /// Time, last step, lead, kick, drift, lost volume, kinetic energy, surface area.
-    numbers: [f64; 8],
+    /// Time, last step, lead, kick, clear, drift, lost volume, kinetic energy, surface area.
+    numbers: [f64; 9],
     drops: Vec<DropRecord>,
     /// Centre, rotation by columns, velocity, spin, forces, what holds and braces it, of each solid; of one that deforms
     /// also its time, all positions, all velocities, then what holds its vertices.
@@ -158,6 +158,7 @@ pub fn write<const D: usize>(
         last_dt,
         lead,
         kick,
+        clear,
         drift,
         phi,
         velocity,
@@ -175,7 +176,17 @@ pub fn write<const D: usize>(
         cells: phi.grid.cells.iter().map(|&n| n as u64).collect(),
         dx: phi.grid.dx,
         step: *step,
-        numbers: [*time, *last_dt, *lead, *kick, *drift, *lost_volume, *kinetic_energy, *surface_area],
+        numbers: [
+            *time,
+            *last_dt,
+            *lead,
+            *kick,
+            *clear,
+            *drift,
+            *lost_volume,
+            *kinetic_energy,
+            *surface_area,
+        ],
         drops: drops.iter().map(DropRecord::of).collect(),
         solids: solids.iter().map(solid_record).collect(),
         tally: tally.clone(),
@@ -305,9 +316,10 @@ fn restore<const D: usize>(header: &Header, body: &[u8], grid: Grid<D>) -> Optio
     for (array, blocks) in arrays.zip(&header.blocks) {
         rest = decompress(array, blocks, rest)?;
     }
-    let State { time, last_dt, lead, kick, drift, lost_volume, kinetic_energy, surface_area, .. } =
+    let State { time, last_dt, lead, kick, clear, drift, lost_volume, kinetic_energy, surface_area, .. } =
         &mut state;
-    [*time, *last_dt, *lead, *kick, *drift, *lost_volume, *kinetic_energy, *surface_area] = header.numbers;
+    [*time, *last_dt, *lead, *kick, *clear, *drift, *lost_volume, *kinetic_energy, *surface_area] =
+        header.numbers;
     state.step = header.step;
     state.drops = header.drops.iter().map(DropRecord::restore).collect::<Option<_>>()?;
     state.solids = header.solids.iter().map(|r| restore_solid(r)).collect::<Option<_>>()?;

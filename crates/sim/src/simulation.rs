@@ -3,7 +3,7 @@
 use crate::compiled::by_dimension;
 use crate::ledger::{Ledger, StepReport, ledger, max_component, own_energy, potential_energy};
 use crate::model::Model;
-use crate::solid::Solid;
+use crate::solid::{Solid, SolidState};
 use crate::state::State;
 use crate::step::{keep_distance, open_books, step};
 use crate::track::phi_on;
@@ -227,41 +227,23 @@ impl<const D: usize> Simulation<D> {
 
     fn choose_dt(&self, mut wanted: f64, max_dt: f64) -> f64 {
         if self.model.numerics.fixed_step.is_none() && self.state.last_dt > 0.0 {
-            wanted = wanted.min(GROWTH * self.state.last_dt);
+            wanted = wanted.min(self.state.clear);
         }
         if max_dt.is_finite() { max_dt / (max_dt / wanted * (1.0 - 1e-9)).ceil().max(1.0) } else { wanted }
     }
 
     /// The longest step that the largest speed, which is that of `fastest`, and surface tension allow.
     fn wanted_dt(&self, speed: f64, fastest: &str) -> Result<f64, StepError> {
-        let n = &self.model.numerics;
-        if let Some(dt) = n.fixed_step {
+        if let Some(dt) = self.model.numerics.fixed_step {
             return Ok(dt);
         }
-        let fall = self.model.gravity.norm();
-        // speed·h + ½ fall·h² = cfl·Δ
-        let reach = n.cfl * self.model.grid.dx;
-        let flow =
-            |speed: f64| 2.0 * reach / (speed + (speed * speed + 2.0 * fall * reach).sqrt()).max(1e-300);
-        let tension = self.model.surface_tension > 0.0;
-        let capillary = if tension { n.capillary_step * self.model.capillary_step() } else { f64::INFINITY };
-        let (dt, calm) =
-            (flow(speed).min(n.max_step).min(capillary), flow(0.0).min(n.max_step).min(capillary));
-        let floor = if calm.is_finite() { SLOWEST * calm } else { 0.0 };
-        let dt = dt.min(self.straining_step().max(floor));
+        let calm = step_at_speed(&self.model, 0.0);
+        let dt = step_at_speed(&self.model, speed).min(straining_step(&self.model, &self.state.solids, calm));
         if calm.is_finite() && dt < SHORTEST * calm {
             let reason = format!("{fastest} runs away, at {speed:.3e} m/s");
             return Err(StepError::TooShort { time: self.state.time, dt, reason });
         }
         Ok(dt)
-    }
-
-    /// The longest step in which elements of solids turn and change their shape by as much as a straight line bears without
-    /// turning them inside out, s.
-    fn straining_step(&self) -> f64 {
-        let solids = self.model.solids.iter().zip(&self.state.solids);
-        let soft = solids.filter_map(|(solid, now)| solid.elastic().zip(now.soft.as_ref()));
-        STRAIN / soft.map(|(elastic, soft)| elastic.largest_rate(&soft.body)).fold(0.0, f64::max)
     }
 
     /// Energy of motions too small to count: without it rounding alone would be doubtful in a liquid at rest.
@@ -316,6 +298,40 @@ impl<const D: usize> Simulation<D> {
     pub fn ledger(&self) -> Ledger<D> {
         ledger(&self.model, &self.state, &self.work)
     }
+}
+
+/// The longest step, s, in which nothing at a speed (m/s) goes farther than the Courant number allows, and which tension,
+/// gravity and the user allow.
+fn step_at_speed<const D: usize>(model: &Model<D>, speed: f64) -> f64 {
+    let n = &model.numerics;
+    let fall = model.gravity.norm();
+    // speed·h + ½ fall·h² = cfl·Δ
+    let reach = n.cfl * model.grid.dx;
+    let flow = 2.0 * reach / (speed + (speed * speed + 2.0 * fall * reach).sqrt()).max(1e-300);
+    let capillary =
+        if model.surface_tension > 0.0 { n.capillary_step * model.capillary_step() } else { f64::INFINITY };
+    flow.min(n.max_step).min(capillary)
+}
+
+/// The longest step, s, in which elements of solids turn and change their shape by as much as a straight line bears without
+/// turning them inside out; at least a part of the step that a liquid at rest allows, `calm`.
+fn straining_step<const D: usize>(model: &Model<D>, solids: &[SolidState<D>], calm: f64) -> f64 {
+    let soft = model.solids.iter().zip(solids);
+    let soft = soft.filter_map(|(solid, now)| solid.elastic().zip(now.soft.as_ref()));
+    let rate = soft.map(|(elastic, soft)| elastic.largest_rate(&soft.body)).fold(0.0, f64::max);
+    (STRAIN / rate).max(if calm.is_finite() { SLOWEST * calm } else { 0.0 })
+}
+
+/// The longest that the step after one of `dt` (s) can be, as solids move now: for so long contacts are looked for, and no
+/// step is longer. Over a longer time a solid that the pressure threw would seem to meet all there is on a way that it never
+/// goes.
+pub(crate) fn clear_time<const D: usize>(model: &Model<D>, solids: &[SolidState<D>], dt: f64) -> f64 {
+    if model.numerics.fixed_step.is_some() {
+        return GROWTH * dt;
+    }
+    let fastest = model.solids.iter().zip(solids).map(|(s, now)| s.largest_speed(now)).fold(0.0, f64::max);
+    let straining = straining_step(model, solids, step_at_speed(model, 0.0));
+    (GROWTH * dt).min(step_at_speed(model, fastest)).min(straining)
 }
 
 /// The functions of either dimension ([`crate::compiled`]).

@@ -18,6 +18,8 @@ pub struct State<const D: usize> {
     pub lead: f64,
     /// Time for which the last forces acted, s.
     pub kick: f64,
+    /// Length up to which the next step meets no contacts but those that were found, s.
+    pub clear: f64,
     /// Distance that the interface may have moved since the last redistance, in cells.
     pub drift: f64,
     /// Signed distance to the liquid's surface, m, negative in the liquid; valid within the band, elsewhere ± its width.
@@ -78,6 +80,7 @@ impl<const D: usize> State<D> {
             last_dt: 0.0,
             lead: 0.0,
             kick: 0.0,
+            clear: f64::INFINITY,
             drift: 0.0,
             phi: CellField::new(grid, 0.0),
             velocity: FaceField::zeros(grid),

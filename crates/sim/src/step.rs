@@ -4,7 +4,7 @@
 //! damps nor drives it (design, numerics §8).
 
 use crate::change::{Change, expect, in_band, keep_volume, resolved_volume};
-use crate::collide::{collide, lean, part};
+use crate::collide::{Times, collide, lean, part};
 use crate::coupling::push_solids;
 use crate::exchange::Exchange;
 use crate::hysteresis::hold_lines;
@@ -19,7 +19,7 @@ use crate::liquid::pressure::Projection;
 use crate::liquid::transport::{advect_surface, advect_velocity, pack};
 use crate::model::Model;
 use crate::newton::Newton;
-use crate::simulation::PhaseEnd;
+use crate::simulation::{GROWTH, PhaseEnd, clear_time};
 use crate::soft::{Systems, systems};
 use crate::solid::{Motion, SolidState};
 use crate::state::State;
@@ -185,8 +185,10 @@ fn push<const D: usize>(
 
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
     let (solves, given) = press(model, (state, &before), work, change, (&cut, &dragged), kick, phase_end)?;
+    state.clear = if state.last_dt > 0.0 { clear_time(model, &state.solids, dt) } else { GROWTH * dt };
+    let times = Times { dt, kick, ahead: state.clear };
     let stirred = stirred(model, state, &given)
-        + collide(model, &mut state.solids, (&work.probes, &work.soft), &before, (dt, kick));
+        + collide(model, &mut state.solids, (&work.probes, &work.soft), &before, times);
     give_back(model, &mut change.groups, &given);
     phase_end("pressure");
 

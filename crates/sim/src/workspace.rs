@@ -324,7 +324,7 @@ pub struct Snapshot<const D: usize> {
     velocity: FaceValues<D>,
     drops: Vec<crate::Drop<D>>,
     solids: Vec<crate::SolidState<D>>,
-    scalars: (f64, u64, [f64; 7]),
+    scalars: (f64, u64, [f64; 8]),
 }
 
 type FaceValues<const D: usize> = [Vec<(usize, Vec<f64>)>; D];
@@ -342,8 +342,9 @@ impl<const D: usize> Snapshot<D> {
             };
             workspace.known.liquid()[a].iter().map(values).collect()
         });
-        let State { last_dt, lead, kick, drift, lost_volume, kinetic_energy, surface_area, .. } = *state;
-        let rest = [last_dt, lead, kick, drift, lost_volume, kinetic_energy, surface_area];
+        let State { last_dt, lead, kick, clear, drift, lost_volume, kinetic_energy, surface_area, .. } =
+            *state;
+        let rest = [last_dt, lead, kick, clear, drift, lost_volume, kinetic_energy, surface_area];
         let scalars = (state.time, state.step, rest);
         Self { cells, phi, velocity, drops: state.drops.clone(), solids: state.solids.clone(), scalars }
     }
@@ -363,7 +364,8 @@ impl<const D: usize> Snapshot<D> {
             }
         }
         (state.time, state.step) = (self.scalars.0, self.scalars.1);
-        [state.last_dt, state.lead, state.kick, state.drift, state.lost_volume, ..] = self.scalars.2;
+        [state.last_dt, state.lead, state.kick, state.clear, state.drift, state.lost_volume, ..] =
+            self.scalars.2;
         [.., state.kinetic_energy, state.surface_area] = self.scalars.2;
         state.drops = self.drops;
         state.solids = self.solids;

@@ -27,7 +27,6 @@ mod zones;
 
 use crate::exchange::moment;
 use crate::model::Model;
-use crate::simulation::GROWTH;
 use crate::soft::Systems;
 use crate::solid::{Motion, Solid, SolidState};
 use meniscus_numerics::shape::Probe;
@@ -108,8 +107,7 @@ struct Contacts<'a, const D: usize> {
 struct Forced<'a, const D: usize> {
     before: &'a [SolidState<D>],
     after: Vec<SolidState<D>>,
-    dt: f64,
-    kick: f64,
+    times: Times,
 }
 
 impl<const D: usize> Forced<'_, D> {
@@ -122,25 +120,35 @@ impl<const D: usize> Forced<'_, D> {
     /// positions: what the forces do on the way to the surface and back is counted, so that a ball comes back as high as
     /// its restitution says.
     fn back(&self, c: &Contact<D>, approach: f64, restitution: f64, early: f64) -> f64 {
-        let pull = self.together(c) / self.kick;
-        let (lead, fall) = (0.5 * pull * self.dt, 2.0 * pull * early);
+        let pull = self.together(c) / self.times.kick;
+        let (lead, fall) = (0.5 * pull * self.times.dt, 2.0 * pull * early);
         let touching = (approach - lead).powi(2) + fall;
         (restitution * restitution * touching - fall).max(0.0).sqrt() - lead
     }
 }
 
-/// Pushes solids so that they do not meet in the coming step, which is at most [`GROWTH`] times `dt`; `before` is how they
-/// moved before the forces of this step, `kick` (s) for how long these acted. Gives back the work, J, of solids that go
-/// as told.
+/// The times of a step, s.
+#[derive(Clone, Copy, Debug)]
+pub struct Times {
+    /// Its length.
+    pub dt: f64,
+    /// For how long its forces acted.
+    pub kick: f64,
+    /// Bound of the coming step.
+    pub ahead: f64,
+}
+
+/// Pushes solids so that they do not meet in the coming step; `before` is how they moved before the forces of this one. Gives
+/// back the work, J, of solids that go as told.
 pub fn collide<const D: usize>(
     model: &Model<D>,
     solids: &mut [SolidState<D>],
     (probes, systems): (&Probes<D>, &Systems<D>),
     before: &[SolidState<D>],
-    (dt, kick): (f64, f64),
+    times: Times,
 ) -> f64 {
-    let ahead = GROWTH * dt;
-    let forced = Forced { before, after: solids.to_vec(), dt, kick };
+    let Times { kick, ahead, .. } = times;
+    let forced = Forced { before, after: solids.to_vec(), times };
     let mut contacts = Contacts::find(model, solids, probes, ahead);
     let mut work = 0.0;
     for _ in 0..ROUNDS {
@@ -154,7 +162,7 @@ pub fn collide<const D: usize>(
     let apart = |c: &Contact<D>| -(c.gap - GAP * model.grid.dx).max(0.0) / ahead;
     contacts.all.iter_mut().for_each(|c| c.target = apart(c));
     if model.solids.iter().any(|s| s.elastic().is_some()) {
-        let settling = Settling { model, probes, systems, times: (ahead, kick) };
+        let settling = Settling { model, probes, systems, times };
         let mut now = contacts.solids.to_vec();
         work += settling.settle(&mut now, contacts);
         solids.clone_from_slice(&now);
@@ -249,7 +257,7 @@ impl<'a, const D: usize> Contacts<'a, D> {
     /// The contacts that something is going to hit, and at what speed it shall leave them. What the forces of the last
     /// step alone brought about is no hit: it rests.
     fn hits(&mut self, forced: &Forced<'_, D>) -> Vec<usize> {
-        let (dx, ahead) = (self.model.grid.dx, GROWTH * forced.dt);
+        let (dx, ahead) = (self.model.grid.dx, forced.times.ahead);
         let mut hits = Vec::new();
         for k in 0..self.all.len() {
             let c = &self.all[k];

@@ -10,7 +10,7 @@ use super::pair::Pair;
 use super::skins::Skins;
 use super::touch::{Answers, End, Touch};
 use super::zones::Zones;
-use super::{Contacts, Probes};
+use super::{Contacts, Probes, Times};
 use crate::collide::respond::Response;
 use crate::model::Model;
 use crate::soft::Systems;
@@ -31,8 +31,8 @@ pub struct Settling<'a, const D: usize> {
     pub probes: &'a Probes<D>,
     /// The matrices of those that deform.
     pub systems: &'a Systems<D>,
-    /// Length of the coming step, and for how long the forces acted, s.
-    pub times: (f64, f64),
+    /// The times of the step.
+    pub times: Times,
 }
 
 impl<const D: usize> Settling<'_, D> {
@@ -75,7 +75,7 @@ impl<const D: usize> Settling<'_, D> {
 
     /// Contacts of the solids as they move now; `close`: also what meets on the way.
     fn look(&self, solids: &[SolidState<D>], skins: &Skins<D>, close: bool) -> Vec<(Key, Touch<D>)> {
-        let meet = Meet { model: self.model, solids, skins, ahead: self.times.0 };
+        let meet = Meet { model: self.model, solids, skins, ahead: self.times.ahead };
         let mut all = Vec::new();
         let pairs = self.moving(meet.pairs(), skins);
         meet.along_lines(&pairs, &mut all);
@@ -108,7 +108,7 @@ impl<const D: usize> Settling<'_, D> {
     fn freeze(&self, solids: &mut [SolidState<D>], skins: &mut Skins<D>) {
         let mut zones: Option<Zones<'_, D>> = None;
         for _ in 0..FREEZES {
-            let meet = Meet { model: self.model, solids, skins, ahead: self.times.0 };
+            let meet = Meet { model: self.model, solids, skins, ahead: self.times.ahead };
             let pairs = meet.met(&self.moving(meet.pairs(), skins));
             let rigid = meet.met_rigid();
             let sides: Vec<u32> = meet.met_sides().into_iter().filter(|p| !self.is_told(skins, *p)).collect();
@@ -135,7 +135,7 @@ impl<const D: usize> Settling<'_, D> {
         held.iter_mut().for_each(SolidState::stop);
         answers.give(&mut held, touches.values().filter(|t| t.rests));
         for ((now, held), solid) in solids.iter_mut().zip(&mut held).zip(&self.model.solids) {
-            let kick = self.times.1;
+            let kick = self.times.kick;
             if let (Some(elastic), Some(soft), Some(by)) = (solid.elastic(), &mut now.soft, &held.soft) {
                 soft.held = by.body.velocities.iter().map(|v| v / kick).collect();
                 now.held = by.means(elastic).1 / kick;
