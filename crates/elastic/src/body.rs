@@ -131,6 +131,12 @@ impl<const D: usize> Elastic<D> {
         forces
     }
 
+    /// Elements that something besides the law holds upright at positions: those of springs that are pressed below half of their
+    /// volume.
+    pub fn crushed_elements(&self, positions: &[Vector<D>]) -> usize {
+        self.terms.iter().map(|t| t.crushed_elements(positions)).sum()
+    }
+
     /// Forces that resist rates of strain, N (2D: N/m), proportional to the stiffness times `time`, s.
     pub fn viscous_forces(
         &self,

@@ -395,6 +395,7 @@ impl Checksum {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use meniscus_sim::Repairs;
 
     fn folder(name: &str) -> PathBuf {
         let folder = std::env::temp_dir().join(format!("meniscus-{name}-{}", std::process::id()));
@@ -444,7 +445,8 @@ mod tests {
     fn what_is_written_is_read_bit_for_bit() {
         let folder = folder("checkpoint-round");
         let state = example();
-        let tally = Tally { next_frame: 3, mass: 1e-3, ..Tally::default() };
+        let repairs = Repairs { volume_shift: 1.0 / 3.0, redone: 5, ..Repairs::default() };
+        let tally = Tally { next_frame: 3, mass: 1e-3, repairs, ..Tally::default() };
         let path = write(&folder, 42, &state, &tally).unwrap();
         let (back, tally_back) = read(&path, 42, state.phi.grid).unwrap();
         assert_eq!(back, state);

@@ -3,8 +3,9 @@
 use crate::line::unpulled;
 use crate::liquid::cube::CutCube;
 use crate::liquid::momentum::together;
-use crate::liquid::volume::{Group, Measured, astray, band_labels, follow, targets};
+use crate::liquid::volume::{Followed, Group, Measured, astray, band_labels, follow, targets};
 use crate::model::Model;
+use crate::repairs::Repairs;
 use crate::state::State;
 use crate::workspace::{BAND, Workspace};
 use meniscus_numerics::grid::{Band, Runs};
@@ -37,6 +38,8 @@ pub struct Change<const D: usize> {
     pub centers: Vec<Vector<D>>,
     /// What a component's volume was wrong by, as a layer on a ball of its volume, in cells.
     pub jump: f64,
+    /// What was mended, measured before.
+    pub repairs: Repairs,
 }
 
 impl<const D: usize> Change<D> {
@@ -45,7 +48,16 @@ impl<const D: usize> Change<D> {
         let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
         let Measured { cubes, volumes, centers } = work.measured_liquid(model, &labels).measure(&state.phi);
         let groups = (0..volumes.len()).map(|c| Group::new(vec![c], vec![c])).collect();
-        Self { groups, labels, cubes, targets: volumes.clone(), volumes, centers, jump: 0.0 }
+        Self {
+            groups,
+            labels,
+            cubes,
+            targets: volumes.clone(),
+            volumes,
+            centers,
+            jump: 0.0,
+            repairs: Repairs::default(),
+        }
     }
 }
 
@@ -61,24 +73,67 @@ pub fn keep_volume<const D: usize>(
     let liquid = work.measured_liquid(model, &labels);
     let measured = liquid.measure(&state.phi);
     let raw = measured.volumes.clone();
-    let mut groups = follow(before, &work.liquid, &state.drops, &measured.centers, dt);
+    let mut followed = follow(before, &work.liquid, &state.drops, &measured.centers, dt);
+    let groups = &mut followed.groups;
     let mut unpulled = unpulled(&measured.cubes, &work.cut.wet, &in_band(&work.band, &labels), raw.len());
     let free = work.faced(&unpulled).into_iter().map(|share| share < FACED);
     unpulled.iter_mut().zip(free).filter(|(_, free)| !free).for_each(|(part, _)| part.fill(0.0));
-    expect(model, state, work, &mut groups, &unpulled, dt);
-    let (targets, lost) = targets(&groups, &state.drops, &raw);
+    expect(model, state, work, groups, &unpulled, dt);
+    let (targets, lost) = targets(groups, &state.drops, &raw);
     state.lost_volume += lost;
+    let mut repairs = moved(model, state, &followed, &raw, &targets);
+    let off = astray(&followed.groups, &targets, &measured.centers);
+    repairs.center_shift = off.iter().map(Vector::norm).fold(0.0, f64::max);
+    let groups = followed.groups;
     // A drop too small to be resolved loses its shape in any step: it must not make the others wait.
     let seen = |c: &usize| targets[*c] > resolved_volume(model);
     let depths = (0..raw.len()).filter(seen).map(|c| depth(model, raw[c] - targets[c], targets[c]));
     let jump = depths.fold(0.0, f64::max);
     let limit = BAND * model.grid.dx;
-    let Measured { cubes, volumes, mut centers } =
-        liquid.correct(&mut state.phi, measured, &targets, &groups, limit);
+    let (corrected, converged) = liquid.correct(&mut state.phi, measured, &targets, &groups, limit);
+    let Measured { cubes, volumes, mut centers } = corrected;
+    if !converged {
+        repairs.volume_unconverged = 1;
+        repairs.volume_residual = misplaced(&volumes, &targets) / total(&targets);
+    }
     // Where the surface could not follow all the way, the books do.
     let rest = astray(&groups, &targets, &centers);
     centers.iter_mut().zip(rest).for_each(|(center, rest)| *center += rest);
-    Change { groups, labels, cubes, targets, volumes, centers, jump }
+    Change { groups, labels, cubes, targets, volumes, centers, jump, repairs }
+}
+
+/// Volume that is about to be moved, and components that vanished or appeared; `raw` are the volumes as they are.
+fn moved<const D: usize>(
+    model: &Model<D>,
+    state: &State<D>,
+    followed: &Followed<D>,
+    raw: &[f64],
+    targets: &[f64],
+) -> Repairs {
+    let volume_shift = misplaced(raw, targets);
+    let volume_shift_net = raw.iter().zip(targets).map(|(raw, target)| target - raw).sum();
+    let volume_shift_largest = volume_shift / total(targets);
+    let mut repairs = Repairs { volume_shift, volume_shift_net, volume_shift_largest, ..Repairs::default() };
+    for i in &followed.vanished {
+        let drop = &state.drops[*i];
+        repairs.vanished_volume += drop.target_volume;
+        repairs.vanished_momentum += model.density * drop.target_volume * drop.velocity.norm();
+    }
+    for (new, old) in &followed.appeared {
+        repairs.appeared_volume += raw[*new];
+        repairs.appeared_momentum += model.density * raw[*new] * state.drops[*old].velocity.norm();
+    }
+    repairs
+}
+
+/// Volume that is in the wrong component or missing: the sum over all of what each has too much or too little.
+fn misplaced(volumes: &[f64], targets: &[f64]) -> f64 {
+    volumes.iter().zip(targets).map(|(volume, target)| (volume - target).abs()).sum()
+}
+
+/// The sum of volumes, above zero.
+fn total(volumes: &[f64]) -> f64 {
+    volumes.iter().sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
 /// Least volume of a drop that the grid resolves, m³ (2D: area, m²).

@@ -258,7 +258,7 @@ mod tests {
             state.phi.data[i] = (x[D - 1] - height).clamp(-limit, limit);
         }
         let mut work = Workspace::new(&model, &mut state);
-        let flat = Curvature { kappa: Vec::new(), known: Vec::new() };
+        let flat = Curvature::unknown();
         let cut = cut_faces(&model, &state.phi, &work.band, &work.liquid, &flat, &work.cut);
         let faces = work.known.liquid().clone();
         let open = work.cut.open.clone();

@@ -4,13 +4,15 @@ use crate::change::{Change, turning_volume};
 use crate::exchange::{Exchange, Impulse};
 use crate::liquid::curvature::Curvature;
 use crate::liquid::cut_faces::{CutFace, cut_faces};
-use crate::liquid::momentum::{FaceWalk, Moments};
+use crate::liquid::momentum::{FaceWalk, Restored};
 use crate::liquid::volume::Group;
 use crate::model::Model;
+use crate::repairs::Repairs;
 use crate::state::State;
 use crate::workspace::Workspace;
 use meniscus_numerics::Matrix;
 use meniscus_numerics::grid::CellField;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Takes from the groups what they gave to solids. Of a small drop the torque is noise, and so little turns
 /// it that it was flung about at ten times the capillary speed (2 cells a radius, at the rim of a plate).
@@ -32,24 +34,57 @@ pub fn give_back<const D: usize>(model: &Model<D>, groups: &mut [Group<D>], give
     }
 }
 
-/// Gives back what components that solids hold lost of their momentum on the way: nothing has pushed them yet.
+/// Gives back what components that solids hold lost of their momentum on the way: nothing has pushed them yet. Returns how much
+/// that was.
 pub fn keep_carried<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     work: &Workspace<D>,
     change: &Change<D>,
-) {
+) -> Repairs {
     if change.groups.iter().all(|g| g.carried.is_none()) {
-        return;
+        return Repairs::default();
     }
     let carried = |g: &Group<D>| Group { whole: g.carried.clone(), placed: Matrix::zeros(), ..g.clone() };
     let groups: Vec<Group<D>> = change.groups.iter().map(carried).collect();
-    let flat = Curvature { kappa: Vec::new(), known: Vec::new() };
+    let flat = Curvature::unknown();
     let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &flat, &work.cut);
-    keep_momentum(model, state, work, &cut, (change, &groups), 0.0);
+    let kept = keep_momentum(model, state, work, &cut, (change, &groups), 0.0);
+    Repairs {
+        carried_momentum_restored: kept.momentum,
+        carried_spin_restored: kept.spin,
+        unlabelled: kept.unlabelled,
+        ..Repairs::default()
+    }
 }
 
-/// Restores the momentum of every group that must have one; gives back the components' moments.
+/// Components of liquid cells; one without counts as of the first, and is counted.
+pub struct Labels<'a> {
+    known: &'a (dyn Fn(usize) -> Option<u32> + Sync),
+    missing: AtomicU64,
+}
+
+impl<'a> Labels<'a> {
+    /// Of what is known of the cells.
+    pub fn new(known: &'a (dyn Fn(usize) -> Option<u32> + Sync)) -> Self {
+        Self { known, missing: AtomicU64::new(0) }
+    }
+
+    /// Component of a cell.
+    pub fn of(&self, cell: usize) -> u32 {
+        (self.known)(cell).unwrap_or_else(|| {
+            self.missing.fetch_add(1, Ordering::Relaxed);
+            0
+        })
+    }
+
+    /// Times that there was none.
+    pub fn missing(&self) -> u64 {
+        self.missing.load(Ordering::Relaxed)
+    }
+}
+
+/// Restores the momentum of every group that must have one.
 pub fn keep_momentum<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
@@ -57,11 +92,13 @@ pub fn keep_momentum<const D: usize>(
     cut: &[CutFace],
     (change, groups): (&Change<D>, &[Group<D>]),
     dt: f64,
-) -> Vec<Moments<D>> {
+) -> Restored<D> {
     let of = work.liquid.component(&model.grid);
-    let label = |cell: usize| of(cell).unwrap_or(0);
+    let labels = Labels::new(&of);
+    let label = |cell: usize| labels.of(cell);
     let walk = walk(model, &state.phi, work, cut, &label);
-    walk.restore(&mut state.velocity, groups, &change.targets, &change.centers, dt)
+    let restored = walk.restore(&mut state.velocity, groups, &change.targets, &change.centers, dt);
+    Restored { unlabelled: labels.missing(), ..restored }
 }
 
 /// A walk over the faces of each component.

@@ -6,6 +6,7 @@ use crate::liquid::cut_faces::CutFace;
 use crate::liquid::momentum::{Moments, together};
 use crate::liquid::pressure::divergence_max;
 use crate::model::Model;
+use crate::repairs::Repairs;
 use crate::solid::{Solid, SolidState};
 use crate::state::{Drop, State};
 use crate::workspace::{Workspace, boxes};
@@ -56,8 +57,8 @@ pub struct StepReport<const D: usize> {
     pub cfl: f64,
     /// The pressure solves: the one for the forces, and the short one for what viscosity and the surface's slope change.
     pub solves: [SolveReport; 2],
-    /// Times the step was halved and done again.
-    pub redone: u32,
+    /// What it mended; how often the step was halved and done again.
+    pub repairs: Repairs,
     /// The books after the step.
     pub ledger: Ledger<D>,
 }

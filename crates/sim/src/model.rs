@@ -137,6 +137,13 @@ impl<const D: usize> Model<D> {
         weight / (1.0 + (weight.norm() / HEAVY).powi(2))
     }
 
+    /// Share of the liquid's weight that [`Self::weight`] leaves out, 0 to 1.
+    pub(crate) fn weight_left_out(&self) -> f64 {
+        let all = self.gravity.norm() * self.density * self.grid.dx.powi(2) / self.surface_tension;
+        let seen = self.weight().norm();
+        if seen > 0.0 { 1.0 - seen / all } else { 0.0 }
+    }
+
     /// The explicit capillary limit of a one-phase liquid, s: `2/ω_max = 0.36 √(ρ Δ³/γ)` (design, numerics).
     pub fn capillary_step(&self) -> f64 {
         0.36 * (self.density * self.grid.dx.powi(3) / self.surface_tension).sqrt()

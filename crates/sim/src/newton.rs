@@ -96,7 +96,7 @@ impl<'a, const D: usize> Newton<'a, D> {
     }
 
     /// Takes note of the velocities that solids have come to; whether they are those of the last time.
-    fn settled(&mut self, solids: &[SolidState<D>]) -> bool {
+    pub fn settled(&mut self, solids: &[SolidState<D>]) -> bool {
         let limit = SETTLED * self.model.numerics.tolerance;
         let mut settled = true;
         for (start, now) in self.soft.iter_mut().zip(solids) {

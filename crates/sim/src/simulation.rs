@@ -3,6 +3,7 @@
 use crate::compiled::by_dimension;
 use crate::ledger::{Ledger, StepReport, ledger, max_component, own_energy, potential_energy};
 use crate::model::Model;
+use crate::repairs::Repairs;
 use crate::solid::{Solid, SolidState};
 use crate::state::State;
 use crate::step::{keep_distance, open_books, step};
@@ -61,7 +62,7 @@ pub enum StepError {
 }
 
 /// Halvings of a step that went wrong before giving up.
-const RETRIES: u32 = 6;
+const RETRIES: u64 = 6;
 /// Halvings because of doubtful accuracy, counted from the longest step allowed; a shorter one is taken as it is.
 const DOUBTS: u32 = 2;
 /// Layer, in cells, that a component's volume gained or lost in one step and that is doubtful.
@@ -83,6 +84,14 @@ const WILD: f64 = 30.0;
 pub const GROWTH: f64 = 1.25;
 /// Distance, in cells, of motions in a step, and of falls, whose energy is nothing.
 const STILL: f64 = 1e-6;
+
+/// The longest step allowed.
+struct Wanted {
+    /// Its length, s.
+    dt: f64,
+    /// Whether the straining of solids would have asked for a shorter one than is taken.
+    floored: bool,
+}
 
 /// A model, its state, and the memory a step works in.
 pub struct Simulation<const D: usize> {
@@ -184,13 +193,15 @@ impl<const D: usize> Simulation<D> {
         let solids = solids.fold(0.0, f64::max);
         let speed = liquid.max(solids);
         let wanted = self.wanted_dt(speed, if solids > liquid { "a solid" } else { "the liquid" })?;
-        let mut dt = self.choose_dt(wanted, max_dt);
-        let shortest = 1.5 * 0.5f64.powi(DOUBTS as i32) * wanted;
+        let mut dt = self.choose_dt(wanted.dt, max_dt);
+        let shortest = 1.5 * 0.5f64.powi(DOUBTS as i32) * wanted.dt;
         let (energy, height) =
             (own_energy(&self.model, &self.state), potential_energy(&self.model, &self.state));
         let time = self.state.time;
-        let mut redone = 0;
+        let (mut redone, mut failed) = (0, 0);
+        // Ends after [`RETRIES`] and [`DOUBTS`].
         loop {
+            self.work.repairs = Repairs::default();
             let snapshot = Snapshot::take(&self.model, &self.state, &self.work);
             let result = step(&self.model, &mut self.state, &mut self.work, dt, phase_end);
             let failure = match result {
@@ -204,8 +215,17 @@ impl<const D: usize> Simulation<D> {
                         || gain > ENERGY_JUMP * energy.abs() + self.energy_of_nothing(dt);
                     if fine && (!doubtful || dt < shortest || self.model.numerics.fixed_step.is_some()) {
                         let cfl = speed * dt / self.model.grid.dx;
-                        let (solves, ledger) = (result.solves, self.ledger());
-                        return Ok(StepReport { dt, cfl, solves, redone, ledger });
+                        let mut repairs = std::mem::take(&mut self.work.repairs);
+                        (repairs.redone, repairs.failed_tries) = (redone, failed);
+                        repairs.doubtful_steps = u64::from(doubtful);
+                        repairs.floored_steps = u64::from(wanted.floored);
+                        return Ok(StepReport {
+                            dt,
+                            cfl,
+                            solves: result.solves,
+                            repairs,
+                            ledger: self.ledger(),
+                        });
                     }
                     let reason = format!("the liquid would go {way:.1e} cells in a step");
                     match way.is_finite() {
@@ -218,6 +238,7 @@ impl<const D: usize> Simulation<D> {
             };
             snapshot.restore(&self.model, &mut self.state, &mut self.work);
             redone += 1;
+            failed += u64::from(failure.is_some());
             if let Some(failure) = failure.filter(|_| redone > RETRIES) {
                 return Err(failure);
             }
@@ -233,17 +254,20 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// The longest step that the largest speed, which is that of `fastest`, and surface tension allow.
-    fn wanted_dt(&self, speed: f64, fastest: &str) -> Result<f64, StepError> {
+    fn wanted_dt(&self, speed: f64, fastest: &str) -> Result<Wanted, StepError> {
         if let Some(dt) = self.model.numerics.fixed_step {
-            return Ok(dt);
+            return Ok(Wanted { dt, floored: false });
         }
         let calm = step_at_speed(&self.model, 0.0);
-        let dt = step_at_speed(&self.model, speed).min(straining_step(&self.model, &self.state.solids, calm));
+        let (free, least) = (step_at_speed(&self.model, speed), slowest_step(calm));
+        let straining = straining_limit(&self.model, &self.state.solids);
+        let floored = straining < least && least < free;
+        let dt = free.min(straining.max(least));
         if calm.is_finite() && dt < SHORTEST * calm {
             let reason = format!("{fastest} runs away, at {speed:.3e} m/s");
             return Err(StepError::TooShort { time: self.state.time, dt, reason });
         }
-        Ok(dt)
+        Ok(Wanted { dt, floored })
     }
 
     /// Energy of motions too small to count: without it rounding alone would be doubtful in a liquid at rest.
@@ -316,10 +340,19 @@ fn step_at_speed<const D: usize>(model: &Model<D>, speed: f64) -> f64 {
 /// The longest step, s, in which elements of solids turn and change their shape by as much as a straight line bears without
 /// turning them inside out; at least a part of the step that a liquid at rest allows, `calm`.
 fn straining_step<const D: usize>(model: &Model<D>, solids: &[SolidState<D>], calm: f64) -> f64 {
+    straining_limit(model, solids).max(slowest_step(calm))
+}
+
+/// The same without that least part.
+fn straining_limit<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
     let soft = model.solids.iter().zip(solids);
     let soft = soft.filter_map(|(solid, now)| solid.elastic().zip(now.soft.as_ref()));
-    let rate = soft.map(|(elastic, soft)| elastic.largest_rate(&soft.body)).fold(0.0, f64::max);
-    (STRAIN / rate).max(if calm.is_finite() { SLOWEST * calm } else { 0.0 })
+    STRAIN / soft.map(|(elastic, soft)| elastic.largest_rate(&soft.body)).fold(0.0, f64::max)
+}
+
+/// The least step, s, to which straining shortens the one that a liquid at rest allows.
+fn slowest_step(calm: f64) -> f64 {
+    if calm.is_finite() { SLOWEST * calm } else { 0.0 }
 }
 
 /// The longest that the step after one of `dt` (s) can be, as solids move now: for so long contacts are looked for, and no

@@ -8,7 +8,7 @@ use crate::collide::{Times, collide, lean, part};
 use crate::coupling::push_solids;
 use crate::exchange::Exchange;
 use crate::hysteresis::hold_lines;
-use crate::keep::{give_back, keep_carried, keep_momentum, walk};
+use crate::keep::{Labels, give_back, keep_carried, keep_momentum, walk};
 use crate::ledger::{drops, kinetic_energy, max_component, surface_energy};
 use crate::line::Lines;
 use crate::liquid::curvature::{Beside, Curvature, Displacement, FilterStep, curvature};
@@ -17,8 +17,10 @@ use crate::liquid::friction::{DraggedFace, drag, friction};
 use crate::liquid::ghost::{extend_into_solids, ghosts};
 use crate::liquid::pressure::Projection;
 use crate::liquid::transport::{advect_surface, advect_velocity, pack};
+use crate::liquid::volume::band_labels;
 use crate::model::Model;
 use crate::newton::Newton;
+use crate::repairs::Repairs;
 use crate::simulation::{GROWTH, PhaseEnd, clear_time};
 use crate::soft::{Systems, systems};
 use crate::solid::{Motion, SolidState};
@@ -81,7 +83,8 @@ pub fn step<const D: usize>(
     }
 
     // (1) to (3) The liquid moves; meanwhile the matrices of the solids that deform are factorised.
-    let kick = kick(state.lead, dt);
+    let (wanted, kick) = (wanted_kick(state.lead, dt), kick(state.lead, dt));
+    work.repairs.limited_kicks += u64::from(kick != wanted);
     let (solids, mut matrices) = (state.solids.clone(), Ok(Systems::new()));
     work.soft.clear();
     let stiffness = wetted_stiffness(model, state);
@@ -121,12 +124,14 @@ fn move_liquid<const D: usize>(
 
     // (2) Every component keeps its volume, and the centre of mass of what touches nothing its path.
     let change = keep_volume(model, state, work, &before, dt);
+    work.repairs.add(&change.repairs);
     phase_end("volume");
 
     // (3) The velocity is carried along.
     let displacement = displacements(model, state, work, dt);
     move_velocity(model, state, work, dt);
-    keep_carried(model, state, work, &change);
+    let carried = keep_carried(model, state, work, &change);
+    work.repairs.add(&carried);
     phase_end("advect velocity");
     (change, displacement)
 }
@@ -155,7 +160,12 @@ fn start<const D: usize>(
 /// velocity is then half a step ahead of the positions again: `dt` where it already was. After a step of another length
 /// within bounds, which the steps to come make good.
 fn kick(lead: f64, dt: f64) -> f64 {
-    (1.5 * dt - lead).clamp(0.5 * dt, 1.5 * dt)
+    wanted_kick(lead, dt).clamp(0.5 * dt, 1.5 * dt)
+}
+
+/// The same without bounds.
+fn wanted_kick(lead: f64, dt: f64) -> f64 {
+    1.5 * dt - lead
 }
 
 /// Adds what gravity, surface tension and pressure do to the velocity in the time `kick`, in a step of `dt`;
@@ -180,6 +190,8 @@ fn push<const D: usize>(
     let beside = Beside { solids: &work.cut, ghosts: &ghosts, weight: model.weight() };
     let kappa = curvature(&model.grid, &work.band, CURVED, &phi, &change.cubes, &beside, &filter);
     let mut cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &kappa, &work.cut);
+    work.repairs.add(&kappa.repairs);
+    work.repairs.unknown_curvatures += cut.iter().filter(|face| !face.known).count() as u64;
     let dragged = drag(model, (state, &before), &change.cubes, (&mut cut, &work.cut), kick);
     phase_end("curvature");
 
@@ -187,19 +199,40 @@ fn push<const D: usize>(
     let (solves, given) = press(model, (state, &before), work, change, (&cut, &dragged), kick, phase_end)?;
     state.clear = if state.last_dt > 0.0 { clear_time(model, &state.solids, dt) } else { GROWTH * dt };
     let times = Times { dt, kick, ahead: state.clear };
-    let stirred = stirred(model, state, &given)
-        + collide(model, &mut state.solids, (&work.probes, &work.soft), &before, times);
+    let Workspace { probes, soft, repairs, .. } = work;
+    let collided = collide(model, &mut state.solids, (probes, soft), &before, times, repairs);
+    let stirred = stirred(model, state, &given) + collided;
     give_back(model, &mut change.groups, &given);
     phase_end("pressure");
 
     // Momentum that the discretisation lost comes back; the velocity extends beyond the liquid.
-    let moments = keep_momentum(model, state, work, &cut, (change, &change.groups), kick);
-    work.extend(model, state);
-    state.drops = drops(model, work, &cut, &moments, change);
-    state.kinetic_energy = kinetic_energy(model, &moments);
+    let kept = keep_momentum(model, state, work, &cut, (change, &change.groups), kick);
+    let slip_unknown = work.extend(model, state);
+    work.repairs.add(&Repairs {
+        momentum_restored: kept.momentum,
+        spin_restored: kept.spin,
+        unlabelled: kept.unlabelled,
+        slip_unknown,
+        ..of_solids(model, state)
+    });
+    state.drops = drops(model, work, &cut, &kept.moments, change);
+    state.kinetic_energy = kinetic_energy(model, &kept.moments);
     state.surface_area = surface_energy(model, &change.cubes);
     phase_end("momentum and extension");
     Ok((solves, stirred))
+}
+
+/// What holds elements upright and what nothing turns, in a state; what of the liquid's weight the model leaves out.
+fn of_solids<const D: usize>(model: &Model<D>, state: &State<D>) -> Repairs {
+    let mut repairs = Repairs { weight_left_out: model.weight_left_out(), ..Repairs::default() };
+    for (solid, now) in model.solids.iter().zip(&state.solids) {
+        let soft = solid.elastic().zip(now.soft.as_ref());
+        let crushed = soft.map_or(0, |(elastic, soft)| elastic.crushed_elements(&soft.body.positions));
+        repairs.crushed_elements += crushed as u64;
+        let stuck = solid.motion == Motion::Free && solid.inverse_inertia(now).norm_squared() == 0.0;
+        repairs.singular_inertia += u64::from(stuck);
+    }
+    repairs
 }
 
 /// Projects the velocity, and pushes the solids, which were as `before`. Gives back what line and pressure gave them.
@@ -232,8 +265,10 @@ fn press<const D: usize>(
         if *volume > least { j / (model.density * volume) } else { Vector::zeros() }
     };
     let along: Vec<Vector<D>> = along.iter().zip(&change.targets).map(speed).collect();
-    let of = |cell: usize| label(cell).unwrap_or(0);
+    let labels = Labels::new(&label);
+    let of = |cell: usize| labels.of(cell);
     walk(model, &state.phi, work, cut, &of).shift(&mut state.velocity, &along);
+    let unlabelled = labels.missing();
     lean(&mut state.solids, kick);
     let mut newton = Newton::start(model, (before, state), &work.soft, &line, kick);
     let mut iterations = 0..model.numerics.newton_iterations;
@@ -261,6 +296,7 @@ fn press<const D: usize>(
             break (solves, pressure);
         }
     };
+    let unsettled = iterations.is_empty() && newton.is_some_and(|mut newton| !newton.settled(&state.solids));
     lean(&mut state.solids, -kick);
     let friction = friction(model, state, dragged, label);
     push_solids(model, &mut state.solids, &friction, &work.soft);
@@ -270,6 +306,8 @@ fn press<const D: usize>(
         now.pulled = (line.linear + friction.linear) / kick;
         now.pressed = pressure.linear / kick;
     }
+    work.repairs.unlabelled += unlabelled;
+    work.repairs.newton_unconverged += u64::from(unsettled);
     Ok((solves, [line, pressure, friction]))
 }
 
@@ -304,6 +342,8 @@ pub fn move_surface<const D: usize>(
     work.find_liquid(model, state);
     let strays = work.strays(model, &before, way.ceil().max(1.0) as usize);
     if !strays.is_empty() {
+        work.repairs.deleted_cells += strays.len() as u64;
+        work.repairs.deleted_volume += volume_of(model, state, work, &strays);
         strays.iter().for_each(|&c| state.phi.data[c] = LEFT_BEHIND * model.grid.dx);
         work.find_liquid(model, state);
     }
@@ -315,6 +355,22 @@ pub fn move_surface<const D: usize>(
         }
     }
     before
+}
+
+/// Volume, m³ (2D: m²), of the components of some cells of the liquid, outside of solids.
+fn volume_of<const D: usize>(
+    model: &Model<D>,
+    state: &State<D>,
+    work: &Workspace<D>,
+    cells: &[usize],
+) -> f64 {
+    let label = work.liquid.component(&model.grid);
+    let mut components: Vec<u32> = cells.iter().filter_map(|c| label(*c)).collect();
+    components.sort_unstable();
+    components.dedup();
+    let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
+    let volumes = work.measured_liquid(model, &labels).measure(&state.phi).volumes;
+    components.iter().map(|c| volumes[*c as usize].max(0.0)).sum()
 }
 
 /// Makes φ a distance again: around the surface in every step, farther off when the surface has moved enough or its
@@ -393,7 +449,7 @@ fn move_velocity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &
 fn move_solids<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut Workspace<D>, dt: f64) {
     let (time, all) = (state.time, model.solids.iter());
     all.zip(&mut state.solids).for_each(|(solid, now)| solid.advance(now, time, dt));
-    part(model, &mut state.solids, &work.probes);
+    part(model, &mut state.solids, &work.probes, &mut work.repairs);
     work.follow_solids(model, state);
 }
 
@@ -424,9 +480,9 @@ fn fall<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace
 /// The books of a new state: drops, energies. The velocity must be known on the liquid's faces.
 pub fn open_books<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
     let change = Change::none(model, state, work);
-    let flat = Curvature { kappa: Vec::new(), known: Vec::new() };
+    let flat = Curvature::unknown();
     let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &flat, &work.cut);
-    let moments = keep_momentum(model, state, work, &cut, (&change, &[]), 0.0);
+    let moments = keep_momentum(model, state, work, &cut, (&change, &[]), 0.0).moments;
     state.drops = drops(model, work, &cut, &moments, &change);
     state.kinetic_energy = kinetic_energy(model, &moments);
     state.surface_area = surface_energy(model, &change.cubes);

@@ -6,6 +6,7 @@ use crate::liquid::surface::SurfaceLattice;
 use crate::liquid::transport::Flow;
 use crate::liquid::volume::Liquid;
 use crate::model::Model;
+use crate::repairs::Repairs;
 use crate::soft::Systems;
 use crate::solid::{Motion, Solid, SolidState};
 use crate::state::State;
@@ -58,6 +59,8 @@ pub struct Workspace<const D: usize> {
     pub apart: Vec<u32>,
     /// Surface of each solid at the start, m² (2D: m).
     pub surfaces: Vec<f64>,
+    /// What the step under way has mended so far.
+    pub repairs: Repairs,
 }
 
 impl<const D: usize> Workspace<D> {
@@ -76,6 +79,7 @@ impl<const D: usize> Workspace<D> {
             soft: Vec::new(),
             apart: Vec::new(),
             surfaces: Vec::new(),
+            repairs: Repairs::default(),
         };
         let start: Vec<_> = model.solids.iter().map(Solid::start).collect();
         workspace.cut_cells(model, &start);
@@ -218,17 +222,18 @@ impl<const D: usize> Workspace<D> {
         self.known.forget_shut(&self.cut.shut);
     }
 
-    /// Extends the velocity from the liquid over the band.
-    pub fn extend(&mut self, model: &Model<D>, state: &mut State<D>) {
+    /// Extends the velocity from the liquid over the band. Gives back how many faces within solids found no solid to slip along.
+    pub fn extend(&mut self, model: &Model<D>, state: &mut State<D>) -> u64 {
         let distance = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
         let closed = |a: usize, side: usize| model.walls[a][side] == crate::Wall::Slip;
         let solid = |x: &Vector<D>| self.cut.hides(x);
         let (velocity, phi) = (&mut state.velocity, &state.phi.data);
         self.known.extrapolate(velocity, &self.band, phi, &distance, solid, closed);
-        if !self.cut.wet.is_empty() {
-            let shut = self.known.extend_behind(&mut state.velocity, &self.cut.shut);
-            slip_along(model, state, &shut);
+        if self.cut.wet.is_empty() {
+            return 0;
         }
+        let shut = self.known.extend_behind(&mut state.velocity, &self.cut.shut);
+        slip_along(model, state, &shut)
     }
 
     /// What each component touches.
@@ -277,10 +282,11 @@ fn cells_of<const D: usize>(grid: &Grid<D>, run: &Run) -> std::ops::Range<usize>
     row + run.start as usize..row + run.end as usize
 }
 
-/// Gives the velocity on faces that solids close the normal part of the nearest solid's surface.
-fn slip_along<const D: usize>(model: &Model<D>, state: &mut State<D>, shut: &[Vec<u32>; D]) {
+/// Gives the velocity on faces that solids close the normal part of the nearest solid's surface; it is zero where there is none.
+/// Gives back on how many that is so.
+fn slip_along<const D: usize>(model: &Model<D>, state: &mut State<D>, shut: &[Vec<u32>; D]) -> u64 {
     let flow = Flow::new(model, &state.velocity);
-    let new: [Vec<f64>; D] = std::array::from_fn(|a| {
+    let new: [Vec<Option<f64>>; D] = std::array::from_fn(|a| {
         let lattice = model.grid.faces(a);
         let slipping = |&f: &u32| {
             let x = model.grid.face_center(a, lattice.coordinates(f as usize));
@@ -291,11 +297,13 @@ fn slip_along<const D: usize>(model: &Model<D>, state: &mut State<D>, shut: &[Ve
             let [normal, velocity] = solid.normal_and_velocity(now, &x, 0.01 * model.grid.dx);
             Some(u[a] - normal[a] * (u - velocity).dot(&normal))
         };
-        shut[a].par_iter().with_min_len(64).map(|f| slipping(f).unwrap_or(0.0)).collect()
+        shut[a].par_iter().with_min_len(64).map(slipping).collect()
     });
     for a in 0..D {
-        shut[a].iter().zip(&new[a]).for_each(|(f, u)| state.velocity.axes[a][*f as usize] = *u);
+        let faces = shut[a].iter().zip(&new[a]);
+        faces.for_each(|(f, u)| state.velocity.axes[a][*f as usize] = u.unwrap_or(0.0));
     }
+    new.iter().flatten().filter(|u| u.is_none()).count() as u64
 }
 
 /// Box of the cell centres of every component.

@@ -38,6 +38,11 @@ pub trait ForceTerm<const D: usize>: Debug + Send + Sync {
     /// duration of a change is the share of the elastic force. They dissipate, and keep both momenta.
     fn add_viscous_forces(&self, x: &[Vector<D>], v: &[Vector<D>], time: f64, forces: &mut [Vector<D>]);
 
+    /// Elements that it holds upright at positions, where the law of the material would let them turn inside out.
+    fn crushed_elements(&self, _: &[Vector<D>]) -> usize {
+        0
+    }
+
     /// Adds the tangents, N/m (2D: N/m²); the matrix has a block for every pair of a group in [`Self::couplings`].
     fn add_tangent(&self, x: &[Vector<D>], weights: Weights, matrix: &mut BlockMatrix<D>);
 }

@@ -6,6 +6,7 @@ use super::{ForceTerm, Weights};
 use crate::linalg::{BlockMatrix, Cliques};
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use meniscus_numerics::{Matrix, Vector, par};
+use rayon::prelude::*;
 
 /// Volume over that at rest below which an element pushes back: milder strains are the springs' alone.
 const CRUSHED: f64 = 0.5;
@@ -63,6 +64,10 @@ impl<const D: usize> ForceTerm<D> for Upright<D> {
 
     fn energy(&self, x: &[Vector<D>]) -> f64 {
         0.5 * par::sum(self.stiffness.len(), |k| self.stiffness[k] * self.lack(k, x).0.powi(2))
+    }
+
+    fn crushed_elements(&self, x: &[Vector<D>]) -> usize {
+        (0..self.stiffness.len()).into_par_iter().filter(|k| self.lack(*k, x).0 > 0.0).count()
     }
 
     fn add_forces(&self, x: &[Vector<D>], forces: &mut [Vector<D>]) {

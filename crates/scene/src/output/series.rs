@@ -50,6 +50,11 @@ pub const COLUMNS: &[&str] = &[
     "residual",
     "line_distance",
     "least_element",
+    "volume_shift",
+    "deleted_volume",
+    "momentum_restored",
+    "clamped_curvatures",
+    "unconverged",
 ];
 
 /// The columns of the liquid's force on a solid, N (2D: N/m).
@@ -87,10 +92,13 @@ pub fn row<const D: usize>(
         }
         None => row.push_str(",,,,,,"),
     }
-    let _ = write!(row, ",{}", report.redone);
+    let _ = write!(row, ",{}", report.repairs.redone);
     put(&mut row, &[report.solves[1].residual]);
     put_known(&mut row, line.apart);
     put_known(&mut row, ledger.least_element);
+    let repairs = &report.repairs;
+    put(&mut row, &[repairs.volume_shift, repairs.deleted_volume, repairs.momentum_restored]);
+    let _ = write!(row, ",{},{}", repairs.clamped_curvatures, repairs.unconverged());
     for now in &state.solids[..solids] {
         put(&mut row, &three(&(now.pressed + now.pulled)));
     }

@@ -4,7 +4,7 @@ use super::file::{self, FileError};
 use crate::run::{Job, Tally, three};
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::RigidMotion;
-use meniscus_sim::{ContactLine, Drop, Motion, Simulation, Solid, SolidState};
+use meniscus_sim::{ContactLine, Drop, Motion, Repairs, Simulation, Solid, SolidState};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -12,6 +12,8 @@ use std::path::Path;
 
 /// The `exit_reason` of a run that did all it was asked.
 pub const FINISHED: &str = "finished";
+/// Name of the sum of all iterations that did not converge among the repairs.
+pub const UNCONVERGED: &str = "unconverged";
 
 /// The content of `summary.json`. SI units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,6 +65,17 @@ pub struct Summary {
     pub lost_volume: f64,
     /// Steps done again with half the length.
     pub redone: u64,
+    /// What was mended, by name: counts, and sums in SI units ([`meniscus_sim::Repairs`]); `unconverged` counts all iterations that
+    /// ended before they converged.
+    #[serde(default)]
+    pub repairs: BTreeMap<String, f64>,
+    /// Volume of the liquid at the start, m³ (2D: m²): bars of repaired volumes are relative to it.
+    #[serde(default)]
+    pub start_volume: f64,
+    /// Momentum of all the liquid at the largest root mean square speed of the run, kg m/s (2D: kg/s): bars of repaired momenta
+    /// are relative to it.
+    #[serde(default)]
+    pub momentum_scale: f64,
     /// Seconds per phase of a step.
     pub phases: BTreeMap<String, f64>,
     /// Iterations per solver.
@@ -246,7 +259,10 @@ impl Summary {
             least_element: tally.least_element,
             deepest_overlap: tally.deepest_overlap,
             lost_volume: state.lost_volume,
-            redone: tally.redone,
+            redone: tally.repairs.redone,
+            repairs: named(&tally.repairs),
+            start_volume: tally.mass / simulation.model.density,
+            momentum_scale: tally.momentum_scale(),
             phases: tally.phases.iter().cloned().collect(),
             solves: BTreeMap::from([("pressure".to_string(), solves)]),
             peak_memory_bytes: peak_memory().unwrap_or(0),
@@ -277,6 +293,13 @@ impl Summary {
             writer.write_all(b"\n")
         })
     }
+}
+
+/// Repairs by name.
+fn named(repairs: &Repairs) -> BTreeMap<String, f64> {
+    let entries = Repairs::ENTRIES.iter().zip(repairs.values());
+    let all = entries.map(|((name, _), value)| ((*name).to_string(), value));
+    all.chain([(UNCONVERGED.to_string(), repairs.unconverged() as f64)]).collect()
 }
 
 impl DropSummary {

@@ -140,7 +140,8 @@ impl<'a, const D: usize> Session<'a, D> {
             return Ok(());
         }
         let ledger = self.simulation.ledger();
-        let report = StepReport { dt: 0.0, cfl: 0.0, solves: Default::default(), redone: 0, ledger };
+        let report =
+            StepReport { dt: 0.0, cfl: 0.0, solves: Default::default(), repairs: Default::default(), ledger };
         self.append_row(&report, 0.0)?;
         self.write_frame(observer)?;
         self.write_checkpoint(observer)

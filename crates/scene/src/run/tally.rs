@@ -1,7 +1,7 @@
 //! What a run carries along beside the state: counters, worst values, clocks.
 
 use meniscus_numerics::Vector;
-use meniscus_sim::{Ledger, Model, SolidState, StepReport, overlaps};
+use meniscus_sim::{Ledger, Model, Repairs, SolidState, StepReport, overlaps};
 use serde::{Deserialize, Serialize};
 
 /// Everything that a resumed run needs and the state does not have. Part of every checkpoint.
@@ -31,8 +31,9 @@ pub struct Tally {
     pub least_element: Option<f64>,
     /// Deepest that a solid that deforms overlapped anything in a frame so far, m.
     pub deepest_overlap: Option<f64>,
-    /// Steps that had to be done again with half the length.
-    pub redone: u64,
+    /// What was mended so far.
+    #[serde(with = "repairs")]
+    pub repairs: Repairs,
     /// Pressure solves.
     pub solves: u64,
     /// Their iterations.
@@ -68,7 +69,7 @@ impl Tally {
         self.max_speed = self.max_speed.max(ledger.max_speed);
         self.least_element =
             [self.least_element, ledger.least_element].into_iter().flatten().reduce(f64::min);
-        self.redone += u64::from(report.redone);
+        self.repairs.add(&report.repairs);
         for iterations in report.solves.iter().map(|solve| solve.iterations as u64).filter(|n| *n > 0) {
             self.solves += 1;
             self.iterations += iterations;
@@ -92,8 +93,13 @@ impl Tally {
     fn momentum_error<const D: usize>(&self, gravity: &Vector<D>, time: f64, momentum: &Vector<D>) -> f64 {
         let start = Vector::<D>::from_fn(|a, _| self.start_momentum[a]);
         let difference = (momentum - start - gravity * (self.mass * time)).norm();
-        let scale = (2.0 * self.largest_kinetic_energy * self.mass).sqrt();
+        let scale = self.momentum_scale();
         if scale > 0.0 { difference / scale } else { 0.0 }
+    }
+
+    /// Momentum of all the liquid at the largest root mean square speed so far, kg m/s (2D: kg/s).
+    pub fn momentum_scale(&self) -> f64 {
+        (2.0 * self.largest_kinetic_energy * self.mass).sqrt()
     }
 
     /// Adds seconds to a phase.
@@ -102,6 +108,22 @@ impl Tally {
             Some((_, sum)) => *sum += seconds,
             None => self.phases.push((name.to_string(), seconds)),
         }
+    }
+}
+
+/// Repairs as numbers in the order of their entries.
+mod repairs {
+    use meniscus_sim::Repairs;
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(repairs: &Repairs, s: S) -> Result<S::Ok, S::Error> {
+        repairs.values().serialize(s)
+    }
+
+    pub fn deserialize<'de, De: Deserializer<'de>>(d: De) -> Result<Repairs, De::Error> {
+        let values = Vec::<f64>::deserialize(d)?;
+        Repairs::from_values(&values).ok_or_else(|| De::Error::custom("another number of repairs"))
     }
 }
 

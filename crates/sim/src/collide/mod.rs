@@ -27,6 +27,7 @@ mod zones;
 
 use crate::exchange::moment;
 use crate::model::Model;
+use crate::repairs::Repairs;
 use crate::soft::Systems;
 use crate::solid::{Motion, Solid, SolidState};
 use meniscus_numerics::shape::Probe;
@@ -139,24 +140,29 @@ pub struct Times {
 }
 
 /// Pushes solids so that they do not meet in the coming step; `before` is how they moved before the forces of this one. Gives
-/// back the work, J, of solids that go as told.
+/// back the work, J, of solids that go as told; `record` takes what did not come to its end.
 pub fn collide<const D: usize>(
     model: &Model<D>,
     solids: &mut [SolidState<D>],
     (probes, systems): (&Probes<D>, &Systems<D>),
     before: &[SolidState<D>],
     times: Times,
+    record: &mut Repairs,
 ) -> f64 {
     let Times { kick, ahead, .. } = times;
     let forced = Forced { before, after: solids.to_vec(), times };
     let mut contacts = Contacts::find(model, solids, probes, ahead);
     let mut work = 0.0;
-    for _ in 0..ROUNDS {
+    for round in 0..=ROUNDS {
         let hits = contacts.hits(&forced);
         if hits.is_empty() {
             break;
         }
-        work += contacts.bounce(&hits);
+        if round == ROUNDS {
+            record.contact_rounds += 1;
+            break;
+        }
+        work += contacts.bounce(&hits, record);
         contacts = Contacts::find(model, contacts.solids, probes, ahead);
     }
     let apart = |c: &Contact<D>| -(c.gap - GAP * model.grid.dx).max(0.0) / ahead;
@@ -164,13 +170,13 @@ pub fn collide<const D: usize>(
     if model.solids.iter().any(|s| s.elastic().is_some()) {
         let settling = Settling { model, probes, systems, times };
         let mut now = contacts.solids.to_vec();
-        work += settling.settle(&mut now, contacts);
+        work += settling.settle(&mut now, contacts, record);
         solids.clone_from_slice(&now);
         return work;
     }
     let free: Vec<SolidState<D>> = contacts.solids.to_vec();
     let every: Vec<usize> = (0..contacts.all.len()).collect();
-    work += contacts.solve(&every);
+    work += contacts.solve(&every, record);
     for (now, free) in solids.iter_mut().zip(&free) {
         now.held = (now.velocity - free.velocity) / kick;
         now.braced = std::array::from_fn(|a| (now.spin[a] - free.spin[a]) / kick);
@@ -190,8 +196,13 @@ pub fn lean<const D: usize>(solids: &mut [SolidState<D>], time: f64) {
     }
 }
 
-/// Moves solids apart that overlap.
-pub fn part<const D: usize>(model: &Model<D>, solids: &mut [SolidState<D>], probes: &Probes<D>) {
+/// Moves rigid solids apart that overlap; `record` takes where and how deep.
+pub fn part<const D: usize>(
+    model: &Model<D>,
+    solids: &mut [SolidState<D>],
+    probes: &Probes<D>,
+    record: &mut Repairs,
+) {
     let mut still = solids.to_vec();
     still.iter_mut().for_each(SolidState::stop);
     let mut contacts = Contacts::find(model, &mut still, probes, 0.0);
@@ -199,7 +210,10 @@ pub fn part<const D: usize>(model: &Model<D>, solids: &mut [SolidState<D>], prob
     contacts.all.iter_mut().for_each(|c| c.target = -c.gap);
     let every: Vec<usize> = (0..contacts.all.len()).collect();
     if !every.is_empty() {
-        contacts.slide(&every, 0.0);
+        let depth = contacts.all.iter().map(|c| -c.gap).fold(0.0, f64::max);
+        record.parted += every.len() as u64;
+        record.parted_depth = record.parted_depth.max(depth);
+        record.contact_sweeps += u64::from(!contacts.slide(&every, 0.0));
         for ((now, way), solid) in solids.iter_mut().zip(&still).zip(&model.solids) {
             solid.shift(now, &way.velocity, &way.spin);
         }
@@ -275,18 +289,19 @@ impl<'a, const D: usize> Contacts<'a, D> {
 
     /// Solves for hits. Energy that they would make (what bounces at several points and rubs can) they do not get: they
     /// stop instead.
-    fn bounce(&mut self, hits: &[usize]) -> f64 {
+    fn bounce(&mut self, hits: &[usize], record: &mut Repairs) -> f64 {
         let given = |i: usize| matches!(self.model.solids[i].motion, Motion::Given(_));
         let told = |c: &Contact<D>| given(c.pair.0) || c.pair.1.is_some_and(given);
         let told = hits.iter().any(|&k| told(&self.all[k]));
         let (start, energy) = (self.solids.to_vec(), self.energy());
-        let work = self.solve(hits);
+        let work = self.solve(hits, record);
         if told || self.energy() <= energy * (1.0 + 1e-12) {
             return work;
         }
         self.solids.clone_from_slice(&start);
         hits.iter().for_each(|&k| self.all[k].target = self.all[k].target.min(0.0));
-        self.solve(hits)
+        record.stopped_bounces += 1;
+        self.solve(hits, record)
     }
 
     fn energy(&self) -> f64 {
@@ -295,8 +310,8 @@ impl<'a, const D: usize> Contacts<'a, D> {
     }
 
     /// Finds the impulses of some contacts. Gives back the work of solids that go as told.
-    fn solve(&mut self, some: &[usize]) -> f64 {
-        self.slide(some, 1.0);
+    fn solve(&mut self, some: &[usize], record: &mut Repairs) -> f64 {
+        record.contact_sweeps += u64::from(!self.slide(some, 1.0));
         let work = |&k: &usize| {
             let c = &self.all[k];
             let impulse = c.normal * c.push + c.rub;
@@ -308,8 +323,8 @@ impl<'a, const D: usize> Contacts<'a, D> {
         some.iter().map(work).sum()
     }
 
-    /// Gauss-Seidel; `rough` is what friction counts.
-    fn slide(&mut self, some: &[usize], rough: f64) {
+    /// Gauss-Seidel; `rough` is what friction counts. Gives back whether it came to its end.
+    fn slide(&mut self, some: &[usize], rough: f64) -> bool {
         for &k in some {
             (self.all[k].push, self.all[k].rub) = (0.0, Vector::zeros());
         }
@@ -325,9 +340,10 @@ impl<'a, const D: usize> Contacts<'a, D> {
                 change = change.max(self.relax(k, rough));
             }
             if change <= EXACT * scale {
-                break;
+                return true;
             }
         }
+        false
     }
 
     /// Puts one contact right. Gives back how much its speed changed.

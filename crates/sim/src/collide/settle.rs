@@ -13,6 +13,7 @@ use super::zones::Zones;
 use super::{Contacts, Probes, Times};
 use crate::collide::respond::Response;
 use crate::model::Model;
+use crate::repairs::Repairs;
 use crate::soft::Systems;
 use crate::solid::{Motion, SolidState};
 use meniscus_numerics::Vector;
@@ -37,8 +38,8 @@ pub struct Settling<'a, const D: usize> {
 
 impl<const D: usize> Settling<'_, D> {
     /// Pushes solids so that nothing meets in the coming step. `rigid` are the contacts of rigid solids, with their targets.
-    /// Gives back the work, J, of solids that go as told.
-    pub fn settle(&self, solids: &mut [SolidState<D>], rigid: Contacts<'_, D>) -> f64 {
+    /// Gives back the work, J, of solids that go as told; `record` takes what did not come to its end.
+    pub fn settle(&self, solids: &mut [SolidState<D>], rigid: Contacts<'_, D>, record: &mut Repairs) -> f64 {
         let mut answers = self.answers(solids, &rigid);
         let mut touches: BTreeMap<Key, Touch<D>> = BTreeMap::new();
         for (k, contact) in rigid.all.iter().enumerate() {
@@ -56,13 +57,16 @@ impl<const D: usize> Settling<'_, D> {
                 break;
             }
             let mut all: Vec<Touch<D>> = touches.values().cloned().collect();
-            answers.solve(&free, &mut all);
+            let solved = answers.solve(&free, &mut all);
+            record.contact_sweeps += u64::from(!solved.swept);
+            record.contact_corrections += u64::from(!solved.corrected);
+            record.contact_looks += u64::from(look + 1 == LOOKS);
             solids.clone_from_slice(&free);
             answers.give(solids, all.iter());
             touches.values_mut().zip(all).for_each(|(old, new)| *old = new);
             skins.follow(solids);
         }
-        self.freeze(solids, &mut skins);
+        self.freeze(solids, &mut skins, record);
         self.hold(solids, &answers, &touches);
         touches.values().map(|t| self.work(solids, t)).sum()
     }
@@ -104,24 +108,30 @@ impl<const D: usize> Settling<'_, D> {
         }
     }
 
-    /// The last resort.
-    fn freeze(&self, solids: &mut [SolidState<D>], skins: &mut Skins<D>) {
+    /// The last resort; `record` takes how many points it is for, and whether something meets all the same.
+    fn freeze(&self, solids: &mut [SolidState<D>], skins: &mut Skins<D>, record: &mut Repairs) {
         let mut zones: Option<Zones<'_, D>> = None;
-        for _ in 0..FREEZES {
+        let mut frozen = 0;
+        for freeze in 0..=FREEZES {
             let meet = Meet { model: self.model, solids, skins, ahead: self.times.ahead };
             let pairs = meet.met(&self.moving(meet.pairs(), skins));
             let rigid = meet.met_rigid();
             let sides: Vec<u32> = meet.met_sides().into_iter().filter(|p| !self.is_told(skins, *p)).collect();
             if pairs.is_empty() && rigid.is_empty() && sides.is_empty() {
-                return;
+                break;
+            }
+            if freeze == FREEZES {
+                record.contact_freezes += 1;
+                break;
             }
             let zones = zones.get_or_insert_with(|| Zones::new(self.model, skins));
             pairs.iter().for_each(|(pair, _)| zones.join(&pair.points(skins).concat(), skins));
             rigid.iter().for_each(|(p, j, _)| zones.join_rigid(*p as u32, *j));
             sides.iter().for_each(|p| zones.join_side(*p));
-            zones.freeze(solids, skins);
+            frozen = zones.freeze(solids, skins);
             skins.follow(solids);
         }
+        record.frozen_points += frozen;
     }
 
     /// Keeps in mind what held the solids: of hits nothing.

@@ -98,6 +98,15 @@ impl<const D: usize> Touch<D> {
     }
 }
 
+/// How the search for impulses ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Solved {
+    /// Whether the last sweeps converged.
+    pub swept: bool,
+    /// Whether the corrections of the velocities converged, where the exact answer is not known.
+    pub corrected: bool,
+}
+
 /// Solids, and how they answer to impulses.
 pub struct Answers<'a, const D: usize> {
     /// Of those that deform.
@@ -231,29 +240,31 @@ impl<const D: usize> Answers<'_, D> {
         }
     }
 
-    /// Finds the impulses of all contacts of solids that move as `free` without them. Gives back how many sweeps it took.
-    pub fn solve(&mut self, free: &[SolidState<D>], touches: &mut [Touch<D>]) -> usize {
+    /// Finds the impulses of all contacts of solids that move as `free` without them. Gives back whether
+    /// that came to its end.
+    pub fn solve(&mut self, free: &[SolidState<D>], touches: &mut [Touch<D>]) -> Solved {
         self.learn(touches);
         let centers: Vec<Vector<D>> = free.iter().map(|now| now.center).collect();
         let rows = self.rows(touches, &centers);
         let mut sweeps = Sweeps::new(free, touches, &rows);
         if !self.loose() {
-            return sweeps.run(touches);
+            return Solved { swept: sweeps.run(touches), corrected: true };
         }
-        let mut count = 0;
+        let mut solved = Solved { swept: true, corrected: false };
         for _ in 0..CORRECTIONS {
             let before: Vec<Vector<D>> = touches.iter().map(Touch::impulse).collect();
             let mut now = free.to_vec();
             self.give(&mut now, touches.iter());
             sweeps.speeds = touches.iter().map(|t| t.apart(&now)).collect();
-            count += sweeps.run(touches);
+            solved.swept = sweeps.run(touches);
             let moved = |(t, j): (&Touch<D>, &Vector<D>)| (t.impulse() - j).norm();
             let change = touches.iter().zip(&before).map(moved).fold(0.0, f64::max);
             if change <= 1e-6 * touches.iter().map(|t| t.impulse().norm()).fold(0.0, f64::max) {
+                solved.corrected = true;
                 break;
             }
         }
-        count
+        solved
     }
 }
 
@@ -282,14 +293,14 @@ impl<'a, const D: usize> Sweeps<'a, D> {
     }
 
     /// Sweeps, led on by conjugate gradients where they creep (M. Silcowitz-Hansen, S. Niebe, K. Erleben, The Visual
-    /// Computer 26 (2010) 893).
-    fn run(&mut self, touches: &mut [Touch<D>]) -> usize {
+    /// Computer 26 (2010) 893). Gives back whether they converged.
+    fn run(&mut self, touches: &mut [Touch<D>]) -> bool {
         let mut way = vec![Vector::<D>::zeros(); touches.len()];
         let mut last = 0.0;
         for sweep in 0..SWEEPS {
             let before: Vec<Vector<D>> = touches.iter().map(Touch::impulse).collect();
             if self.sweep(touches) <= EXACT * self.scale {
-                return sweep + 1;
+                return true;
             }
             let step = |(t, j): (&Touch<D>, &Vector<D>)| t.impulse() - j;
             let steps: Vec<Vector<D>> = touches.iter().zip(&before).map(step).collect();
@@ -303,7 +314,7 @@ impl<'a, const D: usize> Sweeps<'a, D> {
             }
             way.iter_mut().zip(&steps).for_each(|(w, s)| *w = *w * ratio + s);
         }
-        SWEEPS
+        false
     }
 
     /// All contacts once, there and back. Gives back the largest change of a speed.

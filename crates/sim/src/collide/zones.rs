@@ -54,12 +54,13 @@ impl<'a, const D: usize> Zones<'a, D> {
     }
 
     /// Makes what goes together move as a rigid body, with the momentum and the angular momentum that it has; with what
-    /// is told in it, as that does.
-    pub fn freeze(&self, solids: &mut [SolidState<D>], skins: &Skins<D>) {
+    /// is told in it, as that does. Gives back how many vertices and solids that is.
+    pub fn freeze(&self, solids: &mut [SolidState<D>], skins: &Skins<D>) -> u64 {
         let mut zones: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for k in 0..self.parents.len() {
             zones.entry(self.root(k)).or_default().push(k);
         }
+        let mut frozen = 0;
         for members in zones.into_values().filter(|m| m.len() > 1) {
             let (velocity, spin, center) = self.motion(&members, solids, skins);
             let at = |x: &Vector<D>| velocity + cross(&spin, &(x - center));
@@ -69,15 +70,18 @@ impl<'a, const D: usize> Zones<'a, D> {
                     if self.model.solids.get(i).is_some_and(|s| s.motion == Motion::Free) {
                         solids[i].velocity = at(&solids[i].center);
                         solids[i].spin = spin.into();
+                        frozen += 1;
                     }
                 } else if self.mass(*k, skins).is_some() {
                     let owner = skins.owner[*k];
                     if let (Some(soft), Some(v)) = (&mut solids[owner.solid].soft, owner.vertex) {
                         soft.body.velocities[v as usize] = at(&skins.at[*k]);
+                        frozen += 1;
                     }
                 }
             }
         }
+        frozen
     }
 
     /// Mass of a vertex; nothing where it is held.

@@ -11,8 +11,9 @@
 //! (design, experiments part 3, scheme C). `F` leaves a constant as it is: a drop at rest stays at rest.
 
 use super::cube::CutCube;
-use super::filter::Graph;
+use super::filter::{Filtered, Graph};
 use super::ghost::Ghost;
+use crate::repairs::Repairs;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CutCells, Grid, Sampler};
 use meniscus_numerics::level_set;
@@ -43,6 +44,15 @@ pub struct Curvature {
     pub kappa: Vec<f64>,
     /// Whether it is known.
     pub known: Vec<bool>,
+    /// What was mended on the way: clamped curvatures, filters that did not converge.
+    pub repairs: Repairs,
+}
+
+impl Curvature {
+    /// Unknown everywhere.
+    pub fn unknown() -> Self {
+        Self { kappa: Vec::new(), known: Vec::new(), repairs: Repairs::default() }
+    }
 }
 
 /// What the filter must know of the step, in cells.
@@ -117,19 +127,30 @@ pub fn curvature<const D: usize>(
             curvature.map_or_else(|| slopes[s][0] / slopes[s][1], |k| k * grid.dx + high(s))
         };
         let differences = if off > 0.0 { off * differences() } else { 0.0 };
-        differences + if off < 1.0 { (1.0 - off) * near[s] } else { 0.0 }
+        let (kappa, cut) = if off < 1.0 { near[s] } else { (0.0, false) };
+        (differences + if off < 1.0 { (1.0 - off) * kappa } else { 0.0 }, cut)
     };
-    let raw: Vec<f64> = graph.slots.par_iter().with_min_len(512).map(seen).collect();
-    let mut filtered = graph.filter(&raw, width(step.capillary, BASE));
+    let (raw, clamped): (Vec<f64>, Vec<bool>) = graph.slots.par_iter().with_min_len(512).map(seen).unzip();
+    let mut repairs = Repairs::default();
+    let mut filter = |values: &[f64], width: f64| {
+        let Filtered { values, residual, converged } = graph.filter(values, width);
+        if !converged {
+            repairs.filter_unconverged += 1;
+            repairs.filter_residual = repairs.filter_residual.max(residual);
+        }
+        values
+    };
+    let mut filtered = filter(&raw, width(step.capillary, BASE));
     if step.capillary > 0.0 {
         // F (r − F r), the waves that the step does not resolve; r is what the step adds to the curvature.
         let strength = width(step.capillary, DAMPED);
         let stretch = (DAMPING_TIME / step.capillary.sqrt()).max(1.0);
         let bend = bend(&graph, &step.displacement, stretch);
-        let rough: Vec<f64> = graph.filter(&bend, strength).iter().zip(&bend).map(|(f, r)| r - f).collect();
-        filtered.iter_mut().zip(graph.filter(&rough, strength)).for_each(|(k, d)| *k += d);
+        let rough: Vec<f64> = filter(&bend, strength).iter().zip(&bend).map(|(f, r)| r - f).collect();
+        filtered.iter_mut().zip(filter(&rough, strength)).for_each(|(k, d)| *k += d);
     }
-    let (mut kappa, mut known) = (vec![0.0; count], vec![false; count]);
+    let (mut kappa, mut known, mut cut) = (vec![0.0; count], vec![false; count], vec![false; count]);
+    graph.slots.iter().zip(clamped).for_each(|(slot, clamped)| cut[*slot as usize] = clamped);
     for (&slot, value) in graph.slots.iter().zip(filtered) {
         kappa[slot as usize] = value;
         known[slot as usize] = true;
@@ -143,9 +164,11 @@ pub fn curvature<const D: usize>(
         }
     }
     for slot in (0..count).filter(|s| known[*s]) {
-        kappa[slot] = (kappa[slot] - high(slot)).clamp(-STEEPEST, STEEPEST);
+        let free = kappa[slot] - high(slot);
+        kappa[slot] = free.clamp(-STEEPEST, STEEPEST);
+        repairs.clamped_curvatures += u64::from(cut[slot] || kappa[slot] != free);
     }
-    Curvature { kappa, known }
+    Curvature { kappa, known, repairs }
 }
 
 /// A cell and others with weights, as places in the band.
@@ -188,14 +211,14 @@ impl<const D: usize> Beside<'_, D> {
 
     /// Curvature, in 1/cells, of the first cells of the band near solids as the energy's slope, smoothed: the lattice's noise
     /// goes, what the contact line pulls stays. The energy and the volume are smoothed alike, so that a constant curvature
-    /// stays as it is (design, experiments parts 1 and 4).
+    /// stays as it is (design, experiments parts 1 and 4). With each goes whether it was clamped.
     fn smoothed(
         &self,
         grid: &Grid<D>,
         band: &Band<D>,
         slopes: &[[f64; 2]],
         high: impl Fn(usize) -> f64,
-    ) -> Vec<f64> {
+    ) -> Vec<(f64, bool)> {
         let passes = if D == 2 { 2 } else { 4 };
         let reach = FAR + passes as f64;
         let near: Vec<u32> = (0..slopes.len() as u32)
@@ -212,7 +235,9 @@ impl<const D: usize> Beside<'_, D> {
         }
         let curvature = |(slot, [e, v]): (usize, [f64; 2])| {
             let high = high(slot);
-            high + if v > 1e-5 { (e / v - high).clamp(-STEEPEST, STEEPEST) } else { 0.0 }
+            let free = if v > 1e-5 { e / v - high } else { 0.0 };
+            let kappa = free.clamp(-STEEPEST, STEEPEST);
+            (high + kappa, kappa != free)
         };
         values.into_iter().enumerate().map(curvature).collect()
     }

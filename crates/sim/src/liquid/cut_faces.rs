@@ -7,6 +7,8 @@ use rayon::prelude::*;
 
 /// The surface is kept this share of a cell away from the liquid's centre at least.
 const NEAREST: f64 = 0.02;
+/// Most steps to the root of a cubic; the interval that holds it shrinks in each.
+const ROOTS: usize = 30;
 
 /// A face between a liquid cell and air, or an open side.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +25,8 @@ pub struct CutFace {
     pub theta: f64,
     /// Curvature there, 1/cells.
     pub kappa: f64,
+    /// Whether it is known; else it is 0.
+    pub known: bool,
     /// Share of the face that no solid closes.
     pub open: f64,
     /// What drag leaves of a push at it, 0 to 1.
@@ -66,8 +70,8 @@ pub fn cut_faces<const D: usize>(
                 let here = value(band.slot(cell));
                 let there = value(band.slot(other));
                 let kappa = match (here, there) {
-                    (Some(i), Some(a)) => (1.0 - theta) * i + theta * a,
-                    (one, other) => one.or(other).unwrap_or(0.0),
+                    (Some(i), Some(a)) => Some((1.0 - theta) * i + theta * a),
+                    (one, other) => one.or(other),
                 };
                 let mut face = at;
                 face[axis] += up;
@@ -79,7 +83,8 @@ pub fn cut_faces<const D: usize>(
                     cell,
                     sign: step as f64,
                     theta,
-                    kappa,
+                    kappa: kappa.unwrap_or(0.0),
+                    known: kappa.is_some(),
                     open,
                     mobility: 1.0,
                 })
@@ -121,6 +126,7 @@ fn open_sides<const D: usize>(
                         sign: 2.0 * side as f64 - 1.0,
                         theta: 0.5,
                         kappa: 0.0,
+                        known: true,
                         open: solids.open.axes[axis][face],
                         mobility: 1.0,
                     });
@@ -146,7 +152,7 @@ fn crossing<const D: usize>(sampler: &Sampler<'_, D>, at: [usize; D], axis: usiz
     // The cubic takes the signs of its ends: regula falsi (Illinois) cannot leave the edge.
     let (mut low, mut high, mut at_low, mut at_high) = (0.0, 1.0, f[1], f[2]);
     let mut t = linear;
-    for _ in 0..30 {
+    for _ in 0..ROOTS {
         let v = cubic(t);
         if v.abs() <= 1e-13 * (f[2] - f[1]) {
             break;

@@ -8,6 +8,8 @@ use rayon::prelude::*;
 const THIN: f64 = 0.004;
 /// Relative residual of the filter's solve.
 const TOLERANCE: f64 = 1e-8;
+/// Most iterations of it.
+const ITERATIONS: usize = 500;
 /// Cells summed one after another.
 const CHUNK: usize = 2048;
 
@@ -22,6 +24,16 @@ pub struct Graph {
 }
 
 type Complex = [f64; 2];
+
+/// What the filter made of values.
+pub struct Filtered {
+    /// The new values.
+    pub values: Vec<f64>,
+    /// Relative residual that the solve ended with.
+    pub residual: f64,
+    /// Whether the solve came to its end before the largest number of iterations.
+    pub converged: bool,
+}
 
 impl Graph {
     /// The graph of the band's first cells, whose surface measure (cells²) is given.
@@ -59,7 +71,7 @@ impl Graph {
     }
 
     /// `F v = (W + s² L W⁻¹ L)⁻¹ W v = Re (W + i s L)⁻¹ W v` by conjugate gradients for complex symmetric matrices, started from `v`.
-    pub fn filter(&self, v: &[f64], s: f64) -> Vec<f64> {
+    pub fn filter(&self, v: &[f64], s: f64) -> Filtered {
         let n = v.len();
         let diagonal: Vec<Complex> = (0..n)
             .map(|i| [self.weight[i], s * self.links[i].iter().map(|l| l.1 as f64).sum::<f64>()])
@@ -72,7 +84,7 @@ impl Graph {
         let scale: f64 = v.iter().zip(&self.weight).map(|(v, w)| (v * w).powi(2)).sum();
         let start = par::sums(n, |i| with_square(times(r[i], p[i]), r[i]));
         let (mut rho, mut square) = ([start[0], start[1]], start[2]);
-        for _ in 0..500 {
+        for _ in 0..ITERATIONS {
             if square <= TOLERANCE * TOLERANCE * scale {
                 break;
             }
@@ -90,7 +102,9 @@ impl Graph {
                 }
             });
         }
-        x.into_iter().map(|x| x[0]).collect()
+        let converged = square <= TOLERANCE * TOLERANCE * scale;
+        let residual = if square == 0.0 { 0.0 } else { (square / scale).sqrt() };
+        Filtered { values: x.into_iter().map(|x| x[0]).collect(), residual, converged }
     }
 
     /// `y = (W + i s L) x`; gives back `Σ x y`.
@@ -185,11 +199,13 @@ mod tests {
     #[test]
     fn a_constant_passes_and_the_force_is_conserved() {
         let graph = ring(5000);
-        let constant = graph.filter(&vec![0.7; 5000], 3.0);
+        let constant = graph.filter(&vec![0.7; 5000], 3.0).values;
         assert!(constant.iter().all(|v| (v - 0.7).abs() < 1e-12));
         let noise: Vec<f64> = (0..5000).map(|i| (i as f64 * 12.9898).sin()).collect();
         let force = |v: &[f64]| v.iter().zip(&graph.weight).map(|(v, w)| v * w).sum::<f64>();
         let smooth = graph.filter(&noise, 3.0);
+        assert!(smooth.converged && !graph.filter(&noise, 1e9).converged);
+        let smooth = smooth.values;
         let size = noise.iter().zip(&graph.weight).map(|(v, w)| (v * w).abs()).sum::<f64>();
         assert!((force(&smooth) - force(&noise)).abs() < 1e-6 * size);
     }
@@ -199,7 +215,7 @@ mod tests {
         // W v' + s² L W⁻¹ L v' = W v
         let graph = ring(300);
         let v: Vec<f64> = (0..300).map(|i| (i as f64 * 0.9).sin()).collect();
-        let (s, out) = (2.0, graph.filter(&v, 2.0));
+        let (s, out) = (2.0, graph.filter(&v, 2.0).values);
         let twice = graph.laplacian(&graph.laplacian(&out));
         for i in 0..300 {
             assert!((out[i] + s * s * twice[i] - v[i]).abs() < 1e-5, "{i}");

@@ -153,6 +153,18 @@ fn rotation<const D: usize>(
     rate
 }
 
+/// What restoring the momentum came to.
+pub struct Restored<const D: usize> {
+    /// The moments of every component after it.
+    pub moments: Vec<Moments<D>>,
+    /// Momentum that was given back, kg m/s (2D: kg/s): the sum of the sizes over all bodies.
+    pub momentum: f64,
+    /// Angular momentum that was given back, kg m²/s (2D: kg m/s), in the same way.
+    pub spin: f64,
+    /// Times that a cell had no component.
+    pub unlabelled: u64,
+}
+
 /// What is needed to walk over the faces of each component.
 pub struct FaceWalk<'a, const D: usize> {
     /// The model.
@@ -232,8 +244,7 @@ impl<const D: usize> FaceWalk<'_, D> {
         }
     }
 
-    /// Restores the momentum and angular momentum of every whole; `centers` are those of the components. Gives back the
-    /// moments after.
+    /// Restores the momentum and angular momentum of every whole; `centers` are those of the components.
     pub fn restore(
         &self,
         velocity: &mut FaceField<D>,
@@ -241,8 +252,9 @@ impl<const D: usize> FaceWalk<'_, D> {
         targets: &[f64],
         centers: &[Vector<D>],
         dt: f64,
-    ) -> Vec<Moments<D>> {
+    ) -> Restored<D> {
         let moments = self.moments(velocity);
+        let mut restored = Restored { moments: Vec::new(), momentum: 0.0, spin: 0.0, unlabelled: 0 };
         let mut motions: Vec<Option<Motion<D>>> = vec![None; self.components];
         for group in groups {
             let Some(mut whole) = group.whole.clone() else { continue };
@@ -253,7 +265,11 @@ impl<const D: usize> FaceWalk<'_, D> {
             }
             let arms: Vec<Vector<D>> = group.new.iter().map(|&j| centers[j] - whole.center).collect();
             let shift = whole.velocity + self.model.gravity * dt - now.velocity;
-            let lost = std::array::from_fn(|i| whole.spin[i] - now.spin[i]);
+            let lost: [f64; 3] = std::array::from_fn(|i| whole.spin[i] - now.spin[i]);
+            restored.momentum += self.model.density * whole.mass * shift.norm();
+            if group.turns {
+                restored.spin += self.model.density * Vector::<3>::from(lost).norm();
+            }
             let spread = |a: usize, b: usize, c: usize| {
                 zip(&parts, &arms).map(|(m, r)| m.spread(a, b, c) + m.mass[a] * r[b] * r[c]).sum()
             };
@@ -265,10 +281,10 @@ impl<const D: usize> FaceWalk<'_, D> {
             }
         }
         if motions.iter().all(Option::is_none) {
-            return moments;
+            return Restored { moments, ..restored };
         }
         self.add_motion(velocity, &motions);
-        self.moments(velocity)
+        Restored { moments: self.moments(velocity), ..restored }
     }
 
     /// Adds a velocity to each component.

@@ -348,8 +348,11 @@ mod tests {
             state.phi.data[i] = height.clamp(-limit, limit);
         }
         let mut work = Workspace::new(&model, &mut state);
-        let known =
-            Curvature { kappa: vec![0.0; work.band.cells.len()], known: vec![true; work.band.cells.len()] };
+        let known = Curvature {
+            kappa: vec![0.0; work.band.cells.len()],
+            known: vec![true; work.band.cells.len()],
+            ..Curvature::unknown()
+        };
         let mut cut = cut_faces(&model, &state.phi, &work.band, &work.liquid, &known, &work.cut);
         for f in &mut cut {
             let mut x = grid.center(grid.lattice().coordinates(f.cell));

@@ -16,6 +16,8 @@ use rayon::prelude::*;
 
 /// Volume error over the volume, and distance of a centre of mass over the domain's size, that is left alone.
 const EXACT: f64 = 1e-13;
+/// Most of Newton's iterations for volumes and centres.
+const ITERATIONS: usize = 6;
 
 /// Components of two times that became one another: which old ones, which new ones.
 #[derive(Clone, Debug)]
@@ -42,6 +44,16 @@ impl<const D: usize> Group<D> {
     }
 }
 
+/// What became of which components.
+pub struct Followed<const D: usize> {
+    /// Which became which.
+    pub groups: Vec<Group<D>>,
+    /// Old components that shared no cell with a new one and joined the nearest.
+    pub vanished: Vec<usize>,
+    /// New components that shared no cell with an old one, where none was missing, and the nearest old one, which they join.
+    pub appeared: Vec<(usize, usize)>,
+}
+
 /// Follows components from `before` to `after` by the cells they share; strays join the nearest.
 pub fn follow<const D: usize>(
     before: &Runs,
@@ -49,7 +61,7 @@ pub fn follow<const D: usize>(
     drops: &[Drop<D>],
     centroids: &[Vector<D>],
     dt: f64,
-) -> Vec<Group<D>> {
+) -> Followed<D> {
     let (m, n) = (before.components as usize, after.components as usize);
     let mut parent: Vec<usize> = (0..m + n).collect();
     fn find(parent: &[usize], mut i: usize) -> usize {
@@ -70,6 +82,7 @@ pub fn follow<const D: usize>(
     }
     // A small drop may leave its cells in one step, or become too small to see, or appear: it belongs to the nearest,
     // so that neither volume nor momentum is lost. Newcomers look for drops that went missing first.
+    let (mut vanished, mut appeared) = (Vec::new(), Vec::new());
     let gap = |i: usize, j: usize| (drops[i].centroid + drops[i].velocity * dt - centroids[j]).norm();
     for j in 0..n {
         if met[m + j] {
@@ -79,6 +92,9 @@ pub fn follow<const D: usize>(
         let any = (0..m).min_by(|a, b| gap(*a, j).total_cmp(&gap(*b, j)));
         if let Some(i) = missing.or(any) {
             link(i, m + j);
+            if missing.is_none() {
+                appeared.push((j, i));
+            }
             met[i] = true;
         }
     }
@@ -86,6 +102,7 @@ pub fn follow<const D: usize>(
         if met[i] {
             continue;
         }
+        vanished.push(i);
         if let Some(j) = (0..n).min_by(|a, b| gap(i, *a).total_cmp(&gap(i, *b))) {
             link(i, m + j);
         }
@@ -96,7 +113,7 @@ pub fn follow<const D: usize>(
         if i < m { groups[root].old.push(i) } else { groups[root].new.push(i - m) }
     }
     groups.retain(|g| !g.old.is_empty() || !g.new.is_empty());
-    groups
+    Followed { groups, vanished, appeared }
 }
 
 /// Target volumes of the new components, and the volume of old ones that are gone.
@@ -201,7 +218,7 @@ impl<const D: usize> Liquid<'_, D> {
     }
 
     /// Shifts φ within `limit` of each component's surface until its volume is the target and the whole that it belongs
-    /// to is in its place (Newton), and measures.
+    /// to is in its place (Newton), and measures. Gives back as well whether that came to its end.
     pub fn correct(
         &self,
         phi: &mut CellField<D>,
@@ -209,16 +226,19 @@ impl<const D: usize> Liquid<'_, D> {
         targets: &[f64],
         groups: &[Group<D>],
         limit: f64,
-    ) -> Measured<D> {
+    ) -> (Measured<D>, bool) {
         let dx = self.model.grid.dx;
         let least = NEAREST * dx;
         let near = EXACT * self.model.grid.upper().norm();
         let slopes = self.slopes(phi, groups);
-        for _ in 0..6 {
-            let moves = astray(groups, targets, &now.centers);
+        let right = |now: &Measured<D>, moves: &[Vector<D>]| {
             let off = |c: usize| (now.volumes[c] - targets[c]).abs() > EXACT * targets[c].abs();
-            if !(0..targets.len()).any(|c| off(c) || moves[c].norm() > near) {
-                break;
+            !(0..targets.len()).any(|c| off(c) || moves[c].norm() > near)
+        };
+        for _ in 0..ITERATIONS {
+            let moves = astray(groups, targets, &now.centers);
+            if right(&now, &moves) {
+                return (now, true);
             }
             let moves: Vec<Vector<D>> = moves.iter().map(|d| d.cap_magnitude(0.1 * dx)).collect();
             let shifts = self.shifts(&now, targets);
@@ -233,7 +253,8 @@ impl<const D: usize> Liquid<'_, D> {
             }
             now = self.measure(phi);
         }
-        now
+        let converged = right(&now, &astray(groups, targets, &now.centers));
+        (now, converged)
     }
 
     /// By how much φ must change for each component's volume to be right, m.
