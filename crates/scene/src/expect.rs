@@ -42,6 +42,10 @@ fn verdict(expectation: &Expectation, summary: &Summary, series: &Table) -> Verd
             at_most("momentum error", Some(summary.momentum_error), *max, "")
         }
         Expectation::EnergyGrowth { max } => at_most("energy growth", energy_growth(series), *max, ""),
+        Expectation::Repair { name, max } => {
+            let value = summary.repaired().find(|(found, _)| found == name).map(|(_, value)| value.abs());
+            at_most(&format!("repairs: {name}"), value, *max, "")
+        }
         Expectation::MaxSpeed { max } => {
             at_most("largest speed at the end", series.column("max_speed").last().copied(), *max, "m/s")
         }

@@ -137,6 +137,7 @@ fn finish(args: &RunArgs, scene: &Scene, mut summary: Summary, folder: &Folder) 
         Ok(String::new())
     };
     report += shown.as_deref().unwrap_or_default();
+    report += &repairs(&summary);
     report += &verdicts(&summary.expect);
     if text {
         print(&report)?;
@@ -152,6 +153,19 @@ fn show(dir: &Path, frames: u64, quiet: bool) -> Result<String> {
     let rendered = view::pictures(dir, &options, quiet)?;
     let page: PathBuf = view::make_page(dir, 1, view::MAX_MB)?;
     Ok(view::describe(&rendered) + &format!("page      {}\n", page.display()))
+}
+
+/// A line with the repairs of a run that are not zero, relative as bars have them: counts, and sums of volumes and momenta.
+fn repairs(summary: &Summary) -> String {
+    let part = |name: &str| ["_net", "_largest", "_residual"].iter().any(|end| name.ends_with(end));
+    let told = summary.repaired().filter(|(name, value)| *value != 0.0 && !part(name));
+    let told: Vec<String> = told.map(|(name, value)| format!("{name} {}", short(value))).collect();
+    if told.is_empty() { String::new() } else { format!("repairs   {}\n", told.join(", ")) }
+}
+
+/// A number in few characters.
+fn short(value: f64) -> String {
+    if value.fract() == 0.0 && value < 1e6 { format!("{value}") } else { format!("{value:.1e}") }
 }
 
 fn verdicts(verdicts: &[Verdict]) -> String {

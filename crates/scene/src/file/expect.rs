@@ -1,6 +1,6 @@
 //! `[expect]`: what is checked at the end of a run.
 
-use super::{Angle, Frequency, Length, Speed, Time};
+use super::{Angle, Frequency, Length, RepairsFile, Speed, Time};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +17,9 @@ pub struct ExpectFile {
     /// Growth of the total energy over its start, relative to the largest kind of energy there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy_growth: Option<MaxFile>,
+    /// Largest repairs of the run that are accepted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub repairs: Option<RepairsFile>,
     /// Largest speed at the end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_speed: Option<MaxSpeedFile>,

@@ -20,6 +20,13 @@ pub enum Expectation {
         /// Bound.
         max: f64,
     },
+    /// Something that was mended in the run.
+    Repair {
+        /// Its name among the repairs of the summary.
+        name: String,
+        /// Bound, as [`super::RepairsFile`] has it.
+        max: f64,
+    },
     /// Largest speed at the end.
     MaxSpeed {
         /// Bound, m/s.

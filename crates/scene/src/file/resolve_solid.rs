@@ -345,6 +345,7 @@ impl Resolver {
             let tolerance = self.positive("expect.frequency.tolerance", "the tolerance", p.tolerance)?;
             out.push(Expectation::Frequency { mode: p.mode, value, tolerance });
         }
+        self.expect_repairs(e, &mut out)?;
         self.expect_liquid(e, &mut out)?;
         self.expect_angles(e, angles, &mut out)?;
         self.expect_solids(e, names, &mut out)?;

@@ -334,6 +334,7 @@ fn expect(list: &[Expectation]) -> ExpectFile {
             Expectation::VolumeDrift { max } => e.volume_drift = Some(MaxFile { max: *max }),
             Expectation::MomentumError { max } => e.momentum_error = Some(MaxFile { max: *max }),
             Expectation::EnergyGrowth { max } => e.energy_growth = Some(MaxFile { max: *max }),
+            Expectation::Repair { name, max } => e.repairs.get_or_insert_default().set(name, *max),
             Expectation::MaxSpeed { max } => e.max_speed = Some(MaxSpeedFile { max: Speed(*max) }),
             Expectation::Period { mode, value, tolerance } => {
                 e.period = Some(PeriodFile { mode: *mode, value: Time(*value), tolerance: *tolerance });

@@ -4,7 +4,7 @@ use super::file::{self, FileError};
 use crate::run::{Job, Tally, three};
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::RigidMotion;
-use meniscus_sim::{ContactLine, Drop, Motion, Repairs, Simulation, Solid, SolidState};
+use meniscus_sim::{ContactLine, Drop, Motion, Quantity, Repairs, Simulation, Solid, SolidState};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -271,6 +271,21 @@ impl Summary {
             wall_contact_angle: simulation.model.wetting_walls().and_then(angle),
             expect: Vec::new(),
         }
+    }
+
+    /// The repairs, by name, as bars have them: volumes relative to the start volume, momenta to the momentum scale, angular
+    /// momenta to that times the size of a cube of the start volume, lengths in cells.
+    pub fn repaired(&self) -> impl Iterator<Item = (&str, f64)> {
+        let size = self.start_volume.powf(1.0 / self.dimension as f64);
+        let scale = move |name: &str| match Repairs::ENTRIES.iter().find(|(known, _)| *known == name) {
+            Some((_, Quantity::Volume)) => self.start_volume,
+            Some((_, Quantity::Momentum)) => self.momentum_scale,
+            Some((_, Quantity::Spin)) => self.momentum_scale * size,
+            Some((_, Quantity::Length)) => self.dx,
+            Some((_, Quantity::Count | Quantity::Ratio)) | None => 1.0,
+        };
+        let relative = move |name: &str, value: f64| if value == 0.0 { 0.0 } else { value / scale(name) };
+        self.repairs.iter().map(move |(name, value)| (name.as_str(), relative(name, *value)))
     }
 
     /// Reads a file.
