@@ -74,6 +74,7 @@ fn turns_back<const D: usize>(ratio: f64) {
     let mut state = body.at_rest(h);
     state.positions[D] = -state.positions[D];
     assert!(body.least_element(&state.positions) == -1.0);
+    assert_eq!(body.crushed_elements(&state.positions), 1);
     let none = vec![Vector::zeros(); D + 1];
     let mut largest: f64 = 0.0;
     for _ in 0..2000 {
@@ -83,6 +84,7 @@ fn turns_back<const D: usize>(ratio: f64) {
     let least = body.least_element(&state.positions);
     println!("{D}D, {ratio}: {least} of its volume, {largest} at most");
     assert!((least - 1.0).abs() < 1e-3, "{D}D: {least} of its volume");
+    assert_eq!(body.crushed_elements(&state.positions), 0);
     // It lacks 1.5 of half its volume, and must not be thrown farther beyond: with a tangent half as large, or twice, it is.
     assert!(largest < 0.5 + 1.5, "{D}D: {largest} of its volume");
 }

@@ -20,6 +20,8 @@ const FLAT: f64 = 0.4;
 const STEP: f64 = 0.5;
 /// Most steps.
 const STEPS: usize = 40;
+/// Steps of Newton's iteration to the foot of an arc.
+const FEET: usize = 6;
 /// Arc length that is used, in cells.
 const SPAN: f64 = 6.0;
 /// Least sine of the angle at which the surface still leads up.
@@ -127,7 +129,7 @@ fn at_foot<const D: usize>(foot: &Foot<'_, D>, point: &Trace<D>, angle: f64, ben
     // How fast the bend grows with the arc.
     let heavier = foot.weight.dot(&(n * angle.sin() - outward * angle.cos()));
     let mut arc = 0.0;
-    for _ in 0..6 {
+    for _ in 0..FEET {
         let bend = bend + 0.5 * heavier * arc;
         let (middle, half) = (angle + 0.5 * bend * arc, 0.5 * bend * arc);
         let chord = arc * if half.abs() > 1e-6 { half.sin() / half } else { 1.0 };

@@ -8,6 +8,11 @@
 use crate::Vector;
 use std::f64::consts::PI;
 
+/// Most steps of Newton's iteration.
+const STEPS: usize = 40;
+/// Most halvings of one of them: no angle stands after so many.
+const HALVINGS: usize = 60;
+
 /// The curve $r(\theta) = R (1 + \varepsilon\, m(\theta))$.
 pub(super) struct Outline {
     radius: f64,
@@ -53,7 +58,7 @@ impl Outline {
 
     /// The smallest value of `f` near a sample: Newton's iteration, halved until it descends.
     fn refine(&self, p: [f64; 2], (mut value, mut t): (f64, f64), h: f64) -> f64 {
-        for _ in 0..40 {
+        for _ in 0..STEPS {
             let [r, r1, r2] = self.derivatives(t);
             let (s, c) = t.sin_cos();
             let gap = [r * c - p[0], r * s - p[1]];
@@ -65,7 +70,10 @@ impl Outline {
             let newton = if curvature > 1e-3 * length { slope / curvature } else { slope / length };
             let mut step = newton.clamp(-h, h);
             let mut next = self.value(p, t - step);
-            while next > value && step.abs() > 1e-12 {
+            for _ in 0..HALVINGS {
+                if next <= value || step.abs() <= 1e-12 {
+                    break;
+                }
                 step *= 0.5;
                 next = self.value(p, t - step);
             }

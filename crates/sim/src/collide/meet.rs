@@ -6,7 +6,7 @@
 
 use super::GAP;
 use super::boxes::{Extent, overlapping};
-use super::pair::{Nearest, Pair, mean};
+use super::pair::{ADVANCES, Nearest, Pair, mean};
 use super::skins::Skins;
 use super::touch::{End, Touch};
 use crate::model::{Model, Wall};
@@ -279,16 +279,19 @@ impl<const D: usize> Meet<'_, D> {
                     continue;
                 }
                 let mut time = 0.0;
-                for _ in 0..60 {
+                for _ in 0..ADVANCES {
                     let gap = distance(time);
                     if gap <= least {
-                        all.push((p, j, time));
                         break;
                     }
                     time += (gap - 0.9 * least) / closing;
                     if time >= self.ahead {
                         break;
                     }
+                }
+                // Within the step it met, or it hardly moved on in the end.
+                if time < self.ahead {
+                    all.push((p, j, time));
                 }
             }
         }

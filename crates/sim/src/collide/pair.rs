@@ -5,7 +5,7 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::tree::closest_on_facet;
 
 /// Steps of conservative advancement; who needs more hardly moves on, and counts as met.
-const ADVANCES: usize = 60;
+pub const ADVANCES: usize = 60;
 /// Part of an edge that belongs to its ends.
 const END: f64 = 1e-6;
 

@@ -235,12 +235,15 @@ impl<const D: usize> FaceWalk<'_, D> {
                 component = None;
                 continue;
             }
-            let label = *component.get_or_insert_with(|| (self.label)(upper));
             let face = faces.index(at);
             let mass = self.open.map_or(1.0, |open| open.axes[a][face]);
-            if mass > 0.0 {
-                f(face, &self.model.grid.face_center(a, at), label, mass);
+            // Beyond a face that a solid closes another component may begin.
+            if mass == 0.0 {
+                component = None;
+                continue;
             }
+            let label = *component.get_or_insert_with(|| (self.label)(upper));
+            f(face, &self.model.grid.face_center(a, at), label, mass);
         }
     }
 
@@ -385,4 +388,48 @@ pub fn together<const D: usize>(bodies: impl Iterator<Item = Whole<D>>) -> Whole
         zip(&mut spin, relative.about(&center)).for_each(|(sum, s)| *sum += s);
     }
     Whole { mass, center, velocity, spin }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Numerics, Wall};
+    use meniscus_numerics::grid::Grid;
+
+    #[test]
+    fn closed_faces_part_components() {
+        let grid = Grid::<2>::new([6, 3], 1.0);
+        let model = Model {
+            grid,
+            walls: [[Wall::Slip; 2]; 2],
+            density: 1.0,
+            kinematic_viscosity: 0.0,
+            surface_tension: 1.0,
+            gravity: Vector::zeros(),
+            solids: Vec::new(),
+            numerics: Numerics::default(),
+        };
+        let (phi, mut velocity) = (CellField::new(grid, -1.0), FaceField::zeros(grid));
+        let (mut open, lattice) = (FaceField::zeros(grid), grid.faces(0));
+        for i in 0..7 {
+            let face = lattice.index([i, 1]);
+            open.axes[0][face] = f64::from(i != 3);
+            velocity.axes[0][face] = f64::from(i > 3);
+        }
+        let faces = [vec![Segment { row: 1, start: 1, end: 6 }], Vec::new()];
+        let label = |cell: usize| u32::from(cell % 6 >= 3);
+        let open = Some(&open);
+        let walk = FaceWalk {
+            model: &model,
+            phi: &phi,
+            faces: &faces,
+            open,
+            cut: &[],
+            label: &label,
+            components: 2,
+        };
+        let moments = walk.moments(&velocity);
+        assert_eq!(moments.iter().map(|m| m.mass[0]).collect::<Vec<_>>(), [2.0, 2.0]);
+        assert_eq!(moments.iter().map(|m| m.momentum[0]).collect::<Vec<_>>(), [0.0, 2.0]);
+    }
 }

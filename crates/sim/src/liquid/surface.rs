@@ -274,10 +274,13 @@ impl<const D: usize> SurfaceLattice<D> {
     }
 }
 
+/// Steps of Newton's iteration to where two fields vanish.
+const CROSSINGS: usize = 4;
+
 /// Where in the unit cube two fields with these values at the corners are both zero, near its middle.
 fn both_zero<const D: usize>(one: &[f64; 8], other: &[f64; 8]) -> Vector<D> {
     let mut s = Vector::<D>::repeat(0.5);
-    for _ in 0..4 {
+    for _ in 0..CROSSINGS {
         let fields = [one, other].map(|v| multilinear(v, &s));
         let [(f, p), (g, q)] = fields;
         let (pp, pq, qq) = (p.norm_squared(), p.dot(&q), q.norm_squared());

@@ -4,6 +4,7 @@ mod collisions;
 mod contact_line;
 mod free_surface;
 mod patterns;
+mod repairs;
 mod soft_collide;
 mod soft_fold;
 mod soft_newton;
