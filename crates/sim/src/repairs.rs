@@ -65,6 +65,8 @@ record! {
     /// Volume of the liquid that was deleted: components that lay within solids altogether or had come through one, m³
     /// (2D: m²), as far as it was outside of solids.
     deleted_volume: sum of Volume,
+    /// The part of it that had come through a solid, m³ (2D: m²); the rest are residues that a receding line left in a solid.
+    leaked_volume: sum of Volume,
     /// Liquid cells that were deleted with it.
     deleted_cells: count of Count,
     /// Volume that the shift of φ moved: the sum over all components of what each had too much or too little, m³ (2D: m²).

@@ -300,15 +300,21 @@ fn press<const D: usize>(
     lean(&mut state.solids, -kick);
     let friction = friction(model, state, dragged, label);
     push_solids(model, &mut state.solids, &friction, &work.soft);
-    let sums = |exchange: &Exchange<D>| exchange.by_solid(model.solids.len());
-    let pulls = sums(&line).into_iter().zip(sums(&friction));
-    for ((now, (line, friction)), pressure) in state.solids.iter_mut().zip(pulls).zip(sums(&pressure)) {
+    work.repairs.unlabelled += unlabelled;
+    work.repairs.newton_unconverged += u64::from(unsettled);
+    let given = [line, pressure, friction];
+    tell_forces(&mut state.solids, &given, kick);
+    Ok((solves, given))
+}
+
+/// Keeps with the solids the mean forces of what line, pressure and friction gave them in the time `kick`.
+fn tell_forces<const D: usize>(solids: &mut [SolidState<D>], given: &[Exchange<D>; 3], kick: f64) {
+    let [line, pressure, friction] = given.each_ref().map(|exchange| exchange.by_solid(solids.len()));
+    let pulls = line.into_iter().zip(friction);
+    for ((now, (line, friction)), pressure) in solids.iter_mut().zip(pulls).zip(pressure) {
         now.pulled = (line.linear + friction.linear) / kick;
         now.pressed = pressure.linear / kick;
     }
-    work.repairs.unlabelled += unlabelled;
-    work.repairs.newton_unconverged += u64::from(unsettled);
-    Ok((solves, [line, pressure, friction]))
 }
 
 /// The work, J, that solids which go as told do on the rest.
@@ -341,10 +347,13 @@ pub fn move_surface<const D: usize>(
     let left = work.band.cells.clone();
     work.find_liquid(model, state);
     let strays = work.strays(model, &before, way.ceil().max(1.0) as usize);
-    if !strays.is_empty() {
-        work.repairs.deleted_cells += strays.len() as u64;
-        work.repairs.deleted_volume += volume_of(model, state, work, &strays);
-        strays.iter().for_each(|&c| state.phi.data[c] = LEFT_BEHIND * model.grid.dx);
+    if !strays.cells.is_empty() {
+        let volume = volumes(model, state, work);
+        let sum = |some: &[u32]| some.iter().map(|c| volume[*c as usize].max(0.0)).sum::<f64>();
+        work.repairs.deleted_cells += strays.cells.len() as u64;
+        work.repairs.deleted_volume += sum(&strays.components);
+        work.repairs.leaked_volume += sum(&strays.leaked);
+        strays.cells.iter().for_each(|&c| state.phi.data[c] = LEFT_BEHIND * model.grid.dx);
         work.find_liquid(model, state);
     }
     let limit = BAND * model.grid.dx;
@@ -357,20 +366,10 @@ pub fn move_surface<const D: usize>(
     before
 }
 
-/// Volume, m³ (2D: m²), of the components of some cells of the liquid, outside of solids.
-fn volume_of<const D: usize>(
-    model: &Model<D>,
-    state: &State<D>,
-    work: &Workspace<D>,
-    cells: &[usize],
-) -> f64 {
-    let label = work.liquid.component(&model.grid);
-    let mut components: Vec<u32> = cells.iter().filter_map(|c| label(*c)).collect();
-    components.sort_unstable();
-    components.dedup();
+/// Volumes of the components, m³ (2D: m²), outside of solids.
+fn volumes<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Vec<f64> {
     let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
-    let volumes = work.measured_liquid(model, &labels).measure(&state.phi).volumes;
-    components.iter().map(|c| volumes[*c as usize].max(0.0)).sum()
+    work.measured_liquid(model, &labels).measure(&state.phi).volumes
 }
 
 /// Makes φ a distance again: around the surface in every step, farther off when the surface has moved enough or its

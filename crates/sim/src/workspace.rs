@@ -35,6 +35,16 @@ pub struct Touching {
     pub free: bool,
 }
 
+/// Components of the liquid that are none.
+pub struct Strays {
+    /// Their cells.
+    pub cells: Vec<usize>,
+    /// Their numbers, in order.
+    pub components: Vec<u32>,
+    /// Those of them that have come through a solid.
+    pub leaked: Vec<u32>,
+}
+
 /// What follows from the state, kept from step to step, and scratch memory.
 pub struct Workspace<const D: usize> {
     /// Tiles with liquid or band.
@@ -138,11 +148,19 @@ impl<const D: usize> Workspace<D> {
     /// The liquid cells of components that are none: those that lie within solids altogether, without a centre outside, as
     /// a line that recedes leaves them behind, and those that no liquid can have reached. `before` is the liquid before
     /// its surface moved, by `reach` cells at most.
-    pub fn strays(&self, model: &Model<D>, before: &Runs, reach: usize) -> Vec<usize> {
+    pub fn strays(&self, model: &Model<D>, before: &Runs, reach: usize) -> Strays {
         let (within, through) = (self.within(), self.through_solids(model, before, reach));
         let stray = |c: u32| [&within, &through].iter().any(|s| s.get(c as usize) == Some(&true));
         let strays = self.liquid.runs.iter().filter(|r| stray(r.component));
-        strays.flat_map(|r| cells_of(&model.grid, r)).collect()
+        let leaked = |c: u32| !within[c as usize] && through[c as usize];
+        let mut components: Vec<u32> = strays.clone().map(|r| r.component).collect();
+        components.sort_unstable();
+        components.dedup();
+        Strays {
+            cells: strays.flat_map(|r| cells_of(&model.grid, r)).collect(),
+            leaked: components.iter().copied().filter(|c| leaked(*c)).collect(),
+            components,
+        }
     }
 
     /// Which components have come through a solid: they lie where no liquid was within reach. Within a wall φ goes on from
@@ -417,9 +435,10 @@ mod tests {
         state.phi.data[beyond] = -0.1;
         work.find_liquid(&model, &state);
         assert_eq!(work.liquid.components, 2);
-        assert_eq!(work.strays(&model, &before, 1), [beyond]);
+        let strays = work.strays(&model, &before, 1);
+        assert_eq!((strays.cells, &strays.leaked), (vec![beyond], &strays.components));
         // Liquid that could have got there, or was there, stays.
-        assert!(work.strays(&model, &before, 3).is_empty());
-        assert!(work.strays(&model, &work.liquid.clone(), 1).is_empty());
+        assert!(work.strays(&model, &before, 3).cells.is_empty());
+        assert!(work.strays(&model, &work.liquid.clone(), 1).cells.is_empty());
     }
 }

@@ -36,6 +36,8 @@ macro_rules! bounds {
 bounds! {
     /// Volume of the liquid that was deleted: components within solids, or that had come through one.
     deleted_volume,
+    /// The part of it that had come through a solid.
+    leaked_volume,
     /// Liquid cells that were deleted with it.
     deleted_cells,
     /// Volume that was moved to keep every component's volume, summed over components and steps.

@@ -132,23 +132,7 @@ pub fn curvature<const D: usize>(
     };
     let (raw, clamped): (Vec<f64>, Vec<bool>) = graph.slots.par_iter().with_min_len(512).map(seen).unzip();
     let mut repairs = Repairs::default();
-    let mut filter = |values: &[f64], width: f64| {
-        let Filtered { values, residual, converged } = graph.filter(values, width);
-        if !converged {
-            repairs.filter_unconverged += 1;
-            repairs.filter_residual = repairs.filter_residual.max(residual);
-        }
-        values
-    };
-    let mut filtered = filter(&raw, width(step.capillary, BASE));
-    if step.capillary > 0.0 {
-        // F (r − F r), the waves that the step does not resolve; r is what the step adds to the curvature.
-        let strength = width(step.capillary, DAMPED);
-        let stretch = (DAMPING_TIME / step.capillary.sqrt()).max(1.0);
-        let bend = bend(&graph, &step.displacement, stretch);
-        let rough: Vec<f64> = filter(&bend, strength).iter().zip(&bend).map(|(f, r)| r - f).collect();
-        filtered.iter_mut().zip(filter(&rough, strength)).for_each(|(k, d)| *k += d);
-    }
+    let filtered = filtered(&graph, &raw, step, &mut repairs);
     let (mut kappa, mut known, mut cut) = (vec![0.0; count], vec![false; count], vec![false; count]);
     graph.slots.iter().zip(clamped).for_each(|(slot, clamped)| cut[*slot as usize] = clamped);
     for (&slot, value) in graph.slots.iter().zip(filtered) {
@@ -169,6 +153,33 @@ pub fn curvature<const D: usize>(
         repairs.clamped_curvatures += u64::from(cut[slot] || kappa[slot] != free);
     }
     Curvature { kappa, known, repairs }
+}
+
+/// The curvature on the graph without what the step does not resolve; `repairs` takes solves that did not converge.
+fn filtered<const D: usize>(
+    graph: &Graph,
+    raw: &[f64],
+    step: &FilterStep<D>,
+    repairs: &mut Repairs,
+) -> Vec<f64> {
+    let mut filter = |values: &[f64], width: f64| {
+        let Filtered { values, residual, converged } = graph.filter(values, width);
+        if !converged {
+            repairs.filter_unconverged += 1;
+            repairs.filter_residual = repairs.filter_residual.max(residual);
+        }
+        values
+    };
+    let mut filtered = filter(raw, width(step.capillary, BASE));
+    if step.capillary > 0.0 {
+        // F (r − F r), the waves that the step does not resolve; r is what the step adds to the curvature.
+        let strength = width(step.capillary, DAMPED);
+        let stretch = (DAMPING_TIME / step.capillary.sqrt()).max(1.0);
+        let bend = bend(graph, &step.displacement, stretch);
+        let rough: Vec<f64> = filter(&bend, strength).iter().zip(&bend).map(|(f, r)| r - f).collect();
+        filtered.iter_mut().zip(filter(&rough, strength)).for_each(|(k, d)| *k += d);
+    }
+    filtered
 }
 
 /// A cell and others with weights, as places in the band.

@@ -24,7 +24,8 @@ pub const CASE: Case = Case {
 
 /// Angular velocity of the spinning drop.
 const SPIN: f64 = 5.0;
-/// Bars of what is restored.
+/// Bars of what is restored: the sizes of all steps together stay below what a force of γL would give in the whole time
+/// (8 cells, 2D: 0.39 and 0.28 were measured).
 const LINEAR: f64 = 1.0;
 const ANGULAR: f64 = 1.0;
 /// Relative amplitude of its mode.
