@@ -198,7 +198,7 @@ pub struct NumericsFile {
     /// Most iterations of a solve; 200 without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_iterations: Option<u32>,
-    /// Largest step as a multiple of the explicit capillary limit; without it 5, where solids deform 2.
+    /// Largest step as a multiple of the explicit capillary limit; 5 without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub capillary_step: Option<f64>,
     /// Most of Newton's iterations of a step where solids deform, after its one linear solve; none without it.
@@ -222,7 +222,8 @@ pub enum Scheme {
     /// One coupled solve a step, energy-gradient capillarity.
     #[default]
     Meniscus,
-    /// The seven steps of the paper's Section 6.
+    /// The seven steps of the paper's Section 6, which this version does not have.
+    #[schemars(skip)]
     Paper,
 }
 
@@ -243,7 +244,8 @@ pub struct OutputFile {
     pub checkpoint_every: Option<u32>,
 }
 
-/// A format of frames.
+/// A format of frames. Those that this version does not write are read, so that they are refused by name; the schema does not
+/// offer them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Format {
@@ -252,15 +254,21 @@ pub enum Format {
     /// One self-contained HTML page.
     Page,
     /// VTK XML with a `.pvd`.
+    #[schemars(skip)]
     Vtk,
     /// Wavefront OBJ.
+    #[schemars(skip)]
     Obj,
     /// Binary glTF.
+    #[schemars(skip)]
     Glb,
     /// USD text.
+    #[schemars(skip)]
     Usd,
     /// OpenVDB level sets.
+    #[schemars(skip)]
     Vdb,
     /// Tables of vertices.
+    #[schemars(skip)]
     Csv,
 }

@@ -344,7 +344,7 @@ fn expect(list: &[Expectation]) -> ExpectFile {
             }
             Expectation::ContactAngle { solid, value, tolerance } => e.contact_angle.push(ContactAngleFile {
                 solid: solid.clone(),
-                value: Angle(*value),
+                value: Some(Angle(*value)),
                 tolerance: Angle(*tolerance),
             }),
             Expectation::Drops { min, max } => {
