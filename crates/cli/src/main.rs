@@ -61,7 +61,10 @@ fn dispatch(command: Command) -> Result {
 /// Commands of the interface that this version does not have, and what to use instead. They are in no help text and no
 /// completion; whoever types one is told.
 const LATER: [(&str, &str); 2] = [
-    ("export", "frames/ holds PLY files: Blender and MeshLab read them with their attributes, ParaView the geometry"),
+    (
+        "export",
+        "frames/ holds PLY files: Blender and MeshLab read them with their attributes, ParaView the geometry",
+    ),
     ("sweep", "a shell loop over `meniscus run --set path=value --out DIR` does the same"),
 ];
 

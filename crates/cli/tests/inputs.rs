@@ -140,8 +140,18 @@ fn commands_that_only_tell() {
     // What does not exist is not offered.
     for line in ["--help", "completions bash", "completions zsh", "completions fish", "schema"] {
         let said = text(&place.run(line).stdout);
-        for word in ["sweep", "export", "\"vtk\"", "\"vdb\"", "\"obj\"", "\"glb\"", "\"usd\"", "\"csv\"", "\"shell\"", "\"rod\""]
-        {
+        for word in [
+            "sweep",
+            "export",
+            "\"vtk\"",
+            "\"vdb\"",
+            "\"obj\"",
+            "\"glb\"",
+            "\"usd\"",
+            "\"csv\"",
+            "\"shell\"",
+            "\"rod\"",
+        ] {
             assert!(!said.contains(word), "`{line}` offers {word}");
         }
     }

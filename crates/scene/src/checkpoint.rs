@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 const MAGIC: &[u8; 8] = b"MENISCKP";
-const VERSION: u32 = 8;
+const VERSION: u32 = 9;
 /// Values per compressed block (4 MiB).
 const BLOCK: usize = 1 << 19;
 /// Checkpoints that are kept.

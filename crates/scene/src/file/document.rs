@@ -346,8 +346,7 @@ fn reword(raw: &str) -> (String, String) {
             let (found, accepted) = (quoted[0], &quoted[1..]);
             let meant = SYNONYMS.iter().find(|(word, ours)| *word == found && accepted.contains(ours));
             let near = meant.map(|m| m.1).or_else(|| nearest(found, accepted.iter().copied()));
-            let near = near
-                .map_or_else(String::new, |n| format!("did you mean `{n}`? "));
+            let near = near.map_or_else(String::new, |n| format!("did you mean `{n}`? "));
             let list = accepted.join(", ");
             let help = match accepted {
                 [] => format!("no {noun} is accepted here"),

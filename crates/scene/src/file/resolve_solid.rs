@@ -396,7 +396,8 @@ impl Resolver {
             self.known_solid(&format!("{p}.solid"), false, &c.solid, &names)?;
             let young = angles.iter().find(|a| a.0 == c.solid).and_then(|a| a.1);
             let Some(value) = c.value.or(young.map(Angle)) else {
-                let message = format!("Young's angle varies over `{}`: there is no one angle to expect", c.solid);
+                let message =
+                    format!("Young's angle varies over `{}`: there is no one angle to expect", c.solid);
                 return Err(self.error(&p, message, "add `value = \"90 deg\"`"));
             };
             let value = self.angle(&format!("{p}.value"), value)?;

@@ -82,8 +82,9 @@ impl Resolver {
             return self.error(path, format!("the tension `{missing}` is missing"), one_of);
         }
         let message = format!("{} exclude each other", given.join(" and "));
-        let help =
-            format!("keep one; on the command line set the whole table: --set '{path}={{contact_angle=\"60 deg\"}}'");
+        let help = format!(
+            "keep one; on the command line set the whole table: --set '{path}={{contact_angle=\"60 deg\"}}'"
+        );
         self.error(path, message, help)
     }
 
