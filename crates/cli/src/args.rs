@@ -48,8 +48,8 @@ pub enum Command {
     Page(PageArgs),
     /// Pictures of a run, and a film if ffmpeg is there.
     Render(RenderArgs),
-    /// The JSON Schema of scene files.
-    Schema,
+    /// The JSON Schema of scene files, for editors (see docs/scene.md).
+    Schema(SchemaArgs),
     /// Version, build and machine.
     Info(JsonFlag),
     /// Completions for a shell.
@@ -57,6 +57,14 @@ pub enum Command {
         /// Which shell.
         shell: clap_complete::Shell,
     },
+}
+
+/// `meniscus schema`.
+#[derive(Debug, Args)]
+pub struct SchemaArgs {
+    /// Print the reference of the grammar, docs/scene.md.
+    #[arg(long, hide = true)]
+    pub markdown: bool,
 }
 
 /// `--json`.

@@ -51,7 +51,7 @@ fn dispatch(command: Command) -> Result {
         Command::Bench(args) => commands::bench::bench(&args),
         Command::Page(args) => commands::view::page(&args),
         Command::Render(args) => commands::view::render(&args),
-        Command::Schema => commands::info::schema(),
+        Command::Schema(args) => commands::info::schema(args.markdown),
         Command::Info(args) => commands::info::info(args.json),
         Command::Completions { shell } => commands::info::completions(shell),
         Command::Measure(args) => commands::measure::measure(&args),
