@@ -41,14 +41,19 @@ fn words(line: &str) -> Vec<String> {
 /// None for commands of other programs.
 fn shortened(line: &str) -> Option<Vec<String>> {
     let mut words = words(line);
-    let own = |words: &[String], start: &[&str]| words.iter().map(String::as_str).take(start.len()).eq(start.iter().copied());
+    let own = |words: &[String], start: &[&str]| {
+        words.iter().map(String::as_str).take(start.len()).eq(start.iter().copied())
+    };
     let cargo = ["cargo", "run", "--release", "--"];
     if own(&words, &cargo) {
         words.drain(..cargo.len());
     } else if own(&words, &["meniscus"]) {
         words.remove(0);
     } else {
-        assert!(["cargo test", "cargo install", "git clone"].iter().any(|known| line.starts_with(known)), "{line}");
+        assert!(
+            ["cargo test", "cargo install", "git clone"].iter().any(|known| line.starts_with(known)),
+            "{line}"
+        );
         return None;
     }
     if words[0] == "run" {
@@ -74,7 +79,10 @@ fn all_work(place: &Place, lines: &[String], least: usize) {
         let said = text(&output.stdout) + &text(&output.stderr);
         assert_eq!(output.status.code(), Some(0), "`{line}`, run as `{}`, said:\n{said}", words.join(" "));
         if words[0] == "measure" {
-            assert!(said.contains('°') && !said.contains("nothing"), "`{line}` measures no contact angle:\n{said}");
+            assert!(
+                said.contains('°') && !said.contains("nothing"),
+                "`{line}` measures no contact angle:\n{said}"
+            );
         }
         count += 1;
     }

@@ -2,7 +2,8 @@
 //!
 //! Where a body of liquid and a solid overlap there is the solid. A pool is made to be displaced: a box, a half-space or any
 //! other shape around solids. A drop (a ball, an ellipsoid, a perturbed ball) is not: where it overlaps a solid by more than a
-//! cell, and that solid is not wholly within it, the scene gets a warning. A body of which nothing is left is an error.
+//! cell, and that solid is not wholly within it, the scene gets a warning, unless the body says `displaced = true`. A body of which
+//! nothing is left is an error.
 
 use crate::build::AnySetup;
 use crate::error::SceneError;
@@ -58,11 +59,11 @@ pub fn judge(scene: &Scene, all: &[Displaced]) -> Result<Vec<Warning>, SceneErro
             let error = error.with_help("move it out of the solids");
             return Err(scene.source.at_value(error, &scene.source.first_inside(&path)));
         }
-        let drop = is_drop(&scene.liquid.bodies[d.body].shape);
-        if drop && d.cut && d.depth > LAID_ON * scene.domain.dx {
+        let body = &scene.liquid.bodies[d.body];
+        if is_drop(&body.shape) && !body.displaced && d.cut && d.depth > LAID_ON * scene.domain.dx {
             let message = format!(
-                "this body overlaps a solid by {}: {} of it ({:.1} %) are cut off; move it, or give it as the `difference` of \
-                 its shape and the solid's",
+                "this body overlaps a solid by {}: {} of it ({:.1} %) are cut off; move it, or write \
+                 `displaced = true` in this body if that is meant",
                 readable(d.depth, "m"),
                 readable_volume(d.displaced, scene.domain.dimension),
                 100.0 * share

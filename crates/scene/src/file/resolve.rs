@@ -333,7 +333,7 @@ impl Resolver {
             let velocity = self.velocity(&format!("{path}.velocity"), b.velocity.as_ref())?;
             let shape = self.shape(&format!("{path}.shape"), &b.shape)?;
             self.liquid_inside(&format!("{path}.shape"), &shape)?;
-            bodies.push(Body { shape, velocity });
+            bodies.push(Body { shape, velocity, displaced: b.displaced.unwrap_or(false) });
         }
         Ok(Liquid { density, kinematic_viscosity, gravity, bodies })
     }
