@@ -114,18 +114,18 @@ impl<'a, const D: usize> Session<'a, D> {
         stop: &(dyn Fn() -> Option<Stop> + Sync),
         observer: &mut dyn Observer,
     ) -> Result<Outcome, RunError> {
-        let Some(remote) = observer.remote() else { return self.to_the_end(stop, observer) };
+        let Some(remote) = observer.remote() else { return self.work_and_close(stop, observer) };
         let (watchdog, log, summary) =
             (Arc::clone(&self.watchdog), self.log.another(), self.folder.summary());
         std::thread::scope(|scope| {
             let _finish = Finish(&watchdog);
             let watchdog = &watchdog;
             scope.spawn(move || watchdog.watch(stop, &*remote, log, &summary));
-            self.to_the_end(stop, observer)
+            self.work_and_close(stop, observer)
         })
     }
 
-    fn to_the_end(
+    fn work_and_close(
         mut self,
         stop: &dyn Fn() -> Option<Stop>,
         observer: &mut dyn Observer,

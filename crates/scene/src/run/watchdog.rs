@@ -161,16 +161,16 @@ impl Watchdog {
             let Some((step, began)) = pulse.step.filter(|_| !pulse.done) else { continue };
             let taken = began.elapsed();
             // Told when it is long, and again whenever twice as much time has passed.
-            if told.0 != step || taken >= 2 * told.1 {
-                if let Some(median) = pulse.is_long(taken, &self.limits) {
-                    told = (step, taken);
-                    let seconds = taken.as_secs_f64();
-                    let median = median.map(|m| m.as_secs_f64());
-                    let event =
-                        Event::LongStep { step, seconds, median, dt_before: pulse.dt, phase: pulse.phase() };
-                    remote.see(&event);
-                    write(&mut log, &event);
-                }
+            if (told.0 != step || taken >= 2 * told.1)
+                && let Some(median) = pulse.is_long(taken, &self.limits)
+            {
+                told = (step, taken);
+                let seconds = taken.as_secs_f64();
+                let median = median.map(|m| m.as_secs_f64());
+                let event =
+                    Event::LongStep { step, seconds, median, dt_before: pulse.dt, phase: pulse.phase() };
+                remote.see(&event);
+                write(&mut log, &event);
             }
             let Some(stop) = stop() else { continue };
             let reason =
