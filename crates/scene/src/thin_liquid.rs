@@ -3,9 +3,8 @@
 //! The measure is a morphological opening. A point of the liquid is resolved where a ball of two cells in diameter fits into the
 //! liquid within four cells of it; the rest is thin. Solids bound the liquid as air does; sides of the domain that are mirrors
 //! do not. The four cells leave out what every contact line has, a wedge that ends in nothing: at 30 degrees and more its tip is
-//! closer than that to where the ball fits. Distances at the centres of cells tell a thickness to within 0.3 cells: of two
-//! neighbours at depths a and b the middle of a film between them is at most (a + b + 1) / 2 deep, and exactly so where the film
-//! lies across the axis.
+//! closer than that to where the ball fits. Of two neighbours at depths a and b, in cells, the middle of a film between them is
+//! (a + b + s) / 2 deep, where s is the slope of the depth along the axis.
 
 use crate::run::Setup;
 use meniscus_numerics::Vector;
@@ -74,11 +73,21 @@ pub fn measure<const D: usize>(grid: &Grid<D>, distance: impl Fn([usize; D]) -> 
     ThinLiquid { share: if all > 0.0 { some / all } else { 0.0 }, place }
 }
 
-/// Whether the ball fits around a cell's centre, or between that and a neighbour's.
+/// Whether the ball fits around a cell's centre, or between that and a neighbour's: there the depth rises from both by the slope
+/// that it has along the axis on their outer sides.
 fn ball_fits<const D: usize>(lattice: Lattice<D>, depth: &[f32], i: usize) -> bool {
     let own = depth[i];
-    let with = |other: f32| other > 0.0 && 0.5 * (own + other + 1.0) >= BALL;
-    own >= BALL || own > 0.0 && lattice.neighbours(i).any(|j| with(depth[j]))
+    let at = lattice.coordinates(i);
+    let between = |n: usize| {
+        let mut step = [0; D];
+        step[n / 2] = if n % 2 == 0 { 1 } else { -1 };
+        let to = |times: isize| moved(lattice, at, &step.map(|s| s * times)).map(|j| depth[j]);
+        let Some(other) = to(1).filter(|other| *other > 0.0) else { return false };
+        let rises = [to(-1).map(|outer| own - outer), to(2).map(|outer| other - outer)];
+        let slope = rises.into_iter().flatten().fold(1.0, f32::min).max(0.0);
+        0.5 * (own + other + slope) >= BALL
+    };
+    own >= BALL || own > 0.0 && (0..2 * D).any(between)
 }
 
 /// Steps to the cells up to [`REACH`] away, the shortest first.
