@@ -8,11 +8,14 @@ const AFTER: &str = "\
 Exit status: 0 done, 1 internal error, 2 wrong usage, 3 scene invalid, 4 input or output failed, \
 5 the solver could not go on, 6 an expectation or verification missed, 75 stopped on request (resumable).
 
-First steps:
-  meniscus scenes                  what there is to run
-  meniscus run oscillating-drop    run one; pictures and a page in out/oscillating-drop
-  meniscus check my-scene.toml     what a scene asks for, without running it
-  meniscus measure out/my-scene    contact angles, radii and heights of a finished run";
+First steps (SCENE may be a built-in name or a .toml file):
+  meniscus scenes                                     what there is to run
+  meniscus run fig12-contact-angle-45-2d              run one: 10 s; pictures and a page in out/
+  meniscus measure out/fig12-contact-angle-45-2d      contact angles, radii and heights of a run
+  meniscus new fig12-contact-angle-45-2d -o my.toml   a copy to change, called `my`
+  meniscus check my.toml                              what a scene asks for, without running it
+  meniscus run my.toml --set tension.plate.contact_angle=60deg
+  meniscus measure out/my";
 
 /// Surface-tension liquids: simulate, look, measure, verify.
 #[derive(Debug, Parser)]
@@ -45,12 +48,8 @@ pub enum Command {
     Page(PageArgs),
     /// Pictures of a run, and a film if ffmpeg is there.
     Render(RenderArgs),
-    /// Convert stored frames.
-    Export(ExportArgs),
-    /// A folder of cases and one table.
-    Sweep(SweepArgs),
-    /// The JSON Schema of scene files.
-    Schema,
+    /// The JSON Schema of scene files, for editors (see docs/scene.md).
+    Schema(SchemaArgs),
     /// Version, build and machine.
     Info(JsonFlag),
     /// Completions for a shell.
@@ -58,6 +57,14 @@ pub enum Command {
         /// Which shell.
         shell: clap_complete::Shell,
     },
+}
+
+/// `meniscus schema`.
+#[derive(Debug, Args)]
+pub struct SchemaArgs {
+    /// Print the reference of the grammar, docs/scene.md.
+    #[arg(long, hide = true)]
+    pub markdown: bool,
 }
 
 /// `--json`.
@@ -109,7 +116,7 @@ pub struct RunArgs {
     /// How progress is reported.
     #[arg(long, value_enum, default_value_t = LogFormat::Text)]
     pub log: LogFormat,
-    /// Report errors only.
+    /// Report errors and missed expectations only.
     #[arg(long, short)]
     pub quiet: bool,
     /// Replace an earlier run in the output folder.
@@ -140,10 +147,10 @@ pub enum Quality {
 /// `meniscus new`.
 #[derive(Debug, Args)]
 pub struct NewArgs {
-    /// The built-in scene to start from.
+    /// The built-in scene to start from; see `meniscus scenes`.
     #[arg(required_unless_present = "list")]
     pub preset: Option<String>,
-    /// The file to write; standard output without it.
+    /// The file to write, whose name becomes the name of the scene; standard output without it.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// List what there is.
@@ -246,44 +253,6 @@ pub struct RenderArgs {
     /// Take every n-th frame.
     #[arg(long, default_value_t = 1)]
     pub every: u32,
-}
-
-/// `meniscus export`.
-#[derive(Debug, Args)]
-pub struct ExportArgs {
-    /// The output folder.
-    pub dir: PathBuf,
-    /// The format.
-    #[arg(long)]
-    pub to: String,
-    /// Only these frames.
-    #[arg(long, value_parser = frame_range)]
-    pub frames: Option<(u64, u64)>,
-    /// Take every n-th frame.
-    #[arg(long, default_value_t = 1)]
-    pub every: u32,
-}
-
-/// `meniscus sweep`.
-#[derive(Debug, Args)]
-pub struct SweepArgs {
-    /// The scene, or a folder of cases.
-    pub scene: String,
-    /// What varies.
-    #[arg(long)]
-    pub vary: Vec<String>,
-    /// Cases at a time.
-    #[arg(long)]
-    pub jobs: Option<u32>,
-    /// Write a Slurm array script.
-    #[arg(long)]
-    pub slurm: bool,
-    /// Run one case.
-    #[arg(long)]
-    pub case: Option<u32>,
-    /// Collect one table.
-    #[arg(long)]
-    pub collect: bool,
 }
 
 /// `10:20` → (10, 20); an open end is as far as there is.

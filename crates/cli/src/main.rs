@@ -9,11 +9,15 @@ mod stop;
 
 use args::{Cli, Command, LogFormat};
 use clap::Parser;
+use clap::error::ErrorKind;
 use failure::{Failure, Result};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match parsed() {
+        Ok(cli) => cli,
+        Err(failure) => return fail(failure, false),
+    };
     let json = matches!(&cli.command, Command::Run(run) if run.log == LogFormat::Json);
     let done = std::panic::catch_unwind(|| dispatch(cli.command));
     let done = done.unwrap_or_else(|_| {
@@ -22,16 +26,19 @@ fn main() -> ExitCode {
     });
     match done {
         Ok(status) => ExitCode::from(status),
-        Err(failure) => {
-            let status = failure.status;
-            if json {
-                eprintln!("{}", failure.json());
-            } else {
-                eprintln!("{:?}", miette::Report::new(failure));
-            }
-            ExitCode::from(status)
-        }
+        Err(failure) => fail(failure, json),
     }
+}
+
+/// Tells why a command failed; its exit status.
+fn fail(failure: Failure, json: bool) -> ExitCode {
+    let status = failure.status;
+    if json {
+        eprintln!("{}", failure.json());
+    } else {
+        eprintln!("{:?}", miette::Report::new(failure));
+    }
+    ExitCode::from(status)
 }
 
 fn dispatch(command: Command) -> Result {
@@ -44,20 +51,36 @@ fn dispatch(command: Command) -> Result {
         Command::Bench(args) => commands::bench::bench(&args),
         Command::Page(args) => commands::view::page(&args),
         Command::Render(args) => commands::view::render(&args),
-        Command::Schema => commands::info::schema(),
+        Command::Schema(args) => commands::info::schema(args.markdown),
         Command::Info(args) => commands::info::info(args.json),
         Command::Completions { shell } => commands::info::completions(shell),
         Command::Measure(args) => commands::measure::measure(&args),
-        Command::Export(_) => {
-            later("export", "frames/ holds PLY files, which ParaView, Blender and MeshLab read")
-        }
-        Command::Sweep(_) => {
-            later("sweep", "a shell loop over `meniscus run --set path=value --out DIR` does the same")
-        }
     }
 }
 
-/// A command of the interface that this version does not have.
-fn later(name: &str, instead: &str) -> Result {
-    Err(Failure::new(failure::USAGE, format!("`meniscus {name}` is not yet in this version")).help(instead))
+/// Commands of the interface that this version does not have, and what to use instead. They are in no help text and no
+/// completion; whoever types one is told.
+const LATER: [(&str, &str); 2] = [
+    (
+        "export",
+        "frames/ holds PLY files: Blender and MeshLab read them with their attributes, ParaView the geometry",
+    ),
+    ("sweep", "a shell loop over `meniscus run --set path=value --out DIR` does the same"),
+];
+
+/// The command line; what clap says of a wrong one goes to standard error, with exit status 2.
+fn parsed() -> Result<Cli> {
+    let error = match Cli::try_parse() {
+        Ok(cli) => return Ok(cli),
+        Err(error) => error,
+    };
+    let first = std::env::args().nth(1);
+    let later = LATER.iter().find(|(name, _)| first.as_deref() == Some(*name));
+    match later.filter(|_| error.kind() == ErrorKind::InvalidSubcommand) {
+        Some((name, instead)) => {
+            let message = format!("`meniscus {name}` is not in this version");
+            Err(Failure::new(failure::USAGE, message).help(*instead))
+        }
+        None => error.exit(),
+    }
 }

@@ -1,8 +1,9 @@
 //! Progress: a bar on a terminal, plain lines or JSON lines elsewhere.
 
 use crate::args::LogFormat;
+use crate::failure::STOPPED;
 use indicatif::{ProgressBar, ProgressStyle};
-use meniscus_scene::run::{Event, Observer, Progress};
+use meniscus_scene::run::{Event, Observer, Progress, Remote};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
@@ -14,8 +15,11 @@ pub struct Reporter {
     first_frame: Option<u64>,
     last_step: Option<Progress>,
     last_line: Option<Instant>,
+    /// How to go on with the run after it is stopped.
+    go_on: String,
 }
 
+#[derive(Clone)]
 enum Style {
     Quiet,
     Json,
@@ -23,27 +27,72 @@ enum Style {
     Bar(ProgressBar),
 }
 
+impl Style {
+    fn say(&self, line: &str) {
+        match self {
+            Self::Bar(bar) => bar.println(line),
+            Self::Lines => eprintln!("{line}"),
+            Self::Quiet | Self::Json => {}
+        }
+    }
+}
+
+/// The reporter's part in the thread that watches over steps.
+struct Watcher {
+    style: Style,
+    go_on: String,
+}
+
+impl Remote for Watcher {
+    fn see(&self, event: &Event) {
+        match &self.style {
+            Style::Json => json(event),
+            style => style.say(&long_step(event)),
+        }
+    }
+
+    fn abandon(&self, reason: &str) {
+        match &self.style {
+            Style::Json => eprintln!("{}", serde_json::json!({ "event": "end", "reason": reason })),
+            _ => eprintln!("{reason}. Go on with:\n  {}", self.go_on),
+        }
+        std::process::exit(STOPPED.into());
+    }
+}
+
+fn json(event: &Event) {
+    if let Ok(line) = serde_json::to_string(event) {
+        eprintln!("{line}");
+    }
+}
+
+/// What is told of a step that takes long; nothing of other events.
+fn long_step(event: &Event) -> String {
+    let Event::LongStep { step, seconds, median, dt_before, phase } = event else { return String::new() };
+    let median = median.map_or_else(String::new, |m| format!(" (median {m:.3} s)"));
+    format!(
+        "step {step} has taken {} so far{median}; dt of the step before {dt_before:.1e} s; phase: {phase}",
+        clock(*seconds)
+    )
+}
+
 /// Plain lines are at least this far apart, so that logs of long runs stay readable.
 const LINE_PAUSE: Duration = Duration::from_millis(500);
 
 impl Reporter {
-    /// A reporter for standard error as it is.
-    pub fn new(log: LogFormat, quiet: bool) -> Self {
+    /// A reporter for standard error as it is. `go_on`: the command that goes on with the run.
+    pub fn new(log: LogFormat, quiet: bool, go_on: String) -> Self {
         let style = match log {
             LogFormat::Json => Style::Json,
             LogFormat::Text if quiet => Style::Quiet,
             LogFormat::Text if std::io::stderr().is_terminal() => Style::Bar(bar()),
             LogFormat::Text => Style::Lines,
         };
-        Self { style, begun: Instant::now(), first_frame: None, last_step: None, last_line: None }
+        Self { style, begun: Instant::now(), first_frame: None, last_step: None, last_line: None, go_on }
     }
 
     fn say(&self, line: &str) {
-        match &self.style {
-            Style::Bar(bar) => bar.println(line),
-            Style::Lines => eprintln!("{line}"),
-            Style::Quiet | Style::Json => {}
-        }
+        self.style.say(line);
     }
 
     /// Seconds per frame and seconds to go.
@@ -55,7 +104,7 @@ impl Reporter {
 
     fn line(&self, p: &Progress) -> String {
         let mut line = format!(
-            "t {}  dt {:.1e} s  CFL {:.2}  {} it  volume {:+.0e}",
+            "t {}  dt {:.1e} s  CFL {:.2}  {} it  volume error {:+.0e}",
             time(p.time, p.end),
             p.dt,
             p.cfl,
@@ -84,6 +133,7 @@ impl Reporter {
             }
             Event::Step(progress) => self.step(progress),
             Event::Frame { frame, .. } => self.frame(*frame),
+            Event::LongStep { .. } => self.say(&long_step(event)),
             Event::Warning { message } => self.say(&format!("warning: {message}")),
             Event::Checkpoint { .. } => {}
             Event::End { .. } => {
@@ -121,12 +171,14 @@ impl Reporter {
 impl Observer for Reporter {
     fn see(&mut self, event: &Event) {
         if matches!(self.style, Style::Json) {
-            if let Ok(line) = serde_json::to_string(event) {
-                eprintln!("{line}");
-            }
+            json(event);
         } else {
             self.text(event);
         }
+    }
+
+    fn remote(&self) -> Option<Box<dyn Remote>> {
+        Some(Box::new(Watcher { style: self.style.clone(), go_on: self.go_on.clone() }))
     }
 }
 

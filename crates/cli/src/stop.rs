@@ -2,12 +2,13 @@
 
 use meniscus_scene::run::Stop;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 /// Watches for requests to stop.
 pub struct Watch {
-    signal: Arc<AtomicBool>,
+    /// Signals so far.
+    signals: Arc<AtomicUsize>,
     until: Option<Instant>,
 }
 
@@ -16,37 +17,48 @@ pub struct Watch {
 const FILE_TOO_LARGE: i32 = 25;
 
 impl Watch {
-    /// Begins to watch. A second Ctrl-C ends the process at once.
+    /// Begins to watch. A first signal stops the run after the step, a second one within it, a third ends the process at once.
     pub fn begin(walltime: Option<Duration>) -> std::io::Result<Self> {
-        let signal = Arc::new(AtomicBool::new(false));
-        register(&signal)?;
-        Ok(Self { signal, until: walltime.and_then(|w| Instant::now().checked_add(w)) })
+        let signals = Arc::new(AtomicUsize::new(0));
+        register(&signals)?;
+        Ok(Self { signals, until: walltime.and_then(|w| Instant::now().checked_add(w)) })
     }
 
     /// The request, if there is one.
     pub fn request(&self) -> Option<Stop> {
-        if self.signal.load(Ordering::Relaxed) {
-            return Some(Stop::Signal);
+        match self.signals.load(Ordering::Relaxed) {
+            0 => self.until.filter(|&until| Instant::now() >= until).map(|_| Stop::Walltime),
+            1 => Some(Stop::Signal),
+            _ => Some(Stop::AtOnce),
         }
-        self.until.filter(|&until| Instant::now() >= until).map(|_| Stop::Walltime)
     }
 }
 
 #[cfg(unix)]
-fn register(signal: &Arc<AtomicBool>) -> std::io::Result<()> {
+fn register(signals: &Arc<AtomicUsize>) -> std::io::Result<()> {
     use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
-    for number in [SIGINT, SIGTERM] {
-        signal_hook::flag::register_conditional_shutdown(number, 128 + number, Arc::clone(signal))?;
-    }
-    for number in [SIGINT, SIGTERM, SIGUSR1] {
-        signal_hook::flag::register(number, Arc::clone(signal))?;
-    }
-    signal_hook::flag::register(FILE_TOO_LARGE, Arc::default())?;
+    signal_hook::flag::register(FILE_TOO_LARGE, Arc::<AtomicBool>::default())?;
+    let mut coming = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGUSR1])?;
+    let signals = Arc::clone(signals);
+    std::thread::Builder::new().name("signals".into()).spawn(move || {
+        for number in coming.forever() {
+            // SIGUSR1 only asks: however often it comes it is one request.
+            let before = if number == SIGUSR1 {
+                signals.fetch_max(1, Ordering::Relaxed)
+            } else {
+                signals.fetch_add(1, Ordering::Relaxed)
+            };
+            if before >= 2 && number != SIGUSR1 {
+                std::process::exit(128 + number);
+            }
+        }
+    })?;
     Ok(())
 }
 
 #[cfg(not(unix))]
-fn register(signal: &Arc<AtomicBool>) -> std::io::Result<()> {
-    signal_hook::flag::register(signal_hook::consts::SIGINT, Arc::clone(signal))?;
+fn register(signals: &Arc<AtomicUsize>) -> std::io::Result<()> {
+    use signal_hook::consts::SIGINT;
+    signal_hook::flag::register_usize(SIGINT, Arc::clone(signals), 1)?;
     Ok(())
 }

@@ -106,7 +106,7 @@ fn wrong_usage_is_status_2() {
     ] {
         place.expect(line, 2);
     }
-    refused(&place, "export out --to obj", 2, &["not yet in this version"]);
+    refused(&place, "export out --to obj", 2, &["not in this version"]);
     refused(&place, "measure out --at soon", 2, &["--at", "soon", "a time"]);
     refused(&place, "measure out --at 3", 2, &["no unit", "ms"]);
 }
@@ -136,4 +136,23 @@ fn commands_that_only_tell() {
     }
     place.expect("new oscillating-drop-2d -o mine.toml", 0);
     place.expect("check mine.toml --strict", 0);
+    assert!(std::fs::read_to_string(place.path("mine.toml")).unwrap().contains("\nname = \"mine\"\n"));
+    // What does not exist is not offered.
+    for line in ["--help", "completions bash", "completions zsh", "completions fish", "schema"] {
+        let said = text(&place.run(line).stdout);
+        for word in [
+            "sweep",
+            "export",
+            "\"vtk\"",
+            "\"vdb\"",
+            "\"obj\"",
+            "\"glb\"",
+            "\"usd\"",
+            "\"csv\"",
+            "\"shell\"",
+            "\"rod\"",
+        ] {
+            assert!(!said.contains(word), "`{line}` offers {word}");
+        }
+    }
 }

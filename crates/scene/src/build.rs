@@ -67,7 +67,7 @@ impl AnySetup {
         job: &Job,
         folder: &Folder,
         existing: Existing,
-        stop: &dyn Fn() -> Option<Stop>,
+        stop: &(dyn Fn() -> Option<Stop> + Sync),
         observer: &mut dyn Observer,
     ) -> Result<Outcome, RunError> {
         match self {
@@ -90,6 +90,7 @@ impl Job {
             frames: None,
             checkpoint_every: output.checkpoint_every as u64,
             solids: scene.solids.iter().map(|s| (s.name.clone(), s.mesh_edge)).collect(),
+            warnings: Vec::new(),
         }
     }
 }

@@ -40,7 +40,7 @@ macro_rules! scene {
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 56] = [
+pub const BUILTINS: [Builtin; 58] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
@@ -48,22 +48,22 @@ pub const BUILTINS: [Builtin; 56] = [
         "fig12-contact-angle-90-2d",
         2,
         Some("Fig. 12"),
-        "A disc of liquid settles on a plate at 90 degrees",
-        "under half a minute"
+        "A disc of liquid settles on a plate at Young's angle",
+        "ten seconds"
     ),
     scene!(
         "fig12-contact-angle-45-2d",
         2,
         Some("Fig. 12"),
-        "A disc of liquid settles on a plate at 45 degrees",
-        "under half a minute"
+        "A disc of liquid settles on a plate at Young's angle",
+        "ten seconds"
     ),
     scene!(
         "fig12-contact-angle-135-2d",
         2,
         Some("Fig. 12"),
-        "A disc of liquid settles on a plate at 135 degrees",
-        "under half a minute"
+        "A disc of liquid settles on a plate at Young's angle",
+        "ten seconds"
     ),
     scene!(
         "fig13-escaping-sphere",
@@ -139,21 +139,21 @@ pub const BUILTINS: [Builtin; 56] = [
         "fig12-contact-angle-135",
         3,
         Some("Fig. 12"),
-        "A drop settles on a plate at 135 degrees",
+        "A drop settles on a plate at Young's angle",
         "a few minutes"
     ),
     scene!(
         "fig12-contact-angle-90",
         3,
         Some("Fig. 12"),
-        "A drop settles on a plate at 90 degrees",
+        "A drop settles on a plate at Young's angle",
         "a few minutes"
     ),
     scene!(
         "fig12-contact-angle-45",
         3,
         Some("Fig. 12"),
-        "A drop settles on a plate at 45 degrees",
+        "A drop settles on a plate at Young's angle",
         "a few minutes"
     ),
     scene!(
@@ -196,11 +196,23 @@ pub const BUILTINS: [Builtin; 56] = [
         "under half a minute"
     ),
     scene!(
+        "drop-on-beam-2d",
+        2,
+        "A drop on a beam clamped at one end spreads to its free end and bends it down",
+        "half a minute"
+    ),
+    scene!(
+        "drop-on-beam-2d-160",
+        2,
+        "The same beam, which repels the drop: it rolls down and falls off the end",
+        "half a minute"
+    ),
+    scene!(
         "fig17b-wrapping",
         2,
         Some("Fig. 17 (b)"),
         "A drop that wets a soft strip well is wrapped up in it",
-        "a minute"
+        "four minutes"
     ),
     scene!(
         "fig17b-open",

@@ -1,12 +1,13 @@
 //! The physics of a scene in numbers, without running it.
 
 use crate::build::AnySetup;
+use crate::displaced::{Displaced, displaced, judge};
 use crate::error::SceneError;
 use crate::file::{Material, Scene, ShapeSpec, WALLS, Warning};
-use crate::memory;
 use crate::soft_report::{SoftReport, reports};
+use crate::units::readable;
+use crate::{gaps, memory, thin_liquid};
 use serde::Serialize;
-use std::fmt::Write as _;
 
 /// Core seconds per step and cell of the domain, a rough figure for the time estimate.
 const SECONDS_PER_CELL: f64 = 2e-7;
@@ -38,6 +39,10 @@ pub struct Report {
     pub liquid_volume: Option<f64>,
     /// Cells of liquid.
     pub liquid_cells: Option<f64>,
+    /// Every body of liquid beside the solids; none where the scene cannot run.
+    pub displaced: Vec<Displaced>,
+    /// Share of the liquid that is thinner than two cells at the start; none where the scene cannot run.
+    pub thin_liquid: Option<f64>,
     /// Memory, bytes, estimated.
     pub memory_bytes: f64,
     /// Time steps, estimated.
@@ -106,8 +111,12 @@ pub struct PairReport {
     pub young_angles: Option<[f64; 2]>,
     /// `partial`, `total wetting`, `no wetting`, `patterned` or `no tension given`.
     pub wetting: &'static str,
-    /// Elastocapillary length, m: √(B / γ) of a shell, γ / E of a block (plates: see `soft`); none for rigid solids.
+    /// Elastocapillary length γ / E, m; none for rigid solids and springs.
     pub elastocapillary_length: Option<f64>,
+    /// Bending elastocapillary length √(B / γ) of a shell, m (plates: see `soft`).
+    pub bending_elastocapillary_length: Option<f64>,
+    /// Friction of the contact line, Pa s.
+    pub line_friction: f64,
 }
 
 /// The physics of a scene in numbers. `threads`: how many cores a run would use, for the time estimate.
@@ -134,6 +143,10 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
     let beyond = crate::file::runnable(scene);
     let is_beyond = beyond.is_err();
     let setup = beyond.and_then(|()| AnySetup::of(scene));
+    let displaced = setup.as_ref().map_or_else(|_| Vec::new(), |setup| displaced(scene, setup));
+    let cut = judge(scene, &displaced);
+    warnings.extend(cut.as_ref().cloned().unwrap_or_default());
+    let thin_liquid = setup.as_ref().ok().map(|setup| unresolved(scene, setup, &mut warnings));
     let soft = setup.as_ref().map_or_else(|_| Vec::new(), |setup| reports(scene, setup));
     let fits = setup.as_ref().map_or(Ok(()), |setup| memory::solids_fit(scene, setup, memory::of_machine()));
     let soft_bytes: f64 = soft.iter().map(|s| s.memory_bytes).sum();
@@ -148,6 +161,8 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
         dx: d.dx,
         liquid_volume: volume,
         liquid_cells,
+        displaced,
+        thin_liquid,
         memory_bytes: memory::of_liquid(scene.grid_cells(), wet) + soft_bytes,
         steps,
         run_seconds: steps * (solves * work / (threads.max(1) as f64) + solving),
@@ -167,8 +182,34 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
         soft,
         warnings,
         cannot_run: setup.as_ref().err().map(SceneError::line),
-        error: setup.err().filter(|_| !is_beyond).or(fits.err()),
+        error: setup.err().filter(|_| !is_beyond).or(fits.err()).or(cut.err()),
     }
+}
+
+/// The share of the liquid that is thinner than two cells at the start. Tells of it and of gaps between solids.
+fn unresolved(scene: &Scene, setup: &AnySetup, warnings: &mut Vec<Warning>) -> f64 {
+    let (share, place) = match setup {
+        AnySetup::D2(setup) => {
+            warnings.extend(gaps::warnings(scene, setup));
+            let thin = thin_liquid::of_setup(setup);
+            (thin.share, thin.place.map(|x| x.as_slice().to_vec()))
+        }
+        AnySetup::D3(setup) => {
+            warnings.extend(gaps::warnings(scene, setup));
+            let thin = thin_liquid::of_setup(setup);
+            (thin.share, thin.place.map(|x| x.as_slice().to_vec()))
+        }
+    };
+    if let Some(place) = place.filter(|_| share > thin_liquid::TOLD) {
+        let place: Vec<String> = place.iter().map(|x| readable(*x, "m")).collect();
+        let message = format!(
+            "{:.1} % of the liquid are thinner than two cells, near ({}): it is not resolved there",
+            100.0 * share,
+            place.join(", ")
+        );
+        warnings.push(Warning { path: "liquid.body".to_owned(), message });
+    }
+    share
 }
 
 fn norm(v: &[f64]) -> f64 {
@@ -271,7 +312,8 @@ pub fn liquid_volume(scene: &Scene) -> Option<f64> {
 
 fn pairs(scene: &Scene) -> Vec<PairReport> {
     let gamma = scene.tension.liquid_air;
-    let report = |solid: &str, cosine: Option<f64>, length: Option<f64>| PairReport {
+    let line = &scene.contact_line;
+    let report = |solid: &str, cosine: Option<f64>| PairReport {
         solid: solid.to_owned(),
         young_cosine: cosine,
         young_angle: cosine.filter(|c| c.abs() <= 1.0).map(|c| c.acos().to_degrees()),
@@ -282,20 +324,24 @@ fn pairs(scene: &Scene) -> Vec<PairReport> {
             Some(c) if c <= -1.0 => "no wetting",
             Some(_) => "partial",
         },
-        elastocapillary_length: length,
+        elastocapillary_length: None,
+        bending_elastocapillary_length: None,
+        line_friction: line.friction_of.iter().find(|f| f.0 == solid).map_or(line.friction, |f| f.1),
     };
-    let mut out = vec![report(WALLS, Some(scene.domain.wall_contact_angle.cos()), None)];
+    let mut out = vec![report(WALLS, Some(scene.domain.wall_contact_angle.cos()))];
     for s in &scene.solids {
         let tension = scene.tension.solids.iter().find(|t| t.0 == s.name);
-        let length = match &s.material {
+        let mut pair = report(&s.name, tension.map(|t| t.1.tension.young_cosine(gamma)));
+        match &s.material {
             Material::Shell { elastic: e, thickness: t } => {
                 let bending = e.young_modulus * t.powi(3) / (12.0 * (1.0 - e.poisson_ratio.powi(2)));
-                Some((bending / gamma).sqrt())
+                pair.bending_elastocapillary_length = Some((bending / gamma).sqrt());
             }
-            Material::NeoHookean(e) | Material::Corotated(e) => Some(gamma / e.young_modulus),
-            _ => None,
-        };
-        let mut pair = report(&s.name, tension.map(|t| t.1.tension.young_cosine(gamma)), length);
+            Material::NeoHookean(e) | Material::Corotated(e) => {
+                pair.elastocapillary_length = Some(gamma / e.young_modulus);
+            }
+            _ => {}
+        }
         if let Some((_, wetting)) = tension.filter(|t| !t.1.is_even()) {
             let [low, high] = wetting.cosines(gamma).map(|c| c.clamp(-1.0, 1.0).acos().to_degrees());
             (pair.young_angles, pair.wetting) = (Some([high, low]), "patterned");
@@ -327,77 +373,5 @@ fn more_warnings(scene: &Scene, bodies: &[BodyReport], capillary: Option<f64>, o
     if scene.expect.is_empty() {
         let message = "nothing is checked at the end: add [expect]".to_owned();
         out.push(Warning { path: "expect".to_owned(), message });
-    }
-}
-
-/// Seconds for people.
-fn span_of_time(s: f64) -> String {
-    match s {
-        s if s < 90.0 => format!("{s:.0} s"),
-        s if s < 5400.0 => format!("{:.0} min", s / 60.0),
-        s => format!("{:.1} h", s / 3600.0),
-    }
-}
-
-impl Report {
-    /// The report as plain text, one fact a line.
-    pub fn render(&self) -> String {
-        let mut out = format!("{} ({}D)\n", self.name, self.dimension);
-        let mut line = |name: &str, value: String| {
-            let _ = writeln!(out, "  {name:<24}{value}");
-        };
-        let number = |v: f64| format!("{v:.4e}");
-        let cells: Vec<String> = self.cells.iter().map(ToString::to_string).collect();
-        line("cells", format!("{} = {:.0}, dx = {} m", cells.join(" x "), self.cell_count, number(self.dx)));
-        if let Some(v) = self.liquid_volume {
-            let unit = if self.dimension == 2 { "m^2" } else { "m^3" };
-            let n = self.liquid_cells.unwrap_or(0.0);
-            line("liquid", format!("{} {unit}, {n:.0} cells", number(v)));
-        }
-        line("memory", format!("about {}", memory::words(self.memory_bytes)));
-        line("steps", format!("about {:.0} of {} s", self.steps, number(self.time_step)));
-        line("time", format!("roughly {}", span_of_time(self.run_seconds)));
-        line("capillary step", format!("{} s (explicit limit)", number(self.capillary_step)));
-        for b in &self.bodies {
-            if let (Some(r), Some(n)) = (b.radius, b.cells_per_radius) {
-                line(&format!("body {}", b.index), format!("radius {} m, {n:.1} cells", number(r)));
-            }
-        }
-        if let (Some(c), Some(n)) = (self.capillary_length, self.capillary_length_cells) {
-            line("capillary length", format!("{} m, {n:.1} cells", number(c)));
-        }
-        let numbers = [
-            ("Bo = rho g R^2 / gamma", self.bond),
-            ("We = rho U^2 D / gamma", self.weber),
-            ("Oh = mu/sqrt(rho gamma D)", self.ohnesorge),
-            ("La = gamma rho D / mu^2", self.laplace),
-            ("Re = U D / nu", self.reynolds),
-        ];
-        for (name, value) in numbers {
-            if let Some(v) = value {
-                line(name, format!(" {v:.4}"));
-            }
-        }
-        for p in &self.pairs {
-            let angle = match (p.young_angles, p.young_angle) {
-                (Some([low, high]), _) => format!("{low:.2} to {high:.2} deg, "),
-                (None, Some(a)) => format!("{a:.2} deg, "),
-                (None, None) => String::new(),
-            };
-            let length = p.elastocapillary_length;
-            let length =
-                length.map_or_else(String::new, |l| format!(", elastocapillary length {} m", number(l)));
-            line(&format!("angle on {}", p.solid), format!("{angle}{}{length}", p.wetting));
-        }
-        for (name, value) in self.soft.iter().flat_map(|s| s.lines(self.dimension)) {
-            line(&name, value);
-        }
-        for w in &self.warnings {
-            let _ = writeln!(out, "warning: {}: {}", w.path, w.message);
-        }
-        if let (Some(why), None) = (&self.cannot_run, &self.error) {
-            let _ = writeln!(out, "cannot run: {why}");
-        }
-        out
     }
 }

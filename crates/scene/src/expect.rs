@@ -3,6 +3,7 @@
 use crate::file::{Expectation, Scene, Side, WALLS};
 use crate::output::series::Table;
 use crate::output::summary::{Summary, Verdict};
+use crate::units::{four_digits, readable};
 
 /// Wetted share of a surface from which on it is all: the cells at a gap to the floor may count as dry.
 const WHOLE: f64 = 0.98;
@@ -99,8 +100,8 @@ fn verdict(expectation: &Expectation, summary: &Summary, series: &Table) -> Verd
         Expectation::Deflection { solid, min, max } => {
             let found = summary.solids.iter().find(|s| s.name == *solid).and_then(|s| s.deflection);
             let bar = match max.is_finite() {
-                true => format!("{min:.6} to {max:.6} m"),
-                false => format!("at least {min:.6} m"),
+                true => format!("{} to {}", text(*min, "m"), text(*max, "m")),
+                false => format!("at least {}", text(*min, "m")),
             };
             let pass = found.is_some_and(|d| d >= *min && d <= *max);
             Verdict { quantity: format!("deflection of {solid}"), bar, value: found, unit: "m".into(), pass }
@@ -122,7 +123,7 @@ fn verdict(expectation: &Expectation, summary: &Summary, series: &Table) -> Verd
 fn at_most(quantity: &str, value: Option<f64>, max: f64, unit: &str) -> Verdict {
     Verdict {
         quantity: quantity.into(),
-        bar: format!("at most {max}{}", spaced(unit)),
+        bar: format!("at most {}", text(max, unit)),
         value,
         unit: unit.into(),
         pass: value.is_some_and(|v| v <= max),
@@ -132,7 +133,7 @@ fn at_most(quantity: &str, value: Option<f64>, max: f64, unit: &str) -> Verdict 
 fn near(quantity: &str, value: Option<f64>, expected: f64, tolerance: f64, unit: &str) -> Verdict {
     Verdict {
         quantity: quantity.into(),
-        bar: format!("{expected:.6} within {tolerance:.2e}{}", spaced(unit)),
+        bar: format!("{} within {}", text(expected, unit), text(tolerance, unit)),
         value,
         unit: unit.into(),
         pass: value.is_some_and(|v| (v - expected).abs() <= tolerance),
@@ -158,8 +159,14 @@ fn bounds(min: u32, max: u32) -> String {
     if max == u32::MAX { format!("at least {min}") } else { format!("{min} to {max}") }
 }
 
-fn spaced(unit: &str) -> String {
-    if unit.is_empty() { String::new() } else { format!(" {unit}") }
+/// A value of an expectation with its unit: four digits at least, with a prefix where the unit takes one.
+pub fn text(value: f64, unit: &str) -> String {
+    match unit {
+        "" if value != 0.0 && value.abs() < 0.01 => format!("{value:.2e}"),
+        "" => four_digits(value),
+        "deg" => format!("{} deg", four_digits(value)),
+        unit => readable(value, unit),
+    }
 }
 
 /// How far the total energy rises above its start, relative to the largest kind of energy at the start.

@@ -1,9 +1,138 @@
-//! The JSON Schema of scene files, for editors.
+//! The JSON Schema of scene files, for editors, and the same as a page for people.
 
 use crate::file::SceneFile;
+use serde_json::Value;
+use std::collections::VecDeque;
+use std::fmt::Write as _;
 
 /// The JSON Schema of a scene file, as pretty JSON.
 pub fn json_schema() -> String {
     let schema = schemars::schema_for!(SceneFile);
     serde_json::to_string_pretty(&schema).unwrap_or_default()
+}
+
+const HEAD: &str = "# The scene file\n\n\
+    A scene is a TOML file. This page is made from the JSON Schema (`meniscus schema --markdown > docs/scene.md`); \
+    a test fails when it is stale. `meniscus check SCENE` tells what is wrong in a file, and where.\n\n\
+    **Units.** Every value with a dimension is text with a unit, such as `\"1.2 mm\"`; only `0` needs none. Vectors have an entry \
+    for each axis; the last axis is up. In 2D all is per metre of depth.\n\n\
+    **Editors.** With the schema in a file (`meniscus schema > scene.schema.json`), the line \
+    `#:schema ./scene.schema.json` at the top of a scene lets editors that use Taplo (Even Better TOML of VS Code, and others) \
+    complete keys and mark mistakes.\n\n\
+    **Tables with one key** name a kind: `shape.ball = { … }`, `material.rigid = { fixed = true }`.\n";
+
+/// The grammar as a page of Markdown: a table for every table of a scene, in the order in which they come up.
+pub fn markdown() -> String {
+    let schema = schemars::schema_for!(SceneFile);
+    let root = schema.as_value();
+    let mut out = HEAD.to_owned();
+    let mut known = vec!["SceneFile".to_owned()];
+    let mut queue = VecDeque::from([("SceneFile".to_owned(), root)]);
+    while let Some((name, node)) = queue.pop_front() {
+        let title = if name == "SceneFile" { "The whole file" } else { &name };
+        let _ = write!(out, "\n## {title}\n\n");
+        if let Some(text) = node["description"].as_str() {
+            let _ = write!(out, "{}\n\n", one_line(text));
+        }
+        let mut found = Vec::new();
+        table(&mut out, node, &mut found);
+        for name in found {
+            if !known.contains(&name) {
+                queue.push_back((name.clone(), &root["$defs"][&name]));
+                known.push(name);
+            }
+        }
+    }
+    out
+}
+
+/// The keys or values of a definition; names of definitions that it refers to are added to `found`.
+fn table(out: &mut String, node: &Value, found: &mut Vec<String>) {
+    let required: Vec<&str> =
+        node["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+    let mut rows = Vec::new();
+    for (key, value) in node["properties"].as_object().into_iter().flatten() {
+        let needed = if required.contains(&key.as_str()) { "yes" } else { "" };
+        rows.push([format!("`{key}`"), kind(value, found), needed.to_owned(), text_of(value)]);
+    }
+    if let Some(other) = node.get("additionalProperties").filter(|other| other.is_object()) {
+        rows.push(["name of a solid".into(), kind(other, found), String::new(), text_of(other)]);
+    }
+    if !rows.is_empty() {
+        out.push_str("| key | value | required | |\n|---|---|---|---|\n");
+    }
+    for [key, value, needed, text] in rows {
+        let _ = writeln!(out, "| {key} | {value} | {needed} | {text} |");
+    }
+    for one in node["oneOf"].as_array().into_iter().flatten() {
+        for (key, value) in one["properties"].as_object().into_iter().flatten() {
+            let text = [text_of(one), text_of(value)].into_iter().find(|t| !t.is_empty()).unwrap_or_default();
+            let _ = writeln!(out, "- `{key}`: {}. {text}", kind(value, found));
+        }
+        if one["properties"].is_null() {
+            let text = text_of(one);
+            let _ = writeln!(
+                out,
+                "- {}{}",
+                kind(one, found),
+                if text.is_empty() { text } else { format!(": {text}") }
+            );
+        }
+    }
+    if node["properties"].is_null() && node["oneOf"].is_null() && node["additionalProperties"].is_null() {
+        let _ = writeln!(out, "Value: {}.", kind(node, found));
+    }
+}
+
+fn text_of(node: &Value) -> String {
+    node["description"].as_str().map(|t| one_line(t).replace('|', "\\|")).unwrap_or_default()
+}
+
+/// A text without line breaks, and without the links of documentation.
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// What a value may be, in words.
+fn kind(node: &Value, found: &mut Vec<String>) -> String {
+    if let Some(name) = node["$ref"].as_str().and_then(|r| r.rsplit('/').next()) {
+        found.push(name.to_owned());
+        return format!("[{name}](#{})", name.to_lowercase());
+    }
+    for key in ["anyOf", "oneOf"] {
+        if let Some(all) = node[key].as_array() {
+            let all: Vec<String> =
+                all.iter().filter(|n| n["type"] != "null").map(|n| kind(n, found)).collect();
+            return all.join(" or ");
+        }
+    }
+    if !node["const"].is_null() {
+        return format!("`{}`", node["const"]);
+    }
+    if let Some(values) = node["enum"].as_array() {
+        return values.iter().map(|v| format!("`{v}`")).collect::<Vec<_>>().join(", ");
+    }
+    let types: Vec<&str> = match &node["type"] {
+        Value::String(one) => vec![one],
+        Value::Array(all) => all.iter().filter_map(Value::as_str).filter(|t| *t != "null").collect(),
+        _ => Vec::new(),
+    };
+    let word = |t: &&str| match *t {
+        "array" => match node.get("items") {
+            Some(items) => format!("list of {}", kind(items, &mut Vec::new())),
+            None => "list".to_owned(),
+        },
+        "string" => "text".to_owned(),
+        "integer" => "whole number".to_owned(),
+        "boolean" => "`true` or `false`".to_owned(),
+        "object" => "table".to_owned(),
+        other => other.to_owned(),
+    };
+    if let Some(items) = node.get("items") {
+        kind(items, found);
+    }
+    if let Some(other) = node.get("additionalProperties").filter(|other| other.is_object()) {
+        return format!("table of {} by name of solid", kind(other, found));
+    }
+    types.iter().map(word).collect::<Vec<_>>().join(" or ")
 }

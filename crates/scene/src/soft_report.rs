@@ -6,6 +6,7 @@ use crate::file::{Material, Scene, Solid as SolidSpec};
 use crate::memory;
 use crate::run::Setup;
 use crate::stiff;
+use crate::units::readable;
 use meniscus_elastic::{Elastic, settled_modes};
 use meniscus_sim::THINNEST;
 use serde::Serialize;
@@ -56,8 +57,8 @@ pub struct SoftReport {
     pub thickness_cells: Option<f64>,
     /// Bending stiffness of a plate per width, N m; of springs about.
     pub bending_stiffness: Option<f64>,
-    /// Elastocapillary length √(B / γ) of a plate, m.
-    pub elastocapillary_length: Option<f64>,
+    /// Bending elastocapillary length √(B / γ) of a plate, m.
+    pub bending_elastocapillary_length: Option<f64>,
 }
 
 /// The reports of all solids that deform.
@@ -99,7 +100,7 @@ fn of_solid<const D: usize>(scene: &Scene, spec: &SolidSpec, body: &Elastic<D>) 
         steps_per_period: frequency.map(|f| 1.0 / (f * step)),
         thickness_cells: stiff::plate::<D>(&spec.shape).map(|p| p.0 / scene.domain.dx),
         bending_stiffness: bending,
-        elastocapillary_length: bending.map(|b| (b / scene.tension.liquid_air).sqrt()),
+        bending_elastocapillary_length: bending.map(|b| (b / scene.tension.liquid_air).sqrt()),
     }
 }
 
@@ -122,36 +123,41 @@ fn frequency<const D: usize>(spec: &SolidSpec, body: &Elastic<D>) -> Option<f64>
 impl SoftReport {
     /// The report as lines of plain text for `meniscus check`; each a name and what is told.
     pub(crate) fn lines(&self, dimension: usize) -> Vec<(String, String)> {
-        let number = |v: f64| format!("{v:.4e}");
         let (element, angle) =
             if dimension == 2 { ("triangles", "angles") } else { ("tetrahedra", "dihedral angles") };
         let unit = if dimension == 2 { "kg/m" } else { "kg" };
+        let held = match self.held {
+            0 => "none held: it moves freely and falls".to_owned(),
+            held => format!("{held} held"),
+        };
         let mut lines = vec![(
             format!("{} deforms", self.solid),
             format!(
-                "{} vertices ({} held), {} {element}, edges of {} m, {} {unit}",
+                "{} vertices ({held}), {} {element}, edges of {}, {:.4e} {unit}",
                 self.vertices,
-                self.held,
                 self.elements,
-                number(self.edge),
-                number(self.mass)
+                readable(self.edge, "m"),
+                self.mass
             ),
         )];
         let mut line = |value: String| lines.push((String::new(), value));
         let factors = match self.factorised {
-            true => format!("factors of {:.0} MB", self.solver_bytes * 1e-6),
-            false => "solved by iterations (its factors would take over 2 GB)".into(),
+            true => format!("its matrix factorised in {:.1} MB", self.solver_bytes * 1e-6),
+            false => "its matrix solved by iterations (factors would take over 2 GB)".into(),
         };
         line(format!(
             "{angle} of {:.1} to {:.1} deg, worst radius ratio {:.3}, {factors}",
             self.smallest_angle, self.largest_angle, self.worst_radius_ratio,
         ));
         if let (Some(speed), Some(edges)) = (self.wave_speed, self.edges_per_step) {
-            line(format!("elastic waves of {} m/s: {edges:.1} edges a step", number(speed)));
+            line(format!(
+                "elastic waves of {}, which pass {edges:.1} edges of the mesh in a step",
+                readable(speed, "m/s")
+            ));
         }
         if let (Some(f), Some(steps)) = (self.frequency, self.steps_per_period) {
             let few = if steps < 20.0 { ": too few to swing as it should" } else { "" };
-            line(format!("lowest frequency {} Hz, {steps:.1} steps a period{few}", number(f)));
+            line(format!("lowest frequency {}, {steps:.1} steps a period{few}", readable(f, "Hz")));
         }
         let mut plate = String::new();
         if let Some(cells) = self.thickness_cells {
@@ -160,8 +166,12 @@ impl SoftReport {
                 let _ = write!(plate, ", which the liquid meets as one of {THINNEST}");
             }
         }
-        if let (Some(b), Some(l)) = (self.bending_stiffness, self.elastocapillary_length) {
-            let _ = write!(plate, ", bending stiffness {} N m, √(B / γ) = {} m", number(b), number(l));
+        if let (Some(b), Some(l)) = (self.bending_stiffness, self.bending_elastocapillary_length) {
+            let _ = write!(
+                plate,
+                ", bending stiffness B = {b:.4e} N m, bending elastocapillary length √(B/γ) = {}",
+                readable(l, "m")
+            );
         }
         if !plate.is_empty() {
             line(plate);

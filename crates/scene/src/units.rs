@@ -85,6 +85,22 @@ impl Dimension {
         self.row().2
     }
 
+    /// The unit that values of scenes mostly have, for examples: `mm`.
+    pub fn usual(self) -> &'static str {
+        match self {
+            Self::Length => "mm",
+            Self::Time => "ms",
+            Self::Angle => "deg",
+            Self::AngularVelocity => "deg/s",
+            Self::Density => "g/cm^3",
+            Self::Tension => "mN/m",
+            Self::Pressure => "kPa",
+            Self::KinematicViscosity => "mm^2/s",
+            Self::DynamicViscosity => "mPa s",
+            other => other.si(),
+        }
+    }
+
     /// The usual units, separated by commas.
     pub fn accepted(self) -> &'static str {
         self.row().3
@@ -94,6 +110,36 @@ impl Dimension {
     pub fn advice(self) -> String {
         format!("{} is written as text with a unit, one of: {}", self.name(), self.accepted())
     }
+}
+
+/// A number with four digits and an SI prefix that keeps it handy: `1.612 mm`. Only for units of power one.
+pub fn readable(x: f64, unit: &str) -> String {
+    const STEPS: [(f64, &str); 7] =
+        [(1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n")];
+    let fits = STEPS.into_iter().find(|(scale, _)| x.abs() >= scale * 0.999_95);
+    let (scale, prefix) = if x == 0.0 { (1.0, "") } else { fits.unwrap_or(STEPS[6]) };
+    format!("{} {prefix}{unit}", four_digits(x / scale))
+}
+
+/// A number with four digits at least, without zeros at its end.
+pub(crate) fn four_digits(x: f64) -> String {
+    let whole = x.abs().max(1.0).log10().floor() as usize;
+    let digits = 3usize.saturating_sub(whole);
+    let text = format!("{x:.digits$}");
+    let cut = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if cut == "-0" { "0".into() } else { cut.into() }
+}
+
+/// An area (2D) or a volume (3D) in SI as text: `3.142 mm^2`.
+pub fn readable_volume(x: f64, dimension: usize) -> String {
+    let size = x.abs().powf(1.0 / dimension as f64);
+    let (step, unit): (f64, &str) = match size {
+        s if s >= 1.0 => (1.0, "m"),
+        s if s >= 0.1 => (1e-2, "cm"),
+        s if s >= 1e-4 => (1e-3, "mm"),
+        _ => (1e-6, "um"),
+    };
+    format!("{} {unit}^{dimension}", four_digits(x / step.powi(dimension as i32)))
 }
 
 /// Why a value was refused.

@@ -6,9 +6,10 @@ use crate::failure::Result;
 use clap::CommandFactory;
 use serde_json::json;
 
-/// Prints the JSON Schema of scene files.
-pub fn schema() -> Result {
-    print(&(meniscus_scene::schema::json_schema() + "\n"))?;
+/// Prints the JSON Schema of scene files, or the same as Markdown.
+pub fn schema(markdown: bool) -> Result {
+    let schema = meniscus_scene::schema::json_schema() + "\n";
+    print(&if markdown { meniscus_scene::schema::markdown() } else { schema })?;
     Ok(0)
 }
 

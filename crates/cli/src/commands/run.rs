@@ -7,6 +7,7 @@ use crate::progress::{Reporter, clock, time};
 use crate::scenes::{self, Loaded};
 use crate::stop::Watch;
 use meniscus_scene::build::AnySetup;
+use meniscus_scene::displaced;
 use meniscus_scene::expect;
 use meniscus_scene::file::{Format, Scene};
 use meniscus_scene::memory;
@@ -38,8 +39,10 @@ pub fn run(args: &RunArgs) -> Result {
         _ => Existing::Refuse,
     };
     let folder = Folder::at(&out);
-    let mut reporter = Reporter::new(args.log, args.quiet);
+    let mut reporter = Reporter::new(args.log, args.quiet, resume_command(args, &out));
     let setup = AnySetup::of(&scene)?;
+    let cut = displaced::judge(&scene, &displaced::displaced(&scene, &setup))?;
+    job.warnings = cut.into_iter().map(|w| format!("{}: {}", w.path, w.message)).collect();
     memory::solids_fit(&scene, &setup, memory::of_machine())?;
     let outcome = setup.run(&job, &folder, existing, &|| watch.request(), &mut reporter)?;
     let text = args.log == LogFormat::Text && !args.quiet;
@@ -67,7 +70,7 @@ fn load(args: &RunArgs) -> Result<Loaded> {
     if output.duration.min(last) < whole * (1.0 - 1e-9) && !loaded.scene.expect.is_empty() {
         loaded.scene.expect.clear();
         if !args.quiet && args.log == LogFormat::Text {
-            eprintln!("the run is cut short: [expect] is not checked");
+            eprintln!("the run is cut short: the scene's [expect] is not checked");
         }
     }
     Ok(loaded)
@@ -122,7 +125,7 @@ fn finish(args: &RunArgs, scene: &Scene, mut summary: Summary, folder: &Folder) 
     let mut report = String::new();
     let _ = writeln!(
         report,
-        "{}: {} in {} steps, {} ({:.2} s/step), volume {:+.0e}",
+        "{}: {} in {} steps, {} ({:.2} s/step), largest volume error of the run {:+.0e}",
         summary.scene,
         time(summary.simulated_seconds, summary.simulated_seconds),
         summary.steps,
@@ -138,9 +141,13 @@ fn finish(args: &RunArgs, scene: &Scene, mut summary: Summary, folder: &Folder) 
     };
     report += shown.as_deref().unwrap_or_default();
     report += &repairs(&summary);
-    report += &verdicts(&summary.expect);
+    let (expected, always) = summary.expect.split_at(scene.expect.len());
+    let verdicts = verdicts("expect", expected) + &verdicts("always", always);
     if text {
-        print(&report)?;
+        print(&(report + &verdicts))?;
+    } else if args.log == LogFormat::Text {
+        let missed = verdicts.lines().filter(|line| line.ends_with(MISSED_WORD));
+        missed.for_each(|line| eprintln!("{line}"));
     }
     shown?;
     Ok(if summary.expect.iter().all(|v| v.pass) { 0 } else { MISSED })
@@ -168,12 +175,16 @@ fn short(value: f64) -> String {
     if value.fract() == 0.0 && value < 1e6 { format!("{value}") } else { format!("{value:.1e}") }
 }
 
-fn verdicts(verdicts: &[Verdict]) -> String {
+/// How the line of an expectation that is missed ends.
+const MISSED_WORD: &str = "MISSED";
+
+/// A line each; `whose`: the scene's `expect`, or what is checked `always`.
+fn verdicts(whose: &str, verdicts: &[Verdict]) -> String {
     let mut out = String::new();
     for v in verdicts {
-        let value = v.value.map_or_else(|| "not measured".into(), |x| format!("{x:.6} {}", v.unit));
-        let verdict = if v.pass { "met" } else { "MISSED" };
-        let _ = writeln!(out, "expect    {}: {} (bar: {}) {verdict}", v.quantity, value.trim_end(), v.bar);
+        let value = v.value.map_or_else(|| "not measured".into(), |x| expect::text(x, &v.unit));
+        let verdict = if v.pass { "met" } else { MISSED_WORD };
+        let _ = writeln!(out, "{whose:<10}{}: {value} (bar: {}) {verdict}", v.quantity, v.bar);
     }
     out
 }

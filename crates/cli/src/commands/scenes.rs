@@ -6,6 +6,7 @@ use crate::failure::{Failure, OUTPUT, Result, USAGE};
 use meniscus_scene::builtin::{BUILTINS, find};
 use meniscus_scene::error::nearest;
 use std::fmt::Write as _;
+use std::path::Path;
 
 /// Lists the built-in scenes.
 pub fn list(json: bool) -> Result {
@@ -42,7 +43,33 @@ pub fn new(args: &NewArgs) -> Result {
         return Err(Failure::new(OUTPUT, format!("`{}` exists already", path.display()))
             .help("choose another name: nothing is overwritten"));
     }
-    super::save(path, scene.text)?;
-    print(&format!("{}: run it with\n  meniscus run {}\n", path.display(), path.display()))?;
+    let name = scene_name(path).unwrap_or_else(|| scene.name.to_owned());
+    let line = |name: &str| format!("\nname = \"{name}\"\n");
+    super::save(path, &scene.text.replacen(&line(scene.name), &line(&name), 1))?;
+    let file = path.display();
+    print(&format!("{file}: run it with\n  meniscus run {file}\ninto the folder out/{name}\n"))?;
     Ok(0)
+}
+
+/// The name of a scene in a file of this name: a copy must not run into the output folder of what it was copied from. None
+/// where nothing of the file's name can name a scene.
+fn scene_name(path: &Path) -> Option<String> {
+    let stem = path.file_stem()?.to_string_lossy();
+    let fine = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' };
+    let name: String = stem.trim_start_matches('.').chars().map(fine).take(100).collect();
+    name.contains(|c: char| c.is_ascii_alphanumeric()).then_some(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_names_its_scene() {
+        let name = |path: &str| scene_name(Path::new(path));
+        assert_eq!(name("cases/my.toml").as_deref(), Some("my"));
+        assert_eq!(name("my drop (2).toml").as_deref(), Some("my-drop--2-"));
+        assert_eq!(name(".hidden").as_deref(), Some("hidden"));
+        assert_eq!(name("---.toml"), None);
+    }
 }

@@ -275,10 +275,15 @@ fn set_in_value<'i>(
         DeValue::Table(t) => set_in_table(t, path, value),
         DeValue::Array(a) => {
             let count = a.len();
-            let item = word.parse::<usize>().ok().and_then(|i| a.get_mut(i));
-            let Some(item) = item else {
+            let names: Vec<Option<String>> = a.iter().map(name_of).collect();
+            let number = word.parse().ok().or_else(|| names.iter().position(|n| n.as_deref() == Some(*word)));
+            let Some(item) = number.and_then(|i: usize| a.get_mut(i)) else {
                 let error = SceneError::new(format!("`{name}` has no entry `{word}`"));
-                let help = format!("it has {count}, counted from 0");
+                let names: Vec<String> = names.into_iter().flatten().collect();
+                let help = match names.is_empty() {
+                    true => format!("it has {count}, counted from 0"),
+                    false => format!("it has {count}, counted from 0, or by name: {}", names.join(", ")),
+                };
                 return Err(Box::new((error.with_help(help), span.clone())));
             };
             if rest.is_empty() {
@@ -297,6 +302,27 @@ fn set_in_value<'i>(
         }
     }
 }
+
+/// The `name` of an entry of a list, such as a solid's.
+fn name_of(item: &Spanned<DeValue<'_>>) -> Option<String> {
+    let DeValue::Table(table) = item.get_ref() else { return None };
+    match table.get("name")?.get_ref() {
+        DeValue::String(name) => Some(name.to_string()),
+        _ => None,
+    }
+}
+
+/// Words of other programs for keys and values of ours.
+const SYNONYMS: [(&str, &str); 8] = [
+    ("clamp", "fixed"),
+    ("clamped", "fixed"),
+    ("elastic", "neo_hookean"),
+    ("viscosity", "dynamic_viscosity"),
+    ("dt", "fixed_step"),
+    ("end_time", "duration"),
+    ("sphere", "ball"),
+    ("circle", "ball"),
+];
 
 fn with_article(noun: &str) -> String {
     let article = if noun.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
@@ -318,8 +344,9 @@ fn reword(raw: &str) -> (String, String) {
     for (start, noun) in [("unknown field `", "key"), ("unknown variant `", "value")] {
         if raw.starts_with(start) && !quoted.is_empty() {
             let (found, accepted) = (quoted[0], &quoted[1..]);
-            let near = nearest(found, accepted.iter().copied())
-                .map_or_else(String::new, |n| format!("did you mean `{n}`? "));
+            let meant = SYNONYMS.iter().find(|(word, ours)| *word == found && accepted.contains(ours));
+            let near = meant.map(|m| m.1).or_else(|| nearest(found, accepted.iter().copied()));
+            let near = near.map_or_else(String::new, |n| format!("did you mean `{n}`? "));
             let list = accepted.join(", ");
             let help = match accepted {
                 [] => format!("no {noun} is accepted here"),
@@ -329,7 +356,11 @@ fn reword(raw: &str) -> (String, String) {
         }
     }
     if let (true, Some(key)) = (raw.starts_with("missing field `"), quoted.first()) {
-        return (format!("the key `{key}` is missing"), format!("add `{key} = …` to this table"));
+        let help = match *key {
+            "format" => "add `format = 1` at the top: the version of the grammar".to_owned(),
+            key => format!("add `{key} = …` to this table"),
+        };
+        return (format!("the key `{key}` is missing"), help);
     }
     if let (true, Some(key)) = (raw.starts_with("duplicate key"), quoted.first()) {
         return (format!("the key `{key}` is given twice"), "remove one".to_owned());
@@ -357,6 +388,7 @@ fn plain_type(wanted: &str) -> String {
         "a boolean" => "true or false".to_owned(),
         "a sequence" => "a list [ … ]".to_owned(),
         other => match other.strip_prefix("struct ") {
+            Some("SolidTensionFile") => "a table, like { contact_angle = \"30 deg\" }".to_owned(),
             Some(_) => "a table { … }".to_owned(),
             None if other.starts_with("enum ") => "a table with one key that names the kind".to_owned(),
             None => other.to_owned(),

@@ -108,8 +108,9 @@ pub struct FrequencyFile {
 pub struct ContactAngleFile {
     /// Name of the solid; `walls` for the closed sides of the domain, if no solid is called so.
     pub solid: String,
-    /// Expected angle.
-    pub value: Angle,
+    /// Expected angle; without it Young's, which follows from the tensions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub value: Option<Angle>,
     /// Accepted deviation.
     pub tolerance: Angle,
 }

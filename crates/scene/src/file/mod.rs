@@ -179,6 +179,10 @@ pub struct BodyFile {
     /// Start velocity; at rest without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity: Option<Vec<Speed>>,
+    /// Solids are meant to cut off what they overlap of it at the start, as where half a ball is laid on a plate: without this key
+    /// `check` and `run` warn of a ball or an ellipsoid that a solid cuts by more than a cell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub displaced: Option<bool>,
 }
 
 /// `[numerics]`.
@@ -200,7 +204,7 @@ pub struct NumericsFile {
     /// Most iterations of a solve; 200 without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_iterations: Option<u32>,
-    /// Largest step as a multiple of the explicit capillary limit; without it 5, where solids deform 2.
+    /// Largest step as a multiple of the explicit capillary limit; 5 without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub capillary_step: Option<f64>,
     /// Most of Newton's iterations of a step where solids deform, after its one linear solve; none without it.
@@ -224,7 +228,8 @@ pub enum Scheme {
     /// One coupled solve a step, energy-gradient capillarity.
     #[default]
     Meniscus,
-    /// The seven steps of the paper's Section 6.
+    /// The seven steps of the paper's Section 6, which this version does not have.
+    #[schemars(skip)]
     Paper,
 }
 
@@ -245,7 +250,8 @@ pub struct OutputFile {
     pub checkpoint_every: Option<u32>,
 }
 
-/// A format of frames.
+/// A format of frames. Those that this version does not write are read, so that they are refused by name; the schema does not
+/// offer them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Format {
@@ -254,15 +260,21 @@ pub enum Format {
     /// One self-contained HTML page.
     Page,
     /// VTK XML with a `.pvd`.
+    #[schemars(skip)]
     Vtk,
     /// Wavefront OBJ.
+    #[schemars(skip)]
     Obj,
     /// Binary glTF.
+    #[schemars(skip)]
     Glb,
     /// USD text.
+    #[schemars(skip)]
     Usd,
     /// OpenVDB level sets.
+    #[schemars(skip)]
     Vdb,
     /// Tables of vertices.
+    #[schemars(skip)]
     Csv,
 }

@@ -20,7 +20,7 @@ impl UnitVisitor {
             return Ok(Parsed { value: 0.0, in_cells: false });
         }
         let advice = self.0.advice();
-        let unit = self.0.si();
+        let unit = self.0.usual();
         Err(E::custom(format!(
             "the number {number} has no unit{HELP_MARK}{advice}; like \"{number} {unit}\""
         )))

@@ -82,8 +82,7 @@ fn resolve(file: SceneFile, source: Source, base: &Path, quality: Quality) -> Re
     r.young_within(&tension, &contact_line, &domain)?;
     let numerics = r.numerics(&file.numerics, solids.iter().any(|s| s.material.deforms()))?;
     let output = r.output(&file.output)?;
-    let wets = (domain.wets() && contact_line.enabled).then_some(WALLS);
-    let angles: Vec<&str> = names.iter().copied().chain(wets).collect();
+    let angles = angles(&names, &tension, &domain, &contact_line);
     let soft: Vec<&str> = solids.iter().filter(|s| s.material.deforms()).map(|s| s.name.as_str()).collect();
     let expect = r.expect(&file.expect.unwrap_or_default(), &names, &angles, &soft)?;
     Ok(Scene {
@@ -102,6 +101,24 @@ fn resolve(file: SceneFile, source: Source, base: &Path, quality: Quality) -> Re
         warnings: Warnings(r.warnings),
         source: r.source,
     })
+}
+
+/// All that has a contact angle, by name, and Young's angle there, rad (of what is wetted totally 0, of what is dry π); none
+/// where it varies.
+fn angles<'a>(
+    names: &[&'a str],
+    tension: &Tensions,
+    domain: &Domain,
+    line: &ContactLine,
+) -> Vec<(&'a str, Option<f64>)> {
+    let young = |name: &&'a str| {
+        let given = tension.solids.iter().find(|t| t.0 == **name).map(|t| &t.1);
+        let even = given.is_none_or(Wetting::is_even);
+        let cosine = given.map_or(0.0, |w| w.tension.young_cosine(tension.liquid_air));
+        (*name, even.then(|| cosine.clamp(-1.0, 1.0).acos()))
+    };
+    let walls = (domain.wets() && line.enabled).then_some((WALLS, Some(domain.wall_contact_angle)));
+    names.iter().map(young).chain(walls).collect()
 }
 
 impl Resolver {
@@ -147,6 +164,15 @@ impl Resolver {
         Err(self.error(path, format!("{what} is {value}, out of range"), help))
     }
 
+    /// A contact angle, rad.
+    pub fn angle(&self, path: &str, angle: Angle) -> Result<f64, SceneError> {
+        if (0.0..=PI).contains(&angle.0) {
+            return Ok(angle.0);
+        }
+        let message = format!("a contact angle of {} deg is out of range", short(angle.0.to_degrees()));
+        Err(self.error(path, message, "accepted: \"0 deg\" to \"180 deg\", through the liquid"))
+    }
+
     /// A length above zero.
     pub fn size_of(&self, path: &str, what: &str, value: Length) -> Result<f64, SceneError> {
         self.positive(path, what, value.resolve(self.dx))
@@ -190,7 +216,7 @@ impl Resolver {
         }
         let cells = self.grid(d, quality)?;
         let angle = d.wall_contact_angle.map_or(FRAC_PI_2, |a| a.0);
-        self.within("domain.wall_contact_angle", "the contact angle (rad)", angle, 0.0, PI)?;
+        self.angle("domain.wall_contact_angle", Angle(angle))?;
         let walls = self.walls(&d.walls)?;
         let size = self.size.clone();
         Ok(Domain { dimension: self.dim, size, cells, dx: self.dx, walls, wall_contact_angle: angle })
@@ -307,7 +333,7 @@ impl Resolver {
             let velocity = self.velocity(&format!("{path}.velocity"), b.velocity.as_ref())?;
             let shape = self.shape(&format!("{path}.shape"), &b.shape)?;
             self.liquid_inside(&format!("{path}.shape"), &shape)?;
-            bodies.push(Body { shape, velocity });
+            bodies.push(Body { shape, velocity, displaced: b.displaced.unwrap_or(false) });
         }
         Ok(Liquid { density, kinematic_viscosity, gravity, bodies })
     }

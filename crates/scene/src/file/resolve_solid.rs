@@ -3,7 +3,6 @@
 use super::resolve::Resolver;
 use super::*;
 use crate::error::{SceneError, nearest};
-use std::f64::consts::PI;
 
 /// Speed of sound in air, m/s.
 const SOUND: f64 = 343.0;
@@ -311,12 +310,13 @@ impl Resolver {
         Ok(ContactLine { enabled, radius, neumann, friction, friction_of, hysteresis })
     }
 
-    /// The expectations; `names` are the solids', `angles` those of what has a contact angle, `soft` those of what deforms.
+    /// The expectations; `names` are the solids', `angles` those of what has a contact angle, with Young's, `soft` those of what
+    /// deforms.
     pub fn expect(
         &mut self,
         e: &ExpectFile,
         names: &[&str],
-        angles: &[&str],
+        angles: &[(&str, Option<f64>)],
         soft: &[&str],
     ) -> Result<Vec<Expectation>, SceneError> {
         let bound = |key: &str, m: MaxFile| self.not_negative(&format!("expect.{key}.max"), "a bound", m.max);
@@ -386,15 +386,22 @@ impl Resolver {
     fn expect_angles(
         &self,
         e: &ExpectFile,
-        names: &[&str],
+        angles: &[(&str, Option<f64>)],
         out: &mut Vec<Expectation>,
     ) -> Result<(), SceneError> {
+        let names: Vec<&str> = angles.iter().map(|a| a.0).collect();
         for (i, c) in e.contact_angle.iter().enumerate() {
             let many = e.contact_angle.len() > 1;
             let p =
                 if many { format!("expect.contact_angle.{i}") } else { "expect.contact_angle".to_owned() };
-            self.known_solid(&format!("{p}.solid"), false, &c.solid, names)?;
-            let value = self.within(&format!("{p}.value"), "the angle (rad)", c.value.0, 0.0, PI)?;
+            self.known_solid(&format!("{p}.solid"), false, &c.solid, &names)?;
+            let young = angles.iter().find(|a| a.0 == c.solid).and_then(|a| a.1);
+            let Some(value) = c.value.or(young.map(Angle)) else {
+                let message =
+                    format!("Young's angle varies over `{}`: there is no one angle to expect", c.solid);
+                return Err(self.error(&p, message, "add `value = \"90 deg\"`"));
+            };
+            let value = self.angle(&format!("{p}.value"), value)?;
             let tolerance = self.positive(&format!("{p}.tolerance"), "the tolerance", c.tolerance.0)?;
             out.push(Expectation::ContactAngle { solid: c.solid.clone(), value, tolerance });
         }

@@ -35,11 +35,6 @@ impl Resolver {
         Ok(Tensions { liquid_air, solids })
     }
 
-    /// A contact angle, rad.
-    fn contact_angle(&self, path: &str, angle: Angle) -> Result<f64, SceneError> {
-        self.within(path, "the contact angle (rad)", angle.0, 0.0, PI)
-    }
-
     fn solid_tension(&self, path: &str, s: &SolidTensionFile) -> Result<SolidTension, SceneError> {
         let at = |key: &str| format!("{path}.{key}");
         Ok(match (s.liquid_solid, s.solid_air, s.contact_angle, &s.gradient) {
@@ -47,12 +42,12 @@ impl Resolver {
                 liquid_solid: self.not_negative(&at("liquid_solid"), "the tension", ls.0)?,
                 solid_air: self.not_negative(&at("solid_air"), "the tension", sa.0)?,
             },
-            (None, None, Some(a), None) => SolidTension::Angle(self.contact_angle(&at("contact_angle"), a)?),
+            (None, None, Some(a), None) => SolidTension::Angle(self.angle(&at("contact_angle"), a)?),
             (None, None, None, Some(g)) => {
                 let end = |key: &str, end: &AngleAtFile| {
                     let point = self.point(&format!("{path}.gradient.{key}.point"), &end.point)?;
                     let angle = format!("{path}.gradient.{key}.contact_angle");
-                    Ok((point, self.contact_angle(&angle, end.contact_angle)?))
+                    Ok((point, self.angle(&angle, end.contact_angle)?))
                 };
                 let (from, to) = (end("from", &g.from)?, end("to", &g.to)?);
                 if from.0 == to.0 {
@@ -63,10 +58,34 @@ impl Resolver {
                 SolidTension::Gradient { from, to }
             }
             _ => {
-                let help = "give `liquid_solid` and `solid_air`, or `contact_angle`, or `gradient`";
-                return Err(self.error(path, "the tensions are not fixed by these keys", help));
+                return Err(self.undetermined(path, s));
             }
         })
+    }
+
+    /// Tensions of which too much or too little is given.
+    fn undetermined(&self, path: &str, s: &SolidTensionFile) -> SceneError {
+        let keys = [
+            ("liquid_solid", s.liquid_solid.is_some()),
+            ("solid_air", s.solid_air.is_some()),
+            ("contact_angle", s.contact_angle.is_some()),
+            ("gradient", s.gradient.is_some()),
+        ];
+        let given: Vec<&str> = keys.iter().filter(|key| key.1).map(|key| key.0).collect();
+        let one_of = "give `liquid_solid` and `solid_air`, or `contact_angle`, or `gradient`";
+        let energies = given.iter().filter(|key| ["liquid_solid", "solid_air"].contains(key)).count();
+        if given.is_empty() {
+            return self.error(path, "no tension is given for this solid", one_of);
+        }
+        if given.len() == energies {
+            let missing = if given == ["liquid_solid"] { "solid_air" } else { "liquid_solid" };
+            return self.error(path, format!("the tension `{missing}` is missing"), one_of);
+        }
+        let message = format!("{} exclude each other", given.join(" and "));
+        let help = format!(
+            "keep one; on the command line set the whole table: --set '{path}={{contact_angle=\"60 deg\"}}'"
+        );
+        self.error(path, message, help)
     }
 
     /// `bounds`: those of the solid.
@@ -86,7 +105,7 @@ impl Resolver {
                 let p = self.source.first_inside(&p);
                 return Err(self.error(&p, "the patch does not reach the solid", help));
             }
-            let angle = self.contact_angle(&format!("{path}.{i}.contact_angle"), patch.contact_angle)?;
+            let angle = self.angle(&format!("{path}.{i}.contact_angle"), patch.contact_angle)?;
             out.push((shape, angle));
         }
         Ok(out)
@@ -129,8 +148,8 @@ impl Resolver {
             let help = "images lie where the solid is at the start";
             return Err(self.error(&at("lower"), "the image does not reach the solid", help));
         }
-        let black = self.contact_angle(&at("black"), i.black)?;
-        let white = self.contact_angle(&at("white"), i.white)?;
+        let black = self.angle(&at("black"), i.black)?;
+        let white = self.angle(&at("white"), i.white)?;
         Ok(WettingImage { path: file, lower, upper, black, white })
     }
 

@@ -106,6 +106,8 @@ pub struct Body {
     pub shape: ShapeSpec,
     /// Start velocity, m/s.
     pub velocity: Vec<f64>,
+    /// Whether solids are meant to cut it at the start.
+    pub displaced: bool,
 }
 
 /// A shape, lengths in m; directions have unit length.

@@ -86,9 +86,11 @@ pub enum MaterialFile {
     NeoHookean(ElasticFile),
     /// Corotated linear elasticity.
     Corotated(ElasticFile),
-    /// A thin sheet.
+    /// A thin sheet. This version does not run it.
+    #[schemars(skip)]
     Shell(ShellFile),
-    /// A thin thread.
+    /// A thin thread. This version does not run it.
+    #[schemars(skip)]
     Rod(RodFile),
 }
 

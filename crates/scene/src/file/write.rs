@@ -82,7 +82,8 @@ fn domain(d: &Domain) -> DomainFile {
 }
 
 fn body(b: &Body) -> BodyFile {
-    BodyFile { shape: shape(&b.shape), velocity: Some(speeds(&b.velocity)) }
+    let displaced = b.displaced.then_some(true);
+    BodyFile { shape: shape(&b.shape), velocity: Some(speeds(&b.velocity)), displaced }
 }
 
 /// Nothing is written for no rotation; else the form follows the number of dimensions.
@@ -345,7 +346,7 @@ fn expect(list: &[Expectation]) -> ExpectFile {
             }
             Expectation::ContactAngle { solid, value, tolerance } => e.contact_angle.push(ContactAngleFile {
                 solid: solid.clone(),
-                value: Angle(*value),
+                value: Some(Angle(*value)),
                 tolerance: Angle(*tolerance),
             }),
             Expectation::Drops { min, max } => {

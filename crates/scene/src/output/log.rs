@@ -26,11 +26,18 @@ impl Log {
         Ok(Self { path: path.to_path_buf(), file })
     }
 
+    /// The same file for another thread; none where the system has no more handles.
+    pub fn another(&self) -> Option<Self> {
+        Some(Self { path: self.path.clone(), file: self.file.try_clone().ok()? })
+    }
+
     /// Appends a line.
     ///
     /// # Errors
     /// [`FileError`].
     pub fn write(&mut self, line: &Value) -> Result<(), FileError> {
-        writeln!(self.file, "{line}").map_err(FileError::of("write", &self.path))
+        // In one piece: another thread may write too.
+        let text = format!("{line}\n");
+        self.file.write_all(text.as_bytes()).map_err(FileError::of("write", &self.path))
     }
 }

@@ -1,7 +1,7 @@
 //! `summary.json`: how a run stands or ended.
 
 use super::file::{self, FileError};
-use crate::run::{Job, Tally, three};
+use crate::run::{Job, Tally, ThinTally, three};
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::RigidMotion;
 use meniscus_sim::{ContactLine, Drop, Motion, Quantity, Repairs, Simulation, Solid, SolidState};
@@ -61,6 +61,9 @@ pub struct Summary {
     /// Deepest that a solid that deforms overlapped a side, another solid or itself in any frame, m. Null without such solids.
     #[serde(default)]
     pub deepest_overlap: Option<f64>,
+    /// Liquid thinner than two cells, which the grid does not resolve.
+    #[serde(default)]
+    pub thin_liquid: ThinTally,
     /// Volume of drops that became too small to see, m³ (2D: m²).
     pub lost_volume: f64,
     /// Steps done again with half the length.
@@ -258,6 +261,7 @@ impl Summary {
             max_speed: tally.max_speed,
             least_element: tally.least_element,
             deepest_overlap: tally.deepest_overlap,
+            thin_liquid: tally.thin,
             lost_volume: state.lost_volume,
             redone: tally.repairs.redone,
             repairs: named(&tally.repairs),
@@ -333,8 +337,18 @@ pub fn peak_memory() -> Option<u64> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+
+    /// The summary of a run that has done nothing.
+    pub(crate) fn empty() -> Summary {
+        let text = "{\"scene\":\"\",\"version\":\"\",\"exit_reason\":\"running\",\"dimension\":2,\"resolution\":1,\
+                    \"cells\":[],\"dx\":1,\"domain\":[],\"threads\":1,\"steps\":0,\"frames\":0,\"frame_interval\":1,\
+                    \"simulated_seconds\":0,\"wall_seconds\":0,\"volume_error\":0,\"momentum_error\":0,\
+                    \"max_divergence\":0,\"max_speed\":0,\"lost_volume\":0,\"redone\":0,\"phases\":{},\"solves\":{},\
+                    \"peak_memory_bytes\":0,\"drops\":[],\"solids\":[]}";
+        serde_json::from_str(text).unwrap()
+    }
 
     #[test]
     fn held_parts_carry_a_solid_along() {

@@ -1,5 +1,6 @@
 //! What a run tells while it goes.
 
+use super::Remote;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -45,6 +46,19 @@ pub enum Event {
         time: f64,
         /// The file.
         path: PathBuf,
+    },
+    /// A step is taking long. Told from another thread, while it goes on.
+    LongStep {
+        /// Its number.
+        step: u64,
+        /// How long it has taken so far, s.
+        seconds: f64,
+        /// Median of the steps before it, s; none where they are too few.
+        median: Option<f64>,
+        /// Length of the step before it, s.
+        dt_before: f64,
+        /// The phase that it is in, as far as the step before tells.
+        phase: String,
     },
     /// Something that the user should know.
     Warning {
@@ -95,6 +109,11 @@ pub struct Progress {
 pub trait Observer {
     /// Called at once, between steps.
     fn see(&mut self, event: &Event);
+
+    /// What sees events from another thread, while a step goes on; none if nobody would listen.
+    fn remote(&self) -> Option<Box<dyn Remote>> {
+        None
+    }
 }
 
 /// An observer that does nothing.

@@ -6,12 +6,14 @@ mod resume;
 mod schedule;
 mod session;
 mod tally;
+mod watchdog;
 
 pub use error::RunError;
 pub use event::{Event, Observer, Progress, Silent};
 pub use schedule::Schedule;
-pub use tally::Tally;
 pub(crate) use tally::three;
+pub use tally::{Tally, ThinTally};
+pub use watchdog::Remote;
 
 use crate::output::summary::{FINISHED, Summary};
 use crate::output::{FileError, Folder};
@@ -62,6 +64,8 @@ pub struct Job {
     pub checkpoint_every: u64,
     /// Name and mesh edge, m, of every solid.
     pub solids: Vec<(String, f64)>,
+    /// What looks odd in the scene: told at the start.
+    pub warnings: Vec<String>,
 }
 
 /// What to do with an output folder that holds a run already.
@@ -80,8 +84,20 @@ pub enum Existing {
 pub enum Stop {
     /// A signal.
     Signal,
+    /// A second signal: within the step, whose work is lost.
+    AtOnce,
     /// The time given with `--walltime` is over.
     Walltime,
+}
+
+impl Stop {
+    /// The beginning of the `exit_reason` of the summary.
+    pub(crate) fn reason(self) -> &'static str {
+        match self {
+            Self::Signal | Self::AtOnce => "stopped: signal",
+            Self::Walltime => "stopped: walltime",
+        }
+    }
 }
 
 /// How a run ended.
@@ -95,7 +111,7 @@ pub enum Outcome {
     Stopped(Stop, Summary),
 }
 
-/// Runs a simulation into a folder. `stop` is asked between steps.
+/// Runs a simulation into a folder. `stop` is asked between steps, and from another thread within them.
 ///
 /// # Errors
 /// [`RunError`]; what was written is whole, and the last good checkpoint is kept.
@@ -104,7 +120,7 @@ pub fn run<const D: usize>(
     job: &Job,
     folder: &Folder,
     existing: Existing,
-    stop: &dyn Fn() -> Option<Stop>,
+    stop: &(dyn Fn() -> Option<Stop> + Sync),
     observer: &mut dyn Observer,
 ) -> Result<Outcome, RunError> {
     if existing == Existing::Resume

@@ -1,15 +1,19 @@
 //! One process at work on a run.
 
 use super::resume::scene_text;
+use super::watchdog::{Finish, Limits, Watchdog};
 use super::{Event, Job, Observer, Outcome, Progress, RunError, Stop, Tally};
 use crate::checkpoint;
 use crate::output::log::Log;
 use crate::output::series::{self, Series};
 use crate::output::summary::{FINISHED, Summary};
 use crate::output::{FileError, Folder, file, frame};
+use crate::thin_liquid;
+use crate::units::readable;
 use meniscus_sim::{ContactLine, LineTracker, Simulation, StepReport};
 use std::io::Write;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Checkpoints of very short runs are at least this far apart: writing them must not take the time.
@@ -38,6 +42,7 @@ pub(super) struct Session<'a, const D: usize> {
     /// When this process began, less the seconds worked before it.
     clock: Instant,
     seconds_before: f64,
+    watchdog: Arc<Watchdog>,
 }
 
 /// Why the loop was left without error.
@@ -99,11 +104,28 @@ impl<'a, const D: usize> Session<'a, D> {
             tally,
             series,
             resumed_at,
+            watchdog: Arc::new(Watchdog::new(Limits::default())),
         })
     }
 
-    /// Works until the end, a request to stop, or a failure.
+    /// Works until the end, a request to stop, or a failure, watched by another thread if the observer has a remote.
     pub(super) fn run(
+        self,
+        stop: &(dyn Fn() -> Option<Stop> + Sync),
+        observer: &mut dyn Observer,
+    ) -> Result<Outcome, RunError> {
+        let Some(remote) = observer.remote() else { return self.work_and_close(stop, observer) };
+        let (watchdog, log, summary) =
+            (Arc::clone(&self.watchdog), self.log.another(), self.folder.summary());
+        std::thread::scope(|scope| {
+            let _finish = Finish(&watchdog);
+            let watchdog = &watchdog;
+            scope.spawn(move || watchdog.watch(stop, &*remote, log, &summary));
+            self.work_and_close(stop, observer)
+        })
+    }
+
+    fn work_and_close(
         mut self,
         stop: &dyn Fn() -> Option<Stop>,
         observer: &mut dyn Observer,
@@ -111,8 +133,7 @@ impl<'a, const D: usize> Session<'a, D> {
         let left = self.begin(observer).and_then(|()| self.work(stop, observer));
         let reason = match &left {
             Ok(Left::AtEnd) => FINISHED.to_string(),
-            Ok(Left::Asked(Stop::Signal)) => "stopped: signal".to_string(),
-            Ok(Left::Asked(Stop::Walltime)) => "stopped: walltime".to_string(),
+            Ok(Left::Asked(stop)) => stop.reason().to_string(),
             Err(error) => format!("failed: {error}"),
         };
         let closed = self.close(&reason, left.is_ok(), observer);
@@ -139,6 +160,9 @@ impl<'a, const D: usize> Session<'a, D> {
         if self.resumed_at.is_some() {
             return Ok(());
         }
+        for message in self.job.warnings.clone() {
+            self.tell(Event::Warning { message }, observer)?;
+        }
         let ledger = self.simulation.ledger();
         let report =
             StepReport { dt: 0.0, cfl: 0.0, solves: Default::default(), repairs: Default::default(), ledger };
@@ -157,6 +181,9 @@ impl<'a, const D: usize> Session<'a, D> {
                 return Ok(Left::Asked(stop));
             }
             let report = self.step()?;
+            if let Some(message) = self.watchdog.end(report.dt) {
+                self.tell(Event::Warning { message }, observer)?;
+            }
             observer.see(&Event::Step(self.progress(&report)));
             if self.job.schedule.reaches(self.simulation.state.time, self.tally.next_frame) {
                 self.write_frame(observer)?;
@@ -181,10 +208,12 @@ impl<'a, const D: usize> Session<'a, D> {
         let longest =
             if fixed { f64::INFINITY } else { schedule.longest_step(self.simulation.state.time, frame) };
         let mut last = Instant::now();
-        let tally = &mut self.tally;
+        let (tally, watchdog) = (&mut self.tally, &self.watchdog);
+        watchdog.begin(self.simulation.state.step + 1);
         let mut phase_end = |name: &'static str| {
             let now = Instant::now();
             tally.add_phase(name, (now - last).as_secs_f64());
+            watchdog.phase_end(name);
             last = now;
         };
         let done = self.simulation.step(longest, &mut phase_end);
@@ -227,6 +256,7 @@ impl<'a, const D: usize> Session<'a, D> {
         let mesh = frame::liquid(&self.simulation).map_err(|what| self.not_finite(what))?;
         self.tally.next_frame += 1;
         self.tally.add_overlaps(&self.simulation.model, &self.simulation.state.solids);
+        self.look_for_thin_liquid(observer)?;
         if !self.job.writes(number) {
             return Ok(());
         }
@@ -243,6 +273,24 @@ impl<'a, const D: usize> Session<'a, D> {
         }
         self.tally.add_phase("frames", start.elapsed().as_secs_f64());
         self.tell(Event::Frame { frame: number, time: self.simulation.state.time, path }, observer)
+    }
+
+    /// Tells once in a run of liquid that the grid does not resolve.
+    fn look_for_thin_liquid(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let (start, time) = (Instant::now(), self.simulation.state.time);
+        let thin = thin_liquid::of_simulation(&self.simulation);
+        let first = self.tally.add_thin(time, &thin);
+        self.tally.add_phase("thin liquid", start.elapsed().as_secs_f64());
+        let Some(place) = thin.place.filter(|_| first) else { return Ok(()) };
+        let place: Vec<String> = place.iter().map(|x| readable(*x, "m")).collect();
+        let message = format!(
+            "at {} {:.1} % of the liquid is thinner than two cells, near ({}): films, threads and gaps there are not \
+             resolved (`thin_liquid` in summary.json has the worst)",
+            readable(time, "s"),
+            100.0 * thin.share,
+            place.join(", ")
+        );
+        self.tell(Event::Warning { message }, observer)
     }
 
     fn write_checkpoint(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {

@@ -1,5 +1,6 @@
 //! What a run carries along beside the state: counters, worst values, clocks.
 
+use crate::thin_liquid::{TOLD, ThinLiquid};
 use meniscus_numerics::Vector;
 use meniscus_sim::{Ledger, Model, Repairs, SolidState, StepReport, overlaps};
 use serde::{Deserialize, Serialize};
@@ -40,8 +41,23 @@ pub struct Tally {
     pub iterations: u64,
     /// Most iterations of one.
     pub most_iterations: u64,
+    /// Liquid thinner than two cells in frames so far.
+    pub thin: ThinTally,
     /// Seconds per named phase, in the order of their first end.
     pub phases: Vec<(String, f64)>,
+}
+
+/// Liquid thinner than two cells in the frames of a run (see [`crate::thin_liquid`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ThinTally {
+    /// Its largest share of the liquid's volume so far.
+    pub worst: f64,
+    /// When that was, s.
+    pub worst_time: f64,
+    /// Where its deepest cell was then, m; three entries.
+    pub worst_place: [f64; 3],
+    /// When its share was first over [`crate::thin_liquid::TOLD`], s.
+    pub first_time: Option<f64>,
 }
 
 impl Tally {
@@ -86,6 +102,19 @@ impl Tally {
             let all = overlaps(model, solids).into_iter().filter(|o| soft(o.0) || o.1.is_some_and(soft));
             self.deepest_overlap = Some(all.map(|o| o.2).fold(so_far, f64::max));
         }
+    }
+
+    /// Takes the thin liquid of a frame into account. Whether it is the first of the run that is worth a warning.
+    pub fn add_thin<const D: usize>(&mut self, time: f64, thin: &ThinLiquid<D>) -> bool {
+        if let Some(place) = thin.place.filter(|_| thin.share > self.thin.worst) {
+            let (worst, worst_place) = (thin.share, three(&place));
+            self.thin = ThinTally { worst, worst_time: time, worst_place, ..self.thin };
+        }
+        let first = thin.share > TOLD && self.thin.first_time.is_none();
+        if first {
+            self.thin.first_time = Some(time);
+        }
+        first
     }
 
     /// $|P - P_0 - M g t| / (M \sqrt{2 E_{max}/M})$: momentum that did not come from gravity, relative to that of all

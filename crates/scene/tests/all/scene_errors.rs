@@ -97,7 +97,7 @@ fn bare_number() {
         "error: the number 0.001 has no unit\n  --> test.toml:15:66\n   |\n\
          15 | shape.ball = { center = [\"1.5 mm\", \"1.5 mm\", \"1.5 mm\"], radius = 0.001 }\n   |  \
          \u{20}                                                               ^^^^^\n  \
-         help: a length is written as text with a unit, one of: m, cm, mm, um, dx (cells); like \"0.001 m\"\n"
+         help: a length is written as text with a unit, one of: m, cm, mm, um, dx (cells); like \"0.001 mm\"\n"
     );
     assert_eq!(e.line_column(), Some((15, 66)));
 }

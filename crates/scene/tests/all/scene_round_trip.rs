@@ -45,6 +45,50 @@ fn builtins_are_sound() {
     }
 }
 
+/// TOML 1.0, which other readers and editors know, has inline tables on one line, without a comma at their end.
+#[test]
+fn builtins_are_toml_1_0() {
+    for b in &BUILTINS {
+        assert_eq!(not_toml_1_0(b.text), None, "{}", b.name);
+    }
+    assert_eq!(not_toml_1_0("a = {\n b = 1 }"), Some(1));
+    assert_eq!(not_toml_1_0("x = 1\na = [{ b = 1, },\n]"), Some(2));
+    assert_eq!(not_toml_1_0("a = [\n { b = \"{\" }, # {\n]\nc = '{'\n"), None);
+}
+
+/// The line, from 1, in which an inline table goes on to the next one or ends with a comma.
+fn not_toml_1_0(text: &str) -> Option<usize> {
+    for (number, line) in text.lines().enumerate() {
+        let (mut open, mut quote, mut last) = (0, None, ' ');
+        for c in line.chars() {
+            match (quote, c) {
+                (Some(q), c) if q == c && last != '\\' => quote = None,
+                (Some(_), _) => {}
+                (None, '"' | '\'') => quote = Some(c),
+                (None, '#') => break,
+                (None, '{') => open += 1,
+                (None, '}') if last == ',' || open == 0 => return Some(number + 1),
+                (None, '}') => open -= 1,
+                _ => {}
+            }
+            if !c.is_whitespace() {
+                last = c;
+            }
+        }
+        if open > 0 {
+            return Some(number + 1);
+        }
+    }
+    None
+}
+
+#[test]
+fn the_reference_of_the_grammar_is_up_to_date() {
+    let made = meniscus_scene::schema::markdown();
+    let kept = include_str!("../../../../docs/scene.md");
+    assert!(made == kept, "docs/scene.md is stale: meniscus schema --markdown > docs/scene.md");
+}
+
 #[test]
 fn periods_are_rayleighs() {
     let expected = |name: &str| {

@@ -1,0 +1,291 @@
+//! Watches a step from another thread: a step that takes long says what it does, and a request to stop that comes within a
+//! step leaves its reason in `summary.json`, whatever becomes of the step.
+
+use super::{Event, Stop};
+use crate::output::log::Log;
+use crate::output::summary::Summary;
+use std::path::Path;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// What an observer does from another thread while a step goes on.
+pub trait Remote: Send {
+    /// Told of an event.
+    fn see(&self, event: &Event);
+    /// The run is given up within a step; what is on the disk is that of the last checkpoint. Ends the process.
+    fn abandon(&self, reason: &str);
+}
+
+/// When a step is long, and how long a request to stop waits for its end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// Shortest step that is long.
+    pub long: Duration,
+    /// Shortest step that is long while fewer than [`KNOWN`] steps have told how long a step is.
+    pub first: Duration,
+    /// Time from a request to stop to the end of the process within a step that is over twice as long as the median.
+    pub grace: Duration,
+    /// Time between two looks.
+    pub pause: Duration,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            long: Duration::from_secs(5),
+            first: Duration::from_secs(60),
+            grace: Duration::from_secs(5),
+            pause: Duration::from_millis(100),
+        }
+    }
+}
+
+/// A step of more than so many times the median is long.
+const LONG: u32 = 50;
+/// Steps from which on the median is known.
+const KNOWN: usize = 5;
+/// Steps that the median is taken of.
+const REMEMBERED: usize = 1001;
+
+/// Where the step stands.
+#[derive(Default)]
+struct Pulse {
+    /// Number of the step, and when it began; none between steps.
+    step: Option<(u64, Instant)>,
+    /// Length of the step before, s.
+    dt: f64,
+    /// Phases that have ended in this step, and those of the step before: the one after the last is at work.
+    phases: Vec<&'static str>,
+    before: Vec<&'static str>,
+    /// How long the last steps took.
+    durations: Vec<Duration>,
+    done: bool,
+}
+
+impl Pulse {
+    fn median(&self) -> Option<Duration> {
+        let mut sorted = self.durations.clone();
+        sorted.sort_unstable();
+        (sorted.len() >= KNOWN).then(|| sorted[sorted.len() / 2])
+    }
+
+    /// The median, or nothing, if a step of this duration is long.
+    fn is_long(&self, taken: Duration, limits: &Limits) -> Option<Option<Duration>> {
+        if taken < limits.long {
+            return None;
+        }
+        let median = self.median();
+        median.map_or(taken >= limits.first, |median| taken > LONG * median).then_some(median)
+    }
+
+    /// The phase at work, as far as the step before tells.
+    fn phase(&self) -> String {
+        let ended = self.phases.len();
+        let same = self.before.get(..ended).is_some_and(|before| before == self.phases);
+        match (self.before.get(ended).filter(|_| same), self.phases.last()) {
+            (Some(next), _) => (*next).to_owned(),
+            (None, Some(last)) => format!("after {last}"),
+            (None, None) => "the first phase".to_owned(),
+        }
+    }
+}
+
+/// The watch over the steps of a run.
+pub(super) struct Watchdog {
+    pulse: Mutex<Pulse>,
+    bell: Condvar,
+    limits: Limits,
+}
+
+/// Ends the watch when it is dropped, also where the run panics.
+pub(super) struct Finish<'a>(pub &'a Watchdog);
+
+impl Drop for Finish<'_> {
+    fn drop(&mut self) {
+        self.0.lock().done = true;
+        self.0.bell.notify_all();
+    }
+}
+
+impl Watchdog {
+    pub fn new(limits: Limits) -> Self {
+        Self { pulse: Mutex::default(), bell: Condvar::new(), limits }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Pulse> {
+        self.pulse.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A step begins.
+    pub fn begin(&self, step: u64) {
+        let mut pulse = self.lock();
+        pulse.before = std::mem::take(&mut pulse.phases);
+        pulse.step = Some((step, Instant::now()));
+    }
+
+    /// A phase of the step has ended.
+    pub fn phase_end(&self, name: &'static str) {
+        self.lock().phases.push(name);
+    }
+
+    /// The step has ended; its length (s). What there is to tell of it if it was long.
+    pub fn end(&self, dt: f64) -> Option<String> {
+        let mut pulse = self.lock();
+        let (step, began) = pulse.step.take()?;
+        let taken = began.elapsed();
+        let long = pulse.is_long(taken, &self.limits);
+        pulse.dt = dt;
+        if pulse.durations.len() == REMEMBERED {
+            pulse.durations.remove(0);
+        }
+        pulse.durations.push(taken);
+        long.map(|median| {
+            let median = median.map_or_else(String::new, |m| format!(" (median {:.3} s)", m.as_secs_f64()));
+            format!("step {step} of {dt:.1e} s took {:.1} s{median}", taken.as_secs_f64())
+        })
+    }
+
+    /// Watches until the run is done.
+    pub fn watch(
+        &self,
+        stop: &(dyn Fn() -> Option<Stop> + Sync),
+        remote: &dyn Remote,
+        mut log: Option<Log>,
+        summary: &Path,
+    ) {
+        let (mut told, mut asked): ((u64, Duration), Option<(u64, Instant)>) = Default::default();
+        let mut pulse = self.lock();
+        while !pulse.done {
+            let waited = self.bell.wait_timeout(pulse, self.limits.pause);
+            pulse = waited.unwrap_or_else(PoisonError::into_inner).0;
+            let Some((step, began)) = pulse.step.filter(|_| !pulse.done) else { continue };
+            let taken = began.elapsed();
+            // Told when it is long, and again whenever twice as much time has passed.
+            if (told.0 != step || taken >= 2 * told.1)
+                && let Some(median) = pulse.is_long(taken, &self.limits)
+            {
+                told = (step, taken);
+                let seconds = taken.as_secs_f64();
+                let median = median.map(|m| m.as_secs_f64());
+                let event =
+                    Event::LongStep { step, seconds, median, dt_before: pulse.dt, phase: pulse.phase() };
+                remote.see(&event);
+                write(&mut log, &event);
+            }
+            let Some(stop) = stop() else { continue };
+            let reason =
+                format!("{}, within step {step}; the state is that of the last checkpoint", stop.reason());
+            let first = *asked.get_or_insert_with(|| {
+                // Held until it is written: the step cannot end and write the summary meanwhile.
+                note(summary, &reason);
+                (step, Instant::now())
+            });
+            let stuck = taken > 2 * pulse.median().unwrap_or_default();
+            if stop == Stop::AtOnce || first.1.elapsed() >= self.limits.grace && stuck && first.0 == step {
+                note(summary, &reason);
+                write(&mut log, &Event::Warning { message: reason.clone() });
+                remote.abandon(&reason);
+                return;
+            }
+        }
+    }
+}
+
+fn write(log: &mut Option<Log>, event: &Event) {
+    if let Some(log) = log {
+        // A log that cannot be written is an error where the step ends; here nothing can be done about it.
+        let _ = log.write(&serde_json::to_value(event).unwrap_or_default());
+    }
+}
+
+/// Writes why the run ends into its summary, which else is that of the last checkpoint.
+fn note(path: &Path, reason: &str) {
+    if let Ok(mut summary) = Summary::read(path) {
+        summary.exit_reason = reason.to_owned();
+        // A summary that cannot be written stays as it was, and the process ends all the same.
+        let _ = summary.write(path);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+
+    #[derive(Clone, Default)]
+    struct Record(Arc<Mutex<Vec<String>>>);
+
+    impl Remote for Record {
+        fn see(&self, event: &Event) {
+            self.0.lock().unwrap().push(serde_json::to_string(event).unwrap());
+        }
+
+        fn abandon(&self, reason: &str) {
+            self.0.lock().unwrap().push(reason.to_owned());
+        }
+    }
+
+    const QUICK: Limits = Limits {
+        long: Duration::from_millis(40),
+        first: Duration::from_secs(9),
+        grace: Duration::from_millis(60),
+        pause: Duration::from_millis(5),
+    };
+
+    /// What is said of five short steps and a long one of 400 ms, and its summary.
+    fn watched(
+        stop: &(dyn Fn() -> Option<Stop> + Sync),
+        name: &str,
+    ) -> (Vec<String>, String, Option<String>) {
+        let path = std::env::temp_dir().join(format!("meniscus-watchdog-{name}-{}.json", std::process::id()));
+        let (dog, record) = (Watchdog::new(QUICK), Record::default());
+        crate::output::summary::tests::empty().write(&path).unwrap();
+        let long = std::thread::scope(|scope| {
+            let _finish = Finish(&dog);
+            let remote = record.clone();
+            scope.spawn(|| {
+                let remote = remote;
+                dog.watch(stop, &remote, None, &path);
+            });
+            for step in 1..=6 {
+                dog.begin(step);
+                dog.phase_end("surface");
+                if step == 6 {
+                    std::thread::sleep(Duration::from_millis(400));
+                }
+                dog.phase_end("pressure");
+                if let Some(long) = dog.end(1e-4) {
+                    return Some(long);
+                }
+            }
+            None
+        });
+        let reason = Summary::read(&path).unwrap().exit_reason;
+        let _ = std::fs::remove_file(&path);
+        let said = record.0.lock().unwrap().clone();
+        (said, reason, long)
+    }
+
+    #[test]
+    fn a_long_step_says_what_it_does() {
+        let (said, reason, long) = watched(&|| None, "long");
+        assert!(said[0].contains("\"step\":6") && said[0].contains("\"phase\":\"pressure\""), "{said:?}");
+        assert!(said.len() < 8 && reason == "running", "{said:?} {reason}");
+        assert!(long.is_some_and(|l| l.contains("step 6 of 1.0e-4 s took")));
+    }
+
+    #[test]
+    fn a_request_to_stop_within_a_step_leaves_its_reason() {
+        for (stop, name) in [(Stop::Signal, "signal"), (Stop::Walltime, "walltime"), (Stop::AtOnce, "again")]
+        {
+            let (said, reason, _) = watched(&|| Some(stop), name);
+            let word = if name == "walltime" {
+                "stopped: walltime, within step"
+            } else {
+                "stopped: signal, within step"
+            };
+            assert!(reason.starts_with(word), "{reason}");
+            assert!(said.last().is_some_and(|last| *last == reason), "{said:?} {reason}");
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! Liquid that the grid does not resolve: films, threads and gaps thinner than two cells.
+//!
+//! The measure is a morphological opening. A point of the liquid is resolved where a ball of two cells in diameter fits into the
+//! liquid within four cells of it; the rest is thin. Solids bound the liquid as air does; sides of the domain that are mirrors
+//! do not. The four cells leave out what every contact line has, a wedge that ends in nothing: at 30 degrees and more its tip is
+//! closer than that to where the ball fits. Of two neighbours at depths a and b, in cells, the middle of a film between them is
+//! (a + b + s) / 2 deep, where s is the slope of the depth along the axis.
+
+use crate::run::Setup;
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::{Grid, Lattice};
+use meniscus_sim::{Simulation, Solid, SolidState};
+use rayon::prelude::*;
+
+/// Radius of the ball that has to fit, in cells.
+const BALL: f32 = 1.0;
+/// Distance, in cells, from where the ball fits up to which liquid is resolved.
+const REACH: isize = 4;
+/// Share of the liquid from which on thin liquid is worth a warning.
+pub const TOLD: f64 = 1e-3;
+
+/// Liquid thinner than two cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThinLiquid<const D: usize> {
+    /// Its share of the liquid's volume, 0 to 1.
+    pub share: f64,
+    /// The centre of its deepest cell, m; none without thin liquid.
+    pub place: Option<Vector<D>>,
+}
+
+/// The thin liquid of a simulation as it stands.
+pub fn of_simulation<const D: usize>(simulation: &Simulation<D>) -> ThinLiquid<D> {
+    let (model, state) = (&simulation.model, &simulation.state);
+    let lattice = model.grid.lattice();
+    let solids = Obstacles::new(&model.solids, &state.solids, model.grid.dx);
+    measure(&model.grid, |at| {
+        let phi = state.phi.data[lattice.index(at)];
+        if phi > model.grid.dx { phi } else { phi.max(-solids.distance(&model.grid.center(at))) }
+    })
+}
+
+/// The thin liquid of bodies as they are laid out, before anything moves.
+pub fn of_setup<const D: usize>(setup: &Setup<D>) -> ThinLiquid<D> {
+    let (model, grid) = (&setup.model, &setup.model.grid);
+    let start: Vec<_> = model.solids.iter().map(Solid::start).collect();
+    let solids = Obstacles::new(&model.solids, &start, grid.dx);
+    measure(grid, |at| {
+        let x = grid.center(at);
+        let phi = setup.bodies.iter().map(|(body, _)| body(&x)).fold(f64::INFINITY, f64::min);
+        if phi > grid.dx { phi } else { phi.max(-solids.distance(&x)) }
+    })
+}
+
+/// The thin part of the liquid where `distance` (m) is to its boundary, negative inside, at the centre of a cell.
+pub fn measure<const D: usize>(grid: &Grid<D>, distance: impl Fn([usize; D]) -> f64 + Sync) -> ThinLiquid<D> {
+    let lattice = grid.lattice();
+    let cells = || (0..lattice.len()).into_par_iter();
+    let depth: Vec<f32> = cells().map(|i| (-distance(lattice.coordinates(i)) / grid.dx) as f32).collect();
+    let fits: Vec<bool> = cells().map(|i| ball_fits(lattice, &depth, i)).collect();
+    let near = ball_of_cells::<D>();
+    let is_thin = |i: usize| {
+        let at = lattice.coordinates(i);
+        !near.iter().any(|step| moved(lattice, at, step).is_some_and(|j| fits[j]))
+    };
+    let candidate = |i: usize| depth[i] > -0.5 && !fits[i];
+    let thin: Vec<usize> = cells().filter(|i| candidate(*i) && is_thin(*i)).collect();
+    // The part of a cell that is liquid, where the surface is level with an axis.
+    let part = |i: usize| f64::from((depth[i] + 0.5).clamp(0.0, 1.0));
+    let all: f64 = (0..lattice.len()).map(part).sum();
+    let some: f64 = thin.iter().map(|i| part(*i)).sum();
+    let deepest = thin.iter().copied().reduce(|a, b| if depth[b] > depth[a] { b } else { a });
+    let place = deepest.map(|i| grid.center(lattice.coordinates(i)));
+    ThinLiquid { share: if all > 0.0 { some / all } else { 0.0 }, place }
+}
+
+/// Whether the ball fits around a cell's centre, or between that and a neighbour's: there the depth rises from both by the slope
+/// that it has along the axis on their outer sides.
+fn ball_fits<const D: usize>(lattice: Lattice<D>, depth: &[f32], i: usize) -> bool {
+    let own = depth[i];
+    let at = lattice.coordinates(i);
+    let between = |n: usize| {
+        let mut step = [0; D];
+        step[n / 2] = if n % 2 == 0 { 1 } else { -1 };
+        let to = |times: isize| moved(lattice, at, &step.map(|s| s * times)).map(|j| depth[j]);
+        let Some(other) = to(1).filter(|other| *other > 0.0) else { return false };
+        let rises = [to(-1).map(|outer| own - outer), to(2).map(|outer| other - outer)];
+        let slope = rises.into_iter().flatten().fold(1.0, f32::min).max(0.0);
+        0.5 * (own + other + slope) >= BALL
+    };
+    own >= BALL || own > 0.0 && (0..2 * D).any(between)
+}
+
+/// Steps to the cells up to [`REACH`] away, the shortest first.
+fn ball_of_cells<const D: usize>() -> Vec<[isize; D]> {
+    let cube = Lattice::<D>::new([2 * REACH as usize + 1; D]);
+    let mut steps: Vec<[isize; D]> =
+        (0..cube.len()).map(|i| cube.coordinates(i).map(|c| c as isize - REACH)).collect();
+    let square = |step: &[isize; D]| step.iter().map(|s| s * s).sum::<isize>();
+    steps.retain(|step| square(step) <= REACH * REACH);
+    steps.sort_by_key(square);
+    steps
+}
+
+fn moved<const D: usize>(lattice: Lattice<D>, mut at: [usize; D], step: &[isize; D]) -> Option<usize> {
+    for a in 0..D {
+        at[a] = at[a].checked_add_signed(step[a]).filter(|c| *c < lattice.extent[a])?;
+    }
+    Some(lattice.index(at))
+}
+
+/// Solids as the liquid meets them.
+pub struct Obstacles<'a, const D: usize> {
+    /// Each with a box around all that is closer to it than two cells.
+    solids: Vec<(&'a Solid<D>, &'a SolidState<D>, [Vector<D>; 2])>,
+}
+
+impl<'a, const D: usize> Obstacles<'a, D> {
+    /// The solids of a model where they are now.
+    pub fn new(solids: &'a [Solid<D>], now: &'a [SolidState<D>], dx: f64) -> Self {
+        let boxed = |(solid, now): (&'a Solid<D>, &'a SolidState<D>)| {
+            let [low, high] = solid.bounds(now);
+            let reach = Vector::<D>::repeat(2.0 * dx + solid.padding);
+            (solid, now, [low - reach, high + reach])
+        };
+        Self { solids: solids.iter().zip(now).map(boxed).collect() }
+    }
+
+    /// Distance of a point to the nearest solid, m, negative inside; infinite where that is over two cells away.
+    pub fn distance(&self, x: &Vector<D>) -> f64 {
+        self.distances(x).map(|(_, d)| d).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Distances, m, to the solids that may be closer than two cells, by their number.
+    pub fn distances<'b>(&'b self, x: &'b Vector<D>) -> impl Iterator<Item = (usize, f64)> + 'b {
+        let near = |[low, high]: &[Vector<D>; 2]| (0..D).all(|a| low[a] <= x[a] && x[a] <= high[a]);
+        let all = self.solids.iter().enumerate().filter(move |(_, s)| near(&s.2));
+        all.map(move |(i, (solid, now, _))| (i, solid.liquid_distance(now, x)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Share of a straight film of so many cells, turned and shifted.
+    fn film(thickness: f64, angle: f64, shift: f64) -> f64 {
+        let grid = Grid::<2>::new([60, 60], 0.1);
+        let normal = Vector::from([angle.sin(), angle.cos()]);
+        let distance = |at: [usize; 2]| {
+            let x = (grid.center(at) - Vector::from([3.0, 3.0])).dot(&normal) - shift * grid.dx;
+            x.abs() - 0.5 * thickness * grid.dx
+        };
+        measure(&grid, distance).share
+    }
+
+    #[test]
+    fn films_of_known_thickness() {
+        for angle in [0.0f64, 20.0, 30.0, 45.0, 90.0] {
+            for shift in [0.0, 0.2, 0.37, 0.5, 0.8] {
+                let share = |thickness| film(thickness, angle.to_radians(), shift);
+                assert_eq!(share(0.8), 1.0, "{angle} {shift}");
+                assert_eq!(share(1.65), 1.0, "{angle} {shift}");
+                assert_eq!(share(2.05), 0.0, "{angle} {shift}");
+                assert_eq!(share(6.0), 0.0, "{angle} {shift}");
+            }
+        }
+    }
+
+    #[test]
+    fn drops_are_resolved_down_to_their_lines_and_what_runs_ahead_of_them_is_not() {
+        let grid = Grid::<2>::new([120, 40], 1.0);
+        // A cap of radius 30 on the line y = 10, and a film of one cell from there to x = 110.
+        let cap = |at: [usize; 2], angle: f64, ahead: f64| {
+            let x = grid.center(at);
+            let centre = Vector::from([50.0, 10.0 - 30.0 * angle.cos()]);
+            let film = (x[1] - 11.0).max(x[0] - ahead).max(20.0 - x[0]);
+            ((x - centre).norm() - 30.0).min(film).max(10.0 - x[1])
+        };
+        for angle in [30.0f64, 60.0, 90.0] {
+            let alone = measure(&grid, |at| cap(at, angle.to_radians(), -1.0));
+            assert!(alone.share < 2e-3, "{angle}: {alone:?}");
+        }
+        let with = measure(&grid, |at| cap(at, 1.0, 110.0));
+        assert!(with.share > 0.02 && with.place.is_some_and(|x| x[0] > 70.0), "{with:?}");
+        let thread = Grid::<3>::new([24, 24, 24], 1.0);
+        let of = |radius: f64| {
+            measure(&thread, |at| (thread.center(at) - Vector::from([12.1, 12.3, 0.0])).xy().norm() - radius)
+        };
+        assert!(of(0.8).share == 1.0 && of(1.6).share == 0.0);
+    }
+}
