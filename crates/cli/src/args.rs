@@ -167,12 +167,16 @@ pub struct CheckArgs {
 
 /// `meniscus measure`.
 #[derive(Debug, Args)]
+#[command(after_help = crate::commands::measure::COLUMNS)]
 pub struct MeasureArgs {
     /// The output folder.
     pub dir: PathBuf,
     /// Measure the frame nearest to this time, such as "20 ms"; the last frame without it.
     #[arg(long, value_name = "TIME")]
     pub at: Option<String>,
+    /// Take means over this time before the frame, such as "20 ms"; over a tenth of the simulated time without it.
+    #[arg(long, value_name = "TIME")]
+    pub window: Option<String>,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,

@@ -39,7 +39,7 @@ fn verdict(expectation: &Expectation, summary: &Summary, series: &Table) -> Verd
             at_most("volume drift", Some(summary.volume_error.abs()), *max, "")
         }
         Expectation::MomentumError { max } => {
-            at_most("momentum error", Some(summary.momentum_error), *max, "")
+            at_most("momentum error", summary.momentum_error, *max, "")
         }
         Expectation::EnergyGrowth { max } => at_most("energy growth", energy_growth(series), *max, ""),
         Expectation::MaxSpeed { max } => {

@@ -15,6 +15,7 @@ pub(crate) use tally::three;
 
 use crate::output::summary::{FINISHED, Summary};
 use crate::output::{FileError, Folder};
+use crate::parameters::Parameter;
 use meniscus_numerics::Vector;
 use meniscus_sim::{Body, Model, Simulation};
 use std::sync::Arc;
@@ -62,6 +63,10 @@ pub struct Job {
     pub checkpoint_every: u64,
     /// Name and mesh edge, m, of every solid.
     pub solids: Vec<(String, f64)>,
+    /// What the scene says of itself.
+    pub description: Option<String>,
+    /// The parameters of the scene, for the summary.
+    pub parameters: Vec<Parameter>,
 }
 
 /// What to do with an output folder that holds a run already.
