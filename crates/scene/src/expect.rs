@@ -38,9 +38,7 @@ fn verdict(expectation: &Expectation, summary: &Summary, series: &Table) -> Verd
         Expectation::VolumeDrift { max } => {
             at_most("volume drift", Some(summary.volume_error.abs()), *max, "")
         }
-        Expectation::MomentumError { max } => {
-            at_most("momentum error", summary.momentum_error, *max, "")
-        }
+        Expectation::MomentumError { max } => at_most("momentum error", summary.momentum_error, *max, ""),
         Expectation::EnergyGrowth { max } => at_most("energy growth", energy_growth(series), *max, ""),
         Expectation::MaxSpeed { max } => {
             at_most("largest speed at the end", series.column("max_speed").last().copied(), *max, "m/s")

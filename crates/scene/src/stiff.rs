@@ -69,9 +69,7 @@ pub fn elastic_bending(e: &Elastic, thickness: f64) -> f64 {
 pub fn bending<const D: usize>(spec: &SolidSpec, mesh: &VolumeMesh<D>) -> Option<f64> {
     let (thickness, normal) = plate::<D>(&spec.shape)?;
     match &spec.material {
-        Material::NeoHookean(e) | Material::Corotated(e) => {
-            Some(elastic_bending(e, thickness))
-        }
+        Material::NeoHookean(e) | Material::Corotated(e) => Some(elastic_bending(e, thickness)),
         Material::Springs { stiffness, .. } => {
             let middle = mesh.positions.iter().sum::<Vector<D>>() / mesh.positions.len() as f64;
             let part = |(at, along): (Vector<D>, Vector<D>)| {

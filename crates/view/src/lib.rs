@@ -17,5 +17,5 @@ pub use measure::{
     MeasureOptions, Measurement, Ridge, SoftMeasure, SolidMeasure, Strip, Touch, Window, measure,
 };
 pub use page::{PageOptions, PageReport, make_page, write_page};
-pub use render::{Camera, Image, RenderOptions, Rendered, Renderer, Style, render};
+pub use render::{Camera, Image, RenderOptions, Rendered, Renderer, Set, Style, render};
 pub use shade::Shade;

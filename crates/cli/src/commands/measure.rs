@@ -5,8 +5,8 @@ use crate::args::MeasureArgs;
 use crate::failure::{Failure, OUTPUT, Result, USAGE};
 use meniscus_scene::units::{Dimension, parse};
 use meniscus_view::{
-    AngleAt, ContactMeasure, FitShape, Mean, MeasureOptions, Measurement, SoftMeasure, SolidMeasure, Strip, Touch,
-    ViewError,
+    AngleAt, ContactMeasure, FitShape, Mean, MeasureOptions, Measurement, SoftMeasure, SolidMeasure, Strip,
+    Touch, ViewError,
 };
 use std::fmt::Write as _;
 
@@ -138,7 +138,9 @@ fn means(m: &Measurement) -> String {
     let rows: Vec<Vec<String>> = m
         .solids
         .iter()
-        .flat_map(|solid| solid.window.iter().map(|(quantity, mean)| mean_row(&solid.name, quantity, mean, m)))
+        .flat_map(|solid| {
+            solid.window.iter().map(|(quantity, mean)| mean_row(&solid.name, quantity, mean, m))
+        })
         .collect();
     if rows.is_empty() {
         return String::new();
@@ -213,13 +215,10 @@ fn contact(c: &ContactMeasure, m: &Measurement) -> Vec<String> {
         c.local_angle.as_ref().map_or(NONE.into(), along),
     ];
     let places = c.local_angle.as_ref().map(|l| &l.places).or_else(|| c.angle.as_ref().map(|a| &a.places));
-    let end = |p: Option<&AngleAt>| p.map_or(NONE.into(), |p| format!("{:.2}° at {}", p.angle, vector(&p.at, "m")));
+    let end =
+        |p: Option<&AngleAt>| p.map_or(NONE.into(), |p| format!("{:.2}° at {}", p.angle, vector(&p.at, "m")));
     let ends = [places.and_then(|p| p.first()), places.and_then(|p| p.last())].map(end);
-    let last = vec![
-        c.base_radius.map_or(NONE.into(), |r| prefixed(r, "m")),
-        prefixed(c.height, "m"),
-        area,
-    ];
+    let last = vec![c.base_radius.map_or(NONE.into(), |r| prefixed(r, "m")), prefixed(c.height, "m"), area];
     [&first[..], if m.dimension == 2 { &ends[..] } else { &[] }, &last[..]].concat()
 }
 

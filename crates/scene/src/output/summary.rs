@@ -256,7 +256,8 @@ impl Summary {
             wall_seconds: tally.wall_seconds,
             volume_error: tally.volume_error,
             momentum_error: (!held).then_some(tally.momentum_error),
-            momentum_error_reason: held.then(|| "what holds or moves the solids takes and gives momentum".to_string()),
+            momentum_error_reason: held
+                .then(|| "what holds or moves the solids takes and gives momentum".to_string()),
             max_divergence: tally.max_divergence,
             max_speed: tally.max_speed,
             least_element: tally.least_element,

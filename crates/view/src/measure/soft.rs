@@ -272,7 +272,9 @@ impl Surfaces {
         let crest = profile.iter().max_by(|p, q| p[1].total_cmp(&q[1])).map_or(f64::NAN, |p| p[0]);
         // The profile is known to half a step.
         if crest.abs() > STEP * dx || last[0] <= 0.0 {
-            return Err("the surface is not highest along the contact line: the solid is bent, or nothing lifts it there");
+            return Err(
+                "the surface is not highest along the contact line: the solid is bent, or nothing lifts it there",
+            );
         }
         Ok(Ridge { height: at_line - 0.5 * (first[1] + last[1]), profile })
     }

@@ -6,11 +6,11 @@ use serde::Serialize;
 
 use std::collections::BTreeMap;
 
+use super::Over;
 use super::body::Body;
 use super::drops::Drop;
 use super::soft::{self, SoftMeasure};
 use super::window::{Mean, row_at};
-use super::Over;
 use crate::error::Result;
 use crate::folder::{Frame, RunFolder};
 use crate::page::series::Series;
@@ -101,7 +101,9 @@ pub(super) fn measure<const D: usize>(
             name: body.name.clone(),
             floating: level.and_then(|level| floating(body, level)),
             forces: forces(folder, frame, &body.name, series),
-            window: over.window.iter().flat_map(|window| window.of_solid(series, &body.name)).collect(),
+            window: (over.window.iter().flat_map(|window| window.of_solid(series, &body.name)))
+                .filter(|(quantity, _)| D == 3 || quantity != "force_z")
+                .collect(),
             touches: touches(&times),
         })
     };

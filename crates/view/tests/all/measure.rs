@@ -295,11 +295,18 @@ fn a_ball_in_a_tank_floats() {
 #[test]
 fn folders_that_hold_no_run_are_refused() {
     let nowhere = std::env::temp_dir().join("meniscus-measure-nowhere");
-    assert!(measure(&nowhere, &MeasureOptions::default()).unwrap_err().to_string().contains("meniscus-measure-nowhere"));
+    assert!(
+        measure(&nowhere, &MeasureOptions::default())
+            .unwrap_err()
+            .to_string()
+            .contains("meniscus-measure-nowhere")
+    );
     let place = folder("no-summary", 2, &[("liquid", &arc(0.01, 0.016, 0.016, 0.0))]);
     std::fs::remove_file(place.0.join("summary.json")).unwrap();
     let error = measure(&place.0, &MeasureOptions::default()).unwrap_err().to_string();
     assert!(error.contains("summary.json") && error.contains("is this a run?"), "{error}");
     std::fs::remove_file(place.0.join("frames/liquid_0000.ply")).unwrap();
-    assert!(measure(&place.0, &MeasureOptions::default()).unwrap_err().to_string().contains("liquid_NNNN.ply"));
+    assert!(
+        measure(&place.0, &MeasureOptions::default()).unwrap_err().to_string().contains("liquid_NNNN.ply")
+    );
 }
