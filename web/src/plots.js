@@ -212,7 +212,7 @@ export class Plots {
       bands,
       series: [{ label: "time", value: (_, v) => measured(v, "s") }, ...series],
       axes: [
-        { ...axis, values: ticks, size: 24, gap: 3, label: "time (s)", labelSize: 14, labelGap: -2 },
+        { ...axis, values: ticks, size: 24, gap: 3, label: "time (s)", labelSize: 16, labelGap: 0 },
         { ...axis, values: ticks, size: 58, gap: 3, space: 24 },
       ],
       hooks: { draw: [(u) => this.drawLines(u, state.lines), (u) => marks(u, css("--line")), (u) => this.mark(u)] },

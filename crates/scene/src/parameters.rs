@@ -62,17 +62,19 @@ fn liquid(scene: &Scene, list: &mut List) {
     list.put("density", "ρ", rho, "kg/m³");
     list.put("dynamic viscosity", "μ", rho * nu, "Pa s");
     list.put("surface tension", "γ", gamma, "N/m");
-    list.put("gravity", "g", g, "m/s²");
     if speed > 0.0 {
         list.put("speed at the start", "U", speed, "m/s");
     }
     if g > 0.0 {
+        list.put("gravity", "g", g, "m/s²");
         list.put("capillary length", "√(γ / ρ g)", (gamma / (rho * g)).sqrt(), "m");
     }
     let Some(r) = radius else { return };
     let d = 2.0 * r;
     list.put("cells per radius", "R / dx", r / scene.domain.dx, "");
-    list.put("Bond number", "Bo = ρ g R² / γ", rho * g * r * r / gamma, "");
+    if g > 0.0 {
+        list.put("Bond number", "Bo = ρ g R² / γ", rho * g * r * r / gamma, "");
+    }
     list.put("Ohnesorge number", "Oh = μ / √(ρ γ D)", nu * rho / (rho * gamma * d).sqrt(), "");
     if speed > 0.0 {
         list.put("Weber number", "We = ρ U² D / γ", rho * speed * speed * d / gamma, "");

@@ -35,7 +35,7 @@ pub fn render(args: &RenderArgs) -> Result {
         ..RenderOptions::default()
     };
     let rendered = pictures(&args.dir, &options, false)?;
-    if rendered.filled < SMALL {
+    if rendered.filled < SMALL && args.camera.is_some() {
         let part = 100.0 * rendered.filled;
         eprintln!(
             "warning: the liquid and the solids fill {part:.2} % of the picture; --camera may be too far away"

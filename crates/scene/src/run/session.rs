@@ -240,7 +240,8 @@ impl<'a, const D: usize> Session<'a, D> {
             let mesh = frame::solid(&self.simulation, i, &surface, &self.line);
             frame::write(&self.folder.solid(name, number), &mesh)?;
         }
-        if !self.simulation.model.solids.is_empty() {
+        // No file where there is no line: readers of meshes refuse one without vertices.
+        if !self.line.points.is_empty() {
             let mesh = frame::contact_line(&self.simulation, &self.line);
             frame::write(&self.folder.contact_line(number), &mesh)?;
         }

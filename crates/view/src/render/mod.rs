@@ -170,7 +170,7 @@ impl Renderer {
             Look::Solid(Box::new(stage::Stage::new(&folder, options)?))
         };
         let filled = filled(&folder, &numbers, &look)?;
-        if filled <= 0.0 {
+        if filled <= 0.0 && options.camera.is_some() {
             return Err(ViewError::content(
                 dir,
                 "the pictures would be empty: nothing of the run lies before this camera",
@@ -223,14 +223,13 @@ fn filled(folder: &RunFolder, numbers: &[u32], look: &Look) -> Result<f64> {
     Ok(most)
 }
 
-/// The part of a picture (pixels) of the box around those of some points that lie in it.
+/// The part of a picture (pixels) that the box around some points takes up.
 fn part_of(points: impl Iterator<Item = [f64; 2]>, size: [f64; 2]) -> f64 {
-    let within = points.filter(|p| (0..2).all(|a| (0.0..=size[a]).contains(&p[a])));
     let start = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    let (low, high) = within.fold(start, |(low, high), p| {
+    let (low, high) = points.fold(start, |(low, high), p| {
         ([low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])])
     });
-    (0..2).map(|a| (high[a] - low[a]).max(0.0) / size[a]).product()
+    (0..2).map(|a| (high[a].min(size[a]) - low[a].max(0.0)).max(0.0) / size[a]).product()
 }
 
 /// The pictures and films that an earlier call has left in a folder, but for those of some numbers.

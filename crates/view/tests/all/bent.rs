@@ -169,6 +169,19 @@ fn cantilever(dimension: usize) {
     let slope = (2.0 * a * (PLATE[0] - 0.004)).atan().to_degrees();
     near("slope", strip.slopes.map(f64::abs).into_iter().fold(0.0, f64::max), slope, 0.005);
     assert!(strip.slopes.map(f64::abs).into_iter().fold(90.0, f64::min) < 0.05, "{:?}", strip.slopes);
+    // A line across it, in the middle or near its end: the plate bends there, but no ridge is pulled up.
+    for (line, reason) in [(0.0, "not highest"), (0.5 * PLATE[0] - 0.002, "at an edge")] {
+        let mut wet = bent.clone();
+        let values =
+            flat.positions.iter().map(|x| if flat_top(x, up) { x[0] - line } else { 0.02 }).collect();
+        wet.scalars.insert("phi_c".into(), values);
+        let soft = run("no-ridge", dimension, [&flat, &wet]).unwrap();
+        assert!(
+            soft.ridge.is_none() && soft.ridge_reason.unwrap().contains(reason),
+            "{:?}",
+            soft.ridge_reason
+        );
+    }
     near("curvature", strip.curvature.abs(), 2.0 * a, 0.05);
     near("profile", strip.profile.iter().map(|p| p[1].abs()).fold(0.0, f64::max), tip, 1e-3);
 }
