@@ -214,7 +214,7 @@ fn contact(c: &ContactMeasure, m: &Measurement) -> Vec<String> {
     };
     let area =
         if m.dimension == 2 { prefixed(c.contact_area, "m") } else { format!("{:.4e} m²", c.contact_area) };
-    let first = vec![
+    let first = [
         if c.wall { format!("wall {}", c.solid) } else { c.solid.clone() },
         angle,
         shape,
@@ -225,7 +225,7 @@ fn contact(c: &ContactMeasure, m: &Measurement) -> Vec<String> {
     let end =
         |p: Option<&AngleAt>| p.map_or(NONE.into(), |p| format!("{:.2}° at {}", p.angle, vector(&p.at, "m")));
     let ends = [places.and_then(|p| p.first()), places.and_then(|p| p.last())].map(end);
-    let last = vec![c.base_radius.map_or(NONE.into(), |r| prefixed(r, "m")), prefixed(c.height, "m"), area];
+    let last = [c.base_radius.map_or(NONE.into(), |r| prefixed(r, "m")), prefixed(c.height, "m"), area];
     [&first[..], if m.dimension == 2 { &ends[..] } else { &[] }, &last[..]].concat()
 }
 
