@@ -25,3 +25,15 @@ export function round(x) {
 }
 
 export const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+/** Units that take prefixes. */
+const PREFIXED = new Set(["m", "s", "N", "N/m", "J", "J/m", "m/s", "Pa", "Pa s", "N m"]);
+
+/** A number with its unit, if it has one. */
+export function measured(x, unit) {
+  if (x === null || x === undefined) return "–";
+  if (unit === "deg" || unit === "°") return `${Number(x.toFixed(2))}°`;
+  if (unit === "%") return `${short(x, 3)} %`;
+  if (PREFIXED.has(unit)) return quantity(x, unit);
+  return unit ? `${short(x)} ${unit}` : short(x);
+}

@@ -99,6 +99,7 @@ function offerShades(data, player, view) {
       const text = (x) => (unit && x ? quantity(x, unit) : String(Number(x.toPrecision(3))));
       at("legend-low").textContent = text(range.low);
       at("legend-high").textContent = text(range.high);
+      at("legend-name").textContent = view.shade.label;
       at("legend-bar").style.background = gradient(name);
     }
     player.go(player.wanted);
@@ -140,7 +141,7 @@ async function start() {
   const player = new Player(data, frames, view);
   at("line-toggle").hidden = !data.frames.some((f) => f.line !== null);
   at("solid-toggle").hidden = !data.frames.some((f) => Object.keys(f.solids).length);
-  player.plots = new Plots(data.series, (time) => { player.play(false); player.at(time); });
+  player.plots = new Plots(data, (time) => { player.play(false); player.at(time); });
   listen(player, view);
   offerShades(data, player, view);
   const asked = /frame=(\d+)/.exec(location.hash);

@@ -1,47 +1,29 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { css, short } from "./format.js";
+import { groupsOf, told, unitOf } from "./columns.js";
+import { css, measured, short } from "./format.js";
+import { marks, rangeOf, robust } from "./spikes.js";
 
-const LABELS = {
-  kinetic_energy: "kinetic", surface_energy: "surface", elastic_energy: "elastic", potential_energy: "potential",
-  contact_angle_mean: "mean", max_speed: "speed", momentum_x: "x", momentum_y: "y", momentum_z: "z",
-  solve_iterations: "iterations", volume_error: "error", contact_length: "length",
-};
 const ENERGIES = ["kinetic_energy", "surface_energy", "elastic_energy", "potential_energy"];
 const GROUPS = [
-  { id: "angle", title: "Contact angle (°)", columns: ["contact_angle_mean", "mean + std", "mean − std"], band: [2, 3] },
-  { id: "change", title: "Energy change since the start (J)", columns: [...ENERGIES, "sum"].map((c) => `Δ ${c}`) },
-  { id: "volume", title: "Volume error (%)", columns: ["volume_error"] },
-  { id: "speed", title: "Largest speed (m/s)", columns: ["max_speed"] },
-  { id: "energy", title: "Energy (J)", columns: ENERGIES },
-  { id: "momentum", title: "Momentum (kg m/s)", columns: ["momentum_x", "momentum_y", "momentum_z"] },
-  { id: "line", title: "Contact line (m)", columns: ["contact_length"] },
-  { id: "iterations", title: "Solver iterations", columns: ["solve_iterations"] },
-  { id: "dt", title: "Time step (s)", columns: ["dt"] },
-  { id: "divergence", title: "Largest divergence (1/s)", columns: ["divergence_max"] },
-  { id: "wall", title: "Wall time per step (s)", columns: ["wall_seconds"] },
+  { id: "angle", title: "Contact angle, all lines", kind: "angle", columns: ["contact_angle_mean", "mean + std", "mean − std"], band: [2, 3] },
+  { id: "change", title: "Energy change since the start", kind: "energy", columns: [...ENERGIES, "sum"].map((c) => `Δ ${c}`) },
+  { id: "volume", title: "Volume error", kind: "percent", columns: ["volume_error"] },
+  { id: "speed", title: "Largest speed", kind: "speed", columns: ["max_speed"] },
+  { id: "energy", title: "Energy", kind: "energy", columns: ENERGIES },
+  { id: "momentum", title: "Momentum", kind: "momentum", columns: ["momentum_x", "momentum_y", "momentum_z"] },
+  { id: "line", title: "Contact line", kind: "length", columns: ["contact_length"] },
+  { id: "iterations", title: "Solver iterations", kind: "number", columns: ["solve_iterations"] },
+  { id: "dt", title: "Time step", kind: "time", columns: ["dt"] },
+  { id: "divergence", title: "Largest divergence", kind: "rate", columns: ["divergence_max"] },
+  { id: "wall", title: "Time of computing so far", kind: "time", columns: ["wall_seconds"] },
 ];
-/** Those shown from the start. */
-const FIRST = new Set(["angle", "change", "volume", "speed"]);
-const HEIGHT = 148;
+/** Those shown from the start: these, and these quantities of solids. */
+const FIRST = new Set(["change", "volume", "speed"]);
+const FIRST_OF_SOLID = new Set(["force", "angle", "tip"]);
+const HEIGHT = 162;
 
-/** Columns of the force on a solid, `NAME_force_y` or `force_NAME_y`: the solid's name and the axis. */
-const FORCE = /^(?:(.+)_force|force_(.+))_([xyz])$/;
-
-/** One group for each solid whose force is among the columns. */
-function forces(names) {
-  const groups = new Map();
-  for (const name of names) {
-    const found = FORCE.exec(name);
-    if (!found) continue;
-    const solid = found[1] ?? found[2], id = `force ${solid}`;
-    if (!groups.has(id)) groups.set(id, { id, title: `Force on ${solid} (N)`, columns: [] });
-    groups.get(id).columns.push(name);
-  }
-  return [...groups.values()];
-}
-
-/** The columns by name, with the volume error worked out. */
+/** The columns by name, with the volume error, the energies' changes and the solids' values worked out. */
 function columnsOf(series) {
   const columns = new Map(series.names.map((name, i) => [name, series.columns[i]]));
   const volume = columns.get("liquid_volume");
@@ -63,8 +45,6 @@ function columnsOf(series) {
   return columns;
 }
 
-const label = (name) => LABELS[name.replace("Δ ", "")] ?? FORCE.exec(name)?.[3] ?? name.replace("Δ ", "").replaceAll("_", " ");
-
 const useful = (column) => column && column.some((v) => v !== null && v !== 0);
 
 /** The place in ascending `times` nearest to `t`. */
@@ -78,28 +58,58 @@ function nearest(times, t) {
   return t - times[low] < times[high] - t ? low : high;
 }
 
+/** Young's angles of a run: that of a solid, or those of all. */
+function young(summary, solid) {
+  const all = (summary?.parameters ?? []).filter((p) => p.symbol === "θ_Y" && (!solid || p.of === solid));
+  return [...new Set(all.map((p) => Number(p.value.toFixed(3))))];
+}
+
 export class Plots {
   /** `pick` is called with a time when a plot is clicked. */
-  constructor(series, pick) {
+  constructor(data, pick) {
+    const { series, summary, dimension } = data;
+    Object.assign(this, { summary, dimension, pick, now: null, shown: new Map() });
     this.columns = columnsOf(series);
     this.times = this.columns.get("time") ?? [];
-    this.pick = pick;
-    this.now = null;
-    this.shown = new Map();
     this.box = document.getElementById("plots");
     if (this.times.length < 2) {
       this.box.innerHTML = "<p class='quiet'>There is no time series in this folder.</p>";
       return;
     }
-    const all = [GROUPS[0], ...forces(this.columns.keys()), ...GROUPS.slice(1)];
-    this.groups = all.map((g) => ({ ...g, columns: g.columns.filter((c) => useful(this.columns.get(c))) }))
-      .filter((g) => g.columns.length > 0);
+    const solids = (summary?.solids ?? []).map((s) => s.name).filter(Boolean);
+    const own = solids.flatMap((solid) => groupsOf(solid, this.columns, dimension));
+    own.forEach((g) => this.prepare(g));
+    const all = [...own, ...GROUPS.map((g) => this.named(g))];
     const known = new Set([...all.flatMap((g) => g.columns), "contact_angle_std", "time", "step"]);
-    this.groups.forEach((g) => this.chip(g, FIRST.has(g.id) || g.id.startsWith("force ")));
+    this.groups = all.map((g) => this.kept(g)).filter((g) => g.columns.length > 0);
+    const angles = this.groups.some((g) => g.quantity === "angle");
+    const first = (g) => FIRST.has(g.id) || FIRST_OF_SOLID.has(g.quantity) || (g.id === "angle" && !angles);
+    this.groups.forEach((g) => this.chip(g, first(g)));
     const others = [...this.columns.keys()].filter((name) => !known.has(name) && useful(this.columns.get(name)));
     if (others.length) this.menu(others);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.rebuild());
     new ResizeObserver(() => this.resize()).observe(this.box);
+  }
+
+  /** Brings a solid's columns to what is shown: per cent, and the way from the start. */
+  prepare({ columns, scale, moved }) {
+    for (const name of columns.filter(() => scale || moved)) {
+      const values = this.columns.get(name), first = values.find((v) => v !== null) ?? 0;
+      this.columns.set(name, values.map((v) => (v === null ? null : moved ? v - first : v * scale)));
+    }
+  }
+
+  named(group) {
+    const unit = unitOf(group.kind, this.dimension);
+    const labels = group.columns.map((c) => told(c, this.dimension).label);
+    return { ...group, unit, labels, title: unit ? `${group.title} (${unit})` : group.title };
+  }
+
+  /** A group without the columns that tell nothing. */
+  kept(group) {
+    const keep = group.columns.map((c) => useful(this.columns.get(c)));
+    const only = (list) => list.filter((_, i) => keep[i]);
+    return { ...group, columns: only(group.columns), labels: only(group.labels) };
   }
 
   chip(group, on) {
@@ -120,9 +130,11 @@ export class Plots {
   menu(names) {
     const menu = document.createElement("select");
     menu.setAttribute("aria-label", "More columns");
-    menu.append(new Option("more…", ""), ...names.map((name) => new Option(name.replaceAll("_", " "), name)));
+    const label = (name) => told(name, this.dimension).label;
+    menu.append(new Option("more…", ""), ...names.map((name) => new Option(label(name), name)));
     menu.onchange = () => {
-      const name = menu.value, group = { id: name, title: label(name), columns: [name] };
+      const name = menu.value, { label, unit } = told(name, this.dimension);
+      const group = { id: name, title: unit ? `${label} (${unit})` : label, unit, columns: [name], labels: [label] };
       menu.querySelector(`option[value="${CSS.escape(name)}"]`).remove();
       menu.value = "";
       this.groups.push(group);
@@ -136,42 +148,75 @@ export class Plots {
     return Math.max(220, this.box.clientWidth);
   }
 
+  /** The horizontal lines that a group is compared with. */
+  lines(group) {
+    if (group.id !== "angle" && group.quantity !== "angle") return [];
+    return young(this.summary, group.solid).map((value) => ({ value, label: `Young ${short(value)}°` }));
+  }
+
   show(group) {
     const box = document.createElement("div");
     box.className = "plot";
-    const order = this.groups.indexOf(group);
-    box.style.order = order;
-    box.innerHTML = `<h3>${group.title}</h3>`;
+    box.style.order = this.groups.indexOf(group);
+    box.innerHTML = "<h3></h3>";
+    box.firstChild.textContent = group.title;
     this.box.append(box);
+    const columns = group.columns.map((name) => this.columns.get(name));
+    const lines = this.lines(group);
+    const usual = robust(columns, lines.map((l) => l.value));
+    const state = { group, box, usual, clipped: usual.beyond > 0, lines };
+    if (usual.beyond) this.offerAll(state);
+    state.plot = new uPlot(this.options(group, state), [this.times, ...columns], box);
+    state.plot.over.addEventListener("click", (e) => this.pick(state.plot.posToVal(e.offsetX, "x")));
+    state.plot.over.addEventListener("mouseleave", () => this.shown.forEach((s) => this.legend(s.plot)));
+    this.legend(state.plot);
+    this.shown.set(group.id, state);
+  }
+
+  /** A switch between the usual range and all values. */
+  offerAll(state) {
+    const button = document.createElement("button");
+    const { beyond, all } = state.usual, unit = state.group.unit;
+    const tell = () => {
+      button.textContent = state.clipped ? `${beyond} spikes cut off: show all` : "cut spikes off";
+      button.title = `All values: ${measured(all[0], unit)} to ${measured(all[1], unit)}`;
+    };
+    button.className = "spikes";
+    button.onclick = () => {
+      state.clipped = !state.clipped;
+      tell();
+      state.plot.redraw(true, true);
+      state.plot.setScale("y", {});
+    };
+    tell();
+    state.box.firstChild.append(button);
+  }
+
+  options(group, state) {
     const colors = ["--a", "--b", "--c", "--d", "--ink"].map(css);
     const grid = { stroke: css("--grid"), width: 1 };
-    const axis = { stroke: css("--quiet"), grid, ticks: grid, font: "11px system-ui, sans-serif" };
+    const axis = { stroke: css("--quiet"), grid, ticks: grid, font: "11px system-ui, sans-serif", labelFont: "11px system-ui, sans-serif" };
     // The edges of a band take the colour of its middle, thin.
     const inBand = (i) => group.band?.includes(i + 1);
-    const series = group.columns.map((name, i) => ({
-      label: label(name), stroke: inBand(i) ? `${colors[0]}66` : colors[i % 5], width: inBand(i) ? 0.6 : 1.6,
-      spanGaps: !group.band, points: { show: false }, value: (_, v) => short(v),
+    const series = group.columns.map((_, i) => ({
+      label: group.labels[i], stroke: inBand(i) ? `${colors[0]}66` : colors[i % 5], width: inBand(i) ? 0.6 : 1.6,
+      spanGaps: !group.band, points: { show: false }, value: (_, v) => measured(v, group.unit),
     }));
     const bands = group.band?.[1] === series.length ? [{ series: group.band, fill: `${colors[0]}26` }] : [];
-    const options = {
+    const ticks = (_, all) => all.map((t) => short(t));
+    return {
       width: this.width(), height: HEIGHT,
-      scales: { x: { time: false } },
+      scales: { x: { time: false }, y: { range: () => rangeOf(state.clipped ? state.usual.range : state.usual.all) } },
       cursor: { sync: { key: "meniscus" }, drag: { x: false, y: false }, points: { size: 6 } },
       legend: { show: true },
       bands,
-      series: [{ label: "t", value: (_, v) => (v === null ? "–" : `${short(v)} s`) }, ...series],
+      series: [{ label: "time", value: (_, v) => measured(v, "s") }, ...series],
       axes: [
-        { ...axis, values: (_, ticks) => ticks.map((t) => short(t)), size: 26, gap: 3 },
-        { ...axis, values: (_, ticks) => ticks.map((t) => short(t)), size: 58, gap: 3, space: 24 },
+        { ...axis, values: ticks, size: 24, gap: 3, label: "time (s)", labelSize: 16, labelGap: 0 },
+        { ...axis, values: ticks, size: 58, gap: 3, space: 24 },
       ],
-      hooks: { draw: [(u) => this.mark(u)] },
+      hooks: { draw: [(u) => this.drawLines(u, state.lines), (u) => marks(u, css("--line")), (u) => this.mark(u)] },
     };
-    const data = [this.times, ...group.columns.map((name) => this.columns.get(name))];
-    const plot = new uPlot(options, data, box);
-    plot.over.addEventListener("click", (e) => this.pick(plot.posToVal(e.offsetX, "x")));
-    plot.over.addEventListener("mouseleave", () => this.shown.forEach((s) => this.legend(s.plot)));
-    this.legend(plot);
-    this.shown.set(group.id, { plot, box, group });
   }
 
   /** Shows the values at the viewer's time, once the plot has done its own. */
@@ -196,6 +241,27 @@ export class Plots {
     if (width === this.last) return;
     this.last = width;
     for (const { plot } of this.shown.values()) plot.setSize({ width, height: HEIGHT });
+  }
+
+  /** Dashed horizontal lines with their names. */
+  drawLines(u, lines) {
+    const { left, top, width, height } = u.bbox, { ctx } = u, ratio = devicePixelRatio;
+    for (const { value, label } of lines) {
+      const y = u.valToPos(value, "y", true);
+      if (y < top || y > top + height) continue;
+      ctx.save();
+      ctx.strokeStyle = ctx.fillStyle = css("--quiet");
+      ctx.lineWidth = ratio;
+      ctx.setLineDash([5 * ratio, 4 * ratio]);
+      ctx.beginPath();
+      ctx.moveTo(left, y);
+      ctx.lineTo(left + width, y);
+      ctx.stroke();
+      ctx.font = `${11 * ratio}px system-ui, sans-serif`;
+      ctx.textAlign = "right";
+      ctx.fillText(label, left + width - 4 * ratio, y - 4 * ratio);
+      ctx.restore();
+    }
   }
 
   /** The line at the time that the viewer shows. */

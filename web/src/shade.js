@@ -2,7 +2,10 @@
 const RISING = ["#440154", "#3b528b", "#21918c", "#5ec962", "#fde725"];
 const AROUND = ["#2166ac", "#92c5de", "#f7f7f7", "#f4a582", "#b2182b"];
 
-const LABELS = { phi_c: "wetting", strain: "strain", displacement: "displacement" };
+/** The names are those of `meniscus render --color`. */
+const LABELS = {
+  phi_c: "phi_c, distance to the contact line", strain: "strain, largest |stretch − 1|", displacement: "displacement",
+};
 
 const bytes = (hex) => [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16));
 

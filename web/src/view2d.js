@@ -22,6 +22,41 @@ function path(mesh) {
   return shape;
 }
 
+/** How far wetted vertices may be off a solid, and how far below its surface they are put, in cells. */
+const OFF = 1, SUNK = 0.3;
+
+/** The point of some solids' outlines closest to a point, with the outward normal of its edge; none beyond `reach`. */
+function closest(solids, x, y, reach) {
+  let best = null, least = reach * reach;
+  for (const { positions: p, indices: e } of solids) {
+    for (let i = 0; i < e.length; i += 2) {
+      const [a, b] = [3 * e[i], 3 * e[i + 1]];
+      const [dx, dy] = [p[b] - p[a], p[b + 1] - p[a + 1]], square = dx * dx + dy * dy;
+      if (!square) continue;
+      const t = Math.max(0, Math.min(1, ((x - p[a]) * dx + (y - p[a + 1]) * dy) / square));
+      const at = [p[a] + t * dx, p[a + 1] + t * dy];
+      const far = (x - at[0]) ** 2 + (y - at[1]) ** 2;
+      if (far >= least) continue;
+      least = far;
+      const length = Math.sqrt(square);
+      best = { at, normal: [dy / length, -dx / length] };
+    }
+  }
+  return best;
+}
+
+/** The liquid with its wetted vertices put below the surface of the solid that they are on, which is drawn over them: the two
+ * outlines are made apart and fit to a part of a cell. */
+function seat(liquid, solids, dx) {
+  if (!liquid.kinds || !dx || !solids.length) return liquid;
+  const positions = liquid.positions.slice();
+  liquid.kinds.forEach((kind, v) => {
+    const on = kind > 0 && closest(solids, positions[3 * v], positions[3 * v + 1], OFF * dx);
+    if (on) for (let a = 0; a < 2; a++) positions[3 * v + a] = on.at[a] - SUNK * dx * on.normal[a];
+  });
+  return { ...liquid, positions };
+}
+
 /** The window leaves the whole domain where that shows the liquid more than this many times larger. */
 const CLOSER = 1.7;
 
@@ -85,7 +120,8 @@ export class View2D {
   }
 
   set(frame) {
-    this.liquid = path(frame.liquid);
+    this.liquid = path(seat(frame.liquid, frame.solids.map((s) => s.mesh), this.data.dx));
+    this.bare = path(frame.liquid);
     this.solids = frame.solids.map((s) => path(s.mesh));
     this.meshes = frame.solids.map((s) => s.mesh);
     this.points = frame.line?.positions ?? [];
@@ -100,7 +136,7 @@ export class View2D {
     c.width = Math.round(width * ratio);
     c.height = Math.round(height * ratio);
     const [x0, y0, x1, y1] = this.window;
-    const scale = this.zoom * Math.min((width - 48) / (x1 - x0), (height - 72) / (y1 - y0));
+    const scale = this.zoom * Math.min((width - 48) / (x1 - x0), (height - 104) / (y1 - y0));
     g.scale(ratio, ratio);
     g.save();
     g.translate(width / 2 + this.move[0], height / 2 + this.move[1]);
@@ -122,15 +158,17 @@ export class View2D {
       g.fill(walls);
       stroke(walls, css("--quiet"), 1.5);
     }
+    // What is wetted lies under the solids; without them the liquid is shown as it is.
+    const liquid = this.show.solids ? this.liquid : this.bare;
+    g.fillStyle = css("--liquid");
+    g.fill(liquid, "evenodd");
+    stroke(liquid, css("--liquid-edge"), 1.6);
     for (const solid of this.show.solids ? this.solids : []) {
       g.fillStyle = css("--solid");
       g.fill(solid, "evenodd");
       stroke(solid, css("--solid-edge"), 1.2);
     }
     if (this.show.solids && this.shade) this.shaded(g, scale);
-    g.fillStyle = css("--liquid");
-    g.fill(this.liquid, "evenodd");
-    stroke(this.liquid, css("--liquid-edge"), 1.6);
     for (let i = 0; this.show.line && i < this.points.length; i += 3) {
       const dot = new Path2D();
       dot.arc(this.points[i], this.points[i + 1], 4.5 / scale, 0, 2 * Math.PI);

@@ -174,12 +174,16 @@ pub struct CheckArgs {
 
 /// `meniscus measure`.
 #[derive(Debug, Args)]
+#[command(after_help = crate::commands::measure::COLUMNS)]
 pub struct MeasureArgs {
     /// The output folder.
     pub dir: PathBuf,
     /// Measure the frame nearest to this time, such as "20 ms"; the last frame without it.
     #[arg(long, value_name = "TIME")]
     pub at: Option<String>,
+    /// Take means over this time before the frame, such as "20 ms"; over a tenth of the simulated time without it.
+    #[arg(long, value_name = "TIME")]
+    pub window: Option<String>,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,
@@ -238,17 +242,44 @@ pub struct PageArgs {
 pub struct RenderArgs {
     /// The output folder.
     pub dir: PathBuf,
-    /// Size of the pictures.
-    #[arg(long, default_value = "640x360", value_parser = picture_size)]
+    /// Width x height of the pictures in pixels.
+    #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = picture_size)]
     pub size: (u32, u32),
-    /// The camera.
-    #[arg(long)]
+    /// Only these frames: one, or first:last.
+    #[arg(long, alias = "frame", value_name = "N|A:B", value_parser = picture_range)]
+    pub frames: Option<(u64, u64)>,
+    /// Where the pictures go; the folder render of the output folder without it. There pictures of an earlier call that this one
+    /// does not write again are removed.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// 3D: where the camera is, as seen from the middle: azimuth (0 looks along +y, 90 along -x) and elevation in degrees, and the
+    /// distance in metres, without which all is fitted into the picture. [default: 25,17]
+    #[arg(long, value_name = "AZIMUTH,ELEVATION[,DISTANCE]", allow_hyphen_values = true)]
     pub camera: Option<String>,
-    /// The style.
-    #[arg(long)]
+    /// 3D: what the liquid looks like: glass (clear) or matte (opaque). [default: glass]
+    #[arg(long, value_name = "STYLE")]
     pub style: Option<String>,
-    /// What solids are coloured by: plain, phi_c (distance to the contact line), strain or displacement.
+    /// Draw no floor (3D).
     #[arg(long)]
+    pub no_floor: bool,
+    /// Draw no edges of the domain.
+    #[arg(long)]
+    pub no_box: bool,
+    /// Draw no contact line.
+    #[arg(long)]
+    pub no_line: bool,
+    /// Colour behind everything, such as ffffff.
+    #[arg(long, value_name = "RRGGBB", value_parser = hex_color)]
+    pub background: Option<u32>,
+    /// Colour of the liquid; of glass its tint.
+    #[arg(long, value_name = "RRGGBB", value_parser = hex_color)]
+    pub liquid_color: Option<u32>,
+    /// Colour of all solids.
+    #[arg(long, value_name = "RRGGBB", value_parser = hex_color)]
+    pub solid_color: Option<u32>,
+    /// What solids are coloured by: plain, phi_c (distance to the contact line along the surface, negative where wetted), strain
+    /// (largest |stretch - 1|) or displacement. [default: plain]
+    #[arg(long, value_name = "VALUES")]
     pub color: Option<String>,
     /// Take every n-th frame.
     #[arg(long, default_value_t = 1)]
@@ -293,6 +324,21 @@ fn wall_time(text: &str) -> Result<Duration, String> {
     Duration::try_from_secs_f64(seconds).ok().filter(|d| !d.is_zero()).ok_or_else(|| help.to_string())
 }
 
+/// `7` → (7, 7), else as [`frame_range`].
+fn picture_range(text: &str) -> Result<(u64, u64), String> {
+    match text.parse::<u64>() {
+        Ok(one) => Ok((one, one)),
+        Err(_) => frame_range(text),
+    }
+}
+
+/// `ff8000` or `#ff8000` → 0xff8000.
+fn hex_color(text: &str) -> Result<u32, String> {
+    let digits = text.strip_prefix('#').unwrap_or(text);
+    let color = u32::from_str_radix(digits, 16).ok().filter(|_| digits.len() == 6);
+    color.ok_or_else(|| "expected six hexadecimal digits for red, green and blue, such as ff8000".to_owned())
+}
+
 fn picture_size(text: &str) -> Result<(u32, u32), String> {
     let help = "expected width x height in pixels, such as 640x360";
     let (w, h) = text.split_once('x').ok_or(help)?;
@@ -321,5 +367,8 @@ mod tests {
         assert!(frame_range("7:3").is_err() && frame_range("7").is_err());
         assert_eq!(picture_size("640x360"), Ok((640, 360)));
         assert!(picture_size("0x360").is_err());
+        assert_eq!((picture_range("7"), picture_range("3:7")), (Ok((7, 7)), Ok((3, 7))));
+        assert_eq!(hex_color("#ff8000"), Ok(0xff8000));
+        assert!(hex_color("red").is_err() && hex_color("fff").is_err());
     }
 }

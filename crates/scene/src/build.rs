@@ -8,6 +8,7 @@ use crate::file::{
 };
 use crate::meshes;
 use crate::output::Folder;
+use crate::parameters::parameters;
 use crate::run::{self, Existing, Job, Observer, Outcome, Region, RunError, Schedule, Setup, Stop};
 use crate::soft;
 use crate::thin::thick_enough;
@@ -91,6 +92,8 @@ impl Job {
             checkpoint_every: output.checkpoint_every as u64,
             solids: scene.solids.iter().map(|s| (s.name.clone(), s.mesh_edge)).collect(),
             warnings: Vec::new(),
+            description: scene.description.clone(),
+            parameters: parameters(scene),
         }
     }
 }

@@ -125,8 +125,7 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
     let volume = liquid_volume(scene);
     let liquid_cells = volume.map(|v| v / d.dx.powi(d.dimension as i32));
     let bodies: Vec<BodyReport> = body_reports(scene);
-    let smallest = bodies.iter().filter_map(|b| b.radius).reduce(f64::min);
-    let radius = smallest.or_else(|| volume.map(|v| ball_radius(v, d.dimension)));
+    let radius = smallest_radius(scene).or_else(|| volume.map(|v| ball_radius(v, d.dimension)));
     let speed = typical_speed(scene);
     let g = norm(&l.gravity);
     let capillary_length = (g > 0.0).then(|| (gamma / (l.density * g)).sqrt());
@@ -216,13 +215,14 @@ fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-fn ball_radius(volume: f64, dimension: usize) -> f64 {
+/// Radius of a ball (2D: a disc) of a volume, m.
+pub(crate) fn ball_radius(volume: f64, dimension: usize) -> f64 {
     let pi = std::f64::consts::PI;
     if dimension == 2 { (volume / pi).sqrt() } else { (0.75 * volume / pi).cbrt() }
 }
 
 /// The largest difference of start velocity between bodies; of a single body to rest.
-fn typical_speed(scene: &Scene) -> f64 {
+pub(crate) fn typical_speed(scene: &Scene) -> f64 {
     let v: Vec<&[f64]> = scene.liquid.bodies.iter().map(|b| b.velocity.as_slice()).collect();
     if let [one] = v.as_slice() {
         return norm(one);
@@ -266,6 +266,11 @@ fn body_reports(scene: &Scene) -> Vec<BodyReport> {
         BodyReport { index, radius, cells_per_radius: radius.map(|r| r / scene.domain.dx) }
     };
     scene.liquid.bodies.iter().enumerate().map(report).collect()
+}
+
+/// The smallest radius of a body of liquid, m; none where they are half-spaces.
+pub(crate) fn smallest_radius(scene: &Scene) -> Option<f64> {
+    body_reports(scene).iter().filter_map(|b| b.radius).reduce(f64::min)
 }
 
 /// Half the least extent of what lies inside the domain, m.

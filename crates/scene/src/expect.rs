@@ -39,9 +39,7 @@ fn verdict(expectation: &Expectation, summary: &Summary, series: &Table) -> Verd
         Expectation::VolumeDrift { max } => {
             at_most("volume drift", Some(summary.volume_error.abs()), *max, "")
         }
-        Expectation::MomentumError { max } => {
-            at_most("momentum error", Some(summary.momentum_error), *max, "")
-        }
+        Expectation::MomentumError { max } => at_most("momentum error", summary.momentum_error, *max, ""),
         Expectation::EnergyGrowth { max } => at_most("energy growth", energy_growth(series), *max, ""),
         Expectation::Repair { name, max } => {
             let value = summary.repaired().find(|(found, _)| found == name).map(|(_, value)| value.abs());

@@ -14,6 +14,7 @@ mod held;
 pub mod memory;
 mod meshes;
 pub mod output;
+pub mod parameters;
 pub mod run;
 pub mod schema;
 mod soft;

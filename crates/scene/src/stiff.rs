@@ -2,7 +2,7 @@
 
 use crate::check::longest_step;
 use crate::error::SceneError;
-use crate::file::{Material, Scene, ShapeSpec, Solid as SolidSpec};
+use crate::file::{Elastic, Material, Scene, ShapeSpec, Solid as SolidSpec};
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector};
 
@@ -58,15 +58,18 @@ pub fn plate<const D: usize>(shape: &ShapeSpec) -> Option<(f64, Vector<D>)> {
     (sizes[thin] <= PLATE * next).then(|| (sizes[thin], rotation.column(thin).into_owned()))
 }
 
+/// Bending stiffness `E t³ / 12 (1 - ν²)` of a plate of thickness `t` (m) per width, N m.
+pub fn elastic_bending(e: &Elastic, thickness: f64) -> f64 {
+    e.young_modulus * thickness.powi(3) / (12.0 * (1.0 - e.poisson_ratio.powi(2)))
+}
+
 /// Bending stiffness of a plate per width, N m (2D: of a strip per depth): `E t³ / 12 (1 - ν²)`; of springs what the plate's
 /// middle surface bent in all directions alike asks for, `⟨cos⁴⟩ Σ k p⁴ z² / (l² A)` with the part `p` of an edge along the
 /// plate (5-tetrahedra lattices of 2 and 4 cells: 3.2 and 16.9 k a², where a solver finds 3.1 and 16.8).
 pub fn bending<const D: usize>(spec: &SolidSpec, mesh: &VolumeMesh<D>) -> Option<f64> {
     let (thickness, normal) = plate::<D>(&spec.shape)?;
     match &spec.material {
-        Material::NeoHookean(e) | Material::Corotated(e) => {
-            Some(e.young_modulus * thickness.powi(3) / (12.0 * (1.0 - e.poisson_ratio.powi(2))))
-        }
+        Material::NeoHookean(e) | Material::Corotated(e) => Some(elastic_bending(e, thickness)),
         Material::Springs { stiffness, .. } => {
             let middle = mesh.positions.iter().sum::<Vector<D>>() / mesh.positions.len() as f64;
             let part = |(at, along): (Vector<D>, Vector<D>)| {

@@ -13,9 +13,9 @@ mod shade;
 pub use error::{Result, ViewError};
 pub use folder::{Frame, RunFolder};
 pub use measure::{
-    ContactMeasure, DropMeasure, FitShape, FittedAngle, Floating, Forces, LocalAngle, Measurement, Ridge,
-    SoftMeasure, SolidMeasure, Strip, Touch, measure,
+    AngleAt, ContactMeasure, DropMeasure, FitShape, FittedAngle, Floating, Forces, LocalAngle, Mean,
+    MeasureOptions, Measurement, Ridge, SoftMeasure, SolidMeasure, Strip, Touch, Window, measure,
 };
 pub use page::{PageOptions, PageReport, make_page, write_page};
-pub use render::{Camera, Image, RenderOptions, Rendered, Renderer, Style, render};
+pub use render::{Camera, Image, RenderOptions, Rendered, Renderer, Set, Style, render};
 pub use shade::Shade;

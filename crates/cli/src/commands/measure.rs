@@ -5,25 +5,62 @@ use crate::args::MeasureArgs;
 use crate::failure::{Failure, OUTPUT, Result, USAGE};
 use meniscus_scene::units::{Dimension, parse};
 use meniscus_view::{
-    ContactMeasure, FitShape, Measurement, SoftMeasure, SolidMeasure, Strip, Touch, ViewError,
+    AngleAt, ContactMeasure, FitShape, Mean, MeasureOptions, Measurement, SoftMeasure, SolidMeasure, Strip,
+    Touch, ViewError,
 };
 use std::fmt::Write as _;
 
 /// What stands where there is no value.
 const NONE: &str = "–";
 
+/// What `meniscus measure --help` tells of the columns.
+pub const COLUMNS: &str = "\
+Columns (docs/measure.md tells more, and the keys of --json):
+  drop           number, the largest first; those under 8 cells are only counted
+  on             the solid, or the side of the domain, that the drop touches
+  angle, fit     contact angle through the liquid, as a goniometer sees it: of a
+                 circle or ellipse (3D: sphere, spheroid) fitted to the surface
+                 away from the line; ± its uncertainty
+  residual       root mean square distance of the surface from the fit, in cells
+  angle at line  mean ± standard deviation (least to largest) of the angles
+                 stored along the contact line; they follow the surface within
+                 4.5 cells of the solid, and swing more than the fit
+  left, right    2D: the angle at the outermost points of the line, and where
+  base radius    mean distance of the line from its middle
+  height         largest distance of the drop from the solid
+  wetted area    2D: a length, per metre of depth
+  force          of the liquid in the last step (2D: per metre of depth); its
+                 parts by pressure and at the line
+  centre, depth  in tanks: height of the solid's middle over the undisturbed
+                 surface, and depth of its lowest point below it
+  touched        when liquid touched the solid, in any frame
+  deflection     largest and mean way of the surface from where it was at rest,
+                 less the rigid motion of a free solid
+  displacement   largest way, rigid motion included
+  tip            where the part farthest from what is held is, and its way
+  slopes, fold   of a plate's middle line: angles at its ends to its axis at
+                 rest, and by how much it turns between them
+  curvature      the largest of the middle line, with its sign
+  wetted         share of the solid's surface
+  ridge          height of the crest along the line over the surface 4.5 cells
+                 away; none where the surface is not highest at the line (the
+                 solid bends), or the line is at an edge
+The last table has means over --window: each step counts by its length.";
+
 /// Measures a stored frame and prints a table or JSON.
 pub fn measure(args: &MeasureArgs) -> Result {
-    let at = args.at.as_deref().map(time).transpose()?;
-    let measured = meniscus_view::measure(&args.dir, at).map_err(failure)?;
+    let at = args.at.as_deref().map(|text| time("--at", text)).transpose()?;
+    let window = args.window.as_deref().map(|text| time("--window", text)).transpose()?;
+    let options = MeasureOptions { at, window };
+    let measured = meniscus_view::measure(&args.dir, &options).map_err(failure)?;
     let text = if args.json { format!("{:#}\n", serde_json::json!(measured)) } else { table(&measured) };
     print(&text)?;
     Ok(0)
 }
 
-fn time(text: &str) -> Result<f64> {
+fn time(flag: &str, text: &str) -> Result<f64> {
     let parsed = parse(text, Dimension::Time);
-    parsed.map(|p| p.value).map_err(|e| Failure::new(USAGE, format!("--at: {}", e.message)).help(e.help))
+    parsed.map(|p| p.value).map_err(|e| Failure::new(USAGE, format!("{flag}: {}", e.message)).help(e.help))
 }
 
 fn failure(error: ViewError) -> Failure {
@@ -40,20 +77,43 @@ fn table(m: &Measurement) -> String {
     let at = m.time.map_or_else(String::new, |t| format!(" at {}", prefixed(t, "s")));
     let mut out =
         format!("{}: frame {}{at}, {}D, cells of {}\n\n", m.scene, m.frame, m.dimension, prefixed(m.dx, "m"));
+    out += &drops(m);
+    if !m.solids.is_empty() {
+        let header = ["solid", "force", "by pressure", "at line", "centre", "depth", "touched"];
+        let rows = m.solids.iter().map(|s| solid(s, m));
+        out += &titled(&header, rows);
+    }
+    let soft: Vec<(&str, &SoftMeasure)> =
+        m.solids.iter().filter_map(|s| Some((s.name.as_str(), s.soft.as_ref()?))).collect();
+    if !soft.is_empty() {
+        let header = [
+            "deforms",
+            "deflection",
+            "mean",
+            "displacement",
+            "tip at",
+            "tip moved",
+            "slopes",
+            "fold",
+            "curvature",
+            "wetted",
+            "ridge",
+        ];
+        out += &titled(&header, soft.iter().map(|(name, s)| bent(name, s, m)));
+    }
+    out + &means(m)
+}
+
+/// The table of the drops and what they touch.
+fn drops(m: &Measurement) -> String {
     let power = if m.dimension == 2 { "m²" } else { "m³" };
+    let sides = if m.dimension == 2 { &["left", "right"][..] } else { &[] };
     let header = [
-        "drop",
-        "volume",
-        "on",
-        "angle",
-        "fit",
-        "residual",
-        "along the line",
-        "base radius",
-        "height",
-        "wetted",
+        &["drop", "volume", "on", "angle", "fit", "residual", "angle at line"],
+        sides,
+        &["base radius", "height", "wetted area"],
     ];
-    let mut rows = vec![header.map(String::from).to_vec()];
+    let mut rows = vec![header.concat().into_iter().map(String::from).collect::<Vec<_>>()];
     for (i, drop) in m.drops.iter().enumerate() {
         let first = [(i + 1).to_string(), format!("{:.4e} {power}", drop.volume)];
         let blank = [String::new(), String::new()];
@@ -65,39 +125,55 @@ fn table(m: &Measurement) -> String {
             rows.push([first.to_vec(), vec!["nothing".into()]].concat());
         }
     }
-    out += &aligned(&rows);
+    let mut out = aligned(&rows);
     if m.small_drops > 0 {
-        let _ = writeln!(out, "and {} too small to be measured", m.small_drops);
+        let _ = writeln!(out, "and {} of less than 8 cells, not measured", m.small_drops);
     }
-    if !m.solids.is_empty() {
-        let header = ["solid", "force", "of it pressure", "of it line", "over the level", "depth", "touched"];
-        let mut rows = vec![header.map(String::from).to_vec()];
-        rows.extend(m.solids.iter().map(|s| solid(s, m)));
-        out += "\n";
-        out += &aligned(&rows);
-    }
-    let soft: Vec<(&str, &SoftMeasure)> =
-        m.solids.iter().filter_map(|s| Some((s.name.as_str(), s.soft.as_ref()?))).collect();
-    if !soft.is_empty() {
-        let header = [
-            "deforms",
-            "deflection",
-            "mean",
-            "displacement",
-            "tip at",
-            "tip went",
-            "slopes",
-            "fold",
-            "curvature",
-            "wetted",
-            "ridge",
-        ];
-        let mut rows = vec![header.map(String::from).to_vec()];
-        rows.extend(soft.iter().map(|(name, s)| bent(name, s, m)));
-        out += "\n";
-        out += &aligned(&rows);
+    let drawn = m.drops.len() + m.small_drops;
+    if let Some(counted) = m.drops_of_solver.filter(|n| *n != drawn) {
+        let _ = writeln!(
+            out,
+            "the solver counts {counted} of these {drawn} (column `drops`): by its cells, also where they are joined by less than a cell"
+        );
     }
     out
+}
+
+/// The table of means over the window; empty without one.
+fn means(m: &Measurement) -> String {
+    let Some(window) = &m.window else { return String::new() };
+    let rows: Vec<Vec<String>> = m
+        .solids
+        .iter()
+        .flat_map(|solid| {
+            solid.window.iter().map(|(quantity, mean)| mean_row(&solid.name, quantity, mean, m))
+        })
+        .collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    let span = format!("{} to {}", prefixed(window.from, "s"), prefixed(window.to, "s"));
+    let table = titled(&["solid", "", "mean", "standard deviation", "least", "largest"], rows.into_iter());
+    format!("\nmeans over {span}, {} steps{table}", window.steps)
+}
+
+/// A quantity of a solid over the window. The components of a force have one unit, so that they can be compared.
+fn mean_row(solid: &str, quantity: &str, mean: &Mean, m: &Measurement) -> Vec<String> {
+    let tell = |x: f64| match quantity.split('_').next() {
+        Some("angle") => format!("{x:.2}°"),
+        Some("wetted") => format!("{:.1} %", 100.0 * x),
+        Some("force") => prefixed(x, if m.dimension == 2 { "N/m" } else { "N" }),
+        _ => prefixed(x, "m"),
+    };
+    let cells = [mean.mean, mean.std, mean.least, mean.largest].map(tell);
+    [vec![solid.to_owned(), quantity.replace('_', " ")], cells.to_vec()].concat()
+}
+
+/// A table with a header, after an empty line.
+fn titled(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+    let header = header.iter().map(|h| (*h).to_owned()).collect();
+    let rows: Vec<Vec<String>> = std::iter::once(header).chain(rows).collect();
+    format!("\n{}", aligned(&rows))
 }
 
 /// A solid that has deformed.
@@ -109,8 +185,8 @@ fn bent(name: &str, s: &SoftMeasure, m: &Measurement) -> Vec<String> {
         prefixed(s.largest_deflection, "m"),
         prefixed(s.mean_deflection, "m"),
         prefixed(s.largest_displacement, "m"),
-        place(&s.tip),
-        place(&s.tip_displacement),
+        s.tip.as_ref().map_or(NONE.into(), place),
+        s.tip_displacement.as_ref().map_or(NONE.into(), place),
         strip(&|x| format!("{:.2}° {:.2}°", x.slopes[0], x.slopes[1])),
         strip(&|x| format!("{:.2}°", x.fold_angle)),
         strip(&|x| format!("{}/m", four_digits(x.curvature))),
@@ -138,16 +214,19 @@ fn contact(c: &ContactMeasure, m: &Measurement) -> Vec<String> {
     };
     let area =
         if m.dimension == 2 { prefixed(c.contact_area, "m") } else { format!("{:.4e} m²", c.contact_area) };
-    vec![
+    let first = [
         if c.wall { format!("wall {}", c.solid) } else { c.solid.clone() },
         angle,
         shape,
         residual,
         c.local_angle.as_ref().map_or(NONE.into(), along),
-        c.base_radius.map_or(NONE.into(), |r| prefixed(r, "m")),
-        prefixed(c.height, "m"),
-        area,
-    ]
+    ];
+    let places = c.local_angle.as_ref().map(|l| &l.places).or_else(|| c.angle.as_ref().map(|a| &a.places));
+    let end =
+        |p: Option<&AngleAt>| p.map_or(NONE.into(), |p| format!("{:.2}° at {}", p.angle, vector(&p.at, "m")));
+    let ends = [places.and_then(|p| p.first()), places.and_then(|p| p.last())].map(end);
+    let last = [c.base_radius.map_or(NONE.into(), |r| prefixed(r, "m")), prefixed(c.height, "m"), area];
+    [&first[..], if m.dimension == 2 { &ends[..] } else { &[] }, &last[..]].concat()
 }
 
 fn solid(s: &SolidMeasure, m: &Measurement) -> Vec<String> {

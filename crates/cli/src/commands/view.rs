@@ -4,12 +4,15 @@ use super::print;
 use crate::args::{PageArgs, RenderArgs};
 use crate::failure::{Failure, OUTPUT, Result, USAGE};
 use indicatif::{ProgressBar, ProgressStyle};
-use meniscus_view::{Camera, PageOptions, RenderOptions, Rendered, Shade, Style};
+use meniscus_view::{Camera, PageOptions, RenderOptions, Rendered, Set, Shade, Style};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 /// The size of a page that may be sent by mail, MB.
 pub const MAX_MB: f64 = 20.0;
+
+/// The part of a picture below which what is to be seen is hardly seen.
+const SMALL: f64 = 0.05;
 
 /// Makes pictures of a run.
 pub fn render(args: &RenderArgs) -> Result {
@@ -19,9 +22,25 @@ pub fn render(args: &RenderArgs) -> Result {
         style: args.style.as_deref().map_or(Ok(Style::default()), style)?,
         shade: args.color.as_deref().map_or(Ok(Shade::default()), shade)?,
         every: args.every.max(1) as usize,
+        frames: args.frames.map(|(a, b)| frame(a)..=frame(b)),
+        to: args.out.clone(),
+        set: Set {
+            floor: !args.no_floor,
+            domain: !args.no_box,
+            line: !args.no_line,
+            background: args.background,
+            liquid: args.liquid_color,
+            solids: args.solid_color,
+        },
         ..RenderOptions::default()
     };
     let rendered = pictures(&args.dir, &options, false)?;
+    if rendered.filled < SMALL && args.camera.is_some() {
+        let part = 100.0 * rendered.filled;
+        eprintln!(
+            "warning: the liquid and the solids fill {part:.2} % of the picture; --camera may be too far away"
+        );
+    }
     print(&describe(&rendered))?;
     Ok(0)
 }
@@ -31,6 +50,11 @@ pub fn page(args: &PageArgs) -> Result {
     let path = make_page(&args.dir, args.every.max(1), args.max_mb)?;
     print(&format!("page      {}\n", path.display()))?;
     Ok(0)
+}
+
+/// A frame's number; numbers beyond all frames stay beyond.
+fn frame(number: u64) -> u32 {
+    u32::try_from(number).unwrap_or(u32::MAX)
 }
 
 /// `azimuth,elevation` in degrees, and the distance in metres if wanted.
@@ -85,7 +109,12 @@ pub fn describe(rendered: &Rendered) -> String {
         let name =
             |path: &Path| path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
         let folder = first.parent().unwrap_or(Path::new(""));
-        out += &format!("pictures  {} ({} to {})\n", folder.display(), name(first), name(last));
+        let (n, all) = (rendered.images.len(), rendered.frames);
+        let some = if n < all { format!("{n} of {all} frames, ") } else { String::new() };
+        out += &format!("pictures  {} ({some}{} to {})\n", folder.display(), name(first), name(last));
+        if rendered.removed > 0 {
+            out += &format!("removed   {} pictures or films of an earlier call\n", rendered.removed);
+        }
     }
     if let Some(film) = &rendered.film {
         out += &format!("film      {}\n", film.display());
@@ -98,5 +127,12 @@ pub fn describe(rendered: &Rendered) -> String {
 /// Makes the page; its path.
 pub fn make_page(dir: &Path, every: u32, max_mb: f64) -> Result<PathBuf> {
     let options = PageOptions { every: every as usize, max_mb, ..PageOptions::default() };
-    meniscus_view::write_page(dir, &options).map_err(|e| Failure::new(OUTPUT, e.to_string()))
+    let report = meniscus_view::make_page(dir, &options).map_err(|e| Failure::new(OUTPUT, e.to_string()))?;
+    let megabytes = report.bytes as f64 * 1e-6;
+    if megabytes > max_mb {
+        eprintln!(
+            "warning: the page takes {megabytes:.2} MB, more than {max_mb} MB: the page itself and one frame take as much"
+        );
+    }
+    Ok(report.path)
 }

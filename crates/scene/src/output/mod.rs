@@ -5,7 +5,9 @@ mod folder;
 pub mod frame;
 pub mod log;
 pub mod series;
+mod solids;
 pub mod summary;
 
 pub use file::FileError;
 pub use folder::{Folder, FolderError};
+pub use solids::SolidMeasures;

@@ -1,5 +1,6 @@
 //! `timeseries.csv`: one row per step.
 
+use super::SolidMeasures;
 use super::file::FileError;
 use crate::run::three;
 use meniscus_sim::{ContactLine, Simulation, StepReport};
@@ -62,14 +63,14 @@ fn force_columns(solid: &str) -> impl Iterator<Item = String> {
     ["x", "y", "z"].into_iter().map(move |axis| format!("force_{solid}_{axis}"))
 }
 
-/// A row: the state after a step, and what the step did; `solids` is the number of those that have names. Numbers are
-/// written so that they read back to the same bits.
+/// A row: the state after a step, what the step did, and the measures of the solids that have names. Numbers are written
+/// so that they read back to the same bits.
 pub fn row<const D: usize>(
     simulation: &Simulation<D>,
     report: &StepReport<D>,
     line: &ContactLine<D>,
     (momentum_error, wall_seconds): (f64, f64),
-    solids: usize,
+    measures: &SolidMeasures,
 ) -> String {
     let state = &simulation.state;
     let ledger = &report.ledger;
@@ -99,9 +100,10 @@ pub fn row<const D: usize>(
     let repairs = &report.repairs;
     put(&mut row, &[repairs.volume_shift, repairs.deleted_volume, repairs.momentum_restored]);
     let _ = write!(row, ",{},{}", repairs.clamped_curvatures, repairs.unconverged());
-    for now in &state.solids[..solids] {
+    for now in &state.solids[..measures.solids()] {
         put(&mut row, &three(&(now.pressed + now.pulled)));
     }
+    row += &measures.cells(simulation, line);
     row.push('\n');
     row
 }
@@ -139,14 +141,19 @@ pub struct Series {
 }
 
 impl Series {
-    /// A new file with its header row: [`COLUMNS`], and the force on each solid of these names.
+    /// A new file with its header row: [`COLUMNS`], the force on each solid of these names, and the columns of their measures.
     ///
     /// # Errors
     /// [`FileError`].
-    pub fn create<'a>(path: &Path, solids: impl Iterator<Item = &'a str>) -> Result<Self, FileError> {
+    pub fn create<'a>(
+        path: &Path,
+        solids: impl Iterator<Item = &'a str>,
+        measures: &[String],
+    ) -> Result<Self, FileError> {
         let file = File::create(path).map_err(FileError::of("write", path))?;
         let mut series = Self { path: path.to_path_buf(), writer: BufWriter::new(file), bytes: 0 };
         let names = COLUMNS.iter().map(|c| (*c).to_owned()).chain(solids.flat_map(force_columns));
+        let names = names.chain(measures.iter().cloned());
         series.append(&(names.collect::<Vec<_>>().join(",") + "\n"))?;
         Ok(series)
     }

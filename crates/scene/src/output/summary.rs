@@ -1,6 +1,7 @@
 //! `summary.json`: how a run stands or ended.
 
 use super::file::{self, FileError};
+use crate::parameters::Parameter;
 use crate::run::{Job, Tally, ThinTally, three};
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::RigidMotion;
@@ -20,6 +21,12 @@ pub const UNCONVERGED: &str = "unconverged";
 pub struct Summary {
     /// Name of the scene.
     pub scene: String,
+    /// What the scene says of itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub description: Option<String>,
+    /// The parameters of the scene in numbers.
+    #[serde(default)]
+    pub parameters: Vec<Parameter>,
     /// Version of Meniscus.
     pub version: String,
     /// Why the run ended: `finished`, `stopped: …`, `failed: …`; `running` while it goes.
@@ -48,9 +55,14 @@ pub struct Summary {
     pub wall_seconds: f64,
     /// Relative, signed, worst of the run.
     pub volume_error: f64,
-    /// Relative, worst of the run: momentum that did not come from gravity (walls count too).
-    pub momentum_error: f64,
-    /// Largest divergence of the run, 1/s.
+    /// Relative, worst of the run: momentum that did not come from gravity, over that of all liquid at the largest root mean
+    /// square speed. Sides of the domain that the liquid touches count too. Null where solids are held or go as told.
+    pub momentum_error: Option<f64>,
+    /// Why there is no momentum error.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub momentum_error_reason: Option<String>,
+    /// Largest divergence in a liquid cell of the run, 1/s: times the time step it is the part of a cell's volume by which what
+    /// flows in and out differ. It is of single cells at surfaces and solids; the volume of drops is kept apart from it.
     pub max_divergence: f64,
     /// Largest speed of the run, m/s.
     pub max_speed: f64,
@@ -238,10 +250,13 @@ impl Summary {
         let angle = |i: usize| line.angle(Some(i as u32)).map(|a| a.0);
         let solids = job.solids.iter().enumerate();
         let solids = solids.map(|(i, (name, _))| SolidSummary::of(name, simulation, i, angle(i))).collect();
+        let held = simulation.model.solids.iter().any(|s| !s.is_unheld());
         let mean = tally.iterations as f64 / tally.solves.max(1) as f64;
         let solves = Solves { count: tally.solves, mean, max: tally.most_iterations };
         Self {
             scene: job.name.clone(),
+            description: job.description.clone(),
+            parameters: job.parameters.clone(),
             version: env!("CARGO_PKG_VERSION").to_string(),
             exit_reason: exit_reason.to_string(),
             dimension: D,
@@ -256,7 +271,9 @@ impl Summary {
             simulated_seconds: state.time,
             wall_seconds: tally.wall_seconds,
             volume_error: tally.volume_error,
-            momentum_error: tally.momentum_error,
+            momentum_error: (!held).then_some(tally.momentum_error),
+            momentum_error_reason: held
+                .then(|| "what holds or moves the solids takes and gives momentum".to_string()),
             max_divergence: tally.max_divergence,
             max_speed: tally.max_speed,
             least_element: tally.least_element,

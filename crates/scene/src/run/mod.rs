@@ -17,6 +17,7 @@ pub use watchdog::Remote;
 
 use crate::output::summary::{FINISHED, Summary};
 use crate::output::{FileError, Folder};
+use crate::parameters::Parameter;
 use meniscus_numerics::Vector;
 use meniscus_sim::{Body, Model, Simulation};
 use std::sync::Arc;
@@ -66,6 +67,10 @@ pub struct Job {
     pub solids: Vec<(String, f64)>,
     /// What looks odd in the scene: told at the start.
     pub warnings: Vec<String>,
+    /// What the scene says of itself.
+    pub description: Option<String>,
+    /// The parameters of the scene, for the summary.
+    pub parameters: Vec<Parameter>,
 }
 
 /// What to do with an output folder that holds a run already.

@@ -7,7 +7,7 @@ use crate::checkpoint;
 use crate::output::log::Log;
 use crate::output::series::{self, Series};
 use crate::output::summary::{FINISHED, Summary};
-use crate::output::{FileError, Folder, file, frame};
+use crate::output::{FileError, Folder, SolidMeasures, file, frame};
 use crate::thin_liquid;
 use crate::units::readable;
 use meniscus_sim::{ContactLine, LineTracker, Simulation, StepReport};
@@ -33,6 +33,7 @@ pub(super) struct Session<'a, const D: usize> {
     /// The contact line of the simulation as it stands.
     line: ContactLine<D>,
     tally: Tally,
+    measures: SolidMeasures,
     series: Series,
     log: Log,
     resumed_at: Option<f64>,
@@ -60,7 +61,9 @@ impl<'a, const D: usize> Session<'a, D> {
     ) -> Result<Self, FileError> {
         file::replace(&folder.scene(), |w| w.write_all(scene_text(job).as_bytes()))?;
         let tally = Tally::start(&simulation.model, &simulation.ledger());
-        let series = Series::create(&folder.series(), job.solids.iter().map(|s| s.0.as_str()))?;
+        let names = || job.solids.iter().map(|s| s.0.as_str());
+        let measures = SolidMeasures::new(&simulation, job.solids.len()).columns::<D>(names());
+        let series = Series::create(&folder.series(), names(), &measures)?;
         Self::open(simulation, tally, series, job, folder, None)
     }
 
@@ -100,6 +103,7 @@ impl<'a, const D: usize> Session<'a, D> {
             clock: Instant::now(),
             seconds_before: tally.wall_seconds,
             log: Log::open(&folder.log())?,
+            measures: SolidMeasures::new(&simulation, job.solids.len()),
             simulation,
             tally,
             series,
@@ -245,7 +249,7 @@ impl<'a, const D: usize> Session<'a, D> {
     fn append_row(&mut self, report: &StepReport<D>, momentum_error: f64) -> Result<(), RunError> {
         self.tally.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
         let told = (momentum_error, self.tally.wall_seconds);
-        let row = series::row(&self.simulation, report, &self.line, told, self.job.solids.len());
+        let row = series::row(&self.simulation, report, &self.line, told, &self.measures);
         Ok(self.series.append(&row)?)
     }
 
@@ -267,7 +271,8 @@ impl<'a, const D: usize> Session<'a, D> {
             let mesh = frame::solid(&self.simulation, i, &surface, &self.line);
             frame::write(&self.folder.solid(name, number), &mesh)?;
         }
-        if !self.simulation.model.solids.is_empty() {
+        // No file where there is no line: readers of meshes refuse one without vertices.
+        if !self.line.points.is_empty() {
             let mesh = frame::contact_line(&self.simulation, &self.line);
             frame::write(&self.folder.contact_line(number), &mesh)?;
         }

@@ -441,8 +441,13 @@ fn runs_tell_of_inverted_elements_and_overlaps() {
     let setup = AnySetup::of(&scene).unwrap();
     let done = setup.run(&job, &Folder::at(&out), Existing::Replace, &|| None, &mut Silent).unwrap();
     let header = std::fs::read_to_string(out.join("timeseries.csv")).unwrap();
-    assert!(header.lines().next().unwrap().ends_with("force_body_x,force_body_y,force_body_z"), "{header}");
-    assert_eq!(header.lines().nth(1).unwrap().split(',').count(), COLUMNS.len() + 3);
+    assert!(header.lines().next().unwrap().ends_with("deflection_body,tip_body_x,tip_body_y"), "{header}");
+    assert_eq!(header.lines().nth(1).unwrap().split(',').count(), COLUMNS.len() + 3 + 7);
+    // The free plate's tip is at its ends, from 1 to 3 cm and 1 to 1.4 cm: their mean is its middle.
+    let series = Table::parse(&header);
+    let last = |name: &str| series.column(name).last().copied().unwrap();
+    assert!((last("tip_body_x") - 0.02).abs() < 1e-9 && (last("tip_body_y") - 0.012).abs() < 1e-9);
+    assert!(last("deflection_body") < 1e-9 && last("wetted_body") == 0.0 && last("angle_body_left").is_nan());
     let mesh = PlyMesh::load(&out.join("frames/solid_body_0002.ply")).unwrap();
     for name in ["ux", "uy", "uz", "strain"] {
         let values = &mesh.scalars[name];

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::body::Body;
 use super::contact::{LinePoint, Patch};
 use super::drops::Drop;
+use super::line::AngleAt;
 
 /// The surface nearer to the line than this is not fitted, in cells.
 const AWAY: f64 = 1.5;
@@ -54,6 +55,9 @@ pub struct FittedAngle {
     pub residual: f64,
     /// Points of the surface that it was fitted to.
     pub points: usize,
+    /// In 2D where it meets the solid, from left to right.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub places: Vec<AngleAt>,
 }
 
 /// A shape fitted to a drop's free surface.
@@ -125,6 +129,7 @@ impl<const D: usize> Fit<D> {
             radii: [self.it.level, self.it.upright],
             residual: self.residual,
             points: self.points,
+            places: AngleAt::ordered(found.iter().map(|(p, angle, _)| (p.at, *angle))),
         };
         let beyond = found.iter().map(|f| f.2).collect();
         Some(Feet { angle, at: found.into_iter().map(|f| f.0).collect(), beyond })

@@ -12,6 +12,28 @@ use crate::folder::{Frame, RunFolder};
 /// A point of the line lies no farther from its drop than this, in cells.
 const NEAR: f64 = 3.0;
 
+/// The angle at a place of a contact line in 2D.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AngleAt {
+    /// The place, m.
+    pub at: [f64; 2],
+    /// The angle there, degrees through the liquid.
+    pub angle: f64,
+}
+
+impl AngleAt {
+    /// Places with their angles from left to right, of one above the other from low to high; none in 3D.
+    pub(super) fn ordered<const D: usize>(known: impl Iterator<Item = (Vector<D>, f64)>) -> Vec<Self> {
+        if D == 3 {
+            return Vec::new();
+        }
+        let mut all: Vec<Self> =
+            known.map(|(x, angle)| Self { at: std::array::from_fn(|a| x[a]), angle }).collect();
+        all.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]).then(a.at[1].total_cmp(&b.at[1])));
+        all
+    }
+}
+
 /// The angles along a contact line, degrees through the liquid; weighted with the length of the line in 3D.
 #[derive(Clone, Debug, Serialize)]
 pub struct LocalAngle {
@@ -27,6 +49,9 @@ pub struct LocalAngle {
     pub points: usize,
     /// Length of the line, m (2D: 0).
     pub length: f64,
+    /// In 2D each point of the line, from left to right.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub places: Vec<AngleAt>,
 }
 
 /// The stored line between one drop and one body.
@@ -60,6 +85,9 @@ impl<const D: usize> Stored<D> {
             max: known.iter().map(|k| k.1).fold(f64::NEG_INFINITY, f64::max),
             points: known.len(),
             length: if D == 2 { 0.0 } else { self.points.iter().map(|p| p.weight).sum() },
+            places: AngleAt::ordered(
+                self.points.iter().map(|p| p.at).zip(self.angles.iter().copied()).filter(|p| p.1.is_finite()),
+            ),
         })
     }
 }

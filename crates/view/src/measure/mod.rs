@@ -12,19 +12,22 @@ mod line;
 mod soft;
 mod solids;
 mod strip;
+mod window;
 
 use std::path::Path;
 
 use serde::Serialize;
 
 pub use fit::{FitShape, FittedAngle};
-pub use line::LocalAngle;
+pub use line::{AngleAt, LocalAngle};
 pub use soft::{Ridge, SoftMeasure};
 pub use solids::{Floating, Forces, SolidMeasure, Touch};
 pub use strip::Strip;
+pub use window::{Mean, Window};
 
 use crate::error::{Result, ViewError};
 use crate::folder::{Frame, RunFolder};
+use crate::page::series::Series;
 use body::Body;
 use contact::{LinePoint, Patch};
 use drops::Drop;
@@ -32,6 +35,16 @@ use fit::{Feet, Fit};
 
 /// Drops smaller than this many cells are counted but not measured.
 const SMALLEST: f64 = 8.0;
+
+/// Which frame is measured, and over how long means are taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MeasureOptions {
+    /// The time of the frame, s: the nearest one is taken; the last frame without it.
+    pub at: Option<f64>,
+    /// Length of the window of time that means are taken over, s; it ends with the frame. A tenth of the simulated time without
+    /// it.
+    pub window: Option<f64>,
+}
 
 /// What was measured in one frame of a run. SI units; in 2D areas are lengths and volumes areas.
 #[derive(Clone, Debug, Serialize)]
@@ -45,7 +58,15 @@ pub struct Measurement {
     /// Number of the frame.
     pub frame: u32,
     /// Its time, s, where it is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<f64>,
+    /// The steps that means are taken over; none where the time series has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window: Option<Window>,
+    /// Drops that the solver counted, by its cells. Liquid that is joined only where a film is thinner than the drawn surface, or
+    /// within a solid, is one drop there and several here.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drops_of_solver: Option<usize>,
     /// Drops too small to be measured.
     pub small_drops: usize,
     /// The drops, the largest first.
@@ -76,11 +97,17 @@ pub struct ContactMeasure {
     pub solid: String,
     /// Whether it is a wall of the domain.
     pub wall: bool,
-    /// The angle by a fit of the free surface; none where there is no line or the surface is of no such shape.
+    /// The angle by a fit of the free surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<FittedAngle>,
+    /// Why there is no angle by a fit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle_reason: Option<&'static str>,
     /// The angles along the contact line, where they are stored.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub local_angle: Option<LocalAngle>,
     /// Mean distance of the line from its middle, m; none without a line.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub base_radius: Option<f64>,
     /// Largest distance of the drop from the surface of the solid, m.
     pub height: f64,
@@ -88,11 +115,11 @@ pub struct ContactMeasure {
     pub contact_area: f64,
 }
 
-/// Measures a run at a time (s): in the frame nearest to it, or in the last.
+/// Measures a run in one of its frames.
 ///
 /// # Errors
 /// [`ViewError`], also for a time beyond the frames.
-pub fn measure(dir: &Path, at: Option<f64>) -> Result<Measurement> {
+pub fn measure(dir: &Path, options: &MeasureOptions) -> Result<Measurement> {
     let folder = RunFolder::open(dir)?;
     let Some(dx) = folder.dx else {
         let summary = dir.join("summary.json");
@@ -100,12 +127,21 @@ pub fn measure(dir: &Path, at: Option<f64>) -> Result<Measurement> {
             if summary.is_file() { "it tells no cell width `dx`" } else { "there is none: is this a run?" };
         return Err(ViewError::content(&summary, what));
     };
-    let frame = frame_at(&folder, at)?;
+    let frame = frame_at(&folder, options.at)?;
+    let series = Series::whole(&dir.join("timeseries.csv"))?;
+    let window = frame.time.and_then(|time| Window::of(&series, time, options.window));
+    let over = Over { series, window };
     if folder.dimension == 2 {
-        frame_measure::<2>(&folder, &frame, dx)
+        frame_measure::<2>(&folder, &frame, dx, over)
     } else {
-        frame_measure::<3>(&folder, &frame, dx)
+        frame_measure::<3>(&folder, &frame, dx, over)
     }
+}
+
+/// The time series, and its window that ends with the frame.
+struct Over {
+    series: Series,
+    window: Option<Window>,
 }
 
 /// The frame nearest to a time, the last one without a time.
@@ -129,7 +165,12 @@ fn frame_at(folder: &RunFolder, at: Option<f64>) -> Result<Frame> {
     folder.frame(folder.numbers[nearest.unwrap_or(0)])
 }
 
-fn frame_measure<const D: usize>(folder: &RunFolder, frame: &Frame, dx: f64) -> Result<Measurement> {
+fn frame_measure<const D: usize>(
+    folder: &RunFolder,
+    frame: &Frame,
+    dx: f64,
+    over: Over,
+) -> Result<Measurement> {
     let bodies = Body::<D>::all(folder, frame);
     let mesh = body::surface::<D>(&frame.liquid);
     let mut drops = Drop::all(&mesh, &kinds(frame));
@@ -138,7 +179,12 @@ fn frame_measure<const D: usize>(folder: &RunFolder, frame: &Frame, dx: f64) -> 
     let lines = line::assign(folder, frame, &drops, &bodies, dx);
     let measured = drops.iter().enumerate();
     let measured = measured.map(|(i, drop)| drop_measure(drop, &bodies, &lines[i], dx)).collect();
+    let row = frame.time.and_then(|time| window::row_at(&over.series, time));
+    let counted = row.and_then(|row| over.series.column("drops")?[row]);
     Ok(Measurement {
+        solids: solids::measure(folder, frame, &over, (&drops, &bodies), dx)?,
+        window: over.window,
+        drops_of_solver: counted.map(|n| n as usize),
         scene: folder.name(),
         dimension: D,
         dx,
@@ -146,7 +192,6 @@ fn frame_measure<const D: usize>(folder: &RunFolder, frame: &Frame, dx: f64) -> 
         time: frame.time,
         small_drops: all - drops.len(),
         drops: measured,
-        solids: solids::measure(folder, frame, &drops, &bodies, dx)?,
     })
 }
 
@@ -199,6 +244,15 @@ fn contact_measure<const D: usize>(
         base_radius: base_radius(feet.as_ref().map_or(line, |f| &f.at)),
         height: distances.fold(0.0, f64::max),
         contact_area: patch.area + feet.as_ref().map_or(0.0, strip),
+        angle_reason: if feet.is_some() {
+            None
+        } else if patch.line.is_empty() {
+            Some("there is no contact line")
+        } else if fit.is_none() {
+            Some("the free surface is no circle or ellipse (3D: sphere or spheroid) within a tenth of a cell")
+        } else {
+            Some("the fitted shape does not meet the solid along most of the contact line")
+        },
         angle: feet.map(|f| f.angle),
     }
 }

@@ -4,13 +4,15 @@
 //! All of it comes from the solid's surface in one frame, with the way that each vertex has come; of frames without that
 //! from the surface in the first frame, too: its vertices are the same.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use meniscus_numerics::fit::RigidMotion;
 use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_numerics::{Matrix, Vector};
 use serde::Serialize;
 
 use super::strip::{self, Strip};
-use crate::error::Result;
+use crate::error;
 use crate::folder::{Frame, RunFolder};
 
 /// Deformation over size that is rounding: such a solid is rigid, or has not moved yet.
@@ -19,8 +21,9 @@ const ROUNDING: f64 = 1e-7;
 const HELD: f64 = 1e-12;
 /// Part of a size within which vertices are equally far away.
 const ALIKE: f64 = 1e-6;
-/// Reach of a ridge's profile on both sides of the line, and its steps, in cells.
-const REACH: f64 = 6.0;
+/// Reach of a ridge's profile on both sides of the line, and its steps, in cells. `phi_c` ends at five cells: it is the same for
+/// all that is farther away.
+const REACH: f64 = 4.5;
 const STEP: f64 = 0.5;
 /// Most held vertices that distances are measured from.
 const MOST_HELD: usize = 2000;
@@ -42,16 +45,28 @@ pub struct SoftMeasure {
     pub mean_deflection: f64,
     /// Whether part of its surface is where it started, to rounding: the deflections of such a solid are its displacements.
     pub held: bool,
-    /// Where its tip is: of its surface at first the part farthest from what is held, or from its middle.
-    pub tip: [f64; 3],
+    /// Where its tip is: of its surface at first the part farthest from what is held, or from its middle. None where not even the
+    /// last frame tells what is held.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tip: Option<[f64; 3]>,
     /// The way of the tip.
-    pub tip_displacement: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tip_displacement: Option<[f64; 3]>,
+    /// Why there is no tip.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tip_reason: Option<&'static str>,
     /// What is wetted of its surface, 0 to 1, where the contact line is stored.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub wetted: Option<f64>,
     /// The line along the middle of a plate or strip; none of solids that are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub strip: Option<Strip>,
-    /// The surface's height around the contact line, where there is one.
+    /// The ridge that the contact line pulls up, where the surface has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub ridge: Option<Ridge>,
+    /// Why there is no ridge.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ridge_reason: Option<&'static str>,
 }
 
 /// The profile of the ridge along a contact line.
@@ -63,11 +78,19 @@ pub struct Ridge {
     pub profile: Vec<[f64; 2]>,
 }
 
-/// Measures a solid of a frame; none of one that has not deformed.
-pub(super) fn measure(folder: &RunFolder, frame: &Frame, name: &str, dx: f64) -> Result<Option<SoftMeasure>> {
+/// Measures a solid of a frame; none of a rigid one.
+pub(super) fn measure(
+    folder: &RunFolder,
+    frame: &Frame,
+    name: &str,
+    dx: f64,
+) -> error::Result<Option<SoftMeasure>> {
     let Some(now) = frame.solids.get(name) else { return Ok(None) };
+    let last = folder.numbers[folder.numbers.len() - 1];
+    let last = if last == frame.number { None } else { folder.frame(last)?.solids.remove(name) };
+    let last = last.filter(|mesh| mesh.positions.len() == now.positions.len());
     if let Some(start) = at_rest(now) {
-        return Ok(Surfaces::new(&start, now).measure(now, dx));
+        return Ok(Some(Surfaces::new(&start, now, last.as_ref()).measure(now, dx)));
     }
     let first = folder.frame(folder.numbers[0])?;
     let Some(start) = first.solids.get(name) else { return Ok(None) };
@@ -78,7 +101,8 @@ pub(super) fn measure(folder: &RunFolder, frame: &Frame, name: &str, dx: f64) ->
     {
         return Ok(None);
     }
-    Ok(Surfaces::new(start, now).measure(now, dx))
+    let surfaces = Surfaces::new(start, now, last.as_ref());
+    Ok(surfaces.is_deformed().then(|| surfaces.measure(now, dx)))
 }
 
 /// Where the surface was at rest, if it is stored how far it has come from there.
@@ -105,6 +129,8 @@ pub(super) struct Surfaces {
     pub areas: Vec<Vector<3>>,
     /// Area that belongs to each vertex at first.
     weights: Vec<f64>,
+    /// Vertices that are where they started, in the frame and in the last one. Empty where that is all of them: it does not tell
+    /// which are held.
     held: Vec<bool>,
     /// Largest extent at first, m.
     pub size: f64,
@@ -113,7 +139,7 @@ pub(super) struct Surfaces {
 }
 
 impl Surfaces {
-    fn new(start: &PlyMesh, now: &PlyMesh) -> Self {
+    fn new(start: &PlyMesh, now: &PlyMesh, last: Option<&PlyMesh>) -> Self {
         let points =
             |mesh: &PlyMesh| mesh.positions.iter().map(|p| Vector::<3>::from(*p)).collect::<Vec<_>>();
         let flat = start.faces.is_empty();
@@ -128,8 +154,13 @@ impl Surfaces {
         }
         let (low, high) = start_at.iter().fold((start_at[0], start_at[0]), |(l, h), x| (l.inf(x), h.sup(x)));
         let size = (high - low).max();
-        let still = |(a, b): (&Vector<3>, &Vector<3>)| (a - b).norm() <= HELD * size;
-        let held: Vec<bool> = start_at.iter().zip(&now_at).map(still).collect();
+        let still = |to: &[Vector<3>], v: usize| (start_at[v] - to[v]).norm() <= HELD * size;
+        let last_at = last.map(points);
+        let stays = |v: usize| still(&now_at, v) && last_at.as_ref().is_none_or(|last| still(last, v));
+        let mut held: Vec<bool> = (0..start_at.len()).map(stays).collect();
+        if !held.contains(&false) {
+            held.clear();
+        }
         let bent = if held.contains(&true) {
             now_at.clone()
         } else {
@@ -139,33 +170,40 @@ impl Surfaces {
         Self { start: start_at, now: now_at, bent, facets, areas, weights, held, size, flat }
     }
 
-    /// All that is measured; none if it is not deformed.
-    fn measure(&self, mesh: &PlyMesh, dx: f64) -> Option<SoftMeasure> {
-        let ways = |to: &[Vector<3>]| -> (f64, f64) {
-            let way = |k: usize| (to[k] - self.start[k]).norm();
-            let all: f64 = self.weights.iter().sum();
-            let sum: f64 = (0..to.len()).map(|k| self.weights[k] * way(k)).sum();
-            ((0..to.len()).map(way).fold(0.0, f64::max), sum / all)
-        };
-        let (largest_displacement, mean_displacement) = ways(&self.now);
-        let (largest_deflection, mean_deflection) = ways(&self.bent);
-        if largest_deflection.is_nan() || largest_deflection <= ROUNDING * self.size {
-            return None;
-        }
-        let (tip, way) = self.tip();
+    /// The largest and the mean way, by area, of the surface from where it started, m.
+    fn ways(&self, to: &[Vector<3>]) -> (f64, f64) {
+        let way = |k: usize| (to[k] - self.start[k]).norm();
+        let all: f64 = self.weights.iter().sum();
+        let sum: f64 = (0..to.len()).map(|k| self.weights[k] * way(k)).sum();
+        ((0..to.len()).map(way).fold(0.0, f64::max), sum / all)
+    }
+
+    /// Whether it is deformed by more than rounding.
+    fn is_deformed(&self) -> bool {
+        self.ways(&self.bent).0 > ROUNDING * self.size
+    }
+
+    /// All that is measured.
+    fn measure(&self, mesh: &PlyMesh, dx: f64) -> SoftMeasure {
+        let (largest_displacement, mean_displacement) = self.ways(&self.now);
+        let (largest_deflection, mean_deflection) = self.ways(&self.bent);
+        let tip = (!self.held.is_empty()).then(|| self.tip());
         let phi = mesh.scalars.get("phi_c").filter(|phi| phi.len() == self.now.len());
-        Some(SoftMeasure {
+        let ridge = phi.map_or(Err("no contact line is stored"), |phi| self.ridge(phi, dx));
+        SoftMeasure {
             largest_displacement,
             mean_displacement,
             largest_deflection,
             mean_deflection,
             held: self.held.contains(&true),
-            tip: tip.into(),
-            tip_displacement: way.into(),
+            tip: tip.map(|tip| tip.0.into()),
+            tip_displacement: tip.map(|tip| tip.1.into()),
+            tip_reason: tip.is_none().then_some("it has not moved yet, so what is held is not known"),
             wetted: phi.and_then(|phi| self.wetted(phi)),
             strip: strip::of(self),
-            ridge: phi.and_then(|phi| self.ridge(phi, dx)),
-        })
+            ridge_reason: ridge.as_ref().err().copied(),
+            ridge: ridge.ok(),
+        }
     }
 
     /// Where the tip is, and how far it has come, m.
@@ -206,8 +244,12 @@ impl Surfaces {
         (all > 0.0).then(|| wet / all)
     }
 
-    /// The profile of the ridge around the line; none without a line.
-    fn ridge(&self, phi: &[f64], dx: f64) -> Option<Ridge> {
+    /// The profile of the ridge around the line, or why there is none. A ridge is a crest along the line: the profile is highest
+    /// there. Bending of the whole solid has no crest at the line; at an edge the profile would go around the corner.
+    fn ridge(&self, phi: &[f64], dx: f64) -> Result<Ridge, &'static str> {
+        if self.edge_along(phi, REACH * dx) {
+            return Err("the contact line is at an edge of the solid");
+        }
         let bins = (2.0 * REACH / STEP).round() as usize + 1;
         let mut sums = vec![[0.0; 2]; bins];
         for (k, normal) in self.normals().iter().enumerate().filter(|n| n.1.norm() > 0.5) {
@@ -221,14 +263,35 @@ impl Surfaces {
         let told = sums.iter().enumerate().filter(|(_, sum)| sum[0] > 0.0);
         let profile: Vec<[f64; 2]> =
             told.map(|(k, sum)| [(k as f64 * STEP - REACH) * dx, sum[1] / sum[0]]).collect();
-        let (first, last) = (profile.first()?, profile.last()?);
-        if first[0] >= 0.0 || last[0] <= 0.0 {
-            return None;
-        }
-        let next = profile.iter().position(|p| p[0] >= 0.0)?;
-        let (a, b) = (profile[next.checked_sub(1)?], profile[next]);
+        let next = profile.iter().position(|p| p[0] >= 0.0).unwrap_or(0);
+        let (Some(first), Some(last), true) = (profile.first(), profile.last(), next > 0) else {
+            return Err("there is no contact line");
+        };
+        let (a, b) = (profile[next - 1], profile[next]);
         let at_line = a[1] + (b[1] - a[1]) * (-a[0] / (b[0] - a[0]));
-        Some(Ridge { height: at_line - 0.5 * (first[1] + last[1]), profile })
+        let crest = profile.iter().max_by(|p, q| p[1].total_cmp(&q[1])).map_or(f64::NAN, |p| p[0]);
+        // The profile is known to half a step.
+        if crest.abs() > STEP * dx || last[0] <= 0.0 {
+            return Err(
+                "the surface is not highest along the contact line: the solid is bent, or nothing lifts it there",
+            );
+        }
+        Ok(Ridge { height: at_line - 0.5 * (first[1] + last[1]), profile })
+    }
+
+    /// Whether an edge of the solid lies within `reach` (m) of the contact line and runs rather along it than across: in 2D, where
+    /// an edge is a corner, whether one lies within reach.
+    fn edge_along(&self, phi: &[f64], reach: f64) -> bool {
+        let normals = self.normals();
+        let near = |v: u32| normals[v as usize] == Vector::<3>::zeros() && phi[v as usize].abs() < reach;
+        if self.flat {
+            return (0..normals.len() as u32).any(near);
+        }
+        let along = |a: u32, b: u32| {
+            let way = (self.start[a as usize] - self.start[b as usize]).norm();
+            near(a) && near(b) && (phi[a as usize] - phi[b as usize]).abs() < way * FRAC_1_SQRT_2
+        };
+        self.facets.iter().any(|f| along(f[0], f[1]) || along(f[1], f[2]) || along(f[2], f[0]))
     }
 
     /// Unit normals of the vertices at first, outward; 0 at rims, where the surface has none.

@@ -4,17 +4,19 @@ use meniscus_numerics::Vector;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use std::collections::BTreeMap;
+
+use super::Over;
 use super::body::Body;
 use super::drops::Drop;
 use super::soft::{self, SoftMeasure};
+use super::window::{Mean, row_at};
 use crate::error::Result;
 use crate::folder::{Frame, RunFolder};
 use crate::page::series::Series;
 
 /// A solid is touched where a wetted vertex lies nearer to it than this, in cells.
 const TOUCHING: f64 = 0.75;
-/// Difference of two times, as a part of them, that is rounding of seven digits.
-const SAME: f64 = 1e-6;
 /// Liquid that comes nearer than this to the domain's sides, in cells, stands in it as in a tank.
 const AT_SIDE: f64 = 0.5;
 /// The part of a tank's surface, the farthest from all solids, that shows the undisturbed level.
@@ -26,11 +28,18 @@ pub struct SolidMeasure {
     /// Its name.
     pub name: String,
     /// How it floats, where the liquid fills the domain as a tank.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub floating: Option<Floating>,
-    /// The forces of the liquid on it; before the end of the run only their sum is stored.
+    /// The forces of the liquid on it in the step that ends with the frame; before the end of the run only their sum is stored.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub forces: Option<Forces>,
-    /// How it is deformed; none of a solid that is not.
+    /// How it is deformed; none of a rigid solid.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub soft: Option<SoftMeasure>,
+    /// Means over the window of what the time series has of it: `force_x`, `angle_left`, `base_radius`, `wetted`, `deflection`,
+    /// `tip_x`, …; in the units of those columns.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub window: BTreeMap<String, Mean>,
     /// When liquid touched it, by the frames of the whole run.
     pub touches: Vec<Touch>,
 }
@@ -52,8 +61,10 @@ pub struct Forces {
     /// All of it.
     pub net: Vec<f64>,
     /// The part of the pressure.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Vec<f64>>,
     /// The part of the contact line.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub line: Option<Vec<f64>>,
 }
 
@@ -66,6 +77,7 @@ pub struct Touch {
     pub end: f64,
     /// From the middle between the last frame without and the first with contact to the same at the end; none where the
     /// contact began before the first frame or goes on after the last.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub duration: Option<f64>,
 }
 
@@ -73,14 +85,14 @@ pub struct Touch {
 pub(super) fn measure<const D: usize>(
     folder: &RunFolder,
     frame: &Frame,
-    drops: &[Drop<D>],
-    bodies: &[Body<D>],
+    over: &Over,
+    (drops, bodies): (&[Drop<D>], &[Body<D>]),
     dx: f64,
 ) -> Result<Vec<SolidMeasure>> {
     let solids: Vec<&Body<D>> = bodies.iter().filter(|b| !b.wall).collect();
     let touched = touched::<D>(folder, &solids, dx)?;
     let level = level(folder, drops, &solids, dx);
-    let series = Series::load(&folder.dir.join("timeseries.csv"))?;
+    let series = &over.series;
     let one = |(i, body): (usize, &&Body<D>)| {
         let times =
             touched.iter().filter_map(|(time, touched)| Some(((*time)?, touched[i]))).collect::<Vec<_>>();
@@ -88,7 +100,10 @@ pub(super) fn measure<const D: usize>(
             soft: soft::measure(folder, frame, &body.name, dx)?,
             name: body.name.clone(),
             floating: level.and_then(|level| floating(body, level)),
-            forces: forces(folder, frame, &body.name, &series),
+            forces: forces(folder, frame, &body.name, series),
+            window: (over.window.iter().flat_map(|window| window.of_solid(series, &body.name)))
+                .filter(|(quantity, _)| D == 3 || quantity != "force_z")
+                .collect(),
             touches: touches(&times),
         })
     };
@@ -138,9 +153,7 @@ fn touches(frames: &[(f64, bool)]) -> Vec<Touch> {
 /// The forces on a solid: those that the summary tells at the end of the run, before it the sum that the series has.
 fn forces(folder: &RunFolder, frame: &Frame, name: &str, series: &Series) -> Option<Forces> {
     forces_at_end(folder, frame, name).or_else(|| {
-        let time = frame.time?;
-        let same = |t: &Option<f64>| t.is_some_and(|t| (t - time).abs() <= SAME * time.abs());
-        let row = series.column("time")?.iter().position(same)?;
+        let row = row_at(series, frame.time?)?;
         let axes = ["x", "y", "z"].into_iter().take(folder.dimension);
         let of = |axis: &str| series.column(&format!("force_{name}_{axis}"))?[row];
         Some(Forces { net: axes.map(of).collect::<Option<_>>()?, pressure: None, line: None })

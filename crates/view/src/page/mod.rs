@@ -19,6 +19,9 @@ const BUNDLE: &str = include_str!("../../assets/page.html");
 /// What stands in the bundle where the data belongs.
 const MARKER: &str = "\"MENISCUS_DATA\"";
 
+/// The bundle's title.
+const TITLE: &str = "<title>Meniscus</title>";
+
 /// How the page is made.
 #[derive(Clone, Debug)]
 pub struct PageOptions {
@@ -227,8 +230,11 @@ fn insert(payload: &Payload, path: &Path) -> Result<String> {
     let (before, after) = BUNDLE
         .split_once(MARKER)
         .ok_or_else(|| ViewError::content(path, "the built-in page has no place for data"))?;
+    // The name of a tab, before any script runs.
+    let name: String = payload.name.chars().filter(|c| !"<>&".contains(*c)).collect();
+    let before = before.replacen(TITLE, &format!("<title>{name} – Meniscus</title>"), 1);
     // A `<` could end the script element that holds the data; in JSON it stands only within strings.
-    Ok([before, &json.replace('<', "\\u003c"), after].concat())
+    Ok([&before, &json.replace('<', "\\u003c"), after].concat())
 }
 
 #[cfg(test)]
@@ -263,6 +269,7 @@ mod tests {
         let path = write_page(&dir, &PageOptions::default()).unwrap();
         let html = std::fs::read_to_string(path).unwrap();
         assert!(!html.contains("</script><b>"));
+        assert!(html.contains("meniscus-page-decode-") && !html.contains(TITLE), "tabs have the run's name");
         let data = data(&html);
         assert_eq!(data["dimension"], 2);
         assert_eq!(data["scene"], "name = \"</script><b>\"");

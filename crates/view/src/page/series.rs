@@ -23,12 +23,21 @@ pub(crate) struct Series {
 }
 
 impl Series {
-    /// Reads a file; a missing one has no columns.
+    /// Reads a file, thinned for plots; a missing one has no columns.
     pub(crate) fn load(path: &Path) -> Result<Self> {
+        Self::of_file(path, MOST_ROWS)
+    }
+
+    /// Reads every row of a file; a missing one has no columns.
+    pub(crate) fn whole(path: &Path) -> Result<Self> {
+        Self::of_file(path, usize::MAX)
+    }
+
+    fn of_file(path: &Path, most: usize) -> Result<Self> {
         if !path.is_file() {
             return Ok(Self { stride: 1, ..Self::default() });
         }
-        Ok(Self::parse(&std::fs::read_to_string(path).map_err(ViewError::io(path))?))
+        Ok(Self::parse(&std::fs::read_to_string(path).map_err(ViewError::io(path))?, most))
     }
 
     /// The values of a column; none if there is none of that name.
@@ -37,8 +46,8 @@ impl Series {
         Some(&self.columns[place])
     }
 
-    /// Reads the text of a file. Rows with a wrong number of cells (a row just being written) are left out.
-    pub(crate) fn parse(text: &str) -> Self {
+    /// Reads the text of a file, `most` rows of it at most. Rows with a wrong number of cells (a row just being written) are left out.
+    pub(crate) fn parse(text: &str, most: usize) -> Self {
         let mut lines = text.lines();
         let names: Vec<String> = lines
             .next()
@@ -49,7 +58,7 @@ impl Series {
             .collect();
         let rows: Vec<Vec<&str>> =
             lines.map(|l| l.split(',').collect()).filter(|r: &Vec<&str>| r.len() == names.len()).collect();
-        let stride = rows.len().div_ceil(MOST_ROWS).max(1);
+        let stride = rows.len().div_ceil(most).max(1);
         let last = rows.len().saturating_sub(1);
         let kept: Vec<usize> = (0..rows.len()).filter(|i| i % stride == 0 || *i == last).collect();
         let column = |c: usize| kept.iter().map(|&r| number(rows[r][c])).collect();
@@ -72,18 +81,18 @@ mod tests {
 
     #[test]
     fn empty_cells_and_cut_rows() {
-        let s = Series::parse("step,time,angle\n0,0,\n1,0.1,89.5\n2,0.2,nan\n3,0.");
+        let s = Series::parse("step,time,angle\n0,0,\n1,0.1,89.5\n2,0.2,nan\n3,0.", MOST_ROWS);
         assert_eq!(s.names, ["step", "time", "angle"]);
         assert_eq!(s.columns[2], [None, Some(89.5), None]);
         assert_eq!(s.rows, 3);
-        assert_eq!(Series::parse("").names.len(), 0);
+        assert_eq!(Series::parse("", MOST_ROWS).names.len(), 0);
     }
 
     #[test]
     fn long_series_are_thinned_and_keep_the_end() {
         let text: String =
             std::iter::once("step\n".to_string()).chain((0..10_001).map(|i| format!("{i}\n"))).collect();
-        let s = Series::parse(&text);
+        let s = Series::parse(&text, MOST_ROWS);
         assert_eq!(s.stride, 3);
         assert!(s.columns[0].len() <= MOST_ROWS + 1);
         assert_eq!(s.columns[0].last(), Some(&Some(10_000.0)));

@@ -58,6 +58,11 @@ impl View {
         Self { eye: target - forward * distance, forward, right, up, half, size }
     }
 
+    /// Width and height of the picture, pixels.
+    pub(crate) fn size(&self) -> [f64; 2] {
+        self.size
+    }
+
     /// The ray through a point of the picture (pixels, from its upper left corner).
     pub(crate) fn ray(&self, x: f64, y: f64) -> Ray {
         let u = (2.0 * x / self.size[0] - 1.0) * self.half[0];

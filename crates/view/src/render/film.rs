@@ -4,9 +4,12 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+/// The film's file.
+pub(crate) const NAME: &str = "film.mp4";
+
 /// Writes `film.mp4` into the folder `to`; the error says why not.
 pub(crate) fn make(to: &Path, images: &[PathBuf], rate: u32) -> Result<PathBuf, String> {
-    let film = to.join("film.mp4");
+    let film = to.join(NAME);
     let mut command = Command::new("ffmpeg");
     command.args(["-y", "-loglevel", "error", "-f", "image2pipe", "-c:v", "png"]);
     command.args(["-framerate", &rate.max(1).to_string(), "-i", "-"]);

@@ -1,7 +1,10 @@
 //! Pictures of runs in two dimensions.
 
+use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::ply::PlyMesh;
+use meniscus_numerics::mesh::{FacetTree, SurfaceMesh};
 
+use super::Set;
 use super::fill::coverage;
 use super::image::{Canvas, Image};
 use super::label;
@@ -13,6 +16,10 @@ use crate::shade::srgb;
 /// The window leaves the whole domain where that shows the liquid more than this many times larger.
 const CLOSER: f64 = 1.7;
 
+/// How far wetted vertices may be off a solid, and how far below its surface they are put, in cells.
+const OFF: f64 = 1.0;
+const SUNK: f64 = 0.3;
+
 /// The window of the plane that is shown, and how it lies in the picture.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Window {
@@ -21,6 +28,8 @@ pub(crate) struct Window {
     scale: f64,
     size: (u32, u32),
     domain: Option<[f64; 2]>,
+    /// Width of a cell, m, where it is known.
+    dx: Option<f64>,
 }
 
 /// A linear colour as 8-bit sRGB, without any change of tone.
@@ -53,10 +62,16 @@ impl Window {
             };
         }
         let center = [0.5 * (lower.x + upper.x), 0.5 * (lower.y + upper.y)];
-        Self { center, scale: scale(&lower, &upper), size, domain }
+        Self { center, scale: scale(&lower, &upper), size, domain, dx: folder.dx }
     }
 
-    fn place(&self, p: &[f64]) -> [f64; 2] {
+    /// Width and height of the picture, pixels.
+    pub(crate) fn size(&self) -> [f64; 2] {
+        [f64::from(self.size.0), f64::from(self.size.1)]
+    }
+
+    /// Where a point lies in the picture, pixels.
+    pub(crate) fn place(&self, p: &[f64]) -> [f64; 2] {
         [
             0.5 * f64::from(self.size.0) + (p[0] - self.center[0]) * self.scale,
             0.5 * f64::from(self.size.1) - (p[1] - self.center[1]) * self.scale,
@@ -69,20 +84,26 @@ impl Window {
 }
 
 /// The picture of one frame.
-pub(crate) fn picture(window: &Window, frame: &Frame, shading: Option<&Shading>) -> Image {
-    let mut canvas = Canvas::new(window.size, srgb(0x00e9_edf1));
+pub(crate) fn picture(window: &Window, frame: &Frame, set: &Set, shading: Option<&Shading>) -> Image {
+    let mut canvas = Canvas::new(window.size, srgb(set.background.unwrap_or(0x00e9_edf1)));
     let thick = (f64::from(window.size.1) / 240.0).max(1.0);
-    let air = srgb(0x00fb_fcfd);
-    if let Some(d) = window.domain {
+    let air = srgb(set.background.unwrap_or(0x00fb_fcfd));
+    if let Some(d) = window.domain.filter(|_| set.domain) {
         let p = [[0.0, 0.0], [d[0], 0.0], [d[0], d[1]], [0.0, d[1]]].map(|p| window.place(&p));
         let walls: Vec<_> = (0..4).map(|k| [p[k], p[(k + 1) % 4]]).collect();
         fill(&mut canvas, &walls, &air, &air);
         strokes(&mut canvas, &walls, thick * 1.2, &srgb(0x0055_5f69));
     }
+    // The solids are drawn over the liquid, whose wetted vertices lie below their surfaces.
+    let outline = window.segments(&seated(&frame.liquid, frame, window.dx));
+    let [top, bottom, edge] = tones(set.liquid, [0x0062_b0e8, 0x0023_74bf, 0x0010_4b86]);
+    fill(&mut canvas, &outline, &top, &bottom);
+    strokes(&mut canvas, &outline, thick, &edge);
+    let [top, bottom, edge] = tones(set.solids, [0x00c9_b49c, 0x00b3_9a80, 0x0070_5b46]);
     for solid in frame.solids.values() {
         let outline = window.segments(solid);
-        fill(&mut canvas, &outline, &srgb(0x00c9_b49c), &srgb(0x00b3_9a80));
-        strokes(&mut canvas, &outline, thick * 0.9, &srgb(0x0070_5b46));
+        fill(&mut canvas, &outline, &top, &bottom);
+        strokes(&mut canvas, &outline, thick * 0.9, &edge);
         let places = shading.map_or_else(Vec::new, |shading| shading.places(solid));
         for (edge, [a, b]) in solid.edges.iter().zip(&outline).filter(|_| !places.is_empty()) {
             let place = 0.5 * edge.iter().map(|v| places[*v as usize]).sum::<f64>();
@@ -90,10 +111,7 @@ pub(crate) fn picture(window: &Window, frame: &Frame, shading: Option<&Shading>)
             canvas.line(*a, *b, thick * 3.0, &color, |_, _, _| 1.0);
         }
     }
-    let outline = window.segments(&frame.liquid);
-    fill(&mut canvas, &outline, &srgb(0x0062_b0e8), &srgb(0x0023_74bf));
-    strokes(&mut canvas, &outline, thick, &srgb(0x0010_4b86));
-    if let Some(line) = &frame.contact_line {
+    if let Some(line) = frame.contact_line.as_ref().filter(|_| set.line) {
         for p in &line.positions {
             let at = window.place(p);
             canvas.line(at, at, thick * 5.4, &air, |_, _, _| 1.0);
@@ -103,6 +121,34 @@ pub(crate) fn picture(window: &Window, frame: &Frame, shading: Option<&Shading>)
     labels(window, frame, &mut canvas);
     shading.iter().for_each(|shading| shading.legend(&mut canvas));
     canvas.develop(plain)
+}
+
+/// The colours of an upper and a lower end and of an edge: shades of one that is given, else the usual ones.
+fn tones(given: Option<u32>, usual: [u32; 3]) -> [V3; 3] {
+    given.map_or(usual.map(srgb), |color| [1.0, 0.75, 0.35].map(|part| srgb(color) * part))
+}
+
+/// The liquid with its wetted vertices a little below the surface of the solid that they are on.
+fn seated(liquid: &PlyMesh, frame: &Frame, dx: Option<f64>) -> PlyMesh {
+    let mut out = liquid.clone();
+    let (Some(dx), Some(kinds)) = (dx, liquid.scalars.get("kind")) else { return out };
+    let surface = |mesh: &PlyMesh| SurfaceMesh::<2> {
+        positions: mesh.positions.iter().map(|p| Vector::<2>::new(p[0], p[1])).collect(),
+        facets: mesh.edges.clone(),
+    };
+    let solids: Vec<SurfaceMesh<2>> = frame.solids.values().map(surface).collect();
+    let trees: Vec<FacetTree<2>> = solids.iter().map(FacetTree::new).collect();
+    for (point, _) in out.positions.iter_mut().zip(kinds).filter(|(_, kind)| **kind > 0.0) {
+        let x = Vector::<2>::new(point[0], point[1]);
+        let near =
+            trees.iter().zip(&solids).filter_map(|(tree, mesh)| Some((tree.closest(&x, OFF * dx)?, mesh)));
+        let nearest = near.min_by(|a, b| a.0.distance_squared.total_cmp(&b.0.distance_squared));
+        let Some((at, mesh)) = nearest else { continue };
+        let out = mesh.area_vector(at.facet as usize).try_normalize(0.0).unwrap_or_else(Vector::zeros);
+        let below = at.point - out * (SUNK * dx);
+        (point[0], point[1]) = (below[0], below[1]);
+    }
+    out
 }
 
 /// Fills an outline; the colour goes from `top` to `bottom` over the height of the outline.

@@ -25,6 +25,14 @@ fn strokes(sign: char) -> &'static str {
         'c' => "4334140301103041",
         'k' => "0006 0144 1240",
         'n' => "0004 03143443 4340",
+        'a' => "043443401001022242",
+        'd' => "4640 4314040130 4130",
+        'e' => "024243341403011030",
+        'h' => "0600 03143443 4340",
+        'i' => "1410 1516",
+        'l' => "1610",
+        'r' => "0400 021434",
+        '_' => "0040",
         'u' => "040110304144 4440",
         _ => "",
     }
@@ -35,6 +43,12 @@ fn polylines(sign: char) -> Vec<Vec<[f64; 2]>> {
     if sign == 'm' {
         let arch = |x: f64| vec![[x, 3.0], [x + 0.6, 4.0], [x + 1.4, 4.0], [x + 2.0, 3.0], [x + 2.0, 0.0]];
         return vec![vec![[0.0, 0.0], [0.0, 4.0]], arch(0.0), arch(2.0)];
+    }
+    if sign == 'p' {
+        return vec![
+            vec![[0.0, -2.0], [0.0, 4.0]],
+            vec![[0.0, 4.0], [3.0, 4.0], [4.0, 3.0], [4.0, 1.0], [3.0, 0.0], [0.0, 0.0]],
+        ];
     }
     let mut lines = Vec::new();
     for word in strokes(sign).split(' ') {
@@ -117,7 +131,7 @@ mod tests {
 
     #[test]
     fn all_signs_have_strokes() {
-        for sign in "0123456789.-=mstckn".chars() {
+        for sign in "0123456789.-=mstcknphi_strain displacement".chars().filter(|c| *c != ' ') {
             assert!(!polylines(sign).is_empty(), "{sign}");
         }
     }

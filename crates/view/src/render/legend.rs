@@ -52,6 +52,7 @@ impl Shading {
                 if (0.0..=1.0).contains(&t) { 1.0 } else { 0.0 }
             });
         }
+        label::draw(canvas, self.shade.name(), [left, low - 2.3 * height], height, &ink);
         for (value, t) in [(self.range.low, 0.0), (self.range.high, 1.0)] {
             let text = label::value(value, self.shade.unit());
             let middle = at(t)[0] - t * label::width(&text, height);

@@ -28,6 +28,9 @@ use crate::folder::{Frame, RunFolder};
 use crate::shade::Shade;
 use legend::Shading;
 
+/// Frames looked at to find out how much of the picture is filled.
+const LOOKED_AT: usize = 8;
+
 /// How the liquid looks in three dimensions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Style {
@@ -38,15 +41,40 @@ pub enum Style {
     Matte,
 }
 
+/// What is drawn beside the liquid and the solids, and in which colours; those of the program where none is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Set {
+    /// Whether the checkered floor is drawn (3D).
+    pub floor: bool,
+    /// Whether the edges of the domain are drawn.
+    pub domain: bool,
+    /// Whether the contact line is drawn.
+    pub line: bool,
+    /// The colour behind everything, 0xRRGGBB; bright ones come out a little darker in 3D, as highlights are rolled off.
+    pub background: Option<u32>,
+    /// The colour of the liquid, 0xRRGGBB; of glass the colour that it takes on where it is as thick as it is wide.
+    pub liquid: Option<u32>,
+    /// The colour of all solids, 0xRRGGBB.
+    pub solids: Option<u32>,
+}
+
+impl Default for Set {
+    fn default() -> Self {
+        Self { floor: true, domain: true, line: true, background: None, liquid: None, solids: None }
+    }
+}
+
 /// How pictures are made.
 #[derive(Clone, Debug)]
 pub struct RenderOptions {
     /// Width and height (pixels).
     pub size: (u32, u32),
-    /// The camera; `None` looks a little from above at all that is to be seen.
+    /// The camera, in 3D only; `None` looks a little from above at all that is to be seen.
     pub camera: Option<Camera>,
     /// The look of the liquid.
     pub style: Style,
+    /// What else is drawn, and colours.
+    pub set: Set,
     /// What solids are coloured by.
     pub shade: Shade,
     /// Samples per pixel; three times as many where the liquid is seen.
@@ -69,6 +97,7 @@ impl Default for RenderOptions {
             size: (640, 360),
             camera: None,
             style: Style::Glass,
+            set: Set::default(),
             shade: Shade::Plain,
             samples: 4,
             frames: None,
@@ -85,6 +114,12 @@ impl Default for RenderOptions {
 pub struct Rendered {
     /// The pictures, in order.
     pub images: Vec<PathBuf>,
+    /// Frames of the run.
+    pub frames: usize,
+    /// The part of the picture that the box around what is to be seen takes up, in the frame where it is largest.
+    pub filled: f64,
+    /// Pictures of an earlier call that were removed.
+    pub removed: usize,
     /// The film, if it was made.
     pub film: Option<PathBuf>,
     /// Why there is no film, if one was wanted.
@@ -99,6 +134,7 @@ pub struct Renderer {
     options: RenderOptions,
     look: Look,
     shading: Option<Shading>,
+    filled: f64,
 }
 
 #[derive(Debug)]
@@ -121,14 +157,27 @@ impl Renderer {
                 format!("none of its frames {first} to {last} is asked for"),
             ));
         }
+        if folder.dimension == 2 && options.camera.is_some() {
+            return Err(ViewError::content(
+                dir,
+                "this run is in 2D: it is shown flat, and a camera is for 3D",
+            ));
+        }
         let look = if folder.dimension == 2 {
             let (seen, _) = stage::seen(&folder)?;
             Look::Flat(flat::Window::new(&folder, &seen, options.size))
         } else {
             Look::Solid(Box::new(stage::Stage::new(&folder, options)?))
         };
+        let filled = filled(&folder, &numbers, &look)?;
+        if filled <= 0.0 && options.camera.is_some() {
+            return Err(ViewError::content(
+                dir,
+                "the pictures would be empty: nothing of the run lies before this camera",
+            ));
+        }
         let shading = Shading::of(&folder, options.shade)?;
-        Ok(Self { folder, numbers, options: options.clone(), look, shading })
+        Ok(Self { folder, numbers, options: options.clone(), look, shading, filled })
     }
 
     /// The numbers of the frames to picture.
@@ -145,9 +194,9 @@ impl Renderer {
     fn picture(&self, frame: &Frame) -> Image {
         let shading = self.shading.as_ref();
         match &self.look {
-            Look::Flat(window) => flat::picture(window, frame, shading),
+            Look::Flat(window) => flat::picture(window, frame, &self.options.set, shading),
             Look::Solid(stage) => {
-                let scene = scene::Scene::new(stage, frame, self.options.style, shading);
+                let scene = scene::Scene::new(stage, frame, &self.options, shading);
                 let mut canvas = trace::picture(&scene, self.options.size, self.options.samples);
                 shading.iter().for_each(|shading| shading.legend(&mut canvas));
                 canvas.develop(studio::develop)
@@ -156,13 +205,68 @@ impl Renderer {
     }
 }
 
-/// Writes a picture `frame_NNNN.png` of each wanted frame of the output folder `dir`, and a film of them.
-/// `done` is told after each picture how many are made and how many there will be.
+/// The largest part of the picture, in any of some frames, of the box around the liquid and the solids.
+fn filled(folder: &RunFolder, numbers: &[u32], look: &Look) -> Result<f64> {
+    let mut most = 0.0f64;
+    for number in RunFolder::spread(numbers, LOOKED_AT) {
+        let frame = folder.frame(number)?;
+        let meshes = std::iter::once(&frame.liquid).chain(frame.solids.values());
+        let points = meshes.flat_map(|mesh| &mesh.positions);
+        most = most.max(match look {
+            Look::Flat(window) => part_of(points.map(|p| window.place(p)), window.size()),
+            Look::Solid(stage) => {
+                let place = |p: &[f64; 3]| stage.view.project(&stage.points(&[*p])[0]).map(|p| [p.0, p.1]);
+                part_of(points.filter_map(place), stage.view.size())
+            }
+        });
+    }
+    Ok(most)
+}
+
+/// The part of a picture (pixels) that the box around some points takes up.
+fn part_of(points: impl Iterator<Item = [f64; 2]>, size: [f64; 2]) -> f64 {
+    let start = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    let (low, high) = points.fold(start, |(low, high), p| {
+        ([low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])])
+    });
+    (0..2).map(|a| (high[a].min(size[a]) - low[a].max(0.0)).max(0.0) / size[a]).product()
+}
+
+/// The pictures and films that an earlier call has left in a folder, but for those of some numbers.
+fn stale(to: &Path, numbers: &[u32]) -> Result<Vec<PathBuf>> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(to).map_err(ViewError::io(to))? {
+        let path = entry.map_err(ViewError::io(to))?.path();
+        let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
+        let number = name.strip_prefix("frame_").and_then(|n| n.strip_suffix(".png"));
+        let number = number.and_then(|n| n.parse::<u32>().ok());
+        if number.is_some_and(|n| !numbers.contains(&n)) || name == film::NAME {
+            found.push(path);
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// Writes a picture `frame_NNNN.png` of each wanted frame of the output folder `dir`, and a film of them. Pictures of an earlier
+/// call that this one does not write again are removed from `render` in the output folder, so that what lies there is of one
+/// call. `done` is told after each picture how many are made and how many there will be.
+///
+/// # Errors
+/// [`ViewError`], also where nothing of the run lies in the picture, and where a folder given in the options has pictures that
+/// this call would not write.
 pub fn render(dir: &Path, options: &RenderOptions, mut done: impl FnMut(usize, usize)) -> Result<Rendered> {
     let renderer = Renderer::open(dir, options)?;
     let to = options.to.clone().unwrap_or_else(|| dir.join("render"));
     std::fs::create_dir_all(&to).map_err(ViewError::io(&to))?;
-    let mut made = Rendered::default();
+    let old = stale(&to, renderer.numbers())?;
+    if options.to.is_some() && !old.is_empty() {
+        let what = format!("it has {} pictures or films that this call would not write", old.len());
+        return Err(ViewError::content(&to, what));
+    }
+    old.iter().try_for_each(|path| std::fs::remove_file(path).map_err(ViewError::io(path)))?;
+    let (frames, filled) = (renderer.folder.numbers.len(), renderer.filled);
+    let mut made = Rendered { frames, filled, removed: old.len(), ..Rendered::default() };
     for &number in renderer.numbers() {
         let path = to.join(format!("frame_{number:04}.png"));
         renderer.image(number)?.save(&path)?;

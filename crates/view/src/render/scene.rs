@@ -1,12 +1,12 @@
 //! The things in one picture, and the first of them that a ray meets.
 
-use super::Style;
 use super::bvh::Ray;
 use super::geometry::{Hit, TriMesh, Tubes};
 use super::legend::Shading;
 use super::stage::Stage;
+use super::{RenderOptions, Style};
 use crate::folder::{Bounds, Frame, V3};
-use crate::shade::Shade;
+use crate::shade::{Shade, srgb};
 use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_numerics::mesh::{FacetTree, SurfaceMesh};
 
@@ -24,6 +24,9 @@ const OFF: f64 = 1.0;
 const OFF_BESIDE: f64 = 0.6;
 /// How far below the solid's surface they are put, in cells.
 const SUNK: f64 = 0.05;
+
+/// The least part of a colour that a tinted liquid lets through over its own width.
+const DARKEST: f64 = 0.02;
 
 /// What a ray has met.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +56,12 @@ pub(crate) struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    pub(crate) fn new(stage: &'a Stage, frame: &Frame, style: Style, shading: Option<&Shading>) -> Self {
+    pub(crate) fn new(
+        stage: &'a Stage,
+        frame: &Frame,
+        options: &RenderOptions,
+        shading: Option<&Shading>,
+    ) -> Self {
         let mut points = stage.points(&frame.liquid.positions);
         let wetted = stage.wetted(frame, &points);
         let mut bounds = Bounds::EMPTY;
@@ -76,17 +84,18 @@ impl<'a> Scene<'a> {
         let line = frame
             .contact_line
             .as_ref()
+            .filter(|_| options.set.line)
             .map_or_else(Tubes::default, |mesh| Tubes::new(&stage.points(&mesh.positions), mesh, radius));
         Self {
             stage,
-            style,
+            style: options.style,
             liquid: TriMesh::new(&points, &frame.liquid.faces, &wetted, 0.3),
             solids,
             shades,
             line,
             bounds,
             solid_bounds,
-            absorption: V3::new(0.62, 0.17, 0.07) / stage.liquid,
+            absorption: absorption(options.set.liquid) / stage.liquid,
         }
     }
 
@@ -94,7 +103,7 @@ impl<'a> Scene<'a> {
     pub(crate) fn meet(&self, ray: &Ray) -> Option<(Thing, Hit)> {
         let mut best: Option<(Thing, Hit)> = None;
         let mut limit = f64::INFINITY;
-        if ray.dir.z < 0.0 {
+        if ray.dir.z < 0.0 && self.stage.set.floor {
             let t = (GROUND - ray.origin.z) / ray.dir.z;
             if t > NEAR {
                 best = Some((
@@ -129,6 +138,11 @@ impl<'a> Scene<'a> {
     pub(crate) fn liquid_blocks(&self, ray: &Ray, limit: f64) -> bool {
         self.liquid.blocks(ray, 1e-4, limit)
     }
+}
+
+/// What the liquid takes of each colour over its own width (natural logarithm); all but a tint where a colour is given.
+fn absorption(color: Option<u32>) -> V3 {
+    color.map_or(V3::new(0.62, 0.17, 0.07), |color| srgb(color).map(|c| -c.max(DARKEST).ln()))
 }
 
 /// Where the contact angle of a solid varies: 0 where it is largest, 1 where it is smallest.

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::RenderOptions;
 use super::camera::View;
 use super::studio::Studio;
+use super::{RenderOptions, Set};
 use crate::error::Result;
 use crate::folder::{Bounds, Frame, RunFolder, V3};
+use crate::shade::srgb;
 
 /// Frames looked at to find out what is to be seen.
 const LOOKED_AT: usize = 24;
@@ -30,6 +31,8 @@ pub(crate) struct Stage {
     pub grid_origin: [f64; 2],
     pub view: View,
     pub studio: Studio,
+    /// What is drawn beside the liquid and the solids.
+    pub set: Set,
 }
 
 /// A solid larger than this many times the liquid is shown near the liquid only.
@@ -119,8 +122,14 @@ impl Stage {
             grid: grid / unit,
             grid_origin: [lines(0), lines(1)],
             studio: Studio::new(&view.forward),
+            set: options.set,
             view,
         })
+    }
+
+    /// What is seen in a direction where nothing stands.
+    pub(crate) fn backdrop(&self, direction: &V3) -> V3 {
+        self.set.background.map_or_else(|| self.studio.backdrop(direction), srgb)
     }
 
     /// Points in the picture's coordinates, none below the ground.

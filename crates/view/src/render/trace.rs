@@ -13,6 +13,7 @@ use super::sampling::{cone, cosine, in_pixel, pixel_shift, r2, smoothstep};
 use super::scene::{NEAR, Scene, Thing};
 use super::studio::{KEY, KEY_SPREAD};
 use crate::folder::V3;
+use crate::shade::srgb;
 
 /// Branches of a path with less weight than this end in the surroundings.
 const LEAST_WEIGHT: f64 = 0.03;
@@ -85,7 +86,7 @@ pub(crate) fn picture(scene: &Scene, size: (u32, u32), samples: u32) -> Canvas {
 
 /// Draws the edges of the domain, where nothing is before them.
 fn outline(scene: &Scene, canvas: &mut Canvas, depth: &[f64]) {
-    let Some(domain) = scene.stage.domain else { return };
+    let Some(domain) = scene.stage.domain.filter(|_| scene.stage.set.domain) else { return };
     let view = &scene.stage.view;
     let corners = corners(&domain);
     let (width, thick) = (canvas.width, (canvas.height as f64 / 400.0).max(0.8));
@@ -116,7 +117,8 @@ impl Tracer<'_> {
     fn follow(&self, ray: &Ray, path: Path) -> (V3, Option<(Thing, f64)>) {
         let studio = &self.scene.stage.studio;
         let Some((thing, hit)) = self.scene.meet(ray) else {
-            let light = if path.depth == 0 { studio.backdrop(&ray.dir) } else { studio.radiance(&ray.dir) };
+            let light =
+                if path.depth == 0 { self.scene.stage.backdrop(&ray.dir) } else { studio.radiance(&ray.dir) };
             // A lamp seen through the drop rather than mirrored in it would outshine everything.
             let light = light.map(|c| c.min(BRIGHTEST / path.weight.max(LEAST_WEIGHT)));
             return (light, None);
@@ -129,13 +131,17 @@ impl Tracer<'_> {
                 let normal = if ray.dir.dot(&hit.facet) > 0.0 { -hit.smooth } else { hit.smooth };
                 let color = match self.scene.shades[i] {
                     Some(shade) => shade.color(hit.tint),
-                    None => V3::from(SOLIDS[i % SOLIDS.len()]).lerp(&WETTING, hit.tint),
+                    None => {
+                        let own = || V3::from(SOLIDS[i % SOLIDS.len()]);
+                        self.scene.stage.set.solids.map_or_else(own, srgb).lerp(&WETTING, hit.tint)
+                    }
                 };
                 self.matte(&point, &normal, &color, &path)
             }
             Thing::Line => self.lacquer(ray, &point, &hit, LINE, &path),
             Thing::Liquid if self.scene.style == Style::Matte => {
-                self.lacquer(ray, &point, &hit, MATTE, &path)
+                let color = self.scene.stage.set.liquid.map_or(MATTE, srgb);
+                self.lacquer(ray, &point, &hit, color, &path)
             }
             Thing::Liquid => self.glass(ray, &point, &hit, path),
         };
@@ -182,7 +188,7 @@ impl Tracer<'_> {
         let pool = 1.0 - 0.30 * smoothstep(0.35, 2.6, away);
         let shown = V3::new(albedo * 0.985, albedo, albedo * 1.015).component_mul(&light) * pool;
         let fade = smoothstep(1.0, 4.2, away);
-        shown * (1.0 - fade) + stage.studio.backdrop(&ray.dir) * fade
+        shown * (1.0 - fade) + stage.backdrop(&ray.dir) * fade
     }
 
     /// A rough surface in the light of the lamp and the surroundings.

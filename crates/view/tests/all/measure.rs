@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::common::{cap, cuboid, icosphere};
 use meniscus_numerics::mesh::ply::PlyMesh;
-use meniscus_view::{ContactMeasure, FitShape, Measurement, ViewError, measure};
+use meniscus_view::{ContactMeasure, FitShape, MeasureOptions, Measurement, ViewError, measure};
 
 /// Cell width of all runs here, m.
 const DX: f64 = 1e-3;
@@ -32,6 +32,11 @@ fn folder(name: &str, dimension: usize, meshes: &[(&str, &PlyMesh)]) -> Place {
     std::fs::write(dir.join("summary.json"), summary).unwrap();
     frame(&dir, 0, meshes);
     Place(dir)
+}
+
+/// The frame nearest to a time, s.
+fn at(time: f64) -> MeasureOptions {
+    MeasureOptions { at: Some(time), ..MeasureOptions::default() }
 }
 
 fn frame(dir: &Path, number: u32, meshes: &[(&str, &PlyMesh)]) {
@@ -89,7 +94,7 @@ fn caps_in_space_give_their_angle() {
         let (drop, line) = cap([0.05, 0.05], 0.01, exact, base, 0.0);
         let place =
             folder("cap-3d", 3, &[("liquid", &drop), ("solid_plate", &plate), ("contact_line", &line)]);
-        let m = measure(&place.0, None).unwrap();
+        let m = measure(&place.0, &MeasureOptions::default()).unwrap();
         let c = contact(&m);
         let fitted = c.angle.as_ref().unwrap();
         assert_eq!((c.solid.as_str(), fitted.shape), ("plate", FitShape::Sphere));
@@ -121,7 +126,7 @@ fn arcs_in_the_plane_give_their_angle() {
         let exact = angle.to_radians();
         let drop = arc(z, radius, radius, -radius * exact.cos());
         let place = folder("arc-2d", 2, &[("liquid", &drop), ("solid_plate", &plate_2d(z))]);
-        let m = measure(&place.0, None).unwrap();
+        let m = measure(&place.0, &MeasureOptions::default()).unwrap();
         let c = contact(&m);
         let fitted = c.angle.as_ref().unwrap();
         assert_eq!(fitted.shape, FitShape::Circle);
@@ -140,7 +145,7 @@ fn flattened_drops_are_ellipses() {
     let (z, a, b, up) = (0.01, 0.018, 0.012, 0.003);
     let drop = arc(z, a, b, up);
     let place = folder("ellipse", 2, &[("liquid", &drop), ("solid_plate", &plate_2d(z))]);
-    let m = measure(&place.0, None).unwrap();
+    let m = measure(&place.0, &MeasureOptions::default()).unwrap();
     let fitted = contact(&m).angle.clone().unwrap();
     // At its foot the ellipse's normal is (cos t / a, sin t / b) with sin t = −up / b.
     let s = -up / b;
@@ -210,7 +215,7 @@ fn caps_on_a_ball_give_their_angle() {
     for (gap, r) in [(0.016, 0.012), (0.009, 0.012), (0.022, 0.012)] {
         let drop = cap_on_ball(low + gap, r, low, s);
         let place = folder("cap-on-ball", 3, &[("liquid", &drop), ("solid_plate", &ball)]);
-        let m = measure(&place.0, None).unwrap();
+        let m = measure(&place.0, &MeasureOptions::default()).unwrap();
         let c = contact(&m);
         let exact = ((r * r + s * s - gap * gap) / (2.0 * r * s)).acos().to_degrees();
         let fitted = c.angle.as_ref().unwrap();
@@ -230,14 +235,14 @@ fn the_frame_is_chosen_by_time_and_touches_are_counted() {
     for (number, up) in [(1, 0.0), (2, 0.0), (3, 0.005)] {
         frame(&place.0, number, &[("liquid", &drop(up)), ("solid_plate", &plate)]);
     }
-    let m = measure(&place.0, Some(1.1)).unwrap();
+    let m = measure(&place.0, &at(1.1)).unwrap();
     assert_eq!((m.frame, m.time, m.drops[0].contacts.len()), (2, Some(1.0), 1));
     assert!(m.solids[0].forces.is_none(), "stored for the end only");
     let touch = &m.solids[0].touches[..];
     assert_eq!(touch.len(), 1);
     assert_eq!((touch[0].start, touch[0].end, touch[0].duration), (0.5, 1.0, Some(1.0)));
-    assert!(measure(&place.0, None).unwrap().drops[0].contacts.is_empty());
-    let error = measure(&place.0, Some(9.0)).unwrap_err();
+    assert!(measure(&place.0, &MeasureOptions::default()).unwrap().drops[0].contacts.is_empty());
+    let error = measure(&place.0, &at(9.0)).unwrap_err();
     assert!(
         matches!(error, ViewError::Time { .. }) && error.to_string().contains("from 0 s to 1.5 s"),
         "{error}"
@@ -275,7 +280,7 @@ fn a_ball_in_a_tank_floats() {
     kinds.resize(tank.positions.len(), 1.0);
     tank.scalars.insert("kind".into(), kinds);
     let place = folder("tank", 3, &[("liquid", &tank), ("solid_plate", &ball)]);
-    let m = measure(&place.0, None).unwrap();
+    let m = measure(&place.0, &MeasureOptions::default()).unwrap();
     let floating = m.solids[0].floating.as_ref().unwrap();
     near("level", floating.level, 0.04, 1e-6);
     near("depth", floating.depth, 0.018, 1e-3);
@@ -290,11 +295,18 @@ fn a_ball_in_a_tank_floats() {
 #[test]
 fn folders_that_hold_no_run_are_refused() {
     let nowhere = std::env::temp_dir().join("meniscus-measure-nowhere");
-    assert!(measure(&nowhere, None).unwrap_err().to_string().contains("meniscus-measure-nowhere"));
+    assert!(
+        measure(&nowhere, &MeasureOptions::default())
+            .unwrap_err()
+            .to_string()
+            .contains("meniscus-measure-nowhere")
+    );
     let place = folder("no-summary", 2, &[("liquid", &arc(0.01, 0.016, 0.016, 0.0))]);
     std::fs::remove_file(place.0.join("summary.json")).unwrap();
-    let error = measure(&place.0, None).unwrap_err().to_string();
+    let error = measure(&place.0, &MeasureOptions::default()).unwrap_err().to_string();
     assert!(error.contains("summary.json") && error.contains("is this a run?"), "{error}");
     std::fs::remove_file(place.0.join("frames/liquid_0000.ply")).unwrap();
-    assert!(measure(&place.0, None).unwrap_err().to_string().contains("liquid_NNNN.ply"));
+    assert!(
+        measure(&place.0, &MeasureOptions::default()).unwrap_err().to_string().contains("liquid_NNNN.ply")
+    );
 }

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use crate::common::{self, Sample};
 use meniscus_numerics::mesh::ply::PlyMesh;
-use meniscus_view::{PageOptions, RenderOptions, Renderer, RunFolder, Shade, Style, make_page, render};
+use meniscus_view::{
+    Camera, PageOptions, RenderOptions, Renderer, RunFolder, Shade, Style, make_page, render,
+};
 
 fn folder(name: &str, sample: Sample, frames: u32) -> PathBuf {
     let dir = std::env::temp_dir().join(format!("meniscus-view-{name}-{}", std::process::id()));
@@ -62,6 +64,77 @@ fn files_are_written_for_the_wanted_frames() {
     assert!(missing.contains("no solid in its frames has values of `strain`"), "{missing}");
     let none = RenderOptions { frames: Some(70..=80), ..small() };
     assert!(render(&dir, &none, |_, _| ()).is_err());
+    std::fs::remove_dir_all(dir).unwrap();
+}
+
+#[test]
+fn pictures_of_an_earlier_call_do_not_stay() {
+    let dir = folder("stale", Sample::Flat, 4);
+    assert_eq!(render(&dir, &small(), |_, _| ()).unwrap().images.len(), 4);
+    std::fs::write(dir.join("render/mine.png"), "").unwrap();
+    let fewer = RenderOptions { every: 3, size: (48, 32), ..small() };
+    let made = render(&dir, &fewer, |_, _| ()).unwrap();
+    assert_eq!((made.images.len(), made.frames, made.removed), (2, 4, 2));
+    let left = |to: &str| {
+        let mut names: Vec<_> = (std::fs::read_dir(dir.join(to)).unwrap())
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    };
+    assert_eq!(left("render"), ["frame_0000.png", "frame_0003.png", "mine.png"]);
+    // A folder that was asked for may hold what is not ours: nothing is removed from it.
+    let other = RenderOptions { frames: Some(1..=1), to: Some(dir.join("render")), ..small() };
+    assert!(render(&dir, &other, |_, _| ()).unwrap_err().to_string().contains("would not write"));
+    assert_eq!(left("render").len(), 3);
+    std::fs::remove_dir_all(dir).unwrap();
+}
+
+#[test]
+fn cameras_that_show_nothing_are_refused() {
+    let dir = folder("camera-2d", Sample::Flat, 1);
+    let camera = |distance| RenderOptions {
+        camera: Some(Camera { distance: Some(distance), ..Camera::default() }),
+        ..small()
+    };
+    let error = Renderer::open(&dir, &camera(0.3)).unwrap_err().to_string();
+    assert!(error.contains("a camera is for 3D"), "{error}");
+    std::fs::remove_dir_all(dir).unwrap();
+    let dir = folder("camera-3d", Sample::Drop, 1);
+    let filled = |distance| render(&dir, &camera(distance), |_, _| ()).map(|made| made.filled);
+    let (near, far) = (filled(0.3).unwrap(), filled(30.0).unwrap());
+    assert!(near > 0.1 && far < 0.01, "{near} {far}");
+    // What is dressed down has no floor, no lines, and the background that was asked for.
+    let mut plain = RenderOptions { samples: 1, ..small() };
+    plain.set.floor = false;
+    (plain.set.domain, plain.set.line, plain.set.background) = (false, false, Some(0x80_40_20));
+    let image = Renderer::open(&dir, &plain).unwrap().image(0).unwrap();
+    assert_eq!((&image.rgb[..3], red(&image)), (&[0x80, 0x40, 0x20][..], 0));
+    std::fs::remove_dir_all(dir).unwrap();
+}
+
+#[test]
+fn solids_lie_over_the_liquid_that_wets_them() {
+    let dir = folder("over", Sample::Flat, 1);
+    // A table up to 0.02 m, and a drop whose wetted side is most of a cell above it.
+    let table = [[0.01, 0.0], [0.09, 0.0], [0.09, 0.02], [0.01, 0.02]];
+    let low = 0.02 + 0.8e-3;
+    let drop = [[0.03, low], [0.07, low], [0.07, 0.04], [0.03, 0.04]];
+    for (name, outline, kinds) in [("solid_table", table, [0.0; 4]), ("liquid", drop, [2.0, 2.0, 0.0, 0.0])] {
+        let positions = outline.map(|[x, y]| [x, y, 0.0]).to_vec();
+        let mut mesh =
+            PlyMesh { positions, edges: vec![[0, 1], [1, 2], [2, 3], [3, 0]], ..PlyMesh::default() };
+        mesh.scalars.insert("kind".into(), kinds.to_vec());
+        mesh.save(&dir.join(format!("frames/{name}_0000.ply"))).unwrap();
+    }
+    let mut options = RenderOptions { size: (640, 480), ..small() };
+    options.set.line = false;
+    let image = Renderer::open(&dir, &options).unwrap().image(0).unwrap();
+    // In the middle of the picture no air is seen between the last of the liquid and the first of the table.
+    let pixel = |y: usize| &image.rgb[3 * (y * 640 + 320)..][..3];
+    let liquid = (0..480).rev().find(|y| pixel(*y)[2] > pixel(*y)[0].saturating_add(60)).unwrap();
+    let table = (0..480).find(|y| pixel(*y)[0] > pixel(*y)[2].saturating_add(20)).unwrap();
+    assert!((liquid..table).all(|y| pixel(y).iter().any(|c| *c < 200)), "{liquid} {table}");
     std::fs::remove_dir_all(dir).unwrap();
 }
 
