@@ -52,7 +52,7 @@ pub const ALL: [Invariant; 19] = [
     Invariant { name: "speed", holds: "the liquid is at most 3 times as fast as its energy allows" },
     Invariant { name: "solid-speed", holds: "rigid solids are at most 3 times as fast as the energy allows" },
     Invariant { name: "energy", holds: "the energy rises by at most 1 % of its scale over the start, without work" },
-    Invariant { name: "energy-again", holds: "the energy rises by at most 1 % of its scale over its least value" },
+    Invariant { name: "energy-again", holds: "the mean energy of 8 steps rises by at most 1 % of its scale over its least value" },
     Invariant { name: "momentum", holds: "momentum of what touches no side is kept within 1e-5" },
     Invariant { name: "volume", holds: "at most 1e-3 of the volume is lost or misplaced" },
     Invariant { name: "within-solid", holds: "no liquid is deeper than a cell within a solid" },

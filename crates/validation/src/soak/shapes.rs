@@ -6,7 +6,7 @@ use super::world::{World, length, lengths, numbers};
 /// What a shape is for.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Use {
-    /// Liquid: no part is thinner than two cells.
+    /// Liquid: no part of it is thinner than four cells.
     Liquid,
     /// A rigid solid.
     Rigid,
@@ -65,7 +65,7 @@ impl Place<'_> {
 
     /// The least thickness that is drawn, m.
     fn thinnest(&self) -> f64 {
-        self.world.dx * if self.used == Use::Liquid { 3.0 } else { 1.5 }
+        self.world.dx * if self.used == Use::Liquid { 4.0 } else { 1.5 }
     }
 
     fn ball(&self) -> String {
