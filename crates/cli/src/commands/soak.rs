@@ -19,8 +19,9 @@ pub fn soak(args: &SoakArgs) -> Result {
     if args.child {
         return child(args, wish);
     }
-    let program = std::env::current_exe()
-        .map_err(|e| Failure::new(1, format!("cannot tell where this program is, which runs each case: {e}")))?;
+    let program = std::env::current_exe().map_err(|e| {
+        Failure::new(1, format!("cannot tell where this program is, which runs each case: {e}"))
+    })?;
     let launch = Launch { program, wish, out: args.out.clone() };
     match (&args.scene, args.case) {
         (Some(path), _) => one(args, &launch, launch.file(path).map_err(internal)?, Some(path)),
@@ -72,7 +73,9 @@ fn many(args: &SoakArgs, launch: &Launch) -> Result {
         first: 0,
         scenes: args.scenes.or(if hours.is_none() { Some(SCENES) } else { None }),
         until: hours.map(|hours| Instant::now() + hours),
-        jobs: args.jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from),
+        jobs: args
+            .jobs
+            .map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from),
     };
     let mut done = 0;
     let outcomes = launch.run(&extent, &mut |outcome| {

@@ -153,13 +153,22 @@ impl Found {
 
     fn add(&mut self, kind: &str, value: f64, bar: f64, words: &str) {
         let (step, time) = (self.step, self.time);
-        self.all.push(Violation { kind: kind.into(), step, time, value, bar, words: words.into() });
+        // JSON has no numbers that are not finite.
+        let value = if value.is_nan() { f64::MAX } else { value.clamp(f64::MIN, f64::MAX) };
+        self.all.push(Violation {
+            value,
+            worst: value,
+            bar,
+            ..Violation::told(kind, step, time, words.into())
+        });
     }
 }
 
 fn not_finite<const D: usize>(ledger: &Ledger<D>) -> usize {
-    let energies = [ledger.kinetic_energy, ledger.surface_energy, ledger.elastic_energy, ledger.potential_energy];
-    let sums = energies.into_iter().chain([ledger.volume, ledger.max_speed]).chain(ledger.momentum.iter().copied());
+    let energies =
+        [ledger.kinetic_energy, ledger.surface_energy, ledger.elastic_energy, ledger.potential_energy];
+    let sums =
+        energies.into_iter().chain([ledger.volume, ledger.max_speed]).chain(ledger.momentum.iter().copied());
     sums.filter(|v| !v.is_finite()).count()
 }
 
@@ -214,7 +223,8 @@ fn touches_a_side<const D: usize>(model: &Model<D>, state: &State<D>) -> bool {
     let (near, upper) = (TOUCHING * model.grid.dx, model.grid.upper());
     let out = |low: &Vector<D>, high: &Vector<D>| (0..D).any(|a| low[a] < near || high[a] > upper[a] - near);
     let solids = model.solids.iter().zip(&state.solids).map(|(s, now)| s.bounds(now));
-    state.drops.iter().any(|d| out(&d.lower, &d.upper)) || solids.into_iter().any(|[low, high]| out(&low, &high))
+    state.drops.iter().any(|d| out(&d.lower, &d.upper))
+        || solids.into_iter().any(|[low, high]| out(&low, &high))
 }
 
 /// The largest speed that the energy of a scene can give liquid, m/s, as the root of a sum of `2 E/m`:
@@ -237,7 +247,8 @@ fn largest_speed<const D: usize>(simulation: &Simulation<D>, scene: &Scene, ledg
     let start = bodies.chain(starts).chain(led).filter(|v| v.is_finite()).fold(0.0, f64::max);
     let fall: f64 = (0..D).map(|a| 2.0 * (model.gravity[a] * model.grid.upper()[a]).abs()).sum();
     let weight = model.density * ledger.volume;
-    let surface = 2.0 * ledger.surface_energy.abs().max(model.surface_tension * ball_area::<D>(ledger.volume));
+    let surface =
+        2.0 * ledger.surface_energy.abs().max(model.surface_tension * ball_area::<D>(ledger.volume));
     let sheet = model.surface_tension / (model.density * model.grid.dx);
     (start * start + fall + surface / weight + sheet).sqrt()
 }

@@ -52,4 +52,3 @@ pub fn there_and_back<const D: usize>(folder: &Path, state: &State<D>) -> Result
     let _ = std::fs::remove_dir_all(folder);
     read.map(|(state, _)| state)
 }
-

@@ -91,7 +91,9 @@ impl Image {
             return w.to_vec();
         }
         match w {
-            [x, rest @ ..] if !rest.is_empty() => std::iter::once(*x).chain(rest.iter().map(|w| -w)).collect(),
+            [x, rest @ ..] if !rest.is_empty() => {
+                std::iter::once(*x).chain(rest.iter().map(|w| -w)).collect()
+            }
             _ => w.iter().map(|w| -w).collect(),
         }
     }
@@ -101,7 +103,9 @@ impl Image {
             return *r;
         }
         // In the plane the axis stays as it is and the angle turns; in space the axis is an angular velocity.
-        if r.axis == Rotation::NONE.axis { Rotation { angle: -r.angle, ..*r } } else {
+        if r.axis == Rotation::NONE.axis {
+            Rotation { angle: -r.angle, ..*r }
+        } else {
             let [x, y, z] = r.axis;
             Rotation { axis: [x, -y, -z], ..*r }
         }
@@ -110,7 +114,9 @@ impl Image {
     fn shape(&self, shape: &ShapeSpec) -> Option<ShapeSpec> {
         let all = |list: &[ShapeSpec]| list.iter().map(|s| self.shape(s)).collect::<Option<Vec<_>>>();
         Some(match shape {
-            ShapeSpec::Ball { center, radius } => ShapeSpec::Ball { center: self.point(center), radius: *radius },
+            ShapeSpec::Ball { center, radius } => {
+                ShapeSpec::Ball { center: self.point(center), radius: *radius }
+            }
             ShapeSpec::Box { center, half_size, rotation } => ShapeSpec::Box {
                 center: self.point(center),
                 half_size: half_size.clone(),
@@ -137,7 +143,9 @@ impl Image {
                 rotation: self.rotation(rotation),
             },
             // In the plane odd modes point along the first axis.
-            ShapeSpec::PerturbedBall { mode, center, .. } if self.mirrored && center.len() == 2 && mode % 2 == 1 => {
+            ShapeSpec::PerturbedBall { mode, center, .. }
+                if self.mirrored && center.len() == 2 && mode % 2 == 1 =>
+            {
                 return None;
             }
             ShapeSpec::PerturbedBall { center, radius, mode, amplitude } => ShapeSpec::PerturbedBall {
@@ -147,11 +155,12 @@ impl Image {
                 amplitude: *amplitude,
             },
             ShapeSpec::Union(parts) => ShapeSpec::Union(all(parts)?),
-            ShapeSpec::SmoothUnion { parts, width } => ShapeSpec::SmoothUnion { parts: all(parts)?, width: *width },
-            ShapeSpec::Difference { of, minus } => ShapeSpec::Difference {
-                of: Box::new(self.shape(of)?),
-                minus: Box::new(self.shape(minus)?),
-            },
+            ShapeSpec::SmoothUnion { parts, width } => {
+                ShapeSpec::SmoothUnion { parts: all(parts)?, width: *width }
+            }
+            ShapeSpec::Difference { of, minus } => {
+                ShapeSpec::Difference { of: Box::new(self.shape(of)?), minus: Box::new(self.shape(minus)?) }
+            }
             // Waves fill the domain; the rest looks to one side.
             ShapeSpec::Wave { .. }
             | ShapeSpec::Extrusion { .. }

@@ -34,10 +34,11 @@ pub const HANG: f64 = 20.0;
 pub const BUDGET: [f64; 2] = [60.0, 150.0];
 /// Steps after which a case ends without a verdict: twice what a drawn scene should take.
 pub const STEPS: u64 = 1200;
-/// Difference of a mirrored or shifted run after [`PAIR`] steps: of the energy over its scale, and of the centre of mass in
-/// cells. The grid's own error of both is of that size at eight cells a radius; a mirror image differs by rounding only, which
-/// merging fronts make larger.
-pub const ALIKE: (f64, f64) = (0.01, 0.1);
+/// Difference of a mirrored run after [`PAIR`] steps: of the energy over its scale, and of the centre of mass in cells. Rounding
+/// and the solver's residual (1e-6) make it, and what the flow does to them in so short a time.
+pub const MIRRORED: (f64, f64) = (0.01, 0.1);
+/// The same of a shifted one: the error of second order of drops of four cells a radius, `(1/4)²`, the smallest that are drawn.
+pub const SHIFTED: (f64, f64) = (0.06, 0.25);
 /// Steps after which repeated runs are compared.
 pub const PAIR: u64 = 60;
 
@@ -51,8 +52,14 @@ pub const ALL: [Invariant; 19] = [
     Invariant { name: "overlap", holds: "solids overlap by at most 0.01 cells more than at the start" },
     Invariant { name: "speed", holds: "the liquid is at most 3 times as fast as its energy allows" },
     Invariant { name: "solid-speed", holds: "rigid solids are at most 3 times as fast as the energy allows" },
-    Invariant { name: "energy", holds: "the energy rises by at most 1 % of its scale over the start, without work" },
-    Invariant { name: "energy-again", holds: "the mean energy of 8 steps rises by at most 1 % of its scale over its least value" },
+    Invariant {
+        name: "energy",
+        holds: "the energy rises by at most 1 % of its scale over the start, without work",
+    },
+    Invariant {
+        name: "energy-again",
+        holds: "the mean energy of 8 steps rises by at most 1 % of its scale over its least value",
+    },
     Invariant { name: "momentum", holds: "momentum of what touches no side is kept within 1e-5" },
     Invariant { name: "volume", holds: "at most 1e-3 of the volume is lost or misplaced" },
     Invariant { name: "within-solid", holds: "no liquid is deeper than a cell within a solid" },
@@ -60,6 +67,12 @@ pub const ALL: [Invariant; 19] = [
     Invariant { name: "memory", holds: "peak memory is at most 64 MB and twice what check tells" },
     Invariant { name: "threads", holds: "one and two threads give the same bits" },
     Invariant { name: "resume", holds: "a run that goes on from a checkpoint gives the same bits" },
-    Invariant { name: "mirror", holds: "a mirror image gives the same within 1 % of the energy and 0.1 cells" },
-    Invariant { name: "shift", holds: "a shift by 0.37 cells gives the same within 1 % of the energy and 0.1 cells" },
+    Invariant {
+        name: "mirror",
+        holds: "a mirror image gives the same within 1 % of the energy and 0.1 cells",
+    },
+    Invariant {
+        name: "shift",
+        holds: "a shift by 0.37 cells gives the same within 6 % of the energy and 0.25 cells",
+    },
 ];

@@ -19,6 +19,8 @@ mod run;
 mod shapes;
 pub mod shrink;
 mod solids;
+#[cfg(test)]
+mod tests;
 mod world;
 
 pub use run::run;
@@ -95,10 +97,19 @@ pub struct Violation {
     pub time: f64,
     /// What was found.
     pub value: f64,
+    /// The worst that was found until the end of the run.
+    pub worst: f64,
     /// What is allowed.
     pub bar: f64,
     /// More in words.
     pub words: String,
+}
+
+impl Violation {
+    /// One of which there are only words.
+    pub fn told(kind: &str, step: u64, time: f64, words: String) -> Self {
+        Self { kind: kind.into(), step, time, value: 0.0, worst: 0.0, bar: 0.0, words }
+    }
 }
 
 /// What came of a case.
@@ -144,7 +155,11 @@ impl Outcome {
             case,
             dimension: scene.domain.dimension,
             class: Class::of(scene),
-            solids: scene.solids.iter().map(|s| material(&s.material, s.fixed.len() + s.moved.len()).into()).collect(),
+            solids: scene
+                .solids
+                .iter()
+                .map(|s| material(&s.material, s.fixed.len() + s.moved.len()).into())
+                .collect(),
             refused,
             steps: 0,
             time: 0.0,

@@ -50,7 +50,8 @@ impl Launch {
             for _ in 0..extent.jobs.max(1) {
                 let (tell, next, stop) = (tell.clone(), &next, &stop);
                 scope.spawn(move || {
-                    while !stop.load(Ordering::Relaxed) && extent.until.is_none_or(|end| Instant::now() < end) {
+                    while !stop.load(Ordering::Relaxed) && extent.until.is_none_or(|end| Instant::now() < end)
+                    {
                         let case = next.fetch_add(1, Ordering::Relaxed);
                         if extent.scenes.is_some_and(|count| case >= extent.first + count) {
                             break;
@@ -120,13 +121,17 @@ impl Launch {
     }
 
     /// The outcome of a process that told none: it was killed, or ended by itself.
-    fn without_outcome(&self, text: &str, case: u64, (kind, words): (&str, String)) -> Result<Outcome, String> {
+    fn without_outcome(
+        &self,
+        text: &str,
+        case: u64,
+        (kind, words): (&str, String),
+    ) -> Result<Outcome, String> {
         let scene = Scene::from_text("drawn.toml", text, Path::new(""), &LoadOptions::default());
         let scene = scene.map_err(|e| format!("case {case}: {words}; its scene: {e}"))?;
         super::evidence::write_scene(&self.out, &scene.name, text).map_err(|e| e.to_string())?;
         let mut outcome = Outcome::begun(&scene, case, Vec::new());
-        let violation = Violation { kind: kind.into(), step: 0, time: 0.0, value: 0.0, bar: 0.0, words };
-        outcome.violations.push(violation);
+        outcome.violations.push(Violation::told(kind, 0, 0.0, words));
         Ok(outcome)
     }
 }

@@ -29,7 +29,8 @@ pub fn taken(subject: &Subject, tell: &mut dyn FnMut(&str)) -> Result<Taken, Str
     let mut refused = Vec::new();
     match subject {
         Subject::File(path) => {
-            let text = std::fs::read_to_string(path).map_err(|e| format!("cannot read {}: {e}", path.display()))?;
+            let text =
+                std::fs::read_to_string(path).map_err(|e| format!("cannot read {}: {e}", path.display()))?;
             tell(&text);
             let base = path.parent().unwrap_or(Path::new(""));
             let (scene, setup) = taken_from(&text, base).map_err(|e| e.message)?;

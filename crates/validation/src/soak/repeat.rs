@@ -1,11 +1,11 @@
 //! Runs a case again in another way that must give the same: on two threads, from a checkpoint, mirrored, shifted.
 
 use super::Violation;
+use super::evidence::there_and_back;
 use super::image::Image;
-use super::invariants::{ALIKE, PAIR};
+use super::invariants::{MIRRORED, PAIR, SHIFTED};
 use super::refuse::changed;
 use super::run::Walk;
-use super::evidence::there_and_back;
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::file::Scene;
 use meniscus_scene::run::Setup;
@@ -63,7 +63,7 @@ pub fn repeat<const D: usize>(
 }
 
 fn broken(how: &str, words: String) -> Violation {
-    Violation { kind: how.into(), step: PAIR, time: 0.0, value: f64::NAN, bar: 0.0, words }
+    Violation::told(how, PAIR, 0.0, words)
 }
 
 /// The state after some steps, or why there is none.
@@ -74,7 +74,11 @@ fn steps<const D: usize>(mut walk: Walk<D>, count: u64) -> Result<State<D>, Stri
     Ok(walk.simulation.state)
 }
 
-fn same_bits<const D: usize>(how: &str, state: &Result<State<D>, String>, wanted: &State<D>) -> Vec<Violation> {
+fn same_bits<const D: usize>(
+    how: &str,
+    state: &Result<State<D>, String>,
+    wanted: &State<D>,
+) -> Vec<Violation> {
     match state {
         Ok(state) if state == wanted => Vec::new(),
         Ok(state) => {
@@ -84,8 +88,10 @@ fn same_bits<const D: usize>(how: &str, state: &Result<State<D>, String>, wanted
             };
             let (one, other) = (fields(state), fields(wanted));
             let differ = one.iter().zip(&other).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
-            let words = format!("numbers of φ and velocity differ; time {:e} and {:e} s", state.time, wanted.time);
-            vec![Violation { value: differ as f64, time: wanted.time, ..broken(how, words) }]
+            let words =
+                format!("numbers of φ and velocity differ; time {:e} and {:e} s", state.time, wanted.time);
+            let value = differ as f64;
+            vec![Violation { value, worst: value, time: wanted.time, ..broken(how, words) }]
         }
         Err(error) => vec![broken(how, format!("the repeated run ends: {error}"))],
     }
@@ -120,12 +126,13 @@ impl<const D: usize> Pair<'_, D> {
         let off = other.centroid.iter().zip(&wanted).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
         let mut found = Vec::new();
         let mut at_most = |value: f64, bar: f64, words: &str| {
-            if value.is_nan() || value > bar {
-                found.push(Violation { value, bar, time, ..broken(self.how, words.into()) });
+            if value > bar {
+                found.push(Violation { value, worst: value, bar, time, ..broken(self.how, words.into()) });
             }
         };
-        at_most(energies.abs() / self.scale, ALIKE.0, "of the energy's scale");
-        at_most(off / scene.domain.dx, ALIKE.1, "cells between the centres of mass");
+        let (of_energy, of_place) = if self.image.mirrored { MIRRORED } else { SHIFTED };
+        at_most(energies.abs() / self.scale, of_energy, "of the energy's scale");
+        at_most(off / scene.domain.dx, of_place, "cells between the centres of mass");
         Some(found)
     }
 }

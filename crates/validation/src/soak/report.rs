@@ -8,7 +8,8 @@ use std::fmt::Write as _;
 
 /// One case in a line or two: what it is, and what it broke.
 pub fn line(outcome: &Outcome) -> String {
-    let solids = if outcome.solids.is_empty() { String::new() } else { format!(" ({})", outcome.solids.join(", ")) };
+    let solids =
+        if outcome.solids.is_empty() { String::new() } else { format!(" ({})", outcome.solids.join(", ")) };
     let mut out = format!(
         "{:14} {}D {:6} {:4} steps {:6.1} ms {:5.1} s",
         outcome.name,
@@ -25,8 +26,8 @@ pub fn line(outcome: &Outcome) -> String {
     for v in &outcome.violations {
         let _ = writeln!(
             out,
-            "    {} at step {}, {:.4e} s: {:.4e}, bar {:.4e} ({})",
-            v.kind, v.step, v.time, v.value, v.bar, v.words
+            "    {} at step {}, {:.4e} s: {:.4e}, bar {:.4e} ({}); worst {:.4e}",
+            v.kind, v.step, v.time, v.value, v.bar, v.words, v.worst
         );
     }
     out
@@ -92,7 +93,13 @@ fn kind_of(message: &str) -> String {
     for word in message.split_inclusive(' ') {
         let bare = word.trim();
         let number = bare.trim_start_matches(['-', '(']).starts_with(|c: char| c.is_ascii_digit());
-        out += if bare.starts_with('`') { "`…` " } else if number { "# " } else { word };
+        out += if bare.starts_with('`') {
+            "`…` "
+        } else if number {
+            "# "
+        } else {
+            word
+        };
     }
     out.trim_end().to_owned()
 }
@@ -102,7 +109,8 @@ fn refusals(outcomes: &[Outcome]) -> BTreeMap<String, usize> {
 }
 
 fn messages(outcomes: &[Outcome]) -> BTreeMap<String, usize> {
-    let all = outcomes.iter().flat_map(|o| &o.violations).filter(|v| v.kind == "gave-up" || v.kind == "panic");
+    let all =
+        outcomes.iter().flat_map(|o| &o.violations).filter(|v| v.kind == "gave-up" || v.kind == "panic");
     count(all.map(|v| kind_of(&v.words)))
 }
 

@@ -122,7 +122,8 @@ fn go<const D: usize>(
     let record = Arc::new(Mutex::new(record));
     let watched = (record.clone(), case.clone());
     std::thread::spawn(move || guard(&watched.0, &watched.1, hung));
-    let mut worker = Worker { record: record.clone(), case: case.clone(), times: Vec::new(), points: Vec::new() };
+    let mut worker =
+        Worker { record: record.clone(), case: case.clone(), times: Vec::new(), points: Vec::new() };
     let done = catch_unwind(AssertUnwindSafe(|| worker.work(setup, wanted)));
     let mut record = lock(&record);
     record.began = None;
@@ -158,19 +159,22 @@ fn guard<const D: usize>(record: &Mutex<Record<D>>, case: &Case, hung: fn(&Outco
 
 impl<const D: usize> Record<D> {
     fn broken(&mut self, kind: &str, words: String) {
-        self.add(kind, (f64::NAN, f64::NAN), words);
+        self.add(kind, (0.0, 0.0), words);
     }
 
     /// A violation in the step that goes on.
     fn add(&mut self, kind: &str, (value, bar): (f64, f64), words: String) {
         let (step, time) = (self.outcome.steps + 1, self.outcome.time);
-        self.note(Violation { kind: kind.into(), step, time, value, bar, words });
+        self.note(Violation { value, worst: value, bar, ..Violation::told(kind, step, time, words) });
     }
 
-    /// Keeps the first violation of a kind.
+    /// Keeps the first violation of a kind, and how much worse it becomes.
     fn note(&mut self, violation: Violation) {
-        if self.outcome.violations.iter().all(|v| v.kind != violation.kind) {
-            self.outcome.violations.push(violation);
+        match self.outcome.violations.iter_mut().find(|v| v.kind == violation.kind) {
+            Some(first) if first.words != violation.words => {}
+            Some(first) if violation.bar > 0.0 => first.worst = first.worst.max(violation.value),
+            Some(first) => first.worst = first.worst.min(violation.value),
+            None => self.outcome.violations.push(violation),
         }
     }
 
@@ -243,7 +247,8 @@ impl<const D: usize> Worker<D> {
         let report = match done {
             Ok(report) => report,
             Err(error) => {
-                let kind = if matches!(error, StepError::NotFinite { .. }) { "not-finite" } else { "gave-up" };
+                let kind =
+                    if matches!(error, StepError::NotFinite { .. }) { "not-finite" } else { "gave-up" };
                 record.broken(kind, error.to_string());
                 drop(record);
                 self.save();

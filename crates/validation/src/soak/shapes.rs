@@ -92,7 +92,8 @@ impl Place<'_> {
         if random.chance(0.4) {
             return String::new();
         }
-        let angle = if random.chance(0.5) { random.between(-20.0, 20.0) } else { random.between(-180.0, 180.0) };
+        let angle =
+            if random.chance(0.5) { random.between(-20.0, 20.0) } else { random.between(-180.0, 180.0) };
         if self.world.dimension == 2 {
             return format!(", rotation = \"{angle:.3} deg\"");
         }
@@ -132,7 +133,9 @@ impl Place<'_> {
         let (radius, height) = (self.reach * (1.0 - ratio * ratio).sqrt(), 2.0 * self.reach * ratio);
         let (center, axis) = (lengths(&self.center), numbers(&random.direction(3)));
         let (radius, height) = (length(radius), length(height.max(self.thinnest())));
-        format!("{{ cylinder = {{ center = {center}, axis = {axis}, radius = {radius}, height = {height} }} }}")
+        format!(
+            "{{ cylinder = {{ center = {center}, axis = {axis}, radius = {radius}, height = {height} }} }}"
+        )
     }
 
     /// Two balls that overlap, and how far they reach.
@@ -185,6 +188,9 @@ impl Place<'_> {
     /// The duck of the program is about two units long; its frame starts at its middle.
     fn duck(&self) -> String {
         let scale = format!("{:.6e}", 0.5 * self.reach);
-        format!("{{ mesh = {{ file = \"builtin:duck.obj\", scale = {scale}, translate = {} }} }}", lengths(&self.center))
+        format!(
+            "{{ mesh = {{ file = \"builtin:duck.obj\", scale = {scale}, translate = {} }} }}",
+            lengths(&self.center)
+        )
     }
 }

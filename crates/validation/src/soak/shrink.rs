@@ -36,11 +36,16 @@ pub fn shrink(
     let mut scene = Scene { name: name.clone(), ..scene };
     let path = launch.out.join(format!("{name}.toml"));
     let (mut outcome, mut dropped, mut tries) = (first, Vec::new(), 0);
+    // What could not be left out is not tried again.
+    let mut needed: Vec<String> = Vec::new();
     let broke = |outcome: &Outcome| outcome.violations.iter().any(|v| v.kind == kind);
     loop {
         let mut smaller = false;
         for (what, candidate) in candidates(&scene, &outcome, kind) {
-            let Some((candidate, _)) = changed(&candidate).filter(|_| tries < TRIES) else { continue };
+            if needed.contains(&what) || tries >= TRIES {
+                continue;
+            }
+            let Some((candidate, _)) = changed(&candidate) else { continue };
             tries += 1;
             let text = candidate.to_toml().map_err(|e| e.to_string())?;
             evidence::write_scene(&launch.out, &name, &text).map_err(|e| e.to_string())?;
@@ -52,6 +57,7 @@ pub fn shrink(
                 break;
             }
             each(&format!("without {what}: no more"));
+            needed.push(what);
         }
         if !smaller {
             break;

@@ -53,7 +53,8 @@ impl Solids {
     fn add(&mut self, random: &mut Random, world: &mut World, kind: Kind, number: usize) {
         let name = format!("s{number}");
         let ground = kind == Kind::Fixed && world.floor == 0.0 && random.chance(0.6);
-        let (shape, center, reach) = if ground { ground_shape(random, world) } else { bounded(random, world, kind) };
+        let (shape, center, reach) =
+            if ground { ground_shape(random, world) } else { bounded(random, world, kind) };
         let _ = writeln!(self.text, "\n[[solid]]\nname = \"{name}\"\nshape = {shape}");
         if matches!(kind, Kind::Free | Kind::Soft) {
             let density = world.density * random.scale(0.05, 20.0);
@@ -94,7 +95,8 @@ impl Solids {
         }
         if random.chance(0.4) {
             let (above, below) = (random.between(0.0, 30.0), random.between(0.0, 30.0));
-            let _ = writeln!(text, "hysteresis = {{ above = \"{above:.1} deg\", below = \"{below:.1} deg\" }}");
+            let _ =
+                writeln!(text, "hysteresis = {{ above = \"{above:.1} deg\", below = \"{below:.1} deg\" }}");
         }
         if soft && random.chance(0.2) {
             let _ = writeln!(text, "radius = {}", length(world.dx * random.between(1.0, 4.0)));
@@ -128,7 +130,8 @@ fn ground_shape(random: &mut Random, world: &mut World) -> (String, Vec<f64>, f6
         (normal[0], normal[last]) = (tilt.sin(), tilt.cos());
         top[last] = thick;
         world.floor = thick + 0.4 * world.size[0] * tilt.tan().abs();
-        let shape = format!("{{ half_space = {{ point = {}, normal = {} }} }}", lengths(&top), numbers(&normal));
+        let shape =
+            format!("{{ half_space = {{ point = {}, normal = {} }} }}", lengths(&top), numbers(&normal));
         return (shape, top, reach);
     }
     let low = if random.chance(0.5) { 0.0 } else { random.between(0.05, 0.2) * world.size[last] };
@@ -180,7 +183,9 @@ fn soft(random: &mut Random, world: &World, center: &[f64], reach: f64) -> Strin
         // Springs as stiff along a cell as a material of this modulus.
         2 => {
             let stiffness = young * world.dx.powi(world.dimension as i32 - 2);
-            format!("material.springs = {{ stiffness = \"{stiffness:.4e} N/m\", damping_ratio = {damping:.3} }}\n")
+            format!(
+                "material.springs = {{ stiffness = \"{stiffness:.4e} N/m\", damping_ratio = {damping:.3} }}\n"
+            )
         }
         law => {
             let name = ["neo_hookean", "corotated"][law];
@@ -204,7 +209,11 @@ fn hold(random: &mut Random, world: &World, center: &[f64], reach: f64) -> Strin
     let (axis, low) = (random.below(world.dimension), random.chance(0.5));
     let depth = random.between(0.2, 0.7) * reach;
     let (mut lower, mut upper): (Vec<f64>, Vec<f64>) = center.iter().map(|c| (c - reach, c + reach)).unzip();
-    if low { upper[axis] = lower[axis] + depth } else { lower[axis] = upper[axis] - depth }
+    if low {
+        upper[axis] = lower[axis] + depth
+    } else {
+        lower[axis] = upper[axis] - depth
+    }
     let part = format!("box = {{ lower = {}, upper = {} }}", lengths(&lower), lengths(&upper));
     if random.chance(0.85) {
         return format!("fixed = [{{ {part} }}]");
@@ -235,7 +244,8 @@ fn wetting(random: &mut Random, world: &World, center: &[f64], reach: f64) -> St
     if random.chance(0.85) {
         return base;
     }
-    let at: Vec<f64> = random.direction(world.dimension).iter().zip(center).map(|(a, c)| c + 0.5 * reach * a).collect();
+    let at: Vec<f64> =
+        random.direction(world.dimension).iter().zip(center).map(|(a, c)| c + 0.5 * reach * a).collect();
     let (at, radius) = (lengths(&at), length(reach * random.between(0.3, 0.8)));
     let angle = angle(random);
     format!(

@@ -98,7 +98,8 @@ impl World {
         let meeting = falling.min(flying);
         let wanted = if meeting.is_finite() { 1.5 * meeting + swing } else { 4.0 * swing };
         let capillary = 0.36 * (self.density * self.dx.powi(3) / self.tension).sqrt();
-        let fastest = self.speed.max((fall * height).sqrt()).max((self.tension / (self.density * across)).sqrt());
+        let fastest =
+            self.speed.max((fall * height).sqrt()).max((self.tension / (self.density * across)).sqrt());
         let step = (self.capillary_step.unwrap_or(5.0) * capillary).min(0.7 * self.dx / fastest);
         wanted.clamp(STEPS[0] * step, STEPS[1] * step)
     }
@@ -154,7 +155,8 @@ impl World {
             tail += "newton_iterations = 3\n";
         }
         let ms = self.duration * 1e3;
-        let _ = writeln!(tail, "\n[output]\nduration = \"{ms:.4} ms\"\nframe_interval = \"{:.4} ms\"", 0.1 * ms);
+        let _ =
+            writeln!(tail, "\n[output]\nduration = \"{ms:.4} ms\"\nframe_interval = \"{:.4} ms\"", 0.1 * ms);
         tail += "formats = [\"ply\"]\n";
         [head, tail]
     }
