@@ -42,6 +42,8 @@ pub enum Command {
     Measure(MeasureArgs),
     /// The validation suite: value, reference, error, bar, pass or fail.
     Verify(VerifyArgs),
+    /// Random small scenes under invariants: what breaks one is written with the checkpoint before it.
+    Soak(SoakArgs),
     /// Time per phase.
     Bench(BenchArgs),
     /// One self-contained HTML page of a run.
@@ -206,6 +208,69 @@ pub struct VerifyArgs {
     /// Write the results as an HTML page.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
+}
+
+/// `meniscus soak`.
+#[derive(Debug, Args)]
+pub struct SoakArgs {
+    /// The same seed draws the same scenes.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Go on for so many hours.
+    #[arg(long, value_name = "H")]
+    pub hours: Option<f64>,
+    /// Run so many scenes; 100 without it and --hours.
+    #[arg(long, value_name = "N")]
+    pub scenes: Option<u64>,
+    /// Dimensions of the scenes; four of five are in 2D without it.
+    #[arg(long, value_parser = clap::value_parser!(u8).range(2..=3))]
+    pub dimension: Option<u8>,
+    /// Solids in the scenes; soft: at least one that deforms.
+    #[arg(long, value_enum, default_value_t = Solids::Any)]
+    pub solids: Solids,
+    /// Small and short scenes.
+    #[arg(long)]
+    pub quick: bool,
+    /// Run only this case.
+    #[arg(long, value_name = "I")]
+    pub case: Option<u64>,
+    /// Run only this scene file, under the same invariants.
+    #[arg(long, value_name = "FILE", conflicts_with = "case")]
+    pub scene: Option<PathBuf>,
+    /// With --case or --scene: leave out of the scene what it breaks the invariant without.
+    #[arg(long)]
+    pub shrink: bool,
+    /// With --shrink: the invariant; the first that is broken without it.
+    #[arg(long, value_name = "INVARIANT")]
+    pub kind: Option<String>,
+    /// Where scenes and checkpoints of violations go.
+    #[arg(long, value_name = "DIR", default_value = "out/soak")]
+    pub out: PathBuf,
+    /// Cases at a time, each on one thread; as many as the machine has cores without it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub jobs: Option<u16>,
+    /// A list of known violations, which do not count: on each line the name of a case and the invariants.
+    #[arg(long, value_name = "FILE")]
+    pub known: Option<PathBuf>,
+    /// Write the results as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Run the case in this process, for the one that started it.
+    #[arg(long, hide = true)]
+    pub child: bool,
+}
+
+/// Solids in drawn scenes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Solids {
+    /// Liquid alone.
+    None,
+    /// Solids that do not deform.
+    Rigid,
+    /// At least one that deforms.
+    Soft,
+    /// Any or none.
+    Any,
 }
 
 /// `meniscus bench`.

@@ -48,6 +48,7 @@ fn dispatch(command: Command) -> Result {
         Command::New(args) => commands::scenes::new(&args),
         Command::Check(args) => commands::check::check(&args),
         Command::Verify(args) => commands::verify::verify(&args),
+        Command::Soak(args) => commands::soak::soak(&args),
         Command::Bench(args) => commands::bench::bench(&args),
         Command::Page(args) => commands::view::page(&args),
         Command::Render(args) => commands::view::render(&args),

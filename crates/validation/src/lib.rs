@@ -9,6 +9,7 @@ pub mod plate;
 pub mod pressure_bench;
 pub mod report;
 pub mod setup;
+pub mod soak;
 
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -6,6 +6,7 @@ pub mod info;
 pub mod measure;
 pub mod run;
 pub mod scenes;
+pub mod soak;
 mod table1;
 pub mod verify;
 pub mod view;

@@ -1,0 +1,157 @@
+//! `meniscus soak`.
+
+use super::{print, save};
+use crate::args::{SoakArgs, Solids};
+use crate::failure::{Failure, MISSED, Result, USAGE};
+use meniscus_scene::file::{LoadOptions, Scene};
+use meniscus_validation::soak::parent::{Extent, Launch, TOLD, arguments};
+use meniscus_validation::soak::{Class, Outcome, Subject, Wish, report, run, shrink};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Cases where nothing tells how many.
+const SCENES: u64 = 100;
+
+/// Draws random scenes and runs them under invariants.
+pub fn soak(args: &SoakArgs) -> Result {
+    let wish = wish(args);
+    if args.child {
+        return child(args, wish);
+    }
+    let program = std::env::current_exe().map_err(|e| {
+        Failure::new(1, format!("cannot tell where this program is, which runs each case: {e}"))
+    })?;
+    let launch = Launch { program, wish, out: args.out.clone() };
+    match (&args.scene, args.case) {
+        (Some(path), _) => one(args, &launch, launch.file(path).map_err(internal)?, Some(path)),
+        (None, Some(case)) => one(args, &launch, launch.case(case).map_err(internal)?, None),
+        (None, None) => many(args, &launch),
+    }
+}
+
+fn wish(args: &SoakArgs) -> Wish {
+    let class = match args.solids {
+        Solids::None => Some(Class::Liquid),
+        Solids::Rigid => Some(Class::Rigid),
+        Solids::Soft => Some(Class::Soft),
+        Solids::Any => None,
+    };
+    Wish { seed: args.seed, dimension: args.dimension.map(usize::from), class, quick: args.quick }
+}
+
+fn internal(words: String) -> Failure {
+    Failure::new(1, words)
+}
+
+/// Runs a case in this process, and tells the parent what comes of it.
+fn child(args: &SoakArgs, wish: Wish) -> Result {
+    let subject = match &args.scene {
+        Some(path) => Subject::File(path.clone()),
+        None => Subject::Case(wish, args.case.unwrap_or(0)),
+    };
+    let mut tell = |text: &str| told(0, &serde_json::json!(text));
+    let hung = |outcome: &Outcome| {
+        told(1, &serde_json::json!(outcome));
+        std::process::exit(0);
+    };
+    let outcome = run(&subject, &args.out, &mut tell, hung).map_err(internal)?;
+    told(1, &serde_json::json!(outcome));
+    Ok(0)
+}
+
+/// A line for the parent. If that is gone there is nobody to tell.
+fn told(kind: usize, value: &serde_json::Value) {
+    let _ = print(&format!("{}{value}\n", TOLD[kind]));
+}
+
+/// Runs cases until their number or the time is reached; a table closes.
+fn many(args: &SoakArgs, launch: &Launch) -> Result {
+    let known = known(args.known.as_deref())?;
+    let hours = args.hours.map(|h| Duration::from_secs_f64(3600.0 * h.clamp(0.0, 1e4)));
+    let extent = Extent {
+        first: 0,
+        scenes: args.scenes.or(if hours.is_none() { Some(SCENES) } else { None }),
+        until: hours.map(|hours| Instant::now() + hours),
+        jobs: args
+            .jobs
+            .map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from),
+    };
+    let mut done = 0;
+    let outcomes = launch.run(&extent, &mut |outcome| {
+        done += 1;
+        eprint!("[{done}] {}", report::line(outcome));
+    });
+    print(&report::table(&outcomes))?;
+    if let Some(path) = &args.json {
+        save(path, &format!("{:#}\n", report::json(args.seed, &outcomes)))?;
+    }
+    if extent.scenes.is_some_and(|count| outcomes.len() < count as usize) && hours.is_none() {
+        return Err(Failure::new(1, "some cases could not be run: the program cannot start itself"));
+    }
+    let new: Vec<&Outcome> = outcomes.iter().filter(|o| !is_known(o, &known)).collect();
+    for outcome in outcomes.iter().filter(|o| known.contains_key(&o.name)) {
+        let word = if outcome.violations.is_empty() { "holds now: take it off the list" } else { "known" };
+        print(&format!("{}: {word}\n", outcome.name))?;
+    }
+    if new.is_empty() {
+        return Ok(0);
+    }
+    let again = format!("meniscus soak {} --case", arguments(&launch.wish).join(" "));
+    print(&format!(
+        "scenes and checkpoints are in {}; again, one by one: {again} {}\n",
+        args.out.display(),
+        new.first().map_or(0, |o| o.case)
+    ))?;
+    Ok(MISSED)
+}
+
+/// Whether all that a case broke is on the list.
+fn is_known(outcome: &Outcome, known: &BTreeMap<String, Vec<String>>) -> bool {
+    let listed = known.get(&outcome.name);
+    outcome.violations.iter().all(|v| listed.is_some_and(|kinds| kinds.contains(&v.kind)))
+}
+
+/// Reads a list of known violations: a line for each case, its name, then the invariants; `#` begins a comment.
+fn known(path: Option<&Path>) -> Result<BTreeMap<String, Vec<String>>> {
+    let Some(path) = path else { return Ok(BTreeMap::new()) };
+    let text = std::fs::read_to_string(path).map_err(Failure::file("read", path))?;
+    let lines = text.lines().map(|line| line.split('#').next().unwrap_or(""));
+    let words = lines.map(|line| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>());
+    Ok(words.filter_map(|w| w.split_first().map(|(name, kinds)| (name.clone(), kinds.to_vec()))).collect())
+}
+
+/// Runs one case or scene, and makes it smaller if that is asked for.
+fn one(args: &SoakArgs, launch: &Launch, outcome: Outcome, path: Option<&Path>) -> Result {
+    print(&report::line(&outcome))?;
+    let Some(first) = outcome.violations.first().cloned() else {
+        print("nothing is broken\n")?;
+        return Ok(0);
+    };
+    let written = args.out.join(&outcome.name);
+    let scene = path.map_or_else(|| append(&written, ".toml"), Path::to_path_buf);
+    print(&format!(
+        "from the step before: meniscus run {} --out {} --resume\n",
+        scene.display(),
+        written.display()
+    ))?;
+    if args.shrink {
+        let kind = args.kind.clone().unwrap_or(first.kind);
+        if outcome.violations.iter().all(|v| v.kind != kind) {
+            return Err(Failure::new(USAGE, format!("this scene does not break `{kind}`")));
+        }
+        let loaded = Scene::load(&scene, &LoadOptions::default())?;
+        let mut each = |words: &str| eprintln!("  {words}");
+        let small = shrink::shrink(launch, (loaded, outcome), &kind, &mut each).map_err(internal)?;
+        print(&format!("without {}:\n{}", small.dropped.join(", "), report::line(&small.outcome)))?;
+        print(&format!("{}\n", small.path.display()))?;
+    }
+    Ok(MISSED)
+}
+
+/// A path with something after its name, which may hold dots.
+fn append(path: &Path, end: &str) -> std::path::PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(end);
+    name.into()
+}

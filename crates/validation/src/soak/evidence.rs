@@ -1,0 +1,54 @@
+//! What a violation leaves: the scene as a file, and an output folder with the checkpoint before it, from which `meniscus run
+//! SCENE --out FOLDER --resume` goes on.
+
+use meniscus_scene::checkpoint;
+use meniscus_scene::file::Scene;
+use meniscus_scene::output::series::Series;
+use meniscus_scene::output::{FileError, Folder, file};
+use meniscus_scene::run::{Job, Tally};
+use meniscus_sim::State;
+use std::io::Write as _;
+use std::path::Path;
+
+/// Writes `NAME.toml` and the folder `NAME` into `out`.
+///
+/// # Errors
+/// What cannot be written.
+pub fn write<const D: usize>(
+    out: &Path,
+    (scene, text): (&Scene, &str),
+    state: &State<D>,
+    tally: &Tally,
+) -> Result<(), FileError> {
+    write_scene(out, &scene.name, text)?;
+    let folder = Folder::at(&out.join(&scene.name));
+    let _ = std::fs::remove_dir_all(folder.root());
+    file::create_folder(&folder.frames())?;
+    file::create_folder(&folder.checkpoints())?;
+    let job = Job::of(scene, text.to_owned());
+    let mut series = Series::create(&folder.series(), scene.solids.iter().map(|s| s.name.as_str()))?;
+    let tally = Tally { series_bytes: series.sync()?, ..tally.clone() };
+    checkpoint::write(&folder.checkpoints(), job.identity, state, &tally)?;
+    Ok(())
+}
+
+/// Writes `NAME.toml` into `out`.
+///
+/// # Errors
+/// What cannot be written.
+pub fn write_scene(out: &Path, name: &str, text: &str) -> Result<(), FileError> {
+    file::create_folder(out)?;
+    file::replace(&out.join(format!("{name}.toml")), |w| w.write_all(text.as_bytes()))
+}
+
+/// A state written to a checkpoint in a folder and read back.
+///
+/// # Errors
+/// Why that cannot be done, in words.
+pub fn there_and_back<const D: usize>(folder: &Path, state: &State<D>) -> Result<State<D>, String> {
+    file::create_folder(folder).map_err(|e| e.to_string())?;
+    let path = checkpoint::write(folder, 0, state, &Tally::default()).map_err(|e| e.to_string())?;
+    let read = checkpoint::read(&path, 0, state.phi.grid).map_err(|e| e.to_string());
+    let _ = std::fs::remove_dir_all(folder);
+    read.map(|(state, _)| state)
+}

@@ -1,0 +1,171 @@
+//! Mirror images of scenes, and scenes shifted along the first axis.
+
+use meniscus_scene::file::{Material, Rotation, Scene, ShapeSpec, Solid, SolidTension};
+
+/// Where everything goes: mirrored at the middle of the domain, then shifted, along the first axis.
+pub struct Image {
+    /// Whether it is mirrored.
+    pub mirrored: bool,
+    /// Size of the domain along the first axis, m.
+    pub size: f64,
+    /// The shift, m.
+    pub by: f64,
+}
+
+impl Image {
+    /// The image of a scene; none of one that has none: a shift along with something that ends at a side, or a mirror image of
+    /// a shape or a mesh of elements that is not built the same way.
+    pub fn scene(&self, scene: &Scene) -> Option<Scene> {
+        let mut scene = scene.clone();
+        if self.mirrored {
+            // Meshes of elements are no mirror images of each other, nor are files.
+            if scene.solids.iter().any(|s| s.material.deforms()) {
+                return None;
+            }
+            scene.domain.walls[0].reverse();
+            scene.liquid.gravity = self.direction(&scene.liquid.gravity);
+        } else if scene.liquid.bodies.iter().any(|b| !self.is_inside(&b.shape, scene.domain.dimension)) {
+            return None;
+        }
+        for body in &mut scene.liquid.bodies {
+            body.shape = self.shape(&body.shape)?;
+            body.velocity = self.direction(&body.velocity);
+        }
+        for solid in &mut scene.solids {
+            self.solid(solid)?;
+        }
+        for (_, wetting) in &mut scene.tension.solids {
+            if wetting.image.is_some() {
+                return None;
+            }
+            for (shape, _) in &mut wetting.patches {
+                *shape = self.shape(shape)?;
+            }
+            if let SolidTension::Gradient { from, to } = &mut wetting.tension {
+                (from.0, to.0) = (self.point(&from.0), self.point(&to.0));
+            }
+        }
+        Some(scene)
+    }
+
+    /// Whether a body ends before the sides that the shift is along.
+    fn is_inside(&self, shape: &ShapeSpec, dimension: usize) -> bool {
+        shape.bounds(dimension).is_some_and(|(low, high)| low[0] > 0.0 && high[0] < self.size - self.by)
+    }
+
+    fn solid(&self, solid: &mut Solid) -> Option<()> {
+        solid.shape = self.shape(&solid.shape)?;
+        solid.velocity = self.direction(&solid.velocity);
+        if let Material::Kinematic { velocity, angular_velocity, keyframes } = &mut solid.material {
+            *velocity = self.direction(velocity);
+            keyframes.iter_mut().for_each(|k| k.1 = self.direction(&k.1));
+            *angular_velocity = self.turning(angular_velocity);
+        }
+        for part in &mut solid.fixed {
+            *part = self.shape(part)?;
+        }
+        for part in &mut solid.moved {
+            part.shape = self.shape(&part.shape)?;
+            part.velocity = self.direction(&part.velocity);
+            part.keyframes.iter_mut().for_each(|k| k.1 = self.direction(&k.1));
+        }
+        Some(())
+    }
+
+    /// The image of a point, m.
+    pub fn point(&self, x: &[f64]) -> Vec<f64> {
+        let mut x = x.to_vec();
+        x[0] = if self.mirrored { self.size - x[0] } else { x[0] } + self.by;
+        x
+    }
+
+    fn direction(&self, v: &[f64]) -> Vec<f64> {
+        let mut v = v.to_vec();
+        v[0] = if self.mirrored { -v[0] } else { v[0] };
+        v
+    }
+
+    /// The image of an angular velocity: a mirror turns the parts of it that lie in it.
+    fn turning(&self, w: &[f64]) -> Vec<f64> {
+        if !self.mirrored {
+            return w.to_vec();
+        }
+        match w {
+            [x, rest @ ..] if !rest.is_empty() => {
+                std::iter::once(*x).chain(rest.iter().map(|w| -w)).collect()
+            }
+            _ => w.iter().map(|w| -w).collect(),
+        }
+    }
+
+    fn rotation(&self, r: &Rotation) -> Rotation {
+        if !self.mirrored || r.angle == 0.0 {
+            return *r;
+        }
+        // In the plane the axis stays as it is and the angle turns; in space the axis is an angular velocity.
+        if r.axis == Rotation::NONE.axis {
+            Rotation { angle: -r.angle, ..*r }
+        } else {
+            let [x, y, z] = r.axis;
+            Rotation { axis: [x, -y, -z], ..*r }
+        }
+    }
+
+    fn shape(&self, shape: &ShapeSpec) -> Option<ShapeSpec> {
+        let all = |list: &[ShapeSpec]| list.iter().map(|s| self.shape(s)).collect::<Option<Vec<_>>>();
+        Some(match shape {
+            ShapeSpec::Ball { center, radius } => {
+                ShapeSpec::Ball { center: self.point(center), radius: *radius }
+            }
+            ShapeSpec::Box { center, half_size, rotation } => ShapeSpec::Box {
+                center: self.point(center),
+                half_size: half_size.clone(),
+                rotation: self.rotation(rotation),
+            },
+            ShapeSpec::HalfSpace { point, normal } => {
+                if !self.mirrored && normal[0] != 0.0 {
+                    return None;
+                }
+                ShapeSpec::HalfSpace { point: self.point(point), normal: self.direction(normal) }
+            }
+            ShapeSpec::Cylinder { center, axis, radius, height } => ShapeSpec::Cylinder {
+                center: self.point(center),
+                axis: self.direction(axis),
+                radius: *radius,
+                height: *height,
+            },
+            ShapeSpec::Capsule { a, b, radius } => {
+                ShapeSpec::Capsule { a: self.point(a), b: self.point(b), radius: *radius }
+            }
+            ShapeSpec::Ellipsoid { center, radii, rotation } => ShapeSpec::Ellipsoid {
+                center: self.point(center),
+                radii: radii.clone(),
+                rotation: self.rotation(rotation),
+            },
+            // In the plane odd modes point along the first axis.
+            ShapeSpec::PerturbedBall { mode, center, .. }
+                if self.mirrored && center.len() == 2 && mode % 2 == 1 =>
+            {
+                return None;
+            }
+            ShapeSpec::PerturbedBall { center, radius, mode, amplitude } => ShapeSpec::PerturbedBall {
+                center: self.point(center),
+                radius: *radius,
+                mode: *mode,
+                amplitude: *amplitude,
+            },
+            ShapeSpec::Union(parts) => ShapeSpec::Union(all(parts)?),
+            ShapeSpec::SmoothUnion { parts, width } => {
+                ShapeSpec::SmoothUnion { parts: all(parts)?, width: *width }
+            }
+            ShapeSpec::Difference { of, minus } => {
+                ShapeSpec::Difference { of: Box::new(self.shape(of)?), minus: Box::new(self.shape(minus)?) }
+            }
+            // Waves fill the domain; the rest looks to one side.
+            ShapeSpec::Wave { .. }
+            | ShapeSpec::Extrusion { .. }
+            | ShapeSpec::Cow { .. }
+            | ShapeSpec::Mesh { .. } => return None,
+        })
+    }
+}

@@ -1,0 +1,75 @@
+//! Random numbers of the soak: SplitMix64 (Steele, Lea and Flood 2014) as a function of a key and a counter, so that a seed, a
+//! case and an attempt name a stream on every machine.
+
+/// The step of the counter: the golden ratio in 64 bits.
+const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// A stream of random numbers.
+#[derive(Clone, Debug)]
+pub struct Random {
+    state: u64,
+}
+
+impl Random {
+    /// The stream that a list of numbers names.
+    pub fn of(keys: &[u64]) -> Self {
+        Self { state: keys.iter().fold(0, |state, key| mix(state ^ mix(key.wrapping_add(GOLDEN)))) }
+    }
+
+    fn bits(&mut self) -> u64 {
+        self.state = self.state.wrapping_add(GOLDEN);
+        mix(self.state)
+    }
+
+    /// A number from 0 to below 1.
+    pub fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// A number between two, each equally likely.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// A number between two above zero, each order of magnitude equally likely.
+    pub fn scale(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.unit())
+    }
+
+    /// A whole number from 0 to below `count`.
+    pub fn below(&mut self, count: usize) -> usize {
+        ((self.unit() * count as f64) as usize).min(count.saturating_sub(1))
+    }
+
+    /// Whether something of a probability happens.
+    pub fn chance(&mut self, probability: f64) -> bool {
+        self.unit() < probability
+    }
+
+    /// The number of one of several things that are as likely as their weights.
+    pub fn weighed(&mut self, weights: &[f64]) -> usize {
+        let mut rest = self.unit() * weights.iter().sum::<f64>();
+        let within = |weight: &f64| {
+            rest -= weight;
+            rest < 0.0
+        };
+        weights.iter().position(within).unwrap_or(weights.len().saturating_sub(1))
+    }
+
+    /// A direction in so many dimensions; all are equally likely.
+    pub fn direction(&mut self, dimension: usize) -> Vec<f64> {
+        loop {
+            let v: Vec<f64> = (0..dimension).map(|_| self.between(-1.0, 1.0)).collect();
+            let norm = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if (0.1..=1.0).contains(&norm) {
+                return v.iter().map(|x| x / norm).collect();
+            }
+        }
+    }
+}
+
+fn mix(mut z: u64) -> u64 {
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}

@@ -1,0 +1,138 @@
+//! Runs a case again in another way that must give the same: on two threads, from a checkpoint, mirrored, shifted.
+
+use super::Violation;
+use super::evidence::there_and_back;
+use super::image::Image;
+use super::invariants::{MIRRORED, PAIR, SHIFTED};
+use super::refuse::changed;
+use super::run::Walk;
+use meniscus_scene::build::AnySetup;
+use meniscus_scene::file::Scene;
+use meniscus_scene::run::Setup;
+use meniscus_sim::{Simulation, State};
+
+/// How far the shifted run is shifted, in cells: no fraction that a grid favours.
+const SHIFT: f64 = 0.37;
+
+/// A state of the run that is compared with.
+pub struct Waypoint<const D: usize> {
+    /// The state after a step.
+    pub state: State<D>,
+    /// The frame to which the run was on its way.
+    pub frame: u64,
+}
+
+/// Repeats a run from its start or its middle to the end of its first [`PAIR`] steps; nothing where the scene has no such
+/// image. `scale` is that of its energy, J.
+pub fn repeat<const D: usize>(
+    how: &str,
+    scene: &Scene,
+    setup: &Setup<D>,
+    [middle, end]: [&Waypoint<D>; 2],
+    scale: f64,
+) -> Option<Vec<Violation>> {
+    let walk = Walk::start;
+    match how {
+        "threads" => {
+            let two = rayon::ThreadPoolBuilder::new().num_threads(2).build().ok()?;
+            let state = two.install(|| steps(walk(setup, scene), PAIR));
+            Some(same_bits(how, &state, &end.state))
+        }
+        "resume" => {
+            let folder = std::env::temp_dir().join(format!("meniscus-soak-{}", std::process::id()));
+            let read = match there_and_back(&folder, &middle.state) {
+                Ok(state) => state,
+                Err(error) => return Some(vec![broken(how, error)]),
+            };
+            let simulation = Simulation::resume(setup.model.clone(), read);
+            let state = steps(Walk::from(simulation, scene, middle.frame), PAIR / 2);
+            Some(same_bits(how, &state, &end.state))
+        }
+        _ => {
+            let by = if how == "shift" { SHIFT * scene.domain.dx } else { 0.0 };
+            let image = Image { mirrored: how == "mirror", size: scene.domain.size[0], by };
+            let (other, its_setup) = changed(&image.scene(scene)?)?;
+            let compared = Pair { how, image, setup, end, scale };
+            match &its_setup {
+                AnySetup::D2(its) if D == 2 => compared.with(its, &other),
+                AnySetup::D3(its) if D == 3 => compared.with(its, &other),
+                _ => None,
+            }
+        }
+    }
+}
+
+fn broken(how: &str, words: String) -> Violation {
+    Violation::told(how, PAIR, 0.0, words)
+}
+
+/// The state after some steps, or why there is none.
+fn steps<const D: usize>(mut walk: Walk<D>, count: u64) -> Result<State<D>, String> {
+    for _ in 0..count {
+        walk.step().map_err(|e| e.to_string())?;
+    }
+    Ok(walk.simulation.state)
+}
+
+fn same_bits<const D: usize>(
+    how: &str,
+    state: &Result<State<D>, String>,
+    wanted: &State<D>,
+) -> Vec<Violation> {
+    match state {
+        Ok(state) if state == wanted => Vec::new(),
+        Ok(state) => {
+            let fields = |s: &State<D>| {
+                let all = s.velocity.axes.iter().chain([&s.phi.data]).flatten();
+                all.copied().collect::<Vec<f64>>()
+            };
+            let (one, other) = (fields(state), fields(wanted));
+            let differ = one.iter().zip(&other).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
+            let words =
+                format!("numbers of φ and velocity differ; time {:e} and {:e} s", state.time, wanted.time);
+            let value = differ as f64;
+            vec![Violation { value, worst: value, time: wanted.time, ..broken(how, words) }]
+        }
+        Err(error) => vec![broken(how, format!("the repeated run ends: {error}"))],
+    }
+}
+
+/// A run and its image.
+struct Pair<'a, const D: usize> {
+    how: &'a str,
+    image: Image,
+    setup: &'a Setup<D>,
+    end: &'a Waypoint<D>,
+    scale: f64,
+}
+
+impl<const D: usize> Pair<'_, D> {
+    /// Compares energy and centre of mass at the time of the waypoint.
+    fn with<const E: usize>(&self, its: &Setup<E>, scene: &Scene) -> Option<Vec<Violation>> {
+        let time = self.end.state.time;
+        let mut simulation = its.simulation();
+        while simulation.state.time < time * (1.0 - 1e-12) {
+            if let Err(error) = simulation.step(time - simulation.state.time, &mut |_| ()) {
+                return Some(vec![broken(self.how, format!("the image ends: {error}"))]);
+            }
+        }
+        let own = Simulation::resume(self.setup.model.clone(), self.end.state.clone()).ledger();
+        let other = simulation.ledger();
+        let stored = |surface: f64, elastic: f64| surface + elastic;
+        let energies = stored(own.surface_energy, own.elastic_energy) + own.kinetic_energy
+            - stored(other.surface_energy, other.elastic_energy)
+            - other.kinetic_energy;
+        let wanted = self.image.point(own.centroid.as_slice());
+        let off = other.centroid.iter().zip(&wanted).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        let mut found = Vec::new();
+        let mut at_most = |value: f64, bar: f64, words: &str| {
+            if value > bar {
+                found.push(Violation { value, worst: value, bar, time, ..broken(self.how, words.into()) });
+            }
+        };
+        let (of_energy, of_place) = if self.image.mirrored { MIRRORED } else { SHIFTED };
+        at_most(energies.abs() / self.scale, of_energy, "of the energy's scale");
+        at_most(off / scene.domain.dx, of_place, "cells between the centres of mass");
+        Some(found)
+    }
+}

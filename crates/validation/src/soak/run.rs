@@ -1,0 +1,314 @@
+//! Runs a case: step by step as `meniscus run` does, under the invariants, and guarded by a second thread that ends what hangs.
+
+use super::books::Books;
+use super::invariants::{BUDGET, HANG, MEMORY, PAIR, SLOW, STEPS};
+use super::refuse::{Taken, taken};
+use super::repeat::{Waypoint, repeat};
+use super::{Outcome, Subject, Violation, clock, evidence};
+use meniscus_scene::build::AnySetup;
+use meniscus_scene::check::check;
+use meniscus_scene::file::Scene;
+use meniscus_scene::output::summary::peak_memory;
+use meniscus_scene::run::{Schedule, Setup, Tally};
+use meniscus_sim::{Simulation, State, StepError, StepReport};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Time between the looks of the guard.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// A simulation that goes the steps of `meniscus run`.
+pub struct Walk<const D: usize> {
+    /// The simulation.
+    pub simulation: Simulation<D>,
+    schedule: Schedule,
+    /// The frame to which it is on its way.
+    pub frame: u64,
+}
+
+impl<const D: usize> Walk<D> {
+    /// From the start.
+    pub fn start(setup: &Setup<D>, scene: &Scene) -> Self {
+        Self::from(setup.simulation(), scene, 1)
+    }
+
+    /// From anywhere, on the way to a frame.
+    pub fn from(simulation: Simulation<D>, scene: &Scene, frame: u64) -> Self {
+        let schedule = Schedule::new(scene.output.frame_interval, scene.output.duration);
+        Self { simulation, schedule, frame }
+    }
+
+    /// One step.
+    pub fn step(&mut self) -> Result<StepReport<D>, StepError> {
+        let now = self.simulation.state.time;
+        let fixed = self.simulation.model.numerics.fixed_step.is_some();
+        let longest = if fixed { f64::INFINITY } else { self.schedule.longest_step(now, self.frame) };
+        let report = self.simulation.step(longest, &mut |_| ())?;
+        if self.schedule.meets(self.simulation.state.time, self.frame) {
+            self.simulation.state.time = self.schedule.time(self.frame);
+        }
+        if self.schedule.reaches(self.simulation.state.time, self.frame) {
+            self.frame += 1;
+        }
+        Ok(report)
+    }
+
+    fn is_over(&self) -> bool {
+        self.frame > self.schedule.last_frame()
+    }
+}
+
+/// What the worker and its guard share.
+struct Record<const D: usize> {
+    outcome: Outcome,
+    /// The state before the step that goes on, and its tally.
+    before: Option<(State<D>, Tally)>,
+    /// Processor time at which the step that goes on began, s; none between steps.
+    began: Option<f64>,
+    written: bool,
+}
+
+/// The scene of a case and where its evidence goes.
+struct Case {
+    scene: Scene,
+    text: String,
+    out: PathBuf,
+}
+
+/// Runs a subject. `tell` sees the text of every scene before it is tried. Where a step hangs, `hung` is given the outcome from
+/// another thread, and must end the process: nothing else stops a step.
+///
+/// # Errors
+/// In words: why there is no scene, or why nothing could be written.
+pub fn run(
+    subject: &Subject,
+    out: &Path,
+    tell: &mut (dyn FnMut(&str) + Send),
+    hung: fn(&Outcome),
+) -> Result<Outcome, String> {
+    // A step takes about as long on one thread: two cases side by side keep two cores busy.
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|e| e.to_string())?;
+    one.install(|| {
+        let Taken { text, scene, setup, refused } = taken(subject, tell)?;
+        let number = if let Subject::Case(_, case) = subject { *case } else { 0 };
+        let outcome = Outcome::begun(&scene, number, refused);
+        let wanted = repeat_for(subject);
+        let case = Arc::new(Case { scene, text, out: out.to_path_buf() });
+        match &setup {
+            AnySetup::D2(setup) => go(&case, setup, outcome, wanted, hung),
+            AnySetup::D3(setup) => go(&case, setup, outcome, wanted, hung),
+        }
+    })
+}
+
+/// What a case is repeated for: a share of drawn ones, each of four.
+fn repeat_for(subject: &Subject) -> Option<&'static str> {
+    let Subject::Case(wish, case) = subject else { return None };
+    let mut random = super::random::Random::of(&[wish.seed, *case, u64::MAX]);
+    let kinds = [None, Some("threads"), Some("resume"), Some("mirror"), Some("shift")];
+    kinds[random.weighed(&[0.5, 0.13, 0.13, 0.12, 0.12])]
+}
+
+fn go<const D: usize>(
+    case: &Arc<Case>,
+    setup: &Setup<D>,
+    outcome: Outcome,
+    wanted: Option<&'static str>,
+    hung: fn(&Outcome),
+) -> Result<Outcome, String> {
+    let record = Record::<D> { outcome, before: None, began: None, written: false };
+    let record = Arc::new(Mutex::new(record));
+    let watched = (record.clone(), case.clone());
+    std::thread::spawn(move || guard(&watched.0, &watched.1, hung));
+    let mut worker =
+        Worker { record: record.clone(), case: case.clone(), times: Vec::new(), points: Vec::new() };
+    let done = catch_unwind(AssertUnwindSafe(|| worker.work(setup, wanted)));
+    let mut record = lock(&record);
+    record.began = None;
+    if let Err(payload) = done {
+        let words = payload.downcast_ref::<String>().cloned();
+        let words = words.or_else(|| payload.downcast_ref::<&str>().map(|s| (*s).to_owned()));
+        record.broken("panic", words.unwrap_or_default());
+        record.save(case)?;
+    }
+    record.outcome.seconds = clock::seconds();
+    Ok(record.outcome.clone())
+}
+
+fn lock<const D: usize>(record: &Mutex<Record<D>>) -> MutexGuard<'_, Record<D>> {
+    record.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Ends a step that takes too long.
+fn guard<const D: usize>(record: &Mutex<Record<D>>, case: &Case, hung: fn(&Outcome)) {
+    loop {
+        std::thread::sleep(LOOK);
+        let mut record = lock(record);
+        let Some(seconds) = record.began.map(|began| clock::seconds() - began) else { continue };
+        if seconds > HANG {
+            record.add("hang", (seconds, HANG), "s of processor time in a step".into());
+            let saved = record.save(case);
+            saved.err().into_iter().for_each(|error| record.outcome.cut = Some(error));
+            record.outcome.seconds = clock::seconds();
+            hung(&record.outcome);
+        }
+    }
+}
+
+impl<const D: usize> Record<D> {
+    fn broken(&mut self, kind: &str, words: String) {
+        self.add(kind, (0.0, 0.0), words);
+    }
+
+    /// A violation in the step that goes on.
+    fn add(&mut self, kind: &str, (value, bar): (f64, f64), words: String) {
+        let (step, time) = (self.outcome.steps + 1, self.outcome.time);
+        self.note(Violation { value, worst: value, bar, ..Violation::told(kind, step, time, words) });
+    }
+
+    /// Keeps the first violation of a kind, and how much worse it becomes.
+    fn note(&mut self, violation: Violation) {
+        match self.outcome.violations.iter_mut().find(|v| v.kind == violation.kind) {
+            Some(first) if first.words != violation.words => {}
+            Some(first) if violation.bar > 0.0 => first.worst = first.worst.max(violation.value),
+            Some(first) => first.worst = first.worst.min(violation.value),
+            None => self.outcome.violations.push(violation),
+        }
+    }
+
+    /// Writes scene and checkpoint, once: those before the first violation.
+    fn save(&mut self, case: &Case) -> Result<(), String> {
+        if std::mem::replace(&mut self.written, true) {
+            return Ok(());
+        }
+        let scene = (&case.scene, case.text.as_str());
+        let written = match &self.before {
+            Some((state, tally)) => evidence::write(&case.out, scene, state, tally),
+            None => evidence::write_scene(&case.out, &case.scene.name, &case.text),
+        };
+        written.map_err(|e| e.to_string())
+    }
+}
+
+/// Steps, and takes their times.
+struct Worker<const D: usize> {
+    record: Arc<Mutex<Record<D>>>,
+    case: Arc<Case>,
+    times: Vec<f64>,
+    points: Vec<Waypoint<D>>,
+}
+
+impl<const D: usize> Worker<D> {
+    fn work(&mut self, setup: &Setup<D>, wanted: Option<&'static str>) {
+        let case = self.case.clone();
+        lock(&self.record).began = Some(clock::seconds());
+        let mut walk = Walk::start(setup, &case.scene);
+        let mut books = Books::open(&walk.simulation, &case.scene);
+        let mut tally = Tally::start(&setup.model, &walk.simulation.ledger());
+        while !walk.is_over() && self.goes_on() {
+            tally.next_frame = walk.frame;
+            let ended = self.step(&mut walk, &mut books, &mut tally);
+            if wanted.is_some() && [PAIR / 2, PAIR].contains(&walk.simulation.state.step) {
+                self.points.push(Waypoint { state: walk.simulation.state.clone(), frame: walk.frame });
+            }
+            if ended {
+                break;
+            }
+        }
+        self.close();
+        if let (Some(wanted), [middle, end]) = (wanted, self.points.as_slice()) {
+            lock(&self.record).began = Some(clock::seconds());
+            let found = repeat(wanted, &self.case.scene, setup, [middle, end], books.scale());
+            let mut record = lock(&self.record);
+            if let Some(found) = found {
+                record.outcome.repeated = Some(wanted.into());
+                found.into_iter().for_each(|violation| record.note(violation));
+            }
+        }
+        self.save();
+    }
+
+    /// One step; whether the run has come to an end with it.
+    fn step(&mut self, walk: &mut Walk<D>, books: &mut Books<D>, tally: &mut Tally) -> bool {
+        {
+            let mut record = lock(&self.record);
+            record.before = Some((walk.simulation.state.clone(), tally.clone()));
+            record.began = Some(clock::seconds());
+        }
+        let (wall, processor) = (Instant::now(), clock::seconds());
+        let done = walk.step();
+        // Whichever is less: the wall's clock tells of others, the processor's of ticks.
+        let seconds = wall.elapsed().as_secs_f64().min((clock::seconds() - processor).max(0.01));
+        self.times.push(seconds);
+        let mut record = lock(&self.record);
+        record.began = None;
+        let report = match done {
+            Ok(report) => report,
+            Err(error) => {
+                let kind =
+                    if matches!(error, StepError::NotFinite { .. }) { "not-finite" } else { "gave-up" };
+                record.broken(kind, error.to_string());
+                drop(record);
+                self.save();
+                return true;
+            }
+        };
+        let state = &walk.simulation.state;
+        tally.add(&walk.simulation.model, state.time, &report);
+        let found = books.check(&walk.simulation, &report);
+        let sound = found.iter().all(|v| v.kind != "not-finite");
+        (record.outcome.steps, record.outcome.time) = (state.step, state.time);
+        found.into_iter().for_each(|violation| record.note(violation));
+        drop(record);
+        self.save();
+        !sound
+    }
+
+    /// Writes what there is to write, if anything is broken.
+    fn save(&self) {
+        let mut record = lock(&self.record);
+        if !record.outcome.violations.is_empty()
+            && let Err(error) = record.save(&self.case)
+        {
+            record.outcome.cut = Some(error);
+        }
+    }
+
+    /// Whether there is time for another step.
+    fn goes_on(&self) -> bool {
+        let budget = BUDGET[D - 2];
+        let mut record = lock(&self.record);
+        if clock::seconds() > budget {
+            record.outcome.cut = Some(format!("after {budget} s"));
+        } else if record.outcome.steps >= STEPS {
+            record.outcome.cut = Some(format!("after {STEPS} steps"));
+        }
+        record.outcome.cut.is_none()
+    }
+
+    /// What only the whole run tells: its longest step, and its memory.
+    fn close(&mut self) {
+        let mut record = lock(&self.record);
+        record.began = None;
+        let slowest = self.times.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        let mut sorted = self.times.clone();
+        sorted.sort_by(f64::total_cmp);
+        let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+        let bar = (SLOW.0 * median).max(SLOW.1);
+        record.outcome.median_step = median;
+        if let Some((step, seconds)) = slowest {
+            record.outcome.slowest_step = seconds;
+            if seconds > bar {
+                record.add("slow-step", (seconds, bar), format!("s in step {}", step + 1));
+            }
+        }
+        record.outcome.memory = peak_memory();
+        let estimate = check(&self.case.scene, 1).memory_bytes;
+        let bar = MEMORY.0 * estimate + MEMORY.1;
+        if let Some(bytes) = record.outcome.memory.map(|m| m as f64).filter(|bytes| *bytes > bar) {
+            record.add("memory", (bytes, bar), format!("bytes, where check tells {estimate:.3e}"));
+        }
+    }
+}

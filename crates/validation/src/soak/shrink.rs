@@ -1,0 +1,141 @@
+//! Makes a scene that breaks an invariant smaller, as long as it still breaks it.
+
+use super::parent::Launch;
+use super::refuse::changed;
+use super::{Outcome, evidence};
+use meniscus_scene::file::{Scene, ShapeSpec, SolidTension, Wall};
+use std::f64::consts::FRAC_PI_2;
+use std::path::PathBuf;
+
+/// Runs of changed scenes at most.
+const TRIES: usize = 60;
+/// How much longer than until the violation a shrunk scene runs.
+const LONGER: f64 = 1.05;
+
+/// A scene that still breaks the invariant.
+pub struct Shrunk {
+    /// Where it is.
+    pub path: PathBuf,
+    /// What was left out, in order.
+    pub dropped: Vec<String>,
+    /// What came of it.
+    pub outcome: Outcome,
+}
+
+/// Leaves out of a scene, which breaks `kind`, what it can: solids, bodies, then features. `each` sees what is tried.
+///
+/// # Errors
+/// In words: where nothing can be written or started.
+pub fn shrink(
+    launch: &Launch,
+    (scene, first): (Scene, Outcome),
+    kind: &str,
+    each: &mut dyn FnMut(&str),
+) -> Result<Shrunk, String> {
+    let name = format!("{}-small", scene.name);
+    let mut scene = Scene { name: name.clone(), ..scene };
+    let path = launch.out.join(format!("{name}.toml"));
+    let (mut outcome, mut dropped, mut tries) = (first, Vec::new(), 0);
+    // What could not be left out is not tried again.
+    let mut needed: Vec<String> = Vec::new();
+    let broke = |outcome: &Outcome| outcome.violations.iter().any(|v| v.kind == kind);
+    loop {
+        let mut smaller = false;
+        for (what, candidate) in candidates(&scene, &outcome, kind) {
+            if needed.contains(&what) || tries >= TRIES {
+                continue;
+            }
+            let Some((candidate, _)) = changed(&candidate) else { continue };
+            tries += 1;
+            let text = candidate.to_toml().map_err(|e| e.to_string())?;
+            evidence::write_scene(&launch.out, &name, &text).map_err(|e| e.to_string())?;
+            let its = launch.file(&path)?;
+            if broke(&its) {
+                each(&format!("without {what}: still"));
+                (scene, outcome, smaller) = (candidate, its, true);
+                dropped.push(what);
+                break;
+            }
+            each(&format!("without {what}: no more"));
+            needed.push(what);
+        }
+        if !smaller {
+            break;
+        }
+    }
+    let text = scene.to_toml().map_err(|e| e.to_string())?;
+    evidence::write_scene(&launch.out, &name, &text).map_err(|e| e.to_string())?;
+    Ok(Shrunk { path, dropped, outcome })
+}
+
+/// Scenes with something less, largest parts first.
+fn candidates(scene: &Scene, outcome: &Outcome, kind: &str) -> Vec<(String, Scene)> {
+    let mut all = Vec::new();
+    for i in 0..scene.solids.len() {
+        let mut less = scene.clone();
+        let solid = less.solids.remove(i);
+        less.tension.solids.retain(|(name, _)| *name != solid.name);
+        less.contact_line.friction_of.retain(|(name, _)| *name != solid.name);
+        all.push((format!("the solid {}", solid.name), less));
+    }
+    for i in (0..scene.liquid.bodies.len()).filter(|_| scene.liquid.bodies.len() > 1) {
+        let mut less = scene.clone();
+        less.liquid.bodies.remove(i);
+        all.push((format!("a body of liquid ({i})"), less));
+    }
+    let failed = outcome.violations.iter().find(|v| v.kind == kind && v.time > 0.0);
+    if let Some(end) = failed.map(|v| LONGER * v.time).filter(|end| *end < 0.9 * scene.output.duration) {
+        let mut less = scene.clone();
+        less.output.duration = end;
+        all.push(("the time after it".into(), less));
+    }
+    all.extend(features(scene));
+    all
+}
+
+/// Scenes with a feature less.
+fn features(scene: &Scene) -> Vec<(String, Scene)> {
+    let mut all = Vec::new();
+    let mut less = |what: &str, change: &dyn Fn(&mut Scene)| {
+        let mut changed = scene.clone();
+        change(&mut changed);
+        if changed != *scene {
+            all.push((what.to_owned(), changed));
+        }
+    };
+    less("open walls", &|s| s.domain.walls.iter_mut().flatten().for_each(|w| *w = Wall::Slip));
+    less("wetting walls", &|s| s.domain.wall_contact_angle = FRAC_PI_2);
+    less("hysteresis", &|s| s.contact_line.hysteresis = None);
+    less("the line's friction", &|s| s.contact_line.friction = 0.0);
+    less("the line's radius", &|s| s.contact_line.radius = None);
+    less("Neumann's balance", &|s| s.contact_line.neumann = false);
+    less("patches", &|s| s.tension.solids.iter_mut().for_each(|(_, w)| w.patches.clear()));
+    less("gradients of the angle", &|s| {
+        for (_, wetting) in &mut s.tension.solids {
+            if let SolidTension::Gradient { from, .. } = &wetting.tension {
+                wetting.tension = SolidTension::Angle(from.1);
+            }
+        }
+    });
+    less("gravity", &|s| s.liquid.gravity.fill(0.0));
+    less("viscosity", &|s| s.liquid.kinematic_viscosity = 0.0);
+    less("the liquid's velocity", &|s| s.liquid.bodies.iter_mut().for_each(|b| b.velocity.fill(0.0)));
+    less("the solids' velocity", &|s| s.solids.iter_mut().for_each(|b| b.velocity.fill(0.0)));
+    less("long or short steps", &|s| s.numerics.capillary_step = 5.0);
+    less("Newton's iterations", &|s| s.numerics.newton_iterations = 0);
+    less("angles other than 90 degrees", &|s| {
+        s.tension.solids.iter_mut().for_each(|(_, w)| w.tension = SolidTension::Angle(FRAC_PI_2));
+    });
+    less("shapes of liquid other than balls", &|s| {
+        let dimension = s.domain.dimension;
+        for body in &mut s.liquid.bodies {
+            let Some((low, high)) = body.shape.bounds(dimension) else { continue };
+            let center: Vec<f64> = low.iter().zip(&high).map(|(l, h)| 0.5 * (l + h)).collect();
+            let radius = low.iter().zip(&high).map(|(l, h)| 0.5 * (h - l)).fold(f64::INFINITY, f64::min);
+            if radius.is_finite() && !matches!(body.shape, ShapeSpec::Ball { .. }) {
+                body.shape = ShapeSpec::Ball { center, radius };
+            }
+        }
+    });
+    all
+}

@@ -1,0 +1,262 @@
+//! Solids of a drawn scene: what they are made of, where they are, how they move, and how liquid meets them.
+
+use super::Class;
+use super::random::Random;
+use super::shapes::{Place, Use};
+use super::world::{World, angle, length, lengths, list, numbers};
+use std::fmt::Write as _;
+
+/// Kinds of solids.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Fixed,
+    Kinematic,
+    Free,
+    Soft,
+}
+
+/// What is drawn of a scene's solids.
+#[derive(Default)]
+pub struct Solids {
+    /// The sections `[[solid]]`.
+    pub text: String,
+    /// The lines of `[tension]`.
+    pub tension: String,
+    /// Names of the solids.
+    pub names: Vec<String>,
+    /// Whether any of them has both of its own tensions given, and all that deform have.
+    pub neumann: bool,
+}
+
+impl Solids {
+    /// Draws one to four solids of a class.
+    pub fn draw(random: &mut Random, world: &mut World, class: Class) -> Self {
+        let mut solids = Self { neumann: class == Class::Soft && random.chance(0.1), ..Self::default() };
+        if class == Class::Liquid {
+            return solids;
+        }
+        let count = 1 + random.weighed(&[0.5, 0.25, 0.15, 0.1]);
+        // One of the class' own kind first: the rest may be of any kind that the class has.
+        let first = match class {
+            Class::Soft => Kind::Soft,
+            _ => [Kind::Fixed, Kind::Kinematic, Kind::Free][random.weighed(&[0.35, 0.15, 0.5])],
+        };
+        for number in 0..count {
+            let kinds = [Kind::Fixed, Kind::Kinematic, Kind::Free, Kind::Soft];
+            let soft = if class == Class::Soft { 0.5 } else { 0.0 };
+            let kind = if number == 0 { first } else { kinds[random.weighed(&[0.35, 0.1, 0.4, soft])] };
+            solids.add(random, world, kind, number);
+        }
+        solids
+    }
+
+    fn add(&mut self, random: &mut Random, world: &mut World, kind: Kind, number: usize) {
+        let name = format!("s{number}");
+        let ground = kind == Kind::Fixed && world.floor == 0.0 && random.chance(0.6);
+        let (shape, center, reach) =
+            if ground { ground_shape(random, world) } else { bounded(random, world, kind) };
+        let _ = writeln!(self.text, "\n[[solid]]\nname = \"{name}\"\nshape = {shape}");
+        if matches!(kind, Kind::Free | Kind::Soft) {
+            let density = world.density * random.scale(0.05, 20.0);
+            let _ = writeln!(self.text, "density = \"{density:.2} kg/m^3\"");
+        }
+        match kind {
+            Kind::Fixed => self.text += "material.rigid = { fixed = true }\n",
+            Kind::Kinematic => self.text += &kinematic(random, world, &center, reach),
+            Kind::Free => self.text += "material.rigid = {}\n",
+            Kind::Soft => self.text += &soft(random, world, &center, reach),
+        }
+        if matches!(kind, Kind::Free | Kind::Soft) && random.chance(0.25) {
+            let speed = random.scale(0.05, 1.0);
+            let along: Vec<f64> = random.direction(world.dimension).iter().map(|x| x * speed).collect();
+            let _ = writeln!(self.text, "velocity = {}", list(&along, "m/s"));
+        }
+        if kind != Kind::Fixed && random.chance(0.2) {
+            let (back, rough) = (random.unit(), random.between(0.0, 1.0));
+            let _ = writeln!(self.text, "collision = {{ restitution = {back:.3}, friction = {rough:.3} }}");
+        }
+        let tension = if self.neumann && kind == Kind::Soft {
+            energies(random, world.tension)
+        } else {
+            wetting(random, world, &center, reach)
+        };
+        let _ = writeln!(self.tension, "{name} = {{ {tension} }}");
+        self.names.push(name);
+    }
+
+    /// The section `[contact_line]`.
+    pub fn line(&self, random: &mut Random, world: &World, soft: bool) -> String {
+        let mut text = String::from("\n[contact_line]\n");
+        if random.chance(0.05) && !self.neumann {
+            return text + "enabled = false\n";
+        }
+        if random.chance(0.6) {
+            let _ = writeln!(text, "friction = \"{:.4} Pa s\"", random.scale(1e-3, 1.0));
+        }
+        if random.chance(0.4) {
+            let (above, below) = (random.between(0.0, 30.0), random.between(0.0, 30.0));
+            let _ =
+                writeln!(text, "hysteresis = {{ above = \"{above:.1} deg\", below = \"{below:.1} deg\" }}");
+        }
+        if soft && random.chance(0.2) {
+            let _ = writeln!(text, "radius = {}", length(world.dx * random.between(1.0, 4.0)));
+        }
+        if self.neumann {
+            text += "neumann = true\n";
+        }
+        text
+    }
+}
+
+/// A solid with an end: its shape, the centre (m) and the radius (m) of a ball around it.
+fn bounded(random: &mut Random, world: &mut World, kind: Kind) -> (String, Vec<f64>, f64) {
+    let used = if kind == Kind::Soft { Use::Soft } else { Use::Rigid };
+    let least = 2.5 * world.dx;
+    let reach = random.scale(least, (0.33 * world.least_side()).max(1.2 * least));
+    let center = world.room(random, reach);
+    let place = Place { world, center: center.clone(), reach, used };
+    (place.shape(random), center, reach)
+}
+
+/// A floor, a slope, or a shelf from wall to wall; everything else is above it.
+fn ground_shape(random: &mut Random, world: &mut World) -> (String, Vec<f64>, f64) {
+    let last = world.dimension - 1;
+    let thick = random.scale(1.5 * world.dx, 0.25 * world.size[last]);
+    let mut top: Vec<f64> = world.size.iter().map(|s| 0.5 * s).collect();
+    let reach = top[0];
+    if random.chance(0.5) {
+        let tilt = if random.chance(0.5) { 0.0 } else { random.between(-25.0f64, 25.0).to_radians() };
+        let mut normal = vec![0.0; world.dimension];
+        (normal[0], normal[last]) = (tilt.sin(), tilt.cos());
+        top[last] = thick;
+        world.floor = thick + 0.4 * world.size[0] * tilt.tan().abs();
+        let shape =
+            format!("{{ half_space = {{ point = {}, normal = {} }} }}", lengths(&top), numbers(&normal));
+        return (shape, top, reach);
+    }
+    let low = if random.chance(0.5) { 0.0 } else { random.between(0.05, 0.2) * world.size[last] };
+    let (mut lower, mut upper) = (vec![0.0; world.dimension], world.size.clone());
+    (lower[last], upper[last]) = (low, low + thick);
+    top[last] = low + thick;
+    world.floor = top[last];
+    let shape = format!("{{ box = {{ lower = {}, upper = {} }} }}", lengths(&lower), lengths(&upper));
+    (shape, top, reach)
+}
+
+/// A motion that ends before the sides of the domain, by keyframes or with a constant velocity.
+fn kinematic(random: &mut Random, world: &World, center: &[f64], reach: f64) -> String {
+    let way = |random: &mut Random| -> Vec<f64> {
+        let along = |a: usize| {
+            let (back, ahead) = (center[a] - reach, world.size[a] - reach - center[a]);
+            0.9 * random.between(-back.max(0.0), ahead.max(0.0))
+        };
+        (0..world.dimension).map(along).collect()
+    };
+    let first = way(random);
+    if random.chance(0.5) {
+        let (half, second) = (length(0.0), way(random));
+        let zero = vec![half; world.dimension].join(", ");
+        let (middle, end) = (0.4e3 * world.duration, 0.8e3 * world.duration);
+        return format!(
+            "material.kinematic = {{ keyframes = [{{ time = \"0 ms\", translate = [{zero}] }}, {{ time = \"{middle:.4} ms\", \
+             translate = {} }}, {{ time = \"{end:.4} ms\", translate = {} }}] }}\n",
+            lengths(&first),
+            lengths(&second)
+        );
+    }
+    let velocity: Vec<f64> = first.iter().map(|w| w / world.duration).collect();
+    let turns = if world.dimension == 2 { 1 } else { 3 };
+    let turn = if random.chance(0.4) { 0.25 * std::f64::consts::PI / world.duration } else { 0.0 };
+    let spin: Vec<f64> = (0..turns).map(|_| random.between(-turn, turn)).collect();
+    format!(
+        "material.kinematic = {{ velocity = {}, angular_velocity = {} }}\n",
+        list(&velocity, "m/s"),
+        list(&spin, "rad/s")
+    )
+}
+
+/// The material of a solid that deforms, its mesh, and what holds it.
+fn soft(random: &mut Random, world: &World, center: &[f64], reach: f64) -> String {
+    let young = random.scale(10.0, 1e9);
+    let damping = if random.chance(0.5) { 0.0 } else { random.between(0.0, 0.3) };
+    let mut text = match random.weighed(&[0.4, 0.35, 0.25]) {
+        // Springs as stiff along a cell as a material of this modulus.
+        2 => {
+            let stiffness = young * world.dx.powi(world.dimension as i32 - 2);
+            format!(
+                "material.springs = {{ stiffness = \"{stiffness:.4e} N/m\", damping_ratio = {damping:.3} }}\n"
+            )
+        }
+        law => {
+            let name = ["neo_hookean", "corotated"][law];
+            let poisson = random.between(0.0, 0.49);
+            format!(
+                "material.{name} = {{ young_modulus = \"{young:.4e} Pa\", poisson_ratio = {poisson:.3}, damping_ratio = {damping:.3} }}\n"
+            )
+        }
+    };
+    if random.chance(0.2) {
+        let _ = writeln!(text, "mesh = {{ edge = {} }}", length(world.dx * random.between(0.6, 1.5)));
+    }
+    if random.chance(0.5) {
+        let _ = writeln!(text, "{}", hold(random, world, center, reach));
+    }
+    text
+}
+
+/// Holds or moves what lies to one side of a plane through the ball around a solid.
+fn hold(random: &mut Random, world: &World, center: &[f64], reach: f64) -> String {
+    let (axis, low) = (random.below(world.dimension), random.chance(0.5));
+    let depth = random.between(0.2, 0.7) * reach;
+    let (mut lower, mut upper): (Vec<f64>, Vec<f64>) = center.iter().map(|c| (c - reach, c + reach)).unzip();
+    if low {
+        upper[axis] = lower[axis] + depth
+    } else {
+        lower[axis] = upper[axis] - depth
+    }
+    let part = format!("box = {{ lower = {}, upper = {} }}", lengths(&lower), lengths(&upper));
+    if random.chance(0.85) {
+        return format!("fixed = [{{ {part} }}]");
+    }
+    let speed = random.between(0.0, 0.3) * reach / world.duration;
+    let velocity: Vec<f64> = random.direction(world.dimension).iter().map(|x| x * speed).collect();
+    format!("moved = [{{ shape = {{ {part} }}, velocity = {} }}]", list(&velocity, "m/s"))
+}
+
+/// How liquid meets a solid: an angle, both tensions, a gradient, and patches over them.
+fn wetting(random: &mut Random, world: &World, center: &[f64], reach: f64) -> String {
+    let base = match random.weighed(&[0.7, 0.15, 0.15]) {
+        0 => format!("contact_angle = \"{:.2} deg\"", angle(random)),
+        1 => energies(random, world.tension),
+        _ => {
+            let along = random.direction(world.dimension);
+            let end = |sign: f64| -> Vec<f64> {
+                center.iter().zip(&along).map(|(c, a)| c + sign * reach * a).collect()
+            };
+            let (from, to) = (lengths(&end(-1.0)), lengths(&end(1.0)));
+            let (one, other) = (angle(random), angle(random));
+            format!(
+                "gradient = {{ from = {{ point = {from}, contact_angle = \"{one:.2} deg\" }}, to = {{ point = {to}, \
+                 contact_angle = \"{other:.2} deg\" }} }}"
+            )
+        }
+    };
+    if random.chance(0.85) {
+        return base;
+    }
+    let at: Vec<f64> =
+        random.direction(world.dimension).iter().zip(center).map(|(a, c)| c + 0.5 * reach * a).collect();
+    let (at, radius) = (lengths(&at), length(reach * random.between(0.3, 0.8)));
+    let angle = angle(random);
+    format!(
+        "{base}, patches = [{{ shape = {{ ball = {{ center = {at}, radius = {radius} }} }}, contact_angle = \"{angle:.2} deg\" }}]"
+    )
+}
+
+/// Both tensions of a solid, at an angle between 10 and 170 degrees.
+fn energies(random: &mut Random, tension: f64) -> String {
+    let difference = tension * random.between(10.0f64, 170.0).to_radians().cos();
+    let wet = random.between(0.0, 1.0) * tension + (-difference).max(0.0);
+    let (wet, dry) = (1e3 * wet, 1e3 * (wet + difference));
+    format!("liquid_solid = \"{wet:.4} mN/m\", solid_air = \"{dry:.4} mN/m\"")
+}
