@@ -78,7 +78,9 @@ impl<const D: usize> Books<D> {
         found.at_most("not-finite", not_finite(ledger) as f64, 0.0, "sums over the liquid");
         self.check_energy(&mut found, ledger);
         self.check_momentum(&mut found, simulation, ledger);
-        // What the volume is before it is put right belongs here as soon as steps report it: `StepReport::repairs`.
+        found.at_most("volume-before", report.repairs.volume_shift_largest, VOLUME, "shifted in a step");
+        let leaked = report.repairs.leaked_volume / self.volume;
+        found.at_most("leak", leaked, VOLUME, "came through a solid in a step");
         found.at_most("volume", ledger.volume_error.abs(), VOLUME, "misplaced");
         found.at_most("volume", state.lost_volume / self.volume, VOLUME, "lost");
         found.at_most("speed", ledger.max_speed, SPEED * self.speed, "m/s");

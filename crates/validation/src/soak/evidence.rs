@@ -4,9 +4,9 @@
 use meniscus_scene::checkpoint;
 use meniscus_scene::file::Scene;
 use meniscus_scene::output::series::Series;
-use meniscus_scene::output::{FileError, Folder, file};
+use meniscus_scene::output::{FileError, Folder, SolidMeasures, file};
 use meniscus_scene::run::{Job, Tally};
-use meniscus_sim::State;
+use meniscus_sim::{Model, Simulation, State};
 use std::io::Write as _;
 use std::path::Path;
 
@@ -17,8 +17,8 @@ use std::path::Path;
 pub fn write<const D: usize>(
     out: &Path,
     (scene, text): (&Scene, &str),
-    state: &State<D>,
-    tally: &Tally,
+    model: &Model<D>,
+    (state, tally): (&State<D>, &Tally),
 ) -> Result<(), FileError> {
     write_scene(out, &scene.name, text)?;
     let folder = Folder::at(&out.join(&scene.name));
@@ -26,7 +26,10 @@ pub fn write<const D: usize>(
     file::create_folder(&folder.frames())?;
     file::create_folder(&folder.checkpoints())?;
     let job = Job::of(scene, text.to_owned());
-    let mut series = Series::create(&folder.series(), scene.solids.iter().map(|s| s.name.as_str()))?;
+    let names = || scene.solids.iter().map(|s| s.name.as_str());
+    let simulation = Simulation::resume(model.clone(), state.clone());
+    let measures = SolidMeasures::new(&simulation, scene.solids.len()).columns::<D>(names());
+    let mut series = Series::create(&folder.series(), names(), &measures)?;
     let tally = Tally { series_bytes: series.sync()?, ..tally.clone() };
     checkpoint::write(&folder.checkpoints(), job.identity, state, &tally)?;
     Ok(())

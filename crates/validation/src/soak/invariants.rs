@@ -43,7 +43,7 @@ pub const SHIFTED: (f64, f64) = (0.06, 0.25);
 pub const PAIR: u64 = 60;
 
 /// All of them, worst first.
-pub const ALL: [Invariant; 19] = [
+pub const ALL: [Invariant; 21] = [
     Invariant { name: "panic", holds: "the program does not end by itself" },
     Invariant { name: "hang", holds: "no step takes 20 s" },
     Invariant { name: "not-finite", holds: "everything is finite" },
@@ -62,6 +62,11 @@ pub const ALL: [Invariant; 19] = [
     },
     Invariant { name: "momentum", holds: "momentum of what touches no side is kept within 1e-5" },
     Invariant { name: "volume", holds: "at most 1e-3 of the volume is lost or misplaced" },
+    Invariant {
+        name: "volume-before",
+        holds: "no step misplaces over 1e-3 of the volume before it is put right",
+    },
+    Invariant { name: "leak", holds: "no step lets over 1e-3 of the volume through a solid" },
     Invariant { name: "within-solid", holds: "no liquid is deeper than a cell within a solid" },
     Invariant { name: "slow-step", holds: "no step takes 50 times as long as the median, and over 1 s" },
     Invariant { name: "memory", holds: "peak memory is at most 64 MB and twice what check tells" },

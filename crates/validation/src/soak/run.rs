@@ -10,7 +10,7 @@ use meniscus_scene::check::check;
 use meniscus_scene::file::Scene;
 use meniscus_scene::output::summary::peak_memory;
 use meniscus_scene::run::{Schedule, Setup, Tally};
-use meniscus_sim::{Simulation, State, StepError, StepReport};
+use meniscus_sim::{Model, Simulation, State, StepError, StepReport};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -63,6 +63,7 @@ impl<const D: usize> Walk<D> {
 /// What the worker and its guard share.
 struct Record<const D: usize> {
     outcome: Outcome,
+    model: Model<D>,
     /// The state before the step that goes on, and its tally.
     before: Option<(State<D>, Tally)>,
     /// Processor time at which the step that goes on began, s; none between steps.
@@ -118,7 +119,8 @@ fn go<const D: usize>(
     wanted: Option<&'static str>,
     hung: fn(&Outcome),
 ) -> Result<Outcome, String> {
-    let record = Record::<D> { outcome, before: None, began: None, written: false };
+    let model = setup.model.clone();
+    let record = Record { outcome, model, before: None, began: None, written: false };
     let record = Arc::new(Mutex::new(record));
     let watched = (record.clone(), case.clone());
     std::thread::spawn(move || guard(&watched.0, &watched.1, hung));
@@ -185,7 +187,7 @@ impl<const D: usize> Record<D> {
         }
         let scene = (&case.scene, case.text.as_str());
         let written = match &self.before {
-            Some((state, tally)) => evidence::write(&case.out, scene, state, tally),
+            Some((state, tally)) => evidence::write(&case.out, scene, &self.model, (state, tally)),
             None => evidence::write_scene(&case.out, &case.scene.name, &case.text),
         };
         written.map_err(|e| e.to_string())
