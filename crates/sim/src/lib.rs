@@ -7,7 +7,6 @@ mod change;
 mod collide;
 mod compiled;
 mod coupling;
-mod edge;
 mod exchange;
 mod hysteresis;
 mod keep;

@@ -5,7 +5,6 @@
 //! on the surface: so an edge of the pattern keeps its place to a fraction of a cell, and the energy of what lies wet under
 //! the liquid is that of the pattern (`liquid/surface.rs` takes one cosine for each cube).
 
-use crate::edge::Edge;
 use crate::solid::{Solid, SolidState};
 use meniscus_numerics::Vector;
 use meniscus_numerics::shape::Shape;
@@ -164,12 +163,7 @@ impl<const D: usize> Solid<D> {
     }
 
     /// Where the point of the surface next to `x` was at the start, m, and the normal there; by differences over `step` (m).
-    pub(crate) fn foot_at_start(
-        &self,
-        now: &SolidState<D>,
-        x: &Vector<D>,
-        step: f64,
-    ) -> (Vector<D>, Vector<D>) {
+    fn foot_at_start(&self, now: &SolidState<D>, x: &Vector<D>, step: f64) -> (Vector<D>, Vector<D>) {
         let soft = now.soft.as_ref().zip(self.elastic());
         soft.and_then(|(soft, elastic)| soft.at_start(elastic, x)).unwrap_or_else(|| {
             let at = self.at_start(now, x);
@@ -179,11 +173,10 @@ impl<const D: usize> Solid<D> {
     }
 
     /// The cosine of the angle that a line tends to which has the angle of the cosine `now` where Young's is `young`, and
-    /// whether it rests: between the advancing and the receding angle it stays what it is. Before an edge all are larger.
-    pub fn wetting(&self, young: f64, edge: Option<&Edge>, now: f64) -> (f64, bool) {
-        let here = |even: f64| edge.map_or(even, |edge| edge.cosine(even));
-        let Some(hysteresis) = &self.hysteresis else { return (here(young), false) };
-        let [advancing, receding] = hysteresis.bounds(young).map(here);
+    /// whether it rests: between the advancing and the receding angle it stays what it is.
+    pub fn wetting(&self, young: f64, now: f64) -> (f64, bool) {
+        let Some(hysteresis) = &self.hysteresis else { return (young, false) };
+        let [advancing, receding] = hysteresis.bounds(young);
         (now.clamp(advancing, receding), (advancing..=receding).contains(&now))
     }
 }
@@ -300,7 +293,7 @@ mod tests {
         solid.hysteresis = Some(Hysteresis::Around([0.2, 0.1]));
         let bounds = Hysteresis::Around([10f64.to_radians(), 20f64.to_radians()]).bounds(cosine(60.0));
         assert!((bounds[0] - cosine(70.0)).abs() < 1e-12 && (bounds[1] - cosine(40.0)).abs() < 1e-12);
-        assert_eq!(solid.wetting(cosine(60.0), None, cosine(65.0)), (cosine(65.0), true));
-        assert!(!solid.wetting(cosine(30.0), None, cosine(65.0)).1);
+        assert_eq!(solid.wetting(cosine(60.0), cosine(65.0)), (cosine(65.0), true));
+        assert!(!solid.wetting(cosine(30.0), cosine(65.0)).1);
     }
 }

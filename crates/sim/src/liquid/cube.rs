@@ -35,8 +35,6 @@ pub struct CutCube {
     pub young: f64,
     /// Whether a contact line in it rests.
     pub pinned: bool,
-    /// By how much the cosine falls over a cell that a line in it goes on.
-    pub stiffness: f64,
     /// What the free surface pulls at the solid with across the solid, over the tension, integrated along the contact line.
     pub lift: [f64; 3],
     /// The direction along the solid into the liquid, integrated along the contact line.
@@ -153,7 +151,6 @@ impl CutCube {
             cosine: 0.0,
             young: 0.0,
             pinned: false,
-            stiffness: 0.0,
             lift: [0.0; 3],
             wetward: [0.0; 3],
             turns: [[0.0; 3]; 2],

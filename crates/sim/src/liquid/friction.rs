@@ -11,9 +11,6 @@
 //! too slowly, 3 to 11 degrees behind. Half-way between the two it is within 0.6 degrees. That is a compromise, not a
 //! derivation: drops that slide roll more, and are still 1.3 (ν = 1) to 1.7 times (ν = 0.03, 12 cells a radius, 2D), in space
 //! up to 2.6 times as fast as they should be.
-//!
-//! On an edge of a solid the line's force is a spring's, `K = −γ ∂cos θ/∂s` over the way `s` that the line goes ([`crate::edge`]).
-//! At the end of a step it is less by `K h U` than at its start: a friction of `K h`.
 
 use super::cube::CutCube;
 use super::cut_faces::CutFace;
@@ -81,8 +78,7 @@ pub fn drag<const D: usize>(
     let unit = kick / (model.density * model.grid.dx * model.grid.dx);
     let strength = |cube: &CutCube| {
         let friction = model.solids.get(cube.solid as usize).map_or(0.0, |s| s.line_friction);
-        let spring = model.surface_tension * cube.stiffness / model.grid.dx;
-        if cube.pinned { PINNED } else { unit * (friction + spring * kick) }
+        if cube.pinned { PINNED } else { unit * friction }
     };
     let rough: Vec<&CutCube> = cubes.iter().filter(|c| c.length() > 0.0 && strength(c) > 0.0).collect();
     let mut faces: BTreeMap<(usize, usize), DraggedFace> = BTreeMap::new();

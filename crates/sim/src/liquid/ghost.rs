@@ -168,15 +168,7 @@ impl<const D: usize> Surface<'_, D> {
         let angle = |slope: &Vector<D>| (slope.dot(&normal) / slope.norm().max(0.5)).clamp(-1.0, 1.0).acos();
         let steepest = FLATTEST.asin();
         let bound = |angle: f64| angle.clamp(steepest, PI - steepest);
-        // Whether the line that the surface has next to here is on an edge.
-        let foot = x + normal * depth;
-        let edge = along.and_then(|dry| {
-            let (value, slope) = self.phi.distance(&foot);
-            let line = foot - dry * (value / slope.dot(&dry).max(FLATTEST));
-            solid.edge(now, &line, &dry, dx)
-        });
-        let (mut cosine, rests) =
-            solid.wetting(solid.cosine_near(now, x, dx), edge.as_ref(), angle(&slope).cos());
+        let (mut cosine, rests) = solid.wetting(solid.cosine_near(now, x, dx), angle(&slope).cos());
         if solid.line_friction > 0.0 && !rests {
             let at = outside(bound(cosine.clamp(-1.0, 1.0).acos()));
             let speed = along.map_or(0.0, |t| (self.flow.linear(&at) - now.velocity_at(&at)).dot(&t));

@@ -12,7 +12,6 @@
 //! a drop with Bo = 1 on a plate that falls has its angle wrong by half a degree (28 cells a radius).
 
 use super::cube::{CutCube, Split, away_from_zero};
-use crate::hysteresis::Hold;
 use meniscus_numerics::grid::{Band, CutCells, Grid, Lattice, Runs, in_parallel};
 use meniscus_numerics::{Vector, planes};
 use rayon::prelude::*;
@@ -41,8 +40,6 @@ struct DryCube {
     young: f64,
     /// Whether a line there rests.
     pinned: bool,
-    /// By how much the cosine falls over a cell that a line there goes on.
-    stiffness: f64,
     /// What a cube is in which all is liquid.
     flooded: CutCube,
 }
@@ -72,17 +69,7 @@ impl<const D: usize> SurfaceLattice<D> {
             let key = cubes.index(at) as u32;
             let (solid, young) = nearest(&self.grid.corner(at));
             let flooded = CutCube::new(corners, open);
-            let mut dry = DryCube {
-                key,
-                psi,
-                open,
-                solid,
-                cosine: young,
-                young,
-                pinned: false,
-                stiffness: 0.0,
-                flooded,
-            };
+            let mut dry = DryCube { key, psi, open, solid, cosine: young, young, pinned: false, flooded };
             dry.flooded = self.wetted(&dry, &[-1.0; 8], at);
             Some(dry)
         };
@@ -137,16 +124,17 @@ impl<const D: usize> SurfaceLattice<D> {
         self.dry.par_iter().enumerate().with_min_len(256).filter_map(place).collect()
     }
 
-    /// Sets the angle of the lines: `wetting` tells for a place (m) and the number of its solid how the line is held.
-    pub fn hold_lines(&mut self, phi: &[f64], wetting: impl Fn(&Vector<D>, u32) -> Hold + Sync) {
+    /// Sets the angle of the lines: `wetting` tells for a place (m) and the number of its solid the cosine, and whether the
+    /// line rests.
+    pub fn hold_lines(&mut self, phi: &[f64], wetting: impl Fn(&Vector<D>, u32) -> (f64, bool) + Sync) {
         let lines = self.line_cubes(phi);
-        let held: Vec<Hold> =
+        let held: Vec<(f64, bool)> =
             lines.par_iter().map(|(number, place)| wetting(place, self.dry[*number].solid)).collect();
         // A line may come to any of them before it is held again; nothing of earlier steps is kept that a checkpoint has not.
-        self.dry.iter_mut().for_each(|dry| (dry.cosine, dry.pinned, dry.stiffness) = (dry.young, false, 0.0));
-        for ((number, _), Hold { cosine, rests, stiffness }) in lines.into_iter().zip(held) {
+        self.dry.iter_mut().for_each(|dry| (dry.cosine, dry.pinned) = (dry.young, false));
+        for ((number, _), (cosine, pinned)) in lines.into_iter().zip(held) {
             let dry = &mut self.dry[number];
-            (dry.cosine, dry.pinned, dry.stiffness) = (cosine, rests, stiffness);
+            (dry.cosine, dry.pinned) = (cosine, pinned);
         }
     }
 
@@ -186,8 +174,7 @@ impl<const D: usize> SurfaceLattice<D> {
     fn wetted(&self, dry: &DryCube, values: &[f64; 8], at: [usize; D]) -> CutCube {
         let liquid = (0..1 << D).filter(|k| values[*k] < 0.0).fold(0u8, |bits, k| bits | 1 << k);
         let mut cube = CutCube::new(dry.flooded.corners, liquid & dry.open);
-        (cube.solid, cube.cosine, cube.young) = (dry.solid, dry.cosine, dry.young);
-        (cube.pinned, cube.stiffness) = (dry.pinned, dry.stiffness);
+        (cube.solid, cube.cosine, cube.young, cube.pinned) = (dry.solid, dry.cosine, dry.young, dry.pinned);
         self.split.cut_beside(values, &dry.psi, &self.weight_within(at), &mut cube);
         self.place(&mut cube, at);
         cube
