@@ -345,6 +345,7 @@ pub fn boxes<const D: usize>(model: &Model<D>, liquid: &Runs) -> Vec<(Vector<D>,
 
 /// What a step overwrites, to go back if it fails: φ in the band and the velocity of the liquid. The rest follows.
 pub struct Snapshot<const D: usize> {
+    tiles: Tiles<D>,
     cells: Vec<u32>,
     phi: Vec<f64>,
     velocity: FaceValues<D>,
@@ -372,7 +373,8 @@ impl<const D: usize> Snapshot<D> {
             *state;
         let rest = [last_dt, lead, kick, clear, drift, lost_volume, kinetic_energy, surface_area];
         let scalars = (state.time, state.step, rest);
-        Self { cells, phi, velocity, drops: state.drops.clone(), solids: state.solids.clone(), scalars }
+        let (tiles, drops, solids) = (workspace.tiles.clone(), state.drops.clone(), state.solids.clone());
+        Self { tiles, cells, phi, velocity, drops, solids, scalars }
     }
 
     /// Puts the state back as it was, and the workspace with it.
@@ -397,6 +399,8 @@ impl<const D: usize> Snapshot<D> {
         state.solids = self.solids;
         // What a failed solve left behind is no guess.
         state.lambda = CellField::new(model.grid, 0.0);
+        // The tiles of the liquid that failed need not hold the liquid, nor what solids cut of its cells.
+        workspace.tiles = self.tiles;
         workspace.follow_solids(model, state);
         workspace.find_liquid(model, state);
         workspace.extend_afresh(model, state);
