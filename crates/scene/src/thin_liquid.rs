@@ -169,11 +169,11 @@ mod tests {
     #[test]
     fn drops_are_resolved_down_to_their_lines_and_what_runs_ahead_of_them_is_not() {
         let grid = Grid::<2>::new([120, 40], 1.0);
-        // A cap of radius 30 on the line y = 10, and a film of one cell from there to x = 110.
+        // A cap of radius 30 on the line y = 10, and a film of one cell from its middle on.
         let cap = |at: [usize; 2], angle: f64, ahead: f64| {
             let x = grid.center(at);
             let centre = Vector::from([50.0, 10.0 - 30.0 * angle.cos()]);
-            let film = (x[1] - 11.0).max(x[0] - ahead).max(20.0 - x[0]);
+            let film = (x[1] - 11.0).max(x[0] - ahead).max(50.0 - x[0]);
             ((x - centre).norm() - 30.0).min(film).max(10.0 - x[1])
         };
         for angle in [30.0f64, 60.0, 90.0] {

@@ -355,8 +355,8 @@ fn slowest_step(calm: f64) -> f64 {
     if calm.is_finite() { SLOWEST * calm } else { 0.0 }
 }
 
-/// The longest that the step after one of `dt` (s) can be, as solids move now: for so long contacts are looked for, and no
-/// step is longer. Over a longer time a solid that the pressure threw would seem to meet all there is on a way that it never
+/// The longest that the step after one of `dt` (s) can be, as solids move now, or a little slower once they have met: for so
+/// long contacts are looked for, and no step is longer. Over a longer time a solid that the pressure threw would seem to meet all there is on a way that it never
 /// goes.
 pub(crate) fn clear_time<const D: usize>(model: &Model<D>, solids: &[SolidState<D>], dt: f64) -> f64 {
     if model.numerics.fixed_step.is_some() {
@@ -364,7 +364,7 @@ pub(crate) fn clear_time<const D: usize>(model: &Model<D>, solids: &[SolidState<
     }
     let fastest = model.solids.iter().zip(solids).map(|(s, now)| s.largest_speed(now)).fold(0.0, f64::max);
     let straining = straining_step(model, solids, step_at_speed(model, 0.0));
-    (GROWTH * dt).min(step_at_speed(model, fastest)).min(straining)
+    GROWTH * dt.min(step_at_speed(model, fastest)).min(straining)
 }
 
 /// The functions of either dimension ([`crate::compiled`]).

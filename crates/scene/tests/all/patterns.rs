@@ -95,7 +95,7 @@ fn what_makes_no_sense_is_refused_where_it_stands() {
             "out of range",
             "\"200 deg\"",
         ),
-        ("{ patches = [] }".to_owned(), "not fixed by these keys", "{ patches = [] }"),
+        ("{ patches = [] }".to_owned(), "no tension is given for this solid", "{ patches = [] }"),
         ("{ contact_angle = \"9 deg\", patch = [] }".to_owned(), "unknown key `patch`", "patch"),
     ] {
         let e = load(&plate, "", Path::new("/nowhere")).expect_err(&plate);
