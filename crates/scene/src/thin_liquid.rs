@@ -80,7 +80,7 @@ fn ball_fits<const D: usize>(lattice: Lattice<D>, depth: &[f32], i: usize) -> bo
     let at = lattice.coordinates(i);
     let between = |n: usize| {
         let mut step = [0; D];
-        step[n / 2] = if n % 2 == 0 { 1 } else { -1 };
+        step[n / 2] = if n.is_multiple_of(2) { 1 } else { -1 };
         let to = |times: isize| moved(lattice, at, &step.map(|s| s * times)).map(|j| depth[j]);
         let Some(other) = to(1).filter(|other| *other > 0.0) else { return false };
         let rises = [to(-1).map(|outer| own - outer), to(2).map(|outer| other - outer)];
