@@ -1,6 +1,6 @@
 //! The soak: random small scenes under invariants.
 //!
-//! A case is a scene that a seed and a number name ([`draw`]), a scene file like any other, and is run as `meniscus run` would,
+//! A case is a scene that a seed and a number name (`draw.rs`), a scene file like any other, and is run as `meniscus run` would,
 //! in a process of its own, step by step under the invariants of [`invariants`]. What breaks one is written with the
 //! checkpoint before it.
 
