@@ -9,21 +9,21 @@ pub struct Invariant {
     pub holds: &'static str,
 }
 
-/// Growth of the energy over what it was, relative to its scale at the start: 1 % (issue 27). Discretisation errors of the
+/// Growth of the energy over what it was, relative to its scale at the start: 1 %. Discretisation errors of the
 /// surface's area at eight cells a radius are a tenth of it.
 pub const ENERGY: f64 = 0.01;
 /// Momentum that nothing gave, over that of all mass at the largest root mean square speed. What the discretisation loses is
 /// given back, so only rounding and the solver's residual (1e-6) are left.
 pub const MOMENTUM: f64 = 1e-5;
-/// Volume lost or gained, relative (issue 27).
+/// Volume lost or gained, relative.
 pub const VOLUME: f64 = 1e-3;
 /// Overlap of solids beyond that at the start, in cells: what `[expect]` allows everywhere.
 pub const OVERLAP: f64 = 0.01;
-/// Depth of liquid within a solid, in cells (issue 27).
+/// Depth of liquid within a solid, in cells.
 pub const WITHIN: f64 = 1.0;
-/// Largest speed over the largest physical one (issue 27).
+/// Largest speed over the largest physical one.
 pub const SPEED: f64 = 3.0;
-/// Longest step over the median's (issue 27), and the least that counts, s: below it is noise of the machine.
+/// Longest step over the median's, and the least that counts, s: below it is noise of the machine.
 pub const SLOW: (f64, f64) = (50.0, 1.0);
 /// Memory over what `check` tells, and what the program takes without a scene, bytes (its code, tables, threads and what the
 /// allocator keeps). The estimate is for large scenes, where it is right within a third; twice it is a fault of its own.
