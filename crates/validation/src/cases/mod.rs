@@ -4,6 +4,7 @@ mod bounce;
 mod buoyancy;
 mod capillary_wave;
 mod dam_break;
+mod edge_pinned;
 mod elastic;
 mod elastica_drop;
 mod floating;
@@ -29,6 +30,7 @@ mod sessile_gravity;
 mod sliding;
 mod soft;
 mod soft_impact;
+mod soft_moment;
 mod soft_release;
 mod soft_sag;
 mod soft_tank;
@@ -48,7 +50,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 57] = [
+const ALL: [Case; 59] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -96,6 +98,8 @@ const ALL: [Case; 57] = [
     soft::STIFF,
     ridge::CASE,
     soft_sag::CASE,
+    soft_moment::CASE,
+    edge_pinned::CASE,
     soft_tank::CASE,
     soft_release::CASE,
     newton::CASE,

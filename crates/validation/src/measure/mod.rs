@@ -1,10 +1,12 @@
 //! Measuring: points of the surface, modes of drops, oscillations.
 
 mod outcome;
+mod reaction;
 mod signal;
 mod surface;
 
 pub use outcome::{at_least, at_most, settle};
+pub use reaction::{TimeMean, Wrench, force, load};
 pub use signal::{Oscillation, convergence_order, fit_growth, fit_oscillation};
 pub use surface::{
     Roundness, SurfacePoint, fit_mode, mode_shape, surface_points, volume_and_centroid,

@@ -1,0 +1,203 @@
+//! The bending moment of a beam that carries a drop, against statics.
+
+use crate::measure::{TimeMean, force, load, settle};
+use crate::setup::run_to;
+use crate::{Case, Check, Mode};
+use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Smoothing};
+use meniscus_numerics::fit::least_squares;
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::mesh::VolumeMesh;
+use meniscus_numerics::shape::Shape;
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{Body, Hysteresis, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use std::sync::Arc;
+
+/// The case.
+pub const CASE: Case = Case {
+    name: "soft-moment",
+    title: "A drop bends a beam by its weight and the lever of it",
+    theory: "2D, SI: a water drop (radius 1 mm, friction of the line 0.3 Pa s) is put on a beam (9 mm by 0.4 mm, 500 kPa, \
+        ν = 0.45, density 1100) that is clamped over its first 0.5 mm. At 30 degrees it spreads to the tip, where an edge holds \
+        its line; at 90 ± 20 degrees it stays in mid-beam. In the dry part between clamp and drop statics give the moment, \
+        M(s) = W (x_drop − x(s)) + ∫ ρ_s g t (x − x(s)) ds' from s to the tip. The beam's is B κ, B = E t³/12(1−ν²), κ the slope \
+        of the middle line's angle by a parabola over 0.6 mm to both sides. The load on the free part is what the clamp's reaction is in \
+        balance with. Means from 0.25 to 0.4 s and from 0.2 to 0.3 s. 8 and 16 cells a millimetre. Quick: 8.",
+    quick: true,
+    run: |mode| settle(NAME, run(mode)),
+};
+
+const NAME: &str = "soft-moment";
+const MM: f64 = 1e-3;
+const YOUNG: f64 = 500e3;
+const POISSON: f64 = 0.45;
+const DENSITY: f64 = 1100.0;
+const LIQUID: f64 = 1000.0;
+const GRAVITY: f64 = 9.81;
+const THICK: f64 = 0.4 * MM;
+/// Where the beam starts and ends, and how high its lower side is, m.
+const BEAM: [f64; 2] = [MM, 10.0 * MM];
+const LOW: f64 = 3.6 * MM;
+/// Where the clamp ends, m.
+const CLAMP: f64 = 1.5 * MM;
+/// Where moments are compared, m: all over a plate's thickness from the clamp and from the liquid.
+const PLACES: [f64; 4] = [2.5 * MM, 3.0 * MM, 3.5 * MM, 4.0 * MM];
+/// Half the length over which the curvature is fitted, m.
+const PIECE: f64 = 0.6 * MM;
+
+/// A drop on the beam.
+struct Drop {
+    angle: f64,
+    hysteresis: Option<f64>,
+    damping: f64,
+    /// Time from which, and to which, means are taken, s.
+    window: [f64; 2],
+}
+
+const DROPS: [Drop; 2] = [
+    Drop { angle: 30.0, hysteresis: None, damping: 0.1, window: [0.25, 0.4] },
+    Drop { angle: 90.0, hysteresis: Some(20.0), damping: 0.3, window: [0.2, 0.3] },
+];
+
+fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let cells: &[usize] = if mode == Mode::Quick { &[8] } else { &[8, 16] };
+    let mut checks = Vec::new();
+    for &cells in cells {
+        for drop in &DROPS {
+            checks.extend(drop.checks(cells)?);
+        }
+    }
+    Ok(checks)
+}
+
+/// Means over time.
+struct Means {
+    /// Points of the middle line, by place at rest: the place, and where the point is.
+    middle: Vec<(f64, [TimeMean; 2])>,
+    /// Weight of the liquid, N/m, and the place of its centre, m.
+    weight: TimeMean,
+    center: TimeMean,
+    /// Upward force of the liquid by its own account, N/m; moment by the clamp's reaction about the clamp's end, N.
+    force: TimeMean,
+    moment: TimeMean,
+}
+
+impl Drop {
+    fn checks(&self, cells: usize) -> Result<Vec<Check>, StepError> {
+        let means = self.means(cells)?;
+        let what = |text: &str| format!("{text}, θ = {}°, {cells} cells/mm", self.angle);
+        let (weight, center) = (means.weight.mean(), means.center.mean());
+        let mut checks: Vec<Check> = PLACES
+            .iter()
+            .map(|&place| {
+                let text = what(&format!("moment at s = {} mm", place / MM));
+                let told = means.statics(place);
+                Check::relative(NAME, &text, means.bending(place), told, 0.03, Some(0.01), "N")
+            })
+            .collect();
+        let torque = weight * (center - CLAMP);
+        let (found, text) = (-means.moment.mean(), what("moment of the liquid about the clamp"));
+        checks.push(Check::relative(NAME, &text, found, torque, 0.03, Some(0.01), "N"));
+        let (found, text) = (-means.force.mean(), what("force of the liquid"));
+        checks.push(Check::relative(NAME, &text, found, weight, 0.02, Some(0.01), "N/m"));
+        Ok(checks)
+    }
+
+    fn means(&self, cells: usize) -> Result<Means, StepError> {
+        let mut sim = self.start(cells)?;
+        let [from, to] = self.window;
+        let lines = middle_line(&sim);
+        let middle = lines.iter().map(|(s, _)| (*s, [TimeMean::default(); 2])).collect();
+        let none = TimeMean::default();
+        let mut means = Means { middle, weight: none, center: none, force: none, moment: none };
+        let clamp = Vector::<2>::new(CLAMP, LOW + 0.5 * THICK);
+        run_to(&mut sim, from, |_, _| ())?;
+        run_to(&mut sim, to, |sim, report| {
+            let dt = report.dt;
+            means.weight.add(LIQUID * GRAVITY * report.ledger.volume, dt);
+            means.center.add(report.ledger.centroid[0], dt);
+            means.force.add(force(sim, 0)[1], dt);
+            means.moment.add(load(sim, 0, &clamp).map_or(f64::NAN, |load| load.moment), dt);
+            let Some(soft) = &sim.state.solids[0].soft else { return };
+            for ((_, mean), (_, [top, bottom])) in means.middle.iter_mut().zip(&lines) {
+                let at = 0.5 * (soft.body.positions[*top] + soft.body.positions[*bottom]);
+                (0..2).for_each(|a| mean[a].add(at[a], dt));
+            }
+        })?;
+        Ok(means)
+    }
+
+    fn start(&self, cells: usize) -> Result<Simulation<2>, StepError> {
+        let dx = MM / cells as f64;
+        let shape = Shape::Box {
+            center: Vector::<2>::new(0.5 * (BEAM[0] + BEAM[1]), LOW + 0.5 * THICK),
+            half_size: Vector::<2>::new(0.5 * (BEAM[1] - BEAM[0]), 0.5 * THICK),
+            rotation: Matrix::identity(),
+        };
+        let mesh = VolumeMesh::of_shape(&shape, dx / 1.5).unwrap_or_default();
+        let anchors = vec![Anchor::within(&mesh, |x| x[0] <= CLAMP)];
+        let law = Law::NeoHookean { young: YOUNG, poisson: POISSON, smoothing: Smoothing::default() };
+        let (damping_ratio, integrator) = (self.damping, Integrator::default());
+        let elastic =
+            Elastic::new(Description { mesh, density: DENSITY, law, damping_ratio, anchors, integrator });
+        let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
+        let mut beam = Solid::new(shape, Motion::Soft(Arc::new(elastic.map_err(failed)?)), DENSITY);
+        beam.cosine = self.angle.to_radians().cos();
+        beam.line_friction = 0.3;
+        beam.hysteresis = self.hysteresis.map(|by| Hysteresis::Around([by.to_radians(); 2]));
+        let model = Model {
+            grid: Grid::<2>::new([14 * cells, 8 * cells], dx),
+            walls: [[Wall::Slip; 2]; 2],
+            density: LIQUID,
+            kinematic_viscosity: 1e-6,
+            surface_tension: 72.8e-3,
+            gravity: Vector::<2>::new(0.0, -GRAVITY),
+            solids: vec![beam],
+            numerics: Numerics::default(),
+        };
+        let center = Vector::<2>::new(6.0 * MM, 5.05 * MM);
+        let ball = move |x: &Vector<2>| (x - center).norm() - MM;
+        Ok(Simulation::new(model, &[Body { distance: &ball, velocity: Vector::zeros() }]))
+    }
+}
+
+/// Places along the beam at rest, in order, and the vertices of the upper and the lower side there.
+fn middle_line(sim: &Simulation<2>) -> Vec<(f64, [usize; 2])> {
+    let Some(elastic) = sim.model.solids[0].elastic() else { return Vec::new() };
+    let side = |height: f64| {
+        let on = elastic.mesh().positions.iter().enumerate().filter(|(_, x)| (x[1] - height).abs() < 1e-9);
+        let mut on: Vec<(f64, usize)> = on.map(|(k, x)| (x[0], k)).collect();
+        on.sort_by(|a, b| a.0.total_cmp(&b.0));
+        on
+    };
+    side(LOW + THICK).into_iter().zip(side(LOW)).map(|((s, top), (_, bottom))| (s, [top, bottom])).collect()
+}
+
+impl Means {
+    /// The mean middle line.
+    fn line(&self) -> Vec<(f64, Vector<2>)> {
+        self.middle.iter().map(|(s, x)| (*s, Vector::<2>::new(x[0].mean(), x[1].mean()))).collect()
+    }
+
+    /// B κ at a place along the beam, N; positive where it bends down.
+    fn bending(&self, place: f64) -> f64 {
+        let line = self.line();
+        let near = line.windows(2).filter_map(|pair| {
+            let (s, way) = (0.5 * (pair[0].0 + pair[1].0) - place, pair[1].1 - pair[0].1);
+            (s.abs() < PIECE).then(|| (1.0, [1.0, s / PIECE, (s / PIECE).powi(2)], way[1].atan2(way[0])))
+        });
+        let stiffness = YOUNG * THICK.powi(3) / (12.0 * (1.0 - POISSON * POISSON));
+        least_squares(near).map_or(f64::NAN, |fit| -stiffness * fit[1] / PIECE)
+    }
+
+    /// The moment by statics of what hangs beyond a place along the beam, N.
+    fn statics(&self, place: f64) -> f64 {
+        let line = self.line();
+        let next = line.partition_point(|(s, _)| *s < place).clamp(1, line.len() - 1);
+        let ((a, from), (b, to)) = (line[next - 1], line[next]);
+        let here = from + (to - from) * ((place - a) / (b - a));
+        let rest = std::iter::once((place, here)).chain(line[next..].iter().copied());
+        let rest: Vec<(f64, f64)> = rest.map(|(s, x)| (s, x[0] - here[0])).collect();
+        let arms: f64 = rest.windows(2).map(|p| 0.5 * (p[0].1 + p[1].1) * (p[1].0 - p[0].0)).sum();
+        self.weight.mean() * (self.center.mean() - here[0]) + DENSITY * GRAVITY * THICK * arms
+    }
+}

@@ -1,0 +1,81 @@
+//! Force and moment of the liquid on solids, and their means over time.
+
+use meniscus_numerics::Vector;
+use meniscus_sim::Simulation;
+
+/// A force in the plane, N/m, and its moment about a point, N.
+#[derive(Clone, Copy, Debug)]
+pub struct Wrench {
+    /// The force, N/m.
+    pub force: Vector<2>,
+    /// The moment, N; counterclockwise is positive.
+    pub moment: f64,
+}
+
+/// The mean and the spread of a quantity over time.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TimeMean {
+    time: f64,
+    sum: f64,
+    squares: f64,
+}
+
+impl TimeMean {
+    /// Adds a value that holds for a time, s.
+    pub fn add(&mut self, value: f64, time: f64) {
+        self.time += time;
+        self.sum += value * time;
+        self.squares += value * value * time;
+    }
+
+    /// The mean; not a number if nothing was added.
+    pub fn mean(&self) -> f64 {
+        self.sum / self.time
+    }
+
+    /// The standard deviation.
+    pub fn deviation(&self) -> f64 {
+        let mean = self.mean();
+        (self.squares / self.time - mean * mean).max(0.0).sqrt()
+    }
+}
+
+/// The force of the liquid's pressure and contact lines on a solid in the last step, N/m.
+pub fn force(sim: &Simulation<2>, solid: usize) -> Vector<2> {
+    let now = &sim.state.solids[solid];
+    now.pressed + now.pulled
+}
+
+/// The external load, gravity left out, that the elastic forces of a held solid are in balance with, its moment about `point`.
+///
+/// The elastic forces of a whole body sum to no force and no moment. On its free vertices they balance liquid and gravity, so
+/// those on the held vertices, less the weight of the free ones, are what the liquid gives. This is so at rest, and of means
+/// over time. None for a rigid solid.
+pub fn load(sim: &Simulation<2>, solid: usize, point: &Vector<2>) -> Option<Wrench> {
+    let soft = sim.state.solids[solid].soft.as_ref()?;
+    let elastic = sim.model.solids[solid].elastic()?;
+    let positions = &soft.body.positions;
+    let mut all = Wrench { force: Vector::zeros(), moment: 0.0 };
+    let vertices =
+        elastic.forces(positions).into_iter().zip(positions).zip(elastic.held()).zip(elastic.masses());
+    for (((elastic_force, x), held), mass) in vertices {
+        let force = if *held { elastic_force } else { -*mass * sim.model.gravity };
+        let arm = x - point;
+        all.force += force;
+        all.moment += arm[0] * force[1] - arm[1] * force[0];
+    }
+    Some(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_are_weighted_by_time() {
+        let mut mean = TimeMean::default();
+        mean.add(1.0, 3.0);
+        mean.add(5.0, 1.0);
+        assert!((mean.mean() - 2.0).abs() < 1e-15 && (mean.deviation() - 3.0_f64.sqrt()).abs() < 1e-15);
+    }
+}
