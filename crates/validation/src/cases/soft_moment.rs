@@ -21,7 +21,7 @@ pub const CASE: Case = Case {
         its line; at 90 ± 20 degrees it stays in mid-beam. In the dry part between clamp and drop statics give the moment, \
         M(s) = W (x_drop − x(s)) + ∫ ρ_s g t (x − x(s)) ds' from s to the tip. The beam's is B κ, B = E t³/12(1−ν²), κ the slope \
         of the middle line's angle by a parabola over 0.6 mm to both sides. The load on the free part is what the clamp's reaction is in \
-        balance with. Means from 0.25 to 0.4 s and from 0.2 to 0.3 s. 8 and 16 cells a millimetre. Quick: 8.",
+        balance with. Means from 0.3 to 0.8 s. 8 and 16 cells a millimetre. Quick: 8.",
     quick: true,
     run: |mode| settle(NAME, run(mode)),
 };
@@ -44,18 +44,20 @@ const PLACES: [f64; 4] = [2.5 * MM, 3.0 * MM, 3.5 * MM, 4.0 * MM];
 /// Half the length over which the curvature is fitted, m.
 const PIECE: f64 = 0.6 * MM;
 
+/// Time from which, and to which, means are taken, s. Beam and drop swing with a period of 0.07 s, which lines at the edge keep up:
+/// means over two of them differ by several per cent.
+const WINDOW: [f64; 2] = [0.3, 0.8];
+
 /// A drop on the beam.
 struct Drop {
     angle: f64,
     hysteresis: Option<f64>,
     damping: f64,
-    /// Time from which, and to which, means are taken, s.
-    window: [f64; 2],
 }
 
 const DROPS: [Drop; 2] = [
-    Drop { angle: 30.0, hysteresis: None, damping: 0.1, window: [0.25, 0.4] },
-    Drop { angle: 90.0, hysteresis: Some(20.0), damping: 0.3, window: [0.2, 0.3] },
+    Drop { angle: 30.0, hysteresis: None, damping: 0.1 },
+    Drop { angle: 90.0, hysteresis: Some(20.0), damping: 0.3 },
 ];
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -104,7 +106,7 @@ impl Drop {
 
     fn means(&self, cells: usize) -> Result<Means, StepError> {
         let mut sim = self.start(cells)?;
-        let [from, to] = self.window;
+        let [from, to] = WINDOW;
         let lines = middle_line(&sim);
         let middle = lines.iter().map(|(s, _)| (*s, [TimeMean::default(); 2])).collect();
         let none = TimeMean::default();
