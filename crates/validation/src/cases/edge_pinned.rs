@@ -8,7 +8,7 @@
 
 use crate::measure::{TimeMean, at_most, force, load, settle};
 use crate::setup::run_to;
-use crate::{Case, Check, Mode};
+use crate::{Case, Check};
 use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Smoothing};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
