@@ -1,4 +1,7 @@
 //! The bending moment of a beam that carries a drop, against statics.
+//!
+//! With 8 cells a millimetre the drop in mid-beam misses two bars in this version: its force is 2.1 % more than its weight in the
+//! mean (bar 2 %), and its moment about the clamp 3.1 % (bar 3 %).
 
 use crate::measure::{TimeMean, force, load, settle};
 use crate::setup::run_to;
@@ -19,9 +22,9 @@ pub const CASE: Case = Case {
     theory: "2D, SI: a water drop (radius 1 mm, friction of the line 0.3 Pa s) is put on a beam (9 mm by 0.4 mm, 500 kPa, \
         ν = 0.45, density 1100) that is clamped over its first 0.5 mm. At 30 degrees it spreads to the tip, where an edge holds \
         its line; at 90 ± 20 degrees it stays in mid-beam. In the dry part between clamp and drop statics give the moment, \
-        M(s) = W (x_drop − x(s)) + ∫ ρ_s g t (x − x(s)) ds' from s to the tip. The beam's is B κ, B = E t³/12(1−ν²), κ the slope \
-        of the middle line's angle by a parabola over 0.6 mm to both sides. The load on the free part is what the clamp's reaction is in \
-        balance with. Means from 0.3 to 0.8 s. 8 and 16 cells a millimetre. Quick: 8.",
+        M(s) = W (x_drop − x(s)) + ∫ ρ_s g t (x − x(s)) ds' from s to the tip. The beam's is B κ, B = E t³/12(1−ν²), κ the \
+        slope of the middle line's angle by a parabola over 0.6 mm to both sides. The liquid's moment about the clamp is what the \
+        clamp's reaction balances, less the beam's own. Means from 0.3 to 0.8 s. 8 and 16 cells a millimetre. Quick: 8.",
     quick: true,
     run: |mode| settle(NAME, run(mode)),
 };
