@@ -24,7 +24,7 @@ pub const CASE: Case = Case {
         its line; at 90 ± 20 degrees it stays in mid-beam. In the dry part between clamp and drop statics give the moment, \
         M(s) = W (x_drop − x(s)) + ∫ ρ_s g t (x − x(s)) ds' from s to the tip. The beam's is B κ, B = E t³/12(1−ν²), κ the \
         slope of the middle line's angle by a parabola over 0.6 mm to both sides. The liquid's moment about the clamp is what the \
-        clamp's reaction balances, less the beam's own. Means from 0.3 to 0.8 s. 8 and 16 cells a millimetre. Quick: 8.",
+        clamp's reaction balances, less the beam's own. Means from 0.3 to 0.8 s. 8 and 16 cells a millimetre. Quick: the first drop, 8 cells.",
     quick: true,
     run: |mode| settle(NAME, run(mode)),
 };
@@ -64,10 +64,11 @@ const DROPS: [Drop; 2] = [
 ];
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
-    let cells: &[usize] = if mode == Mode::Quick { &[8] } else { &[8, 16] };
+    let (cells, drops): (&[usize], _) =
+        if mode == Mode::Quick { (&[8], &DROPS[..1]) } else { (&[8, 16], &DROPS[..]) };
     let mut checks = Vec::new();
     for &cells in cells {
-        for drop in &DROPS {
+        for drop in drops {
             checks.extend(drop.checks(cells)?);
         }
     }
