@@ -17,6 +17,7 @@ use crate::model::Model;
 use crate::skin::Grip;
 use crate::soft::Systems;
 use crate::solid::{Motion, SolidState};
+use crate::tied::{Six, Ties};
 use meniscus_numerics::grid::{CutCells, WetCell};
 use meniscus_numerics::linalg::{Bodies, Column, Compliance, Solve};
 use meniscus_numerics::{Matrix, Vector};
@@ -30,6 +31,8 @@ pub struct Coupling<'a, const D: usize> {
     systems: &'a Systems<D>,
     /// With the place where the pressure takes hold of a solid that deforms.
     wet: Vec<(WetCell<D>, Option<Grip<D>>)>,
+    /// What lines tie to the free rigid ones.
+    ties: Option<&'a Ties>,
 }
 
 impl<'a, const D: usize> Coupling<'a, D> {
@@ -43,7 +46,12 @@ impl<'a, const D: usize> Coupling<'a, D> {
         let wet = cut.wet.par_iter().with_min_len(64).filter(|w| phi[w.cell as usize] < 0.0);
         let gripped =
             |w: &WetCell<D>| (*w, solids[w.solid as usize].grip(&(middle(model, w) * model.grid.dx)));
-        Self { model, solids, systems, wet: wet.map(gripped).collect() }
+        Self { model, solids, systems, wet: wet.map(gripped).collect(), ties: None }
+    }
+
+    /// The same with what lines tie to the solids.
+    pub fn tied(self, ties: &'a Ties) -> Self {
+        Self { ties: Some(ties), ..self }
     }
 
     /// Calls `f(cell, flux)` with the flow into the surface of every cell, `∫ v·n dS` in areas of a face, m/s.
@@ -56,7 +64,47 @@ impl<'a, const D: usize> Coupling<'a, D> {
         let mut still = self.solids.to_vec();
         still.iter_mut().for_each(SolidState::stop);
         push_solids(self.model, &mut still, push, self.systems);
+        let tied = |n: &usize| self.lightness(*n).is_some();
+        (0..still.len()).filter(tied).for_each(|n| still[n].stop());
         self.fluxes_of(&still, f);
+    }
+
+    /// What impulses, and those of the tied faces, add to the velocities of the solids that faces are tied to.
+    pub fn yielding(&self, push: &Exchange<D>, mut faces: BTreeMap<usize, Six>) -> BTreeMap<usize, Six> {
+        let sums = push.by_solid(self.solids.len());
+        for (number, six) in &mut faces {
+            *six += six_of(&sums[*number].linear, &sums[*number].about(&self.solids[*number].center));
+            *six = self.lightness(*number).map_or(Six::zeros(), |l| l * *six);
+        }
+        faces
+    }
+
+    /// Calls `f(cell, flux)` with the flow that such velocities add.
+    pub fn fluxes_of_tied(&self, velocities: &BTreeMap<usize, Six>, mut f: impl FnMut(usize, f64)) {
+        for (number, velocity) in velocities {
+            self.flows(*number, |cell, flow| f(cell, flow.dot(velocity)));
+        }
+    }
+
+    /// What the pressure adds to the velocities of the solids that faces are tied to.
+    pub fn pressed(&self, lambda: &[f64], velocities: &mut BTreeMap<usize, Six>) {
+        let scale = self.model.density * self.model.grid.face_area();
+        for (number, velocity) in velocities {
+            let mut sum = Six::zeros();
+            self.flows(*number, |cell, flow| sum += flow * (scale * lambda[cell]));
+            *velocity += self.lightness(*number).map_or(Six::zeros(), |l| l * sum);
+        }
+    }
+
+    fn lightness(&self, solid: usize) -> Option<&Matrix<6>> {
+        self.ties.and_then(|ties| ties.lightness(solid))
+    }
+
+    /// Calls `f(cell, flow)` with the flow into a solid and through the faces tied to it, by its six velocities.
+    fn flows(&self, solid: usize, mut f: impl FnMut(usize, Six)) {
+        let own = self.wet.iter().filter(|(w, _)| w.solid as usize == solid);
+        own.for_each(|(w, _)| f(w.cell as usize, six_of(&w.area, &self.moment(w))));
+        self.ties.iter().for_each(|ties| ties.flows(solid, &mut f));
     }
 
     fn fluxes_of(&self, solids: &[SolidState<D>], mut f: impl FnMut(usize, f64)) {
@@ -80,6 +128,10 @@ impl<'a, const D: usize> Coupling<'a, D> {
         let weight = self.model.density * self.model.grid.cell_volume();
         let mut columns = Vec::new();
         for (number, solid) in self.free() {
+            if let Some(root) = self.lightness(number).and_then(|l| l.cholesky()) {
+                columns.extend(self.tied_columns(number, &(root.l() * weight.sqrt())));
+                continue;
+            }
             let body = &self.model.solids[number].body;
             let scale = (weight / body.mass).sqrt();
             for a in 0..D {
@@ -92,6 +144,15 @@ impl<'a, const D: usize> Coupling<'a, D> {
             }
         }
         columns
+    }
+
+    /// The columns of a solid that faces are tied to; `root` is of its inverse mass.
+    fn tied_columns(&self, solid: usize, root: &Matrix<6>) -> Vec<Column> {
+        let mut flows: BTreeMap<u32, Six> = BTreeMap::new();
+        self.flows(solid, |cell, flow| *flows.entry(cell as u32).or_insert_with(Six::zeros) += flow);
+        let column = |k: usize| flows.iter().map(|(cell, flow)| (*cell, root.column(k).dot(flow))).collect();
+        let moves = |k: &usize| if D == 2 { *k < 2 || *k == 5 } else { true };
+        (0..6).filter(moves).map(column).collect()
     }
 
     fn column(&self, solid: usize, value: impl Fn(&WetCell<D>) -> f64) -> Column {
@@ -180,6 +241,12 @@ impl<'a, const D: usize> Coupling<'a, D> {
 fn middle<const D: usize>(model: &Model<D>, w: &WetCell<D>) -> Vector<D> {
     let center = model.grid.center(model.grid.lattice().coordinates(w.cell as usize)) / model.grid.dx;
     center + w.spread.tr_mul(&w.area) / w.area.norm_squared().max(f64::MIN_POSITIVE)
+}
+
+/// What is of a solid's centre and what is about it.
+fn six_of<const D: usize>(linear: &Vector<D>, turning: &Vector<3>) -> Six {
+    let linear = three(linear);
+    Six::from_fn(|i, _| if i < 3 { linear[i] } else { turning[i - 3] })
 }
 
 /// A vector in space.
@@ -286,7 +353,7 @@ mod tests {
             liquid: &work.liquid,
             faces: &faces,
             cut: &cut,
-            dragged: &[],
+            dragged: &mut [],
             cut_cells: &mut work.cut,
             solids: &state.solids,
             systems: &work.soft,

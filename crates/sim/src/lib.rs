@@ -26,6 +26,7 @@ mod solid;
 mod state;
 mod step;
 mod tension;
+mod tied;
 mod track;
 mod walls;
 mod wetting;

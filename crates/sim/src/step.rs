@@ -192,11 +192,12 @@ fn push<const D: usize>(
     let mut cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &kappa, &work.cut);
     work.repairs.add(&kappa.repairs);
     work.repairs.unknown_curvatures += cut.iter().filter(|face| !face.known).count() as u64;
-    let dragged = drag(model, (state, &before), &change.cubes, (&mut cut, &work.cut), kick);
+    let mut dragged = drag(model, (state, &before), &change.cubes, (&mut cut, &work.cut), kick);
     phase_end("curvature");
 
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
-    let (solves, given) = press(model, (state, &before), work, change, (&cut, &dragged), kick, phase_end)?;
+    let (solves, given) =
+        press(model, (state, &before), work, change, (&cut, &mut dragged), kick, phase_end)?;
     state.clear = if state.last_dt > 0.0 { clear_time(model, &state.solids, dt) } else { GROWTH * dt };
     let times = Times { dt, kick, ahead: state.clear };
     let Workspace { probes, soft, repairs, .. } = work;
@@ -241,7 +242,7 @@ fn press<const D: usize>(
     (state, before): (&mut State<D>, &[SolidState<D>]),
     work: &mut Workspace<D>,
     change: &Change<D>,
-    (cut, dragged): (&[CutFace], &[DraggedFace]),
+    (cut, dragged): (&[CutFace], &mut [DraggedFace]),
     kick: f64,
     phase_end: PhaseEnd<'_>,
 ) -> Result<([SolveReport; 2], [Exchange<D>; 3]), SolveError> {

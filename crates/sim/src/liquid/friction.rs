@@ -39,7 +39,7 @@ pub struct DraggedFace {
     /// A liquid cell at it.
     cell: usize,
     /// Liquid that moves with it, in cells.
-    mass: f64,
+    pub mass: f64,
     /// Whether the surface crosses it.
     surface: bool,
     /// Drag in the step, over the mass.
@@ -47,7 +47,11 @@ pub struct DraggedFace {
     /// Drag times the velocity towards which it drags, m/s.
     toward: f64,
     /// Number of the solid.
-    solid: u32,
+    pub solid: u32,
+    /// Part of the drag that the solid's velocity along the axis counts with.
+    pub hold: f64,
+    /// That velocity, m/s.
+    pub of_solid: f64,
 }
 
 impl DraggedFace {
@@ -59,6 +63,24 @@ impl DraggedFace {
     /// The velocity `u` after the drag, when nothing else pushes.
     pub fn slowed(&self, u: f64) -> f64 {
         (u + self.toward) * self.mobility()
+    }
+
+    /// A face that the line of the first solid, at rest, drags.
+    #[cfg(test)]
+    pub fn of_test(axis: usize, face: usize, mass: f64, drag: f64) -> Self {
+        let (hold, toward, of_solid) = (drag, 0.0, 0.0);
+        Self { axis, face, cell: 0, mass, surface: false, drag, toward, solid: 0, hold, of_solid }
+    }
+
+    /// Drags towards another velocity of the solid, m/s.
+    pub fn follow(&mut self, of_solid: f64) {
+        self.toward += self.hold * (of_solid - self.of_solid);
+        self.of_solid = of_solid;
+    }
+
+    /// What the face gives to the solid at the velocity `u`, over its mass, m/s.
+    pub fn given(&self, u: f64) -> f64 {
+        self.drag * u - self.toward
     }
 }
 
@@ -96,6 +118,8 @@ pub fn drag<const D: usize>(
                 drag: 0.0,
                 toward: 0.0,
                 solid: cube.solid,
+                hold: 0.0,
+                of_solid: 0.0,
             });
         }
     }
@@ -150,6 +174,10 @@ fn add_drag<const D: usize>(
         let sliding: f64 = (0..D).map(|b| slides * along[b] * (velocity[b] - solid[b])).sum();
         let drag = strength * cube.length() / mass[a];
         f.drag += drag;
+        if f.solid == cube.solid {
+            f.hold += drag * (1.0 - slides * along[a] * along[a]);
+            f.of_solid = solid[a];
+        }
         f.toward += drag * (solid[a] + along[a] * sliding - outward[a] * rolling);
     }
 }
@@ -187,7 +215,7 @@ pub fn friction<const D: usize>(
         let x = model.grid.face_center(f.axis, model.grid.faces(f.axis).coordinates(f.face));
         let mut impulse = Vector::<D>::zeros();
         let u = state.velocity.axes[f.axis][f.face];
-        impulse[f.axis] = model.density * model.grid.cell_volume() * f.mass * (f.drag * u - f.toward);
+        impulse[f.axis] = model.density * model.grid.cell_volume() * f.mass * f.given(u);
         exchange.push((component, f.solid), &state.solids[f.solid as usize], &x, impulse);
     }
     exchange

@@ -17,6 +17,7 @@ use crate::simulation::PhaseEnd;
 use crate::soft::Systems;
 use crate::solid::SolidState;
 use crate::state::State;
+use crate::tied::{Six, Ties};
 use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Runs, Segment};
 use meniscus_numerics::linalg::{PoissonInput, PressureSolver, SolveError, SolveReport};
 use meniscus_numerics::{Vector, par};
@@ -49,7 +50,7 @@ pub struct Projection<'a, const D: usize> {
     /// Those at the surface.
     pub cut: &'a [CutFace],
     /// Those that contact lines drag.
-    pub dragged: &'a [DraggedFace],
+    pub dragged: &'a mut [DraggedFace],
     /// What the solids leave open.
     pub cut_cells: &'a mut CutCells<D>,
     /// The solids.
@@ -83,10 +84,13 @@ impl<const D: usize> PressureFields<D> {
         p: &mut Projection<'_, D>,
         phase_end: PhaseEnd<'_>,
     ) -> Result<([SolveReport; 2], Exchange<D>), SolveError> {
+        let ties = Ties::new(model, p.solids, p.dragged, &p.phi.data, p.cut_cells);
         slow(p);
-        let coupling = Coupling::new(model, p.cut_cells, (p.solids, p.systems), &p.phi.data);
+        let coupling = Coupling::new(model, p.cut_cells, (p.solids, p.systems), &p.phi.data).tied(&ties);
         let bodies = coupling.bodies();
         self.assemble(model, p, &coupling);
+        let mut yielding = coupling.yielding(&Exchange::new(), pushes(model, p, &ties, &[]));
+        coupling.fluxes_of_tied(&yielding, |cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
         for body in &bodies.soft {
             let porous = zip(&body.flows, &body.porous);
             porous.for_each(|((cell, _), porous)| self.dirichlet.data[*cell as usize] += porous);
@@ -105,6 +109,10 @@ impl<const D: usize> PressureFields<D> {
         }
         let mut second = SolveReport { iterations: 0, ..first };
         if viscous || !beyond.is_empty() || bends.iter().any(|b| *b != 0.0) {
+            let before = if viscous { BTreeMap::new() } else { yielding };
+            yielding = coupling.yielding(&beyond, pushes(model, p, &ties, &bends));
+            coupling.fluxes_of_tied(&before, |cell, flux| self.rhs.data[cell] += model.grid.dx * flux);
+            coupling.fluxes_of_tied(&yielding, |cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
             zip(p.cut, &bends)
                 .for_each(|(face, bend)| self.rhs.data[face.cell] += face.open * face.mobility * bend);
             coupling.fluxes_of_push(&beyond, |cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
@@ -114,6 +122,9 @@ impl<const D: usize> PressureFields<D> {
         exchange.extend(&beyond);
         self.solver = Some(solver);
         accelerate(model, p, &bends, 1.0);
+        coupling.pressed(&p.lambda.data, &mut yielding);
+        let velocity = &mut *p.velocity;
+        ties.carry(p.dragged, &yielding, |f, by| velocity.axes[f.axis][f.face] += by);
         Ok(([first, second], exchange))
     }
 
@@ -130,7 +141,7 @@ impl<const D: usize> PressureFields<D> {
         };
         let solver = PressureSolver::in_memory_of(self.solver.take(), &input);
         let open = &mut p.cut_cells.open.axes;
-        zip(p.dragged, whole).for_each(|(f, whole)| open[f.axis][f.face] = whole);
+        zip(p.dragged.iter(), whole).for_each(|(f, whole)| open[f.axis][f.face] = whole);
         solver
     }
 
@@ -190,15 +201,25 @@ fn diffuse<const D: usize>(
 
 /// Of what has changed on dragged faces since `before` the drag leaves a part.
 fn give_way<const D: usize>(p: &mut Projection<'_, D>, before: Vec<f64>) {
-    for (f, before) in zip(p.dragged, before) {
+    for (f, before) in zip(p.dragged.iter(), before) {
         let u = &mut p.velocity.axes[f.axis][f.face];
         *u = before + f.mobility() * (*u - before);
     }
 }
 
+/// What the faces that are tied to solids give to them before the pressure pushes.
+fn pushes<const D: usize>(
+    model: &Model<D>,
+    p: &Projection<'_, D>,
+    ties: &Ties,
+    bends: &[f64],
+) -> BTreeMap<usize, Six> {
+    ties.pushes(model, p.dragged, |f| p.velocity.axes[f.axis][f.face], (p.cut, bends, p.jump))
+}
+
 /// The velocity of dragged faces before the pressure pushes them.
 fn slow<const D: usize>(p: &mut Projection<'_, D>) {
-    for f in p.dragged {
+    for f in p.dragged.iter() {
         let u = &mut p.velocity.axes[f.axis][f.face];
         *u = f.slowed(*u);
     }
@@ -382,7 +403,7 @@ mod tests {
             liquid: &work.liquid,
             faces: work.known.liquid(),
             cut: &cut,
-            dragged: &[],
+            dragged: &mut [],
             cut_cells: &mut work.cut,
             solids: &[],
             systems: &Vec::new(),
