@@ -50,10 +50,7 @@ pub const ALL: [Invariant; 21] = [
     Invariant { name: "gave-up", holds: "the solver can go on" },
     Invariant { name: "inverted", holds: "no element of a solid is turned inside out" },
     Invariant { name: "overlap", holds: "solids overlap by at most 0.01 cells more than at the start" },
-    Invariant {
-        name: "speed",
-        holds: "the liquid is at most 3 times as fast as its energy allows, or as the thinnest jet of an impact",
-    },
+    Invariant { name: "speed", holds: "the liquid is at most 3 times as fast as its energy allows" },
     Invariant { name: "solid-speed", holds: "rigid solids are at most 3 times as fast as the energy allows" },
     Invariant {
         name: "energy",
