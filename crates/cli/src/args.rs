@@ -342,7 +342,7 @@ pub struct RenderArgs {
     /// Colour of all solids.
     #[arg(long, value_name = "RRGGBB", value_parser = hex_color)]
     pub solid_color: Option<u32>,
-    /// What solids are coloured by: plain, phi_c (distance to the contact line along the surface, negative where wetted), strain
+    /// The quantity that colours solids: plain, phi_c (distance to the contact line along the surface, negative where wetted), strain
     /// (largest |stretch - 1|) or displacement. [default: plain]
     #[arg(long, value_name = "VALUES")]
     pub color: Option<String>,

@@ -66,7 +66,7 @@ fn json(event: &Event) {
     }
 }
 
-/// What is told of a step that takes long; nothing of other events.
+/// The message about a step that takes long; none for other events.
 fn long_step(event: &Event) -> String {
     let Event::LongStep { step, seconds, median, dt_before, phase } = event else { return String::new() };
     let median = median.map_or_else(String::new, |m| format!(" (median {m:.3} s)"));

@@ -137,7 +137,7 @@ fn commands_that_only_tell() {
     place.expect("new oscillating-drop-2d -o mine.toml", 0);
     place.expect("check mine.toml --strict", 0);
     assert!(std::fs::read_to_string(place.path("mine.toml")).unwrap().contains("\nname = \"mine\"\n"));
-    // What does not exist is not offered.
+    // Verbs and formats that do not exist are not offered.
     for line in ["--help", "completions bash", "completions zsh", "completions fish", "schema"] {
         let said = text(&place.run(line).stdout);
         let words: Vec<&str> = said.split(|c: char| !c.is_alphanumeric() && c != '_').collect();

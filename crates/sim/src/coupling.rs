@@ -31,7 +31,7 @@ pub struct Coupling<'a, const D: usize> {
     systems: &'a Systems<D>,
     /// With the place where the pressure takes hold of a solid that deforms.
     wet: Vec<(WetCell<D>, Option<Grip<D>>)>,
-    /// What lines tie to the free rigid ones.
+    /// The faces that contact lines tie to the free rigid ones.
     ties: Option<&'a Ties>,
 }
 
@@ -49,7 +49,7 @@ impl<'a, const D: usize> Coupling<'a, D> {
         Self { model, solids, systems, wet: wet.map(gripped).collect(), ties: None }
     }
 
-    /// The same with what lines tie to the solids.
+    /// The same with the faces that lines tie to the solids.
     pub fn tied(self, ties: &'a Ties) -> Self {
         Self { ties: Some(ties), ..self }
     }
@@ -69,7 +69,7 @@ impl<'a, const D: usize> Coupling<'a, D> {
         self.fluxes_of(&still, f);
     }
 
-    /// What impulses, and those of the tied faces, add to the velocities of the solids that faces are tied to.
+    /// The change that impulses, and those of the tied faces, make to the velocities of the solids that faces are tied to.
     pub fn yielding(&self, push: &Exchange<D>, mut faces: BTreeMap<usize, Six>) -> BTreeMap<usize, Six> {
         let sums = push.by_solid(self.solids.len());
         for (number, six) in &mut faces {
@@ -86,7 +86,7 @@ impl<'a, const D: usize> Coupling<'a, D> {
         }
     }
 
-    /// What the pressure adds to the velocities of the solids that faces are tied to.
+    /// Adds the pressure's part to the velocities of the solids that faces are tied to.
     pub fn pressed(&self, lambda: &[f64], velocities: &mut BTreeMap<usize, Six>) {
         let scale = self.model.density * self.model.grid.face_area();
         for (number, velocity) in velocities {
@@ -243,7 +243,7 @@ fn middle<const D: usize>(model: &Model<D>, w: &WetCell<D>) -> Vector<D> {
     center + w.spread.tr_mul(&w.area) / w.area.norm_squared().max(f64::MIN_POSITIVE)
 }
 
-/// What is of a solid's centre and what is about it.
+/// The six components: of a solid's centre, then about it.
 fn six_of<const D: usize>(linear: &Vector<D>, turning: &Vector<3>) -> Six {
     let linear = three(linear);
     Six::from_fn(|i, _| if i < 3 { linear[i] } else { turning[i - 3] })

@@ -1,4 +1,4 @@
-//! What a step mended: every mechanism that corrects the result of another one leaves a count or a sum here, measured before
+//! The repairs of a step: every mechanism that corrects the result of another one leaves a count or a sum here, measured before
 //! the correction. No result depends on it.
 
 /// Makes the record and the list of its entries from one table.

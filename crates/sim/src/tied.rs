@@ -92,7 +92,7 @@ impl Ties {
         }
     }
 
-    /// What the liquid's motion before the pressure, the surface's tension and `bends` give to the solids, by number.
+    /// The impulses on the solids, by number, of the liquid's motion before the pressure, the surface's tension and `bends`.
     pub fn pushes<const D: usize>(
         &self,
         model: &Model<D>,
@@ -115,7 +115,7 @@ impl Ties {
         self.tied.iter().map(|(solid, t)| (*solid, t.faces.iter().map(push).sum())).collect()
     }
 
-    /// Moves the tied faces by what the solids' velocities changed; `velocity` adds to one face.
+    /// Adds the change of the solids' velocities to the tied faces; `velocity` adds to one face.
     pub fn carry(
         &self,
         dragged: &mut [DraggedFace],

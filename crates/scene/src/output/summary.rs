@@ -21,7 +21,7 @@ pub const UNCONVERGED: &str = "unconverged";
 pub struct Summary {
     /// Name of the scene.
     pub scene: String,
-    /// What the scene says of itself.
+    /// The scene's `description`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
     /// The parameters of the scene in numbers.
@@ -80,7 +80,7 @@ pub struct Summary {
     pub lost_volume: f64,
     /// Steps done again with half the length.
     pub redone: u64,
-    /// What was mended, by name: counts, and sums in SI units ([`meniscus_sim::Repairs`]); `unconverged` counts all iterations that
+    /// The repairs of the run, by name: counts, and sums in SI units ([`meniscus_sim::Repairs`]); `unconverged` counts all iterations that
     /// ended before they converged.
     #[serde(default)]
     pub repairs: BTreeMap<String, f64>,

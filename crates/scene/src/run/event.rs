@@ -110,7 +110,7 @@ pub trait Observer {
     /// Called at once, between steps.
     fn see(&mut self, event: &Event);
 
-    /// What sees events from another thread, while a step goes on; none if nobody would listen.
+    /// The observer of events that another thread sends while a step goes on; none if there is none.
     fn remote(&self) -> Option<Box<dyn Remote>> {
         None
     }

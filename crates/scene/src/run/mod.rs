@@ -65,9 +65,9 @@ pub struct Job {
     pub checkpoint_every: u64,
     /// Name and mesh edge, m, of every solid.
     pub solids: Vec<(String, f64)>,
-    /// What looks odd in the scene: told at the start.
+    /// Warnings about the scene, told at the start.
     pub warnings: Vec<String>,
-    /// What the scene says of itself.
+    /// The scene's `description`.
     pub description: Option<String>,
     /// The parameters of the scene, for the summary.
     pub parameters: Vec<Parameter>,

@@ -78,7 +78,7 @@ impl DraggedFace {
         self.of_solid = of_solid;
     }
 
-    /// What the face gives to the solid at the velocity `u`, over its mass, m/s.
+    /// The impulse of the face on the solid at the velocity `u`, over the face's mass, m/s.
     pub fn given(&self, u: f64) -> f64 {
         self.drag * u - self.toward
     }

@@ -207,7 +207,7 @@ fn give_way<const D: usize>(p: &mut Projection<'_, D>, before: Vec<f64>) {
     }
 }
 
-/// What the faces that are tied to solids give to them before the pressure pushes.
+/// The impulses of tied faces on their solids before the pressure acts.
 fn pushes<const D: usize>(
     model: &Model<D>,
     p: &Projection<'_, D>,

@@ -1,10 +1,10 @@
 //! Drops whose contact lines rest at the edges of a plate.
 //!
-//! The steadiness of force and moment is not met in this version. A solid meets the liquid with edges that the lattice chamfers,
-//! in facets of a cell or less. A line that an edge holds crosses from one facet to the next and back from step to step, and
-//! the slope of the surface's energy, which is the line's pull, jumps where facets meet. So the force on the plate jumps from
-//! step to step, with a standard deviation of 2 to 104 % of the drop's weight, about a mean that is right within 0.6 %. The case
-//! has the bars that a drop at rest should meet; it is no part of `verify --quick`.
+//! The steadiness of force and moment is not met in this version: the force on the plate jumps from step to step, with a standard
+//! deviation of 2 to 104 % of the drop's weight, about a mean that is right within 0.6 %, and shorter steps do not help. The cause
+//! is not settled. A line that an edge holds crosses a kink of the surface's energy from step to step; but on an even wall, too,
+//! the push of a cap at Young's angle varies by a tenth of the tension, with jumps, as its line moves through a cell. The case has
+//! the bars that a drop at rest should meet; it is no part of `verify --quick`.
 
 use crate::measure::{TimeMean, at_most, force, load, settle};
 use crate::setup::run_to;

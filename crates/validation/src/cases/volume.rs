@@ -21,7 +21,8 @@ pub const CASE: Case = Case {
     run: |mode| settle("volume", run(mode)),
 };
 
-/// Bars of what the shift moves.
+/// Bars of the volume that the shift of φ moves in a step and in all steps, over that of the liquid. They are not measured yet:
+/// the case has not run since they were added.
 const MOVED: f64 = 1e-2;
 const ALL_MOVED: f64 = 1e-1;
 

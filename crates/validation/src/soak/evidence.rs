@@ -1,4 +1,4 @@
-//! What a violation leaves: the scene as a file, and an output folder with the checkpoint before it, from which `meniscus run
+//! The evidence of a violation: the scene as a file, and an output folder with the checkpoint before it, from which `meniscus run
 //! SCENE --out FOLDER --resume` goes on.
 
 use meniscus_scene::checkpoint;
@@ -13,7 +13,7 @@ use std::path::Path;
 /// Writes `NAME.toml` and the folder `NAME` into `out`.
 ///
 /// # Errors
-/// What cannot be written.
+/// [`FileError`].
 pub fn write<const D: usize>(
     out: &Path,
     (scene, text): (&Scene, &str),
@@ -38,7 +38,7 @@ pub fn write<const D: usize>(
 /// Writes `NAME.toml` into `out`.
 ///
 /// # Errors
-/// What cannot be written.
+/// [`FileError`].
 pub fn write_scene(out: &Path, name: &str, text: &str) -> Result<(), FileError> {
     file::create_folder(out)?;
     file::replace(&out.join(format!("{name}.toml")), |w| w.write_all(text.as_bytes()))

@@ -1,4 +1,4 @@
-//! What a soak found, as a table for people and JSON for machines.
+//! The results of a soak, as a table for people and JSON for machines.
 
 use super::invariants::ALL;
 use super::{Class, Outcome};
