@@ -145,6 +145,7 @@ pub fn setup<const D: usize>(scene: &Scene) -> Result<Setup<D>, SceneError> {
     let model = Model { solids, ..model(scene) };
     apart(scene, &model)?;
     let model = Model { solids: thick_enough(scene, &model)?, ..model };
+    let model = model.with_open_sides();
     Ok(Setup { model: if scene.walls_wet() { wet(scene, model) } else { model }, bodies })
 }
 

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 const MAGIC: &[u8; 8] = b"MENISCKP";
-const VERSION: u32 = 10;
+const VERSION: u32 = 11;
 /// Values per compressed block (4 MiB).
 const BLOCK: usize = 1 << 19;
 /// Checkpoints that are kept.
@@ -54,7 +54,7 @@ struct Header {
     dx: f64,
     step: u64,
     /// Time, last step, lead, kick, clear, drift, lost volume, kinetic energy, surface area.
-    numbers: [f64; 9],
+    numbers: [f64; 12],
     drops: Vec<DropRecord>,
     /// Centre, rotation by columns, velocity, spin, forces, what holds and braces it, of each solid; of one that deforms
     /// also its time, all positions, all velocities, then what holds its vertices.
@@ -166,6 +166,9 @@ pub fn write<const D: usize>(
         drops,
         solids,
         lost_volume,
+        outflow_volume,
+        outflow_kinetic_energy,
+        outflow_stored_energy,
         kinetic_energy,
         surface_area,
     } = state;
@@ -184,6 +187,9 @@ pub fn write<const D: usize>(
             *clear,
             *drift,
             *lost_volume,
+            *outflow_volume,
+            *outflow_kinetic_energy,
+            *outflow_stored_energy,
             *kinetic_energy,
             *surface_area,
         ],
@@ -316,10 +322,10 @@ fn restore<const D: usize>(header: &Header, body: &[u8], grid: Grid<D>) -> Optio
     for (array, blocks) in arrays.zip(&header.blocks) {
         rest = decompress(array, blocks, rest)?;
     }
-    let State { time, last_dt, lead, kick, clear, drift, lost_volume, kinetic_energy, surface_area, .. } =
-        &mut state;
-    [*time, *last_dt, *lead, *kick, *clear, *drift, *lost_volume, *kinetic_energy, *surface_area] =
-        header.numbers;
+    let n = header.numbers;
+    [state.time, state.last_dt, state.lead, state.kick, state.clear, state.drift, state.lost_volume, ..] = n;
+    [.., state.outflow_volume, state.outflow_kinetic_energy, state.outflow_stored_energy, _, _] = n;
+    [.., state.kinetic_energy, state.surface_area] = n;
     state.step = header.step;
     state.drops = header.drops.iter().map(DropRecord::restore).collect::<Option<_>>()?;
     state.solids = header.solids.iter().map(|r| restore_solid(r)).collect::<Option<_>>()?;

@@ -167,11 +167,14 @@ pub fn text(value: f64, unit: &str) -> String {
     }
 }
 
-/// How far the total energy rises above its start, relative to the largest kind of energy at the start.
+/// How far the total energy, with what has left through open sides, rises above its start, relative to the largest kind of
+/// energy at the start.
 fn energy_growth(series: &Table) -> Option<f64> {
     let names = ["kinetic_energy", "surface_energy", "elastic_energy", "potential_energy"];
     let kinds = names.map(|name| series.column(name));
-    let total = |row: usize| kinds.iter().map(|kind| kind[row]).sum::<f64>();
+    let left = ["outflow_kinetic_energy", "outflow_stored_energy"].map(|name| series.column(name));
+    let left = |row: usize| left.iter().filter_map(|kind| kind.get(row)).sum::<f64>();
+    let total = |row: usize| kinds.iter().map(|kind| kind[row]).sum::<f64>() + left(row);
     let rows = kinds.iter().map(|kind| kind.len()).min().filter(|&n| n > 0)?;
     let scale = kinds.iter().map(|kind| kind[0].abs()).fold(0.0, f64::max);
     let start = total(0);

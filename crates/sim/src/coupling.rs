@@ -326,7 +326,7 @@ mod tests {
         }
         let mut work = Workspace::new(&model, &mut state);
         let flat = Curvature::unknown();
-        let cut = cut_faces(&model, &state.phi, &work.band, &work.liquid, &flat, &work.cut);
+        let cut = cut_faces(&model, &state.phi, &work.band, &flat, &work.cut);
         let faces = work.known.liquid().clone();
         let open = work.cut.open.clone();
         let walk = |mut f: Box<dyn FnMut(usize, usize) + '_>| {

@@ -48,7 +48,7 @@ pub fn keep_carried<const D: usize>(
     let carried = |g: &Group<D>| Group { whole: g.carried.clone(), placed: Matrix::zeros(), ..g.clone() };
     let groups: Vec<Group<D>> = change.groups.iter().map(carried).collect();
     let flat = Curvature::unknown();
-    let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &flat, &work.cut);
+    let cut = cut_faces(model, &state.phi, &work.band, &flat, &work.cut);
     let kept = keep_momentum(model, state, work, &cut, (change, &groups), 0.0);
     Repairs {
         carried_momentum_restored: kept.momentum,

@@ -16,6 +16,7 @@ mod line;
 mod liquid;
 mod model;
 mod newton;
+mod outflow;
 mod profile;
 mod repairs;
 mod rigid_body;

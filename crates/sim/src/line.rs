@@ -18,7 +18,7 @@ use crate::balance::Surroundings;
 use crate::exchange::{Exchange, Impulse, moment};
 use crate::liquid::cube::CutCube;
 use crate::liquid::cut_faces::CutFace;
-use crate::model::{Model, Wall};
+use crate::model::Model;
 use crate::skin::Grip;
 use crate::solid::SolidState;
 use crate::tension::Skins;
@@ -172,17 +172,13 @@ impl<const D: usize> Lines<'_, D> {
         (exchange, along)
     }
 
-    /// Along which axes sides of the domain pull at the surface of each component: slip sides along their normals, open ones
-    /// in any direction.
+    /// Along which axes sides of the domain pull at the surface of each component: along their normals.
     fn sides(&self) -> Vec<[bool; D]> {
         let mut sides = vec![[false; D]; self.inside.len()];
         for cube in self.cubes.iter().filter(|c| c.area > 0.0) {
             // Beyond a side a corner stands for its mirror image.
             for a in (0..D).filter(|a| cube.corners[0] == cube.corners[1 << a]) {
-                let open = self.model.walls[a].contains(&Wall::Open);
-                cube.share(self.label, |c, _| {
-                    (0..D).filter(|b| *b == a || open).for_each(|b| sides[c as usize][b] = true);
-                });
+                cube.share(self.label, |c, _| sides[c as usize][a] = true);
             }
         }
         sides

@@ -113,7 +113,7 @@ impl<const D: usize> Simulation<D> {
         state.phi.data.par_iter_mut().enumerate().for_each(|(i, value)| {
             let x = model.mirrored(&grid.center(lattice.coordinates(i)));
             let distance = bodies.iter().map(|b| (b.distance)(&x)).fold(f64::INFINITY, f64::min);
-            *value = distance.clamp(-limit, limit);
+            *value = distance.max(model.beyond_open(&x)).clamp(-limit, limit);
         });
         let mut simulation = Self::resume(model, state);
         simulation.forget_sides();
@@ -135,7 +135,7 @@ impl<const D: usize> Simulation<D> {
 
     /// Makes φ the distance to the surface where sides wet: a body may end at a side, and there no surface is.
     fn forget_sides(&mut self) {
-        if !self.model.grid.has_margin() {
+        if self.model.wetting_walls().is_none() {
             return;
         }
         let limit = BAND * self.model.grid.dx;
@@ -195,8 +195,8 @@ impl<const D: usize> Simulation<D> {
         let wanted = self.wanted_dt(speed, if solids > liquid { "a solid" } else { "the liquid" })?;
         let mut dt = self.choose_dt(wanted.dt, max_dt);
         let shortest = 1.5 * 0.5f64.powi(DOUBTS as i32) * wanted.dt;
-        let (energy, height) =
-            (own_energy(&self.model, &self.state), potential_energy(&self.model, &self.state));
+        let energy = own_energy(&self.model, &self.state);
+        let all = energy + potential_energy(&self.model, &self.state) + self.state.outflow_energy();
         let time = self.state.time;
         let (mut redone, mut failed) = (0, 0);
         // Ends after [`RETRIES`] and [`DOUBTS`].
@@ -208,9 +208,8 @@ impl<const D: usize> Simulation<D> {
                 Ok(result) => {
                     let way = max_component(&self.model, &self.state, &self.work) * dt / self.model.grid.dx;
                     let fine = self.state.kinetic_energy.is_finite() && way < WILD;
-                    let (own, high) =
-                        (own_energy(&self.model, &self.state), potential_energy(&self.model, &self.state));
-                    let gain = own + high - (energy + height) - result.stirred;
+                    let own = own_energy(&self.model, &self.state) + self.state.outflow_energy();
+                    let gain = own + potential_energy(&self.model, &self.state) - all - result.stirred;
                     let doubtful = result.volume_jump > VOLUME_JUMP
                         || gain > ENERGY_JUMP * energy.abs() + self.energy_of_nothing(dt);
                     if fine && (!doubtful || dt < shortest || self.model.numerics.fixed_step.is_some()) {

@@ -34,6 +34,12 @@ pub struct State<const D: usize> {
     pub solids: Vec<SolidState<D>>,
     /// Volume of components that became too small to see, m³ (2D: m²), since the start.
     pub lost_volume: f64,
+    /// Volume that has left through open sides, m³ (2D: m²), since the start.
+    pub outflow_volume: f64,
+    /// Kinetic energy that has left with it, J (2D: J per metre).
+    pub outflow_kinetic_energy: f64,
+    /// Energy of surface and height that has left with it, J (2D: J per metre).
+    pub outflow_stored_energy: f64,
     /// Kinetic energy, J (2D: J per metre).
     pub kinetic_energy: f64,
     /// Area of the surface, m² (2D: m).
@@ -67,6 +73,11 @@ impl<const D: usize> Drop<D> {
 }
 
 impl<const D: usize> State<D> {
+    /// Energy that has left through open sides, J (2D: J per metre).
+    pub fn outflow_energy(&self) -> f64 {
+        self.outflow_kinetic_energy + self.outflow_stored_energy
+    }
+
     /// Pressure in a liquid cell, Pa (2D: N/m), of a liquid of a density, kg/m³.
     pub fn pressure(&self, density: f64, cell: usize) -> f64 {
         self.lambda.data[cell] * density / self.kick
@@ -88,6 +99,9 @@ impl<const D: usize> State<D> {
             drops: Vec::new(),
             solids: Vec::new(),
             lost_volume: 0.0,
+            outflow_volume: 0.0,
+            outflow_kinetic_energy: 0.0,
+            outflow_stored_energy: 0.0,
             kinetic_energy: 0.0,
             surface_area: 0.0,
         }

@@ -20,6 +20,7 @@ use crate::liquid::transport::{advect_surface, advect_velocity, pack};
 use crate::liquid::volume::band_labels;
 use crate::model::Model;
 use crate::newton::Newton;
+use crate::outflow::drain;
 use crate::repairs::Repairs;
 use crate::simulation::{GROWTH, PhaseEnd, clear_time};
 use crate::soft::{Systems, systems};
@@ -103,6 +104,9 @@ pub fn step<const D: usize>(
     state.time += dt;
     state.step += 1;
     state.last_dt = dt;
+
+    // (6) What has passed an open side is gone.
+    drain(model, state, work);
     Ok(StepResult { solves, stirred, volume_jump: change.jump })
 }
 
@@ -189,7 +193,7 @@ fn push<const D: usize>(
     let ghosts = ghosts(model, state, &work.band, &work.cut);
     let beside = Beside { solids: &work.cut, ghosts: &ghosts, weight: model.weight() };
     let kappa = curvature(&model.grid, &work.band, CURVED, &phi, &change.cubes, &beside, &filter);
-    let mut cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &kappa, &work.cut);
+    let mut cut = cut_faces(model, &state.phi, &work.band, &kappa, &work.cut);
     work.repairs.add(&kappa.repairs);
     work.repairs.unknown_curvatures += cut.iter().filter(|face| !face.known).count() as u64;
     let mut dragged = drag(model, (state, &before), &change.cubes, (&mut cut, &work.cut), kick);
@@ -481,7 +485,7 @@ fn fall<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace
 pub fn open_books<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
     let change = Change::none(model, state, work);
     let flat = Curvature::unknown();
-    let cut = cut_faces(model, &state.phi, &work.band, &work.liquid, &flat, &work.cut);
+    let cut = cut_faces(model, &state.phi, &work.band, &flat, &work.cut);
     let moments = keep_momentum(model, state, work, &cut, (&change, &[]), 0.0).moments;
     state.drops = drops(model, work, &cut, &moments, &change);
     state.kinetic_energy = kinetic_energy(model, &moments);

@@ -10,7 +10,7 @@ use crate::wetting::Hysteresis;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 
-/// Cells of the grid beyond a closed side that wets: what stencils at the side reach.
+/// Cells of the grid beyond a closed side that wets, or an open one: what stencils at the side reach.
 pub const MARGIN: usize = 3;
 /// How far the walls go on along open sides, over the size of the domain: beyond the grid.
 const FAR: f64 = 10.0;
@@ -26,9 +26,14 @@ impl<const D: usize> Model<D> {
         line_friction: f64,
         hysteresis: Option<Hysteresis>,
     ) -> Self {
-        let margin = self.walls.map(|sides| sides.map(|w| if w == Wall::Slip { MARGIN } else { 0 }));
+        let margin = std::array::from_fn(|a| {
+            std::array::from_fn(|side| match self.walls[a][side] {
+                Wall::Slip => MARGIN,
+                Wall::Open => self.grid.margin[a][side],
+            })
+        });
         self.grid = self.grid.with_margin(margin);
-        if self.grid.has_margin() {
+        if self.sides_wet() {
             let solid = Solid::new(self.outside(), Motion::Fixed, self.density);
             self.solids.push(Solid { cosine, line_friction, hysteresis, ..solid });
         }
@@ -37,7 +42,13 @@ impl<const D: usize> Model<D> {
 
     /// Number of the solid that is the closed sides, if they wet at another angle than 90 degrees.
     pub fn wetting_walls(&self) -> Option<usize> {
-        self.solids.len().checked_sub(1).filter(|_| self.grid.has_margin())
+        self.solids.len().checked_sub(1).filter(|_| self.sides_wet())
+    }
+
+    /// Whether the grid goes on beyond closed sides.
+    fn sides_wet(&self) -> bool {
+        let beyond = |(wall, cells): (&Wall, &usize)| *wall == Wall::Slip && *cells > 0;
+        self.walls.as_flattened().iter().zip(self.grid.margin.as_flattened()).any(beyond)
     }
 
     /// Height of a point over a solid around a foot on it with this normal, m: of the walls only the side of the foot counts,
@@ -69,10 +80,14 @@ impl<const D: usize> Model<D> {
         Shape::Difference { of: Box::new(all), minus: Box::new(inner) }
     }
 
-    /// A point, mirrored at the sides if it lies beyond them: there the liquid starts as at 90 degrees, so that liquid that
-    /// ends at a side touches it.
+    /// A point, mirrored at the closed sides if it lies beyond them: there the liquid starts as at 90 degrees, so that liquid
+    /// that ends at a side touches it.
     pub(crate) fn mirrored(&self, x: &Vector<D>) -> Vector<D> {
         let upper = self.grid.upper();
-        Vector::from_fn(|a, _| if x[a] > upper[a] { 2.0 * upper[a] - x[a] } else { x[a].abs() })
+        Vector::from_fn(|a, _| match self.walls[a] {
+            [_, Wall::Slip] if x[a] > upper[a] => 2.0 * upper[a] - x[a],
+            [Wall::Slip, _] if x[a] < 0.0 => -x[a],
+            _ => x[a],
+        })
     }
 }

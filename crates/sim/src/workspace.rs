@@ -351,7 +351,7 @@ pub struct Snapshot<const D: usize> {
     velocity: FaceValues<D>,
     drops: Vec<crate::Drop<D>>,
     solids: Vec<crate::SolidState<D>>,
-    scalars: (f64, u64, [f64; 8]),
+    scalars: (f64, u64, [f64; 6], [f64; 3], [f64; 2]),
 }
 
 type FaceValues<const D: usize> = [Vec<(usize, Vec<f64>)>; D];
@@ -369,10 +369,11 @@ impl<const D: usize> Snapshot<D> {
             };
             workspace.known.liquid()[a].iter().map(values).collect()
         });
-        let State { last_dt, lead, kick, clear, drift, lost_volume, kinetic_energy, surface_area, .. } =
-            *state;
-        let rest = [last_dt, lead, kick, clear, drift, lost_volume, kinetic_energy, surface_area];
-        let scalars = (state.time, state.step, rest);
+        let State { last_dt, lead, kick, clear, drift, lost_volume, .. } = *state;
+        let State { outflow_volume, outflow_kinetic_energy, outflow_stored_energy, .. } = *state;
+        let left = [outflow_volume, outflow_kinetic_energy, outflow_stored_energy];
+        let start = [last_dt, lead, kick, clear, drift, lost_volume];
+        let scalars = (state.time, state.step, start, left, [state.kinetic_energy, state.surface_area]);
         let (tiles, drops, solids) = (workspace.tiles.clone(), state.drops.clone(), state.solids.clone());
         Self { tiles, cells, phi, velocity, drops, solids, scalars }
     }
@@ -392,9 +393,9 @@ impl<const D: usize> Snapshot<D> {
             }
         }
         (state.time, state.step) = (self.scalars.0, self.scalars.1);
-        [state.last_dt, state.lead, state.kick, state.clear, state.drift, state.lost_volume, ..] =
-            self.scalars.2;
-        [.., state.kinetic_energy, state.surface_area] = self.scalars.2;
+        [state.last_dt, state.lead, state.kick, state.clear, state.drift, state.lost_volume] = self.scalars.2;
+        [state.outflow_volume, state.outflow_kinetic_energy, state.outflow_stored_energy] = self.scalars.3;
+        [state.kinetic_energy, state.surface_area] = self.scalars.4;
         state.drops = self.drops;
         state.solids = self.solids;
         // What a failed solve left behind is no guess.

@@ -111,11 +111,6 @@ impl<const D: usize> Grid<D> {
         Self { cells: std::array::from_fn(|a| inner[a] + margin[a][0] + margin[a][1]), margin, ..*self }
     }
 
-    /// Whether it has cells beyond the domain.
-    pub fn has_margin(&self) -> bool {
-        self.margin != [[0; 2]; D]
-    }
-
     /// Number of cells of the domain along each axis.
     pub fn domain_cells(&self) -> [usize; D] {
         std::array::from_fn(|a| self.cells[a] - self.margin[a][0] - self.margin[a][1])

@@ -119,7 +119,7 @@ pub struct QualityFile {
 pub enum Wall {
     /// Impermeable, without friction.
     Slip,
-    /// Air: the liquid may leave.
+    /// Air: liquid that passes the side leaves; none comes in.
     Open,
 }
 

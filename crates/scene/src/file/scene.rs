@@ -77,11 +77,11 @@ impl Scene {
         self.domain.wets() && self.contact_line.enabled
     }
 
-    /// Number of cells of the grid: those of the domain, and those beyond sides that wet.
+    /// Number of cells of the grid: those of the domain, and those beyond sides that are open or wet.
     pub fn grid_cells(&self) -> f64 {
-        let margin = if self.walls_wet() { meniscus_sim::MARGIN } else { 0 };
-        let closed = |sides: &[Wall; 2]| sides.iter().filter(|w| **w == Wall::Slip).count();
-        let along = |(n, sides): (&usize, &[Wall; 2])| (n + margin * closed(sides)) as f64;
+        let beyond = |w: &&Wall| **w == Wall::Open || self.walls_wet();
+        let wider = |sides: &[Wall; 2]| sides.iter().filter(beyond).count();
+        let along = |(n, sides): (&usize, &[Wall; 2])| (n + meniscus_sim::MARGIN * wider(sides)) as f64;
         self.domain.cells.iter().zip(&self.domain.walls).map(along).product()
     }
 }

@@ -56,6 +56,9 @@ pub const COLUMNS: &[&str] = &[
     "momentum_restored",
     "clamped_curvatures",
     "unconverged",
+    "outflow_volume",
+    "outflow_kinetic_energy",
+    "outflow_stored_energy",
 ];
 
 /// The columns of the liquid's force on a solid, N (2D: N/m).
@@ -100,6 +103,7 @@ pub fn row<const D: usize>(
     let repairs = &report.repairs;
     put(&mut row, &[repairs.volume_shift, repairs.deleted_volume, repairs.momentum_restored]);
     let _ = write!(row, ",{},{}", repairs.clamped_curvatures, repairs.unconverged());
+    put(&mut row, &[state.outflow_volume, state.outflow_kinetic_energy, state.outflow_stored_energy]);
     for now in &state.solids[..measures.solids()] {
         put(&mut row, &three(&(now.pressed + now.pulled)));
     }

@@ -78,6 +78,9 @@ pub struct Summary {
     pub thin_liquid: ThinTally,
     /// Volume of drops that became too small to see, m³ (2D: m²).
     pub lost_volume: f64,
+    /// Volume that left through open sides, m³ (2D: m²).
+    #[serde(default)]
+    pub outflow_volume: f64,
     /// Steps done again with half the length.
     pub redone: u64,
     /// The repairs of the run, by name: counts, and sums in SI units ([`meniscus_sim::Repairs`]); `unconverged` counts all iterations that
@@ -280,6 +283,7 @@ impl Summary {
             deepest_overlap: tally.deepest_overlap,
             thin_liquid: tally.thin,
             lost_volume: state.lost_volume,
+            outflow_volume: state.outflow_volume,
             redone: tally.repairs.redone,
             repairs: named(&tally.repairs),
             start_volume: tally.mass / simulation.model.density,

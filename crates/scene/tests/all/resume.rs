@@ -20,7 +20,8 @@ fn differences<const D: usize>(a: &State<D>, b: &State<D>) -> String {
     (0..D).for_each(|i| note("velocity", count(&a.velocity.axes[i], &b.velocity.axes[i])));
     note("drops", usize::from(a.drops != b.drops));
     let numbers = |s: &State<D>| {
-        [s.time, s.last_dt, s.lead, s.kick, s.drift, s.lost_volume, s.kinetic_energy, s.surface_area]
+        let sums = [s.lost_volume, s.outflow_volume, s.outflow_energy(), s.kinetic_energy, s.surface_area];
+        [[s.time, s.last_dt, s.lead, s.kick, s.drift], sums].concat()
     };
     note("numbers", count(&numbers(a), &numbers(b)));
     out

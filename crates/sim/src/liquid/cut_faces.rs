@@ -2,7 +2,7 @@
 
 use super::curvature::Curvature;
 use crate::model::Model;
-use meniscus_numerics::grid::{Band, CellField, CutCells, Runs, Sampler};
+use meniscus_numerics::grid::{Band, CellField, CutCells, Sampler};
 use rayon::prelude::*;
 
 /// The surface is kept this share of a cell away from the liquid's centre at least.
@@ -10,7 +10,7 @@ const NEAREST: f64 = 0.02;
 /// Most steps to the root of a cubic; the interval that holds it shrinks in each.
 const ROOTS: usize = 30;
 
-/// A face between a liquid cell and air, or an open side.
+/// A face between a liquid cell and air.
 #[derive(Clone, Copy, Debug)]
 pub struct CutFace {
     /// Normal axis.
@@ -38,7 +38,6 @@ pub fn cut_faces<const D: usize>(
     model: &Model<D>,
     phi: &CellField<D>,
     band: &Band<D>,
-    liquid: &Runs,
     curvature: &Curvature,
     solids: &CutCells<D>,
 ) -> Vec<CutFace> {
@@ -47,7 +46,7 @@ pub fn cut_faces<const D: usize>(
     let value = |slot: Option<usize>| {
         slot.filter(|s| curvature.known.get(*s) == Some(&true)).map(|s| curvature.kappa[s])
     };
-    let mut faces: Vec<CutFace> = band.cells[band.first_layers(1)]
+    band.cells[band.first_layers(1)]
         .par_iter()
         .filter(|&&c| phi.data[c as usize] < 0.0)
         .flat_map_iter(|&c| {
@@ -90,50 +89,7 @@ pub fn cut_faces<const D: usize>(
                 })
             })
         })
-        .collect();
-    open_sides(model, liquid, solids, &mut faces);
-    faces
-}
-
-/// Liquid cells at open sides: pressure zero on the side itself, half a cell away.
-fn open_sides<const D: usize>(
-    model: &Model<D>,
-    liquid: &Runs,
-    solids: &CutCells<D>,
-    faces: &mut Vec<CutFace>,
-) {
-    let lattice = model.grid.lattice();
-    for axis in 0..D {
-        for side in 0..2 {
-            if model.walls[axis][side] == crate::Wall::Slip {
-                continue;
-            }
-            let edge = if side == 0 { 0 } else { lattice.extent[axis] - 1 };
-            for run in &liquid.runs {
-                let row = run.row as usize * lattice.extent[0];
-                let cells = row + run.start as usize..row + run.end as usize;
-                for cell in cells {
-                    let mut at = lattice.coordinates(cell);
-                    if at[axis] != edge {
-                        if axis == 0 { continue } else { break }
-                    }
-                    at[axis] += side;
-                    let face = model.grid.faces(axis).index(at);
-                    faces.push(CutFace {
-                        axis,
-                        face,
-                        cell,
-                        sign: 2.0 * side as f64 - 1.0,
-                        theta: 0.5,
-                        kappa: 0.0,
-                        known: true,
-                        open: solids.open.axes[axis][face],
-                        mobility: 1.0,
-                    });
-                }
-            }
-        }
-    }
+        .collect()
 }
 
 /// Share of the way from the centre of liquid cell `at` to its neighbour where the cubic through four values is zero.

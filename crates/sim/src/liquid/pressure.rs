@@ -374,7 +374,7 @@ mod tests {
             known: vec![true; work.band.cells.len()],
             ..Curvature::unknown()
         };
-        let mut cut = cut_faces(&model, &state.phi, &work.band, &work.liquid, &known, &work.cut);
+        let mut cut = cut_faces(&model, &state.phi, &work.band, &known, &work.cut);
         for f in &mut cut {
             let mut x = grid.center(grid.lattice().coordinates(f.cell));
             x[f.axis] += f.sign * f.theta * grid.dx;

@@ -21,6 +21,7 @@ mod momentum_with_solid;
 mod moving_drop;
 mod moving_plate;
 mod newton;
+mod open_side;
 mod pressure_matrix;
 mod rayleigh;
 mod rayleigh_plateau;
@@ -50,7 +51,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 59] = [
+const ALL: [Case; 60] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -61,6 +62,7 @@ const ALL: [Case; 59] = [
     moving_drop::CASE,
     rayleigh_plateau::CASE,
     hydrostatic::CASE,
+    open_side::CASE,
     transport::ZALESAK,
     transport::VORTEX,
     dam_break::CASE,

@@ -76,7 +76,7 @@ impl<const D: usize> Books<D> {
         let (model, state, ledger) = (&simulation.model, &simulation.state, &report.ledger);
         let mut found = Found { step: state.step, time: state.time, all: Vec::new() };
         found.at_most("not-finite", not_finite(ledger) as f64, 0.0, "sums over the liquid");
-        self.check_energy(&mut found, ledger);
+        self.check_energy(&mut found, state, ledger);
         self.check_momentum(&mut found, simulation, ledger);
         found.at_most("volume-before", report.repairs.volume_shift_largest, VOLUME, "shifted in a step");
         let leaked = report.repairs.leaked_volume / self.volume;
@@ -104,14 +104,17 @@ impl<const D: usize> Books<D> {
 
     /// The velocity is half a step ahead of the positions: the kinetic energy at their time is the mean of that before and
     /// after, to second order. (That of the ledger alone grows in free fall by `ρ V g v h/2`, which is no energy.) Where a
-    /// solid goes as it is told it does work that steps do not report: there the energy is left out.
+    /// solid goes as it is told it does work that steps do not report: there the energy is left out. What has left through open
+    /// sides counts.
     ///
     /// What steps of many capillary limits keep is a neighbour of the energy, which itself swings about that from step to step
     /// by `(ω h)²` of what the fastest waves have. So it is a mean over some steps that must not rise again.
-    fn check_energy(&mut self, found: &mut Found, ledger: &Ledger<D>) {
-        let before = self.kinetic_before.replace(ledger.kinetic_energy);
+    fn check_energy(&mut self, found: &mut Found, state: &State<D>, ledger: &Ledger<D>) {
+        let kinetic = ledger.kinetic_energy + state.outflow_kinetic_energy;
+        let before = self.kinetic_before.replace(kinetic);
         let Some(before) = before.filter(|_| self.closed) else { return };
-        let energy = potential_and_stored(ledger) + 0.5 * (before + ledger.kinetic_energy);
+        let stored = potential_and_stored(ledger) + state.outflow_stored_energy;
+        let energy = stored + 0.5 * (before + kinetic);
         found.at_most("energy", (energy - self.energy) / self.scale, ENERGY, "of its scale, over the start");
         self.recent.push_back(energy);
         if self.recent.len() > WINDOW {
