@@ -75,9 +75,10 @@ pub fn surface_energy<const D: usize>(model: &Model<D>, cubes: &[CutCube]) -> f6
     cubes.iter().map(|c| c.area - c.young * c.wetted).sum::<f64>() * model.grid.face_area()
 }
 
-/// ½ ρ ∫ u² of the liquid, J.
-pub fn kinetic_energy<const D: usize>(model: &Model<D>, moments: &[Moments<D>]) -> f64 {
-    0.5 * model.density * model.grid.cell_volume() * moments.iter().map(|m| m.energy).sum::<f64>()
+/// ½ ρ ∫ u² of the liquid, J: of components of these volumes, as their momentum is.
+pub fn kinetic_energy<const D: usize>(model: &Model<D>, moments: &[Moments<D>], volumes: &[f64]) -> f64 {
+    let energies = moments.iter().zip(volumes).map(|(m, volume)| m.weighing(*volume).energy);
+    0.5 * model.density * energies.flatten().sum::<f64>()
 }
 
 /// The components as drops.

@@ -40,7 +40,7 @@ const CURVED: usize = 5;
 /// Cells that the interface may move before φ is made a distance again.
 const DRIFT: f64 = 0.7;
 /// Deviation of |∇φ| from one at the interface before φ is made a distance again.
-const SLOPE: f64 = 0.1;
+pub(crate) const SLOPE: f64 = 0.1;
 /// Layers of the band on which φ is made a distance in every step: all that the curvature sees.
 const NEAR: usize = 6;
 
@@ -221,7 +221,7 @@ fn push<const D: usize>(
         ..of_solids(model, state)
     });
     state.drops = drops(model, work, &cut, &kept.moments, change);
-    state.kinetic_energy = kinetic_energy(model, &kept.moments);
+    state.kinetic_energy = kinetic_energy(model, &kept.moments, &change.targets);
     state.surface_area = surface_energy(model, &change.cubes);
     phase_end("momentum and extension");
     Ok((solves, stirred))
@@ -488,6 +488,6 @@ pub fn open_books<const D: usize>(model: &Model<D>, state: &mut State<D>, work: 
     let cut = cut_faces(model, &state.phi, &work.band, &flat, &work.cut);
     let moments = keep_momentum(model, state, work, &cut, (&change, &[]), 0.0).moments;
     state.drops = drops(model, work, &cut, &moments, &change);
-    state.kinetic_energy = kinetic_energy(model, &moments);
+    state.kinetic_energy = kinetic_energy(model, &moments, &change.targets);
     state.surface_area = surface_energy(model, &change.cubes);
 }

@@ -19,6 +19,7 @@ use crate::model::Model;
 use crate::simulation::GROWTH;
 use crate::solid::{Motion, SolidState};
 use crate::state::State;
+use crate::step::SLOPE;
 use crate::workspace::BAND;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CutCells, Sampler, points};
@@ -154,24 +155,33 @@ impl<const D: usize> Surface<'_, D> {
         (normal.dot(&near.normal) < 0.0).then_some(Side { depth: ACROSS * dx - height, normal, ..*near })
     }
 
+    /// Direction along a solid in which φ rises: of unit length, or less where the slope is not told from that of a surface
+    /// parallel to the solid. It is a difference over two cells: over less, the ripples of a film decide.
+    fn along(&self, x: &Vector<D>, normal: &Vector<D>) -> Vector<D> {
+        let dx = self.model.grid.dx;
+        let slope: Vector<D> = Vector::from_fn(|a, _| {
+            let step: Vector<D> = Vector::from_fn(|b, _| if a == b { dx } else { 0.0 });
+            (self.phi.linear(&(x + step)) - self.phi.linear(&(x - step))) / (2.0 * dx)
+        });
+        let along = slope - normal * slope.dot(normal);
+        along / along.norm().max(SLOPE)
+    }
+
     /// Where the continuation through a point under a side comes out of the solid, and how dense it is within.
     fn comes_out(&self, x: &Vector<D>, side: &Side<D>) -> (Vector<D>, f64) {
         let (dx, normal, depth) = (self.model.grid.dx, side.normal, side.depth);
         let (solid, now) = (&self.model.solids[side.solid], &self.solids[side.solid]);
         let way = depth + HEIGHT * dx;
         let slope = self.phi.distance(&(x + normal * way)).1;
-        let along = (slope - normal * slope.dot(&normal)).try_normalize(1e-3);
-        let outside = |angle: f64| {
-            let direction = along.map_or(normal, |t| normal * angle.sin() - t * angle.cos());
-            x + direction * (way / direction.dot(&normal))
-        };
+        let along = self.along(&(x + normal * way), &normal);
+        let outside = |angle: f64| x + (normal - along * (angle.cos() / angle.sin())) * way;
         let angle = |slope: &Vector<D>| (slope.dot(&normal) / slope.norm().max(0.5)).clamp(-1.0, 1.0).acos();
         let steepest = FLATTEST.asin();
         let bound = |angle: f64| angle.clamp(steepest, PI - steepest);
         let (mut cosine, rests) = solid.wetting(solid.cosine_near(now, x, dx), angle(&slope).cos());
         if solid.line_friction > 0.0 && !rests {
             let at = outside(bound(cosine.clamp(-1.0, 1.0).acos()));
-            let speed = along.map_or(0.0, |t| (self.flow.linear(&at) - now.velocity_at(&at)).dot(&t));
+            let speed = (self.flow.linear(&at) - now.velocity_at(&at)).dot(&along);
             cosine -= solid.line_friction * speed / self.model.surface_tension;
         }
         let foot = bound(cosine.clamp(-1.0, 1.0).acos());

@@ -27,8 +27,8 @@ pub struct Moments<const D: usize> {
     pub second: [[[f64; D]; D]; D],
     /// Σ m x_b u_a per axis a of the face and axis b of the position.
     pub turning: [[f64; D]; D],
-    /// Σ m u².
-    pub energy: f64,
+    /// Σ m u² per axis of the face.
+    pub energy: [f64; D],
 }
 
 impl<const D: usize> Moments<D> {
@@ -40,14 +40,14 @@ impl<const D: usize> Moments<D> {
             first: [[0.0; D]; D],
             second: [[[0.0; D]; D]; D],
             turning: [[0.0; D]; D],
-            energy: 0.0,
+            energy: [0.0; D],
         }
     }
 
     fn add_face(&mut self, a: usize, m: f64, x: &Vector<D>, u: f64) {
         self.mass[a] += m;
         self.momentum[a] += m * u;
-        self.energy += m * u * u;
+        self.energy[a] += m * u * u;
         for b in 0..D {
             self.first[a][b] += m * x[b];
             self.turning[a][b] += m * x[b] * u;
@@ -59,8 +59,8 @@ impl<const D: usize> Moments<D> {
 
     /// Adds `scale` times another body.
     pub fn add(&mut self, o: &Self, scale: f64) {
-        self.energy += scale * o.energy;
         for a in 0..D {
+            self.energy[a] += scale * o.energy[a];
             self.mass[a] += scale * o.mass[a];
             self.momentum[a] += scale * o.momentum[a];
             for b in 0..D {
@@ -80,6 +80,7 @@ impl<const D: usize> Moments<D> {
             let scale = mass / self.mass[a].max(1e-300);
             out.mass[a] = mass;
             out.momentum[a] = scale * self.momentum[a];
+            out.energy[a] = scale * self.energy[a];
             out.first[a] = self.first[a].map(|x| scale * x);
             out.turning[a] = self.turning[a].map(|x| scale * x);
             out.second[a] = self.second[a].map(|row| row.map(|x| scale * x));
