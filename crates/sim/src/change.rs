@@ -5,8 +5,9 @@ use crate::liquid::cube::CutCube;
 use crate::liquid::momentum::together;
 use crate::liquid::volume::{Followed, Group, Measured, astray, band_labels, follow, targets};
 use crate::model::Model;
+use crate::outflow::leave;
 use crate::repairs::Repairs;
-use crate::state::State;
+use crate::state::{Drop, State};
 use crate::workspace::{BAND, Workspace};
 use meniscus_numerics::grid::{Band, Runs};
 use meniscus_numerics::{Matrix, Vector};
@@ -73,13 +74,22 @@ pub fn keep_volume<const D: usize>(
     let liquid = work.measured_liquid(model, &labels);
     let measured = liquid.measure(&state.phi);
     let raw = measured.volumes.clone();
-    let mut followed = follow(before, &work.liquid, &state.drops, &measured.centers, dt);
+    // What vanishes within a cell of an open side has left through it.
+    let left = |d: &Drop<D>| model.beyond_open(&(d.centroid + d.velocity * dt)) > -model.grid.dx;
+    let mut followed = follow(before, &work.liquid, &state.drops, &measured.centers, dt, left);
     let groups = &mut followed.groups;
     let mut unpulled = unpulled(&measured.cubes, &work.cut.wet, &in_band(&work.band, &labels), raw.len());
     let free = work.faced(&unpulled).into_iter().map(|share| share < FACED);
     unpulled.iter_mut().zip(free).filter(|(_, free)| !free).for_each(|(part, _)| part.fill(0.0));
     expect(model, state, work, groups, &unpulled, dt);
-    let (targets, lost) = targets(groups, &state.drops, &raw);
+    let (targets, mut lost) = targets(groups, &state.drops, &raw);
+    for old in groups.iter().filter(|g| g.new.is_empty()).flat_map(|g| &g.old) {
+        let drop = state.drops[*old].clone();
+        if left(&drop) {
+            lost -= drop.target_volume;
+            leave(model, state, &drop);
+        }
+    }
     state.lost_volume += lost;
     let mut repairs = moved(model, state, &followed, &raw, &targets);
     let off = astray(&followed.groups, &targets, &measured.centers);

@@ -10,7 +10,7 @@
 use crate::ledger::potential_energy;
 use crate::liquid::volume::band_labels;
 use crate::model::{Model, Wall};
-use crate::state::State;
+use crate::state::{Drop, State};
 use crate::step::open_books;
 use crate::walls::MARGIN;
 use crate::workspace::Workspace;
@@ -73,6 +73,14 @@ pub fn drain<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut 
     state.outflow_volume += before[0] - after[0];
     state.outflow_kinetic_energy += before[1] - after[1];
     state.outflow_stored_energy += before[2] - after[2];
+}
+
+/// Counts a drop as left that the grid sees no more; its surface counts nothing.
+pub fn leave<const D: usize>(model: &Model<D>, state: &mut State<D>, drop: &Drop<D>) {
+    let mass = model.density * drop.target_volume;
+    state.outflow_volume += drop.target_volume;
+    state.outflow_kinetic_energy += 0.5 * mass * drop.velocity.norm_squared();
+    state.outflow_stored_energy -= mass * model.gravity.dot(&drop.centroid);
 }
 
 /// Volume, kinetic and stored energy of the liquid of a state.

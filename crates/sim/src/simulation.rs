@@ -202,7 +202,7 @@ impl<const D: usize> Simulation<D> {
         // Ends after [`RETRIES`] and [`DOUBTS`].
         loop {
             self.work.repairs = Repairs::default();
-            let snapshot = Snapshot::take(&self.model, &self.state, &self.work);
+            let snapshot = Snapshot::take(&self.model, &self.state, &mut self.work);
             let result = step(&self.model, &mut self.state, &mut self.work, dt, phase_end);
             let failure = match result {
                 Ok(result) => {

@@ -345,7 +345,8 @@ pub fn move_surface<const D: usize>(
 ) -> Runs {
     let values = advect_surface(model, &state.phi, &work.band, &state.velocity, dt);
     work.band.cells.iter().zip(values).for_each(|(&c, v)| state.phi.data[c as usize] = v);
-    work.apart = extend_into_solids(model, state, &work.band, &work.cut, solids);
+    let extended = extend_into_solids(model, state, &work.band, &work.cut, solids);
+    (work.apart, work.beyond) = (extended.apart, extended.beyond);
     let way = max_component(model, state, work) * dt / model.grid.dx;
     state.drift += way;
     let before = std::mem::take(&mut work.liquid);

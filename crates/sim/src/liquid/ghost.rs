@@ -193,15 +193,22 @@ impl<const D: usize> Surface<'_, D> {
     }
 }
 
-/// Brings φ in the band's cells within solids nearer to the surface's continuation; `before` is where the solids were. Gives
-/// back the cells whose φ is no distance, in order: those that thin solids keep their sides apart with.
+/// What bringing φ nearer to the surface's continuation has changed.
+pub struct Extended {
+    /// The cells whose φ is no distance, in order: those that thin solids keep their sides apart with.
+    pub apart: Vec<u32>,
+    /// Cells outside the band with the φ that they had before.
+    pub beyond: Vec<(u32, f64)>,
+}
+
+/// Brings φ in the band's cells within solids nearer to the surface's continuation; `before` is where the solids were.
 pub fn extend_into_solids<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     band: &Band<D>,
     cut: &CutCells<D>,
     before: &[SolidState<D>],
-) -> Vec<u32> {
+) -> Extended {
     let ghosts = ghosts(model, state, band, cut);
     let sampler = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
     let seen = |g: &Ghost<D>| sampler.distance(&g.outside).0;
@@ -225,10 +232,8 @@ pub fn extend_into_solids<const D: usize>(
         }
     }
     let apart = keep_apart(model, &mut state.phi.data, cut, across);
-    if model.solids.iter().any(|s| s.motion != Motion::Fixed) {
-        follow_sides(model, state, band, cut);
-    }
-    apart
+    let moving = model.solids.iter().any(|s| s.motion != Motion::Fixed);
+    Extended { apart, beyond: if moving { follow_sides(model, state, band, cut) } else { Vec::new() } }
 }
 
 /// Bounds φ in cells that go on from the side across, given with the open cells beside them, and clears those. Gives back all
@@ -309,8 +314,13 @@ fn moved_away<const D: usize>(model: &Model<D>, solids: [&[SolidState<D>]; 2], c
 }
 
 /// Gives cells within solids that the band does not reach the sign that φ has outside, next to them: a solid that moves leaves
-/// them to the air or to the liquid, and what they were at the start would be a surface there.
-fn follow_sides<const D: usize>(model: &Model<D>, state: &mut State<D>, band: &Band<D>, cut: &CutCells<D>) {
+/// them to the air or to the liquid, and what they were at the start would be a surface there. Gives back what φ was before.
+fn follow_sides<const D: usize>(
+    model: &Model<D>,
+    state: &mut State<D>,
+    band: &Band<D>,
+    cut: &CutCells<D>,
+) -> Vec<(u32, f64)> {
     let (lattice, limit) = (model.grid.lattice(), BAND * model.grid.dx);
     let phi = &state.phi.data;
     let side = |cell: usize| {
@@ -341,5 +351,7 @@ fn follow_sides<const D: usize>(model: &Model<D>, state: &mut State<D>, band: &B
         all.filter_map(|k| side(cell(k))).collect::<Vec<_>>()
     };
     let sides: Vec<(usize, f64)> = cut.boxes().iter().flat_map(of).collect();
-    sides.into_iter().for_each(|(cell, value)| state.phi.data[cell] = value);
+    let put =
+        |(cell, value): (usize, f64)| (cell as u32, std::mem::replace(&mut state.phi.data[cell], value));
+    sides.into_iter().map(put).collect()
 }

@@ -54,13 +54,15 @@ pub struct Followed<const D: usize> {
     pub appeared: Vec<(usize, usize)>,
 }
 
-/// Follows components from `before` to `after` by the cells they share; strays join the nearest.
+/// Follows components from `before` to `after` by the cells they share; strays join the nearest, but those that `left` tells
+/// have left the domain.
 pub fn follow<const D: usize>(
     before: &Runs,
     after: &Runs,
     drops: &[Drop<D>],
     centroids: &[Vector<D>],
     dt: f64,
+    left: impl Fn(&Drop<D>) -> bool,
 ) -> Followed<D> {
     let (m, n) = (before.components as usize, after.components as usize);
     let mut parent: Vec<usize> = (0..m + n).collect();
@@ -99,7 +101,7 @@ pub fn follow<const D: usize>(
         }
     }
     for i in 0..m {
-        if met[i] {
+        if met[i] || left(&drops[i]) {
             continue;
         }
         vanished.push(i);

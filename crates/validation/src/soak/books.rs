@@ -78,10 +78,16 @@ impl<const D: usize> Books<D> {
         found.at_most("not-finite", not_finite(ledger) as f64, 0.0, "sums over the liquid");
         self.check_energy(&mut found, state, ledger);
         self.check_momentum(&mut found, simulation, ledger);
-        found.at_most("volume-before", report.repairs.volume_shift_largest, VOLUME, "shifted in a step");
+        found.at_most(
+            "volume-before",
+            report.repairs.volume_shift / self.volume,
+            VOLUME,
+            "shifted in a step",
+        );
         let leaked = report.repairs.leaked_volume / self.volume;
         found.at_most("leak", leaked, VOLUME, "came through a solid in a step");
-        found.at_most("volume", ledger.volume_error.abs(), VOLUME, "misplaced");
+        let misplaced = ledger.volume_error.abs() * ledger.target_volume / self.volume;
+        found.at_most("volume", misplaced, VOLUME, "misplaced");
         found.at_most("volume", state.lost_volume / self.volume, VOLUME, "lost");
         found.at_most("speed", ledger.max_speed, SPEED * self.speed, "m/s");
         let rigid = model.solids.iter().zip(&state.solids).filter(|(s, _)| s.motion == Motion::Free);

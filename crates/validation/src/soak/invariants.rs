@@ -61,10 +61,10 @@ pub const ALL: [Invariant; 21] = [
         holds: "the mean energy of 8 steps rises by at most 1 % of its scale over its least value",
     },
     Invariant { name: "momentum", holds: "momentum of what touches no side is kept within 1e-5" },
-    Invariant { name: "volume", holds: "at most 1e-3 of the volume is lost or misplaced" },
+    Invariant { name: "volume", holds: "at most 1e-3 of the volume at the start is lost or misplaced" },
     Invariant {
         name: "volume-before",
-        holds: "no step misplaces over 1e-3 of the volume before it is put right",
+        holds: "no step misplaces over 1e-3 of the volume at the start before it is put right",
     },
     Invariant { name: "leak", holds: "no step lets over 1e-3 of the volume through a solid" },
     Invariant { name: "within-solid", holds: "no liquid is deeper than a cell within a solid" },
