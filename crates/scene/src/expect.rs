@@ -302,5 +302,10 @@ mod tests {
             "kinetic_energy,surface_energy,elastic_energy,potential_energy\n0,2,0,0\n0,1.5,1.5,0\n",
         );
         assert_eq!(energy_growth(&bent), Some(0.5));
+        let drained = Table::parse(
+            "kinetic_energy,surface_energy,elastic_energy,potential_energy,outflow_kinetic_energy,outflow_stored_energy\n\
+             0,2,0,0,0,0\n0,1,0,0,1,0.5\n",
+        );
+        assert_eq!(energy_growth(&drained), Some(0.25));
     }
 }

@@ -5,7 +5,6 @@ use crate::liquid::cube::CutCube;
 use crate::liquid::momentum::together;
 use crate::liquid::volume::{Followed, Group, Measured, astray, band_labels, follow, targets};
 use crate::model::Model;
-use crate::outflow::leave;
 use crate::repairs::Repairs;
 use crate::state::{Drop, State};
 use crate::workspace::{BAND, Workspace};
@@ -74,7 +73,7 @@ pub fn keep_volume<const D: usize>(
     let liquid = work.measured_liquid(model, &labels);
     let measured = liquid.measure(&state.phi);
     let raw = measured.volumes.clone();
-    // What vanishes within a cell of an open side has left through it.
+    // A component that vanishes within a cell of an open side has left the domain through that side.
     let left = |d: &Drop<D>| model.beyond_open(&(d.centroid + d.velocity * dt)) > -model.grid.dx;
     let mut followed = follow(before, &work.liquid, &state.drops, &measured.centers, dt, left);
     let groups = &mut followed.groups;
@@ -87,7 +86,7 @@ pub fn keep_volume<const D: usize>(
         let drop = state.drops[*old].clone();
         if left(&drop) {
             lost -= drop.target_volume;
-            leave(model, state, &drop);
+            state.count_outflow(&drop, model.density, &model.gravity);
         }
     }
     state.lost_volume += lost;

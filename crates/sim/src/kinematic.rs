@@ -1,10 +1,11 @@
 //! The surface in a given flow: what a step does to φ, without forces.
 
 use crate::change::keep_volume;
+use crate::ledger::open_books;
 use crate::model::Model;
 use crate::simulation::{Body, Simulation};
 use crate::state::State;
-use crate::step::{keep_distance, move_surface, open_books};
+use crate::step::{keep_distance, move_surface};
 use crate::workspace::Workspace;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Segment;

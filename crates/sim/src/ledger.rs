@@ -1,8 +1,10 @@
 //! The books: volume, momentum and energy of a state.
 
 use crate::change::Change;
+use crate::keep::keep_momentum;
 use crate::liquid::cube::CutCube;
-use crate::liquid::cut_faces::CutFace;
+use crate::liquid::curvature::Curvature;
+use crate::liquid::cut_faces::{CutFace, cut_faces};
 use crate::liquid::momentum::{Moments, together};
 use crate::liquid::pressure::divergence_max;
 use crate::model::Model;
@@ -170,6 +172,17 @@ fn least_element<const D: usize>(model: &Model<D>, state: &State<D>) -> Option<f
 fn moving_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.motion.is_told());
     state.kinetic_energy + solids.map(|(s, now)| s.kinetic_energy(now)).sum::<f64>()
+}
+
+/// The books of a new state: drops, energies. The velocity must be known on the liquid's faces.
+pub fn open_books<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
+    let change = Change::none(model, state, work);
+    let flat = Curvature::unknown();
+    let cut = cut_faces(model, &state.phi, &work.band, &flat, &work.cut);
+    let moments = keep_momentum(model, state, work, &cut, (&change, &[]), 0.0).moments;
+    state.drops = drops(model, work, &cut, &moments, &change);
+    state.kinetic_energy = kinetic_energy(model, &moments, &change.targets);
+    state.surface_area = surface_energy(model, &change.cubes);
 }
 
 /// The books of a state.

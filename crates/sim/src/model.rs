@@ -149,3 +149,20 @@ impl<const D: usize> Model<D> {
         0.36 * (self.density * self.grid.dx.powi(3) / self.surface_tension).sqrt()
     }
 }
+
+#[cfg(test)]
+impl<const D: usize> Model<D> {
+    /// A liquid of density and tension 1 without viscosity and gravity, between closed sides.
+    pub(crate) fn of_test(grid: Grid<D>, solids: Vec<Solid<D>>) -> Self {
+        Self {
+            grid,
+            walls: [[Wall::Slip; 2]; D],
+            density: 1.0,
+            kinematic_viscosity: 0.0,
+            surface_tension: 1.0,
+            gravity: Vector::zeros(),
+            solids,
+            numerics: Numerics::default(),
+        }
+    }
+}

@@ -1,17 +1,16 @@
 //! Open sides: beyond them is air, and liquid that passes them is taken out of the domain.
 //!
 //! The grid goes on for [`MARGIN`] cells beyond an open side. At the end of each step φ becomes the larger of itself and of the
-//! distance `s` beyond the nearest open side, so that the liquid that is left is what lies within: the liquid's body
-//! intersected with the domain (exact for the sets, a distance up to kinks). It ends at the side with a free surface, at the pressure
-//! of air. Volume and energy that go with the rest are summed up in the state, measured before and after.
+//! distance beyond the nearest open side: the intersection of the liquid with the domain, which ends at the side with a free surface
+//! under the pressure of air. The state sums up the volume and the energy that have left, as the difference of the books before and
+//! after. A component that becomes too small to see within a cell of an open side counts as left, too (`change.rs`).
 //!
 //! Limit: the end of a jet at the side has surface tension, which a jet that goes on does not feel there.
 
-use crate::ledger::potential_energy;
+use crate::ledger::{open_books, potential_energy};
 use crate::liquid::volume::band_labels;
 use crate::model::{Model, Wall};
-use crate::state::{Drop, State};
-use crate::step::open_books;
+use crate::state::State;
 use crate::walls::MARGIN;
 use crate::workspace::Workspace;
 use meniscus_numerics::Vector;
@@ -42,7 +41,7 @@ impl<const D: usize> Model<D> {
     }
 }
 
-/// Takes out liquid beyond open sides. What no side cuts stays to the last bit.
+/// Takes out liquid beyond open sides. Components that reach beyond none stay to the last bit.
 pub fn drain<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut Workspace<D>) {
     let lattice = model.grid.lattice();
     let beyond = |cell: u32| model.beyond_open(&model.grid.center(lattice.coordinates(cell as usize)));
@@ -73,14 +72,6 @@ pub fn drain<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut 
     state.outflow_volume += before[0] - after[0];
     state.outflow_kinetic_energy += before[1] - after[1];
     state.outflow_stored_energy += before[2] - after[2];
-}
-
-/// Counts a drop as left that the grid sees no more; its surface counts nothing.
-pub fn leave<const D: usize>(model: &Model<D>, state: &mut State<D>, drop: &Drop<D>) {
-    let mass = model.density * drop.target_volume;
-    state.outflow_volume += drop.target_volume;
-    state.outflow_kinetic_energy += 0.5 * mass * drop.velocity.norm_squared();
-    state.outflow_stored_energy -= mass * model.gravity.dot(&drop.centroid);
 }
 
 /// Volume, kinetic and stored energy of the liquid of a state.

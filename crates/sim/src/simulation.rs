@@ -1,12 +1,12 @@
 //! A run in memory: the model, the state, and how to step.
 
 use crate::compiled::by_dimension;
-use crate::ledger::{Ledger, StepReport, ledger, max_component, own_energy, potential_energy};
+use crate::ledger::{Ledger, StepReport, ledger, max_component, open_books, own_energy, potential_energy};
 use crate::model::Model;
 use crate::repairs::Repairs;
 use crate::solid::{Solid, SolidState};
 use crate::state::State;
-use crate::step::{keep_distance, open_books, step};
+use crate::step::{keep_distance, step};
 use crate::track::phi_on;
 use crate::workspace::{BAND, Snapshot, Workspace};
 use meniscus_numerics::Vector;
@@ -103,8 +103,10 @@ pub struct Simulation<const D: usize> {
 }
 
 impl<const D: usize> Simulation<D> {
-    /// A simulation that starts from bodies of liquid. Where bodies overlap, the first one's velocity counts.
+    /// A simulation that starts from bodies of liquid, in a grid [with open sides](Model::with_open_sides) where the model has
+    /// some. Where bodies overlap, the first one's velocity counts.
     pub fn new(model: Model<D>, bodies: &[Body<'_, D>]) -> Self {
+        let model = model.with_open_sides();
         let grid = model.grid;
         let mut state = State::empty(grid);
         state.solids = model.solids.iter().map(Solid::start).collect();

@@ -73,6 +73,15 @@ impl<const D: usize> Drop<D> {
 }
 
 impl<const D: usize> State<D> {
+    /// Counts a drop that the grid does not see any more as left through an open side. The energy of its surface is unknown and
+    /// counts as none.
+    pub(crate) fn count_outflow(&mut self, drop: &Drop<D>, density: f64, gravity: &Vector<D>) {
+        let mass = density * drop.target_volume;
+        self.outflow_volume += drop.target_volume;
+        self.outflow_kinetic_energy += 0.5 * mass * drop.velocity.norm_squared();
+        self.outflow_stored_energy -= mass * gravity.dot(&drop.centroid);
+    }
+
     /// Energy that has left through open sides, J (2D: J per metre).
     pub fn outflow_energy(&self) -> f64 {
         self.outflow_kinetic_energy + self.outflow_stored_energy

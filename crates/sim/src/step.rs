@@ -11,7 +11,7 @@ use crate::hysteresis::hold_lines;
 use crate::keep::{Labels, give_back, keep_carried, keep_momentum, walk};
 use crate::ledger::{drops, kinetic_energy, max_component, surface_energy};
 use crate::line::Lines;
-use crate::liquid::curvature::{Beside, Curvature, Displacement, FilterStep, curvature};
+use crate::liquid::curvature::{Beside, Displacement, FilterStep, curvature};
 use crate::liquid::cut_faces::{CutFace, cut_faces};
 use crate::liquid::friction::{DraggedFace, drag, friction};
 use crate::liquid::ghost::{extend_into_solids, ghosts};
@@ -27,7 +27,7 @@ use crate::soft::{Systems, systems};
 use crate::solid::{Motion, SolidState};
 use crate::state::State;
 use crate::tension::{wetted_skins, wetted_stiffness};
-use crate::workspace::{BAND, LAYERS, Workspace};
+use crate::workspace::{BAND, LAYERS, SLOPE, Workspace};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Runs, Sampler, Segment};
 use meniscus_numerics::level_set::{redistance, slope};
@@ -39,8 +39,6 @@ use rayon::prelude::*;
 const CURVED: usize = 5;
 /// Cells that the interface may move before φ is made a distance again.
 const DRIFT: f64 = 0.7;
-/// Deviation of |∇φ| from one at the interface before φ is made a distance again.
-pub(crate) const SLOPE: f64 = 0.1;
 /// Layers of the band on which φ is made a distance in every step: all that the curvature sees.
 const NEAR: usize = 6;
 
@@ -480,15 +478,4 @@ fn fall<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace
             }
         });
     }
-}
-
-/// The books of a new state: drops, energies. The velocity must be known on the liquid's faces.
-pub fn open_books<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
-    let change = Change::none(model, state, work);
-    let flat = Curvature::unknown();
-    let cut = cut_faces(model, &state.phi, &work.band, &flat, &work.cut);
-    let moments = keep_momentum(model, state, work, &cut, (&change, &[]), 0.0).moments;
-    state.drops = drops(model, work, &cut, &moments, &change);
-    state.kinetic_energy = kinetic_energy(model, &moments, &change.targets);
-    state.surface_area = surface_energy(model, &change.cubes);
 }

@@ -151,7 +151,6 @@ fn arm<const D: usize>(r: &Vector<D>, axis: usize) -> Six {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Numerics, Wall};
     use crate::solid::Solid;
     use meniscus_numerics::grid::Grid;
     use meniscus_numerics::shape::Shape;
@@ -162,14 +161,8 @@ mod tests {
             let grid = Grid::<2>::new([8; 2], 1.0);
             let shape = Shape::Ball { center: Vector::from([4.0, 4.5]), radius: 1.0 };
             let model = Model {
-                grid,
-                walls: [[Wall::Slip; 2]; 2],
-                density: 1.0,
-                kinematic_viscosity: 0.0,
                 surface_tension: 0.0,
-                gravity: Vector::zeros(),
-                solids: vec![Solid::new(shape, Motion::Free, density)],
-                numerics: Numerics::default(),
+                ..Model::of_test(grid, vec![Solid::new(shape, Motion::Free, density)])
             };
             let solids = vec![model.solids[0].start()];
             // The face at the ball's centre, with liquid of half a cell that moves at 1 m/s.

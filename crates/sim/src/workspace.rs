@@ -20,6 +20,8 @@ use rayon::prelude::*;
 pub const BAND: f64 = 5.0;
 /// Layers of the band: enough for [`BAND`] where the surface lies slantwise to the axes.
 pub const LAYERS: usize = 8;
+/// Error of |∇φ| at the interface, from which on φ is made a distance again: slopes of φ are told no better than that.
+pub const SLOPE: f64 = 0.1;
 /// How much deeper, in cells, it is half-way between two cells than in the mean if they are on either side of a thin solid. Under
 /// one side the depth is linear; through one of 2.5 cells it is 0.38 and more where both cells have open faces.
 const ACROSS: f64 = 0.25;
@@ -346,8 +348,8 @@ pub fn boxes<const D: usize>(model: &Model<D>, liquid: &Runs) -> Vec<(Vector<D>,
     out
 }
 
-/// What a step overwrites, to go back if it fails: φ in the band and the velocity of the liquid. The rest follows, but for the φ
-/// that [`Workspace::beyond`] keeps.
+/// A copy of φ in the band, of the liquid's velocity and of drops, solids and sums, from which [`Snapshot::restore`] makes the state
+/// before a failed step; all else follows from these, but φ in the cells of [`Workspace::beyond`].
 pub struct Snapshot<const D: usize> {
     tiles: Tiles<D>,
     cells: Vec<u32>,
@@ -409,9 +411,10 @@ impl<const D: usize> Snapshot<D> {
         workspace.tiles = self.tiles.clone();
         workspace.follow_solids(model, state);
         workspace.find_liquid(model, state);
-        // What the failed step took for air beyond the band stays so, but not what it took for liquid of no drop.
+        // Known defect: outside the band φ within solids keeps the signs that the failed step gave it, unless liquid of no drop
+        // appears so. With all of them put back, `verify leak` finds stale liquid in thin walls that move.
         if workspace.liquid.components as usize != state.drops.len() {
-            // Boxes of solids overlap: a cell may stand there twice, as it was first.
+            // Boxes of solids overlap, so a cell may be listed twice: its first entry is the φ before the step.
             workspace.beyond.iter().rev().for_each(|(cell, value)| state.phi.data[*cell as usize] = *value);
             self.cells.iter().zip(&self.phi).for_each(|(&c, v)| state.phi.data[c as usize] = *v);
             workspace.tiles = self.tiles;
@@ -426,7 +429,6 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use crate::model::{Numerics, Wall};
     use crate::simulation::{Body, Simulation};
     use crate::solid::Solid;
     use meniscus_numerics::shape::Shape;
@@ -437,16 +439,7 @@ mod tests {
         let (center, half_size) = (Vector::<2>::new(7.3, 8.0), Vector::<2>::new(1.0, 20.0));
         let wall =
             Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, Motion::Fixed, 1.0);
-        let model = Model {
-            grid,
-            walls: [[Wall::Slip; 2]; 2],
-            density: 1.0,
-            kinematic_viscosity: 0.0,
-            surface_tension: 1.0,
-            gravity: Vector::zeros(),
-            solids: vec![wall],
-            numerics: Numerics::default(),
-        };
+        let model = Model::of_test(grid, vec![wall]);
         let left = |x: &Vector<2>| (x[0] - 7.3).max(x[1] - 9.2);
         let body = Body { distance: &left, velocity: Vector::zeros() };
         let Simulation { model, mut state, mut work } = Simulation::new(model, &[body]);
@@ -471,16 +464,7 @@ mod tests {
             let shape = Shape::Ball { center: Vector::from([x, 24.0]), radius: 5.5 };
             Solid::new(shape, Motion::Given(path.clone()), 1.0)
         };
-        let model = Model {
-            grid,
-            walls: [[Wall::Slip; 2]; 2],
-            density: 1.0,
-            kinematic_viscosity: 0.0,
-            surface_tension: 1.0,
-            gravity: Vector::zeros(),
-            solids: vec![ball(10.0), ball(21.0)],
-            numerics: Numerics::default(),
-        };
+        let model = Model::of_test(grid, vec![ball(10.0), ball(21.0)]);
         let pool = |x: &Vector<2>| x[1] - 16.3;
         let body = Body { distance: &pool, velocity: Vector::zeros() };
         let Simulation { model, mut state, mut work } = Simulation::new(model, &[body]);

@@ -50,7 +50,7 @@ pub struct DraggedFace {
     pub solid: u32,
     /// Part of the drag that the solid's velocity along the axis counts with.
     pub hold: f64,
-    /// That velocity, m/s.
+    /// Velocity of the solid along the axis, m/s.
     pub of_solid: f64,
 }
 

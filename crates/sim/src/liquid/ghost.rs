@@ -19,8 +19,7 @@ use crate::model::Model;
 use crate::simulation::GROWTH;
 use crate::solid::{Motion, SolidState};
 use crate::state::State;
-use crate::step::SLOPE;
-use crate::workspace::BAND;
+use crate::workspace::{BAND, SLOPE};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CutCells, Sampler, points};
 use rayon::prelude::*;
@@ -155,8 +154,9 @@ impl<const D: usize> Surface<'_, D> {
         (normal.dot(&near.normal) < 0.0).then_some(Side { depth: ACROSS * dx - height, normal, ..*near })
     }
 
-    /// Direction along a solid in which φ rises: of unit length, or less where the slope is not told from that of a surface
-    /// parallel to the solid. It is a difference over two cells: over less, the ripples of a film decide.
+    /// Direction along a solid in which φ rises. It has unit length; less where φ rises by less than its slope's error
+    /// ([`SLOPE`]), as beside a film, which has no line. The slope is a difference over two cells: that at a point of a film
+    /// changes its sign with ripples of a hundredth of a cell.
     fn along(&self, x: &Vector<D>, normal: &Vector<D>) -> Vector<D> {
         let dx = self.model.grid.dx;
         let slope: Vector<D> = Vector::from_fn(|a, _| {
@@ -193,7 +193,7 @@ impl<const D: usize> Surface<'_, D> {
     }
 }
 
-/// What bringing φ nearer to the surface's continuation has changed.
+/// What [`extend_into_solids`] changed, beside φ in the band.
 pub struct Extended {
     /// The cells whose φ is no distance, in order: those that thin solids keep their sides apart with.
     pub apart: Vec<u32>,

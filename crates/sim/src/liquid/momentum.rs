@@ -394,22 +394,12 @@ pub fn together<const D: usize>(bodies: impl Iterator<Item = Whole<D>>) -> Whole
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Numerics, Wall};
     use meniscus_numerics::grid::Grid;
 
     #[test]
     fn closed_faces_part_components() {
         let grid = Grid::<2>::new([6, 3], 1.0);
-        let model = Model {
-            grid,
-            walls: [[Wall::Slip; 2]; 2],
-            density: 1.0,
-            kinematic_viscosity: 0.0,
-            surface_tension: 1.0,
-            gravity: Vector::zeros(),
-            solids: Vec::new(),
-            numerics: Numerics::default(),
-        };
+        let model = Model::of_test(grid, Vec::new());
         let (phi, mut velocity) = (CellField::new(grid, -1.0), FaceField::zeros(grid));
         let (mut open, lattice) = (FaceField::zeros(grid), grid.faces(0));
         for i in 0..7 {
