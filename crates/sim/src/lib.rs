@@ -37,6 +37,7 @@ pub use collide::overlaps;
 pub use kinematic::Kinematic;
 pub use ledger::{Ledger, StepReport};
 pub use model::{Model, Numerics, Wall};
+pub use outflow::OPEN_MARGIN;
 pub use repairs::{Quantity, Repairs};
 pub use rigid_body::RigidBody;
 pub use simulation::{Body, PhaseEnd, Simulation, StepError};

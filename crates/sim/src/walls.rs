@@ -10,7 +10,7 @@ use crate::wetting::Hysteresis;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 
-/// Cells of the grid beyond a closed side that wets, or an open one: what stencils at the side reach.
+/// Cells of the grid beyond a closed side that wets: what stencils at the side reach.
 pub const MARGIN: usize = 3;
 /// How far the walls go on along open sides, over the size of the domain: beyond the grid.
 const FAR: f64 = 10.0;

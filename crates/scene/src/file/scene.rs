@@ -79,9 +79,12 @@ impl Scene {
 
     /// Number of cells of the grid: those of the domain, and those beyond sides that are open or wet.
     pub fn grid_cells(&self) -> f64 {
-        let beyond = |w: &&Wall| **w == Wall::Open || self.walls_wet();
-        let wider = |sides: &[Wall; 2]| sides.iter().filter(beyond).count();
-        let along = |(n, sides): (&usize, &[Wall; 2])| (n + meniscus_sim::MARGIN * wider(sides)) as f64;
+        let beyond = |w: &Wall| match w {
+            Wall::Open => meniscus_sim::OPEN_MARGIN,
+            Wall::Slip if self.walls_wet() => meniscus_sim::MARGIN,
+            Wall::Slip => 0,
+        };
+        let along = |(n, sides): (&usize, &[Wall; 2])| (n + sides.iter().map(beyond).sum::<usize>()) as f64;
         self.domain.cells.iter().zip(&self.domain.walls).map(along).product()
     }
 }

@@ -96,16 +96,16 @@ fn walls_of_90_degrees_are_mirrors() {
     let off = DROP.replace("friction = \"0.01 Pa s\"", "enabled = false");
     let off = scene(off.split("[expect]").next().unwrap());
     let wet = scene(DROP);
-    let margin = meniscus_sim::MARGIN;
+    let (margin, open) = (meniscus_sim::MARGIN, meniscus_sim::OPEN_MARGIN);
     for scene in [&mirrors, &off] {
         let model = build::setup::<2>(scene).unwrap().model;
         // Cells beyond the open side.
-        assert_eq!((model.solids.len(), model.grid.cells), (1, [32, 16 + margin]));
+        assert_eq!((model.solids.len(), model.grid.cells), (1, [32, 16 + open]));
     }
     // Cells beyond three closed sides cost memory.
     let [mirrors, wet] = [mirrors, wet].map(|s| check(&s, 1));
     let more = wet.memory_bytes - mirrors.memory_bytes;
-    let more_cells = (32 + 2 * margin) * (16 + 2 * margin) - 32 * (16 + margin);
+    let more_cells = (32 + 2 * margin) * (16 + margin + open) - 32 * (16 + open);
     assert_eq!(more, 200.0 * more_cells as f64);
     assert_eq!(mirrors.cells, wet.cells);
 }

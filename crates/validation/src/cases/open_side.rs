@@ -22,8 +22,8 @@ pub const CASE: Case = Case {
 
 /// Radius of the ball.
 const RADIUS: f64 = 0.2;
-/// Bar of the column's share: a tenth of a cell of 1/32 in its height of 0.6.
-const LEVEL: f64 = 0.005;
+/// Bar of the column's share, whose surfaces stay flat: a fiftieth of a cell of 1/16 in its height of 0.6.
+const LEVEL: f64 = 0.002;
 /// Bar of the growth of the energy: half of what scenes of the project are allowed.
 const ENERGY: f64 = 0.005;
 
