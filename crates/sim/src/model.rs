@@ -13,7 +13,7 @@ const HEAVY: f64 = 0.1;
 pub enum Wall {
     /// Impermeable, without friction; the liquid meets it at 90 degrees.
     Slip,
-    /// Air at zero pressure: liquid may leave.
+    /// Air; liquid leaves there in a grid that goes on beyond ([`Model::with_open_sides`]), as scenes have it.
     Open,
 }
 

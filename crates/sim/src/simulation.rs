@@ -103,10 +103,9 @@ pub struct Simulation<const D: usize> {
 }
 
 impl<const D: usize> Simulation<D> {
-    /// A simulation that starts from bodies of liquid, in a grid [with open sides](Model::with_open_sides) where the model has
-    /// some. Where bodies overlap, the first one's velocity counts.
+    /// A simulation that starts from bodies of liquid. Where bodies overlap, the first one's velocity counts. Liquid that may reach
+    /// an open side needs a model [with open sides](Model::with_open_sides).
     pub fn new(model: Model<D>, bodies: &[Body<'_, D>]) -> Self {
-        let model = model.with_open_sides();
         let grid = model.grid;
         let mut state = State::empty(grid);
         state.solids = model.solids.iter().map(Solid::start).collect();

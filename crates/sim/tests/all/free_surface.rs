@@ -121,8 +121,8 @@ fn the_kinetic_energy_is_that_of_the_volume_wherever_the_lattice_is() {
 }
 
 #[test]
-fn liquid_leaves_through_an_open_side_of_any_model() {
-    let open = Model { walls: [[Wall::Slip, Wall::Open]; 2], ..model::<2>(40) };
+fn liquid_leaves_through_an_open_side_to_the_last_drop() {
+    let open = Model { walls: [[Wall::Slip, Wall::Open]; 2], ..model::<2>(40) }.with_open_sides();
     let ball = |x: &Vector<2>| (x - Vector::from([0.8, 0.5])).norm() - 0.15;
     let bodies = [Body { distance: &ball, velocity: Vector::from([1.0, 0.0]) }];
     let mut simulation = Simulation::new(open, &bodies);
