@@ -23,19 +23,20 @@ pub struct Waypoint<const D: usize> {
 }
 
 /// Repeats a run from its start or its middle to the end of its first [`PAIR`] steps; nothing where the scene has no such
-/// image. `scale` is that of its energy, J.
+/// image. `scale` is that of its energy, J; `begins` is called before every step.
 pub fn repeat<const D: usize>(
     how: &str,
     scene: &Scene,
     setup: &Setup<D>,
     [middle, end]: [&Waypoint<D>; 2],
     scale: f64,
+    begins: &(dyn Fn() + Sync),
 ) -> Option<Vec<Violation>> {
     let walk = Walk::start;
     match how {
         "threads" => {
             let two = rayon::ThreadPoolBuilder::new().num_threads(2).build().ok()?;
-            let state = two.install(|| steps(walk(setup, scene), PAIR));
+            let state = two.install(|| steps(walk(setup, scene), PAIR, begins));
             Some(same_bits(how, &state, &end.state))
         }
         "resume" => {
@@ -45,14 +46,14 @@ pub fn repeat<const D: usize>(
                 Err(error) => return Some(vec![broken(how, error)]),
             };
             let simulation = Simulation::resume(setup.model.clone(), read);
-            let state = steps(Walk::from(simulation, scene, middle.frame), PAIR / 2);
+            let state = steps(Walk::from(simulation, scene, middle.frame), PAIR / 2, begins);
             Some(same_bits(how, &state, &end.state))
         }
         _ => {
             let by = if how == "shift" { SHIFT * scene.domain.dx } else { 0.0 };
             let image = Image { mirrored: how == "mirror", size: scene.domain.size[0], by };
             let (other, its_setup) = changed(&image.scene(scene)?)?;
-            let compared = Pair { how, image, setup, end, scale };
+            let compared = Pair { how, image, setup, end, scale, begins };
             match &its_setup {
                 AnySetup::D2(its) if D == 2 => compared.with(its, &other),
                 AnySetup::D3(its) if D == 3 => compared.with(its, &other),
@@ -67,8 +68,13 @@ fn broken(how: &str, words: String) -> Violation {
 }
 
 /// The state after some steps, or why there is none.
-fn steps<const D: usize>(mut walk: Walk<D>, count: u64) -> Result<State<D>, String> {
+fn steps<const D: usize>(
+    mut walk: Walk<D>,
+    count: u64,
+    begins: &(dyn Fn() + Sync),
+) -> Result<State<D>, String> {
     for _ in 0..count {
+        begins();
         walk.step().map_err(|e| e.to_string())?;
     }
     Ok(walk.simulation.state)
@@ -104,6 +110,7 @@ struct Pair<'a, const D: usize> {
     setup: &'a Setup<D>,
     end: &'a Waypoint<D>,
     scale: f64,
+    begins: &'a (dyn Fn() + Sync),
 }
 
 impl<const D: usize> Pair<'_, D> {
@@ -113,6 +120,7 @@ impl<const D: usize> Pair<'_, D> {
         let mut simulation = its.simulation();
         let start = simulation.ledger().volume;
         while simulation.state.time < time * (1.0 - 1e-12) {
+            (self.begins)();
             if let Err(error) = simulation.step(time - simulation.state.time, &mut |_| ()) {
                 return Some(vec![broken(self.how, format!("the image ends: {error}"))]);
             }

@@ -221,9 +221,10 @@ impl<const D: usize> Worker<D> {
         }
         self.close();
         if let (Some(wanted), [middle, end]) = (wanted, self.points.as_slice()) {
-            lock(&self.record).began = Some(clock::seconds());
-            let found = repeat(wanted, &self.case.scene, setup, [middle, end], books.scale());
+            let begins = || lock(&self.record).began = Some(clock::seconds());
+            let found = repeat(wanted, &self.case.scene, setup, [middle, end], books.scale(), &begins);
             let mut record = lock(&self.record);
+            record.began = None;
             if let Some(found) = found {
                 record.outcome.repeated = Some(wanted.into());
                 found.into_iter().for_each(|violation| record.note(violation));
