@@ -7,14 +7,11 @@ use crate::liquid::volume::{Followed, Group, Measured, astray, band_labels, foll
 use crate::model::Model;
 use crate::repairs::Repairs;
 use crate::state::{Drop, State};
-use crate::workspace::{BAND, Workspace};
+use crate::workspace::{BAND, RESOLVED, Workspace};
 use meniscus_numerics::grid::{Band, Runs};
 use meniscus_numerics::{Matrix, Vector};
 use std::f64::consts::PI;
 
-/// Radius, in cells, from which on a drop's volume tells whether a step was too long, its line what pulls at it, and its faces
-/// how it turns: with the angular momentum of two that met, one of seven cells' volume was flung apart at 1000 m/s.
-const RESOLVED: f64 = 2.0;
 /// From which on it is told how one on a solid turns.
 const TURNING: f64 = 3.0;
 

@@ -22,6 +22,7 @@ use crate::model::Model;
 use crate::skin::Grip;
 use crate::solid::SolidState;
 use crate::tension::Skins;
+use crate::workspace::RESOLVED;
 use meniscus_numerics::grid::WetCell;
 use meniscus_numerics::{Matrix, Vector, planes};
 use std::collections::BTreeMap;
@@ -161,7 +162,8 @@ impl<const D: usize> Lines<'_, D> {
                 && let Some(all) = exchange.pairs.remove(pair)
             {
                 let skin = self.skins.get(pair).map_or(&[][..], |skin| skin);
-                take_hold(feet, (skin, kick), *pair, &all, &mut exchange);
+                let least = RESOLVED * self.model.grid.dx;
+                take_hold((feet, least), (skin, kick), *pair, &all, &mut exchange);
             }
         }
         // Without a line nothing holds the tension of what is wetted, nor needs to: that of every facet is in balance.
@@ -257,9 +259,10 @@ impl<const D: usize> Lines<'_, D> {
 }
 
 /// Gives a solid that deforms what its lines pull with, each where it is, what the tension of its wetted surface (`skin`) does
-/// in the time `kick` (s), which along the solid is in balance with the lines, and what `all` is besides to all lines.
+/// in the time `kick` (s), which along the solid is in balance with the lines, and what `all` is besides to all lines. Lines
+/// that are closer together than `least` (m) take none of its moment.
 fn take_hold<const D: usize>(
-    feet: &[Foot<D>],
+    (feet, least): (&[Foot<D>], f64),
     (skin, kick): (&[(Grip<D>, Vector<D>)], f64),
     pair: (u32, u32),
     all: &Impulse<D>,
@@ -269,13 +272,18 @@ fn take_hold<const D: usize>(
     feet.iter().for_each(|f| rest.add(&Impulse::at(&f.grip.point, f.pull), -1.0));
     skin.iter().for_each(|(grip, force)| rest.add(&Impulse::at(&grip.point, *force), -kick));
     skin.iter().for_each(|(grip, force)| exchange.grip(pair, grip, force * kick));
-    for (foot, more) in feet.iter().zip(spread(feet, &rest)) {
+    for (foot, more) in feet.iter().zip(spread(feet, least, &rest)) {
         exchange.grip(pair, &foot.grip, foot.pull + more);
     }
 }
 
-/// An impulse spread over places on a solid that deforms, by their lengths, as the accelerations of a rigid body are.
-fn spread<const D: usize>(feet: &[Foot<D>], impulse: &Impulse<D>) -> impl Iterator<Item = Vector<D>> {
+/// An impulse spread over places on a solid that deforms, by their lengths, as the accelerations of a rigid body are. Forces whose
+/// levers are shorter than `least` (m, root mean square) make no moment: at one point they would have to be infinite.
+fn spread<const D: usize>(
+    feet: &[Foot<D>],
+    least: f64,
+    impulse: &Impulse<D>,
+) -> impl Iterator<Item = Vector<D>> {
     let length: f64 = feet.iter().map(|f| f.length).sum();
     let middle: Vector<D> = feet.iter().map(|f| f.grip.point * (f.length / length)).sum();
     let mut second = Matrix::<3>::zeros();
@@ -284,7 +292,7 @@ fn spread<const D: usize>(feet: &[Foot<D>], impulse: &Impulse<D>) -> impl Iterat
         let r = Vector::<3>::from_fn(|a, _| if a < D { arm[a] } else { 0.0 });
         second += (Matrix::<3>::identity() * r.norm_squared() - r * r.transpose()) * (foot.length / length);
     }
-    let inverse = second.pseudo_inverse(1e-9 * second.trace()).unwrap_or_else(|_| Matrix::zeros());
+    let inverse = second.pseudo_inverse(least * least).unwrap_or_else(|_| Matrix::zeros());
     let turning = inverse * impulse.about(&middle);
     let linear = impulse.linear;
     feet.iter().map(move |foot| {
@@ -295,4 +303,43 @@ fn spread<const D: usize>(feet: &[Foot<D>], impulse: &Impulse<D>) -> impl Iterat
         }
         push * (foot.length / length)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A force and a moment go over to three feet of a line around a place; gives back both as the feet have them.
+    fn spread_over(width: f64) -> (Impulse<2>, Impulse<2>) {
+        let foot = |x: f64| Foot {
+            grip: Grip { vertices: [0; 2], weights: [0.5; 2], point: Vector::<2>::new(3.0 + x * width, 2.0) },
+            piece: (0, 1.0),
+            length: 0.7,
+            pull: Vector::zeros(),
+        };
+        let feet = [-1.0, 0.0, 1.0].map(foot);
+        let asked = Impulse { linear: Vector::<2>::new(0.2, -0.4), turning: Vector::<3>::new(0.0, 0.0, 1.3) };
+        let mut given = Impulse::none();
+        for (foot, push) in feet.iter().zip(spread(&feet, RESOLVED, &asked)) {
+            assert!(push.norm() < 1.0, "{push:?}");
+            given.add(&Impulse::at(&foot.grip.point, push), 1.0);
+        }
+        (asked, given)
+    }
+
+    #[test]
+    fn what_lines_lack_is_spread_over_them() {
+        let (asked, given) = spread_over(4.0);
+        assert!(
+            (asked.linear - given.linear).norm() < 1e-12 && (asked.turning - given.turning).norm() < 1e-12
+        );
+        // At one point there is no moment, whatever is asked for.
+        for width in [0.0, 1e-15, 0.1] {
+            let (asked, given) = spread_over(width);
+            assert!(
+                (asked.linear - given.linear).norm() < 1e-12
+                    && given.about(&Vector::<2>::new(3.0, 2.0)).norm() < 1e-12
+            );
+        }
+    }
 }
