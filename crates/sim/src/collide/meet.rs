@@ -5,12 +5,12 @@
 //! and comes much nearer on its way, however it moves: what the first misses because the line between them turns.
 
 use super::GAP;
-use super::boxes::{Extent, overlapping};
 use super::pair::{ADVANCES, Nearest, Pair, mean};
 use super::skins::Skins;
 use super::touch::{End, Touch};
 use crate::model::{Model, Wall};
 use crate::solid::{Solid, SolidState};
+use meniscus_contact::boxes::{Extent, overlapping};
 use meniscus_numerics::Vector;
 
 /// Distance, in cells, beyond [`GAP`] up to which contacts are kept, whether or not they are needed.

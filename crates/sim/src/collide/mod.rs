@@ -14,7 +14,6 @@
 //! Parry and rapier, the well-kept libraries of Rust, were looked at: they have 2D and 3D as two crates, no distances of
 //! unions and differences, and a solver that does not know of the liquid's.
 
-mod boxes;
 mod meet;
 mod near;
 mod pair;

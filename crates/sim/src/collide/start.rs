@@ -1,10 +1,10 @@
 //! What solids that deform overlap where they are: with that no run can start.
 
-use super::boxes::{Extent, overlapping};
 use super::skins::Skins;
 use super::{Overlap, Probes};
 use crate::model::{Model, Wall};
 use crate::solid::SolidState;
+use meniscus_contact::boxes::{Extent, overlapping};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::mesh::surface::area_vector;

@@ -1,7 +1,4 @@
 //! The bending moment of a beam that carries a drop, against statics.
-//!
-//! With 8 cells a millimetre the drop in mid-beam misses two bars in this version: its force is 2.1 % more than its weight in the
-//! mean (bar 2 %), and its moment about the clamp 3.1 % (bar 3 %).
 
 use crate::measure::{TimeMean, force, load, settle};
 use crate::setup::run_to;

@@ -1,0 +1,109 @@
+//! The barrier: an energy that keeps two features apart.
+
+use crate::distance::{Closest, Kind, Stencil};
+use crate::local::Local;
+use crate::mollifier::Mollifier;
+use meniscus_numerics::{Matrix, Vector};
+
+/// A barrier of a reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Barrier {
+    /// Distance, m, from which on features do not feel each other.
+    pub reach: f64,
+}
+
+/// Two features that are near each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Their points.
+    pub stencil: Stencil,
+    /// Area for which they stand, m² (2D: length, m).
+    pub area: f64,
+    /// Stiffness, Pa: the pressure at 0.54 of the reach.
+    pub stiffness: f64,
+    /// Of two edges: the squared lengths at rest, multiplied, m⁴.
+    pub lengths: f64,
+}
+
+/// `β(t) = −(1 − t)² ln t` for `0 < t < 1`, and its first and second derivative.
+fn beta(t: f64) -> [f64; 3] {
+    let (rest, log) = (1.0 - t, t.ln());
+    [-rest * rest * log, 2.0 * rest * log - rest * rest / t, rest * (4.0 + rest / t) / t - 2.0 * log]
+}
+
+impl Barrier {
+    /// The energy of a distance over `a κ`, m, and its derivatives by the distance; infinite where there is none.
+    pub(crate) fn of_distance(&self, distance: f64) -> [f64; 3] {
+        if distance >= self.reach {
+            return [0.0; 3];
+        }
+        if distance <= 0.0 {
+            return [f64::INFINITY; 3];
+        }
+        let [value, slope, bend] = beta(distance / self.reach);
+        [value * self.reach, slope, bend / self.reach]
+    }
+
+    /// The same by the squared distance.
+    fn of_square(&self, square: f64) -> [f64; 3] {
+        let distance = square.sqrt();
+        let [value, slope, bend] = self.of_distance(distance);
+        [value, slope / (2.0 * distance), (bend - slope / distance) / (4.0 * square)]
+    }
+
+    /// Energy, J (2D: J/m), at positions; infinite where the features touch.
+    pub fn energy<const D: usize>(&self, contact: &Contact, x: &[Vector<D>]) -> f64 {
+        let at = contact.stencil.of(x);
+        let [value, ..] = self.of_distance(Closest::new(contact.stencil.kind, &at).distance());
+        let share = contact.mollifier(&at).map_or(1.0, |m| m.value);
+        if value > 0.0 { contact.area * contact.stiffness * value * share } else { 0.0 }
+    }
+
+    /// What each presses the other with, N (2D: N/m).
+    pub fn force<const D: usize>(&self, contact: &Contact, x: &[Vector<D>]) -> f64 {
+        let at = contact.stencil.of(x);
+        let closest = Closest::new(contact.stencil.kind, &at);
+        let share = contact.mollifier(&at).map_or(1.0, |m| m.value);
+        -contact.area * contact.stiffness * share * self.of_distance(closest.distance())[1]
+    }
+
+    /// Derivatives at positions; nothing where the features are out of reach. The Hessian is not projected.
+    pub fn derivatives<const D: usize>(&self, contact: &Contact, x: &[Vector<D>]) -> Option<Local<D>> {
+        let at = contact.stencil.of(x);
+        let closest = Closest::new(contact.stencil.kind, &at);
+        let [value, slope, bend] = self.of_square(closest.square());
+        if value == 0.0 {
+            return None;
+        }
+        let scale = contact.area * contact.stiffness;
+        let mut local = Local::zeros(contact.stencil.kind.count());
+        let curvature = closest.curvature(&at);
+        let along = closest.weights.map(|w| closest.apart * (2.0 * w));
+        let mollifier = contact.mollifier(&at);
+        let share = mollifier.as_ref().map_or(1.0, |m| m.value);
+        for k in 0..local.count {
+            local.gradient[k] = along[k] * (scale * share * slope);
+            for l in 0..local.count {
+                local.hessian[k][l] =
+                    (along[k] * along[l].transpose() * bend + curvature(k, l) * slope) * (scale * share);
+            }
+        }
+        if let Some(m) = mollifier {
+            for k in 0..local.count {
+                local.gradient[k] += m.gradient[k] * (scale * value);
+                for l in 0..local.count {
+                    let mixed: Matrix<D> =
+                        m.gradient[k] * along[l].transpose() + along[k] * m.gradient[l].transpose();
+                    local.hessian[k][l] += m.hessian[k][l] * (scale * value) + mixed * (scale * slope);
+                }
+            }
+        }
+        Some(local)
+    }
+}
+
+impl Contact {
+    fn mollifier<const D: usize>(&self, at: &[Vector<D>; 4]) -> Option<Mollifier<D>> {
+        if self.stencil.kind == Kind::EdgeEdge { Mollifier::new(at, self.lengths) } else { None }
+    }
+}

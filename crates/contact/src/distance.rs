@@ -1,0 +1,205 @@
+//! Distances of a point and a facet, and of two edges.
+//!
+//! The points that are closest to each other are linear in the positions `x_k` for given coordinates `λ` on both features:
+//! `r = Σ_k w_k(λ) x_k`, and the squared distance is `s = min_λ |r|²`. Its gradient is `∂s/∂x_k = 2 w_k r`, as `λ` is a minimum,
+//! and its Hessian that of `|r|²` less `C G⁻¹ Cᵀ` with the second derivatives `G` by `λ` and `C` by `x` and `λ`: one formula for
+//! all pairs of vertices, edges and faces, whichever of them are closest.
+
+use meniscus_numerics::Vector;
+
+/// What two features are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Kind {
+    /// A point, and a segment: a facet in 2D.
+    PointSegment,
+    /// A point, and a triangle: a facet in 3D.
+    PointTriangle,
+    /// Two edges in 3D.
+    EdgeEdge,
+}
+
+/// Two features, by the numbers of their points: of a point and a facet the point first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Stencil {
+    /// What they are.
+    pub kind: Kind,
+    /// Their points; of a point and a segment three, and nothing in the last place.
+    pub points: [u32; 4],
+}
+
+impl Stencil {
+    /// A point and a facet, which has 2 points in 2D and 3 in 3D.
+    pub fn point_facet<const D: usize>(point: u32, facet: &[u32; D]) -> Self {
+        let mut points = [point, 0, 0, 0];
+        points[1..=D].copy_from_slice(facet);
+        Self { kind: if D == 2 { Kind::PointSegment } else { Kind::PointTriangle }, points }
+    }
+
+    /// Two edges.
+    pub fn edge_edge(first: [u32; 2], second: [u32; 2]) -> Self {
+        Self { kind: Kind::EdgeEdge, points: [first[0], first[1], second[0], second[1]] }
+    }
+
+    /// Its points.
+    pub fn points(&self) -> &[u32] {
+        &self.points[..self.kind.count()]
+    }
+
+    /// Where its points are among `x`; nothing follows the last.
+    pub fn of<const D: usize>(&self, x: &[Vector<D>]) -> [Vector<D>; 4] {
+        let mut at = [Vector::zeros(); 4];
+        at.iter_mut().zip(self.points()).for_each(|(at, p)| *at = x[*p as usize]);
+        at
+    }
+}
+
+impl Kind {
+    /// Number of points.
+    pub fn count(self) -> usize {
+        if self == Self::PointSegment { 3 } else { 4 }
+    }
+
+    /// How many of these are of the first feature.
+    pub fn first(self) -> usize {
+        if self == Self::EdgeEdge { 2 } else { 1 }
+    }
+}
+
+/// Weights of four points.
+type Weights = [f64; 4];
+
+/// Points of two features that are closest to each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Closest<const D: usize> {
+    /// From the one on the second feature to the one on the first, m: `Σ_k w_k x_k`.
+    pub apart: Vector<D>,
+    /// The weights `w_k`. Those of the first feature add up to 1, those of the second to -1.
+    pub weights: Weights,
+    /// How the weights change with each coordinate along which both are free to move, and how many of these there are.
+    free: [Weights; 2],
+    freedoms: usize,
+}
+
+impl<const D: usize> Closest<D> {
+    /// Of two features with their points at `x`.
+    pub fn new(kind: Kind, x: &[Vector<D>; 4]) -> Self {
+        let nearest = |pairs: &[(usize, [usize; 2])]| {
+            let all = pairs.iter().map(|(p, edge)| Self::point_edge(x, *p, *edge));
+            all.reduce(|best, next| if next.square() < best.square() { next } else { best })
+        };
+        let found = match kind {
+            Kind::PointSegment => None,
+            Kind::PointTriangle => {
+                Self::within_triangle(x).or_else(|| nearest(&[(0, [1, 2]), (0, [2, 3]), (0, [3, 1])]))
+            }
+            Kind::EdgeEdge => Self::within_edges(x)
+                .or_else(|| nearest(&[(0, [2, 3]), (1, [2, 3]), (2, [0, 1]), (3, [0, 1])]))
+                .map(|closest| closest.facing_first()),
+        };
+        found.unwrap_or_else(|| Self::point_edge(x, 0, [1, 2]))
+    }
+
+    fn of(x: &[Vector<D>; 4], weights: Weights, free: &[Weights]) -> Self {
+        let apart = x.iter().zip(weights).map(|(x, w)| x * w).sum();
+        let mut all = [[0.0; 4]; 2];
+        all.iter_mut().zip(free).for_each(|(to, from)| *to = *from);
+        Self { apart, weights, free: all, freedoms: free.len() }
+    }
+
+    /// Squared distance, m².
+    pub fn square(&self) -> f64 {
+        self.apart.norm_squared()
+    }
+
+    /// Distance, m.
+    pub fn distance(&self) -> f64 {
+        self.apart.norm()
+    }
+
+    fn point_edge(x: &[Vector<D>; 4], p: usize, [a, b]: [usize; 2]) -> Self {
+        let edge = x[b] - x[a];
+        let along = ((x[p] - x[a]).dot(&edge) / edge.norm_squared()).clamp(0.0, 1.0);
+        // An edge of no length is its first point.
+        let along = if along.is_nan() { 0.0 } else { along };
+        let mut weights = [0.0; 4];
+        (weights[p], weights[a], weights[b]) = (1.0, along - 1.0, -along);
+        let mut free = [0.0; 4];
+        (free[a], free[b]) = (1.0, -1.0);
+        let inside = along > 0.0 && along < 1.0;
+        Self::of(x, weights, if inside { std::slice::from_ref(&free) } else { &[] })
+    }
+
+    /// Of a point above the inside of a triangle.
+    fn within_triangle(x: &[Vector<D>; 4]) -> Option<Self> {
+        let free = [[0.0, 1.0, -1.0, 0.0], [0.0, 1.0, 0.0, -1.0]];
+        let [s, t] = lowest(x, [1.0, -1.0, 0.0, 0.0], &free)?;
+        let inside = s > 0.0 && t > 0.0 && s + t < 1.0;
+        inside.then(|| Self::of(x, [1.0, s + t - 1.0, -s, -t], &free))
+    }
+
+    /// Of two edges that pass each other.
+    fn within_edges(x: &[Vector<D>; 4]) -> Option<Self> {
+        let free = [[-1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0]];
+        let [s, t] = lowest(x, [1.0, 0.0, -1.0, 0.0], &free)?;
+        let inside = s > 0.0 && s < 1.0 && t > 0.0 && t < 1.0;
+        inside.then(|| Self::of(x, [1.0 - s, s, t - 1.0, -t], &free))
+    }
+
+    /// The same with the first two points as those of the first feature.
+    fn facing_first(self) -> Self {
+        if self.weights[0] + self.weights[1] > 0.0 {
+            return self;
+        }
+        let turned = |w: Weights| w.map(|w| -w);
+        Self { apart: -self.apart, weights: turned(self.weights), free: self.free.map(turned), ..self }
+    }
+
+    /// The second derivative of the squared distance by the positions of points `k` and `l`.
+    pub fn curvature(
+        &self,
+        x: &[Vector<D>; 4],
+    ) -> impl Fn(usize, usize) -> meniscus_numerics::Matrix<D> + use<D> {
+        use meniscus_numerics::Matrix;
+        let along: [Vector<D>; 2] = self.free.map(|free| x.iter().zip(free).map(|(x, q)| x * q).sum());
+        let inverse = inverse(&along, self.freedoms);
+        let Self { apart, weights, free, freedoms } = *self;
+        // The mixed derivatives, halved.
+        let mixed = move |k: usize, i: usize, to: &Vector<D>| -> Matrix<D> {
+            // (w_k E_i + q_ik r) toᵀ
+            (along[i] * weights[k] + apart * free[i][k]) * to.transpose()
+        };
+        move |k, l| {
+            let mut block = Matrix::identity() * (2.0 * weights[k] * weights[l]);
+            for i in 0..freedoms {
+                for j in 0..freedoms {
+                    let to = along[j] * weights[l] + apart * free[j][l];
+                    block -= mixed(k, i, &to) * (2.0 * inverse[i][j]);
+                }
+            }
+            block
+        }
+    }
+}
+
+/// The inverse of the products of up to two vectors, of which the first `count` count.
+fn inverse<const D: usize>(along: &[Vector<D>; 2], count: usize) -> [[f64; 2]; 2] {
+    let (a, b, c) = (along[0].norm_squared(), along[1].norm_squared(), along[0].dot(&along[1]));
+    match count {
+        0 => [[0.0; 2]; 2],
+        1 => [[1.0 / a, 0.0], [0.0; 2]],
+        _ => {
+            let determinant = a * b - c * c;
+            [[b / determinant, -c / determinant], [-c / determinant, a / determinant]]
+        }
+    }
+}
+
+/// The coordinates at which `|Σ_k (w_k + λ_1 q_1k + λ_2 q_2k) x_k|` is least; nothing where they are not told.
+fn lowest<const D: usize>(x: &[Vector<D>; 4], weights: Weights, free: &[Weights; 2]) -> Option<[f64; 2]> {
+    let sum = |w: &Weights| -> Vector<D> { x.iter().zip(w).map(|(x, w)| x * *w).sum() };
+    let (start, along) = (sum(&weights), free.each_ref().map(sum));
+    let inverse = inverse(&along, 2);
+    let slopes = along.map(|e| -e.dot(&start));
+    let at = [0, 1].map(|i| inverse[i][0] * slopes[0] + inverse[i][1] * slopes[1]);
+    at.iter().all(|l| l.is_finite()).then_some(at)
+}

@@ -1,0 +1,72 @@
+//! A function of a few points: value, gradient, Hessian.
+
+use meniscus_numerics::{Matrix, Vector};
+use nalgebra::{SMatrix, SymmetricEigen};
+
+/// First and second derivatives of an energy by the positions of up to four points.
+#[derive(Clone, Copy, Debug)]
+pub struct Local<const D: usize> {
+    /// Number of points.
+    pub count: usize,
+    /// By each, N (2D: N/m).
+    pub gradient: [Vector<D>; 4],
+    /// By each two, N/m (2D: N/m²).
+    pub hessian: [[Matrix<D>; 4]; 4],
+}
+
+impl<const D: usize> Local<D> {
+    /// Zero.
+    pub fn zeros(count: usize) -> Self {
+        Self { count, gradient: [Vector::zeros(); 4], hessian: [[Matrix::zeros(); 4]; 4] }
+    }
+
+    /// The same without the negative part of the Hessian.
+    pub fn positive(mut self) -> Self {
+        // The sizes of matrices are constants: three points in 2D, four in 3D.
+        if D == 2 && self.count <= 3 {
+            self.project::<6>()
+        } else {
+            self.project::<12>()
+        }
+        self
+    }
+
+    fn project<const N: usize>(&mut self)
+    where
+        SMatrix<f64, N, N>: Projected,
+    {
+        let whole = SMatrix::<f64, N, N>::from_fn(|i, j| {
+            if i / D < self.count && j / D < self.count {
+                self.hessian[i / D][j / D][(i % D, j % D)]
+            } else {
+                0.0
+            }
+        });
+        let whole = whole.projected();
+        for k in 0..self.count {
+            for l in 0..self.count {
+                self.hessian[k][l] = Matrix::from_fn(|a, b| whole[(k * D + a, l * D + b)]);
+            }
+        }
+    }
+}
+
+/// Symmetric matrices without their negative part.
+trait Projected {
+    fn projected(&self) -> Self;
+}
+
+macro_rules! projected {
+    ($n:literal) => {
+        impl Projected for SMatrix<f64, $n, $n> {
+            fn projected(&self) -> Self {
+                let SymmetricEigen { eigenvectors, eigenvalues } = self.symmetric_eigen();
+                let values = eigenvalues.map(|v| v.max(0.0));
+                eigenvectors * Self::from_diagonal(&values) * eigenvectors.transpose()
+            }
+        }
+    };
+}
+
+projected!(6);
+projected!(12);

@@ -1,0 +1,265 @@
+//! Derivatives against differences, and steps against distances.
+
+use crate::*;
+use meniscus_numerics::{Matrix, Vector};
+
+/// Numbers between -1 and 1 that look random.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    fn points<const D: usize>(&mut self, count: usize) -> Vec<Vector<D>> {
+        (0..count).map(|_| Vector::from_fn(|_, _| self.next())).collect()
+    }
+}
+
+const KINDS_2: [Kind; 1] = [Kind::PointSegment];
+const KINDS_3: [Kind; 2] = [Kind::PointTriangle, Kind::EdgeEdge];
+
+fn stencil(kind: Kind) -> Stencil {
+    Stencil { kind, points: [0, 1, 2, if kind.count() == 4 { 3 } else { 0 }] }
+}
+
+/// The distance of two features by trying all points of them.
+fn tried<const D: usize>(kind: Kind, x: &[Vector<D>]) -> f64 {
+    const MANY: usize = 200;
+    let part = |i: usize| i as f64 / MANY as f64;
+    let mut least = f64::INFINITY;
+    for i in 0..=MANY {
+        for j in 0..=MANY {
+            let (s, t) = (part(i), part(j));
+            let apart = match kind {
+                Kind::PointSegment => x[0] - x[1].lerp(&x[2], s),
+                Kind::PointTriangle => x[0] - x[1].lerp(&x[2].lerp(&x[3], t), s),
+                Kind::EdgeEdge => x[0].lerp(&x[1], s) - x[2].lerp(&x[3], t),
+            };
+            least = least.min(apart.norm());
+        }
+    }
+    least
+}
+
+fn check_distances<const D: usize>(kinds: &[Kind]) {
+    let mut numbers = Numbers(7);
+    for kind in kinds {
+        for _ in 0..40 {
+            let x = numbers.points::<D>(kind.count());
+            let closest = Closest::new(*kind, &stencil(*kind).of(&x));
+            let tried = tried(*kind, &x);
+            assert!((closest.distance() - tried).abs() < 0.02, "{kind:?} {x:?}");
+            let sum: Vector<D> = x.iter().zip(closest.weights).map(|(x, w)| x * w).sum();
+            assert!((sum - closest.apart).norm() < 1e-14);
+            let first: f64 = closest.weights[..kind.first()].iter().sum();
+            assert!((first - 1.0).abs() < 1e-14 && closest.weights.iter().sum::<f64>().abs() < 1e-14);
+        }
+    }
+}
+
+#[test]
+fn distances_are_those_of_all_points() {
+    check_distances::<2>(&KINDS_2);
+    check_distances::<3>(&KINDS_3);
+}
+
+/// Derivatives of an energy against differences of it, and of its gradient.
+fn check_derivatives<const D: usize>(
+    x: &[Vector<D>],
+    scale: f64,
+    energy: impl Fn(&[Vector<D>]) -> f64,
+    derivatives: impl Fn(&[Vector<D>]) -> Option<Local<D>>,
+) -> bool {
+    let Some(local) = derivatives(x) else { return false };
+    let step = 1e-6;
+    for k in 0..local.count {
+        for a in 0..D {
+            let moved = |by: f64| {
+                let mut x = x.to_vec();
+                x[k][a] += by;
+                x
+            };
+            let [more, less] = [moved(step), moved(-step)];
+            let slope = (energy(&more) - energy(&less)) / (2.0 * step);
+            assert!((slope - local.gradient[k][a]).abs() < 1e-5 * scale, "{slope} {}", local.gradient[k][a]);
+            let (Some(more), Some(less)) = (derivatives(&more), derivatives(&less)) else { return false };
+            for l in 0..local.count {
+                let bend = (more.gradient[l] - less.gradient[l]) / (2.0 * step);
+                let told = local.hessian[l][k].column(a);
+                assert!((bend - told).norm() < 1e-3 * scale, "{k} {a} {l}: {bend:?} {told:?}");
+            }
+        }
+    }
+    true
+}
+
+fn check_barrier<const D: usize>(kinds: &[Kind]) {
+    let mut numbers = Numbers(3);
+    let barrier = Barrier { reach: 0.5 };
+    for kind in kinds {
+        let mut checked = 0;
+        for _ in 0..400 {
+            let x = numbers.points::<D>(kind.count());
+            let closest = Closest::new(*kind, &stencil(*kind).of(&x));
+            // Where a coordinate reaches its end the second derivative jumps.
+            let inner = closest.weights[..kind.count()].iter().all(|w| w.abs() > 1e-4 || *w == 0.0);
+            if !(0.1..0.49).contains(&closest.distance()) || !inner {
+                continue;
+            }
+            let contact = Contact { stencil: stencil(*kind), area: 0.3, stiffness: 2.0, lengths: 400.0 };
+            let energy = |x: &[Vector<D>]| barrier.energy(&contact, x);
+            let derivatives = |x: &[Vector<D>]| barrier.derivatives(&contact, x);
+            checked += usize::from(check_derivatives(&x, 10.0, energy, derivatives));
+            // The force is what the gradient of the first feature is.
+            if let Some(local) = barrier.derivatives(&Contact { lengths: 0.0, ..contact }, &x) {
+                let first: Vector<D> = local.gradient[..kind.first()].iter().sum();
+                let force = barrier.force(&Contact { lengths: 0.0, ..contact }, &x);
+                assert!((first.norm() - force).abs() < 1e-12);
+            }
+        }
+        assert!(checked > 20, "{kind:?} {checked}");
+    }
+}
+
+#[test]
+fn barriers_have_the_derivatives_they_tell() {
+    check_barrier::<2>(&KINDS_2);
+    check_barrier::<3>(&KINDS_3);
+}
+
+fn check_positive<const D: usize>(kind: Kind) {
+    let mut numbers = Numbers(11);
+    let mut checked = 0;
+    for _ in 0..200 {
+        let x = numbers.points::<D>(kind.count());
+        let contact = Contact { stencil: stencil(kind), area: 1.0, stiffness: 1.0, lengths: 400.0 };
+        let Some(local) = Barrier { reach: 0.6 }.derivatives(&contact, &x).map(Local::positive) else {
+            continue;
+        };
+        for _ in 0..20 {
+            let way = numbers.points::<D>(4);
+            let bend: f64 = (0..kind.count())
+                .flat_map(|k| (0..kind.count()).map(move |l| (k, l)))
+                .map(|(k, l)| way[k].dot(&(local.hessian[k][l] * way[l])))
+                .sum();
+            assert!(bend > -1e-9, "{bend}");
+        }
+        checked += 1;
+    }
+    assert!(checked > 10);
+}
+
+#[test]
+fn hessians_are_positive() {
+    check_positive::<2>(Kind::PointSegment);
+    check_positive::<3>(Kind::PointTriangle);
+    check_positive::<3>(Kind::EdgeEdge);
+}
+
+fn check_friction<const D: usize>(kind: Kind) {
+    let mut numbers = Numbers(5);
+    let (barrier, friction) = (Barrier { reach: 2.0 }, Friction { stick: 0.7 });
+    let mut checked = 0;
+    for _ in 0..40 {
+        let (from, x) = (numbers.points::<D>(kind.count()), numbers.points::<D>(kind.count()));
+        let contact = Contact { stencil: stencil(kind), area: 1.0, stiffness: 1.0, lengths: 0.0 };
+        let Some(rubbing) = Rubbing::new(&barrier, &contact, 0.4, &from) else { continue };
+        let energy = |x: &[Vector<D>]| friction.energy(&rubbing, &from, x);
+        let derivatives = |x: &[Vector<D>]| Some(friction.derivatives(&rubbing, &from, x));
+        checked += usize::from(check_derivatives(&x, 1.0, energy, derivatives));
+    }
+    assert!(checked > 10);
+}
+
+#[test]
+fn friction_has_the_derivatives_it_tells() {
+    check_friction::<2>(Kind::PointSegment);
+    check_friction::<3>(Kind::PointTriangle);
+    check_friction::<3>(Kind::EdgeEdge);
+}
+
+fn check_steps<const D: usize>(kinds: &[Kind]) {
+    let mut numbers = Numbers(23);
+    for kind in kinds {
+        let mut hits = 0;
+        for _ in 0..300 {
+            let (x, ways) = (numbers.points::<D>(kind.count()), numbers.points::<D>(kind.count()));
+            let (at, ways) = (stencil(*kind).of(&x), stencil(*kind).of(&ways).map(|w| w * 3.0));
+            let keep = 0.2;
+            let part = free_step(*kind, &at, &ways, keep);
+            let distance =
+                |part: f64| Closest::new(*kind, &std::array::from_fn(|k| at[k] + ways[k] * part)).distance();
+            let start = distance(0.0);
+            let least =
+                (0..=1000).map(|i| distance(part * f64::from(i) / 1000.0)).fold(f64::INFINITY, f64::min);
+            assert!(least >= keep * start * (1.0 - 1e-12), "{kind:?}: {least} of {start}");
+            if part < 1.0 {
+                // Not much less far than it could.
+                hits += 1;
+                let near = distance(part);
+                assert!(near < (keep + 0.11) * start, "{kind:?}: {near} of {start} at {part}");
+            }
+        }
+        assert!(hits > 10, "{kind:?}: {hits}");
+    }
+}
+
+#[test]
+fn steps_end_before_features_meet() {
+    check_steps::<2>(&KINDS_2);
+    check_steps::<3>(&KINDS_3);
+}
+
+fn check_upright<const D: usize>() {
+    let mut numbers = Numbers(31);
+    let mut short = 0;
+    for _ in 0..2000 {
+        let edges = Matrix::<D>::from_fn(|i, j| f64::from(i == j) + 0.3 * numbers.next());
+        let ways = Matrix::<D>::from_fn(|_, _| 2.0 * numbers.next());
+        let start = crate::advance::determinant(&edges);
+        if start < 0.1 {
+            continue;
+        }
+        let part = upright_step(&edges, &ways, 0.1);
+        let volume = |part: f64| crate::advance::determinant(&(edges + ways * part));
+        for i in 0..=500 {
+            assert!(volume(part * f64::from(i) / 500.0) > (0.1 - 1e-9) * start);
+        }
+        if part < 1.0 {
+            short += 1;
+            assert!(volume(part + 1e-6) < (0.1 + 1e-3) * start);
+        }
+    }
+    assert!(short > 100, "{short}");
+}
+
+#[test]
+fn steps_end_before_elements_turn_inside_out() {
+    check_upright::<2>();
+    check_upright::<3>();
+}
+
+/// All pairs of the surface of two boxes against a look at all of them.
+#[test]
+fn what_is_near_is_found() {
+    let square = |low: [f64; 2]| {
+        [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+            .map(|c| Vector::<2>::new(low[0] + c[0], low[1] + c[1]))
+    };
+    let x = [square([0.0, 0.0]), square([0.2, 1.05])].concat();
+    let facets = (0..8u32).map(|k| [k, k / 4 * 4 + (k + 1) % 4]).collect();
+    let surface = Surface::new(facets, &x, (0..8).map(|k| k / 4).collect());
+    let still = vec![Vector::zeros(); 8];
+    let near = surface.near(&x, &still, 0.1, |_| false, |_| false);
+    let contacts = near.contacts(&Barrier { reach: 0.1 }, &x, |_, _| 1.0);
+    // Corners 2 of the lower square and 4 of the upper one are beside the other's side.
+    let points: Vec<u32> = contacts.iter().map(|c| c.stencil.points[0]).collect();
+    assert_eq!(points, [2, 4]);
+    assert!((near.least_distance(&x) - 0.05).abs() < 1e-12);
+    let mut ways = still.clone();
+    (4..8).for_each(|k| ways[k] = Vector::<2>::new(0.0, -0.1));
+    let part = near.free_step(&x, &ways, 0.2);
+    assert!(part > 0.35 && part <= 0.4, "{part}");
+}
