@@ -10,18 +10,18 @@ const LOOKS: usize = 1000;
 /// Halvings of the time in which an element is found to turn inside out.
 const HALVINGS: usize = 60;
 
-/// The largest part of a way, up to all of it, on which two features keep `keep` of the distance that they have: points go from
-/// `x` along `ways`. It is never too large: no point comes nearer by more than the ways relative to each other are long (additive
+/// The largest part of a way, up to all of it, on which two features keep `keep` of the distance that they have beyond a
+/// thickness (m): points go from `x` along `ways`. It is never too large: no point comes nearer by more than the ways relative to each other are long (additive
 /// continuous collision detection: M. Li, D. M. Kaufman, C. Jiang, "Codimensional incremental potential contact", ACM Trans.
 /// Graph. 40(4), 2021, §5).
-pub fn free_step<const D: usize>(kind: Kind, x: &[Vector<D>; 4], ways: &[Vector<D>; 4], keep: f64) -> f64 {
+pub fn free_step<const D: usize>(kind: Kind, x: &[Vector<D>; 4], ways: &[Vector<D>; 4], (thickness, keep): (f64, f64)) -> f64 {
     let count = kind.count();
     let mean: Vector<D> = ways[..count].iter().sum::<Vector<D>>() / count as f64;
     let longest = |part: &[Vector<D>]| part.iter().map(|w| (w - mean).norm()).fold(0.0, f64::max);
     let speed = longest(&ways[..kind.first()]) + longest(&ways[kind.first()..count]);
     let distance = |part: f64| {
         let at = std::array::from_fn(|k| x[k] + (ways[k] - mean) * part);
-        Closest::new(kind, &at).distance()
+        Closest::new(kind, &at).distance() - thickness
     };
     let start = distance(0.0);
     let (least, mut part) = (keep * start, 0.0);

@@ -19,10 +19,12 @@ pub struct Contact {
     pub stencil: Stencil,
     /// Area for which they stand, m² (2D: length, m).
     pub area: f64,
-    /// Stiffness, Pa: the pressure at 0.54 of the reach.
+    /// Stiffness, Pa: the pressure at 0.53 of the reach.
     pub stiffness: f64,
     /// Of two edges: the squared lengths at rest, multiplied, m⁴.
     pub lengths: f64,
+    /// Distance, m, that counts as none: the radius of a ball around the first point.
+    pub thickness: f64,
 }
 
 /// `β(t) = −(1 − t)² ln t` for `0 < t < 1`, and its first and second derivative.
@@ -33,7 +35,7 @@ fn beta(t: f64) -> [f64; 3] {
 
 impl Barrier {
     /// The energy of a distance over `a κ`, m, and its derivatives by the distance; infinite where there is none.
-    pub(crate) fn of_distance(&self, distance: f64) -> [f64; 3] {
+    pub fn of_distance(&self, distance: f64) -> [f64; 3] {
         if distance >= self.reach {
             return [0.0; 3];
         }
@@ -44,17 +46,17 @@ impl Barrier {
         [value * self.reach, slope, bend / self.reach]
     }
 
-    /// The same by the squared distance.
-    fn of_square(&self, square: f64) -> [f64; 3] {
+    /// The same beyond a thickness, by the squared distance.
+    fn of_square(&self, square: f64, thickness: f64) -> [f64; 3] {
         let distance = square.sqrt();
-        let [value, slope, bend] = self.of_distance(distance);
+        let [value, slope, bend] = self.of_distance(distance - thickness);
         [value, slope / (2.0 * distance), (bend - slope / distance) / (4.0 * square)]
     }
 
     /// Energy, J (2D: J/m), at positions; infinite where the features touch.
     pub fn energy<const D: usize>(&self, contact: &Contact, x: &[Vector<D>]) -> f64 {
         let at = contact.stencil.of(x);
-        let [value, ..] = self.of_distance(Closest::new(contact.stencil.kind, &at).distance());
+        let [value, ..] = self.of_distance(Closest::new(contact.stencil.kind, &at).distance() - contact.thickness);
         let share = contact.mollifier(&at).map_or(1.0, |m| m.value);
         if value > 0.0 { contact.area * contact.stiffness * value * share } else { 0.0 }
     }
@@ -64,14 +66,14 @@ impl Barrier {
         let at = contact.stencil.of(x);
         let closest = Closest::new(contact.stencil.kind, &at);
         let share = contact.mollifier(&at).map_or(1.0, |m| m.value);
-        -contact.area * contact.stiffness * share * self.of_distance(closest.distance())[1]
+        -contact.area * contact.stiffness * share * self.of_distance(closest.distance() - contact.thickness)[1]
     }
 
     /// Derivatives at positions; nothing where the features are out of reach. The Hessian is not projected.
     pub fn derivatives<const D: usize>(&self, contact: &Contact, x: &[Vector<D>]) -> Option<Local<D>> {
         let at = contact.stencil.of(x);
         let closest = Closest::new(contact.stencil.kind, &at);
-        let [value, slope, bend] = self.of_square(closest.square());
+        let [value, slope, bend] = self.of_square(closest.square(), contact.thickness);
         if value == 0.0 {
             return None;
         }

@@ -1,6 +1,5 @@
 //! A plane that nothing moves: a side of the domain.
 
-use crate::barrier::Barrier;
 use meniscus_numerics::Vector;
 
 /// A plane.
@@ -18,15 +17,9 @@ impl<const D: usize> Plane<D> {
         (x - self.point).dot(&self.normal)
     }
 
-    /// Energy of a point that stands for an area, over area and stiffness, m; then the first and second derivative along the
-    /// normal.
-    pub fn energy(&self, barrier: &Barrier, x: &Vector<D>) -> [f64; 3] {
-        barrier.of_distance(self.distance(x))
-    }
-
-    /// The largest part of a way, up to all of it, on which a point keeps `keep` of its distance.
-    pub fn free_step(&self, x: &Vector<D>, way: &Vector<D>, keep: f64) -> f64 {
-        let (far, nearer) = (self.distance(x), -way.dot(&self.normal));
+    /// The largest part of a way, up to all of it, on which a point keeps `keep` of its distance beyond a thickness (m).
+    pub fn free_step(&self, x: &Vector<D>, way: &Vector<D>, (thickness, keep): (f64, f64)) -> f64 {
+        let (far, nearer) = (self.distance(x) - thickness, -way.dot(&self.normal));
         if nearer <= (1.0 - keep) * far { 1.0 } else { ((1.0 - keep) * far / nearer).max(0.0) }
     }
 }

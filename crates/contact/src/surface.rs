@@ -22,6 +22,8 @@ pub struct Surface<const D: usize> {
     areas: Vec<f64>,
     /// The same of edges, and their squared length at rest, m².
     spans: Vec<(f64, f64)>,
+    /// Radius of a ball around each position, m.
+    radii: Vec<f64>,
     /// Body to which each position belongs.
     bodies: Vec<u32>,
 }
@@ -38,6 +40,7 @@ struct Pair {
     stencil: Stencil,
     area: f64,
     lengths: f64,
+    thickness: f64,
 }
 
 impl<const D: usize> Surface<D> {
@@ -66,7 +69,23 @@ impl<const D: usize> Surface<D> {
                 spans.push((same.iter().map(|s| s.1).sum(), (b - a).norm_squared()));
             }
         }
-        Self { points, facets, edges, areas, spans, bodies }
+        let radii = vec![0.0; rest.len()];
+        Self { points, facets, edges, areas, spans, radii, bodies }
+    }
+
+    /// The same with some of the other positions as points of it, each with the area (m², 2D: m) for which it stands and the radius
+    /// (m) of a ball around it.
+    pub fn with_points(mut self, more: impl IntoIterator<Item = (u32, f64, f64)>) -> Self {
+        for (point, area, radius) in more {
+            self.points.push(point);
+            (self.areas[point as usize], self.radii[point as usize]) = (area, radius);
+        }
+        self
+    }
+
+    /// Radius of the ball around a position, m.
+    pub fn radius(&self, point: u32) -> f64 {
+        self.radii[point as usize]
     }
 
     /// The points.
@@ -113,12 +132,12 @@ impl<const D: usize> Surface<D> {
             [low.add_scalar(-wider), high.add_scalar(wider)]
         };
         let boxes = |list: &[[u32; D]]| list.par_iter().map(|f| swept(f, reach)).collect::<Vec<_>>();
-        let points: Vec<Extent<D>> = self.points.par_iter().map(|p| swept(&[*p], 0.0)).collect();
+        let points: Vec<Extent<D>> = self.points.par_iter().map(|p| swept(&[*p], self.radius(*p))).collect();
         let found = overlapping(&points, &boxes(&self.facets));
         let of_facets = found.into_iter().map(|(p, f)| {
             let point = self.points[p as usize];
             let stencil = Stencil::point_facet(point, &self.facets[f as usize]);
-            Pair { stencil, area: self.areas[point as usize], lengths: 0.0 }
+            Pair { stencil, area: self.areas[point as usize], lengths: 0.0, thickness: self.radius(point) }
         });
         let mut pairs: Vec<Pair> = of_facets.filter(|p| self.may_meet(&p.stencil, &rigid, &still)).collect();
         let wide: Vec<Extent<D>> = self.edges.par_iter().map(|e| swept(e, reach)).collect();
@@ -128,7 +147,7 @@ impl<const D: usize> Surface<D> {
             let stencil = Stencil::edge_edge(self.edges[i], self.edges[j]);
             let (area, lengths) =
                 (0.5 * (self.spans[i].0 + self.spans[j].0), self.spans[i].1 * self.spans[j].1);
-            Pair { stencil, area, lengths }
+            Pair { stencil, area, lengths, thickness: 0.0 }
         });
         pairs.extend(of_edges.filter(|p| self.may_meet(&p.stencil, &rigid, &still)));
         Near { pairs }
@@ -149,15 +168,11 @@ impl Near {
         stiffness: impl Fn(u32, u32) -> f64 + Sync,
     ) -> Vec<Contact> {
         let contact = |pair: &Pair| {
-            let Pair { stencil, area, lengths } = *pair;
+            let Pair { stencil, area, lengths, thickness } = *pair;
             let closest = Closest::new(stencil.kind, &stencil.of(x));
             let stiffness = stiffness(stencil.points[0], stencil.points[stencil.kind.first()]);
-            (closest.square() < barrier.reach * barrier.reach).then_some(Contact {
-                stencil,
-                area,
-                stiffness,
-                lengths,
-            })
+            let near = closest.distance() < barrier.reach + thickness;
+            near.then_some(Contact { stencil, area, stiffness, lengths, thickness })
         };
         self.pairs.par_iter().with_min_len(256).filter_map(contact).collect()
     }
@@ -165,13 +180,13 @@ impl Near {
     /// The largest part of a way, up to all of it, on which every pair keeps `keep` of its distance.
     pub fn free_step<const D: usize>(&self, x: &[Vector<D>], ways: &[Vector<D>], keep: f64) -> f64 {
         let part =
-            |pair: &Pair| free_step(pair.stencil.kind, &pair.stencil.of(x), &pair.stencil.of(ways), keep);
+            |pair: &Pair| free_step(pair.stencil.kind, &pair.stencil.of(x), &pair.stencil.of(ways), (pair.thickness, keep));
         self.pairs.par_iter().with_min_len(256).map(part).reduce(|| 1.0, f64::min)
     }
 
     /// The least distance of a pair, m.
     pub fn least_distance<const D: usize>(&self, x: &[Vector<D>]) -> f64 {
-        let distance = |pair: &Pair| Closest::new(pair.stencil.kind, &pair.stencil.of(x)).distance();
+        let distance = |pair: &Pair| Closest::new(pair.stencil.kind, &pair.stencil.of(x)).distance() - pair.thickness;
         self.pairs.par_iter().with_min_len(256).map(distance).reduce(|| f64::INFINITY, f64::min)
     }
 }
@@ -181,7 +196,7 @@ impl<const D: usize> Plane<D> {
     pub fn near(&self, surface: &Surface<D>, x: &[Vector<D>], ways: &[Vector<D>], reach: f64) -> Vec<u32> {
         let close = |p: &u32| {
             let (from, way) = (self.distance(&x[*p as usize]), ways[*p as usize].dot(&self.normal));
-            from + way.min(0.0) < reach
+            from + way.min(0.0) < reach + surface.radius(*p)
         };
         surface.points().iter().copied().filter(close).collect()
     }

@@ -108,7 +108,7 @@ fn check_barrier<const D: usize>(kinds: &[Kind]) {
             if !(0.1..0.49).contains(&closest.distance()) || !inner {
                 continue;
             }
-            let contact = Contact { stencil: stencil(*kind), area: 0.3, stiffness: 2.0, lengths: 400.0 };
+            let contact = Contact { stencil: stencil(*kind), area: 0.3, stiffness: 2.0, lengths: 400.0, thickness: 0.03 };
             let energy = |x: &[Vector<D>]| barrier.energy(&contact, x);
             let derivatives = |x: &[Vector<D>]| barrier.derivatives(&contact, x);
             checked += usize::from(check_derivatives(&x, 10.0, energy, derivatives));
@@ -134,7 +134,7 @@ fn check_positive<const D: usize>(kind: Kind) {
     let mut checked = 0;
     for _ in 0..200 {
         let x = numbers.points::<D>(kind.count());
-        let contact = Contact { stencil: stencil(kind), area: 1.0, stiffness: 1.0, lengths: 400.0 };
+        let contact = Contact { stencil: stencil(kind), area: 1.0, stiffness: 1.0, lengths: 400.0, thickness: 0.03 };
         let Some(local) = Barrier { reach: 0.6 }.derivatives(&contact, &x).map(Local::positive) else {
             continue;
         };
@@ -164,7 +164,7 @@ fn check_friction<const D: usize>(kind: Kind) {
     let mut checked = 0;
     for _ in 0..40 {
         let (from, x) = (numbers.points::<D>(kind.count()), numbers.points::<D>(kind.count()));
-        let contact = Contact { stencil: stencil(kind), area: 1.0, stiffness: 1.0, lengths: 0.0 };
+        let contact = Contact { stencil: stencil(kind), area: 1.0, stiffness: 1.0, lengths: 0.0, thickness: 0.0 };
         let Some(rubbing) = Rubbing::new(&barrier, &contact, 0.4, &from) else { continue };
         let energy = |x: &[Vector<D>]| friction.energy(&rubbing, &from, x);
         let derivatives = |x: &[Vector<D>]| Some(friction.derivatives(&rubbing, &from, x));
@@ -188,7 +188,7 @@ fn check_steps<const D: usize>(kinds: &[Kind]) {
             let (x, ways) = (numbers.points::<D>(kind.count()), numbers.points::<D>(kind.count()));
             let (at, ways) = (stencil(*kind).of(&x), stencil(*kind).of(&ways).map(|w| w * 3.0));
             let keep = 0.2;
-            let part = free_step(*kind, &at, &ways, keep);
+            let part = free_step(*kind, &at, &ways, (0.0, keep));
             let distance =
                 |part: f64| Closest::new(*kind, &std::array::from_fn(|k| at[k] + ways[k] * part)).distance();
             let start = distance(0.0);

@@ -4,12 +4,13 @@ use crate::describe::material;
 use crate::linalg::{BlockMatrix, Pattern, Solver};
 use crate::term::Weights;
 use crate::term::continuum::Continuum;
+use crate::term::crushed::Crushed;
 use crate::{
     Anchor, Corotated, Description, ElasticError, ElasticState, ForceTerm, Integrator, Lame, Law, Motion,
-    NeoHookean, Springs, Upright, settled_modes,
+    NeoHookean, Springs, settled_modes,
 };
 use meniscus_numerics::Vector;
-use meniscus_numerics::mesh::VolumeMesh;
+use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use std::sync::Arc;
 
 /// Volume of an element over that of a regular one with its longest edge, below which it is refused.
@@ -31,8 +32,11 @@ pub struct Elastic<const D: usize> {
     pub(crate) anchors: Vec<Anchor<D>>,
     pub(crate) held: Vec<bool>,
     pub(crate) damping_time: f64,
+    young: f64,
     pub(crate) solver: Solver,
-    pattern: Arc<Pattern>,
+    pub(crate) pattern: Arc<Pattern>,
+    /// What keeps its elements upright.
+    pub(crate) upright: Continuum<Crushed, D>,
 }
 
 impl<const D: usize> Elastic<D> {
@@ -63,10 +67,12 @@ impl<const D: usize> Elastic<D> {
         let mut terms = terms(&mesh, law);
         terms.extend(more);
         let pattern = Arc::new(Pattern::new(masses.len(), terms.iter().map(|t| t.couplings())));
+        let upright = upright(&mesh, law);
+        let young = young(&mesh, law);
         let solver = Solver::new(&mesh.positions, &pattern, &held)
             .ok_or(ElasticError::TooLarge { vertices: masses.len() })?;
         let mut body =
-            Self { rest: mesh, masses, terms, integrator, anchors, held, damping_time: 0.0, solver, pattern };
+            Self { rest: mesh, masses, terms, integrator, anchors, held, damping_time: 0.0, young, solver, pattern, upright };
         if damping_ratio > 0.0 {
             let lowest = settled_modes(&body, 1, SETTLED)?;
             body.damping_time = lowest.first().map_or(0.0, |mode| 2.0 * damping_ratio / mode.frequency);
@@ -92,6 +98,11 @@ impl<const D: usize> Elastic<D> {
     /// `D = τ K`: the time `τ`, s, of the damping that is proportional to the stiffness against rates of strain.
     pub fn damping_time(&self) -> f64 {
         self.damping_time
+    }
+
+    /// Young's modulus, Pa; of springs their stiffness over the longest edge (in 2D their stiffness).
+    pub fn young(&self) -> f64 {
+        self.young
     }
 
     /// How velocities follow forces.
@@ -131,12 +142,6 @@ impl<const D: usize> Elastic<D> {
         forces
     }
 
-    /// Elements that something besides the law holds upright at positions: those of springs that are pressed below half of their
-    /// volume.
-    pub fn crushed_elements(&self, positions: &[Vector<D>]) -> usize {
-        self.terms.iter().map(|t| t.crushed_elements(positions)).sum()
-    }
-
     /// Forces that resist rates of strain, N (2D: N/m), proportional to the stiffness times `time`, s.
     pub fn viscous_forces(
         &self,
@@ -169,7 +174,7 @@ impl<const D: usize> Elastic<D> {
     }
 
     /// Held vertices and the velocities that take them where they belong after a step of `step` s from `time`.
-    pub(crate) fn held_velocities(&self, time: f64, step: f64) -> impl Iterator<Item = (usize, Vector<D>)> {
+    pub fn held_velocities(&self, time: f64, step: f64) -> impl Iterator<Item = (usize, Vector<D>)> {
         self.anchors.iter().flat_map(move |anchor| {
             let ahead = anchor.motion.displacement(time + step) - anchor.motion.displacement(time);
             anchor.vertices.iter().map(move |v| (*v as usize, ahead / step))
@@ -187,9 +192,39 @@ fn terms<const D: usize>(mesh: &VolumeMesh<D>, law: Law) -> Vec<Box<dyn ForceTer
             vec![Box::new(Continuum::new(mesh, Corotated, Lame::new(young, poisson), smoothing))]
         }
         Law::Springs { stiffness } => {
-            vec![Box::new(Springs::new(mesh, stiffness)), Box::new(Upright::new(mesh, stiffness))]
+            vec![Box::new(Springs::new(mesh, stiffness))]
         }
     }
+}
+
+/// Young's modulus of a law, Pa.
+fn young<const D: usize>(mesh: &VolumeMesh<D>, law: Law) -> f64 {
+    match law {
+        Law::NeoHookean { young, .. } | Law::Corotated { young, .. } => young,
+        Law::Springs { stiffness } => {
+            let edge = |s: &Simplex<D>| s.edges(&mesh.positions).column(0).norm();
+            stiffness / mesh.simplices.iter().map(edge).fold(0.0, f64::max).powi(D as i32 - 2)
+        }
+    }
+}
+
+/// What keeps elements upright: as stiff against being pressed as the law is, `λ + 2 μ`. Springs of `k` that meet in an element of a
+/// volume `V` have `k l²/V`, with the mean square of its edges.
+fn upright<const D: usize>(mesh: &VolumeMesh<D>, law: Law) -> Continuum<Crushed, D> {
+    let square = |s: &Simplex<D>| {
+        let at: Vec<Vector<D>> = s.vertices().map(|v| mesh.positions[v as usize]).collect();
+        let all: f64 = at.iter().flat_map(|a| at.iter().map(move |b| (a - b).norm_squared())).sum();
+        all / (D * (D + 1)) as f64
+    };
+    let stiffness = |s: &Simplex<D>| match law {
+        Law::NeoHookean { young, poisson, .. } | Law::Corotated { young, poisson, .. } => {
+            let Lame { lambda, mu } = Lame::new(young, poisson);
+            lambda + 2.0 * mu
+        }
+        Law::Springs { stiffness } => stiffness * square(s) / s.volume(&mesh.positions),
+    };
+    let lame = mesh.simplices.iter().map(|s| Lame { lambda: stiffness(s), mu: 0.0 }).collect();
+    Continuum::of_elements(mesh, Crushed, lame)
 }
 
 /// The masses of a mesh's vertices, kg (2D: kg/m).

@@ -1,6 +1,7 @@
 //! Energies and momenta.
 
 use crate::linalg::svd;
+use crate::term::crushed::CRUSHED;
 use crate::term::density::{cofactor, determinant};
 use crate::{Elastic, ElasticState};
 use meniscus_numerics::mesh::Simplex;
@@ -48,6 +49,15 @@ impl<const D: usize> Elastic<D> {
             determinant(&simplex.edges(positions)) / determinant(&simplex.edges(&self.rest.positions))
         };
         self.rest.simplices.par_iter().with_min_len(1024).map(ratio).reduce(|| f64::INFINITY, f64::min)
+    }
+
+    /// Elements of less than [`crate::CRUSHED`] of their volume at rest, which something besides the law keeps upright.
+    pub fn crushed_elements(&self, positions: &[Vector<D>]) -> usize {
+        let crushed = |simplex: &&Simplex<D>| {
+            let rest = determinant(&simplex.edges(&self.rest.positions));
+            determinant(&simplex.edges(positions)) < CRUSHED * rest
+        };
+        self.rest.simplices.par_iter().with_min_len(1024).filter(crushed).count()
     }
 
     /// How much the material is stretched or pressed at each vertex: the largest |λ − 1| of the principal stretches λ, the

@@ -129,6 +129,22 @@ impl<const D: usize> System<D> {
     }
 }
 
+/// Adds the impulses, N s, of other forces' stiffness in a step of `h` s that changes the velocities by `w`.
+pub(crate) fn add_extra<const D: usize>(
+    extra: &[StiffnessBlock<D>],
+    h: f64,
+    w: &[Vector<D>],
+    impulses: &mut [Vector<D>],
+) {
+    for StiffnessBlock { first, second, block } in extra {
+        let (i, j, block) = (*first as usize, *second as usize, block * (0.25 * h * h));
+        impulses[i] -= block * w[j];
+        if i != j {
+            impulses[j] -= block.tr_mul(&w[i]);
+        }
+    }
+}
+
 impl<const D: usize> Elastic<D> {
     /// The first half of a step of `step` s: moves the vertices with their velocities, held ones exactly as told.
     pub fn advance_positions(&self, state: &mut ElasticState<D>, step: f64) {
@@ -147,16 +163,32 @@ impl<const D: usize> Elastic<D> {
         step: f64,
         extra: &[StiffnessBlock<D>],
     ) -> Result<System<D>, ElasticError> {
+        let strange = |block: &&StiffnessBlock<D>| {
+            let (i, j) = (block.first.max(block.second), block.first.min(block.second));
+            self.pattern.slot(i, j).is_none()
+        };
+        if let Some(StiffnessBlock { first, second, .. }) = extra.iter().find(strange) {
+            return Err(ElasticError::NotNeighbours { first: *first, second: *second });
+        }
+        let Some(matrix) = self.matrix(positions, step, extra) else {
+            return Err(ElasticError::NotDefinite { step });
+        };
+        let inverse = self.solver.invert(&matrix, &self.held, TOLERANCE);
+        inverse.map(|inverse| System { matrix, inverse, step }).ok_or(ElasticError::NotDefinite { step })
+    }
+
+    /// The matrix `A` itself; nothing where the extra stiffness is between vertices that share no element.
+    pub(crate) fn matrix(
+        &self,
+        positions: &[Vector<D>],
+        step: f64,
+        extra: &[StiffnessBlock<D>],
+    ) -> Option<BlockMatrix<D>> {
         let weights = self.integrator.weights(step, self.damping_time);
         let mut matrix = self.tangent(positions, weights);
         self.masses.iter().enumerate().for_each(|(v, m)| matrix.add_diagonal(v, *m));
-        for StiffnessBlock { first, second, block } in extra {
-            if !matrix.add(*first, *second, &(block * weights.stiffness)) {
-                return Err(ElasticError::NotNeighbours { first: *first, second: *second });
-            }
-        }
-        let inverse = self.solver.invert(&matrix, &self.held, TOLERANCE);
-        inverse.map(|inverse| System { matrix, inverse, step }).ok_or(ElasticError::NotDefinite { step })
+        let mut put = |e: &StiffnessBlock<D>| matrix.add(e.first, e.second, &(e.block * weights.stiffness));
+        extra.iter().all(&mut put).then_some(matrix)
     }
 
     /// The right-hand side of `A (v' − v) = b` at a state whose positions have advanced, N s (2D: N s/m), with external
@@ -294,13 +326,7 @@ impl<const D: usize> Elastic<D> {
         let wrong =
             |k: usize| (elastic[k] + damping[k] + numerical[k]) * h + impulses[k] - w[k] * self.masses[k];
         let mut wrong: Vec<Vector<D>> = (0..x.len()).map(wrong).collect();
-        for StiffnessBlock { first, second, block } in start.extra {
-            let (i, j, block) = (*first as usize, *second as usize, block * (0.25 * h * h));
-            wrong[i] -= block * w[j];
-            if i != j {
-                wrong[j] -= block.tr_mul(&w[i]);
-            }
-        }
+        add_extra(start.extra, h, &w, &mut wrong);
         Ok((self.system(&y, h, start.extra)?, wrong))
     }
 }

@@ -15,7 +15,7 @@
 use crate::exchange::{Exchange, Impulse};
 use crate::model::Model;
 use crate::skin::Grip;
-use crate::soft::Systems;
+use crate::descent::{Response, turning};
 use crate::solid::{Motion, SolidState};
 use crate::tied::{Six, Ties};
 use meniscus_numerics::grid::{CutCells, WetCell};
@@ -28,7 +28,8 @@ use std::collections::BTreeMap;
 pub struct Coupling<'a, const D: usize> {
     model: &'a Model<D>,
     solids: &'a [SolidState<D>],
-    systems: &'a Systems<D>,
+    /// How solids answer together, where some deform.
+    response: Option<&'a Response<D>>,
     /// With the place where the pressure takes hold of a solid that deforms.
     wet: Vec<(WetCell<D>, Option<Grip<D>>)>,
     /// The faces that contact lines tie to the free rigid ones.
@@ -40,13 +41,13 @@ impl<'a, const D: usize> Coupling<'a, D> {
     pub fn new(
         model: &'a Model<D>,
         cut: &CutCells<D>,
-        (solids, systems): (&'a [SolidState<D>], &'a Systems<D>),
+        (solids, response): (&'a [SolidState<D>], Option<&'a Response<D>>),
         phi: &[f64],
     ) -> Self {
         let wet = cut.wet.par_iter().with_min_len(64).filter(|w| phi[w.cell as usize] < 0.0);
         let gripped =
             |w: &WetCell<D>| (*w, solids[w.solid as usize].grip(&(middle(model, w) * model.grid.dx)));
-        Self { model, solids, systems, wet: wet.map(gripped).collect(), ties: None }
+        Self { model, solids, response, wet: wet.map(gripped).collect(), ties: None }
     }
 
     /// The same with the faces that lines tie to the solids.
@@ -63,7 +64,7 @@ impl<'a, const D: usize> Coupling<'a, D> {
     pub fn fluxes_of_push(&self, push: &Exchange<D>, f: impl FnMut(usize, f64)) {
         let mut still = self.solids.to_vec();
         still.iter_mut().for_each(SolidState::stop);
-        push_solids(self.model, &mut still, push, self.systems);
+        push_solids(self.model, &mut still, push);
         let tied = |n: &usize| self.lightness(*n).is_some();
         (0..still.len()).filter(tied).for_each(|n| still[n].stop());
         self.fluxes_of(&still, f);
@@ -127,6 +128,9 @@ impl<'a, const D: usize> Coupling<'a, D> {
     fn columns(&self) -> Vec<Column> {
         let weight = self.model.density * self.model.grid.cell_volume();
         let mut columns = Vec::new();
+        if self.response.is_some() {
+            return columns;
+        }
         for (number, solid) in self.free() {
             if let Some(root) = self.lightness(number).and_then(|l| l.cholesky()) {
                 columns.extend(self.tied_columns(number, &(root.l() * weight.sqrt())));
@@ -162,25 +166,63 @@ impl<'a, const D: usize> Coupling<'a, D> {
 
     /// What the solids that deform add.
     fn compliances(&self) -> Vec<Compliance<'_>> {
+        let Some(response) = self.response else { return Vec::new() };
         let scale = (self.model.density * self.model.grid.cell_volume()).sqrt();
-        let mut flows: BTreeMap<u32, Vec<_>> = BTreeMap::new();
-        for (w, grip) in &self.wet {
-            let Some(grip) = grip else { continue };
-            let entry = |n: usize| {
-                let (k, a) = (n / D, n % D);
-                (grip.vertices[k] * D as u32 + a as u32, scale * grip.weights[k] * w.area[a])
-            };
-            flows.entry(w.solid).or_default().push((w.cell, (0..D * D).map(entry).collect::<Vec<_>>()));
-        }
-        let compliance = |(solid, flows): (u32, Vec<_>)| {
-            let system = self.systems.get(solid as usize)?.as_ref()?;
-            let lattice = self.model.grid.lattice();
-            let reach = system.reach(&flows);
-            let porous = system.porous(&flows, &reach, |cell| lattice.coordinates(cell as usize));
-            let solve: Box<Solve<'_>> = Box::new(move |x| system.solve_within(&reach, x));
-            Some(Compliance { freedoms: system.freedoms(), flows, porous, solve })
+        let scaled = |(cell, flow): (u32, Vec<(u32, f64)>)| {
+            (cell, flow.into_iter().map(|(k, v)| (k, v * scale)).collect::<Vec<_>>())
         };
-        flows.into_iter().filter_map(compliance).collect()
+        let flows: Vec<_> = self.node_flows(response).into_iter().map(scaled).collect();
+        if flows.is_empty() {
+            return Vec::new();
+        }
+        let lattice = self.model.grid.lattice();
+        let reach = response.reach(&flows);
+        let porous = response.porous(&flows, &reach, |cell| lattice.coordinates(cell as usize));
+        let solve: Box<Solve<'_>> = Box::new(move |x| response.solve_within(&reach, x));
+        vec![Compliance { freedoms: response.freedoms(), flows, porous, solve }]
+    }
+
+    /// For each piece of surface, and each face that lines tie to a solid, the cell, and the flow out of it by the components of the
+    /// nodes' velocities, in areas of a face.
+    fn node_flows(&self, response: &Response<D>) -> Vec<(u32, Vec<(u32, f64)>)> {
+        let mut flows: Vec<(u32, Vec<(u32, f64)>)> = Vec::new();
+        for (w, grip) in &self.wet {
+            let solid = w.solid as usize;
+            let first = (response.first(solid) * D) as u32;
+            if let Some(grip) = grip {
+                let entry = |n: usize| {
+                    let (k, a) = (n / D, n % D);
+                    (first + grip.vertices[k] * D as u32 + a as u32, grip.weights[k] * w.area[a])
+                };
+                flows.push((w.cell, (0..D * D).map(entry).collect()));
+            } else if self.model.solids[solid].motion == Motion::Free {
+                let turn: Vector<D> = turning(&self.moment(w).into());
+                let entry = |n: usize| (first + n as u32, if n < D { w.area[n] } else { turn[n - D] });
+                flows.push((w.cell, (0..2 * D).map(entry).collect()));
+            }
+        }
+        flows.extend(response.tied_flows());
+        flows
+    }
+
+    /// Calls `f(cell, flux)` with the flow that velocities of the nodes add.
+    pub fn fluxes_of_nodes(&self, velocities: &[Vector<D>], mut f: impl FnMut(usize, f64)) {
+        let Some(response) = self.response else { return };
+        for (cell, flow) in self.node_flows(response) {
+            f(cell as usize, flow.iter().map(|(k, v)| v * velocities[*k as usize / D][*k as usize % D]).sum());
+        }
+    }
+
+    /// What the pressure gives to the nodes, through tied faces too, N s; `lambda` is `p h/ρ`.
+    pub fn pushed_nodes(&self, lambda: &[f64]) -> Vec<Vector<D>> {
+        let Some(response) = self.response else { return Vec::new() };
+        let scale = self.model.density * self.model.grid.face_area();
+        let mut all = vec![Vector::zeros(); response.freedoms() / D];
+        for (cell, flow) in self.node_flows(response) {
+            let push = scale * lambda[cell as usize];
+            flow.iter().for_each(|(k, v)| all[*k as usize / D][*k as usize % D] += v * push);
+        }
+        all
     }
 
     /// What the liquid's pressure gives to the solids; `lambda` is `p h/ρ`, `label` the component of a liquid cell.
@@ -254,12 +296,11 @@ fn three<const D: usize>(v: &Vector<D>) -> Vector<3> {
     Vector::from_fn(|a, _| if a < D { v[a] } else { 0.0 })
 }
 
-/// Gives impulses to the solids that give way; `systems` are those that deform.
+/// Gives impulses to the free rigid solids.
 pub fn push_solids<const D: usize>(
     model: &Model<D>,
     solids: &mut [SolidState<D>],
     exchange: &Exchange<D>,
-    systems: &Systems<D>,
 ) {
     let sums = exchange.by_solid(solids.len());
     for ((now, solid), sum) in solids.iter_mut().zip(&model.solids).zip(sums) {
@@ -267,12 +308,6 @@ pub fn push_solids<const D: usize>(
             now.velocity += sum.linear / solid.body.mass;
             let spin = Vector::<3>::from(now.spin) + solid.inverse_inertia(now) * sum.about(&now.center);
             now.spin = spin.into();
-        }
-    }
-    for (number, grips) in &exchange.grips {
-        let number = *number as usize;
-        if let (Some(elastic), Some(Some(system))) = (model.solids[number].elastic(), systems.get(number)) {
-            solids[number].push(elastic, system, grips);
         }
     }
 }
@@ -356,14 +391,13 @@ mod tests {
             dragged: &mut [],
             cut_cells: &mut work.cut,
             solids: &state.solids,
-            systems: &work.soft,
             jump: 0.0,
             label: &|_| Some(0),
             time: 1.0,
         };
         let (solves, exchange) = work.pressure.project(&model, &mut projection, &mut |_| ()).unwrap();
         let impulses = exchange.by_solid(model.solids.len());
-        push_solids(&model, &mut state.solids, &exchange, &work.soft);
+        push_solids(&model, &mut state.solids, &exchange);
         let mut fastest = 0.0f64;
         walk(Box::new(|a, face| fastest = fastest.max(state.velocity.axes[a][face].abs())));
         Projected { state, impulses, solves, fastest }

@@ -84,6 +84,11 @@ impl Default for Numerics {
 }
 
 impl<const D: usize> Model<D> {
+    /// Whether a solid deforms.
+    pub fn deforms(&self) -> bool {
+        self.solids.iter().any(|s| s.elastic().is_some())
+    }
+
     /// How scalars go on beyond the sides.
     pub fn scalar_edges(&self) -> [[Edge; 2]; D] {
         self.walls.map(|sides| sides.map(|w| if w == Wall::Slip { Edge::Even } else { Edge::Clamp }))

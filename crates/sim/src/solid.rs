@@ -251,11 +251,15 @@ impl<const D: usize> Solid<D> {
         CutBy { distance, bounds: [low - padding, high + padding] }
     }
 
+    /// The moments of inertia where it is now, kg m².
+    pub fn inertia(&self, now: &SolidState<D>) -> Matrix<3> {
+        let turn = in_space(&now.rotation);
+        turn * self.body.inertia * turn.transpose()
+    }
+
     /// Inverse of the moments of inertia where it is now, 1/(kg m²).
     pub fn inverse_inertia(&self, now: &SolidState<D>) -> Matrix<3> {
-        let turn = in_space(&now.rotation);
-        let inertia = turn * self.body.inertia * turn.transpose();
-        inertia.try_inverse().unwrap_or_else(Matrix::zeros)
+        self.inertia(now).try_inverse().unwrap_or_else(Matrix::zeros)
     }
 
     /// Moves it from `time` on for `dt` seconds. Where it goes as told, its velocity is then that of the coming step, for

@@ -6,6 +6,7 @@
 use crate::change::{Change, expect, in_band, keep_volume, resolved_volume};
 use crate::collide::{Times, collide, lean, part};
 use crate::coupling::push_solids;
+use crate::descent::{Descent, Start};
 use crate::exchange::Exchange;
 use crate::hysteresis::hold_lines;
 use crate::keep::{Labels, give_back, keep_carried, keep_momentum, walk};
@@ -19,11 +20,9 @@ use crate::liquid::pressure::Projection;
 use crate::liquid::transport::{advect_surface, advect_velocity, pack};
 use crate::liquid::volume::band_labels;
 use crate::model::Model;
-use crate::newton::Newton;
 use crate::outflow::drain;
 use crate::repairs::Repairs;
 use crate::simulation::{GROWTH, PhaseEnd, clear_time};
-use crate::soft::{Systems, systems};
 use crate::solid::{Motion, SolidState};
 use crate::state::State;
 use crate::tension::{wetted_skins, wetted_stiffness};
@@ -81,20 +80,10 @@ pub fn step<const D: usize>(
         phase_end("solids");
     }
 
-    // (1) to (3) The liquid moves; meanwhile the matrices of the solids that deform are factorised.
+    // (1) to (3) The liquid moves.
     let (wanted, kick) = (wanted_kick(state.lead, dt), kick(state.lead, dt));
     work.repairs.limited_kicks += u64::from(kick != wanted);
-    let (solids, mut matrices) = (state.solids.clone(), Ok(Systems::new()));
-    work.soft.clear();
-    let stiffness = wetted_stiffness(model, state);
-    let (mut change, displacement) = rayon::in_place_scope(|scope| {
-        scope.spawn(|_| matrices = systems(model, &solids, stiffness, kick));
-        move_liquid(model, state, work, &before, dt, phase_end)
-    });
-    work.soft = matrices?;
-    if !model.solids.is_empty() {
-        phase_end("solids");
-    }
+    let (mut change, displacement) = move_liquid(model, state, work, &before, dt, phase_end);
 
     // (4) The forces, and viscosity.
     let (solves, stirred) = push(model, state, work, &mut change, displacement, (dt, kick), phase_end)?;
@@ -152,7 +141,6 @@ fn start<const D: usize>(
     expect(model, state, work, &mut change.groups, &[], 0.0);
     let still = displacements(model, state, work, 0.0);
     work.mark_afresh(model);
-    work.soft = systems(model, &state.solids, wetted_stiffness(model, state), 0.5 * dt)?;
     push(model, state, work, &mut change, still, (dt, 0.5 * dt), phase_end)?;
     (state.lead, state.kick) = (0.5 * dt, 0.5 * dt);
     Ok(())
@@ -198,12 +186,15 @@ fn push<const D: usize>(
     phase_end("curvature");
 
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
-    let (solves, given) =
-        press(model, (state, &before), work, change, (&cut, &mut dragged), kick, phase_end)?;
     state.clear = if state.last_dt > 0.0 { clear_time(model, &state.solids, dt) } else { GROWTH * dt };
     let times = Times { dt, kick, ahead: state.clear };
-    let Workspace { probes, soft, repairs, .. } = work;
-    let collided = collide(model, &mut state.solids, (probes, soft), &before, times, repairs);
+    let (solves, given) =
+        press(model, (state, &before), work, change, (&cut, &mut dragged), times, phase_end)?;
+    let Workspace { probes, repairs, .. } = work;
+    let collided = match model.deforms() {
+        true => 0.0,
+        false => collide(model, &mut state.solids, probes, &before, times, repairs),
+    };
     let stirred = stirred(model, state, &given) + collided;
     give_back(model, &mut change.groups, &given);
     phase_end("pressure");
@@ -245,9 +236,10 @@ fn press<const D: usize>(
     work: &mut Workspace<D>,
     change: &Change<D>,
     (cut, dragged): (&[CutFace], &mut [DraggedFace]),
-    kick: f64,
+    times: Times,
     phase_end: PhaseEnd<'_>,
 ) -> Result<([SolveReport; 2], [Exchange<D>; 3]), SolveError> {
+    let kick = times.kick;
     let inside: Vec<bool> = work.touching(model).iter().map(|t| !t.side).collect();
     let label = work.liquid.component(&model.grid);
     let near = in_band(&work.band, &change.labels);
@@ -261,7 +253,6 @@ fn press<const D: usize>(
     } else {
         (Exchange::new(), vec![Vector::zeros(); inside.len()])
     };
-    push_solids(model, &mut state.solids, &line, &work.soft);
     // Of a drop too small to be resolved the lattice's pull is noise.
     let least = resolved_volume(model);
     let speed = |(j, volume): (&Vector<D>, &f64)| {
@@ -272,10 +263,25 @@ fn press<const D: usize>(
     let of = |cell: usize| labels.of(cell);
     walk(model, &state.phi, work, cut, &of).shift(&mut state.velocity, &along);
     let unlabelled = labels.missing();
-    lean(&mut state.solids, kick);
-    let mut newton = Newton::start(model, (before, state), &work.soft, &line, kick);
-    let mut iterations = 0..model.numerics.newton_iterations;
-    let (solves, pressure) = loop {
+    let mut forced = state.solids.clone();
+    push_solids(model, &mut forced, &line);
+    let starts = match model.deforms() {
+        true => Start::of(model, before, &line, wetted_stiffness(model, state), kick)?,
+        false => Vec::new(),
+    };
+    let points = work.points.clone();
+    let mut descent = model.deforms().then(|| Descent::new(model, &points, (before, &forced), &starts, times));
+    state.solids = forced;
+    if descent.is_none() {
+        lean(&mut state.solids, kick);
+    }
+    let velocity = descent.is_some().then(|| state.velocity.clone());
+    // Ends with the descent's iterations.
+    let (solves, pressure, friction) = loop {
+        if let Some((descent, velocity)) = descent.as_mut().zip(velocity.as_ref()) {
+            descent.linearise(&mut state.solids, dragged, (&state.phi.data, &work.cut.open))?;
+            state.velocity.clone_from(velocity);
+        }
         let mut projection = Projection {
             velocity: &mut state.velocity,
             lambda: &mut state.lambda,
@@ -287,24 +293,31 @@ fn press<const D: usize>(
             dragged,
             cut_cells: &mut work.cut,
             solids: &state.solids,
-            systems: &work.soft,
             label: &label,
             jump: model.surface_tension * kick / (model.density * model.grid.dx),
             time: kick,
         };
-        let (solves, pressure) = work.pressure.project(model, &mut projection, phase_end)?;
-        push_solids(model, &mut state.solids, &pressure, &work.soft);
-        let more = iterations.next().and(newton.as_mut());
-        if !more.map_or(Ok(false), |newton| newton.again(state, &mut work.soft))? {
-            break (solves, pressure);
+        let Some((descent, response)) = descent.as_mut().and_then(|d| Some((d.response.take()?, d))).map(|(r, d)| (d, r))
+        else {
+            let (solves, pressure) = work.pressure.project(model, &mut projection, phase_end)?;
+            push_solids(model, &mut state.solids, &pressure);
+            lean(&mut state.solids, -kick);
+            let friction = friction(model, state, dragged, &label);
+            push_solids(model, &mut state.solids, &friction);
+            break (solves, pressure, friction);
+        };
+        let (solves, pressure, change) =
+            work.pressure.project_with(model, &mut projection, &response, phase_end)?;
+        let friction = friction(model, state, dragged, &label);
+        let mut pressed = pressure.clone();
+        pressed.extend(&friction);
+        let pressed = response.impulses(model, before, &pressed);
+        descent.response = Some(response);
+        if descent.settle(&mut state.solids, &change, pressed)? {
+            break (solves, pressure, friction);
         }
     };
-    let unsettled = iterations.is_empty() && newton.is_some_and(|mut newton| !newton.settled(&state.solids));
-    lean(&mut state.solids, -kick);
-    let friction = friction(model, state, dragged, label);
-    push_solids(model, &mut state.solids, &friction, &work.soft);
     work.repairs.unlabelled += unlabelled;
-    work.repairs.newton_unconverged += u64::from(unsettled);
     let given = [line, pressure, friction];
     tell_forces(&mut state.solids, &given, kick);
     Ok((solves, given))
@@ -452,7 +465,9 @@ fn move_velocity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &
 fn move_solids<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut Workspace<D>, dt: f64) {
     let (time, all) = (state.time, model.solids.iter());
     all.zip(&mut state.solids).for_each(|(solid, now)| solid.advance(now, time, dt));
-    part(model, &mut state.solids, &work.probes, &mut work.repairs);
+    if !model.deforms() {
+        part(model, &mut state.solids, &work.probes, &mut work.repairs);
+    }
     work.follow_solids(model, state);
 }
 
@@ -460,11 +475,6 @@ fn move_solids<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mu
 fn fall<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>, dt: f64) {
     for (now, solid) in state.solids.iter_mut().zip(&model.solids) {
         now.velocity += if solid.motion == Motion::Free { model.gravity * dt } else { Vector::zeros() };
-    }
-    for ((now, solid), system) in state.solids.iter_mut().zip(&model.solids).zip(&work.soft) {
-        if let Some((elastic, system)) = solid.elastic().zip(system.as_ref()) {
-            now.accelerate(elastic, system, &model.gravity);
-        }
     }
     for a in (0..D).filter(|&a| model.gravity[a] != 0.0) {
         let fall = model.gravity[a] * dt;

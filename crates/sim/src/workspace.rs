@@ -1,13 +1,13 @@
 //! Memory of a step, and what follows from the state: where the liquid is.
 
 use crate::collide::Probes;
+use crate::descent::Points;
 use crate::liquid::pressure::PressureFields;
 use crate::liquid::surface::SurfaceLattice;
 use crate::liquid::transport::Flow;
 use crate::liquid::volume::Liquid;
 use crate::model::Model;
 use crate::repairs::Repairs;
-use crate::soft::Systems;
 use crate::solid::{Motion, Solid, SolidState};
 use crate::state::State;
 use meniscus_numerics::grid::{
@@ -15,6 +15,7 @@ use meniscus_numerics::grid::{
 };
 use meniscus_numerics::{Matrix, Vector};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Radius, in cells, from which on a drop's volume tells whether a step was too long, its line what pulls at it, and its faces
 /// how it turns: with the angular momentum of two that met, one of seven cells' volume was flung apart at 1000 m/s.
@@ -68,8 +69,8 @@ pub struct Workspace<const D: usize> {
     pub pressure: PressureFields<D>,
     /// Where solids may meet.
     pub probes: Probes<D>,
-    /// The solids that deform, as the forces of a step find them.
-    pub soft: Systems<D>,
+    /// The surfaces of solids as contacts see them.
+    pub points: Arc<Points<D>>,
     /// Cells in and beside thin solids where φ is no distance, in order.
     pub apart: Vec<u32>,
     /// Cells within solids that the band does not reach and that the step under way has changed, with the φ that they had.
@@ -93,7 +94,7 @@ impl<const D: usize> Workspace<D> {
             lattice: SurfaceLattice::new(grid, model.weight()),
             pressure: PressureFields::new(model),
             probes: Probes::of(model),
-            soft: Vec::new(),
+            points: Arc::new(Points::of(model)),
             apart: Vec::new(),
             beyond: Vec::new(),
             surfaces: Vec::new(),

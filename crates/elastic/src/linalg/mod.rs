@@ -11,7 +11,7 @@ mod iterated;
 mod small;
 mod subtrees;
 
-pub use blocks::BlockMatrix;
+pub use blocks::{BlockMatrix, Solution};
 pub(crate) use blocks::Pattern;
 pub use cliques::Cliques;
 pub(crate) use coarse::{Coarse, Lattice};

@@ -33,6 +33,13 @@ impl<P: Density<D>, const D: usize> Continuum<P, D> {
         Self { density, strains: Strains::new(mesh, lame, smoothing) }
     }
 
+    /// The same without smoothing, with an elasticity of each simplex.
+    pub(crate) fn of_elements(mesh: &VolumeMesh<D>, density: P, lame: Vec<Lame>) -> Self {
+        let none = Lame { lambda: 0.0, mu: 0.0 };
+        let strains = Strains { lame, ..Strains::new(mesh, none, Smoothing::None) };
+        Self { density, strains }
+    }
+
     /// Adds the forces of stresses.
     fn add_stresses(&self, stress: impl Fn(usize) -> Matrix<D> + Sync + Send, forces: &mut [Vector<D>]) {
         let stresses: Vec<Matrix<D>> = gathered(0..self.strains.volumes.len(), stress);

@@ -2,12 +2,12 @@
 
 pub mod continuum;
 pub mod corotated;
+pub mod crushed;
 pub mod density;
 pub mod neo_hookean;
 pub mod smoothing;
 pub mod springs;
 pub mod tension;
-pub mod upright;
 
 use crate::linalg::{BlockMatrix, Cliques};
 use meniscus_numerics::Vector;
@@ -37,11 +37,6 @@ pub trait ForceTerm<const D: usize>: Debug + Send + Sync {
     /// Adds the forces with which strains resist their rates, proportionally to the stiffness; `time`, s, over the
     /// duration of a change is the share of the elastic force. They dissipate, and keep both momenta.
     fn add_viscous_forces(&self, x: &[Vector<D>], v: &[Vector<D>], time: f64, forces: &mut [Vector<D>]);
-
-    /// Elements that it holds upright at positions, where the law of the material would let them turn inside out.
-    fn crushed_elements(&self, _: &[Vector<D>]) -> usize {
-        0
-    }
 
     /// Adds the tangents, N/m (2D: N/m²); the matrix has a block for every pair of a group in [`Self::couplings`].
     fn add_tangent(&self, x: &[Vector<D>], weights: Weights, matrix: &mut BlockMatrix<D>);

@@ -14,25 +14,17 @@
 //! Parry and rapier, the well-kept libraries of Rust, were looked at: they have 2D and 3D as two crates, no distances of
 //! unions and differences, and a solver that does not know of the liquid's.
 
-mod meet;
 mod near;
-mod pair;
-mod respond;
-mod settle;
 mod skins;
 mod start;
-mod touch;
-mod zones;
 
 use crate::exchange::moment;
 use crate::model::Model;
 use crate::repairs::Repairs;
-use crate::soft::Systems;
 use crate::solid::{Motion, Solid, SolidState};
 use meniscus_numerics::shape::Probe;
 use meniscus_numerics::{Matrix, Vector};
 use near::{Near, thin};
-use settle::Settling;
 
 /// Distance that solids keep, in cells: a film that the liquid's cut cells still have as open, and no picture shows. What
 /// starts nearer stays so.
@@ -143,7 +135,7 @@ pub struct Times {
 pub fn collide<const D: usize>(
     model: &Model<D>,
     solids: &mut [SolidState<D>],
-    (probes, systems): (&Probes<D>, &Systems<D>),
+    probes: &Probes<D>,
     before: &[SolidState<D>],
     times: Times,
     record: &mut Repairs,
@@ -166,13 +158,6 @@ pub fn collide<const D: usize>(
     }
     let apart = |c: &Contact<D>| -(c.gap - GAP * model.grid.dx).max(0.0) / ahead;
     contacts.all.iter_mut().for_each(|c| c.target = apart(c));
-    if model.solids.iter().any(|s| s.elastic().is_some()) {
-        let settling = Settling { model, probes, systems, times };
-        let mut now = contacts.solids.to_vec();
-        work += settling.settle(&mut now, contacts, record);
-        solids.clone_from_slice(&now);
-        return work;
-    }
     let free: Vec<SolidState<D>> = contacts.solids.to_vec();
     let every: Vec<usize> = (0..contacts.all.len()).collect();
     work += contacts.solve(&every, record);

@@ -14,7 +14,7 @@ use crate::coupling::Coupling;
 use crate::exchange::Exchange;
 use crate::model::Model;
 use crate::simulation::PhaseEnd;
-use crate::soft::Systems;
+use crate::descent::Response;
 use crate::solid::SolidState;
 use crate::state::State;
 use crate::tied::{Six, Ties};
@@ -55,8 +55,6 @@ pub struct Projection<'a, const D: usize> {
     pub cut_cells: &'a mut CutCells<D>,
     /// The solids.
     pub solids: &'a [SolidState<D>],
-    /// Those of them that deform.
-    pub systems: &'a Systems<D>,
     /// Component of a liquid cell.
     pub label: &'a (dyn Fn(usize) -> Option<u32> + Sync),
     /// The tension term `γ h / (ρ Δ)` (m²/s): times a curvature in 1/cells it is λ at the surface.
@@ -86,7 +84,7 @@ impl<const D: usize> PressureFields<D> {
     ) -> Result<([SolveReport; 2], Exchange<D>), SolveError> {
         let ties = Ties::new(model, p.solids, p.dragged, &p.phi.data, p.cut_cells);
         slow(p);
-        let coupling = Coupling::new(model, p.cut_cells, (p.solids, p.systems), &p.phi.data).tied(&ties);
+        let coupling = Coupling::new(model, p.cut_cells, (p.solids, None), &p.phi.data).tied(&ties);
         let bodies = coupling.bodies();
         self.assemble(model, p, &coupling);
         let mut yielding = coupling.yielding(&Exchange::new(), pushes(model, p, &ties, &[]));
@@ -126,6 +124,58 @@ impl<const D: usize> PressureFields<D> {
         let velocity = &mut *p.velocity;
         ties.carry(p.dragged, &yielding, |f, by| velocity.axes[f.axis][f.face] += by);
         Ok(([first, second], exchange))
+    }
+
+    /// The same where solids deform: all solids answer together. Gives back what the pressure gives to the solids, too, and how much
+    /// their nodes' velocities change.
+    ///
+    /// # Errors
+    /// What the solver says.
+    pub fn project_with(
+        &mut self,
+        model: &Model<D>,
+        p: &mut Projection<'_, D>,
+        response: &Response<D>,
+        phase_end: PhaseEnd<'_>,
+    ) -> Result<([SolveReport; 2], Exchange<D>, Vec<Vector<D>>), SolveError> {
+        slow(p);
+        let coupling = Coupling::new(model, p.cut_cells, (p.solids, Some(response)), &p.phi.data);
+        let bodies = coupling.bodies();
+        self.assemble(model, p, &coupling);
+        let tension = |p: &Projection<'_, D>, bends: &[f64]| tension(model, p, bends);
+        let start = response.yields(model, p.dragged, |f| p.velocity.axes[f.axis][f.face], tension(p, &[]), None);
+        coupling.fluxes_of_nodes(&start, |cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
+        for body in &bodies.soft {
+            let porous = zip(&body.flows, &body.porous);
+            porous.for_each(|((cell, _), porous)| self.dirichlet.data[*cell as usize] += porous);
+        }
+        let solver = self.solver(model, p);
+        let limits = (model.numerics.tolerance, model.numerics.max_iterations);
+        let first = solver.solve_coupled(&bodies, &self.rhs, p.lambda, limits)?;
+        let bends = bends(model, p);
+        let beyond = coupling.beyond_centers(|cell| slope(model, p, cell), p.label);
+        if model.kinematic_viscosity > 0.0 {
+            phase_end("pressure");
+            diffuse(model, p, &bends)?;
+            phase_end("viscosity");
+        }
+        self.assemble(model, p, &coupling);
+        let own = response.impulses(model, p.solids, &beyond);
+        let mut change =
+            response.yields(model, p.dragged, |f| p.velocity.axes[f.axis][f.face], tension(p, &bends), Some(own));
+        coupling.fluxes_of_nodes(&change, |cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
+        zip(p.cut, &bends).for_each(|(face, bend)| self.rhs.data[face.cell] += face.open * face.mobility * bend);
+        let second = solver.solve_coupled(&bodies, &self.rhs, p.lambda, limits)?;
+        let mut exchange = coupling.impulses(&p.lambda.data, p.label);
+        exchange.extend(&beyond);
+        let mut pressed = coupling.pushed_nodes(&p.lambda.data);
+        self.solver = Some(solver);
+        accelerate(model, p, &bends, 1.0);
+        response.solve(&mut pressed);
+        change.iter_mut().zip(&pressed).for_each(|(c, by)| *c += by);
+        let velocity = &mut *p.velocity;
+        response.carry(p.dragged, &change, |f, by| velocity.axes[f.axis][f.face] += by);
+        Ok(([first, second], exchange, change))
     }
 
     /// The system made ready; faces that are dragged give way less.
@@ -215,6 +265,19 @@ fn pushes<const D: usize>(
     bends: &[f64],
 ) -> BTreeMap<usize, Six> {
     ties.pushes(model, p.dragged, |f| p.velocity.axes[f.axis][f.face], (p.cut, bends, p.jump))
+}
+
+/// What the surface's tension and `bends` push cut faces with, m/s, by axis and face.
+fn tension<const D: usize>(
+    model: &Model<D>,
+    p: &Projection<'_, D>,
+    bends: &[f64],
+) -> BTreeMap<(usize, usize), f64> {
+    let push = |(k, c): (usize, &CutFace)| {
+        let bend = bends.get(k).copied().unwrap_or(0.0);
+        ((c.axis, c.face), c.open * c.sign * (p.jump * c.kappa + c.theta * bend) / model.grid.dx)
+    };
+    p.cut.iter().enumerate().map(push).collect()
 }
 
 /// The velocity of dragged faces before the pressure pushes them.
@@ -310,7 +373,7 @@ pub fn divergence_max<const D: usize>(
 ) -> f64 {
     let lattice = model.grid.lattice();
     let mut fluxes = BTreeMap::new();
-    Coupling::new(model, cut, (&state.solids, &Vec::new()), &state.phi.data).fluxes(|cell, flux| {
+    Coupling::new(model, cut, (&state.solids, None), &state.phi.data).fluxes(|cell, flux| {
         fluxes.insert(cell, flux);
     });
     let worst = |s: &Segment| {
@@ -406,7 +469,6 @@ mod tests {
             dragged: &mut [],
             cut_cells: &mut work.cut,
             solids: &[],
-            systems: &Vec::new(),
             jump: 1.0,
             time: 1.0,
             label: &|_| Some(0),

@@ -1,0 +1,311 @@
+//! Solids that cannot break: the velocities at the end of a step make an incremental potential least ([`potential`]), together with
+//! the liquid's pressure.
+//!
+//! Newton's method: about the velocities `v` that it has come to, solids answer to impulses with `A⁻¹` ([`Response`]), `A` the second
+//! derivatives of the potential there, contacts included. With that answer the pressure is solved for, as in a step without
+//! contacts; where it leads is gone to as far as nothing meets and no element turns inside out at the end of the coming step
+//! (M. Li et al., "Incremental Potential Contact", 2020), and as the potential falls. Iterations end when the next would move
+//! nothing.
+
+mod points;
+mod potential;
+mod response;
+
+pub use points::{Points, turning};
+pub use response::{Response, Tie};
+
+use crate::collide::Times;
+use crate::exchange::Exchange;
+use crate::liquid::friction::DraggedFace;
+use crate::model::Model;
+use crate::solid::{Motion, SolidState};
+use meniscus_contact::Barrier;
+use meniscus_elastic::{Elastic, Incremental, Linearisation, StiffnessBlock};
+use meniscus_numerics::grid::FaceField;
+use meniscus_numerics::linalg::SolveError;
+use meniscus_numerics::{Matrix, Vector};
+use potential::{Part, Potential, Rigid};
+
+/// Reach of the barrier, in cells.
+const REACH: f64 = 0.25;
+/// Part of its distance that a pair keeps in an iteration, and of its volume an element.
+const KEEP: f64 = 0.2;
+/// Most iterations of a step.
+const ITERATIONS: usize = 60;
+/// Move at the end of the coming step, in reaches, at which iterations end.
+const SETTLED: f64 = 1e-3;
+/// Most halvings of an iteration.
+const HALVINGS: usize = 30;
+/// Times that friction is looked at again.
+const RUBS: usize = 2;
+
+/// What a solid that deforms starts from.
+pub struct Start<const D: usize> {
+    /// The part of its velocities that the step does not resolve, m/s.
+    fast: Vec<Vector<D>>,
+    /// What all but the pressure gives to its vertices, N s.
+    impulses: Vec<Vector<D>>,
+    /// Stiffness that other forces add.
+    extra: Vec<StiffnessBlock<D>>,
+}
+
+impl<const D: usize> Start<D> {
+    /// Of all solids; `line` is what contact lines give them in the time `kick` (s), `extra` the stiffness that other forces add.
+    ///
+    /// # Errors
+    /// [`SolveError::Indefinite`] with the number of a solid whose matrix has no factors.
+    pub fn of(
+        model: &Model<D>,
+        before: &[SolidState<D>],
+        line: &Exchange<D>,
+        extra: Vec<Vec<StiffnessBlock<D>>>,
+        kick: f64,
+    ) -> Result<Vec<Option<Self>>, SolveError> {
+        let start = |(k, extra): (usize, Vec<StiffnessBlock<D>>)| {
+            let Some((elastic, soft)) = model.solids[k].elastic().zip(before[k].soft.as_ref()) else {
+                return Ok(None);
+            };
+            let mut impulses: Vec<Vector<D>> =
+                elastic.masses().iter().map(|m| model.gravity * (m * kick)).collect();
+            line.grips.get(&(k as u32)).iter().for_each(|grips| crate::soft::spread(grips, &mut impulses));
+            let fast = if elastic.integrator().dissipation == 0.0 {
+                vec![Vector::zeros(); impulses.len()]
+            } else {
+                let system = elastic.system(&soft.body.positions, kick, &extra);
+                let system = system.map_err(|_| SolveError::Indefinite { solid: k, step: kick })?;
+                elastic.fast(&system, &soft.body)
+            };
+            Ok(Some(Self { fast, impulses, extra }))
+        };
+        extra.into_iter().enumerate().map(start).collect()
+    }
+}
+
+/// A step's search for velocities.
+pub struct Descent<'a, const D: usize> {
+    potential: Potential<'a, D>,
+    /// Velocities that nodes have which are told.
+    told: Vec<Vector<D>>,
+    /// Where nodes are.
+    positions: Vec<Vector<D>>,
+    /// Velocities that it has come to.
+    now: Vec<Vector<D>>,
+    iteration: usize,
+    rubs: usize,
+    /// The answer about these.
+    pub response: Option<Response<D>>,
+}
+
+impl<'a, const D: usize> Descent<'a, D> {
+    /// Before the pressure: `before` is how solids moved before the forces, `forced` how all forces but the pressure, contacts and
+    /// their own make rigid ones move.
+    pub fn new(
+        model: &'a Model<D>,
+        points: &'a Points<D>,
+        (before, forced): (&'a [SolidState<D>], &[SolidState<D>]),
+        starts: &'a [Option<Start<D>>],
+        times: Times,
+    ) -> Self {
+        let part = |k: usize| match (&model.solids[k].motion, &starts[k], &before[k].soft) {
+            (Motion::Soft(elastic), Some(start), Some(soft)) => {
+                let elastic: &'a Elastic<D> = elastic;
+                let start_ = Linearisation {
+                    state: &soft.body,
+                    fast: &start.fast,
+                    extra: &start.extra,
+                    step: times.kick,
+                };
+                Part::Soft(Incremental { elastic, start: start_, impulses: &start.impulses, ahead: times.ahead })
+            }
+            (Motion::Free, ..) => {
+                let inertia = model.solids[k].inertia(&before[k]);
+                let inertia = Matrix::<D>::from_fn(|r, c| match D {
+                    2 if r == 0 && c == 0 => inertia[(2, 2)],
+                    2 => f64::from(u8::from(r == c)),
+                    _ => inertia[(r, c)],
+                });
+                let target = [forced[k].velocity, turning(&forced[k].spin)];
+                Part::Free(Rigid { mass: model.solids[k].body.mass, inertia, target })
+            }
+            _ => Part::Told,
+        };
+        let place = |now: &SolidState<D>| match &now.soft {
+            Some(soft) => soft.body.positions.clone(),
+            None => vec![now.center; 2],
+        };
+        let mut told = points.velocities(model, before);
+        for (k, solid) in model.solids.iter().enumerate() {
+            let (Some(elastic), Some(soft)) = (solid.elastic(), &before[k].soft) else { continue };
+            for (v, velocity) in elastic.held_velocities(soft.body.time, times.kick) {
+                told[points.first[k] + v] = velocity;
+            }
+        }
+        let potential = Potential {
+            model,
+            solids: before,
+            points,
+            parts: (0..model.solids.len()).map(part).collect(),
+            held: points.held(model),
+            barrier: Barrier { reach: REACH * model.grid.dx },
+            kick: times.kick,
+            ahead: times.ahead,
+            rubs: Vec::new(),
+            pressed: vec![Vector::zeros(); points.nodes],
+        };
+        let positions = before.iter().flat_map(place).collect();
+        let now = vec![Vector::zeros(); points.nodes];
+        let mut descent = Self { potential, told, positions, now, iteration: 0, rubs: 0, response: None };
+        // The first guess is to go on as before.
+        descent.now = descent.advanced(&descent.told, false).0;
+        descent
+    }
+
+    /// The answer of solids about the velocities that it has come to, which they get, with the faces that lines drag.
+    ///
+    /// # Errors
+    /// [`SolveError::Indefinite`].
+    pub fn linearise(
+        &mut self,
+        solids: &mut [SolidState<D>],
+        dragged: &mut [DraggedFace],
+        (phi, open): (&[f64], &FaceField<D>),
+    ) -> Result<(), SolveError> {
+        let failed = SolveError::Indefinite { solid: 0, step: self.potential.kick };
+        let candidates = self.potential.candidates(&self.now, &self.now);
+        self.potential.pressed.fill(Vector::zeros());
+        let ties = self.ties(dragged, phi, open);
+        let derivatives = self.potential.derivatives(&self.now, &candidates, &ties);
+        let (gradient, matrix) = derivatives.ok_or(failed.clone())?;
+        let solution = matrix.invert(&self.positions, &self.potential.held).ok_or(failed)?;
+        let mut base: Vec<Vector<D>> = gradient.iter().map(|g| -g).collect();
+        let lead = self.lead();
+        if lead.iter().any(|t| t.norm_squared() > 0.0) {
+            let mut pushed = vec![Vector::zeros(); self.now.len()];
+            matrix.add_product(&lead, &mut pushed);
+            base.iter_mut().zip(&pushed).for_each(|(r, p)| *r -= p);
+        }
+        let Potential { model, points, solids: before, .. } = self.potential;
+        points.give(model, solids, &self.now);
+        self.response = Some(Response::new(model, before, points, solution, (base, lead), ties));
+        Ok(())
+    }
+
+    /// Ties dragged faces to the solids, with the velocities that it has come to.
+    fn ties(&self, dragged: &mut [DraggedFace], phi: &[f64], open: &FaceField<D>) -> Vec<Tie<D>> {
+        let Potential { model, points, solids, .. } = self.potential;
+        let weight = model.density * model.grid.cell_volume();
+        let mut ties = Vec::new();
+        for (number, f) in dragged.iter_mut().enumerate() {
+            let solid = f.solid as usize;
+            if model.solids[solid].motion.is_told() {
+                continue;
+            }
+            let at = model.grid.faces(f.axis).coordinates(f.face);
+            let x = model.grid.face_center(f.axis, at);
+            let axis = Vector::<D>::from_fn(|a, _| if a == f.axis { 1.0 } else { 0.0 });
+            let first = points.first[solid];
+            let arm = match solids[solid].grip(&x) {
+                Some(grip) => (0..D).map(|k| (first + grip.vertices[k] as usize, axis * grip.weights[k])).collect(),
+                None => {
+                    let moment = crate::exchange::moment(&(x - solids[solid].center), &axis);
+                    vec![(first, axis), (first + 1, turning(&moment.into()))]
+                }
+            };
+            let upper = model.grid.lattice().index(at);
+            let lower = upper - model.grid.lattice().stride[f.axis];
+            let sides = [(lower, 1.0), (upper, -1.0)].into_iter().filter(|(c, _)| phi[*c] < 0.0);
+            let sides = sides.map(|(c, sign)| (c as u32, sign)).collect();
+            let flow = open.axes[f.axis][f.face] * f.mobility() * f.hold;
+            let mass = weight * f.mass * f.mobility() * f.hold;
+            let tie = Tie { number, sides, arm, flow, mass };
+            f.follow(tie.velocity(&self.now));
+            ties.push(tie);
+        }
+        ties
+    }
+
+    /// What told nodes lack of their velocities.
+    fn lead(&self) -> Vec<Vector<D>> {
+        let of = |k: usize| if self.potential.held[k] { self.told[k] - self.now[k] } else { Vector::zeros() };
+        (0..self.now.len()).map(of).collect()
+    }
+
+    /// Goes to where the solids are led by the pressure, which gives them `pressed` (impulses on the nodes), as far as can be. Whether
+    /// there is nothing more to be done: then the solids' velocities stay as they are.
+    ///
+    /// # Errors
+    /// [`SolveError::NotConverged`] after too many iterations.
+    pub fn settle(
+        &mut self,
+        solids: &mut [SolidState<D>],
+        change: &[Vector<D>],
+        pressed: Vec<Vector<D>>,
+    ) -> Result<bool, SolveError> {
+        let Potential { model, points, .. } = self.potential;
+        let mut to: Vec<Vector<D>> = self.now.iter().zip(change).map(|(v, c)| v + c).collect();
+        points.give(model, solids, &to);
+        let lead = self.lead();
+        (0..to.len()).filter(|k| self.potential.held[*k]).for_each(|k| to[k] = self.told[k]);
+        self.potential.pressed = pressed;
+        let led = lead.iter().any(|l| l.norm_squared() > 0.0);
+        let limit = SETTLED * self.potential.barrier.reach / self.potential.ahead;
+        let size = to.iter().zip(&self.now).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        let (next, whole) = self.advanced(&to, !led && size > limit);
+        let mut off = f64::INFINITY;
+        if whole && let Some(response) = &self.response {
+            let candidates = self.potential.candidates(&next, &next);
+            let mut gradient = self.potential.gradient(&next, &candidates);
+            response.solve(&mut gradient);
+            off = gradient.iter().map(Vector::norm).fold(0.0, f64::max);
+        }
+        if std::env::var("MEN_DESCENT").is_ok() {
+            eprintln!("  descent {}: whole {whole} off {:.3e} size {:.3e} rubs {}", self.iteration, off / limit, size / limit, self.potential.rubs.len());
+        }
+        self.now = next;
+        self.iteration += 1;
+        if off < limit {
+            if self.rubs == RUBS {
+                return Ok(true);
+            }
+            let candidates = self.potential.candidates(&self.now, &self.now);
+            let rubs = self.potential.rubbing(&self.now, &candidates);
+            if rubs.is_empty() && self.potential.rubs.is_empty() {
+                return Ok(true);
+            }
+            self.potential.rubs = rubs;
+            self.rubs += 1;
+        }
+        if self.iteration >= ITERATIONS {
+            let (iterations, residual, tolerance) = (self.iteration, off / limit, 1.0);
+            return Err(SolveError::NotConverged { iterations, residual, tolerance });
+        }
+        Ok(false)
+    }
+
+    /// Velocities as far on the way to others as nothing meets, and, where that is asked for, as the potential falls; whether that is
+    /// all the way.
+    fn advanced(&self, to: &[Vector<D>], falls: bool) -> (Vec<Vector<D>>, bool) {
+        let change: Vec<Vector<D>> = to.iter().zip(&self.now).map(|(t, v)| t - v).collect();
+        let along = |part: f64| -> Vec<Vector<D>> {
+            if part == 1.0 {
+                return to.to_vec();
+            }
+            self.now.iter().zip(&change).map(|(v, c)| v + c * part).collect()
+        };
+        let candidates = self.potential.candidates(&self.now, to);
+        let mut part = self.potential.free_step(&self.now, &change, to, &candidates, KEEP);
+        if !falls {
+            return (along(part), part == 1.0);
+        }
+        let from = self.potential.value(&self.now, &candidates);
+        let slack = 1e-12 * from.abs();
+        for _ in 0..HALVINGS {
+            let next = along(part);
+            if self.potential.value(&next, &candidates) <= from + slack {
+                return (next, part == 1.0);
+            }
+            part *= 0.5;
+        }
+        (self.now.clone(), false)
+    }
+}

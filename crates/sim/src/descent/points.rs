@@ -1,0 +1,258 @@
+//! Points of all solids' surfaces, and what moves them.
+//!
+//! A solid that deforms moves with the nodes of its mesh, a rigid one with two: its velocity, and its angular velocity (2D: the
+//! first component). Points are functions of the nodes' velocities `v`: `x + a v` of a vertex, `c + a v + exp(a ω) r` of a point
+//! of a rigid solid.
+
+use crate::model::Model;
+use crate::solid::{Motion, SolidState};
+use meniscus_contact::Surface;
+use meniscus_numerics::{Matrix, Vector};
+
+/// Distance of probes of rigid solids, in cells.
+const EDGE: f64 = 0.5;
+
+/// What a point is part of.
+#[derive(Clone, Copy, Debug)]
+pub enum Owner<const D: usize> {
+    /// A vertex of a solid that deforms: its node.
+    Vertex {
+        /// Number of the solid.
+        solid: usize,
+        /// Number of the vertex in its mesh.
+        vertex: usize,
+    },
+    /// A place of a rigid solid at the start, with a ball around it.
+    Rigid {
+        /// Number of the solid.
+        solid: usize,
+        /// Where it was at the start, m.
+        at: Vector<D>,
+        /// Radius of the ball, m.
+        radius: f64,
+    },
+}
+
+impl<const D: usize> Owner<D> {
+    /// Number of the solid.
+    pub fn solid(&self) -> usize {
+        match self {
+            Self::Vertex { solid, .. } | Self::Rigid { solid, .. } => *solid,
+        }
+    }
+
+    /// Radius of the ball around it, m.
+    pub fn radius(&self) -> f64 {
+        if let Self::Rigid { radius, .. } = self { *radius } else { 0.0 }
+    }
+}
+
+/// The points of a model's solids.
+#[derive(Clone, Debug, Default)]
+pub struct Points<const D: usize> {
+    /// Their surfaces: facets of those that deform, and points of the others.
+    pub surface: Surface<D>,
+    /// What each point is part of.
+    pub owners: Vec<Owner<D>>,
+    /// The first node of each solid.
+    pub first: Vec<usize>,
+    /// Number of nodes.
+    pub nodes: usize,
+}
+
+impl<const D: usize> Points<D> {
+    /// Of a model.
+    pub fn of(model: &Model<D>) -> Self {
+        let (mut owners, mut facets, mut rest, mut bodies) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut first, mut nodes) = (Vec::new(), 0);
+        for (solid, is) in model.solids.iter().enumerate() {
+            first.push(nodes);
+            nodes += is.elastic().map_or(2, |elastic| elastic.masses().len());
+            let Some(elastic) = is.elastic() else { continue };
+            let (surface, vertices) = elastic.mesh().surface();
+            let from = owners.len() as u32;
+            owners.extend(vertices.iter().map(|v| Owner::Vertex { solid, vertex: *v as usize }));
+            rest.extend_from_slice(&surface.positions);
+            facets.extend(surface.facets.iter().map(|f| f.map(|v| v + from)));
+        }
+        bodies.extend(owners.iter().map(|o: &Owner<D>| o.solid() as u32));
+        let (edge, mut probes) = (EDGE * model.grid.dx, Vec::new());
+        for (solid, is) in model.solids.iter().enumerate() {
+            if is.elastic().is_some() || model.wetting_walls() == Some(solid) {
+                continue;
+            }
+            for probe in is.shape.probes(edge) {
+                probes.push((owners.len() as u32, edge.powi(D as i32 - 1), probe.radius));
+                owners.push(Owner::Rigid { solid, at: probe.at, radius: probe.radius });
+                rest.push(probe.at);
+                bodies.push(solid as u32);
+            }
+        }
+        let surface = Surface::new(facets, &rest, bodies).with_points(probes);
+        Self { surface, owners, first, nodes }
+    }
+
+    /// Velocities of the nodes as solids move now.
+    pub fn velocities(&self, model: &Model<D>, solids: &[SolidState<D>]) -> Vec<Vector<D>> {
+        let mut all = Vec::with_capacity(self.nodes);
+        for (_, now) in model.solids.iter().zip(solids) {
+            match &now.soft {
+                Some(soft) => all.extend_from_slice(&soft.body.velocities),
+                None => all.extend([now.velocity, turning(&now.spin)]),
+            }
+        }
+        all
+    }
+
+    /// Gives the solids the velocities of the nodes.
+    pub fn give(&self, model: &Model<D>, solids: &mut [SolidState<D>], velocities: &[Vector<D>]) {
+        for (k, (solid, now)) in model.solids.iter().zip(solids).enumerate() {
+            let own = &velocities[self.first[k]..];
+            if let (Some(soft), Some(elastic)) = (&mut now.soft, solid.elastic()) {
+                let count = soft.body.velocities.len();
+                soft.body.velocities.copy_from_slice(&own[..count]);
+                now.follow(elastic);
+            } else if solid.motion == Motion::Free {
+                (now.velocity, now.spin) = (own[0], spin(&own[1]));
+            }
+        }
+    }
+
+    /// Which nodes nothing moves but what they are told.
+    pub fn held(&self, model: &Model<D>) -> Vec<bool> {
+        let of = |solid: &crate::solid::Solid<D>| match solid.elastic() {
+            Some(elastic) => elastic.held().to_vec(),
+            None => vec![solid.motion.is_told(); 2],
+        };
+        model.solids.iter().flat_map(of).collect()
+    }
+}
+
+/// An angular velocity as a node has it.
+pub fn turning<const D: usize>(spin: &[f64; 3]) -> Vector<D> {
+    Vector::from_fn(|a, _| if D == 3 { spin[a] } else if a == 0 { spin[2] } else { 0.0 })
+}
+
+/// A node's angular velocity.
+pub fn spin<const D: usize>(node: &Vector<D>) -> [f64; 3] {
+    if D == 3 { std::array::from_fn(|a| node[a]) } else { [0.0, 0.0, node[0]] }
+}
+
+/// Solids somewhere on the way of a step.
+pub struct Places<'a, const D: usize> {
+    model: &'a Model<D>,
+    solids: &'a [SolidState<D>],
+    points: &'a Points<D>,
+    /// Velocities of the nodes.
+    velocities: &'a [Vector<D>],
+    /// For how long they go on, s.
+    time: f64,
+    frames: Vec<Frame<D>>,
+}
+
+/// Where a rigid solid is.
+#[derive(Clone, Copy, Debug)]
+struct Frame<const D: usize> {
+    center: Vector<D>,
+    rotation: Matrix<D>,
+    /// What its angular velocity does to the rate at which it turns at the end: the left Jacobian of the exponential.
+    rate: Matrix<3>,
+}
+
+/// How a point follows a node: the node, and the derivative of the point's position by the node's velocity over the time.
+pub type Lever<const D: usize> = (usize, Matrix<D>);
+
+impl<'a, const D: usize> Places<'a, D> {
+    /// After a time with these velocities.
+    pub fn new(
+        model: &'a Model<D>,
+        solids: &'a [SolidState<D>],
+        points: &'a Points<D>,
+        velocities: &'a [Vector<D>],
+        time: f64,
+    ) -> Self {
+        let frame = |(k, now): (usize, &SolidState<D>)| {
+            if now.soft.is_some() {
+                return Frame { center: Vector::zeros(), rotation: Matrix::identity(), rate: Matrix::identity() };
+            }
+            let [velocity, turn] = [velocities[points.first[k]], velocities[points.first[k] + 1]];
+            let turn = Vector::<3>::from(spin(&turn)) * time;
+            let rotation = nalgebra::Rotation3::new(turn).into_inner();
+            let rotation = Matrix::<D>::from_fn(|r, c| rotation[(r, c)]) * now.rotation;
+            Frame { center: now.center + velocity * time, rotation, rate: left(&turn) }
+        };
+        let frames = solids.iter().enumerate().map(frame).collect();
+        Self { model, solids, points, velocities, time, frames }
+    }
+
+    /// Where a point is, m.
+    pub fn at(&self, owner: &Owner<D>) -> Vector<D> {
+        match *owner {
+            Owner::Vertex { solid, vertex } => {
+                let from = self.solids[solid].soft.as_ref().map_or(Vector::zeros(), |s| s.body.positions[vertex]);
+                from + self.velocities[self.points.first[solid] + vertex] * self.time
+            }
+            Owner::Rigid { solid, at, .. } => {
+                let frame = &self.frames[solid];
+                frame.center + frame.rotation * (at - self.model.solids[solid].body.center)
+            }
+        }
+    }
+
+    /// Where all points are, m.
+    pub fn all(&self) -> Vec<Vector<D>> {
+        self.points.owners.iter().map(|owner| self.at(owner)).collect()
+    }
+
+    /// Where the point of a rigid solid that is at `x` was at the start, m.
+    pub fn at_start(&self, solid: usize, x: &Vector<D>) -> Vector<D> {
+        let frame = &self.frames[solid];
+        self.model.solids[solid].body.center + frame.rotation.tr_mul(&(x - frame.center))
+    }
+
+    /// Distance of a point from a rigid solid, m, and the direction away from that.
+    pub fn from_rigid(&self, solid: usize, x: &Vector<D>) -> (f64, Vector<D>) {
+        let shape = &self.model.solids[solid].shape;
+        let at = self.at_start(solid, x);
+        let step = 1e-4 * self.model.grid.dx;
+        let slope = Vector::<D>::from_fn(|a, _| {
+            let by = Vector::<D>::from_fn(|b, _| if a == b { step } else { 0.0 });
+            shape.signed_distance(&(at + by)) - shape.signed_distance(&(at - by))
+        });
+        let normal = slope.try_normalize(0.0).unwrap_or(Vector::zeros());
+        (shape.signed_distance(&at), self.frames[solid].rotation * normal)
+    }
+
+    /// How a point follows the nodes.
+    pub fn levers(&self, owner: &Owner<D>) -> Vec<Lever<D>> {
+        match *owner {
+            Owner::Vertex { solid, vertex } => vec![(self.points.first[solid] + vertex, Matrix::identity())],
+            Owner::Rigid { solid, .. } => {
+                let frame = &self.frames[solid];
+                let arm = self.at(owner) - frame.center;
+                let arm = Vector::<3>::from_fn(|a, _| if a < D { arm[a] } else { 0.0 });
+                let turned = -arm.cross_matrix() * frame.rate;
+                // In 2D the node's first component turns about the third axis.
+                let turn = Matrix::<D>::from_fn(|r, c| match D {
+                    2 if c == 0 => turned[(r, 2)],
+                    2 => 0.0,
+                    _ => turned[(r, c)],
+                });
+                let node = self.points.first[solid];
+                vec![(node, Matrix::identity()), (node + 1, turn)]
+            }
+        }
+    }
+}
+
+/// The left Jacobian of the exponential of a rotation: `(exp((θ + δ)×) ≈ exp((J δ)×) exp(θ×))`.
+fn left(turn: &Vector<3>) -> Matrix<3> {
+    let (angle, cross) = (turn.norm(), turn.cross_matrix());
+    // Series where differences would be of nearly equal numbers.
+    let (first, second) = if angle < 1e-3 {
+        (0.5 - angle * angle / 24.0, 1.0 / 6.0 - angle * angle / 120.0)
+    } else {
+        ((1.0 - angle.cos()) / (angle * angle), (angle - angle.sin()) / angle.powi(3))
+    };
+    Matrix::<3>::identity() + cross * first + cross * cross * second
+}

@@ -1,0 +1,473 @@
+//! What the velocities of all solids make least in a step: an incremental potential (M. Li et al. 2020).
+//!
+//! Of each solid that deforms that of [`Incremental`], of each rigid one `½ (V − V*)ᵀ M (V − V*)` about the velocities `V*` that all
+//! other forces give it; of all together `h/a` times the barriers between them at the end of the coming step, of length `a`, and what
+//! friction holds them with on the way there.
+
+use super::points::{Lever, Owner, Places, Points};
+use super::response::Tie;
+use crate::model::{Model, Wall};
+use crate::solid::SolidState;
+use meniscus_contact::{Barrier, Contact, Friction, Kind, Local, Near, Plane, Rubbing};
+use meniscus_elastic::{BlockMatrix, Cliques, Incremental};
+use meniscus_numerics::{Matrix, Vector};
+use rayon::prelude::*;
+
+/// A rigid solid in the potential.
+#[derive(Clone, Copy, Debug)]
+pub struct Rigid<const D: usize> {
+    /// Mass, kg.
+    pub mass: f64,
+    /// Moments of inertia, kg m², for a node's angular velocity.
+    pub inertia: Matrix<D>,
+    /// Velocities of its nodes that all other forces give it.
+    pub target: [Vector<D>; 2],
+}
+
+/// The part of a solid.
+#[derive(Clone, Debug)]
+pub enum Part<'a, const D: usize> {
+    /// It deforms.
+    Soft(Incremental<'a, D>),
+    /// It is rigid, and free.
+    Free(Rigid<D>),
+    /// Nothing moves it but what it is told.
+    Told,
+}
+
+/// A point that meets something that has no facets.
+#[derive(Clone, Copy, Debug)]
+pub enum Meeting {
+    /// A point and a rigid solid.
+    Rigid(u32, usize),
+    /// A point and a side of the domain.
+    Side(u32, usize),
+}
+
+/// What may meet.
+#[derive(Clone, Debug, Default)]
+pub struct Candidates {
+    /// Points and facets, edges and edges.
+    pub near: Near,
+    /// Points and what has no facets.
+    pub meetings: Vec<Meeting>,
+}
+
+/// A term: the points that it is of, with their levers, and its derivatives by their positions.
+struct Term<const D: usize> {
+    levers: Vec<Vec<Lever<D>>>,
+    local: Local<D>,
+}
+
+/// Two places that rub each other, with the owners of the points.
+pub struct Rub<const D: usize> {
+    owners: [Owner<D>; 4],
+    from: [Vector<D>; 4],
+    rubbing: Rubbing<D>,
+}
+
+/// The potential of a step.
+pub struct Potential<'a, const D: usize> {
+    /// The model.
+    pub model: &'a Model<D>,
+    /// The solids where the step ends.
+    pub solids: &'a [SolidState<D>],
+    /// Their points.
+    pub points: &'a Points<D>,
+    /// The solids' own parts.
+    pub parts: Vec<Part<'a, D>>,
+    /// Nodes that nothing moves but what they are told.
+    pub held: Vec<bool>,
+    /// The barrier between all of them.
+    pub barrier: Barrier,
+    /// For how long the forces act, s.
+    pub kick: f64,
+    /// The longest that the coming step can be, s.
+    pub ahead: f64,
+    /// What rubs.
+    pub rubs: Vec<Rub<D>>,
+    /// Impulses of the pressure on the nodes, N s.
+    pub pressed: Vec<Vector<D>>,
+}
+
+/// Way in a step, in reaches of the barrier, below which things stick.
+const STICK: f64 = 1e-2;
+
+impl<'a, const D: usize> Potential<'a, D> {
+    /// The solids after a time with these velocities.
+    pub fn places<'b>(&'b self, velocities: &'b [Vector<D>]) -> Places<'b, D> {
+        Places::new(self.model, self.solids, self.points, velocities, self.ahead)
+    }
+
+    /// The closed sides of the domain.
+    pub fn sides(&self) -> Vec<Plane<D>> {
+        let upper = self.model.grid.upper();
+        let mut all = Vec::new();
+        for a in 0..D {
+            for (up, wall) in self.model.walls[a].iter().enumerate() {
+                if *wall == Wall::Slip {
+                    let sign = 1.0 - 2.0 * up as f64;
+                    let normal = Vector::from_fn(|b, _| if a == b { sign } else { 0.0 });
+                    all.push(Plane { point: if up == 0 { Vector::zeros() } else { upper }, normal });
+                }
+            }
+        }
+        all
+    }
+
+    fn stiffness(&self, first: usize, second: Option<usize>) -> f64 {
+        let model = self.model;
+        let of = |k: usize| {
+            let solid = &model.solids[k];
+            let (density, own) = match solid.elastic() {
+                Some(elastic) => (1000.0, elastic.young()),
+                None => (1000.0, f64::INFINITY),
+            };
+            let speed = model.grid.dx / model.capillary_step();
+            own.min(density * speed * speed)
+        };
+        second.map_or(of(first), |second| of(first).min(of(second)))
+    }
+
+    /// The contacts within reach at the end.
+    fn contacts(&self, candidates: &Candidates, at: &[Vector<D>]) -> Vec<Contact> {
+        let solid = |p: u32| self.points.owners[p as usize].solid();
+        candidates.near.contacts(&self.barrier, at, |p, q| self.stiffness(solid(p), Some(solid(q))))
+    }
+
+    /// Its value, J (2D: J/m).
+    pub fn value(&self, velocities: &[Vector<D>], candidates: &Candidates) -> f64 {
+        let own: f64 = self.parts.iter().enumerate().map(|(k, part)| self.own_value(k, part, velocities)).sum();
+        let places = self.places(velocities);
+        let at = places.all();
+        let contacts = self.contacts(candidates, &at);
+        let between: f64 = contacts.iter().map(|c| self.barrier.energy(c, &at)).sum();
+        let sides = self.sides();
+        let met = |m: &Meeting| {
+            let (p, distance, stiffness) = match *m {
+                Meeting::Rigid(p, solid) => {
+                    let own = self.points.owners[p as usize].solid();
+                    (p, places.from_rigid(solid, &at[p as usize]).0, self.stiffness(own, Some(solid)))
+                }
+                Meeting::Side(p, side) => {
+                    let own = self.points.owners[p as usize].solid();
+                    (p, sides[side].distance(&at[p as usize]), self.stiffness(own, None))
+                }
+            };
+            let surface = &self.points.surface;
+            let energy = self.barrier.of_distance(distance - surface.radius(p))[0];
+            if energy > 0.0 { surface.area(p) * stiffness * energy } else { 0.0 }
+        };
+        let others: f64 = candidates.meetings.iter().map(met).sum();
+        let friction = Friction { stick: STICK * self.barrier.reach };
+        let rub = |r: &Rub<D>| {
+            let to = r.owners.map(|o| places.at(&o));
+            friction.energy(&r.rubbing, &r.from, &to)
+        };
+        let rubbed: f64 = self.rubs.iter().map(rub).sum();
+        let pressed: f64 = self.pressed.iter().zip(velocities).map(|(j, v)| j.dot(v)).sum();
+        own - pressed + self.kick / self.ahead * (between + others + rubbed)
+    }
+
+    fn own_value(&self, k: usize, part: &Part<'a, D>, velocities: &[Vector<D>]) -> f64 {
+        let own = &velocities[self.points.first[k]..];
+        match part {
+            Part::Soft(soft) => soft.value(&own[..soft.impulses.len()]),
+            Part::Free(rigid) => {
+                let off = [own[0] - rigid.target[0], own[1] - rigid.target[1]];
+                0.5 * (rigid.mass * off[0].norm_squared() + off[1].dot(&(rigid.inertia * off[1])))
+            }
+            Part::Told => 0.0,
+        }
+    }
+
+    /// All terms between solids.
+    fn terms(&self, places: &Places<'_, D>, candidates: &Candidates) -> Vec<Term<D>> {
+        let at = places.all();
+        let contacts = self.contacts(candidates, &at);
+        let owners = &self.points.owners;
+        let lever = |p: u32| places.levers(&owners[p as usize]);
+        let of_contact = |c: &Contact| {
+            let local = self.barrier.derivatives(c, &at)?.positive();
+            Some(Term { levers: c.stencil.points().iter().map(|p| lever(*p)).collect(), local })
+        };
+        let mut terms: Vec<Term<D>> = contacts.par_iter().with_min_len(32).filter_map(of_contact).collect();
+        let sides = self.sides();
+        for m in &candidates.meetings {
+            let (p, distance, normal, stiffness, other) = match *m {
+                Meeting::Rigid(p, solid) => {
+                    let (distance, normal) = places.from_rigid(solid, &at[p as usize]);
+                    let attached = Owner::Rigid { solid, at: places.at_start(solid, &at[p as usize]), radius: 0.0 };
+                    let own = owners[p as usize].solid();
+                    (p, distance, normal, self.stiffness(own, Some(solid)), Some(attached))
+                }
+                Meeting::Side(p, side) => {
+                    let own = owners[p as usize].solid();
+                    let plane = &sides[side];
+                    (p, plane.distance(&at[p as usize]), plane.normal, self.stiffness(own, None), None)
+                }
+            };
+            let surface = &self.points.surface;
+            let [value, slope, bend] = self.barrier.of_distance(distance - surface.radius(p));
+            if value == 0.0 {
+                continue;
+            }
+            let scale = surface.area(p) * stiffness;
+            let mut levers = vec![lever(p)];
+            levers.extend(other.map(|o| places.levers(&o)));
+            let mut local = Local::zeros(levers.len());
+            let outer = normal * normal.transpose() * (scale * bend);
+            for k in 0..local.count {
+                let sign = 1.0 - 2.0 * k as f64;
+                local.gradient[k] = normal * (sign * scale * slope);
+                for l in 0..local.count {
+                    local.hessian[k][l] = outer * (sign * (1.0 - 2.0 * l as f64));
+                }
+            }
+            terms.push(Term { levers, local });
+        }
+        let friction = Friction { stick: STICK * self.barrier.reach };
+        for r in &self.rubs {
+            let to = r.owners.map(|o| places.at(&o));
+            let local = friction.derivatives(&r.rubbing, &r.from, &to);
+            terms.push(Term { levers: r.owners[..local.count].iter().map(|o| places.levers(o)).collect(), local });
+        }
+        terms
+    }
+
+    /// Its gradient, N s (2D: N s/m).
+    pub fn gradient(&self, velocities: &[Vector<D>], candidates: &Candidates) -> Vec<Vector<D>> {
+        self.gradient_of(velocities, &self.terms(&self.places(velocities), candidates))
+    }
+
+    fn gradient_of(&self, velocities: &[Vector<D>], terms: &[Term<D>]) -> Vec<Vector<D>> {
+        let mut gradient: Vec<Vector<D>> = self.pressed.iter().map(|j| -j).collect();
+        for (k, part) in self.parts.iter().enumerate() {
+            let first = self.points.first[k];
+            match part {
+                Part::Soft(soft) => {
+                    let own = first..first + soft.impulses.len();
+                    let of = soft.gradient(&velocities[own.clone()]);
+                    gradient[own].iter_mut().zip(of).for_each(|(g, of)| *g += of);
+                }
+                Part::Free(rigid) => {
+                    gradient[first] += (velocities[first] - rigid.target[0]) * rigid.mass;
+                    gradient[first + 1] += rigid.inertia * (velocities[first + 1] - rigid.target[1]);
+                }
+                Part::Told => {}
+            }
+        }
+        for Term { levers, local } in terms {
+            for k in 0..local.count {
+                for (i, by) in &levers[k] {
+                    gradient[*i] += by.tr_mul(&local.gradient[k]) * self.kick;
+                }
+            }
+        }
+        gradient
+    }
+
+    /// Its gradient, and the positive part of its second derivatives; nothing where a solid's matrix cannot be.
+    /// `ties` add their masses.
+    pub fn derivatives(
+        &self,
+        velocities: &[Vector<D>],
+        candidates: &Candidates,
+        ties: &[Tie<D>],
+    ) -> Option<(Vec<Vector<D>>, BlockMatrix<D>)> {
+        let mut parts = Vec::new();
+        for (k, part) in self.parts.iter().enumerate() {
+            let first = self.points.first[k];
+            if let Part::Soft(soft) = part {
+                parts.push((first, soft.matrix(&velocities[first..first + soft.impulses.len()])?));
+            }
+        }
+        let terms = self.terms(&self.places(velocities), candidates);
+        let mut groups = Cliques::default();
+        for term in &terms {
+            groups.push(term.levers.iter().flatten().map(|l| l.0 as u32));
+        }
+        ties.iter().for_each(|tie| groups.push(tie.arm.iter().map(|arm| arm.0 as u32)));
+        let parts: Vec<(usize, &BlockMatrix<D>)> = parts.iter().map(|(first, m)| (*first, m)).collect();
+        let mut matrix = BlockMatrix::assembled(self.points.nodes, &parts, &groups);
+        for (k, part) in self.parts.iter().enumerate() {
+            let node = self.points.first[k] as u32;
+            if let Part::Free(rigid) = part {
+                let _ = matrix.add(node, node, &(Matrix::identity() * rigid.mass));
+                let _ = matrix.add(node + 1, node + 1, &rigid.inertia);
+            }
+        }
+        for Term { levers, local } in &terms {
+            for k in 0..local.count {
+                for (i, by_i) in &levers[k] {
+                    for l in 0..local.count {
+                        for (j, by_j) in &levers[l] {
+                            if i >= j {
+                                let block = by_i.tr_mul(&(local.hessian[k][l] * by_j));
+                                let _ = matrix.add(*i as u32, *j as u32, &(block * (self.kick * self.ahead)));
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        for tie in ties {
+            for (i, a) in &tie.arm {
+                for (j, b) in tie.arm.iter().filter(|(j, _)| i >= j) {
+                    let _ = matrix.add(*i as u32, *j as u32, &(a * b.transpose() * tie.mass));
+                }
+            }
+        }
+        Some((self.gradient_of(velocities, &terms), matrix))
+    }
+
+    /// What may meet on the way to the end of the coming step between two choices of velocities.
+    pub fn candidates(&self, from: &[Vector<D>], to: &[Vector<D>]) -> Candidates {
+        let (start, end) = (self.places(from).all(), self.places(to).all());
+        let ways: Vec<Vector<D>> = end.iter().zip(&start).map(|(e, s)| e - s).collect();
+        let model = self.model;
+        let rigid = |body: u32| model.solids[body as usize].elastic().is_none();
+        let still = |p: u32| match self.points.owners[p as usize] {
+            Owner::Vertex { solid, vertex } => self.held[self.points.first[solid] + vertex],
+            Owner::Rigid { solid, .. } => model.solids[solid].motion.is_told(),
+        };
+        let reach = self.barrier.reach;
+        let near = self.points.surface.near(&start, &ways, reach, rigid, still);
+        let mut meetings = Vec::new();
+        for (side, plane) in self.sides().iter().enumerate() {
+            let close = plane.near(&self.points.surface, &start, &ways, reach);
+            meetings.extend(close.into_iter().filter(|p| !still(*p)).map(|p| Meeting::Side(p, side)));
+        }
+        let (one, other) = (self.places(from), self.places(to));
+        for solid in (0..model.solids.len()).filter(|k| rigid(*k as u32) && model.wetting_walls() != Some(*k)) {
+            let told = model.solids[solid].motion.is_told();
+            for p in self.points.surface.points() {
+                let owner = &self.points.owners[*p as usize];
+                if owner.solid() == solid || told && still(*p) {
+                    continue;
+                }
+                let k = *p as usize;
+                let wide = reach + self.points.surface.radius(*p);
+                let way = self.relative(&one, &other, solid, &start[k], &end[k]);
+                if one.from_rigid(solid, &start[k]).0 < wide + way {
+                    meetings.push(Meeting::Rigid(*p, solid));
+                }
+            }
+        }
+        Candidates { near, meetings }
+    }
+
+    /// A bound of the way of a point as a rigid solid sees it, m.
+    fn relative(
+        &self,
+        one: &Places<'_, D>,
+        other: &Places<'_, D>,
+        solid: usize,
+        start: &Vector<D>,
+        end: &Vector<D>,
+    ) -> f64 {
+        (other.at_start(solid, end) - one.at_start(solid, start)).norm() * 1.5
+    }
+
+    /// The largest part of the way from some velocities along a change of them, up to all of it, on which nothing gives up more than
+    /// `1 − keep` of what keeps it from meeting and from turning inside out.
+    pub fn free_step(
+        &self,
+        from: &[Vector<D>],
+        change: &[Vector<D>],
+        to: &[Vector<D>],
+        candidates: &Candidates,
+        keep: f64,
+    ) -> f64 {
+        let (one, other) = (self.places(from), self.places(to));
+        let (start, end) = (one.all(), other.all());
+        let ways: Vec<Vector<D>> = end.iter().zip(&start).map(|(e, s)| e - s).collect();
+        let mut part = candidates.near.free_step(&start, &ways, keep);
+        let sides = self.sides();
+        for m in &candidates.meetings {
+            match *m {
+                Meeting::Side(p, side) => {
+                    let (k, radius) = (p as usize, self.points.surface.radius(p));
+                    part = part.min(sides[side].free_step(&start[k], &ways[k], (radius, keep)));
+                }
+                Meeting::Rigid(p, solid) => {
+                    let (k, radius) = (p as usize, self.points.surface.radius(p));
+                    let far = one.from_rigid(solid, &start[k]).0 - radius;
+                    let way = self.relative(&one, &other, solid, &start[k], &end[k]);
+                    if way > (1.0 - keep) * far {
+                        part = part.min((1.0 - keep) * far / way);
+                    }
+                }
+            }
+        }
+        for (k, solid) in self.parts.iter().enumerate() {
+            if let Part::Soft(soft) = solid {
+                let own = self.points.first[k]..self.points.first[k] + soft.impulses.len();
+                part = part.min(soft.upright_step(&from[own.clone()], &change[own], keep));
+            }
+        }
+        part
+    }
+
+    /// What rubs with these velocities.
+    pub fn rubbing(&self, velocities: &[Vector<D>], candidates: &Candidates) -> Vec<Rub<D>> {
+        let places = self.places(velocities);
+        let at = places.all();
+        let zero = vec![Vector::zeros(); velocities.len()];
+        let from = Places::new(self.model, self.solids, self.points, &zero, 0.0);
+        let owners = &self.points.owners;
+        let friction = |first: usize, second: Option<usize>| {
+            let of = |k: usize| self.model.solids[k].friction;
+            second.map_or(of(first), |second| (of(first) * of(second)).sqrt())
+        };
+        let mut rubs = Vec::new();
+        for c in self.contacts(candidates, &at) {
+            let points = c.stencil.points();
+            let (first, second) = (points[0], points[c.stencil.kind.first()]);
+            let coefficient =
+                friction(owners[first as usize].solid(), Some(owners[second as usize].solid()));
+            let Some(rubbing) = Rubbing::new(&self.barrier, &c, coefficient, &at) else { continue };
+            let mut own = [owners[first as usize]; 4];
+            own.iter_mut().zip(points).for_each(|(o, p)| *o = owners[*p as usize]);
+            let mut stencil = c.stencil;
+            stencil.points = [0, 1, 2, 3];
+            rubs.push(Rub {
+                owners: own,
+                from: own.map(|o| from.at(&o)),
+                rubbing: Rubbing { stencil, ..rubbing },
+            });
+        }
+        let sides = self.sides();
+        for m in &candidates.meetings {
+            let (p, distance, normal, stiffness, coefficient, other) = match *m {
+                Meeting::Rigid(p, solid) => {
+                    let own = owners[p as usize].solid();
+                    let (distance, normal) = places.from_rigid(solid, &at[p as usize]);
+                    let attached = Owner::Rigid { solid, at: places.at_start(solid, &at[p as usize]), radius: 0.0 };
+                    let both = Some(solid);
+                    (p, distance, normal, self.stiffness(own, both), friction(own, both), Some(attached))
+                }
+                Meeting::Side(p, side) => {
+                    let own = owners[p as usize].solid();
+                    let plane = &sides[side];
+                    let far = plane.distance(&at[p as usize]);
+                    (p, far, plane.normal, self.stiffness(own, None), friction(own, None), None)
+                }
+            };
+            let surface = &self.points.surface;
+            let slope = self.barrier.of_distance(distance - surface.radius(p))[1];
+            let hold = -coefficient * surface.area(p) * stiffness * slope;
+            if hold <= 0.0 {
+                continue;
+            }
+            let mut own = [owners[p as usize]; 4];
+            // The other end of what rubs against a side does not move.
+            let weights = if other.is_some() { [1.0, -1.0, 0.0, 0.0] } else { [1.0, 0.0, 0.0, 0.0] };
+            other.iter().for_each(|o| own[1] = *o);
+            let stencil = meniscus_contact::Stencil { kind: Kind::PointSegment, points: [0, 1, 2, 3] };
+            let rubbing = Rubbing { stencil, weights, normal, hold };
+            rubs.push(Rub { owners: own, from: own.map(|o| from.at(&o)), rubbing });
+        }
+        rubs
+    }
+}

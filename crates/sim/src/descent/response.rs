@@ -1,0 +1,215 @@
+//! How all solids that something can move answer to impulses together: `A⁻¹`, with the second derivatives `A` of the potential of a
+//! step.
+
+use crate::exchange::Exchange;
+use crate::model::Model;
+use crate::soft::Flow;
+use crate::solid::{Motion, SolidState};
+use meniscus_elastic::{Reach, Solution};
+use meniscus_numerics::Vector;
+use std::collections::BTreeSet;
+
+use super::points::{Points, turning};
+use crate::liquid::friction::DraggedFace;
+use std::collections::BTreeMap;
+
+/// What a cell gives way, over what a face does, that is nothing: a pocket with no way out but through so little of a solid's
+/// surface could have any pressure.
+const SLIGHT: f64 = 1e-3;
+/// Widths of the blocks, doubling from one cell, in which it is asked how a solid gives way.
+const WIDTHS: u32 = 5;
+
+/// The answer of all solids.
+#[derive(Debug)]
+pub struct Response<const D: usize> {
+    solution: Solution<D>,
+    /// The first node of each solid.
+    first: Vec<usize>,
+    /// Mass of each node, kg (of an angular velocity a moment of inertia, kg m²).
+    masses: Vec<f64>,
+    /// Impulses on the nodes without the pressure, N s.
+    base: Vec<Vector<D>>,
+    /// What nodes that are told lack of their velocities, m/s.
+    lead: Vec<Vector<D>>,
+    /// Faces that contact lines tie to solids.
+    ties: Vec<Tie<D>>,
+}
+
+/// A face of the liquid that contact lines tie to a solid (`tied.rs`, for nodes).
+#[derive(Clone, Debug)]
+pub struct Tie<const D: usize> {
+    /// Place among the dragged faces.
+    pub number: usize,
+    /// The liquid cells that it is the upper (+1) and the lower (−1) face of.
+    pub sides: Vec<(u32, f64)>,
+    /// The solid's velocity along its axis by those of its nodes.
+    pub arm: Vec<(usize, Vector<D>)>,
+    /// Flow through it by the solid's velocity along its axis, in areas of a face.
+    pub flow: f64,
+    /// Mass of the solid's velocity there that is tied to it, kg.
+    pub mass: f64,
+}
+
+impl<const D: usize> Tie<D> {
+    /// The solid's velocity along its axis, m/s.
+    pub fn velocity(&self, nodes: &[Vector<D>]) -> f64 {
+        self.arm.iter().map(|(node, w)| w.dot(&nodes[*node])).sum()
+    }
+}
+
+impl<const D: usize> Response<D> {
+    /// By the inverse of the matrix.
+    pub fn new(
+        model: &Model<D>,
+        solids: &[SolidState<D>],
+        points: &Points<D>,
+        solution: Solution<D>,
+        (base, lead): (Vec<Vector<D>>, Vec<Vector<D>>),
+        ties: Vec<Tie<D>>,
+    ) -> Self {
+        let of = |(solid, now): (&crate::solid::Solid<D>, &SolidState<D>)| match solid.elastic() {
+            Some(elastic) => elastic.masses().to_vec(),
+            None => vec![solid.body.mass, solid.inertia(now).trace() / 3.0],
+        };
+        let masses = model.solids.iter().zip(solids).flat_map(of).collect();
+        Self { solution, first: points.first.clone(), masses, base, lead, ties }
+    }
+
+    /// Number of degrees of freedom.
+    pub fn freedoms(&self) -> usize {
+        D * self.masses.len()
+    }
+
+    /// The first node of a solid.
+    pub fn first(&self, solid: usize) -> usize {
+        self.first[solid]
+    }
+
+    /// `A⁻¹ b`, in place.
+    pub fn solve(&self, b: &mut [Vector<D>]) {
+        self.solution.solve(b);
+    }
+
+    /// What is needed to solve for the degrees of freedom that flow into cells.
+    pub fn reach(&self, flows: &[Flow]) -> Reach {
+        let all = flows.iter().flat_map(|(_, flow)| flow);
+        let nodes: BTreeSet<u32> = all.map(|(k, _)| k / D as u32).collect();
+        self.solution.reach(nodes.into_iter())
+    }
+
+    /// `A⁻¹ x` of these degrees of freedom, in place; `x` is 0 for all others.
+    pub fn solve_within(&self, reach: &Reach, x: &mut [f64]) {
+        self.solution.solve_within(reach, x, 1);
+    }
+
+    /// What each cell by itself would give way if the nodes were loose, a bound of `F M⁻¹ Fᵀ` by the sums of its rows, times
+    /// the share of that which they are loose. `place` tells where a cell is.
+    pub fn porous(&self, flows: &[Flow], reach: &Reach, place: impl Fn(u32) -> [usize; D]) -> Vec<f64> {
+        let mut sums = vec![0.0; self.freedoms()];
+        flows.iter().flat_map(|(_, flow)| flow).for_each(|(k, v)| sums[*k as usize] += v.abs());
+        let entry = |(k, v): &(u32, f64)| v.abs() * sums[*k as usize] / self.masses[*k as usize / D];
+        let all: Vec<f64> = flows.iter().map(|(_, flow)| flow.iter().map(entry).sum()).collect();
+        let loose = self.looseness(flows, reach, place);
+        all.into_iter().map(|give| if give < SLIGHT { 0.0 } else { give * loose }).collect()
+    }
+
+    /// What pressures give way to over what they would if the nodes were loose: the mean over pushes to and fro in blocks of
+    /// 1 to 16 cells. Stiff sheets bend under wide ones only (design, numerics §1: as if loose up to a bending stiffness of some
+    /// hundred, as if rigid from 10⁵ on).
+    fn looseness(&self, flows: &[Flow], reach: &Reach, place: impl Fn(u32) -> [usize; D]) -> f64 {
+        let n = self.freedoms();
+        // Both sides of a sheet are pushed the same way.
+        let sides = flows.iter().map(|(cell, flow)| {
+            let along = |a: usize| flow.iter().filter(|(k, _)| *k as usize % D == a).map(|f| f.1).sum();
+            let total = Vector::<D>::from_fn(|a, _| along(a));
+            (place(*cell), total[total.iamax()].signum(), flow)
+        });
+        let sides: Vec<_> = sides.collect();
+        let mut pushes = vec![0.0; WIDTHS as usize * n];
+        for (width, push) in pushes.chunks_exact_mut(n).enumerate() {
+            for (at, side, flow) in &sides {
+                let even = at.iter().map(|i| i >> width).sum::<usize>() % 2 == 0;
+                let sign = if even { *side } else { -side };
+                flow.iter().for_each(|(k, v)| push[*k as usize] += sign * v);
+            }
+        }
+        let mut gives = pushes.clone();
+        self.solution.solve_within(reach, &mut gives, WIDTHS as usize);
+        let ratio = |(push, gives): (&[f64], &[f64])| {
+            let held: f64 = push.iter().zip(gives).map(|(f, x)| f * x).sum();
+            let loose: f64 = push.iter().enumerate().map(|(k, f)| f * f / self.masses[k / D]).sum();
+            if loose > 0.0 { held / loose } else { 1.0 }
+        };
+        let all = pushes.chunks_exact(n).zip(gives.chunks_exact(n));
+        all.map(ratio).sum::<f64>() / f64::from(WIDTHS)
+    }
+
+    /// An exchange as impulses on the nodes.
+    pub fn impulses(&self, model: &Model<D>, solids: &[SolidState<D>], exchange: &Exchange<D>) -> Vec<Vector<D>> {
+        let mut all = vec![Vector::zeros(); self.masses.len()];
+        let sums = exchange.by_solid(solids.len());
+        for (k, solid) in model.solids.iter().enumerate() {
+            if solid.motion == Motion::Free {
+                let about = sums[k].about(&solids[k].center);
+                all[self.first[k]] = sums[k].linear;
+                all[self.first[k] + 1] = turning(&about.into());
+            }
+        }
+        for (solid, grips) in &exchange.grips {
+            crate::soft::spread(grips, &mut all[self.first[*solid as usize]..]);
+        }
+        all
+    }
+
+    /// The flows through tied faces: the cell, and the flow out of it by the components of the nodes' velocities.
+    pub fn tied_flows(&self) -> Vec<Flow> {
+        let of = |tie: &Tie<D>| {
+            let entries = |sign: f64| {
+                let of = |(node, w): &(usize, Vector<D>)| {
+                    (0..D).map(|a| ((node * D + a) as u32, sign * tie.flow * w[a])).collect::<Vec<_>>()
+                };
+                tie.arm.iter().flat_map(of).collect::<Vec<_>>()
+            };
+            tie.sides.iter().map(|(cell, sign)| (*cell, entries(*sign))).collect::<Vec<_>>()
+        };
+        self.ties.iter().flat_map(of).collect()
+    }
+
+    /// The change of the nodes' velocities without the pressure of the cells: by what is given to them, the tied faces with their
+    /// `velocity` and the surface's `tension`, and some impulses more.
+    pub fn yields(
+        &self,
+        model: &Model<D>,
+        dragged: &[DraggedFace],
+        velocity: impl Fn(&DraggedFace) -> f64,
+        tension: BTreeMap<(usize, usize), f64>,
+        more: Option<Vec<Vector<D>>>,
+    ) -> Vec<Vector<D>> {
+        let weight = model.density * model.grid.cell_volume();
+        let mut impulses = self.base.clone();
+        more.iter().flatten().zip(&mut impulses).for_each(|(more, j)| *j += more);
+        for tie in &self.ties {
+            let f = &dragged[tie.number];
+            let pulled = tension.get(&(f.axis, f.face)).copied().unwrap_or(0.0) * f.mobility() * f.hold;
+            let push = weight * (f.mass * f.given(velocity(f)) - pulled);
+            tie.arm.iter().for_each(|(node, w)| impulses[*node] += w * push);
+        }
+        self.solve(&mut impulses);
+        impulses.iter().zip(&self.lead).map(|(c, lead)| c + lead).collect()
+    }
+
+    /// Adds the change of the nodes' velocities to the tied faces; `velocity` adds to one face.
+    pub fn carry(
+        &self,
+        dragged: &mut [DraggedFace],
+        change: &[Vector<D>],
+        mut velocity: impl FnMut(&DraggedFace, f64),
+    ) {
+        for tie in &self.ties {
+            let f = &mut dragged[tie.number];
+            let by = tie.velocity(change);
+            f.follow(f.of_solid + by);
+            velocity(f, f.mobility() * f.hold * by);
+        }
+    }
+}
