@@ -10,46 +10,52 @@
 //! the law `Ψ`, damping and dissipation of [`crate::step`], the impulses `j` of all other forces, and what keeps elements upright,
 //! `U` ([`crate::Crushed`]). `K̂` is that at `x`. Its first Newton iteration from `w = 0` is the step that is linear about `x`.
 
-use crate::step::{Linearisation, add_extra};
+use crate::step::add_extra;
 use crate::term::ForceTerm;
-use crate::{BlockMatrix, Elastic, Weights};
+use crate::{BlockMatrix, Elastic, ElasticState, StiffnessBlock, Weights};
 use meniscus_contact::upright_step;
 use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
 
 /// The potential of a solid in a step.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Incremental<'a, const D: usize> {
     /// The solid.
     pub elastic: &'a Elastic<D>,
-    /// What the step starts from, and its length `h`.
-    pub start: Linearisation<'a, D>,
+    /// Positions that have advanced, and velocities that have not.
+    pub state: &'a ElasticState<D>,
+    /// The part `u` of these that the step does not resolve, m/s.
+    pub fast: Vec<Vector<D>>,
+    /// Stiffness of other forces.
+    pub extra: &'a [StiffnessBlock<D>],
     /// Impulses `j` of all other forces, N s (2D: N s/m).
     pub impulses: &'a [Vector<D>],
+    /// Length `h` of the step, s.
+    pub step: f64,
     /// The longest that the coming step can be, `a`, s.
     pub ahead: f64,
 }
 
 impl<const D: usize> Incremental<'_, D> {
     fn change(&self, velocities: &[Vector<D>]) -> Vec<Vector<D>> {
-        velocities.iter().zip(&self.start.state.velocities).map(|(new, old)| new - old).collect()
+        velocities.iter().zip(&self.state.velocities).map(|(new, old)| new - old).collect()
     }
 
     fn half_way(&self, change: &[Vector<D>]) -> Vec<Vector<D>> {
-        let part = 0.25 * self.start.step;
-        self.start.state.positions.iter().zip(change).map(|(x, w)| x + w * part).collect()
+        let part = 0.25 * self.step;
+        self.state.positions.iter().zip(change).map(|(x, w)| x + w * part).collect()
     }
 
     /// Where the vertices are at the end of the coming step, m.
     pub fn ends(&self, velocities: &[Vector<D>]) -> Vec<Vector<D>> {
-        self.start.state.positions.iter().zip(velocities).map(|(x, v)| x + v * self.ahead).collect()
+        self.state.positions.iter().zip(velocities).map(|(x, v)| x + v * self.ahead).collect()
     }
 
     /// What resists rates of strain: impulses, N s.
     fn viscous(&self, velocities: &[Vector<D>], change: &[Vector<D>], share: f64) -> [Vec<Vector<D>>; 2] {
-        let (x, h) = (&self.start.state.positions, self.start.step);
+        let (x, h) = (&self.state.positions, self.step);
         let between: Vec<Vector<D>> =
-            self.start.fast.iter().zip(change).map(|(u, w)| u + w * share).collect();
+            self.fast.iter().zip(change).map(|(u, w)| u + w * share).collect();
         let theta = self.elastic.integrator.dissipation;
         let damping = self.elastic.viscous_forces(x, velocities, h * self.elastic.damping_time);
         [damping, self.elastic.viscous_forces(x, &between, theta * h * h)]
@@ -57,11 +63,11 @@ impl<const D: usize> Incremental<'_, D> {
 
     /// Its value, J (2D: J/m); infinite where an element has no volume.
     pub fn value(&self, velocities: &[Vector<D>]) -> f64 {
-        let (h, theta) = (self.start.step, self.elastic.integrator.dissipation);
+        let (h, theta) = (self.step, self.elastic.integrator.dissipation);
         let w = self.change(velocities);
         let [damping, fast] = self.viscous(velocities, &w, 0.25 + 0.125 * theta);
         let mut extra = vec![Vector::zeros(); w.len()];
-        add_extra(self.start.extra, h, &w, &mut extra);
+        add_extra(self.extra, h, &w, &mut extra);
         let own = par::sum(w.len(), |k| {
             w[k].dot(&(w[k] * (0.5 * self.elastic.masses[k]) - fast[k] - self.impulses[k] - extra[k] * 0.5))
                 - 0.5 * velocities[k].dot(&damping[k])
@@ -72,13 +78,13 @@ impl<const D: usize> Incremental<'_, D> {
 
     /// Its gradient by the velocities, N s (2D: N s/m).
     pub fn gradient(&self, velocities: &[Vector<D>]) -> Vec<Vector<D>> {
-        let (h, theta) = (self.start.step, self.elastic.integrator.dissipation);
+        let (h, theta) = (self.step, self.elastic.integrator.dissipation);
         let w = self.change(velocities);
         let [damping, fast] = self.viscous(velocities, &w, 0.5 + 0.25 * theta);
         let mut forces = self.elastic.forces(&self.half_way(&w));
         self.elastic.upright.add_forces(&self.ends(velocities), &mut forces);
         let mut extra = vec![Vector::zeros(); w.len()];
-        add_extra(self.start.extra, h, &w, &mut extra);
+        add_extra(self.extra, h, &w, &mut extra);
         let of = |k: usize| {
             w[k] * self.elastic.masses[k] - forces[k] * h - damping[k] - fast[k] - self.impulses[k] - extra[k]
         };
@@ -88,8 +94,8 @@ impl<const D: usize> Incremental<'_, D> {
     /// The positive part of its second derivatives, kg (2D: kg/m).
     pub fn matrix(&self, velocities: &[Vector<D>]) -> Option<BlockMatrix<D>> {
         let w = self.change(velocities);
-        let mut matrix = self.elastic.matrix(&self.half_way(&w), self.start.step, self.start.extra)?;
-        let weights = Weights { stiffness: self.start.step * self.ahead, viscosity: 0.0 };
+        let mut matrix = self.elastic.matrix(&self.half_way(&w), self.step, self.extra)?;
+        let weights = Weights { stiffness: self.step * self.ahead, viscosity: 0.0 };
         self.elastic.upright.add_tangent(&self.ends(velocities), weights, &mut matrix);
         Some(matrix)
     }

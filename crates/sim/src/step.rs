@@ -266,7 +266,7 @@ fn press<const D: usize>(
     let mut forced = state.solids.clone();
     push_solids(model, &mut forced, &line);
     let starts = match model.deforms() {
-        true => Start::of(model, before, &line, wetted_stiffness(model, state), kick)?,
+        true => Start::of(model, &line, wetted_stiffness(model, state), kick),
         false => Vec::new(),
     };
     let points = work.points.clone();

@@ -20,7 +20,7 @@ use crate::liquid::friction::DraggedFace;
 use crate::model::Model;
 use crate::solid::{Motion, SolidState};
 use meniscus_contact::Barrier;
-use meniscus_elastic::{Elastic, Incremental, Linearisation, StiffnessBlock};
+use meniscus_elastic::{BlockMatrix, Elastic, Incremental, Solution, StiffnessBlock};
 use meniscus_numerics::grid::FaceField;
 use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::{Matrix, Vector};
@@ -41,8 +41,6 @@ const RUBS: usize = 2;
 
 /// What a solid that deforms starts from.
 pub struct Start<const D: usize> {
-    /// The part of its velocities that the step does not resolve, m/s.
-    fast: Vec<Vector<D>>,
     /// What all but the pressure gives to its vertices, N s.
     impulses: Vec<Vector<D>>,
     /// Stiffness that other forces add.
@@ -51,31 +49,18 @@ pub struct Start<const D: usize> {
 
 impl<const D: usize> Start<D> {
     /// Of all solids; `line` is what contact lines give them in the time `kick` (s), `extra` the stiffness that other forces add.
-    ///
-    /// # Errors
-    /// [`SolveError::Indefinite`] with the number of a solid whose matrix has no factors.
     pub fn of(
         model: &Model<D>,
-        before: &[SolidState<D>],
         line: &Exchange<D>,
         extra: Vec<Vec<StiffnessBlock<D>>>,
         kick: f64,
-    ) -> Result<Vec<Option<Self>>, SolveError> {
+    ) -> Vec<Option<Self>> {
         let start = |(k, extra): (usize, Vec<StiffnessBlock<D>>)| {
-            let Some((elastic, soft)) = model.solids[k].elastic().zip(before[k].soft.as_ref()) else {
-                return Ok(None);
-            };
+            let elastic = model.solids[k].elastic()?;
             let mut impulses: Vec<Vector<D>> =
                 elastic.masses().iter().map(|m| model.gravity * (m * kick)).collect();
             line.grips.get(&(k as u32)).iter().for_each(|grips| crate::soft::spread(grips, &mut impulses));
-            let fast = if elastic.integrator().dissipation == 0.0 {
-                vec![Vector::zeros(); impulses.len()]
-            } else {
-                let system = elastic.system(&soft.body.positions, kick, &extra);
-                let system = system.map_err(|_| SolveError::Indefinite { solid: k, step: kick })?;
-                elastic.fast(&system, &soft.body)
-            };
-            Ok(Some(Self { fast, impulses, extra }))
+            Some(Self { impulses, extra })
         };
         extra.into_iter().enumerate().map(start).collect()
     }
@@ -109,13 +94,15 @@ impl<'a, const D: usize> Descent<'a, D> {
         let part = |k: usize| match (&model.solids[k].motion, &starts[k], &before[k].soft) {
             (Motion::Soft(elastic), Some(start), Some(soft)) => {
                 let elastic: &'a Elastic<D> = elastic;
-                let start_ = Linearisation {
+                Part::Soft(Incremental {
+                    elastic,
                     state: &soft.body,
-                    fast: &start.fast,
+                    fast: vec![Vector::zeros(); start.impulses.len()],
                     extra: &start.extra,
+                    impulses: &start.impulses,
                     step: times.kick,
-                };
-                Part::Soft(Incremental { elastic, start: start_, impulses: &start.impulses, ahead: times.ahead })
+                    ahead: times.ahead,
+                })
             }
             (Motion::Free, ..) => {
                 let inertia = model.solids[k].inertia(&before[k]);
@@ -174,9 +161,12 @@ impl<'a, const D: usize> Descent<'a, D> {
         let candidates = self.potential.candidates(&self.now, &self.now);
         self.potential.pressed.fill(Vector::zeros());
         let ties = self.ties(dragged, phi, open);
-        let derivatives = self.potential.derivatives(&self.now, &candidates, &ties);
-        let (gradient, matrix) = derivatives.ok_or(failed.clone())?;
+        let matrix = self.potential.matrix(&self.now, &candidates, &ties).ok_or(failed.clone())?;
         let solution = matrix.invert(&self.positions, &self.potential.held).ok_or(failed)?;
+        if self.iteration == 0 {
+            self.find_fast(&matrix, &solution);
+        }
+        let gradient = self.potential.gradient(&self.now, &candidates);
         let mut base: Vec<Vector<D>> = gradient.iter().map(|g| -g).collect();
         let lead = self.lead();
         if lead.iter().any(|t| t.norm_squared() > 0.0) {
@@ -188,6 +178,31 @@ impl<'a, const D: usize> Descent<'a, D> {
         points.give(model, solids, &self.now);
         self.response = Some(Response::new(model, before, points, solution, (base, lead), ties));
         Ok(())
+    }
+
+    /// Finds the part of the velocities that the step does not resolve, `v − A⁻¹ M v`.
+    fn find_fast(&mut self, matrix: &BlockMatrix<D>, solution: &Solution<D>) {
+        let Potential { model, points, solids, ref held, .. } = self.potential;
+        let old = points.velocities(model, solids);
+        let mut slow = vec![Vector::zeros(); old.len()];
+        for (k, solid) in model.solids.iter().enumerate() {
+            for (v, mass) in solid.elastic().iter().flat_map(|e| e.masses().iter().enumerate()) {
+                slow[points.first[k] + v] = old[points.first[k] + v] * *mass;
+            }
+        }
+        let led = |k: usize| if held[k] { -old[k] } else { Vector::zeros() };
+        let led: Vec<Vector<D>> = (0..old.len()).map(led).collect();
+        matrix.add_product(&led, &mut slow);
+        solution.solve(&mut slow);
+        for (k, part) in self.potential.parts.iter_mut().enumerate() {
+            let Part::Soft(soft) = part else { continue };
+            if soft.elastic.integrator().dissipation > 0.0 {
+                for (v, fast) in soft.fast.iter_mut().enumerate() {
+                    let node = points.first[k] + v;
+                    *fast = if held[node] { Vector::zeros() } else { old[node] - slow[node] };
+                }
+            }
+        }
     }
 
     /// Ties dragged faces to the solids, with the velocities that it has come to.

@@ -237,10 +237,6 @@ impl<'a, const D: usize> Potential<'a, D> {
 
     /// Its gradient, N s (2D: N s/m).
     pub fn gradient(&self, velocities: &[Vector<D>], candidates: &Candidates) -> Vec<Vector<D>> {
-        self.gradient_of(velocities, &self.terms(&self.places(velocities), candidates))
-    }
-
-    fn gradient_of(&self, velocities: &[Vector<D>], terms: &[Term<D>]) -> Vec<Vector<D>> {
         let mut gradient: Vec<Vector<D>> = self.pressed.iter().map(|j| -j).collect();
         for (k, part) in self.parts.iter().enumerate() {
             let first = self.points.first[k];
@@ -257,7 +253,7 @@ impl<'a, const D: usize> Potential<'a, D> {
                 Part::Told => {}
             }
         }
-        for Term { levers, local } in terms {
+        for Term { levers, local } in &self.terms(&self.places(velocities), candidates) {
             for k in 0..local.count {
                 for (i, by) in &levers[k] {
                     gradient[*i] += by.tr_mul(&local.gradient[k]) * self.kick;
@@ -267,14 +263,13 @@ impl<'a, const D: usize> Potential<'a, D> {
         gradient
     }
 
-    /// Its gradient, and the positive part of its second derivatives; nothing where a solid's matrix cannot be.
-    /// `ties` add their masses.
-    pub fn derivatives(
+    /// The positive part of its second derivatives, kg (2D: kg/m); nothing where a solid's matrix cannot be. `ties` add their masses.
+    pub fn matrix(
         &self,
         velocities: &[Vector<D>],
         candidates: &Candidates,
         ties: &[Tie<D>],
-    ) -> Option<(Vec<Vector<D>>, BlockMatrix<D>)> {
+    ) -> Option<BlockMatrix<D>> {
         let mut parts = Vec::new();
         for (k, part) in self.parts.iter().enumerate() {
             let first = self.points.first[k];
@@ -318,7 +313,7 @@ impl<'a, const D: usize> Potential<'a, D> {
                 }
             }
         }
-        Some((self.gradient_of(velocities, &terms), matrix))
+        Some(matrix)
     }
 
     /// What may meet on the way to the end of the coming step between two choices of velocities.
