@@ -70,12 +70,6 @@ const VOLUME_JUMP: f64 = 0.1;
 /// Shortest step that the speed may ask for, over the longest that tension, gravity and the user allow: far below what any
 /// splash needs, a liquid that asks for less runs away.
 const SHORTEST: f64 = 1e-5;
-/// Largest velocity gradient in an element of a solid times the step: `x + h v` turns none inside out below 1, where
-/// `det(1 + h ∇v)` cannot vanish.
-const STRAIN: f64 = 1.0;
-/// Least part of the longest step that tension, gravity and the user allow to which that shortens it: the gradient in an element
-/// that is crushed has no bound, and a run goes on.
-const SLOWEST: f64 = 0.05;
 /// Growth of the energy in one step, over what there is without gravity's, that is doubtful.
 const ENERGY_JUMP: f64 = 0.05;
 /// Way of the liquid in a step, in cells, that is no motion but a failure.
@@ -84,14 +78,6 @@ const WILD: f64 = 30.0;
 pub const GROWTH: f64 = 1.25;
 /// Distance, in cells, of motions in a step, and of falls, whose energy is nothing.
 const STILL: f64 = 1e-6;
-
-/// The longest step allowed.
-struct Wanted {
-    /// Its length, s.
-    dt: f64,
-    /// Whether the straining of solids would have asked for a shorter one than is taken.
-    floored: bool,
-}
 
 /// A model, its state, and the memory a step works in.
 pub struct Simulation<const D: usize> {
@@ -194,8 +180,8 @@ impl<const D: usize> Simulation<D> {
         let solids = solids.fold(0.0, f64::max);
         let speed = liquid.max(solids);
         let wanted = self.wanted_dt(speed, if solids > liquid { "a solid" } else { "the liquid" })?;
-        let mut dt = self.choose_dt(wanted.dt, max_dt);
-        let shortest = 1.5 * 0.5f64.powi(DOUBTS as i32) * wanted.dt;
+        let mut dt = self.choose_dt(wanted, max_dt);
+        let shortest = 1.5 * 0.5f64.powi(DOUBTS as i32) * wanted;
         let energy = own_energy(&self.model, &self.state);
         let all = energy + potential_energy(&self.model, &self.state) + self.state.outflow_energy();
         let time = self.state.time;
@@ -218,7 +204,6 @@ impl<const D: usize> Simulation<D> {
                         let mut repairs = std::mem::take(&mut self.work.repairs);
                         (repairs.redone, repairs.failed_tries) = (redone, failed);
                         repairs.doubtful_steps = u64::from(doubtful);
-                        repairs.floored_steps = u64::from(wanted.floored);
                         return Ok(StepReport {
                             dt,
                             cfl,
@@ -254,20 +239,17 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// The longest step that the largest speed, which is that of `fastest`, and surface tension allow.
-    fn wanted_dt(&self, speed: f64, fastest: &str) -> Result<Wanted, StepError> {
+    fn wanted_dt(&self, speed: f64, fastest: &str) -> Result<f64, StepError> {
         if let Some(dt) = self.model.numerics.fixed_step {
-            return Ok(Wanted { dt, floored: false });
+            return Ok(dt);
         }
         let calm = step_at_speed(&self.model, 0.0);
-        let (free, least) = (step_at_speed(&self.model, speed), slowest_step(calm));
-        let straining = straining_limit(&self.model, &self.state.solids);
-        let floored = straining < least && least < free;
-        let dt = free.min(straining.max(least));
+        let dt = step_at_speed(&self.model, speed);
         if calm.is_finite() && dt < SHORTEST * calm {
             let reason = format!("{fastest} runs away, at {speed:.3e} m/s");
             return Err(StepError::TooShort { time: self.state.time, dt, reason });
         }
-        Ok(Wanted { dt, floored })
+        Ok(dt)
     }
 
     /// Energy of motions too small to count: without it rounding alone would be doubtful in a liquid at rest.
@@ -337,24 +319,6 @@ fn step_at_speed<const D: usize>(model: &Model<D>, speed: f64) -> f64 {
     flow.min(n.max_step).min(capillary)
 }
 
-/// The longest step, s, in which elements of solids turn and change their shape by as much as a straight line bears without
-/// turning them inside out; at least a part of the step that a liquid at rest allows, `calm`.
-fn straining_step<const D: usize>(model: &Model<D>, solids: &[SolidState<D>], calm: f64) -> f64 {
-    straining_limit(model, solids).max(slowest_step(calm))
-}
-
-/// The same without that least part.
-fn straining_limit<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
-    let soft = model.solids.iter().zip(solids);
-    let soft = soft.filter_map(|(solid, now)| solid.elastic().zip(now.soft.as_ref()));
-    STRAIN / soft.map(|(elastic, soft)| elastic.largest_rate(&soft.body)).fold(0.0, f64::max)
-}
-
-/// The least step, s, to which straining shortens the one that a liquid at rest allows.
-fn slowest_step(calm: f64) -> f64 {
-    if calm.is_finite() { SLOWEST * calm } else { 0.0 }
-}
-
 /// The longest that the step after one of `dt` (s) can be, as solids move now, or a little slower once they have met: for so
 /// long contacts are looked for, and no step is longer. Over a longer time a solid that the pressure threw would seem to meet all there is on a way that it never
 /// goes.
@@ -363,8 +327,7 @@ pub(crate) fn clear_time<const D: usize>(model: &Model<D>, solids: &[SolidState<
         return GROWTH * dt;
     }
     let fastest = model.solids.iter().zip(solids).map(|(s, now)| s.largest_speed(now)).fold(0.0, f64::max);
-    let straining = straining_step(model, solids, step_at_speed(model, 0.0));
-    GROWTH * dt.min(step_at_speed(model, fastest)).min(straining)
+    GROWTH * dt.min(step_at_speed(model, fastest))
 }
 
 /// The functions of either dimension ([`crate::compiled`]).
