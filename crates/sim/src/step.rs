@@ -317,6 +317,9 @@ fn press<const D: usize>(
             break (solves, pressure, friction);
         }
     };
+    if let Some(descent) = &descent {
+        state.clear = descent.clear();
+    }
     work.repairs.unlabelled += unlabelled;
     let given = [line, pressure, friction];
     tell_forces(&mut state.solids, &given, kick);

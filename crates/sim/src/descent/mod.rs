@@ -30,6 +30,8 @@ use potential::{Part, Potential, Rigid};
 const REACH: f64 = 0.25;
 /// Part of its distance that a pair keeps in an iteration, and of its volume an element.
 const KEEP: f64 = 0.2;
+/// The same on the way of the coming step.
+const BARE: f64 = 0.01;
 /// Most iterations of a step.
 const ITERATIONS: usize = 60;
 /// Move at the end of the coming step, in reaches, at which iterations end.
@@ -237,6 +239,15 @@ impl<'a, const D: usize> Descent<'a, D> {
             ties.push(tie);
         }
         ties
+    }
+
+    /// The longest that the coming step can be, s: for so long nothing meets or turns inside out on the straight way there, either,
+    /// of which a shorter step takes a part.
+    pub fn clear(&self) -> f64 {
+        let still = vec![Vector::zeros(); self.now.len()];
+        let candidates = self.potential.candidates(&still, &self.now);
+        let part = self.potential.free_step(&still, &self.now, &self.now, &candidates, BARE);
+        self.potential.ahead * part
     }
 
     /// What told nodes lack of their velocities.
