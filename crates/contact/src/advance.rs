@@ -3,7 +3,8 @@
 use crate::distance::{Closest, Kind};
 use meniscus_numerics::{Matrix, Vector};
 
-/// Part of what is left to the bound by which each look goes on.
+/// Part of the way to the bound that an iteration goes (Li et al. 2021, algorithm 1). All of it would be safe, but for rounding; the
+/// iterations end where less than the rest, a tenth, of what may be given up is left.
 const EAGER: f64 = 0.9;
 /// Most looks at one pair. Features that pass each other closely, fast, take many.
 const LOOKS: usize = 1000;

@@ -15,11 +15,11 @@ pub struct Barrier {
 /// Two features that are near each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Their points.
+    /// The two features.
     pub stencil: Stencil,
     /// Area for which they stand, m² (2D: length, m).
     pub area: f64,
-    /// Stiffness, Pa: the pressure at 0.53 of the reach.
+    /// Stiffness `κ`, Pa: the pressure at 0.53 of the reach, where `β' = −1`.
     pub stiffness: f64,
     /// Of two edges: the squared lengths at rest, multiplied, m⁴.
     pub lengths: f64,
@@ -61,7 +61,7 @@ impl Barrier {
         if value > 0.0 { contact.area * contact.stiffness * value * share } else { 0.0 }
     }
 
-    /// What each presses the other with, N (2D: N/m).
+    /// Magnitude of the contact force between them, N (2D: N/m).
     pub fn force<const D: usize>(&self, contact: &Contact, x: &[Vector<D>]) -> f64 {
         let at = contact.stencil.of(x);
         let closest = Closest::new(contact.stencil.kind, &at);

@@ -7,7 +7,7 @@
 
 use meniscus_numerics::Vector;
 
-/// What two features are.
+/// The kinds of pairs of features between which distances are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Kind {
     /// A point, and a segment: a facet in 2D.
@@ -21,7 +21,7 @@ pub enum Kind {
 /// Two features, by the numbers of their points: of a point and a facet the point first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Stencil {
-    /// What they are.
+    /// Their kind.
     pub kind: Kind,
     /// Their points; of a point and a segment three, and nothing in the last place.
     pub points: [u32; 4],
@@ -87,16 +87,20 @@ impl<const D: usize> Closest<D> {
             let all = pairs.iter().map(|(p, edge)| Self::point_edge(x, *p, *edge));
             all.reduce(|best, next| if next.square() < best.square() { next } else { best })
         };
-        let found = match kind {
-            Kind::PointSegment => None,
+        let (within, rim) = match kind {
+            Kind::PointSegment => (None, None),
             Kind::PointTriangle => {
-                Self::within_triangle(x).or_else(|| nearest(&[(0, [1, 2]), (0, [2, 3]), (0, [3, 1])]))
+                (Self::within_triangle(x), nearest(&[(0, [1, 2]), (0, [2, 3]), (0, [3, 1])]))
             }
-            Kind::EdgeEdge => Self::within_edges(x)
-                .or_else(|| nearest(&[(0, [2, 3]), (1, [2, 3]), (2, [0, 1]), (3, [0, 1])]))
-                .map(|closest| closest.facing_first()),
+            Kind::EdgeEdge => {
+                let ends = nearest(&[(0, [2, 3]), (1, [2, 3]), (2, [0, 1]), (3, [0, 1])]);
+                (Self::within_edges(x), ends.map(Self::facing_first))
+            }
         };
-        found.unwrap_or_else(|| Self::point_edge(x, 0, [1, 2]))
+        // The inside of flat triangles and of parallel edges is told with large rounding errors: then it is not the nearest.
+        let both = [within, rim].into_iter().flatten();
+        let nearer = both.reduce(|a, b| if b.square() < a.square() { b } else { a });
+        nearer.unwrap_or_else(|| Self::point_edge(x, 0, [1, 2]))
     }
 
     fn of(x: &[Vector<D>; 4], weights: Weights, free: &[Weights]) -> Self {
@@ -163,7 +167,7 @@ impl<const D: usize> Closest<D> {
         let along: [Vector<D>; 2] = self.free.map(|free| x.iter().zip(free).map(|(x, q)| x * q).sum());
         let inverse = inverse(&along, self.freedoms);
         let Self { apart, weights, free, freedoms } = *self;
-        // The mixed derivatives, halved.
+        // Half the mixed derivative by a point and a coordinate, times a vector.
         let mixed = move |k: usize, i: usize, to: &Vector<D>| -> Matrix<D> {
             // (w_k E_i + q_ik r) toᵀ
             (along[i] * weights[k] + apart * free[i][k]) * to.transpose()

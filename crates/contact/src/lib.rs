@@ -10,8 +10,8 @@
 //! a κ d̂ β(d/d̂),    β(t) = −(1 − t)² ln t,
 //! ```
 //!
-//! with their distance `d`, the area `a` of the point (2D: length) and the stiffness `κ`, a pressure: `−κ β'` is what each presses
-//! the other with. Energies have values, gradients and positive semidefinite Hessians ([`Barrier`], [`Friction`]). Whoever
+//! with their distance `d`, the area `a` of the point (2D: length) and the stiffness `κ`, a pressure: they press each other
+//! with `−κ β'`. Energies have values, gradients and positive semidefinite Hessians ([`Barrier`], [`Friction`]). Whoever
 //! minimises a sum of them takes no step longer than [`Near::free_step`]: then surfaces that do not intersect never will.
 //!
 //! This crate knows points, facets and edges only. What moves the points, and what keeps the elements behind them upright, is
@@ -33,7 +33,7 @@ pub use distance::{Closest, Kind, Stencil};
 pub use friction::{Friction, Rubbing};
 pub use local::Local;
 pub use plane::Plane;
+pub use surface::{Near, Surface};
+
 #[cfg(test)]
 mod tests;
-
-pub use surface::{Near, Surface};

@@ -1,11 +1,11 @@
-//! What takes the barrier off two edges that become parallel, where their closest points jump (IPC, §5.2): other pairs hold the
-//! surfaces apart there.
+//! The factor by which the barrier of two nearly parallel edges is reduced (IPC, §5.2): where edges are parallel their closest points
+//! jump, and the gradient of the distance with them. Points and facets keep the surfaces apart there.
 //!
 //! `m = c/ε (2 − c/ε)` for `c = |e × f|² < ε`, with `ε` a part of the product of both squared lengths at rest.
 
 use meniscus_numerics::{Matrix, Vector};
 
-/// `ε` over the squared lengths at rest: edges at less than 1.8 degrees.
+/// `ε` over the product of the squared lengths at rest (IPC, §5.2): the factor acts on edges at less than 1.8 degrees, `sin² = 1e-3`.
 const PARALLEL: f64 = 1e-3;
 
 /// The share of the barrier that is left, and its derivatives.

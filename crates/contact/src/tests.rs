@@ -263,3 +263,23 @@ fn what_is_near_is_found() {
     let part = near.free_step(&x, &ways, 0.2);
     assert!(part > 0.35 && part <= 0.4, "{part}");
 }
+
+/// Edges that are parallel but for rounding are as far apart as their lines.
+#[test]
+fn nearly_parallel_edges_have_their_distance() {
+    for tilt in [0.0, 1e-16, 1e-12, 1e-9, 1e-6] {
+        let x =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.3, 0.1, 0.0], [1.7, 0.1 + tilt, tilt]].map(Vector::from);
+        let distance = Closest::<3>::new(Kind::EdgeEdge, &x).distance();
+        assert!((distance - 0.1).abs() < 2.0 * tilt + 1e-15, "{tilt}: {distance}");
+    }
+}
+
+/// A point may go as far towards a plane as it keeps its share of the distance, and away from it as it likes.
+#[test]
+fn points_stay_off_planes() {
+    let plane = Plane { point: Vector::<2>::new(0.0, 1.0), normal: Vector::<2>::new(0.0, 1.0) };
+    let step = |way: f64| plane.free_step(&Vector::<2>::new(3.0, 1.5), &Vector::<2>::new(1.0, way), 0.2);
+    assert!((step(-0.8) - 0.5).abs() < 1e-15);
+    assert_eq!([step(-0.4), step(0.0), step(9.0)], [1.0; 3]);
+}

@@ -192,6 +192,10 @@ pub fn expect<const D: usize>(
             let touches = group.new.iter().any(|&j| touching[j].free || touching[j].held);
             group.placed = if touches { only(group, unpulled) } else { Matrix::identity() };
             let mut whole = together(group.old.iter().map(|&i| state.drops[i].whole()));
+            // A drop whose volume lies within solids altogether has no mass, and so no momentum to be kept.
+            if whole.mass <= 0.0 {
+                continue;
+            }
             whole.center += whole.velocity * dt;
             let held = group.new.iter().any(|&j| touching[j].held);
             group.turns = whole.mass > resolved_volume(model);

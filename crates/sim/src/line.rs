@@ -8,7 +8,8 @@
 //! The lattice of the surface tells that to a percent or two; a body of liquid that touches nothing but solids tells it
 //! exactly: what its surface's pressure pushes the liquid with, the solids must give back. So across the solids the
 //! difference is spread over its lines, and drop and solids together neither gain nor lose momentum (design, experiments
-//! part 2, EFT); along them the lattice is right, and the liquid gets what its surface's pressure lacks. Without that a drop
+//! part 2, EFT), nor angular momentum, except where all lines on a solid that deforms lie within [`RESOLVED`] cells of one place:
+//! these carry no moment, and the repairs say how much was left out; along them the lattice is right, and the liquid gets what its surface's pressure lacks. Without that a drop
 //! that spreads on a tilted wall starts to glide along it.
 //!
 //! A solid that deforms feels the tension of its own surface as well (`tension.rs`): along it the two are in balance. What each
@@ -103,6 +104,16 @@ pub fn unpulled<const D: usize>(
     across(cubes, wet, label, count).iter().map(rest).collect()
 }
 
+/// Impulses of the contact lines.
+pub struct LineImpulses<const D: usize> {
+    /// On the solids.
+    pub on_solids: Exchange<D>,
+    /// For each component what is missing along its solids, N s (2D: N s/m): the liquid gets it.
+    pub on_liquid: Vec<Vector<D>>,
+    /// Size of the moments that lines too close together do not carry, kg m²/s (2D: kg m/s).
+    pub moment_lost: f64,
+}
+
 /// The surface as it pulls at solids.
 pub struct Lines<'a, const D: usize> {
     /// The model.
@@ -128,8 +139,8 @@ pub struct Lines<'a, const D: usize> {
 }
 
 impl<const D: usize> Lines<'_, D> {
-    /// The impulses of the time `kick` (s) on the solids, and what is missing along them: an impulse for each component.
-    pub fn impulses(&self, kick: f64) -> (Exchange<D>, Vec<Vector<D>>) {
+    /// The impulses of the time `kick` (s).
+    pub fn impulses(&self, kick: f64) -> LineImpulses<D> {
         let Pulls { mut exchange, lengths, mut feet, pieces } = self.pulls(kick);
         if !feet.is_empty() {
             self.balance(kick, pieces, feet.values_mut().flatten());
@@ -140,7 +151,7 @@ impl<const D: usize> Lines<'_, D> {
         let mut missing = self.pushes(kick);
         exchange.pairs.iter().for_each(|((c, _), pull)| missing[*c as usize].add(pull, 1.0));
         let mut along = vec![Vector::zeros(); self.inside.len()];
-        let sides = self.sides();
+        let (sides, mut moment_lost) = (self.sides(), 0.0);
         for c in (0..along.len()).filter(|&c| total[c] > 0.0) {
             // Sides of the domain pull across themselves only, and with what moment is not known.
             let balanced = Vector::from_fn(|a, _| if sides[c][a] { 0.0 } else { missing[c].linear[a] });
@@ -162,8 +173,8 @@ impl<const D: usize> Lines<'_, D> {
                 && let Some(all) = exchange.pairs.remove(pair)
             {
                 let skin = self.skins.get(pair).map_or(&[][..], |skin| skin);
-                let least = RESOLVED * self.model.grid.dx;
-                take_hold((feet, least), (skin, kick), *pair, &all, &mut exchange);
+                let shortest_lever = RESOLVED * self.model.grid.dx;
+                moment_lost += take_hold(feet, shortest_lever, (skin, kick), *pair, &all, &mut exchange);
             }
         }
         // Without a line nothing holds the tension of what is wetted, nor needs to: that of every facet is in balance.
@@ -171,7 +182,7 @@ impl<const D: usize> Lines<'_, D> {
         for (pair, skin) in lineless {
             skin.iter().for_each(|(grip, force)| exchange.grip(*pair, grip, force * kick));
         }
-        (exchange, along)
+        LineImpulses { on_solids: exchange, on_liquid: along, moment_lost }
     }
 
     /// Along which axes sides of the domain pull at the surface of each component: along their normals.
@@ -259,29 +270,34 @@ impl<const D: usize> Lines<'_, D> {
 }
 
 /// Gives a solid that deforms what its lines pull with, each where it is, what the tension of its wetted surface (`skin`) does
-/// in the time `kick` (s), which along the solid is in balance with the lines, and what `all` is besides to all lines. Lines
-/// that are closer together than `least` (m) take none of its moment.
+/// in the time `kick` (s), which along the solid is in balance with the lines, and what `all` is besides to all lines. Returns
+/// the size of the moment that [`spread`] leaves out, kg m²/s (2D: kg m/s).
 fn take_hold<const D: usize>(
-    (feet, least): (&[Foot<D>], f64),
+    feet: &[Foot<D>],
+    shortest_lever: f64,
     (skin, kick): (&[(Grip<D>, Vector<D>)], f64),
     pair: (u32, u32),
     all: &Impulse<D>,
     exchange: &mut Exchange<D>,
-) {
+) -> f64 {
     let mut rest = *all;
     feet.iter().for_each(|f| rest.add(&Impulse::at(&f.grip.point, f.pull), -1.0));
     skin.iter().for_each(|(grip, force)| rest.add(&Impulse::at(&grip.point, *force), -kick));
     skin.iter().for_each(|(grip, force)| exchange.grip(pair, grip, force * kick));
-    for (foot, more) in feet.iter().zip(spread(feet, least, &rest)) {
+    let asked = rest;
+    for (foot, more) in feet.iter().zip(spread(feet, shortest_lever, &asked)) {
         exchange.grip(pair, &foot.grip, foot.pull + more);
+        rest.add(&Impulse::at(&foot.grip.point, more), -1.0);
     }
+    rest.turning.norm()
 }
 
-/// An impulse spread over places on a solid that deforms, by their lengths, as the accelerations of a rigid body are. Forces whose
-/// levers are shorter than `least` (m, root mean square) make no moment: at one point they would have to be infinite.
+/// An impulse spread over places on a solid that deforms, by their lengths, as the accelerations of a rigid body are. About an axis
+/// from which the root mean square distance of the places is less than `shortest_lever` (m) they get no moment: the forces that
+/// make it grow without bound as the places come together.
 fn spread<const D: usize>(
     feet: &[Foot<D>],
-    least: f64,
+    shortest_lever: f64,
     impulse: &Impulse<D>,
 ) -> impl Iterator<Item = Vector<D>> {
     let length: f64 = feet.iter().map(|f| f.length).sum();
@@ -292,7 +308,7 @@ fn spread<const D: usize>(
         let r = Vector::<3>::from_fn(|a, _| if a < D { arm[a] } else { 0.0 });
         second += (Matrix::<3>::identity() * r.norm_squared() - r * r.transpose()) * (foot.length / length);
     }
-    let inverse = second.pseudo_inverse(least * least).unwrap_or_else(|_| Matrix::zeros());
+    let inverse = second.pseudo_inverse(shortest_lever * shortest_lever).unwrap_or_else(|_| Matrix::zeros());
     let turning = inverse * impulse.about(&middle);
     let linear = impulse.linear;
     feet.iter().map(move |foot| {
@@ -309,8 +325,9 @@ fn spread<const D: usize>(
 mod tests {
     use super::*;
 
-    /// A force and a moment go over to three feet of a line around a place; gives back both as the feet have them.
-    fn spread_over(width: f64) -> (Impulse<2>, Impulse<2>) {
+    /// A force and a moment are spread over three places on a line, `width` cells apart from each other; returns the impulse that
+    /// is asked for and the sum of what the places get.
+    fn spread_over(width: f64) -> [Impulse<2>; 2] {
         let foot = |x: f64| Foot {
             grip: Grip { vertices: [0; 2], weights: [0.5; 2], point: Vector::<2>::new(3.0 + x * width, 2.0) },
             piece: (0, 1.0),
@@ -321,25 +338,22 @@ mod tests {
         let asked = Impulse { linear: Vector::<2>::new(0.2, -0.4), turning: Vector::<3>::new(0.0, 0.0, 1.3) };
         let mut given = Impulse::none();
         for (foot, push) in feet.iter().zip(spread(&feet, RESOLVED, &asked)) {
-            assert!(push.norm() < 1.0, "{push:?}");
+            // The whole impulse and moment over the shortest lever bound what a place gets.
+            assert!(push.norm() < asked.linear.norm() + asked.turning.norm() / RESOLVED, "{push:?}");
             given.add(&Impulse::at(&foot.grip.point, push), 1.0);
         }
-        (asked, given)
+        [asked, given]
     }
 
     #[test]
     fn what_lines_lack_is_spread_over_them() {
-        let (asked, given) = spread_over(4.0);
-        assert!(
-            (asked.linear - given.linear).norm() < 1e-12 && (asked.turning - given.turning).norm() < 1e-12
-        );
-        // At one point there is no moment, whatever is asked for.
-        for width in [0.0, 1e-15, 0.1] {
-            let (asked, given) = spread_over(width);
-            assert!(
-                (asked.linear - given.linear).norm() < 1e-12
-                    && given.about(&Vector::<2>::new(3.0, 2.0)).norm() < 1e-12
-            );
+        // The root mean square lever of three places is √(2/3) of their distance: 2.45 cells carry a moment, 2.44 do not.
+        for (width, carries) in [(0.0, false), (1e-15, false), (2.44, false), (2.46, true), (4.0, true)] {
+            let [asked, given] = spread_over(width);
+            assert!((asked.linear - given.linear).norm() < 1e-12);
+            let about = |impulse: &Impulse<2>| impulse.about(&Vector::<2>::new(3.0, 2.0))[2];
+            let wanted = if carries { about(&asked) } else { 0.0 };
+            assert!((about(&given) - wanted).abs() < 1e-12, "{width}: {} {wanted}", about(&given));
         }
     }
 }

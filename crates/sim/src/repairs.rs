@@ -93,6 +93,9 @@ record! {
     carried_momentum_restored: sum of Momentum,
     /// Angular momentum that was restored to it, kg m²/s (2D: kg m/s).
     carried_spin_restored: sum of Spin,
+    /// Moment of the liquid's surface that solids that deform did not get, because their contact lines are too close together to
+    /// carry it, as angular momentum, kg m²/s (2D: kg m/s), the sum of its sizes.
+    line_moment_lost: sum of Spin,
     /// Cells of the surface whose curvature was cut down to the largest that the grid knows, two radii a cell.
     clamped_curvatures: count of Count,
     /// Faces at the surface with an unknown curvature on both sides: no tension acts there.

@@ -11,7 +11,7 @@ use crate::exchange::Exchange;
 use crate::hysteresis::hold_lines;
 use crate::keep::{Labels, give_back, keep_carried, keep_momentum, walk};
 use crate::ledger::{drops, kinetic_energy, max_component, surface_energy};
-use crate::line::Lines;
+use crate::line::{LineImpulses, Lines};
 use crate::liquid::curvature::{Beside, Displacement, FilterStep, curvature};
 use crate::liquid::cut_faces::{CutFace, cut_faces};
 use crate::liquid::friction::{DraggedFace, drag, friction};
@@ -245,14 +245,16 @@ fn press<const D: usize>(
     let near = in_band(&work.band, &change.labels);
     let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
     let (solids, cubes) = (&state.solids, &change.cubes);
-    let (line, along) = if model.numerics.contact_line {
+    let LineImpulses { on_solids: line, on_liquid: along, moment_lost } = if model.numerics.contact_line {
         let skins = &wetted_skins(model, solids, &phi, &label);
         let (phi, wet, centers) = (&state.phi.data, &work.cut.wet, &change.centers);
         let (label, inside) = (&near, &inside);
         Lines { model, solids, phi, cubes, cut, wet, centers, label, inside, skins }.impulses(kick)
     } else {
-        (Exchange::new(), vec![Vector::zeros(); inside.len()])
+        let on_liquid = vec![Vector::zeros(); inside.len()];
+        LineImpulses { on_solids: Exchange::new(), on_liquid, moment_lost: 0.0 }
     };
+    work.repairs.line_moment_lost += moment_lost;
     // Of a drop too small to be resolved the lattice's pull is noise.
     let least = resolved_volume(model);
     let speed = |(j, volume): (&Vector<D>, &f64)| {

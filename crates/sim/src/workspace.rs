@@ -18,7 +18,8 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Radius, in cells, from which on a drop's volume tells whether a step was too long, its line what pulls at it, and its faces
-/// how it turns: with the angular momentum of two that met, one of seven cells' volume was flung apart at 1000 m/s.
+/// how it turns: with the angular momentum of two that met, one of seven cells' volume was flung apart at 1000 m/s. Contact lines
+/// of a smaller radius turn no solid that deforms.
 pub const RESOLVED: f64 = 2.0;
 /// Largest distance that φ tells, in cells.
 pub const BAND: f64 = 5.0;

@@ -64,6 +64,8 @@ bounds! {
     carried_momentum_restored,
     /// Angular momentum that was restored to it.
     carried_spin_restored,
+    /// Moment of the liquid's surface that contact lines too close together did not give to solids that deform.
+    line_moment_lost,
     /// Cells of the surface whose curvature was cut down to the largest that the grid knows.
     clamped_curvatures,
     /// Faces at the surface whose curvature was unknown.
