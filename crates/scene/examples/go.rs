@@ -158,6 +158,9 @@ fn go<const D: usize>(setup: &Setup<D>, scene: &meniscus_scene::file::Scene, mos
     );
 }
 fn main() {
+    rayon::scope(|_| run());
+}
+fn run() {
     let args: Vec<String> = std::env::args().collect();
     let most: u64 = args[1].parse().unwrap();
     for path in &args[2..] {

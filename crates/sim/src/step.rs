@@ -321,6 +321,9 @@ fn press<const D: usize>(
     };
     if let Some(descent) = &descent {
         state.clear = descent.clear();
+        if std::env::var("MEN_DESCENT").is_ok() {
+            eprintln!("  descent clear {:.3} of {:.3e}", state.clear / times.ahead, times.ahead);
+        }
     }
     work.repairs.unlabelled += unlabelled;
     let given = [line, pressure, friction];

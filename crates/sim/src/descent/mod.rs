@@ -38,7 +38,7 @@ const ITERATIONS: usize = 60;
 const SETTLED: f64 = 1e-3;
 /// Most halvings of an iteration.
 const HALVINGS: usize = 30;
-/// Times that friction is looked at again.
+/// Most times that friction is looked at again.
 const RUBS: usize = 2;
 
 /// What a solid that deforms starts from.
@@ -145,6 +145,8 @@ impl<'a, const D: usize> Descent<'a, D> {
         let now = vec![Vector::zeros(); points.nodes];
         let mut descent = Self { potential, told, positions, now, iteration: 0, rubs: 0, response: None };
         // The first guess is to go on as before.
+        let still = descent.potential.candidates(&descent.now, &descent.now);
+        descent.potential.rubs = descent.potential.rubbing(&descent.now, &still);
         descent.now = descent.advanced(&descent.told, false).0;
         descent
     }
@@ -277,35 +279,35 @@ impl<'a, const D: usize> Descent<'a, D> {
         let limit = SETTLED * self.potential.barrier.reach / self.potential.ahead;
         let size = to.iter().zip(&self.now).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         let (next, whole) = self.advanced(&to, !led && size > limit);
-        let mut off = f64::INFINITY;
-        if whole && let Some(response) = &self.response {
-            let candidates = self.potential.candidates(&next, &next);
-            let mut gradient = self.potential.gradient(&next, &candidates);
-            response.solve(&mut gradient);
-            off = gradient.iter().map(Vector::norm).fold(0.0, f64::max);
-        }
+        let mut off = if whole { self.off(&next) } else { f64::INFINITY };
         if std::env::var("MEN_DESCENT").is_ok() {
-            eprintln!("  descent {}: whole {whole} off {:.3e} size {:.3e} rubs {}", self.iteration, off / limit, size / limit, self.potential.rubs.len());
+            eprintln!("  descent {}: whole {whole} off {:.3e} size {:.3e} rubs {} {}", self.iteration, off / limit, size / limit, self.potential.rubs.len(), self.rubs);
         }
         self.now = next;
         self.iteration += 1;
-        if off < limit {
-            if self.rubs == RUBS {
-                return Ok(true);
-            }
+        if off < limit && self.rubs < RUBS {
             let candidates = self.potential.candidates(&self.now, &self.now);
-            let rubs = self.potential.rubbing(&self.now, &candidates);
-            if rubs.is_empty() && self.potential.rubs.is_empty() {
-                return Ok(true);
-            }
-            self.potential.rubs = rubs;
+            self.potential.rubs = self.potential.rubbing(&self.now, &candidates);
             self.rubs += 1;
+            off = self.off(&self.now);
+        }
+        if off < limit {
+            return Ok(true);
         }
         if self.iteration >= ITERATIONS {
             let (iterations, residual, tolerance) = (self.iteration, off / limit, 1.0);
             return Err(SolveError::NotConverged { iterations, residual, tolerance });
         }
         Ok(false)
+    }
+
+    /// How far the next iteration would go from these velocities, m/s.
+    fn off(&self, velocities: &[Vector<D>]) -> f64 {
+        let Some(response) = &self.response else { return f64::INFINITY };
+        let candidates = self.potential.candidates(velocities, velocities);
+        let mut gradient = self.potential.gradient(velocities, &candidates);
+        response.solve(&mut gradient);
+        gradient.iter().map(Vector::norm).fold(0.0, f64::max)
     }
 
     /// Velocities as far on the way to others as nothing meets, and, where that is asked for, as the potential falls; whether that is
