@@ -91,13 +91,19 @@ impl<const D: usize> Incremental<'_, D> {
         (0..w.len()).map(of).collect()
     }
 
-    /// The positive part of its second derivatives, kg (2D: kg/m).
-    pub fn matrix(&self, velocities: &[Vector<D>]) -> Option<BlockMatrix<D>> {
-        let w = self.change(velocities);
-        let mut matrix = self.elastic.matrix(&self.half_way(&w), self.step, self.extra)?;
-        let weights = Weights { stiffness: self.step * self.ahead, viscosity: 0.0 };
-        self.elastic.upright.add_tangent(&self.ends(velocities), weights, &mut matrix);
-        Some(matrix)
+    /// Its second derivatives, kg (2D: kg/m), or their `positive` part.
+    pub fn matrix(&self, velocities: &[Vector<D>], positive: bool) -> Option<BlockMatrix<D>> {
+        let elastic = self.elastic;
+        let own = elastic.integrator.weights(self.step, elastic.damping_time);
+        let mut matrix = elastic.tangent(&self.state.positions, Weights { stiffness: 0.0, ..own });
+        elastic.masses.iter().enumerate().for_each(|(v, m)| matrix.add_diagonal(v, *m));
+        let half_way = self.half_way(&self.change(velocities));
+        let weights = Weights { positive, viscosity: 0.0, ..own };
+        elastic.terms.iter().for_each(|term| term.add_tangent(&half_way, weights, &mut matrix));
+        let weights = Weights { stiffness: self.step * self.ahead, ..weights };
+        elastic.upright.add_tangent(&self.ends(velocities), weights, &mut matrix);
+        let mut put = |e: &StiffnessBlock<D>| matrix.add(e.first, e.second, &(e.block * own.stiffness));
+        self.extra.iter().all(&mut put).then_some(matrix)
     }
 
     /// The largest part of a change of the velocities, up to all of it, on which elements keep `keep` of the volume that they have

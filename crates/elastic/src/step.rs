@@ -45,10 +45,10 @@ impl Default for Integrator {
 
 impl Integrator {
     /// The weights of a step's matrix, for a damping time, s.
-    fn weights(&self, step: f64, damping_time: f64) -> Weights {
+    pub(crate) fn weights(&self, step: f64, damping_time: f64) -> Weights {
         let theta = self.dissipation;
         let viscosity = step * damping_time + (0.5 + 0.25 * theta) * theta * step * step;
-        Weights { stiffness: 0.25 * step * step, viscosity }
+        Weights { stiffness: 0.25 * step * step, positive: true, viscosity }
     }
 }
 

@@ -95,7 +95,7 @@ fn tangents_are_slopes_of_forces<const D: usize>() {
         let x = moved(&grown, &noise.vectors(rest.len()), 0.003);
         let along = noise.vectors(rest.len());
         let mut product = vec![Vector::zeros(); x.len()];
-        let weights = Weights { stiffness: 1.0, viscosity: 0.0 };
+        let weights = Weights { stiffness: 1.0, positive: true, viscosity: 0.0 };
         body.tangent(&x, weights).add_product(&along, &mut product);
         let step = 1e-5;
         let (up, down) = (body.forces(&moved(&x, &along, step)), body.forces(&moved(&x, &along, -step)));
@@ -125,10 +125,10 @@ fn tangents_are_positive_and_rates_of_strain_keep_momenta<const D: usize>() {
         };
         for _ in 0..20 {
             let along = noise.vectors(x.len());
-            assert!(dot(&along, &product(Weights { stiffness: 1.0, viscosity: 0.0 }, &along)) > 0.0);
+            assert!(dot(&along, &product(Weights { stiffness: 1.0, positive: true, viscosity: 0.0 }, &along)) > 0.0);
         }
         // Viscous forces are what the tangent says, and vanish for rigid motions of the strained body.
-        let told = product(Weights { stiffness: 0.0, viscosity: 2.0 }, &v);
+        let told = product(Weights { stiffness: 0.0, positive: true, viscosity: 2.0 }, &v);
         assert!(told.iter().zip(&viscous).all(|(a, b)| (a + b).norm() < 1e-11), "{D}D term {k}");
         for (a, b, _) in planes::<D>() {
             let turn = |x: &Vector<D>| {
@@ -143,7 +143,7 @@ fn tangents_are_positive_and_rates_of_strain_keep_momenta<const D: usize>() {
                 })
             };
             let turning: Vec<Vector<D>> = x.iter().map(turn).collect();
-            let felt = product(Weights { stiffness: 0.0, viscosity: 1.0 }, &turning);
+            let felt = product(Weights { stiffness: 0.0, positive: true, viscosity: 1.0 }, &turning);
             assert!(felt.iter().all(|f| f.norm() < 1e-12), "{D}D term {k}");
         }
     }
@@ -161,7 +161,7 @@ fn heights_over_a_surface_are_resisted_as_its_size_grows<const D: usize>() {
     let mut along = vec![Vector::zeros(); rest.len()];
     along[middle][D - 1] = 1.0;
     let mut product = vec![Vector::zeros(); rest.len()];
-    body.tangent(&rest, Weights { stiffness: 1.0, viscosity: 0.0 }).add_product(&along, &mut product);
+    body.tangent(&rest, Weights { stiffness: 1.0, positive: true, viscosity: 0.0 }).add_product(&along, &mut product);
     let step = 1e-5;
     let (up, down) = (body.forces(&moved(&rest, &along, step)), body.forces(&moved(&rest, &along, -step)));
     let slope = (down[middle] - up[middle]) / (2.0 * step);

@@ -23,7 +23,7 @@ fn energy<const D: usize>(body: &Elastic<D>, told: &[Told]) -> f64 {
     told.iter().for_each(|(v, a, by)| u[*v][*a] += 0.25 * step * step * hold * by);
     system.solve_vectors(&mut u);
     let mut pull = vec![Vector::zeros(); u.len()];
-    body.tangent(&body.mesh().positions, Weights { stiffness: 1.0, viscosity: 0.0 })
+    body.tangent(&body.mesh().positions, Weights { stiffness: 1.0, positive: true, viscosity: 0.0 })
         .add_product(&u, &mut pull);
     0.5 * u.iter().zip(&pull).map(|(u, p)| u.dot(p)).sum::<f64>()
 }

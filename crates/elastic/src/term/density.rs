@@ -46,7 +46,7 @@ pub trait Density<const D: usize>: Debug + Send + Sync {
     fn principal(&self, lame: Lame, stretches: &Vector<D>) -> Principal<D>;
 }
 
-/// A positive quadratic form of changes of `F`: the sum of `wₘ (Eₘ : δF)²` over modes.
+/// A quadratic form of changes of `F`: the sum of `wₘ (Eₘ : δF)²` over modes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Modes<const D: usize> {
     modes: [(f64, Matrix<D>); 16],
@@ -54,14 +54,14 @@ pub(crate) struct Modes<const D: usize> {
 }
 
 impl<const D: usize> Modes<D> {
-    /// The positive part of the second derivatives of `Ψ`, and Hooke's law for rates of Green's strain, at `F`.
+    /// The second derivatives of `Ψ`, or their positive part, and Hooke's law for rates of Green's strain, at `F`.
     ///
     /// The eigenvectors of an isotropic density's Hessian are known but for those of the stretches (Smith et al. 2019,
     /// "Analytic eigensystems for isotropic distortion energies").
     pub fn new(density: &impl Density<D>, lame: Lame, f: &Matrix<D>, weights: Weights) -> Self {
         let mut modes = Self { modes: [(0.0, Matrix::zeros()); 16], count: 0 };
         if weights.stiffness != 0.0 {
-            modes.add_stiffness(density, lame, f, weights.stiffness);
+            modes.add_stiffness(density, lame, f, weights);
         }
         if weights.viscosity != 0.0 {
             modes.add_viscosity(lame, f, weights.viscosity);
@@ -79,12 +79,14 @@ impl<const D: usize> Modes<D> {
         self.count += 1;
     }
 
-    fn add_stiffness(&mut self, density: &impl Density<D>, lame: Lame, f: &Matrix<D>, weight: f64) {
+    fn add_stiffness(&mut self, density: &impl Density<D>, lame: Lame, f: &Matrix<D>, weights: Weights) {
+        let Weights { stiffness: weight, positive, .. } = weights;
+        let counts = |value: f64| value > 0.0 || value != 0.0 && !positive;
         let frame = svd(f);
         let principal = density.principal(lame, &frame.values);
         let (values, vectors) = eigen(&principal.stretch);
         for k in 0..D {
-            if values[k] > 0.0 {
+            if counts(values[k]) {
                 let along = Matrix::from_diagonal(&vectors.column(k).into_owned());
                 self.push(weight * values[k], frame.u * along * frame.v.transpose());
             }
@@ -93,7 +95,7 @@ impl<const D: usize> Modes<D> {
             let ij = frame.u.column(i) * frame.v.column(j).transpose();
             let ji = frame.u.column(j) * frame.v.column(i).transpose();
             for (value, direction) in [(principal.shear[k], ij + ji), (principal.twist[k], ij - ji)] {
-                if value > 0.0 {
+                if counts(value) {
                     self.push(0.5 * weight * value, direction);
                 }
             }

@@ -16,8 +16,10 @@ use std::fmt::Debug;
 /// How much of a term's tangents a matrix takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
-    /// Of the stiffness `K`, the Hessian of the energy without its negative part.
+    /// Of the stiffness `K`, the Hessian of the energy.
     pub stiffness: f64,
+    /// Whether that is without its negative part, so that the matrix is positive.
+    pub positive: bool,
     /// Of the stiffness against rates of strain only, which a rigid motion does not feel whatever the stress: what damping
     /// is proportional to.
     pub viscosity: f64,

@@ -76,7 +76,8 @@ impl<const D: usize> ForceTerm<D> for Springs {
         for k in 0..self.lengths.len() {
             let (a, b, along, length) = self.edge(k, x);
             // A spring that is pushed together gives way sideways: the negative part.
-            let across = if length > self.lengths[k] { 1.0 - self.lengths[k] / length } else { 0.0 };
+            let across = 1.0 - self.lengths[k] / length;
+            let across = if weights.positive { across.max(0.0) } else { across };
             let outer = along * along.transpose();
             let block = (outer * (weights.stiffness + weights.viscosity)
                 + (Matrix::identity() - outer) * (weights.stiffness * across))

@@ -165,8 +165,19 @@ impl<'a, const D: usize> Descent<'a, D> {
         let candidates = self.potential.candidates(&self.now, &self.now);
         self.potential.pressed.fill(Vector::zeros());
         let ties = self.ties(dragged, phi, open);
-        let matrix = self.potential.matrix(&self.now, &candidates, &ties).ok_or(failed.clone())?;
-        let solution = matrix.invert(&self.positions, &self.potential.held).ok_or(failed)?;
+        let inverse = |positive| {
+            let matrix = self.potential.matrix(&self.now, &candidates, &ties, positive)?;
+            let solution = matrix.invert(&self.positions, &self.potential.held)?;
+            Some((matrix, solution))
+        };
+        // The positive part alone is as stiff as can be, and slow: it is for where there is no other way (Longva et al., "Pitfalls of
+        // projection", 2023).
+        let (matrix, solution) = inverse(false).or_else(|| {
+            if std::env::var("MEN_DESCENT").is_ok() {
+                eprintln!("  descent: positive part");
+            }
+            inverse(true)
+        }).ok_or(failed)?;
         if self.iteration == 0 {
             self.find_fast(&matrix, &solution);
         }

@@ -182,13 +182,14 @@ impl<'a, const D: usize> Potential<'a, D> {
     }
 
     /// All terms between solids.
-    fn terms(&self, places: &Places<'_, D>, candidates: &Candidates) -> Vec<Term<D>> {
+    fn terms(&self, places: &Places<'_, D>, candidates: &Candidates, positive: bool) -> Vec<Term<D>> {
         let at = places.all();
         let contacts = self.contacts(candidates, &at);
         let owners = &self.points.owners;
         let lever = |p: u32| places.levers(&owners[p as usize]);
         let of_contact = |c: &Contact| {
-            let local = self.barrier.derivatives(c, &at)?.positive();
+            let local = self.barrier.derivatives(c, &at)?;
+            let local = if positive { local.positive() } else { local };
             Some(Term { levers: c.stencil.points().iter().map(|p| lever(*p)).collect(), local })
         };
         let mut terms: Vec<Term<D>> = contacts.par_iter().with_min_len(32).filter_map(of_contact).collect();
@@ -253,7 +254,7 @@ impl<'a, const D: usize> Potential<'a, D> {
                 Part::Told => {}
             }
         }
-        for Term { levers, local } in &self.terms(&self.places(velocities), candidates) {
+        for Term { levers, local } in &self.terms(&self.places(velocities), candidates, true) {
             for k in 0..local.count {
                 for (i, by) in &levers[k] {
                     gradient[*i] += by.tr_mul(&local.gradient[k]) * self.kick;
@@ -263,21 +264,23 @@ impl<'a, const D: usize> Potential<'a, D> {
         gradient
     }
 
-    /// The positive part of its second derivatives, kg (2D: kg/m); nothing where a solid's matrix cannot be. `ties` add their masses.
+    /// Its second derivatives, kg (2D: kg/m), or their `positive` part; nothing where a solid's matrix cannot be. `ties` add their
+    /// masses.
     pub fn matrix(
         &self,
         velocities: &[Vector<D>],
         candidates: &Candidates,
         ties: &[Tie<D>],
+        positive: bool,
     ) -> Option<BlockMatrix<D>> {
         let mut parts = Vec::new();
         for (k, part) in self.parts.iter().enumerate() {
             let first = self.points.first[k];
             if let Part::Soft(soft) = part {
-                parts.push((first, soft.matrix(&velocities[first..first + soft.impulses.len()])?));
+                parts.push((first, soft.matrix(&velocities[first..first + soft.impulses.len()], positive)?));
             }
         }
-        let terms = self.terms(&self.places(velocities), candidates);
+        let terms = self.terms(&self.places(velocities), candidates, positive);
         let mut groups = Cliques::default();
         for term in &terms {
             groups.push(term.levers.iter().flatten().map(|l| l.0 as u32));
