@@ -181,6 +181,15 @@ impl Near {
     pub fn free_step<const D: usize>(&self, x: &[Vector<D>], ways: &[Vector<D>], keep: f64) -> f64 {
         let part =
             |pair: &Pair| free_step(pair.stencil.kind, &pair.stencil.of(x), &pair.stencil.of(ways), (pair.thickness, keep));
+        if std::env::var("MEN_PAIR").is_ok() {
+            let worst = self.pairs.iter().map(|p| (part(p), p)).min_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((t, p)) = worst.filter(|w| w.0 < 1.0) {
+                let (a, b) = (p.stencil.of(x), p.stencil.of(ways));
+                let at = [0, 1, 2, 3].map(|k| a[k] + b[k] * t);
+                let d = |x: &[Vector<D>; 4]| Closest::new(p.stencil.kind, x).distance();
+                eprintln!("  pair {t:.3e} d {:.3e} then {:.3e} thick {:.3e} {:?} x {:?} w {:?}", d(&a), d(&at), p.thickness, p.stencil.points, a, b);
+            }
+        }
         self.pairs.par_iter().with_min_len(256).map(part).reduce(|| 1.0, f64::min)
     }
 

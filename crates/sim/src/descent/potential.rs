@@ -44,6 +44,18 @@ pub enum Meeting {
     Side(u32, usize),
 }
 
+/// A point and the nearest place of what it meets.
+struct Met<const D: usize> {
+    /// Number of the point.
+    point: u32,
+    /// Distance, m.
+    distance: f64,
+    /// Direction away from the other.
+    normal: Vector<D>,
+    /// The other place, where it moves.
+    other: Option<Owner<D>>,
+}
+
 /// What may meet.
 #[derive(Clone, Debug, Default)]
 pub struct Candidates {
@@ -115,24 +127,34 @@ impl<'a, const D: usize> Potential<'a, D> {
         all
     }
 
-    fn stiffness(&self, first: usize, second: Option<usize>) -> f64 {
+    /// Stiffness of the barrier, Pa: the pressures that a scene can have at rest, tension's in a drop of a cell, and that of the weight
+    /// of a column through the domain. What presses so much rests in the middle of the reach.
+    fn stiffness(&self) -> f64 {
         let model = self.model;
-        let of = |k: usize| {
-            let solid = &model.solids[k];
-            let (density, own) = match solid.elastic() {
-                Some(elastic) => (1000.0, elastic.young()),
-                None => (1000.0, f64::INFINITY),
-            };
-            let speed = model.grid.dx / model.capillary_step();
-            own.min(density * speed * speed)
-        };
-        second.map_or(of(first), |second| of(first).min(of(second)))
+        let speed = model.grid.dx / model.capillary_step();
+        let weight: f64 = model.gravity.iter().zip(&model.grid.upper()).map(|(g, l)| (g * l).abs()).sum();
+        model.density * (speed * speed + weight)
     }
 
     /// The contacts within reach at the end.
     fn contacts(&self, candidates: &Candidates, at: &[Vector<D>]) -> Vec<Contact> {
-        let solid = |p: u32| self.points.owners[p as usize].solid();
-        candidates.near.contacts(&self.barrier, at, |p, q| self.stiffness(solid(p), Some(solid(q))))
+        let stiffness = self.stiffness();
+        candidates.near.contacts(&self.barrier, at, |_, _| stiffness)
+    }
+
+    fn met(&self, meeting: &Meeting, places: &Places<'_, D>, at: &[Vector<D>]) -> Met<D> {
+        let (point, distance, normal, other) = match *meeting {
+            Meeting::Rigid(p, solid) => {
+                let x = &at[p as usize];
+                let (distance, normal) = places.from_rigid(solid, x);
+                (p, distance, normal, Some(Owner::Rigid { solid, at: places.at_start(solid, x), radius: 0.0 }))
+            }
+            Meeting::Side(p, side) => {
+                let plane = &self.sides()[side];
+                (p, plane.distance(&at[p as usize]), plane.normal, None)
+            }
+        };
+        Met { point, distance: distance - self.points.surface.radius(point), normal, other }
     }
 
     /// Its value, J (2D: J/m).
@@ -142,21 +164,11 @@ impl<'a, const D: usize> Potential<'a, D> {
         let at = places.all();
         let contacts = self.contacts(candidates, &at);
         let between: f64 = contacts.iter().map(|c| self.barrier.energy(c, &at)).sum();
-        let sides = self.sides();
+        let stiffness = self.stiffness();
         let met = |m: &Meeting| {
-            let (p, distance, stiffness) = match *m {
-                Meeting::Rigid(p, solid) => {
-                    let own = self.points.owners[p as usize].solid();
-                    (p, places.from_rigid(solid, &at[p as usize]).0, self.stiffness(own, Some(solid)))
-                }
-                Meeting::Side(p, side) => {
-                    let own = self.points.owners[p as usize].solid();
-                    (p, sides[side].distance(&at[p as usize]), self.stiffness(own, None))
-                }
-            };
-            let surface = &self.points.surface;
-            let energy = self.barrier.of_distance(distance - surface.radius(p))[0];
-            if energy > 0.0 { surface.area(p) * stiffness * energy } else { 0.0 }
+            let met = self.met(m, &places, &at);
+            let energy = self.barrier.of_distance(met.distance)[0];
+            if energy > 0.0 { self.points.surface.area(met.point) * stiffness * energy } else { 0.0 }
         };
         let others: f64 = candidates.meetings.iter().map(met).sum();
         let friction = Friction { stick: STICK * self.barrier.reach };
@@ -193,28 +205,14 @@ impl<'a, const D: usize> Potential<'a, D> {
             Some(Term { levers: c.stencil.points().iter().map(|p| lever(*p)).collect(), local })
         };
         let mut terms: Vec<Term<D>> = contacts.par_iter().with_min_len(32).filter_map(of_contact).collect();
-        let sides = self.sides();
         for m in &candidates.meetings {
-            let (p, distance, normal, stiffness, other) = match *m {
-                Meeting::Rigid(p, solid) => {
-                    let (distance, normal) = places.from_rigid(solid, &at[p as usize]);
-                    let attached = Owner::Rigid { solid, at: places.at_start(solid, &at[p as usize]), radius: 0.0 };
-                    let own = owners[p as usize].solid();
-                    (p, distance, normal, self.stiffness(own, Some(solid)), Some(attached))
-                }
-                Meeting::Side(p, side) => {
-                    let own = owners[p as usize].solid();
-                    let plane = &sides[side];
-                    (p, plane.distance(&at[p as usize]), plane.normal, self.stiffness(own, None), None)
-                }
-            };
-            let surface = &self.points.surface;
-            let [value, slope, bend] = self.barrier.of_distance(distance - surface.radius(p));
+            let Met { point, distance, normal, other } = self.met(m, places, &at);
+            let [value, slope, bend] = self.barrier.of_distance(distance);
             if value == 0.0 {
                 continue;
             }
-            let scale = surface.area(p) * stiffness;
-            let mut levers = vec![lever(p)];
+            let scale = self.points.surface.area(point) * self.stiffness();
+            let mut levers = vec![lever(point)];
             levers.extend(other.map(|o| places.levers(&o)));
             let mut local = Local::zeros(levers.len());
             let outer = normal * normal.transpose() * (scale * bend);
@@ -381,6 +379,7 @@ impl<'a, const D: usize> Potential<'a, D> {
         let (start, end) = (one.all(), other.all());
         let ways: Vec<Vector<D>> = end.iter().zip(&start).map(|(e, s)| e - s).collect();
         let mut part = candidates.near.free_step(&start, &ways, keep);
+        let near_part = part;
         let sides = self.sides();
         for m in &candidates.meetings {
             match *m {
@@ -403,6 +402,9 @@ impl<'a, const D: usize> Potential<'a, D> {
                 let own = self.points.first[k]..self.points.first[k] + soft.impulses.len();
                 part = part.min(soft.upright_step(&from[own.clone()], &change[own], keep));
             }
+        }
+        if part < 1.0 && std::env::var("MEN_DESCENT").is_ok() {
+            eprintln!("  free: near {near_part:.3e} all {part:.3e}");
         }
         part
     }
@@ -435,30 +437,16 @@ impl<'a, const D: usize> Potential<'a, D> {
                 rubbing: Rubbing { stencil, ..rubbing },
             });
         }
-        let sides = self.sides();
         for m in &candidates.meetings {
-            let (p, distance, normal, stiffness, coefficient, other) = match *m {
-                Meeting::Rigid(p, solid) => {
-                    let own = owners[p as usize].solid();
-                    let (distance, normal) = places.from_rigid(solid, &at[p as usize]);
-                    let attached = Owner::Rigid { solid, at: places.at_start(solid, &at[p as usize]), radius: 0.0 };
-                    let both = Some(solid);
-                    (p, distance, normal, self.stiffness(own, both), friction(own, both), Some(attached))
-                }
-                Meeting::Side(p, side) => {
-                    let own = owners[p as usize].solid();
-                    let plane = &sides[side];
-                    let far = plane.distance(&at[p as usize]);
-                    (p, far, plane.normal, self.stiffness(own, None), friction(own, None), None)
-                }
-            };
-            let surface = &self.points.surface;
-            let slope = self.barrier.of_distance(distance - surface.radius(p))[1];
-            let hold = -coefficient * surface.area(p) * stiffness * slope;
+            let Met { point, distance, normal, other } = self.met(m, &places, &at);
+            let solid = owners[point as usize].solid();
+            let coefficient = friction(solid, other.map(|o| o.solid()));
+            let slope = self.barrier.of_distance(distance)[1];
+            let hold = -coefficient * self.points.surface.area(point) * self.stiffness() * slope;
             if hold <= 0.0 {
                 continue;
             }
-            let mut own = [owners[p as usize]; 4];
+            let mut own = [owners[point as usize]; 4];
             // The other end of what rubs against a side does not move.
             let weights = if other.is_some() { [1.0, -1.0, 0.0, 0.0] } else { [1.0, 0.0, 0.0, 0.0] };
             other.iter().for_each(|o| own[1] = *o);
