@@ -45,6 +45,9 @@ fn go<const D: usize>(setup: &Setup<D>, scene: &meniscus_scene::file::Scene, mos
         let rest = l.surface_energy + l.potential_energy + l.elastic_energy;
         let e = rest + 0.5 * (before.unwrap_or(k) + k) + sim.state.outflow_stored_energy;
         before = Some(k);
+        if std::env::var("MEN_E").is_ok() {
+            eprintln!("E step {} t {:.5e} dt {:.3e} e {:.4e} k {:.4e} surf {:.4e} pot {:.4e} el {:.4e} max {:.3e} drops {} redone {} doubtful {} moved {:.2e} spin {:.2e}", sim.state.step, sim.state.time, report.dt, e, k, l.surface_energy, l.potential_energy, l.elastic_energy, l.max_speed, sim.state.drops.len(), report.repairs.redone, report.repairs.doubtful_steps, report.repairs.momentum_restored, report.repairs.spin_restored);
+        }
         if first.is_nan() {
             first = e;
             scale = k.max(l.surface_energy.abs()).max(e0.abs()).max(1e-300);
@@ -56,6 +59,29 @@ fn go<const D: usize>(setup: &Setup<D>, scene: &meniscus_scene::file::Scene, mos
             again = again.max((m - least) / scale);
         }
         ups = f64::max(ups, (e - first) / scale);
+        if std::env::var("MEN_WHERE").is_ok() {
+            let mut best = (0.0, [0.0; D], 0);
+            for a in 0..D {
+                let lat = sim.model.grid.faces(a);
+                for (i, u) in sim.state.velocity.axes[a].iter().enumerate() {
+                    if u.abs() > best.0 {
+                        let x = sim.model.grid.face_center(a, lat.coordinates(i));
+                        best = (u.abs(), std::array::from_fn(|b| x[b] * 1e3), a);
+                    }
+                }
+            }
+            let mut solid = (0.0, [0.0; D], 0);
+            for now in &sim.state.solids {
+                if let Some(soft) = &now.soft {
+                    for (k, v) in soft.body.velocities.iter().enumerate() {
+                        if v.norm() > solid.0 {
+                            solid = (v.norm(), std::array::from_fn(|b| soft.body.positions[k][b] * 1e3), k);
+                        }
+                    }
+                }
+            }
+            eprintln!("W step {} liquid {:.3e} at {:?} axis {} solid {:.3e} at {:?} vertex {}", sim.state.step, best.0, best.1, best.2, solid.0, solid.1, solid.2);
+        }
         if let Ok(list) = std::env::var("MEN_DUMP") {
             if D == 2 && list.split(',').any(|n| n == sim.state.step.to_string()) {
                 let grid = sim.model.grid;

@@ -170,6 +170,14 @@ impl<const D: usize> PressureFields<D> {
         exchange.extend(&beyond);
         let mut pressed = coupling.pushed_nodes(&p.lambda.data);
         self.solver = Some(solver);
+        if std::env::var("MEN_P").is_ok() {
+            let big = |f: &[f64]| f.iter().enumerate().map(|(c, v)| (v.abs(), c)).fold((0.0, 0), |a, b| if b.0 > a.0 { b } else { a });
+            let own = |c: usize| model.grid.lattice().coordinates(c);
+            let moved = change.iter().map(|c| c.norm()).fold(0.0, f64::max);
+            let (r, l) = (big(&self.rhs.data), big(&p.lambda.data));
+            let bend = bends.iter().zip(p.cut).map(|(b, f)| (b.abs(), f.cell)).fold((0.0, 0), |a, b| if b.0 > a.0 { b } else { a });
+            eprintln!("P time {:.3e} start {:.3e} change {:.3e} rhs {:.3e} at {:?} lambda {:.3e} at {:?} bends {:.3e} at {:?} iterations {}", p.time, start.iter().map(|c| c.norm()).fold(0.0, f64::max), moved, r.0, own(r.1), l.0, own(l.1), bend.0, own(bend.1), second.iterations);
+        }
         accelerate(model, p, &bends, 1.0);
         response.solve(&mut pressed);
         change.iter_mut().zip(&pressed).for_each(|(c, by)| *c += by);
@@ -288,22 +296,28 @@ fn slow<const D: usize>(p: &mut Projection<'_, D>) {
     }
 }
 
-/// Slope of λ in a liquid cell, a cell: along each axis the mean over the open faces to other liquid cells.
+/// Slope of λ in a liquid cell, a cell: along each axis the mean over the faces to other liquid cells, by their openings. Where they
+/// are less than one face together, the rest of the liquid there goes with the solid: a jump across a small opening is no slope.
 fn slope<const D: usize>(model: &Model<D>, p: &Projection<'_, D>, cell: usize) -> Vector<D> {
     let lattice = model.grid.lattice();
     let at = lattice.coordinates(cell);
     Vector::from_fn(|a, _| {
         let face = model.grid.faces(a).index(at);
-        let open = |up: usize| p.cut_cells.open.axes[a][face + up * model.grid.faces(a).stride[a]] > 0.0;
-        let (mut sum, mut count) = (0.0, 0.0);
-        if at[a] > 0 && open(0) && p.phi.data[cell - lattice.stride[a]] < 0.0 {
-            (sum, count) = (p.lambda.data[cell] - p.lambda.data[cell - lattice.stride[a]], 1.0);
+        let open = |up: usize| p.cut_cells.open.axes[a][face + up * model.grid.faces(a).stride[a]];
+        let (mut sum, mut all) = (0.0, 0.0);
+        let mut add = |open: f64, from: usize, to: usize| {
+            if p.phi.data[from] < 0.0 && p.phi.data[to] < 0.0 {
+                sum += open * (p.lambda.data[to] - p.lambda.data[from]);
+                all += open;
+            }
+        };
+        if at[a] > 0 {
+            add(open(0), cell - lattice.stride[a], cell);
         }
-        if at[a] + 1 < lattice.extent[a] && open(1) && p.phi.data[cell + lattice.stride[a]] < 0.0 {
-            sum += p.lambda.data[cell + lattice.stride[a]] - p.lambda.data[cell];
-            count += 1.0;
+        if at[a] + 1 < lattice.extent[a] {
+            add(open(1), cell, cell + lattice.stride[a]);
         }
-        if count > 0.0 { sum / count } else { 0.0 }
+        sum / all.max(1.0)
     })
 }
 
