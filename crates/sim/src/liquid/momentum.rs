@@ -14,6 +14,10 @@ use meniscus_numerics::{Matrix, Vector, planes};
 use rayon::prelude::*;
 use std::iter::zip;
 
+/// Part of a body's mass that must be that of its faces. Where it is less most of the body is between solids and goes with them: the
+/// mean over its few open faces is not its velocity.
+const FLOWING: f64 = 0.5;
+
 /// Sums over the faces of a body, mass in units of a cell's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moments<const D: usize> {
@@ -262,6 +266,11 @@ impl<const D: usize> FaceWalk<'_, D> {
         let mut motions: Vec<Option<Motion<D>>> = vec![None; self.components];
         for group in groups {
             let Some(mut whole) = group.whole.clone() else { continue };
+            let flowing: f64 = group.new.iter().flat_map(|&j| moments[j].mass).sum();
+            let all: f64 = group.new.iter().map(|&j| targets[j]).sum();
+            if flowing * self.model.grid.cell_volume() < FLOWING * D as f64 * all {
+                continue;
+            }
             let parts: Vec<Moments<D>> = group.new.iter().map(|&j| moments[j].weighing(targets[j])).collect();
             let now = together(zip(&group.new, &parts).map(|(&j, m)| m.whole(centers[j])));
             if !group.placed.is_identity(0.0) {
