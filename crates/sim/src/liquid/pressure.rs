@@ -296,8 +296,11 @@ fn slow<const D: usize>(p: &mut Projection<'_, D>) {
     }
 }
 
-/// Slope of λ in a liquid cell, a cell: along each axis the mean over the faces to other liquid cells, by their openings. Where they
-/// are less than one face together, the rest of the liquid there goes with the solid: a jump across a small opening is no slope.
+/// Openings of a cell's two faces along an axis, together, below which the difference of λ across them is that of a slit between
+/// solids, not a slope in the cell: of a cell that one even wall cuts so little is left that it does not count.
+const SLIT: f64 = 0.25;
+
+/// Slope of λ in a liquid cell, a cell: along each axis the mean over the faces to other liquid cells, by their openings.
 fn slope<const D: usize>(model: &Model<D>, p: &Projection<'_, D>, cell: usize) -> Vector<D> {
     let lattice = model.grid.lattice();
     let at = lattice.coordinates(cell);
@@ -317,7 +320,7 @@ fn slope<const D: usize>(model: &Model<D>, p: &Projection<'_, D>, cell: usize) -
         if at[a] + 1 < lattice.extent[a] {
             add(open(1), cell, cell + lattice.stride[a]);
         }
-        sum / all.max(1.0)
+        sum / all.max(SLIT)
     })
 }
 
