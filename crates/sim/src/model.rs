@@ -73,7 +73,7 @@ impl Default for Numerics {
             capillary_step: 5.0,
             max_step: f64::INFINITY,
             tolerance: 1e-6,
-            max_iterations: 200,
+            max_iterations: 1000,
             fixed_step: None,
             restore_momentum: true,
             contact_line: true,

@@ -377,7 +377,7 @@ impl Resolver {
         let threads = n
             .threads
             .map(|t| self.within("numerics.threads", "the number of threads", t.into(), 1.0, 1024.0));
-        let iterations = f64::from(n.max_iterations.unwrap_or(200));
+        let iterations = f64::from(n.max_iterations.unwrap_or(1000));
         Ok(Numerics {
             scheme: n.scheme.unwrap_or_default(),
             cfl: self.within("numerics.cfl", "the CFL number", n.cfl.unwrap_or(0.7), 0.01, 10.0)?,

@@ -14,9 +14,9 @@ use meniscus_numerics::{Matrix, Vector, planes};
 use rayon::prelude::*;
 use std::iter::zip;
 
-/// Part of a body's mass that must be that of its faces. Where it is less most of the body is between solids and goes with them: the
-/// mean over its few open faces is not its velocity.
-const FLOWING: f64 = 0.5;
+/// Most that the mass of a body's faces and that of its volume may differ by, as a ratio: beyond, its cells lie between solids and
+/// the mean over its faces is not its velocity.
+const FLOWING: f64 = 2.0;
 
 /// Sums over the faces of a body, mass in units of a cell's.
 #[derive(Clone, Debug, PartialEq)]
@@ -252,6 +252,13 @@ impl<const D: usize> FaceWalk<'_, D> {
         }
     }
 
+    /// Whether the faces of a group's bodies hold their mass.
+    fn flows(&self, group: &Group<D>, moments: &[Moments<D>], targets: &[f64]) -> bool {
+        let faces = group.new.iter().flat_map(|&j| moments[j].mass).sum::<f64>() / D as f64;
+        let cells = group.new.iter().map(|&j| targets[j]).sum::<f64>() / self.model.grid.cell_volume();
+        faces.max(cells) <= FLOWING * faces.min(cells)
+    }
+
     /// Restores the momentum and angular momentum of every whole; `centers` are those of the components.
     pub fn restore(
         &self,
@@ -266,9 +273,7 @@ impl<const D: usize> FaceWalk<'_, D> {
         let mut motions: Vec<Option<Motion<D>>> = vec![None; self.components];
         for group in groups {
             let Some(mut whole) = group.whole.clone() else { continue };
-            let flowing: f64 = group.new.iter().flat_map(|&j| moments[j].mass).sum();
-            let all: f64 = group.new.iter().map(|&j| targets[j]).sum();
-            if flowing * self.model.grid.cell_volume() < FLOWING * D as f64 * all {
+            if !self.flows(group, &moments, targets) {
                 continue;
             }
             let parts: Vec<Moments<D>> = group.new.iter().map(|&j| moments[j].weighing(targets[j])).collect();
