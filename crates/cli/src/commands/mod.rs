@@ -31,8 +31,9 @@ pub fn save(path: &Path, text: &str) -> Result<()> {
     std::fs::write(path, text).map_err(Failure::file("write", path))
 }
 
-/// Uses so many threads; as many as the machine has if none are asked for.
-pub fn set_threads(threads: Option<usize>) -> Result<()> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
-    pool.build_global().map_err(|e| Failure::new(1, format!("cannot start the threads: {e}")))
+/// Works with so many threads, as many as the machine has if none are asked for, as one of them: loops that are short then cost less
+/// than if each were handed over to the others.
+pub fn with_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> Result<R> + Send) -> Result<R> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+    pool.map_err(|e| Failure::new(1, format!("cannot start the threads: {e}")))?.install(work)
 }
