@@ -1,6 +1,6 @@
 //! `meniscus verify`.
 
-use super::{print, save};
+use super::{print, save, with_threads};
 use crate::args::VerifyArgs;
 use crate::failure::{Failure, MISSED, Result, USAGE};
 use meniscus_validation::{Case, Mode, cases, report};
@@ -22,7 +22,7 @@ pub fn verify(args: &VerifyArgs) -> Result {
     let mut outcomes = Vec::new();
     for (i, case) in chosen.iter().enumerate() {
         eprintln!("[{}/{}] {}", i + 1, chosen.len(), case.title);
-        let outcome = case.outcome(mode);
+        let outcome = with_threads(None, || Ok(case.outcome(mode)))?;
         print(&report::text(&outcome))?;
         outcomes.push(outcome);
     }
