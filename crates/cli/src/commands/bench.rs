@@ -29,7 +29,7 @@ pub fn bench(args: &BenchArgs) -> Result {
     with_threads(args.threads.map(usize::from), || measure(args))
 }
 
-/// Runs the benchmarks that are asked for in the present threads.
+/// Runs the benchmarks that are asked for on the thread pool that it is called from.
 fn measure(args: &BenchArgs) -> Result {
     let wanted = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
     let mut results =

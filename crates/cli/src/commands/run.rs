@@ -31,7 +31,8 @@ pub fn run(args: &RunArgs) -> Result {
     with_threads(threads, || simulate(args, &scene, loaded.folder))
 }
 
-/// Runs a scene in the present threads.
+/// Runs a scene on the thread pool that it is called from; `folder` is the output folder
+/// that the scene was found in, if it was the scene of a run.
 fn simulate(args: &RunArgs, scene: &Scene, folder: Option<PathBuf>) -> Result {
     let out = args.out.clone().or(folder).unwrap_or_else(|| Path::new("out").join(&scene.name));
     let watch =
