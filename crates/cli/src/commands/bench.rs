@@ -1,7 +1,7 @@
 //! `meniscus bench`: where the time goes.
 
 use super::table1::table1;
-use super::{print, save, set_threads};
+use super::{print, save, with_threads};
 use crate::args::BenchArgs;
 use crate::failure::{Failure, Result, USAGE};
 use meniscus_scene::build;
@@ -26,7 +26,11 @@ pub fn bench(args: &BenchArgs) -> Result {
         let help = format!("there are: {}", known.join(", "));
         return Err(Failure::new(USAGE, format!("there is no benchmark `{name}`")).help(help));
     }
-    set_threads(args.threads.map(usize::from))?;
+    with_threads(args.threads.map(usize::from), || measure(args))
+}
+
+/// Runs the benchmarks that are asked for on the thread pool that it is called from.
+fn measure(args: &BenchArgs) -> Result {
     let wanted = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
     let mut results =
         json!({ "version": env!("CARGO_PKG_VERSION"), "threads": rayon::current_num_threads() });

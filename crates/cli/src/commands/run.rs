@@ -1,6 +1,6 @@
 //! `meniscus run`.
 
-use super::{print, set_threads, view};
+use super::{print, view, with_threads};
 use crate::args::{LogFormat, RunArgs};
 use crate::failure::{Failure, MISSED, Result, STOPPED};
 use crate::progress::{Reporter, clock, time};
@@ -27,11 +27,17 @@ pub fn run(args: &RunArgs) -> Result {
     let loaded = load(args)?;
     let scene = loaded.scene;
     scenes::refuse_what_cannot_run(&scene)?;
-    set_threads(args.threads.map(usize::from).or(scene.numerics.threads))?;
-    let out = args.out.clone().or(loaded.folder).unwrap_or_else(|| Path::new("out").join(&scene.name));
+    let threads = args.threads.map(usize::from).or(scene.numerics.threads);
+    with_threads(threads, || simulate(args, &scene, loaded.folder))
+}
+
+/// Runs a scene on the thread pool that it is called from; `folder` is the output folder
+/// that the scene was found in, if it was the scene of a run.
+fn simulate(args: &RunArgs, scene: &Scene, folder: Option<PathBuf>) -> Result {
+    let out = args.out.clone().or(folder).unwrap_or_else(|| Path::new("out").join(&scene.name));
     let watch =
         Watch::begin(args.walltime).map_err(|e| Failure::new(1, format!("cannot watch for signals: {e}")))?;
-    let mut job = Job::of(&scene, scene.to_toml()?);
+    let mut job = Job::of(scene, scene.to_toml()?);
     job.frames = args.frames;
     let existing = match (args.resume, args.force) {
         (true, _) => Existing::Resume,
@@ -40,10 +46,10 @@ pub fn run(args: &RunArgs) -> Result {
     };
     let folder = Folder::at(&out);
     let mut reporter = Reporter::new(args.log, args.quiet, resume_command(args, &out));
-    let setup = AnySetup::of(&scene)?;
-    let cut = displaced::judge(&scene, &displaced::displaced(&scene, &setup))?;
+    let setup = AnySetup::of(scene)?;
+    let cut = displaced::judge(scene, &displaced::displaced(scene, &setup))?;
     job.warnings = cut.into_iter().map(|w| format!("{}: {}", w.path, w.message)).collect();
-    memory::solids_fit(&scene, &setup, memory::of_machine())?;
+    memory::solids_fit(scene, &setup, memory::of_machine())?;
     let outcome = setup.run(&job, &folder, existing, &|| watch.request(), &mut reporter)?;
     let text = args.log == LogFormat::Text && !args.quiet;
     match outcome {
@@ -54,7 +60,7 @@ pub fn run(args: &RunArgs) -> Result {
             Ok(0)
         }
         Outcome::Stopped(_, summary) => stopped(args, &summary, &out),
-        Outcome::Finished(summary) => finish(args, &scene, summary, &folder),
+        Outcome::Finished(summary) => finish(args, scene, summary, &folder),
     }
 }
 

@@ -1,9 +1,9 @@
 //! `meniscus verify`.
 
-use super::{print, save};
+use super::{print, save, with_threads};
 use crate::args::VerifyArgs;
 use crate::failure::{Failure, MISSED, Result, USAGE};
-use meniscus_validation::{Case, Mode, cases, report};
+use meniscus_validation::{Case, Mode, Outcome, cases, report};
 use std::fmt::Write as _;
 
 /// Runs the validation suite or some of its cases.
@@ -19,13 +19,7 @@ pub fn verify(args: &VerifyArgs) -> Result {
         return Ok(0);
     }
     let mode = if args.quick { Mode::Quick } else { Mode::Full };
-    let mut outcomes = Vec::new();
-    for (i, case) in chosen.iter().enumerate() {
-        eprintln!("[{}/{}] {}", i + 1, chosen.len(), case.title);
-        let outcome = case.outcome(mode);
-        print(&report::text(&outcome))?;
-        outcomes.push(outcome);
-    }
+    let outcomes = with_threads(None, || outcomes(&chosen, mode))?;
     print(&report::summary(&outcomes))?;
     if let Some(path) = &args.json {
         save(path, &format!("{:#}\n", report::json(&outcomes)))?;
@@ -35,6 +29,17 @@ pub fn verify(args: &VerifyArgs) -> Result {
     }
     let passed = outcomes.iter().all(|o| o.checks.iter().all(|c| c.pass));
     Ok(if passed { 0 } else { MISSED })
+}
+
+/// Runs cases one after another on the thread pool that it is called from, and prints what each found.
+fn outcomes(chosen: &[&Case], mode: Mode) -> Result<Vec<Outcome>> {
+    let run = |(i, case): (usize, &&Case)| {
+        eprintln!("[{}/{}] {}", i + 1, chosen.len(), case.title);
+        let outcome = case.outcome(mode);
+        print(&report::text(&outcome))?;
+        Ok(outcome)
+    };
+    chosen.iter().enumerate().map(run).collect()
 }
 
 fn choose(args: &VerifyArgs) -> Result<Vec<&'static Case>> {
