@@ -5,7 +5,7 @@ use crate::local::Local;
 use crate::mollifier::Mollifier;
 use meniscus_numerics::{Matrix, Vector};
 
-/// A barrier of a reach.
+/// A barrier of a reach, which that of a contact may be less than.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Barrier {
     /// Distance, m, from which on features do not feel each other.
@@ -25,6 +25,8 @@ pub struct Contact {
     pub lengths: f64,
     /// Distance, m, that counts as none: the radius of a ball around the first point.
     pub thickness: f64,
+    /// Distance, m, beyond it from which on they do not feel each other.
+    pub reach: f64,
 }
 
 /// `β(t) = −(1 − t)² ln t` for `0 < t < 1`, and its first and second derivative.
@@ -45,43 +47,50 @@ impl Barrier {
         let [value, slope, bend] = beta(distance / self.reach);
         [value * self.reach, slope, bend / self.reach]
     }
+}
 
-    /// The same beyond a thickness, by the squared distance.
-    fn of_square(&self, square: f64, thickness: f64) -> [f64; 3] {
+impl Contact {
+    /// Its barrier's energy of a distance, as [`Barrier::of_distance`].
+    fn of_distance(&self, distance: f64) -> [f64; 3] {
+        Barrier { reach: self.reach }.of_distance(distance - self.thickness)
+    }
+
+    /// The same by the squared distance.
+    fn of_square(&self, square: f64) -> [f64; 3] {
         let distance = square.sqrt();
-        let [value, slope, bend] = self.of_distance(distance - thickness);
+        let [value, slope, bend] = self.of_distance(distance);
         [value, slope / (2.0 * distance), (bend - slope / distance) / (4.0 * square)]
     }
 
     /// Energy, J (2D: J/m), at positions; infinite where the features touch.
-    pub fn energy<const D: usize>(&self, contact: &Contact, x: &[Vector<D>]) -> f64 {
-        let at = contact.stencil.of(x);
-        let [value, ..] = self.of_distance(Closest::new(contact.stencil.kind, &at).distance() - contact.thickness);
-        let share = contact.mollifier(&at).map_or(1.0, |m| m.value);
-        if value > 0.0 { contact.area * contact.stiffness * value * share } else { 0.0 }
+    pub fn energy<const D: usize>(&self, x: &[Vector<D>]) -> f64 {
+        let at = self.stencil.of(x);
+        let [value, ..] = self.of_distance(Closest::new(self.stencil.kind, &at).distance());
+        let share = self.mollifier(&at).map_or(1.0, |m| m.value);
+        if value > 0.0 { self.area * self.stiffness * value * share } else { 0.0 }
     }
 
     /// Magnitude of the contact force between them, N (2D: N/m).
-    pub fn force<const D: usize>(&self, contact: &Contact, x: &[Vector<D>]) -> f64 {
-        let at = contact.stencil.of(x);
-        let closest = Closest::new(contact.stencil.kind, &at);
-        let share = contact.mollifier(&at).map_or(1.0, |m| m.value);
-        -contact.area * contact.stiffness * share * self.of_distance(closest.distance() - contact.thickness)[1]
+    pub fn force<const D: usize>(&self, x: &[Vector<D>]) -> f64 {
+        let at = self.stencil.of(x);
+        let closest = Closest::new(self.stencil.kind, &at);
+        let share = self.mollifier(&at).map_or(1.0, |m| m.value);
+        -self.area * self.stiffness * share * self.of_distance(closest.distance())[1]
     }
 
     /// Derivatives at positions; nothing where the features are out of reach. The Hessian is not projected.
-    pub fn derivatives<const D: usize>(&self, contact: &Contact, x: &[Vector<D>]) -> Option<Local<D>> {
-        let at = contact.stencil.of(x);
-        let closest = Closest::new(contact.stencil.kind, &at);
-        let [value, slope, bend] = self.of_square(closest.square(), contact.thickness);
+    pub fn derivatives<const D: usize>(&self, x: &[Vector<D>]) -> Option<Local<D>> {
+        let at = self.stencil.of(x);
+        let closest = Closest::new(self.stencil.kind, &at);
+        let [value, slope, bend] = self.of_square(closest.square());
         if value == 0.0 {
             return None;
         }
-        let scale = contact.area * contact.stiffness;
-        let mut local = Local::zeros(contact.stencil.kind.count());
+        let scale = self.area * self.stiffness;
+        let mut local = Local::zeros(self.stencil.kind.count());
         let curvature = closest.curvature(&at);
         let along = closest.weights.map(|w| closest.apart * (2.0 * w));
-        let mollifier = contact.mollifier(&at);
+        let mollifier = self.mollifier(&at);
         let share = mollifier.as_ref().map_or(1.0, |m| m.value);
         for k in 0..local.count {
             local.gradient[k] = along[k] * (scale * share * slope);
@@ -102,9 +111,7 @@ impl Barrier {
         }
         Some(local)
     }
-}
 
-impl Contact {
     fn mollifier<const D: usize>(&self, at: &[Vector<D>; 4]) -> Option<Mollifier<D>> {
         if self.stencil.kind == Kind::EdgeEdge { Mollifier::new(at, self.lengths) } else { None }
     }

@@ -3,7 +3,7 @@
 //! Two features that press each other with `N` and have moved by `u` along each other in a step have the energy `μ N f(|u|)`, with
 //! `f' = 2 y − y²`, `y = |u|/ε`, below a way `ε`, and 1 beyond: what sticks creeps by less than `ε` a step.
 
-use crate::barrier::{Barrier, Contact};
+use crate::barrier::Contact;
 use crate::distance::{Closest, Stencil};
 use crate::local::Local;
 use meniscus_numerics::{Matrix, Vector};
@@ -30,8 +30,8 @@ pub struct Rubbing<const D: usize> {
 
 impl<const D: usize> Rubbing<D> {
     /// Of two features in contact with a coefficient of friction; nothing out of reach.
-    pub fn new(barrier: &Barrier, contact: &Contact, coefficient: f64, x: &[Vector<D>]) -> Option<Self> {
-        let hold = coefficient * barrier.force(contact, x);
+    pub fn new(contact: &Contact, coefficient: f64, x: &[Vector<D>]) -> Option<Self> {
+        let hold = coefficient * contact.force(x);
         let closest = Closest::new(contact.stencil.kind, &contact.stencil.of(x));
         let normal = closest.apart.try_normalize(0.0)?;
         (hold > 0.0).then_some(Self { stencil: contact.stencil, weights: closest.weights, normal, hold })

@@ -1,7 +1,7 @@
 //! Surfaces of points, facets and edges, and what of them is near each other.
 
 use crate::advance::free_step;
-use crate::barrier::{Barrier, Contact};
+use crate::barrier::Contact;
 use crate::boxes::{Extent, overlapping};
 use crate::distance::{Closest, Stencil};
 use crate::plane::Plane;
@@ -24,6 +24,8 @@ pub struct Surface<const D: usize> {
     spans: Vec<(f64, f64)>,
     /// Radius of a ball around each position, m.
     radii: Vec<f64>,
+    /// Distance, m, from which on each position does not feel others, where that is less than the barrier's reach.
+    reaches: Vec<f64>,
     /// Body to which each position belongs.
     bodies: Vec<u32>,
 }
@@ -41,6 +43,7 @@ struct Pair {
     area: f64,
     lengths: f64,
     thickness: f64,
+    reach: f64,
 }
 
 impl<const D: usize> Surface<D> {
@@ -69,8 +72,8 @@ impl<const D: usize> Surface<D> {
                 spans.push((same.iter().map(|s| s.1).sum(), (b - a).norm_squared()));
             }
         }
-        let radii = vec![0.0; rest.len()];
-        Self { points, facets, edges, areas, spans, radii, bodies }
+        let (radii, reaches) = (vec![0.0; rest.len()], vec![f64::INFINITY; rest.len()]);
+        Self { points, facets, edges, areas, spans, radii, reaches, bodies }
     }
 
     /// The same with some of the other positions as points of it, each with the area (m², 2D: m) for which it stands and the radius
@@ -81,6 +84,21 @@ impl<const D: usize> Surface<D> {
             (self.areas[point as usize], self.radii[point as usize]) = (area, radius);
         }
         self
+    }
+
+    /// The same where each position feels others from its own distance on, m, and what it is part of from the least one of its points.
+    pub fn with_reaches(self, reaches: Vec<f64>) -> Self {
+        Self { reaches, ..self }
+    }
+
+    /// Distance, m, from which on a position does not feel others, where that is less than the barrier's reach.
+    pub fn reach(&self, point: u32) -> f64 {
+        self.reaches[point as usize]
+    }
+
+    /// The same of two features.
+    fn reach_of(&self, stencil: &Stencil) -> f64 {
+        stencil.points().iter().map(|p| self.reach(*p)).fold(f64::INFINITY, f64::min)
     }
 
     /// Radius of the ball around a position, m.
@@ -137,7 +155,9 @@ impl<const D: usize> Surface<D> {
         let of_facets = found.into_iter().map(|(p, f)| {
             let point = self.points[p as usize];
             let stencil = Stencil::point_facet(point, &self.facets[f as usize]);
-            Pair { stencil, area: self.areas[point as usize], lengths: 0.0, thickness: self.radius(point) }
+            let (area, thickness, reach) =
+                (self.areas[point as usize], self.radius(point), self.reach_of(&stencil));
+            Pair { stencil, area, lengths: 0.0, thickness, reach }
         });
         let mut pairs: Vec<Pair> = of_facets.filter(|p| self.may_meet(&p.stencil, &rigid, &still)).collect();
         let wide: Vec<Extent<D>> = self.edges.par_iter().map(|e| swept(e, reach)).collect();
@@ -147,7 +167,7 @@ impl<const D: usize> Surface<D> {
             let stencil = Stencil::edge_edge(self.edges[i], self.edges[j]);
             let (area, lengths) =
                 (0.5 * (self.spans[i].0 + self.spans[j].0), self.spans[i].1 * self.spans[j].1);
-            Pair { stencil, area, lengths, thickness: 0.0 }
+            Pair { stencil, area, lengths, thickness: 0.0, reach: self.reach_of(&stencil) }
         });
         pairs.extend(of_edges.filter(|p| self.may_meet(&p.stencil, &rigid, &still)));
         Near { pairs }
@@ -160,37 +180,40 @@ impl Near {
         self.pairs.is_empty()
     }
 
-    /// Those within the barrier's reach at positions; `stiffness` is that between two bodies' points, Pa.
+    /// Those nearer than `reach` (m) at positions; `stiffness` is that between two bodies' points, Pa.
     pub fn contacts<const D: usize>(
         &self,
-        barrier: &Barrier,
+        reach: f64,
         x: &[Vector<D>],
         stiffness: impl Fn(u32, u32) -> f64 + Sync,
     ) -> Vec<Contact> {
         let contact = |pair: &Pair| {
-            let Pair { stencil, area, lengths, thickness } = *pair;
+            let Pair { stencil, area, lengths, thickness, .. } = *pair;
             let closest = Closest::new(stencil.kind, &stencil.of(x));
             let stiffness = stiffness(stencil.points[0], stencil.points[stencil.kind.first()]);
-            let near = closest.distance() < barrier.reach + thickness;
-            near.then_some(Contact { stencil, area, stiffness, lengths, thickness })
+            let reach = pair.reach.min(reach);
+            let near = closest.distance() < reach + thickness;
+            near.then_some(Contact { stencil, area, stiffness, lengths, thickness, reach })
         };
         self.pairs.par_iter().with_min_len(256).filter_map(contact).collect()
     }
 
     /// The largest part of a way, up to all of it, on which every pair keeps `keep` of its distance.
     pub fn free_step<const D: usize>(&self, x: &[Vector<D>], ways: &[Vector<D>], keep: f64) -> f64 {
-        let part =
-            |pair: &Pair| free_step(pair.stencil.kind, &pair.stencil.of(x), &pair.stencil.of(ways), (pair.thickness, keep));
-        if std::env::var("MEN_PAIR").is_ok() {
-            let worst = self.pairs.iter().map(|p| (part(p), p)).min_by(|a, b| a.0.total_cmp(&b.0));
-            if let Some((t, p)) = worst.filter(|w| w.0 < 1.0) {
-                let (a, b) = (p.stencil.of(x), p.stencil.of(ways));
-                let at = [0, 1, 2, 3].map(|k| a[k] + b[k] * t);
-                let d = |x: &[Vector<D>; 4]| Closest::new(p.stencil.kind, x).distance();
-                eprintln!("  pair {t:.3e} d {:.3e} then {:.3e} thick {:.3e} {:?} x {:?} w {:?}", d(&a), d(&at), p.thickness, p.stencil.points, a, b);
-            }
-        }
+        let part = |pair: &Pair| {
+            free_step(pair.stencil.kind, &pair.stencil.of(x), &pair.stencil.of(ways), (pair.thickness, keep))
+        };
         self.pairs.par_iter().with_min_len(256).map(part).reduce(|| 1.0, f64::min)
+    }
+
+    /// The least distance, m, of each of `count` positions from what it may meet; infinite where there is nothing.
+    pub fn least_distances<const D: usize>(&self, x: &[Vector<D>]) -> Vec<f64> {
+        let mut all = vec![f64::INFINITY; x.len()];
+        for pair in &self.pairs {
+            let far = Closest::new(pair.stencil.kind, &pair.stencil.of(x)).distance() - pair.thickness;
+            pair.stencil.points().iter().for_each(|p| all[*p as usize] = all[*p as usize].min(far));
+        }
+        all
     }
 
     /// The least distance of a pair, m.

@@ -97,7 +97,6 @@ fn check_derivatives<const D: usize>(
 
 fn check_barrier<const D: usize>(kinds: &[Kind]) {
     let mut numbers = Numbers(3);
-    let barrier = Barrier { reach: 0.5 };
     for kind in kinds {
         let mut checked = 0;
         for _ in 0..400 {
@@ -108,14 +107,14 @@ fn check_barrier<const D: usize>(kinds: &[Kind]) {
             if !(0.1..0.49).contains(&closest.distance()) || !inner {
                 continue;
             }
-            let contact = Contact { stencil: stencil(*kind), area: 0.3, stiffness: 2.0, lengths: 400.0, thickness: 0.03 };
-            let energy = |x: &[Vector<D>]| barrier.energy(&contact, x);
-            let derivatives = |x: &[Vector<D>]| barrier.derivatives(&contact, x);
+            let contact = Contact { stencil: stencil(*kind), area: 0.3, stiffness: 2.0, lengths: 400.0, thickness: 0.03, reach: 0.5 };
+            let energy = |x: &[Vector<D>]| contact.energy(x);
+            let derivatives = |x: &[Vector<D>]| contact.derivatives(x);
             checked += usize::from(check_derivatives(&x, 10.0, energy, derivatives));
             // The force is what the gradient of the first feature is.
-            if let Some(local) = barrier.derivatives(&Contact { lengths: 0.0, ..contact }, &x) {
+            if let Some(local) = (Contact { lengths: 0.0, ..contact }).derivatives(&x) {
                 let first: Vector<D> = local.gradient[..kind.first()].iter().sum();
-                let force = barrier.force(&Contact { lengths: 0.0, ..contact }, &x);
+                let force = Contact { lengths: 0.0, ..contact }.force(&x);
                 assert!((first.norm() - force).abs() < 1e-12);
             }
         }
@@ -134,8 +133,8 @@ fn check_positive<const D: usize>(kind: Kind) {
     let mut checked = 0;
     for _ in 0..200 {
         let x = numbers.points::<D>(kind.count());
-        let contact = Contact { stencil: stencil(kind), area: 1.0, stiffness: 1.0, lengths: 400.0, thickness: 0.03 };
-        let Some(local) = Barrier { reach: 0.6 }.derivatives(&contact, &x).map(Local::positive) else {
+        let contact = Contact { stencil: stencil(kind), area: 1.0, stiffness: 1.0, lengths: 400.0, thickness: 0.0, reach: 0.6 };
+        let Some(local) = contact.derivatives(&x).map(Local::positive) else {
             continue;
         };
         for _ in 0..20 {
@@ -160,12 +159,12 @@ fn hessians_are_positive() {
 
 fn check_friction<const D: usize>(kind: Kind) {
     let mut numbers = Numbers(5);
-    let (barrier, friction) = (Barrier { reach: 2.0 }, Friction { stick: 0.7 });
+    let friction = Friction { stick: 0.7 };
     let mut checked = 0;
     for _ in 0..40 {
         let (from, x) = (numbers.points::<D>(kind.count()), numbers.points::<D>(kind.count()));
-        let contact = Contact { stencil: stencil(kind), area: 1.0, stiffness: 1.0, lengths: 0.0, thickness: 0.0 };
-        let Some(rubbing) = Rubbing::new(&barrier, &contact, 0.4, &from) else { continue };
+        let contact = Contact { stencil: stencil(kind), area: 1.0, stiffness: 1.0, lengths: 0.0, thickness: 0.0, reach: 0.6 };
+        let Some(rubbing) = Rubbing::new(&contact, 0.4, &from) else { continue };
         let energy = |x: &[Vector<D>]| friction.energy(&rubbing, &from, x);
         let derivatives = |x: &[Vector<D>]| Some(friction.derivatives(&rubbing, &from, x));
         checked += usize::from(check_derivatives(&x, 1.0, energy, derivatives));
@@ -253,7 +252,7 @@ fn what_is_near_is_found() {
     let surface = Surface::new(facets, &x, (0..8).map(|k| k / 4).collect());
     let still = vec![Vector::zeros(); 8];
     let near = surface.near(&x, &still, 0.1, |_| false, |_| false);
-    let contacts = near.contacts(&Barrier { reach: 0.1 }, &x, |_, _| 1.0);
+    let contacts = near.contacts(0.1, &x, |_, _| 1.0);
     // Corners 2 of the lower square and 4 of the upper one are beside the other's side.
     let points: Vec<u32> = contacts.iter().map(|c| c.stencil.points[0]).collect();
     assert_eq!(points, [2, 4]);
@@ -279,7 +278,7 @@ fn nearly_parallel_edges_have_their_distance() {
 #[test]
 fn points_stay_off_planes() {
     let plane = Plane { point: Vector::<2>::new(0.0, 1.0), normal: Vector::<2>::new(0.0, 1.0) };
-    let step = |way: f64| plane.free_step(&Vector::<2>::new(3.0, 1.5), &Vector::<2>::new(1.0, way), 0.2);
+    let step = |way: f64| plane.free_step(&Vector::<2>::new(3.0, 1.5), &Vector::<2>::new(1.0, way), (0.0, 0.2));
     assert!((step(-0.8) - 0.5).abs() < 1e-15);
     assert_eq!([step(-0.4), step(0.0), step(9.0)], [1.0; 3]);
 }

@@ -45,7 +45,7 @@ pub enum Law {
         /// How the mesh is kept from locking.
         smoothing: Smoothing,
     },
-    /// A spring along every edge, [`crate::Springs`], and [`crate::Upright`] elements.
+    /// A spring along every edge, [`crate::Springs`].
     Springs {
         /// Of each, N/m (2D: N/m²).
         stiffness: f64,

@@ -8,14 +8,20 @@
 //! ```
 //!
 //! the law `Ψ`, damping and dissipation of [`crate::step`], the impulses `j` of all other forces, and what keeps elements upright,
-//! `U` ([`crate::Crushed`]). `K̂` is that at `x`. Its first Newton iteration from `w = 0` is the step that is linear about `x`.
+//! `U` ([`crate::Crushed`]). `K̂` is that at [`Incremental::viscous_at`]: at `x` the first Newton iteration from `w = 0` is the step
+//! that is linear about `x`; at `y` all forces keep the angular momentum there.
 
 use crate::step::add_extra;
 use crate::term::ForceTerm;
-use crate::{BlockMatrix, Elastic, ElasticState, StiffnessBlock, Weights};
+use crate::{BlockMatrix, Elastic, ElasticState, Integrator, StiffnessBlock, Weights};
 use meniscus_contact::upright_step;
 use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
+
+/// Modes that a step does not resolve end at once, `θ = 1`: with half of it elements that stiffen as they are crushed won energy in two
+/// of 22 wet scenes, a hundred times what there was.
+const DISSIPATION: f64 = 1.0;
+const INTEGRATOR: Integrator = Integrator { dissipation: DISSIPATION, iterations: 0 };
 
 /// The potential of a solid in a step.
 #[derive(Clone, Debug)]
@@ -26,6 +32,8 @@ pub struct Incremental<'a, const D: usize> {
     pub state: &'a ElasticState<D>,
     /// The part `u` of these that the step does not resolve, m/s.
     pub fast: Vec<Vector<D>>,
+    /// Where vertices are for the viscosities `K̂`, m.
+    pub viscous_at: Vec<Vector<D>>,
     /// Stiffness of other forces.
     pub extra: &'a [StiffnessBlock<D>],
     /// Impulses `j` of all other forces, N s (2D: N s/m).
@@ -41,6 +49,11 @@ impl<const D: usize> Incremental<'_, D> {
         velocities.iter().zip(&self.state.velocities).map(|(new, old)| new - old).collect()
     }
 
+    /// Takes viscosities where these velocities lead half-way.
+    pub fn recentre(&mut self, velocities: &[Vector<D>]) {
+        self.viscous_at = self.half_way(&self.change(velocities));
+    }
+
     fn half_way(&self, change: &[Vector<D>]) -> Vec<Vector<D>> {
         let part = 0.25 * self.step;
         self.state.positions.iter().zip(change).map(|(x, w)| x + w * part).collect()
@@ -53,17 +66,17 @@ impl<const D: usize> Incremental<'_, D> {
 
     /// What resists rates of strain: impulses, N s.
     fn viscous(&self, velocities: &[Vector<D>], change: &[Vector<D>], share: f64) -> [Vec<Vector<D>>; 2] {
-        let (x, h) = (&self.state.positions, self.step);
+        let (x, h) = (&self.viscous_at, self.step);
         let between: Vec<Vector<D>> =
             self.fast.iter().zip(change).map(|(u, w)| u + w * share).collect();
-        let theta = self.elastic.integrator.dissipation;
+        let theta = DISSIPATION;
         let damping = self.elastic.viscous_forces(x, velocities, h * self.elastic.damping_time);
         [damping, self.elastic.viscous_forces(x, &between, theta * h * h)]
     }
 
     /// Its value, J (2D: J/m); infinite where an element has no volume.
     pub fn value(&self, velocities: &[Vector<D>]) -> f64 {
-        let (h, theta) = (self.step, self.elastic.integrator.dissipation);
+        let (h, theta) = (self.step, DISSIPATION);
         let w = self.change(velocities);
         let [damping, fast] = self.viscous(velocities, &w, 0.25 + 0.125 * theta);
         let mut extra = vec![Vector::zeros(); w.len()];
@@ -78,7 +91,7 @@ impl<const D: usize> Incremental<'_, D> {
 
     /// Its gradient by the velocities, N s (2D: N s/m).
     pub fn gradient(&self, velocities: &[Vector<D>]) -> Vec<Vector<D>> {
-        let (h, theta) = (self.step, self.elastic.integrator.dissipation);
+        let (h, theta) = (self.step, DISSIPATION);
         let w = self.change(velocities);
         let [damping, fast] = self.viscous(velocities, &w, 0.5 + 0.25 * theta);
         let mut forces = self.elastic.forces(&self.half_way(&w));
@@ -94,8 +107,8 @@ impl<const D: usize> Incremental<'_, D> {
     /// Its second derivatives, kg (2D: kg/m), or their `positive` part.
     pub fn matrix(&self, velocities: &[Vector<D>], positive: bool) -> Option<BlockMatrix<D>> {
         let elastic = self.elastic;
-        let own = elastic.integrator.weights(self.step, elastic.damping_time);
-        let mut matrix = elastic.tangent(&self.state.positions, Weights { stiffness: 0.0, ..own });
+        let own = INTEGRATOR.weights(self.step, elastic.damping_time);
+        let mut matrix = elastic.tangent(&self.viscous_at, Weights { stiffness: 0.0, ..own });
         elastic.masses.iter().enumerate().for_each(|(v, m)| matrix.add_diagonal(v, *m));
         let half_way = self.half_way(&self.change(velocities));
         let weights = Weights { positive, viscosity: 0.0, ..own };

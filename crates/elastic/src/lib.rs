@@ -37,7 +37,7 @@ pub use body::Elastic;
 pub use describe::{Anchor, Description, Law, Motion};
 pub use error::ElasticError;
 pub use incremental::Incremental;
-pub use linalg::{BlockMatrix, Cliques, Reach, Solution};
+pub use linalg::{Assembly, BlockMatrix, Cliques, Reach, Solution};
 pub use modes::{Mode, lowest_modes, settled_modes};
 pub use state::ElasticState;
 pub use step::{Integrator, Linearisation, StiffnessBlock, System};

@@ -5,8 +5,8 @@ mod lattice;
 
 use lattice::{Noise, block};
 use meniscus_elastic::{
-    Continuum, Corotated, Description, Elastic, ForceTerm, Integrator, Lame, Law, NeoHookean, Smoothing,
-    Springs, SurfaceTension, Upright, Weights,
+    CRUSHED, Continuum, Corotated, Crushed, Description, Elastic, ElasticState, ForceTerm, Incremental,
+    Integrator, Lame, Law, NeoHookean, Smoothing, Springs, SurfaceTension, Weights,
 };
 use meniscus_numerics::{Vector, planes};
 
@@ -23,13 +23,11 @@ fn terms<const D: usize>() -> Vec<Box<dyn ForceTerm<D>>> {
     terms
 }
 
-/// These, the tension of the surface, whose tangent is but that against heights over it, and what keeps elements upright, whose
-/// tangent is but that against changes of volume.
+/// These, and the tension of the surface, whose tangent is but that against heights over it.
 fn all_terms<const D: usize>() -> Vec<Box<dyn ForceTerm<D>>> {
     let mut terms = terms::<D>();
     let mesh = block::<D>([2; D], [1.0; D]);
     terms.push(Box::new(SurfaceTension::new(&mesh, 0.7)));
-    terms.push(Box::new(Upright::new(&mesh, 2.0)));
     terms
 }
 
@@ -147,6 +145,87 @@ fn tangents_are_positive_and_rates_of_strain_keep_momenta<const D: usize>() {
             assert!(felt.iter().all(|f| f.norm() < 1e-12), "{D}D term {k}");
         }
     }
+}
+
+/// A block of which one extent is pressed to a part of itself, with some noise.
+fn crushed<const D: usize>(part: f64, noise: &mut Noise) -> Vec<Vector<D>> {
+    let rest = block::<D>([2; D], [1.0; D]).positions;
+    let pressed: Vec<Vector<D>> =
+        rest.iter().map(|x| Vector::from_fn(|a, _| if a == 0 { part * x[a] } else { x[a] })).collect();
+    moved(&pressed, &noise.vectors(rest.len()), 0.02 * part)
+}
+
+fn crushed_elements_resist<const D: usize>() {
+    let mesh = block::<D>([2; D], [1.0; D]);
+    let crush = || Continuum::new(&mesh, Crushed, Lame::new(3.0, 0.35), Smoothing::None);
+    let mut noise = Noise(5);
+    assert!(crush().energy(&crushed(1.2 * CRUSHED, &mut noise)) == 0.0);
+    assert!(crush().energy(&crushed(-0.1, &mut noise)) == f64::INFINITY);
+    let (x, step) = (crushed::<D>(0.5 * CRUSHED, &mut noise), 1e-7);
+    let along = noise.vectors(x.len());
+    let f = forces(&crush(), &x);
+    let slope =
+        (crush().energy(&moved(&x, &along, step)) - crush().energy(&moved(&x, &along, -step))) / (2.0 * step);
+    assert!((slope + dot(&f, &along)).abs() < 1e-6 * slope.abs(), "{D}D: {slope}");
+    let (up, down) = (forces(&crush(), &moved(&x, &along, step)), forces(&crush(), &moved(&x, &along, -step)));
+    let body = body(Box::new(crush()));
+    let mut product = vec![Vector::zeros(); x.len()];
+    body.tangent(&x, Weights { stiffness: 1.0, positive: false, viscosity: 0.0 }).add_product(&along, &mut product);
+    let largest = product.iter().map(|p| p.norm()).fold(0.0, f64::max);
+    for v in 0..x.len() {
+        let slope = (down[v] - up[v]) / (2.0 * step);
+        assert!((slope - product[v]).norm() < 1e-6 * largest, "{D}D: {slope} {}", product[v]);
+    }
+}
+
+#[test]
+fn crushed_elements() {
+    crushed_elements_resist::<2>();
+    crushed_elements_resist::<3>();
+}
+
+/// The potential of a step has the gradient and the second derivatives that it says.
+fn potentials_of_steps_have_their_derivatives<const D: usize>() {
+    let mesh = block::<D>([2; D], [1.0; D]);
+    let law = Law::NeoHookean { young: 3.0, poisson: 0.35, smoothing: Smoothing::Cells };
+    let integrator = Integrator { dissipation: 0.7, ..Integrator::default() };
+    let description = Description { mesh, density: 1.0, law, damping_ratio: 0.3, anchors: Vec::new(), integrator };
+    let elastic = Elastic::new(description).unwrap();
+    let mut noise = Noise(11);
+    let x = crushed::<D>(0.9, &mut noise);
+    let count = x.len();
+    let noisy = crushed(0.9, &mut noise);
+    let state = ElasticState { positions: x, velocities: noise.vectors(count), time: 0.0 };
+    let (fast, impulses) = (noise.vectors(count), noise.vectors(count));
+    let potential = Incremental {
+        elastic: &elastic,
+        state: &state,
+        fast,
+        viscous_at: noisy,
+        extra: &[],
+        impulses: &impulses,
+        step: 0.3,
+        ahead: 0.2,
+    };
+    let still = vec![Vector::zeros(); count];
+    let (v, along) = (moved(&still, &noise.vectors(count), 0.3), noise.vectors::<D>(count));
+    let h = 1e-5;
+    let slope = (potential.value(&moved(&v, &along, h)) - potential.value(&moved(&v, &along, -h))) / (2.0 * h);
+    let gradient = potential.gradient(&v);
+    assert!((slope - dot(&gradient, &along)).abs() < 1e-6 * (1.0 + slope.abs()), "{D}D: {slope}");
+    let (up, down) = (potential.gradient(&moved(&v, &along, h)), potential.gradient(&moved(&v, &along, -h)));
+    let mut product = vec![Vector::zeros(); count];
+    potential.matrix(&v, false).unwrap().add_product(&along, &mut product);
+    for k in 0..count {
+        let slope = (up[k] - down[k]) / (2.0 * h);
+        assert!((slope - product[k]).norm() < 1e-6 * (1.0 + slope.norm()), "{D}D: {slope} {}", product[k]);
+    }
+}
+
+#[test]
+fn potentials_of_steps() {
+    potentials_of_steps_have_their_derivatives::<2>();
+    potentials_of_steps_have_their_derivatives::<3>();
 }
 
 fn heights_over_a_surface_are_resisted_as_its_size_grows<const D: usize>() {

@@ -188,12 +188,12 @@ fn push<const D: usize>(
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
     state.clear = if state.last_dt > 0.0 { clear_time(model, &state.solids, dt) } else { GROWTH * dt };
     let times = Times { dt, kick, ahead: state.clear };
-    let (solves, given) =
+    let (solves, given, told) =
         press(model, (state, &before), work, change, (&cut, &mut dragged), times, phase_end)?;
     let Workspace { probes, repairs, .. } = work;
-    let collided = match model.deforms() {
-        true => 0.0,
-        false => collide(model, &mut state.solids, probes, &before, times, repairs),
+    let collided = match told {
+        Some(work) => work,
+        None => collide(model, &mut state.solids, probes, &before, times, repairs),
     };
     let stirred = stirred(model, state, &given) + collided;
     give_back(model, &mut change.groups, &given);
@@ -229,7 +229,8 @@ fn of_solids<const D: usize>(model: &Model<D>, state: &State<D>) -> Repairs {
     repairs
 }
 
-/// Projects the velocity, and pushes the solids, which were as `before`. Gives back what line and pressure gave them.
+/// Projects the velocity, and pushes the solids, which were as `before`. Gives back what line and pressure gave them, and, where a
+/// solid deforms, the work of those that are told by contacts, which are in the same solve.
 fn press<const D: usize>(
     model: &Model<D>,
     (state, before): (&mut State<D>, &[SolidState<D>]),
@@ -238,7 +239,7 @@ fn press<const D: usize>(
     (cut, dragged): (&[CutFace], &mut [DraggedFace]),
     times: Times,
     phase_end: PhaseEnd<'_>,
-) -> Result<([SolveReport; 2], [Exchange<D>; 3]), SolveError> {
+) -> Result<([SolveReport; 2], [Exchange<D>; 3], Option<f64>), SolveError> {
     let kick = times.kick;
     let inside: Vec<bool> = work.touching(model).iter().map(|t| !t.side).collect();
     let label = work.liquid.component(&model.grid);
@@ -319,16 +320,14 @@ fn press<const D: usize>(
             break (solves, pressure, friction);
         }
     };
-    if let Some(descent) = &descent {
+    let told = descent.map(|descent| {
         state.clear = descent.clear();
-        if std::env::var("MEN_DESCENT").is_ok() {
-            eprintln!("  descent clear {:.3} of {:.3e}", state.clear / times.ahead, times.ahead);
-        }
-    }
+        descent.tell_contacts(&mut state.solids)
+    });
     work.repairs.unlabelled += unlabelled;
     let given = [line, pressure, friction];
     tell_forces(&mut state.solids, &given, kick);
-    Ok((solves, given))
+    Ok((solves, given, told))
 }
 
 /// Keeps with the solids the mean forces of what line, pressure and friction gave them in the time `kick`.

@@ -1,11 +1,8 @@
 //! Symmetric matrices of `D × D` blocks, one for each pair of vertices that pull at each other.
 
-use super::{Cliques, Inverse, Reach, Solver};
+use super::Cliques;
 use meniscus_numerics::{Matrix, Vector};
 use std::sync::Arc;
-
-/// Error of a solve where there are no factors, over the whole.
-const TOLERANCE: f64 = 1e-9;
 
 /// Which blocks there are: columns of the lower triangle, rows rising, the diagonal first.
 #[derive(Debug, PartialEq)]
@@ -20,15 +17,30 @@ impl Pattern {
     /// Of `n` vertices in these groups.
     pub fn new<'a>(n: usize, groups: impl IntoIterator<Item = &'a Cliques>) -> Self {
         let mut below: Vec<Vec<u32>> = (0..n).map(|i| vec![i as u32]).collect();
-        for group in groups {
-            for list in group.iter() {
-                for i in list {
-                    below[*i as usize].extend(list.iter().filter(|j| *j > i));
-                }
+        groups.into_iter().for_each(|group| couple(&mut below, group));
+        Self::of_columns(below)
+    }
+
+    /// Of several, each with the number of its first vertex among `n`.
+    pub fn of_parts(n: usize, parts: &[(usize, &Self)]) -> Self {
+        let mut below: Vec<Vec<u32>> = (0..n).map(|i| vec![i as u32]).collect();
+        for (first, part) in parts {
+            for j in 0..part.starts.len() - 1 {
+                below[first + j].extend(part.column(j).iter().map(|i| i + *first as u32));
             }
         }
-        let mut starts = vec![0];
-        let mut rows = Vec::new();
+        Self::of_columns(below)
+    }
+
+    /// This one, and blocks between all vertices of each group.
+    pub fn with(&self, groups: &Cliques) -> Self {
+        let mut below: Vec<Vec<u32>> = (0..self.starts.len() - 1).map(|j| self.column(j).to_vec()).collect();
+        couple(&mut below, groups);
+        Self::of_columns(below)
+    }
+
+    fn of_columns(below: Vec<Vec<u32>>) -> Self {
+        let (mut starts, mut rows) = (vec![0], Vec::new());
         for mut column in below {
             column.sort_unstable();
             column.dedup();
@@ -36,6 +48,11 @@ impl Pattern {
             starts.push(rows.len());
         }
         Self { starts, rows }
+    }
+
+    /// Whether all blocks of each group are there.
+    pub fn has(&self, groups: &Cliques) -> bool {
+        groups.iter().all(|list| list.iter().all(|i| list.iter().all(|j| i < j || self.slot(*i, *j).is_some())))
     }
 
     /// The rows of a column.
@@ -47,6 +64,15 @@ impl Pattern {
     pub(crate) fn slot(&self, i: u32, j: u32) -> Option<usize> {
         let k = self.column(j as usize).binary_search(&i).ok()?;
         Some(self.starts[j as usize] + k)
+    }
+}
+
+/// Adds the pairs of each group to the columns.
+fn couple(below: &mut [Vec<u32>], groups: &Cliques) {
+    for list in groups.iter() {
+        for i in list {
+            below[*i as usize].extend(list.iter().filter(|j| *j > i));
+        }
     }
 }
 
@@ -98,74 +124,5 @@ impl<const D: usize> BlockMatrix<D> {
     /// The sum of the diagonal.
     pub(crate) fn trace(&self) -> f64 {
         (0..self.pattern.starts.len() - 1).map(|j| self.blocks[self.pattern.starts[j]].trace()).sum()
-    }
-}
-
-/// Matrices put together.
-impl<const D: usize> BlockMatrix<D> {
-    /// Of `count` vertices: matrices of some of them, each with the number of its first vertex, on the diagonal, and zero blocks
-    /// between all vertices of each group.
-    pub fn assembled(count: usize, parts: &[(usize, &Self)], groups: &Cliques) -> Self {
-        let mut below: Vec<Vec<u32>> = (0..count).map(|i| vec![i as u32]).collect();
-        for (first, part) in parts {
-            for j in 0..part.pattern.starts.len() - 1 {
-                let rows = part.pattern.column(j).iter().map(|i| i + *first as u32);
-                below[first + j].extend(rows);
-            }
-        }
-        for list in groups.iter() {
-            for i in list {
-                below[*i as usize].extend(list.iter().filter(|j| *j > i));
-            }
-        }
-        let (mut starts, mut rows) = (vec![0], Vec::new());
-        for mut column in below {
-            column.sort_unstable();
-            column.dedup();
-            rows.extend(column);
-            starts.push(rows.len());
-        }
-        let mut whole = Self::new(Arc::new(Pattern { starts, rows }));
-        for (first, part) in parts {
-            for j in 0..part.pattern.starts.len() - 1 {
-                for slot in part.pattern.starts[j]..part.pattern.starts[j + 1] {
-                    let row = part.pattern.rows[slot] + *first as u32;
-                    if let Some(to) = whole.pattern.slot(row, (first + j) as u32) {
-                        whole.blocks[to] = part.blocks[slot];
-                    }
-                }
-            }
-        }
-        whole
-    }
-
-    /// Its inverse, applied; `positions` are where vertices are, which tells in what order they are best eliminated. Nothing where
-    /// the matrix is not positive definite, to rounding.
-    pub fn invert(&self, positions: &[Vector<D>], held: &[bool]) -> Option<Solution<D>> {
-        let solver = Solver::new(positions, &self.pattern, held)?;
-        Some(Solution(solver.invert(self, held, TOLERANCE)?))
-    }
-}
-
-/// The inverse of a matrix, applied.
-#[derive(Clone, Debug)]
-pub struct Solution<const D: usize>(Inverse<D>);
-
-impl<const D: usize> Solution<D> {
-    /// `b ← A⁻¹ b`; what belongs to held vertices becomes 0.
-    pub fn solve(&self, b: &mut [Vector<D>]) {
-        let mut flat: Vec<f64> = b.iter().flat_map(|v| v.iter().copied()).collect();
-        self.0.solve(None, &mut flat, 1);
-        b.iter_mut().zip(flat.chunks_exact(D)).for_each(|(b, x)| b.copy_from_slice(x));
-    }
-
-    /// What right-hand sides that act on some vertices only need for the solution at these.
-    pub fn reach(&self, vertices: impl Iterator<Item = u32>) -> Reach {
-        self.0.reach(vertices)
-    }
-
-    /// `b ← A⁻¹ b` at the vertices of a reach, for `count` right-hand sides one after another that are 0 at all others.
-    pub fn solve_within(&self, reach: &Reach, b: &mut [f64], count: usize) {
-        self.0.solve(Some(reach), b, count);
     }
 }

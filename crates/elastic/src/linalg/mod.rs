@@ -1,5 +1,6 @@
 //! Block matrices on the mesh's vertices, and their factorisation.
 
+mod assembly;
 mod blocks;
 mod cliques;
 mod coarse;
@@ -11,7 +12,8 @@ mod iterated;
 mod small;
 mod subtrees;
 
-pub use blocks::{BlockMatrix, Solution};
+pub use assembly::{Assembly, Solution};
+pub use blocks::BlockMatrix;
 pub(crate) use blocks::Pattern;
 pub use cliques::Cliques;
 pub(crate) use coarse::{Coarse, Lattice};

@@ -7,10 +7,13 @@
 //! (M. Li et al., "Incremental Potential Contact", 2020), and as the potential falls. Iterations end when the next would move
 //! nothing.
 
+mod meet;
 mod points;
 mod potential;
 mod response;
 
+use points::REACH;
+use points::spin;
 pub use points::{Points, turning};
 pub use response::{Response, Tie};
 
@@ -26,8 +29,6 @@ use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::{Matrix, Vector};
 use potential::{Part, Potential, Rigid};
 
-/// Reach of the barrier, in cells.
-const REACH: f64 = 0.25;
 /// Part of its distance that a pair keeps in an iteration, and of its volume an element.
 const KEEP: f64 = 0.2;
 /// The same on the way of the coming step.
@@ -100,6 +101,7 @@ impl<'a, const D: usize> Descent<'a, D> {
                     elastic,
                     state: &soft.body,
                     fast: vec![Vector::zeros(); start.impulses.len()],
+                    viscous_at: soft.body.positions.clone(),
                     extra: &start.extra,
                     impulses: &start.impulses,
                     step: times.kick,
@@ -134,15 +136,14 @@ impl<'a, const D: usize> Descent<'a, D> {
             solids: before,
             points,
             parts: (0..model.solids.len()).map(part).collect(),
-            held: points.held(model),
             barrier: Barrier { reach: REACH * model.grid.dx },
             kick: times.kick,
             ahead: times.ahead,
             rubs: Vec::new(),
-            pressed: vec![Vector::zeros(); points.nodes],
+            pressed: vec![Vector::zeros(); points.nodes()],
         };
         let positions = before.iter().flat_map(place).collect();
-        let now = vec![Vector::zeros(); points.nodes];
+        let now = vec![Vector::zeros(); points.nodes()];
         let mut descent = Self { potential, told, positions, now, iteration: 0, rubs: 0, response: None };
         // The first guess is to go on as before.
         let still = descent.potential.candidates(&descent.now, &descent.now);
@@ -162,22 +163,20 @@ impl<'a, const D: usize> Descent<'a, D> {
         (phi, open): (&[f64], &FaceField<D>),
     ) -> Result<(), SolveError> {
         let failed = SolveError::Indefinite { solid: 0, step: self.potential.kick };
+        if self.iteration > 0 {
+            self.recentre();
+        }
         let candidates = self.potential.candidates(&self.now, &self.now);
         self.potential.pressed.fill(Vector::zeros());
         let ties = self.ties(dragged, phi, open);
         let inverse = |positive| {
             let matrix = self.potential.matrix(&self.now, &candidates, &ties, positive)?;
-            let solution = matrix.invert(&self.positions, &self.potential.held)?;
+            let solution = self.potential.points.assembly.as_ref()?.invert(&matrix, &self.positions)?;
             Some((matrix, solution))
         };
         // The positive part alone is as stiff as can be, and slow: it is for where there is no other way (Longva et al., "Pitfalls of
         // projection", 2023).
-        let (matrix, solution) = inverse(false).or_else(|| {
-            if std::env::var("MEN_DESCENT").is_ok() {
-                eprintln!("  descent: positive part");
-            }
-            inverse(true)
-        }).ok_or(failed)?;
+        let (matrix, solution) = inverse(false).or_else(|| inverse(true)).ok_or(failed)?;
         if self.iteration == 0 {
             self.find_fast(&matrix, &solution);
         }
@@ -197,7 +196,7 @@ impl<'a, const D: usize> Descent<'a, D> {
 
     /// Finds the part of the velocities that the step does not resolve, `v − A⁻¹ M v`.
     fn find_fast(&mut self, matrix: &BlockMatrix<D>, solution: &Solution<D>) {
-        let Potential { model, points, solids, ref held, .. } = self.potential;
+        let Potential { model, points, solids, .. } = self.potential;
         let old = points.velocities(model, solids);
         let mut slow = vec![Vector::zeros(); old.len()];
         for (k, solid) in model.solids.iter().enumerate() {
@@ -205,17 +204,25 @@ impl<'a, const D: usize> Descent<'a, D> {
                 slow[points.first[k] + v] = old[points.first[k] + v] * *mass;
             }
         }
-        let led = |k: usize| if held[k] { -old[k] } else { Vector::zeros() };
+        let led = |k: usize| if points.held[k] { -old[k] } else { Vector::zeros() };
         let led: Vec<Vector<D>> = (0..old.len()).map(led).collect();
         matrix.add_product(&led, &mut slow);
         solution.solve(&mut slow);
         for (k, part) in self.potential.parts.iter_mut().enumerate() {
             let Part::Soft(soft) = part else { continue };
-            if soft.elastic.integrator().dissipation > 0.0 {
-                for (v, fast) in soft.fast.iter_mut().enumerate() {
-                    let node = points.first[k] + v;
-                    *fast = if held[node] { Vector::zeros() } else { old[node] - slow[node] };
-                }
+            for (v, fast) in soft.fast.iter_mut().enumerate() {
+                let node = points.first[k] + v;
+                *fast = if points.held[node] { Vector::zeros() } else { old[node] - slow[node] };
+            }
+        }
+    }
+
+    /// Takes viscosities where the velocities lead that it has come to.
+    fn recentre(&mut self) {
+        for (part, first) in self.potential.parts.iter_mut().zip(&self.potential.points.first) {
+            if let Part::Soft(soft) = part {
+                let count = soft.impulses.len();
+                soft.recentre(&self.now[*first..first + count]);
             }
         }
     }
@@ -263,9 +270,29 @@ impl<'a, const D: usize> Descent<'a, D> {
         self.potential.ahead * part
     }
 
+    /// Keeps with the solids what contacts with others do to them, in the mean; gives back the work, J (2D: J/m), of those that are told.
+    pub fn tell_contacts(&self, solids: &mut [SolidState<D>]) -> f64 {
+        let Potential { model, points, kick, .. } = self.potential;
+        let candidates = self.potential.candidates(&self.now, &self.now);
+        let given = self.potential.between(&self.now, &candidates);
+        for (k, now) in solids.iter_mut().enumerate() {
+            let (solid, own) = (&model.solids[k], &given[points.first[k]..]);
+            (now.held, now.braced) = (Vector::zeros(), [0.0; 3]);
+            if let Some(elastic) = solid.elastic() {
+                let count = elastic.masses().len();
+                now.held = own[..count].iter().sum::<Vector<D>>() / (solid.body.mass * kick);
+            } else if solid.motion == Motion::Free {
+                now.held = own[0] / (solid.body.mass * kick);
+                now.braced = (solid.inverse_inertia(now) * Vector::<3>::from(spin(&own[1])) / kick).into();
+            }
+        }
+        let told = (0..given.len()).filter(|node| points.held[*node]);
+        -told.map(|node| given[node].dot(&self.now[node])).sum::<f64>()
+    }
+
     /// What told nodes lack of their velocities.
     fn lead(&self) -> Vec<Vector<D>> {
-        let of = |k: usize| if self.potential.held[k] { self.told[k] - self.now[k] } else { Vector::zeros() };
+        let of = |k: usize| if self.potential.points.held[k] { self.told[k] - self.now[k] } else { Vector::zeros() };
         (0..self.now.len()).map(of).collect()
     }
 
@@ -284,7 +311,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         let mut to: Vec<Vector<D>> = self.now.iter().zip(change).map(|(v, c)| v + c).collect();
         points.give(model, solids, &to);
         let lead = self.lead();
-        (0..to.len()).filter(|k| self.potential.held[*k]).for_each(|k| to[k] = self.told[k]);
+        (0..to.len()).filter(|k| self.potential.points.held[*k]).for_each(|k| to[k] = self.told[k]);
         self.potential.pressed = pressed;
         let led = lead.iter().any(|l| l.norm_squared() > 0.0);
         let limit = SETTLED * self.potential.barrier.reach / self.potential.ahead;
@@ -302,7 +329,7 @@ impl<'a, const D: usize> Descent<'a, D> {
             self.rubs += 1;
             off = self.off(&self.now);
         }
-        if off < limit {
+        if off < limit && self.iteration > self.potential.model.numerics.newton_iterations as usize {
             return Ok(true);
         }
         if self.iteration >= ITERATIONS {

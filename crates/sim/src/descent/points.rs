@@ -4,11 +4,17 @@
 //! first component). Points are functions of the nodes' velocities `v`: `x + a v` of a vertex, `c + a v + exp(a ω) r` of a point
 //! of a rigid solid.
 
+use super::meet::Candidates;
 use crate::model::Model;
-use crate::solid::{Motion, SolidState};
+use crate::solid::{Motion, Solid, SolidState};
 use meniscus_contact::Surface;
+use meniscus_elastic::{Assembly, Elastic};
 use meniscus_numerics::{Matrix, Vector};
 
+/// Reach of the barrier, in cells.
+pub const REACH: f64 = 0.25;
+/// The least reach of a point that is near others at the start, over that.
+const LEAST: f64 = 0.1;
 /// Distance of probes of rigid solids, in cells.
 const EDGE: f64 = 0.5;
 
@@ -56,8 +62,14 @@ pub struct Points<const D: usize> {
     pub owners: Vec<Owner<D>>,
     /// The first node of each solid.
     pub first: Vec<usize>,
-    /// Number of nodes.
-    pub nodes: usize,
+    /// Which nodes nothing moves but what they are told.
+    pub held: Vec<bool>,
+    /// Pressure of each solid's weight on one of the `2 D` sides of its surface, Pa; 0 of those that are told.
+    pub weights: Vec<f64>,
+    /// How much farther, m, each point counts to be from what has no facets: what touches that at the start rests on it.
+    pub lifts: Vec<f64>,
+    /// How the solids' matrices stand in one; none where no solid deforms, or memory does not suffice.
+    pub assembly: Option<Assembly>,
 }
 
 impl<const D: usize> Points<D> {
@@ -89,12 +101,54 @@ impl<const D: usize> Points<D> {
             }
         }
         let surface = Surface::new(facets, &rest, bodies).with_points(probes);
-        Self { surface, owners, first, nodes }
+        let mut areas = vec![0.0; model.solids.len()];
+        surface.points().iter().for_each(|p| areas[owners[*p as usize].solid()] += surface.area(*p));
+        let weight = |(solid, area): (&Solid<D>, &f64)| {
+            let told = solid.motion.is_told() || *area == 0.0;
+            if told { 0.0 } else { solid.body.mass * model.gravity.norm() * (2 * D) as f64 / area }
+        };
+        let weights = model.solids.iter().zip(&areas).map(weight).collect();
+        let held = held(model);
+        let deforming = model.solids.iter().zip(&first).filter_map(|(s, first)| Some((*first, s.elastic()?)));
+        let deforming: Vec<(usize, &Elastic<D>)> = deforming.collect();
+        let assembly = if deforming.is_empty() { None } else { Assembly::new(&deforming, held.clone()) };
+        let (lifts, reaches) = (vec![0.0; owners.len()], vec![f64::INFINITY; owners.len()]);
+        let surface = surface.with_reaches(reaches);
+        let mut all = Self { surface, owners, first, held, weights, lifts, assembly };
+        all.fit_to_start(model);
+        all
+    }
+
+    /// Lets no point feel at the start what it is near to then: it feels that from there on, but not from less than a part
+    /// [`LEAST`] of the barrier's reach.
+    fn fit_to_start(&mut self, model: &Model<D>) {
+        let (reach, still) = (REACH * model.grid.dx, vec![Vector::zeros(); self.nodes()]);
+        let start: Vec<SolidState<D>> = model.solids.iter().map(Solid::start).collect();
+        let places = Places::new(model, &start, self, &still, 0.0);
+        let candidates = Candidates::between(&places, &places, reach);
+        let at = places.all();
+        let mut reaches = candidates.near.least_distances(&at);
+        let mut lifts = vec![0.0; at.len()];
+        for meeting in &candidates.meetings {
+            let (p, distance) = meeting.distance(&places, &at);
+            let distance = distance - self.surface.radius(p);
+            let (p, lift) = (p as usize, (LEAST * reach - distance).max(0.0));
+            reaches[p] = reaches[p].min(distance + lift);
+            lifts[p] = f64::max(lifts[p], lift);
+        }
+        reaches.iter_mut().for_each(|r| *r = if *r < reach { r.max(LEAST * reach) } else { f64::INFINITY });
+        self.surface = std::mem::take(&mut self.surface).with_reaches(reaches);
+        self.lifts = lifts;
+    }
+
+    /// Distance, m, that counts as none between a point and what has no facets.
+    pub fn thickness(&self, point: u32) -> f64 {
+        self.surface.radius(point) - self.lifts[point as usize]
     }
 
     /// Velocities of the nodes as solids move now.
     pub fn velocities(&self, model: &Model<D>, solids: &[SolidState<D>]) -> Vec<Vector<D>> {
-        let mut all = Vec::with_capacity(self.nodes);
+        let mut all = Vec::with_capacity(self.nodes());
         for (_, now) in model.solids.iter().zip(solids) {
             match &now.soft {
                 Some(soft) => all.extend_from_slice(&soft.body.velocities),
@@ -118,14 +172,19 @@ impl<const D: usize> Points<D> {
         }
     }
 
-    /// Which nodes nothing moves but what they are told.
-    pub fn held(&self, model: &Model<D>) -> Vec<bool> {
-        let of = |solid: &crate::solid::Solid<D>| match solid.elastic() {
-            Some(elastic) => elastic.held().to_vec(),
-            None => vec![solid.motion.is_told(); 2],
-        };
-        model.solids.iter().flat_map(of).collect()
+    /// Number of nodes.
+    pub fn nodes(&self) -> usize {
+        self.held.len()
     }
+}
+
+/// Which nodes nothing moves but what they are told.
+fn held<const D: usize>(model: &Model<D>) -> Vec<bool> {
+    let of = |solid: &Solid<D>| match solid.elastic() {
+        Some(elastic) => elastic.held().to_vec(),
+        None => vec![solid.motion.is_told(); 2],
+    };
+    model.solids.iter().flat_map(of).collect()
 }
 
 /// An angular velocity as a node has it.
@@ -140,9 +199,11 @@ pub fn spin<const D: usize>(node: &Vector<D>) -> [f64; 3] {
 
 /// Solids somewhere on the way of a step.
 pub struct Places<'a, const D: usize> {
-    model: &'a Model<D>,
+    /// The model.
+    pub model: &'a Model<D>,
     solids: &'a [SolidState<D>],
-    points: &'a Points<D>,
+    /// The solids' points.
+    pub points: &'a Points<D>,
     /// Velocities of the nodes.
     velocities: &'a [Vector<D>],
     /// For how long they go on, s.

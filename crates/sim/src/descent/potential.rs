@@ -4,11 +4,12 @@
 //! other forces give it; of all together `h/a` times the barriers between them at the end of the coming step, of length `a`, and what
 //! friction holds them with on the way there.
 
+use super::meet::{Candidates, Meeting, relative, sides};
 use super::points::{Lever, Owner, Places, Points};
 use super::response::Tie;
-use crate::model::{Model, Wall};
+use crate::model::Model;
 use crate::solid::SolidState;
-use meniscus_contact::{Barrier, Contact, Friction, Kind, Local, Near, Plane, Rubbing};
+use meniscus_contact::{Barrier, Contact, Friction, Kind, Local, Rubbing};
 use meniscus_elastic::{BlockMatrix, Cliques, Incremental};
 use meniscus_numerics::{Matrix, Vector};
 use rayon::prelude::*;
@@ -35,15 +36,6 @@ pub enum Part<'a, const D: usize> {
     Told,
 }
 
-/// A point that meets something that has no facets.
-#[derive(Clone, Copy, Debug)]
-pub enum Meeting {
-    /// A point and a rigid solid.
-    Rigid(u32, usize),
-    /// A point and a side of the domain.
-    Side(u32, usize),
-}
-
 /// A point and the nearest place of what it meets.
 struct Met<const D: usize> {
     /// Number of the point.
@@ -54,15 +46,6 @@ struct Met<const D: usize> {
     normal: Vector<D>,
     /// The other place, where it moves.
     other: Option<Owner<D>>,
-}
-
-/// What may meet.
-#[derive(Clone, Debug, Default)]
-pub struct Candidates {
-    /// Points and facets, edges and edges.
-    pub near: Near,
-    /// Points and what has no facets.
-    pub meetings: Vec<Meeting>,
 }
 
 /// A term: the points that it is of, with their levers, and its derivatives by their positions.
@@ -88,8 +71,6 @@ pub struct Potential<'a, const D: usize> {
     pub points: &'a Points<D>,
     /// The solids' own parts.
     pub parts: Vec<Part<'a, D>>,
-    /// Nodes that nothing moves but what they are told.
-    pub held: Vec<bool>,
     /// The barrier between all of them.
     pub barrier: Barrier,
     /// For how long the forces act, s.
@@ -102,6 +83,10 @@ pub struct Potential<'a, const D: usize> {
     pub pressed: Vec<Vector<D>>,
 }
 
+/// Stiffness of the barrier between solids that deform over Young's modulus of the softer one: what presses one by a tenth rests in
+/// the middle of the reach.
+const ELASTIC: f64 = 0.1;
+
 /// Way in a step, in reaches of the barrier, below which things stick.
 const STICK: f64 = 1e-2;
 
@@ -111,35 +96,30 @@ impl<'a, const D: usize> Potential<'a, D> {
         Places::new(self.model, self.solids, self.points, velocities, self.ahead)
     }
 
-    /// The closed sides of the domain.
-    pub fn sides(&self) -> Vec<Plane<D>> {
-        let upper = self.model.grid.upper();
-        let mut all = Vec::new();
-        for a in 0..D {
-            for (up, wall) in self.model.walls[a].iter().enumerate() {
-                if *wall == Wall::Slip {
-                    let sign = 1.0 - 2.0 * up as f64;
-                    let normal = Vector::from_fn(|b, _| if a == b { sign } else { 0.0 });
-                    all.push(Plane { point: if up == 0 { Vector::zeros() } else { upper }, normal });
-                }
-            }
-        }
-        all
-    }
-
-    /// Stiffness of the barrier, Pa: the pressures that a scene can have at rest, tension's in a drop of a cell, and that of the weight
-    /// of a column through the domain. What presses so much rests in the middle of the reach.
-    fn stiffness(&self) -> f64 {
+    /// Stiffness of the barrier, Pa, between a point and another, or what nothing moves: the pressures that there can be at rest,
+    /// tension's in a drop of a cell, that of a column of liquid through the domain, of the solids' weight, and what presses the softer
+    /// one by a tenth. What presses so much rests in the middle of the reach.
+    fn stiffness(&self, point: &Owner<D>, other: Option<&Owner<D>>) -> f64 {
         let model = self.model;
         let speed = model.grid.dx / model.capillary_step();
-        let weight: f64 = model.gravity.iter().zip(&model.grid.upper()).map(|(g, l)| (g * l).abs()).sum();
-        model.density * (speed * speed + weight)
+        let column: f64 = model.gravity.iter().zip(&model.grid.upper()).map(|(g, l)| (g * l).abs()).sum();
+        let young = |owner: &Owner<D>| model.solids[owner.solid()].elastic().map_or(f64::INFINITY, |e| e.young());
+        let weight = |owner: &Owner<D>| self.points.weights[owner.solid()];
+        let softer = young(point).min(other.map_or(f64::INFINITY, young));
+        let elastic = if softer.is_finite() { ELASTIC * softer } else { 0.0 };
+        let heavier = weight(point).max(other.map_or(0.0, weight));
+        model.density * (speed * speed + column) + heavier + elastic
+    }
+
+    /// The barrier between a point and what has no facets.
+    fn barrier(&self, point: u32) -> Barrier {
+        Barrier { reach: self.barrier.reach.min(self.points.surface.reach(point)) }
     }
 
     /// The contacts within reach at the end.
     fn contacts(&self, candidates: &Candidates, at: &[Vector<D>]) -> Vec<Contact> {
-        let stiffness = self.stiffness();
-        candidates.near.contacts(&self.barrier, at, |_, _| stiffness)
+        let owner = |p: u32| &self.points.owners[p as usize];
+        candidates.near.contacts(self.barrier.reach, at, |p, q| self.stiffness(owner(p), Some(owner(q))))
     }
 
     fn met(&self, meeting: &Meeting, places: &Places<'_, D>, at: &[Vector<D>]) -> Met<D> {
@@ -150,11 +130,11 @@ impl<'a, const D: usize> Potential<'a, D> {
                 (p, distance, normal, Some(Owner::Rigid { solid, at: places.at_start(solid, x), radius: 0.0 }))
             }
             Meeting::Side(p, side) => {
-                let plane = &self.sides()[side];
+                let plane = &sides(self.model)[side];
                 (p, plane.distance(&at[p as usize]), plane.normal, None)
             }
         };
-        Met { point, distance: distance - self.points.surface.radius(point), normal, other }
+        Met { point, distance: distance - self.points.thickness(point), normal, other }
     }
 
     /// Its value, J (2D: J/m).
@@ -163,12 +143,11 @@ impl<'a, const D: usize> Potential<'a, D> {
         let places = self.places(velocities);
         let at = places.all();
         let contacts = self.contacts(candidates, &at);
-        let between: f64 = contacts.iter().map(|c| self.barrier.energy(c, &at)).sum();
-        let stiffness = self.stiffness();
+        let between: f64 = contacts.iter().map(|c| c.energy(&at)).sum();
         let met = |m: &Meeting| {
             let met = self.met(m, &places, &at);
-            let energy = self.barrier.of_distance(met.distance)[0];
-            if energy > 0.0 { self.points.surface.area(met.point) * stiffness * energy } else { 0.0 }
+            let energy = self.barrier(met.point).of_distance(met.distance)[0];
+            if energy > 0.0 { self.points.surface.area(met.point) * self.stiffness(&self.points.owners[met.point as usize], met.other.as_ref()) * energy } else { 0.0 }
         };
         let others: f64 = candidates.meetings.iter().map(met).sum();
         let friction = Friction { stick: STICK * self.barrier.reach };
@@ -200,18 +179,18 @@ impl<'a, const D: usize> Potential<'a, D> {
         let owners = &self.points.owners;
         let lever = |p: u32| places.levers(&owners[p as usize]);
         let of_contact = |c: &Contact| {
-            let local = self.barrier.derivatives(c, &at)?;
+            let local = c.derivatives(&at)?;
             let local = if positive { local.positive() } else { local };
             Some(Term { levers: c.stencil.points().iter().map(|p| lever(*p)).collect(), local })
         };
         let mut terms: Vec<Term<D>> = contacts.par_iter().with_min_len(32).filter_map(of_contact).collect();
         for m in &candidates.meetings {
             let Met { point, distance, normal, other } = self.met(m, places, &at);
-            let [value, slope, bend] = self.barrier.of_distance(distance);
+            let [value, slope, bend] = self.barrier(point).of_distance(distance);
             if value == 0.0 {
                 continue;
             }
-            let scale = self.points.surface.area(point) * self.stiffness();
+            let scale = self.points.surface.area(point) * self.stiffness(&owners[point as usize], other.as_ref());
             let mut levers = vec![lever(point)];
             levers.extend(other.map(|o| places.levers(&o)));
             let mut local = Local::zeros(levers.len());
@@ -252,14 +231,21 @@ impl<'a, const D: usize> Potential<'a, D> {
                 Part::Told => {}
             }
         }
-        for Term { levers, local } in &self.terms(&self.places(velocities), candidates, true) {
+        gradient.iter_mut().zip(self.between(velocities, candidates)).for_each(|(g, push)| *g -= push);
+        gradient
+    }
+
+    /// Impulses, N s (2D: N s/m), that contacts and friction give to the nodes.
+    pub fn between(&self, velocities: &[Vector<D>], candidates: &Candidates) -> Vec<Vector<D>> {
+        let mut impulses = vec![Vector::zeros(); velocities.len()];
+        for Term { levers, local } in &self.terms(&self.places(velocities), candidates, false) {
             for k in 0..local.count {
                 for (i, by) in &levers[k] {
-                    gradient[*i] += by.tr_mul(&local.gradient[k]) * self.kick;
+                    impulses[*i] -= by.tr_mul(&local.gradient[k]) * self.kick;
                 }
             }
         }
-        gradient
+        impulses
     }
 
     /// Its second derivatives, kg (2D: kg/m), or their `positive` part; nothing where a solid's matrix cannot be. `ties` add their
@@ -272,10 +258,9 @@ impl<'a, const D: usize> Potential<'a, D> {
         positive: bool,
     ) -> Option<BlockMatrix<D>> {
         let mut parts = Vec::new();
-        for (k, part) in self.parts.iter().enumerate() {
-            let first = self.points.first[k];
+        for (part, first) in self.parts.iter().zip(&self.points.first) {
             if let Part::Soft(soft) = part {
-                parts.push((first, soft.matrix(&velocities[first..first + soft.impulses.len()], positive)?));
+                parts.push(soft.matrix(&velocities[*first..first + soft.impulses.len()], positive)?);
             }
         }
         let terms = self.terms(&self.places(velocities), candidates, positive);
@@ -284,8 +269,7 @@ impl<'a, const D: usize> Potential<'a, D> {
             groups.push(term.levers.iter().flatten().map(|l| l.0 as u32));
         }
         ties.iter().for_each(|tie| groups.push(tie.arm.iter().map(|arm| arm.0 as u32)));
-        let parts: Vec<(usize, &BlockMatrix<D>)> = parts.iter().map(|(first, m)| (*first, m)).collect();
-        let mut matrix = BlockMatrix::assembled(self.points.nodes, &parts, &groups);
+        let mut matrix = self.points.assembly.as_ref()?.matrix(&parts, &groups);
         for (k, part) in self.parts.iter().enumerate() {
             let node = self.points.first[k] as u32;
             if let Part::Free(rigid) = part {
@@ -319,50 +303,7 @@ impl<'a, const D: usize> Potential<'a, D> {
 
     /// What may meet on the way to the end of the coming step between two choices of velocities.
     pub fn candidates(&self, from: &[Vector<D>], to: &[Vector<D>]) -> Candidates {
-        let (start, end) = (self.places(from).all(), self.places(to).all());
-        let ways: Vec<Vector<D>> = end.iter().zip(&start).map(|(e, s)| e - s).collect();
-        let model = self.model;
-        let rigid = |body: u32| model.solids[body as usize].elastic().is_none();
-        let still = |p: u32| match self.points.owners[p as usize] {
-            Owner::Vertex { solid, vertex } => self.held[self.points.first[solid] + vertex],
-            Owner::Rigid { solid, .. } => model.solids[solid].motion.is_told(),
-        };
-        let reach = self.barrier.reach;
-        let near = self.points.surface.near(&start, &ways, reach, rigid, still);
-        let mut meetings = Vec::new();
-        for (side, plane) in self.sides().iter().enumerate() {
-            let close = plane.near(&self.points.surface, &start, &ways, reach);
-            meetings.extend(close.into_iter().filter(|p| !still(*p)).map(|p| Meeting::Side(p, side)));
-        }
-        let (one, other) = (self.places(from), self.places(to));
-        for solid in (0..model.solids.len()).filter(|k| rigid(*k as u32) && model.wetting_walls() != Some(*k)) {
-            let told = model.solids[solid].motion.is_told();
-            for p in self.points.surface.points() {
-                let owner = &self.points.owners[*p as usize];
-                if owner.solid() == solid || told && still(*p) {
-                    continue;
-                }
-                let k = *p as usize;
-                let wide = reach + self.points.surface.radius(*p);
-                let way = self.relative(&one, &other, solid, &start[k], &end[k]);
-                if one.from_rigid(solid, &start[k]).0 < wide + way {
-                    meetings.push(Meeting::Rigid(*p, solid));
-                }
-            }
-        }
-        Candidates { near, meetings }
-    }
-
-    /// A bound of the way of a point as a rigid solid sees it, m.
-    fn relative(
-        &self,
-        one: &Places<'_, D>,
-        other: &Places<'_, D>,
-        solid: usize,
-        start: &Vector<D>,
-        end: &Vector<D>,
-    ) -> f64 {
-        (other.at_start(solid, end) - one.at_start(solid, start)).norm() * 1.5
+        Candidates::between(&self.places(from), &self.places(to), self.barrier.reach)
     }
 
     /// The largest part of the way from some velocities along a change of them, up to all of it, on which nothing gives up more than
@@ -379,18 +320,17 @@ impl<'a, const D: usize> Potential<'a, D> {
         let (start, end) = (one.all(), other.all());
         let ways: Vec<Vector<D>> = end.iter().zip(&start).map(|(e, s)| e - s).collect();
         let mut part = candidates.near.free_step(&start, &ways, keep);
-        let near_part = part;
-        let sides = self.sides();
+        let sides = sides(self.model);
         for m in &candidates.meetings {
             match *m {
                 Meeting::Side(p, side) => {
-                    let (k, radius) = (p as usize, self.points.surface.radius(p));
+                    let (k, radius) = (p as usize, self.points.thickness(p));
                     part = part.min(sides[side].free_step(&start[k], &ways[k], (radius, keep)));
                 }
                 Meeting::Rigid(p, solid) => {
-                    let (k, radius) = (p as usize, self.points.surface.radius(p));
+                    let (k, radius) = (p as usize, self.points.thickness(p));
                     let far = one.from_rigid(solid, &start[k]).0 - radius;
-                    let way = self.relative(&one, &other, solid, &start[k], &end[k]);
+                    let way = relative((&one, &other), solid, (&start[k], &end[k]));
                     if way > (1.0 - keep) * far {
                         part = part.min((1.0 - keep) * far / way);
                     }
@@ -402,9 +342,6 @@ impl<'a, const D: usize> Potential<'a, D> {
                 let own = self.points.first[k]..self.points.first[k] + soft.impulses.len();
                 part = part.min(soft.upright_step(&from[own.clone()], &change[own], keep));
             }
-        }
-        if part < 1.0 && std::env::var("MEN_DESCENT").is_ok() {
-            eprintln!("  free: near {near_part:.3e} all {part:.3e}");
         }
         part
     }
@@ -426,7 +363,7 @@ impl<'a, const D: usize> Potential<'a, D> {
             let (first, second) = (points[0], points[c.stencil.kind.first()]);
             let coefficient =
                 friction(owners[first as usize].solid(), Some(owners[second as usize].solid()));
-            let Some(rubbing) = Rubbing::new(&self.barrier, &c, coefficient, &at) else { continue };
+            let Some(rubbing) = Rubbing::new(&c, coefficient, &at) else { continue };
             let mut own = [owners[first as usize]; 4];
             own.iter_mut().zip(points).for_each(|(o, p)| *o = owners[*p as usize]);
             let mut stencil = c.stencil;
@@ -441,8 +378,8 @@ impl<'a, const D: usize> Potential<'a, D> {
             let Met { point, distance, normal, other } = self.met(m, &places, &at);
             let solid = owners[point as usize].solid();
             let coefficient = friction(solid, other.map(|o| o.solid()));
-            let slope = self.barrier.of_distance(distance)[1];
-            let hold = -coefficient * self.points.surface.area(point) * self.stiffness() * slope;
+            let slope = self.barrier(point).of_distance(distance)[1];
+            let hold = -coefficient * self.points.surface.area(point) * self.stiffness(&owners[point as usize], other.as_ref()) * slope;
             if hold <= 0.0 {
                 continue;
             }

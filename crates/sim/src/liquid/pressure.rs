@@ -296,10 +296,6 @@ fn slow<const D: usize>(p: &mut Projection<'_, D>) {
     }
 }
 
-/// Openings of a cell's two faces along an axis, together, below which the difference of λ across them is that of a slit between
-/// solids, not a slope in the cell: of a cell that one even wall cuts so little is left that it does not count.
-const SLIT: f64 = 0.25;
-
 /// Slope of λ in a liquid cell, a cell: along each axis the mean over the faces to other liquid cells, by their openings.
 fn slope<const D: usize>(model: &Model<D>, p: &Projection<'_, D>, cell: usize) -> Vector<D> {
     let lattice = model.grid.lattice();
@@ -320,7 +316,7 @@ fn slope<const D: usize>(model: &Model<D>, p: &Projection<'_, D>, cell: usize) -
         if at[a] + 1 < lattice.extent[a] {
             add(open(1), cell, cell + lattice.stride[a]);
         }
-        sum / all.max(SLIT)
+        if all > 0.0 { sum / all } else { 0.0 }
     })
 }
 
