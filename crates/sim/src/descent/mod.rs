@@ -37,6 +37,8 @@ const BARE: f64 = 0.01;
 const ITERATIONS: usize = 60;
 /// Move at the end of the coming step, in reaches, at which iterations end.
 const SETTLED: f64 = 1e-3;
+/// The same, over that, that friction may still be wrong by: it is looked at so seldom that what is left stays.
+const RUBBED: f64 = 0.01;
 /// Most halvings of an iteration.
 const HALVINGS: usize = 30;
 /// Most times that friction is looked at again.
@@ -318,18 +320,17 @@ impl<'a, const D: usize> Descent<'a, D> {
         let size = to.iter().zip(&self.now).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         let (next, whole) = self.advanced(&to, !led && size > limit);
         let mut off = if whole { self.off(&next) } else { f64::INFINITY };
-        if std::env::var("MEN_DESCENT").is_ok() {
-            eprintln!("  descent {}: whole {whole} off {:.3e} size {:.3e} rubs {} {}", self.iteration, off / limit, size / limit, self.potential.rubs.len(), self.rubs);
-        }
         self.now = next;
         self.iteration += 1;
-        if off < limit && self.rubs < RUBS {
+        let mut settled = off < limit;
+        if settled && self.rubs < RUBS {
             let candidates = self.potential.candidates(&self.now, &self.now);
             self.potential.rubs = self.potential.rubbing(&self.now, &candidates);
             self.rubs += 1;
             off = self.off(&self.now);
+            settled = off < RUBBED * limit;
         }
-        if off < limit && self.iteration > self.potential.model.numerics.newton_iterations as usize {
+        if settled && self.iteration > model.numerics.newton_iterations as usize {
             return Ok(true);
         }
         if self.iteration >= ITERATIONS {

@@ -88,7 +88,7 @@ pub struct Potential<'a, const D: usize> {
 const ELASTIC: f64 = 0.1;
 
 /// Way in a step, in reaches of the barrier, below which things stick.
-const STICK: f64 = 1e-2;
+const STICK: f64 = 1e-3;
 
 impl<'a, const D: usize> Potential<'a, D> {
     /// The solids after a time with these velocities.

@@ -237,7 +237,7 @@ fn meet<const D: usize>(n: usize, offset: f64, young: f64, friction: f64) {
     solids[0].velocity[0] = 1.0;
     solids[1].velocity[0] = -0.5;
     solids.iter_mut().for_each(|s| s.friction = friction);
-    let mut simulation = dry::<D>(solids, Vector::zeros(), 2e-3);
+    let mut simulation = dry::<D>(solids, Vector::zeros(), std::env::var("STEP").map_or(2e-3, |s| s.parse().unwrap()));
     let start = books(&simulation);
     let (mut worst, mut wrong, mut spun) = (f64::NEG_INFINITY, 0.0f64, 0.0f64);
     run(&mut simulation, 0.25, |s| {
