@@ -89,6 +89,8 @@ const ELASTIC: f64 = 0.1;
 
 /// Way in a step, in reaches of the barrier, below which things stick.
 const STICK: f64 = 1e-3;
+/// The same over what gravity moves things in a step: what sticks creeps no faster than a part of what a step of free fall adds.
+const CREEP: f64 = 0.1;
 
 impl<'a, const D: usize> Potential<'a, D> {
     /// The solids after a time with these velocities.
@@ -109,6 +111,13 @@ impl<'a, const D: usize> Potential<'a, D> {
         let elastic = if softer.is_finite() { ELASTIC * softer } else { 0.0 };
         let heavier = weight(point).max(other.map_or(0.0, weight));
         model.density * (speed * speed + column) + heavier + elastic
+    }
+
+    /// Friction of this step.
+    fn friction(&self) -> Friction {
+        let (stick, gravity) = (STICK * self.barrier.reach, self.model.gravity.norm());
+        let fall = if gravity > 0.0 { CREEP * gravity * self.kick * self.ahead } else { stick };
+        Friction { stick: stick.min(fall) }
     }
 
     /// The barrier between a point and what has no facets.
@@ -150,7 +159,7 @@ impl<'a, const D: usize> Potential<'a, D> {
             if energy > 0.0 { self.points.surface.area(met.point) * self.stiffness(&self.points.owners[met.point as usize], met.other.as_ref()) * energy } else { 0.0 }
         };
         let others: f64 = candidates.meetings.iter().map(met).sum();
-        let friction = Friction { stick: STICK * self.barrier.reach };
+        let friction = self.friction();
         let rub = |r: &Rub<D>| {
             let to = r.owners.map(|o| places.at(&o));
             friction.energy(&r.rubbing, &r.from, &to)
@@ -204,7 +213,7 @@ impl<'a, const D: usize> Potential<'a, D> {
             }
             terms.push(Term { levers, local });
         }
-        let friction = Friction { stick: STICK * self.barrier.reach };
+        let friction = self.friction();
         for r in &self.rubs {
             let to = r.owners.map(|o| places.at(&o));
             let local = friction.derivatives(&r.rubbing, &r.from, &to);

@@ -17,7 +17,7 @@ fn spin(s: &mut Simulation<2>, omega: f64) {
     }
 }
 
-/// A spinning strip in a bath, after a step with so many iterations: the velocities of its vertices.
+/// A spinning strip in a bath, after a step with so many iterations beyond the first at least: the velocities of its vertices.
 fn stirred(iterations: u32) -> Vec<Vector<2>> {
     const CELLS: usize = 32;
     let strip =
@@ -55,11 +55,11 @@ fn iterations_converge_in_liquid() {
     };
     let changes: Vec<f64> = (0..5).map(change).collect();
     println!("{changes:?}");
-    assert!(changes[0] > 1e-3, "nothing to do: {changes:?}");
-    assert!(changes[4] < 1e-4 * changes[0], "{changes:?}");
+    assert!(changes[1] > 1e-5, "nothing to do: {changes:?}");
+    assert!(changes[4] < 1e-4 * changes[1], "{changes:?}");
 }
 
-/// What rests on the floor, pressed by a fifth under its weight, is as high with iterations as without.
+/// What rests on the floor, pressed by a fifth under its weight, is as high with more iterations as without.
 #[test]
 fn iterations_know_of_the_floor() {
     let height = |iterations| {
@@ -71,7 +71,7 @@ fn iterations_know_of_the_floor() {
         let x = places(&s, 0);
         x.iter().map(|x| x[1]).fold(0.0, f64::max) - x.iter().map(|x| x[1]).fold(1.0, f64::min)
     };
-    let (linear, newton) = (height(0), height(3));
-    println!("{linear:.6} and {newton:.6} of 0.4 high");
-    assert!(linear < 0.34 && (newton - linear).abs() < 1e-4 * linear, "{linear} {newton}");
+    let (few, more) = (height(0), height(3));
+    println!("{few:.6} and {more:.6} of 0.4 high");
+    assert!(few < 0.34 && (more - few).abs() < 1e-4 * few, "{few} {more}");
 }
