@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 const MAGIC: &[u8; 8] = b"MENISCKP";
-const VERSION: u32 = 11;
+const VERSION: u32 = 12;
 /// Values per compressed block (4 MiB).
 const BLOCK: usize = 1 << 19;
 /// Checkpoints that are kept.
@@ -57,7 +57,7 @@ struct Header {
     numbers: [f64; 12],
     drops: Vec<DropRecord>,
     /// Centre, rotation by columns, velocity, spin, forces, what holds and braces it, of each solid; of one that deforms
-    /// also its time, all positions, all velocities, then what holds its vertices.
+    /// also its time, all positions, and all velocities.
     solids: Vec<Vec<f64>>,
     tally: Tally,
     /// Bytes of each compressed block, per array: phi, lambda, then the velocity along each axis.
@@ -76,7 +76,7 @@ struct DropRecord {
 fn solid_record<'a, const D: usize>(solid: &'a SolidState<D>) -> Vec<f64> {
     let SolidState { center, rotation, velocity, spin, pressed, pulled, held, braced, soft } = solid;
     let motion = center.iter().chain(rotation).chain(velocity).chain(spin);
-    let vertices = |s: &'a Soft<D>| s.body.positions.iter().chain(&s.body.velocities).chain(&s.held);
+    let vertices = |s: &'a Soft<D>| s.body.positions.iter().chain(&s.body.velocities);
     let vertices = soft.iter().flat_map(vertices).flatten();
     let time = soft.iter().map(|s| &s.body.time);
     let forces = pressed.iter().chain(pulled).chain(held).chain(braced);
@@ -87,14 +87,13 @@ fn restore_solid<const D: usize>(record: &[f64]) -> Option<SolidState<D>> {
     let (record, vertices) = record.split_at_checked(5 * D + D * D + 6)?;
     let (time, vertices) = vertices.split_at(vertices.len().min(1));
     let (vertices, rest) = vertices.as_chunks::<D>();
-    if !rest.is_empty() || vertices.len() % 3 != 0 {
+    if !rest.is_empty() || vertices.len() % 2 != 0 {
         return None;
     }
     let vertices: Vec<Vector<D>> = vertices.iter().map(|v| Vector::from(*v)).collect();
-    let (positions, rest) = vertices.split_at(vertices.len() / 3);
-    let (velocities, held) = rest.split_at(positions.len());
+    let (positions, velocities) = vertices.split_at(vertices.len() / 2);
     let (positions, velocities) = (positions.to_vec(), velocities.to_vec());
-    let soft = |time: &f64| Soft::bare(ElasticState { positions, velocities, time: *time }, held.to_vec());
+    let soft = |time: &f64| Soft::bare(ElasticState { positions, velocities, time: *time });
     let soft = time.first().map(soft);
     let (center, rest) = record.split_at(D);
     let (rotation, rest) = rest.split_at(D * D);
@@ -440,7 +439,6 @@ mod tests {
                     positions: vec![Vector::from([0.1, 0.2]), Vector::from([-3.0, 1e-9])],
                     velocities: vec![Vector::from([0.3, 0.0]), Vector::from([7.0, -0.1])],
                 },
-                vec![Vector::from([0.0, 1.5]), Vector::from([-0.0, 2.5])],
             )),
         });
         (state.lambda.data[3], state.kinetic_energy, state.surface_area) = (2.5, 0.1, 0.3);

@@ -108,33 +108,27 @@ record! {
     volume_unconverged: count of Count,
     /// Largest volume error that they left, over the volume of the liquid.
     volume_residual: max of Ratio,
-    /// Steps in which Newton's iterations of solids that deform, where they are asked for, did not converge.
-    newton_unconverged: count of Count,
+    /// Newton's iterations of solids whose second derivatives were not positive definite, so that their positive part was taken.
+    indefinite_iterations: count of Count,
     /// Largest share of the liquid's weight that the filter of the curvature beside solids leaves out.
     weight_left_out: max of Ratio,
     /// Contact solves (Gauss–Seidel) that ended unconverged at the largest number of sweeps.
     contact_sweeps: count of Count,
-    /// Contact solves that ended unconverged at the largest number of corrections, where too many vertices touch for the exact
-    /// answer.
-    contact_corrections: count of Count,
     /// Steps in which rigid solids still hit one another after the largest number of rounds.
     contact_rounds: count of Count,
-    /// Steps in which the search for contacts of solids that deform ended while it still found some.
-    contact_looks: count of Count,
-    /// Steps in which something still met after the largest number of rigid zones.
-    contact_freezes: count of Count,
-    /// Vertices and rigid solids that went on as parts of rigid zones.
-    frozen_points: count of Count,
     /// Rounds of hits that were stopped, as bouncing would have made energy.
     stopped_bounces: count of Count,
     /// Contacts at which rigid solids overlapped and were moved apart.
     parted: count of Count,
     /// Largest depth of such an overlap, m.
     parted_depth: max of Length,
-    /// Elements of springs below half of their volume at rest, which an extra spring holds upright, in every step.
+    /// Elements below three tenths of their volume at rest, which an extra energy keeps upright, in every step.
     crushed_elements: count of Count,
     /// Free solids whose moments of inertia have no inverse, in every step: nothing turns them.
     singular_inertia: count of Count,
+    /// Bodies of liquid, in every step, whose momentum was not restored, because they lie between solids: the mass of their faces
+    /// differs from that of their volume by more than twice.
+    unrestored: count of Count,
     /// Times that the component of a liquid cell was asked for where there is none; it then counts as the first component's.
     unlabelled: count of Count,
     /// Faces within solids for which no solid was found to slip along: their velocity is zero.
@@ -148,8 +142,6 @@ record! {
     redone: count of Count,
     /// Those of them in which a solve for pressure, viscosity or a solid failed, or the liquid ran away.
     failed_tries: count of Count,
-    /// Steps that were longer than the straining of the solids' elements allows, because they would have been too short.
-    floored_steps: count of Count,
 }
 
 impl Repairs {
@@ -157,12 +149,8 @@ impl Repairs {
     pub fn unconverged(&self) -> u64 {
         self.filter_unconverged
             + self.volume_unconverged
-            + self.newton_unconverged
             + self.contact_sweeps
-            + self.contact_corrections
             + self.contact_rounds
-            + self.contact_looks
-            + self.contact_freezes
     }
 }
 
@@ -173,11 +161,11 @@ mod tests {
     #[test]
     fn records_add_up_and_survive_as_numbers() {
         let step =
-            Repairs { volume_shift: 0.5, volume_shift_largest: 0.25, contact_looks: 1, ..Repairs::default() };
+            Repairs { volume_shift: 0.5, volume_shift_largest: 0.25, contact_rounds: 1, ..Repairs::default() };
         let mut sum = Repairs { volume_shift_largest: 0.5, redone: 2, ..Repairs::default() };
         (0..2).for_each(|_| sum.add(&step));
         assert_eq!((sum.volume_shift, sum.volume_shift_largest), (1.0, 0.5));
-        assert_eq!((sum.contact_looks, sum.redone, sum.unconverged()), (2, 2, 2));
+        assert_eq!((sum.contact_rounds, sum.redone, sum.unconverged()), (2, 2, 2));
         assert_eq!(sum.values().len(), Repairs::ENTRIES.len());
         assert_eq!(Repairs::from_values(&sum.values()), Some(sum.clone()));
         assert_eq!(Repairs::from_values(&sum.values()[1..]), None);

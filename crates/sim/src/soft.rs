@@ -5,15 +5,10 @@
 //! (`meniscus_elastic`). The liquid's pressure is solved for with `A⁻¹` in its system, so that how soft or light a solid is sets
 //! no limit to the step (design, numerics §1).
 
-use crate::model::Model;
 use crate::skin::{Grip, Skin};
-use crate::solid::SolidState;
-use meniscus_elastic::{Elastic, ElasticError, ElasticState, Linearisation, Reach, StiffnessBlock, System};
+use meniscus_elastic::{Elastic, ElasticState};
 use meniscus_numerics::Vector;
-use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::mesh::SurfaceMesh;
-use rayon::prelude::*;
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Time, s, over which held vertices have their velocity at the start.
@@ -29,13 +24,11 @@ pub struct Soft<const D: usize> {
     pub body: ElasticState<D>,
     /// Its surface there.
     pub skin: Arc<Skin<D>>,
-    /// What the contacts that its vertices rest on accelerated each by in the last step, m/s².
-    pub held: Vec<Vector<D>>,
 }
 
 impl<const D: usize> PartialEq for Soft<D> {
     fn eq(&self, other: &Self) -> bool {
-        self.body == other.body && self.held == other.held
+        self.body == other.body
     }
 }
 
@@ -49,21 +42,20 @@ impl<const D: usize> Soft<D> {
     }
 
     /// The solid as a checkpoint has it: [`crate::Simulation::resume`] gives it its surface.
-    pub fn bare(body: ElasticState<D>, held: Vec<Vector<D>>) -> Self {
-        Self { body, skin: Arc::new(Skin::new(SurfaceMesh::default(), Vec::new())), held }
+    pub fn bare(body: ElasticState<D>) -> Self {
+        Self { body, skin: Arc::new(Skin::new(SurfaceMesh::default(), Vec::new())) }
     }
 
     /// The solid in a state of its own.
     pub fn of(elastic: &Elastic<D>, body: ElasticState<D>) -> Self {
         let (surface, vertices) = elastic.mesh().surface();
         let skin = Arc::new(Skin::new(surface, vertices).at(&body.positions));
-        let held = vec![Vector::zeros(); body.positions.len()];
-        Self { body, skin, held }
+        Self { body, skin }
     }
 
     /// The same with its surface.
     pub fn dressed(self, elastic: &Elastic<D>) -> Self {
-        Self { held: self.held, ..Self::of(elastic, self.body) }
+        Self::of(elastic, self.body)
     }
 
     /// Moves it by its velocity.

@@ -205,6 +205,7 @@ fn push<const D: usize>(
     work.repairs.add(&Repairs {
         momentum_restored: kept.momentum,
         spin_restored: kept.spin,
+        unrestored: kept.unrestored,
         unlabelled: kept.unlabelled,
         slip_unknown,
         ..of_solids(model, state)
@@ -322,6 +323,7 @@ fn press<const D: usize>(
     };
     let told = descent.map(|descent| {
         state.clear = descent.clear();
+        work.repairs.indefinite_iterations += descent.indefinite;
         descent.tell_contacts(&mut state.solids)
     });
     work.repairs.unlabelled += unlabelled;

@@ -78,32 +78,26 @@ bounds! {
     volume_unconverged,
     /// Largest volume error that they left, over the volume of the liquid.
     volume_residual,
-    /// Steps in which Newton's iterations of solids that deform did not converge, where they are asked for.
-    newton_unconverged,
+    /// Newton's iterations of solids for which only the positive part of the second derivatives could be used.
+    indefinite_iterations,
     /// Largest share of the liquid's weight that the filter of the curvature beside solids leaves out.
     weight_left_out,
     /// Contact solves that ended at the largest number of sweeps.
     contact_sweeps,
-    /// Contact solves that ended at the largest number of corrections.
-    contact_corrections,
     /// Steps in which rigid solids still hit one another after the largest number of rounds.
     contact_rounds,
-    /// Steps in which the search for contacts ended while it still found some.
-    contact_looks,
-    /// Steps in which something still met after the largest number of rigid zones.
-    contact_freezes,
-    /// Vertices and solids that went on as parts of rigid zones.
-    frozen_points,
     /// Rounds of hits that were stopped, as bouncing would have made energy.
     stopped_bounces,
     /// Contacts at which rigid solids overlapped and were moved apart.
     parted,
     /// Largest depth of such an overlap, in cells.
     parted_depth,
-    /// Elements of springs that were held upright, summed over the steps.
+    /// Elements below three tenths of their volume, which an extra energy keeps upright, summed over the steps.
     crushed_elements,
     /// Free solids without an inverse of their inertia, summed over the steps.
     singular_inertia,
+    /// Bodies of liquid between solids whose momentum was not restored, summed over the steps.
+    unrestored,
     /// Times that a liquid cell had no component.
     unlabelled,
     /// Faces within solids that found no solid to slip along.
@@ -116,8 +110,6 @@ bounds! {
     redone,
     /// Those of them in which a solve failed or the liquid ran away.
     failed_tries,
-    /// Steps longer than the straining of the solids' elements allows.
-    floored_steps,
     /// Iterations of all kinds that ended before they converged.
     unconverged,
 }

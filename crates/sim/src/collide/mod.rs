@@ -174,9 +174,6 @@ pub fn lean<const D: usize>(solids: &mut [SolidState<D>], time: f64) {
     for now in solids {
         now.velocity += now.held * time;
         (0..3).for_each(|i| now.spin[i] += now.braced[i] * time);
-        if let Some(soft) = &mut now.soft {
-            soft.body.velocities.iter_mut().zip(&soft.held).for_each(|(v, held)| *v += held * time);
-        }
     }
 }
 

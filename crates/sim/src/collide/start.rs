@@ -18,7 +18,7 @@ pub fn soft_overlaps<const D: usize>(
     solids: &[SolidState<D>],
     probes: &Probes<D>,
 ) -> Vec<Overlap> {
-    let skins = Skins::new(model, solids, probes);
+    let skins = Skins::new(solids);
     let mut all = Vec::new();
     for (i, now) in solids.iter().enumerate() {
         let (Some(soft), Some(elastic)) = (&now.soft, model.solids[i].elastic()) else { continue };
@@ -78,7 +78,7 @@ fn middles<const D: usize>(
 fn crossings<const D: usize>(skins: &Skins<D>) -> Vec<Overlap> {
     let lines: Vec<[u32; 2]> = match D {
         2 => skins.facets.iter().map(|f| [f[0], f[1]]).collect(),
-        _ => skins.edges.iter().map(|e| e.ends).collect(),
+        _ => skins.edges.clone(),
     };
     let place = |p: u32| skins.at[p as usize];
     let around = |points: &[u32]| -> Extent<D> {
@@ -93,7 +93,7 @@ fn crossings<const D: usize>(skins: &Skins<D>) -> Vec<Overlap> {
             return None;
         }
         let depth = crossing(line.map(place), &facet.map(place))?;
-        let [one, other] = [line[0], facet[0]].map(|p| skins.owner[p as usize].solid);
+        let [one, other] = [line[0], facet[0]].map(|p| skins.owner[p as usize]);
         Some((one, Some(other), depth))
     };
     overlapping(&boxes, &facets).into_iter().filter_map(crossing).collect()

@@ -82,6 +82,8 @@ pub struct Descent<'a, const D: usize> {
     now: Vec<Vector<D>>,
     iteration: usize,
     rubs: usize,
+    /// Iterations whose second derivatives were not positive definite.
+    pub indefinite: u64,
     /// The answer about these.
     pub response: Option<Response<D>>,
 }
@@ -146,7 +148,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         };
         let positions = before.iter().flat_map(place).collect();
         let now = vec![Vector::zeros(); points.nodes()];
-        let mut descent = Self { potential, told, positions, now, iteration: 0, rubs: 0, response: None };
+        let mut descent = Self { potential, told, positions, now, iteration: 0, rubs: 0, indefinite: 0, response: None };
         // The first guess is to go on as before.
         let still = descent.potential.candidates(&descent.now, &descent.now);
         descent.potential.rubs = descent.potential.rubbing(&descent.now, &still);
@@ -178,7 +180,10 @@ impl<'a, const D: usize> Descent<'a, D> {
         };
         // The positive part alone is as stiff as can be, and slow: it is for where there is no other way (Longva et al., "Pitfalls of
         // projection", 2023).
-        let (matrix, solution) = inverse(false).or_else(|| inverse(true)).ok_or(failed)?;
+        let whole = inverse(false);
+        let indefinite = whole.is_none();
+        let (matrix, solution) = whole.or_else(|| inverse(true)).ok_or(failed)?;
+        self.indefinite += u64::from(indefinite);
         if self.iteration == 0 {
             self.find_fast(&matrix, &solution);
         }

@@ -28,14 +28,12 @@ pub enum Owner<const D: usize> {
         /// Number of the vertex in its mesh.
         vertex: usize,
     },
-    /// A place of a rigid solid at the start, with a ball around it.
+    /// A place of a rigid solid at the start.
     Rigid {
         /// Number of the solid.
         solid: usize,
         /// Where it was at the start, m.
         at: Vector<D>,
-        /// Radius of the ball, m.
-        radius: f64,
     },
 }
 
@@ -45,11 +43,6 @@ impl<const D: usize> Owner<D> {
         match self {
             Self::Vertex { solid, .. } | Self::Rigid { solid, .. } => *solid,
         }
-    }
-
-    /// Radius of the ball around it, m.
-    pub fn radius(&self) -> f64 {
-        if let Self::Rigid { radius, .. } = self { *radius } else { 0.0 }
     }
 }
 
@@ -95,7 +88,7 @@ impl<const D: usize> Points<D> {
             }
             for probe in is.shape.probes(edge) {
                 probes.push((owners.len() as u32, edge.powi(D as i32 - 1), probe.radius));
-                owners.push(Owner::Rigid { solid, at: probe.at, radius: probe.radius });
+                owners.push(Owner::Rigid { solid, at: probe.at });
                 rest.push(probe.at);
                 bodies.push(solid as u32);
             }
@@ -253,7 +246,7 @@ impl<'a, const D: usize> Places<'a, D> {
                 let from = self.solids[solid].soft.as_ref().map_or(Vector::zeros(), |s| s.body.positions[vertex]);
                 from + self.velocities[self.points.first[solid] + vertex] * self.time
             }
-            Owner::Rigid { solid, at, .. } => {
+            Owner::Rigid { solid, at } => {
                 let frame = &self.frames[solid];
                 frame.center + frame.rotation * (at - self.model.solids[solid].body.center)
             }

@@ -136,7 +136,7 @@ impl<'a, const D: usize> Potential<'a, D> {
             Meeting::Rigid(p, solid) => {
                 let x = &at[p as usize];
                 let (distance, normal) = places.from_rigid(solid, x);
-                (p, distance, normal, Some(Owner::Rigid { solid, at: places.at_start(solid, x), radius: 0.0 }))
+                (p, distance, normal, Some(Owner::Rigid { solid, at: places.at_start(solid, x) }))
             }
             Meeting::Side(p, side) => {
                 let plane = &sides(self.model)[side];

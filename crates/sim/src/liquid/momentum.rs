@@ -166,6 +166,8 @@ pub struct Restored<const D: usize> {
     pub momentum: f64,
     /// Angular momentum that was given back, kg m²/s (2D: kg m/s), in the same way.
     pub spin: f64,
+    /// Bodies that it was not given back to, as they lie between solids.
+    pub unrestored: u64,
     /// Times that a cell had no component.
     pub unlabelled: u64,
 }
@@ -269,11 +271,12 @@ impl<const D: usize> FaceWalk<'_, D> {
         dt: f64,
     ) -> Restored<D> {
         let moments = self.moments(velocity);
-        let mut restored = Restored { moments: Vec::new(), momentum: 0.0, spin: 0.0, unlabelled: 0 };
+        let mut restored = Restored { moments: Vec::new(), momentum: 0.0, spin: 0.0, unrestored: 0, unlabelled: 0 };
         let mut motions: Vec<Option<Motion<D>>> = vec![None; self.components];
         for group in groups {
             let Some(mut whole) = group.whole.clone() else { continue };
             if !self.flows(group, &moments, targets) {
+                restored.unrestored += 1;
                 continue;
             }
             let parts: Vec<Moments<D>> = group.new.iter().map(|&j| moments[j].weighing(targets[j])).collect();

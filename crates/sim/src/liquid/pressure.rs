@@ -153,7 +153,7 @@ impl<const D: usize> PressureFields<D> {
         let limits = (model.numerics.tolerance, model.numerics.max_iterations);
         let first = solver.solve_coupled(&bodies, &self.rhs, p.lambda, limits)?;
         let bends = bends(model, p);
-        let beyond = if std::env::var("MEN_NOBEYOND").is_ok() { Exchange::new() } else { coupling.beyond_centers(|cell| slope(model, p, cell), p.label) };
+        let beyond = coupling.beyond_centers(|cell| slope(model, p, cell), p.label);
         if model.kinematic_viscosity > 0.0 {
             phase_end("pressure");
             diffuse(model, p, &bends)?;
@@ -170,14 +170,6 @@ impl<const D: usize> PressureFields<D> {
         exchange.extend(&beyond);
         let mut pressed = coupling.pushed_nodes(&p.lambda.data);
         self.solver = Some(solver);
-        if std::env::var("MEN_P").is_ok() {
-            let big = |f: &[f64]| f.iter().enumerate().map(|(c, v)| (v.abs(), c)).fold((0.0, 0), |a, b| if b.0 > a.0 { b } else { a });
-            let own = |c: usize| model.grid.lattice().coordinates(c);
-            let moved = change.iter().map(|c| c.norm()).fold(0.0, f64::max);
-            let (r, l) = (big(&self.rhs.data), big(&p.lambda.data));
-            let bend = bends.iter().zip(p.cut).map(|(b, f)| (b.abs(), f.cell)).fold((0.0, 0), |a, b| if b.0 > a.0 { b } else { a });
-            eprintln!("P time {:.3e} start {:.3e} change {:.3e} rhs {:.3e} at {:?} lambda {:.3e} at {:?} bends {:.3e} at {:?} iterations {}", p.time, start.iter().map(|c| c.norm()).fold(0.0, f64::max), moved, r.0, own(r.1), l.0, own(l.1), bend.0, own(bend.1), second.iterations);
-        }
         accelerate(model, p, &bends, 1.0);
         response.solve(&mut pressed);
         change.iter_mut().zip(&pressed).for_each(|(c, by)| *c += by);

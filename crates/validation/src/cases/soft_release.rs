@@ -73,7 +73,7 @@ fn start<const D: usize>(cells: usize) -> Result<Simulation<D>, StepError> {
             center + Vector::from_fn(|a, _| (x - center)[a] * if a == 0 { STRETCH } else { narrow })
         };
         body.positions.iter_mut().for_each(|x| *x = stretched(x));
-        *soft = Soft::bare(body, soft.held.clone());
+        *soft = Soft::bare(body);
     }
     now.follow(&elastic);
     Ok(Simulation::resume(model, state))
