@@ -4,7 +4,7 @@
 mod lattice;
 
 use lattice::{Noise, block, clamped, free, rubber};
-use meniscus_elastic::{Anchor, Elastic, ElasticState, Integrator, Law, Weights};
+use meniscus_elastic::{Anchor, Elastic, ElasticState, Integrator, Weights};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 

@@ -61,8 +61,8 @@ pub struct Numerics {
     /// Distance, m, from the line along solids that deform over which its pull is spread evenly (the paper's R); 0: it acts
     /// where the line is, and how high it lifts a thick solid then depends on the mesh.
     pub line_radius: f64,
-    /// Most of Newton's iterations of a step where solids deform, after the first solve, which is linear; each solves for the
-    /// pressure again.
+    /// Newton's iterations of a step where solids deform go on for at least so many after the first; each solves for the pressure
+    /// again.
     pub newton_iterations: u32,
 }
 

@@ -201,13 +201,14 @@ pub struct NumericsFile {
     /// Relative residual of the solves; 1e-6 without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
-    /// Most iterations of a solve; 200 without it.
+    /// Most iterations of a solve; 1000 without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_iterations: Option<u32>,
     /// Largest step as a multiple of the explicit capillary limit; 5 without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub capillary_step: Option<f64>,
-    /// Most of Newton's iterations of a step where solids deform, after its one linear solve; none without it.
+    /// Newton's iterations of a step where solids deform go on for at least so many after the first, which keeps their angular momentum
+    /// to rounding; without it they end where nothing moves by a thousandth of a contact's reach.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub newton_iterations: Option<u32>,
     /// The same step length always, whatever stability asks for.
