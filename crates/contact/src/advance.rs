@@ -15,7 +15,12 @@ const HALVINGS: usize = 60;
 /// thickness (m): points go from `x` along `ways`. It is never too large: no point comes nearer by more than the ways relative to each other are long (additive
 /// continuous collision detection: M. Li, D. M. Kaufman, C. Jiang, "Codimensional incremental potential contact", ACM Trans.
 /// Graph. 40(4), 2021, §5).
-pub fn free_step<const D: usize>(kind: Kind, x: &[Vector<D>; 4], ways: &[Vector<D>; 4], (thickness, keep): (f64, f64)) -> f64 {
+pub fn free_step<const D: usize>(
+    kind: Kind,
+    x: &[Vector<D>; 4],
+    ways: &[Vector<D>; 4],
+    (thickness, keep): (f64, f64),
+) -> f64 {
     let count = kind.count();
     let mean: Vector<D> = ways[..count].iter().sum::<Vector<D>>() / count as f64;
     let longest = |part: &[Vector<D>]| part.iter().map(|w| (w - mean).norm()).fold(0.0, f64::max);

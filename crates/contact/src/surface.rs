@@ -218,7 +218,8 @@ impl Near {
 
     /// The least distance of a pair, m.
     pub fn least_distance<const D: usize>(&self, x: &[Vector<D>]) -> f64 {
-        let distance = |pair: &Pair| Closest::new(pair.stencil.kind, &pair.stencil.of(x)).distance() - pair.thickness;
+        let distance =
+            |pair: &Pair| Closest::new(pair.stencil.kind, &pair.stencil.of(x)).distance() - pair.thickness;
         self.pairs.par_iter().with_min_len(256).map(distance).reduce(|| f64::INFINITY, f64::min)
     }
 }

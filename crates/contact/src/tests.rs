@@ -107,7 +107,14 @@ fn check_barrier<const D: usize>(kinds: &[Kind]) {
             if !(0.1..0.49).contains(&closest.distance()) || !inner {
                 continue;
             }
-            let contact = Contact { stencil: stencil(*kind), area: 0.3, stiffness: 2.0, lengths: 400.0, thickness: 0.03, reach: 0.5 };
+            let contact = Contact {
+                stencil: stencil(*kind),
+                area: 0.3,
+                stiffness: 2.0,
+                lengths: 400.0,
+                thickness: 0.03,
+                reach: 0.5,
+            };
             let energy = |x: &[Vector<D>]| contact.energy(x);
             let derivatives = |x: &[Vector<D>]| contact.derivatives(x);
             checked += usize::from(check_derivatives(&x, 10.0, energy, derivatives));
@@ -133,7 +140,14 @@ fn check_positive<const D: usize>(kind: Kind) {
     let mut checked = 0;
     for _ in 0..200 {
         let x = numbers.points::<D>(kind.count());
-        let contact = Contact { stencil: stencil(kind), area: 1.0, stiffness: 1.0, lengths: 400.0, thickness: 0.0, reach: 0.6 };
+        let contact = Contact {
+            stencil: stencil(kind),
+            area: 1.0,
+            stiffness: 1.0,
+            lengths: 400.0,
+            thickness: 0.0,
+            reach: 0.6,
+        };
         let Some(local) = contact.derivatives(&x).map(Local::positive) else {
             continue;
         };
@@ -163,7 +177,14 @@ fn check_friction<const D: usize>(kind: Kind) {
     let mut checked = 0;
     for _ in 0..40 {
         let (from, x) = (numbers.points::<D>(kind.count()), numbers.points::<D>(kind.count()));
-        let contact = Contact { stencil: stencil(kind), area: 1.0, stiffness: 1.0, lengths: 0.0, thickness: 0.0, reach: 0.6 };
+        let contact = Contact {
+            stencil: stencil(kind),
+            area: 1.0,
+            stiffness: 1.0,
+            lengths: 0.0,
+            thickness: 0.0,
+            reach: 0.6,
+        };
         let Some(rubbing) = Rubbing::new(&contact, 0.4, &from) else { continue };
         let energy = |x: &[Vector<D>]| friction.energy(&rubbing, &from, x);
         let derivatives = |x: &[Vector<D>]| Some(friction.derivatives(&rubbing, &from, x));
@@ -278,7 +299,8 @@ fn nearly_parallel_edges_have_their_distance() {
 #[test]
 fn points_stay_off_planes() {
     let plane = Plane { point: Vector::<2>::new(0.0, 1.0), normal: Vector::<2>::new(0.0, 1.0) };
-    let step = |way: f64| plane.free_step(&Vector::<2>::new(3.0, 1.5), &Vector::<2>::new(1.0, way), (0.0, 0.2));
+    let step =
+        |way: f64| plane.free_step(&Vector::<2>::new(3.0, 1.5), &Vector::<2>::new(1.0, way), (0.0, 0.2));
     assert!((step(-0.8) - 0.5).abs() < 1e-15);
     assert_eq!([step(-0.4), step(0.0), step(9.0)], [1.0; 3]);
 }

@@ -71,8 +71,19 @@ impl<const D: usize> Elastic<D> {
         let young = young(&mesh, law);
         let solver = Solver::new(&mesh.positions, &pattern, &held)
             .ok_or(ElasticError::TooLarge { vertices: masses.len() })?;
-        let mut body =
-            Self { rest: mesh, masses, terms, integrator, anchors, held, damping_time: 0.0, young, solver, pattern, upright };
+        let mut body = Self {
+            rest: mesh,
+            masses,
+            terms,
+            integrator,
+            anchors,
+            held,
+            damping_time: 0.0,
+            young,
+            solver,
+            pattern,
+            upright,
+        };
         if damping_ratio > 0.0 {
             let lowest = settled_modes(&body, 1, SETTLED)?;
             body.damping_time = lowest.first().map_or(0.0, |mode| 2.0 * damping_ratio / mode.frequency);

@@ -67,8 +67,7 @@ impl<const D: usize> Incremental<'_, D> {
     /// What resists rates of strain: impulses, N s.
     fn viscous(&self, velocities: &[Vector<D>], change: &[Vector<D>], share: f64) -> [Vec<Vector<D>>; 2] {
         let (x, h) = (&self.viscous_at, self.step);
-        let between: Vec<Vector<D>> =
-            self.fast.iter().zip(change).map(|(u, w)| u + w * share).collect();
+        let between: Vec<Vector<D>> = self.fast.iter().zip(change).map(|(u, w)| u + w * share).collect();
         let theta = DISSIPATION;
         let damping = self.elastic.viscous_forces(x, velocities, h * self.elastic.damping_time);
         [damping, self.elastic.viscous_forces(x, &between, theta * h * h)]

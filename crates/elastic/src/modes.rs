@@ -41,7 +41,8 @@ pub fn settled_modes<const D: usize>(
     count: usize,
     converged: f64,
 ) -> Result<Vec<Mode<D>>, ElasticError> {
-    let stiffness = body.tangent(&body.rest.positions, Weights { stiffness: 1.0, positive: true, viscosity: 0.0 });
+    let stiffness =
+        body.tangent(&body.rest.positions, Weights { stiffness: 1.0, positive: true, viscosity: 0.0 });
     let rigid = rigid_motions(body);
     let inverse = shifted(body, &stiffness, !rigid.is_empty())?;
     let wanted = (count + SPARE).min(body.masses.len() * D);

@@ -123,7 +123,10 @@ fn tangents_are_positive_and_rates_of_strain_keep_momenta<const D: usize>() {
         };
         for _ in 0..20 {
             let along = noise.vectors(x.len());
-            assert!(dot(&along, &product(Weights { stiffness: 1.0, positive: true, viscosity: 0.0 }, &along)) > 0.0);
+            assert!(
+                dot(&along, &product(Weights { stiffness: 1.0, positive: true, viscosity: 0.0 }, &along))
+                    > 0.0
+            );
         }
         // Viscous forces are what the tangent says, and vanish for rigid motions of the strained body.
         let told = product(Weights { stiffness: 0.0, positive: true, viscosity: 2.0 }, &v);
@@ -167,10 +170,12 @@ fn crushed_elements_resist<const D: usize>() {
     let slope =
         (crush().energy(&moved(&x, &along, step)) - crush().energy(&moved(&x, &along, -step))) / (2.0 * step);
     assert!((slope + dot(&f, &along)).abs() < 1e-6 * slope.abs(), "{D}D: {slope}");
-    let (up, down) = (forces(&crush(), &moved(&x, &along, step)), forces(&crush(), &moved(&x, &along, -step)));
+    let (up, down) =
+        (forces(&crush(), &moved(&x, &along, step)), forces(&crush(), &moved(&x, &along, -step)));
     let body = body(Box::new(crush()));
     let mut product = vec![Vector::zeros(); x.len()];
-    body.tangent(&x, Weights { stiffness: 1.0, positive: false, viscosity: 0.0 }).add_product(&along, &mut product);
+    body.tangent(&x, Weights { stiffness: 1.0, positive: false, viscosity: 0.0 })
+        .add_product(&along, &mut product);
     let largest = product.iter().map(|p| p.norm()).fold(0.0, f64::max);
     for v in 0..x.len() {
         let slope = (down[v] - up[v]) / (2.0 * step);
@@ -189,7 +194,8 @@ fn potentials_of_steps_have_their_derivatives<const D: usize>() {
     let mesh = block::<D>([2; D], [1.0; D]);
     let law = Law::NeoHookean { young: 3.0, poisson: 0.35, smoothing: Smoothing::Cells };
     let integrator = Integrator { dissipation: 0.7, ..Integrator::default() };
-    let description = Description { mesh, density: 1.0, law, damping_ratio: 0.3, anchors: Vec::new(), integrator };
+    let description =
+        Description { mesh, density: 1.0, law, damping_ratio: 0.3, anchors: Vec::new(), integrator };
     let elastic = Elastic::new(description).unwrap();
     let mut noise = Noise(11);
     let x = crushed::<D>(0.9, &mut noise);
@@ -210,7 +216,8 @@ fn potentials_of_steps_have_their_derivatives<const D: usize>() {
     let still = vec![Vector::zeros(); count];
     let (v, along) = (moved(&still, &noise.vectors(count), 0.3), noise.vectors::<D>(count));
     let h = 1e-5;
-    let slope = (potential.value(&moved(&v, &along, h)) - potential.value(&moved(&v, &along, -h))) / (2.0 * h);
+    let slope =
+        (potential.value(&moved(&v, &along, h)) - potential.value(&moved(&v, &along, -h))) / (2.0 * h);
     let gradient = potential.gradient(&v);
     assert!((slope - dot(&gradient, &along)).abs() < 1e-6 * (1.0 + slope.abs()), "{D}D: {slope}");
     let (up, down) = (potential.gradient(&moved(&v, &along, h)), potential.gradient(&moved(&v, &along, -h)));
@@ -240,7 +247,8 @@ fn heights_over_a_surface_are_resisted_as_its_size_grows<const D: usize>() {
     let mut along = vec![Vector::zeros(); rest.len()];
     along[middle][D - 1] = 1.0;
     let mut product = vec![Vector::zeros(); rest.len()];
-    body.tangent(&rest, Weights { stiffness: 1.0, positive: true, viscosity: 0.0 }).add_product(&along, &mut product);
+    body.tangent(&rest, Weights { stiffness: 1.0, positive: true, viscosity: 0.0 })
+        .add_product(&along, &mut product);
     let step = 1e-5;
     let (up, down) = (body.forces(&moved(&rest, &along, step)), body.forces(&moved(&rest, &along, -step)));
     let slope = (down[middle] - up[middle]) / (2.0 * step);

@@ -433,13 +433,11 @@ mod tests {
             pulled: Vector::from([0.2, -0.1]),
             held: Vector::from([0.5, 9.0]),
             braced: [0.0, 0.0, -4.0],
-            soft: Some(Soft::bare(
-                ElasticState {
-                    time: 0.7,
-                    positions: vec![Vector::from([0.1, 0.2]), Vector::from([-3.0, 1e-9])],
-                    velocities: vec![Vector::from([0.3, 0.0]), Vector::from([7.0, -0.1])],
-                },
-            )),
+            soft: Some(Soft::bare(ElasticState {
+                time: 0.7,
+                positions: vec![Vector::from([0.1, 0.2]), Vector::from([-3.0, 1e-9])],
+                velocities: vec![Vector::from([0.3, 0.0]), Vector::from([7.0, -0.1])],
+            })),
         });
         (state.lambda.data[3], state.kinetic_energy, state.surface_area) = (2.5, 0.1, 0.3);
         state

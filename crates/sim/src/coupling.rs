@@ -12,10 +12,10 @@
 //! the slope of a first solution says that the surface has more ([`Coupling::beyond_centers`]) is given to the solids
 //! before a second one.
 
+use crate::descent::{Response, turning};
 use crate::exchange::{Exchange, Impulse};
 use crate::model::Model;
 use crate::skin::Grip;
-use crate::descent::{Response, turning};
 use crate::solid::{Motion, SolidState};
 use crate::tied::{Six, Ties};
 use meniscus_numerics::grid::{CutCells, WetCell};
@@ -209,7 +209,10 @@ impl<'a, const D: usize> Coupling<'a, D> {
     pub fn fluxes_of_nodes(&self, velocities: &[Vector<D>], mut f: impl FnMut(usize, f64)) {
         let Some(response) = self.response else { return };
         for (cell, flow) in self.node_flows(response) {
-            f(cell as usize, flow.iter().map(|(k, v)| v * velocities[*k as usize / D][*k as usize % D]).sum());
+            f(
+                cell as usize,
+                flow.iter().map(|(k, v)| v * velocities[*k as usize / D][*k as usize % D]).sum(),
+            );
         }
     }
 
@@ -297,11 +300,7 @@ fn three<const D: usize>(v: &Vector<D>) -> Vector<3> {
 }
 
 /// Gives impulses to the free rigid solids.
-pub fn push_solids<const D: usize>(
-    model: &Model<D>,
-    solids: &mut [SolidState<D>],
-    exchange: &Exchange<D>,
-) {
+pub fn push_solids<const D: usize>(model: &Model<D>, solids: &mut [SolidState<D>], exchange: &Exchange<D>) {
     let sums = exchange.by_solid(solids.len());
     for ((now, solid), sum) in solids.iter_mut().zip(&model.solids).zip(sums) {
         if solid.motion == Motion::Free {

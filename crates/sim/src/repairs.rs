@@ -147,10 +147,7 @@ record! {
 impl Repairs {
     /// Iterations of all kinds that ended before they converged.
     pub fn unconverged(&self) -> u64 {
-        self.filter_unconverged
-            + self.volume_unconverged
-            + self.contact_sweeps
-            + self.contact_rounds
+        self.filter_unconverged + self.volume_unconverged + self.contact_sweeps + self.contact_rounds
     }
 }
 
@@ -160,8 +157,12 @@ mod tests {
 
     #[test]
     fn records_add_up_and_survive_as_numbers() {
-        let step =
-            Repairs { volume_shift: 0.5, volume_shift_largest: 0.25, contact_rounds: 1, ..Repairs::default() };
+        let step = Repairs {
+            volume_shift: 0.5,
+            volume_shift_largest: 0.25,
+            contact_rounds: 1,
+            ..Repairs::default()
+        };
         let mut sum = Repairs { volume_shift_largest: 0.5, redone: 2, ..Repairs::default() };
         (0..2).for_each(|_| sum.add(&step));
         assert_eq!((sum.volume_shift, sum.volume_shift_largest), (1.0, 0.5));

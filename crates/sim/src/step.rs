@@ -28,7 +28,7 @@ use crate::state::State;
 use crate::tension::{wetted_skins, wetted_stiffness};
 use crate::workspace::{BAND, LAYERS, SLOPE, Workspace};
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{Runs, Sampler, Segment};
+use meniscus_numerics::grid::{Band, CutCells, Runs, Sampler, Segment};
 use meniscus_numerics::level_set::{redistance, slope};
 use meniscus_numerics::linalg::{SolveError, SolveReport};
 use meniscus_numerics::par;
@@ -188,7 +188,7 @@ fn push<const D: usize>(
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
     state.clear = if state.last_dt > 0.0 { clear_time(model, &state.solids, dt) } else { GROWTH * dt };
     let times = Times { dt, kick, ahead: state.clear };
-    let (solves, given, told) =
+    let Pressed { solves, given, told } =
         press(model, (state, &before), work, change, (&cut, &mut dragged), times, phase_end)?;
     let Workspace { probes, repairs, .. } = work;
     let collided = match told {
@@ -230,8 +230,16 @@ fn of_solids<const D: usize>(model: &Model<D>, state: &State<D>) -> Repairs {
     repairs
 }
 
-/// Projects the velocity, and pushes the solids, which were as `before`. Gives back what line and pressure gave them, and, where a
-/// solid deforms, the work of those that are told by contacts, which are in the same solve.
+/// What the pressure did.
+struct Pressed<const D: usize> {
+    solves: [SolveReport; 2],
+    /// What line, pressure and friction gave to the solids.
+    given: [Exchange<D>; 3],
+    /// Where a solid deforms, and contacts are in the same solve: the work, J, that they took from solids that are told.
+    told: Option<f64>,
+}
+
+/// Projects the velocity, and pushes the solids, which were as `before`.
 fn press<const D: usize>(
     model: &Model<D>,
     (state, before): (&mut State<D>, &[SolidState<D>]),
@@ -240,8 +248,26 @@ fn press<const D: usize>(
     (cut, dragged): (&[CutFace], &mut [DraggedFace]),
     times: Times,
     phase_end: PhaseEnd<'_>,
-) -> Result<([SolveReport; 2], [Exchange<D>; 3], Option<f64>), SolveError> {
-    let kick = times.kick;
+) -> Result<Pressed<D>, SolveError> {
+    let line = pull_lines(model, state, work, change, cut, times.kick);
+    let (solves, [pressure, friction], told) = match model.deforms() {
+        true => descend(model, (state, before), work, (cut, dragged), &line, times, phase_end)?,
+        false => push_rigid(model, state, work, (cut, dragged), &line, times, phase_end)?,
+    };
+    let given = [line, pressure, friction];
+    tell_forces(&mut state.solids, &given, times.kick);
+    Ok(Pressed { solves, given, told })
+}
+
+/// What contact lines give to the solids; what of it belongs to the liquid along even walls shifts that.
+fn pull_lines<const D: usize>(
+    model: &Model<D>,
+    state: &mut State<D>,
+    work: &mut Workspace<D>,
+    change: &Change<D>,
+    cut: &[CutFace],
+    kick: f64,
+) -> Exchange<D> {
     let inside: Vec<bool> = work.touching(model).iter().map(|t| !t.side).collect();
     let label = work.liquid.component(&model.grid);
     let near = in_band(&work.band, &change.labels);
@@ -266,70 +292,99 @@ fn press<const D: usize>(
     let labels = Labels::new(&label);
     let of = |cell: usize| labels.of(cell);
     walk(model, &state.phi, work, cut, &of).shift(&mut state.velocity, &along);
-    let unlabelled = labels.missing();
-    let mut forced = state.solids.clone();
-    push_solids(model, &mut forced, &line);
-    let starts = match model.deforms() {
-        true => Start::of(model, &line, wetted_stiffness(model, state), kick),
-        false => Vec::new(),
-    };
-    let points = work.points.clone();
-    let mut descent = model.deforms().then(|| Descent::new(model, &points, (before, &forced), &starts, times));
-    state.solids = forced;
-    if descent.is_none() {
-        lean(&mut state.solids, kick);
-    }
-    let velocity = descent.is_some().then(|| state.velocity.clone());
-    // Ends with the descent's iterations.
-    let (solves, pressure, friction) = loop {
-        if let Some((descent, velocity)) = descent.as_mut().zip(velocity.as_ref()) {
-            descent.linearise(&mut state.solids, dragged, (&state.phi.data, &work.cut.open))?;
-            state.velocity.clone_from(velocity);
-        }
-        let mut projection = Projection {
-            velocity: &mut state.velocity,
-            lambda: &mut state.lambda,
-            phi: &state.phi,
-            band: &work.band,
-            liquid: &work.liquid,
-            faces: work.known.liquid(),
-            cut,
-            dragged,
-            cut_cells: &mut work.cut,
-            solids: &state.solids,
-            label: &label,
-            jump: model.surface_tension * kick / (model.density * model.grid.dx),
-            time: kick,
-        };
-        let Some((descent, response)) = descent.as_mut().and_then(|d| Some((d.response.take()?, d))).map(|(r, d)| (d, r))
-        else {
-            let (solves, pressure) = work.pressure.project(model, &mut projection, phase_end)?;
-            push_solids(model, &mut state.solids, &pressure);
-            lean(&mut state.solids, -kick);
-            let friction = friction(model, state, dragged, &label);
-            push_solids(model, &mut state.solids, &friction);
-            break (solves, pressure, friction);
-        };
+    work.repairs.unlabelled += labels.missing();
+    line
+}
+
+/// Solves of the pressure, what it and friction give to solids, and the work that [`Pressed::told`] is.
+type Pushed<const D: usize> = ([SolveReport; 2], [Exchange<D>; 2], Option<f64>);
+
+/// The pressure and rigid solids, which contacts push after it.
+fn push_rigid<const D: usize>(
+    model: &Model<D>,
+    state: &mut State<D>,
+    work: &mut Workspace<D>,
+    (cut, dragged): (&[CutFace], &mut [DraggedFace]),
+    line: &Exchange<D>,
+    times: Times,
+    phase_end: PhaseEnd<'_>,
+) -> Result<Pushed<D>, SolveError> {
+    let label = work.liquid.component(&model.grid);
+    push_solids(model, &mut state.solids, line);
+    lean(&mut state.solids, times.kick);
+    let parts = (&work.band, &work.liquid, work.known.liquid(), &mut work.cut);
+    let mut projection = projection(model, state, parts, (cut, dragged, &label), times.kick);
+    let (solves, pressure) = work.pressure.project(model, &mut projection, phase_end)?;
+    push_solids(model, &mut state.solids, &pressure);
+    lean(&mut state.solids, -times.kick);
+    let friction = friction(model, state, dragged, &label);
+    push_solids(model, &mut state.solids, &friction);
+    Ok((solves, [pressure, friction], None))
+}
+
+/// The pressure and solids of which one deforms, with all contacts: Newton's iterations.
+fn descend<const D: usize>(
+    model: &Model<D>,
+    (state, before): (&mut State<D>, &[SolidState<D>]),
+    work: &mut Workspace<D>,
+    (cut, dragged): (&[CutFace], &mut [DraggedFace]),
+    line: &Exchange<D>,
+    times: Times,
+    phase_end: PhaseEnd<'_>,
+) -> Result<Pushed<D>, SolveError> {
+    let starts = Start::of(model, line, wetted_stiffness(model, state), times.kick);
+    push_solids(model, &mut state.solids, line);
+    let (points, start) = (work.points.clone(), state.velocity.clone());
+    let mut descent = Descent::new(model, &points, (before, &state.solids), &starts, times);
+    let label = work.liquid.component(&model.grid);
+    loop {
+        let response = descent.linearise(&mut state.solids, dragged, (&state.phi.data, &work.cut.open))?;
+        state.velocity.clone_from(&start);
+        let parts = (&work.band, &work.liquid, work.known.liquid(), &mut work.cut);
+        let mut projection = projection(model, state, parts, (cut, dragged, &label), times.kick);
         let (solves, pressure, change) =
             work.pressure.project_with(model, &mut projection, &response, phase_end)?;
         let friction = friction(model, state, dragged, &label);
         let mut pressed = pressure.clone();
         pressed.extend(&friction);
         let pressed = response.impulses(model, before, &pressed);
-        descent.response = Some(response);
-        if descent.settle(&mut state.solids, &change, pressed)? {
-            break (solves, pressure, friction);
+        if descent.settle(&mut state.solids, &response, &change, pressed)? {
+            state.clear = descent.clear();
+            work.repairs.indefinite_iterations += descent.indefinite;
+            let told = descent.tell_contacts(&mut state.solids);
+            return Ok((solves, [pressure, friction], Some(told)));
         }
-    };
-    let told = descent.map(|descent| {
-        state.clear = descent.clear();
-        work.repairs.indefinite_iterations += descent.indefinite;
-        descent.tell_contacts(&mut state.solids)
-    });
-    work.repairs.unlabelled += unlabelled;
-    let given = [line, pressure, friction];
-    tell_forces(&mut state.solids, &given, kick);
-    Ok((solves, given, told))
+    }
+}
+
+/// Faces that the surface cuts, those that lines drag, and the component of a liquid cell.
+type Faces<'a> = (&'a [CutFace], &'a mut [DraggedFace], &'a (dyn Fn(usize) -> Option<u32> + Sync));
+
+/// The grid's part of a projection: band, liquid, its faces, and what solids leave open.
+type Parts<'a, const D: usize> = (&'a Band<D>, &'a Runs, &'a [Vec<Segment>; D], &'a mut CutCells<D>);
+
+fn projection<'a, const D: usize>(
+    model: &Model<D>,
+    state: &'a mut State<D>,
+    (band, liquid, faces, cut_cells): Parts<'a, D>,
+    (cut, dragged, label): Faces<'a>,
+    time: f64,
+) -> Projection<'a, D> {
+    Projection {
+        velocity: &mut state.velocity,
+        lambda: &mut state.lambda,
+        phi: &state.phi,
+        band,
+        liquid,
+        faces,
+        cut,
+        dragged,
+        cut_cells,
+        solids: &state.solids,
+        label,
+        jump: model.surface_tension * time / (model.density * model.grid.dx),
+        time,
+    }
 }
 
 /// Keeps with the solids the mean forces of what line, pressure and friction gave them in the time `kick`.

@@ -27,7 +27,8 @@ impl Assembly {
             let at = &elastic.mesh().positions;
             rest[*first..first + at.len()].copy_from_slice(at);
         }
-        let parts: Vec<(usize, &Pattern)> = solids.iter().map(|(first, e)| (*first, e.pattern.as_ref())).collect();
+        let parts: Vec<(usize, &Pattern)> =
+            solids.iter().map(|(first, e)| (*first, e.pattern.as_ref())).collect();
         let pattern = Pattern::of_parts(held.len(), &parts);
         let solver = Solver::new(&rest, &pattern, &held)?;
         Some(Self { firsts: solids.iter().map(|s| s.0).collect(), held, pattern: Arc::new(pattern), solver })
@@ -53,7 +54,11 @@ impl Assembly {
 
     /// A matrix's inverse, applied; `positions` are where nodes are, which tells in what order coupled ones are best eliminated.
     /// Nothing where the matrix is not positive definite, to rounding.
-    pub fn invert<const D: usize>(&self, matrix: &BlockMatrix<D>, positions: &[Vector<D>]) -> Option<Solution<D>> {
+    pub fn invert<const D: usize>(
+        &self,
+        matrix: &BlockMatrix<D>,
+        positions: &[Vector<D>],
+    ) -> Option<Solution<D>> {
         let held = &self.held;
         let inverse = if Arc::ptr_eq(&matrix.pattern, &self.pattern) {
             self.solver.invert(matrix, held, TOLERANCE)

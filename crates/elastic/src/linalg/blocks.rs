@@ -52,7 +52,9 @@ impl Pattern {
 
     /// Whether all blocks of each group are there.
     pub fn has(&self, groups: &Cliques) -> bool {
-        groups.iter().all(|list| list.iter().all(|i| list.iter().all(|j| i < j || self.slot(*i, *j).is_some())))
+        groups
+            .iter()
+            .all(|list| list.iter().all(|i| list.iter().all(|j| i < j || self.slot(*i, *j).is_some())))
     }
 
     /// The rows of a column.

@@ -27,7 +27,8 @@ impl<const D: usize> Skins<D> {
             skins.facets.extend(soft.skin.surface.facets.iter().map(|f| f.map(|v| v + first)));
         }
         if D == 3 {
-            let sides = |f: &[u32; D]| [0, 1, 2].map(|k| [f[k], f[(k + 1) % D]]).map(|[a, b]| [a.min(b), a.max(b)]);
+            let sides =
+                |f: &[u32; D]| [0, 1, 2].map(|k| [f[k], f[(k + 1) % D]]).map(|[a, b]| [a.min(b), a.max(b)]);
             skins.edges = skins.facets.iter().flat_map(sides).collect();
             skins.edges.sort_unstable();
             skins.edges.dedup();

@@ -18,7 +18,7 @@ impl Meeting {
     /// The point, and its distance from the other, m, where points are `at` some places.
     pub fn distance<const D: usize>(&self, places: &Places<'_, D>, at: &[Vector<D>]) -> (u32, f64) {
         match *self {
-            Self::Rigid(p, solid) => (p, places.from_rigid(solid, &at[p as usize]).0),
+            Self::Rigid(p, solid) => (p, places.distance_to_rigid(solid, &at[p as usize]).0),
             Self::Side(p, side) => (p, sides(places.model)[side].distance(&at[p as usize])),
         }
     }
@@ -50,7 +50,8 @@ impl Candidates {
             let close = plane.near(&points.surface, &start, &ways, reach);
             meetings.extend(close.into_iter().filter(|p| !still(*p)).map(|p| Meeting::Side(p, side)));
         }
-        for solid in (0..model.solids.len()).filter(|k| rigid(*k as u32) && model.wetting_walls() != Some(*k)) {
+        for solid in (0..model.solids.len()).filter(|k| rigid(*k as u32) && model.wetting_walls() != Some(*k))
+        {
             let told = model.solids[solid].motion.is_told();
             for p in points.surface.points() {
                 let owner = &points.owners[*p as usize];
@@ -60,7 +61,7 @@ impl Candidates {
                 let k = *p as usize;
                 let wide = reach + points.surface.radius(*p);
                 let way = relative((one, other), solid, (&start[k], &end[k]));
-                if one.from_rigid(solid, &start[k]).0 < wide + way {
+                if one.distance_to_rigid(solid, &start[k]).0 < wide + way {
                     meetings.push(Meeting::Rigid(*p, solid));
                 }
             }

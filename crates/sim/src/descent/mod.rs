@@ -84,8 +84,6 @@ pub struct Descent<'a, const D: usize> {
     rubs: usize,
     /// Iterations whose second derivatives were not positive definite.
     pub indefinite: u64,
-    /// The answer about these.
-    pub response: Option<Response<D>>,
 }
 
 impl<'a, const D: usize> Descent<'a, D> {
@@ -148,7 +146,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         };
         let positions = before.iter().flat_map(place).collect();
         let now = vec![Vector::zeros(); points.nodes()];
-        let mut descent = Self { potential, told, positions, now, iteration: 0, rubs: 0, indefinite: 0, response: None };
+        let mut descent = Self { potential, told, positions, now, iteration: 0, rubs: 0, indefinite: 0 };
         // The first guess is to go on as before.
         let still = descent.potential.candidates(&descent.now, &descent.now);
         descent.potential.rubs = descent.potential.rubbing(&descent.now, &still);
@@ -165,7 +163,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         solids: &mut [SolidState<D>],
         dragged: &mut [DraggedFace],
         (phi, open): (&[f64], &FaceField<D>),
-    ) -> Result<(), SolveError> {
+    ) -> Result<Response<D>, SolveError> {
         let failed = SolveError::Indefinite { solid: 0, step: self.potential.kick };
         if self.iteration > 0 {
             self.recentre();
@@ -197,8 +195,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         }
         let Potential { model, points, solids: before, .. } = self.potential;
         points.give(model, solids, &self.now);
-        self.response = Some(Response::new(model, before, points, solution, (base, lead), ties));
-        Ok(())
+        Ok(Response::new(model, before, points, solution, (base, lead), ties))
     }
 
     /// Finds the part of the velocities that the step does not resolve, `v − A⁻¹ M v`.
@@ -249,7 +246,9 @@ impl<'a, const D: usize> Descent<'a, D> {
             let axis = Vector::<D>::from_fn(|a, _| if a == f.axis { 1.0 } else { 0.0 });
             let first = points.first[solid];
             let arm = match solids[solid].grip(&x) {
-                Some(grip) => (0..D).map(|k| (first + grip.vertices[k] as usize, axis * grip.weights[k])).collect(),
+                Some(grip) => {
+                    (0..D).map(|k| (first + grip.vertices[k] as usize, axis * grip.weights[k])).collect()
+                }
                 None => {
                     let moment = crate::exchange::moment(&(x - solids[solid].center), &axis);
                     vec![(first, axis), (first + 1, turning(&moment.into()))]
@@ -299,11 +298,13 @@ impl<'a, const D: usize> Descent<'a, D> {
 
     /// What told nodes lack of their velocities.
     fn lead(&self) -> Vec<Vector<D>> {
-        let of = |k: usize| if self.potential.points.held[k] { self.told[k] - self.now[k] } else { Vector::zeros() };
+        let of = |k: usize| {
+            if self.potential.points.held[k] { self.told[k] - self.now[k] } else { Vector::zeros() }
+        };
         (0..self.now.len()).map(of).collect()
     }
 
-    /// Goes to where the solids are led by the pressure, which gives them `pressed` (impulses on the nodes), as far as can be. Whether
+    /// Goes to where the solids are led by their `response` to the pressure, which gives them `pressed` (impulses on the nodes), as far as can be. Whether
     /// there is nothing more to be done: then the solids' velocities stay as they are.
     ///
     /// # Errors
@@ -311,6 +312,7 @@ impl<'a, const D: usize> Descent<'a, D> {
     pub fn settle(
         &mut self,
         solids: &mut [SolidState<D>],
+        response: &Response<D>,
         change: &[Vector<D>],
         pressed: Vec<Vector<D>>,
     ) -> Result<bool, SolveError> {
@@ -324,7 +326,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         let limit = SETTLED * self.potential.barrier.reach / self.potential.ahead;
         let size = to.iter().zip(&self.now).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         let (next, whole) = self.advanced(&to, !led && size > limit);
-        let mut off = if whole { self.off(&next) } else { f64::INFINITY };
+        let mut off = if whole { self.off(response, &next) } else { f64::INFINITY };
         self.now = next;
         self.iteration += 1;
         let mut settled = off < limit;
@@ -332,7 +334,7 @@ impl<'a, const D: usize> Descent<'a, D> {
             let candidates = self.potential.candidates(&self.now, &self.now);
             self.potential.rubs = self.potential.rubbing(&self.now, &candidates);
             self.rubs += 1;
-            off = self.off(&self.now);
+            off = self.off(response, &self.now);
             settled = off < RUBBED * limit;
         }
         if settled && self.iteration > model.numerics.newton_iterations as usize {
@@ -346,8 +348,7 @@ impl<'a, const D: usize> Descent<'a, D> {
     }
 
     /// How far the next iteration would go from these velocities, m/s.
-    fn off(&self, velocities: &[Vector<D>]) -> f64 {
-        let Some(response) = &self.response else { return f64::INFINITY };
+    fn off(&self, response: &Response<D>, velocities: &[Vector<D>]) -> f64 {
         let candidates = self.potential.candidates(velocities, velocities);
         let mut gradient = self.potential.gradient(velocities, &candidates);
         response.solve(&mut gradient);

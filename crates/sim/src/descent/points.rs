@@ -182,7 +182,15 @@ fn held<const D: usize>(model: &Model<D>) -> Vec<bool> {
 
 /// An angular velocity as a node has it.
 pub fn turning<const D: usize>(spin: &[f64; 3]) -> Vector<D> {
-    Vector::from_fn(|a, _| if D == 3 { spin[a] } else if a == 0 { spin[2] } else { 0.0 })
+    Vector::from_fn(|a, _| {
+        if D == 3 {
+            spin[a]
+        } else if a == 0 {
+            spin[2]
+        } else {
+            0.0
+        }
+    })
 }
 
 /// A node's angular velocity.
@@ -227,7 +235,11 @@ impl<'a, const D: usize> Places<'a, D> {
     ) -> Self {
         let frame = |(k, now): (usize, &SolidState<D>)| {
             if now.soft.is_some() {
-                return Frame { center: Vector::zeros(), rotation: Matrix::identity(), rate: Matrix::identity() };
+                return Frame {
+                    center: Vector::zeros(),
+                    rotation: Matrix::identity(),
+                    rate: Matrix::identity(),
+                };
             }
             let [velocity, turn] = [velocities[points.first[k]], velocities[points.first[k] + 1]];
             let turn = Vector::<3>::from(spin(&turn)) * time;
@@ -243,7 +255,8 @@ impl<'a, const D: usize> Places<'a, D> {
     pub fn at(&self, owner: &Owner<D>) -> Vector<D> {
         match *owner {
             Owner::Vertex { solid, vertex } => {
-                let from = self.solids[solid].soft.as_ref().map_or(Vector::zeros(), |s| s.body.positions[vertex]);
+                let from =
+                    self.solids[solid].soft.as_ref().map_or(Vector::zeros(), |s| s.body.positions[vertex]);
                 from + self.velocities[self.points.first[solid] + vertex] * self.time
             }
             Owner::Rigid { solid, at } => {
@@ -265,7 +278,7 @@ impl<'a, const D: usize> Places<'a, D> {
     }
 
     /// Distance of a point from a rigid solid, m, and the direction away from that.
-    pub fn from_rigid(&self, solid: usize, x: &Vector<D>) -> (f64, Vector<D>) {
+    pub fn distance_to_rigid(&self, solid: usize, x: &Vector<D>) -> (f64, Vector<D>) {
         let shape = &self.model.solids[solid].shape;
         let at = self.at_start(solid, x);
         let step = 1e-4 * self.model.grid.dx;

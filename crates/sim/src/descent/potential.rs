@@ -105,7 +105,8 @@ impl<'a, const D: usize> Potential<'a, D> {
         let model = self.model;
         let speed = model.grid.dx / model.capillary_step();
         let column: f64 = model.gravity.iter().zip(&model.grid.upper()).map(|(g, l)| (g * l).abs()).sum();
-        let young = |owner: &Owner<D>| model.solids[owner.solid()].elastic().map_or(f64::INFINITY, |e| e.young());
+        let young =
+            |owner: &Owner<D>| model.solids[owner.solid()].elastic().map_or(f64::INFINITY, |e| e.young());
         let weight = |owner: &Owner<D>| self.points.weights[owner.solid()];
         let softer = young(point).min(other.map_or(f64::INFINITY, young));
         let elastic = if softer.is_finite() { ELASTIC * softer } else { 0.0 };
@@ -135,7 +136,7 @@ impl<'a, const D: usize> Potential<'a, D> {
         let (point, distance, normal, other) = match *meeting {
             Meeting::Rigid(p, solid) => {
                 let x = &at[p as usize];
-                let (distance, normal) = places.from_rigid(solid, x);
+                let (distance, normal) = places.distance_to_rigid(solid, x);
                 (p, distance, normal, Some(Owner::Rigid { solid, at: places.at_start(solid, x) }))
             }
             Meeting::Side(p, side) => {
@@ -148,7 +149,8 @@ impl<'a, const D: usize> Potential<'a, D> {
 
     /// Its value, J (2D: J/m).
     pub fn value(&self, velocities: &[Vector<D>], candidates: &Candidates) -> f64 {
-        let own: f64 = self.parts.iter().enumerate().map(|(k, part)| self.own_value(k, part, velocities)).sum();
+        let own: f64 =
+            self.parts.iter().enumerate().map(|(k, part)| self.own_value(k, part, velocities)).sum();
         let places = self.places(velocities);
         let at = places.all();
         let contacts = self.contacts(candidates, &at);
@@ -156,7 +158,13 @@ impl<'a, const D: usize> Potential<'a, D> {
         let met = |m: &Meeting| {
             let met = self.met(m, &places, &at);
             let energy = self.barrier(met.point).of_distance(met.distance)[0];
-            if energy > 0.0 { self.points.surface.area(met.point) * self.stiffness(&self.points.owners[met.point as usize], met.other.as_ref()) * energy } else { 0.0 }
+            if energy > 0.0 {
+                self.points.surface.area(met.point)
+                    * self.stiffness(&self.points.owners[met.point as usize], met.other.as_ref())
+                    * energy
+            } else {
+                0.0
+            }
         };
         let others: f64 = candidates.meetings.iter().map(met).sum();
         let friction = self.friction();
@@ -199,7 +207,8 @@ impl<'a, const D: usize> Potential<'a, D> {
             if value == 0.0 {
                 continue;
             }
-            let scale = self.points.surface.area(point) * self.stiffness(&owners[point as usize], other.as_ref());
+            let scale =
+                self.points.surface.area(point) * self.stiffness(&owners[point as usize], other.as_ref());
             let mut levers = vec![lever(point)];
             levers.extend(other.map(|o| places.levers(&o)));
             let mut local = Local::zeros(levers.len());
@@ -217,7 +226,10 @@ impl<'a, const D: usize> Potential<'a, D> {
         for r in &self.rubs {
             let to = r.owners.map(|o| places.at(&o));
             let local = friction.derivatives(&r.rubbing, &r.from, &to);
-            terms.push(Term { levers: r.owners[..local.count].iter().map(|o| places.levers(o)).collect(), local });
+            terms.push(Term {
+                levers: r.owners[..local.count].iter().map(|o| places.levers(o)).collect(),
+                local,
+            });
         }
         terms
     }
@@ -338,7 +350,7 @@ impl<'a, const D: usize> Potential<'a, D> {
                 }
                 Meeting::Rigid(p, solid) => {
                     let (k, radius) = (p as usize, self.points.thickness(p));
-                    let far = one.from_rigid(solid, &start[k]).0 - radius;
+                    let far = one.distance_to_rigid(solid, &start[k]).0 - radius;
                     let way = relative((&one, &other), solid, (&start[k], &end[k]));
                     if way > (1.0 - keep) * far {
                         part = part.min((1.0 - keep) * far / way);
@@ -370,8 +382,7 @@ impl<'a, const D: usize> Potential<'a, D> {
         for c in self.contacts(candidates, &at) {
             let points = c.stencil.points();
             let (first, second) = (points[0], points[c.stencil.kind.first()]);
-            let coefficient =
-                friction(owners[first as usize].solid(), Some(owners[second as usize].solid()));
+            let coefficient = friction(owners[first as usize].solid(), Some(owners[second as usize].solid()));
             let Some(rubbing) = Rubbing::new(&c, coefficient, &at) else { continue };
             let mut own = [owners[first as usize]; 4];
             own.iter_mut().zip(points).for_each(|(o, p)| *o = owners[*p as usize]);
@@ -388,7 +399,10 @@ impl<'a, const D: usize> Potential<'a, D> {
             let solid = owners[point as usize].solid();
             let coefficient = friction(solid, other.map(|o| o.solid()));
             let slope = self.barrier(point).of_distance(distance)[1];
-            let hold = -coefficient * self.points.surface.area(point) * self.stiffness(&owners[point as usize], other.as_ref()) * slope;
+            let hold = -coefficient
+                * self.points.surface.area(point)
+                * self.stiffness(&owners[point as usize], other.as_ref())
+                * slope;
             if hold <= 0.0 {
                 continue;
             }

@@ -145,7 +145,12 @@ impl<const D: usize> Response<D> {
     }
 
     /// An exchange as impulses on the nodes.
-    pub fn impulses(&self, model: &Model<D>, solids: &[SolidState<D>], exchange: &Exchange<D>) -> Vec<Vector<D>> {
+    pub fn impulses(
+        &self,
+        model: &Model<D>,
+        solids: &[SolidState<D>],
+        exchange: &Exchange<D>,
+    ) -> Vec<Vector<D>> {
         let mut all = vec![Vector::zeros(); self.masses.len()];
         let sums = exchange.by_solid(solids.len());
         for (k, solid) in model.solids.iter().enumerate() {

@@ -271,7 +271,8 @@ impl<const D: usize> FaceWalk<'_, D> {
         dt: f64,
     ) -> Restored<D> {
         let moments = self.moments(velocity);
-        let mut restored = Restored { moments: Vec::new(), momentum: 0.0, spin: 0.0, unrestored: 0, unlabelled: 0 };
+        let mut restored =
+            Restored { moments: Vec::new(), momentum: 0.0, spin: 0.0, unrestored: 0, unlabelled: 0 };
         let mut motions: Vec<Option<Motion<D>>> = vec![None; self.components];
         for group in groups {
             let Some(mut whole) = group.whole.clone() else { continue };

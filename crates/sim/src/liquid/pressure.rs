@@ -11,10 +11,10 @@ use super::cut_faces::CutFace;
 use super::friction::DraggedFace;
 use super::viscosity::Diffusion;
 use crate::coupling::Coupling;
+use crate::descent::Response;
 use crate::exchange::Exchange;
 use crate::model::Model;
 use crate::simulation::PhaseEnd;
-use crate::descent::Response;
 use crate::solid::SolidState;
 use crate::state::State;
 use crate::tied::{Six, Ties};
@@ -89,10 +89,6 @@ impl<const D: usize> PressureFields<D> {
         self.assemble(model, p, &coupling);
         let mut yielding = coupling.yielding(&Exchange::new(), pushes(model, p, &ties, &[]));
         coupling.fluxes_of_tied(&yielding, |cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
-        for body in &bodies.soft {
-            let porous = zip(&body.flows, &body.porous);
-            porous.for_each(|((cell, _), porous)| self.dirichlet.data[*cell as usize] += porous);
-        }
         let solver = self.solver(model, p);
         let limits = (model.numerics.tolerance, model.numerics.max_iterations);
         let first = solver.solve_coupled(&bodies, &self.rhs, p.lambda, limits)?;
@@ -143,7 +139,8 @@ impl<const D: usize> PressureFields<D> {
         let bodies = coupling.bodies();
         self.assemble(model, p, &coupling);
         let tension = |p: &Projection<'_, D>, bends: &[f64]| tension(model, p, bends);
-        let start = response.yields(model, p.dragged, |f| p.velocity.axes[f.axis][f.face], tension(p, &[]), None);
+        let start =
+            response.yields(model, p.dragged, |f| p.velocity.axes[f.axis][f.face], tension(p, &[]), None);
         coupling.fluxes_of_nodes(&start, |cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
         for body in &bodies.soft {
             let porous = zip(&body.flows, &body.porous);
@@ -161,10 +158,16 @@ impl<const D: usize> PressureFields<D> {
         }
         self.assemble(model, p, &coupling);
         let own = response.impulses(model, p.solids, &beyond);
-        let mut change =
-            response.yields(model, p.dragged, |f| p.velocity.axes[f.axis][f.face], tension(p, &bends), Some(own));
+        let mut change = response.yields(
+            model,
+            p.dragged,
+            |f| p.velocity.axes[f.axis][f.face],
+            tension(p, &bends),
+            Some(own),
+        );
         coupling.fluxes_of_nodes(&change, |cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
-        zip(p.cut, &bends).for_each(|(face, bend)| self.rhs.data[face.cell] += face.open * face.mobility * bend);
+        zip(p.cut, &bends)
+            .for_each(|(face, bend)| self.rhs.data[face.cell] += face.open * face.mobility * bend);
         let second = solver.solve_coupled(&bodies, &self.rhs, p.lambda, limits)?;
         let mut exchange = coupling.impulses(&p.lambda.data, p.label);
         exchange.extend(&beyond);

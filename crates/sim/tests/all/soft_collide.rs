@@ -263,7 +263,8 @@ fn soft_balls_meet() {
     for young in [50.0, 1e3, 1e6] {
         meet::<2>(8, 0.0, young, 0.3, 2e-3);
         for friction in [0.0, 0.3] {
-            let (long, short) = (meet::<2>(8, 0.13, young, friction, 2e-3), meet::<2>(8, 0.13, young, friction, 5e-4));
+            let (long, short) =
+                (meet::<2>(8, 0.13, young, friction, 2e-3), meet::<2>(8, 0.13, young, friction, 5e-4));
             assert!(long < 0.04 && (friction > 0.0 || short < 0.4 * long), "E {young:e}: {long} {short}");
         }
     }
