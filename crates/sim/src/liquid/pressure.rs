@@ -291,27 +291,22 @@ fn slow<const D: usize>(p: &mut Projection<'_, D>) {
     }
 }
 
-/// Slope of λ in a liquid cell, a cell: along each axis the mean over the faces to other liquid cells, by their openings.
+/// Slope of λ in a liquid cell, a cell: along each axis the mean over the open faces to other liquid cells.
 fn slope<const D: usize>(model: &Model<D>, p: &Projection<'_, D>, cell: usize) -> Vector<D> {
     let lattice = model.grid.lattice();
     let at = lattice.coordinates(cell);
     Vector::from_fn(|a, _| {
         let face = model.grid.faces(a).index(at);
-        let open = |up: usize| p.cut_cells.open.axes[a][face + up * model.grid.faces(a).stride[a]];
-        let (mut sum, mut all) = (0.0, 0.0);
-        let mut add = |open: f64, from: usize, to: usize| {
-            if p.phi.data[from] < 0.0 && p.phi.data[to] < 0.0 {
-                sum += open * (p.lambda.data[to] - p.lambda.data[from]);
-                all += open;
-            }
-        };
-        if at[a] > 0 {
-            add(open(0), cell - lattice.stride[a], cell);
+        let open = |up: usize| p.cut_cells.open.axes[a][face + up * model.grid.faces(a).stride[a]] > 0.0;
+        let (mut sum, mut count) = (0.0, 0.0);
+        if at[a] > 0 && open(0) && p.phi.data[cell - lattice.stride[a]] < 0.0 {
+            (sum, count) = (p.lambda.data[cell] - p.lambda.data[cell - lattice.stride[a]], 1.0);
         }
-        if at[a] + 1 < lattice.extent[a] {
-            add(open(1), cell, cell + lattice.stride[a]);
+        if at[a] + 1 < lattice.extent[a] && open(1) && p.phi.data[cell + lattice.stride[a]] < 0.0 {
+            sum += p.lambda.data[cell + lattice.stride[a]] - p.lambda.data[cell];
+            count += 1.0;
         }
-        if all > 0.0 { sum / all } else { 0.0 }
+        if count > 0.0 { sum / count } else { 0.0 }
     })
 }
 
