@@ -17,6 +17,7 @@ mod line;
 mod liquid;
 mod model;
 mod outflow;
+mod press;
 mod profile;
 mod repairs;
 mod rigid_body;

@@ -3,32 +3,27 @@
 //! Positions first, then one solve for the velocity: a capillary wave then obeys symplectic Euler, which neither
 //! damps nor drives it (design, numerics §8).
 
-use crate::change::{Change, expect, in_band, keep_volume, resolved_volume};
-use crate::collide::{Times, collide, lean, part};
-use crate::coupling::push_solids;
-use crate::descent::{Descent, Start};
-use crate::exchange::Exchange;
+use crate::change::{Change, expect, keep_volume};
+use crate::collide::{Times, collide, part};
 use crate::hysteresis::hold_lines;
-use crate::keep::{Labels, give_back, keep_carried, keep_momentum, walk};
+use crate::keep::{give_back, keep_carried, keep_momentum};
 use crate::ledger::{drops, kinetic_energy, max_component, surface_energy};
-use crate::line::{LineImpulses, Lines};
 use crate::liquid::curvature::{Beside, Displacement, FilterStep, curvature};
-use crate::liquid::cut_faces::{CutFace, cut_faces};
-use crate::liquid::friction::{DraggedFace, drag, friction};
+use crate::liquid::cut_faces::cut_faces;
+use crate::liquid::friction::drag;
 use crate::liquid::ghost::{extend_into_solids, ghosts};
-use crate::liquid::pressure::Projection;
 use crate::liquid::transport::{advect_surface, advect_velocity, pack};
 use crate::liquid::volume::band_labels;
 use crate::model::Model;
 use crate::outflow::drain;
+use crate::press::{Pressed, press, stirred};
 use crate::repairs::Repairs;
 use crate::simulation::{GROWTH, PhaseEnd, clear_time};
 use crate::solid::{Motion, SolidState};
 use crate::state::State;
-use crate::tension::{wetted_skins, wetted_stiffness};
 use crate::workspace::{BAND, LAYERS, SLOPE, Workspace};
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{Band, CutCells, Runs, Sampler, Segment};
+use meniscus_numerics::grid::{Runs, Sampler, Segment};
 use meniscus_numerics::level_set::{redistance, slope};
 use meniscus_numerics::linalg::{SolveError, SolveReport};
 use meniscus_numerics::par;
@@ -228,186 +223,6 @@ fn of_solids<const D: usize>(model: &Model<D>, state: &State<D>) -> Repairs {
         repairs.singular_inertia += u64::from(stuck);
     }
     repairs
-}
-
-/// What the pressure did.
-struct Pressed<const D: usize> {
-    solves: [SolveReport; 2],
-    /// What line, pressure and friction gave to the solids.
-    given: [Exchange<D>; 3],
-    /// Where a solid deforms, and contacts are in the same solve: the work, J, that they took from solids that are told.
-    told: Option<f64>,
-}
-
-/// Projects the velocity, and pushes the solids, which were as `before`.
-fn press<const D: usize>(
-    model: &Model<D>,
-    (state, before): (&mut State<D>, &[SolidState<D>]),
-    work: &mut Workspace<D>,
-    change: &Change<D>,
-    (cut, dragged): (&[CutFace], &mut [DraggedFace]),
-    times: Times,
-    phase_end: PhaseEnd<'_>,
-) -> Result<Pressed<D>, SolveError> {
-    let line = pull_lines(model, state, work, change, cut, times.kick);
-    let (solves, [pressure, friction], told) = match model.deforms() {
-        true => descend(model, (state, before), work, (cut, dragged), &line, times, phase_end)?,
-        false => push_rigid(model, state, work, (cut, dragged), &line, times, phase_end)?,
-    };
-    let given = [line, pressure, friction];
-    tell_forces(&mut state.solids, &given, times.kick);
-    Ok(Pressed { solves, given, told })
-}
-
-/// What contact lines give to the solids; what of it belongs to the liquid along even walls shifts that.
-fn pull_lines<const D: usize>(
-    model: &Model<D>,
-    state: &mut State<D>,
-    work: &mut Workspace<D>,
-    change: &Change<D>,
-    cut: &[CutFace],
-    kick: f64,
-) -> Exchange<D> {
-    let inside: Vec<bool> = work.touching(model).iter().map(|t| !t.side).collect();
-    let label = work.liquid.component(&model.grid);
-    let near = in_band(&work.band, &change.labels);
-    let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
-    let (solids, cubes) = (&state.solids, &change.cubes);
-    let LineImpulses { on_solids: line, on_liquid: along, moment_lost } = if model.numerics.contact_line {
-        let skins = &wetted_skins(model, solids, &phi, &label);
-        let (phi, wet, centers) = (&state.phi.data, &work.cut.wet, &change.centers);
-        let (label, inside) = (&near, &inside);
-        Lines { model, solids, phi, cubes, cut, wet, centers, label, inside, skins }.impulses(kick)
-    } else {
-        let on_liquid = vec![Vector::zeros(); inside.len()];
-        LineImpulses { on_solids: Exchange::new(), on_liquid, moment_lost: 0.0 }
-    };
-    work.repairs.line_moment_lost += moment_lost;
-    // Of a drop too small to be resolved the lattice's pull is noise.
-    let least = resolved_volume(model);
-    let speed = |(j, volume): (&Vector<D>, &f64)| {
-        if *volume > least { j / (model.density * volume) } else { Vector::zeros() }
-    };
-    let along: Vec<Vector<D>> = along.iter().zip(&change.targets).map(speed).collect();
-    let labels = Labels::new(&label);
-    let of = |cell: usize| labels.of(cell);
-    walk(model, &state.phi, work, cut, &of).shift(&mut state.velocity, &along);
-    work.repairs.unlabelled += labels.missing();
-    line
-}
-
-/// Solves of the pressure, what it and friction give to solids, and the work that [`Pressed::told`] is.
-type Pushed<const D: usize> = ([SolveReport; 2], [Exchange<D>; 2], Option<f64>);
-
-/// The pressure and rigid solids, which contacts push after it.
-fn push_rigid<const D: usize>(
-    model: &Model<D>,
-    state: &mut State<D>,
-    work: &mut Workspace<D>,
-    (cut, dragged): (&[CutFace], &mut [DraggedFace]),
-    line: &Exchange<D>,
-    times: Times,
-    phase_end: PhaseEnd<'_>,
-) -> Result<Pushed<D>, SolveError> {
-    let label = work.liquid.component(&model.grid);
-    push_solids(model, &mut state.solids, line);
-    lean(&mut state.solids, times.kick);
-    let parts = (&work.band, &work.liquid, work.known.liquid(), &mut work.cut);
-    let mut projection = projection(model, state, parts, (cut, dragged, &label), times.kick);
-    let (solves, pressure) = work.pressure.project(model, &mut projection, phase_end)?;
-    push_solids(model, &mut state.solids, &pressure);
-    lean(&mut state.solids, -times.kick);
-    let friction = friction(model, state, dragged, &label);
-    push_solids(model, &mut state.solids, &friction);
-    Ok((solves, [pressure, friction], None))
-}
-
-/// The pressure and solids of which one deforms, with all contacts: Newton's iterations.
-fn descend<const D: usize>(
-    model: &Model<D>,
-    (state, before): (&mut State<D>, &[SolidState<D>]),
-    work: &mut Workspace<D>,
-    (cut, dragged): (&[CutFace], &mut [DraggedFace]),
-    line: &Exchange<D>,
-    times: Times,
-    phase_end: PhaseEnd<'_>,
-) -> Result<Pushed<D>, SolveError> {
-    let starts = Start::of(model, line, wetted_stiffness(model, state), times.kick);
-    push_solids(model, &mut state.solids, line);
-    let (points, start) = (work.points.clone(), state.velocity.clone());
-    let mut descent = Descent::new(model, &points, (before, &state.solids), &starts, times);
-    let label = work.liquid.component(&model.grid);
-    loop {
-        let response = descent.linearise(&mut state.solids, dragged, (&state.phi.data, &work.cut.open))?;
-        state.velocity.clone_from(&start);
-        let parts = (&work.band, &work.liquid, work.known.liquid(), &mut work.cut);
-        let mut projection = projection(model, state, parts, (cut, dragged, &label), times.kick);
-        let (solves, pressure, change) =
-            work.pressure.project_with(model, &mut projection, &response, phase_end)?;
-        let friction = friction(model, state, dragged, &label);
-        let mut pressed = pressure.clone();
-        pressed.extend(&friction);
-        let pressed = response.impulses(model, before, &pressed);
-        if descent.settle(&mut state.solids, &response, &change, pressed)? {
-            state.clear = descent.clear();
-            work.repairs.indefinite_iterations += descent.indefinite;
-            let told = descent.tell_contacts(&mut state.solids);
-            return Ok((solves, [pressure, friction], Some(told)));
-        }
-    }
-}
-
-/// Faces that the surface cuts, those that lines drag, and the component of a liquid cell.
-type Faces<'a> = (&'a [CutFace], &'a mut [DraggedFace], &'a (dyn Fn(usize) -> Option<u32> + Sync));
-
-/// The grid's part of a projection: band, liquid, its faces, and what solids leave open.
-type Parts<'a, const D: usize> = (&'a Band<D>, &'a Runs, &'a [Vec<Segment>; D], &'a mut CutCells<D>);
-
-fn projection<'a, const D: usize>(
-    model: &Model<D>,
-    state: &'a mut State<D>,
-    (band, liquid, faces, cut_cells): Parts<'a, D>,
-    (cut, dragged, label): Faces<'a>,
-    time: f64,
-) -> Projection<'a, D> {
-    Projection {
-        velocity: &mut state.velocity,
-        lambda: &mut state.lambda,
-        phi: &state.phi,
-        band,
-        liquid,
-        faces,
-        cut,
-        dragged,
-        cut_cells,
-        solids: &state.solids,
-        label,
-        jump: model.surface_tension * time / (model.density * model.grid.dx),
-        time,
-    }
-}
-
-/// Keeps with the solids the mean forces of what line, pressure and friction gave them in the time `kick`.
-fn tell_forces<const D: usize>(solids: &mut [SolidState<D>], given: &[Exchange<D>; 3], kick: f64) {
-    let [line, pressure, friction] = given.each_ref().map(|exchange| exchange.by_solid(solids.len()));
-    let pulls = line.into_iter().zip(friction);
-    for ((now, (line, friction)), pressure) in solids.iter_mut().zip(pulls).zip(pressure) {
-        now.pulled = (line.linear + friction.linear) / kick;
-        now.pressed = pressure.linear / kick;
-    }
-}
-
-/// The work, J, that solids which go as told do on the rest.
-fn stirred<const D: usize>(model: &Model<D>, state: &State<D>, given: &[Exchange<D>; 3]) -> f64 {
-    let mut work = 0.0;
-    for ((_, solid), impulse) in given.iter().flat_map(|g| &g.pairs) {
-        let now = &state.solids[*solid as usize];
-        if model.solids[*solid as usize].motion.is_told() {
-            let turning = impulse.about(&now.center).dot(&Vector::<3>::from(now.spin));
-            work -= impulse.linear.dot(&now.velocity) + turning;
-        }
-    }
-    work
 }
 
 /// Moves φ; gives back the liquid cells before. `solids` is where they were before.
