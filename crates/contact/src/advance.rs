@@ -11,15 +11,23 @@ const LOOKS: usize = 1000;
 /// Halvings of the time in which an element is found to turn inside out.
 const HALVINGS: usize = 60;
 
-/// The largest part of a way, up to all of it, on which two features keep `keep` of the distance that they have beyond a
-/// thickness (m): points go from `x` along `ways`. It is never too large: no point comes nearer by more than the ways relative to each other are long (additive
-/// continuous collision detection: M. Li, D. M. Kaufman, C. Jiang, "Codimensional incremental potential contact", ACM Trans.
-/// Graph. 40(4), 2021, §5).
+/// How near two features may come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clearance {
+    /// Distance, m, that counts as none.
+    pub thickness: f64,
+    /// Part of the distance beyond it that must remain.
+    pub keep: f64,
+}
+
+/// The largest part of a way, up to all of it, on which two features keep a clearance: points go from `x` along `ways`. It is never too
+/// large: no point comes nearer by more than the ways relative to each other are long (additive continuous collision detection:
+/// M. Li, D. M. Kaufman, C. Jiang, "Codimensional incremental potential contact", ACM Trans. Graph. 40(4), 2021, §5).
 pub fn free_step<const D: usize>(
     kind: Kind,
     x: &[Vector<D>; 4],
     ways: &[Vector<D>; 4],
-    (thickness, keep): (f64, f64),
+    Clearance { thickness, keep }: Clearance,
 ) -> f64 {
     let count = kind.count();
     let mean: Vector<D> = ways[..count].iter().sum::<Vector<D>>() / count as f64;

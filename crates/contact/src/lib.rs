@@ -27,7 +27,7 @@ mod mollifier;
 mod plane;
 mod surface;
 
-pub use advance::{free_step, upright_step};
+pub use advance::{Clearance, free_step, upright_step};
 pub use barrier::{Barrier, Contact};
 pub use distance::{Closest, Kind, Stencil};
 pub use friction::{Friction, Rubbing};

@@ -1,5 +1,6 @@
 //! A plane that nothing moves: a side of the domain.
 
+use crate::advance::Clearance;
 use meniscus_numerics::Vector;
 
 /// A plane.
@@ -17,8 +18,8 @@ impl<const D: usize> Plane<D> {
         (x - self.point).dot(&self.normal)
     }
 
-    /// The largest part of a way, up to all of it, on which a point keeps `keep` of its distance beyond a thickness (m).
-    pub fn free_step(&self, x: &Vector<D>, way: &Vector<D>, (thickness, keep): (f64, f64)) -> f64 {
+    /// The largest part of a way, up to all of it, on which a point keeps a clearance.
+    pub fn free_step(&self, x: &Vector<D>, way: &Vector<D>, Clearance { thickness, keep }: Clearance) -> f64 {
         let (far, nearer) = (self.distance(x) - thickness, -way.dot(&self.normal));
         if nearer <= (1.0 - keep) * far { 1.0 } else { ((1.0 - keep) * far / nearer).max(0.0) }
     }

@@ -1,6 +1,6 @@
 //! Surfaces of points, facets and edges, and what of them is near each other.
 
-use crate::advance::free_step;
+use crate::advance::{Clearance, free_step};
 use crate::barrier::Contact;
 use crate::boxes::{Extent, overlapping};
 use crate::distance::{Closest, Stencil};
@@ -86,7 +86,7 @@ impl<const D: usize> Surface<D> {
         self
     }
 
-    /// The same where each position feels others from its own distance on, m, and what it is part of from the least one of its points.
+    /// The same with a reach, m, of each position; a facet's or an edge's is the least of its points'.
     pub fn with_reaches(self, reaches: Vec<f64>) -> Self {
         Self { reaches, ..self }
     }
@@ -201,7 +201,8 @@ impl Near {
     /// The largest part of a way, up to all of it, on which every pair keeps `keep` of its distance.
     pub fn free_step<const D: usize>(&self, x: &[Vector<D>], ways: &[Vector<D>], keep: f64) -> f64 {
         let part = |pair: &Pair| {
-            free_step(pair.stencil.kind, &pair.stencil.of(x), &pair.stencil.of(ways), (pair.thickness, keep))
+            let clearance = Clearance { thickness: pair.thickness, keep };
+            free_step(pair.stencil.kind, &pair.stencil.of(x), &pair.stencil.of(ways), clearance)
         };
         self.pairs.par_iter().with_min_len(256).map(part).reduce(|| 1.0, f64::min)
     }

@@ -208,7 +208,7 @@ fn check_steps<const D: usize>(kinds: &[Kind]) {
             let (x, ways) = (numbers.points::<D>(kind.count()), numbers.points::<D>(kind.count()));
             let (at, ways) = (stencil(*kind).of(&x), stencil(*kind).of(&ways).map(|w| w * 3.0));
             let keep = 0.2;
-            let part = free_step(*kind, &at, &ways, (0.0, keep));
+            let part = free_step(*kind, &at, &ways, Clearance { thickness: 0.0, keep });
             let distance =
                 |part: f64| Closest::new(*kind, &std::array::from_fn(|k| at[k] + ways[k] * part)).distance();
             let start = distance(0.0);
@@ -299,8 +299,13 @@ fn nearly_parallel_edges_have_their_distance() {
 #[test]
 fn points_stay_off_planes() {
     let plane = Plane { point: Vector::<2>::new(0.0, 1.0), normal: Vector::<2>::new(0.0, 1.0) };
-    let step =
-        |way: f64| plane.free_step(&Vector::<2>::new(3.0, 1.5), &Vector::<2>::new(1.0, way), (0.0, 0.2));
+    let step = |way: f64| {
+        plane.free_step(
+            &Vector::<2>::new(3.0, 1.5),
+            &Vector::<2>::new(1.0, way),
+            Clearance { thickness: 0.0, keep: 0.2 },
+        )
+    };
     assert!((step(-0.8) - 0.5).abs() < 1e-15);
     assert_eq!([step(-0.4), step(0.0), step(9.0)], [1.0; 3]);
 }

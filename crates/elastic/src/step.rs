@@ -16,15 +16,13 @@
 //! ones lose but the fraction `θ c (h ω)³/2` of the critical damping. It takes another solve. Because the dissipation is in
 //! rates of strain, bodies that nothing holds keep their angular momentum.
 
-use crate::linalg::{Inverse, Reach};
+use crate::linalg::{Inverse, Reach, TOLERANCE};
 use crate::term::Weights;
 use crate::{BlockMatrix, Elastic, ElasticError, ElasticState};
 use meniscus_numerics::{Matrix, Vector};
 
 /// Change of the velocities, relative to the first, below which Newton's iterations end.
 const CONVERGED: f64 = 1e-10;
-/// Error of a solve where there are no factors, over the whole.
-const TOLERANCE: f64 = 1e-9;
 
 /// How velocities follow forces.
 #[derive(Clone, Copy, Debug, PartialEq)]

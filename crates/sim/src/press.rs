@@ -23,7 +23,7 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CutCells, Runs, Sampler, Segment};
 use meniscus_numerics::linalg::{SolveError, SolveReport};
 
-/// What the pressure did.
+/// Results of the pressure's solve.
 pub struct Pressed<const D: usize> {
     /// The pressure solves, the last of Newton's iterations where there are any.
     pub solves: [SolveReport; 2],
@@ -33,10 +33,11 @@ pub struct Pressed<const D: usize> {
     pub told: Option<f64>,
 }
 
-/// Projects the velocity, and pushes the solids, which were as `before`.
+/// Makes the velocity free of divergence and gives the solids, whose velocities were `before` without the forces of this step, their
+/// impulses.
 ///
 /// # Errors
-/// What the solves say.
+/// Those of the solves, which do not converge or meet a matrix that is not definite.
 pub fn press<const D: usize>(
     model: &Model<D>,
     (state, before): (&mut State<D>, &[SolidState<D>]),

@@ -38,7 +38,7 @@ const STACK: usize = 8 << 20;
 /// short parallel loop at less cost than one outside of it, which must hand the loop over and wait.
 ///
 /// # Errors
-/// That of `work`, or that the threads cannot be started.
+/// The error of `work`, or one that says that the threads cannot be started.
 pub fn with_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> Result<R> + Send) -> Result<R> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).stack_size(STACK).build();
     pool.map_err(|e| Failure::new(1, format!("cannot start the threads: {e}")))?.install(work)

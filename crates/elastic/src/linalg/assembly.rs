@@ -1,15 +1,12 @@
 //! The matrices of several solids as one, with what couples them.
 
-use super::{BlockMatrix, Cliques, Inverse, Pattern, Reach, Solver};
+use super::{BlockMatrix, Cliques, Inverse, Pattern, Reach, Solver, TOLERANCE};
 use crate::Elastic;
 use meniscus_numerics::Vector;
 use std::sync::Arc;
 
-/// Error of a solve where there are no factors, over the whole.
-const TOLERANCE: f64 = 1e-9;
-
-/// How matrices of several solids stand in one. While nothing couples the solids, its pattern is always the same, and its order of
-/// elimination with it.
+/// The block structure of a matrix of several solids, with the matrix of each on its diagonal. While nothing couples the solids the
+/// pattern stays the same, and the order of elimination is found once.
 #[derive(Clone, Debug)]
 pub struct Assembly {
     firsts: Vec<usize>,
@@ -81,7 +78,7 @@ impl<const D: usize> Solution<D> {
         b.iter_mut().zip(flat.chunks_exact(D)).for_each(|(b, x)| b.copy_from_slice(x));
     }
 
-    /// What right-hand sides that act on some vertices only need for the solution at these.
+    /// The part of the factors that is needed to solve for some vertices, where right-hand sides are zero at all others.
     pub fn reach(&self, vertices: impl Iterator<Item = u32>) -> Reach {
         self.0.reach(vertices)
     }

@@ -5,6 +5,8 @@ use super::{BlockMatrix, Factor, Iterated, Lattice, Pattern, Symbolic};
 use meniscus_numerics::Vector;
 use std::sync::Arc;
 
+/// Relative error of a solve by iterations, where there are no factors.
+pub const TOLERANCE: f64 = 1e-9;
 /// Entries of a factor beyond which there is none: 2 GB.
 const MOST: usize = 250_000_000;
 

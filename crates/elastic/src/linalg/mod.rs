@@ -19,6 +19,6 @@ pub use cliques::Cliques;
 pub(crate) use coarse::{Coarse, Lattice};
 pub(crate) use factor::{Factor, Symbolic};
 pub use inverse::Reach;
-pub(crate) use inverse::{Inverse, Solver};
+pub(crate) use inverse::{Inverse, Solver, TOLERANCE};
 pub(crate) use iterated::Iterated;
 pub(crate) use small::{eigen, pairs, svd};

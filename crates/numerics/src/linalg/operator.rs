@@ -45,6 +45,17 @@ pub enum SolveError {
         /// Relative residual asked for.
         tolerance: f64,
     },
+    /// Newton's method for solids and pressure did not converge.
+    #[error(
+        "Newton's method for the solids that deform stopped after {iterations} iterations; the next one would still move something \
+         by {off:.1e} times the tolerance (inf: the line search allowed no whole step)"
+    )]
+    Unsettled {
+        /// Iterations done.
+        iterations: usize,
+        /// What the next would move, over the tolerance.
+        off: f64,
+    },
     /// A number that is not finite came in or out.
     #[error("the linear solve met a number that is not finite in iteration {iteration}")]
     NotFinite {

@@ -1,12 +1,11 @@
-//! What may meet on the way from some places of all solids to others.
+//! Broad phase of contact: pairs of features that may touch while all solids go from one configuration to another.
 
 use super::points::{Owner, Places};
-use crate::model::{Model, Wall};
-use meniscus_contact::{Near, Plane};
+use meniscus_contact::Near;
 use meniscus_numerics::Vector;
 
-/// A point that meets something that has no facets.
-#[derive(Clone, Copy, Debug)]
+/// A point and something without facets that it may touch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Meeting {
     /// A point and a rigid solid.
     Rigid(u32, usize),
@@ -15,29 +14,36 @@ pub enum Meeting {
 }
 
 impl Meeting {
-    /// The point, and its distance from the other, m, where points are `at` some places.
-    pub fn distance<const D: usize>(&self, places: &Places<'_, D>, at: &[Vector<D>]) -> (u32, f64) {
+    /// The point.
+    pub fn point(&self) -> u32 {
         match *self {
-            Self::Rigid(p, solid) => (p, places.distance_to_rigid(solid, &at[p as usize]).0),
-            Self::Side(p, side) => (p, sides(places.model)[side].distance(&at[p as usize])),
+            Self::Rigid(p, _) | Self::Side(p, _) => p,
+        }
+    }
+
+    /// The distance of the point, which is at `x`, from the other, m.
+    pub fn distance<const D: usize>(&self, places: &Places<'_, D>, x: &Vector<D>) -> f64 {
+        match *self {
+            Self::Rigid(_, solid) => places.distance_to_rigid(solid, x).0,
+            Self::Side(_, side) => places.points.sides[side].distance(x),
         }
     }
 }
 
-/// What may meet.
+/// The pairs that the broad phase has found.
 #[derive(Clone, Debug, Default)]
 pub struct Candidates {
     /// Points and facets, edges and edges.
     pub near: Near,
-    /// Points and what has no facets.
+    /// Points and rigid solids, points and sides of the domain.
     pub meetings: Vec<Meeting>,
 }
 
 impl Candidates {
-    /// What comes nearer than `reach` (m) on the way, and some more.
-    pub fn between<const D: usize>(one: &Places<'_, D>, other: &Places<'_, D>, reach: f64) -> Self {
-        let (model, points) = (one.model, one.points);
-        let (start, end) = (one.all(), other.all());
+    /// All pairs whose distance falls below `reach` (m) on the way; a few that stay farther apart may be among them.
+    pub fn on<const D: usize>(way: Way<'_, D>, reach: f64) -> Self {
+        let (model, points) = (way.from.model, way.from.points);
+        let (start, end) = (way.from.all(), way.to.all());
         let ways: Vec<Vector<D>> = end.iter().zip(&start).map(|(e, s)| e - s).collect();
         let rigid = |body: u32| model.solids[body as usize].elastic().is_none();
         let still = |p: u32| match points.owners[p as usize] {
@@ -46,7 +52,7 @@ impl Candidates {
         };
         let near = points.surface.near(&start, &ways, reach, rigid, still);
         let mut meetings = Vec::new();
-        for (side, plane) in sides(model).iter().enumerate() {
+        for (side, plane) in points.sides.iter().enumerate() {
             let close = plane.near(&points.surface, &start, &ways, reach);
             meetings.extend(close.into_iter().filter(|p| !still(*p)).map(|p| Meeting::Side(p, side)));
         }
@@ -60,8 +66,8 @@ impl Candidates {
                 }
                 let k = *p as usize;
                 let wide = reach + points.surface.radius(*p);
-                let way = relative((one, other), solid, (&start[k], &end[k]));
-                if one.distance_to_rigid(solid, &start[k]).0 < wide + way {
+                let length = way.seen_from(solid, &start[k], &end[k]);
+                if way.from.distance_to_rigid(solid, &start[k]).0 < wide + length {
                     meetings.push(Meeting::Rigid(*p, solid));
                 }
             }
@@ -70,27 +76,22 @@ impl Candidates {
     }
 }
 
-/// The closed sides of the domain.
-pub fn sides<const D: usize>(model: &Model<D>) -> Vec<Plane<D>> {
-    let upper = model.grid.upper();
-    let mut all = Vec::new();
-    for a in 0..D {
-        for (up, wall) in model.walls[a].iter().enumerate() {
-            if *wall == Wall::Slip {
-                let sign = 1.0 - 2.0 * up as f64;
-                let normal = Vector::from_fn(|b, _| if a == b { sign } else { 0.0 });
-                all.push(Plane { point: if up == 0 { Vector::zeros() } else { upper }, normal });
-            }
-        }
-    }
-    all
+/// Two configurations of all solids; points go straight from the one to the other.
+#[derive(Clone, Copy)]
+pub struct Way<'a, const D: usize> {
+    /// Where it starts.
+    pub from: &'a Places<'a, D>,
+    /// Where it ends.
+    pub to: &'a Places<'a, D>,
 }
 
-/// A bound of the way of a point as a rigid solid sees it, m, between two places of both.
-pub fn relative<const D: usize>(
-    (one, other): (&Places<'_, D>, &Places<'_, D>),
-    solid: usize,
-    (start, end): (&Vector<D>, &Vector<D>),
-) -> f64 {
-    (other.at_start(solid, end) - one.at_start(solid, start)).norm() * 1.5
+/// Length of a point's path in the frame of a rigid solid, over the distance of its ends there: where it turns, the path is an
+/// arc, longer than its chord by `(θ/2)/sin(θ/2)`, less than this up to 2.6 radians a step.
+const ARC: f64 = 1.5;
+
+impl<const D: usize> Way<'_, D> {
+    /// A bound, m, of the length of a point's path from `start` to `end` in the frame of a rigid solid.
+    pub fn seen_from(&self, solid: usize, start: &Vector<D>, end: &Vector<D>) -> f64 {
+        (self.to.at_start(solid, end) - self.from.at_start(solid, start)).norm() * ARC
+    }
 }

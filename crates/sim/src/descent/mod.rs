@@ -29,19 +29,21 @@ use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::{Matrix, Vector};
 use potential::{Part, Potential, Rigid};
 
-/// Part of its distance that a pair keeps in an iteration, and of its volume an element.
+/// Part of its distance that a pair keeps in an iteration, and of its volume an element: IPC's 0.2, its line search's
+/// safety.
 const KEEP: f64 = 0.2;
-/// The same on the way of the coming step.
+/// The same on the straight way to the end of the coming step, at the end of which the barrier holds them.
 const BARE: f64 = 0.01;
 /// Most iterations of a step.
 const ITERATIONS: usize = 60;
-/// Move at the end of the coming step, in reaches, at which iterations end.
+/// Change of a position at the end of the coming step, in reaches of the barrier, below which Newton's method has converged.
 const SETTLED: f64 = 1e-3;
-/// The same, over that, that friction may still be wrong by: it is looked at so seldom that what is left stays.
+/// The same after an update of the lagged friction, over [`SETTLED`]: the error of a lag that is updated [`RUBS`] times only adds up
+/// from step to step.
 const RUBBED: f64 = 0.01;
 /// Most halvings of an iteration.
 const HALVINGS: usize = 30;
-/// Most times that friction is looked at again.
+/// Most updates of the lagged friction in a step.
 const RUBS: usize = 2;
 
 /// What a solid that deforms starts from.
@@ -221,7 +223,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         }
     }
 
-    /// Takes viscosities where the velocities lead that it has come to.
+    /// Evaluates viscosities at the positions half-way with the current velocities.
     fn recentre(&mut self) {
         for (part, first) in self.potential.parts.iter_mut().zip(&self.potential.points.first) {
             if let Part::Soft(soft) = part {
@@ -276,7 +278,8 @@ impl<'a, const D: usize> Descent<'a, D> {
         self.potential.ahead * part
     }
 
-    /// Keeps with the solids what contacts with others do to them, in the mean; gives back the work, J (2D: J/m), of those that are told.
+    /// Stores in each solid the mean acceleration by its contacts. Returns the work, J (2D: J/m), that solids with told velocities do
+    /// through contacts.
     pub fn tell_contacts(&self, solids: &mut [SolidState<D>]) -> f64 {
         let Potential { model, points, kick, .. } = self.potential;
         let candidates = self.potential.candidates(&self.now, &self.now);
@@ -296,7 +299,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         -told.map(|node| given[node].dot(&self.now[node])).sum::<f64>()
     }
 
-    /// What told nodes lack of their velocities.
+    /// The difference of the told nodes' velocities from what they are told.
     fn lead(&self) -> Vec<Vector<D>> {
         let of = |k: usize| {
             if self.potential.points.held[k] { self.told[k] - self.now[k] } else { Vector::zeros() }
@@ -304,11 +307,11 @@ impl<'a, const D: usize> Descent<'a, D> {
         (0..self.now.len()).map(of).collect()
     }
 
-    /// Goes to where the solids are led by their `response` to the pressure, which gives them `pressed` (impulses on the nodes), as far as can be. Whether
-    /// there is nothing more to be done: then the solids' velocities stay as they are.
+    /// Changes the velocities by `change`, the `response` to a pressure that gives the nodes the impulses `pressed`, as far as the line
+    /// search allows. Returns whether Newton's method has converged; the solids then have the final velocities.
     ///
     /// # Errors
-    /// [`SolveError::NotConverged`] after too many iterations.
+    /// [`SolveError::Unsettled`] after too many iterations.
     pub fn settle(
         &mut self,
         solids: &mut [SolidState<D>],
@@ -341,8 +344,7 @@ impl<'a, const D: usize> Descent<'a, D> {
             return Ok(true);
         }
         if self.iteration >= ITERATIONS {
-            let (iterations, residual, tolerance) = (self.iteration, off / limit, 1.0);
-            return Err(SolveError::NotConverged { iterations, residual, tolerance });
+            return Err(SolveError::Unsettled { iterations: self.iteration, off: off / limit });
         }
         Ok(false)
     }

@@ -4,16 +4,19 @@
 //! first component). Points are functions of the nodes' velocities `v`: `x + a v` of a vertex, `c + a v + exp(a ω) r` of a point
 //! of a rigid solid.
 
-use super::meet::Candidates;
-use crate::model::Model;
+use super::meet::{Candidates, Meeting, Way};
+use crate::model::{Model, Wall};
 use crate::solid::{Motion, Solid, SolidState};
-use meniscus_contact::Surface;
+use meniscus_contact::{Plane, Surface};
 use meniscus_elastic::{Assembly, Elastic};
 use meniscus_numerics::{Matrix, Vector};
+use std::collections::BTreeMap;
 
-/// Reach of the barrier, in cells.
+/// Reach of the barrier, in cells: two surfaces in contact are within half a cell of each other, so that the grid does not see the gap
+/// between them.
 pub const REACH: f64 = 0.25;
-/// The least reach of a point that is near others at the start, over that.
+/// The least reach of a point, over [`REACH`]: one that touches something at the start needs some distance over which the barrier
+/// rises, and the barrier's energy of a contact is proportional to it.
 const LEAST: f64 = 0.1;
 /// Distance of probes of rigid solids, in cells.
 const EDGE: f64 = 0.5;
@@ -55,12 +58,15 @@ pub struct Points<const D: usize> {
     pub owners: Vec<Owner<D>>,
     /// The first node of each solid.
     pub first: Vec<usize>,
-    /// Which nodes nothing moves but what they are told.
+    /// Which nodes have velocities that are told.
     pub held: Vec<bool>,
     /// Pressure of each solid's weight on one of the `2 D` sides of its surface, Pa; 0 of those that are told.
     pub weights: Vec<f64>,
-    /// How much farther, m, each point counts to be from what has no facets: what touches that at the start rests on it.
-    pub lifts: Vec<f64>,
+    /// Closed sides of the domain.
+    pub sides: Vec<Plane<D>>,
+    /// Distance, m, that is added to that of a point and something without facets, where they touch or overlap at the start (a solid
+    /// on the floor; one that is held within a rigid solid).
+    lifts: BTreeMap<Meeting, f64>,
     /// How the solids' matrices stand in one; none where no solid deforms, or memory does not suffice.
     pub assembly: Option<Assembly>,
 }
@@ -105,38 +111,39 @@ impl<const D: usize> Points<D> {
         let deforming = model.solids.iter().zip(&first).filter_map(|(s, first)| Some((*first, s.elastic()?)));
         let deforming: Vec<(usize, &Elastic<D>)> = deforming.collect();
         let assembly = if deforming.is_empty() { None } else { Assembly::new(&deforming, held.clone()) };
-        let (lifts, reaches) = (vec![0.0; owners.len()], vec![f64::INFINITY; owners.len()]);
-        let surface = surface.with_reaches(reaches);
-        let mut all = Self { surface, owners, first, held, weights, lifts, assembly };
+        let (sides, lifts) = (sides(model), BTreeMap::new());
+        let mut all = Self { surface, owners, first, held, weights, sides, lifts, assembly };
         all.fit_to_start(model);
         all
     }
 
-    /// Lets no point feel at the start what it is near to then: it feels that from there on, but not from less than a part
-    /// [`LEAST`] of the barrier's reach.
+    /// Reduces the reach of points that are within the barrier's reach of something at the start to that distance, so that no contact
+    /// pushes at the start. No reach is less than a part [`LEAST`] of the barrier's.
     fn fit_to_start(&mut self, model: &Model<D>) {
         let (reach, still) = (REACH * model.grid.dx, vec![Vector::zeros(); self.nodes()]);
         let start: Vec<SolidState<D>> = model.solids.iter().map(Solid::start).collect();
         let places = Places::new(model, &start, self, &still, 0.0);
-        let candidates = Candidates::between(&places, &places, reach);
+        let candidates = Candidates::on(Way { from: &places, to: &places }, reach);
         let at = places.all();
         let mut reaches = candidates.near.least_distances(&at);
-        let mut lifts = vec![0.0; at.len()];
+        let mut lifts = BTreeMap::new();
         for meeting in &candidates.meetings {
-            let (p, distance) = meeting.distance(&places, &at);
-            let distance = distance - self.surface.radius(p);
-            let (p, lift) = (p as usize, (LEAST * reach - distance).max(0.0));
-            reaches[p] = reaches[p].min(distance + lift);
-            lifts[p] = f64::max(lifts[p], lift);
+            let p = meeting.point();
+            let distance = meeting.distance(&places, &at[p as usize]) - self.surface.radius(p);
+            let nearest = LEAST * reach;
+            if distance < nearest {
+                lifts.insert(*meeting, nearest - distance);
+            }
+            reaches[p as usize] = reaches[p as usize].min(distance.max(nearest));
         }
         reaches.iter_mut().for_each(|r| *r = if *r < reach { r.max(LEAST * reach) } else { f64::INFINITY });
         self.surface = std::mem::take(&mut self.surface).with_reaches(reaches);
         self.lifts = lifts;
     }
 
-    /// Distance, m, that counts as none between a point and what has no facets.
-    pub fn thickness(&self, point: u32) -> f64 {
-        self.surface.radius(point) - self.lifts[point as usize]
+    /// Distance, m, that counts as none between a point and something without facets.
+    pub fn thickness(&self, meeting: &Meeting) -> f64 {
+        self.surface.radius(meeting.point()) - self.lifts.get(meeting).copied().unwrap_or(0.0)
     }
 
     /// Velocities of the nodes as solids move now.
@@ -171,7 +178,23 @@ impl<const D: usize> Points<D> {
     }
 }
 
-/// Which nodes nothing moves but what they are told.
+/// The closed sides of the domain.
+fn sides<const D: usize>(model: &Model<D>) -> Vec<Plane<D>> {
+    let upper = model.grid.upper();
+    let mut all = Vec::new();
+    for a in 0..D {
+        for (up, wall) in model.walls[a].iter().enumerate() {
+            if *wall == Wall::Slip {
+                let sign = 1.0 - 2.0 * up as f64;
+                let normal = Vector::from_fn(|b, _| if a == b { sign } else { 0.0 });
+                all.push(Plane { point: if up == 0 { Vector::zeros() } else { upper }, normal });
+            }
+        }
+    }
+    all
+}
+
+/// Which nodes have velocities that are told.
 fn held<const D: usize>(model: &Model<D>) -> Vec<bool> {
     let of = |solid: &Solid<D>| match solid.elastic() {
         Some(elastic) => elastic.held().to_vec(),
