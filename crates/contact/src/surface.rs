@@ -8,6 +8,7 @@ use crate::plane::Plane;
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::surface::area_vector;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// The surfaces of all bodies together. Its points are numbers in a list of positions, which may have others as well.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +29,8 @@ pub struct Surface<const D: usize> {
     reaches: Vec<f64>,
     /// Body to which each position belongs.
     bodies: Vec<u32>,
+    /// Points and bodies whose facets they do not feel.
+    apart: BTreeSet<(u32, u32)>,
 }
 
 /// Pairs that may be near each other.
@@ -73,7 +76,7 @@ impl<const D: usize> Surface<D> {
             }
         }
         let (radii, reaches) = (vec![0.0; rest.len()], vec![f64::INFINITY; rest.len()]);
-        Self { points, facets, edges, areas, spans, radii, reaches, bodies }
+        Self { points, facets, edges, areas, spans, radii, reaches, bodies, apart: BTreeSet::new() }
     }
 
     /// The same with some of the other positions as points of it, each with the area (m², 2D: m) for which it stands and the radius
@@ -89,6 +92,11 @@ impl<const D: usize> Surface<D> {
     /// The same with a reach, m, of each position; a facet's or an edge's is the least of its points'.
     pub fn with_reaches(self, reaches: Vec<f64>) -> Self {
         Self { reaches, ..self }
+    }
+
+    /// The same where some points do not feel the facets of some bodies.
+    pub fn without(self, apart: BTreeSet<(u32, u32)>) -> Self {
+        Self { apart, ..self }
     }
 
     /// Distance, m, from which on a position does not feel others, where that is less than the barrier's reach.
@@ -130,6 +138,7 @@ impl<const D: usize> Surface<D> {
         first.iter().all(|p| !second.contains(p))
             && !(body(first[0]) == body(second[0]) && rigid(body(first[0])))
             && !points.iter().all(|p| still(*p))
+            && !self.apart.contains(&(first[0], body(second[0])))
     }
 
     /// The pairs that come nearer than `reach` on the way from `x` along `ways`, and some more.
@@ -217,11 +226,13 @@ impl Near {
         all
     }
 
-    /// The least distance of a pair, m.
-    pub fn least_distance<const D: usize>(&self, x: &[Vector<D>]) -> f64 {
-        let distance =
-            |pair: &Pair| Closest::new(pair.stencil.kind, &pair.stencil.of(x)).distance() - pair.thickness;
-        self.pairs.par_iter().with_min_len(256).map(distance).reduce(|| f64::INFINITY, f64::min)
+    /// A point of each feature of all pairs, and the distance of the pair, m.
+    pub fn distances<const D: usize>(&self, x: &[Vector<D>]) -> impl Iterator<Item = ([u32; 2], f64)> {
+        self.pairs.iter().map(|pair| {
+            let Pair { stencil, thickness, .. } = pair;
+            let points = [stencil.points[0], stencil.points[stencil.kind.first()]];
+            (points, Closest::new(stencil.kind, &stencil.of(x)).distance() - thickness)
+        })
     }
 }
 

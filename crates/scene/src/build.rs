@@ -155,7 +155,7 @@ fn wet<const D: usize>(scene: &Scene, model: Model<D>) -> Model<D> {
     model.with_wetting_walls(cosine, line.friction, line.hysteresis.as_ref().map(wetting::hysteresis))
 }
 
-/// Depth of an overlap, in cells, that is rounding of the numbers in a scene.
+/// Depth of an overlap, in cells, that is rounding of the numbers in a scene, and width of a gap that is none.
 const ROUNDING: f64 = 0.01;
 
 /// Refuses a solid from a mesh file that reaches beyond the domain; of others the scene alone tells.
@@ -192,13 +192,28 @@ fn apart<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneErr
     let start: Vec<_> = model.solids.iter().map(Solid::start).collect();
     let all = meniscus_sim::overlaps(model, &start);
     let deepest = all.into_iter().max_by(|a, b| a.2.total_cmp(&b.2));
-    let Some((i, other, depth)) = deepest.filter(|o| o.2 > ROUNDING * model.grid.dx) else { return Ok(()) };
+    let Some((i, other, depth)) = deepest.filter(|o| o.2 > ROUNDING * model.grid.dx) else {
+        return gaps(scene, model);
+    };
     // The later one in the file is the one to mend.
     let (i, other) = other.map_or((i, None), |j| (i.max(j), Some(i.min(j))));
     let what = other.map_or("a closed side of the domain".to_owned(), |j| format!("the solid `{}`", name(j)));
     let error = SceneError::new(format!("the solid `{}` overlaps {what} by {depth:.3e} m", name(i)));
     let error = error.with_help("move them apart: they may touch");
     Err(scene.source.at_value(error, &scene.source.first_inside(&at(i, "shape"))))
+}
+
+/// Refuses surfaces of solids that deform which touch where they start: the barrier between them would be infinite.
+fn gaps<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneError> {
+    let dx = model.grid.dx;
+    let narrowest = meniscus_sim::narrowest_gap(model).filter(|gap| gap.2 <= ROUNDING * dx);
+    let Some((i, j, _)) = narrowest else { return Ok(()) };
+    let (i, j) = (i.max(j), i.min(j));
+    let name = |i: usize| &scene.solids[i].name;
+    let other = if i == j { "itself".to_owned() } else { format!("the solid `{}`", name(j)) };
+    let error = SceneError::new(format!("the solid `{}`, which deforms, touches {other}", name(i)));
+    let help = format!("leave a gap of {:.1e} m or more", 2.0 * ROUNDING * dx);
+    Err(scene.source.at_value(error.with_help(help), &scene.source.first_inside(&format!("solid.{i}.shape"))))
 }
 
 /// The model of a scene of dimension `D`, without its solids.

@@ -402,3 +402,25 @@ fn solids_that_deform_are_what_they_can_be() {
         (other, _) => panic!("not a setup in space: {:?}", other.err()),
     }
 }
+
+/// Two solids that deform need a gap between them; a floor that is rigid needs none.
+#[test]
+fn soft_solids_do_not_touch() {
+    let soft = |name: &str, low: f64, high: f64| {
+        let block = SOLID.replacen("plate", name, 1).replacen("name", "density = \"1 g/cm^3\"\nname", 1);
+        let block = block.replacen(
+            "rigid = { fixed = true }",
+            "neo_hookean = { young_modulus = \"10 kPa\", poisson_ratio = 0.4 }",
+            1,
+        );
+        block.replacen("0.3 mm", &format!("{high} mm"), 1).replacen("0.1 mm", &format!("{low} mm"), 1)
+    };
+    let start = |solids: &str| load(&format!("{GOOD}{solids}"), &[]).and_then(|s| AnySetup::of(&s).map(drop));
+    let on = |gap: f64| format!("{}{}", soft("low", 0.3, 0.7), soft("high", 0.7 + gap, 1.1 + gap));
+    let e = start(&on(0.0)).unwrap_err();
+    assert_eq!(e.exit_status(), 3);
+    assert!(e.message.contains("`high`, which deforms, touches the solid `low`"), "{e}");
+    start(&on(0.1)).unwrap_or_else(|e| panic!("{}", e.render()));
+    let floor = format!("{SOLID}{}", soft("high", 0.3, 0.7));
+    start(&floor).unwrap_or_else(|e| panic!("{}", e.render()));
+}

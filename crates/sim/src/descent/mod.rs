@@ -14,7 +14,7 @@ mod response;
 
 use points::REACH;
 use points::spin;
-pub use points::{Points, turning};
+pub use points::{Points, narrowest_gap, turning};
 pub use response::{Response, Tie};
 
 use crate::collide::Times;

@@ -123,8 +123,16 @@ impl<const D: usize> Points<D> {
         let (reach, still) = (REACH * model.grid.dx, vec![Vector::zeros(); self.nodes()]);
         let start: Vec<SolidState<D>> = model.solids.iter().map(Solid::start).collect();
         let places = Places::new(model, &start, self, &still, 0.0);
-        let candidates = Candidates::on(Way { from: &places, to: &places }, reach);
         let at = places.all();
+        // A rigid solid that a facet touches is kept off by the distances of the facet's points from it.
+        let near = Candidates::on(Way { from: &places, to: &places }, reach).near;
+        let touching = near.distances(&at).filter(|(_, gap)| *gap < LEAST * reach);
+        let rigid = |p: u32| matches!(self.owners[p as usize], Owner::Rigid { .. });
+        let solid = |p: u32| self.owners[p as usize].solid() as u32;
+        let apart = touching.filter(|([p, _], _)| rigid(*p)).map(|([p, q], _)| (p, solid(q))).collect();
+        self.surface = std::mem::take(&mut self.surface).without(apart);
+        let places = Places::new(model, &start, self, &still, 0.0);
+        let candidates = Candidates::on(Way { from: &places, to: &places }, reach);
         let mut reaches = candidates.near.least_distances(&at);
         let mut lifts = BTreeMap::new();
         for meeting in &candidates.meetings {
@@ -176,6 +184,20 @@ impl<const D: usize> Points<D> {
     pub fn nodes(&self) -> usize {
         self.held.len()
     }
+}
+
+/// The narrowest gap, m, between surfaces of solids that deform, each other's or their own, where they start, with the numbers of the
+/// two solids; nothing where all gaps are wider than the barrier's reach. A run needs a gap: the barrier is infinite where there is none.
+pub fn narrowest_gap<const D: usize>(model: &Model<D>) -> Option<(usize, usize, f64)> {
+    let points = Points::of(model);
+    let start: Vec<SolidState<D>> = model.solids.iter().map(Solid::start).collect();
+    let still = vec![Vector::zeros(); points.nodes()];
+    let places = Places::new(model, &start, &points, &still, 0.0);
+    let near = Candidates::on(Way { from: &places, to: &places }, REACH * model.grid.dx).near;
+    let at = places.all();
+    let ([one, other], gap) = near.distances(&at).min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let solid = |p: u32| points.owners[p as usize].solid();
+    Some((solid(one), solid(other), gap))
 }
 
 /// The closed sides of the domain.
