@@ -23,7 +23,7 @@ fn terms<const D: usize>() -> Vec<Box<dyn ForceTerm<D>>> {
     terms
 }
 
-/// These, and the tension of the surface, whose tangent is but that against heights over it.
+/// These, and the tension of the surface, whose positive tangent is but that against heights over it.
 fn all_terms<const D: usize>() -> Vec<Box<dyn ForceTerm<D>>> {
     let mut terms = terms::<D>();
     let mesh = block::<D>([2; D], [1.0; D]);
@@ -84,26 +84,26 @@ fn forces_are_the_slope_of_the_energy<const D: usize>() {
 }
 
 fn tangents_are_slopes_of_forces<const D: usize>() {
-    let rest = block::<D>([2; D], [1.0; D]).positions;
-    for (k, term) in terms::<D>().into_iter().enumerate() {
-        let body = body(term);
-        // Stretched, so that nothing of the stiffness is negative.
-        let mut noise = Noise(k as u64);
-        let grown: Vec<Vector<D>> = rest.iter().map(|x| x * 1.05).collect();
-        let x = moved(&grown, &noise.vectors(rest.len()), 0.003);
-        let along = noise.vectors(rest.len());
-        let mut product = vec![Vector::zeros(); x.len()];
-        let weights = Weights { stiffness: 1.0, positive: true, viscosity: 0.0 };
-        body.tangent(&x, weights).add_product(&along, &mut product);
-        let step = 1e-5;
-        let (up, down) = (body.forces(&moved(&x, &along, step)), body.forces(&moved(&x, &along, -step)));
-        for v in 0..x.len() {
-            let slope = (down[v] - up[v]) / (2.0 * step);
-            assert!(
-                (slope - product[v]).norm() < 1e-7 * (1.0 + slope.norm()),
-                "{D}D term {k}: {slope} {}",
-                product[v]
-            );
+    // Stretched, so that nothing of the stiffness is negative; and as it comes.
+    let cases = [(1.05, 0.003, true, terms::<D>()), (1.0, 0.2, false, all_terms::<D>())];
+    for (grown, size, positive, terms) in cases {
+        let rest = block::<D>([2; D], [1.0; D]).positions;
+        for (k, term) in terms.into_iter().enumerate() {
+            let body = body(term);
+            let mut noise = Noise(k as u64);
+            let grown: Vec<Vector<D>> = rest.iter().map(|x| x * grown).collect();
+            let x = moved(&grown, &noise.vectors(rest.len()), size);
+            let along = noise.vectors(rest.len());
+            let mut product = vec![Vector::zeros(); x.len()];
+            let weights = Weights { stiffness: 1.0, positive, viscosity: 0.0 };
+            body.tangent(&x, weights).add_product(&along, &mut product);
+            let step = 1e-5;
+            let (up, down) = (body.forces(&moved(&x, &along, step)), body.forces(&moved(&x, &along, -step)));
+            for v in 0..x.len() {
+                let slope = (down[v] - up[v]) / (2.0 * step);
+                let error = (slope - product[v]).norm();
+                assert!(error < 1e-7 * (1.0 + slope.norm()), "{D}D term {k}: {slope} {}", product[v]);
+            }
         }
     }
 }

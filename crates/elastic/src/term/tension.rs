@@ -2,7 +2,7 @@
 
 use super::{ForceTerm, Weights};
 use crate::linalg::{BlockMatrix, Cliques};
-use meniscus_numerics::mesh::surface::{area_slopes, area_stiffness, area_vector};
+use meniscus_numerics::mesh::surface::{area_curvature, area_slopes, area_stiffness, area_vector};
 use meniscus_numerics::mesh::{SurfaceMesh, VolumeMesh};
 use meniscus_numerics::{Vector, par};
 
@@ -53,7 +53,8 @@ impl<const D: usize> ForceTerm<D> for SurfaceTension {
     fn add_tangent(&self, x: &[Vector<D>], weights: Weights, matrix: &mut BlockMatrix<D>) {
         for k in 0..self.facets.len() {
             let (vertices, corners) = self.facet(k, x);
-            let stiffness = area_stiffness(&corners);
+            let of = if weights.positive { area_stiffness } else { area_curvature };
+            let stiffness = of(&corners);
             for i in 0..D {
                 for j in i..D {
                     let block = stiffness[i][j] * (self.tension * weights.stiffness);

@@ -141,6 +141,40 @@ pub fn area_stiffness<const D: usize>(corners: &[Vector<D>; D]) -> [[Matrix<D>; 
     std::array::from_fn(|i| std::array::from_fn(|j| outer * slopes[i].dot(&slopes[j])))
 }
 
+/// All second derivatives of the area (2D: length) of a facet by the positions of its corners, without a unit (2D: 1/m). None of a
+/// facet without an area.
+pub fn area_curvature<const D: usize>(corners: &[Vector<D>; D]) -> [[Matrix<D>; D]; D] {
+    if D == 2 {
+        // A length grows with its square across its direction only.
+        return area_stiffness(corners);
+    }
+    let area = area_vector(corners);
+    let size = area.norm();
+    if size == 0.0 {
+        return [[Matrix::zeros(); D]; D];
+    }
+    let normal = area / size;
+    // With the opposite edges `e`, `2 ∂A/∂x_i = n × e_i` and `2 ∂a/∂x_j = e_j ×` of the area vector `a = A n`.
+    let edges: [Matrix<D>; D] =
+        std::array::from_fn(|i| cross_matrix(&(corners[(i + 2) % D] - corners[(i + 1) % D])));
+    let (turn, flat) = (cross_matrix(&normal) * 0.5, Matrix::identity() - normal * normal.transpose());
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            let sign = [0.0, -1.0, 1.0][(j + D - i) % D];
+            turn * sign - edges[i] * flat * edges[j] * (0.25 / size)
+        })
+    })
+}
+
+/// The matrix of `v ×`, in 3D.
+fn cross_matrix<const D: usize>(v: &Vector<D>) -> Matrix<D> {
+    Matrix::from_fn(|r, c| match (c + D - r) % D {
+        1 => -v[(r + 2) % D],
+        2 => v[(r + 1) % D],
+        _ => 0.0,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
