@@ -135,10 +135,9 @@ impl<const D: usize> Surface<D> {
         let points = stencil.points();
         let (first, second) = points.split_at(stencil.kind.first());
         let body = |p: u32| self.bodies[p as usize];
-        first.iter().all(|p| !second.contains(p))
-            && !(body(first[0]) == body(second[0]) && rigid(body(first[0])))
-            && !points.iter().all(|p| still(*p))
-            && !self.apart.contains(&(first[0], body(second[0])))
+        let (one, other) = (body(first[0]), body(second[0]));
+        let moves = !points.iter().all(|p| still(*p)) && (one != other || !rigid(one));
+        moves && !self.apart.contains(&(first[0], other)) && first.iter().all(|p| !second.contains(p))
     }
 
     /// The pairs that come nearer than `reach` on the way from `x` along `ways`, and some more.
