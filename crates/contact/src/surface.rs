@@ -29,7 +29,7 @@ pub struct Surface<const D: usize> {
     reaches: Vec<f64>,
     /// Body to which each position belongs.
     bodies: Vec<u32>,
-    /// Points and bodies whose facets they do not feel.
+    /// Pairs of a point and a body whose facets do not push it.
     apart: BTreeSet<(u32, u32)>,
 }
 
@@ -94,7 +94,7 @@ impl<const D: usize> Surface<D> {
         Self { reaches, ..self }
     }
 
-    /// The same where some points do not feel the facets of some bodies.
+    /// The same without contact between the points and the facets of the bodies of these pairs.
     pub fn without(self, apart: BTreeSet<(u32, u32)>) -> Self {
         Self { apart, ..self }
     }
@@ -124,8 +124,8 @@ impl<const D: usize> Surface<D> {
         self.areas[point as usize]
     }
 
-    /// Whether two features can meet: they have no point in common, and not both belong to one rigid body or to what nothing
-    /// moves. `rigid` says of a body whether it is rigid, `still` of a point whether nothing moves it.
+    /// Whether two features can meet: they have no point in common, are no pair that [`Self::without`] excludes, and not both belong to
+    /// one rigid body or to what nothing moves. `rigid` says of a body whether it is rigid, `still` of a point whether nothing moves it.
     fn may_meet(
         &self,
         stencil: &Stencil,

@@ -155,7 +155,7 @@ fn wet<const D: usize>(scene: &Scene, model: Model<D>) -> Model<D> {
     model.with_wetting_walls(cosine, line.friction, line.hysteresis.as_ref().map(wetting::hysteresis))
 }
 
-/// Depth of an overlap, in cells, that is rounding of the numbers in a scene, and width of a gap that is none.
+/// Depth of an overlap, in cells, that is rounding of the numbers in a scene; surfaces with a gap up to this touch.
 const ROUNDING: f64 = 0.01;
 
 /// Refuses a solid from a mesh file that reaches beyond the domain; of others the scene alone tells.
