@@ -1,4 +1,4 @@
-//! Collisions of rigid solids with each other and with the closed sides of the domain; of those that deform: [`settle`].
+//! Collisions of rigid solids with each other and with the closed sides of the domain; where one deforms, see [`crate::descent`].
 //!
 //! Where solids are near, probes of the one's surface are held against the other's signed distance, both ways, so that
 //! all shapes that have a distance collide: unions, differences, meshes, in 2D and 3D. A few contacts of every pair are
