@@ -8,7 +8,6 @@ use crate::plane::Plane;
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::surface::area_vector;
 use rayon::prelude::*;
-use std::collections::BTreeSet;
 
 /// The surfaces of all bodies together. Its points are numbers in a list of positions, which may have others as well.
 #[derive(Clone, Debug, Default)]
@@ -29,8 +28,6 @@ pub struct Surface<const D: usize> {
     reaches: Vec<f64>,
     /// Body to which each position belongs.
     bodies: Vec<u32>,
-    /// Pairs of a point and a body whose facets do not push it.
-    apart: BTreeSet<(u32, u32)>,
 }
 
 /// Pairs that may be near each other.
@@ -76,7 +73,7 @@ impl<const D: usize> Surface<D> {
             }
         }
         let (radii, reaches) = (vec![0.0; rest.len()], vec![f64::INFINITY; rest.len()]);
-        Self { points, facets, edges, areas, spans, radii, reaches, bodies, apart: BTreeSet::new() }
+        Self { points, facets, edges, areas, spans, radii, reaches, bodies }
     }
 
     /// The same with some of the other positions as points of it, each with the area (m², 2D: m) for which it stands and the radius
@@ -92,11 +89,6 @@ impl<const D: usize> Surface<D> {
     /// The same with a reach, m, of each position; a facet's or an edge's is the least of its points'.
     pub fn with_reaches(self, reaches: Vec<f64>) -> Self {
         Self { reaches, ..self }
-    }
-
-    /// The same without contact between the points and the facets of the bodies of these pairs.
-    pub fn without(self, apart: BTreeSet<(u32, u32)>) -> Self {
-        Self { apart, ..self }
     }
 
     /// Distance, m, from which on a position does not feel others, where that is less than the barrier's reach.
@@ -124,8 +116,7 @@ impl<const D: usize> Surface<D> {
         self.areas[point as usize]
     }
 
-    /// Whether two features can meet: they have no point in common, are no pair that [`Self::without`] excludes, and not both belong to
-    /// one rigid body or to what nothing moves. `rigid` says of a body whether it is rigid, `still` of a point whether nothing moves it.
+    /// Whether two features can meet: they have no point in common, and not both belong to one rigid body or to what nothing moves. `rigid` says of a body whether it is rigid, `still` of a point whether nothing moves it.
     fn may_meet(
         &self,
         stencil: &Stencil,
@@ -137,7 +128,7 @@ impl<const D: usize> Surface<D> {
         let body = |p: u32| self.bodies[p as usize];
         let (one, other) = (body(first[0]), body(second[0]));
         let moves = !points.iter().all(|p| still(*p)) && (one != other || !rigid(one));
-        moves && !self.apart.contains(&(first[0], other)) && first.iter().all(|p| !second.contains(p))
+        moves && first.iter().all(|p| !second.contains(p))
     }
 
     /// The pairs that come nearer than `reach` on the way from `x` along `ways`, and some more.
@@ -225,12 +216,11 @@ impl Near {
         all
     }
 
-    /// A point of each feature of all pairs, and the distance of the pair, m.
-    pub fn distances<const D: usize>(&self, x: &[Vector<D>]) -> impl Iterator<Item = ([u32; 2], f64)> {
+    /// The features of all pairs, and their distances, m.
+    pub fn gaps<const D: usize>(&self, x: &[Vector<D>]) -> impl Iterator<Item = (Stencil, f64)> {
         self.pairs.iter().map(|pair| {
-            let Pair { stencil, thickness, .. } = pair;
-            let points = [stencil.points[0], stencil.points[stencil.kind.first()]];
-            (points, Closest::new(stencil.kind, &stencil.of(x)).distance() - thickness)
+            let Pair { stencil, thickness, .. } = *pair;
+            (stencil, Closest::new(stencil.kind, &stencil.of(x)).distance() - thickness)
         })
     }
 }

@@ -277,7 +277,7 @@ fn what_is_near_is_found() {
     // Corners 2 of the lower square and 4 of the upper one are beside the other's side.
     let points: Vec<u32> = contacts.iter().map(|c| c.stencil.points[0]).collect();
     assert_eq!(points, [2, 4]);
-    let narrowest = near.distances(&x).map(|d| d.1).fold(f64::INFINITY, f64::min);
+    let narrowest = near.gaps(&x).map(|d| d.1).fold(f64::INFINITY, f64::min);
     assert!((narrowest - 0.05).abs() < 1e-12);
     let mut ways = still.clone();
     (4..8).for_each(|k| ways[k] = Vector::<2>::new(0.0, -0.1));

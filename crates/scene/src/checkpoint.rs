@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 const MAGIC: &[u8; 8] = b"MENISCKP";
-const VERSION: u32 = 12;
+const VERSION: u32 = 13;
 /// Values per compressed block (4 MiB).
 const BLOCK: usize = 1 << 19;
 /// Checkpoints that are kept.
@@ -56,7 +56,7 @@ struct Header {
     /// Time, last step, lead, kick, clear, drift, lost volume, kinetic energy, surface area.
     numbers: [f64; 12],
     drops: Vec<DropRecord>,
-    /// Centre, rotation by columns, velocity, spin, forces, what holds and braces it, of each solid; of one that deforms
+    /// Centre, rotation by columns, velocity, spin, forces, what holds it, of each solid; of one that deforms
     /// also its time, all positions, and all velocities.
     solids: Vec<Vec<f64>>,
     tally: Tally,
@@ -74,17 +74,17 @@ struct DropRecord {
 }
 
 fn solid_record<'a, const D: usize>(solid: &'a SolidState<D>) -> Vec<f64> {
-    let SolidState { center, rotation, velocity, spin, pressed, pulled, held, braced, soft } = solid;
+    let SolidState { center, rotation, velocity, spin, pressed, pulled, held, soft } = solid;
     let motion = center.iter().chain(rotation).chain(velocity).chain(spin);
     let vertices = |s: &'a Soft<D>| s.body.positions.iter().chain(&s.body.velocities);
     let vertices = soft.iter().flat_map(vertices).flatten();
     let time = soft.iter().map(|s| &s.body.time);
-    let forces = pressed.iter().chain(pulled).chain(held).chain(braced);
+    let forces = pressed.iter().chain(pulled).chain(held);
     motion.chain(forces).chain(time).chain(vertices).copied().collect()
 }
 
 fn restore_solid<const D: usize>(record: &[f64]) -> Option<SolidState<D>> {
-    let (record, vertices) = record.split_at_checked(5 * D + D * D + 6)?;
+    let (record, vertices) = record.split_at_checked(5 * D + D * D + 3)?;
     let (time, vertices) = vertices.split_at(vertices.len().min(1));
     let (vertices, rest) = vertices.as_chunks::<D>();
     if !rest.is_empty() || vertices.len() % 2 != 0 {
@@ -101,7 +101,6 @@ fn restore_solid<const D: usize>(record: &[f64]) -> Option<SolidState<D>> {
     let (spin, rest) = rest.split_at(3);
     let (pressed, rest) = rest.split_at(D);
     let (pulled, rest) = rest.split_at(D);
-    let (held, braced) = rest.split_at(D);
     Some(SolidState {
         center: Vector::from_column_slice(center),
         rotation: Matrix::from_column_slice(rotation),
@@ -109,8 +108,7 @@ fn restore_solid<const D: usize>(record: &[f64]) -> Option<SolidState<D>> {
         spin: spin.try_into().ok()?,
         pressed: Vector::from_column_slice(pressed),
         pulled: Vector::from_column_slice(pulled),
-        held: Vector::from_column_slice(held),
-        braced: braced.try_into().ok()?,
+        held: Vector::from_column_slice(rest),
         soft,
     })
 }
@@ -432,7 +430,6 @@ mod tests {
             pressed: Vector::from([0.1, 0.7]),
             pulled: Vector::from([0.2, -0.1]),
             held: Vector::from([0.5, 9.0]),
-            braced: [0.0, 0.0, -4.0],
             soft: Some(Soft::bare(ElasticState {
                 time: 0.7,
                 positions: vec![Vector::from([0.1, 0.2]), Vector::from([-3.0, 1e-9])],

@@ -1,10 +1,10 @@
-//! Pressure between liquid and rigid solids.
+//! Pressure between liquid and solids.
 //!
 //! In a liquid cell that a solid cuts, the flow through the open faces and into the moving surface balance:
 //! `Σ ± α u + ∫ v·n dS = 0`, with `v` the surface's velocity and `n` pointing into the solid. A free solid takes up
-//! `∫ p n dS` and its moment in the same solve: with `J` the cells' surfaces by the solid's degrees of freedom and `M`
-//! its mass matrix, the system for `λ = p h/ρ` gains `ρ Jᵀ M⁻¹ J`, which is symmetric and positive, so that light
-//! solids are as stable as heavy ones (C. Batty, F. Bertails, R. Bridson, "A fast variational framework for accurate
+//! `∫ p n dS` and its moment in the same solve: with `F` the cells' surfaces by the solids' degrees of freedom and `A`
+//! the second derivatives of their potential ([`crate::descent`]), of a rigid one alone its mass matrix, the system for
+//! `λ = p h/ρ` gains `ρ F A⁻¹ Fᵀ`, which is symmetric and positive, so that light solids are as stable as heavy ones (C. Batty, F. Bertails, R. Bridson, "A fast variational framework for accurate
 //! solid-fluid coupling", SIGGRAPH 2007; design, numerics §1).
 //!
 //! In that system a surface feels the pressure at the centre of its cell, up to half a cell off: a floor on the faces of
@@ -16,11 +16,11 @@ use crate::descent::{Response, turning};
 use crate::exchange::{Exchange, Impulse};
 use crate::model::Model;
 use crate::skin::Grip;
+use crate::soft::Flow;
 use crate::solid::{Motion, SolidState};
-use crate::tied::{Six, Ties};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CutCells, WetCell};
-use meniscus_numerics::linalg::{Bodies, Column, Compliance, Solve};
-use meniscus_numerics::{Matrix, Vector};
+use meniscus_numerics::linalg::{Column, Compliance, Solve};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -28,12 +28,10 @@ use std::collections::BTreeMap;
 pub struct Coupling<'a, const D: usize> {
     model: &'a Model<D>,
     solids: &'a [SolidState<D>],
-    /// How solids answer together, where some deform.
+    /// How solids answer together, where something can move them.
     response: Option<&'a Response<D>>,
     /// With the place where the pressure takes hold of a solid that deforms.
     wet: Vec<(WetCell<D>, Option<Grip<D>>)>,
-    /// The faces that contact lines tie to the free rigid ones.
-    ties: Option<&'a Ties>,
 }
 
 impl<'a, const D: usize> Coupling<'a, D> {
@@ -47,70 +45,13 @@ impl<'a, const D: usize> Coupling<'a, D> {
         let wet = cut.wet.par_iter().with_min_len(64).filter(|w| phi[w.cell as usize] < 0.0);
         let gripped =
             |w: &WetCell<D>| (*w, solids[w.solid as usize].grip(&(middle(model, w) * model.grid.dx)));
-        Self { model, solids, response, wet: wet.map(gripped).collect(), ties: None }
-    }
-
-    /// The same with the faces that lines tie to the solids.
-    pub fn tied(self, ties: &'a Ties) -> Self {
-        Self { ties: Some(ties), ..self }
+        Self { model, solids, response, wet: wet.map(gripped).collect() }
     }
 
     /// Calls `f(cell, flux)` with the flow into the surface of every cell, `∫ v·n dS` in areas of a face, m/s.
-    pub fn fluxes(&self, f: impl FnMut(usize, f64)) {
-        self.fluxes_of(self.solids, f);
-    }
-
-    /// The same with what impulses add to the velocities of free solids.
-    pub fn fluxes_of_push(&self, push: &Exchange<D>, f: impl FnMut(usize, f64)) {
-        let mut still = self.solids.to_vec();
-        still.iter_mut().for_each(SolidState::stop);
-        push_solids(self.model, &mut still, push);
-        let tied = |n: &usize| self.lightness(*n).is_some();
-        (0..still.len()).filter(tied).for_each(|n| still[n].stop());
-        self.fluxes_of(&still, f);
-    }
-
-    /// The change that impulses, and those of the tied faces, make to the velocities of the solids that faces are tied to.
-    pub fn yielding(&self, push: &Exchange<D>, mut faces: BTreeMap<usize, Six>) -> BTreeMap<usize, Six> {
-        let sums = push.by_solid(self.solids.len());
-        for (number, six) in &mut faces {
-            *six += six_of(&sums[*number].linear, &sums[*number].about(&self.solids[*number].center));
-            *six = self.lightness(*number).map_or(Six::zeros(), |l| l * *six);
-        }
-        faces
-    }
-
-    /// Calls `f(cell, flux)` with the flow that such velocities add.
-    pub fn fluxes_of_tied(&self, velocities: &BTreeMap<usize, Six>, mut f: impl FnMut(usize, f64)) {
-        for (number, velocity) in velocities {
-            self.flows(*number, |cell, flow| f(cell, flow.dot(velocity)));
-        }
-    }
-
-    /// Adds the pressure's part to the velocities of the solids that faces are tied to.
-    pub fn pressed(&self, lambda: &[f64], velocities: &mut BTreeMap<usize, Six>) {
-        let scale = self.model.density * self.model.grid.face_area();
-        for (number, velocity) in velocities {
-            let mut sum = Six::zeros();
-            self.flows(*number, |cell, flow| sum += flow * (scale * lambda[cell]));
-            *velocity += self.lightness(*number).map_or(Six::zeros(), |l| l * sum);
-        }
-    }
-
-    fn lightness(&self, solid: usize) -> Option<&Matrix<6>> {
-        self.ties.and_then(|ties| ties.lightness(solid))
-    }
-
-    /// Calls `f(cell, flow)` with the flow into a solid and through the faces tied to it, by its six velocities.
-    fn flows(&self, solid: usize, mut f: impl FnMut(usize, Six)) {
-        let own = self.wet.iter().filter(|(w, _)| w.solid as usize == solid);
-        own.for_each(|(w, _)| f(w.cell as usize, six_of(&w.area, &self.moment(w))));
-        self.ties.iter().for_each(|ties| ties.flows(solid, &mut f));
-    }
-
-    fn fluxes_of(&self, solids: &[SolidState<D>], mut f: impl FnMut(usize, f64)) {
+    pub fn fluxes(&self, mut f: impl FnMut(usize, f64)) {
         for (w, grip) in &self.wet {
-            let solid = &solids[w.solid as usize];
+            let solid = &self.solids[w.solid as usize];
             let flux = match (grip, &solid.soft) {
                 (Some(grip), Some(soft)) => grip.mean(|k| soft.body.velocities[k]).dot(&w.area),
                 _ => solid.velocity.dot(&w.area) + Vector::<3>::from(solid.spin).dot(&self.moment(w)),
@@ -119,73 +60,29 @@ impl<'a, const D: usize> Coupling<'a, D> {
         }
     }
 
-    /// What the solids that give way add to the pressure system.
-    pub fn bodies(&self) -> Bodies<'_> {
-        Bodies { columns: self.columns(), soft: self.compliances() }
-    }
-
-    /// What the free rigid solids add: a column for each degree of freedom.
-    fn columns(&self) -> Vec<Column> {
-        let weight = self.model.density * self.model.grid.cell_volume();
-        let mut columns = Vec::new();
-        if self.response.is_some() {
-            return columns;
-        }
-        for (number, solid) in self.free() {
-            if let Some(root) = self.lightness(number).and_then(|l| l.cholesky()) {
-                columns.extend(self.tied_columns(number, &(root.l() * weight.sqrt())));
-                continue;
-            }
-            let body = &self.model.solids[number].body;
-            let scale = (weight / body.mass).sqrt();
-            for a in 0..D {
-                columns.push(self.column(number, |w| scale * w.area[a]));
-            }
-            let inverse = self.model.solids[number].inverse_inertia(solid);
-            let root = inverse.cholesky().map_or_else(Matrix::zeros, |c| c.l()) * weight.sqrt();
-            for k in if D == 2 { 2..3 } else { 0..3 } {
-                columns.push(self.column(number, |w| root.column(k).dot(&self.moment(w))));
-            }
-        }
-        columns
-    }
-
-    /// The columns of a solid that faces are tied to; `root` is of its inverse mass.
-    fn tied_columns(&self, solid: usize, root: &Matrix<6>) -> Vec<Column> {
-        let mut flows: BTreeMap<u32, Six> = BTreeMap::new();
-        self.flows(solid, |cell, flow| *flows.entry(cell as u32).or_insert_with(Six::zeros) += flow);
-        let column = |k: usize| flows.iter().map(|(cell, flow)| (*cell, root.column(k).dot(flow))).collect();
-        let moves = |k: &usize| if D == 2 { *k < 2 || *k == 5 } else { true };
-        (0..6).filter(moves).map(column).collect()
-    }
-
-    fn column(&self, solid: usize, value: impl Fn(&WetCell<D>) -> f64) -> Column {
-        let own = self.wet.iter().filter(|(w, _)| w.solid as usize == solid);
-        own.map(|(w, _)| (w.cell, value(w))).collect()
-    }
-
-    /// What the solids that deform add.
-    fn compliances(&self) -> Vec<Compliance<'_>> {
-        let Some(response) = self.response else { return Vec::new() };
+    /// What the solids that something can move add to the pressure's system.
+    pub fn compliance(&self) -> Option<Compliance<'_>> {
+        let response = self.response?;
         let scale = (self.model.density * self.model.grid.cell_volume()).sqrt();
         let scaled = |(cell, flow): (u32, Vec<(u32, f64)>)| {
             (cell, flow.into_iter().map(|(k, v)| (k, v * scale)).collect::<Vec<_>>())
         };
         let flows: Vec<_> = self.node_flows(response).into_iter().map(scaled).collect();
         if flows.is_empty() {
-            return Vec::new();
+            return None;
         }
         let lattice = self.model.grid.lattice();
         let reach = response.reach(&flows);
         let porous = response.porous(&flows, &reach, |cell| lattice.coordinates(cell as usize));
+        let feelers = feelers(&flows, &porous, |k| response.is_rigid(k));
         let solve: Box<Solve<'_>> = Box::new(move |x| response.solve_within(&reach, x));
-        vec![Compliance { freedoms: response.freedoms(), flows, porous, solve }]
+        Some(Compliance { freedoms: response.freedoms(), flows, porous, solve, feelers })
     }
 
     /// For each piece of surface, and each face that lines tie to a solid, the cell, and the flow out of it by the components of the
     /// nodes' velocities, in areas of a face.
-    fn node_flows(&self, response: &Response<D>) -> Vec<(u32, Vec<(u32, f64)>)> {
-        let mut flows: Vec<(u32, Vec<(u32, f64)>)> = Vec::new();
+    fn node_flows(&self, response: &Response<D>) -> Vec<Flow> {
+        let mut flows: Vec<Flow> = Vec::new();
         for (w, grip) in &self.wet {
             let solid = w.solid as usize;
             let first = (response.first(solid) * D) as u32;
@@ -271,10 +168,6 @@ impl<'a, const D: usize> Coupling<'a, D> {
         exchange
     }
 
-    fn free(&self) -> impl Iterator<Item = (usize, &SolidState<D>)> {
-        self.solids.iter().enumerate().filter(|(i, _)| self.model.solids[*i].motion == Motion::Free)
-    }
-
     /// `∫ r × n dS` about the solid's centre, in areas of a face times m.
     fn moment(&self, w: &WetCell<D>) -> Vector<3> {
         let center = &self.solids[w.solid as usize].center;
@@ -288,10 +181,18 @@ fn middle<const D: usize>(model: &Model<D>, w: &WetCell<D>) -> Vector<D> {
     center + w.spread.tr_mul(&w.area) / w.area.norm_squared().max(f64::MIN_POSITIVE)
 }
 
-/// The six components: of a solid's centre, then about it.
-fn six_of<const D: usize>(linear: &Vector<D>, turning: &Vector<3>) -> Six {
-    let linear = three(linear);
-    Six::from_fn(|i, _| if i < 3 { linear[i] } else { turning[i - 3] })
+/// What feels a constant pressure: solids that deform where they give way, and each degree of freedom of rigid ones.
+fn feelers(flows: &[Flow], porous: &[f64], rigid: impl Fn(u32) -> bool) -> Vec<Column> {
+    let gives = flows.iter().zip(porous).filter(|(_, porous)| **porous > 0.0);
+    let mut columns = vec![gives.map(|((cell, _), _)| (*cell, 1.0)).collect()];
+    let mut of_rigid: BTreeMap<u32, Column> = BTreeMap::new();
+    for (cell, flow) in flows {
+        for (k, v) in flow.iter().filter(|(k, _)| rigid(*k)) {
+            of_rigid.entry(*k).or_default().push((*cell, *v));
+        }
+    }
+    columns.extend(of_rigid.into_values());
+    columns
 }
 
 /// A vector in space.
@@ -314,14 +215,17 @@ pub fn push_solids<const D: usize>(model: &Model<D>, solids: &mut [SolidState<D>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::descent::{Descent, Points, Start};
     use crate::liquid::curvature::Curvature;
     use crate::liquid::cut_faces::cut_faces;
-    use crate::liquid::pressure::Projection;
+    use crate::liquid::pressure::{Pass, Projection};
     use crate::model::{Numerics, Wall};
     use crate::solid::Solid;
     use crate::state::State;
+    use crate::step::Times;
     use crate::workspace::{BAND, Workspace};
-    use meniscus_numerics::grid::Grid;
+    use meniscus_numerics::Matrix;
+    use meniscus_numerics::grid::{FaceField, Grid};
     use meniscus_numerics::linalg::SolveReport;
     use meniscus_numerics::shape::Shape;
     use std::f64::consts::PI;
@@ -394,12 +298,36 @@ mod tests {
             label: &|_| Some(0),
             time: 1.0,
         };
-        let (solves, exchange) = work.pressure.project(&model, &mut projection, &mut |_| ()).unwrap();
-        let impulses = exchange.by_solid(model.solids.len());
-        push_solids(&model, &mut state.solids, &exchange);
+        let response = response(&model, &state.solids, &work.points);
+        let found = work
+            .pressure
+            .project(
+                &model,
+                &mut projection,
+                response.as_ref(),
+                Pass { again: false, tolerance: 1e-10 },
+                &mut |_| (),
+            )
+            .unwrap();
+        let impulses = found.exchange.by_solid(model.solids.len());
+        push_solids(&model, &mut state.solids, &found.exchange);
+        let solves = found.solves;
         let mut fastest = 0.0f64;
         walk(Box::new(|a, face| fastest = fastest.max(state.velocity.axes[a][face].abs())));
         Projected { state, impulses, solves, fastest }
+    }
+
+    /// How free solids answer that nothing else pushes.
+    fn response<const D: usize>(
+        model: &Model<D>,
+        solids: &[SolidState<D>],
+        points: &Points<D>,
+    ) -> Option<Response<D>> {
+        let times = Times { dt: 1.0, kick: 1.0, ahead: 1e-9 };
+        let starts: Vec<Option<Start<D>>> = model.solids.iter().map(|_| None).collect();
+        let mut descent = Descent::new(model, points, (solids, solids), &starts, times);
+        let open = FaceField::zeros(model.grid);
+        model.moves_solids().then(|| descent.linearise(&mut solids.to_vec(), &mut [], (&[], &open)).unwrap())
     }
 
     fn ball<const D: usize>(radius: f64) -> Shape<D> {

@@ -59,6 +59,8 @@ pub struct StepReport<const D: usize> {
     pub cfl: f64,
     /// The pressure solves: the one for the forces, and the short one for what viscosity and the surface's slope change.
     pub solves: [SolveReport; 2],
+    /// Newton's iterations for solids and pressure; none where nothing moves the solids but what they are told.
+    pub newton_iterations: u64,
     /// What it mended; how often the step was halved and done again.
     pub repairs: Repairs,
     /// The books after the step.

@@ -4,7 +4,6 @@
 
 mod balance;
 mod change;
-mod collide;
 mod compiled;
 mod coupling;
 mod descent;
@@ -17,6 +16,7 @@ mod line;
 mod liquid;
 mod model;
 mod outflow;
+mod overlap;
 mod press;
 mod profile;
 mod repairs;
@@ -28,18 +28,17 @@ mod solid;
 mod state;
 mod step;
 mod tension;
-mod tied;
 mod track;
 mod walls;
 mod wetting;
 mod workspace;
 
-pub use collide::overlaps;
 pub use descent::narrowest_gap;
 pub use kinematic::Kinematic;
 pub use ledger::{Ledger, StepReport};
 pub use model::{Model, Numerics, Wall};
 pub use outflow::OPEN_MARGIN;
+pub use overlap::overlaps;
 pub use repairs::{Quantity, Repairs};
 pub use rigid_body::RigidBody;
 pub use simulation::{Body, PhaseEnd, Simulation, StepError};

@@ -84,9 +84,9 @@ impl Default for Numerics {
 }
 
 impl<const D: usize> Model<D> {
-    /// Whether a solid deforms.
-    pub fn deforms(&self) -> bool {
-        self.solids.iter().any(|s| s.elastic().is_some())
+    /// Whether forces move any solid: none is, or one that is free or deforms.
+    pub fn moves_solids(&self) -> bool {
+        self.solids.iter().any(|s| !s.motion.is_told())
     }
 
     /// How scalars go on beyond the sides.

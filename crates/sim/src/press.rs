@@ -1,22 +1,22 @@
 //! The pressure of a step, and what it, contact lines and friction give to the solids.
 //!
-//! Rigid solids are columns of the pressure's system, and collide after it. Where a solid deforms, all of them answer together, and
-//! with contacts, about the velocities that Newton's method has come to ([`crate::descent`]).
+//! All solids that something can move answer to the pressure together, and with contacts, about the velocities that Newton's method
+//! has come to ([`crate::descent`]).
 
 use crate::change::{Change, in_band, resolved_volume};
-use crate::collide::{Times, lean};
 use crate::coupling::push_solids;
-use crate::descent::{Descent, Start};
+use crate::descent::{Descent, Start, bounce};
 use crate::exchange::Exchange;
 use crate::keep::{Labels, walk};
 use crate::line::{LineImpulses, Lines};
 use crate::liquid::cut_faces::CutFace;
 use crate::liquid::friction::{DraggedFace, friction};
-use crate::liquid::pressure::Projection;
+use crate::liquid::pressure::{Pass, Projected, Projection};
 use crate::model::Model;
 use crate::simulation::PhaseEnd;
 use crate::solid::SolidState;
 use crate::state::State;
+use crate::step::Times;
 use crate::tension::{wetted_skins, wetted_stiffness};
 use crate::workspace::Workspace;
 use meniscus_numerics::Vector;
@@ -29,8 +29,10 @@ pub struct Pressed<const D: usize> {
     pub solves: [SolveReport; 2],
     /// What line, pressure and friction gave to the solids.
     pub given: [Exchange<D>; 3],
-    /// Where a solid deforms, and contacts are in the same solve: the work, J, that they took from solids that are told.
-    pub told: Option<f64>,
+    /// The work, J (2D: J/m), that solids which go as told do through contacts.
+    pub contacts: f64,
+    /// Newton's iterations for solids and pressure.
+    pub iterations: u64,
 }
 
 /// Makes the velocity free of divergence and gives the solids, whose velocities were `before` without the forces of this step, their
@@ -48,13 +50,13 @@ pub fn press<const D: usize>(
     phase_end: PhaseEnd<'_>,
 ) -> Result<Pressed<D>, SolveError> {
     let line = pull_lines(model, state, work, change, cut, times.kick);
-    let (solves, [pressure, friction], told) = match model.deforms() {
+    let Pushed { solves, given: [pressure, friction], contacts, iterations } = match model.moves_solids() {
         true => descend(model, (state, before), work, (cut, dragged), &line, times, phase_end)?,
-        false => push_rigid(model, state, work, (cut, dragged), &line, times, phase_end)?,
+        false => flow_past(model, state, work, (cut, dragged), times, phase_end)?,
     };
     let given = [line, pressure, friction];
     tell_forces(&mut state.solids, &given, times.kick);
-    Ok(Pressed { solves, given, told })
+    Ok(Pressed { solves, given, contacts, iterations })
 }
 
 /// What contact lines give to the solids; what of it belongs to the liquid along even walls shifts that.
@@ -94,33 +96,35 @@ fn pull_lines<const D: usize>(
     line
 }
 
-/// Solves of the pressure, what it and friction give to solids, and the work that [`Pressed::told`] is.
-type Pushed<const D: usize> = ([SolveReport; 2], [Exchange<D>; 2], Option<f64>);
+/// What the pressure, friction and contacts do to the solids.
+struct Pushed<const D: usize> {
+    solves: [SolveReport; 2],
+    /// What pressure and friction give.
+    given: [Exchange<D>; 2],
+    contacts: f64,
+    iterations: u64,
+}
 
-/// The pressure and rigid solids, which contacts push after it.
-fn push_rigid<const D: usize>(
+/// The pressure where nothing moves the solids but what they are told.
+fn flow_past<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     work: &mut Workspace<D>,
     (cut, dragged): (&[CutFace], &mut [DraggedFace]),
-    line: &Exchange<D>,
     times: Times,
     phase_end: PhaseEnd<'_>,
 ) -> Result<Pushed<D>, SolveError> {
     let label = work.liquid.component(&model.grid);
-    push_solids(model, &mut state.solids, line);
-    lean(&mut state.solids, times.kick);
     let parts = (&work.band, &work.liquid, work.known.liquid(), &mut work.cut);
     let mut projection = projection(model, state, parts, (cut, dragged, &label), times.kick);
-    let (solves, pressure) = work.pressure.project(model, &mut projection, phase_end)?;
-    push_solids(model, &mut state.solids, &pressure);
-    lean(&mut state.solids, -times.kick);
+    let pass = Pass { again: false, tolerance: model.numerics.tolerance };
+    let Projected { solves, exchange, .. } =
+        work.pressure.project(model, &mut projection, None, pass, phase_end)?;
     let friction = friction(model, state, dragged, &label);
-    push_solids(model, &mut state.solids, &friction);
-    Ok((solves, [pressure, friction], None))
+    Ok(Pushed { solves, given: [exchange, friction], contacts: 0.0, iterations: 0 })
 }
 
-/// The pressure and solids of which one deforms, with all contacts: Newton's iterations.
+/// The pressure and solids that move, with all contacts: Newton's iterations.
 fn descend<const D: usize>(
     model: &Model<D>,
     (state, before): (&mut State<D>, &[SolidState<D>]),
@@ -133,15 +137,18 @@ fn descend<const D: usize>(
     let starts = Start::of(model, line, wetted_stiffness(model, state), times.kick);
     push_solids(model, &mut state.solids, line);
     let (points, start) = (work.points.clone(), state.velocity.clone());
+    let bounced = bounce(model, &points, &mut state.solids, before, times, &mut work.repairs);
     let mut descent = Descent::new(model, &points, (before, &state.solids), &starts, times);
     let label = work.liquid.component(&model.grid);
+    let mut iteration = 0;
     loop {
+        iteration += 1;
         let response = descent.linearise(&mut state.solids, dragged, (&state.phi.data, &work.cut.open))?;
         state.velocity.clone_from(&start);
         let parts = (&work.band, &work.liquid, work.known.liquid(), &mut work.cut);
         let mut projection = projection(model, state, parts, (cut, dragged, &label), times.kick);
-        let (solves, pressure, change) =
-            work.pressure.project_with(model, &mut projection, &response, phase_end)?;
+        let Projected { solves, exchange: pressure, change } =
+            work.pressure.project(model, &mut projection, Some(&response), descent.pass(), phase_end)?;
         let friction = friction(model, state, dragged, &label);
         let mut pressed = pressure.clone();
         pressed.extend(&friction);
@@ -150,7 +157,12 @@ fn descend<const D: usize>(
             state.clear = descent.clear();
             work.repairs.indefinite_iterations += descent.indefinite;
             let told = descent.tell_contacts(&mut state.solids);
-            return Ok((solves, [pressure, friction], Some(told)));
+            return Ok(Pushed {
+                solves,
+                given: [pressure, friction],
+                contacts: told + bounced,
+                iterations: iteration,
+            });
         }
     }
 }

@@ -112,16 +112,12 @@ record! {
     indefinite_iterations: count of Count,
     /// Largest share of the liquid's weight that the filter of the curvature beside solids leaves out.
     weight_left_out: max of Ratio,
-    /// Contact solves (Gauss–Seidel) that ended unconverged at the largest number of sweeps.
+    /// Rounds of impacts whose iterations (Gauss–Seidel) ended unconverged at the largest number of sweeps.
     contact_sweeps: count of Count,
     /// Steps in which rigid solids still hit one another after the largest number of rounds.
     contact_rounds: count of Count,
-    /// Rounds of hits that were stopped, as bouncing would have made energy.
+    /// Rounds of impacts that did not bounce, as that would have made energy.
     stopped_bounces: count of Count,
-    /// Contacts at which rigid solids overlapped and were moved apart.
-    parted: count of Count,
-    /// Largest depth of such an overlap, m.
-    parted_depth: max of Length,
     /// Elements below three tenths of their volume at rest, which an extra energy keeps upright, in every step.
     crushed_elements: count of Count,
     /// Free solids whose moments of inertia have no inverse, in every step: nothing turns them.

@@ -67,8 +67,8 @@ const RETRIES: u64 = 6;
 const DOUBTS: u32 = 2;
 /// Layer, in cells, that a component's volume gained or lost in one step and that is doubtful.
 const VOLUME_JUMP: f64 = 0.1;
-/// Shortest step that the speed may ask for, over the longest that tension, gravity and the user allow: far below what any
-/// splash needs, a liquid that asks for less runs away.
+/// Shortest step, over the longest that tension, gravity and the user allow: far below what any splash or impact needs; a liquid that
+/// asks for less runs away, and solids that do leave each other no room.
 const SHORTEST: f64 = 1e-5;
 /// Growth of the energy in one step, over what there is without gravity's, that is doubtful.
 const ENERGY_JUMP: f64 = 0.05;
@@ -181,7 +181,9 @@ impl<const D: usize> Simulation<D> {
         let speed = liquid.max(solids);
         let wanted = self.wanted_dt(speed, if solids > liquid { "a solid" } else { "the liquid" })?;
         let mut dt = self.choose_dt(wanted, max_dt);
-        let shortest = 1.5 * 0.5f64.powi(DOUBTS as i32) * wanted;
+        let doubted = 1.5 * 0.5f64.powi(DOUBTS as i32) * wanted;
+        let calm = step_at_speed(&self.model, 0.0);
+        let shortest = if calm.is_finite() { SHORTEST * calm } else { 0.0 };
         let energy = own_energy(&self.model, &self.state);
         let all = energy + potential_energy(&self.model, &self.state) + self.state.outflow_energy();
         let time = self.state.time;
@@ -199,7 +201,7 @@ impl<const D: usize> Simulation<D> {
                     let gain = own + potential_energy(&self.model, &self.state) - all - result.stirred;
                     let doubtful = result.volume_jump > VOLUME_JUMP
                         || gain > ENERGY_JUMP * energy.abs() + self.energy_of_nothing(dt);
-                    if fine && (!doubtful || dt < shortest || self.model.numerics.fixed_step.is_some()) {
+                    if fine && (!doubtful || dt < doubted || self.model.numerics.fixed_step.is_some()) {
                         let cfl = speed * dt / self.model.grid.dx;
                         let mut repairs = std::mem::take(&mut self.work.repairs);
                         (repairs.redone, repairs.failed_tries) = (redone, failed);
@@ -208,6 +210,7 @@ impl<const D: usize> Simulation<D> {
                             dt,
                             cfl,
                             solves: result.solves,
+                            newton_iterations: result.newton_iterations,
                             repairs,
                             ledger: self.ledger(),
                         });
@@ -224,7 +227,8 @@ impl<const D: usize> Simulation<D> {
             snapshot.restore(&self.model, &mut self.state, &mut self.work);
             redone += 1;
             failed += u64::from(failure.is_some());
-            if let Some(failure) = failure.filter(|_| redone > RETRIES) {
+            let last = redone > RETRIES || 0.5 * dt < shortest && self.model.numerics.fixed_step.is_none();
+            if let Some(failure) = failure.filter(|_| last) {
                 return Err(failure);
             }
             dt *= 0.5;

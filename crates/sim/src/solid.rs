@@ -107,10 +107,8 @@ pub struct SolidState<const D: usize> {
     pub pressed: Vector<D>,
     /// Force of the liquid's surface along the contact line in the last step, N (2D: N/m).
     pub pulled: Vector<D>,
-    /// What the contacts that it rests on accelerated it by in the last step, m/s².
+    /// What contacts accelerated it by in the last step, without impacts, m/s².
     pub held: Vector<D>,
-    /// The same of its turning, rad/s².
-    pub braced: [f64; 3],
     /// Where and how each part of it moves, if it deforms. Centre and velocity are then means, rotation and spin nothing.
     pub soft: Option<Soft<D>>,
 }
@@ -154,9 +152,9 @@ impl<const D: usize> Solid<D> {
             _ => (self.velocity, [0.0; 3]),
         };
         let (center, rotation, none) = (self.body.center, Matrix::identity(), Vector::zeros());
-        let (pressed, pulled, held, braced) = (none, none, none, [0.0; 3]);
+        let (pressed, pulled, held) = (none, none, none);
         let soft = self.elastic().map(|elastic| Soft::start(elastic, &self.velocity));
-        let mut now = SolidState { center, rotation, velocity, spin, pressed, pulled, held, braced, soft };
+        let mut now = SolidState { center, rotation, velocity, spin, pressed, pulled, held, soft };
         self.elastic().iter().for_each(|elastic| now.follow(elastic));
         now
     }
@@ -286,22 +284,6 @@ impl<const D: usize> Solid<D> {
                 now.soft.iter_mut().for_each(|soft| soft.advance(elastic, dt));
                 now.follow(elastic);
             }
-        }
-    }
-
-    /// Moves a rigid one as it moves now, for `time` (s).
-    pub fn carry(&self, now: &mut SolidState<D>, time: f64) {
-        now.center += now.velocity * time;
-        now.rotation = turned(&now.rotation, &now.spin, time);
-    }
-
-    /// Moves it by `way` (m) and turns it by `turn` (rad) about its centre; its momentum and angular momentum stay.
-    pub fn shift(&self, now: &mut SolidState<D>, way: &Vector<D>, turn: &[f64; 3]) {
-        if self.motion == Motion::Free {
-            let momentum = self.angular_momentum(now);
-            now.center += way;
-            now.rotation = turned(&now.rotation, turn, 1.0);
-            now.spin = (self.inverse_inertia(now) * momentum).into();
         }
     }
 

@@ -4,7 +4,6 @@
 //! damps nor drives it (design, numerics §8).
 
 use crate::change::{Change, expect, keep_volume};
-use crate::collide::{Times, collide, part};
 use crate::hysteresis::hold_lines;
 use crate::keep::{give_back, keep_carried, keep_momentum};
 use crate::ledger::{drops, kinetic_energy, max_component, surface_energy};
@@ -43,10 +42,23 @@ const LEFT_BEHIND: f64 = 0.01;
 /// zigzag of the period of two cells into its opposite: all the way it stays for ever and stirs drops at rest (u_rms 1e-2).
 const WITHIN: f64 = 0.5;
 
+/// The times of a step, s.
+#[derive(Clone, Copy, Debug)]
+pub struct Times {
+    /// Its length.
+    pub dt: f64,
+    /// For how long its forces act.
+    pub kick: f64,
+    /// Bound of the coming step.
+    pub ahead: f64,
+}
+
 /// What a step found out.
 pub struct StepResult {
     /// The pressure solves, the last of Newton's iterations where there are any.
     pub solves: [SolveReport; 2],
+    /// Newton's iterations for solids and pressure.
+    pub newton_iterations: u64,
     /// Work that solids which go as told did, J.
     pub stirred: f64,
     /// What a component's volume was wrong by before it was put right, as a layer on a ball of its volume, in cells.
@@ -81,7 +93,7 @@ pub fn step<const D: usize>(
     let (mut change, displacement) = move_liquid(model, state, work, &before, dt, phase_end);
 
     // (4) The forces, and viscosity.
-    let (solves, stirred) = push(model, state, work, &mut change, displacement, (dt, kick), phase_end)?;
+    let pushed = push(model, state, work, &mut change, displacement, (dt, kick), phase_end)?;
     (state.lead, state.kick) = (state.lead + kick - dt, kick);
     state.time += dt;
     state.step += 1;
@@ -89,7 +101,7 @@ pub fn step<const D: usize>(
 
     // (6) What has passed an open side is gone.
     drain(model, state, work);
-    Ok(StepResult { solves, stirred, volume_jump: change.jump })
+    Ok(StepResult { volume_jump: change.jump, ..pushed })
 }
 
 /// Moves the liquid; gives back how it has changed, and how its surface moves. `solids` is where they were before.
@@ -163,7 +175,7 @@ fn push<const D: usize>(
     displacement: Vec<Displacement<D>>,
     (dt, kick): (f64, f64),
     phase_end: PhaseEnd<'_>,
-) -> Result<([SolveReport; 2], f64), SolveError> {
+) -> Result<StepResult, SolveError> {
     let before = state.solids.clone();
     fall(model, state, work, kick);
 
@@ -183,14 +195,9 @@ fn push<const D: usize>(
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
     state.clear = if state.last_dt > 0.0 { clear_time(model, &state.solids, dt) } else { GROWTH * dt };
     let times = Times { dt, kick, ahead: state.clear };
-    let Pressed { solves, given, told } =
+    let Pressed { solves, given, contacts, iterations } =
         press(model, (state, &before), work, change, (&cut, &mut dragged), times, phase_end)?;
-    let Workspace { probes, repairs, .. } = work;
-    let collided = match told {
-        Some(work) => work,
-        None => collide(model, &mut state.solids, probes, &before, times, repairs),
-    };
-    let stirred = stirred(model, state, &given) + collided;
+    let stirred = stirred(model, state, &given) + contacts;
     give_back(model, &mut change.groups, &given);
     phase_end("pressure");
 
@@ -209,7 +216,7 @@ fn push<const D: usize>(
     state.kinetic_energy = kinetic_energy(model, &kept.moments, &change.targets);
     state.surface_area = surface_energy(model, &change.cubes);
     phase_end("momentum and extension");
-    Ok((solves, stirred))
+    Ok(StepResult { solves, newton_iterations: iterations, stirred, volume_jump: 0.0 })
 }
 
 /// What holds elements upright and what nothing turns, in a state; what of the liquid's weight the model leaves out.
@@ -344,9 +351,6 @@ fn move_velocity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &
 fn move_solids<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut Workspace<D>, dt: f64) {
     let (time, all) = (state.time, model.solids.iter());
     all.zip(&mut state.solids).for_each(|(solid, now)| solid.advance(now, time, dt));
-    if !model.deforms() {
-        part(model, &mut state.solids, &work.probes, &mut work.repairs);
-    }
     work.follow_solids(model, state);
 }
 

@@ -1,6 +1,5 @@
 //! Memory of a step, and what follows from the state: where the liquid is.
 
-use crate::collide::Probes;
 use crate::descent::Points;
 use crate::liquid::pressure::PressureFields;
 use crate::liquid::surface::SurfaceLattice;
@@ -68,8 +67,6 @@ pub struct Workspace<const D: usize> {
     pub lattice: SurfaceLattice<D>,
     /// Dense memory of the pressure solve.
     pub pressure: PressureFields<D>,
-    /// Where solids may meet.
-    pub probes: Probes<D>,
     /// The surfaces of solids as contacts see them.
     pub points: Arc<Points<D>>,
     /// Cells in and beside thin solids where φ is no distance, in order.
@@ -94,7 +91,6 @@ impl<const D: usize> Workspace<D> {
             known: KnownFaces::new(grid),
             lattice: SurfaceLattice::new(grid, model.weight()),
             pressure: PressureFields::new(model),
-            probes: Probes::of(model),
             points: Arc::new(Points::of(model)),
             apart: Vec::new(),
             beyond: Vec::new(),

@@ -16,7 +16,7 @@ mod sweep;
 mod tests;
 mod vectors;
 
-pub use coupled::{Bodies, Column, Compliance, Solve};
+pub use coupled::{Column, Compliance, Solve};
 pub use jacobi::Jacobi;
 pub use krylov::{conjugate_gradient, conjugate_gradient_in};
 pub use operator::{LinearOperator, Preconditioner, SolveError, SolveReport};

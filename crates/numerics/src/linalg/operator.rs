@@ -47,8 +47,9 @@ pub enum SolveError {
     },
     /// Newton's method for solids and pressure did not converge.
     #[error(
-        "Newton's method for the solids that deform stopped after {iterations} iterations; the next one would still move something \
-         by {off:.1e} times the tolerance (inf: the line search allowed no whole step)"
+        "Newton's method for the solids' velocities stopped after {iterations} iterations; the next one would still move something by \
+         {off:.1e} times the tolerance (inf: the line search allowed no whole step); solids that leave each other no room have no \
+         solution"
     )]
     Unsettled {
         /// Iterations done.

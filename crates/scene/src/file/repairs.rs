@@ -82,16 +82,12 @@ bounds! {
     indefinite_iterations,
     /// Largest share of the liquid's weight that the filter of the curvature beside solids leaves out.
     weight_left_out,
-    /// Contact solves that ended at the largest number of sweeps.
+    /// Rounds of impacts whose Gauss-Seidel iterations ended at the largest number of sweeps.
     contact_sweeps,
     /// Steps in which rigid solids still hit one another after the largest number of rounds.
     contact_rounds,
-    /// Rounds of hits that were stopped, as bouncing would have made energy.
+    /// Rounds of impacts that did not bounce, as that would have made energy.
     stopped_bounces,
-    /// Contacts at which rigid solids overlapped and were moved apart.
-    parted,
-    /// Largest depth of such an overlap, in cells.
-    parted_depth,
     /// Elements below three tenths of their volume, which an extra energy keeps upright, summed over the steps.
     crushed_elements,
     /// Free solids without an inverse of their inertia, summed over the steps.

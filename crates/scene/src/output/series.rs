@@ -59,6 +59,7 @@ pub const COLUMNS: &[&str] = &[
     "outflow_volume",
     "outflow_kinetic_energy",
     "outflow_stored_energy",
+    "newton_iterations",
 ];
 
 /// The columns of the liquid's force on a solid, N (2D: N/m).
@@ -104,6 +105,7 @@ pub fn row<const D: usize>(
     put(&mut row, &[repairs.volume_shift, repairs.deleted_volume, repairs.momentum_restored]);
     let _ = write!(row, ",{},{}", repairs.clamped_curvatures, repairs.unconverged());
     put(&mut row, &[state.outflow_volume, state.outflow_kinetic_energy, state.outflow_stored_energy]);
+    let _ = write!(row, ",{}", report.newton_iterations);
     for now in &state.solids[..measures.solids()] {
         put(&mut row, &three(&(now.pressed + now.pulled)));
     }

@@ -168,8 +168,14 @@ impl<'a, const D: usize> Session<'a, D> {
             self.tell(Event::Warning { message }, observer)?;
         }
         let ledger = self.simulation.ledger();
-        let report =
-            StepReport { dt: 0.0, cfl: 0.0, solves: Default::default(), repairs: Default::default(), ledger };
+        let report = StepReport {
+            dt: 0.0,
+            cfl: 0.0,
+            solves: Default::default(),
+            newton_iterations: 0,
+            repairs: Default::default(),
+            ledger,
+        };
         self.append_row(&report, 0.0)?;
         self.write_frame(observer)?;
         self.write_checkpoint(observer)

@@ -1,14 +1,14 @@
 //! Broad phase of contact: pairs of features that may touch while all solids go from one configuration to another.
 
-use super::points::{Owner, Places};
+use super::points::Places;
 use meniscus_contact::Near;
 use meniscus_numerics::Vector;
 
 /// A point and something without facets that it may touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Meeting {
-    /// A point and a rigid solid.
-    Rigid(u32, usize),
+    /// A point and a part of a rigid solid.
+    Rigid(u32, usize, usize),
     /// A point and a side of the domain.
     Side(u32, usize),
 }
@@ -17,14 +17,22 @@ impl Meeting {
     /// The point.
     pub fn point(&self) -> u32 {
         match *self {
-            Self::Rigid(p, _) | Self::Side(p, _) => p,
+            Self::Rigid(p, ..) | Self::Side(p, _) => p,
+        }
+    }
+
+    /// The other solid; none of a side.
+    pub fn solid(&self) -> Option<usize> {
+        match *self {
+            Self::Rigid(_, solid, _) => Some(solid),
+            Self::Side(..) => None,
         }
     }
 
     /// The distance of the point, which is at `x`, from the other, m.
     pub fn distance<const D: usize>(&self, places: &Places<'_, D>, x: &Vector<D>) -> f64 {
         match *self {
-            Self::Rigid(_, solid) => places.distance_to_rigid(solid, x).0,
+            Self::Rigid(_, solid, part) => places.distance_to_rigid((solid, part), x),
             Self::Side(_, side) => places.points.sides[side].distance(x),
         }
     }
@@ -46,34 +54,45 @@ impl Candidates {
         let (start, end) = (way.from.all(), way.to.all());
         let ways: Vec<Vector<D>> = end.iter().zip(&start).map(|(e, s)| e - s).collect();
         let rigid = |body: u32| model.solids[body as usize].elastic().is_none();
-        let still = |p: u32| match points.owners[p as usize] {
-            Owner::Vertex { solid, vertex } => points.held[points.first[solid] + vertex],
-            Owner::Rigid { solid, .. } => model.solids[solid].motion.is_told(),
-        };
-        let near = points.surface.near(&start, &ways, reach, rigid, still);
-        let mut meetings = Vec::new();
-        for (side, plane) in points.sides.iter().enumerate() {
-            let close = plane.near(&points.surface, &start, &ways, reach);
-            meetings.extend(close.into_iter().filter(|p| !still(*p)).map(|p| Meeting::Side(p, side)));
-        }
-        for solid in (0..model.solids.len()).filter(|k| rigid(*k as u32) && model.wetting_walls() != Some(*k))
-        {
-            let told = model.solids[solid].motion.is_told();
-            for p in points.surface.points() {
-                let owner = &points.owners[*p as usize];
-                if owner.solid() == solid || told && still(*p) {
-                    continue;
-                }
-                let k = *p as usize;
-                let wide = reach + points.surface.radius(*p);
-                let length = way.seen_from(solid, &start[k], &end[k]);
-                if way.from.distance_to_rigid(solid, &start[k]).0 < wide + length {
-                    meetings.push(Meeting::Rigid(*p, solid));
-                }
+        let told = |p: u32| points.is_told(p);
+        let near = points.surface.near(&start, &ways, reach, rigid, told);
+        Candidates { near, meetings: meetings(way, (&start, &end), reach) }
+    }
+
+    /// Those of points with what has no facets.
+    pub fn of_rigid<const D: usize>(way: Way<'_, D>, reach: f64) -> Vec<Meeting> {
+        meetings(way, (&way.from.all(), &way.to.all()), reach)
+    }
+}
+
+/// Points and what has no facets whose distance falls below `reach` (m) on the way.
+fn meetings<const D: usize>(
+    way: Way<'_, D>,
+    (start, end): (&[Vector<D>], &[Vector<D>]),
+    reach: f64,
+) -> Vec<Meeting> {
+    let (model, points) = (way.from.model, way.from.points);
+    let ways: Vec<Vector<D>> = end.iter().zip(start).map(|(e, s)| e - s).collect();
+    let mut meetings = Vec::new();
+    for (side, plane) in points.sides.iter().enumerate() {
+        let close = plane.near(&points.surface, start, &ways, reach);
+        meetings.extend(close.into_iter().filter(|p| !points.is_told(*p)).map(|p| Meeting::Side(p, side)));
+    }
+    let rigid = |k: &usize| model.solids[*k].elastic().is_none() && model.wetting_walls() != Some(*k);
+    for solid in (0..model.solids.len()).filter(rigid) {
+        let parts = model.solids[solid].shape.parts().len();
+        let [low, high] = way.from.bounds(solid);
+        for p in points.surface.points() {
+            let k = *p as usize;
+            let near = reach + points.surface.radius(*p) + way.seen_from(solid, &start[k], &end[k]);
+            let far = |a: usize| (low[a] - start[k][a]).max(start[k][a] - high[a]) > near;
+            if !(0..D).any(far) && points.may_meet(model, *p, solid) {
+                let close = |part: &usize| way.from.distance_to_rigid((solid, *part), &start[k]) < near;
+                meetings.extend((0..parts).filter(close).map(|part| Meeting::Rigid(*p, solid, part)));
             }
         }
-        Candidates { near, meetings }
     }
+    meetings
 }
 
 /// Two configurations of all solids; points go straight from the one to the other.

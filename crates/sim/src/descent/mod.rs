@@ -7,21 +7,24 @@
 //! (M. Li et al., "Incremental Potential Contact", 2020), and as the potential falls. Iterations end when the next would move
 //! nothing.
 
+mod impact;
 mod meet;
 mod points;
 mod potential;
 mod response;
 
+pub use impact::bounce;
 use points::REACH;
-use points::spin;
 pub use points::{Points, narrowest_gap, turning};
-pub use response::{Response, Tie};
+pub use response::Response;
+use response::{End, Tie};
 
-use crate::collide::Times;
 use crate::exchange::Exchange;
 use crate::liquid::friction::DraggedFace;
+use crate::liquid::pressure::Pass;
 use crate::model::Model;
 use crate::solid::{Motion, SolidState};
+use crate::step::Times;
 use meniscus_contact::Barrier;
 use meniscus_elastic::{BlockMatrix, Elastic, Incremental, Solution, StiffnessBlock};
 use meniscus_numerics::grid::FaceField;
@@ -38,9 +41,19 @@ const BARE: f64 = 0.01;
 const ITERATIONS: usize = 60;
 /// Change of a position at the end of the coming step, in reaches of the barrier, below which Newton's method has converged.
 const SETTLED: f64 = 1e-3;
-/// The same after an update of the lagged friction, over [`SETTLED`]: the error of a lag that is updated [`RUBS`] times only adds up
-/// from step to step.
-const RUBBED: f64 = 0.01;
+/// The same, over [`SETTLED`], of the last iteration, after the last update of the lagged friction.
+const LAST: f64 = 0.01;
+/// The same where anything is in contact: what rests creeps by less than this in each step.
+const RESTS: f64 = 1e-4;
+/// Relative residual of the pressure's solve in iterations that are not the last: the next one is known to move something by over
+/// [`FAR`] times [`SETTLED`].
+const LOOSE: f64 = 1e-3;
+/// See [`LOOSE`].
+const FAR: f64 = 100.0;
+/// Slope of the potential along an iteration's way, over that at its start, from which on its end is too far.
+const FLAT: f64 = 0.5;
+/// Most evaluations of that slope.
+const SEARCHES: usize = 12;
 /// Most halvings of an iteration.
 const HALVINGS: usize = 30;
 /// Most updates of the lagged friction in a step.
@@ -83,6 +96,8 @@ pub struct Descent<'a, const D: usize> {
     /// Velocities that it has come to.
     now: Vec<Vector<D>>,
     iteration: usize,
+    /// Whether the pressure's solve may be [`LOOSE`].
+    loose: bool,
     rubs: usize,
     /// Iterations whose second derivatives were not positive definite.
     pub indefinite: u64,
@@ -148,7 +163,8 @@ impl<'a, const D: usize> Descent<'a, D> {
         };
         let positions = before.iter().flat_map(place).collect();
         let now = vec![Vector::zeros(); points.nodes()];
-        let mut descent = Self { potential, told, positions, now, iteration: 0, rubs: 0, indefinite: 0 };
+        let mut descent =
+            Self { potential, told, positions, now, iteration: 0, loose: false, rubs: 0, indefinite: 0 };
         // The first guess is to go on as before.
         let still = descent.potential.candidates(&descent.now, &descent.now);
         descent.potential.rubs = descent.potential.rubbing(&descent.now, &still);
@@ -200,6 +216,15 @@ impl<'a, const D: usize> Descent<'a, D> {
         Ok(Response::new(model, before, points, solution, (base, lead), ties))
     }
 
+    /// How the pressure of this iteration is solved for.
+    pub fn pass(&self) -> Pass {
+        let tolerance = self.potential.model.numerics.tolerance;
+        Pass {
+            again: self.iteration > 0,
+            tolerance: if self.loose { tolerance.max(LOOSE) } else { tolerance },
+        }
+    }
+
     /// Finds the part of the velocities that the step does not resolve, `v − A⁻¹ M v`.
     fn find_fast(&mut self, matrix: &BlockMatrix<D>, solution: &Solution<D>) {
         let Potential { model, points, solids, .. } = self.potential;
@@ -239,32 +264,34 @@ impl<'a, const D: usize> Descent<'a, D> {
         let weight = model.density * model.grid.cell_volume();
         let mut ties = Vec::new();
         for (number, f) in dragged.iter_mut().enumerate() {
-            let solid = f.solid as usize;
-            if model.solids[solid].motion.is_told() {
-                continue;
-            }
             let at = model.grid.faces(f.axis).coordinates(f.face);
             let x = model.grid.face_center(f.axis, at);
             let axis = Vector::<D>::from_fn(|a, _| if a == f.axis { 1.0 } else { 0.0 });
-            let first = points.first[solid];
-            let arm = match solids[solid].grip(&x) {
-                Some(grip) => {
-                    (0..D).map(|k| (first + grip.vertices[k] as usize, axis * grip.weights[k])).collect()
+            let mut ends = Vec::new();
+            for (hold, of) in f.holds.iter_mut().enumerate() {
+                let solid = of.solid as usize;
+                if model.solids[solid].motion.is_told() {
+                    continue;
                 }
-                None => {
-                    let moment = crate::exchange::moment(&(x - solids[solid].center), &axis);
-                    vec![(first, axis), (first + 1, turning(&moment.into()))]
-                }
-            };
+                let end =
+                    End { hold, drag: of.drag, arm: arm(&solids[solid], points.first[solid], &x, &axis) };
+                of.of_solid = end.velocity(&self.now);
+                ends.push(end);
+            }
+            if ends.is_empty() {
+                continue;
+            }
             let upper = model.grid.lattice().index(at);
             let lower = upper - model.grid.lattice().stride[f.axis];
             let sides = [(lower, 1.0), (upper, -1.0)].into_iter().filter(|(c, _)| phi[*c] < 0.0);
-            let sides = sides.map(|(c, sign)| (c as u32, sign)).collect();
-            let flow = open.axes[f.axis][f.face] * f.mobility() * f.hold;
-            let mass = weight * f.mass * f.mobility() * f.hold;
-            let tie = Tie { number, sides, arm, flow, mass };
-            f.follow(tie.velocity(&self.now));
-            ties.push(tie);
+            ties.push(Tie {
+                number,
+                sides: sides.map(|(c, sign)| (c as u32, sign)).collect(),
+                open: open.axes[f.axis][f.face],
+                mobility: f.mobility(),
+                mass: weight * f.mass,
+                ends,
+            });
         }
         ties
     }
@@ -286,13 +313,12 @@ impl<'a, const D: usize> Descent<'a, D> {
         let given = self.potential.between(&self.now, &candidates);
         for (k, now) in solids.iter_mut().enumerate() {
             let (solid, own) = (&model.solids[k], &given[points.first[k]..]);
-            (now.held, now.braced) = (Vector::zeros(), [0.0; 3]);
+            now.held = Vector::zeros();
             if let Some(elastic) = solid.elastic() {
                 let count = elastic.masses().len();
                 now.held = own[..count].iter().sum::<Vector<D>>() / (solid.body.mass * kick);
             } else if solid.motion == Motion::Free {
                 now.held = own[0] / (solid.body.mass * kick);
-                now.braced = (solid.inverse_inertia(now) * Vector::<3>::from(spin(&own[1])) / kick).into();
             }
         }
         let told = (0..given.len()).filter(|node| points.held[*node]);
@@ -332,15 +358,15 @@ impl<'a, const D: usize> Descent<'a, D> {
         let mut off = if whole { self.off(response, &next) } else { f64::INFINITY };
         self.now = next;
         self.iteration += 1;
-        let mut settled = off < limit;
-        if settled && self.rubs < RUBS {
+        if off < limit && self.rubs < RUBS {
             let candidates = self.potential.candidates(&self.now, &self.now);
             self.potential.rubs = self.potential.rubbing(&self.now, &candidates);
             self.rubs += 1;
             off = self.off(response, &self.now);
-            settled = off < RUBBED * limit;
         }
-        if settled && self.iteration > model.numerics.newton_iterations as usize {
+        let settled = off < limit * if self.potential.rubs.is_empty() { LAST } else { RESTS };
+        let exact = !std::mem::replace(&mut self.loose, off > FAR * limit);
+        if settled && exact && self.iteration > model.numerics.newton_iterations as usize {
             return Ok(true);
         }
         if self.iteration >= ITERATIONS {
@@ -372,6 +398,10 @@ impl<'a, const D: usize> Descent<'a, D> {
         if !falls {
             return (along(part), part == 1.0);
         }
+        part = self.least_along(part, |part| {
+            let gradient = self.potential.gradient(&along(part), &candidates);
+            gradient.iter().zip(&change).map(|(g, c)| g.dot(c)).sum()
+        });
         let from = self.potential.value(&self.now, &candidates);
         let slack = 1e-12 * from.abs();
         for _ in 0..HALVINGS {
@@ -382,5 +412,44 @@ impl<'a, const D: usize> Descent<'a, D> {
             part *= 0.5;
         }
         (self.now.clone(), false)
+    }
+
+    /// The part of a way, up to `most` of it, at which the potential's `slope` along it has fallen to less than [`FLAT`] of that at the
+    /// start, by regula falsi (Illinois). Newton's method alone goes back and forth over the kinks of Coulomb's friction.
+    fn least_along(&self, most: f64, slope: impl Fn(f64) -> f64) -> f64 {
+        let (mut low, mut high) = ((0.0, slope(0.0)), (most, slope(most)));
+        let flat = FLAT * low.1.abs();
+        if low.1 >= 0.0 || high.1 <= flat {
+            return most;
+        }
+        for _ in 0..SEARCHES {
+            let middle = low.0 + (high.0 - low.0) * low.1 / (low.1 - high.1);
+            let at = slope(middle);
+            if at.abs() <= flat {
+                return middle;
+            }
+            if at > 0.0 {
+                (low.1, high) = (0.5 * low.1, (middle, at));
+            } else {
+                (low, high.1) = ((middle, at), 0.5 * high.1);
+            }
+        }
+        if low.0 > 0.0 { low.0 } else { high.0 }
+    }
+}
+
+/// The velocity along an axis of a solid's point nearest to `x`, by those of its nodes, from the `first` on.
+fn arm<const D: usize>(
+    solid: &SolidState<D>,
+    first: usize,
+    x: &Vector<D>,
+    axis: &Vector<D>,
+) -> Vec<(usize, Vector<D>)> {
+    match solid.grip(x) {
+        Some(grip) => (0..D).map(|k| (first + grip.vertices[k] as usize, axis * grip.weights[k])).collect(),
+        None => {
+            let moment = crate::exchange::moment(&(x - solid.center), axis);
+            vec![(first, *axis), (first + 1, turning(&moment.into()))]
+        }
     }
 }

@@ -7,8 +7,10 @@
 use super::meet::{Candidates, Meeting, Way};
 use crate::model::{Model, Wall};
 use crate::solid::{Motion, Solid, SolidState};
-use meniscus_contact::{Plane, Surface};
+use meniscus_contact::{Near, Plane, Surface};
 use meniscus_elastic::{Assembly, Elastic};
+use meniscus_numerics::mesh::surface::area_vector;
+use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use std::collections::BTreeMap;
 
@@ -18,8 +20,10 @@ pub const REACH: f64 = 0.25;
 /// The least reach of a point, over [`REACH`]: one that touches something at the start needs some distance over which the barrier
 /// rises, and the barrier's energy of a contact is proportional to it.
 const LEAST: f64 = 0.1;
-/// Distance of probes of rigid solids, in cells.
+/// Distance of probes of rigid solids, in cells: a surface of a radius of five cells bulges out between them by less than 0.01 cells.
 const EDGE: f64 = 0.5;
+/// Step of the differences of a distance, in cells.
+const STEP: f64 = 1e-4;
 
 /// What a point is part of.
 #[derive(Clone, Copy, Debug)]
@@ -60,15 +64,31 @@ pub struct Points<const D: usize> {
     pub first: Vec<usize>,
     /// Which nodes have velocities that are told.
     pub held: Vec<bool>,
-    /// Pressure of each solid's weight on one of the `2 D` sides of its surface, Pa; 0 of those that are told.
-    pub weights: Vec<f64>,
+    /// Pressure of each solid's weight on one of the `2 D` sides of its surface, and that which takes the kinetic energy of the fastest
+    /// start within the barrier's reach, Pa; 0 of those that are told.
+    pub pressures: Vec<f64>,
     /// Closed sides of the domain.
     pub sides: Vec<Plane<D>>,
     /// Distance, m, that is added to that of a point and something without facets, where they touch or overlap at the start (a solid
     /// on the floor; one that is held within a rigid solid).
     lifts: BTreeMap<Meeting, f64>,
-    /// How the solids' matrices stand in one; none where no solid deforms, or memory does not suffice.
+    /// Which points of each rigid solid may meet each other one.
+    probing: BTreeMap<(usize, usize), Probing>,
+    /// Points of rigid solids at edges and corners, or with a ball around them.
+    exposed: Vec<bool>,
+    /// How the solids' matrices stand in one; none where memory does not suffice.
     pub assembly: Option<Assembly>,
+}
+
+/// Which points of a rigid solid may meet another one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Probing {
+    /// All of them: of two solids it is the smaller one.
+    All,
+    /// Those at edges and corners only: what glides along a wide face meets that by its own points.
+    Exposed,
+    /// None: the other one is round, and its centres tell all.
+    None,
 }
 
 impl<const D: usize> Points<D> {
@@ -87,7 +107,7 @@ impl<const D: usize> Points<D> {
             facets.extend(surface.facets.iter().map(|f| f.map(|v| v + from)));
         }
         bodies.extend(owners.iter().map(|o: &Owner<D>| o.solid() as u32));
-        let (edge, mut probes) = (EDGE * model.grid.dx, Vec::new());
+        let (edge, mut probes, mut exposed) = (EDGE * model.grid.dx, Vec::new(), vec![true; owners.len()]);
         for (solid, is) in model.solids.iter().enumerate() {
             if is.elastic().is_some() || model.wetting_walls() == Some(solid) {
                 continue;
@@ -97,22 +117,27 @@ impl<const D: usize> Points<D> {
                 owners.push(Owner::Rigid { solid, at: probe.at });
                 rest.push(probe.at);
                 bodies.push(solid as u32);
+                exposed.push(probe.sharp || probe.radius > 0.0);
             }
         }
         let surface = Surface::new(facets, &rest, bodies).with_points(probes);
         let mut areas = vec![0.0; model.solids.len()];
         surface.points().iter().for_each(|p| areas[owners[*p as usize].solid()] += surface.area(*p));
-        let weight = |(solid, area): (&Solid<D>, &f64)| {
+        let fastest = model.solids.iter().map(start_speed).fold(0.0, f64::max);
+        let stop = 0.5 * fastest * fastest / (REACH * model.grid.dx);
+        let pressure = |(solid, area): (&Solid<D>, &f64)| {
             let told = solid.motion.is_told() || *area == 0.0;
-            if told { 0.0 } else { solid.body.mass * model.gravity.norm() * (2 * D) as f64 / area }
+            let weight = model.gravity.norm() * (2 * D) as f64;
+            if told { 0.0 } else { solid.body.mass * (weight + stop) / area }
         };
-        let weights = model.solids.iter().zip(&areas).map(weight).collect();
+        let pressures = model.solids.iter().zip(&areas).map(pressure).collect();
         let held = held(model);
         let deforming = model.solids.iter().zip(&first).filter_map(|(s, first)| Some((*first, s.elastic()?)));
         let deforming: Vec<(usize, &Elastic<D>)> = deforming.collect();
-        let assembly = if deforming.is_empty() { None } else { Assembly::new(&deforming, held.clone()) };
-        let (sides, lifts) = (sides(model), BTreeMap::new());
-        let mut all = Self { surface, owners, first, held, weights, sides, lifts, assembly };
+        let assembly = Assembly::new(&deforming, held.clone());
+        let (sides, lifts, probing) = (sides(model), BTreeMap::new(), probing(model));
+        let mut all =
+            Self { surface, owners, first, held, pressures, sides, lifts, probing, exposed, assembly };
         all.fit_to_start(model);
         all
     }
@@ -124,14 +149,10 @@ impl<const D: usize> Points<D> {
         let start: Vec<SolidState<D>> = model.solids.iter().map(Solid::start).collect();
         let places = Places::new(model, &start, self, &still, 0.0);
         let at = places.all();
-        // A rigid solid that a facet touches is kept off by the distances of the facet's points from it.
         let near = Candidates::on(Way { from: &places, to: &places }, reach).near;
-        let touching = near.distances(&at).filter(|(_, gap)| *gap < LEAST * reach);
-        let rigid = |p: u32| matches!(self.owners[p as usize], Owner::Rigid { .. });
-        let solid = |p: u32| self.owners[p as usize].solid() as u32;
-        let apart = touching.filter(|([p, _], _)| rigid(*p)).map(|([p, q], _)| (p, solid(q))).collect();
-        self.surface = std::mem::take(&mut self.surface).without(apart);
+        self.draw_back(&near, &at, LEAST * reach);
         let places = Places::new(model, &start, self, &still, 0.0);
+        let at = places.all();
         let candidates = Candidates::on(Way { from: &places, to: &places }, reach);
         let mut reaches = candidates.near.least_distances(&at);
         let mut lifts = BTreeMap::new();
@@ -149,9 +170,49 @@ impl<const D: usize> Points<D> {
         self.lifts = lifts;
     }
 
+    /// Draws points of rigid solids that touch facets at the start back into their solids, to a distance of `least` (m).
+    fn draw_back(&mut self, near: &Near, at: &[Vector<D>], least: f64) {
+        let mut moves: BTreeMap<u32, (f64, Vector<D>)> = BTreeMap::new();
+        for (stencil, gap) in near.gaps(at).filter(|(_, gap)| *gap < least) {
+            let (point, rest) = (stencil.points()[0], stencil.points().get(stencil.kind.first()..));
+            let Some(facet) = rest.and_then(|rest| <[u32; D]>::try_from(rest).ok()) else { continue };
+            let outward = area_vector(&facet.map(|p| at[p as usize])).try_normalize(0.0);
+            let known = moves.get(&point).is_some_and(|(known, _)| *known <= gap);
+            if let Some(outward) = outward.filter(|_| !known && stencil.kind.first() == 1) {
+                moves.insert(point, (gap, outward));
+            }
+        }
+        for (point, (gap, outward)) in moves {
+            if let Owner::Rigid { at, .. } = &mut self.owners[point as usize] {
+                *at += outward * (least - gap);
+            }
+        }
+    }
+
     /// Distance, m, that counts as none between a point and something without facets.
     pub fn thickness(&self, meeting: &Meeting) -> f64 {
         self.surface.radius(meeting.point()) - self.lifts.get(meeting).copied().unwrap_or(0.0)
+    }
+
+    /// Whether a point may meet a rigid solid: not one of its own, and not where both stay or go as told.
+    pub fn may_meet(&self, model: &Model<D>, point: u32, solid: usize) -> bool {
+        let owner = &self.owners[point as usize];
+        if owner.solid() == solid || model.solids[solid].motion.is_told() && self.is_told(point) {
+            return false;
+        }
+        match self.probing.get(&(owner.solid(), solid)) {
+            Some(Probing::None) => false,
+            Some(Probing::Exposed) => self.exposed[point as usize],
+            Some(Probing::All) | None => true,
+        }
+    }
+
+    /// Whether a point stays or goes as told.
+    pub fn is_told(&self, point: u32) -> bool {
+        self.held[match self.owners[point as usize] {
+            Owner::Vertex { solid, vertex } => self.first[solid] + vertex,
+            Owner::Rigid { solid, .. } => self.first[solid],
+        }]
     }
 
     /// Velocities of the nodes as solids move now.
@@ -195,9 +256,9 @@ pub fn narrowest_gap<const D: usize>(model: &Model<D>) -> Option<(usize, usize, 
     let places = Places::new(model, &start, &points, &still, 0.0);
     let near = Candidates::on(Way { from: &places, to: &places }, REACH * model.grid.dx).near;
     let at = places.all();
-    let ([one, other], gap) = near.distances(&at).min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let solid = |p: u32| points.owners[p as usize].solid();
-    Some((solid(one), solid(other), gap))
+    let (stencil, gap) = near.gaps(&at).min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let solid = |k: usize| points.owners[stencil.points()[k] as usize].solid();
+    Some((solid(0), solid(stencil.kind.first()), gap))
 }
 
 /// The closed sides of the domain.
@@ -211,6 +272,40 @@ fn sides<const D: usize>(model: &Model<D>) -> Vec<Plane<D>> {
                 let normal = Vector::from_fn(|b, _| if a == b { sign } else { 0.0 });
                 all.push(Plane { point: if up == 0 { Vector::zeros() } else { upper }, normal });
             }
+        }
+    }
+    all
+}
+
+/// The speed with which a solid starts, or the largest with which it goes as told, m/s.
+fn start_speed<const D: usize>(solid: &Solid<D>) -> f64 {
+    match &solid.motion {
+        Motion::Given(path) => {
+            let between = |k: &[(f64, Vector<D>); 2]| (k[1].1 - k[0].1).norm() / (k[1].0 - k[0].0);
+            let frames = path.keyframes.array_windows().map(between);
+            let start = solid.start();
+            frames.fold(solid.largest_speed(&SolidState { velocity: path.velocity, ..start }), f64::max)
+        }
+        _ => solid.velocity.norm(),
+    }
+}
+
+/// How each rigid solid is probed against each other one.
+fn probing<const D: usize>(model: &Model<D>) -> BTreeMap<(usize, usize), Probing> {
+    let size = |k: usize| {
+        let (low, high) = model.solids[k].shape.bounds();
+        (high - low).norm()
+    };
+    let rigid: Vec<usize> =
+        (0..model.solids.len()).filter(|k| model.solids[*k].elastic().is_none()).collect();
+    let round = |k: usize| matches!(model.solids[k].shape, Shape::Ball { .. } | Shape::Capsule { .. });
+    let mut all = BTreeMap::new();
+    for i in &rigid {
+        for j in rigid.iter().filter(|j| *j < i) {
+            let (small, large) = if size(*i) <= size(*j) { (*i, *j) } else { (*j, *i) };
+            all.insert((small, large), Probing::All);
+            let told = round(small) && model.solids[large].shape.is_convex();
+            all.insert((large, small), if told { Probing::None } else { Probing::Exposed });
         }
     }
     all
@@ -316,23 +411,36 @@ impl<'a, const D: usize> Places<'a, D> {
         self.points.owners.iter().map(|owner| self.at(owner)).collect()
     }
 
+    /// A box around a rigid solid, m.
+    pub fn bounds(&self, solid: usize) -> [Vector<D>; 2] {
+        let frame = &self.frames[solid];
+        let now = SolidState { center: frame.center, rotation: frame.rotation, ..self.solids[solid].clone() };
+        self.model.solids[solid].bounds(&now)
+    }
+
     /// Where the point of a rigid solid that is at `x` was at the start, m.
     pub fn at_start(&self, solid: usize, x: &Vector<D>) -> Vector<D> {
         let frame = &self.frames[solid];
         self.model.solids[solid].body.center + frame.rotation.tr_mul(&(x - frame.center))
     }
 
-    /// Distance of a point from a rigid solid, m, and the direction away from that.
-    pub fn distance_to_rigid(&self, solid: usize, x: &Vector<D>) -> (f64, Vector<D>) {
-        let shape = &self.model.solids[solid].shape;
-        let at = self.at_start(solid, x);
-        let step = 1e-4 * self.model.grid.dx;
-        let slope = Vector::<D>::from_fn(|a, _| {
-            let by = Vector::<D>::from_fn(|b, _| if a == b { step } else { 0.0 });
-            shape.signed_distance(&(at + by)) - shape.signed_distance(&(at - by))
-        });
-        let normal = slope.try_normalize(0.0).unwrap_or(Vector::zeros());
-        (shape.signed_distance(&at), self.frames[solid].rotation * normal)
+    /// Distance of a point from a part of a rigid solid, m.
+    pub fn distance_to_rigid(&self, (solid, part): (usize, usize), x: &Vector<D>) -> f64 {
+        self.part(solid, part).signed_distance(&self.at_start(solid, x))
+    }
+
+    /// The direction away from that; any where there is none.
+    pub fn away_from_rigid(&self, (solid, part): (usize, usize), x: &Vector<D>) -> Vector<D> {
+        let up = Vector::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
+        let normal = self.part(solid, part).normal(&self.at_start(solid, x), STEP * self.model.grid.dx);
+        self.frames[solid].rotation * if normal.norm_squared() > 0.0 { normal } else { up }
+    }
+
+    fn part(&self, solid: usize, part: usize) -> &'a Shape<D> {
+        match &self.model.solids[solid].shape {
+            whole @ Shape::Union(_) => whole.parts()[part],
+            whole => whole,
+        }
     }
 
     /// How a point follows the nodes.

@@ -101,19 +101,18 @@ impl<'a, const D: usize> Potential<'a, D> {
         Places::new(self.model, self.solids, self.points, velocities, self.ahead)
     }
 
-    /// Stiffness of the barrier, Pa, between a point and another, or what nothing moves: the pressures that there can be at rest,
-    /// tension's in a drop of a cell, that of a column of liquid through the domain, of the solids' weight, and what presses the softer
-    /// one by a tenth. What presses so much rests in the middle of the reach.
-    fn stiffness(&self, point: &Owner<D>, other: Option<&Owner<D>>) -> f64 {
+    /// Stiffness of the barrier, Pa, between a solid and another, or a side: the pressures that there can be, tension's in a drop of a
+    /// cell, that of a column of liquid through the domain, of the solids' weight and start, and what presses the softer one by a tenth.
+    /// What presses so much rests in the middle of the reach.
+    fn stiffness(&self, solid: usize, other: Option<usize>) -> f64 {
         let model = self.model;
         let speed = model.grid.dx / model.capillary_step();
         let column: f64 = model.gravity.iter().zip(&model.grid.upper()).map(|(g, l)| (g * l).abs()).sum();
-        let young =
-            |owner: &Owner<D>| model.solids[owner.solid()].elastic().map_or(f64::INFINITY, |e| e.young());
-        let weight = |owner: &Owner<D>| self.points.weights[owner.solid()];
-        let softer = young(point).min(other.map_or(f64::INFINITY, young));
+        let young = |solid: usize| model.solids[solid].elastic().map_or(f64::INFINITY, |e| e.young());
+        let pressure = |solid: usize| self.points.pressures[solid];
+        let softer = young(solid).min(other.map_or(f64::INFINITY, young));
         let elastic = if softer.is_finite() { ELASTIC * softer } else { 0.0 };
-        let heavier = weight(point).max(other.map_or(0.0, weight));
+        let heavier = pressure(solid).max(other.map_or(0.0, pressure));
         model.density * (speed * speed + column) + heavier + elastic
     }
 
@@ -132,23 +131,26 @@ impl<'a, const D: usize> Potential<'a, D> {
 
     /// The contacts within reach at the end.
     fn contacts(&self, candidates: &Candidates, at: &[Vector<D>]) -> Vec<Contact> {
-        let owner = |p: u32| &self.points.owners[p as usize];
-        candidates.near.contacts(self.barrier.reach, at, |p, q| self.stiffness(owner(p), Some(owner(q))))
+        let solid = |p: u32| self.points.owners[p as usize].solid();
+        candidates.near.contacts(self.barrier.reach, at, |p, q| self.stiffness(solid(p), Some(solid(q))))
     }
 
-    fn met(&self, meeting: &Meeting, places: &Places<'_, D>, at: &[Vector<D>]) -> Met<D> {
-        let (point, distance, normal, other) = match *meeting {
-            Meeting::Rigid(p, solid) => {
-                let x = &at[p as usize];
-                let (distance, normal) = places.distance_to_rigid(solid, x);
-                (p, distance, normal, Some(Owner::Rigid { solid, at: places.at_start(solid, x) }))
+    /// A point that feels something without facets; nothing where it is out of reach.
+    fn met(&self, meeting: &Meeting, places: &Places<'_, D>, at: &[Vector<D>]) -> Option<Met<D>> {
+        let point = meeting.point();
+        let x = &at[point as usize];
+        let distance = meeting.distance(places, x) - self.points.thickness(meeting);
+        if distance >= self.barrier(point).reach {
+            return None;
+        }
+        let (normal, other) = match *meeting {
+            Meeting::Rigid(_, solid, part) => {
+                let normal = places.away_from_rigid((solid, part), x);
+                (normal, Some(Owner::Rigid { solid, at: places.at_start(solid, x) }))
             }
-            Meeting::Side(p, side) => {
-                let plane = &self.points.sides[side];
-                (p, plane.distance(&at[p as usize]), plane.normal, None)
-            }
+            Meeting::Side(_, side) => (self.points.sides[side].normal, None),
         };
-        Met { point, distance: distance - self.points.thickness(meeting), normal, other }
+        Some(Met { point, distance, normal, other })
     }
 
     /// Its value, J (2D: J/m).
@@ -160,15 +162,12 @@ impl<'a, const D: usize> Potential<'a, D> {
         let contacts = self.contacts(candidates, &at);
         let between: f64 = contacts.iter().map(|c| c.energy(&at)).sum();
         let met = |m: &Meeting| {
-            let met = self.met(m, &places, &at);
-            let energy = self.barrier(met.point).of_distance(met.distance)[0];
-            if energy > 0.0 {
-                self.points.surface.area(met.point)
-                    * self.stiffness(&self.points.owners[met.point as usize], met.other.as_ref())
-                    * energy
-            } else {
-                0.0
-            }
+            let point = m.point();
+            let distance = m.distance(&places, &at[point as usize]) - self.points.thickness(m);
+            let energy = self.barrier(point).of_distance(distance)[0];
+            let solid = self.points.owners[point as usize].solid();
+            let scale = || self.points.surface.area(point) * self.stiffness(solid, m.solid());
+            if energy > 0.0 { scale() * energy } else { 0.0 }
         };
         let others: f64 = candidates.meetings.iter().map(met).sum();
         let friction = self.friction();
@@ -206,13 +205,10 @@ impl<'a, const D: usize> Potential<'a, D> {
         };
         let mut terms: Vec<Term<D>> = contacts.par_iter().with_min_len(32).filter_map(of_contact).collect();
         for m in &candidates.meetings {
-            let Met { point, distance, normal, other } = self.met(m, places, &at);
-            let [value, slope, bend] = self.barrier(point).of_distance(distance);
-            if value == 0.0 {
-                continue;
-            }
-            let scale =
-                self.points.surface.area(point) * self.stiffness(&owners[point as usize], other.as_ref());
+            let Some(Met { point, distance, normal, other }) = self.met(m, places, &at) else { continue };
+            let [_, slope, bend] = self.barrier(point).of_distance(distance);
+            let solid = owners[point as usize].solid();
+            let scale = self.points.surface.area(point) * self.stiffness(solid, m.solid());
             let mut levers = vec![lever(point)];
             levers.extend(other.map(|o| places.levers(&o)));
             let mut local = Local::zeros(levers.len());
@@ -293,7 +289,10 @@ impl<'a, const D: usize> Potential<'a, D> {
         for term in &terms {
             groups.push(term.levers.iter().flatten().map(|l| l.0 as u32));
         }
-        ties.iter().for_each(|tie| groups.push(tie.arm.iter().map(|arm| arm.0 as u32)));
+        let arms = |tie: &Tie<D>| {
+            tie.ends.iter().flat_map(|end| &end.arm).map(|arm| arm.0 as u32).collect::<Vec<_>>()
+        };
+        ties.iter().for_each(|tie| groups.push(arms(tie)));
         let mut matrix = self.points.assembly.as_ref()?.matrix(&parts, &groups);
         for (k, part) in self.parts.iter().enumerate() {
             let node = self.points.first[k] as u32;
@@ -317,11 +316,13 @@ impl<'a, const D: usize> Potential<'a, D> {
             }
         }
         for tie in ties {
-            for (i, a) in &tie.arm {
-                for (j, b) in tie.arm.iter().filter(|(j, _)| i >= j) {
-                    let _ = matrix.add(*i as u32, *j as u32, &(a * b.transpose() * tie.mass));
+            tie.masses(|one, other, mass| {
+                for (i, a) in &one.arm {
+                    for (j, b) in other.arm.iter().filter(|(j, _)| i >= j) {
+                        let _ = matrix.add(*i as u32, *j as u32, &(a * b.transpose() * mass));
+                    }
                 }
-            }
+            });
         }
         Some(matrix)
     }
@@ -352,9 +353,9 @@ impl<'a, const D: usize> Potential<'a, D> {
                     let (side, clearance) = (&self.points.sides[side], Clearance { thickness, keep });
                     part = part.min(side.free_step(&start[p as usize], &ways[p as usize], clearance));
                 }
-                Meeting::Rigid(p, solid) => {
+                Meeting::Rigid(p, solid, part_of) => {
                     let (start, end) = (&start[p as usize], &end[p as usize]);
-                    let far = one.distance_to_rigid(solid, start).0 - thickness;
+                    let far = one.distance_to_rigid((solid, part_of), start) - thickness;
                     let length = Way { from: &one, to: &other }.seen_from(solid, start, end);
                     if length > (1.0 - keep) * far {
                         part = part.min((1.0 - keep) * far / length);
@@ -369,6 +370,25 @@ impl<'a, const D: usize> Potential<'a, D> {
             }
         }
         part
+    }
+
+    /// Where a point rubs something without facets, at a distance and in a direction from it: midway between both surfaces; a vertex of
+    /// a solid that deforms rubs where it is.
+    fn rubbing_place(
+        &self,
+        meeting: &Meeting,
+        places: &Places<'_, D>,
+        at: &[Vector<D>],
+        (distance, normal): (f64, Vector<D>),
+    ) -> Vector<D> {
+        let (point, x) = (meeting.point(), at[meeting.point() as usize]);
+        match places.points.owners[point as usize] {
+            Owner::Vertex { .. } => x,
+            Owner::Rigid { .. } => {
+                let (radius, thickness) = (self.points.surface.radius(point), self.points.thickness(meeting));
+                x - normal * (0.5 * (distance + thickness + radius))
+            }
+        }
     }
 
     /// What rubs with these velocities.
@@ -399,21 +419,26 @@ impl<'a, const D: usize> Potential<'a, D> {
             });
         }
         for m in &candidates.meetings {
-            let Met { point, distance, normal, other } = self.met(m, &places, &at);
+            let Some(Met { point, distance, normal, other }) = self.met(m, &places, &at) else { continue };
             let solid = owners[point as usize].solid();
             let coefficient = friction(solid, other.map(|o| o.solid()));
             let slope = self.barrier(point).of_distance(distance)[1];
-            let hold = -coefficient
-                * self.points.surface.area(point)
-                * self.stiffness(&owners[point as usize], other.as_ref())
-                * slope;
+            let hold =
+                -coefficient * self.points.surface.area(point) * self.stiffness(solid, m.solid()) * slope;
             if hold <= 0.0 {
                 continue;
             }
-            let mut own = [owners[point as usize]; 4];
+            let place = self.rubbing_place(m, &places, &at, (distance, normal));
+            let owner = match owners[point as usize] {
+                Owner::Rigid { solid, .. } => Owner::Rigid { solid, at: places.at_start(solid, &place) },
+                vertex => vertex,
+            };
+            let mut own = [owner; 4];
             // The other end of what rubs against a side does not move.
             let weights = if other.is_some() { [1.0, -1.0, 0.0, 0.0] } else { [1.0, 0.0, 0.0, 0.0] };
-            other.iter().for_each(|o| own[1] = *o);
+            other.iter().for_each(|o| {
+                own[1] = Owner::Rigid { solid: o.solid(), at: places.at_start(o.solid(), &place) }
+            });
             let stencil = meniscus_contact::Stencil { kind: Kind::PointSegment, points: [0, 1, 2, 3] };
             let rubbing = Rubbing { stencil, weights, normal, hold };
             rubs.push(Rub { owners: own, from: own.map(|o| from.at(&o)), rubbing });

@@ -27,6 +27,8 @@ pub struct Response<const D: usize> {
     first: Vec<usize>,
     /// Mass of each node, kg (of an angular velocity a moment of inertia, kg m²).
     masses: Vec<f64>,
+    /// Which nodes are those of rigid solids.
+    rigid: Vec<bool>,
     /// Impulses on the nodes without the pressure, N s.
     base: Vec<Vector<D>>,
     /// What nodes that are told lack of their velocities, m/s.
@@ -35,25 +37,57 @@ pub struct Response<const D: usize> {
     ties: Vec<Tie<D>>,
 }
 
-/// A face of the liquid that contact lines tie to a solid (`tied.rs`, for nodes).
+/// A face of the liquid that contact lines tie to solids.
+///
+/// It gets the velocity `u = m (u* − g + Σ_s d_s a_s·V)`, with `d_s` the drag of the line on solid `s` over the face's mass,
+/// `m = 1/(1 + Σ_s d_s)`, `a_s·V` that solid's velocity along the face's axis by those of its nodes, and `g` the pressure's push; the
+/// solid gets `M d_s (u − a_s·V)` with `M` the face's mass. With the solids' velocities of the step before, a light solid ran away:
+/// the liquid that it moves hands more back than it weighs (added mass). So `u` is eliminated, and `V` solved for with the
+/// pressure: the flow through the face is `α m Σ_s d_s a_s`, the mass `M Σ_s d_s (a_s a_sᵀ − m Σ_r d_r a_s a_rᵀ)`, which is positive
+/// semidefinite, and the system stays symmetric.
 #[derive(Clone, Debug)]
 pub struct Tie<const D: usize> {
     /// Place among the dragged faces.
     pub number: usize,
     /// The liquid cells that it is the upper (+1) and the lower (−1) face of.
     pub sides: Vec<(u32, f64)>,
-    /// The solid's velocity along its axis by those of its nodes.
-    pub arm: Vec<(usize, Vector<D>)>,
-    /// Flow through it by the solid's velocity along its axis, in areas of a face.
-    pub flow: f64,
-    /// Mass of the solid's velocity there that is tied to it, kg.
+    /// The face's open part in areas of a face, `α`.
+    pub open: f64,
+    /// `m`.
+    pub mobility: f64,
+    /// `M`, kg.
     pub mass: f64,
+    /// The solids that something can move.
+    pub ends: Vec<End<D>>,
+}
+
+/// A solid that a face is tied to.
+#[derive(Clone, Debug)]
+pub struct End<const D: usize> {
+    /// Place among the face's holds.
+    pub hold: usize,
+    /// `d_s`.
+    pub drag: f64,
+    /// The solid's velocity along the axis by those of its nodes, `a_s`.
+    pub arm: Vec<(usize, Vector<D>)>,
+}
+
+impl<const D: usize> End<D> {
+    /// The solid's velocity along the axis, m/s.
+    pub fn velocity(&self, nodes: &[Vector<D>]) -> f64 {
+        self.arm.iter().map(|(node, w)| w.dot(&nodes[*node])).sum()
+    }
 }
 
 impl<const D: usize> Tie<D> {
-    /// The solid's velocity along its axis, m/s.
-    pub fn velocity(&self, nodes: &[Vector<D>]) -> f64 {
-        self.arm.iter().map(|(node, w)| w.dot(&nodes[*node])).sum()
+    /// Calls `f` with the ends' masses for each other, kg.
+    pub fn masses(&self, mut f: impl FnMut(&End<D>, &End<D>, f64)) {
+        for (s, one) in self.ends.iter().enumerate() {
+            for (r, other) in self.ends.iter().enumerate() {
+                let own = if s == r { one.drag } else { 0.0 };
+                f(one, other, self.mass * (own - self.mobility * one.drag * other.drag));
+            }
+        }
     }
 }
 
@@ -71,13 +105,21 @@ impl<const D: usize> Response<D> {
             Some(elastic) => elastic.masses().to_vec(),
             None => vec![solid.body.mass, solid.inertia(now).trace() / 3.0],
         };
-        let masses = model.solids.iter().zip(solids).flat_map(of).collect();
-        Self { solution, first: points.first.clone(), masses, base, lead, ties }
+        let masses: Vec<f64> = model.solids.iter().zip(solids).flat_map(of).collect();
+        let nodes = |solid: &crate::solid::Solid<D>| solid.elastic().map_or(2, |e| e.masses().len());
+        let rigid = |solid: &crate::solid::Solid<D>| vec![solid.elastic().is_none(); nodes(solid)];
+        let rigid = model.solids.iter().flat_map(rigid).collect();
+        Self { solution, first: points.first.clone(), masses, rigid, base, lead, ties }
     }
 
     /// Number of degrees of freedom.
     pub fn freedoms(&self) -> usize {
         D * self.masses.len()
+    }
+
+    /// Whether a degree of freedom is a rigid solid's.
+    pub fn is_rigid(&self, freedom: u32) -> bool {
+        self.rigid[freedom as usize / D]
     }
 
     /// The first node of a solid.
@@ -102,14 +144,20 @@ impl<const D: usize> Response<D> {
         self.solution.solve_within(reach, x, 1);
     }
 
-    /// What each cell by itself would give way if the nodes were loose, a bound of `F M⁻¹ Fᵀ` by the sums of its rows, times
-    /// the share of that which they are loose. `place` tells where a cell is.
+    /// What each cell by itself would give way if the nodes of solids that deform were loose, a bound of `F M⁻¹ Fᵀ` by the sums of its
+    /// rows, times the share of that which they are loose. Rigid solids give way as a whole only. `place` tells where a cell is.
     pub fn porous(&self, flows: &[Flow], reach: &Reach, place: impl Fn(u32) -> [usize; D]) -> Vec<f64> {
+        let soft =
+            |flow: &Flow| (flow.0, flow.1.iter().filter(|(k, _)| !self.is_rigid(*k)).copied().collect());
+        let flows: Vec<Flow> = flows.iter().map(soft).collect();
+        if flows.iter().all(|(_, flow)| flow.is_empty()) {
+            return vec![0.0; flows.len()];
+        }
         let mut sums = vec![0.0; self.freedoms()];
         flows.iter().flat_map(|(_, flow)| flow).for_each(|(k, v)| sums[*k as usize] += v.abs());
         let entry = |(k, v): &(u32, f64)| v.abs() * sums[*k as usize] / self.masses[*k as usize / D];
         let all: Vec<f64> = flows.iter().map(|(_, flow)| flow.iter().map(entry).sum()).collect();
-        let loose = self.looseness(flows, reach, place);
+        let loose = self.looseness(&flows, reach, place);
         all.into_iter().map(|give| if give < SLIGHT { 0.0 } else { give * loose }).collect()
     }
 
@@ -170,10 +218,14 @@ impl<const D: usize> Response<D> {
     pub fn tied_flows(&self) -> Vec<Flow> {
         let of = |tie: &Tie<D>| {
             let entries = |sign: f64| {
-                let of = |(node, w): &(usize, Vector<D>)| {
-                    (0..D).map(|a| ((node * D + a) as u32, sign * tie.flow * w[a])).collect::<Vec<_>>()
+                let of = |end: &End<D>| {
+                    let flow = sign * tie.open * tie.mobility * end.drag;
+                    let entry = |(node, w): &(usize, Vector<D>)| {
+                        (0..D).map(|a| ((node * D + a) as u32, flow * w[a])).collect::<Vec<_>>()
+                    };
+                    end.arm.iter().flat_map(entry).collect::<Vec<_>>()
                 };
-                tie.arm.iter().flat_map(of).collect::<Vec<_>>()
+                tie.ends.iter().flat_map(of).collect::<Vec<_>>()
             };
             tie.sides.iter().map(|(cell, sign)| (*cell, entries(*sign))).collect::<Vec<_>>()
         };
@@ -195,9 +247,11 @@ impl<const D: usize> Response<D> {
         more.iter().flatten().zip(&mut impulses).for_each(|(more, j)| *j += more);
         for tie in &self.ties {
             let f = &dragged[tie.number];
-            let pulled = tension.get(&(f.axis, f.face)).copied().unwrap_or(0.0) * f.mobility() * f.hold;
-            let push = weight * (f.mass * f.given(velocity(f)) - pulled);
-            tie.arm.iter().for_each(|(node, w)| impulses[*node] += w * push);
+            let pulled = tension.get(&(f.axis, f.face)).copied().unwrap_or(0.0) * tie.mobility;
+            for end in &tie.ends {
+                let push = weight * (f.mass * f.holds[end.hold].given(velocity(f)) - pulled * end.drag);
+                end.arm.iter().for_each(|(node, w)| impulses[*node] += w * push);
+            }
         }
         self.solve(&mut impulses);
         impulses.iter().zip(&self.lead).map(|(c, lead)| c + lead).collect()
@@ -212,9 +266,13 @@ impl<const D: usize> Response<D> {
     ) {
         for tie in &self.ties {
             let f = &mut dragged[tie.number];
-            let by = tie.velocity(change);
-            f.follow(f.of_solid + by);
-            velocity(f, f.mobility() * f.hold * by);
+            let mut sum = 0.0;
+            for end in &tie.ends {
+                let by = end.velocity(change);
+                f.holds[end.hold].of_solid += by;
+                sum += end.drag * by;
+            }
+            velocity(f, tie.mobility * sum);
         }
     }
 }

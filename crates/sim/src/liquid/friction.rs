@@ -29,8 +29,28 @@ const REACH: usize = 1;
 /// `ζ h / (ρ Δ²)` of a line that rests: what pushes it moves it by a thousandth of what it would.
 const PINNED: f64 = 1e3;
 
-/// A face near a contact line.
+/// Drag of the contact line on one solid at a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hold {
+    /// Number of the solid.
+    pub solid: u32,
+    /// Drag in the step, over the face's mass.
+    pub drag: f64,
+    /// Drag times the velocity relative to the solid's that it drags towards, m/s: the part that lags.
+    pub lagged: f64,
+    /// Velocity of the solid along the face's axis, m/s.
+    pub of_solid: f64,
+}
+
+impl Hold {
+    /// The impulse of the face on the solid at the face's velocity `u`, over the face's mass, m/s.
+    pub fn given(&self, u: f64) -> f64 {
+        self.drag * (u - self.of_solid) - self.lagged
+    }
+}
+
+/// A face near a contact line.
+#[derive(Clone, Debug, PartialEq)]
 pub struct DraggedFace {
     /// Normal axis.
     pub axis: usize,
@@ -42,45 +62,28 @@ pub struct DraggedFace {
     pub mass: f64,
     /// Whether the surface crosses it.
     surface: bool,
-    /// Drag in the step, over the mass.
-    drag: f64,
-    /// Drag times the velocity towards which it drags, m/s.
-    toward: f64,
-    /// Number of the solid.
-    pub solid: u32,
-    /// Part of the drag that the solid's velocity along the axis counts with.
-    pub hold: f64,
-    /// Velocity of the solid along the axis, m/s.
-    pub of_solid: f64,
+    /// What the lines on each solid do; several solids' lines may drag the same face.
+    pub holds: Vec<Hold>,
 }
 
 impl DraggedFace {
     /// What the drag leaves of a push, 0 to 1.
     pub fn mobility(&self) -> f64 {
-        1.0 / (1.0 + self.drag)
+        1.0 / (1.0 + self.holds.iter().map(|h| h.drag).sum::<f64>())
     }
 
     /// The velocity `u` after the drag, when nothing else pushes.
     pub fn slowed(&self, u: f64) -> f64 {
-        (u + self.toward) * self.mobility()
+        (u + self.holds.iter().map(|h| h.lagged + h.drag * h.of_solid).sum::<f64>()) * self.mobility()
     }
 
-    /// A face that the line of the first solid, at rest, drags.
-    #[cfg(test)]
-    pub fn of_test(axis: usize, face: usize, mass: f64, drag: f64) -> Self {
-        let (hold, toward, of_solid) = (drag, 0.0, 0.0);
-        Self { axis, face, cell: 0, mass, surface: false, drag, toward, solid: 0, hold, of_solid }
-    }
-
-    /// Drags towards another velocity of the solid, m/s.
-    pub fn follow(&mut self, of_solid: f64) {
-        self.toward += self.hold * (of_solid - self.of_solid);
-        self.of_solid = of_solid;
-    }
-
-    /// The impulse of the face on the solid at the velocity `u`, over the face's mass, m/s.
-    pub fn given(&self, u: f64) -> f64 {
-        self.drag * u - self.toward
+    /// The hold of a solid.
+    fn hold(&mut self, solid: u32) -> &mut Hold {
+        let place = self.holds.iter().position(|h| h.solid == solid).unwrap_or_else(|| {
+            self.holds.push(Hold { solid, drag: 0.0, lagged: 0.0, of_solid: 0.0 });
+            self.holds.len() - 1
+        });
+        &mut self.holds[place]
     }
 }
 
@@ -115,11 +118,7 @@ pub fn drag<const D: usize>(
                 cell,
                 mass,
                 surface: false,
-                drag: 0.0,
-                toward: 0.0,
-                solid: cube.solid,
-                hold: 0.0,
-                of_solid: 0.0,
+                holds: Vec::new(),
             });
         }
     }
@@ -138,7 +137,7 @@ pub fn drag<const D: usize>(
     for f in cut {
         f.mobility = faces.get(&(f.axis, f.face)).map_or(1.0, DraggedFace::mobility);
     }
-    faces.into_values().filter(|f| f.drag > 0.0).collect()
+    faces.into_values().filter(|f| !f.holds.is_empty()).collect()
 }
 
 /// Adds the drag of the line in a cube to its faces; `strength` is `ζ h / (ρ Δ²)`.
@@ -171,14 +170,15 @@ fn add_drag<const D: usize>(
         let solid = now.velocity_at(&x);
         // A line that rests lets nothing slide by: where it bends, what slides along one part of it would cross the next.
         let slides = if cube.pinned { 0.0 } else { 1.0 };
-        let sliding: f64 = (0..D).map(|b| slides * along[b] * (velocity[b] - solid[b])).sum();
-        let drag = strength * cube.length() / mass[a];
-        f.drag += drag;
-        if f.solid == cube.solid {
-            f.hold += drag * (1.0 - slides * along[a] * along[a]);
-            f.of_solid = solid[a];
-        }
-        f.toward += drag * (solid[a] + along[a] * sliding - outward[a] * rolling);
+        let along: [f64; D] = std::array::from_fn(|b| slides * along[b]);
+        // Along the line nothing drags: `(1 − t tᵀ)` of the drag, whose diagonal is implicit.
+        let others = (0..D).filter(|b| *b != a);
+        let sliding: f64 = others.map(|b| along[b] * (velocity[b] - solid[b])).sum();
+        let whole = strength * cube.length() / mass[a];
+        let hold = f.hold(cube.solid);
+        hold.drag += whole * (1.0 - along[a] * along[a]);
+        hold.lagged += whole * (along[a] * sliding - outward[a] * rolling);
+        hold.of_solid = solid[a];
     }
 }
 
@@ -213,10 +213,12 @@ pub fn friction<const D: usize>(
     for f in faces {
         let Some(component) = label(f.cell) else { continue };
         let x = model.grid.face_center(f.axis, model.grid.faces(f.axis).coordinates(f.face));
-        let mut impulse = Vector::<D>::zeros();
         let u = state.velocity.axes[f.axis][f.face];
-        impulse[f.axis] = model.density * model.grid.cell_volume() * f.mass * f.given(u);
-        exchange.push((component, f.solid), &state.solids[f.solid as usize], &x, impulse);
+        for hold in &f.holds {
+            let mut impulse = Vector::<D>::zeros();
+            impulse[f.axis] = model.density * model.grid.cell_volume() * f.mass * hold.given(u);
+            exchange.push((component, hold.solid), &state.solids[hold.solid as usize], &x, impulse);
+        }
     }
     exchange
 }

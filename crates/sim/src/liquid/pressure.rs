@@ -17,7 +17,6 @@ use crate::model::Model;
 use crate::simulation::PhaseEnd;
 use crate::solid::SolidState;
 use crate::state::State;
-use crate::tied::{Six, Ties};
 use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Runs, Segment};
 use meniscus_numerics::linalg::{PoissonInput, PressureSolver, SolveError, SolveReport};
 use meniscus_numerics::{Vector, par};
@@ -29,6 +28,8 @@ use std::iter::zip;
 pub struct PressureFields<const D: usize> {
     dirichlet: CellField<D>,
     rhs: CellField<D>,
+    /// λ of the first solve of Newton's iteration before.
+    first: CellField<D>,
     /// The last solver, for its memory.
     solver: Option<PressureSolver<D>>,
 }
@@ -63,16 +64,35 @@ pub struct Projection<'a, const D: usize> {
     pub time: f64,
 }
 
+/// How a projection is done.
+#[derive(Clone, Copy, Debug)]
+pub struct Pass {
+    /// Whether Newton's iteration before has left its pressures as guesses.
+    pub again: bool,
+    /// Relative residual.
+    pub tolerance: f64,
+}
+
+/// What a projection finds besides the velocity.
+pub struct Projected<const D: usize> {
+    /// Both solves.
+    pub solves: [SolveReport; 2],
+    /// What the pressure gives to the solids.
+    pub exchange: Exchange<D>,
+    /// How much the velocities of the solids' nodes change, m/s; empty without a response.
+    pub change: Vec<Vector<D>>,
+}
+
 impl<const D: usize> PressureFields<D> {
     /// Memory for a grid.
     pub fn new(model: &Model<D>) -> Self {
         let grid = model.grid;
         let zero = || CellField::new(grid, 0.0);
-        Self { dirichlet: zero(), rhs: zero(), solver: None }
+        Self { dirichlet: zero(), rhs: zero(), first: zero(), solver: None }
     }
 
-    /// Makes the velocity free of divergence in the liquid. Gives back both solves, the second of which may not be needed,
-    /// and what the pressure gives to the solids.
+    /// Makes the velocity free of divergence in the liquid, as solids with a `response` give way. The first solve gives the pressure by whose slopes viscosity, [`bends`] and the pressure on the solids' surfaces are
+    /// found. (Those of the pressure of Newton's iteration before, in place of a first solve, do not converge where liquid fills slits.)
     ///
     /// # Errors
     /// What the solver says.
@@ -80,105 +100,60 @@ impl<const D: usize> PressureFields<D> {
         &mut self,
         model: &Model<D>,
         p: &mut Projection<'_, D>,
+        response: Option<&Response<D>>,
+        Pass { again, tolerance }: Pass,
         phase_end: PhaseEnd<'_>,
-    ) -> Result<([SolveReport; 2], Exchange<D>), SolveError> {
-        let ties = Ties::new(model, p.solids, p.dragged, &p.phi.data, p.cut_cells);
+    ) -> Result<Projected<D>, SolveError> {
         slow(p);
-        let coupling = Coupling::new(model, p.cut_cells, (p.solids, None), &p.phi.data).tied(&ties);
-        let bodies = coupling.bodies();
-        self.assemble(model, p, &coupling);
-        let mut yielding = coupling.yielding(&Exchange::new(), pushes(model, p, &ties, &[]));
-        coupling.fluxes_of_tied(&yielding, |cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
+        let coupling = Coupling::new(model, p.cut_cells, (p.solids, response), &p.phi.data);
+        let compliance = coupling.compliance();
+        let start = yields(model, p, response, &[], None);
+        self.assemble(model, p, &coupling, &start);
+        for (flow, porous) in compliance.iter().flat_map(|body| zip(&body.flows, &body.porous)) {
+            self.dirichlet.data[flow.0 as usize] += porous;
+        }
         let solver = self.solver(model, p);
-        let limits = (model.numerics.tolerance, model.numerics.max_iterations);
-        let first = solver.solve_coupled(&bodies, &self.rhs, p.lambda, limits)?;
+        let limits = (tolerance, model.numerics.max_iterations);
+        let none = SolveReport { iterations: 0, residual: 0.0 };
+        let mut solves = [none; 2];
+        if again {
+            std::mem::swap(p.lambda, &mut self.first);
+        }
+        solves[0] = solver.solve_coupled(compliance.as_ref(), &self.rhs, p.lambda, limits)?;
+        solves[1].residual = solves[0].residual;
         let bends = bends(model, p);
         let beyond = coupling.beyond_centers(|cell| slope(model, p, cell), p.label);
         let viscous = model.kinematic_viscosity > 0.0;
         if viscous {
             phase_end("pressure");
             diffuse(model, p, &bends)?;
-            self.assemble(model, p, &coupling);
             phase_end("viscosity");
         }
-        let mut second = SolveReport { iterations: 0, ..first };
+        match (again, response) {
+            (true, _) => std::mem::swap(p.lambda, &mut self.first),
+            (false, Some(_)) => self.first.data.clone_from(&p.lambda.data),
+            (false, None) => {}
+        }
+        let mut change = start;
         if viscous || !beyond.is_empty() || bends.iter().any(|b| *b != 0.0) {
-            let before = if viscous { BTreeMap::new() } else { yielding };
-            yielding = coupling.yielding(&beyond, pushes(model, p, &ties, &bends));
-            coupling.fluxes_of_tied(&before, |cell, flux| self.rhs.data[cell] += model.grid.dx * flux);
-            coupling.fluxes_of_tied(&yielding, |cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
+            change = yields(model, p, response, &bends, Some(&beyond));
+            self.assemble(model, p, &coupling, &change);
             zip(p.cut, &bends)
                 .for_each(|(face, bend)| self.rhs.data[face.cell] += face.open * face.mobility * bend);
-            coupling.fluxes_of_push(&beyond, |cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
-            second = solver.solve_coupled(&bodies, &self.rhs, p.lambda, limits)?;
+            solves[1] = solver.solve_coupled(compliance.as_ref(), &self.rhs, p.lambda, limits)?;
         }
+        self.solver = Some(solver);
         let mut exchange = coupling.impulses(&p.lambda.data, p.label);
         exchange.extend(&beyond);
-        self.solver = Some(solver);
         accelerate(model, p, &bends, 1.0);
-        coupling.pressed(&p.lambda.data, &mut yielding);
-        let velocity = &mut *p.velocity;
-        ties.carry(p.dragged, &yielding, |f, by| velocity.axes[f.axis][f.face] += by);
-        Ok(([first, second], exchange))
-    }
-
-    /// The same where solids deform: all solids answer together. Gives back what the pressure gives to the solids, too, and how much
-    /// their nodes' velocities change.
-    ///
-    /// # Errors
-    /// What the solver says.
-    pub fn project_with(
-        &mut self,
-        model: &Model<D>,
-        p: &mut Projection<'_, D>,
-        response: &Response<D>,
-        phase_end: PhaseEnd<'_>,
-    ) -> Result<([SolveReport; 2], Exchange<D>, Vec<Vector<D>>), SolveError> {
-        slow(p);
-        let coupling = Coupling::new(model, p.cut_cells, (p.solids, Some(response)), &p.phi.data);
-        let bodies = coupling.bodies();
-        self.assemble(model, p, &coupling);
-        let tension = |p: &Projection<'_, D>, bends: &[f64]| tension(model, p, bends);
-        let start =
-            response.yields(model, p.dragged, |f| p.velocity.axes[f.axis][f.face], tension(p, &[]), None);
-        coupling.fluxes_of_nodes(&start, |cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
-        for body in &bodies.soft {
-            let porous = zip(&body.flows, &body.porous);
-            porous.for_each(|((cell, _), porous)| self.dirichlet.data[*cell as usize] += porous);
+        if let Some(response) = response {
+            let mut pressed = coupling.pushed_nodes(&p.lambda.data);
+            response.solve(&mut pressed);
+            change.iter_mut().zip(&pressed).for_each(|(c, by)| *c += by);
+            let velocity = &mut *p.velocity;
+            response.carry(p.dragged, &change, |f, by| velocity.axes[f.axis][f.face] += by);
         }
-        let solver = self.solver(model, p);
-        let limits = (model.numerics.tolerance, model.numerics.max_iterations);
-        let first = solver.solve_coupled(&bodies, &self.rhs, p.lambda, limits)?;
-        let bends = bends(model, p);
-        let beyond = coupling.beyond_centers(|cell| slope(model, p, cell), p.label);
-        if model.kinematic_viscosity > 0.0 {
-            phase_end("pressure");
-            diffuse(model, p, &bends)?;
-            phase_end("viscosity");
-        }
-        self.assemble(model, p, &coupling);
-        let own = response.impulses(model, p.solids, &beyond);
-        let mut change = response.yields(
-            model,
-            p.dragged,
-            |f| p.velocity.axes[f.axis][f.face],
-            tension(p, &bends),
-            Some(own),
-        );
-        coupling.fluxes_of_nodes(&change, |cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
-        zip(p.cut, &bends)
-            .for_each(|(face, bend)| self.rhs.data[face.cell] += face.open * face.mobility * bend);
-        let second = solver.solve_coupled(&bodies, &self.rhs, p.lambda, limits)?;
-        let mut exchange = coupling.impulses(&p.lambda.data, p.label);
-        exchange.extend(&beyond);
-        let mut pressed = coupling.pushed_nodes(&p.lambda.data);
-        self.solver = Some(solver);
-        accelerate(model, p, &bends, 1.0);
-        response.solve(&mut pressed);
-        change.iter_mut().zip(&pressed).for_each(|(c, by)| *c += by);
-        let velocity = &mut *p.velocity;
-        response.carry(p.dragged, &change, |f, by| velocity.axes[f.axis][f.face] += by);
-        Ok(([first, second], exchange, change))
+        Ok(Projected { solves, exchange, change })
     }
 
     /// The system made ready; faces that are dragged give way less.
@@ -198,7 +173,14 @@ impl<const D: usize> PressureFields<D> {
         solver
     }
 
-    fn assemble(&mut self, model: &Model<D>, p: &Projection<'_, D>, coupling: &Coupling<'_, D>) {
+    /// The system for the solids' velocities, changed by `change` of their nodes.
+    fn assemble(
+        &mut self,
+        model: &Model<D>,
+        p: &Projection<'_, D>,
+        coupling: &Coupling<'_, D>,
+        change: &[Vector<D>],
+    ) {
         let lattice = model.grid.lattice();
         let segments = p.liquid.segments();
         let row = lattice.extent[0];
@@ -224,6 +206,7 @@ impl<const D: usize> PressureFields<D> {
             self.rhs.data[face.cell] += weight * p.jump * face.kappa;
         }
         coupling.fluxes(|cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
+        coupling.fluxes_of_nodes(change, |cell, flux| self.rhs.data[cell] -= model.grid.dx * flux);
     }
 }
 
@@ -260,14 +243,18 @@ fn give_way<const D: usize>(p: &mut Projection<'_, D>, before: Vec<f64>) {
     }
 }
 
-/// The impulses of tied faces on their solids before the pressure acts.
-fn pushes<const D: usize>(
+/// The change of the nodes' velocities without the pressure of the cells; `more` acts on the solids besides.
+fn yields<const D: usize>(
     model: &Model<D>,
     p: &Projection<'_, D>,
-    ties: &Ties,
+    response: Option<&Response<D>>,
     bends: &[f64],
-) -> BTreeMap<usize, Six> {
-    ties.pushes(model, p.dragged, |f| p.velocity.axes[f.axis][f.face], (p.cut, bends, p.jump))
+    more: Option<&Exchange<D>>,
+) -> Vec<Vector<D>> {
+    let Some(response) = response else { return Vec::new() };
+    let more = more.map(|more| response.impulses(model, p.solids, more));
+    let velocity = |f: &DraggedFace| p.velocity.axes[f.axis][f.face];
+    response.yields(model, p.dragged, velocity, tension(model, p, bends), more)
 }
 
 /// What the surface's tension and `bends` push cut faces with, m/s, by axis and face.
@@ -476,7 +463,9 @@ mod tests {
             time: 1.0,
             label: &|_| Some(0),
         };
-        work.pressure.project(&model, &mut projection, &mut |_| ()).unwrap();
+        work.pressure
+            .project(&model, &mut projection, None, Pass { again: false, tolerance: 1e-11 }, &mut |_| ())
+            .unwrap();
         let square = |f: &CutFace| state.velocity.axes[f.axis][f.face].powi(2);
         (cut.iter().map(square).sum::<f64>() / cut.len() as f64).sqrt()
     }

@@ -10,6 +10,8 @@ use meniscus_sim::{Body, Model, Motion, Numerics, Path, Simulation, Solid, Solid
 const GRAVITY: f64 = 10.0;
 const CELLS: usize = 24;
 const DX: f64 = 1.0 / CELLS as f64;
+/// The barrier's reach: impacts happen there, and what rests is nearer.
+const REACH: f64 = 0.25 * DX;
 /// A step longer than any that is taken.
 const LONG: f64 = 0.5;
 
@@ -83,9 +85,7 @@ fn bounces<const D: usize>(step: f64) {
                 highest = highest.max(last(&now.center));
             }
         });
-        // Solids keep a small gap: that is where it meets the floor.
-        let gap = 0.05 * DX;
-        let ratio = (highest - 0.1 - gap) / (0.75 - gap);
+        let ratio = (highest - 0.1 - REACH) / (0.75 - REACH);
         let expected = restitution * restitution;
         assert!((ratio - expected).abs() <= 0.01 * expected, "{D}D e = {restitution}: {ratio}");
         assert!(lowest - 0.1 > 0.0, "{D}D: {lowest}");
@@ -177,8 +177,9 @@ fn off_centre<const D: usize>() {
     center[0] = 0.6;
     let axis = Vector::from_fn(|a, _| 0.4 + a as f64);
     let second = Solid::new(Shape::Cylinder { center, axis, radius: 0.07, height: 0.3 }, Motion::Free, 1.0);
-    let mut simulation = dry::<D>(vec![first, second], Vector::zeros(), LONG);
-    simulation.model.walls = [[Wall::Open; 2]; D];
+    let Simulation { mut model, .. } = dry::<D>(vec![first, second], Vector::zeros(), LONG);
+    model.walls = [[Wall::Open; 2]; D];
+    let mut simulation = Simulation::new(model, &[]);
     let start = books(&simulation);
     let mut deepest = 0.0f64;
     run(&mut simulation, 0.5, |s| {
@@ -211,18 +212,28 @@ fn rests<const D: usize>(count: usize, flush: bool) {
         block(center, half, Motion::Free)
     });
     let mut simulation = dry::<D>(boxes.collect(), down(), LONG);
+    let way = |s: &Simulation<D>, start: &[SolidState<D>]| {
+        let way = |(now, then): (&SolidState<D>, &SolidState<D>)| {
+            (now.center - then.center).norm().max((now.rotation - then.rotation).norm() * 0.1)
+        };
+        s.state.solids.iter().zip(start).map(way).fold(0.0, f64::max)
+    };
+    // They settle on the barrier first, which only the time integration damps.
     let start = simulation.state.solids.clone();
-    let (mut moved, mut fastest) = (0.0f64, 0.0f64);
+    run(&mut simulation, 5.0, |_| ());
+    let settled = way(&simulation, &start);
+    let (start, mut moved, mut fastest) = (simulation.state.solids.clone(), 0.0f64, [0.0f64; 2]);
     for _ in 0..1000 {
         simulation.step(1e-3, &mut |_| ()).expect("a step");
-        for (now, then) in simulation.state.solids.iter().zip(&start) {
-            moved =
-                moved.max((now.center - then.center).norm()).max((now.rotation - then.rotation).norm() * 0.1);
-            fastest = fastest.max(now.velocity.norm());
+        moved = moved.max(way(&simulation, &start));
+        for s in &simulation.state.solids {
+            fastest = [fastest[0].max(s.velocity[0].abs()), fastest[1].max(last(&s.velocity).abs())];
         }
     }
+    assert!(settled < REACH * count as f64, "{D}D, {count} boxes: settled by {} dx", settled / DX);
     assert!(moved < 0.01 * DX, "{D}D, {count} boxes: moved {} dx", moved / DX);
-    assert!(fastest < 1e-6, "{D}D: {fastest}");
+    // Static friction creeps at most at a tenth of the speed that gravity adds in a step.
+    assert!(fastest[1] < 1e-6 && fastest[0] < 0.1 * GRAVITY * 1e-3, "{D}D: {fastest:?}");
 }
 
 #[test]
@@ -242,11 +253,12 @@ fn dropped_stack<const D: usize>() {
         block(center, half, Motion::Free)
     });
     let mut simulation = dry::<D>(boxes.collect(), down(), LONG);
-    run(&mut simulation, 1.0, |_| ());
+    run(&mut simulation, 3.0, |_| ());
     let heights: Vec<f64> = simulation.state.solids.iter().map(|s| last(&s.center)).collect();
     let fastest = simulation.state.solids.iter().map(|s| s.velocity.norm()).fold(0.0, f64::max);
     for (k, height) in heights.iter().enumerate() {
-        assert!((height - 0.05 - 0.1 * k as f64).abs() < 0.2 * DX, "{D}D: {heights:?}");
+        let gaps = height - 0.05 - 0.1 * k as f64;
+        assert!(gaps > 0.0 && gaps < REACH * (k + 1) as f64, "{D}D: {heights:?}");
     }
     assert!(fastest < 1e-5, "{D}D: {fastest}");
 }
@@ -291,11 +303,11 @@ fn a_pusher_moves_a_box_with_its_own_speed_and_its_work_is_told() {
     let mut cargo = block(Vector::<2>::new(0.42, 0.1), Vector::<2>::new(0.1, 0.1), Motion::Free);
     cargo.friction = 0.2;
     let mut simulation = dry(vec![pusher, cargo], down(), LONG);
-    run(&mut simulation, 1.0, |_| ());
+    run(&mut simulation, 1.6, |_| ());
     let cargo = &simulation.state.solids[1];
     assert!((cargo.velocity - Vector::<2>::new(0.3, 0.0)).norm() < 1e-6, "{}", cargo.velocity);
     assert!(
-        (cargo.center[0] - 0.65).abs() < 0.3 * DX && cargo.rotation[(0, 0)] > 0.99999,
+        (cargo.center[0] - 0.83).abs() < 0.3 * DX && cargo.rotation[(0, 0)] > 0.99999,
         "{}",
         cargo.center
     );
@@ -320,15 +332,20 @@ fn what_a_bat_hits_leaves_it_twice_as_fast() {
 }
 
 #[test]
-fn what_is_squeezed_between_a_wall_and_a_pusher_stays_finite_and_slow() {
+fn what_is_left_no_room_ends_with_an_error_in_bounded_time() {
     let path = Path { velocity: Vector::<2>::new(0.3, 0.0), spin: [0.0; 3], keyframes: Vec::new() };
     let pusher = block(Vector::<2>::new(0.4, 0.3), Vector::<2>::new(0.05, 0.2), Motion::Given(path));
-    let mut simulation =
-        dry(vec![pusher, ball(Vector::<2>::new(0.8, 0.1), 0.1, Vector::zeros())], down(), LONG);
-    run(&mut simulation, 1.2, |s| {
+    let ball = ball(Vector::<2>::new(0.8, 0.1 + 0.1 * DX), 0.1, Vector::zeros());
+    let mut s = dry(vec![pusher, ball], down(), LONG);
+    let mut steps = 0;
+    while s.step(1.2 - s.state.time, &mut |_| ()).is_ok() {
         let now = &s.state.solids[1];
-        assert!(now.velocity.norm() < 1.0 && now.center.norm() < 2.0, "{} {}", now.center, now.velocity);
-    });
+        assert!(now.velocity.norm() < 1.0 && meniscus_sim::overlaps(&s.model, &s.state.solids).is_empty());
+        steps += 1;
+        assert!(steps < 1000, "{} s", s.state.time);
+    }
+    // The pusher's face is at 0.45 + 0.3 t, the wall at 1, the ball 0.2 wide.
+    assert!((s.state.time - 0.35 / 0.3).abs() < 1e-2, "{} s", s.state.time);
 }
 
 #[test]
@@ -386,8 +403,8 @@ fn a_heavy_ball_sinks_and_rests_on_the_floor() {
         assert!(gap > 0.0 && report.ledger.max_speed < 5.0, "{time}: {gap} {}", report.ledger.max_speed);
         if time > 1.0 {
             let settled = *settled.get_or_insert(gap);
-            assert!((gap - settled).abs() < 1e-9 && gap < 0.06, "{time}: {gap} of {settled}");
-            assert!(now.velocity[1].abs() < 1e-12, "{time}: {}", now.velocity[1]);
+            // On the barrier it gives way to the liquid, which still swings.
+            assert!((gap - settled).abs() < 0.01 && gap < 0.25, "{time}: {gap} of {settled}");
         }
         if time > 2.0 {
             // Floor and liquid together hold it, though the liquid still swings.

@@ -4,8 +4,7 @@
 
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Body, Model, Motion, Numerics, Repairs, Simulation, Solid, Wall};
+use meniscus_sim::{Body, Model, Numerics, Repairs, Simulation, Solid, Wall};
 
 fn model(solids: Vec<Solid<2>>) -> Model<2> {
     Model {
@@ -78,19 +77,4 @@ fn vanished_drops_are_told() {
     assert!((sum.vanished_momentum / momentum - 1.0).abs() < 1e-2, "{sum:?}");
     // The other inherits the volume, so that the shift moves it.
     assert!((sum.volume_shift_net / gone - 1.0).abs() < 1e-2, "{sum:?}");
-}
-
-/// Solids that overlap are moved apart, and how deep it was is told; those that do not are left alone.
-#[test]
-fn parted_solids_are_told() {
-    let disc =
-        |x: f64| Solid::new(Shape::Ball { center: Vector::<2>::new(x, 0.5), radius: 0.1 }, Motion::Free, 2.0);
-    let depth = |gap: f64| {
-        let solids = vec![disc(0.4 - 0.5 * gap), disc(0.6 + 0.5 * gap)];
-        let sum = repairs(&mut Simulation::new(model(solids), &[]), 1);
-        (sum.parted, sum.parted_depth)
-    };
-    assert_eq!(depth(0.01), (0, 0.0));
-    let (count, deep) = depth(-0.01);
-    assert!(count > 0 && (deep - 0.01).abs() < 1e-3, "{count} {deep}");
 }

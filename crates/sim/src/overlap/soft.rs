@@ -1,7 +1,7 @@
 //! What solids that deform overlap where they are: with that no run can start.
 
+use super::Overlap;
 use super::skins::Skins;
-use super::{Overlap, Probes};
 use crate::model::{Model, Wall};
 use crate::solid::SolidState;
 use meniscus_contact::boxes::{Extent, overlapping};
@@ -10,13 +10,14 @@ use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::mesh::surface::area_vector;
 use meniscus_numerics::mesh::tree::closest_on_facet;
 use meniscus_numerics::mesh::volume::Simplex;
+use meniscus_numerics::shape::Probe;
 
 /// Overlaps of solids that deform with sides, rigid solids, each other, and themselves. What is held may be beyond a side
 /// and within solids that nothing moves.
 pub fn soft_overlaps<const D: usize>(
     model: &Model<D>,
     solids: &[SolidState<D>],
-    probes: &Probes<D>,
+    probes: &[Vec<Probe<D>>],
 ) -> Vec<Overlap> {
     let skins = Skins::new(solids);
     let mut all = Vec::new();
@@ -45,10 +46,8 @@ pub fn soft_overlaps<const D: usize>(
             let mut depth = if told { &loose } else { vertices }.iter().map(within).fold(0.0, f64::max);
             let rooted = told && (0..vertices.len()).any(|k| held(k) && within(&vertices[k]) >= 0.0);
             if other.soft.is_none() && !rooted {
-                let inside = |p: &meniscus_numerics::shape::Probe<D>| {
-                    p.radius - soft.skin.distance(&solid.where_now(other, &p.at))
-                };
-                depth = probes.of_solid(j).iter().map(inside).fold(depth, f64::max);
+                let inside = |p: &Probe<D>| p.radius - soft.skin.distance(&solid.where_now(other, &p.at));
+                depth = probes[j].iter().map(inside).fold(depth, f64::max);
             }
             // Surfaces that lie on each other do not tell; what is inside does.
             depth = middles(&soft.body.positions, elastic.mesh(), solid.bounds(other))
