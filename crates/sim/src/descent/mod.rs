@@ -41,10 +41,9 @@ const BARE: f64 = 0.01;
 const ITERATIONS: usize = 60;
 /// Change of a position at the end of the coming step, in reaches of the barrier, below which Newton's method has converged.
 const SETTLED: f64 = 1e-3;
-/// The same, over [`SETTLED`], of the last iteration, after the last update of the lagged friction.
-const LAST: f64 = 0.01;
-/// The same where anything is in contact: what rests creeps by less than this in each step.
-const RESTS: f64 = 1e-4;
+/// The same after an update of the lagged friction, over [`SETTLED`]: the error of a lag that is updated [`RUBS`] times only adds up
+/// from step to step.
+const RUBBED: f64 = 0.01;
 /// Relative residual of the pressure's solve in iterations that are not the last: the next one is known to move something by over
 /// [`FAR`] times [`SETTLED`].
 const LOOSE: f64 = 1e-3;
@@ -358,13 +357,14 @@ impl<'a, const D: usize> Descent<'a, D> {
         let mut off = if whole { self.off(response, &next) } else { f64::INFINITY };
         self.now = next;
         self.iteration += 1;
-        if off < limit && self.rubs < RUBS {
+        let mut settled = off < limit;
+        if settled && self.rubs < RUBS {
             let candidates = self.potential.candidates(&self.now, &self.now);
             self.potential.rubs = self.potential.rubbing(&self.now, &candidates);
             self.rubs += 1;
             off = self.off(response, &self.now);
+            settled = off < RUBBED * limit;
         }
-        let settled = off < limit * if self.potential.rubs.is_empty() { LAST } else { RESTS };
         let exact = !std::mem::replace(&mut self.loose, off > FAR * limit);
         if settled && exact && self.iteration > model.numerics.newton_iterations as usize {
             return Ok(true);
