@@ -35,7 +35,7 @@ mod wetting;
 mod workspace;
 
 pub use collide::overlaps;
-pub use descent::narrowest_gap;
+pub use descent::{Barriers, narrowest_gap};
 pub use kinematic::Kinematic;
 pub use ledger::{Ledger, StepReport};
 pub use model::{Model, Numerics, Wall};

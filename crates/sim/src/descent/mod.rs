@@ -11,11 +11,13 @@ mod meet;
 mod points;
 mod potential;
 mod response;
+mod stored;
 
 use points::REACH;
 use points::spin;
 pub use points::{Points, narrowest_gap, turning};
 pub use response::{Response, Tie};
+pub use stored::Barriers;
 
 use crate::collide::Times;
 use crate::exchange::Exchange;

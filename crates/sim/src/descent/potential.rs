@@ -156,11 +156,23 @@ impl<'a, const D: usize> Potential<'a, D> {
         let own: f64 =
             self.parts.iter().enumerate().map(|(k, part)| self.own_value(k, part, velocities)).sum();
         let places = self.places(velocities);
+        let friction = self.friction();
+        let rub = |r: &Rub<D>| {
+            let to = r.owners.map(|o| places.at(&o));
+            friction.energy(&r.rubbing, &r.from, &to)
+        };
+        let rubbed: f64 = self.rubs.iter().map(rub).sum();
+        let pressed: f64 = self.pressed.iter().zip(velocities).map(|(j, v)| j.dot(v)).sum();
+        own - pressed + self.kick / self.ahead * (self.stored(&places, candidates) + rubbed)
+    }
+
+    /// Energy of the barriers where solids are, J (2D: J/m).
+    pub fn stored(&self, places: &Places<'_, D>, candidates: &Candidates) -> f64 {
         let at = places.all();
         let contacts = self.contacts(candidates, &at);
         let between: f64 = contacts.iter().map(|c| c.energy(&at)).sum();
         let met = |m: &Meeting| {
-            let met = self.met(m, &places, &at);
+            let met = self.met(m, places, &at);
             let energy = self.barrier(met.point).of_distance(met.distance)[0];
             if energy > 0.0 {
                 self.points.surface.area(met.point)
@@ -170,15 +182,7 @@ impl<'a, const D: usize> Potential<'a, D> {
                 0.0
             }
         };
-        let others: f64 = candidates.meetings.iter().map(met).sum();
-        let friction = self.friction();
-        let rub = |r: &Rub<D>| {
-            let to = r.owners.map(|o| places.at(&o));
-            friction.energy(&r.rubbing, &r.from, &to)
-        };
-        let rubbed: f64 = self.rubs.iter().map(rub).sum();
-        let pressed: f64 = self.pressed.iter().zip(velocities).map(|(j, v)| j.dot(v)).sum();
-        own - pressed + self.kick / self.ahead * (between + others + rubbed)
+        between + candidates.meetings.iter().map(met).sum::<f64>()
     }
 
     fn own_value(&self, k: usize, part: &Part<'a, D>, velocities: &[Vector<D>]) -> f64 {

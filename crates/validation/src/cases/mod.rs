@@ -34,6 +34,8 @@ mod soft_impact;
 mod soft_moment;
 mod soft_release;
 mod soft_sag;
+mod soft_slope;
+mod soft_stack;
 mod soft_tank;
 mod static_drop;
 mod surface_distance;
@@ -51,7 +53,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 60] = [
+const ALL: [Case; 62] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -105,6 +107,8 @@ const ALL: [Case; 60] = [
     soft_tank::CASE,
     soft_release::CASE,
     newton::CASE,
+    soft_stack::CASE,
+    soft_slope::CASE,
     soft_impact::CASE,
     elastica_drop::CASE,
     wrapping::OPEN,
