@@ -9,6 +9,7 @@ mod elastic;
 mod elastica_drop;
 mod floating;
 mod floating_plate;
+mod hertz;
 mod hydrostatic;
 mod hysteresis;
 mod iterations;
@@ -26,10 +27,12 @@ mod pressure_matrix;
 mod rayleigh;
 mod rayleigh_plateau;
 mod ridge;
+mod rigid_contact;
 mod sessile;
 mod sessile_gravity;
 mod sliding;
 mod soft;
+mod soft_energy;
 mod soft_impact;
 mod soft_moment;
 mod soft_release;
@@ -41,6 +44,7 @@ mod static_drop;
 mod surface_distance;
 mod transport;
 mod turek_hron;
+mod violence;
 mod volume;
 mod walls;
 mod wettability_step;
@@ -53,7 +57,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 62] = [
+const ALL: [Case; 66] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -109,6 +113,10 @@ const ALL: [Case; 62] = [
     newton::CASE,
     soft_stack::CASE,
     soft_slope::CASE,
+    soft_energy::CASE,
+    hertz::CASE,
+    violence::CASE,
+    rigid_contact::CASE,
     soft_impact::CASE,
     elastica_drop::CASE,
     wrapping::OPEN,

@@ -51,18 +51,23 @@ fn stack<const D: usize>(n: [usize; D], poisson: f64) -> Result<Simulation<D>, S
     Ok(dry(([32; D], DX), solids?, down(), STEP))
 }
 
-/// Height of a block: between the means of its upper and of its lower side.
+/// Height of a block: between the means over its upper and over its lower side, whatever shape these have. By the virtual work of
+/// an even compression what is left of it without lateral contraction is told by the loads alone, however they are spread.
 fn height<const D: usize>(simulation: &Simulation<D>, solid: usize) -> f64 {
-    let rest = simulation.model.solids[solid].elastic().map_or(&[][..], |e| &e.mesh().positions);
+    let Some(elastic) = simulation.model.solids[solid].elastic() else { return f64::NAN };
     let now = vertices(simulation, solid);
-    let middle = simulation.model.solids[solid].shape.bounds();
-    let side = |upper: bool| {
-        let edge = if upper { middle.1[D - 1] } else { middle.0[D - 1] };
-        let own = rest.iter().zip(now).filter(|(r, _)| (r[D - 1] - edge).abs() < 1e-9);
-        let (sum, count) = own.fold((0.0, 0.0), |(s, n), (_, x)| (s + x[D - 1], n + 1.0));
-        sum / count
-    };
-    side(true) - side(false)
+    let (surface, numbers) = elastic.mesh().surface();
+    let (mut sums, mut areas) = ([0.0; 2], [0.0; 2]);
+    for (f, facet) in surface.facets.iter().enumerate() {
+        let area = surface.area_vector(f)[D - 1];
+        let side = usize::from(area > 0.0);
+        for k in facet {
+            let vertex = numbers[*k as usize] as usize;
+            sums[side] += area.abs() * now[vertex][D - 1];
+            areas[side] += area.abs();
+        }
+    }
+    sums[1] / areas[1] - sums[0] / areas[0]
 }
 
 fn stands<const D: usize>(n: [usize; D], poisson: f64, mode: Mode) -> Result<Vec<Check>, StepError> {
