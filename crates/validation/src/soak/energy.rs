@@ -1,15 +1,16 @@
 //! The energy law of a step: in a scene on which nothing does work the energy never rises.
 //!
-//! A step moves positions with velocities that are half a step ahead of them, `x' = x + h v`, and then finds the coming velocities.
-//! What such a step keeps, where it dissipates nothing, is the energy half-way through it (`meniscus_elastic::Elastic::energy`):
+//! A step moves positions with velocities that are a time `l` ahead of them, `x' = x + h v`, and then finds the coming velocities. Where
+//! steps are of one length, `l = h/2`, and what a step keeps that dissipates nothing is the energy half-way through it
+//! (`meniscus_elastic::Elastic::energy`). At the time of the velocities, with `w = l/h`,
 //!
 //! ```text
-//! E = T(v) + Ψ((x + x')/2) + B(x') + (S + S')/2 + (P + P')/2,
+//! E = T(v) + Ψ(x + w (x' − x)) + B(x') + S + w (S' − S) + P + w (P' − P):
 //! ```
 //!
 //! kinetic, elastic, that of the barriers, that of the surface, and that of gravity. For linear solids and gravity it is exact; the
-//! barriers' forces are those at the end of a step, where their energy is taken. The surface's is a mean of two times, whose error is
-//! of second order in the step. Free bodies of liquid and rigid solids have no energy but `T`, `S` and `P`.
+//! barriers' forces are those at the end of a step, where their energy is taken. The surface's is between two times, with an error
+//! of second order in the step. Liquid and rigid solids have no energy but `T`, `S` and `P`.
 
 use super::EnergyLaw;
 use super::invariants::ENERGY_STEP;
@@ -32,6 +33,9 @@ pub struct EnergySteps<const D: usize> {
 
 /// The positions of a time, and velocities of the step from there.
 struct Start<const D: usize> {
+    time: f64,
+    /// How far the velocities are ahead, s.
+    lead: f64,
     kinetic: f64,
     surface: f64,
     potential: f64,
@@ -46,20 +50,23 @@ impl<const D: usize> EnergySteps<D> {
 
     /// Takes a step to the books.
     pub fn note(&mut self, simulation: &Simulation<D>, ledger: &Ledger<D>) {
+        let (model, state) = (&simulation.model, &simulation.state);
         let now = Start {
+            time: state.time,
+            lead: state.lead,
             kinetic: ledger.kinetic_energy,
             surface: ledger.surface_energy,
             potential: ledger.potential_energy,
             positions: positions(simulation),
         };
         let Some(start) = self.start.replace(now) else { return };
-        let (model, state) = (&simulation.model, &simulation.state);
+        let part = start.lead / (state.time - start.time);
         let energies = [
             start.kinetic,
-            half_way(simulation, &start.positions),
+            elastic(simulation, &start.positions, part),
             self.barriers.energy(model, &state.solids),
-            0.5 * (start.surface + ledger.surface_energy),
-            0.5 * (start.potential + ledger.potential_energy),
+            start.surface + part * (ledger.surface_energy - start.surface),
+            start.potential + part * (ledger.potential_energy - start.potential),
         ];
         let Some(before) = self.before.replace(energies) else { return };
         let terms: [f64; 5] = std::array::from_fn(|k| (energies[k] - before[k]) / self.scale);
@@ -71,7 +78,7 @@ impl<const D: usize> EnergySteps<D> {
         }
         if rise > self.law.largest {
             (self.law.largest, self.law.terms) = (rise, terms);
-            // The energy is that half-way through the step that ended here.
+            // The energy is that within the step that ended here.
             (self.law.step, self.law.time) = (state.step, state.time);
         }
     }
@@ -95,13 +102,13 @@ fn positions<const D: usize>(simulation: &Simulation<D>) -> Vec<Vec<Vector<D>>> 
     simulation.state.solids.iter().map(of).collect()
 }
 
-/// The elastic energy half-way from earlier positions to those now, J.
-fn half_way<const D: usize>(simulation: &Simulation<D>, from: &[Vec<Vector<D>>]) -> f64 {
+/// The elastic energy on a part of the way from earlier positions to those now, J.
+fn elastic<const D: usize>(simulation: &Simulation<D>, from: &[Vec<Vector<D>>], part: f64) -> f64 {
     let mut sum = 0.0;
     for ((solid, now), from) in simulation.model.solids.iter().zip(&simulation.state.solids).zip(from) {
         let Some((elastic, soft)) = solid.elastic().zip(now.soft.as_ref()) else { continue };
         let middle: Vec<Vector<D>> =
-            from.iter().zip(&soft.body.positions).map(|(a, b)| (a + b) * 0.5).collect();
+            from.iter().zip(&soft.body.positions).map(|(a, b)| a + (b - a) * part).collect();
         sum += elastic.elastic_energy(&middle);
     }
     sum
