@@ -2,7 +2,7 @@
 //!
 //! A step moves positions with velocities that are a time `l` ahead of them, `x' = x + h v`, and then finds the coming velocities. Where
 //! steps are of one length, `l = h/2`, and what a step keeps that dissipates nothing is the energy half-way through it
-//! (`meniscus_elastic::Elastic::energy`). At the time of the velocities, with `w = l/h`,
+//! (`meniscus_elastic::Elastic::energy`). At the time of the velocities, with `w = l/h`, at most 1,
 //!
 //! ```text
 //! E = T(v) + Ψ(x + w (x' − x)) + B(x') + S + w (S' − S) + P + w (P' − P):
@@ -60,7 +60,8 @@ impl<const D: usize> EnergySteps<D> {
             positions: positions(simulation),
         };
         let Some(start) = self.start.replace(now) else { return };
-        let part = start.lead / (state.time - start.time);
+        // Where a step is so much shorter than the last that the velocities' time is beyond it, its end counts.
+        let part = (start.lead / (state.time - start.time)).min(1.0);
         let energies = [
             start.kinetic,
             elastic(simulation, &start.positions, part),
