@@ -130,6 +130,13 @@ pub fn slab<const D: usize>(center: Vector<D>, half_size: Vector<D>, motion: Mot
     Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, motion, 1.0)
 }
 
+/// A rigid plate without end: its face is at a height, and towards the middle.
+pub fn plate<const D: usize>(height: f64, motion: Motion<D>) -> Solid<D> {
+    let up = |y: f64| Vector::from_fn(|a, _| if a + 1 == D { y } else { 0.0 });
+    let shape = Shape::HalfSpace { point: up(height), normal: up(-height.signum()) };
+    Solid::new(shape, motion, 1.0)
+}
+
 /// The way of a solid that is led: times and displacements.
 pub fn led<const D: usize>(keyframes: Vec<(f64, Vector<D>)>) -> Motion<D> {
     Motion::Given(Path { velocity: Vector::zeros(), spin: [0.0; 3], keyframes })

@@ -9,7 +9,7 @@
 //! The barrier holds the plates off by a part of its reach that depends on the pressure: as if they had a soft layer. Its reach is a
 //! quarter of a cell, which is made small; the flattening is the ball's own.
 
-use crate::dry::{Material, Watch, dry, lattice, led, mapped, round, slab, soft, vertices};
+use crate::dry::{Material, Watch, dry, lattice, led, mapped, plate, round, soft, vertices};
 use crate::measure::{at_least, settle};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
@@ -64,10 +64,8 @@ fn between<const D: usize>(n: [usize; D], dx: f64, way: f64) -> Result<Simulatio
     let mut solids = vec![ball];
     for side in [-1.0, 1.0] {
         let up = |y: f64| Vector::<D>::from_fn(|a, _| if a + 1 == D { y } else { 0.0 });
-        let half = Vector::from_fn(|a, _| if a + 1 == D { 0.1 } else { 1.2 * RADIUS });
-        let start = side * (RADIUS + 0.1 + 0.25 * dx);
         let motion = led(vec![(0.0, up(0.0)), (TIMES[0], up(-side * way))]);
-        let mut plate = slab(up(start), half, motion);
+        let mut plate = plate(side * (RADIUS + 0.25 * dx), motion);
         plate.friction = 0.0;
         solids.push(plate);
     }

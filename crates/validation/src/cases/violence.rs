@@ -3,7 +3,7 @@
 //! Without liquid. What must hold is what the method promises whatever happens: surfaces never cross (IPC), elements never turn
 //! inside out, and where nothing is led any more the energy does not rise in any step.
 
-use crate::dry::{Material, Watch, dry, lattice, led, mapped, round, slab, soft, vertices};
+use crate::dry::{Material, Watch, dry, lattice, led, mapped, plate, round, soft, vertices};
 use crate::measure::{at_least, at_most, settle};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
@@ -105,14 +105,13 @@ fn crush<const D: usize>(n: usize) -> Result<Vec<Check>, StepError> {
     // To a fifth of the height between the plates, which are a fifth of a cell away at the start.
     let (gap, way) = (0.2 * DX, 0.8 * BALL + 0.2 * DX);
     for side in [-1.0, 1.0] {
-        let half = Vector::from_fn(|a, _| if a + 1 == D { 0.1 } else { 2.0 });
         let keyframes = vec![
             (0.0, up(0.0)),
             (LED, up(-side * way)),
             (LED + HELD, up(-side * way)),
             (LED + 2.0 * HELD, up(0.5 * side)),
         ];
-        solids.push(slab(up(side * (BALL + gap + 0.1)), half, led(keyframes)));
+        solids.push(plate(side * (BALL + gap), led(keyframes)));
     }
     let mut simulation = open(solids);
     let end = LED + 4.0 * HELD;
