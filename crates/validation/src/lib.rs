@@ -3,6 +3,7 @@
 //! A case is a [`Case`] in a file of its own under `cases`, listed in `cases/mod.rs`.
 
 pub mod cases;
+pub mod dry;
 pub mod elastica;
 pub mod measure;
 pub mod plate;

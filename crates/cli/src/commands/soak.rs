@@ -1,11 +1,11 @@
 //! `meniscus soak`.
 
 use super::{print, save};
-use crate::args::{SoakArgs, Solids};
+use crate::args::{Set, SoakArgs, Solids};
 use crate::failure::{Failure, MISSED, Result, USAGE};
 use meniscus_scene::file::{LoadOptions, Scene};
 use meniscus_validation::soak::parent::{Extent, Launch, TOLD, arguments};
-use meniscus_validation::soak::{Class, Outcome, Subject, Wish, report, run, shrink};
+use meniscus_validation::soak::{self, Class, Outcome, Subject, Wish, report, run, shrink};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -37,7 +37,11 @@ fn wish(args: &SoakArgs) -> Wish {
         Solids::Soft => Some(Class::Soft),
         Solids::Any => None,
     };
-    Wish { seed: args.seed, dimension: args.dimension.map(usize::from), class, quick: args.quick }
+    let set = match args.set {
+        Set::Random => soak::Set::Random,
+        Set::DropTest => soak::Set::Drops,
+    };
+    Wish { set, seed: args.seed, dimension: args.dimension.map(usize::from), class, quick: args.quick }
 }
 
 fn internal(words: String) -> Failure {
@@ -47,7 +51,7 @@ fn internal(words: String) -> Failure {
 /// Runs a case in this process, and tells the parent what comes of it.
 fn child(args: &SoakArgs, wish: Wish) -> Result {
     let subject = match &args.scene {
-        Some(path) => Subject::File(path.clone()),
+        Some(path) => Subject::File(path.clone(), wish.set),
         None => Subject::Case(wish, args.case.unwrap_or(0)),
     };
     let mut tell = |text: &str| told(0, &serde_json::json!(text));

@@ -12,12 +12,14 @@ mod meet;
 mod points;
 mod potential;
 mod response;
+mod stored;
 
 pub use impact::bounce;
 use points::REACH;
 pub use points::{Points, narrowest_gap, turning};
 pub use response::Response;
 use response::{End, Tie};
+pub use stored::Barriers;
 
 use crate::exchange::Exchange;
 use crate::liquid::friction::DraggedFace;

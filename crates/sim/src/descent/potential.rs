@@ -158,18 +158,6 @@ impl<'a, const D: usize> Potential<'a, D> {
         let own: f64 =
             self.parts.iter().enumerate().map(|(k, part)| self.own_value(k, part, velocities)).sum();
         let places = self.places(velocities);
-        let at = places.all();
-        let contacts = self.contacts(candidates, &at);
-        let between: f64 = contacts.iter().map(|c| c.energy(&at)).sum();
-        let met = |m: &Meeting| {
-            let point = m.point();
-            let distance = m.distance(&places, &at[point as usize]) - self.points.thickness(m);
-            let energy = self.barrier(point).of_distance(distance)[0];
-            let solid = self.points.owners[point as usize].solid();
-            let scale = || self.points.surface.area(point) * self.stiffness(solid, m.solid());
-            if energy > 0.0 { scale() * energy } else { 0.0 }
-        };
-        let others: f64 = candidates.meetings.iter().map(met).sum();
         let friction = self.friction();
         let rub = |r: &Rub<D>| {
             let to = r.owners.map(|o| places.at(&o));
@@ -177,7 +165,23 @@ impl<'a, const D: usize> Potential<'a, D> {
         };
         let rubbed: f64 = self.rubs.iter().map(rub).sum();
         let pressed: f64 = self.pressed.iter().zip(velocities).map(|(j, v)| j.dot(v)).sum();
-        own - pressed + self.kick / self.ahead * (between + others + rubbed)
+        own - pressed + self.kick / self.ahead * (self.stored(&places, candidates) + rubbed)
+    }
+
+    /// Energy of the barriers where solids are, J (2D: J/m).
+    pub fn stored(&self, places: &Places<'_, D>, candidates: &Candidates) -> f64 {
+        let at = places.all();
+        let contacts = self.contacts(candidates, &at);
+        let between: f64 = contacts.iter().map(|c| c.energy(&at)).sum();
+        let met = |m: &Meeting| {
+            let point = m.point();
+            let distance = m.distance(places, &at[point as usize]) - self.points.thickness(m);
+            let energy = self.barrier(point).of_distance(distance)[0];
+            let solid = self.points.owners[point as usize].solid();
+            let scale = || self.points.surface.area(point) * self.stiffness(solid, m.solid());
+            if energy > 0.0 { scale() * energy } else { 0.0 }
+        };
+        between + candidates.meetings.iter().map(met).sum::<f64>()
     }
 
     fn own_value(&self, k: usize, part: &Part<'a, D>, velocities: &[Vector<D>]) -> f64 {

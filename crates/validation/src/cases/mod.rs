@@ -9,6 +9,7 @@ mod elastic;
 mod elastica_drop;
 mod floating;
 mod floating_plate;
+mod hertz;
 mod hydrostatic;
 mod hysteresis;
 mod iterations;
@@ -26,19 +27,24 @@ mod pressure_matrix;
 mod rayleigh;
 mod rayleigh_plateau;
 mod ridge;
+mod rigid_contact;
 mod sessile;
 mod sessile_gravity;
 mod sliding;
 mod soft;
+mod soft_energy;
 mod soft_impact;
 mod soft_moment;
 mod soft_release;
 mod soft_sag;
+mod soft_slope;
+mod soft_stack;
 mod soft_tank;
 mod static_drop;
 mod surface_distance;
 mod transport;
 mod turek_hron;
+mod violence;
 mod volume;
 mod walls;
 mod wettability_step;
@@ -51,7 +57,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 60] = [
+const ALL: [Case; 66] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -105,6 +111,12 @@ const ALL: [Case; 60] = [
     soft_tank::CASE,
     soft_release::CASE,
     newton::CASE,
+    soft_stack::CASE,
+    soft_slope::CASE,
+    soft_energy::CASE,
+    hertz::CASE,
+    violence::CASE,
+    rigid_contact::CASE,
     soft_impact::CASE,
     elastica_drop::CASE,
     wrapping::OPEN,

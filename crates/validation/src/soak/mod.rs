@@ -7,6 +7,8 @@
 mod books;
 mod clock;
 mod draw;
+mod drops;
+mod energy;
 mod evidence;
 mod image;
 pub mod invariants;
@@ -23,6 +25,7 @@ mod solids;
 mod tests;
 mod world;
 
+pub use energy::EnergySteps;
 pub use run::run;
 
 use meniscus_scene::file::{Material, Scene};
@@ -32,6 +35,8 @@ use std::path::PathBuf;
 /// What a case is drawn from; the same wish and number give the same scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wish {
+    /// The set.
+    pub set: Set,
     /// The seed.
     pub seed: u64,
     /// 2 or 3; either without it.
@@ -40,6 +45,25 @@ pub struct Wish {
     pub class: Option<Class>,
     /// Small and short scenes.
     pub quick: bool,
+}
+
+/// Sets of scenes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Set {
+    /// Random ones from the whole grammar.
+    Random,
+    /// The drop test (`drops.rs`): soft solids that fall, under the energy law of every step as well.
+    Drops,
+}
+
+impl Set {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Random => "random",
+            Self::Drops => "drop-test",
+        }
+    }
 }
 
 /// Classes of scenes, after the solids in them.
@@ -82,8 +106,18 @@ impl Class {
 pub enum Subject {
     /// A drawn one.
     Case(Wish, u64),
-    /// A scene file.
-    File(PathBuf),
+    /// A scene file, under the invariants of a set.
+    File(PathBuf, Set),
+}
+
+impl Subject {
+    /// The set whose invariants hold for it.
+    pub fn set(&self) -> Set {
+        match self {
+            Self::Case(wish, _) => wish.set,
+            Self::File(_, set) => *set,
+        }
+    }
 }
 
 /// An invariant that a run broke.
@@ -109,6 +143,43 @@ impl Violation {
     /// One of which there are only words.
     pub fn told(kind: &str, step: u64, time: f64, words: String) -> Self {
         Self { kind: kind.into(), step, time, value: 0.0, worst: 0.0, bar: 0.0, words }
+    }
+}
+
+/// How the energy went from step to step.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct EnergyLaw {
+    /// Steps that were compared with the one before.
+    pub steps: u64,
+    /// Those in which the energy rose by more than is allowed.
+    pub rises: u64,
+    /// Sum of these rises over the scale of the energy.
+    pub sum: f64,
+    /// The largest rise in a step over the scale.
+    pub largest: f64,
+    /// The step of it.
+    pub step: u64,
+    /// Its time, s.
+    pub time: f64,
+    /// What each kind of energy changed by in it, over the scale: kinetic, elastic, of barriers, of the surface, of gravity.
+    pub terms: [f64; 5],
+}
+
+impl EnergyLaw {
+    /// The largest rise with what it is made of, in words.
+    pub fn words(&self) -> String {
+        let terms: Vec<String> = energy::TERMS
+            .iter()
+            .zip(self.terms)
+            .map(|(name, change)| format!("{name} {change:+.2e}"))
+            .collect();
+        format!(
+            "in {} of {} steps, by {:.2e} together; the largest: {}",
+            self.rises,
+            self.steps,
+            self.sum,
+            terms.join(", ")
+        )
     }
 }
 
@@ -143,6 +214,9 @@ pub struct Outcome {
     pub repeated: Option<String>,
     /// Why it was ended early without breaking anything.
     pub cut: Option<String>,
+    /// How the energy went from step to step, in a set where that must hold.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy_law: Option<EnergyLaw>,
     /// The first violation of every kind, in the order in which they appeared.
     pub violations: Vec<Violation>,
 }
@@ -169,6 +243,7 @@ impl Outcome {
             memory: None,
             repeated: None,
             cut: None,
+            energy_law: None,
             violations: Vec::new(),
         }
     }

@@ -1,7 +1,7 @@
 //! Runs every case in a process of its own, so that what hangs, panics or takes all memory ends that case only.
 
-use super::invariants::{BUDGET, HANG};
-use super::{Outcome, Violation, Wish, clock};
+use super::invariants::{BUDGET, DROP_BUDGET, HANG};
+use super::{Outcome, Set, Violation, Wish, clock};
 use meniscus_scene::file::{LoadOptions, Scene};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -93,7 +93,7 @@ impl Launch {
     /// Where no process can be started, in words.
     pub fn file(&self, path: &Path) -> Result<Outcome, String> {
         let mut command = Command::new(&self.program);
-        command.arg("soak").arg("--scene").arg(path);
+        command.arg("soak").args(["--set", self.wish.set.name()]).arg("--scene").arg(path);
         self.watch(command, 0)
     }
 
@@ -111,7 +111,8 @@ impl Launch {
             }
             told
         });
-        let ended = wait(&mut child);
+        let budget = if self.wish.set == Set::Drops { DROP_BUDGET } else { BUDGET };
+        let ended = wait(&mut child, budget[1] + 3.0 * HANG);
         let [text, outcome] = reader.join().unwrap_or_default();
         if let Some(outcome) = outcome.and_then(|o| serde_json::from_str(&o).ok()) {
             return Ok(outcome);
@@ -139,6 +140,9 @@ impl Launch {
 /// The arguments that draw the same scenes.
 pub fn arguments(wish: &Wish) -> Vec<String> {
     let mut words = vec!["--seed".into(), wish.seed.to_string()];
+    if wish.set != Set::Random {
+        words.extend(["--set".into(), wish.set.name().into()]);
+    }
     wish.dimension.iter().for_each(|d| words.extend(["--dimension".into(), d.to_string()]));
     wish.class.iter().for_each(|c| words.extend(["--solids".into(), solids(*c).into()]));
     if wish.quick {
@@ -156,8 +160,8 @@ fn solids(class: super::Class) -> &'static str {
 }
 
 /// Waits for a process, and kills one that takes more than all that its own guard allows.
-fn wait(child: &mut Child) -> (&'static str, String) {
-    let (most, start) = (BUDGET[1] + 3.0 * HANG, Instant::now());
+fn wait(child: &mut Child, most: f64) -> (&'static str, String) {
+    let start = Instant::now();
     loop {
         match child.try_wait() {
             Ok(Some(status)) => return ("panic", format!("the process ended with {status}")),

@@ -1,6 +1,6 @@
 //! Drawing until the program takes the scene: what it refuses is drawn again.
 
-use super::{Subject, draw};
+use super::{Set, Subject, draw, drops};
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::error::SceneError;
 use meniscus_scene::file::{LoadOptions, Scene, runnable};
@@ -28,7 +28,7 @@ pub struct Taken {
 pub fn taken(subject: &Subject, tell: &mut dyn FnMut(&str)) -> Result<Taken, String> {
     let mut refused = Vec::new();
     match subject {
-        Subject::File(path) => {
+        Subject::File(path, _) => {
             let text =
                 std::fs::read_to_string(path).map_err(|e| format!("cannot read {}: {e}", path.display()))?;
             tell(&text);
@@ -38,10 +38,14 @@ pub fn taken(subject: &Subject, tell: &mut dyn FnMut(&str)) -> Result<Taken, Str
         }
         Subject::Case(wish, case) => {
             for attempt in 0..ATTEMPTS {
-                let text = draw::scene(wish, *case, attempt);
+                let text = match wish.set {
+                    Set::Random => draw::scene(wish, *case, attempt),
+                    Set::Drops => drops::scene(wish, *case),
+                };
                 tell(&text);
                 match taken_from(&text, Path::new("")) {
                     Ok((scene, setup)) => return Ok(Taken { text, scene, setup, refused }),
+                    Err(error) if wish.set == Set::Drops => return Err(error.message),
                     Err(error) => refused.push(error.message),
                 }
             }

@@ -1,10 +1,11 @@
 //! Runs a case: step by step as `meniscus run` does, under the invariants, and guarded by a second thread that ends what hangs.
 
 use super::books::Books;
-use super::invariants::{BUDGET, HANG, MEMORY, PAIR, SLOW, STEPS};
+use super::energy::EnergySteps;
+use super::invariants::{BUDGET, DROP_BUDGET, DROP_STEPS, ENERGY_STEP, HANG, MEMORY, PAIR, SLOW, STEPS};
 use super::refuse::{Taken, taken};
 use super::repeat::{Waypoint, repeat};
-use super::{Outcome, Subject, Violation, clock, evidence};
+use super::{Outcome, Set, Subject, Violation, clock, evidence};
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::check::check;
 use meniscus_scene::file::Scene;
@@ -76,6 +77,7 @@ struct Case {
     scene: Scene,
     text: String,
     out: PathBuf,
+    set: Set,
 }
 
 /// Runs a subject. `tell` sees the text of every scene before it is tried. Where a step hangs, `hung` is given the outcome from
@@ -96,7 +98,7 @@ pub fn run(
         let number = if let Subject::Case(_, case) = subject { *case } else { 0 };
         let outcome = Outcome::begun(&scene, number, refused);
         let wanted = repeat_for(subject);
-        let case = Arc::new(Case { scene, text, out: out.to_path_buf() });
+        let case = Arc::new(Case { scene, text, out: out.to_path_buf(), set: subject.set() });
         match &setup {
             AnySetup::D2(setup) => go(&case, setup, outcome, wanted, hung),
             AnySetup::D3(setup) => go(&case, setup, outcome, wanted, hung),
@@ -107,6 +109,9 @@ pub fn run(
 /// What a case is repeated for: a share of drawn ones, each of four.
 fn repeat_for(subject: &Subject) -> Option<&'static str> {
     let Subject::Case(wish, case) = subject else { return None };
+    if wish.set != Set::Random {
+        return None;
+    }
     let mut random = super::random::Random::of(&[wish.seed, *case, u64::MAX]);
     let kinds = [None, Some("threads"), Some("resume"), Some("mirror"), Some("shift")];
     kinds[random.weighed(&[0.5, 0.13, 0.13, 0.12, 0.12])]
@@ -124,8 +129,13 @@ fn go<const D: usize>(
     let record = Arc::new(Mutex::new(record));
     let watched = (record.clone(), case.clone());
     std::thread::spawn(move || guard(&watched.0, &watched.1, hung));
-    let mut worker =
-        Worker { record: record.clone(), case: case.clone(), times: Vec::new(), points: Vec::new() };
+    let mut worker = Worker {
+        record: record.clone(),
+        case: case.clone(),
+        times: Vec::new(),
+        points: Vec::new(),
+        energy: None,
+    };
     let done = catch_unwind(AssertUnwindSafe(|| worker.work(setup, wanted)));
     let mut record = lock(&record);
     record.began = None;
@@ -200,6 +210,7 @@ struct Worker<const D: usize> {
     case: Arc<Case>,
     times: Vec<f64>,
     points: Vec<Waypoint<D>>,
+    energy: Option<EnergySteps<D>>,
 }
 
 impl<const D: usize> Worker<D> {
@@ -208,6 +219,9 @@ impl<const D: usize> Worker<D> {
         lock(&self.record).began = Some(clock::seconds());
         let mut walk = Walk::start(setup, &case.scene);
         let mut books = Books::open(&walk.simulation, &case.scene);
+        if case.set == Set::Drops {
+            self.energy = Some(EnergySteps::open(&setup.model, books.scale()));
+        }
         let mut tally = Tally::start(&setup.model, &walk.simulation.ledger());
         while !walk.is_over() && self.goes_on() {
             tally.next_frame = walk.frame;
@@ -261,6 +275,10 @@ impl<const D: usize> Worker<D> {
         let state = &walk.simulation.state;
         tally.add(&walk.simulation.model, state.time, &report);
         let found = books.check(&walk.simulation, &report);
+        if let Some(energy) = &mut self.energy {
+            energy.note(&walk.simulation, &report.ledger);
+            record.outcome.energy_law = Some(energy.law().clone());
+        }
         let sound = found.iter().all(|v| v.kind != "not-finite");
         (record.outcome.steps, record.outcome.time) = (state.step, state.time);
         found.into_iter().for_each(|violation| record.note(violation));
@@ -281,12 +299,15 @@ impl<const D: usize> Worker<D> {
 
     /// Whether there is time for another step.
     fn goes_on(&self) -> bool {
-        let budget = BUDGET[D - 2];
+        let (budget, steps) = match self.case.set {
+            Set::Random => (BUDGET[D - 2], STEPS),
+            Set::Drops => (DROP_BUDGET[D - 2], DROP_STEPS),
+        };
         let mut record = lock(&self.record);
         if clock::seconds() > budget {
             record.outcome.cut = Some(format!("after {budget} s"));
-        } else if record.outcome.steps >= STEPS {
-            record.outcome.cut = Some(format!("after {STEPS} steps"));
+        } else if record.outcome.steps >= steps {
+            record.outcome.cut = Some(format!("after {steps} steps"));
         }
         record.outcome.cut.is_none()
     }
@@ -306,6 +327,11 @@ impl<const D: usize> Worker<D> {
             if seconds > bar {
                 record.add("slow-step", (seconds, bar), format!("s in step {}", step + 1));
             }
+        }
+        if let Some(law) = record.outcome.energy_law.clone().filter(|law| law.largest > ENERGY_STEP) {
+            let (value, worst, bar) = (law.largest, law.largest, ENERGY_STEP);
+            let told = Violation::told("energy-step", law.step, law.time, law.words());
+            record.note(Violation { value, worst, bar, ..told });
         }
         record.outcome.memory = peak_memory();
         let estimate = check(&self.case.scene, 1).memory_bytes;

@@ -3,14 +3,14 @@ use super::image::Image;
 use super::random::Random;
 use super::refuse::taken;
 use super::run::Walk;
-use super::{Class, Subject, Wish, draw};
+use super::{Class, Set, Subject, Wish, draw, drops};
 use meniscus_scene::build::setup;
 use meniscus_scene::file::{LoadOptions, Scene};
 use meniscus_sim::StepReport;
 use std::path::Path;
 
 fn wish(class: Option<Class>) -> Wish {
-    Wish { seed: 7, dimension: Some(2), class, quick: true }
+    Wish { set: Set::Random, seed: 7, dimension: Some(2), class, quick: true }
 }
 
 const DROP: &str = r#"
@@ -70,6 +70,28 @@ fn drawn_scenes_are_of_their_class_and_run() {
             assert!(taken.refused.len() < 50, "{:?}", taken.refused);
         }
     }
+}
+
+#[test]
+fn the_drop_test_runs_and_covers_its_factors() {
+    for (dimension, cases) in [(2, 24), (3, 12)] {
+        let wish = Wish { set: Set::Drops, dimension: Some(dimension), ..wish(None) };
+        for case in 0..cases {
+            assert_eq!(drops::scene(&wish, case), drops::scene(&wish, case));
+            let taken = taken(&Subject::Case(wish.clone(), case), &mut |_| ());
+            let words = taken.as_ref().map_or_else(String::clone, |_| String::new());
+            assert!(taken.is_ok(), "{dimension}D {case}: {words}");
+        }
+    }
+    let young = |case| {
+        let text = drops::scene(&Wish { set: Set::Drops, ..wish(None) }, case);
+        let words = text.split("young_modulus = \"").last().and_then(|rest| rest.split(' ').next());
+        words.and_then(|word| word.parse::<f64>().ok()).unwrap()
+    };
+    let mut strata: Vec<u64> =
+        (0..60).map(|case| (60.0 * (young(case) / 300.0f64).ln() / (1e7 / 300.0f64).ln()) as u64).collect();
+    strata.sort_unstable();
+    assert_eq!(strata, (0..60).collect::<Vec<_>>());
 }
 
 #[test]

@@ -1,0 +1,56 @@
+//! What the barriers between solids hold: their energy where solids are now, and the narrowest gap that they keep open.
+//!
+//! No step asks for it; the books of a study do, as a body at rest on another has a part of its energy there.
+
+use super::meet::{Candidates, Way};
+use super::points::{Places, Points, REACH};
+use super::potential::Potential;
+use crate::model::Model;
+use crate::solid::SolidState;
+use meniscus_contact::Barrier;
+use meniscus_numerics::Vector;
+
+/// The barriers of a model, as they are from its start on.
+#[derive(Clone, Debug)]
+pub struct Barriers<const D: usize> {
+    points: Points<D>,
+}
+
+impl<const D: usize> Barriers<D> {
+    /// Of a model.
+    pub fn of(model: &Model<D>) -> Self {
+        Self { points: Points::of(model) }
+    }
+
+    /// Their energy, J (2D: J/m).
+    pub fn energy(&self, model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
+        let still = vec![Vector::zeros(); self.points.nodes()];
+        let potential = Potential {
+            model,
+            solids,
+            points: &self.points,
+            parts: Vec::new(),
+            barrier: Barrier { reach: REACH * model.grid.dx },
+            kick: 0.0,
+            ahead: 0.0,
+            rubs: Vec::new(),
+            pressed: Vec::new(),
+        };
+        let candidates = potential.candidates(&still, &still);
+        potential.stored(&potential.places(&still), &candidates)
+    }
+
+    /// The narrowest gap, m, between surfaces of solids, and of these and the sides of the domain; infinite where all are wider than
+    /// the barrier's reach, not above zero where something overlaps.
+    pub fn narrowest(&self, model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
+        let still = vec![Vector::zeros(); self.points.nodes()];
+        let places = Places::new(model, solids, &self.points, &still, 0.0);
+        let at = places.all();
+        let all = Candidates::on(Way { from: &places, to: &places }, REACH * model.grid.dx);
+        let of_meeting = all.meetings.iter().map(|m| {
+            let point = m.point();
+            m.distance(&places, &at[point as usize]) - self.points.surface.radius(point)
+        });
+        all.near.gaps(&at).map(|(_, gap)| gap).chain(of_meeting).fold(f64::INFINITY, f64::min)
+    }
+}

@@ -1,0 +1,210 @@
+//! A soft ball between two plates, against Hertz.
+//!
+//! Without liquid. The references are for small strains: of a cylinder (2D, plane strain, force `P` on a length, `E* = E/(1 − ν²)`)
+//! the half-width `a² = 4 P R/π E*` of the contact, the pressure in its middle `2 P/π a`, and the flattening of each side
+//! `δ = P/π E* (2 ln(4R/a) − 1)` (K. L. Johnson, "Contact Mechanics", 1985, eq. 5.57); of a ball `a³ = 3 F R/4 E*`, `3 F/2 π a²`, and
+//! `a²/R`, which is that of a half-space: a ball that is pressed from both sides is flattened less, as its exact solution under
+//! both pressures tells ([`flattening`]), by 0.95 at `a = 0.2 R`.
+//!
+//! The barrier holds the plates off by a part of its reach that depends on the pressure: as if they had a soft layer. Its reach is a
+//! quarter of a cell, which is made small; the flattening is the ball's own.
+
+use crate::dry::{Material, Watch, dry, lattice, led, mapped, plate, round, soft, vertices};
+use crate::measure::{at_least, settle};
+use crate::setup::run_to;
+use crate::{Case, Check, Mode};
+use meniscus_numerics::Vector;
+use meniscus_sim::{Simulation, StepError, Wall};
+use std::f64::consts::PI;
+
+/// The case.
+pub const CASE: Case = Case {
+    name: "hertz",
+    title: "A soft ball between two plates is flattened as Hertz says",
+    theory: "No liquid, no friction. A cylinder (2D) and a ball (3D; E = 1000, ν = 0.3, neo-Hookean) between two rigid plates that come \
+        together until the contact is about 0.1 (3D: 0.2) of the radius wide, at rest. From the force on the upper side: half-width of \
+        the contact, from the second moment of the pressure; pressure in its middle; flattening of a side: Hertz, in 2D with \
+        Johnson's eq. 5.57, in 3D with the exact solution of a ball under both pressures (A. I. Lur'e, 'Three-Dimensional Problems \
+        of the Theory of Elasticity', 1964). Meshes that are finer where they touch, 8 (3D: 4) elements along the half-width; \
+        cells of a 500th and a 1000th of the radius; quick: 2D, the first of them.",
+    quick: true,
+    run: |mode| settle(NAME, run(mode)),
+};
+
+const NAME: &str = "hertz";
+const RADIUS: f64 = 1.0;
+const YOUNG: f64 = 1000.0;
+const POISSON: f64 = 0.3;
+const STIFFNESS: f64 = YOUNG / (1.0 - POISSON * POISSON);
+const STEP: f64 = 1e-2;
+/// Time in which the plates come together, and in which the ball comes to rest.
+const TIMES: [f64; 2] = [0.4, 0.4];
+/// Power by which the mesh is finer where it touches.
+const GRADING: f64 = 1.7;
+
+fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let mut checks = squeeze::<2>([64; 2], RADIUS / 500.0, 0.1)?;
+    if mode == Mode::Full {
+        checks.extend(squeeze::<2>([64; 2], RADIUS / 1000.0, 0.1)?);
+        checks.extend(squeeze::<2>([64; 2], RADIUS / 1000.0, 0.05)?);
+        checks.extend(squeeze::<3>([20, 20, 16], RADIUS / 500.0, 0.2)?);
+    }
+    Ok(checks)
+}
+
+/// The ball between its plates, which come together by `way` each.
+fn between<const D: usize>(n: [usize; D], dx: f64, way: f64) -> Result<Simulation<D>, StepError> {
+    let material = Material { young: YOUNG, poisson: POISSON, density: 2.0, damping: 1.0, friction: 0.0 };
+    let graded = |x: &Vector<D>| {
+        let across = x.map(|c| c.abs().powf(GRADING).copysign(c));
+        let along = x.map(|c| (1.0 - (1.0 - c.abs()).powf(GRADING)).copysign(c));
+        Vector::from_fn(|a, _| if a + 1 == D { along[a] } else { across[a] })
+    };
+    let ball = soft(mapped(lattice(n), |x| round(&graded(x)) * RADIUS), material, Vec::new())?;
+    let mut solids = vec![ball];
+    for side in [-1.0, 1.0] {
+        let up = |y: f64| Vector::<D>::from_fn(|a, _| if a + 1 == D { y } else { 0.0 });
+        let motion = led(vec![(0.0, up(0.0)), (TIMES[0], up(-side * way))]);
+        let mut plate = plate(side * (RADIUS + 0.25 * dx), motion);
+        plate.friction = 0.0;
+        solids.push(plate);
+    }
+    let mut simulation = dry(([8; D], dx), solids, Vector::zeros(), STEP);
+    // No side is in the way; the few cells are there as there must be some.
+    simulation.model.walls = [[Wall::Open; 2]; D];
+    Ok(Simulation::resume(simulation.model, simulation.state))
+}
+
+/// What the plates' pressure is found to be.
+struct Pressed {
+    force: f64,
+    /// Half-width of the contact.
+    width: f64,
+    /// Pressure in its middle.
+    peak: f64,
+    /// Flattening of a side.
+    flat: f64,
+}
+
+fn squeeze<const D: usize>(n: [usize; D], dx: f64, wide: f64) -> Result<Vec<Check>, StepError> {
+    let flat = wide * wide * RADIUS * of_hertz::<D>(wide);
+    let mut simulation = between(n, dx, flat + 0.1 * dx)?;
+    let mut watch = Watch::new(&simulation.model, STIFFNESS * flat * flat);
+    run_to(&mut simulation, TIMES[0] + TIMES[1], |s, report| {
+        watch.look(s, &report.ledger, s.state.time > TIMES[0] + 2.0 * STEP);
+    })?;
+    let Some(found) = pressed(&simulation) else { return Ok(Vec::new()) };
+    let force = found.force;
+    let (width, peak) = if D == 2 {
+        let width = (4.0 * force * RADIUS / (PI * STIFFNESS)).sqrt();
+        (width, 2.0 * force / (PI * width))
+    } else {
+        let width = (0.75 * force * RADIUS / STIFFNESS).cbrt();
+        (width, 1.5 * force / (PI * width * width))
+    };
+    let flat = width * width / RADIUS * of_hertz::<D>(width / RADIUS);
+    let cells = RADIUS / dx;
+    let what = |text: &str| format!("{text}, {D}D, a = {wide} R, {cells} cells/R");
+    let mut checks = vec![
+        Check::relative(NAME, &what("half-width"), found.width, width, 0.03, Some(0.01), ""),
+        Check::relative(NAME, &what("pressure in the middle"), found.peak, peak, 0.03, Some(0.01), ""),
+        Check::relative(NAME, &what("flattening"), found.flat, flat, 0.03, Some(0.01), ""),
+        at_least(NAME, &what("narrowest gap / cell"), watch.gap / dx, f64::MIN_POSITIVE, 0.02),
+    ];
+    if D == 3 {
+        let hertz = 4.0 / 3.0 * STIFFNESS * RADIUS.sqrt() * found.flat.powf(1.5);
+        let told = of_hertz::<D>(width / RADIUS).powf(-1.5);
+        let text = what("force / (4/3 E* √R δ^1.5)");
+        checks.push(Check::relative(NAME, &text, force / hertz, told, 0.03, Some(0.01), ""));
+    }
+    Ok(checks)
+}
+
+/// The flattening of a side over `a²/R`.
+fn of_hertz<const D: usize>(wide: f64) -> f64 {
+    // P/π E* = a²/4R in 2D.
+    if D == 2 { 0.25 * (2.0 * (4.0 / wide).ln() - 1.0) } else { flattening(wide) }
+}
+
+/// What presses on the upper side, at rest: the opposite of the elastic forces.
+fn pressed<const D: usize>(simulation: &Simulation<D>) -> Option<Pressed> {
+    let elastic = simulation.model.solids[0].elastic()?;
+    let now = vertices(simulation, 0);
+    let forces = elastic.forces(now);
+    let (mut surface, numbers) = elastic.mesh().surface();
+    surface.positions.iter_mut().zip(&numbers).for_each(|(x, v)| *x = now[*v as usize]);
+    let mut areas = vec![0.0; now.len()];
+    for (f, facet) in surface.facets.iter().enumerate() {
+        let area = surface.area_vector(f)[D - 1].abs() / D as f64;
+        facet.iter().for_each(|k| areas[numbers[*k as usize] as usize] += area);
+    }
+    let upper: Vec<usize> = numbers.iter().map(|v| *v as usize).filter(|v| now[*v][D - 1] > 0.0).collect();
+    let across = |v: usize| now[v].rows(0, D - 1).norm_squared();
+    let force: f64 = upper.iter().map(|v| forces[*v][D - 1]).sum();
+    let second: f64 = upper.iter().map(|v| forces[*v][D - 1] * across(*v)).sum();
+    // The mean of x² over the pressure is a²/4 in 2D, that of r² 2a²/5 in 3D.
+    let width = (second / force * if D == 2 { 4.0 } else { 2.5 }).sqrt();
+    let (mut push, mut share) = (0.0, 0.0);
+    for v in upper.iter().filter(|v| across(**v) < (0.4 * width).powi(2)) {
+        push += forces[*v][D - 1];
+        share += areas[*v] * (1.0 - across(*v) / (width * width)).sqrt();
+    }
+    let high = upper.iter().map(|v| now[*v][D - 1]).fold(0.0, f64::max);
+    let pole = |up: f64| {
+        let of = |v: &usize| {
+            (elastic.mesh().positions[*v] - Vector::<D>::from_fn(|a, _| if a + 1 == D { up } else { 0.0 }))
+                .norm()
+        };
+        (0..now.len()).min_by(|a, b| of(a).total_cmp(&of(b))).map_or(high, |v| now[v][D - 1])
+    };
+    let flat = RADIUS - 0.5 * (pole(RADIUS) - pole(-RADIUS));
+    Some(Pressed { force, width, peak: push / share, flat })
+}
+
+/// The flattening of a ball at the poles under Hertz's pressures on caps of radius `a` (over the ball's) about both, over that of a
+/// half-space, `a²/R`.
+///
+/// The radial traction is a sum of Legendre polynomials `p_n P_n(cos θ)`. With Lur'e's displacements
+/// `u_r = [A (n+1)(n−2+4ν) r^(n+1) + B n r^(n−1)] P_n` and no shear at `r = 1`, `B = −A (n²+2n−1+2ν)/(n−1)`, and
+/// `p_n = 2G A [(n+1)(n²−n−2−2ν) − n (n²+2n−1+2ν)]`.
+fn flattening(a: f64) -> f64 {
+    const POINTS: usize = 600;
+    const TERMS: usize = 3000;
+    let points = (0..POINTS).map(|k| {
+        let t = (k as f64 + 0.5) / POINTS as f64 * 0.5 * PI;
+        let (s, c) = t.sin_cos();
+        let x = (1.0 - a * a * s * s).sqrt();
+        // Pressure c on the ring of width dt, whose area is 2π a s · a c/x dt.
+        [x, c * a * s * a * c / x * 0.5 * PI / POINTS as f64, 1.0, x]
+    });
+    let mut points: Vec<[f64; 4]> = points.collect();
+    let (nu, double_shear) = (POISSON, 1.0 / (1.0 + POISSON));
+    let mut sum = 0.0;
+    for degree in 0..TERMS {
+        let n = degree as f64;
+        let moment: f64 = points
+            .iter_mut()
+            .map(|[x, weight, before, last]| {
+                let value = match degree {
+                    0 => 1.0,
+                    1 => *x,
+                    _ => ((2.0 * n - 1.0) * *x * *last - (n - 1.0) * *before) / n,
+                };
+                if degree > 1 {
+                    (*before, *last) = (*last, value);
+                }
+                *weight * value
+            })
+            .sum();
+        let pressure = -(2.0 * n + 1.0) * moment;
+        if degree == 0 {
+            sum += pressure * (1.0 - 2.0 * nu);
+        } else if degree % 2 == 0 {
+            let shear = n * n + 2.0 * n - 1.0 + 2.0 * nu;
+            let share = pressure / double_shear / ((n + 1.0) * (n * n - n - 2.0 - 2.0 * nu) - n * shear);
+            sum += share * ((n + 1.0) * (n - 2.0 + 4.0 * nu) - n * shear / (n - 1.0));
+        }
+    }
+    // In a half-space of the same stiffness it is π a/2 E* under a pressure of 1 in the middle.
+    -sum / (0.5 * PI * a * (1.0 - nu * nu))
+}

@@ -1,0 +1,80 @@
+//! The energy law of dry soft solids that fall.
+
+use crate::dry::{GRAVITY, Material, Watch, at, down, dry, lattice, mapped, round, soft};
+use crate::measure::{at_least, at_most, settle};
+use crate::setup::run_to;
+use crate::{Case, Check, Mode};
+use meniscus_numerics::Vector;
+use meniscus_sim::StepError;
+
+/// The case.
+pub const CASE: Case = Case {
+    name: "soft-energy",
+    title: "A soft solid that falls on the floor wins no energy in any step",
+    theory: "No liquid, no damping, ν = 0.3, density 2, g = 10, cells of 1/24, 0.5 s. A ball of radius 0.15 and a block of side 0.24 turned by \
+        20 degrees fall by 0.3 on the floor of a box (E = 400, 1e4, 1e6). Nothing does work: kinetic, elastic, barrier's and potential \
+        energy together, half-way through each step, never rise; over the energy of the fall. With the longest steps \
+        that are allowed (0.7 cells), and with such of 5e-4. Quick: 2D, the ball.",
+    quick: false,
+    run: |mode| settle(NAME, run(mode)),
+};
+
+const NAME: &str = "soft-energy";
+const DX: f64 = 1.0 / 24.0;
+const FALL: f64 = 0.3;
+
+fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let mut checks = Vec::new();
+    for step in [1.0, 5e-4] {
+        for young in [400.0, 1e4, 1e6] {
+            checks.extend(falls::<2>(8, young, 0.0, step)?);
+            if mode == Mode::Full {
+                checks.extend(falls::<2>(8, young, 20.0, step)?);
+            }
+        }
+    }
+    if mode == Mode::Full {
+        for young in [400.0, 1e6] {
+            checks.extend(falls::<3>(4, young, 0.0, 1.0)?);
+        }
+    }
+    Ok(checks)
+}
+
+/// A ball, or a block that is turned by an angle, degrees.
+fn falls<const D: usize>(n: usize, young: f64, turned: f64, step: f64) -> Result<Vec<Check>, StepError> {
+    let material = Material { young, poisson: 0.3, density: 2.0, damping: 0.0, friction: 0.3 };
+    let half = 0.12;
+    let (s, c) = turned.to_radians().sin_cos();
+    let low = if turned == 0.0 { 0.15 } else { half * (s + c) };
+    let center = at::<D>(0.5, low + FALL);
+    let place = |x: &Vector<D>| {
+        if turned == 0.0 {
+            return center + round(x) * low;
+        }
+        let mut y = x * half;
+        (y[0], y[D - 1]) = (half * (c * x[0] - s * x[D - 1]), half * (s * x[0] + c * x[D - 1]));
+        center + y
+    };
+    let solid = soft(mapped(lattice([n; D]), place), material, Vec::new())?;
+    let scale = solid.body.mass * GRAVITY * FALL;
+    let mut simulation = dry(([24; D], DX), vec![solid], down(), step);
+    let mut watch = Watch::new(&simulation.model, scale);
+    run_to(&mut simulation, 0.5, |s, report| watch.look(s, &report.ledger, true))?;
+    let law = watch.law();
+    let steps = if step < 1.0 { "short" } else { "long" };
+    let shape = if turned == 0.0 { "ball" } else { "block" };
+    let what = |text: &str| format!("{text}, {shape}, E = {young}, {steps} steps, {D}D");
+    Ok(vec![
+        at_most(NAME, &what("largest rise in a step"), law.largest, 1e-6, Some(1e-9), ""),
+        at_most(
+            NAME,
+            &what("share of the steps that rise"),
+            law.rises as f64 / law.steps.max(1) as f64,
+            0.0,
+            None,
+            "",
+        ),
+        at_least(NAME, &what("narrowest gap / cell"), watch.gap / DX, f64::MIN_POSITIVE, 1e-2),
+    ])
+}

@@ -1,0 +1,166 @@
+//! Soft blocks on slopes, with friction.
+
+use crate::dry::{GRAVITY, Material, Watch, at, block, dry, lattice, mapped, soft};
+use crate::measure::{at_least, at_most, settle};
+use crate::setup::run_to;
+use crate::{Case, Check, Mode};
+use meniscus_elastic::Anchor;
+use meniscus_numerics::Vector;
+use meniscus_numerics::shape::Shape;
+use meniscus_sim::{Motion, Simulation, Solid, StepError};
+
+/// The case.
+pub const CASE: Case = Case {
+    name: "soft-slope",
+    title: "Soft blocks slide on slopes, or stay, as Coulomb's friction says",
+    theory: "No liquid. A soft block (E = 1e4, density 2, side 0.16, damped, g = 10) is put on a slope of 0.4 rad, 0.2 cells of \
+        1/24 away, about as far as it comes to rest. Coulomb: it slides with g (sin α − μ cos α) if μ < tan α = 0.4228, and stays \
+        if not. The acceleration of the parabola that fits its way best between 0.1 and 0.35 s, over g sin α; what stays does so \
+        within 1e-3 of its side in a second, from 0.4 s on. Slopes: a rigid half-space; a soft slab that is held below \
+        (E = 1e4), where gravity is turned. Steps of 1e-3; quick: 2D, three coefficients.",
+    quick: false,
+    run: |mode| settle(NAME, run(mode)),
+};
+
+const NAME: &str = "soft-slope";
+const ALPHA: f64 = 0.4;
+const HALF: f64 = 0.08;
+const CELLS: usize = 24;
+const DX: f64 = 1.0 / CELLS as f64;
+const STEP: f64 = 1e-3;
+/// Between these times the way of what slides is measured: it rests on the slope, and does not reach the lower end.
+const SLIDES: [f64; 2] = [0.1, 0.35];
+/// The same of what stays. Until it lies on the slope it slides, and what friction then hardly holds stops late.
+const STAYS: [f64; 2] = [0.4, 0.6];
+
+fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let mut checks = Vec::new();
+    let rigid: &[f64] =
+        if mode == Mode::Quick { &[0.0, 0.2, 0.6] } else { &[0.0, 0.1, 0.2, 0.3, 0.4, 0.44, 0.6] };
+    for &friction in rigid {
+        checks.extend(slide("rigid", on_rigid::<2>(friction)?, friction)?);
+    }
+    let some: &[f64] = if mode == Mode::Quick { &[0.2] } else { &[0.0, 0.2, 0.4, 0.44, 0.6] };
+    for &friction in some {
+        checks.extend(slide("soft", on_soft::<2>(friction)?, friction)?);
+    }
+    if mode == Mode::Full {
+        for friction in [0.2, 0.6] {
+            checks.extend(slide("rigid", on_rigid::<3>(friction)?, friction)?);
+            checks.extend(slide("soft", on_soft::<3>(friction)?, friction)?);
+        }
+    }
+    Ok(checks)
+}
+
+/// A simulation, its sliding solid, and the direction down the slope.
+type Slope<const D: usize> = (Simulation<D>, Vector<D>);
+
+fn material(friction: f64) -> Material {
+    Material { young: 1e4, poisson: 0.3, density: 2.0, damping: 0.5, friction }
+}
+
+fn on_rigid<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
+    let turned = |x: f64, y: f64| {
+        let mut v = Vector::<D>::zeros();
+        (v[0], v[D - 1]) = (ALPHA.cos() * x + ALPHA.sin() * y, ALPHA.cos() * y - ALPHA.sin() * x);
+        v
+    };
+    let (normal, along) = (turned(0.0, 1.0), turned(1.0, 0.0));
+    let point = Vector::repeat(0.4);
+    let mut floor = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
+    floor.friction = friction;
+    let middle = at::<D>(0.2, 0.0);
+    let middle = middle + normal * (HALF + 0.2 * DX + (point - middle).dot(&normal));
+    let place = |x: &Vector<D>| {
+        let mut y = turned(x[0] * HALF, x[D - 1] * HALF);
+        if D == 3 {
+            y[1] = x[1] * HALF;
+        }
+        middle + y
+    };
+    let block = soft(mapped(lattice([4; D]), place), material(friction), Vec::new())?;
+    let gravity = Vector::from_fn(|a, _| if a + 1 == D { -GRAVITY } else { 0.0 });
+    Ok((dry(([CELLS; D], DX), vec![floor, block], gravity, STEP), along))
+}
+
+fn on_soft<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
+    let high = 0.1;
+    let half = Vector::<D>::from_fn(|a, _| [0.49, 0.2, 0.2][if a + 1 == D { 2 } else { a }]);
+    let half =
+        half.map(|h| h.min(0.49)) - Vector::from_fn(|a, _| if a + 1 == D { 0.2 - 0.5 * high } else { 0.0 });
+    let cells: [usize; D] = std::array::from_fn(|a| {
+        if a == 0 {
+            24
+        } else if a + 1 == D {
+            3
+        } else {
+            10
+        }
+    });
+    let mesh = block(cells, at::<D>(0.5, 0.1 + 0.5 * high), half);
+    let held = Anchor::within(&mesh, |x: &Vector<D>| x[D - 1] < 0.1 + 1e-9);
+    let slab = soft(mesh, material(friction), vec![held])?;
+    let center = at::<D>(0.2, 0.1 + high + HALF + 0.2 * DX);
+    let body = soft(block([4; D], center, Vector::repeat(HALF)), material(friction), Vec::new())?;
+    let mut gravity = Vector::<D>::zeros();
+    (gravity[0], gravity[D - 1]) = (GRAVITY * ALPHA.sin(), -GRAVITY * ALPHA.cos());
+    let along = Vector::from_fn(|a, _| if a == 0 { 1.0 } else { 0.0 });
+    Ok((dry(([CELLS; D], DX), vec![slab, body], gravity, STEP), along))
+}
+
+fn slide<const D: usize>(
+    slope: &str,
+    (mut simulation, along): Slope<D>,
+    friction: f64,
+) -> Result<Vec<Check>, StepError> {
+    let place = |s: &Simulation<D>| s.state.solids[1].center.dot(&along);
+    let scale = simulation.model.solids[1].body.mass * GRAVITY * 2.0 * HALF;
+    let free = GRAVITY * ALPHA.sin();
+    let pull = free - friction * GRAVITY * ALPHA.cos();
+    let [from, to] = if pull > 0.0 { SLIDES } else { STAYS };
+    let mut watch = Watch::new(&simulation.model, scale);
+    let mut seen: Vec<(f64, f64)> = Vec::new();
+    run_to(&mut simulation, to, |s, report| {
+        watch.look(s, &report.ledger, true);
+        if s.state.time >= from {
+            seen.push((s.state.time, place(s)));
+        }
+    })?;
+    let what = |text: &str| format!("{text}, {slope} slope, μ = {friction}, {D}D");
+    let mut checks = Vec::new();
+    if pull > 0.0 {
+        let found = acceleration(&seen) / free;
+        let text = what("acceleration / g sin α");
+        checks.push(Check::absolute(NAME, &text, found, pull / free, 0.01, Some(2e-3), ""));
+    } else {
+        let way = seen.last().zip(seen.first()).map_or(f64::NAN, |(end, start)| end.1 - start.1);
+        let creep = way / (to - from) / (2.0 * HALF);
+        checks.push(at_most(NAME, &what("it stays: creep in a second / side"), creep, 1e-3, Some(1e-5), ""));
+    }
+    checks.push(at_least(NAME, &what("narrowest gap / cell"), watch.gap / DX, f64::MIN_POSITIVE, 0.02));
+    let law = watch.law().largest;
+    checks.push(at_most(
+        NAME,
+        &what("largest rise of the energy in a step / m g side"),
+        law,
+        1e-6,
+        Some(1e-9),
+        "",
+    ));
+    Ok(checks)
+}
+
+/// The acceleration of the parabola that fits places at times best.
+fn acceleration(seen: &[(f64, f64)]) -> f64 {
+    let count = seen.len() as f64;
+    let middle = seen.iter().map(|s| s.0).sum::<f64>() / count;
+    // Normal equations of 1, t and t² about the mean time.
+    let rows = seen.iter().map(|(t, x)| (Vector::<3>::new(1.0, t - middle, (t - middle).powi(2)), *x));
+    let (mut matrix, mut right) = (meniscus_numerics::Matrix::<3>::zeros(), Vector::<3>::zeros());
+    for (row, x) in rows {
+        matrix += row * row.transpose();
+        right += row * x;
+    }
+    matrix.try_inverse().map_or(f64::NAN, |inverse| 2.0 * (inverse * right)[2])
+}

@@ -1,0 +1,136 @@
+//! Five soft blocks that stand on each other.
+
+use crate::dry::{GRAVITY, Material, Watch, at, block, down, dry, soft, vertices};
+use crate::measure::{at_least, at_most, settle};
+use crate::setup::run_to;
+use crate::{Case, Check, Mode};
+use meniscus_numerics::Vector;
+use meniscus_sim::{Simulation, StepError};
+
+/// The case.
+pub const CASE: Case = Case {
+    name: "soft-stack",
+    title: "Five soft blocks stand on each other",
+    theory: "No liquid. Blocks 0.25 wide and 0.15 high on the floor of a box (E = 1e4, density 2, g = 10, friction 0.3, damped), one \
+        second after they were put there, and for a second more. Statics: what presses on the lower side of block k is the \
+        weight of all blocks from k on, W_k; without lateral contraction (ν = 0) a block is pressed together by the mean of the \
+        loads on both of its sides, (W_k + W_(k+1))/2 over E A. Nothing pushes the blocks sideways, and the friction that is \
+        needed for it is none: they stay where they are (a drift of 1e-3 of a width in a second would bring them down in ten \
+        minutes). 6 cells a block's height (3D: 3), gap: 0.25 cells of 1/32; quick: 2D.",
+    quick: false,
+    run: |mode| settle(NAME, run(mode)),
+};
+
+const NAME: &str = "soft-stack";
+const BLOCKS: usize = 5;
+const HALF: [f64; 2] = [0.125, 0.075];
+const DX: f64 = 1.0 / 32.0;
+const YOUNG: f64 = 1e4;
+const DENSITY: f64 = 2.0;
+const STEP: f64 = 2.5e-3;
+/// When the blocks have come to rest, and for how long they are looked at then.
+const REST: f64 = 1.0;
+
+fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
+    let mut checks = stands::<2>([10, 6], 0.3, mode)?;
+    checks.extend(stands::<2>([10, 6], 0.0, mode)?);
+    if mode == Mode::Full {
+        checks.extend(stands::<3>([4; 3], 0.3, mode)?);
+    }
+    Ok(checks)
+}
+
+fn stack<const D: usize>(n: [usize; D], poisson: f64) -> Result<Simulation<D>, StepError> {
+    let material = Material { young: YOUNG, poisson, density: DENSITY, damping: 0.5, friction: 0.3 };
+    let half = Vector::<D>::from_fn(|a, _| HALF[usize::from(a + 1 == D)]);
+    // About as far apart as they come to rest.
+    let gap = 0.15 * DX;
+    let place = |k: usize| at::<D>(0.5, gap + HALF[1] + k as f64 * (2.0 * HALF[1] + gap));
+    let solids: Result<Vec<_>, _> =
+        (0..BLOCKS).map(|k| soft(block(n, place(k), half), material, Vec::new())).collect();
+    Ok(dry(([32; D], DX), solids?, down(), STEP))
+}
+
+/// Height of a block: between the means over its upper and over its lower side, whatever shape these have. By the virtual work of
+/// an even compression what is left of it without lateral contraction is told by the loads alone, however they are spread.
+fn height<const D: usize>(simulation: &Simulation<D>, solid: usize) -> f64 {
+    let Some(elastic) = simulation.model.solids[solid].elastic() else { return f64::NAN };
+    let now = vertices(simulation, solid);
+    let (surface, numbers) = elastic.mesh().surface();
+    let (mut sums, mut areas) = ([0.0; 2], [0.0; 2]);
+    for (f, facet) in surface.facets.iter().enumerate() {
+        let area = surface.area_vector(f)[D - 1];
+        let side = usize::from(area > 0.0);
+        for k in facet {
+            let vertex = numbers[*k as usize] as usize;
+            sums[side] += area.abs() * now[vertex][D - 1];
+            areas[side] += area.abs();
+        }
+    }
+    sums[1] / areas[1] - sums[0] / areas[0]
+}
+
+fn stands<const D: usize>(n: [usize; D], poisson: f64, mode: Mode) -> Result<Vec<Check>, StepError> {
+    let mut simulation = stack::<D>(n, poisson)?;
+    let (rest, time) = if mode == Mode::Quick { (0.5, 0.25) } else { (REST, 1.0) };
+    let weights: Vec<f64> = simulation.model.solids.iter().map(|s| s.body.mass * GRAVITY).collect();
+    let fall = weights.iter().sum::<f64>() * 2.0 * HALF[1];
+    let mut watch = Watch::new(&simulation.model, fall);
+    run_to(&mut simulation, rest, |s, report| watch.look(s, &report.ledger, true))?;
+    let start: Vec<Vector<D>> = simulation.state.solids.iter().map(|s| s.center).collect();
+    let (mut held, mut steps, mut drift) = ([0.0; BLOCKS], 0.0, [0f64; 2]);
+    let middle = |s: &Simulation<D>| s.state.solids.iter().map(|s| s.center).collect::<Vec<_>>();
+    run_to(&mut simulation, rest + time, |s, report| {
+        watch.look(s, &report.ledger, true);
+        held.iter_mut().zip(&s.state.solids).for_each(|(h, now)| *h += now.held[D - 1] / GRAVITY);
+        steps += 1.0;
+        for (now, then) in middle(s).iter().zip(&start) {
+            let off = now - then;
+            drift[0] = drift[0].max(off.rows(0, D - 1).norm());
+            drift[1] = drift[1].max(off[D - 1].abs());
+        }
+    })?;
+    let what = |text: &str| format!("{text}, {D}D, ν = {poisson}");
+    let mut checks = Vec::new();
+    let bottom = (2.0 * HALF[0]).powi(D as i32 - 1);
+    for k in 0..BLOCKS {
+        let above: f64 = weights[k..].iter().sum();
+        let pushed: f64 = (k..BLOCKS).map(|j| weights[j] * held[j] / steps).sum();
+        let text = what(&format!("force below block {} over the weight above", k + 1));
+        checks.push(Check::relative(NAME, &text, pushed / above, 1.0, 0.01, Some(1e-3), ""));
+        if poisson == 0.0 {
+            let told = (above - 0.5 * weights[k]) / (bottom * YOUNG);
+            let pressed = 1.0 - height(&simulation, k) / (2.0 * HALF[1]);
+            let text = what(&format!("block {} is pressed together", k + 1));
+            checks.push(Check::relative(NAME, &text, pressed, told, 0.01, Some(3e-3), ""));
+        }
+    }
+    let over = 1.0 / (2.0 * HALF[0] * time);
+    checks.push(at_most(
+        NAME,
+        &what("creep to the side in a second / width"),
+        drift[0] * over,
+        1e-3,
+        Some(1e-6),
+        "",
+    ));
+    checks.push(at_most(
+        NAME,
+        &what("creep down in a second / width"),
+        drift[1] * over,
+        1e-3,
+        Some(1e-6),
+        "",
+    ));
+    checks.push(at_least(NAME, &what("narrowest gap / cell"), watch.gap / DX, f64::MIN_POSITIVE, 0.02));
+    let law = watch.law().largest;
+    checks.push(at_most(
+        NAME,
+        &what("largest rise of the energy in a step / weight × height"),
+        law,
+        1e-6,
+        Some(1e-9),
+        "",
+    ));
+    Ok(checks)
+}
