@@ -60,7 +60,7 @@ impl<'a, const D: usize> Coupling<'a, D> {
         }
     }
 
-    /// What the solids that something can move add to the pressure's system.
+    /// The term `ρ F A⁻¹ Fᵀ` of the pressure's system, of all solids that forces can move.
     pub fn compliance(&self) -> Option<Compliance<'_>> {
         let response = self.response?;
         let scale = (self.model.density * self.model.grid.cell_volume()).sqrt();
@@ -181,7 +181,8 @@ fn middle<const D: usize>(model: &Model<D>, w: &WetCell<D>) -> Vector<D> {
     center + w.spread.tr_mul(&w.area) / w.area.norm_squared().max(f64::MIN_POSITIVE)
 }
 
-/// What feels a constant pressure: solids that deform where they give way, and each degree of freedom of rigid ones.
+/// Columns whose sums over a component of the liquid tell whether solids determine its mean pressure: one for all solids that deform,
+/// and one for each degree of freedom of the rigid ones.
 fn feelers(flows: &[Flow], porous: &[f64], rigid: impl Fn(u32) -> bool) -> Vec<Column> {
     let gives = flows.iter().zip(porous).filter(|(_, porous)| **porous > 0.0);
     let mut columns = vec![gives.map(|((cell, _), _)| (*cell, 1.0)).collect()];

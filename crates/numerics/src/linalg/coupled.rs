@@ -27,7 +27,8 @@ pub struct Compliance<'a> {
     pub porous: Vec<f64>,
     /// `x → B⁻¹ x` for the degrees of freedom in `flows`, where `x` is 0 for all others.
     pub solve: Box<Solve<'a>>,
-    /// What feels a pressure: a component of the liquid over which each of these sums to nothing is not held by the bodies.
+    /// Columns whose sums over a component of the liquid tell whether the bodies determine its mean pressure: they do not where each sum
+    /// is zero.
     pub feelers: Vec<Column>,
 }
 

@@ -63,14 +63,12 @@ pub enum SolveError {
         /// Iteration in which it appeared.
         iteration: usize,
     },
-    /// The matrix of a solid that deforms has no factors.
+    /// The matrix of the solids has no factors.
     #[error(
-        "the matrix of the solid with number {solid} is not positive definite: it is too stiff for a step of {step:.3e} s to be \
-         told from rounding, or its elements are crushed"
+        "the matrix of the solids is not positive definite for a step of {step:.3e} s: a solid is too stiff for rounding, elements \
+         are crushed, or solids leave each other no room"
     )]
     Indefinite {
-        /// Number of the solid, from 0.
-        solid: usize,
         /// Length of the step, s.
         step: f64,
     },

@@ -35,14 +35,12 @@ pub enum RunError {
         /// Last good checkpoint.
         checkpoint: Option<PathBuf>,
     },
-    /// A solid that deforms has no factors.
+    /// The matrix of the solids has no factors.
     #[error(
-        "the solver could not go on: at time {time:.6e} s the matrix of the solid `{solid}` is not positive definite for a \
-         step of {step:.3e} s: it is too stiff to be told from rounding, or its elements are crushed"
+        "the solver could not go on: at time {time:.6e} s the matrix of the solids is not positive definite for a step of \
+         {step:.3e} s: a solid is too stiff for rounding, elements are crushed, or solids leave each other no room"
     )]
-    Solid {
-        /// Its name.
-        solid: String,
+    Solids {
         /// Time of the last good state, s.
         time: f64,
         /// Length of the step, s.
@@ -63,13 +61,12 @@ pub enum RunError {
 }
 
 impl RunError {
-    /// What a step's error is for people; `solids` are the names of the solids.
-    pub(super) fn of_step<'a>(error: StepError, mut solids: impl Iterator<Item = &'a str>) -> Self {
+    /// What a step's error is for people.
+    pub(super) fn of_step(error: StepError) -> Self {
         let checkpoint = None;
         match &error {
-            StepError::Pressure { time, source: SolveError::Indefinite { solid, step }, .. } => {
-                let name = solids.nth(*solid).map_or_else(|| format!("number {solid}"), str::to_owned);
-                Self::Solid { solid: name, time: *time, step: *step, checkpoint }
+            StepError::Pressure { time, source: SolveError::Indefinite { step }, .. } => {
+                Self::Solids { time: *time, step: *step, checkpoint }
             }
             _ => Self::Step { error, checkpoint },
         }
@@ -78,7 +75,7 @@ impl RunError {
     /// Exit status of a program that ends with this error.
     pub fn exit_status(&self) -> u8 {
         match self {
-            Self::Step { .. } | Self::Solid { .. } | Self::NotFinite { .. } => 5,
+            Self::Step { .. } | Self::Solids { .. } | Self::NotFinite { .. } => 5,
             _ => 4,
         }
     }
@@ -88,7 +85,7 @@ impl RunError {
         match self {
             Self::Output { checkpoint, .. }
             | Self::Step { checkpoint, .. }
-            | Self::Solid { checkpoint, .. }
+            | Self::Solids { checkpoint, .. }
             | Self::NotFinite { checkpoint, .. } => checkpoint.as_ref(),
             _ => None,
         }
@@ -113,9 +110,10 @@ impl RunError {
                     .into()
             }
             Self::Output { error, .. } => error.advice().into(),
-            Self::Solid { .. } => {
+            Self::Solids { .. } => {
                 "look at the last frame: where elements are crushed use a finer mesh, more damping_ratio or a smaller \
-                 numerics.max_step; else a softer material, or material.rigid"
+                 numerics.max_step; where a solid that is moved presses others, give them room; else a softer material, or \
+                 material.rigid"
                     .into()
             }
             Self::Step { .. } | Self::NotFinite { .. } => {
@@ -131,16 +129,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_matrix_without_factors_names_its_solid() {
-        let source = SolveError::Indefinite { solid: 1, step: 0.002 };
+    fn a_matrix_without_factors_says_what_to_do() {
+        let source = SolveError::Indefinite { step: 0.002 };
         let error = StepError::Pressure { time: 0.5, dt: 0.002, source };
-        let error = RunError::of_step(error, ["floor", "leaf"].into_iter());
-        assert!(
-            error.to_string().contains("the matrix of the solid `leaf` is not positive definite"),
-            "{error}"
-        );
+        let error = RunError::of_step(error);
+        assert!(error.to_string().contains("the matrix of the solids is not positive definite"), "{error}");
         assert!(error.exit_status() == 5 && error.advice().contains("max_step"));
         let other = StepError::NotFinite { time: 0.0, what: "velocity" };
-        assert!(matches!(RunError::of_step(other, std::iter::empty()), RunError::Step { .. }));
+        assert!(matches!(RunError::of_step(other), RunError::Step { .. }));
     }
 }

@@ -227,8 +227,7 @@ impl<'a, const D: usize> Session<'a, D> {
             last = now;
         };
         let done = self.simulation.step(longest, &mut phase_end);
-        let names = self.job.solids.iter().map(|(name, _)| name.as_str());
-        let report = done.map_err(|error| RunError::of_step(error, names))?;
+        let report = done.map_err(RunError::of_step)?;
         if schedule.meets(self.simulation.state.time, frame) {
             self.simulation.state.time = schedule.time(frame);
         }
@@ -383,7 +382,7 @@ impl<'a, const D: usize> Session<'a, D> {
         match error {
             RunError::Output { error, .. } => RunError::Output { error, checkpoint },
             RunError::Step { error, .. } => RunError::Step { error, checkpoint },
-            RunError::Solid { solid, time, step, .. } => RunError::Solid { solid, time, step, checkpoint },
+            RunError::Solids { time, step, .. } => RunError::Solids { time, step, checkpoint },
             RunError::NotFinite { what, time, .. } => RunError::NotFinite { what, time, checkpoint },
             other => other,
         }

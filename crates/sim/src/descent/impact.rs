@@ -256,7 +256,7 @@ impl<const D: usize> Impacts<'_, D> {
         }
     }
 
-    /// What a property of both makes together: the geometric mean; of a side, the solid's own.
+    /// The coefficient of a pair: the geometric mean of both solids' coefficients; at a side of the domain that of the solid.
     fn pairing(&self, c: &Contact<D>, of: impl Fn(&Solid<D>) -> f64) -> f64 {
         let first = of(&self.model.solids[c.pair.0]);
         (first * c.pair.1.map_or(first, |j| of(&self.model.solids[j]))).sqrt()

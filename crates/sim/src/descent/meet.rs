@@ -56,19 +56,20 @@ impl Candidates {
         let rigid = |body: u32| model.solids[body as usize].elastic().is_none();
         let told = |p: u32| points.is_told(p);
         let near = points.surface.near(&start, &ways, reach, rigid, told);
-        Candidates { near, meetings: meetings(way, (&start, &end), reach) }
+        Candidates { near, meetings: meetings(way, &start, &end, reach) }
     }
 
     /// Those of points with what has no facets.
     pub fn of_rigid<const D: usize>(way: Way<'_, D>, reach: f64) -> Vec<Meeting> {
-        meetings(way, (&way.from.all(), &way.to.all()), reach)
+        meetings(way, &way.from.all(), &way.to.all(), reach)
     }
 }
 
 /// Points and what has no facets whose distance falls below `reach` (m) on the way.
 fn meetings<const D: usize>(
     way: Way<'_, D>,
-    (start, end): (&[Vector<D>], &[Vector<D>]),
+    start: &[Vector<D>],
+    end: &[Vector<D>],
     reach: f64,
 ) -> Vec<Meeting> {
     let (model, points) = (way.from.model, way.from.points);

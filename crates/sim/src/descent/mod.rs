@@ -46,12 +46,14 @@ const SETTLED: f64 = 1e-3;
 /// The same after an update of the lagged friction, over [`SETTLED`]: the error of a lag that is updated [`RUBS`] times only adds up
 /// from step to step.
 const RUBBED: f64 = 0.01;
-/// Relative residual of the pressure's solve in iterations that are not the last: the next one is known to move something by over
-/// [`FAR`] times [`SETTLED`].
+/// Relative residual of the pressure's solve in iterations far from convergence (inexact Newton: S. Eisenstat, H. Walker 1996). An
+/// iteration that ends the method has the full accuracy, so that this changes the cost only.
 const LOOSE: f64 = 1e-3;
-/// See [`LOOSE`].
+/// Far from convergence: the next iteration would move something by over so many times [`SETTLED`], which one of Newton's iterations
+/// does not bring below 1.
 const FAR: f64 = 100.0;
-/// Slope of the potential along an iteration's way, over that at its start, from which on its end is too far.
+/// Slope of the potential along an iteration's way, over that at its start, above which the way is shortened: the constant of the
+/// curvature condition of line searches (P. Wolfe 1969), between 0 (the exact minimum) and 1.
 const FLAT: f64 = 0.5;
 /// Most evaluations of that slope.
 const SEARCHES: usize = 12;
@@ -183,7 +185,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         dragged: &mut [DraggedFace],
         (phi, open): (&[f64], &FaceField<D>),
     ) -> Result<Response<D>, SolveError> {
-        let failed = SolveError::Indefinite { solid: 0, step: self.potential.kick };
+        let failed = SolveError::Indefinite { step: self.potential.kick };
         if self.iteration > 0 {
             self.recentre();
         }

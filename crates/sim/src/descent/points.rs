@@ -87,7 +87,7 @@ enum Probing {
     All,
     /// Those at edges and corners only: what glides along a wide face meets that by its own points.
     Exposed,
-    /// None: the other one is round, and its centres tell all.
+    /// None: the other one is round, this one is convex, and the distances of the other's centres are enough.
     None,
 }
 
@@ -304,8 +304,8 @@ fn probing<const D: usize>(model: &Model<D>) -> BTreeMap<(usize, usize), Probing
         for j in rigid.iter().filter(|j| *j < i) {
             let (small, large) = if size(*i) <= size(*j) { (*i, *j) } else { (*j, *i) };
             all.insert((small, large), Probing::All);
-            let told = round(small) && model.solids[large].shape.is_convex();
-            all.insert((large, small), if told { Probing::None } else { Probing::Exposed });
+            let centred = round(small) && model.solids[large].shape.is_convex();
+            all.insert((large, small), if centred { Probing::None } else { Probing::Exposed });
         }
     }
     all

@@ -376,17 +376,11 @@ impl<'a, const D: usize> Potential<'a, D> {
         part
     }
 
-    /// Where a point rubs something without facets, at a distance and in a direction from it: midway between both surfaces; a vertex of
-    /// a solid that deforms rubs where it is.
-    fn rubbing_place(
-        &self,
-        meeting: &Meeting,
-        places: &Places<'_, D>,
-        at: &[Vector<D>],
-        (distance, normal): (f64, Vector<D>),
-    ) -> Vector<D> {
-        let (point, x) = (meeting.point(), at[meeting.point() as usize]);
-        match places.points.owners[point as usize] {
+    /// Where friction acts between a point at `x` and something without facets: midway between the two surfaces, so that both get it at
+    /// one place; on a vertex of a solid that deforms at the vertex.
+    fn rubbing_place(&self, meeting: &Meeting, x: Vector<D>, distance: f64, normal: Vector<D>) -> Vector<D> {
+        let point = meeting.point();
+        match self.points.owners[point as usize] {
             Owner::Vertex { .. } => x,
             Owner::Rigid { .. } => {
                 let (radius, thickness) = (self.points.surface.radius(point), self.points.thickness(meeting));
@@ -432,7 +426,7 @@ impl<'a, const D: usize> Potential<'a, D> {
             if hold <= 0.0 {
                 continue;
             }
-            let place = self.rubbing_place(m, &places, &at, (distance, normal));
+            let place = self.rubbing_place(m, at[point as usize], distance, normal);
             let owner = match owners[point as usize] {
                 Owner::Rigid { solid, .. } => Owner::Rigid { solid, at: places.at_start(solid, &place) },
                 vertex => vertex,

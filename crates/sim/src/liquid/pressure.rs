@@ -91,8 +91,9 @@ impl<const D: usize> PressureFields<D> {
         Self { dirichlet: zero(), rhs: zero(), first: zero(), solver: None }
     }
 
-    /// Makes the velocity free of divergence in the liquid, as solids with a `response` give way. The first solve gives the pressure by whose slopes viscosity, [`bends`] and the pressure on the solids' surfaces are
-    /// found. (Those of the pressure of Newton's iteration before, in place of a first solve, do not converge where liquid fills slits.)
+    /// Makes the velocity free of divergence in the liquid, as solids with a `response` give way. From the slopes of the first
+    /// solve's pressure follow viscosity, [`bends`] and the pressure on the solids' surfaces. (Slopes of the pressure of Newton's
+    /// iteration before, in place of a first solve, do not converge where liquid fills slits.)
     ///
     /// # Errors
     /// What the solver says.
@@ -129,17 +130,17 @@ impl<const D: usize> PressureFields<D> {
             diffuse(model, p, &bends)?;
             phase_end("viscosity");
         }
-        match (again, response) {
-            (true, _) => std::mem::swap(p.lambda, &mut self.first),
-            (false, Some(_)) => self.first.data.clone_from(&p.lambda.data),
-            (false, None) => {}
-        }
         let mut change = start;
         if viscous || !beyond.is_empty() || bends.iter().any(|b| *b != 0.0) {
             change = yields(model, p, response, &bends, Some(&beyond));
             self.assemble(model, p, &coupling, &change);
             zip(p.cut, &bends)
                 .for_each(|(face, bend)| self.rhs.data[face.cell] += face.open * face.mobility * bend);
+            match (again, response) {
+                (true, _) => std::mem::swap(p.lambda, &mut self.first),
+                (false, Some(_)) => self.first.data.clone_from(&p.lambda.data),
+                (false, None) => {}
+            }
             solves[1] = solver.solve_coupled(compliance.as_ref(), &self.rhs, p.lambda, limits)?;
         }
         self.solver = Some(solver);
