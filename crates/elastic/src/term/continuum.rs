@@ -72,7 +72,7 @@ impl<P: Density<D>, const D: usize> Continuum<P, D> {
     }
 
     fn add_blocks(&self, k: usize, blocks: &[Matrix<D>], matrix: &mut BlockMatrix<D>) {
-        let vertices = self.strains.vertices.get(k);
+        let vertices = self.strains.part(k).0;
         let pairs = (0..vertices.len()).flat_map(|i| (i..vertices.len()).map(move |j| (i, j)));
         for ((i, j), block) in pairs.zip(blocks) {
             let there = matrix.add(vertices[i], vertices[j], block);

@@ -36,13 +36,17 @@ pub enum Smoothing {
     Cells,
     /// The elements around each edge: for meshes without order. In 3D it costs several times as much.
     Edges,
+    /// Quadratic.
+    Quadratic,
 }
 
 /// A stretch of material with one deformation gradient `F = Σ x_v g_vᵀ`.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Strains<const D: usize> {
     /// The vertices of each.
     pub vertices: Cliques,
+    /// Points of each.
+    pub per: usize,
     /// The gradients `g_v`, 1/m, as `vertices` in all lists.
     pub gradients: Vec<Vector<D>>,
     /// Volume of each, m³ (2D: m²).
@@ -58,10 +62,20 @@ impl<const D: usize> Strains<D> {
     /// Of a body; every simplex must have a positive volume.
     pub fn new(mesh: &VolumeMesh<D>, lame: Lame, smoothing: Smoothing) -> Self {
         let elements: Vec<Element<D>> = mesh.simplices.iter().map(|s| element(mesh, s)).collect();
-        let mut strains = Self::default();
+        let mut strains = Self { vertices: Cliques::default(), per: 1, gradients: Vec::new(), volumes: Vec::new(), lame: Vec::new() };
         match smoothing {
             Smoothing::None => elements.iter().for_each(|e| strains.push(&[e], 1.0, lame)),
             Smoothing::Cells => strains.cells(mesh, &elements, lame),
+            Smoothing::Quadratic => {
+                let points = super::quadratic::points(mesh);
+                strains.per = D + 1;
+                for (parent, (gradients, volumes)) in points {
+                    strains.vertices.push(parent.nodes().iter().copied());
+                    strains.gradients.extend(gradients);
+                    strains.lame.extend(volumes.iter().map(|_| lame));
+                    strains.volumes.extend(volumes);
+                }
+            }
             Smoothing::Edges => {
                 let share = 2.0 / (D * (D + 1)) as f64;
                 for around in
@@ -77,7 +91,10 @@ impl<const D: usize> Strains<D> {
 
     /// Vertices and gradients of a strain.
     pub fn part(&self, k: usize) -> (&[u32], &[Vector<D>]) {
-        (self.vertices.get(k), &self.gradients[self.vertices.range(k)])
+        let (element, point) = (k / self.per, k % self.per);
+        let range = self.vertices.range(element);
+        let start = range.start * self.per + point * range.len();
+        (self.vertices.get(element), &self.gradients[start..start + range.len()])
     }
 
     /// `F = Σ x_v g_vᵀ`; differences of positions, so that it is the same wherever the body is.

@@ -10,6 +10,7 @@ pub mod outline;
 pub mod planar;
 pub mod quality;
 pub mod read;
+pub mod refined;
 pub mod stuffing;
 
 pub use block::BlockError;
@@ -17,6 +18,7 @@ pub use outline::{Outline, OutlineError};
 pub use planar::Planar;
 pub use quality::{MeshDefect, Quality, SimplexShape};
 pub use read::VolumeImportError;
+pub use refined::Parent;
 pub use stuffing::{StuffingError, stuff};
 
 use super::SurfaceMesh;
