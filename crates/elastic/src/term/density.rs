@@ -42,41 +42,58 @@ pub trait Density<const D: usize>: Debug + Send + Sync {
     /// The first Piola-Kirchhoff stress `∂Ψ/∂F`, Pa.
     fn stress(&self, lame: Lame, f: &Matrix<D>) -> Matrix<D>;
 
+    /// Whether neither energy nor stress, nor their derivatives, are anything at `F`.
+    fn is_slack(&self, _: &Matrix<D>) -> bool {
+        false
+    }
+
     /// Second derivatives at the stretches `σ`, of which the last is negative in inverted elements.
     fn principal(&self, lame: Lame, stretches: &Vector<D>) -> Principal<D>;
 }
 
-/// A quadratic form of changes of `F`: the sum of `wₘ (Eₘ : δF)²` over modes.
+/// A quadratic form of changes of `F`: the sum of `wₘ (Eₘ : δF)²` over modes `Eₘ`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Modes<const D: usize> {
-    modes: [(f64, Matrix<D>); 16],
-    count: usize,
+pub(crate) struct Tangent<const D: usize> {
+    /// `Σ wₘ (Eₘ)_ij (Eₘ)_kl`: for columns `j` and `l` the matrix of `i` and `k`.
+    columns: [[Matrix<D>; D]; D],
 }
 
-impl<const D: usize> Modes<D> {
+impl<const D: usize> Tangent<D> {
     /// The second derivatives of `Ψ`, or their positive part, and Hooke's law for rates of Green's strain, at `F`.
     ///
     /// The eigenvectors of an isotropic density's Hessian are known but for those of the stretches (Smith et al. 2019,
     /// "Analytic eigensystems for isotropic distortion energies").
     pub fn new(density: &impl Density<D>, lame: Lame, f: &Matrix<D>, weights: Weights) -> Self {
-        let mut modes = Self { modes: [(0.0, Matrix::zeros()); 16], count: 0 };
+        let mut tangent = Self { columns: [[Matrix::zeros(); D]; D] };
         if weights.stiffness != 0.0 {
-            modes.add_stiffness(density, lame, f, weights);
+            tangent.add_stiffness(density, lame, f, weights);
         }
         if weights.viscosity != 0.0 {
-            modes.add_viscosity(lame, f, weights.viscosity);
+            tangent.add_viscosity(lame, f, weights.viscosity);
         }
-        modes
+        tangent.complete();
+        tangent
     }
 
-    /// The weights and directions.
-    pub fn iter(&self) -> impl Iterator<Item = &(f64, Matrix<D>)> {
-        self.modes[..self.count].iter()
+    /// For changes `δF = u gᵀ`, what takes `u` to each column of the change of stress.
+    pub fn along(&self, g: &Vector<D>) -> [Matrix<D>; D] {
+        self.columns.map(|row| row.iter().zip(g.iter()).map(|(block, g)| block * *g).sum())
     }
 
+    /// Adds a mode to the columns `j ≤ l`.
     fn push(&mut self, weight: f64, direction: Matrix<D>) {
-        self.modes[self.count] = (weight, direction);
-        self.count += 1;
+        for j in 0..D {
+            let column = direction.column(j) * weight;
+            for l in j..D {
+                self.columns[j][l] += column * direction.column(l).transpose();
+            }
+        }
+    }
+
+    fn complete(&mut self) {
+        for (j, l) in pairs::<D>() {
+            self.columns[l][j] = self.columns[j][l].transpose();
+        }
     }
 
     fn add_stiffness(&mut self, density: &impl Density<D>, lame: Lame, f: &Matrix<D>, weights: Weights) {

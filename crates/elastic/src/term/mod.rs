@@ -5,8 +5,7 @@ pub mod corotated;
 pub mod crushed;
 pub mod density;
 pub mod neo_hookean;
-pub mod quadratic;
-pub mod smoothing;
+pub mod points;
 pub mod springs;
 pub mod tension;
 
