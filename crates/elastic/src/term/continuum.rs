@@ -13,13 +13,13 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Elements whose tangents are worked out, in parallel, before they are added up in order.
-const BATCH: usize = 8192;
-
-/// Points up to which threads are not worth their while.
-const FEW: usize = 512;
-
-/// Most vertices of an element.
-const MOST: usize = 10;
+const BATCH: usize = 4096;
+/// Elements up to which threads are not worth their while.
+const FEW: usize = 128;
+/// Most vertices of an element: two quadratic tetrahedra with a facet in common.
+const VERTICES: usize = 14;
+/// Most points of an element.
+const POINTS: usize = 8;
 
 /// A solid of one density (finite elements, Sifakis & Barbič 2012).
 #[derive(Clone, Debug)]
@@ -27,6 +27,9 @@ pub struct Continuum<P, const D: usize> {
     density: P,
     points: Points<D>,
 }
+
+/// What an element's points have, one after another.
+type Each<T> = [T; POINTS];
 
 impl<P: Density<D>, const D: usize> Continuum<P, D> {
     /// At rest on a mesh, every simplex of which must have a positive volume.
@@ -48,38 +51,61 @@ impl<P: Density<D>, const D: usize> Continuum<P, D> {
         (0..self.points.len()).into_par_iter().with_min_len(256).map(part).reduce(|| 1.0, f64::min)
     }
 
-    /// Values of a function of elements in order, in parallel where there are many.
-    fn gathered<T: Send>(&self, range: Range<usize>, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-        if range.len() * self.points.per <= FEW {
-            range.map(f).collect()
-        } else {
-            range.into_par_iter().map(f).collect()
+    /// The deformation gradients at an element's points.
+    fn gradients(&self, element: usize, x: &[Vector<D>]) -> Each<Matrix<D>> {
+        let mut all = [Matrix::zeros(); POINTS];
+        all.iter_mut().zip(self.points.of(element)).for_each(|(f, k)| *f = self.points.gradient(k, x));
+        all
+    }
+
+    /// The projections `θ_q = Σ W_qr j_r` of changes of volume at an element's points.
+    fn projected(&self, element: usize, changes: &Each<f64>) -> Each<f64> {
+        let count = self.points.of(element).len();
+        let mut all = [0.0; POINTS];
+        for (theta, row) in all.iter_mut().zip(self.points.means(element).chunks_exact(count)) {
+            *theta = row.iter().zip(changes).map(|(w, j)| w * j).sum();
         }
+        all
     }
 
-    /// The points of an element.
-    fn points_of(&self, element: usize) -> Range<usize> {
-        element * self.points.per..(element + 1) * self.points.per
+    /// What pressures of the projected changes are to the changes themselves, `Σ_q v_q p_q W_qr / v_r`: `W` is symmetric but for
+    /// the volumes, so that it is the projection again.
+    fn pressures(&self, element: usize, fs: &Each<Matrix<D>>) -> Each<[f64; 2]> {
+        let mut changes = [0.0; POINTS];
+        let count = self.points.of(element).len();
+        (0..count).for_each(|q| changes[q] = self.density.volume(&fs[q]));
+        let thetas = self.projected(element, &changes);
+        let (mut slopes, mut bends) = ([0.0; POINTS], [0.0; POINTS]);
+        for q in 0..count {
+            [_, slopes[q], bends[q]] = self.density.volumetric(self.points.lame(element), thetas[q]);
+        }
+        let slopes = self.projected(element, &slopes);
+        std::array::from_fn(|q| [slopes[q], bends[q]])
     }
 
-    /// Adds the forces of stresses at points; nothing where there is none.
+    /// Values of a function of elements in order, in parallel where there are many.
+    fn gathered<T: Send>(range: Range<usize>, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+        if range.len() <= FEW { range.map(f).collect() } else { range.into_par_iter().map(f).collect() }
+    }
+
+    /// Adds the forces of stresses at the points of elements; nothing where there are none.
     fn add_stresses(
         &self,
-        stress: impl Fn(usize) -> Option<Matrix<D>> + Sync + Send,
+        stresses: impl Fn(usize) -> Option<Each<Matrix<D>>> + Sync + Send,
         forces: &mut [Vector<D>],
     ) {
         let of = |element: usize| {
-            let mut pulls = [Vector::<D>::zeros(); MOST];
-            for k in self.points_of(element) {
-                let Some(stress) = stress(k) else { continue };
+            let stresses = stresses(element)?;
+            let mut pulls = [Vector::<D>::zeros(); VERTICES];
+            for (k, stress) in self.points.of(element).zip(&stresses) {
                 let stress = stress * self.points.volumes[k];
-                let gradients = self.points.part(k).1;
-                pulls.iter_mut().zip(gradients).for_each(|(pull, g)| *pull -= stress * g);
+                pulls.iter_mut().zip(self.points.part(k).1).for_each(|(pull, g)| *pull -= stress * g);
             }
-            pulls
+            Some(pulls)
         };
-        let pulls = self.gathered(0..self.points.elements.len(), of);
+        let pulls = Self::gathered(0..self.points.elements.len(), of);
         for (vertices, pulls) in self.points.elements.iter().zip(&pulls) {
+            let pulls = pulls.iter().flatten();
             vertices.iter().zip(pulls).for_each(|(v, pull)| forces[*v as usize] += pull);
         }
     }
@@ -87,25 +113,78 @@ impl<P: Density<D>, const D: usize> Continuum<P, D> {
     /// The blocks of an element's tangent, for pairs of its vertices in the order of [`Self::add_blocks`]; none where all are zero.
     fn blocks(&self, element: usize, x: &[Vector<D>], weights: Weights) -> Vec<Matrix<D>> {
         let n = self.points.elements.get(element).len();
-        let mut blocks = Vec::new();
-        for k in self.points_of(element) {
-            let (gradients, f) = (self.points.part(k).1, self.points.gradient(k, x));
-            if self.density.is_slack(&f) {
-                continue;
-            }
-            blocks.resize(n * (n + 1) / 2, Matrix::zeros());
-            let tangent = Tangent::new(&self.density, self.points.lame(k), &f, weights);
-            let mut along = [[Matrix::<D>::zeros(); D]; MOST];
-            along.iter_mut().zip(gradients).for_each(|(a, g)| *a = tangent.along(g));
-            let mut slots = blocks.iter_mut();
-            for (i, g) in gradients.iter().enumerate() {
-                let g = g * self.points.volumes[k];
-                for (along, block) in along[i..n].iter().zip(&mut slots) {
-                    along.iter().zip(g.iter()).for_each(|(a, g)| *block += a * *g);
-                }
-            }
+        let (fs, lame) = (self.gradients(element, x), self.points.lame(element));
+        let count = self.points.of(element).len();
+        if fs[..count].iter().all(|f| self.density.is_slack(f)) {
+            return Vec::new();
+        }
+        let pressures = if P::PROJECTED { self.pressures(element, &fs) } else { [[0.0; 2]; POINTS] };
+        let mut blocks = vec![Matrix::zeros(); n * (n + 1) / 2];
+        for (k, (f, pressure)) in self.points.of(element).zip(fs.iter().zip(&pressures)) {
+            let tangent = Tangent::new(&self.density, lame, (f, pressure[0]), weights);
+            self.add_point(k, &tangent, &mut blocks);
+        }
+        if P::PROJECTED && weights.stiffness != 0.0 {
+            let slopes = fs.map(|f| self.density.volume_slope(&f));
+            let share =
+                pressures.map(|p| weights.stiffness * if weights.positive { p[1].max(0.0) } else { p[1] });
+            self.add_volumes(element, &slopes, &share, &mut blocks);
+        }
+        if weights.viscosity != 0.0 {
+            self.add_volumes(element, &fs, &[weights.viscosity * lame.lambda; POINTS], &mut blocks);
         }
         blocks
+    }
+
+    /// Adds the tangent at a point.
+    fn add_point(&self, k: usize, tangent: &Tangent<D>, blocks: &mut [Matrix<D>]) {
+        let gradients = self.points.part(k).1;
+        let n = gradients.len();
+        let mut along = [[Matrix::<D>::zeros(); D]; VERTICES];
+        let own = |g: &Vector<D>| g.norm_squared() > 0.0;
+        along.iter_mut().zip(gradients).filter(|(_, g)| own(g)).for_each(|(a, g)| *a = tangent.along(g));
+        let mut first = 0;
+        for (i, g) in gradients.iter().enumerate() {
+            if own(g) {
+                let g = g * self.points.volumes[k];
+                for (j, block) in (i..n).zip(&mut blocks[first..first + n - i]) {
+                    if own(&gradients[j]) {
+                        along[j].iter().zip(g.iter()).for_each(|(a, g)| *block += a * *g);
+                    }
+                }
+            }
+            first += n - i;
+        }
+    }
+
+    /// Adds `Σ_q v_q s_q d_q d_qᵀ` with the derivatives `d_q = Σ_r W_qr S_r g_r` of projected changes of volume, of the slopes `S_r` by the
+    /// deformation gradients.
+    fn add_volumes(
+        &self,
+        element: usize,
+        slopes: &Each<Matrix<D>>,
+        shares: &Each<f64>,
+        blocks: &mut [Matrix<D>],
+    ) {
+        let range = self.points.of(element);
+        let count = range.len();
+        let n = self.points.elements.get(element).len();
+        let mut own = [[Vector::<D>::zeros(); VERTICES]; POINTS];
+        for ((own, slope), k) in own.iter_mut().zip(slopes).zip(range.clone()) {
+            own.iter_mut().zip(self.points.part(k).1).for_each(|(d, g)| *d = slope * g);
+        }
+        for (q, row) in self.points.means(element).chunks_exact(count).enumerate() {
+            let mut slope = [Vector::<D>::zeros(); VERTICES];
+            for (weight, own) in row.iter().zip(&own) {
+                slope[..n].iter_mut().zip(own).for_each(|(d, own)| *d += own * *weight);
+            }
+            let share = shares[q] * self.points.volumes[range.start + q];
+            let mut slots = blocks.iter_mut();
+            for i in 0..n {
+                let scaled = slope[i] * share;
+                slope[i..n].iter().zip(&mut slots).for_each(|(d, block)| *block += scaled * d.transpose());
+            }
+        }
     }
 
     fn add_blocks(&self, element: usize, blocks: &[Matrix<D>], matrix: &mut BlockMatrix<D>) {
@@ -124,36 +203,63 @@ impl<P: Density<D>, const D: usize> ForceTerm<D> for Continuum<P, D> {
     }
 
     fn energy(&self, x: &[Vector<D>]) -> f64 {
-        let energy = |k| {
-            self.points.volumes[k] * self.density.energy(self.points.lame(k), &self.points.gradient(k, x))
+        let of = |element: usize| {
+            let (fs, lame) = (self.gradients(element, x), self.points.lame(element));
+            let points = || self.points.of(element).zip(&fs);
+            let own: f64 = points().map(|(k, f)| self.points.volumes[k] * self.density.energy(lame, f)).sum();
+            if !P::PROJECTED || own == f64::INFINITY {
+                return own;
+            }
+            let mut changes = [0.0; POINTS];
+            changes.iter_mut().zip(points()).for_each(|(j, (_, f))| *j = self.density.volume(f));
+            let thetas = self.projected(element, &changes);
+            let volumetric =
+                |(k, theta): (usize, &f64)| self.points.volumes[k] * self.density.volumetric(lame, *theta)[0];
+            own + self.points.of(element).zip(&thetas).map(volumetric).sum::<f64>()
         };
-        par::sum(self.points.len(), energy)
+        par::sum(self.points.elements.len(), of)
     }
 
     fn add_forces(&self, x: &[Vector<D>], forces: &mut [Vector<D>]) {
-        let stress = |k| {
-            let f = self.points.gradient(k, x);
-            (!self.density.is_slack(&f)).then(|| self.density.stress(self.points.lame(k), &f))
+        let stresses = |element: usize| {
+            let (mut fs, lame) = (self.gradients(element, x), self.points.lame(element));
+            let count = self.points.of(element).len();
+            if fs[..count].iter().all(|f| self.density.is_slack(f)) {
+                return None;
+            }
+            let pressures = if P::PROJECTED { self.pressures(element, &fs) } else { [[0.0; 2]; POINTS] };
+            for (f, [pressure, _]) in fs[..count].iter_mut().zip(&pressures) {
+                let volumetric =
+                    if P::PROJECTED { self.density.volume_slope(f) * *pressure } else { Matrix::zeros() };
+                *f = self.density.stress(lame, f) + volumetric;
+            }
+            Some(fs)
         };
-        self.add_stresses(stress, forces);
+        self.add_stresses(stresses, forces);
     }
 
     /// Hooke's law for the rate of Green's strain (Kelvin and Voigt's solid).
     fn add_viscous_forces(&self, x: &[Vector<D>], v: &[Vector<D>], time: f64, forces: &mut [Vector<D>]) {
-        let stress = |k: usize| {
-            let (f, Lame { lambda, mu }) = (self.points.gradient(k, x), self.points.lame(k));
-            let half = f.tr_mul(&self.points.gradient(k, v));
-            let rate = (half + half.transpose()) * mu + Matrix::identity() * (lambda * half.trace());
-            Some(f * rate * time)
+        let stresses = |element: usize| {
+            let Lame { lambda, mu } = self.points.lame(element);
+            let (fs, rates) = (self.gradients(element, x), self.gradients(element, v));
+            let halves: Each<Matrix<D>> = std::array::from_fn(|q| fs[q].tr_mul(&rates[q]));
+            // Projected twice, as pressures are, which is once.
+            let volumes = self.projected(element, &halves.map(|half| half.trace()));
+            Some(std::array::from_fn(|q| {
+                let rate =
+                    (halves[q] + halves[q].transpose()) * mu + Matrix::identity() * (lambda * volumes[q]);
+                fs[q] * rate * time
+            }))
         };
-        self.add_stresses(stress, forces);
+        self.add_stresses(stresses, forces);
     }
 
     fn add_tangent(&self, x: &[Vector<D>], weights: Weights, matrix: &mut BlockMatrix<D>) {
         let count = self.points.elements.len();
         for start in (0..count).step_by(BATCH) {
             let batch = start..(start + BATCH).min(count);
-            let blocks = self.gathered(batch.clone(), |k| self.blocks(k, x, weights));
+            let blocks = Self::gathered(batch.clone(), |k| self.blocks(k, x, weights));
             batch.zip(&blocks).for_each(|(k, blocks)| self.add_blocks(k, blocks, matrix));
         }
     }

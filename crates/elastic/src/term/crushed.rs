@@ -44,7 +44,7 @@ impl<const D: usize> Density<D> for Crushed {
         if slope == 0.0 { Matrix::zeros() } else { cofactor(f) * (lame.lambda * slope) }
     }
 
-    fn principal(&self, lame: Lame, stretches: &Vector<D>) -> Principal<D> {
+    fn principal(&self, lame: Lame, stretches: &Vector<D>, _: f64) -> Principal<D> {
         let [_, slope, bend] = barrier(stretches.product()).map(|b| b * lame.lambda);
         let but =
             |i: usize, j: usize| (0..D).filter(|k| *k != i && *k != j).map(|k| stretches[k]).product::<f64>();

@@ -5,11 +5,11 @@
 //! ```
 //!
 //! (J. Simo & K. Pister 1984; Bonet & Wood, "Nonlinear Continuum Mechanics for Finite Element Analysis", §6.4.3), without stress at
-//! rest and Hooke's law for small strains; in 2D it is that of plane strain. The energy has no bound as the volume goes to zero and is
+//! rest and Hooke's law for small strains; in 2D it is that of plane strain. The last part is that of the projected change of volume. The energy has no bound as the volume goes to zero and is
 //! infinite beyond: a search for the least of it never turns an element inside out. Limit: stretched beyond `J = e` to all sides it
 //! yields more the more it is stretched.
 
-use super::density::{Density, Lame, Principal, cofactor, determinant};
+use super::density::{Density, Lame, Principal, beyond_trace, cofactor, determinant, dilation};
 use crate::linalg::pairs;
 use meniscus_numerics::{Matrix, Vector};
 
@@ -30,44 +30,56 @@ fn above_log(j: f64) -> f64 {
     j * j * (2..TERMS + 2).rev().fold(0.0, |sum, k| 1.0 / f64::from(k) - j * sum)
 }
 
-/// `∂Ψ/∂J`; not a number where there is no volume.
-fn slope(lame: Lame, j: f64) -> f64 {
-    (lame.lambda * j.ln() - lame.mu) / j
-}
-
 impl<const D: usize> Density<D> for NeoHookean {
+    const PROJECTED: bool = true;
+
     fn energy(&self, lame: Lame, f: &Matrix<D>) -> f64 {
-        // In `G = F − 1` and `j = J − 1 = tr G + …`: `(|F|² − D)/2 − ln J = |G|²/2 + (j − ln (1 + j)) − (j − tr G)`.
+        // In `G = F − 1` and `j = J − 1`: `(|F|² − D)/2 − ln J = |G|²/2 + (j − ln (1 + j)) − (j − tr G)`.
         let g = f - Matrix::identity();
-        let trace = g.trace();
-        let second = 0.5 * (trace * trace - (g * g).trace());
-        let beyond = if D == 2 { second } else { second + determinant(&g) };
-        let j = trace + beyond;
+        let beyond = beyond_trace(&g);
+        let j = g.trace() + beyond;
         if j <= -1.0 {
             return f64::INFINITY;
         }
-        lame.mu * (0.5 * g.norm_squared() + above_log(j) - beyond) + 0.5 * lame.lambda * j.ln_1p().powi(2)
+        lame.mu * (0.5 * g.norm_squared() + above_log(j) - beyond)
     }
 
     fn stress(&self, lame: Lame, f: &Matrix<D>) -> Matrix<D> {
-        f * lame.mu + cofactor(f) * slope(lame, determinant(f))
+        // Not a number where there is no volume.
+        f * lame.mu - cofactor(f) * (lame.mu / determinant(f))
     }
 
-    fn principal(&self, lame: Lame, stretches: &Vector<D>) -> Principal<D> {
+    fn principal(&self, lame: Lame, stretches: &Vector<D>, pressure: f64) -> Principal<D> {
+        // Of the product of stretches without two of them, `p J / (σ_i σ_j)`, and of the logarithm, `−μ / (σ_i σ_j)` but in the stretches.
         let volume = stretches.product();
-        let slope = slope(lame, volume);
-        // `J ∂Ψ/∂J`, and `J ∂/∂J` of that: `Ψ = μ/2 Σ σ² + φ(Σ ln σ)`.
-        let (first, second) = (slope * volume, lame.lambda);
-        let mut stretch = Matrix::from_fn(|i, j| second / (stretches[i] * stretches[j]));
-        let (mut shear, mut twist) = ([0.0; 3], [0.0; 3]);
+        let (mut stretch, mut shear, mut twist) = (Matrix::zeros(), [0.0; 3], [0.0; 3]);
         for i in 0..D {
-            stretch[(i, i)] += lame.mu - first / (stretches[i] * stretches[i]);
+            stretch[(i, i)] = lame.mu * (1.0 + 1.0 / (stretches[i] * stretches[i]));
         }
         for (k, (i, j)) in pairs::<D>().enumerate() {
-            let bend = first / (stretches[i] * stretches[j]);
-            shear[k] = lame.mu - bend;
-            twist[k] = lame.mu + bend;
+            let both = stretches[i] * stretches[j];
+            let rest = pressure * volume / both;
+            stretch[(i, j)] = rest;
+            stretch[(j, i)] = rest;
+            shear[k] = lame.mu * (1.0 + 1.0 / both) - rest;
+            twist[k] = lame.mu * (1.0 - 1.0 / both) + rest;
         }
         Principal { stretch, shear, twist }
+    }
+
+    fn volume(&self, f: &Matrix<D>) -> f64 {
+        dilation(f)
+    }
+
+    fn volume_slope(&self, f: &Matrix<D>) -> Matrix<D> {
+        cofactor(f)
+    }
+
+    fn volumetric(&self, lame: Lame, theta: f64) -> [f64; 3] {
+        if theta <= -1.0 {
+            return [f64::INFINITY; 3];
+        }
+        let (log, j) = (theta.ln_1p(), 1.0 + theta);
+        [0.5 * lame.lambda * log * log, lame.lambda * log / j, lame.lambda * (1.0 - log) / (j * j)]
     }
 }
