@@ -63,7 +63,12 @@ fn twisting(side: usize, layers: usize, poisson: f64, order: Order, wide: f64) -
     let body = plate([side, side, layers], poisson, order, wide);
     let positions = &body.mesh().positions;
     let size = positions.iter().fold(Vector::<3>::zeros(), |s, x| s.sup(x));
-    let mut told: Vec<Told> = [0, side, side * (side + 1)].map(|v| (v, 2, 0.0)).to_vec();
+    let at = |x: f64, y: f64| {
+        let off = |v: &usize| (positions[*v] - Vector::from([x, y, 0.0])).norm();
+        (0..positions.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap()
+    };
+    let held = [at(0.0, 0.0), at(size[0], 0.0), at(0.0, size[1])];
+    let mut told: Vec<Told> = held.map(|v| (v, 2, 0.0)).to_vec();
     for (v, x) in positions.iter().enumerate() {
         for (a, b) in [(0, 1), (1, 0)] {
             if x[a] < 1e-9 || x[a] > size[a] - 1e-9 {
