@@ -196,7 +196,7 @@ fn table_stuffed() {
                 let shape = Shape::Box { center: half, half_size: half, rotation };
                 let (lower, upper) = shape.bounds();
                 let distance = |x: &Vector<3>| shape.signed_distance(x);
-                let mesh = meniscus_numerics::mesh::volume::stuffing::stuff_of(
+                let mesh = meniscus_numerics::mesh::volume::quadratic::stuff_of(
                     Order::Quadratic,
                     &distance,
                     &lower,

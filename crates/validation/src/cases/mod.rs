@@ -39,6 +39,7 @@ mod static_drop;
 mod surface_distance;
 mod transport;
 mod turek_hron;
+mod unstructured;
 mod volume;
 mod walls;
 mod wettability_step;
@@ -51,7 +52,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 60] = [
+const ALL: [Case; 61] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -94,6 +95,7 @@ const ALL: [Case; 60] = [
     momentum_with_solid::CASE,
     leak::CASE,
     elastic::BEAM,
+    unstructured::CASE,
     turek_hron::FLAG,
     soft::KINK,
     soft::STRIP,

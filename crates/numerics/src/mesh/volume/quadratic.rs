@@ -13,7 +13,7 @@
 //! `2^D` of each parent, those at the corners first, and the simplex at corner `i` has node `x_ij` as its vertex `j`: so the
 //! parents need no memory of their own ([`VolumeMesh::parents`]).
 
-use super::stuffing::{Distance, crossing};
+use super::stuffing::{Distance, StuffingError, crossing, stuff};
 use super::{Simplex, VolumeMesh};
 use crate::mesh::surface::area_vector;
 use crate::{Matrix, Vector};
@@ -26,6 +26,10 @@ const BULGE: f64 = 0.25;
 /// Least volume of a part, and least derivative of volume at a node, of a curved quadratic simplex over those of the straight one.
 /// They fall in proportion to how far nodes go: at half of the way to the fold, half is left.
 const LEAST: f64 = 0.5;
+
+/// Part of a volume that large quadratic simplices may lose of what linear ones have with the same vertices: that of a solid's mass
+/// and of its stiffness against being pulled.
+const LOST: f64 = 0.05;
 
 /// The order of the polynomials on the simplices of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -68,6 +72,29 @@ pub fn slopes<const D: usize>(b: &[f64]) -> Vec<Vector<D>> {
     let corner = |i: usize| along(i) * (4.0 * b[i] - 1.0);
     let middle = |(i, j): (usize, usize)| (along(i) * b[j] + along(j) * b[i]) * 4.0;
     (0..=D).map(corner).chain(edges::<D>().map(middle)).collect()
+}
+
+/// As [`stuff`], of simplices of an order, with vertices about `edge` (m) apart. Quadratic simplices are twice as large, unless that
+/// loses what is thin: then they are not, and vertices are nearer to each other.
+///
+/// # Errors
+/// As [`stuff`].
+pub fn stuff_of<const D: usize>(
+    order: Order,
+    distance: &Distance<D>,
+    lower: &Vector<D>,
+    upper: &Vector<D>,
+    edge: f64,
+) -> Result<VolumeMesh<D>, StuffingError> {
+    let linear = stuff(distance, lower, upper, edge)?;
+    if order == Order::Linear {
+        return Ok(linear);
+    }
+    let large = stuff(distance, lower, upper, 2.0 * edge).map(|mesh| mesh.divided_onto(distance));
+    match large {
+        Ok(mesh) if mesh.volume() >= (1.0 - LOST) * linear.volume() => Ok(mesh),
+        _ => Ok(linear.divided_onto(distance)),
+    }
 }
 
 impl<const D: usize> VolumeMesh<D> {

@@ -16,6 +16,7 @@
 //! they lie, of 11 to 164 whatever the signs at the vertices (the article proves 10.7 to 164.8); in 2D angles of 16 to 139.
 
 use super::block::BlockError;
+use super::quadratic::stuff_of;
 use super::{MeshDefect, Order, Simplex, VolumeMesh};
 use crate::Vector;
 use crate::shape::Shape;
@@ -122,23 +123,6 @@ impl<const D: usize> VolumeMesh<D> {
         }
         let (lower, upper) = shape.bounds();
         stuff_of(order, &|x| shape.signed_distance(x), &lower, &upper, edge)
-    }
-}
-
-/// As [`stuff`], of simplices of an order.
-///
-/// # Errors
-/// As [`stuff`].
-pub fn stuff_of<const D: usize>(
-    order: Order,
-    distance: &Distance<D>,
-    lower: &Vector<D>,
-    upper: &Vector<D>,
-    edge: f64,
-) -> Result<VolumeMesh<D>, StuffingError> {
-    match order {
-        Order::Linear => stuff(distance, lower, upper, edge),
-        Order::Quadratic => Ok(stuff(distance, lower, upper, 2.0 * edge)?.divided_onto(distance)),
     }
 }
 
