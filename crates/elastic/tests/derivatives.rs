@@ -233,8 +233,49 @@ fn potentials_of_steps_have_their_derivatives<const D: usize>() {
     }
 }
 
+/// Half-way through a step, where the law is taken, and at the end of the coming one an element without volume makes the potential
+/// infinite; as far as elements may go to the latter is told.
+fn potentials_are_infinite_without_volume<const D: usize>() {
+    let mesh = quadratic::<D>([2; D], [1.0; D]);
+    let x = mesh.positions.clone();
+    let law = Law::NeoHookean { young: 3.0, poisson: 0.35, order: Order::Quadratic };
+    let integrator = Integrator::default();
+    let description =
+        Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new(), integrator };
+    let elastic = Elastic::new(description).unwrap();
+    let zero = vec![Vector::zeros(); x.len()];
+    let state = ElasticState { positions: x.clone(), velocities: zero.clone(), time: 0.0 };
+    let potential = |step: f64, ahead: f64| Incremental {
+        elastic: &elastic,
+        state: &state,
+        fast: zero.clone(),
+        viscous_at: x.clone(),
+        extra: &[],
+        impulses: &zero,
+        step,
+        ahead,
+    };
+    // A corner goes through the body to where its elements have no volume.
+    let far = (0..x.len()).max_by(|a, b| x[*a].sum().total_cmp(&x[*b].sum())).unwrap();
+    let pressed = |by: f64| {
+        let mut v = zero.clone();
+        v[far] = Vector::repeat(-by);
+        v
+    };
+    for (step, ahead, far) in [(4.0, 1e-6, 1.0), (1e-6, 1.0, 1.0)] {
+        let potential = potential(step, ahead);
+        assert!(potential.value(&pressed(0.01 * far)).is_finite(), "{D}D");
+        assert!(potential.value(&pressed(far)) == f64::INFINITY, "{D}D");
+    }
+    let part = potential(1e-6, 1.0).upright_step(&zero, &pressed(1.0), 0.2);
+    assert!(part > 0.0 && part < 1.0, "{D}D: {part}");
+    assert!(potential(1e-6, 1.0).value(&pressed(part)).is_finite(), "{D}D");
+}
+
 #[test]
 fn potentials_of_steps() {
+    potentials_are_infinite_without_volume::<2>();
+    potentials_are_infinite_without_volume::<3>();
     potentials_of_steps_have_their_derivatives::<2>();
     potentials_of_steps_have_their_derivatives::<3>();
 }
