@@ -167,7 +167,7 @@ impl<const D: usize> VolumeMesh<D> {
         if !parts.remainder().is_empty() {
             return None;
         }
-        parts.map(|parts| parent(parts)).collect()
+        parts.map(parent).collect()
     }
 
     fn at(&self, v: u32) -> Vector<D> {
