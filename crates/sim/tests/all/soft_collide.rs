@@ -86,7 +86,7 @@ pub fn soft<const D: usize>(
 ) -> Solid<D> {
     let low = mesh.positions.iter().fold(Vector::repeat(1e9), |l: Vector<D>, x| l.inf(x));
     let high = mesh.positions.iter().fold(Vector::repeat(-1e9), |l: Vector<D>, x| l.sup(x));
-    let law = Law::NeoHookean { young, poisson: 0.3, order: Order::Quadratic };
+    let law = Law::NeoHookean { young, poisson: 0.3, order: Order::Linear };
     let integrator = Integrator::default();
     let description =
         Description { mesh, density: DENSITY, law, damping_ratio: damping, anchors, integrator };
