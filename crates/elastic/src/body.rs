@@ -5,9 +5,10 @@ use crate::linalg::{BlockMatrix, Pattern, Solver};
 use crate::term::Weights;
 use crate::term::continuum::Continuum;
 use crate::term::crushed::Crushed;
+use crate::term::points::mean_square_edge;
 use crate::{
     Anchor, Corotated, Description, ElasticError, ElasticState, ForceTerm, Integrator, Lame, Law, Motion,
-    NeoHookean, Springs, settled_modes,
+    NeoHookean, Order, Springs, settled_modes,
 };
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
@@ -20,7 +21,7 @@ const SETTLED: f64 = 1e-3;
 
 /// A deformable solid: all that does not change while it moves.
 ///
-/// Masses are lumped: each element gives equal parts to its vertices. That keeps momentum, the centre of mass and the order
+/// Masses are lumped: each simplex of the mesh gives equal parts to its vertices. That keeps momentum, the centre of mass and the order
 /// of accuracy, and leaves `M⁻¹` a division, which preconditioners of the liquid's pressure need. The consistent matrix would
 /// have smaller errors of the same order, but makes the fastest modes of an element, which no one wants to see, faster.
 #[derive(Debug)]
@@ -36,7 +37,7 @@ pub struct Elastic<const D: usize> {
     pub(crate) solver: Solver,
     pub(crate) pattern: Arc<Pattern>,
     /// What keeps its elements upright.
-    pub(crate) upright: Continuum<Crushed, D>,
+    pub(crate) upright: Vec<Continuum<Crushed, D>>,
 }
 
 impl<const D: usize> Elastic<D> {
@@ -64,10 +65,10 @@ impl<const D: usize> Elastic<D> {
         law.check()?;
         let masses = masses(&mesh, density)?;
         let held = held(&mesh, &anchors)?;
-        let mut terms = terms(&mesh, law);
+        let mut terms = terms(&mesh, law)?;
         terms.extend(more);
         let pattern = Arc::new(Pattern::new(masses.len(), terms.iter().map(|t| t.couplings())));
-        let upright = upright(&mesh, law);
+        let upright = upright(&mesh, law)?;
         let young = young(&mesh, law);
         let solver = Solver::new(&mesh.positions, &pattern, &held)
             .ok_or(ElasticError::TooLarge { vertices: masses.len() })?;
@@ -194,18 +195,18 @@ impl<const D: usize> Elastic<D> {
 }
 
 /// The terms of a law.
-fn terms<const D: usize>(mesh: &VolumeMesh<D>, law: Law) -> Vec<Box<dyn ForceTerm<D>>> {
-    match law {
-        Law::NeoHookean { young, poisson, smoothing } => {
-            vec![Box::new(Continuum::new(mesh, NeoHookean, Lame::new(young, poisson), smoothing))]
+fn terms<const D: usize>(mesh: &VolumeMesh<D>, law: Law) -> Result<Vec<Box<dyn ForceTerm<D>>>, ElasticError> {
+    Ok(match law {
+        Law::NeoHookean { young, poisson, order } => {
+            vec![Box::new(Continuum::new(mesh, NeoHookean, Lame::new(young, poisson), order)?)]
         }
-        Law::Corotated { young, poisson, smoothing } => {
-            vec![Box::new(Continuum::new(mesh, Corotated, Lame::new(young, poisson), smoothing))]
+        Law::Corotated { young, poisson, order } => {
+            vec![Box::new(Continuum::new(mesh, Corotated, Lame::new(young, poisson), order)?)]
         }
         Law::Springs { stiffness } => {
             vec![Box::new(Springs::new(mesh, stiffness))]
         }
-    }
+    })
 }
 
 /// Young's modulus of a law, Pa.
@@ -221,21 +222,26 @@ fn young<const D: usize>(mesh: &VolumeMesh<D>, law: Law) -> f64 {
 
 /// What keeps elements upright: as stiff against being pressed as the law is, `λ + 2 μ`. Springs of `k` that meet in an element of a
 /// volume `V` have `k l²/V`, with the mean square of its edges.
-fn upright<const D: usize>(mesh: &VolumeMesh<D>, law: Law) -> Continuum<Crushed, D> {
-    let square = |s: &Simplex<D>| {
-        let at: Vec<Vector<D>> = s.vertices().map(|v| mesh.positions[v as usize]).collect();
-        let all: f64 = at.iter().flat_map(|a| at.iter().map(move |b| (a - b).norm_squared())).sum();
-        all / (D * (D + 1)) as f64
-    };
-    let stiffness = |s: &Simplex<D>| match law {
-        Law::NeoHookean { young, poisson, .. } | Law::Corotated { young, poisson, .. } => {
+fn upright<const D: usize>(
+    mesh: &VolumeMesh<D>,
+    law: Law,
+) -> Result<Vec<Continuum<Crushed, D>>, ElasticError> {
+    let lame = |stiffness| Lame { lambda: stiffness, mu: 0.0 };
+    match law {
+        Law::NeoHookean { young, poisson, order } | Law::Corotated { young, poisson, order } => {
             let Lame { lambda, mu } = Lame::new(young, poisson);
-            lambda + 2.0 * mu
+            let lame = lame(lambda + 2.0 * mu);
+            let mut all = vec![Continuum::new(mesh, Crushed, lame, Order::Linear)?];
+            if order == Order::Quadratic {
+                all.push(Continuum::new(mesh, Crushed, lame, order)?);
+            }
+            Ok(all)
         }
-        Law::Springs { stiffness } => stiffness * square(s) / s.volume(&mesh.positions),
-    };
-    let lame = mesh.simplices.iter().map(|s| Lame { lambda: stiffness(s), mu: 0.0 }).collect();
-    Continuum::of_elements(mesh, Crushed, lame)
+        Law::Springs { stiffness } => {
+            let of = |s| lame(stiffness * mean_square_edge(mesh, s) / s.volume(&mesh.positions));
+            Ok(vec![Continuum::of_simplices(mesh, Crushed, mesh.simplices.iter().map(of).collect())])
+        }
+    }
 }
 
 /// The masses of a mesh's vertices, kg (2D: kg/m).

@@ -2,9 +2,9 @@
 
 use crate::ElasticError;
 use crate::step::Integrator;
-use crate::term::smoothing::Smoothing;
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
+use meniscus_numerics::mesh::volume::Order;
 
 /// A deformable solid, as described.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,8 +33,8 @@ pub enum Law {
         young: f64,
         /// Poisson's ratio.
         poisson: f64,
-        /// How the mesh is kept from locking.
-        smoothing: Smoothing,
+        /// Of the elements.
+        order: Order,
     },
     /// A continuum for small strains and any rotation, [`crate::Corotated`].
     Corotated {
@@ -42,8 +42,8 @@ pub enum Law {
         young: f64,
         /// Poisson's ratio.
         poisson: f64,
-        /// How the mesh is kept from locking.
-        smoothing: Smoothing,
+        /// Of the elements.
+        order: Order,
     },
     /// A spring along every edge, [`crate::Springs`].
     Springs {

@@ -8,6 +8,19 @@ pub enum ElasticError {
     /// There is no element.
     #[error("the solid has no element; give it a volume that is at least a mesh cell thick")]
     Empty,
+    /// Quadratic simplices are asked for on a mesh that has none.
+    #[error(
+        "the simplices of the mesh are not the parts of quadratic ones; divide it (`VolumeMesh::divided`)"
+    )]
+    NotDivided,
+    /// A quadratic simplex that is turned inside out at a point.
+    #[error(
+        "the quadratic element {element} is folded at rest; move the nodes on its edges nearer to their middles"
+    )]
+    Folded {
+        /// Its number.
+        element: usize,
+    },
     /// An element names a vertex that does not exist.
     #[error("element {element} names vertex {vertex}, but there are only {count}; the mesh is damaged")]
     NoSuchVertex {

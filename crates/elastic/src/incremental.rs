@@ -14,9 +14,7 @@
 use crate::step::add_extra;
 use crate::term::ForceTerm;
 use crate::{BlockMatrix, Elastic, ElasticState, Integrator, StiffnessBlock, Weights};
-use meniscus_contact::upright_step;
 use meniscus_numerics::{Vector, par};
-use rayon::prelude::*;
 
 /// Modes that a step does not resolve end at once, `θ = 1`: with half of it elements that stiffen as they are crushed won energy in two
 /// of 22 wet scenes, a hundred times what there was.
@@ -84,7 +82,8 @@ impl<const D: usize> Incremental<'_, D> {
             w[k].dot(&(w[k] * (0.5 * self.elastic.masses[k]) - fast[k] - self.impulses[k] - extra[k] * 0.5))
                 - 0.5 * velocities[k].dot(&damping[k])
         });
-        let upright = self.elastic.upright.energy(&self.ends(velocities));
+        let ends = self.ends(velocities);
+        let upright: f64 = self.elastic.upright.iter().map(|u| u.energy(&ends)).sum();
         own + 4.0 * self.elastic.elastic_energy(&self.half_way(&w)) + h / self.ahead * upright
     }
 
@@ -94,7 +93,8 @@ impl<const D: usize> Incremental<'_, D> {
         let w = self.change(velocities);
         let [damping, fast] = self.viscous(velocities, &w, 0.5 + 0.25 * theta);
         let mut forces = self.elastic.forces(&self.half_way(&w));
-        self.elastic.upright.add_forces(&self.ends(velocities), &mut forces);
+        let ends = self.ends(velocities);
+        self.elastic.upright.iter().for_each(|u| u.add_forces(&ends, &mut forces));
         let mut extra = vec![Vector::zeros(); w.len()];
         add_extra(self.extra, h, &w, &mut extra);
         let of = |k: usize| {
@@ -113,18 +113,16 @@ impl<const D: usize> Incremental<'_, D> {
         let weights = Weights { positive, viscosity: 0.0, ..own };
         elastic.terms.iter().for_each(|term| term.add_tangent(&half_way, weights, &mut matrix));
         let weights = Weights { stiffness: self.step * self.ahead, ..weights };
-        elastic.upright.add_tangent(&self.ends(velocities), weights, &mut matrix);
+        let ends = self.ends(velocities);
+        elastic.upright.iter().for_each(|u| u.add_tangent(&ends, weights, &mut matrix));
         let mut put = |e: &StiffnessBlock<D>| matrix.add(e.first, e.second, &(e.block * own.stiffness));
         self.extra.iter().all(&mut put).then_some(matrix)
     }
 
     /// The largest part of a change of the velocities, up to all of it, on which elements keep `keep` of the volume that they have
-    /// at the end of the coming step.
+    /// at the end of the coming step, everywhere where it is looked at.
     pub fn upright_step(&self, velocities: &[Vector<D>], change: &[Vector<D>], keep: f64) -> f64 {
         let (ends, ways) = (self.ends(velocities), change.iter().map(|c| c * self.ahead).collect::<Vec<_>>());
-        let part = |simplex: &meniscus_numerics::mesh::Simplex<D>| {
-            upright_step(&simplex.edges(&ends), &simplex.edges(&ways), keep)
-        };
-        self.elastic.rest.simplices.par_iter().with_min_len(256).map(part).reduce(|| 1.0, f64::min)
+        self.elastic.upright.iter().map(|u| u.upright_step(&ends, &ways, keep)).fold(1.0, f64::min)
     }
 }

@@ -3,22 +3,23 @@
 
 mod lattice;
 
-use lattice::{Noise, block};
+use lattice::{Noise, quadratic};
 use meniscus_elastic::{
     CRUSHED, Continuum, Corotated, Crushed, Description, Elastic, ElasticState, ForceTerm, Incremental,
-    Integrator, Lame, Law, NeoHookean, Smoothing, Springs, SurfaceTension, Weights,
+    Integrator, Lame, Law, NeoHookean, Order, Springs, SurfaceTension, Weights,
 };
+use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Vector, planes};
 
-const ALL: [Smoothing; 3] = [Smoothing::None, Smoothing::Cells, Smoothing::Edges];
+const BOTH: [Order; 2] = [Order::Linear, Order::Quadratic];
 
 fn terms<const D: usize>() -> Vec<Box<dyn ForceTerm<D>>> {
-    let mesh = block::<D>([2; D], [1.0; D]);
+    let mesh = quadratic::<D>([2; D], [1.0; D]);
     let lame = Lame::new(3.0, 0.35);
     let mut terms: Vec<Box<dyn ForceTerm<D>>> = vec![Box::new(Springs::new(&mesh, 2.0))];
-    for smoothing in ALL {
-        terms.push(Box::new(Continuum::new(&mesh, NeoHookean, lame, smoothing)));
-        terms.push(Box::new(Continuum::new(&mesh, Corotated, lame, smoothing)));
+    for order in BOTH {
+        terms.push(Box::new(Continuum::new(&mesh, NeoHookean, lame, order).unwrap()));
+        terms.push(Box::new(Continuum::new(&mesh, Corotated, lame, order).unwrap()));
     }
     terms
 }
@@ -26,7 +27,7 @@ fn terms<const D: usize>() -> Vec<Box<dyn ForceTerm<D>>> {
 /// These, and the tension of the surface, whose positive tangent is but that against heights over it.
 fn all_terms<const D: usize>() -> Vec<Box<dyn ForceTerm<D>>> {
     let mut terms = terms::<D>();
-    let mesh = block::<D>([2; D], [1.0; D]);
+    let mesh = quadratic::<D>([2; D], [1.0; D]);
     terms.push(Box::new(SurfaceTension::new(&mesh, 0.7)));
     terms
 }
@@ -41,8 +42,8 @@ fn moved<const D: usize>(x: &[Vector<D>], along: &[Vector<D>], by: f64) -> Vec<V
 
 /// A body of a term only (and of one so soft that it does not count).
 fn body<const D: usize>(term: Box<dyn ForceTerm<D>>) -> Elastic<D> {
-    let law = Law::Corotated { young: 1e-200, poisson: 0.0, smoothing: Smoothing::Edges };
-    let mesh = block::<D>([2; D], [1.0; D]);
+    let law = Law::Corotated { young: 1e-200, poisson: 0.0, order: Order::Quadratic };
+    let mesh = quadratic::<D>([2; D], [1.0; D]);
     let description = Description {
         mesh,
         density: 1.0,
@@ -61,11 +62,14 @@ fn forces<const D: usize>(term: &dyn ForceTerm<D>, x: &[Vector<D>]) -> Vec<Vecto
 }
 
 fn forces_are_the_slope_of_the_energy<const D: usize>() {
-    let rest = block::<D>([2; D], [1.0; D]).positions;
+    let rest = quadratic::<D>([2; D], [1.0; D]).positions;
     for (k, term) in all_terms::<D>().iter().enumerate() {
-        for size in [0.0, 0.05, 0.6] {
+        for size in [0.0, 0.05, 0.1, 0.6] {
             let mut noise = Noise(k as u64);
             let x = moved(&rest, &noise.vectors(rest.len()), size);
+            if size > 0.1 && term.energy(&x) == f64::INFINITY {
+                continue;
+            }
             let along = noise.vectors(rest.len());
             let step = 1e-5;
             let slope = (term.energy(&moved(&x, &along, step)) - term.energy(&moved(&x, &along, -step)))
@@ -85,9 +89,9 @@ fn forces_are_the_slope_of_the_energy<const D: usize>() {
 
 fn tangents_are_slopes_of_forces<const D: usize>() {
     // Stretched, so that nothing of the stiffness is negative; and as it comes.
-    let cases = [(1.05, 0.003, true, terms::<D>()), (1.0, 0.2, false, all_terms::<D>())];
+    let cases = [(1.05, 0.003, true, terms::<D>()), (1.0, 0.1, false, all_terms::<D>())];
     for (grown, size, positive, terms) in cases {
-        let rest = block::<D>([2; D], [1.0; D]).positions;
+        let rest = quadratic::<D>([2; D], [1.0; D]).positions;
         for (k, term) in terms.into_iter().enumerate() {
             let body = body(term);
             let mut noise = Noise(k as u64);
@@ -109,10 +113,10 @@ fn tangents_are_slopes_of_forces<const D: usize>() {
 }
 
 fn tangents_are_positive_and_rates_of_strain_keep_momenta<const D: usize>() {
-    let rest = block::<D>([2; D], [1.0; D]).positions;
+    let rest = quadratic::<D>([2; D], [1.0; D]).positions;
     for (k, term) in all_terms::<D>().into_iter().enumerate() {
         let mut noise = Noise(k as u64);
-        let x = moved(&rest, &noise.vectors(rest.len()), 0.6);
+        let x = moved(&rest, &noise.vectors(rest.len()), 0.12);
         let (mut viscous, v) = (vec![Vector::zeros(); x.len()], noise.vectors(x.len()));
         term.add_viscous_forces(&x, &v, 2.0, &mut viscous);
         let body = body(term);
@@ -152,15 +156,15 @@ fn tangents_are_positive_and_rates_of_strain_keep_momenta<const D: usize>() {
 
 /// A block of which one extent is pressed to a part of itself, with some noise.
 fn crushed<const D: usize>(part: f64, noise: &mut Noise) -> Vec<Vector<D>> {
-    let rest = block::<D>([2; D], [1.0; D]).positions;
+    let rest = quadratic::<D>([2; D], [1.0; D]).positions;
     let pressed: Vec<Vector<D>> =
         rest.iter().map(|x| Vector::from_fn(|a, _| if a == 0 { part * x[a] } else { x[a] })).collect();
     moved(&pressed, &noise.vectors(rest.len()), 0.02 * part)
 }
 
 fn crushed_elements_resist<const D: usize>() {
-    let mesh = block::<D>([2; D], [1.0; D]);
-    let crush = || Continuum::new(&mesh, Crushed, Lame::new(3.0, 0.35), Smoothing::None);
+    let mesh = quadratic::<D>([2; D], [1.0; D]);
+    let crush = || Continuum::new(&mesh, Crushed, Lame::new(3.0, 0.35), Order::Quadratic).unwrap();
     let mut noise = Noise(5);
     assert!(crush().energy(&crushed(1.2 * CRUSHED, &mut noise)) == 0.0);
     assert!(crush().energy(&crushed(-0.1, &mut noise)) == f64::INFINITY);
@@ -191,8 +195,8 @@ fn crushed_elements() {
 
 /// The potential of a step has the gradient and the second derivatives that it says.
 fn potentials_of_steps_have_their_derivatives<const D: usize>() {
-    let mesh = block::<D>([2; D], [1.0; D]);
-    let law = Law::NeoHookean { young: 3.0, poisson: 0.35, smoothing: Smoothing::Cells };
+    let mesh = quadratic::<D>([2; D], [1.0; D]);
+    let law = Law::NeoHookean { young: 3.0, poisson: 0.35, order: Order::Quadratic };
     let integrator = Integrator { dissipation: 0.7, ..Integrator::default() };
     let description =
         Description { mesh, density: 1.0, law, damping_ratio: 0.3, anchors: Vec::new(), integrator };
@@ -229,14 +233,55 @@ fn potentials_of_steps_have_their_derivatives<const D: usize>() {
     }
 }
 
+/// Half-way through a step, where the law is taken, and at the end of the coming one an element without volume makes the potential
+/// infinite; as far as elements may go to the latter is told.
+fn potentials_are_infinite_without_volume<const D: usize>() {
+    let mesh = quadratic::<D>([2; D], [1.0; D]);
+    let x = mesh.positions.clone();
+    let law = Law::NeoHookean { young: 3.0, poisson: 0.35, order: Order::Quadratic };
+    let integrator = Integrator::default();
+    let description =
+        Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new(), integrator };
+    let elastic = Elastic::new(description).unwrap();
+    let zero = vec![Vector::zeros(); x.len()];
+    let state = ElasticState { positions: x.clone(), velocities: zero.clone(), time: 0.0 };
+    let potential = |step: f64, ahead: f64| Incremental {
+        elastic: &elastic,
+        state: &state,
+        fast: zero.clone(),
+        viscous_at: x.clone(),
+        extra: &[],
+        impulses: &zero,
+        step,
+        ahead,
+    };
+    // A corner goes through the body to where its elements have no volume.
+    let far = (0..x.len()).max_by(|a, b| x[*a].sum().total_cmp(&x[*b].sum())).unwrap();
+    let pressed = |by: f64| {
+        let mut v = zero.clone();
+        v[far] = Vector::repeat(-by);
+        v
+    };
+    for (step, ahead, far) in [(4.0, 1e-6, 1.0), (1e-6, 1.0, 1.0)] {
+        let potential = potential(step, ahead);
+        assert!(potential.value(&pressed(0.01 * far)).is_finite(), "{D}D");
+        assert!(potential.value(&pressed(far)) == f64::INFINITY, "{D}D");
+    }
+    let part = potential(1e-6, 1.0).upright_step(&zero, &pressed(1.0), 0.2);
+    assert!(part > 0.0 && part < 1.0, "{D}D: {part}");
+    assert!(potential(1e-6, 1.0).value(&pressed(part)).is_finite(), "{D}D");
+}
+
 #[test]
 fn potentials_of_steps() {
+    potentials_are_infinite_without_volume::<2>();
+    potentials_are_infinite_without_volume::<3>();
     potentials_of_steps_have_their_derivatives::<2>();
     potentials_of_steps_have_their_derivatives::<3>();
 }
 
 fn heights_over_a_surface_are_resisted_as_its_size_grows<const D: usize>() {
-    let mesh = block::<D>([2; D], [1.0; D]);
+    let mesh = quadratic::<D>([2; D], [1.0; D]);
     let rest = mesh.positions.clone();
     let body = body(Box::new(SurfaceTension::new(&mesh, 0.7)));
     // The middle of a side, which lies in its plane.
@@ -268,7 +313,7 @@ fn surfaces_with_tension() {
 fn small_strains_obey_hooke<const D: usize>() {
     let (young, poisson) = (3.0, 0.35);
     let Lame { lambda, mu } = Lame::new(young, poisson);
-    let mesh = block::<D>([2; D], [1.0; D]);
+    let mesh = quadratic::<D>([2; D], [1.0; D]);
     for (k, term) in terms::<D>().iter().enumerate().skip(1) {
         let size = 1e-6;
         let strain = |x: &Vector<D>| {
@@ -280,22 +325,27 @@ fn small_strains_obey_hooke<const D: usize>() {
     }
 }
 
-fn inverted_elements_are_pushed_back<const D: usize>() {
-    let mesh = block::<D>([1; D], [1.0; D]);
+/// Neo-Hookean solids have infinite energy without volume, corotated ones resist however inverted they are.
+fn pressed_elements_resist<const D: usize>() {
+    let mesh = quadratic::<D>([2; D], [1.0; D]);
     let lame = Lame::new(3.0, 0.35);
-    for smoothing in ALL {
-        let laws: [Box<dyn ForceTerm<D>>; 2] = [
-            Box::new(Continuum::new(&mesh, NeoHookean, lame, smoothing)),
-            Box::new(Continuum::new(&mesh, Corotated, lame, smoothing)),
+    for order in BOTH {
+        let laws: [(bool, Box<dyn ForceTerm<D>>); 2] = [
+            (true, Box::new(Continuum::new(&mesh, NeoHookean, lame, order).unwrap())),
+            (false, Box::new(Continuum::new(&mesh, Corotated, lame, order).unwrap())),
         ];
-        for law in laws {
+        for (bounded, law) in laws {
             let squeezed = |by: f64| -> Vec<Vector<D>> {
                 let at = |x: &Vector<D>| Vector::from_fn(|r, _| if r == 0 { by * x[r] } else { x[r] });
                 mesh.positions.iter().map(at).collect()
             };
             let mut last = 0.0;
-            for by in [0.5, 0.1, 0.0, -0.1, -0.9] {
+            for by in [0.5, 0.1, 1e-3, 1e-9, 0.0, -0.1, -0.9] {
                 let energy = law.energy(&squeezed(by));
+                if bounded && by <= 0.0 {
+                    assert!(energy == f64::INFINITY, "{D}D {by}: {energy}");
+                    continue;
+                }
                 assert!(energy.is_finite() && energy > last, "{D}D {by}: {energy} after {last}");
                 last = energy;
                 let f = forces(law.as_ref(), &squeezed(by));
@@ -307,6 +357,51 @@ fn inverted_elements_are_pushed_back<const D: usize>() {
             }
         }
     }
+}
+
+/// No motion but a rigid one is without energy: as many zeros among the eigenvalues of the stiffness as there are of these.
+fn stiffness_has_full_rank<const D: usize>() {
+    for cells in [[2; D], [4; D]] {
+        let mesh = quadratic::<D>(cells, [1.0; D]);
+        // Nodes out of the middles, as curved surfaces have them.
+        let mut noise = Noise(3);
+        let rest = moved(&mesh.positions, &noise.vectors(mesh.positions.len()), 0.02);
+        let bent = VolumeMesh { positions: rest, ..mesh.clone() };
+        for mesh in [mesh, bent] {
+            let law = Law::NeoHookean { young: 1.0, poisson: 0.3, order: Order::Quadratic };
+            let integrator = Integrator::default();
+            let description =
+                Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new(), integrator };
+            let body = Elastic::new(description).unwrap();
+            let x = &body.mesh().positions;
+            let stiffness = body.tangent(x, Weights { stiffness: 1.0, positive: false, viscosity: 0.0 });
+            let n = x.len() * D;
+            let column = |k: usize| {
+                let mut unit = vec![Vector::<D>::zeros(); x.len()];
+                unit[k / D][k % D] = 1.0;
+                let mut product = vec![Vector::zeros(); x.len()];
+                stiffness.add_product(&unit, &mut product);
+                product.iter().flat_map(|v| v.iter().copied().collect::<Vec<_>>()).collect::<Vec<f64>>()
+            };
+            let dense = nalgebra::DMatrix::from_vec(n, n, (0..n).flat_map(column).collect());
+            let mut values: Vec<f64> = dense.symmetric_eigenvalues().iter().copied().collect();
+            values.sort_by(f64::total_cmp);
+            let rigid = D * (D + 1) / 2;
+            assert!(
+                values[rigid - 1].abs() < 1e-12 && values[0] > -1e-12,
+                "{D}D: {:?}",
+                &values[..rigid + 1]
+            );
+            // The slowest elastic motion of a unit cube of E = 1 in so few elements.
+            assert!(values[rigid] > 1e-3, "{D}D: {:?}", &values[..rigid + 1]);
+        }
+    }
+}
+
+#[test]
+fn rank() {
+    stiffness_has_full_rank::<2>();
+    stiffness_has_full_rank::<3>();
 }
 
 #[test]
@@ -331,6 +426,6 @@ fn hooke() {
 
 #[test]
 fn inversion() {
-    inverted_elements_are_pushed_back::<2>();
-    inverted_elements_are_pushed_back::<3>();
+    pressed_elements_resist::<2>();
+    pressed_elements_resist::<3>();
 }

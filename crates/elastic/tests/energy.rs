@@ -3,7 +3,7 @@
 
 mod lattice;
 
-use lattice::{Noise, block, clamped, free, rubber};
+use lattice::{Noise, clamped, free, quadratic, rubber};
 use meniscus_elastic::{Anchor, Elastic, ElasticState, Integrator, Weights};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
@@ -37,7 +37,7 @@ struct Swing {
 /// mode; steps are `ratio` over the highest frequency.
 fn swing(load: f64, ratio: f64, integrator: Integrator) -> Option<Swing> {
     let (length, thick, density, young, poisson) = (4.0, 0.2, 1.2, 1e8, 0.3);
-    let mesh = block::<2>([40, 2], [length, thick]);
+    let mesh = quadratic::<2>([40, 2], [length, thick]);
     let body = Elastic::new(clamped(mesh, density, rubber(young, poisson), integrator)).unwrap();
     let gravity =
         load * young / (1.0 - poisson * poisson) * thick * thick / 12.0 / (density * f64::powi(length, 3));
@@ -63,7 +63,7 @@ fn swing(load: f64, ratio: f64, integrator: Integrator) -> Option<Swing> {
 
 /// Two bodies as one solid are damped as each by itself is, whether the second is held or not.
 fn pieces<const D: usize>() {
-    let one = block::<D>([3; D], [1.0; D]);
+    let one = quadratic::<D>([4; D], [1.0; D]);
     let mut two = one.clone();
     let count = one.positions.len() as u32;
     two.positions.extend(one.positions.iter().map(|x| x + Vector::repeat(5.0)));
@@ -124,8 +124,8 @@ fn energy_for_all_integrators() {
 #[test]
 fn small_vibrations_keep_their_energy() {
     let integrator = Integrator { dissipation: 0.0, iterations: 0 };
-    let body =
-        Elastic::new(clamped(block::<2>([20, 2], [2.0, 0.2]), 1.2, rubber(1e8, 0.3), integrator)).unwrap();
+    let body = Elastic::new(clamped(quadratic::<2>([20, 2], [2.0, 0.2]), 1.2, rubber(1e8, 0.3), integrator))
+        .unwrap();
     for ratio in [1.0, 30.0] {
         let h = ratio / highest(&body);
         let mut state = body.at_rest(h);
@@ -144,7 +144,7 @@ fn small_vibrations_keep_their_energy() {
 fn a_free_body_keeps_its_momenta() {
     for iterations in [0, 4] {
         let integrator = Integrator { iterations, ..Integrator::default() };
-        let mesh = block::<3>([6, 4, 2], [0.6, 0.4, 0.2]);
+        let mesh = quadratic::<3>([6, 4, 2], [0.6, 0.4, 0.2]);
         let mut description = free(mesh, 1000.0, rubber(1e5, 0.4), integrator);
         description.damping_ratio = 0.02;
         let body = Elastic::new(description).unwrap();
@@ -176,7 +176,7 @@ fn threads_do_not_matter() {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let mesh = block::<3>([12, 6, 3], [1.2, 0.6, 0.3]);
+            let mesh = quadratic::<3>([12, 6, 4], [1.2, 0.6, 0.4]);
             let body = Elastic::new(clamped(mesh, 1000.0, rubber(1e5, 0.4), Integrator::default())).unwrap();
             let weight: Vec<Vector<3>> =
                 body.masses().iter().map(|m| Vector::from([0.0, 0.0, -10.0 * m])).collect();

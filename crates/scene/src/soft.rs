@@ -5,12 +5,8 @@ use crate::error::SceneError;
 use crate::file::{Elastic as Constants, Material, Scene, ShapeSpec, Solid as SolidSpec, SolidTension};
 use crate::held;
 use crate::stiff::can_follow;
-use meniscus_elastic::{Description, Elastic, ElasticError, Integrator, Law, Smoothing, SurfaceTension};
+use meniscus_elastic::{Description, Elastic, ElasticError, Integrator, Law, Order, SurfaceTension};
 use meniscus_numerics::mesh::VolumeMesh;
-
-/// Edges of its mesh through a solid, `2 V/A`, from which on it bends right, within some per cent, with one strain in each
-/// element; averages over edges would make its factors several times as large.
-const THICK: f64 = 6.0;
 
 /// What a solid of a scene is made of if it deforms.
 ///
@@ -24,11 +20,15 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
         let number = scene.solids.iter().position(|s| s.name == spec.name).unwrap_or(0);
         format!("solid.{number}.{key}")
     };
-    let mesh = mesh::<D>(&spec.shape, spec.mesh_edge).map_err(|message| {
+    let Some((law, damping_ratio)) = law(spec) else { return Ok(None) };
+    let order = match law {
+        Law::Springs { .. } => Order::Linear,
+        Law::NeoHookean { order, .. } | Law::Corotated { order, .. } => order,
+    };
+    let mesh = mesh::<D>(&spec.shape, spec.mesh_edge, order).map_err(|message| {
         let error = SceneError::new(format!("the solid `{}` cannot be meshed: {message}", spec.name));
         scene.source.at_value(error, &scene.source.first_inside(&at("shape")))
     })?;
-    let Some((law, damping_ratio)) = law(spec, &mesh) else { return Ok(None) };
     let anchors = held::anchors(&mesh, scene, spec, &|key, error| scene.source.at_value(error, &at(key)))?;
     let density = spec.density.unwrap_or(scene.liquid.density);
     can_follow(scene, spec, &mesh, density)
@@ -79,38 +79,33 @@ fn own_tension(scene: &Scene, spec: &SolidSpec) -> Result<Option<f64>, SceneErro
     }
 }
 
-/// The law of a solid that deforms, and its damping ratio. Boxes are lattices of cells, over which strains are averaged; other
-/// meshes have no such order.
-fn law<const D: usize>(spec: &SolidSpec, mesh: &VolumeMesh<D>) -> Option<(Law, f64)> {
-    let (surface, _) = mesh.surface();
-    let thick = 2.0 * surface.volume() >= THICK * spec.mesh_edge * surface.area();
-    let smoothing = match &spec.shape {
-        ShapeSpec::Box { .. } => Smoothing::Cells,
-        _ if D == 3 && thick => Smoothing::None,
-        _ => Smoothing::Edges,
-    };
+/// The law of a solid that deforms, and its damping ratio.
+fn law(spec: &SolidSpec) -> Option<(Law, f64)> {
+    let order = Order::Quadratic;
     match spec.material {
         Material::Springs { stiffness, damping_ratio } => Some((Law::Springs { stiffness }, damping_ratio)),
         Material::NeoHookean(Constants { young_modulus: young, poisson_ratio: poisson, damping_ratio }) => {
-            Some((Law::NeoHookean { young, poisson, smoothing }, damping_ratio))
+            Some((Law::NeoHookean { young, poisson, order }, damping_ratio))
         }
         Material::Corotated(Constants { young_modulus: young, poisson_ratio: poisson, damping_ratio }) => {
-            Some((Law::Corotated { young, poisson, smoothing }, damping_ratio))
+            Some((Law::Corotated { young, poisson, order }, damping_ratio))
         }
         _ => None,
     }
 }
 
-/// The mesh of a shape with edges of a length, m; the message of an error if there is none.
-fn mesh<const D: usize>(spec: &ShapeSpec, edge: f64) -> Result<VolumeMesh<D>, String> {
+/// The mesh of a shape with vertices a length apart, m; the message of an error if there is none. The elements of a file are all taken
+/// over: quadratic ones have more vertices, in the middles of its edges.
+fn mesh<const D: usize>(spec: &ShapeSpec, edge: f64, order: Order) -> Result<VolumeMesh<D>, String> {
     if spec.volume_file().is_some() {
-        return build::volume(spec);
+        let mesh = build::volume::<D>(spec)?;
+        return Ok(if order == Order::Quadratic { mesh.divided() } else { mesh });
     }
     if let ShapeSpec::Extrusion { outline, thickness, center, rotation: turned } = spec {
         let flat = build::outline(outline).map_err(|e| e.to_string())?;
-        let mesh = VolumeMesh::of_outline(&flat, &vector(center), *thickness, &rotation(turned), edge);
+        let mesh = VolumeMesh::of_outline(&flat, &vector(center), *thickness, &rotation(turned), edge, order);
         return mesh.map_err(|e| e.to_string());
     }
     let shape = shape::<D>(spec).map_err(|e| e.to_string())?;
-    VolumeMesh::of_shape(&shape, edge).map_err(|e| e.to_string())
+    VolumeMesh::of_shape(&shape, edge, order).map_err(|e| e.to_string())
 }

@@ -175,7 +175,7 @@ mod tests {
     use crate::soft::Soft;
     use crate::solid::{Motion, Solid};
     use crate::workspace::BAND;
-    use meniscus_elastic::{Description, Elastic, Integrator, Law, Smoothing};
+    use meniscus_elastic::{Description, Elastic, Integrator, Law, Order};
     use meniscus_numerics::Matrix;
     use meniscus_numerics::grid::Grid;
     use meniscus_numerics::mesh::{Simplex, VolumeMesh};
@@ -190,7 +190,7 @@ mod tests {
         let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
         let positions = [[0.3, 0.35], [0.7, 0.4], [0.45, 0.65]].map(Vector::from).to_vec();
         let mesh = VolumeMesh { positions, simplices: vec![Simplex { root: 0, rest: [1, 2] }] };
-        let law = Law::NeoHookean { young: 1.0, poisson: 0.3, smoothing: Smoothing::default() };
+        let law = Law::NeoHookean { young: 1.0, poisson: 0.3, order: Order::Linear };
         let (anchors, integrator) = (Vec::new(), Integrator::default());
         let description = Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors, integrator };
         let elastic = Elastic::new(description).unwrap_or_else(|e| panic!("{e}"));

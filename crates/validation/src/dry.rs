@@ -1,7 +1,7 @@
 //! Solids without liquid that the cases of contact share: meshes, models, and what is watched while they run.
 
 use crate::soak::{EnergyLaw, EnergySteps};
-use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Smoothing};
+use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Order};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use meniscus_numerics::shape::Shape;
@@ -72,6 +72,11 @@ pub fn lattice<const D: usize>(n: [usize; D]) -> VolumeMesh<D> {
     VolumeMesh { positions, simplices }
 }
 
+/// The same with vertices in the same places, of quadratic simplices twice as large: the numbers of cells are even.
+pub fn quadratic<const D: usize>(n: [usize; D]) -> VolumeMesh<D> {
+    lattice(n.map(|n| n / 2)).divided()
+}
+
 /// A mesh with every vertex moved.
 pub fn mapped<const D: usize>(
     mut mesh: VolumeMesh<D>,
@@ -81,9 +86,9 @@ pub fn mapped<const D: usize>(
     mesh
 }
 
-/// A box of simplices.
+/// A box of quadratic simplices.
 pub fn block<const D: usize>(n: [usize; D], center: Vector<D>, half: Vector<D>) -> VolumeMesh<D> {
-    mapped(lattice(n), |x| center + x.component_mul(&half))
+    mapped(quadratic(n), |x| center + x.component_mul(&half))
 }
 
 /// The point of the unit ball to which a point of the cube from −1 to 1 goes: spheres come from cubes about the middle.
@@ -113,7 +118,8 @@ pub fn soft<const D: usize>(
     let low = mesh.positions.iter().fold(Vector::repeat(f64::INFINITY), |l: Vector<D>, x| l.inf(x));
     let high = mesh.positions.iter().fold(Vector::repeat(f64::NEG_INFINITY), |l: Vector<D>, x| l.sup(x));
     let Material { young, poisson, density, damping, friction } = material;
-    let law = Law::NeoHookean { young, poisson, smoothing: Smoothing::default() };
+    let order = if mesh.parents().is_some() { Order::Quadratic } else { Order::Linear };
+    let law = Law::NeoHookean { young, poisson, order };
     let integrator = Integrator::default();
     let description = Description { mesh, density, law, damping_ratio: damping, anchors, integrator };
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };

@@ -1,9 +1,7 @@
 //! Plates that deform with a drop on them, for the cases.
 
 use crate::setup::run_to;
-use meniscus_elastic::{
-    Anchor, Description, Elastic, ElasticError, Integrator, Law, Smoothing, SurfaceTension,
-};
+use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Order, SurfaceTension};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
@@ -93,7 +91,7 @@ impl Setting {
         let middle = Vector::<2>::new(0.5 * room[0] + 0.13 * dx, self.heights[1] + 0.3 * dx);
         let half = Vector::<2>::new(0.5 * self.length, 0.5 * self.thickness);
         let shape = Shape::Box { center: middle, half_size: half, rotation: Matrix::identity() };
-        let mesh = VolumeMesh::of_shape(&shape, dx / 1.5).unwrap_or_default();
+        let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, Order::Quadratic).unwrap_or_default();
         let low = middle - half;
         let side = |height: f64| {
             let on = mesh.positions.iter().enumerate().filter(|(_, x)| (x[1] - height).abs() < 1e-9);
@@ -140,7 +138,7 @@ impl Setting {
             }
             _ => Vec::new(),
         };
-        let law = Law::NeoHookean { young, poisson: self.poisson, smoothing: Smoothing::default() };
+        let law = Law::NeoHookean { young, poisson: self.poisson, order: Order::Quadratic };
         let integrator = Integrator::default();
         let (density, damping_ratio) = (self.density, self.damping);
         let description = Description { mesh, density, law, damping_ratio, anchors, integrator };

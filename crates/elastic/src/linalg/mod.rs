@@ -21,4 +21,4 @@ pub(crate) use factor::{Factor, Symbolic};
 pub use inverse::Reach;
 pub(crate) use inverse::{Inverse, Solver, TOLERANCE};
 pub(crate) use iterated::Iterated;
-pub(crate) use small::{eigen, pairs, svd};
+pub(crate) use small::{Svd, eigen, pairs, svd};

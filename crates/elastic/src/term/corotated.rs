@@ -10,26 +10,41 @@ use meniscus_numerics::{Matrix, Vector};
 pub struct Corotated;
 
 impl<const D: usize> Density<D> for Corotated {
+    const PROJECTED: bool = true;
+
     fn energy(&self, lame: Lame, f: &Matrix<D>) -> f64 {
-        let strains = svd(f).values.add_scalar(-1.0);
-        lame.mu * strains.norm_squared() + 0.5 * lame.lambda * strains.sum().powi(2)
+        lame.mu * svd(f).values.add_scalar(-1.0).norm_squared()
     }
 
     fn stress(&self, lame: Lame, f: &Matrix<D>) -> Matrix<D> {
-        let frame = svd(f);
-        let turned = frame.u * frame.v.transpose();
-        (f - turned) * (2.0 * lame.mu) + turned * (lame.lambda * (frame.values.sum() - D as f64))
+        (f - turned(f)) * (2.0 * lame.mu)
     }
 
-    fn principal(&self, lame: Lame, stretches: &Vector<D>) -> Principal<D> {
-        let stretch = Matrix::identity() * (2.0 * lame.mu) + Matrix::repeat(lame.lambda);
+    fn principal(&self, lame: Lame, stretches: &Vector<D>, pressure: f64) -> Principal<D> {
         let mut twist = [0.0; 3];
-        let spread = 2.0 * lame.lambda * (stretches.sum() - D as f64) - 4.0 * lame.mu;
         for (k, (i, j)) in crate::linalg::pairs::<D>().enumerate() {
             let sum = stretches[i] + stretches[j];
             // The rotation jumps where the sum vanishes; the curvature there is negative and left out.
-            twist[k] = if sum > 1e-12 { 2.0 * lame.mu + spread / sum } else { 0.0 };
+            twist[k] = if sum > 1e-12 { 2.0 * lame.mu + (2.0 * pressure - 4.0 * lame.mu) / sum } else { 0.0 };
         }
-        Principal { stretch, shear: [2.0 * lame.mu; 3], twist }
+        Principal { stretch: Matrix::identity() * (2.0 * lame.mu), shear: [2.0 * lame.mu; 3], twist }
     }
+
+    fn volume(&self, f: &Matrix<D>) -> f64 {
+        svd(f).values.sum() - D as f64
+    }
+
+    fn volume_slope(&self, f: &Matrix<D>) -> Matrix<D> {
+        turned(f)
+    }
+
+    fn volumetric(&self, lame: Lame, theta: f64) -> [f64; 3] {
+        [0.5 * lame.lambda * theta * theta, lame.lambda * theta, lame.lambda]
+    }
+}
+
+/// The rotation nearest to `F`.
+fn turned<const D: usize>(f: &Matrix<D>) -> Matrix<D> {
+    let frame = svd(f);
+    frame.u * frame.v.transpose()
 }

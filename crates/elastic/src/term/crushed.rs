@@ -1,7 +1,8 @@
 //! What keeps elements upright: an energy without bound as the volume goes to zero.
 //!
 //! `Ψ = κ β(J/J₀)` below the volume `J₀` over that at rest, with `β(t) = −(1 − t)² ln t` as for contacts (`meniscus_contact`). It is
-//! taken where a step ends, not half-way as the law of the material: so no step that is taken turns an element inside out.
+//! taken where a step ends, not half-way as the law of the material ([`crate::Incremental`]): so no step that is taken turns an element
+//! inside out. It is that of the parts of quadratic simplices, which nothing else keeps upright, and of the points of their law.
 
 use super::density::{Density, Lame, Principal, cofactor, determinant};
 use crate::linalg::pairs;
@@ -30,6 +31,10 @@ fn barrier(j: f64) -> [f64; 3] {
 }
 
 impl<const D: usize> Density<D> for Crushed {
+    fn is_slack(&self, f: &Matrix<D>) -> bool {
+        determinant(f) >= CRUSHED
+    }
+
     fn energy(&self, lame: Lame, f: &Matrix<D>) -> f64 {
         lame.lambda * barrier(determinant(f))[0]
     }
@@ -39,7 +44,7 @@ impl<const D: usize> Density<D> for Crushed {
         if slope == 0.0 { Matrix::zeros() } else { cofactor(f) * (lame.lambda * slope) }
     }
 
-    fn principal(&self, lame: Lame, stretches: &Vector<D>) -> Principal<D> {
+    fn principal(&self, lame: Lame, stretches: &Vector<D>, _: f64) -> Principal<D> {
         let [_, slope, bend] = barrier(stretches.product()).map(|b| b * lame.lambda);
         let but =
             |i: usize, j: usize| (0..D).filter(|k| *k != i && *k != j).map(|k| stretches[k]).product::<f64>();

@@ -1,6 +1,6 @@
 //! Energy densities of isotropic solids as functions of the deformation gradient.
 
-use crate::linalg::{eigen, pairs, svd};
+use crate::linalg::{Svd, eigen, pairs, svd};
 use crate::term::Weights;
 use meniscus_numerics::{Matrix, Vector};
 use std::fmt::Debug;
@@ -34,56 +34,98 @@ pub struct Principal<const D: usize> {
     pub twist: [f64; 3],
 }
 
-/// An isotropic energy density `Ψ(F)`. Without strain its second derivatives are those of Hooke's law.
+/// An isotropic energy density `Ψ(F) + U(θ)`. Without strain its second derivatives are those of Hooke's law. The part `U` is that
+/// which resists changes `j(F)` of volume however little others are resisted; elements have it of a projection `θ` of these.
 pub trait Density<const D: usize>: Debug + Send + Sync {
+    /// Whether there is a part `U`.
+    const PROJECTED: bool = false;
+
     /// `Ψ`, Pa.
     fn energy(&self, lame: Lame, f: &Matrix<D>) -> f64;
 
-    /// The first Piola-Kirchhoff stress `∂Ψ/∂F`, Pa.
+    /// `∂Ψ/∂F`, of the first Piola-Kirchhoff stress, Pa.
     fn stress(&self, lame: Lame, f: &Matrix<D>) -> Matrix<D>;
 
-    /// Second derivatives at the stretches `σ`, of which the last is negative in inverted elements.
-    fn principal(&self, lame: Lame, stretches: &Vector<D>) -> Principal<D>;
+    /// Second derivatives of `Ψ + p j` at the stretches `σ`, of which the last is negative in inverted elements; `p` in Pa.
+    fn principal(&self, lame: Lame, stretches: &Vector<D>, pressure: f64) -> Principal<D>;
+
+    /// The change of volume `j`, zero at rest.
+    fn volume(&self, _: &Matrix<D>) -> f64 {
+        0.0
+    }
+
+    /// `∂j/∂F`.
+    fn volume_slope(&self, _: &Matrix<D>) -> Matrix<D> {
+        Matrix::zeros()
+    }
+
+    /// `U` and its first and second derivative, Pa.
+    fn volumetric(&self, _: Lame, _: f64) -> [f64; 3] {
+        [0.0; 3]
+    }
+
+    /// Whether neither energy nor stress, nor their derivatives, are anything at `F`.
+    fn is_slack(&self, _: &Matrix<D>) -> bool {
+        false
+    }
 }
 
-/// A quadratic form of changes of `F`: the sum of `wₘ (Eₘ : δF)²` over modes.
+/// A quadratic form of changes of `F`: the sum of `wₘ (Eₘ : δF)²` over modes `Eₘ`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Modes<const D: usize> {
-    modes: [(f64, Matrix<D>); 16],
-    count: usize,
+pub(crate) struct Tangent<const D: usize> {
+    /// `Σ wₘ (Eₘ)_ij (Eₘ)_kl`: for columns `j` and `l` the matrix of `i` and `k`.
+    columns: [[Matrix<D>; D]; D],
 }
 
-impl<const D: usize> Modes<D> {
-    /// The second derivatives of `Ψ`, or their positive part, and Hooke's law for rates of Green's strain, at `F`.
+impl<const D: usize> Tangent<D> {
+    /// The second derivatives of `Ψ + p j`, or their positive part, and Hooke's law for rates of Green's strain without change of
+    /// volume, at `F` with the pressure `p`.
     ///
     /// The eigenvectors of an isotropic density's Hessian are known but for those of the stretches (Smith et al. 2019,
     /// "Analytic eigensystems for isotropic distortion energies").
-    pub fn new(density: &impl Density<D>, lame: Lame, f: &Matrix<D>, weights: Weights) -> Self {
-        let mut modes = Self { modes: [(0.0, Matrix::zeros()); 16], count: 0 };
+    pub fn new(
+        density: &impl Density<D>,
+        lame: Lame,
+        (f, pressure): (&Matrix<D>, f64),
+        weights: Weights,
+    ) -> Self {
+        let mut tangent = Self { columns: [[Matrix::zeros(); D]; D] };
         if weights.stiffness != 0.0 {
-            modes.add_stiffness(density, lame, f, weights);
+            let frame = svd(f);
+            let principal = density.principal(lame, &frame.values, pressure);
+            tangent.add_stiffness(&frame, &principal, weights);
         }
         if weights.viscosity != 0.0 {
-            modes.add_viscosity(lame, f, weights.viscosity);
+            tangent.add_viscosity(lame, f, weights.viscosity);
         }
-        modes
+        tangent.complete();
+        tangent
     }
 
-    /// The weights and directions.
-    pub fn iter(&self) -> impl Iterator<Item = &(f64, Matrix<D>)> {
-        self.modes[..self.count].iter()
+    /// For changes `δF = u gᵀ`, what takes `u` to each column of the change of stress.
+    pub fn along(&self, g: &Vector<D>) -> [Matrix<D>; D] {
+        self.columns.map(|row| row.iter().zip(g.iter()).map(|(block, g)| block * *g).sum())
     }
 
+    /// Adds a mode to the columns `j ≤ l`.
     fn push(&mut self, weight: f64, direction: Matrix<D>) {
-        self.modes[self.count] = (weight, direction);
-        self.count += 1;
+        for j in 0..D {
+            let column = direction.column(j) * weight;
+            for l in j..D {
+                self.columns[j][l] += column * direction.column(l).transpose();
+            }
+        }
     }
 
-    fn add_stiffness(&mut self, density: &impl Density<D>, lame: Lame, f: &Matrix<D>, weights: Weights) {
+    fn complete(&mut self) {
+        for (j, l) in pairs::<D>() {
+            self.columns[l][j] = self.columns[j][l].transpose();
+        }
+    }
+
+    fn add_stiffness(&mut self, frame: &Svd<D>, principal: &Principal<D>, weights: Weights) {
         let Weights { stiffness: weight, positive, .. } = weights;
         let counts = |value: f64| value > 0.0 || value != 0.0 && !positive;
-        let frame = svd(f);
-        let principal = density.principal(lame, &frame.values);
         let (values, vectors) = eigen(&principal.stretch);
         for k in 0..D {
             if counts(values[k]) {
@@ -103,7 +145,6 @@ impl<const D: usize> Modes<D> {
     }
 
     fn add_viscosity(&mut self, lame: Lame, f: &Matrix<D>, weight: f64) {
-        self.push(weight * lame.lambda, *f);
         for a in 0..D {
             let column = Vector::<D>::from_fn(|r, _| f64::from(r == a));
             self.push(2.0 * weight * lame.mu, f.column(a) * column.transpose());
@@ -115,6 +156,19 @@ impl<const D: usize> Modes<D> {
             self.push(weight * lame.mu, direction);
         }
     }
+}
+
+/// `det F − 1`, so that small strains are not lost in rounding.
+pub(crate) fn dilation<const D: usize>(f: &Matrix<D>) -> f64 {
+    let g = f - Matrix::identity();
+    g.trace() + beyond_trace(&g)
+}
+
+/// `det (1 + G) − 1 − tr G`.
+pub(crate) fn beyond_trace<const D: usize>(g: &Matrix<D>) -> f64 {
+    let trace = g.trace();
+    let second = 0.5 * (trace * trace - (g * g).trace());
+    if D == 2 { second } else { second + determinant(g) }
 }
 
 /// The determinant.

@@ -5,7 +5,7 @@ pub mod corotated;
 pub mod crushed;
 pub mod density;
 pub mod neo_hookean;
-pub mod smoothing;
+pub mod points;
 pub mod springs;
 pub mod tension;
 

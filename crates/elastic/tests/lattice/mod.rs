@@ -1,7 +1,7 @@
 //! Boxes cut into cells, and these into simplices around a diagonal.
 #![allow(dead_code)]
 
-use meniscus_elastic::{Anchor, Description, Integrator, Law, Smoothing};
+use meniscus_elastic::{Anchor, Description, Integrator, Law, Order};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 
@@ -48,6 +48,12 @@ pub fn block<const D: usize>(cells: [usize; D], size: [f64; D]) -> VolumeMesh<D>
     mesh
 }
 
+/// A box from the origin of quadratic simplices; even numbers of cells, of vertices next to each other.
+pub fn quadratic<const D: usize>(cells: [usize; D], size: [f64; D]) -> VolumeMesh<D> {
+    assert!(cells.iter().all(|n| n % 2 == 0), "odd: {cells:?}");
+    block(cells.map(|n| n / 2), size).divided()
+}
+
 /// A solid held at `x = 0`.
 pub fn clamped<const D: usize>(
     mesh: VolumeMesh<D>,
@@ -69,9 +75,14 @@ pub fn free<const D: usize>(
     Description { mesh, density, law, damping_ratio: 0.0, anchors: Vec::new(), integrator }
 }
 
-/// A neo-Hookean solid of cells.
+/// A neo-Hookean solid of quadratic simplices.
 pub fn rubber(young: f64, poisson: f64) -> Law {
-    Law::NeoHookean { young, poisson, smoothing: Smoothing::Cells }
+    Law::NeoHookean { young, poisson, order: Order::Quadratic }
+}
+
+/// The same of linear ones.
+pub fn linear(young: f64, poisson: f64) -> Law {
+    Law::NeoHookean { young, poisson, order: Order::Linear }
 }
 
 /// Numbers between -1 and 1 that are always the same.

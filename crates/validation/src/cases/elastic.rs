@@ -2,9 +2,7 @@
 
 use crate::measure::settle;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{
-    Anchor, Description, Elastic, ElasticError, Integrator, Law, Smoothing, lowest_modes,
-};
+use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Order, lowest_modes};
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::StepError;
@@ -87,10 +85,10 @@ fn frequencies() -> [f64; 3] {
 /// A beam along the first axis, clamped where that is 0.
 fn cantilever(layers: usize, damping_ratio: f64) -> Result<Elastic<2>, ElasticError> {
     let half = Vector::<2>::new(0.5 * LENGTH, 0.5 * THICK);
-    let mesh =
-        VolumeMesh::of_box(&half, &half, &Matrix::identity(), THICK / layers as f64).unwrap_or_default();
+    let mesh = VolumeMesh::of_box(&half, &half, &Matrix::identity(), THICK / layers as f64, Order::Quadratic)
+        .unwrap_or_default();
     let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9)];
-    let law = Law::NeoHookean { young: YOUNG, poisson: POISSON, smoothing: Smoothing::default() };
+    let law = Law::NeoHookean { young: YOUNG, poisson: POISSON, order: Order::Quadratic };
     let integrator = Integrator::default();
     Elastic::new(Description { mesh, density: DENSITY, law, damping_ratio, anchors, integrator })
 }

@@ -3,7 +3,7 @@
 use crate::measure::settle;
 use crate::setup::run_to;
 use crate::{Case, Check};
-use meniscus_elastic::{Description, Elastic, ElasticError, Integrator, Law};
+use meniscus_elastic::{Description, Elastic, ElasticError, Integrator, Law, Order};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
@@ -144,7 +144,7 @@ fn run() -> Result<Vec<Check>, StepError> {
     let shape = Shape::Box { center: middle, half_size, rotation: Matrix::identity() };
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
     let description = Description {
-        mesh: VolumeMesh::of_shape(&shape, DX / 1.5).unwrap_or_default(),
+        mesh: VolumeMesh::of_shape(&shape, DX / 1.5, Order::Linear).unwrap_or_default(),
         density: DENSITY,
         law: Law::Springs { stiffness: 5e5 },
         damping_ratio: 0.1,

@@ -9,7 +9,7 @@
 //! The barrier holds the plates off by a part of its reach that depends on the pressure: as if they had a soft layer. Its reach is a
 //! quarter of a cell, which is made small; the flattening is the ball's own.
 
-use crate::dry::{Material, Watch, dry, lattice, led, mapped, plate, round, soft, vertices};
+use crate::dry::{Material, Watch, dry, led, mapped, plate, quadratic, round, soft, vertices};
 use crate::measure::{at_least, settle};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
@@ -60,7 +60,7 @@ fn between<const D: usize>(n: [usize; D], dx: f64, way: f64) -> Result<Simulatio
         let along = x.map(|c| (1.0 - (1.0 - c.abs()).powf(GRADING)).copysign(c));
         Vector::from_fn(|a, _| if a + 1 == D { along[a] } else { across[a] })
     };
-    let ball = soft(mapped(lattice(n), |x| round(&graded(x)) * RADIUS), material, Vec::new())?;
+    let ball = soft(mapped(quadratic(n), |x| round(&graded(x)) * RADIUS), material, Vec::new())?;
     let mut solids = vec![ball];
     for side in [-1.0, 1.0] {
         let up = |y: f64| Vector::<D>::from_fn(|a, _| if a + 1 == D { y } else { 0.0 });

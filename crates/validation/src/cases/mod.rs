@@ -44,6 +44,7 @@ mod static_drop;
 mod surface_distance;
 mod transport;
 mod turek_hron;
+mod unstructured;
 mod violence;
 mod volume;
 mod walls;
@@ -57,7 +58,7 @@ pub fn all() -> &'static [Case] {
     &ALL
 }
 
-const ALL: [Case; 66] = [
+const ALL: [Case; 67] = [
     static_drop::PLANE,
     static_drop::SPACE,
     rayleigh::PLANE,
@@ -100,6 +101,7 @@ const ALL: [Case; 66] = [
     momentum_with_solid::CASE,
     leak::CASE,
     elastic::BEAM,
+    unstructured::CASE,
     turek_hron::FLAG,
     soft::KINK,
     soft::STRIP,

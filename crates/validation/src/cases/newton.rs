@@ -2,7 +2,7 @@
 
 use crate::measure::{at_most, settle};
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Description, Elastic, ElasticError, Integrator, Law, Smoothing};
+use meniscus_elastic::{Description, Elastic, ElasticError, Integrator, Law, Order};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
@@ -63,8 +63,9 @@ fn drift<const D: usize>(iterations: u32) -> Result<f64, StepError> {
 /// The block, spinning about the last axis (2D: about its centre).
 fn start<const D: usize>(iterations: u32) -> Result<Simulation<D>, StepError> {
     let (center, half) = (Vector::repeat(1.0), Vector::from_fn(|a, _| if a == 0 { 0.5 } else { 0.25 }));
-    let mesh = VolumeMesh::of_box(&center, &half, &Matrix::identity(), 0.125).unwrap_or_default();
-    let law = Law::NeoHookean { young: 1e3, poisson: 0.3, smoothing: Smoothing::default() };
+    let mesh =
+        VolumeMesh::of_box(&center, &half, &Matrix::identity(), 0.125, Order::Quadratic).unwrap_or_default();
+    let law = Law::NeoHookean { young: 1e3, poisson: 0.3, order: Order::Quadratic };
     let (anchors, integrator) = (Vec::new(), Integrator::default());
     let description = Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors, integrator };
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };

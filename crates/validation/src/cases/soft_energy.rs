@@ -1,6 +1,6 @@
 //! The energy law of dry soft solids that fall.
 
-use crate::dry::{GRAVITY, Material, Watch, at, down, dry, lattice, mapped, round, soft};
+use crate::dry::{GRAVITY, Material, Watch, at, down, dry, mapped, quadratic, round, soft};
 use crate::measure::{at_least, at_most, settle};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
@@ -56,7 +56,7 @@ fn falls<const D: usize>(n: usize, young: f64, turned: f64, step: f64) -> Result
         (y[0], y[D - 1]) = (half * (c * x[0] - s * x[D - 1]), half * (s * x[0] + c * x[D - 1]));
         center + y
     };
-    let solid = soft(mapped(lattice([n; D]), place), material, Vec::new())?;
+    let solid = soft(mapped(quadratic([n; D]), place), material, Vec::new())?;
     let scale = solid.body.mass * GRAVITY * FALL;
     let mut simulation = dry(([24; D], DX), vec![solid], down(), step);
     let mut watch = Watch::new(&simulation.model, scale);

@@ -3,7 +3,7 @@
 use crate::measure::{TimeMean, force, load, settle};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Smoothing};
+use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Order};
 use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
@@ -136,9 +136,9 @@ impl Drop {
             half_size: Vector::<2>::new(0.5 * (BEAM[1] - BEAM[0]), 0.5 * THICK),
             rotation: Matrix::identity(),
         };
-        let mesh = VolumeMesh::of_shape(&shape, dx / 1.5).unwrap_or_default();
+        let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, Order::Quadratic).unwrap_or_default();
         let anchors = vec![Anchor::within(&mesh, |x| x[0] <= CLAMP)];
-        let law = Law::NeoHookean { young: YOUNG, poisson: POISSON, smoothing: Smoothing::default() };
+        let law = Law::NeoHookean { young: YOUNG, poisson: POISSON, order: Order::Quadratic };
         let (damping_ratio, integrator) = (self.damping, Integrator::default());
         let elastic =
             Elastic::new(Description { mesh, density: DENSITY, law, damping_ratio, anchors, integrator });

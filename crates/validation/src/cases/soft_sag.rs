@@ -3,7 +3,7 @@
 use crate::measure::settle;
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, Description, Elastic, Integrator, Law, Smoothing};
+use meniscus_elastic::{Anchor, Description, Elastic, Integrator, Law, Order};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
@@ -55,11 +55,11 @@ fn start(step: f64) -> Simulation<2> {
     let center = Vector::<2>::new(48.0 * DX, 21.0 * DX);
     let half = Vector::<2>::new(0.5 * LENGTH, 0.5 * THICK);
     let shape = Shape::Box { center, half_size: half, rotation: Matrix::identity() };
-    let mesh = VolumeMesh::of_shape(&shape, DX / 1.5).unwrap_or_default();
+    let mesh = VolumeMesh::of_shape(&shape, DX / 1.5, Order::Quadratic).unwrap_or_default();
     let clamped = half[0] - 1.3 * DX;
     let anchors = vec![Anchor::within(&mesh, |x| (x[0] - center[0]).abs() > clamped)];
     let young = 5e-5 * 12.0 * (1.0 - POISSON * POISSON) / THICK.powi(3);
-    let law = Law::NeoHookean { young, poisson: POISSON, smoothing: Smoothing::default() };
+    let law = Law::NeoHookean { young, poisson: POISSON, order: Order::Quadratic };
     let integrator = Integrator::default();
     let plate =
         Elastic::new(Description { mesh, density: 2500.0, law, damping_ratio: 0.2, anchors, integrator });

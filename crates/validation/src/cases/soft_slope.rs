@@ -1,6 +1,6 @@
 //! Soft blocks on slopes, with friction.
 
-use crate::dry::{GRAVITY, Material, Watch, at, block, dry, lattice, mapped, soft};
+use crate::dry::{GRAVITY, Material, Watch, at, block, dry, mapped, quadratic, soft};
 use crate::measure::{at_least, at_most, settle};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
@@ -79,7 +79,7 @@ fn on_rigid<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
         }
         middle + y
     };
-    let block = soft(mapped(lattice([4; D]), place), material(friction), Vec::new())?;
+    let block = soft(mapped(quadratic([4; D]), place), material(friction), Vec::new())?;
     let gravity = Vector::from_fn(|a, _| if a + 1 == D { -GRAVITY } else { 0.0 });
     Ok((dry(([CELLS; D], DX), vec![floor, block], gravity, STEP), along))
 }
@@ -93,7 +93,7 @@ fn on_soft<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
         if a == 0 {
             24
         } else if a + 1 == D {
-            3
+            4
         } else {
             10
         }

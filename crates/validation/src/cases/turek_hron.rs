@@ -2,7 +2,7 @@
 
 use crate::measure::settle;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Motion, Smoothing};
+use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Motion, Order};
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::StepError;
@@ -78,7 +78,8 @@ fn swing(layers: usize) -> Result<Vec<Vector<2>>, ElasticError> {
 fn flag(layers: usize) -> Result<(Elastic<2>, usize), ElasticError> {
     let half = Vector::<2>::new(0.5 * THICK * ALONG as f64, 0.5 * THICK);
     let edge = THICK / layers as f64;
-    let mut mesh = VolumeMesh::of_box(&half, &half, &Matrix::identity(), edge).unwrap_or_default();
+    let mut mesh =
+        VolumeMesh::of_box(&half, &half, &Matrix::identity(), edge, Order::Quadratic).unwrap_or_default();
     let length = 2.0 * half[0];
     let anchors = vec![Anchor { motion: Motion::Fixed, ..Anchor::within(&mesh, |x| x[0] < 1e-9) }];
     for x in &mut mesh.positions {
@@ -87,7 +88,7 @@ fn flag(layers: usize) -> Result<(Elastic<2>, usize), ElasticError> {
     }
     let from_tip = |v: &usize| (mesh.positions[*v] - Vector::<2>::new(TIP, half[1])).norm();
     let tip = (0..mesh.positions.len()).min_by(|a, b| from_tip(a).total_cmp(&from_tip(b))).unwrap_or(0);
-    let law = Law::NeoHookean { young: 1.4e6, poisson: 0.4, smoothing: Smoothing::default() };
+    let law = Law::NeoHookean { young: 1.4e6, poisson: 0.4, order: Order::Quadratic };
     let integrator = Integrator { dissipation: 0.3, iterations: 0 };
     let description = Description { mesh, density: 1000.0, law, damping_ratio: 0.0, anchors, integrator };
     Ok((Elastic::new(description)?, tip))

@@ -3,7 +3,7 @@
 //! Without liquid. What must hold is what the method promises whatever happens: surfaces never cross (IPC), elements never turn
 //! inside out, and where nothing is led any more the energy does not rise in any step.
 
-use crate::dry::{Material, Watch, dry, lattice, led, mapped, plate, round, soft, vertices};
+use crate::dry::{Material, Watch, dry, lattice, led, mapped, plate, quadratic, round, soft, vertices};
 use crate::measure::{at_least, at_most, settle};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
@@ -100,7 +100,7 @@ fn up<const D: usize>(y: f64) -> Vector<D> {
 }
 
 fn crush<const D: usize>(n: usize) -> Result<Vec<Check>, StepError> {
-    let ball = soft(mapped(lattice([n; D]), |x| round(x) * BALL), material(), Vec::new())?;
+    let ball = soft(mapped(quadratic([n; D]), |x| round(x) * BALL), material(), Vec::new())?;
     let mut solids = vec![ball];
     // To a fifth of the height between the plates, which are a fifth of a cell away at the start.
     let (gap, way) = (0.2 * DX, 0.8 * BALL + 0.2 * DX);
@@ -141,7 +141,7 @@ fn slit<const D: usize>(n: [usize; D]) -> Result<Vec<Check>, StepError> {
             _ => 0.1 * x[a],
         })
     };
-    let mesh = mapped(lattice(n), place);
+    let mesh = mapped(quadratic(n), place);
     let head = -0.04 * LONG + 1e-9;
     let mut pulled = Anchor::within(&mesh, |x: &Vector<D>| x[D - 1] < head);
     let way = LONG + 1.0;
@@ -186,7 +186,7 @@ fn turned(x: &Vector<3>, turns: f64, way: f64) -> Led<3> {
 
 fn twist() -> Result<Vec<Check>, StepError> {
     let half = Vector::<3>::new(1.5, 0.2, 0.05);
-    let mesh = mapped(lattice([48, 6, 2]), |x| x.component_mul(&half));
+    let mesh = mapped(quadratic([48, 6, 2]), |x| x.component_mul(&half));
     let end = |side: f64| {
         let own = (0..mesh.positions.len()).filter(|v| mesh.positions[*v][0] * side > half[0] - 1e-9);
         let motion = |v: usize| turned(&mesh.positions[v], 1.5 * side, -0.75 * side);

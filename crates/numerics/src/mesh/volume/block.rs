@@ -1,12 +1,10 @@
 //! Boxes as lattices of cells cut into simplices.
 //!
 //! Every cell is cut around the same diagonal, one simplex for each order of the axes: two triangles, six tetrahedra
-//! (H. W. Kuhn, "Some combinatorial lemmas in topology", IBM J. Res. Dev. 4 (1960)). Diagonals prefer a direction, but the
-//! simplices of a cell share their longest edge and no other cell's: solids that average strains over such groups bend as
-//! they should with two layers of cells, where crossed triangles and five tetrahedra a cell stay 5 to 15 % too stiff
-//! (`meniscus_elastic`, measured). Cells are as nearly cubes as the box allows.
+//! (H. W. Kuhn, "Some combinatorial lemmas in topology", IBM J. Res. Dev. 4 (1960)). Cells are as nearly cubes as the box allows.
+//! Of quadratic simplices there is one for every two cells along each axis.
 
-use super::{Simplex, VolumeMesh};
+use super::{Order, Simplex, VolumeMesh};
 use crate::{Matrix, Vector};
 use thiserror::Error;
 
@@ -39,11 +37,11 @@ pub enum BlockError {
 }
 
 /// Numbers of cells of a block of the given size (m) with edges about `edge` long (m): at least two along the shortest side,
-/// and along the others as many as make them cubes.
-pub fn cells<const D: usize>(size: &Vector<D>, edge: f64) -> [usize; D] {
+/// and along the others as many as make them cubes; multiples of `step`.
+pub fn cells<const D: usize>(size: &Vector<D>, edge: f64, step: usize) -> [usize; D] {
     let shortest = size.min();
-    let edge = shortest / count(shortest, edge, 1) as f64;
-    std::array::from_fn(|a| count(size[a], edge, 1))
+    let edge = shortest / count(shortest, edge, step) as f64;
+    std::array::from_fn(|a| count(size[a], edge, step))
 }
 
 /// Number of cells along a side: a multiple of `step`, at least two.
@@ -82,7 +80,7 @@ pub fn block<const D: usize>(cells: [usize; D], size: &Vector<D>) -> VolumeMesh<
 }
 
 impl<const D: usize> VolumeMesh<D> {
-    /// A box with edges about `edge` long (m): centre and half sizes in m, and a rotation whose columns are the box's own
+    /// A box with vertices about `edge` apart (m): centre and half sizes in m, and a rotation whose columns are the box's own
     /// axes, as in [`Shape::Box`](crate::shape::Shape::Box). There are at least two cells along every axis.
     ///
     /// # Errors
@@ -92,6 +90,7 @@ impl<const D: usize> VolumeMesh<D> {
         half_size: &Vector<D>,
         rotation: &Matrix<D>,
         edge: f64,
+        order: Order,
     ) -> Result<Self, BlockError> {
         let size = half_size * 2.0;
         if !size.iter().chain([&edge]).all(|s| *s > 0.0 && s.is_finite()) {
@@ -101,7 +100,11 @@ impl<const D: usize> VolumeMesh<D> {
         if vertices > MOST {
             return Err(BlockError::TooFine { edge, vertices });
         }
-        Ok(block(cells(&size, edge), &size).moved(rotation, center))
+        let mesh = match order {
+            Order::Linear => block(cells(&size, edge, 1), &size),
+            Order::Quadratic => block(cells(&size, edge, 2).map(|n| n / 2), &size).divided(),
+        };
+        Ok(mesh.moved(rotation, center))
     }
 }
 
@@ -115,27 +118,32 @@ mod tests {
         (rotation[(0, 0)], rotation[(0, 1)], rotation[(1, 0)], rotation[(1, 1)]) = (c, -s, s, c);
         let half = Vector::from_fn(|a, _| [0.5, 0.2, 0.03][a]);
         let center = Vector::from_fn(|a, _| 0.1 + a as f64);
-        let mesh = VolumeMesh::<D>::of_box(&center, &half, &rotation, 0.05).unwrap();
-        let refused =
-            |half: &Vector<D>, edge| VolumeMesh::<D>::of_box(&center, half, &rotation, edge).unwrap_err();
+        let refused = |half: &Vector<D>, edge| {
+            VolumeMesh::<D>::of_box(&center, half, &rotation, edge, Order::Linear).unwrap_err()
+        };
         assert!(matches!(refused(&half, 1e-12), BlockError::TooFine { .. }));
         assert!(matches!(refused(&half, f64::NAN), BlockError::Size { .. }));
         assert!(matches!(refused(&(half * 0.0), 0.1), BlockError::Size { .. }));
-        assert_eq!(mesh.check(), Ok(()));
-        let quality = mesh.quality();
-        println!("{D}D box: {quality}");
-        assert!((quality.volume / (2.0 * half).product() - 1.0).abs() < 1e-13);
-        assert!(quality.smallest_angle.0.to_degrees() > 35.0);
-        let middle = mesh.positions.iter().sum::<Vector<D>>() / mesh.positions.len() as f64;
-        assert!((middle - center).norm() < 1e-12);
+        for order in [Order::Linear, Order::Quadratic] {
+            let mesh = VolumeMesh::<D>::of_box(&center, &half, &rotation, 0.05, order).unwrap();
+            assert_eq!(mesh.check(), Ok(()));
+            assert_eq!(mesh.parents().is_some(), order == Order::Quadratic);
+            let quality = mesh.quality();
+            println!("{D}D box: {quality}");
+            assert!((quality.volume / (2.0 * half).product() - 1.0).abs() < 1e-13);
+            assert!(quality.smallest_angle.0.to_degrees() > 35.0);
+            let middle = mesh.positions.iter().sum::<Vector<D>>() / mesh.positions.len() as f64;
+            assert!((middle - center).norm() < 1e-12);
+        }
     }
 
     #[test]
     fn boxes_are_lattices() {
         boxes::<2>();
         boxes::<3>();
-        assert_eq!(cells(&Vector::from([1.0, 0.29, 0.2]), 0.1), [10, 3, 2]);
-        assert_eq!(cells(&Vector::from([1.04, 0.01]), 0.1), [208, 2]);
+        assert_eq!(cells(&Vector::from([1.0, 0.29, 0.2]), 0.1, 1), [10, 3, 2]);
+        assert_eq!(cells(&Vector::from([1.0, 0.29, 0.2]), 0.1, 2), [10, 4, 2]);
+        assert_eq!(cells(&Vector::from([1.04, 0.01]), 0.1, 1), [208, 2]);
         // The plate of Fig. 15.
         let plate = block::<3>([96, 96, 2], &Vector::from([3.33, 3.33, 0.0693]));
         assert_eq!((plate.positions.len(), plate.simplices.len()), (28_227, 110_592));

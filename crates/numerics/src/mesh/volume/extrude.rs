@@ -9,7 +9,8 @@
 use super::block::count;
 use super::outline::{Outline, OutlineError};
 use super::planar::Planar;
-use super::{Simplex, VolumeMesh};
+use super::{Order, Simplex, VolumeMesh};
+use crate::shape::MeshShape;
 use crate::{Matrix, Vector};
 
 impl Planar {
@@ -40,7 +41,7 @@ impl Planar {
 }
 
 impl<const D: usize> VolumeMesh<D> {
-    /// An outline with edges about `edge` long (m), given a thickness along the last axis (2D: what it encloses, whatever
+    /// An outline with vertices about `edge` apart (m), given a thickness along the last axis (2D: what it encloses, whatever
     /// the thickness). The outline's origin goes to `center` (m), halfway up the thickness (m); the columns of `rotation`
     /// are its axes, as in [`Shape::Extrusion`](crate::shape::Shape::Extrusion). There are at least two layers. A square is
     /// a [`block`](super::block::block).
@@ -53,6 +54,7 @@ impl<const D: usize> VolumeMesh<D> {
         thickness: f64,
         rotation: &Matrix<D>,
         edge: f64,
+        order: Order,
     ) -> Result<Self, OutlineError> {
         let length = |what, value: f64| match value > 0.0 && value.is_finite() {
             true => Ok(()),
@@ -65,9 +67,10 @@ impl<const D: usize> VolumeMesh<D> {
         if let Some(side) = outline.square {
             length("a square", side)?;
             let half = Vector::from_fn(|a, _| 0.5 * if a < 2 { side } else { thickness });
-            return Ok(Self::of_box(center, &half, rotation, edge)?);
+            return Ok(Self::of_box(center, &half, rotation, edge, order)?);
         }
-        let planar = outline.triangulate(edge)?;
+        let parts = if order == Order::Quadratic { 2 } else { 1 };
+        let planar = outline.triangulate(edge * parts as f64)?;
         let wide = |positions: &[Vector<3>]| {
             positions.iter().map(|x| Vector::from_fn(|a, _| x[a])).collect::<Vec<Vector<D>>>()
         };
@@ -77,13 +80,34 @@ impl<const D: usize> VolumeMesh<D> {
             let simplex = |s: &Simplex<2>| Simplex { root: s.root, rest: std::array::from_fn(|k| s.rest[k]) };
             Self { positions: wide(&flat), simplices: planar.mesh.simplices.iter().map(simplex).collect() }
         } else {
-            let solid = planar.extruded(count(thickness, edge, 2), thickness);
+            let solid = planar.extruded(count(thickness, edge, 2) / parts, thickness);
             let simplex = |s: &Simplex<3>| Simplex { root: s.root, rest: std::array::from_fn(|k| s.rest[k]) };
             Self {
                 positions: wide(&solid.positions),
                 simplices: solid.simplices.iter().map(simplex).collect(),
             }
         };
+        let mesh = if order == Order::Quadratic { mesh.bent(&shifts(outline, &planar, &mesh)) } else { mesh };
         Ok(mesh.moved(rotation, center))
     }
+}
+
+/// How far nodes on the edges of an extruded triangulation go to reach the outline, m.
+fn shifts<const D: usize>(
+    outline: &Outline,
+    planar: &Planar,
+    mesh: &VolumeMesh<D>,
+) -> Vec<([u32; 2], Vector<D>)> {
+    let (flat, shape) = (&planar.mesh, MeshShape::new(outline.surface()));
+    let (bent, edges) = (flat.divided_onto(&|x| shape.signed_distance(x)), flat.edges());
+    let count = flat.positions.len() as u32;
+    let shift = |edge: [u32; 2]| {
+        let [a, b] = edge.map(|v| v % count);
+        let number = edges.binary_search(&[a.min(b), a.max(b)]).ok()?;
+        let middle = (flat.positions[a as usize] + flat.positions[b as usize]) * 0.5;
+        let way = bent.positions[flat.positions.len() + number] - middle;
+        (way != Vector::<2>::zeros())
+            .then(|| (edge, Vector::from_fn(|r, _| if r < 2 { way[r] } else { 0.0 })))
+    };
+    mesh.edges().into_iter().filter_map(shift).collect()
 }

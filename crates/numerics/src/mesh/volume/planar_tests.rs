@@ -1,5 +1,6 @@
 //! Triangulations of outlines, flat and extruded.
 
+use super::super::Order;
 use super::*;
 use crate::Matrix;
 use crate::shape::Shape;
@@ -103,16 +104,24 @@ fn extruded<const D: usize>() {
     (rotation[(0, 0)], rotation[(0, 1)], rotation[(1, 0)], rotation[(1, 1)]) = (c, -s, s, c);
     let center = Vector::from_fn(|a, _| 0.3 + a as f64);
     for (name, outline) in outlines() {
-        let mesh = VolumeMesh::<D>::of_outline(&outline, &center, 0.06, &rotation, 0.033).unwrap();
-        let shape = Shape::<D>::extrusion(&outline, &center, 0.06, &rotation);
-        let quality = mesh.quality();
-        println!("{D}D {name}: {quality}");
-        assert_eq!(mesh.check(), Ok(()), "{name}");
-        assert!((quality.volume / shape.volume().unwrap() - 1.0).abs() < 3e-3);
-        let (surface, _) = mesh.surface();
-        assert!(surface.positions.iter().all(|x| shape.signed_distance(x).abs() < 1e-12), "{name}");
-        let least = if D == 2 { 22.0 } else { 20.0 };
-        assert!(quality.smallest_angle.0.to_degrees() > least, "{name} {quality}");
+        for order in [Order::Linear, Order::Quadratic] {
+            let mesh = VolumeMesh::<D>::of_outline(&outline, &center, 0.06, &rotation, 0.033, order).unwrap();
+            let shape = Shape::<D>::extrusion(&outline, &center, 0.06, &rotation);
+            let quality = mesh.quality();
+            println!("{D}D {name} {order:?}: {quality}");
+            assert_eq!(mesh.check(), Ok(()), "{name}");
+            assert!((quality.volume / shape.volume().unwrap() - 1.0).abs() < 3e-3);
+            let (surface, _) = mesh.surface();
+            let off = |x: &&Vector<D>| shape.signed_distance(x).abs() >= 1e-12;
+            let off = surface.positions.iter().filter(off).count();
+            // Where triangles are flat, nodes of quadratic ones stay on straight edges.
+            assert!(
+                off * 50 <= surface.positions.len() && (order == Order::Quadratic || off == 0),
+                "{name} {off}"
+            );
+            let least = if D == 2 { 22.0 } else { 20.0 };
+            assert!(quality.smallest_angle.0.to_degrees() > least, "{name} {quality}");
+        }
     }
 }
 
@@ -126,9 +135,16 @@ fn extruded_outlines_are_their_shape() {
         0.0693,
         &Matrix::identity(),
         0.034_67,
+        Order::Linear,
     );
     assert_eq!(plate.unwrap().simplices.len(), 110_592);
-    let thin =
-        VolumeMesh::<3>::of_outline(&Outline::leaf(1.0), &Vector::zeros(), 0.0, &Matrix::identity(), 0.1);
+    let thin = VolumeMesh::<3>::of_outline(
+        &Outline::leaf(1.0),
+        &Vector::zeros(),
+        0.0,
+        &Matrix::identity(),
+        0.1,
+        Order::Linear,
+    );
     assert!(matches!(thin, Err(OutlineError::Size { .. })));
 }

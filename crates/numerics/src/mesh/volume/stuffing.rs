@@ -16,7 +16,8 @@
 //! they lie, of 11 to 164 whatever the signs at the vertices (the article proves 10.7 to 164.8); in 2D angles of 16 to 139.
 
 use super::block::BlockError;
-use super::{MeshDefect, Simplex, VolumeMesh};
+use super::quadratic::stuff_of;
+use super::{MeshDefect, Order, Simplex, VolumeMesh};
 use crate::Vector;
 use crate::shape::Shape;
 use rayon::prelude::*;
@@ -111,17 +112,17 @@ pub fn stuff<const D: usize>(
 }
 
 impl<const D: usize> VolumeMesh<D> {
-    /// A shape filled with edges about `edge` (m) long: a box as a lattice, anything else by [`stuff`]. Outlines keep their
-    /// corners when they are made with [`of_outline`](Self::of_outline).
+    /// A shape filled with simplices, vertices about `edge` (m) apart: a box as a lattice, anything else by [`stuff`]. Outlines
+    /// keep their corners when they are made with [`of_outline`](Self::of_outline).
     ///
     /// # Errors
     /// As [`stuff`].
-    pub fn of_shape(shape: &Shape<D>, edge: f64) -> Result<Self, StuffingError> {
+    pub fn of_shape(shape: &Shape<D>, edge: f64, order: Order) -> Result<Self, StuffingError> {
         if let Shape::Box { center, half_size, rotation } = shape {
-            return Ok(Self::of_box(center, half_size, rotation, edge)?);
+            return Ok(Self::of_box(center, half_size, rotation, edge, order)?);
         }
         let (lower, upper) = shape.bounds();
-        stuff(&|x| shape.signed_distance(x), &lower, &upper, edge)
+        stuff_of(order, &|x| shape.signed_distance(x), &lower, &upper, edge)
     }
 }
 
@@ -427,6 +428,22 @@ fn drawn_to<const D: usize>(
     } else {
         root(&|t| -distance(&at(t)), [-value, -beyond])
     })
+}
+
+/// Where a surface is on a way to both sides of a place; nothing where it is not, or nearer than rounding.
+pub(super) fn crossing<const D: usize>(
+    from: &Vector<D>,
+    way: &Vector<D>,
+    distance: &Distance<D>,
+) -> Option<Vector<D>> {
+    let here = distance(from);
+    let way = way * -here.signum();
+    let there = distance(&(from + way));
+    if here == 0.0 || here * there > 0.0 {
+        return None;
+    }
+    let sign = -here.signum();
+    Some(from + way * root(&|t| sign * distance(&(from + way * t)), [sign * here, sign * there]))
 }
 
 /// The zero, 0 to 1, of a function that is negative at 0 and positive at 1, with the given values there: false position with

@@ -81,7 +81,7 @@ fn off<const D: usize>(mesh: &VolumeMesh<D>, distance: &dyn Fn(&Vector<D>) -> f6
 
 fn fill<const D: usize>(name: &str, shape: &Shape<D>, edge: f64) -> VolumeMesh<D> {
     let distance = |x: &Vector<D>| shape.signed_distance(x);
-    let mesh = VolumeMesh::of_shape(shape, edge).unwrap();
+    let mesh = VolumeMesh::of_shape(shape, edge, Order::Linear).unwrap();
     let [vertices, facets] = off(&mesh, &distance, edge);
     let quality = mesh.quality();
     println!("{D}D {name}: {quality}; vertices off by {vertices:.1e} edges, facets by {facets:.3}");
@@ -116,7 +116,8 @@ fn regions<const D: usize>() {
         Shape::Ball { center: middle + Vector::repeat(0.12), radius: 0.15 },
     ]);
     fill::<D>("two balls", &pair, 0.04);
-    let cube = VolumeMesh::of_box(&middle, &Vector::repeat(0.2), &rotation, 0.2).unwrap().surface().0;
+    let cube =
+        VolumeMesh::of_box(&middle, &Vector::repeat(0.2), &rotation, 0.2, Order::Linear).unwrap().surface().0;
     fill::<D>("mesh of a cube", &Shape::Mesh(Arc::new(MeshShape::new(cube))), 0.04);
 }
 
@@ -162,7 +163,7 @@ fn refusals<const D: usize>() {
     assert!(matches!(stuff(&ball, &-one, &one, 1e-7), Err(StuffingError::TooFine { .. })));
     assert!(matches!(stuff(&ball, &(-one * 0.1), &(one * 0.1), 0.05), Err(StuffingError::Beyond { .. })));
     let half = Shape::HalfSpace { point: one, normal: one };
-    assert!(matches!(VolumeMesh::of_shape(&half, 0.1), Err(StuffingError::Size { .. })));
+    assert!(matches!(VolumeMesh::of_shape(&half, 0.1, Order::Linear), Err(StuffingError::Size { .. })));
     let nothing = |_: &Vector<D>| 1.0;
     assert!(matches!(stuff(&nothing, &-one, &one, 0.1), Err(StuffingError::Empty { .. })));
 }

@@ -1,0 +1,311 @@
+//! Quadratic simplices as meshes of linear ones: each divided at the middles of its edges.
+//!
+//! A quadratic simplex has nodes at its corners `x_i` and on its edges, `x_ij`; a place within it with barycentric coordinates `b` is
+//!
+//! ```text
+//! x = Σ_i b_i (2 b_i − 1) x_i + 4 Σ_{i<j} b_i b_j x_ij
+//! ```
+//!
+//! (Zienkiewicz & Taylor, "The Finite Element Method", vol. 1, on the quadratic triangle and tetrahedron). Divided regularly it is `2^D`
+//! linear simplices on the same nodes: one at each corner, and what remains in the middle, in 3D an octahedron that is cut into four
+//! around its shortest diagonal (J. Bey, "Tetrahedral grid refinement", Computing 55 (1995) 355). All that asks for surfaces, volumes
+//! or places uses the linear simplices; only what is elastic knows that they belong together. They follow each other in the mesh,
+//! `2^D` of each parent, those at the corners first, and the simplex at corner `i` has node `x_ij` as its vertex `j`: so the
+//! parents need no memory of their own ([`VolumeMesh::parents`]).
+
+use super::stuffing::{Distance, StuffingError, crossing, stuff};
+use super::{Simplex, VolumeMesh};
+use crate::mesh::surface::area_vector;
+use crate::{Matrix, Vector};
+
+/// Nodes of a quadratic simplex in 3D, the most.
+const MOST: usize = 10;
+/// How far a node goes to reach a surface, over the length of its edge. The map along a straight quadratic edge folds where its middle
+/// has moved by this much; across the edge it makes an arc of 127 degrees.
+const BULGE: f64 = 0.25;
+/// Least volume of a part, and least derivative of volume at a node, of a curved quadratic simplex over those of the straight one.
+/// They fall in proportion to how far nodes go: at half of the way to the fold, half is left.
+const LEAST: f64 = 0.5;
+
+/// Part of a volume that large quadratic simplices may lose of what linear ones have with the same vertices: that of a solid's mass
+/// and of its stiffness against being pulled.
+const LOST: f64 = 0.05;
+
+/// The order of the polynomials on the simplices of a mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Order {
+    /// The simplices of the mesh are linear, each by itself.
+    Linear,
+    /// Groups of `2^D` simplices of the mesh are the parts of a quadratic one.
+    #[default]
+    Quadratic,
+}
+
+/// The nodes of a quadratic simplex: its `D + 1` corners, then those on its edges in the order of [`edges`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parent<const D: usize> {
+    nodes: [u32; MOST],
+}
+
+impl<const D: usize> Parent<D> {
+    /// Its nodes: 6 in 2D, 10 in 3D.
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes[..(D + 1) * (D + 2) / 2]
+    }
+
+    /// The derivative of places by barycentric coordinates 1 to D, where the shape functions have these [`slopes`], m.
+    pub fn jacobian(&self, slopes: &[Vector<D>], positions: &[Vector<D>]) -> Matrix<D> {
+        let at = self.nodes().iter().map(|v| positions[*v as usize]);
+        at.zip(slopes).fold(Matrix::zeros(), |sum, (x, slope)| sum + x * slope.transpose())
+    }
+}
+
+/// Edges of a simplex: pairs of its vertices, the lower one first.
+pub fn edges<const D: usize>() -> impl Iterator<Item = (usize, usize)> {
+    (0..=D).flat_map(|i| (i + 1..=D).map(move |j| (i, j)))
+}
+
+/// Slopes of the shape functions of all nodes along barycentric coordinates 1 to D at a place with coordinates `b`; coordinate 0 is
+/// what remains of 1.
+pub fn slopes<const D: usize>(b: &[f64]) -> Vec<Vector<D>> {
+    let along = |i: usize| Vector::<D>::from_fn(|r, _| if i == 0 { -1.0 } else { f64::from(r + 1 == i) });
+    let corner = |i: usize| along(i) * (4.0 * b[i] - 1.0);
+    let middle = |(i, j): (usize, usize)| (along(i) * b[j] + along(j) * b[i]) * 4.0;
+    (0..=D).map(corner).chain(edges::<D>().map(middle)).collect()
+}
+
+/// As [`stuff`], of simplices of an order, with vertices about `edge` (m) apart. Quadratic simplices are twice as large, unless that
+/// loses what is thin: then they are not, and vertices are nearer to each other.
+///
+/// # Errors
+/// As [`stuff`].
+pub fn stuff_of<const D: usize>(
+    order: Order,
+    distance: &Distance<D>,
+    lower: &Vector<D>,
+    upper: &Vector<D>,
+    edge: f64,
+) -> Result<VolumeMesh<D>, StuffingError> {
+    let linear = stuff(distance, lower, upper, edge)?;
+    if order == Order::Linear {
+        return Ok(linear);
+    }
+    let large = stuff(distance, lower, upper, 2.0 * edge).map(|mesh| mesh.divided_onto(distance));
+    match large {
+        Ok(mesh) if mesh.volume() >= (1.0 - LOST) * linear.volume() => Ok(mesh),
+        _ => Ok(linear.divided_onto(distance)),
+    }
+}
+
+impl<const D: usize> VolumeMesh<D> {
+    /// Every simplex divided into `2^D` at the middles of its edges: a mesh of quadratic simplices. The vertices keep their numbers,
+    /// the middles follow.
+    pub fn divided(&self) -> Self {
+        let all = self.edges();
+        let count = self.positions.len();
+        let mut positions = self.positions.clone();
+        positions.extend(all.iter().map(|[a, b]| (self.at(*a) + self.at(*b)) * 0.5));
+        let middle = |a: u32, b: u32| {
+            let edge = [a.min(b), a.max(b)];
+            (count + all.partition_point(|e| *e < edge)) as u32
+        };
+        let mut simplices = Vec::with_capacity(self.simplices.len() << D);
+        for simplex in &self.simplices {
+            let corners: Vec<u32> = simplex.vertices().collect();
+            for (i, at) in corners.iter().enumerate() {
+                let vertex = |j: usize| if i == j { *at } else { middle(*at, corners[j]) };
+                simplices.push(Simplex { root: vertex(0), rest: std::array::from_fn(|k| vertex(k + 1)) });
+            }
+            let node = |i: usize, j: usize| middle(corners[i], corners[j]);
+            within(&node, &positions, &mut simplices);
+        }
+        Self { positions, simplices }
+    }
+
+    /// As [`divided`](Self::divided), with the nodes on the boundary's edges moved onto the surface of a signed distance (m), as far
+    /// as simplices stay well shaped.
+    pub fn divided_onto(&self, distance: &Distance<D>) -> Self {
+        let moved = |(edge, normal): ([u32; 2], Vector<D>)| {
+            let [a, b] = edge.map(|v| self.at(v));
+            let middle = (a + b) * 0.5;
+            let place = crossing(&middle, &(normal * (BULGE * (b - a).norm())), distance)?;
+            Some((edge, place - middle))
+        };
+        let shifts: Vec<([u32; 2], Vector<D>)> =
+            self.boundary_edges().into_iter().filter_map(moved).collect();
+        self.bent(&shifts)
+    }
+
+    /// As [`divided`](Self::divided), with the nodes on some edges shifted (m), as far as simplices stay well shaped. The edges have
+    /// their lower vertices first.
+    pub fn bent(&self, shifts: &[([u32; 2], Vector<D>)]) -> Self {
+        let (mut mesh, all) = (self.divided(), self.edges());
+        let Some(parents) = mesh.parents() else { return mesh };
+        let straight = mesh.positions.clone();
+        for (edge, shift) in shifts {
+            let Ok(number) = all.binary_search(edge) else { continue };
+            mesh.positions[self.positions.len() + number] += shift;
+        }
+        // Each round makes at least one node straight again.
+        for _ in 0..mesh.positions.len() {
+            let bad: Vec<usize> =
+                (0..parents.len()).filter(|k| !mesh.is_fair(&parents[*k], *k, &straight)).collect();
+            if bad.is_empty() {
+                break;
+            }
+            for v in bad.iter().flat_map(|k| parents[*k].nodes()) {
+                mesh.positions[*v as usize] = straight[*v as usize];
+            }
+        }
+        mesh
+    }
+
+    /// The quadratic simplices that the mesh's simplices are the parts of, as [`divided`](Self::divided) leaves them; none where they
+    /// are of no such.
+    pub fn parents(&self) -> Option<Vec<Parent<D>>> {
+        let parts = self.simplices.chunks_exact(1 << D);
+        if !parts.remainder().is_empty() {
+            return None;
+        }
+        parts.map(parent).collect()
+    }
+
+    fn at(&self, v: u32) -> Vector<D> {
+        self.positions[v as usize]
+    }
+
+    /// The edges of the boundary, sorted, with the unit normal there.
+    fn boundary_edges(&self) -> Vec<([u32; 2], Vector<D>)> {
+        let mut sides: Vec<([u32; 2], Vector<D>)> = Vec::new();
+        for facet in self.boundary() {
+            let across = area_vector(&facet.map(|v| self.at(v)));
+            for i in 0..D {
+                sides.extend((0..i).map(|j| ([facet[i].min(facet[j]), facet[i].max(facet[j])], across)));
+            }
+        }
+        sides.sort_by_key(|s| s.0);
+        let mean = |same: &[([u32; 2], Vector<D>)]| {
+            let sum: Vector<D> = same.iter().map(|s| s.1).sum();
+            Some((same[0].0, sum.try_normalize(0.0)?))
+        };
+        sides.chunk_by(|a, b| a.0 == b.0).filter_map(mean).collect()
+    }
+
+    /// Whether a quadratic simplex, the `number`-th, is well shaped by what it is where nodes are at the `straight` places.
+    fn is_fair(&self, parent: &Parent<D>, number: usize, straight: &[Vector<D>]) -> bool {
+        let parts = &self.simplices[number << D..(number + 1) << D];
+        let fair = |s: &Simplex<D>| s.volume(&self.positions) >= LEAST * s.volume(straight);
+        let volume = |x: &[Vector<D>], b: &[f64]| {
+            let jacobian = parent.jacobian(&slopes(b), x);
+            let simplex = Simplex::<D> { root: 0, rest: std::array::from_fn(|k| k as u32 + 1) };
+            let mut corners = vec![Vector::zeros()];
+            corners.extend(jacobian.column_iter().map(|c| c.into_owned()));
+            simplex.volume(&corners)
+        };
+        let corner = |i: usize| (0..=D).map(|k| f64::from(k == i)).collect::<Vec<f64>>();
+        let middle = |(i, j)| (0..=D).map(|k| 0.5 * f64::from(k == i || k == j)).collect::<Vec<f64>>();
+        let mut places = (0..=D).map(corner).chain(edges::<D>().map(middle));
+        parts.iter().all(fair) && places.all(|b| volume(&self.positions, &b) >= LEAST * volume(straight, &b))
+    }
+}
+
+/// Adds the simplices between those at the corners; `node` tells the node on an edge.
+fn within<const D: usize>(
+    node: &dyn Fn(usize, usize) -> u32,
+    positions: &[Vector<D>],
+    simplices: &mut Vec<Simplex<D>>,
+) {
+    let mut push = |vertices: &[u32]| {
+        let simplex = Simplex { root: vertices[0], rest: std::array::from_fn(|k| vertices[k + 1]) };
+        simplices.push(simplex.upright(positions));
+    };
+    if D == 2 {
+        return push(&[node(1, 2), node(0, 2), node(0, 1)]);
+    }
+    // Diagonals of the octahedron: nodes of opposite edges.
+    let diagonals = [(0, 1, 2, 3), (0, 2, 3, 1), (0, 3, 1, 2)];
+    let length = |(a, b, c, d): &(usize, usize, usize, usize)| {
+        (positions[node(*a, *b) as usize] - positions[node(*c, *d) as usize]).norm()
+    };
+    let shortest = diagonals.iter().map(length).fold(f64::INFINITY, f64::min);
+    // Of diagonals that are alike to rounding the first, so that moved meshes are divided alike.
+    let Some((a, b, c, d)) = diagonals.iter().find(|e| length(e) <= shortest * (1.0 + 1e-9)).copied() else {
+        return;
+    };
+    let ring = [node(a, c), node(b, c), node(b, d), node(a, d)];
+    for k in 0..4 {
+        push(&[node(a, b), node(c, d), ring[k], ring[(k + 1) % 4]]);
+    }
+}
+
+/// The quadratic simplex of `2^D` parts.
+fn parent<const D: usize>(parts: &[Simplex<D>]) -> Option<Parent<D>> {
+    let vertex = |i: usize, j: usize| if j == 0 { parts[i].root } else { parts[i].rest[j - 1] };
+    let mut nodes = [0; MOST];
+    (0..=D).for_each(|i| nodes[i] = vertex(i, i));
+    for (k, (i, j)) in edges::<D>().enumerate() {
+        if vertex(i, j) != vertex(j, i) {
+            return None;
+        }
+        nodes[D + 1 + k] = vertex(i, j);
+    }
+    let parent = Parent { nodes };
+    let known = |part: &Simplex<D>| part.vertices().all(|v| parent.nodes().contains(&v));
+    parts.iter().all(known).then_some(parent)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::block::block;
+    use super::*;
+
+    fn division<const D: usize>() {
+        let coarse = block::<D>([2; D], &Vector::repeat(1.0));
+        let fine = coarse.divided();
+        assert_eq!(fine.check(), Ok(()));
+        assert!((fine.volume() - coarse.volume()).abs() < 1e-14);
+        assert_eq!(fine.positions.len(), 5usize.pow(D as u32));
+        assert_eq!(coarse.parents(), None);
+        let parents = fine.parents().unwrap();
+        assert_eq!(parents.len(), coarse.simplices.len());
+        for (parent, simplex) in parents.iter().zip(&coarse.simplices) {
+            let corners: Vec<u32> = simplex.vertices().collect();
+            assert_eq!(parent.nodes()[..=D], corners);
+            for (k, (i, j)) in edges::<D>().enumerate() {
+                let at = |v: u32| fine.positions[v as usize];
+                let middle = (at(corners[i]) + at(corners[j])) * 0.5;
+                assert!((at(parent.nodes()[D + 1 + k]) - middle).norm() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn quadratic_simplices_are_known_by_their_parts() {
+        division::<2>();
+        division::<3>();
+    }
+
+    /// Nodes on a ball's surface: the volume of its mesh is that with edges half as long.
+    fn curved<const D: usize>(volume: f64) {
+        let distance = |x: &Vector<D>| x.norm() - 1.0;
+        let (low, high) = (Vector::repeat(-1.0), Vector::repeat(1.0));
+        let coarse = super::super::stuff(&distance, &low, &high, 0.5).unwrap();
+        let mesh = coarse.divided_onto(&distance);
+        assert_eq!(mesh.check(), Ok(()));
+        let off = |x: &Vector<D>| (x.norm() - 1.0).abs();
+        let (surface, _) = mesh.surface();
+        let on = surface.positions.iter().filter(|x| off(x) < 1e-9).count();
+        let [lost, straight] = [&mesh, &coarse].map(|m| 1.0 - m.volume() / volume);
+        println!(
+            "{D}D: {on} of {} nodes on the surface, volume lost {lost:.4}, straight {straight:.4}",
+            surface.positions.len()
+        );
+        assert!(on * 100 >= 98 * surface.positions.len() && lost < 0.3 * straight);
+    }
+
+    #[test]
+    fn nodes_go_to_the_surface() {
+        curved::<2>(std::f64::consts::PI);
+        curved::<3>(4.0 / 3.0 * std::f64::consts::PI);
+    }
+}
