@@ -70,6 +70,11 @@ impl Contact {
         if value > 0.0 { self.area * self.stiffness * value * share } else { 0.0 }
     }
 
+    /// Distance of the features, m, at positions.
+    pub fn distance<const D: usize>(&self, x: &[Vector<D>]) -> f64 {
+        Closest::new(self.stencil.kind, &self.stencil.of(x)).distance()
+    }
+
     /// Magnitude of the contact force between them, N (2D: N/m).
     pub fn force<const D: usize>(&self, x: &[Vector<D>]) -> f64 {
         let at = self.stencil.of(x);

@@ -1,17 +1,19 @@
-//! Friction: Coulomb's law as a potential, with normal forces and directions of the last look (IPC, §5.5).
+//! Friction: Coulomb's law as a potential, with normal forces and directions of the last look (IPC, §5.5), of a slip that is carried
+//! from step to step (P. A. Cundall, O. D. L. Strack, "A discrete numerical model for granular assemblies", Géotechnique 29, 1979).
 //!
-//! Two features that press each other with `N` and have moved by `u` along each other in a step have the energy `μ N f(|u|)`, with
-//! `f' = 2 y − y²`, `y = |u|/ε`, below a way `ε`, and 1 beyond: what sticks creeps by less than `ε` a step.
+//! Two features that press each other with `N`, with the elastic slip `s`, have the energy `μ N f(|s|)`, with `f' = 2 y − y²`,
+//! `y = |s|/ε`, below the slip `ε`, and 1 beyond. In a step `s` grows by their way along each other; after it `s` is limited to `ε`
+//! (return mapping). So what sticks is held by a spring, and does not creep; what slides is held by `μ N`.
 
 use crate::barrier::Contact;
 use crate::distance::{Closest, Stencil};
 use crate::local::Local;
 use meniscus_numerics::{Matrix, Vector};
 
-/// Friction below a way.
+/// Friction with an elastic slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
-    /// The way in a step, m, below which things stick.
+    /// The elastic slip, m, from which on things slide.
     pub stick: f64,
 }
 
@@ -26,38 +28,69 @@ pub struct Rubbing<const D: usize> {
     pub normal: Vector<D>,
     /// Friction's coefficient times the normal force, N (2D: N/m).
     pub hold: f64,
+    /// Elastic slip of the first along the second at the places from which they go, m; what of it is along the normal does not count.
+    pub slip: Vector<D>,
 }
 
 impl<const D: usize> Rubbing<D> {
-    /// Of two features in contact with a coefficient of friction; nothing out of reach.
+    /// Of two features in contact with a coefficient of friction, without slip; nothing out of reach.
     pub fn new(contact: &Contact, coefficient: f64, x: &[Vector<D>]) -> Option<Self> {
         let hold = coefficient * contact.force(x);
         let closest = Closest::new(contact.stencil.kind, &contact.stencil.of(x));
         let normal = closest.apart.try_normalize(0.0)?;
-        (hold > 0.0).then_some(Self { stencil: contact.stencil, weights: closest.weights, normal, hold })
+        let (stencil, weights, slip) = (contact.stencil, closest.weights, Vector::zeros());
+        (hold > 0.0).then_some(Self { stencil, weights, normal, hold, slip })
     }
 
-    /// How far the features have slid along each other between two places, m.
-    fn slid(&self, from: &[Vector<D>], to: &[Vector<D>]) -> Vector<D> {
+    /// How far the features go along each other between two places, m.
+    pub fn way(&self, from: &[Vector<D>], to: &[Vector<D>]) -> Vector<D> {
         let (from, to) = (self.stencil.of(from), self.stencil.of(to));
-        let way: Vector<D> = (0..4).map(|k| (to[k] - from[k]) * self.weights[k]).sum();
+        self.along((0..4).map(|k| (to[k] - from[k]) * self.weights[k]).sum())
+    }
+
+    /// The slip that they come to.
+    fn slid(&self, from: &[Vector<D>], to: &[Vector<D>]) -> Vector<D> {
+        self.along(self.slip) + self.way(from, to)
+    }
+
+    fn along(&self, way: Vector<D>) -> Vector<D> {
         way - self.normal * way.dot(&self.normal)
     }
 }
 
 impl Friction {
-    /// `∫ f'`, m, `f'/|u|`, 1/m, and `f''`, 1/m.
-    fn of(&self, way: f64) -> [f64; 3] {
-        let (e, y) = (self.stick, way / self.stick);
+    /// `f`, m, `f'/|s|`, 1/m, and `f''`, 1/m, of a slip.
+    fn of(&self, slip: f64) -> [f64; 3] {
+        let (e, y) = (self.stick, slip / self.stick);
         if y < 1.0 {
             return [e * y * y * (1.0 - y / 3.0), (2.0 - y) / e, 2.0 * (1.0 - y) / e];
         }
-        [way - e / 3.0, 1.0 / way, 0.0]
+        [slip - e / 3.0, 1.0 / slip, 0.0]
+    }
+
+    /// A slip after return mapping.
+    pub fn limited<const D: usize>(&self, slip: Vector<D>) -> Vector<D> {
+        slip.cap_magnitude(self.stick)
+    }
+
+    /// A slip after its hold has changed between two values, N: where the hold grows the force stays, where it falls the slip does. Either
+    /// way no energy is won (D. Elata, J. G. Berryman, "Contact force-displacement laws and the mechanical behavior of random packs of
+    /// identical spheres", Mech. Mater. 24, 1996).
+    pub fn carried<const D: usize>(&self, slip: &Vector<D>, from: f64, to: f64) -> Vector<D> {
+        let slip = self.limited(*slip);
+        let Some(along) = slip.try_normalize(0.0).filter(|_| to > from) else { return slip };
+        let pull = from / to * slip.norm() * self.of(slip.norm())[1];
+        along * (self.stick * (1.0 - (1.0 - pull).max(0.0).sqrt()))
+    }
+
+    /// Energy, J (2D: J/m), of a slip under a hold, N (2D: N/m).
+    pub fn stored<const D: usize>(&self, hold: f64, slip: &Vector<D>) -> f64 {
+        hold * self.of(slip.norm())[0]
     }
 
     /// Energy, J (2D: J/m), of the way from one place to another.
     pub fn energy<const D: usize>(&self, rubbing: &Rubbing<D>, from: &[Vector<D>], to: &[Vector<D>]) -> f64 {
-        rubbing.hold * self.of(rubbing.slid(from, to).norm())[0]
+        self.stored(rubbing.hold, &rubbing.slid(from, to))
     }
 
     /// Derivatives by the place come to. The Hessian is positive semidefinite.

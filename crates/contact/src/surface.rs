@@ -197,6 +197,14 @@ impl Near {
         self.pairs.par_iter().with_min_len(256).filter_map(contact).collect()
     }
 
+    /// The pairs of both.
+    pub fn with(mut self, other: Self) -> Self {
+        self.pairs.extend(other.pairs);
+        self.pairs.sort_unstable_by_key(|pair| pair.stencil);
+        self.pairs.dedup_by_key(|pair| pair.stencil);
+        self
+    }
+
     /// The largest part of a way, up to all of it, on which every pair keeps `keep` of its distance.
     pub fn free_step<const D: usize>(&self, x: &[Vector<D>], ways: &[Vector<D>], keep: f64) -> f64 {
         let part = |pair: &Pair| {

@@ -186,6 +186,7 @@ fn check_friction<const D: usize>(kind: Kind) {
             reach: 0.6,
         };
         let Some(rubbing) = Rubbing::new(&contact, 0.4, &from) else { continue };
+        let rubbing = Rubbing { slip: friction.limited(numbers.points::<D>(1)[0]), ..rubbing };
         let energy = |x: &[Vector<D>]| friction.energy(&rubbing, &from, x);
         let derivatives = |x: &[Vector<D>]| Some(friction.derivatives(&rubbing, &from, x));
         checked += usize::from(check_derivatives(&x, 1.0, energy, derivatives));
@@ -198,6 +199,40 @@ fn friction_has_the_derivatives_it_tells() {
     check_friction::<2>(Kind::PointSegment);
     check_friction::<3>(Kind::PointTriangle);
     check_friction::<3>(Kind::EdgeEdge);
+}
+
+/// The spring and slider: the force is carried where the hold grows, no energy is won, and no force is more than the hold.
+fn check_slip<const D: usize>() {
+    let mut numbers = Numbers(17);
+    let friction = Friction { stick: 0.7 };
+    let kind = if D == 2 { Kind::PointSegment } else { Kind::PointTriangle };
+    let still = vec![Vector::<D>::zeros(); 4];
+    let normal = Vector::from_fn(|a, _| f64::from(u8::from(a + 1 == D)));
+    let force = |slip: Vector<D>, hold: f64| {
+        let weights = [1.0, -0.5, -0.5, 0.0];
+        let rubbing = Rubbing { stencil: stencil(kind), weights, normal, hold, slip };
+        friction.derivatives(&rubbing, &still, &still).gradient[0]
+    };
+    for _ in 0..200 {
+        let slip = friction.limited(numbers.points::<D>(1)[0]);
+        let slip = slip - normal * slip.dot(&normal);
+        let [from, to] = [1.0 + 0.9 * numbers.next(), 1.0 + 0.9 * numbers.next()];
+        let carried = friction.carried(&slip, from, to);
+        assert!(carried.norm() <= friction.stick * (1.0 + 1e-12));
+        let expected = if to > from { force(slip, from) } else { force(slip, to) };
+        assert!((force(carried, to) - expected).norm() < 1e-9, "{slip:?} {from} {to}");
+        assert!(friction.stored(to, &carried) <= friction.stored(from, &slip) + 1e-12);
+        let far = friction.limited(slip * 10.0);
+        assert!(far.norm() <= friction.stick * (1.0 + 1e-12));
+        assert!((force(slip * 1e3, from).norm() - from).abs() < 1e-12);
+    }
+    assert_eq!(friction.carried(&Vector::<D>::zeros(), 1.0, 2.0).norm(), 0.0);
+}
+
+#[test]
+fn friction_carries_its_force_from_step_to_step() {
+    check_slip::<2>();
+    check_slip::<3>();
 }
 
 fn check_steps<const D: usize>(kinds: &[Kind]) {

@@ -7,8 +7,8 @@ use crate::term::continuum::Continuum;
 use crate::term::crushed::Crushed;
 use crate::term::points::mean_square_edge;
 use crate::{
-    Anchor, Corotated, Description, ElasticError, ElasticState, ForceTerm, Integrator, Lame, Law, Motion,
-    NeoHookean, Order, Springs, settled_modes,
+    Anchor, ConservingTerm, Corotated, Description, ElasticError, ElasticState, ForceTerm, Integrator, Lame,
+    Law, Motion, NeoHookean, Order, Springs, settled_modes,
 };
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
@@ -28,7 +28,7 @@ const SETTLED: f64 = 1e-3;
 pub struct Elastic<const D: usize> {
     pub(crate) rest: VolumeMesh<D>,
     pub(crate) masses: Vec<f64>,
-    pub(crate) terms: Vec<Box<dyn ForceTerm<D>>>,
+    pub(crate) terms: Vec<Box<dyn ConservingTerm<D>>>,
     pub(crate) integrator: Integrator,
     pub(crate) anchors: Vec<Anchor<D>>,
     pub(crate) held: Vec<bool>,
@@ -55,7 +55,7 @@ impl<const D: usize> Elastic<D> {
     /// Where the description is of no solid: see [`ElasticError`].
     pub fn with_terms(
         description: Description<D>,
-        more: Vec<Box<dyn ForceTerm<D>>>,
+        more: Vec<Box<dyn ConservingTerm<D>>>,
     ) -> Result<Self, ElasticError> {
         let Description { mesh, density, law, damping_ratio, anchors, integrator } = description;
         material("the density", density, density > 0.0, "more than 0 kg/m³")?;
@@ -154,6 +154,13 @@ impl<const D: usize> Elastic<D> {
         forces
     }
 
+    /// Elastic forces between two configurations, N (2D: N/m), whose work from one to the other is the change of the elastic energy.
+    pub fn forces_between(&self, ends: [&[Vector<D>]; 2]) -> Vec<Vector<D>> {
+        let mut forces = vec![Vector::zeros(); ends[0].len()];
+        self.terms.iter().for_each(|t| t.add_forces_between(ends, &mut forces));
+        forces
+    }
+
     /// Forces that resist rates of strain, N (2D: N/m), proportional to the stiffness times `time`, s.
     pub fn viscous_forces(
         &self,
@@ -173,6 +180,11 @@ impl<const D: usize> Elastic<D> {
         let mut matrix = BlockMatrix::new(self.pattern.clone());
         self.terms.iter().for_each(|t| t.add_tangent(positions, weights, &mut matrix));
         matrix
+    }
+
+    /// Energy, J (2D: J/m), of what keeps elements upright, at positions.
+    pub fn upright_energy(&self, positions: &[Vector<D>]) -> f64 {
+        self.upright.iter().map(|u| u.energy(positions)).sum()
     }
 
     /// Puts held vertices where they belong at the state's time.
@@ -195,7 +207,10 @@ impl<const D: usize> Elastic<D> {
 }
 
 /// The terms of a law.
-fn terms<const D: usize>(mesh: &VolumeMesh<D>, law: Law) -> Result<Vec<Box<dyn ForceTerm<D>>>, ElasticError> {
+fn terms<const D: usize>(
+    mesh: &VolumeMesh<D>,
+    law: Law,
+) -> Result<Vec<Box<dyn ConservingTerm<D>>>, ElasticError> {
     Ok(match law {
         Law::NeoHookean { young, poisson, order } => {
             vec![Box::new(Continuum::new(mesh, NeoHookean, Lame::new(young, poisson), order)?)]

@@ -1,25 +1,23 @@
 //! What the velocities at the end of a step make least: an incremental potential.
 //!
-//! With the change `w = v' − v` of the velocities, `y = x + h w/4` half-way, and `z = x + a v'` where the coming step ends at the
-//! latest, that is
+//! Forces act for `h` and leave the velocities `l` ahead of the positions `x`. With the change `w = v' − v` of the velocities, the places
+//! `q = x − (h − l) v` and `q' = x + l v'` of a body at the times of the old and the new velocities, `y` half-way between them, and
+//! `z = x + a v'` where the coming step ends at the latest, that is
 //!
 //! ```text
-//! ½ wᵀ M w + 4 Ψ(y) + ½ h τ v'ᵀ K̂ v' + θ h² (u + (¼ + θ/8) w)ᵀ K̂ w − jᵀ w + h/a U(z):
+//! ½ wᵀ M w + 2 h/l Ψ(y) − h (f(q, q') − f(y))ᵀ w + ½ h τ v'ᵀ K̂ v' − jᵀ w + h/a U(z):
 //! ```
 //!
-//! the law `Ψ`, damping and dissipation of [`crate::step`], the impulses `j` of all other forces, and what keeps elements upright,
-//! `U` ([`crate::Crushed`]). `K̂` is that at [`Incremental::viscous_at`]: at `x` the first Newton iteration from `w = 0` is the step
-//! that is linear about `x`; at `y` all forces keep the angular momentum there.
+//! the law `Ψ`, whose forces `f(q, q')` do the work by which it changes ([`crate::ConservingTerm`]), damping `τ K̂`, the impulses `j` of all
+//! other forces, and what keeps elements upright, `U` ([`crate::Crushed`]). The difference of the forces, which have no potential, is
+//! lagged ([`Incremental::recentre`]), and so is `K̂`: at `x` the first Newton iteration from `w = 0` is the step that is linear about
+//! `x`. Where `l = h/2` the step keeps the energy `½ vᵀ M v + Ψ(q)` of the law and both momenta (energy–momentum method, J. Simo & N. Tarnow
+//! 1992); a longer `l` loses `(l/h − ½) wᵀ M w`.
 
 use crate::step::add_extra;
 use crate::term::ForceTerm;
-use crate::{BlockMatrix, Elastic, ElasticState, Integrator, StiffnessBlock, Weights};
+use crate::{BlockMatrix, Elastic, ElasticState, StiffnessBlock, Weights};
 use meniscus_numerics::{Vector, par};
-
-/// Modes that a step does not resolve end at once, `θ = 1`: with half of it elements that stiffen as they are crushed won energy in two
-/// of 22 wet scenes, a hundred times what there was.
-const DISSIPATION: f64 = 1.0;
-const INTEGRATOR: Integrator = Integrator { dissipation: DISSIPATION, iterations: 0 };
 
 /// The potential of a solid in a step.
 #[derive(Clone, Debug)]
@@ -28,16 +26,18 @@ pub struct Incremental<'a, const D: usize> {
     pub elastic: &'a Elastic<D>,
     /// Positions that have advanced, and velocities that have not.
     pub state: &'a ElasticState<D>,
-    /// The part `u` of these that the step does not resolve, m/s.
-    pub fast: Vec<Vector<D>>,
     /// Where vertices are for the viscosities `K̂`, m.
     pub viscous_at: Vec<Vector<D>>,
+    /// The forces with which the law keeps energy, less those at `y`, N (2D: N/m).
+    pub beyond: Vec<Vector<D>>,
     /// Stiffness of other forces.
     pub extra: &'a [StiffnessBlock<D>],
     /// Impulses `j` of all other forces, N s (2D: N s/m).
     pub impulses: &'a [Vector<D>],
     /// Length `h` of the step, s.
     pub step: f64,
+    /// How far the new velocities are ahead of the positions, `l`, s: half of the step where steps are of one length.
+    pub lead: f64,
     /// The longest that the coming step can be, `a`, s.
     pub ahead: f64,
 }
@@ -47,14 +47,23 @@ impl<const D: usize> Incremental<'_, D> {
         velocities.iter().zip(&self.state.velocities).map(|(new, old)| new - old).collect()
     }
 
-    /// Takes viscosities where these velocities lead half-way.
+    /// Takes viscosities where these velocities lead half-way, and the forces that keep energy between the ends of that way.
     pub fn recentre(&mut self, velocities: &[Vector<D>]) {
-        self.viscous_at = self.half_way(&self.change(velocities));
+        self.viscous_at = self.half_way(velocities);
+        let (new, old) = (self.lead, self.step - self.lead);
+        let at = |velocities: &[Vector<D>], time: f64| -> Vec<Vector<D>> {
+            self.state.positions.iter().zip(velocities).map(|(x, v)| x + v * time).collect()
+        };
+        let ends = [at(&self.state.velocities, -old), at(velocities, new)];
+        self.beyond = self.elastic.forces_between([&ends[0], &ends[1]]);
+        let middle = self.elastic.forces(&self.viscous_at);
+        self.beyond.iter_mut().zip(&middle).for_each(|(b, m)| *b -= m);
     }
 
-    fn half_way(&self, change: &[Vector<D>]) -> Vec<Vector<D>> {
-        let part = 0.25 * self.step;
-        self.state.positions.iter().zip(change).map(|(x, w)| x + w * part).collect()
+    fn half_way(&self, velocities: &[Vector<D>]) -> Vec<Vector<D>> {
+        let (new, old) = (0.5 * self.lead, 0.5 * (self.step - self.lead));
+        let way = |k: usize| velocities[k] * new - self.state.velocities[k] * old;
+        self.state.positions.iter().enumerate().map(|(k, x)| x + way(k)).collect()
     }
 
     /// Where the vertices are at the end of the coming step, m.
@@ -62,43 +71,46 @@ impl<const D: usize> Incremental<'_, D> {
         self.state.positions.iter().zip(velocities).map(|(x, v)| x + v * self.ahead).collect()
     }
 
-    /// What resists rates of strain: impulses, N s.
-    fn viscous(&self, velocities: &[Vector<D>], change: &[Vector<D>], share: f64) -> [Vec<Vector<D>>; 2] {
-        let (x, h) = (&self.viscous_at, self.step);
-        let between: Vec<Vector<D>> = self.fast.iter().zip(change).map(|(u, w)| u + w * share).collect();
-        let theta = DISSIPATION;
-        let damping = self.elastic.viscous_forces(x, velocities, h * self.elastic.damping_time);
-        [damping, self.elastic.viscous_forces(x, &between, theta * h * h)]
+    /// Impulses of what resists rates of strain, N s.
+    fn damping(&self, velocities: &[Vector<D>]) -> Vec<Vector<D>> {
+        self.elastic.viscous_forces(&self.viscous_at, velocities, self.step * self.elastic.damping_time)
     }
 
     /// Its value, J (2D: J/m); infinite where an element has no volume.
     pub fn value(&self, velocities: &[Vector<D>]) -> f64 {
-        let (h, theta) = (self.step, DISSIPATION);
-        let w = self.change(velocities);
-        let [damping, fast] = self.viscous(velocities, &w, 0.25 + 0.125 * theta);
+        let (h, w) = (self.step, self.change(velocities));
+        let damping = self.damping(velocities);
         let mut extra = vec![Vector::zeros(); w.len()];
         add_extra(self.extra, h, &w, &mut extra);
         let own = par::sum(w.len(), |k| {
-            w[k].dot(&(w[k] * (0.5 * self.elastic.masses[k]) - fast[k] - self.impulses[k] - extra[k] * 0.5))
-                - 0.5 * velocities[k].dot(&damping[k])
+            w[k].dot(
+                &(w[k] * (0.5 * self.elastic.masses[k])
+                    - self.impulses[k]
+                    - self.beyond[k] * h
+                    - extra[k] * 0.5),
+            ) - 0.5 * velocities[k].dot(&damping[k])
         });
         let ends = self.ends(velocities);
         let upright: f64 = self.elastic.upright.iter().map(|u| u.energy(&ends)).sum();
-        own + 4.0 * self.elastic.elastic_energy(&self.half_way(&w)) + h / self.ahead * upright
+        own + 2.0 * h / self.lead * self.elastic.elastic_energy(&self.half_way(velocities))
+            + h / self.ahead * upright
     }
 
     /// Its gradient by the velocities, N s (2D: N s/m).
     pub fn gradient(&self, velocities: &[Vector<D>]) -> Vec<Vector<D>> {
-        let (h, theta) = (self.step, DISSIPATION);
-        let w = self.change(velocities);
-        let [damping, fast] = self.viscous(velocities, &w, 0.5 + 0.25 * theta);
-        let mut forces = self.elastic.forces(&self.half_way(&w));
+        let (h, w) = (self.step, self.change(velocities));
+        let damping = self.damping(velocities);
+        let mut forces = self.elastic.forces(&self.half_way(velocities));
         let ends = self.ends(velocities);
         self.elastic.upright.iter().for_each(|u| u.add_forces(&ends, &mut forces));
         let mut extra = vec![Vector::zeros(); w.len()];
         add_extra(self.extra, h, &w, &mut extra);
         let of = |k: usize| {
-            w[k] * self.elastic.masses[k] - forces[k] * h - damping[k] - fast[k] - self.impulses[k] - extra[k]
+            w[k] * self.elastic.masses[k]
+                - (forces[k] + self.beyond[k]) * h
+                - damping[k]
+                - self.impulses[k]
+                - extra[k]
         };
         (0..w.len()).map(of).collect()
     }
@@ -106,16 +118,19 @@ impl<const D: usize> Incremental<'_, D> {
     /// Its second derivatives, kg (2D: kg/m), or their `positive` part.
     pub fn matrix(&self, velocities: &[Vector<D>], positive: bool) -> Option<BlockMatrix<D>> {
         let elastic = self.elastic;
-        let own = INTEGRATOR.weights(self.step, elastic.damping_time);
-        let mut matrix = elastic.tangent(&self.viscous_at, Weights { stiffness: 0.0, ..own });
+        let viscosity = self.step * elastic.damping_time;
+        let mut matrix = elastic.tangent(&self.viscous_at, Weights { stiffness: 0.0, positive, viscosity });
         elastic.masses.iter().enumerate().for_each(|(v, m)| matrix.add_diagonal(v, *m));
-        let half_way = self.half_way(&self.change(velocities));
-        let weights = Weights { positive, viscosity: 0.0, ..own };
+        let half_way = self.half_way(velocities);
+        let stiffness = 0.5 * self.step * self.lead;
+        let weights = Weights { stiffness, positive, viscosity: 0.0 };
         elastic.terms.iter().for_each(|term| term.add_tangent(&half_way, weights, &mut matrix));
         let weights = Weights { stiffness: self.step * self.ahead, ..weights };
         let ends = self.ends(velocities);
         elastic.upright.iter().for_each(|u| u.add_tangent(&ends, weights, &mut matrix));
-        let mut put = |e: &StiffnessBlock<D>| matrix.add(e.first, e.second, &(e.block * own.stiffness));
+        let mut put = |e: &StiffnessBlock<D>| {
+            matrix.add(e.first, e.second, &(e.block * (0.25 * self.step * self.step)))
+        };
         self.extra.iter().all(&mut put).then_some(matrix)
     }
 

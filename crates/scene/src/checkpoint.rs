@@ -9,7 +9,7 @@ use crate::run::Tally;
 use meniscus_elastic::ElasticState;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Drop, Soft, SolidState, State};
+use meniscus_sim::{Drop, Slip, Slips, Soft, SolidState, State, Touch};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 const MAGIC: &[u8; 8] = b"MENISCKP";
-const VERSION: u32 = 13;
+const VERSION: u32 = 14;
 /// Values per compressed block (4 MiB).
 const BLOCK: usize = 1 << 19;
 /// Checkpoints that are kept.
@@ -59,6 +59,10 @@ struct Header {
     /// Centre, rotation by columns, velocity, spin, forces, what holds it, of each solid; of one that deforms
     /// also its time, all positions, and all velocities.
     solids: Vec<Vec<f64>>,
+    /// Of each touch its points and the other.
+    touches: Vec<[u32; 3]>,
+    /// Way, rate and hold of the slip of each touch.
+    slips: Vec<f64>,
     tally: Tally,
     /// Bytes of each compressed block, per array: phi, lambda, then the velocity along each axis.
     blocks: Vec<Vec<u64>>,
@@ -113,6 +117,25 @@ fn restore_solid<const D: usize>(record: &[f64]) -> Option<SolidState<D>> {
     })
 }
 
+fn slip_record<const D: usize>(slip: &Slip<D>) -> Vec<f64> {
+    let Slip { way, rate, hold } = slip;
+    way.iter().chain(rate).chain([hold]).copied().collect()
+}
+
+fn restore_slips<const D: usize>(touches: &[[u32; 3]], slips: &[f64]) -> Option<Slips<D>> {
+    let records = slips.chunks_exact(2 * D + 1);
+    if slips.len() != touches.len() * (2 * D + 1) {
+        return None;
+    }
+    let slip = |([first, last, other], record): (&[u32; 3], &[f64])| {
+        let (way, rest) = record.split_at(D);
+        let (rate, hold) = rest.split_at(D);
+        let (way, rate) = (Vector::from_column_slice(way), Vector::from_column_slice(rate));
+        (Touch { points: [*first, *last], other: *other }, Slip { way, rate, hold: hold[0] })
+    };
+    Some(touches.iter().zip(records).map(slip).collect())
+}
+
 impl DropRecord {
     fn of<const D: usize>(drop: &Drop<D>) -> Self {
         let Drop { target_volume, volume, centroid, lower, upper, velocity, spin } = drop;
@@ -162,6 +185,7 @@ pub fn write<const D: usize>(
         lambda,
         drops,
         solids,
+        slips,
         lost_volume,
         outflow_volume,
         outflow_kinetic_energy,
@@ -192,6 +216,8 @@ pub fn write<const D: usize>(
         ],
         drops: drops.iter().map(DropRecord::of).collect(),
         solids: solids.iter().map(solid_record).collect(),
+        touches: slips.keys().map(|t| [t.points[0], t.points[1], t.other]).collect(),
+        slips: slips.values().flat_map(slip_record).collect(),
         tally: tally.clone(),
         blocks: arrays.iter().map(|blocks| blocks.iter().map(|b| b.len() as u64).collect()).collect(),
     };
@@ -326,6 +352,7 @@ fn restore<const D: usize>(header: &Header, body: &[u8], grid: Grid<D>) -> Optio
     state.step = header.step;
     state.drops = header.drops.iter().map(DropRecord::restore).collect::<Option<_>>()?;
     state.solids = header.solids.iter().map(|r| restore_solid(r)).collect::<Option<_>>()?;
+    state.slips = restore_slips(&header.touches, &header.slips)?;
     Some(state)
 }
 
@@ -436,6 +463,10 @@ mod tests {
                 velocities: vec![Vector::from([0.3, 0.0]), Vector::from([7.0, -0.1])],
             })),
         });
+        for (other, hold) in [(0, 3.0), (9, 0.1)] {
+            let slip = Slip { way: Vector::from([1e-9, -0.3]), rate: Vector::from([0.1, -0.0]), hold };
+            state.slips.insert(Touch { points: [4, 7], other }, slip);
+        }
         (state.lambda.data[3], state.kinetic_energy, state.surface_area) = (2.5, 0.1, 0.3);
         state
     }

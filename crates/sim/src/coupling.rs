@@ -30,27 +30,37 @@ pub struct Coupling<'a, const D: usize> {
     solids: &'a [SolidState<D>],
     /// How solids answer together, where something can move them.
     response: Option<&'a Response<D>>,
-    /// With the place where the pressure takes hold of a solid that deforms.
-    wet: Vec<(WetCell<D>, Option<Grip<D>>)>,
+    wet: &'a [Wet<D>],
+}
+
+/// A piece of surface in a liquid cell, with the place where the pressure takes hold of a solid that deforms.
+pub type Wet<const D: usize> = (WetCell<D>, Option<Grip<D>>);
+
+/// The surfaces in liquid cells (`phi` negative).
+pub fn wetted<const D: usize>(
+    model: &Model<D>,
+    cut: &CutCells<D>,
+    solids: &[SolidState<D>],
+    phi: &[f64],
+) -> Vec<Wet<D>> {
+    let wet = cut.wet.par_iter().with_min_len(64).filter(|w| phi[w.cell as usize] < 0.0);
+    let gripped = |w: &WetCell<D>| (*w, solids[w.solid as usize].grip(&(middle(model, w) * model.grid.dx)));
+    wet.map(gripped).collect()
 }
 
 impl<'a, const D: usize> Coupling<'a, D> {
-    /// The surfaces in liquid cells (`phi` negative).
+    /// Of surfaces in liquid cells.
     pub fn new(
         model: &'a Model<D>,
-        cut: &CutCells<D>,
+        wet: &'a [Wet<D>],
         (solids, response): (&'a [SolidState<D>], Option<&'a Response<D>>),
-        phi: &[f64],
     ) -> Self {
-        let wet = cut.wet.par_iter().with_min_len(64).filter(|w| phi[w.cell as usize] < 0.0);
-        let gripped =
-            |w: &WetCell<D>| (*w, solids[w.solid as usize].grip(&(middle(model, w) * model.grid.dx)));
-        Self { model, solids, response, wet: wet.map(gripped).collect() }
+        Self { model, solids, response, wet }
     }
 
     /// Calls `f(cell, flux)` with the flow into the surface of every cell, `∫ v·n dS` in areas of a face, m/s.
     pub fn fluxes(&self, mut f: impl FnMut(usize, f64)) {
-        for (w, grip) in &self.wet {
+        for (w, grip) in self.wet {
             let solid = &self.solids[w.solid as usize];
             let flux = match (grip, &solid.soft) {
                 (Some(grip), Some(soft)) => grip.mean(|k| soft.body.velocities[k]).dot(&w.area),
@@ -83,7 +93,7 @@ impl<'a, const D: usize> Coupling<'a, D> {
     /// nodes' velocities, in areas of a face.
     fn node_flows(&self, response: &Response<D>) -> Vec<Flow> {
         let mut flows: Vec<Flow> = Vec::new();
-        for (w, grip) in &self.wet {
+        for (w, grip) in self.wet {
             let solid = w.solid as usize;
             let first = (response.first(solid) * D) as u32;
             if let Some(grip) = grip {
@@ -154,7 +164,7 @@ impl<'a, const D: usize> Coupling<'a, D> {
     ) -> Exchange<D> {
         let scale = self.model.density * self.model.grid.face_area();
         let mut exchange = Exchange::new();
-        for (w, grip) in &self.wet {
+        for (w, grip) in self.wet {
             let Some(component) = label(w.cell as usize) else { continue };
             let (linear, turning) = push(w);
             match grip {
@@ -284,6 +294,7 @@ mod tests {
         let mut start = state.velocity.clone();
         walk(Box::new(|a, face| start.axes[a][face] = velocity[a]));
         state.velocity = start;
+        let wet = wetted(&model, &work.cut, &state.solids, &state.phi.data);
         let mut projection = Projection {
             velocity: &mut state.velocity,
             lambda: &mut state.lambda,
@@ -295,6 +306,7 @@ mod tests {
             dragged: &mut [],
             cut_cells: &mut work.cut,
             solids: &state.solids,
+            wet: &wet,
             jump: 0.0,
             label: &|_| Some(0),
             time: 1.0,
@@ -324,9 +336,10 @@ mod tests {
         solids: &[SolidState<D>],
         points: &Points<D>,
     ) -> Option<Response<D>> {
-        let times = Times { dt: 1.0, kick: 1.0, ahead: 1e-9 };
+        let times = Times { dt: 1.0, kick: 1.0, lead: 1e-9, ahead: 1e-9 };
         let starts: Vec<Option<Start<D>>> = model.solids.iter().map(|_| None).collect();
-        let mut descent = Descent::new(model, points, (solids, solids), &starts, times);
+        let slips = crate::Slips::new();
+        let mut descent = Descent::new(model, points, (solids, solids, &slips), &starts, times);
         let open = FaceField::zeros(model.grid);
         model.moves_solids().then(|| descent.linearise(&mut solids.to_vec(), &mut [], (&[], &open)).unwrap())
     }

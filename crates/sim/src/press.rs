@@ -4,7 +4,7 @@
 //! has come to ([`crate::descent`]).
 
 use crate::change::{Change, in_band, resolved_volume};
-use crate::coupling::push_solids;
+use crate::coupling::{Wet, push_solids, wetted};
 use crate::descent::{Descent, Start, bounce};
 use crate::exchange::Exchange;
 use crate::keep::{Labels, walk};
@@ -115,7 +115,8 @@ fn flow_past<const D: usize>(
     phase_end: PhaseEnd<'_>,
 ) -> Result<Pushed<D>, SolveError> {
     let label = work.liquid.component(&model.grid);
-    let parts = (&work.band, &work.liquid, work.known.liquid(), &mut work.cut);
+    let wet = wetted(model, &work.cut, &state.solids, &state.phi.data);
+    let parts = (&work.band, &work.liquid, work.known.liquid(), &mut work.cut, &wet[..]);
     let mut projection = projection(model, state, parts, (cut, dragged, &label), times.kick);
     let pass = Pass { again: false, tolerance: model.numerics.tolerance };
     let Projected { solves, exchange, .. } =
@@ -138,14 +139,16 @@ fn descend<const D: usize>(
     push_solids(model, &mut state.solids, line);
     let (points, start) = (work.points.clone(), state.velocity.clone());
     let bounced = bounce(model, &points, &mut state.solids, before, times, &mut work.repairs);
-    let mut descent = Descent::new(model, &points, (before, &state.solids), &starts, times);
+    let slips = std::mem::take(&mut state.slips);
+    let mut descent = Descent::new(model, &points, (before, &state.solids, &slips), &starts, times);
     let label = work.liquid.component(&model.grid);
+    let wet = wetted(model, &work.cut, &state.solids, &state.phi.data);
     let mut iteration = 0;
     loop {
         iteration += 1;
         let response = descent.linearise(&mut state.solids, dragged, (&state.phi.data, &work.cut.open))?;
         state.velocity.clone_from(&start);
-        let parts = (&work.band, &work.liquid, work.known.liquid(), &mut work.cut);
+        let parts = (&work.band, &work.liquid, work.known.liquid(), &mut work.cut, &wet[..]);
         let mut projection = projection(model, state, parts, (cut, dragged, &label), times.kick);
         let Projected { solves, exchange: pressure, change } =
             work.pressure.project(model, &mut projection, Some(&response), descent.pass(), phase_end)?;
@@ -154,7 +157,7 @@ fn descend<const D: usize>(
         pressed.extend(&friction);
         let pressed = response.impulses(model, before, &pressed);
         if descent.settle(&mut state.solids, &response, &change, pressed)? {
-            state.clear = descent.clear();
+            (state.clear, state.slips) = (descent.clear(), descent.slips());
             work.repairs.indefinite_iterations += descent.indefinite;
             let told = descent.tell_contacts(&mut state.solids);
             return Ok(Pushed {
@@ -170,13 +173,14 @@ fn descend<const D: usize>(
 /// Faces that the surface cuts, those that lines drag, and the component of a liquid cell.
 type Faces<'a> = (&'a [CutFace], &'a mut [DraggedFace], &'a (dyn Fn(usize) -> Option<u32> + Sync));
 
-/// The grid's part of a projection: band, liquid, its faces, and what solids leave open.
-type Parts<'a, const D: usize> = (&'a Band<D>, &'a Runs, &'a [Vec<Segment>; D], &'a mut CutCells<D>);
+/// The grid's part of a projection: band, liquid, its faces, what solids leave open, and their surfaces in liquid cells.
+type Parts<'a, const D: usize> =
+    (&'a Band<D>, &'a Runs, &'a [Vec<Segment>; D], &'a mut CutCells<D>, &'a [Wet<D>]);
 
 fn projection<'a, const D: usize>(
     model: &Model<D>,
     state: &'a mut State<D>,
-    (band, liquid, faces, cut_cells): Parts<'a, D>,
+    (band, liquid, faces, cut_cells, wet): Parts<'a, D>,
     (cut, dragged, label): Faces<'a>,
     time: f64,
 ) -> Projection<'a, D> {
@@ -191,6 +195,7 @@ fn projection<'a, const D: usize>(
         dragged,
         cut_cells,
         solids: &state.solids,
+        wet,
         label,
         jump: model.surface_tension * time / (model.density * model.grid.dx),
         time,

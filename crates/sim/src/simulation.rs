@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::repairs::Repairs;
 use crate::solid::{Solid, SolidState};
 use crate::state::State;
-use crate::step::{keep_distance, step};
+use crate::step::{even_part, keep_distance, next_step, step};
 use crate::track::phi_on;
 use crate::workspace::{BAND, Snapshot, Workspace};
 use meniscus_numerics::Vector;
@@ -239,7 +239,10 @@ impl<const D: usize> Simulation<D> {
         if self.model.numerics.fixed_step.is_none() && self.state.last_dt > 0.0 {
             wanted = wanted.min(self.state.clear);
         }
-        if max_dt.is_finite() { max_dt / (max_dt / wanted * (1.0 - 1e-9)).ceil().max(1.0) } else { wanted }
+        if self.model.numerics.fixed_step.is_some() || self.state.last_dt == 0.0 {
+            return even_part(max_dt, wanted);
+        }
+        next_step(self.state.lead, wanted, max_dt)
     }
 
     /// The longest step that the largest speed, which is that of `fastest`, and surface tension allow.

@@ -1,5 +1,6 @@
 //! Everything that evolves.
 
+use crate::descent::Slips;
 use crate::liquid::momentum::Whole;
 use crate::solid::SolidState;
 use meniscus_numerics::Vector;
@@ -32,6 +33,8 @@ pub struct State<const D: usize> {
     pub drops: Vec<Drop<D>>,
     /// The solids, in the model's order.
     pub solids: Vec<SolidState<D>>,
+    /// Elastic slips of friction where solids touch.
+    pub slips: Slips<D>,
     /// Volume of components that became too small to see, m³ (2D: m²), since the start.
     pub lost_volume: f64,
     /// Volume that has left through open sides, m³ (2D: m²), since the start.
@@ -107,6 +110,7 @@ impl<const D: usize> State<D> {
             lambda: CellField::new(grid, 0.0),
             drops: Vec::new(),
             solids: Vec::new(),
+            slips: Slips::new(),
             lost_volume: 0.0,
             outflow_volume: 0.0,
             outflow_kinetic_energy: 0.0,

@@ -49,6 +49,8 @@ pub struct Times {
     pub dt: f64,
     /// For how long its forces act.
     pub kick: f64,
+    /// How far the velocities are then ahead of the positions.
+    pub lead: f64,
     /// Bound of the coming step.
     pub ahead: f64,
 }
@@ -94,7 +96,7 @@ pub fn step<const D: usize>(
 
     // (4) The forces, and viscosity.
     let pushed = push(model, state, work, &mut change, displacement, (dt, kick), phase_end)?;
-    (state.lead, state.kick) = (state.lead + kick - dt, kick);
+    state.kick = kick;
     state.time += dt;
     state.step += 1;
     state.last_dt = dt;
@@ -148,21 +150,49 @@ fn start<const D: usize>(
     expect(model, state, work, &mut change.groups, &[], 0.0);
     let still = displacements(model, state, work, 0.0);
     work.mark_afresh(model);
+    state.lead = dt;
     push(model, state, work, &mut change, still, (dt, 0.5 * dt), phase_end)?;
-    (state.lead, state.kick) = (0.5 * dt, 0.5 * dt);
+    state.kick = 0.5 * dt;
     Ok(())
 }
 
-/// For how long the forces act at the end of a step (leapfrog with steps of any length; design, numerics §8), so that the
-/// velocity is then half a step ahead of the positions again: `dt` where it already was. After a step of another length
-/// within bounds, which the steps to come make good.
+/// Part of the last time for which forces acted that the next is at least, if it follows the neutral rule: below it a step is short all
+/// at once.
+const SUDDEN: f64 = 0.25;
+
+/// For how long the forces act at the end of a step (leapfrog with steps of any length; design, numerics §8), within bounds.
 fn kick(lead: f64, dt: f64) -> f64 {
     wanted_kick(lead, dt).clamp(0.5 * dt, 1.5 * dt)
 }
 
-/// The same without bounds.
+/// The same without bounds. The place `q = x + l v` at the time of a velocity that is `l` ahead moves by `(h − l) v + l' v'` while forces
+/// act for `t = h − l + l'`. With `l' = h − l` that is `t` times the mean velocity: the forces' work is what `½ v²` gains, and angular
+/// momentum is kept, too. A step that is short all at once leaves no time for that; there `l' = h/2`, which is longer, and the energy
+/// falls by `(l'/t − ½) m (v' − v)²`. Coming steps are chosen so that the rule holds ([`next_step`]).
 fn wanted_kick(lead: f64, dt: f64) -> f64 {
-    1.5 * dt - lead
+    let neutral = 2.0 * (dt - lead);
+    if neutral >= 2.0 * SUDDEN * lead { neutral } else { 1.5 * dt - lead }
+}
+
+/// The coming step, s, where velocities are `lead` ahead: at most `longest`, and such that steps of one length follow until the time
+/// `rest` (which may be infinite) is over. Steps go from half of the last time for which forces acted to half of the next one, which
+/// is as near to `longest` as can be.
+pub fn next_step(lead: f64, longest: f64, rest: f64) -> f64 {
+    let kick = longest.min(2.0 * (longest - lead));
+    if kick < 2.0 * SUDDEN * lead || rest - lead < SUDDEN * lead {
+        return even_part(rest, longest);
+    }
+    if rest.is_infinite() {
+        return lead + 0.5 * kick;
+    }
+    // `rest = lead + ½ kick + (n − 1) kick` with n steps.
+    let steps = ((rest - lead) / kick * (1.0 - 1e-9) + 0.5).ceil().max(1.0);
+    if steps == 1.0 { rest } else { lead + 0.5 * (rest - lead) / (steps - 0.5) }
+}
+
+/// A time divided into as few steps of one length as can be with none over `longest`; that where the time is infinite.
+pub fn even_part(rest: f64, longest: f64) -> f64 {
+    if rest.is_finite() { rest / (rest / longest * (1.0 - 1e-9)).ceil().max(1.0) } else { longest }
 }
 
 /// Adds what gravity, surface tension and pressure do to the velocity in the time `kick`, in a step of `dt`;
@@ -194,7 +224,10 @@ fn push<const D: usize>(
 
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
     state.clear = if state.last_dt > 0.0 { clear_time(model, &state.solids, dt) } else { GROWTH * dt };
-    let times = Times { dt, kick, ahead: state.clear };
+    state.lead += kick - dt;
+    // The first forces come upon what has no time before.
+    let lead = if state.last_dt > 0.0 { state.lead } else { 0.5 * kick };
+    let times = Times { dt, kick, lead, ahead: state.clear };
     let Pressed { solves, given, contacts, iterations } =
         press(model, (state, &before), work, change, (&cut, &mut dragged), times, phase_end)?;
     let stirred = stirred(model, state, &given) + contacts;
@@ -351,6 +384,7 @@ fn move_velocity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &
 fn move_solids<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut Workspace<D>, dt: f64) {
     let (time, all) = (state.time, model.solids.iter());
     all.zip(&mut state.solids).for_each(|(solid, now)| solid.advance(now, time, dt));
+    crate::descent::advance(model, &mut state.slips, dt);
     work.follow_solids(model, state);
 }
 

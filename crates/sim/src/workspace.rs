@@ -358,6 +358,7 @@ pub struct Snapshot<const D: usize> {
     velocity: FaceValues<D>,
     drops: Vec<crate::Drop<D>>,
     solids: Vec<crate::SolidState<D>>,
+    slips: crate::Slips<D>,
     scalars: (f64, u64, [f64; 6], [f64; 3], [f64; 2]),
 }
 
@@ -383,7 +384,7 @@ impl<const D: usize> Snapshot<D> {
         let start = [last_dt, lead, kick, clear, drift, lost_volume];
         let scalars = (state.time, state.step, start, left, [state.kinetic_energy, state.surface_area]);
         let (tiles, drops, solids) = (workspace.tiles.clone(), state.drops.clone(), state.solids.clone());
-        Self { tiles, cells, phi, velocity, drops, solids, scalars }
+        Self { tiles, cells, phi, velocity, drops, solids, slips: state.slips.clone(), scalars }
     }
 
     /// Puts the state back as it was, and the workspace with it.
@@ -405,7 +406,7 @@ impl<const D: usize> Snapshot<D> {
         [state.outflow_volume, state.outflow_kinetic_energy, state.outflow_stored_energy] = self.scalars.3;
         [state.kinetic_energy, state.surface_area] = self.scalars.4;
         state.drops = self.drops;
-        state.solids = self.solids;
+        (state.solids, state.slips) = (self.solids, self.slips);
         // What a failed solve left behind is no guess.
         state.lambda = CellField::new(model.grid, 0.0);
         // The tiles of the liquid that failed need not hold the liquid, nor what solids cut of its cells.

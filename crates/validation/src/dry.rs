@@ -178,6 +178,27 @@ pub fn vertices<const D: usize>(simulation: &Simulation<D>, solid: usize) -> &[V
     simulation.state.solids[solid].soft.as_ref().map_or(&[], |soft| &soft.body.positions)
 }
 
+/// What the vertices of a solid's surface have of the areas of its facets, vectors in m² (2D: m), in the integral of what its elements
+/// interpolate; nothing of others. A quadratic facet gives its corners 1/6 each, its middle 4/6, in 3D the middles of its edges 1/3 each:
+/// its linear parts share theirs so that this is the sum.
+pub fn areas<const D: usize>(elastic: &Elastic<D>, positions: &[Vector<D>]) -> Vec<Vector<D>> {
+    let mesh = elastic.mesh();
+    let parents = mesh.parents().unwrap_or_default();
+    let (corner, middle) = if D == 2 || parents.is_empty() { (1.0, 2.0) } else { (0.0, 1.0) };
+    let mut shares = vec![corner; positions.len()];
+    parents.iter().flat_map(|p| &p.nodes()[D + 1..]).for_each(|v| shares[*v as usize] = middle);
+    let (mut surface, numbers) = mesh.surface();
+    surface.positions.iter_mut().zip(&numbers).for_each(|(x, v)| *x = positions[*v as usize]);
+    let mut areas = vec![Vector::zeros(); positions.len()];
+    for (f, facet) in surface.facets.iter().enumerate() {
+        let vertices = facet.map(|k| numbers[k as usize] as usize);
+        let all: f64 = vertices.iter().map(|v| shares[*v]).sum();
+        let area = surface.area_vector(f) / all;
+        vertices.iter().for_each(|v| areas[*v] += area * shares[*v]);
+    }
+    areas
+}
+
 /// What nothing may do to solids: cross, turn inside out, win energy.
 pub struct Watch<const D: usize> {
     barriers: Barriers<D>,

@@ -5,14 +5,20 @@ use crate::Elastic;
 use meniscus_numerics::Vector;
 use std::sync::Arc;
 
-/// The block structure of a matrix of several solids, with the matrix of each on its diagonal. While nothing couples the solids the
-/// pattern stays the same, and the order of elimination is found once.
+/// Which blocks a matrix of several solids has, and in what order these are eliminated.
+#[derive(Clone, Debug)]
+pub struct Structure {
+    pattern: Arc<Pattern>,
+    solver: Solver,
+}
+
+/// The block structure of a matrix of several solids, with the matrix of each on its diagonal.
 #[derive(Clone, Debug)]
 pub struct Assembly {
     firsts: Vec<usize>,
     held: Vec<bool>,
-    pattern: Arc<Pattern>,
-    solver: Solver,
+    /// While nothing couples them.
+    alone: Structure,
 }
 
 impl Assembly {
@@ -28,13 +34,32 @@ impl Assembly {
             solids.iter().map(|(first, e)| (*first, e.pattern.as_ref())).collect();
         let pattern = Pattern::of_parts(held.len(), &parts);
         let solver = Solver::new(&rest, &pattern, &held)?;
-        Some(Self { firsts: solids.iter().map(|s| s.0).collect(), held, pattern: Arc::new(pattern), solver })
+        let alone = Structure { pattern: Arc::new(pattern), solver };
+        Some(Self { firsts: solids.iter().map(|s| s.0).collect(), held, alone })
     }
 
-    /// The solids' matrices on the diagonal, and zero blocks between all nodes of each group.
-    pub fn matrix<const D: usize>(&self, parts: &[BlockMatrix<D>], groups: &Cliques) -> BlockMatrix<D> {
-        let pattern =
-            if self.pattern.has(groups) { self.pattern.clone() } else { Arc::new(self.pattern.with(groups)) };
+    /// A structure with blocks between all nodes of each group. That of solids which nothing couples and the `last` one serve as long
+    /// as they have these blocks; else all of the last one's stay in the new one, so that few are analysed where groups come and go.
+    /// `positions` are where nodes are, which tells in what order coupled ones are best eliminated. Nothing where memory does not
+    /// suffice.
+    pub fn structure<const D: usize>(
+        &self,
+        groups: &Cliques,
+        positions: &[Vector<D>],
+        last: Option<Structure>,
+    ) -> Option<Structure> {
+        let known = [Some(&self.alone), last.as_ref()].into_iter().flatten();
+        if let Some(fits) = known.into_iter().find(|s| s.pattern.has(groups)) {
+            return Some(fits.clone());
+        }
+        let pattern = Arc::new(last.as_ref().unwrap_or(&self.alone).pattern.with(groups));
+        let solver = Solver::new(positions, &pattern, &self.held)?;
+        Some(Structure { pattern, solver })
+    }
+
+    /// The solids' matrices on the diagonal, and zero in all other blocks of a structure.
+    pub fn matrix<const D: usize>(&self, parts: &[BlockMatrix<D>], structure: &Structure) -> BlockMatrix<D> {
+        let pattern = structure.pattern.clone();
         let mut whole = BlockMatrix::new(pattern);
         for (first, part) in self.firsts.iter().zip(parts) {
             for j in 0..part.pattern.starts.len() - 1 {
@@ -49,20 +74,13 @@ impl Assembly {
         whole
     }
 
-    /// A matrix's inverse, applied; `positions` are where nodes are, which tells in what order coupled ones are best eliminated.
-    /// Nothing where the matrix is not positive definite, to rounding.
+    /// The inverse, applied, of a matrix of this structure. Nothing where it is not positive definite, to rounding.
     pub fn invert<const D: usize>(
         &self,
         matrix: &BlockMatrix<D>,
-        positions: &[Vector<D>],
+        structure: &Structure,
     ) -> Option<Solution<D>> {
-        let held = &self.held;
-        let inverse = if Arc::ptr_eq(&matrix.pattern, &self.pattern) {
-            self.solver.invert(matrix, held, TOLERANCE)
-        } else {
-            Solver::new(positions, &matrix.pattern, held)?.invert(matrix, held, TOLERANCE)
-        };
-        inverse.map(Solution)
+        structure.solver.invert(matrix, &self.held, TOLERANCE).map(Solution)
     }
 }
 

@@ -12,7 +12,7 @@ mod iterated;
 mod small;
 mod subtrees;
 
-pub use assembly::{Assembly, Solution};
+pub use assembly::{Assembly, Solution, Structure};
 pub use blocks::BlockMatrix;
 pub(crate) use blocks::Pattern;
 pub use cliques::Cliques;

@@ -1,8 +1,9 @@
 //! A continuum: an energy density, integrated over the points of a body's elements.
 
-use super::density::{Density, Lame, Tangent};
+use super::conserving::Conserving;
+use super::density::{Density, Lame, Tangent, determinant};
 use super::points::Points;
-use super::{ForceTerm, Weights};
+use super::{ConservingTerm, ForceTerm, Weights};
 use crate::ElasticError;
 use crate::linalg::{BlockMatrix, Cliques};
 use meniscus_contact::upright_step;
@@ -86,6 +87,22 @@ impl<P: Density<D>, const D: usize> Continuum<P, D> {
     /// Values of a function of elements in order, in parallel where there are many.
     fn gathered<T: Send>(range: Range<usize>, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
         if range.len() <= FEW { range.map(f).collect() } else { range.into_par_iter().map(f).collect() }
+    }
+
+    /// The stresses at an element's points; nothing where there are none.
+    fn stresses(&self, element: usize, x: &[Vector<D>]) -> Option<Each<Matrix<D>>> {
+        let (mut fs, lame) = (self.gradients(element, x), self.points.lame(element));
+        let count = self.points.of(element).len();
+        if fs[..count].iter().all(|f| self.density.is_slack(f)) {
+            return None;
+        }
+        let pressures = if P::PROJECTED { self.pressures(element, &fs) } else { [[0.0; 2]; POINTS] };
+        for (f, [pressure, _]) in fs[..count].iter_mut().zip(&pressures) {
+            let volumetric =
+                if P::PROJECTED { self.density.volume_slope(f) * *pressure } else { Matrix::zeros() };
+            *f = self.density.stress(lame, f) + volumetric;
+        }
+        Some(fs)
     }
 
     /// Adds the forces of stresses at the points of elements; nothing where there are none.
@@ -221,21 +238,7 @@ impl<P: Density<D>, const D: usize> ForceTerm<D> for Continuum<P, D> {
     }
 
     fn add_forces(&self, x: &[Vector<D>], forces: &mut [Vector<D>]) {
-        let stresses = |element: usize| {
-            let (mut fs, lame) = (self.gradients(element, x), self.points.lame(element));
-            let count = self.points.of(element).len();
-            if fs[..count].iter().all(|f| self.density.is_slack(f)) {
-                return None;
-            }
-            let pressures = if P::PROJECTED { self.pressures(element, &fs) } else { [[0.0; 2]; POINTS] };
-            for (f, [pressure, _]) in fs[..count].iter_mut().zip(&pressures) {
-                let volumetric =
-                    if P::PROJECTED { self.density.volume_slope(f) * *pressure } else { Matrix::zeros() };
-                *f = self.density.stress(lame, f) + volumetric;
-            }
-            Some(fs)
-        };
-        self.add_stresses(stresses, forces);
+        self.add_stresses(|element| self.stresses(element, x), forces);
     }
 
     /// Hooke's law for the rate of Green's strain (Kelvin and Voigt's solid).
@@ -262,5 +265,43 @@ impl<P: Density<D>, const D: usize> ForceTerm<D> for Continuum<P, D> {
             let blocks = Self::gathered(batch.clone(), |k| self.blocks(k, x, weights));
             batch.zip(&blocks).for_each(|(k, blocks)| self.add_blocks(k, blocks, matrix));
         }
+    }
+}
+
+impl<P: Conserving<D>, const D: usize> Continuum<P, D> {
+    /// The stresses between two configurations at an element's points; nothing where at one of both a point has no volume.
+    fn stresses_between(&self, element: usize, ends: [&[Vector<D>]; 2]) -> Option<Each<Matrix<D>>> {
+        let (all, lame) = (ends.map(|x| self.gradients(element, x)), self.points.lame(element));
+        let count = self.points.of(element).len();
+        if all.iter().flat_map(|fs| &fs[..count]).any(|f| determinant(f) <= 0.0) {
+            return None;
+        }
+        let mut pressures = [0.0; POINTS];
+        if P::PROJECTED {
+            let thetas = all.map(|fs| {
+                let mut changes = [0.0; POINTS];
+                changes.iter_mut().zip(&fs[..count]).for_each(|(j, f)| *j = self.density.volume(f));
+                self.projected(element, &changes)
+            });
+            let own = |q: usize| self.density.pressure_between(lame, thetas.map(|theta| theta[q]));
+            pressures[..count].iter_mut().enumerate().for_each(|(q, p)| *p = own(q));
+            pressures = self.projected(element, &pressures);
+        }
+        let mut stresses = [Matrix::zeros(); POINTS];
+        for (q, stress) in stresses[..count].iter_mut().enumerate() {
+            let ends = [&all[0][q], &all[1][q]];
+            let volumetric = self.density.volume_slope_between(ends) * pressures[q];
+            *stress = (ends[0] + ends[1]) * (self.density.stress_between(lame, ends) + volumetric) * 0.5;
+        }
+        Some(stresses)
+    }
+}
+
+impl<P: Conserving<D>, const D: usize> ConservingTerm<D> for Continuum<P, D> {
+    fn add_forces_between(&self, ends: [&[Vector<D>]; 2], forces: &mut [Vector<D>]) {
+        let middle: Vec<Vector<D>> = ends[0].iter().zip(ends[1]).map(|(a, b)| (a + b) * 0.5).collect();
+        let of =
+            |element: usize| self.stresses_between(element, ends).or_else(|| self.stresses(element, &middle));
+        self.add_stresses(of, forces);
     }
 }

@@ -1,5 +1,6 @@
 //! Corotated linear solids: Hooke's law in the frame that turns with the material.
 
+use super::conserving::{Conserving, stretch_slope};
 use super::density::{Density, Lame, Principal};
 use crate::linalg::svd;
 use meniscus_numerics::{Matrix, Vector};
@@ -40,6 +41,20 @@ impl<const D: usize> Density<D> for Corotated {
 
     fn volumetric(&self, lame: Lame, theta: f64) -> [f64; 3] {
         [0.5 * lame.lambda * theta * theta, lame.lambda * theta, lame.lambda]
+    }
+}
+
+impl<const D: usize> Conserving<D> for Corotated {
+    fn stress_between(&self, lame: Lame, ends: [&Matrix<D>; 2]) -> Matrix<D> {
+        (Matrix::identity() - stretch_slope(ends)) * (2.0 * lame.mu)
+    }
+
+    fn volume_slope_between(&self, ends: [&Matrix<D>; 2]) -> Matrix<D> {
+        stretch_slope(ends)
+    }
+
+    fn pressure_between(&self, lame: Lame, [first, last]: [f64; 2]) -> f64 {
+        0.5 * lame.lambda * (first + last)
     }
 }
 

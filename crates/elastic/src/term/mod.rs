@@ -1,5 +1,6 @@
 //! What pulls at the vertices: one file a term.
 
+pub mod conserving;
 pub mod continuum;
 pub mod corotated;
 pub mod crushed;
@@ -42,4 +43,11 @@ pub trait ForceTerm<const D: usize>: Debug + Send + Sync {
 
     /// Adds the tangents, N/m (2D: N/m²); the matrix has a block for every pair of a group in [`Self::couplings`].
     fn add_tangent(&self, x: &[Vector<D>], weights: Weights, matrix: &mut BlockMatrix<D>);
+}
+
+/// A term with forces between two configurations, `x₀` and `x₁`, whose work from one to the other is the change of its energy
+/// ([`conserving`]).
+pub trait ConservingTerm<const D: usize>: ForceTerm<D> {
+    /// Adds these forces, N (2D: N/m). Their sum vanishes, and their torque about places half-way.
+    fn add_forces_between(&self, ends: [&[Vector<D>]; 2], forces: &mut [Vector<D>]);
 }

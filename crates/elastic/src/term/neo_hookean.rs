@@ -9,6 +9,7 @@
 //! infinite beyond: a search for the least of it never turns an element inside out. Limit: stretched beyond `J = e` to all sides it
 //! yields more the more it is stretched.
 
+use super::conserving::{Conserving, determinant_slope, log_slope, volumes};
 use super::density::{Density, Lame, Principal, beyond_trace, cofactor, determinant, dilation};
 use crate::linalg::pairs;
 use meniscus_numerics::{Matrix, Vector};
@@ -81,5 +82,20 @@ impl<const D: usize> Density<D> for NeoHookean {
         }
         let (log, j) = (theta.ln_1p(), 1.0 + theta);
         [0.5 * lame.lambda * log * log, lame.lambda * log / j, lame.lambda * (1.0 - log) / (j * j)]
+    }
+}
+
+impl<const D: usize> Conserving<D> for NeoHookean {
+    fn stress_between(&self, lame: Lame, ends: [&Matrix<D>; 2]) -> Matrix<D> {
+        (Matrix::identity() - determinant_slope(ends) * log_slope(volumes(ends))) * lame.mu
+    }
+
+    fn volume_slope_between(&self, ends: [&Matrix<D>; 2]) -> Matrix<D> {
+        determinant_slope(ends)
+    }
+
+    fn pressure_between(&self, lame: Lame, thetas: [f64; 2]) -> f64 {
+        let logs: f64 = thetas.iter().map(|theta| theta.ln_1p()).sum();
+        0.5 * lame.lambda * logs * log_slope(thetas.map(|theta| 1.0 + theta))
     }
 }

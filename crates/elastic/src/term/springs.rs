@@ -1,6 +1,6 @@
 //! Springs along the edges of a mesh.
 
-use super::{ForceTerm, Weights};
+use super::{ConservingTerm, ForceTerm, Weights};
 use crate::linalg::{BlockMatrix, Cliques};
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector, par};
@@ -85,6 +85,25 @@ impl<const D: usize> ForceTerm<D> for Springs {
             let [a, b] = [a as u32, b as u32];
             let there = matrix.add(a, a, &block) & matrix.add(b, b, &block) & matrix.add(a, b, &-block);
             debug_assert!(there, "an edge without a block");
+        }
+    }
+}
+
+/// `Δ(|d|²) = 2 d̄ · Δd` and `ΔΨ = k/2 (|d₀| + |d₁| − 2 l) (|d₁| − |d₀|)`.
+impl<const D: usize> ConservingTerm<D> for Springs {
+    fn add_forces_between(&self, ends: [&[Vector<D>]; 2], forces: &mut [Vector<D>]) {
+        for k in 0..self.lengths.len() {
+            let [(a, b, _, first), (_, _, _, last)] = ends.map(|x| self.edge(k, x));
+            let mean = ends.iter().map(|x| x[b] - x[a]).sum::<Vector<D>>() * 0.5;
+            let both = first + last;
+            // A spring of no length pulls nowhere.
+            let pull = if both > 0.0 {
+                mean * (self.stiffness * (both - 2.0 * self.lengths[k]) / both)
+            } else {
+                mean
+            };
+            forces[a] += pull;
+            forces[b] -= pull;
         }
     }
 }

@@ -1,10 +1,10 @@
 //! The tension of a solid's own surface.
 
-use super::{ForceTerm, Weights};
+use super::{ConservingTerm, ForceTerm, Weights};
 use crate::linalg::{BlockMatrix, Cliques};
 use meniscus_numerics::mesh::surface::{area_curvature, area_slopes, area_stiffness, area_vector};
 use meniscus_numerics::mesh::{SurfaceMesh, VolumeMesh};
-use meniscus_numerics::{Vector, par};
+use meniscus_numerics::{Matrix, Vector, par};
 
 /// The same energy `γ_s` for every part of a mesh's surface, however stretched: a tension (design, validation §4, 9, `Υs`; a
 /// tension that strain changes, Shuttleworth's, is left out).
@@ -61,6 +61,34 @@ impl<const D: usize> ForceTerm<D> for SurfaceTension {
                     let there = matrix.add(vertices[i], vertices[j], &block);
                     debug_assert!(there, "a facet without a block");
                 }
+            }
+        }
+    }
+}
+
+/// With the edges `e_i` from a facet's first corner and their products `C_ij = e_i · e_j` an area is `√(det C)/(D − 1)!`, and
+/// `det C₁ − det C₀ = cof C̄ : ΔC`: the discrete gradient is `γ_s Ē S` with `S = 2 cof C̄/((D − 1)!² (A₀ + A₁))`.
+impl<const D: usize> ConservingTerm<D> for SurfaceTension {
+    fn add_forces_between(&self, ends: [&[Vector<D>]; 2], forces: &mut [Vector<D>]) {
+        for k in 0..self.facets.len() {
+            let (vertices, _) = self.facet(k, ends[0]);
+            let both = ends.map(|x| self.facet(k, x).1);
+            let edge = |corners: &[Vector<D>; D], i: usize| corners[i] - corners[0];
+            let mean: [Vector<D>; D] = std::array::from_fn(|i| (edge(&both[0], i) + edge(&both[1], i)) * 0.5);
+            let product =
+                |i: usize, j: usize| both.iter().map(|c| edge(c, i).dot(&edge(c, j))).sum::<f64>() * 0.5;
+            let areas: f64 = both.iter().map(|corners| area_vector(corners).norm()).sum();
+            let scale = 2.0 * self.tension / (areas * ((D - 1) * (D - 1)) as f64);
+            // The one cofactor of a number is 1.
+            let cofactors = if D == 2 {
+                Matrix::<2>::identity()
+            } else {
+                Matrix::<2>::new(product(2, 2), -product(1, 2), -product(1, 2), product(1, 1))
+            };
+            for i in 1..D {
+                let pull: Vector<D> = (1..D).map(|j| mean[j] * (cofactors[(i - 1, j - 1)] * scale)).sum();
+                forces[vertices[i] as usize] -= pull;
+                forces[vertices[0] as usize] += pull;
             }
         }
     }

@@ -32,6 +32,10 @@ pub struct Compliance<'a> {
     pub feelers: Vec<Column>,
 }
 
+/// Degrees of freedom of bodies from which on another thread solves for them while the liquid's part is worked out: to wake one takes
+/// some 10 µs.
+const APART: usize = 1 << 14;
+
 struct Coupled<'a, const D: usize> {
     system: &'a PressureSolver<D>,
     body: &'a Compliance<'a>,
@@ -59,8 +63,11 @@ impl<const D: usize> LinearOperator for Coupled<'_, D> {
             (body.solve)(&mut push);
             push
         };
-        // The bodies' solve is serial: they give way while the liquid does.
-        let (mut dot, push) = rayon::join(|| self.system.apply_dot(x, y), give);
+        let (mut dot, push) = if body.freedoms < APART {
+            (self.system.apply_dot(x, y), give())
+        } else {
+            rayon::join(|| self.system.apply_dot(x, y), give)
+        };
         for ((entry, (_, flow)), porous) in entries.iter().zip(&body.flows).zip(&body.porous) {
             let Some(entry) = *entry else { continue };
             let more = flow.iter().map(|(k, v)| v * push[*k as usize]).sum::<f64>() - porous * x[entry];

@@ -59,6 +59,14 @@ impl Candidates {
         Candidates { near, meetings: meetings(way, &start, &end, reach) }
     }
 
+    /// The pairs of both.
+    pub fn with(mut self, other: Self) -> Self {
+        self.meetings.extend(other.meetings);
+        self.meetings.sort_unstable();
+        self.meetings.dedup();
+        Self { near: self.near.with(other.near), meetings: self.meetings }
+    }
+
     /// Those of points with what has no facets.
     pub fn of_rigid<const D: usize>(way: Way<'_, D>, reach: f64) -> Vec<Meeting> {
         meetings(way, &way.from.all(), &way.to.all(), reach)

@@ -7,11 +7,13 @@
 //! (M. Li et al., "Incremental Potential Contact", 2020), and as the potential falls. Iterations end when the next would move
 //! nothing.
 
+mod barrier;
 mod impact;
 mod meet;
 mod points;
 mod potential;
 mod response;
+mod rub;
 mod stored;
 
 pub use impact::bounce;
@@ -19,7 +21,8 @@ use points::REACH;
 pub use points::{Points, narrowest_gap, turning};
 pub use response::Response;
 use response::{End, Tie};
-pub use stored::Barriers;
+pub use rub::{Slip, Slips, Touch, advance};
+pub use stored::{Barriers, solids_after};
 
 use crate::exchange::Exchange;
 use crate::liquid::friction::DraggedFace;
@@ -27,8 +30,9 @@ use crate::liquid::pressure::Pass;
 use crate::model::Model;
 use crate::solid::{Motion, SolidState};
 use crate::step::Times;
+use meet::Candidates;
 use meniscus_contact::Barrier;
-use meniscus_elastic::{BlockMatrix, Elastic, Incremental, Solution, StiffnessBlock};
+use meniscus_elastic::{Elastic, Incremental, StiffnessBlock, Structure};
 use meniscus_numerics::grid::FaceField;
 use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::{Matrix, Vector};
@@ -96,8 +100,14 @@ pub struct Descent<'a, const D: usize> {
     told: Vec<Vector<D>>,
     /// Where nodes are.
     positions: Vec<Vector<D>>,
+    /// Of the last matrix.
+    structure: Option<Structure>,
     /// Velocities that it has come to.
     now: Vec<Vector<D>>,
+    /// What may meet with these.
+    candidates: Candidates,
+    /// The potential's gradient without the pressure, where it is linearised, N s.
+    gradient: Vec<Vector<D>>,
     iteration: usize,
     /// Whether the pressure's solve may be [`LOOSE`].
     loose: bool,
@@ -108,11 +118,11 @@ pub struct Descent<'a, const D: usize> {
 
 impl<'a, const D: usize> Descent<'a, D> {
     /// Before the pressure: `before` is how solids moved before the forces, `forced` how all forces but the pressure, contacts and
-    /// their own make rigid ones move.
+    /// their own make rigid ones move, `slips` what friction has of the step before.
     pub fn new(
         model: &'a Model<D>,
         points: &'a Points<D>,
-        (before, forced): (&'a [SolidState<D>], &[SolidState<D>]),
+        (before, forced, slips): (&'a [SolidState<D>], &[SolidState<D>], &'a Slips<D>),
         starts: &'a [Option<Start<D>>],
         times: Times,
     ) -> Self {
@@ -122,11 +132,12 @@ impl<'a, const D: usize> Descent<'a, D> {
                 Part::Soft(Incremental {
                     elastic,
                     state: &soft.body,
-                    fast: vec![Vector::zeros(); start.impulses.len()],
                     viscous_at: soft.body.positions.clone(),
+                    beyond: vec![Vector::zeros(); start.impulses.len()],
                     extra: &start.extra,
                     impulses: &start.impulses,
                     step: times.kick,
+                    lead: times.lead,
                     ahead: times.ahead,
                 })
             }
@@ -160,18 +171,32 @@ impl<'a, const D: usize> Descent<'a, D> {
             parts: (0..model.solids.len()).map(part).collect(),
             barrier: Barrier { reach: REACH * model.grid.dx },
             kick: times.kick,
+            lead: times.lead,
             ahead: times.ahead,
+            old: points.velocities(model, before),
+            slips,
             rubs: Vec::new(),
             pressed: vec![Vector::zeros(); points.nodes()],
         };
         let positions = before.iter().flat_map(place).collect();
         let now = vec![Vector::zeros(); points.nodes()];
-        let mut descent =
-            Self { potential, told, positions, now, iteration: 0, loose: false, rubs: 0, indefinite: 0 };
+        let mut descent = Self {
+            potential,
+            told,
+            positions,
+            structure: None,
+            now,
+            candidates: Candidates::default(),
+            gradient: Vec::new(),
+            iteration: 0,
+            loose: false,
+            rubs: 0,
+            indefinite: 0,
+        };
         // The first guess is to go on as before.
         let still = descent.potential.candidates(&descent.now, &descent.now);
         descent.potential.rubs = descent.potential.rubbing(&descent.now, &still);
-        descent.now = descent.advanced(&descent.told, false).0;
+        descent.go(&descent.told.clone(), false);
         descent
     }
 
@@ -186,15 +211,13 @@ impl<'a, const D: usize> Descent<'a, D> {
         (phi, open): (&[f64], &FaceField<D>),
     ) -> Result<Response<D>, SolveError> {
         let failed = SolveError::Indefinite { step: self.potential.kick };
-        if self.iteration > 0 {
-            self.recentre();
-        }
-        let candidates = self.potential.candidates(&self.now, &self.now);
         self.potential.pressed.fill(Vector::zeros());
         let ties = self.ties(dragged, phi, open);
-        let inverse = |positive| {
-            let matrix = self.potential.matrix(&self.now, &candidates, &ties, positive)?;
-            let solution = self.potential.points.assembly.as_ref()?.invert(&matrix, &self.positions)?;
+        let (potential, candidates, structure) = (&self.potential, &self.candidates, &mut self.structure);
+        let mut inverse = |positive| {
+            let at = (&mut *structure, &self.positions[..]);
+            let matrix = potential.matrix(&self.now, candidates, &ties, at, positive)?;
+            let solution = potential.points.assembly.as_ref()?.invert(&matrix, structure.as_ref()?)?;
             Some((matrix, solution))
         };
         // The positive part alone is as stiff as can be, and slow: it is for where there is no other way (Longva et al., "Pitfalls of
@@ -203,11 +226,8 @@ impl<'a, const D: usize> Descent<'a, D> {
         let indefinite = whole.is_none();
         let (matrix, solution) = whole.or_else(|| inverse(true)).ok_or(failed)?;
         self.indefinite += u64::from(indefinite);
-        if self.iteration == 0 {
-            self.find_fast(&matrix, &solution);
-        }
-        let gradient = self.potential.gradient(&self.now, &candidates);
-        let mut base: Vec<Vector<D>> = gradient.iter().map(|g| -g).collect();
+        self.gradient = self.potential.gradient(&self.now, &self.candidates);
+        let mut base: Vec<Vector<D>> = self.gradient.iter().map(|g| -g).collect();
         let lead = self.lead();
         if lead.iter().any(|t| t.norm_squared() > 0.0) {
             let mut pushed = vec![Vector::zeros(); self.now.len()];
@@ -228,30 +248,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         }
     }
 
-    /// Finds the part of the velocities that the step does not resolve, `v − A⁻¹ M v`.
-    fn find_fast(&mut self, matrix: &BlockMatrix<D>, solution: &Solution<D>) {
-        let Potential { model, points, solids, .. } = self.potential;
-        let old = points.velocities(model, solids);
-        let mut slow = vec![Vector::zeros(); old.len()];
-        for (k, solid) in model.solids.iter().enumerate() {
-            for (v, mass) in solid.elastic().iter().flat_map(|e| e.masses().iter().enumerate()) {
-                slow[points.first[k] + v] = old[points.first[k] + v] * *mass;
-            }
-        }
-        let led = |k: usize| if points.held[k] { -old[k] } else { Vector::zeros() };
-        let led: Vec<Vector<D>> = (0..old.len()).map(led).collect();
-        matrix.add_product(&led, &mut slow);
-        solution.solve(&mut slow);
-        for (k, part) in self.potential.parts.iter_mut().enumerate() {
-            let Part::Soft(soft) = part else { continue };
-            for (v, fast) in soft.fast.iter_mut().enumerate() {
-                let node = points.first[k] + v;
-                *fast = if points.held[node] { Vector::zeros() } else { old[node] - slow[node] };
-            }
-        }
-    }
-
-    /// Evaluates viscosities at the positions half-way with the current velocities.
+    /// Updates what is lagged of the elastic forces and viscosities to the current velocities.
     fn recentre(&mut self) {
         for (part, first) in self.potential.parts.iter_mut().zip(&self.potential.points.first) {
             if let Part::Soft(soft) = part {
@@ -308,12 +305,16 @@ impl<'a, const D: usize> Descent<'a, D> {
         self.potential.ahead * part
     }
 
+    /// The elastic slips that the next step starts from.
+    pub fn slips(&self) -> Slips<D> {
+        self.potential.next_slips(&self.now)
+    }
+
     /// Stores in each solid the mean acceleration by its contacts. Returns the work, J (2D: J/m), that solids with told velocities do
     /// through contacts.
     pub fn tell_contacts(&self, solids: &mut [SolidState<D>]) -> f64 {
         let Potential { model, points, kick, .. } = self.potential;
-        let candidates = self.potential.candidates(&self.now, &self.now);
-        let given = self.potential.between(&self.now, &candidates);
+        let given = self.potential.between(&self.now, &self.candidates);
         for (k, now) in solids.iter_mut().enumerate() {
             let (solid, own) = (&model.solids[k], &given[points.first[k]..]);
             now.held = Vector::zeros();
@@ -357,16 +358,15 @@ impl<'a, const D: usize> Descent<'a, D> {
         let led = lead.iter().any(|l| l.norm_squared() > 0.0);
         let limit = SETTLED * self.potential.barrier.reach / self.potential.ahead;
         let size = to.iter().zip(&self.now).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-        let (next, whole) = self.advanced(&to, !led && size > limit);
-        let mut off = if whole { self.off(response, &next) } else { f64::INFINITY };
-        self.now = next;
+        let whole = self.go(&to, !led && size > limit);
         self.iteration += 1;
+        self.recentre();
+        let mut off = if whole { self.off(response) } else { f64::INFINITY };
         let mut settled = off < limit;
         if settled && self.rubs < RUBS {
-            let candidates = self.potential.candidates(&self.now, &self.now);
-            self.potential.rubs = self.potential.rubbing(&self.now, &candidates);
+            self.potential.rubs = self.potential.rubbing(&self.now, &self.candidates);
             self.rubs += 1;
-            off = self.off(response, &self.now);
+            off = self.off(response);
             settled = off < RUBBED * limit;
         }
         let exact = !std::mem::replace(&mut self.loose, off > FAR * limit);
@@ -379,17 +379,26 @@ impl<'a, const D: usize> Descent<'a, D> {
         Ok(false)
     }
 
-    /// How far the next iteration would go from these velocities, m/s.
-    fn off(&self, response: &Response<D>, velocities: &[Vector<D>]) -> f64 {
-        let candidates = self.potential.candidates(velocities, velocities);
-        let mut gradient = self.potential.gradient(velocities, &candidates);
+    /// How far the next iteration would go, m/s.
+    fn off(&self, response: &Response<D>) -> f64 {
+        let mut gradient = self.potential.gradient(&self.now, &self.candidates);
         response.solve(&mut gradient);
         gradient.iter().map(Vector::norm).fold(0.0, f64::max)
     }
 
-    /// Velocities as far on the way to others as nothing meets, and, where that is asked for, as the potential falls; whether that is
-    /// all the way.
-    fn advanced(&self, to: &[Vector<D>], falls: bool) -> (Vec<Vector<D>>, bool) {
+    /// Goes on the way to other velocities as far as nothing meets, and, where that is asked for, as the potential falls; returns
+    /// whether that is all the way.
+    fn go(&mut self, to: &[Vector<D>], falls: bool) -> bool {
+        let on_the_way = self.potential.candidates(&self.now, to);
+        let (next, whole) = self.advanced(to, &on_the_way, falls);
+        // Points of solids that turn leave the straight way between its ends.
+        self.candidates = if whole { on_the_way } else { self.potential.candidates(&next, &next) };
+        self.now = next;
+        whole
+    }
+
+    /// How far that is; whether it is all the way.
+    fn advanced(&self, to: &[Vector<D>], candidates: &Candidates, falls: bool) -> (Vec<Vector<D>>, bool) {
         let change: Vec<Vector<D>> = to.iter().zip(&self.now).map(|(t, v)| t - v).collect();
         let along = |part: f64| -> Vec<Vector<D>> {
             if part == 1.0 {
@@ -397,49 +406,47 @@ impl<'a, const D: usize> Descent<'a, D> {
             }
             self.now.iter().zip(&change).map(|(v, c)| v + c * part).collect()
         };
-        let candidates = self.potential.candidates(&self.now, to);
-        let mut part = self.potential.free_step(&self.now, &change, to, &candidates, KEEP);
+        let mut part = self.potential.free_step(&self.now, &change, to, candidates, KEEP);
         if !falls {
             return (along(part), part == 1.0);
         }
-        part = self.least_along(part, |part| {
-            let gradient = self.potential.gradient(&along(part), &candidates);
-            gradient.iter().zip(&change).map(|(g, c)| g.dot(c)).sum()
-        });
-        let from = self.potential.value(&self.now, &candidates);
+        let of = |gradient: &[Vector<D>]| gradient.iter().zip(&change).map(|(g, c)| g.dot(c)).sum::<f64>();
+        let start = of(&self.gradient) - of(&self.potential.pressed);
+        part = least_along(part, start, |part| of(&self.potential.gradient(&along(part), candidates)));
+        let from = self.potential.value(&self.now, candidates);
         let slack = 1e-12 * from.abs();
         for _ in 0..HALVINGS {
             let next = along(part);
-            if self.potential.value(&next, &candidates) <= from + slack {
+            if self.potential.value(&next, candidates) <= from + slack {
                 return (next, part == 1.0);
             }
             part *= 0.5;
         }
         (self.now.clone(), false)
     }
+}
 
-    /// The part of a way, up to `most` of it, at which the potential's `slope` along it has fallen to less than [`FLAT`] of that at the
-    /// start, by regula falsi (Illinois). Newton's method alone goes back and forth over the kinks of Coulomb's friction.
-    fn least_along(&self, most: f64, slope: impl Fn(f64) -> f64) -> f64 {
-        let (mut low, mut high) = ((0.0, slope(0.0)), (most, slope(most)));
-        let flat = FLAT * low.1.abs();
-        if low.1 >= 0.0 || high.1 <= flat {
-            return most;
-        }
-        for _ in 0..SEARCHES {
-            let middle = low.0 + (high.0 - low.0) * low.1 / (low.1 - high.1);
-            let at = slope(middle);
-            if at.abs() <= flat {
-                return middle;
-            }
-            if at > 0.0 {
-                (low.1, high) = (0.5 * low.1, (middle, at));
-            } else {
-                (low, high.1) = ((middle, at), 0.5 * high.1);
-            }
-        }
-        if low.0 > 0.0 { low.0 } else { high.0 }
+/// The part of a way, up to `most` of it, at which the potential's `slope` along it has fallen to less than [`FLAT`] of that at
+/// the `start`, by regula falsi (Illinois). Newton's method alone goes back and forth over the kinks of Coulomb's friction.
+fn least_along(most: f64, start: f64, slope: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = ((0.0, start), (most, slope(most)));
+    let flat = FLAT * low.1.abs();
+    if low.1 >= 0.0 || high.1 <= flat {
+        return most;
     }
+    for _ in 0..SEARCHES {
+        let middle = low.0 + (high.0 - low.0) * low.1 / (low.1 - high.1);
+        let at = slope(middle);
+        if at.abs() <= flat {
+            return middle;
+        }
+        if at > 0.0 {
+            (low.1, high) = (0.5 * low.1, (middle, at));
+        } else {
+            (low, high.1) = ((middle, at), 0.5 * high.1);
+        }
+    }
+    if low.0 > 0.0 { low.0 } else { high.0 }
 }
 
 /// The velocity along an axis of a solid's point nearest to `x`, by those of its nodes, from the `first` on.

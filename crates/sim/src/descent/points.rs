@@ -391,6 +391,11 @@ impl<'a, const D: usize> Places<'a, D> {
         Self { model, solids, points, velocities, time, frames }
     }
 
+    /// The time, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
     /// Where a point is, m.
     pub fn at(&self, owner: &Owner<D>) -> Vector<D> {
         match *owner {

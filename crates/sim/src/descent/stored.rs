@@ -1,14 +1,29 @@
-//! What the barriers between solids hold: their energy where solids are now, and the narrowest gap that they keep open.
+//! What the barriers between solids hold: their energy and friction's where solids are now, and the narrowest gap that they keep
+//! open.
 //!
 //! No step asks for it; the books of a study do, as a body at rest on another has a part of its energy there.
 
 use super::meet::{Candidates, Way};
 use super::points::{Places, Points, REACH};
 use super::potential::Potential;
+use super::rub::{Slips, advance, friction};
 use crate::model::Model;
 use crate::solid::SolidState;
+use crate::state::State;
 use meniscus_contact::Barrier;
 use meniscus_numerics::Vector;
+
+/// Solids, and the elastic slips between them, after a time (s) with the velocities that they have.
+pub fn solids_after<const D: usize>(
+    model: &Model<D>,
+    state: &State<D>,
+    time: f64,
+) -> (Vec<SolidState<D>>, Slips<D>) {
+    let (mut solids, mut slips) = (state.solids.clone(), state.slips.clone());
+    model.solids.iter().zip(&mut solids).for_each(|(solid, now)| solid.advance(now, state.time, time));
+    advance(model, &mut slips, time);
+    (solids, slips)
+}
 
 /// The barriers of a model, as they are from its start on.
 #[derive(Clone, Debug)]
@@ -22,8 +37,8 @@ impl<const D: usize> Barriers<D> {
         Self { points: Points::of(model) }
     }
 
-    /// Their energy, J (2D: J/m).
-    pub fn energy(&self, model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
+    /// Their energy, and that of friction's elastic slips, J (2D: J/m).
+    pub fn energy(&self, model: &Model<D>, solids: &[SolidState<D>], slips: &Slips<D>) -> f64 {
         let still = vec![Vector::zeros(); self.points.nodes()];
         let potential = Potential {
             model,
@@ -32,12 +47,17 @@ impl<const D: usize> Barriers<D> {
             parts: Vec::new(),
             barrier: Barrier { reach: REACH * model.grid.dx },
             kick: 0.0,
+            lead: 0.0,
             ahead: 0.0,
+            old: still.clone(),
+            slips,
             rubs: Vec::new(),
             pressed: Vec::new(),
         };
         let candidates = potential.candidates(&still, &still);
-        potential.stored(&potential.places(&still), &candidates)
+        let friction = friction(model);
+        let held: f64 = slips.values().map(|slip| friction.stored(slip.hold, &slip.way)).sum();
+        potential.stored(&candidates) + held
     }
 
     /// The narrowest gap, m, between surfaces of solids, and of these and the sides of the domain; infinite where all are wider than

@@ -10,7 +10,7 @@
 use super::cut_faces::CutFace;
 use super::friction::DraggedFace;
 use super::viscosity::Diffusion;
-use crate::coupling::Coupling;
+use crate::coupling::{Coupling, Wet, wetted};
 use crate::descent::Response;
 use crate::exchange::Exchange;
 use crate::model::Model;
@@ -56,6 +56,8 @@ pub struct Projection<'a, const D: usize> {
     pub cut_cells: &'a mut CutCells<D>,
     /// The solids.
     pub solids: &'a [SolidState<D>],
+    /// Their surfaces in liquid cells.
+    pub wet: &'a [Wet<D>],
     /// Component of a liquid cell.
     pub label: &'a (dyn Fn(usize) -> Option<u32> + Sync),
     /// The tension term `γ h / (ρ Δ)` (m²/s): times a curvature in 1/cells it is λ at the surface.
@@ -106,7 +108,7 @@ impl<const D: usize> PressureFields<D> {
         phase_end: PhaseEnd<'_>,
     ) -> Result<Projected<D>, SolveError> {
         slow(p);
-        let coupling = Coupling::new(model, p.cut_cells, (p.solids, response), &p.phi.data);
+        let coupling = Coupling::new(model, p.wet, (p.solids, response));
         let compliance = coupling.compliance();
         let start = yields(model, p, response, &[], None);
         self.assemble(model, p, &coupling, &start);
@@ -364,7 +366,8 @@ pub fn divergence_max<const D: usize>(
 ) -> f64 {
     let lattice = model.grid.lattice();
     let mut fluxes = BTreeMap::new();
-    Coupling::new(model, cut, (&state.solids, None), &state.phi.data).fluxes(|cell, flux| {
+    let wet = wetted(model, cut, &state.solids, &state.phi.data);
+    Coupling::new(model, &wet, (&state.solids, None)).fluxes(|cell, flux| {
         fluxes.insert(cell, flux);
     });
     let worst = |s: &Segment| {
@@ -460,6 +463,7 @@ mod tests {
             dragged: &mut [],
             cut_cells: &mut work.cut,
             solids: &[],
+            wet: &[],
             jump: 1.0,
             time: 1.0,
             label: &|_| Some(0),

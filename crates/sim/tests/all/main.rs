@@ -3,6 +3,7 @@
 mod collisions;
 mod contact_line;
 mod free_surface;
+mod friction;
 mod patterns;
 mod repairs;
 mod soft_collide;

@@ -10,7 +10,7 @@ use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{Model, Motion, Numerics, Path, Simulation, Solid, Wall};
 use std::sync::Arc;
 
-const GRAVITY: f64 = 10.0;
+pub const GRAVITY: f64 = 10.0;
 const CELLS: usize = 24;
 pub const DX: f64 = 1.0 / CELLS as f64;
 pub const DENSITY: f64 = 2.0;

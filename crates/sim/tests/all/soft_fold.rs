@@ -73,7 +73,7 @@ fn a_curled_strip_meets_itself() {
     // A blow that turns the free end over and over.
     if let Some(soft) = &mut simulation.state.solids[0].soft {
         for (x, v) in soft.body.positions.iter().zip(&mut soft.body.velocities) {
-            *v = Vector::from([0.0, 60.0 * (x[0] - 0.09).powi(2)]);
+            *v = Vector::from([0.0, 100.0 * (x[0] - 0.09).powi(2)]);
         }
     }
     let (mut worst, mut near) = (f64::NEG_INFINITY, 1.0f64);

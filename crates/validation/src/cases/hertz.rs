@@ -9,7 +9,7 @@
 //! The barrier holds the plates off by a part of its reach that depends on the pressure: as if they had a soft layer. Its reach is a
 //! quarter of a cell, which is made small; the flattening is the ball's own.
 
-use crate::dry::{Material, Watch, dry, led, mapped, plate, quadratic, round, soft, vertices};
+use crate::dry::{Material, Watch, areas, dry, led, mapped, plate, quadratic, round, soft, vertices};
 use crate::measure::{at_least, settle};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
@@ -131,14 +131,8 @@ fn pressed<const D: usize>(simulation: &Simulation<D>) -> Option<Pressed> {
     let elastic = simulation.model.solids[0].elastic()?;
     let now = vertices(simulation, 0);
     let forces = elastic.forces(now);
-    let (mut surface, numbers) = elastic.mesh().surface();
-    surface.positions.iter_mut().zip(&numbers).for_each(|(x, v)| *x = now[*v as usize]);
-    let mut areas = vec![0.0; now.len()];
-    for (f, facet) in surface.facets.iter().enumerate() {
-        let area = surface.area_vector(f)[D - 1].abs() / D as f64;
-        facet.iter().for_each(|k| areas[numbers[*k as usize] as usize] += area);
-    }
-    let upper: Vec<usize> = numbers.iter().map(|v| *v as usize).filter(|v| now[*v][D - 1] > 0.0).collect();
+    let areas = areas(elastic, now);
+    let upper: Vec<usize> = (0..now.len()).filter(|v| areas[*v][D - 1] > 0.0).collect();
     let across = |v: usize| now[v].rows(0, D - 1).norm_squared();
     let force: f64 = upper.iter().map(|v| forces[*v][D - 1]).sum();
     let second: f64 = upper.iter().map(|v| forces[*v][D - 1] * across(*v)).sum();
@@ -147,7 +141,7 @@ fn pressed<const D: usize>(simulation: &Simulation<D>) -> Option<Pressed> {
     let (mut push, mut share) = (0.0, 0.0);
     for v in upper.iter().filter(|v| across(**v) < (0.4 * width).powi(2)) {
         push += forces[*v][D - 1];
-        share += areas[*v] * (1.0 - across(*v) / (width * width)).sqrt();
+        share += areas[*v][D - 1] * (1.0 - across(*v) / (width * width)).sqrt();
     }
     let high = upper.iter().map(|v| now[*v][D - 1]).fold(0.0, f64::max);
     let pole = |up: f64| {

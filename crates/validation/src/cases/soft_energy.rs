@@ -13,7 +13,7 @@ pub const CASE: Case = Case {
     title: "A soft solid that falls on the floor wins no energy in any step",
     theory: "No liquid, no damping, ν = 0.3, density 2, g = 10, cells of 1/24, 0.5 s. A ball of radius 0.15 and a block of side 0.24 turned by \
         20 degrees fall by 0.3 on the floor of a box (E = 400, 1e4, 1e6). Nothing does work: kinetic, elastic, barrier's and potential \
-        energy together, half-way through each step, never rise; over the energy of the fall. With the longest steps \
+        energy together, at the time of the velocities, never rise; over the energy of the fall. With the longest steps \
         that are allowed (0.7 cells), and with such of 5e-4. Quick: 2D, the ball.",
     quick: false,
     run: |mode| settle(NAME, run(mode)),

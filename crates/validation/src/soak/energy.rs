@@ -1,21 +1,20 @@
 //! The energy law of a step: in a scene on which nothing does work the energy never rises.
 //!
-//! A step moves positions with velocities that are a time `l` ahead of them, `x' = x + h v`, and then finds the coming velocities. Where
-//! steps are of one length, `l = h/2`, and what a step keeps that dissipates nothing is the energy half-way through it
-//! (`meniscus_elastic::Elastic::energy`). At the time of the velocities, with `w = l/h`, at most 1,
+//! A step moves positions with velocities that are a time `l` ahead of them, `x' = x + h v`, and then finds the coming velocities. What
+//! a step keeps that dissipates nothing is the energy at the time of the velocities, where solids are at `q = x + l v`
+//! (`meniscus_elastic::Incremental`):
 //!
 //! ```text
-//! E = T(v) + Ψ(x + w (x' − x)) + B(x') + S + w (S' − S) + P + w (P' − P):
+//! E = T(v) + Ψ(q) + B(q) + S + l/h (S' − S) + P + l/h (P' − P):
 //! ```
 //!
-//! kinetic, elastic, that of the barriers, that of the surface, and that of gravity. For linear solids and gravity it is exact; the
-//! barriers' forces are those at the end of a step, where their energy is taken. The surface's is between two times, with an error
-//! of second order in the step. Liquid and rigid solids have no energy but `T`, `S` and `P`.
+//! kinetic, elastic (with what keeps elements upright), that of the barriers and of friction's elastic slips, that of the surface, and that
+//! of gravity. For solids it is exact. The surface's and gravity's are between two times, with an error of second order in the step for
+//! liquid. Liquid and rigid solids have no energy but `T`, `B`, `S` and `P`.
 
 use super::EnergyLaw;
 use super::invariants::ENERGY_STEP;
-use meniscus_numerics::Vector;
-use meniscus_sim::{Barriers, Ledger, Model, Simulation};
+use meniscus_sim::{Barriers, Ledger, Model, Simulation, Solid, SolidState, solids_after};
 
 /// Kinds of energy, in the order of [`EnergyLaw::terms`].
 pub const TERMS: [&str; 5] = ["kinetic", "elastic", "barrier", "surface", "potential"];
@@ -39,7 +38,8 @@ struct Start<const D: usize> {
     kinetic: f64,
     surface: f64,
     potential: f64,
-    positions: Vec<Vec<Vector<D>>>,
+    elastic: f64,
+    barrier: f64,
 }
 
 impl<const D: usize> EnergySteps<D> {
@@ -51,22 +51,24 @@ impl<const D: usize> EnergySteps<D> {
     /// Takes a step to the books.
     pub fn note(&mut self, simulation: &Simulation<D>, ledger: &Ledger<D>) {
         let (model, state) = (&simulation.model, &simulation.state);
+        let (solids, slips) = solids_after(model, state, state.lead);
         let now = Start {
             time: state.time,
             lead: state.lead,
             kinetic: ledger.kinetic_energy,
             surface: ledger.surface_energy,
             potential: ledger.potential_energy,
-            positions: positions(simulation),
+            elastic: elastic(model, &solids),
+            barrier: self.barriers.energy(model, &solids, &slips),
         };
         let Some(start) = self.start.replace(now) else { return };
-        // Where a step is so much shorter than the last that the velocities' time is beyond it, its end counts.
-        let part = (start.lead / (state.time - start.time)).min(1.0);
+        let part = start.lead / (state.time - start.time);
         let energies = [
             start.kinetic,
-            elastic(simulation, &start.positions, part),
-            self.barriers.energy(model, &state.solids),
-            start.surface + part * (ledger.surface_energy - start.surface),
+            start.elastic,
+            start.barrier,
+            // Beyond the end of a step that is shorter than the lead nothing is known of the surface.
+            start.surface + part.min(1.0) * (ledger.surface_energy - start.surface),
             start.potential + part * (ledger.potential_energy - start.potential),
         ];
         let Some(before) = self.before.replace(energies) else { return };
@@ -95,22 +97,11 @@ impl<const D: usize> EnergySteps<D> {
     }
 }
 
-/// Where the vertices of all solids are that deform, m.
-fn positions<const D: usize>(simulation: &Simulation<D>) -> Vec<Vec<Vector<D>>> {
-    let of = |now: &meniscus_sim::SolidState<D>| {
-        now.soft.as_ref().map_or(Vec::new(), |soft| soft.body.positions.clone())
+/// The elastic energy of solids, J.
+fn elastic<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
+    let of = |(solid, now): (&Solid<D>, &SolidState<D>)| {
+        let (elastic, soft) = solid.elastic().zip(now.soft.as_ref())?;
+        Some(elastic.elastic_energy(&soft.body.positions) + elastic.upright_energy(&soft.body.positions))
     };
-    simulation.state.solids.iter().map(of).collect()
-}
-
-/// The elastic energy on a part of the way from earlier positions to those now, J.
-fn elastic<const D: usize>(simulation: &Simulation<D>, from: &[Vec<Vector<D>>], part: f64) -> f64 {
-    let mut sum = 0.0;
-    for ((solid, now), from) in simulation.model.solids.iter().zip(&simulation.state.solids).zip(from) {
-        let Some((elastic, soft)) = solid.elastic().zip(now.soft.as_ref()) else { continue };
-        let middle: Vec<Vector<D>> =
-            from.iter().zip(&soft.body.positions).map(|(a, b)| a + (b - a) * part).collect();
-        sum += elastic.elastic_energy(&middle);
-    }
-    sum
+    model.solids.iter().zip(solids).filter_map(of).sum()
 }
