@@ -46,7 +46,7 @@ pub trait ForceTerm<const D: usize>: Debug + Send + Sync {
 }
 
 /// A term with forces between two configurations, `x₀` and `x₁`, whose work from one to the other is the change of its energy
-/// ([`conserving`]).
+/// (`conserving.rs`).
 pub trait ConservingTerm<const D: usize>: ForceTerm<D> {
     /// Adds these forces, N (2D: N/m). Their sum vanishes, and their torque about places half-way.
     fn add_forces_between(&self, ends: [&[Vector<D>]; 2], forces: &mut [Vector<D>]);
