@@ -238,7 +238,9 @@ fn potentials_of_steps_have_their_derivatives<const D: usize>(pressed: f64) {
     let x = crushed::<D>(pressed, &mut noise);
     let count = x.len();
     let noisy = crushed(pressed, &mut noise);
-    let state = ElasticState { positions: x, velocities: noise.vectors(count), time: 0.0 };
+    let still = vec![Vector::zeros(); count];
+    let velocities = moved(&still, &noise.vectors(count), 0.3 * pressed);
+    let state = ElasticState { positions: x, velocities, time: 0.0 };
     let impulses = noise.vectors(count);
     let potential = Incremental {
         elastic: &elastic,
@@ -251,7 +253,6 @@ fn potentials_of_steps_have_their_derivatives<const D: usize>(pressed: f64) {
         lead: 0.2,
         ahead: 0.2,
     };
-    let still = vec![Vector::zeros(); count];
     let (v, along) = (moved(&still, &noise.vectors(count), 0.3 * pressed), noise.vectors::<D>(count));
     let h = 1e-5;
     let slope =
