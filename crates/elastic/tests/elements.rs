@@ -1,4 +1,4 @@
-//! What elements cost and how well they bend, as tables: cantilevers on lattices and on triangulated outlines against Timoshenko's beam.
+//! Tables of the cost of elements and of their error in bending: cantilevers on lattices and on triangulated outlines against Timoshenko's beam.
 //! (Those that are stuffed: `meniscus verify elastic-unstructured`.)
 #![allow(clippy::unwrap_used)]
 

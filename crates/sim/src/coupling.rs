@@ -339,7 +339,9 @@ mod tests {
         let times = Times { dt: 1.0, kick: 1.0, lead: 1e-9, ahead: 1e-9 };
         let starts: Vec<Option<Start<D>>> = model.solids.iter().map(|_| None).collect();
         let slips = crate::Slips::new();
-        let mut descent = Descent::new(model, points, (solids, solids, &slips), &starts, times);
+        let velocities = &points.velocities(model, solids);
+        let from = crate::descent::Before { solids, velocities, slips: &slips };
+        let mut descent = Descent::new(model, points, from, solids, &starts, times);
         let open = FaceField::zeros(model.grid);
         model.moves_solids().then(|| descent.linearise(&mut solids.to_vec(), &mut [], (&[], &open)).unwrap())
     }

@@ -5,7 +5,7 @@
 
 use crate::change::{Change, in_band, resolved_volume};
 use crate::coupling::{Wet, push_solids, wetted};
-use crate::descent::{Descent, Start, bounce};
+use crate::descent::{Before, Descent, Start, bounce};
 use crate::exchange::Exchange;
 use crate::keep::{Labels, walk};
 use crate::line::{LineImpulses, Lines};
@@ -140,7 +140,9 @@ fn descend<const D: usize>(
     let (points, start) = (work.points.clone(), state.velocity.clone());
     let bounced = bounce(model, &points, &mut state.solids, before, times, &mut work.repairs);
     let slips = std::mem::take(&mut state.slips);
-    let mut descent = Descent::new(model, &points, (before, &state.solids, &slips), &starts, times);
+    let old = points.velocities(model, before);
+    let from = Before { solids: before, velocities: &old, slips: &slips };
+    let mut descent = Descent::new(model, &points, from, &state.solids, &starts, times);
     let label = work.liquid.component(&model.grid);
     let wet = wetted(model, &work.cut, &state.solids, &state.phi.data);
     let mut iteration = 0;

@@ -156,8 +156,9 @@ fn start<const D: usize>(
     Ok(())
 }
 
-/// Part of the last time for which forces acted that the next is at least, if it follows the neutral rule: below it a step is short all
-/// at once.
+/// Least ratio of the time for which forces act to that of the step before, with which the neutral rule is followed. The rule takes a step
+/// whose length falls to `r` of the last to `2 r − 1`, which has to be positive: a step halved after a failure is below any such ratio, one
+/// that follows a growing speed (`r` over 0.8) above it. At 0.25 a single step falls to 0.62.
 const SUDDEN: f64 = 0.25;
 
 /// For how long the forces act at the end of a step (leapfrog with steps of any length; design, numerics §8), within bounds.
@@ -225,7 +226,7 @@ fn push<const D: usize>(
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
     state.clear = if state.last_dt > 0.0 { clear_time(model, &state.solids, dt) } else { GROWTH * dt };
     state.lead += kick - dt;
-    // The first forces come upon what has no time before.
+    // Before the first step there are no old positions: its forces act about the start.
     let lead = if state.last_dt > 0.0 { state.lead } else { 0.5 * kick };
     let times = Times { dt, kick, lead, ahead: state.clear };
     let Pressed { solves, given, contacts, iterations } =

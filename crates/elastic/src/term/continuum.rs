@@ -29,7 +29,7 @@ pub struct Continuum<P, const D: usize> {
     points: Points<D>,
 }
 
-/// What an element's points have, one after another.
+/// A quantity at each of an element's points.
 type Each<T> = [T; POINTS];
 
 impl<P: Density<D>, const D: usize> Continuum<P, D> {
@@ -69,8 +69,8 @@ impl<P: Density<D>, const D: usize> Continuum<P, D> {
         all
     }
 
-    /// What pressures of the projected changes are to the changes themselves, `Σ_q v_q p_q W_qr / v_r`: `W` is symmetric but for
-    /// the volumes, so that it is the projection again.
+    /// The pressures conjugate to the changes `j_r` of volume, `Σ_q v_q p_q W_qr / v_r`, and the second derivatives of `U`. As `v_q W_qr` is
+    /// symmetric, these pressures are the projection of the pressures `p_q = U'(θ_q)`.
     fn pressures(&self, element: usize, fs: &Each<Matrix<D>>) -> Each<[f64; 2]> {
         let mut changes = [0.0; POINTS];
         let count = self.points.of(element).len();
@@ -138,7 +138,7 @@ impl<P: Density<D>, const D: usize> Continuum<P, D> {
         let pressures = if P::PROJECTED { self.pressures(element, &fs) } else { [[0.0; 2]; POINTS] };
         let mut blocks = vec![Matrix::zeros(); n * (n + 1) / 2];
         for (k, (f, pressure)) in self.points.of(element).zip(fs.iter().zip(&pressures)) {
-            let tangent = Tangent::new(&self.density, lame, (f, pressure[0]), weights);
+            let tangent = Tangent::new(&self.density, lame, f, pressure[0], weights);
             self.add_point(k, &tangent, &mut blocks);
         }
         if P::PROJECTED && weights.stiffness != 0.0 {
@@ -269,7 +269,7 @@ impl<P: Density<D>, const D: usize> ForceTerm<D> for Continuum<P, D> {
 }
 
 impl<P: Conserving<D>, const D: usize> Continuum<P, D> {
-    /// The stresses between two configurations at an element's points; nothing where at one of both a point has no volume.
+    /// The stresses between two configurations at an element's points; nothing where a point has no volume in one of both.
     fn stresses_between(&self, element: usize, ends: [&[Vector<D>]; 2]) -> Option<Each<Matrix<D>>> {
         let (all, lame) = (ends.map(|x| self.gradients(element, x)), self.points.lame(element));
         let count = self.points.of(element).len();

@@ -86,7 +86,8 @@ impl<const D: usize> Tangent<D> {
     pub fn new(
         density: &impl Density<D>,
         lame: Lame,
-        (f, pressure): (&Matrix<D>, f64),
+        f: &Matrix<D>,
+        pressure: f64,
         weights: Weights,
     ) -> Self {
         let mut tangent = Self { columns: [[Matrix::zeros(); D]; D] };

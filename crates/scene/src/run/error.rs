@@ -61,7 +61,7 @@ pub enum RunError {
 }
 
 impl RunError {
-    /// What a step's error is for people.
+    /// The message of a failed step for the user.
     pub(super) fn of_step(error: StepError) -> Self {
         let checkpoint = None;
         match &error {

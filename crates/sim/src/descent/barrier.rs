@@ -13,8 +13,10 @@
 //! Limit: what comes back in the step after it parted can win energy.
 
 use super::meet::{Candidates, Meeting};
-use super::points::{Owner, Places};
+use super::points::{Owner, Places, Points};
 use super::potential::{Potential, Term};
+use crate::model::Model;
+use crate::solid::SolidState;
 use meniscus_contact::{Barrier, Contact, Local};
 use meniscus_numerics::Vector;
 use rayon::prelude::*;
@@ -43,12 +45,32 @@ pub struct Moment<'a, const D: usize> {
     pub at: Vec<Vector<D>>,
 }
 
-/// The moments of a step at which solids' distances are looked at.
-pub struct Moments<'a, const D: usize> {
+/// The two moments of a step that do not depend on the new velocities.
+pub struct Past<'a, const D: usize> {
     /// At the time of the old velocities.
     before: Moment<'a, D>,
-    /// At the start.
-    start: Moment<'a, D>,
+    /// When the forces act.
+    pub start: Moment<'a, D>,
+}
+
+impl<'a, const D: usize> Past<'a, D> {
+    /// Of solids that have gone with the old velocities of their nodes for a time `since`, s.
+    pub fn new(
+        model: &'a Model<D>,
+        solids: &'a [SolidState<D>],
+        points: &'a Points<D>,
+        old: &'a [Vector<D>],
+        since: f64,
+    ) -> Self {
+        let [before, start] =
+            [-since, 0.0].map(|time| Moment::new(Places::new(model, solids, points, old, time)));
+        Self { before, start }
+    }
+}
+
+/// The moments of a step at which distances between solids are compared.
+pub struct Moments<'a, const D: usize> {
+    past: &'a Past<'a, D>,
     /// At the time of the new velocities.
     pub early: Moment<'a, D>,
     /// At the end of the coming step.
@@ -76,8 +98,8 @@ impl<'a, const D: usize> Felt<'a, D> {
 
     /// Whether a pair feels its barrier at this moment, with its distance at each.
     fn is_felt(&self, distance: impl Fn(&Moment<'a, D>) -> f64) -> bool {
-        let Moments { before, start, early, late } = self.moments;
-        let at_early = distance(early) < distance(late) && distance(before) > distance(start);
+        let Moments { past, early, late } = self.moments;
+        let at_early = distance(early) < distance(late) && distance(&past.before) > distance(&past.start);
         at_early == self.early
     }
 }
@@ -102,17 +124,12 @@ impl<'a, const D: usize> Potential<'a, D> {
     /// The moments of a step with these velocities.
     pub fn moments<'b>(&'b self, velocities: &'b [Vector<D>]) -> Moments<'b, D> {
         let after = |velocities: &'b [Vector<D>], time| Moment::new(self.places_after(velocities, time));
-        Moments {
-            before: after(&self.old, self.lead - self.kick),
-            start: after(&self.old, 0.0),
-            early: after(velocities, self.lead),
-            late: after(velocities, self.ahead),
-        }
+        Moments { past: &self.past, early: after(velocities, self.lead), late: after(velocities, self.ahead) }
     }
 
     /// Stiffness of the barrier, Pa, between a solid and another, or a side: the pressures that there can be, tension's in a drop of a
     /// cell, that of a column of liquid through the domain, of the solids' weight and start, and what presses the softer one by a tenth.
-    /// What presses so much rests in the middle of the reach.
+    /// Solids that press each other so much rest half the reach apart.
     pub fn stiffness(&self, solid: usize, other: Option<usize>) -> f64 {
         let model = self.model;
         let speed = model.grid.dx / model.capillary_step();
@@ -171,7 +188,7 @@ impl<'a, const D: usize> Potential<'a, D> {
     /// The sum of what barriers gain over the time until they are felt, W (2D: W/m).
     pub fn barriers(&self, velocities: &[Vector<D>], candidates: &Candidates) -> f64 {
         let moments = self.moments(velocities);
-        let start = &moments.start;
+        let start = &self.past.start;
         let of = |felt: &Felt<'_, D>| {
             let now = felt.now();
             let contacts = self.felt_contacts(candidates, felt);
@@ -186,11 +203,10 @@ impl<'a, const D: usize> Potential<'a, D> {
 
     /// Energy of the barriers where solids are, J (2D: J/m).
     pub fn stored(&self, candidates: &Candidates) -> f64 {
-        let still = vec![Vector::zeros(); self.points.nodes()];
-        let now = Moment::new(self.places_after(&still, 0.0));
+        let now = &self.past.start;
         let contacts = self.contacts(candidates, &now.at);
         let between: f64 = contacts.iter().map(|c| c.energy(&now.at)).sum();
-        between + candidates.meetings.iter().map(|m| self.stored_in(m, &now)).sum::<f64>()
+        between + candidates.meetings.iter().map(|m| self.stored_in(m, now)).sum::<f64>()
     }
 
     /// Energy of the barrier between a point and what has no facets, J (2D: J/m).

@@ -16,6 +16,7 @@ mod response;
 mod rub;
 mod stored;
 
+use barrier::Past;
 pub use impact::bounce;
 use points::REACH;
 pub use points::{Points, narrowest_gap, turning};
@@ -32,11 +33,11 @@ use crate::solid::{Motion, SolidState};
 use crate::step::Times;
 use meet::Candidates;
 use meniscus_contact::Barrier;
-use meniscus_elastic::{Elastic, Incremental, StiffnessBlock, Structure};
+use meniscus_elastic::{Elastic, Incremental, StiffnessBlock};
 use meniscus_numerics::grid::FaceField;
 use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::{Matrix, Vector};
-use potential::{Part, Potential, Rigid};
+use potential::{Elimination, Part, Potential, Rigid};
 
 /// Part of its distance that a pair keeps in an iteration, and of its volume an element: IPC's 0.2, its line search's
 /// safety.
@@ -93,18 +94,26 @@ impl<const D: usize> Start<D> {
     }
 }
 
+/// The solids when the forces of a step act.
+#[derive(Clone, Copy)]
+pub struct Before<'a, const D: usize> {
+    /// The solids, with the velocities before these forces.
+    pub solids: &'a [SolidState<D>],
+    /// These velocities, of their nodes.
+    pub velocities: &'a [Vector<D>],
+    /// The elastic slips of friction.
+    pub slips: &'a Slips<D>,
+}
+
 /// A step's search for velocities.
 pub struct Descent<'a, const D: usize> {
     potential: Potential<'a, D>,
     /// Velocities that nodes have which are told.
     told: Vec<Vector<D>>,
-    /// Where nodes are.
-    positions: Vec<Vector<D>>,
-    /// Of the last matrix.
-    structure: Option<Structure>,
+    elimination: Elimination<D>,
     /// Velocities that it has come to.
     now: Vec<Vector<D>>,
-    /// What may meet with these.
+    /// The pairs that may touch with these velocities.
     candidates: Candidates,
     /// The potential's gradient without the pressure, where it is linearised, N s.
     gradient: Vec<Vector<D>>,
@@ -117,15 +126,16 @@ pub struct Descent<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Descent<'a, D> {
-    /// Before the pressure: `before` is how solids moved before the forces, `forced` how all forces but the pressure, contacts and
-    /// their own make rigid ones move, `slips` what friction has of the step before.
+    /// Before the pressure; `forced` is how all forces but the pressure, contacts and their own make rigid solids move.
     pub fn new(
         model: &'a Model<D>,
         points: &'a Points<D>,
-        (before, forced, slips): (&'a [SolidState<D>], &[SolidState<D>], &'a Slips<D>),
+        before: Before<'a, D>,
+        forced: &[SolidState<D>],
         starts: &'a [Option<Start<D>>],
         times: Times,
     ) -> Self {
+        let Before { solids: before, velocities: old, slips } = before;
         let part = |k: usize| match (&model.solids[k].motion, &starts[k], &before[k].soft) {
             (Motion::Soft(elastic), Some(start), Some(soft)) => {
                 let elastic: &'a Elastic<D> = elastic;
@@ -173,7 +183,7 @@ impl<'a, const D: usize> Descent<'a, D> {
             kick: times.kick,
             lead: times.lead,
             ahead: times.ahead,
-            old: points.velocities(model, before),
+            past: Past::new(model, before, points, old, times.kick - times.lead),
             slips,
             rubs: Vec::new(),
             pressed: vec![Vector::zeros(); points.nodes()],
@@ -183,8 +193,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         let mut descent = Self {
             potential,
             told,
-            positions,
-            structure: None,
+            elimination: Elimination { structure: None, positions },
             now,
             candidates: Candidates::default(),
             gradient: Vec::new(),
@@ -213,11 +222,11 @@ impl<'a, const D: usize> Descent<'a, D> {
         let failed = SolveError::Indefinite { step: self.potential.kick };
         self.potential.pressed.fill(Vector::zeros());
         let ties = self.ties(dragged, phi, open);
-        let (potential, candidates, structure) = (&self.potential, &self.candidates, &mut self.structure);
+        let (potential, candidates, elimination) = (&self.potential, &self.candidates, &mut self.elimination);
         let mut inverse = |positive| {
-            let at = (&mut *structure, &self.positions[..]);
-            let matrix = potential.matrix(&self.now, candidates, &ties, at, positive)?;
-            let solution = potential.points.assembly.as_ref()?.invert(&matrix, structure.as_ref()?)?;
+            let matrix = potential.matrix(&self.now, candidates, &ties, elimination, positive)?;
+            let structure = elimination.structure.as_ref()?;
+            let solution = potential.points.assembly.as_ref()?.invert(&matrix, structure)?;
             Some((matrix, solution))
         };
         // The positive part alone is as stiff as can be, and slow: it is for where there is no other way (Longva et al., "Pitfalls of

@@ -4,6 +4,7 @@
 //! other forces give it; of all together `h/a` times the barriers between them at the end of the coming step, of length `a`, and what
 //! friction holds them with on the way there.
 
+use super::barrier::Past;
 use super::meet::{Candidates, Meeting, Way};
 use super::points::{Lever, Points};
 use super::response::Tie;
@@ -46,6 +47,14 @@ pub struct Term<const D: usize> {
     pub time: f64,
 }
 
+/// In what order the unknowns of the solids' matrix are eliminated.
+pub struct Elimination<const D: usize> {
+    /// Of the last matrix.
+    pub structure: Option<Structure>,
+    /// Where nodes are when the forces act, m: the order is by these.
+    pub positions: Vec<Vector<D>>,
+}
+
 /// The potential of a step.
 pub struct Potential<'a, const D: usize> {
     /// The model.
@@ -64,8 +73,8 @@ pub struct Potential<'a, const D: usize> {
     pub lead: f64,
     /// The longest that the coming step can be, s.
     pub ahead: f64,
-    /// Velocities of nodes before the forces of this step.
-    pub old: Vec<Vector<D>>,
+    /// Where solids are now, and where they were at the time of the old velocities.
+    pub past: Past<'a, D>,
     /// The elastic slips where the step ends.
     pub slips: &'a Slips<D>,
     /// What rubs.
@@ -154,13 +163,13 @@ impl<'a, const D: usize> Potential<'a, D> {
     }
 
     /// Its second derivatives, kg (2D: kg/m), or their `positive` part; nothing where a solid's matrix cannot be. `ties` add their
-    /// masses. `structure` is that of the last matrix, and becomes that of this one; `positions` are where nodes are.
+    /// masses. The order of elimination becomes that of this matrix.
     pub fn matrix(
         &self,
         velocities: &[Vector<D>],
         candidates: &Candidates,
         ties: &[Tie<D>],
-        (structure, positions): (&mut Option<Structure>, &[Vector<D>]),
+        elimination: &mut Elimination<D>,
         positive: bool,
     ) -> Option<BlockMatrix<D>> {
         let mut parts = Vec::new();
@@ -179,6 +188,7 @@ impl<'a, const D: usize> Potential<'a, D> {
         };
         ties.iter().for_each(|tie| groups.push(arms(tie)));
         let assembly = self.points.assembly.as_ref()?;
+        let Elimination { structure, positions } = elimination;
         *structure = assembly.structure(&groups, positions, structure.take());
         let mut matrix = assembly.matrix(&parts, structure.as_ref()?);
         for (k, part) in self.parts.iter().enumerate() {

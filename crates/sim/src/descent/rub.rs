@@ -63,12 +63,11 @@ impl<const D: usize> Potential<'_, D> {
     /// What rubs with these velocities.
     pub fn rubbing(&self, velocities: &[Vector<D>], candidates: &Candidates) -> Vec<Rub<D>> {
         let moments = self.moments(velocities);
-        let zero = vec![Vector::zeros(); velocities.len()];
-        let from = self.places_after(&zero, 0.0);
+        let from = &self.past.start.places;
         let mut rubs = Vec::new();
         for felt in moments.felt() {
-            rubs.extend(self.rubbing_facets(&from, &felt, candidates));
-            rubs.extend(candidates.meetings.iter().filter_map(|m| self.rubbing_met(&from, &felt, m)));
+            rubs.extend(self.rubbing_facets(from, &felt, candidates));
+            rubs.extend(candidates.meetings.iter().filter_map(|m| self.rubbing_met(from, &felt, m)));
         }
         let (friction, mut holds) = (friction(self.model), BTreeMap::<Touch, f64>::new());
         rubs.iter().for_each(|r| *holds.entry(r.touch).or_default() += r.rubbing.hold);

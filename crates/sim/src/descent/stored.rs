@@ -3,6 +3,7 @@
 //!
 //! No step asks for it; the books of a study do, as a body at rest on another has a part of its energy there.
 
+use super::barrier::Past;
 use super::meet::{Candidates, Way};
 use super::points::{Places, Points, REACH};
 use super::potential::Potential;
@@ -49,7 +50,7 @@ impl<const D: usize> Barriers<D> {
             kick: 0.0,
             lead: 0.0,
             ahead: 0.0,
-            old: still.clone(),
+            past: Past::new(model, solids, &self.points, &still, 0.0),
             slips,
             rubs: Vec::new(),
             pressed: Vec::new(),
