@@ -23,6 +23,7 @@ use meniscus_numerics::grid::{CutCells, WetCell};
 use meniscus_numerics::linalg::{Column, Compliance, Solve};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 /// The wetted surfaces of the solids, and how they move.
 pub struct Coupling<'a, const D: usize> {
@@ -86,7 +87,8 @@ impl<'a, const D: usize> Coupling<'a, D> {
         let porous = response.porous(&flows, &reach, |cell| lattice.coordinates(cell as usize));
         let feelers = feelers(&flows, &porous, |k| response.is_rigid(k));
         let solve: Box<Solve<'_>> = Box::new(move |x| response.solve_within(&reach, x));
-        Some(Compliance { freedoms: response.freedoms(), flows, porous, solve, feelers })
+        let wetted = OnceLock::new();
+        Some(Compliance { freedoms: response.freedoms(), flows, porous, solve, feelers, wetted })
     }
 
     /// For each piece of surface, and each face that lines tie to a solid, the cell, and the flow out of it by the components of the

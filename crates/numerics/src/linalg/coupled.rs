@@ -9,7 +9,11 @@
 
 use super::operator::{LinearOperator, SolveError, SolveReport};
 use super::pressure::PressureSolver;
-use crate::grid::CellField;
+use super::wetted::{Schwarz, Wetted};
+use crate::grid::{CellField, Lattice};
+use nalgebra::DMatrix;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, OnceLock};
 
 /// Entries of a column: the cell (by its place in memory) and the value.
 pub type Column = Vec<(u32, f64)>;
@@ -25,12 +29,19 @@ pub struct Compliance<'a> {
     pub flows: Vec<(u32, Vec<(u32, f64)>)>,
     /// For each of these cells what the system's Dirichlet coefficient has already of `F B⁻¹ Fᵀ`.
     pub porous: Vec<f64>,
-    /// `x → B⁻¹ x` for the degrees of freedom in `flows`, where `x` is 0 for all others.
+    /// `x → B⁻¹ x` for the degrees of freedom in `flows`, where `x` is 0 for all others; of one vector or several, one after another.
     pub solve: Box<Solve<'a>>,
     /// Columns whose sums over a component of the liquid tell whether the bodies determine its mean pressure: they do not where each sum
     /// is zero.
     pub feelers: Vec<Column>,
+    /// The exact inverse on these cells, once a solve was too slow without; nothing in it where there is none.
+    pub wetted: OnceLock<Option<Wetted>>,
 }
+
+/// Bodies' solves that are done at once for the exact inverse on their cells.
+const TOGETHER: usize = 16;
+/// Bodies' solves done at once that take as long as one by itself.
+const AT_ONCE: usize = 4;
 
 /// Degrees of freedom of bodies from which on another thread solves for them while the liquid's part is worked out: to wake one takes
 /// some 10 µs.
@@ -101,6 +112,99 @@ impl<const D: usize> PressureSolver<D> {
         let floats = self.floating_under(&feelers);
         let entries = body.flows.iter().map(|(cell, _)| entry(*cell)).collect();
         let coupled = Coupled { system: self, body, entries };
-        self.solve_system(&coupled, self.preconditioner(), &floats, (rhs, x), limits)
+        // Multigrid alone may go on for as long as it takes to find the exact inverse on the bodies' cells: at most twice the time of
+        // whichever of both is faster (ski rental).
+        let (tolerance, most) = limits;
+        let mut done = 0;
+        if body.wetted.get().is_none() {
+            let first = most.min(body.flows.len().div_ceil(AT_ONCE));
+            let system = (rhs, &mut *x);
+            let report =
+                self.solve_system(&coupled, self.preconditioner(), &floats, system, (tolerance, first));
+            let slow =
+                matches!(report, Err(SolveError::NotConverged { iterations, .. }) if iterations == first);
+            if !slow || first == most {
+                return report;
+            }
+            done = first;
+        }
+        let wetted = body.wetted.get_or_init(|| coupled.wetted(lattice));
+        let limits = (tolerance, most - done);
+        let report = match wetted {
+            Some(wetted) => {
+                let memory = Mutex::new([(); 2].map(|()| vec![0.0; self.size()]));
+                let schwarz = Schwarz { system: self, multigrid: self.preconditioner(), wetted, memory };
+                self.solve_system(&coupled, &schwarz, &floats, (rhs, x), limits)
+            }
+            None => self.solve_system(&coupled, self.preconditioner(), &floats, (rhs, x), limits),
+        };
+        report.map(|report| SolveReport { iterations: report.iterations + done, ..report })
+    }
+}
+
+impl<const D: usize> Coupled<'_, D> {
+    /// The exact inverse on the bodies' cells.
+    fn wetted(&self, lattice: Lattice<D>) -> Option<Wetted> {
+        let mut cells: BTreeMap<usize, [usize; D]> = BTreeMap::new();
+        for (entry, (cell, _)) in self.entries.iter().zip(&self.body.flows) {
+            if let Some(entry) = entry {
+                cells.insert(*entry, lattice.coordinates(*cell as usize));
+            }
+        }
+        let entries: Vec<usize> = cells.keys().copied().collect();
+        let mut matrix = self.of_system(&cells, &entries);
+        self.add_bodies(&entries, &mut matrix);
+        Wetted::new(entries, matrix)
+    }
+
+    /// The system's entries between cells. `x + 2 y + 3 z` modulo `2 D + 1` is another one for a cell and each of its neighbours: so many
+    /// products with the system tell all entries.
+    fn of_system(&self, cells: &BTreeMap<usize, [usize; D]>, entries: &[usize]) -> DMatrix<f64> {
+        let colours = 2 * D + 1;
+        let colour =
+            |at: &[usize; D]| at.iter().enumerate().map(|(a, i)| (a + 1) * i).sum::<usize>() % colours;
+        let numbers: BTreeMap<[usize; D], usize> =
+            cells.values().enumerate().map(|(n, at)| (*at, n)).collect();
+        let mut matrix = DMatrix::zeros(entries.len(), entries.len());
+        let (mut x, mut y) = (vec![0.0; self.size()], vec![0.0; self.size()]);
+        for chosen in 0..colours {
+            cells.iter().for_each(|(e, at)| x[*e] = if colour(at) == chosen { 1.0 } else { 0.0 });
+            self.system.apply(&x, &mut y);
+            for (row, (entry, at)) in cells.iter().enumerate() {
+                let neighbour = (0..D).flat_map(|a| [(a, 1), (a, usize::MAX)]).map(|(a, step)| {
+                    let mut at = *at;
+                    at[a] = at[a].wrapping_add(step);
+                    at
+                });
+                let known = neighbour.chain([*at]).filter_map(|at| Some((*numbers.get(&at)?, colour(&at))));
+                known.filter(|(_, c)| *c == chosen).for_each(|(column, _)| matrix[(row, column)] = y[*entry]);
+            }
+        }
+        matrix
+    }
+
+    /// Adds what the bodies do to the cells' matrix.
+    fn add_bodies(&self, entries: &[usize], matrix: &mut DMatrix<f64>) {
+        let body = self.body;
+        let mut flows: Vec<Vec<(u32, f64)>> = vec![Vec::new(); entries.len()];
+        for ((entry, (_, flow)), porous) in self.entries.iter().zip(&body.flows).zip(&body.porous) {
+            let Some(number) = entry.and_then(|e| entries.binary_search(&e).ok()) else { continue };
+            flows[number].extend_from_slice(flow);
+            matrix[(number, number)] -= porous;
+        }
+        let n = body.freedoms;
+        for (first, some) in (0..).step_by(TOGETHER).zip(flows.chunks(TOGETHER)) {
+            let mut pushes = vec![0.0; some.len() * n];
+            for (push, flow) in pushes.chunks_exact_mut(n).zip(some) {
+                flow.iter().for_each(|(k, v)| push[*k as usize] += v);
+            }
+            (body.solve)(&mut pushes);
+            for (column, push) in pushes.chunks_exact(n).enumerate() {
+                for (row, flow) in flows.iter().enumerate() {
+                    let more: f64 = flow.iter().map(|(k, v)| v * push[*k as usize]).sum();
+                    matrix[(row, first + column)] += more;
+                }
+            }
+        }
     }
 }

@@ -2,6 +2,7 @@ use super::coupled::{Column, Compliance};
 use super::pressure::PressureSolver;
 use super::tests::{System, slab};
 use nalgebra::{DMatrix, DVector};
+use std::sync::OnceLock;
 
 /// Rigid bodies: degrees of freedom with a mass of their own, and no part in the preconditioner.
 fn rigid_solution_matches<const D: usize>(system: &System<D>, scale: f64) {
@@ -17,7 +18,8 @@ fn rigid_solution_matches<const D: usize>(system: &System<D>, scale: f64) {
         |(i, (cell, _)): (usize, &(u32, f64))| (*cell, (0..3).map(|k| (k as u32, columns[k][i].1)).collect());
     let flows: Vec<(u32, Vec<(u32, f64)>)> = columns[0].iter().enumerate().map(flow).collect();
     let (porous, feelers) = (vec![0.0; flows.len()], columns.to_vec());
-    let body = Compliance { freedoms: 3, flows, porous, solve: Box::new(|_| ()), feelers };
+    let body =
+        Compliance { freedoms: 3, flows, porous, solve: Box::new(|_| ()), feelers, wetted: OnceLock::new() };
     let report = solver.solve_coupled(Some(&body), &rhs, &mut x, (1e-11, 400)).unwrap();
     let mut dense = system.dense();
     let cells = system.cells();
@@ -60,8 +62,10 @@ fn compliant_solution_matches<const D: usize>(mut system: System<D>, scale: f64)
     });
     let factor = stiff.clone().cholesky().expect("positive definite");
     let solve = |x: &mut [f64]| {
-        let solved = factor.solve(&DVector::from_column_slice(x));
-        x.copy_from_slice(solved.as_slice());
+        for x in x.chunks_exact_mut(freedoms) {
+            let solved = factor.solve(&DVector::from_column_slice(x));
+            x.copy_from_slice(solved.as_slice());
+        }
     };
     let mut f = DMatrix::zeros(cells.len(), freedoms);
     for (cell, flow) in &flows {
@@ -76,7 +80,8 @@ fn compliant_solution_matches<const D: usize>(mut system: System<D>, scale: f64)
     }
     let solver = PressureSolver::new(&system.input());
     let feelers = vec![flows.iter().map(|(cell, _)| (*cell, 1.0)).collect()];
-    let soft = Compliance { freedoms, flows, porous, solve: Box::new(solve), feelers };
+    let soft =
+        Compliance { freedoms, flows, porous, solve: Box::new(solve), feelers, wetted: OnceLock::new() };
     let (rhs, mut x) = (system.random_field(5), system.random_field(6));
     solver.solve_coupled(Some(&soft), &rhs, &mut x, (1e-11, 400)).unwrap();
     let exact = dense.cholesky().expect("positive definite").solve(&system.values(&rhs));

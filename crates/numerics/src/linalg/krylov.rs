@@ -10,8 +10,8 @@ use super::vectors;
 /// there.
 ///
 /// # Errors
-/// [`SolveError`] after `max_iterations`, when the operator or preconditioner turns out not to be positive,
-/// or when a number is not finite; `x` is then of no use.
+/// [`SolveError`] after `max_iterations`, with the last iterate in `x`; when the operator or preconditioner turns out not to be
+/// positive, or when a number is not finite: `x` is then of no use.
 pub fn conjugate_gradient(
     operator: &impl LinearOperator,
     preconditioner: &impl Preconditioner,
@@ -68,6 +68,9 @@ pub fn conjugate_gradient_in(
         let (mut alpha, mut rho) = (0.0, 0.0);
         while square.sqrt() > tolerance {
             if iterations == max_iterations {
+                if rho != 0.0 {
+                    vectors::add(alpha * norm, p, x);
+                }
                 return Err(failed(iterations, square));
             }
             let next = preconditioner.apply(r, q);

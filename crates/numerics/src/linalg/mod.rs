@@ -15,9 +15,11 @@ mod sweep;
 #[cfg(test)]
 mod tests;
 mod vectors;
+mod wetted;
 
 pub use coupled::{Column, Compliance, Solve};
 pub use jacobi::Jacobi;
 pub use krylov::{conjugate_gradient, conjugate_gradient_in};
 pub use operator::{LinearOperator, Preconditioner, SolveError, SolveReport};
 pub use pressure::{PoissonInput, PressureSolver};
+pub use wetted::Wetted;

@@ -79,8 +79,8 @@ impl<const D: usize> PressureSolver<D> {
     /// isolated cells: see [`PressureSolver`]; the norm is that of the right-hand side as amended there.
     ///
     /// # Errors
-    /// [`SolveError`] when the tolerance was not reached or a number is not finite; `x` is then left as it
-    /// was.
+    /// [`SolveError`] when the tolerance was not reached, with the last iterate in `x`, or a number is not finite; `x` is then left
+    /// as it was.
     pub fn solve(
         &self,
         rhs: &CellField<D>,
@@ -124,7 +124,7 @@ impl<const D: usize> PressureSolver<D> {
         self.project_on(floats, &mut solution);
         let mut work = [(); 3].map(|()| self.take());
         let report = conjugate_gradient_in(operator, preconditioner, &b, &mut solution, limits, &mut work);
-        if report.is_ok() {
+        if matches!(report, Ok(_) | Err(SolveError::NotConverged { .. })) {
             self.project_on(floats, &mut solution);
             self.scatter(&solution, &mut x.data);
         }

@@ -10,16 +10,17 @@
 //!
 //! with the time `h` for which forces act. So what comes loses at least what is stored, also in the step in which it turns, and what
 //! parts gets at most that: a convex `B` rises by less than its slope at a nearer place, and falls by more than that at a farther one.
-//! Limit: what comes back in the step after it parted can win energy.
+//! Limit: what comes back in the step after it parted can win energy. Rigid solids feel a dashpot besides ([`super::dashpot`]).
 
 use super::meet::{Candidates, Meeting};
 use super::points::{Owner, Places, Points};
 use super::potential::{Potential, Term};
 use crate::model::Model;
 use crate::solid::SolidState;
-use meniscus_contact::{Barrier, Contact, Local};
+use meniscus_contact::{Barrier, Contact, Local, Stencil};
 use meniscus_numerics::Vector;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// Part of the softer solid's Young's modulus in the stiffness of the barrier: under a stress that strains it by a tenth the gap is half
 /// the reach.
@@ -77,6 +78,23 @@ pub struct Moments<'a, const D: usize> {
     pub late: Moment<'a, D>,
 }
 
+/// The pairs that feel their barrier at the time of the new velocities, the others at the end of the coming step. Which do depends on the
+/// velocities, and where it changes the potential jumps, so that Newton's method would end at the jump: it is lagged, as friction's
+/// normal forces are.
+#[derive(Clone, Debug, Default)]
+pub struct Early {
+    contacts: BTreeSet<Stencil>,
+    meetings: BTreeSet<Meeting>,
+}
+
+impl Early {
+    /// Keeps those that are among others, too. Pairs that may only leave within Newton's iterations do not go to and fro.
+    pub fn keep(&mut self, others: &Self) {
+        self.contacts.retain(|c| others.contacts.contains(c));
+        self.meetings.retain(|m| others.meetings.contains(m));
+    }
+}
+
 /// One of the two moments at which barriers are felt.
 pub struct Felt<'a, const D: usize> {
     moments: &'a Moments<'a, D>,
@@ -84,6 +102,12 @@ pub struct Felt<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Moments<'a, D> {
+    /// Whether a pair that came towards each other is nearer at the time of the new velocities than at the end of the coming step.
+    fn is_early(&self, distance: impl Fn(&Moment<'a, D>) -> f64) -> bool {
+        let Moments { past, early, late } = self;
+        distance(early) < distance(late) && distance(&past.before) > distance(&past.start)
+    }
+
     /// Both moments at which barriers are felt.
     pub fn felt(&'a self) -> [Felt<'a, D>; 2] {
         [false, true].map(|early| Felt { moments: self, early })
@@ -94,13 +118,6 @@ impl<'a, const D: usize> Felt<'a, D> {
     /// The moment.
     pub fn now(&self) -> &'a Moment<'a, D> {
         if self.early { &self.moments.early } else { &self.moments.late }
-    }
-
-    /// Whether a pair feels its barrier at this moment, with its distance at each.
-    fn is_felt(&self, distance: impl Fn(&Moment<'a, D>) -> f64) -> bool {
-        let Moments { past, early, late } = self.moments;
-        let at_early = distance(early) < distance(late) && distance(&past.before) > distance(&past.start);
-        at_early == self.early
     }
 }
 
@@ -171,32 +188,43 @@ impl<'a, const D: usize> Potential<'a, D> {
         Some(Met { point, distance, normal, other })
     }
 
+    /// The pairs that feel their barrier early with these velocities.
+    pub fn early(&self, velocities: &[Vector<D>], candidates: &Candidates) -> Early {
+        let moments = self.moments(velocities);
+        let contacts = self.contacts(candidates, &moments.early.at).into_iter();
+        let meetings = candidates.meetings.iter().copied();
+        let far = |m: &Meeting, now: &Moment<'_, D>| m.distance(&now.places, &now.at[m.point() as usize]);
+        Early {
+            contacts: contacts
+                .filter(|c| moments.is_early(|m| c.distance(&m.at)))
+                .map(|c| c.stencil)
+                .collect(),
+            meetings: meetings.filter(|m| moments.is_early(|now| far(m, now))).collect(),
+        }
+    }
+
     /// The contacts that are felt within reach at one of both moments.
     pub fn felt_contacts(&self, candidates: &Candidates, felt: &Felt<'_, D>) -> Vec<Contact> {
         let mut contacts = self.contacts(candidates, &felt.now().at);
-        contacts.retain(|c| felt.is_felt(|m| c.distance(&m.at)));
+        contacts.retain(|c| self.early.contacts.contains(&c.stencil) == felt.early);
         contacts
     }
 
     /// A point that feels something without facets at one of both moments.
     pub fn felt_met(&self, meeting: &Meeting, felt: &Felt<'_, D>) -> Option<Met<D>> {
-        let now = felt.now();
-        let is_felt = felt.is_felt(|m| meeting.distance(&m.places, &m.at[meeting.point() as usize]));
-        if is_felt { self.met(meeting, &now.places, &now.at) } else { None }
+        let (now, felt_now) = (felt.now(), self.early.meetings.contains(meeting) == felt.early);
+        if felt_now { self.met(meeting, &now.places, &now.at) } else { None }
     }
 
-    /// The sum of what barriers gain over the time until they are felt, W (2D: W/m).
+    /// The sum of the barriers over the times until they are felt, W (2D: W/m): as that of what they gain, but for a constant.
     pub fn barriers(&self, velocities: &[Vector<D>], candidates: &Candidates) -> f64 {
         let moments = self.moments(velocities);
-        let start = &self.past.start;
         let of = |felt: &Felt<'_, D>| {
             let now = felt.now();
-            let contacts = self.felt_contacts(candidates, felt);
-            let between: f64 = contacts.iter().map(|c| c.energy(&now.at) - c.energy(&start.at)).sum();
-            let met = |m: &&Meeting| self.felt_met(m, felt).is_some();
-            let gained = |m: &Meeting| self.stored_in(m, now) - self.stored_in(m, start);
-            let sum = between + candidates.meetings.iter().filter(met).map(gained).sum::<f64>();
-            sum / now.places.time()
+            let between: f64 = self.felt_contacts(candidates, felt).iter().map(|c| c.energy(&now.at)).sum();
+            let met = |m: &&Meeting| self.early.meetings.contains(m) == felt.early;
+            let stored = candidates.meetings.iter().filter(met).map(|m| self.stored_in(m, now)).sum::<f64>();
+            (between + stored) / now.places.time()
         };
         moments.felt().iter().map(of).sum()
     }
@@ -215,12 +243,17 @@ impl<'a, const D: usize> Potential<'a, D> {
         let distance =
             meeting.distance(&now.places, &now.at[point as usize]) - self.points.thickness(meeting);
         let energy = self.barrier(point).of_distance(distance)[0];
-        let solid = self.points.owners[point as usize].solid();
-        let scale = || self.points.surface.area(point) * self.stiffness(solid, meeting.solid());
-        if energy > 0.0 { scale() * energy } else { 0.0 }
+        if energy > 0.0 { self.scale(meeting) * energy } else { 0.0 }
     }
 
-    /// The terms of all barriers, or the positive part of their second derivatives.
+    /// The area of a point times the stiffness of the barrier between it and what has no facets, N (2D: N/m).
+    pub fn scale(&self, meeting: &Meeting) -> f64 {
+        let point = meeting.point();
+        let solid = self.points.owners[point as usize].solid();
+        self.points.surface.area(point) * self.stiffness(solid, meeting.solid())
+    }
+
+    /// The terms of all barriers and dashpots, or the positive part of their second derivatives.
     pub fn barrier_terms(
         &self,
         velocities: &[Vector<D>],
@@ -228,7 +261,8 @@ impl<'a, const D: usize> Potential<'a, D> {
         positive: bool,
     ) -> Vec<Term<D>> {
         let moments = self.moments(velocities);
-        moments.felt().iter().flat_map(|felt| self.terms_at(candidates, felt, positive)).collect()
+        let terms = moments.felt().into_iter().flat_map(|felt| self.terms_at(candidates, &felt, positive));
+        terms.chain(self.damping_terms(velocities, &candidates.meetings)).collect()
     }
 
     /// The terms of the barriers that are felt now.
@@ -247,22 +281,26 @@ impl<'a, const D: usize> Potential<'a, D> {
             let Some(Met { point, distance, normal, other }) = self.felt_met(m, felt) else {
                 continue;
             };
-            let [_, slope, bend] = self.barrier(point).of_distance(distance);
-            let solid = owners[point as usize].solid();
-            let scale = self.points.surface.area(point) * self.stiffness(solid, m.solid());
+            let [_, slope, bend] = self.barrier(point).of_distance(distance).map(|d| d * self.scale(m));
             let mut levers = vec![lever(point)];
             levers.extend(other.map(|o| now.places.levers(&o)));
-            let mut local = Local::zeros(levers.len());
-            let outer = normal * normal.transpose() * (scale * bend);
-            for k in 0..local.count {
-                let sign = 1.0 - 2.0 * k as f64;
-                local.gradient[k] = normal * (sign * scale * slope);
-                for l in 0..local.count {
-                    local.hessian[k][l] = outer * (sign * (1.0 - 2.0 * l as f64));
-                }
-            }
+            let local = of_distance(&normal, levers.len(), slope, bend);
             terms.push(Term { levers, local, time });
         }
         terms
     }
+}
+
+/// Derivatives, by one or two points, of a function of their distance with this slope and bend; the `normal` is the direction away from
+/// the second.
+pub fn of_distance<const D: usize>(normal: &Vector<D>, count: usize, slope: f64, bend: f64) -> Local<D> {
+    let (mut local, outer) = (Local::zeros(count), normal * normal.transpose() * bend);
+    for k in 0..count {
+        let sign = 1.0 - 2.0 * k as f64;
+        local.gradient[k] = normal * (sign * slope);
+        for l in 0..count {
+            local.hessian[k][l] = outer * (sign * (1.0 - 2.0 * l as f64));
+        }
+    }
+    local
 }

@@ -8,6 +8,7 @@
 //! nothing.
 
 mod barrier;
+mod dashpot;
 mod impact;
 mod meet;
 mod points;
@@ -16,7 +17,7 @@ mod response;
 mod rub;
 mod stored;
 
-use barrier::Past;
+use barrier::{Early, Past};
 pub use impact::bounce;
 use points::REACH;
 pub use points::{Points, narrowest_gap, turning};
@@ -174,7 +175,7 @@ impl<'a, const D: usize> Descent<'a, D> {
                 told[points.first[k] + v] = velocity;
             }
         }
-        let potential = Potential {
+        let mut potential = Potential {
             model,
             solids: before,
             points,
@@ -183,11 +184,14 @@ impl<'a, const D: usize> Descent<'a, D> {
             kick: times.kick,
             lead: times.lead,
             ahead: times.ahead,
+            settling: times.ahead,
             past: Past::new(model, before, points, old, times.kick - times.lead),
             slips,
+            early: Early::default(),
             rubs: Vec::new(),
             pressed: vec![Vector::zeros(); points.nodes()],
         };
+        potential.settling = potential.settling();
         let positions = before.iter().flat_map(place).collect();
         let now = vec![Vector::zeros(); points.nodes()];
         let mut descent = Self {
@@ -206,6 +210,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         let still = descent.potential.candidates(&descent.now, &descent.now);
         descent.potential.rubs = descent.potential.rubbing(&descent.now, &still);
         descent.go(&descent.told.clone(), false);
+        descent.potential.early = descent.potential.early(&descent.now, &descent.candidates);
         descent
     }
 
@@ -370,9 +375,14 @@ impl<'a, const D: usize> Descent<'a, D> {
         let whole = self.go(&to, !led && size > limit);
         self.iteration += 1;
         self.recentre();
+        if self.rubs == 0 {
+            let early = self.potential.early(&self.now, &self.candidates);
+            self.potential.early.keep(&early);
+        }
         let mut off = if whole { self.off(response) } else { f64::INFINITY };
         let mut settled = off < limit;
         if settled && self.rubs < RUBS {
+            self.potential.early = self.potential.early(&self.now, &self.candidates);
             self.potential.rubs = self.potential.rubbing(&self.now, &self.candidates);
             self.rubs += 1;
             off = self.off(response);

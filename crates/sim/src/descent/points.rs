@@ -67,6 +67,8 @@ pub struct Points<const D: usize> {
     /// Pressure of each solid's weight on one of the `2 D` sides of its surface, and that which takes the kinetic energy of the fastest
     /// start within the barrier's reach, Pa; 0 of those that are told.
     pub pressures: Vec<f64>,
+    /// Mean area of one of the `2 D` sides of each solid's surface, m² (2D: m).
+    pub faces: Vec<f64>,
     /// Closed sides of the domain.
     pub sides: Vec<Plane<D>>,
     /// Distance, m, that is added to that of a point and something without facets, where they touch or overlap at the start (a solid
@@ -131,13 +133,14 @@ impl<const D: usize> Points<D> {
             if told { 0.0 } else { solid.body.mass * (weight + stop) / area }
         };
         let pressures = model.solids.iter().zip(&areas).map(pressure).collect();
+        let faces = areas.iter().map(|area| area / (2 * D) as f64).collect();
         let held = held(model);
         let deforming = model.solids.iter().zip(&first).filter_map(|(s, first)| Some((*first, s.elastic()?)));
         let deforming: Vec<(usize, &Elastic<D>)> = deforming.collect();
         let assembly = Assembly::new(&deforming, held.clone());
         let (sides, lifts, probing) = (sides(model), BTreeMap::new(), probing(model));
         let mut all =
-            Self { surface, owners, first, held, pressures, sides, lifts, probing, exposed, assembly };
+            Self { surface, owners, first, held, pressures, faces, sides, lifts, probing, exposed, assembly };
         all.fit_to_start(model);
         all
     }

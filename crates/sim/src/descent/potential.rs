@@ -4,7 +4,7 @@
 //! other forces give it; of all together `h/a` times the barriers between them at the end of the coming step, of length `a`, and what
 //! friction holds them with on the way there.
 
-use super::barrier::Past;
+use super::barrier::{Early, Past};
 use super::meet::{Candidates, Meeting, Way};
 use super::points::{Lever, Points};
 use super::response::Tie;
@@ -73,10 +73,14 @@ pub struct Potential<'a, const D: usize> {
     pub lead: f64,
     /// The longest that the coming step can be, s.
     pub ahead: f64,
+    /// The time in which rigid solids settle on each other, s.
+    pub settling: f64,
     /// Where solids are now, and where they were at the time of the old velocities.
     pub past: Past<'a, D>,
     /// The elastic slips where the step ends.
     pub slips: &'a Slips<D>,
+    /// The pairs that feel their barrier early.
+    pub early: Early,
     /// What rubs.
     pub rubs: Vec<Rub<D>>,
     /// Impulses of the pressure on the nodes, N s.
@@ -96,7 +100,8 @@ impl<'a, const D: usize> Potential<'a, D> {
         };
         let rubbed: f64 = self.rubs.iter().map(rub).sum();
         let pressed: f64 = self.pressed.iter().zip(velocities).map(|(j, v)| j.dot(v)).sum();
-        own - pressed + self.kick * (self.barriers(velocities, candidates) + rubbed / self.ahead)
+        let damped = self.damping(velocities, &candidates.meetings);
+        own - pressed + self.kick * (self.barriers(velocities, candidates) + damped + rubbed / self.ahead)
     }
 
     /// All terms between solids.

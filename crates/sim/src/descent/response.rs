@@ -139,9 +139,10 @@ impl<const D: usize> Response<D> {
         self.solution.reach(nodes.into_iter())
     }
 
-    /// `A⁻¹ x` of these degrees of freedom, in place; `x` is 0 for all others.
+    /// `A⁻¹ x` of these degrees of freedom, in place; `x` is 0 for all others. Of one vector or several, one after another.
     pub fn solve_within(&self, reach: &Reach, x: &mut [f64]) {
-        self.solution.solve_within(reach, x, 1);
+        let count = x.len() / self.freedoms();
+        self.solution.solve_within(reach, x, count);
     }
 
     /// What each cell by itself would give way if the nodes of solids that deform were loose, a bound of `F M⁻¹ Fᵀ` by the sums of its

@@ -67,7 +67,8 @@ impl<const D: usize> Potential<'_, D> {
         let mut rubs = Vec::new();
         for felt in moments.felt() {
             rubs.extend(self.rubbing_facets(from, &felt, candidates));
-            rubs.extend(candidates.meetings.iter().filter_map(|m| self.rubbing_met(from, &felt, m)));
+            let met = |m| self.rubbing_met(from, &felt, m, self.damped(m, velocities));
+            rubs.extend(candidates.meetings.iter().filter_map(met));
         }
         let (friction, mut holds) = (friction(self.model), BTreeMap::<Touch, f64>::new());
         rubs.iter().for_each(|r| *holds.entry(r.touch).or_default() += r.rubbing.hold);
@@ -143,14 +144,20 @@ impl<const D: usize> Potential<'_, D> {
         rubs
     }
 
-    /// A point and what has no facets, if they rub.
-    fn rubbing_met(&self, from: &Places<'_, D>, felt: &Felt<'_, D>, meeting: &Meeting) -> Option<Rub<D>> {
+    /// A point and what has no facets, if they rub; `damped` is the force of their dashpot.
+    fn rubbing_met(
+        &self,
+        from: &Places<'_, D>,
+        felt: &Felt<'_, D>,
+        meeting: &Meeting,
+        damped: f64,
+    ) -> Option<Rub<D>> {
         let Moment { places, at } = felt.now();
         let Met { point, distance, normal, other } = self.felt_met(meeting, felt)?;
         let owner = self.points.owners[point as usize];
         let (solid, other) = (owner.solid(), other.map(|o| o.solid()));
         let slope = self.barrier(point).of_distance(distance)[1];
-        let force = -self.points.surface.area(point) * self.stiffness(solid, meeting.solid()) * slope;
+        let force = damped - self.scale(meeting) * slope;
         let hold = self.coefficient(solid, other) * force;
         if hold <= 0.0 {
             return None;

@@ -3,7 +3,7 @@
 //!
 //! No step asks for it; the books of a study do, as a body at rest on another has a part of its energy there.
 
-use super::barrier::Past;
+use super::barrier::{Early, Past};
 use super::meet::{Candidates, Way};
 use super::points::{Places, Points, REACH};
 use super::potential::Potential;
@@ -50,8 +50,10 @@ impl<const D: usize> Barriers<D> {
             kick: 0.0,
             lead: 0.0,
             ahead: 0.0,
+            settling: 0.0,
             past: Past::new(model, solids, &self.points, &still, 0.0),
             slips,
+            early: Early::default(),
             rubs: Vec::new(),
             pressed: Vec::new(),
         };
