@@ -353,6 +353,7 @@ pub fn boxes<const D: usize>(model: &Model<D>, liquid: &Runs) -> Vec<(Vector<D>,
 /// before a failed step; all else follows from these, but φ in the cells of [`Workspace::beyond`].
 pub struct Snapshot<const D: usize> {
     tiles: Tiles<D>,
+    liquid: Runs,
     cells: Vec<u32>,
     phi: Vec<f64>,
     velocity: FaceValues<D>,
@@ -384,7 +385,8 @@ impl<const D: usize> Snapshot<D> {
         let start = [last_dt, lead, kick, clear, drift, lost_volume];
         let scalars = (state.time, state.step, start, left, [state.kinetic_energy, state.surface_area]);
         let (tiles, drops, solids) = (workspace.tiles.clone(), state.drops.clone(), state.solids.clone());
-        Self { tiles, cells, phi, velocity, drops, solids, slips: state.slips.clone(), scalars }
+        let liquid = workspace.liquid.clone();
+        Self { tiles, liquid, cells, phi, velocity, drops, solids, slips: state.slips.clone(), scalars }
     }
 
     /// Puts the state back as it was, and the workspace with it.
@@ -421,6 +423,12 @@ impl<const D: usize> Snapshot<D> {
             self.cells.iter().zip(&self.phi).for_each(|(&c, v)| state.phi.data[c as usize] = *v);
             workspace.tiles = self.tiles;
             workspace.find_liquid(model, state);
+        }
+        // With the wrong number of components the next step would end with a panic: where φ does not give those that the
+        // drops are of, they are the ones from before the step.
+        if workspace.liquid.components as usize != state.drops.len() {
+            workspace.liquid = self.liquid;
+            workspace.band.rebuild(&state.phi.data, &workspace.liquid, LAYERS);
         }
         workspace.extend_afresh(model, state);
     }
