@@ -58,11 +58,6 @@ const LOOSE: f64 = 1e-3;
 /// Far from convergence: the next iteration would move something by over so many times [`SETTLED`], which one of Newton's iterations
 /// does not bring below 1.
 const FAR: f64 = 100.0;
-/// Slope of the potential along an iteration's way, over that at its start, above which the way is shortened: the constant of the
-/// curvature condition of line searches (P. Wolfe 1969), between 0 (the exact minimum) and 1.
-const FLAT: f64 = 0.5;
-/// Most evaluations of that slope.
-const SEARCHES: usize = 12;
 /// Most halvings of an iteration.
 const HALVINGS: usize = 30;
 /// Most updates of the lagged friction in a step.
@@ -116,8 +111,6 @@ pub struct Descent<'a, const D: usize> {
     now: Vec<Vector<D>>,
     /// The pairs that may touch with these velocities.
     candidates: Candidates,
-    /// The potential's gradient without the pressure, where it is linearised, N s.
-    gradient: Vec<Vector<D>>,
     iteration: usize,
     /// Whether the pressure's solve may be [`LOOSE`].
     loose: bool,
@@ -200,7 +193,6 @@ impl<'a, const D: usize> Descent<'a, D> {
             elimination: Elimination { structure: None, positions },
             now,
             candidates: Candidates::default(),
-            gradient: Vec::new(),
             iteration: 0,
             loose: false,
             rubs: 0,
@@ -240,8 +232,8 @@ impl<'a, const D: usize> Descent<'a, D> {
         let indefinite = whole.is_none();
         let (matrix, solution) = whole.or_else(|| inverse(true)).ok_or(failed)?;
         self.indefinite += u64::from(indefinite);
-        self.gradient = self.potential.gradient(&self.now, &self.candidates);
-        let mut base: Vec<Vector<D>> = self.gradient.iter().map(|g| -g).collect();
+        let gradient = self.potential.gradient(&self.now, &self.candidates);
+        let mut base: Vec<Vector<D>> = gradient.iter().map(|g| -g).collect();
         let lead = self.lead();
         if lead.iter().any(|t| t.norm_squared() > 0.0) {
             let mut pushed = vec![Vector::zeros(); self.now.len()];
@@ -429,9 +421,6 @@ impl<'a, const D: usize> Descent<'a, D> {
         if !falls {
             return (along(part), part == 1.0);
         }
-        let of = |gradient: &[Vector<D>]| gradient.iter().zip(&change).map(|(g, c)| g.dot(c)).sum::<f64>();
-        let start = of(&self.gradient) - of(&self.potential.pressed);
-        part = least_along(part, start, |part| of(&self.potential.gradient(&along(part), candidates)));
         let from = self.potential.value(&self.now, candidates);
         let slack = 1e-12 * from.abs();
         for _ in 0..HALVINGS {
@@ -443,29 +432,6 @@ impl<'a, const D: usize> Descent<'a, D> {
         }
         (self.now.clone(), false)
     }
-}
-
-/// The part of a way, up to `most` of it, at which the potential's `slope` along it has fallen to less than [`FLAT`] of that at
-/// the `start`, by regula falsi (Illinois). Newton's method alone goes back and forth over the kinks of Coulomb's friction.
-fn least_along(most: f64, start: f64, slope: impl Fn(f64) -> f64) -> f64 {
-    let (mut low, mut high) = ((0.0, start), (most, slope(most)));
-    let flat = FLAT * low.1.abs();
-    if low.1 >= 0.0 || high.1 <= flat {
-        return most;
-    }
-    for _ in 0..SEARCHES {
-        let middle = low.0 + (high.0 - low.0) * low.1 / (low.1 - high.1);
-        let at = slope(middle);
-        if at.abs() <= flat {
-            return middle;
-        }
-        if at > 0.0 {
-            (low.1, high) = (0.5 * low.1, (middle, at));
-        } else {
-            (low, high.1) = ((middle, at), 0.5 * high.1);
-        }
-    }
-    if low.0 > 0.0 { low.0 } else { high.0 }
 }
 
 /// The velocity along an axis of a solid's point nearest to `x`, by those of its nodes, from the `first` on.
