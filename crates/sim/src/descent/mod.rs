@@ -367,10 +367,8 @@ impl<'a, const D: usize> Descent<'a, D> {
         let whole = self.go(&to, !led && size > limit);
         self.iteration += 1;
         self.recentre();
-        if self.rubs == 0 {
-            let early = self.potential.early(&self.now, &self.candidates);
-            self.potential.early.keep(&early);
-        }
+        let early = self.potential.early(&self.now, &self.candidates);
+        self.potential.early.keep(&early);
         let mut off = if whole { self.off(response) } else { f64::INFINITY };
         let mut settled = off < limit;
         if settled && self.rubs < RUBS {
