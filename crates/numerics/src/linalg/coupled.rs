@@ -8,7 +8,7 @@
 //! off again.
 
 use super::operator::{LinearOperator, SolveError, SolveReport};
-use super::pressure::PressureSolver;
+use super::pressure::{PressureSolver, Unfinished};
 use super::wetted::{Schwarz, Wetted};
 use crate::grid::{CellField, Lattice};
 use nalgebra::DMatrix;
@@ -94,7 +94,7 @@ impl<const D: usize> PressureSolver<D> {
     /// unknowns is left out. A component without Dirichlet values floats only if no body feels a constant on it.
     ///
     /// # Errors
-    /// As [`solve`](Self::solve).
+    /// As [`solve`](Self::solve), but that `x` may hold an iterate then.
     pub fn solve_coupled(
         &self,
         bodies: Option<&Compliance<'_>>,
@@ -119,8 +119,8 @@ impl<const D: usize> PressureSolver<D> {
         if body.wetted.get().is_none() {
             let first = most.min(body.flows.len().div_ceil(AT_ONCE));
             let system = (rhs, &mut *x);
-            let report =
-                self.solve_system(&coupled, self.preconditioner(), &floats, system, (tolerance, first));
+            let (limits, multigrid) = ((tolerance, first), self.preconditioner());
+            let report = self.solve_system(&coupled, multigrid, &floats, system, limits, Unfinished::Keep);
             let slow =
                 matches!(report, Err(SolveError::NotConverged { iterations, .. }) if iterations == first);
             if !slow || first == most {
@@ -134,9 +134,12 @@ impl<const D: usize> PressureSolver<D> {
             Some(wetted) => {
                 let memory = Mutex::new([(); 2].map(|()| vec![0.0; self.size()]));
                 let schwarz = Schwarz { system: self, multigrid: self.preconditioner(), wetted, memory };
-                self.solve_system(&coupled, &schwarz, &floats, (rhs, x), limits)
+                self.solve_system(&coupled, &schwarz, &floats, (rhs, x), limits, Unfinished::Drop)
             }
-            None => self.solve_system(&coupled, self.preconditioner(), &floats, (rhs, x), limits),
+            None => {
+                let multigrid = self.preconditioner();
+                self.solve_system(&coupled, multigrid, &floats, (rhs, x), limits, Unfinished::Drop)
+            }
         };
         report.map(|report| SolveReport { iterations: report.iterations + done, ..report })
     }

@@ -29,6 +29,15 @@ pub struct PoissonInput<'a, const D: usize> {
     pub dirichlet: &'a CellField<D>,
 }
 
+/// What becomes of the last iterate of a solve that did not reach the tolerance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unfinished {
+    /// The field stays as it was.
+    Drop,
+    /// The field gets it: another solve goes on from there.
+    Keep,
+}
+
 /// A pressure system made ready to be solved.
 ///
 /// Inside, vectors hold the unknowns in an order of their own, with some entries between that are always
@@ -79,8 +88,8 @@ impl<const D: usize> PressureSolver<D> {
     /// isolated cells: see [`PressureSolver`]; the norm is that of the right-hand side as amended there.
     ///
     /// # Errors
-    /// [`SolveError`] when the tolerance was not reached, with the last iterate in `x`, or a number is not finite; `x` is then left
-    /// as it was.
+    /// [`SolveError`] when the tolerance was not reached or a number is not finite; `x` is then left as it
+    /// was.
     pub fn solve(
         &self,
         rhs: &CellField<D>,
@@ -104,7 +113,14 @@ impl<const D: usize> PressureSolver<D> {
         max_iterations: usize,
     ) -> Result<SolveReport, SolveError> {
         let floats: Vec<usize> = (0..self.floating.len()).collect();
-        self.solve_system(self, preconditioner, &floats, (rhs, x), (tolerance, max_iterations))
+        self.solve_system(
+            self,
+            preconditioner,
+            &floats,
+            (rhs, x),
+            (tolerance, max_iterations),
+            Unfinished::Drop,
+        )
     }
 
     /// The same for an operator built upon this one; `floats` are the floating components that float in it too.
@@ -115,6 +131,7 @@ impl<const D: usize> PressureSolver<D> {
         floats: &[usize],
         (rhs, x): (&CellField<D>, &mut CellField<D>),
         limits: (f64, usize),
+        unfinished: Unfinished,
     ) -> Result<SolveReport, SolveError> {
         let mut b = self.take();
         self.gather_into(&rhs.data, &mut b);
@@ -124,7 +141,9 @@ impl<const D: usize> PressureSolver<D> {
         self.project_on(floats, &mut solution);
         let mut work = [(); 3].map(|()| self.take());
         let report = conjugate_gradient_in(operator, preconditioner, &b, &mut solution, limits, &mut work);
-        if matches!(report, Ok(_) | Err(SolveError::NotConverged { .. })) {
+        let iterate =
+            unfinished == Unfinished::Keep && matches!(report, Err(SolveError::NotConverged { .. }));
+        if report.is_ok() || iterate {
             self.project_on(floats, &mut solution);
             self.scatter(&solution, &mut x.data);
         }
