@@ -40,7 +40,7 @@ pub struct Compliance<'a> {
 
 /// Bodies' solves that are done at once for the exact inverse on their cells.
 const TOGETHER: usize = 16;
-/// Bodies' solves done at once that take as long as one by itself.
+/// Bodies' solves done at once that take as long as one by itself: an estimate for supernodal factors, which changes the cost only.
 const AT_ONCE: usize = 4;
 
 /// Degrees of freedom of bodies from which on another thread solves for them while the liquid's part is worked out: to wake one takes

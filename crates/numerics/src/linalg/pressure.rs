@@ -29,7 +29,7 @@ pub struct PoissonInput<'a, const D: usize> {
     pub dirichlet: &'a CellField<D>,
 }
 
-/// What becomes of the last iterate of a solve that did not reach the tolerance.
+/// Whether a solve that did not reach the tolerance returns its last iterate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unfinished {
     /// The field stays as it was.

@@ -73,7 +73,7 @@ impl<const D: usize> Potential<'_, D> {
         self.dashpot(meeting).map_or(0.0, |dashpot| dashpot.coefficient * dashpot.approach(velocities))
     }
 
-    /// What all dashpots take, over `h`, W (2D: W/m).
+    /// The dissipation potential of all dashpots over `h`, W (2D: W/m).
     pub fn damping(&self, velocities: &[Vector<D>], meetings: &[Meeting]) -> f64 {
         let of = |m: &Meeting| {
             self.dashpot(m)
