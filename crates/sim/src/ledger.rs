@@ -37,7 +37,7 @@ pub struct Ledger<const D: usize> {
     pub kinetic_energy: f64,
     /// Tension times the area of the surface, J.
     pub surface_energy: f64,
-    /// Energy in the deformation of solids, J.
+    /// Energy in the deformation of solids, J, at the time of the velocities.
     pub elastic_energy: f64,
     /// The smallest volume (2D: area) of an element of the solids that deform over that at rest, not above zero where one is
     /// turned inside out; none without such solids.
@@ -154,12 +154,16 @@ pub fn own_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     moving_energy(model, state) + elastic_energy(model, state) + model.surface_tension * state.surface_area
 }
 
-/// Energy in the solids' deformation, J.
+/// Energy in the solids' deformation at the time of the velocities, J: with their kinetic energy it is what a step keeps
+/// (`meniscus_elastic::Incremental`).
 fn elastic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     let soft = |(solid, now): (&Solid<D>, &SolidState<D>)| {
-        solid.elastic().zip(now.soft.as_ref()).map_or(0.0, |(e, soft)| e.elastic_energy(&soft.body.positions))
+        let (elastic, soft) = solid.elastic().zip(now.soft.as_ref())?;
+        let mut body = soft.body.clone();
+        elastic.advance_positions(&mut body, state.energy_lead());
+        Some(elastic.elastic_energy(&body.positions))
     };
-    model.solids.iter().zip(&state.solids).map(soft).sum()
+    model.solids.iter().zip(&state.solids).filter_map(soft).sum()
 }
 
 /// [`Ledger::least_element`].

@@ -1,9 +1,9 @@
 //! Solids that deform, as the liquid meets them.
 //!
-//! Their positions go first, then their velocities, as the liquid's do: `A (v' − v) = h f + J` with the forces `f` at the new
-//! positions, what the liquid gives `J`, and `A = M + h D + h²/4 K` and a little more that damps what the step does not resolve
-//! (`meniscus_elastic`). The liquid's pressure is solved for with `A⁻¹` in its system, so that how soft or light a solid is sets
-//! no limit to the step (design, numerics §1).
+//! Their positions go first, then their velocities, as the liquid's do: the new velocities make the incremental potential of
+//! `meniscus_elastic::Incremental` least, together with contacts ([`crate::descent`]). The liquid's pressure is solved for with the
+//! inverse of its second derivatives in its system, so that how soft or light a solid is sets no limit to the step (design,
+//! numerics §1).
 
 use crate::skin::{Grip, Skin};
 use meniscus_elastic::{Elastic, ElasticState};

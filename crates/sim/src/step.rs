@@ -226,9 +226,7 @@ fn push<const D: usize>(
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
     state.clear = if state.last_dt > 0.0 { clear_time(model, &state.solids, dt) } else { GROWTH * dt };
     state.lead += kick - dt;
-    // Before the first step there are no old positions: its forces act about the start.
-    let lead = if state.last_dt > 0.0 { state.lead } else { 0.5 * kick };
-    let times = Times { dt, kick, lead, ahead: state.clear };
+    let times = Times { dt, kick, lead: state.lead, ahead: state.clear };
     let Pressed { solves, given, contacts, iterations } =
         press(model, (state, &before), work, change, (&cut, &mut dragged), times, phase_end)?;
     let stirred = stirred(model, state, &given) + contacts;

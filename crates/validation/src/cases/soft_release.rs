@@ -92,17 +92,14 @@ fn release<const D: usize>(cells: usize, time: f64) -> Result<Vec<Check>, StepEr
     let start = books.elastic_energy;
     let scale = (2.0 * start * (books.target_volume + own(&sim).2)).sqrt();
     let (mut linear, mut turning, mut rise, mut moving) = (0f64, 0f64, 0f64, 0f64);
-    let mut before: Option<f64> = None;
     run_to(&mut sim, time, |sim, report| {
         let (p, l, _) = own(sim);
         let books = &report.ledger;
         linear = linear.max((books.momentum + p).norm() / scale);
         turning = turning.max((Vector::<3>::from(books.angular_momentum) + l).norm() / scale);
         let (moves, stretches) = (books.kinetic_energy, books.elastic_energy);
-        if let Some(before) = before {
-            rise = rise.max((0.5 * (before + moves) + stretches) / start - 1.0);
-        }
-        (before, moving) = (Some(moves), moving.max(moves / start));
+        rise = rise.max((moves + stretches) / start - 1.0);
+        moving = moving.max(moves / start);
     })?;
     let what = |text: &str| format!("{text}, {D}D, {cells} cells a unit");
     Ok(vec![

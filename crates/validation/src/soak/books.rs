@@ -1,6 +1,6 @@
 //! The books of a run: what is compared with the invariants after every step.
 
-use super::Violation;
+use super::{EnergyLaw, EnergySteps, Violation};
 use super::invariants::{ENERGY, MOMENTUM, OVERLAP, SPEED, VOLUME, WITHIN};
 use meniscus_numerics::Vector;
 use meniscus_scene::file::Scene;
@@ -23,7 +23,8 @@ pub struct Books<const D: usize> {
     /// The energies after the last [`WINDOW`] steps, J, and the least mean of so many so far.
     recent: VecDeque<f64>,
     least_energy: f64,
-    kinetic_before: Option<f64>,
+    /// The energy of every step.
+    steps: EnergySteps<D>,
     volume: f64,
     momentum: Vector<D>,
     mass: f64,
@@ -46,14 +47,17 @@ impl<const D: usize> Books<D> {
         let led = model.solids.iter().any(|s| matches!(s.motion, Motion::Given(_)));
         let moved = scene.solids.iter().any(|s| !s.moved.is_empty());
         let lines = scene.contact_line.enabled || model.solids.is_empty();
-        let energy = potential_and_stored(&ledger) + ledger.kinetic_energy;
+        let scale = scale(model, &ledger);
+        let steps = EnergySteps::open(model, scale);
+        let barriers = steps.barriers(model, &simulation.state);
+        let energy = potential_and_stored(&ledger) + ledger.kinetic_energy + barriers;
         let loose = model.solids.iter().all(|s| s.is_unheld());
         Self {
             energy,
-            scale: scale(model, &ledger),
+            scale,
             recent: VecDeque::new(),
             least_energy: f64::INFINITY,
-            kinetic_before: None,
+            steps,
             volume: ledger.volume,
             momentum: momentum(model, &simulation.state.solids, &ledger),
             mass: mass(model, &ledger),
@@ -71,12 +75,17 @@ impl<const D: usize> Books<D> {
         self.scale
     }
 
+    /// How the energy went from step to step; nothing where something does work from outside.
+    pub fn energy_law(&self) -> Option<&EnergyLaw> {
+        self.closed.then(|| self.steps.law())
+    }
+
     /// What the step that led to this state broke.
     pub fn check(&mut self, simulation: &Simulation<D>, report: &StepReport<D>) -> Vec<Violation> {
         let (model, state, ledger) = (&simulation.model, &simulation.state, &report.ledger);
         let mut found = Found { step: state.step, time: state.time, all: Vec::new() };
         found.at_most("not-finite", not_finite(ledger) as f64, 0.0, "sums over the liquid");
-        self.check_energy(&mut found, state, ledger);
+        self.check_energy(&mut found, simulation, ledger);
         self.check_momentum(&mut found, simulation, ledger);
         found.at_most(
             "volume-before",
@@ -108,19 +117,17 @@ impl<const D: usize> Books<D> {
         found.all
     }
 
-    /// The velocity is half a step ahead of the positions: the kinetic energy at their time is the mean of that before and
-    /// after, to second order. (That of the ledger alone grows in free fall by `ρ V g v h/2`, which is no energy.) Where a
-    /// solid goes as it is told it does work that steps do not report: there the energy is left out. What has left through open
-    /// sides counts.
+    /// The energy is that at the time of the velocities ([`EnergySteps`]), where that of solids is kept: where a step does not resolve a
+    /// vibration, the elastic energy at the positions is above the vibration's. Where a solid goes as it is told it does work that
+    /// steps do not report: there the energy is left out. What has left through open sides counts.
     ///
     /// What steps of many capillary limits keep is a neighbour of the energy, which itself swings about that from step to step
     /// by `(ω h)²` of what the fastest waves have. So it is a mean over some steps that must not rise again.
-    fn check_energy(&mut self, found: &mut Found, state: &State<D>, ledger: &Ledger<D>) {
-        let kinetic = ledger.kinetic_energy + state.outflow_kinetic_energy;
-        let before = self.kinetic_before.replace(kinetic);
-        let Some(before) = before.filter(|_| self.closed) else { return };
-        let stored = potential_and_stored(ledger) + state.outflow_stored_energy;
-        let energy = stored + 0.5 * (before + kinetic);
+    fn check_energy(&mut self, found: &mut Found, simulation: &Simulation<D>, ledger: &Ledger<D>) {
+        let state = &simulation.state;
+        let inside = if self.closed { self.steps.note(simulation, ledger) } else { None };
+        let Some(inside) = inside else { return };
+        let energy = inside + state.outflow_stored_energy + state.outflow_kinetic_energy;
         found.at_most("energy", (energy - self.energy) / self.scale, ENERGY, "of its scale, over the start");
         self.recent.push_back(energy);
         if self.recent.len() > WINDOW {

@@ -14,7 +14,7 @@
 
 use super::EnergyLaw;
 use super::invariants::ENERGY_STEP;
-use meniscus_sim::{Barriers, Ledger, Model, Simulation, Solid, SolidState, solids_after};
+use meniscus_sim::{Barriers, Ledger, Model, Simulation, Solid, SolidState, State, solids_after};
 
 /// Kinds of energy, in the order of [`EnergyLaw::terms`].
 pub const TERMS: [&str; 5] = ["kinetic", "elastic", "barrier", "surface", "potential"];
@@ -48,20 +48,21 @@ impl<const D: usize> EnergySteps<D> {
         Self { barriers: Barriers::of(model), scale, start: None, before: None, law: EnergyLaw::default() }
     }
 
-    /// Takes a step to the books.
-    pub fn note(&mut self, simulation: &Simulation<D>, ledger: &Ledger<D>) {
+    /// Takes a step to the books; gives back the energy within the step, J, from the second step on.
+    pub fn note(&mut self, simulation: &Simulation<D>, ledger: &Ledger<D>) -> Option<f64> {
         let (model, state) = (&simulation.model, &simulation.state);
-        let (solids, slips) = solids_after(model, state, state.lead);
+        let lead = state.energy_lead();
+        let (solids, slips) = solids_after(model, state, lead);
         let now = Start {
             time: state.time,
-            lead: state.lead,
+            lead,
             kinetic: ledger.kinetic_energy,
             surface: ledger.surface_energy,
             potential: ledger.potential_energy,
             elastic: elastic(model, &solids),
             barrier: self.barriers.energy(model, &solids, &slips),
         };
-        let Some(start) = self.start.replace(now) else { return };
+        let start = self.start.replace(now)?;
         let part = start.lead / (state.time - start.time);
         let energies = [
             start.kinetic,
@@ -71,7 +72,8 @@ impl<const D: usize> EnergySteps<D> {
             start.surface + part.min(1.0) * (ledger.surface_energy - start.surface),
             start.potential + part * (ledger.potential_energy - start.potential),
         ];
-        let Some(before) = self.before.replace(energies) else { return };
+        let total = energies.iter().sum();
+        let Some(before) = self.before.replace(energies) else { return Some(total) };
         let terms: [f64; 5] = std::array::from_fn(|k| (energies[k] - before[k]) / self.scale);
         let rise: f64 = terms.iter().sum();
         self.law.steps += 1;
@@ -84,6 +86,12 @@ impl<const D: usize> EnergySteps<D> {
             // The energy is that within the step that ended here.
             (self.law.step, self.law.time) = (state.step, state.time);
         }
+        Some(total)
+    }
+
+    /// The energy of barriers and of friction's elastic slips where solids are, J.
+    pub fn barriers(&self, model: &Model<D>, state: &State<D>) -> f64 {
+        self.barriers.energy(model, &state.solids, &state.slips)
     }
 
     /// Begins anew with the next step: what goes on until then is not compared.

@@ -1,7 +1,6 @@
 //! Runs a case: step by step as `meniscus run` does, under the invariants, and guarded by a second thread that ends what hangs.
 
 use super::books::Books;
-use super::energy::EnergySteps;
 use super::invariants::{BUDGET, DROP_BUDGET, DROP_STEPS, ENERGY_STEP, HANG, MEMORY, PAIR, SLOW, STEPS};
 use super::refuse::{Taken, taken};
 use super::repeat::{Waypoint, repeat};
@@ -134,7 +133,6 @@ fn go<const D: usize>(
         case: case.clone(),
         times: Vec::new(),
         points: Vec::new(),
-        energy: None,
     };
     let done = catch_unwind(AssertUnwindSafe(|| worker.work(setup, wanted)));
     let mut record = lock(&record);
@@ -210,7 +208,6 @@ struct Worker<const D: usize> {
     case: Arc<Case>,
     times: Vec<f64>,
     points: Vec<Waypoint<D>>,
-    energy: Option<EnergySteps<D>>,
 }
 
 impl<const D: usize> Worker<D> {
@@ -219,9 +216,6 @@ impl<const D: usize> Worker<D> {
         lock(&self.record).began = Some(clock::seconds());
         let mut walk = Walk::start(setup, &case.scene);
         let mut books = Books::open(&walk.simulation, &case.scene);
-        if case.set == Set::Drops {
-            self.energy = Some(EnergySteps::open(&setup.model, books.scale()));
-        }
         let mut tally = Tally::start(&setup.model, &walk.simulation.ledger());
         while !walk.is_over() && self.goes_on() {
             tally.next_frame = walk.frame;
@@ -275,9 +269,8 @@ impl<const D: usize> Worker<D> {
         let state = &walk.simulation.state;
         tally.add(&walk.simulation.model, state.time, &report);
         let found = books.check(&walk.simulation, &report);
-        if let Some(energy) = &mut self.energy {
-            energy.note(&walk.simulation, &report.ledger);
-            record.outcome.energy_law = Some(energy.law().clone());
+        if self.case.set == Set::Drops {
+            record.outcome.energy_law = books.energy_law().cloned();
         }
         let sound = found.iter().all(|v| v.kind != "not-finite");
         (record.outcome.steps, record.outcome.time) = (state.step, state.time);
