@@ -103,6 +103,7 @@ impl<const D: usize> Simulation<D> {
             *value = distance.max(model.beyond_open(&x)).clamp(-limit, limit);
         });
         let mut simulation = Self::resume(model, state);
+        simulation.bound_distance();
         simulation.forget_sides();
         simulation.start_velocity(bodies);
         simulation
@@ -120,16 +121,19 @@ impl<const D: usize> Simulation<D> {
         Self { model, state, work }
     }
 
+    /// Gives φ its bound beyond the band, as every step does.
+    fn bound_distance(&mut self) {
+        let (work, limit) = (&self.work, BAND * self.model.grid.dx);
+        let deep =
+            self.state.phi.data.par_iter_mut().enumerate().filter(|(c, _)| work.band.slot(*c).is_none());
+        deep.for_each(|(_, value)| *value = limit.copysign(*value));
+    }
+
     /// Makes φ the distance to the surface where sides wet: a body may end at a side, and there no surface is.
     fn forget_sides(&mut self) {
         if self.model.wetting_walls().is_none() {
             return;
         }
-        let limit = BAND * self.model.grid.dx;
-        let work = &self.work;
-        let deep =
-            self.state.phi.data.par_iter_mut().enumerate().filter(|(c, _)| work.band.slot(*c).is_none());
-        deep.for_each(|(_, value)| *value = limit.copysign(*value));
         self.state.drift = f64::INFINITY;
         keep_distance(&self.model, &mut self.state, &self.work);
     }
@@ -163,6 +167,17 @@ impl<const D: usize> Simulation<D> {
     fn open(&mut self) {
         self.work.extend_afresh(&self.model, &mut self.state);
         open_books(&self.model, &mut self.state, &self.work);
+    }
+
+    /// Takes a step and undoes it, as one that fails is undone: for tests of that.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::step`].
+    pub fn try_step(&mut self, max_dt: f64) -> Result<StepReport<D>, StepError> {
+        let snapshot = Snapshot::take(&self.model, &self.state, &mut self.work);
+        let report = self.step(max_dt, &mut |_| {});
+        snapshot.restore(&self.model, &mut self.state, &mut self.work);
+        report
     }
 
     /// Goes one time step on, at most `max_dt` (s) long: the step ends early where stability or accuracy ask for it,

@@ -28,16 +28,6 @@ pub trait Conserving<const D: usize>: Density<D> {
     fn pressure_between(&self, lame: Lame, thetas: [f64; 2]) -> f64;
 }
 
-/// `x` below which `ln (1 + x)/x` is summed: 1e-16 of it are left out.
-const SMALL: f64 = 1e-4;
-
-/// `(ln b − ln a)/(b − a)` of positive numbers.
-pub fn log_slope([a, b]: [f64; 2]) -> f64 {
-    let x = (b - a) / a;
-    let per = if x.abs() < SMALL { 1.0 - x * (0.5 - x * (1.0 / 3.0 - x * 0.25)) } else { x.ln_1p() / x };
-    per / a
-}
-
 /// `G` of the determinant: `det C₁ − det C₀` is the mean of the cofactors of `C₀`, `C₁` and, four times, of their mean, times `ΔC`
 /// (Simpson's rule, exact for cubic functions).
 pub fn determinant_slope<const D: usize>(ends: [&Matrix<D>; 2]) -> Matrix<D> {

@@ -128,12 +128,8 @@ fn go<const D: usize>(
     let record = Arc::new(Mutex::new(record));
     let watched = (record.clone(), case.clone());
     std::thread::spawn(move || guard(&watched.0, &watched.1, hung));
-    let mut worker = Worker {
-        record: record.clone(),
-        case: case.clone(),
-        times: Vec::new(),
-        points: Vec::new(),
-    };
+    let mut worker =
+        Worker { record: record.clone(), case: case.clone(), times: Vec::new(), points: Vec::new() };
     let done = catch_unwind(AssertUnwindSafe(|| worker.work(setup, wanted)));
     let mut record = lock(&record);
     record.began = None;
@@ -202,6 +198,12 @@ impl<const D: usize> Record<D> {
     }
 }
 
+/// Begins the peak of memory anew: scenes that were drawn and refused may have taken more. Only Linux can; elsewhere the peak of the
+/// whole process counts.
+fn forget_peak_memory() {
+    let _ = std::fs::write("/proc/self/clear_refs", "5");
+}
+
 /// Steps, and takes their times.
 struct Worker<const D: usize> {
     record: Arc<Mutex<Record<D>>>,
@@ -213,6 +215,7 @@ struct Worker<const D: usize> {
 impl<const D: usize> Worker<D> {
     fn work(&mut self, setup: &Setup<D>, wanted: Option<&'static str>) {
         let case = self.case.clone();
+        forget_peak_memory();
         lock(&self.record).began = Some(clock::seconds());
         let mut walk = Walk::start(setup, &case.scene);
         let mut books = Books::open(&walk.simulation, &case.scene);
