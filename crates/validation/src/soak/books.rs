@@ -124,10 +124,8 @@ impl<const D: usize> Books<D> {
     /// What steps of many capillary limits keep is a neighbour of the energy, which itself swings about that from step to step
     /// by `(ω h)²` of what the fastest waves have. So it is a mean over some steps that must not rise again.
     fn check_energy(&mut self, found: &mut Found, simulation: &Simulation<D>, ledger: &Ledger<D>) {
-        let state = &simulation.state;
-        let inside = if self.closed { self.steps.note(simulation, ledger) } else { None };
-        let Some(inside) = inside else { return };
-        let energy = inside + state.outflow_stored_energy + state.outflow_kinetic_energy;
+        let energy = if self.closed { self.steps.note(simulation, ledger) } else { None };
+        let Some(energy) = energy else { return };
         found.at_most("energy", (energy - self.energy) / self.scale, ENERGY, "of its scale, over the start");
         self.recent.push_back(energy);
         if self.recent.len() > WINDOW {

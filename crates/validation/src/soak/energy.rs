@@ -52,13 +52,15 @@ impl<const D: usize> EnergySteps<D> {
     pub fn note(&mut self, simulation: &Simulation<D>, ledger: &Ledger<D>) -> Option<f64> {
         let (model, state) = (&simulation.model, &simulation.state);
         let lead = state.energy_lead();
+        // What has left through open sides counts.
+        let potential = ledger.potential_energy + state.outflow_stored_energy;
         let (solids, slips) = solids_after(model, state, lead);
         let now = Start {
             time: state.time,
             lead,
-            kinetic: ledger.kinetic_energy,
+            kinetic: ledger.kinetic_energy + state.outflow_kinetic_energy,
             surface: ledger.surface_energy,
-            potential: ledger.potential_energy,
+            potential,
             elastic: elastic(model, &solids),
             barrier: self.barriers.energy(model, &solids, &slips),
         };
@@ -70,7 +72,7 @@ impl<const D: usize> EnergySteps<D> {
             start.barrier,
             // Beyond the end of a step that is shorter than the lead nothing is known of the surface.
             start.surface + part.min(1.0) * (ledger.surface_energy - start.surface),
-            start.potential + part * (ledger.potential_energy - start.potential),
+            start.potential + part * (potential - start.potential),
         ];
         let total = energies.iter().sum();
         let Some(before) = self.before.replace(energies) else { return Some(total) };
