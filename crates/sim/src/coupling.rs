@@ -338,7 +338,7 @@ mod tests {
         solids: &[SolidState<D>],
         points: &Points<D>,
     ) -> Option<Response<D>> {
-        let times = Times { dt: 1.0, kick: 1.0, lead: 1e-9, ahead: 1e-9 };
+        let times = Times { dt: 1.0, kick: 1.0, lead: 1e-9, ahead: 1e-9, first: false };
         let starts: Vec<Option<Start<D>>> = model.solids.iter().map(|_| None).collect();
         let slips = crate::Slips::new();
         let velocities = &points.velocities(model, solids);

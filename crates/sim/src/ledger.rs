@@ -160,7 +160,7 @@ fn elastic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     let soft = |(solid, now): (&Solid<D>, &SolidState<D>)| {
         let (elastic, soft) = solid.elastic().zip(now.soft.as_ref())?;
         let mut body = soft.body.clone();
-        elastic.advance_positions(&mut body, state.energy_lead());
+        elastic.advance_positions(&mut body, state.lead);
         Some(elastic.elastic_energy(&body.positions))
     };
     model.solids.iter().zip(&state.solids).filter_map(soft).sum()

@@ -85,12 +85,6 @@ impl<const D: usize> State<D> {
         self.outflow_stored_energy -= mass * gravity.dot(&drop.centroid);
     }
 
-    /// How long after the positions the energy of solids is taken, s: at the time of the velocities, but no later than the next step can
-    /// end, beyond which elements may turn inside out on the straight way.
-    pub fn energy_lead(&self) -> f64 {
-        self.lead.min(self.clear)
-    }
-
     /// Energy that has left through open sides, J (2D: J per metre).
     pub fn outflow_energy(&self) -> f64 {
         self.outflow_kinetic_energy + self.outflow_stored_energy

@@ -53,6 +53,8 @@ pub struct Times {
     pub lead: f64,
     /// Bound of the coming step.
     pub ahead: f64,
+    /// Whether its forces are the first.
+    pub first: bool,
 }
 
 /// What a step found out.
@@ -226,7 +228,10 @@ fn push<const D: usize>(
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
     state.clear = if state.last_dt > 0.0 { clear_time(model, &state.solids, dt) } else { GROWTH * dt };
     state.lead += kick - dt;
-    let times = Times { dt, kick, lead: state.lead, ahead: state.clear };
+    // Before the first step there are no old positions: its forces act about the start.
+    let first = state.last_dt == 0.0;
+    let lead = if first { 0.5 * kick } else { state.lead };
+    let times = Times { dt, kick, lead, ahead: state.clear, first };
     let Pressed { solves, given, contacts, iterations } =
         press(model, (state, &before), work, change, (&cut, &mut dragged), times, phase_end)?;
     let stirred = stirred(model, state, &given) + contacts;

@@ -133,6 +133,9 @@ impl<'a, const D: usize> Descent<'a, D> {
         let part = |k: usize| match (&model.solids[k].motion, &starts[k], &before[k].soft) {
             (Motion::Soft(elastic), Some(start), Some(soft)) => {
                 let elastic: &'a Elastic<D> = elastic;
+                // At the start the velocities of a solid need not agree with what holds it. About the start they would be reversed where
+                // they do not, at no loss; from there they come to rest.
+                let apart = times.first && elastic.held().contains(&true);
                 Part::Soft(Incremental {
                     elastic,
                     state: &soft.body,
@@ -141,7 +144,7 @@ impl<'a, const D: usize> Descent<'a, D> {
                     extra: &start.extra,
                     impulses: &start.impulses,
                     step: times.kick,
-                    lead: times.lead,
+                    lead: if apart { times.kick } else { times.lead },
                     ahead: times.ahead,
                 })
             }

@@ -51,13 +51,12 @@ impl<const D: usize> EnergySteps<D> {
     /// Takes a step to the books; gives back the energy within the step, J, from the second step on.
     pub fn note(&mut self, simulation: &Simulation<D>, ledger: &Ledger<D>) -> Option<f64> {
         let (model, state) = (&simulation.model, &simulation.state);
-        let lead = state.energy_lead();
         // What has left through open sides counts.
         let potential = ledger.potential_energy + state.outflow_stored_energy;
-        let (solids, slips) = solids_after(model, state, lead);
+        let (solids, slips) = solids_after(model, state, state.lead);
         let now = Start {
             time: state.time,
-            lead,
+            lead: state.lead,
             kinetic: ledger.kinetic_energy + state.outflow_kinetic_energy,
             surface: ledger.surface_energy,
             potential,
@@ -74,7 +73,12 @@ impl<const D: usize> EnergySteps<D> {
             start.surface + part.min(1.0) * (ledger.surface_energy - start.surface),
             start.potential + part * (potential - start.potential),
         ];
-        let total = energies.iter().sum();
+        let total: f64 = energies.iter().sum();
+        if !total.is_finite() {
+            // The step was shorter than the lead: beyond its end solids need not be apart and upright.
+            self.before = None;
+            return None;
+        }
         let Some(before) = self.before.replace(energies) else { return Some(total) };
         let terms: [f64; 5] = std::array::from_fn(|k| (energies[k] - before[k]) / self.scale);
         let rise: f64 = terms.iter().sum();
