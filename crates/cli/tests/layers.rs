@@ -202,7 +202,7 @@ fn tree<'a>(text: &'a str, prefix: &mut Names, all: &mut Vec<Names>) -> &'a str 
     }
 }
 
-/// What a module re-exports, each name with the path from the crate's root.
+/// The names that a module re-exports, each with its path from the crate's root.
 fn exports(module: &Names, text: &str) -> BTreeMap<String, Names> {
     let mut exports = BTreeMap::new();
     for statement in text.split(';') {

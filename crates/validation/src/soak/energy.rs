@@ -51,7 +51,7 @@ impl<const D: usize> EnergySteps<D> {
     /// Takes a step to the books; gives back the energy within the step, J, from the second step on.
     pub fn note(&mut self, simulation: &Simulation<D>, ledger: &Ledger<D>) -> Option<f64> {
         let (model, state) = (&simulation.model, &simulation.state);
-        // What has left through open sides counts.
+        // Energy of liquid that has left through open sides is part of the sum.
         let potential = ledger.potential_energy + state.outflow_stored_energy;
         let (solids, slips) = solids_after(model, state, state.lead);
         let now = Start {
