@@ -7,8 +7,8 @@ use crate::term::continuum::Continuum;
 use crate::term::crushed::Crushed;
 use crate::term::points::mean_square_edge;
 use crate::{
-    Anchor, ConservingTerm, Corotated, Description, ElasticError, ElasticState, ForceTerm, Integrator, Lame,
-    Law, Motion, NeoHookean, Order, Springs, settled_modes,
+    Anchor, ConservingTerm, Corotated, Description, ElasticError, ElasticState, ForceTerm, Lame, Law, Motion,
+    NeoHookean, Order, Springs, settled_modes,
 };
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
@@ -29,7 +29,6 @@ pub struct Elastic<const D: usize> {
     pub(crate) rest: VolumeMesh<D>,
     pub(crate) masses: Vec<f64>,
     pub(crate) terms: Vec<Box<dyn ConservingTerm<D>>>,
-    pub(crate) integrator: Integrator,
     pub(crate) anchors: Vec<Anchor<D>>,
     pub(crate) held: Vec<bool>,
     pub(crate) damping_time: f64,
@@ -57,11 +56,9 @@ impl<const D: usize> Elastic<D> {
         description: Description<D>,
         more: Vec<Box<dyn ConservingTerm<D>>>,
     ) -> Result<Self, ElasticError> {
-        let Description { mesh, density, law, damping_ratio, anchors, integrator } = description;
+        let Description { mesh, density, law, damping_ratio, anchors } = description;
         material("the density", density, density > 0.0, "more than 0 kg/m³")?;
         material("the damping ratio", damping_ratio, damping_ratio >= 0.0, "0 (none) or more")?;
-        let share = integrator.dissipation;
-        material("the integrator's dissipation", share, (0.0..=1.0).contains(&share), "from 0 to 1")?;
         law.check()?;
         let masses = masses(&mesh, density)?;
         let held = held(&mesh, &anchors)?;
@@ -76,7 +73,6 @@ impl<const D: usize> Elastic<D> {
             rest: mesh,
             masses,
             terms,
-            integrator,
             anchors,
             held,
             damping_time: 0.0,
@@ -115,11 +111,6 @@ impl<const D: usize> Elastic<D> {
     /// Young's modulus, Pa; of springs their stiffness over the longest edge (in 2D their stiffness).
     pub fn young(&self) -> f64 {
         self.young
-    }
-
-    /// How velocities follow forces.
-    pub fn integrator(&self) -> Integrator {
-        self.integrator
     }
 
     /// Entries of a factor of the solid's matrix: twice as many multiplications make a solve. Without factors the entries that

@@ -1,7 +1,6 @@
 //! What a deformable solid is told to be.
 
 use crate::ElasticError;
-use crate::step::Integrator;
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::mesh::volume::Order;
@@ -20,8 +19,6 @@ pub struct Description<const D: usize> {
     pub damping_ratio: f64,
     /// Vertices that are held.
     pub anchors: Vec<Anchor<D>>,
-    /// How velocities follow forces.
-    pub integrator: Integrator,
 }
 
 /// What makes a solid elastic.

@@ -136,6 +136,16 @@ pub enum ElasticError {
         /// Its length, s.
         step: f64,
     },
+    /// Newton's method that did not end.
+    #[error(
+        "the velocities of a step of {step:e} s did not converge in {iterations} iterations; take shorter steps"
+    )]
+    Unsettled {
+        /// Newton's iterations.
+        iterations: usize,
+        /// Length of the step, s.
+        step: f64,
+    },
     /// Extra stiffness between vertices that are no neighbours.
     #[error("extra stiffness between vertices {first} and {second}, which share no element")]
     NotNeighbours {

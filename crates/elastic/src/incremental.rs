@@ -96,6 +96,13 @@ impl<const D: usize> Incremental<'_, D> {
             + h / self.ahead * upright
     }
 
+    /// The size of the energies of which it is the sum, J (2D: J/m).
+    pub fn size(&self, velocities: &[Vector<D>]) -> f64 {
+        let kinetic = |velocities: &[Vector<D>]| self.elastic.kinetic_energy(velocities);
+        let stored = self.elastic.elastic_energy(&self.half_way(velocities));
+        kinetic(velocities) + kinetic(&self.state.velocities) + 2.0 * self.step / self.lead * stored
+    }
+
     /// Its gradient by the velocities, N s (2D: N s/m).
     pub fn gradient(&self, velocities: &[Vector<D>]) -> Vec<Vector<D>> {
         let (h, w) = (self.step, self.change(velocities));

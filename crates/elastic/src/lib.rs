@@ -6,16 +6,11 @@
 //!
 //! # One step
 //!
-//! The simulator is a leapfrog: positions first, `x ← x + h v`, then velocities from the forces at the new positions,
-//!
-//! ```text
-//! A (v' − v) = h (f(x) − D v + g),        A = M + h D + h²/4 K,
-//! ```
-//!
-//! with the lumped masses `M`, the damping `D`, the positive part `K` of the stiffness, and external forces `g`: a mode of
-//! any frequency neither grows nor decays for any `h`. A little dissipation ([`Integrator`]) is added where strains are
-//! large. [`System`] is the factorised `A` (of the largest meshes conjugate gradients); a liquid's pressure solve applies
-//! `A⁻¹` once per iteration.
+//! Positions first, `x ← x + h v`; then the velocities at the end of the step, half a step ahead of the positions, make an incremental
+//! potential least ([`Incremental`]), by Newton's method. Its forces do the work by which the elastic energy changes, so that energy and
+//! both momenta are kept for any step (J. Simo & N. Tarnow 1992). About rest a mode of any frequency neither grows nor decays. The
+//! matrices are factorised, those of the largest meshes solved by conjugate gradients. A solid by itself takes such steps by
+//! [`Elastic::step`]; the simulator adds the potentials of contacts and the liquid's pressure.
 //!
 //! # Elements
 //!
@@ -42,7 +37,7 @@ pub use linalg::{Assembly, BlockMatrix, Cliques, Reach, Solution, Structure};
 pub use meniscus_numerics::mesh::volume::Order;
 pub use modes::{Mode, lowest_modes, settled_modes};
 pub use state::ElasticState;
-pub use step::{Integrator, Linearisation, StiffnessBlock, System};
+pub use step::{HALVINGS, ITERATIONS, KEEP, StiffnessBlock};
 pub use term::continuum::Continuum;
 pub use term::corotated::Corotated;
 pub use term::crushed::{CRUSHED, Crushed};

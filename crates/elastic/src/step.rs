@@ -1,54 +1,31 @@
-//! A step: positions first, then velocities from the forces at the new positions, with a matrix.
+//! The step of a solid by itself, and its linear statics.
 //!
 //! ```text
-//! x ← x + h v
-//! A (v' − v) = h (f(x) + g − D v − θ h K̂ u),    A = M + h D + h²/4 K + (θ/2 + θ²/4) h² K̂,    u = v − A⁻¹ M v
+//! x ← x + h v,    v' makes the potential of the step least ([`Incremental`]),    K u = f
 //! ```
 //!
-//! `K` is the positive part of the stiffness, `K̂` that against rates of strain only, which a rigid motion does not feel
-//! ([`Weights`]), `D = τ K̂` the damping, and `u` the fast part of the motion. About rest `K = K̂`, and a mode of
-//! frequency `ω` without damping has, for `z = h² ω²`, `c = (1 + θ)²/4` and `s = c z/(1 + c z)`, the amplification's
-//! determinant `1 − θ s z/(1 + c z)` and trace `2 − (1 + θ s) z/(1 + c z)`. That is stable for every `h` and `θ ≤ 1`.
-//!
-//! With `θ = 0` it is neutral: symplectic Euler of the frequency `ω̃² = ω²/(1 + z/4)`, the implicit midpoint rule in other
-//! variables, of which a step is one Newton iteration. Otherwise modes that the step does not resolve are damped, both
-//! eigenvalues tending to `−(1 − θ)/(1 + θ)` for `h ω → ∞` as in the generalised-α method (Chung & Hulbert 1993), while slow
-//! ones lose but the fraction `θ c (h ω)³/2` of the critical damping. It takes another solve. Because the dissipation is in
-//! rates of strain, bodies that nothing holds keep their angular momentum.
+//! The first is the simulator's step without liquid and contacts: positions first, then velocities half a step ahead of them. Newton's
+//! method, whose line search ends before an element is turned inside out at the end of the coming step (as in M. Li et al.,
+//! "Incremental Potential Contact", 2020). The second is the limit of small forces at rest.
 
-use crate::linalg::{Inverse, Reach, TOLERANCE};
+use crate::linalg::TOLERANCE;
 use crate::term::Weights;
-use crate::{BlockMatrix, Elastic, ElasticError, ElasticState};
+use crate::{BlockMatrix, Elastic, ElasticError, ElasticState, Incremental};
 use meniscus_numerics::{Matrix, Vector};
 
-/// Change of the velocities, relative to the first, below which Newton's iterations end.
-const CONVERGED: f64 = 1e-10;
-
-/// How velocities follow forces.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Integrator {
-    /// How strongly modes are damped that the step does not resolve, `θ`: 0 not at all, 1 at once.
-    pub dissipation: f64,
-    /// Newton iterations of [`Elastic::step`] after the linear step; 0 for none. Three or four keep the angular momentum to
-    /// rounding; they let no longer steps be taken.
-    pub iterations: u32,
-}
-
-/// Little dissipation that is enough for violent swings of thin beams with `h ω ≤ 100` (`tests/energy.rs`).
-impl Default for Integrator {
-    fn default() -> Self {
-        Self { dissipation: 0.3, iterations: 0 }
-    }
-}
-
-impl Integrator {
-    /// The weights of a step's matrix, for a damping time, s.
-    pub(crate) fn weights(&self, step: f64, damping_time: f64) -> Weights {
-        let theta = self.dissipation;
-        let viscosity = step * damping_time + (0.5 + 0.25 * theta) * theta * step * step;
-        Weights { stiffness: 0.25 * step * step, positive: true, viscosity }
-    }
-}
+/// Most of Newton's iterations in a step.
+pub const ITERATIONS: usize = 60;
+/// Part of its distance that a pair keeps in an iteration, and of its volume an element: IPC's 0.2, its line search's safety.
+pub const KEEP: f64 = 0.2;
+/// Most halvings of an iteration's change in the line search.
+pub const HALVINGS: usize = 30;
+/// Fall of the potential that Newton's method predicts, over the size of its terms, below which it has converged: the change is then 1e-9
+/// of the velocities.
+const CONVERGED: f64 = 1e-18;
+/// Way of a vertex in a step, over the size of the body, to which rounding in the elastic forces leaves its place open.
+const ROUNDING: f64 = 1e-12;
+/// Fall, over the size of the terms, that is lost in the rounding of the potential.
+const VISIBLE: f64 = 1e-11;
 
 /// Stiffness that other forces add, N/m (2D: N/m²): minus the derivative of the force on `first` by the position of
 /// `second`. For two different vertices the transpose counts for the exchanged pair by itself.
@@ -60,71 +37,6 @@ pub struct StiffnessBlock<const D: usize> {
     pub second: u32,
     /// The block; symmetric if the vertices are the same. All blocks together must be positive semidefinite.
     pub block: Matrix<D>,
-}
-
-/// What a step of a solid starts from.
-#[derive(Clone, Copy, Debug)]
-pub struct Linearisation<'a, const D: usize> {
-    /// Positions that have advanced, and velocities that have not.
-    pub state: &'a ElasticState<D>,
-    /// The part of these that the step does not resolve ([`Elastic::fast`]), m/s.
-    pub fast: &'a [Vector<D>],
-    /// Stiffness of other forces.
-    pub extra: &'a [StiffnessBlock<D>],
-    /// Length of the step, s.
-    pub step: f64,
-}
-
-/// The matrix `A` of a step, and its inverse.
-#[derive(Clone, Debug)]
-pub struct System<const D: usize> {
-    matrix: BlockMatrix<D>,
-    inverse: Inverse<D>,
-    step: f64,
-}
-
-impl<const D: usize> System<D> {
-    /// `b ← A⁻¹ b`, where `b` has the components of all vertices in turn. What belongs to held vertices becomes 0, as
-    /// nothing that pulls at them moves them.
-    ///
-    /// Costs two multiplications for every entry of the factor, if it has one ([`Elastic::is_factorised`]).
-    pub fn solve(&self, b: &mut [f64]) {
-        self.inverse.solve(None, b, 1);
-    }
-
-    /// The same for `count` right-hand sides one after another, which costs less than so many solves.
-    pub fn solve_many(&self, b: &mut [f64], count: usize) {
-        self.inverse.solve(None, b, count);
-    }
-
-    /// What right-hand sides that act on some vertices only need for the solution at these: less the fewer and the nearer to each
-    /// other they are.
-    pub fn reach(&self, vertices: impl Iterator<Item = u32>) -> Reach {
-        self.inverse.reach(vertices)
-    }
-
-    /// `b ← A⁻¹ b` at the vertices of a reach, for `count` right-hand sides one after another that are 0 at all others; what they
-    /// become there is not told.
-    pub fn solve_within(&self, reach: &Reach, b: &mut [f64], count: usize) {
-        self.inverse.solve(Some(reach), b, count);
-    }
-
-    /// The same of vectors.
-    pub fn solve_vectors(&self, b: &mut [Vector<D>]) {
-        let mut flat: Vec<f64> = b.iter().flat_map(|v| v.iter().copied()).collect();
-        self.solve(&mut flat);
-        b.iter_mut().zip(flat.chunks_exact(D)).for_each(|(b, x)| b.copy_from_slice(x));
-    }
-
-    /// The matrix `A`, rows and columns of held vertices included.
-    pub fn matrix(&self) -> &BlockMatrix<D> {
-        &self.matrix
-    }
-
-    /// The length `h` of the step, s.
-    pub fn step(&self) -> f64 {
-        self.step
-    }
 }
 
 /// Adds the impulses, N s, of other forces' stiffness in a step of `h` s that changes the velocities by `w`.
@@ -151,105 +63,31 @@ impl<const D: usize> Elastic<D> {
         self.place_held(state);
     }
 
-    /// The matrix of a step of `step` s at a state's positions, with extra stiffness.
+    /// Displacements from rest, m, under small forces, N (2D: N/m), with the stiffness of other forces.
     ///
     /// # Errors
-    /// [`ElasticError::NotNeighbours`] and [`ElasticError::NotDefinite`].
-    pub fn system(
+    /// [`ElasticError::NotNeighbours`]; [`ElasticError::NotDefinite`] where the body can move without strain.
+    pub fn small_displacements(
         &self,
-        positions: &[Vector<D>],
-        step: f64,
+        forces: &[Vector<D>],
         extra: &[StiffnessBlock<D>],
-    ) -> Result<System<D>, ElasticError> {
-        let strange = |block: &&StiffnessBlock<D>| {
-            let (i, j) = (block.first.max(block.second), block.first.min(block.second));
-            self.pattern.slot(i, j).is_none()
-        };
-        if let Some(StiffnessBlock { first, second, .. }) = extra.iter().find(strange) {
-            return Err(ElasticError::NotNeighbours { first: *first, second: *second });
+    ) -> Result<Vec<Vector<D>>, ElasticError> {
+        let mut stiffness =
+            self.tangent(&self.rest.positions, Weights { stiffness: 1.0, positive: true, viscosity: 0.0 });
+        for StiffnessBlock { first, second, block } in extra {
+            if !stiffness.add(*first, *second, block) {
+                return Err(ElasticError::NotNeighbours { first: *first, second: *second });
+            }
         }
-        let Some(matrix) = self.matrix(positions, step, extra) else {
-            return Err(ElasticError::NotDefinite { step });
-        };
-        let inverse = self.solver.invert(&matrix, &self.held, TOLERANCE);
-        inverse.map(|inverse| System { matrix, inverse, step }).ok_or(ElasticError::NotDefinite { step })
-    }
-
-    /// The matrix `A` itself; nothing where the extra stiffness is between vertices that share no element.
-    pub(crate) fn matrix(
-        &self,
-        positions: &[Vector<D>],
-        step: f64,
-        extra: &[StiffnessBlock<D>],
-    ) -> Option<BlockMatrix<D>> {
-        let weights = self.integrator.weights(step, self.damping_time);
-        let mut matrix = self.tangent(positions, weights);
-        self.masses.iter().enumerate().for_each(|(v, m)| matrix.add_diagonal(v, *m));
-        let mut put = |e: &StiffnessBlock<D>| matrix.add(e.first, e.second, &(e.block * weights.stiffness));
-        extra.iter().all(&mut put).then_some(matrix)
-    }
-
-    /// The right-hand side of `A (v' − v) = b` at a state whose positions have advanced, N s (2D: N s/m), with external
-    /// forces, N (2D: N/m). The change that the held vertices' motion asks for is in it.
-    pub fn right_side(
-        &self,
-        system: &System<D>,
-        state: &ElasticState<D>,
-        external: &[Vector<D>],
-    ) -> Vec<Vector<D>> {
-        let h = system.step;
-        let (x, v) = (&state.positions, &state.velocities);
-        let elastic = self.forces(x);
-        let damping = self.viscous_forces(x, v, self.damping_time);
-        let numerical = self.viscous_forces(x, &self.fast(system, state), self.integrator.dissipation * h);
-        let pull = |k: usize| elastic[k] + damping[k] + numerical[k] + external[k];
-        let mut b: Vec<Vector<D>> = (0..x.len()).map(|k| pull(k) * h).collect();
-        let mut change = vec![Vector::<D>::zeros(); x.len()];
-        for (k, velocity) in self.held_velocities(state.time, h) {
-            change[k] = v[k] - velocity;
-        }
-        if change.iter().any(|c| c.norm_squared() > 0.0) {
-            system.matrix.add_product(&change, &mut b);
-        }
-        b
-    }
-
-    /// The part of the velocities that a step does not resolve, `v − A⁻¹ M v`, m/s; zero where nothing is to be dissipated.
-    pub fn fast(&self, system: &System<D>, state: &ElasticState<D>) -> Vec<Vector<D>> {
-        let v = &state.velocities;
-        if self.integrator.dissipation == 0.0 {
-            return vec![Vector::zeros(); v.len()];
-        }
-        let led: Vec<Vector<D>> =
-            (0..v.len()).map(|k| if self.held[k] { -v[k] } else { Vector::zeros() }).collect();
-        let mut slow: Vec<Vector<D>> = v.iter().zip(&self.masses).map(|(v, m)| v * *m).collect();
-        system.matrix.add_product(&led, &mut slow);
-        system.solve_vectors(&mut slow);
-        (0..v.len()).map(|k| if self.held[k] { Vector::zeros() } else { v[k] - slow[k] }).collect()
-    }
-
-    /// The velocities after a step in which nothing but the solid and the external forces acts, m/s: `v + A⁻¹ b`, and
-    /// those told of held vertices. Impulses `j` of others change them by `A⁻¹ j` more.
-    pub fn free_velocities(
-        &self,
-        system: &System<D>,
-        state: &ElasticState<D>,
-        external: &[Vector<D>],
-    ) -> Vec<Vector<D>> {
-        let mut velocities = self.right_side(system, state, external);
-        system.solve_vectors(&mut velocities);
-        velocities.iter_mut().zip(&state.velocities).for_each(|(change, v)| *change += v);
-        for (k, velocity) in self.held_velocities(state.time, system.step) {
-            velocities[k] = velocity;
-        }
-        velocities
+        let failed = ElasticError::NotDefinite { step: f64::INFINITY };
+        self.solved(&stiffness, forces.to_vec()).ok_or(failed)
     }
 
     /// A step of `step` s under external forces, N (2D: N/m), one for each vertex. A step that fails leaves the state as
     /// it was.
     ///
     /// # Errors
-    /// [`ElasticError::NotDefinite`] and [`ElasticError::NotFinite`].
+    /// [`ElasticError::NotDefinite`], [`ElasticError::Unsettled`] and [`ElasticError::NotFinite`].
     pub fn step(
         &self,
         state: &mut ElasticState<D>,
@@ -258,9 +96,19 @@ impl<const D: usize> Elastic<D> {
     ) -> Result<(), ElasticError> {
         let mut next = state.clone();
         self.advance_positions(&mut next, step);
-        let system = self.system(&next.positions, step, &[])?;
-        let mut velocities = self.free_velocities(&system, &next, external);
-        self.iterate(&system, &next, external, &mut velocities)?;
+        let impulses: Vec<Vector<D>> = external.iter().map(|force| force * step).collect();
+        let mut potential = Incremental {
+            elastic: self,
+            state: &next,
+            viscous_at: next.positions.clone(),
+            beyond: vec![Vector::zeros(); impulses.len()],
+            extra: &[],
+            impulses: &impulses,
+            step,
+            lead: 0.5 * step,
+            ahead: step,
+        };
+        let velocities = self.minimiser(&mut potential)?;
         if let Some(vertex) = velocities.iter().position(|v| !v.iter().all(|c| c.is_finite())) {
             return Err(ElasticError::NotFinite { vertex, time: next.time });
         }
@@ -269,62 +117,81 @@ impl<const D: usize> Elastic<D> {
         Ok(())
     }
 
-    /// Newton's iterations from the linear step's velocities.
-    fn iterate(
-        &self,
-        system: &System<D>,
-        state: &ElasticState<D>,
-        external: &[Vector<D>],
-        velocities: &mut [Vector<D>],
-    ) -> Result<(), ElasticError> {
-        if self.integrator.iterations == 0 {
-            return Ok(());
-        }
-        let step = system.step;
-        let start = Linearisation { state, fast: &self.fast(system, state), extra: &[], step };
-        let impulses: Vec<Vector<D>> = external.iter().map(|force| force * step).collect();
-        let mut first = 0.0;
-        for k in 0..self.integrator.iterations {
-            let (system, mut change) = self.relinearised(&start, &impulses, velocities)?;
-            system.solve_vectors(&mut change);
-            velocities.iter_mut().zip(&change).for_each(|(v, c)| *v += c);
-            let size = self.kinetic_energy(&change).sqrt();
-            if k == 0 {
-                first = size;
-            }
-            if size <= CONVERGED * first || size <= CONVERGED * self.kinetic_energy(velocities).sqrt() {
-                break;
+    /// The velocities that make a step's potential least, m/s, by Newton's method.
+    fn minimiser(&self, potential: &mut Incremental<'_, D>) -> Result<Vec<Vector<D>>, ElasticError> {
+        let (time, step) = (potential.state.time, potential.step);
+        let mut velocities = potential.state.velocities.clone();
+        let positions = &self.rest.positions;
+        let size = positions.iter().map(|x| (x - positions[0]).norm()).fold(0.0, f64::max);
+        for _ in 0..ITERATIONS {
+            let mut lead = vec![Vector::zeros(); velocities.len()];
+            self.held_velocities(time, step).for_each(|(v, told)| lead[v] = told - velocities[v]);
+            let led = lead.iter().any(|l| l.norm_squared() > 0.0);
+            let change = self.newton_change(potential, &velocities, &lead)?;
+            let fall: f64 = potential.gradient(&velocities).iter().zip(&change).map(|(g, c)| -g.dot(c)).sum();
+            let fall = fall / potential.size(&velocities).max(f64::MIN_POSITIVE);
+            let falls = !led && fall > VISIBLE;
+            let Some((next, whole)) = line_search(potential, &velocities, &change, falls) else {
+                return Ok(velocities);
+            };
+            velocities = next;
+            potential.recentre(&velocities);
+            let way = step * change.iter().map(Vector::norm).fold(0.0, f64::max);
+            if !led && whole && (fall <= CONVERGED || way <= ROUNDING * size) {
+                return Ok(velocities);
             }
         }
-        Ok(())
+        Err(ElasticError::Unsettled { iterations: ITERATIONS, step })
     }
 
-    /// A step's system about the velocities `v + w` that it has come to, and what is wrong there, `r`, N s (2D: N s/m): they
-    /// change by `A⁻¹ r` in Newton's iteration for
-    /// `M w = h (f(y) − D (v + w) − θ h K̂ (u + w/2 + θ w/4)) − h²/4 K' w + j`, with `y = x + h w/4`, tangents at `y`, the
-    /// `impulses` `j` of all other forces, and their stiffness `K'`.
-    ///
-    /// # Errors
-    /// Those of [`Self::system`].
-    pub fn relinearised(
+    /// The change of the velocities in an iteration, m/s, with that of held vertices, `lead`.
+    fn newton_change(
         &self,
-        start: &Linearisation<'_, D>,
-        impulses: &[Vector<D>],
+        potential: &Incremental<'_, D>,
         velocities: &[Vector<D>],
-    ) -> Result<(System<D>, Vec<Vector<D>>), ElasticError> {
-        let (x, v, h) = (&start.state.positions, &start.state.velocities, start.step);
-        let theta = self.integrator.dissipation;
-        let w: Vec<Vector<D>> = (0..x.len()).map(|k| velocities[k] - v[k]).collect();
-        let y: Vec<Vector<D>> = (0..x.len()).map(|k| x[k] + w[k] * (0.25 * h)).collect();
-        let between: Vec<Vector<D>> =
-            (0..x.len()).map(|k| start.fast[k] + w[k] * (0.5 + 0.25 * theta)).collect();
-        let elastic = self.forces(&y);
-        let damping = self.viscous_forces(&y, velocities, self.damping_time);
-        let numerical = self.viscous_forces(&y, &between, theta * h);
-        let wrong =
-            |k: usize| (elastic[k] + damping[k] + numerical[k]) * h + impulses[k] - w[k] * self.masses[k];
-        let mut wrong: Vec<Vector<D>> = (0..x.len()).map(wrong).collect();
-        add_extra(start.extra, h, &w, &mut wrong);
-        Ok((self.system(&y, h, start.extra)?, wrong))
+        lead: &[Vector<D>],
+    ) -> Result<Vec<Vector<D>>, ElasticError> {
+        let gradient = potential.gradient(velocities);
+        let solved = |positive| {
+            let matrix = potential.matrix(velocities, positive)?;
+            let mut right: Vec<Vector<D>> = gradient.iter().map(|g| -g).collect();
+            let mut pushed = vec![Vector::zeros(); lead.len()];
+            matrix.add_product(lead, &mut pushed);
+            right.iter_mut().zip(&pushed).for_each(|(r, p)| *r -= p);
+            self.solved(&matrix, right)
+        };
+        // Only where the second derivatives are not positive definite their positive part is taken: it is stiffer than need be.
+        let change = solved(false).or_else(|| solved(true));
+        let mut change = change.ok_or(ElasticError::NotDefinite { step: potential.step })?;
+        change.iter_mut().zip(lead).for_each(|(c, l)| *c += l);
+        Ok(change)
     }
+
+    /// `A⁻¹ b`, 0 at held vertices.
+    fn solved(&self, matrix: &BlockMatrix<D>, right: Vec<Vector<D>>) -> Option<Vec<Vector<D>>> {
+        let inverse = self.solver.invert(matrix, &self.held, TOLERANCE)?;
+        let mut flat: Vec<f64> = right.iter().flat_map(|v| v.iter().copied()).collect();
+        inverse.solve(None, &mut flat, 1);
+        Some(flat.chunks_exact(D).map(Vector::from_column_slice).collect())
+    }
+}
+
+/// Velocities on the way along a change as far as elements stay upright and, where that is asked for, as the potential falls, and whether
+/// that is all the way; nothing where it is as low as rounding lets it be.
+fn line_search<const D: usize>(
+    potential: &Incremental<'_, D>,
+    velocities: &[Vector<D>],
+    change: &[Vector<D>],
+    falls: bool,
+) -> Option<(Vec<Vector<D>>, bool)> {
+    let along =
+        |part: f64| -> Vec<Vector<D>> { velocities.iter().zip(change).map(|(v, c)| v + c * part).collect() };
+    let upright = potential.upright_step(velocities, change, KEEP);
+    if !falls {
+        return Some((along(upright), upright == 1.0));
+    }
+    let from = potential.value(velocities);
+    let mut parts =
+        (0..HALVINGS).map(|k| upright * 0.5f64.powi(k as i32)).map(|part| (along(part), part == 1.0));
+    parts.find(|(next, _)| potential.value(next) <= from)
 }

@@ -4,7 +4,7 @@
 mod lattice;
 
 use lattice::{clamped, quadratic, rubber};
-use meniscus_elastic::{Elastic, Integrator, Law, Order, lowest_modes};
+use meniscus_elastic::{Elastic, Law, Order, lowest_modes};
 use meniscus_numerics::Vector;
 
 /// The wave numbers of a clamped beam over its length.
@@ -29,7 +29,7 @@ fn timoshenko(stiffness: f64, poisson: f64) -> [f64; 3] {
 
 fn frequencies<const D: usize>(cells: [usize; D], size: [f64; D], poisson: f64) -> Vec<f64> {
     let (mesh, law) = (quadratic::<D>(cells, size), rubber(YOUNG, poisson));
-    let body = Elastic::new(clamped(mesh, DENSITY, law, Integrator::default())).unwrap();
+    let body = Elastic::new(clamped(mesh, DENSITY, law)).unwrap();
     lowest_modes(&body, 3 + 5 * (D - 2)).unwrap().iter().map(|m| m.frequency).collect()
 }
 
@@ -79,7 +79,7 @@ fn tip<const D: usize>(body: &Elastic<D>, gravity: f64, step: f64) -> (f64, f64)
 }
 
 fn damped<const D: usize>(cells: [usize; D], size: [f64; D], law: Law) -> Elastic<D> {
-    let mut description = clamped(quadratic::<D>(cells, size), DENSITY, law, Integrator::default());
+    let mut description = clamped(quadratic::<D>(cells, size), DENSITY, law);
     description.damping_ratio = 0.7;
     Elastic::new(description).unwrap()
 }

@@ -6,7 +6,7 @@ mod lattice;
 use lattice::{Noise, quadratic};
 use meniscus_elastic::{
     CRUSHED, ConservingTerm, Continuum, Corotated, Crushed, Description, Elastic, ElasticState, ForceTerm,
-    Incremental, Integrator, Lame, Law, NeoHookean, Order, Springs, SurfaceTension, Weights,
+    Incremental, Lame, Law, NeoHookean, Order, Springs, SurfaceTension, Weights,
 };
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Vector, planes};
@@ -44,14 +44,7 @@ fn moved<const D: usize>(x: &[Vector<D>], along: &[Vector<D>], by: f64) -> Vec<V
 fn body<const D: usize>(term: Box<dyn ConservingTerm<D>>) -> Elastic<D> {
     let law = Law::Corotated { young: 1e-200, poisson: 0.0, order: Order::Quadratic };
     let mesh = quadratic::<D>([2; D], [1.0; D]);
-    let description = Description {
-        mesh,
-        density: 1.0,
-        law,
-        damping_ratio: 0.0,
-        anchors: Vec::new(),
-        integrator: Integrator::default(),
-    };
+    let description = Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new() };
     Elastic::with_terms(description, vec![term]).unwrap()
 }
 
@@ -230,9 +223,7 @@ fn crushed_elements() {
 fn potentials_of_steps_have_their_derivatives<const D: usize>(pressed: f64) {
     let mesh = quadratic::<D>([2; D], [1.0; D]);
     let law = Law::NeoHookean { young: 3.0, poisson: 0.35, order: Order::Quadratic };
-    let integrator = Integrator { dissipation: 0.7, ..Integrator::default() };
-    let description =
-        Description { mesh, density: 1.0, law, damping_ratio: 0.3, anchors: Vec::new(), integrator };
+    let description = Description { mesh, density: 1.0, law, damping_ratio: 0.3, anchors: Vec::new() };
     let elastic = Elastic::new(description).unwrap();
     let mut noise = Noise(11);
     let x = crushed::<D>(pressed, &mut noise);
@@ -274,9 +265,7 @@ fn potentials_are_infinite_without_volume_at_the_end<const D: usize>() {
     let mesh = quadratic::<D>([2; D], [1.0; D]);
     let x = mesh.positions.clone();
     let law = Law::NeoHookean { young: 3.0, poisson: 0.35, order: Order::Quadratic };
-    let integrator = Integrator::default();
-    let description =
-        Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new(), integrator };
+    let description = Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new() };
     let elastic = Elastic::new(description).unwrap();
     let zero = vec![Vector::zeros(); x.len()];
     let state = ElasticState { positions: x.clone(), velocities: zero.clone(), time: 0.0 };
@@ -400,9 +389,8 @@ fn stiffness_has_full_rank<const D: usize>() {
         let bent = VolumeMesh { positions: rest, ..mesh.clone() };
         for mesh in [mesh, bent] {
             let law = Law::NeoHookean { young: 1.0, poisson: 0.3, order: Order::Quadratic };
-            let integrator = Integrator::default();
             let description =
-                Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new(), integrator };
+                Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new() };
             let body = Elastic::new(description).unwrap();
             let x = &body.mesh().positions;
             let stiffness = body.tangent(x, Weights { stiffness: 1.0, positive: false, viscosity: 0.0 });

@@ -4,7 +4,7 @@
 mod lattice;
 
 use lattice::{Noise, clamped, free, quadratic, rubber};
-use meniscus_elastic::{Anchor, Elastic, ElasticState, Integrator, Weights};
+use meniscus_elastic::{Anchor, Elastic, ElasticState, Weights};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 
@@ -35,10 +35,10 @@ struct Swing {
 
 /// A cantilever of two layers falls from the horizontal under `load = q L³/EI` and swings for four periods of its lowest
 /// mode; steps are `ratio` over the highest frequency.
-fn swing(load: f64, ratio: f64, integrator: Integrator) -> Option<Swing> {
+fn swing(load: f64, ratio: f64) -> Swing {
     let (length, thick, density, young, poisson) = (4.0, 0.2, 1.2, 1e8, 0.3);
     let mesh = quadratic::<2>([40, 2], [length, thick]);
-    let body = Elastic::new(clamped(mesh, density, rubber(young, poisson), integrator)).unwrap();
+    let body = Elastic::new(clamped(mesh, density, rubber(young, poisson))).unwrap();
     let gravity =
         load * young / (1.0 - poisson * poisson) * thick * thick / 12.0 / (density * f64::powi(length, 3));
     let weight: Vec<Vector<2>> = body.masses().iter().map(|m| Vector::from([0.0, -gravity * m])).collect();
@@ -53,12 +53,12 @@ fn swing(load: f64, ratio: f64, integrator: Integrator) -> Option<Swing> {
     let (mut most, mut scale, mut turn) = (f64::NEG_INFINITY, 0.0f64, 0.0f64);
     let steps = (4.0 / 18.433 / h) as usize;
     for _ in 0..steps {
-        body.step(&mut state, h, &weight).ok()?;
+        body.step(&mut state, h, &weight).unwrap();
         turn = turn.max(h * body.largest_rate(&state));
         most = most.max(total(&state));
         scale = scale.max(body.kinetic_energy(&state.velocities));
     }
-    Some(Swing { steps, most: most / scale, last: total(&state) / scale, turn })
+    Swing { steps, most: most / scale, last: total(&state) / scale, turn }
 }
 
 /// Two bodies as one solid are damped as each by itself is, whether the second is held or not.
@@ -70,7 +70,7 @@ fn pieces<const D: usize>() {
     let moved = |s: &Simplex<D>| Simplex { root: s.root + count, rest: s.rest.map(|v| v + count) };
     two.simplices.extend(one.simplices.iter().map(moved));
     let time = |mesh: &VolumeMesh<D>, held: bool| {
-        let mut description = free(mesh.clone(), 1.0, rubber(1e4, 0.3), Integrator::default());
+        let mut description = free(mesh.clone(), 1.0, rubber(1e4, 0.3));
         description.damping_ratio = 0.1;
         if held {
             description.anchors = vec![Anchor::within(mesh, |x| x[0] > 5.9)];
@@ -91,41 +91,19 @@ fn pieces_are_damped_each_by_itself() {
 }
 
 #[test]
-fn energy_does_not_grow_in_steps_that_resolve_nothing() {
-    for (load, ratio) in [(5.0, 100.0), (20.0, 100.0)] {
-        let done = swing(load, ratio, Integrator::default()).unwrap();
-        println!("load {load}, h w_max = {ratio}: {done:.4?}");
-        assert!(done.steps > 500 && done.turn < 0.4);
-        assert!(done.most < 0.005 && done.last < 0.0, "{done:?}");
-        assert!(load > 5.0 || done.last > -0.02, "{done:?}");
+fn energy_is_kept_in_steps_that_resolve_nothing() {
+    for (load, ratio) in [(5.0, 100.0), (20.0, 30.0)] {
+        let done = swing(load, ratio);
+        println!("load {load}, h w_max = {ratio}: {done:?}");
+        assert!(done.steps > 500 && done.turn < 0.8);
+        assert!(done.most < 1e-9 && done.last.abs() < 1e-9, "{done:?}");
     }
 }
 
-/// The table behind the default of [`Integrator`].
-#[test]
-#[ignore = "a minute: prints a table"]
-fn energy_for_all_integrators() {
-    for iterations in [0, 2] {
-        for dissipation in [0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0] {
-            for load in [5.0, 20.0] {
-                for ratio in [30.0, 100.0, 300.0] {
-                    let done = swing(load, ratio, Integrator { dissipation, iterations });
-                    println!(
-                        "newton {iterations} theta {dissipation} load {load} h w_max {ratio}: {done:.4?}"
-                    );
-                }
-            }
-        }
-    }
-}
-
-/// A small oscillation over many steps: nothing dissipates with `θ = 0`. (From `h ω = 300` on it grows: the fast modes all
-/// turn over in every step, and the slightest change of the matrix from step to step adds up.)
+/// A small oscillation over many steps.
 #[test]
 fn small_vibrations_keep_their_energy() {
-    let integrator = Integrator { dissipation: 0.0, iterations: 0 };
-    let body = Elastic::new(clamped(quadratic::<2>([20, 2], [2.0, 0.2]), 1.2, rubber(1e8, 0.3), integrator))
-        .unwrap();
+    let body = Elastic::new(clamped(quadratic::<2>([20, 2], [2.0, 0.2]), 1.2, rubber(1e8, 0.3))).unwrap();
     for ratio in [1.0, 30.0] {
         let h = ratio / highest(&body);
         let mut state = body.at_rest(h);
@@ -142,31 +120,26 @@ fn small_vibrations_keep_their_energy() {
 
 #[test]
 fn a_free_body_keeps_its_momenta() {
-    for iterations in [0, 4] {
-        let integrator = Integrator { iterations, ..Integrator::default() };
-        let mesh = quadratic::<3>([6, 4, 2], [0.6, 0.4, 0.2]);
-        let mut description = free(mesh, 1000.0, rubber(1e5, 0.4), integrator);
-        description.damping_ratio = 0.02;
-        let body = Elastic::new(description).unwrap();
-        for h in [1e-3, 5e-3] {
-            let mut state = body.at_rest(h);
-            for (v, x) in state.velocities.iter_mut().zip(&state.positions) {
-                let bend = 10.0 * x[2] * x[1] - 3.0 * x[0] * x[0];
-                *v = Vector::from([0.3 - 6.0 * x[1], 6.0 * x[0] + bend, 0.1 - bend]);
-            }
-            let (p, l, e) = (body.momentum(&state), body.angular_momentum(&state), body.energy(&state, h));
-            let none = vec![Vector::zeros(); body.masses().len()];
-            (0..(1.0 / h) as usize).for_each(|_| body.step(&mut state, h, &none).unwrap());
-            let late = body.angular_momentum(&state);
-            let size = l.iter().map(|l| l * l).sum::<f64>().sqrt();
-            let drift = (0..3).map(|k| (late[k] - l[k]).powi(2)).sum::<f64>().sqrt() / size;
-            let lost = (body.momentum(&state) - p).norm() / p.norm();
-            let energy = body.energy(&state, h) / e;
-            println!(
-                "newton {iterations}, h {h}: momentum {lost:.1e}, angular {drift:.1e}, energy {energy:.4}"
-            );
-            assert!(lost < 1e-13 && energy < 1.0 && drift < if iterations > 0 { 1e-12 } else { 2e-5 });
+    let mesh = quadratic::<3>([6, 4, 2], [0.6, 0.4, 0.2]);
+    let mut description = free(mesh, 1000.0, rubber(1e5, 0.4));
+    description.damping_ratio = 0.02;
+    let body = Elastic::new(description).unwrap();
+    for h in [1e-3, 5e-3] {
+        let mut state = body.at_rest(h);
+        for (v, x) in state.velocities.iter_mut().zip(&state.positions) {
+            let bend = 10.0 * x[2] * x[1] - 3.0 * x[0] * x[0];
+            *v = Vector::from([0.3 - 6.0 * x[1], 6.0 * x[0] + bend, 0.1 - bend]);
         }
+        let (p, l, e) = (body.momentum(&state), body.angular_momentum(&state), body.energy(&state, h));
+        let none = vec![Vector::zeros(); body.masses().len()];
+        (0..(1.0 / h) as usize).for_each(|_| body.step(&mut state, h, &none).unwrap());
+        let late = body.angular_momentum(&state);
+        let size = l.iter().map(|l| l * l).sum::<f64>().sqrt();
+        let drift = (0..3).map(|k| (late[k] - l[k]).powi(2)).sum::<f64>().sqrt() / size;
+        let lost = (body.momentum(&state) - p).norm() / p.norm();
+        let energy = body.energy(&state, h) / e;
+        println!("h {h}: momentum {lost:.1e}, angular {drift:.1e}, energy {energy:.4}");
+        assert!(lost < 1e-13 && energy < 1.0 && drift < 1e-12);
     }
 }
 
@@ -177,7 +150,7 @@ fn threads_do_not_matter() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let mesh = quadratic::<3>([12, 6, 4], [1.2, 0.6, 0.4]);
-            let body = Elastic::new(clamped(mesh, 1000.0, rubber(1e5, 0.4), Integrator::default())).unwrap();
+            let body = Elastic::new(clamped(mesh, 1000.0, rubber(1e5, 0.4))).unwrap();
             let weight: Vec<Vector<3>> =
                 body.masses().iter().map(|m| Vector::from([0.0, 0.0, -10.0 * m])).collect();
             let mut state = body.at_rest(0.01);

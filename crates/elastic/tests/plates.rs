@@ -4,7 +4,7 @@
 mod lattice;
 
 use lattice::{block, free, quadratic};
-use meniscus_elastic::{Elastic, Integrator, Law, Order, StiffnessBlock, Weights};
+use meniscus_elastic::{Elastic, Law, Order, StiffnessBlock, Weights};
 use meniscus_numerics::{Matrix, Vector};
 
 /// Vertex, component, displacement.
@@ -12,16 +12,15 @@ type Told = (usize, usize, f64);
 
 /// The energy of a body with a unit Young's modulus, of which some displacements are told by springs that hardly give.
 fn energy<const D: usize>(body: &Elastic<D>, told: &[Told]) -> f64 {
-    let (hold, step) = (1e6, 1e6);
+    let hold = 1e6;
     let unit = |a: usize| Matrix::from_fn(|r, c| if r == a && c == a { hold } else { 0.0 });
     let extra: Vec<StiffnessBlock<D>> = told
         .iter()
         .map(|(v, a, _)| StiffnessBlock { first: *v as u32, second: *v as u32, block: unit(*a) })
         .collect();
-    let system = body.system(&body.mesh().positions, step, &extra).unwrap();
-    let mut u = vec![Vector::<D>::zeros(); body.masses().len()];
-    told.iter().for_each(|(v, a, by)| u[*v][*a] += 0.25 * step * step * hold * by);
-    system.solve_vectors(&mut u);
+    let mut forces = vec![Vector::<D>::zeros(); body.masses().len()];
+    told.iter().for_each(|(v, a, by)| forces[*v][*a] += hold * by);
+    let u = body.small_displacements(&forces, &extra).unwrap();
     let mut pull = vec![Vector::zeros(); u.len()];
     body.tangent(&body.mesh().positions, Weights { stiffness: 1.0, positive: true, viscosity: 0.0 })
         .add_product(&u, &mut pull);
@@ -32,9 +31,8 @@ fn plate<const D: usize>(cells: [usize; D], poisson: f64, order: Order, wide: f6
     let mut size = cells.map(|n| n as f64 * wide);
     size[D - 1] = cells[D - 1] as f64;
     let law = Law::NeoHookean { young: 1.0, poisson, order };
-    let integrator = Integrator { dissipation: 0.0, iterations: 0 };
     let mesh = if order == Order::Quadratic { quadratic::<D>(cells, size) } else { block::<D>(cells, size) };
-    Elastic::new(free(mesh, 1e-9, law, integrator)).unwrap()
+    Elastic::new(free(mesh, 1e-9, law)).unwrap()
 }
 
 /// Bending stiffness over nominal of a plate that bends about one axis and keeps its width.
@@ -119,8 +117,7 @@ fn plates_of_springs() {
     let bending = |layers: usize| {
         let cells = [12, layers];
         let mesh = block::<2>(cells, cells.map(|n| n as f64));
-        let integrator = Integrator { dissipation: 0.0, iterations: 0 };
-        let body = Elastic::new(free(mesh, 1e-9, Law::Springs { stiffness: 1.0 }, integrator)).unwrap();
+        let body = Elastic::new(free(mesh, 1e-9, Law::Springs { stiffness: 1.0 })).unwrap();
         let high = layers as f64;
         let mut told: Vec<Told> = vec![(0, 1, 0.0)];
         for (v, x) in body.mesh().positions.iter().enumerate() {

@@ -5,7 +5,7 @@ use crate::error::SceneError;
 use crate::file::{Elastic as Constants, Material, Scene, ShapeSpec, Solid as SolidSpec, SolidTension};
 use crate::held;
 use crate::stiff::can_follow;
-use meniscus_elastic::{Description, Elastic, ElasticError, Integrator, Law, Order, SurfaceTension};
+use meniscus_elastic::{Description, Elastic, ElasticError, Law, Order, SurfaceTension};
 use meniscus_numerics::mesh::VolumeMesh;
 
 /// What a solid of a scene is made of if it deforms.
@@ -33,8 +33,7 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
     let density = spec.density.unwrap_or(scene.liquid.density);
     can_follow(scene, spec, &mesh, density)
         .map_err(|error| scene.source.at_value(error, &scene.source.first_inside(&at("material"))))?;
-    let description =
-        Description { mesh, density, law, damping_ratio, anchors, integrator: Integrator::default() };
+    let description = Description { mesh, density, law, damping_ratio, anchors };
     let tension = own_tension(scene, spec)?;
     let terms = tension.map(|tension| Box::new(SurfaceTension::new(&description.mesh, tension)) as Box<_>);
     Elastic::with_terms(description, terms.into_iter().collect()).map(Some).map_err(|error| {

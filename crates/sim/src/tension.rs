@@ -175,7 +175,7 @@ mod tests {
     use crate::soft::Soft;
     use crate::solid::{Motion, Solid};
     use crate::workspace::BAND;
-    use meniscus_elastic::{Description, Elastic, Integrator, Law, Order};
+    use meniscus_elastic::{Description, Elastic, Law, Order};
     use meniscus_numerics::Matrix;
     use meniscus_numerics::grid::Grid;
     use meniscus_numerics::mesh::{Simplex, VolumeMesh};
@@ -191,8 +191,8 @@ mod tests {
         let positions = [[0.3, 0.35], [0.7, 0.4], [0.45, 0.65]].map(Vector::from).to_vec();
         let mesh = VolumeMesh { positions, simplices: vec![Simplex { root: 0, rest: [1, 2] }] };
         let law = Law::NeoHookean { young: 1.0, poisson: 0.3, order: Order::Linear };
-        let (anchors, integrator) = (Vec::new(), Integrator::default());
-        let description = Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors, integrator };
+        let anchors = Vec::new();
+        let description = Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors };
         let elastic = Elastic::new(description).unwrap_or_else(|e| panic!("{e}"));
         let mut solid = Solid::new(shape, Motion::Soft(Arc::new(elastic)), 1.0);
         solid.cosine = angle.to_radians().cos();

@@ -1,7 +1,7 @@
 //! Solids without liquid that the cases of contact share: meshes, models, and what is watched while they run.
 
 use crate::soak::{EnergyLaw, EnergySteps};
-use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Order};
+use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Law, Order};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use meniscus_numerics::shape::Shape;
@@ -120,8 +120,7 @@ pub fn soft<const D: usize>(
     let Material { young, poisson, density, damping, friction } = material;
     let order = if mesh.parents().is_some() { Order::Quadratic } else { Order::Linear };
     let law = Law::NeoHookean { young, poisson, order };
-    let integrator = Integrator::default();
-    let description = Description { mesh, density, law, damping_ratio: damping, anchors, integrator };
+    let description = Description { mesh, density, law, damping_ratio: damping, anchors };
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
     let elastic = Elastic::new(description).map_err(failed)?;
     let (center, half_size) = ((low + high) * 0.5, (high - low) * 0.5);

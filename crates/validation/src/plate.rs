@@ -1,7 +1,7 @@
 //! Plates that deform with a drop on them, for the cases.
 
 use crate::setup::run_to;
-use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Order, SurfaceTension};
+use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Law, Order, SurfaceTension};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
@@ -139,9 +139,8 @@ impl Setting {
             _ => Vec::new(),
         };
         let law = Law::NeoHookean { young, poisson: self.poisson, order: Order::Quadratic };
-        let integrator = Integrator::default();
         let (density, damping_ratio) = (self.density, self.damping);
-        let description = Description { mesh, density, law, damping_ratio, anchors, integrator };
+        let description = Description { mesh, density, law, damping_ratio, anchors };
         let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
         let tension = SurfaceTension::new(&description.mesh, self.own_tension);
         Elastic::with_terms(description, vec![Box::new(tension)]).map_err(failed)

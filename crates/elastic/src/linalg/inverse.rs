@@ -64,7 +64,7 @@ impl Solver {
     }
 }
 
-/// What of a matrix right-hand sides of some vertices need for the solution there ([`crate::System::reach`]).
+/// What of a matrix right-hand sides of some vertices need for the solution there ([`crate::Solution::reach`]).
 #[derive(Clone, Debug)]
 pub struct Reach(Option<Subtrees>);
 

@@ -1,7 +1,7 @@
 //! Boxes cut into cells, and these into simplices around a diagonal.
 #![allow(dead_code)]
 
-use meniscus_elastic::{Anchor, Description, Integrator, Law, Order};
+use meniscus_elastic::{Anchor, Description, Law, Order};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 
@@ -55,24 +55,14 @@ pub fn quadratic<const D: usize>(cells: [usize; D], size: [f64; D]) -> VolumeMes
 }
 
 /// A solid held at `x = 0`.
-pub fn clamped<const D: usize>(
-    mesh: VolumeMesh<D>,
-    density: f64,
-    law: Law,
-    integrator: Integrator,
-) -> Description<D> {
+pub fn clamped<const D: usize>(mesh: VolumeMesh<D>, density: f64, law: Law) -> Description<D> {
     let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9)];
-    Description { mesh, density, law, damping_ratio: 0.0, anchors, integrator }
+    Description { mesh, density, law, damping_ratio: 0.0, anchors }
 }
 
 /// A solid that nothing holds.
-pub fn free<const D: usize>(
-    mesh: VolumeMesh<D>,
-    density: f64,
-    law: Law,
-    integrator: Integrator,
-) -> Description<D> {
-    Description { mesh, density, law, damping_ratio: 0.0, anchors: Vec::new(), integrator }
+pub fn free<const D: usize>(mesh: VolumeMesh<D>, density: f64, law: Law) -> Description<D> {
+    Description { mesh, density, law, damping_ratio: 0.0, anchors: Vec::new() }
 }
 
 /// A neo-Hookean solid of quadratic simplices.

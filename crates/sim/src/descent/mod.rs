@@ -34,19 +34,15 @@ use crate::solid::{Motion, SolidState};
 use crate::step::Times;
 use meet::Candidates;
 use meniscus_contact::Barrier;
-use meniscus_elastic::{Elastic, Incremental, StiffnessBlock};
+use meniscus_elastic::{Elastic, HALVINGS, ITERATIONS, Incremental, KEEP, StiffnessBlock};
 use meniscus_numerics::grid::FaceField;
 use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::{Matrix, Vector};
 use potential::{Elimination, Part, Potential, Rigid};
 
-/// Part of its distance that a pair keeps in an iteration, and of its volume an element: IPC's 0.2, its line search's
-/// safety.
-const KEEP: f64 = 0.2;
-/// The same on the straight way to the end of the coming step, at the end of which the barrier holds them.
+/// Part of its distance that a pair keeps, and of its volume an element, on the straight way to the end of the coming step, at the end of
+/// which the barrier holds them.
 const BARE: f64 = 0.01;
-/// Most iterations of a step.
-const ITERATIONS: usize = 60;
 /// Change of a position at the end of the coming step, in reaches of the barrier, below which Newton's method has converged.
 const SETTLED: f64 = 1e-3;
 /// The same after an update of the lagged friction, over [`SETTLED`]: the error of a lag that is updated [`RUBS`] times only adds up
@@ -58,8 +54,6 @@ const LOOSE: f64 = 1e-3;
 /// Far from convergence: the next iteration would move something by over so many times [`SETTLED`], which one of Newton's iterations
 /// does not bring below 1.
 const FAR: f64 = 100.0;
-/// Most halvings of an iteration.
-const HALVINGS: usize = 30;
 /// Most updates of the lagged friction in a step.
 const RUBS: usize = 2;
 

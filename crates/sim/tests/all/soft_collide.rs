@@ -2,7 +2,7 @@
 
 #![allow(clippy::expect_used)]
 
-use meniscus_elastic::{Anchor, Description, Elastic, Integrator, Law, Order};
+use meniscus_elastic::{Anchor, Description, Elastic, Law, Order};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use meniscus_numerics::shape::Shape;
@@ -87,9 +87,7 @@ pub fn soft<const D: usize>(
     let low = mesh.positions.iter().fold(Vector::repeat(1e9), |l: Vector<D>, x| l.inf(x));
     let high = mesh.positions.iter().fold(Vector::repeat(-1e9), |l: Vector<D>, x| l.sup(x));
     let law = Law::NeoHookean { young, poisson: 0.3, order: Order::Linear };
-    let integrator = Integrator::default();
-    let description =
-        Description { mesh, density: DENSITY, law, damping_ratio: damping, anchors, integrator };
+    let description = Description { mesh, density: DENSITY, law, damping_ratio: damping, anchors };
     let elastic = Elastic::new(description).expect("a solid");
     let shape = Shape::Box {
         center: (low + high) * 0.5,

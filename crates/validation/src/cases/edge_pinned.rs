@@ -9,7 +9,7 @@
 use crate::measure::{TimeMean, at_most, force, load, settle};
 use crate::setup::run_to;
 use crate::{Case, Check};
-use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Order};
+use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Law, Order};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
@@ -136,8 +136,8 @@ fn elastic(shape: &Shape<2>, edge: f64) -> Result<Motion<2>, StepError> {
     let held = |x: &Vector<2>| (x[0] - TOP[0]).abs() <= HELD && x[1] <= TOP[1] - 0.5 * THICK;
     let anchors = vec![Anchor::within(&mesh, held)];
     let law = Law::NeoHookean { young: 10e6, poisson: 0.3, order: Order::Quadratic };
-    let (damping_ratio, integrator) = (0.1, Integrator::default());
-    let plate = Elastic::new(Description { mesh, density: DENSITY, law, damping_ratio, anchors, integrator });
+    let damping_ratio = 0.1;
+    let plate = Elastic::new(Description { mesh, density: DENSITY, law, damping_ratio, anchors });
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
     plate.map(|plate| Motion::Soft(Arc::new(plate))).map_err(failed)
 }

@@ -2,7 +2,7 @@
 
 use crate::measure::settle;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Order, lowest_modes};
+use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Law, Order, lowest_modes};
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::StepError;
@@ -89,8 +89,7 @@ fn cantilever(layers: usize, damping_ratio: f64) -> Result<Elastic<2>, ElasticEr
         .unwrap_or_default();
     let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9)];
     let law = Law::NeoHookean { young: YOUNG, poisson: POISSON, order: Order::Quadratic };
-    let integrator = Integrator::default();
-    Elastic::new(Description { mesh, density: DENSITY, law, damping_ratio, anchors, integrator })
+    Elastic::new(Description { mesh, density: DENSITY, law, damping_ratio, anchors })
 }
 
 /// Drop and place of the end's middle over the length, at rest under a load `q L³/B`.

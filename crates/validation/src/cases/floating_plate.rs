@@ -3,7 +3,7 @@
 use crate::measure::settle;
 use crate::setup::run_to;
 use crate::{Case, Check};
-use meniscus_elastic::{Description, Elastic, ElasticError, Integrator, Law, Order};
+use meniscus_elastic::{Description, Elastic, ElasticError, Law, Order};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
@@ -149,7 +149,6 @@ fn run() -> Result<Vec<Check>, StepError> {
         law: Law::Springs { stiffness: 5e5 },
         damping_ratio: 0.1,
         anchors: Vec::new(),
-        integrator: Integrator::default(),
     };
     let elastic = Elastic::new(description).map_err(failed)?;
     let mut plate = Solid::new(shape, Motion::Soft(Arc::new(elastic)), DENSITY);

@@ -3,7 +3,7 @@
 use crate::measure::{at_most, settle};
 use crate::setup::offset;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Description, Elastic, ElasticError, Integrator, Law, Order};
+use meniscus_elastic::{Description, Elastic, ElasticError, Law, Order};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
@@ -62,8 +62,8 @@ fn start<const D: usize>(cells: usize, light: f64, bending: f64) -> Result<Simul
     let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
     let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, Order::Quadratic).unwrap_or_default();
     let law = Law::NeoHookean { young, poisson: POISSON, order: Order::Quadratic };
-    let (anchors, integrator) = (Vec::new(), Integrator::default());
-    let description = Description { mesh, density, law, damping_ratio: 0.0, anchors, integrator };
+    let anchors = Vec::new();
+    let description = Description { mesh, density, law, damping_ratio: 0.0, anchors };
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
     let elastic = Elastic::new(description).map_err(failed)?;
     let model = Model {

@@ -2,7 +2,7 @@
 
 use crate::measure::{at_most, settle};
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Description, Elastic, ElasticError, Integrator, Law, Order};
+use meniscus_elastic::{Description, Elastic, ElasticError, Law, Order};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
@@ -66,8 +66,8 @@ fn start<const D: usize>(iterations: u32) -> Result<Simulation<D>, StepError> {
     let mesh =
         VolumeMesh::of_box(&center, &half, &Matrix::identity(), 0.125, Order::Quadratic).unwrap_or_default();
     let law = Law::NeoHookean { young: 1e3, poisson: 0.3, order: Order::Quadratic };
-    let (anchors, integrator) = (Vec::new(), Integrator::default());
-    let description = Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors, integrator };
+    let anchors = Vec::new();
+    let description = Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors };
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
     let elastic = Arc::new(Elastic::new(description).map_err(failed)?);
     let shape = Shape::Box { center, half_size: half, rotation: Matrix::identity() };

@@ -3,7 +3,7 @@
 use crate::measure::{TimeMean, force, load, settle};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Order};
+use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Law, Order};
 use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
@@ -139,9 +139,8 @@ impl Drop {
         let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, Order::Quadratic).unwrap_or_default();
         let anchors = vec![Anchor::within(&mesh, |x| x[0] <= CLAMP)];
         let law = Law::NeoHookean { young: YOUNG, poisson: POISSON, order: Order::Quadratic };
-        let (damping_ratio, integrator) = (self.damping, Integrator::default());
-        let elastic =
-            Elastic::new(Description { mesh, density: DENSITY, law, damping_ratio, anchors, integrator });
+        let damping_ratio = self.damping;
+        let elastic = Elastic::new(Description { mesh, density: DENSITY, law, damping_ratio, anchors });
         let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
         let mut beam = Solid::new(shape, Motion::Soft(Arc::new(elastic.map_err(failed)?)), DENSITY);
         beam.cosine = self.angle.to_radians().cos();

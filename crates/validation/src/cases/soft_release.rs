@@ -3,7 +3,7 @@
 use crate::measure::{at_least, at_most, settle};
 use crate::setup::{offset, run_to};
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Description, Elastic, ElasticError, Integrator, Law, Order};
+use meniscus_elastic::{Description, Elastic, ElasticError, Law, Order};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
@@ -47,8 +47,8 @@ fn start<const D: usize>(cells: usize) -> Result<Simulation<D>, StepError> {
     let shape = Shape::Ball { center: middle + Vector::from_fn(|a, _| [0.2, 0.1, -0.1][a]), radius: RADIUS };
     let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, Order::Quadratic).unwrap_or_default();
     let law = Law::NeoHookean { young: 10.0, poisson: 0.4, order: Order::Quadratic };
-    let (anchors, integrator) = (Vec::new(), Integrator::default());
-    let description = Description { mesh, density: DENSITY, law, damping_ratio: 0.0, anchors, integrator };
+    let anchors = Vec::new();
+    let description = Description { mesh, density: DENSITY, law, damping_ratio: 0.0, anchors };
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
     let elastic = Arc::new(Elastic::new(description).map_err(failed)?);
     let model = Model {

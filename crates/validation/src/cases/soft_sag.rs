@@ -3,7 +3,7 @@
 use crate::measure::settle;
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, Description, Elastic, Integrator, Law, Order};
+use meniscus_elastic::{Anchor, Description, Elastic, Law, Order};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
@@ -60,9 +60,7 @@ fn start(step: f64) -> Simulation<2> {
     let anchors = vec![Anchor::within(&mesh, |x| (x[0] - center[0]).abs() > clamped)];
     let young = 5e-5 * 12.0 * (1.0 - POISSON * POISSON) / THICK.powi(3);
     let law = Law::NeoHookean { young, poisson: POISSON, order: Order::Quadratic };
-    let integrator = Integrator::default();
-    let plate =
-        Elastic::new(Description { mesh, density: 2500.0, law, damping_ratio: 0.2, anchors, integrator });
+    let plate = Elastic::new(Description { mesh, density: 2500.0, law, damping_ratio: 0.2, anchors });
     let mut solid = Solid::new(shape, plate.map_or(Motion::Fixed, |e| Motion::Soft(Arc::new(e))), 2500.0);
     solid.line_friction = 0.3;
     let model = Model {

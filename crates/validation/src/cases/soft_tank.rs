@@ -3,7 +3,7 @@
 use crate::measure::{at_most, settle};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, Description, Elastic, Integrator, Law, Order};
+use meniscus_elastic::{Anchor, Description, Elastic, Law, Order};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
@@ -44,9 +44,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let middle: Vec<usize> = middle.filter(|(_, x)| (*x - center).norm() < 0.06).map(|(k, _)| k).collect();
     let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9 || x[0] > LENGTH - 1e-9)];
     let law = Law::NeoHookean { young: 2e9, poisson: 0.3, order: Order::Quadratic };
-    let integrator = Integrator::default();
-    let plate =
-        Elastic::new(Description { mesh, density: 1.2, law, damping_ratio: 1.0, anchors, integrator });
+    let plate = Elastic::new(Description { mesh, density: 1.2, law, damping_ratio: 1.0, anchors });
     let motion = plate.map_or(Motion::Fixed, |e| Motion::Soft(Arc::new(e)));
     let model = Model {
         grid,

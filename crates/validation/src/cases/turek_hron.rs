@@ -2,7 +2,7 @@
 
 use crate::measure::settle;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Integrator, Law, Motion, Order};
+use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Law, Motion, Order};
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::StepError;
@@ -89,8 +89,7 @@ fn flag(layers: usize) -> Result<(Elastic<2>, usize), ElasticError> {
     let from_tip = |v: &usize| (mesh.positions[*v] - Vector::<2>::new(TIP, half[1])).norm();
     let tip = (0..mesh.positions.len()).min_by(|a, b| from_tip(a).total_cmp(&from_tip(b))).unwrap_or(0);
     let law = Law::NeoHookean { young: 1.4e6, poisson: 0.4, order: Order::Quadratic };
-    let integrator = Integrator { dissipation: 0.3, iterations: 0 };
-    let description = Description { mesh, density: 1000.0, law, damping_ratio: 0.0, anchors, integrator };
+    let description = Description { mesh, density: 1000.0, law, damping_ratio: 0.0, anchors };
     Ok((Elastic::new(description)?, tip))
 }
 
