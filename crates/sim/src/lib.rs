@@ -33,7 +33,7 @@ mod walls;
 mod wetting;
 mod workspace;
 
-pub use descent::{Barriers, Slip, Slips, Touch, narrowest_gap, solids_after};
+pub use descent::{Barriers, Slip, Slips, Touch, narrowest_gap, narrowest_gap_now, solids_after};
 pub use kinematic::Kinematic;
 pub use ledger::{Ledger, StepReport};
 pub use model::{Model, Numerics, Wall};

@@ -38,13 +38,15 @@ pub enum RunError {
     /// The matrix of the solids has no factors.
     #[error(
         "the solver could not go on: at time {time:.6e} s the matrix of the solids is not positive definite for a step of \
-         {step:.3e} s: a solid is too stiff for rounding, elements are crushed, or solids leave each other no room"
+         {step:.3e} s: a solid is too stiff for rounding, elements are crushed, or solids leave each other no room{narrowest}"
     )]
     Solids {
         /// Time of the last good state, s.
         time: f64,
         /// Length of the step, s.
         step: f64,
+        /// The narrowest gap between solids, in words; empty where none is narrow.
+        narrowest: String,
         /// Last good checkpoint.
         checkpoint: Option<PathBuf>,
     },
@@ -61,12 +63,12 @@ pub enum RunError {
 }
 
 impl RunError {
-    /// The message of a failed step for the user.
-    pub(super) fn of_step(error: StepError) -> Self {
+    /// The message of a failed step for the user, with the narrowest gap between solids in words.
+    pub(super) fn of_step(error: StepError, narrowest: impl Fn() -> String) -> Self {
         let checkpoint = None;
         match &error {
             StepError::Pressure { time, source: SolveError::Indefinite { step }, .. } => {
-                Self::Solids { time: *time, step: *step, checkpoint }
+                Self::Solids { time: *time, step: *step, narrowest: narrowest(), checkpoint }
             }
             _ => Self::Step { error, checkpoint },
         }
@@ -132,10 +134,11 @@ mod tests {
     fn a_matrix_without_factors_says_what_to_do() {
         let source = SolveError::Indefinite { step: 0.002 };
         let error = StepError::Pressure { time: 0.5, dt: 0.002, source };
-        let error = RunError::of_step(error);
+        let error = RunError::of_step(error, || ", the narrowest gap".into());
+        assert!(error.to_string().ends_with("the narrowest gap"), "{error}");
         assert!(error.to_string().contains("the matrix of the solids is not positive definite"), "{error}");
         assert!(error.exit_status() == 5 && error.advice().contains("max_step"));
         let other = StepError::NotFinite { time: 0.0, what: "velocity" };
-        assert!(matches!(RunError::of_step(other), RunError::Step { .. }));
+        assert!(matches!(RunError::of_step(other, String::new), RunError::Step { .. }));
     }
 }

@@ -211,6 +211,21 @@ impl<'a, const D: usize> Session<'a, D> {
         pause >= LONGEST_PAUSE || frames >= self.job.checkpoint_every && pause >= SHORTEST_PAUSE
     }
 
+    /// The narrowest gap between solids, in words; empty where none is narrow.
+    fn narrowest_gap(&self) -> String {
+        let Simulation { model, state, .. } = &self.simulation;
+        let Some((solid, other, gap)) = meniscus_sim::narrowest_gap_now(model, &state.solids) else {
+            return String::new();
+        };
+        let name = |k: usize| self.job.solids.get(k).map_or("a wall".to_owned(), |s| format!("`{}`", s.0));
+        let other = match other {
+            None => "a side of the domain".to_owned(),
+            Some(other) if other == solid => "itself".to_owned(),
+            Some(other) => name(other),
+        };
+        format!("; the narrowest gap, {gap:.1e} m, is between {} and {other}", name(solid))
+    }
+
     /// One time step and its row.
     fn step(&mut self) -> Result<StepReport<D>, RunError> {
         let (schedule, frame) = (&self.job.schedule, self.tally.next_frame);
@@ -227,7 +242,7 @@ impl<'a, const D: usize> Session<'a, D> {
             last = now;
         };
         let done = self.simulation.step(longest, &mut phase_end);
-        let report = done.map_err(RunError::of_step)?;
+        let report = done.map_err(|error| RunError::of_step(error, || self.narrowest_gap()))?;
         if schedule.meets(self.simulation.state.time, frame) {
             self.simulation.state.time = schedule.time(frame);
         }
@@ -382,7 +397,9 @@ impl<'a, const D: usize> Session<'a, D> {
         match error {
             RunError::Output { error, .. } => RunError::Output { error, checkpoint },
             RunError::Step { error, .. } => RunError::Step { error, checkpoint },
-            RunError::Solids { time, step, .. } => RunError::Solids { time, step, checkpoint },
+            RunError::Solids { time, step, narrowest, .. } => {
+                RunError::Solids { time, step, narrowest, checkpoint }
+            }
             RunError::NotFinite { what, time, .. } => RunError::NotFinite { what, time, checkpoint },
             other => other,
         }

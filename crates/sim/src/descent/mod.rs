@@ -20,7 +20,7 @@ mod stored;
 use barrier::{Early, Past};
 pub use impact::bounce;
 use points::REACH;
-pub use points::{Points, narrowest_gap, turning};
+pub use points::{Points, narrowest_gap, narrowest_gap_now, turning};
 pub use response::Response;
 use response::{End, Tie};
 pub use rub::{Slip, Slips, Touch, advance};

@@ -264,6 +264,30 @@ pub fn narrowest_gap<const D: usize>(model: &Model<D>) -> Option<(usize, usize, 
     Some((solid(0), solid(stencil.kind.first()), gap))
 }
 
+/// The narrowest gap, m, between a solid and another one, itself, or a closed side of the domain, as they are now, with their numbers (none
+/// for a side); nothing where all gaps are wider than the barrier's reach.
+pub fn narrowest_gap_now<const D: usize>(
+    model: &Model<D>,
+    solids: &[SolidState<D>],
+) -> Option<(usize, Option<usize>, f64)> {
+    let points = Points::of(model);
+    let still = vec![Vector::zeros(); points.nodes()];
+    let places = Places::new(model, solids, &points, &still, 0.0);
+    let Candidates { near, meetings } =
+        Candidates::on(Way { from: &places, to: &places }, REACH * model.grid.dx);
+    let at = places.all();
+    let solid = |point: u32| points.owners[point as usize].solid();
+    let facets = near.gaps(&at).map(|(stencil, gap)| {
+        let points = stencil.points();
+        (solid(points[0]), Some(solid(points[stencil.kind.first()])), gap)
+    });
+    let others = meetings.iter().map(|m| {
+        let gap = m.distance(&places, &at[m.point() as usize]) - points.thickness(m);
+        (solid(m.point()), m.solid(), gap)
+    });
+    facets.chain(others).min_by(|a, b| a.2.total_cmp(&b.2))
+}
+
 /// The closed sides of the domain.
 fn sides<const D: usize>(model: &Model<D>) -> Vec<Plane<D>> {
     let upper = model.grid.upper();
