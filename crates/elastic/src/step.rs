@@ -10,8 +10,8 @@
 
 use crate::linalg::TOLERANCE;
 use crate::term::Weights;
-use crate::{BlockMatrix, Elastic, ElasticError, ElasticState, Incremental};
-use meniscus_numerics::{Matrix, Vector};
+use crate::{BlockMatrix, Elastic, ElasticError, ElasticState, Incremental, StiffnessBlock};
+use meniscus_numerics::Vector;
 
 /// Most of Newton's iterations in a step.
 pub const ITERATIONS: usize = 60;
@@ -26,34 +26,6 @@ const CONVERGED: f64 = 1e-18;
 const ROUNDING: f64 = 1e-12;
 /// Fall, over the size of the terms, that is lost in the rounding of the potential.
 const VISIBLE: f64 = 1e-11;
-
-/// Stiffness that other forces add, N/m (2D: N/m²): minus the derivative of the force on `first` by the position of
-/// `second`. For two different vertices the transpose counts for the exchanged pair by itself.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StiffnessBlock<const D: usize> {
-    /// A vertex.
-    pub first: u32,
-    /// The same, or one that shares an element with it.
-    pub second: u32,
-    /// The block; symmetric if the vertices are the same. All blocks together must be positive semidefinite.
-    pub block: Matrix<D>,
-}
-
-/// Adds the impulses, N s, of other forces' stiffness in a step of `h` s that changes the velocities by `w`.
-pub(crate) fn add_extra<const D: usize>(
-    extra: &[StiffnessBlock<D>],
-    h: f64,
-    w: &[Vector<D>],
-    impulses: &mut [Vector<D>],
-) {
-    for StiffnessBlock { first, second, block } in extra {
-        let (i, j, block) = (*first as usize, *second as usize, block * (0.25 * h * h));
-        impulses[i] -= block * w[j];
-        if i != j {
-            impulses[j] -= block.tr_mul(&w[i]);
-        }
-    }
-}
 
 impl<const D: usize> Elastic<D> {
     /// The first half of a step of `step` s: moves the vertices with their velocities, held ones exactly as told.

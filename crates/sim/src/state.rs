@@ -1,7 +1,7 @@
 //! Everything that evolves.
 
-use crate::descent::Slips;
-use crate::liquid::momentum::Whole;
+use crate::collision::Slips;
+use crate::components::momentum::Whole;
 use crate::solid::SolidState;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, FaceField, Grid};

@@ -1,0 +1,279 @@
+//! How all solids that something can move answer to impulses together: `A⁻¹`, with the second derivatives `A` of the potential of a
+//! step.
+
+use crate::coupling::impulses::Exchange;
+use crate::model::Model;
+use crate::solid::deformable::Flow;
+use crate::solid::{Motion, SolidState};
+use meniscus_elastic::{Reach, Solution};
+use meniscus_numerics::Vector;
+use std::collections::BTreeSet;
+
+use super::points::{Points, turning};
+use crate::contact_line::friction::DraggedFace;
+use std::collections::BTreeMap;
+
+/// What a cell gives way, over what a face does, that is nothing: a pocket with no way out but through so little of a solid's
+/// surface could have any pressure.
+const SLIGHT: f64 = 1e-3;
+/// Widths of the blocks, doubling from one cell, in which it is asked how a solid gives way.
+const WIDTHS: u32 = 5;
+
+/// The answer of all solids.
+#[derive(Debug)]
+pub struct Response<const D: usize> {
+    solution: Solution<D>,
+    /// The first node of each solid.
+    first: Vec<usize>,
+    /// Mass of each node, kg (of an angular velocity a moment of inertia, kg m²).
+    masses: Vec<f64>,
+    /// Which nodes are those of rigid solids.
+    rigid: Vec<bool>,
+    /// Impulses on the nodes without the pressure, N s.
+    base: Vec<Vector<D>>,
+    /// What nodes that are told lack of their velocities, m/s.
+    lead: Vec<Vector<D>>,
+    /// Faces that contact lines tie to solids.
+    ties: Vec<Tie<D>>,
+}
+
+/// A face of the liquid that contact lines tie to solids.
+///
+/// It gets the velocity `u = m (u* − g + Σ_s d_s a_s·V)`, with `d_s` the drag of the line on solid `s` over the face's mass,
+/// `m = 1/(1 + Σ_s d_s)`, `a_s·V` that solid's velocity along the face's axis by those of its nodes, and `g` the pressure's push; the
+/// solid gets `M d_s (u − a_s·V)` with `M` the face's mass. With the solids' velocities of the step before, a light solid ran away:
+/// the liquid that it moves hands more back than it weighs (added mass). So `u` is eliminated, and `V` solved for with the
+/// pressure: the flow through the face is `α m Σ_s d_s a_s`, the mass `M Σ_s d_s (a_s a_sᵀ − m Σ_r d_r a_s a_rᵀ)`, which is positive
+/// semidefinite, and the system stays symmetric.
+#[derive(Clone, Debug)]
+pub struct Tie<const D: usize> {
+    /// Place among the dragged faces.
+    pub number: usize,
+    /// The liquid cells that it is the upper (+1) and the lower (−1) face of.
+    pub sides: Vec<(u32, f64)>,
+    /// The face's open part in areas of a face, `α`.
+    pub open: f64,
+    /// `m`.
+    pub mobility: f64,
+    /// `M`, kg.
+    pub mass: f64,
+    /// The solids that something can move.
+    pub ends: Vec<End<D>>,
+}
+
+/// A solid that a face is tied to.
+#[derive(Clone, Debug)]
+pub struct End<const D: usize> {
+    /// Place among the face's holds.
+    pub hold: usize,
+    /// `d_s`.
+    pub drag: f64,
+    /// The solid's velocity along the axis by those of its nodes, `a_s`.
+    pub arm: Vec<(usize, Vector<D>)>,
+}
+
+impl<const D: usize> End<D> {
+    /// The solid's velocity along the axis, m/s.
+    pub fn velocity(&self, nodes: &[Vector<D>]) -> f64 {
+        self.arm.iter().map(|(node, w)| w.dot(&nodes[*node])).sum()
+    }
+}
+
+impl<const D: usize> Tie<D> {
+    /// Calls `f` with the ends' masses for each other, kg.
+    pub fn masses(&self, mut f: impl FnMut(&End<D>, &End<D>, f64)) {
+        for (s, one) in self.ends.iter().enumerate() {
+            for (r, other) in self.ends.iter().enumerate() {
+                let own = if s == r { one.drag } else { 0.0 };
+                f(one, other, self.mass * (own - self.mobility * one.drag * other.drag));
+            }
+        }
+    }
+}
+
+impl<const D: usize> Response<D> {
+    /// By the inverse of the matrix.
+    pub fn new(
+        model: &Model<D>,
+        solids: &[SolidState<D>],
+        points: &Points<D>,
+        solution: Solution<D>,
+        (base, lead): (Vec<Vector<D>>, Vec<Vector<D>>),
+        ties: Vec<Tie<D>>,
+    ) -> Self {
+        let of = |(solid, now): (&crate::solid::Solid<D>, &SolidState<D>)| match solid.elastic() {
+            Some(elastic) => elastic.masses().to_vec(),
+            None => vec![solid.body.mass, solid.inertia(now).trace() / 3.0],
+        };
+        let masses: Vec<f64> = model.solids.iter().zip(solids).flat_map(of).collect();
+        let nodes = |solid: &crate::solid::Solid<D>| solid.elastic().map_or(2, |e| e.masses().len());
+        let rigid = |solid: &crate::solid::Solid<D>| vec![solid.elastic().is_none(); nodes(solid)];
+        let rigid = model.solids.iter().flat_map(rigid).collect();
+        Self { solution, first: points.first.clone(), masses, rigid, base, lead, ties }
+    }
+
+    /// Number of degrees of freedom.
+    pub fn freedoms(&self) -> usize {
+        D * self.masses.len()
+    }
+
+    /// Whether a degree of freedom is a rigid solid's.
+    pub fn is_rigid(&self, freedom: u32) -> bool {
+        self.rigid[freedom as usize / D]
+    }
+
+    /// The first node of a solid.
+    pub fn first(&self, solid: usize) -> usize {
+        self.first[solid]
+    }
+
+    /// `A⁻¹ b`, in place.
+    pub fn solve(&self, b: &mut [Vector<D>]) {
+        self.solution.solve(b);
+    }
+
+    /// What is needed to solve for the degrees of freedom that flow into cells.
+    pub fn reach(&self, flows: &[Flow]) -> Reach {
+        let all = flows.iter().flat_map(|(_, flow)| flow);
+        let nodes: BTreeSet<u32> = all.map(|(k, _)| k / D as u32).collect();
+        self.solution.reach(nodes.into_iter())
+    }
+
+    /// `A⁻¹ x` of these degrees of freedom, in place; `x` is 0 for all others. Of one vector or several, one after another.
+    pub fn solve_within(&self, reach: &Reach, x: &mut [f64]) {
+        let count = x.len() / self.freedoms();
+        self.solution.solve_within(reach, x, count);
+    }
+
+    /// What each cell by itself would give way if the nodes of solids that deform were loose, a bound of `F M⁻¹ Fᵀ` by the sums of its
+    /// rows, times the share of that which they are loose. Rigid solids give way as a whole only. `place` tells where a cell is.
+    pub fn porous(&self, flows: &[Flow], reach: &Reach, place: impl Fn(u32) -> [usize; D]) -> Vec<f64> {
+        let soft =
+            |flow: &Flow| (flow.0, flow.1.iter().filter(|(k, _)| !self.is_rigid(*k)).copied().collect());
+        let flows: Vec<Flow> = flows.iter().map(soft).collect();
+        if flows.iter().all(|(_, flow)| flow.is_empty()) {
+            return vec![0.0; flows.len()];
+        }
+        let mut sums = vec![0.0; self.freedoms()];
+        flows.iter().flat_map(|(_, flow)| flow).for_each(|(k, v)| sums[*k as usize] += v.abs());
+        let entry = |(k, v): &(u32, f64)| v.abs() * sums[*k as usize] / self.masses[*k as usize / D];
+        let all: Vec<f64> = flows.iter().map(|(_, flow)| flow.iter().map(entry).sum()).collect();
+        let loose = self.looseness(&flows, reach, place);
+        all.into_iter().map(|give| if give < SLIGHT { 0.0 } else { give * loose }).collect()
+    }
+
+    /// What pressures give way to over what they would if the nodes were loose: the mean over pushes to and fro in blocks of
+    /// 1 to 16 cells. Stiff sheets bend under wide ones only (design, numerics §1: as if loose up to a bending stiffness of some
+    /// hundred, as if rigid from 10⁵ on).
+    fn looseness(&self, flows: &[Flow], reach: &Reach, place: impl Fn(u32) -> [usize; D]) -> f64 {
+        let n = self.freedoms();
+        // Both sides of a sheet are pushed the same way.
+        let sides = flows.iter().map(|(cell, flow)| {
+            let along = |a: usize| flow.iter().filter(|(k, _)| *k as usize % D == a).map(|f| f.1).sum();
+            let total = Vector::<D>::from_fn(|a, _| along(a));
+            (place(*cell), total[total.iamax()].signum(), flow)
+        });
+        let sides: Vec<_> = sides.collect();
+        let mut pushes = vec![0.0; WIDTHS as usize * n];
+        for (width, push) in pushes.chunks_exact_mut(n).enumerate() {
+            for (at, side, flow) in &sides {
+                let even = at.iter().map(|i| i >> width).sum::<usize>() % 2 == 0;
+                let sign = if even { *side } else { -side };
+                flow.iter().for_each(|(k, v)| push[*k as usize] += sign * v);
+            }
+        }
+        let mut gives = pushes.clone();
+        self.solution.solve_within(reach, &mut gives, WIDTHS as usize);
+        let ratio = |(push, gives): (&[f64], &[f64])| {
+            let held: f64 = push.iter().zip(gives).map(|(f, x)| f * x).sum();
+            let loose: f64 = push.iter().enumerate().map(|(k, f)| f * f / self.masses[k / D]).sum();
+            if loose > 0.0 { held / loose } else { 1.0 }
+        };
+        let all = pushes.chunks_exact(n).zip(gives.chunks_exact(n));
+        all.map(ratio).sum::<f64>() / f64::from(WIDTHS)
+    }
+
+    /// An exchange as impulses on the nodes.
+    pub fn impulses(
+        &self,
+        model: &Model<D>,
+        solids: &[SolidState<D>],
+        exchange: &Exchange<D>,
+    ) -> Vec<Vector<D>> {
+        let mut all = vec![Vector::zeros(); self.masses.len()];
+        let sums = exchange.by_solid(solids.len());
+        for (k, solid) in model.solids.iter().enumerate() {
+            if solid.motion == Motion::Free {
+                let about = sums[k].about(&solids[k].center);
+                all[self.first[k]] = sums[k].linear;
+                all[self.first[k] + 1] = turning(&about.into());
+            }
+        }
+        for (solid, grips) in &exchange.grips {
+            crate::solid::deformable::spread(grips, &mut all[self.first[*solid as usize]..]);
+        }
+        all
+    }
+
+    /// The flows through tied faces: the cell, and the flow out of it by the components of the nodes' velocities.
+    pub fn tied_flows(&self) -> Vec<Flow> {
+        let of = |tie: &Tie<D>| {
+            let entries = |sign: f64| {
+                let of = |end: &End<D>| {
+                    let flow = sign * tie.open * tie.mobility * end.drag;
+                    let entry = |(node, w): &(usize, Vector<D>)| {
+                        (0..D).map(|a| ((node * D + a) as u32, flow * w[a])).collect::<Vec<_>>()
+                    };
+                    end.arm.iter().flat_map(entry).collect::<Vec<_>>()
+                };
+                tie.ends.iter().flat_map(of).collect::<Vec<_>>()
+            };
+            tie.sides.iter().map(|(cell, sign)| (*cell, entries(*sign))).collect::<Vec<_>>()
+        };
+        self.ties.iter().flat_map(of).collect()
+    }
+
+    /// The change of the nodes' velocities without the pressure of the cells: by what is given to them, the tied faces with their
+    /// `velocity` and the surface's `tension`, and some impulses more.
+    pub fn yields(
+        &self,
+        model: &Model<D>,
+        dragged: &[DraggedFace],
+        velocity: impl Fn(&DraggedFace) -> f64,
+        tension: BTreeMap<(usize, usize), f64>,
+        more: Option<Vec<Vector<D>>>,
+    ) -> Vec<Vector<D>> {
+        let weight = model.density * model.grid.cell_volume();
+        let mut impulses = self.base.clone();
+        more.iter().flatten().zip(&mut impulses).for_each(|(more, j)| *j += more);
+        for tie in &self.ties {
+            let f = &dragged[tie.number];
+            let pulled = tension.get(&(f.axis, f.face)).copied().unwrap_or(0.0) * tie.mobility;
+            for end in &tie.ends {
+                let push = weight * (f.mass * f.holds[end.hold].given(velocity(f)) - pulled * end.drag);
+                end.arm.iter().for_each(|(node, w)| impulses[*node] += w * push);
+            }
+        }
+        self.solve(&mut impulses);
+        impulses.iter().zip(&self.lead).map(|(c, lead)| c + lead).collect()
+    }
+
+    /// Adds the change of the nodes' velocities to the tied faces; `velocity` adds to one face.
+    pub fn carry(
+        &self,
+        dragged: &mut [DraggedFace],
+        change: &[Vector<D>],
+        mut velocity: impl FnMut(&DraggedFace, f64),
+    ) {
+        for tie in &self.ties {
+            let f = &mut dragged[tie.number];
+            let mut sum = 0.0;
+            for end in &tie.ends {
+                let by = end.velocity(change);
+                f.holds[end.hold].of_solid += by;
+                sum += end.drag * by;
+            }
+            velocity(f, tie.mobility * sum);
+        }
+    }
+}

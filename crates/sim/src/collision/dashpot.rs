@@ -1,0 +1,97 @@
+//! Damping of contacts between rigid solids.
+//!
+//! A rigid solid has no dissipation of its own in which it would come to rest on another one: on the barrier alone it swings for ever, and
+//! as a contact that swings holds friction's force in turns, what should stay creeps and what should slide slowly slides too far. So the
+//! barrier `B` of a pair of rigid solids has a dashpot beside it, which acts while they approach and never pulls (one-sided Kelvin–Voigt;
+//! the spring-dashpot contact of P. A. Cundall, O. D. L. Strack 1979, with the normal force not below zero):
+//!
+//! ```text
+//! h ½ c min(v_n, 0)²,   c = (τ − a) B''(d)
+//! ```
+//!
+//! with the velocity `v_n` with which they part, the distance `d` where the step starts, and the time `h` for which forces act. The
+//! barrier at the end of the coming step, after `a`, damps as `a B''` does by itself; with `τ = 2 √(m/k)` the damping of a solid that rests
+//! on one side is critical. Limit: bounces are events ([`super::impact`]), which this leaves alone only outside the barrier's reach.
+
+use super::barrier::{Met, of_distance};
+use super::broad_phase::Meeting;
+use super::points::{Lever, Owner};
+use super::potential::{Part, Potential, Term};
+use meniscus_numerics::Vector;
+
+/// A dashpot between a point of a rigid solid and what it meets.
+struct Dashpot<const D: usize> {
+    /// How velocities of nodes move both where the step starts.
+    levers: Vec<Vec<Lever<D>>>,
+    /// Direction away from the other.
+    normal: Vector<D>,
+    /// `c`, kg/s (2D: kg/(m s)).
+    coefficient: f64,
+}
+
+impl<const D: usize> Dashpot<D> {
+    /// The velocity with which both approach, m/s; none below 0.
+    fn approach(&self, velocities: &[Vector<D>]) -> f64 {
+        let of = |levers: &Vec<Lever<D>>| {
+            levers.iter().map(|(node, by)| by * velocities[*node]).sum::<Vector<D>>()
+        };
+        let apart = self.levers.iter().zip([1.0, -1.0]).map(|(levers, sign)| of(levers) * sign);
+        (-self.normal.dot(&apart.sum::<Vector<D>>())).max(0.0)
+    }
+}
+
+impl<const D: usize> Potential<'_, D> {
+    /// `τ` of the slowest free rigid solid, s: `m` is its mass, `k` the stiffness around half the reach of the barrier under one of the
+    /// `2 D` sides of its surface. At least the length of the coming step.
+    pub fn settling(&self) -> f64 {
+        let [_, _, bend] = self.barrier.of_distance(0.5 * self.barrier.reach);
+        let of = |(k, part): (usize, &Part<'_, D>)| match part {
+            Part::Free(rigid) if self.points.faces[k] > 0.0 => {
+                2.0 * (rigid.mass / (bend * self.points.faces[k] * self.stiffness(k, None))).sqrt()
+            }
+            _ => 0.0,
+        };
+        self.parts.iter().enumerate().map(of).fold(self.ahead, f64::max)
+    }
+
+    fn dashpot(&self, meeting: &Meeting) -> Option<Dashpot<D>> {
+        let owner = &self.points.owners[meeting.point() as usize];
+        let excess = self.settling - self.ahead;
+        if excess <= 0.0 || matches!(owner, Owner::Vertex { .. }) {
+            return None;
+        }
+        let start = &self.past.start;
+        let Met { point, distance, normal, other } = self.met(meeting, &start.places, &start.at)?;
+        let [_, _, bend] = self.barrier(point).of_distance(distance);
+        let coefficient = excess * self.scale(meeting) * bend;
+        let levers = [Some(*owner), other].into_iter().flatten().map(|o| start.places.levers(&o)).collect();
+        Some(Dashpot { levers, normal, coefficient })
+    }
+
+    /// The force of the dashpot of a pair, N (2D: N/m).
+    pub fn damped(&self, meeting: &Meeting, velocities: &[Vector<D>]) -> f64 {
+        self.dashpot(meeting).map_or(0.0, |dashpot| dashpot.coefficient * dashpot.approach(velocities))
+    }
+
+    /// The dissipation potential of all dashpots over `h`, W (2D: W/m).
+    pub fn damping(&self, velocities: &[Vector<D>], meetings: &[Meeting]) -> f64 {
+        let of = |m: &Meeting| {
+            self.dashpot(m)
+                .map_or(0.0, |dashpot| 0.5 * dashpot.coefficient * dashpot.approach(velocities).powi(2))
+        };
+        meetings.iter().map(of).sum()
+    }
+
+    /// The terms of all dashpots.
+    pub fn damping_terms(&self, velocities: &[Vector<D>], meetings: &[Meeting]) -> Vec<Term<D>> {
+        let of = |m: &Meeting| {
+            let dashpot = self.dashpot(m)?;
+            let approach = dashpot.approach(velocities);
+            let Dashpot { levers, normal, coefficient } = dashpot;
+            let (slope, bend) = (-coefficient * approach, if approach > 0.0 { coefficient } else { 0.0 });
+            // Velocities are the places after a second.
+            Some(Term { local: of_distance(&normal, levers.len(), slope, bend), levers, time: 1.0 })
+        };
+        meetings.iter().filter_map(of).collect()
+    }
+}

@@ -1,0 +1,111 @@
+//! What solids that deform overlap where they are: with that no run can start.
+
+use super::Overlap;
+use super::surfaces::Skins;
+use crate::model::{Model, Wall};
+use crate::solid::SolidState;
+use meniscus_contact::boxes::{Extent, overlapping};
+use meniscus_numerics::Vector;
+use meniscus_numerics::mesh::VolumeMesh;
+use meniscus_numerics::mesh::surface::area_vector;
+use meniscus_numerics::mesh::tree::closest_on_facet;
+use meniscus_numerics::mesh::volume::Simplex;
+use meniscus_numerics::shape::Probe;
+
+/// Overlaps of solids that deform with sides, rigid solids, each other, and themselves. What is held may be beyond a side
+/// and within solids that nothing moves.
+pub fn soft_overlaps<const D: usize>(
+    model: &Model<D>,
+    solids: &[SolidState<D>],
+    probes: &[Vec<Probe<D>>],
+) -> Vec<Overlap> {
+    let skins = Skins::new(solids);
+    let mut all = Vec::new();
+    for (i, now) in solids.iter().enumerate() {
+        let (Some(soft), Some(elastic)) = (&now.soft, model.solids[i].elastic()) else { continue };
+        let vertices = &soft.skin.surface.positions;
+        let held = |k: usize| elastic.held()[soft.skin.vertices()[k] as usize];
+        let loose: Vec<Vector<D>> = (0..vertices.len()).filter(|k| !held(*k)).map(|k| vertices[k]).collect();
+        let upper = model.grid.upper();
+        let beyond = |x: &Vector<D>| {
+            let side = |a: usize| {
+                let past =
+                    |wall: Wall, depth: f64| if wall == Wall::Slip { depth } else { f64::NEG_INFINITY };
+                past(model.walls[a][0], -x[a]).max(past(model.walls[a][1], x[a] - upper[a]))
+            };
+            (0..D).map(side).fold(f64::NEG_INFINITY, f64::max)
+        };
+        all.push((i, None, loose.iter().map(beyond).fold(0.0, f64::max)));
+        for (j, other) in
+            solids.iter().enumerate().filter(|(j, _)| *j != i && model.wetting_walls() != Some(*j))
+        {
+            let solid = &model.solids[j];
+            let within = |x: &Vector<D>| -solid.distance(other, x);
+            // It may be held within what stays or goes as told.
+            let told = solid.motion.is_told();
+            let mut depth = if told { &loose } else { vertices }.iter().map(within).fold(0.0, f64::max);
+            let rooted = told && (0..vertices.len()).any(|k| held(k) && within(&vertices[k]) >= 0.0);
+            if other.soft.is_none() && !rooted {
+                let inside = |p: &Probe<D>| p.radius - soft.skin.distance(&solid.where_now(other, &p.at));
+                depth = probes[j].iter().map(inside).fold(depth, f64::max);
+            }
+            // Surfaces that lie on each other do not tell; what is inside does.
+            depth = middles(&soft.body.positions, elastic.mesh(), solid.bounds(other))
+                .filter(|_| !rooted)
+                .map(|x| within(&x))
+                .fold(depth, f64::max);
+            all.push((i, Some(j), depth));
+        }
+    }
+    all.extend(crossings(&skins));
+    all.retain(|o| o.2 > 0.0);
+    all
+}
+
+/// The middles of the elements of a mesh, with its vertices where they are now, that lie within bounds.
+fn middles<const D: usize>(
+    now: &[Vector<D>],
+    mesh: &VolumeMesh<D>,
+    [low, high]: [Vector<D>; 2],
+) -> impl Iterator<Item = Vector<D>> {
+    let middle = |s: &Simplex<D>| s.vertices().map(|v| now[v as usize]).sum::<Vector<D>>() / (D + 1) as f64;
+    let inside = move |x: &Vector<D>| (0..D).all(|a| low[a] < x[a] && x[a] < high[a]);
+    mesh.simplices.iter().map(middle).filter(inside)
+}
+
+/// Surfaces that cross, their own as well.
+fn crossings<const D: usize>(skins: &Skins<D>) -> Vec<Overlap> {
+    let lines: Vec<[u32; 2]> = match D {
+        2 => skins.facets.iter().map(|f| [f[0], f[1]]).collect(),
+        _ => skins.edges.clone(),
+    };
+    let place = |p: u32| skins.at[p as usize];
+    let around = |points: &[u32]| -> Extent<D> {
+        let first = place(points[0]);
+        points.iter().fold([first; 2], |all, p| [all[0].inf(&place(*p)), all[1].sup(&place(*p))])
+    };
+    let boxes: Vec<_> = lines.iter().map(|l| around(l)).collect();
+    let facets: Vec<_> = skins.facets.iter().map(|f| around(f)).collect();
+    let crossing = |(line, facet): (u32, u32)| {
+        let (line, facet) = (lines[line as usize], skins.facets[facet as usize]);
+        if line.iter().any(|p| facet.contains(p)) {
+            return None;
+        }
+        let depth = crossing(line.map(place), &facet.map(place))?;
+        let [one, other] = [line[0], facet[0]].map(|p| skins.owner[p as usize]);
+        Some((one, Some(other), depth))
+    };
+    overlapping(&boxes, &facets).into_iter().filter_map(crossing).collect()
+}
+
+/// How far a line goes through a facet, by its shorter part, m; nothing if it does not.
+fn crossing<const D: usize>(line: [Vector<D>; 2], facet: &[Vector<D>; D]) -> Option<f64> {
+    let normal = area_vector(facet).try_normalize(0.0)?;
+    let [from, to] = line.map(|x| (x - facet[0]).dot(&normal));
+    if from * to >= 0.0 {
+        return None;
+    }
+    let x = line[0] + (line[1] - line[0]) * (from / (from - to));
+    let aside = (closest_on_facet(facet, &x).0 - x).norm();
+    (aside <= 1e-12 * (line[1] - line[0]).norm()).then(|| from.abs().min(to.abs()))
+}

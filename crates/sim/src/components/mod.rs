@@ -1,0 +1,6 @@
+//! Connected components of the liquid: what becomes of them, their volume, momentum and spin.
+
+pub mod momentum;
+pub mod restoration;
+pub mod tracking;
+pub mod volume;

@@ -1,0 +1,285 @@
+//! Volume of every connected component of the liquid.
+//!
+//! Each component has a volume to keep. When components merge their targets add up, when one splits its target is
+//! shared in proportion to the volumes of the parts. What the level set loses or gains in a step is put right by
+//! shifting φ by a constant near the component's surface; where the centre of mass of a body strays from its path in a
+//! direction in which nothing but its momentum moves it, a translation of φ brings it back.
+
+use super::momentum::Whole;
+use crate::free_surface::dual_cell::{CutCube, NEAREST};
+use crate::free_surface::energy::SurfaceLattice;
+use crate::model::Model;
+use crate::state::Drop;
+use meniscus_numerics::grid::{Band, CellField, Runs, Sampler};
+use meniscus_numerics::{Matrix, Vector};
+use rayon::prelude::*;
+
+/// Volume error over the volume, and distance of a centre of mass over the domain's size, that is left alone.
+const EXACT: f64 = 1e-13;
+/// Most of Newton's iterations for volumes and centres.
+const ITERATIONS: usize = 6;
+
+/// Components of two times that became one another: which old ones, which new ones.
+#[derive(Clone, Debug)]
+pub struct Group<const D: usize> {
+    /// Old components.
+    pub old: Vec<usize>,
+    /// New components.
+    pub new: Vec<usize>,
+    /// What the new ones must be together at the end of the step, if they touch nothing that holds them.
+    pub whole: Option<Whole<D>>,
+    /// What they must be once they are carried along and before any force acts, if solids hold them.
+    pub carried: Option<Whole<D>>,
+    /// The part of a vector in directions in which nothing but momentum tells their place: all of it where they touch
+    /// nothing, what is along an even wall for drops on it.
+    pub placed: Matrix<D>,
+    /// Whether their angular momentum is told well enough to be kept.
+    pub turns: bool,
+}
+
+impl<const D: usize> Group<D> {
+    /// These old components became these new ones.
+    pub fn new(old: Vec<usize>, new: Vec<usize>) -> Self {
+        Self { old, new, whole: None, carried: None, placed: Matrix::zeros(), turns: true }
+    }
+}
+
+/// What became of which components.
+pub struct Followed<const D: usize> {
+    /// Which became which.
+    pub groups: Vec<Group<D>>,
+    /// Old components that shared no cell with a new one and joined the nearest.
+    pub vanished: Vec<usize>,
+    /// New components that shared no cell with an old one, where none was missing, and the nearest old one, which they join.
+    pub appeared: Vec<(usize, usize)>,
+}
+
+/// Follows components from `before` to `after` by the cells they share; strays join the nearest, but those that `left` tells
+/// have left the domain.
+pub fn follow<const D: usize>(
+    before: &Runs,
+    after: &Runs,
+    drops: &[Drop<D>],
+    centroids: &[Vector<D>],
+    dt: f64,
+    left: impl Fn(&Drop<D>) -> bool,
+) -> Followed<D> {
+    let (m, n) = (before.components as usize, after.components as usize);
+    let mut parent: Vec<usize> = (0..m + n).collect();
+    fn find(parent: &[usize], mut i: usize) -> usize {
+        while parent[i] != i {
+            i = parent[i];
+        }
+        i
+    }
+    let mut link = |i: usize, j: usize| {
+        let (a, b) = (find(&parent, i), find(&parent, j));
+        parent[a.max(b)] = a.min(b);
+    };
+    let overlaps = before.overlaps(after);
+    let mut met = vec![false; m + n];
+    for &(a, b, _) in &overlaps {
+        link(a as usize, m + b as usize);
+        (met[a as usize], met[m + b as usize]) = (true, true);
+    }
+    // A small drop may leave its cells in one step, or become too small to see, or appear: it belongs to the nearest,
+    // so that neither volume nor momentum is lost. Newcomers look for drops that went missing first.
+    let (mut vanished, mut appeared) = (Vec::new(), Vec::new());
+    let gap = |i: usize, j: usize| (drops[i].centroid + drops[i].velocity * dt - centroids[j]).norm();
+    for j in 0..n {
+        if met[m + j] {
+            continue;
+        }
+        let missing = (0..m).filter(|i| !met[*i]).min_by(|a, b| gap(*a, j).total_cmp(&gap(*b, j)));
+        let any = (0..m).min_by(|a, b| gap(*a, j).total_cmp(&gap(*b, j)));
+        if let Some(i) = missing.or(any) {
+            link(i, m + j);
+            if missing.is_none() {
+                appeared.push((j, i));
+            }
+            met[i] = true;
+        }
+    }
+    for i in 0..m {
+        if met[i] || left(&drops[i]) {
+            continue;
+        }
+        vanished.push(i);
+        if let Some(j) = (0..n).min_by(|a, b| gap(i, *a).total_cmp(&gap(i, *b))) {
+            link(i, m + j);
+        }
+    }
+    let mut groups: Vec<Group<D>> = vec![Group::new(Vec::new(), Vec::new()); m + n];
+    for i in 0..m + n {
+        let root = find(&parent, i);
+        if i < m { groups[root].old.push(i) } else { groups[root].new.push(i - m) }
+    }
+    groups.retain(|g| !g.old.is_empty() || !g.new.is_empty());
+    Followed { groups, vanished, appeared }
+}
+
+/// Target volumes of the new components, and the volume of old ones that are gone.
+pub fn targets<const D: usize>(groups: &[Group<D>], drops: &[Drop<D>], volumes: &[f64]) -> (Vec<f64>, f64) {
+    let mut targets = volumes.to_vec();
+    let mut lost = 0.0;
+    for group in groups {
+        let total: f64 = group.old.iter().map(|&i| drops[i].target_volume).sum();
+        let measured: f64 = group.new.iter().map(|&j| volumes[j].max(0.0)).sum();
+        if group.new.is_empty() {
+            lost += total;
+        } else if group.old.is_empty() {
+            lost -= measured;
+        } else {
+            let share = |j: usize| {
+                if measured > 0.0 { volumes[j].max(0.0) / measured } else { 1.0 / group.new.len() as f64 }
+            };
+            group.new.iter().for_each(|&j| targets[j] = total * share(j));
+        }
+    }
+    (targets, lost)
+}
+
+/// The component that each cell of the band belongs to: its own, or that of the nearest liquid.
+pub fn band_labels<const D: usize>(
+    model: &Model<D>,
+    band: &Band<D>,
+    phi: &CellField<D>,
+    liquid: &Runs,
+) -> Vec<u32> {
+    let lattice = model.grid.lattice();
+    let rows = liquid.row_starts(&model.grid);
+    let mut labels = vec![u32::MAX; band.cells.len()];
+    for (i, &cell) in band.cells.iter().enumerate() {
+        if phi.data[cell as usize] < 0.0 {
+            let (row, x) = (cell as usize / lattice.extent[0], cell % lattice.extent[0] as u32);
+            let runs = &liquid.runs[rows[row]..rows[row + 1]];
+            let k = runs.partition_point(|r| r.end <= x);
+            labels[i] = runs.get(k).filter(|r| r.start <= x).map_or(u32::MAX, |r| r.component);
+        }
+    }
+    for i in 0..band.cells.len() {
+        if labels[i] == u32::MAX {
+            let near = |n: usize| band.slot(n).map(|s| labels[s]).filter(|l| *l != u32::MAX);
+            labels[i] = lattice.neighbours(band.cells[i] as usize).find_map(near).unwrap_or(u32::MAX);
+        }
+    }
+    labels
+}
+
+/// The surface as it is: cubes cut, volume and centre of each component.
+pub struct Measured<const D: usize> {
+    /// Cubes that the surface passes.
+    pub cubes: Vec<CutCube>,
+    /// Volume of each component, m³ (2D: m²).
+    pub volumes: Vec<f64>,
+    /// Centre of each component, m.
+    pub centers: Vec<Vector<D>>,
+}
+
+/// How far the parts of each group must move for the whole to be in its place, by component.
+pub fn astray<const D: usize>(groups: &[Group<D>], targets: &[f64], centers: &[Vector<D>]) -> Vec<Vector<D>> {
+    let mut moves = vec![Vector::zeros(); centers.len()];
+    for group in groups {
+        let Some(whole) = group.whole.as_ref().or(group.carried.as_ref()) else { continue };
+        let sum = group.new.iter().fold(Vector::zeros(), |s: Vector<D>, &j| s + centers[j] * targets[j]);
+        group.new.iter().for_each(|&j| moves[j] = group.placed * (whole.center - sum / whole.mass));
+    }
+    moves
+}
+
+/// Where the liquid is, for measuring and correcting its volume.
+pub struct Liquid<'a, const D: usize> {
+    /// The model.
+    pub model: &'a Model<D>,
+    /// The lattice that measures.
+    pub lattice: &'a SurfaceLattice<D>,
+    /// The cells around the surface.
+    pub band: &'a Band<D>,
+    /// The liquid cells.
+    pub cells: &'a Runs,
+    /// Component of each cell of the band ([`band_labels`]).
+    pub labels: &'a [u32],
+}
+
+impl<const D: usize> Liquid<'_, D> {
+    /// Component of a cell: in the band that of the nearest liquid.
+    fn labels(&self) -> impl Fn(usize) -> Option<u32> {
+        let deep = self.cells.component(&self.model.grid);
+        move |cell| match self.band.slot(cell) {
+            Some(slot) => Some(self.labels[slot]).filter(|l| *l != u32::MAX),
+            None => deep(cell),
+        }
+    }
+
+    /// Measures the surface of `phi`.
+    pub fn measure(&self, phi: &CellField<D>) -> Measured<D> {
+        let cubes = self.lattice.cut(&phi.data, self.band);
+        let sums = self.lattice.volumes(self.cells, self.labels(), &cubes);
+        let (volumes, centers) = sums.into_iter().unzip();
+        Measured { cubes, volumes, centers }
+    }
+
+    /// Shifts φ within `limit` of each component's surface until its volume is the target and the whole that it belongs
+    /// to is in its place (Newton), and measures. Gives back as well whether that came to its end.
+    pub fn correct(
+        &self,
+        phi: &mut CellField<D>,
+        mut now: Measured<D>,
+        targets: &[f64],
+        groups: &[Group<D>],
+        limit: f64,
+    ) -> (Measured<D>, bool) {
+        let dx = self.model.grid.dx;
+        let least = NEAREST * dx;
+        let near = EXACT * self.model.grid.upper().norm();
+        let slopes = self.slopes(phi, groups);
+        let right = |now: &Measured<D>, moves: &[Vector<D>]| {
+            let off = |c: usize| (now.volumes[c] - targets[c]).abs() > EXACT * targets[c].abs();
+            !(0..targets.len()).any(|c| off(c) || moves[c].norm() > near)
+        };
+        for _ in 0..ITERATIONS {
+            let moves = astray(groups, targets, &now.centers);
+            if right(&now, &moves) {
+                return (now, true);
+            }
+            let moves: Vec<Vector<D>> = moves.iter().map(|d| d.cap_magnitude(0.1 * dx)).collect();
+            let shifts = self.shifts(&now, targets);
+            for (i, (&cell, &l)) in self.band.cells.iter().zip(self.labels).enumerate() {
+                let value = &mut phi.data[cell as usize];
+                if l != u32::MAX && value.abs() < limit {
+                    // Signs stay: the runs of liquid cells must remain what they are within a step.
+                    let c = l as usize;
+                    let shifted = *value + shifts[c] - slopes.get(i).map_or(0.0, |s| s.dot(&moves[c]));
+                    *value = if *value < 0.0 { shifted.min(-least) } else { shifted.max(least) };
+                }
+            }
+            now = self.measure(phi);
+        }
+        let converged = right(&now, &astray(groups, targets, &now.centers));
+        (now, converged)
+    }
+
+    /// By how much φ must change for each component's volume to be right, m.
+    fn shifts(&self, now: &Measured<D>, targets: &[f64]) -> Vec<f64> {
+        let label = self.labels();
+        let mut slopes = vec![0.0; targets.len()];
+        for cube in &now.cubes {
+            let slope = cube.volume_slope.iter().sum::<f64>();
+            cube.share(&label, |c, part| slopes[c as usize] += part * slope);
+        }
+        let grid = &self.model.grid;
+        let shift = |c: usize| (now.volumes[c] - targets[c]) / grid.cell_volume() / f64::max(slopes[c], 1.0);
+        (0..targets.len()).map(|c| shift(c).clamp(-0.1, 0.1) * grid.dx).collect()
+    }
+
+    /// ∇φ on the band; nothing where no group must be anywhere.
+    fn slopes(&self, phi: &CellField<D>, groups: &[Group<D>]) -> Vec<Vector<D>> {
+        if groups.iter().all(|g| g.placed.norm_squared() == 0.0) {
+            return Vec::new();
+        }
+        let grid = &self.model.grid;
+        let sampler = Sampler::cells(grid, &phi.data, self.model.scalar_edges());
+        let slope = |&cell: &u32| sampler.slope(grid.lattice().coordinates(cell as usize));
+        self.band.cells.par_iter().map(slope).collect()
+    }
+}

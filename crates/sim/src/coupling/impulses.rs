@@ -1,0 +1,98 @@
+//! Impulses that liquid and solids give each other.
+
+use crate::solid::SolidState;
+use crate::solid::surface::Grip;
+use meniscus_numerics::{Vector, planes};
+use std::collections::BTreeMap;
+
+/// An impulse and its moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impulse<const D: usize> {
+    /// N s (2D: per metre).
+    pub linear: Vector<D>,
+    /// About the origin, N m s (2D: N s, in the last entry).
+    pub turning: Vector<3>,
+}
+
+impl<const D: usize> Impulse<D> {
+    /// None.
+    pub fn none() -> Self {
+        Self { linear: Vector::zeros(), turning: Vector::zeros() }
+    }
+
+    /// One that acts at a point.
+    pub fn at(x: &Vector<D>, linear: Vector<D>) -> Self {
+        Self { linear, turning: moment(x, &linear) }
+    }
+
+    /// Adds `scale` times another.
+    pub fn add(&mut self, other: &Self, scale: f64) {
+        self.linear += other.linear * scale;
+        self.turning += other.turning * scale;
+    }
+
+    /// The moment about a point.
+    pub fn about(&self, center: &Vector<D>) -> Vector<3> {
+        self.turning - moment(center, &self.linear)
+    }
+}
+
+/// `r × f` (2D: in the last entry).
+pub fn moment<const D: usize>(r: &Vector<D>, f: &Vector<D>) -> Vector<3> {
+    let mut sum = Vector::<3>::zeros();
+    planes::<D>().iter().for_each(|&(a, b, place)| sum[place] += r[a] * f[b] - r[b] * f[a]);
+    sum
+}
+
+/// What the liquid gives to the solids.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Exchange<const D: usize> {
+    /// Impulses of the liquid's components on the solids, by the numbers of both.
+    pub pairs: BTreeMap<(u32, u32), Impulse<D>>,
+    /// By the numbers of solids that deform: where they are gripped, and the impulse there, N s (2D: per metre).
+    pub grips: BTreeMap<u32, Vec<(Grip<D>, Vector<D>)>>,
+}
+
+impl<const D: usize> Exchange<D> {
+    /// Nothing.
+    pub fn new() -> Self {
+        Self { pairs: BTreeMap::new(), grips: BTreeMap::new() }
+    }
+
+    /// Adds `scale` times an impulse of a component on a rigid solid.
+    pub fn add(&mut self, pair: (u32, u32), impulse: &Impulse<D>, scale: f64) {
+        self.pairs.entry(pair).or_insert_with(Impulse::none).add(impulse, scale);
+    }
+
+    /// Adds an impulse on a solid that deforms, where it is gripped.
+    pub fn grip(&mut self, pair: (u32, u32), grip: &Grip<D>, linear: Vector<D>) {
+        self.add(pair, &Impulse::at(&grip.point, linear), 1.0);
+        self.grips.entry(pair.1).or_default().push((*grip, linear));
+    }
+
+    /// Adds an impulse at a point of a solid, or of its surface near that if it deforms.
+    pub fn push(&mut self, pair: (u32, u32), solid: &SolidState<D>, x: &Vector<D>, linear: Vector<D>) {
+        match solid.grip(x) {
+            Some(grip) => self.grip(pair, &grip, linear),
+            None => self.add(pair, &Impulse::at(x, linear), 1.0),
+        }
+    }
+
+    /// Adds another.
+    pub fn extend(&mut self, other: &Self) {
+        other.pairs.iter().for_each(|(pair, impulse)| self.add(*pair, impulse, 1.0));
+        other.grips.iter().for_each(|(solid, grips)| self.grips.entry(*solid).or_default().extend(grips));
+    }
+
+    /// The sums over all components, by solid.
+    pub fn by_solid(&self, solids: usize) -> Vec<Impulse<D>> {
+        let mut sums = vec![Impulse::none(); solids];
+        self.pairs.iter().for_each(|((_, solid), impulse)| sums[*solid as usize].add(impulse, 1.0));
+        sums
+    }
+
+    /// Whether nothing is given.
+    pub fn is_empty(&self) -> bool {
+        self.pairs.is_empty()
+    }
+}

@@ -1,0 +1,161 @@
+//! Tests of the viscosity.
+
+use super::*;
+use crate::model::{Numerics, Wall};
+use crate::simulation::workspace::{BAND, Workspace};
+use crate::state::State;
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
+
+fn model<const D: usize>(cells: usize) -> Model<D> {
+    Model {
+        grid: Grid::new([cells; D], 1.0 / cells as f64),
+        walls: [[Wall::Slip; 2]; D],
+        density: 1.0,
+        kinematic_viscosity: 0.1,
+        surface_tension: 1.0,
+        gravity: Vector::zeros(),
+        solids: Vec::new(),
+        numerics: Numerics::default(),
+    }
+}
+
+/// Liquid where `distance` is negative, with a velocity on its faces.
+fn liquid<const D: usize>(
+    model: &Model<D>,
+    distance: impl Fn(&Vector<D>) -> f64,
+    velocity: impl Fn(&Vector<D>) -> Vector<D>,
+) -> (State<D>, Workspace<D>) {
+    let grid = &model.grid;
+    let mut state = State::empty(*grid);
+    let lattice = grid.lattice();
+    let limit = BAND * grid.dx;
+    for i in 0..lattice.len() {
+        state.phi.data[i] = distance(&grid.center(lattice.coordinates(i))).clamp(-limit, limit);
+    }
+    let work = Workspace::new(model, &mut state);
+    for a in 0..D {
+        state.velocity.axes[a].fill(0.0);
+        let faces = grid.faces(a);
+        for s in &work.known.liquid()[a] {
+            for f in s.row * faces.extent[0] + s.start..s.row * faces.extent[0] + s.end {
+                let at = faces.coordinates(f);
+                if !model.closed(a, at[a]) {
+                    state.velocity.axes[a][f] = velocity(&grid.face_center(a, at))[a];
+                }
+            }
+        }
+    }
+    (state, work)
+}
+
+fn diffusion<'a, const D: usize>(state: &'a mut State<D>, work: &'a Workspace<D>) -> Diffusion<'a, D> {
+    Diffusion {
+        velocity: &mut state.velocity,
+        phi: &state.phi,
+        band: &work.band,
+        liquid: &work.liquid,
+        faces: work.known.liquid(),
+        solids: &work.cut,
+    }
+}
+
+fn ball<const D: usize>(x: &Vector<D>) -> f64 {
+    (x - Vector::from_fn(|a, _| 0.47 + 0.041 * a as f64)).norm() - 0.26
+}
+
+fn rigid_motions_stay<const D: usize>() {
+    let model = model::<D>(if D == 2 { 40 } else { 24 });
+    let turn = |x: &Vector<D>| {
+        let (x, y, z) = (x[0], x[1], x[D - 1]);
+        Vector::from_fn(|a, _| match a {
+            0 => 0.7 - 2.0 * y + if D == 3 { 0.5 * z } else { 0.0 },
+            1 => 2.0 * x - 1.3 * if D == 3 { z } else { 0.0 },
+            _ => 0.4 + 1.3 * y - 0.5 * x,
+        })
+    };
+    let (mut state, work) = liquid(&model, ball, turn);
+    let before = state.velocity.clone();
+    let report = diffusion(&mut state, &work).advance_to(&model, 0.1, 1e-13).unwrap();
+    let mut change = 0.0f64;
+    for a in 0..D {
+        for (new, old) in state.velocity.axes[a].iter().zip(&before.axes[a]) {
+            change = change.max((new - old).abs());
+        }
+    }
+    assert!(change < 1e-10, "{D}D: change {change:e}, {report:?}");
+}
+
+#[test]
+fn uniform_velocity_and_rotation_are_unchanged() {
+    rigid_motions_stay::<2>();
+    rigid_motions_stay::<3>();
+}
+
+fn operator_is_symmetric<const D: usize>() {
+    // The liquid touches a closed and an open side.
+    let mut model = model::<D>(12);
+    model.walls[0][1] = Wall::Open;
+    model.walls[1][0] = Wall::Open;
+    let (mut state, work) = liquid(&model, |x| ball(&(x * 0.6)), |_| Vector::zeros());
+    let d = diffusion(&mut state, &work);
+    let places = Places::new(&model, &d);
+    let operator = Viscous::new(&model, d.phi, d.solids, &places, 3.0);
+    let diagonal = operator.diagonal();
+    let n = operator.size();
+    let (mut x, mut image) = (vec![0.0; n], vec![0.0; n]);
+    let mut rows = Vec::new();
+    for i in 0..n {
+        x[i] = if operator.cells[i / D].free[i % D] { 1.0 } else { 0.0 };
+        operator.apply(&x, &mut image);
+        assert!((image[i] - diagonal[i]).abs() < 1e-12, "{D}D: diagonal {i}");
+        rows.push(image.clone());
+        x[i] = 0.0;
+    }
+    for (i, row) in rows.iter().enumerate() {
+        assert!((0..i).all(|j| (row[j] - rows[j][i]).abs() < 1e-12), "{D}D: row {i}");
+    }
+}
+
+#[test]
+fn the_operator_is_symmetric() {
+    operator_is_symmetric::<2>();
+    operator_is_symmetric::<3>();
+}
+
+#[test]
+fn a_linear_strain_dissipates_what_it_should() {
+    let model = model::<2>(64);
+    let center = Vector::<2>::new(0.493, 0.508);
+    let (mut state, work) = liquid(&model, |x| (x - center).norm() - 0.25, |_| Vector::zeros());
+    let d = diffusion(&mut state, &work);
+    let places = Places::new(&model, &d);
+    let mut operator = Viscous::new(&model, d.phi, d.solids, &places, 1.0);
+    operator.cells.iter_mut().for_each(|c| c.mass = [0.0; 2]);
+    let strain = |i: usize, a: usize| {
+        let x = model.grid.face_center(a, places.lattice.coordinates(places.list[i] as usize));
+        if i == 0 { 0.0 } else { [x[0], -x[1]][a] }
+    };
+    let x: Vec<f64> = (0..operator.size()).map(|i| strain(i / 2, i % 2)).collect();
+    let mut image = vec![0.0; x.len()];
+    // With stiffness one the operator is Φ/(ν Δ^(D−2)).
+    let dissipation = operator.apply_dot(&x, &mut image);
+    let exact = 4.0 * std::f64::consts::PI * 0.25 * 0.25;
+    assert!((dissipation / exact - 1.0).abs() < 0.01, "{dissipation} for {exact}");
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let model = model::<3>(24);
+    let bits = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let flow = |x: &Vector<3>| Vector::from_fn(|a, _| (9.0 * x[(a + 1) % 3] + a as f64).sin());
+            let (mut state, work) = liquid(&model, ball, flow);
+            let report = diffusion(&mut state, &work).advance(&model, 0.05).unwrap();
+            assert!(report.iterations > 5);
+            state.velocity.axes.map(|v| v.iter().map(|u| u.to_bits()).collect::<Vec<_>>())
+        })
+    };
+    assert_eq!(bits(1), bits(2));
+}

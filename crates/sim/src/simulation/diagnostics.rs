@@ -1,0 +1,216 @@
+//! The books: volume, momentum and energy of a state.
+
+use super::workspace::{Workspace, boxes};
+use crate::components::momentum::{Moments, together};
+use crate::components::restoration::keep_momentum;
+use crate::components::tracking::Change;
+use crate::flow::pressure::divergence_max;
+use crate::free_surface::curvature::Curvature;
+use crate::free_surface::dual_cell::CutCube;
+use crate::free_surface::interface_faces::{CutFace, cut_faces};
+use crate::model::Model;
+use crate::repairs::Repairs;
+use crate::solid::{Solid, SolidState};
+use crate::state::{Drop, State};
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Segment;
+use meniscus_numerics::linalg::SolveReport;
+use rayon::prelude::*;
+
+/// Sums over the whole liquid. In 2D everything is per metre of depth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ledger<const D: usize> {
+    /// Volume, m³.
+    pub volume: f64,
+    /// Volume there should be, m³.
+    pub target_volume: f64,
+    /// Volume too much or too little, summed over the components (an excess of one does not make up for what another
+    /// lacks), over all the volume; its sign is that of the sum.
+    pub volume_error: f64,
+    /// Centre of mass, m.
+    pub centroid: Vector<D>,
+    /// Momentum, kg m/s.
+    pub momentum: Vector<D>,
+    /// Angular momentum about the origin, kg m²/s; in 2D only the last entry.
+    pub angular_momentum: [f64; 3],
+    /// Kinetic energy, J, of free solids as well.
+    pub kinetic_energy: f64,
+    /// Tension times the area of the surface, J.
+    pub surface_energy: f64,
+    /// Energy in the deformation of solids, J, at the time of the velocities.
+    pub elastic_energy: f64,
+    /// The smallest volume (2D: area) of an element of the solids that deform over that at rest, not above zero where one is
+    /// turned inside out; none without such solids.
+    pub least_element: Option<f64>,
+    /// −mass × gravity · centre of mass, J, of free solids as well.
+    pub potential_energy: f64,
+    /// Largest speed, m/s.
+    pub max_speed: f64,
+    /// Largest divergence in a liquid cell, 1/s.
+    pub divergence_max: f64,
+}
+
+/// What a step did.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepReport<const D: usize> {
+    /// Length of the step taken, s.
+    pub dt: f64,
+    /// Cells that the fastest liquid moved.
+    pub cfl: f64,
+    /// The pressure solves: the one for the forces, and the short one for what viscosity and the surface's slope change.
+    pub solves: [SolveReport; 2],
+    /// Newton's iterations for solids and pressure; none where nothing moves the solids but what they are told.
+    pub newton_iterations: u64,
+    /// What it mended; how often the step was halved and done again.
+    pub repairs: Repairs,
+    /// The books after the step.
+    pub ledger: Ledger<D>,
+}
+
+impl<const D: usize> StepReport<D> {
+    /// Iterations of both solves together.
+    pub fn iterations(&self) -> usize {
+        self.solves.iter().map(|solve| solve.iterations).sum()
+    }
+}
+
+/// The surface's energy over its tension, m² (2D: m).
+pub fn surface_energy<const D: usize>(model: &Model<D>, cubes: &[CutCube]) -> f64 {
+    cubes.iter().map(|c| c.area - c.young * c.wetted).sum::<f64>() * model.grid.face_area()
+}
+
+/// ½ ρ ∫ u² of the liquid, J: of components of these volumes, as their momentum is.
+pub fn kinetic_energy<const D: usize>(model: &Model<D>, moments: &[Moments<D>], volumes: &[f64]) -> f64 {
+    let energies = moments.iter().zip(volumes).map(|(m, volume)| m.weighing(*volume).energy);
+    0.5 * model.density * energies.flatten().sum::<f64>()
+}
+
+/// The components as drops.
+pub fn drops<const D: usize>(
+    model: &Model<D>,
+    work: &Workspace<D>,
+    cut: &[CutFace],
+    moments: &[Moments<D>],
+    change: &Change<D>,
+) -> Vec<Drop<D>> {
+    let label = work.liquid.component(&model.grid);
+    let half = 0.5 * model.grid.dx;
+    let mut drops: Vec<Drop<D>> = boxes(model, &work.liquid)
+        .into_iter()
+        .zip(moments)
+        .enumerate()
+        .map(|(c, ((low, high), m))| {
+            let whole = m.weighing(change.targets[c]).whole(change.centers[c]);
+            Drop {
+                target_volume: change.targets[c],
+                volume: change.volumes[c],
+                centroid: whole.center,
+                // Outermost centres, or the wall behind them; the surface's place follows.
+                lower: low.map(|x| if x < 1.5 * half { 0.0 } else { x }),
+                upper: Vector::from_fn(|a, _| {
+                    let side = model.grid.upper()[a];
+                    if high[a] > side - 1.5 * half { side } else { high[a] }
+                }),
+                velocity: whole.velocity,
+                spin: whole.spin,
+            }
+        })
+        .collect();
+    for f in cut {
+        let Some(c) = label(f.cell) else { continue };
+        let drop = &mut drops[c as usize];
+        let x = model.grid.center(model.grid.lattice().coordinates(f.cell))[f.axis];
+        let surface = x + f.sign * f.theta * model.grid.dx;
+        drop.lower[f.axis] = drop.lower[f.axis].min(surface);
+        drop.upper[f.axis] = drop.upper[f.axis].max(surface);
+    }
+    drops
+}
+
+/// Largest velocity component on the liquid's faces, m/s.
+pub fn max_component<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> f64 {
+    (0..D)
+        .map(|a| {
+            let row = model.grid.faces(a).extent[0];
+            let values = &state.velocity.axes[a];
+            let stretch = |s: &Segment| {
+                values[s.row * row + s.start..s.row * row + s.end].iter().fold(0.0f64, |m, v| m.max(v.abs()))
+            };
+            work.known.liquid()[a].par_iter().map(stretch).reduce(|| 0.0, f64::max)
+        })
+        .fold(0.0, f64::max)
+}
+
+/// Energy of liquid and free solids in gravity, J.
+pub fn potential_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
+    let lift = |d: &Drop<D>| -d.target_volume * model.gravity.dot(&d.centroid);
+    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.motion.is_told());
+    let solids: f64 = solids.map(|(s, now)| -s.body.mass * model.gravity.dot(&now.center)).sum();
+    model.density * state.drops.iter().map(lift).sum::<f64>() + solids
+}
+
+/// Energy of the motion of liquid and free solids, and of the surfaces, J.
+pub fn own_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
+    moving_energy(model, state) + elastic_energy(model, state) + model.surface_tension * state.surface_area
+}
+
+/// Energy in the solids' deformation at the time of the velocities, J: with their kinetic energy it is what a step keeps
+/// (`meniscus_elastic::Incremental`).
+fn elastic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
+    let soft = |(solid, now): (&Solid<D>, &SolidState<D>)| {
+        let (elastic, soft) = solid.elastic().zip(now.soft.as_ref())?;
+        let mut body = soft.body.clone();
+        elastic.advance_positions(&mut body, state.lead);
+        Some(elastic.elastic_energy(&body.positions))
+    };
+    model.solids.iter().zip(&state.solids).filter_map(soft).sum()
+}
+
+/// [`Ledger::least_element`].
+fn least_element<const D: usize>(model: &Model<D>, state: &State<D>) -> Option<f64> {
+    let soft = |(solid, now): (&Solid<D>, &SolidState<D>)| {
+        solid.elastic().zip(now.soft.as_ref()).map(|(e, soft)| e.least_element(&soft.body.positions))
+    };
+    model.solids.iter().zip(&state.solids).filter_map(soft).reduce(f64::min)
+}
+
+/// Energy of the motion of liquid and free solids, J.
+fn moving_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
+    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.motion.is_told());
+    state.kinetic_energy + solids.map(|(s, now)| s.kinetic_energy(now)).sum::<f64>()
+}
+
+/// The books of a new state: drops, energies. The velocity must be known on the liquid's faces.
+pub fn open_books<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
+    let change = Change::none(model, state, work);
+    let flat = Curvature::unknown();
+    let cut = cut_faces(model, &state.phi, &work.band, &flat, &work.cut);
+    let moments = keep_momentum(model, state, work, &cut, (&change, &[]), 0.0).moments;
+    state.drops = drops(model, work, &cut, &moments, &change);
+    state.kinetic_energy = kinetic_energy(model, &moments, &change.targets);
+    state.surface_area = surface_energy(model, &change.cubes);
+}
+
+/// The books of a state.
+pub fn ledger<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Ledger<D> {
+    let drops = &state.drops;
+    let all = together(drops.iter().map(Drop::whole));
+    let mass = model.density * all.mass;
+    let excess = || drops.iter().map(|d| d.volume - d.target_volume);
+    let misplaced = excess().map(f64::abs).sum::<f64>().copysign(excess().sum());
+    Ledger {
+        volume: drops.iter().map(|d| d.volume).sum(),
+        target_volume: all.mass,
+        volume_error: misplaced / all.mass.max(f64::MIN_POSITIVE),
+        centroid: all.center,
+        momentum: all.velocity * mass,
+        angular_momentum: all.about(&Vector::zeros()).map(|l| model.density * l),
+        kinetic_energy: moving_energy(model, state),
+        surface_energy: model.surface_tension * state.surface_area,
+        elastic_energy: elastic_energy(model, state),
+        least_element: least_element(model, state),
+        potential_energy: potential_energy(model, state),
+        max_speed: max_component(model, state, work),
+        divergence_max: divergence_max(model, state, &work.liquid, &work.cut),
+    }
+}
