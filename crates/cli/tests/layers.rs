@@ -1,7 +1,7 @@
 //! The order of the layers: which crates may name which, and that the files of a crate do not name each other in circles.
 //!
-//! Paths that begin with `crate`, `super` or a crate's name are read from the text of every file; what a folder's `mod.rs` or a crate's
-//! `lib.rs` re-exports counts as the file that defines it. Tests are left out. Arrows that close a circle today are in [`ALLOWED`]:
+//! Paths that begin with `crate`, `super`, a crate's name or, in a folder's `mod.rs`, that of a file in it are read from the text of every
+//! file; what a folder's `mod.rs` or a crate's `lib.rs` re-exports counts as the file that defines it. Tests are left out. Arrows that close a circle today are in [`ALLOWED`]:
 //! none may be added, and one that is gone must leave the list. Limit: names are found as text, so that a path within a string counts.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
@@ -99,11 +99,30 @@ impl Crate {
         Some(at)
     }
 
+    /// All paths in a folder's text that begin with the name of a module in it, re-exports left out.
+    fn paths_to_children(&self, folder: &Names, text: &str) -> Vec<Names> {
+        let mut all = Vec::new();
+        let children = self.texts.keys().filter(|m| m.len() == folder.len() + 1 && m.starts_with(folder));
+        for child in children.filter_map(|m| m.last()) {
+            for statement in
+                text.split(';').filter(|s| !s.contains("pub use ") && !s.contains("pub(crate) use "))
+            {
+                for (at, _) in statement.match_indices(&format!("{child}::")) {
+                    let before = statement[..at].chars().next_back();
+                    if before.is_none_or(|c| !(c.is_alphanumeric() || c == '_' || c == ':')) {
+                        tree(&statement[at..], &mut Vec::new(), &mut all);
+                    }
+                }
+            }
+        }
+        all
+    }
+
     /// The arrows between files: from one that names to one that is named.
     fn arrows(&self) -> BTreeSet<(Names, Names)> {
         let mut arrows = BTreeSet::new();
         for (from, text) in &self.texts {
-            for path in paths(text) {
+            for path in paths(text).into_iter().chain(self.paths_to_children(from, text)) {
                 let Some(to) = self.target(from, &path) else { continue };
                 if to != *from {
                     arrows.insert((from.clone(), to));

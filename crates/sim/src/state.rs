@@ -1,7 +1,7 @@
 //! Everything that evolves.
 
-use crate::collision::Slips;
-use crate::components::momentum::Whole;
+use crate::collision::potential::slips::Slips;
+use crate::components::group::Whole;
 use crate::solid::SolidState;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, FaceField, Grid};

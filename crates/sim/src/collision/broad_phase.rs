@@ -1,42 +1,9 @@
 //! Broad phase of contact: pairs of features that may touch while all solids go from one configuration to another.
 
-use super::points::Places;
+use super::places::Places;
+use super::points::Meeting;
 use meniscus_contact::Near;
 use meniscus_numerics::Vector;
-
-/// A point and something without facets that it may touch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Meeting {
-    /// A point and a part of a rigid solid.
-    Rigid(u32, usize, usize),
-    /// A point and a side of the domain.
-    Side(u32, usize),
-}
-
-impl Meeting {
-    /// The point.
-    pub fn point(&self) -> u32 {
-        match *self {
-            Self::Rigid(p, ..) | Self::Side(p, _) => p,
-        }
-    }
-
-    /// The other solid; none of a side.
-    pub fn solid(&self) -> Option<usize> {
-        match *self {
-            Self::Rigid(_, solid, _) => Some(solid),
-            Self::Side(..) => None,
-        }
-    }
-
-    /// The distance of the point, which is at `x`, from the other, m.
-    pub fn distance<const D: usize>(&self, places: &Places<'_, D>, x: &Vector<D>) -> f64 {
-        match *self {
-            Self::Rigid(_, solid, part) => places.distance_to_rigid((solid, part), x),
-            Self::Side(_, side) => places.points.sides[side].distance(x),
-        }
-    }
-}
 
 /// The pairs that the broad phase has found.
 #[derive(Clone, Debug, Default)]

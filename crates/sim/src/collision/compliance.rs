@@ -1,6 +1,7 @@
 //! How all solids that something can move answer to impulses together: `A⁻¹`, with the second derivatives `A` of the potential of a
 //! step.
 
+use super::tie::{End, Tie};
 use crate::coupling::impulses::Exchange;
 use crate::model::Model;
 use crate::solid::deformable::Flow;
@@ -37,60 +38,6 @@ pub struct Response<const D: usize> {
     ties: Vec<Tie<D>>,
 }
 
-/// A face of the liquid that contact lines tie to solids.
-///
-/// It gets the velocity `u = m (u* − g + Σ_s d_s a_s·V)`, with `d_s` the drag of the line on solid `s` over the face's mass,
-/// `m = 1/(1 + Σ_s d_s)`, `a_s·V` that solid's velocity along the face's axis by those of its nodes, and `g` the pressure's push; the
-/// solid gets `M d_s (u − a_s·V)` with `M` the face's mass. With the solids' velocities of the step before, a light solid ran away:
-/// the liquid that it moves hands more back than it weighs (added mass). So `u` is eliminated, and `V` solved for with the
-/// pressure: the flow through the face is `α m Σ_s d_s a_s`, the mass `M Σ_s d_s (a_s a_sᵀ − m Σ_r d_r a_s a_rᵀ)`, which is positive
-/// semidefinite, and the system stays symmetric.
-#[derive(Clone, Debug)]
-pub struct Tie<const D: usize> {
-    /// Place among the dragged faces.
-    pub number: usize,
-    /// The liquid cells that it is the upper (+1) and the lower (−1) face of.
-    pub sides: Vec<(u32, f64)>,
-    /// The face's open part in areas of a face, `α`.
-    pub open: f64,
-    /// `m`.
-    pub mobility: f64,
-    /// `M`, kg.
-    pub mass: f64,
-    /// The solids that something can move.
-    pub ends: Vec<End<D>>,
-}
-
-/// A solid that a face is tied to.
-#[derive(Clone, Debug)]
-pub struct End<const D: usize> {
-    /// Place among the face's holds.
-    pub hold: usize,
-    /// `d_s`.
-    pub drag: f64,
-    /// The solid's velocity along the axis by those of its nodes, `a_s`.
-    pub arm: Vec<(usize, Vector<D>)>,
-}
-
-impl<const D: usize> End<D> {
-    /// The solid's velocity along the axis, m/s.
-    pub fn velocity(&self, nodes: &[Vector<D>]) -> f64 {
-        self.arm.iter().map(|(node, w)| w.dot(&nodes[*node])).sum()
-    }
-}
-
-impl<const D: usize> Tie<D> {
-    /// Calls `f` with the ends' masses for each other, kg.
-    pub fn masses(&self, mut f: impl FnMut(&End<D>, &End<D>, f64)) {
-        for (s, one) in self.ends.iter().enumerate() {
-            for (r, other) in self.ends.iter().enumerate() {
-                let own = if s == r { one.drag } else { 0.0 };
-                f(one, other, self.mass * (own - self.mobility * one.drag * other.drag));
-            }
-        }
-    }
-}
-
 impl<const D: usize> Response<D> {
     /// By the inverse of the matrix.
     pub fn new(
@@ -101,13 +48,15 @@ impl<const D: usize> Response<D> {
         (base, lead): (Vec<Vector<D>>, Vec<Vector<D>>),
         ties: Vec<Tie<D>>,
     ) -> Self {
-        let of = |(solid, now): (&crate::solid::Solid<D>, &SolidState<D>)| match solid.elastic() {
+        let of = |(solid, now): (&crate::solid::definition::Solid<D>, &SolidState<D>)| match solid.elastic() {
             Some(elastic) => elastic.masses().to_vec(),
             None => vec![solid.body.mass, solid.inertia(now).trace() / 3.0],
         };
         let masses: Vec<f64> = model.solids.iter().zip(solids).flat_map(of).collect();
-        let nodes = |solid: &crate::solid::Solid<D>| solid.elastic().map_or(2, |e| e.masses().len());
-        let rigid = |solid: &crate::solid::Solid<D>| vec![solid.elastic().is_none(); nodes(solid)];
+        let nodes =
+            |solid: &crate::solid::definition::Solid<D>| solid.elastic().map_or(2, |e| e.masses().len());
+        let rigid =
+            |solid: &crate::solid::definition::Solid<D>| vec![solid.elastic().is_none(); nodes(solid)];
         let rigid = model.solids.iter().flat_map(rigid).collect();
         Self { solution, first: points.first.clone(), masses, rigid, base, lead, ties }
     }

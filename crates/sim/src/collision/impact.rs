@@ -8,12 +8,14 @@
 //!
 //! Limit: solids that deform have no restitution; their own elasticity tells how they bounce.
 
-use super::broad_phase::{Candidates, Meeting, Way};
-use super::points::{Owner, Places, Points, REACH};
+use super::broad_phase::{Candidates, Way};
+use super::places::Places;
+use super::points::Meeting;
+use super::points::{Owner, Points, REACH};
 use crate::coupling::impulses::moment;
 use crate::model::Model;
+use crate::model::time_step::Times;
 use crate::repairs::Repairs;
-use crate::simulation::step::Times;
 use crate::solid::{Motion, Solid, SolidState};
 use meniscus_numerics::{Matrix, Vector};
 

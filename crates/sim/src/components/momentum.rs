@@ -6,7 +6,8 @@
 //! merge or part in a step are one [`Whole`] in it: orbits about the common centre count as well as spins. A centre is
 //! that of the surface, which the volume correction keeps on its path; the faces' own centres (one per axis) jitter.
 
-use super::volume::Group;
+use super::group::Group;
+use crate::components::group::Whole;
 use crate::free_surface::interface_faces::CutFace;
 use crate::model::Model;
 use meniscus_numerics::grid::{CellField, FaceField, Segment};
@@ -361,35 +362,6 @@ fn turn<const D: usize>(rate: &[f64; 3], arm: &Vector<D>) -> Vector<D> {
         velocity[a] -= rate[place] * arm[b];
     }
     velocity
-}
-
-/// Bodies seen as one: mass over density, centre of mass, its velocity, and the angular momentum about it over density.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Whole<const D: usize> {
-    /// Mass over density, m³ (2D: m²).
-    pub mass: f64,
-    /// Centre of mass, m.
-    pub center: Vector<D>,
-    /// Its velocity, m/s.
-    pub velocity: Vector<D>,
-    /// Angular momentum about it over density.
-    pub spin: [f64; 3],
-}
-
-impl<const D: usize> Whole<D> {
-    /// The same body found elsewhere: its momentum and its angular momentum about any point stay.
-    fn moved_to(self, center: Vector<D>) -> Self {
-        Self { spin: self.about(&center), center, ..self }
-    }
-
-    /// Angular momentum over density about the point `from`.
-    pub fn about(&self, from: &Vector<D>) -> [f64; 3] {
-        let (arm, mut sum) = (self.center - from, self.spin);
-        for &(a, b, place) in planes::<D>() {
-            sum[place] += self.mass * (arm[a] * self.velocity[b] - arm[b] * self.velocity[a]);
-        }
-        sum
-    }
 }
 
 /// Several bodies as one.

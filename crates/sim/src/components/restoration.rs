@@ -1,8 +1,8 @@
 //! Momentum kept: of liquid that touches nothing, of liquid and free solids together, and on the way with the flow.
 
+use super::group::Group;
 use super::momentum::{FaceWalk, Restored};
 use super::tracking::{Change, turning_volume};
-use super::volume::Group;
 use crate::coupling::impulses::{Exchange, Impulse};
 use crate::free_surface::curvature::Curvature;
 use crate::free_surface::interface_faces::{CutFace, cut_faces};

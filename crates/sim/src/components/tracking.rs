@@ -1,12 +1,14 @@
 //! What becomes of the liquid's components in a step: which become which, and the volume, place and momentum each must have.
 
+use super::group::Group;
 use super::momentum::together;
-use super::volume::{Followed, Group, Measured, astray, band_labels, follow, targets};
+use super::volume::{Followed, Measured, astray, band_labels, follow, targets};
 use crate::contact_line::force::unpulled;
 use crate::free_surface::dual_cell::CutCube;
 use crate::model::Model;
+use crate::model::resolution::{BAND, RESOLVED};
 use crate::repairs::Repairs;
-use crate::simulation::workspace::{BAND, RESOLVED, Workspace};
+use crate::simulation::workspace::Workspace;
 use crate::state::{Drop, State};
 use meniscus_numerics::grid::{Band, Runs};
 use meniscus_numerics::{Matrix, Vector};

@@ -5,44 +5,19 @@
 //! shifting φ by a constant near the component's surface; where the centre of mass of a body strays from its path in a
 //! direction in which nothing but its momentum moves it, a translation of φ brings it back.
 
-use super::momentum::Whole;
+use crate::components::group::Group;
 use crate::free_surface::dual_cell::{CutCube, NEAREST};
 use crate::free_surface::energy::SurfaceLattice;
 use crate::model::Model;
 use crate::state::Drop;
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CellField, Runs, Sampler};
-use meniscus_numerics::{Matrix, Vector};
 use rayon::prelude::*;
 
 /// Volume error over the volume, and distance of a centre of mass over the domain's size, that is left alone.
 const EXACT: f64 = 1e-13;
 /// Most of Newton's iterations for volumes and centres.
 const ITERATIONS: usize = 6;
-
-/// Components of two times that became one another: which old ones, which new ones.
-#[derive(Clone, Debug)]
-pub struct Group<const D: usize> {
-    /// Old components.
-    pub old: Vec<usize>,
-    /// New components.
-    pub new: Vec<usize>,
-    /// What the new ones must be together at the end of the step, if they touch nothing that holds them.
-    pub whole: Option<Whole<D>>,
-    /// What they must be once they are carried along and before any force acts, if solids hold them.
-    pub carried: Option<Whole<D>>,
-    /// The part of a vector in directions in which nothing but momentum tells their place: all of it where they touch
-    /// nothing, what is along an even wall for drops on it.
-    pub placed: Matrix<D>,
-    /// Whether their angular momentum is told well enough to be kept.
-    pub turns: bool,
-}
-
-impl<const D: usize> Group<D> {
-    /// These old components became these new ones.
-    pub fn new(old: Vec<usize>, new: Vec<usize>) -> Self {
-        Self { old, new, whole: None, carried: None, placed: Matrix::zeros(), turns: true }
-    }
-}
 
 /// What became of which components.
 pub struct Followed<const D: usize> {

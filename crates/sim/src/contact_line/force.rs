@@ -21,7 +21,7 @@ use crate::coupling::impulses::{Exchange, Impulse, moment};
 use crate::free_surface::dual_cell::CutCube;
 use crate::free_surface::interface_faces::CutFace;
 use crate::model::Model;
-use crate::simulation::workspace::RESOLVED;
+use crate::model::resolution::RESOLVED;
 use crate::solid::SolidState;
 use crate::solid::surface::Grip;
 use meniscus_numerics::grid::WetCell;

@@ -7,5 +7,6 @@ pub mod force;
 pub mod friction;
 pub mod hysteresis;
 pub mod local_balance;
+pub mod sampling;
 pub mod solid_tension;
 pub mod tracker;

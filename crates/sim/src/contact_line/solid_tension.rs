@@ -7,7 +7,7 @@
 //!
 //! The force on a vertex is `−∂A/∂x` of the area of its facets that is wetted, times the difference.
 
-use super::tracker::phi_on;
+use super::sampling::phi_on;
 use crate::model::Model;
 use crate::solid::SolidState;
 use crate::solid::surface::{Grip, Skin};
@@ -171,8 +171,8 @@ fn wetted<const D: usize>(values: [f64; D]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::resolution::BAND;
     use crate::model::{Numerics, Wall};
-    use crate::simulation::workspace::BAND;
     use crate::solid::deformable::Soft;
     use crate::solid::{Motion, Solid};
     use meniscus_elastic::{Description, Elastic, Law, Order};

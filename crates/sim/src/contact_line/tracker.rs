@@ -12,25 +12,18 @@
 //! that of the lattice's energy ([`super::force`]); [`ContactLine::apart`] tells how far the two are apart.
 
 use super::angle::{Foot, contact_angle};
+use crate::contact_line::sampling::phi_on;
+use crate::contact_line::sampling::{HIGHER, NEAR};
 use crate::flow::advection::Flow;
 use crate::model::Model;
+use crate::model::resolution::BAND;
 use crate::simulation::Simulation;
-use crate::simulation::workspace::BAND;
 use crate::solid::SolidState;
 use crate::solid::surface::Skin;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Sampler;
 use meniscus_numerics::mesh::{Contour, Geodesic, ShapeSurface, SurfaceMesh};
 use rayon::prelude::*;
-
-/// Height above a vertex, in cells, at which φ is looked at, and farther up for its bend. From 1.5 and 2.5 cells the foot of
-/// a front that rolls over a dry solid is seen wet before it is (measured: off by 1.4 cells; by 0.2 from here).
-const HEIGHT: f64 = 0.5;
-const HIGHER: f64 = 1.5;
-/// Bend of φ, 1/cell, that is a kink and not believed.
-const KINK: f64 = 0.3;
-/// Value of φ above a vertex, in cells, beyond which the line is not near.
-const NEAR: f64 = 3.5;
 
 /// Finds the contact line on the solids of a model.
 #[derive(Clone, Debug)]
@@ -121,20 +114,6 @@ impl<const D: usize> LineTracker<D> {
             line.distance_of(&simulation.work.lattice.line_places(&simulation.state.phi.data), seen.dx);
         line
     }
-}
-
-/// φ at a point of a solid with the normal `n`, from above; `dx` is the size of a cell, m.
-pub fn phi_on<const D: usize>(phi: &Sampler<'_, D>, x: &Vector<D>, n: &Vector<D>, dx: f64) -> f64 {
-    let low = x + n * (HEIGHT * dx);
-    let rough = phi.linear(&low);
-    if rough.abs() > NEAR * dx {
-        return rough;
-    }
-    let (value, slope) = phi.distance(&low);
-    let (_, higher) = phi.distance(&(x + n * (HIGHER * dx)));
-    let bend = ((higher - slope).dot(n) / (HIGHER - HEIGHT)).clamp(-KINK, KINK);
-    // A distance changes by no more than the way: else there would be lines where φ jumps, within a thin solid.
-    value - dx * HEIGHT * (slope.dot(n) - 0.5 * HEIGHT * bend).clamp(-1.0, 1.0)
 }
 
 /// A state as the line sees it.

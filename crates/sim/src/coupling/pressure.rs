@@ -13,7 +13,8 @@
 //! before a second one.
 
 use super::impulses::{Exchange, Impulse};
-use crate::collision::{Response, turning};
+use crate::collision::compliance::Response;
+use crate::collision::points::turning;
 use crate::model::Model;
 use crate::solid::deformable::Flow;
 use crate::solid::surface::Grip;
@@ -228,13 +229,15 @@ pub fn push_solids<const D: usize>(model: &Model<D>, solids: &mut [SolidState<D>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collision::{Descent, Points, Start};
+    use crate::collision::newton::{Descent, Start};
+    use crate::collision::points::Points;
     use crate::flow::pressure::{Pass, Projection};
     use crate::free_surface::curvature::Curvature;
     use crate::free_surface::interface_faces::cut_faces;
+    use crate::model::resolution::BAND;
+    use crate::model::time_step::Times;
     use crate::model::{Numerics, Wall};
-    use crate::simulation::step::Times;
-    use crate::simulation::workspace::{BAND, Workspace};
+    use crate::simulation::workspace::Workspace;
     use crate::solid::Solid;
     use crate::state::State;
     use meniscus_numerics::Matrix;
@@ -342,7 +345,7 @@ mod tests {
         let starts: Vec<Option<Start<D>>> = model.solids.iter().map(|_| None).collect();
         let slips = crate::Slips::new();
         let velocities = &points.velocities(model, solids);
-        let from = crate::collision::Before { solids, velocities, slips: &slips };
+        let from = crate::collision::newton::Before { solids, velocities, slips: &slips };
         let mut descent = Descent::new(model, points, from, solids, &starts, times);
         let open = FaceField::zeros(model.grid);
         model.moves_solids().then(|| descent.linearise(&mut solids.to_vec(), &mut [], (&[], &open)).unwrap())

@@ -5,7 +5,8 @@
 
 use super::impulses::Exchange;
 use super::pressure::{Wet, push_solids, wetted};
-use crate::collision::{Before, Descent, Start, bounce};
+use crate::collision::impact::bounce;
+use crate::collision::newton::{Before, Descent, Start};
 use crate::components::restoration::{Labels, walk};
 use crate::components::tracking::{Change, in_band, resolved_volume};
 use crate::contact_line::force::{LineImpulses, Lines};
@@ -14,8 +15,8 @@ use crate::contact_line::solid_tension::{wetted_skins, wetted_stiffness};
 use crate::flow::pressure::{Pass, Projected, Projection};
 use crate::free_surface::interface_faces::CutFace;
 use crate::model::Model;
-use crate::simulation::PhaseEnd;
-use crate::simulation::step::Times;
+use crate::model::time_step::PhaseEnd;
+use crate::model::time_step::Times;
 use crate::simulation::workspace::Workspace;
 use crate::solid::SolidState;
 use crate::state::State;

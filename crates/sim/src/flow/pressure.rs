@@ -8,13 +8,13 @@
 //! it is inside. It takes a few iterations.
 
 use super::viscosity::Diffusion;
-use crate::collision::Response;
+use crate::collision::compliance::Response;
 use crate::contact_line::friction::DraggedFace;
 use crate::coupling::impulses::Exchange;
 use crate::coupling::pressure::{Coupling, Wet, wetted};
 use crate::free_surface::interface_faces::CutFace;
 use crate::model::Model;
-use crate::simulation::PhaseEnd;
+use crate::model::time_step::PhaseEnd;
 use crate::solid::SolidState;
 use crate::state::State;
 use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Runs, Segment};
@@ -394,8 +394,9 @@ mod tests {
     use super::*;
     use crate::free_surface::curvature::Curvature;
     use crate::free_surface::interface_faces::cut_faces;
+    use crate::model::resolution::BAND;
     use crate::model::{Numerics, Wall};
-    use crate::simulation::workspace::{BAND, Workspace};
+    use crate::simulation::workspace::Workspace;
     use meniscus_numerics::Vector;
     use meniscus_numerics::grid::Grid;
     use std::f64::consts::PI;

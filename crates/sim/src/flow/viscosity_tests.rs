@@ -1,8 +1,9 @@
 //! Tests of the viscosity.
 
 use super::*;
+use crate::model::resolution::BAND;
 use crate::model::{Numerics, Wall};
-use crate::simulation::workspace::{BAND, Workspace};
+use crate::simulation::workspace::Workspace;
 use crate::state::State;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;

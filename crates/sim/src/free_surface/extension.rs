@@ -16,8 +16,8 @@
 
 use crate::flow::advection::Flow;
 use crate::model::Model;
-use crate::simulation::GROWTH;
-use crate::simulation::workspace::{BAND, SLOPE};
+use crate::model::resolution::{BAND, SLOPE};
+use crate::model::time_step::GROWTH;
 use crate::solid::{Motion, SolidState};
 use crate::state::State;
 use meniscus_numerics::Vector;

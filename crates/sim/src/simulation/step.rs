@@ -4,8 +4,7 @@
 //! damps nor drives it (design, numerics §8).
 
 use super::diagnostics::{drops, kinetic_energy, max_component, surface_energy};
-use super::workspace::{BAND, LAYERS, SLOPE, Workspace};
-use super::{GROWTH, PhaseEnd, clear_time};
+use super::workspace::Workspace;
 use crate::components::restoration::{give_back, keep_carried, keep_momentum};
 use crate::components::tracking::{Change, expect, keep_volume};
 use crate::components::volume::band_labels;
@@ -18,6 +17,10 @@ use crate::free_surface::curvature::{Beside, Displacement, FilterStep, curvature
 use crate::free_surface::extension::{extend_into_solids, ghosts};
 use crate::free_surface::interface_faces::cut_faces;
 use crate::model::Model;
+use crate::model::resolution::{BAND, LAYERS, SLOPE};
+use crate::model::time_step::wanted_kick;
+use crate::model::time_step::{GROWTH, PhaseEnd, clear_time};
+use crate::model::time_step::{Times, kick};
 use crate::repairs::Repairs;
 use crate::solid::{Motion, SolidState};
 use crate::state::State;
@@ -41,21 +44,6 @@ const LEFT_BEHIND: f64 = 0.01;
 /// Part of the way to a distance that φ goes in a step within solids. There no force smooths it, and redistancing turns a
 /// zigzag of the period of two cells into its opposite: all the way it stays for ever and stirs drops at rest (u_rms 1e-2).
 const WITHIN: f64 = 0.5;
-
-/// The times of a step, s.
-#[derive(Clone, Copy, Debug)]
-pub struct Times {
-    /// Its length.
-    pub dt: f64,
-    /// For how long its forces act.
-    pub kick: f64,
-    /// How far the velocities are then ahead of the positions.
-    pub lead: f64,
-    /// Bound of the coming step.
-    pub ahead: f64,
-    /// Whether its forces are the first.
-    pub first: bool,
-}
 
 /// What a step found out.
 pub struct StepResult {
@@ -156,46 +144,6 @@ fn start<const D: usize>(
     push(model, state, work, &mut change, still, (dt, 0.5 * dt), phase_end)?;
     state.kick = 0.5 * dt;
     Ok(())
-}
-
-/// Least ratio of the time for which forces act to that of the step before, with which the neutral rule is followed. The rule takes a step
-/// whose length falls to `r` of the last to `2 r − 1`, which has to be positive: a step halved after a failure is below any such ratio, one
-/// that follows a growing speed (`r` over 0.8) above it. At 0.25 a single step falls to 0.62.
-const SUDDEN: f64 = 0.25;
-
-/// For how long the forces act at the end of a step (leapfrog with steps of any length; design, numerics §8), within bounds.
-fn kick(lead: f64, dt: f64) -> f64 {
-    wanted_kick(lead, dt).clamp(0.5 * dt, 1.5 * dt)
-}
-
-/// The same without bounds. The place `q = x + l v` at the time of a velocity that is `l` ahead moves by `(h − l) v + l' v'` while forces
-/// act for `t = h − l + l'`. With `l' = h − l` that is `t` times the mean velocity: the forces' work is what `½ v²` gains, and angular
-/// momentum is kept, too. A step that is short all at once leaves no time for that; there `l' = h/2`, which is longer, and the energy
-/// falls by `(l'/t − ½) m (v' − v)²`. Coming steps are chosen so that the rule holds ([`next_step`]).
-fn wanted_kick(lead: f64, dt: f64) -> f64 {
-    let neutral = 2.0 * (dt - lead);
-    if neutral >= 2.0 * SUDDEN * lead { neutral } else { 1.5 * dt - lead }
-}
-
-/// The coming step, s, where velocities are `lead` ahead: at most `longest`, and such that steps of one length follow until the time
-/// `rest` (which may be infinite) is over. Steps go from half of the last time for which forces acted to half of the next one, which
-/// is as near to `longest` as can be.
-pub fn next_step(lead: f64, longest: f64, rest: f64) -> f64 {
-    let kick = longest.min(2.0 * (longest - lead));
-    if kick < 2.0 * SUDDEN * lead || rest - lead < SUDDEN * lead {
-        return even_part(rest, longest);
-    }
-    if rest.is_infinite() {
-        return lead + 0.5 * kick;
-    }
-    // `rest = lead + ½ kick + (n − 1) kick` with n steps.
-    let steps = ((rest - lead) / kick * (1.0 - 1e-9) + 0.5).ceil().max(1.0);
-    if steps == 1.0 { rest } else { lead + 0.5 * (rest - lead) / (steps - 0.5) }
-}
-
-/// A time divided into as few steps of one length as can be with none over `longest`; that where the time is infinite.
-pub fn even_part(rest: f64, longest: f64) -> f64 {
-    if rest.is_finite() { rest / (rest / longest * (1.0 - 1e-9)).ceil().max(1.0) } else { longest }
 }
 
 /// Adds what gravity, surface tension and pressure do to the velocity in the time `kick`, in a step of `dt`;
@@ -388,7 +336,7 @@ fn move_velocity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &
 fn move_solids<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut Workspace<D>, dt: f64) {
     let (time, all) = (state.time, model.solids.iter());
     all.zip(&mut state.solids).for_each(|(solid, now)| solid.advance(now, time, dt));
-    crate::collision::advance(model, &mut state.slips, dt);
+    crate::collision::potential::slips::advance(model, &mut state.slips, dt);
     work.follow_solids(model, state);
 }
 

@@ -1,11 +1,12 @@
 //! Memory of a step, and what follows from the state: where the liquid is.
 
-use crate::collision::Points;
+use crate::collision::points::Points;
 use crate::components::volume::Liquid;
 use crate::flow::advection::Flow;
 use crate::flow::pressure::PressureFields;
 use crate::free_surface::energy::SurfaceLattice;
 use crate::model::Model;
+use crate::model::resolution::{BAND, LAYERS};
 use crate::repairs::Repairs;
 use crate::solid::{Motion, Solid, SolidState};
 use crate::state::State;
@@ -16,16 +17,6 @@ use meniscus_numerics::{Matrix, Vector};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Radius, in cells, from which on a drop's volume tells whether a step was too long, its line what pulls at it, and its faces
-/// how it turns: with the angular momentum of two that met, one of seven cells' volume was flung apart at 1000 m/s. Contact lines
-/// of a smaller radius turn no solid that deforms.
-pub const RESOLVED: f64 = 2.0;
-/// Largest distance that φ tells, in cells.
-pub const BAND: f64 = 5.0;
-/// Layers of the band: enough for [`BAND`] where the surface lies slantwise to the axes.
-pub const LAYERS: usize = 8;
-/// Error of |∇φ| at the interface, from which on φ is made a distance again: slopes of φ are told no better than that.
-pub const SLOPE: f64 = 0.1;
 /// How much deeper, in cells, it is half-way between two cells than in the mean if they are on either side of a thin solid. Under
 /// one side the depth is linear; through one of 2.5 cells it is 0.38 and more where both cells have open faces.
 const ACROSS: f64 = 0.25;

@@ -3,11 +3,12 @@
 //!
 //! No step asks for it; the books of a study do, as a body at rest on another has a part of its energy there.
 
-use super::barrier::{Early, Past};
-use super::broad_phase::{Candidates, Way};
-use super::friction::{Slips, advance, friction};
-use super::points::{Places, Points, REACH};
-use super::potential::Potential;
+use super::moments::{Early, Past};
+use super::slips::{Slips, advance, friction};
+use super::total::Potential;
+use crate::collision::broad_phase::{Candidates, Way};
+use crate::collision::places::Places;
+use crate::collision::points::{Points, REACH};
 use crate::model::Model;
 use crate::solid::SolidState;
 use crate::state::State;

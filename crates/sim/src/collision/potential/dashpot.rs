@@ -11,12 +11,15 @@
 //!
 //! with the velocity `v_n` with which they part, the distance `d` where the step starts, and the time `h` for which forces act. The
 //! barrier at the end of the coming step, after `a`, damps as `a B''` does by itself; with `τ = 2 √(m/k)` the damping of a solid that rests
-//! on one side is critical. Limit: bounces are events ([`super::impact`]), which this leaves alone only outside the barrier's reach.
+//! on one side is critical. Limit: bounces are events ([`crate::collision::impact`]), which this leaves alone only outside the barrier's reach.
 
-use super::barrier::{Met, of_distance};
-use super::broad_phase::Meeting;
-use super::points::{Lever, Owner};
-use super::potential::{Part, Potential, Term};
+use super::barrier::Met;
+use super::term::Term;
+use super::term::of_distance;
+use super::total::{Part, Potential};
+use crate::collision::places::Lever;
+use crate::collision::points::Meeting;
+use crate::collision::points::Owner;
 use meniscus_numerics::Vector;
 
 /// A dashpot between a point of a rigid solid and what it meets.

@@ -4,14 +4,16 @@
 //! other forces give it; of all together `h/a` times the barriers between them at the end of the coming step, of length `a`, and what
 //! friction holds them with on the way there.
 
-use super::barrier::{Early, Past};
-use super::broad_phase::{Candidates, Meeting, Way};
-use super::compliance::Tie;
-use super::friction::{Rub, Slips, friction};
-use super::points::{Lever, Points};
+use super::moments::{Early, Past};
+use super::slips::{Rub, Slips, friction};
+use super::term::Term;
+use crate::collision::broad_phase::{Candidates, Way};
+use crate::collision::points::Meeting;
+use crate::collision::points::Points;
+use crate::collision::tie::Tie;
 use crate::model::Model;
 use crate::solid::SolidState;
-use meniscus_contact::{Barrier, Clearance, Local};
+use meniscus_contact::{Barrier, Clearance};
 use meniscus_elastic::{BlockMatrix, Cliques, Incremental, Structure};
 use meniscus_numerics::{Matrix, Vector};
 
@@ -35,16 +37,6 @@ pub enum Part<'a, const D: usize> {
     Free(Rigid<D>),
     /// Nothing moves it but what it is told.
     Told,
-}
-
-/// A term: the points that it is of, with their levers, and its derivatives by their positions.
-pub struct Term<const D: usize> {
-    /// How velocities of nodes move the points.
-    pub levers: Vec<Vec<Lever<D>>>,
-    /// Derivatives.
-    pub local: Local<D>,
-    /// For how long the points go with the velocities until they are where the derivatives are taken, s.
-    pub time: f64,
 }
 
 /// In what order the unknowns of the solids' matrix are eliminated.

@@ -1,0 +1,165 @@
+//! Places of the points of solids on the way of a step, and their derivatives by the velocities of the nodes.
+
+use super::points::spin;
+use super::points::{Meeting, Owner, Points};
+use crate::model::Model;
+use crate::solid::SolidState;
+use meniscus_numerics::shape::Shape;
+use meniscus_numerics::{Matrix, Vector};
+
+/// Step of the differences of a distance, in cells.
+const STEP: f64 = 1e-4;
+
+impl Meeting {
+    /// The distance of the point, which is at `x`, from the other, m.
+    pub fn distance<const D: usize>(&self, places: &Places<'_, D>, x: &Vector<D>) -> f64 {
+        match *self {
+            Self::Rigid(_, solid, part) => places.distance_to_rigid((solid, part), x),
+            Self::Side(_, side) => places.points.sides[side].distance(x),
+        }
+    }
+}
+
+/// Solids somewhere on the way of a step.
+pub struct Places<'a, const D: usize> {
+    /// The model.
+    pub model: &'a Model<D>,
+    solids: &'a [SolidState<D>],
+    /// The solids' points.
+    pub points: &'a Points<D>,
+    /// Velocities of the nodes.
+    velocities: &'a [Vector<D>],
+    /// For how long they go on, s.
+    time: f64,
+    frames: Vec<Frame<D>>,
+}
+
+/// Where a rigid solid is.
+#[derive(Clone, Copy, Debug)]
+struct Frame<const D: usize> {
+    center: Vector<D>,
+    rotation: Matrix<D>,
+    /// What its angular velocity does to the rate at which it turns at the end: the left Jacobian of the exponential.
+    rate: Matrix<3>,
+}
+
+/// How a point follows a node: the node, and the derivative of the point's position by the node's velocity over the time.
+pub type Lever<const D: usize> = (usize, Matrix<D>);
+
+impl<'a, const D: usize> Places<'a, D> {
+    /// After a time with these velocities.
+    pub fn new(
+        model: &'a Model<D>,
+        solids: &'a [SolidState<D>],
+        points: &'a Points<D>,
+        velocities: &'a [Vector<D>],
+        time: f64,
+    ) -> Self {
+        let frame = |(k, now): (usize, &SolidState<D>)| {
+            if now.soft.is_some() {
+                return Frame {
+                    center: Vector::zeros(),
+                    rotation: Matrix::identity(),
+                    rate: Matrix::identity(),
+                };
+            }
+            let [velocity, turn] = [velocities[points.first[k]], velocities[points.first[k] + 1]];
+            let turn = Vector::<3>::from(spin(&turn)) * time;
+            let rotation = nalgebra::Rotation3::new(turn).into_inner();
+            let rotation = Matrix::<D>::from_fn(|r, c| rotation[(r, c)]) * now.rotation;
+            Frame { center: now.center + velocity * time, rotation, rate: left(&turn) }
+        };
+        let frames = solids.iter().enumerate().map(frame).collect();
+        Self { model, solids, points, velocities, time, frames }
+    }
+
+    /// The time, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Where a point is, m.
+    pub fn at(&self, owner: &Owner<D>) -> Vector<D> {
+        match *owner {
+            Owner::Vertex { solid, vertex } => {
+                let from =
+                    self.solids[solid].soft.as_ref().map_or(Vector::zeros(), |s| s.body.positions[vertex]);
+                from + self.velocities[self.points.first[solid] + vertex] * self.time
+            }
+            Owner::Rigid { solid, at } => {
+                let frame = &self.frames[solid];
+                frame.center + frame.rotation * (at - self.model.solids[solid].body.center)
+            }
+        }
+    }
+
+    /// Where all points are, m.
+    pub fn all(&self) -> Vec<Vector<D>> {
+        self.points.owners.iter().map(|owner| self.at(owner)).collect()
+    }
+
+    /// A box around a rigid solid, m.
+    pub fn bounds(&self, solid: usize) -> [Vector<D>; 2] {
+        let frame = &self.frames[solid];
+        let now = SolidState { center: frame.center, rotation: frame.rotation, ..self.solids[solid].clone() };
+        self.model.solids[solid].bounds(&now)
+    }
+
+    /// Where the point of a rigid solid that is at `x` was at the start, m.
+    pub fn at_start(&self, solid: usize, x: &Vector<D>) -> Vector<D> {
+        let frame = &self.frames[solid];
+        self.model.solids[solid].body.center + frame.rotation.tr_mul(&(x - frame.center))
+    }
+
+    /// Distance of a point from a part of a rigid solid, m.
+    pub fn distance_to_rigid(&self, (solid, part): (usize, usize), x: &Vector<D>) -> f64 {
+        self.part(solid, part).signed_distance(&self.at_start(solid, x))
+    }
+
+    /// The direction away from that; any where there is none.
+    pub fn away_from_rigid(&self, (solid, part): (usize, usize), x: &Vector<D>) -> Vector<D> {
+        let up = Vector::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
+        let normal = self.part(solid, part).normal(&self.at_start(solid, x), STEP * self.model.grid.dx);
+        self.frames[solid].rotation * if normal.norm_squared() > 0.0 { normal } else { up }
+    }
+
+    fn part(&self, solid: usize, part: usize) -> &'a Shape<D> {
+        match &self.model.solids[solid].shape {
+            whole @ Shape::Union(_) => whole.parts()[part],
+            whole => whole,
+        }
+    }
+
+    /// How a point follows the nodes.
+    pub fn levers(&self, owner: &Owner<D>) -> Vec<Lever<D>> {
+        match *owner {
+            Owner::Vertex { solid, vertex } => vec![(self.points.first[solid] + vertex, Matrix::identity())],
+            Owner::Rigid { solid, .. } => {
+                let frame = &self.frames[solid];
+                let arm = self.at(owner) - frame.center;
+                let arm = Vector::<3>::from_fn(|a, _| if a < D { arm[a] } else { 0.0 });
+                let turned = -arm.cross_matrix() * frame.rate;
+                // In 2D the node's first component turns about the third axis.
+                let turn = Matrix::<D>::from_fn(|r, c| match D {
+                    2 if c == 0 => turned[(r, 2)],
+                    2 => 0.0,
+                    _ => turned[(r, c)],
+                });
+                let node = self.points.first[solid];
+                vec![(node, Matrix::identity()), (node + 1, turn)]
+            }
+        }
+    }
+}
+
+/// The left Jacobian of the exponential of a rotation: `(exp((θ + δ)×) ≈ exp((J δ)×) exp(θ×))`.
+fn left(turn: &Vector<3>) -> Matrix<3> {
+    let (angle, cross) = (turn.norm(), turn.cross_matrix());
+    // Series where differences would be of nearly equal numbers.
+    let (first, second) = if angle < 1e-3 {
+        (0.5 - angle * angle / 24.0, 1.0 / 6.0 - angle * angle / 120.0)
+    } else {
+        ((1.0 - angle.cos()) / (angle * angle), (angle - angle.sin()) / angle.powi(3))
+    };
+    Matrix::<3>::identity() + cross * first + cross * cross * second
+}

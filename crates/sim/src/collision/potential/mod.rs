@@ -1,0 +1,10 @@
+//! What the velocities of all solids make least in a step, and its terms between solids.
+
+pub mod barrier;
+pub mod dashpot;
+pub mod friction;
+pub mod moments;
+pub mod slips;
+pub mod stored_energy;
+pub mod term;
+pub mod total;
