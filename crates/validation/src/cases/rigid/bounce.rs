@@ -1,6 +1,6 @@
 //! Drops that bounce off a wall they do not wet.
 
-use super::sessile::liquid;
+use crate::cases::wetting::sessile::liquid;
 use crate::measure::{settle, surface_points};
 use crate::setup::run_to;
 use crate::{Case, Check};

@@ -136,7 +136,7 @@ fn free(mode: Mode) -> Result<Vec<Check>, StepError> {
 
 /// A tank as many radii wide to each side, and a body in it with its centre so high above the level; `surface` tells
 /// the height of the liquid's surface over the level as a function of the distance from the axis.
-pub(super) fn tank<const D: usize>(
+pub(crate) fn tank<const D: usize>(
     (bond, angle, density): (f64, f64, f64),
     (cells, width): (usize, f64),
     center: f64,
@@ -180,7 +180,7 @@ fn level() -> f64 {
 }
 
 /// Height of the surface at the tank's sides.
-pub(super) fn level_at_sides<const D: usize>(sim: &Simulation<D>) -> f64 {
+pub(crate) fn level_at_sides<const D: usize>(sim: &Simulation<D>) -> f64 {
     let (dx, wide) = (sim.model.grid.dx, sim.model.grid.upper()[0]);
     let (mut sum, mut weight) = (0.0, 0.0);
     for p in surface_points(&sim.model, &sim.state.phi) {
@@ -200,7 +200,7 @@ fn undisturbed(sim: &Simulation<2>, edge: f64, depth: f64) -> f64 {
 }
 
 /// Height where the pressure of liquid at rest would vanish, by that at the bottom.
-pub(super) fn level_by_pressure<const D: usize>(sim: &Simulation<D>) -> f64 {
+pub(crate) fn level_by_pressure<const D: usize>(sim: &Simulation<D>) -> f64 {
     let fall = sim.model.density * sim.model.gravity.norm();
     sim.state.pressure(sim.model.density, 0) / fall + 0.5 * sim.model.grid.dx
 }

@@ -110,7 +110,7 @@ struct Rest {
     creep: f64,
 }
 
-pub(super) fn liquid<const D: usize>(grid: Grid<D>, solid: Solid<D>) -> Model<D> {
+pub(crate) fn liquid<const D: usize>(grid: Grid<D>, solid: Solid<D>) -> Model<D> {
     Model {
         grid,
         walls: [[Wall::Slip; 2]; D],
@@ -124,7 +124,7 @@ pub(super) fn liquid<const D: usize>(grid: Grid<D>, solid: Solid<D>) -> Model<D>
 }
 
 /// Radius of the circle or sphere whose cap of this angle (rad) is as large as half of that of radius one.
-pub(super) fn cap_radius<const D: usize>(angle: f64) -> f64 {
+pub(crate) fn cap_radius<const D: usize>(angle: f64) -> f64 {
     let (s, c) = angle.sin_cos();
     if D == 2 { (0.5 * PI / (angle - s * c)).sqrt() } else { (2.0 / ((2.0 + c) * (1.0 - c).powi(2))).cbrt() }
 }
@@ -260,7 +260,7 @@ fn upright_to<const D: usize>(normal: &Vector<D>) -> Matrix<D> {
 }
 
 /// The cap that the surface is part of, by its points for which `counts` holds.
-pub(super) fn fit<const D: usize>(sim: &Simulation<D>, counts: impl Fn(&Vector<D>) -> bool) -> Sphere<D> {
+pub(crate) fn fit<const D: usize>(sim: &Simulation<D>, counts: impl Fn(&Vector<D>) -> bool) -> Sphere<D> {
     let mut points = surface_points(&sim.model, &sim.state.phi);
     points.retain(|p| counts(&p.at));
     let points: Vec<(Vector<D>, f64)> = points.iter().map(|p| (p.at, p.area)).collect();
@@ -268,7 +268,7 @@ pub(super) fn fit<const D: usize>(sim: &Simulation<D>, counts: impl Fn(&Vector<D
 }
 
 /// Root mean square of the speed about the mean, and the mean's.
-pub(super) fn speeds<const D: usize>(sim: &Simulation<D>) -> (f64, f64) {
+pub(crate) fn speeds<const D: usize>(sim: &Simulation<D>) -> (f64, f64) {
     let books = sim.ledger();
     let mass = sim.model.density * books.volume;
     let mean = books.momentum.norm() / mass;

@@ -1,6 +1,6 @@
 //! Drops on plates that move through the grid.
 
-use super::sessile::{cap_radius, fit, liquid};
+use crate::cases::wetting::sessile::{cap_radius, fit, liquid};
 use crate::measure::{at_most, settle};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};

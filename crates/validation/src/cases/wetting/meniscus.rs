@@ -1,7 +1,7 @@
 //! Baths that climb walls, or shun them: plates, gaps and tubes.
 
-use super::floating::level_by_pressure;
 use super::sessile::{liquid, speeds};
+use crate::cases::rigid::floating::level_by_pressure;
 use crate::measure::{at_most, settle};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
@@ -82,7 +82,7 @@ fn bath<const D: usize>(model: Model<D>, level: f64) -> Simulation<D> {
 }
 
 /// Height of the surface over or under a point.
-pub(super) fn level<const D: usize>(sim: &Simulation<D>, mut x: Vector<D>) -> f64 {
+pub(crate) fn level<const D: usize>(sim: &Simulation<D>, mut x: Vector<D>) -> f64 {
     let grid = &sim.model.grid;
     let sampler = Sampler::cells(grid, &sim.state.phi.data, sim.model.scalar_edges());
     let mut at = |height: f64| {

@@ -88,7 +88,7 @@ fn isolated<const D: usize>(pair: &Pair, cells: usize) -> Result<Vec<Check>, Ste
 }
 
 /// A drop aside of the middle of a plate that is `density` times as dense.
-pub(super) fn plate_and_drop<const D: usize>(cells: usize, density: f64) -> Simulation<D> {
+pub(crate) fn plate_and_drop<const D: usize>(cells: usize, density: f64) -> Simulation<D> {
     let mut sim = start(&PAIRS[0], cells);
     let body = &mut sim.model.solids[0].body;
     body.mass *= density / DENSITY;

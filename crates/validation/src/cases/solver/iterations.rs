@@ -1,7 +1,7 @@
 //! How many iterations the pressure takes with free solids.
 
-use super::floating::tank;
-use super::momentum_with_solid::plate_and_drop;
+use crate::cases::rigid::floating::tank;
+use crate::cases::rigid::momentum_with_solid::plate_and_drop;
 use crate::measure::{at_most, settle};
 use crate::{Case, Check, Mode};
 use meniscus_sim::{Simulation, StepError};

@@ -1,0 +1,12 @@
+//! Contact lines: angles, menisci, friction, hysteresis, patterns, thin sheets that drops wrap.
+
+pub mod hysteresis;
+pub mod line_friction;
+pub mod meniscus;
+pub mod ridge;
+pub mod sessile;
+pub mod sessile_gravity;
+pub mod sliding;
+pub mod walls;
+pub mod wettability_step;
+pub mod wrapping;
