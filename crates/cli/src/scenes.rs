@@ -3,8 +3,8 @@
 use crate::args::{self, SceneArgs};
 use crate::failure::Result;
 use meniscus_scene::builtin;
+use meniscus_scene::estimate::memory;
 use meniscus_scene::file::{LoadOptions, Quality, Scene, runnable};
-use meniscus_scene::memory;
 use std::path::{Path, PathBuf};
 
 /// A loaded scene and where it came from.

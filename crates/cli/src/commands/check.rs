@@ -4,8 +4,8 @@ use super::print;
 use crate::args::CheckArgs;
 use crate::failure::{Failure, Result, SCENE};
 use crate::scenes;
-use meniscus_scene::check::check as report;
-use meniscus_scene::memory;
+use meniscus_scene::estimate::check::check as report;
+use meniscus_scene::estimate::memory;
 
 /// Prints what a scene asks for, without running it.
 pub fn check(args: &CheckArgs) -> Result {

@@ -1,7 +1,7 @@
 //! `summary.json`: how a run stands or ended.
 
 use super::file::{self, FileError};
-use crate::parameters::Parameter;
+use crate::estimate::parameters::Parameter;
 use crate::run::{Job, Tally, ThinTally, three};
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::RigidMotion;

@@ -1,6 +1,6 @@
 //! Why a run could not go on.
 
-use crate::checkpoint::CheckpointError;
+use super::checkpoint::CheckpointError;
 use crate::output::{FileError, FolderError};
 use meniscus_numerics::linalg::SolveError;
 use meniscus_sim::StepError;

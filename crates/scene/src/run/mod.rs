@@ -1,5 +1,6 @@
 //! The run of a scene: steps, frames, checkpoints, until it is done, is asked to stop, or fails.
 
+pub mod checkpoint;
 mod error;
 mod event;
 mod resume;
@@ -15,9 +16,9 @@ pub(crate) use tally::three;
 pub use tally::{Tally, ThinTally};
 pub use watchdog::Remote;
 
+use crate::estimate::parameters::Parameter;
 use crate::output::summary::{FINISHED, Summary};
 use crate::output::{FileError, Folder};
-use crate::parameters::Parameter;
 use meniscus_numerics::Vector;
 use meniscus_sim::{Body, Model, Simulation};
 use std::sync::Arc;

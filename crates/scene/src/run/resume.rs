@@ -1,8 +1,8 @@
 //! Going on from a checkpoint.
 
+use super::checkpoint::{self, CheckpointError};
 use super::session::Session;
 use super::{Event, Job, Observer, RunError, Setup};
-use crate::checkpoint::{self, CheckpointError};
 use crate::output::series::Series;
 use crate::output::{FileError, Folder};
 use meniscus_sim::Simulation;

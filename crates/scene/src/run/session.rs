@@ -1,14 +1,14 @@
 //! One process at work on a run.
 
+use super::checkpoint;
 use super::resume::scene_text;
 use super::watchdog::{Finish, Limits, Watchdog};
 use super::{Event, Job, Observer, Outcome, Progress, RunError, Stop, Tally};
-use crate::checkpoint;
+use crate::estimate::thin_liquid;
 use crate::output::log::Log;
 use crate::output::series::{self, Series};
 use crate::output::summary::{FINISHED, Summary};
 use crate::output::{FileError, Folder, SolidMeasures, file, frame};
-use crate::thin_liquid;
 use crate::units::readable;
 use meniscus_sim::{ContactLine, LineTracker, Simulation, StepReport};
 use std::io::Write;

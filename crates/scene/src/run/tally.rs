@@ -1,6 +1,6 @@
 //! What a run carries along beside the state: counters, worst values, clocks.
 
-use crate::thin_liquid::{TOLD, ThinLiquid};
+use crate::estimate::thin_liquid::{TOLD, ThinLiquid};
 use meniscus_numerics::Vector;
 use meniscus_sim::{Ledger, Model, Repairs, SolidState, StepReport, overlaps};
 use serde::{Deserialize, Serialize};
@@ -47,7 +47,7 @@ pub struct Tally {
     pub phases: Vec<(String, f64)>,
 }
 
-/// Liquid thinner than two cells in the frames of a run (see [`crate::thin_liquid`]).
+/// Liquid thinner than two cells in the frames of a run (see [`crate::estimate::thin_liquid`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ThinTally {
     /// Its largest share of the liquid's volume so far.
@@ -56,7 +56,7 @@ pub struct ThinTally {
     pub worst_time: f64,
     /// Where its deepest cell was then, m; three entries.
     pub worst_place: [f64; 3],
-    /// When its share was first over [`crate::thin_liquid::TOLD`], s.
+    /// When its share was first over [`crate::estimate::thin_liquid::TOLD`], s.
     pub first_time: Option<f64>,
 }
 

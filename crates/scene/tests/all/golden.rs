@@ -9,8 +9,8 @@
 
 use crate::state_hash::{hash, hashes, sums};
 use meniscus_scene::build::AnySetup;
-use meniscus_scene::checkpoint;
 use meniscus_scene::file::{LoadOptions, Scene, runnable};
+use meniscus_scene::run::checkpoint;
 use meniscus_scene::run::{Setup, Tally};
 use meniscus_sim::{Simulation, State};
 use std::path::{Path, PathBuf};

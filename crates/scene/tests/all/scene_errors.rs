@@ -4,8 +4,8 @@
 
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::error::SceneError;
+use meniscus_scene::estimate::memory;
 use meniscus_scene::file::{LoadOptions, Scene, runnable};
-use meniscus_scene::memory;
 use std::path::Path;
 
 const GOOD: &str = r#"format = 1

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use meniscus_scene::builtin::{self, BUILTINS};
-use meniscus_scene::check;
 use meniscus_scene::error::SceneError;
+use meniscus_scene::estimate::check;
 use meniscus_scene::file::{Expectation, LoadOptions, Quality, Scene, runnable};
 use proptest::prelude::*;
 use std::path::Path;

@@ -391,7 +391,7 @@ fn deflections_are_expected_and_reported() {
     let rigid = with(r#"deflection = { solid = "body", max = "1 mm" }"#).replace(gel, "rigid = {}");
     assert!(load(&rigid, none).unwrap_err().message.contains("does not deform"));
 
-    let report = meniscus_scene::check::check(&scene, 2);
+    let report = meniscus_scene::estimate::check::check(&scene, 2);
     let [soft] = report.soft.as_slice() else { panic!("{report:?}") };
     let (young, nu, t) = (1e4, 0.3, 0.004);
     let wave = (young * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu)) / 1e3f64).sqrt();

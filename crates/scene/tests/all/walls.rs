@@ -4,8 +4,8 @@
 
 use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_scene::build::{self, AnySetup};
-use meniscus_scene::check::check;
 use meniscus_scene::error::SceneError;
+use meniscus_scene::estimate::check::check;
 use meniscus_scene::expect;
 use meniscus_scene::file::{LoadOptions, Scene, runnable};
 use meniscus_scene::output::Folder;

@@ -1,10 +1,10 @@
 //! The evidence of a violation: the scene as a file, and an output folder with the checkpoint before it, from which `meniscus run
 //! SCENE --out FOLDER --resume` goes on.
 
-use meniscus_scene::checkpoint;
 use meniscus_scene::file::Scene;
 use meniscus_scene::output::series::Series;
 use meniscus_scene::output::{FileError, Folder, SolidMeasures, file};
+use meniscus_scene::run::checkpoint;
 use meniscus_scene::run::{Job, Tally};
 use meniscus_sim::{Model, Simulation, State};
 use std::io::Write as _;

@@ -6,7 +6,7 @@ use super::refuse::{Taken, taken};
 use super::repeat::{Waypoint, repeat};
 use super::{Outcome, Set, Subject, Violation, clock, evidence};
 use meniscus_scene::build::AnySetup;
-use meniscus_scene::check::check;
+use meniscus_scene::estimate::check::check;
 use meniscus_scene::file::Scene;
 use meniscus_scene::output::summary::peak_memory;
 use meniscus_scene::run::{Schedule, Setup, Tally};

@@ -1,0 +1,97 @@
+//! The parts of a solid that deforms which are held, or go as told.
+
+use super::shapes::shape;
+use crate::error::SceneError;
+use crate::file::vector;
+use crate::file::{Domain, Moved, Scene, Solid as SolidSpec, Wall};
+use meniscus_elastic::{Anchor, Motion};
+use meniscus_numerics::Vector;
+use meniscus_numerics::mesh::VolumeMesh;
+
+/// How far, in edges of its mesh, a vertex may lie outside a region that holds it: on its surface it is held.
+const ON_SURFACE: f64 = 1e-6;
+
+/// The vertices that are held, by the regions that hold them.
+///
+/// # Errors
+/// [`SceneError`] where a region holds none, or such as another one moves otherwise, and where a part would leave the domain
+/// through a closed side; `at` marks it with the region's key.
+pub fn anchors<const D: usize>(
+    mesh: &VolumeMesh<D>,
+    scene: &Scene,
+    spec: &SolidSpec,
+    at: &dyn Fn(&str, SceneError) -> SceneError,
+) -> Result<Vec<Anchor<D>>, SceneError> {
+    let fixed = spec.fixed.iter().enumerate().map(|(k, s)| (format!("fixed.{k}"), s, Motion::Fixed));
+    let moved = spec.moved.iter().enumerate();
+    let moved = moved.map(|(k, m)| (format!("moved.{k}.shape"), &m.shape, motion(m)));
+    let mut taken: Vec<Option<usize>> = vec![None; mesh.positions.len()];
+    let mut anchors: Vec<Anchor<D>> = Vec::new();
+    for (key, region, motion) in fixed.chain(moved) {
+        let region = shape::<D>(region).map_err(|e| at(&key, e))?;
+        let inside = Anchor::within(mesh, |x| region.signed_distance(x) <= ON_SURFACE * spec.mesh_edge);
+        let refuse = |message: &str, help: &str| Err(at(&key, SceneError::new(message).with_help(help)));
+        if inside.vertices.is_empty() {
+            let message = format!("this holds no vertex of the solid `{}`", spec.name);
+            return refuse(&message, "make it larger, or move it onto the solid");
+        }
+        let holder = |v: &u32| taken[*v as usize].map(|k| &anchors[k].motion);
+        let torn = inside.vertices.iter().filter(|v| holder(v).is_some_and(|other| *other != motion)).count();
+        if torn > 0 {
+            let message = format!(
+                "{torn} vertices that this holds are held by a part before it, which moves otherwise"
+            );
+            return refuse(&message, "let no two parts overlap that do not move alike");
+        }
+        let vertices: Vec<u32> =
+            inside.vertices.into_iter().filter(|v| taken[*v as usize].is_none()).collect();
+        if vertices.is_empty() {
+            return refuse(
+                "what this holds is held by the parts before it already",
+                "remove it, or make it reach farther",
+            );
+        }
+        if let Some(time) = leaves(mesh, &vertices, &motion, &scene.domain, scene.output.duration) {
+            let message = format!("this part has left the domain at {time} s, through a closed side");
+            return refuse(
+                &message,
+                "move it less far, give it less time, or open the side (`domain.walls`)",
+            );
+        }
+        vertices.iter().for_each(|v| taken[*v as usize] = Some(anchors.len()));
+        anchors.push(Anchor { vertices, motion });
+    }
+    Ok(anchors)
+}
+
+/// The first of the times at which a part turns, or the end, s, at which one of its vertices is outside the domain that was
+/// inside at the start: beyond a closed side.
+fn leaves<const D: usize>(
+    mesh: &VolumeMesh<D>,
+    vertices: &[u32],
+    motion: &Motion<D>,
+    domain: &Domain,
+    duration: f64,
+) -> Option<f64> {
+    let turns = match motion {
+        Motion::Fixed => return None,
+        Motion::Velocity(_) => Vec::new(),
+        Motion::Keyframes(keys) => keys.iter().map(|k| k.0).filter(|t| (0.0..duration).contains(t)).collect(),
+    };
+    let beyond = |x: &Vector<D>| {
+        let past = |a: usize| [x[a] < 0.0, x[a] > domain.size[a]];
+        (0..D).any(|a| past(a).iter().zip(domain.walls[a]).any(|(past, wall)| *past && wall != Wall::Open))
+    };
+    turns.into_iter().chain([duration]).find(|time| {
+        let way = motion.displacement(*time);
+        vertices.iter().map(|v| mesh.positions[*v as usize]).any(|x| !beyond(&x) && beyond(&(x + way)))
+    })
+}
+
+/// How a part that goes as told does so.
+fn motion<const D: usize>(moved: &Moved) -> Motion<D> {
+    match moved.keyframes.is_empty() {
+        true => Motion::Velocity(vector(&moved.velocity)),
+        false => Motion::Keyframes(moved.keyframes.iter().map(|(time, to)| (*time, vector(to))).collect()),
+    }
+}

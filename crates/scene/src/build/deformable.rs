@@ -1,0 +1,112 @@
+//! Solids of a scene that deform: their meshes, and what they are made of.
+
+use super::shapes::shape;
+use crate::error::SceneError;
+use crate::estimate::stiffness::can_follow;
+use crate::file::{Elastic as Constants, Material, Scene, ShapeSpec, Solid as SolidSpec, SolidTension};
+use crate::file::{rotation, vector};
+use meniscus_elastic::{Description, Elastic, ElasticError, Law, Order, SurfaceTension};
+use meniscus_numerics::mesh::VolumeMesh;
+
+/// What a solid of a scene is made of if it deforms.
+///
+/// # Errors
+/// [`SceneError`] for what no mesh can be made of, or no solid be.
+pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option<Elastic<D>>, SceneError> {
+    if !spec.material.deforms() {
+        return Ok(None);
+    }
+    let at = |key: &str| {
+        let number = scene.solids.iter().position(|s| s.name == spec.name).unwrap_or(0);
+        format!("solid.{number}.{key}")
+    };
+    let Some((law, damping_ratio)) = law(spec) else { return Ok(None) };
+    let order = match law {
+        Law::Springs { .. } => Order::Linear,
+        Law::NeoHookean { order, .. } | Law::Corotated { order, .. } => order,
+    };
+    let mesh = mesh::<D>(&spec.shape, spec.mesh_edge, order).map_err(|message| {
+        let error = SceneError::new(format!("the solid `{}` cannot be meshed: {message}", spec.name));
+        scene.source.at_value(error, &scene.source.first_inside(&at("shape")))
+    })?;
+    let anchors = super::constraints::anchors(&mesh, scene, spec, &|key, error| {
+        scene.source.at_value(error, &at(key))
+    })?;
+    let density = spec.density.unwrap_or(scene.liquid.density);
+    can_follow(scene, spec, &mesh, density)
+        .map_err(|error| scene.source.at_value(error, &scene.source.first_inside(&at("material"))))?;
+    let description = Description { mesh, density, law, damping_ratio, anchors };
+    let tension = own_tension(scene, spec)?;
+    let terms = tension.map(|tension| Box::new(SurfaceTension::new(&description.mesh, tension)) as Box<_>);
+    Elastic::with_terms(description, terms.into_iter().collect()).map(Some).map_err(|error| {
+        let key = match error {
+            ElasticError::Material { .. } => "material",
+            _ => "shape",
+        };
+        let error = SceneError::new(format!("the solid `{}`: {error}", spec.name));
+        scene.source.at_value(error, &scene.source.first_inside(&at(key)))
+    })
+}
+
+/// The tension of its dry surface, N/m, where a solid feels it. Where it is wetted, liquid and line make the difference.
+fn own_tension(scene: &Scene, spec: &SolidSpec) -> Result<Option<f64>, SceneError> {
+    if !scene.contact_line.neumann {
+        return Ok(None);
+    }
+    let name = &spec.name;
+    let refuse = |message: String, help: String| {
+        Err(scene.source.at_value(SceneError::new(message).with_help(help), "contact_line.neumann"))
+    };
+    let own = scene.tension.solids.iter().find(|(other, _)| other == name).map(|(_, w)| w);
+    match own.map(|wetting| (&wetting.tension, wetting.is_even())) {
+        Some((tension @ SolidTension::Energies { solid_air, .. }, true)) => {
+            if tension.young_cosine(scene.tension.liquid_air).abs() <= 1.0 {
+                return Ok(Some(*solid_air));
+            }
+            let message = format!(
+                "no three tensions balance at a line on the solid `{name}`: it wets totally, or not at all"
+            );
+            refuse(
+                message,
+                format!("bring the tensions of `tension.{name}` nearer to each other, or remove `neumann`"),
+            )
+        }
+        _ => refuse(
+            format!("the tensions of the solid `{name}` are not known, which balance at the line"),
+            format!(
+                "give both: `tension.{name} = {{ liquid_solid = \"30 mN/m\", solid_air = \"50 mN/m\" }}`, or remove `neumann`"
+            ),
+        ),
+    }
+}
+
+/// The law of a solid that deforms, and its damping ratio.
+fn law(spec: &SolidSpec) -> Option<(Law, f64)> {
+    let order = Order::Quadratic;
+    match spec.material {
+        Material::Springs { stiffness, damping_ratio } => Some((Law::Springs { stiffness }, damping_ratio)),
+        Material::NeoHookean(Constants { young_modulus: young, poisson_ratio: poisson, damping_ratio }) => {
+            Some((Law::NeoHookean { young, poisson, order }, damping_ratio))
+        }
+        Material::Corotated(Constants { young_modulus: young, poisson_ratio: poisson, damping_ratio }) => {
+            Some((Law::Corotated { young, poisson, order }, damping_ratio))
+        }
+        _ => None,
+    }
+}
+
+/// The mesh of a shape with vertices a length apart, m; the message of an error if there is none. The elements of a file are all taken
+/// over: quadratic ones have more vertices, in the middles of its edges.
+fn mesh<const D: usize>(spec: &ShapeSpec, edge: f64, order: Order) -> Result<VolumeMesh<D>, String> {
+    if spec.volume_file().is_some() {
+        let mesh = super::shapes::volume::<D>(spec)?;
+        return Ok(if order == Order::Quadratic { mesh.divided() } else { mesh });
+    }
+    if let ShapeSpec::Extrusion { outline, thickness, center, rotation: turned } = spec {
+        let flat = crate::file::outline(outline).map_err(|e| e.to_string())?;
+        let mesh = VolumeMesh::of_outline(&flat, &vector(center), *thickness, &rotation(turned), edge, order);
+        return mesh.map_err(|e| e.to_string());
+    }
+    let shape = shape::<D>(spec).map_err(|e| e.to_string())?;
+    VolumeMesh::of_shape(&shape, edge, order).map_err(|e| e.to_string())
+}

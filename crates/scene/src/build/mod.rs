@@ -1,0 +1,12 @@
+//! From a resolved scene to a simulation.
+
+mod constraints;
+mod deformable;
+pub mod displaced;
+mod setup;
+mod shapes;
+mod thickness;
+mod wettability;
+
+pub use setup::{AnySetup, AnySimulation, model, setup};
+pub use shapes::region;

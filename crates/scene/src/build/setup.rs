@@ -1,0 +1,282 @@
+//! From a resolved scene to a simulation: the one place where the dimension is chosen at run time.
+
+use super::thickness::thick_enough;
+use crate::build::shapes::{region, shape};
+use crate::error::SceneError;
+use crate::estimate::parameters::parameters;
+use crate::file::vector;
+use crate::file::{Material, Scene, ShapeSpec, Solid as SolidSpec, Wall, outside};
+use crate::output::Folder;
+use crate::run::checkpoint::Checksum;
+use crate::run::{self, Existing, Job, Observer, Outcome, RunError, Schedule, Setup, Stop};
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::shape::Shape;
+use meniscus_sim::{Model, Motion, Numerics, Path, Simulation, Solid};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// What a simulation starts from, in two or three dimensions.
+#[derive(Clone)]
+pub enum AnySetup {
+    /// Two dimensions.
+    D2(Setup<2>),
+    /// Three dimensions.
+    D3(Setup<3>),
+}
+
+/// A simulation in two or three dimensions.
+pub enum AnySimulation {
+    /// Two dimensions.
+    D2(Box<Simulation<2>>),
+    /// Three dimensions.
+    D3(Box<Simulation<3>>),
+}
+
+impl AnySetup {
+    /// The setup of a scene.
+    ///
+    /// # Errors
+    /// [`SceneError`] for a shape that cannot be made.
+    pub fn of(scene: &Scene) -> Result<Self, SceneError> {
+        match scene.domain.dimension {
+            2 => Ok(Self::D2(setup(scene)?)),
+            _ => Ok(Self::D3(setup(scene)?)),
+        }
+    }
+
+    /// The simulation at its start.
+    pub fn simulation(&self) -> AnySimulation {
+        match self {
+            Self::D2(setup) => AnySimulation::D2(Box::new(setup.simulation())),
+            Self::D3(setup) => AnySimulation::D3(Box::new(setup.simulation())),
+        }
+    }
+
+    /// Runs it into a folder; see [`run::run`].
+    ///
+    /// # Errors
+    /// [`RunError`].
+    pub fn run(
+        &self,
+        job: &Job,
+        folder: &Folder,
+        existing: Existing,
+        stop: &(dyn Fn() -> Option<Stop> + Sync),
+        observer: &mut dyn Observer,
+    ) -> Result<Outcome, RunError> {
+        match self {
+            Self::D2(setup) => run::run(setup, job, folder, existing, stop, observer),
+            Self::D3(setup) => run::run(setup, job, folder, existing, stop, observer),
+        }
+    }
+}
+
+impl Job {
+    /// The job of a scene; `text` is the scene as `scene.toml` of the output will show it.
+    pub fn of(scene: &Scene, text: String) -> Self {
+        let output = &scene.output;
+        Self {
+            name: scene.name.clone(),
+            text,
+            identity: identity(scene),
+            schedule: Schedule::new(output.frame_interval, output.duration),
+            frame_interval: output.frame_interval,
+            frames: None,
+            checkpoint_every: output.checkpoint_every as u64,
+            solids: scene.solids.iter().map(|s| (s.name.clone(), s.mesh_edge)).collect(),
+            warnings: Vec::new(),
+            description: scene.description.clone(),
+            parameters: parameters(scene),
+        }
+    }
+}
+
+/// A number that differs between scenes whose results differ. How long the run is, what is written beside the frames
+/// and how many threads work does not count.
+fn identity(scene: &Scene) -> u64 {
+    let Scene { name, domain, liquid, solids, tension, contact_line, numerics, output, .. } = scene;
+    let numerics = crate::file::Numerics { threads: None, ..numerics.clone() };
+    let parts = (name, domain, liquid, solids, tension, contact_line, numerics, output.frame_interval);
+    let mut sum = Checksum::default();
+    sum.update(format!("{parts:?}").as_bytes());
+    // What cannot be read is no file of the disk, or is missed where the solid is made.
+    files(scene).iter().filter_map(|file| std::fs::read(file).ok()).for_each(|bytes| sum.update(&bytes));
+    sum.value()
+}
+
+/// The files that a scene is made of besides its own.
+fn files(scene: &Scene) -> Vec<PathBuf> {
+    let of_solid = |s: &SolidSpec| {
+        let moved = s.moved.iter().map(|m| m.shape.clone());
+        s.fixed.iter().cloned().chain(moved).chain([s.shape.clone()]).collect::<Vec<_>>()
+    };
+    let patches = scene.tension.solids.iter().flat_map(|(_, w)| w.patches.iter().map(|p| p.0.clone()));
+    let bodies = scene.liquid.bodies.iter().map(|b| b.shape.clone());
+    let shapes: Vec<ShapeSpec> =
+        scene.solids.iter().flat_map(of_solid).chain(patches).chain(bodies).collect();
+    let mesh = |s: &ShapeSpec| match s {
+        // TetGen's are two.
+        ShapeSpec::Mesh { path, .. } if path.extension().is_some_and(|e| e == "node" || e == "ele") => {
+            vec![path.with_extension("node"), path.with_extension("ele")]
+        }
+        ShapeSpec::Mesh { path, .. } => vec![path.clone()],
+        _ => Vec::new(),
+    };
+    let meshes = shapes.iter().flat_map(ShapeSpec::parts).flat_map(mesh);
+    let images = scene.tension.solids.iter().filter_map(|(_, w)| Some(w.image.as_ref()?.path.clone()));
+    meshes.chain(images).collect()
+}
+
+/// The setup of a scene of dimension `D`.
+///
+/// # Errors
+/// [`SceneError`] for a shape that cannot be made.
+pub fn setup<const D: usize>(scene: &Scene) -> Result<Setup<D>, SceneError> {
+    let bodies = scene.liquid.bodies.iter().map(|b| Ok((region(&b.shape)?, vector(&b.velocity))));
+    let solids = scene.solids.iter().map(|s| solid(scene, s)).collect::<Result<_, _>>()?;
+    let bodies = bodies.collect::<Result<_, SceneError>>()?;
+    let model = Model { solids, ..model(scene) };
+    apart(scene, &model)?;
+    let model = Model { solids: thick_enough(scene, &model)?, ..model };
+    let model = model.with_open_sides();
+    Ok(Setup { model: if scene.walls_wet() { wet(scene, model) } else { model }, bodies })
+}
+
+/// The model with walls that wet.
+fn wet<const D: usize>(scene: &Scene, model: Model<D>) -> Model<D> {
+    let (cosine, line) = (scene.domain.wall_contact_angle.cos(), &scene.contact_line);
+    model.with_wetting_walls(
+        cosine,
+        line.friction,
+        line.hysteresis.as_ref().map(super::wettability::hysteresis),
+    )
+}
+
+/// Depth of an overlap, in cells, that is rounding of the numbers in a scene; surfaces with a gap up to this touch.
+const ROUNDING: f64 = 0.01;
+
+/// Refuses a solid from a mesh file that reaches beyond the domain; of others the scene alone tells.
+fn mesh_inside<const D: usize>(scene: &Scene, spec: &SolidSpec, shape: &Shape<D>) -> Result<(), SceneError> {
+    if spec.shape.bounds(D).is_some() {
+        return Ok(());
+    }
+    let list = |v: Vector<D>| v.iter().copied().collect::<Vec<f64>>();
+    let (lower, upper) = shape.bounds();
+    let bounds = (list(lower), list(upper));
+    let Some((reach, help)) = outside(&bounds, &scene.domain.size, 1e-6 * scene.domain.dx) else {
+        return Ok(());
+    };
+    let error = SceneError::new(format!("the solid `{}` is outside the domain: it {reach}", spec.name))
+        .with_help(format!(
+            "{help}; `scale` tells how long a unit of the file is, `translate` where it goes"
+        ));
+    let number = scene.solids.iter().position(|s| s.name == spec.name).unwrap_or(0);
+    Err(scene.source.at_value(error, &scene.source.first_inside(&format!("solid.{number}.shape"))))
+}
+
+/// Refuses solids that could not move as they should: such without bounds, and those that overlap where they start.
+fn apart<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneError> {
+    let at = |i: usize, key: &str| format!("solid.{i}.{key}");
+    let name = |i: usize| &scene.solids[i].name;
+    let free = |s: &SolidSpec| matches!(s.material, Material::Rigid { fixed: false });
+    for (i, solid) in model.solids.iter().enumerate() {
+        if free(&scene.solids[i]) && solid.motion != Motion::Free {
+            let error = SceneError::new(format!("the solid `{}` has no bounds, and so no mass", name(i)));
+            let help = "use rigid = { fixed = true }, or another shape";
+            return Err(scene.source.at_value(error.with_help(help), &at(i, "material")));
+        }
+    }
+    let start: Vec<_> = model.solids.iter().map(Solid::start).collect();
+    let all = meniscus_sim::overlaps(model, &start);
+    let deepest = all.into_iter().max_by(|a, b| a.2.total_cmp(&b.2));
+    let Some((i, other, depth)) = deepest.filter(|o| o.2 > ROUNDING * model.grid.dx) else {
+        return gaps(scene, model);
+    };
+    // The later one in the file is the one to mend.
+    let (i, other) = other.map_or((i, None), |j| (i.max(j), Some(i.min(j))));
+    let what = other.map_or("a closed side of the domain".to_owned(), |j| format!("the solid `{}`", name(j)));
+    let error = SceneError::new(format!("the solid `{}` overlaps {what} by {depth:.3e} m", name(i)));
+    let error = error.with_help("move them apart: they may touch");
+    Err(scene.source.at_value(error, &scene.source.first_inside(&at(i, "shape"))))
+}
+
+/// Refuses surfaces of solids that deform which touch where they start: the barrier between them would be infinite.
+fn gaps<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneError> {
+    let dx = model.grid.dx;
+    let narrowest = meniscus_sim::narrowest_gap(model).filter(|gap| gap.2 <= ROUNDING * dx);
+    let Some((i, j, _)) = narrowest else { return Ok(()) };
+    let (i, j) = (i.max(j), i.min(j));
+    let name = |i: usize| &scene.solids[i].name;
+    let other = if i == j { "itself".to_owned() } else { format!("the solid `{}`", name(j)) };
+    let error = SceneError::new(format!("the solid `{}`, which deforms, touches {other}", name(i)));
+    let help = format!("leave a gap of {:.1e} m or more", 2.0 * ROUNDING * dx);
+    Err(scene.source.at_value(error.with_help(help), &scene.source.first_inside(&format!("solid.{i}.shape"))))
+}
+
+/// The model of a scene of dimension `D`, without its solids.
+pub fn model<const D: usize>(scene: &Scene) -> Model<D> {
+    let domain = &scene.domain;
+    let wall = |axis: usize, side: usize| match domain.walls.get(axis).map(|w| w[side]) {
+        Some(Wall::Open) => meniscus_sim::Wall::Open,
+        _ => meniscus_sim::Wall::Slip,
+    };
+    let cells = std::array::from_fn(|a| domain.cells.get(a).copied().unwrap_or(1));
+    let n = &scene.numerics;
+    Model {
+        grid: Grid::new(cells, domain.dx),
+        walls: std::array::from_fn(|a| [wall(a, 0), wall(a, 1)]),
+        density: scene.liquid.density,
+        kinematic_viscosity: scene.liquid.kinematic_viscosity,
+        surface_tension: scene.tension.liquid_air,
+        gravity: vector(&scene.liquid.gravity),
+        solids: Vec::new(),
+        numerics: Numerics {
+            cfl: n.cfl,
+            capillary_step: n.capillary_step,
+            max_step: n.max_step,
+            tolerance: n.tolerance,
+            max_iterations: n.max_iterations,
+            fixed_step: n.fixed_step,
+            restore_momentum: n.restore_momentum,
+            contact_line: scene.contact_line.enabled,
+            line_radius: scene.contact_line.radius.unwrap_or(0.0),
+            newton_iterations: n.newton_iterations,
+        },
+    }
+}
+
+/// A solid of a scene.
+fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, SceneError> {
+    let shape = shape(&spec.shape);
+    shape.iter().try_for_each(|shape| mesh_inside(scene, spec, shape))?;
+    let motion = match &spec.material {
+        Material::Kinematic { velocity, angular_velocity, keyframes } => {
+            let mut spin = [0.0; 3];
+            let first = 3 - angular_velocity.len().min(3);
+            spin[first..].copy_from_slice(&angular_velocity[..3 - first]);
+            let keyframes = keyframes.iter().map(|(time, to)| (*time, vector(to))).collect();
+            Motion::Given(Path { velocity: vector(velocity), spin, keyframes })
+        }
+        Material::Rigid { fixed: false } => Motion::Free,
+        _ => match super::deformable::elastic(scene, spec)? {
+            Some(elastic) => Motion::Soft(Arc::new(elastic)),
+            None => Motion::Fixed,
+        },
+    };
+    let mut solid = Solid::new(shape?, motion, spec.density.unwrap_or(scene.liquid.density));
+    solid.velocity = vector(&spec.velocity);
+    let tension = scene.tension.solids.iter().find(|(name, _)| *name == spec.name);
+    (solid.restitution, solid.friction) = (spec.restitution, spec.friction);
+    if !scene.contact_line.enabled {
+        return Ok(solid);
+    }
+    let own = scene.contact_line.friction_of.iter().find(|(name, _)| *name == spec.name);
+    solid.line_friction = own.map_or(scene.contact_line.friction, |(_, friction)| *friction);
+    solid.hysteresis = scene.contact_line.hysteresis.as_ref().map(super::wettability::hysteresis);
+    if let Some((_, wetting)) = tension {
+        solid.cosine = wetting.tension.young_cosine(scene.tension.liquid_air);
+        solid.pattern = super::wettability::layers(scene, &spec.name, wetting)?;
+    }
+    Ok(solid)
+}

@@ -1,0 +1,152 @@
+//! Shapes of a resolved scene as signed distances, and the meshes of those that come from files.
+
+use crate::error::SceneError;
+use crate::file::{ShapeSpec, outline, rotation, vector};
+use crate::run::Region;
+use meniscus_numerics::Vector;
+use meniscus_numerics::mesh::VolumeMesh;
+use meniscus_numerics::mesh::volume::read;
+use meniscus_numerics::shape::{MeshShape, Shape, SmoothUnion};
+use std::sync::Arc;
+
+/// The signed distance of a shape.
+///
+/// # Errors
+/// [`SceneError`] for a shape that cannot be made.
+pub fn region<const D: usize>(spec: &ShapeSpec) -> Result<Region<D>, SceneError> {
+    match spec {
+        ShapeSpec::Union(parts) => {
+            let parts: Vec<Region<D>> = parts.iter().map(region).collect::<Result<_, _>>()?;
+            Ok(Arc::new(move |x| parts.iter().map(|part| part(x)).fold(f64::INFINITY, f64::min)))
+        }
+        ShapeSpec::Difference { of, minus } => {
+            let (of, minus) = (region::<D>(of)?, region::<D>(minus)?);
+            Ok(Arc::new(move |x| of(x).max(-minus(x))))
+        }
+        ShapeSpec::Wave { level, amplitude, wavelength, phase } => {
+            let wave = Wave {
+                level: *level,
+                amplitude: *amplitude,
+                number: 2.0 * std::f64::consts::PI / wavelength,
+                phase: *phase,
+            };
+            Ok(Arc::new(move |x: &Vector<D>| wave.signed_distance(x[0], x[D - 1])))
+        }
+        other => {
+            let shape = shape::<D>(other)?;
+            Ok(Arc::new(move |x| shape.signed_distance(x)))
+        }
+    }
+}
+
+/// A shape of any kind but a wave.
+pub(crate) fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneError> {
+    Ok(match spec {
+        ShapeSpec::Ball { center, radius } => Shape::Ball { center: vector(center), radius: *radius },
+        ShapeSpec::Box { center, half_size, rotation: turned } => {
+            Shape::Box { center: vector(center), half_size: vector(half_size), rotation: rotation(turned) }
+        }
+        ShapeSpec::HalfSpace { point, normal } => {
+            Shape::HalfSpace { point: vector(point), normal: vector(normal) }
+        }
+        ShapeSpec::Cylinder { center, axis, radius, height } => {
+            Shape::Cylinder { center: vector(center), axis: vector(axis), radius: *radius, height: *height }
+        }
+        ShapeSpec::Capsule { a, b, radius } => Shape::Capsule { a: vector(a), b: vector(b), radius: *radius },
+        ShapeSpec::Ellipsoid { center, radii, rotation: turned } => {
+            Shape::Ellipsoid { center: vector(center), radii: vector(radii), rotation: rotation(turned) }
+        }
+        ShapeSpec::PerturbedBall { center, radius, mode, amplitude } => Shape::PerturbedBall {
+            center: vector(center),
+            radius: *radius,
+            mode: *mode,
+            amplitude: *amplitude,
+        },
+        ShapeSpec::Union(parts) => Shape::Union(parts.iter().map(shape).collect::<Result<_, _>>()?),
+        ShapeSpec::Difference { of, minus } => {
+            Shape::Difference { of: Box::new(shape(of)?), minus: Box::new(shape(minus)?) }
+        }
+        ShapeSpec::SmoothUnion { parts, width } => Shape::Smooth(SmoothUnion {
+            parts: parts.iter().map(shape).collect::<Result<_, _>>()?,
+            width: *width,
+        }),
+        ShapeSpec::Cow { at, length, rotation: turned } => {
+            Shape::Smooth(SmoothUnion::cow(*length, &vector(at), &rotation(turned)))
+        }
+        ShapeSpec::Mesh { .. } if spec.volume_file().is_some() => {
+            let (surface, _) = volume::<D>(spec).map_err(SceneError::new)?.surface();
+            Shape::Mesh(Arc::new(MeshShape::new(surface)))
+        }
+        ShapeSpec::Mesh { path, scale, translate, rotation: turned } => {
+            let turned = rotation(turned);
+            let mesh = crate::file::read_mesh_file(path, |path| {
+                MeshShape::load(path, *scale, &turned, &vector(translate))
+            });
+            Shape::Mesh(Arc::new(mesh.map_err(SceneError::new)?))
+        }
+        ShapeSpec::Extrusion { outline: flat, thickness, center, rotation: turned } => {
+            Shape::extrusion(&outline(flat)?, &vector(center), *thickness, &rotation(turned))
+        }
+        ShapeSpec::Wave { .. } => {
+            let help = "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, extrusion, \
+                        union, smooth_union, difference, cow or mesh";
+            return Err(SceneError::new("this shape is not yet in this version").with_help(help));
+        }
+    })
+}
+
+/// The elements of a mesh file that holds a volume, where the scene has them; the message of an error if there are none.
+pub(crate) fn volume<const D: usize>(spec: &ShapeSpec) -> Result<VolumeMesh<D>, String> {
+    let ShapeSpec::Mesh { path, scale, translate, rotation: turned } = spec else {
+        return Err("this shape has no elements of its own".to_owned());
+    };
+    let mut mesh = crate::file::read_mesh_file(path, read::load::<D>)?;
+    mesh.positions.iter_mut().for_each(|x| *x *= *scale);
+    Ok(mesh.moved(&rotation(turned), &vector(translate)))
+}
+
+/// `level + amplitude cos(number x + phase)`.
+struct Wave {
+    level: f64,
+    amplitude: f64,
+    number: f64,
+    phase: f64,
+}
+
+impl Wave {
+    /// Distance to the nearest point of the curve by Newton's method from the point above or below, negative under it.
+    fn signed_distance(&self, x: f64, y: f64) -> f64 {
+        let height = |s: f64| {
+            let (sin, cos) = (self.number * s + self.phase).sin_cos();
+            let a = self.amplitude;
+            (self.level + a * cos, -a * self.number * sin, -a * self.number * self.number * cos)
+        };
+        let mut s = x;
+        for _ in 0..20 {
+            let (h, h1, h2) = height(s);
+            let slope = (s - x) + (h - y) * h1;
+            let curvature = (1.0 + h1 * h1 + (h - y) * h2).max(0.2);
+            s -= slope / curvature;
+        }
+        (s - x).hypot(height(s).0 - y).copysign(y - height(x).0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distance_to_a_wave() {
+        let spec = ShapeSpec::Wave { level: 1.0, amplitude: 0.05, wavelength: 1.0, phase: 0.3 };
+        let region = region::<2>(&spec).unwrap();
+        let curve = |s: f64| 1.0 + 0.05 * (2.0 * std::f64::consts::PI * s + 0.3).cos();
+        for (x, y) in [(0.2, 1.3), (0.7, 0.8), (0.5, 1.0), (0.0, 0.5)] {
+            let nearest = (-2000..3000).map(|i| f64::from(i) * 1e-3).map(|s| (s - x).hypot(curve(s) - y));
+            let nearest = nearest.fold(f64::INFINITY, f64::min);
+            let distance = region(&Vector::from([x, y]));
+            assert!((distance.abs() - nearest).abs() < 1e-5, "{x} {y}: {distance} {nearest}");
+            assert_eq!(distance > 0.0, y > curve(x));
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Patterns of the contact angle: from a resolved scene, and a picture in a file, to the layers of a solid.
+
+use super::shapes::shape;
+use crate::error::SceneError;
+use crate::file::vector;
+use crate::file::{self, Scene, SolidTension, Wetting, WettingImage};
+use meniscus_sim::{Hysteresis, Layer, Picture};
+use std::fs::File;
+use std::io::BufReader;
+use std::sync::Arc;
+
+/// The most pixels of an image.
+const MAX_PIXELS: usize = 1 << 24;
+/// The most memory, bytes, that reading it may take beside them.
+const MAX_BYTES: usize = 1 << 26;
+
+/// The angles between which lines rest.
+pub fn hysteresis(h: &file::Hysteresis) -> Hysteresis {
+    match *h {
+        file::Hysteresis::Between { advancing, receding } => {
+            Hysteresis::Between([advancing.cos(), receding.cos()])
+        }
+        file::Hysteresis::Around { above, below } => Hysteresis::Around([above, below]),
+    }
+}
+
+/// What lies over the cosine of a solid, the last on top.
+///
+/// # Errors
+/// [`SceneError`] that points at the image that cannot be read, or for a shape that cannot be made.
+pub fn layers<const D: usize>(
+    scene: &Scene,
+    solid: &str,
+    wetting: &Wetting,
+) -> Result<Vec<Layer<D>>, SceneError> {
+    let mut layers = Vec::new();
+    if let SolidTension::Gradient { from, to } = &wetting.tension {
+        let [from, to] = [from, to].map(|(at, angle)| (vector(at), angle.cos()));
+        layers.push(Layer::Gradient { from, to });
+    }
+    if let Some(image) = &wetting.image {
+        let picture = picture(image).map_err(|why| {
+            let error = SceneError::new(format!("the image cannot be read: {why}"));
+            scene.source.at_value(error, &format!("tension.{solid}.image.file"))
+        })?;
+        layers.push(Layer::Picture(Arc::new(picture)));
+    }
+    for (patch, angle) in &wetting.patches {
+        layers.push(Layer::Patch { shape: shape(patch)?, cosine: angle.cos() });
+    }
+    Ok(layers)
+}
+
+/// The picture in a file; or why it cannot be read.
+fn picture(image: &WettingImage) -> Result<Picture, String> {
+    let file = File::open(&image.path).map_err(|e| e.to_string())?;
+    let mut decoder = png::Decoder::new_with_limits(BufReader::new(file), png::Limits { bytes: MAX_BYTES });
+    decoder.set_transformations(png::Transformations::normalize_to_color8());
+    let mut reader = decoder.read_info().map_err(|e| e.to_string())?;
+    let size = [reader.info().width as usize, reader.info().height as usize];
+    let length = reader.output_buffer_size().filter(|_| size[0] * size[1] <= MAX_PIXELS);
+    let Some(length) = length else { return Err(format!("{} x {} pixels are too many", size[0], size[1])) };
+    let mut bytes = vec![0; length];
+    let frame = reader.next_frame(&mut bytes).map_err(|e| e.to_string())?;
+    let samples = frame.color_type.samples();
+    let [black, white] = [image.black.cos(), image.white.cos()];
+    let pixel = |values: &[u8]| {
+        let value = |i: usize| f64::from(values[i]) / 255.0;
+        // Grey as the eye sees it (ITU-R BT.709).
+        let grey =
+            if samples < 3 { value(0) } else { 0.2126 * value(0) + 0.7152 * value(1) + 0.0722 * value(2) };
+        [black + (white - black) * grey, if samples % 2 == 0 { value(samples - 1) } else { 1.0 }]
+    };
+    // The file tells the uppermost row first.
+    let rows = bytes.chunks_exact(frame.line_size).take(size[1]).rev();
+    let pixels = rows.flat_map(|row| row.chunks_exact(samples).take(size[0]).map(pixel)).collect();
+    let ends = |a: usize| match (image.lower.get(a), image.upper.get(a)) {
+        (Some(low), Some(high)) => [*low, *high],
+        _ => [0.0, 1.0],
+    };
+    Ok(Picture { ends: [ends(0), ends(1)], size, pixels })
+}

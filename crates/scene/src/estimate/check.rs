@@ -1,0 +1,382 @@
+//! The physics of a scene in numbers, without running it.
+
+use super::deformable::{SoftReport, reports};
+use super::{gaps, memory, thin_liquid};
+use crate::build::AnySetup;
+use crate::build::displaced::{Displaced, displaced, judge};
+use crate::error::SceneError;
+use crate::file::{Material, Scene, ShapeSpec, WALLS, Warning};
+use crate::units::readable;
+use serde::Serialize;
+
+/// Core seconds per step and cell of the domain, a rough figure for the time estimate.
+const SECONDS_PER_CELL: f64 = 2e-7;
+/// Core seconds per step and cell of liquid.
+const SECONDS_PER_LIQUID_CELL: f64 = 4e-6;
+/// Seconds per step and byte of the factors of solids that deform, found and solved with some dozen times: `fig22-plate-180`,
+/// with 491 MB of them, takes 1.9 to 2.5 s a step on a machine that others share, nearly all for them.
+const SECONDS_PER_FACTOR_BYTE: f64 = 4.4e-9;
+/// The same of what iterations go through instead, some dozen times thirty: a ball of 58,400 vertices took 32 s a step, beside
+/// other runs.
+const SECONDS_PER_ITERATED_BYTE: f64 = 4e-7;
+/// Fewer cells across a body than this deserve a warning.
+const FEW_CELLS: f64 = 8.0;
+
+/// The physics of a scene in numbers; SI, angles in degrees.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// Name of the scene.
+    pub name: String,
+    /// 2 or 3.
+    pub dimension: usize,
+    /// Cells along each axis.
+    pub cells: Vec<usize>,
+    /// All cells.
+    pub cell_count: f64,
+    /// Size of a cell, m.
+    pub dx: f64,
+    /// Volume of the liquid at the start, m³ (2D: m²), sampled; none with a mesh.
+    pub liquid_volume: Option<f64>,
+    /// Cells of liquid.
+    pub liquid_cells: Option<f64>,
+    /// Every body of liquid beside the solids; none where the scene cannot run.
+    pub displaced: Vec<Displaced>,
+    /// Share of the liquid that is thinner than two cells at the start; none where the scene cannot run.
+    pub thin_liquid: Option<f64>,
+    /// Memory, bytes, estimated.
+    pub memory_bytes: f64,
+    /// Time steps, estimated.
+    pub steps: f64,
+    /// Time that a run takes here, s, rough.
+    pub run_seconds: f64,
+    /// Time step that is expected, s.
+    pub time_step: f64,
+    /// The explicit capillary limit 0.36 √(ρ Δ³ / γ), s.
+    pub capillary_step: f64,
+    /// Length of the dimensionless numbers: the smallest radius of a body (else that of a ball of the same volume), m.
+    pub radius: Option<f64>,
+    /// Speed of the dimensionless numbers: the largest difference between bodies, or of one body to rest, m/s.
+    pub speed: f64,
+    /// Capillary length √(γ / ρ g), m; none without gravity.
+    pub capillary_length: Option<f64>,
+    /// Capillary length in cells.
+    pub capillary_length_cells: Option<f64>,
+    /// Bo = ρ g R² / γ.
+    pub bond: Option<f64>,
+    /// We = ρ U² D / γ.
+    pub weber: Option<f64>,
+    /// Oh = μ / √(ρ γ D).
+    pub ohnesorge: Option<f64>,
+    /// La = γ ρ D / μ²; none without viscosity.
+    pub laplace: Option<f64>,
+    /// Re = U D / ν; none without viscosity.
+    pub reynolds: Option<f64>,
+    /// The bodies of liquid.
+    pub bodies: Vec<BodyReport>,
+    /// Every pair of liquid and solid.
+    pub pairs: Vec<PairReport>,
+    /// Every solid that deforms; none where the scene cannot run.
+    pub soft: Vec<SoftReport>,
+    /// What looks odd.
+    pub warnings: Vec<Warning>,
+    /// Why the scene cannot be run; none if it can.
+    pub cannot_run: Option<String>,
+    /// The same as an error where the scene is wrong, not only beyond this version; or that its solids need more memory than
+    /// this machine has.
+    #[serde(skip)]
+    pub error: Option<SceneError>,
+}
+
+/// A body of liquid.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BodyReport {
+    /// Number in the scene, from 0.
+    pub index: usize,
+    /// The length that the grid has to resolve, m; none for a half-space.
+    pub radius: Option<f64>,
+    /// Cells per that length.
+    pub cells_per_radius: Option<f64>,
+}
+
+/// How the liquid meets a solid.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PairReport {
+    /// Name of the solid; `walls` for the sides of the domain.
+    pub solid: String,
+    /// Cosine of Young's angle; none if no tension is given.
+    pub young_cosine: Option<f64>,
+    /// Young's angle, degrees; none beyond total wetting or drying.
+    pub young_angle: Option<f64>,
+    /// Smallest and largest angle of a pattern, degrees; none where it is the same everywhere.
+    pub young_angles: Option<[f64; 2]>,
+    /// `partial`, `total wetting`, `no wetting`, `patterned` or `no tension given`.
+    pub wetting: &'static str,
+    /// Elastocapillary length γ / E, m; none for rigid solids and springs.
+    pub elastocapillary_length: Option<f64>,
+    /// Bending elastocapillary length √(B / γ) of a shell, m (plates: see `soft`).
+    pub bending_elastocapillary_length: Option<f64>,
+    /// Friction of the contact line, Pa s.
+    pub line_friction: f64,
+}
+
+/// The physics of a scene in numbers. `threads`: how many cores a run would use, for the time estimate.
+pub fn check(scene: &Scene, threads: usize) -> Report {
+    let (d, l, gamma) = (&scene.domain, &scene.liquid, scene.tension.liquid_air);
+    let volume = liquid_volume(scene);
+    let liquid_cells = volume.map(|v| v / d.dx.powi(d.dimension as i32));
+    let bodies: Vec<BodyReport> = body_reports(scene);
+    let radius = smallest_radius(scene).or_else(|| volume.map(|v| ball_radius(v, d.dimension)));
+    let speed = typical_speed(scene);
+    let g = norm(&l.gravity);
+    let capillary_length = (g > 0.0).then(|| (gamma / (l.density * g)).sqrt());
+    let capillary_step = 0.36 * (l.density * d.dx.powi(3) / gamma).sqrt();
+    let time_step = time_step(scene, capillary_step, speed, radius);
+    let steps = (scene.output.duration / time_step).ceil();
+    let cells = d.cell_count();
+    let wet = liquid_cells.unwrap_or(cells);
+    let work = SECONDS_PER_CELL * scene.grid_cells() + SECONDS_PER_LIQUID_CELL * wet;
+    let nu = l.kinematic_viscosity;
+    let diameter = radius.map(|r| 2.0 * r);
+    let mut warnings = scene.warnings.0.clone();
+    more_warnings(scene, &bodies, capillary_length, &mut warnings);
+    let beyond = crate::file::runnable(scene);
+    let is_beyond = beyond.is_err();
+    let setup = beyond.and_then(|()| AnySetup::of(scene));
+    let displaced = setup.as_ref().map_or_else(|_| Vec::new(), |setup| displaced(scene, setup));
+    let cut = judge(scene, &displaced);
+    warnings.extend(cut.as_ref().cloned().unwrap_or_default());
+    let thin_liquid = setup.as_ref().ok().map(|setup| unresolved(scene, setup, &mut warnings));
+    let soft = setup.as_ref().map_or_else(|_| Vec::new(), |setup| reports(scene, setup));
+    let fits = setup.as_ref().map_or(Ok(()), |setup| memory::solids_fit(scene, setup, memory::of_machine()));
+    let soft_bytes: f64 = soft.iter().map(|s| s.memory_bytes).sum();
+    let per_byte = |factorised| if factorised { SECONDS_PER_FACTOR_BYTE } else { SECONDS_PER_ITERATED_BYTE };
+    let solves = if soft.is_empty() { 1.0 } else { 1.0 + f64::from(scene.numerics.newton_iterations) };
+    let solving: f64 = soft.iter().map(|s| solves * per_byte(s.factorised) * s.solver_bytes).sum();
+    Report {
+        name: scene.name.clone(),
+        dimension: d.dimension,
+        cells: d.cells.clone(),
+        cell_count: cells,
+        dx: d.dx,
+        liquid_volume: volume,
+        liquid_cells,
+        displaced,
+        thin_liquid,
+        memory_bytes: memory::of_liquid(scene.grid_cells(), wet) + soft_bytes,
+        steps,
+        run_seconds: steps * (solves * work / (threads.max(1) as f64) + solving),
+        time_step,
+        capillary_step,
+        radius,
+        speed,
+        capillary_length,
+        capillary_length_cells: capillary_length.map(|c| c / d.dx),
+        bond: radius.filter(|_| g > 0.0).map(|r| l.density * g * r * r / gamma),
+        weber: diameter.map(|x| l.density * speed * speed * x / gamma),
+        ohnesorge: diameter.map(|x| nu * l.density / (l.density * gamma * x).sqrt()),
+        laplace: diameter.filter(|_| nu > 0.0).map(|x| gamma * x / (l.density * nu * nu)),
+        reynolds: diameter.filter(|_| nu > 0.0).map(|x| speed * x / nu),
+        bodies,
+        pairs: pairs(scene),
+        soft,
+        warnings,
+        cannot_run: setup.as_ref().err().map(SceneError::line),
+        error: setup.err().filter(|_| !is_beyond).or(fits.err()).or(cut.err()),
+    }
+}
+
+/// The share of the liquid that is thinner than two cells at the start. Tells of it and of gaps between solids.
+fn unresolved(scene: &Scene, setup: &AnySetup, warnings: &mut Vec<Warning>) -> f64 {
+    let (share, place) = match setup {
+        AnySetup::D2(setup) => {
+            warnings.extend(gaps::warnings(scene, setup));
+            let thin = thin_liquid::of_setup(setup);
+            (thin.share, thin.place.map(|x| x.as_slice().to_vec()))
+        }
+        AnySetup::D3(setup) => {
+            warnings.extend(gaps::warnings(scene, setup));
+            let thin = thin_liquid::of_setup(setup);
+            (thin.share, thin.place.map(|x| x.as_slice().to_vec()))
+        }
+    };
+    if let Some(place) = place.filter(|_| share > thin_liquid::TOLD) {
+        let place: Vec<String> = place.iter().map(|x| readable(*x, "m")).collect();
+        let message = format!(
+            "{:.1} % of the liquid are thinner than two cells, near ({}): it is not resolved there",
+            100.0 * share,
+            place.join(", ")
+        );
+        warnings.push(Warning { path: "liquid.body".to_owned(), message });
+    }
+    share
+}
+
+fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Radius of a ball (2D: a disc) of a volume, m.
+pub(crate) fn ball_radius(volume: f64, dimension: usize) -> f64 {
+    let pi = std::f64::consts::PI;
+    if dimension == 2 { (volume / pi).sqrt() } else { (0.75 * volume / pi).cbrt() }
+}
+
+/// The largest difference of start velocity between bodies; of a single body to rest.
+pub(crate) fn typical_speed(scene: &Scene) -> f64 {
+    let v: Vec<&[f64]> = scene.liquid.bodies.iter().map(|b| b.velocity.as_slice()).collect();
+    if let [one] = v.as_slice() {
+        return norm(one);
+    }
+    let mut most = 0.0_f64;
+    for (i, a) in v.iter().enumerate() {
+        for b in &v[..i] {
+            most = most.max(a.iter().zip(*b).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt());
+        }
+    }
+    most
+}
+
+/// The step that is expected: the capillary limit, the CFL limit at the largest speed in sight, the given limits.
+fn time_step(scene: &Scene, capillary: f64, speed: f64, radius: Option<f64>) -> f64 {
+    let (n, l) = (&scene.numerics, &scene.liquid);
+    if let Some(fixed) = n.fixed_step {
+        return fixed.min(scene.output.frame_interval);
+    }
+    let height = scene.domain.size.last().copied().unwrap_or(0.0);
+    let fall = (norm(&l.gravity) * height).sqrt();
+    let swing = radius.map_or(0.0, |r| (scene.tension.liquid_air / (l.density * r)).sqrt());
+    let fastest = speed.max(fall).max(0.5 * swing);
+    let cfl = if fastest > 0.0 { n.cfl * scene.domain.dx / fastest } else { f64::INFINITY };
+    (n.capillary_step * capillary).min(cfl).min(n.max_step).min(scene.output.frame_interval)
+}
+
+/// The longest step that a scene lets the simulation take, s.
+pub(crate) fn longest_step(scene: &Scene) -> f64 {
+    let (n, gamma) = (&scene.numerics, scene.tension.liquid_air);
+    let capillary = n.capillary_step * 0.36 * (scene.liquid.density * scene.domain.dx.powi(3) / gamma).sqrt();
+    n.fixed_step.unwrap_or_else(|| capillary.min(n.max_step)).min(scene.output.frame_interval)
+}
+
+fn body_reports(scene: &Scene) -> Vec<BodyReport> {
+    let report = |(index, body): (usize, &crate::file::Body)| {
+        let radius = match &body.shape {
+            ShapeSpec::Box { rotation, .. } if rotation.angle == 0.0 => half_inside(scene, &body.shape),
+            shape => shape.radius(),
+        };
+        BodyReport { index, radius, cells_per_radius: radius.map(|r| r / scene.domain.dx) }
+    };
+    scene.liquid.bodies.iter().enumerate().map(report).collect()
+}
+
+/// The smallest radius of a body of liquid, m; none where they are half-spaces.
+pub(crate) fn smallest_radius(scene: &Scene) -> Option<f64> {
+    body_reports(scene).iter().filter_map(|b| b.radius).reduce(f64::min)
+}
+
+/// Half the least extent of what lies inside the domain, m.
+fn half_inside(scene: &Scene, shape: &ShapeSpec) -> Option<f64> {
+    let (lower, upper) = shape.bounds(scene.domain.dimension)?;
+    let extent = |((l, u), s): ((&f64, &f64), &f64)| 0.5 * (u.min(*s) - l.max(0.0));
+    lower.iter().zip(&upper).zip(&scene.domain.size).map(extent).reduce(f64::min)
+}
+
+/// Volume of the liquid inside the domain by sampling; none if a shape cannot be sampled.
+pub fn liquid_volume(scene: &Scene) -> Option<f64> {
+    let d = &scene.domain;
+    let dim = d.dimension;
+    let mut lower = d.size.clone();
+    let mut upper = vec![0.0; dim];
+    for body in &scene.liquid.bodies {
+        let (l, u) = body.shape.bounds(dim)?;
+        for i in 0..dim {
+            lower[i] = lower[i].min(l[i].max(0.0));
+            upper[i] = f64::max(upper[i], u[i].min(d.size[i]));
+        }
+    }
+    let count: usize = if dim == 2 { 512 } else { 96 };
+    let total = count.pow(dim as u32);
+    let shapes: Vec<&ShapeSpec> = scene.liquid.bodies.iter().map(|b| &b.shape).collect();
+    let mut point = vec![0.0; dim];
+    let mut inside = 0_usize;
+    for k in 0..total {
+        let mut rest = k;
+        for i in 0..dim {
+            let t = ((rest % count) as f64 + 0.5) / count as f64;
+            point[i] = lower[i] + t * (upper[i] - lower[i]);
+            rest /= count;
+        }
+        let mut any = false;
+        for s in &shapes {
+            any |= s.contains(&point)?;
+        }
+        inside += usize::from(any);
+    }
+    let sampled: f64 = lower.iter().zip(&upper).map(|(l, u)| (u - l).max(0.0)).product();
+    Some(sampled * inside as f64 / total as f64)
+}
+
+fn pairs(scene: &Scene) -> Vec<PairReport> {
+    let gamma = scene.tension.liquid_air;
+    let line = &scene.contact_line;
+    let report = |solid: &str, cosine: Option<f64>| PairReport {
+        solid: solid.to_owned(),
+        young_cosine: cosine,
+        young_angle: cosine.filter(|c| c.abs() <= 1.0).map(|c| c.acos().to_degrees()),
+        young_angles: None,
+        wetting: match cosine {
+            None => "no tension given",
+            Some(c) if c >= 1.0 => "total wetting",
+            Some(c) if c <= -1.0 => "no wetting",
+            Some(_) => "partial",
+        },
+        elastocapillary_length: None,
+        bending_elastocapillary_length: None,
+        line_friction: line.friction_of.iter().find(|f| f.0 == solid).map_or(line.friction, |f| f.1),
+    };
+    let mut out = vec![report(WALLS, Some(scene.domain.wall_contact_angle.cos()))];
+    for s in &scene.solids {
+        let tension = scene.tension.solids.iter().find(|t| t.0 == s.name);
+        let mut pair = report(&s.name, tension.map(|t| t.1.tension.young_cosine(gamma)));
+        match &s.material {
+            Material::Shell { elastic: e, thickness: t } => {
+                let bending = e.young_modulus * t.powi(3) / (12.0 * (1.0 - e.poisson_ratio.powi(2)));
+                pair.bending_elastocapillary_length = Some((bending / gamma).sqrt());
+            }
+            Material::NeoHookean(e) | Material::Corotated(e) => {
+                pair.elastocapillary_length = Some(gamma / e.young_modulus);
+            }
+            _ => {}
+        }
+        if let Some((_, wetting)) = tension.filter(|t| !t.1.is_even()) {
+            let [low, high] = wetting.cosines(gamma).map(|c| c.clamp(-1.0, 1.0).acos().to_degrees());
+            (pair.young_angles, pair.wetting) = (Some([high, low]), "patterned");
+        }
+        out.push(pair);
+    }
+    out
+}
+
+fn more_warnings(scene: &Scene, bodies: &[BodyReport], capillary: Option<f64>, out: &mut Vec<Warning>) {
+    for b in bodies {
+        if let Some(n) = b.cells_per_radius.filter(|n| 2.0 * n < FEW_CELLS) {
+            let message =
+                format!("only {:.1} cells across this body; {FEW_CELLS} or more are wanted", 2.0 * n);
+            out.push(Warning { path: format!("liquid.body.{}.shape", b.index), message });
+        }
+    }
+    if let Some(n) = capillary.map(|c| c / scene.domain.dx).filter(|n| *n < 1.0) {
+        let message =
+            format!("the capillary length is only {n:.2} cells: surface tension is hardly resolved");
+        out.push(Warning { path: "tension.liquid_air".to_owned(), message });
+    }
+    for s in &scene.solids {
+        if !scene.tension.solids.iter().any(|t| t.0 == s.name) {
+            let message = format!("the solid `{}` has no tension: 90 degrees", s.name);
+            out.push(Warning { path: "tension".to_owned(), message });
+        }
+    }
+    if scene.expect.is_empty() {
+        let message = "nothing is checked at the end: add [expect]".to_owned();
+        out.push(Warning { path: "expect".to_owned(), message });
+    }
+}

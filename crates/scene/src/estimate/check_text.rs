@@ -1,0 +1,107 @@
+//! The text of `meniscus check`.
+
+use super::check::Report;
+use super::memory;
+use crate::file::WALLS;
+use crate::units::{readable, readable_volume};
+use std::fmt::Write as _;
+
+/// Seconds for people.
+fn span_of_time(s: f64) -> String {
+    match s {
+        s if s < 1.0 => "less than a second".to_owned(),
+        s if s < 90.0 => format!("{s:.0} s"),
+        s if s < 5400.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+impl Report {
+    /// Volume that solids leave of the liquid at the start, m³ (2D: m²).
+    fn left(&self) -> f64 {
+        self.displaced.iter().map(|d| d.volume - d.displaced).sum()
+    }
+
+    /// The report as plain text, one fact a line.
+    pub fn render(&self) -> String {
+        let mut out = format!("{} ({}D)\n", self.name, self.dimension);
+        let mut line = |name: &str, value: String| {
+            let _ = writeln!(out, "  {name:<24}{value}");
+        };
+        let cells: Vec<String> = self.cells.iter().map(ToString::to_string).collect();
+        line(
+            "cells",
+            format!("{} = {:.0}, dx = {}", cells.join(" x "), self.cell_count, readable(self.dx, "m")),
+        );
+        if let Some(v) = self.liquid_volume {
+            let n = self.liquid_cells.unwrap_or(0.0);
+            line("liquid", format!("{}, {n:.0} cells", readable_volume(v, self.dimension)));
+        }
+        let [laid, gone] =
+            self.displaced.iter().fold([0.0, 0.0], |[v, d], b| [v + b.volume, d + b.displaced]);
+        if gone > 0.0 {
+            let [laid, left] = [laid, laid - gone].map(|v| readable_volume(v, self.dimension));
+            let share = 100.0 * gone / (gone + self.left()).max(f64::MIN_POSITIVE);
+            line("beside the solids", format!("{left} of {laid}: the solids displace {share:.1} %"));
+        }
+        line("memory", format!("about {}", memory::words(self.memory_bytes)));
+        line("steps", format!("about {:.0} of {}", self.steps, readable(self.time_step, "s")));
+        line("time", format!("roughly {}", span_of_time(self.run_seconds)));
+        line("capillary step", format!("{} (explicit limit)", readable(self.capillary_step, "s")));
+        for b in &self.bodies {
+            if let (Some(r), Some(n)) = (b.radius, b.cells_per_radius) {
+                line(&format!("body {}", b.index), format!("radius {}, {n:.1} cells", readable(r, "m")));
+            }
+        }
+        if let (Some(c), Some(n)) = (self.capillary_length, self.capillary_length_cells) {
+            line("capillary length", format!("{}, {n:.1} cells", readable(c, "m")));
+        }
+        let numbers = [
+            ("Bo = rho g R^2 / gamma", self.bond),
+            ("We = rho U^2 D / gamma", self.weber),
+            ("Oh = mu/sqrt(rho gamma D)", self.ohnesorge),
+            ("La = gamma rho D / mu^2", self.laplace),
+            ("Re = U D / nu", self.reynolds),
+        ];
+        for (name, value) in numbers {
+            if let Some(v) = value {
+                line(name, format!(" {v:.4}"));
+            }
+        }
+        for p in &self.pairs {
+            let angle = match (p.young_angles, p.young_angle) {
+                (Some([low, high]), _) => format!("{low:.2} to {high:.2} deg, "),
+                (None, Some(a)) => format!("{a:.2} deg, "),
+                (None, None) => String::new(),
+            };
+            let mut length = String::new();
+            if let Some(l) = p.elastocapillary_length {
+                let _ = write!(length, ", elastocapillary length γ/E = {}", readable(l, "m"));
+            }
+            if let Some(l) = p.bending_elastocapillary_length {
+                let _ = write!(length, ", bending elastocapillary length √(B/γ) = {}", readable(l, "m"));
+            }
+            line(&format!("angle on {}", p.solid), format!("{angle}{}{length}", p.wetting));
+        }
+        let free: Vec<&str> = self
+            .pairs
+            .iter()
+            .filter(|p| p.solid != WALLS && p.line_friction == 0.0)
+            .map(|p| p.solid.as_str())
+            .collect();
+        if !free.is_empty() {
+            let hint = "contact lines run at inertial speed (contact_line.friction; water on a plate: about 0.1 Pa s)";
+            line("no line friction", format!("on {}: {hint}", free.join(", ")));
+        }
+        for (name, value) in self.soft.iter().flat_map(|s| s.lines(self.dimension)) {
+            line(&name, value);
+        }
+        for w in &self.warnings {
+            let _ = writeln!(out, "warning: {}: {}", w.path, w.message);
+        }
+        if let (Some(why), None) = (&self.cannot_run, &self.error) {
+            let _ = writeln!(out, "cannot run: {why}");
+        }
+        out
+    }
+}

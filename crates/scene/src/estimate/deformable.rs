@@ -1,0 +1,180 @@
+//! What `meniscus check` tells of solids that deform.
+
+use super::check::longest_step;
+use super::memory;
+use crate::build::AnySetup;
+use crate::file::{Material, Scene, Solid as SolidSpec};
+use crate::run::Setup;
+use crate::units::readable;
+use meniscus_elastic::{Elastic, settled_modes};
+use meniscus_sim::THINNEST;
+use serde::Serialize;
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+/// Entries of a factor up to which the lowest frequency is looked for where no damping has asked for it: seconds of work.
+const QUICK: usize = 5_000_000;
+/// Change of the frequency's square, as a part of it, that is nothing.
+const SETTLED: f64 = 1e-3;
+
+/// A solid that deforms; SI, angles in degrees.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SoftReport {
+    /// Name of the solid.
+    pub solid: String,
+    /// Vertices of its mesh.
+    pub vertices: usize,
+    /// Its triangles (2D) or tetrahedra (3D).
+    pub elements: usize,
+    /// Vertices that are held or go as told.
+    pub held: usize,
+    /// Mean length of an edge, m.
+    pub edge: f64,
+    /// The smallest dihedral angle (2D: angle), degrees.
+    pub smallest_angle: f64,
+    /// The largest one, degrees.
+    pub largest_angle: f64,
+    /// The worst radius ratio of an element: 1 regular, 0 flat.
+    pub worst_radius_ratio: f64,
+    /// Mass, kg (2D: kg/m).
+    pub mass: f64,
+    /// Memory of what solves systems with its matrix, bytes.
+    pub solver_bytes: f64,
+    /// Memory that the solid takes in all, bytes, estimated.
+    pub memory_bytes: f64,
+    /// Whether that is factors; else it is what iterations go through.
+    pub factorised: bool,
+    /// Speed of elastic waves √((λ + 2μ) / ρ), m/s; of springs about.
+    pub wave_speed: Option<f64>,
+    /// Longest step over the time that a wave takes along an edge.
+    pub edges_per_step: Option<f64>,
+    /// Lowest frequency, Hz; none where it would take long to find (give a `damping_ratio`).
+    pub frequency: Option<f64>,
+    /// Steps of the longest length in a period of that.
+    pub steps_per_period: Option<f64>,
+    /// Thickness of a plate in cells.
+    pub thickness_cells: Option<f64>,
+    /// Bending stiffness of a plate per width, N m; of springs about.
+    pub bending_stiffness: Option<f64>,
+    /// Bending elastocapillary length √(B / γ) of a plate, m.
+    pub bending_elastocapillary_length: Option<f64>,
+}
+
+/// The reports of all solids that deform.
+pub(crate) fn reports(scene: &Scene, setup: &AnySetup) -> Vec<SoftReport> {
+    match setup {
+        AnySetup::D2(setup) => of_setup(scene, setup),
+        AnySetup::D3(setup) => of_setup(scene, setup),
+    }
+}
+
+fn of_setup<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<SoftReport> {
+    let solids = scene.solids.iter().zip(&setup.model.solids);
+    solids.filter_map(|(spec, solid)| Some(of_solid(scene, spec, solid.elastic()?))).collect()
+}
+
+fn of_solid<const D: usize>(scene: &Scene, spec: &SolidSpec, body: &Elastic<D>) -> SoftReport {
+    let (mesh, step) = (body.mesh(), longest_step(scene));
+    let quality = mesh.quality();
+    let density = spec.density.unwrap_or(scene.liquid.density);
+    let wave_speed = super::stiffness::wave_speed(spec, mesh, density);
+    let frequency = frequency(spec, body);
+    let bending = super::stiffness::bending(spec, mesh);
+    SoftReport {
+        solid: spec.name.clone(),
+        vertices: quality.vertices,
+        elements: quality.simplices,
+        held: body.held().iter().filter(|h| **h).count(),
+        edge: quality.edges[1],
+        smallest_angle: quality.smallest_angle.0.to_degrees(),
+        largest_angle: quality.largest_angle.0.to_degrees(),
+        worst_radius_ratio: quality.worst_radius_ratio.0,
+        mass: body.masses().iter().sum(),
+        solver_bytes: memory::solver_bytes(body),
+        memory_bytes: memory::of_solid(body),
+        factorised: body.is_factorised(),
+        wave_speed,
+        edges_per_step: wave_speed.map(|c| c * step / quality.edges[1]),
+        frequency,
+        steps_per_period: frequency.map(|f| 1.0 / (f * step)),
+        thickness_cells: super::stiffness::plate::<D>(&spec.shape).map(|p| p.0 / scene.domain.dx),
+        bending_stiffness: bending,
+        bending_elastocapillary_length: bending.map(|b| (b / scene.tension.liquid_air).sqrt()),
+    }
+}
+
+/// The lowest frequency, Hz: the damping knows it; else it is looked for where that is quick.
+fn frequency<const D: usize>(spec: &SolidSpec, body: &Elastic<D>) -> Option<f64> {
+    let ratio = match &spec.material {
+        Material::NeoHookean(e) | Material::Corotated(e) => e.damping_ratio,
+        Material::Springs { damping_ratio, .. } => *damping_ratio,
+        _ => return None,
+    };
+    if ratio > 0.0 && body.damping_time() > 0.0 {
+        return Some(2.0 * ratio / body.damping_time() / TAU);
+    }
+    if body.solver_entries() > QUICK {
+        return None;
+    }
+    settled_modes(body, 1, SETTLED).ok()?.first().map(|mode| mode.frequency / TAU)
+}
+
+impl SoftReport {
+    /// The report as lines of plain text for `meniscus check`; each a name and what is told.
+    pub(crate) fn lines(&self, dimension: usize) -> Vec<(String, String)> {
+        let (element, angle) =
+            if dimension == 2 { ("triangles", "angles") } else { ("tetrahedra", "dihedral angles") };
+        let unit = if dimension == 2 { "kg/m" } else { "kg" };
+        let held = match self.held {
+            0 => "none held: it moves freely and falls".to_owned(),
+            held => format!("{held} held"),
+        };
+        let mut lines = vec![(
+            format!("{} deforms", self.solid),
+            format!(
+                "{} vertices ({held}), {} {element}, edges of {}, {:.4e} {unit}",
+                self.vertices,
+                self.elements,
+                readable(self.edge, "m"),
+                self.mass
+            ),
+        )];
+        let mut line = |value: String| lines.push((String::new(), value));
+        let factors = match self.factorised {
+            true => format!("its matrix factorised in {:.1} MB", self.solver_bytes * 1e-6),
+            false => "its matrix solved by iterations (factors would take over 2 GB)".into(),
+        };
+        line(format!(
+            "{angle} of {:.1} to {:.1} deg, worst radius ratio {:.3}, {factors}",
+            self.smallest_angle, self.largest_angle, self.worst_radius_ratio,
+        ));
+        if let (Some(speed), Some(edges)) = (self.wave_speed, self.edges_per_step) {
+            line(format!(
+                "elastic waves of {}, which pass {edges:.1} edges of the mesh in a step",
+                readable(speed, "m/s")
+            ));
+        }
+        if let (Some(f), Some(steps)) = (self.frequency, self.steps_per_period) {
+            let few = if steps < 20.0 { ": too few to swing as it should" } else { "" };
+            line(format!("lowest frequency {}, {steps:.1} steps a period{few}", readable(f, "Hz")));
+        }
+        let mut plate = String::new();
+        if let Some(cells) = self.thickness_cells {
+            let _ = write!(plate, "a plate of {cells:.2} cells");
+            if cells < THINNEST {
+                let _ = write!(plate, ", which the liquid meets as one of {THINNEST}");
+            }
+        }
+        if let (Some(b), Some(l)) = (self.bending_stiffness, self.bending_elastocapillary_length) {
+            let _ = write!(
+                plate,
+                ", bending stiffness B = {b:.4e} N m, bending elastocapillary length √(B/γ) = {}",
+                readable(l, "m")
+            );
+        }
+        if !plate.is_empty() {
+            line(plate);
+        }
+        lines
+    }
+}

@@ -1,0 +1,87 @@
+//! Gaps between solids that the grid does not resolve.
+
+use super::thin_liquid::Obstacles;
+use crate::file::{Scene, Warning};
+use crate::run::Setup;
+use meniscus_numerics::Vector;
+use meniscus_sim::Solid;
+use rayon::prelude::*;
+
+/// Width, in cells, under which liquid in a gap is not resolved.
+const WIDE: f64 = 2.0;
+/// Width, in cells, up to which solids touch.
+const TOUCHING: f64 = 0.05;
+/// Halvings of the step with which the narrowest place is looked for, from a cell's size on.
+const HALVINGS: u32 = 12;
+/// Steps of one length at most.
+const STEPS: u32 = 8;
+
+/// Warnings of gaps under two cells between solids where they start.
+pub(crate) fn warnings<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<Warning> {
+    let model = &setup.model;
+    let start: Vec<_> = model.solids.iter().map(Solid::start).collect();
+    let obstacles = Obstacles::new(&model.solids, &start, model.grid.dx);
+    let named = scene.solids.len();
+    let mut out = Vec::new();
+    for j in 1..named {
+        for i in 0..j {
+            let [a, b] = [&model.solids[i], &model.solids[j]];
+            let width = |x: &Vector<D>| {
+                let [p, q] = [a.liquid_distance(&start[i], x), b.liquid_distance(&start[j], x)];
+                if p < 0.0 || q < 0.0 { f64::INFINITY } else { p + q }
+            };
+            let Some(narrowest) = narrowest(&obstacles, setup, [i, j]) else { continue };
+            let cells = slide(width, narrowest, model.grid.dx) / model.grid.dx;
+            if cells > TOUCHING && cells < WIDE {
+                let message = format!(
+                    "between `{}` and `{}` are {cells:.2} cells: liquid there is not resolved (2 are wanted)",
+                    scene.solids[i].name, scene.solids[j].name
+                );
+                out.push(Warning { path: format!("solid.{j}.shape"), message });
+            }
+        }
+    }
+    out
+}
+
+/// The centre of the cell between two solids where they are closest; none where they are over two cells apart.
+fn narrowest<const D: usize>(
+    obstacles: &Obstacles<'_, D>,
+    setup: &Setup<D>,
+    pair: [usize; 2],
+) -> Option<Vector<D>> {
+    let grid = &setup.model.grid;
+    let lattice = grid.lattice();
+    let width = |i: usize| {
+        let x = grid.center(lattice.coordinates(i));
+        let both: Vec<f64> = obstacles.distances(&x).filter(|d| pair.contains(&d.0)).map(|d| d.1).collect();
+        let between = both.len() == 2 && both.iter().all(|d| *d >= 0.0);
+        between.then(|| (i, both[0] + both[1]))
+    };
+    let found: Vec<(usize, f64)> = (0..lattice.len()).into_par_iter().filter_map(width).collect();
+    let least = found.into_iter().min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))?;
+    Some(grid.center(lattice.coordinates(least.0)))
+}
+
+/// The least value near a place, by steps along the axes that get shorter.
+fn slide<const D: usize>(of: impl Fn(&Vector<D>) -> f64, mut at: Vector<D>, dx: f64) -> f64 {
+    let (mut least, mut step) = (of(&at), 0.5 * dx);
+    for _ in 0..HALVINGS {
+        for _ in 0..STEPS {
+            let before = least;
+            for direction in 0..2 * D {
+                let mut next = at;
+                next[direction / 2] += if direction % 2 == 0 { step } else { -step };
+                let value = of(&next);
+                if value < least {
+                    (least, at) = (value, next);
+                }
+            }
+            if least == before {
+                break;
+            }
+        }
+        step *= 0.5;
+    }
+    least
+}

@@ -1,0 +1,10 @@
+//! What a scene asks for, in numbers, without running it: time scales, elasticity, memory, gaps and films that the grid does not resolve.
+
+pub mod check;
+mod check_text;
+pub mod deformable;
+mod gaps;
+pub mod memory;
+pub mod parameters;
+pub(crate) mod stiffness;
+pub mod thin_liquid;

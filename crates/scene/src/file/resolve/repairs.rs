@@ -1,0 +1,16 @@
+//! Bounds of repairs, resolved.
+
+use super::scene::Resolver;
+use crate::error::SceneError;
+use crate::file::{ExpectFile, Expectation, RepairsFile};
+
+impl Resolver {
+    /// The bounds of repairs.
+    pub fn expect_repairs(&self, e: &ExpectFile, out: &mut Vec<Expectation>) -> Result<(), SceneError> {
+        for (name, max) in e.repairs.iter().flat_map(RepairsFile::bounds) {
+            let max = self.not_negative(&format!("expect.repairs.{name}"), "a bound", max)?;
+            out.push(Expectation::Repair { name: name.to_string(), max });
+        }
+        Ok(())
+    }
+}

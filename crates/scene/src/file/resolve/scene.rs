@@ -1,0 +1,444 @@
+//! From the file to a scene that makes sense: defaults, grid, SI, and errors that point at the value.
+
+use crate::error::SceneError;
+use crate::file::*;
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::path::{Path, PathBuf};
+
+/// The most cells along a side.
+const MAX_CELLS: u32 = 16_384;
+
+/// How fine a scene is run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quality {
+    /// `domain.quality.draft`, or half the resolution.
+    Draft,
+    /// As the scene says.
+    #[default]
+    Normal,
+    /// `domain.quality.paper`.
+    Paper,
+}
+
+/// How a scene is loaded.
+#[derive(Clone, Debug, Default)]
+pub struct LoadOptions {
+    /// `path=value`, in order.
+    pub sets: Vec<String>,
+    /// How fine.
+    pub quality: Quality,
+}
+
+impl Scene {
+    /// Reads a scene file.
+    ///
+    /// # Errors
+    /// [`SceneError`]: of kind `Io` if the file cannot be read, else what is wrong and where.
+    pub fn load(path: &Path, options: &LoadOptions) -> Result<Self, SceneError> {
+        let name = path.display().to_string();
+        let text = std::fs::read_to_string(path)
+            .map_err(|e| SceneError::io(&name, format!("cannot read the scene `{name}`: {e}")))?;
+        Self::from_text(&name, &text, path.parent().unwrap_or(Path::new("")), options)
+    }
+
+    /// Reads a scene from text; meshes are looked for relative to `base`.
+    ///
+    /// # Errors
+    /// [`SceneError`]: what is wrong and where.
+    pub fn from_text(name: &str, text: &str, base: &Path, options: &LoadOptions) -> Result<Self, SceneError> {
+        let mut document = Document::parse(name, text)?;
+        for set in &options.sets {
+            document.apply_set(set)?;
+        }
+        let (file, source) = document.read()?;
+        resolve(file, source, base, options.quality)
+    }
+}
+
+/// What is known while a scene is resolved.
+pub(super) struct Resolver {
+    pub source: Source,
+    pub base: PathBuf,
+    pub dim: usize,
+    pub dx: f64,
+    pub size: Vec<f64>,
+    pub warnings: Vec<Warning>,
+}
+
+fn resolve(file: SceneFile, source: Source, base: &Path, quality: Quality) -> Result<Scene, SceneError> {
+    let base = base.to_path_buf();
+    let mut r = Resolver { source, base, dim: 0, dx: 0.0, size: Vec::new(), warnings: Vec::new() };
+    if file.format != 1 {
+        let message = format!("format {} is not known", file.format);
+        return Err(r.error("format", message, "this version reads `format = 1`"));
+    }
+    r.plain_name("name", &file.name)?;
+    let domain = r.domain(&file.domain, quality)?;
+    let liquid = r.liquid(&file.liquid)?;
+    let solids = r.solids(&file.solid)?;
+    let names: Vec<&str> = solids.iter().map(|s| s.name.as_str()).collect();
+    let tension = r.tension(&file.tension, &solids)?;
+    let contact_line = r.contact_line(&file.contact_line.unwrap_or_default(), &names)?;
+    r.young_within(&tension, &contact_line, &domain)?;
+    let numerics = r.numerics(&file.numerics, solids.iter().any(|s| s.material.deforms()))?;
+    let output = r.output(&file.output)?;
+    let angles = angles(&names, &tension, &domain, &contact_line);
+    let soft: Vec<&str> = solids.iter().filter(|s| s.material.deforms()).map(|s| s.name.as_str()).collect();
+    let expect = r.expect(&file.expect.unwrap_or_default(), &names, &angles, &soft)?;
+    Ok(Scene {
+        name: file.name,
+        based_on: file.based_on,
+        description: file.description,
+        cost: file.cost,
+        domain,
+        liquid,
+        solids,
+        tension,
+        contact_line,
+        numerics,
+        output,
+        expect,
+        warnings: Warnings(r.warnings),
+        source: r.source,
+    })
+}
+
+/// All that has a contact angle, by name, and Young's angle there, rad (of what is wetted totally 0, of what is dry π); none
+/// where it varies.
+fn angles<'a>(
+    names: &[&'a str],
+    tension: &Tensions,
+    domain: &Domain,
+    line: &ContactLine,
+) -> Vec<(&'a str, Option<f64>)> {
+    let young = |name: &&'a str| {
+        let given = tension.solids.iter().find(|t| t.0 == **name).map(|t| &t.1);
+        let even = given.is_none_or(Wetting::is_even);
+        let cosine = given.map_or(0.0, |w| w.tension.young_cosine(tension.liquid_air));
+        (*name, even.then(|| cosine.clamp(-1.0, 1.0).acos()))
+    };
+    let walls = (domain.wets() && line.enabled).then_some((WALLS, Some(domain.wall_contact_angle)));
+    names.iter().map(young).chain(walls).collect()
+}
+
+impl Resolver {
+    pub fn error(&self, path: &str, message: impl Into<String>, help: impl Into<String>) -> SceneError {
+        self.source.at_value(SceneError::new(message).with_help(help), path)
+    }
+
+    pub fn warn(&mut self, path: &str, message: impl Into<String>) {
+        self.warnings.push(Warning { path: path.to_owned(), message: message.into() });
+    }
+
+    /// A name that is safe as a file name.
+    pub fn plain_name(&self, path: &str, name: &str) -> Result<(), SceneError> {
+        let fine = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+        if name.is_empty() || name.len() > 100 || name.starts_with('.') || !name.chars().all(fine) {
+            let message = format!("`{}` cannot name a file", name.escape_debug());
+            let help = "use letters, digits, `-`, `_`, `.` (not first), at most 100";
+            return Err(self.error(path, message, help));
+        }
+        Ok(())
+    }
+
+    pub fn positive(&self, path: &str, what: &str, value: f64) -> Result<f64, SceneError> {
+        if value > 0.0 && value.is_finite() {
+            return Ok(value);
+        }
+        let message = format!("{what} must be above zero, not {value}");
+        Err(self.error(path, message, "give a value above zero"))
+    }
+
+    pub fn not_negative(&self, path: &str, what: &str, value: f64) -> Result<f64, SceneError> {
+        if value >= 0.0 && value.is_finite() {
+            return Ok(value);
+        }
+        Err(self.error(path, format!("{what} must not be negative: {value}"), "give zero or more"))
+    }
+
+    pub fn within(&self, path: &str, what: &str, value: f64, low: f64, high: f64) -> Result<f64, SceneError> {
+        if value >= low && value <= high {
+            return Ok(value);
+        }
+        let help = format!("accepted: {low} to {high}");
+        Err(self.error(path, format!("{what} is {value}, out of range"), help))
+    }
+
+    /// A contact angle, rad.
+    pub fn angle(&self, path: &str, angle: Angle) -> Result<f64, SceneError> {
+        if (0.0..=PI).contains(&angle.0) {
+            return Ok(angle.0);
+        }
+        let message = format!("a contact angle of {} deg is out of range", short(angle.0.to_degrees()));
+        Err(self.error(path, message, "accepted: \"0 deg\" to \"180 deg\", through the liquid"))
+    }
+
+    /// A length above zero.
+    pub fn size_of(&self, path: &str, what: &str, value: Length) -> Result<f64, SceneError> {
+        self.positive(path, what, value.resolve(self.dx))
+    }
+
+    /// Checks the number of entries of a vector.
+    pub fn entries(&self, path: &str, found: usize) -> Result<(), SceneError> {
+        if found == self.dim {
+            return Ok(());
+        }
+        let message = format!("found {found} entries in a scene of {} dimensions", self.dim);
+        Err(self.error(path, message, format!("give {} entries", self.dim)))
+    }
+
+    /// A point or displacement, m.
+    pub fn point(&self, path: &str, value: &[Length]) -> Result<Vec<f64>, SceneError> {
+        self.entries(path, value.len())?;
+        Ok(value.iter().map(|l| l.resolve(self.dx)).collect())
+    }
+
+    pub fn velocity(&self, path: &str, value: Option<&Vec<Speed>>) -> Result<Vec<f64>, SceneError> {
+        let Some(v) = value else { return Ok(vec![0.0; self.dim]) };
+        self.entries(path, v.len())?;
+        Ok(v.iter().map(|s| s.0).collect())
+    }
+
+    fn domain(&mut self, d: &DomainFile, quality: Quality) -> Result<Domain, SceneError> {
+        if !(2..=3).contains(&d.dimension) {
+            let message = format!("{} dimensions cannot be simulated", d.dimension);
+            return Err(self.error("domain.dimension", message, "accepted: 2, 3"));
+        }
+        self.dim = d.dimension as usize;
+        self.entries("domain.size", d.size.len())?;
+        for (i, l) in d.size.iter().enumerate() {
+            let path = format!("domain.size.{i}");
+            if l.in_cells {
+                let help = "give it in m, cm, mm or um";
+                return Err(self.error(&path, "the size of the domain cannot be counted in cells", help));
+            }
+            self.size.push(self.positive(&path, "the size of the domain", l.value)?);
+        }
+        let cells = self.grid(d, quality)?;
+        let angle = d.wall_contact_angle.map_or(FRAC_PI_2, |a| a.0);
+        self.angle("domain.wall_contact_angle", Angle(angle))?;
+        let walls = self.walls(&d.walls)?;
+        let size = self.size.clone();
+        Ok(Domain { dimension: self.dim, size, cells, dx: self.dx, walls, wall_contact_angle: angle })
+    }
+
+    /// Cells along each axis; sets `dx` and rounds the size to whole cells.
+    fn grid(&mut self, d: &DomainFile, quality: Quality) -> Result<Vec<usize>, SceneError> {
+        let longest = self.size.iter().copied().fold(0.0, f64::max);
+        let stated = match (d.resolution, d.dx) {
+            (Some(n), None) => f64::from(n),
+            (None, Some(dx)) if dx.in_cells => {
+                return Err(self.error(
+                    "domain.dx",
+                    "the cell size cannot be counted in cells",
+                    "like \"0.5 mm\"",
+                ));
+            }
+            (None, Some(dx)) => (longest / self.positive("domain.dx", "the cell size", dx.value)?).round(),
+            (Some(_), Some(_)) => {
+                let message = "both `resolution` and `dx` are given";
+                return Err(self.error("domain.dx", message, "remove one: each fixes the other"));
+            }
+            (None, None) => {
+                let help = "add `resolution = 64` (cells along the longest side) or `dx = \"0.5 mm\"`";
+                return Err(self.error("domain", "neither `resolution` nor `dx` is given", help));
+            }
+        };
+        let table = d.quality.clone().unwrap_or_default();
+        let wanted = match quality {
+            Quality::Normal => stated,
+            Quality::Draft => table.draft.map_or((stated / 2.0).ceil(), f64::from),
+            Quality::Paper => table.paper.map(f64::from).ok_or_else(|| {
+                let help = "add `quality = { paper = 192 }` to [domain], or run it with another quality";
+                self.error("domain", "the scene has no resolution for quality `paper`", help)
+            })?,
+        };
+        let path = if d.dx.is_some() { "domain.dx" } else { "domain.resolution" };
+        let count =
+            self.within(path, "the number of cells along the longest side", wanted, 4.0, MAX_CELLS.into())?;
+        self.fit_cells(d, longest, count)
+    }
+
+    fn fit_cells(&mut self, d: &DomainFile, longest: f64, count: f64) -> Result<Vec<usize>, SceneError> {
+        let given = d.dx.map(|l| l.value).filter(|dx| (count * dx - longest).abs() < 0.5 * dx);
+        let fit = given.map_or(longest, |dx| count * dx);
+        let fit = if (fit - longest).abs() <= 1e-6 * longest / count { longest } else { fit };
+        self.dx = fit / count;
+        let mut cells = Vec::new();
+        for i in 0..self.dim {
+            let path = format!("domain.size.{i}");
+            let n = (self.size[i] / self.dx).round();
+            if n < 2.0 {
+                let help = "make the domain larger or the cells smaller";
+                return Err(self.error(&path, format!("this side has only {n} cells"), help));
+            }
+            let size = if n >= count { fit } else { n * self.dx };
+            if (size - self.size[i]).abs() > 1e-6 * self.dx {
+                let old = self.size[i];
+                let used = short(size);
+                self.warn(&path, format!("{old} m is no whole number of cells; {used} m is used"));
+                self.size[i] = size;
+            }
+            cells.push(n as usize);
+        }
+        Ok(cells)
+    }
+
+    fn walls(&self, w: &WallsFile) -> Result<Vec<[Wall; 2]>, SceneError> {
+        let all = w.all.unwrap_or(Wall::Slip);
+        let side = |x: Option<Wall>| x.unwrap_or(all);
+        let mut out = vec![[side(w.left), side(w.right)]];
+        if self.dim == 3 {
+            out.push([side(w.front), side(w.back)]);
+        } else if let Some(name) =
+            ["front", "back"].iter().find(|n| self.source.has(&format!("domain.walls.{n}")))
+        {
+            let path = format!("domain.walls.{name}");
+            let error = SceneError::new(format!("a scene of 2 dimensions has no side `{name}`"));
+            return Err(self
+                .source
+                .at_key(error.with_help("accepted: all, left, right, bottom, top"), &path));
+        }
+        out.push([side(w.bottom), side(w.top)]);
+        Ok(out)
+    }
+
+    fn liquid(&mut self, l: &LiquidFile) -> Result<Liquid, SceneError> {
+        let density = self.positive("liquid.density", "the density", l.density.0)?;
+        let kinematic_viscosity = match (l.kinematic_viscosity, l.dynamic_viscosity) {
+            (Some(v), None) => self.not_negative("liquid.kinematic_viscosity", "the viscosity", v.0)?,
+            (None, Some(v)) => self.not_negative("liquid.dynamic_viscosity", "the viscosity", v.0)? / density,
+            (Some(_), Some(_)) => {
+                let message = "both `kinematic_viscosity` and `dynamic_viscosity` are given";
+                return Err(self.error("liquid.dynamic_viscosity", message, "remove one"));
+            }
+            (None, None) => {
+                let help = "add `kinematic_viscosity = \"1 mm^2/s\"` (0 for none)";
+                return Err(self.error("liquid", "the viscosity is missing", help));
+            }
+        };
+        let gravity = match &l.gravity {
+            Some(g) => {
+                self.entries("liquid.gravity", g.len())?;
+                g.iter().map(|a| a.0).collect()
+            }
+            None => vec![0.0; self.dim],
+        };
+        if l.body.is_empty() {
+            return Err(self.error("liquid", "there is no liquid", "add a [[liquid.body]] with a shape"));
+        }
+        let mut bodies = Vec::new();
+        for (i, b) in l.body.iter().enumerate() {
+            let path = format!("liquid.body.{i}");
+            let velocity = self.velocity(&format!("{path}.velocity"), b.velocity.as_ref())?;
+            let shape = self.shape(&format!("{path}.shape"), &b.shape)?;
+            self.liquid_inside(&format!("{path}.shape"), &shape)?;
+            bodies.push(Body { shape, velocity, displaced: b.displaced.unwrap_or(false) });
+        }
+        Ok(Liquid { density, kinematic_viscosity, gravity, bodies })
+    }
+
+    /// A body outside the domain is an error, one that sticks out is not: walls may cut it. Round shapes get a warning,
+    /// boxes, cylinders and the like are made to reach beyond walls.
+    fn liquid_inside(&mut self, path: &str, shape: &ShapeSpec) -> Result<(), SceneError> {
+        let Some((lower, upper)) = shape.bounds(self.dim) else { return Ok(()) };
+        let mut cut = false;
+        for i in 0..self.dim {
+            if upper[i] <= 0.0 || lower[i] >= self.size[i] {
+                let (axis, end) = (["x", "y", "z"][i], self.size[i]);
+                let message = format!(
+                    "the liquid is outside the domain: it reaches from {axis} = {} m to {} m",
+                    short(lower[i]),
+                    short(upper[i])
+                );
+                let help = format!("the domain reaches from {axis} = 0 m to {} m", short(end));
+                return Err(self.error(&self.source.first_inside(path), message, help));
+            }
+            let slack = 1e-6 * self.dx;
+            cut |= (lower[i].is_finite() && lower[i] < -slack)
+                || (upper[i].is_finite() && upper[i] > self.size[i] + slack);
+        }
+        let round = matches!(
+            shape,
+            ShapeSpec::Ball { .. } | ShapeSpec::PerturbedBall { .. } | ShapeSpec::Ellipsoid { .. }
+        );
+        if cut && round {
+            self.warn(path, "the liquid sticks out of the domain; the walls cut it");
+        }
+        Ok(())
+    }
+
+    fn numerics(&mut self, n: &NumericsFile, soft: bool) -> Result<Numerics, SceneError> {
+        let time = |r: &Self, key: &str, t: Option<Time>| {
+            t.map(|t| r.positive(&format!("numerics.{key}"), "a time step", t.0)).transpose()
+        };
+        let max_step = time(self, "max_step", n.max_step)?.unwrap_or(f64::INFINITY);
+        let fixed_step = time(self, "fixed_step", n.fixed_step)?;
+        let threads = n
+            .threads
+            .map(|t| self.within("numerics.threads", "the number of threads", t.into(), 1.0, 1024.0));
+        let iterations = f64::from(n.max_iterations.unwrap_or(1000));
+        Ok(Numerics {
+            scheme: n.scheme.unwrap_or_default(),
+            cfl: self.within("numerics.cfl", "the CFL number", n.cfl.unwrap_or(0.7), 0.01, 10.0)?,
+            max_step,
+            tolerance: self.within(
+                "numerics.tolerance",
+                "the tolerance",
+                n.tolerance.unwrap_or(1e-6),
+                1e-14,
+                0.1,
+            )?,
+            max_iterations: self.within(
+                "numerics.max_iterations",
+                "the number of iterations",
+                iterations,
+                1.0,
+                1e6,
+            )? as usize,
+            capillary_step: self.within(
+                "numerics.capillary_step",
+                "the multiple of the explicit capillary limit",
+                n.capillary_step.unwrap_or(5.0),
+                0.01,
+                1000.0,
+            )?,
+            newton_iterations: self.newton(n.newton_iterations.unwrap_or(0), soft)?,
+            fixed_step,
+            restore_momentum: n.restore_momentum.unwrap_or(true),
+            threads: threads.transpose()?.map(|t| t as usize),
+        })
+    }
+
+    fn newton(&mut self, iterations: u32, soft: bool) -> Result<u32, SceneError> {
+        let key = "numerics.newton_iterations";
+        self.within(key, "the number of Newton's iterations", iterations.into(), 0.0, 20.0)?;
+        if iterations > 0 && !soft {
+            self.warn(key, "Newton's iterations have no effect: no solid deforms");
+        }
+        Ok(iterations)
+    }
+
+    fn output(&mut self, o: &OutputFile) -> Result<Output, SceneError> {
+        let duration = self.positive("output.duration", "the duration", o.duration.0)?;
+        let path = "output.frame_interval";
+        let interval = o.frame_interval.map_or(duration / 100.0, |t| t.0);
+        let frame_interval = self.positive(path, "the time between frames", interval)?;
+        if duration / frame_interval > 1e6 {
+            return Err(self.error(path, "that is more than a million frames", "make the interval longer"));
+        }
+        if frame_interval > duration {
+            self.warn(path, "longer than the run: only the first and the last frame are written");
+        }
+        let mut formats = o.formats.clone().unwrap_or_else(|| vec![Format::Ply, Format::Page]);
+        formats.push(Format::Ply);
+        formats.sort_unstable();
+        formats.dedup();
+        let checkpoint_every = o.checkpoint_every.unwrap_or(20) as usize;
+        if checkpoint_every == 0 {
+            let help = "give the number of frames between checkpoints, 1 or more";
+            return Err(self.error("output.checkpoint_every", "0 frames between checkpoints", help));
+        }
+        Ok(Output { duration, frame_interval, formats, checkpoint_every })
+    }
+}

@@ -1,0 +1,500 @@
+//! Solids, the contact line and expectations, resolved to SI.
+
+use super::scene::Resolver;
+use crate::error::{SceneError, nearest};
+use crate::file::*;
+
+/// Speed of sound in air, m/s.
+const SOUND: f64 = 343.0;
+
+impl Resolver {
+    pub fn solids(&mut self, files: &[SolidFile]) -> Result<Vec<Solid>, SceneError> {
+        let mut out: Vec<Solid> = Vec::new();
+        for (i, s) in files.iter().enumerate() {
+            let path = format!("solid.{i}");
+            let at = |key: &str| format!("{path}.{key}");
+            self.plain_name(&at("name"), &s.name)?;
+            if s.name == "liquid_air" {
+                let help = "`tension.liquid_air` is the liquid's surface";
+                return Err(self.error(&at("name"), "a solid cannot be called `liquid_air`", help));
+            }
+            if let Some(first) = out.iter().position(|o| o.name == s.name) {
+                let message = format!("two solids are called `{}`", s.name);
+                let help = format!("entry {first} (from 0) has that name already: rename one");
+                return Err(self.error(&at("name"), message, help));
+            }
+            let shape = self.shape(&at("shape"), &s.shape)?;
+            self.solid_inside(&at("shape"), &shape, &s.name)?;
+            let material = self.material(&at("material"), &s.material)?;
+            let still = matches!(material, Material::Rigid { fixed: true } | Material::Kinematic { .. });
+            let density = s.density.map(|d| self.positive(&at("density"), "the density", d.0)).transpose()?;
+            if density.is_none() && !still {
+                let message = format!("the density of `{}` is missing", s.name);
+                return Err(self.error(&path, message, "add `density = \"2.5 g/cm^3\"`"));
+            }
+            let mesh_edge = match s.mesh.as_ref().and_then(|m| m.edge) {
+                Some(_) if shape.volume_file().is_some() => {
+                    let help = "remove `mesh`, or give a closed surface (.obj, .ply, .stl) to be filled with elements";
+                    let message = "the elements of this solid come from its file: `edge` has no effect";
+                    return Err(self.error(&at("mesh.edge"), message, help));
+                }
+                Some(e) => self.size_of(&at("mesh.edge"), "the edge length", e)?,
+                None => self.dx / 1.5,
+            };
+            if material.deforms() {
+                self.can_be_filled(&path, &shape, mesh_edge, &s.name)?;
+            }
+            let mut fixed = Vec::new();
+            for (j, f) in s.fixed.iter().enumerate() {
+                fixed.push(self.shape(&format!("{path}.fixed.{j}"), f)?);
+            }
+            let moved = self.moved(&at("moved"), &s.moved)?;
+            let velocity = self.velocity(&at("velocity"), s.velocity.as_ref())?;
+            let (restitution, friction) = self.collision(&at("collision"), s.collision.as_ref())?;
+            let name = s.name.clone();
+            out.push(Solid {
+                name,
+                density,
+                shape,
+                mesh_edge,
+                material,
+                velocity,
+                restitution,
+                friction,
+                fixed,
+                moved,
+            });
+        }
+        Ok(out)
+    }
+
+    /// Restitution and friction.
+    fn collision(&self, path: &str, c: Option<&CollisionFile>) -> Result<(f64, f64), SceneError> {
+        let restitution = c.and_then(|c| c.restitution).unwrap_or(meniscus_sim::RESTITUTION);
+        let friction = c.and_then(|c| c.friction).unwrap_or(meniscus_sim::FRICTION);
+        let restitution =
+            self.within(&format!("{path}.restitution"), "the restitution", restitution, 0.0, 1.0)?;
+        let friction = self.not_negative(&format!("{path}.friction"), "the friction", friction)?;
+        Ok((restitution, friction))
+    }
+
+    fn solid_inside(&self, path: &str, shape: &ShapeSpec, name: &str) -> Result<(), SceneError> {
+        let Some(bounds) = shape.bounds(self.dim) else { return Ok(()) };
+        match crate::file::outside(&bounds, &self.size, 1e-6 * self.dx) {
+            Some((reach, help)) => {
+                let message = format!("the solid `{name}` is outside the domain: it {reach}");
+                Err(self.error(&self.source.first_inside(path), message, help))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Elements fill what has an end, and are as long as they are asked to be where there is room.
+    fn can_be_filled(
+        &mut self,
+        path: &str,
+        shape: &ShapeSpec,
+        edge: f64,
+        name: &str,
+    ) -> Result<(), SceneError> {
+        let Some((lower, upper)) = shape.bounds(self.dim) else { return Ok(()) };
+        let sides: Vec<f64> = lower.iter().zip(&upper).map(|(l, u)| u - l).collect();
+        if sides.iter().any(|side| !side.is_finite()) {
+            let message = format!("the solid `{name}` deforms but goes on for ever: no elements can fill it");
+            let at = self.source.first_inside(&format!("{path}.shape"));
+            return Err(self.error(&at, message, "give it an end: a box instead of a half space"));
+        }
+        let ShapeSpec::Box { half_size, .. } = shape else { return Ok(()) };
+        let thinnest = 2.0 * half_size.iter().copied().fold(f64::INFINITY, f64::min);
+        let at = format!("{path}.mesh.edge");
+        if self.source.has(&at) && edge > thinnest * (1.0 + 1e-9) {
+            let message = format!(
+                "edges of {edge:.3e} m are longer than `{name}` is thick ({thinnest:.3e} m): they are shorter there"
+            );
+            self.warn(&at, message);
+        }
+        Ok(())
+    }
+
+    fn elastic(
+        &self,
+        path: &str,
+        young: Pressure,
+        poisson: f64,
+        damping: f64,
+    ) -> Result<Elastic, SceneError> {
+        let at = |key: &str| format!("{path}.{key}");
+        Ok(Elastic {
+            young_modulus: self.positive(&at("young_modulus"), "the Young modulus", young.0)?,
+            poisson_ratio: self.poisson(&at("poisson_ratio"), poisson)?,
+            damping_ratio: self.within(&at("damping_ratio"), "the damping ratio", damping, 0.0, 100.0)?,
+        })
+    }
+
+    fn poisson(&self, path: &str, ratio: f64) -> Result<f64, SceneError> {
+        if ratio >= 0.5 {
+            let message =
+                format!("the Poisson ratio is {ratio}: from 0.5 on no volume could change, or it would grow");
+            return Err(self.error(
+                path,
+                message,
+                "accepted: -0.99 to 0.499; rubber and gels have 0.45 to 0.49",
+            ));
+        }
+        self.within(path, "the Poisson ratio", ratio, -0.99, 0.499)
+    }
+
+    fn material(&self, path: &str, m: &MaterialFile) -> Result<Material, SceneError> {
+        let at = |key: &str| format!("{path}.{key}");
+        let damping = |p: String, v: f64| self.within(&p, "the damping ratio", v, 0.0, 100.0);
+        Ok(match m {
+            MaterialFile::Rigid(r) => Material::Rigid { fixed: r.fixed },
+            MaterialFile::Kinematic(k) => self.kinematic(&at("kinematic"), k)?,
+            MaterialFile::Springs(s) => Material::Springs {
+                stiffness: self.positive(&at("springs.stiffness"), "the stiffness", s.stiffness.0)?,
+                damping_ratio: damping(at("springs.damping_ratio"), s.damping_ratio)?,
+            },
+            MaterialFile::NeoHookean(e) => Material::NeoHookean(self.elastic(
+                &at("neo_hookean"),
+                e.young_modulus,
+                e.poisson_ratio,
+                e.damping_ratio,
+            )?),
+            MaterialFile::Corotated(e) => Material::Corotated(self.elastic(
+                &at("corotated"),
+                e.young_modulus,
+                e.poisson_ratio,
+                e.damping_ratio,
+            )?),
+            MaterialFile::Shell(s) => Material::Shell {
+                elastic: self.elastic(&at("shell"), s.young_modulus, s.poisson_ratio, s.damping_ratio)?,
+                thickness: self.size_of(&at("shell.thickness"), "the thickness", s.thickness)?,
+            },
+            MaterialFile::Rod(s) => Material::Rod {
+                young_modulus: self.positive(
+                    &at("rod.young_modulus"),
+                    "the Young modulus",
+                    s.young_modulus.0,
+                )?,
+                radius: self.size_of(&at("rod.radius"), "the radius", s.radius)?,
+                damping_ratio: damping(at("rod.damping_ratio"), s.damping_ratio)?,
+            },
+        })
+    }
+
+    fn kinematic(&self, path: &str, k: &KinematicFile) -> Result<Material, SceneError> {
+        let turns = if self.dim == 2 { 1 } else { 3 };
+        let angular: Vec<f64> =
+            k.angular_velocity.as_ref().map_or(vec![0.0; turns], |w| w.iter().map(|x| x.0).collect());
+        if angular.len() != turns {
+            let message = format!("found {} entries of angular velocity", angular.len());
+            return Err(self.error(&format!("{path}.angular_velocity"), message, format!("give {turns}")));
+        }
+        let keyframes = self.keyframes(path, k.keyframes.as_deref())?;
+        if !keyframes.is_empty() && (k.velocity.is_some() || k.angular_velocity.is_some()) {
+            return Err(self.error(path, "both a velocity and keyframes are given", "remove one"));
+        }
+        let velocity = self.velocity(&format!("{path}.velocity"), k.velocity.as_ref())?;
+        self.no_jump(&format!("{path}.velocity"), velocity.iter().map(|v| v * v).sum::<f64>().sqrt())?;
+        Ok(Material::Kinematic { velocity, angular_velocity: angular, keyframes })
+    }
+
+    /// Parts that go as told.
+    fn moved(&mut self, path: &str, files: &[MovedFile]) -> Result<Vec<Moved>, SceneError> {
+        let mut out = Vec::new();
+        for (j, m) in files.iter().enumerate() {
+            let p = format!("{path}.{j}");
+            let shape = self.shape(&format!("{p}.shape"), &m.shape)?;
+            let keyframes = self.keyframes(&p, m.keyframes.as_deref())?;
+            match (m.velocity.is_some(), keyframes.is_empty()) {
+                (true, false) => {
+                    return Err(self.error(&p, "both a velocity and keyframes are given", "remove one"));
+                }
+                (false, true) => {
+                    let help = "give `velocity` or `keyframes`; what does not move goes into `fixed`";
+                    return Err(self.error(&p, "it is not told how this part moves", help));
+                }
+                _ => {}
+            }
+            if is_displaced(&keyframes) {
+                let help = "let the displacement be 0 at time 0, before the first keyframe it is the first one's: at its start the \
+                            solid is at rest";
+                return Err(self.error(&format!("{p}.keyframes.0"), "the solid would start strained", help));
+            }
+            let velocity = self.velocity(&format!("{p}.velocity"), m.velocity.as_ref())?;
+            let speed = velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
+            self.no_jump(&format!("{p}.velocity"), speed)?;
+            out.push(Moved { shape, velocity, keyframes });
+        }
+        Ok(out)
+    }
+
+    /// Times, s, and displacements, m.
+    fn keyframes(
+        &self,
+        path: &str,
+        files: Option<&[KeyframeFile]>,
+    ) -> Result<Vec<(f64, Vec<f64>)>, SceneError> {
+        let mut keyframes: Vec<(f64, Vec<f64>)> = Vec::new();
+        for (i, f) in files.iter().copied().flatten().enumerate() {
+            let p = format!("{path}.keyframes.{i}");
+            if keyframes.last().is_some_and(|l| l.0 >= f.time.0) {
+                let message = "the time of this keyframe is not after the one before";
+                return Err(self.error(&format!("{p}.time"), message, "sort the keyframes by time"));
+            }
+            let to = self.point(&format!("{p}.translate"), &f.translate)?;
+            if let Some((before, from)) = keyframes.last() {
+                let way = to.iter().zip(from).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+                self.no_jump(&format!("{p}.translate"), way / (f.time.0 - before))?;
+            }
+            keyframes.push((f.time.0, to));
+        }
+        Ok(keyframes)
+    }
+
+    /// An error if a solid that goes as told is faster than sound in air (m/s): no liquid is incompressible then.
+    fn no_jump(&self, path: &str, speed: f64) -> Result<(), SceneError> {
+        if speed <= SOUND {
+            return Ok(());
+        }
+        let message =
+            format!("the solid would jump: with {} m/s it is faster than sound", crate::file::short(speed));
+        Err(self.error(&self.source.first_inside(path), message, "give it more time, or a shorter way"))
+    }
+
+    /// An error if no solid has this name.
+    pub fn known_solid(&self, path: &str, key: bool, name: &str, names: &[&str]) -> Result<(), SceneError> {
+        if names.contains(&name) {
+            return Ok(());
+        }
+        let near = nearest(name, names.iter().copied().chain(key.then_some("liquid_air")));
+        let near = near.map_or_else(String::new, |n| format!("did you mean `{n}`? "));
+        let list = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+        let error = SceneError::new(format!("there is no solid `{}`", name.escape_debug()))
+            .with_help(format!("{near}solids of this scene: {list}"));
+        Err(if key { self.source.at_key(error, path) } else { self.source.at_value(error, path) })
+    }
+
+    pub fn contact_line(&mut self, c: &ContactLineFile, names: &[&str]) -> Result<ContactLine, SceneError> {
+        let path = "contact_line.friction";
+        let of = |radius| self.size_of("contact_line.radius", "the radius", radius);
+        let radius = c.radius.map(of).transpose()?;
+        let (mut friction, mut friction_of) = (0.0, Vec::new());
+        match &c.friction {
+            Some(Either::Text(f)) => friction = self.not_negative(path, "the friction", f.0)?,
+            Some(Either::Rich(list)) => {
+                for (name, f) in &list.0 {
+                    let p = format!("{path}.{name}");
+                    self.known_solid(&p, true, name, names)?;
+                    friction_of.push((name.clone(), self.not_negative(&p, "the friction", f.0)?));
+                }
+                friction_of.sort_by(|a, b| a.0.cmp(&b.0));
+            }
+            None => {}
+        }
+        let hysteresis = c.hysteresis.as_ref().map(|h| self.hysteresis(h)).transpose()?;
+        let enabled = c.enabled.unwrap_or(true);
+        let rubs = friction > 0.0 || friction_of.iter().any(|(_, f)| *f > 0.0);
+        let neumann = c.neumann.unwrap_or(false);
+        let given = [
+            ("friction", rubs),
+            ("hysteresis", hysteresis.is_some()),
+            ("radius", radius.is_some()),
+            ("neumann", neumann),
+        ];
+        if let Some((key, _)) = given.iter().find(|(_, given)| *given && !enabled) {
+            let error = SceneError::new(format!("`{key}` of a contact line that is switched off"));
+            let error = error.with_help(format!("remove `{key}`, or `enabled = false`"));
+            return Err(self.source.at_value(error, &format!("contact_line.{key}")));
+        }
+        Ok(ContactLine { enabled, radius, neumann, friction, friction_of, hysteresis })
+    }
+
+    /// The expectations; `names` are the solids', `angles` those of what has a contact angle, with Young's, `soft` those of what
+    /// deforms.
+    pub fn expect(
+        &mut self,
+        e: &ExpectFile,
+        names: &[&str],
+        angles: &[(&str, Option<f64>)],
+        soft: &[&str],
+    ) -> Result<Vec<Expectation>, SceneError> {
+        let bound = |key: &str, m: MaxFile| self.not_negative(&format!("expect.{key}.max"), "a bound", m.max);
+        let mut out = Vec::new();
+        if let Some(m) = e.volume_drift {
+            out.push(Expectation::VolumeDrift { max: bound("volume_drift", m)? });
+        }
+        if let Some(m) = e.momentum_error {
+            out.push(Expectation::MomentumError { max: bound("momentum_error", m)? });
+        }
+        if let Some(m) = e.energy_growth {
+            out.push(Expectation::EnergyGrowth { max: bound("energy_growth", m)? });
+        }
+        if let Some(m) = e.max_speed {
+            out.push(Expectation::MaxSpeed {
+                max: self.not_negative("expect.max_speed.max", "a bound", m.max.0)?,
+            });
+        }
+        if let Some(p) = e.period {
+            let value = self.positive("expect.period.value", "the period", p.value.0)?;
+            let tolerance = self.positive("expect.period.tolerance", "the tolerance", p.tolerance)?;
+            out.push(Expectation::Period { mode: p.mode, value, tolerance });
+        }
+        if let Some(p) = e.frequency {
+            let value = self.positive("expect.frequency.value", "the frequency", p.value.0)?;
+            let tolerance = self.positive("expect.frequency.tolerance", "the tolerance", p.tolerance)?;
+            out.push(Expectation::Frequency { mode: p.mode, value, tolerance });
+        }
+        self.expect_repairs(e, &mut out)?;
+        self.expect_liquid(e, &mut out)?;
+        self.expect_angles(e, angles, &mut out)?;
+        self.expect_solids(e, names, &mut out)?;
+        self.expect_deflections(e, names, soft, &mut out)?;
+        Ok(out)
+    }
+
+    fn expect_liquid(&self, e: &ExpectFile, out: &mut Vec<Expectation>) -> Result<(), SceneError> {
+        if let Some(d) = e.drops {
+            let (min, max) = match (d.count, d.min, d.max) {
+                (Some(n), None, None) => (n, n),
+                (None, min, max) if min.is_some() || max.is_some() => {
+                    (min.unwrap_or(0), max.unwrap_or(u32::MAX))
+                }
+                _ => {
+                    let help = "give `count`, or `min` and/or `max`";
+                    return Err(self.error("expect.drops", "the number of drops is not fixed", help));
+                }
+            };
+            if min > max {
+                let message = format!("`max` ({max}) is below `min` ({min})");
+                return Err(self.error("expect.drops.max", message, "swap them"));
+            }
+            out.push(Expectation::Drops { min, max });
+        }
+        for (i, r) in e.reach.iter().enumerate() {
+            let p = if e.reach.len() == 1 { "expect.reach".to_owned() } else { format!("expect.reach.{i}") };
+            if self.dim == 2 && matches!(r.side, Side::Front | Side::Back) {
+                let help = "accepted: left, right, bottom, top";
+                return Err(self.error(&format!("{p}.side"), "no such side in 2 dimensions", help));
+            }
+            let tolerance = self.size_of(&format!("{p}.tolerance"), "the tolerance", r.tolerance)?;
+            out.push(Expectation::Reach { side: r.side, value: r.value.resolve(self.dx), tolerance });
+        }
+        Ok(())
+    }
+
+    fn expect_angles(
+        &self,
+        e: &ExpectFile,
+        angles: &[(&str, Option<f64>)],
+        out: &mut Vec<Expectation>,
+    ) -> Result<(), SceneError> {
+        let names: Vec<&str> = angles.iter().map(|a| a.0).collect();
+        for (i, c) in e.contact_angle.iter().enumerate() {
+            let many = e.contact_angle.len() > 1;
+            let p =
+                if many { format!("expect.contact_angle.{i}") } else { "expect.contact_angle".to_owned() };
+            self.known_solid(&format!("{p}.solid"), false, &c.solid, &names)?;
+            let young = angles.iter().find(|a| a.0 == c.solid).and_then(|a| a.1);
+            let Some(value) = c.value.or(young.map(Angle)) else {
+                let message =
+                    format!("Young's angle varies over `{}`: there is no one angle to expect", c.solid);
+                return Err(self.error(&p, message, "add `value = \"90 deg\"`"));
+            };
+            let value = self.angle(&format!("{p}.value"), value)?;
+            let tolerance = self.positive(&format!("{p}.tolerance"), "the tolerance", c.tolerance.0)?;
+            out.push(Expectation::ContactAngle { solid: c.solid.clone(), value, tolerance });
+        }
+        Ok(())
+    }
+
+    fn expect_solids(
+        &self,
+        e: &ExpectFile,
+        names: &[&str],
+        out: &mut Vec<Expectation>,
+    ) -> Result<(), SceneError> {
+        for (i, name) in e.floats.iter().enumerate() {
+            self.known_solid(&format!("expect.floats.{i}"), false, name, names)?;
+            out.push(Expectation::Floats { solid: name.clone() });
+        }
+        for (i, name) in e.sinks.iter().enumerate() {
+            let path = format!("expect.sinks.{i}");
+            self.known_solid(&path, false, name, names)?;
+            if e.floats.contains(name) {
+                let message = format!("`{name}` cannot float and sink");
+                return Err(self.error(&path, message, "remove it from `floats` or from `sinks`"));
+            }
+            out.push(Expectation::Sinks { solid: name.clone() });
+        }
+        for (i, w) in e.wetted.iter().enumerate() {
+            let many = e.wetted.len() > 1;
+            let p = if many { format!("expect.wetted.{i}") } else { "expect.wetted".to_owned() };
+            self.known_solid(&format!("{p}.solid"), false, &w.solid, names)?;
+            if w.min.is_none() && w.max.is_none() {
+                return Err(self.error(&p, "the wetted share is not bounded", "give `min`, `max` or both"));
+            }
+            let min = self.within(&format!("{p}.min"), "the share", w.min.unwrap_or(0.0), 0.0, 1.0)?;
+            let max = self.within(&format!("{p}.max"), "the share", w.max.unwrap_or(1.0), min, 1.0)?;
+            out.push(Expectation::Wetted { solid: w.solid.clone(), min, max });
+        }
+        for (i, x) in e.position.iter().enumerate() {
+            let many = e.position.len() > 1;
+            let p = if many { format!("expect.position.{i}") } else { "expect.position".to_owned() };
+            self.known_solid(&format!("{p}.solid"), false, &x.solid, names)?;
+            let value = self.point(&format!("{p}.value"), &x.value)?;
+            let tolerance = self.size_of(&format!("{p}.tolerance"), "the tolerance", x.tolerance)?;
+            let direction = |d: &Vec<f64>| self.direction(&format!("{p}.along"), d, self.dim);
+            let along = x.along.as_ref().map(direction).transpose()?;
+            out.push(Expectation::Position { solid: x.solid.clone(), value, tolerance, along });
+        }
+        Ok(())
+    }
+
+    fn expect_deflections(
+        &self,
+        e: &ExpectFile,
+        names: &[&str],
+        soft: &[&str],
+        out: &mut Vec<Expectation>,
+    ) -> Result<(), SceneError> {
+        for (i, d) in e.deflection.iter().enumerate() {
+            let many = e.deflection.len() > 1;
+            let p = if many { format!("expect.deflection.{i}") } else { "expect.deflection".to_owned() };
+            self.known_solid(&format!("{p}.solid"), false, &d.solid, names)?;
+            if !soft.contains(&d.solid.as_str()) {
+                let message = format!("the solid `{}` does not deform", d.solid);
+                let help = "use material.neo_hookean, corotated or springs, or expect its `position`";
+                return Err(self.error(&format!("{p}.solid"), message, help));
+            }
+            if d.min.is_none() && d.max.is_none() {
+                return Err(self.error(&p, "the deflection is not bounded", "give `min`, `max` or both"));
+            }
+            let bound = |key: &str, l: Option<Length>, none: f64| {
+                let value = l.map(|l| l.resolve(self.dx));
+                value.map_or(Ok(none), |v| self.not_negative(&format!("{p}.{key}"), "a deflection", v))
+            };
+            let (min, max) = (bound("min", d.min, 0.0)?, bound("max", d.max, f64::INFINITY)?);
+            if min > max {
+                let message = format!("`max` ({max} m) is below `min` ({min} m)");
+                return Err(self.error(&format!("{p}.max"), message, "swap them"));
+            }
+            out.push(Expectation::Deflection { solid: d.solid.clone(), min, max });
+        }
+        Ok(())
+    }
+}
+
+/// Whether keyframes have a displacement at time 0: linear between two, that of the first before it.
+fn is_displaced(keyframes: &[(f64, Vec<f64>)]) -> bool {
+    let next = keyframes.partition_point(|k| k.0 <= 0.0);
+    let start: Vec<f64> = match &keyframes[next.saturating_sub(1)..(next + 1).min(keyframes.len())] {
+        [(before, from), (after, to)] if *before < 0.0 => {
+            let ahead = -before / (after - before);
+            from.iter().zip(to).map(|(x, y)| x + (y - x) * ahead).collect()
+        }
+        [(_, at), ..] => at.clone(),
+        [] => Vec::new(),
+    };
+    start.iter().any(|x| *x != 0.0)
+}

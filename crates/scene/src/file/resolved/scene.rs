@@ -1,0 +1,443 @@
+//! A resolved scene: SI, defaults filled in, checked for sense. Vectors have `dimension` entries.
+
+use crate::file::{ContactLine, Expectation, Format, OutlineName, Scheme, Source, Tensions, Wall};
+use std::f64::consts::FRAC_PI_2;
+use std::path::PathBuf;
+
+/// What the closed sides are called where solids have names.
+pub const WALLS: &str = "walls";
+
+/// A scene that makes sense. What of it can run today: [`crate::file::runnable`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// Name, also of the output folder.
+    pub name: String,
+    /// Where it comes from.
+    pub based_on: Option<String>,
+    /// What it shows.
+    pub description: Option<String>,
+    /// What it takes to run, in words.
+    pub cost: Option<String>,
+    /// The box that is simulated.
+    pub domain: Domain,
+    /// The liquid.
+    pub liquid: Liquid,
+    /// The solids.
+    pub solids: Vec<Solid>,
+    /// Tensions.
+    pub tension: Tensions,
+    /// The contact line.
+    pub contact_line: ContactLine,
+    /// Choices of the discretisation.
+    pub numerics: Numerics,
+    /// What is written.
+    pub output: Output,
+    /// What is checked at the end.
+    pub expect: Vec<Expectation>,
+    /// What looks odd but runs; no part of equality.
+    pub warnings: Warnings,
+    /// Where everything stands, for errors; no part of equality.
+    pub source: Source,
+}
+
+/// The box that is simulated: from the origin to `size`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Domain {
+    /// 2 or 3.
+    pub dimension: usize,
+    /// Size, m: `cells` times `dx`.
+    pub size: Vec<f64>,
+    /// Cells along each axis.
+    pub cells: Vec<usize>,
+    /// Size of a cell, m.
+    pub dx: f64,
+    /// Lower and upper side along each axis.
+    pub walls: Vec<[Wall; 2]>,
+    /// Angle at which the liquid meets the closed sides, rad.
+    pub wall_contact_angle: f64,
+}
+
+impl Domain {
+    /// Number of cells.
+    pub fn cell_count(&self) -> f64 {
+        self.cells.iter().map(|&n| n as f64).product()
+    }
+
+    /// Whether the angle at the closed sides is another one than 90 degrees, that of a mirror.
+    pub fn wets(&self) -> bool {
+        (self.wall_contact_angle - FRAC_PI_2).abs() > 1e-9
+    }
+}
+
+impl Scene {
+    /// Whether liquid meets the closed sides at another angle than 90 degrees.
+    pub fn walls_wet(&self) -> bool {
+        self.domain.wets() && self.contact_line.enabled
+    }
+
+    /// Number of cells of the grid: those of the domain, and those beyond sides that are open or wet.
+    pub fn grid_cells(&self) -> f64 {
+        let beyond = |w: &Wall| match w {
+            Wall::Open => meniscus_sim::OPEN_MARGIN,
+            Wall::Slip if self.walls_wet() => meniscus_sim::MARGIN,
+            Wall::Slip => 0,
+        };
+        let along = |(n, sides): (&usize, &[Wall; 2])| (n + sides.iter().map(beyond).sum::<usize>()) as f64;
+        self.domain.cells.iter().zip(&self.domain.walls).map(along).product()
+    }
+}
+
+/// The liquid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Liquid {
+    /// Density, kg/m³.
+    pub density: f64,
+    /// Kinematic viscosity, m²/s.
+    pub kinematic_viscosity: f64,
+    /// Gravity, m/s².
+    pub gravity: Vec<f64>,
+    /// Bodies at the start; where they overlap the first counts.
+    pub bodies: Vec<Body>,
+}
+
+/// A body of liquid at the start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// What it fills.
+    pub shape: ShapeSpec,
+    /// Start velocity, m/s.
+    pub velocity: Vec<f64>,
+    /// Whether solids are meant to cut it at the start.
+    pub displaced: bool,
+}
+
+/// A shape, lengths in m; directions have unit length.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ShapeSpec {
+    /// A ball.
+    Ball {
+        /// Centre, m.
+        center: Vec<f64>,
+        /// Radius, m.
+        radius: f64,
+    },
+    /// A box.
+    Box {
+        /// Centre, m.
+        center: Vec<f64>,
+        /// Half the edge lengths, m.
+        half_size: Vec<f64>,
+        /// Rotation about the centre.
+        rotation: Rotation,
+    },
+    /// Everything on the side of a plane that the normal points away from.
+    HalfSpace {
+        /// A point of the plane, m.
+        point: Vec<f64>,
+        /// Unit normal out of the filled side.
+        normal: Vec<f64>,
+    },
+    /// A circular cylinder, 3D.
+    Cylinder {
+        /// Centre, m.
+        center: Vec<f64>,
+        /// Unit direction of the axis.
+        axis: Vec<f64>,
+        /// Radius, m.
+        radius: f64,
+        /// Length along the axis, m.
+        height: f64,
+    },
+    /// All points nearer than the radius to a segment.
+    Capsule {
+        /// One end, m.
+        a: Vec<f64>,
+        /// The other end, m.
+        b: Vec<f64>,
+        /// Radius, m.
+        radius: f64,
+    },
+    /// An ellipsoid.
+    Ellipsoid {
+        /// Centre, m.
+        center: Vec<f64>,
+        /// Half axes, m.
+        radii: Vec<f64>,
+        /// Rotation about the centre.
+        rotation: Rotation,
+    },
+    /// A ball whose radius is `radius (1 + amplitude P_mode(cos θ))`, θ from the last axis; in 2D
+    /// `radius (1 + amplitude cos(mode θ))`.
+    PerturbedBall {
+        /// Centre, m.
+        center: Vec<f64>,
+        /// Radius, m.
+        radius: f64,
+        /// Mode number.
+        mode: u32,
+        /// Amplitude over radius.
+        amplitude: f64,
+    },
+    /// Filled where the last coordinate is below `level + amplitude cos(2π x / wavelength + phase)`.
+    Wave {
+        /// Mean height, m.
+        level: f64,
+        /// Amplitude, m.
+        amplitude: f64,
+        /// Wavelength, m.
+        wavelength: f64,
+        /// Phase, rad.
+        phase: f64,
+    },
+    /// A flat outline of some thickness, 3D.
+    Extrusion {
+        /// The outline.
+        outline: Outline,
+        /// Thickness, m.
+        thickness: f64,
+        /// Centre, m.
+        center: Vec<f64>,
+        /// Rotation about the centre.
+        rotation: Rotation,
+    },
+    /// What any of them fills.
+    Union(Vec<ShapeSpec>),
+    /// What any of them fills, with fillets.
+    SmoothUnion {
+        /// The parts.
+        parts: Vec<ShapeSpec>,
+        /// Width of the fillets, m.
+        width: f64,
+    },
+    /// What `of` fills and `minus` does not.
+    Difference {
+        /// The shape that is cut.
+        of: Box<ShapeSpec>,
+        /// The shape that is taken away.
+        minus: Box<ShapeSpec>,
+    },
+    /// A cow.
+    Cow {
+        /// The point between its feet, m.
+        at: Vec<f64>,
+        /// Its length, m.
+        length: f64,
+        /// Rotation about that point.
+        rotation: Rotation,
+    },
+    /// A closed surface or a volume from a file.
+    Mesh {
+        /// Absolute path of an existing file.
+        path: PathBuf,
+        /// Metres per unit of the file.
+        scale: f64,
+        /// Moved by, m, after scale and rotation.
+        translate: Vec<f64>,
+        /// Rotation about the file's origin.
+        rotation: Rotation,
+    },
+}
+
+/// An outline in the plane.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outline {
+    /// A named outline and its size across, m.
+    Named(OutlineName, f64),
+    /// A polygon, m.
+    Points(Vec<[f64; 2]>),
+}
+
+/// A rotation; `angle` 0 is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rotation {
+    /// Unit axis; (0, 0, 1) in 2D.
+    pub axis: [f64; 3],
+    /// Angle, rad, right-handed.
+    pub angle: f64,
+}
+
+impl Rotation {
+    /// No rotation.
+    pub const NONE: Self = Self { axis: [0.0, 0.0, 1.0], angle: 0.0 };
+
+    /// The rotation matrix by rows; in 2D its upper left part.
+    pub fn matrix(&self) -> [[f64; 3]; 3] {
+        let (s, c) = self.angle.sin_cos();
+        let [x, y, z] = self.axis;
+        let t = 1.0 - c;
+        [
+            [t * x * x + c, t * x * y - s * z, t * x * z + s * y],
+            [t * x * y + s * z, t * y * y + c, t * y * z - s * x],
+            [t * x * z - s * y, t * y * z + s * x, t * z * z + c],
+        ]
+    }
+}
+
+/// A solid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solid {
+    /// Name.
+    pub name: String,
+    /// Density, kg/m³; none if it does not move freely and none was given.
+    pub density: Option<f64>,
+    /// Shape.
+    pub shape: ShapeSpec,
+    /// Edge length of its mesh, m.
+    pub mesh_edge: f64,
+    /// What it is made of.
+    pub material: Material,
+    /// Start velocity, m/s.
+    pub velocity: Vec<f64>,
+    /// Speed after a hit over that before it.
+    pub restitution: f64,
+    /// Coefficient of friction between solids.
+    pub friction: f64,
+    /// Vertices inside these shapes do not move.
+    pub fixed: Vec<ShapeSpec>,
+    /// Vertices inside these shapes go as told.
+    pub moved: Vec<Moved>,
+}
+
+/// A part of a solid that goes as told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moved {
+    /// What holds it at the start.
+    pub shape: ShapeSpec,
+    /// Constant velocity, m/s, where there are no keyframes.
+    pub velocity: Vec<f64>,
+    /// Time, s, and displacement, m; times increase.
+    pub keyframes: Vec<(f64, Vec<f64>)>,
+}
+
+impl ShapeSpec {
+    /// The file of a mesh whose own elements fill it, if it is one.
+    pub fn volume_file(&self) -> Option<&std::path::Path> {
+        let Self::Mesh { path, .. } = self else { return None };
+        let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase)?;
+        VOLUMES.contains(&ending.as_str()).then_some(path)
+    }
+}
+
+/// Endings of files that hold volumes.
+pub(crate) const VOLUMES: [&str; 4] = ["msh", "node", "ele", "vtk"];
+
+/// What a solid is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Material {
+    /// Does not deform.
+    Rigid {
+        /// Does not move at all.
+        fixed: bool,
+    },
+    /// Moves as prescribed.
+    Kinematic {
+        /// Constant velocity, m/s.
+        velocity: Vec<f64>,
+        /// Constant angular velocity, rad/s: one entry in 2D, three in 3D.
+        angular_velocity: Vec<f64>,
+        /// Time, s, and displacement, m; times increase.
+        keyframes: Vec<(f64, Vec<f64>)>,
+    },
+    /// Mass and springs.
+    Springs {
+        /// Stiffness, N/m.
+        stiffness: f64,
+        /// Fraction of critical damping.
+        damping_ratio: f64,
+    },
+    /// Compressible neo-Hookean.
+    NeoHookean(Elastic),
+    /// Corotated linear elasticity.
+    Corotated(Elastic),
+    /// A thin sheet.
+    Shell {
+        /// Constants.
+        elastic: Elastic,
+        /// Thickness, m.
+        thickness: f64,
+    },
+    /// A thin thread.
+    Rod {
+        /// Young modulus, Pa.
+        young_modulus: f64,
+        /// Radius of the section, m.
+        radius: f64,
+        /// Fraction of critical damping.
+        damping_ratio: f64,
+    },
+}
+
+impl Material {
+    /// Whether a mesh of it deforms.
+    pub fn deforms(&self) -> bool {
+        matches!(self, Self::Springs { .. } | Self::NeoHookean(_) | Self::Corotated(_))
+    }
+}
+
+/// Elastic constants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Elastic {
+    /// Young modulus, Pa.
+    pub young_modulus: f64,
+    /// Poisson ratio.
+    pub poisson_ratio: f64,
+    /// Fraction of critical damping.
+    pub damping_ratio: f64,
+}
+
+/// Choices of the discretisation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Numerics {
+    /// The scheme.
+    pub scheme: Scheme,
+    /// Largest distance of a step in cells.
+    pub cfl: f64,
+    /// Largest step, s; infinite if there is none.
+    pub max_step: f64,
+    /// Relative residual.
+    pub tolerance: f64,
+    /// Most iterations of a solve.
+    pub max_iterations: usize,
+    /// Largest step as a multiple of the explicit capillary limit.
+    pub capillary_step: f64,
+    /// Newton's iterations of a step where solids deform.
+    pub newton_iterations: u32,
+    /// The same step always, s.
+    pub fixed_step: Option<f64>,
+    /// Give back the momentum that the discretisation loses.
+    pub restore_momentum: bool,
+    /// Threads; none: as many as there are.
+    pub threads: Option<usize>,
+}
+
+/// What is written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// Simulated time, s.
+    pub duration: f64,
+    /// Time between frames, s.
+    pub frame_interval: f64,
+    /// Formats, sorted, with `ply`.
+    pub formats: Vec<Format>,
+    /// Frames between checkpoints.
+    pub checkpoint_every: usize,
+}
+
+/// What looks odd but runs.
+#[derive(Clone, Debug, Default)]
+pub struct Warnings(pub Vec<Warning>);
+
+impl PartialEq for Warnings {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+/// One thing that looks odd.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Warning {
+    /// Dotted path of the value.
+    pub path: String,
+    /// What is odd about it.
+    pub message: String,
+}

@@ -1,0 +1,427 @@
+//! Checkpoints: all that a run needs to go on with the same bits.
+//!
+//! One file is: magic, format version, length of the header, header (`postcard`), the fields of the state as
+//! little-endian `f64` in LZ4 blocks, checksum of all before it. Files are written beside and renamed; the last two
+//! are kept, so that a damaged one costs some steps and not the run.
+
+use super::Tally;
+use crate::output::file::{self, FileError};
+use meniscus_elastic::ElasticState;
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{Drop, Slip, Slips, Soft, SolidState, State, Touch};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+const MAGIC: &[u8; 8] = b"MENISCKP";
+const VERSION: u32 = 14;
+/// Values per compressed block (4 MiB).
+const BLOCK: usize = 1 << 19;
+/// Checkpoints that are kept.
+const KEEP: usize = 2;
+
+/// Why a checkpoint cannot be used.
+#[derive(Debug, Error)]
+pub enum CheckpointError {
+    /// It could not be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// It is not whole.
+    #[error("the checkpoint `{}` is damaged: {what}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// It belongs to something else.
+    #[error("the checkpoint `{}` is of another {what}", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What differs.
+        what: &'static str,
+    },
+}
+
+#[derive(Serialize, Deserialize)]
+struct Header {
+    scene: u64,
+    cells: Vec<u64>,
+    dx: f64,
+    step: u64,
+    /// Time, last step, lead, kick, clear, drift, lost volume, kinetic energy, surface area.
+    numbers: [f64; 12],
+    drops: Vec<DropRecord>,
+    /// Centre, rotation by columns, velocity, spin, forces, what holds it, of each solid; of one that deforms
+    /// also its time, all positions, and all velocities.
+    solids: Vec<Vec<f64>>,
+    /// Of each touch its points and the other.
+    touches: Vec<[u32; 3]>,
+    /// Way, rate and hold of the slip of each touch.
+    slips: Vec<f64>,
+    tally: Tally,
+    /// Bytes of each compressed block, per array: phi, lambda, then the velocity along each axis.
+    blocks: Vec<Vec<u64>>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct DropRecord {
+    target_volume: f64,
+    volume: f64,
+    /// Centroid, lower, upper, velocity.
+    vectors: [Vec<f64>; 4],
+    spin: [f64; 3],
+}
+
+fn solid_record<'a, const D: usize>(solid: &'a SolidState<D>) -> Vec<f64> {
+    let SolidState { center, rotation, velocity, spin, pressed, pulled, held, soft } = solid;
+    let motion = center.iter().chain(rotation).chain(velocity).chain(spin);
+    let vertices = |s: &'a Soft<D>| s.body.positions.iter().chain(&s.body.velocities);
+    let vertices = soft.iter().flat_map(vertices).flatten();
+    let time = soft.iter().map(|s| &s.body.time);
+    let forces = pressed.iter().chain(pulled).chain(held);
+    motion.chain(forces).chain(time).chain(vertices).copied().collect()
+}
+
+fn restore_solid<const D: usize>(record: &[f64]) -> Option<SolidState<D>> {
+    let (record, vertices) = record.split_at_checked(5 * D + D * D + 3)?;
+    let (time, vertices) = vertices.split_at(vertices.len().min(1));
+    let (vertices, rest) = vertices.as_chunks::<D>();
+    if !rest.is_empty() || vertices.len() % 2 != 0 {
+        return None;
+    }
+    let vertices: Vec<Vector<D>> = vertices.iter().map(|v| Vector::from(*v)).collect();
+    let (positions, velocities) = vertices.split_at(vertices.len() / 2);
+    let (positions, velocities) = (positions.to_vec(), velocities.to_vec());
+    let soft = |time: &f64| Soft::bare(ElasticState { positions, velocities, time: *time });
+    let soft = time.first().map(soft);
+    let (center, rest) = record.split_at(D);
+    let (rotation, rest) = rest.split_at(D * D);
+    let (velocity, rest) = rest.split_at(D);
+    let (spin, rest) = rest.split_at(3);
+    let (pressed, rest) = rest.split_at(D);
+    let (pulled, rest) = rest.split_at(D);
+    Some(SolidState {
+        center: Vector::from_column_slice(center),
+        rotation: Matrix::from_column_slice(rotation),
+        velocity: Vector::from_column_slice(velocity),
+        spin: spin.try_into().ok()?,
+        pressed: Vector::from_column_slice(pressed),
+        pulled: Vector::from_column_slice(pulled),
+        held: Vector::from_column_slice(rest),
+        soft,
+    })
+}
+
+fn slip_record<const D: usize>(slip: &Slip<D>) -> Vec<f64> {
+    let Slip { way, rate, hold } = slip;
+    way.iter().chain(rate).chain([hold]).copied().collect()
+}
+
+fn restore_slips<const D: usize>(touches: &[[u32; 3]], slips: &[f64]) -> Option<Slips<D>> {
+    let records = slips.chunks_exact(2 * D + 1);
+    if slips.len() != touches.len() * (2 * D + 1) {
+        return None;
+    }
+    let slip = |([first, last, other], record): (&[u32; 3], &[f64])| {
+        let (way, rest) = record.split_at(D);
+        let (rate, hold) = rest.split_at(D);
+        let (way, rate) = (Vector::from_column_slice(way), Vector::from_column_slice(rate));
+        (Touch { points: [*first, *last], other: *other }, Slip { way, rate, hold: hold[0] })
+    };
+    Some(touches.iter().zip(records).map(slip).collect())
+}
+
+impl DropRecord {
+    fn of<const D: usize>(drop: &Drop<D>) -> Self {
+        let Drop { target_volume, volume, centroid, lower, upper, velocity, spin } = drop;
+        let vectors = [centroid, lower, upper, velocity].map(|v| v.iter().copied().collect());
+        Self { target_volume: *target_volume, volume: *volume, vectors, spin: *spin }
+    }
+
+    fn restore<const D: usize>(&self) -> Option<Drop<D>> {
+        if self.vectors.iter().any(|v| v.len() != D) {
+            return None;
+        }
+        let [centroid, lower, upper, velocity] =
+            [0, 1, 2, 3].map(|i| Vector::<D>::from_fn(|a, _| self.vectors[i][a]));
+        Some(Drop {
+            target_volume: self.target_volume,
+            volume: self.volume,
+            centroid,
+            lower,
+            upper,
+            velocity,
+            spin: self.spin,
+        })
+    }
+}
+
+/// Writes the checkpoint of a state into a folder, then removes those that are too old.
+///
+/// # Errors
+/// [`FileError`]; earlier checkpoints are untouched then.
+pub fn write<const D: usize>(
+    folder: &Path,
+    scene: u64,
+    state: &State<D>,
+    tally: &Tally,
+) -> Result<PathBuf, FileError> {
+    // Every field is named: one that is new must go into the file, or a resumed run is another run.
+    let State {
+        time,
+        step,
+        last_dt,
+        lead,
+        kick,
+        clear,
+        drift,
+        phi,
+        velocity,
+        lambda,
+        drops,
+        solids,
+        slips,
+        lost_volume,
+        outflow_volume,
+        outflow_kinetic_energy,
+        outflow_stored_energy,
+        kinetic_energy,
+        surface_area,
+    } = state;
+    let fields = [&phi.data, &lambda.data].into_iter().chain(&velocity.axes);
+    let arrays: Vec<Vec<Vec<u8>>> = fields.map(|array| compress(array)).collect();
+    let header = Header {
+        scene,
+        cells: phi.grid.cells.iter().map(|&n| n as u64).collect(),
+        dx: phi.grid.dx,
+        step: *step,
+        numbers: [
+            *time,
+            *last_dt,
+            *lead,
+            *kick,
+            *clear,
+            *drift,
+            *lost_volume,
+            *outflow_volume,
+            *outflow_kinetic_energy,
+            *outflow_stored_energy,
+            *kinetic_energy,
+            *surface_area,
+        ],
+        drops: drops.iter().map(DropRecord::of).collect(),
+        solids: solids.iter().map(solid_record).collect(),
+        touches: slips.keys().map(|t| [t.points[0], t.points[1], t.other]).collect(),
+        slips: slips.values().flat_map(slip_record).collect(),
+        tally: tally.clone(),
+        blocks: arrays.iter().map(|blocks| blocks.iter().map(|b| b.len() as u64).collect()).collect(),
+    };
+    let path = folder.join(format!("step_{step:08}.ckpt"));
+    let header = postcard::to_stdvec(&header).map_err(|e| FileError {
+        action: "write",
+        path: path.clone(),
+        source: std::io::Error::other(e),
+    })?;
+    file::replace(&path, |writer| {
+        let mut sum = Checksum::default();
+        let mut put = |bytes: &[u8]| {
+            sum.update(bytes);
+            writer.write_all(bytes)
+        };
+        put(MAGIC)?;
+        put(&VERSION.to_le_bytes())?;
+        put(&(header.len() as u64).to_le_bytes())?;
+        put(&header)?;
+        arrays.iter().flatten().try_for_each(|block| put(block))?;
+        writer.write_all(&sum.value().to_le_bytes())
+    })?;
+    forget_old(folder);
+    Ok(path)
+}
+
+fn compress(array: &[f64]) -> Vec<Vec<u8>> {
+    array
+        .par_chunks(BLOCK)
+        .map(|values| {
+            let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+            lz4_flex::block::compress(&bytes)
+        })
+        .collect()
+}
+
+fn forget_old(folder: &Path) {
+    let files = list(folder);
+    for old in files.iter().skip(KEEP) {
+        let _ = std::fs::remove_file(old);
+    }
+}
+
+/// Removes the checkpoints that are newer than one: damaged, they would only be in the way of good ones.
+pub fn forget_newer(path: &Path) {
+    let Some(folder) = path.parent() else { return };
+    for newer in list(folder).iter().take_while(|file| *file != path) {
+        let _ = std::fs::remove_file(newer);
+    }
+}
+
+/// The checkpoints of a folder, newest first.
+pub fn list(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let mut files: Vec<PathBuf> = entries
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|e| e == "ckpt"))
+        .collect();
+    files.sort();
+    files.reverse();
+    files
+}
+
+/// Reads a checkpoint of the given scene on the given grid.
+///
+/// # Errors
+/// [`CheckpointError`].
+pub fn read<const D: usize>(
+    path: &Path,
+    scene: u64,
+    grid: Grid<D>,
+) -> Result<(State<D>, Tally), CheckpointError> {
+    let bytes = std::fs::read(path).map_err(FileError::of("read", path))?;
+    let foreign = |what| CheckpointError::Foreign { path: path.to_path_buf(), what };
+    let damaged = |what: &str| CheckpointError::Damaged { path: path.to_path_buf(), what: what.to_string() };
+    let (head, body) = open(&bytes).map_err(|what| match what {
+        Fault::Version => foreign("version of Meniscus"),
+        Fault::Damage(what) => damaged(what),
+    })?;
+    let header: Header = postcard::from_bytes(head).map_err(|_| damaged("its header is not readable"))?;
+    if header.scene != scene {
+        return Err(foreign("scene"));
+    }
+    let same_cells = header.cells.iter().map(|&n| n as usize).eq(grid.cells);
+    if !same_cells || header.dx.to_bits() != grid.dx.to_bits() {
+        return Err(foreign("grid"));
+    }
+    let state = restore(&header, body, grid).ok_or_else(|| damaged("its fields are not complete"))?;
+    Ok((state, header.tally))
+}
+
+enum Fault {
+    Version,
+    Damage(&'static str),
+}
+
+/// Checks magic, version and checksum; the header and what follows it.
+fn open(bytes: &[u8]) -> Result<(&[u8], &[u8]), Fault> {
+    let cut = Fault::Damage("it is cut off");
+    let Some((start, rest)) = bytes.split_at_checked(20) else { return Err(cut) };
+    if start[..8] != *MAGIC {
+        return Err(Fault::Damage("it does not begin as a checkpoint does"));
+    }
+    if start[8..12] != VERSION.to_le_bytes() {
+        return Err(Fault::Version);
+    }
+    let Some(covered) = bytes.len().checked_sub(8).filter(|&n| n >= 20) else { return Err(cut) };
+    let mut sum = Checksum::default();
+    sum.update(&bytes[..covered]);
+    if bytes[covered..] != sum.value().to_le_bytes() {
+        return Err(Fault::Damage("its checksum is wrong"));
+    }
+    let length = start[12..].iter().rev().fold(0u64, |n, &b| (n << 8) | u64::from(b));
+    rest[..covered - 20].split_at_checked(length as usize).ok_or(cut)
+}
+
+fn restore<const D: usize>(header: &Header, body: &[u8], grid: Grid<D>) -> Option<State<D>> {
+    if header.blocks.len() != D + 2 {
+        return None;
+    }
+    let mut state = State::empty(grid);
+    let mut rest = body;
+    let arrays = [&mut state.phi.data, &mut state.lambda.data].into_iter().chain(&mut state.velocity.axes);
+    for (array, blocks) in arrays.zip(&header.blocks) {
+        rest = decompress(array, blocks, rest)?;
+    }
+    let n = header.numbers;
+    [state.time, state.last_dt, state.lead, state.kick, state.clear, state.drift, state.lost_volume, ..] = n;
+    [.., state.outflow_volume, state.outflow_kinetic_energy, state.outflow_stored_energy, _, _] = n;
+    [.., state.kinetic_energy, state.surface_area] = n;
+    state.step = header.step;
+    state.drops = header.drops.iter().map(DropRecord::restore).collect::<Option<_>>()?;
+    state.solids = header.solids.iter().map(|r| restore_solid(r)).collect::<Option<_>>()?;
+    state.slips = restore_slips(&header.touches, &header.slips)?;
+    Some(state)
+}
+
+fn decompress<'a>(array: &mut [f64], blocks: &[u64], body: &'a [u8]) -> Option<&'a [u8]> {
+    if blocks.len() != array.len().div_ceil(BLOCK) {
+        return None;
+    }
+    let mut rest = body;
+    for (values, &length) in array.chunks_mut(BLOCK).zip(blocks) {
+        let (block, after) = rest.split_at_checked(length as usize)?;
+        let raw = lz4_flex::block::decompress(block, values.len() * 8).ok()?;
+        let (words, tail) = raw.as_chunks::<8>();
+        if words.len() != values.len() || !tail.is_empty() {
+            return None;
+        }
+        for (value, word) in values.iter_mut().zip(words) {
+            *value = f64::from_le_bytes(*word);
+        }
+        rest = after;
+    }
+    Some(rest)
+}
+
+/// A 64-bit sum that sees any single damaged bit: FNV-1a over 8-byte words. Independent of how the bytes are cut.
+#[derive(Default)]
+pub(crate) struct Checksum {
+    hash: u64,
+    pending: [u8; 8],
+    filled: usize,
+    length: u64,
+}
+
+impl Checksum {
+    pub(crate) fn update(&mut self, bytes: &[u8]) {
+        self.length += bytes.len() as u64;
+        let mut bytes = bytes;
+        while self.filled > 0 && !bytes.is_empty() {
+            self.push(bytes[0]);
+            bytes = &bytes[1..];
+        }
+        let (words, tail) = bytes.as_chunks::<8>();
+        for word in words {
+            self.mix(u64::from_le_bytes(*word));
+        }
+        tail.iter().for_each(|&byte| self.push(byte));
+    }
+
+    fn push(&mut self, byte: u8) {
+        self.pending[self.filled] = byte;
+        self.filled += 1;
+        if self.filled == 8 {
+            self.filled = 0;
+            self.mix(u64::from_le_bytes(self.pending));
+            self.pending = [0; 8];
+        }
+    }
+
+    fn mix(&mut self, word: u64) {
+        self.hash = (self.hash ^ 0xcbf2_9ce4_8422_2325 ^ word).wrapping_mul(0x0000_0100_0000_01b3);
+        self.hash ^= self.hash >> 29;
+    }
+
+    pub(crate) fn value(mut self) -> u64 {
+        self.mix(u64::from_le_bytes(self.pending));
+        self.mix(self.length);
+        self.hash
+    }
+}
+
+#[cfg(test)]
+#[path = "checkpoint_tests.rs"]
+mod tests;
