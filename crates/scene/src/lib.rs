@@ -6,6 +6,7 @@ pub mod error;
 pub mod estimate;
 pub mod expect;
 pub mod file;
+pub mod job;
 pub mod output;
 pub mod run;
 pub mod schema;

@@ -5,11 +5,11 @@
 //! cell, and that solid is not wholly within it, the scene gets a warning, unless the body says `displaced = true`. A body of which
 //! nothing is left is an error.
 
+use super::Setup;
 use super::setup::AnySetup;
 use crate::error::SceneError;
 use crate::estimate::thin_liquid::Obstacles;
 use crate::file::{Scene, ShapeSpec, Warning};
-use crate::run::Setup;
 use crate::units::{readable, readable_volume};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Lattice;

@@ -5,8 +5,10 @@ mod deformable;
 pub mod displaced;
 mod setup;
 mod shapes;
+mod start;
 mod thickness;
 mod wettability;
 
 pub use setup::{AnySetup, AnySimulation, model, setup};
 pub use shapes::region;
+pub use start::{Region, Setup};

@@ -1,14 +1,17 @@
 //! From a resolved scene to a simulation: the one place where the dimension is chosen at run time.
 
+use super::Setup;
+use super::shapes::{region, shape};
 use super::thickness::thick_enough;
-use crate::build::shapes::{region, shape};
 use crate::error::SceneError;
 use crate::estimate::parameters::parameters;
 use crate::file::vector;
 use crate::file::{Material, Scene, ShapeSpec, Solid as SolidSpec, Wall, outside};
+use crate::job::{Existing, Job, Schedule, Stop};
 use crate::output::Folder;
+use crate::run::Observer;
 use crate::run::checkpoint::Checksum;
-use crate::run::{self, Existing, Job, Observer, Outcome, RunError, Schedule, Setup, Stop};
+use crate::run::{self, Outcome, RunError};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;

@@ -1,8 +1,8 @@
 //! Shapes of a resolved scene as signed distances, and the meshes of those that come from files.
 
+use super::Region;
 use crate::error::SceneError;
 use crate::file::{ShapeSpec, outline, rotation, vector};
-use crate::run::Region;
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::mesh::volume::read;

@@ -5,7 +5,8 @@ use super::{gaps, memory, thin_liquid};
 use crate::build::AnySetup;
 use crate::build::displaced::{Displaced, displaced, judge};
 use crate::error::SceneError;
-use crate::file::{Material, Scene, ShapeSpec, WALLS, Warning};
+use crate::estimate::scales::{ball_radius, liquid_volume, norm, radius, smallest_radius, typical_speed};
+use crate::file::{Material, Scene, WALLS, Warning};
 use crate::units::readable;
 use serde::Serialize;
 
@@ -211,31 +212,6 @@ fn unresolved(scene: &Scene, setup: &AnySetup, warnings: &mut Vec<Warning>) -> f
     share
 }
 
-fn norm(v: &[f64]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// Radius of a ball (2D: a disc) of a volume, m.
-pub(crate) fn ball_radius(volume: f64, dimension: usize) -> f64 {
-    let pi = std::f64::consts::PI;
-    if dimension == 2 { (volume / pi).sqrt() } else { (0.75 * volume / pi).cbrt() }
-}
-
-/// The largest difference of start velocity between bodies; of a single body to rest.
-pub(crate) fn typical_speed(scene: &Scene) -> f64 {
-    let v: Vec<&[f64]> = scene.liquid.bodies.iter().map(|b| b.velocity.as_slice()).collect();
-    if let [one] = v.as_slice() {
-        return norm(one);
-    }
-    let mut most = 0.0_f64;
-    for (i, a) in v.iter().enumerate() {
-        for b in &v[..i] {
-            most = most.max(a.iter().zip(*b).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt());
-        }
-    }
-    most
-}
-
 /// The step that is expected: the capillary limit, the CFL limit at the largest speed in sight, the given limits.
 fn time_step(scene: &Scene, capillary: f64, speed: f64, radius: Option<f64>) -> f64 {
     let (n, l) = (&scene.numerics, &scene.liquid);
@@ -250,69 +226,12 @@ fn time_step(scene: &Scene, capillary: f64, speed: f64, radius: Option<f64>) -> 
     (n.capillary_step * capillary).min(cfl).min(n.max_step).min(scene.output.frame_interval)
 }
 
-/// The longest step that a scene lets the simulation take, s.
-pub(crate) fn longest_step(scene: &Scene) -> f64 {
-    let (n, gamma) = (&scene.numerics, scene.tension.liquid_air);
-    let capillary = n.capillary_step * 0.36 * (scene.liquid.density * scene.domain.dx.powi(3) / gamma).sqrt();
-    n.fixed_step.unwrap_or_else(|| capillary.min(n.max_step)).min(scene.output.frame_interval)
-}
-
 fn body_reports(scene: &Scene) -> Vec<BodyReport> {
     let report = |(index, body): (usize, &crate::file::Body)| {
-        let radius = match &body.shape {
-            ShapeSpec::Box { rotation, .. } if rotation.angle == 0.0 => half_inside(scene, &body.shape),
-            shape => shape.radius(),
-        };
+        let radius = radius(scene, &body.shape);
         BodyReport { index, radius, cells_per_radius: radius.map(|r| r / scene.domain.dx) }
     };
     scene.liquid.bodies.iter().enumerate().map(report).collect()
-}
-
-/// The smallest radius of a body of liquid, m; none where they are half-spaces.
-pub(crate) fn smallest_radius(scene: &Scene) -> Option<f64> {
-    body_reports(scene).iter().filter_map(|b| b.radius).reduce(f64::min)
-}
-
-/// Half the least extent of what lies inside the domain, m.
-fn half_inside(scene: &Scene, shape: &ShapeSpec) -> Option<f64> {
-    let (lower, upper) = shape.bounds(scene.domain.dimension)?;
-    let extent = |((l, u), s): ((&f64, &f64), &f64)| 0.5 * (u.min(*s) - l.max(0.0));
-    lower.iter().zip(&upper).zip(&scene.domain.size).map(extent).reduce(f64::min)
-}
-
-/// Volume of the liquid inside the domain by sampling; none if a shape cannot be sampled.
-pub fn liquid_volume(scene: &Scene) -> Option<f64> {
-    let d = &scene.domain;
-    let dim = d.dimension;
-    let mut lower = d.size.clone();
-    let mut upper = vec![0.0; dim];
-    for body in &scene.liquid.bodies {
-        let (l, u) = body.shape.bounds(dim)?;
-        for i in 0..dim {
-            lower[i] = lower[i].min(l[i].max(0.0));
-            upper[i] = f64::max(upper[i], u[i].min(d.size[i]));
-        }
-    }
-    let count: usize = if dim == 2 { 512 } else { 96 };
-    let total = count.pow(dim as u32);
-    let shapes: Vec<&ShapeSpec> = scene.liquid.bodies.iter().map(|b| &b.shape).collect();
-    let mut point = vec![0.0; dim];
-    let mut inside = 0_usize;
-    for k in 0..total {
-        let mut rest = k;
-        for i in 0..dim {
-            let t = ((rest % count) as f64 + 0.5) / count as f64;
-            point[i] = lower[i] + t * (upper[i] - lower[i]);
-            rest /= count;
-        }
-        let mut any = false;
-        for s in &shapes {
-            any |= s.contains(&point)?;
-        }
-        inside += usize::from(any);
-    }
-    let sampled: f64 = lower.iter().zip(&upper).map(|(l, u)| (u - l).max(0.0)).product();
-    Some(sampled * inside as f64 / total as f64)
 }
 
 fn pairs(scene: &Scene) -> Vec<PairReport> {

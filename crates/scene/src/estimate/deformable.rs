@@ -1,10 +1,10 @@
 //! What `meniscus check` tells of solids that deform.
 
-use super::check::longest_step;
 use super::memory;
+use super::scales::longest_step;
 use crate::build::AnySetup;
+use crate::build::Setup;
 use crate::file::{Material, Scene, Solid as SolidSpec};
-use crate::run::Setup;
 use crate::units::readable;
 use meniscus_elastic::{Elastic, settled_modes};
 use meniscus_sim::THINNEST;

@@ -1,8 +1,8 @@
 //! Gaps between solids that the grid does not resolve.
 
 use super::thin_liquid::Obstacles;
+use crate::build::Setup;
 use crate::file::{Scene, Warning};
-use crate::run::Setup;
 use meniscus_numerics::Vector;
 use meniscus_sim::Solid;
 use rayon::prelude::*;

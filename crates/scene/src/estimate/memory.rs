@@ -1,10 +1,10 @@
 //! The memory that a run takes, and what this machine has.
 
-use super::check::liquid_volume;
+use super::scales::liquid_volume;
 use crate::build::AnySetup;
+use crate::build::Setup;
 use crate::error::SceneError;
 use crate::file::Scene;
-use crate::run::Setup;
 use meniscus_elastic::Elastic;
 
 /// Bytes per cell of the domain: 25 fields of 8 bytes.

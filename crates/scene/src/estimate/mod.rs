@@ -6,5 +6,6 @@ pub mod deformable;
 mod gaps;
 pub mod memory;
 pub mod parameters;
+pub mod scales;
 pub(crate) mod stiffness;
 pub mod thin_liquid;

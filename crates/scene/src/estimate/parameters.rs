@@ -2,7 +2,7 @@
 //!
 //! They follow from the scene alone and cost nothing; `check` tells more, but builds the solids for it.
 
-use super::check::{ball_radius, liquid_volume, smallest_radius, typical_speed};
+use super::scales::{ball_radius, liquid_volume, smallest_radius, typical_speed};
 use crate::file::{Elastic, Material, Scene, Solid, WALLS};
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,6 @@
 //! How stiff a solid that deforms is: its elastic waves, its bending, and whether a step can follow it.
 
-use super::check::longest_step;
+use super::scales::longest_step;
 use crate::error::SceneError;
 use crate::file::{Elastic, Material, Scene, ShapeSpec, Solid as SolidSpec};
 use meniscus_numerics::mesh::VolumeMesh;

@@ -6,7 +6,7 @@
 //! closer than that to where the ball fits. Of two neighbours at depths a and b, in cells, the middle of a film between them is
 //! (a + b + s) / 2 deep, where s is the slope of the depth along the axis.
 
-use crate::run::Setup;
+use crate::build::Setup;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Grid, Lattice};
 use meniscus_sim::{Simulation, Solid, SolidState};

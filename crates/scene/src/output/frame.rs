@@ -1,7 +1,7 @@
 //! A frame: the surfaces of the liquid and of the solids and the contact line as PLY files.
 
 use super::file::{self, FileError};
-use crate::run::three;
+use crate::job::three;
 use meniscus_elastic::Elastic;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, Sampler};

@@ -2,7 +2,7 @@
 
 use super::SolidMeasures;
 use super::file::FileError;
-use crate::run::three;
+use crate::job::three;
 use meniscus_sim::{ContactLine, Simulation, StepReport};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

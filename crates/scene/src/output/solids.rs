@@ -5,7 +5,7 @@
 //! Angles by a fit of the free surface are not among them: they take longer, and `meniscus measure` has them.
 
 use super::summary::deflection;
-use crate::run::three;
+use crate::job::three;
 use meniscus_numerics::Vector;
 use meniscus_sim::{ContactLine, Drop, LinePoint, Simulation};
 use rayon::prelude::*;

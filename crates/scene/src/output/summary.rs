@@ -2,7 +2,7 @@
 
 use super::file::{self, FileError};
 use crate::estimate::parameters::Parameter;
-use crate::run::{Job, Tally, ThinTally, three};
+use crate::job::{Job, Tally, ThinTally, three};
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::RigidMotion;
 use meniscus_sim::{ContactLine, Drop, Motion, Quantity, Repairs, Simulation, Solid, SolidState};

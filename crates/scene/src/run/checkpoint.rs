@@ -4,7 +4,7 @@
 //! little-endian `f64` in LZ4 blocks, checksum of all before it. Files are written beside and renamed; the last two
 //! are kept, so that a damaged one costs some steps and not the run.
 
-use super::Tally;
+use crate::job::Tally;
 use crate::output::file::{self, FileError};
 use meniscus_elastic::ElasticState;
 use meniscus_numerics::grid::Grid;

@@ -1,6 +1,5 @@
 //! What a run tells while it goes.
 
-use super::Remote;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -121,4 +120,12 @@ pub struct Silent;
 
 impl Observer for Silent {
     fn see(&mut self, _: &Event) {}
+}
+
+/// What an observer does from another thread while a step goes on.
+pub trait Remote: Send {
+    /// Told of an event.
+    fn see(&self, event: &Event);
+    /// The run is given up within a step; what is on the disk is that of the last checkpoint. Ends the process.
+    fn abandon(&self, reason: &str);
 }

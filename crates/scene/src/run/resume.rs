@@ -1,8 +1,12 @@
 //! Going on from a checkpoint.
 
+use super::RunError;
 use super::checkpoint::{self, CheckpointError};
+use super::event::{Event, Observer};
+use super::scene_text::identity_line;
 use super::session::Session;
-use super::{Event, Job, Observer, RunError, Setup};
+use crate::build::Setup;
+use crate::job::Job;
 use crate::output::series::Series;
 use crate::output::{FileError, Folder};
 use meniscus_sim::Simulation;
@@ -65,21 +69,4 @@ pub(super) fn check_identity(job: &Job, folder: &Folder) -> Result<(), RunError>
         return Ok(());
     }
     Err(RunError::OtherScene(folder.root().to_path_buf()))
-}
-
-const IDENTITY: &str = "# identity ";
-
-/// The scene file of the output: a comment with the identity, then the scene.
-pub(super) fn scene_text(job: &Job) -> String {
-    format!(
-        "# The scene as run by Meniscus {}: running it again gives this run.\n{IDENTITY}{:016x}\n\n{}",
-        env!("CARGO_PKG_VERSION"),
-        job.identity,
-        job.text
-    )
-}
-
-fn identity_line(text: &str) -> Option<u64> {
-    let line = text.lines().find_map(|line| line.strip_prefix(IDENTITY))?;
-    u64::from_str_radix(line.trim(), 16).ok()
 }

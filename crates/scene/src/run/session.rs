@@ -1,10 +1,13 @@
 //! One process at work on a run.
 
 use super::checkpoint;
-use super::resume::scene_text;
+use super::error::RunError;
+use super::event::{Event, Observer, Progress};
+use super::outcome::Outcome;
+use super::scene_text::scene_text;
 use super::watchdog::{Finish, Limits, Watchdog};
-use super::{Event, Job, Observer, Outcome, Progress, RunError, Stop, Tally};
 use crate::estimate::thin_liquid;
+use crate::job::{Job, Stop, Tally};
 use crate::output::log::Log;
 use crate::output::series::{self, Series};
 use crate::output::summary::{FINISHED, Summary};

@@ -1,20 +1,14 @@
 //! Watches a step from another thread: a step that takes long says what it does, and a request to stop that comes within a
 //! step leaves its reason in `summary.json`, whatever becomes of the step.
 
-use super::{Event, Stop};
+use super::event::Event;
+use crate::job::Stop;
 use crate::output::log::Log;
 use crate::output::summary::Summary;
+use crate::run::event::Remote;
 use std::path::Path;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
-
-/// What an observer does from another thread while a step goes on.
-pub trait Remote: Send {
-    /// Told of an event.
-    fn see(&self, event: &Event);
-    /// The run is given up within a step; what is on the disk is that of the last checkpoint. Ends the process.
-    fn abandon(&self, reason: &str);
-}
 
 /// When a step is long, and how long a request to stop waits for its end.
 #[derive(Clone, Copy, Debug)]
@@ -210,6 +204,7 @@ fn note(path: &Path, reason: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::run::event::Remote;
     use std::sync::Arc;
 
     #[derive(Clone, Default)]
