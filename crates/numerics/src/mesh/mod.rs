@@ -1,21 +1,18 @@
 //! Surfaces made of facets: their measures, their reading, their making from a level set.
 
-mod contour;
-mod dual_vertex;
-mod geodesic;
 pub mod icosphere;
-pub mod import;
+pub mod io;
 pub mod isosurface;
-pub mod ply;
+mod on_surface;
 mod remesh;
 mod shape_surface;
 pub mod surface;
 pub mod tree;
 pub mod volume;
 
-pub use contour::{Contour, ContourPoint};
-pub use geodesic::Geodesic;
+pub use io::{import, ply};
 pub use isosurface::{Isosurface, extract};
+pub use on_surface::{Contour, ContourPoint, Geodesic};
 pub use shape_surface::ShapeSurface;
 pub use surface::SurfaceMesh;
 pub use tree::FacetTree;

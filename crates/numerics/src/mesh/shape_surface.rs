@@ -1,6 +1,6 @@
 //! The surface of a solid as facets finer than the grid, from its signed distance.
 
-use super::isosurface::{self, LIQUID_AIR};
+use super::isosurface::LIQUID_AIR;
 use super::remesh::Remesh;
 use super::{Isosurface, SurfaceMesh};
 use crate::Vector;
@@ -39,7 +39,7 @@ impl<const D: usize> ShapeSurface<D> {
             *value = distance(&(low + grid.center(lattice.coordinates(i)).component_mul(&scale)));
         });
         let inside = Tiles::all(grid).negative_runs(&field.data);
-        let Isosurface { mut mesh, facet_kind: tags, .. } = isosurface::extract(&field, &inside);
+        let Isosurface { mut mesh, facet_kind: tags, .. } = crate::mesh::extract(&field, &inside);
         mesh.positions.iter_mut().for_each(|x| *x = low + x.component_mul(&scale));
         let mut fixed = vec![false; mesh.positions.len()];
         for (facet, _) in mesh.facets.iter().zip(&tags).filter(|(_, tag)| **tag != LIQUID_AIR) {

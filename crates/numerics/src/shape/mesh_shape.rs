@@ -1,6 +1,6 @@
 //! A shape bounded by a closed mesh.
 
-use crate::mesh::import::{self, ImportError};
+use crate::mesh::io::import::{self, ImportError};
 use crate::mesh::{FacetTree, SurfaceMesh};
 use crate::{Matrix, Vector};
 use rayon::prelude::*;

@@ -5,7 +5,6 @@
 
 use super::{MeshShape, Shape, unit};
 use crate::grid::{CellField, Grid, Tiles};
-use crate::mesh::isosurface;
 use crate::{Matrix, Vector};
 use std::f64::consts::PI;
 
@@ -123,7 +122,7 @@ impl<const D: usize> Shape<D> {
             *value = self.signed_distance(&(corner + grid.center(lattice.coordinates(i))));
         });
         let inside = Tiles::all(grid).negative_runs(&field.data);
-        let net = isosurface::extract(&field, &inside).mesh.positions;
+        let net = crate::mesh::extract(&field, &inside).mesh.positions;
         let onto = |x: Vector<D>| x - self.normal(&x, 1e-4 * edge) * self.signed_distance(&x);
         net.into_iter().map(|x| onto(onto(x + corner))).collect()
     }

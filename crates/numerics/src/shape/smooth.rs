@@ -84,7 +84,7 @@ impl<const D: usize> SmoothUnion<D> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::volume::{StuffingError, stuff};
+    use crate::mesh::volume::stuffing::{StuffingError, stuff};
 
     fn joined<const D: usize>() {
         let ball = |at: f64| Shape::Ball { center: Vector::<D>::repeat(at), radius: 0.2 };

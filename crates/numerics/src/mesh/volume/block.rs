@@ -4,7 +4,8 @@
 //! (H. W. Kuhn, "Some combinatorial lemmas in topology", IBM J. Res. Dev. 4 (1960)). Cells are as nearly cubes as the box allows.
 //! Of quadratic simplices there is one for every two cells along each axis.
 
-use super::{Order, Simplex, VolumeMesh};
+use super::quadratic::Order;
+use super::{Simplex, VolumeMesh};
 use crate::{Matrix, Vector};
 use thiserror::Error;
 

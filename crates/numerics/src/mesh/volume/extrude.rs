@@ -9,7 +9,8 @@
 use super::block::count;
 use super::outline::{Outline, OutlineError};
 use super::planar::Planar;
-use super::{Order, Simplex, VolumeMesh};
+use super::quadratic::Order;
+use super::{Simplex, VolumeMesh};
 use crate::shape::MeshShape;
 use crate::{Matrix, Vector};
 

@@ -1,8 +1,8 @@
 //! Triangulations of outlines, flat and extruded.
 
-use super::super::Order;
 use super::*;
 use crate::Matrix;
+use crate::mesh::volume::Order;
 use crate::shape::Shape;
 use std::f64::consts::PI;
 

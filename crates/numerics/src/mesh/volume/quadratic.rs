@@ -13,7 +13,6 @@
 //! `2^D` of each parent, those at the corners first, and the simplex at corner `i` has node `x_ij` as its vertex `j`: so the
 //! parents need no memory of their own ([`VolumeMesh::parents`]).
 
-use super::stuffing::{Distance, StuffingError, crossing, stuff};
 use super::{Simplex, VolumeMesh};
 use crate::mesh::surface::area_vector;
 use crate::{Matrix, Vector};
@@ -22,14 +21,10 @@ use crate::{Matrix, Vector};
 const MOST: usize = 10;
 /// How far a node goes to reach a surface, over the length of its edge. The map along a straight quadratic edge folds where its middle
 /// has moved by this much; across the edge it makes an arc of 127 degrees.
-const BULGE: f64 = 0.25;
+pub(super) const BULGE: f64 = 0.25;
 /// Least volume of a part, and least derivative of volume at a node, of a curved quadratic simplex over those of the straight one.
 /// They fall in proportion to how far nodes go: at half of the way to the fold, half is left.
 const LEAST: f64 = 0.5;
-
-/// Part of a volume that large quadratic simplices may lose of what linear ones have with the same vertices: that of a solid's mass
-/// and of its stiffness against being pulled.
-const LOST: f64 = 0.05;
 
 /// The order of the polynomials on the simplices of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -74,29 +69,6 @@ pub fn slopes<const D: usize>(b: &[f64]) -> Vec<Vector<D>> {
     (0..=D).map(corner).chain(edges::<D>().map(middle)).collect()
 }
 
-/// As [`stuff`], of simplices of an order, with vertices about `edge` (m) apart. Quadratic simplices are twice as large, unless that
-/// loses what is thin: then they are not, and vertices are nearer to each other.
-///
-/// # Errors
-/// As [`stuff`].
-pub fn stuff_of<const D: usize>(
-    order: Order,
-    distance: &Distance<D>,
-    lower: &Vector<D>,
-    upper: &Vector<D>,
-    edge: f64,
-) -> Result<VolumeMesh<D>, StuffingError> {
-    let linear = stuff(distance, lower, upper, edge)?;
-    if order == Order::Linear {
-        return Ok(linear);
-    }
-    let large = stuff(distance, lower, upper, 2.0 * edge).map(|mesh| mesh.divided_onto(distance));
-    match large {
-        Ok(mesh) if mesh.volume() >= (1.0 - LOST) * linear.volume() => Ok(mesh),
-        _ => Ok(linear.divided_onto(distance)),
-    }
-}
-
 impl<const D: usize> VolumeMesh<D> {
     /// Every simplex divided into `2^D` at the middles of its edges: a mesh of quadratic simplices. The vertices keep their numbers,
     /// the middles follow.
@@ -120,20 +92,6 @@ impl<const D: usize> VolumeMesh<D> {
             within(&node, &positions, &mut simplices);
         }
         Self { positions, simplices }
-    }
-
-    /// As [`divided`](Self::divided), with the nodes on the boundary's edges moved onto the surface of a signed distance (m), as far
-    /// as simplices stay well shaped.
-    pub fn divided_onto(&self, distance: &Distance<D>) -> Self {
-        let moved = |(edge, normal): ([u32; 2], Vector<D>)| {
-            let [a, b] = edge.map(|v| self.at(v));
-            let middle = (a + b) * 0.5;
-            let place = crossing(&middle, &(normal * (BULGE * (b - a).norm())), distance)?;
-            Some((edge, place - middle))
-        };
-        let shifts: Vec<([u32; 2], Vector<D>)> =
-            self.boundary_edges().into_iter().filter_map(moved).collect();
-        self.bent(&shifts)
     }
 
     /// As [`divided`](Self::divided), with the nodes on some edges shifted (m), as far as simplices stay well shaped. The edges have
@@ -170,12 +128,12 @@ impl<const D: usize> VolumeMesh<D> {
         parts.map(parent).collect()
     }
 
-    fn at(&self, v: u32) -> Vector<D> {
+    pub(super) fn at(&self, v: u32) -> Vector<D> {
         self.positions[v as usize]
     }
 
     /// The edges of the boundary, sorted, with the unit normal there.
-    fn boundary_edges(&self) -> Vec<([u32; 2], Vector<D>)> {
+    pub(super) fn boundary_edges(&self) -> Vec<([u32; 2], Vector<D>)> {
         let mut sides: Vec<([u32; 2], Vector<D>)> = Vec::new();
         for facet in self.boundary() {
             let across = area_vector(&facet.map(|v| self.at(v)));

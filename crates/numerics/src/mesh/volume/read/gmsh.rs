@@ -1,8 +1,8 @@
 //! Gmsh `.msh`, formats 2.2 and 4.1, text and binary (Gmsh reference manual, "File formats"). Elements of all physical
 //! groups are taken together.
 
+use super::raw::{Kind, Raw};
 use super::reader::{Fault, Reader};
-use super::{Kind, Raw};
 
 /// Vertices by their number in the file, sorted.
 type Numbers = Vec<(u64, u32)>;

@@ -1,6 +1,6 @@
 //! TetGen's `.node` and `.ele` files, and those of Triangle in 2D (H. Si, TetGen manual, 5.2; J. Shewchuk, Triangle).
 
-use super::Raw;
+use super::raw::Raw;
 use super::reader::{Fault, Reader};
 
 /// The vertices of a `.node` file, and the number of the first.

@@ -1,8 +1,8 @@
 //! VTK's legacy files with an unstructured grid, versions up to 5.1, text and binary (The VTK User's Guide, "Simple legacy
 //! formats"). Binary numbers have the highest byte first.
 
+use super::raw::{Kind, Raw};
 use super::reader::{Fault, Reader};
-use super::{Kind, Raw};
 
 /// Reads a file. Elements are numbered from 0.
 pub(super) fn read<const D: usize>(bytes: &[u8]) -> Result<Raw, Fault> {

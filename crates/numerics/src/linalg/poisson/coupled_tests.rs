@@ -1,5 +1,5 @@
 use super::coupled::{Column, Compliance};
-use super::pressure::PressureSolver;
+use super::solver::PressureSolver;
 use super::tests::{System, slab};
 use nalgebra::{DMatrix, DVector};
 use std::sync::OnceLock;

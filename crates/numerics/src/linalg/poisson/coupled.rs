@@ -7,10 +7,10 @@
 //! give way, as if the wall were porous (design, numerics §1): the caller adds that to the Dirichlet coefficients, and here it is taken
 //! off again.
 
-use super::operator::{LinearOperator, SolveError, SolveReport};
-use super::pressure::{PressureSolver, Unfinished};
+use super::solver::{PressureSolver, Unfinished};
 use super::wetted::{Schwarz, Wetted};
 use crate::grid::{CellField, Lattice};
+use crate::linalg::operator::{LinearOperator, SolveError, SolveReport};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock};

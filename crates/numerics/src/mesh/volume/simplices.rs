@@ -4,24 +4,7 @@
 //! signed distance is filled by isosurface stuffing ([`stuffing`]), files are read ([`read`]); [`quality`] measures and
 //! checks what came of it. Any of them may be of quadratic simplices, which [`quadratic`] divides into the mesh's linear ones.
 
-pub mod block;
-pub mod extrude;
-pub mod outline;
-pub mod planar;
-pub mod quadratic;
-pub mod quality;
-pub mod read;
-pub mod stuffing;
-
-pub use block::BlockError;
-pub use outline::{Outline, OutlineError};
-pub use planar::Planar;
-pub use quadratic::{Order, Parent};
-pub use quality::{MeshDefect, Quality, SimplexShape};
-pub use read::VolumeImportError;
-pub use stuffing::{StuffingError, stuff};
-
-use super::SurfaceMesh;
+use crate::mesh::SurfaceMesh;
 use crate::{Matrix, Vector};
 
 /// The vertices of a triangle (2D) or tetrahedron (3D) by number: one, and the others. Its volume is positive if

@@ -6,7 +6,7 @@
 //! \nabla\varphi / |\nabla\varphi|^2$ and is kept in the cube. In a padded cube (one at a wall) the
 //! coordinate across the wall is fixed in its plane.
 
-use super::isosurface::{CONTACT_LINE, LIQUID_AIR, LIQUID_SOLID};
+use super::{CONTACT_LINE, LIQUID_AIR, LIQUID_SOLID};
 use crate::Vector;
 use crate::grid::CellField;
 

@@ -11,7 +11,7 @@
 //!
 //! It asks for none of the bodies' solves. Limit: `S_ww` is dense; its factors take a third of the cube of the number of cells.
 
-use super::operator::{LinearOperator, Preconditioner};
+use crate::linalg::operator::{LinearOperator, Preconditioner};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::sync::Mutex;
 
@@ -66,6 +66,6 @@ impl<S: LinearOperator, M: Preconditioner> Preconditioner for Schwarz<'_, S, M> 
         self.system.apply(z, first);
         let last = wetted.solve(|e| r[e] - first[e]);
         entries.iter().zip(&last).for_each(|(e, v)| z[*e] = *v);
-        super::vectors::dot(r, z)
+        crate::linalg::vectors::dot(r, z)
     }
 }

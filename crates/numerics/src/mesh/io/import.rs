@@ -5,9 +5,9 @@
 //! thereby are dropped, a surface that is inside out is turned. A polyline's direction means nothing: its
 //! outermost loops are filled, loops within them are holes, and so on.
 
-use super::SurfaceMesh;
 use super::ply::{PlyError, PlyMesh};
 use crate::Vector;
+use crate::mesh::SurfaceMesh;
 use std::collections::HashMap;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -291,7 +291,7 @@ fn orient_loops<const D: usize>(mesh: &mut SurfaceMesh<D>) {
         }
     }
     loops.iter_mut().filter(|l| l.volume() < 0.0).for_each(SurfaceMesh::flip);
-    let trees: Vec<_> = loops.iter().map(super::tree::FacetTree::new).collect();
+    let trees: Vec<_> = loops.iter().map(crate::mesh::tree::FacetTree::new).collect();
     mesh.facets.clear();
     for (i, l) in loops.iter_mut().enumerate() {
         let c = l.corners(0);

@@ -4,150 +4,15 @@
 //! Elements of lower dimension (the sides of a Gmsh mesh) are passed over, vertices that no element has are dropped, and if
 //! all elements are inverted they are turned: then the file counts the other way around.
 
-mod gmsh;
-mod reader;
-mod tetgen;
-mod vtk;
-
-use super::{MeshDefect, Simplex, VolumeMesh};
+use super::reader::Fault;
 use crate::Vector;
-use reader::Fault;
-use std::io;
+use crate::mesh::volume::read::error::VolumeImportError;
+use crate::mesh::volume::read::raw::Raw;
+use crate::mesh::volume::{Simplex, VolumeMesh};
 use std::path::{Path, PathBuf};
-use thiserror::Error;
 
 /// Volume of an element over the power of its longest edge below which it is flat.
 const FLAT: f64 = 1e-9;
-
-/// Why a file cannot be used. Each message says how to mend the file.
-#[derive(Debug, Error)]
-pub enum VolumeImportError {
-    /// The file could not be read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
-    /// The name's ending is not that of a format read here.
-    #[error("{}: {found:?} is no volume mesh; use .msh (Gmsh), .node with .ele (TetGen, Triangle) or .vtk", path.display())]
-    Format {
-        /// The file.
-        path: PathBuf,
-        /// The ending found.
-        found: String,
-    },
-    /// The file is not what its name says.
-    #[error("{}, {place}: {what}; export the mesh again (Gmsh: 4.1 or 2.2, VTK: legacy)", path.display())]
-    Content {
-        /// The file.
-        path: PathBuf,
-        /// The line, or the byte of a binary part.
-        place: String,
-        /// What is wrong.
-        what: String,
-    },
-    /// There is nothing in it.
-    #[error("{}: holds no {element}; a {dimension}D solid needs them", path.display())]
-    Empty {
-        /// The file.
-        path: PathBuf,
-        /// What is missing: triangles or tetrahedra.
-        element: &'static str,
-        /// Dimension asked for.
-        dimension: usize,
-    },
-    /// An element is not one that is read here.
-    #[error("{}: element {element} is {what}; mesh with {wanted} of first order", path.display())]
-    Element {
-        /// The file.
-        path: PathBuf,
-        /// Its number in the file.
-        element: u64,
-        /// What it is.
-        what: String,
-        /// What is wanted: triangles or tetrahedra.
-        wanted: &'static str,
-    },
-    /// A vertex of an element does not exist, or is there twice.
-    #[error("{}: element {element} has a vertex that does not exist, or the same one twice; export again", path.display())]
-    Vertex {
-        /// The file.
-        path: PathBuf,
-        /// The element's number in the file.
-        element: u64,
-    },
-    /// A triangle of a 2D mesh does not lie in the plane z = 0.
-    #[error("{}: a vertex of element {element} has z = {z}; a mesh of a 2D scene lies in z = 0", path.display())]
-    NotPlanar {
-        /// The file.
-        path: PathBuf,
-        /// The element's number in the file.
-        element: u64,
-        /// The vertex' z.
-        z: f64,
-    },
-    /// Some elements are inverted, others not.
-    #[error(
-        "{}: {count} of {total} elements are inverted, the first is element {element} near {near:?}; \
-         mend the mesh (Gmsh: -optimize, or mesh again with another size)", path.display()
-    )]
-    Inverted {
-        /// The file.
-        path: PathBuf,
-        /// How many.
-        count: usize,
-        /// Of how many.
-        total: usize,
-        /// Number of the first in the file.
-        element: u64,
-        /// Its centre, m.
-        near: Vec<f64>,
-    },
-    /// Elements are flat.
-    #[error(
-        "{}: {count} elements have no volume, the first is element {element} near {near:?}; \
-         mend the mesh (Gmsh: -optimize, or mesh again with another size)", path.display()
-    )]
-    Flat {
-        /// The file.
-        path: PathBuf,
-        /// How many.
-        count: usize,
-        /// Number of the first in the file.
-        element: u64,
-        /// Its centre, m.
-        near: Vec<f64>,
-    },
-    /// The mesh as a whole cannot be used.
-    #[error("{}: {defect} (vertices by number without unused ones); mesh again", path.display())]
-    Defect {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        defect: MeshDefect,
-    },
-}
-
-/// What a file holds.
-#[derive(Default)]
-struct Raw {
-    /// Coordinates of the vertices.
-    points: Vec<[f64; 3]>,
-    /// Elements: number in the file, places of the vertices in `points`.
-    elements: Vec<(u64, Vec<u32>)>,
-}
-
-/// What is done with an element of a kind.
-enum Kind {
-    /// It is a simplex of the mesh's dimension.
-    Taken,
-    /// It has a lower dimension.
-    Passed,
-    /// It cannot be used; its name.
-    Refused(&'static str),
-}
 
 /// Reads a mesh, checked; positions in m. It may fall into parts that no facet joins.
 ///
@@ -159,12 +24,12 @@ pub fn load<const D: usize>(path: &Path) -> Result<VolumeMesh<D>, VolumeImportEr
         std::fs::read(path).map_err(|source| VolumeImportError::Read { path: path.into(), source })
     };
     let (read, at) = match ending.as_str() {
-        "msh" => (gmsh::read::<D>(&bytes(path)?), path.to_owned()),
-        "vtk" => (vtk::read::<D>(&bytes(path)?), path.to_owned()),
+        "msh" => (super::gmsh::read::<D>(&bytes(path)?), path.to_owned()),
+        "vtk" => (super::vtk::read::<D>(&bytes(path)?), path.to_owned()),
         "node" | "ele" => {
             let [nodes, elements] = ["node", "ele"].map(|e| path.with_extension(e));
-            match tetgen::nodes::<D>(&bytes(&nodes)?) {
-                Ok(read) => (tetgen::elements::<D>(&bytes(&elements)?, read), elements),
+            match super::tetgen::nodes::<D>(&bytes(&nodes)?) {
+                Ok(read) => (super::tetgen::elements::<D>(&bytes(&elements)?, read), elements),
                 Err(fault) => (Err(fault), nodes),
             }
         }
@@ -243,5 +108,5 @@ fn orient<const D: usize>(
 }
 
 #[cfg(test)]
-#[path = "read_tests.rs"]
+#[path = "load_tests.rs"]
 mod tests;

@@ -15,18 +15,12 @@
 //!
 //! Known limit: a cube has one vertex, so that two sheets of surface within one cube touch there.
 
-use super::SurfaceMesh;
 use super::dual_vertex::place;
 use crate::Vector;
 use crate::grid::{CellField, Run, Runs};
+use crate::mesh::SurfaceMesh;
+use crate::mesh::isosurface::{LIQUID_AIR, LIQUID_SOLID};
 use rayon::prelude::*;
-
-/// A vertex between liquid and air.
-pub const LIQUID_AIR: u8 = 0;
-/// A vertex or facet in the plane of a wall, wetted all around.
-pub const LIQUID_SOLID: u8 = 1;
-/// A vertex in the plane of a wall at the edge of the wetted part.
-pub const CONTACT_LINE: u8 = 2;
 
 /// Rows of cubes walked by one task.
 const ROWS: usize = 32;
@@ -372,5 +366,5 @@ impl<'a> Below<'a> {
 }
 
 #[cfg(test)]
-#[path = "isosurface_tests.rs"]
+#[path = "surface_nets_tests.rs"]
 mod tests;

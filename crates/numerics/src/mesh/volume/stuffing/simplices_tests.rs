@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::Matrix;
+use crate::mesh::volume::quadratic::Order;
 use crate::shape::{MeshShape, Shape};
 use std::sync::Arc;
 

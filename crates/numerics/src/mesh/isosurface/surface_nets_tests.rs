@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::grid::Grid;
+use crate::mesh::isosurface::CONTACT_LINE;
 use std::f64::consts::PI;
 
 /// The cells with `phi < 0`.

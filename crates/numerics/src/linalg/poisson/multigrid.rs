@@ -7,9 +7,10 @@
 //! V-cycle symmetric. The cycle runs in single precision.
 
 use super::layout::{Layout, ZEROS};
-use super::level::{Chunk, DIAGONAL, General, Kind, Pack, aggregate, build};
-use super::operator::Preconditioner;
+use super::level::Kind;
+use super::level::{Chunk, DIAGONAL, General, Pack, aggregate, build};
 use super::sweep::{Operands, over_chunks, over_chunks_pair, prolong, restrict, sweep};
+use crate::linalg::operator::Preconditioner;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
@@ -158,7 +159,7 @@ impl<const D: usize> Preconditioner for Hierarchy<D> {
             let sums = over_chunks(&self.levels[0].chunks, z, |chunk, z| {
                 let x = &x[chunk.entries.clone()];
                 z.iter_mut().zip(x).for_each(|(z, x)| *z = f64::from(*x) * self.scale);
-                super::vectors::dot_serial(z, &r[chunk.entries.clone()])
+                crate::linalg::vectors::dot_serial(z, &r[chunk.entries.clone()])
             });
             dot += sums.iter().sum::<f64>();
         }

@@ -11,8 +11,8 @@
 //! It starts from the segments of the contour, wherever they cross the triangles. In 2D the distance is that along the
 //! segments.
 
-use super::{Contour, SurfaceMesh};
 use crate::Vector;
+use crate::mesh::{Contour, SurfaceMesh};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::{PI, TAU};

@@ -15,11 +15,9 @@
 //! stencils, then those of which more is kept. Measured, in degrees: dihedral angles of 17 to 141 at plane surfaces however
 //! they lie, of 11 to 164 whatever the signs at the vertices (the article proves 10.7 to 164.8); in 2D angles of 16 to 139.
 
-use super::block::BlockError;
-use super::quadratic::stuff_of;
-use super::{MeshDefect, Order, Simplex, VolumeMesh};
 use crate::Vector;
-use crate::shape::Shape;
+use crate::mesh::volume::block::BlockError;
+use crate::mesh::volume::{MeshDefect, Simplex, VolumeMesh};
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -109,21 +107,6 @@ pub fn stuff<const D: usize>(
     let mesh = stuff_drawn(distance, lower, upper, edge, if D == 2 { DRAWN_2D } else { DRAWN_3D })?;
     mesh.check_pieces().map_err(|defect| StuffingError::Defect { edge, defect })?;
     Ok(mesh)
-}
-
-impl<const D: usize> VolumeMesh<D> {
-    /// A shape filled with simplices, vertices about `edge` (m) apart: a box as a lattice, anything else by [`stuff`]. Outlines
-    /// keep their corners when they are made with [`of_outline`](Self::of_outline).
-    ///
-    /// # Errors
-    /// As [`stuff`].
-    pub fn of_shape(shape: &Shape<D>, edge: f64, order: Order) -> Result<Self, StuffingError> {
-        if let Shape::Box { center, half_size, rotation } = shape {
-            return Ok(Self::of_box(center, half_size, rotation, edge, order)?);
-        }
-        let (lower, upper) = shape.bounds();
-        stuff_of(order, &|x| shape.signed_distance(x), &lower, &upper, edge)
-    }
 }
 
 /// As [`stuff`], with given shares of an edge within which vertices are drawn to crossings, and without a check.
@@ -472,5 +455,5 @@ fn root(f: &dyn Fn(f64) -> f64, [mut low_value, mut high_value]: [f64; 2]) -> f6
 }
 
 #[cfg(test)]
-#[path = "stuffing_tests.rs"]
+#[path = "simplices_tests.rs"]
 mod tests;

@@ -1,33 +1,19 @@
 //! The pressure solver: conjugate gradients with multigrid on the matrix-free `2D + 1`-point system.
 
 use super::connect::connected;
-use super::krylov::conjugate_gradient_in;
 use super::layout::{CELLS, LANES, Layout};
-use super::level::{Chunk, DIAGONAL, General, Kind, Site, build};
+use super::level::Kind;
+use super::level::{Chunk, DIAGONAL, General, Site, build};
 use super::multigrid::{Hierarchy, Level, coarsened};
-use super::operator::{LinearOperator, Preconditioner, SolveError, SolveReport};
 use super::sweep::{Operands, over_chunks_pair, sweep_span};
-use super::vectors;
-use crate::grid::{CellField, FaceField, Grid, Run, Runs};
+use crate::grid::{CellField, Grid, Run, Runs};
+use crate::linalg::krylov::conjugate_gradient_in;
+use crate::linalg::operator::{LinearOperator, Preconditioner, SolveError, SolveReport};
+use crate::linalg::poisson::PoissonInput;
+use crate::linalg::vectors;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
-
-/// The pressure system `(A x)_i = Σ c_f (x_i − x_j) + d_i x_i`; the sum runs over the faces `f` to unknown
-/// neighbours `j`.
-///
-/// The unit of the coefficients is the caller's; only their ratio to the right-hand side matters.
-#[derive(Clone, Copy, Debug)]
-pub struct PoissonInput<'a, const D: usize> {
-    /// The grid.
-    pub grid: Grid<D>,
-    /// The unknown cells, each run labelled with its connected component.
-    pub unknowns: &'a Runs,
-    /// `c_f ≥ 0`; read only on faces between two unknown cells.
-    pub coefficients: &'a FaceField<D>,
-    /// `d_i ≥ 0`: sum of the coefficients toward known values; read only on unknown cells.
-    pub dirichlet: &'a CellField<D>,
-}
 
 /// Whether a solve that did not reach the tolerance returns its last iterate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,6 @@
-use super::{
-    Jacobi, LinearOperator, PoissonInput, Preconditioner, PressureSolver, SolveError, conjugate_gradient,
-};
+use super::PoissonInput;
 use crate::grid::{CellField, FaceField, Grid, Run, Runs};
+use crate::linalg::{Jacobi, LinearOperator, Preconditioner, PressureSolver, SolveError, conjugate_gradient};
 use nalgebra::{DMatrix, DVector};
 
 /// A system with everything it needs.

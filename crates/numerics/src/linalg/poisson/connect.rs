@@ -1,6 +1,6 @@
 //! Components of the pressure system where faces without flux cut through the liquid.
 
-use super::pressure::PoissonInput;
+use super::PoissonInput;
 use crate::grid::{Run, Runs};
 
 /// The unknowns in components that are connected by positive coefficients; runs are split at faces without

@@ -3,8 +3,8 @@
 //! The contour of values that are linear on each facet (W. Lorensen and H. Cline, SIGGRAPH 1987, in one dimension less;
 //! paper, 4.3.1). On a closed surface it is made of closed loops.
 
-use super::SurfaceMesh;
 use crate::Vector;
+use crate::mesh::SurfaceMesh;
 
 /// A point of a contour.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,4 @@
+//! Files of surface meshes.
+
+pub mod import;
+pub mod ply;

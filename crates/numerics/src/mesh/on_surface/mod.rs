@@ -1,0 +1,7 @@
+//! Contours and distances on surface meshes.
+
+mod contour;
+mod geodesic;
+
+pub use contour::{Contour, ContourPoint};
+pub use geodesic::Geodesic;

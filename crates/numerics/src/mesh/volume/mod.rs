@@ -1,0 +1,24 @@
+//! Volumes made of simplices: triangles in 2D, tetrahedra in 3D.
+//!
+//! Boxes are lattices ([`block`]), flat outlines are triangulated and given a thickness ([`planar`], [`extrude`]), any
+//! signed distance is filled by isosurface stuffing ([`stuffing`]), files are read ([`read`]); [`quality`] measures and
+//! checks what came of it. Any of them may be of quadratic simplices, which [`quadratic`] divides into the mesh's linear ones.
+
+pub mod block;
+pub mod extrude;
+pub mod outline;
+pub mod planar;
+pub mod quadratic;
+pub mod quality;
+pub mod read;
+mod simplices;
+pub mod stuffing;
+
+pub use block::BlockError;
+pub use outline::{Outline, OutlineError};
+pub use planar::Planar;
+pub use quadratic::{Order, Parent};
+pub use quality::{MeshDefect, Quality, SimplexShape};
+pub use read::VolumeImportError;
+pub use simplices::{Simplex, VolumeMesh};
+pub use stuffing::{StuffingError, stuff};

@@ -1,0 +1,117 @@
+//! Why a file of a volume mesh cannot be used.
+
+use crate::mesh::volume::MeshDefect;
+use std::io;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Why a file cannot be used. Each message says how to mend the file.
+#[derive(Debug, Error)]
+pub enum VolumeImportError {
+    /// The file could not be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The name's ending is not that of a format read here.
+    #[error("{}: {found:?} is no volume mesh; use .msh (Gmsh), .node with .ele (TetGen, Triangle) or .vtk", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// The ending found.
+        found: String,
+    },
+    /// The file is not what its name says.
+    #[error("{}, {place}: {what}; export the mesh again (Gmsh: 4.1 or 2.2, VTK: legacy)", path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// The line, or the byte of a binary part.
+        place: String,
+        /// What is wrong.
+        what: String,
+    },
+    /// There is nothing in it.
+    #[error("{}: holds no {element}; a {dimension}D solid needs them", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+        /// What is missing: triangles or tetrahedra.
+        element: &'static str,
+        /// Dimension asked for.
+        dimension: usize,
+    },
+    /// An element is not one that is read here.
+    #[error("{}: element {element} is {what}; mesh with {wanted} of first order", path.display())]
+    Element {
+        /// The file.
+        path: PathBuf,
+        /// Its number in the file.
+        element: u64,
+        /// What it is.
+        what: String,
+        /// What is wanted: triangles or tetrahedra.
+        wanted: &'static str,
+    },
+    /// A vertex of an element does not exist, or is there twice.
+    #[error("{}: element {element} has a vertex that does not exist, or the same one twice; export again", path.display())]
+    Vertex {
+        /// The file.
+        path: PathBuf,
+        /// The element's number in the file.
+        element: u64,
+    },
+    /// A triangle of a 2D mesh does not lie in the plane z = 0.
+    #[error("{}: a vertex of element {element} has z = {z}; a mesh of a 2D scene lies in z = 0", path.display())]
+    NotPlanar {
+        /// The file.
+        path: PathBuf,
+        /// The element's number in the file.
+        element: u64,
+        /// The vertex' z.
+        z: f64,
+    },
+    /// Some elements are inverted, others not.
+    #[error(
+        "{}: {count} of {total} elements are inverted, the first is element {element} near {near:?}; \
+         mend the mesh (Gmsh: -optimize, or mesh again with another size)", path.display()
+    )]
+    Inverted {
+        /// The file.
+        path: PathBuf,
+        /// How many.
+        count: usize,
+        /// Of how many.
+        total: usize,
+        /// Number of the first in the file.
+        element: u64,
+        /// Its centre, m.
+        near: Vec<f64>,
+    },
+    /// Elements are flat.
+    #[error(
+        "{}: {count} elements have no volume, the first is element {element} near {near:?}; \
+         mend the mesh (Gmsh: -optimize, or mesh again with another size)", path.display()
+    )]
+    Flat {
+        /// The file.
+        path: PathBuf,
+        /// How many.
+        count: usize,
+        /// Number of the first in the file.
+        element: u64,
+        /// Its centre, m.
+        near: Vec<f64>,
+    },
+    /// The mesh as a whole cannot be used.
+    #[error("{}: {defect} (vertices by number without unused ones); mesh again", path.display())]
+    Defect {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        defect: MeshDefect,
+    },
+}

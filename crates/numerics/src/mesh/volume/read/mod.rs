@@ -1,0 +1,12 @@
+//! Reading volume meshes from files.
+
+mod error;
+mod gmsh;
+mod load;
+mod raw;
+mod reader;
+mod tetgen;
+mod vtk;
+
+pub use error::VolumeImportError;
+pub use load::load;
