@@ -4,6 +4,40 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::time::Duration;
 
+/// What `meniscus measure --help` tells of the columns.
+pub const COLUMNS: &str = "\
+Columns (docs/measure.md tells more, and the keys of --json):
+  drop           number, the largest first; those under 8 cells are only counted
+  on             the solid, or the side of the domain, that the drop touches
+  angle, fit     contact angle through the liquid, as a goniometer sees it: of a
+                 circle or ellipse (3D: sphere, spheroid) fitted to the surface
+                 away from the line; ± its uncertainty
+  residual       root mean square distance of the surface from the fit, in cells
+  angle at line  mean ± standard deviation (least to largest) of the angles
+                 stored along the contact line; they follow the surface within
+                 4.5 cells of the solid, and swing more than the fit
+  left, right    2D: the angle at the outermost points of the line, and where
+  base radius    mean distance of the line from its middle
+  height         largest distance of the drop from the solid
+  wetted area    2D: a length, per metre of depth
+  force          of the liquid in the last step (2D: per metre of depth); its
+                 parts by pressure and at the line
+  centre, depth  in tanks: height of the solid's middle over the undisturbed
+                 surface, and depth of its lowest point below it
+  touched        when liquid touched the solid, in any frame
+  deflection     largest and mean way of the surface from where it was at rest,
+                 less the rigid motion of a free solid
+  displacement   largest way, rigid motion included
+  tip            where the part farthest from what is held is, and its way
+  slopes, fold   of a plate's middle line: angles at its ends to its axis at
+                 rest, and by how much it turns between them
+  curvature      the largest of the middle line, with its sign
+  wetted         share of the solid's surface
+  ridge          height of the crest along the line over the surface 4.5 cells
+                 away; none where the surface is not highest at the line (the
+                 solid bends), or the line is at an edge
+The last table has means over --window: each step counts by its length.";
+
 const AFTER: &str = "\
 Exit status: 0 done, 1 internal error, 2 wrong usage, 3 scene invalid, 4 input or output failed, \
 5 the solver could not go on, 6 an expectation or verification missed, 75 stopped on request (resumable).
@@ -176,7 +210,7 @@ pub struct CheckArgs {
 
 /// `meniscus measure`.
 #[derive(Debug, Args)]
-#[command(after_help = crate::commands::measure::COLUMNS)]
+#[command(after_help = COLUMNS)]
 pub struct MeasureArgs {
     /// The output folder.
     pub dir: PathBuf,

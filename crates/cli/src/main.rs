@@ -7,10 +7,10 @@ mod progress;
 mod scenes;
 mod stop;
 
-use args::{Cli, Command, LogFormat};
+use crate::args::{Cli, Command, LogFormat};
+use crate::failure::{Failure, Result};
 use clap::Parser;
 use clap::error::ErrorKind;
-use failure::{Failure, Result};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {

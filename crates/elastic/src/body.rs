@@ -1,23 +1,13 @@
 //! What a deformable solid is while it moves.
 
-use crate::describe::material;
 use crate::linalg::{BlockMatrix, Pattern, Solver};
 use crate::term::Weights;
 use crate::term::continuum::Continuum;
 use crate::term::crushed::Crushed;
-use crate::term::points::mean_square_edge;
-use crate::{
-    Anchor, ConservingTerm, Corotated, Description, ElasticError, ElasticState, ForceTerm, Lame, Law, Motion,
-    NeoHookean, Order, Springs, settled_modes,
-};
+use crate::{Anchor, ConservingTerm, ElasticState, ForceTerm};
 use meniscus_numerics::Vector;
-use meniscus_numerics::mesh::{Simplex, VolumeMesh};
+use meniscus_numerics::mesh::VolumeMesh;
 use std::sync::Arc;
-
-/// Volume of an element over that of a regular one with its longest edge, below which it is refused.
-const FLAT: f64 = 1e-3;
-/// Change of the lowest frequency's square, as a part of it, at which the damping takes it.
-const SETTLED: f64 = 1e-3;
 
 /// A deformable solid: all that does not change while it moves.
 ///
@@ -32,7 +22,7 @@ pub struct Elastic<const D: usize> {
     pub(crate) anchors: Vec<Anchor<D>>,
     pub(crate) held: Vec<bool>,
     pub(crate) damping_time: f64,
-    young: f64,
+    pub(crate) young: f64,
     pub(crate) solver: Solver,
     pub(crate) pattern: Arc<Pattern>,
     /// What keeps its elements upright.
@@ -40,54 +30,6 @@ pub struct Elastic<const D: usize> {
 }
 
 impl<const D: usize> Elastic<D> {
-    /// A solid as described.
-    ///
-    /// # Errors
-    /// Where the description is of no solid: see [`ElasticError`].
-    pub fn new(description: Description<D>) -> Result<Self, ElasticError> {
-        Self::with_terms(description, Vec::new())
-    }
-
-    /// A solid as described, with more terms.
-    ///
-    /// # Errors
-    /// Where the description is of no solid: see [`ElasticError`].
-    pub fn with_terms(
-        description: Description<D>,
-        more: Vec<Box<dyn ConservingTerm<D>>>,
-    ) -> Result<Self, ElasticError> {
-        let Description { mesh, density, law, damping_ratio, anchors } = description;
-        material("the density", density, density > 0.0, "more than 0 kg/m³")?;
-        material("the damping ratio", damping_ratio, damping_ratio >= 0.0, "0 (none) or more")?;
-        law.check()?;
-        let masses = masses(&mesh, density)?;
-        let held = held(&mesh, &anchors)?;
-        let mut terms = terms(&mesh, law)?;
-        terms.extend(more);
-        let pattern = Arc::new(Pattern::new(masses.len(), terms.iter().map(|t| t.couplings())));
-        let upright = upright(&mesh, law)?;
-        let young = young(&mesh, law);
-        let solver = Solver::new(&mesh.positions, &pattern, &held)
-            .ok_or(ElasticError::TooLarge { vertices: masses.len() })?;
-        let mut body = Self {
-            rest: mesh,
-            masses,
-            terms,
-            anchors,
-            held,
-            damping_time: 0.0,
-            young,
-            solver,
-            pattern,
-            upright,
-        };
-        if damping_ratio > 0.0 {
-            let lowest = settled_modes(&body, 1, SETTLED)?;
-            body.damping_time = lowest.first().map_or(0.0, |mode| 2.0 * damping_ratio / mode.frequency);
-        }
-        Ok(body)
-    }
-
     /// The mesh at rest.
     pub fn mesh(&self) -> &VolumeMesh<D> {
         &self.rest
@@ -195,121 +137,4 @@ impl<const D: usize> Elastic<D> {
             anchor.vertices.iter().map(move |v| (*v as usize, ahead / step))
         })
     }
-}
-
-/// The terms of a law.
-fn terms<const D: usize>(
-    mesh: &VolumeMesh<D>,
-    law: Law,
-) -> Result<Vec<Box<dyn ConservingTerm<D>>>, ElasticError> {
-    Ok(match law {
-        Law::NeoHookean { young, poisson, order } => {
-            vec![Box::new(Continuum::new(mesh, NeoHookean, Lame::new(young, poisson), order)?)]
-        }
-        Law::Corotated { young, poisson, order } => {
-            vec![Box::new(Continuum::new(mesh, Corotated, Lame::new(young, poisson), order)?)]
-        }
-        Law::Springs { stiffness } => {
-            vec![Box::new(Springs::new(mesh, stiffness))]
-        }
-    })
-}
-
-/// Young's modulus of a law, Pa.
-fn young<const D: usize>(mesh: &VolumeMesh<D>, law: Law) -> f64 {
-    match law {
-        Law::NeoHookean { young, .. } | Law::Corotated { young, .. } => young,
-        Law::Springs { stiffness } => {
-            let edge = |s: &Simplex<D>| s.edges(&mesh.positions).column(0).norm();
-            stiffness / mesh.simplices.iter().map(edge).fold(0.0, f64::max).powi(D as i32 - 2)
-        }
-    }
-}
-
-/// What keeps elements upright: as stiff against being pressed as the law is, `λ + 2 μ`. Springs of `k` that meet in an element of a
-/// volume `V` have `k l²/V`, with the mean square of its edges.
-fn upright<const D: usize>(
-    mesh: &VolumeMesh<D>,
-    law: Law,
-) -> Result<Vec<Continuum<Crushed, D>>, ElasticError> {
-    let lame = |stiffness| Lame { lambda: stiffness, mu: 0.0 };
-    match law {
-        Law::NeoHookean { young, poisson, order } | Law::Corotated { young, poisson, order } => {
-            let Lame { lambda, mu } = Lame::new(young, poisson);
-            let lame = lame(lambda + 2.0 * mu);
-            let mut all = vec![Continuum::new(mesh, Crushed, lame, Order::Linear)?];
-            if order == Order::Quadratic {
-                all.push(Continuum::new(mesh, Crushed, lame, order)?);
-            }
-            Ok(all)
-        }
-        Law::Springs { stiffness } => {
-            let of = |s| lame(stiffness * mean_square_edge(mesh, s) / s.volume(&mesh.positions));
-            Ok(vec![Continuum::of_simplices(mesh, Crushed, mesh.simplices.iter().map(of).collect())])
-        }
-    }
-}
-
-/// The masses of a mesh's vertices, kg (2D: kg/m).
-fn masses<const D: usize>(mesh: &VolumeMesh<D>, density: f64) -> Result<Vec<f64>, ElasticError> {
-    let (positions, count) = (&mesh.positions, mesh.positions.len());
-    if mesh.simplices.is_empty() {
-        return Err(ElasticError::Empty);
-    }
-    if let Some(vertex) = positions.iter().position(|x| !x.iter().all(|c| c.is_finite())) {
-        return Err(ElasticError::NotAPlace { vertex });
-    }
-    let mut masses = vec![0.0; count];
-    for (element, simplex) in mesh.simplices.iter().enumerate() {
-        if let Some(vertex) = simplex.vertices().find(|v| *v as usize >= count) {
-            return Err(ElasticError::NoSuchVertex { element, vertex, count });
-        }
-        let at: Vec<Vector<D>> = simplex.vertices().map(|v| positions[v as usize]).collect();
-        let center = || (at.iter().sum::<Vector<D>>() / at.len() as f64).iter().copied().collect();
-        let volume = simplex.volume(positions);
-        let longest = at.iter().flat_map(|a| at.iter().map(move |b| (a - b).norm())).fold(0.0, f64::max);
-        let quality =
-            volume / (longest.powi(D as i32) * if D == 2 { 3f64.sqrt() / 4.0 } else { 2f64.sqrt() / 12.0 });
-        if quality < -FLAT {
-            return Err(ElasticError::Inverted { element, center: center(), volume });
-        }
-        if quality.is_nan() || quality < FLAT {
-            return Err(ElasticError::Flat { element, center: center(), quality });
-        }
-        simplex.vertices().for_each(|v| masses[v as usize] += density * volume / (D + 1) as f64);
-    }
-    match masses.iter().position(|m| *m == 0.0) {
-        Some(vertex) => {
-            Err(ElasticError::LooseVertex { vertex, place: positions[vertex].iter().copied().collect() })
-        }
-        None => Ok(masses),
-    }
-}
-
-/// Which vertices are held.
-fn held<const D: usize>(mesh: &VolumeMesh<D>, anchors: &[Anchor<D>]) -> Result<Vec<bool>, ElasticError> {
-    let count = mesh.positions.len();
-    let mut by = vec![None; count];
-    for (anchor, held) in anchors.iter().enumerate() {
-        if held.vertices.is_empty() {
-            return Err(ElasticError::IdleAnchor { anchor });
-        }
-        if let Motion::Keyframes(keys) = &held.motion {
-            let rises = |k: usize| keys[k].0.is_finite() && (k == 0 || keys[k - 1].0 < keys[k].0);
-            if let Some(keyframe) = (0..keys.len()).find(|k| !rises(*k)) {
-                return Err(ElasticError::Keyframes { anchor, keyframe });
-            }
-        }
-        for vertex in held.vertices.iter().copied() {
-            match by.get_mut(vertex as usize) {
-                None => return Err(ElasticError::NoSuchAnchor { anchor, vertex, count }),
-                Some(Some(first)) if *first != anchor => {
-                    return Err(ElasticError::TwoAnchors { first: *first, second: anchor, vertex });
-                }
-                Some(holder) => *holder = Some(anchor),
-            }
-        }
-    }
-    let held: Vec<bool> = by.iter().map(Option::is_some).collect();
-    if held.iter().all(|h| *h) { Err(ElasticError::AllHeld) } else { Ok(held) }
 }

@@ -14,8 +14,8 @@
 //! `x`. Where `l = h/2` the step keeps the energy `½ vᵀ M v + Ψ(q)` of the law and both momenta (energy–momentum method, J. Simo & N. Tarnow
 //! 1992); a longer `l` loses `(l/h − ½) wᵀ M w`.
 
-use crate::extra::add_extra;
 use crate::term::ForceTerm;
+use crate::term::extra::add_extra;
 use crate::{BlockMatrix, Elastic, ElasticState, StiffnessBlock, Weights};
 use meniscus_numerics::{Vector, par};
 

@@ -19,9 +19,9 @@
 //! meets the body meets the mesh.
 
 mod body;
+mod construct;
 mod describe;
 mod error;
-mod extra;
 mod incremental;
 mod ledger;
 mod linalg;
@@ -33,7 +33,6 @@ mod term;
 pub use body::Elastic;
 pub use describe::{Anchor, Description, Law, Motion};
 pub use error::ElasticError;
-pub use extra::StiffnessBlock;
 pub use incremental::Incremental;
 pub use linalg::{Assembly, BlockMatrix, Cliques, Reach, Solution, Structure};
 pub use meniscus_numerics::mesh::volume::Order;
@@ -44,6 +43,7 @@ pub use term::continuum::Continuum;
 pub use term::corotated::Corotated;
 pub use term::crushed::{CRUSHED, Crushed};
 pub use term::density::{Density, Lame, Principal};
+pub use term::extra::StiffnessBlock;
 pub use term::neo_hookean::NeoHookean;
 pub use term::springs::Springs;
 pub use term::tension::SurfaceTension;

@@ -10,12 +10,12 @@ mod page;
 mod render;
 mod shade;
 
-pub use error::{Result, ViewError};
-pub use folder::{Frame, RunFolder};
-pub use measure::{
+pub use crate::error::{Result, ViewError};
+pub use crate::folder::{Frame, RunFolder};
+pub use crate::measure::{
     AngleAt, ContactMeasure, DropMeasure, FitShape, FittedAngle, Floating, Forces, LocalAngle, Mean,
     MeasureOptions, Measurement, Ridge, SoftMeasure, SolidMeasure, Strip, Touch, Window, measure,
 };
-pub use page::{PageOptions, PageReport, make_page, write_page};
-pub use render::{Camera, Image, RenderOptions, Rendered, Renderer, Set, Style, render};
-pub use shade::Shade;
+pub use crate::page::{PageOptions, PageReport, make_page, write_page};
+pub use crate::render::{Camera, Image, RenderOptions, Rendered, Renderer, Set, Style, render};
+pub use crate::shade::Shade;

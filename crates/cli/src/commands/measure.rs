@@ -13,40 +13,6 @@ use std::fmt::Write as _;
 /// What stands where there is no value.
 const NONE: &str = "–";
 
-/// What `meniscus measure --help` tells of the columns.
-pub const COLUMNS: &str = "\
-Columns (docs/measure.md tells more, and the keys of --json):
-  drop           number, the largest first; those under 8 cells are only counted
-  on             the solid, or the side of the domain, that the drop touches
-  angle, fit     contact angle through the liquid, as a goniometer sees it: of a
-                 circle or ellipse (3D: sphere, spheroid) fitted to the surface
-                 away from the line; ± its uncertainty
-  residual       root mean square distance of the surface from the fit, in cells
-  angle at line  mean ± standard deviation (least to largest) of the angles
-                 stored along the contact line; they follow the surface within
-                 4.5 cells of the solid, and swing more than the fit
-  left, right    2D: the angle at the outermost points of the line, and where
-  base radius    mean distance of the line from its middle
-  height         largest distance of the drop from the solid
-  wetted area    2D: a length, per metre of depth
-  force          of the liquid in the last step (2D: per metre of depth); its
-                 parts by pressure and at the line
-  centre, depth  in tanks: height of the solid's middle over the undisturbed
-                 surface, and depth of its lowest point below it
-  touched        when liquid touched the solid, in any frame
-  deflection     largest and mean way of the surface from where it was at rest,
-                 less the rigid motion of a free solid
-  displacement   largest way, rigid motion included
-  tip            where the part farthest from what is held is, and its way
-  slopes, fold   of a plate's middle line: angles at its ends to its axis at
-                 rest, and by how much it turns between them
-  curvature      the largest of the middle line, with its sign
-  wetted         share of the solid's surface
-  ridge          height of the crest along the line over the surface 4.5 cells
-                 away; none where the surface is not highest at the line (the
-                 solid bends), or the line is at an edge
-The last table has means over --window: each step counts by its length.";
-
 /// Measures a stored frame and prints a table or JSON.
 pub fn measure(args: &MeasureArgs) -> Result {
     let at = args.at.as_deref().map(|text| time("--at", text)).transpose()?;

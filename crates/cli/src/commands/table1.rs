@@ -1,7 +1,7 @@
 //! `meniscus bench table1`: the paper's Table 1 with ours beside it.
 
-use super::bench::{StepBench, step};
 use super::print;
+use super::step_bench::{StepBench, step};
 use crate::failure::Result;
 use meniscus_scene::builtin;
 use meniscus_scene::estimate::memory;

@@ -1,7 +1,7 @@
 //! Energy densities of isotropic solids as functions of the deformation gradient.
 
+use super::Weights;
 use crate::linalg::{Svd, eigen, pairs, svd};
-use crate::term::Weights;
 use meniscus_numerics::{Matrix, Vector};
 use std::fmt::Debug;
 

@@ -5,6 +5,7 @@ pub mod continuum;
 pub mod corotated;
 pub mod crushed;
 pub mod density;
+pub mod extra;
 mod logarithm;
 pub mod neo_hookean;
 pub mod points;

@@ -7,6 +7,7 @@ mod extrapolate;
 mod field;
 mod interpolate;
 mod runs;
+mod segment;
 mod tiles;
 
 pub use band::Band;
@@ -15,7 +16,8 @@ pub use extrapolate::KnownFaces;
 pub use field::{CellField, FaceField};
 pub use interpolate::{Edge, Sampler};
 pub use runs::{Run, Runs};
-pub use tiles::{Segment, TILE, Tiles};
+pub use segment::Segment;
+pub use tiles::{TILE, Tiles};
 
 use crate::Vector;
 

@@ -4,6 +4,7 @@
 //! neighbourhood, so that cost follows the liquid and not the box around it.
 
 use super::{Grid, Lattice, Run, Runs};
+use crate::grid::Segment;
 use rayon::prelude::*;
 
 /// Cells along the side of a tile.
@@ -15,17 +16,6 @@ pub struct Tiles<const D: usize> {
     grid: Grid<D>,
     lattice: Lattice<D>,
     active: Vec<bool>,
-}
-
-/// Part of a row: cells `start..end` of row `row`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Segment {
-    /// Row number.
-    pub row: usize,
-    /// First cell of the row.
-    pub start: usize,
-    /// One past the last.
-    pub end: usize,
 }
 
 impl<const D: usize> Tiles<D> {

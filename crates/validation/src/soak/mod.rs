@@ -1,31 +1,21 @@
 //! The soak: random small scenes under invariants.
 //!
-//! A case is a scene that a seed and a number name (`draw.rs`), a scene file like any other, and is run as `meniscus run` would,
-//! in a process of its own, step by step under the invariants of [`invariants`]. What breaks one is written with the
+//! A case is a scene that a seed and a number name (`draw/`), a scene file like any other, and is run as `meniscus run` would,
+//! in a process of its own, step by step under the invariants of [`judge::invariants`]. What breaks one is written with the
 //! checkpoint before it.
 
-mod books;
 mod clock;
 mod draw;
-mod drops;
-mod energy;
-mod evidence;
-mod image;
-pub mod invariants;
+pub mod judge;
 pub mod parent;
-mod random;
-mod refuse;
-mod repeat;
 pub mod report;
+pub mod rerun;
 mod run;
-mod shapes;
-pub mod shrink;
-mod solids;
 #[cfg(test)]
 mod tests;
-mod world;
+mod walk;
 
-pub use energy::EnergySteps;
+pub use judge::energy::EnergySteps;
 pub use run::run;
 
 use meniscus_scene::file::{Material, Scene};
@@ -168,7 +158,7 @@ pub struct EnergyLaw {
 impl EnergyLaw {
     /// The largest rise with what it is made of, in words.
     pub fn words(&self) -> String {
-        let terms: Vec<String> = energy::TERMS
+        let terms: Vec<String> = judge::energy::TERMS
             .iter()
             .zip(self.terms)
             .map(|(name, change)| format!("{name} {change:+.2e}"))

@@ -1,6 +1,6 @@
 //! Runs every case in a process of its own, so that what hangs, panics or takes all memory ends that case only.
 
-use super::invariants::{BUDGET, DROP_BUDGET, HANG};
+use super::judge::invariants::{BUDGET, DROP_BUDGET, HANG};
 use super::{Outcome, Set, Violation, Wish, clock};
 use meniscus_scene::file::{LoadOptions, Scene};
 use std::io::{BufRead, BufReader};
@@ -130,7 +130,7 @@ impl Launch {
     ) -> Result<Outcome, String> {
         let scene = Scene::from_text("drawn.toml", text, Path::new(""), &LoadOptions::default());
         let scene = scene.map_err(|e| format!("case {case}: {words}; its scene: {e}"))?;
-        super::evidence::write_scene(&self.out, &scene.name, text).map_err(|e| e.to_string())?;
+        super::rerun::evidence::write_scene(&self.out, &scene.name, text).map_err(|e| e.to_string())?;
         let mut outcome = Outcome::begun(&scene, case, Vec::new());
         outcome.violations.push(Violation::told(kind, 0, 0.0, words));
         Ok(outcome)

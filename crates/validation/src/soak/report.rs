@@ -1,6 +1,6 @@
 //! The results of a soak, as a table for people and JSON for machines.
 
-use super::invariants::ALL;
+use super::judge::invariants::ALL;
 use super::{Class, Outcome};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;

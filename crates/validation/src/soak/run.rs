@@ -1,16 +1,20 @@
 //! Runs a case: step by step as `meniscus run` does, under the invariants, and guarded by a second thread that ends what hangs.
 
-use super::books::Books;
-use super::invariants::{BUDGET, DROP_BUDGET, DROP_STEPS, ENERGY_STEP, HANG, MEMORY, PAIR, SLOW, STEPS};
-use super::refuse::{Taken, taken};
-use super::repeat::{Waypoint, repeat};
-use super::{Outcome, Set, Subject, Violation, clock, evidence};
+use super::judge::books::Books;
+use super::judge::invariants::{
+    BUDGET, DROP_BUDGET, DROP_STEPS, ENERGY_STEP, HANG, MEMORY, PAIR, SLOW, STEPS,
+};
+use super::rerun::evidence;
+use super::rerun::refuse::{Taken, taken};
+use super::rerun::repeat::{Waypoint, repeat};
+use super::{Outcome, Set, Subject, Violation, clock};
+use crate::soak::walk::Walk;
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::estimate::check::check;
 use meniscus_scene::file::Scene;
 use meniscus_scene::output::summary::peak_memory;
-use meniscus_scene::run::{Schedule, Setup, Tally};
-use meniscus_sim::{Model, Simulation, State, StepError, StepReport};
+use meniscus_scene::run::{Setup, Tally};
+use meniscus_sim::{Model, State, StepError};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -18,47 +22,6 @@ use std::time::{Duration, Instant};
 
 /// Time between the looks of the guard.
 const LOOK: Duration = Duration::from_millis(100);
-
-/// A simulation that goes the steps of `meniscus run`.
-pub struct Walk<const D: usize> {
-    /// The simulation.
-    pub simulation: Simulation<D>,
-    schedule: Schedule,
-    /// The frame to which it is on its way.
-    pub frame: u64,
-}
-
-impl<const D: usize> Walk<D> {
-    /// From the start.
-    pub fn start(setup: &Setup<D>, scene: &Scene) -> Self {
-        Self::from(setup.simulation(), scene, 1)
-    }
-
-    /// From anywhere, on the way to a frame.
-    pub fn from(simulation: Simulation<D>, scene: &Scene, frame: u64) -> Self {
-        let schedule = Schedule::new(scene.output.frame_interval, scene.output.duration);
-        Self { simulation, schedule, frame }
-    }
-
-    /// One step.
-    pub fn step(&mut self) -> Result<StepReport<D>, StepError> {
-        let now = self.simulation.state.time;
-        let fixed = self.simulation.model.numerics.fixed_step.is_some();
-        let longest = if fixed { f64::INFINITY } else { self.schedule.longest_step(now, self.frame) };
-        let report = self.simulation.step(longest, &mut |_| ())?;
-        if self.schedule.meets(self.simulation.state.time, self.frame) {
-            self.simulation.state.time = self.schedule.time(self.frame);
-        }
-        if self.schedule.reaches(self.simulation.state.time, self.frame) {
-            self.frame += 1;
-        }
-        Ok(report)
-    }
-
-    fn is_over(&self) -> bool {
-        self.frame > self.schedule.last_frame()
-    }
-}
 
 /// What the worker and its guard share.
 struct Record<const D: usize> {
@@ -111,7 +74,7 @@ fn repeat_for(subject: &Subject) -> Option<&'static str> {
     if wish.set != Set::Random {
         return None;
     }
-    let mut random = super::random::Random::of(&[wish.seed, *case, u64::MAX]);
+    let mut random = super::draw::random::Random::of(&[wish.seed, *case, u64::MAX]);
     let kinds = [None, Some("threads"), Some("resume"), Some("mirror"), Some("shift")];
     kinds[random.weighed(&[0.5, 0.13, 0.13, 0.12, 0.12])]
 }

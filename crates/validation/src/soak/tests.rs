@@ -1,9 +1,9 @@
-use super::books::Books;
-use super::image::Image;
-use super::random::Random;
-use super::refuse::taken;
-use super::run::Walk;
-use super::{Class, Set, Subject, Wish, draw, drops};
+use super::draw::random::Random;
+use super::judge::books::Books;
+use super::rerun::image::Image;
+use super::rerun::refuse::taken;
+use super::{Class, Set, Subject, Wish};
+use crate::soak::walk::Walk;
 use meniscus_scene::build::setup;
 use meniscus_scene::file::{LoadOptions, Scene};
 use meniscus_sim::StepReport;
@@ -53,8 +53,11 @@ fn books() -> (Books<2>, Walk<2>, StepReport<2>) {
 
 #[test]
 fn the_same_numbers_give_the_same_scene() {
-    let (one, other) = (draw::scene(&wish(None), 3, 0), draw::scene(&wish(None), 3, 1));
-    assert_eq!(one, draw::scene(&wish(None), 3, 0));
+    let (one, other) = (
+        crate::soak::draw::scene::scene(&wish(None), 3, 0),
+        crate::soak::draw::scene::scene(&wish(None), 3, 1),
+    );
+    assert_eq!(one, crate::soak::draw::scene::scene(&wish(None), 3, 0));
     assert_ne!(one, other);
     let mut random = Random::of(&[1, 2]);
     let mean = (0..10_000).map(|_| random.unit()).sum::<f64>() / 1e4;
@@ -77,14 +80,17 @@ fn the_drop_test_runs_and_covers_its_factors() {
     for (dimension, cases) in [(2, 24), (3, 12)] {
         let wish = Wish { set: Set::Drops, dimension: Some(dimension), ..wish(None) };
         for case in 0..cases {
-            assert_eq!(drops::scene(&wish, case), drops::scene(&wish, case));
+            assert_eq!(
+                crate::soak::draw::drops::scene(&wish, case),
+                crate::soak::draw::drops::scene(&wish, case)
+            );
             let taken = taken(&Subject::Case(wish.clone(), case), &mut |_| ());
             let words = taken.as_ref().map_or_else(String::clone, |_| String::new());
             assert!(taken.is_ok(), "{dimension}D {case}: {words}");
         }
     }
     let young = |case| {
-        let text = drops::scene(&Wish { set: Set::Drops, ..wish(None) }, case);
+        let text = crate::soak::draw::drops::scene(&Wish { set: Set::Drops, ..wish(None) }, case);
         let words = text.split("young_modulus = \"").last().and_then(|rest| rest.split(' ').next());
         words.and_then(|word| word.parse::<f64>().ok()).unwrap()
     };

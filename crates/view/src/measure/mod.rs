@@ -9,11 +9,14 @@ mod contact;
 mod drops;
 mod fit;
 mod line;
+mod over;
 mod soft;
 mod solids;
 mod strip;
+mod surfaces;
 mod window;
 
+use crate::measure::over::{Over, kinds};
 use std::path::Path;
 
 use serde::Serialize;
@@ -138,12 +141,6 @@ pub fn measure(dir: &Path, options: &MeasureOptions) -> Result<Measurement> {
     }
 }
 
-/// The time series, and its window that ends with the frame.
-struct Over {
-    series: Series,
-    window: Option<Window>,
-}
-
 /// The frame nearest to a time, the last one without a time.
 fn frame_at(folder: &RunFolder, at: Option<f64>) -> Result<Frame> {
     let last = folder.frame(folder.numbers[folder.numbers.len() - 1])?;
@@ -193,12 +190,6 @@ fn frame_measure<const D: usize>(
         small_drops: all - drops.len(),
         drops: measured,
     })
-}
-
-/// For each vertex of the liquid 0 liquid–air, 1 liquid–solid, 2 contact line.
-fn kinds(frame: &Frame) -> Vec<u8> {
-    let kinds = frame.liquid.scalars.get("kind").map_or(&[][..], Vec::as_slice);
-    kinds.iter().map(|&k| k as u8).collect()
 }
 
 fn drop_measure<const D: usize>(

@@ -4,6 +4,7 @@
 //! All of it comes from the solid's surface in one frame, with the way that each vertex has come; of frames without that
 //! from the surface in the first frame, too: its vertices are the same.
 
+use crate::measure::surfaces::Surfaces;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use meniscus_numerics::fit::RigidMotion;
@@ -113,29 +114,6 @@ fn at_rest(now: &PlyMesh) -> Option<PlyMesh> {
         start.positions.iter_mut().zip(way).for_each(|(x, u)| x[a] -= u);
     }
     Some(start)
-}
-
-/// The surface of a solid at first and now.
-pub(super) struct Surfaces {
-    /// Vertices at first, m.
-    pub start: Vec<Vector<3>>,
-    /// Vertices now, m.
-    pub now: Vec<Vector<3>>,
-    /// Vertices now less the rigid motion, m; where something is held as they are.
-    pub bent: Vec<Vector<3>>,
-    /// Triangles; in 2D edges with the first vertex again.
-    pub facets: Vec<[u32; 3]>,
-    /// Area vector of each facet at first, outward, m² (2D: m).
-    pub areas: Vec<Vector<3>>,
-    /// Area that belongs to each vertex at first.
-    weights: Vec<f64>,
-    /// Vertices that are where they started, in the frame and in the last one. Empty where that is all of them: it does not tell
-    /// which are held.
-    held: Vec<bool>,
-    /// Largest extent at first, m.
-    pub size: f64,
-    /// Whether it lies in a plane.
-    pub flat: bool,
 }
 
 impl Surfaces {

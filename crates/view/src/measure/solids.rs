@@ -6,9 +6,9 @@ use serde::Serialize;
 
 use std::collections::BTreeMap;
 
-use super::Over;
 use super::body::Body;
 use super::drops::Drop;
+use super::over::{Over, kinds};
 use super::soft::{self, SoftMeasure};
 use super::window::{Mean, row_at};
 use crate::error::Result;
@@ -121,7 +121,7 @@ fn touched<const D: usize>(
     }
     let one = |&number: &u32| {
         let frame = folder.frame(number)?;
-        let kinds = super::kinds(&frame);
+        let kinds = kinds(&frame);
         let wet = || frame.liquid.positions.iter().zip(&kinds).filter(|(_, kind)| **kind > 0);
         let touched = solids.iter().map(|solid| {
             let mesh = frame.solids.get(&solid.name)?;

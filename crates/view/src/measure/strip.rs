@@ -6,7 +6,7 @@
 use meniscus_numerics::Vector;
 use serde::Serialize;
 
-use super::soft::Surfaces;
+use super::surfaces::Surfaces;
 
 /// Thickness over length of a plate, at most.
 const THIN: f64 = 0.3;

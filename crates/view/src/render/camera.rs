@@ -1,6 +1,6 @@
 //! The camera: where it stands and which ray belongs to a point of the picture.
 
-use super::bvh::Ray;
+use super::tracer::bvh::Ray;
 use crate::folder::{Bounds, V3};
 
 /// Where the camera stands, as seen from the middle of the picture.

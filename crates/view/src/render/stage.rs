@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::camera::View;
-use super::studio::Studio;
+use super::tracer::studio::Studio;
 use super::{RenderOptions, Set};
 use crate::error::Result;
 use crate::folder::{Bounds, Frame, RunFolder, V3};

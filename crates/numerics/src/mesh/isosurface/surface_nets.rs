@@ -30,7 +30,7 @@ const ROWS: usize = 32;
 pub struct Isosurface<const D: usize> {
     /// Vertices (m) and facets, outward.
     pub mesh: SurfaceMesh<D>,
-    /// For each vertex [`LIQUID_AIR`], [`LIQUID_SOLID`] or [`CONTACT_LINE`].
+    /// For each vertex [`LIQUID_AIR`], [`LIQUID_SOLID`] or [`super::CONTACT_LINE`].
     pub kind: Vec<u8>,
     /// For each facet [`LIQUID_AIR`] or [`LIQUID_SOLID`].
     pub facet_kind: Vec<u8>,

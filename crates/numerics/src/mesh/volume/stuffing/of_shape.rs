@@ -5,11 +5,11 @@ use crate::mesh::volume::quadratic::Order;
 use crate::mesh::volume::stuffing::{StuffingError, stuff_of};
 use crate::shape::Shape;
 impl<const D: usize> VolumeMesh<D> {
-    /// A shape filled with simplices, vertices about `edge` (m) apart: a box as a lattice, anything else by [`stuff`]. Outlines
+    /// A shape filled with simplices, vertices about `edge` (m) apart: a box as a lattice, anything else by [`super::stuff`]. Outlines
     /// keep their corners when they are made with [`of_outline`](Self::of_outline).
     ///
     /// # Errors
-    /// As [`stuff`].
+    /// As [`super::stuff`].
     pub fn of_shape(shape: &Shape<D>, edge: f64, order: Order) -> Result<Self, StuffingError> {
         if let Shape::Box { center, half_size, rotation } = shape {
             return Ok(Self::of_box(center, half_size, rotation, edge, order)?);

@@ -1,7 +1,7 @@
 //! The books of a run: what is compared with the invariants after every step.
 
 use super::invariants::{ENERGY, MOMENTUM, OVERLAP, SPEED, VOLUME, WITHIN};
-use super::{EnergyLaw, EnergySteps, Violation};
+use crate::soak::{EnergyLaw, EnergySteps, Violation};
 use meniscus_numerics::Vector;
 use meniscus_scene::file::Scene;
 use meniscus_sim::{Ledger, Model, Motion, Simulation, SolidState, State, StepReport, overlaps};

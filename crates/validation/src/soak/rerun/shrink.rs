@@ -1,8 +1,9 @@
 //! Makes a scene that breaks an invariant smaller, as long as it still breaks it.
 
-use super::parent::Launch;
+use super::evidence;
 use super::refuse::changed;
-use super::{Outcome, evidence};
+use crate::soak::Outcome;
+use crate::soak::parent::Launch;
 use meniscus_scene::file::{Scene, ShapeSpec, SolidTension, Wall};
 use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;

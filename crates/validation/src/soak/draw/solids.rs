@@ -1,9 +1,9 @@
 //! Solids of a drawn scene: what they are made of, where they are, how they move, and how liquid meets them.
 
-use super::Class;
 use super::random::Random;
 use super::shapes::{Place, Use};
 use super::world::{World, angle, length, lengths, list, numbers};
+use crate::soak::Class;
 use std::fmt::Write as _;
 
 /// Kinds of solids.

@@ -7,7 +7,7 @@ use super::random::Random;
 use super::shapes::{Place, Use};
 use super::solids::Solids;
 use super::world::{World, length, lengths, list, numbers};
-use super::{Class, Wish};
+use crate::soak::{Class, Wish};
 use std::fmt::Write as _;
 
 /// The text of a scene file, the same for the same wish, seed, case and attempt on every machine.

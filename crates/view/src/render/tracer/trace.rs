@@ -2,17 +2,17 @@
 
 use rayon::prelude::*;
 
-use super::Style;
 use super::bvh::Ray;
-use super::camera::corners;
 use super::geometry::Hit;
-use super::image::Canvas;
 use super::light::LightMap;
 use super::optics::Interface;
 use super::sampling::{cone, cosine, in_pixel, pixel_shift, r2, smoothstep};
 use super::scene::{NEAR, Scene, Thing};
 use super::studio::{KEY, KEY_SPREAD};
 use crate::folder::V3;
+use crate::render::Style;
+use crate::render::camera::corners;
+use crate::render::image::Canvas;
 use crate::shade::srgb;
 
 /// Branches of a path with less weight than this end in the surroundings.

@@ -13,7 +13,7 @@
 
 use super::random::Random;
 use super::world::{length, lengths, list};
-use super::{Set, Wish};
+use crate::soak::{Set, Wish};
 use std::fmt::Write as _;
 
 /// Strata of a factor, and cases of a round: 2D, 3D.

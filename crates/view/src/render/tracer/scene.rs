@@ -2,10 +2,10 @@
 
 use super::bvh::Ray;
 use super::geometry::{Hit, TriMesh, Tubes};
-use super::legend::Shading;
-use super::stage::Stage;
-use super::{RenderOptions, Style};
 use crate::folder::{Bounds, Frame, V3};
+use crate::render::legend::Shading;
+use crate::render::stage::Stage;
+use crate::render::{RenderOptions, Style};
 use crate::shade::{Shade, srgb};
 use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_numerics::mesh::{FacetTree, SurfaceMesh};

@@ -1,6 +1,6 @@
 //! Drawing until the program takes the scene: what it refuses is drawn again.
 
-use super::{Set, Subject, draw, drops};
+use crate::soak::{Set, Subject};
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::error::SceneError;
 use meniscus_scene::file::{LoadOptions, Scene, runnable};
@@ -39,8 +39,8 @@ pub fn taken(subject: &Subject, tell: &mut dyn FnMut(&str)) -> Result<Taken, Str
         Subject::Case(wish, case) => {
             for attempt in 0..ATTEMPTS {
                 let text = match wish.set {
-                    Set::Random => draw::scene(wish, *case, attempt),
-                    Set::Drops => drops::scene(wish, *case),
+                    Set::Random => crate::soak::draw::scene::scene(wish, *case, attempt),
+                    Set::Drops => crate::soak::draw::drops::scene(wish, *case),
                 };
                 tell(&text);
                 match taken_from(&text, Path::new("")) {

@@ -1,11 +1,11 @@
 //! Runs a case again in another way that must give the same: on two threads, from a checkpoint, mirrored, shifted.
 
-use super::Violation;
 use super::evidence::there_and_back;
 use super::image::Image;
-use super::invariants::{MIRRORED, PAIR, SHIFTED};
 use super::refuse::changed;
-use super::run::Walk;
+use crate::soak::Violation;
+use crate::soak::judge::invariants::{MIRRORED, PAIR, SHIFTED};
+use crate::soak::walk::Walk;
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::file::Scene;
 use meniscus_scene::run::Setup;

@@ -12,8 +12,8 @@
 //! of gravity. For solids it is exact. The surface's and gravity's are between two times, with an error of second order in the step for
 //! liquid. Liquid and rigid solids have no energy but `T`, `B`, `S` and `P`.
 
-use super::EnergyLaw;
 use super::invariants::ENERGY_STEP;
+use crate::soak::EnergyLaw;
 use meniscus_sim::{Barriers, Ledger, Model, Simulation, Solid, SolidState, State, solids_after};
 
 /// Kinds of energy, in the order of [`EnergyLaw::terms`].

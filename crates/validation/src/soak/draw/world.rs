@@ -1,7 +1,7 @@
 //! The frame of a drawn scene: domain, liquid, gravity, step and duration, and what room is left in it.
 
-use super::Wish;
 use super::random::Random;
+use crate::soak::Wish;
 use std::fmt::Write as _;
 
 /// Standard gravity, m/s².

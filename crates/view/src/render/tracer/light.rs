@@ -3,13 +3,13 @@
 
 use rayon::prelude::*;
 
-use super::Style;
 use super::bvh::Ray;
 use super::optics::Interface;
 use super::sampling::{cone, cosine, frame, hash, r2, smoothstep};
 use super::scene::{Scene, Thing};
 use super::studio::KEY_SPREAD;
 use crate::folder::{Bounds, V3};
+use crate::render::Style;
 
 /// Texels along each side of the map.
 const SIDE: usize = 240;
@@ -197,7 +197,7 @@ fn region(scene: &Scene) -> Bounds {
         if bounds.is_empty() {
             continue;
         }
-        for corner in super::camera::corners(bounds) {
+        for corner in crate::render::camera::corners(bounds) {
             all.add(V3::new(corner.x, corner.y, 0.0));
             all.add(corner - lamp * (corner.z / lamp.z));
         }

@@ -217,7 +217,7 @@ fn area(b: &Bounds) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::sampling::hash;
+    use crate::render::tracer::sampling::hash;
 
     fn random(seed: u32) -> f64 {
         f64::from(hash(seed)) / f64::from(u32::MAX)

@@ -1,0 +1,78 @@
+//! The time of a scene's steps by phase.
+
+use crate::failure::{Failure, Result};
+use meniscus_scene::build;
+use meniscus_scene::file::Scene;
+use meniscus_scene::output::summary::peak_memory;
+use serde::Serialize;
+use std::time::Instant;
+
+/// Steps that are done before the clock runs, and while it does.
+const WARM: usize = 2;
+
+/// Time per phase of whole steps.
+#[derive(Serialize)]
+pub struct StepBench {
+    pub name: String,
+    pub cells: usize,
+    /// Cells of liquid at the end.
+    pub liquid_cells: usize,
+    /// Vertices of the solids that deform.
+    pub vertices: usize,
+    /// Their elements.
+    pub elements: usize,
+    steps: usize,
+    /// Mean length of a step, s.
+    pub time_step: f64,
+    /// Wall time of a step, s.
+    pub seconds_per_step: f64,
+    /// Iterations of the pressure solve in a step.
+    pub iterations_per_step: f64,
+    /// Seconds per step and phase.
+    pub phases: Vec<(String, f64)>,
+    /// Largest memory of this process up to here, bytes.
+    pub peak_memory_bytes: Option<u64>,
+}
+
+/// Times `count` steps of a scene in three dimensions.
+pub fn step(name: String, scene: &Scene, count: usize) -> Result<StepBench> {
+    let mut simulation = build::setup::<3>(scene)?.simulation();
+    let mut phases: Vec<(String, f64)> = Vec::new();
+    let (mut seconds, mut iterations, mut time) = (0.0, 0, 0.0);
+    for i in 0..WARM + count {
+        let start = Instant::now();
+        let mut last = start;
+        let mut phase_end = |phase: &'static str| {
+            let now = Instant::now();
+            let spent = if i < WARM { 0.0 } else { (now - last).as_secs_f64() / count as f64 };
+            match phases.iter_mut().find(|(known, _)| known == phase) {
+                Some((_, sum)) => *sum += spent,
+                None => phases.push((phase.to_string(), spent)),
+            }
+            last = now;
+        };
+        let report = simulation
+            .step(scene.output.frame_interval, &mut phase_end)
+            .map_err(|e| Failure::new(5, format!("{name}: {e}")))?;
+        if i >= WARM {
+            seconds += start.elapsed().as_secs_f64();
+            iterations += report.iterations();
+            time += report.dt;
+        }
+    }
+    let solids = simulation.model.solids.iter();
+    let meshes: Vec<_> = solids.filter_map(|s| Some(s.elastic()?.mesh())).collect();
+    Ok(StepBench {
+        name,
+        cells: scene.domain.cells.iter().product(),
+        liquid_cells: simulation.liquid_cells().cells(),
+        vertices: meshes.iter().map(|m| m.positions.len()).sum(),
+        elements: meshes.iter().map(|m| m.simplices.len()).sum(),
+        steps: count,
+        time_step: time / count as f64,
+        seconds_per_step: seconds / count as f64,
+        iterations_per_step: iterations as f64 / count as f64,
+        phases,
+        peak_memory_bytes: peak_memory(),
+    })
+}
