@@ -263,3 +263,16 @@ fn files_name_each_other_in_no_circle() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// The most entries of a folder of source files.
+const ENTRIES: usize = 12;
+
+#[test]
+fn folders_have_a_dozen_entries_at_most() {
+    let mut folders: Vec<PathBuf> = CRATES.iter().map(|(name, _)| root().join(name).join("src")).collect();
+    while let Some(folder) = folders.pop() {
+        let entries: Vec<PathBuf> = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().path()).collect();
+        assert!(entries.len() <= ENTRIES, "{} has {} entries", folder.display(), entries.len());
+        folders.extend(entries.into_iter().filter(|path| path.is_dir()));
+    }
+}
