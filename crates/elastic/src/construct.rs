@@ -13,6 +13,7 @@ use crate::{
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use std::sync::Arc;
+
 /// Volume of an element over that of a regular one with its longest edge, below which it is refused.
 const FLAT: f64 = 1e-3;
 /// Change of the lowest frequency's square, as a part of it, at which the damping takes it.
@@ -97,8 +98,8 @@ fn young<const D: usize>(mesh: &VolumeMesh<D>, law: Law) -> f64 {
     }
 }
 
-/// What keeps elements upright: as stiff against being pressed as the law is, `λ + 2 μ`. Springs of `k` that meet in an element of a
-/// volume `V` have `k l²/V`, with the mean square of its edges.
+/// The barriers of the elements' volumes ([`Crushed`]). Their stiffness is that of the law in uniaxial compression, `λ + 2 μ`; for springs
+/// of stiffness `k` it is `k l²/V` in an element of volume `V`, with the mean square `l²` of its edges.
 fn upright<const D: usize>(
     mesh: &VolumeMesh<D>,
     law: Law,

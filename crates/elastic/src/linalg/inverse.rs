@@ -64,7 +64,8 @@ impl Solver {
     }
 }
 
-/// What of a matrix right-hand sides of some vertices need for the solution there ([`crate::Solution::reach`]).
+/// The part of the factors that the solution at some vertices needs, where right-hand sides are zero at all others
+/// ([`crate::Solution::reach`]).
 #[derive(Clone, Debug)]
 pub struct Reach(Option<Subtrees>);
 

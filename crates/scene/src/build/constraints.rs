@@ -2,8 +2,7 @@
 
 use super::shapes::shape;
 use crate::error::SceneError;
-use crate::file::vector;
-use crate::file::{Domain, Moved, Scene, Solid as SolidSpec, Wall};
+use crate::file::{Domain, Moved, Scene, Solid as SolidSpec, Wall, vector};
 use meniscus_elastic::{Anchor, Motion};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;

@@ -3,8 +3,9 @@
 use super::shapes::shape;
 use crate::error::SceneError;
 use crate::estimate::stiffness::can_follow;
-use crate::file::{Elastic as Constants, Material, Scene, ShapeSpec, Solid as SolidSpec, SolidTension};
-use crate::file::{rotation, vector};
+use crate::file::{
+    Elastic as Constants, Material, Scene, ShapeSpec, Solid as SolidSpec, SolidTension, rotation, vector,
+};
 use meniscus_elastic::{Description, Elastic, ElasticError, Law, Order, SurfaceTension};
 use meniscus_numerics::mesh::VolumeMesh;
 

@@ -2,8 +2,7 @@
 
 use super::memory;
 use super::scales::longest_step;
-use crate::build::AnySetup;
-use crate::build::Setup;
+use crate::build::{AnySetup, Setup};
 use crate::file::{Material, Scene, Solid as SolidSpec};
 use crate::units::readable;
 use meniscus_elastic::{Elastic, settled_modes};

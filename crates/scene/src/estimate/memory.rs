@@ -1,8 +1,7 @@
 //! The memory that a run takes, and what this machine has.
 
 use super::scales::liquid_volume;
-use crate::build::AnySetup;
-use crate::build::Setup;
+use crate::build::{AnySetup, Setup};
 use crate::error::SceneError;
 use crate::file::Scene;
 use meniscus_elastic::Elastic;

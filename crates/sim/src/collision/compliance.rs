@@ -5,14 +5,13 @@ use super::tie::{End, Tie};
 use crate::coupling::impulses::Exchange;
 use crate::model::Model;
 use crate::solid::deformable::Flow;
-use crate::solid::{Motion, SolidState};
+use crate::solid::{Motion, Solid, SolidState};
 use meniscus_elastic::{Reach, Solution};
 use meniscus_numerics::Vector;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::points::{Points, turning};
 use crate::contact_line::friction::DraggedFace;
-use std::collections::BTreeMap;
 
 /// What a cell gives way, over what a face does, that is nothing: a pocket with no way out but through so little of a solid's
 /// surface could have any pressure.
@@ -48,15 +47,13 @@ impl<const D: usize> Response<D> {
         (base, lead): (Vec<Vector<D>>, Vec<Vector<D>>),
         ties: Vec<Tie<D>>,
     ) -> Self {
-        let of = |(solid, now): (&crate::solid::definition::Solid<D>, &SolidState<D>)| match solid.elastic() {
+        let of = |(solid, now): (&Solid<D>, &SolidState<D>)| match solid.elastic() {
             Some(elastic) => elastic.masses().to_vec(),
             None => vec![solid.body.mass, solid.inertia(now).trace() / 3.0],
         };
         let masses: Vec<f64> = model.solids.iter().zip(solids).flat_map(of).collect();
-        let nodes =
-            |solid: &crate::solid::definition::Solid<D>| solid.elastic().map_or(2, |e| e.masses().len());
-        let rigid =
-            |solid: &crate::solid::definition::Solid<D>| vec![solid.elastic().is_none(); nodes(solid)];
+        let nodes = |solid: &Solid<D>| solid.elastic().map_or(2, |e| e.masses().len());
+        let rigid = |solid: &Solid<D>| vec![solid.elastic().is_none(); nodes(solid)];
         let rigid = model.solids.iter().flat_map(rigid).collect();
         Self { solution, first: points.first.clone(), masses, rigid, base, lead, ties }
     }

@@ -10,8 +10,7 @@
 
 use super::broad_phase::{Candidates, Way};
 use super::places::Places;
-use super::points::Meeting;
-use super::points::{Owner, Points, REACH};
+use super::points::{Meeting, Owner, Points, REACH};
 use crate::coupling::impulses::moment;
 use crate::model::Model;
 use crate::model::time_step::Times;

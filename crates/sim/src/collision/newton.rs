@@ -9,8 +9,10 @@
 
 pub use super::compliance::Response;
 use super::points::REACH;
+
 pub use super::points::{Points, turning};
 use super::potential::moments::{Early, Past};
+
 pub use super::potential::slips::Slips;
 use super::tie::{End, Tie};
 

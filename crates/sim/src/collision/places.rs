@@ -1,7 +1,6 @@
 //! Places of the points of solids on the way of a step, and their derivatives by the velocities of the nodes.
 
-use super::points::spin;
-use super::points::{Meeting, Owner, Points};
+use super::points::{Meeting, Owner, Points, spin};
 use crate::model::Model;
 use crate::solid::SolidState;
 use meniscus_numerics::shape::Shape;

@@ -117,18 +117,35 @@ impl<const D: usize> Points<D> {
     }
 }
 
+/// The numbers of two solids, and the gap between them, m.
+type Gap = (usize, usize, f64);
+/// The number of a solid, that of another one (none for a side of the domain), and the gap between them, m.
+type GapOfRigid = (usize, Option<usize>, f64);
+
+/// All gaps below the barrier's reach: between facets and points, and between points and rigid solids or sides.
+fn gaps<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> (Vec<Gap>, Vec<GapOfRigid>) {
+    let points = Points::of(model);
+    let still = vec![Vector::zeros(); points.nodes()];
+    let places = Places::new(model, solids, &points, &still, 0.0);
+    let found = Candidates::on(Way { from: &places, to: &places }, REACH * model.grid.dx);
+    let at = places.all();
+    let solid = |point: u32| points.owners[point as usize].solid();
+    let facets = found.near.gaps(&at).map(|(stencil, gap)| {
+        let points = stencil.points();
+        (solid(points[0]), solid(points[stencil.kind.first()]), gap)
+    });
+    let rigid = found.meetings.iter().map(|m| {
+        let gap = m.distance(&places, &at[m.point() as usize]) - points.thickness(m);
+        (solid(m.point()), m.solid(), gap)
+    });
+    (facets.collect(), rigid.collect())
+}
+
 /// The narrowest gap, m, between surfaces of solids that deform, each other's or their own, where they start, with the numbers of the
 /// two solids; nothing where all gaps are wider than the barrier's reach. A run needs a gap: the barrier is infinite where there is none.
 pub fn narrowest_gap<const D: usize>(model: &Model<D>) -> Option<(usize, usize, f64)> {
-    let points = Points::of(model);
     let start: Vec<SolidState<D>> = model.solids.iter().map(Solid::start).collect();
-    let still = vec![Vector::zeros(); points.nodes()];
-    let places = Places::new(model, &start, &points, &still, 0.0);
-    let near = Candidates::on(Way { from: &places, to: &places }, REACH * model.grid.dx).near;
-    let at = places.all();
-    let (stencil, gap) = near.gaps(&at).min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let solid = |k: usize| points.owners[stencil.points()[k] as usize].solid();
-    Some((solid(0), solid(stencil.kind.first()), gap))
+    gaps(model, &start).0.into_iter().min_by(|a, b| a.2.total_cmp(&b.2))
 }
 
 /// The narrowest gap, m, between a solid and another one, itself, or a closed side of the domain, as they are now, with their numbers (none
@@ -137,22 +154,9 @@ pub fn narrowest_gap_now<const D: usize>(
     model: &Model<D>,
     solids: &[SolidState<D>],
 ) -> Option<(usize, Option<usize>, f64)> {
-    let points = Points::of(model);
-    let still = vec![Vector::zeros(); points.nodes()];
-    let places = Places::new(model, solids, &points, &still, 0.0);
-    let Candidates { near, meetings } =
-        Candidates::on(Way { from: &places, to: &places }, REACH * model.grid.dx);
-    let at = places.all();
-    let solid = |point: u32| points.owners[point as usize].solid();
-    let facets = near.gaps(&at).map(|(stencil, gap)| {
-        let points = stencil.points();
-        (solid(points[0]), Some(solid(points[stencil.kind.first()])), gap)
-    });
-    let others = meetings.iter().map(|m| {
-        let gap = m.distance(&places, &at[m.point() as usize]) - points.thickness(m);
-        (solid(m.point()), m.solid(), gap)
-    });
-    facets.chain(others).min_by(|a, b| a.2.total_cmp(&b.2))
+    let (facets, rigid) = gaps(model, solids);
+    let facets = facets.into_iter().map(|(one, other, gap)| (one, Some(other), gap));
+    facets.chain(rigid).min_by(|a, b| a.2.total_cmp(&b.2))
 }
 
 /// The closed sides of the domain.

@@ -12,8 +12,7 @@
 //! that of the lattice's energy ([`super::force`]); [`ContactLine::apart`] tells how far the two are apart.
 
 use super::angle::{Foot, contact_angle};
-use crate::contact_line::sampling::phi_on;
-use crate::contact_line::sampling::{HIGHER, NEAR};
+use crate::contact_line::sampling::{HIGHER, NEAR, phi_on};
 use crate::flow::advection::Flow;
 use crate::model::Model;
 use crate::model::resolution::BAND;

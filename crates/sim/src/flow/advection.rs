@@ -1,9 +1,8 @@
 //! Moving the surface and the velocity with the flow (semi-Lagrangian, third-order Runge–Kutta paths).
 
 use crate::model::Model;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CellField, FaceField, Sampler, Segment};
-use meniscus_numerics::par;
+use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
 
 /// Samples a velocity component by component.

@@ -14,9 +14,8 @@ use super::curvature_filter::{Filtered, Graph};
 use super::dual_cell::CutCube;
 use super::extension::Ghost;
 use crate::repairs::Repairs;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CutCells, Grid, Sampler};
-use meniscus_numerics::level_set;
+use meniscus_numerics::{Vector, level_set};
 use rayon::prelude::*;
 
 /// Strength of the filter `c`; stable from 0.4725 on, 2 as measured best.

@@ -1,8 +1,7 @@
 //! The books: volume, momentum and energy of a state.
 
 use super::workspace::{Workspace, boxes};
-use crate::components::momentum::Moments;
-use crate::components::momentum::together;
+use crate::components::momentum::{Moments, together};
 use crate::components::restoration::keep_momentum;
 use crate::components::tracking::Change;
 use crate::flow::pressure::divergence_max;

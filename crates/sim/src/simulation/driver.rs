@@ -9,16 +9,14 @@ use super::workspace::{Snapshot, Workspace};
 use crate::contact_line::sampling::phi_on;
 use crate::model::Model;
 use crate::model::resolution::BAND;
-use crate::model::time_step::{PhaseEnd, step_at_speed};
-use crate::model::time_step::{even_part, next_step};
+use crate::model::time_step::{PhaseEnd, even_part, next_step, step_at_speed};
 use crate::repairs::Repairs;
 use crate::solid::Solid;
 use crate::state::State;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Runs, Sampler};
 use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::mesh::SurfaceMesh;
-use meniscus_numerics::par;
+use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
 use thiserror::Error;
 

@@ -18,17 +18,14 @@ use crate::free_surface::extension::{extend_into_solids, ghosts};
 use crate::free_surface::interface_faces::cut_faces;
 use crate::model::Model;
 use crate::model::resolution::{BAND, LAYERS, SLOPE};
-use crate::model::time_step::wanted_kick;
-use crate::model::time_step::{GROWTH, PhaseEnd, clear_time};
-use crate::model::time_step::{Times, kick};
+use crate::model::time_step::{GROWTH, PhaseEnd, Times, clear_time, kick, wanted_kick};
 use crate::repairs::Repairs;
 use crate::solid::{Motion, SolidState};
 use crate::state::State;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Runs, Sampler, Segment};
 use meniscus_numerics::level_set::{redistance, slope};
 use meniscus_numerics::linalg::{SolveError, SolveReport};
-use meniscus_numerics::par;
+use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
 
 /// Layers of the band on which curvature is found.

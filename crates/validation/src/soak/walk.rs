@@ -4,6 +4,7 @@ use meniscus_scene::build::Setup;
 use meniscus_scene::file::Scene;
 use meniscus_scene::job::Schedule;
 use meniscus_sim::{Simulation, StepError, StepReport};
+
 /// A simulation that goes the steps of `meniscus run`.
 pub struct Walk<const D: usize> {
     /// The simulation.

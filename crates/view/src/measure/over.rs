@@ -3,6 +3,7 @@
 use crate::folder::Frame;
 use crate::measure::window::Window;
 use crate::page::series::Series;
+
 /// The time series, and its window that ends with the frame.
 pub(super) struct Over {
     pub series: Series,

@@ -1,6 +1,7 @@
 //! The surfaces of a solid that deforms, in a frame and at the start.
 
 use meniscus_numerics::Vector;
+
 /// The surface of a solid at first and now.
 pub(super) struct Surfaces {
     /// Vertices at first, m.

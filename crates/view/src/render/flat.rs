@@ -4,12 +4,11 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_numerics::mesh::{FacetTree, SurfaceMesh};
 
-use super::Set;
 use super::fill::coverage;
 use super::image::{Canvas, Image};
-use super::label;
 use super::legend::Shading;
 use super::stage::round_length;
+use super::{Set, label};
 use crate::folder::{Bounds, Frame, RunFolder, V3};
 use crate::shade::srgb;
 

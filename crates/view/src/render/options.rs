@@ -4,6 +4,7 @@ use crate::render::camera::Camera;
 use crate::shade::Shade;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
+
 /// How the liquid looks in three dimensions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Style {

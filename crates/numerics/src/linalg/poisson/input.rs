@@ -1,4 +1,4 @@
-//! What a pressure system is made of.
+//! The input of a pressure system: the unknown cells and the coefficients between them.
 
 use crate::grid::{CellField, FaceField, Grid, Runs};
 

@@ -7,8 +7,7 @@
 //! V-cycle symmetric. The cycle runs in single precision.
 
 use super::layout::{Layout, ZEROS};
-use super::level::Kind;
-use super::level::{Chunk, DIAGONAL, General, Pack, aggregate, build};
+use super::level::{Chunk, DIAGONAL, General, Kind, Pack, aggregate, build};
 use super::sweep::{Operands, over_chunks, over_chunks_pair, prolong, restrict, sweep};
 use crate::linalg::operator::Preconditioner;
 use rayon::prelude::*;

@@ -2,8 +2,7 @@
 
 use super::connect::connected;
 use super::layout::{CELLS, LANES, Layout};
-use super::level::Kind;
-use super::level::{Chunk, DIAGONAL, General, Site, build};
+use super::level::{Chunk, DIAGONAL, General, Kind, Site, build};
 use super::multigrid::{Hierarchy, Level, coarsened};
 use super::sweep::{Operands, over_chunks_pair, sweep_span};
 use crate::grid::{CellField, Grid, Run, Runs};

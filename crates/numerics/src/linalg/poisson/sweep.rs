@@ -1,8 +1,7 @@
 //! The loops over a level.
 
 use super::layout::LANES;
-use super::level::Kind;
-use super::level::{Chunk, DIAGONAL, Pack, Real, Span};
+use super::level::{Chunk, DIAGONAL, Kind, Pack, Real, Span};
 use rayon::prelude::*;
 
 /// Runs `work` on every chunk together with the entries of `out` that belong to it; returns the results in

@@ -1,4 +1,4 @@
-//! What the parts of the liquid's surface border on, as numbers.
+//! Labels of the parts of the liquid's surface: liquid–air, liquid–solid, contact line.
 
 /// A vertex between liquid and air.
 pub const LIQUID_AIR: u8 = 0;

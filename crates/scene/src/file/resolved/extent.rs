@@ -1,7 +1,6 @@
 //! What a shape fills: bounds, points inside, a typical radius.
 
-use crate::file::short;
-use crate::file::{Rotation, ShapeSpec};
+use crate::file::{Rotation, ShapeSpec, short};
 use meniscus_numerics::shape::SmoothUnion;
 use std::f64::consts::PI;
 

@@ -13,13 +13,11 @@
 //! Limit: what comes back in the step after it parted can win energy. Rigid solids feel a dashpot besides ([`super::dashpot`]).
 
 use super::moments::{Early, Felt, Moment, Moments};
-use super::term::Term;
-use super::term::of_distance;
+use super::term::{Term, of_distance};
 use super::total::Potential;
 use crate::collision::broad_phase::Candidates;
 use crate::collision::places::Places;
-use crate::collision::points::Meeting;
-use crate::collision::points::Owner;
+use crate::collision::points::{Meeting, Owner};
 use meniscus_contact::{Barrier, Contact};
 use meniscus_numerics::Vector;
 use rayon::prelude::*;

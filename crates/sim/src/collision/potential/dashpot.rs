@@ -14,12 +14,10 @@
 //! on one side is critical. Limit: bounces are events ([`crate::collision::impact`]), which this leaves alone only outside the barrier's reach.
 
 use super::barrier::Met;
-use super::term::Term;
-use super::term::of_distance;
+use super::term::{Term, of_distance};
 use super::total::{Part, Potential};
 use crate::collision::places::Lever;
-use crate::collision::points::Meeting;
-use crate::collision::points::Owner;
+use crate::collision::points::{Meeting, Owner};
 use meniscus_numerics::Vector;
 
 /// A dashpot between a point of a rigid solid and what it meets.

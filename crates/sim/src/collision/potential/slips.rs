@@ -6,7 +6,8 @@ use meniscus_contact::{Friction, Rubbing};
 use meniscus_numerics::Vector;
 use std::collections::BTreeMap;
 
-/// Elastic slip, in reaches of the barrier, from which on things slide: a few times what Newton's method resolves ([`crate::collision::SETTLED`]), for
+/// Elastic slip, in reaches of the barrier, from which on things slide: a few times what Newton's method resolves (`SETTLED` in
+/// [`crate::collision::newton`]), for
 /// it goes to and fro over a kink that it does not resolve (with 1e-3 it takes half as many iterations again as with 1e-2). It is a
 /// deflection that a contact has once; what bounces has it in each contact anew, and slides farther by it (with 1e-2 a soft block that
 /// bounces down a slope came 2 % too far).

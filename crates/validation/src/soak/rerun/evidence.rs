@@ -4,8 +4,7 @@
 use meniscus_scene::file::Scene;
 use meniscus_scene::output::series::Series;
 use meniscus_scene::output::{FileError, Folder, SolidMeasures, file};
-use meniscus_scene::run::checkpoint;
-use meniscus_scene::run::{Job, Tally};
+use meniscus_scene::run::{Job, Tally, checkpoint};
 use meniscus_sim::{Model, Simulation, State};
 use std::io::Write as _;
 use std::path::Path;

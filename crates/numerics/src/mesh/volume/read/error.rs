@@ -13,7 +13,7 @@ pub enum VolumeImportError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// The name's ending is not that of a format read here.

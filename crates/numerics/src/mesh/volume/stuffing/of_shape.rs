@@ -4,6 +4,7 @@ use crate::mesh::volume::VolumeMesh;
 use crate::mesh::volume::quadratic::Order;
 use crate::mesh::volume::stuffing::{StuffingError, stuff_of};
 use crate::shape::Shape;
+
 impl<const D: usize> VolumeMesh<D> {
     /// A shape filled with simplices, vertices about `edge` (m) apart: a box as a lattice, anything else by [`super::stuff`]. Outlines
     /// keep their corners when they are made with [`of_outline`](Self::of_outline).

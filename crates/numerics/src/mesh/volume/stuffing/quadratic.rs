@@ -2,10 +2,10 @@
 
 use crate::Vector;
 use crate::mesh::volume::VolumeMesh;
-use crate::mesh::volume::quadratic::BULGE;
-use crate::mesh::volume::quadratic::Order;
+use crate::mesh::volume::quadratic::{BULGE, Order};
 use crate::mesh::volume::stuffing::simplices::crossing;
 use crate::mesh::volume::stuffing::{Distance, StuffingError, stuff};
+
 /// Part of a volume that large quadratic simplices may lose of what linear ones have with the same vertices: that of a solid's mass
 /// and of its stiffness against being pulled.
 const LOST: f64 = 0.05;
