@@ -31,12 +31,14 @@ pub fn free_step<const D: usize>(
 ) -> f64 {
     let count = kind.count();
     let mean: Vector<D> = ways[..count].iter().sum::<Vector<D>>() / count as f64;
-    let longest = |part: &[Vector<D>]| part.iter().map(|w| (w - mean).norm()).fold(0.0, f64::max);
-    let speed = longest(&ways[..kind.first()]) + longest(&ways[kind.first()..count]);
+    let speed = kind.relative_motion(ways);
     let distance = |part: f64| {
         let at = std::array::from_fn(|k| x[k] + (ways[k] - mean) * part);
         Closest::new(kind, &at).distance() - thickness
     };
+    if EAGER * (1.0 - keep) * (kind.least_distance(x) - thickness) >= speed {
+        return 1.0;
+    }
     let start = distance(0.0);
     let (least, mut part) = (keep * start, 0.0);
     let mut far = start;

@@ -63,6 +63,24 @@ impl Kind {
     pub fn first(self) -> usize {
         if self == Self::EdgeEdge { 2 } else { 1 }
     }
+
+    /// By how much two features come nearer to each other at most, m, where their points move along `ways`.
+    pub fn relative_motion<const D: usize>(self, ways: &[Vector<D>; 4]) -> f64 {
+        let ways = &ways[..self.count()];
+        let mean: Vector<D> = ways.iter().sum::<Vector<D>>() / ways.len() as f64;
+        let longest = |part: &[Vector<D>]| part.iter().map(|w| (w - mean).norm()).fold(0.0, f64::max);
+        longest(&ways[..self.first()]) + longest(&ways[self.first()..])
+    }
+
+    /// The distance between the bounding boxes of two features, m, which they are not nearer than.
+    pub fn least_distance<const D: usize>(self, x: &[Vector<D>; 4]) -> f64 {
+        let (first, second) = x[..self.count()].split_at(self.first());
+        let bounds = |part: &[Vector<D>]| {
+            part[1..].iter().fold([part[0]; 2], |[low, high], x| [low.inf(x), high.sup(x)])
+        };
+        let ([low, high], [below, above]) = (bounds(first), bounds(second));
+        (low - above).sup(&(below - high)).sup(&Vector::zeros()).norm()
+    }
 }
 
 /// Weights of four points.

@@ -131,24 +131,26 @@ impl<const D: usize> Surface<D> {
         moves && first.iter().all(|p| !second.contains(p))
     }
 
-    /// The pairs that come nearer than `reach` on the way from `x` along `ways`, and some more.
+    /// The pairs that come nearer than `reach`, or their own where that is less, and a `margin` on the straight way between some
+    /// configurations, and some more. All in m.
     pub fn near(
         &self,
-        x: &[Vector<D>],
-        ways: &[Vector<D>],
+        configurations: &[Vec<Vector<D>>],
         reach: f64,
+        margin: f64,
         rigid: impl Fn(u32) -> bool + Sync,
         still: impl Fn(u32) -> bool + Sync,
     ) -> Near {
         let swept = |points: &[u32], wider: f64| -> Extent<D> {
-            let ends = points.iter().flat_map(|p| [x[*p as usize], x[*p as usize] + ways[*p as usize]]);
+            let ends = points.iter().flat_map(|p| configurations.iter().map(|x| x[*p as usize]));
             let all = ends.fold(None, |all: Option<Extent<D>>, at| {
                 Some(all.map_or([at, at], |[low, high]| [low.inf(&at), high.sup(&at)]))
             });
             let [low, high] = all.unwrap_or([Vector::zeros(); 2]);
             [low.add_scalar(-wider), high.add_scalar(wider)]
         };
-        let boxes = |list: &[[u32; D]]| list.par_iter().map(|f| swept(f, reach)).collect::<Vec<_>>();
+        let within = |points: &[u32]| points.iter().map(|p| self.reach(*p)).fold(reach, f64::min) + margin;
+        let boxes = |list: &[[u32; D]]| list.par_iter().map(|f| swept(f, within(f))).collect::<Vec<_>>();
         let points: Vec<Extent<D>> = self.points.par_iter().map(|p| swept(&[*p], self.radius(*p))).collect();
         let found = overlapping(&points, &boxes(&self.facets));
         let of_facets = found.into_iter().map(|(p, f)| {
@@ -159,7 +161,7 @@ impl<const D: usize> Surface<D> {
             Pair { stencil, area, lengths: 0.0, thickness, reach }
         });
         let mut pairs: Vec<Pair> = of_facets.filter(|p| self.may_meet(&p.stencil, &rigid, &still)).collect();
-        let wide: Vec<Extent<D>> = self.edges.par_iter().map(|e| swept(e, reach)).collect();
+        let wide: Vec<Extent<D>> = self.edges.par_iter().map(|e| swept(e, within(e))).collect();
         let slim: Vec<Extent<D>> = self.edges.par_iter().map(|e| swept(e, 0.0)).collect();
         let of_edges = overlapping(&slim, &wide).into_iter().filter(|(i, j)| i < j).map(|(i, j)| {
             let [i, j] = [i as usize, j as usize];
@@ -169,7 +171,25 @@ impl<const D: usize> Surface<D> {
             Pair { stencil, area, lengths, thickness: 0.0, reach: self.reach_of(&stencil) }
         });
         pairs.extend(of_edges.filter(|p| self.may_meet(&p.stencil, &rigid, &still)));
-        Near { pairs }
+        let pairs =
+            pairs.into_par_iter().with_min_len(256).filter(|p| p.comes_near(configurations, reach, margin));
+        Near { pairs: pairs.collect() }
+    }
+}
+
+impl Pair {
+    /// Whether its features may come nearer than `reach`, or their own, and a `margin` between configurations: they come nearer by no more
+    /// than their points move against each other.
+    fn comes_near<const D: usize>(&self, configurations: &[Vec<Vector<D>>], reach: f64, margin: f64) -> bool {
+        let Some((first, others)) = configurations.split_first() else { return false };
+        let (kind, start) = (self.stencil.kind, self.stencil.of(first));
+        let motion = |x: &Vec<Vector<D>>| {
+            let at = self.stencil.of(x);
+            kind.relative_motion(&std::array::from_fn(|k| at[k] - start[k]))
+        };
+        let motion = others.iter().map(motion).fold(0.0, f64::max);
+        let limit = reach.min(self.reach) + margin + self.thickness + motion;
+        kind.least_distance(&start) < limit && Closest::new(kind, &start).distance() < limit
     }
 }
 
@@ -188,21 +208,13 @@ impl Near {
     ) -> Vec<Contact> {
         let contact = |pair: &Pair| {
             let Pair { stencil, area, lengths, thickness, .. } = *pair;
-            let closest = Closest::new(stencil.kind, &stencil.of(x));
-            let stiffness = stiffness(stencil.points[0], stencil.points[stencil.kind.first()]);
-            let reach = pair.reach.min(reach);
-            let near = closest.distance() < reach + thickness;
-            near.then_some(Contact { stencil, area, stiffness, lengths, thickness, reach })
+            let (at, reach) = (stencil.of(x), pair.reach.min(reach));
+            let near = stencil.kind.least_distance(&at) < reach + thickness
+                && Closest::new(stencil.kind, &at).distance() < reach + thickness;
+            let stiffness = || stiffness(stencil.points[0], stencil.points[stencil.kind.first()]);
+            near.then(|| Contact { stencil, area, stiffness: stiffness(), lengths, thickness, reach })
         };
         self.pairs.par_iter().with_min_len(256).filter_map(contact).collect()
-    }
-
-    /// The pairs of both.
-    pub fn with(mut self, other: Self) -> Self {
-        self.pairs.extend(other.pairs);
-        self.pairs.sort_unstable_by_key(|pair| pair.stencil);
-        self.pairs.dedup_by_key(|pair| pair.stencil);
-        self
     }
 
     /// The largest part of a way, up to all of it, on which every pair keeps `keep` of its distance.

@@ -306,15 +306,14 @@ fn what_is_near_is_found() {
     let x = [square([0.0, 0.0]), square([0.2, 1.05])].concat();
     let facets = (0..8u32).map(|k| [k, k / 4 * 4 + (k + 1) % 4]).collect();
     let surface = Surface::new(facets, &x, (0..8).map(|k| k / 4).collect());
-    let still = vec![Vector::zeros(); 8];
-    let near = surface.near(&x, &still, 0.1, |_| false, |_| false);
+    let near = surface.near(std::slice::from_ref(&x), 0.1, 0.0, |_| false, |_| false);
     let contacts = near.contacts(0.1, &x, |_, _| 1.0);
     // Corners 2 of the lower square and 4 of the upper one are beside the other's side.
     let points: Vec<u32> = contacts.iter().map(|c| c.stencil.points[0]).collect();
     assert_eq!(points, [2, 4]);
     let narrowest = near.gaps(&x).map(|d| d.1).fold(f64::INFINITY, f64::min);
     assert!((narrowest - 0.05).abs() < 1e-12);
-    let mut ways = still.clone();
+    let mut ways = vec![Vector::zeros(); 8];
     (4..8).for_each(|k| ways[k] = Vector::<2>::new(0.0, -0.1));
     let part = near.free_step(&x, &ways, 0.2);
     assert!(part > 0.35 && part <= 0.4, "{part}");

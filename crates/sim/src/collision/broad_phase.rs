@@ -15,23 +15,24 @@ pub struct Candidates {
 }
 
 impl Candidates {
-    /// All pairs whose distance falls below `reach` (m) on the way; a few that stay farther apart may be among them.
-    pub fn on<const D: usize>(way: Way<'_, D>, reach: f64) -> Self {
-        let (model, points) = (way.from.model, way.from.points);
-        let (start, end) = (way.from.all(), way.to.all());
-        let ways: Vec<Vector<D>> = end.iter().zip(&start).map(|(e, s)| e - s).collect();
+    /// All pairs whose distance falls below `reach` and a `margin` (m) on one of the ways; a few that stay farther apart may be among
+    /// them.
+    pub fn on<const D: usize>(ways: &[Way<'_, D>], reach: f64, margin: f64) -> Self {
+        let Some(Places { model, points, .. }) = ways.first().map(|way| way.from) else {
+            return Self::default();
+        };
+        let configurations: Vec<_> = ways.iter().flat_map(|way| [way.from.all(), way.to.all()]).collect();
         let rigid = |body: u32| model.solids[body as usize].elastic().is_none();
-        let told = |p: u32| points.is_told(p);
-        let near = points.surface.near(&start, &ways, reach, rigid, told);
-        Candidates { near, meetings: meetings(way, &start, &end, reach) }
-    }
-
-    /// The pairs of both.
-    pub fn with(mut self, other: Self) -> Self {
-        self.meetings.extend(other.meetings);
-        self.meetings.sort_unstable();
-        self.meetings.dedup();
-        Self { near: self.near.with(other.near), meetings: self.meetings }
+        let near = points.surface.near(&configurations, reach, margin, rigid, |p| points.is_told(p));
+        let ends = configurations.chunks_exact(2);
+        let mut meetings: Vec<Meeting> = ways
+            .iter()
+            .zip(ends)
+            .flat_map(|(way, ends)| meetings(*way, &ends[0], &ends[1], reach + margin))
+            .collect();
+        meetings.sort_unstable();
+        meetings.dedup();
+        Candidates { near, meetings }
     }
 
     /// Those of points with what has no facets.
@@ -47,7 +48,7 @@ fn meetings<const D: usize>(
     end: &[Vector<D>],
     reach: f64,
 ) -> Vec<Meeting> {
-    let (model, points) = (way.from.model, way.from.points);
+    let Places { model, points, .. } = *way.from;
     let ways: Vec<Vector<D>> = end.iter().zip(start).map(|(e, s)| e - s).collect();
     let mut meetings = Vec::new();
     for (side, plane) in points.sides.iter().enumerate() {

@@ -46,6 +46,8 @@ const LOOSE: f64 = 1e-3;
 const FAR: f64 = 100.0;
 /// Most updates of the lagged friction in a step.
 const RUBS: usize = 2;
+/// Most changes of the velocities by the solids alone after an iteration. What is lagged makes each a hundredth of the one before.
+const CHORDS: usize = 4;
 
 /// What a solid that deforms starts from.
 pub struct Start<const D: usize> {
@@ -189,9 +191,11 @@ impl<'a, const D: usize> Descent<'a, D> {
             indefinite: 0,
         };
         // The first guess is to go on as before.
-        let still = descent.potential.candidates(&descent.now, &descent.now);
-        descent.potential.rubs = descent.potential.rubbing(&descent.now, &still);
-        descent.go(&descent.told.clone(), false);
+        let guess = descent.told.clone();
+        let on_the_way = descent.potential.candidates(&descent.now, &guess, descent.margin());
+        descent.potential.rubs = descent.potential.rubbing(&descent.now, &on_the_way);
+        descent.go(&guess, on_the_way, false);
+        descent.recentre();
         descent.potential.early = descent.potential.early(&descent.now, &descent.candidates);
         descent
     }
@@ -296,8 +300,7 @@ impl<'a, const D: usize> Descent<'a, D> {
     /// of which a shorter step takes a part.
     pub fn clear(&self) -> f64 {
         let still = vec![Vector::zeros(); self.now.len()];
-        let candidates = self.potential.candidates(&still, &self.now);
-        let part = self.potential.free_step(&still, &self.now, &self.now, &candidates, BARE);
+        let part = self.potential.free_step(&still, &self.now, &self.now, &self.candidates, BARE);
         self.potential.ahead * part
     }
 
@@ -347,29 +350,22 @@ impl<'a, const D: usize> Descent<'a, D> {
     ) -> Result<bool, SolveError> {
         let Potential { model, points, .. } = self.potential;
         let mut to: Vec<Vector<D>> = self.now.iter().zip(change).map(|(v, c)| v + c).collect();
-        points.give(model, solids, &to);
         let lead = self.lead();
         (0..to.len()).filter(|k| self.potential.points.held[*k]).for_each(|k| to[k] = self.told[k]);
         self.potential.pressed = pressed;
         let led = lead.iter().any(|l| l.norm_squared() > 0.0);
         let limit = SETTLED * self.potential.barrier.reach / self.potential.ahead;
         let size = to.iter().zip(&self.now).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-        let whole = self.go(&to, !led && size > limit);
+        let on_the_way = self.potential.candidates(&self.now, &to, self.margin());
+        let whole = self.go(&to, on_the_way, !led && size > limit);
         self.iteration += 1;
         self.recentre();
         let early = self.potential.early(&self.now, &self.candidates);
         self.potential.early.keep(&early);
-        let mut off = if whole { self.off(response) } else { f64::INFINITY };
-        let mut settled = off < limit;
-        if settled && self.rubs < RUBS {
-            self.potential.early = self.potential.early(&self.now, &self.candidates);
-            self.potential.rubs = self.potential.rubbing(&self.now, &self.candidates);
-            self.rubs += 1;
-            off = self.off(response);
-            settled = off < RUBBED * limit;
-        }
+        let (off, settled) = if whole { self.finish(response, limit) } else { (f64::INFINITY, false) };
         let exact = !std::mem::replace(&mut self.loose, off > FAR * limit);
         if settled && exact && self.iteration > model.numerics.newton_iterations as usize {
+            points.give(model, solids, &self.now);
             return Ok(true);
         }
         if self.iteration >= ITERATIONS {
@@ -378,20 +374,55 @@ impl<'a, const D: usize> Descent<'a, D> {
         Ok(false)
     }
 
-    /// How far the next iteration would go, m/s.
-    fn off(&self, response: &Response<D>) -> f64 {
-        let mut gradient = self.potential.gradient(&self.now, &self.candidates);
-        response.solve(&mut gradient);
-        gradient.iter().map(Vector::norm).fold(0.0, f64::max)
+    /// After a whole one of Newton's iterations: where no velocity would change by `limit`, m/s, any more, too little for the pressure to
+    /// be found anew, what is lagged is updated, and solids alone go the rest of the way, with the same second derivatives. Returns how
+    /// far the next iteration would go, m/s, and whether Newton's method has converged.
+    fn finish(&mut self, response: &Response<D>, limit: f64) -> (f64, bool) {
+        let (mut change, mut off) = self.correction(response);
+        let mut tolerance = limit;
+        if off < limit && self.rubs < RUBS {
+            self.potential.early = self.potential.early(&self.now, &self.candidates);
+            self.potential.rubs = self.potential.rubbing(&self.now, &self.candidates);
+            self.rubs += 1;
+            (change, off) = self.correction(response);
+            tolerance = RUBBED * limit;
+        }
+        for _ in 0..CHORDS {
+            if off >= limit || off < RUBBED * limit {
+                break;
+            }
+            let to: Vec<Vector<D>> = self.now.iter().zip(&change).map(|(v, c)| v + c).collect();
+            let candidates = std::mem::take(&mut self.candidates);
+            if !self.go(&to, candidates, false) {
+                return (f64::INFINITY, false);
+            }
+            self.recentre();
+            (change, off) = self.correction(response);
+        }
+        (off, off < tolerance)
     }
 
-    /// Goes on the way to other velocities as far as nothing meets, and, where that is asked for, as the potential falls; returns
-    /// whether that is all the way.
-    fn go(&mut self, to: &[Vector<D>], falls: bool) -> bool {
-        let on_the_way = self.potential.candidates(&self.now, to);
-        let (next, whole) = self.advanced(to, &on_the_way, falls);
+    /// What the next iteration would change the velocities by with this response and no other pressure, m/s, and the largest of it.
+    fn correction(&self, response: &Response<D>) -> (Vec<Vector<D>>, f64) {
+        let mut change = self.potential.gradient(&self.now, &self.candidates);
+        response.solve(&mut change);
+        change.iter_mut().for_each(|c| *c = -*c);
+        let largest = change.iter().map(Vector::norm).fold(0.0, f64::max);
+        (change, largest)
+    }
+
+    /// How much nearer, m, solids come to each other by all changes of [`Self::finish`] at most.
+    fn margin(&self) -> f64 {
+        2.0 * CHORDS as f64 * SETTLED * self.potential.barrier.reach
+    }
+
+    /// Goes on the way to other velocities, on which these `candidates` may meet, as far as nothing does, and, where that is asked for, as
+    /// the potential falls; returns whether that is all the way.
+    fn go(&mut self, to: &[Vector<D>], candidates: Candidates, falls: bool) -> bool {
+        let (next, whole) = self.advanced(to, &candidates, falls);
         // Points of solids that turn leave the straight way between its ends.
-        self.candidates = if whole { on_the_way } else { self.potential.candidates(&next, &next) };
+        self.candidates =
+            if whole { candidates } else { self.potential.candidates(&next, &next, self.margin()) };
         self.now = next;
         whole
     }

@@ -76,11 +76,11 @@ impl<const D: usize> Points<D> {
         let start: Vec<SolidState<D>> = model.solids.iter().map(Solid::start).collect();
         let places = Places::new(model, &start, self, &still, 0.0);
         let at = places.all();
-        let near = Candidates::on(Way { from: &places, to: &places }, reach).near;
+        let near = Candidates::on(&[Way { from: &places, to: &places }], reach, 0.0).near;
         self.draw_back(&near, &at, LEAST * reach);
         let places = Places::new(model, &start, self, &still, 0.0);
         let at = places.all();
-        let candidates = Candidates::on(Way { from: &places, to: &places }, reach);
+        let candidates = Candidates::on(&[Way { from: &places, to: &places }], reach, 0.0);
         let mut reaches = candidates.near.least_distances(&at);
         let mut lifts = BTreeMap::new();
         for meeting in &candidates.meetings {
@@ -127,7 +127,7 @@ fn gaps<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> (Vec<Gap>
     let points = Points::of(model);
     let still = vec![Vector::zeros(); points.nodes()];
     let places = Places::new(model, solids, &points, &still, 0.0);
-    let found = Candidates::on(Way { from: &places, to: &places }, REACH * model.grid.dx);
+    let found = Candidates::on(&[Way { from: &places, to: &places }], REACH * model.grid.dx, 0.0);
     let at = places.all();
     let solid = |point: u32| points.owners[point as usize].solid();
     let facets = found.near.gaps(&at).map(|(stencil, gap)| {

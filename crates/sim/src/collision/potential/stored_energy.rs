@@ -58,7 +58,7 @@ impl<const D: usize> Barriers<D> {
             rubs: Vec::new(),
             pressed: Vec::new(),
         };
-        let candidates = potential.candidates(&still, &still);
+        let candidates = potential.candidates(&still, &still, 0.0);
         let friction = friction(model);
         let held: f64 = slips.values().map(|slip| friction.stored(slip.hold, &slip.way)).sum();
         potential.stored(&candidates) + held
@@ -70,7 +70,7 @@ impl<const D: usize> Barriers<D> {
         let still = vec![Vector::zeros(); self.points.nodes()];
         let places = Places::new(model, solids, &self.points, &still, 0.0);
         let at = places.all();
-        let all = Candidates::on(Way { from: &places, to: &places }, REACH * model.grid.dx);
+        let all = Candidates::on(&[Way { from: &places, to: &places }], REACH * model.grid.dx, 0.0);
         let of_meeting = all.meetings.iter().map(|m| {
             let point = m.point();
             m.distance(&places, &at[point as usize]) - self.points.surface.radius(point)

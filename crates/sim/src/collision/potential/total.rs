@@ -220,12 +220,16 @@ impl<'a, const D: usize> Potential<'a, D> {
         Some(matrix)
     }
 
-    /// What may meet on the way to the end of the coming step between two choices of velocities, or feels a barrier before.
-    pub fn candidates(&self, from: &[Vector<D>], to: &[Vector<D>]) -> Candidates {
+    /// What may meet on the way to the end of the coming step between two choices of velocities, and on the way from the start to that of
+    /// the second one, or feels a barrier before; with a `margin`, m, to what is near.
+    pub fn candidates(&self, from: &[Vector<D>], to: &[Vector<D>], margin: f64) -> Candidates {
         let (start, end) = (self.moments(from), self.moments(to));
-        let reach = self.barrier.reach;
-        let late = Candidates::on(Way { from: &start.late.places, to: &end.late.places }, reach);
-        late.with(Candidates::on(Way { from: &start.early.places, to: &end.early.places }, reach))
+        let still = vec![Vector::zeros(); to.len()];
+        let now = self.places_after(&still, 0.0);
+        let late = Way { from: &start.late.places, to: &end.late.places };
+        let early = Way { from: &start.early.places, to: &end.early.places };
+        let all = Way { from: &now, to: &end.late.places };
+        Candidates::on(&[late, early, all], self.barrier.reach, margin)
     }
 
     /// The largest part of the way from some velocities along a change of them, up to all of it, on which nothing gives up more than
