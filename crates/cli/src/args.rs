@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 /// What `meniscus measure --help` tells of the columns.
-pub const COLUMNS: &str = "\
+pub const MEASURE_HELP: &str = "\
 Columns (docs/measure.md tells more, and the keys of --json):
   drop           number, the largest first; those under 8 cells are only counted
   on             the solid, or the side of the domain, that the drop touches
@@ -38,7 +38,7 @@ Columns (docs/measure.md tells more, and the keys of --json):
                  solid bends), or the line is at an edge
 The last table has means over --window: each step counts by its length.";
 
-const AFTER: &str = "\
+const AFTER_HELP: &str = "\
 Exit status: 0 done, 1 internal error, 2 wrong usage, 3 scene invalid, 4 input or output failed, \
 5 the solver could not go on, 6 an expectation or verification missed, 75 stopped on request (resumable).
 
@@ -53,7 +53,7 @@ First steps (SCENE may be a built-in name or a .toml file):
 
 /// Surface-tension liquids: simulate, look, measure, verify.
 #[derive(Debug, Parser)]
-#[command(name = "meniscus", version, about, after_help = AFTER, max_term_width = 110)]
+#[command(name = "meniscus", version, about, after_help = AFTER_HELP, max_term_width = 110)]
 #[command(arg_required_else_help = true)]
 pub struct Cli {
     /// What to do.
@@ -210,7 +210,7 @@ pub struct CheckArgs {
 
 /// `meniscus measure`.
 #[derive(Debug, Args)]
-#[command(after_help = COLUMNS)]
+#[command(after_help = MEASURE_HELP)]
 pub struct MeasureArgs {
     /// The output folder.
     pub dir: PathBuf,

@@ -61,7 +61,7 @@ fn dispatch(command: Command) -> Result {
 
 /// Commands of the interface that this version does not have, and what to use instead. They are in no help text and no
 /// completion; whoever types one is told.
-const LATER: [(&str, &str); 2] = [
+const UNAVAILABLE_COMMANDS: [(&str, &str); 2] = [
     (
         "export",
         "frames/ holds PLY files: Blender and MeshLab read them with their attributes, ParaView the geometry",
@@ -76,7 +76,7 @@ fn parsed() -> Result<Cli> {
         Err(error) => error,
     };
     let first = std::env::args().nth(1);
-    let later = LATER.iter().find(|(name, _)| first.as_deref() == Some(*name));
+    let later = UNAVAILABLE_COMMANDS.iter().find(|(name, _)| first.as_deref() == Some(*name));
     match later.filter(|_| error.kind() == ErrorKind::InvalidSubcommand) {
         Some((name, instead)) => {
             let message = format!("`meniscus {name}` is not in this version");

@@ -3,7 +3,7 @@
 use crate::args::LogFormat;
 use crate::failure::STOPPED;
 use indicatif::{ProgressBar, ProgressStyle};
-use meniscus_scene::run::{Event, Observer, Progress, Remote};
+use meniscus_scene::run::{Event, Observer, Progress, RemoteObserver};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
@@ -16,7 +16,7 @@ pub struct Reporter {
     last_step: Option<Progress>,
     last_line: Option<Instant>,
     /// How to go on with the run after it is stopped.
-    go_on: String,
+    resume_command: String,
 }
 
 #[derive(Clone)]
@@ -38,13 +38,13 @@ impl Style {
 }
 
 /// The reporter's part in the thread that watches over steps.
-struct Watcher {
+struct RemoteReporter {
     style: Style,
-    go_on: String,
+    resume_command: String,
 }
 
-impl Remote for Watcher {
-    fn see(&self, event: &Event) {
+impl RemoteObserver for RemoteReporter {
+    fn notify(&self, event: &Event) {
         match &self.style {
             Style::Json => json(event),
             style => style.say(&long_step(event)),
@@ -54,7 +54,7 @@ impl Remote for Watcher {
     fn abandon(&self, reason: &str) {
         match &self.style {
             Style::Json => eprintln!("{}", serde_json::json!({ "event": "end", "reason": reason })),
-            _ => eprintln!("{reason}. Go on with:\n  {}", self.go_on),
+            _ => eprintln!("{reason}. Go on with:\n  {}", self.resume_command),
         }
         std::process::exit(STOPPED.into());
     }
@@ -72,23 +72,23 @@ fn long_step(event: &Event) -> String {
     let median = median.map_or_else(String::new, |m| format!(" (median {m:.3} s)"));
     format!(
         "step {step} has taken {} so far{median}; dt of the step before {dt_before:.1e} s; phase: {phase}",
-        clock(*seconds)
+        format_wall_time(*seconds)
     )
 }
 
 /// Plain lines are at least this far apart, so that logs of long runs stay readable.
-const LINE_PAUSE: Duration = Duration::from_millis(500);
+const MIN_LINE_INTERVAL: Duration = Duration::from_millis(500);
 
 impl Reporter {
     /// A reporter for standard error as it is. `go_on`: the command that goes on with the run.
-    pub fn new(log: LogFormat, quiet: bool, go_on: String) -> Self {
+    pub fn new(log: LogFormat, quiet: bool, resume_command: String) -> Self {
         let style = match log {
             LogFormat::Json => Style::Json,
             LogFormat::Text if quiet => Style::Quiet,
             LogFormat::Text if std::io::stderr().is_terminal() => Style::Bar(bar()),
             LogFormat::Text => Style::Lines,
         };
-        Self { style, begun: Instant::now(), first_frame: None, last_step: None, last_line: None, go_on }
+        Self { style, begun: Instant::now(), first_frame: None, last_step: None, last_line: None, resume_command }
     }
 
     fn say(&self, line: &str) {
@@ -105,14 +105,14 @@ impl Reporter {
     fn line(&self, p: &Progress) -> String {
         let mut line = format!(
             "t {}  dt {:.1e} s  CFL {:.2}  {} it  volume error {:+.0e}",
-            time(p.time, p.end),
+            format_simulated_time(p.time, p.end),
             p.dt,
             p.cfl,
             p.iterations,
             p.volume_error
         );
         if let Some((per_frame, left)) = self.pace(p) {
-            line += &format!("  {per_frame:.2} s/frame  ETA {}", clock(left));
+            line += &format!("  {per_frame:.2} s/frame  ETA {}", format_wall_time(left));
         }
         line
     }
@@ -127,7 +127,7 @@ impl Reporter {
                     folder.display()
                 );
                 if let Some(time) = resumed_at {
-                    line += &format!(", on from {}", self::time(*time, *time));
+                    line += &format!(", on from {}", self::format_simulated_time(*time, *time));
                 }
                 self.say(&line);
             }
@@ -159,7 +159,7 @@ impl Reporter {
         let Some(progress) = self.last_step.clone().filter(|_| matches!(self.style, Style::Lines)) else {
             return;
         };
-        let due = self.last_line.is_none_or(|last| last.elapsed() >= LINE_PAUSE);
+        let due = self.last_line.is_none_or(|last| last.elapsed() >= MIN_LINE_INTERVAL);
         if due || frame == progress.last_frame {
             self.last_line = Some(Instant::now());
             let after = Progress { frame: frame + 1, ..progress.clone() };
@@ -169,7 +169,7 @@ impl Reporter {
 }
 
 impl Observer for Reporter {
-    fn see(&mut self, event: &Event) {
+    fn notify(&mut self, event: &Event) {
         if matches!(self.style, Style::Json) {
             json(event);
         } else {
@@ -177,8 +177,8 @@ impl Observer for Reporter {
         }
     }
 
-    fn remote(&self) -> Option<Box<dyn Remote>> {
-        Some(Box::new(Watcher { style: self.style.clone(), go_on: self.go_on.clone() }))
+    fn remote(&self) -> Option<Box<dyn RemoteObserver>> {
+        Some(Box::new(RemoteReporter { style: self.style.clone(), resume_command: self.resume_command.clone() }))
     }
 }
 
@@ -191,7 +191,7 @@ fn bar() -> ProgressBar {
 }
 
 /// A simulated time in the unit that suits the size of another.
-pub fn time(seconds: f64, size: f64) -> String {
+pub fn format_simulated_time(seconds: f64, size: f64) -> String {
     if size < 1e-3 {
         format!("{:.2} us", seconds * 1e6)
     } else if size < 1.0 {
@@ -202,7 +202,7 @@ pub fn time(seconds: f64, size: f64) -> String {
 }
 
 /// Seconds as people read them: `42 s`, `3 min 20 s`, `2 h 05 min`.
-pub fn clock(seconds: f64) -> String {
+pub fn format_wall_time(seconds: f64) -> String {
     let s = seconds.max(0.0).round() as u64;
     match s {
         0..10 => format!("{:.1} s", seconds.max(0.0)),

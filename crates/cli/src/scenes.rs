@@ -4,7 +4,7 @@ use crate::args::{self, SceneArgs};
 use crate::failure::Result;
 use meniscus_scene::builtin;
 use meniscus_scene::estimate::memory;
-use meniscus_scene::file::{LoadOptions, Quality, Scene, runnable};
+use meniscus_scene::file::{LoadOptions, Quality, Scene, ensure_runnable};
 use std::path::{Path, PathBuf};
 
 /// A loaded scene and where it came from.
@@ -34,8 +34,8 @@ pub fn load(args: &SceneArgs, more: &[String]) -> Result<Loaded> {
 }
 
 /// Refuses what this version or this machine cannot run.
-pub fn refuse_what_cannot_run(scene: &Scene) -> Result<()> {
-    runnable(scene)?;
-    memory::liquid_fits(scene, memory::of_machine())?;
+pub fn check_runnable(scene: &Scene) -> Result<()> {
+    ensure_runnable(scene)?;
+    memory::check_liquid_memory(scene, memory::machine_memory())?;
     Ok(())
 }

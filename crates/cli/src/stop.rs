@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 /// Watches for requests to stop.
-pub struct Watch {
+pub struct StopMonitor {
     /// Signals so far.
     signals: Arc<AtomicUsize>,
     until: Option<Instant>,
@@ -16,7 +16,7 @@ pub struct Watch {
 #[cfg(unix)]
 const FILE_TOO_LARGE: i32 = 25;
 
-impl Watch {
+impl StopMonitor {
     /// Begins to watch. A first signal stops the run after the step, a second one within it, a third ends the process at once.
     pub fn begin(walltime: Option<Duration>) -> std::io::Result<Self> {
         let signals = Arc::new(AtomicUsize::new(0));

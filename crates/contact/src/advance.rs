@@ -1,15 +1,15 @@
 //! How far points may go so that nothing meets and no element turns inside out.
 
-use crate::distance::{Closest, Kind};
+use crate::distance::{ClosestPair, StencilKind};
 use meniscus_numerics::{Matrix, Vector};
 
 /// Part of the way to the bound that an iteration goes (Li et al. 2021, algorithm 1). All of it would be safe, but for rounding; the
 /// iterations end where less than the rest, a tenth, of what may be given up is left.
-const EAGER: f64 = 0.9;
+const ADVANCE_FRACTION: f64 = 0.9;
 /// Most looks at one pair. Features that pass each other closely, fast, take many.
-const LOOKS: usize = 1000;
+const MAX_CCD_ITERATIONS: usize = 1000;
 /// Halvings of the time in which an element is found to turn inside out.
-const HALVINGS: usize = 60;
+const BISECTION_ITERATIONS: usize = 60;
 
 /// How near two features may come.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,34 +17,34 @@ pub struct Clearance {
     /// Distance, m, that counts as none.
     pub thickness: f64,
     /// Part of the distance beyond it that must remain.
-    pub keep: f64,
+    pub kept_fraction: f64,
 }
 
 /// The largest part of a way, up to all of it, on which two features keep a clearance: points go from `x` along `ways`. It is never too
 /// large: no point comes nearer by more than the ways relative to each other are long (additive continuous collision detection:
 /// M. Li, D. M. Kaufman, C. Jiang, "Codimensional incremental potential contact", ACM Trans. Graph. 40(4), 2021, §5).
-pub fn free_step<const D: usize>(
-    kind: Kind,
+pub fn collision_free_fraction<const D: usize>(
+    kind: StencilKind,
     x: &[Vector<D>; 4],
-    ways: &[Vector<D>; 4],
-    Clearance { thickness, keep }: Clearance,
+    displacements: &[Vector<D>; 4],
+    Clearance { thickness, kept_fraction }: Clearance,
 ) -> f64 {
-    let count = kind.count();
-    let mean: Vector<D> = ways[..count].iter().sum::<Vector<D>>() / count as f64;
-    let speed = kind.relative_motion(ways);
+    let count = kind.point_count();
+    let mean: Vector<D> = displacements[..count].iter().sum::<Vector<D>>() / count as f64;
+    let speed = kind.relative_motion(displacements);
     let distance = |part: f64| {
-        let at = std::array::from_fn(|k| x[k] + (ways[k] - mean) * part);
-        Closest::new(kind, &at).distance() - thickness
+        let at = std::array::from_fn(|k| x[k] + (displacements[k] - mean) * part);
+        ClosestPair::new(kind, &at).distance() - thickness
     };
-    if EAGER * (1.0 - keep) * (kind.least_distance(x) - thickness) >= speed {
+    if ADVANCE_FRACTION * (1.0 - kept_fraction) * (kind.least_distance(x) - thickness) >= speed {
         return 1.0;
     }
     let start = distance(0.0);
-    let (least, mut part) = (keep * start, 0.0);
+    let (least, mut part) = (kept_fraction * start, 0.0);
     let mut far = start;
     // Ends after so many looks, where it says less than could be.
-    for _ in 0..LOOKS {
-        let next = part + EAGER * (far - least) / speed;
+    for _ in 0..MAX_CCD_ITERATIONS {
+        let next = part + ADVANCE_FRACTION * (far - least) / speed;
         // Without a way there is nothing to find.
         if next >= 1.0 || next.is_nan() {
             return 1.0;
@@ -54,7 +54,7 @@ pub fn free_step<const D: usize>(
             return part;
         }
         part = next;
-        if far - least < (1.0 - EAGER) * (start - least) {
+        if far - least < (1.0 - ADVANCE_FRACTION) * (start - least) {
             return part;
         }
     }
@@ -63,19 +63,19 @@ pub fn free_step<const D: usize>(
 
 /// The largest part of a way, up to all of it, on which an element keeps more than `keep` of its volume. `edges` are those from one
 /// of its corners, as columns, `ways` how they change.
-pub fn upright_step<const D: usize>(edges: &Matrix<D>, ways: &Matrix<D>, keep: f64) -> f64 {
-    let volume = |part: f64| determinant(&(edges + ways * part));
+pub fn inversion_free_fraction<const D: usize>(edges: &Matrix<D>, displacements: &Matrix<D>, kept_fraction: f64) -> f64 {
+    let volume = |part: f64| determinant(&(edges + displacements * part));
     let start = volume(0.0);
-    let short = |part: f64| volume(part) <= keep * start;
+    let short = |part: f64| volume(part) <= kept_fraction * start;
     // A polynomial of degree D: between its extremes it is monotone.
-    let mut ends: Vec<f64> = extremes(volume, D).into_iter().filter(|t| *t > 0.0 && *t < 1.0).collect();
+    let mut ends: Vec<f64> = extrema(volume, D).into_iter().filter(|t| *t > 0.0 && *t < 1.0).collect();
     ends.sort_unstable_by(f64::total_cmp);
     ends.push(1.0);
     let mut from = 0.0;
     for end in ends {
         if short(end) {
             let mut to = end;
-            for _ in 0..HALVINGS {
+            for _ in 0..BISECTION_ITERATIONS {
                 let middle = 0.5 * (from + to);
                 if short(middle) { to = middle } else { from = middle }
             }
@@ -99,7 +99,7 @@ pub(crate) fn determinant<const D: usize>(m: &Matrix<D>) -> f64 {
 }
 
 /// Where a polynomial of degree 2 or 3 has extremes.
-fn extremes(p: impl Fn(f64) -> f64, degree: usize) -> Vec<f64> {
+fn extrema(p: impl Fn(f64) -> f64, degree: usize) -> Vec<f64> {
     let (zero, plus, minus) = (p(0.0), p(1.0), p(-1.0));
     let second = 0.5 * (plus + minus) - zero;
     if degree == 2 {

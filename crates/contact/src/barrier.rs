@@ -1,7 +1,7 @@
 //! The barrier: an energy that keeps two features apart.
 
-use crate::distance::{Closest, Kind, Stencil};
-use crate::local::Local;
+use crate::distance::{ClosestPair, StencilKind, Stencil};
+use crate::local::LocalDerivatives;
 use crate::mollifier::Mollifier;
 use meniscus_numerics::{Matrix, Vector};
 
@@ -9,7 +9,7 @@ use meniscus_numerics::{Matrix, Vector};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Barrier {
     /// Distance, m, from which on features do not feel each other.
-    pub reach: f64,
+    pub activation_distance: f64,
 }
 
 /// Two features that are near each other.
@@ -22,92 +22,92 @@ pub struct Contact {
     /// Stiffness `κ`, Pa: the pressure at 0.53 of the reach, where `β' = −1`.
     pub stiffness: f64,
     /// Of two edges: the squared lengths at rest, multiplied, m⁴.
-    pub lengths: f64,
+    pub squared_length_product: f64,
     /// Distance, m, that counts as none: the radius of a ball around the first point.
     pub thickness: f64,
     /// Distance, m, beyond it from which on they do not feel each other.
-    pub reach: f64,
+    pub activation_distance: f64,
 }
 
 /// `β(t) = −(1 − t)² ln t` for `0 < t < 1`, and its first and second derivative.
-fn beta(t: f64) -> [f64; 3] {
+fn normalised_barrier(t: f64) -> [f64; 3] {
     let (rest, log) = (1.0 - t, t.ln());
     [-rest * rest * log, 2.0 * rest * log - rest * rest / t, rest * (4.0 + rest / t) / t - 2.0 * log]
 }
 
 impl Barrier {
     /// The energy of a distance over `a κ`, m, and its derivatives by the distance; infinite where there is none.
-    pub fn of_distance(&self, distance: f64) -> [f64; 3] {
-        if distance >= self.reach {
+    pub fn derivatives_by_distance(&self, distance: f64) -> [f64; 3] {
+        if distance >= self.activation_distance {
             return [0.0; 3];
         }
         if distance <= 0.0 {
             return [f64::INFINITY; 3];
         }
-        let [value, slope, bend] = beta(distance / self.reach);
-        [value * self.reach, slope, bend / self.reach]
+        let [value, slope, bend] = normalised_barrier(distance / self.activation_distance);
+        [value * self.activation_distance, slope, bend / self.activation_distance]
     }
 }
 
 impl Contact {
     /// Its barrier's energy of a distance, as [`Barrier::of_distance`].
-    fn of_distance(&self, distance: f64) -> [f64; 3] {
-        Barrier { reach: self.reach }.of_distance(distance - self.thickness)
+    fn derivatives_by_distance(&self, distance: f64) -> [f64; 3] {
+        Barrier { activation_distance: self.activation_distance }.derivatives_by_distance(distance - self.thickness)
     }
 
     /// The same by the squared distance.
-    fn of_square(&self, square: f64) -> [f64; 3] {
+    fn derivatives_by_squared_distance(&self, square: f64) -> [f64; 3] {
         let distance = square.sqrt();
-        let [value, slope, bend] = self.of_distance(distance);
+        let [value, slope, bend] = self.derivatives_by_distance(distance);
         [value, slope / (2.0 * distance), (bend - slope / distance) / (4.0 * square)]
     }
 
     /// Energy, J (2D: J/m), at positions; infinite where the features touch.
     pub fn energy<const D: usize>(&self, x: &[Vector<D>]) -> f64 {
-        let at = self.stencil.of(x);
-        let [value, ..] = self.of_distance(Closest::new(self.stencil.kind, &at).distance());
+        let at = self.stencil.positions(x);
+        let [value, ..] = self.derivatives_by_distance(ClosestPair::new(self.stencil.kind, &at).distance());
         let share = self.mollifier(&at).map_or(1.0, |m| m.value);
         if value > 0.0 { self.area * self.stiffness * value * share } else { 0.0 }
     }
 
     /// Distance of the features, m, at positions.
     pub fn distance<const D: usize>(&self, x: &[Vector<D>]) -> f64 {
-        Closest::new(self.stencil.kind, &self.stencil.of(x)).distance()
+        ClosestPair::new(self.stencil.kind, &self.stencil.positions(x)).distance()
     }
 
     /// Magnitude of the contact force between them, N (2D: N/m).
     pub fn force<const D: usize>(&self, x: &[Vector<D>]) -> f64 {
-        let at = self.stencil.of(x);
-        let closest = Closest::new(self.stencil.kind, &at);
+        let at = self.stencil.positions(x);
+        let closest = ClosestPair::new(self.stencil.kind, &at);
         let share = self.mollifier(&at).map_or(1.0, |m| m.value);
-        -self.area * self.stiffness * share * self.of_distance(closest.distance())[1]
+        -self.area * self.stiffness * share * self.derivatives_by_distance(closest.distance())[1]
     }
 
     /// Derivatives at positions; nothing where the features are out of reach. The Hessian is not projected.
-    pub fn derivatives<const D: usize>(&self, x: &[Vector<D>]) -> Option<Local<D>> {
-        let at = self.stencil.of(x);
-        let closest = Closest::new(self.stencil.kind, &at);
-        let [value, slope, bend] = self.of_square(closest.square());
+    pub fn derivatives<const D: usize>(&self, x: &[Vector<D>]) -> Option<LocalDerivatives<D>> {
+        let at = self.stencil.positions(x);
+        let closest = ClosestPair::new(self.stencil.kind, &at);
+        let [value, slope, bend] = self.derivatives_by_squared_distance(closest.squared_distance());
         if value == 0.0 {
             return None;
         }
         let scale = self.area * self.stiffness;
-        let mut local = Local::zeros(self.stencil.kind.count());
-        let curvature = closest.curvature(&at);
-        let along = closest.weights.map(|w| closest.apart * (2.0 * w));
+        let mut local = LocalDerivatives::zeros(self.stencil.kind.point_count());
+        let curvature = closest.squared_distance_hessian(&at);
+        let along = closest.weights.map(|w| closest.separation * (2.0 * w));
         let mollifier = self.mollifier(&at);
         let share = mollifier.as_ref().map_or(1.0, |m| m.value);
-        for k in 0..local.count {
+        for k in 0..local.point_count {
             local.gradient[k] = along[k] * (scale * share * slope);
-            for l in 0..local.count {
+            for l in 0..local.point_count {
                 local.hessian[k][l] =
                     (along[k] * along[l].transpose() * bend + curvature(k, l) * slope) * (scale * share);
             }
         }
         if let Some(m) = mollifier {
-            for k in 0..local.count {
+            for k in 0..local.point_count {
                 local.gradient[k] += m.gradient[k] * (scale * value);
-                for l in 0..local.count {
+                for l in 0..local.point_count {
                     let mixed: Matrix<D> =
                         m.gradient[k] * along[l].transpose() + along[k] * m.gradient[l].transpose();
                     local.hessian[k][l] += m.hessian[k][l] * (scale * value) + mixed * (scale * slope);
@@ -118,6 +118,6 @@ impl Contact {
     }
 
     fn mollifier<const D: usize>(&self, at: &[Vector<D>; 4]) -> Option<Mollifier<D>> {
-        if self.stencil.kind == Kind::EdgeEdge { Mollifier::new(at, self.lengths) } else { None }
+        if self.stencil.kind == StencilKind::EdgeEdge { Mollifier::new(at, self.squared_length_product) } else { None }
     }
 }

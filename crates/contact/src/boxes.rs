@@ -4,21 +4,21 @@ use meniscus_numerics::Vector;
 use rayon::prelude::*;
 
 /// A box, by its lower and upper corner, m.
-pub type Extent<const D: usize> = [Vector<D>; 2];
+pub type Aabb<const D: usize> = [Vector<D>; 2];
 
 /// Width of the bins, in mean widths of the boxes in them.
-const WIDE: f64 = 2.0;
+const BIN_WIDTH_FACTOR: f64 = 2.0;
 
 /// The pairs of boxes of two lists that overlap, in order.
-pub fn overlapping<const D: usize>(one: &[Extent<D>], other: &[Extent<D>]) -> Vec<(u32, u32)> {
+pub fn overlapping_pairs<const D: usize>(one: &[Aabb<D>], other: &[Aabb<D>]) -> Vec<(u32, u32)> {
     let Some(bins) = Bins::new(other) else { return Vec::new() };
-    let of_one = |(k, own): (usize, &Extent<D>)| {
+    let of_one = |(k, own): (usize, &Aabb<D>)| {
         let meets = |o: &u32| {
             let b = &other[*o as usize];
             (0..D).all(|a| b[0][a] <= own[1][a] && own[0][a] <= b[1][a])
         };
         let mut found: Vec<u32> =
-            bins.touched(own).flat_map(|bin| bins.of(bin)).copied().filter(meets).collect();
+            bins.touched_bins(own).flat_map(|bin| bins.boxes_in(bin)).copied().filter(meets).collect();
         found.sort_unstable();
         found.dedup();
         found.into_iter().map(move |o| (k as u32, o))
@@ -38,14 +38,14 @@ struct Bins<const D: usize> {
 
 impl<const D: usize> Bins<D> {
     /// Of these boxes; nothing if there are none.
-    fn new(boxes: &[Extent<D>]) -> Option<Self> {
+    fn new(boxes: &[Aabb<D>]) -> Option<Self> {
         let first = *boxes.first()?;
         let [lower, upper] = boxes.iter().fold(first, |all, b| [all[0].inf(&b[0]), all[1].sup(&b[1])]);
         let mean = boxes.iter().map(|b| b[1] - b[0]).sum::<Vector<D>>() / boxes.len() as f64;
         // No more bins than 2^D times the boxes, however thin these are.
         let most = 2 * (boxes.len() as f64).powf(1.0 / D as f64).ceil() as usize;
         let span = upper - lower;
-        let count = std::array::from_fn(|a| ((span[a] / (WIDE * mean[a])) as usize).clamp(1, most));
+        let count = std::array::from_fn(|a| ((span[a] / (BIN_WIDTH_FACTOR * mean[a])) as usize).clamp(1, most));
         let width = Vector::from_fn(|a, _| span[a] / count[a] as f64);
         let mut bins = Self { lower, width, count, starts: Vec::new(), boxes: Vec::new() };
         bins.fill(boxes);
@@ -53,10 +53,10 @@ impl<const D: usize> Bins<D> {
     }
 
     /// Sorts the boxes into the bins, each bin's in order.
-    fn fill(&mut self, boxes: &[Extent<D>]) {
+    fn fill(&mut self, boxes: &[Aabb<D>]) {
         let mut starts = vec![0u32; self.count.iter().product::<usize>() + 1];
         for b in boxes {
-            self.touched(b).for_each(|bin| starts[bin + 1] += 1);
+            self.touched_bins(b).for_each(|bin| starts[bin + 1] += 1);
         }
         for bin in 1..starts.len() {
             starts[bin] += starts[bin - 1];
@@ -64,7 +64,7 @@ impl<const D: usize> Bins<D> {
         let mut next = starts.clone();
         let mut sorted = vec![0; starts[starts.len() - 1] as usize];
         for (k, b) in boxes.iter().enumerate() {
-            for bin in self.touched(b) {
+            for bin in self.touched_bins(b) {
                 sorted[next[bin] as usize] = k as u32;
                 next[bin] += 1;
             }
@@ -73,12 +73,12 @@ impl<const D: usize> Bins<D> {
     }
 
     /// The boxes that touch a bin.
-    fn of(&self, bin: usize) -> &[u32] {
+    fn boxes_in(&self, bin: usize) -> &[u32] {
         &self.boxes[self.starts[bin] as usize..self.starts[bin + 1] as usize]
     }
 
     /// The bins that a box touches; of one that is outside, the nearest.
-    fn touched(&self, extent: &Extent<D>) -> impl Iterator<Item = usize> + use<D> {
+    fn touched_bins(&self, extent: &Aabb<D>) -> impl Iterator<Item = usize> + use<D> {
         let count = self.count;
         let [from, to] = extent.map(|corner| -> [usize; D] {
             // Of a width of 0 there is one bin, whatever the ratio.
@@ -105,7 +105,7 @@ mod tests {
     use super::*;
 
     /// Boxes of very different widths, some of no width at all, some far outside.
-    fn some(count: usize, seed: f64) -> Vec<Extent<3>> {
+    fn some(count: usize, seed: f64) -> Vec<Aabb<3>> {
         let part = |k: usize, a: usize| (k as f64 * seed * [1.0, 1.324_718, 1.732_051][a]).fract();
         let of = |k: usize| {
             let far = if k.is_multiple_of(17) { 3.0 } else { 1.0 };
@@ -128,9 +128,9 @@ mod tests {
             }
         }
         assert!(all.len() > 100);
-        assert_eq!(overlapping(&one, &other), all);
+        assert_eq!(overlapping_pairs(&one, &other), all);
         let point = [[Vector::<3>::zeros(); 2]];
-        assert_eq!(overlapping(&point, &point), [(0, 0)]);
-        assert!(overlapping::<3>(&one, &[]).is_empty());
+        assert_eq!(overlapping_pairs(&point, &point), [(0, 0)]);
+        assert!(overlapping_pairs::<3>(&one, &[]).is_empty());
     }
 }

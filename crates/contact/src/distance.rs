@@ -9,7 +9,7 @@ use meniscus_numerics::Vector;
 
 /// The kinds of pairs of features between which distances are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kind {
+pub enum StencilKind {
     /// A point, and a segment: a facet in 2D.
     PointSegment,
     /// A point, and a triangle: a facet in 3D.
@@ -22,7 +22,7 @@ pub enum Kind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Stencil {
     /// Their kind.
-    pub kind: Kind,
+    pub kind: StencilKind,
     /// Their points; of a point and a segment three, and nothing in the last place.
     pub points: [u32; 4],
 }
@@ -32,49 +32,49 @@ impl Stencil {
     pub fn point_facet<const D: usize>(point: u32, facet: &[u32; D]) -> Self {
         let mut points = [point, 0, 0, 0];
         points[1..=D].copy_from_slice(facet);
-        Self { kind: if D == 2 { Kind::PointSegment } else { Kind::PointTriangle }, points }
+        Self { kind: if D == 2 { StencilKind::PointSegment } else { StencilKind::PointTriangle }, points }
     }
 
     /// Two edges.
     pub fn edge_edge(first: [u32; 2], second: [u32; 2]) -> Self {
-        Self { kind: Kind::EdgeEdge, points: [first[0], first[1], second[0], second[1]] }
+        Self { kind: StencilKind::EdgeEdge, points: [first[0], first[1], second[0], second[1]] }
     }
 
     /// Its points.
     pub fn points(&self) -> &[u32] {
-        &self.points[..self.kind.count()]
+        &self.points[..self.kind.point_count()]
     }
 
     /// Where its points are among `x`; nothing follows the last.
-    pub fn of<const D: usize>(&self, x: &[Vector<D>]) -> [Vector<D>; 4] {
+    pub fn positions<const D: usize>(&self, x: &[Vector<D>]) -> [Vector<D>; 4] {
         let mut at = [Vector::zeros(); 4];
         at.iter_mut().zip(self.points()).for_each(|(at, p)| *at = x[*p as usize]);
         at
     }
 }
 
-impl Kind {
+impl StencilKind {
     /// Number of points.
-    pub fn count(self) -> usize {
+    pub fn point_count(self) -> usize {
         if self == Self::PointSegment { 3 } else { 4 }
     }
 
     /// How many of these are of the first feature.
-    pub fn first(self) -> usize {
+    pub fn first_count(self) -> usize {
         if self == Self::EdgeEdge { 2 } else { 1 }
     }
 
     /// By how much two features come nearer to each other at most, m, where their points move along `ways`.
     pub fn relative_motion<const D: usize>(self, ways: &[Vector<D>; 4]) -> f64 {
-        let ways = &ways[..self.count()];
+        let ways = &ways[..self.point_count()];
         let mean: Vector<D> = ways.iter().sum::<Vector<D>>() / ways.len() as f64;
         let longest = |part: &[Vector<D>]| part.iter().map(|w| (w - mean).norm()).fold(0.0, f64::max);
-        longest(&ways[..self.first()]) + longest(&ways[self.first()..])
+        longest(&ways[..self.first_count()]) + longest(&ways[self.first_count()..])
     }
 
     /// The distance between the bounding boxes of two features, m, which they are not nearer than.
     pub fn least_distance<const D: usize>(self, x: &[Vector<D>; 4]) -> f64 {
-        let (first, second) = x[..self.count()].split_at(self.first());
+        let (first, second) = x[..self.point_count()].split_at(self.first_count());
         let bounds = |part: &[Vector<D>]| {
             part[1..].iter().fold([part[0]; 2], |[low, high], x| [low.inf(x), high.sup(x)])
         };
@@ -88,54 +88,54 @@ type Weights = [f64; 4];
 
 /// Points of two features that are closest to each other.
 #[derive(Clone, Copy, Debug)]
-pub struct Closest<const D: usize> {
+pub struct ClosestPair<const D: usize> {
     /// From the one on the second feature to the one on the first, m: `Σ_k w_k x_k`.
-    pub apart: Vector<D>,
+    pub separation: Vector<D>,
     /// The weights `w_k`. Those of the first feature add up to 1, those of the second to -1.
     pub weights: Weights,
     /// How the weights change with each coordinate along which both are free to move, and how many of these there are.
-    free: [Weights; 2],
-    freedoms: usize,
+    free_directions: [Weights; 2],
+    free_count: usize,
 }
 
-impl<const D: usize> Closest<D> {
+impl<const D: usize> ClosestPair<D> {
     /// Of two features with their points at `x`.
-    pub fn new(kind: Kind, x: &[Vector<D>; 4]) -> Self {
+    pub fn new(kind: StencilKind, x: &[Vector<D>; 4]) -> Self {
         let nearest = |pairs: &[(usize, [usize; 2])]| {
             let all = pairs.iter().map(|(p, edge)| Self::point_edge(x, *p, *edge));
-            all.reduce(|best, next| if next.square() < best.square() { next } else { best })
+            all.reduce(|best, next| if next.squared_distance() < best.squared_distance() { next } else { best })
         };
         let (within, rim) = match kind {
-            Kind::PointSegment => (None, None),
-            Kind::PointTriangle => {
+            StencilKind::PointSegment => (None, None),
+            StencilKind::PointTriangle => {
                 (Self::within_triangle(x), nearest(&[(0, [1, 2]), (0, [2, 3]), (0, [3, 1])]))
             }
-            Kind::EdgeEdge => {
+            StencilKind::EdgeEdge => {
                 let ends = nearest(&[(0, [2, 3]), (1, [2, 3]), (2, [0, 1]), (3, [0, 1])]);
-                (Self::within_edges(x), ends.map(Self::facing_first))
+                (Self::within_edges(x), ends.map(Self::oriented_to_first))
             }
         };
         // The inside of flat triangles and of parallel edges is told with large rounding errors: then it is not the nearest.
         let both = [within, rim].into_iter().flatten();
-        let nearer = both.reduce(|a, b| if b.square() < a.square() { b } else { a });
+        let nearer = both.reduce(|a, b| if b.squared_distance() < a.squared_distance() { b } else { a });
         nearer.unwrap_or_else(|| Self::point_edge(x, 0, [1, 2]))
     }
 
-    fn of(x: &[Vector<D>; 4], weights: Weights, free: &[Weights]) -> Self {
-        let apart = x.iter().zip(weights).map(|(x, w)| x * w).sum();
+    fn from_weights(x: &[Vector<D>; 4], weights: Weights, free: &[Weights]) -> Self {
+        let separation = x.iter().zip(weights).map(|(x, w)| x * w).sum();
         let mut all = [[0.0; 4]; 2];
         all.iter_mut().zip(free).for_each(|(to, from)| *to = *from);
-        Self { apart, weights, free: all, freedoms: free.len() }
+        Self { separation, weights, free_directions: all, free_count: free.len() }
     }
 
     /// Squared distance, m².
-    pub fn square(&self) -> f64 {
-        self.apart.norm_squared()
+    pub fn squared_distance(&self) -> f64 {
+        self.separation.norm_squared()
     }
 
     /// Distance, m.
     pub fn distance(&self) -> f64 {
-        self.apart.norm()
+        self.separation.norm()
     }
 
     fn point_edge(x: &[Vector<D>; 4], p: usize, [a, b]: [usize; 2]) -> Self {
@@ -148,53 +148,53 @@ impl<const D: usize> Closest<D> {
         let mut free = [0.0; 4];
         (free[a], free[b]) = (1.0, -1.0);
         let inside = along > 0.0 && along < 1.0;
-        Self::of(x, weights, if inside { std::slice::from_ref(&free) } else { &[] })
+        Self::from_weights(x, weights, if inside { std::slice::from_ref(&free) } else { &[] })
     }
 
     /// Of a point above the inside of a triangle.
     fn within_triangle(x: &[Vector<D>; 4]) -> Option<Self> {
         let free = [[0.0, 1.0, -1.0, 0.0], [0.0, 1.0, 0.0, -1.0]];
-        let [s, t] = lowest(x, [1.0, -1.0, 0.0, 0.0], &free)?;
+        let [s, t] = minimising_coordinates(x, [1.0, -1.0, 0.0, 0.0], &free)?;
         let inside = s > 0.0 && t > 0.0 && s + t < 1.0;
-        inside.then(|| Self::of(x, [1.0, s + t - 1.0, -s, -t], &free))
+        inside.then(|| Self::from_weights(x, [1.0, s + t - 1.0, -s, -t], &free))
     }
 
     /// Of two edges that pass each other.
     fn within_edges(x: &[Vector<D>; 4]) -> Option<Self> {
         let free = [[-1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0]];
-        let [s, t] = lowest(x, [1.0, 0.0, -1.0, 0.0], &free)?;
+        let [s, t] = minimising_coordinates(x, [1.0, 0.0, -1.0, 0.0], &free)?;
         let inside = s > 0.0 && s < 1.0 && t > 0.0 && t < 1.0;
-        inside.then(|| Self::of(x, [1.0 - s, s, t - 1.0, -t], &free))
+        inside.then(|| Self::from_weights(x, [1.0 - s, s, t - 1.0, -t], &free))
     }
 
     /// The same with the first two points as those of the first feature.
-    fn facing_first(self) -> Self {
+    fn oriented_to_first(self) -> Self {
         if self.weights[0] + self.weights[1] > 0.0 {
             return self;
         }
         let turned = |w: Weights| w.map(|w| -w);
-        Self { apart: -self.apart, weights: turned(self.weights), free: self.free.map(turned), ..self }
+        Self { separation: -self.separation, weights: turned(self.weights), free_directions: self.free_directions.map(turned), ..self }
     }
 
     /// The second derivative of the squared distance by the positions of points `k` and `l`.
-    pub fn curvature(
+    pub fn squared_distance_hessian(
         &self,
         x: &[Vector<D>; 4],
     ) -> impl Fn(usize, usize) -> meniscus_numerics::Matrix<D> + use<D> {
         use meniscus_numerics::Matrix;
-        let along: [Vector<D>; 2] = self.free.map(|free| x.iter().zip(free).map(|(x, q)| x * q).sum());
-        let inverse = inverse(&along, self.freedoms);
-        let Self { apart, weights, free, freedoms } = *self;
+        let along: [Vector<D>; 2] = self.free_directions.map(|free_directions| x.iter().zip(free_directions).map(|(x, q)| x * q).sum());
+        let inverse = inverse_gram(&along, self.free_count);
+        let Self { separation, weights, free_directions, free_count } = *self;
         // Half the mixed derivative by a point and a coordinate, times a vector.
         let mixed = move |k: usize, i: usize, to: &Vector<D>| -> Matrix<D> {
             // (w_k E_i + q_ik r) toᵀ
-            (along[i] * weights[k] + apart * free[i][k]) * to.transpose()
+            (along[i] * weights[k] + separation * free_directions[i][k]) * to.transpose()
         };
         move |k, l| {
             let mut block = Matrix::identity() * (2.0 * weights[k] * weights[l]);
-            for i in 0..freedoms {
-                for j in 0..freedoms {
-                    let to = along[j] * weights[l] + apart * free[j][l];
+            for i in 0..free_count {
+                for j in 0..free_count {
+                    let to = along[j] * weights[l] + separation * free_directions[j][l];
                     block -= mixed(k, i, &to) * (2.0 * inverse[i][j]);
                 }
             }
@@ -204,7 +204,7 @@ impl<const D: usize> Closest<D> {
 }
 
 /// The inverse of the products of up to two vectors, of which the first `count` count.
-fn inverse<const D: usize>(along: &[Vector<D>; 2], count: usize) -> [[f64; 2]; 2] {
+fn inverse_gram<const D: usize>(along: &[Vector<D>; 2], count: usize) -> [[f64; 2]; 2] {
     let (a, b, c) = (along[0].norm_squared(), along[1].norm_squared(), along[0].dot(&along[1]));
     match count {
         0 => [[0.0; 2]; 2],
@@ -217,10 +217,10 @@ fn inverse<const D: usize>(along: &[Vector<D>; 2], count: usize) -> [[f64; 2]; 2
 }
 
 /// The coordinates at which `|Σ_k (w_k + λ_1 q_1k + λ_2 q_2k) x_k|` is least; nothing where they are not told.
-fn lowest<const D: usize>(x: &[Vector<D>; 4], weights: Weights, free: &[Weights; 2]) -> Option<[f64; 2]> {
+fn minimising_coordinates<const D: usize>(x: &[Vector<D>; 4], weights: Weights, free: &[Weights; 2]) -> Option<[f64; 2]> {
     let sum = |w: &Weights| -> Vector<D> { x.iter().zip(w).map(|(x, w)| x * *w).sum() };
     let (start, along) = (sum(&weights), free.each_ref().map(sum));
-    let inverse = inverse(&along, 2);
+    let inverse = inverse_gram(&along, 2);
     let slopes = along.map(|e| -e.dot(&start));
     let at = [0, 1].map(|i| inverse[i][0] * slopes[0] + inverse[i][1] * slopes[1]);
     at.iter().all(|l| l.is_finite()).then_some(at)

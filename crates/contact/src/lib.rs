@@ -27,13 +27,13 @@ mod mollifier;
 mod plane;
 mod surface;
 
-pub use advance::{Clearance, free_step, upright_step};
+pub use advance::{Clearance, collision_free_fraction, inversion_free_fraction};
 pub use barrier::{Barrier, Contact};
-pub use distance::{Closest, Kind, Stencil};
-pub use friction::{Friction, Rubbing};
-pub use local::Local;
+pub use distance::{ClosestPair, StencilKind, Stencil};
+pub use friction::{Friction, FrictionPair};
+pub use local::LocalDerivatives;
 pub use plane::Plane;
-pub use surface::{Near, Surface};
+pub use surface::{FeaturePairs, CollisionMesh};
 
 #[cfg(test)]
 mod tests;

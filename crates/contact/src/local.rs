@@ -5,25 +5,25 @@ use nalgebra::{SMatrix, SymmetricEigen};
 
 /// First and second derivatives of an energy by the positions of up to four points.
 #[derive(Clone, Copy, Debug)]
-pub struct Local<const D: usize> {
+pub struct LocalDerivatives<const D: usize> {
     /// Number of points.
-    pub count: usize,
+    pub point_count: usize,
     /// By each, N (2D: N/m).
     pub gradient: [Vector<D>; 4],
     /// By each two, N/m (2D: N/m²).
     pub hessian: [[Matrix<D>; 4]; 4],
 }
 
-impl<const D: usize> Local<D> {
+impl<const D: usize> LocalDerivatives<D> {
     /// Zero.
-    pub fn zeros(count: usize) -> Self {
-        Self { count, gradient: [Vector::zeros(); 4], hessian: [[Matrix::zeros(); 4]; 4] }
+    pub fn zeros(point_count: usize) -> Self {
+        Self { point_count, gradient: [Vector::zeros(); 4], hessian: [[Matrix::zeros(); 4]; 4] }
     }
 
     /// The same without the negative part of the Hessian.
-    pub fn positive(mut self) -> Self {
+    pub fn projected_psd(mut self) -> Self {
         // The sizes of matrices are constants: three points in 2D, four in 3D.
-        if D == 2 && self.count <= 3 {
+        if D == 2 && self.point_count <= 3 {
             self.project::<6>()
         } else {
             self.project::<12>()
@@ -36,15 +36,15 @@ impl<const D: usize> Local<D> {
         SMatrix<f64, N, N>: Projected,
     {
         let whole = SMatrix::<f64, N, N>::from_fn(|i, j| {
-            if i / D < self.count && j / D < self.count {
+            if i / D < self.point_count && j / D < self.point_count {
                 self.hessian[i / D][j / D][(i % D, j % D)]
             } else {
                 0.0
             }
         });
         let whole = whole.projected();
-        for k in 0..self.count {
-            for l in 0..self.count {
+        for k in 0..self.point_count {
+            for l in 0..self.point_count {
                 self.hessian[k][l] = Matrix::from_fn(|a, b| whole[(k * D + a, l * D + b)]);
             }
         }

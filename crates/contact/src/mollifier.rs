@@ -6,7 +6,7 @@
 use meniscus_numerics::{Matrix, Vector};
 
 /// `ε` over the product of the squared lengths at rest (IPC, §5.2): the factor acts on edges at less than 1.8 degrees, `sin² = 1e-3`.
-const PARALLEL: f64 = 1e-3;
+const PARALLEL_THRESHOLD: f64 = 1e-3;
 
 /// The share of the barrier that is left, and its derivatives.
 pub struct Mollifier<const D: usize> {
@@ -20,8 +20,8 @@ pub struct Mollifier<const D: usize> {
 
 impl<const D: usize> Mollifier<D> {
     /// Of two edges; nothing where all is left.
-    pub fn new(x: &[Vector<D>; 4], lengths: f64) -> Option<Self> {
-        let least = PARALLEL * lengths;
+    pub fn new(x: &[Vector<D>; 4], squared_length_product: f64) -> Option<Self> {
+        let least = PARALLEL_THRESHOLD * squared_length_product;
         let edges = [x[1] - x[0], x[3] - x[2]];
         let (squares, product) = (edges.map(|e| e.norm_squared()), edges[0].dot(&edges[1]));
         let cross = (squares[0] * squares[1] - product * product).max(0.0);

@@ -19,8 +19,8 @@ impl<const D: usize> Plane<D> {
     }
 
     /// The largest part of a way, up to all of it, on which a point keeps a clearance.
-    pub fn free_step(&self, x: &Vector<D>, way: &Vector<D>, Clearance { thickness, keep }: Clearance) -> f64 {
-        let (far, nearer) = (self.distance(x) - thickness, -way.dot(&self.normal));
-        if nearer <= (1.0 - keep) * far { 1.0 } else { ((1.0 - keep) * far / nearer).max(0.0) }
+    pub fn collision_free_fraction(&self, x: &Vector<D>, displacement: &Vector<D>, Clearance { thickness, kept_fraction }: Clearance) -> f64 {
+        let (far, nearer) = (self.distance(x) - thickness, -displacement.dot(&self.normal));
+        if nearer <= (1.0 - kept_fraction) * far { 1.0 } else { ((1.0 - kept_fraction) * far / nearer).max(0.0) }
     }
 }

@@ -17,15 +17,15 @@ impl Numbers {
     }
 }
 
-const KINDS_2: [Kind; 1] = [Kind::PointSegment];
-const KINDS_3: [Kind; 2] = [Kind::PointTriangle, Kind::EdgeEdge];
+const KINDS_2: [StencilKind; 1] = [StencilKind::PointSegment];
+const KINDS_3: [StencilKind; 2] = [StencilKind::PointTriangle, StencilKind::EdgeEdge];
 
-fn stencil(kind: Kind) -> Stencil {
-    Stencil { kind, points: [0, 1, 2, if kind.count() == 4 { 3 } else { 0 }] }
+fn stencil(kind: StencilKind) -> Stencil {
+    Stencil { kind, points: [0, 1, 2, if kind.point_count() == 4 { 3 } else { 0 }] }
 }
 
 /// The distance of two features by trying all points of them.
-fn tried<const D: usize>(kind: Kind, x: &[Vector<D>]) -> f64 {
+fn tried<const D: usize>(kind: StencilKind, x: &[Vector<D>]) -> f64 {
     const MANY: usize = 200;
     let part = |i: usize| i as f64 / MANY as f64;
     let mut least = f64::INFINITY;
@@ -33,9 +33,9 @@ fn tried<const D: usize>(kind: Kind, x: &[Vector<D>]) -> f64 {
         for j in 0..=MANY {
             let (s, t) = (part(i), part(j));
             let apart = match kind {
-                Kind::PointSegment => x[0] - x[1].lerp(&x[2], s),
-                Kind::PointTriangle => x[0] - x[1].lerp(&x[2].lerp(&x[3], t), s),
-                Kind::EdgeEdge => x[0].lerp(&x[1], s) - x[2].lerp(&x[3], t),
+                StencilKind::PointSegment => x[0] - x[1].lerp(&x[2], s),
+                StencilKind::PointTriangle => x[0] - x[1].lerp(&x[2].lerp(&x[3], t), s),
+                StencilKind::EdgeEdge => x[0].lerp(&x[1], s) - x[2].lerp(&x[3], t),
             };
             least = least.min(apart.norm());
         }
@@ -43,17 +43,17 @@ fn tried<const D: usize>(kind: Kind, x: &[Vector<D>]) -> f64 {
     least
 }
 
-fn check_distances<const D: usize>(kinds: &[Kind]) {
+fn check_distances<const D: usize>(kinds: &[StencilKind]) {
     let mut numbers = Numbers(7);
     for kind in kinds {
         for _ in 0..40 {
-            let x = numbers.points::<D>(kind.count());
-            let closest = Closest::new(*kind, &stencil(*kind).of(&x));
+            let x = numbers.points::<D>(kind.point_count());
+            let closest = ClosestPair::new(*kind, &stencil(*kind).positions(&x));
             let tried = tried(*kind, &x);
             assert!((closest.distance() - tried).abs() < 0.02, "{kind:?} {x:?}");
             let sum: Vector<D> = x.iter().zip(closest.weights).map(|(x, w)| x * w).sum();
-            assert!((sum - closest.apart).norm() < 1e-14);
-            let first: f64 = closest.weights[..kind.first()].iter().sum();
+            assert!((sum - closest.separation).norm() < 1e-14);
+            let first: f64 = closest.weights[..kind.first_count()].iter().sum();
             assert!((first - 1.0).abs() < 1e-14 && closest.weights.iter().sum::<f64>().abs() < 1e-14);
         }
     }
@@ -70,11 +70,11 @@ fn check_derivatives<const D: usize>(
     x: &[Vector<D>],
     scale: f64,
     energy: impl Fn(&[Vector<D>]) -> f64,
-    derivatives: impl Fn(&[Vector<D>]) -> Option<Local<D>>,
+    derivatives: impl Fn(&[Vector<D>]) -> Option<LocalDerivatives<D>>,
 ) -> bool {
     let Some(local) = derivatives(x) else { return false };
     let step = 1e-6;
-    for k in 0..local.count {
+    for k in 0..local.point_count {
         for a in 0..D {
             let moved = |by: f64| {
                 let mut x = x.to_vec();
@@ -85,7 +85,7 @@ fn check_derivatives<const D: usize>(
             let slope = (energy(&more) - energy(&less)) / (2.0 * step);
             assert!((slope - local.gradient[k][a]).abs() < 1e-5 * scale, "{slope} {}", local.gradient[k][a]);
             let (Some(more), Some(less)) = (derivatives(&more), derivatives(&less)) else { return false };
-            for l in 0..local.count {
+            for l in 0..local.point_count {
                 let bend = (more.gradient[l] - less.gradient[l]) / (2.0 * step);
                 let told = local.hessian[l][k].column(a);
                 assert!((bend - told).norm() < 1e-3 * scale, "{k} {a} {l}: {bend:?} {told:?}");
@@ -95,15 +95,15 @@ fn check_derivatives<const D: usize>(
     true
 }
 
-fn check_barrier<const D: usize>(kinds: &[Kind]) {
+fn check_barrier<const D: usize>(kinds: &[StencilKind]) {
     let mut numbers = Numbers(3);
     for kind in kinds {
         let mut checked = 0;
         for _ in 0..400 {
-            let x = numbers.points::<D>(kind.count());
-            let closest = Closest::new(*kind, &stencil(*kind).of(&x));
+            let x = numbers.points::<D>(kind.point_count());
+            let closest = ClosestPair::new(*kind, &stencil(*kind).positions(&x));
             // Where a coordinate reaches its end the second derivative jumps.
-            let inner = closest.weights[..kind.count()].iter().all(|w| w.abs() > 1e-4 || *w == 0.0);
+            let inner = closest.weights[..kind.point_count()].iter().all(|w| w.abs() > 1e-4 || *w == 0.0);
             if !(0.1..0.49).contains(&closest.distance()) || !inner {
                 continue;
             }
@@ -111,17 +111,17 @@ fn check_barrier<const D: usize>(kinds: &[Kind]) {
                 stencil: stencil(*kind),
                 area: 0.3,
                 stiffness: 2.0,
-                lengths: 400.0,
+                squared_length_product: 400.0,
                 thickness: 0.03,
-                reach: 0.5,
+                activation_distance: 0.5,
             };
             let energy = |x: &[Vector<D>]| contact.energy(x);
             let derivatives = |x: &[Vector<D>]| contact.derivatives(x);
             checked += usize::from(check_derivatives(&x, 10.0, energy, derivatives));
             // The force is what the gradient of the first feature is.
-            if let Some(local) = (Contact { lengths: 0.0, ..contact }).derivatives(&x) {
-                let first: Vector<D> = local.gradient[..kind.first()].iter().sum();
-                let force = Contact { lengths: 0.0, ..contact }.force(&x);
+            if let Some(local) = (Contact { squared_length_product: 0.0, ..contact }).derivatives(&x) {
+                let first: Vector<D> = local.gradient[..kind.first_count()].iter().sum();
+                let force = Contact { squared_length_product: 0.0, ..contact }.force(&x);
                 assert!((first.norm() - force).abs() < 1e-12);
             }
         }
@@ -135,26 +135,26 @@ fn barriers_have_the_derivatives_they_tell() {
     check_barrier::<3>(&KINDS_3);
 }
 
-fn check_positive<const D: usize>(kind: Kind) {
+fn check_positive<const D: usize>(kind: StencilKind) {
     let mut numbers = Numbers(11);
     let mut checked = 0;
     for _ in 0..200 {
-        let x = numbers.points::<D>(kind.count());
+        let x = numbers.points::<D>(kind.point_count());
         let contact = Contact {
             stencil: stencil(kind),
             area: 1.0,
             stiffness: 1.0,
-            lengths: 400.0,
+            squared_length_product: 400.0,
             thickness: 0.0,
-            reach: 0.6,
+            activation_distance: 0.6,
         };
-        let Some(local) = contact.derivatives(&x).map(Local::positive) else {
+        let Some(local) = contact.derivatives(&x).map(LocalDerivatives::projected_psd) else {
             continue;
         };
         for _ in 0..20 {
             let way = numbers.points::<D>(4);
-            let bend: f64 = (0..kind.count())
-                .flat_map(|k| (0..kind.count()).map(move |l| (k, l)))
+            let bend: f64 = (0..kind.point_count())
+                .flat_map(|k| (0..kind.point_count()).map(move |l| (k, l)))
                 .map(|(k, l)| way[k].dot(&(local.hessian[k][l] * way[l])))
                 .sum();
             assert!(bend > -1e-9, "{bend}");
@@ -166,27 +166,27 @@ fn check_positive<const D: usize>(kind: Kind) {
 
 #[test]
 fn hessians_are_positive() {
-    check_positive::<2>(Kind::PointSegment);
-    check_positive::<3>(Kind::PointTriangle);
-    check_positive::<3>(Kind::EdgeEdge);
+    check_positive::<2>(StencilKind::PointSegment);
+    check_positive::<3>(StencilKind::PointTriangle);
+    check_positive::<3>(StencilKind::EdgeEdge);
 }
 
-fn check_friction<const D: usize>(kind: Kind) {
+fn check_friction<const D: usize>(kind: StencilKind) {
     let mut numbers = Numbers(5);
-    let friction = Friction { stick: 0.7 };
+    let friction = Friction { max_elastic_slip: 0.7 };
     let mut checked = 0;
     for _ in 0..40 {
-        let (from, x) = (numbers.points::<D>(kind.count()), numbers.points::<D>(kind.count()));
+        let (from, x) = (numbers.points::<D>(kind.point_count()), numbers.points::<D>(kind.point_count()));
         let contact = Contact {
             stencil: stencil(kind),
             area: 1.0,
             stiffness: 1.0,
-            lengths: 0.0,
+            squared_length_product: 0.0,
             thickness: 0.0,
-            reach: 0.6,
+            activation_distance: 0.6,
         };
-        let Some(rubbing) = Rubbing::new(&contact, 0.4, &from) else { continue };
-        let rubbing = Rubbing { slip: friction.limited(numbers.points::<D>(1)[0]), ..rubbing };
+        let Some(rubbing) = FrictionPair::new(&contact, 0.4, &from) else { continue };
+        let rubbing = FrictionPair { slip: friction.return_mapped(numbers.points::<D>(1)[0]), ..rubbing };
         let energy = |x: &[Vector<D>]| friction.energy(&rubbing, &from, x);
         let derivatives = |x: &[Vector<D>]| Some(friction.derivatives(&rubbing, &from, x));
         checked += usize::from(check_derivatives(&x, 1.0, energy, derivatives));
@@ -196,37 +196,37 @@ fn check_friction<const D: usize>(kind: Kind) {
 
 #[test]
 fn friction_has_the_derivatives_it_tells() {
-    check_friction::<2>(Kind::PointSegment);
-    check_friction::<3>(Kind::PointTriangle);
-    check_friction::<3>(Kind::EdgeEdge);
+    check_friction::<2>(StencilKind::PointSegment);
+    check_friction::<3>(StencilKind::PointTriangle);
+    check_friction::<3>(StencilKind::EdgeEdge);
 }
 
 /// The spring and slider: the force is carried where the hold grows, no energy is won, and no force is more than the hold.
 fn check_slip<const D: usize>() {
     let mut numbers = Numbers(17);
-    let friction = Friction { stick: 0.7 };
-    let kind = if D == 2 { Kind::PointSegment } else { Kind::PointTriangle };
+    let friction = Friction { max_elastic_slip: 0.7 };
+    let kind = if D == 2 { StencilKind::PointSegment } else { StencilKind::PointTriangle };
     let still = vec![Vector::<D>::zeros(); 4];
     let normal = Vector::from_fn(|a, _| f64::from(u8::from(a + 1 == D)));
-    let force = |slip: Vector<D>, hold: f64| {
+    let force = |slip: Vector<D>, friction_limit: f64| {
         let weights = [1.0, -0.5, -0.5, 0.0];
-        let rubbing = Rubbing { stencil: stencil(kind), weights, normal, hold, slip };
+        let rubbing = FrictionPair { stencil: stencil(kind), weights, normal, friction_limit, slip };
         friction.derivatives(&rubbing, &still, &still).gradient[0]
     };
     for _ in 0..200 {
-        let slip = friction.limited(numbers.points::<D>(1)[0]);
+        let slip = friction.return_mapped(numbers.points::<D>(1)[0]);
         let slip = slip - normal * slip.dot(&normal);
         let [from, to] = [1.0 + 0.9 * numbers.next(), 1.0 + 0.9 * numbers.next()];
-        let carried = friction.carried(&slip, from, to);
-        assert!(carried.norm() <= friction.stick * (1.0 + 1e-12));
+        let carried = friction.rescaled_slip(&slip, from, to);
+        assert!(carried.norm() <= friction.max_elastic_slip * (1.0 + 1e-12));
         let expected = if to > from { force(slip, from) } else { force(slip, to) };
         assert!((force(carried, to) - expected).norm() < 1e-9, "{slip:?} {from} {to}");
-        assert!(friction.stored(to, &carried) <= friction.stored(from, &slip) + 1e-12);
-        let far = friction.limited(slip * 10.0);
-        assert!(far.norm() <= friction.stick * (1.0 + 1e-12));
+        assert!(friction.slip_energy(to, &carried) <= friction.slip_energy(from, &slip) + 1e-12);
+        let far = friction.return_mapped(slip * 10.0);
+        assert!(far.norm() <= friction.max_elastic_slip * (1.0 + 1e-12));
         assert!((force(slip * 1e3, from).norm() - from).abs() < 1e-12);
     }
-    assert_eq!(friction.carried(&Vector::<D>::zeros(), 1.0, 2.0).norm(), 0.0);
+    assert_eq!(friction.rescaled_slip(&Vector::<D>::zeros(), 1.0, 2.0).norm(), 0.0);
 }
 
 #[test]
@@ -235,26 +235,26 @@ fn friction_carries_its_force_from_step_to_step() {
     check_slip::<3>();
 }
 
-fn check_steps<const D: usize>(kinds: &[Kind]) {
+fn check_steps<const D: usize>(kinds: &[StencilKind]) {
     let mut numbers = Numbers(23);
     for kind in kinds {
         let mut hits = 0;
         for _ in 0..300 {
-            let (x, ways) = (numbers.points::<D>(kind.count()), numbers.points::<D>(kind.count()));
-            let (at, ways) = (stencil(*kind).of(&x), stencil(*kind).of(&ways).map(|w| w * 3.0));
-            let keep = 0.2;
-            let part = free_step(*kind, &at, &ways, Clearance { thickness: 0.0, keep });
+            let (x, ways) = (numbers.points::<D>(kind.point_count()), numbers.points::<D>(kind.point_count()));
+            let (at, ways) = (stencil(*kind).positions(&x), stencil(*kind).positions(&ways).map(|w| w * 3.0));
+            let kept_fraction = 0.2;
+            let part = collision_free_fraction(*kind, &at, &ways, Clearance { thickness: 0.0, kept_fraction });
             let distance =
-                |part: f64| Closest::new(*kind, &std::array::from_fn(|k| at[k] + ways[k] * part)).distance();
+                |part: f64| ClosestPair::new(*kind, &std::array::from_fn(|k| at[k] + ways[k] * part)).distance();
             let start = distance(0.0);
             let least =
                 (0..=1000).map(|i| distance(part * f64::from(i) / 1000.0)).fold(f64::INFINITY, f64::min);
-            assert!(least >= keep * start * (1.0 - 1e-12), "{kind:?}: {least} of {start}");
+            assert!(least >= kept_fraction * start * (1.0 - 1e-12), "{kind:?}: {least} of {start}");
             if part < 1.0 {
                 // Not much less far than it could.
                 hits += 1;
                 let near = distance(part);
-                assert!(near < (keep + 0.11) * start, "{kind:?}: {near} of {start} at {part}");
+                assert!(near < (kept_fraction + 0.11) * start, "{kind:?}: {near} of {start} at {part}");
             }
         }
         assert!(hits > 10, "{kind:?}: {hits}");
@@ -277,7 +277,7 @@ fn check_upright<const D: usize>() {
         if start < 0.1 {
             continue;
         }
-        let part = upright_step(&edges, &ways, 0.1);
+        let part = inversion_free_fraction(&edges, &ways, 0.1);
         let volume = |part: f64| crate::advance::determinant(&(edges + ways * part));
         for i in 0..=500 {
             assert!(volume(part * f64::from(i) / 500.0) > (0.1 - 1e-9) * start);
@@ -305,8 +305,8 @@ fn what_is_near_is_found() {
     };
     let x = [square([0.0, 0.0]), square([0.2, 1.05])].concat();
     let facets = (0..8u32).map(|k| [k, k / 4 * 4 + (k + 1) % 4]).collect();
-    let surface = Surface::new(facets, &x, (0..8).map(|k| k / 4).collect());
-    let near = surface.near(std::slice::from_ref(&x), 0.1, 0.0, |_| false, |_| false);
+    let surface = CollisionMesh::new(facets, &x, (0..8).map(|k| k / 4).collect());
+    let near = surface.nearby_pairs(std::slice::from_ref(&x), 0.1, 0.0, |_| false, |_| false);
     let contacts = near.contacts(0.1, &x, |_, _| 1.0);
     // Corners 2 of the lower square and 4 of the upper one are beside the other's side.
     let points: Vec<u32> = contacts.iter().map(|c| c.stencil.points[0]).collect();
@@ -315,7 +315,7 @@ fn what_is_near_is_found() {
     assert!((narrowest - 0.05).abs() < 1e-12);
     let mut ways = vec![Vector::zeros(); 8];
     (4..8).for_each(|k| ways[k] = Vector::<2>::new(0.0, -0.1));
-    let part = near.free_step(&x, &ways, 0.2);
+    let part = near.collision_free_fraction(&x, &ways, 0.2);
     assert!(part > 0.35 && part <= 0.4, "{part}");
 }
 
@@ -325,7 +325,7 @@ fn nearly_parallel_edges_have_their_distance() {
     for tilt in [0.0, 1e-16, 1e-12, 1e-9, 1e-6] {
         let x =
             [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.3, 0.1, 0.0], [1.7, 0.1 + tilt, tilt]].map(Vector::from);
-        let distance = Closest::<3>::new(Kind::EdgeEdge, &x).distance();
+        let distance = ClosestPair::<3>::new(StencilKind::EdgeEdge, &x).distance();
         assert!((distance - 0.1).abs() < 2.0 * tilt + 1e-15, "{tilt}: {distance}");
     }
 }
@@ -335,10 +335,10 @@ fn nearly_parallel_edges_have_their_distance() {
 fn points_stay_off_planes() {
     let plane = Plane { point: Vector::<2>::new(0.0, 1.0), normal: Vector::<2>::new(0.0, 1.0) };
     let step = |way: f64| {
-        plane.free_step(
+        plane.collision_free_fraction(
             &Vector::<2>::new(3.0, 1.5),
             &Vector::<2>::new(1.0, way),
-            Clearance { thickness: 0.0, keep: 0.2 },
+            Clearance { thickness: 0.0, kept_fraction: 0.2 },
         )
     };
     assert!((step(-0.8) - 0.5).abs() < 1e-15);

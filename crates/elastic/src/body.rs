@@ -1,10 +1,10 @@
 //! What a deformable solid is while it moves.
 
-use crate::linalg::{BlockMatrix, Pattern, Solver};
-use crate::term::Weights;
+use crate::linalg::{BlockMatrix, SparsityPattern, LinearSolver};
+use crate::term::TangentWeights;
 use crate::term::continuum::Continuum;
-use crate::term::crushed::Crushed;
-use crate::{Anchor, ConservingTerm, ElasticState, ForceTerm};
+use crate::term::crushed::InversionBarrier;
+use crate::{Anchor, DiscreteGradientTerm, ElasticState, ForceTerm};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
 use std::sync::Arc;
@@ -16,23 +16,23 @@ use std::sync::Arc;
 /// have smaller errors of the same order, but makes the fastest modes of an element, which no one wants to see, faster.
 #[derive(Debug)]
 pub struct Elastic<const D: usize> {
-    pub(crate) rest: VolumeMesh<D>,
+    pub(crate) rest_mesh: VolumeMesh<D>,
     pub(crate) masses: Vec<f64>,
-    pub(crate) terms: Vec<Box<dyn ConservingTerm<D>>>,
+    pub(crate) terms: Vec<Box<dyn DiscreteGradientTerm<D>>>,
     pub(crate) anchors: Vec<Anchor<D>>,
-    pub(crate) held: Vec<bool>,
+    pub(crate) anchored: Vec<bool>,
     pub(crate) damping_time: f64,
-    pub(crate) young: f64,
-    pub(crate) solver: Solver,
-    pub(crate) pattern: Arc<Pattern>,
+    pub(crate) young_modulus: f64,
+    pub(crate) solver: LinearSolver,
+    pub(crate) pattern: Arc<SparsityPattern>,
     /// What keeps its elements upright.
-    pub(crate) upright: Vec<Continuum<Crushed, D>>,
+    pub(crate) inversion_barriers: Vec<Continuum<InversionBarrier, D>>,
 }
 
 impl<const D: usize> Elastic<D> {
     /// The mesh at rest.
-    pub fn mesh(&self) -> &VolumeMesh<D> {
-        &self.rest
+    pub fn rest_mesh(&self) -> &VolumeMesh<D> {
+        &self.rest_mesh
     }
 
     /// Masses of the vertices, kg (2D: kg/m).
@@ -41,8 +41,8 @@ impl<const D: usize> Elastic<D> {
     }
 
     /// Which vertices are held.
-    pub fn held(&self) -> &[bool] {
-        &self.held
+    pub fn anchored(&self) -> &[bool] {
+        &self.anchored
     }
 
     /// `D = τ K`: the time `τ`, s, of the damping that is proportional to the stiffness against rates of strain.
@@ -51,8 +51,8 @@ impl<const D: usize> Elastic<D> {
     }
 
     /// Young's modulus, Pa; of springs their stiffness over the longest edge (in 2D their stiffness).
-    pub fn young(&self) -> f64 {
-        self.young
+    pub fn young_modulus(&self) -> f64 {
+        self.young_modulus
     }
 
     /// Entries of a factor of the solid's matrix: twice as many multiplications make a solve. Without factors the entries that
@@ -63,18 +63,18 @@ impl<const D: usize> Elastic<D> {
 
     /// Whether its matrix is factorised; else the factor would be too large, and systems with it are solved by iterations.
     pub fn is_factorised(&self) -> bool {
-        matches!(self.solver, Solver::Factors(_))
+        matches!(self.solver, LinearSolver::Direct(_))
     }
 
     /// At rest at time 0; held vertices where their motion has them, with its velocity over a step of `step` s.
     ///
     /// Velocities are half a step ahead of positions: where forces act from the start, those of half a step are to be added.
-    pub fn at_rest(&self, step: f64) -> ElasticState<D> {
-        let positions = self.rest.positions.clone();
+    pub fn rest_state(&self, dt: f64) -> ElasticState<D> {
+        let positions = self.rest_mesh.positions.clone();
         let velocities = vec![Vector::zeros(); positions.len()];
         let mut state = ElasticState { positions, velocities, time: 0.0 };
-        self.place_held(&mut state);
-        for (v, velocity) in self.held_velocities(state.time, step) {
+        self.place_anchored(&mut state);
+        for (v, velocity) in self.anchored_velocities(state.time, dt) {
             state.velocities[v] = velocity;
         }
         state
@@ -109,32 +109,32 @@ impl<const D: usize> Elastic<D> {
     }
 
     /// Tangents of all terms at positions.
-    pub fn tangent(&self, positions: &[Vector<D>], weights: Weights) -> BlockMatrix<D> {
+    pub fn tangent(&self, positions: &[Vector<D>], weights: TangentWeights) -> BlockMatrix<D> {
         let mut matrix = BlockMatrix::new(self.pattern.clone());
         self.terms.iter().for_each(|t| t.add_tangent(positions, weights, &mut matrix));
         matrix
     }
 
     /// Energy, J (2D: J/m), of what keeps elements upright, at positions.
-    pub fn upright_energy(&self, positions: &[Vector<D>]) -> f64 {
-        self.upright.iter().map(|u| u.energy(positions)).sum()
+    pub fn inversion_barrier_energy(&self, positions: &[Vector<D>]) -> f64 {
+        self.inversion_barriers.iter().map(|u| u.energy(positions)).sum()
     }
 
     /// Puts held vertices where they belong at the state's time.
-    pub(crate) fn place_held(&self, state: &mut ElasticState<D>) {
+    pub(crate) fn place_anchored(&self, state: &mut ElasticState<D>) {
         for anchor in &self.anchors {
             let displacement = anchor.motion.displacement(state.time);
             for v in &anchor.vertices {
-                state.positions[*v as usize] = self.rest.positions[*v as usize] + displacement;
+                state.positions[*v as usize] = self.rest_mesh.positions[*v as usize] + displacement;
             }
         }
     }
 
     /// Held vertices and the velocities that take them where they belong after a step of `step` s from `time`.
-    pub fn held_velocities(&self, time: f64, step: f64) -> impl Iterator<Item = (usize, Vector<D>)> {
+    pub fn anchored_velocities(&self, time: f64, dt: f64) -> impl Iterator<Item = (usize, Vector<D>)> {
         self.anchors.iter().flat_map(move |anchor| {
-            let ahead = anchor.motion.displacement(time + step) - anchor.motion.displacement(time);
-            anchor.vertices.iter().map(move |v| (*v as usize, ahead / step))
+            let ahead = anchor.motion.displacement(time + dt) - anchor.motion.displacement(time);
+            anchor.vertices.iter().map(move |v| (*v as usize, ahead / dt))
         })
     }
 }

@@ -1,30 +1,30 @@
 //! How a deformable solid is made from its description.
 
 use crate::body::Elastic;
-use crate::describe::material;
-use crate::linalg::{Pattern, Solver};
+use crate::describe::check_material_constant;
+use crate::linalg::{SparsityPattern, LinearSolver};
 use crate::term::continuum::Continuum;
-use crate::term::crushed::Crushed;
+use crate::term::crushed::InversionBarrier;
 use crate::term::points::mean_square_edge;
 use crate::{
-    Anchor, ConservingTerm, Corotated, Description, ElasticError, Lame, Law, Motion, NeoHookean, Order,
-    Springs, settled_modes,
+    Anchor, DiscreteGradientTerm, Corotated, ElasticSpecification, ElasticError, Lame, ConstitutiveLaw, AnchorMotion, NeoHookean, ElementOrder,
+    Springs, lowest_modes_to_tolerance,
 };
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use std::sync::Arc;
 
 /// Volume of an element over that of a regular one with its longest edge, below which it is refused.
-const FLAT: f64 = 1e-3;
+const MIN_ELEMENT_QUALITY: f64 = 1e-3;
 /// Change of the lowest frequency's square, as a part of it, at which the damping takes it.
-const SETTLED: f64 = 1e-3;
+const DAMPING_FREQUENCY_TOLERANCE: f64 = 1e-3;
 
 impl<const D: usize> Elastic<D> {
     /// A solid as described.
     ///
     /// # Errors
     /// Where the description is of no solid: see [`ElasticError`].
-    pub fn new(description: Description<D>) -> Result<Self, ElasticError> {
+    pub fn new(description: ElasticSpecification<D>) -> Result<Self, ElasticError> {
         Self::with_terms(description, Vec::new())
     }
 
@@ -33,36 +33,36 @@ impl<const D: usize> Elastic<D> {
     /// # Errors
     /// Where the description is of no solid: see [`ElasticError`].
     pub fn with_terms(
-        description: Description<D>,
-        more: Vec<Box<dyn ConservingTerm<D>>>,
+        description: ElasticSpecification<D>,
+        extra_terms: Vec<Box<dyn DiscreteGradientTerm<D>>>,
     ) -> Result<Self, ElasticError> {
-        let Description { mesh, density, law, damping_ratio, anchors } = description;
-        material("the density", density, density > 0.0, "more than 0 kg/m³")?;
-        material("the damping ratio", damping_ratio, damping_ratio >= 0.0, "0 (none) or more")?;
+        let ElasticSpecification { mesh, density, law, damping_ratio, anchors } = description;
+        check_material_constant("the density", density, density > 0.0, "more than 0 kg/m³")?;
+        check_material_constant("the damping ratio", damping_ratio, damping_ratio >= 0.0, "0 (none) or more")?;
         law.check()?;
-        let masses = masses(&mesh, density)?;
-        let held = held(&mesh, &anchors)?;
+        let masses = lumped_masses(&mesh, density)?;
+        let anchored = anchored_vertices(&mesh, &anchors)?;
         let mut terms = terms(&mesh, law)?;
-        terms.extend(more);
-        let pattern = Arc::new(Pattern::new(masses.len(), terms.iter().map(|t| t.couplings())));
-        let upright = upright(&mesh, law)?;
-        let young = young(&mesh, law);
-        let solver = Solver::new(&mesh.positions, &pattern, &held)
+        terms.extend(extra_terms);
+        let pattern = Arc::new(SparsityPattern::new(masses.len(), terms.iter().map(|t| t.couplings())));
+        let inversion_barriers = inversion_barriers(&mesh, law)?;
+        let young_modulus = young_modulus(&mesh, law);
+        let solver = LinearSolver::new(&mesh.positions, &pattern, &anchored)
             .ok_or(ElasticError::TooLarge { vertices: masses.len() })?;
         let mut body = Self {
-            rest: mesh,
+            rest_mesh: mesh,
             masses,
             terms,
             anchors,
-            held,
+            anchored,
             damping_time: 0.0,
-            young,
+            young_modulus,
             solver,
             pattern,
-            upright,
+            inversion_barriers,
         };
         if damping_ratio > 0.0 {
-            let lowest = settled_modes(&body, 1, SETTLED)?;
+            let lowest = lowest_modes_to_tolerance(&body, 1, DAMPING_FREQUENCY_TOLERANCE)?;
             body.damping_time = lowest.first().map_or(0.0, |mode| 2.0 * damping_ratio / mode.frequency);
         }
         Ok(body)
@@ -72,26 +72,26 @@ impl<const D: usize> Elastic<D> {
 /// The terms of a law.
 fn terms<const D: usize>(
     mesh: &VolumeMesh<D>,
-    law: Law,
-) -> Result<Vec<Box<dyn ConservingTerm<D>>>, ElasticError> {
+    law: ConstitutiveLaw,
+) -> Result<Vec<Box<dyn DiscreteGradientTerm<D>>>, ElasticError> {
     Ok(match law {
-        Law::NeoHookean { young, poisson, order } => {
-            vec![Box::new(Continuum::new(mesh, NeoHookean, Lame::new(young, poisson), order)?)]
+        ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order } => {
+            vec![Box::new(Continuum::new(mesh, NeoHookean, Lame::new(young_modulus, poisson_ratio), order)?)]
         }
-        Law::Corotated { young, poisson, order } => {
-            vec![Box::new(Continuum::new(mesh, Corotated, Lame::new(young, poisson), order)?)]
+        ConstitutiveLaw::Corotated { young_modulus, poisson_ratio, order } => {
+            vec![Box::new(Continuum::new(mesh, Corotated, Lame::new(young_modulus, poisson_ratio), order)?)]
         }
-        Law::Springs { stiffness } => {
+        ConstitutiveLaw::Springs { stiffness } => {
             vec![Box::new(Springs::new(mesh, stiffness))]
         }
     })
 }
 
 /// Young's modulus of a law, Pa.
-fn young<const D: usize>(mesh: &VolumeMesh<D>, law: Law) -> f64 {
+fn young_modulus<const D: usize>(mesh: &VolumeMesh<D>, law: ConstitutiveLaw) -> f64 {
     match law {
-        Law::NeoHookean { young, .. } | Law::Corotated { young, .. } => young,
-        Law::Springs { stiffness } => {
+        ConstitutiveLaw::NeoHookean { young_modulus, .. } | ConstitutiveLaw::Corotated { young_modulus, .. } => young_modulus,
+        ConstitutiveLaw::Springs { stiffness } => {
             let edge = |s: &Simplex<D>| s.edges(&mesh.positions).column(0).norm();
             stiffness / mesh.simplices.iter().map(edge).fold(0.0, f64::max).powi(D as i32 - 2)
         }
@@ -100,36 +100,36 @@ fn young<const D: usize>(mesh: &VolumeMesh<D>, law: Law) -> f64 {
 
 /// The barriers of the elements' volumes ([`Crushed`]). Their stiffness is that of the law in uniaxial compression, `λ + 2 μ`; for springs
 /// of stiffness `k` it is `k l²/V` in an element of volume `V`, with the mean square `l²` of its edges.
-fn upright<const D: usize>(
+fn inversion_barriers<const D: usize>(
     mesh: &VolumeMesh<D>,
-    law: Law,
-) -> Result<Vec<Continuum<Crushed, D>>, ElasticError> {
+    law: ConstitutiveLaw,
+) -> Result<Vec<Continuum<InversionBarrier, D>>, ElasticError> {
     let lame = |stiffness| Lame { lambda: stiffness, mu: 0.0 };
     match law {
-        Law::NeoHookean { young, poisson, order } | Law::Corotated { young, poisson, order } => {
-            let Lame { lambda, mu } = Lame::new(young, poisson);
+        ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order } | ConstitutiveLaw::Corotated { young_modulus, poisson_ratio, order } => {
+            let Lame { lambda, mu } = Lame::new(young_modulus, poisson_ratio);
             let lame = lame(lambda + 2.0 * mu);
-            let mut all = vec![Continuum::new(mesh, Crushed, lame, Order::Linear)?];
-            if order == Order::Quadratic {
-                all.push(Continuum::new(mesh, Crushed, lame, order)?);
+            let mut all = vec![Continuum::new(mesh, InversionBarrier, lame, ElementOrder::Linear)?];
+            if order == ElementOrder::Quadratic {
+                all.push(Continuum::new(mesh, InversionBarrier, lame, order)?);
             }
             Ok(all)
         }
-        Law::Springs { stiffness } => {
+        ConstitutiveLaw::Springs { stiffness } => {
             let of = |s| lame(stiffness * mean_square_edge(mesh, s) / s.volume(&mesh.positions));
-            Ok(vec![Continuum::of_simplices(mesh, Crushed, mesh.simplices.iter().map(of).collect())])
+            Ok(vec![Continuum::of_simplices(mesh, InversionBarrier, mesh.simplices.iter().map(of).collect())])
         }
     }
 }
 
 /// The masses of a mesh's vertices, kg (2D: kg/m).
-fn masses<const D: usize>(mesh: &VolumeMesh<D>, density: f64) -> Result<Vec<f64>, ElasticError> {
+fn lumped_masses<const D: usize>(mesh: &VolumeMesh<D>, density: f64) -> Result<Vec<f64>, ElasticError> {
     let (positions, count) = (&mesh.positions, mesh.positions.len());
     if mesh.simplices.is_empty() {
         return Err(ElasticError::Empty);
     }
     if let Some(vertex) = positions.iter().position(|x| !x.iter().all(|c| c.is_finite())) {
-        return Err(ElasticError::NotAPlace { vertex });
+        return Err(ElasticError::NonFinitePosition { vertex });
     }
     let mut masses = vec![0.0; count];
     for (element, simplex) in mesh.simplices.iter().enumerate() {
@@ -142,31 +142,31 @@ fn masses<const D: usize>(mesh: &VolumeMesh<D>, density: f64) -> Result<Vec<f64>
         let longest = at.iter().flat_map(|a| at.iter().map(move |b| (a - b).norm())).fold(0.0, f64::max);
         let quality =
             volume / (longest.powi(D as i32) * if D == 2 { 3f64.sqrt() / 4.0 } else { 2f64.sqrt() / 12.0 });
-        if quality < -FLAT {
+        if quality < -MIN_ELEMENT_QUALITY {
             return Err(ElasticError::Inverted { element, center: center(), volume });
         }
-        if quality.is_nan() || quality < FLAT {
+        if quality.is_nan() || quality < MIN_ELEMENT_QUALITY {
             return Err(ElasticError::Flat { element, center: center(), quality });
         }
         simplex.vertices().for_each(|v| masses[v as usize] += density * volume / (D + 1) as f64);
     }
     match masses.iter().position(|m| *m == 0.0) {
         Some(vertex) => {
-            Err(ElasticError::LooseVertex { vertex, place: positions[vertex].iter().copied().collect() })
+            Err(ElasticError::UnreferencedVertex { vertex, place: positions[vertex].iter().copied().collect() })
         }
         None => Ok(masses),
     }
 }
 
 /// Which vertices are held.
-fn held<const D: usize>(mesh: &VolumeMesh<D>, anchors: &[Anchor<D>]) -> Result<Vec<bool>, ElasticError> {
+fn anchored_vertices<const D: usize>(mesh: &VolumeMesh<D>, anchors: &[Anchor<D>]) -> Result<Vec<bool>, ElasticError> {
     let count = mesh.positions.len();
     let mut by = vec![None; count];
     for (anchor, held) in anchors.iter().enumerate() {
         if held.vertices.is_empty() {
-            return Err(ElasticError::IdleAnchor { anchor });
+            return Err(ElasticError::EmptyAnchor { anchor });
         }
-        if let Motion::Keyframes(keys) = &held.motion {
+        if let AnchorMotion::Keyframes(keys) = &held.motion {
             let rises = |k: usize| keys[k].0.is_finite() && (k == 0 || keys[k - 1].0 < keys[k].0);
             if let Some(keyframe) = (0..keys.len()).find(|k| !rises(*k)) {
                 return Err(ElasticError::Keyframes { anchor, keyframe });
@@ -174,14 +174,14 @@ fn held<const D: usize>(mesh: &VolumeMesh<D>, anchors: &[Anchor<D>]) -> Result<V
         }
         for vertex in held.vertices.iter().copied() {
             match by.get_mut(vertex as usize) {
-                None => return Err(ElasticError::NoSuchAnchor { anchor, vertex, count }),
+                None => return Err(ElasticError::NoSuchAnchorVertex { anchor, vertex, count }),
                 Some(Some(first)) if *first != anchor => {
-                    return Err(ElasticError::TwoAnchors { first: *first, second: anchor, vertex });
+                    return Err(ElasticError::OverlappingAnchors { first: *first, second: anchor, vertex });
                 }
                 Some(holder) => *holder = Some(anchor),
             }
         }
     }
     let held: Vec<bool> = by.iter().map(Option::is_some).collect();
-    if held.iter().all(|h| *h) { Err(ElasticError::AllHeld) } else { Ok(held) }
+    if held.iter().all(|h| *h) { Err(ElasticError::AllAnchored) } else { Ok(held) }
 }

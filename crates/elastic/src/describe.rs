@@ -3,17 +3,17 @@
 use crate::ElasticError;
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::mesh::volume::Order;
+use meniscus_numerics::mesh::volume::ElementOrder;
 
 /// A deformable solid, as described.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Description<const D: usize> {
+pub struct ElasticSpecification<const D: usize> {
     /// Its mesh at rest.
     pub mesh: VolumeMesh<D>,
     /// Mass density, kg/m³.
     pub density: f64,
     /// What makes it elastic.
-    pub law: Law,
+    pub law: ConstitutiveLaw,
     /// Damping of the lowest elastic mode as a fraction of the critical one; of others in proportion to their frequency.
     /// Motions without strain are not damped.
     pub damping_ratio: f64,
@@ -23,24 +23,24 @@ pub struct Description<const D: usize> {
 
 /// What makes a solid elastic.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Law {
+pub enum ConstitutiveLaw {
     /// A continuum for large strains, [`crate::NeoHookean`].
     NeoHookean {
         /// Young's modulus, Pa.
-        young: f64,
+        young_modulus: f64,
         /// Poisson's ratio.
-        poisson: f64,
+        poisson_ratio: f64,
         /// Of the elements.
-        order: Order,
+        order: ElementOrder,
     },
     /// A continuum for small strains and any rotation, [`crate::Corotated`].
     Corotated {
         /// Young's modulus, Pa.
-        young: f64,
+        young_modulus: f64,
         /// Poisson's ratio.
-        poisson: f64,
+        poisson_ratio: f64,
         /// Of the elements.
-        order: Order,
+        order: ElementOrder,
     },
     /// A spring along every edge, [`crate::Springs`].
     Springs {
@@ -49,24 +49,24 @@ pub enum Law {
     },
 }
 
-impl Law {
+impl ConstitutiveLaw {
     /// Refuses what no solid can be.
     pub(crate) fn check(&self) -> Result<(), ElasticError> {
         match *self {
-            Self::NeoHookean { young, poisson, .. } | Self::Corotated { young, poisson, .. } => {
-                material("Young's modulus", young, young > 0.0, "more than 0 Pa")?;
-                let inside = poisson > -1.0 && poisson < 0.5;
-                material("Poisson's ratio", poisson, inside, "between -1 and 0.5; rubber has 0.45 to 0.49")
+            Self::NeoHookean { young_modulus, poisson_ratio, .. } | Self::Corotated { young_modulus, poisson_ratio, .. } => {
+                check_material_constant("Young's modulus", young_modulus, young_modulus > 0.0, "more than 0 Pa")?;
+                let inside = poisson_ratio > -1.0 && poisson_ratio < 0.5;
+                check_material_constant("Poisson's ratio", poisson_ratio, inside, "between -1 and 0.5; rubber has 0.45 to 0.49")
             }
             Self::Springs { stiffness } => {
-                material("the springs' stiffness", stiffness, stiffness > 0.0, "more than 0 N/m")
+                check_material_constant("the springs' stiffness", stiffness, stiffness > 0.0, "more than 0 N/m")
             }
         }
     }
 }
 
 /// Refuses a constant that is not finite or not what is allowed.
-pub(crate) fn material(
+pub(crate) fn check_material_constant(
     name: &'static str,
     value: f64,
     fits: bool,
@@ -81,20 +81,20 @@ pub struct Anchor<const D: usize> {
     /// Which.
     pub vertices: Vec<u32>,
     /// Where they go.
-    pub motion: Motion<D>,
+    pub motion: AnchorMotion<D>,
 }
 
 impl<const D: usize> Anchor<D> {
     /// Of all vertices of a mesh at rest in a region, which do not move.
     pub fn within(mesh: &VolumeMesh<D>, region: impl Fn(&Vector<D>) -> bool) -> Self {
         let inside = |v: &u32| region(&mesh.positions[*v as usize]);
-        Self { vertices: (0..mesh.positions.len() as u32).filter(inside).collect(), motion: Motion::Fixed }
+        Self { vertices: (0..mesh.positions.len() as u32).filter(inside).collect(), motion: AnchorMotion::Fixed }
     }
 }
 
 /// How held vertices move.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Motion<const D: usize> {
+pub enum AnchorMotion<const D: usize> {
     /// Not at all.
     Fixed,
     /// With a constant velocity, m/s, from time 0.
@@ -103,7 +103,7 @@ pub enum Motion<const D: usize> {
     Keyframes(Vec<(f64, Vector<D>)>),
 }
 
-impl<const D: usize> Motion<D> {
+impl<const D: usize> AnchorMotion<D> {
     /// The displacement from rest at a time, m.
     pub fn displacement(&self, time: f64) -> Vector<D> {
         match self {

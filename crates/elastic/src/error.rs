@@ -12,7 +12,7 @@ pub enum ElasticError {
     #[error(
         "the simplices of the mesh are not the parts of quadratic ones; divide it (`VolumeMesh::divided`)"
     )]
-    NotDivided,
+    NotQuadratic,
     /// A quadratic simplex that is turned inside out at a point.
     #[error(
         "the quadratic element {element} is folded at rest; move the nodes on its edges nearer to their middles"
@@ -33,7 +33,7 @@ pub enum ElasticError {
     },
     /// A position that is not finite.
     #[error("vertex {vertex} of the mesh at rest is not at a finite place")]
-    NotAPlace {
+    NonFinitePosition {
         /// Its number.
         vertex: usize,
     },
@@ -64,7 +64,7 @@ pub enum ElasticError {
     #[error(
         "vertex {vertex} at {place:?} belongs to no element and would have no mass; leave it out of the mesh"
     )]
-    LooseVertex {
+    UnreferencedVertex {
         /// Its number.
         vertex: usize,
         /// Where it is, m.
@@ -84,13 +84,13 @@ pub enum ElasticError {
     #[error(
         "anchor {anchor} touches no vertex of the solid; move its region onto the solid or make it larger"
     )]
-    IdleAnchor {
+    EmptyAnchor {
         /// Its number.
         anchor: usize,
     },
     /// An anchor of a vertex that does not exist.
     #[error("anchor {anchor} holds vertex {vertex}, but there are only {count}")]
-    NoSuchAnchor {
+    NoSuchAnchorVertex {
         /// Its number.
         anchor: usize,
         /// Its number.
@@ -110,7 +110,7 @@ pub enum ElasticError {
     },
     /// Two anchors of one vertex.
     #[error("anchors {first} and {second} both hold vertex {vertex}; let their regions not overlap")]
-    TwoAnchors {
+    OverlappingAnchors {
         /// One of the two.
         first: usize,
         /// The other.
@@ -120,7 +120,7 @@ pub enum ElasticError {
     },
     /// All vertices are held.
     #[error("every vertex of the solid is held; make it a rigid solid")]
-    AllHeld,
+    AllAnchored,
     /// Memory did not suffice.
     #[error("the factors of a solid of {vertices} vertices do not fit into memory; make its mesh coarser")]
     TooLarge {
@@ -132,7 +132,7 @@ pub enum ElasticError {
         "the solid's matrix is not positive definite (step {step:e} s): its stiffness is too large for the step to be \
          resolved in double precision, or not a number"
     )]
-    NotDefinite {
+    NotPositiveDefinite {
         /// Its length, s.
         step: f64,
     },
@@ -140,7 +140,7 @@ pub enum ElasticError {
     #[error(
         "the velocities of a step of {step:e} s did not converge in {iterations} iterations; take shorter steps"
     )]
-    Unsettled {
+    NotConverged {
         /// Newton's iterations.
         iterations: usize,
         /// Length of the step, s.

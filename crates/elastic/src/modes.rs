@@ -1,19 +1,19 @@
 //! The lowest vibrations about rest, by inverse iteration of several vectors at once (Bathe & Wilson 1972).
 
 use crate::linalg::Inverse;
-use crate::term::Weights;
+use crate::term::TangentWeights;
 use crate::{BlockMatrix, Elastic, ElasticError};
-use meniscus_numerics::{Vector, planes};
+use meniscus_numerics::{Vector, rotation_planes};
 use nalgebra::{DMatrix, DVector};
 
 /// Iterations at most.
-const ITERATIONS: usize = 100;
+const MAX_ITERATIONS: usize = 100;
 /// Relative change of the squared frequencies at which they end.
-const CONVERGED: f64 = 1e-6;
+const FREQUENCY_TOLERANCE: f64 = 1e-6;
 /// Error of a solve where there are no factors: the iterations around it make it less.
-const TOLERANCE: f64 = 1e-2;
+const SOLVE_TOLERANCE: f64 = 1e-2;
 /// Vectors beyond those that are asked for, which makes the iterations fewer.
-const SPARE: usize = 4;
+const GUARD_VECTORS: usize = 4;
 
 /// A vibration about rest, without damping.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,30 +29,30 @@ pub struct Mode<const D: usize> {
 /// # Errors
 /// [`ElasticError::NotDefinite`].
 pub fn lowest_modes<const D: usize>(body: &Elastic<D>, count: usize) -> Result<Vec<Mode<D>>, ElasticError> {
-    settled_modes(body, count, CONVERGED)
+    lowest_modes_to_tolerance(body, count, FREQUENCY_TOLERANCE)
 }
 
 /// The same, with iterations that end where the squared frequencies change by less than a part of them.
 ///
 /// # Errors
 /// [`ElasticError::NotDefinite`].
-pub fn settled_modes<const D: usize>(
+pub fn lowest_modes_to_tolerance<const D: usize>(
     body: &Elastic<D>,
     count: usize,
-    converged: f64,
+    tolerance: f64,
 ) -> Result<Vec<Mode<D>>, ElasticError> {
     let stiffness =
-        body.tangent(&body.rest.positions, Weights { stiffness: 1.0, positive: true, viscosity: 0.0 });
+        body.tangent(&body.rest_mesh.positions, TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 });
     let rigid = rigid_motions(body);
-    let inverse = shifted(body, &stiffness, !rigid.is_empty())?;
-    let wanted = (count + SPARE).min(body.masses.len() * D);
-    let mut vectors = orthonormal(body, start(body, wanted), &rigid);
+    let inverse = shifted_inverse(body, &stiffness, !rigid.is_empty())?;
+    let wanted = (count + GUARD_VECTORS).min(body.masses.len() * D);
+    let mut vectors = mass_orthonormalised(body, initial_vectors(body, wanted), &rigid);
     let mut squares: Vec<f64> = Vec::new();
-    for _ in 0..ITERATIONS {
-        solve(body, &inverse, &mut vectors);
-        vectors = orthonormal(body, vectors, &rigid);
-        let last = std::mem::replace(&mut squares, ritz(&stiffness, &mut vectors));
-        let settled = |k: usize| (squares[k] - last[k]).abs() <= converged * squares[k];
+    for _ in 0..MAX_ITERATIONS {
+        inverse_iteration(body, &inverse, &mut vectors);
+        vectors = mass_orthonormalised(body, vectors, &rigid);
+        let last = std::mem::replace(&mut squares, rayleigh_ritz(&stiffness, &mut vectors));
+        let settled = |k: usize| (squares[k] - last[k]).abs() <= tolerance * squares[k];
         if !last.is_empty() && last.len() == squares.len() && (0..count.min(squares.len())).all(settled) {
             break;
         }
@@ -62,7 +62,7 @@ pub fn settled_modes<const D: usize>(
 }
 
 /// The inverse of `K`, with a little mass added where the body can move without strain.
-fn shifted<const D: usize>(
+fn shifted_inverse<const D: usize>(
     body: &Elastic<D>,
     stiffness: &BlockMatrix<D>,
     free: bool,
@@ -72,23 +72,23 @@ fn shifted<const D: usize>(
     for shift in &shifts[usize::from(free)..] {
         let mut matrix = stiffness.clone();
         body.masses.iter().enumerate().for_each(|(v, m)| matrix.add_diagonal(v, m * shift * scale));
-        if let Some(inverse) = body.solver.invert(&matrix, &body.held, TOLERANCE) {
+        if let Some(inverse) = body.solver.invert(&matrix, &body.anchored, SOLVE_TOLERANCE) {
             return Ok(inverse);
         }
     }
-    Err(ElasticError::NotDefinite { step: f64::INFINITY })
+    Err(ElasticError::NotPositiveDefinite { step: f64::INFINITY })
 }
 
 /// Motions of each piece without strain that leave held vertices where they are, orthonormal in the mass.
 fn rigid_motions<const D: usize>(body: &Elastic<D>) -> Vec<Vec<Vector<D>>> {
-    let pieces = body.rest.pieces();
-    let count = pieces.iter().max().map_or(0, |last| *last as usize + 1);
-    (0..count).flat_map(|piece| rigid_motions_of(body, &|v| pieces[v] as usize == piece)).collect()
+    let components = body.rest_mesh.vertex_components();
+    let count = components.iter().max().map_or(0, |last| *last as usize + 1);
+    (0..count).flat_map(|piece| rigid_motions_of(body, &|v| components[v] as usize == piece)).collect()
 }
 
 /// The same of one piece, of the vertices of which `own` tells.
 fn rigid_motions_of<const D: usize>(body: &Elastic<D>, own: &dyn Fn(usize) -> bool) -> Vec<Vec<Vector<D>>> {
-    let positions = &body.rest.positions;
+    let positions = &body.rest_mesh.positions;
     let vertices: Vec<usize> = (0..positions.len()).filter(|v| own(*v)).collect();
     let first = positions[vertices[0]];
     let ends = |(l, h): (Vector<D>, Vector<D>), v: &usize| (l.inf(&positions[*v]), h.sup(&positions[*v]));
@@ -107,19 +107,19 @@ fn rigid_motions_of<const D: usize>(body: &Elastic<D>, own: &dyn Fn(usize) -> bo
             Vector::from_fn(|r, _| if r == a || r == b { along(r) } else { 0.0 })
         })
     };
-    let motions: Vec<Vec<Vector<D>>> = (0..D).map(shift).chain(planes::<D>().iter().map(turn)).collect();
+    let motions: Vec<Vec<Vector<D>>> = (0..D).map(shift).chain(rotation_planes::<D>().iter().map(turn)).collect();
     // Those combinations that move no held vertex.
     let product = |a: usize, b: usize| -> f64 {
-        let held = vertices.iter().filter(|v| body.held[**v]);
+        let held = vertices.iter().filter(|v| body.anchored[**v]);
         held.map(|v| motions[a][*v].dot(&motions[b][*v])).sum()
     };
     let gram = DMatrix::from_fn(motions.len(), motions.len(), product).symmetric_eigen();
     let free = (0..motions.len()).filter(|k| gram.eigenvalues[*k] < 1e-9);
-    let mixed = free.map(|k| mix(&motions, &gram.eigenvectors.column(k).into_owned())).collect();
-    orthonormal(body, mixed, &[])
+    let mixed = free.map(|k| linear_combination(&motions, &gram.eigenvectors.column(k).into_owned())).collect();
+    mass_orthonormalised(body, mixed, &[])
 }
 
-fn mix<const D: usize>(vectors: &[Vec<Vector<D>>], weights: &DVector<f64>) -> Vec<Vector<D>> {
+fn linear_combination<const D: usize>(vectors: &[Vec<Vector<D>>], weights: &DVector<f64>) -> Vec<Vector<D>> {
     let mut sum = vec![Vector::zeros(); vectors[0].len()];
     for (vector, weight) in vectors.iter().zip(weights.iter()) {
         sum.iter_mut().zip(vector).for_each(|(s, v)| *s += v * *weight);
@@ -128,8 +128,8 @@ fn mix<const D: usize>(vectors: &[Vec<Vector<D>>], weights: &DVector<f64>) -> Ve
 }
 
 /// Smooth vectors to start from, each with its own waves along each axis.
-fn start<const D: usize>(body: &Elastic<D>, count: usize) -> Vec<Vec<Vector<D>>> {
-    let positions = &body.rest.positions;
+fn initial_vectors<const D: usize>(body: &Elastic<D>, count: usize) -> Vec<Vec<Vector<D>>> {
+    let positions = &body.rest_mesh.positions;
     let (low, high) = positions.iter().fold((positions[0], positions[0]), |(l, h), x| (l.inf(x), h.sup(x)));
     let longest = (high - low).max();
     let wave = |k: usize, x: &Vector<D>| {
@@ -144,7 +144,7 @@ fn start<const D: usize>(body: &Elastic<D>, count: usize) -> Vec<Vec<Vector<D>>>
 }
 
 /// `y ← (K + σ M)⁻¹ M y`.
-fn solve<const D: usize>(body: &Elastic<D>, inverse: &Inverse<D>, vectors: &mut [Vec<Vector<D>>]) {
+fn inverse_iteration<const D: usize>(body: &Elastic<D>, inverse: &Inverse<D>, vectors: &mut [Vec<Vector<D>>]) {
     let weighted = |y: &Vec<Vector<D>>| {
         let pairs = y.iter().zip(&body.masses);
         pairs.flat_map(|(v, m)| (v * *m).iter().copied().collect::<Vec<_>>()).collect::<Vec<f64>>()
@@ -157,7 +157,7 @@ fn solve<const D: usize>(body: &Elastic<D>, inverse: &Inverse<D>, vectors: &mut 
 
 /// Makes vectors orthonormal in the mass, and orthogonal to others, which are orthonormal; leaves out what has nothing of
 /// its own.
-fn orthonormal<const D: usize>(
+fn mass_orthonormalised<const D: usize>(
     body: &Elastic<D>,
     vectors: Vec<Vec<Vector<D>>>,
     others: &[Vec<Vector<D>>],
@@ -185,7 +185,7 @@ fn orthonormal<const D: usize>(
 }
 
 /// Turns orthonormal vectors into those that are orthogonal in the stiffness too; their squared frequencies, rising.
-fn ritz<const D: usize>(stiffness: &BlockMatrix<D>, vectors: &mut Vec<Vec<Vector<D>>>) -> Vec<f64> {
+fn rayleigh_ritz<const D: usize>(stiffness: &BlockMatrix<D>, vectors: &mut Vec<Vec<Vector<D>>>) -> Vec<f64> {
     let product = |v: &Vec<Vector<D>>| {
         let mut pulled = vec![Vector::zeros(); v.len()];
         stiffness.add_product(v, &mut pulled);
@@ -198,6 +198,6 @@ fn ritz<const D: usize>(stiffness: &BlockMatrix<D>, vectors: &mut Vec<Vec<Vector
     let small = small.symmetric_eigen();
     let mut order: Vec<usize> = (0..vectors.len()).collect();
     order.sort_by(|a, b| small.eigenvalues[*a].total_cmp(&small.eigenvalues[*b]));
-    *vectors = order.iter().map(|k| mix(vectors, &small.eigenvectors.column(*k).into_owned())).collect();
+    *vectors = order.iter().map(|k| linear_combination(vectors, &small.eigenvectors.column(*k).into_owned())).collect();
     order.iter().map(|k| small.eigenvalues[*k]).collect()
 }

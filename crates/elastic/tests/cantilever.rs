@@ -4,7 +4,7 @@
 mod lattice;
 
 use lattice::{clamped, quadratic, rubber};
-use meniscus_elastic::{Elastic, Law, Order, lowest_modes};
+use meniscus_elastic::{Elastic, ConstitutiveLaw, ElementOrder, lowest_modes};
 use meniscus_numerics::Vector;
 
 /// The wave numbers of a clamped beam over its length.
@@ -63,7 +63,7 @@ fn frequencies_of_a_bar() {
 fn tip<const D: usize>(body: &Elastic<D>, gravity: f64, step: f64) -> (f64, f64) {
     let weight = |m: &f64| Vector::from_fn(|r, _| if r == D - 1 { -gravity * m } else { 0.0 });
     let weight: Vec<Vector<D>> = body.masses().iter().map(weight).collect();
-    let mut state = body.at_rest(step);
+    let mut state = body.rest_state(step);
     for _ in 0..2000 {
         body.step(&mut state, step, &weight).unwrap();
         if body.kinetic_energy(&state.velocities) < 1e-12 * body.elastic_energy(&state.positions)
@@ -72,13 +72,13 @@ fn tip<const D: usize>(body: &Elastic<D>, gravity: f64, step: f64) -> (f64, f64)
             break;
         }
     }
-    let rest = &body.mesh().positions;
+    let rest = &body.rest_mesh().positions;
     let end: Vec<usize> = (0..rest.len()).filter(|v| rest[*v][0] > LENGTH - 1e-9).collect();
     let mean = |a: usize, x: &[Vector<D>]| end.iter().map(|v| x[*v][a]).sum::<f64>() / end.len() as f64;
     ((mean(D - 1, rest) - mean(D - 1, &state.positions)) / LENGTH, mean(0, &state.positions) / LENGTH)
 }
 
-fn damped<const D: usize>(cells: [usize; D], size: [f64; D], law: Law) -> Elastic<D> {
+fn damped<const D: usize>(cells: [usize; D], size: [f64; D], law: ConstitutiveLaw) -> Elastic<D> {
     let mut description = clamped(quadratic::<D>(cells, size), DENSITY, law);
     description.damping_ratio = 0.7;
     Elastic::new(description).unwrap()
@@ -109,10 +109,10 @@ fn large_deflection() {
         (5.0, 0.495905, 0.846657),
         (10.0, 0.700200, 0.656354),
     ];
-    let (poisson, order) = (0.3, Order::Quadratic);
-    let plate = YOUNG / (1.0 - poisson * poisson) * THICK.powi(3) / 12.0;
+    let (poisson_ratio, order) = (0.3, ElementOrder::Quadratic);
+    let plate = YOUNG / (1.0 - poisson_ratio * poisson_ratio) * THICK.powi(3) / 12.0;
     let laws =
-        [Law::NeoHookean { young: YOUNG, poisson, order }, Law::Corotated { young: YOUNG, poisson, order }];
+        [ConstitutiveLaw::NeoHookean { young_modulus: YOUNG, poisson_ratio, order }, ConstitutiveLaw::Corotated { young_modulus: YOUNG, poisson_ratio, order }];
     for law in laws {
         for layers in [2, 4] {
             let body = damped([20 * layers, layers], [LENGTH, THICK], law);

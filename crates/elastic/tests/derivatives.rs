@@ -5,18 +5,18 @@ mod lattice;
 
 use lattice::{Noise, quadratic};
 use meniscus_elastic::{
-    CRUSHED, ConservingTerm, Continuum, Corotated, Crushed, Description, Elastic, ElasticState, ForceTerm,
-    Incremental, Lame, Law, NeoHookean, Order, Springs, SurfaceTension, Weights,
+    CRUSHED_VOLUME_RATIO, DiscreteGradientTerm, Continuum, Corotated, InversionBarrier, ElasticSpecification, Elastic, ElasticState, ForceTerm,
+    IncrementalPotential, Lame, ConstitutiveLaw, NeoHookean, ElementOrder, Springs, SurfaceTension, TangentWeights,
 };
 use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::{Vector, planes};
+use meniscus_numerics::{Vector, rotation_planes};
 
-const BOTH: [Order; 2] = [Order::Linear, Order::Quadratic];
+const BOTH: [ElementOrder; 2] = [ElementOrder::Linear, ElementOrder::Quadratic];
 
-fn terms<const D: usize>() -> Vec<Box<dyn ConservingTerm<D>>> {
+fn terms<const D: usize>() -> Vec<Box<dyn DiscreteGradientTerm<D>>> {
     let mesh = quadratic::<D>([2; D], [1.0; D]);
     let lame = Lame::new(3.0, 0.35);
-    let mut terms: Vec<Box<dyn ConservingTerm<D>>> = vec![Box::new(Springs::new(&mesh, 2.0))];
+    let mut terms: Vec<Box<dyn DiscreteGradientTerm<D>>> = vec![Box::new(Springs::new(&mesh, 2.0))];
     for order in BOTH {
         terms.push(Box::new(Continuum::new(&mesh, NeoHookean, lame, order).unwrap()));
         terms.push(Box::new(Continuum::new(&mesh, Corotated, lame, order).unwrap()));
@@ -25,7 +25,7 @@ fn terms<const D: usize>() -> Vec<Box<dyn ConservingTerm<D>>> {
 }
 
 /// These, and the tension of the surface, whose positive tangent is but that against heights over it.
-fn all_terms<const D: usize>() -> Vec<Box<dyn ConservingTerm<D>>> {
+fn all_terms<const D: usize>() -> Vec<Box<dyn DiscreteGradientTerm<D>>> {
     let mut terms = terms::<D>();
     let mesh = quadratic::<D>([2; D], [1.0; D]);
     terms.push(Box::new(SurfaceTension::new(&mesh, 0.7)));
@@ -41,14 +41,14 @@ fn moved<const D: usize>(x: &[Vector<D>], along: &[Vector<D>], by: f64) -> Vec<V
 }
 
 /// A body of a term only (and of one so soft that it does not count).
-fn body<const D: usize>(term: Box<dyn ConservingTerm<D>>) -> Elastic<D> {
-    let law = Law::Corotated { young: 1e-200, poisson: 0.0, order: Order::Quadratic };
+fn body<const D: usize>(term: Box<dyn DiscreteGradientTerm<D>>) -> Elastic<D> {
+    let law = ConstitutiveLaw::Corotated { young_modulus: 1e-200, poisson_ratio: 0.0, order: ElementOrder::Quadratic };
     let mesh = quadratic::<D>([2; D], [1.0; D]);
-    let description = Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new() };
+    let description = ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new() };
     Elastic::with_terms(description, vec![term]).unwrap()
 }
 
-fn forces<const D: usize>(term: &dyn ConservingTerm<D>, x: &[Vector<D>]) -> Vec<Vector<D>> {
+fn forces<const D: usize>(term: &dyn DiscreteGradientTerm<D>, x: &[Vector<D>]) -> Vec<Vector<D>> {
     let mut forces = vec![Vector::zeros(); x.len()];
     term.add_forces(x, &mut forces);
     forces
@@ -72,7 +72,7 @@ fn forces_are_the_slope_of_the_energy<const D: usize>() {
             let total: Vector<D> = f.iter().sum();
             let largest = f.iter().map(|f| f.norm()).fold(0.0, f64::max);
             assert!(total.norm() < 1e-13 * (1.0 + largest));
-            for (a, b, _) in planes::<D>() {
+            for (a, b, _) in rotation_planes::<D>() {
                 let torque: f64 = x.iter().zip(&f).map(|(x, f)| x[*a] * f[*b] - x[*b] * f[*a]).sum();
                 assert!(torque.abs() < 1e-12 * (1.0 + largest), "{D}D term {k}: torque {torque:e}");
             }
@@ -83,7 +83,7 @@ fn forces_are_the_slope_of_the_energy<const D: usize>() {
 fn tangents_are_slopes_of_forces<const D: usize>() {
     // Stretched, so that nothing of the stiffness is negative; and as it comes.
     let cases = [(1.05, 0.003, true, terms::<D>()), (1.0, 0.1, false, all_terms::<D>())];
-    for (grown, size, positive, terms) in cases {
+    for (grown, size, project_psd, terms) in cases {
         let rest = quadratic::<D>([2; D], [1.0; D]).positions;
         for (k, term) in terms.into_iter().enumerate() {
             let body = body(term);
@@ -92,7 +92,7 @@ fn tangents_are_slopes_of_forces<const D: usize>() {
             let x = moved(&grown, &noise.vectors(rest.len()), size);
             let along = noise.vectors(rest.len());
             let mut product = vec![Vector::zeros(); x.len()];
-            let weights = Weights { stiffness: 1.0, positive, viscosity: 0.0 };
+            let weights = TangentWeights { stiffness: 1.0, project_psd, viscosity: 0.0 };
             body.tangent(&x, weights).add_product(&along, &mut product);
             let step = 1e-5;
             let (up, down) = (body.forces(&moved(&x, &along, step)), body.forces(&moved(&x, &along, -step)));
@@ -121,14 +121,14 @@ fn tangents_are_positive_and_rates_of_strain_keep_momenta<const D: usize>() {
         for _ in 0..20 {
             let along = noise.vectors(x.len());
             assert!(
-                dot(&along, &product(Weights { stiffness: 1.0, positive: true, viscosity: 0.0 }, &along))
+                dot(&along, &product(TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 }, &along))
                     > 0.0
             );
         }
         // Viscous forces are what the tangent says, and vanish for rigid motions of the strained body.
-        let told = product(Weights { stiffness: 0.0, positive: true, viscosity: 2.0 }, &v);
+        let told = product(TangentWeights { stiffness: 0.0, project_psd: true, viscosity: 2.0 }, &v);
         assert!(told.iter().zip(&viscous).all(|(a, b)| (a + b).norm() < 1e-11), "{D}D term {k}");
-        for (a, b, _) in planes::<D>() {
+        for (a, b, _) in rotation_planes::<D>() {
             let turn = |x: &Vector<D>| {
                 Vector::from_fn(|r, _| {
                     if r == *a {
@@ -141,7 +141,7 @@ fn tangents_are_positive_and_rates_of_strain_keep_momenta<const D: usize>() {
                 })
             };
             let turning: Vec<Vector<D>> = x.iter().map(turn).collect();
-            let felt = product(Weights { stiffness: 0.0, positive: true, viscosity: 1.0 }, &turning);
+            let felt = product(TangentWeights { stiffness: 0.0, project_psd: true, viscosity: 1.0 }, &turning);
             assert!(felt.iter().all(|f| f.norm() < 1e-12), "{D}D term {k}");
         }
     }
@@ -177,7 +177,7 @@ fn forces_between_conserve<const D: usize>() {
             let (before, after) = (term.energy(&first), term.energy(&second));
             assert!((work + after - before).abs() < 1e-13 * (1.0 + before.abs()), "{D}D term {k}: {work}");
             let sum: Vector<D> = forces.iter().sum();
-            let torque: f64 = planes::<D>()
+            let torque: f64 = rotation_planes::<D>()
                 .iter()
                 .map(|(p, q, _)| {
                     let of = |v: usize| {
@@ -200,11 +200,11 @@ fn forces_between() {
 
 fn crushed_elements_resist<const D: usize>() {
     let mesh = quadratic::<D>([2; D], [1.0; D]);
-    let crush = || Continuum::new(&mesh, Crushed, Lame::new(3.0, 0.35), Order::Quadratic).unwrap();
+    let crush = || Continuum::new(&mesh, InversionBarrier, Lame::new(3.0, 0.35), ElementOrder::Quadratic).unwrap();
     let mut noise = Noise(5);
-    assert!(crush().energy(&crushed(1.2 * CRUSHED, &mut noise)) == 0.0);
+    assert!(crush().energy(&crushed(1.2 * CRUSHED_VOLUME_RATIO, &mut noise)) == 0.0);
     assert!(crush().energy(&crushed(-0.1, &mut noise)) == f64::INFINITY);
-    let (x, step) = (crushed::<D>(0.5 * CRUSHED, &mut noise), 1e-7);
+    let (x, step) = (crushed::<D>(0.5 * CRUSHED_VOLUME_RATIO, &mut noise), 1e-7);
     let along = noise.vectors(x.len());
     let mut f = vec![Vector::zeros(); x.len()];
     crush().add_forces(&x, &mut f);
@@ -222,8 +222,8 @@ fn crushed_elements() {
 /// The potential of a step has the gradient and the second derivatives that it says.
 fn potentials_of_steps_have_their_derivatives<const D: usize>(pressed: f64) {
     let mesh = quadratic::<D>([2; D], [1.0; D]);
-    let law = Law::NeoHookean { young: 3.0, poisson: 0.35, order: Order::Quadratic };
-    let description = Description { mesh, density: 1.0, law, damping_ratio: 0.3, anchors: Vec::new() };
+    let law = ConstitutiveLaw::NeoHookean { young_modulus: 3.0, poisson_ratio: 0.35, order: ElementOrder::Quadratic };
+    let description = ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.3, anchors: Vec::new() };
     let elastic = Elastic::new(description).unwrap();
     let mut noise = Noise(11);
     let x = crushed::<D>(pressed, &mut noise);
@@ -233,16 +233,16 @@ fn potentials_of_steps_have_their_derivatives<const D: usize>(pressed: f64) {
     let velocities = moved(&still, &noise.vectors(count), 0.3 * pressed);
     let state = ElasticState { positions: x, velocities, time: 0.0 };
     let impulses = noise.vectors(count);
-    let potential = Incremental {
+    let potential = IncrementalPotential {
         elastic: &elastic,
         state: &state,
-        viscous_at: noisy,
-        beyond: noise.vectors(count),
-        extra: &[],
+        viscosity_positions: noisy,
+        discrete_gradient_correction: noise.vectors(count),
+        extra_stiffness: &[],
         impulses: &impulses,
-        step: 0.3,
-        lead: 0.2,
-        ahead: 0.2,
+        impulse_time: 0.3,
+        velocity_lead: 0.2,
+        lookahead: 0.2,
     };
     let (v, along) = (moved(&still, &noise.vectors(count), 0.3 * pressed), noise.vectors::<D>(count));
     let h = 1e-5;
@@ -252,7 +252,7 @@ fn potentials_of_steps_have_their_derivatives<const D: usize>(pressed: f64) {
     assert!((slope - dot(&gradient, &along)).abs() < 1e-6 * (1.0 + slope.abs()), "{D}D: {slope}");
     let (up, down) = (potential.gradient(&moved(&v, &along, h)), potential.gradient(&moved(&v, &along, -h)));
     let mut product = vec![Vector::zeros(); count];
-    potential.matrix(&v, false).unwrap().add_product(&along, &mut product);
+    potential.hessian(&v, false).unwrap().add_product(&along, &mut product);
     for k in 0..count {
         let slope = (up[k] - down[k]) / (2.0 * h);
         assert!((slope - product[k]).norm() < 1e-6 * (1.0 + slope.norm()), "{D}D: {slope} {}", product[k]);
@@ -264,21 +264,21 @@ fn potentials_of_steps_have_their_derivatives<const D: usize>(pressed: f64) {
 fn potentials_are_infinite_without_volume_at_the_end<const D: usize>() {
     let mesh = quadratic::<D>([2; D], [1.0; D]);
     let x = mesh.positions.clone();
-    let law = Law::NeoHookean { young: 3.0, poisson: 0.35, order: Order::Quadratic };
-    let description = Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new() };
+    let law = ConstitutiveLaw::NeoHookean { young_modulus: 3.0, poisson_ratio: 0.35, order: ElementOrder::Quadratic };
+    let description = ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new() };
     let elastic = Elastic::new(description).unwrap();
     let zero = vec![Vector::zeros(); x.len()];
     let state = ElasticState { positions: x.clone(), velocities: zero.clone(), time: 0.0 };
-    let potential = |step: f64, ahead: f64| Incremental {
+    let potential = |impulse_time: f64, lookahead: f64| IncrementalPotential {
         elastic: &elastic,
         state: &state,
-        viscous_at: x.clone(),
-        beyond: zero.clone(),
-        extra: &[],
+        viscosity_positions: x.clone(),
+        discrete_gradient_correction: zero.clone(),
+        extra_stiffness: &[],
         impulses: &zero,
-        step,
-        lead: 0.5 * step,
-        ahead,
+        impulse_time,
+        velocity_lead: 0.5 * impulse_time,
+        lookahead,
     };
     // A corner goes through the body to where its elements have no volume.
     let far = (0..x.len()).max_by(|a, b| x[*a].sum().total_cmp(&x[*b].sum())).unwrap();
@@ -291,7 +291,7 @@ fn potentials_are_infinite_without_volume_at_the_end<const D: usize>() {
     assert!(potential(4.0, 1e-6).value(&pressed(1.0)).is_finite(), "{D}D");
     assert!(potential(1e-6, 1.0).value(&pressed(0.01)).is_finite(), "{D}D");
     assert!(potential(1e-6, 1.0).value(&pressed(1.0)) == f64::INFINITY, "{D}D");
-    let part = potential(1e-6, 1.0).upright_step(&zero, &pressed(1.0), 0.2);
+    let part = potential(1e-6, 1.0).inversion_free_fraction(&zero, &pressed(1.0), 0.2);
     assert!(part > 0.0 && part < 1.0, "{D}D: {part}");
     assert!(potential(1e-6, 1.0).value(&pressed(part)).is_finite(), "{D}D");
 }
@@ -300,8 +300,8 @@ fn potentials_are_infinite_without_volume_at_the_end<const D: usize>() {
 fn potentials_of_steps() {
     potentials_are_infinite_without_volume_at_the_end::<2>();
     potentials_are_infinite_without_volume_at_the_end::<3>();
-    [0.9, 0.5 * CRUSHED].into_iter().for_each(potentials_of_steps_have_their_derivatives::<2>);
-    [0.9, 0.5 * CRUSHED].into_iter().for_each(potentials_of_steps_have_their_derivatives::<3>);
+    [0.9, 0.5 * CRUSHED_VOLUME_RATIO].into_iter().for_each(potentials_of_steps_have_their_derivatives::<2>);
+    [0.9, 0.5 * CRUSHED_VOLUME_RATIO].into_iter().for_each(potentials_of_steps_have_their_derivatives::<3>);
 }
 
 fn heights_over_a_surface_are_resisted_as_its_size_grows<const D: usize>() {
@@ -316,7 +316,7 @@ fn heights_over_a_surface_are_resisted_as_its_size_grows<const D: usize>() {
     let mut along = vec![Vector::zeros(); rest.len()];
     along[middle][D - 1] = 1.0;
     let mut product = vec![Vector::zeros(); rest.len()];
-    body.tangent(&rest, Weights { stiffness: 1.0, positive: true, viscosity: 0.0 })
+    body.tangent(&rest, TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 })
         .add_product(&along, &mut product);
     let step = 1e-5;
     let (up, down) = (body.forces(&moved(&rest, &along, step)), body.forces(&moved(&rest, &along, -step)));
@@ -354,7 +354,7 @@ fn pressed_elements_resist<const D: usize>() {
     let mesh = quadratic::<D>([2; D], [1.0; D]);
     let lame = Lame::new(3.0, 0.35);
     for order in BOTH {
-        let laws: [Box<dyn ConservingTerm<D>>; 2] = [
+        let laws: [Box<dyn DiscreteGradientTerm<D>>; 2] = [
             Box::new(Continuum::new(&mesh, NeoHookean, lame, order).unwrap()),
             Box::new(Continuum::new(&mesh, Corotated, lame, order).unwrap()),
         ];
@@ -388,12 +388,12 @@ fn stiffness_has_full_rank<const D: usize>() {
         let rest = moved(&mesh.positions, &noise.vectors(mesh.positions.len()), 0.02);
         let bent = VolumeMesh { positions: rest, ..mesh.clone() };
         for mesh in [mesh, bent] {
-            let law = Law::NeoHookean { young: 1.0, poisson: 0.3, order: Order::Quadratic };
+            let law = ConstitutiveLaw::NeoHookean { young_modulus: 1.0, poisson_ratio: 0.3, order: ElementOrder::Quadratic };
             let description =
-                Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new() };
+                ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new() };
             let body = Elastic::new(description).unwrap();
-            let x = &body.mesh().positions;
-            let stiffness = body.tangent(x, Weights { stiffness: 1.0, positive: false, viscosity: 0.0 });
+            let x = &body.rest_mesh().positions;
+            let stiffness = body.tangent(x, TangentWeights { stiffness: 1.0, project_psd: false, viscosity: 0.0 });
             let n = x.len() * D;
             let column = |k: usize| {
                 let mut unit = vec![Vector::<D>::zeros(); x.len()];

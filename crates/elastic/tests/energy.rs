@@ -4,14 +4,14 @@
 mod lattice;
 
 use lattice::{Noise, clamped, free, quadratic, rubber};
-use meniscus_elastic::{Anchor, Elastic, ElasticState, Weights};
+use meniscus_elastic::{Anchor, Elastic, ElasticState, TangentWeights};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 
 /// The highest frequency of a body at rest, rad/s, by power iteration.
 fn highest<const D: usize>(body: &Elastic<D>) -> f64 {
     let stiffness =
-        body.tangent(&body.mesh().positions, Weights { stiffness: 1.0, positive: true, viscosity: 0.0 });
+        body.tangent(&body.rest_mesh().positions, TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 });
     let mut v = Noise(3).vectors::<D>(body.masses().len());
     let mut square = 0.0;
     for _ in 0..100 {
@@ -45,16 +45,16 @@ fn swing(load: f64, ratio: f64) -> Swing {
     let h = ratio / highest(&body);
     let total = |s: &ElasticState<2>| {
         let lifted = |k: usize| {
-            -weight[k].dot(&(s.positions[k] + s.velocities[k] * (0.5 * h) - body.mesh().positions[k]))
+            -weight[k].dot(&(s.positions[k] + s.velocities[k] * (0.5 * h) - body.rest_mesh().positions[k]))
         };
         body.energy(s, h) + (0..weight.len()).map(lifted).sum::<f64>()
     };
-    let mut state = body.at_rest(h);
+    let mut state = body.rest_state(h);
     let (mut most, mut scale, mut turn) = (f64::NEG_INFINITY, 0.0f64, 0.0f64);
     let steps = (4.0 / 18.433 / h) as usize;
     for _ in 0..steps {
         body.step(&mut state, h, &weight).unwrap();
-        turn = turn.max(h * body.largest_rate(&state));
+        turn = turn.max(h * body.max_velocity_gradient(&state));
         most = most.max(total(&state));
         scale = scale.max(body.kinetic_energy(&state.velocities));
     }
@@ -67,7 +67,7 @@ fn pieces<const D: usize>() {
     let mut two = one.clone();
     let count = one.positions.len() as u32;
     two.positions.extend(one.positions.iter().map(|x| x + Vector::repeat(5.0)));
-    let moved = |s: &Simplex<D>| Simplex { root: s.root + count, rest: s.rest.map(|v| v + count) };
+    let moved = |s: &Simplex<D>| Simplex { root: s.root + count, others: s.others.map(|v| v + count) };
     two.simplices.extend(one.simplices.iter().map(moved));
     let time = |mesh: &VolumeMesh<D>, held: bool| {
         let mut description = free(mesh.clone(), 1.0, rubber(1e4, 0.3));
@@ -106,7 +106,7 @@ fn small_vibrations_keep_their_energy() {
     let body = Elastic::new(clamped(quadratic::<2>([20, 2], [2.0, 0.2]), 1.2, rubber(1e8, 0.3))).unwrap();
     for ratio in [1.0, 30.0] {
         let h = ratio / highest(&body);
-        let mut state = body.at_rest(h);
+        let mut state = body.rest_state(h);
         let moving = |x: &Vector<2>| Vector::from([0.0, 1e-5 * x[0] * x[0] * (1.0 - x[0])]);
         state.velocities = state.positions.iter().map(moving).collect();
         let before = body.energy(&state, h);
@@ -125,7 +125,7 @@ fn a_free_body_keeps_its_momenta() {
     description.damping_ratio = 0.02;
     let body = Elastic::new(description).unwrap();
     for h in [1e-3, 5e-3] {
-        let mut state = body.at_rest(h);
+        let mut state = body.rest_state(h);
         for (v, x) in state.velocities.iter_mut().zip(&state.positions) {
             let bend = 10.0 * x[2] * x[1] - 3.0 * x[0] * x[0];
             *v = Vector::from([0.3 - 6.0 * x[1], 6.0 * x[0] + bend, 0.1 - bend]);
@@ -153,7 +153,7 @@ fn threads_do_not_matter() {
             let body = Elastic::new(clamped(mesh, 1000.0, rubber(1e5, 0.4))).unwrap();
             let weight: Vec<Vector<3>> =
                 body.masses().iter().map(|m| Vector::from([0.0, 0.0, -10.0 * m])).collect();
-            let mut state = body.at_rest(0.01);
+            let mut state = body.rest_state(0.01);
             (0..5).for_each(|_| body.step(&mut state, 0.01, &weight).unwrap());
             state
         })

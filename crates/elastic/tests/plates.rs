@@ -4,7 +4,7 @@
 mod lattice;
 
 use lattice::{block, free, quadratic};
-use meniscus_elastic::{Elastic, Law, Order, StiffnessBlock, Weights};
+use meniscus_elastic::{Elastic, ConstitutiveLaw, ElementOrder, StiffnessBlock, TangentWeights};
 use meniscus_numerics::{Matrix, Vector};
 
 /// Vertex, component, displacement.
@@ -20,25 +20,25 @@ fn energy<const D: usize>(body: &Elastic<D>, told: &[Told]) -> f64 {
         .collect();
     let mut forces = vec![Vector::<D>::zeros(); body.masses().len()];
     told.iter().for_each(|(v, a, by)| forces[*v][*a] += hold * by);
-    let u = body.small_displacements(&forces, &extra).unwrap();
+    let u = body.linear_static_displacements(&forces, &extra).unwrap();
     let mut pull = vec![Vector::zeros(); u.len()];
-    body.tangent(&body.mesh().positions, Weights { stiffness: 1.0, positive: true, viscosity: 0.0 })
+    body.tangent(&body.rest_mesh().positions, TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 })
         .add_product(&u, &mut pull);
     0.5 * u.iter().zip(&pull).map(|(u, p)| u.dot(p)).sum::<f64>()
 }
 
-fn plate<const D: usize>(cells: [usize; D], poisson: f64, order: Order, wide: f64) -> Elastic<D> {
+fn plate<const D: usize>(cells: [usize; D], poisson_ratio: f64, order: ElementOrder, wide: f64) -> Elastic<D> {
     let mut size = cells.map(|n| n as f64 * wide);
     size[D - 1] = cells[D - 1] as f64;
-    let law = Law::NeoHookean { young: 1.0, poisson, order };
-    let mesh = if order == Order::Quadratic { quadratic::<D>(cells, size) } else { block::<D>(cells, size) };
+    let law = ConstitutiveLaw::NeoHookean { young_modulus: 1.0, poisson_ratio, order };
+    let mesh = if order == ElementOrder::Quadratic { quadratic::<D>(cells, size) } else { block::<D>(cells, size) };
     Elastic::new(free(mesh, 1e-9, law)).unwrap()
 }
 
 /// Bending stiffness over nominal of a plate that bends about one axis and keeps its width.
-fn bending<const D: usize>(cells: [usize; D], poisson: f64, order: Order, wide: f64) -> f64 {
+fn bending<const D: usize>(cells: [usize; D], poisson: f64, order: ElementOrder, wide: f64) -> f64 {
     let body = plate(cells, poisson, order, wide);
-    let x = &body.mesh().positions;
+    let x = &body.rest_mesh().positions;
     let size = x.iter().fold(Vector::<D>::zeros(), |s, x| s.sup(x));
     let mut told: Vec<Told> = vec![(0, D - 1, 0.0)];
     for (v, x) in x.iter().enumerate() {
@@ -57,9 +57,9 @@ fn bending<const D: usize>(cells: [usize; D], poisson: f64, order: Order, wide: 
 }
 
 /// Twisting stiffness over nominal of a square plate.
-fn twisting(side: usize, layers: usize, poisson: f64, order: Order, wide: f64) -> f64 {
+fn twisting(side: usize, layers: usize, poisson: f64, order: ElementOrder, wide: f64) -> f64 {
     let body = plate([side, side, layers], poisson, order, wide);
-    let positions = &body.mesh().positions;
+    let positions = &body.rest_mesh().positions;
     let size = positions.iter().fold(Vector::<3>::zeros(), |s, x| s.sup(x));
     let at = |x: f64, y: f64| {
         let off = |v: &usize| (positions[*v] - Vector::from([x, y, 0.0])).norm();
@@ -80,7 +80,7 @@ fn twisting(side: usize, layers: usize, poisson: f64, order: Order, wide: f64) -
 #[test]
 fn plates_of_few_layers_bend_as_they_should() {
     for poisson in [0.0, 0.3, 0.45, 0.49] {
-        for order in [Order::Linear, Order::Quadratic] {
+        for order in [ElementOrder::Linear, ElementOrder::Quadratic] {
             let all: Vec<[f64; 3]> = [2, 4]
                 .map(|n| {
                     [
@@ -91,7 +91,7 @@ fn plates_of_few_layers_bend_as_they_should() {
                 })
                 .to_vec();
             println!("nu {poisson} {order:?}: 2 and 4 layers [2D, 3D, twist]: {all:.4?}");
-            if order == Order::Quadratic {
+            if order == ElementOrder::Quadratic {
                 // Constant curvature is quadratic, and no error at all but that of the springs which hold.
                 assert!(all.iter().flatten().all(|r| (r - 1.0).abs() < 1e-3), "nu {poisson}: {all:?}");
             }
@@ -104,7 +104,7 @@ fn cells_that_are_not_cubes() {
     for wide in [0.5, 0.75, 1.0, 1.33, 2.0] {
         let all = [2, 4].map(|n| {
             let long = 2 * (4.0 / wide) as usize;
-            [bending([long, 4, n], 0.3, Order::Quadratic, wide), twisting(6, n, 0.3, Order::Quadratic, wide)]
+            [bending([long, 4, n], 0.3, ElementOrder::Quadratic, wide), twisting(6, n, 0.3, ElementOrder::Quadratic, wide)]
         });
         println!("{wide} times as wide as high: {all:.4?}");
         assert!(all.iter().flatten().all(|r| (r - 1.0).abs() < 1e-3));
@@ -117,10 +117,10 @@ fn plates_of_springs() {
     let bending = |layers: usize| {
         let cells = [12, layers];
         let mesh = block::<2>(cells, cells.map(|n| n as f64));
-        let body = Elastic::new(free(mesh, 1e-9, Law::Springs { stiffness: 1.0 })).unwrap();
+        let body = Elastic::new(free(mesh, 1e-9, ConstitutiveLaw::Springs { stiffness: 1.0 })).unwrap();
         let high = layers as f64;
         let mut told: Vec<Told> = vec![(0, 1, 0.0)];
-        for (v, x) in body.mesh().positions.iter().enumerate() {
+        for (v, x) in body.rest_mesh().positions.iter().enumerate() {
             if x[0] < 1e-9 || x[0] > 12.0 - 1e-9 {
                 told.push((v, 0, -(x[1] - 0.5 * high) * x[0]));
             }

@@ -14,9 +14,9 @@ pub mod shape;
 /// A point or vector of `D` components.
 pub type Vector<const D: usize> = nalgebra::SVector<f64, D>;
 /// The planes in which things turn: first axis, second axis, place in a vector of moments (2D: the last entry).
-pub fn planes<const D: usize>() -> &'static [(usize, usize, usize)] {
-    const PLANES: [(usize, usize, usize); 3] = [(0, 1, 2), (1, 2, 0), (2, 0, 1)];
-    if D == 2 { &PLANES[..1] } else { &PLANES }
+pub fn rotation_planes<const D: usize>() -> &'static [(usize, usize, usize)] {
+    const ROTATION_PLANES: [(usize, usize, usize); 3] = [(0, 1, 2), (1, 2, 0), (2, 0, 1)];
+    if D == 2 { &ROTATION_PLANES[..1] } else { &ROTATION_PLANES }
 }
 
 /// A `D × D` matrix.

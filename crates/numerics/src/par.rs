@@ -30,18 +30,18 @@ pub fn sums<const K: usize>(n: usize, f: impl Fn(usize) -> [f64; K] + Sync) -> [
 /// The stretches must be sorted and disjoint, as those of [`crate::grid::Tiles`] and [`crate::grid::Runs`] are.
 pub fn for_each_segment<T: Send>(
     data: &mut [T],
-    row: usize,
+    row_length: usize,
     segments: &[Segment],
     f: impl Fn(&Segment, &mut [T]) + Sync,
 ) {
     let mut parts = Vec::with_capacity(segments.len());
     let (mut rest, mut at) = (data, 0);
     for s in segments {
-        let start = s.row * row + s.start;
+        let start = s.row * row_length + s.start;
         let (_, tail) = rest.split_at_mut(start - at);
         let (part, tail) = tail.split_at_mut(s.end - s.start);
         parts.push((s, part));
-        (rest, at) = (tail, s.row * row + s.end);
+        (rest, at) = (tail, s.row * row_length + s.end);
     }
     parts.into_par_iter().with_min_len(16).for_each(|(s, part)| f(s, part));
 }

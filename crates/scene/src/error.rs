@@ -117,12 +117,12 @@ impl SceneError {
         let marks = self.source_text[span.start..until].chars().count().max(1);
         let number = line.to_string();
         let gutter = " ".repeat(number.len());
-        let lead: String =
+        let padding: String =
             text.chars().take(column - 1).map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
         let _ = writeln!(out, "{gutter}--> {}:{line}:{column}", self.source_name);
         let _ = writeln!(out, "{gutter} |");
         let _ = writeln!(out, "{number} | {text}");
-        let _ = writeln!(out, "{gutter} | {lead}{}", "^".repeat(marks));
+        let _ = writeln!(out, "{gutter} | {padding}{}", "^".repeat(marks));
     }
 }
 

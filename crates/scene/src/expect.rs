@@ -1,27 +1,27 @@
 //! The `[expect]` section: evaluated at the end of a run from what lies in its folder.
 
 use crate::file::{Expectation, Scene, Side, WALLS};
-use crate::output::series::Table;
+use crate::output::series::TimeSeries;
 use crate::output::summary::{Summary, Verdict};
-use crate::units::{four_digits, readable};
+use crate::units::{format_four_digits, format_si};
 
 /// Wetted share of a surface from which on it is all: the cells at a gap to the floor may count as dry.
-const WHOLE: f64 = 0.98;
+const FULLY_WETTED_SHARE: f64 = 0.98;
 /// Force of the liquid over that of what a solid rests on, from which on the liquid carries it.
-const HELD: f64 = 10.0;
+const FLOATING_FORCE_RATIO: f64 = 10.0;
 
 /// Depth, in cells, up to which solids that touch do not count as overlapping.
-const OVERLAP: f64 = 0.01;
+const OVERLAP_TOLERANCE_CELLS: f64 = 0.01;
 
 /// Evaluates every expectation of a scene, and what must hold wherever solids deform: no element is turned inside out, nothing
 /// goes through anything.
-pub fn evaluate(scene: &Scene, summary: &Summary, series: &Table) -> Vec<Verdict> {
+pub fn evaluate(scene: &Scene, summary: &Summary, series: &TimeSeries) -> Vec<Verdict> {
     let expected = scene.expect.iter().map(|expectation| verdict(expectation, summary, series));
-    expected.chain(sound(summary)).collect()
+    expected.chain(solid_integrity(summary)).collect()
 }
 
 /// What must hold of solids that deform.
-fn sound(summary: &Summary) -> impl Iterator<Item = Verdict> {
+fn solid_integrity(summary: &Summary) -> impl Iterator<Item = Verdict> {
     let element = summary.least_element.map(|least| Verdict {
         quantity: "smallest element over its volume at rest".into(),
         bar: "above 0".into(),
@@ -30,11 +30,11 @@ fn sound(summary: &Summary) -> impl Iterator<Item = Verdict> {
         pass: least > 0.0,
     });
     let overlap = summary.deepest_overlap;
-    let overlap = overlap.map(|_| at_most("deepest overlap of solids", overlap, OVERLAP * summary.dx, "m"));
+    let overlap = overlap.map(|_| at_most("deepest overlap of solids", overlap, OVERLAP_TOLERANCE_CELLS * summary.dx, "m"));
     element.into_iter().chain(overlap)
 }
 
-fn verdict(expectation: &Expectation, summary: &Summary, series: &Table) -> Verdict {
+fn verdict(expectation: &Expectation, summary: &Summary, series: &TimeSeries) -> Verdict {
     match expectation {
         Expectation::VolumeDrift { max } => {
             at_most("volume drift", Some(summary.volume_error.abs()), *max, "")
@@ -42,25 +42,25 @@ fn verdict(expectation: &Expectation, summary: &Summary, series: &Table) -> Verd
         Expectation::MomentumError { max } => at_most("momentum error", summary.momentum_error, *max, ""),
         Expectation::EnergyGrowth { max } => at_most("energy growth", energy_growth(series), *max, ""),
         Expectation::Repair { name, max } => {
-            let value = summary.repaired().find(|(found, _)| found == name).map(|(_, value)| value.abs());
+            let value = summary.relative_repairs().find(|(found, _)| found == name).map(|(_, value)| value.abs());
             at_most(&format!("repairs: {name}"), value, *max, "")
         }
         Expectation::MaxSpeed { max } => {
             at_most("largest speed at the end", series.column("max_speed").last().copied(), *max, "m/s")
         }
         Expectation::Period { value, tolerance, .. } => {
-            near("period", period(series), *value, tolerance * value, "s")
+            within_tolerance("period", period(series), *value, tolerance * value, "s")
         }
         Expectation::Frequency { value, tolerance, .. } => {
-            near("frequency", period(series).map(f64::recip), *value, tolerance * value, "Hz")
+            within_tolerance("frequency", period(series).map(f64::recip), *value, tolerance * value, "Hz")
         }
         Expectation::Drops { min, max } => {
             let count = summary.drops.len() as f64;
-            let bar = if min == max { min.to_string() } else { bounds(*min, *max) };
+            let bar = if min == max { min.to_string() } else { format_bounds(*min, *max) };
             let pass = count >= f64::from(*min) && count <= f64::from(*max);
             Verdict { quantity: "drops".into(), bar, value: Some(count), unit: String::new(), pass }
         }
-        Expectation::Reach { side, value, tolerance } => near(
+        Expectation::Reach { side, value, tolerance } => within_tolerance(
             &format!("reach towards {side:?}").to_lowercase(),
             reach(summary, *side),
             *value,
@@ -72,17 +72,17 @@ fn verdict(expectation: &Expectation, summary: &Summary, series: &Table) -> Verd
             let named = summary.solids.iter().find(|s| s.name == *solid);
             let walls = || summary.wall_contact_angle.filter(|_| solid == WALLS);
             let found = named.map_or_else(walls, |s| s.contact_angle);
-            near(&format!("contact angle on {solid}"), found, degrees(*value), degrees(*tolerance), "deg")
+            within_tolerance(&format!("contact angle on {solid}"), found, degrees(*value), degrees(*tolerance), "deg")
         }
-        Expectation::Floats { solid } => afloat(summary, solid),
+        Expectation::Floats { solid } => floats(summary, solid),
         Expectation::Sinks { solid } => {
             let wetted = summary.solids.iter().find(|s| s.name == *solid).map(|s| s.wetted);
             Verdict {
                 quantity: format!("wetted share of {solid}, which sinks"),
-                bar: format!("at least {WHOLE}"),
+                bar: format!("at least {FULLY_WETTED_SHARE}"),
                 value: wetted,
                 unit: String::new(),
-                pass: wetted.is_some_and(|share| share >= WHOLE),
+                pass: wetted.is_some_and(|share| share >= FULLY_WETTED_SHARE),
             }
         }
         Expectation::Wetted { solid, min, max } => {
@@ -98,8 +98,8 @@ fn verdict(expectation: &Expectation, summary: &Summary, series: &Table) -> Verd
         Expectation::Deflection { solid, min, max } => {
             let found = summary.solids.iter().find(|s| s.name == *solid).and_then(|s| s.deflection);
             let bar = match max.is_finite() {
-                true => format!("{} to {}", text(*min, "m"), text(*max, "m")),
-                false => format!("at least {}", text(*min, "m")),
+                true => format!("{} to {}", format_value(*min, "m"), format_value(*max, "m")),
+                false => format!("at least {}", format_value(*min, "m")),
             };
             let pass = found.is_some_and(|d| d >= *min && d <= *max);
             Verdict { quantity: format!("deflection of {solid}"), bar, value: found, unit: "m".into(), pass }
@@ -121,17 +121,17 @@ fn verdict(expectation: &Expectation, summary: &Summary, series: &Table) -> Verd
 fn at_most(quantity: &str, value: Option<f64>, max: f64, unit: &str) -> Verdict {
     Verdict {
         quantity: quantity.into(),
-        bar: format!("at most {}", text(max, unit)),
+        bar: format!("at most {}", format_value(max, unit)),
         value,
         unit: unit.into(),
         pass: value.is_some_and(|v| v <= max),
     }
 }
 
-fn near(quantity: &str, value: Option<f64>, expected: f64, tolerance: f64, unit: &str) -> Verdict {
+fn within_tolerance(quantity: &str, value: Option<f64>, expected: f64, tolerance: f64, unit: &str) -> Verdict {
     Verdict {
         quantity: quantity.into(),
-        bar: format!("{} within {}", text(expected, unit), text(tolerance, unit)),
+        bar: format!("{} within {}", format_value(expected, unit), format_value(tolerance, unit)),
         value,
         unit: unit.into(),
         pass: value.is_some_and(|v| (v - expected).abs() <= tolerance),
@@ -139,37 +139,37 @@ fn near(quantity: &str, value: Option<f64>, expected: f64, tolerance: f64, unit:
 }
 
 /// Whether the liquid carries a solid that sticks out of it. The value is the share that is wetted.
-fn afloat(summary: &Summary, name: &str) -> Verdict {
+fn floats(summary: &Summary, name: &str) -> Verdict {
     let solid = summary.solids.iter().find(|s| s.name == *name);
     let up = |force: &[f64]| force.last().copied().unwrap_or(0.0);
-    let carried = solid.is_some_and(|s| up(&s.net_force) > HELD * up(&s.contact_force).abs());
+    let carried = solid.is_some_and(|s| up(&s.net_force) > FLOATING_FORCE_RATIO * up(&s.contact_force).abs());
     let wetted = solid.map(|s| s.wetted);
     Verdict {
         quantity: format!("wetted share of {name}, which floats"),
-        bar: format!("below {WHOLE}, and carried by the liquid alone"),
+        bar: format!("below {FULLY_WETTED_SHARE}, and carried by the liquid alone"),
         value: wetted,
         unit: String::new(),
-        pass: carried && wetted.is_some_and(|share| share > 0.0 && share < WHOLE),
+        pass: carried && wetted.is_some_and(|share| share > 0.0 && share < FULLY_WETTED_SHARE),
     }
 }
 
-fn bounds(min: u32, max: u32) -> String {
+fn format_bounds(min: u32, max: u32) -> String {
     if max == u32::MAX { format!("at least {min}") } else { format!("{min} to {max}") }
 }
 
 /// A value of an expectation with its unit: four digits at least, with a prefix where the unit takes one.
-pub fn text(value: f64, unit: &str) -> String {
+pub fn format_value(value: f64, unit: &str) -> String {
     match unit {
         "" if value != 0.0 && value.abs() < 0.01 => format!("{value:.2e}"),
-        "" => four_digits(value),
-        "deg" => format!("{} deg", four_digits(value)),
-        unit => readable(value, unit),
+        "" => format_four_digits(value),
+        "deg" => format!("{} deg", format_four_digits(value)),
+        unit => format_si(value, unit),
     }
 }
 
 /// How far the total energy, with what has left through open sides, rises above its start, relative to the largest kind of
 /// energy at the start.
-fn energy_growth(series: &Table) -> Option<f64> {
+fn energy_growth(series: &TimeSeries) -> Option<f64> {
     let names = ["kinetic_energy", "surface_energy", "elastic_energy", "potential_energy"];
     let kinds = names.map(|name| series.column(name));
     let left = ["outflow_kinetic_energy", "outflow_stored_energy"].map(|name| series.column(name));
@@ -203,7 +203,7 @@ fn reach(summary: &Summary, side: Side) -> Option<f64> {
 /// The period of an oscillation, s: twice the mean distance of the maxima of the kinetic energy, which has two in each
 /// period. Each is placed by the middle between the crossings of half its height on either side, which a few noisy
 /// steps do not move. None with fewer than two maxima.
-pub fn period(series: &Table) -> Option<f64> {
+pub fn period(series: &TimeSeries) -> Option<f64> {
     let (time, energy) = (series.column("time"), series.column("kinetic_energy"));
     let peaks = peaks(time, energy);
     let (first, last) = (peaks.first()?, peaks.last()?);
@@ -256,7 +256,7 @@ fn crossing(time: &[f64], curve: &[f64], i: usize, level: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn damped(decay: f64, noise: f64) -> Table {
+    fn damped(decay: f64, noise: f64) -> TimeSeries {
         let mut text = String::from("time,kinetic_energy\n");
         let mut random = 1u64;
         for i in 0..400 {
@@ -265,7 +265,7 @@ mod tests {
             let jitter = 1.0 + noise * ((random >> 33) as f64 / 2f64.powi(31) - 0.5);
             text += &format!("{t},{}\n", (-2.0 * decay * t).exp() * (2.0 * t * 2.5).sin().powi(2) * jitter);
         }
-        Table::parse(&text)
+        TimeSeries::parse(&text)
     }
 
     #[test]
@@ -275,7 +275,7 @@ mod tests {
         assert!((measured / expected - 1.0).abs() < 1e-3, "{measured} {expected}");
         let measured = period(&damped(0.1, 0.02)).unwrap();
         assert!((measured / expected - 1.0).abs() < 5e-3, "{measured} {expected}");
-        assert_eq!(period(&Table::default()), None);
+        assert_eq!(period(&TimeSeries::default()), None);
     }
 
     #[test]
@@ -286,7 +286,7 @@ mod tests {
             let impact = if i < 20 { 5.0 + t } else { 0.0 };
             text += &format!("{t},{}\n", impact + (5.0 * t).sin().powi(2));
         }
-        let measured = period(&Table::parse(&text));
+        let measured = period(&TimeSeries::parse(&text));
         let expected = 0.4 * std::f64::consts::PI;
         // The swing is sampled 60 times a maximum: the middles of its flanks are off by less than a sample.
         assert!(measured.is_some_and(|m| (m / expected - 1.0).abs() < 5e-3), "{measured:?}");
@@ -294,15 +294,15 @@ mod tests {
 
     #[test]
     fn energy_growth_is_relative() {
-        let table = Table::parse(
+        let table = TimeSeries::parse(
             "kinetic_energy,surface_energy,elastic_energy,potential_energy\n0,2,0,0\n1,1.5,0,0\n0,1,1.2,0\n",
         );
         assert_eq!(energy_growth(&table), Some(0.25));
-        let bent = Table::parse(
+        let bent = TimeSeries::parse(
             "kinetic_energy,surface_energy,elastic_energy,potential_energy\n0,2,0,0\n0,1.5,1.5,0\n",
         );
         assert_eq!(energy_growth(&bent), Some(0.5));
-        let drained = Table::parse(
+        let drained = TimeSeries::parse(
             "kinetic_energy,surface_energy,elastic_energy,potential_energy,outflow_kinetic_energy,outflow_stored_energy\n\
              0,2,0,0,0,0\n0,1,0,0,1,0.5\n",
         );

@@ -113,16 +113,16 @@ impl Dimension {
 }
 
 /// A number with four digits and an SI prefix that keeps it handy: `1.612 mm`. Only for units of power one.
-pub fn readable(x: f64, unit: &str) -> String {
+pub fn format_si(x: f64, unit: &str) -> String {
     const STEPS: [(f64, &str); 7] =
         [(1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n")];
     let fits = STEPS.into_iter().find(|(scale, _)| x.abs() >= scale * 0.999_95);
     let (scale, prefix) = if x == 0.0 { (1.0, "") } else { fits.unwrap_or(STEPS[6]) };
-    format!("{} {prefix}{unit}", four_digits(x / scale))
+    format!("{} {prefix}{unit}", format_four_digits(x / scale))
 }
 
 /// A number with four digits at least, without zeros at its end.
-pub(crate) fn four_digits(x: f64) -> String {
+pub(crate) fn format_four_digits(x: f64) -> String {
     let whole = x.abs().max(1.0).log10().floor() as usize;
     let digits = 3usize.saturating_sub(whole);
     let text = format!("{x:.digits$}");
@@ -131,7 +131,7 @@ pub(crate) fn four_digits(x: f64) -> String {
 }
 
 /// An area (2D) or a volume (3D) in SI as text: `3.142 mm^2`.
-pub fn readable_volume(x: f64, dimension: usize) -> String {
+pub fn format_volume(x: f64, dimension: usize) -> String {
     let size = x.abs().powf(1.0 / dimension as f64);
     let (step, unit): (f64, &str) = match size {
         s if s >= 1.0 => (1.0, "m"),
@@ -139,7 +139,7 @@ pub fn readable_volume(x: f64, dimension: usize) -> String {
         s if s >= 1e-4 => (1e-3, "mm"),
         _ => (1e-6, "um"),
     };
-    format!("{} {unit}^{dimension}", four_digits(x / step.powi(dimension as i32)))
+    format!("{} {unit}^{dimension}", format_four_digits(x / step.powi(dimension as i32)))
 }
 
 /// Why a value was refused.

@@ -54,7 +54,7 @@ pub enum Quantity {
     /// A momentum, kg m/s (2D: kg/s).
     Momentum,
     /// An angular momentum, kg m²/s (2D: kg m/s).
-    Spin,
+    AngularMomentum,
     /// A length, m.
     Length,
     /// A pure number.
@@ -88,14 +88,14 @@ record! {
     /// Momentum that was restored to liquid that no held solid or side touches, kg m/s (2D: kg/s), the sum of its sizes.
     momentum_restored: sum of Momentum,
     /// Angular momentum that was restored to it, kg m²/s (2D: kg m/s), the sum of its sizes.
-    spin_restored: sum of Spin,
+    spin_restored: sum of AngularMomentum,
     /// Momentum that was restored, once it was carried along, to liquid that solids hold, kg m/s (2D: kg/s).
     carried_momentum_restored: sum of Momentum,
     /// Angular momentum that was restored to it, kg m²/s (2D: kg m/s).
-    carried_spin_restored: sum of Spin,
+    carried_spin_restored: sum of AngularMomentum,
     /// Moment of the liquid's surface that solids that deform did not get, because their contact lines are too close together to
     /// carry it, as angular momentum, kg m²/s (2D: kg m/s), the sum of its sizes.
-    line_moment_lost: sum of Spin,
+    line_moment_lost: sum of AngularMomentum,
     /// Cells of the surface whose curvature was cut down to the largest that the grid knows, two radii a cell.
     clamped_curvatures: count of Count,
     /// Faces at the surface with an unknown curvature on both sides: no tension acts there.

@@ -1,7 +1,7 @@
 //! Everything that evolves.
 
 use crate::collision::potential::slips::Slips;
-use crate::components::group::Whole;
+use crate::components::group::RigidMotion;
 use crate::solid::SolidState;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, FaceField, Grid};
@@ -16,25 +16,25 @@ pub struct State<const D: usize> {
     /// Length of the last step, s (0 before the first).
     pub last_dt: f64,
     /// Time by which the velocity is ahead of the positions, s: half a step, where the step's length is constant.
-    pub lead: f64,
+    pub velocity_lead: f64,
     /// Time for which the last forces acted, s.
-    pub kick: f64,
+    pub impulse_time: f64,
     /// Length up to which the next step meets no contacts but those that were found, s.
-    pub clear: f64,
+    pub collision_free_dt: f64,
     /// Distance that the interface may have moved since the last redistance, in cells.
-    pub drift: f64,
+    pub displacement_since_redistancing: f64,
     /// Signed distance to the liquid's surface, m, negative in the liquid; valid within the band, elsewhere ± its width.
     pub phi: CellField<D>,
     /// Velocity, m/s; valid in the liquid and a few cells around it.
     pub velocity: FaceField<D>,
     /// Pressure times the time it acted for (`kick`), over density, in the liquid cells, m²/s: where the next solve starts.
-    pub lambda: CellField<D>,
+    pub pressure_impulse: CellField<D>,
     /// The connected components of the liquid, in order of their first cell.
-    pub drops: Vec<Drop<D>>,
+    pub components: Vec<Component<D>>,
     /// The solids, in the model's order.
     pub solids: Vec<SolidState<D>>,
     /// Elastic slips of friction where solids touch.
-    pub slips: Slips<D>,
+    pub elastic_slips: Slips<D>,
     /// Volume of components that became too small to see, m³ (2D: m²), since the start.
     pub lost_volume: f64,
     /// Volume that has left through open sides, m³ (2D: m²), since the start.
@@ -46,12 +46,12 @@ pub struct State<const D: usize> {
     /// Kinetic energy, J (2D: J per metre).
     pub kinetic_energy: f64,
     /// Area of the surface, m² (2D: m).
-    pub surface_area: f64,
+    pub effective_surface_area: f64,
 }
 
 /// A connected component of the liquid.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Drop<const D: usize> {
+pub struct Component<const D: usize> {
     /// Volume it must keep, m³ (2D: m²).
     pub target_volume: f64,
     /// Volume it has, m³ (2D: m²).
@@ -65,24 +65,24 @@ pub struct Drop<const D: usize> {
     /// Mean velocity, m/s.
     pub velocity: Vector<D>,
     /// Angular momentum about its centre over the liquid's density, m⁵/s (2D: m⁴/s, in the last entry).
-    pub spin: [f64; 3],
+    pub angular_momentum_per_density: [f64; 3],
 }
 
-impl<const D: usize> Drop<D> {
+impl<const D: usize> Component<D> {
     /// What the drop is as a body.
-    pub(crate) fn whole(&self) -> Whole<D> {
-        Whole { mass: self.target_volume, center: self.centroid, velocity: self.velocity, spin: self.spin }
+    pub(crate) fn rigid_motion(&self) -> RigidMotion<D> {
+        RigidMotion { volume: self.target_volume, center: self.centroid, velocity: self.velocity, angular_momentum_per_density: self.angular_momentum_per_density }
     }
 }
 
 impl<const D: usize> State<D> {
     /// Counts a drop that the grid does not see any more as left through an open side. The energy of its surface is unknown and
     /// counts as none.
-    pub(crate) fn count_outflow(&mut self, drop: &Drop<D>, density: f64, gravity: &Vector<D>) {
-        let mass = density * drop.target_volume;
-        self.outflow_volume += drop.target_volume;
-        self.outflow_kinetic_energy += 0.5 * mass * drop.velocity.norm_squared();
-        self.outflow_stored_energy -= mass * gravity.dot(&drop.centroid);
+    pub(crate) fn record_component_outflow(&mut self, component: &Component<D>, density: f64, gravity: &Vector<D>) {
+        let mass = density * component.target_volume;
+        self.outflow_volume += component.target_volume;
+        self.outflow_kinetic_energy += 0.5 * mass * component.velocity.norm_squared();
+        self.outflow_stored_energy -= mass * gravity.dot(&component.centroid);
     }
 
     /// Energy that has left through open sides, J (2D: J per metre).
@@ -92,7 +92,7 @@ impl<const D: usize> State<D> {
 
     /// Pressure in a liquid cell, Pa (2D: N/m), of a liquid of a density, kg/m³.
     pub fn pressure(&self, density: f64, cell: usize) -> f64 {
-        self.lambda.data[cell] * density / self.kick
+        self.pressure_impulse.data[cell] * density / self.impulse_time
     }
 
     /// An empty state: no liquid, at rest, at time zero.
@@ -101,22 +101,22 @@ impl<const D: usize> State<D> {
             time: 0.0,
             step: 0,
             last_dt: 0.0,
-            lead: 0.0,
-            kick: 0.0,
-            clear: f64::INFINITY,
-            drift: 0.0,
+            velocity_lead: 0.0,
+            impulse_time: 0.0,
+            collision_free_dt: f64::INFINITY,
+            displacement_since_redistancing: 0.0,
             phi: CellField::new(grid, 0.0),
             velocity: FaceField::zeros(grid),
-            lambda: CellField::new(grid, 0.0),
-            drops: Vec::new(),
+            pressure_impulse: CellField::new(grid, 0.0),
+            components: Vec::new(),
             solids: Vec::new(),
-            slips: Slips::new(),
+            elastic_slips: Slips::new(),
             lost_volume: 0.0,
             outflow_volume: 0.0,
             outflow_kinetic_energy: 0.0,
             outflow_stored_energy: 0.0,
             kinetic_energy: 0.0,
-            surface_area: 0.0,
+            effective_surface_area: 0.0,
         }
     }
 }

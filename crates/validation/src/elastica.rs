@@ -8,13 +8,13 @@
 use meniscus_numerics::{Matrix, Vector};
 
 /// Pieces of half a sheet.
-const PIECES: usize = 400;
+const SEGMENTS: usize = 400;
 /// Newton's steps.
-const ROUNDS: usize = 60;
+const MAX_NEWTON_ITERATIONS: usize = 60;
 /// Change of an unknown for a derivative.
-const SMALL: f64 = 1e-6;
+const DIFFERENCE_STEP: f64 = 1e-6;
 /// Steps in which the thickness is given to the sheet.
-const GROWTH: usize = 5;
+const CONTINUATION_STEPS: usize = 5;
 
 /// A sheet with a drop on it.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +28,7 @@ pub struct Sheet {
     /// Contact angle, degrees.
     pub angle: f64,
     /// Half the sheet's length if the line is pinned at its ends; it is at the contact angle otherwise.
-    pub pinned: Option<f64>,
+    pub pinned_half_length: Option<f64>,
 }
 
 /// What is not known beforehand.
@@ -37,11 +37,11 @@ pub struct Unknowns {
     /// Pressure over γ.
     pub pressure: f64,
     /// Pressure times the height of the free surface's centre over the sheet's middle, over γ.
-    pub center: f64,
+    pub scaled_center_height: f64,
     /// Curvature in the middle.
     pub curvature: f64,
     /// Half the length from line to line along the middle line.
-    pub half: f64,
+    pub half_length: f64,
 }
 
 /// A sheet's shape.
@@ -57,7 +57,7 @@ pub struct Shape {
     pub apparent: f64,
     /// The unknowns.
     pub unknowns: Unknowns,
-    misses: [f64; 4],
+    residuals: [f64; 4],
 }
 
 impl Sheet {
@@ -65,8 +65,8 @@ impl Sheet {
     pub fn shape(&self, guess: &Unknowns) -> Option<Shape> {
         let mut shape = None;
         let mut unknowns = *guess;
-        for k in 0..=GROWTH {
-            let part = k as f64 / GROWTH as f64;
+        for k in 0..=CONTINUATION_STEPS {
+            let part = k as f64 / CONTINUATION_STEPS as f64;
             let found = Self { thickness: part * self.thickness, ..*self }.solve(&unknowns)?;
             unknowns = found.unknowns;
             shape = Some(found);
@@ -77,23 +77,23 @@ impl Sheet {
     /// Newton's method.
     fn solve(&self, guess: &Unknowns) -> Option<Shape> {
         let of = |x: &[f64; 4]| {
-            self.integrate(&Unknowns { pressure: x[0], center: x[1], curvature: x[2], half: x[3] })
+            self.integrate(&Unknowns { pressure: x[0], scaled_center_height: x[1], curvature: x[2], half_length: x[3] })
         };
-        let mut x = [guess.pressure, guess.center, guess.curvature, guess.half];
-        let size = |s: &Shape| s.misses.iter().map(|m| m.abs()).fold(0.0, f64::max);
+        let mut x = [guess.pressure, guess.scaled_center_height, guess.curvature, guess.half_length];
+        let size = |s: &Shape| s.residuals.iter().map(|m| m.abs()).fold(0.0, f64::max);
         let mut shape = of(&x);
-        for _ in 0..ROUNDS {
+        for _ in 0..MAX_NEWTON_ITERATIONS {
             if size(&shape) < 1e-10 {
                 return Some(shape);
             }
             let mut slope = Matrix::<4>::zeros();
             for j in 0..4 {
                 let mut moved = x;
-                moved[j] += SMALL;
-                let misses = of(&moved).misses;
-                (0..4).for_each(|i| slope[(i, j)] = (misses[i] - shape.misses[i]) / SMALL);
+                moved[j] += DIFFERENCE_STEP;
+                let misses = of(&moved).residuals;
+                (0..4).for_each(|i| slope[(i, j)] = (misses[i] - shape.residuals[i]) / DIFFERENCE_STEP);
             }
-            let step = slope.lu().solve(&Vector::<4>::from(shape.misses))?;
+            let step = slope.lu().solve(&Vector::<4>::from(shape.residuals))?;
             let mut part = 1.0;
             let next = loop {
                 let moved = std::array::from_fn(|k| x[k] - part * step[k]);
@@ -116,17 +116,17 @@ impl Sheet {
         // Of the force over the pressure's turned by a right angle: p (U − O).
         let arm = |s: &[f64; 4]| {
             let at = side(s);
-            [u.pressure * at[0], u.pressure * at[1] - u.center]
+            [u.pressure * at[0], u.pressure * at[1] - u.scaled_center_height]
         };
         let rate = |s: &[f64; 4]| {
             let (sin, cos) = s[2].sin_cos();
             let [along, over] = arm(s);
             [cos, sin, s[3], -(cos * along + sin * over) / self.bending]
         };
-        let h = u.half / PIECES as f64;
+        let h = u.half_length / SEGMENTS as f64;
         let step = |s: &[f64; 4], k: &[f64; 4], part: f64| std::array::from_fn(|i| s[i] + part * h * k[i]);
         let (mut s, mut below, mut wetted) = ([0.0, 0.0, 0.0, u.curvature], 0.0, 0.0);
-        for _ in 0..PIECES {
+        for _ in 0..SEGMENTS {
             let k1 = rate(&s);
             let k2 = rate(&step(&s, &k1, 0.5));
             let k3 = rate(&step(&s, &k2, 0.5));
@@ -145,25 +145,25 @@ impl Sheet {
         let cap = if sin.abs() > 1e-4 { (opening - sin * cos) / (sin * sin) } else { 2.0 / 3.0 * opening };
         let area = 2.0 * (end[0] * end[1] - below) + end[0] * end[0] * cap;
         let young = self.angle.to_radians().cos();
-        let line = match self.pinned {
-            Some(half) => u.half - half,
+        let line = match self.pinned_half_length {
+            Some(half) => u.half_length - half,
             None => apparent - young,
         };
         let moment = self.bending * s[3] - up * (apparent - young);
-        let misses = [radial[0].hypot(radial[1]) - 1.0, moment, line, area - self.area];
+        let residuals = [radial[0].hypot(radial[1]) - 1.0, moment, line, area - self.area];
         let apparent = apparent.clamp(-1.0, 1.0).acos().to_degrees();
-        Shape { end: [s[0], s[1]], slope: s[2], wetted: 2.0 * wetted, apparent, unknowns: *u, misses }
+        Shape { end: [s[0], s[1]], slope: s[2], wetted: 2.0 * wetted, apparent, unknowns: *u, residuals }
     }
 }
 
 impl Unknowns {
     /// Those of a drop with a free line on a sheet that is nearly flat.
-    pub fn flat(sheet: &Sheet) -> Self {
+    pub fn nearly_flat(sheet: &Sheet) -> Self {
         let angle = sheet.angle.to_radians();
         let radius = (sheet.area / (angle - angle.sin() * angle.cos())).sqrt();
-        let half = radius * angle.sin();
-        let curvature = 0.5 * half * half / (radius * sheet.bending);
-        Self { pressure: 1.0 / radius, center: -angle.cos(), curvature, half }
+        let half_length = radius * angle.sin();
+        let curvature = 0.5 * half_length * half_length / (radius * sheet.bending);
+        Self { pressure: 1.0 / radius, scaled_center_height: -angle.cos(), curvature, half_length }
     }
 }
 
@@ -182,10 +182,10 @@ mod tests {
             (5.0, 0.1, 1.50639, 7.01517, 0.07634, 0.39842, 119.629, 126.23),
         ] {
             let bending = f64::powi(length, -2);
-            let sheet = Sheet { bending, thickness: 0.0, area, angle: 90.0, pinned: Some(0.5) };
+            let sheet = Sheet { bending, thickness: 0.0, area, angle: 90.0, pinned_half_length: Some(0.5) };
             // The line gives the middle its curvature: B κ₀ = (1 − q²)/2p.
             let q = (1.0 - 2.0 * p * curvature * bending).sqrt();
-            let guess = |center: f64| Unknowns { pressure: p, center, curvature, half: 0.5 };
+            let guess = |scaled_center_height: f64| Unknowns { pressure: p, scaled_center_height, curvature, half_length: 0.5 };
             let near = |s: &Shape| (s.apparent - apparent).abs() < 0.02;
             let found = [q, -q].iter().find_map(|q| sheet.shape(&guess(*q)).filter(near)).unwrap();
             assert!((found.end[0] - x).abs() < 2e-5 && (found.end[1] - y).abs() < 2e-5, "{found:?}");
@@ -193,11 +193,11 @@ mod tests {
         }
         let sheet = |angle: f64| {
             let area = std::f64::consts::PI;
-            Sheet { bending: 4.0, thickness: 0.0, area, angle, pinned: None }
+            Sheet { bending: 4.0, thickness: 0.0, area, angle, pinned_half_length: None }
         };
         for (angle, wetted, slope) in [(45.0, 4.7747, 20.956), (90.0, 3.0327, 11.013), (120.0, 2.0389, 4.263)]
         {
-            let found = sheet(angle).shape(&Unknowns::flat(&sheet(angle))).unwrap();
+            let found = sheet(angle).shape(&Unknowns::nearly_flat(&sheet(angle))).unwrap();
             assert!((found.wetted - wetted).abs() < 2e-4, "{found:?}");
             assert!((found.slope.to_degrees() - slope).abs() < 5e-3, "{found:?}");
         }

@@ -1,25 +1,25 @@
 //! Plates that deform with a drop on them, for the cases.
 
 use crate::setup::run_to;
-use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Law, Order, SurfaceTension};
+use meniscus_elastic::{Anchor, ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, ElementOrder, SurfaceTension};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Body, LineTracker, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LiquidRegion, LineTracker, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::iter::Sum;
 use std::ops::Div;
 use std::sync::Arc;
 
 /// A plate and a drop on it. Lengths and times: γ = ρ = 1.
 #[derive(Clone, Copy, Debug)]
-pub struct Setting {
+pub struct PlateSetup {
     /// Cells per unit of length.
     pub cells: usize,
     /// Contact angle, degrees.
     pub angle: f64,
     /// The drop's at the start, degrees.
-    pub first: f64,
+    pub initial_angle: f64,
     /// Length of the plate.
     pub length: f64,
     /// Its thickness.
@@ -37,28 +37,28 @@ pub struct Setting {
     /// Area of the drop.
     pub area: f64,
     /// Its place along the plate, from the middle.
-    pub place: f64,
+    pub drop_offset: f64,
     /// Kinematic viscosity of the liquid.
     pub viscosity: f64,
     /// What holds the plate.
-    pub held: Held,
+    pub support: PlateSupport,
     /// Height of the domain, and of the plate's middle in it at the start.
-    pub heights: [f64; 2],
+    pub domain_and_plate_height: [f64; 2],
 }
 
 /// What holds a plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Held {
+pub enum PlateSupport {
     /// Nothing.
-    Nowhere,
+    Free,
     /// Its left end.
-    Left,
+    LeftEnd,
     /// Its lower side.
     Bottom,
     /// Its lower side and its ends.
-    Around,
+    BottomAndEnds,
     /// As it is rigid.
-    Everywhere,
+    Rigid,
 }
 
 /// A plate's simulation, and where its bottom's vertices were.
@@ -73,7 +73,7 @@ pub struct Plate {
     pub top: Vec<(usize, f64)>,
 }
 
-impl Setting {
+impl PlateSetup {
     /// Half the width that the drop wets on a flat plate at a contact angle, degrees.
     pub fn half_width(&self, angle: f64) -> f64 {
         let t = angle.to_radians();
@@ -86,12 +86,12 @@ impl Setting {
     /// If the plate cannot be made.
     pub fn start(&self) -> Result<Plate, StepError> {
         let dx = 1.0 / self.cells as f64;
-        let room = Vector::<2>::new(self.length + 1.6, self.heights[0]);
+        let room = Vector::<2>::new(self.length + 1.6, self.domain_and_plate_height[0]);
         let grid = Grid::<2>::new([0, 1].map(|a| (room[a] * self.cells as f64) as usize), dx);
-        let middle = Vector::<2>::new(0.5 * room[0] + 0.13 * dx, self.heights[1] + 0.3 * dx);
+        let middle = Vector::<2>::new(0.5 * room[0] + 0.13 * dx, self.domain_and_plate_height[1] + 0.3 * dx);
         let half = Vector::<2>::new(0.5 * self.length, 0.5 * self.thickness);
         let shape = Shape::Box { center: middle, half_size: half, rotation: Matrix::identity() };
-        let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, Order::Quadratic).unwrap_or_default();
+        let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, ElementOrder::Quadratic).unwrap_or_default();
         let low = middle - half;
         let side = |height: f64| {
             let on = mesh.positions.iter().enumerate().filter(|(_, x)| (x[1] - height).abs() < 1e-9);
@@ -100,16 +100,16 @@ impl Setting {
             on
         };
         let (bottom, top) = (side(low[1]), side(low[1] + self.thickness));
-        let motion = match self.held {
-            Held::Everywhere => Motion::Fixed,
+        let motion = match self.support {
+            PlateSupport::Rigid => Motion::Fixed,
             _ => Motion::Soft(Arc::new(self.elastic(mesh, &low)?)),
         };
         let mut solid = Solid::new(shape, motion, self.density).padded(self.thickness, dx);
-        solid.cosine = self.angle.to_radians().cos();
-        let t = self.first.to_radians();
-        let radius = self.half_width(self.first) / t.sin();
+        solid.young_cosine = self.angle.to_radians().cos();
+        let t = self.initial_angle.to_radians();
+        let radius = self.half_width(self.initial_angle) / t.sin();
         let side = half[1] + solid.padding;
-        let center = middle + Vector::<2>::new(self.place, side - radius * t.cos());
+        let center = middle + Vector::<2>::new(self.drop_offset, side - radius * t.cos());
         // Liquid may reach into the plate, but not down beside its ends.
         let beside = move |x: &Vector<2>| (middle[1] + side - x[1]).min((x[0] - middle[0]).abs() - half[0]);
         let drop = move |x: &Vector<2>| ((x - center).norm() - radius).max(middle[1] - x[1]).max(beside(x));
@@ -123,24 +123,24 @@ impl Setting {
             solids: vec![solid],
             numerics: Numerics::default(),
         };
-        let sim = Simulation::new(model, &[Body { distance: &drop, velocity: Vector::zeros() }]);
+        let sim = Simulation::new(model, &[LiquidRegion { signed_distance: &drop, velocity: Vector::zeros() }]);
         Ok(Plate { sim, middle, bottom, top })
     }
 
     fn elastic(&self, mesh: VolumeMesh<2>, low: &Vector<2>) -> Result<Elastic<2>, StepError> {
-        let young = 12.0 * self.bending * (1.0 - self.poisson * self.poisson) / self.thickness.powi(3);
-        let anchors = match self.held {
-            Held::Left => vec![Anchor::within(&mesh, |x| x[0] < low[0] + 1e-9)],
-            Held::Bottom => vec![Anchor::within(&mesh, |x| x[1] < low[1] + 1e-9)],
-            Held::Around => {
+        let young_modulus = 12.0 * self.bending * (1.0 - self.poisson * self.poisson) / self.thickness.powi(3);
+        let anchors = match self.support {
+            PlateSupport::LeftEnd => vec![Anchor::within(&mesh, |x| x[0] < low[0] + 1e-9)],
+            PlateSupport::Bottom => vec![Anchor::within(&mesh, |x| x[1] < low[1] + 1e-9)],
+            PlateSupport::BottomAndEnds => {
                 let at_end = |x: f64| x < 1e-9 || x > self.length - 1e-9;
                 vec![Anchor::within(&mesh, |x| x[1] < low[1] + 1e-9 || at_end(x[0] - low[0]))]
             }
             _ => Vec::new(),
         };
-        let law = Law::NeoHookean { young, poisson: self.poisson, order: Order::Quadratic };
+        let law = ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio: self.poisson, order: ElementOrder::Quadratic };
         let (density, damping_ratio) = (self.density, self.damping);
-        let description = Description { mesh, density, law, damping_ratio, anchors };
+        let description = ElasticSpecification { mesh, density, law, damping_ratio, anchors };
         let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
         let tension = SurfaceTension::new(&description.mesh, self.own_tension);
         Elastic::with_terms(description, vec![Box::new(tension)]).map_err(failed)
@@ -152,23 +152,23 @@ impl Plate {
     pub fn slope(&self, from: f64, to: f64) -> f64 {
         let Some(soft) = &self.sim.state.solids[0].soft else { return 0.0 };
         let within = self.bottom.iter().filter(|(_, s)| (from..=to).contains(s));
-        let points: Vec<Vector<2>> = within.map(|(k, _)| soft.body.positions[*k] - self.middle).collect();
+        let points: Vec<Vector<2>> = within.map(|(k, _)| soft.state.positions[*k] - self.middle).collect();
         let mean = points.iter().sum::<Vector<2>>() / points.len() as f64;
         let sum = |f: &dyn Fn(&Vector<2>) -> f64| points.iter().map(|p| f(&(p - mean))).sum::<f64>();
         (sum(&|d| d[0] * d[1]) / sum(&|d| d[0] * d[0])).atan()
     }
 
     /// Where vertices of a side are.
-    fn places(&self, side: &[(usize, f64)], within: impl Fn(f64) -> bool) -> Vec<Vector<2>> {
+    fn vertex_positions(&self, side: &[(usize, f64)], within: impl Fn(f64) -> bool) -> Vec<Vector<2>> {
         let Some(soft) = &self.sim.state.solids[0].soft else { return Vec::new() };
-        side.iter().filter(|(_, s)| within(*s)).map(|(k, _)| soft.body.positions[*k]).collect()
+        side.iter().filter(|(_, s)| within(*s)).map(|(k, _)| soft.state.positions[*k]).collect()
     }
 
     /// Half the angle between the last pieces of both ends, of this length, radians; positive where they rise.
-    pub fn rise(&self, piece: f64) -> f64 {
+    pub fn end_slope(&self, piece: f64) -> f64 {
         let end = self.bottom.last().map_or(0.0, |b| b.1);
         let direction = |within: &dyn Fn(f64) -> bool| {
-            let places = self.places(&self.bottom, within);
+            let places = self.vertex_positions(&self.bottom, within);
             let way = places.last().zip(places.first()).map_or(Vector::zeros(), |(b, a)| b - a);
             way[1].atan2(way[0])
         };
@@ -176,8 +176,8 @@ impl Plate {
     }
 
     /// Mean height of its upper side at two places along it from its middle, over where it was.
-    pub fn lift(&self, places: [f64; 2], thickness: f64) -> f64 {
-        let side = self.places(&self.top, |_| true);
+    pub fn mean_deflection(&self, places: [f64; 2], thickness: f64) -> f64 {
+        let side = self.vertex_positions(&self.top, |_| true);
         let height = |s: f64| {
             let x = self.middle[0] + s;
             let k = side.partition_point(|p| p[0] < x).clamp(1, side.len() - 1);
@@ -189,7 +189,7 @@ impl Plate {
 
     /// Half the distance between the ends of its middle line, and their height over its middle.
     pub fn ends(&self) -> [f64; 2] {
-        let sides = self.places(&self.top, |_| true).into_iter().zip(self.places(&self.bottom, |_| true));
+        let sides = self.vertex_positions(&self.top, |_| true).into_iter().zip(self.vertex_positions(&self.bottom, |_| true));
         let line: Vec<Vector<2>> = sides.map(|(a, b)| 0.5 * (a + b)).collect();
         let (Some(first), Some(last)) = (line.first(), line.last()) else { return [0.0; 2] };
         let middle = 0.5 * (line[(line.len() - 1) / 2] + line[line.len() / 2]);
@@ -198,10 +198,10 @@ impl Plate {
     }
 
     /// Length along the upper side between the first and the last point of the contact line on it.
-    pub fn wetted(&self, tracker: &LineTracker<2>) -> f64 {
-        let side = self.places(&self.top, |_| true);
-        let line = tracker.find(&self.sim);
-        let places = line.points.iter().map(|p| along(&side, &p.at));
+    pub fn wetted_length(&self, tracker: &LineTracker<2>) -> f64 {
+        let side = self.vertex_positions(&self.top, |_| true);
+        let line = tracker.extract(&self.sim);
+        let places = line.points.iter().map(|p| arc_length_at(&side, &p.at));
         let (low, high) =
             places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s), high.max(s)));
         high - low
@@ -211,7 +211,7 @@ impl Plate {
     ///
     /// # Errors
     /// The step's.
-    pub fn mean_of<T>(&mut self, time: f64, value: impl Fn(&Self) -> T) -> Result<T, StepError>
+    pub fn mean_over_last_fifth<T>(&mut self, time: f64, value: impl Fn(&Self) -> T) -> Result<T, StepError>
     where
         T: Sum + Div<f64, Output = T>,
     {
@@ -226,7 +226,7 @@ impl Plate {
 }
 
 /// How far along a curve its point nearest to `x` is.
-fn along(curve: &[Vector<2>], x: &Vector<2>) -> f64 {
+fn arc_length_at(curve: &[Vector<2>], x: &Vector<2>) -> f64 {
     let (mut start, mut best) = (0.0, (f64::INFINITY, 0.0));
     for piece in curve.windows(2) {
         let way = piece[1] - piece[0];

@@ -97,7 +97,7 @@ pub fn run(
         n,
         tolerance,
         threads: meniscus_numerics::par::threads(),
-        unknowns: case.unknowns.cells(),
+        unknowns: case.unknowns.cell_count(),
         setup_s,
         solve_s,
         iterations: report.iterations,
@@ -193,7 +193,7 @@ fn neighbours(n: usize, at: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
 }
 
 /// A number in [0, 1) from an integer.
-fn hashed(mut a: u32) -> f64 {
+fn hash_to_unit(mut a: u32) -> f64 {
     a ^= a >> 16;
     a = a.wrapping_mul(0x7feb_352d);
     a ^= a >> 15;
@@ -217,7 +217,7 @@ fn velocity(n: usize, axis: usize, at: [usize; 3]) -> f64 {
     };
     let number = (at[2] * (n + 1) + at[1]) * (n + 1) + at[0];
     let seed = (number as u32).wrapping_mul(3).wrapping_add(axis as u32);
-    smooth + 0.1 * (2.0 * hashed(seed) - 1.0)
+    smooth + 0.1 * (2.0 * hash_to_unit(seed) - 1.0)
 }
 
 fn right_hand_side(n: usize, at: [usize; 3]) -> f64 {

@@ -4,7 +4,7 @@ use crate::measure::{Roundness, fit_mode, surface_points};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Body, Model, Numerics, Simulation, StepError, StepReport, Wall};
+use meniscus_sim::{LiquidRegion, Model, Numerics, Simulation, StepError, StepReport, Wall};
 
 /// Radius of the drops.
 pub const RADIUS: f64 = 0.5;
@@ -26,7 +26,7 @@ pub fn model<const D: usize>(grid: Grid<D>, walls: [[Wall; 2]; D]) -> Model<D> {
 }
 
 /// A shift by irrational fractions of a cell, so that no symmetry of the grid helps.
-pub fn offset<const D: usize>(dx: f64) -> Vector<D> {
+pub fn grid_offset<const D: usize>(dx: f64) -> Vector<D> {
     Vector::from_fn(|a, _| dx * [0.141_421_356, 0.273_205_081, 0.367_879_441][a])
 }
 
@@ -99,19 +99,19 @@ pub fn run_drop<const D: usize>(run: &DropRun) -> Result<DropHistory, StepError>
     let mut model = model(Grid::<D>::new([cells; D], dx), [[Wall::Open; 2]; D]);
     model.kinematic_viscosity = run.viscosity;
     model.numerics.tolerance = 1e-8;
-    model.numerics.fixed_step = Some(run.step * model.capillary_step());
-    let center = model.grid.upper() * 0.5 + offset(dx);
+    model.numerics.fixed_step = Some(run.step * model.capillary_dt_limit());
+    let center = model.grid.domain_upper() * 0.5 + grid_offset(dx);
     let shape = Shape::PerturbedBall { center, radius: RADIUS, mode: run.mode, amplitude: run.amplitude };
     let distance = |x: &Vector<D>| shape.signed_distance(x);
-    let mut sim = Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
     let mut history = DropHistory::default();
     history.record(&sim, run.mode);
     run_to(&mut sim, run.time, |sim, report| {
         history.record(sim, run.mode);
-        history.speeds.push(report.ledger.max_speed);
-        history.volume_error = history.volume_error.max(report.ledger.volume_error.abs());
+        history.speeds.push(report.diagnostics.max_speed);
+        history.volume_error = history.volume_error.max(report.diagnostics.volume_error.abs());
         history.iterations += report.iterations();
-        let center = sim.state.drops.first().map_or(center, |d| d.centroid);
+        let center = sim.state.components.first().map_or(center, |d| d.centroid);
         let cell = center.map(|x| (x / dx) as usize);
         let index = sim.model.grid.lattice().index(std::array::from_fn(|a| cell[a]));
         history.pressures.push(sim.state.pressure(sim.model.density, index));
@@ -130,6 +130,6 @@ impl DropHistory {
 
 /// The shape of the only drop of a simulation.
 pub fn roundness<const D: usize>(sim: &Simulation<D>, mode: u32) -> Option<Roundness> {
-    let center = sim.state.drops.first()?.centroid;
+    let center = sim.state.components.first()?.centroid;
     fit_mode(&surface_points(&sim.model, &sim.state.phi), &center, mode)
 }

@@ -17,7 +17,7 @@ pub struct RunFolder {
     /// The folder.
     pub dir: PathBuf,
     /// The frame numbers that have a `frames/liquid_NNNN.ply`, ascending.
-    pub numbers: Vec<u32>,
+    pub frame_numbers: Vec<u32>,
     /// `summary.json`, or `null` if there is none.
     pub summary: serde_json::Value,
     /// The names of the solids.
@@ -92,7 +92,7 @@ impl RunFolder {
     /// Looks through the folder `dir`. It needs at least one frame.
     pub fn open(dir: &Path) -> Result<Self> {
         let frames = dir.join("frames");
-        let mut numbers = Vec::new();
+        let mut frame_numbers = Vec::new();
         let mut solids = BTreeSet::new();
         for entry in std::fs::read_dir(&frames).map_err(ViewError::io(&frames))? {
             let name = entry.map_err(ViewError::io(&frames))?.file_name();
@@ -100,19 +100,19 @@ impl RunFolder {
             let Some((what, number)) = stem.rsplit_once('_') else { continue };
             let Ok(number) = number.parse::<u32>() else { continue };
             if what == "liquid" {
-                numbers.push(number);
+                frame_numbers.push(number);
             } else if let Some(solid) = what.strip_prefix("solid_") {
                 solids.insert(solid.to_string());
             }
         }
-        numbers.sort_unstable();
-        numbers.dedup();
-        if numbers.is_empty() {
+        frame_numbers.sort_unstable();
+        frame_numbers.dedup();
+        if frame_numbers.is_empty() {
             return Err(ViewError::content(&frames, "there is no liquid_NNNN.ply in it"));
         }
         let mut folder = Self {
             dir: dir.into(),
-            numbers,
+            frame_numbers,
             summary: read_json(&dir.join("summary.json"))?,
             solids: solids.into_iter().collect(),
             dimension: 3,
@@ -139,13 +139,13 @@ impl RunFolder {
         self.dimension = match dimension {
             Some(d) => d as usize,
             None => {
-                let first = PlyMesh::load(&self.mesh_path("liquid", self.numbers[0]))?;
+                let first = PlyMesh::load(&self.mesh_path("liquid", self.frame_numbers[0]))?;
                 if first.faces.is_empty() && !first.edges.is_empty() { 2 } else { 3 }
             }
         };
         if self.frame_interval.is_none() {
             let end = positive("simulated_seconds");
-            let last = self.numbers.last().copied().filter(|&n| n > 0);
+            let last = self.frame_numbers.last().copied().filter(|&n| n > 0);
             self.frame_interval = end.zip(last).map(|(end, last)| end / f64::from(last));
         }
         Ok(())
@@ -202,12 +202,12 @@ impl RunFolder {
     }
 
     /// At most `most` of `numbers`, evenly spread, with the first and the last.
-    pub(crate) fn spread(numbers: &[u32], most: usize) -> Vec<u32> {
+    pub(crate) fn evenly_spaced(numbers: &[u32], max_count: usize) -> Vec<u32> {
         let n = numbers.len();
-        if n <= most {
+        if n <= max_count {
             return numbers.to_vec();
         }
-        (0..most).map(|i| numbers[i * (n - 1) / (most - 1).max(1)]).collect()
+        (0..max_count).map(|i| numbers[i * (n - 1) / (max_count - 1).max(1)]).collect()
     }
 }
 

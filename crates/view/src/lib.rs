@@ -13,9 +13,9 @@ mod shade;
 pub use crate::error::{Result, ViewError};
 pub use crate::folder::{Frame, RunFolder};
 pub use crate::measure::{
-    AngleAt, ContactMeasure, DropMeasure, FitShape, FittedAngle, Floating, Forces, LocalAngle, Mean,
-    MeasureOptions, Measurement, Ridge, SoftMeasure, SolidMeasure, Strip, Touch, Window, measure,
+    AngleAt, ContactMeasure, ComponentMeasure, FitShape, FittedAngle, Floating, Forces, LocalAngle, TimeStatistics,
+    MeasureOptions, Measurement, Ridge, SoftMeasure, SolidMeasure, Midline, ContactInterval, TimeWindow, measure,
 };
 pub use crate::page::{PageOptions, PageReport, make_page, write_page};
-pub use crate::render::{Camera, Image, RenderOptions, Rendered, Renderer, Set, Style, render};
-pub use crate::shade::Shade;
+pub use crate::render::{Camera, Image, RenderOptions, Rendered, Renderer, Appearance, Style, render};
+pub use crate::shade::ColorBy;

@@ -88,7 +88,7 @@ fn steps(quick: bool) -> Result<Value> {
     let count = if quick { 3 } else { 8 };
     let mut rows = Vec::new();
     for (name, scene) in scenes {
-        if let Err(error) = memory::liquid_fits(&scene, memory::of_machine()) {
+        if let Err(error) = memory::check_liquid_memory(&scene, memory::machine_memory()) {
             eprintln!("{name}: left out: {error}");
             continue;
         }

@@ -20,7 +20,7 @@ pub fn check(args: &CheckArgs) -> Result {
     if let Some(error) = report.error {
         return Err(error.into());
     }
-    memory::liquid_fits(&scene, memory::of_machine())?;
+    memory::check_liquid_memory(&scene, memory::machine_memory())?;
     if args.strict {
         if let Some(reason) = &report.cannot_run {
             return Err(Failure::new(SCENE, reason.clone()));

@@ -16,7 +16,7 @@ pub fn schema(markdown: bool) -> Result {
 /// Prints version, build and machine.
 pub fn info(as_json: bool) -> Result {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let memory = meniscus_scene::estimate::memory::of_machine();
+    let memory = meniscus_scene::estimate::memory::machine_memory();
     let build = if cfg!(debug_assertions) { "debug" } else { "release" };
     let vectors = if cfg!(target_feature = "avx512f") {
         "AVX-512"

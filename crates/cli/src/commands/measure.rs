@@ -5,8 +5,8 @@ use crate::args::MeasureArgs;
 use crate::failure::{Failure, OUTPUT, Result, USAGE};
 use meniscus_scene::units::{Dimension, parse};
 use meniscus_view::{
-    AngleAt, ContactMeasure, FitShape, Mean, MeasureOptions, Measurement, SoftMeasure, SolidMeasure, Strip,
-    Touch, ViewError,
+    AngleAt, ContactMeasure, FitShape, TimeStatistics, MeasureOptions, Measurement, SoftMeasure, SolidMeasure, Midline,
+    ContactInterval, ViewError,
 };
 use std::fmt::Write as _;
 
@@ -65,7 +65,7 @@ fn table(m: &Measurement) -> String {
             "wetted",
             "ridge",
         ];
-        out += &titled(&header, soft.iter().map(|(name, s)| bent(name, s, m)));
+        out += &titled(&header, soft.iter().map(|(name, s)| deformation_row(name, s, m)));
     }
     out + &means(m)
 }
@@ -124,7 +124,7 @@ fn means(m: &Measurement) -> String {
 }
 
 /// A quantity of a solid over the window. The components of a force have one unit, so that they can be compared.
-fn mean_row(solid: &str, quantity: &str, mean: &Mean, m: &Measurement) -> Vec<String> {
+fn mean_row(solid: &str, quantity: &str, mean: &TimeStatistics, m: &Measurement) -> Vec<String> {
     let tell = |x: f64| match quantity.split('_').next() {
         Some("angle") => format!("{x:.2}°"),
         Some("wetted") => format!("{:.1} %", 100.0 * x),
@@ -143,9 +143,9 @@ fn titled(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
 }
 
 /// A solid that has deformed.
-fn bent(name: &str, s: &SoftMeasure, m: &Measurement) -> Vec<String> {
+fn deformation_row(name: &str, s: &SoftMeasure, m: &Measurement) -> Vec<String> {
     let place = |x: &[f64; 3]| vector(&x[..m.dimension], "m");
-    let strip = |tell: &dyn Fn(&Strip) -> String| s.strip.as_ref().map_or(NONE.into(), tell);
+    let strip = |tell: &dyn Fn(&Midline) -> String| s.strip.as_ref().map_or(NONE.into(), tell);
     vec![
         name.to_owned(),
         prefixed(s.largest_deflection, "m"),
@@ -215,7 +215,7 @@ fn solid(s: &SolidMeasure, m: &Measurement) -> Vec<String> {
     ]
 }
 
-fn touch(t: &Touch) -> String {
+fn touch(t: &ContactInterval) -> String {
     let ends = format!("{} to {}", prefixed(t.start, "s"), prefixed(t.end, "s"));
     t.duration.map_or(ends.clone(), |d| format!("{ends}: for {}", prefixed(d, "s")))
 }

@@ -33,7 +33,7 @@ pub fn save(path: &Path, text: &str) -> Result<()> {
 }
 
 /// Stack of a thread, bytes: that which a main thread has, on which the work would run otherwise.
-const STACK: usize = 8 << 20;
+const THREAD_STACK_BYTES: usize = 8 << 20;
 
 /// Runs `work` on one thread of a pool of so many, as many as the machine has if no number is given. A thread of the pool starts a
 /// short parallel loop at less cost than one outside of it, which must hand the loop over and wait.
@@ -41,6 +41,6 @@ const STACK: usize = 8 << 20;
 /// # Errors
 /// The error of `work`, or one that says that the threads cannot be started.
 pub fn with_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> Result<R> + Send) -> Result<R> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).stack_size(STACK).build();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).stack_size(THREAD_STACK_BYTES).build();
     pool.map_err(|e| Failure::new(1, format!("cannot start the threads: {e}")))?.install(work)
 }

@@ -3,29 +3,29 @@
 use super::{print, view, with_threads};
 use crate::args::{LogFormat, RunArgs};
 use crate::failure::{Failure, MISSED, Result, STOPPED};
-use crate::progress::{Reporter, clock, time};
+use crate::progress::{Reporter, format_wall_time, format_simulated_time};
 use crate::scenes::{self, Loaded};
-use crate::stop::Watch;
+use crate::stop::StopMonitor;
 use meniscus_scene::build::{AnySetup, displaced};
 use meniscus_scene::estimate::memory;
 use meniscus_scene::expect;
 use meniscus_scene::file::{Format, Scene};
 use meniscus_scene::output::Folder;
-use meniscus_scene::output::series::Table;
+use meniscus_scene::output::series::TimeSeries;
 use meniscus_scene::output::summary::{Summary, Verdict};
-use meniscus_scene::run::{Existing, Job, Outcome};
+use meniscus_scene::run::{ExistingRun, Job, Outcome};
 use meniscus_view::RenderOptions;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Pictures that a run makes at its end at most: what shows the motion in a few seconds.
-const MOST_PICTURES: u64 = 50;
+const MAX_PICTURES: u64 = 50;
 
 /// Simulates a scene into its output folder, then makes pictures and the page.
 pub fn run(args: &RunArgs) -> Result {
     let loaded = load(args)?;
     let scene = loaded.scene;
-    scenes::refuse_what_cannot_run(&scene)?;
+    scenes::check_runnable(&scene)?;
     let threads = args.threads.map(usize::from).or(scene.numerics.threads);
     with_threads(threads, || simulate(args, &scene, loaded.folder))
 }
@@ -35,20 +35,20 @@ pub fn run(args: &RunArgs) -> Result {
 fn simulate(args: &RunArgs, scene: &Scene, folder: Option<PathBuf>) -> Result {
     let out = args.out.clone().or(folder).unwrap_or_else(|| Path::new("out").join(&scene.name));
     let watch =
-        Watch::begin(args.walltime).map_err(|e| Failure::new(1, format!("cannot watch for signals: {e}")))?;
+        StopMonitor::begin(args.walltime).map_err(|e| Failure::new(1, format!("cannot watch for signals: {e}")))?;
     let mut job = Job::of(scene, scene.to_toml()?);
     job.frames = args.frames;
     let existing = match (args.resume, args.force) {
-        (true, _) => Existing::Resume,
-        (_, true) => Existing::Replace,
-        _ => Existing::Refuse,
+        (true, _) => ExistingRun::Resume,
+        (_, true) => ExistingRun::Replace,
+        _ => ExistingRun::Refuse,
     };
     let folder = Folder::at(&out);
     let mut reporter = Reporter::new(args.log, args.quiet, resume_command(args, &out));
     let setup = AnySetup::of(scene)?;
-    let cut = displaced::judge(scene, &displaced::displaced(scene, &setup))?;
+    let cut = displaced::check_displaced(scene, &displaced::displaced_bodies(scene, &setup))?;
     job.warnings = cut.into_iter().map(|w| format!("{}: {}", w.path, w.message)).collect();
-    memory::solids_fit(scene, &setup, memory::of_machine())?;
+    memory::check_solid_memory(scene, &setup, memory::machine_memory())?;
     let outcome = setup.run(&job, &folder, existing, &|| watch.request(), &mut reporter)?;
     let text = args.log == LogFormat::Text && !args.quiet;
     match outcome {
@@ -88,7 +88,7 @@ fn duration(time: &str) -> String {
 
 fn stopped(args: &RunArgs, summary: &Summary, out: &Path) -> Result {
     if args.log == LogFormat::Text {
-        let at = time(summary.simulated_seconds, summary.simulated_seconds);
+        let at = format_simulated_time(summary.simulated_seconds, summary.simulated_seconds);
         eprintln!("{} at {at}. Go on with:\n  {}", summary.exit_reason, resume_command(args, out));
     }
     Ok(STOPPED)
@@ -124,7 +124,7 @@ fn quote(word: &str) -> String {
 
 /// Expectations, pictures, page; where everything is.
 fn finish(args: &RunArgs, scene: &Scene, mut summary: Summary, folder: &Folder) -> Result {
-    summary.expect = expect::evaluate(scene, &summary, &Table::read(&folder.series())?);
+    summary.expect = expect::evaluate(scene, &summary, &TimeSeries::read(&folder.series())?);
     summary.write(&folder.summary())?;
     let text = args.log == LogFormat::Text && !args.quiet;
     let mut report = String::new();
@@ -132,9 +132,9 @@ fn finish(args: &RunArgs, scene: &Scene, mut summary: Summary, folder: &Folder) 
         report,
         "{}: {} in {} steps, {} ({:.2} s/step), largest volume error of the run {:+.0e}",
         summary.scene,
-        time(summary.simulated_seconds, summary.simulated_seconds),
+        format_simulated_time(summary.simulated_seconds, summary.simulated_seconds),
         summary.steps,
-        clock(summary.wall_seconds),
+        format_wall_time(summary.wall_seconds),
         summary.wall_seconds / summary.steps.max(1) as f64,
         summary.volume_error
     );
@@ -160,17 +160,17 @@ fn finish(args: &RunArgs, scene: &Scene, mut summary: Summary, folder: &Folder) 
 
 /// Makes pictures and the page; where they are.
 fn show(dir: &Path, frames: u64, quiet: bool) -> Result<String> {
-    let every = frames.div_ceil(MOST_PICTURES).max(1) as usize;
+    let every = frames.div_ceil(MAX_PICTURES).max(1) as usize;
     let options = RenderOptions { every, ..RenderOptions::default() };
     let rendered = view::pictures(dir, &options, quiet)?;
-    let page: PathBuf = view::make_page(dir, 1, view::MAX_MB)?;
+    let page: PathBuf = view::make_page(dir, 1, view::DEFAULT_PAGE_MB)?;
     Ok(view::describe(&rendered) + &format!("page      {}\n", page.display()))
 }
 
 /// A line with the repairs of a run that are not zero, relative as bars have them: counts, and sums of volumes and momenta.
 fn repairs(summary: &Summary) -> String {
     let part = |name: &str| ["_net", "_largest", "_residual"].iter().any(|end| name.ends_with(end));
-    let told = summary.repaired().filter(|(name, value)| *value != 0.0 && !part(name));
+    let told = summary.relative_repairs().filter(|(name, value)| *value != 0.0 && !part(name));
     let told: Vec<String> = told.map(|(name, value)| format!("{name} {}", short(value))).collect();
     if told.is_empty() { String::new() } else { format!("repairs   {}\n", told.join(", ")) }
 }
@@ -187,7 +187,7 @@ const MISSED_WORD: &str = "MISSED";
 fn verdicts(whose: &str, verdicts: &[Verdict]) -> String {
     let mut out = String::new();
     for v in verdicts {
-        let value = v.value.map_or_else(|| "not measured".into(), |x| expect::text(x, &v.unit));
+        let value = v.value.map_or_else(|| "not measured".into(), |x| expect::format_value(x, &v.unit));
         let verdict = if v.pass { "met" } else { MISSED_WORD };
         let _ = writeln!(out, "{whose:<10}{}: {value} (bar: {}) {verdict}", v.quantity, v.bar);
     }

@@ -4,9 +4,9 @@ use super::{print, save};
 use crate::args::{Set, SoakArgs, Solids};
 use crate::failure::{Failure, MISSED, Result, USAGE};
 use meniscus_scene::file::{LoadOptions, Scene};
-use meniscus_validation::soak::parent::{Extent, Launch, TOLD, arguments};
+use meniscus_validation::soak::parent::{CaseRange, Launcher, MESSAGE_PREFIXES, arguments};
 use meniscus_validation::soak::rerun::shrink;
-use meniscus_validation::soak::{self, Class, Outcome, Subject, Wish, report, run};
+use meniscus_validation::soak::{self, Class, Outcome, Subject, CaseOptions, report, run};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -16,14 +16,14 @@ const SCENES: u64 = 100;
 
 /// Draws random scenes and runs them under invariants.
 pub fn soak(args: &SoakArgs) -> Result {
-    let wish = wish(args);
+    let wish = case_options(args);
     if args.child {
         return child(args, wish);
     }
     let program = std::env::current_exe().map_err(|e| {
         Failure::new(1, format!("cannot tell where this program is, which runs each case: {e}"))
     })?;
-    let launch = Launch { program, wish, out: args.out.clone() };
+    let launch = Launcher { program, wish, out: args.out.clone() };
     match (&args.scene, args.case) {
         (Some(path), _) => one(args, &launch, launch.file(path).map_err(internal)?, Some(path)),
         (None, Some(case)) => one(args, &launch, launch.case(case).map_err(internal)?, None),
@@ -31,7 +31,7 @@ pub fn soak(args: &SoakArgs) -> Result {
     }
 }
 
-fn wish(args: &SoakArgs) -> Wish {
+fn case_options(args: &SoakArgs) -> CaseOptions {
     let class = match args.solids {
         Solids::None => Some(Class::Liquid),
         Solids::Rigid => Some(Class::Rigid),
@@ -39,10 +39,10 @@ fn wish(args: &SoakArgs) -> Wish {
         Solids::Any => None,
     };
     let set = match args.set {
-        Set::Random => soak::Set::Random,
-        Set::DropTest => soak::Set::Drops,
+        Set::Random => soak::CaseSet::Random,
+        Set::DropTest => soak::CaseSet::DropTest,
     };
-    Wish { set, seed: args.seed, dimension: args.dimension.map(usize::from), class, quick: args.quick }
+    CaseOptions { set, seed: args.seed, dimension: args.dimension.map(usize::from), class, quick: args.quick }
 }
 
 fn internal(words: String) -> Failure {
@@ -50,31 +50,31 @@ fn internal(words: String) -> Failure {
 }
 
 /// Runs a case in this process, and tells the parent what comes of it.
-fn child(args: &SoakArgs, wish: Wish) -> Result {
+fn child(args: &SoakArgs, wish: CaseOptions) -> Result {
     let subject = match &args.scene {
         Some(path) => Subject::File(path.clone(), wish.set),
         None => Subject::Case(wish, args.case.unwrap_or(0)),
     };
-    let mut tell = |text: &str| told(0, &serde_json::json!(text));
+    let mut tell = |text: &str| tell_parent(0, &serde_json::json!(text));
     let hung = |outcome: &Outcome| {
-        told(1, &serde_json::json!(outcome));
+        tell_parent(1, &serde_json::json!(outcome));
         std::process::exit(0);
     };
     let outcome = run(&subject, &args.out, &mut tell, hung).map_err(internal)?;
-    told(1, &serde_json::json!(outcome));
+    tell_parent(1, &serde_json::json!(outcome));
     Ok(0)
 }
 
 /// A line for the parent. If that is gone there is nobody to tell.
-fn told(kind: usize, value: &serde_json::Value) {
-    let _ = print(&format!("{}{value}\n", TOLD[kind]));
+fn tell_parent(kind: usize, value: &serde_json::Value) {
+    let _ = print(&format!("{}{value}\n", MESSAGE_PREFIXES[kind]));
 }
 
 /// Runs cases until their number or the time is reached; a table closes.
-fn many(args: &SoakArgs, launch: &Launch) -> Result {
+fn many(args: &SoakArgs, launch: &Launcher) -> Result {
     let known = known(args.known.as_deref())?;
     let hours = args.hours.map(|h| Duration::from_secs_f64(3600.0 * h.clamp(0.0, 1e4)));
-    let extent = Extent {
+    let extent = CaseRange {
         first: 0,
         scenes: args.scenes.or(if hours.is_none() { Some(SCENES) } else { None }),
         until: hours.map(|hours| Instant::now() + hours),
@@ -127,7 +127,7 @@ fn known(path: Option<&Path>) -> Result<BTreeMap<String, Vec<String>>> {
 }
 
 /// Runs one case or scene, and makes it smaller if that is asked for.
-fn one(args: &SoakArgs, launch: &Launch, outcome: Outcome, path: Option<&Path>) -> Result {
+fn one(args: &SoakArgs, launch: &Launcher, outcome: Outcome, path: Option<&Path>) -> Result {
     print(&report::line(&outcome))?;
     let Some(first) = outcome.violations.first().cloned() else {
         print("nothing is broken\n")?;

@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::time::Instant;
 
 /// Steps that are done before the clock runs, and while it does.
-const WARM: usize = 2;
+const WARM_UP_STEPS: usize = 2;
 
 /// Time per phase of whole steps.
 #[derive(Serialize)]
@@ -39,12 +39,12 @@ pub fn step(name: String, scene: &Scene, count: usize) -> Result<StepBench> {
     let mut simulation = build::setup::<3>(scene)?.simulation();
     let mut phases: Vec<(String, f64)> = Vec::new();
     let (mut seconds, mut iterations, mut time) = (0.0, 0, 0.0);
-    for i in 0..WARM + count {
+    for i in 0..WARM_UP_STEPS + count {
         let start = Instant::now();
         let mut last = start;
         let mut phase_end = |phase: &'static str| {
             let now = Instant::now();
-            let spent = if i < WARM { 0.0 } else { (now - last).as_secs_f64() / count as f64 };
+            let spent = if i < WARM_UP_STEPS { 0.0 } else { (now - last).as_secs_f64() / count as f64 };
             match phases.iter_mut().find(|(known, _)| known == phase) {
                 Some((_, sum)) => *sum += spent,
                 None => phases.push((phase.to_string(), spent)),
@@ -54,18 +54,18 @@ pub fn step(name: String, scene: &Scene, count: usize) -> Result<StepBench> {
         let report = simulation
             .step(scene.output.frame_interval, &mut phase_end)
             .map_err(|e| Failure::new(5, format!("{name}: {e}")))?;
-        if i >= WARM {
+        if i >= WARM_UP_STEPS {
             seconds += start.elapsed().as_secs_f64();
             iterations += report.iterations();
             time += report.dt;
         }
     }
     let solids = simulation.model.solids.iter();
-    let meshes: Vec<_> = solids.filter_map(|s| Some(s.elastic()?.mesh())).collect();
+    let meshes: Vec<_> = solids.filter_map(|s| Some(s.elastic()?.rest_mesh())).collect();
     Ok(StepBench {
         name,
         cells: scene.domain.cells.iter().product(),
-        liquid_cells: simulation.liquid_cells().cells(),
+        liquid_cells: simulation.liquid_cells().cell_count(),
         vertices: meshes.iter().map(|m| m.positions.len()).sum(),
         elements: meshes.iter().map(|m| m.simplices.len()).sum(),
         steps: count,

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 
 /// Steps whose time is taken.
-const STEPS: usize = 3;
+const TIMED_STEPS: usize = 3;
 
 /// A row of the paper's Table 1. Sixteen cores and a GPU did it.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -73,11 +73,11 @@ pub fn table1(quick: bool) -> Result<Value> {
             ))?;
             continue;
         };
-        if let Err(error) = memory::liquid_fits(&scene, memory::of_machine()) {
+        if let Err(error) = memory::check_liquid_memory(&scene, memory::machine_memory()) {
             print(&format!("{:9} {:21} left out: {error}\n", paper.figure, paper.scene))?;
             continue;
         }
-        let ours = step(paper.scene.to_owned(), &scene, if quick { 1 } else { STEPS })?;
+        let ours = step(paper.scene.to_owned(), &scene, if quick { 1 } else { TIMED_STEPS })?;
         print(&line(paper, &ours))?;
         rows.push(json!({ "paper": paper, "ours": ours }));
     }

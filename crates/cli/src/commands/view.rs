@@ -4,15 +4,15 @@ use super::print;
 use crate::args::{PageArgs, RenderArgs};
 use crate::failure::{Failure, OUTPUT, Result, USAGE};
 use indicatif::{ProgressBar, ProgressStyle};
-use meniscus_view::{Camera, PageOptions, RenderOptions, Rendered, Set, Shade, Style};
+use meniscus_view::{Camera, PageOptions, RenderOptions, Rendered, Appearance, ColorBy, Style};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 /// The size of a page that may be sent by mail, MB.
-pub const MAX_MB: f64 = 20.0;
+pub const DEFAULT_PAGE_MB: f64 = 20.0;
 
 /// The part of a picture below which what is to be seen is hardly seen.
-const SMALL: f64 = 0.05;
+const MIN_FILLED_SHARE: f64 = 0.05;
 
 /// Makes pictures of a run.
 pub fn render(args: &RenderArgs) -> Result {
@@ -20,11 +20,11 @@ pub fn render(args: &RenderArgs) -> Result {
         size: args.size,
         camera: args.camera.as_deref().map(camera).transpose()?,
         style: args.style.as_deref().map_or(Ok(Style::default()), style)?,
-        shade: args.color.as_deref().map_or(Ok(Shade::default()), shade)?,
+        shade: args.color.as_deref().map_or(Ok(ColorBy::default()), shade)?,
         every: args.every.max(1) as usize,
         frames: args.frames.map(|(a, b)| frame(a)..=frame(b)),
         to: args.out.clone(),
-        set: Set {
+        appearance: Appearance {
             floor: !args.no_floor,
             domain: !args.no_box,
             line: !args.no_line,
@@ -35,8 +35,8 @@ pub fn render(args: &RenderArgs) -> Result {
         ..RenderOptions::default()
     };
     let rendered = pictures(&args.dir, &options, false)?;
-    if rendered.filled < SMALL && args.camera.is_some() {
-        let part = 100.0 * rendered.filled;
+    if rendered.filled_share < MIN_FILLED_SHARE && args.camera.is_some() {
+        let part = 100.0 * rendered.filled_share;
         eprintln!(
             "warning: the liquid and the solids fill {part:.2} % of the picture; --camera may be too far away"
         );
@@ -80,8 +80,8 @@ fn style(text: &str) -> Result<Style> {
     }
 }
 
-fn shade(text: &str) -> Result<Shade> {
-    Shade::named(text).ok_or_else(|| {
+fn shade(text: &str) -> Result<ColorBy> {
+    ColorBy::named(text).ok_or_else(|| {
         let failure = Failure::new(USAGE, format!("solids cannot be coloured by `{text}`"));
         failure.help("use plain, phi_c, strain or displacement")
     })

@@ -1,41 +1,41 @@
 //! The matrices of several solids as one, with what couples them.
 
-use super::{BlockMatrix, Cliques, Inverse, Pattern, Reach, Solver, TOLERANCE};
+use super::{BlockMatrix, Cliques, Inverse, SparsityPattern, Reach, LinearSolver, ITERATIVE_TOLERANCE};
 use crate::Elastic;
 use meniscus_numerics::Vector;
 use std::sync::Arc;
 
 /// Which blocks a matrix of several solids has, and in what order these are eliminated.
 #[derive(Clone, Debug)]
-pub struct Structure {
-    pattern: Arc<Pattern>,
-    solver: Solver,
+pub struct AssemblyStructure {
+    pattern: Arc<SparsityPattern>,
+    solver: LinearSolver,
 }
 
 /// The block structure of a matrix of several solids, with the matrix of each on its diagonal.
 #[derive(Clone, Debug)]
 pub struct Assembly {
-    firsts: Vec<usize>,
-    held: Vec<bool>,
+    first_nodes: Vec<usize>,
+    anchored: Vec<bool>,
     /// While nothing couples them.
-    alone: Structure,
+    uncoupled: AssemblyStructure,
 }
 
 impl Assembly {
     /// Of `held.len()` nodes: the vertices of solids, each with the number of its first node, and nodes that belong to none. Held ones
     /// are left out. Nothing where memory does not suffice.
-    pub fn new<const D: usize>(solids: &[(usize, &Elastic<D>)], held: Vec<bool>) -> Option<Self> {
-        let mut rest = vec![Vector::<D>::zeros(); held.len()];
+    pub fn new<const D: usize>(solids: &[(usize, &Elastic<D>)], anchored: Vec<bool>) -> Option<Self> {
+        let mut rest = vec![Vector::<D>::zeros(); anchored.len()];
         for (first, elastic) in solids {
-            let at = &elastic.mesh().positions;
+            let at = &elastic.rest_mesh().positions;
             rest[*first..first + at.len()].copy_from_slice(at);
         }
-        let parts: Vec<(usize, &Pattern)> =
+        let parts: Vec<(usize, &SparsityPattern)> =
             solids.iter().map(|(first, e)| (*first, e.pattern.as_ref())).collect();
-        let pattern = Pattern::of_parts(held.len(), &parts);
-        let solver = Solver::new(&rest, &pattern, &held)?;
-        let alone = Structure { pattern: Arc::new(pattern), solver };
-        Some(Self { firsts: solids.iter().map(|s| s.0).collect(), held, alone })
+        let pattern = SparsityPattern::block_diagonal(anchored.len(), &parts);
+        let solver = LinearSolver::new(&rest, &pattern, &anchored)?;
+        let uncoupled = AssemblyStructure { pattern: Arc::new(pattern), solver };
+        Some(Self { first_nodes: solids.iter().map(|s| s.0).collect(), anchored, uncoupled })
     }
 
     /// A structure with blocks between all nodes of each group. That of solids which nothing couples and the `last` one serve as long
@@ -46,22 +46,22 @@ impl Assembly {
         &self,
         groups: &Cliques,
         positions: &[Vector<D>],
-        last: Option<Structure>,
-    ) -> Option<Structure> {
-        let known = [Some(&self.alone), last.as_ref()].into_iter().flatten();
-        if let Some(fits) = known.into_iter().find(|s| s.pattern.has(groups)) {
+        last: Option<AssemblyStructure>,
+    ) -> Option<AssemblyStructure> {
+        let known = [Some(&self.uncoupled), last.as_ref()].into_iter().flatten();
+        if let Some(fits) = known.into_iter().find(|s| s.pattern.contains(groups)) {
             return Some(fits.clone());
         }
-        let pattern = Arc::new(last.as_ref().unwrap_or(&self.alone).pattern.with(groups));
-        let solver = Solver::new(positions, &pattern, &self.held)?;
-        Some(Structure { pattern, solver })
+        let pattern = Arc::new(last.as_ref().unwrap_or(&self.uncoupled).pattern.with(groups));
+        let solver = LinearSolver::new(positions, &pattern, &self.anchored)?;
+        Some(AssemblyStructure { pattern, solver })
     }
 
     /// The solids' matrices on the diagonal, and zero in all other blocks of a structure.
-    pub fn matrix<const D: usize>(&self, parts: &[BlockMatrix<D>], structure: &Structure) -> BlockMatrix<D> {
+    pub fn matrix<const D: usize>(&self, parts: &[BlockMatrix<D>], structure: &AssemblyStructure) -> BlockMatrix<D> {
         let pattern = structure.pattern.clone();
         let mut whole = BlockMatrix::new(pattern);
-        for (first, part) in self.firsts.iter().zip(parts) {
+        for (first, part) in self.first_nodes.iter().zip(parts) {
             for j in 0..part.pattern.starts.len() - 1 {
                 for slot in part.pattern.starts[j]..part.pattern.starts[j + 1] {
                     let row = part.pattern.rows[slot] + *first as u32;
@@ -78,17 +78,17 @@ impl Assembly {
     pub fn invert<const D: usize>(
         &self,
         matrix: &BlockMatrix<D>,
-        structure: &Structure,
-    ) -> Option<Solution<D>> {
-        structure.solver.invert(matrix, &self.held, TOLERANCE).map(Solution)
+        structure: &AssemblyStructure,
+    ) -> Option<AssemblyInverse<D>> {
+        structure.solver.invert(matrix, &self.anchored, ITERATIVE_TOLERANCE).map(AssemblyInverse)
     }
 }
 
 /// The inverse of a matrix, applied.
 #[derive(Clone, Debug)]
-pub struct Solution<const D: usize>(Inverse<D>);
+pub struct AssemblyInverse<const D: usize>(Inverse<D>);
 
-impl<const D: usize> Solution<D> {
+impl<const D: usize> AssemblyInverse<D> {
     /// `b ← A⁻¹ b`; what belongs to held vertices becomes 0.
     pub fn solve(&self, b: &mut [Vector<D>]) {
         let mut flat: Vec<f64> = b.iter().flat_map(|v| v.iter().copied()).collect();

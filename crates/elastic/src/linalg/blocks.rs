@@ -6,23 +6,23 @@ use std::sync::Arc;
 
 /// Which blocks there are: columns of the lower triangle, rows rising, the diagonal first.
 #[derive(Debug, PartialEq)]
-pub struct Pattern {
+pub struct SparsityPattern {
     /// Where each column starts among the blocks; one more than columns.
     pub starts: Vec<usize>,
     /// The row of each block.
     pub rows: Vec<u32>,
 }
 
-impl Pattern {
+impl SparsityPattern {
     /// Of `n` vertices in these groups.
     pub fn new<'a>(n: usize, groups: impl IntoIterator<Item = &'a Cliques>) -> Self {
         let mut below: Vec<Vec<u32>> = (0..n).map(|i| vec![i as u32]).collect();
-        groups.into_iter().for_each(|group| couple(&mut below, group));
+        groups.into_iter().for_each(|group| add_clique_pairs(&mut below, group));
         Self::of_columns(below)
     }
 
     /// Of several, each with the number of its first vertex among `n`.
-    pub fn of_parts(n: usize, parts: &[(usize, &Self)]) -> Self {
+    pub fn block_diagonal(n: usize, parts: &[(usize, &Self)]) -> Self {
         let mut below: Vec<Vec<u32>> = (0..n).map(|i| vec![i as u32]).collect();
         for (first, part) in parts {
             for j in 0..part.starts.len() - 1 {
@@ -35,7 +35,7 @@ impl Pattern {
     /// This one, and blocks between all vertices of each group.
     pub fn with(&self, groups: &Cliques) -> Self {
         let mut below: Vec<Vec<u32>> = (0..self.starts.len() - 1).map(|j| self.column(j).to_vec()).collect();
-        couple(&mut below, groups);
+        add_clique_pairs(&mut below, groups);
         Self::of_columns(below)
     }
 
@@ -51,7 +51,7 @@ impl Pattern {
     }
 
     /// Whether all blocks of each group are there.
-    pub fn has(&self, groups: &Cliques) -> bool {
+    pub fn contains(&self, groups: &Cliques) -> bool {
         groups
             .iter()
             .all(|list| list.iter().all(|i| list.iter().all(|j| i < j || self.slot(*i, *j).is_some())))
@@ -70,7 +70,7 @@ impl Pattern {
 }
 
 /// Adds the pairs of each group to the columns.
-fn couple(below: &mut [Vec<u32>], groups: &Cliques) {
+fn add_clique_pairs(below: &mut [Vec<u32>], groups: &Cliques) {
     for list in groups.iter() {
         for i in list {
             below[*i as usize].extend(list.iter().filter(|j| *j > i));
@@ -81,13 +81,13 @@ fn couple(below: &mut [Vec<u32>], groups: &Cliques) {
 /// A symmetric matrix of `D × D` blocks.
 #[derive(Clone, Debug)]
 pub struct BlockMatrix<const D: usize> {
-    pub(crate) pattern: Arc<Pattern>,
+    pub(crate) pattern: Arc<SparsityPattern>,
     pub(crate) blocks: Vec<Matrix<D>>,
 }
 
 impl<const D: usize> BlockMatrix<D> {
     /// Zero.
-    pub(crate) fn new(pattern: Arc<Pattern>) -> Self {
+    pub(crate) fn new(pattern: Arc<SparsityPattern>) -> Self {
         let blocks = vec![Matrix::zeros(); pattern.rows.len()];
         Self { pattern, blocks }
     }

@@ -3,40 +3,40 @@
 //! A field on the lattice is one on the mesh by interpolation, which shifts, turns and even strains are exactly. What is smooth
 //! over some edges is solved for there; it is all that keeps the blocks of a matrix's diagonal from telling what the rest does.
 
-use super::{BlockMatrix, Cliques, Factor, Pattern, Symbolic};
+use super::{BlockMatrix, Cliques, CholeskyFactor, SparsityPattern, SymbolicFactor};
 use meniscus_numerics::{Matrix, Vector};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Spacing of the lattice, over the mean way between neighbours.
-const SPACING: f64 = 4.0;
+const SPACING_EDGES: f64 = 4.0;
 /// Part of itself that is added to its matrix's diagonal: where few vertices are, they do not tell all nodes apart.
-const SLACK: f64 = 1e-6;
+const DIAGONAL_SHIFT: f64 = 1e-6;
 
 /// The nodes around the vertices of a mesh.
 #[derive(Debug)]
-pub struct Lattice {
+pub struct CoarseLattice {
     /// For each vertex the nodes around it and their weights; a held one has none.
     weights: Vec<Vec<(u32, f64)>>,
-    pattern: Arc<Pattern>,
-    symbolic: Arc<Symbolic>,
+    pattern: Arc<SparsityPattern>,
+    symbolic: Arc<SymbolicFactor>,
 }
 
 /// A matrix on the lattice, factorised.
 #[derive(Clone, Debug)]
-pub struct Coarse {
-    lattice: Arc<Lattice>,
-    factor: Factor,
+pub struct CoarseFactor {
+    lattice: Arc<CoarseLattice>,
+    factor: CholeskyFactor,
 }
 
-impl Lattice {
+impl CoarseLattice {
     /// Around vertices at these positions, coupled as the pattern says, of which some are held. Nothing where memory does not
     /// suffice.
-    pub fn new<const D: usize>(positions: &[Vector<D>], fine: &Pattern, held: &[bool]) -> Option<Self> {
-        let pairs = (0..held.len()).flat_map(|j| fine.column(j)[1..].iter().map(move |i| (*i as usize, j)));
-        let count = fine.rows.len().saturating_sub(held.len()).max(1) as f64;
-        let way = pairs.clone().map(|(i, j)| (positions[i] - positions[j]).norm()).sum::<f64>() / count;
-        let spacing = if way > 0.0 { SPACING * way } else { 1.0 };
+    pub fn new<const D: usize>(positions: &[Vector<D>], fine: &SparsityPattern, anchored: &[bool]) -> Option<Self> {
+        let pairs = (0..anchored.len()).flat_map(|j| fine.column(j)[1..].iter().map(move |i| (*i as usize, j)));
+        let count = fine.rows.len().saturating_sub(anchored.len()).max(1) as f64;
+        let mean_edge = pairs.clone().map(|(i, j)| (positions[i] - positions[j]).norm()).sum::<f64>() / count;
+        let spacing = if mean_edge > 0.0 { SPACING_EDGES * mean_edge } else { 1.0 };
         let mut numbers: BTreeMap<[i64; D], u32> = BTreeMap::new();
         let mut around = |x: &Vector<D>| {
             let at = x / spacing;
@@ -50,19 +50,19 @@ impl Lattice {
             };
             (0..1 << D).map(corner).collect::<Vec<_>>()
         };
-        let of = |(x, held): (&Vector<D>, &bool)| if *held { Vec::new() } else { around(x) };
-        let weights: Vec<Vec<(u32, f64)>> = positions.iter().zip(held).map(of).collect();
+        let of = |(x, anchored): (&Vector<D>, &bool)| if *anchored { Vec::new() } else { around(x) };
+        let weights: Vec<Vec<(u32, f64)>> = positions.iter().zip(anchored).map(of).collect();
         let nodes = |v: usize| weights[v].iter().map(|w| w.0);
         let union = |(i, j): (usize, usize)| nodes(i).chain(nodes(j)).collect::<BTreeSet<u32>>();
-        let free = |(i, j): &(usize, usize)| !held[*i] && !held[*j];
-        let own = (0..held.len()).map(|i| (i, i));
+        let free = |(i, j): &(usize, usize)| !anchored[*i] && !anchored[*j];
+        let own = (0..anchored.len()).map(|i| (i, i));
         let groups: BTreeSet<BTreeSet<u32>> = own.chain(pairs).filter(free).map(union).collect();
         let mut cliques = Cliques::default();
         groups.into_iter().for_each(|group| cliques.push(group));
-        let pattern = Arc::new(Pattern::new(numbers.len(), [&cliques]));
+        let pattern = Arc::new(SparsityPattern::new(numbers.len(), [&cliques]));
         let mut places = vec![Vector::zeros(); numbers.len()];
         numbers.iter().for_each(|(place, n)| places[*n as usize] = Vector::from(place.map(|i| i as f64)));
-        let symbolic = Arc::new(Symbolic::new(&places, &pattern, &vec![false; places.len()])?);
+        let symbolic = Arc::new(SymbolicFactor::new(&places, &pattern, &vec![false; places.len()])?);
         Some(Self { weights, pattern, symbolic })
     }
 
@@ -73,7 +73,7 @@ impl Lattice {
         starts: &[usize],
         columns: &[u32],
         blocks: &[Matrix<D>],
-    ) -> Option<Coarse> {
+    ) -> Option<CoarseFactor> {
         let mut matrix = BlockMatrix::<D>::new(self.pattern.clone());
         let mut row: Vec<(u32, Matrix<D>)> = Vec::new();
         for (i, weights) in self.weights.iter().enumerate() {
@@ -95,17 +95,17 @@ impl Lattice {
         }
         for v in 0..self.pattern.starts.len() - 1 {
             let own = &mut matrix.blocks[self.pattern.starts[v]];
-            *own += Matrix::identity() * (SLACK * own.trace());
+            *own += Matrix::identity() * (DIAGONAL_SHIFT * own.trace());
         }
         let held = vec![false; self.pattern.starts.len() - 1];
-        let factor = Factor::new(self.symbolic.clone(), &matrix, &held)?;
-        Some(Coarse { lattice: self.clone(), factor })
+        let factor = CholeskyFactor::new(self.symbolic.clone(), &matrix, &held)?;
+        Some(CoarseFactor { lattice: self.clone(), factor })
     }
 }
 
-impl Coarse {
+impl CoarseFactor {
     /// Adds to `z` what solves for `r` on the lattice.
-    pub fn add_solved<const D: usize>(&self, r: &[Vector<D>], z: &mut [Vector<D>]) {
+    pub fn add_correction<const D: usize>(&self, r: &[Vector<D>], z: &mut [Vector<D>]) {
         let lattice = &self.lattice;
         let mut coarse = vec![0.0; D * (lattice.pattern.starts.len() - 1)];
         for (r, weights) in r.iter().zip(&lattice.weights) {

@@ -1,14 +1,14 @@
 //! Nested dissection: the order of elimination that keeps the factors of meshes sparse (George 1973).
 
-use super::blocks::Pattern;
+use super::blocks::SparsityPattern;
 use meniscus_numerics::Vector;
 
 /// Vertices that are not divided further.
-const LEAF: usize = 24;
+const MAX_LEAF_VERTICES: usize = 24;
 
 /// An order of the `kept` vertices: both halves of the body, then the vertices between them, and so on within the halves.
 /// Halves are cut across the longest side.
-pub fn order<const D: usize>(positions: &[Vector<D>], pattern: &Pattern, kept: Vec<u32>) -> Vec<u32> {
+pub fn nested_dissection<const D: usize>(positions: &[Vector<D>], pattern: &SparsityPattern, kept: Vec<u32>) -> Vec<u32> {
     let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); positions.len()];
     for j in 0..positions.len() {
         for i in &pattern.column(j)[1..] {
@@ -17,7 +17,7 @@ pub fn order<const D: usize>(positions: &[Vector<D>], pattern: &Pattern, kept: V
         }
     }
     let mut dissection =
-        Dissection { positions, neighbours, right: vec![false; positions.len()], order: Vec::new() };
+        Dissection { positions, neighbours, in_second_half: vec![false; positions.len()], order: Vec::new() };
     dissection.divide(kept);
     dissection.order
 }
@@ -26,17 +26,17 @@ struct Dissection<'a, const D: usize> {
     positions: &'a [Vector<D>],
     neighbours: Vec<Vec<u32>>,
     /// Which vertices are in the second half of what is being divided.
-    right: Vec<bool>,
+    in_second_half: Vec<bool>,
     order: Vec<u32>,
 }
 
 impl<const D: usize> Dissection<'_, D> {
     fn divide(&mut self, mut part: Vec<u32>) {
-        if part.len() <= LEAF {
+        if part.len() <= MAX_LEAF_VERTICES {
             self.order.extend(part);
             return;
         }
-        let axis = self.longest(&part);
+        let axis = self.longest_axis(&part);
         let key = |v: &u32| self.positions[*v as usize][axis];
         part.sort_by(|a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
         // Whole rows of a regular mesh go to one side.
@@ -46,16 +46,16 @@ impl<const D: usize> Dissection<'_, D> {
             cut = part.len() / 2;
         }
         let right = part.split_off(cut);
-        right.iter().for_each(|v| self.right[*v as usize] = true);
-        let beside = |v: &u32| self.neighbours[*v as usize].iter().any(|n| self.right[*n as usize]);
-        let (between, left): (Vec<u32>, Vec<u32>) = part.into_iter().partition(beside);
-        right.iter().for_each(|v| self.right[*v as usize] = false);
+        right.iter().for_each(|v| self.in_second_half[*v as usize] = true);
+        let beside = |v: &u32| self.neighbours[*v as usize].iter().any(|n| self.in_second_half[*n as usize]);
+        let (separator, left): (Vec<u32>, Vec<u32>) = part.into_iter().partition(beside);
+        right.iter().for_each(|v| self.in_second_half[*v as usize] = false);
         self.divide(left);
         self.divide(right);
-        self.order.extend(between);
+        self.order.extend(separator);
     }
 
-    fn longest(&self, part: &[u32]) -> usize {
+    fn longest_axis(&self, part: &[u32]) -> usize {
         let extent = |a: usize| {
             let at = part.iter().map(|v| self.positions[*v as usize][a]);
             at.clone().fold(f64::NEG_INFINITY, f64::max) - at.fold(f64::INFINITY, f64::min)

@@ -1,6 +1,6 @@
 //! Cholesky factors of block matrices, without the rows and columns of vertices that are held.
 
-use super::blocks::{BlockMatrix, Pattern};
+use super::blocks::{BlockMatrix, SparsityPattern};
 use super::subtrees::Subtrees;
 use super::{dissection, fronts};
 use faer::perm::PermRef;
@@ -18,26 +18,26 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// What all factors of matrices with one pattern share.
 #[derive(Debug)]
-pub struct Symbolic {
+pub struct SymbolicFactor {
     /// The vertices that are not held, rising.
     free: Vec<u32>,
     /// The factor's row of each component of these, one after another.
     rows: Vec<usize>,
     /// Where among a factor's values those of the matrix belong, in the order of [`entries`].
-    places: Vec<usize>,
+    value_indices: Vec<usize>,
     cholesky: SymbolicCholesky<usize>,
     pub(super) subtrees: Subtrees,
     /// Memory of a factor that is no more: threads that ask the system for theirs wait for each other.
-    spare: Mutex<Vec<f64>>,
+    recycled_values: Mutex<Vec<f64>>,
 }
 
-impl Symbolic {
+impl SymbolicFactor {
     /// For matrices of this pattern; `held` vertices are left out. Nothing where memory does not suffice.
-    pub fn new<const D: usize>(positions: &[Vector<D>], pattern: &Pattern, held: &[bool]) -> Option<Self> {
-        let free: Vec<u32> = (0..held.len() as u32).filter(|v| !held[*v as usize]).collect();
-        let mut number = vec![usize::MAX; held.len()];
+    pub fn new<const D: usize>(positions: &[Vector<D>], pattern: &SparsityPattern, anchored: &[bool]) -> Option<Self> {
+        let free: Vec<u32> = (0..anchored.len() as u32).filter(|v| !anchored[*v as usize]).collect();
+        let mut number = vec![usize::MAX; anchored.len()];
         free.iter().enumerate().for_each(|(k, v)| number[*v as usize] = k);
-        let order: Vec<usize> = dissection::order(positions, pattern, free.clone())
+        let order: Vec<usize> = dissection::nested_dissection(positions, pattern, free.clone())
             .iter()
             .flat_map(|v| (0..D).map(|a| number[*v as usize] * D + a))
             .collect();
@@ -46,7 +46,7 @@ impl Symbolic {
         order.iter().enumerate().for_each(|(row, k)| rows[*k] = row);
         let mut below: Vec<Vec<usize>> = vec![Vec::new(); n];
         let component = |vertex: u32, axis: usize| number[vertex as usize] * D + axis;
-        entries::<D>(pattern, &free, held, |_, (i, a), (j, b)| below[component(j, b)].push(component(i, a)));
+        for_each_entry::<D>(pattern, &free, anchored, |_, (i, a), (j, b)| below[component(j, b)].push(component(i, a)));
         let columns: Vec<usize> = std::iter::once(0)
             .chain(below.iter().scan(0, |sum, column| {
                 *sum += column.len();
@@ -64,12 +64,12 @@ impl Symbolic {
         )
         .ok()?;
         let supernodes = supernodes(&cholesky)?;
-        let mut places = Vec::with_capacity(columns[n]);
-        entries::<D>(pattern, &free, held, |_, (i, a), (j, b)| {
-            places.push(place(supernodes, rows[component(i, a)], rows[component(j, b)]));
+        let mut value_indices = Vec::with_capacity(columns[n]);
+        for_each_entry::<D>(pattern, &free, anchored, |_, (i, a), (j, b)| {
+            value_indices.push(value_index(supernodes, rows[component(i, a)], rows[component(j, b)]));
         });
         let subtrees = Subtrees::new(supernodes);
-        Some(Self { free, rows, places, cholesky, subtrees, spare: Mutex::default() })
+        Some(Self { free, rows, value_indices, cholesky, subtrees, recycled_values: Mutex::default() })
     }
 
     /// Entries of a factor.
@@ -79,7 +79,7 @@ impl Symbolic {
 
     /// As many zeros.
     fn zeros(&self) -> Vec<f64> {
-        let mut values = std::mem::take(&mut *self.spare.lock().unwrap_or_else(PoisonError::into_inner));
+        let mut values = std::mem::take(&mut *self.recycled_values.lock().unwrap_or_else(PoisonError::into_inner));
         values.par_chunks_mut(1 << 16).for_each(|chunk| chunk.fill(0.0));
         values.resize(self.entries(), 0.0);
         values
@@ -88,15 +88,15 @@ impl Symbolic {
 
 /// Calls `f` with each component of a symmetric matrix's lower triangle: its block, row and column, the latter two as vertex and
 /// axis. Those of `held` vertices are left out.
-fn entries<const D: usize>(
-    pattern: &Pattern,
+fn for_each_entry<const D: usize>(
+    pattern: &SparsityPattern,
     free: &[u32],
-    held: &[bool],
+    anchored: &[bool],
     mut f: impl FnMut(usize, (u32, usize), (u32, usize)),
 ) {
     for j in free {
         let start = pattern.starts[*j as usize];
-        for (k, i) in pattern.column(*j as usize).iter().enumerate().filter(|(_, i)| !held[**i as usize]) {
+        for (k, i) in pattern.column(*j as usize).iter().enumerate().filter(|(_, i)| !anchored[**i as usize]) {
             for b in 0..D {
                 (if k == 0 { b } else { 0 }..D).for_each(|a| f(start + k, (*i, a), (*j, b)));
             }
@@ -113,7 +113,7 @@ fn supernodes(cholesky: &SymbolicCholesky<usize>) -> Option<&SymbolicSupernodalC
 }
 
 /// Where a factor has the entry of two rows.
-fn place(supernodes: &SymbolicSupernodalCholesky<usize>, i: usize, j: usize) -> usize {
+fn value_index(supernodes: &SymbolicSupernodalCholesky<usize>, i: usize, j: usize) -> usize {
     let (row, column) = (i.max(j), i.min(j));
     let node = supernodes.supernode_begin().partition_point(|begin| *begin <= column) - 1;
     let (begin, end) = (supernodes.supernode_begin()[node], supernodes.supernode_end()[node]);
@@ -124,21 +124,21 @@ fn place(supernodes: &SymbolicSupernodalCholesky<usize>, i: usize, j: usize) -> 
 
 /// The Cholesky factor of a matrix.
 #[derive(Clone, Debug)]
-pub struct Factor {
-    symbolic: Arc<Symbolic>,
+pub struct CholeskyFactor {
+    symbolic: Arc<SymbolicFactor>,
     values: Vec<f64>,
 }
 
-impl Factor {
+impl CholeskyFactor {
     /// Nothing where the matrix is not positive definite, to rounding.
     pub fn new<const D: usize>(
-        symbolic: Arc<Symbolic>,
+        symbolic: Arc<SymbolicFactor>,
         matrix: &BlockMatrix<D>,
-        held: &[bool],
+        anchored: &[bool],
     ) -> Option<Self> {
         let mut values = symbolic.zeros();
-        let mut places = symbolic.places.iter();
-        entries::<D>(&matrix.pattern, &symbolic.free, held, |block, (_, a), (_, b)| {
+        let mut places = symbolic.value_indices.iter();
+        for_each_entry::<D>(&matrix.pattern, &symbolic.free, anchored, |block, (_, a), (_, b)| {
             places.next().into_iter().for_each(|place| values[*place] = matrix.blocks[block][(a, b)]);
         });
         fronts::factorise(supernodes(&symbolic.cholesky)?, &symbolic.subtrees, &mut values)?;
@@ -150,7 +150,7 @@ impl Factor {
         let symbolic = &self.symbolic;
         let free = vertices.filter_map(|v| symbolic.free.binary_search(&v).ok());
         let rows = free.flat_map(|k| symbolic.rows[k * D..(k + 1) * D].iter().copied());
-        Some(symbolic.subtrees.reached(supernodes(&symbolic.cholesky)?, rows))
+        Some(symbolic.subtrees.restricted_to_reach(supernodes(&symbolic.cholesky)?, rows))
     }
 
     /// `b ← A⁻¹ b` for `count` right-hand sides of all vertices' components, one after another. What belongs to held
@@ -174,9 +174,9 @@ impl Factor {
     }
 }
 
-impl Drop for Factor {
+impl Drop for CholeskyFactor {
     fn drop(&mut self) {
-        *self.symbolic.spare.lock().unwrap_or_else(PoisonError::into_inner) =
+        *self.symbolic.recycled_values.lock().unwrap_or_else(PoisonError::into_inner) =
             std::mem::take(&mut self.values);
     }
 }

@@ -18,13 +18,13 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Columns or rows that are not divided among threads.
-const BLOCK: usize = 256;
+const MAX_SERIAL_SIZE: usize = 256;
 
 /// A supernode, and its part of the factor.
-type Slab<'a> = (usize, &'a mut [f64]);
+type SupernodeValues<'a> = (usize, &'a mut [f64]);
 
 /// What is left to a supernode: by each of those below it the lower triangle of a matrix of the rows in their patterns.
-type Rests = Vec<(usize, Vec<f64>)>;
+type UpdateMatrices = Vec<(usize, Vec<f64>)>;
 
 /// `values ← L`, where they were the lower triangle of `L Lᵀ`. Nothing where there is no such factor, to rounding.
 pub fn factorise(
@@ -38,14 +38,14 @@ pub fn factorise(
         slabs.push(Some(slab));
         values = rest;
     }
-    let mut slabs_of = |nodes: &[usize]| -> Vec<Slab<'_>> {
+    let mut slabs_of = |nodes: &[usize]| -> Vec<SupernodeValues<'_>> {
         nodes.iter().filter_map(|s| slabs[*s].take().map(|slab| (*s, slab))).collect()
     };
     let parts: Vec<_> = subtrees.parts.iter().map(|nodes| slabs_of(nodes)).collect();
-    let above = slabs_of(&subtrees.above);
+    let above = slabs_of(&subtrees.ancestors);
     let done: Option<Vec<_>> =
         parts.into_par_iter().map(|part| eliminate(supernodes, subtrees, part, BTreeMap::new())).collect();
-    let mut left: BTreeMap<usize, Rests> = BTreeMap::new();
+    let mut left: BTreeMap<usize, UpdateMatrices> = BTreeMap::new();
     done?.into_iter().flatten().for_each(|(node, rests)| left.entry(node).or_default().extend(rests));
     eliminate(supernodes, subtrees, above, left).map(drop)
 }
@@ -54,9 +54,9 @@ pub fn factorise(
 fn eliminate(
     supernodes: &SymbolicSupernodalCholesky<usize>,
     subtrees: &Subtrees,
-    nodes: Vec<Slab<'_>>,
-    mut left: BTreeMap<usize, Rests>,
-) -> Option<BTreeMap<usize, Rests>> {
+    nodes: Vec<SupernodeValues<'_>>,
+    mut left: BTreeMap<usize, UpdateMatrices>,
+) -> Option<BTreeMap<usize, UpdateMatrices>> {
     // Memory that is no longer in use: large pieces are slow to come from the system.
     let mut spare: Vec<Vec<f64>> = Vec::new();
     for (node, slab) in nodes {
@@ -66,11 +66,11 @@ fn eliminate(
         rest.clear();
         rest.resize(rows.len() * rows.len(), 0.0);
         let mut front = Front {
-            slab: MatMut::from_column_major_slice_mut(slab, own + rows.len(), own),
-            rest: MatMut::from_column_major_slice_mut(&mut rest, rows.len(), rows.len()),
+            pivot_columns: MatMut::from_column_major_slice_mut(slab, own + rows.len(), own),
+            update_matrix: MatMut::from_column_major_slice_mut(&mut rest, rows.len(), rows.len()),
         };
         for (child, update) in left.remove(&node).unwrap_or_default() {
-            front.add(&places(supernodes, child, node), &update)?;
+            front.extend_add(&relative_indices(supernodes, child, node), &update)?;
             spare.push(update);
         }
         front.eliminate()?;
@@ -82,7 +82,7 @@ fn eliminate(
 }
 
 /// Where the rows of a supernode's pattern are in another one above it.
-fn places(supernodes: &SymbolicSupernodalCholesky<usize>, child: usize, node: usize) -> Vec<usize> {
+fn relative_indices(supernodes: &SymbolicSupernodalCholesky<usize>, child: usize, node: usize) -> Vec<usize> {
     let (begin, end) = (supernodes.supernode_begin()[node], supernodes.supernode_end()[node]);
     let pattern = supernodes.supernode(node).pattern();
     let mut k = 0;
@@ -98,35 +98,35 @@ fn places(supernodes: &SymbolicSupernodalCholesky<usize>, child: usize, node: us
 
 /// The lower triangle of a matrix: the columns that are eliminated, and the others.
 struct Front<'a> {
-    slab: MatMut<'a, f64>,
-    rest: MatMut<'a, f64>,
+    pivot_columns: MatMut<'a, f64>,
+    update_matrix: MatMut<'a, f64>,
 }
 
 impl Front<'_> {
     /// Adds the lower triangle of a matrix whose rows have these places, rising.
-    fn add(&mut self, to: &[usize], update: &[f64]) -> Option<()> {
-        let own = self.slab.ncols();
+    fn extend_add(&mut self, to: &[usize], update: &[f64]) -> Option<()> {
+        let own = self.pivot_columns.ncols();
         let (now, later) = to.split_at(to.partition_point(|i| *i < own));
         let (first, second) = update.split_at(now.len() * to.len());
-        let mut slab = || add(self.slab.rb_mut(), 0, (to, now), first);
-        let mut rest = || add(self.rest.rb_mut(), own, (later, later), second);
-        let (slab, rest) = if to.len() > BLOCK { rayon::join(slab, rest) } else { (slab(), rest()) };
+        let mut slab = || scatter_add(self.pivot_columns.rb_mut(), 0, (to, now), first);
+        let mut rest = || scatter_add(self.update_matrix.rb_mut(), own, (later, later), second);
+        let (slab, rest) = if to.len() > MAX_SERIAL_SIZE { rayon::join(slab, rest) } else { (slab(), rest()) };
         slab.and(rest)
     }
 
     /// Eliminates the columns of the slab.
     fn eliminate(&mut self) -> Option<()> {
-        let own = self.slab.ncols();
-        let (mut diagonal, mut below) = self.slab.rb_mut().split_at_row_mut(own);
+        let own = self.pivot_columns.ncols();
+        let (mut diagonal, mut below) = self.pivot_columns.rb_mut().split_at_row_mut(own);
         cholesky(diagonal.rb_mut())?;
-        solve(diagonal.as_ref(), below.rb_mut());
-        subtract_square(self.rest.rb_mut(), below.as_ref());
+        solve_lower_transposed(diagonal.as_ref(), below.rb_mut());
+        subtract_syrk(self.update_matrix.rb_mut(), below.as_ref());
         Some(())
     }
 }
 
 /// Adds a lower triangle to that of a matrix, in which its rows and columns have the places `rows` and `columns` after `shift`.
-fn add(
+fn scatter_add(
     mut a: MatMut<'_, f64>,
     shift: usize,
     (rows, columns): (&[usize], &[usize]),
@@ -145,7 +145,7 @@ fn add(
 /// `A ← L` with `L Lᵀ = A`, lower triangles.
 fn cholesky(mut a: MatMut<'_, f64>) -> Option<()> {
     let n = a.nrows();
-    if n <= 2 * BLOCK {
+    if n <= 2 * MAX_SERIAL_SIZE {
         let scratch = cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default());
         let mut memory = MemBuffer::try_new(scratch).ok()?;
         let stack = MemStack::new(&mut memory);
@@ -153,33 +153,33 @@ fn cholesky(mut a: MatMut<'_, f64>) -> Option<()> {
     }
     let (mut first, _, mut below, mut second) = a.rb_mut().split_at_mut(n / 2, n / 2);
     cholesky(first.rb_mut())?;
-    solve(first.as_ref(), below.rb_mut());
-    subtract_square(second.rb_mut(), below.as_ref());
+    solve_lower_transposed(first.as_ref(), below.rb_mut());
+    subtract_syrk(second.rb_mut(), below.as_ref());
     cholesky(second)
 }
 
 /// `B ← B L⁻ᵀ`.
-fn solve(lower: MatRef<'_, f64>, b: MatMut<'_, f64>) {
-    if b.nrows() <= 2 * BLOCK || lower.nrows() <= BLOCK {
+fn solve_lower_transposed(lower: MatRef<'_, f64>, b: MatMut<'_, f64>) {
+    if b.nrows() <= 2 * MAX_SERIAL_SIZE || lower.nrows() <= MAX_SERIAL_SIZE {
         return solve_lower_triangular_in_place(lower, b.transpose_mut(), Par::Seq);
     }
     let half = b.nrows() / 2;
     let (first, second) = b.split_at_row_mut(half);
-    rayon::join(|| solve(lower, first), || solve(lower, second));
+    rayon::join(|| solve_lower_transposed(lower, first), || solve_lower_transposed(lower, second));
 }
 
 /// `C ← C − B Bᵀ`, lower triangle.
-fn subtract_square(c: MatMut<'_, f64>, b: MatRef<'_, f64>) {
+fn subtract_syrk(c: MatMut<'_, f64>, b: MatRef<'_, f64>) {
     let (lower, all) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
     let n = c.nrows();
-    if n <= 2 * BLOCK || b.ncols() <= BLOCK {
+    if n <= 2 * MAX_SERIAL_SIZE || b.ncols() <= MAX_SERIAL_SIZE {
         return matmul::triangular::matmul(c, lower, Accum::Add, b, all, b.transpose(), all, -1.0, Par::Seq);
     }
     let (above, below) = b.split_at_row(n / 2);
     let (first, _, between, second) = c.split_at_mut(n / 2, n / 2);
     let corners = || {
-        subtract_square(first, above);
-        subtract_square(second, below);
+        subtract_syrk(first, above);
+        subtract_syrk(second, below);
     };
     let product = || matmul::matmul(between, Accum::Add, below, above.transpose(), -1.0, Par::Seq);
     rayon::join(corners, product);
@@ -193,7 +193,7 @@ mod tests {
     /// Large enough to be divided several times.
     #[test]
     fn divided_work_is_the_same_for_all_threads() {
-        let n = 3 * BLOCK + 40;
+        let n = 3 * MAX_SERIAL_SIZE + 40;
         let entry = |i: usize, j: usize| if i == j { n as f64 } else { ((i * j) as f64).cos() };
         let factor = |threads| {
             let mut a = Mat::from_fn(n, n, entry);

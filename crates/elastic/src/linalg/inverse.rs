@@ -1,49 +1,49 @@
 //! How systems with a matrix are solved.
 
 use super::subtrees::Subtrees;
-use super::{BlockMatrix, Factor, Iterated, Lattice, Pattern, Symbolic};
+use super::{BlockMatrix, CholeskyFactor, IterativeInverse, CoarseLattice, SparsityPattern, SymbolicFactor};
 use meniscus_numerics::Vector;
 use std::sync::Arc;
 
 /// Relative error of a solve by iterations, where there are no factors.
-pub const TOLERANCE: f64 = 1e-9;
+pub const ITERATIVE_TOLERANCE: f64 = 1e-9;
 /// Entries of a factor beyond which there is none: 2 GB.
-const MOST: usize = 250_000_000;
+const MAX_FACTOR_ENTRIES: usize = 250_000_000;
 
 /// What all inverses of matrices with one pattern share.
 #[derive(Clone, Debug)]
-pub enum Solver {
+pub enum LinearSolver {
     /// They have factors of a bearable size.
-    Factors(Arc<Symbolic>),
+    Direct(Arc<SymbolicFactor>),
     /// They have not: iterations, and entries that each goes through.
-    Iterations(Arc<Lattice>, usize),
+    Iterative(Arc<CoarseLattice>, usize),
 }
 
 /// The inverse of a matrix, applied.
 #[derive(Clone, Debug)]
 pub enum Inverse<const D: usize> {
     /// By Cholesky factors.
-    Factor(Factor),
+    Factor(CholeskyFactor),
     /// By iterations.
-    Iterated(Iterated<D>),
+    Iterative(IterativeInverse<D>),
 }
 
-impl Solver {
+impl LinearSolver {
     /// For matrices of this pattern; `held` vertices are left out. Nothing where memory does not suffice.
-    pub fn new<const D: usize>(positions: &[Vector<D>], pattern: &Pattern, held: &[bool]) -> Option<Self> {
-        let symbolic = Symbolic::new(positions, pattern, held)?;
-        if symbolic.entries() <= MOST {
-            return Some(Self::Factors(Arc::new(symbolic)));
+    pub fn new<const D: usize>(positions: &[Vector<D>], pattern: &SparsityPattern, anchored: &[bool]) -> Option<Self> {
+        let symbolic = SymbolicFactor::new(positions, pattern, anchored)?;
+        if symbolic.entries() <= MAX_FACTOR_ENTRIES {
+            return Some(Self::Direct(Arc::new(symbolic)));
         }
-        let lattice = Lattice::new(positions, pattern, held)?;
-        Some(Self::Iterations(Arc::new(lattice), 2 * D * D * pattern.rows.len()))
+        let lattice = CoarseLattice::new(positions, pattern, anchored)?;
+        Some(Self::Iterative(Arc::new(lattice), 2 * D * D * pattern.rows.len()))
     }
 
     /// Entries that are kept of an inverse.
     pub fn entries(&self) -> usize {
         match self {
-            Self::Factors(symbolic) => symbolic.entries(),
-            Self::Iterations(_, entries) => *entries,
+            Self::Direct(symbolic) => symbolic.entries(),
+            Self::Iterative(_, entries) => *entries,
         }
     }
 
@@ -52,13 +52,13 @@ impl Solver {
     pub fn invert<const D: usize>(
         &self,
         matrix: &BlockMatrix<D>,
-        held: &[bool],
+        anchored: &[bool],
         tolerance: f64,
     ) -> Option<Inverse<D>> {
         match self {
-            Self::Factors(symbolic) => Factor::new(symbolic.clone(), matrix, held).map(Inverse::Factor),
-            Self::Iterations(lattice, _) => {
-                Iterated::new(matrix, held, lattice, tolerance).map(Inverse::Iterated)
+            Self::Direct(symbolic) => CholeskyFactor::new(symbolic.clone(), matrix, anchored).map(Inverse::Factor),
+            Self::Iterative(lattice, _) => {
+                IterativeInverse::new(matrix, anchored, lattice, tolerance).map(Inverse::Iterative)
             }
         }
     }
@@ -74,7 +74,7 @@ impl<const D: usize> Inverse<D> {
     pub fn reach(&self, vertices: impl Iterator<Item = u32>) -> Reach {
         match self {
             Self::Factor(factor) => Reach(factor.reach::<D>(vertices)),
-            Self::Iterated(_) => Reach(None),
+            Self::Iterative(_) => Reach(None),
         }
     }
 
@@ -83,7 +83,7 @@ impl<const D: usize> Inverse<D> {
     pub fn solve(&self, reach: Option<&Reach>, b: &mut [f64], count: usize) {
         match self {
             Self::Factor(factor) => factor.solve::<D>(reach.and_then(|r| r.0.as_ref()), b, count),
-            Self::Iterated(iterated) => iterated.solve(b),
+            Self::Iterative(iterated) => iterated.solve(b),
         }
     }
 }

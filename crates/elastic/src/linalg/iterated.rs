@@ -3,43 +3,43 @@
 //! The preconditioner is the blocks of the matrix's diagonal and, for what is smooth over some edges, the matrix on a coarse
 //! lattice (two levels, added: Bramble, Pasciak & Xu 1990).
 
-use super::{BlockMatrix, Coarse, Lattice};
+use super::{BlockMatrix, CoarseFactor, CoarseLattice};
 use meniscus_numerics::{Matrix, Vector, par};
 use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Most iterations.
-const MOST: usize = 20_000;
+const MAX_ITERATIONS: usize = 20_000;
 /// Fewest rows that a thread takes.
-const ROWS: usize = 512;
+const MIN_ROWS_PER_TASK: usize = 512;
 
 /// A matrix with both of its triangles, without the rows and columns of vertices that are held.
 #[derive(Clone, Debug)]
-pub struct Iterated<const D: usize> {
+pub struct IterativeInverse<const D: usize> {
     /// Where each row starts among the blocks; one more than rows.
     starts: Vec<usize>,
     columns: Vec<u32>,
     blocks: Vec<Matrix<D>>,
     /// Inverse of each block of the diagonal; zero where a vertex is held.
     diagonal: Vec<Matrix<D>>,
-    coarse: Coarse,
+    coarse: CoarseFactor,
     /// What the error is less than, over that at the start, in the norm of the preconditioner.
     tolerance: f64,
 }
 
-impl<const D: usize> Iterated<D> {
+impl<const D: usize> IterativeInverse<D> {
     /// Nothing where the matrix is seen not to be positive definite.
     pub fn new(
         matrix: &BlockMatrix<D>,
-        held: &[bool],
-        lattice: &Arc<Lattice>,
+        anchored: &[bool],
+        lattice: &Arc<CoarseLattice>,
         tolerance: f64,
     ) -> Option<Self> {
-        let n = held.len();
+        let n = anchored.len();
         let mut rows: Vec<Vec<(u32, Matrix<D>)>> = vec![Vec::new(); n];
-        for j in (0..n).filter(|j| !held[*j]) {
+        for j in (0..n).filter(|j| !anchored[*j]) {
             let start = matrix.pattern.starts[j];
-            for (k, i) in matrix.pattern.column(j).iter().enumerate().filter(|(_, i)| !held[**i as usize]) {
+            for (k, i) in matrix.pattern.column(j).iter().enumerate().filter(|(_, i)| !anchored[**i as usize]) {
                 let block = matrix.blocks[start + k];
                 rows[*i as usize].push((j as u32, block));
                 if k > 0 {
@@ -47,7 +47,7 @@ impl<const D: usize> Iterated<D> {
                 }
             }
         }
-        let inverse = |j: usize| match held[j] {
+        let inverse = |j: usize| match anchored[j] {
             true => Some(Matrix::zeros()),
             false => Some(matrix.blocks[matrix.pattern.starts[j]].cholesky()?.inverse()),
         };
@@ -79,7 +79,7 @@ impl<const D: usize> Iterated<D> {
         let mut p = z.clone();
         let mut size = dot(&r, &z);
         let target = size * self.tolerance * self.tolerance;
-        for _ in 0..MOST {
+        for _ in 0..MAX_ITERATIONS {
             if size <= target {
                 return x;
             }
@@ -99,7 +99,7 @@ impl<const D: usize> Iterated<D> {
 
     fn preconditioned(&self, r: &[Vector<D>]) -> Vec<Vector<D>> {
         let mut z: Vec<Vector<D>> = r.iter().zip(&self.diagonal).map(|(r, inverse)| inverse * r).collect();
-        self.coarse.add_solved(r, &mut z);
+        self.coarse.add_correction(r, &mut z);
         z
     }
 
@@ -108,14 +108,14 @@ impl<const D: usize> Iterated<D> {
             let all = self.starts[i]..self.starts[i + 1];
             all.map(|k| self.blocks[k] * x[self.columns[k] as usize]).sum()
         };
-        (0..x.len()).into_par_iter().with_min_len(ROWS).map(row).collect()
+        (0..x.len()).into_par_iter().with_min_len(MIN_ROWS_PER_TASK).map(row).collect()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::{Cliques, Factor, Pattern, Symbolic};
+    use crate::linalg::{Cliques, CholeskyFactor, SparsityPattern, SymbolicFactor};
 
     /// A chain of springs along which masses differ, some held: where its vertices are, which are held, and its matrix.
     fn chain(n: usize) -> (Vec<Vector<3>>, Vec<bool>, BlockMatrix<3>) {
@@ -123,7 +123,7 @@ mod tests {
             (0..n).map(|i| Vector::<3>::new(i as f64, (i % 7) as f64, (i % 3) as f64)).collect();
         let mut springs = Cliques::default();
         (0..n as u32 - 5).for_each(|i| [1, 2, 5].into_iter().for_each(|k| springs.push([i, i + k])));
-        let mut matrix = BlockMatrix::<3>::new(Arc::new(Pattern::new(n, [&springs])));
+        let mut matrix = BlockMatrix::<3>::new(Arc::new(SparsityPattern::new(n, [&springs])));
         for pair in springs.iter() {
             let (i, j) = (pair[0], pair[1]);
             let along = (positions[i as usize] - positions[j as usize]).normalize();
@@ -135,18 +135,18 @@ mod tests {
     }
 
     /// What solves systems of the chain by iterations.
-    fn iterated(n: usize, tolerance: f64) -> Option<Iterated<3>> {
+    fn iterated(n: usize, tolerance: f64) -> Option<IterativeInverse<3>> {
         let (positions, held, matrix) = chain(n);
-        let lattice = Lattice::new(&positions, &matrix.pattern, &held)?;
-        Iterated::new(&matrix, &held, &Arc::new(lattice), tolerance)
+        let lattice = CoarseLattice::new(&positions, &matrix.pattern, &held)?;
+        IterativeInverse::new(&matrix, &held, &Arc::new(lattice), tolerance)
     }
 
     #[test]
     fn iterations_give_what_factors_give() {
         let n = 300;
         let (positions, held, matrix) = chain(n);
-        let symbolic = Symbolic::new(&positions, &matrix.pattern, &held).map(Arc::new).ok_or("no memory");
-        let factor = symbolic.map(|s| Factor::new(s, &matrix, &held));
+        let symbolic = SymbolicFactor::new(&positions, &matrix.pattern, &held).map(Arc::new).ok_or("no memory");
+        let factor = symbolic.map(|s| CholeskyFactor::new(s, &matrix, &held));
         let mut exact: Vec<f64> = (0..6 * n).map(|k| (k as f64 * 0.37).sin()).collect();
         let mut found = exact.clone();
         let iterated = iterated(n, 1e-12);

@@ -4,7 +4,7 @@
 use meniscus_numerics::{Matrix, Vector};
 
 /// Sweeps after which rotations end; four are common.
-const SWEEPS: usize = 20;
+const MAX_SWEEPS: usize = 20;
 
 /// `F = U diag(σ) Vᵀ` with rotations `U` and `V`: `σ` falls in size, and its last is negative where `det F` is.
 #[derive(Clone, Copy, Debug)]
@@ -17,15 +17,15 @@ pub struct Svd<const D: usize> {
 /// The decomposition of a matrix by one-sided rotations (Hestenes 1958), with signs as in Irving et al. 2004, §3.
 pub fn svd<const D: usize>(f: &Matrix<D>) -> Svd<D> {
     let (mut w, mut v) = (*f, Matrix::identity());
-    for _ in 0..SWEEPS {
+    for _ in 0..MAX_SWEEPS {
         let mut turned = false;
-        for (p, q) in pairs::<D>() {
+        for (p, q) in axis_pairs::<D>() {
             let (pp, qq) = (w.column(p).norm_squared(), w.column(q).norm_squared());
             let pq = w.column(p).dot(&w.column(q));
             if pq.abs() > 1e-15 * (pp * qq).sqrt() {
-                let (c, s) = rotation(pp, qq, pq);
-                turn(&mut w, p, q, c, s);
-                turn(&mut v, p, q, c, s);
+                let (c, s) = jacobi_rotation(pp, qq, pq);
+                rotate_columns(&mut w, p, q, c, s);
+                rotate_columns(&mut v, p, q, c, s);
                 turned = true;
             }
         }
@@ -33,29 +33,29 @@ pub fn svd<const D: usize>(f: &Matrix<D>) -> Svd<D> {
             break;
         }
     }
-    for (p, q) in pairs::<D>() {
+    for (p, q) in axis_pairs::<D>() {
         if w.column(p).norm_squared() < w.column(q).norm_squared() {
             // A quarter turn exchanges the columns and keeps the orientation.
-            turn(&mut w, p, q, 0.0, -1.0);
-            turn(&mut v, p, q, 0.0, -1.0);
+            rotate_columns(&mut w, p, q, 0.0, -1.0);
+            rotate_columns(&mut v, p, q, 0.0, -1.0);
         }
     }
-    let u = frame(&w);
+    let u = completed_rotation(&w);
     Svd { u, values: Vector::from_fn(|k, _| u.column(k).dot(&w.column(k))), v }
 }
 
 /// Eigenvalues and eigenvectors (columns) of a symmetric matrix (Golub & Van Loan, §8.5).
-pub fn eigen<const D: usize>(a: &Matrix<D>) -> (Vector<D>, Matrix<D>) {
+pub fn symmetric_eigen<const D: usize>(a: &Matrix<D>) -> (Vector<D>, Matrix<D>) {
     let (mut a, mut v) = (*a, Matrix::identity());
-    for _ in 0..SWEEPS {
+    for _ in 0..MAX_SWEEPS {
         let mut turned = false;
-        for (p, q) in pairs::<D>() {
+        for (p, q) in axis_pairs::<D>() {
             if a[(p, q)].abs() > 1e-15 * (a[(p, p)].abs() + a[(q, q)].abs()) {
-                let (c, s) = rotation(a[(p, p)], a[(q, q)], a[(p, q)]);
-                turn(&mut a, p, q, c, s);
+                let (c, s) = jacobi_rotation(a[(p, p)], a[(q, q)], a[(p, q)]);
+                rotate_columns(&mut a, p, q, c, s);
                 a = a.transpose();
-                turn(&mut a, p, q, c, s);
-                turn(&mut v, p, q, c, s);
+                rotate_columns(&mut a, p, q, c, s);
+                rotate_columns(&mut v, p, q, c, s);
                 turned = true;
             }
         }
@@ -67,12 +67,12 @@ pub fn eigen<const D: usize>(a: &Matrix<D>) -> (Vector<D>, Matrix<D>) {
 }
 
 /// Pairs of axes `p < q`.
-pub(crate) fn pairs<const D: usize>() -> impl Iterator<Item = (usize, usize)> {
+pub(crate) fn axis_pairs<const D: usize>() -> impl Iterator<Item = (usize, usize)> {
     (0..D).flat_map(|p| (p + 1..D).map(move |q| (p, q)))
 }
 
 /// Cosine and sine that make columns with these products orthogonal.
-fn rotation(pp: f64, qq: f64, pq: f64) -> (f64, f64) {
+fn jacobi_rotation(pp: f64, qq: f64, pq: f64) -> (f64, f64) {
     let zeta = (qq - pp) / (2.0 * pq);
     // Where the square overflows the angle vanishes, as it should; `hypot` takes several times as long.
     let t = 1f64.copysign(zeta) / (zeta.abs() + (1.0 + zeta * zeta).sqrt());
@@ -81,7 +81,7 @@ fn rotation(pp: f64, qq: f64, pq: f64) -> (f64, f64) {
 }
 
 /// Turns columns `p` and `q` into each other.
-fn turn<const D: usize>(m: &mut Matrix<D>, p: usize, q: usize, c: f64, s: f64) {
+fn rotate_columns<const D: usize>(m: &mut Matrix<D>, p: usize, q: usize, c: f64, s: f64) {
     for row in 0..D {
         let (x, y) = (m[(row, p)], m[(row, q)]);
         m[(row, p)] = c * x - s * y;
@@ -90,7 +90,7 @@ fn turn<const D: usize>(m: &mut Matrix<D>, p: usize, q: usize, c: f64, s: f64) {
 }
 
 /// A rotation whose columns but the last point along those of `w`, which are orthogonal and may vanish.
-fn frame<const D: usize>(w: &Matrix<D>) -> Matrix<D> {
+fn completed_rotation<const D: usize>(w: &Matrix<D>) -> Matrix<D> {
     let mut u = Matrix::<D>::zeros();
     for k in 0..D - 1 {
         let mut along: Vector<D> = w.column(k).into_owned();
@@ -143,7 +143,7 @@ mod tests {
             assert!(values[k - 1] >= values[k].abs() - 1e-15 * size && values[k - 1] >= 0.0);
         }
         let a = f + f.transpose();
-        let (e, q) = eigen(&a);
+        let (e, q) = symmetric_eigen(&a);
         assert!((q * Matrix::from_diagonal(&e) * q.transpose() - a).norm() < 1e-14 * size);
     }
 

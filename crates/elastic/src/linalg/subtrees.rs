@@ -14,13 +14,13 @@ use faer::{Accum, Mat, Par};
 use rayon::prelude::*;
 
 /// Parts of a large factor: memory feeds few cores.
-const PARTS: usize = 4;
+const PART_COUNT: usize = 4;
 /// Entries below which a factor is one part: 2 MB, which a core's own cache holds.
-const SMALL: usize = 1 << 18;
+const MIN_DIVIDED_ENTRIES: usize = 1 << 18;
 /// Subtrees smaller than a part by this are not divided further: parts then differ by a quarter at most.
-const FINE: usize = 4;
+const SUBTREES_PER_PART: usize = 4;
 /// Most subtrees from which the parts are put together.
-const MOST: usize = 64;
+const MAX_SUBTREES: usize = 64;
 
 /// The supernodes of a factor, each list rising.
 #[derive(Clone, Debug)]
@@ -28,7 +28,7 @@ pub struct Subtrees {
     /// Those of each part.
     pub(super) parts: Vec<Vec<usize>>,
     /// Those above all parts.
-    pub(super) above: Vec<usize>,
+    pub(super) ancestors: Vec<usize>,
     /// The one above each, if there is one.
     pub(super) parents: Vec<Option<usize>>,
 }
@@ -55,43 +55,43 @@ impl Subtrees {
         }
         let mut roots: Vec<usize> = (0..count).filter(|s| parents[*s].is_none()).collect();
         let total: usize = roots.iter().map(|s| work[*s]).sum();
-        if total < SMALL {
-            return Self { parts: vec![(0..count).collect()], above: Vec::new(), parents };
+        if total < MIN_DIVIDED_ENTRIES {
+            return Self { parts: vec![(0..count).collect()], ancestors: Vec::new(), parents };
         }
         let mut children = vec![Vec::new(); count];
         (0..count).for_each(|s| parents[s].iter().for_each(|p| children[*p].push(s)));
-        let mut above = Vec::new();
+        let mut ancestors = Vec::new();
         while let Some(k) = (0..roots.len()).max_by_key(|k| (work[roots[*k]], roots[*k])) {
             let largest = roots[k];
-            if work[largest] * FINE * PARTS <= total || roots.len() >= MOST || children[largest].is_empty() {
+            if work[largest] * SUBTREES_PER_PART * PART_COUNT <= total || roots.len() >= MAX_SUBTREES || children[largest].is_empty() {
                 break;
             }
             roots.swap_remove(k);
             roots.extend(&children[largest]);
-            above.push(largest);
+            ancestors.push(largest);
         }
-        above.sort_unstable();
+        ancestors.sort_unstable();
         roots.sort_unstable_by_key(|s| (std::cmp::Reverse(work[*s]), *s));
-        let (mut part, mut loads) = (vec![usize::MAX; count], [0; PARTS]);
+        let (mut part, mut loads) = (vec![usize::MAX; count], [0; PART_COUNT]);
         for root in roots {
-            let least = (0..PARTS).min_by_key(|k| (loads[*k], *k)).unwrap_or(0);
+            let least = (0..PART_COUNT).min_by_key(|k| (loads[*k], *k)).unwrap_or(0);
             loads[least] += work[root];
             part[root] = least;
         }
-        let mut parts = vec![Vec::new(); PARTS];
-        for s in (0..count).rev().filter(|s| above.binary_search(s).is_err()) {
+        let mut parts = vec![Vec::new(); PART_COUNT];
+        for s in (0..count).rev().filter(|s| ancestors.binary_search(s).is_err()) {
             if let Some(p) = parents[s].filter(|p| part[*p] != usize::MAX) {
                 part[s] = part[p];
             }
             parts[part[s]].push(s);
         }
         parts.iter_mut().for_each(|part| part.reverse());
-        Self { parts, above, parents }
+        Self { parts, ancestors, parents }
     }
 
     /// Those supernodes of them that these rows of a right-hand side reach: their own, and all above. Solving with no others
     /// gives the solution in these rows where the right-hand side vanishes in all others.
-    pub fn reached(
+    pub fn restricted_to_reach(
         &self,
         supernodes: &SymbolicSupernodalCholesky<usize>,
         rows: impl Iterator<Item = usize>,
@@ -108,7 +108,7 @@ impl Subtrees {
         let kept = |nodes: &Vec<usize>| nodes.iter().copied().filter(|s| reached[*s]).collect();
         Self {
             parts: self.parts.iter().map(kept).collect(),
-            above: kept(&self.above),
+            ancestors: kept(&self.ancestors),
             parents: self.parents.clone(),
         }
     }
@@ -116,8 +116,8 @@ impl Subtrees {
     /// `x ← (L Lᵀ)⁻¹ x`, rows in the factor's order.
     pub fn solve(&self, factor: SupernodalLltRef<'_, usize, f64>, x: &mut Mat<f64>) {
         if let [all] = &self.parts[..] {
-            forward(factor, all, x);
-            return backward(factor, all, x);
+            forward_substitution(factor, all, x);
+            return backward_substitution(factor, all, x);
         }
         let size = (x.nrows(), x.ncols());
         let begin = factor.symbolic().supernode_begin();
@@ -125,78 +125,78 @@ impl Subtrees {
         let rows = |nodes: &[usize]| nodes.iter().flat_map(|s| begin[*s]..end[*s]).collect::<Vec<_>>();
         let below = |part: &Vec<usize>| {
             let mut own = Mat::zeros(size.0, size.1);
-            take(&mut own, x, &rows(part));
-            forward(factor, part, &mut own);
+            copy_rows(&mut own, x, &rows(part));
+            forward_substitution(factor, part, &mut own);
             own
         };
         let done: Vec<Mat<f64>> = self.parts.par_iter().map(below).collect();
-        let shared = rows(&self.above);
+        let shared = rows(&self.ancestors);
         for (part, own) in self.parts.iter().zip(&done) {
-            take(x, own, &rows(part));
+            copy_rows(x, own, &rows(part));
             for j in 0..size.1 {
                 shared.iter().for_each(|i| x[(*i, j)] += own[(*i, j)]);
             }
         }
-        forward(factor, &self.above, x);
-        backward(factor, &self.above, x);
+        forward_substitution(factor, &self.ancestors, x);
+        backward_substitution(factor, &self.ancestors, x);
         let below = |part: &Vec<usize>| {
             let mut own = x.clone();
-            backward(factor, part, &mut own);
+            backward_substitution(factor, part, &mut own);
             own
         };
         let done: Vec<Mat<f64>> = self.parts.par_iter().map(below).collect();
-        self.parts.iter().zip(&done).for_each(|(part, own)| take(x, own, &rows(part)));
+        self.parts.iter().zip(&done).for_each(|(part, own)| copy_rows(x, own, &rows(part)));
     }
 }
 
 /// Copies rows.
-fn take(to: &mut Mat<f64>, from: &Mat<f64>, rows: &[usize]) {
+fn copy_rows(to: &mut Mat<f64>, from: &Mat<f64>, rows: &[usize]) {
     for j in 0..to.ncols() {
         rows.iter().for_each(|i| to[(*i, j)] = from[(*i, j)]);
     }
 }
 
 /// `x ← L⁻¹ x` for the columns of some supernodes.
-fn forward(factor: SupernodalLltRef<'_, usize, f64>, nodes: &[usize], x: &mut Mat<f64>) {
-    let mut given = Mat::zeros(longest(factor, nodes), x.ncols());
+fn forward_substitution(factor: SupernodalLltRef<'_, usize, f64>, nodes: &[usize], x: &mut Mat<f64>) {
+    let mut contribution = Mat::zeros(max_pattern_rows(factor, nodes), x.ncols());
     for node in nodes.iter().map(|s| factor.supernode(*s)) {
         let (values, pattern) = (node.val(), node.pattern());
         let (diagonal, rest) = values.split_at_row(values.ncols());
         let mut own = x.as_mut().subrows_mut(node.start(), values.ncols());
         solve_lower_triangular_in_place(diagonal, own.rb_mut(), Par::Seq);
-        let mut given = given.as_mut().subrows_mut(0, pattern.len());
-        matmul(given.rb_mut(), Accum::Replace, rest, own.as_ref(), 1.0, Par::Seq);
-        for j in 0..given.ncols() {
-            pattern.iter().enumerate().for_each(|(k, i)| x[(*i, j)] -= given[(k, j)]);
+        let mut contribution = contribution.as_mut().subrows_mut(0, pattern.len());
+        matmul(contribution.rb_mut(), Accum::Replace, rest, own.as_ref(), 1.0, Par::Seq);
+        for j in 0..contribution.ncols() {
+            pattern.iter().enumerate().for_each(|(k, i)| x[(*i, j)] -= contribution[(k, j)]);
         }
     }
 }
 
 /// `x ← L⁻ᵀ x` for the columns of some supernodes; what is above them is solved.
-fn backward(factor: SupernodalLltRef<'_, usize, f64>, nodes: &[usize], x: &mut Mat<f64>) {
-    let mut taken = Mat::zeros(longest(factor, nodes), x.ncols());
+fn backward_substitution(factor: SupernodalLltRef<'_, usize, f64>, nodes: &[usize], x: &mut Mat<f64>) {
+    let mut solved_rows = Mat::zeros(max_pattern_rows(factor, nodes), x.ncols());
     for node in nodes.iter().rev().map(|s| factor.supernode(*s)) {
         let (values, pattern) = (node.val(), node.pattern());
         let (diagonal, rest) = values.split_at_row(values.ncols());
-        let mut taken = taken.as_mut().subrows_mut(0, pattern.len());
+        let mut solved_rows = solved_rows.as_mut().subrows_mut(0, pattern.len());
         for j in 0..x.ncols() {
-            pattern.iter().enumerate().for_each(|(k, i)| taken[(k, j)] = x[(*i, j)]);
+            pattern.iter().enumerate().for_each(|(k, i)| solved_rows[(k, j)] = x[(*i, j)]);
         }
         let mut own = x.as_mut().subrows_mut(node.start(), values.ncols());
-        matmul(own.rb_mut(), Accum::Add, rest.transpose(), taken.as_ref(), -1.0, Par::Seq);
+        matmul(own.rb_mut(), Accum::Add, rest.transpose(), solved_rows.as_ref(), -1.0, Par::Seq);
         solve_upper_triangular_in_place(diagonal.transpose(), own, Par::Seq);
     }
 }
 
 /// The most rows below the diagonal that one of some supernodes has.
-fn longest(factor: SupernodalLltRef<'_, usize, f64>, nodes: &[usize]) -> usize {
+fn max_pattern_rows(factor: SupernodalLltRef<'_, usize, f64>, nodes: &[usize]) -> usize {
     nodes.iter().map(|s| factor.supernode(*s).pattern().len()).max().unwrap_or(0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::Subtrees;
-    use crate::linalg::{BlockMatrix, Cliques, Factor, Pattern, Symbolic};
+    use crate::linalg::{BlockMatrix, Cliques, CholeskyFactor, SparsityPattern, SymbolicFactor};
     use meniscus_numerics::{Matrix, Vector};
     use std::sync::Arc;
 
@@ -211,7 +211,7 @@ mod tests {
             let inner = |a: &usize| place(v)[*a] < (n - 1) as f64;
             (0..3).filter(inner).for_each(|a| springs.push([v as u32, (v + [1, n, n * n][a]) as u32]));
         }
-        let pattern = Arc::new(Pattern::new(positions.len(), [&springs]));
+        let pattern = Arc::new(SparsityPattern::new(positions.len(), [&springs]));
         let mut matrix = BlockMatrix::<3>::new(pattern.clone());
         for pair in springs.iter() {
             let (i, j) = (pair[0], pair[1]);
@@ -221,12 +221,12 @@ mod tests {
         }
         (0..positions.len()).for_each(|i| matrix.add_diagonal(i, 1.0 + (i % 4) as f64));
         let held: Vec<bool> = (0..positions.len()).map(|i| i % 50 == 3).collect();
-        let Some(symbolic) = Symbolic::new(&positions, &pattern, &held).map(Arc::new) else {
+        let Some(symbolic) = SymbolicFactor::new(&positions, &pattern, &held).map(Arc::new) else {
             unreachable!("there is memory")
         };
         let tree = &symbolic.subtrees;
-        assert!(!tree.above.is_empty() && tree.parts.iter().all(|p| !p.is_empty()));
-        let Some(factor) = Factor::new(symbolic.clone(), &matrix, &held) else {
+        assert!(!tree.ancestors.is_empty() && tree.parts.iter().all(|p| !p.is_empty()));
+        let Some(factor) = CholeskyFactor::new(symbolic.clone(), &matrix, &held) else {
             unreachable!("it is positive definite")
         };
         let wave = |v: usize| Vector::<3>::new((v as f64 * 0.37).sin(), (v as f64 * 0.23).cos(), 0.5);
@@ -245,7 +245,7 @@ mod tests {
             let mut matrix = matrix.clone();
             matrix.blocks.iter_mut().for_each(|block| *block *= scale);
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            let factor = pool.map(|pool| pool.install(|| Factor::new(symbolic.clone(), &matrix, &held)));
+            let factor = pool.map(|pool| pool.install(|| CholeskyFactor::new(symbolic.clone(), &matrix, &held)));
             let mut x = [flat(&product), flat(&product)].concat();
             factor.ok().flatten().map(|factor| {
                 factor.solve::<3>(None, &mut x, 2);
@@ -262,7 +262,7 @@ mod tests {
         let (mut all, mut there) = (pushed.clone(), pushed);
         factor.solve::<3>(None, &mut all, 1);
         let reach = factor.reach::<3>(corner.iter().copied());
-        let count = |tree: &Subtrees| tree.parts.iter().map(Vec::len).sum::<usize>() + tree.above.len();
+        let count = |tree: &Subtrees| tree.parts.iter().map(Vec::len).sum::<usize>() + tree.ancestors.len();
         assert!(reach.as_ref().is_some_and(|reach| 3 * count(reach) < count(tree)));
         factor.solve::<3>(reach.as_ref(), &mut there, 1);
         let at = corner.iter().flat_map(|v| (0..3).map(move |a| 3 * *v as usize + a));

@@ -12,17 +12,17 @@
 //! formulas here have no quotient that vanishes with the change, so that rounding does no harm. They differ from the force at the mean
 //! by terms of second order in the change.
 
-use super::density::{Density, Lame, cofactor, determinant, dilation};
+use super::density::{EnergyDensity, Lame, cofactor, determinant, dilation};
 use crate::linalg::svd;
 use meniscus_numerics::Matrix;
 
 /// A density with a discrete gradient between deformation gradients `[F₀, F₁]`, both of positive volume.
-pub trait Conserving<const D: usize>: Density<D> {
+pub trait DiscreteGradientDensity<const D: usize>: EnergyDensity<D> {
     /// A symmetric `S`, Pa, with `½ S : ΔC` the change of `Ψ`.
     fn stress_between(&self, lame: Lame, ends: [&Matrix<D>; 2]) -> Matrix<D>;
 
     /// A symmetric `G` with `½ G : ΔC` the change of `j`.
-    fn volume_slope_between(&self, ends: [&Matrix<D>; 2]) -> Matrix<D>;
+    fn volume_discrete_gradient(&self, ends: [&Matrix<D>; 2]) -> Matrix<D>;
 
     /// The change of `U` over that of `θ`, Pa.
     fn pressure_between(&self, lame: Lame, thetas: [f64; 2]) -> f64;
@@ -30,7 +30,7 @@ pub trait Conserving<const D: usize>: Density<D> {
 
 /// `G` of the determinant: `det C₁ − det C₀` is the mean of the cofactors of `C₀`, `C₁` and, four times, of their mean, times `ΔC`
 /// (Simpson's rule, exact for cubic functions).
-pub fn determinant_slope<const D: usize>(ends: [&Matrix<D>; 2]) -> Matrix<D> {
+pub fn determinant_discrete_gradient<const D: usize>(ends: [&Matrix<D>; 2]) -> Matrix<D> {
     let [first, last] = ends.map(|f| f.tr_mul(f));
     let mean = (first + last) * 0.5;
     let volumes: f64 = ends.iter().map(|f| determinant(f)).sum();
@@ -39,7 +39,7 @@ pub fn determinant_slope<const D: usize>(ends: [&Matrix<D>; 2]) -> Matrix<D> {
 
 /// `G` of the sum of the principal stretches, the trace of `U`: with `Ū` the mean of both, `Ū ΔU + ΔU Ū = ΔC`, so that the trace
 /// changes by `½ Ū⁻¹ : ΔC`.
-pub fn stretch_slope<const D: usize>(ends: [&Matrix<D>; 2]) -> Matrix<D> {
+pub fn stretch_discrete_gradient<const D: usize>(ends: [&Matrix<D>; 2]) -> Matrix<D> {
     let [first, last] = ends.map(|f| {
         let frame = svd(f);
         frame.v * Matrix::from_diagonal(&frame.values) * frame.v.transpose()
@@ -50,6 +50,6 @@ pub fn stretch_slope<const D: usize>(ends: [&Matrix<D>; 2]) -> Matrix<D> {
 }
 
 /// The volumes `[J₀, J₁]`, with the small changes in full.
-pub fn volumes<const D: usize>(ends: [&Matrix<D>; 2]) -> [f64; 2] {
+pub fn volume_ratios<const D: usize>(ends: [&Matrix<D>; 2]) -> [f64; 2] {
     ends.map(|f| 1.0 + dilation(f))
 }

@@ -1,7 +1,7 @@
 //! Corotated linear solids: Hooke's law in the frame that turns with the material.
 
-use super::conserving::{Conserving, stretch_slope};
-use super::density::{Density, Lame, Principal};
+use super::conserving::{DiscreteGradientDensity, stretch_discrete_gradient};
+use super::density::{EnergyDensity, Lame, PrincipalHessian};
 use crate::linalg::svd;
 use meniscus_numerics::{Matrix, Vector};
 
@@ -10,8 +10,8 @@ use meniscus_numerics::{Matrix, Vector};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Corotated;
 
-impl<const D: usize> Density<D> for Corotated {
-    const PROJECTED: bool = true;
+impl<const D: usize> EnergyDensity<D> for Corotated {
+    const HAS_VOLUMETRIC: bool = true;
 
     fn energy(&self, lame: Lame, f: &Matrix<D>) -> f64 {
         lame.mu * svd(f).values.add_scalar(-1.0).norm_squared()
@@ -21,36 +21,36 @@ impl<const D: usize> Density<D> for Corotated {
         (f - turned(f)) * (2.0 * lame.mu)
     }
 
-    fn principal(&self, lame: Lame, stretches: &Vector<D>, pressure: f64) -> Principal<D> {
+    fn principal_hessian(&self, lame: Lame, stretches: &Vector<D>, pressure: f64) -> PrincipalHessian<D> {
         let mut twist = [0.0; 3];
-        for (k, (i, j)) in crate::linalg::pairs::<D>().enumerate() {
+        for (k, (i, j)) in crate::linalg::axis_pairs::<D>().enumerate() {
             let sum = stretches[i] + stretches[j];
             // The rotation jumps where the sum vanishes; the curvature there is negative and left out.
             twist[k] = if sum > 1e-12 { 2.0 * lame.mu + (2.0 * pressure - 4.0 * lame.mu) / sum } else { 0.0 };
         }
-        Principal { stretch: Matrix::identity() * (2.0 * lame.mu), shear: [2.0 * lame.mu; 3], twist }
+        PrincipalHessian { stretch: Matrix::identity() * (2.0 * lame.mu), shear: [2.0 * lame.mu; 3], twist }
     }
 
-    fn volume(&self, f: &Matrix<D>) -> f64 {
+    fn volume_change(&self, f: &Matrix<D>) -> f64 {
         svd(f).values.sum() - D as f64
     }
 
-    fn volume_slope(&self, f: &Matrix<D>) -> Matrix<D> {
+    fn volume_change_gradient(&self, f: &Matrix<D>) -> Matrix<D> {
         turned(f)
     }
 
-    fn volumetric(&self, lame: Lame, theta: f64) -> [f64; 3] {
+    fn volumetric_energy(&self, lame: Lame, theta: f64) -> [f64; 3] {
         [0.5 * lame.lambda * theta * theta, lame.lambda * theta, lame.lambda]
     }
 }
 
-impl<const D: usize> Conserving<D> for Corotated {
+impl<const D: usize> DiscreteGradientDensity<D> for Corotated {
     fn stress_between(&self, lame: Lame, ends: [&Matrix<D>; 2]) -> Matrix<D> {
-        (Matrix::identity() - stretch_slope(ends)) * (2.0 * lame.mu)
+        (Matrix::identity() - stretch_discrete_gradient(ends)) * (2.0 * lame.mu)
     }
 
-    fn volume_slope_between(&self, ends: [&Matrix<D>; 2]) -> Matrix<D> {
-        stretch_slope(ends)
+    fn volume_discrete_gradient(&self, ends: [&Matrix<D>; 2]) -> Matrix<D> {
+        stretch_discrete_gradient(ends)
     }
 
     fn pressure_between(&self, lame: Lame, [first, last]: [f64; 2]) -> f64 {

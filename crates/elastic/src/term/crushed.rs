@@ -4,20 +4,20 @@
 //! taken where a step ends, not half-way as the law of the material ([`crate::Incremental`]): so no step that is taken turns an element
 //! inside out. It is that of the parts of quadratic simplices, which nothing else keeps upright, and of the points of their law.
 
-use super::density::{Density, Lame, Principal, cofactor, determinant};
-use crate::linalg::pairs;
+use super::density::{EnergyDensity, Lame, PrincipalHessian, cofactor, determinant};
+use crate::linalg::axis_pairs;
 use meniscus_numerics::{Matrix, Vector};
 
 /// Volume over that at rest, `J₀`, below which elements resist besides their law: milder strains are the law's alone.
-pub const CRUSHED: f64 = 0.3;
+pub const CRUSHED_VOLUME_RATIO: f64 = 0.3;
 
 /// The energy; `κ` is the first Lamé parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Crushed;
+pub struct InversionBarrier;
 
 /// `Ψ/κ` and its first and second derivative by `J`.
-fn barrier(j: f64) -> [f64; 3] {
-    let (t, rest) = (j / CRUSHED, 1.0 - j / CRUSHED);
+fn barrier_derivatives(j: f64) -> [f64; 3] {
+    let (t, rest) = (j / CRUSHED_VOLUME_RATIO, 1.0 - j / CRUSHED_VOLUME_RATIO);
     if rest <= 0.0 {
         return [0.0; 3];
     }
@@ -27,35 +27,35 @@ fn barrier(j: f64) -> [f64; 3] {
     let log = t.ln();
     let slope = 2.0 * rest * log - rest * rest / t;
     let bend = rest * (4.0 + rest / t) / t - 2.0 * log;
-    [-rest * rest * log, slope / CRUSHED, bend / (CRUSHED * CRUSHED)]
+    [-rest * rest * log, slope / CRUSHED_VOLUME_RATIO, bend / (CRUSHED_VOLUME_RATIO * CRUSHED_VOLUME_RATIO)]
 }
 
-impl<const D: usize> Density<D> for Crushed {
-    fn is_slack(&self, f: &Matrix<D>) -> bool {
-        determinant(f) >= CRUSHED
+impl<const D: usize> EnergyDensity<D> for InversionBarrier {
+    fn is_inactive(&self, f: &Matrix<D>) -> bool {
+        determinant(f) >= CRUSHED_VOLUME_RATIO
     }
 
     fn energy(&self, lame: Lame, f: &Matrix<D>) -> f64 {
-        lame.lambda * barrier(determinant(f))[0]
+        lame.lambda * barrier_derivatives(determinant(f))[0]
     }
 
     fn stress(&self, lame: Lame, f: &Matrix<D>) -> Matrix<D> {
-        let [_, slope, _] = barrier(determinant(f));
+        let [_, slope, _] = barrier_derivatives(determinant(f));
         if slope == 0.0 { Matrix::zeros() } else { cofactor(f) * (lame.lambda * slope) }
     }
 
-    fn principal(&self, lame: Lame, stretches: &Vector<D>, _: f64) -> Principal<D> {
-        let [_, slope, bend] = barrier(stretches.product()).map(|b| b * lame.lambda);
-        let but =
+    fn principal_hessian(&self, lame: Lame, stretches: &Vector<D>, _: f64) -> PrincipalHessian<D> {
+        let [_, slope, bend] = barrier_derivatives(stretches.product()).map(|b| b * lame.lambda);
+        let product_without =
             |i: usize, j: usize| (0..D).filter(|k| *k != i && *k != j).map(|k| stretches[k]).product::<f64>();
-        let mut stretch = Matrix::from_fn(|i, j| bend * but(i, i) * but(j, j));
+        let mut stretch = Matrix::from_fn(|i, j| bend * product_without(i, i) * product_without(j, j));
         let (mut shear, mut twist) = ([0.0; 3], [0.0; 3]);
-        for (k, (i, j)) in pairs::<D>().enumerate() {
-            let rest = slope * but(i, j);
+        for (k, (i, j)) in axis_pairs::<D>().enumerate() {
+            let rest = slope * product_without(i, j);
             stretch[(i, j)] += rest;
             stretch[(j, i)] += rest;
             (shear[k], twist[k]) = (-rest, rest);
         }
-        Principal { stretch, shear, twist }
+        PrincipalHessian { stretch, shear, twist }
     }
 }

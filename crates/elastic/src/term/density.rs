@@ -1,7 +1,7 @@
 //! Energy densities of isotropic solids as functions of the deformation gradient.
 
-use super::Weights;
-use crate::linalg::{Svd, eigen, pairs, svd};
+use super::TangentWeights;
+use crate::linalg::{Svd, symmetric_eigen, axis_pairs, svd};
 use meniscus_numerics::{Matrix, Vector};
 use std::fmt::Debug;
 
@@ -24,7 +24,7 @@ impl Lame {
 
 /// Second derivatives of a density in the principal frame of the deformation.
 #[derive(Clone, Copy, Debug)]
-pub struct Principal<const D: usize> {
+pub struct PrincipalHessian<const D: usize> {
     /// In the principal stretches, Pa.
     pub stretch: Matrix<D>,
     /// For each pair of axes `i < j`, in the order (0,1), (0,2), (1,2), in the direction `(e_i e_jᵀ + e_j e_iᵀ)/√2`:
@@ -36,9 +36,9 @@ pub struct Principal<const D: usize> {
 
 /// An isotropic energy density `Ψ(F) + U(θ)`. Without strain its second derivatives are those of Hooke's law. The part `U` is that
 /// which resists changes `j(F)` of volume however little others are resisted; elements have it of a projection `θ` of these.
-pub trait Density<const D: usize>: Debug + Send + Sync {
+pub trait EnergyDensity<const D: usize>: Debug + Send + Sync {
     /// Whether there is a part `U`.
-    const PROJECTED: bool = false;
+    const HAS_VOLUMETRIC: bool = false;
 
     /// `Ψ`, Pa.
     fn energy(&self, lame: Lame, f: &Matrix<D>) -> f64;
@@ -47,25 +47,25 @@ pub trait Density<const D: usize>: Debug + Send + Sync {
     fn stress(&self, lame: Lame, f: &Matrix<D>) -> Matrix<D>;
 
     /// Second derivatives of `Ψ + p j` at the stretches `σ`, of which the last is negative in inverted elements; `p` in Pa.
-    fn principal(&self, lame: Lame, stretches: &Vector<D>, pressure: f64) -> Principal<D>;
+    fn principal_hessian(&self, lame: Lame, stretches: &Vector<D>, pressure: f64) -> PrincipalHessian<D>;
 
     /// The change of volume `j`, zero at rest.
-    fn volume(&self, _: &Matrix<D>) -> f64 {
+    fn volume_change(&self, _: &Matrix<D>) -> f64 {
         0.0
     }
 
     /// `∂j/∂F`.
-    fn volume_slope(&self, _: &Matrix<D>) -> Matrix<D> {
+    fn volume_change_gradient(&self, _: &Matrix<D>) -> Matrix<D> {
         Matrix::zeros()
     }
 
     /// `U` and its first and second derivative, Pa.
-    fn volumetric(&self, _: Lame, _: f64) -> [f64; 3] {
+    fn volumetric_energy(&self, _: Lame, _: f64) -> [f64; 3] {
         [0.0; 3]
     }
 
     /// Whether neither energy nor stress, nor their derivatives, are anything at `F`.
-    fn is_slack(&self, _: &Matrix<D>) -> bool {
+    fn is_inactive(&self, _: &Matrix<D>) -> bool {
         false
     }
 }
@@ -84,22 +84,22 @@ impl<const D: usize> Tangent<D> {
     /// The eigenvectors of an isotropic density's Hessian are known but for those of the stretches (Smith et al. 2019,
     /// "Analytic eigensystems for isotropic distortion energies").
     pub fn new(
-        density: &impl Density<D>,
+        density: &impl EnergyDensity<D>,
         lame: Lame,
         f: &Matrix<D>,
         pressure: f64,
-        weights: Weights,
+        weights: TangentWeights,
     ) -> Self {
         let mut tangent = Self { columns: [[Matrix::zeros(); D]; D] };
         if weights.stiffness != 0.0 {
             let frame = svd(f);
-            let principal = density.principal(lame, &frame.values, pressure);
+            let principal = density.principal_hessian(lame, &frame.values, pressure);
             tangent.add_stiffness(&frame, &principal, weights);
         }
         if weights.viscosity != 0.0 {
             tangent.add_viscosity(lame, f, weights.viscosity);
         }
-        tangent.complete();
+        tangent.symmetrise();
         tangent
     }
 
@@ -109,7 +109,7 @@ impl<const D: usize> Tangent<D> {
     }
 
     /// Adds a mode to the columns `j ≤ l`.
-    fn push(&mut self, weight: f64, direction: Matrix<D>) {
+    fn add_mode(&mut self, weight: f64, direction: Matrix<D>) {
         for j in 0..D {
             let column = direction.column(j) * weight;
             for l in j..D {
@@ -118,28 +118,28 @@ impl<const D: usize> Tangent<D> {
         }
     }
 
-    fn complete(&mut self) {
-        for (j, l) in pairs::<D>() {
+    fn symmetrise(&mut self) {
+        for (j, l) in axis_pairs::<D>() {
             self.columns[l][j] = self.columns[j][l].transpose();
         }
     }
 
-    fn add_stiffness(&mut self, frame: &Svd<D>, principal: &Principal<D>, weights: Weights) {
-        let Weights { stiffness: weight, positive, .. } = weights;
-        let counts = |value: f64| value > 0.0 || value != 0.0 && !positive;
-        let (values, vectors) = eigen(&principal.stretch);
+    fn add_stiffness(&mut self, frame: &Svd<D>, principal: &PrincipalHessian<D>, weights: TangentWeights) {
+        let TangentWeights { stiffness: weight, project_psd, .. } = weights;
+        let counts = |value: f64| value > 0.0 || value != 0.0 && !project_psd;
+        let (values, vectors) = symmetric_eigen(&principal.stretch);
         for k in 0..D {
             if counts(values[k]) {
                 let along = Matrix::from_diagonal(&vectors.column(k).into_owned());
-                self.push(weight * values[k], frame.u * along * frame.v.transpose());
+                self.add_mode(weight * values[k], frame.u * along * frame.v.transpose());
             }
         }
-        for (k, (i, j)) in pairs::<D>().enumerate() {
+        for (k, (i, j)) in axis_pairs::<D>().enumerate() {
             let ij = frame.u.column(i) * frame.v.column(j).transpose();
             let ji = frame.u.column(j) * frame.v.column(i).transpose();
             for (value, direction) in [(principal.shear[k], ij + ji), (principal.twist[k], ij - ji)] {
                 if counts(value) {
-                    self.push(0.5 * weight * value, direction);
+                    self.add_mode(0.5 * weight * value, direction);
                 }
             }
         }
@@ -148,13 +148,13 @@ impl<const D: usize> Tangent<D> {
     fn add_viscosity(&mut self, lame: Lame, f: &Matrix<D>, weight: f64) {
         for a in 0..D {
             let column = Vector::<D>::from_fn(|r, _| f64::from(r == a));
-            self.push(2.0 * weight * lame.mu, f.column(a) * column.transpose());
+            self.add_mode(2.0 * weight * lame.mu, f.column(a) * column.transpose());
         }
-        for (i, j) in pairs::<D>() {
+        for (i, j) in axis_pairs::<D>() {
             let mut direction = Matrix::<D>::zeros();
             direction.set_column(i, &f.column(j));
             direction.set_column(j, &f.column(i));
-            self.push(weight * lame.mu, direction);
+            self.add_mode(weight * lame.mu, direction);
         }
     }
 }
@@ -162,11 +162,11 @@ impl<const D: usize> Tangent<D> {
 /// `det F − 1`, so that small strains are not lost in rounding.
 pub(crate) fn dilation<const D: usize>(f: &Matrix<D>) -> f64 {
     let g = f - Matrix::identity();
-    g.trace() + beyond_trace(&g)
+    g.trace() + nonlinear_dilation(&g)
 }
 
 /// `det (1 + G) − 1 − tr G`.
-pub(crate) fn beyond_trace<const D: usize>(g: &Matrix<D>) -> f64 {
+pub(crate) fn nonlinear_dilation<const D: usize>(g: &Matrix<D>) -> f64 {
     let trace = g.trace();
     let second = 0.5 * (trace * trace - (g * g).trace());
     if D == 2 { second } else { second + determinant(g) }

@@ -15,13 +15,13 @@ pub struct StiffnessBlock<const D: usize> {
 }
 
 /// Adds the impulses, N s, of other forces' stiffness in a step of `h` s that changes the velocities by `w`.
-pub(crate) fn add_extra<const D: usize>(
-    extra: &[StiffnessBlock<D>],
+pub(crate) fn add_stiffness_impulses<const D: usize>(
+    extra_stiffness: &[StiffnessBlock<D>],
     h: f64,
     w: &[Vector<D>],
     impulses: &mut [Vector<D>],
 ) {
-    for StiffnessBlock { first, second, block } in extra {
+    for StiffnessBlock { first, second, block } in extra_stiffness {
         let (i, j, block) = (*first as usize, *second as usize, block * (0.25 * h * h));
         impulses[i] -= block * w[j];
         if i != j {

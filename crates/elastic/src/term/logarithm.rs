@@ -9,38 +9,38 @@
 //! projected within an element: both can be below zero where no element is turned inside out. What keeps elements upright is
 //! [`super::Crushed`], which begins at `J₀`.
 
-use super::crushed::CRUSHED;
+use super::crushed::CRUSHED_VOLUME_RATIO;
 
 /// `x` below which `ln (1 + x)/x` is summed: 1e-16 of it are left out.
-const SMALL: f64 = 1e-4;
+const SERIES_THRESHOLD: f64 = 1e-4;
 
 /// `L` and its first and second derivative.
-pub fn logarithm(j: f64) -> [f64; 3] {
-    if j >= CRUSHED {
+pub fn extended_log(j: f64) -> [f64; 3] {
+    if j >= CRUSHED_VOLUME_RATIO {
         return [j.ln(), 1.0 / j, -1.0 / (j * j)];
     }
-    let below = j / CRUSHED - 1.0;
-    [CRUSHED.ln() + below - 0.5 * below * below, (1.0 - below) / CRUSHED, -1.0 / (CRUSHED * CRUSHED)]
+    let below = j / CRUSHED_VOLUME_RATIO - 1.0;
+    [CRUSHED_VOLUME_RATIO.ln() + below - 0.5 * below * below, (1.0 - below) / CRUSHED_VOLUME_RATIO, -1.0 / (CRUSHED_VOLUME_RATIO * CRUSHED_VOLUME_RATIO)]
 }
 
 /// `(L(b) − L(a))/(b − a)`.
-pub fn log_slope([a, b]: [f64; 2]) -> f64 {
+pub fn log_divided_difference([a, b]: [f64; 2]) -> f64 {
     let (low, high) = (a.min(b), a.max(b));
     // Of a parabola it is the slope half-way.
-    let below = |a: f64, b: f64| logarithm((0.5 * (a + b)).min(CRUSHED))[1];
-    if low >= CRUSHED {
-        above(a, b)
-    } else if high <= CRUSHED {
+    let below = |a: f64, b: f64| extended_log((0.5 * (a + b)).min(CRUSHED_VOLUME_RATIO))[1];
+    if low >= CRUSHED_VOLUME_RATIO {
+        plain_log_divided_difference(a, b)
+    } else if high <= CRUSHED_VOLUME_RATIO {
         below(low, high)
     } else {
-        (above(CRUSHED, high) * (high - CRUSHED) + below(low, CRUSHED) * (CRUSHED - low)) / (high - low)
+        (plain_log_divided_difference(CRUSHED_VOLUME_RATIO, high) * (high - CRUSHED_VOLUME_RATIO) + below(low, CRUSHED_VOLUME_RATIO) * (CRUSHED_VOLUME_RATIO - low)) / (high - low)
     }
 }
 
 /// `(ln b − ln a)/(b − a)` of positive numbers.
-fn above(a: f64, b: f64) -> f64 {
+fn plain_log_divided_difference(a: f64, b: f64) -> f64 {
     let x = (b - a) / a;
-    let per = if x.abs() < SMALL { 1.0 - x * (0.5 - x * (1.0 / 3.0 - x * 0.25)) } else { x.ln_1p() / x };
+    let per = if x.abs() < SERIES_THRESHOLD { 1.0 - x * (0.5 - x * (1.0 / 3.0 - x * 0.25)) } else { x.ln_1p() / x };
     per / a
 }
 
@@ -53,8 +53,8 @@ mod tests {
     fn derivatives_are_those_of_the_values() {
         for j in [-2.0, -0.3, 0.0, 0.1, 0.299, 0.31, 0.8, 1.0, 3.0] {
             let e = 1e-5;
-            let [low, _, high] = [j - e, j, j + e].map(logarithm);
-            let [_, slope, bend] = logarithm(j);
+            let [low, _, high] = [j - e, j, j + e].map(extended_log);
+            let [_, slope, bend] = extended_log(j);
             assert!(((high[0] - low[0]) / (2.0 * e) - slope).abs() < 1e-7 * slope.abs().max(1.0));
             assert!(((high[1] - low[1]) / (2.0 * e) - bend).abs() < 1e-6 * bend.abs().max(1.0));
         }
@@ -65,8 +65,8 @@ mod tests {
         for (a, b) in
             [(0.5, 2.0), (1.0, 1.0 + 1e-9), (0.1, 0.2), (-0.4, 1.3), (1.3, -0.4), (0.29, 0.31), (-3.0, -1.0)]
         {
-            let change = logarithm(b)[0] - logarithm(a)[0];
-            assert!((log_slope([a, b]) * (b - a) - change).abs() < 1e-13 * (1.0 + change.abs()), "{a} {b}");
+            let change = extended_log(b)[0] - extended_log(a)[0];
+            assert!((log_divided_difference([a, b]) * (b - a) - change).abs() < 1e-13 * (1.0 + change.abs()), "{a} {b}");
         }
     }
 }

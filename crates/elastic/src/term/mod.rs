@@ -18,11 +18,11 @@ use std::fmt::Debug;
 
 /// How much of a term's tangents a matrix takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weights {
+pub struct TangentWeights {
     /// Of the stiffness `K`, the Hessian of the energy.
     pub stiffness: f64,
     /// Whether that is without its negative part, so that the matrix is positive.
-    pub positive: bool,
+    pub project_psd: bool,
     /// Of the stiffness against rates of strain only, which a rigid motion does not feel whatever the stress: what damping
     /// is proportional to.
     pub viscosity: f64,
@@ -44,12 +44,12 @@ pub trait ForceTerm<const D: usize>: Debug + Send + Sync {
     fn add_viscous_forces(&self, x: &[Vector<D>], v: &[Vector<D>], time: f64, forces: &mut [Vector<D>]);
 
     /// Adds the tangents, N/m (2D: N/m²); the matrix has a block for every pair of a group in [`Self::couplings`].
-    fn add_tangent(&self, x: &[Vector<D>], weights: Weights, matrix: &mut BlockMatrix<D>);
+    fn add_tangent(&self, x: &[Vector<D>], weights: TangentWeights, matrix: &mut BlockMatrix<D>);
 }
 
 /// A term with forces between two configurations, `x₀` and `x₁`, whose work from one to the other is the change of its energy
 /// (`conserving.rs`).
-pub trait ConservingTerm<const D: usize>: ForceTerm<D> {
+pub trait DiscreteGradientTerm<const D: usize>: ForceTerm<D> {
     /// Adds these forces, N (2D: N/m). Their sum vanishes, and their torque about places half-way.
     fn add_forces_between(&self, ends: [&[Vector<D>]; 2], forces: &mut [Vector<D>]);
 }

@@ -9,11 +9,11 @@
 //! Below a volume of 0.3 the logarithm is continued ([`super::logarithm`]): what turns no element inside out there is
 //! [`super::Crushed`]. Limit: stretched beyond `J = e` to all sides it yields more the more it is stretched.
 
-use super::conserving::{Conserving, determinant_slope, volumes};
-use super::crushed::CRUSHED;
-use super::density::{Density, Lame, Principal, beyond_trace, cofactor, determinant, dilation};
-use super::logarithm::{log_slope, logarithm};
-use crate::linalg::pairs;
+use super::conserving::{DiscreteGradientDensity, determinant_discrete_gradient, volume_ratios};
+use super::crushed::CRUSHED_VOLUME_RATIO;
+use super::density::{EnergyDensity, Lame, PrincipalHessian, nonlinear_dilation, cofactor, determinant, dilation};
+use super::logarithm::{log_divided_difference, extended_log};
+use crate::linalg::axis_pairs;
 use meniscus_numerics::{Matrix, Vector};
 
 /// The density.
@@ -21,86 +21,86 @@ use meniscus_numerics::{Matrix, Vector};
 pub struct NeoHookean;
 
 /// `|j|` below which `j − ln (1 + j)` is summed, so that small strains are not lost in rounding: 14 terms make 1e-16 of the first.
-const SMALL: f64 = 0.06;
-const TERMS: i32 = 14;
+const SERIES_THRESHOLD: f64 = 0.06;
+const SERIES_TERMS: i32 = 14;
 
 /// `j − L(1 + j)`.
-fn above_log(j: f64) -> f64 {
-    if 1.0 + j < CRUSHED {
-        return j - logarithm(1.0 + j)[0];
+fn minus_log_one_plus(j: f64) -> f64 {
+    if 1.0 + j < CRUSHED_VOLUME_RATIO {
+        return j - extended_log(1.0 + j)[0];
     }
-    if j.abs() > SMALL {
+    if j.abs() > SERIES_THRESHOLD {
         return j - j.ln_1p();
     }
     // j²/2 − j³/3 + j⁴/4 …
-    j * j * (2..TERMS + 2).rev().fold(0.0, |sum, k| 1.0 / f64::from(k) - j * sum)
+    j * j * (2..SERIES_TERMS + 2).rev().fold(0.0, |sum, k| 1.0 / f64::from(k) - j * sum)
 }
 
 /// `L(1 + θ)`, small changes in full.
-fn projected_log(theta: f64) -> f64 {
-    if 1.0 + theta < CRUSHED { logarithm(1.0 + theta)[0] } else { theta.ln_1p() }
+fn log_one_plus(theta: f64) -> f64 {
+    if 1.0 + theta < CRUSHED_VOLUME_RATIO { extended_log(1.0 + theta)[0] } else { theta.ln_1p() }
 }
 
-impl<const D: usize> Density<D> for NeoHookean {
-    const PROJECTED: bool = true;
+impl<const D: usize> EnergyDensity<D> for NeoHookean {
+    const HAS_VOLUMETRIC: bool = true;
 
     fn energy(&self, lame: Lame, f: &Matrix<D>) -> f64 {
         // In `G = F − 1` and `j = J − 1`: `(|F|² − D)/2 − ln J = |G|²/2 + (j − ln (1 + j)) − (j − tr G)`.
         let g = f - Matrix::identity();
-        let beyond = beyond_trace(&g);
-        lame.mu * (0.5 * g.norm_squared() + above_log(g.trace() + beyond) - beyond)
+        let beyond = nonlinear_dilation(&g);
+        lame.mu * (0.5 * g.norm_squared() + minus_log_one_plus(g.trace() + beyond) - beyond)
     }
 
     fn stress(&self, lame: Lame, f: &Matrix<D>) -> Matrix<D> {
-        f * lame.mu - cofactor(f) * (lame.mu * logarithm(determinant(f))[1])
+        f * lame.mu - cofactor(f) * (lame.mu * extended_log(determinant(f))[1])
     }
 
-    fn principal(&self, lame: Lame, stretches: &Vector<D>, pressure: f64) -> Principal<D> {
+    fn principal_hessian(&self, lame: Lame, stretches: &Vector<D>, pressure: f64) -> PrincipalHessian<D> {
         // Of the product `J` of stretches: that without two of them is the second derivative of `J`, that without one the first.
         let without = |i: usize, j: usize| -> f64 {
             (0..D).filter(|k| *k != i && *k != j).map(|k| stretches[k]).product()
         };
-        let [_, slope, bend] = logarithm(stretches.product());
+        let [_, slope, bend] = extended_log(stretches.product());
         let push = pressure - lame.mu * slope;
         let mut stretch = Matrix::from_fn(|i, j| -lame.mu * bend * without(i, i) * without(j, j));
         (0..D).for_each(|i| stretch[(i, i)] += lame.mu);
         let (mut shear, mut twist) = ([0.0; 3], [0.0; 3]);
-        for (k, (i, j)) in pairs::<D>().enumerate() {
+        for (k, (i, j)) in axis_pairs::<D>().enumerate() {
             let rest = push * without(i, j);
             stretch[(i, j)] += rest;
             stretch[(j, i)] += rest;
             shear[k] = lame.mu - rest;
             twist[k] = lame.mu + rest;
         }
-        Principal { stretch, shear, twist }
+        PrincipalHessian { stretch, shear, twist }
     }
 
-    fn volume(&self, f: &Matrix<D>) -> f64 {
+    fn volume_change(&self, f: &Matrix<D>) -> f64 {
         dilation(f)
     }
 
-    fn volume_slope(&self, f: &Matrix<D>) -> Matrix<D> {
+    fn volume_change_gradient(&self, f: &Matrix<D>) -> Matrix<D> {
         cofactor(f)
     }
 
-    fn volumetric(&self, lame: Lame, theta: f64) -> [f64; 3] {
-        let [_, slope, bend] = logarithm(1.0 + theta);
-        let log = projected_log(theta);
+    fn volumetric_energy(&self, lame: Lame, theta: f64) -> [f64; 3] {
+        let [_, slope, bend] = extended_log(1.0 + theta);
+        let log = log_one_plus(theta);
         [0.5 * lame.lambda * log * log, lame.lambda * log * slope, lame.lambda * (slope * slope + log * bend)]
     }
 }
 
-impl<const D: usize> Conserving<D> for NeoHookean {
+impl<const D: usize> DiscreteGradientDensity<D> for NeoHookean {
     fn stress_between(&self, lame: Lame, ends: [&Matrix<D>; 2]) -> Matrix<D> {
-        (Matrix::identity() - determinant_slope(ends) * log_slope(volumes(ends))) * lame.mu
+        (Matrix::identity() - determinant_discrete_gradient(ends) * log_divided_difference(volume_ratios(ends))) * lame.mu
     }
 
-    fn volume_slope_between(&self, ends: [&Matrix<D>; 2]) -> Matrix<D> {
-        determinant_slope(ends)
+    fn volume_discrete_gradient(&self, ends: [&Matrix<D>; 2]) -> Matrix<D> {
+        determinant_discrete_gradient(ends)
     }
 
     fn pressure_between(&self, lame: Lame, thetas: [f64; 2]) -> f64 {
-        let logs: f64 = thetas.iter().map(|theta| projected_log(*theta)).sum();
-        0.5 * lame.lambda * logs * log_slope(thetas.map(|theta| 1.0 + theta))
+        let logs: f64 = thetas.iter().map(|theta| log_one_plus(*theta)).sum();
+        0.5 * lame.lambda * logs * log_divided_difference(thetas.map(|theta| 1.0 + theta))
     }
 }

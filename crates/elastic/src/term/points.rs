@@ -32,53 +32,53 @@ use super::density::{Lame, cofactor, determinant};
 use crate::ElasticError;
 use crate::linalg::Cliques;
 use meniscus_numerics::mesh::surface::area_vector;
-use meniscus_numerics::mesh::volume::quadratic::slopes;
-use meniscus_numerics::mesh::volume::{Order, Parent};
+use meniscus_numerics::mesh::volume::quadratic::shape_function_gradients;
+use meniscus_numerics::mesh::volume::{ElementOrder, QuadraticSimplex};
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use meniscus_numerics::{Matrix, Vector};
 use nalgebra::DMatrix;
 use std::ops::Range;
 
 /// Steps in which sizes of facets are told apart, over the largest: those of lattices differ by rounding.
-const ALIKE: f64 = 1e-6;
+const FACET_SIZE_TOLERANCE: f64 = 1e-6;
 
 /// Points in the elements of a body.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Points<const D: usize> {
+pub(crate) struct QuadraturePoints<const D: usize> {
     /// The vertices of each element.
     pub elements: Cliques,
     /// Where the points of each element end.
-    ends: Vec<usize>,
+    point_ends: Vec<usize>,
     /// The element of each point, and where its gradients start.
-    owners: Vec<(u32, usize)>,
+    point_elements: Vec<(u32, usize)>,
     /// The gradients `g_v`, 1/m, as the vertices of the point's element.
     gradients: Vec<Vector<D>>,
     /// Volume that a point stands for, m³ (2D: m²).
     pub volumes: Vec<f64>,
     /// The matrices `W` of elements with several points, one after another.
-    means: Vec<f64>,
+    projections: Vec<f64>,
     /// Where the matrix of each element starts.
-    starts: Vec<usize>,
+    projection_starts: Vec<usize>,
     /// Elasticity of each element.
     lame: Vec<Lame>,
 }
 
 /// A point: gradients of some vertices, its volume, and where it is at rest, m.
-struct Point<const D: usize> {
+struct QuadraturePoint<const D: usize> {
     gradients: Vec<(u32, Vector<D>)>,
     volume: f64,
-    place: Vector<D>,
+    rest_position: Vector<D>,
 }
 
-impl<const D: usize> Points<D> {
+impl<const D: usize> QuadraturePoints<D> {
     /// Of a body of one elasticity.
     ///
     /// # Errors
     /// [`ElasticError::NotDivided`] and [`ElasticError::Folded`].
-    pub fn new(mesh: &VolumeMesh<D>, lame: Lame, order: Order) -> Result<Self, ElasticError> {
+    pub fn new(mesh: &VolumeMesh<D>, lame: Lame, order: ElementOrder) -> Result<Self, ElasticError> {
         match order {
-            Order::Linear => Ok(Self::linear(mesh, vec![lame; mesh.simplices.len()])),
-            Order::Quadratic => Self::quadratic(mesh, lame),
+            ElementOrder::Linear => Ok(Self::linear(mesh, vec![lame; mesh.simplices.len()])),
+            ElementOrder::Quadratic => Self::quadratic(mesh, lame),
         }
     }
 
@@ -89,23 +89,23 @@ impl<const D: usize> Points<D> {
             let across = inverse_transposed(&simplex.edges(&mesh.positions));
             let sum: Vector<D> = across.column_iter().map(|c| c.into_owned()).sum();
             let mut gradients = vec![(simplex.root, -sum)];
-            gradients.extend((0..D).map(|k| (simplex.rest[k], across.column(k).into_owned())));
-            let (volume, place) = (simplex.volume(&mesh.positions), simplex.center(&mesh.positions));
-            points.push(&[Point { gradients, volume, place }], lame);
+            gradients.extend((0..D).map(|k| (simplex.others[k], across.column(k).into_owned())));
+            let (volume, rest_position) = (simplex.volume(&mesh.positions), simplex.center(&mesh.positions));
+            points.push(&[QuadraturePoint { gradients, volume, rest_position }], lame);
         }
         points
     }
 
     fn quadratic(mesh: &VolumeMesh<D>, lame: Lame) -> Result<Self, ElasticError> {
-        let parents = mesh.parents().ok_or(ElasticError::NotDivided)?;
+        let parents = mesh.quadratic_simplices().ok_or(ElasticError::NotQuadratic)?;
         let reference: Vec<(Vec<f64>, Vec<Vector<D>>)> =
-            (0..=D).map(|k| (coordinates::<D>(k), slopes(&coordinates::<D>(k)))).collect();
+            (0..=D).map(|k| (quadrature_coordinates::<D>(k), shape_function_gradients(&quadrature_coordinates::<D>(k)))).collect();
         let mut points = Self::default();
-        for element in pairs(mesh, &parents) {
+        for element in pair_simplices(mesh, &parents) {
             let mut own = Vec::new();
             for number in element {
                 for (at, slopes) in &reference {
-                    let point = point(&parents[number], at, slopes, mesh);
+                    let point = quadrature_point(&parents[number], at, slopes, mesh);
                     own.push(point.ok_or(ElasticError::Folded { element: number })?);
                 }
             }
@@ -115,21 +115,21 @@ impl<const D: usize> Points<D> {
     }
 
     /// Adds an element.
-    fn push(&mut self, points: &[Point<D>], lame: Lame) {
+    fn push(&mut self, points: &[QuadraturePoint<D>], lame: Lame) {
         let mut vertices: Vec<u32> = points.iter().flat_map(|p| p.gradients.iter().map(|g| g.0)).collect();
         vertices.sort_unstable();
         vertices.dedup();
         for point in points {
-            self.owners.push((self.ends.len() as u32, self.gradients.len()));
+            self.point_elements.push((self.point_ends.len() as u32, self.gradients.len()));
             let gradient =
                 |v: &u32| point.gradients.iter().find(|g| g.0 == *v).map_or_else(Vector::zeros, |g| g.1);
             self.gradients.extend(vertices.iter().map(gradient));
             self.volumes.push(point.volume);
         }
         self.elements.push(vertices);
-        self.ends.push(self.volumes.len());
-        self.starts.push(self.means.len());
-        self.means.extend(projection(points));
+        self.point_ends.push(self.volumes.len());
+        self.projection_starts.push(self.projections.len());
+        self.projections.extend(projection_matrix(points));
         self.lame.push(lame);
     }
 
@@ -139,15 +139,15 @@ impl<const D: usize> Points<D> {
     }
 
     /// The points of an element.
-    pub fn of(&self, element: usize) -> Range<usize> {
-        let start = if element == 0 { 0 } else { self.ends[element - 1] };
-        start..self.ends[element]
+    pub fn points_of(&self, element: usize) -> Range<usize> {
+        let start = if element == 0 { 0 } else { self.point_ends[element - 1] };
+        start..self.point_ends[element]
     }
 
     /// The matrix `W` of an element, row by row.
-    pub fn means(&self, element: usize) -> &[f64] {
-        let count = self.of(element).len();
-        &self.means[self.starts[element]..self.starts[element] + count * count]
+    pub fn projection(&self, element: usize) -> &[f64] {
+        let count = self.points_of(element).len();
+        &self.projections[self.projection_starts[element]..self.projection_starts[element] + count * count]
     }
 
     /// Elasticity of an element.
@@ -156,15 +156,15 @@ impl<const D: usize> Points<D> {
     }
 
     /// Vertices and gradients of a point.
-    pub fn part(&self, k: usize) -> (&[u32], &[Vector<D>]) {
-        let (element, start) = self.owners[k];
+    pub fn shape_gradients(&self, k: usize) -> (&[u32], &[Vector<D>]) {
+        let (element, start) = self.point_elements[k];
         let vertices = self.elements.get(element as usize);
         (vertices, &self.gradients[start..start + vertices.len()])
     }
 
     /// `F = Σ x_v g_vᵀ`; differences of positions, so that it is the same wherever the body is.
-    pub fn gradient(&self, k: usize, x: &[Vector<D>]) -> Matrix<D> {
-        let (vertices, gradients) = self.part(k);
+    pub fn deformation_gradient(&self, k: usize, x: &[Vector<D>]) -> Matrix<D> {
+        let (vertices, gradients) = self.shape_gradients(k);
         let first = x[vertices[0] as usize];
         let ahead = vertices.iter().zip(gradients).skip(1);
         ahead.fold(Matrix::zeros(), |f, (v, g)| f + (x[*v as usize] - first) * g.transpose())
@@ -172,18 +172,18 @@ impl<const D: usize> Points<D> {
 }
 
 /// Barycentric coordinates of the point towards a corner.
-fn coordinates<const D: usize>(corner: usize) -> Vec<f64> {
+fn quadrature_coordinates<const D: usize>(corner: usize) -> Vec<f64> {
     let far = if D == 2 { 1.0 / 6.0 } else { (5.0 - 5f64.sqrt()) / 20.0 };
     (0..=D).map(|i| if i == corner { 1.0 - D as f64 * far } else { far }).collect()
 }
 
 /// A point of a quadratic simplex at barycentric coordinates; nothing where it has no volume.
-fn point<const D: usize>(
-    parent: &Parent<D>,
+fn quadrature_point<const D: usize>(
+    parent: &QuadraticSimplex<D>,
     at: &[f64],
     slopes: &[Vector<D>],
     mesh: &VolumeMesh<D>,
-) -> Option<Point<D>> {
+) -> Option<QuadraturePoint<D>> {
     let jacobian = parent.jacobian(slopes, &mesh.positions);
     // Of the unit simplex, shared among the points.
     let unit = if D == 2 { 0.5 } else { 1.0 / 6.0 };
@@ -195,12 +195,12 @@ fn point<const D: usize>(
     let gradients = parent.nodes().iter().zip(slopes).map(|(v, s)| (*v, across * s)).collect();
     // Among the corners: of a curved simplex the projection is onto what is linear without the curves.
     let corners = parent.nodes().iter().zip(at);
-    Some(Point { gradients, volume, place: corners.map(|(v, b)| mesh.positions[*v as usize] * *b).sum() })
+    Some(QuadraturePoint { gradients, volume, rest_position: corners.map(|(v, b)| mesh.positions[*v as usize] * *b).sum() })
 }
 
 /// Quadratic simplices in pairs that share a facet, and those that are left: facet after facet from the largest one, each with both
 /// simplices if none of them has a partner.
-fn pairs<const D: usize>(mesh: &VolumeMesh<D>, parents: &[Parent<D>]) -> Vec<Vec<usize>> {
+fn pair_simplices<const D: usize>(mesh: &VolumeMesh<D>, parents: &[QuadraticSimplex<D>]) -> Vec<Vec<usize>> {
     let mut facets: Vec<([u32; D], usize)> = Vec::new();
     for (number, parent) in parents.iter().enumerate() {
         for left_out in 0..=D {
@@ -215,7 +215,7 @@ fn pairs<const D: usize>(mesh: &VolumeMesh<D>, parents: &[Parent<D>]) -> Vec<Vec
     let largest = facets.iter().map(|f| size(&f.0)).fold(0.0, f64::max);
     let shared = facets.chunk_by(|a, b| a.0 == b.0).filter(|both| both.len() == 2);
     let sized = |both: &[([u32; D], usize)]| {
-        ((size(&both[0].0) / largest / ALIKE).round() as u64, both[0].1, both[1].1)
+        ((size(&both[0].0) / largest / FACET_SIZE_TOLERANCE).round() as u64, both[0].1, both[1].1)
     };
     let mut shared: Vec<(u64, usize, usize)> = shared.map(sized).collect();
     shared.sort_unstable_by(|a, b| b.0.cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
@@ -234,17 +234,17 @@ fn pairs<const D: usize>(mesh: &VolumeMesh<D>, parents: &[Parent<D>]) -> Vec<Vec
 }
 
 /// The matrix `W` of an element, row by row; the unit matrix where there are no more points than linear functions.
-fn projection<const D: usize>(points: &[Point<D>]) -> Vec<f64> {
+fn projection_matrix<const D: usize>(points: &[QuadraturePoint<D>]) -> Vec<f64> {
     let count = points.len();
     let unit = || DMatrix::<f64>::identity(count, count);
-    let mean = points.iter().map(|p| p.place).sum::<Vector<D>>() / count as f64;
-    let size = points.iter().map(|p| (p.place - mean).norm()).fold(0.0, f64::max);
+    let mean = points.iter().map(|p| p.rest_position).sum::<Vector<D>>() / count as f64;
+    let size = points.iter().map(|p| (p.rest_position - mean).norm()).fold(0.0, f64::max);
     let basis =
         DMatrix::from_fn(
             count,
             D + 1,
             |q, a| {
-                if a == 0 { 1.0 } else { (points[q].place - mean)[a - 1] / size }
+                if a == 0 { 1.0 } else { (points[q].rest_position - mean)[a - 1] / size }
             },
         );
     let volumes = DMatrix::from_fn(D + 1, count, |a, q| basis[(q, a)] * points[q].volume);

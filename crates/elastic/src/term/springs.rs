@@ -1,6 +1,6 @@
 //! Springs along the edges of a mesh.
 
-use super::{ConservingTerm, ForceTerm, Weights};
+use super::{DiscreteGradientTerm, ForceTerm, TangentWeights};
 use crate::linalg::{BlockMatrix, Cliques};
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector, par};
@@ -10,7 +10,7 @@ use meniscus_numerics::{Matrix, Vector, par};
 pub struct Springs {
     edges: Cliques,
     /// Lengths at rest, m.
-    lengths: Vec<f64>,
+    rest_lengths: Vec<f64>,
     /// N/m (2D: N/m²).
     stiffness: f64,
 }
@@ -29,9 +29,9 @@ impl Springs {
         pairs.dedup();
         let mut edges = Cliques::default();
         let x = &mesh.positions;
-        let lengths = pairs.iter().map(|[a, b]| (x[*b as usize] - x[*a as usize]).norm()).collect();
+        let rest_lengths = pairs.iter().map(|[a, b]| (x[*b as usize] - x[*a as usize]).norm()).collect();
         pairs.into_iter().for_each(|pair| edges.push(pair));
-        Self { edges, lengths, stiffness }
+        Self { edges, rest_lengths, stiffness }
     }
 
     /// Vertices of an edge, the direction from the first to the second, and the length.
@@ -50,21 +50,21 @@ impl<const D: usize> ForceTerm<D> for Springs {
     }
 
     fn energy(&self, x: &[Vector<D>]) -> f64 {
-        let stretched = |k| (self.edge(k, x).3 - self.lengths[k]).powi(2);
-        0.5 * self.stiffness * par::sum(self.lengths.len(), stretched)
+        let stretched = |k| (self.edge(k, x).3 - self.rest_lengths[k]).powi(2);
+        0.5 * self.stiffness * par::sum(self.rest_lengths.len(), stretched)
     }
 
     fn add_forces(&self, x: &[Vector<D>], forces: &mut [Vector<D>]) {
-        for k in 0..self.lengths.len() {
+        for k in 0..self.rest_lengths.len() {
             let (a, b, along, length) = self.edge(k, x);
-            let pull = along * (self.stiffness * (length - self.lengths[k]));
+            let pull = along * (self.stiffness * (length - self.rest_lengths[k]));
             forces[a] += pull;
             forces[b] -= pull;
         }
     }
 
     fn add_viscous_forces(&self, x: &[Vector<D>], v: &[Vector<D>], time: f64, forces: &mut [Vector<D>]) {
-        for k in 0..self.lengths.len() {
+        for k in 0..self.rest_lengths.len() {
             let (a, b, along, _) = self.edge(k, x);
             let pull = along * (self.stiffness * time * along.dot(&(v[b] - v[a])));
             forces[a] += pull;
@@ -72,12 +72,12 @@ impl<const D: usize> ForceTerm<D> for Springs {
         }
     }
 
-    fn add_tangent(&self, x: &[Vector<D>], weights: Weights, matrix: &mut BlockMatrix<D>) {
-        for k in 0..self.lengths.len() {
+    fn add_tangent(&self, x: &[Vector<D>], weights: TangentWeights, matrix: &mut BlockMatrix<D>) {
+        for k in 0..self.rest_lengths.len() {
             let (a, b, along, length) = self.edge(k, x);
             // A spring that is pushed together gives way sideways: the negative part.
-            let across = 1.0 - self.lengths[k] / length;
-            let across = if weights.positive { across.max(0.0) } else { across };
+            let across = 1.0 - self.rest_lengths[k] / length;
+            let across = if weights.project_psd { across.max(0.0) } else { across };
             let outer = along * along.transpose();
             let block = (outer * (weights.stiffness + weights.viscosity)
                 + (Matrix::identity() - outer) * (weights.stiffness * across))
@@ -90,15 +90,15 @@ impl<const D: usize> ForceTerm<D> for Springs {
 }
 
 /// `Δ(|d|²) = 2 d̄ · Δd` and `ΔΨ = k/2 (|d₀| + |d₁| − 2 l) (|d₁| − |d₀|)`.
-impl<const D: usize> ConservingTerm<D> for Springs {
+impl<const D: usize> DiscreteGradientTerm<D> for Springs {
     fn add_forces_between(&self, ends: [&[Vector<D>]; 2], forces: &mut [Vector<D>]) {
-        for k in 0..self.lengths.len() {
+        for k in 0..self.rest_lengths.len() {
             let [(a, b, _, first), (_, _, _, last)] = ends.map(|x| self.edge(k, x));
             let mean = ends.iter().map(|x| x[b] - x[a]).sum::<Vector<D>>() * 0.5;
             let both = first + last;
             // A spring of no length pulls nowhere.
             let pull = if both > 0.0 {
-                mean * (self.stiffness * (both - 2.0 * self.lengths[k]) / both)
+                mean * (self.stiffness * (both - 2.0 * self.rest_lengths[k]) / both)
             } else {
                 mean
             };

@@ -1,8 +1,8 @@
 //! The tension of a solid's own surface.
 
-use super::{ConservingTerm, ForceTerm, Weights};
+use super::{DiscreteGradientTerm, ForceTerm, TangentWeights};
 use crate::linalg::{BlockMatrix, Cliques};
-use meniscus_numerics::mesh::surface::{area_curvature, area_slopes, area_stiffness, area_vector};
+use meniscus_numerics::mesh::surface::{area_hessian, area_gradients, area_hessian_psd, area_vector};
 use meniscus_numerics::mesh::{SurfaceMesh, VolumeMesh};
 use meniscus_numerics::{Matrix, Vector, par};
 
@@ -43,17 +43,17 @@ impl<const D: usize> ForceTerm<D> for SurfaceTension {
     fn add_forces(&self, x: &[Vector<D>], forces: &mut [Vector<D>]) {
         for k in 0..self.facets.len() {
             let (vertices, corners) = self.facet(k, x);
-            let slopes = area_slopes(&corners);
+            let slopes = area_gradients(&corners);
             (0..D).for_each(|i| forces[vertices[i] as usize] -= slopes[i] * self.tension);
         }
     }
 
     fn add_viscous_forces(&self, _: &[Vector<D>], _: &[Vector<D>], _: f64, _: &mut [Vector<D>]) {}
 
-    fn add_tangent(&self, x: &[Vector<D>], weights: Weights, matrix: &mut BlockMatrix<D>) {
+    fn add_tangent(&self, x: &[Vector<D>], weights: TangentWeights, matrix: &mut BlockMatrix<D>) {
         for k in 0..self.facets.len() {
             let (vertices, corners) = self.facet(k, x);
-            let of = if weights.positive { area_stiffness } else { area_curvature };
+            let of = if weights.project_psd { area_hessian_psd } else { area_hessian };
             let stiffness = of(&corners);
             for i in 0..D {
                 for j in i..D {
@@ -68,7 +68,7 @@ impl<const D: usize> ForceTerm<D> for SurfaceTension {
 
 /// With the edges `e_i` from a facet's first corner and their products `C_ij = e_i · e_j` an area is `√(det C)/(D − 1)!`, and
 /// `det C₁ − det C₀ = cof C̄ : ΔC`: the discrete gradient is `γ_s Ē S` with `S = 2 cof C̄/((D − 1)!² (A₀ + A₁))`.
-impl<const D: usize> ConservingTerm<D> for SurfaceTension {
+impl<const D: usize> DiscreteGradientTerm<D> for SurfaceTension {
     fn add_forces_between(&self, ends: [&[Vector<D>]; 2], forces: &mut [Vector<D>]) {
         for k in 0..self.facets.len() {
             let (vertices, _) = self.facet(k, ends[0]);

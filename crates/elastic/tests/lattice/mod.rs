@@ -1,17 +1,17 @@
 //! Boxes cut into cells, and these into simplices around a diagonal.
 #![allow(dead_code)]
 
-use meniscus_elastic::{Anchor, Description, Law, Order};
+use meniscus_elastic::{Anchor, ElasticSpecification, ConstitutiveLaw, ElementOrder};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 
 /// A box from the origin. All diagonals are parallel.
 pub fn block<const D: usize>(cells: [usize; D], size: [f64; D]) -> VolumeMesh<D> {
     let spread = |i: usize| -> [usize; D] {
-        let mut rest = i;
+        let mut others = i;
         std::array::from_fn(|a| {
-            let k = rest % (cells[a] + 1);
-            rest /= cells[a] + 1;
+            let k = others % (cells[a] + 1);
+            others /= cells[a] + 1;
             k
         })
     };
@@ -34,13 +34,13 @@ pub fn block<const D: usize>(cells: [usize; D], size: [f64; D]) -> VolumeMesh<D>
         }
         for order in orders {
             let mut at = low;
-            let rest = std::array::from_fn(|k| {
+            let others = std::array::from_fn(|k| {
                 at[order[k]] += 1;
                 number(at)
             });
-            let mut simplex = Simplex { root: number(low), rest };
+            let mut simplex = Simplex { root: number(low), others };
             if simplex.volume(&mesh.positions) < 0.0 {
-                simplex.rest.swap(0, 1);
+                simplex.others.swap(0, 1);
             }
             mesh.simplices.push(simplex);
         }
@@ -51,28 +51,28 @@ pub fn block<const D: usize>(cells: [usize; D], size: [f64; D]) -> VolumeMesh<D>
 /// A box from the origin of quadratic simplices; even numbers of cells, of vertices next to each other.
 pub fn quadratic<const D: usize>(cells: [usize; D], size: [f64; D]) -> VolumeMesh<D> {
     assert!(cells.iter().all(|n| n % 2 == 0), "odd: {cells:?}");
-    block(cells.map(|n| n / 2), size).divided()
+    block(cells.map(|n| n / 2), size).subdivided()
 }
 
 /// A solid held at `x = 0`.
-pub fn clamped<const D: usize>(mesh: VolumeMesh<D>, density: f64, law: Law) -> Description<D> {
+pub fn clamped<const D: usize>(mesh: VolumeMesh<D>, density: f64, law: ConstitutiveLaw) -> ElasticSpecification<D> {
     let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9)];
-    Description { mesh, density, law, damping_ratio: 0.0, anchors }
+    ElasticSpecification { mesh, density, law, damping_ratio: 0.0, anchors }
 }
 
 /// A solid that nothing holds.
-pub fn free<const D: usize>(mesh: VolumeMesh<D>, density: f64, law: Law) -> Description<D> {
-    Description { mesh, density, law, damping_ratio: 0.0, anchors: Vec::new() }
+pub fn free<const D: usize>(mesh: VolumeMesh<D>, density: f64, law: ConstitutiveLaw) -> ElasticSpecification<D> {
+    ElasticSpecification { mesh, density, law, damping_ratio: 0.0, anchors: Vec::new() }
 }
 
 /// A neo-Hookean solid of quadratic simplices.
-pub fn rubber(young: f64, poisson: f64) -> Law {
-    Law::NeoHookean { young, poisson, order: Order::Quadratic }
+pub fn rubber(young_modulus: f64, poisson_ratio: f64) -> ConstitutiveLaw {
+    ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order: ElementOrder::Quadratic }
 }
 
 /// The same of linear ones.
-pub fn linear(young: f64, poisson: f64) -> Law {
-    Law::NeoHookean { young, poisson, order: Order::Linear }
+pub fn linear(young_modulus: f64, poisson_ratio: f64) -> ConstitutiveLaw {
+    ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order: ElementOrder::Linear }
 }
 
 /// Numbers between -1 and 1 that are always the same.

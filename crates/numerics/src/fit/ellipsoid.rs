@@ -4,7 +4,7 @@ use super::{Sphere, least_squares};
 use crate::Vector;
 
 /// How often the weights are set anew by the length of the gradient, which turns algebraic into true distances.
-const ROUNDS: usize = 3;
+const REWEIGHTING_ITERATIONS: usize = 3;
 
 /// An ellipse with level and upright axes (2D), a spheroid about an upright axis (3D); the last axis is up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,29 +12,29 @@ pub struct Ellipsoid<const D: usize> {
     /// Centre, m.
     pub center: Vector<D>,
     /// Half the level axis, m.
-    pub level: f64,
+    pub horizontal_semi_axis: f64,
     /// Half the upright axis, m.
-    pub upright: f64,
+    pub vertical_semi_axis: f64,
 }
 
 impl<const D: usize> Ellipsoid<D> {
     /// A circle or sphere as what it is among them.
-    pub fn round(sphere: &Sphere<D>) -> Self {
-        Self { center: sphere.center, level: sphere.radius, upright: sphere.radius }
+    pub fn from_sphere(sphere: &Sphere<D>) -> Self {
+        Self { center: sphere.center, horizontal_semi_axis: sphere.radius, vertical_semi_axis: sphere.radius }
     }
 
     /// The one that weighted points are nearest to, if there is one.
     pub fn fit(points: &[(Vector<D>, f64)]) -> Option<Self> {
-        let mut best = Self::algebraic(points, |_| 1.0)?;
-        for _ in 0..ROUNDS {
+        let mut best = Self::algebraic_fit(points, |_| 1.0)?;
+        for _ in 0..REWEIGHTING_ITERATIONS {
             let last = best;
-            best = Self::algebraic(points, |x| last.steepness(x).powi(-2))?;
+            best = Self::algebraic_fit(points, |x| last.gradient_norm(x).powi(-2))?;
         }
         Some(best)
     }
 
     /// Least squares of `|x_level|² = −k x_up² + 2 c·x + e`, points weighted with `by` besides.
-    fn algebraic(points: &[(Vector<D>, f64)], by: impl Fn(&Vector<D>) -> f64) -> Option<Self> {
+    fn algebraic_fit(points: &[(Vector<D>, f64)], by: impl Fn(&Vector<D>) -> f64) -> Option<Self> {
         let origin = points.first()?.0;
         let scale = points.iter().map(|p| (p.0 - origin).norm()).fold(0.0, f64::max);
         if scale <= 0.0 {
@@ -59,33 +59,33 @@ impl<const D: usize> Ellipsoid<D> {
         center[up] /= k;
         let level = square.sqrt();
         let it =
-            Self { center: origin + center * scale, level: level * scale, upright: level * scale / k.sqrt() };
-        (it.level > 0.0 && it.upright > 0.0 && it.level.is_finite() && it.upright.is_finite()).then_some(it)
+            Self { center: origin + center * scale, horizontal_semi_axis: level * scale, vertical_semi_axis: level * scale / k.sqrt() };
+        (it.horizontal_semi_axis > 0.0 && it.vertical_semi_axis > 0.0 && it.horizontal_semi_axis.is_finite() && it.vertical_semi_axis.is_finite()).then_some(it)
     }
 
     /// Half its axis along each coordinate, m.
-    fn axis(&self, a: usize) -> f64 {
-        if a + 1 == D { self.upright } else { self.level }
+    fn semi_axis(&self, a: usize) -> f64 {
+        if a + 1 == D { self.vertical_semi_axis } else { self.horizontal_semi_axis }
     }
 
     /// Length of the gradient of `|x/axes|²`, up to a constant factor.
-    fn steepness(&self, x: &Vector<D>) -> f64 {
-        let scale = self.level * self.level;
-        Vector::<D>::from_fn(|a, _| (x[a] - self.center[a]) * scale / self.axis(a).powi(2))
+    fn gradient_norm(&self, x: &Vector<D>) -> f64 {
+        let scale = self.horizontal_semi_axis * self.horizontal_semi_axis;
+        Vector::<D>::from_fn(|a, _| (x[a] - self.center[a]) * scale / self.semi_axis(a).powi(2))
             .norm()
-            .max(1e-12 * self.level)
+            .max(1e-12 * self.horizontal_semi_axis)
     }
 
     /// Signed distance, negative inside, m; exact for spheres, to first order near the surface otherwise.
     pub fn distance(&self, x: &Vector<D>) -> f64 {
-        let u = Vector::<D>::from_fn(|a, _| (x[a] - self.center[a]) / self.axis(a));
-        let slope = Vector::<D>::from_fn(|a, _| u[a] / self.axis(a)).norm();
-        if slope > 0.0 { u.norm() * (u.norm() - 1.0) / slope } else { -self.level.min(self.upright) }
+        let u = Vector::<D>::from_fn(|a, _| (x[a] - self.center[a]) / self.semi_axis(a));
+        let slope = Vector::<D>::from_fn(|a, _| u[a] / self.semi_axis(a)).norm();
+        if slope > 0.0 { u.norm() * (u.norm() - 1.0) / slope } else { -self.horizontal_semi_axis.min(self.vertical_semi_axis) }
     }
 
     /// Outward unit normal of the one like it that passes through a point.
     pub fn normal(&self, x: &Vector<D>) -> Vector<D> {
-        let n = Vector::<D>::from_fn(|a, _| (x[a] - self.center[a]) / self.axis(a).powi(2));
+        let n = Vector::<D>::from_fn(|a, _| (x[a] - self.center[a]) / self.semi_axis(a).powi(2));
         n.try_normalize(0.0).unwrap_or_else(Vector::zeros)
     }
 }
@@ -94,9 +94,9 @@ impl<const D: usize> Ellipsoid<D> {
 mod tests {
     use super::*;
 
-    fn found<const D: usize>(level: f64, upright: f64) {
+    fn found<const D: usize>(horizontal_semi_axis: f64, vertical_semi_axis: f64) {
         let center = Vector::<D>::from_fn(|a, _| 4.0 - 0.7 * a as f64);
-        let it = Ellipsoid { center, level, upright };
+        let it = Ellipsoid { center, horizontal_semi_axis, vertical_semi_axis };
         let points: Vec<(Vector<D>, f64)> = (0..200)
             .map(|i| {
                 // The upper two thirds only, as of a drop on a plate.
@@ -106,17 +106,17 @@ mod tests {
                 } else {
                     [t.sin() * s.cos(), t.sin() * s.sin()]
                 };
-                let x = Vector::from_fn(|a, _| if a + 1 == D { upright * t.cos() } else { level * side[a] });
+                let x = Vector::from_fn(|a, _| if a + 1 == D { vertical_semi_axis * t.cos() } else { horizontal_semi_axis * side[a] });
                 (center + x, 1.0)
             })
             .collect();
         let fit = Ellipsoid::fit(&points).unwrap();
-        assert!((fit.center - center).norm() < 1e-8 * level, "{fit:?}");
+        assert!((fit.center - center).norm() < 1e-8 * horizontal_semi_axis, "{fit:?}");
         assert!(
-            (fit.level / level - 1.0).abs() < 1e-8 && (fit.upright / upright - 1.0).abs() < 1e-8,
+            (fit.horizontal_semi_axis / horizontal_semi_axis - 1.0).abs() < 1e-8 && (fit.vertical_semi_axis / vertical_semi_axis - 1.0).abs() < 1e-8,
             "{fit:?}"
         );
-        assert!(points.iter().all(|(x, _)| it.distance(x).abs() < 1e-9 * level));
+        assert!(points.iter().all(|(x, _)| it.distance(x).abs() < 1e-9 * horizontal_semi_axis));
     }
 
     #[test]
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn distance_and_normal_of_a_sphere_are_exact() {
-        let it = Ellipsoid::<3>::round(&Sphere { center: Vector::repeat(1.0), radius: 2.0 });
+        let it = Ellipsoid::<3>::from_sphere(&Sphere { center: Vector::repeat(1.0), radius: 2.0 });
         let out = Vector::<3>::new(2.0, -1.0, 2.0) / 3.0;
         let x = Vector::repeat(1.0) + out * 2.7;
         assert!((it.distance(&x) - 0.7).abs() < 1e-12 && (it.normal(&x) - out).norm() < 1e-12);

@@ -5,7 +5,7 @@ mod ellipsoid;
 mod rigid;
 mod sphere;
 
-pub use dense::{cholesky, least_squares, solve};
+pub use dense::{min_relative_pivot, least_squares, solve};
 pub use ellipsoid::Ellipsoid;
-pub use rigid::RigidMotion;
+pub use rigid::RigidTransform;
 pub use sphere::Sphere;

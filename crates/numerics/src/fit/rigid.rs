@@ -5,18 +5,18 @@ use crate::{Matrix, Vector};
 /// A rotation about one point and a way to another: what takes points to others with the least sum of squares
 /// (W. Kabsch, "A solution for the best rotation to relate two sets of vectors", Acta Cryst. A 32 (1976) 922).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RigidMotion {
+pub struct RigidTransform {
     /// The rotation.
     pub rotation: Matrix<3>,
     /// The mean of the points at first, m.
-    pub from: Vector<3>,
+    pub initial_centroid: Vector<3>,
     /// Their mean at last, m.
-    pub to: Vector<3>,
+    pub final_centroid: Vector<3>,
 }
 
-impl RigidMotion {
+impl RigidTransform {
     /// That of points that were at `from` and are at `to` (m), as many of one as of the other. Points in a plane `z` stay in it.
-    pub fn of(from: &[Vector<3>], to: &[Vector<3>]) -> Self {
+    pub fn fit(from: &[Vector<3>], to: &[Vector<3>]) -> Self {
         let count = from.len().min(to.len()).max(1) as f64;
         let mean = |all: &[Vector<3>]| all.iter().sum::<Vector<3>>() / count;
         let (start, end) = (mean(from), mean(to));
@@ -31,12 +31,12 @@ impl RigidMotion {
             }
             _ => Matrix::identity(),
         };
-        Self { rotation, from: start, to: end }
+        Self { rotation, initial_centroid: start, final_centroid: end }
     }
 
     /// Where a point would be if that motion had not been, m.
-    pub fn undone(&self, x: &Vector<3>) -> Vector<3> {
-        self.from + self.rotation.tr_mul(&(x - self.to))
+    pub fn inverse_transformed(&self, x: &Vector<3>) -> Vector<3> {
+        self.initial_centroid + self.rotation.tr_mul(&(x - self.final_centroid))
     }
 }
 
@@ -55,9 +55,9 @@ mod tests {
             let from: Vec<_> = (0..40).map(point).collect();
             let way = Vector::<3>::new(4.0, -1.0, depth);
             let to: Vec<_> = from.iter().map(|x| rotation * x + way).collect();
-            let motion = RigidMotion::of(&from, &to);
+            let motion = RigidTransform::fit(&from, &to);
             assert!((motion.rotation - rotation).norm() < 1e-12, "{}", motion.rotation);
-            let off = from.iter().zip(&to).map(|(a, b)| (motion.undone(b) - a).norm()).fold(0.0, f64::max);
+            let off = from.iter().zip(&to).map(|(a, b)| (motion.inverse_transformed(b) - a).norm()).fold(0.0, f64::max);
             assert!(off < 1e-12, "{off}");
         }
     }

@@ -44,7 +44,7 @@ impl<const D: usize> Band<D> {
         self.layers = vec![0];
         let nx = self.grid.cells[0];
         let lattice = self.grid.lattice();
-        let edge: Vec<Vec<u32>> = inside
+        let inner_layer: Vec<Vec<u32>> = inside
             .runs
             .par_iter()
             .map(|run| {
@@ -53,7 +53,7 @@ impl<const D: usize> Band<D> {
                 cells.filter(|&c| lattice.neighbours(c).any(|n| phi[n] >= 0.0)).map(|c| c as u32).collect()
             })
             .collect();
-        edge.iter().flatten().for_each(|&c| self.push(c as usize));
+        inner_layer.iter().flatten().for_each(|&c| self.push(c as usize));
         for i in 0..self.cells.len() {
             for n in lattice.neighbours(self.cells[i] as usize) {
                 if phi[n] >= 0.0 {

@@ -40,7 +40,7 @@ impl Runs {
     }
 
     /// Makes each pair of components one, and numbers them in order of their first cell again.
-    pub fn unite(&mut self, pairs: &[(u32, u32)]) {
+    pub fn merge_components(&mut self, pairs: &[(u32, u32)]) {
         let mut parent: Vec<u32> = (0..self.components).collect();
         pairs.iter().for_each(|&(a, b)| unite(&mut parent, a, b));
         let mut label = vec![u32::MAX; parent.len()];
@@ -58,7 +58,7 @@ impl Runs {
     }
 
     /// The component of a cell, if it is one of these.
-    pub fn component<const D: usize>(
+    pub fn component_lookup<const D: usize>(
         &self,
         grid: &Grid<D>,
     ) -> impl Fn(usize) -> Option<u32> + Sync + use<'_, D> {
@@ -131,10 +131,10 @@ mod tests {
             .collect();
         let runs = Tiles::all(grid).negative_runs(&data).label(&grid);
         assert_eq!(runs.components, 2);
-        assert_eq!(runs.cells(), data.iter().filter(|v| **v < 0.0).count());
+        assert_eq!(runs.cell_count(), data.iter().filter(|v| **v < 0.0).count());
         assert_eq!(runs.overlaps(&runs).len(), 2);
         let mut one = runs.clone();
-        one.unite(&[(1, 0)]);
+        one.merge_components(&[(1, 0)]);
         assert_eq!((one.components, one.overlaps(&runs).len()), (1, 2));
     }
 }

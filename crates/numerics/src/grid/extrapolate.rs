@@ -15,85 +15,85 @@ use crate::Vector;
 use rayon::prelude::*;
 
 /// Mark of the faces of the first layer.
-const FIRST: u8 = 2;
+const FIRST_LAYER_MARK: u8 = 2;
 /// Share of the slope by which the layers go on.
-const SLOPES: [f64; 2] = [1.0, 0.5];
+const LAYER_SLOPE_FRACTIONS: [f64; 2] = [1.0, 0.5];
 /// Depth, in cells, at which the liquid behind a face of the first layer is looked at, and how deep it must at least be there.
 /// That face is at most √2 cells outside, so that in deep liquid at least 1.6 remain; a sheet of under 2.8 cells always
 /// fails, one of over 4.3 never.
-const DEPTH: (f64, f64) = (3.0, 1.25);
+const PROBE_AND_MIN_DEPTH_CELLS: (f64, f64) = (3.0, 1.25);
 /// Layers behind closed faces: those listed lie up to four cells deep, 4 √3 steps along the axes.
-const BEHIND: usize = 7;
+const CLOSED_FACE_LAYERS: usize = 7;
 
 /// Which faces carry a velocity, and in which layer they got it.
 #[derive(Clone, Debug)]
-pub struct KnownFaces<const D: usize> {
+pub struct VelocityExtension<const D: usize> {
     grid: Grid<D>,
     /// 0: unknown; 1: in the liquid; `l + 2`: extended in layer `l`.
     marks: [Vec<u8>; D],
-    extended: [Vec<u32>; D],
-    segments: [Vec<Segment>; D],
+    extended_faces: [Vec<u32>; D],
+    liquid_segments: [Vec<Segment>; D],
 }
 
 /// What slopes of the velocity count at a face.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Slopes {
+enum SlopeUse {
     None,
     /// Not those by which it flows into the liquid faster the farther out.
     Outward,
     All,
 }
 
-impl<const D: usize> KnownFaces<D> {
+impl<const D: usize> VelocityExtension<D> {
     /// No face is known.
     pub fn new(grid: Grid<D>) -> Self {
         Self {
             grid,
-            marks: std::array::from_fn(|a| vec![0; grid.faces(a).len()]),
-            extended: std::array::from_fn(|_| Vec::new()),
-            segments: std::array::from_fn(|_| Vec::new()),
+            marks: std::array::from_fn(|a| vec![0; grid.face_lattice(a).len()]),
+            extended_faces: std::array::from_fn(|_| Vec::new()),
+            liquid_segments: std::array::from_fn(|_| Vec::new()),
         }
     }
 
     /// Forgets all, and sets the velocity of the forgotten faces to zero.
-    pub fn clear(&mut self, velocity: &mut FaceField<D>) {
+    pub fn clear_with_velocity(&mut self, velocity: &mut FaceField<D>) {
         for a in 0..D {
-            let row = self.grid.faces(a).extent[0];
-            for s in &self.segments[a] {
+            let row = self.grid.face_lattice(a).extent[0];
+            for s in &self.liquid_segments[a] {
                 velocity.axes[a][s.row * row + s.start..s.row * row + s.end].fill(0.0);
             }
-            self.extended[a].iter().for_each(|&f| velocity.axes[a][f as usize] = 0.0);
+            self.extended_faces[a].iter().for_each(|&f| velocity.axes[a][f as usize] = 0.0);
         }
-        self.forget();
+        self.clear_marks();
     }
 
     /// Forgets all.
-    pub fn forget(&mut self) {
+    pub fn clear_marks(&mut self) {
         for a in 0..D {
-            let row = self.grid.faces(a).extent[0];
-            for s in &self.segments[a] {
+            let row = self.grid.face_lattice(a).extent[0];
+            for s in &self.liquid_segments[a] {
                 self.marks[a][s.row * row + s.start..s.row * row + s.end].fill(0);
             }
-            self.extended[a].iter().for_each(|&f| self.marks[a][f as usize] = 0);
-            self.extended[a].clear();
-            self.segments[a].clear();
+            self.extended_faces[a].iter().for_each(|&f| self.marks[a][f as usize] = 0);
+            self.extended_faces[a].clear();
+            self.liquid_segments[a].clear();
         }
     }
 
     /// Marks the faces of the liquid.
-    pub fn set_liquid(&mut self, segments: [Vec<Segment>; D]) {
+    pub fn set_liquid_faces(&mut self, segments: [Vec<Segment>; D]) {
         for a in 0..D {
-            let row = self.grid.faces(a).extent[0];
+            let row = self.grid.face_lattice(a).extent[0];
             for s in &segments[a] {
                 self.marks[a][s.row * row + s.start..s.row * row + s.end].fill(1);
             }
         }
-        self.segments = segments;
+        self.liquid_segments = segments;
     }
 
     /// The faces of the liquid, per axis.
-    pub fn liquid(&self) -> &[Vec<Segment>; D] {
-        &self.segments
+    pub fn liquid_faces(&self) -> &[Vec<Segment>; D] {
+        &self.liquid_segments
     }
 
     /// Extends the velocity over the faces of the band's cells outside the liquid. `solid` tells whether a point is in one,
@@ -109,7 +109,7 @@ impl<const D: usize> KnownFaces<D> {
     ) {
         let cells = self.grid.lattice();
         for layer in 0..band.layers.len() - 1 {
-            let mark = (layer + FIRST as usize).min(255) as u8;
+            let mark = (layer + FIRST_LAYER_MARK as usize).min(255) as u8;
             let mut fresh: [Vec<u32>; D] = std::array::from_fn(|_| Vec::new());
             for &cell in &band.cells[band.layers[layer]..band.layers[layer + 1]] {
                 if phi[cell as usize] < 0.0 {
@@ -120,7 +120,7 @@ impl<const D: usize> KnownFaces<D> {
                     for side in 0..2 {
                         let mut face = at;
                         face[a] += side;
-                        let f = self.grid.faces(a).index(face);
+                        let f = self.grid.face_lattice(a).index(face);
                         if self.marks[a][f] == 0 {
                             self.marks[a][f] = mark;
                             fresh[a].push(f as u32);
@@ -132,35 +132,35 @@ impl<const D: usize> KnownFaces<D> {
                 let values: Vec<f64> = fresh[a]
                     .par_iter()
                     .map(|&f| {
-                        let at = self.grid.faces(a).coordinates(f as usize);
+                        let at = self.grid.face_lattice(a).coordinates(f as usize);
                         let shut =
                             (at[a] == 0 && closed(a, 0)) || (at[a] == self.grid.cells[a] && closed(a, 1));
                         if shut {
                             0.0
                         } else {
-                            self.extend(&velocity.axes[a], a, at, mark, (distance, &solid))
+                            self.extrapolated_value(&velocity.axes[a], a, at, mark, (distance, &solid))
                         }
                     })
                     .collect();
                 fresh[a].iter().zip(values).for_each(|(&f, v)| velocity.axes[a][f as usize] = v);
-                self.extended[a].append(&mut fresh[a]);
+                self.extended_faces[a].append(&mut fresh[a]);
             }
         }
     }
 
     /// Takes the mark of known ones from faces that a solid closes.
-    pub fn forget_shut(&mut self, shut: &[Vec<u32>; D]) {
+    pub fn unmark_closed_faces(&mut self, shut: &[Vec<u32>; D]) {
         (0..D).for_each(|a| shut[a].iter().for_each(|&f| self.marks[a][f as usize] = 0));
     }
 
     /// Extends the velocity over the faces that solids close: layer by layer, each the mean of its known neighbours along
     /// the axes. Gives back those that are then known.
-    pub fn extend_behind(&mut self, velocity: &mut FaceField<D>, shut: &[Vec<u32>; D]) -> [Vec<u32>; D] {
+    pub fn extend_into_closed_faces(&mut self, velocity: &mut FaceField<D>, shut: &[Vec<u32>; D]) -> [Vec<u32>; D] {
         for a in 0..D {
-            let lattice = self.grid.faces(a);
+            let lattice = self.grid.face_lattice(a);
             let mut rest: Vec<u32> =
                 shut[a].iter().copied().filter(|&f| self.marks[a][f as usize] == 0).collect();
-            for _ in 0..BEHIND {
+            for _ in 0..CLOSED_FACE_LAYERS {
                 let mean = |&f: &u32| {
                     let known = lattice.neighbours(f as usize).filter(|n| self.marks[a][*n] != 0);
                     let (sum, count) = known.fold((0.0, 0.0), |(s, c), n| (s + velocity.axes[a][n], c + 1.0));
@@ -171,7 +171,7 @@ impl<const D: usize> KnownFaces<D> {
                 for (f, value) in fresh {
                     velocity.axes[a][f as usize] = value;
                     self.marks[a][f as usize] = u8::MAX;
-                    self.extended[a].push(f);
+                    self.extended_faces[a].push(f);
                     rest.extend(lattice.neighbours(f as usize).map(|n| n as u32));
                 }
                 rest.sort_unstable();
@@ -184,26 +184,26 @@ impl<const D: usize> KnownFaces<D> {
     }
 
     /// What slopes the liquid behind a face tells: sheets and threads of a few cells none, what is beside a solid not all.
-    fn slopes(
+    fn slope_use(
         &self,
         axis: usize,
         at: [usize; D],
         layer: usize,
         normal: &[f64; D],
         (distance, solid): (&Sampler<'_, D>, &dyn Fn(&Vector<D>) -> bool),
-    ) -> Slopes {
+    ) -> SlopeUse {
         let into =
             |cells: f64| self.grid.face_center(axis, at) - Vector::from(*normal) * (cells * self.grid.dx);
-        let behind = into(DEPTH.0 + layer as f64);
-        match distance.linear(&behind) < -DEPTH.1 * self.grid.dx {
-            false => Slopes::None,
-            true if solid(&behind) || solid(&into(0.5)) => Slopes::Outward,
-            true => Slopes::All,
+        let behind = into(PROBE_AND_MIN_DEPTH_CELLS.0 + layer as f64);
+        match distance.linear(&behind) < -PROBE_AND_MIN_DEPTH_CELLS.1 * self.grid.dx {
+            false => SlopeUse::None,
+            true if solid(&behind) || solid(&into(0.5)) => SlopeUse::Outward,
+            true => SlopeUse::All,
         }
     }
 
     /// The value of the face `at` from faces marked before `mark`.
-    fn extend(
+    fn extrapolated_value(
         &self,
         values: &[f64],
         axis: usize,
@@ -211,16 +211,16 @@ impl<const D: usize> KnownFaces<D> {
         mark: u8,
         (distance, solid): (&Sampler<'_, D>, &dyn Fn(&Vector<D>) -> bool),
     ) -> f64 {
-        let lattice = self.grid.faces(axis);
+        let lattice = self.grid.face_lattice(axis);
         let here = lattice.index(at);
         let known = |f: usize| {
             let m = self.marks[axis][f];
             m != 0 && m < mark
         };
         let normal = face_normal(axis, at, distance);
-        let layer = (mark - FIRST) as usize;
-        let slopes = self.slopes(axis, at, layer, &normal, (distance, solid));
-        let share = SLOPES.get(layer).filter(|_| slopes != Slopes::None);
+        let layer = (mark - FIRST_LAYER_MARK) as usize;
+        let slopes = self.slope_use(axis, at, layer, &normal, (distance, solid));
+        let share = LAYER_SLOPE_FRACTIONS.get(layer).filter(|_| slopes != SlopeUse::None);
         let runs_in = |value: f64, more: f64| value * normal[axis] < 0.0 && more * normal[axis] < 0.0;
         let (mut sum, mut total) = (0.0, 0.0);
         let (mut plain, mut count) = (0.0, 0.0);
@@ -242,7 +242,7 @@ impl<const D: usize> KnownFaces<D> {
                     let mut value = values[first];
                     if let Some(share) = share.filter(|_| room > 1 && known(step(2))) {
                         let more = share * (value - values[step(2)]);
-                        if slopes == Slopes::All || !runs_in(value, more) {
+                        if slopes == SlopeUse::All || !runs_in(value, more) {
                             value += more;
                         }
                     }
@@ -286,7 +286,7 @@ fn face_normal<const D: usize>(axis: usize, at: [usize; D], distance: &Sampler<'
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Edge, Tiles};
+    use super::super::{BoundaryExtension, Tiles};
     use super::*;
 
     fn linear_fields_go_on_linearly<const D: usize>() {
@@ -301,20 +301,20 @@ mod tests {
         band.rebuild(&phi, &inside, 3);
         let exact = |x: &Vector<D>| 1.0 + 2.0 * x[0] - 3.0 * x[1] + 0.5 * x[D - 1];
         let mut velocity = FaceField::zeros(grid);
-        let mut known = KnownFaces::new(grid);
-        known.set_liquid(std::array::from_fn(|a| inside.faces(&grid, a)));
+        let mut known = VelocityExtension::new(grid);
+        known.set_liquid_faces(std::array::from_fn(|a| inside.faces(&grid, a)));
         for a in 0..D {
-            let faces = grid.faces(a);
+            let faces = grid.face_lattice(a);
             for f in (0..faces.len()).filter(|&f| known.marks[a][f] == 1) {
                 velocity.axes[a][f] = exact(&grid.face_center(a, faces.coordinates(f)));
             }
         }
-        let distance = Sampler::cells(&grid, &phi, [[Edge::Even; 2]; D]);
+        let distance = Sampler::cells(&grid, &phi, [[BoundaryExtension::Even; 2]; D]);
         known.extrapolate(&mut velocity, &band, &phi, &distance, |_| false, |_, _| true);
         for a in 0..D {
-            let faces = grid.faces(a);
+            let faces = grid.face_lattice(a);
             let worst = (0..faces.len())
-                .filter(|&f| known.marks[a][f] == FIRST)
+                .filter(|&f| known.marks[a][f] == FIRST_LAYER_MARK)
                 .map(|f| (velocity.axes[a][f] - exact(&grid.face_center(a, faces.coordinates(f)))).abs())
                 .fold(0.0, f64::max);
             assert!(worst < 1e-12, "{D}D axis {a}: {worst:e}");
@@ -337,15 +337,15 @@ mod tests {
         let inside = Tiles::all(grid).negative_runs(&phi);
         let mut band = Band::new(grid);
         band.rebuild(&phi, &inside, 4);
-        let mut known = KnownFaces::new(grid);
-        known.set_liquid(std::array::from_fn(|a| inside.faces(&grid, a)));
+        let mut known = VelocityExtension::new(grid);
+        known.set_liquid_faces(std::array::from_fn(|a| inside.faces(&grid, a)));
         let mut velocity = FaceField::zeros(grid);
-        let faces = grid.faces(1);
+        let faces = grid.face_lattice(1);
         let exact = |f: usize| rate * (12.0 - faces.coordinates(f)[1] as f64);
         (0..faces.len()).filter(|&f| known.marks[1][f] == 1).for_each(|f| velocity.axes[1][f] = exact(f));
-        let distance = Sampler::cells(&grid, &phi, [[Edge::Even; 2]; 2]);
+        let distance = Sampler::cells(&grid, &phi, [[BoundaryExtension::Even; 2]; 2]);
         known.extrapolate(&mut velocity, &band, &phi, &distance, |x| solid(x[1]), |_, _| true);
-        let top = (12..24).map(|y| faces.index([6, y])).filter(|&f| known.marks[1][f] >= FIRST);
+        let top = (12..24).map(|y| faces.index([6, y])).filter(|&f| known.marks[1][f] >= FIRST_LAYER_MARK);
         top.map(|f| (velocity.axes[1][f], exact(f))).collect()
     }
 

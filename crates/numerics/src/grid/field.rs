@@ -30,6 +30,6 @@ impl<const D: usize> CellField<D> {
 impl<const D: usize> FaceField<D> {
     /// A field of zeros. Its memory is not touched before it is written.
     pub fn zeros(grid: Grid<D>) -> Self {
-        Self { grid, axes: std::array::from_fn(|a| vec![0.0; grid.faces(a).len()]) }
+        Self { grid, axes: std::array::from_fn(|a| vec![0.0; grid.face_lattice(a).len()]) }
     }
 }

@@ -8,7 +8,7 @@ use crate::Vector;
 
 /// How data goes on beyond the last point of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Edge {
+pub enum BoundaryExtension {
     /// Mirrored: tangential velocity, distance and everything else at a frictionless wall.
     Even,
     /// Mirrored with the opposite sign: normal velocity at a wall.
@@ -23,10 +23,10 @@ pub struct Sampler<'a, const D: usize> {
     data: &'a [f64],
     lattice: Lattice<D>,
     /// Position of point 0 in cells from the grid's lower side: 0.5 for centres, 0 along the normal of faces.
-    shift: [f64; D],
+    stagger_cells: [f64; D],
     /// Cells of the grid before the origin.
-    before: [f64; D],
-    edges: [[Edge; 2]; D],
+    margin_cells: [f64; D],
+    boundary_extensions: [[BoundaryExtension; 2]; D],
     inverse_dx: f64,
 }
 
@@ -35,26 +35,26 @@ type Stencil = [[f64; 4]; 16];
 
 impl<'a, const D: usize> Sampler<'a, D> {
     /// Samples values at cell centres; `edges` as for a scalar.
-    pub fn cells(grid: &Grid<D>, data: &'a [f64], edges: [[Edge; 2]; D]) -> Self {
+    pub fn cells(grid: &Grid<D>, data: &'a [f64], edges: [[BoundaryExtension; 2]; D]) -> Self {
         Self::new(grid, data, grid.lattice(), [0.5; D], edges)
     }
 
     /// Samples values on the faces normal to `axis`; `edges` as for that component of a velocity.
-    pub fn faces(grid: &Grid<D>, axis: usize, data: &'a [f64], edges: [[Edge; 2]; D]) -> Self {
+    pub fn faces(grid: &Grid<D>, axis: usize, data: &'a [f64], edges: [[BoundaryExtension; 2]; D]) -> Self {
         let mut shift = [0.5; D];
         shift[axis] = 0.0;
-        Self::new(grid, data, grid.faces(axis), shift, edges)
+        Self::new(grid, data, grid.face_lattice(axis), shift, edges)
     }
 
     fn new(
         grid: &Grid<D>,
         data: &'a [f64],
         lattice: Lattice<D>,
-        shift: [f64; D],
-        edges: [[Edge; 2]; D],
+        stagger_cells: [f64; D],
+        boundary_extensions: [[BoundaryExtension; 2]; D],
     ) -> Self {
-        let before = grid.margin.map(|m| m[0] as f64);
-        Self { data, lattice, shift, before, edges, inverse_dx: 1.0 / grid.dx }
+        let margin_cells = grid.margin_cells.map(|m| m[0] as f64);
+        Self { data, lattice, stagger_cells, margin_cells, boundary_extensions, inverse_dx: 1.0 / grid.dx }
     }
 
     /// Multilinear interpolation at `x` (m).
@@ -100,56 +100,56 @@ impl<'a, const D: usize> Sampler<'a, D> {
                 high[i] = high[i].max(row[i]);
             }
         }
-        let weights: [[f64; 4]; D] = std::array::from_fn(|a| lagrange(t[a]));
+        let weights: [[f64; 4]; D] = std::array::from_fn(|a| cubic_weights(t[a]));
         let low = low[0].min(low[1]).min(low[2].min(low[3]));
         let high = high[0].max(high[1]).max(high[2].max(high[3]));
         contract::<D>(rows, &weights).clamp(low, high)
     }
 
     /// Cubic interpolation (not limited) at `x` (m): the value and its gradient (per m).
-    pub fn cubic_gradient(&self, x: &Vector<D>) -> (f64, Vector<D>) {
+    pub fn cubic_with_gradient(&self, x: &Vector<D>) -> (f64, Vector<D>) {
         let (base, t) = self.locate(x);
         self.cubic_in(&self.stencil(base), &t)
     }
 
     /// Value and gradient (per m) at `x` (m) of a signed distance: quintic where it is smooth, cubic as seen from one
     /// side at its kinks. Across a kink a cubic swings over, which makes filaments thicker.
-    pub fn distance(&self, x: &Vector<D>) -> (f64, Vector<D>) {
+    pub fn distance_with_gradient(&self, x: &Vector<D>) -> (f64, Vector<D>) {
         let (base, t) = self.locate(x);
         let stencil = self.stencil(base);
-        if roughness::<D>(&stencil) * self.inverse_dx < SMOOTH {
+        if max_third_difference::<D>(&stencil) * self.inverse_dx < MAX_SMOOTH_THIRD_DIFFERENCE_CELLS {
             self.quintic_in(base, &t)
         } else {
-            self.kinked_in(stencil, &t)
+            self.eno_cubic_in(stencil, &t)
         }
     }
 
     /// The quintic and its gradient.
     fn quintic_in(&self, base: [isize; D], t: &[f64; D]) -> (f64, Vector<D>) {
         let rows = self.rows::<6, 36>(base);
-        let both: [([f64; 6], [f64; 6]); D] = std::array::from_fn(|a| quintic(t[a]));
+        let both: [([f64; 6], [f64; 6]); D] = std::array::from_fn(|a| quintic_weights(t[a]));
         let (value, slopes) =
-            fold::<6, D>(&rows[..6usize.pow(D as u32 - 1)], &both.map(|b| b.0), &both.map(|b| b.1));
+            contract_with_gradient::<6, D>(&rows[..6usize.pow(D as u32 - 1)], &both.map(|b| b.0), &both.map(|b| b.1));
         (value, slopes * self.inverse_dx)
     }
 
     /// The cubic and its gradient.
     fn cubic_in(&self, stencil: &Stencil, t: &[f64; D]) -> (f64, Vector<D>) {
         let rows = &stencil[..1 << (2 * (D - 1))];
-        let weights: [[f64; 4]; D] = std::array::from_fn(|a| lagrange(t[a]));
-        let (value, slopes) = fold::<4, D>(rows, &weights, &std::array::from_fn(|a| lagrange_slope(t[a])));
+        let weights: [[f64; 4]; D] = std::array::from_fn(|a| cubic_weights(t[a]));
+        let (value, slopes) = contract_with_gradient::<4, D>(rows, &weights, &std::array::from_fn(|a| cubic_weight_derivatives(t[a])));
         (value, slopes * self.inverse_dx)
     }
 
     /// The piecewise cubic of a function with kinks and its gradient.
-    fn kinked_in(&self, mut values: Stencil, t: &[f64; D]) -> (f64, Vector<D>) {
-        let dent = dent::<D>(&values);
+    fn eno_cubic_in(&self, mut values: Stencil, t: &[f64; D]) -> (f64, Vector<D>) {
+        let kink_indicator = kink_indicator::<D>(&values);
         let mut slopes = [[[0.0; 4]; 16]; D];
         // Rows along an axis become single values, which make the rows of the next axis.
         for a in 0..D {
             for row in 0..1 << (2 * (D - 1 - a)) {
                 let old = values[row];
-                let (weights, rises) = kinked(&old.map(|v| v * self.inverse_dx), t[a], dent);
+                let (weights, rises) = eno_cubic_weights(&old.map(|v| v * self.inverse_dx), t[a], kink_indicator);
                 values[row / 4][row % 4] = dot(&weights, &old);
                 for slope in &mut slopes[..a] {
                     slope[row / 4][row % 4] = dot(&weights, &slope[row]);
@@ -161,7 +161,7 @@ impl<'a, const D: usize> Sampler<'a, D> {
     }
 
     /// Gradient (per m) at a lattice point by central differences.
-    pub fn slope(&self, at: [usize; D]) -> Vector<D> {
+    pub fn gradient(&self, at: [usize; D]) -> Vector<D> {
         Vector::from_fn(|a, _| {
             let (mut up, mut down) = (at.map(|i| i as isize), at.map(|i| i as isize));
             up[a] += 1;
@@ -176,7 +176,7 @@ impl<'a, const D: usize> Sampler<'a, D> {
         let mut t = [0.0; D];
         for a in 0..D {
             // Two cells beyond the edge at most: farther out nothing more is known.
-            let s = x[a] * self.inverse_dx + (self.before[a] - self.shift[a]);
+            let s = x[a] * self.inverse_dx + (self.margin_cells[a] - self.stagger_cells[a]);
             let s = s.clamp(-2.0, self.lattice.extent[a] as f64 + 1.0);
             let floor = s.floor();
             base[a] = floor as isize;
@@ -220,21 +220,21 @@ impl<'a, const D: usize> Sampler<'a, D> {
         for a in 0..D {
             let n = self.lattice.extent[a] as isize;
             // Mirrors lie on the domain's sides: half a cell beyond the outermost centre, or on the outermost face.
-            let beyond = if self.shift[a] == 0.5 { 1 } else { 0 };
+            let beyond = if self.stagger_cells[a] == 0.5 { 1 } else { 0 };
             let (edge, mirrored) = if at[a] < 0 {
-                (self.edges[a][0], -at[a] - beyond)
+                (self.boundary_extensions[a][0], -at[a] - beyond)
             } else if at[a] >= n {
-                (self.edges[a][1], 2 * (n - 1) + beyond - at[a])
+                (self.boundary_extensions[a][1], 2 * (n - 1) + beyond - at[a])
             } else {
                 continue;
             };
             match edge {
-                Edge::Even => at[a] = mirrored.clamp(0, n - 1),
-                Edge::Odd => {
+                BoundaryExtension::Even => at[a] = mirrored.clamp(0, n - 1),
+                BoundaryExtension::Odd => {
                     at[a] = mirrored.clamp(0, n - 1);
                     sign = -sign;
                 }
-                Edge::Clamp => at[a] = at[a].clamp(0, n - 1),
+                BoundaryExtension::Clamp => at[a] = at[a].clamp(0, n - 1),
             }
         }
         sign * self.data[self.lattice.index(std::array::from_fn(|a| at[a] as usize))]
@@ -242,13 +242,13 @@ impl<'a, const D: usize> Sampler<'a, D> {
 }
 
 /// Weights of the cubic through the points −1, 0, 1, 2 at `t`.
-fn lagrange(t: f64) -> [f64; 4] {
+fn cubic_weights(t: f64) -> [f64; 4] {
     let (a, b, c) = (t + 1.0, t - 1.0, t - 2.0);
     [-t * b * c / 6.0, a * b * c / 2.0, -a * t * c / 2.0, a * t * b / 6.0]
 }
 
 /// Derivatives of [`lagrange`].
-fn lagrange_slope(t: f64) -> [f64; 4] {
+fn cubic_weight_derivatives(t: f64) -> [f64; 4] {
     let s = t * t;
     [
         (-3.0 * s + 6.0 * t - 2.0) / 6.0,
@@ -259,35 +259,35 @@ fn lagrange_slope(t: f64) -> [f64; 4] {
 }
 
 /// Third difference, in cells, up to which a distance has no kink: a ball of seven cells makes no larger one.
-const SMOOTH: f64 = 0.02;
+const MAX_SMOOTH_THIRD_DIFFERENCE_CELLS: f64 = 0.02;
 /// How much more tells a kink for sure.
-const KINK: f64 = 0.1;
+const KINK_TRANSITION_CELLS: f64 = 0.1;
 /// Part of the slope that differences no longer see where they tell a kink.
-const DENT: f64 = 0.05;
+const KINK_SLOPE_LOSS: f64 = 0.05;
 
 /// Weights of four values (in cells) at `t`, and their derivatives: the chord, and what each second difference adds.
 ///
 /// Where the two agree the sum is the cubic; else the smaller one counts, as the larger one has seen the kink (Min and
 /// Gibou 2007). `dent` is how sure it is that the kink lies between the middle points: then both sides go on straight
 /// until they meet (Harten's subcell resolution), the deeper dent counts out.
-fn kinked(v: &[f64; 4], t: f64, dent: f64) -> ([f64; 4], [f64; 4]) {
+fn eno_cubic_weights(v: &[f64; 4], t: f64, kink_indicator: f64) -> ([f64; 4], [f64; 4]) {
     let (a, b) = (v[0] - 2.0 * v[1] + v[2], v[1] - 2.0 * v[2] + v[3]);
-    let differ = (((a - b).abs() - SMOOTH).max(0.0) / KINK).powi(4);
+    let differ = (((a - b).abs() - MAX_SMOOTH_THIRD_DIFFERENCE_CELLS).max(0.0) / KINK_TRANSITION_CELLS).powi(4);
     let smooth = 1.0 / (1.0 + differ) / 3.0;
     let (q, dq) = (0.5 * t * (t - 1.0), t - 0.5);
     let (mut left, mut right) = (smooth * (2.0 - t), smooth * (1.0 + t));
     let (mut l, mut r) = ([q * left, dq * left - q * smooth], [q * right, dq * right + q * smooth]);
     if a * b > 0.0 {
         let rest = 1.0 - 3.0 * smooth;
-        let dent = dent * rest;
+        let kink_indicator = kink_indicator * rest;
         (left, right) = if a.abs() < b.abs() { (rest, 0.0) } else { (0.0, rest) };
         let near = t * a.abs() < (1.0 - t) * b.abs();
         let (low, high) = if near { ([-t, -1.0], [0.0; 2]) } else { ([0.0; 2], [t - 1.0, 1.0]) };
         for (i, q) in [q, dq].into_iter().enumerate() {
             l[i] += q * left;
             r[i] += q * right;
-            l[i] += dent * (low[i] - l[i]);
-            r[i] += dent * (high[i] - r[i]);
+            l[i] += kink_indicator * (low[i] - l[i]);
+            r[i] += kink_indicator * (high[i] - r[i]);
         }
     }
     let sum = |chord: [f64; 2], l: f64, r: f64| [l, chord[0] - 2.0 * l + r, chord[1] + l - 2.0 * r, r];
@@ -296,7 +296,7 @@ fn kinked(v: &[f64; 4], t: f64, dent: f64) -> ([f64; 4], [f64; 4]) {
 
 /// How sure it is, 0 to 1, that a kink passes the middle cube of a stencil: there differences see less of the slope than
 /// in the cubes on both sides.
-fn dent<const D: usize>(rows: &Stencil) -> f64 {
+fn kink_indicator<const D: usize>(rows: &Stencil) -> f64 {
     // Square of the slope in a cube: the middle one, moved along an axis (by 1: not at all).
     let square = |axis: usize, shift: usize| {
         let mut rise = [0.0; D];
@@ -310,7 +310,7 @@ fn dent<const D: usize>(rows: &Stencil) -> f64 {
     };
     let around = (0..D).map(|a| square(a, 0).min(square(a, 2))).fold(0.0, f64::max);
     let part = (square(0, 1) / around.max(1e-300)).sqrt();
-    ((1.0 - part) / DENT).clamp(0.0, 1.0)
+    ((1.0 - part) / KINK_SLOPE_LOSS).clamp(0.0, 1.0)
 }
 
 fn dot(a: &[f64; 4], b: &[f64; 4]) -> f64 {
@@ -318,7 +318,7 @@ fn dot(a: &[f64; 4], b: &[f64; 4]) -> f64 {
 }
 
 /// Sum of a stencil with products of weights, and with the weights of one axis replaced by its slopes, for every axis.
-fn fold<const N: usize, const D: usize>(
+fn contract_with_gradient<const N: usize, const D: usize>(
     rows: &[[f64; N]],
     weights: &[[f64; N]; D],
     slopes: &[[f64; N]; D],
@@ -349,7 +349,7 @@ fn fold<const N: usize, const D: usize>(
 }
 
 /// Weights of the quintic through the points −2 ... 3 at `t`, and their derivatives.
-fn quintic(t: f64) -> ([f64; 6], [f64; 6]) {
+fn quintic_weights(t: f64) -> ([f64; 6], [f64; 6]) {
     const SCALE: [f64; 6] = [-1.0 / 120.0, 1.0 / 24.0, -1.0 / 12.0, 1.0 / 12.0, -1.0 / 24.0, 1.0 / 120.0];
     // Products of the distances to the points before and after each one, with derivatives.
     let away = |i: usize| t + 2.0 - i as f64;
@@ -366,7 +366,7 @@ fn quintic(t: f64) -> ([f64; 6], [f64; 6]) {
 }
 
 /// The largest third difference of a stencil.
-fn roughness<const D: usize>(rows: &Stencil) -> f64 {
+fn max_third_difference<const D: usize>(rows: &Stencil) -> f64 {
     let mut worst = [0.0f64; 4];
     let rows = &rows[..1 << (2 * (D - 1))];
     for row in rows {
@@ -410,9 +410,9 @@ mod tests {
         let f = |x: &Vector<D>| 1.0 + x[0] - 2.0 * x[1] * x[1] + x[0] * x[1] * x[D - 1] + x[D - 1].powi(3);
         let lattice = grid.lattice();
         let data: Vec<f64> = (0..lattice.len()).map(|i| f(&grid.center(lattice.coordinates(i)))).collect();
-        let sampler = Sampler::cells(&grid, &data, [[Edge::Even; 2]; D]);
+        let sampler = Sampler::cells(&grid, &data, [[BoundaryExtension::Even; 2]; D]);
         let x = Vector::from_fn(|a, _| 0.9 + 0.13 * a as f64);
-        let (value, gradient) = sampler.cubic_gradient(&x);
+        let (value, gradient) = sampler.cubic_with_gradient(&x);
         assert!((value - f(&x)).abs() < 1e-12 && (sampler.cubic(&x) - value).abs() < 1e-12);
         for a in 0..D {
             let mut up = x;
@@ -435,9 +435,9 @@ mod tests {
         let f = |x: &Vector<3>| x[0] - 0.5 * x[1] + 1e-5 * (x[2].powi(5) - x[0].powi(4) * x[1]);
         let lattice = grid.lattice();
         let data: Vec<f64> = (0..lattice.len()).map(|i| f(&grid.center(lattice.coordinates(i)))).collect();
-        let sampler = Sampler::cells(&grid, &data, [[Edge::Even; 2]; 3]);
+        let sampler = Sampler::cells(&grid, &data, [[BoundaryExtension::Even; 2]; 3]);
         let x = Vector::from([3.7, 4.1, 3.95]);
-        let (value, gradient) = sampler.distance(&x);
+        let (value, gradient) = sampler.distance_with_gradient(&x);
         assert!((value - f(&x)).abs() < 1e-12);
         let exact = [1.0 - 4e-5 * 3.7f64.powi(3) * 4.1, -0.5 - 1e-5 * 3.7f64.powi(4), 5e-5 * 3.95f64.powi(4)];
         (0..3).for_each(|a| assert!((gradient[a] - exact[a]).abs() < 1e-12));
@@ -447,12 +447,12 @@ mod tests {
     fn edges_mirror() {
         let grid = Grid::<2>::new([4, 4], 1.0);
         let data: Vec<f64> = (0..16).map(|i| (i % 4) as f64).collect();
-        let sampler = Sampler::cells(&grid, &data, [[Edge::Even; 2]; 2]);
+        let sampler = Sampler::cells(&grid, &data, [[BoundaryExtension::Even; 2]; 2]);
         assert_eq!(sampler.value([-1, 2]), 0.0);
         assert_eq!(sampler.value([-2, 2]), 1.0);
         assert_eq!(sampler.value([5, 2]), 2.0);
         let data: Vec<f64> = (0..20).map(|i| (i % 5) as f64).collect();
-        let faces = Sampler::faces(&grid, 0, &data, [[Edge::Odd; 2], [Edge::Even; 2]]);
+        let faces = Sampler::faces(&grid, 0, &data, [[BoundaryExtension::Odd; 2], [BoundaryExtension::Even; 2]]);
         assert_eq!(faces.value([-1, 0]), -1.0);
         assert_eq!(faces.value([5, 0]), -3.0);
     }

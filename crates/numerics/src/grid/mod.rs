@@ -11,13 +11,13 @@ mod segment;
 mod tiles;
 
 pub use band::Band;
-pub use cut::{CutBy, CutCells, WetCell, in_parallel, points};
-pub use extrapolate::KnownFaces;
+pub use cut::{EmbeddedBoundary, CutCells, CutCell, par_lattice_points, lattice_points};
+pub use extrapolate::VelocityExtension;
 pub use field::{CellField, FaceField};
-pub use interpolate::{Edge, Sampler};
+pub use interpolate::{BoundaryExtension, Sampler};
 pub use runs::{Run, Runs};
 pub use segment::Segment;
-pub use tiles::{TILE, Tiles};
+pub use tiles::{TILE_CELLS, Tiles};
 
 use crate::Vector;
 
@@ -32,7 +32,7 @@ pub struct Grid<const D: usize> {
     /// Cell size, m.
     pub dx: f64,
     /// Cells beyond the lower and the upper side of the domain along each axis; as a rule none.
-    pub margin: [[usize; 2]; D],
+    pub margin_cells: [[usize; 2]; D],
 }
 
 /// The shape of a dense array over a lattice: extents and strides, the first axis running fastest.
@@ -104,23 +104,23 @@ impl<const D: usize> Grid<D> {
     /// A grid of `cells` cells of size `dx` (m), none of them beyond the domain.
     pub fn new(cells: [usize; D], dx: f64) -> Self {
         const { assert!(D == 2 || D == 3, "Meniscus works in two or three dimensions") };
-        Self { cells, dx, margin: [[0; 2]; D] }
+        Self { cells, dx, margin_cells: [[0; 2]; D] }
     }
 
     /// The same domain with `margin` cells beyond its sides.
-    pub fn with_margin(&self, margin: [[usize; 2]; D]) -> Self {
+    pub fn with_margin(&self, margin_cells: [[usize; 2]; D]) -> Self {
         let inner = self.domain_cells();
-        Self { cells: std::array::from_fn(|a| inner[a] + margin[a][0] + margin[a][1]), margin, ..*self }
+        Self { cells: std::array::from_fn(|a| inner[a] + margin_cells[a][0] + margin_cells[a][1]), margin_cells, ..*self }
     }
 
     /// Number of cells of the domain along each axis.
     pub fn domain_cells(&self) -> [usize; D] {
-        std::array::from_fn(|a| self.cells[a] - self.margin[a][0] - self.margin[a][1])
+        std::array::from_fn(|a| self.cells[a] - self.margin_cells[a][0] - self.margin_cells[a][1])
     }
 
     /// Distance from the origin along an axis, in cells, of what lies `i` cells from the grid's lower side.
-    pub fn from_origin(&self, axis: usize, i: f64) -> f64 {
-        i - self.margin[axis][0] as f64
+    pub fn domain_coordinate_cells(&self, axis: usize, i: f64) -> f64 {
+        i - self.margin_cells[axis][0] as f64
     }
 
     /// The lattice of cell centres.
@@ -129,7 +129,7 @@ impl<const D: usize> Grid<D> {
     }
 
     /// The lattice of the faces normal to `axis`.
-    pub fn faces(&self, axis: usize) -> Lattice<D> {
+    pub fn face_lattice(&self, axis: usize) -> Lattice<D> {
         let mut extent = self.cells;
         extent[axis] += 1;
         Lattice::new(extent)
@@ -146,36 +146,36 @@ impl<const D: usize> Grid<D> {
     }
 
     /// Upper corner of the domain, m.
-    pub fn upper(&self) -> Vector<D> {
+    pub fn domain_upper(&self) -> Vector<D> {
         Vector::from_fn(|a, _| self.domain_cells()[a] as f64 * self.dx)
     }
 
     /// Lower and upper corner of the grid, m: those of the domain with what lies beyond its sides.
     pub fn bounds(&self) -> [Vector<D>; 2] {
-        [self.corner([0; D]), self.corner(self.cells)]
+        [self.lower_corner([0; D]), self.lower_corner(self.cells)]
     }
 
     /// Lower corner of a cell, m.
-    pub fn corner(&self, at: [usize; D]) -> Vector<D> {
-        Vector::from_fn(|a, _| self.from_origin(a, at[a] as f64) * self.dx)
+    pub fn lower_corner(&self, at: [usize; D]) -> Vector<D> {
+        Vector::from_fn(|a, _| self.domain_coordinate_cells(a, at[a] as f64) * self.dx)
     }
 
     /// The cell that holds a point, or the nearest one.
     pub fn cell_at(&self, x: &Vector<D>) -> [usize; D] {
         std::array::from_fn(|a| {
-            let place = x[a] / self.dx + self.margin[a][0] as f64;
+            let place = x[a] / self.dx + self.margin_cells[a][0] as f64;
             (place.max(0.0) as usize).min(self.cells[a] - 1)
         })
     }
 
     /// Centre of a cell, m.
     pub fn center(&self, at: [usize; D]) -> Vector<D> {
-        Vector::from_fn(|a, _| self.from_origin(a, at[a] as f64 + 0.5) * self.dx)
+        Vector::from_fn(|a, _| self.domain_coordinate_cells(a, at[a] as f64 + 0.5) * self.dx)
     }
 
     /// Centre of a face normal to `axis`, m.
     pub fn face_center(&self, axis: usize, at: [usize; D]) -> Vector<D> {
         let shift = |a: usize| if a == axis { 0.0 } else { 0.5 };
-        Vector::from_fn(|a, _| self.from_origin(a, at[a] as f64 + shift(a)) * self.dx)
+        Vector::from_fn(|a, _| self.domain_coordinate_cells(a, at[a] as f64 + shift(a)) * self.dx)
     }
 }

@@ -65,7 +65,7 @@ impl Runs {
     }
 
     /// Number of cells.
-    pub fn cells(&self) -> usize {
+    pub fn cell_count(&self) -> usize {
         self.runs.iter().map(|r| (r.end - r.start) as usize).sum()
     }
 }

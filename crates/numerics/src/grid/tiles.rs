@@ -8,7 +8,7 @@ use crate::grid::Segment;
 use rayon::prelude::*;
 
 /// Cells along the side of a tile.
-pub const TILE: usize = 8;
+pub const TILE_CELLS: usize = 8;
 
 /// The tiles that hold the liquid and its neighbourhood, one tile wide.
 #[derive(Clone, Debug)]
@@ -21,7 +21,7 @@ pub struct Tiles<const D: usize> {
 impl<const D: usize> Tiles<D> {
     /// All tiles.
     pub fn all(grid: Grid<D>) -> Self {
-        let lattice = Lattice::new(grid.cells.map(|n| n.div_ceil(TILE)));
+        let lattice = Lattice::new(grid.cells.map(|n| n.div_ceil(TILE_CELLS)));
         Self { grid, lattice, active: vec![true; lattice.len()] }
     }
 
@@ -35,49 +35,49 @@ impl<const D: usize> Tiles<D> {
             .map(|s| {
                 let row = self.tile_row(s.row);
                 let values = &data[s.row * nx + s.start..s.row * nx + s.end];
-                let tiles = values.chunks(TILE).enumerate();
+                let tiles = values.chunks(TILE_CELLS).enumerate();
                 tiles
                     .filter(|(_, v)| v.iter().any(|&v| v < 0.0))
-                    .map(|(t, _)| row + s.start / TILE + t)
+                    .map(|(t, _)| row + s.start / TILE_CELLS + t)
                     .collect()
             })
             .collect();
         hits.iter().flatten().for_each(|&t| marked[t] = true);
         let mut active = vec![false; self.lattice.len()];
         for (tile, _) in marked.iter().enumerate().filter(|(_, m)| **m) {
-            self.for_neighbours(tile, |n| active[n] = true);
+            self.for_each_neighbour(tile, |n| active[n] = true);
         }
         Self { grid: self.grid, lattice: self.lattice, active }
     }
 
     /// These and their neighbours.
-    pub fn grown(&self) -> Self {
+    pub fn dilated(&self) -> Self {
         let mut active = vec![false; self.lattice.len()];
         for (tile, _) in self.active.iter().enumerate().filter(|(_, a)| **a) {
-            self.for_neighbours(tile, |n| active[n] = true);
+            self.for_each_neighbour(tile, |n| active[n] = true);
         }
         Self { grid: self.grid, lattice: self.lattice, active }
     }
 
     /// Whether a cell is in an active tile.
-    pub fn holds(&self, cell: [usize; D]) -> bool {
-        self.active[self.lattice.index(cell.map(|i| i / TILE))]
+    pub fn is_active(&self, cell: [usize; D]) -> bool {
+        self.active[self.lattice.index(cell.map(|i| i / TILE_CELLS))]
     }
 
     /// Whether a corner of cells is one of a cell in an active tile.
-    pub fn holds_at_corner(&self, at: [usize; D]) -> bool {
-        (0..1usize << D).any(|k| self.holds_below(at, std::array::from_fn(|a| k >> a & 1)))
+    pub fn is_active_corner(&self, at: [usize; D]) -> bool {
+        (0..1usize << D).any(|k| self.is_active_below(at, std::array::from_fn(|a| k >> a & 1)))
     }
 
     /// Whether a face normal to `axis` is one of a cell in an active tile.
-    pub fn holds_at_face(&self, axis: usize, at: [usize; D]) -> bool {
-        self.holds_below(at, [0; D]) || self.holds_below(at, std::array::from_fn(|a| usize::from(a == axis)))
+    pub fn is_active_face(&self, axis: usize, at: [usize; D]) -> bool {
+        self.is_active_below(at, [0; D]) || self.is_active_below(at, std::array::from_fn(|a| usize::from(a == axis)))
     }
 
     /// Whether the cell `by` below another is in an active tile.
-    fn holds_below(&self, at: [usize; D], by: [usize; D]) -> bool {
+    fn is_active_below(&self, at: [usize; D], by: [usize; D]) -> bool {
         let within = (0..D).all(|a| (by[a]..self.grid.cells[a] + by[a]).contains(&at[a]));
-        within && self.holds(std::array::from_fn(|a| at[a] - by[a]))
+        within && self.is_active(std::array::from_fn(|a| at[a] - by[a]))
     }
 
     /// The rows of the active tiles, stretches as long as possible, in the order of memory.
@@ -96,7 +96,7 @@ impl<const D: usize> Tiles<D> {
                 while t < tiles.len() && tiles[t] {
                     t += 1;
                 }
-                out.push(Segment { row, start: start * TILE, end: (t * TILE).min(self.grid.cells[0]) });
+                out.push(Segment { row, start: start * TILE_CELLS, end: (t * TILE_CELLS).min(self.grid.cells[0]) });
             }
         }
         out
@@ -137,10 +137,10 @@ impl<const D: usize> Tiles<D> {
     fn tile_row(&self, row: usize) -> usize {
         let cells = self.grid.lattice();
         let at = cells.coordinates(row * cells.extent[0]);
-        self.lattice.index(at.map(|i| i / TILE))
+        self.lattice.index(at.map(|i| i / TILE_CELLS))
     }
 
-    fn for_neighbours(&self, tile: usize, mut f: impl FnMut(usize)) {
+    fn for_each_neighbour(&self, tile: usize, mut f: impl FnMut(usize)) {
         let at = self.lattice.coordinates(tile);
         for n in 0..3usize.pow(D as u32) {
             let mut rest = n;

@@ -4,12 +4,12 @@ use crate::grid::Sampler;
 use crate::{Matrix, Vector};
 
 /// Fourth-order differences: first derivative, second derivative.
-const FIRST: [f64; 5] = [1.0 / 12.0, -8.0 / 12.0, 0.0, 8.0 / 12.0, -1.0 / 12.0];
-const SECOND: [f64; 5] = [-1.0 / 12.0, 16.0 / 12.0, -30.0 / 12.0, 16.0 / 12.0, -1.0 / 12.0];
+const FIRST_DERIVATIVE_WEIGHTS: [f64; 5] = [1.0 / 12.0, -8.0 / 12.0, 0.0, 8.0 / 12.0, -1.0 / 12.0];
+const SECOND_DERIVATIVE_WEIGHTS: [f64; 5] = [-1.0 / 12.0, 16.0 / 12.0, -30.0 / 12.0, 16.0 / 12.0, -1.0 / 12.0];
 /// Slope of a distance below which its differences see a kink.
-const FLAT: f64 = 0.5;
+const MIN_GRADIENT_NORM: f64 = 0.5;
 /// Part of its area that a piece of surface may lose on the way to the zero set.
-const FOCUS: f64 = 0.3;
+const MIN_AREA_RATIO: f64 = 0.3;
 
 /// Curvature (1/m; sum of the principal ones, positive for a ball) of the zero set at its point closest to the centre
 /// of `cell`; `None` where a kink or a focus of the distance is too near.
@@ -19,48 +19,48 @@ const FOCUS: f64 = 0.3;
 /// `d = 0` has the curvature `(S − 2 d K) / (1 − d S + d² K)`.
 pub fn curvature<const D: usize>(phi: &Sampler<'_, D>, dx: f64, cell: [usize; D]) -> Option<f64> {
     let value = |shift: [isize; D]| phi.value(std::array::from_fn(|a| cell[a] as isize + shift[a])) / dx;
-    let (gradient, bend) = derivatives(&value);
+    let (gradient, hessian) = gradient_and_hessian(&value);
     let square = gradient.norm_squared();
     let slope = square.sqrt();
-    if slope < FLAT {
+    if slope < MIN_GRADIENT_NORM {
         return None;
     }
-    let sum = (bend.trace() * square - gradient.dot(&(bend * gradient))) / (square * slope);
-    let product = if D == 3 { adjugate_product(&bend, &gradient) / (square * square) } else { 0.0 };
+    let sum = (hessian.trace() * square - gradient.dot(&(hessian * gradient))) / (square * slope);
+    let product = if D == 3 { adjugate_product(&hessian, &gradient) / (square * square) } else { 0.0 };
     let d = value([0; D]) / slope;
     let area = 1.0 - d * sum + d * d * product;
-    (area > FOCUS).then(|| (sum - 2.0 * d * product) / (area * dx))
+    (area > MIN_AREA_RATIO).then(|| (sum - 2.0 * d * product) / (area * dx))
 }
 
 /// Gradient and second derivatives in cells.
-fn derivatives<const D: usize>(value: &impl Fn([isize; D]) -> f64) -> (Vector<D>, Matrix<D>) {
+fn gradient_and_hessian<const D: usize>(value: &impl Fn([isize; D]) -> f64) -> (Vector<D>, Matrix<D>) {
     let mut gradient = Vector::zeros();
-    let mut bend = Matrix::zeros();
+    let mut hessian = Matrix::zeros();
     for a in 0..D {
         let line: [f64; 5] = std::array::from_fn(|i| {
             let mut shift = [0; D];
             shift[a] = i as isize - 2;
             value(shift)
         });
-        gradient[a] = dot(&FIRST, &line);
-        bend[(a, a)] = dot(&SECOND, &line);
+        gradient[a] = dot(&FIRST_DERIVATIVE_WEIGHTS, &line);
+        hessian[(a, a)] = dot(&SECOND_DERIVATIVE_WEIGHTS, &line);
         for b in 0..a {
             let slopes: [f64; 5] = std::array::from_fn(|j| {
-                if FIRST[j] == 0.0 {
+                if FIRST_DERIVATIVE_WEIGHTS[j] == 0.0 {
                     return 0.0;
                 }
                 let line: [f64; 5] = std::array::from_fn(|i| {
                     let mut shift = [0; D];
                     (shift[a], shift[b]) = (i as isize - 2, j as isize - 2);
-                    if FIRST[i] == 0.0 { 0.0 } else { value(shift) }
+                    if FIRST_DERIVATIVE_WEIGHTS[i] == 0.0 { 0.0 } else { value(shift) }
                 });
-                dot(&FIRST, &line)
+                dot(&FIRST_DERIVATIVE_WEIGHTS, &line)
             });
-            bend[(a, b)] = dot(&FIRST, &slopes);
-            bend[(b, a)] = bend[(a, b)];
+            hessian[(a, b)] = dot(&FIRST_DERIVATIVE_WEIGHTS, &slopes);
+            hessian[(b, a)] = hessian[(a, b)];
         }
     }
-    (gradient, bend)
+    (gradient, hessian)
 }
 
 /// `g · adj(H) g` in 3D.
@@ -83,7 +83,7 @@ fn dot(a: &[f64; 5], b: &[f64; 5]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::{CellField, Edge, Grid};
+    use crate::grid::{CellField, BoundaryExtension, Grid};
 
     /// Largest relative error of the curvature near a ball of `n / 4` cells' radius.
     fn error<const D: usize>(n: usize) -> f64 {
@@ -94,7 +94,7 @@ mod tests {
         for i in 0..lattice.len() {
             phi.data[i] = (grid.center(lattice.coordinates(i)) - center).norm() - 0.25;
         }
-        let sampler = Sampler::cells(&grid, &phi.data, [[Edge::Even; 2]; D]);
+        let sampler = Sampler::cells(&grid, &phi.data, [[BoundaryExtension::Even; 2]; D]);
         let exact = (D - 1) as f64 / 0.25;
         (0..lattice.len())
             .filter(|&i| phi.data[i].abs() < 1.5 * grid.dx)
@@ -115,7 +115,7 @@ mod tests {
     fn a_kink_has_no_curvature() {
         let grid = Grid::<2>::new([16, 16], 1.0);
         let data: Vec<f64> = (0..256).map(|i| ((i % 16) as f64 - 7.0).abs() - 1.5).collect();
-        let sampler = Sampler::cells(&grid, &data, [[Edge::Even; 2]; 2]);
+        let sampler = Sampler::cells(&grid, &data, [[BoundaryExtension::Even; 2]; 2]);
         assert_eq!(curvature(&sampler, grid.dx, [7, 8]), None);
         assert!(curvature(&sampler, grid.dx, [3, 8]).is_some_and(|k| k.abs() < 1e-12));
     }

@@ -10,11 +10,11 @@ use crate::grid::{Band, Grid, Sampler};
 use rayon::prelude::*;
 
 /// Newton steps at most.
-const STEPS: usize = 12;
+const MAX_NEWTON_ITERATIONS: usize = 12;
 /// Length of the last step, in cells; what it leaves is far smaller, the distance's error its square.
-const LAST: f64 = 1e-3;
+const NEWTON_TOLERANCE_CELLS: f64 = 1e-3;
 /// Deviation of the old values' slope from one up to which they tell where to start.
-const SLANT: f64 = 0.2;
+const MAX_GRADIENT_DEVIATION: f64 = 0.2;
 
 /// The signed distance (m) to the zero set of `phi` on the first `layers` of the band, at most `limit` in size, in the
 /// order of `band.cells`.
@@ -40,16 +40,16 @@ pub fn redistance<const D: usize>(
             .map(|&cell| {
                 let x = grid.center(lattice.coordinates(cell as usize));
                 let known = if layer == 0 {
-                    crossing(grid, phi, cell as usize, &x)
+                    nearest_crossing(grid, phi, cell as usize, &x)
                 } else {
-                    nearest(grid, band, done, cell as usize, &x)
+                    nearest_neighbour_point(grid, band, done, cell as usize, &x)
                 };
                 let Some(known) = known else { return (x, f64::INFINITY) };
-                let best = told(sampler, phi[cell as usize], lattice.coordinates(cell as usize), &x)
-                    .and_then(|start| search(sampler, grid.dx, &x, start, &known))
-                    .or_else(|| search(sampler, grid.dx, &x, known, &known))
+                let closest_point = predicted_closest_point(sampler, phi[cell as usize], lattice.coordinates(cell as usize), &x)
+                    .and_then(|start| newton_closest_point(sampler, grid.dx, &x, start, &known))
+                    .or_else(|| newton_closest_point(sampler, grid.dx, &x, known, &known))
                     .unwrap_or(known);
-                (best, (best - x).norm())
+                (closest_point, (closest_point - x).norm())
             })
             .collect();
         for (i, (point, d)) in range.zip(found) {
@@ -65,25 +65,25 @@ pub fn redistance<const D: usize>(
 }
 
 /// The closest point of the cell at `x` as its old value and slope tell it, if they are those of a distance.
-fn told<const D: usize>(
+fn predicted_closest_point<const D: usize>(
     sampler: &Sampler<'_, D>,
     here: f64,
     cell: [usize; D],
     x: &Vector<D>,
 ) -> Option<Vector<D>> {
-    let slope = sampler.slope(cell);
+    let slope = sampler.gradient(cell);
     let square = slope.norm_squared();
-    ((square.sqrt() - 1.0).abs() < SLANT).then(|| x - slope * (here / square))
+    ((square.sqrt() - 1.0).abs() < MAX_GRADIENT_DEVIATION).then(|| x - slope * (here / square))
 }
 
 /// |∇φ| where the interface crosses a lattice edge of a cell, 1 where it does not.
-pub fn slope<const D: usize>(grid: &Grid<D>, phi: &[f64], sampler: &Sampler<'_, D>, cell: usize) -> f64 {
+pub fn interface_gradient_norm<const D: usize>(grid: &Grid<D>, phi: &[f64], sampler: &Sampler<'_, D>, cell: usize) -> f64 {
     let x = grid.center(grid.lattice().coordinates(cell));
-    crossing(grid, phi, cell, &x).map_or(1.0, |point| sampler.distance(&point).1.norm())
+    nearest_crossing(grid, phi, cell, &x).map_or(1.0, |point| sampler.distance_with_gradient(&point).1.norm())
 }
 
 /// The nearest crossing of the interface with the lattice edges of a cell.
-fn crossing<const D: usize>(grid: &Grid<D>, phi: &[f64], cell: usize, x: &Vector<D>) -> Option<Vector<D>> {
+fn nearest_crossing<const D: usize>(grid: &Grid<D>, phi: &[f64], cell: usize, x: &Vector<D>) -> Option<Vector<D>> {
     let here = phi[cell];
     let mut best: Option<(f64, Vector<D>)> = None;
     for n in grid.lattice().neighbours(cell) {
@@ -99,7 +99,7 @@ fn crossing<const D: usize>(grid: &Grid<D>, phi: &[f64], cell: usize, x: &Vector
 }
 
 /// The nearest of the neighbours' closest points.
-fn nearest<const D: usize>(
+fn nearest_neighbour_point<const D: usize>(
     grid: &Grid<D>,
     band: &Band<D>,
     done: &[Vector<D>],
@@ -119,7 +119,7 @@ fn nearest<const D: usize>(
 }
 
 /// Newton's search for the point of the zero set closest to `x`, if it leads to one no farther than `known`.
-fn search<const D: usize>(
+fn newton_closest_point<const D: usize>(
     sampler: &Sampler<'_, D>,
     dx: f64,
     x: &Vector<D>,
@@ -127,8 +127,8 @@ fn search<const D: usize>(
     known: &Vector<D>,
 ) -> Option<Vector<D>> {
     let mut point = start;
-    for _ in 0..STEPS {
-        let (value, gradient) = sampler.distance(&point);
+    for _ in 0..MAX_NEWTON_ITERATIONS {
+        let (value, gradient) = sampler.distance_with_gradient(&point);
         let square = gradient.norm_squared();
         if square < 1e-4 {
             return None;
@@ -142,7 +142,7 @@ fn search<const D: usize>(
             step *= 0.5 * dx / length;
         }
         point += step;
-        if length < LAST * dx {
+        if length < NEWTON_TOLERANCE_CELLS * dx {
             let nearer = (point - x).norm_squared() <= (known - x).norm_squared() * 1.01 + (0.2 * dx).powi(2);
             return nearer.then_some(point);
         }
@@ -153,7 +153,7 @@ fn search<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::{CellField, Edge, Tiles};
+    use crate::grid::{CellField, BoundaryExtension, Tiles};
 
     fn ball<const D: usize>(n: usize) -> f64 {
         let grid = Grid::<D>::new([n; D], 1.0 / n as f64);
@@ -167,7 +167,7 @@ mod tests {
         let inside = Tiles::all(grid).negative_runs(&phi.data);
         let mut band = Band::new(grid);
         band.rebuild(&phi.data, &inside, 7);
-        let sampler = Sampler::cells(&grid, &phi.data, [[Edge::Even; 2]; D]);
+        let sampler = Sampler::cells(&grid, &phi.data, [[BoundaryExtension::Even; 2]; D]);
         let new = redistance(&grid, &band, 7, &phi.data, &sampler, 6.0 * grid.dx);
         let mut worst = 0.0f64;
         for (&cell, d) in band.cells.iter().zip(new) {

@@ -21,7 +21,7 @@ pub fn conjugate_gradient(
     max_iterations: usize,
 ) -> Result<SolveReport, SolveError> {
     let mut work = [(); 3].map(|()| vec![0.0; operator.size()]);
-    conjugate_gradient_in(operator, preconditioner, b, x, (tolerance, max_iterations), &mut work)
+    conjugate_gradient_with_workspace(operator, preconditioner, b, x, (tolerance, max_iterations), &mut work)
 }
 
 /// The same in memory that is passed in: three vectors whose contents do not matter, except that entries
@@ -29,7 +29,7 @@ pub fn conjugate_gradient(
 ///
 /// # Errors
 /// As [`conjugate_gradient`].
-pub fn conjugate_gradient_in(
+pub fn conjugate_gradient_with_workspace(
     operator: &impl LinearOperator,
     preconditioner: &impl Preconditioner,
     b: &[f64],
@@ -52,7 +52,7 @@ pub fn conjugate_gradient_in(
     let mut iterations = 0;
     loop {
         operator.apply(x, q);
-        let mut square = vectors::residual(scale, b, q, r);
+        let mut square = vectors::scaled_residual(scale, b, q, r);
         let start = square;
         let failed = |iterations, square: f64| SolveError::NotConverged {
             iterations,
@@ -69,7 +69,7 @@ pub fn conjugate_gradient_in(
         while square.sqrt() > tolerance {
             if iterations == max_iterations {
                 if rho != 0.0 {
-                    vectors::add(alpha * norm, p, x);
+                    vectors::axpy(alpha * norm, p, x);
                 }
                 return Err(failed(iterations, square));
             }
@@ -77,7 +77,7 @@ pub fn conjugate_gradient_in(
             if rho == 0.0 {
                 vectors::copy(q, p);
             } else {
-                vectors::advance(alpha * norm, next / rho, q, x, p);
+                vectors::update_iterate_and_direction(alpha * norm, next / rho, q, x, p);
             }
             rho = next;
             let curvature = operator.apply_dot(p, q);
@@ -88,12 +88,12 @@ pub fn conjugate_gradient_in(
                 return Err(failed(iterations, square));
             }
             alpha = rho / curvature;
-            square = vectors::subtract(alpha, q, r);
+            square = vectors::subtract_scaled(alpha, q, r);
             iterations += 1;
             if !square.is_finite() || square > 1e12 * start {
                 return Err(SolveError::NotFinite { iteration: iterations });
             }
         }
-        vectors::add(alpha * norm, p, x);
+        vectors::axpy(alpha * norm, p, x);
     }
 }

@@ -7,6 +7,6 @@ mod poisson;
 mod vectors;
 
 pub use jacobi::Jacobi;
-pub use krylov::{conjugate_gradient, conjugate_gradient_in};
+pub use krylov::{conjugate_gradient, conjugate_gradient_with_workspace};
 pub use operator::{LinearOperator, Preconditioner, SolveError, SolveReport};
-pub use poisson::{Column, Compliance, PoissonInput, PressureSolver, Solve, Wetted};
+pub use poisson::{SparseColumn, CoupledBodies, PoissonInput, PressureSolver, InPlaceSolve, SubdomainInverse};

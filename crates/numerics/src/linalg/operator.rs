@@ -51,7 +51,7 @@ pub enum SolveError {
          {off:.1e} times the tolerance (inf: the line search allowed no whole step); solids that leave each other no room have no \
          solution"
     )]
-    Unsettled {
+    NewtonNotConverged {
         /// Iterations done.
         iterations: usize,
         /// What the next would move, over the tolerance.
@@ -68,7 +68,7 @@ pub enum SolveError {
         "the matrix of the solids is not positive definite for a step of {step:.3e} s: a solid is too stiff for rounding, elements \
          are crushed, or solids leave each other no room"
     )]
-    Indefinite {
+    NotPositiveDefinite {
         /// Length of the step, s.
         step: f64,
     },

@@ -5,15 +5,15 @@ use rayon::prelude::*;
 /// Entries per task.
 const CHUNK: usize = 1 << 14;
 /// Partial sums of a dot product.
-const WIDTH: usize = 16;
+const PARTIAL_SUMS: usize = 16;
 
 /// `a · b` on one thread.
 pub(super) fn dot_serial(a: &[f64], b: &[f64]) -> f64 {
-    let (a_blocks, a_rest) = a.as_chunks::<WIDTH>();
-    let (b_blocks, b_rest) = b.as_chunks::<WIDTH>();
-    let mut sums = [0.0; WIDTH];
+    let (a_blocks, a_rest) = a.as_chunks::<PARTIAL_SUMS>();
+    let (b_blocks, b_rest) = b.as_chunks::<PARTIAL_SUMS>();
+    let mut sums = [0.0; PARTIAL_SUMS];
     for (a, b) in a_blocks.iter().zip(b_blocks) {
-        for i in 0..WIDTH {
+        for i in 0..PARTIAL_SUMS {
             sums[i] += a[i] * b[i];
         }
     }
@@ -41,7 +41,7 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// `r = scale (b − q)`; returns `r · r`.
-pub(super) fn residual(scale: f64, b: &[f64], q: &[f64], r: &mut [f64]) -> f64 {
+pub(super) fn scaled_residual(scale: f64, b: &[f64], q: &[f64], r: &mut [f64]) -> f64 {
     let parts: Vec<f64> = r
         .par_chunks_mut(CHUNK)
         .zip(b.par_chunks(CHUNK).zip(q.par_chunks(CHUNK)))
@@ -56,7 +56,7 @@ pub(super) fn residual(scale: f64, b: &[f64], q: &[f64], r: &mut [f64]) -> f64 {
 }
 
 /// `r −= α q`; returns `r · r`.
-pub(super) fn subtract(alpha: f64, q: &[f64], r: &mut [f64]) -> f64 {
+pub(super) fn subtract_scaled(alpha: f64, q: &[f64], r: &mut [f64]) -> f64 {
     let parts: Vec<f64> = r
         .par_chunks_mut(CHUNK)
         .zip(q.par_chunks(CHUNK))
@@ -74,7 +74,7 @@ pub(super) fn copy(z: &[f64], p: &mut [f64]) {
 }
 
 /// `x += α p`, then `p = z + β p`.
-pub(super) fn advance(alpha: f64, beta: f64, z: &[f64], x: &mut [f64], p: &mut [f64]) {
+pub(super) fn update_iterate_and_direction(alpha: f64, beta: f64, z: &[f64], x: &mut [f64], p: &mut [f64]) {
     x.par_chunks_mut(CHUNK).zip(p.par_chunks_mut(CHUNK).zip(z.par_chunks(CHUNK))).for_each(|(x, (p, z))| {
         for ((x, p), z) in x.iter_mut().zip(p.iter_mut()).zip(z) {
             *x += alpha * *p;
@@ -84,7 +84,7 @@ pub(super) fn advance(alpha: f64, beta: f64, z: &[f64], x: &mut [f64], p: &mut [
 }
 
 /// `x += α p`.
-pub(super) fn add(alpha: f64, p: &[f64], x: &mut [f64]) {
+pub(super) fn axpy(alpha: f64, p: &[f64], x: &mut [f64]) {
     x.par_chunks_mut(CHUNK)
         .zip(p.par_chunks(CHUNK))
         .for_each(|(x, p)| x.iter_mut().zip(p).for_each(|(x, p)| *x += alpha * p));

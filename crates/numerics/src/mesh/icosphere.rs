@@ -16,15 +16,15 @@ pub fn icosphere(levels: usize) -> SurfaceMesh<3> {
             positions.push(x.normalize());
         }
     }
-    let mut mesh = SurfaceMesh { facets: hull(&positions), positions };
+    let mut mesh = SurfaceMesh { facets: icosahedron_triangles(&positions), positions };
     for _ in 0..levels {
-        mesh = split(&mesh);
+        mesh = subdivide(&mesh);
     }
     mesh
 }
 
 /// The triangles of an icosahedron: all triples of neighbours, outward.
-fn hull(x: &[Vector<3>]) -> Vec<[u32; 3]> {
+fn icosahedron_triangles(x: &[Vector<3>]) -> Vec<[u32; 3]> {
     // Neighbours see each other under 63 degrees, others under 117 at least.
     let near = |i: usize, j: usize| x[i].dot(&x[j]) > 0.4;
     let mut facets = Vec::new();
@@ -43,7 +43,7 @@ fn hull(x: &[Vector<3>]) -> Vec<[u32; 3]> {
 }
 
 /// Every triangle as four, the new vertices on the sphere.
-fn split(mesh: &SurfaceMesh<3>) -> SurfaceMesh<3> {
+fn subdivide(mesh: &SurfaceMesh<3>) -> SurfaceMesh<3> {
     let sorted = |a: u32, b: u32| [a.min(b), a.max(b)];
     let mut edges: Vec<[u32; 2]> = mesh
         .facets

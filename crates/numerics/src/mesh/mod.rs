@@ -11,9 +11,9 @@ pub mod tree;
 pub mod volume;
 
 pub use io::{import, ply};
-pub use isosurface::{Isosurface, extract};
+pub use isosurface::{Isosurface, extract_isosurface};
 pub use on_surface::{Contour, ContourPoint, Geodesic};
 pub use shape_surface::ShapeSurface;
 pub use surface::SurfaceMesh;
-pub use tree::FacetTree;
+pub use tree::FacetBvh;
 pub use volume::{Simplex, VolumeMesh};

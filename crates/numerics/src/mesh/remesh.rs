@@ -9,16 +9,16 @@ use super::surface::area_vector;
 use crate::Vector;
 
 /// Longest and shortest edge, in mean edges.
-const BOUNDS: [f64; 2] = [1.5, 0.5];
+const EDGE_LENGTH_BOUNDS: [f64; 2] = [1.5, 0.5];
 /// Cosine of the angle by which a change may turn a facet.
-const TURN: f64 = 0.9;
+const MIN_NORMAL_COSINE: f64 = 0.9;
 /// The same where the facet is next to nothing, in squares of the mean edge (2D: mean edges).
-const NOTHING: f64 = 0.05;
+const DEGENERATE_AREA: f64 = 0.05;
 /// Rounds of changes.
-const ROUNDS: usize = 8;
+const MAX_ROUNDS: usize = 8;
 
 /// A surface that is mended.
-pub struct Remesh<'a, const D: usize> {
+pub struct Remesher<'a, const D: usize> {
     /// The surface.
     pub mesh: SurfaceMesh<D>,
     /// A tag for each facet: facets made of one keep its tag.
@@ -44,13 +44,13 @@ impl Stars {
     }
 }
 
-impl<const D: usize> Remesh<'_, D> {
+impl<const D: usize> Remesher<'_, D> {
     /// Mends the surface.
-    pub fn mend(&mut self) {
+    pub fn remesh(&mut self) {
         let edges = self.edges();
         let mean = edges.iter().map(|e| e.0).sum::<f64>() / edges.len().max(1) as f64;
-        for _ in 0..ROUNDS {
-            let changes = self.split(BOUNDS[0] * mean) + self.collapse(mean) + self.flip(mean);
+        for _ in 0..MAX_ROUNDS {
+            let changes = self.split(EDGE_LENGTH_BOUNDS[0] * mean) + self.collapse(mean) + self.flip(mean);
             if changes == 0 {
                 break;
             }
@@ -69,11 +69,11 @@ impl<const D: usize> Remesh<'_, D> {
         }
         edges.sort_unstable();
         edges.dedup();
-        let length = |e: &[u32; 2]| (self.at(e[0]) - self.at(e[1])).norm();
+        let length = |e: &[u32; 2]| (self.position(e[0]) - self.position(e[1])).norm();
         edges.into_iter().map(|e| (length(&e), e)).collect()
     }
 
-    fn at(&self, v: u32) -> Vector<D> {
+    fn position(&self, v: u32) -> Vector<D> {
         self.mesh.positions[v as usize]
     }
 
@@ -91,12 +91,12 @@ impl<const D: usize> Remesh<'_, D> {
         Stars { first, facets }
     }
 
-    fn stays(&self, e: &[u32; 2]) -> bool {
+    fn is_fixed_edge(&self, e: &[u32; 2]) -> bool {
         e.iter().all(|v| self.fixed[*v as usize])
     }
 
     /// The vertices next to one, sorted.
-    fn ring(&self, stars: &Stars, v: u32) -> Vec<u32> {
+    fn one_ring(&self, stars: &Stars, v: u32) -> Vec<u32> {
         let around = stars.of(v).iter().flat_map(|f| self.mesh.facets[*f as usize]);
         let mut ring: Vec<u32> = around.filter(|w| *w != v).collect();
         ring.sort_unstable();
@@ -105,25 +105,25 @@ impl<const D: usize> Remesh<'_, D> {
     }
 
     /// The facets at an edge.
-    fn sides(&self, stars: &Stars, [a, b]: [u32; 2]) -> Vec<u32> {
+    fn edge_facets(&self, stars: &Stars, [a, b]: [u32; 2]) -> Vec<u32> {
         stars.of(a).iter().copied().filter(|f| self.mesh.facets[*f as usize].contains(&b)).collect()
     }
 
     /// Splits edges longer than `longest` in their middle, the longest first.
     fn split(&mut self, longest: f64) -> usize {
         let mut long: Vec<Edge> =
-            self.edges().into_iter().filter(|e| e.0 > longest && !self.stays(&e.1)).collect();
+            self.edges().into_iter().filter(|e| e.0 > longest && !self.is_fixed_edge(&e.1)).collect();
         long.sort_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
         let stars = self.stars();
         let mut touched = vec![false; self.mesh.facets.len()];
         let mut count = 0;
         for (_, [a, b]) in long {
-            let sides = self.sides(&stars, [a, b]);
+            let sides = self.edge_facets(&stars, [a, b]);
             if sides.iter().any(|f| touched[*f as usize]) {
                 continue;
             }
             let middle = self.mesh.positions.len() as u32;
-            self.mesh.positions.push((self.project)(&((self.at(a) + self.at(b)) * 0.5)));
+            self.mesh.positions.push((self.project)(&((self.position(a) + self.position(b)) * 0.5)));
             self.fixed.push(false);
             for f in sides {
                 touched[f as usize] = true;
@@ -139,16 +139,16 @@ impl<const D: usize> Remesh<'_, D> {
 
     /// Collapses short edges, the shortest first.
     fn collapse(&mut self, mean: f64) -> usize {
-        let shortest = BOUNDS[1] * mean;
+        let shortest = EDGE_LENGTH_BOUNDS[1] * mean;
         let mut short: Vec<Edge> =
-            self.edges().into_iter().filter(|e| e.0 < shortest && !self.stays(&e.1)).collect();
+            self.edges().into_iter().filter(|e| e.0 < shortest && !self.is_fixed_edge(&e.1)).collect();
         short.sort_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
         let stars = self.stars();
         let mut touched = vec![false; self.mesh.positions.len()];
         let mut gone = vec![false; self.mesh.facets.len()];
         let mut count = 0;
         for (_, [a, b]) in short {
-            let rings = [a, b].map(|v| self.ring(&stars, v));
+            let rings = [a, b].map(|v| self.one_ring(&stars, v));
             if rings.iter().flatten().any(|v| touched[*v as usize]) {
                 continue;
             }
@@ -157,10 +157,10 @@ impl<const D: usize> Remesh<'_, D> {
             if shared != 2 * (D - 2) || rings[0].len() + rings[1].len() < 2 * D + 2 {
                 continue;
             }
-            let Some(place) = self.joint(&stars, [a, b], mean) else { continue };
+            let Some(place) = self.collapse_position(&stars, [a, b], mean) else { continue };
             self.mesh.positions[a as usize] = place;
             self.fixed[a as usize] |= self.fixed[b as usize];
-            self.sides(&stars, [a, b]).into_iter().for_each(|f| gone[f as usize] = true);
+            self.edge_facets(&stars, [a, b]).into_iter().for_each(|f| gone[f as usize] = true);
             for f in stars.of(b) {
                 let facet = &mut self.mesh.facets[*f as usize];
                 *facet = facet.map(|v| if v == b { a } else { v });
@@ -176,8 +176,8 @@ impl<const D: usize> Remesh<'_, D> {
     }
 
     /// Where the two ends of an edge may be put together so that no facet around turns much.
-    fn joint(&self, stars: &Stars, edge: [u32; 2], mean: f64) -> Option<Vector<D>> {
-        let [a, b] = edge.map(|v| self.at(v));
+    fn collapse_position(&self, stars: &Stars, edge: [u32; 2], mean: f64) -> Option<Vector<D>> {
+        let [a, b] = edge.map(|v| self.position(v));
         let places = match edge.map(|v| self.fixed[v as usize]) {
             [true, _] => vec![a],
             [_, true] => vec![b],
@@ -187,17 +187,17 @@ impl<const D: usize> Remesh<'_, D> {
             edge.iter().flat_map(|v| stars.of(*v)).all(|f| {
                 let facet = self.mesh.facets[*f as usize];
                 let inner = edge.iter().all(|v| facet.contains(v));
-                let new = facet.map(|v| if edge.contains(&v) { *place } else { self.at(v) });
-                inner || self.keeps_side(&self.mesh.corners(*f as usize), &new, mean)
+                let new = facet.map(|v| if edge.contains(&v) { *place } else { self.position(v) });
+                inner || self.keeps_orientation(&self.mesh.corners(*f as usize), &new, mean)
             })
         };
         places.into_iter().find(fits)
     }
 
     /// Whether a facet that changes still looks to the same side.
-    fn keeps_side(&self, old: &[Vector<D>; D], new: &[Vector<D>; D], mean: f64) -> bool {
+    fn keeps_orientation(&self, old: &[Vector<D>; D], new: &[Vector<D>; D], mean: f64) -> bool {
         let (old, new) = (area_vector(old), area_vector(new));
-        let bar = if old.norm() < NOTHING * mean.powi(D as i32 - 1) { 0.0 } else { TURN };
+        let bar = if old.norm() < DEGENERATE_AREA * mean.powi(D as i32 - 1) { 0.0 } else { MIN_NORMAL_COSINE };
         new.dot(&old) > bar * old.norm() * new.norm()
     }
 
@@ -210,25 +210,25 @@ impl<const D: usize> Remesh<'_, D> {
         let mut touched = vec![false; self.mesh.positions.len()];
         let mut count = 0;
         for (_, [a, b]) in self.edges() {
-            let &[f, g] = self.sides(&stars, [a, b]).as_slice() else { continue };
+            let &[f, g] = self.edge_facets(&stars, [a, b]).as_slice() else { continue };
             let apex = |f: u32| self.mesh.facets[f as usize].into_iter().find(|v| *v != a && *v != b);
             let (Some(c), Some(d)) = (apex(f), apex(g)) else { continue };
             let busy = [a, b, c, d].iter().any(|v| touched[*v as usize]);
-            if busy || self.stays(&[a, b]) || self.tags[f as usize] != self.tags[g as usize] {
+            if busy || self.is_fixed_edge(&[a, b]) || self.tags[f as usize] != self.tags[g as usize] {
                 continue;
             }
-            let angle = |v: u32| (self.at(a) - self.at(v)).angle(&(self.at(b) - self.at(v)));
+            let angle = |v: u32| (self.position(a) - self.position(v)).angle(&(self.position(b) - self.position(v)));
             if angle(c) + angle(d) < std::f64::consts::PI + 1e-3
-                || self.ring(&stars, c).binary_search(&d).is_ok()
+                || self.one_ring(&stars, c).binary_search(&d).is_ok()
             {
                 continue;
             }
             // `f` without `b` but with `d`, `g` without `a` but with `c`.
             let new_f = self.mesh.facets[f as usize].map(|v| if v == b { d } else { v });
             let new_g = self.mesh.facets[g as usize].map(|v| if v == a { c } else { v });
-            let corners = |t: [u32; D]| t.map(|v| self.at(v));
+            let corners = |t: [u32; D]| t.map(|v| self.position(v));
             let old: Vec<_> = [f, g].iter().map(|t| self.mesh.corners(*t as usize)).collect();
-            let flat = |new: [u32; D]| old.iter().all(|o| self.keeps_side(o, &corners(new), mean));
+            let flat = |new: [u32; D]| old.iter().all(|o| self.keeps_orientation(o, &corners(new), mean));
             if flat(new_f) && flat(new_g) {
                 self.mesh.facets[f as usize] = new_f;
                 self.mesh.facets[g as usize] = new_g;

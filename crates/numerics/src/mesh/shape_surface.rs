@@ -1,14 +1,14 @@
 //! The surface of a solid as facets finer than the grid, from its signed distance.
 
 use super::isosurface::LIQUID_AIR;
-use super::remesh::Remesh;
+use super::remesh::Remesher;
 use super::{Isosurface, SurfaceMesh};
 use crate::Vector;
 use crate::grid::{CellField, Grid, Tiles};
 use rayon::prelude::*;
 
 /// Steps by which a vertex is brought to the surface.
-const STEPS: usize = 3;
+const PROJECTION_STEPS: usize = 3;
 
 /// The surface of a solid.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub struct ShapeSurface<const D: usize> {
     pub mesh: SurfaceMesh<D>,
     /// Number of the facets that lie on the solid's surface: the first ones. The others close it in the sides of the box
     /// that it is cut off at.
-    pub own: usize,
+    pub solid_facet_count: usize,
 }
 
 impl<const D: usize> ShapeSurface<D> {
@@ -39,30 +39,30 @@ impl<const D: usize> ShapeSurface<D> {
             *value = distance(&(low + grid.center(lattice.coordinates(i)).component_mul(&scale)));
         });
         let inside = Tiles::all(grid).negative_runs(&field.data);
-        let Isosurface { mut mesh, facet_kind: tags, .. } = crate::mesh::extract(&field, &inside);
+        let Isosurface { mut mesh, facet_kind: tags, .. } = crate::mesh::extract_isosurface(&field, &inside);
         mesh.positions.iter_mut().for_each(|x| *x = low + x.component_mul(&scale));
         let mut fixed = vec![false; mesh.positions.len()];
         for (facet, _) in mesh.facets.iter().zip(&tags).filter(|(_, tag)| **tag != LIQUID_AIR) {
             facet.iter().for_each(|v| fixed[*v as usize] = true);
         }
         let project = |x: &Vector<D>| project(distance, x, edge);
-        let mut remesh = Remesh { mesh, tags, fixed, project: &project };
+        let mut remesh = Remesher { mesh, tags, fixed, project: &project };
         remesh.project_all();
-        remesh.mend();
-        let Remesh { mut mesh, tags, .. } = remesh;
+        remesh.remesh();
+        let Remesher { mut mesh, tags, .. } = remesh;
         let mut order: Vec<usize> = (0..tags.len()).collect();
         order.sort_by_key(|f| tags[*f] != LIQUID_AIR);
         mesh.facets = order.into_iter().map(|f| mesh.facets[f]).collect();
-        Self { own: tags.iter().filter(|t| **t == LIQUID_AIR).count(), mesh }
+        Self { solid_facet_count: tags.iter().filter(|t| **t == LIQUID_AIR).count(), mesh }
     }
 
     /// The facets on the solid's surface.
-    pub fn own_facets(&self) -> &[[u32; D]] {
-        &self.mesh.facets[..self.own]
+    pub fn solid_facets(&self) -> &[[u32; D]] {
+        &self.mesh.facets[..self.solid_facet_count]
     }
 }
 
-impl<const D: usize> Remesh<'_, D> {
+impl<const D: usize> Remesher<'_, D> {
     /// Brings every vertex that may move to where the surface should be.
     fn project_all(&mut self) {
         let (project, fixed) = (self.project, &self.fixed);
@@ -75,7 +75,7 @@ impl<const D: usize> Remesh<'_, D> {
 fn project<const D: usize>(distance: &dyn Fn(&Vector<D>) -> f64, x: &Vector<D>, edge: f64) -> Vector<D> {
     let step = 1e-3 * edge;
     let mut y = *x;
-    for _ in 0..STEPS {
+    for _ in 0..PROJECTION_STEPS {
         let value = distance(&y);
         let slope = Vector::<D>::from_fn(|a, _| {
             let by = Vector::<D>::from_fn(|b, _| if a == b { step } else { 0.0 });
@@ -99,7 +99,7 @@ mod tests {
     fn quality<const D: usize>(surface: &ShapeSurface<D>) -> [f64; 3] {
         let mesh = &surface.mesh;
         let mut edges = Vec::new();
-        for f in surface.own_facets() {
+        for f in surface.solid_facets() {
             let at = |k: usize| mesh.positions[f[k % D] as usize];
             (0..D).for_each(|k| edges.push((at(k + 1) - at(k)).norm()));
         }
@@ -107,7 +107,7 @@ mod tests {
         let longest = edges.iter().fold(0.0f64, |m, e| m.max(*e));
         let shortest = edges.iter().fold(f64::INFINITY, |m, e| m.min(*e));
         let height = |f: usize| mesh.area_vector(f).norm() / longest.powi(D as i32 - 2);
-        let flattest = (0..surface.own).map(height).fold(f64::INFINITY, f64::min);
+        let flattest = (0..surface.solid_facet_count).map(height).fold(f64::INFINITY, f64::min);
         [shortest / mean, longest / mean, flattest / mean]
     }
 
@@ -117,7 +117,7 @@ mod tests {
         let (low, high) = ((low - margin).sup(&Vector::zeros()), (high + margin).inf(&Vector::repeat(1.0)));
         let surface = ShapeSurface::new(&|x| shape.signed_distance(x), low, high, edge);
         let found = quality(&surface);
-        println!("{D}D {name}: {} own facets, {found:?}", surface.own);
+        println!("{D}D {name}: {} own facets, {found:?}", surface.solid_facet_count);
         assert!(surface.mesh.is_watertight(), "{D}D {name} is open");
         surface
     }
@@ -134,8 +134,8 @@ mod tests {
         let normal = Vector::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.3 });
         let plane = Shape::HalfSpace { point: Vector::repeat(0.41), normal };
         let plane_surface = check::<D>("plane", &plane, edge);
-        assert!(plane_surface.own < plane_surface.mesh.facets.len());
-        for f in plane_surface.own_facets().iter().flatten() {
+        assert!(plane_surface.solid_facet_count < plane_surface.mesh.facets.len());
+        for f in plane_surface.solid_facets().iter().flatten() {
             let x = plane_surface.mesh.positions[*f as usize];
             // In the sides of the box the surface nets have the last word.
             let inner = x.iter().all(|c| (1e-9..1.0 - 1e-9).contains(c));

@@ -114,7 +114,7 @@ pub fn area_vector<const D: usize>(corners: &[Vector<D>; D]) -> Vector<D> {
 
 /// Derivatives of the area (2D: length) of a facet by the positions of its corners, m (2D: unit vectors); none of a facet
 /// without an area.
-pub fn area_slopes<const D: usize>(corners: &[Vector<D>; D]) -> [Vector<D>; D] {
+pub fn area_gradients<const D: usize>(corners: &[Vector<D>; D]) -> [Vector<D>; D] {
     let unit = |v: Vector<D>| v.try_normalize(0.0).unwrap_or(Vector::zeros());
     if D == 2 {
         let along = unit(corners[1] - corners[0]);
@@ -134,8 +134,8 @@ pub fn area_slopes<const D: usize>(corners: &[Vector<D>; D]) -> [Vector<D>; D] {
 /// The positive part of the second derivatives of the area (2D: length) of a facet by the positions of its corners, without
 /// a unit (2D: 1/m): with heights `u` over what is flat it grows by `½ ∫ |∇u|²`, of which the linear functions' slopes are those
 /// of the area over it. What else there is, is left out: most of it is negative. None of a facet without an area.
-pub fn area_stiffness<const D: usize>(corners: &[Vector<D>; D]) -> [[Matrix<D>; D]; D] {
-    let (area, slopes) = (area_vector(corners), area_slopes(corners));
+pub fn area_hessian_psd<const D: usize>(corners: &[Vector<D>; D]) -> [[Matrix<D>; D]; D] {
+    let (area, slopes) = (area_vector(corners), area_gradients(corners));
     let size = area.norm();
     let outer = if size > 0.0 { area * area.transpose() / size.powi(3) } else { Matrix::zeros() };
     std::array::from_fn(|i| std::array::from_fn(|j| outer * slopes[i].dot(&slopes[j])))
@@ -143,10 +143,10 @@ pub fn area_stiffness<const D: usize>(corners: &[Vector<D>; D]) -> [[Matrix<D>; 
 
 /// All second derivatives of the area (2D: length) of a facet by the positions of its corners, without a unit (2D: 1/m). None of a
 /// facet without an area.
-pub fn area_curvature<const D: usize>(corners: &[Vector<D>; D]) -> [[Matrix<D>; D]; D] {
+pub fn area_hessian<const D: usize>(corners: &[Vector<D>; D]) -> [[Matrix<D>; D]; D] {
     if D == 2 {
         // A length grows with its square across its direction only.
-        return area_stiffness(corners);
+        return area_hessian_psd(corners);
     }
     let area = area_vector(corners);
     let size = area.norm();
@@ -214,7 +214,7 @@ mod tests {
         let normal = area_vector(corners).normalize();
         let area =
             |by: f64| area_vector(&std::array::from_fn(|k| corners[k] + normal * (by * heights[k]))).norm();
-        let stiffness = area_stiffness(corners);
+        let stiffness = area_hessian_psd(corners);
         let pairs = (0..D).flat_map(|i| (0..D).map(move |j| (i, j)));
         let work: f64 =
             pairs.map(|(i, j)| heights[i] * heights[j] * normal.dot(&(stiffness[i][j] * normal))).sum();
@@ -229,7 +229,7 @@ mod tests {
     }
 
     fn slopes<const D: usize>(corners: &[Vector<D>; D]) {
-        for (v, slope) in area_slopes(corners).iter().enumerate() {
+        for (v, slope) in area_gradients(corners).iter().enumerate() {
             for a in 0..D {
                 let area = |by: f64| {
                     let mut moved = *corners;

@@ -11,13 +11,13 @@ use crate::Vector;
 use std::f64::consts::PI;
 
 /// Facets in a leaf.
-const LEAF: usize = 4;
+const MAX_LEAF_FACETS: usize = 4;
 /// A box acts as a dipole beyond this many of its radii.
-const FAR: f64 = 2.0;
+const DIPOLE_DISTANCE_RADII: f64 = 2.0;
 
 /// The closest point of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Closest<const D: usize> {
+pub struct ClosestPoint<const D: usize> {
     /// Number of the facet it lies on.
     pub facet: u32,
     /// The point, m.
@@ -37,9 +37,9 @@ struct Node<const D: usize> {
     first: u32,
     count: u32,
     /// The second child; 0 in a leaf.
-    second: u32,
+    second_child: u32,
     /// The node after all nodes below this one.
-    after: u32,
+    skip_index: u32,
 }
 
 /// The facets of a node from afar.
@@ -53,14 +53,14 @@ struct Dipole<const D: usize> {
 
 /// A tree of boxes over the facets of a surface. It keeps a copy of the corners.
 #[derive(Clone, Debug)]
-pub struct FacetTree<const D: usize> {
+pub struct FacetBvh<const D: usize> {
     nodes: Vec<Node<D>>,
     dipoles: Vec<Dipole<D>>,
     facets: Vec<u32>,
     corners: Vec<[Vector<D>; D]>,
 }
 
-impl<const D: usize> FacetTree<D> {
+impl<const D: usize> FacetBvh<D> {
     /// Builds the tree; costs `n log n` in the number of facets.
     pub fn new(mesh: &SurfaceMesh<D>) -> Self {
         let mut items: Vec<(Vector<D>, u32)> = (0..mesh.facets.len())
@@ -81,12 +81,12 @@ impl<const D: usize> FacetTree<D> {
         let (node, dipole) = node(mesh, items, first);
         self.nodes.push(node);
         self.dipoles.push(dipole);
-        if items.len() <= LEAF {
+        if items.len() <= MAX_LEAF_FACETS {
             for (_, facet) in items.iter() {
                 self.facets.push(*facet);
                 self.corners.push(mesh.corners(*facet as usize));
             }
-            self.nodes[index].after = index as u32 + 1;
+            self.nodes[index].skip_index = index as u32 + 1;
             return;
         }
         let start = (Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY));
@@ -97,16 +97,16 @@ impl<const D: usize> FacetTree<D> {
         items.select_nth_unstable_by(middle, |p, q| p.0[axis].total_cmp(&q.0[axis]).then(p.1.cmp(&q.1)));
         let (left, right) = items.split_at_mut(middle);
         self.build(mesh, left, first);
-        self.nodes[index].second = self.nodes.len() as u32;
+        self.nodes[index].second_child = self.nodes.len() as u32;
         self.build(mesh, right, first + middle);
-        self.nodes[index].after = self.nodes.len() as u32;
+        self.nodes[index].skip_index = self.nodes.len() as u32;
     }
 
     /// The closest point to `x` (m) nearer than `within` (m); of equally near ones the first in the tree's
     /// order.
-    pub fn closest(&self, x: &Vector<D>, within: f64) -> Option<Closest<D>> {
-        let mut best: Option<Closest<D>> = None;
-        let mut bound = within * within;
+    pub fn closest_point(&self, x: &Vector<D>, max_distance: f64) -> Option<ClosestPoint<D>> {
+        let mut best: Option<ClosestPoint<D>> = None;
+        let mut bound = max_distance * max_distance;
         let mut stack = [(0u32, 0.0); 64];
         let mut depth = usize::from(!self.nodes.is_empty());
         while depth > 0 {
@@ -116,19 +116,19 @@ impl<const D: usize> FacetTree<D> {
                 continue;
             }
             let node = &self.nodes[at as usize];
-            if node.second == 0 {
+            if node.second_child == 0 {
                 for k in node.first as usize..(node.first + node.count) as usize {
                     let (point, weights) = closest_on_facet(&self.corners[k], x);
                     let distance_squared = (point - x).norm_squared();
                     if distance_squared < bound {
                         bound = distance_squared;
-                        best = Some(Closest { facet: self.facets[k], point, weights, distance_squared });
+                        best = Some(ClosestPoint { facet: self.facets[k], point, weights, distance_squared });
                     }
                 }
                 continue;
             }
             let child = |i: u32| (i, self.nodes[i as usize].distance_squared(x));
-            let (mut near, mut far) = (child(at + 1), child(node.second));
+            let (mut near, mut far) = (child(at + 1), child(node.second_child));
             if far.1 < near.1 {
                 std::mem::swap(&mut near, &mut far);
             }
@@ -147,10 +147,10 @@ impl<const D: usize> FacetTree<D> {
             let far = &self.dipoles[at];
             let d = far.center - x;
             let distance = d.norm();
-            if distance > FAR * far.radius && distance > 0.0 {
+            if distance > DIPOLE_DISTANCE_RADII * far.radius && distance > 0.0 {
                 sum += far.area.dot(&d) / (2.0 * (D - 1) as f64 * PI * distance.powi(D as i32));
-                at = node.after as usize;
-            } else if node.second == 0 {
+                at = node.skip_index as usize;
+            } else if node.second_child == 0 {
                 let range = node.first as usize..(node.first + node.count) as usize;
                 sum += self.corners[range].iter().map(|c| facet_winding(c, x)).sum::<f64>();
                 at += 1;
@@ -169,7 +169,7 @@ impl<const D: usize> FacetTree<D> {
 
     /// Distance to the surface, negative inside, m. Infinite for an empty surface.
     pub fn signed_distance(&self, x: &Vector<D>) -> f64 {
-        let distance = self.closest(x, f64::INFINITY).map_or(f64::INFINITY, |c| c.distance_squared.sqrt());
+        let distance = self.closest_point(x, f64::INFINITY).map_or(f64::INFINITY, |c| c.distance_squared.sqrt());
         if self.contains(x) { -distance } else { distance }
     }
 }
@@ -205,7 +205,7 @@ fn node<const D: usize>(
     let center = if weight > 0.0 { moment / weight } else { (lower + upper) * 0.5 };
     let corners = items.iter().flat_map(|(_, f)| mesh.corners(*f as usize));
     let radius = corners.map(|c| (c - center).norm()).fold(0.0, f64::max);
-    let node = Node { lower, upper, first: first as u32, count: items.len() as u32, second: 0, after: 0 };
+    let node = Node { lower, upper, first: first as u32, count: items.len() as u32, second_child: 0, skip_index: 0 };
     (node, Dipole { area, center, radius })
 }
 
@@ -229,10 +229,10 @@ fn facet_winding<const D: usize>(corners: &[Vector<D>; D], x: &Vector<D>) -> f64
 /// §5.1.5).
 pub fn closest_on_facet<const D: usize>(corners: &[Vector<D>; D], x: &Vector<D>) -> (Vector<D>, [f64; D]) {
     let weights = if D == 2 {
-        let t = along(&corners[0], &corners[1], x);
+        let t = segment_parameter(&corners[0], &corners[1], x);
         [1.0 - t, t, 0.0]
     } else {
-        closest_weights([&corners[0], &corners[1], &corners[D - 1]], x)
+        closest_barycentric([&corners[0], &corners[1], &corners[D - 1]], x)
     };
     let weights: [f64; D] = std::array::from_fn(|k| weights[k]);
     let point = corners.iter().zip(weights).fold(Vector::zeros(), |sum: Vector<D>, (c, w)| sum + c * w);
@@ -240,13 +240,13 @@ pub fn closest_on_facet<const D: usize>(corners: &[Vector<D>; D], x: &Vector<D>)
 }
 
 /// The parameter 0..1 of the closest point of a segment.
-fn along<const D: usize>(a: &Vector<D>, b: &Vector<D>, x: &Vector<D>) -> f64 {
+fn segment_parameter<const D: usize>(a: &Vector<D>, b: &Vector<D>, x: &Vector<D>) -> f64 {
     let e = b - a;
     ((x - a).dot(&e) / e.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
 }
 
 /// The barycentric weights of the closest point of a triangle.
-fn closest_weights<const D: usize>([a, b, c]: [&Vector<D>; 3], x: &Vector<D>) -> [f64; 3] {
+fn closest_barycentric<const D: usize>([a, b, c]: [&Vector<D>; 3], x: &Vector<D>) -> [f64; 3] {
     let (ab, ac) = (b - a, c - a);
     let (ap, bp, cp) = (x - a, x - b, x - c);
     let (d1, d2, d3) = (ab.dot(&ap), ac.dot(&ap), ab.dot(&bp));
@@ -262,15 +262,15 @@ fn closest_weights<const D: usize>([a, b, c]: [&Vector<D>; 3], x: &Vector<D>) ->
     }
     let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
     if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        let t = along(a, b, x);
+        let t = segment_parameter(a, b, x);
         return [1.0 - t, t, 0.0];
     }
     if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        let t = along(a, c, x);
+        let t = segment_parameter(a, c, x);
         return [1.0 - t, 0.0, t];
     }
     if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-        let t = along(b, c, x);
+        let t = segment_parameter(b, c, x);
         return [0.0, 1.0 - t, t];
     }
     let sum = va + vb + vc;
@@ -281,7 +281,7 @@ fn closest_weights<const D: usize>([a, b, c]: [&Vector<D>; 3], x: &Vector<D>) ->
 mod tests {
     use super::*;
     use crate::grid::{CellField, Grid, Run, Runs};
-    use crate::mesh::extract;
+    use crate::mesh::extract_isosurface;
 
     /// A dumbbell of two balls as a mesh, from the grid.
     fn mesh<const D: usize>(n: usize) -> SurfaceMesh<D> {
@@ -297,13 +297,13 @@ mod tests {
                 runs.push(Run { row, start, end: start + 1, component: 0 });
             }
         }
-        extract(&phi, &Runs { runs, components: 1 }).mesh
+        extract_isosurface(&phi, &Runs { runs, components: 1 }).mesh
     }
 
     fn check<const D: usize>() {
         let mesh = mesh::<D>(24);
         assert!(mesh.is_watertight());
-        let tree = FacetTree::new(&mesh);
+        let tree = FacetBvh::new(&mesh);
         let m = if D == 2 { 40usize } else { 14 };
         let mut worst: f64 = 0.0;
         for mut k in 0..m.pow(D as u32) {
@@ -315,12 +315,12 @@ mod tests {
             let brute = (0..mesh.facets.len())
                 .map(|f| (closest_on_facet(&mesh.corners(f), &x).0 - x).norm_squared())
                 .fold(f64::INFINITY, f64::min);
-            let found = tree.closest(&x, f64::INFINITY).unwrap();
+            let found = tree.closest_point(&x, f64::INFINITY).unwrap();
             assert_eq!(found.distance_squared, brute);
             let rebuilt: Vector<D> =
                 (0..D).map(|i| mesh.corners(found.facet as usize)[i] * found.weights[i]).sum();
             assert!((rebuilt - found.point).norm() < 1e-14);
-            assert_eq!(tree.closest(&x, 0.5 * brute.sqrt()), None);
+            assert_eq!(tree.closest_point(&x, 0.5 * brute.sqrt()), None);
             let exact: f64 = (0..mesh.facets.len()).map(|f| facet_winding(&mesh.corners(f), &x)).sum();
             assert!((exact - exact.round()).abs() < 1e-9);
             worst = worst.max((tree.winding_number(&x) - exact).abs());
@@ -339,7 +339,7 @@ mod tests {
         check::<2>();
         check::<3>();
         assert_eq!(
-            FacetTree::<3>::new(&SurfaceMesh::default()).signed_distance(&Vector::zeros()),
+            FacetBvh::<3>::new(&SurfaceMesh::default()).signed_distance(&Vector::zeros()),
             f64::INFINITY
         );
     }

@@ -8,7 +8,7 @@
 use crate::Vector;
 
 /// Newton steps at most; seven are usual.
-const STEPS: usize = 60;
+const MAX_NEWTON_ITERATIONS: usize = 60;
 
 /// Distance from `y` (in the ellipsoid's own frame, m) to the ellipsoid of half axes `radii` (m), negative
 /// inside.
@@ -32,7 +32,7 @@ pub(super) fn closest_point<const D: usize>(y: &Vector<D>, radii: &Vector<D>) ->
     // digits.
     let rest = q.add_scalar(-1.0);
     let mut u = (0..D).map(|a| r[a] * p[a] - rest[a]).fold(0.0, f64::max);
-    for _ in 0..STEPS {
+    for _ in 0..MAX_NEWTON_ITERATIONS {
         let (mut f, mut slope) = (-1.0, 0.0);
         for a in (0..D).filter(|&a| p[a] > 0.0) {
             let w = r[a] * p[a] / (u + rest[a]);

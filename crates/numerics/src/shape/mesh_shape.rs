@@ -1,27 +1,27 @@
 //! A shape bounded by a closed mesh.
 
 use crate::mesh::io::import::{self, ImportError};
-use crate::mesh::{FacetTree, SurfaceMesh};
+use crate::mesh::{FacetBvh, SurfaceMesh};
 use crate::{Matrix, Vector};
 use rayon::prelude::*;
 use std::path::Path;
 
 /// Distance from a facet over its size from which its two sides are looked at.
-const CLOSE: f64 = 1e-3;
+const SIDE_TEST_OFFSET: f64 = 1e-3;
 /// Most facets that are looked at for places where the surface passes through itself.
-const LOOKED_AT: usize = 20_000;
+const MAX_TESTED_FACETS: usize = 20_000;
 
 /// The inside of a closed surface, with the tree that answers questions about it.
 #[derive(Clone, Debug)]
 pub struct MeshShape<const D: usize> {
     surface: SurfaceMesh<D>,
-    tree: FacetTree<D>,
+    tree: FacetBvh<D>,
 }
 
 impl<const D: usize> MeshShape<D> {
     /// The inside of a closed, outward surface.
     pub fn new(surface: SurfaceMesh<D>) -> Self {
-        let tree = FacetTree::new(&surface);
+        let tree = FacetBvh::new(&surface);
         Self { surface, tree }
     }
 
@@ -37,26 +37,26 @@ impl<const D: usize> MeshShape<D> {
         translate: &Vector<D>,
     ) -> Result<Self, ImportError> {
         let read = Self::new(import::load(path)?);
-        if let Some(at) = read.crossing() {
-            return Err(ImportError::Crossing { path: path.to_owned(), at: at.iter().copied().collect() });
+        if let Some(at) = read.self_intersection() {
+            return Err(ImportError::SelfIntersection { path: path.to_owned(), at: at.iter().copied().collect() });
         }
         Ok(Self::new(read.surface.transformed(scale, rotation, translate)))
     }
 
     /// A place, m, where the surface passes through itself or lies on itself: there it does not wind once around the points
     /// just within it, or does around those just outside. Of large meshes some facets are looked at.
-    fn crossing(&self) -> Option<Vector<D>> {
+    fn self_intersection(&self) -> Option<Vector<D>> {
         let count = self.surface.facets.len();
         let wrong = |facet: usize| {
             let corners = self.surface.corners(facet);
             let middle = corners.iter().sum::<Vector<D>>() / D as f64;
             let size = corners.iter().map(|x| (x - middle).norm()).fold(0.0, f64::max);
-            let normal = self.surface.area_vector(facet).try_normalize(0.0)? * (CLOSE * size);
+            let normal = self.surface.area_vector(facet).try_normalize(0.0)? * (SIDE_TEST_OFFSET * size);
             let winds = |x: Vector<D>, times: f64| (self.tree.winding_number(&x) - times).abs() < 0.3;
             (!winds(middle - normal, 1.0) || !winds(middle + normal, 0.0)).then_some(middle)
         };
         (0..count)
-            .step_by(count.div_ceil(LOOKED_AT).max(1))
+            .step_by(count.div_ceil(MAX_TESTED_FACETS).max(1))
             .collect::<Vec<_>>()
             .into_par_iter()
             .find_map_first(wrong)
@@ -68,7 +68,7 @@ impl<const D: usize> MeshShape<D> {
     }
 
     /// The tree over the surface's facets.
-    pub fn tree(&self) -> &FacetTree<D> {
+    pub fn tree(&self) -> &FacetBvh<D> {
         &self.tree
     }
 

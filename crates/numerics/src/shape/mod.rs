@@ -14,10 +14,10 @@ mod probes;
 mod sample;
 mod smooth;
 
-pub use clip::{Cut, Simplex};
+pub use clip::{ClippedMeasures, ClipSimplex};
 pub use fraction::plane_box_fraction;
 pub use mesh_shape::MeshShape;
-pub use probes::Probe;
+pub use probes::SurfaceSample;
 pub use smooth::SmoothUnion;
 
 use crate::mesh::volume::Outline;
@@ -95,7 +95,7 @@ pub enum Shape<const D: usize> {
     /// All points in any of the shapes.
     Union(Vec<Shape<D>>),
     /// Shapes that melt into each other.
-    Smooth(SmoothUnion<D>),
+    SmoothUnion(SmoothUnion<D>),
     /// All points of one shape that are not in another.
     Difference {
         /// The shape cut into.
@@ -150,10 +150,10 @@ impl<const D: usize> Shape<D> {
             }
             Self::PerturbedBall { center, radius, mode, amplitude } => {
                 let d = x - center;
-                perturbed::Outline::new::<D>(*radius, *mode, *amplitude).signed_distance(&d)
+                perturbed::PolarCurve::new::<D>(*radius, *mode, *amplitude).signed_distance(&d)
             }
             Self::Union(parts) => parts.iter().map(|s| s.signed_distance(x)).fold(f64::INFINITY, f64::min),
-            Self::Smooth(union) => union.signed_distance(x),
+            Self::SmoothUnion(union) => union.signed_distance(x),
             Self::Difference { of, minus } => of.signed_distance(x).max(-minus.signed_distance(x)),
             Self::Extrusion { outline, center, thickness, rotation } => {
                 let y = rotation.tr_mul(&(x - center));
@@ -195,7 +195,7 @@ impl<const D: usize> Shape<D> {
                 let start = (Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY));
                 parts.iter().map(Self::bounds).fold(start, |s, b| (s.0.inf(&b.0), s.1.sup(&b.1)))
             }
-            Self::Smooth(union) => union.bounds(),
+            Self::SmoothUnion(union) => union.bounds(),
             Self::Difference { of, .. } => of.bounds(),
             Self::Extrusion { outline, center, thickness, rotation } => {
                 let (lower, upper) = outline.surface().bounds();
@@ -215,10 +215,10 @@ impl<const D: usize> Shape<D> {
         match self {
             Self::Ball { radius, .. } => Some(ball * power(*radius)),
             Self::Box { half_size, .. } => Some(power(2.0) * half_size.product()),
-            Self::HalfSpace { .. } | Self::Smooth(_) => None,
-            Self::Cylinder { radius, height, .. } => Some(height * disc::<D>(*radius)),
+            Self::HalfSpace { .. } | Self::SmoothUnion(_) => None,
+            Self::Cylinder { radius, height, .. } => Some(height * cross_section::<D>(*radius)),
             Self::Capsule { a, b, radius } => {
-                Some(ball * power(*radius) + disc::<D>(*radius) * (b - a).norm())
+                Some(ball * power(*radius) + cross_section::<D>(*radius) * (b - a).norm())
             }
             Self::Ellipsoid { radii, .. } => Some(ball * radii.product()),
             Self::PerturbedBall { radius, mode, amplitude, .. } => {
@@ -245,7 +245,7 @@ impl<const D: usize> Shape<D> {
 }
 
 /// Measure of the cross-section of a cylinder: a disc in 3D, a width in 2D.
-fn disc<const D: usize>(radius: f64) -> f64 {
+fn cross_section<const D: usize>(radius: f64) -> f64 {
     if D == 2 { 2.0 * radius } else { PI * radius * radius }
 }
 

@@ -9,19 +9,19 @@ use crate::Vector;
 use std::f64::consts::PI;
 
 /// Most steps of Newton's iteration.
-const STEPS: usize = 40;
+const MAX_NEWTON_ITERATIONS: usize = 40;
 /// Most halvings of one of them: no angle stands after so many.
-const HALVINGS: usize = 60;
+const MAX_STEP_HALVINGS: usize = 60;
 
 /// The curve $r(\theta) = R (1 + \varepsilon\, m(\theta))$.
-pub(super) struct Outline {
+pub(super) struct PolarCurve {
     radius: f64,
     mode: u32,
     amplitude: f64,
     legendre: bool,
 }
 
-impl Outline {
+impl PolarCurve {
     /// The curve of `Shape::PerturbedBall`.
     pub fn new<const D: usize>(radius: f64, mode: u32, amplitude: f64) -> Self {
         Self { radius, mode, amplitude, legendre: D == 3 }
@@ -58,7 +58,7 @@ impl Outline {
 
     /// The smallest value of `f` near a sample: Newton's iteration, halved until it descends.
     fn refine(&self, p: [f64; 2], (mut value, mut t): (f64, f64), h: f64) -> f64 {
-        for _ in 0..STEPS {
+        for _ in 0..MAX_NEWTON_ITERATIONS {
             let [r, r1, r2] = self.derivatives(t);
             let (s, c) = t.sin_cos();
             let gap = [r * c - p[0], r * s - p[1]];
@@ -70,7 +70,7 @@ impl Outline {
             let newton = if curvature > 1e-3 * length { slope / curvature } else { slope / length };
             let mut step = newton.clamp(-h, h);
             let mut next = self.value(p, t - step);
-            for _ in 0..HALVINGS {
+            for _ in 0..MAX_STEP_HALVINGS {
                 if next <= value || step.abs() <= 1e-12 {
                     break;
                 }
@@ -99,11 +99,11 @@ impl Outline {
         if self.legendre {
             self.derivatives(t)[0]
         } else {
-            self.radius * (1.0 + self.amplitude * self.cos(t))
+            self.radius * (1.0 + self.amplitude * self.mode_cosine(t))
         }
     }
 
-    fn cos(&self, t: f64) -> f64 {
+    fn mode_cosine(&self, t: f64) -> f64 {
         (f64::from(self.mode) * t).cos()
     }
 
@@ -115,7 +115,7 @@ impl Outline {
             [p, -s * p1, s * s * p2 - c * p1]
         } else {
             let n = f64::from(self.mode);
-            [self.cos(t), -n * (n * t).sin(), -n * n * self.cos(t)]
+            [self.mode_cosine(t), -n * (n * t).sin(), -n * n * self.mode_cosine(t)]
         };
         let scale = self.radius * self.amplitude;
         [self.radius + scale * m[0], scale * m[1], scale * m[2]]

@@ -10,9 +10,9 @@ use std::f64::consts::PI;
 
 /// A point with a ball around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Probe<const D: usize> {
+pub struct SurfaceSample<const D: usize> {
     /// Where it is, m.
-    pub at: Vector<D>,
+    pub position: Vector<D>,
     /// Radius of the ball, m; zero for a point of the surface.
     pub radius: f64,
     /// Whether it is a point of a sharp edge or corner.
@@ -20,29 +20,29 @@ pub struct Probe<const D: usize> {
 }
 
 /// Slope of the distance, by differences across a point of the surface, below which the surface has an edge there.
-const SHARP: f64 = 0.97;
+const MIN_SMOOTH_GRADIENT_NORM: f64 = 0.97;
 
 /// Steps that bring a point to a rim.
-const SLIDES: usize = 12;
+const RIM_PROJECTION_ITERATIONS: usize = 12;
 
 impl<const D: usize> Shape<D> {
     /// Probes of its surface at most `edge` (m) apart. None of a half space: what meets one must be probed itself.
-    pub fn probes(&self, edge: f64) -> Vec<Probe<D>> {
+    pub fn surface_samples(&self, edge: f64) -> Vec<SurfaceSample<D>> {
         match self {
-            Self::Ball { center, radius } => vec![Probe { at: *center, radius: *radius, sharp: false }],
+            Self::Ball { center, radius } => vec![SurfaceSample { position: *center, radius: *radius, sharp: false }],
             Self::Capsule { a, b, radius } => {
                 let n = ((b - a).norm() / edge).ceil().max(1.0);
                 (0..=n as usize)
-                    .map(|i| Probe { at: a + (b - a) * (i as f64 / n), radius: *radius, sharp: false })
+                    .map(|i| SurfaceSample { position: a + (b - a) * (i as f64 / n), radius: *radius, sharp: false })
                     .collect()
             }
             Self::Union(parts) => {
-                let outside = |p: &Probe<D>| p.radius > 0.0 || self.signed_distance(&p.at) > -1e-6 * edge;
-                parts.iter().flat_map(|part| part.probes(edge)).filter(outside).collect()
+                let outside = |p: &SurfaceSample<D>| p.radius > 0.0 || self.signed_distance(&p.position) > -1e-6 * edge;
+                parts.iter().flat_map(|part| part.surface_samples(edge)).filter(outside).collect()
             }
             other => {
-                let sharp = |x: &Vector<D>| other.slope(x, 0.2 * edge).norm() < SHARP;
-                let probe = |at| Probe { at, radius: 0.0, sharp: sharp(&at) };
+                let sharp = |x: &Vector<D>| other.gradient(x, 0.2 * edge).norm() < MIN_SMOOTH_GRADIENT_NORM;
+                let probe = |position| SurfaceSample { position, radius: 0.0, sharp: sharp(&position) };
                 other.surface_points(edge).into_iter().map(probe).collect()
             }
         }
@@ -54,7 +54,7 @@ impl<const D: usize> Shape<D> {
             Self::Ball { .. } | Self::Box { .. } | Self::HalfSpace { .. } => true,
             Self::Cylinder { .. } | Self::Capsule { .. } | Self::Ellipsoid { .. } => true,
             Self::PerturbedBall { .. } | Self::Extrusion { .. } | Self::Mesh(_) => false,
-            Self::Difference { .. } | Self::Smooth(_) => false,
+            Self::Difference { .. } | Self::SmoothUnion(_) => false,
             Self::Union(parts) => parts.len() == 1 && parts[0].is_convex(),
         }
     }
@@ -69,10 +69,10 @@ impl<const D: usize> Shape<D> {
 
     /// Direction in which the signed distance grows, by differences over `step` (m); nothing where it has none.
     pub fn normal(&self, x: &Vector<D>, step: f64) -> Vector<D> {
-        self.slope(x, step).try_normalize(0.0).unwrap_or(Vector::zeros())
+        self.gradient(x, step).try_normalize(0.0).unwrap_or(Vector::zeros())
     }
 
-    fn slope(&self, x: &Vector<D>, step: f64) -> Vector<D> {
+    fn gradient(&self, x: &Vector<D>, step: f64) -> Vector<D> {
         Vector::from_fn(|a, _| {
             let by = Vector::<D>::from_fn(|b, _| if a == b { step } else { 0.0 });
             (self.signed_distance(&(x + by)) - self.signed_distance(&(x - by))) / (2.0 * step)
@@ -89,7 +89,7 @@ impl<const D: usize> Shape<D> {
                 all.into_iter().map(|x| center + rotation * x).collect()
             }
             Self::Cylinder { center, axis, radius, height } => {
-                let frame = frame(&unit(axis));
+                let frame = rotation_to(&unit(axis));
                 let all = cylinder_points(*radius, 0.5 * height, edge);
                 all.into_iter().map(|x| center + frame * x).collect()
             }
@@ -101,7 +101,7 @@ impl<const D: usize> Shape<D> {
             Self::Difference { of, minus } => {
                 let mut points = of.surface_points(edge);
                 let near = points.iter().filter(|x| minus.signed_distance(x).abs() < edge);
-                let rim: Vec<_> = near.map(|x| slide(x, of, minus, edge)).collect();
+                let rim: Vec<_> = near.map(|x| project_onto_rim(x, of, minus, edge)).collect();
                 points.extend(minus.surface_points(edge));
                 points.extend(rim);
                 points.into_iter().filter(|x| self.signed_distance(x).abs() < close).collect()
@@ -122,16 +122,16 @@ impl<const D: usize> Shape<D> {
             *value = self.signed_distance(&(corner + grid.center(lattice.coordinates(i))));
         });
         let inside = Tiles::all(grid).negative_runs(&field.data);
-        let net = crate::mesh::extract(&field, &inside).mesh.positions;
+        let net = crate::mesh::extract_isosurface(&field, &inside).mesh.positions;
         let onto = |x: Vector<D>| x - self.normal(&x, 1e-4 * edge) * self.signed_distance(&x);
         net.into_iter().map(|x| onto(onto(x + corner))).collect()
     }
 }
 
 /// A point moved to where two surfaces meet, by turns onto the one and the other.
-fn slide<const D: usize>(x: &Vector<D>, one: &Shape<D>, other: &Shape<D>, edge: f64) -> Vector<D> {
+fn project_onto_rim<const D: usize>(x: &Vector<D>, one: &Shape<D>, other: &Shape<D>, edge: f64) -> Vector<D> {
     let mut x = *x;
-    for _ in 0..SLIDES {
+    for _ in 0..RIM_PROJECTION_ITERATIONS {
         for shape in [other, one] {
             x -= shape.normal(&x, 1e-4 * edge) * shape.signed_distance(&x);
         }
@@ -181,7 +181,7 @@ fn cylinder_points<const D: usize>(radius: f64, half: f64, edge: f64) -> Vec<Vec
 }
 
 /// A rotation that takes the last axis to a direction.
-fn frame<const D: usize>(to: &Vector<D>) -> Matrix<D> {
+fn rotation_to<const D: usize>(to: &Vector<D>) -> Matrix<D> {
     let mut columns = vec![*to];
     for a in 0..D {
         let mut e = Vector::<D>::from_fn(|b, _| if a == b { 1.0 } else { 0.0 });
@@ -218,8 +218,8 @@ mod tests {
     use super::*;
     use std::sync::Arc;
 
-    fn nearest<const D: usize>(probes: &[Probe<D>], x: &Vector<D>) -> f64 {
-        probes.iter().map(|p| (p.at - x).norm()).fold(f64::INFINITY, f64::min)
+    fn nearest<const D: usize>(probes: &[SurfaceSample<D>], x: &Vector<D>) -> f64 {
+        probes.iter().map(|p| (p.position - x).norm()).fold(f64::INFINITY, f64::min)
     }
 
     fn turned() -> Matrix<3> {
@@ -238,26 +238,26 @@ mod tests {
         let cut = Shape::Difference { of: Box::new(block.clone()), minus: Box::new(ball.clone()) };
         let both = Shape::Union(vec![cylinder.clone(), ellipsoid.clone(), ball]);
         for shape in [&block, &cylinder, &ellipsoid, &cut, &both] {
-            let probes = shape.probes(0.05);
+            let probes = shape.surface_samples(0.05);
             assert!(probes.len() > 100);
             for p in &probes {
-                let distance = shape.signed_distance(&p.at) + p.radius;
+                let distance = shape.signed_distance(&p.position) + p.radius;
                 assert!(distance.abs() < 1e-6 || p.radius > 0.0, "{shape:?}: {distance}");
             }
         }
         let corner = center + turned() * half_size;
-        assert!(nearest(&block.probes(0.05), &corner) < 1e-12);
+        assert!(nearest(&block.surface_samples(0.05), &corner) < 1e-12);
         // A point of the rim that the ball cuts into the box' face.
-        let rim = cut.probes(0.05);
+        let rim = cut.surface_samples(0.05);
         let (one, other) = (&block, &Shape::Ball { center: Vector::<3>::new(0.4, 0.1, -0.1), radius: 0.3 });
-        let on = |p: &&Probe<3>| {
-            one.signed_distance(&p.at).abs() < 1e-6 && other.signed_distance(&p.at).abs() < 1e-6
+        let on = |p: &&SurfaceSample<3>| {
+            one.signed_distance(&p.position).abs() < 1e-6 && other.signed_distance(&p.position).abs() < 1e-6
         };
         assert!(rim.iter().filter(on).count() > 20);
         assert!(block.is_convex() && !both.is_convex() && !cut.is_convex());
-        let edges = block.probes(0.05).into_iter().filter(|p| p.sharp);
-        let off = |p: &Probe<3>| (turned().tr_mul(&(p.at - center)).abs() - half_size).abs();
-        let ends = |p: Probe<3>| off(&p).iter().filter(|d| **d < 1e-9).count();
+        let edges = block.surface_samples(0.05).into_iter().filter(|p| p.sharp);
+        let off = |p: &SurfaceSample<3>| (turned().tr_mul(&(p.position - center)).abs() - half_size).abs();
+        let ends = |p: SurfaceSample<3>| off(&p).iter().filter(|d| **d < 1e-9).count();
         assert!(edges.map(ends).all(|n| n >= 2));
     }
 
@@ -265,8 +265,8 @@ mod tests {
     fn probes_leave_no_gap() {
         let axis = Vector::<3>::new(0.2, 1.0, 0.4);
         let cylinder = Shape::Cylinder { center: Vector::<3>::zeros(), axis, radius: 0.25, height: 0.4 };
-        let probes = cylinder.probes(0.05);
-        let frame = frame(&axis.normalize());
+        let probes = cylinder.surface_samples(0.05);
+        let frame = rotation_to(&axis.normalize());
         for i in 0..200 {
             let (s, c) = (f64::from(i) * 0.37).sin_cos();
             let z = 0.2 * (f64::from(i) * 1.7).sin();
@@ -280,7 +280,7 @@ mod tests {
             height: 0.4,
         };
         let corner = Vector::<2>::new(0.3, 0.1) / 2.0f64.sqrt();
-        assert!(nearest(&flat.probes(0.05), &corner) < 1e-12);
+        assert!(nearest(&flat.surface_samples(0.05), &corner) < 1e-12);
     }
 
     #[test]
@@ -290,12 +290,12 @@ mod tests {
         let facets = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
         let mesh = MeshShape::new(crate::mesh::SurfaceMesh { positions, facets });
         let shape = Shape::Mesh(Arc::new(mesh));
-        let probes = shape.probes(0.1);
-        assert!(probes.iter().all(|p| shape.signed_distance(&p.at).abs() < 1e-12));
+        let probes = shape.surface_samples(0.1);
+        assert!(probes.iter().all(|p| shape.signed_distance(&p.position).abs() < 1e-12));
         assert!(nearest(&probes, &Vector::<3>::new(0.3, 0.3, 0.4)) < 0.1);
         let (a, b) = (Vector::<2>::new(0.1, 0.2), Vector::<2>::new(0.7, 0.2));
-        let capsule = Shape::Capsule { a, b, radius: 0.2 }.probes(0.25);
+        let capsule = Shape::Capsule { a, b, radius: 0.2 }.surface_samples(0.25);
         assert_eq!(capsule.len(), 4);
-        assert_eq!((capsule[3].at, capsule[3].radius), (b, 0.2));
+        assert_eq!((capsule[3].position, capsule[3].radius), (b, 0.2));
     }
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 impl<const D: usize> Shape<D> {
     /// The signed distance (m, negative inside) at the centre of each cell.
-    pub fn sample(&self, grid: Grid<D>) -> CellField<D> {
+    pub fn signed_distance_field(&self, grid: Grid<D>) -> CellField<D> {
         let mut field = CellField::new(grid, 0.0);
         let lattice = grid.lattice();
         field.data.par_chunks_mut(grid.cells[0]).enumerate().for_each(|(row, out)| {
@@ -59,7 +59,7 @@ fn mesh_row<const D: usize>(mesh: &MeshShape<D>, at: impl Fn(usize) -> Vector<D>
         let inside =
             if last.is_finite() && last.abs() > 1.0001 * dx { last < 0.0 } else { tree.contains(&x) };
         let within = foot.map_or(f64::INFINITY, |p| (p - x).norm() * (1.0 + 1e-12));
-        if let Some(near) = tree.closest(&x, within) {
+        if let Some(near) = tree.closest_point(&x, within) {
             foot = Some(near.point);
         }
         let distance = foot.map_or(f64::INFINITY, |p| (p - x).norm());

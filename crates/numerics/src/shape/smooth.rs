@@ -14,15 +14,15 @@ pub struct SmoothUnion<const D: usize> {
     /// The parts.
     pub parts: Vec<Shape<D>>,
     /// The width `k` of the fillets, m; 0 for a plain union.
-    pub width: f64,
+    pub fillet_width: f64,
 }
 
 impl<const D: usize> SmoothUnion<D> {
     /// A function that is negative inside, near the surface a distance, m. Infinite without parts.
     pub fn signed_distance(&self, x: &Vector<D>) -> f64 {
         let join = |a: f64, b: f64| {
-            let h = self.width - (a - b).abs();
-            a.min(b) - if h > 0.0 { h * h / (4.0 * self.width) } else { 0.0 }
+            let h = self.fillet_width - (a - b).abs();
+            a.min(b) - if h > 0.0 { h * h / (4.0 * self.fillet_width) } else { 0.0 }
         };
         self.parts.iter().map(|s| s.signed_distance(x)).fold(f64::INFINITY, join)
     }
@@ -30,7 +30,7 @@ impl<const D: usize> SmoothUnion<D> {
     /// Lower and upper corner of a box that holds it, m; not tight: fillets are taken to stick out by half their width.
     pub fn bounds(&self) -> (Vector<D>, Vector<D>) {
         let (lower, upper) = self.parts_bounds();
-        (lower.add_scalar(-0.5 * self.width), upper.add_scalar(0.5 * self.width))
+        (lower.add_scalar(-0.5 * self.fillet_width), upper.add_scalar(0.5 * self.fillet_width))
     }
 
     /// Lower and upper corner of the box around its parts without their fillets, m.
@@ -77,7 +77,7 @@ impl<const D: usize> SmoothUnion<D> {
             parts.push(capsule([0.39, 0.04 * side, 0.74], [0.42 + 0.02 * flat, 0.11 * side, 0.83], 0.024));
             parts.push(capsule([0.35, 0.05 * side, 0.71], [0.33 - 0.06 * flat, 0.15 * side, 0.70], 0.026));
         }
-        Self { parts, width: 0.06 * length }
+        Self { parts, fillet_width: 0.06 * length }
     }
 }
 
@@ -88,7 +88,7 @@ mod tests {
 
     fn joined<const D: usize>() {
         let ball = |at: f64| Shape::Ball { center: Vector::<D>::repeat(at), radius: 0.2 };
-        let pair = SmoothUnion { parts: vec![ball(0.0), ball(0.25)], width: 0.1 };
+        let pair = SmoothUnion { parts: vec![ball(0.0), ball(0.25)], fillet_width: 0.1 };
         let sharp = Shape::Union(pair.parts.clone());
         let (lower, upper) = pair.bounds();
         for k in 0..2000 {
@@ -99,7 +99,7 @@ mod tests {
         }
         let far = Vector::repeat(-1.0);
         assert_eq!(pair.signed_distance(&far), sharp.signed_distance(&far));
-        let none = SmoothUnion::<D> { parts: Vec::new(), width: 0.1 };
+        let none = SmoothUnion::<D> { parts: Vec::new(), fillet_width: 0.1 };
         assert_eq!(none.signed_distance(&far), f64::INFINITY);
     }
 

@@ -249,7 +249,7 @@ fn shape_sampled_on_a_grid() {
     let ring = Shape::Difference { of: Box::new(outline(0.3)), minus: Box::new(outline(0.2)) };
     let shape = Shape::Union(vec![ring, Shape::Ball { center: Vector::repeat(0.5), radius: 0.1 }]);
     let grid = crate::grid::Grid::<2>::new([37, 41], 0.025);
-    let field = shape.sample(grid);
+    let field = shape.signed_distance_field(grid);
     for (i, v) in field.data.iter().enumerate() {
         let exact = shape.signed_distance(&grid.center(grid.lattice().coordinates(i)));
         assert!((v - exact).abs() < 1e-14);
@@ -298,12 +298,12 @@ fn shape_speed() {
             runs.push(crate::grid::Run { row, start, end: start + 1, component: 0 });
         }
     }
-    let surface = crate::mesh::extract(&phi, &crate::grid::Runs { runs, components: 1 }).mesh;
+    let surface = crate::mesh::extract_isosurface(&phi, &crate::grid::Runs { runs, components: 1 }).mesh;
     let facets = surface.facets.len();
     let mesh = MeshShape::new(surface.transformed(1.0, &Matrix::identity(), &Vector::repeat(-1.3)));
     time(&format!("mesh of {facets} facets"), &|x| mesh.signed_distance(&x));
     let shape = Shape::Mesh(Arc::new(mesh));
     let start = std::time::Instant::now();
-    shape.sample(crate::grid::Grid::<3>::new([192; 3], 1.0 / 192.0));
+    shape.signed_distance_field(crate::grid::Grid::<3>::new([192; 3], 1.0 / 192.0));
     println!("mesh of {facets} facets sampled at 192^3 cells in {:.2} s", start.elapsed().as_secs_f64());
 }

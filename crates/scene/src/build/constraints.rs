@@ -3,12 +3,12 @@
 use super::shapes::shape;
 use crate::error::SceneError;
 use crate::file::{Domain, Moved, Scene, Solid as SolidSpec, Wall, vector};
-use meniscus_elastic::{Anchor, Motion};
+use meniscus_elastic::{Anchor, AnchorMotion};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
 
 /// How far, in edges of its mesh, a vertex may lie outside a region that holds it: on its surface it is held.
-const ON_SURFACE: f64 = 1e-6;
+const ANCHOR_TOLERANCE_EDGES: f64 = 1e-6;
 
 /// The vertices that are held, by the regions that hold them.
 ///
@@ -21,43 +21,43 @@ pub fn anchors<const D: usize>(
     spec: &SolidSpec,
     at: &dyn Fn(&str, SceneError) -> SceneError,
 ) -> Result<Vec<Anchor<D>>, SceneError> {
-    let fixed = spec.fixed.iter().enumerate().map(|(k, s)| (format!("fixed.{k}"), s, Motion::Fixed));
+    let fixed = spec.fixed.iter().enumerate().map(|(k, s)| (format!("fixed.{k}"), s, AnchorMotion::Fixed));
     let moved = spec.moved.iter().enumerate();
-    let moved = moved.map(|(k, m)| (format!("moved.{k}.shape"), &m.shape, motion(m)));
-    let mut taken: Vec<Option<usize>> = vec![None; mesh.positions.len()];
+    let moved = moved.map(|(k, m)| (format!("moved.{k}.shape"), &m.shape, prescribed_motion(m)));
+    let mut anchor_of_vertex: Vec<Option<usize>> = vec![None; mesh.positions.len()];
     let mut anchors: Vec<Anchor<D>> = Vec::new();
     for (key, region, motion) in fixed.chain(moved) {
         let region = shape::<D>(region).map_err(|e| at(&key, e))?;
-        let inside = Anchor::within(mesh, |x| region.signed_distance(x) <= ON_SURFACE * spec.mesh_edge);
+        let inside = Anchor::within(mesh, |x| region.signed_distance(x) <= ANCHOR_TOLERANCE_EDGES * spec.mesh_edge);
         let refuse = |message: &str, help: &str| Err(at(&key, SceneError::new(message).with_help(help)));
         if inside.vertices.is_empty() {
             let message = format!("this holds no vertex of the solid `{}`", spec.name);
             return refuse(&message, "make it larger, or move it onto the solid");
         }
-        let holder = |v: &u32| taken[*v as usize].map(|k| &anchors[k].motion);
-        let torn = inside.vertices.iter().filter(|v| holder(v).is_some_and(|other| *other != motion)).count();
-        if torn > 0 {
+        let holder = |v: &u32| anchor_of_vertex[*v as usize].map(|k| &anchors[k].motion);
+        let conflicting = inside.vertices.iter().filter(|v| holder(v).is_some_and(|other| *other != motion)).count();
+        if conflicting > 0 {
             let message = format!(
-                "{torn} vertices that this holds are held by a part before it, which moves otherwise"
+                "{conflicting} vertices that this holds are held by a part before it, which moves otherwise"
             );
             return refuse(&message, "let no two parts overlap that do not move alike");
         }
         let vertices: Vec<u32> =
-            inside.vertices.into_iter().filter(|v| taken[*v as usize].is_none()).collect();
+            inside.vertices.into_iter().filter(|v| anchor_of_vertex[*v as usize].is_none()).collect();
         if vertices.is_empty() {
             return refuse(
                 "what this holds is held by the parts before it already",
                 "remove it, or make it reach farther",
             );
         }
-        if let Some(time) = leaves(mesh, &vertices, &motion, &scene.domain, scene.output.duration) {
+        if let Some(time) = domain_exit_time(mesh, &vertices, &motion, &scene.domain, scene.output.duration) {
             let message = format!("this part has left the domain at {time} s, through a closed side");
             return refuse(
                 &message,
                 "move it less far, give it less time, or open the side (`domain.walls`)",
             );
         }
-        vertices.iter().for_each(|v| taken[*v as usize] = Some(anchors.len()));
+        vertices.iter().for_each(|v| anchor_of_vertex[*v as usize] = Some(anchors.len()));
         anchors.push(Anchor { vertices, motion });
     }
     Ok(anchors)
@@ -65,32 +65,32 @@ pub fn anchors<const D: usize>(
 
 /// The first of the times at which a part turns, or the end, s, at which one of its vertices is outside the domain that was
 /// inside at the start: beyond a closed side.
-fn leaves<const D: usize>(
+fn domain_exit_time<const D: usize>(
     mesh: &VolumeMesh<D>,
     vertices: &[u32],
-    motion: &Motion<D>,
+    motion: &AnchorMotion<D>,
     domain: &Domain,
     duration: f64,
 ) -> Option<f64> {
-    let turns = match motion {
-        Motion::Fixed => return None,
-        Motion::Velocity(_) => Vec::new(),
-        Motion::Keyframes(keys) => keys.iter().map(|k| k.0).filter(|t| (0.0..duration).contains(t)).collect(),
+    let breakpoints = match motion {
+        AnchorMotion::Fixed => return None,
+        AnchorMotion::Velocity(_) => Vec::new(),
+        AnchorMotion::Keyframes(keys) => keys.iter().map(|k| k.0).filter(|t| (0.0..duration).contains(t)).collect(),
     };
     let beyond = |x: &Vector<D>| {
         let past = |a: usize| [x[a] < 0.0, x[a] > domain.size[a]];
         (0..D).any(|a| past(a).iter().zip(domain.walls[a]).any(|(past, wall)| *past && wall != Wall::Open))
     };
-    turns.into_iter().chain([duration]).find(|time| {
-        let way = motion.displacement(*time);
-        vertices.iter().map(|v| mesh.positions[*v as usize]).any(|x| !beyond(&x) && beyond(&(x + way)))
+    breakpoints.into_iter().chain([duration]).find(|time| {
+        let displacement = motion.displacement(*time);
+        vertices.iter().map(|v| mesh.positions[*v as usize]).any(|x| !beyond(&x) && beyond(&(x + displacement)))
     })
 }
 
 /// How a part that goes as told does so.
-fn motion<const D: usize>(moved: &Moved) -> Motion<D> {
+fn prescribed_motion<const D: usize>(moved: &Moved) -> AnchorMotion<D> {
     match moved.keyframes.is_empty() {
-        true => Motion::Velocity(vector(&moved.velocity)),
-        false => Motion::Keyframes(moved.keyframes.iter().map(|(time, to)| (*time, vector(to))).collect()),
+        true => AnchorMotion::Velocity(vector(&moved.velocity)),
+        false => AnchorMotion::Keyframes(moved.keyframes.iter().map(|(time, to)| (*time, vector(to))).collect()),
     }
 }

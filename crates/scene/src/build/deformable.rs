@@ -2,11 +2,11 @@
 
 use super::shapes::shape;
 use crate::error::SceneError;
-use crate::estimate::stiffness::can_follow;
+use crate::estimate::stiffness::check_stiffness;
 use crate::file::{
     Elastic as Constants, Material, Scene, ShapeSpec, Solid as SolidSpec, SolidTension, rotation, vector,
 };
-use meniscus_elastic::{Description, Elastic, ElasticError, Law, Order, SurfaceTension};
+use meniscus_elastic::{ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, ElementOrder, SurfaceTension};
 use meniscus_numerics::mesh::VolumeMesh;
 
 /// What a solid of a scene is made of if it deforms.
@@ -23,8 +23,8 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
     };
     let Some((law, damping_ratio)) = law(spec) else { return Ok(None) };
     let order = match law {
-        Law::Springs { .. } => Order::Linear,
-        Law::NeoHookean { order, .. } | Law::Corotated { order, .. } => order,
+        ConstitutiveLaw::Springs { .. } => ElementOrder::Linear,
+        ConstitutiveLaw::NeoHookean { order, .. } | ConstitutiveLaw::Corotated { order, .. } => order,
     };
     let mesh = mesh::<D>(&spec.shape, spec.mesh_edge, order).map_err(|message| {
         let error = SceneError::new(format!("the solid `{}` cannot be meshed: {message}", spec.name));
@@ -34,10 +34,10 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
         scene.source.at_value(error, &at(key))
     })?;
     let density = spec.density.unwrap_or(scene.liquid.density);
-    can_follow(scene, spec, &mesh, density)
+    check_stiffness(scene, spec, &mesh, density)
         .map_err(|error| scene.source.at_value(error, &scene.source.first_inside(&at("material"))))?;
-    let description = Description { mesh, density, law, damping_ratio, anchors };
-    let tension = own_tension(scene, spec)?;
+    let description = ElasticSpecification { mesh, density, law, damping_ratio, anchors };
+    let tension = dry_surface_tension(scene, spec)?;
     let terms = tension.map(|tension| Box::new(SurfaceTension::new(&description.mesh, tension)) as Box<_>);
     Elastic::with_terms(description, terms.into_iter().collect()).map(Some).map_err(|error| {
         let key = match error {
@@ -50,7 +50,7 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
 }
 
 /// The tension of its dry surface, N/m, where a solid feels it. Where it is wetted, liquid and line make the difference.
-fn own_tension(scene: &Scene, spec: &SolidSpec) -> Result<Option<f64>, SceneError> {
+fn dry_surface_tension(scene: &Scene, spec: &SolidSpec) -> Result<Option<f64>, SceneError> {
     if !scene.contact_line.neumann {
         return Ok(None);
     }
@@ -59,7 +59,7 @@ fn own_tension(scene: &Scene, spec: &SolidSpec) -> Result<Option<f64>, SceneErro
         Err(scene.source.at_value(SceneError::new(message).with_help(help), "contact_line.neumann"))
     };
     let own = scene.tension.solids.iter().find(|(other, _)| other == name).map(|(_, w)| w);
-    match own.map(|wetting| (&wetting.tension, wetting.is_even())) {
+    match own.map(|wetting| (&wetting.tension, wetting.is_uniform())) {
         Some((tension @ SolidTension::Energies { solid_air, .. }, true)) => {
             if tension.young_cosine(scene.tension.liquid_air).abs() <= 1.0 {
                 return Ok(Some(*solid_air));
@@ -82,15 +82,15 @@ fn own_tension(scene: &Scene, spec: &SolidSpec) -> Result<Option<f64>, SceneErro
 }
 
 /// The law of a solid that deforms, and its damping ratio.
-fn law(spec: &SolidSpec) -> Option<(Law, f64)> {
-    let order = Order::Quadratic;
+fn law(spec: &SolidSpec) -> Option<(ConstitutiveLaw, f64)> {
+    let order = ElementOrder::Quadratic;
     match spec.material {
-        Material::Springs { stiffness, damping_ratio } => Some((Law::Springs { stiffness }, damping_ratio)),
-        Material::NeoHookean(Constants { young_modulus: young, poisson_ratio: poisson, damping_ratio }) => {
-            Some((Law::NeoHookean { young, poisson, order }, damping_ratio))
+        Material::Springs { stiffness, damping_ratio } => Some((ConstitutiveLaw::Springs { stiffness }, damping_ratio)),
+        Material::NeoHookean(Constants { young_modulus, poisson_ratio, damping_ratio }) => {
+            Some((ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order }, damping_ratio))
         }
-        Material::Corotated(Constants { young_modulus: young, poisson_ratio: poisson, damping_ratio }) => {
-            Some((Law::Corotated { young, poisson, order }, damping_ratio))
+        Material::Corotated(Constants { young_modulus, poisson_ratio, damping_ratio }) => {
+            Some((ConstitutiveLaw::Corotated { young_modulus, poisson_ratio, order }, damping_ratio))
         }
         _ => None,
     }
@@ -98,10 +98,10 @@ fn law(spec: &SolidSpec) -> Option<(Law, f64)> {
 
 /// The mesh of a shape with vertices a length apart, m; the message of an error if there is none. The elements of a file are all taken
 /// over: quadratic ones have more vertices, in the middles of its edges.
-fn mesh<const D: usize>(spec: &ShapeSpec, edge: f64, order: Order) -> Result<VolumeMesh<D>, String> {
+fn mesh<const D: usize>(spec: &ShapeSpec, edge: f64, order: ElementOrder) -> Result<VolumeMesh<D>, String> {
     if spec.volume_file().is_some() {
-        let mesh = super::shapes::volume::<D>(spec)?;
-        return Ok(if order == Order::Quadratic { mesh.divided() } else { mesh });
+        let mesh = super::shapes::file_volume_mesh::<D>(spec)?;
+        return Ok(if order == ElementOrder::Quadratic { mesh.subdivided() } else { mesh });
     }
     if let ShapeSpec::Extrusion { outline, thickness, center, rotation: turned } = spec {
         let flat = crate::file::outline(outline).map_err(|e| e.to_string())?;

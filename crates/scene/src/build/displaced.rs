@@ -10,7 +10,7 @@ use super::setup::AnySetup;
 use crate::error::SceneError;
 use crate::estimate::thin_liquid::Obstacles;
 use crate::file::{Scene, ShapeSpec, Warning};
-use crate::units::{readable, readable_volume};
+use crate::units::{format_si, format_volume};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Lattice;
 use meniscus_sim::Solid;
@@ -18,13 +18,13 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 /// Samples along each axis of the box around a body, in two and in three dimensions.
-const SAMPLES: [usize; 2] = [512, 96];
+const SAMPLES_PER_AXIS: [usize; 2] = [512, 96];
 /// Depth of an overlap, in cells, by which a drop is laid on a solid.
-const LAID_ON: f64 = 1.0;
+const OVERLAP_WARNING_CELLS: f64 = 1.0;
 
 /// A body of liquid beside solids.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Displaced {
+pub struct DisplacedBody {
     /// Number of the body in the scene, from 0.
     pub body: usize,
     /// Volume inside the domain and outside the bodies before it, m³ (2D: m²), sampled.
@@ -38,10 +38,10 @@ pub struct Displaced {
 }
 
 /// All bodies of a scene, in its order.
-pub fn displaced(scene: &Scene, setup: &AnySetup) -> Vec<Displaced> {
+pub fn displaced_bodies(scene: &Scene, setup: &AnySetup) -> Vec<DisplacedBody> {
     match setup {
-        AnySetup::D2(setup) => of_setup(scene, setup),
-        AnySetup::D3(setup) => of_setup(scene, setup),
+        AnySetup::D2(setup) => displaced_bodies_of(scene, setup),
+        AnySetup::D3(setup) => displaced_bodies_of(scene, setup),
     }
 }
 
@@ -49,7 +49,7 @@ pub fn displaced(scene: &Scene, setup: &AnySetup) -> Vec<Displaced> {
 ///
 /// # Errors
 /// [`SceneError`] at a body that lies wholly inside solids.
-pub fn judge(scene: &Scene, all: &[Displaced]) -> Result<Vec<Warning>, SceneError> {
+pub fn check_displaced(scene: &Scene, all: &[DisplacedBody]) -> Result<Vec<Warning>, SceneError> {
     let mut warnings = Vec::new();
     for d in all {
         let path = format!("liquid.body.{}.shape", d.body);
@@ -60,12 +60,12 @@ pub fn judge(scene: &Scene, all: &[Displaced]) -> Result<Vec<Warning>, SceneErro
             return Err(scene.source.at_value(error, &scene.source.first_inside(&path)));
         }
         let body = &scene.liquid.bodies[d.body];
-        if is_drop(&body.shape) && !body.displaced && d.cut && d.depth > LAID_ON * scene.domain.dx {
+        if is_drop(&body.shape) && !body.displaced && d.cut && d.depth > OVERLAP_WARNING_CELLS * scene.domain.dx {
             let message = format!(
                 "this body overlaps a solid by {}: {} of it ({:.1} %) are cut off; move it, or write \
                  `displaced = true` in this body if that is meant",
-                readable(d.depth, "m"),
-                readable_volume(d.displaced, scene.domain.dimension),
+                format_si(d.depth, "m"),
+                format_volume(d.displaced, scene.domain.dimension),
                 100.0 * share
             );
             warnings.push(Warning { path, message });
@@ -78,26 +78,26 @@ fn is_drop(shape: &ShapeSpec) -> bool {
     matches!(shape, ShapeSpec::Ball { .. } | ShapeSpec::PerturbedBall { .. } | ShapeSpec::Ellipsoid { .. })
 }
 
-fn of_setup<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<Displaced> {
-    let start: Vec<_> = setup.model.solids.iter().map(Solid::start).collect();
+fn displaced_bodies_of<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<DisplacedBody> {
+    let start: Vec<_> = setup.model.solids.iter().map(Solid::initial_state).collect();
     let obstacles = Obstacles::new(&setup.model.solids, &start, scene.domain.dx);
     let immersed = |body: usize, solid: usize| {
         let [low, high] = setup.model.solids[solid].bounds(&start[solid]);
         let finite = low.iter().chain(high.iter()).all(|x| x.is_finite());
         let (solid, now) = (&setup.model.solids[solid], &start[solid]);
         finite
-            && samples(&low, &high, SAMPLES[D - 2] / 8)
+            && sample_points(&low, &high, SAMPLES_PER_AXIS[D - 2] / 8)
                 .all(|x| solid.distance(now, &x) > 0.0 || (setup.bodies[body].0)(&x) < 0.0)
     };
     let of_body = |body: usize| {
-        let [low, high] = sampled::<D>(scene, &scene.liquid.bodies[body].shape);
-        let count = SAMPLES[D - 2];
+        let [low, high] = sampling_box::<D>(scene, &scene.liquid.bodies[body].shape);
+        let count = SAMPLES_PER_AXIS[D - 2];
         let piece = (high - low).iter().map(|s| s.max(0.0)).product::<f64>() / count.pow(D as u32) as f64;
         let liquid = |x: &Vector<D>| -> Option<f64> {
             let depth = -(setup.bodies[body].0)(x);
             (depth > 0.0 && setup.bodies[..body].iter().all(|b| (b.0)(x) >= 0.0)).then_some(depth)
         };
-        let points: Vec<Vector<D>> = samples(&low, &high, count).collect();
+        let points: Vec<Vector<D>> = sample_points(&low, &high, count).collect();
         // Depth in the body and the nearest solid with the distance to it, of each point that is liquid.
         let found: Vec<Option<(usize, f64)>> = points
             .par_iter()
@@ -111,7 +111,7 @@ fn of_setup<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<Displaced> {
         let mut solids: Vec<usize> = inside.iter().map(|i| i.0).collect();
         solids.sort_unstable();
         solids.dedup();
-        Displaced {
+        DisplacedBody {
             body,
             volume: found.len() as f64 * piece,
             displaced: inside.len() as f64 * piece,
@@ -123,7 +123,7 @@ fn of_setup<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<Displaced> {
 }
 
 /// The box around a body inside the domain.
-fn sampled<const D: usize>(scene: &Scene, shape: &ShapeSpec) -> [Vector<D>; 2] {
+fn sampling_box<const D: usize>(scene: &Scene, shape: &ShapeSpec) -> [Vector<D>; 2] {
     let size = Vector::<D>::from_fn(|a, _| scene.domain.size[a]);
     let Some((low, high)) = shape.bounds(D) else { return [Vector::zeros(), size] };
     let corner = |x: &[f64]| Vector::<D>::from_fn(|a, _| x[a].clamp(0.0, size[a]));
@@ -131,7 +131,7 @@ fn sampled<const D: usize>(scene: &Scene, shape: &ShapeSpec) -> [Vector<D>; 2] {
 }
 
 /// Middles of `count` by `count` (by `count`) equal parts of a box.
-fn samples<const D: usize>(
+fn sample_points<const D: usize>(
     low: &Vector<D>,
     high: &Vector<D>,
     count: usize,

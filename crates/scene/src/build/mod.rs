@@ -10,5 +10,5 @@ mod thickness;
 mod wettability;
 
 pub use setup::{AnySetup, AnySimulation, model, setup};
-pub use shapes::region;
-pub use start::{Region, Setup};
+pub use shapes::signed_distance_fn;
+pub use start::{SignedDistanceFn, Setup};

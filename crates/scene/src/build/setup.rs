@@ -1,12 +1,12 @@
 //! From a resolved scene to a simulation: the one place where the dimension is chosen at run time.
 
 use super::Setup;
-use super::shapes::{region, shape};
-use super::thickness::thick_enough;
+use super::shapes::{signed_distance_fn, shape};
+use super::thickness::pad_thin_solids;
 use crate::error::SceneError;
 use crate::estimate::parameters::parameters;
-use crate::file::{Material, Scene, ShapeSpec, Solid as SolidSpec, Wall, outside, vector};
-use crate::job::{Existing, Job, Schedule, Stop};
+use crate::file::{Material, Scene, ShapeSpec, Solid as SolidSpec, Wall, describe_outside, vector};
+use crate::job::{ExistingRun, Job, Schedule, Stop};
 use crate::output::Folder;
 use crate::run::Observer;
 use crate::run::checkpoint::Checksum;
@@ -14,7 +14,7 @@ use crate::run::{self, Outcome, RunError};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Motion, Numerics, Path, Simulation, Solid};
+use meniscus_sim::{Model, Motion, Numerics, PrescribedMotion, Simulation, Solid};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -63,7 +63,7 @@ impl AnySetup {
         &self,
         job: &Job,
         folder: &Folder,
-        existing: Existing,
+        existing: ExistingRun,
         stop: &(dyn Fn() -> Option<Stop> + Sync),
         observer: &mut dyn Observer,
     ) -> Result<Outcome, RunError> {
@@ -135,18 +135,18 @@ fn files(scene: &Scene) -> Vec<PathBuf> {
 /// # Errors
 /// [`SceneError`] for a shape that cannot be made.
 pub fn setup<const D: usize>(scene: &Scene) -> Result<Setup<D>, SceneError> {
-    let bodies = scene.liquid.bodies.iter().map(|b| Ok((region(&b.shape)?, vector(&b.velocity))));
+    let bodies = scene.liquid.bodies.iter().map(|b| Ok((signed_distance_fn(&b.shape)?, vector(&b.velocity))));
     let solids = scene.solids.iter().map(|s| solid(scene, s)).collect::<Result<_, _>>()?;
     let bodies = bodies.collect::<Result<_, SceneError>>()?;
     let model = Model { solids, ..model(scene) };
-    apart(scene, &model)?;
-    let model = Model { solids: thick_enough(scene, &model)?, ..model };
+    check_solids_apart(scene, &model)?;
+    let model = Model { solids: pad_thin_solids(scene, &model)?, ..model };
     let model = model.with_open_sides();
-    Ok(Setup { model: if scene.walls_wet() { wet(scene, model) } else { model }, bodies })
+    Ok(Setup { model: if scene.has_wetting_walls() { with_wetting_domain_walls(scene, model) } else { model }, bodies })
 }
 
 /// The model with walls that wet.
-fn wet<const D: usize>(scene: &Scene, model: Model<D>) -> Model<D> {
+fn with_wetting_domain_walls<const D: usize>(scene: &Scene, model: Model<D>) -> Model<D> {
     let (cosine, line) = (scene.domain.wall_contact_angle.cos(), &scene.contact_line);
     model.with_wetting_walls(
         cosine,
@@ -156,17 +156,17 @@ fn wet<const D: usize>(scene: &Scene, model: Model<D>) -> Model<D> {
 }
 
 /// Depth of an overlap, in cells, that is rounding of the numbers in a scene; surfaces with a gap up to this touch.
-const ROUNDING: f64 = 0.01;
+const CONTACT_TOLERANCE_CELLS: f64 = 0.01;
 
 /// Refuses a solid from a mesh file that reaches beyond the domain; of others the scene alone tells.
-fn mesh_inside<const D: usize>(scene: &Scene, spec: &SolidSpec, shape: &Shape<D>) -> Result<(), SceneError> {
+fn check_mesh_inside_domain<const D: usize>(scene: &Scene, spec: &SolidSpec, shape: &Shape<D>) -> Result<(), SceneError> {
     if spec.shape.bounds(D).is_some() {
         return Ok(());
     }
     let list = |v: Vector<D>| v.iter().copied().collect::<Vec<f64>>();
     let (lower, upper) = shape.bounds();
     let bounds = (list(lower), list(upper));
-    let Some((reach, help)) = outside(&bounds, &scene.domain.size, 1e-6 * scene.domain.dx) else {
+    let Some((reach, help)) = describe_outside(&bounds, &scene.domain.size, 1e-6 * scene.domain.dx) else {
         return Ok(());
     };
     let error = SceneError::new(format!("the solid `{}` is outside the domain: it {reach}", spec.name))
@@ -178,7 +178,7 @@ fn mesh_inside<const D: usize>(scene: &Scene, spec: &SolidSpec, shape: &Shape<D>
 }
 
 /// Refuses solids that could not move as they should: such without bounds, and those that overlap where they start.
-fn apart<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneError> {
+fn check_solids_apart<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneError> {
     let at = |i: usize, key: &str| format!("solid.{i}.{key}");
     let name = |i: usize| &scene.solids[i].name;
     let free = |s: &SolidSpec| matches!(s.material, Material::Rigid { fixed: false });
@@ -189,11 +189,11 @@ fn apart<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneErr
             return Err(scene.source.at_value(error.with_help(help), &at(i, "material")));
         }
     }
-    let start: Vec<_> = model.solids.iter().map(Solid::start).collect();
+    let start: Vec<_> = model.solids.iter().map(Solid::initial_state).collect();
     let all = meniscus_sim::overlaps(model, &start);
     let deepest = all.into_iter().max_by(|a, b| a.2.total_cmp(&b.2));
-    let Some((i, other, depth)) = deepest.filter(|o| o.2 > ROUNDING * model.grid.dx) else {
-        return gaps(scene, model);
+    let Some((i, other, depth)) = deepest.filter(|o| o.2 > CONTACT_TOLERANCE_CELLS * model.grid.dx) else {
+        return check_initial_gaps(scene, model);
     };
     // The later one in the file is the one to mend.
     let (i, other) = other.map_or((i, None), |j| (i.max(j), Some(i.min(j))));
@@ -204,15 +204,15 @@ fn apart<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneErr
 }
 
 /// Refuses surfaces of solids that deform which touch where they start: the barrier between them would be infinite.
-fn gaps<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneError> {
+fn check_initial_gaps<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneError> {
     let dx = model.grid.dx;
-    let narrowest = meniscus_sim::narrowest_gap(model).filter(|gap| gap.2 <= ROUNDING * dx);
+    let narrowest = meniscus_sim::narrowest_initial_gap(model).filter(|gap| gap.2 <= CONTACT_TOLERANCE_CELLS * dx);
     let Some((i, j, _)) = narrowest else { return Ok(()) };
     let (i, j) = (i.max(j), i.min(j));
     let name = |i: usize| &scene.solids[i].name;
     let other = if i == j { "itself".to_owned() } else { format!("the solid `{}`", name(j)) };
     let error = SceneError::new(format!("the solid `{}`, which deforms, touches {other}", name(i)));
-    let help = format!("leave a gap of {:.1e} m or more", 2.0 * ROUNDING * dx);
+    let help = format!("leave a gap of {:.1e} m or more", 2.0 * CONTACT_TOLERANCE_CELLS * dx);
     Err(scene.source.at_value(error.with_help(help), &scene.source.first_inside(&format!("solid.{i}.shape"))))
 }
 
@@ -251,14 +251,14 @@ pub fn model<const D: usize>(scene: &Scene) -> Model<D> {
 /// A solid of a scene.
 fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, SceneError> {
     let shape = shape(&spec.shape);
-    shape.iter().try_for_each(|shape| mesh_inside(scene, spec, shape))?;
+    shape.iter().try_for_each(|shape| check_mesh_inside_domain(scene, spec, shape))?;
     let motion = match &spec.material {
         Material::Kinematic { velocity, angular_velocity, keyframes } => {
-            let mut spin = [0.0; 3];
+            let mut angular_velocity_3d = [0.0; 3];
             let first = 3 - angular_velocity.len().min(3);
-            spin[first..].copy_from_slice(&angular_velocity[..3 - first]);
+            angular_velocity_3d[first..].copy_from_slice(&angular_velocity[..3 - first]);
             let keyframes = keyframes.iter().map(|(time, to)| (*time, vector(to))).collect();
-            Motion::Given(Path { velocity: vector(velocity), spin, keyframes })
+            Motion::Prescribed(PrescribedMotion { velocity: vector(velocity), angular_velocity: angular_velocity_3d, keyframes })
         }
         Material::Rigid { fixed: false } => Motion::Free,
         _ => match super::deformable::elastic(scene, spec)? {
@@ -267,7 +267,7 @@ fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, Sc
         },
     };
     let mut solid = Solid::new(shape?, motion, spec.density.unwrap_or(scene.liquid.density));
-    solid.velocity = vector(&spec.velocity);
+    solid.initial_velocity = vector(&spec.velocity);
     let tension = scene.tension.solids.iter().find(|(name, _)| *name == spec.name);
     (solid.restitution, solid.friction) = (spec.restitution, spec.friction);
     if !scene.contact_line.enabled {
@@ -277,7 +277,7 @@ fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, Sc
     solid.line_friction = own.map_or(scene.contact_line.friction, |(_, friction)| *friction);
     solid.hysteresis = scene.contact_line.hysteresis.as_ref().map(super::wettability::hysteresis);
     if let Some((_, wetting)) = tension {
-        solid.cosine = wetting.tension.young_cosine(scene.tension.liquid_air);
+        solid.young_cosine = wetting.tension.young_cosine(scene.tension.liquid_air);
         solid.pattern = super::wettability::layers(scene, &spec.name, wetting)?;
     }
     Ok(solid)

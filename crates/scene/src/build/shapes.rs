@@ -1,6 +1,6 @@
 //! Shapes of a resolved scene as signed distances, and the meshes of those that come from files.
 
-use super::Region;
+use super::SignedDistanceFn;
 use crate::error::SceneError;
 use crate::file::{ShapeSpec, outline, rotation, vector};
 use meniscus_numerics::Vector;
@@ -13,21 +13,21 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// [`SceneError`] for a shape that cannot be made.
-pub fn region<const D: usize>(spec: &ShapeSpec) -> Result<Region<D>, SceneError> {
+pub fn signed_distance_fn<const D: usize>(spec: &ShapeSpec) -> Result<SignedDistanceFn<D>, SceneError> {
     match spec {
         ShapeSpec::Union(parts) => {
-            let parts: Vec<Region<D>> = parts.iter().map(region).collect::<Result<_, _>>()?;
+            let parts: Vec<SignedDistanceFn<D>> = parts.iter().map(signed_distance_fn).collect::<Result<_, _>>()?;
             Ok(Arc::new(move |x| parts.iter().map(|part| part(x)).fold(f64::INFINITY, f64::min)))
         }
         ShapeSpec::Difference { of, minus } => {
-            let (of, minus) = (region::<D>(of)?, region::<D>(minus)?);
+            let (of, minus) = (signed_distance_fn::<D>(of)?, signed_distance_fn::<D>(minus)?);
             Ok(Arc::new(move |x| of(x).max(-minus(x))))
         }
         ShapeSpec::Wave { level, amplitude, wavelength, phase } => {
             let wave = Wave {
                 level: *level,
                 amplitude: *amplitude,
-                number: 2.0 * std::f64::consts::PI / wavelength,
+                wavenumber: 2.0 * std::f64::consts::PI / wavelength,
                 phase: *phase,
             };
             Ok(Arc::new(move |x: &Vector<D>| wave.signed_distance(x[0], x[D - 1])))
@@ -66,15 +66,15 @@ pub(crate) fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneE
         ShapeSpec::Difference { of, minus } => {
             Shape::Difference { of: Box::new(shape(of)?), minus: Box::new(shape(minus)?) }
         }
-        ShapeSpec::SmoothUnion { parts, width } => Shape::Smooth(SmoothUnion {
+        ShapeSpec::SmoothUnion { parts, width } => Shape::SmoothUnion(SmoothUnion {
             parts: parts.iter().map(shape).collect::<Result<_, _>>()?,
-            width: *width,
+            fillet_width: *width,
         }),
         ShapeSpec::Cow { at, length, rotation: turned } => {
-            Shape::Smooth(SmoothUnion::cow(*length, &vector(at), &rotation(turned)))
+            Shape::SmoothUnion(SmoothUnion::cow(*length, &vector(at), &rotation(turned)))
         }
         ShapeSpec::Mesh { .. } if spec.volume_file().is_some() => {
-            let (surface, _) = volume::<D>(spec).map_err(SceneError::new)?.surface();
+            let (surface, _) = file_volume_mesh::<D>(spec).map_err(SceneError::new)?.surface();
             Shape::Mesh(Arc::new(MeshShape::new(surface)))
         }
         ShapeSpec::Mesh { path, scale, translate, rotation: turned } => {
@@ -96,20 +96,20 @@ pub(crate) fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneE
 }
 
 /// The elements of a mesh file that holds a volume, where the scene has them; the message of an error if there are none.
-pub(crate) fn volume<const D: usize>(spec: &ShapeSpec) -> Result<VolumeMesh<D>, String> {
+pub(crate) fn file_volume_mesh<const D: usize>(spec: &ShapeSpec) -> Result<VolumeMesh<D>, String> {
     let ShapeSpec::Mesh { path, scale, translate, rotation: turned } = spec else {
         return Err("this shape has no elements of its own".to_owned());
     };
     let mut mesh = crate::file::read_mesh_file(path, read::load::<D>)?;
     mesh.positions.iter_mut().for_each(|x| *x *= *scale);
-    Ok(mesh.moved(&rotation(turned), &vector(translate)))
+    Ok(mesh.transformed(&rotation(turned), &vector(translate)))
 }
 
 /// `level + amplitude cos(number x + phase)`.
 struct Wave {
     level: f64,
     amplitude: f64,
-    number: f64,
+    wavenumber: f64,
     phase: f64,
 }
 
@@ -117,9 +117,9 @@ impl Wave {
     /// Distance to the nearest point of the curve by Newton's method from the point above or below, negative under it.
     fn signed_distance(&self, x: f64, y: f64) -> f64 {
         let height = |s: f64| {
-            let (sin, cos) = (self.number * s + self.phase).sin_cos();
+            let (sin, cos) = (self.wavenumber * s + self.phase).sin_cos();
             let a = self.amplitude;
-            (self.level + a * cos, -a * self.number * sin, -a * self.number * self.number * cos)
+            (self.level + a * cos, -a * self.wavenumber * sin, -a * self.wavenumber * self.wavenumber * cos)
         };
         let mut s = x;
         for _ in 0..20 {
@@ -139,7 +139,7 @@ mod tests {
     #[test]
     fn distance_to_a_wave() {
         let spec = ShapeSpec::Wave { level: 1.0, amplitude: 0.05, wavelength: 1.0, phase: 0.3 };
-        let region = region::<2>(&spec).unwrap();
+        let region = signed_distance_fn::<2>(&spec).unwrap();
         let curve = |s: f64| 1.0 + 0.05 * (2.0 * std::f64::consts::PI * s + 0.3).cos();
         for (x, y) in [(0.2, 1.3), (0.7, 0.8), (0.5, 1.0), (0.0, 0.5)] {
             let nearest = (-2000..3000).map(|i| f64::from(i) * 1e-3).map(|s| (s - x).hypot(curve(s) - y));

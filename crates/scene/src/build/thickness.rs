@@ -4,45 +4,45 @@ use crate::error::SceneError;
 use crate::file::{Scene, Solid as SolidSpec};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::SurfaceMesh;
-use meniscus_sim::{LineTracker, Model, Solid, THINNEST};
+use meniscus_sim::{LineTracker, Model, Solid, MIN_PLATE_THICKNESS_CELLS};
 
 /// Part of a solid's surface behind which it may be thinner than a cell: sharp rims.
-const RIMS: f64 = 0.1;
+const MAX_THIN_SHARE: f64 = 0.1;
 /// Part of a plate's surface behind which it is thin; what has thin limbs only is left as it is.
-const MOST: f64 = 0.5;
+const MIN_PLATE_SHARE: f64 = 0.5;
 /// Fewest cells through a solid that deforms and has liquid on both sides.
-const LEAST_SOFT: f64 = 1.5;
+const MIN_SOFT_THICKNESS_CELLS: f64 = 1.5;
 /// Part of a thickness that is rounding.
-const ROUNDING: f64 = 1e-6;
+const RELATIVE_ROUNDING: f64 = 1e-6;
 /// Places at which a thickness is looked for.
-const SAMPLES: u32 = 100;
+const SAMPLES_PER_THICKNESS: u32 = 100;
 
 /// Refuses solids with walls thinner than a cell: no cell's centre need lie in them, and liquid would pass. Those that deform
 /// need [`LEAST_SOFT`] cells. Gives back the solids, padded where they have less than the liquid needs ([`Solid::padded`]).
 ///
 /// # Errors
 /// [`SceneError`] at the solid's shape.
-pub fn thick_enough<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<Vec<Solid<D>>, SceneError> {
+pub fn pad_thin_solids<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<Vec<Solid<D>>, SceneError> {
     let edges: Vec<f64> = scene.solids.iter().map(|s| s.mesh_edge.max(0.5 * scene.domain.dx)).collect();
     let surfaces = LineTracker::new(model, &edges);
-    let start: Vec<_> = model.solids.iter().map(Solid::start).collect();
+    let start: Vec<_> = model.solids.iter().map(Solid::initial_state).collect();
     let dx = scene.domain.dx;
-    let mut seen = Vec::new();
+    let mut padded = Vec::new();
     for (i, solid) in scene.solids.iter().enumerate() {
         let inside = |x: &Vector<D>| model.solids[i].distance(&start[i], x) < 0.0;
         let soft = model.solids[i].elastic().is_some();
-        let least = if soft { LEAST_SOFT * (1.0 - ROUNDING) } else { 1.0 };
+        let min_cells = if soft { MIN_SOFT_THICKNESS_CELLS * (1.0 - RELATIVE_ROUNDING) } else { 1.0 };
         let surface = surfaces.surface(model, &start, i);
-        let thin = thin_part(&surface, least * dx, &inside);
-        if thin <= RIMS {
-            let is_plate = thin_part(&surface, THINNEST * dx, &inside) > MOST;
+        let thin = thin_share(&surface, min_cells * dx, &inside);
+        if thin <= MAX_THIN_SHARE {
+            let is_plate = thin_share(&surface, MIN_PLATE_THICKNESS_CELLS * dx, &inside) > MIN_PLATE_SHARE;
             let thickness =
-                if is_plate { thickness(&surface, THINNEST * dx, &inside) } else { f64::INFINITY };
-            seen.push(model.solids[i].clone().padded(thickness, dx));
+                if is_plate { mean_thickness(&surface, MIN_PLATE_THICKNESS_CELLS * dx, &inside) } else { f64::INFINITY };
+            padded.push(model.solids[i].clone().padded(thickness, dx));
             continue;
         }
         let error = match soft {
-            true => too_thin(scene, solid, thin, thickness(&surface, least * dx, &inside)),
+            true => too_thin_error(scene, solid, thin, mean_thickness(&surface, min_cells * dx, &inside)),
             false => SceneError::new(format!(
                 "the solid `{}` is thinner than a cell ({dx:.3e} m) behind {:.0} % of its surface: liquid would pass",
                 solid.name,
@@ -52,31 +52,31 @@ pub fn thick_enough<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<V
         };
         return Err(scene.source.at_value(error, &scene.source.first_inside(&format!("solid.{i}.shape"))));
     }
-    Ok(seen)
+    Ok(padded)
 }
 
 /// The error of a solid that deforms and is thinner than it may be behind a part of its surface, in the mean by `thickness`, m.
-fn too_thin(scene: &Scene, solid: &SolidSpec, part: f64, thickness: f64) -> SceneError {
+fn too_thin_error(scene: &Scene, solid: &SolidSpec, part: f64, thickness: f64) -> SceneError {
     let dx = scene.domain.dx;
     let longest = scene.domain.cells.iter().max().copied().unwrap_or(1) as f64;
     let message = format!(
         "the solid `{}` is {:.2} cells ({thickness:.3e} m) thick behind {:.0} % of its surface: liquid on both sides of what \
-         deforms is told apart from {LEAST_SOFT} cells on",
+         deforms is told apart from {MIN_SOFT_THICKNESS_CELLS} cells on",
         solid.name,
         thickness / dx,
         100.0 * part
     );
     SceneError::new(message).with_help(format!(
         "make it {:.3e} m thick or more (four cells are well seen), or the cells smaller: resolution = {:.0}",
-        LEAST_SOFT * dx,
-        (longest * LEAST_SOFT * dx / thickness).ceil()
+        MIN_SOFT_THICKNESS_CELLS * dx,
+        (longest * MIN_SOFT_THICKNESS_CELLS * dx / thickness).ceil()
     ))
 }
 
 /// Mean thickness behind the part of a surface that has less than `most` (m) behind it.
-fn thickness<const D: usize>(
+fn mean_thickness<const D: usize>(
     surface: &SurfaceMesh<D>,
-    most: f64,
+    max_depth: f64,
     inside: &dyn Fn(&Vector<D>) -> bool,
 ) -> f64 {
     let (mut sum, mut all) = (0.0, 0.0);
@@ -84,17 +84,17 @@ fn thickness<const D: usize>(
         let area = surface.area_vector(facet);
         let Some(normal) = area.try_normalize(0.0) else { continue };
         let middle = surface.corners(facet).iter().sum::<Vector<D>>() / D as f64;
-        let is_in = |k: u32| inside(&(middle - normal * (most * f64::from(k) / f64::from(SAMPLES))));
-        if let Some(k) = (1..=SAMPLES).find(|k| !is_in(*k)) {
-            sum += area.norm() * most * (f64::from(k) - 0.5) / f64::from(SAMPLES);
+        let is_in = |k: u32| inside(&(middle - normal * (max_depth * f64::from(k) / f64::from(SAMPLES_PER_THICKNESS))));
+        if let Some(k) = (1..=SAMPLES_PER_THICKNESS).find(|k| !is_in(*k)) {
+            sum += area.norm() * max_depth * (f64::from(k) - 0.5) / f64::from(SAMPLES_PER_THICKNESS);
             all += area.norm();
         }
     }
-    if all > 0.0 { sum / all } else { most }
+    if all > 0.0 { sum / all } else { max_depth }
 }
 
 /// The part of a surface behind which there is less than a depth `dx` (m) of what is `inside`.
-fn thin_part<const D: usize>(surface: &SurfaceMesh<D>, dx: f64, inside: &dyn Fn(&Vector<D>) -> bool) -> f64 {
+fn thin_share<const D: usize>(surface: &SurfaceMesh<D>, dx: f64, inside: &dyn Fn(&Vector<D>) -> bool) -> f64 {
     let (mut thin, mut all) = (0.0, 0.0);
     for facet in 0..surface.facets.len() {
         let area = surface.area_vector(facet);

@@ -4,7 +4,7 @@ use super::shapes::shape;
 use crate::error::SceneError;
 use crate::file::vector;
 use crate::file::{self, Scene, SolidTension, Wetting, WettingImage};
-use meniscus_sim::{Hysteresis, Layer, Picture};
+use meniscus_sim::{Hysteresis, WettabilityLayer, CosineImage};
 use std::fs::File;
 use std::io::BufReader;
 use std::sync::Arc;
@@ -32,27 +32,27 @@ pub fn layers<const D: usize>(
     scene: &Scene,
     solid: &str,
     wetting: &Wetting,
-) -> Result<Vec<Layer<D>>, SceneError> {
+) -> Result<Vec<WettabilityLayer<D>>, SceneError> {
     let mut layers = Vec::new();
     if let SolidTension::Gradient { from, to } = &wetting.tension {
         let [from, to] = [from, to].map(|(at, angle)| (vector(at), angle.cos()));
-        layers.push(Layer::Gradient { from, to });
+        layers.push(WettabilityLayer::Gradient { from, to });
     }
     if let Some(image) = &wetting.image {
         let picture = picture(image).map_err(|why| {
             let error = SceneError::new(format!("the image cannot be read: {why}"));
             scene.source.at_value(error, &format!("tension.{solid}.image.file"))
         })?;
-        layers.push(Layer::Picture(Arc::new(picture)));
+        layers.push(WettabilityLayer::Image(Arc::new(picture)));
     }
     for (patch, angle) in &wetting.patches {
-        layers.push(Layer::Patch { shape: shape(patch)?, cosine: angle.cos() });
+        layers.push(WettabilityLayer::Patch { shape: shape(patch)?, cosine: angle.cos() });
     }
     Ok(layers)
 }
 
 /// The picture in a file; or why it cannot be read.
-fn picture(image: &WettingImage) -> Result<Picture, String> {
+fn picture(image: &WettingImage) -> Result<CosineImage, String> {
     let file = File::open(&image.path).map_err(|e| e.to_string())?;
     let mut decoder = png::Decoder::new_with_limits(BufReader::new(file), png::Limits { bytes: MAX_BYTES });
     decoder.set_transformations(png::Transformations::normalize_to_color8());
@@ -78,5 +78,5 @@ fn picture(image: &WettingImage) -> Result<Picture, String> {
         (Some(low), Some(high)) => [*low, *high],
         _ => [0.0, 1.0],
     };
-    Ok(Picture { ends: [ends(0), ends(1)], size, pixels })
+    Ok(CosineImage { bounds: [ends(0), ends(1)], size, pixels })
 }

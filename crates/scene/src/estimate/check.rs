@@ -3,11 +3,11 @@
 use super::deformable::{SoftReport, reports};
 use super::{gaps, memory, thin_liquid};
 use crate::build::AnySetup;
-use crate::build::displaced::{Displaced, displaced, judge};
+use crate::build::displaced::{DisplacedBody, displaced_bodies, check_displaced};
 use crate::error::SceneError;
 use crate::estimate::scales::{ball_radius, liquid_volume, norm, radius, smallest_radius, typical_speed};
 use crate::file::{Material, Scene, WALLS, Warning};
-use crate::units::readable;
+use crate::units::format_si;
 use serde::Serialize;
 
 /// Core seconds per step and cell of the domain, a rough figure for the time estimate.
@@ -21,7 +21,7 @@ const SECONDS_PER_FACTOR_BYTE: f64 = 4.4e-9;
 /// other runs.
 const SECONDS_PER_ITERATED_BYTE: f64 = 4e-7;
 /// Fewer cells across a body than this deserve a warning.
-const FEW_CELLS: f64 = 8.0;
+const MIN_CELLS_ACROSS: f64 = 8.0;
 
 /// The physics of a scene in numbers; SI, angles in degrees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -41,7 +41,7 @@ pub struct Report {
     /// Cells of liquid.
     pub liquid_cells: Option<f64>,
     /// Every body of liquid beside the solids; none where the scene cannot run.
-    pub displaced: Vec<Displaced>,
+    pub displaced: Vec<DisplacedBody>,
     /// Share of the liquid that is thinner than two cells at the start; none where the scene cannot run.
     pub thin_liquid: Option<f64>,
     /// Memory, bytes, estimated.
@@ -131,24 +131,24 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
     let g = norm(&l.gravity);
     let capillary_length = (g > 0.0).then(|| (gamma / (l.density * g)).sqrt());
     let capillary_step = 0.36 * (l.density * d.dx.powi(3) / gamma).sqrt();
-    let time_step = time_step(scene, capillary_step, speed, radius);
+    let time_step = expected_time_step(scene, capillary_step, speed, radius);
     let steps = (scene.output.duration / time_step).ceil();
     let cells = d.cell_count();
-    let wet = liquid_cells.unwrap_or(cells);
-    let work = SECONDS_PER_CELL * scene.grid_cells() + SECONDS_PER_LIQUID_CELL * wet;
+    let liquid_cell_count = liquid_cells.unwrap_or(cells);
+    let work = SECONDS_PER_CELL * scene.grid_cells() + SECONDS_PER_LIQUID_CELL * liquid_cell_count;
     let nu = l.kinematic_viscosity;
     let diameter = radius.map(|r| 2.0 * r);
     let mut warnings = scene.warnings.0.clone();
     more_warnings(scene, &bodies, capillary_length, &mut warnings);
-    let beyond = crate::file::runnable(scene);
-    let is_beyond = beyond.is_err();
-    let setup = beyond.and_then(|()| AnySetup::of(scene));
-    let displaced = setup.as_ref().map_or_else(|_| Vec::new(), |setup| displaced(scene, setup));
-    let cut = judge(scene, &displaced);
+    let supported = crate::file::ensure_runnable(scene);
+    let is_unsupported = supported.is_err();
+    let setup = supported.and_then(|()| AnySetup::of(scene));
+    let displaced = setup.as_ref().map_or_else(|_| Vec::new(), |setup| displaced_bodies(scene, setup));
+    let cut = check_displaced(scene, &displaced);
     warnings.extend(cut.as_ref().cloned().unwrap_or_default());
-    let thin_liquid = setup.as_ref().ok().map(|setup| unresolved(scene, setup, &mut warnings));
+    let thin_liquid = setup.as_ref().ok().map(|setup| unresolved_share(scene, setup, &mut warnings));
     let soft = setup.as_ref().map_or_else(|_| Vec::new(), |setup| reports(scene, setup));
-    let fits = setup.as_ref().map_or(Ok(()), |setup| memory::solids_fit(scene, setup, memory::of_machine()));
+    let fits = setup.as_ref().map_or(Ok(()), |setup| memory::check_solid_memory(scene, setup, memory::machine_memory()));
     let soft_bytes: f64 = soft.iter().map(|s| s.memory_bytes).sum();
     let per_byte = |factorised| if factorised { SECONDS_PER_FACTOR_BYTE } else { SECONDS_PER_ITERATED_BYTE };
     let solves = if soft.is_empty() { 1.0 } else { 1.0 + f64::from(scene.numerics.newton_iterations) };
@@ -163,7 +163,7 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
         liquid_cells,
         displaced,
         thin_liquid,
-        memory_bytes: memory::of_liquid(scene.grid_cells(), wet) + soft_bytes,
+        memory_bytes: memory::liquid_memory(scene.grid_cells(), liquid_cell_count) + soft_bytes,
         steps,
         run_seconds: steps * (solves * work / (threads.max(1) as f64) + solving),
         time_step,
@@ -182,12 +182,12 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
         soft,
         warnings,
         cannot_run: setup.as_ref().err().map(SceneError::line),
-        error: setup.err().filter(|_| !is_beyond).or(fits.err()).or(cut.err()),
+        error: setup.err().filter(|_| !is_unsupported).or(fits.err()).or(cut.err()),
     }
 }
 
 /// The share of the liquid that is thinner than two cells at the start. Tells of it and of gaps between solids.
-fn unresolved(scene: &Scene, setup: &AnySetup, warnings: &mut Vec<Warning>) -> f64 {
+fn unresolved_share(scene: &Scene, setup: &AnySetup, warnings: &mut Vec<Warning>) -> f64 {
     let (share, place) = match setup {
         AnySetup::D2(setup) => {
             warnings.extend(gaps::warnings(scene, setup));
@@ -200,8 +200,8 @@ fn unresolved(scene: &Scene, setup: &AnySetup, warnings: &mut Vec<Warning>) -> f
             (thin.share, thin.place.map(|x| x.as_slice().to_vec()))
         }
     };
-    if let Some(place) = place.filter(|_| share > thin_liquid::TOLD) {
-        let place: Vec<String> = place.iter().map(|x| readable(*x, "m")).collect();
+    if let Some(place) = place.filter(|_| share > thin_liquid::WARNING_SHARE) {
+        let place: Vec<String> = place.iter().map(|x| format_si(*x, "m")).collect();
         let message = format!(
             "{:.1} % of the liquid are thinner than two cells, near ({}): it is not resolved there",
             100.0 * share,
@@ -213,15 +213,15 @@ fn unresolved(scene: &Scene, setup: &AnySetup, warnings: &mut Vec<Warning>) -> f
 }
 
 /// The step that is expected: the capillary limit, the CFL limit at the largest speed in sight, the given limits.
-fn time_step(scene: &Scene, capillary: f64, speed: f64, radius: Option<f64>) -> f64 {
+fn expected_time_step(scene: &Scene, capillary: f64, speed: f64, radius: Option<f64>) -> f64 {
     let (n, l) = (&scene.numerics, &scene.liquid);
     if let Some(fixed) = n.fixed_step {
         return fixed.min(scene.output.frame_interval);
     }
     let height = scene.domain.size.last().copied().unwrap_or(0.0);
-    let fall = (norm(&l.gravity) * height).sqrt();
-    let swing = radius.map_or(0.0, |r| (scene.tension.liquid_air / (l.density * r)).sqrt());
-    let fastest = speed.max(fall).max(0.5 * swing);
+    let fall_speed = (norm(&l.gravity) * height).sqrt();
+    let capillary_speed = radius.map_or(0.0, |r| (scene.tension.liquid_air / (l.density * r)).sqrt());
+    let fastest = speed.max(fall_speed).max(0.5 * capillary_speed);
     let cfl = if fastest > 0.0 { n.cfl * scene.domain.dx / fastest } else { f64::INFINITY };
     (n.capillary_step * capillary).min(cfl).min(n.max_step).min(scene.output.frame_interval)
 }
@@ -266,7 +266,7 @@ fn pairs(scene: &Scene) -> Vec<PairReport> {
             }
             _ => {}
         }
-        if let Some((_, wetting)) = tension.filter(|t| !t.1.is_even()) {
+        if let Some((_, wetting)) = tension.filter(|t| !t.1.is_uniform()) {
             let [low, high] = wetting.cosines(gamma).map(|c| c.clamp(-1.0, 1.0).acos().to_degrees());
             (pair.young_angles, pair.wetting) = (Some([high, low]), "patterned");
         }
@@ -277,9 +277,9 @@ fn pairs(scene: &Scene) -> Vec<PairReport> {
 
 fn more_warnings(scene: &Scene, bodies: &[BodyReport], capillary: Option<f64>, out: &mut Vec<Warning>) {
     for b in bodies {
-        if let Some(n) = b.cells_per_radius.filter(|n| 2.0 * n < FEW_CELLS) {
+        if let Some(n) = b.cells_per_radius.filter(|n| 2.0 * n < MIN_CELLS_ACROSS) {
             let message =
-                format!("only {:.1} cells across this body; {FEW_CELLS} or more are wanted", 2.0 * n);
+                format!("only {:.1} cells across this body; {MIN_CELLS_ACROSS} or more are wanted", 2.0 * n);
             out.push(Warning { path: format!("liquid.body.{}.shape", b.index), message });
         }
     }

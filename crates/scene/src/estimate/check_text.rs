@@ -3,11 +3,11 @@
 use super::check::Report;
 use super::memory;
 use crate::file::WALLS;
-use crate::units::{readable, readable_volume};
+use crate::units::{format_si, format_volume};
 use std::fmt::Write as _;
 
 /// Seconds for people.
-fn span_of_time(s: f64) -> String {
+fn format_duration(s: f64) -> String {
     match s {
         s if s < 1.0 => "less than a second".to_owned(),
         s if s < 90.0 => format!("{s:.0} s"),
@@ -18,7 +18,7 @@ fn span_of_time(s: f64) -> String {
 
 impl Report {
     /// Volume that solids leave of the liquid at the start, m³ (2D: m²).
-    fn left(&self) -> f64 {
+    fn remaining_liquid_volume(&self) -> f64 {
         self.displaced.iter().map(|d| d.volume - d.displaced).sum()
     }
 
@@ -31,30 +31,30 @@ impl Report {
         let cells: Vec<String> = self.cells.iter().map(ToString::to_string).collect();
         line(
             "cells",
-            format!("{} = {:.0}, dx = {}", cells.join(" x "), self.cell_count, readable(self.dx, "m")),
+            format!("{} = {:.0}, dx = {}", cells.join(" x "), self.cell_count, format_si(self.dx, "m")),
         );
         if let Some(v) = self.liquid_volume {
             let n = self.liquid_cells.unwrap_or(0.0);
-            line("liquid", format!("{}, {n:.0} cells", readable_volume(v, self.dimension)));
+            line("liquid", format!("{}, {n:.0} cells", format_volume(v, self.dimension)));
         }
         let [laid, gone] =
             self.displaced.iter().fold([0.0, 0.0], |[v, d], b| [v + b.volume, d + b.displaced]);
         if gone > 0.0 {
-            let [laid, left] = [laid, laid - gone].map(|v| readable_volume(v, self.dimension));
-            let share = 100.0 * gone / (gone + self.left()).max(f64::MIN_POSITIVE);
+            let [laid, left] = [laid, laid - gone].map(|v| format_volume(v, self.dimension));
+            let share = 100.0 * gone / (gone + self.remaining_liquid_volume()).max(f64::MIN_POSITIVE);
             line("beside the solids", format!("{left} of {laid}: the solids displace {share:.1} %"));
         }
-        line("memory", format!("about {}", memory::words(self.memory_bytes)));
-        line("steps", format!("about {:.0} of {}", self.steps, readable(self.time_step, "s")));
-        line("time", format!("roughly {}", span_of_time(self.run_seconds)));
-        line("capillary step", format!("{} (explicit limit)", readable(self.capillary_step, "s")));
+        line("memory", format!("about {}", memory::format_bytes(self.memory_bytes)));
+        line("steps", format!("about {:.0} of {}", self.steps, format_si(self.time_step, "s")));
+        line("time", format!("roughly {}", format_duration(self.run_seconds)));
+        line("capillary step", format!("{} (explicit limit)", format_si(self.capillary_step, "s")));
         for b in &self.bodies {
             if let (Some(r), Some(n)) = (b.radius, b.cells_per_radius) {
-                line(&format!("body {}", b.index), format!("radius {}, {n:.1} cells", readable(r, "m")));
+                line(&format!("body {}", b.index), format!("radius {}, {n:.1} cells", format_si(r, "m")));
             }
         }
         if let (Some(c), Some(n)) = (self.capillary_length, self.capillary_length_cells) {
-            line("capillary length", format!("{}, {n:.1} cells", readable(c, "m")));
+            line("capillary length", format!("{}, {n:.1} cells", format_si(c, "m")));
         }
         let numbers = [
             ("Bo = rho g R^2 / gamma", self.bond),
@@ -76,10 +76,10 @@ impl Report {
             };
             let mut length = String::new();
             if let Some(l) = p.elastocapillary_length {
-                let _ = write!(length, ", elastocapillary length γ/E = {}", readable(l, "m"));
+                let _ = write!(length, ", elastocapillary length γ/E = {}", format_si(l, "m"));
             }
             if let Some(l) = p.bending_elastocapillary_length {
-                let _ = write!(length, ", bending elastocapillary length √(B/γ) = {}", readable(l, "m"));
+                let _ = write!(length, ", bending elastocapillary length √(B/γ) = {}", format_si(l, "m"));
             }
             line(&format!("angle on {}", p.solid), format!("{angle}{}{length}", p.wetting));
         }

@@ -4,17 +4,17 @@ use super::memory;
 use super::scales::longest_step;
 use crate::build::{AnySetup, Setup};
 use crate::file::{Material, Scene, Solid as SolidSpec};
-use crate::units::readable;
-use meniscus_elastic::{Elastic, settled_modes};
-use meniscus_sim::THINNEST;
+use crate::units::format_si;
+use meniscus_elastic::{Elastic, lowest_modes_to_tolerance};
+use meniscus_sim::MIN_PLATE_THICKNESS_CELLS;
 use serde::Serialize;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 /// Entries of a factor up to which the lowest frequency is looked for where no damping has asked for it: seconds of work.
-const QUICK: usize = 5_000_000;
+const MAX_ENTRIES_FOR_MODES: usize = 5_000_000;
 /// Change of the frequency's square, as a part of it, that is nothing.
-const SETTLED: f64 = 1e-3;
+const MODE_TOLERANCE: f64 = 1e-3;
 
 /// A solid that deforms; SI, angles in degrees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -62,48 +62,48 @@ pub struct SoftReport {
 /// The reports of all solids that deform.
 pub(crate) fn reports(scene: &Scene, setup: &AnySetup) -> Vec<SoftReport> {
     match setup {
-        AnySetup::D2(setup) => of_setup(scene, setup),
-        AnySetup::D3(setup) => of_setup(scene, setup),
+        AnySetup::D2(setup) => reports_of_setup(scene, setup),
+        AnySetup::D3(setup) => reports_of_setup(scene, setup),
     }
 }
 
-fn of_setup<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<SoftReport> {
+fn reports_of_setup<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<SoftReport> {
     let solids = scene.solids.iter().zip(&setup.model.solids);
-    solids.filter_map(|(spec, solid)| Some(of_solid(scene, spec, solid.elastic()?))).collect()
+    solids.filter_map(|(spec, solid)| Some(report_of_solid(scene, spec, solid.elastic()?))).collect()
 }
 
-fn of_solid<const D: usize>(scene: &Scene, spec: &SolidSpec, body: &Elastic<D>) -> SoftReport {
-    let (mesh, step) = (body.mesh(), longest_step(scene));
+fn report_of_solid<const D: usize>(scene: &Scene, spec: &SolidSpec, body: &Elastic<D>) -> SoftReport {
+    let (mesh, step) = (body.rest_mesh(), longest_step(scene));
     let quality = mesh.quality();
     let density = spec.density.unwrap_or(scene.liquid.density);
     let wave_speed = super::stiffness::wave_speed(spec, mesh, density);
-    let frequency = frequency(spec, body);
-    let bending = super::stiffness::bending(spec, mesh);
+    let frequency = lowest_frequency(spec, body);
+    let bending = super::stiffness::bending_stiffness(spec, mesh);
     SoftReport {
         solid: spec.name.clone(),
         vertices: quality.vertices,
         elements: quality.simplices,
-        held: body.held().iter().filter(|h| **h).count(),
-        edge: quality.edges[1],
+        held: body.anchored().iter().filter(|h| **h).count(),
+        edge: quality.edge_lengths[1],
         smallest_angle: quality.smallest_angle.0.to_degrees(),
         largest_angle: quality.largest_angle.0.to_degrees(),
         worst_radius_ratio: quality.worst_radius_ratio.0,
         mass: body.masses().iter().sum(),
         solver_bytes: memory::solver_bytes(body),
-        memory_bytes: memory::of_solid(body),
+        memory_bytes: memory::solid_memory(body),
         factorised: body.is_factorised(),
         wave_speed,
-        edges_per_step: wave_speed.map(|c| c * step / quality.edges[1]),
+        edges_per_step: wave_speed.map(|c| c * step / quality.edge_lengths[1]),
         frequency,
         steps_per_period: frequency.map(|f| 1.0 / (f * step)),
-        thickness_cells: super::stiffness::plate::<D>(&spec.shape).map(|p| p.0 / scene.domain.dx),
+        thickness_cells: super::stiffness::plate_thickness_and_normal::<D>(&spec.shape).map(|p| p.0 / scene.domain.dx),
         bending_stiffness: bending,
         bending_elastocapillary_length: bending.map(|b| (b / scene.tension.liquid_air).sqrt()),
     }
 }
 
 /// The lowest frequency, Hz: the damping knows it; else it is looked for where that is quick.
-fn frequency<const D: usize>(spec: &SolidSpec, body: &Elastic<D>) -> Option<f64> {
+fn lowest_frequency<const D: usize>(spec: &SolidSpec, body: &Elastic<D>) -> Option<f64> {
     let ratio = match &spec.material {
         Material::NeoHookean(e) | Material::Corotated(e) => e.damping_ratio,
         Material::Springs { damping_ratio, .. } => *damping_ratio,
@@ -112,10 +112,10 @@ fn frequency<const D: usize>(spec: &SolidSpec, body: &Elastic<D>) -> Option<f64>
     if ratio > 0.0 && body.damping_time() > 0.0 {
         return Some(2.0 * ratio / body.damping_time() / TAU);
     }
-    if body.solver_entries() > QUICK {
+    if body.solver_entries() > MAX_ENTRIES_FOR_MODES {
         return None;
     }
-    settled_modes(body, 1, SETTLED).ok()?.first().map(|mode| mode.frequency / TAU)
+    lowest_modes_to_tolerance(body, 1, MODE_TOLERANCE).ok()?.first().map(|mode| mode.frequency / TAU)
 }
 
 impl SoftReport {
@@ -134,7 +134,7 @@ impl SoftReport {
                 "{} vertices ({held}), {} {element}, edges of {}, {:.4e} {unit}",
                 self.vertices,
                 self.elements,
-                readable(self.edge, "m"),
+                format_si(self.edge, "m"),
                 self.mass
             ),
         )];
@@ -150,25 +150,25 @@ impl SoftReport {
         if let (Some(speed), Some(edges)) = (self.wave_speed, self.edges_per_step) {
             line(format!(
                 "elastic waves of {}, which pass {edges:.1} edges of the mesh in a step",
-                readable(speed, "m/s")
+                format_si(speed, "m/s")
             ));
         }
         if let (Some(f), Some(steps)) = (self.frequency, self.steps_per_period) {
             let few = if steps < 20.0 { ": too few to swing as it should" } else { "" };
-            line(format!("lowest frequency {}, {steps:.1} steps a period{few}", readable(f, "Hz")));
+            line(format!("lowest frequency {}, {steps:.1} steps a period{few}", format_si(f, "Hz")));
         }
         let mut plate = String::new();
         if let Some(cells) = self.thickness_cells {
             let _ = write!(plate, "a plate of {cells:.2} cells");
-            if cells < THINNEST {
-                let _ = write!(plate, ", which the liquid meets as one of {THINNEST}");
+            if cells < MIN_PLATE_THICKNESS_CELLS {
+                let _ = write!(plate, ", which the liquid meets as one of {MIN_PLATE_THICKNESS_CELLS}");
             }
         }
         if let (Some(b), Some(l)) = (self.bending_stiffness, self.bending_elastocapillary_length) {
             let _ = write!(
                 plate,
                 ", bending stiffness B = {b:.4e} N m, bending elastocapillary length √(B/γ) = {}",
-                readable(l, "m")
+                format_si(l, "m")
             );
         }
         if !plate.is_empty() {

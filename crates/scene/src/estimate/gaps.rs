@@ -8,18 +8,18 @@ use meniscus_sim::Solid;
 use rayon::prelude::*;
 
 /// Width, in cells, under which liquid in a gap is not resolved.
-const WIDE: f64 = 2.0;
+const RESOLVED_GAP_CELLS: f64 = 2.0;
 /// Width, in cells, up to which solids touch.
-const TOUCHING: f64 = 0.05;
+const CONTACT_GAP_CELLS: f64 = 0.05;
 /// Halvings of the step with which the narrowest place is looked for, from a cell's size on.
 const HALVINGS: u32 = 12;
 /// Steps of one length at most.
-const STEPS: u32 = 8;
+const MAX_STEPS_PER_LENGTH: u32 = 8;
 
 /// Warnings of gaps under two cells between solids where they start.
 pub(crate) fn warnings<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<Warning> {
     let model = &setup.model;
-    let start: Vec<_> = model.solids.iter().map(Solid::start).collect();
+    let start: Vec<_> = model.solids.iter().map(Solid::initial_state).collect();
     let obstacles = Obstacles::new(&model.solids, &start, model.grid.dx);
     let named = scene.solids.len();
     let mut out = Vec::new();
@@ -30,9 +30,9 @@ pub(crate) fn warnings<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<W
                 let [p, q] = [a.liquid_distance(&start[i], x), b.liquid_distance(&start[j], x)];
                 if p < 0.0 || q < 0.0 { f64::INFINITY } else { p + q }
             };
-            let Some(narrowest) = narrowest(&obstacles, setup, [i, j]) else { continue };
-            let cells = slide(width, narrowest, model.grid.dx) / model.grid.dx;
-            if cells > TOUCHING && cells < WIDE {
+            let Some(narrowest) = narrowest_gap_center(&obstacles, setup, [i, j]) else { continue };
+            let cells = pattern_search(width, narrowest, model.grid.dx) / model.grid.dx;
+            if cells > CONTACT_GAP_CELLS && cells < RESOLVED_GAP_CELLS {
                 let message = format!(
                     "between `{}` and `{}` are {cells:.2} cells: liquid there is not resolved (2 are wanted)",
                     scene.solids[i].name, scene.solids[j].name
@@ -45,7 +45,7 @@ pub(crate) fn warnings<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<W
 }
 
 /// The centre of the cell between two solids where they are closest; none where they are over two cells apart.
-fn narrowest<const D: usize>(
+fn narrowest_gap_center<const D: usize>(
     obstacles: &Obstacles<'_, D>,
     setup: &Setup<D>,
     pair: [usize; 2],
@@ -64,10 +64,10 @@ fn narrowest<const D: usize>(
 }
 
 /// The least value near a place, by steps along the axes that get shorter.
-fn slide<const D: usize>(of: impl Fn(&Vector<D>) -> f64, mut at: Vector<D>, dx: f64) -> f64 {
+fn pattern_search<const D: usize>(of: impl Fn(&Vector<D>) -> f64, mut at: Vector<D>, dx: f64) -> f64 {
     let (mut least, mut step) = (of(&at), 0.5 * dx);
     for _ in 0..HALVINGS {
-        for _ in 0..STEPS {
+        for _ in 0..MAX_STEPS_PER_LENGTH {
             let before = least;
             for direction in 0..2 * D {
                 let mut next = at;

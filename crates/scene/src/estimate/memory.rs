@@ -14,16 +14,16 @@ const BYTES_PER_LIQUID_CELL: f64 = 240.0;
 const BYTES_PER_VERTEX: f64 = 8e3;
 /// Memory while factors are found over what they take. Compact bodies have the largest fronts: `fig02-soft-cow`, with factors of
 /// 736 MB, takes 2.1 GB at most, of which 0.5 are the grid's and the vertices'; plates need less.
-const FRONTS: f64 = 2.2;
+const FACTORISATION_OVERHEAD: f64 = 2.2;
 
 /// Memory of the grid and the liquid, bytes, from all cells and those of liquid.
-pub fn of_liquid(cells: f64, liquid_cells: f64) -> f64 {
+pub fn liquid_memory(cells: f64, liquid_cells: f64) -> f64 {
     BYTES_PER_CELL * cells + BYTES_PER_LIQUID_CELL * liquid_cells
 }
 
 /// Memory of a solid that deforms, bytes.
-pub fn of_solid<const D: usize>(body: &Elastic<D>) -> f64 {
-    FRONTS * solver_bytes(body) + BYTES_PER_VERTEX * body.mesh().positions.len() as f64
+pub fn solid_memory<const D: usize>(body: &Elastic<D>) -> f64 {
+    FACTORISATION_OVERHEAD * solver_bytes(body) + BYTES_PER_VERTEX * body.rest_mesh().positions.len() as f64
 }
 
 /// Memory of what solves systems with a solid's matrix, bytes.
@@ -32,7 +32,7 @@ pub fn solver_bytes<const D: usize>(body: &Elastic<D>) -> f64 {
 }
 
 /// Memory of this machine, bytes: what the kernel has, or what a container is allowed; none if it cannot be told.
-pub fn of_machine() -> Option<u64> {
+pub fn machine_memory() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find(|l| l.starts_with("MemTotal:"))?;
     let total = line.split_whitespace().nth(1)?.parse::<u64>().ok()?.checked_mul(1024)?;
@@ -45,18 +45,18 @@ pub fn of_machine() -> Option<u64> {
 ///
 /// # Errors
 /// [`SceneError`] that points at the resolution.
-pub fn liquid_fits(scene: &Scene, limit: Option<u64>) -> Result<(), SceneError> {
+pub fn check_liquid_memory(scene: &Scene, limit: Option<u64>) -> Result<(), SceneError> {
     let Some(limit) = limit else { return Ok(()) };
     let limit = limit as f64;
     let cells = scene.grid_cells();
-    let least = of_liquid(cells, 0.0);
-    let need = if least > limit { least } else { with_liquid(scene) };
+    let least = liquid_memory(cells, 0.0);
+    let need = if least > limit { least } else { grid_and_liquid_memory(scene) };
     if need <= limit {
         return Ok(());
     }
     let longest = scene.domain.cells.iter().copied().max().unwrap_or(1) as f64;
     let fit = (longest * (0.9 * limit / need).powf(1.0 / scene.domain.dimension as f64)).floor();
-    let error = too_much(need, limit).with_help(format!("at most about `resolution = {fit}` fits here"));
+    let error = insufficient_memory(need, limit).with_help(format!("at most about `resolution = {fit}` fits here"));
     let path = if scene.source.has("domain.dx") { "domain.dx" } else { "domain.resolution" };
     Err(scene.source.at_value(error, path))
 }
@@ -65,48 +65,48 @@ pub fn liquid_fits(scene: &Scene, limit: Option<u64>) -> Result<(), SceneError> 
 ///
 /// # Errors
 /// [`SceneError`] that points at the solid which takes most.
-pub fn solids_fit(scene: &Scene, setup: &AnySetup, limit: Option<u64>) -> Result<(), SceneError> {
+pub fn check_solid_memory(scene: &Scene, setup: &AnySetup, limit: Option<u64>) -> Result<(), SceneError> {
     let Some(limit) = limit else { return Ok(()) };
     let soft = match setup {
-        AnySetup::D2(setup) => of_solids(setup),
-        AnySetup::D3(setup) => of_solids(setup),
+        AnySetup::D2(setup) => memory_by_solid(setup),
+        AnySetup::D3(setup) => memory_by_solid(setup),
     };
     let Some(most) = soft.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else { return Ok(()) };
-    let need = with_liquid(scene) + soft.iter().map(|s| s.1).sum::<f64>();
+    let need = grid_and_liquid_memory(scene) + soft.iter().map(|s| s.1).sum::<f64>();
     if need <= limit as f64 {
         return Ok(());
     }
     let (number, bytes, vertices) = most;
     let name = scene.solids.get(*number).map_or("", |s| s.name.as_str());
-    let error = too_much(need, limit as f64).with_help(format!(
+    let error = insufficient_memory(need, limit as f64).with_help(format!(
         "{} are the solid `{name}`'s, of {vertices} vertices: give it a coarser mesh (`mesh.edge`), or a coarser grid",
-        words(*bytes)
+        format_bytes(*bytes)
     ));
     Err(scene.source.at_value(error, &scene.source.first_inside(&format!("solid.{number}.shape"))))
 }
 
 /// The numbers of the solids that deform, the memory that each takes, bytes, and its vertices.
-fn of_solids<const D: usize>(setup: &Setup<D>) -> Vec<(usize, f64, usize)> {
+fn memory_by_solid<const D: usize>(setup: &Setup<D>) -> Vec<(usize, f64, usize)> {
     let solids = setup.model.solids.iter().enumerate();
-    solids.filter_map(|(k, s)| s.elastic().map(|e| (k, of_solid(e), e.mesh().positions.len()))).collect()
+    solids.filter_map(|(k, s)| s.elastic().map(|e| (k, solid_memory(e), e.rest_mesh().positions.len()))).collect()
 }
 
-fn with_liquid(scene: &Scene) -> f64 {
+fn grid_and_liquid_memory(scene: &Scene) -> f64 {
     let cells = scene.grid_cells();
     let cell = scene.domain.dx.powi(scene.domain.dimension as i32);
-    of_liquid(cells, liquid_volume(scene).map_or(cells, |v| v / cell))
+    liquid_memory(cells, liquid_volume(scene).map_or(cells, |v| v / cell))
 }
 
-fn too_much(need: f64, limit: f64) -> SceneError {
+fn insufficient_memory(need: f64, limit: f64) -> SceneError {
     SceneError::new(format!(
         "the scene needs about {} of memory, this machine has {}",
-        words(need),
-        words(limit)
+        format_bytes(need),
+        format_bytes(limit)
     ))
 }
 
 /// Bytes for people.
-pub(crate) fn words(bytes: f64) -> String {
+pub(crate) fn format_bytes(bytes: f64) -> String {
     match bytes {
         n if n < 1e6 => format!("{:.0} kB", n / 1e3),
         n if n < 1e9 => format!("{:.0} MB", n / 1e6),

@@ -87,7 +87,7 @@ fn solid(scene: &Scene, spec: &Solid, list: &mut List) {
     let gamma = scene.tension.liquid_air;
     if let Some((_, wetting)) = scene.tension.solids.iter().find(|t| t.0 == spec.name) {
         let degrees = |cosine: f64| cosine.clamp(-1.0, 1.0).acos().to_degrees();
-        if wetting.is_even() {
+        if wetting.is_uniform() {
             let cosine = wetting.tension.young_cosine(gamma);
             list.put("Young's angle", "θ_Y", degrees(cosine), "deg");
         } else {
@@ -108,11 +108,11 @@ fn elastic(scene: &Scene, spec: &Solid, e: &Elastic, list: &mut List) {
     list.put("Young's modulus", "E", e.young_modulus, "Pa");
     list.put("Poisson's ratio", "ν", e.poisson_ratio, "");
     let plate = match scene.domain.dimension {
-        2 => super::stiffness::plate::<2>(&spec.shape).map(|p| p.0),
-        _ => super::stiffness::plate::<3>(&spec.shape).map(|p| p.0),
+        2 => super::stiffness::plate_thickness_and_normal::<2>(&spec.shape).map(|p| p.0),
+        _ => super::stiffness::plate_thickness_and_normal::<3>(&spec.shape).map(|p| p.0),
     };
     let Some(t) = plate else { return };
-    let bending = super::stiffness::elastic_bending(e, t);
+    let bending = super::stiffness::plate_bending_stiffness(e, t);
     list.put("thickness", "t", t, "m");
     list.put("bending stiffness", "B = E t³ / 12 (1 − ν²)", bending, "N m");
     let length = (bending / scene.tension.liquid_air).sqrt();

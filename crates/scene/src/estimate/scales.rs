@@ -43,13 +43,13 @@ pub(crate) fn smallest_radius(scene: &Scene) -> Option<f64> {
 /// Radius of a body of liquid, m: of a box that is not turned half the least extent inside the domain.
 pub(crate) fn radius(scene: &Scene, shape: &ShapeSpec) -> Option<f64> {
     match shape {
-        ShapeSpec::Box { rotation, .. } if rotation.angle == 0.0 => half_inside(scene, shape),
+        ShapeSpec::Box { rotation, .. } if rotation.angle == 0.0 => half_min_extent_inside(scene, shape),
         shape => shape.radius(),
     }
 }
 
 /// Half the least extent of what lies inside the domain, m.
-fn half_inside(scene: &Scene, shape: &ShapeSpec) -> Option<f64> {
+fn half_min_extent_inside(scene: &Scene, shape: &ShapeSpec) -> Option<f64> {
     let (lower, upper) = shape.bounds(scene.domain.dimension)?;
     let extent = |((l, u), s): ((&f64, &f64), &f64)| 0.5 * (u.min(*s) - l.max(0.0));
     lower.iter().zip(&upper).zip(&scene.domain.size).map(extent).reduce(f64::min)

@@ -8,13 +8,13 @@ use meniscus_numerics::{Matrix, Vector};
 
 /// Most elements that an elastic wave may cross in a step: its square is the ratio of stiffness and mass in the step's matrix, of
 /// which double precision keeps four digits then.
-const MOST_CROSSED: f64 = 1e6;
+const MAX_CROSSED_ELEMENTS: f64 = 1e6;
 /// Thickness over the next longer side of a plate, at most.
-const PLATE: f64 = 0.25;
+const MAX_PLATE_ASPECT: f64 = 0.25;
 
 /// Modulus of a wave of pressure, Pa: `λ + 2μ`. That of springs is the mean over all directions with the strain the same
 /// everywhere, `Σ k l² ⟨cos⁴⟩ / V`.
-fn wave_modulus<const D: usize>(spec: &SolidSpec, mesh: &VolumeMesh<D>) -> Option<f64> {
+fn p_wave_modulus<const D: usize>(spec: &SolidSpec, mesh: &VolumeMesh<D>) -> Option<f64> {
     match &spec.material {
         Material::NeoHookean(e) | Material::Corotated(e) => {
             let (young, nu) = (e.young_modulus, e.poisson_ratio);
@@ -37,11 +37,11 @@ fn edges<const D: usize>(mesh: &VolumeMesh<D>) -> impl Iterator<Item = (Vector<D
 
 /// Speed of elastic waves, m/s.
 pub fn wave_speed<const D: usize>(spec: &SolidSpec, mesh: &VolumeMesh<D>, density: f64) -> Option<f64> {
-    wave_modulus(spec, mesh).map(|modulus| (modulus / density).sqrt())
+    p_wave_modulus(spec, mesh).map(|modulus| (modulus / density).sqrt())
 }
 
 /// Thickness (m) and unit normal of a solid that is a plate or a strip by its shape.
-pub fn plate<const D: usize>(shape: &ShapeSpec) -> Option<(f64, Vector<D>)> {
+pub fn plate_thickness_and_normal<const D: usize>(shape: &ShapeSpec) -> Option<(f64, Vector<D>)> {
     let (sizes, rotation): ([f64; 3], Matrix<D>) = match shape {
         ShapeSpec::Box { half_size, rotation, .. } => {
             let size = |a: usize| half_size.get(a).map_or(f64::INFINITY, |h| 2.0 * h);
@@ -55,21 +55,21 @@ pub fn plate<const D: usize>(shape: &ShapeSpec) -> Option<(f64, Vector<D>)> {
     };
     let thin = (0..D).min_by(|a, b| sizes[*a].total_cmp(&sizes[*b]))?;
     let next = (0..D).filter(|a| *a != thin).map(|a| sizes[a]).fold(f64::INFINITY, f64::min);
-    (sizes[thin] <= PLATE * next).then(|| (sizes[thin], rotation.column(thin).into_owned()))
+    (sizes[thin] <= MAX_PLATE_ASPECT * next).then(|| (sizes[thin], rotation.column(thin).into_owned()))
 }
 
 /// Bending stiffness `E t³ / 12 (1 - ν²)` of a plate of thickness `t` (m) per width, N m.
-pub fn elastic_bending(e: &Elastic, thickness: f64) -> f64 {
+pub fn plate_bending_stiffness(e: &Elastic, thickness: f64) -> f64 {
     e.young_modulus * thickness.powi(3) / (12.0 * (1.0 - e.poisson_ratio.powi(2)))
 }
 
 /// Bending stiffness of a plate per width, N m (2D: of a strip per depth): `E t³ / 12 (1 - ν²)`; of springs what the plate's
 /// middle surface bent in all directions alike asks for, `⟨cos⁴⟩ Σ k p⁴ z² / (l² A)` with the part `p` of an edge along the
 /// plate (5-tetrahedra lattices of 2 and 4 cells: 3.2 and 16.9 k a², where a solver finds 3.1 and 16.8).
-pub fn bending<const D: usize>(spec: &SolidSpec, mesh: &VolumeMesh<D>) -> Option<f64> {
-    let (thickness, normal) = plate::<D>(&spec.shape)?;
+pub fn bending_stiffness<const D: usize>(spec: &SolidSpec, mesh: &VolumeMesh<D>) -> Option<f64> {
+    let (thickness, normal) = plate_thickness_and_normal::<D>(&spec.shape)?;
     match &spec.material {
-        Material::NeoHookean(e) | Material::Corotated(e) => Some(elastic_bending(e, thickness)),
+        Material::NeoHookean(e) | Material::Corotated(e) => Some(plate_bending_stiffness(e, thickness)),
         Material::Springs { stiffness, .. } => {
             let middle = mesh.positions.iter().sum::<Vector<D>>() / mesh.positions.len() as f64;
             let part = |(at, along): (Vector<D>, Vector<D>)| {
@@ -87,7 +87,7 @@ pub fn bending<const D: usize>(spec: &SolidSpec, mesh: &VolumeMesh<D>) -> Option
 ///
 /// # Errors
 /// [`SceneError`] that says how stiff it may be.
-pub fn can_follow<const D: usize>(
+pub fn check_stiffness<const D: usize>(
     scene: &Scene,
     spec: &SolidSpec,
     mesh: &VolumeMesh<D>,
@@ -97,19 +97,19 @@ pub fn can_follow<const D: usize>(
     let shortest = edges(mesh).map(|(_, along)| along.norm()).fold(f64::INFINITY, f64::min);
     let step = longest_step(scene);
     let crossed = speed * step / shortest;
-    if crossed <= MOST_CROSSED {
+    if crossed <= MAX_CROSSED_ELEMENTS {
         return Ok(());
     }
     let message = format!(
         "the solid `{}` is too stiff for any step to follow: in one of {step:.2e} s its elastic waves ({speed:.2e} m/s) cross \
-         {crossed:.1e} elements of {shortest:.2e} m, and beyond {MOST_CROSSED:.0e} rounding hides its mass",
+         {crossed:.1e} elements of {shortest:.2e} m, and beyond {MAX_CROSSED_ELEMENTS:.0e} rounding hides its mass",
         spec.name
     );
     // Rounded so that it is enough.
-    let more = (crossed / MOST_CROSSED).powi(2) * 1.05;
+    let more = (crossed / MAX_CROSSED_ELEMENTS).powi(2) * 1.05;
     let help = format!(
         "make it {more:.1e} times softer, or rigid, or set numerics.max_step = \"{:.1e} s\"",
-        0.95 * step * MOST_CROSSED / crossed
+        0.95 * step * MAX_CROSSED_ELEMENTS / crossed
     );
     Err(SceneError::new(message).with_help(help))
 }
@@ -139,17 +139,17 @@ mod tests {
         let mesh = meniscus_numerics::mesh::volume::block::block::<3>([12, 12, 4], &size);
         let plate_of = spec(springs.clone(), &[6.0, 6.0, 2.0]);
         // Per cell of Kuhn's lattice: 3 edges of 1, 3 face diagonals of 2, a body diagonal of 3, squared; more at the faces.
-        let modulus = wave_modulus(&plate_of, &mesh).unwrap() / 3.0;
+        let modulus = p_wave_modulus(&plate_of, &mesh).unwrap() / 3.0;
         assert!(modulus > 12.0 / 5.0 && modulus < 1.35 * 12.0 / 5.0, "{modulus}");
-        assert!(plate::<3>(&plate_of.shape).is_none());
+        assert!(plate_thickness_and_normal::<3>(&plate_of.shape).is_none());
         let size = Vector::<3>::new(40.0, 40.0, 4.0);
         let mesh = meniscus_numerics::mesh::volume::block::block::<3>([40, 40, 4], &size);
         let plate_of = spec(springs, &[20.0, 20.0, 2.0]);
-        let (thickness, normal) = plate::<3>(&plate_of.shape).unwrap();
+        let (thickness, normal) = plate_thickness_and_normal::<3>(&plate_of.shape).unwrap();
         assert!(thickness == 4.0 && normal == Vector::<3>::z());
         // Layers: (2 + 2) 3/8 · 10; across: two diagonals of 1/2 and one of 4/3, 3/8 · 5 each; rims add a few per cent.
         let exact = 0.375 * (4.0 * 10.0 + (2.0 * 0.5 + 4.0 / 3.0) * 5.0);
-        let found = bending(&plate_of, &mesh).unwrap() / 3.0;
+        let found = bending_stiffness(&plate_of, &mesh).unwrap() / 3.0;
         assert!((found / exact - 1.0).abs() < 0.05, "{found} {exact}");
     }
 }

@@ -13,11 +13,11 @@ use meniscus_sim::{Simulation, Solid, SolidState};
 use rayon::prelude::*;
 
 /// Radius of the ball that has to fit, in cells.
-const BALL: f32 = 1.0;
+const BALL_RADIUS_CELLS: f32 = 1.0;
 /// Distance, in cells, from where the ball fits up to which liquid is resolved.
-const REACH: isize = 4;
+const OPENING_REACH_CELLS: isize = 4;
 /// Share of the liquid from which on thin liquid is worth a warning.
-pub const TOLD: f64 = 1e-3;
+pub const WARNING_SHARE: f64 = 1e-3;
 
 /// Liquid thinner than two cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,7 @@ pub fn of_simulation<const D: usize>(simulation: &Simulation<D>) -> ThinLiquid<D
     let (model, state) = (&simulation.model, &simulation.state);
     let lattice = model.grid.lattice();
     let solids = Obstacles::new(&model.solids, &state.solids, model.grid.dx);
-    measure(&model.grid, |at| {
+    measure_thin_liquid(&model.grid, |at| {
         let phi = state.phi.data[lattice.index(at)];
         if phi > model.grid.dx { phi } else { phi.max(-solids.distance(&model.grid.center(at))) }
     })
@@ -42,9 +42,9 @@ pub fn of_simulation<const D: usize>(simulation: &Simulation<D>) -> ThinLiquid<D
 /// The thin liquid of bodies as they are laid out, before anything moves.
 pub fn of_setup<const D: usize>(setup: &Setup<D>) -> ThinLiquid<D> {
     let (model, grid) = (&setup.model, &setup.model.grid);
-    let start: Vec<_> = model.solids.iter().map(Solid::start).collect();
+    let start: Vec<_> = model.solids.iter().map(Solid::initial_state).collect();
     let solids = Obstacles::new(&model.solids, &start, grid.dx);
-    measure(grid, |at| {
+    measure_thin_liquid(grid, |at| {
         let x = grid.center(at);
         let phi = setup.bodies.iter().map(|(body, _)| body(&x)).fold(f64::INFINITY, f64::min);
         if phi > grid.dx { phi } else { phi.max(-solids.distance(&x)) }
@@ -52,15 +52,15 @@ pub fn of_setup<const D: usize>(setup: &Setup<D>) -> ThinLiquid<D> {
 }
 
 /// The thin part of the liquid where `distance` (m) is to its boundary, negative inside, at the centre of a cell.
-pub fn measure<const D: usize>(grid: &Grid<D>, distance: impl Fn([usize; D]) -> f64 + Sync) -> ThinLiquid<D> {
+pub fn measure_thin_liquid<const D: usize>(grid: &Grid<D>, distance: impl Fn([usize; D]) -> f64 + Sync) -> ThinLiquid<D> {
     let lattice = grid.lattice();
     let cells = || (0..lattice.len()).into_par_iter();
     let depth: Vec<f32> = cells().map(|i| (-distance(lattice.coordinates(i)) / grid.dx) as f32).collect();
     let fits: Vec<bool> = cells().map(|i| ball_fits(lattice, &depth, i)).collect();
-    let near = ball_of_cells::<D>();
+    let near = cell_offsets_within_reach::<D>();
     let is_thin = |i: usize| {
         let at = lattice.coordinates(i);
-        !near.iter().any(|step| moved(lattice, at, step).is_some_and(|j| fits[j]))
+        !near.iter().any(|step| neighbour_cell(lattice, at, step).is_some_and(|j| fits[j]))
     };
     let candidate = |i: usize| depth[i] > -0.5 && !fits[i];
     let thin: Vec<usize> = cells().filter(|i| candidate(*i) && is_thin(*i)).collect();
@@ -81,27 +81,27 @@ fn ball_fits<const D: usize>(lattice: Lattice<D>, depth: &[f32], i: usize) -> bo
     let between = |n: usize| {
         let mut step = [0; D];
         step[n / 2] = if n.is_multiple_of(2) { 1 } else { -1 };
-        let to = |times: isize| moved(lattice, at, &step.map(|s| s * times)).map(|j| depth[j]);
+        let to = |times: isize| neighbour_cell(lattice, at, &step.map(|s| s * times)).map(|j| depth[j]);
         let Some(other) = to(1).filter(|other| *other > 0.0) else { return false };
         let rises = [to(-1).map(|outer| own - outer), to(2).map(|outer| other - outer)];
         let slope = rises.into_iter().flatten().fold(1.0, f32::min).max(0.0);
-        0.5 * (own + other + slope) >= BALL
+        0.5 * (own + other + slope) >= BALL_RADIUS_CELLS
     };
-    own >= BALL || own > 0.0 && (0..2 * D).any(between)
+    own >= BALL_RADIUS_CELLS || own > 0.0 && (0..2 * D).any(between)
 }
 
 /// Steps to the cells up to [`REACH`] away, the shortest first.
-fn ball_of_cells<const D: usize>() -> Vec<[isize; D]> {
-    let cube = Lattice::<D>::new([2 * REACH as usize + 1; D]);
+fn cell_offsets_within_reach<const D: usize>() -> Vec<[isize; D]> {
+    let cube = Lattice::<D>::new([2 * OPENING_REACH_CELLS as usize + 1; D]);
     let mut steps: Vec<[isize; D]> =
-        (0..cube.len()).map(|i| cube.coordinates(i).map(|c| c as isize - REACH)).collect();
+        (0..cube.len()).map(|i| cube.coordinates(i).map(|c| c as isize - OPENING_REACH_CELLS)).collect();
     let square = |step: &[isize; D]| step.iter().map(|s| s * s).sum::<isize>();
-    steps.retain(|step| square(step) <= REACH * REACH);
+    steps.retain(|step| square(step) <= OPENING_REACH_CELLS * OPENING_REACH_CELLS);
     steps.sort_by_key(square);
     steps
 }
 
-fn moved<const D: usize>(lattice: Lattice<D>, mut at: [usize; D], step: &[isize; D]) -> Option<usize> {
+fn neighbour_cell<const D: usize>(lattice: Lattice<D>, mut at: [usize; D], step: &[isize; D]) -> Option<usize> {
     for a in 0..D {
         at[a] = at[a].checked_add_signed(step[a]).filter(|c| *c < lattice.extent[a])?;
     }
@@ -150,7 +150,7 @@ mod tests {
             let x = (grid.center(at) - Vector::from([3.0, 3.0])).dot(&normal) - shift * grid.dx;
             x.abs() - 0.5 * thickness * grid.dx
         };
-        measure(&grid, distance).share
+        measure_thin_liquid(&grid, distance).share
     }
 
     #[test]
@@ -177,14 +177,14 @@ mod tests {
             ((x - centre).norm() - 30.0).min(film).max(10.0 - x[1])
         };
         for angle in [30.0f64, 60.0, 90.0] {
-            let alone = measure(&grid, |at| cap(at, angle.to_radians(), -1.0));
+            let alone = measure_thin_liquid(&grid, |at| cap(at, angle.to_radians(), -1.0));
             assert!(alone.share < 2e-3, "{angle}: {alone:?}");
         }
-        let with = measure(&grid, |at| cap(at, 1.0, 110.0));
+        let with = measure_thin_liquid(&grid, |at| cap(at, 1.0, 110.0));
         assert!(with.share > 0.02 && with.place.is_some_and(|x| x[0] > 70.0), "{with:?}");
         let thread = Grid::<3>::new([24, 24, 24], 1.0);
         let of = |radius: f64| {
-            measure(&thread, |at| (thread.center(at) - Vector::from([12.1, 12.3, 0.0])).xy().norm() - radius)
+            measure_thin_liquid(&thread, |at| (thread.center(at) - Vector::from([12.1, 12.3, 0.0])).xy().norm() - radius)
         };
         assert!(of(0.8).share == 1.0 && of(1.6).share == 0.0);
     }

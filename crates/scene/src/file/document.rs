@@ -18,7 +18,7 @@ const MAX_TEXT: usize = 4 << 20;
 #[derive(Clone, Debug, Default)]
 pub struct Source {
     /// First position, name and text of each piece.
-    pieces: Vec<(usize, String, Arc<str>)>,
+    texts: Vec<(usize, String, Arc<str>)>,
     /// Key and value positions by dotted path.
     spans: BTreeMap<String, (Range<usize>, Range<usize>)>,
 }
@@ -33,15 +33,15 @@ impl PartialEq for Source {
 impl Source {
     /// Adds a text; gives the position of its first byte.
     fn add(&mut self, name: &str, text: &str) -> usize {
-        let start = self.pieces.last().map_or(0, |(s, _, t)| s + t.len() + 1);
-        self.pieces.push((start, name.to_owned(), Arc::from(text)));
+        let start = self.texts.last().map_or(0, |(s, _, t)| s + t.len() + 1);
+        self.texts.push((start, name.to_owned(), Arc::from(text)));
         start
     }
 
     /// The same error pointing at a range of positions.
     pub(crate) fn point(&self, error: SceneError, span: Option<Range<usize>>) -> SceneError {
         let wanted = span.as_ref().map_or(0, |s| s.start);
-        let piece = self.pieces.iter().rev().find(|(start, _, _)| *start <= wanted);
+        let piece = self.texts.iter().rev().find(|(start, _, _)| *start <= wanted);
         match piece {
             Some((start, name, text)) => {
                 let cut = span.map(|s| s.start - start..s.end.saturating_sub(*start));
@@ -87,7 +87,7 @@ impl Source {
 
     /// The scene's text without `--set`.
     pub fn text(&self) -> &str {
-        self.pieces.first().map_or("", |p| &p.2)
+        self.texts.first().map_or("", |p| &p.2)
     }
 
     fn collect_table(&mut self, prefix: &str, table: &DeTable<'_>) {
@@ -172,12 +172,12 @@ impl<'i> Document<'i> {
             let error = SceneError::new("the path is too deep");
             return Err(self.source.point(error, Some(start..value_start)));
         }
-        self.drop_rival(path.trim());
+        self.remove_conflicting_key(path.trim());
         set_in_table(self.root.get_mut(), &segments, value).map_err(|e| self.source.point(e.0, Some(e.1)))
     }
 
     /// `domain.dx` and `domain.resolution` exclude each other: the one set replaces the other.
-    fn drop_rival(&mut self, path: &str) {
+    fn remove_conflicting_key(&mut self, path: &str) {
         let rival = match path {
             "domain.dx" => "resolution",
             "domain.resolution" => "dx",

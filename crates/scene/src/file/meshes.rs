@@ -17,12 +17,12 @@ const MESHES: [(&str, &[u8]); 2] = [
 ];
 
 /// The name of a built-in file after its prefix; none for any other file.
-pub(crate) fn built_in(file: &str) -> Option<&str> {
+pub(crate) fn builtin_name(file: &str) -> Option<&str> {
     file.strip_prefix(PREFIX)
 }
 
 /// Why there is no such built-in file, and what there is; none if there is.
-pub(crate) fn missing(name: &str) -> Option<(String, String)> {
+pub(crate) fn unknown_mesh_message(name: &str) -> Option<(String, String)> {
     if MESHES.iter().any(|(known, _)| *known == name) {
         return None;
     }
@@ -38,7 +38,7 @@ pub(crate) fn read<T, E: ToString>(
     path: &Path,
     reader: impl FnOnce(&Path) -> Result<T, E>,
 ) -> Result<T, String> {
-    let name = path.to_str().and_then(built_in);
+    let name = path.to_str().and_then(builtin_name);
     let Some((name, bytes)) = MESHES.iter().find(|(known, _)| Some(*known) == name) else {
         return reader(path).map_err(|e| e.to_string());
     };

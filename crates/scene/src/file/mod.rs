@@ -14,5 +14,5 @@ pub use grammar::*;
 pub(crate) use meshes::read as read_mesh_file;
 pub use resolve::{LoadOptions, Quality};
 pub use resolved::*;
-pub(crate) use resolved::{outline, outside, rotation, vector};
-pub use runnable::runnable;
+pub(crate) use resolved::{outline, describe_outside, rotation, vector};
+pub use runnable::ensure_runnable;

@@ -7,7 +7,7 @@ use crate::error::SceneError;
 ///
 /// # Errors
 /// [`SceneError`] of kind `Invalid` (exit status 3) that points at what cannot run.
-pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
+pub fn ensure_runnable(scene: &Scene) -> Result<(), SceneError> {
     let refuse = |path: &str, what: &str, help: &str| {
         let error = SceneError::new(format!("this version cannot run {what} yet")).with_help(help);
         Err(scene.source.at_value(error, path))
@@ -32,13 +32,13 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
             return refuse(&at("moved.0"), "moved parts of a solid that does not deform", help);
         }
         if solid.shape.parts().into_iter().any(is_wave) {
-            return refuse(&at("shape"), "solids of this shape", SHAPES);
+            return refuse(&at("shape"), "solids of this shape", SUPPORTED_SHAPES);
         }
     }
     for (name, wetting) in &scene.tension.solids {
         if let Some(i) = wetting.patches.iter().position(|(shape, _)| shape.parts().into_iter().any(is_wave))
         {
-            return refuse(&format!("tension.{name}.patches.{i}.shape"), "patches of this shape", SHAPES);
+            return refuse(&format!("tension.{name}.patches.{i}.shape"), "patches of this shape", SUPPORTED_SHAPES);
         }
     }
     if scene.numerics.scheme == Scheme::Paper {
@@ -57,5 +57,5 @@ pub fn runnable(scene: &Scene) -> Result<(), SceneError> {
 }
 
 /// Shapes that both liquid and solids can have.
-const SHAPES: &str = "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, extrusion, union, smooth_union, \
+const SUPPORTED_SHAPES: &str = "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, extrusion, union, smooth_union, \
                       difference, cow or mesh";

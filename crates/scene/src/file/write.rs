@@ -55,25 +55,25 @@ fn speeds(v: &[f64]) -> Vec<Speed> {
     v.iter().map(|&x| Speed(x)).collect()
 }
 
-fn whole(n: usize) -> Option<u32> {
+fn to_u32(n: usize) -> Option<u32> {
     u32::try_from(n).ok()
 }
 
 fn domain(d: &Domain) -> DomainFile {
     let last = d.dimension - 1;
-    let deep = d.dimension == 3;
+    let is_3d = d.dimension == 3;
     DomainFile {
         dimension: d.dimension as u32,
         size: lengths(&d.size),
-        resolution: d.cells.iter().max().and_then(|&n| whole(n)),
+        resolution: d.cells.iter().max().and_then(|&n| to_u32(n)),
         dx: None,
         quality: None,
         walls: WallsFile {
             all: None,
             left: Some(d.walls[0][0]),
             right: Some(d.walls[0][1]),
-            front: deep.then(|| d.walls[1][0]),
-            back: deep.then(|| d.walls[1][1]),
+            front: is_3d.then(|| d.walls[1][0]),
+            back: is_3d.then(|| d.walls[1][1]),
             bottom: Some(d.walls[last][0]),
             top: Some(d.walls[last][1]),
         },
@@ -193,12 +193,12 @@ fn solid(s: &Solid) -> SolidFile {
     let material = match &s.material {
         Material::Rigid { fixed } => MaterialFile::Rigid(RigidFile { fixed: *fixed }),
         Material::Kinematic { velocity, angular_velocity, keyframes } => {
-            let moved = keyframes.is_empty();
+            let has_velocity = keyframes.is_empty();
             MaterialFile::Kinematic(KinematicFile {
-                velocity: moved.then(|| speeds(velocity)),
-                angular_velocity: moved
+                velocity: has_velocity.then(|| speeds(velocity)),
+                angular_velocity: has_velocity
                     .then(|| angular_velocity.iter().map(|&w| AngularVelocity(w)).collect()),
-                keyframes: (!moved).then(|| frames(keyframes)),
+                keyframes: (!has_velocity).then(|| keyframe_tables(keyframes)),
             })
         }
         Material::Springs { stiffness, damping_ratio } => MaterialFile::Springs(SpringsFile {
@@ -236,17 +236,17 @@ fn edge(length: f64) -> SolidMeshFile {
     SolidMeshFile { edge: Some(Length::metres(length)) }
 }
 
-fn frames(keyframes: &[(f64, Vec<f64>)]) -> Vec<KeyframeFile> {
+fn keyframe_tables(keyframes: &[(f64, Vec<f64>)]) -> Vec<KeyframeFile> {
     let frame = |(t, x): &(f64, Vec<f64>)| KeyframeFile { time: Time(*t), translate: lengths(x) };
     keyframes.iter().map(frame).collect()
 }
 
 fn moved(m: &Moved) -> MovedFile {
-    let told = m.keyframes.is_empty();
+    let has_velocity = m.keyframes.is_empty();
     MovedFile {
         shape: shape(&m.shape),
-        velocity: told.then(|| speeds(&m.velocity)),
-        keyframes: (!told).then(|| frames(&m.keyframes)),
+        velocity: has_velocity.then(|| speeds(&m.velocity)),
+        keyframes: (!has_velocity).then(|| keyframe_tables(&m.keyframes)),
     }
 }
 
@@ -319,12 +319,12 @@ fn numerics(n: &Numerics) -> NumericsFile {
         cfl: Some(n.cfl),
         max_step: n.max_step.is_finite().then_some(Time(n.max_step)),
         tolerance: Some(n.tolerance),
-        max_iterations: whole(n.max_iterations),
+        max_iterations: to_u32(n.max_iterations),
         capillary_step: Some(n.capillary_step),
         newton_iterations: (n.newton_iterations > 0).then_some(n.newton_iterations),
         fixed_step: n.fixed_step.map(Time),
         restore_momentum: Some(n.restore_momentum),
-        threads: n.threads.and_then(whole),
+        threads: n.threads.and_then(to_u32),
     }
 }
 

@@ -4,7 +4,7 @@ mod plan;
 mod schedule;
 mod tally;
 
-pub use plan::{Existing, Job, Stop};
+pub use plan::{ExistingRun, Job, Stop};
 pub use schedule::Schedule;
-pub(crate) use tally::three;
-pub use tally::{Tally, ThinTally};
+pub(crate) use tally::padded_to_3d;
+pub use tally::{RunStatistics, ThinLiquidStatistics};

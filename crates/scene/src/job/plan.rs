@@ -32,7 +32,7 @@ pub struct Job {
 
 /// What to do with an output folder that holds a run already.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Existing {
+pub enum ExistingRun {
     /// Refuse.
     Refuse,
     /// Remove it and start again.

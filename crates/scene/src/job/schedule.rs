@@ -35,12 +35,12 @@ impl Schedule {
     }
 
     /// Whether `time` is that of `frame` but for rounding.
-    pub fn meets(&self, time: f64, frame: u64) -> bool {
+    pub fn is_frame_time(&self, time: f64, frame: u64) -> bool {
         (time - self.time(frame)).abs() <= 1e-9 * self.interval
     }
 
     /// Whether `time` is that of `frame` or later.
-    pub fn reaches(&self, time: f64, frame: u64) -> bool {
+    pub fn has_reached_frame(&self, time: f64, frame: u64) -> bool {
         time >= self.time(frame) - 1e-9 * self.interval
     }
 }

@@ -1,13 +1,13 @@
 //! What a run carries along beside the state: counters, worst values, clocks.
 
-use crate::estimate::thin_liquid::{TOLD, ThinLiquid};
+use crate::estimate::thin_liquid::{WARNING_SHARE, ThinLiquid};
 use meniscus_numerics::Vector;
-use meniscus_sim::{Ledger, Model, Repairs, SolidState, StepReport, overlaps};
+use meniscus_sim::{Diagnostics, Model, Repairs, SolidState, StepReport, overlaps};
 use serde::{Deserialize, Serialize};
 
 /// Everything that a resumed run needs and the state does not have. Part of every checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Tally {
+pub struct RunStatistics {
     /// Number of the frame to write next.
     pub next_frame: u64,
     /// Length of `timeseries.csv` so far, bytes.
@@ -42,14 +42,14 @@ pub struct Tally {
     /// Most iterations of one.
     pub most_iterations: u64,
     /// Liquid thinner than two cells in frames so far.
-    pub thin: ThinTally,
+    pub thin: ThinLiquidStatistics,
     /// Seconds per named phase, in the order of their first end.
     pub phases: Vec<(String, f64)>,
 }
 
 /// Liquid thinner than two cells in the frames of a run (see [`crate::estimate::thin_liquid`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ThinTally {
+pub struct ThinLiquidStatistics {
     /// Its largest share of the liquid's volume so far.
     pub worst: f64,
     /// When that was, s.
@@ -60,11 +60,11 @@ pub struct ThinTally {
     pub first_time: Option<f64>,
 }
 
-impl Tally {
+impl RunStatistics {
     /// The tally of a run that has not begun.
-    pub fn start<const D: usize>(model: &Model<D>, ledger: &Ledger<D>) -> Self {
+    pub fn at_start<const D: usize>(model: &Model<D>, ledger: &Diagnostics<D>) -> Self {
         Self {
-            start_momentum: three(&ledger.momentum),
+            start_momentum: padded_to_3d(&ledger.momentum),
             mass: model.density * ledger.volume,
             largest_kinetic_energy: ledger.kinetic_energy,
             max_speed: ledger.max_speed,
@@ -73,8 +73,8 @@ impl Tally {
     }
 
     /// Takes a step into account. The momentum error after it.
-    pub fn add<const D: usize>(&mut self, model: &Model<D>, time: f64, report: &StepReport<D>) -> f64 {
-        let ledger = &report.ledger;
+    pub fn add_step<const D: usize>(&mut self, model: &Model<D>, time: f64, report: &StepReport<D>) -> f64 {
+        let ledger = &report.diagnostics;
         self.largest_kinetic_energy = self.largest_kinetic_energy.max(ledger.kinetic_energy);
         if ledger.volume_error.abs() > self.volume_error.abs() {
             self.volume_error = ledger.volume_error;
@@ -105,12 +105,12 @@ impl Tally {
     }
 
     /// Takes the thin liquid of a frame into account. Whether it is the first of the run that is worth a warning.
-    pub fn add_thin<const D: usize>(&mut self, time: f64, thin: &ThinLiquid<D>) -> bool {
+    pub fn add_thin_liquid<const D: usize>(&mut self, time: f64, thin: &ThinLiquid<D>) -> bool {
         if let Some(place) = thin.place.filter(|_| thin.share > self.thin.worst) {
-            let (worst, worst_place) = (thin.share, three(&place));
-            self.thin = ThinTally { worst, worst_time: time, worst_place, ..self.thin };
+            let (worst, worst_place) = (thin.share, padded_to_3d(&place));
+            self.thin = ThinLiquidStatistics { worst, worst_time: time, worst_place, ..self.thin };
         }
-        let first = thin.share > TOLD && self.thin.first_time.is_none();
+        let first = thin.share > WARNING_SHARE && self.thin.first_time.is_none();
         if first {
             self.thin.first_time = Some(time);
         }
@@ -157,6 +157,6 @@ mod repairs {
 }
 
 /// A vector as three components, the missing one 0.
-pub(crate) fn three<const D: usize>(v: &Vector<D>) -> [f64; 3] {
+pub(crate) fn padded_to_3d<const D: usize>(v: &Vector<D>) -> [f64; 3] {
     std::array::from_fn(|a| if a < D { v[a] } else { 0.0 })
 }

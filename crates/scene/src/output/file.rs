@@ -49,11 +49,11 @@ impl FileError {
 ///
 /// # Errors
 /// [`FileError`]; the file beside is removed.
-pub fn replace(
+pub fn write_atomically(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<(), FileError> {
-    let beside = beside(path);
+    let beside = temporary_path(path);
     let written = (|| {
         let mut writer = BufWriter::with_capacity(1 << 16, File::create(&beside)?);
         fill(&mut writer)?;
@@ -70,7 +70,7 @@ pub fn replace(
 }
 
 /// The name under which a file is prepared: `frames/x.ply` → `frames/x.ply.part`.
-fn beside(path: &Path) -> PathBuf {
+fn temporary_path(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".part");
     PathBuf::from(name)
@@ -100,8 +100,8 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("meniscus-file-{}", std::process::id()));
         create_folder(&folder).unwrap();
         let path = folder.join("a.txt");
-        replace(&path, |w| w.write_all(b"old")).unwrap();
-        let failed = replace(&path, |w| {
+        write_atomically(&path, |w| w.write_all(b"old")).unwrap();
+        let failed = write_atomically(&path, |w| {
             w.write_all(b"new")?;
             Err(io::Error::from(io::ErrorKind::StorageFull))
         });

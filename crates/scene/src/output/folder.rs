@@ -95,7 +95,7 @@ impl Folder {
     ///
     /// # Errors
     /// [`FolderError`].
-    pub fn start(&self, force: bool) -> Result<(), FolderError> {
+    pub fn prepare(&self, force: bool) -> Result<(), FolderError> {
         if self.holds_a_run() {
             if !force {
                 return Err(FolderError::Taken(self.root.clone()));
@@ -145,7 +145,7 @@ impl Folder {
     ///
     /// # Errors
     /// [`FileError`].
-    pub fn cut_frames(&self, from: u64) -> Result<(), FileError> {
+    pub fn remove_frames_from(&self, from: u64) -> Result<(), FileError> {
         let Ok(entries) = std::fs::read_dir(self.frames()) else { return Ok(()) };
         for path in entries.flatten().map(|entry| entry.path()) {
             if frame_number(&path).is_none_or(|number| number >= from) {

@@ -1,7 +1,7 @@
 //! A frame: the surfaces of the liquid and of the solids and the contact line as PLY files.
 
 use super::file::{self, FileError};
-use crate::job::three;
+use crate::job::padded_to_3d;
 use meniscus_elastic::Elastic;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, Sampler};
@@ -13,7 +13,7 @@ use std::path::Path;
 
 /// Distance from a solid's surface, in cells, up to which a vertex of the liquid's surface lies on it; from the free surface
 /// up to which it lies on the contact line. Surface nets place vertices as well as that.
-const ON: f64 = 0.3;
+const ON_SURFACE_CELLS: f64 = 0.3;
 
 /// The parts of a displacement.
 const DISPLACEMENT: [&str; 3] = ["ux", "uy", "uz"];
@@ -31,26 +31,26 @@ pub fn liquid<const D: usize>(simulation: &Simulation<D>) -> Result<PlyMesh, &'s
         return Err("velocity");
     }
     let mut surface = match simulation.model.solids.is_empty() {
-        true => isosurface::extract(&state.phi, simulation.liquid_cells()),
+        true => isosurface::extract_isosurface(&state.phi, simulation.liquid_cells()),
         false => {
-            let outside = outside_solids(simulation);
+            let outside = phi_outside_solids(simulation);
             let cells = simulation.liquid_cells().clone();
             let cells = cells.filtered(&simulation.model.grid, |c| outside.data[c] < 0.0);
-            isosurface::extract(&outside, &cells)
+            isosurface::extract_isosurface(&outside, &cells)
         }
     };
-    mark_wetted(simulation, &surface.mesh.positions, &mut surface.kind);
+    classify_vertices(simulation, &surface.mesh.positions, &mut surface.vertex_kind);
     let mut mesh = ply(&surface.mesh, state.time);
     if !mesh.positions.iter().flatten().all(|x| x.is_finite()) {
         return Err("liquid's surface");
     }
-    mesh.scalars.insert("kind".into(), surface.kind.into_iter().map(f64::from).collect());
+    mesh.scalars.insert("kind".into(), surface.vertex_kind.into_iter().map(f64::from).collect());
     mesh.comments.push("kind 0 liquid-air, 1 liquid-solid, 2 contact line".into());
     Ok(mesh)
 }
 
 /// φ, or minus the distance to the solids where that is larger.
-fn outside_solids<const D: usize>(simulation: &Simulation<D>) -> CellField<D> {
+fn phi_outside_solids<const D: usize>(simulation: &Simulation<D>) -> CellField<D> {
     let mut field = simulation.state.phi.clone();
     let (grid, lattice) = (simulation.model.grid, simulation.model.grid.lattice());
     field.data.par_iter_mut().enumerate().filter(|(_, v)| **v < grid.dx).for_each(|(i, value)| {
@@ -59,12 +59,12 @@ fn outside_solids<const D: usize>(simulation: &Simulation<D>) -> CellField<D> {
     field
 }
 
-fn mark_wetted<const D: usize>(simulation: &Simulation<D>, positions: &[Vector<D>], kind: &mut [u8]) {
+fn classify_vertices<const D: usize>(simulation: &Simulation<D>, positions: &[Vector<D>], kind: &mut [u8]) {
     if simulation.model.solids.is_empty() {
         return;
     }
-    let (model, near) = (&simulation.model, ON * simulation.model.grid.dx);
-    let phi = Sampler::cells(&model.grid, &simulation.state.phi.data, model.scalar_edges());
+    let (model, near) = (&simulation.model, ON_SURFACE_CELLS * simulation.model.grid.dx);
+    let phi = Sampler::cells(&model.grid, &simulation.state.phi.data, model.scalar_boundary());
     positions.par_iter().zip(kind).for_each(|(x, kind)| {
         if simulation.distance_to_solids(x) < near {
             *kind = if phi.linear(x) > -near { isosurface::CONTACT_LINE } else { isosurface::LIQUID_SOLID };
@@ -80,18 +80,18 @@ pub fn solid<const D: usize>(
     surface: &SurfaceMesh<D>,
     line: &ContactLine<D>,
 ) -> PlyMesh {
-    let young = young(simulation, number, &surface.positions);
+    let young = young_angles(simulation, number, &surface.positions);
     let mut mesh = ply(surface, simulation.state.time);
     let distance = line.phi_c.get(number).cloned().unwrap_or_default();
     mesh.scalars.insert("phi_c".into(), distance);
     mesh.comments.push("phi_c distance to the contact line along the surface, negative where wetted".into());
-    if let Some((elastic, soft)) = deformed(simulation, number) {
-        let (rest, strains) = (&elastic.mesh().positions, elastic.strains(&soft.body.positions));
+    if let Some((elastic, soft)) = soft_state(simulation, number) {
+        let (rest, strains) = (&elastic.rest_mesh().positions, elastic.strains(&soft.state.positions));
         let of =
-            |value: &dyn Fn(usize) -> f64| soft.skin.vertices().iter().map(|v| value(*v as usize)).collect();
+            |value: &dyn Fn(usize) -> f64| soft.surface.volume_vertices().iter().map(|v| value(*v as usize)).collect();
         for (a, name) in DISPLACEMENT.into_iter().enumerate() {
-            let way = |v: usize| three(&(soft.body.positions[v] - rest[v]))[a];
-            mesh.scalars.insert(name.into(), of(&way));
+            let displacement = |v: usize| padded_to_3d(&(soft.state.positions[v] - rest[v]))[a];
+            mesh.scalars.insert(name.into(), of(&displacement));
         }
         mesh.scalars.insert("strain".into(), of(&|v| strains[v]));
         mesh.comments.push("ux uy uz way from the place at rest, strain largest |stretch - 1|".into());
@@ -104,18 +104,18 @@ pub fn solid<const D: usize>(
 }
 
 /// A solid that deforms, and its state.
-fn deformed<const D: usize>(simulation: &Simulation<D>, number: usize) -> Option<(&Elastic<D>, &Soft<D>)> {
+fn soft_state<const D: usize>(simulation: &Simulation<D>, number: usize) -> Option<(&Elastic<D>, &Soft<D>)> {
     let soft = simulation.state.solids[number].soft.as_ref();
     simulation.model.solids[number].elastic().zip(soft)
 }
 
 /// Young's angle, degrees, at points of a solid if it has a pattern of it.
-fn young<const D: usize>(simulation: &Simulation<D>, number: usize, points: &[Vector<D>]) -> Vec<f64> {
+fn young_angles<const D: usize>(simulation: &Simulation<D>, number: usize, points: &[Vector<D>]) -> Vec<f64> {
     let (solid, now) = (&simulation.model.solids[number], &simulation.state.solids[number]);
     if solid.pattern.is_empty() {
         return Vec::new();
     }
-    let cosine = |x: &Vector<D>| solid.cosine_near(now, x, simulation.model.grid.dx);
+    let cosine = |x: &Vector<D>| solid.young_cosine_near(now, x, simulation.model.grid.dx);
     points.par_iter().map(|x| cosine(x).clamp(-1.0, 1.0).acos().to_degrees()).collect()
 }
 
@@ -123,26 +123,26 @@ fn young<const D: usize>(simulation: &Simulation<D>, number: usize, points: &[Ve
 /// walls of the domain), in 3D with edges.
 pub fn contact_line<const D: usize>(simulation: &Simulation<D>, line: &ContactLine<D>) -> PlyMesh {
     let mut mesh = ply(&SurfaceMesh::<D>::default(), simulation.state.time);
-    mesh.positions = line.points.iter().map(|p| three(&p.at)).collect();
+    mesh.positions = line.points.iter().map(|p| padded_to_3d(&p.at)).collect();
     mesh.edges = line.segments.clone();
     let mut put = |name: &str, value: &dyn Fn(&LinePoint<D>) -> f64| {
         mesh.scalars.insert(name.into(), line.points.iter().map(value).collect());
     };
-    put("angle", &|p| p.angle);
+    put("angle", &|p| p.angle_degrees);
     put("speed", &|p| p.speed);
     for (a, name) in ["fx", "fy", "fz"].into_iter().enumerate() {
-        put(name, &|p| three(&p.force)[a]);
+        put(name, &|p| padded_to_3d(&p.force)[a]);
     }
     put("solid", &|p| f64::from(p.solid));
     mesh.comments.push("angle in degrees through the liquid, speed in m/s, force in N/m".into());
-    if let Some(walls) = simulation.model.wetting_walls() {
+    if let Some(walls) = simulation.model.wetting_wall_solid() {
         mesh.comments.push(format!("solid {walls} are the walls of the domain"));
     }
     mesh
 }
 
 fn ply<const D: usize>(surface: &SurfaceMesh<D>, time: f64) -> PlyMesh {
-    let positions = surface.positions.iter().map(three).collect();
+    let positions = surface.positions.iter().map(padded_to_3d).collect();
     let mut mesh = PlyMesh { positions, ..PlyMesh::default() };
     if D == 2 {
         mesh.edges = surface.facets.iter().map(|f| [f[0], f[1]]).collect();
@@ -162,5 +162,5 @@ fn ply<const D: usize>(surface: &SurfaceMesh<D>, time: f64) -> PlyMesh {
 /// # Errors
 /// [`FileError`].
 pub fn write(path: &Path, mesh: &PlyMesh) -> Result<(), FileError> {
-    file::replace(path, |writer| mesh.write(writer))
+    file::write_atomically(path, |writer| mesh.write(writer))
 }

@@ -27,7 +27,7 @@ impl Log {
     }
 
     /// The same file for another thread; none where the system has no more handles.
-    pub fn another(&self) -> Option<Self> {
+    pub fn try_clone(&self) -> Option<Self> {
         Some(Self { path: self.path.clone(), file: self.file.try_clone().ok()? })
     }
 

@@ -2,7 +2,7 @@
 
 use super::SolidMeasures;
 use super::file::FileError;
-use crate::job::three;
+use crate::job::padded_to_3d;
 use meniscus_sim::{ContactLine, Simulation, StepReport};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -77,29 +77,29 @@ pub fn row<const D: usize>(
     measures: &SolidMeasures,
 ) -> String {
     let state = &simulation.state;
-    let ledger = &report.ledger;
+    let ledger = &report.diagnostics;
     let mut row = state.step.to_string();
     put(&mut row, &[state.time, report.dt, report.cfl]);
     put(&mut row, &[ledger.volume, ledger.kinetic_energy, ledger.surface_energy, ledger.elastic_energy]);
     put(&mut row, &[ledger.potential_energy, ledger.max_speed]);
-    put(&mut row, &three(&ledger.momentum));
+    put(&mut row, &padded_to_3d(&ledger.momentum));
     put_line(&mut row, line);
     put(&mut row, &[ledger.divergence_max]);
     let _ = write!(row, ",{},{wall_seconds:.3}", report.iterations());
     put(&mut row, &[ledger.volume_error, momentum_error]);
     put(&mut row, &ledger.angular_momentum);
-    put(&mut row, &three(&ledger.centroid));
-    let _ = write!(row, ",{}", state.drops.len());
-    match state.drops.iter().max_by(|a, b| a.volume.total_cmp(&b.volume)) {
+    put(&mut row, &padded_to_3d(&ledger.centroid));
+    let _ = write!(row, ",{}", state.components.len());
+    match state.components.iter().max_by(|a, b| a.volume.total_cmp(&b.volume)) {
         Some(largest) => {
-            put(&mut row, &three(&largest.lower));
-            put(&mut row, &three(&largest.upper));
+            put(&mut row, &padded_to_3d(&largest.lower));
+            put(&mut row, &padded_to_3d(&largest.upper));
         }
         None => row.push_str(",,,,,,"),
     }
     let _ = write!(row, ",{}", report.repairs.redone);
     put(&mut row, &[report.solves[1].residual]);
-    put_known(&mut row, line.apart);
+    put_known(&mut row, line.line_distance_cells);
     put_known(&mut row, ledger.least_element);
     let repairs = &report.repairs;
     put(&mut row, &[repairs.volume_shift, repairs.deleted_volume, repairs.momentum_restored]);
@@ -107,7 +107,7 @@ pub fn row<const D: usize>(
     put(&mut row, &[state.outflow_volume, state.outflow_kinetic_energy, state.outflow_stored_energy]);
     let _ = write!(row, ",{}", report.newton_iterations);
     for now in &state.solids[..measures.solids()] {
-        put(&mut row, &three(&(now.pressed + now.pulled)));
+        put(&mut row, &padded_to_3d(&(now.pressure_force + now.contact_line_force)));
     }
     row += &measures.cells(simulation, line);
     row.push('\n');
@@ -121,7 +121,7 @@ fn put_line<const D: usize>(row: &mut String, line: &ContactLine<D>) {
         let _ = write!(row, "{}", line.points.len());
     }
     put_known(row, line.length());
-    let angle = line.angle(None);
+    let angle = line.angle_statistics(None);
     put_known(row, angle.map(|a| a.0));
     put_known(row, angle.map(|a| a.1));
 }
@@ -140,13 +140,13 @@ fn put(row: &mut String, values: &[f64]) {
 }
 
 /// The file, open for appending.
-pub struct Series {
+pub struct TimeSeriesWriter {
     path: PathBuf,
     writer: BufWriter<File>,
     bytes: u64,
 }
 
-impl Series {
+impl TimeSeriesWriter {
     /// A new file with its header row: [`COLUMNS`], the force on each solid of these names, and the columns of their measures.
     ///
     /// # Errors
@@ -201,11 +201,11 @@ impl Series {
 
 /// A time series as columns of numbers; an empty cell is NaN.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Table {
+pub struct TimeSeries {
     columns: BTreeMap<String, Vec<f64>>,
 }
 
-impl Table {
+impl TimeSeries {
     /// Reads a file.
     ///
     /// # Errors

@@ -2,10 +2,10 @@
 
 use super::file::{self, FileError};
 use crate::estimate::parameters::Parameter;
-use crate::job::{Job, Tally, ThinTally, three};
+use crate::job::{Job, RunStatistics, ThinLiquidStatistics, padded_to_3d};
 use meniscus_numerics::Vector;
-use meniscus_numerics::fit::RigidMotion;
-use meniscus_sim::{ContactLine, Drop, Motion, Quantity, Repairs, Simulation, Solid, SolidState};
+use meniscus_numerics::fit::RigidTransform;
+use meniscus_sim::{ContactLine, Component, Motion, Quantity, Repairs, Simulation, Solid, SolidState};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -75,7 +75,7 @@ pub struct Summary {
     pub deepest_overlap: Option<f64>,
     /// Liquid thinner than two cells, which the grid does not resolve.
     #[serde(default)]
-    pub thin_liquid: ThinTally,
+    pub thin_liquid: ThinLiquidStatistics,
     /// Volume of drops that became too small to see, m³ (2D: m²).
     pub lost_volume: f64,
     /// Volume that left through open sides, m³ (2D: m²).
@@ -97,11 +97,11 @@ pub struct Summary {
     /// Seconds per phase of a step.
     pub phases: BTreeMap<String, f64>,
     /// Iterations per solver.
-    pub solves: BTreeMap<String, Solves>,
+    pub solves: BTreeMap<String, SolveStatistics>,
     /// Largest memory in use, bytes (0 where the system does not tell).
     pub peak_memory_bytes: u64,
     /// The connected components of the liquid.
-    pub drops: Vec<DropSummary>,
+    pub drops: Vec<ComponentSummary>,
     /// The solids.
     pub solids: Vec<SolidSummary>,
     /// Mean contact angle on the closed sides, degrees; null where no line is on them, and where they are mirrors.
@@ -129,7 +129,7 @@ pub struct Verdict {
 
 /// How often a solver was asked and what it took.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Solves {
+pub struct SolveStatistics {
     /// Solves.
     pub count: u64,
     /// Mean number of iterations.
@@ -140,7 +140,7 @@ pub struct Solves {
 
 /// A connected component of the liquid at the end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct DropSummary {
+pub struct ComponentSummary {
     /// Volume, m³ (2D: m²).
     pub volume: f64,
     /// Volume it must keep, m³ (2D: m²).
@@ -202,16 +202,16 @@ impl SolidSummary {
             velocity: list(&now.velocity),
             lower,
             upper,
-            net_force: list(&(now.pressed + now.pulled)),
-            pressure_force: list(&now.pressed),
-            line_force: list(&now.pulled),
+            net_force: list(&(now.pressure_force + now.contact_line_force)),
+            pressure_force: list(&now.pressure_force),
+            line_force: list(&now.contact_line_force),
             contact_angle: angle,
             contact_force: match (solid.motion == Motion::Free, solid.elastic()) {
-                (true, _) => list(&(now.held * solid.body.mass)),
-                (_, Some(elastic)) => list(&(now.held * elastic.masses().iter().sum::<f64>())),
+                (true, _) => list(&(now.contact_acceleration * solid.mass_properties.mass)),
+                (_, Some(elastic)) => list(&(now.contact_acceleration * elastic.masses().iter().sum::<f64>())),
                 _ => list(&Vector::zeros()),
             },
-            wetted: simulation.wetted(number),
+            wetted: simulation.wetted_fraction(number),
             deflection: deflection(solid, now),
         }
     }
@@ -220,24 +220,24 @@ impl SolidSummary {
 /// How far a solid that deforms is bent, m.
 pub fn deflection<const D: usize>(solid: &Solid<D>, now: &SolidState<D>) -> Option<f64> {
     let (elastic, soft) = (solid.elastic()?, now.soft.as_ref()?);
-    let points = |all: &[Vector<D>]| all.iter().map(|x| Vector::<3>::from(three(x))).collect::<Vec<_>>();
-    let (start, end) = (points(&elastic.mesh().positions), points(&soft.body.positions));
-    let motion = carried(elastic.held(), &start, &end);
-    let bent = |x: &Vector<3>| motion.map_or(*x, |motion| motion.undone(x));
+    let points = |all: &[Vector<D>]| all.iter().map(|x| Vector::<3>::from(padded_to_3d(x))).collect::<Vec<_>>();
+    let (start, end) = (points(&elastic.rest_mesh().positions), points(&soft.state.positions));
+    let motion = rigid_motion_of_anchors(elastic.anchored(), &start, &end);
+    let bent = |x: &Vector<3>| motion.map_or(*x, |motion| motion.inverse_transformed(x));
     Some(start.iter().zip(&end).map(|(a, b)| (bent(b) - a).norm()).fold(0.0, f64::max))
 }
 
 /// The rigid motion that a solid takes part in: nearest to that of its held parts, or to that of all of it where none is held;
 /// none where they stay.
-fn carried(held: &[bool], start: &[Vector<3>], end: &[Vector<3>]) -> Option<RigidMotion> {
+fn rigid_motion_of_anchors(held: &[bool], start: &[Vector<3>], end: &[Vector<3>]) -> Option<RigidTransform> {
     if !held.contains(&true) {
-        return Some(RigidMotion::of(start, end));
+        return Some(RigidTransform::fit(start, end));
     }
     let of = |all: &[Vector<3>]| -> Vec<Vector<3>> {
         all.iter().zip(held).filter(|(_, held)| **held).map(|(x, _)| *x).collect()
     };
     let (start, end) = (of(start), of(end));
-    (start != end).then(|| RigidMotion::of(&start, &end))
+    (start != end).then(|| RigidTransform::fit(&start, &end))
 }
 
 impl Summary {
@@ -246,16 +246,16 @@ impl Summary {
         job: &Job,
         simulation: &Simulation<D>,
         line: &ContactLine<D>,
-        tally: &Tally,
+        tally: &RunStatistics,
         exit_reason: &str,
     ) -> Self {
         let (grid, state) = (simulation.model.grid, &simulation.state);
-        let angle = |i: usize| line.angle(Some(i as u32)).map(|a| a.0);
+        let angle = |i: usize| line.angle_statistics(Some(i as u32)).map(|a| a.0);
         let solids = job.solids.iter().enumerate();
         let solids = solids.map(|(i, (name, _))| SolidSummary::of(name, simulation, i, angle(i))).collect();
-        let held = simulation.model.solids.iter().any(|s| !s.is_unheld());
+        let constrained = simulation.model.solids.iter().any(|s| !s.is_unconstrained());
         let mean = tally.iterations as f64 / tally.solves.max(1) as f64;
-        let solves = Solves { count: tally.solves, mean, max: tally.most_iterations };
+        let solves = SolveStatistics { count: tally.solves, mean, max: tally.most_iterations };
         Self {
             scene: job.name.clone(),
             description: job.description.clone(),
@@ -266,7 +266,7 @@ impl Summary {
             resolution: grid.domain_cells().into_iter().max().unwrap_or(0),
             cells: grid.domain_cells().to_vec(),
             dx: grid.dx,
-            domain: three(&grid.upper())[..D].to_vec(),
+            domain: padded_to_3d(&grid.domain_upper())[..D].to_vec(),
             threads: rayon::current_num_threads(),
             steps: state.step,
             frames: tally.next_frame,
@@ -274,8 +274,8 @@ impl Summary {
             simulated_seconds: state.time,
             wall_seconds: tally.wall_seconds,
             volume_error: tally.volume_error,
-            momentum_error: (!held).then_some(tally.momentum_error),
-            momentum_error_reason: held
+            momentum_error: (!constrained).then_some(tally.momentum_error),
+            momentum_error_reason: constrained
                 .then(|| "what holds or moves the solids takes and gives momentum".to_string()),
             max_divergence: tally.max_divergence,
             max_speed: tally.max_speed,
@@ -285,27 +285,27 @@ impl Summary {
             lost_volume: state.lost_volume,
             outflow_volume: state.outflow_volume,
             redone: tally.repairs.redone,
-            repairs: named(&tally.repairs),
+            repairs: repairs_by_name(&tally.repairs),
             start_volume: tally.mass / simulation.model.density,
             momentum_scale: tally.momentum_scale(),
             phases: tally.phases.iter().cloned().collect(),
             solves: BTreeMap::from([("pressure".to_string(), solves)]),
             peak_memory_bytes: peak_memory().unwrap_or(0),
-            drops: state.drops.iter().map(DropSummary::of).collect(),
+            drops: state.components.iter().map(ComponentSummary::of).collect(),
             solids,
-            wall_contact_angle: simulation.model.wetting_walls().and_then(angle),
+            wall_contact_angle: simulation.model.wetting_wall_solid().and_then(angle),
             expect: Vec::new(),
         }
     }
 
     /// The repairs, by name, as bars have them: volumes relative to the start volume, momenta to the momentum scale, angular
     /// momenta to that times the size of a cube of the start volume, lengths in cells.
-    pub fn repaired(&self) -> impl Iterator<Item = (&str, f64)> {
+    pub fn relative_repairs(&self) -> impl Iterator<Item = (&str, f64)> {
         let size = self.start_volume.powf(1.0 / self.dimension as f64);
         let scale = move |name: &str| match Repairs::ENTRIES.iter().find(|(known, _)| *known == name) {
             Some((_, Quantity::Volume)) => self.start_volume,
             Some((_, Quantity::Momentum)) => self.momentum_scale,
-            Some((_, Quantity::Spin)) => self.momentum_scale * size,
+            Some((_, Quantity::AngularMomentum)) => self.momentum_scale * size,
             Some((_, Quantity::Length)) => self.dx,
             Some((_, Quantity::Count | Quantity::Ratio)) | None => 1.0,
         };
@@ -328,7 +328,7 @@ impl Summary {
     /// # Errors
     /// [`FileError`].
     pub fn write(&self, path: &Path) -> Result<(), FileError> {
-        file::replace(path, |writer| {
+        file::write_atomically(path, |writer| {
             serde_json::to_writer_pretty(&mut *writer, self)?;
             writer.write_all(b"\n")
         })
@@ -336,16 +336,16 @@ impl Summary {
 }
 
 /// Repairs by name.
-fn named(repairs: &Repairs) -> BTreeMap<String, f64> {
+fn repairs_by_name(repairs: &Repairs) -> BTreeMap<String, f64> {
     let entries = Repairs::ENTRIES.iter().zip(repairs.values());
     let all = entries.map(|((name, _), value)| ((*name).to_string(), value));
     all.chain([(UNCONVERGED.to_string(), repairs.unconverged() as f64)]).collect()
 }
 
-impl DropSummary {
-    fn of<const D: usize>(drop: &Drop<D>) -> Self {
+impl ComponentSummary {
+    fn of<const D: usize>(drop: &Component<D>) -> Self {
         let [centroid, velocity, lower, upper] =
-            [drop.centroid, drop.velocity, drop.lower, drop.upper].map(|v| three(&v)[..D].to_vec());
+            [drop.centroid, drop.velocity, drop.lower, drop.upper].map(|v| padded_to_3d(&v)[..D].to_vec());
         Self { volume: drop.volume, target_volume: drop.target_volume, centroid, velocity, lower, upper }
     }
 }
@@ -379,11 +379,11 @@ pub(crate) mod tests {
         // All go up by two, and the end that is not held goes aside by half besides.
         let mut end = start.map(|x| x + Vector::<3>::new(0.0, 0.0, 2.0));
         end[4][0] += 0.5;
-        let undone = carried(&held, &start, &end).map(|motion| motion.undone(&end[4]) - start[4]);
+        let undone = rigid_motion_of_anchors(&held, &start, &end).map(|motion| motion.inverse_transformed(&end[4]) - start[4]);
         assert!(
             undone.is_some_and(|way| (way - Vector::<3>::new(0.5, 0.0, 0.0)).norm() < 1e-12),
             "{undone:?}"
         );
-        assert!(carried(&held, &start, &start).is_none());
+        assert!(rigid_motion_of_anchors(&held, &start, &start).is_none());
     }
 }

@@ -4,12 +4,12 @@
 //! little-endian `f64` in LZ4 blocks, checksum of all before it. Files are written beside and renamed; the last two
 //! are kept, so that a damaged one costs some steps and not the run.
 
-use crate::job::Tally;
+use crate::job::RunStatistics;
 use crate::output::file::{self, FileError};
 use meniscus_elastic::ElasticState;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Drop, Slip, Slips, Soft, SolidState, State, Touch};
+use meniscus_sim::{Component, Slip, Slips, Soft, SolidState, State, ContactKey};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
@@ -19,9 +19,9 @@ use thiserror::Error;
 const MAGIC: &[u8; 8] = b"MENISCKP";
 const VERSION: u32 = 14;
 /// Values per compressed block (4 MiB).
-const BLOCK: usize = 1 << 19;
+const VALUES_PER_BLOCK: usize = 1 << 19;
 /// Checkpoints that are kept.
-const KEEP: usize = 2;
+const CHECKPOINTS_KEPT: usize = 2;
 
 /// Why a checkpoint cannot be used.
 #[derive(Debug, Error)]
@@ -54,40 +54,40 @@ struct Header {
     dx: f64,
     step: u64,
     /// Time, last step, lead, kick, clear, drift, lost volume, kinetic energy, surface area.
-    numbers: [f64; 12],
-    drops: Vec<DropRecord>,
+    scalars: [f64; 12],
+    components: Vec<ComponentRecord>,
     /// Centre, rotation by columns, velocity, spin, forces, what holds it, of each solid; of one that deforms
     /// also its time, all positions, and all velocities.
     solids: Vec<Vec<f64>>,
     /// Of each touch its points and the other.
-    touches: Vec<[u32; 3]>,
+    contacts: Vec<[u32; 3]>,
     /// Way, rate and hold of the slip of each touch.
     slips: Vec<f64>,
-    tally: Tally,
+    tally: RunStatistics,
     /// Bytes of each compressed block, per array: phi, lambda, then the velocity along each axis.
     blocks: Vec<Vec<u64>>,
 }
 
 #[derive(Serialize, Deserialize)]
-struct DropRecord {
+struct ComponentRecord {
     target_volume: f64,
     volume: f64,
     /// Centroid, lower, upper, velocity.
     vectors: [Vec<f64>; 4],
-    spin: [f64; 3],
+    angular_momentum_per_density: [f64; 3],
 }
 
 fn solid_record<'a, const D: usize>(solid: &'a SolidState<D>) -> Vec<f64> {
-    let SolidState { center, rotation, velocity, spin, pressed, pulled, held, soft } = solid;
-    let motion = center.iter().chain(rotation).chain(velocity).chain(spin);
-    let vertices = |s: &'a Soft<D>| s.body.positions.iter().chain(&s.body.velocities);
+    let SolidState { center, rotation, velocity, angular_velocity, pressure_force, contact_line_force, contact_acceleration, soft } = solid;
+    let motion = center.iter().chain(rotation).chain(velocity).chain(angular_velocity);
+    let vertices = |s: &'a Soft<D>| s.state.positions.iter().chain(&s.state.velocities);
     let vertices = soft.iter().flat_map(vertices).flatten();
-    let time = soft.iter().map(|s| &s.body.time);
-    let forces = pressed.iter().chain(pulled).chain(held);
+    let time = soft.iter().map(|s| &s.state.time);
+    let forces = pressure_force.iter().chain(contact_line_force).chain(contact_acceleration);
     motion.chain(forces).chain(time).chain(vertices).copied().collect()
 }
 
-fn restore_solid<const D: usize>(record: &[f64]) -> Option<SolidState<D>> {
+fn decode_solid<const D: usize>(record: &[f64]) -> Option<SolidState<D>> {
     let (record, vertices) = record.split_at_checked(5 * D + D * D + 3)?;
     let (time, vertices) = vertices.split_at(vertices.len().min(1));
     let (vertices, rest) = vertices.as_chunks::<D>();
@@ -97,66 +97,66 @@ fn restore_solid<const D: usize>(record: &[f64]) -> Option<SolidState<D>> {
     let vertices: Vec<Vector<D>> = vertices.iter().map(|v| Vector::from(*v)).collect();
     let (positions, velocities) = vertices.split_at(vertices.len() / 2);
     let (positions, velocities) = (positions.to_vec(), velocities.to_vec());
-    let soft = |time: &f64| Soft::bare(ElasticState { positions, velocities, time: *time });
+    let soft = |time: &f64| Soft::without_surface(ElasticState { positions, velocities, time: *time });
     let soft = time.first().map(soft);
     let (center, rest) = record.split_at(D);
     let (rotation, rest) = rest.split_at(D * D);
     let (velocity, rest) = rest.split_at(D);
-    let (spin, rest) = rest.split_at(3);
-    let (pressed, rest) = rest.split_at(D);
-    let (pulled, rest) = rest.split_at(D);
+    let (angular_velocity, rest) = rest.split_at(3);
+    let (pressure_force, rest) = rest.split_at(D);
+    let (line_force, rest) = rest.split_at(D);
     Some(SolidState {
         center: Vector::from_column_slice(center),
         rotation: Matrix::from_column_slice(rotation),
         velocity: Vector::from_column_slice(velocity),
-        spin: spin.try_into().ok()?,
-        pressed: Vector::from_column_slice(pressed),
-        pulled: Vector::from_column_slice(pulled),
-        held: Vector::from_column_slice(rest),
+        angular_velocity: angular_velocity.try_into().ok()?,
+        pressure_force: Vector::from_column_slice(pressure_force),
+        contact_line_force: Vector::from_column_slice(line_force),
+        contact_acceleration: Vector::from_column_slice(rest),
         soft,
     })
 }
 
 fn slip_record<const D: usize>(slip: &Slip<D>) -> Vec<f64> {
-    let Slip { way, rate, hold } = slip;
-    way.iter().chain(rate).chain([hold]).copied().collect()
+    let Slip { displacement, rate, friction_limit } = slip;
+    displacement.iter().chain(rate).chain([friction_limit]).copied().collect()
 }
 
-fn restore_slips<const D: usize>(touches: &[[u32; 3]], slips: &[f64]) -> Option<Slips<D>> {
+fn decode_slips<const D: usize>(touches: &[[u32; 3]], slips: &[f64]) -> Option<Slips<D>> {
     let records = slips.chunks_exact(2 * D + 1);
     if slips.len() != touches.len() * (2 * D + 1) {
         return None;
     }
     let slip = |([first, last, other], record): (&[u32; 3], &[f64])| {
-        let (way, rest) = record.split_at(D);
+        let (displacement, rest) = record.split_at(D);
         let (rate, hold) = rest.split_at(D);
-        let (way, rate) = (Vector::from_column_slice(way), Vector::from_column_slice(rate));
-        (Touch { points: [*first, *last], other: *other }, Slip { way, rate, hold: hold[0] })
+        let (displacement, rate) = (Vector::from_column_slice(displacement), Vector::from_column_slice(rate));
+        (ContactKey { points: [*first, *last], other: *other }, Slip { displacement, rate, friction_limit: hold[0] })
     };
     Some(touches.iter().zip(records).map(slip).collect())
 }
 
-impl DropRecord {
-    fn of<const D: usize>(drop: &Drop<D>) -> Self {
-        let Drop { target_volume, volume, centroid, lower, upper, velocity, spin } = drop;
+impl ComponentRecord {
+    fn of<const D: usize>(drop: &Component<D>) -> Self {
+        let Component { target_volume, volume, centroid, lower, upper, velocity, angular_momentum_per_density } = drop;
         let vectors = [centroid, lower, upper, velocity].map(|v| v.iter().copied().collect());
-        Self { target_volume: *target_volume, volume: *volume, vectors, spin: *spin }
+        Self { target_volume: *target_volume, volume: *volume, vectors, angular_momentum_per_density: *angular_momentum_per_density }
     }
 
-    fn restore<const D: usize>(&self) -> Option<Drop<D>> {
+    fn decode<const D: usize>(&self) -> Option<Component<D>> {
         if self.vectors.iter().any(|v| v.len() != D) {
             return None;
         }
         let [centroid, lower, upper, velocity] =
             [0, 1, 2, 3].map(|i| Vector::<D>::from_fn(|a, _| self.vectors[i][a]));
-        Some(Drop {
+        Some(Component {
             target_volume: self.target_volume,
             volume: self.volume,
             centroid,
             lower,
             upper,
             velocity,
-            spin: self.spin,
+            angular_momentum_per_density: self.angular_momentum_per_density,
         })
     }
 }
@@ -169,55 +169,55 @@ pub fn write<const D: usize>(
     folder: &Path,
     scene: u64,
     state: &State<D>,
-    tally: &Tally,
+    tally: &RunStatistics,
 ) -> Result<PathBuf, FileError> {
     // Every field is named: one that is new must go into the file, or a resumed run is another run.
     let State {
         time,
         step,
         last_dt,
-        lead,
-        kick,
-        clear,
-        drift,
+        velocity_lead,
+        impulse_time,
+        collision_free_dt,
+        displacement_since_redistancing,
         phi,
         velocity,
-        lambda,
-        drops,
+        pressure_impulse,
+        components,
         solids,
-        slips,
+        elastic_slips,
         lost_volume,
         outflow_volume,
         outflow_kinetic_energy,
         outflow_stored_energy,
         kinetic_energy,
-        surface_area,
+        effective_surface_area,
     } = state;
-    let fields = [&phi.data, &lambda.data].into_iter().chain(&velocity.axes);
+    let fields = [&phi.data, &pressure_impulse.data].into_iter().chain(&velocity.axes);
     let arrays: Vec<Vec<Vec<u8>>> = fields.map(|array| compress(array)).collect();
     let header = Header {
         scene,
         cells: phi.grid.cells.iter().map(|&n| n as u64).collect(),
         dx: phi.grid.dx,
         step: *step,
-        numbers: [
+        scalars: [
             *time,
             *last_dt,
-            *lead,
-            *kick,
-            *clear,
-            *drift,
+            *velocity_lead,
+            *impulse_time,
+            *collision_free_dt,
+            *displacement_since_redistancing,
             *lost_volume,
             *outflow_volume,
             *outflow_kinetic_energy,
             *outflow_stored_energy,
             *kinetic_energy,
-            *surface_area,
+            *effective_surface_area,
         ],
-        drops: drops.iter().map(DropRecord::of).collect(),
+        components: components.iter().map(ComponentRecord::of).collect(),
         solids: solids.iter().map(solid_record).collect(),
-        touches: slips.keys().map(|t| [t.points[0], t.points[1], t.other]).collect(),
-        slips: slips.values().flat_map(slip_record).collect(),
+        contacts: elastic_slips.keys().map(|t| [t.points[0], t.points[1], t.other]).collect(),
+        slips: elastic_slips.values().flat_map(slip_record).collect(),
         tally: tally.clone(),
         blocks: arrays.iter().map(|blocks| blocks.iter().map(|b| b.len() as u64).collect()).collect(),
     };
@@ -227,7 +227,7 @@ pub fn write<const D: usize>(
         path: path.clone(),
         source: std::io::Error::other(e),
     })?;
-    file::replace(&path, |writer| {
+    file::write_atomically(&path, |writer| {
         let mut sum = Checksum::default();
         let mut put = |bytes: &[u8]| {
             sum.update(bytes);
@@ -240,13 +240,13 @@ pub fn write<const D: usize>(
         arrays.iter().flatten().try_for_each(|block| put(block))?;
         writer.write_all(&sum.value().to_le_bytes())
     })?;
-    forget_old(folder);
+    remove_old(folder);
     Ok(path)
 }
 
 fn compress(array: &[f64]) -> Vec<Vec<u8>> {
     array
-        .par_chunks(BLOCK)
+        .par_chunks(VALUES_PER_BLOCK)
         .map(|values| {
             let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
             lz4_flex::block::compress(&bytes)
@@ -254,15 +254,15 @@ fn compress(array: &[f64]) -> Vec<Vec<u8>> {
         .collect()
 }
 
-fn forget_old(folder: &Path) {
+fn remove_old(folder: &Path) {
     let files = list(folder);
-    for old in files.iter().skip(KEEP) {
+    for old in files.iter().skip(CHECKPOINTS_KEPT) {
         let _ = std::fs::remove_file(old);
     }
 }
 
 /// Removes the checkpoints that are newer than one: damaged, they would only be in the way of good ones.
-pub fn forget_newer(path: &Path) {
+pub fn remove_newer(path: &Path) {
     let Some(folder) = path.parent() else { return };
     for newer in list(folder).iter().take_while(|file| *file != path) {
         let _ = std::fs::remove_file(newer);
@@ -290,11 +290,11 @@ pub fn read<const D: usize>(
     path: &Path,
     scene: u64,
     grid: Grid<D>,
-) -> Result<(State<D>, Tally), CheckpointError> {
+) -> Result<(State<D>, RunStatistics), CheckpointError> {
     let bytes = std::fs::read(path).map_err(FileError::of("read", path))?;
     let foreign = |what| CheckpointError::Foreign { path: path.to_path_buf(), what };
     let damaged = |what: &str| CheckpointError::Damaged { path: path.to_path_buf(), what: what.to_string() };
-    let (head, body) = open(&bytes).map_err(|what| match what {
+    let (head, body) = verify(&bytes).map_err(|what| match what {
         Fault::Version => foreign("version of Meniscus"),
         Fault::Damage(what) => damaged(what),
     })?;
@@ -306,7 +306,7 @@ pub fn read<const D: usize>(
     if !same_cells || header.dx.to_bits() != grid.dx.to_bits() {
         return Err(foreign("grid"));
     }
-    let state = restore(&header, body, grid).ok_or_else(|| damaged("its fields are not complete"))?;
+    let state = decode_state(&header, body, grid).ok_or_else(|| damaged("its fields are not complete"))?;
     Ok((state, header.tally))
 }
 
@@ -316,7 +316,7 @@ enum Fault {
 }
 
 /// Checks magic, version and checksum; the header and what follows it.
-fn open(bytes: &[u8]) -> Result<(&[u8], &[u8]), Fault> {
+fn verify(bytes: &[u8]) -> Result<(&[u8], &[u8]), Fault> {
     let cut = Fault::Damage("it is cut off");
     let Some((start, rest)) = bytes.split_at_checked(20) else { return Err(cut) };
     if start[..8] != *MAGIC {
@@ -335,33 +335,33 @@ fn open(bytes: &[u8]) -> Result<(&[u8], &[u8]), Fault> {
     rest[..covered - 20].split_at_checked(length as usize).ok_or(cut)
 }
 
-fn restore<const D: usize>(header: &Header, body: &[u8], grid: Grid<D>) -> Option<State<D>> {
+fn decode_state<const D: usize>(header: &Header, body: &[u8], grid: Grid<D>) -> Option<State<D>> {
     if header.blocks.len() != D + 2 {
         return None;
     }
     let mut state = State::empty(grid);
     let mut rest = body;
-    let arrays = [&mut state.phi.data, &mut state.lambda.data].into_iter().chain(&mut state.velocity.axes);
+    let arrays = [&mut state.phi.data, &mut state.pressure_impulse.data].into_iter().chain(&mut state.velocity.axes);
     for (array, blocks) in arrays.zip(&header.blocks) {
         rest = decompress(array, blocks, rest)?;
     }
-    let n = header.numbers;
-    [state.time, state.last_dt, state.lead, state.kick, state.clear, state.drift, state.lost_volume, ..] = n;
+    let n = header.scalars;
+    [state.time, state.last_dt, state.velocity_lead, state.impulse_time, state.collision_free_dt, state.displacement_since_redistancing, state.lost_volume, ..] = n;
     [.., state.outflow_volume, state.outflow_kinetic_energy, state.outflow_stored_energy, _, _] = n;
-    [.., state.kinetic_energy, state.surface_area] = n;
+    [.., state.kinetic_energy, state.effective_surface_area] = n;
     state.step = header.step;
-    state.drops = header.drops.iter().map(DropRecord::restore).collect::<Option<_>>()?;
-    state.solids = header.solids.iter().map(|r| restore_solid(r)).collect::<Option<_>>()?;
-    state.slips = restore_slips(&header.touches, &header.slips)?;
+    state.components = header.components.iter().map(ComponentRecord::decode).collect::<Option<_>>()?;
+    state.solids = header.solids.iter().map(|r| decode_solid(r)).collect::<Option<_>>()?;
+    state.elastic_slips = decode_slips(&header.contacts, &header.slips)?;
     Some(state)
 }
 
 fn decompress<'a>(array: &mut [f64], blocks: &[u64], body: &'a [u8]) -> Option<&'a [u8]> {
-    if blocks.len() != array.len().div_ceil(BLOCK) {
+    if blocks.len() != array.len().div_ceil(VALUES_PER_BLOCK) {
         return None;
     }
     let mut rest = body;
-    for (values, &length) in array.chunks_mut(BLOCK).zip(blocks) {
+    for (values, &length) in array.chunks_mut(VALUES_PER_BLOCK).zip(blocks) {
         let (block, after) = rest.split_at_checked(length as usize)?;
         let raw = lz4_flex::block::decompress(block, values.len() * 8).ok()?;
         let (words, tail) = raw.as_chunks::<8>();

@@ -16,34 +16,34 @@ fn example() -> State<2> {
     state.velocity.axes[1].iter_mut().enumerate().for_each(|(i, v)| *v = -1.0 / (i as f64 + 3.0));
     state.time = 0.1 + 0.2;
     state.step = 7;
-    state.drops.push(Drop {
+    state.components.push(Component {
         target_volume: 1.0 / 3.0,
         volume: 0.3,
         centroid: Vector::from([0.1, 0.2]),
         lower: Vector::zeros(),
         upper: Vector::from([1.0, 2.0]),
         velocity: Vector::from([-0.0, 1e-300]),
-        spin: [0.0, 0.0, 0.7],
+        angular_momentum_per_density: [0.0, 0.0, 0.7],
     });
     state.solids.push(SolidState {
         center: Vector::from([0.3, 0.4]),
         rotation: Matrix::from_column_slice(&[0.6, 0.8, -0.8, 0.6]),
         velocity: Vector::from([1.0, -2.0]),
-        spin: [0.0, 0.0, 3.0],
-        pressed: Vector::from([0.1, 0.7]),
-        pulled: Vector::from([0.2, -0.1]),
-        held: Vector::from([0.5, 9.0]),
-        soft: Some(Soft::bare(ElasticState {
+        angular_velocity: [0.0, 0.0, 3.0],
+        pressure_force: Vector::from([0.1, 0.7]),
+        contact_line_force: Vector::from([0.2, -0.1]),
+        contact_acceleration: Vector::from([0.5, 9.0]),
+        soft: Some(Soft::without_surface(ElasticState {
             time: 0.7,
             positions: vec![Vector::from([0.1, 0.2]), Vector::from([-3.0, 1e-9])],
             velocities: vec![Vector::from([0.3, 0.0]), Vector::from([7.0, -0.1])],
         })),
     });
-    for (other, hold) in [(0, 3.0), (9, 0.1)] {
-        let slip = Slip { way: Vector::from([1e-9, -0.3]), rate: Vector::from([0.1, -0.0]), hold };
-        state.slips.insert(Touch { points: [4, 7], other }, slip);
+    for (other, friction_limit) in [(0, 3.0), (9, 0.1)] {
+        let slip = Slip { displacement: Vector::from([1e-9, -0.3]), rate: Vector::from([0.1, -0.0]), friction_limit };
+        state.elastic_slips.insert(ContactKey { points: [4, 7], other }, slip);
     }
-    (state.lambda.data[3], state.kinetic_energy, state.surface_area) = (2.5, 0.1, 0.3);
+    (state.pressure_impulse.data[3], state.kinetic_energy, state.effective_surface_area) = (2.5, 0.1, 0.3);
     state
 }
 
@@ -52,7 +52,7 @@ fn what_is_written_is_read_bit_for_bit() {
     let folder = folder("checkpoint-round");
     let state = example();
     let repairs = Repairs { volume_shift: 1.0 / 3.0, redone: 5, ..Repairs::default() };
-    let tally = Tally { next_frame: 3, mass: 1e-3, repairs, ..Tally::default() };
+    let tally = RunStatistics { next_frame: 3, mass: 1e-3, repairs, ..RunStatistics::default() };
     let path = write(&folder, 42, &state, &tally).unwrap();
     let (back, tally_back) = read(&path, 42, state.phi.grid).unwrap();
     assert_eq!(back, state);
@@ -66,7 +66,7 @@ fn what_is_written_is_read_bit_for_bit() {
 fn any_damaged_byte_is_noticed() {
     let folder = folder("checkpoint-damage");
     let state = example();
-    let path = write(&folder, 42, &state, &Tally::default()).unwrap();
+    let path = write(&folder, 42, &state, &RunStatistics::default()).unwrap();
     let good = std::fs::read(&path).unwrap();
     for at in (0..good.len()).step_by(7) {
         let mut bad = good.clone();
@@ -85,7 +85,7 @@ fn the_last_two_are_kept() {
     let mut state = example();
     for step in [7, 8, 120] {
         state.step = step;
-        write(&folder, 1, &state, &Tally::default()).unwrap();
+        write(&folder, 1, &state, &RunStatistics::default()).unwrap();
     }
     let names: Vec<_> = list(&folder).iter().map(|p| p.file_name().unwrap().to_owned()).collect();
     assert_eq!(names, ["step_00000120.ckpt", "step_00000008.ckpt"]);

@@ -67,7 +67,7 @@ impl RunError {
     pub(super) fn of_step(error: StepError, narrowest: impl Fn() -> String) -> Self {
         let checkpoint = None;
         match &error {
-            StepError::Pressure { time, source: SolveError::Indefinite { step }, .. } => {
+            StepError::SolveFailed { time, source: SolveError::NotPositiveDefinite { step }, .. } => {
                 Self::Solids { time: *time, step: *step, narrowest: narrowest(), checkpoint }
             }
             _ => Self::Step { error, checkpoint },
@@ -132,8 +132,8 @@ mod tests {
 
     #[test]
     fn a_matrix_without_factors_says_what_to_do() {
-        let source = SolveError::Indefinite { step: 0.002 };
-        let error = StepError::Pressure { time: 0.5, dt: 0.002, source };
+        let source = SolveError::NotPositiveDefinite { step: 0.002 };
+        let error = StepError::SolveFailed { time: 0.5, dt: 0.002, source };
         let error = RunError::of_step(error, || ", the narrowest gap".into());
         assert!(error.to_string().ends_with("the narrowest gap"), "{error}");
         assert!(error.to_string().contains("the matrix of the solids is not positive definite"), "{error}");

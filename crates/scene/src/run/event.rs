@@ -107,25 +107,25 @@ pub struct Progress {
 /// Told of everything that happens in a run.
 pub trait Observer {
     /// Called at once, between steps.
-    fn see(&mut self, event: &Event);
+    fn notify(&mut self, event: &Event);
 
     /// The observer of events that another thread sends while a step goes on; none if there is none.
-    fn remote(&self) -> Option<Box<dyn Remote>> {
+    fn remote(&self) -> Option<Box<dyn RemoteObserver>> {
         None
     }
 }
 
 /// An observer that does nothing.
-pub struct Silent;
+pub struct SilentObserver;
 
-impl Observer for Silent {
-    fn see(&mut self, _: &Event) {}
+impl Observer for SilentObserver {
+    fn notify(&mut self, _: &Event) {}
 }
 
 /// What an observer does from another thread while a step goes on.
-pub trait Remote: Send {
+pub trait RemoteObserver: Send {
     /// Told of an event.
-    fn see(&self, event: &Event);
+    fn notify(&self, event: &Event);
     /// The run is given up within a step; what is on the disk is that of the last checkpoint. Ends the process.
     fn abandon(&self, reason: &str);
 }

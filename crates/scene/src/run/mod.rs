@@ -9,11 +9,11 @@ mod scene_text;
 mod session;
 mod watchdog;
 
-pub use crate::build::{Region, Setup};
-pub use crate::job::{Existing, Job, Schedule, Stop, Tally, ThinTally};
+pub use crate::build::{SignedDistanceFn, Setup};
+pub use crate::job::{ExistingRun, Job, Schedule, Stop, RunStatistics, ThinLiquidStatistics};
 pub use error::RunError;
-pub use event::Remote;
-pub use event::{Event, Observer, Progress, Silent};
+pub use event::RemoteObserver;
+pub use event::{Event, Observer, Progress, SilentObserver};
 pub use outcome::Outcome;
 
 use crate::output::summary::{FINISHED, Summary};
@@ -27,19 +27,19 @@ pub fn run<const D: usize>(
     setup: &Setup<D>,
     job: &Job,
     folder: &Folder,
-    existing: Existing,
+    existing: ExistingRun,
     stop: &(dyn Fn() -> Option<Stop> + Sync),
     observer: &mut dyn Observer,
 ) -> Result<Outcome, RunError> {
-    if existing == Existing::Resume
+    if existing == ExistingRun::Resume
         && let Some(summary) = finished(job, folder)?
     {
         return Ok(Outcome::AlreadyFinished(summary));
     }
     let session = match existing {
-        Existing::Resume => resume::resume(setup, job, folder, observer)?,
+        ExistingRun::Resume => resume::resume(setup, job, folder, observer)?,
         _ => {
-            folder.start(existing == Existing::Replace)?;
+            folder.prepare(existing == ExistingRun::Replace)?;
             session::Session::start(setup.simulation(), job, folder)?
         }
     };
@@ -49,7 +49,7 @@ pub fn run<const D: usize>(
 /// The summary of an earlier run that has done all that is asked now.
 fn finished(job: &Job, folder: &Folder) -> Result<Option<Summary>, RunError> {
     let Ok(summary) = Summary::read(&folder.summary()) else { return Ok(None) };
-    if summary.exit_reason != FINISHED || !job.schedule.reaches(summary.simulated_seconds, job.last_frame()) {
+    if summary.exit_reason != FINISHED || !job.schedule.has_reached_frame(summary.simulated_seconds, job.last_frame()) {
         return Ok(None);
     }
     resume::check_identity(job, folder)?;

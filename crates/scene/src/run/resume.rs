@@ -7,7 +7,7 @@ use super::scene_text::identity_line;
 use super::session::Session;
 use crate::build::Setup;
 use crate::job::Job;
-use crate::output::series::Series;
+use crate::output::series::TimeSeriesWriter;
 use crate::output::{FileError, Folder};
 use meniscus_sim::Simulation;
 
@@ -24,24 +24,24 @@ pub(super) fn resume<'a, const D: usize>(
         match checkpoint::read(&path, job.identity, setup.model.grid) {
             Ok((state, mut tally)) => {
                 // A frame at the end of a shorter run may lie before its time in this longer one.
-                while tally.next_frame > 0 && !job.schedule.reaches(state.time, tally.next_frame - 1) {
+                while tally.next_frame > 0 && !job.schedule.has_reached_frame(state.time, tally.next_frame - 1) {
                     tally.next_frame -= 1;
                 }
-                let Some(series) = Series::reopen(&folder.series(), tally.series_bytes)? else {
+                let Some(series) = TimeSeriesWriter::reopen(&folder.series(), tally.series_bytes)? else {
                     let what = "timeseries.csv is shorter than it was".to_string();
                     failure.get_or_insert(CheckpointError::Damaged { path, what });
                     continue;
                 };
-                checkpoint::forget_newer(&path);
+                checkpoint::remove_newer(&path);
                 folder.make()?;
-                folder.cut_frames(tally.next_frame)?;
+                folder.remove_frames_from(tally.next_frame)?;
                 let simulation = Simulation::resume(setup.model.clone(), state);
-                return Ok(Session::go_on(simulation, tally, series, job, folder)?);
+                return Ok(Session::resume(simulation, tally, series, job, folder)?);
             }
             Err(error @ CheckpointError::Foreign { .. }) => return Err(error.into()),
             Err(error) => {
                 let message = format!("{error}: trying the one before it");
-                observer.see(&Event::Warning { message });
+                observer.notify(&Event::Warning { message });
                 failure.get_or_insert(error);
             }
         }
@@ -52,7 +52,7 @@ pub(super) fn resume<'a, const D: usize>(
             if folder.holds_a_run() {
                 check_identity(job, folder)?;
             }
-            folder.start(true)?;
+            folder.prepare(true)?;
             Ok(Session::start(setup.simulation(), job, folder)?)
         }
     }

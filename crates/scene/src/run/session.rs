@@ -5,14 +5,14 @@ use super::error::RunError;
 use super::event::{Event, Observer, Progress};
 use super::outcome::Outcome;
 use super::scene_text::scene_text;
-use super::watchdog::{Finish, Limits, Watchdog};
+use super::watchdog::{FinishOnDrop, Limits, Watchdog};
 use crate::estimate::thin_liquid;
-use crate::job::{Job, Stop, Tally};
+use crate::job::{Job, Stop, RunStatistics};
 use crate::output::log::Log;
-use crate::output::series::{self, Series};
+use crate::output::series::{self, TimeSeriesWriter};
 use crate::output::summary::{FINISHED, Summary};
 use crate::output::{FileError, Folder, SolidMeasures, file, frame};
-use crate::units::readable;
+use crate::units::format_si;
 use meniscus_sim::{ContactLine, LineTracker, Simulation, StepReport};
 use std::io::Write;
 use std::path::PathBuf;
@@ -20,12 +20,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Checkpoints of very short runs are at least this far apart: writing them must not take the time.
-const SHORTEST_PAUSE: Duration = Duration::from_millis(100);
+const MIN_CHECKPOINT_INTERVAL: Duration = Duration::from_millis(100);
 /// Checkpoints of very long runs are at most this far apart, whatever the number of frames: no more can be lost.
-const LONGEST_PAUSE: Duration = Duration::from_secs(60);
+const MAX_CHECKPOINT_INTERVAL: Duration = Duration::from_secs(60);
 
 /// Edges of the mesh of walls that wet along a cell: as many as solids have of which nothing is told.
-const EDGES: f64 = 1.5;
+const WALL_MESH_EDGES_PER_CELL: f64 = 1.5;
 
 /// A run that is going on in this process.
 pub(super) struct Session<'a, const D: usize> {
@@ -34,10 +34,10 @@ pub(super) struct Session<'a, const D: usize> {
     simulation: Simulation<D>,
     tracker: LineTracker<D>,
     /// The contact line of the simulation as it stands.
-    line: ContactLine<D>,
-    tally: Tally,
+    contact_line: ContactLine<D>,
+    statistics: RunStatistics,
     measures: SolidMeasures,
-    series: Series,
+    series: TimeSeriesWriter,
     log: Log,
     resumed_at: Option<f64>,
     checkpoint: Option<PathBuf>,
@@ -50,9 +50,9 @@ pub(super) struct Session<'a, const D: usize> {
 }
 
 /// Why the loop was left without error.
-enum Left {
+enum LoopExit {
     AtEnd,
-    Asked(Stop),
+    StopRequested(Stop),
 }
 
 impl<'a, const D: usize> Session<'a, D> {
@@ -62,53 +62,53 @@ impl<'a, const D: usize> Session<'a, D> {
         job: &'a Job,
         folder: &'a Folder,
     ) -> Result<Self, FileError> {
-        file::replace(&folder.scene(), |w| w.write_all(scene_text(job).as_bytes()))?;
-        let tally = Tally::start(&simulation.model, &simulation.ledger());
+        file::write_atomically(&folder.scene(), |w| w.write_all(scene_text(job).as_bytes()))?;
+        let tally = RunStatistics::at_start(&simulation.model, &simulation.diagnostics());
         let names = || job.solids.iter().map(|s| s.0.as_str());
         let measures = SolidMeasures::new(&simulation, job.solids.len()).columns::<D>(names());
-        let series = Series::create(&folder.series(), names(), &measures)?;
+        let series = TimeSeriesWriter::create(&folder.series(), names(), &measures)?;
         Self::open(simulation, tally, series, job, folder, None)
     }
 
     /// A run that goes on from a checkpoint.
-    pub(super) fn go_on(
+    pub(super) fn resume(
         simulation: Simulation<D>,
-        tally: Tally,
-        series: Series,
+        tally: RunStatistics,
+        series: TimeSeriesWriter,
         job: &'a Job,
         folder: &'a Folder,
     ) -> Result<Self, FileError> {
-        file::replace(&folder.scene(), |w| w.write_all(scene_text(job).as_bytes()))?;
+        file::write_atomically(&folder.scene(), |w| w.write_all(scene_text(job).as_bytes()))?;
         let time = simulation.state.time;
         Self::open(simulation, tally, series, job, folder, Some(time))
     }
 
     fn open(
         simulation: Simulation<D>,
-        tally: Tally,
-        series: Series,
+        statistics: RunStatistics,
+        series: TimeSeriesWriter,
         job: &'a Job,
         folder: &'a Folder,
         resumed_at: Option<f64>,
     ) -> Result<Self, FileError> {
         let model = &simulation.model;
-        let walls = model.wetting_walls().map(|_| model.grid.dx / EDGES);
+        let walls = model.wetting_wall_solid().map(|_| model.grid.dx / WALL_MESH_EDGES_PER_CELL);
         let edges: Vec<f64> = job.solids.iter().map(|(_, edge)| *edge).chain(walls).collect();
         let tracker = LineTracker::new(model, &edges);
         Ok(Self {
             job,
             folder,
-            line: tracker.find(&simulation),
+            contact_line: tracker.extract(&simulation),
             tracker,
             checkpoint: checkpoint::list(&folder.checkpoints()).first().cloned(),
-            checkpoint_frame: tally.next_frame,
+            checkpoint_frame: statistics.next_frame,
             checkpoint_time: Instant::now(),
             clock: Instant::now(),
-            seconds_before: tally.wall_seconds,
+            seconds_before: statistics.wall_seconds,
             log: Log::open(&folder.log())?,
             measures: SolidMeasures::new(&simulation, job.solids.len()),
             simulation,
-            tally,
+            statistics,
             series,
             resumed_at,
             watchdog: Arc::new(Watchdog::new(Limits::default())),
@@ -121,34 +121,34 @@ impl<'a, const D: usize> Session<'a, D> {
         stop: &(dyn Fn() -> Option<Stop> + Sync),
         observer: &mut dyn Observer,
     ) -> Result<Outcome, RunError> {
-        let Some(remote) = observer.remote() else { return self.work_and_close(stop, observer) };
+        let Some(remote) = observer.remote() else { return self.run_and_close(stop, observer) };
         let (watchdog, log, summary) =
-            (Arc::clone(&self.watchdog), self.log.another(), self.folder.summary());
+            (Arc::clone(&self.watchdog), self.log.try_clone(), self.folder.summary());
         std::thread::scope(|scope| {
-            let _finish = Finish(&watchdog);
+            let _finish = FinishOnDrop(&watchdog);
             let watchdog = &watchdog;
             scope.spawn(move || watchdog.watch(stop, &*remote, log, &summary));
-            self.work_and_close(stop, observer)
+            self.run_and_close(stop, observer)
         })
     }
 
-    fn work_and_close(
+    fn run_and_close(
         mut self,
         stop: &dyn Fn() -> Option<Stop>,
         observer: &mut dyn Observer,
     ) -> Result<Outcome, RunError> {
-        let left = self.begin(observer).and_then(|()| self.work(stop, observer));
+        let left = self.begin(observer).and_then(|()| self.run_steps(stop, observer));
         let reason = match &left {
-            Ok(Left::AtEnd) => FINISHED.to_string(),
-            Ok(Left::Asked(stop)) => stop.reason().to_string(),
+            Ok(LoopExit::AtEnd) => FINISHED.to_string(),
+            Ok(LoopExit::StopRequested(stop)) => stop.reason().to_string(),
             Err(error) => format!("failed: {error}"),
         };
         let closed = self.close(&reason, left.is_ok(), observer);
         match (left, closed) {
             (Err(error), _) => Err(self.with_checkpoint(error)),
             (Ok(_), Err(error)) => Err(self.with_checkpoint(error)),
-            (Ok(Left::AtEnd), Ok(summary)) => Ok(Outcome::Finished(summary)),
-            (Ok(Left::Asked(stop)), Ok(summary)) => Ok(Outcome::Stopped(stop, summary)),
+            (Ok(LoopExit::AtEnd), Ok(summary)) => Ok(Outcome::Finished(summary)),
+            (Ok(LoopExit::StopRequested(stop)), Ok(summary)) => Ok(Outcome::Stopped(stop, summary)),
         }
     }
 
@@ -163,61 +163,61 @@ impl<'a, const D: usize> Session<'a, D> {
             threads: rayon::current_num_threads(),
             version: env!("CARGO_PKG_VERSION"),
         };
-        self.tell(event, observer)?;
+        self.emit(event, observer)?;
         if self.resumed_at.is_some() {
             return Ok(());
         }
         for message in self.job.warnings.clone() {
-            self.tell(Event::Warning { message }, observer)?;
+            self.emit(Event::Warning { message }, observer)?;
         }
-        let ledger = self.simulation.ledger();
+        let diagnostics = self.simulation.diagnostics();
         let report = StepReport {
             dt: 0.0,
             cfl: 0.0,
             solves: Default::default(),
             newton_iterations: 0,
             repairs: Default::default(),
-            ledger,
+            diagnostics,
         };
         self.append_row(&report, 0.0)?;
         self.write_frame(observer)?;
         self.write_checkpoint(observer)
     }
 
-    fn work(
+    fn run_steps(
         &mut self,
         stop: &dyn Fn() -> Option<Stop>,
         observer: &mut dyn Observer,
-    ) -> Result<Left, RunError> {
-        while self.tally.next_frame <= self.job.last_frame() {
+    ) -> Result<LoopExit, RunError> {
+        while self.statistics.next_frame <= self.job.last_frame() {
             if let Some(stop) = stop() {
-                return Ok(Left::Asked(stop));
+                return Ok(LoopExit::StopRequested(stop));
             }
             let report = self.step()?;
             if let Some(message) = self.watchdog.end(report.dt) {
-                self.tell(Event::Warning { message }, observer)?;
+                self.emit(Event::Warning { message }, observer)?;
             }
-            observer.see(&Event::Step(self.progress(&report)));
-            if self.job.schedule.reaches(self.simulation.state.time, self.tally.next_frame) {
+            observer.notify(&Event::Step(self.progress(&report)));
+            if self.job.schedule.has_reached_frame(self.simulation.state.time, self.statistics.next_frame) {
                 self.write_frame(observer)?;
             }
             if self.checkpoint_is_due() {
                 self.write_checkpoint(observer)?;
             }
         }
-        Ok(Left::AtEnd)
+        Ok(LoopExit::AtEnd)
     }
 
     fn checkpoint_is_due(&self) -> bool {
-        let frames = self.tally.next_frame.saturating_sub(self.checkpoint_frame);
+        let frames = self.statistics.next_frame.saturating_sub(self.checkpoint_frame);
         let pause = self.checkpoint_time.elapsed();
-        pause >= LONGEST_PAUSE || frames >= self.job.checkpoint_every && pause >= SHORTEST_PAUSE
+        pause >= MAX_CHECKPOINT_INTERVAL || frames >= self.job.checkpoint_every && pause >= MIN_CHECKPOINT_INTERVAL
     }
 
     /// The narrowest gap between solids, in words; empty where none is narrow.
     fn narrowest_gap(&self) -> String {
         let Simulation { model, state, .. } = &self.simulation;
-        let Some((solid, other, gap)) = meniscus_sim::narrowest_gap_now(model, &state.solids) else {
+        let Some((solid, other, gap)) = meniscus_sim::narrowest_current_gap(model, &state.solids) else {
             return String::new();
         };
         let name = |k: usize| self.job.solids.get(k).map_or("a wall".to_owned(), |s| format!("`{}`", s.0));
@@ -231,12 +231,12 @@ impl<'a, const D: usize> Session<'a, D> {
 
     /// One time step and its row.
     fn step(&mut self) -> Result<StepReport<D>, RunError> {
-        let (schedule, frame) = (&self.job.schedule, self.tally.next_frame);
+        let (schedule, frame) = (&self.job.schedule, self.statistics.next_frame);
         let fixed = self.simulation.model.numerics.fixed_step.is_some();
         let longest =
             if fixed { f64::INFINITY } else { schedule.longest_step(self.simulation.state.time, frame) };
         let mut last = Instant::now();
-        let (tally, watchdog) = (&mut self.tally, &self.watchdog);
+        let (tally, watchdog) = (&mut self.statistics, &self.watchdog);
         watchdog.begin(self.simulation.state.step + 1);
         let mut phase_end = |name: &'static str| {
             let now = Instant::now();
@@ -246,44 +246,44 @@ impl<'a, const D: usize> Session<'a, D> {
         };
         let done = self.simulation.step(longest, &mut phase_end);
         let report = done.map_err(|error| RunError::of_step(error, || self.narrowest_gap()))?;
-        if schedule.meets(self.simulation.state.time, frame) {
+        if schedule.is_frame_time(self.simulation.state.time, frame) {
             self.simulation.state.time = schedule.time(frame);
         }
-        let ledger = &report.ledger;
+        let ledger = &report.diagnostics;
         let sums = [ledger.volume, ledger.kinetic_energy, ledger.surface_energy, ledger.max_speed];
         if !sums.into_iter().chain(ledger.momentum.iter().copied()).all(f64::is_finite) {
             return Err(self.not_finite("sum over the liquid"));
         }
         let time = self.simulation.state.time;
-        let momentum_error = self.tally.add(&self.simulation.model, time, &report);
-        self.follow_line();
+        let momentum_error = self.statistics.add_step(&self.simulation.model, time, &report);
+        self.update_contact_line();
         self.append_row(&report, momentum_error)?;
         Ok(report)
     }
 
-    fn follow_line(&mut self) {
+    fn update_contact_line(&mut self) {
         if !self.simulation.model.solids.is_empty() {
             let start = Instant::now();
-            self.line = self.tracker.find(&self.simulation);
-            self.tally.add_phase("contact line", start.elapsed().as_secs_f64());
+            self.contact_line = self.tracker.extract(&self.simulation);
+            self.statistics.add_phase("contact line", start.elapsed().as_secs_f64());
         }
     }
 
     fn append_row(&mut self, report: &StepReport<D>, momentum_error: f64) -> Result<(), RunError> {
-        self.tally.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
-        let told = (momentum_error, self.tally.wall_seconds);
-        let row = series::row(&self.simulation, report, &self.line, told, &self.measures);
+        self.statistics.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
+        let told = (momentum_error, self.statistics.wall_seconds);
+        let row = series::row(&self.simulation, report, &self.contact_line, told, &self.measures);
         Ok(self.series.append(&row)?)
     }
 
     fn write_frame(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         let start = Instant::now();
-        let number = self.tally.next_frame;
+        let number = self.statistics.next_frame;
         let path = self.folder.liquid(number);
         let mesh = frame::liquid(&self.simulation).map_err(|what| self.not_finite(what))?;
-        self.tally.next_frame += 1;
-        self.tally.add_overlaps(&self.simulation.model, &self.simulation.state.solids);
-        self.look_for_thin_liquid(observer)?;
+        self.statistics.next_frame += 1;
+        self.statistics.add_overlaps(&self.simulation.model, &self.simulation.state.solids);
+        self.check_thin_liquid(observer)?;
         if !self.job.writes(number) {
             return Ok(());
         }
@@ -291,58 +291,58 @@ impl<'a, const D: usize> Session<'a, D> {
         for (i, (name, _)) in self.job.solids.iter().enumerate() {
             let (model, solids) = (&self.simulation.model, &self.simulation.state.solids);
             let surface = self.tracker.surface(model, solids, i);
-            let mesh = frame::solid(&self.simulation, i, &surface, &self.line);
+            let mesh = frame::solid(&self.simulation, i, &surface, &self.contact_line);
             frame::write(&self.folder.solid(name, number), &mesh)?;
         }
         // No file where there is no line: readers of meshes refuse one without vertices.
-        if !self.line.points.is_empty() {
-            let mesh = frame::contact_line(&self.simulation, &self.line);
+        if !self.contact_line.points.is_empty() {
+            let mesh = frame::contact_line(&self.simulation, &self.contact_line);
             frame::write(&self.folder.contact_line(number), &mesh)?;
         }
-        self.tally.add_phase("frames", start.elapsed().as_secs_f64());
-        self.tell(Event::Frame { frame: number, time: self.simulation.state.time, path }, observer)
+        self.statistics.add_phase("frames", start.elapsed().as_secs_f64());
+        self.emit(Event::Frame { frame: number, time: self.simulation.state.time, path }, observer)
     }
 
     /// Tells once in a run of liquid that the grid does not resolve.
-    fn look_for_thin_liquid(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+    fn check_thin_liquid(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         let (start, time) = (Instant::now(), self.simulation.state.time);
         let thin = thin_liquid::of_simulation(&self.simulation);
-        let first = self.tally.add_thin(time, &thin);
-        self.tally.add_phase("thin liquid", start.elapsed().as_secs_f64());
+        let first = self.statistics.add_thin_liquid(time, &thin);
+        self.statistics.add_phase("thin liquid", start.elapsed().as_secs_f64());
         let Some(place) = thin.place.filter(|_| first) else { return Ok(()) };
-        let place: Vec<String> = place.iter().map(|x| readable(*x, "m")).collect();
+        let place: Vec<String> = place.iter().map(|x| format_si(*x, "m")).collect();
         let message = format!(
             "at {} {:.1} % of the liquid is thinner than two cells, near ({}): films, threads and gaps there are not \
              resolved (`thin_liquid` in summary.json has the worst)",
-            readable(time, "s"),
+            format_si(time, "s"),
             100.0 * thin.share,
             place.join(", ")
         );
-        self.tell(Event::Warning { message }, observer)
+        self.emit(Event::Warning { message }, observer)
     }
 
     fn write_checkpoint(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         let start = Instant::now();
-        self.tally.series_bytes = self.series.sync()?;
-        self.tally.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
+        self.statistics.series_bytes = self.series.sync()?;
+        self.statistics.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
         let state = &self.simulation.state;
         let (step, time) = (state.step, state.time);
-        let path = checkpoint::write(&self.folder.checkpoints(), self.job.identity, state, &self.tally)?;
+        let path = checkpoint::write(&self.folder.checkpoints(), self.job.identity, state, &self.statistics)?;
         self.checkpoint = Some(path.clone());
-        self.checkpoint_frame = self.tally.next_frame;
+        self.checkpoint_frame = self.statistics.next_frame;
         self.summary("running").write(&self.folder.summary())?;
-        self.tally.add_phase("checkpoints", start.elapsed().as_secs_f64());
+        self.statistics.add_phase("checkpoints", start.elapsed().as_secs_f64());
         self.checkpoint_time = Instant::now();
-        self.tell(Event::Checkpoint { step, time, path }, observer)
+        self.emit(Event::Checkpoint { step, time, path }, observer)
     }
 
     /// Writes what is left to write. After a failure as much of it as still can be: the state is the last good one
     /// unless it is not finite.
     fn close(&mut self, reason: &str, good: bool, observer: &mut dyn Observer) -> Result<Summary, RunError> {
-        let sound = good || reason.starts_with("failed: the solver") && self.state_is_finite();
-        let saved = if sound { self.write_checkpoint(observer) } else { Ok(()) };
+        let is_savable = good || reason.starts_with("failed: the solver") && self.state_is_finite();
+        let saved = if is_savable { self.write_checkpoint(observer) } else { Ok(()) };
         let written = self.series.sync();
-        self.tally.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
+        self.statistics.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
         let summary = self.summary(reason);
         let told = summary.write(&self.folder.summary());
         let state = &self.simulation.state;
@@ -350,9 +350,9 @@ impl<'a, const D: usize> Session<'a, D> {
             reason: reason.to_string(),
             steps: state.step,
             time: state.time,
-            wall_seconds: self.tally.wall_seconds,
+            wall_seconds: self.statistics.wall_seconds,
         };
-        self.tell(event, observer)?;
+        self.emit(event, observer)?;
         saved?;
         written?;
         told?;
@@ -363,14 +363,14 @@ impl<'a, const D: usize> Session<'a, D> {
         frame::liquid(&self.simulation).is_ok()
     }
 
-    fn tell(&mut self, event: Event, observer: &mut dyn Observer) -> Result<(), RunError> {
-        observer.see(&event);
+    fn emit(&mut self, event: Event, observer: &mut dyn Observer) -> Result<(), RunError> {
+        observer.notify(&event);
         let line = serde_json::to_value(&event).unwrap_or_default();
         Ok(self.log.write(&line)?)
     }
 
     fn summary(&self, reason: &str) -> Summary {
-        Summary::of(self.job, &self.simulation, &self.line, &self.tally, reason)
+        Summary::of(self.job, &self.simulation, &self.contact_line, &self.statistics, reason)
     }
 
     fn progress(&self, report: &StepReport<D>) -> Progress {
@@ -382,11 +382,11 @@ impl<'a, const D: usize> Session<'a, D> {
             dt: report.dt,
             cfl: report.cfl,
             iterations: report.iterations(),
-            volume_error: report.ledger.volume_error,
-            frame: self.tally.next_frame,
+            volume_error: report.diagnostics.volume_error,
+            frame: self.statistics.next_frame,
             last_frame: self.job.last_frame(),
-            drops: state.drops.len(),
-            wall_seconds: self.tally.wall_seconds,
+            drops: state.components.len(),
+            wall_seconds: self.statistics.wall_seconds,
         }
     }
 

@@ -5,7 +5,7 @@ use super::event::Event;
 use crate::job::Stop;
 use crate::output::log::Log;
 use crate::output::summary::Summary;
-use crate::run::event::Remote;
+use crate::run::event::RemoteObserver;
 use std::path::Path;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -14,69 +14,69 @@ use std::time::{Duration, Instant};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
     /// Shortest step that is long.
-    pub long: Duration,
+    pub min_long_step: Duration,
     /// Shortest step that is long while fewer than [`KNOWN`] steps have told how long a step is.
-    pub first: Duration,
+    pub min_long_first_step: Duration,
     /// Time from a request to stop to the end of the process within a step that is over twice as long as the median.
     pub grace: Duration,
     /// Time between two looks.
-    pub pause: Duration,
+    pub poll_interval: Duration,
 }
 
 impl Default for Limits {
     fn default() -> Self {
         Self {
-            long: Duration::from_secs(5),
-            first: Duration::from_secs(60),
+            min_long_step: Duration::from_secs(5),
+            min_long_first_step: Duration::from_secs(60),
             grace: Duration::from_secs(5),
-            pause: Duration::from_millis(100),
+            poll_interval: Duration::from_millis(100),
         }
     }
 }
 
 /// A step of more than so many times the median is long.
-const LONG: u32 = 50;
+const LONG_STEP_FACTOR: u32 = 50;
 /// Steps from which on the median is known.
-const KNOWN: usize = 5;
+const MIN_STEPS_FOR_MEDIAN: usize = 5;
 /// Steps that the median is taken of.
-const REMEMBERED: usize = 1001;
+const MEDIAN_WINDOW_STEPS: usize = 1001;
 
 /// Where the step stands.
 #[derive(Default)]
-struct Pulse {
+struct StepProgress {
     /// Number of the step, and when it began; none between steps.
     step: Option<(u64, Instant)>,
     /// Length of the step before, s.
     dt: f64,
     /// Phases that have ended in this step, and those of the step before: the one after the last is at work.
     phases: Vec<&'static str>,
-    before: Vec<&'static str>,
+    previous_phases: Vec<&'static str>,
     /// How long the last steps took.
     durations: Vec<Duration>,
     done: bool,
 }
 
-impl Pulse {
+impl StepProgress {
     fn median(&self) -> Option<Duration> {
         let mut sorted = self.durations.clone();
         sorted.sort_unstable();
-        (sorted.len() >= KNOWN).then(|| sorted[sorted.len() / 2])
+        (sorted.len() >= MIN_STEPS_FOR_MEDIAN).then(|| sorted[sorted.len() / 2])
     }
 
     /// The median, or nothing, if a step of this duration is long.
     fn is_long(&self, taken: Duration, limits: &Limits) -> Option<Option<Duration>> {
-        if taken < limits.long {
+        if taken < limits.min_long_step {
             return None;
         }
         let median = self.median();
-        median.map_or(taken >= limits.first, |median| taken > LONG * median).then_some(median)
+        median.map_or(taken >= limits.min_long_first_step, |median| taken > LONG_STEP_FACTOR * median).then_some(median)
     }
 
     /// The phase at work, as far as the step before tells.
     fn phase(&self) -> String {
         let ended = self.phases.len();
-        let same = self.before.get(..ended).is_some_and(|before| before == self.phases);
-        match (self.before.get(ended).filter(|_| same), self.phases.last()) {
+        let same = self.previous_phases.get(..ended).is_some_and(|before| before == self.phases);
+        match (self.previous_phases.get(ended).filter(|_| same), self.phases.last()) {
             (Some(next), _) => (*next).to_owned(),
             (None, Some(last)) => format!("after {last}"),
             (None, None) => "the first phase".to_owned(),
@@ -86,34 +86,34 @@ impl Pulse {
 
 /// The watch over the steps of a run.
 pub(super) struct Watchdog {
-    pulse: Mutex<Pulse>,
-    bell: Condvar,
+    progress: Mutex<StepProgress>,
+    wake_up: Condvar,
     limits: Limits,
 }
 
 /// Ends the watch when it is dropped, also where the run panics.
-pub(super) struct Finish<'a>(pub &'a Watchdog);
+pub(super) struct FinishOnDrop<'a>(pub &'a Watchdog);
 
-impl Drop for Finish<'_> {
+impl Drop for FinishOnDrop<'_> {
     fn drop(&mut self) {
         self.0.lock().done = true;
-        self.0.bell.notify_all();
+        self.0.wake_up.notify_all();
     }
 }
 
 impl Watchdog {
     pub fn new(limits: Limits) -> Self {
-        Self { pulse: Mutex::default(), bell: Condvar::new(), limits }
+        Self { progress: Mutex::default(), wake_up: Condvar::new(), limits }
     }
 
-    fn lock(&self) -> MutexGuard<'_, Pulse> {
-        self.pulse.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> MutexGuard<'_, StepProgress> {
+        self.progress.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// A step begins.
     pub fn begin(&self, step: u64) {
         let mut pulse = self.lock();
-        pulse.before = std::mem::take(&mut pulse.phases);
+        pulse.previous_phases = std::mem::take(&mut pulse.phases);
         pulse.step = Some((step, Instant::now()));
     }
 
@@ -129,7 +129,7 @@ impl Watchdog {
         let taken = began.elapsed();
         let long = pulse.is_long(taken, &self.limits);
         pulse.dt = dt;
-        if pulse.durations.len() == REMEMBERED {
+        if pulse.durations.len() == MEDIAN_WINDOW_STEPS {
             pulse.durations.remove(0);
         }
         pulse.durations.push(taken);
@@ -143,14 +143,14 @@ impl Watchdog {
     pub fn watch(
         &self,
         stop: &(dyn Fn() -> Option<Stop> + Sync),
-        remote: &dyn Remote,
+        remote: &dyn RemoteObserver,
         mut log: Option<Log>,
         summary: &Path,
     ) {
         let (mut told, mut asked): ((u64, Duration), Option<(u64, Instant)>) = Default::default();
         let mut pulse = self.lock();
         while !pulse.done {
-            let waited = self.bell.wait_timeout(pulse, self.limits.pause);
+            let waited = self.wake_up.wait_timeout(pulse, self.limits.poll_interval);
             pulse = waited.unwrap_or_else(PoisonError::into_inner).0;
             let Some((step, began)) = pulse.step.filter(|_| !pulse.done) else { continue };
             let taken = began.elapsed();
@@ -163,21 +163,21 @@ impl Watchdog {
                 let median = median.map(|m| m.as_secs_f64());
                 let event =
                     Event::LongStep { step, seconds, median, dt_before: pulse.dt, phase: pulse.phase() };
-                remote.see(&event);
-                write(&mut log, &event);
+                remote.notify(&event);
+                write_log(&mut log, &event);
             }
             let Some(stop) = stop() else { continue };
             let reason =
                 format!("{}, within step {step}; the state is that of the last checkpoint", stop.reason());
             let first = *asked.get_or_insert_with(|| {
                 // Held until it is written: the step cannot end and write the summary meanwhile.
-                note(summary, &reason);
+                write_exit_reason(summary, &reason);
                 (step, Instant::now())
             });
             let stuck = taken > 2 * pulse.median().unwrap_or_default();
             if stop == Stop::AtOnce || first.1.elapsed() >= self.limits.grace && stuck && first.0 == step {
-                note(summary, &reason);
-                write(&mut log, &Event::Warning { message: reason.clone() });
+                write_exit_reason(summary, &reason);
+                write_log(&mut log, &Event::Warning { message: reason.clone() });
                 remote.abandon(&reason);
                 return;
             }
@@ -185,7 +185,7 @@ impl Watchdog {
     }
 }
 
-fn write(log: &mut Option<Log>, event: &Event) {
+fn write_log(log: &mut Option<Log>, event: &Event) {
     if let Some(log) = log {
         // A log that cannot be written is an error where the step ends; here nothing can be done about it.
         let _ = log.write(&serde_json::to_value(event).unwrap_or_default());
@@ -193,7 +193,7 @@ fn write(log: &mut Option<Log>, event: &Event) {
 }
 
 /// Writes why the run ends into its summary, which else is that of the last checkpoint.
-fn note(path: &Path, reason: &str) {
+fn write_exit_reason(path: &Path, reason: &str) {
     if let Ok(mut summary) = Summary::read(path) {
         summary.exit_reason = reason.to_owned();
         // A summary that cannot be written stays as it was, and the process ends all the same.
@@ -204,14 +204,14 @@ fn note(path: &Path, reason: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::run::event::Remote;
+    use crate::run::event::RemoteObserver;
     use std::sync::Arc;
 
     #[derive(Clone, Default)]
     struct Record(Arc<Mutex<Vec<String>>>);
 
-    impl Remote for Record {
-        fn see(&self, event: &Event) {
+    impl RemoteObserver for Record {
+        fn notify(&self, event: &Event) {
             self.0.lock().unwrap().push(serde_json::to_string(event).unwrap());
         }
 
@@ -221,10 +221,10 @@ mod tests {
     }
 
     const QUICK: Limits = Limits {
-        long: Duration::from_millis(40),
-        first: Duration::from_secs(9),
+        min_long_step: Duration::from_millis(40),
+        min_long_first_step: Duration::from_secs(9),
         grace: Duration::from_millis(60),
-        pause: Duration::from_millis(5),
+        poll_interval: Duration::from_millis(5),
     };
 
     /// What is said of five short steps and a long one of 400 ms, and its summary.
@@ -236,7 +236,7 @@ mod tests {
         let (dog, record) = (Watchdog::new(QUICK), Record::default());
         crate::output::summary::tests::empty().write(&path).unwrap();
         let long = std::thread::scope(|scope| {
-            let _finish = Finish(&dog);
+            let _finish = FinishOnDrop(&dog);
             let remote = record.clone();
             scope.spawn(|| {
                 let remote = remote;

@@ -4,10 +4,10 @@
 
 use meniscus_scene::build::{self, AnySetup};
 use meniscus_scene::expect;
-use meniscus_scene::file::{LoadOptions, Scene, runnable};
+use meniscus_scene::file::{LoadOptions, Scene, ensure_runnable};
 use meniscus_scene::output::Folder;
-use meniscus_scene::output::series::Table;
-use meniscus_scene::run::{Existing, Job, Outcome, Silent};
+use meniscus_scene::output::series::TimeSeries;
+use meniscus_scene::run::{ExistingRun, Job, Outcome, SilentObserver};
 use meniscus_sim::{Simulation, State};
 use std::path::Path;
 
@@ -48,7 +48,7 @@ sinks = ["stone"]
 fn scene() -> Scene {
     let scene = Scene::from_text("tank.toml", TANK, Path::new("."), &LoadOptions::default());
     let scene = scene.unwrap_or_else(|e| panic!("{}", e.render()));
-    runnable(&scene).unwrap();
+    ensure_runnable(&scene).unwrap();
     scene
 }
 
@@ -62,10 +62,10 @@ fn a_cork_floats_and_a_stone_sinks() {
     let folder = std::env::temp_dir().join(format!("meniscus-free-{}", std::process::id()));
     let job = Job::of(&scene, String::new());
     let setup = AnySetup::of(&scene).unwrap();
-    let done = setup.run(&job, &Folder::at(&folder), Existing::Replace, &|| None, &mut Silent).unwrap();
+    let done = setup.run(&job, &Folder::at(&folder), ExistingRun::Replace, &|| None, &mut SilentObserver).unwrap();
     std::fs::remove_dir_all(&folder).unwrap();
     let Outcome::Finished(summary) = done else { panic!("it did not finish") };
-    let verdicts = expect::evaluate(&scene, &summary, &Table::default());
+    let verdicts = expect::evaluate(&scene, &summary, &TimeSeries::default());
     assert_eq!(verdicts.len(), 2);
     assert!(verdicts.iter().all(|v| v.pass), "{verdicts:#?} {:#?}", summary.solids);
     let mut turned = scene.clone();
@@ -73,7 +73,7 @@ fn a_cork_floats_and_a_stone_sinks() {
         meniscus_scene::file::Expectation::Sinks { solid: "cork".into() },
         meniscus_scene::file::Expectation::Floats { solid: "stone".into() },
     ];
-    assert!(expect::evaluate(&turned, &summary, &Table::default()).iter().all(|v| !v.pass));
+    assert!(expect::evaluate(&turned, &summary, &TimeSeries::default()).iter().all(|v| !v.pass));
     let (weight, stone) = (3000.0 * 9.81 * std::f64::consts::PI * 0.004f64.powi(2), &summary.solids[1]);
     let held = (stone.contact_force[1] + stone.net_force[1]) / weight;
     assert!((held - 1.0).abs() < 0.02, "{held} of its weight is held");
@@ -81,10 +81,10 @@ fn a_cork_floats_and_a_stone_sinks() {
 
 fn same<const D: usize>(a: &State<D>, b: &State<D>) -> bool {
     let bits = |s: &State<D>| {
-        let fields = s.phi.data.iter().chain(&s.lambda.data).chain(s.velocity.axes.iter().flatten());
+        let fields = s.phi.data.iter().chain(&s.pressure_impulse.data).chain(s.velocity.axes.iter().flatten());
         fields.map(|v| v.to_bits()).collect::<Vec<u64>>()
     };
-    bits(a) == bits(b) && a.solids == b.solids && a.slips == b.slips && a.drops == b.drops
+    bits(a) == bits(b) && a.solids == b.solids && a.elastic_slips == b.elastic_slips && a.components == b.components
 }
 
 #[test]
@@ -96,7 +96,7 @@ fn resumed_before_and_after_a_hit_it_is_the_same_run() {
         whole.step(5e-3, &mut |_| {}).unwrap();
         again.step(5e-3, &mut |_| {}).unwrap();
         assert!(same(&whole.state, &again.state), "step {step}");
-        met |= whole.state.solids[1].held.norm() > 0.0 && !whole.state.slips.is_empty();
+        met |= whole.state.solids[1].contact_acceleration.norm() > 0.0 && !whole.state.elastic_slips.is_empty();
     }
     assert!(met, "nothing was hit: {:?}", whole.state.solids[1]);
 }

@@ -9,9 +9,9 @@
 
 use crate::state_hash::{hash, hashes, sums};
 use meniscus_scene::build::AnySetup;
-use meniscus_scene::file::{LoadOptions, Scene, runnable};
+use meniscus_scene::file::{LoadOptions, Scene, ensure_runnable};
 use meniscus_scene::run::checkpoint;
-use meniscus_scene::run::{Setup, Tally};
+use meniscus_scene::run::{Setup, RunStatistics};
 use meniscus_sim::{Simulation, State};
 use std::path::{Path, PathBuf};
 
@@ -84,7 +84,7 @@ fn run<const D: usize>(name: &str, setup: &Setup<D>) -> Golden {
 fn there_and_back<const D: usize>(name: &str, simulation: &Simulation<D>) -> Simulation<D> {
     let folder = std::env::temp_dir().join(format!("meniscus-golden-{name}-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
-    let tally = Tally::start(&simulation.model, &simulation.ledger());
+    let tally = RunStatistics::at_start(&simulation.model, &simulation.diagnostics());
     let path = checkpoint::write(&folder, 1, &simulation.state, &tally).unwrap();
     let (state, _) = checkpoint::read::<D>(&path, 1, simulation.model.grid).unwrap();
     std::fs::remove_dir_all(&folder).unwrap();
@@ -98,10 +98,10 @@ fn there_and_back<const D: usize>(name: &str, simulation: &Simulation<D>) -> Sim
 /// at its bound.
 fn undo<const D: usize>(name: &str, simulation: &mut Simulation<D>) {
     let mut before = simulation.state.clone();
-    simulation.try_step(1e-4).unwrap();
+    simulation.step_and_undo(1e-4).unwrap();
     let after = &mut simulation.state;
-    assert!(after.lambda.data.iter().all(|value| *value == 0.0), "{name}: a guess of the pressure is left");
-    before.lambda = after.lambda.clone();
+    assert!(after.pressure_impulse.data.iter().all(|value| *value == 0.0), "{name}: a guess of the pressure is left");
+    before.pressure_impulse = after.pressure_impulse.clone();
     let bound = |values: &[f64]| values.iter().fold(0.0f64, |most, v| most.max(v.abs()));
     let bound = bound(&before.phi.data);
     let beyond = |state: &mut State<D>| {
@@ -117,7 +117,7 @@ fn golden(name: &str) -> Golden {
     let text = std::fs::read_to_string(&path).unwrap();
     let scene = Scene::from_text(&path.to_string_lossy(), &text, Path::new(""), &LoadOptions::default())
         .unwrap_or_else(|e| panic!("{}", e.render()));
-    runnable(&scene).unwrap_or_else(|e| panic!("{}", e.render()));
+    ensure_runnable(&scene).unwrap_or_else(|e| panic!("{}", e.render()));
     match AnySetup::of(&scene).unwrap() {
         AnySetup::D2(setup) => run(name, &setup),
         AnySetup::D3(setup) => run(name, &setup),

@@ -5,7 +5,7 @@
 use meniscus_numerics::Vector;
 use meniscus_scene::build::{self, AnySetup};
 use meniscus_scene::error::SceneError;
-use meniscus_scene::file::{LoadOptions, Scene, runnable};
+use meniscus_scene::file::{LoadOptions, Scene, ensure_runnable};
 use std::path::{Path, PathBuf};
 
 const SCENE: &str = r#"format = 1
@@ -29,7 +29,7 @@ liquid_air = "72.8 mN/m"
 fn load(plate: &str, line: &str, base: &Path) -> Result<Scene, SceneError> {
     let text = format!("{SCENE}plate = {plate}\n{line}\n");
     let scene = Scene::from_text("test.toml", &text, base, &LoadOptions::default())?;
-    runnable(&scene)?;
+    ensure_runnable(&scene)?;
     let again = Scene::from_text("again.toml", &scene.to_toml()?, Path::new(""), &LoadOptions::default())?;
     assert_eq!(scene, again);
     AnySetup::of(&scene)?;
@@ -48,7 +48,7 @@ fn folder(name: &str) -> PathBuf {
 fn angle_at(scene: &Scene, x: f64, y: f64) -> f64 {
     let setup = build::setup::<3>(scene).unwrap_or_else(|e| panic!("{}", e.render()));
     let solid = &setup.model.solids[0];
-    let cosine = solid.cosine_near(&solid.start(), &Vector::<3>::new(x, y, 5e-4), 1e-5);
+    let cosine = solid.young_cosine_near(&solid.initial_state(), &Vector::<3>::new(x, y, 5e-4), 1e-5);
     cosine.acos().to_degrees()
 }
 
@@ -118,7 +118,7 @@ fn lines_on_patterns_rest_around_youngs_angle() {
     assert!(e.message.contains("not fixed by these keys"), "{}", e.render());
     let scene = load("above = \"10 deg\", below = \"5 deg\"").unwrap_or_else(|e| panic!("{}", e.render()));
     let setup = build::setup::<3>(&scene).unwrap();
-    let bounds = setup.model.solids[0].hysteresis.unwrap().bounds(30f64.to_radians().cos());
+    let bounds = setup.model.solids[0].hysteresis.unwrap().cosine_bounds(30f64.to_radians().cos());
     let [advancing, receding] = bounds.map(|c| c.acos().to_degrees());
     assert!((advancing - 40.0).abs() < 1e-9 && (receding - 25.0).abs() < 1e-9, "{advancing} {receding}");
 }

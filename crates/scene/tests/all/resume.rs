@@ -16,12 +16,12 @@ fn differences<const D: usize>(a: &State<D>, b: &State<D>) -> String {
         }
     };
     note("phi", count(&a.phi.data, &b.phi.data));
-    note("lambda", count(&a.lambda.data, &b.lambda.data));
+    note("lambda", count(&a.pressure_impulse.data, &b.pressure_impulse.data));
     (0..D).for_each(|i| note("velocity", count(&a.velocity.axes[i], &b.velocity.axes[i])));
-    note("drops", usize::from(a.drops != b.drops));
+    note("drops", usize::from(a.components != b.components));
     let numbers = |s: &State<D>| {
-        let sums = [s.lost_volume, s.outflow_volume, s.outflow_energy(), s.kinetic_energy, s.surface_area];
-        [[s.time, s.last_dt, s.lead, s.kick, s.drift], sums].concat()
+        let sums = [s.lost_volume, s.outflow_volume, s.outflow_energy(), s.kinetic_energy, s.effective_surface_area];
+        [[s.time, s.last_dt, s.velocity_lead, s.impulse_time, s.displacement_since_redistancing], sums].concat()
     };
     note("numbers", count(&numbers(a), &numbers(b)));
     out

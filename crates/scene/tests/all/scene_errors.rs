@@ -5,7 +5,7 @@
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::error::SceneError;
 use meniscus_scene::estimate::memory;
-use meniscus_scene::file::{LoadOptions, Scene, runnable};
+use meniscus_scene::file::{LoadOptions, Scene, ensure_runnable};
 use std::path::Path;
 
 const GOOD: &str = r#"format = 1
@@ -51,7 +51,7 @@ fn bad(from: &str, to: &str) -> SceneError {
 }
 
 fn bad_text(text: &str) -> SceneError {
-    let e = load(text, &[]).and_then(|s| runnable(&s)).expect_err(text);
+    let e = load(text, &[]).and_then(|s| ensure_runnable(&s)).expect_err(text);
     assert_eq!(e.exit_status(), 3);
     e
 }
@@ -63,7 +63,7 @@ fn marked(e: &SceneError) -> &str {
 #[test]
 fn the_good_scene_is_good() {
     let scene = load(GOOD, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
-    runnable(&scene).unwrap();
+    ensure_runnable(&scene).unwrap();
     assert_eq!(scene.domain.cells, [32, 32, 32]);
     assert_eq!(scene.tension.liquid_air, 0.0728);
     load(&format!("{GOOD}{SOLID}"), &[]).unwrap_or_else(|e| panic!("{}", e.render()));
@@ -327,9 +327,9 @@ fn settings() {
 #[test]
 fn too_much_memory() {
     let scene = load(GOOD, &["domain.resolution=256"]).unwrap();
-    let need = memory::of_liquid(256_f64.powi(3), 0.0);
-    memory::liquid_fits(&scene, Some(64 << 30)).unwrap();
-    let e = memory::liquid_fits(&scene, Some(need as u64 / 2)).unwrap_err();
+    let need = memory::liquid_memory(256_f64.powi(3), 0.0);
+    memory::check_liquid_memory(&scene, Some(64 << 30)).unwrap();
+    let e = memory::check_liquid_memory(&scene, Some(need as u64 / 2)).unwrap_err();
     assert_eq!((e.exit_status(), e.source_name.as_str()), (3, "--set"));
     assert!(e.message.contains("3.4 GB of memory, this machine has 1.7 GB"), "{e}");
     assert!(e.help.as_deref().is_some_and(|h| h.contains("resolution = 19")), "{e:?}");
@@ -376,8 +376,8 @@ fn solids_that_deform_are_what_they_can_be() {
     assert!(e.line_column().is_some() && e.exit_status() == 3, "{}", e.render());
     let scene = load(&soft(gel, ""), &[]).unwrap();
     let setup = AnySetup::of(&scene).unwrap();
-    memory::solids_fit(&scene, &setup, Some(64 << 30)).unwrap();
-    let e = memory::solids_fit(&scene, &setup, Some(1 << 20)).unwrap_err();
+    memory::check_solid_memory(&scene, &setup, Some(64 << 30)).unwrap();
+    let e = memory::check_solid_memory(&scene, &setup, Some(1 << 20)).unwrap_err();
     assert!(e.help.as_deref().is_some_and(|h| h.contains("are the solid `plate`'s, of")), "{e:?}");
     assert!(e.line_column().is_some() && e.exit_status() == 3, "{}", e.render());
     // Three tensions balance at the line only where all are known.

@@ -5,7 +5,7 @@
 use meniscus_scene::builtin::{self, BUILTINS};
 use meniscus_scene::error::SceneError;
 use meniscus_scene::estimate::check;
-use meniscus_scene::file::{Expectation, LoadOptions, Quality, Scene, runnable};
+use meniscus_scene::file::{Expectation, LoadOptions, Quality, Scene, ensure_runnable};
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -30,7 +30,7 @@ fn builtins_are_sound() {
             let scene = builtin::open(b.name, &options).unwrap_or_else(|e| panic!("{}", e.render()));
             assert_eq!((scene.name.as_str(), scene.domain.dimension as u32), (b.name, b.dimension));
             assert_eq!((scene.description.as_deref(), scene.cost.as_deref()), (Some(b.line), Some(b.cost)));
-            runnable(&scene).unwrap_or_else(|e| panic!("{}", e.render()));
+            ensure_runnable(&scene).unwrap_or_else(|e| panic!("{}", e.render()));
             // What the paper prints for it has no Young angle, and a capillary length of half a cell.
             let odd = b.name == "fig22-plate-0-paper-constants";
             assert!(odd || scene.warnings.0.is_empty(), "{}: {:?}", b.name, scene.warnings.0);
@@ -211,7 +211,7 @@ drops = { max = 3 }
 fn the_whole_grammar_comes_back() {
     let scene = read(FULL, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
     same_again(&scene);
-    assert_eq!(runnable(&scene).unwrap_err().exit_status(), 3);
+    assert_eq!(ensure_runnable(&scene).unwrap_err().exit_status(), 3);
     let report = check::check(&scene, 2);
     assert_eq!(report.pairs.len(), 5);
     assert!((report.pairs[1].young_cosine.unwrap() - 0.03).abs() < 1e-12, "{report:?}");
@@ -234,7 +234,7 @@ fn schema_is_json() {
 fn survive(text: &str) {
     match read(text, &[]) {
         Ok(scene) => {
-            let _ = runnable(&scene).map_err(|e| inside(&e));
+            let _ = ensure_runnable(&scene).map_err(|e| inside(&e));
             same_again(&scene);
         }
         Err(e) => inside(&e),

@@ -8,10 +8,10 @@ use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_scene::build::{self, AnySetup};
 use meniscus_scene::error::SceneError;
 use meniscus_scene::expect;
-use meniscus_scene::file::{LoadOptions, Quality, Scene, runnable};
+use meniscus_scene::file::{LoadOptions, Quality, Scene, ensure_runnable};
 use meniscus_scene::output::Folder;
-use meniscus_scene::output::series::{COLUMNS, Table};
-use meniscus_scene::run::{Existing, Job, Outcome, Schedule, Silent};
+use meniscus_scene::output::series::{COLUMNS, TimeSeries};
+use meniscus_scene::run::{ExistingRun, Job, Outcome, Schedule, SilentObserver};
 use std::path::{Path, PathBuf};
 
 const SCENE: &str = r#"format = 1
@@ -49,7 +49,7 @@ fn load(text: &str, base: &Path) -> Result<Scene, SceneError> {
 
 fn scene(dimension: usize, shape: &str, base: &Path) -> Scene {
     let scene = load(&text(dimension, shape), base).unwrap_or_else(|e| panic!("{}", e.render()));
-    runnable(&scene).unwrap_or_else(|e| panic!("{}", e.render()));
+    ensure_runnable(&scene).unwrap_or_else(|e| panic!("{}", e.render()));
     scene
 }
 
@@ -90,7 +90,7 @@ const CUBE: &str = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -
 
 /// Volume of a solid of a shape, m³ (2D: m²).
 fn volume<const D: usize>(shape: &str, base: &Path) -> f64 {
-    with_body::<D, f64>(&scene(D, shape, base), |body| body.mesh().volume())
+    with_body::<D, f64>(&scene(D, shape, base), |body| body.rest_mesh().volume())
 }
 
 #[test]
@@ -139,11 +139,11 @@ fn own_elements<const D: usize>() {
     let scene = scene(D, &shape, &dir);
     with_body::<D, ()>(&scene, |body| {
         // Each is a quadratic one of as many parts.
-        assert_eq!(body.mesh().simplices.len(), 2 << D);
-        let (low, high) = body.mesh().surface().0.bounds();
+        assert_eq!(body.rest_mesh().simplices.len(), 2 << D);
+        let (low, high) = body.rest_mesh().surface().0.bounds();
         assert!((low - Vector::repeat(0.01)).norm() < 1e-15 && (high - Vector::repeat(0.03)).norm() < 1e-15);
         let expected = if D == 2 { 4e-4 } else { 8e-6 * (1.0 / 6.0 + 1.0 / 3.0) };
-        assert!((body.mesh().volume() / expected - 1.0).abs() < 1e-12, "{}", body.mesh().volume());
+        assert!((body.rest_mesh().volume() / expected - 1.0).abs() < 1e-12, "{}", body.rest_mesh().volume());
     });
     // The scene as run is the same scene, though no edge is written.
     let again = load(&scene.to_toml().unwrap(), Path::new("/elsewhere")).unwrap();
@@ -184,17 +184,17 @@ fn parts_go_as_told() {
         assert_eq!(scene, load(&scene.to_toml().unwrap(), nowhere).unwrap());
         let setup = build::setup::<2>(&scene).unwrap();
         let mut simulation = setup.simulation();
-        let start = simulation.state.solids[0].soft.clone().unwrap().body;
+        let start = simulation.state.solids[0].soft.clone().unwrap().state;
         let elastic = setup.model.solids[0].elastic().unwrap();
         let speed = |v: usize| start.velocities[v];
         assert!(
-            (0..start.velocities.len()).all(|v| elastic.held()[v] || speed(v) == Vector::from([0.0, 0.01]))
+            (0..start.velocities.len()).all(|v| elastic.anchored()[v] || speed(v) == Vector::from([0.0, 0.01]))
         );
         for _ in 0..3 {
             simulation.step(1e-3, &mut |_| {}).unwrap();
         }
-        let (now, time) = (simulation.state.solids[0].soft.clone().unwrap().body, simulation.state.time);
-        for v in (0..now.positions.len()).filter(|v| elastic.held()[*v]) {
+        let (now, time) = (simulation.state.solids[0].soft.clone().unwrap().state, simulation.state.time);
+        for v in (0..now.positions.len()).filter(|v| elastic.anchored()[*v]) {
             let way = now.positions[v] - start.positions[v];
             assert!((way - Vector::from(ahead) * time).norm() < 1e-12, "{way} after {time} s");
         }
@@ -233,7 +233,7 @@ fn parts_go_as_told() {
         r#"material.corotated = { young_modulus = "10 kPa", poisson_ratio = 0.3 }"#,
         "material.rigid = {}",
     );
-    let e = runnable(&load(&rigid, nowhere).unwrap()).unwrap_err();
+    let e = ensure_runnable(&load(&rigid, nowhere).unwrap()).unwrap_err();
     assert!(e.message.contains("moved parts of a solid that does not deform"), "{e}");
 }
 
@@ -260,7 +260,7 @@ fn all_scene_files_are_scenes() {
         for quality in [Quality::Draft, Quality::Normal, Quality::Paper] {
             let scene = Scene::load(&path, &LoadOptions { quality, ..LoadOptions::default() });
             let scene = scene.unwrap_or_else(|e| panic!("{}", e.render()));
-            runnable(&scene).unwrap_or_else(|e| panic!("{}", e.render()));
+            ensure_runnable(&scene).unwrap_or_else(|e| panic!("{}", e.render()));
             assert_eq!(path.file_stem().unwrap().to_str().unwrap(), scene.name);
             let odd: Vec<_> =
                 scene.warnings.0.iter().filter(|w| !w.message.contains("no Young angle")).collect();
@@ -440,12 +440,12 @@ fn runs_tell_of_inverted_elements_and_overlaps() {
     job.schedule = Schedule::new(1e-3, 2e-3);
     let out = std::env::temp_dir().join(format!("meniscus-sound-{}", std::process::id()));
     let setup = AnySetup::of(&scene).unwrap();
-    let done = setup.run(&job, &Folder::at(&out), Existing::Replace, &|| None, &mut Silent).unwrap();
+    let done = setup.run(&job, &Folder::at(&out), ExistingRun::Replace, &|| None, &mut SilentObserver).unwrap();
     let header = std::fs::read_to_string(out.join("timeseries.csv")).unwrap();
     assert!(header.lines().next().unwrap().ends_with("deflection_body,tip_body_x,tip_body_y"), "{header}");
     assert_eq!(header.lines().nth(1).unwrap().split(',').count(), COLUMNS.len() + 3 + 7);
     // The free plate's tip is at its ends, from 1 to 3 cm and 1 to 1.4 cm: their mean is its middle.
-    let series = Table::parse(&header);
+    let series = TimeSeries::parse(&header);
     let last = |name: &str| series.column(name).last().copied().unwrap();
     assert!((last("tip_body_x") - 0.02).abs() < 1e-9 && (last("tip_body_y") - 0.012).abs() < 1e-9);
     assert!(last("deflection_body") < 1e-9 && last("wetted_body") == 0.0 && last("angle_body_left").is_nan());
@@ -458,7 +458,7 @@ fn runs_tell_of_inverted_elements_and_overlaps() {
     std::fs::remove_dir_all(&out).unwrap();
     let Outcome::Finished(mut summary) = done else { panic!("it did not finish") };
     let passes = |summary: &_| -> Vec<bool> {
-        expect::evaluate(&scene, summary, &Table::default()).iter().map(|v| v.pass).collect()
+        expect::evaluate(&scene, summary, &TimeSeries::default()).iter().map(|v| v.pass).collect()
     };
     assert_eq!(passes(&summary), [true, true]);
     assert!(summary.least_element.unwrap() > 0.5 && summary.deepest_overlap == Some(0.0), "{summary:?}");
@@ -473,7 +473,7 @@ fn meshes_that_are_built_in_need_no_file() {
         r#"shape.mesh = { file = "builtin:leaf.msh", scale = "5 mm", translate = ["5 mm", "2 cm", "2 cm"] }"#;
     let text = text(3, leaf).replace("resolution = 32", "resolution = 80");
     let scene = load(&text, none).unwrap_or_else(|e| panic!("{}", e.render()));
-    assert!(with_body::<3, usize>(&scene, |body| body.mesh().simplices.len()) > 1000);
+    assert!(with_body::<3, usize>(&scene, |body| body.rest_mesh().simplices.len()) > 1000);
     assert_eq!(scene, load(&scene.to_toml().unwrap(), Path::new("/elsewhere")).unwrap());
     let e = load(&text.replace("leaf.msh", "leav.msh"), none).unwrap_err();
     assert!(e.message.contains("no built-in mesh `leav.msh`"), "{e}");

@@ -6,9 +6,9 @@ use meniscus_scene::build::{self, AnySetup};
 use meniscus_scene::expect;
 use meniscus_scene::file::{LoadOptions, Scene};
 use meniscus_scene::output::Folder;
-use meniscus_scene::output::series::Table;
+use meniscus_scene::output::series::TimeSeries;
 use meniscus_scene::output::summary::Summary;
-use meniscus_scene::run::{Existing, Job, Outcome, Silent};
+use meniscus_scene::run::{ExistingRun, Job, Outcome, SilentObserver};
 use std::path::Path;
 
 /// A soft block of 1 cm by 4 mm over the floor of a bath.
@@ -45,12 +45,12 @@ fn scene(level: &str, more: &str) -> Scene {
         .unwrap_or_else(|e| panic!("{}", e.render()))
 }
 
-fn run(scene: &Scene, name: &str) -> (Summary, Table) {
+fn run(scene: &Scene, name: &str) -> (Summary, TimeSeries) {
     let out = std::env::temp_dir().join(format!("meniscus-{name}-{}", std::process::id()));
     let setup = AnySetup::of(scene).unwrap_or_else(|e| panic!("{}", e.render()));
     let job = Job::of(scene, String::new());
-    let done = setup.run(&job, &Folder::at(&out), Existing::Replace, &|| None, &mut Silent).unwrap();
-    let series = Table::read(&Folder::at(&out).series()).unwrap();
+    let done = setup.run(&job, &Folder::at(&out), ExistingRun::Replace, &|| None, &mut SilentObserver).unwrap();
+    let series = TimeSeries::read(&Folder::at(&out).series()).unwrap();
     std::fs::remove_dir_all(&out).unwrap();
     let Outcome::Finished(summary) = done else { panic!("it did not finish") };
     (summary, series)

@@ -2,7 +2,7 @@
 
 use meniscus_elastic::ElasticState;
 use meniscus_numerics::grid::{CellField, FaceField};
-use meniscus_sim::{Drop, Slip, Soft, SolidState, State, Touch};
+use meniscus_sim::{Component, Slip, Soft, SolidState, State, ContactKey};
 
 /// FNV-1a over the bits of numbers (G. Fowler, L. Noll, K.-P. Vo 1991).
 struct Fnv(u64);
@@ -36,35 +36,35 @@ pub fn hashes<const D: usize>(state: &State<D>) -> Vec<(&'static str, u64)> {
         time,
         step,
         last_dt,
-        lead,
-        kick,
-        clear,
-        drift,
+        velocity_lead,
+        impulse_time,
+        collision_free_dt,
+        displacement_since_redistancing,
         phi: CellField { data: phi, grid: _ },
         velocity: FaceField { axes: velocity, grid: _ },
-        lambda: CellField { data: lambda, grid: _ },
-        drops,
+        pressure_impulse: CellField { data: lambda, grid: _ },
+        components,
         solids,
-        slips,
+        elastic_slips,
         lost_volume,
         outflow_volume,
         outflow_kinetic_energy,
         outflow_stored_energy,
         kinetic_energy,
-        surface_area,
+        effective_surface_area,
     } = state;
     let times = of(|fnv| {
         fnv.bits(*step);
-        fnv.all([time, last_dt, lead, kick, clear, drift]);
+        fnv.all([time, last_dt, velocity_lead, impulse_time, collision_free_dt, displacement_since_redistancing]);
     });
     let sums = of(|fnv| {
         fnv.all([lost_volume, outflow_volume, outflow_kinetic_energy, outflow_stored_energy]);
-        fnv.all([kinetic_energy, surface_area]);
+        fnv.all([kinetic_energy, effective_surface_area]);
     });
-    let slips = of(|fnv| {
-        for (Touch { points, other }, Slip { way, rate, hold }) in slips {
+    let elastic_slips = of(|fnv| {
+        for (ContactKey { points, other }, Slip { displacement, rate, friction_limit }) in elastic_slips {
             points.iter().chain([other]).for_each(|n| fnv.bits(u64::from(*n)));
-            fnv.all(way.iter().chain(rate.iter()).chain([hold]));
+            fnv.all(displacement.iter().chain(rate.iter()).chain([friction_limit]));
         }
     });
     vec![
@@ -73,9 +73,9 @@ pub fn hashes<const D: usize>(state: &State<D>) -> Vec<(&'static str, u64)> {
         ("phi", of_values(phi)),
         ("velocity", of(|fnv| velocity.iter().for_each(|axis| fnv.all(axis)))),
         ("lambda", of_values(lambda)),
-        ("drops", of(|fnv| drops.iter().for_each(|drop| put_drop(fnv, drop)))),
+        ("drops", of(|fnv| components.iter().for_each(|drop| put_drop(fnv, drop)))),
         ("solids", of(|fnv| solids.iter().for_each(|solid| put_solid(fnv, solid)))),
-        ("slips", slips),
+        ("slips", elastic_slips),
     ]
 }
 
@@ -84,20 +84,20 @@ pub fn hash<const D: usize>(state: &State<D>) -> u64 {
     of(|fnv| hashes(state).iter().for_each(|(_, part)| fnv.bits(*part)))
 }
 
-fn put_drop<const D: usize>(fnv: &mut Fnv, drop: &Drop<D>) {
-    let Drop { target_volume, volume, centroid, lower, upper, velocity, spin } = drop;
+fn put_drop<const D: usize>(fnv: &mut Fnv, drop: &Component<D>) {
+    let Component { target_volume, volume, centroid, lower, upper, velocity, angular_momentum_per_density } = drop;
     fnv.all([target_volume, volume]);
     [centroid, lower, upper, velocity].iter().for_each(|vector| fnv.all(vector.iter()));
-    fnv.all(spin);
+    fnv.all(angular_momentum_per_density);
 }
 
 fn put_solid<const D: usize>(fnv: &mut Fnv, solid: &SolidState<D>) {
-    let SolidState { center, rotation, velocity, spin, pressed, pulled, held, soft } = solid;
-    [center, velocity, pressed, pulled, held].iter().for_each(|vector| fnv.all(vector.iter()));
+    let SolidState { center, rotation, velocity, angular_velocity, pressure_force, contact_line_force, contact_acceleration, soft } = solid;
+    [center, velocity, pressure_force, contact_line_force, contact_acceleration].iter().for_each(|vector| fnv.all(vector.iter()));
     fnv.all(rotation.iter());
-    fnv.all(spin);
+    fnv.all(angular_velocity);
     // The surface follows from the positions.
-    let Some(Soft { body: ElasticState { positions, velocities, time }, skin: _ }) = soft else { return };
+    let Some(Soft { state: ElasticState { positions, velocities, time }, surface: _ }) = soft else { return };
     positions.iter().chain(velocities).for_each(|vector| fnv.all(vector.iter()));
     fnv.bits(time.to_bits());
 }
@@ -105,9 +105,9 @@ fn put_solid<const D: usize>(fnv: &mut Fnv, solid: &SolidState<D>) {
 /// Sums of a state that tell how far two are apart: time, energies and areas, volume, centre of mass and momentum of the liquid, centres
 /// and velocities of solids.
 pub fn sums<const D: usize>(state: &State<D>) -> Vec<f64> {
-    let volume: f64 = state.drops.iter().map(|d| d.volume).sum();
-    let of_drops = |of: &dyn Fn(&Drop<D>) -> f64| state.drops.iter().map(of).sum::<f64>();
-    let mut sums = vec![state.time, state.kinetic_energy, state.surface_area, volume];
+    let volume: f64 = state.components.iter().map(|d| d.volume).sum();
+    let of_drops = |of: &dyn Fn(&Component<D>) -> f64| state.components.iter().map(of).sum::<f64>();
+    let mut sums = vec![state.time, state.kinetic_energy, state.effective_surface_area, volume];
     sums.extend((0..D).map(|a| of_drops(&|d| d.volume * d.centroid[a])));
     sums.extend(state.solids.iter().flat_map(|s| s.center.iter().copied().collect::<Vec<f64>>()));
     sums

@@ -7,10 +7,10 @@ use meniscus_scene::build::{self, AnySetup};
 use meniscus_scene::error::SceneError;
 use meniscus_scene::estimate::check::check;
 use meniscus_scene::expect;
-use meniscus_scene::file::{LoadOptions, Scene, runnable};
+use meniscus_scene::file::{LoadOptions, Scene, ensure_runnable};
 use meniscus_scene::output::Folder;
-use meniscus_scene::output::series::Table;
-use meniscus_scene::run::{Existing, Job, Outcome, Silent};
+use meniscus_scene::output::series::TimeSeries;
+use meniscus_scene::run::{ExistingRun, Job, Outcome, SilentObserver};
 use std::path::Path;
 
 /// A drop on the bottom, and a ball that no liquid touches; its liquid ends at the bottom.
@@ -45,7 +45,7 @@ contact_angle = [{ solid = "walls", value = "60 deg", tolerance = "1.5 deg" }]
 
 fn load(text: &str) -> Result<Scene, SceneError> {
     let scene = Scene::from_text("puddle.toml", text, Path::new("."), &LoadOptions::default())?;
-    runnable(&scene).map(|()| scene)
+    ensure_runnable(&scene).map(|()| scene)
 }
 
 fn scene(text: &str) -> Scene {
@@ -59,9 +59,9 @@ fn a_drop_wets_the_bottom() {
     let folder = Folder::at(&dir);
     let job = Job::of(&scene, String::new());
     let setup = AnySetup::of(&scene).unwrap();
-    let done = setup.run(&job, &folder, Existing::Replace, &|| None, &mut Silent).unwrap();
+    let done = setup.run(&job, &folder, ExistingRun::Replace, &|| None, &mut SilentObserver).unwrap();
     let Outcome::Finished(summary) = done else { panic!("{done:?}") };
-    let verdicts = expect::evaluate(&scene, &summary, &Table::read(&folder.series()).unwrap());
+    let verdicts = expect::evaluate(&scene, &summary, &TimeSeries::read(&folder.series()).unwrap());
     println!("{verdicts:?}");
     assert!(verdicts.iter().all(|v| v.pass) && verdicts.len() == 1);
     // The domain is told as the scene has it, the walls are no solid among the others but the one after them.
@@ -81,8 +81,8 @@ fn walls_take_the_line_s_friction_and_hysteresis() {
     let bead = "liquid_air = \"72 mN/m\"\nbead = { contact_angle = \"55 deg\" }";
     let text = DROP.replace("[output]", window).replace("liquid_air = \"72 mN/m\"", bead);
     let model = build::setup::<2>(&scene(&text)).unwrap().model;
-    let walls = &model.solids[model.wetting_walls().unwrap()];
-    assert!((walls.cosine - 0.5).abs() < 1e-12 && walls.line_friction == 0.01);
+    let walls = &model.solids[model.wetting_wall_solid().unwrap()];
+    assert!((walls.young_cosine - 0.5).abs() < 1e-12 && walls.line_friction == 0.01);
     assert!(walls.hysteresis.is_some());
     let e = load(&text.replace("60 deg", "80 deg")).unwrap_err();
     assert!(e.message.contains("`walls`, 80.0 deg, is not between"), "{e}");
@@ -96,7 +96,7 @@ fn walls_of_90_degrees_are_mirrors() {
     let off = DROP.replace("friction = \"0.01 Pa s\"", "enabled = false");
     let off = scene(off.split("[expect]").next().unwrap());
     let wet = scene(DROP);
-    let (margin, open) = (meniscus_sim::MARGIN, meniscus_sim::OPEN_MARGIN);
+    let (margin, open) = (meniscus_sim::WETTING_WALL_MARGIN_CELLS, meniscus_sim::OPEN_SIDE_MARGIN_CELLS);
     for scene in [&mirrors, &off] {
         let model = build::setup::<2>(scene).unwrap().model;
         // Cells beyond the open side.

@@ -1,65 +1,65 @@
 //! How all solids that something can move answer to impulses together: `A⁻¹`, with the second derivatives `A` of the potential of a
 //! step.
 
-use super::tie::{End, Tie};
-use crate::coupling::impulses::Exchange;
+use super::tie::{TiedSolid, TiedFace};
+use crate::coupling::impulses::CouplingImpulses;
 use crate::model::Model;
-use crate::solid::deformable::Flow;
+use crate::solid::deformable::FluxRow;
 use crate::solid::{Motion, Solid, SolidState};
-use meniscus_elastic::{Reach, Solution};
+use meniscus_elastic::{Reach, AssemblyInverse};
 use meniscus_numerics::Vector;
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::points::{Points, turning};
+use super::points::{CollisionPoints, angular_to_node};
 use crate::contact_line::friction::DraggedFace;
 
 /// What a cell gives way, over what a face does, that is nothing: a pocket with no way out but through so little of a solid's
 /// surface could have any pressure.
-const SLIGHT: f64 = 1e-3;
+const MIN_COMPLIANCE_RATIO: f64 = 1e-3;
 /// Widths of the blocks, doubling from one cell, in which it is asked how a solid gives way.
-const WIDTHS: u32 = 5;
+const BLOCK_WIDTH_COUNT: u32 = 5;
 
 /// The answer of all solids.
 #[derive(Debug)]
-pub struct Response<const D: usize> {
-    solution: Solution<D>,
+pub struct SolidResponse<const D: usize> {
+    solution: AssemblyInverse<D>,
     /// The first node of each solid.
-    first: Vec<usize>,
+    first_node: Vec<usize>,
     /// Mass of each node, kg (of an angular velocity a moment of inertia, kg m²).
     masses: Vec<f64>,
     /// Which nodes are those of rigid solids.
     rigid: Vec<bool>,
     /// Impulses on the nodes without the pressure, N s.
-    base: Vec<Vector<D>>,
+    base_impulses: Vec<Vector<D>>,
     /// What nodes that are told lack of their velocities, m/s.
-    lead: Vec<Vector<D>>,
+    prescribed_change: Vec<Vector<D>>,
     /// Faces that contact lines tie to solids.
-    ties: Vec<Tie<D>>,
+    ties: Vec<TiedFace<D>>,
 }
 
-impl<const D: usize> Response<D> {
+impl<const D: usize> SolidResponse<D> {
     /// By the inverse of the matrix.
     pub fn new(
         model: &Model<D>,
         solids: &[SolidState<D>],
-        points: &Points<D>,
-        solution: Solution<D>,
-        (base, lead): (Vec<Vector<D>>, Vec<Vector<D>>),
-        ties: Vec<Tie<D>>,
+        points: &CollisionPoints<D>,
+        solution: AssemblyInverse<D>,
+        (base_impulses, prescribed_change): (Vec<Vector<D>>, Vec<Vector<D>>),
+        ties: Vec<TiedFace<D>>,
     ) -> Self {
         let of = |(solid, now): (&Solid<D>, &SolidState<D>)| match solid.elastic() {
             Some(elastic) => elastic.masses().to_vec(),
-            None => vec![solid.body.mass, solid.inertia(now).trace() / 3.0],
+            None => vec![solid.mass_properties.mass, solid.inertia(now).trace() / 3.0],
         };
         let masses: Vec<f64> = model.solids.iter().zip(solids).flat_map(of).collect();
         let nodes = |solid: &Solid<D>| solid.elastic().map_or(2, |e| e.masses().len());
         let rigid = |solid: &Solid<D>| vec![solid.elastic().is_none(); nodes(solid)];
         let rigid = model.solids.iter().flat_map(rigid).collect();
-        Self { solution, first: points.first.clone(), masses, rigid, base, lead, ties }
+        Self { solution, first_node: points.first_node.clone(), masses, rigid, base_impulses, prescribed_change, ties }
     }
 
     /// Number of degrees of freedom.
-    pub fn freedoms(&self) -> usize {
+    pub fn dof_count(&self) -> usize {
         D * self.masses.len()
     }
 
@@ -69,8 +69,8 @@ impl<const D: usize> Response<D> {
     }
 
     /// The first node of a solid.
-    pub fn first(&self, solid: usize) -> usize {
-        self.first[solid]
+    pub fn first_node(&self, solid: usize) -> usize {
+        self.first_node[solid]
     }
 
     /// `A⁻¹ b`, in place.
@@ -79,7 +79,7 @@ impl<const D: usize> Response<D> {
     }
 
     /// What is needed to solve for the degrees of freedom that flow into cells.
-    pub fn reach(&self, flows: &[Flow]) -> Reach {
+    pub fn reach(&self, flows: &[FluxRow]) -> Reach {
         let all = flows.iter().flat_map(|(_, flow)| flow);
         let nodes: BTreeSet<u32> = all.map(|(k, _)| k / D as u32).collect();
         self.solution.reach(nodes.into_iter())
@@ -87,32 +87,32 @@ impl<const D: usize> Response<D> {
 
     /// `A⁻¹ x` of these degrees of freedom, in place; `x` is 0 for all others. Of one vector or several, one after another.
     pub fn solve_within(&self, reach: &Reach, x: &mut [f64]) {
-        let count = x.len() / self.freedoms();
+        let count = x.len() / self.dof_count();
         self.solution.solve_within(reach, x, count);
     }
 
     /// What each cell by itself would give way if the nodes of solids that deform were loose, a bound of `F M⁻¹ Fᵀ` by the sums of its
     /// rows, times the share of that which they are loose. Rigid solids give way as a whole only. `place` tells where a cell is.
-    pub fn porous(&self, flows: &[Flow], reach: &Reach, place: impl Fn(u32) -> [usize; D]) -> Vec<f64> {
+    pub fn lumped_compliance(&self, flows: &[FluxRow], reach: &Reach, place: impl Fn(u32) -> [usize; D]) -> Vec<f64> {
         let soft =
-            |flow: &Flow| (flow.0, flow.1.iter().filter(|(k, _)| !self.is_rigid(*k)).copied().collect());
-        let flows: Vec<Flow> = flows.iter().map(soft).collect();
+            |flow: &FluxRow| (flow.0, flow.1.iter().filter(|(k, _)| !self.is_rigid(*k)).copied().collect());
+        let flows: Vec<FluxRow> = flows.iter().map(soft).collect();
         if flows.iter().all(|(_, flow)| flow.is_empty()) {
             return vec![0.0; flows.len()];
         }
-        let mut sums = vec![0.0; self.freedoms()];
+        let mut sums = vec![0.0; self.dof_count()];
         flows.iter().flat_map(|(_, flow)| flow).for_each(|(k, v)| sums[*k as usize] += v.abs());
         let entry = |(k, v): &(u32, f64)| v.abs() * sums[*k as usize] / self.masses[*k as usize / D];
         let all: Vec<f64> = flows.iter().map(|(_, flow)| flow.iter().map(entry).sum()).collect();
-        let loose = self.looseness(&flows, reach, place);
-        all.into_iter().map(|give| if give < SLIGHT { 0.0 } else { give * loose }).collect()
+        let loose = self.compliance_ratio(&flows, reach, place);
+        all.into_iter().map(|give| if give < MIN_COMPLIANCE_RATIO { 0.0 } else { give * loose }).collect()
     }
 
     /// What pressures give way to over what they would if the nodes were loose: the mean over pushes to and fro in blocks of
     /// 1 to 16 cells. Stiff sheets bend under wide ones only (design, numerics §1: as if loose up to a bending stiffness of some
     /// hundred, as if rigid from 10⁵ on).
-    fn looseness(&self, flows: &[Flow], reach: &Reach, place: impl Fn(u32) -> [usize; D]) -> f64 {
-        let n = self.freedoms();
+    fn compliance_ratio(&self, flows: &[FluxRow], reach: &Reach, place: impl Fn(u32) -> [usize; D]) -> f64 {
+        let n = self.dof_count();
         // Both sides of a sheet are pushed the same way.
         let sides = flows.iter().map(|(cell, flow)| {
             let along = |a: usize| flow.iter().filter(|(k, _)| *k as usize % D == a).map(|f| f.1).sum();
@@ -120,7 +120,7 @@ impl<const D: usize> Response<D> {
             (place(*cell), total[total.iamax()].signum(), flow)
         });
         let sides: Vec<_> = sides.collect();
-        let mut pushes = vec![0.0; WIDTHS as usize * n];
+        let mut pushes = vec![0.0; BLOCK_WIDTH_COUNT as usize * n];
         for (width, push) in pushes.chunks_exact_mut(n).enumerate() {
             for (at, side, flow) in &sides {
                 let even = at.iter().map(|i| i >> width).sum::<usize>() % 2 == 0;
@@ -129,59 +129,59 @@ impl<const D: usize> Response<D> {
             }
         }
         let mut gives = pushes.clone();
-        self.solution.solve_within(reach, &mut gives, WIDTHS as usize);
+        self.solution.solve_within(reach, &mut gives, BLOCK_WIDTH_COUNT as usize);
         let ratio = |(push, gives): (&[f64], &[f64])| {
             let held: f64 = push.iter().zip(gives).map(|(f, x)| f * x).sum();
             let loose: f64 = push.iter().enumerate().map(|(k, f)| f * f / self.masses[k / D]).sum();
             if loose > 0.0 { held / loose } else { 1.0 }
         };
         let all = pushes.chunks_exact(n).zip(gives.chunks_exact(n));
-        all.map(ratio).sum::<f64>() / f64::from(WIDTHS)
+        all.map(ratio).sum::<f64>() / f64::from(BLOCK_WIDTH_COUNT)
     }
 
     /// An exchange as impulses on the nodes.
-    pub fn impulses(
+    pub fn node_impulses(
         &self,
         model: &Model<D>,
         solids: &[SolidState<D>],
-        exchange: &Exchange<D>,
+        exchange: &CouplingImpulses<D>,
     ) -> Vec<Vector<D>> {
         let mut all = vec![Vector::zeros(); self.masses.len()];
         let sums = exchange.by_solid(solids.len());
         for (k, solid) in model.solids.iter().enumerate() {
             if solid.motion == Motion::Free {
-                let about = sums[k].about(&solids[k].center);
-                all[self.first[k]] = sums[k].linear;
-                all[self.first[k] + 1] = turning(&about.into());
+                let about = sums[k].moment_about(&solids[k].center);
+                all[self.first_node[k]] = sums[k].linear;
+                all[self.first_node[k] + 1] = angular_to_node(&about.into());
             }
         }
-        for (solid, grips) in &exchange.grips {
-            crate::solid::deformable::spread(grips, &mut all[self.first[*solid as usize]..]);
+        for (solid, grips) in &exchange.point_impulses {
+            crate::solid::deformable::distribute_to_vertices(grips, &mut all[self.first_node[*solid as usize]..]);
         }
         all
     }
 
     /// The flows through tied faces: the cell, and the flow out of it by the components of the nodes' velocities.
-    pub fn tied_flows(&self) -> Vec<Flow> {
-        let of = |tie: &Tie<D>| {
+    pub fn tied_flux_rows(&self) -> Vec<FluxRow> {
+        let of = |tie: &TiedFace<D>| {
             let entries = |sign: f64| {
-                let of = |end: &End<D>| {
-                    let flow = sign * tie.open * tie.mobility * end.drag;
+                let of = |end: &TiedSolid<D>| {
+                    let flow = sign * tie.open_fraction * tie.mobility * end.drag;
                     let entry = |(node, w): &(usize, Vector<D>)| {
                         (0..D).map(|a| ((node * D + a) as u32, flow * w[a])).collect::<Vec<_>>()
                     };
-                    end.arm.iter().flat_map(entry).collect::<Vec<_>>()
+                    end.node_weights.iter().flat_map(entry).collect::<Vec<_>>()
                 };
-                tie.ends.iter().flat_map(of).collect::<Vec<_>>()
+                tie.solids.iter().flat_map(of).collect::<Vec<_>>()
             };
-            tie.sides.iter().map(|(cell, sign)| (*cell, entries(*sign))).collect::<Vec<_>>()
+            tie.cells.iter().map(|(cell, sign)| (*cell, entries(*sign))).collect::<Vec<_>>()
         };
         self.ties.iter().flat_map(of).collect()
     }
 
     /// The change of the nodes' velocities without the pressure of the cells: by what is given to them, the tied faces with their
     /// `velocity` and the surface's `tension`, and some impulses more.
-    pub fn yields(
+    pub fn change_without_pressure(
         &self,
         model: &Model<D>,
         dragged: &[DraggedFace],
@@ -190,33 +190,33 @@ impl<const D: usize> Response<D> {
         more: Option<Vec<Vector<D>>>,
     ) -> Vec<Vector<D>> {
         let weight = model.density * model.grid.cell_volume();
-        let mut impulses = self.base.clone();
+        let mut impulses = self.base_impulses.clone();
         more.iter().flatten().zip(&mut impulses).for_each(|(more, j)| *j += more);
         for tie in &self.ties {
-            let f = &dragged[tie.number];
+            let f = &dragged[tie.dragged_face];
             let pulled = tension.get(&(f.axis, f.face)).copied().unwrap_or(0.0) * tie.mobility;
-            for end in &tie.ends {
-                let push = weight * (f.mass * f.holds[end.hold].given(velocity(f)) - pulled * end.drag);
-                end.arm.iter().for_each(|(node, w)| impulses[*node] += w * push);
+            for end in &tie.solids {
+                let push = weight * (f.volume_cells * f.drags[end.drag_index].impulse_on_solid(velocity(f)) - pulled * end.drag);
+                end.node_weights.iter().for_each(|(node, w)| impulses[*node] += w * push);
             }
         }
         self.solve(&mut impulses);
-        impulses.iter().zip(&self.lead).map(|(c, lead)| c + lead).collect()
+        impulses.iter().zip(&self.prescribed_change).map(|(c, lead)| c + lead).collect()
     }
 
     /// Adds the change of the nodes' velocities to the tied faces; `velocity` adds to one face.
-    pub fn carry(
+    pub fn update_tied_faces(
         &self,
         dragged: &mut [DraggedFace],
         change: &[Vector<D>],
         mut velocity: impl FnMut(&DraggedFace, f64),
     ) {
         for tie in &self.ties {
-            let f = &mut dragged[tie.number];
+            let f = &mut dragged[tie.dragged_face];
             let mut sum = 0.0;
-            for end in &tie.ends {
+            for end in &tie.solids {
                 let by = end.velocity(change);
-                f.holds[end.hold].of_solid += by;
+                f.drags[end.drag_index].solid_velocity += by;
                 sum += end.drag * by;
             }
             velocity(f, tie.mobility * sum);

@@ -8,28 +8,28 @@
 //!
 //! Limit: solids that deform have no restitution; their own elasticity tells how they bounce.
 
-use super::broad_phase::{Candidates, Way};
-use super::places::Places;
-use super::points::{Meeting, Owner, Points, REACH};
+use super::broad_phase::{CandidatePairs, Sweep};
+use super::places::Configuration;
+use super::points::{SdfPair, PointOwner, CollisionPoints, BARRIER_REACH_CELLS};
 use crate::coupling::impulses::moment;
 use crate::model::Model;
-use crate::model::time_step::Times;
+use crate::model::time_step::StepTimes;
 use crate::repairs::Repairs;
 use crate::solid::{Motion, Solid, SolidState};
 use meniscus_numerics::{Matrix, Vector};
 
 /// Most rounds in which a blow is handed on in a step.
-const ROUNDS: usize = 12;
+const MAX_ROUNDS: usize = 12;
 /// Most sweeps of Gauss-Seidel, there and back.
-const SWEEPS: usize = 300;
+const MAX_SWEEPS: usize = 300;
 /// Change of speed in a sweep, over the speeds there are, that ends it.
-const EXACT: f64 = 1e-12;
+const SWEEP_TOLERANCE: f64 = 1e-12;
 /// Cosine of the angle between normals from which on the contacts of a pair are those of one face.
-const ALIKE: f64 = 0.9;
+const SAME_FACE_COSINE: f64 = 0.9;
 
 /// Two solids, or a solid and a side, near each other at a point.
 #[derive(Clone, Debug)]
-struct Contact<const D: usize> {
+struct RigidContact<const D: usize> {
     /// The solid that the normal points to, and the other; none for a side.
     pair: (usize, Option<usize>),
     /// Midway between them, m.
@@ -38,57 +38,57 @@ struct Contact<const D: usize> {
     /// Distance beyond the reach of the barrier, m.
     gap: f64,
     /// The same after the coming step if nothing acts, m.
-    left: f64,
+    predicted_gap: f64,
     /// Least speed apart that is asked for, m/s.
-    target: f64,
+    target_speed: f64,
     /// Impulse along the normal so far, N s.
-    push: f64,
+    normal_impulse: f64,
     /// The same across it.
-    rub: Vector<D>,
+    tangential_impulse: Vector<D>,
 }
 
-impl<const D: usize> Contact<D> {
+impl<const D: usize> RigidContact<D> {
     /// The normal, away from the same one of both whichever is named first.
-    fn facing(&self) -> Vector<D> {
+    fn ordered_normal(&self) -> Vector<D> {
         if self.pair.1 > Some(self.pair.0) { -self.normal } else { self.normal }
     }
 }
 
 /// The solids as impacts see them.
-struct Impacts<'a, const D: usize> {
+struct ImpactSolver<'a, const D: usize> {
     model: &'a Model<D>,
     solids: &'a mut [SolidState<D>],
     /// How they moved before the forces of this step, and after them.
     before: &'a [SolidState<D>],
     forced: Vec<SolidState<D>>,
     /// Inverse mass and moments of inertia; zero for what nothing moves.
-    inverse: Vec<(f64, Matrix<3>)>,
-    times: Times,
+    inverse_masses: Vec<(f64, Matrix<3>)>,
+    times: StepTimes,
 }
 
 /// Lets rigid solids bounce that would come within the reach of the barrier in the coming step; `before` is how they moved before the
 /// forces of this one, which have changed `solids`. Returns the work, J (2D: J/m), of solids that go as told; `record` takes what did
 /// not come to its end.
-pub fn bounce<const D: usize>(
+pub fn resolve_impacts<const D: usize>(
     model: &Model<D>,
-    points: &Points<D>,
+    points: &CollisionPoints<D>,
     solids: &mut [SolidState<D>],
     before: &[SolidState<D>],
-    times: Times,
+    times: StepTimes,
     record: &mut Repairs,
 ) -> f64 {
     if !model.solids.iter().any(|s| s.motion == Motion::Free && s.restitution > 0.0) {
         return 0.0;
     }
-    let inverse = model.solids.iter().zip(&*solids).map(|(s, now)| match s.motion {
-        Motion::Free => (1.0 / s.body.mass, s.inverse_inertia(now)),
+    let inverse_masses = model.solids.iter().zip(&*solids).map(|(s, now)| match s.motion {
+        Motion::Free => (1.0 / s.mass_properties.mass, s.inverse_inertia(now)),
         _ => (0.0, Matrix::zeros()),
     });
-    let (inverse, forced) = (inverse.collect(), solids.to_vec());
-    let mut impacts = Impacts { model, solids, before, forced, inverse, times };
+    let (inverse_masses, forced) = (inverse_masses.collect(), solids.to_vec());
+    let mut impacts = ImpactSolver { model, solids, before, forced, inverse_masses, times };
     let mut work = 0.0;
-    for _ in 0..ROUNDS {
-        let hits = impacts.hits(points);
+    for _ in 0..MAX_ROUNDS {
+        let hits = impacts.impacting_contacts(points);
         if hits.is_empty() {
             return work;
         }
@@ -101,72 +101,72 @@ pub fn bounce<const D: usize>(
     work
 }
 
-impl<const D: usize> Impacts<'_, D> {
+impl<const D: usize> ImpactSolver<'_, D> {
     /// The contacts of rigid solids that bounce, with the speed at which they shall leave each other. What the forces of the step
     /// alone brought about is no impact: it rests.
-    fn hits(&self, points: &Points<D>) -> Vec<Contact<D>> {
-        let (dx, ahead) = (self.model.grid.dx, self.times.ahead);
+    fn impacting_contacts(&self, points: &CollisionPoints<D>) -> Vec<RigidContact<D>> {
+        let (dx, ahead) = (self.model.grid.dx, self.times.lookahead);
         let mut hits = Vec::new();
-        for mut c in self.near(points) {
-            let approach = -self.apart(self.solids, &c).dot(&c.normal);
-            let together = self.together(&c);
+        for mut c in self.nearby_contacts(points) {
+            let approach = -self.relative_velocity(self.solids, &c).dot(&c.normal);
+            let together = self.forced_approach_speed(&c);
             let resting = 2.0 * together.abs() + 1e-6 * dx / ahead;
             if approach > resting && c.gap < approach * ahead {
-                c.target = self.back(&c, approach, together);
-                hits.extend((c.target > resting).then_some(c));
+                c.target_speed = self.rebound_speed(&c, approach, together);
+                hits.extend((c.target_speed > resting).then_some(c));
             }
         }
         hits.sort_by_key(|c| c.pair);
-        hits.chunk_by(|a, b| a.pair == b.pair).flat_map(|of_pair| thin(of_pair.to_vec())).collect()
+        hits.chunk_by(|a, b| a.pair == b.pair).flat_map(|of_pair| reduce_contacts(of_pair.to_vec())).collect()
     }
 
     /// Pairs that come within the reach of the barrier, of which one is free.
-    fn near(&self, points: &Points<D>) -> Vec<Contact<D>> {
-        let velocities = points.velocities(self.model, self.solids);
+    fn nearby_contacts(&self, points: &CollisionPoints<D>) -> Vec<RigidContact<D>> {
+        let velocities = points.node_velocities(self.model, self.solids);
         let still = vec![Vector::zeros(); velocities.len()];
-        let from = Places::new(self.model, self.solids, points, &still, 0.0);
-        let to = Places::new(self.model, self.solids, points, &velocities, self.times.ahead);
-        let reach = REACH * self.model.grid.dx;
-        let meetings = Candidates::of_rigid(Way { from: &from, to: &to }, reach);
+        let from = Configuration::new(self.model, self.solids, points, &still, 0.0);
+        let to = Configuration::new(self.model, self.solids, points, &velocities, self.times.lookahead);
+        let reach = BARRIER_REACH_CELLS * self.model.grid.dx;
+        let meetings = CandidatePairs::sdf_pairs_along(Sweep { from: &from, to: &to }, reach);
         let free = |k: usize| self.model.solids[k].motion == Motion::Free;
-        let contact = |m: &Meeting| {
+        let contact = |m: &SdfPair| {
             let owner = &points.owners[m.point() as usize];
-            let Owner::Rigid { solid, .. } = *owner else { return None };
-            let x = from.at(owner);
+            let PointOwner::Rigid { solid, .. } = *owner else { return None };
+            let x = from.position(owner);
             let distance = m.distance(&from, &x);
             let (other, normal) = match *m {
-                Meeting::Rigid(_, other, part) => (Some(other), from.away_from_rigid((other, part), &x)),
-                Meeting::Side(_, side) => (None, points.sides[side].normal),
+                SdfPair::Rigid(_, other, part) => (Some(other), from.rigid_normal((other, part), &x)),
+                SdfPair::Side(_, side) => (None, points.domain_sides[side].normal),
             };
             let radius = points.surface.radius(m.point());
-            let gap = distance - points.thickness(m) - points.surface.reach(m.point()).min(reach);
+            let gap = distance - points.thickness(m) - points.surface.activation_distance(m.point()).min(reach);
             let at = x - normal * (0.5 * (distance + radius));
-            let rub = Vector::zeros();
+            let tangential_impulse = Vector::zeros();
             let mut c =
-                Contact { pair: (solid, other), at, normal, gap, left: gap, target: 0.0, push: 0.0, rub };
-            c.left += self.times.ahead * self.apart(self.solids, &c).dot(&normal);
+                RigidContact { pair: (solid, other), at, normal, gap, predicted_gap: gap, target_speed: 0.0, normal_impulse: 0.0, tangential_impulse };
+            c.predicted_gap += self.times.lookahead * self.relative_velocity(self.solids, &c).dot(&normal);
             (free(solid) || other.is_some_and(free)).then_some(c)
         };
         meetings.iter().filter_map(contact).collect()
     }
 
     /// How fast both move apart at a contact, m/s.
-    fn apart(&self, solids: &[SolidState<D>], c: &Contact<D>) -> Vector<D> {
+    fn relative_velocity(&self, solids: &[SolidState<D>], c: &RigidContact<D>) -> Vector<D> {
         let other = c.pair.1.map_or(Vector::zeros(), |j| solids[j].velocity_at(&c.at));
         solids[c.pair.0].velocity_at(&c.at) - other
     }
 
     /// Speed with which the forces of the step drive both together, m/s.
-    fn together(&self, c: &Contact<D>) -> f64 {
-        (self.apart(self.before, c) - self.apart(&self.forced, c)).dot(&c.normal)
+    fn forced_approach_speed(&self, c: &RigidContact<D>) -> f64 {
+        (self.relative_velocity(self.before, c) - self.relative_velocity(&self.forced, c)).dot(&c.normal)
     }
 
     /// Speed apart of what approaches and bounces. It does so a little early, and velocities are half a step ahead of
     /// positions: what the forces do on the way to the surface and back is counted, so that a ball comes back as high as
     /// its restitution says.
-    fn back(&self, c: &Contact<D>, approach: f64, together: f64) -> f64 {
-        let restitution = self.pairing(c, |s| s.restitution);
-        let pull = together / self.times.kick;
+    fn rebound_speed(&self, c: &RigidContact<D>, approach: f64, together: f64) -> f64 {
+        let restitution = self.combined_coefficient(c, |s| s.restitution);
+        let pull = together / self.times.impulse_time;
         let (lead, fall) = (0.5 * pull * self.times.dt, 2.0 * pull * c.gap.max(0.0));
         let touching = (approach - lead).powi(2) + fall;
         (restitution * restitution * touching - fall).max(0.0).sqrt() - lead
@@ -174,16 +174,16 @@ impl<const D: usize> Impacts<'_, D> {
 
     /// Solves for a round of hits; returns the work of solids that go as told. Where several hits and their friction together would
     /// make energy, none of them bounces, and the round is nothing.
-    fn round(&mut self, mut hits: Vec<Contact<D>>, record: &mut Repairs) -> Option<f64> {
+    fn round(&mut self, mut hits: Vec<RigidContact<D>>, record: &mut Repairs) -> Option<f64> {
         let (start, energy) = (self.solids.to_vec(), self.energy());
-        record.contact_sweeps += u64::from(!self.slide(&mut hits));
+        record.contact_sweeps += u64::from(!self.gauss_seidel(&mut hits));
         let (mut work, mut driven) = (0.0, false);
         for c in &hits {
-            let impulse = c.normal * c.push + c.rub;
+            let impulse = c.normal * c.normal_impulse + c.tangential_impulse;
             for (k, sign) in [(Some(c.pair.0), -1.0), (c.pair.1, 1.0)] {
-                let Some(k) = k.filter(|k| self.inverse[*k].0 == 0.0) else { continue };
+                let Some(k) = k.filter(|k| self.inverse_masses[*k].0 == 0.0) else { continue };
                 work += sign * self.solids[k].velocity_at(&c.at).dot(&impulse);
-                driven |= matches!(self.model.solids[k].motion, Motion::Given(_));
+                driven |= matches!(self.model.solids[k].motion, Motion::Prescribed(_));
             }
         }
         if driven || self.energy() <= energy * (1.0 + 1e-12) {
@@ -200,18 +200,18 @@ impl<const D: usize> Impacts<'_, D> {
     }
 
     /// Gauss-Seidel. Returns whether it converged.
-    fn slide(&mut self, hits: &mut [Contact<D>]) -> bool {
-        let of = |c: &Contact<D>, i: usize| self.solids[i].velocity_at(&c.at).norm();
+    fn gauss_seidel(&mut self, hits: &mut [RigidContact<D>]) -> bool {
+        let of = |c: &RigidContact<D>, i: usize| self.solids[i].velocity_at(&c.at).norm();
         let fastest =
-            |c: &Contact<D>| c.pair.1.map_or(c.target, |j| of(c, j).max(c.target)).max(of(c, c.pair.0));
+            |c: &RigidContact<D>| c.pair.1.map_or(c.target_speed, |j| of(c, j).max(c.target_speed)).max(of(c, c.pair.0));
         let scale = hits.iter().map(fastest).fold(0.0, f64::max);
-        for sweep in 0..2 * SWEEPS {
+        for sweep in 0..2 * MAX_SWEEPS {
             let mut change = 0.0f64;
             for n in 0..hits.len() {
                 let k = if sweep % 2 == 0 { n } else { hits.len() - 1 - n };
                 change = change.max(self.relax(&mut hits[k]));
             }
-            if change <= EXACT * scale {
+            if change <= SWEEP_TOLERANCE * scale {
                 return true;
             }
         }
@@ -219,46 +219,46 @@ impl<const D: usize> Impacts<'_, D> {
     }
 
     /// Puts one contact right. Returns how much its speed changed.
-    fn relax(&mut self, c: &mut Contact<D>) -> f64 {
-        let friction = self.pairing(c, |s| s.friction);
-        let miss = c.target - self.apart(self.solids, c).dot(&c.normal);
-        let push = (c.push + miss / self.lightness(c, &c.normal)).max(0.0);
-        let pushed = c.normal * (push - c.push);
-        self.give(c, &pushed);
-        let speed = self.apart(self.solids, c);
+    fn relax(&mut self, c: &mut RigidContact<D>) -> f64 {
+        let friction = self.combined_coefficient(c, |s| s.friction);
+        let miss = c.target_speed - self.relative_velocity(self.solids, c).dot(&c.normal);
+        let push = (c.normal_impulse + miss / self.inverse_effective_mass(c, &c.normal)).max(0.0);
+        let pushed = c.normal * (push - c.normal_impulse);
+        self.apply_impulse(c, &pushed);
+        let speed = self.relative_velocity(self.solids, c);
         let across = speed - c.normal * speed.dot(&c.normal);
-        let stop = across.try_normalize(0.0).map_or(across, |along| across / self.lightness(c, &along));
-        let rub = (c.rub - stop).cap_magnitude(friction * push);
-        let rubbed = rub - c.rub;
-        self.give(c, &rubbed);
-        (c.push, c.rub) = (push, rub);
+        let stop = across.try_normalize(0.0).map_or(across, |along| across / self.inverse_effective_mass(c, &along));
+        let rub = (c.tangential_impulse - stop).cap_magnitude(friction * push);
+        let rubbed = rub - c.tangential_impulse;
+        self.apply_impulse(c, &rubbed);
+        (c.normal_impulse, c.tangential_impulse) = (push, rub);
         let impulse = pushed + rubbed;
-        impulse.try_normalize(0.0).map_or(0.0, |n| impulse.norm() * self.lightness(c, &n))
+        impulse.try_normalize(0.0).map_or(0.0, |n| impulse.norm() * self.inverse_effective_mass(c, &n))
     }
 
     /// Change of the speed apart along a direction for an impulse along it, 1/kg.
-    fn lightness(&self, c: &Contact<D>, along: &Vector<D>) -> f64 {
+    fn inverse_effective_mass(&self, c: &RigidContact<D>, along: &Vector<D>) -> f64 {
         let of = |i: usize| {
             let turning = moment(&(c.at - self.solids[i].center), along);
-            self.inverse[i].0 + turning.dot(&(self.inverse[i].1 * turning))
+            self.inverse_masses[i].0 + turning.dot(&(self.inverse_masses[i].1 * turning))
         };
         of(c.pair.0) + c.pair.1.map_or(0.0, of)
     }
 
     /// Gives an impulse to the first and takes it from the second.
-    fn give(&mut self, c: &Contact<D>, impulse: &Vector<D>) {
+    fn apply_impulse(&mut self, c: &RigidContact<D>, impulse: &Vector<D>) {
         let sides = [Some((c.pair.0, 1.0)), c.pair.1.map(|j| (j, -1.0))];
         for (i, sign) in sides.into_iter().flatten() {
-            let (lightness, turn) = &self.inverse[i];
+            let (lightness, turn) = &self.inverse_masses[i];
             let now = &mut self.solids[i];
             now.velocity += impulse * (sign * lightness);
             let spun = turn * moment(&(c.at - now.center), impulse) * sign;
-            (0..3).for_each(|a| now.spin[a] += spun[a]);
+            (0..3).for_each(|a| now.angular_velocity[a] += spun[a]);
         }
     }
 
     /// The coefficient of a pair: the geometric mean of both solids' coefficients; at a side of the domain that of the solid.
-    fn pairing(&self, c: &Contact<D>, of: impl Fn(&Solid<D>) -> f64) -> f64 {
+    fn combined_coefficient(&self, c: &RigidContact<D>, of: impl Fn(&Solid<D>) -> f64) -> f64 {
         let first = of(&self.model.solids[c.pair.0]);
         (first * c.pair.1.map_or(first, |j| of(&self.model.solids[j]))).sqrt()
     }
@@ -266,11 +266,11 @@ impl<const D: usize> Impacts<'_, D> {
 
 /// Of the contacts of a pair a few that do as all: of every face the one that is left least distance, then those
 /// farthest from all that are taken.
-fn thin<const D: usize>(mut all: Vec<Contact<D>>) -> Vec<Contact<D>> {
-    let mut kept: Vec<Contact<D>> = Vec::new();
-    while let Some(first) = all.iter().min_by(|a, b| a.left.total_cmp(&b.left)).cloned() {
+fn reduce_contacts<const D: usize>(mut all: Vec<RigidContact<D>>) -> Vec<RigidContact<D>> {
+    let mut kept: Vec<RigidContact<D>> = Vec::new();
+    while let Some(first) = all.iter().min_by(|a, b| a.predicted_gap.total_cmp(&b.predicted_gap)).cloned() {
         let (group, rest): (Vec<_>, Vec<_>) =
-            all.into_iter().partition(|c| c.facing().dot(&first.facing()) > ALIKE);
+            all.into_iter().partition(|c| c.ordered_normal().dot(&first.ordered_normal()) > SAME_FACE_COSINE);
         all = rest;
         let mut away: Vec<f64> = group.iter().map(|c| (c.at - first.at).norm_squared()).collect();
         kept.push(first);

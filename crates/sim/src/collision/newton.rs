@@ -7,134 +7,134 @@
 //! (M. Li et al., "Incremental Potential Contact", 2020), and as the potential falls. Iterations end when the next would move
 //! nothing.
 
-pub use super::compliance::Response;
-use super::points::REACH;
+pub use super::compliance::SolidResponse;
+use super::points::BARRIER_REACH_CELLS;
 
-pub use super::points::{Points, turning};
-use super::potential::moments::{Early, Past};
+pub use super::points::{CollisionPoints, angular_to_node};
+use super::potential::moments::{EarlyPairs, OldTimeLevels};
 
 pub use super::potential::slips::Slips;
-use super::tie::{End, Tie};
+use super::tie::{TiedSolid, TiedFace};
 
-use super::broad_phase::Candidates;
-use super::potential::total::{Elimination, Part, Potential, Rigid};
+use super::broad_phase::CandidatePairs;
+use super::potential::total::{EliminationOrder, SolidTerm, Potential, RigidTerm};
 use crate::contact_line::friction::DraggedFace;
-use crate::coupling::impulses::Exchange;
-use crate::flow::pressure::Pass;
+use crate::coupling::impulses::CouplingImpulses;
+use crate::flow::pressure::ProjectionOptions;
 use crate::model::Model;
-use crate::model::time_step::Times;
+use crate::model::time_step::StepTimes;
 use crate::solid::{Motion, SolidState};
 use meniscus_contact::Barrier;
-use meniscus_elastic::{Elastic, HALVINGS, ITERATIONS, Incremental, KEEP, StiffnessBlock};
+use meniscus_elastic::{Elastic, MAX_LINE_SEARCH_HALVINGS, MAX_NEWTON_ITERATIONS, IncrementalPotential, KEPT_FRACTION, StiffnessBlock};
 use meniscus_numerics::grid::FaceField;
 use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::{Matrix, Vector};
 
 /// Part of its distance that a pair keeps, and of its volume an element, on the straight way to the end of the coming step, at the end of
 /// which the barrier holds them.
-const BARE: f64 = 0.01;
+const MIN_CLEARANCE_FRACTION: f64 = 0.01;
 /// Change of a position at the end of the coming step, in reaches of the barrier, below which Newton's method has converged.
-const SETTLED: f64 = 1e-3;
+const CONVERGENCE_TOLERANCE: f64 = 1e-3;
 /// The same after an update of the lagged friction, over [`SETTLED`]: the error of a lag that is updated [`RUBS`] times only adds up
 /// from step to step.
-const RUBBED: f64 = 0.01;
+const FRICTION_LAG_TOLERANCE: f64 = 0.01;
 /// Relative residual of the pressure's solve in iterations far from convergence (inexact Newton: S. Eisenstat, H. Walker 1996). An
 /// iteration that ends the method has the full accuracy, so that this changes the cost only.
-const LOOSE: f64 = 1e-3;
+const LOOSE_SOLVE_TOLERANCE: f64 = 1e-3;
 /// Far from convergence: the next iteration would move something by over so many times [`SETTLED`], which one of Newton's iterations
 /// does not bring below 1.
-const FAR: f64 = 100.0;
+const FAR_FROM_CONVERGENCE: f64 = 100.0;
 /// Most updates of the lagged friction in a step.
-const RUBS: usize = 2;
+const MAX_FRICTION_UPDATES: usize = 2;
 /// Most changes of the velocities by the solids alone after an iteration. What is lagged makes each a hundredth of the one before.
 const CHORDS: usize = 4;
 
 /// What a solid that deforms starts from.
-pub struct Start<const D: usize> {
+pub struct DeformableLoads<const D: usize> {
     /// What all but the pressure gives to its vertices, N s.
     impulses: Vec<Vector<D>>,
     /// Stiffness that other forces add.
-    extra: Vec<StiffnessBlock<D>>,
+    extra_stiffness: Vec<StiffnessBlock<D>>,
 }
 
-impl<const D: usize> Start<D> {
+impl<const D: usize> DeformableLoads<D> {
     /// Of all solids; `line` is what contact lines give them in the time `kick` (s), `extra` the stiffness that other forces add.
-    pub fn of(
+    pub fn of_solids(
         model: &Model<D>,
-        line: &Exchange<D>,
-        extra: Vec<Vec<StiffnessBlock<D>>>,
-        kick: f64,
+        line: &CouplingImpulses<D>,
+        extra_stiffness: Vec<Vec<StiffnessBlock<D>>>,
+        impulse_time: f64,
     ) -> Vec<Option<Self>> {
-        let start = |(k, extra): (usize, Vec<StiffnessBlock<D>>)| {
+        let start = |(k, extra_stiffness): (usize, Vec<StiffnessBlock<D>>)| {
             let elastic = model.solids[k].elastic()?;
             let mut impulses: Vec<Vector<D>> =
-                elastic.masses().iter().map(|m| model.gravity * (m * kick)).collect();
-            line.grips
+                elastic.masses().iter().map(|m| model.gravity * (m * impulse_time)).collect();
+            line.point_impulses
                 .get(&(k as u32))
                 .iter()
-                .for_each(|grips| crate::solid::deformable::spread(grips, &mut impulses));
-            Some(Self { impulses, extra })
+                .for_each(|grips| crate::solid::deformable::distribute_to_vertices(grips, &mut impulses));
+            Some(Self { impulses, extra_stiffness })
         };
-        extra.into_iter().enumerate().map(start).collect()
+        extra_stiffness.into_iter().enumerate().map(start).collect()
     }
 }
 
 /// The solids when the forces of a step act.
 #[derive(Clone, Copy)]
-pub struct Before<'a, const D: usize> {
+pub struct OldSolids<'a, const D: usize> {
     /// The solids, with the velocities before these forces.
     pub solids: &'a [SolidState<D>],
     /// These velocities, of their nodes.
     pub velocities: &'a [Vector<D>],
     /// The elastic slips of friction.
-    pub slips: &'a Slips<D>,
+    pub elastic_slips: &'a Slips<D>,
 }
 
 /// A step's search for velocities.
-pub struct Descent<'a, const D: usize> {
+pub struct NewtonSolver<'a, const D: usize> {
     potential: Potential<'a, D>,
     /// Velocities that nodes have which are told.
-    told: Vec<Vector<D>>,
-    elimination: Elimination<D>,
+    prescribed: Vec<Vector<D>>,
+    elimination: EliminationOrder<D>,
     /// Velocities that it has come to.
-    now: Vec<Vector<D>>,
+    velocities: Vec<Vector<D>>,
     /// The pairs that may touch with these velocities.
-    candidates: Candidates,
+    candidates: CandidatePairs,
     iteration: usize,
     /// Whether the pressure's solve may be [`LOOSE`].
-    loose: bool,
-    rubs: usize,
+    is_loose: bool,
+    friction_updates: usize,
     /// Iterations whose second derivatives were not positive definite.
-    pub indefinite: u64,
+    pub indefinite_iterations: u64,
 }
 
-impl<'a, const D: usize> Descent<'a, D> {
+impl<'a, const D: usize> NewtonSolver<'a, D> {
     /// Before the pressure; `forced` is how all forces but the pressure, contacts and their own make rigid solids move.
     pub fn new(
         model: &'a Model<D>,
-        points: &'a Points<D>,
-        before: Before<'a, D>,
+        points: &'a CollisionPoints<D>,
+        before: OldSolids<'a, D>,
         forced: &[SolidState<D>],
-        starts: &'a [Option<Start<D>>],
-        times: Times,
+        loads: &'a [Option<DeformableLoads<D>>],
+        times: StepTimes,
     ) -> Self {
-        let Before { solids: before, velocities: old, slips } = before;
-        let part = |k: usize| match (&model.solids[k].motion, &starts[k], &before[k].soft) {
+        let OldSolids { solids: before, velocities: old, elastic_slips } = before;
+        let part = |k: usize| match (&model.solids[k].motion, &loads[k], &before[k].soft) {
             (Motion::Soft(elastic), Some(start), Some(soft)) => {
                 let elastic: &'a Elastic<D> = elastic;
                 // At the start the velocities of a solid need not agree with what holds it. About the start they would be reversed where
                 // they do not, at no loss; from there they come to rest.
-                let apart = times.first && elastic.held().contains(&true);
-                Part::Soft(Incremental {
+                let has_anchors = times.is_first && elastic.anchored().contains(&true);
+                SolidTerm::Soft(IncrementalPotential {
                     elastic,
-                    state: &soft.body,
-                    viscous_at: soft.body.positions.clone(),
-                    beyond: vec![Vector::zeros(); start.impulses.len()],
-                    extra: &start.extra,
+                    state: &soft.state,
+                    viscosity_positions: soft.state.positions.clone(),
+                    discrete_gradient_correction: vec![Vector::zeros(); start.impulses.len()],
+                    extra_stiffness: &start.extra_stiffness,
                     impulses: &start.impulses,
-                    step: times.kick,
-                    lead: if apart { times.kick } else { times.lead },
-                    ahead: times.ahead,
+                    impulse_time: times.impulse_time,
+                    velocity_lead: if has_anchors { times.impulse_time } else { times.velocity_lead },
+                    lookahead: times.lookahead,
                 })
             }
             (Motion::Free, ..) => {
@@ -144,20 +144,20 @@ impl<'a, const D: usize> Descent<'a, D> {
                     2 => f64::from(u8::from(r == c)),
                     _ => inertia[(r, c)],
                 });
-                let target = [forced[k].velocity, turning(&forced[k].spin)];
-                Part::Free(Rigid { mass: model.solids[k].body.mass, inertia, target })
+                let target_velocities = [forced[k].velocity, angular_to_node(&forced[k].angular_velocity)];
+                SolidTerm::Free(RigidTerm { mass: model.solids[k].mass_properties.mass, inertia, target_velocities })
             }
-            _ => Part::Told,
+            _ => SolidTerm::Prescribed,
         };
-        let place = |now: &SolidState<D>| match &now.soft {
-            Some(soft) => soft.body.positions.clone(),
-            None => vec![now.center; 2],
+        let place = |velocities: &SolidState<D>| match &velocities.soft {
+            Some(soft) => soft.state.positions.clone(),
+            None => vec![velocities.center; 2],
         };
-        let mut told = points.velocities(model, before);
+        let mut prescribed = points.node_velocities(model, before);
         for (k, solid) in model.solids.iter().enumerate() {
             let (Some(elastic), Some(soft)) = (solid.elastic(), &before[k].soft) else { continue };
-            for (v, velocity) in elastic.held_velocities(soft.body.time, times.kick) {
-                told[points.first[k] + v] = velocity;
+            for (v, velocity) in elastic.anchored_velocities(soft.state.time, times.impulse_time) {
+                prescribed[points.first_node[k] + v] = velocity;
             }
         }
         let mut potential = Potential {
@@ -165,38 +165,38 @@ impl<'a, const D: usize> Descent<'a, D> {
             solids: before,
             points,
             parts: (0..model.solids.len()).map(part).collect(),
-            barrier: Barrier { reach: REACH * model.grid.dx },
-            kick: times.kick,
-            lead: times.lead,
-            ahead: times.ahead,
-            settling: times.ahead,
-            past: Past::new(model, before, points, old, times.kick - times.lead),
-            slips,
-            early: Early::default(),
-            rubs: Vec::new(),
-            pressed: vec![Vector::zeros(); points.nodes()],
+            barrier: Barrier { activation_distance: BARRIER_REACH_CELLS * model.grid.dx },
+            impulse_time: times.impulse_time,
+            velocity_lead: times.velocity_lead,
+            lookahead: times.lookahead,
+            settling_time: times.lookahead,
+            old_levels: OldTimeLevels::new(model, before, points, old, times.impulse_time - times.velocity_lead),
+            elastic_slips,
+            early_pairs: EarlyPairs::default(),
+            friction_contacts: Vec::new(),
+            pressure_impulses: vec![Vector::zeros(); points.node_count()],
         };
-        potential.settling = potential.settling();
+        potential.settling_time = potential.settling_time();
         let positions = before.iter().flat_map(place).collect();
-        let now = vec![Vector::zeros(); points.nodes()];
+        let velocities = vec![Vector::zeros(); points.node_count()];
         let mut descent = Self {
             potential,
-            told,
-            elimination: Elimination { structure: None, positions },
-            now,
-            candidates: Candidates::default(),
+            prescribed,
+            elimination: EliminationOrder { structure: None, positions },
+            velocities,
+            candidates: CandidatePairs::default(),
             iteration: 0,
-            loose: false,
-            rubs: 0,
-            indefinite: 0,
+            is_loose: false,
+            friction_updates: 0,
+            indefinite_iterations: 0,
         };
         // The first guess is to go on as before.
-        let guess = descent.told.clone();
-        let on_the_way = descent.potential.candidates(&descent.now, &guess, descent.margin());
-        descent.potential.rubs = descent.potential.rubbing(&descent.now, &on_the_way);
+        let guess = descent.prescribed.clone();
+        let on_the_way = descent.potential.candidates(&descent.velocities, &guess, descent.margin());
+        descent.potential.friction_contacts = descent.potential.friction_contacts(&descent.velocities, &on_the_way);
         descent.go(&guess, on_the_way, false);
         descent.recentre();
-        descent.potential.early = descent.potential.early(&descent.now, &descent.candidates);
+        descent.potential.early_pairs = descent.potential.find_early_pairs(&descent.velocities, &descent.candidates);
         descent
     }
 
@@ -209,13 +209,13 @@ impl<'a, const D: usize> Descent<'a, D> {
         solids: &mut [SolidState<D>],
         dragged: &mut [DraggedFace],
         (phi, open): (&[f64], &FaceField<D>),
-    ) -> Result<Response<D>, SolveError> {
-        let failed = SolveError::Indefinite { step: self.potential.kick };
-        self.potential.pressed.fill(Vector::zeros());
+    ) -> Result<SolidResponse<D>, SolveError> {
+        let failed = SolveError::NotPositiveDefinite { step: self.potential.impulse_time };
+        self.potential.pressure_impulses.fill(Vector::zeros());
         let ties = self.ties(dragged, phi, open);
         let (potential, candidates, elimination) = (&self.potential, &self.candidates, &mut self.elimination);
         let mut inverse = |positive| {
-            let matrix = potential.matrix(&self.now, candidates, &ties, elimination, positive)?;
+            let matrix = potential.hessian(&self.velocities, candidates, &ties, elimination, positive)?;
             let structure = elimination.structure.as_ref()?;
             let solution = potential.points.assembly.as_ref()?.invert(&matrix, structure)?;
             Some((matrix, solution))
@@ -225,57 +225,57 @@ impl<'a, const D: usize> Descent<'a, D> {
         let whole = inverse(false);
         let indefinite = whole.is_none();
         let (matrix, solution) = whole.or_else(|| inverse(true)).ok_or(failed)?;
-        self.indefinite += u64::from(indefinite);
-        let gradient = self.potential.gradient(&self.now, &self.candidates);
+        self.indefinite_iterations += u64::from(indefinite);
+        let gradient = self.potential.gradient(&self.velocities, &self.candidates);
         let mut base: Vec<Vector<D>> = gradient.iter().map(|g| -g).collect();
-        let lead = self.lead();
-        if lead.iter().any(|t| t.norm_squared() > 0.0) {
-            let mut pushed = vec![Vector::zeros(); self.now.len()];
-            matrix.add_product(&lead, &mut pushed);
+        let prescribed_change = self.prescribed_change();
+        if prescribed_change.iter().any(|t| t.norm_squared() > 0.0) {
+            let mut pushed = vec![Vector::zeros(); self.velocities.len()];
+            matrix.add_product(&prescribed_change, &mut pushed);
             base.iter_mut().zip(&pushed).for_each(|(r, p)| *r -= p);
         }
         let Potential { model, points, solids: before, .. } = self.potential;
-        points.give(model, solids, &self.now);
-        Ok(Response::new(model, before, points, solution, (base, lead), ties))
+        points.set_node_velocities(model, solids, &self.velocities);
+        Ok(SolidResponse::new(model, before, points, solution, (base, prescribed_change), ties))
     }
 
     /// How the pressure of this iteration is solved for.
-    pub fn pass(&self) -> Pass {
+    pub fn projection_options(&self) -> ProjectionOptions {
         let tolerance = self.potential.model.numerics.tolerance;
-        Pass {
-            again: self.iteration > 0,
-            tolerance: if self.loose { tolerance.max(LOOSE) } else { tolerance },
+        ProjectionOptions {
+            warm_start: self.iteration > 0,
+            tolerance: if self.is_loose { tolerance.max(LOOSE_SOLVE_TOLERANCE) } else { tolerance },
         }
     }
 
     /// Updates what is lagged of the elastic forces and viscosities to the current velocities.
     fn recentre(&mut self) {
-        for (part, first) in self.potential.parts.iter_mut().zip(&self.potential.points.first) {
-            if let Part::Soft(soft) = part {
+        for (part, first) in self.potential.parts.iter_mut().zip(&self.potential.points.first_node) {
+            if let SolidTerm::Soft(soft) = part {
                 let count = soft.impulses.len();
-                soft.recentre(&self.now[*first..first + count]);
+                soft.update_lagged(&self.velocities[*first..first + count]);
             }
         }
     }
 
     /// Ties dragged faces to the solids, with the velocities that it has come to.
-    fn ties(&self, dragged: &mut [DraggedFace], phi: &[f64], open: &FaceField<D>) -> Vec<Tie<D>> {
+    fn ties(&self, dragged: &mut [DraggedFace], phi: &[f64], open: &FaceField<D>) -> Vec<TiedFace<D>> {
         let Potential { model, points, solids, .. } = self.potential;
         let weight = model.density * model.grid.cell_volume();
         let mut ties = Vec::new();
-        for (number, f) in dragged.iter_mut().enumerate() {
-            let at = model.grid.faces(f.axis).coordinates(f.face);
+        for (dragged_face, f) in dragged.iter_mut().enumerate() {
+            let at = model.grid.face_lattice(f.axis).coordinates(f.face);
             let x = model.grid.face_center(f.axis, at);
             let axis = Vector::<D>::from_fn(|a, _| if a == f.axis { 1.0 } else { 0.0 });
             let mut ends = Vec::new();
-            for (hold, of) in f.holds.iter_mut().enumerate() {
+            for (drag_index, of) in f.drags.iter_mut().enumerate() {
                 let solid = of.solid as usize;
-                if model.solids[solid].motion.is_told() {
+                if model.solids[solid].motion.is_prescribed() {
                     continue;
                 }
                 let end =
-                    End { hold, drag: of.drag, arm: arm(&solids[solid], points.first[solid], &x, &axis) };
-                of.of_solid = end.velocity(&self.now);
+                    TiedSolid { drag_index, drag: of.drag, node_weights: node_weights(&solids[solid], points.first_node[solid], &x, &axis) };
+                of.solid_velocity = end.velocity(&self.velocities);
                 ends.push(end);
             }
             if ends.is_empty() {
@@ -284,13 +284,13 @@ impl<'a, const D: usize> Descent<'a, D> {
             let upper = model.grid.lattice().index(at);
             let lower = upper - model.grid.lattice().stride[f.axis];
             let sides = [(lower, 1.0), (upper, -1.0)].into_iter().filter(|(c, _)| phi[*c] < 0.0);
-            ties.push(Tie {
-                number,
-                sides: sides.map(|(c, sign)| (c as u32, sign)).collect(),
-                open: open.axes[f.axis][f.face],
+            ties.push(TiedFace {
+                dragged_face,
+                cells: sides.map(|(c, sign)| (c as u32, sign)).collect(),
+                open_fraction: open.axes[f.axis][f.face],
                 mobility: f.mobility(),
-                mass: weight * f.mass,
-                ends,
+                mass: weight * f.volume_cells,
+                solids: ends,
             });
         }
         ties
@@ -298,42 +298,42 @@ impl<'a, const D: usize> Descent<'a, D> {
 
     /// The longest that the coming step can be, s: for so long nothing meets or turns inside out on the straight way there, either,
     /// of which a shorter step takes a part.
-    pub fn clear(&self) -> f64 {
-        let still = vec![Vector::zeros(); self.now.len()];
-        let part = self.potential.free_step(&still, &self.now, &self.now, &self.candidates, BARE);
-        self.potential.ahead * part
+    pub fn collision_free_dt(&self) -> f64 {
+        let still = vec![Vector::zeros(); self.velocities.len()];
+        let part = self.potential.max_step_fraction(&still, &self.velocities, &self.velocities, &self.candidates, MIN_CLEARANCE_FRACTION);
+        self.potential.lookahead * part
     }
 
     /// The elastic slips that the next step starts from.
-    pub fn slips(&self) -> Slips<D> {
-        self.potential.next_slips(&self.now)
+    pub fn next_slips(&self) -> Slips<D> {
+        self.potential.next_slips(&self.velocities)
     }
 
     /// Stores in each solid the mean acceleration by its contacts. Returns the work, J (2D: J/m), that solids with told velocities do
     /// through contacts.
-    pub fn tell_contacts(&self, solids: &mut [SolidState<D>]) -> f64 {
-        let Potential { model, points, kick, .. } = self.potential;
-        let given = self.potential.between(&self.now, &self.candidates);
+    pub fn store_contact_accelerations(&self, solids: &mut [SolidState<D>]) -> f64 {
+        let Potential { model, points, impulse_time, .. } = self.potential;
+        let given = self.potential.contact_impulses(&self.velocities, &self.candidates);
         for (k, now) in solids.iter_mut().enumerate() {
-            let (solid, own) = (&model.solids[k], &given[points.first[k]..]);
-            now.held = Vector::zeros();
+            let (solid, own) = (&model.solids[k], &given[points.first_node[k]..]);
+            now.contact_acceleration = Vector::zeros();
             if let Some(elastic) = solid.elastic() {
                 let count = elastic.masses().len();
-                now.held = own[..count].iter().sum::<Vector<D>>() / (solid.body.mass * kick);
+                now.contact_acceleration = own[..count].iter().sum::<Vector<D>>() / (solid.mass_properties.mass * impulse_time);
             } else if solid.motion == Motion::Free {
-                now.held = own[0] / (solid.body.mass * kick);
+                now.contact_acceleration = own[0] / (solid.mass_properties.mass * impulse_time);
             }
         }
-        let told = (0..given.len()).filter(|node| points.held[*node]);
-        -told.map(|node| given[node].dot(&self.now[node])).sum::<f64>()
+        let prescribed = (0..given.len()).filter(|node| points.prescribed_nodes[*node]);
+        -prescribed.map(|node| given[node].dot(&self.velocities[node])).sum::<f64>()
     }
 
     /// The difference of the told nodes' velocities from what they are told.
-    fn lead(&self) -> Vec<Vector<D>> {
+    fn prescribed_change(&self) -> Vec<Vector<D>> {
         let of = |k: usize| {
-            if self.potential.points.held[k] { self.told[k] - self.now[k] } else { Vector::zeros() }
+            if self.potential.points.prescribed_nodes[k] { self.prescribed[k] - self.velocities[k] } else { Vector::zeros() }
         };
-        (0..self.now.len()).map(of).collect()
+        (0..self.velocities.len()).map(of).collect()
     }
 
     /// Changes the velocities by `change`, the `response` to a pressure that gives the nodes the impulses `pressed`, as far as the line
@@ -341,35 +341,35 @@ impl<'a, const D: usize> Descent<'a, D> {
     ///
     /// # Errors
     /// [`SolveError::Unsettled`] after too many iterations.
-    pub fn settle(
+    pub fn take_step(
         &mut self,
         solids: &mut [SolidState<D>],
-        response: &Response<D>,
+        response: &SolidResponse<D>,
         change: &[Vector<D>],
         pressed: Vec<Vector<D>>,
     ) -> Result<bool, SolveError> {
         let Potential { model, points, .. } = self.potential;
-        let mut to: Vec<Vector<D>> = self.now.iter().zip(change).map(|(v, c)| v + c).collect();
-        let lead = self.lead();
-        (0..to.len()).filter(|k| self.potential.points.held[*k]).for_each(|k| to[k] = self.told[k]);
-        self.potential.pressed = pressed;
-        let led = lead.iter().any(|l| l.norm_squared() > 0.0);
-        let limit = SETTLED * self.potential.barrier.reach / self.potential.ahead;
-        let size = to.iter().zip(&self.now).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-        let on_the_way = self.potential.candidates(&self.now, &to, self.margin());
-        let whole = self.go(&to, on_the_way, !led && size > limit);
+        let mut to: Vec<Vector<D>> = self.velocities.iter().zip(change).map(|(v, c)| v + c).collect();
+        let prescribed_change = self.prescribed_change();
+        (0..to.len()).filter(|k| self.potential.points.prescribed_nodes[*k]).for_each(|k| to[k] = self.prescribed[k]);
+        self.potential.pressure_impulses = pressed;
+        let prescribed_moves = prescribed_change.iter().any(|l| l.norm_squared() > 0.0);
+        let limit = CONVERGENCE_TOLERANCE * self.potential.barrier.activation_distance / self.potential.lookahead;
+        let size = to.iter().zip(&self.velocities).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        let on_the_way = self.potential.candidates(&self.velocities, &to, self.margin());
+        let whole = self.go(&to, on_the_way, !prescribed_moves && size > limit);
         self.iteration += 1;
         self.recentre();
-        let early = self.potential.early(&self.now, &self.candidates);
-        self.potential.early.keep(&early);
+        let early = self.potential.find_early_pairs(&self.velocities, &self.candidates);
+        self.potential.early_pairs.retain_common(&early);
         let (off, settled) = if whole { self.finish(response, limit) } else { (f64::INFINITY, false) };
-        let exact = !std::mem::replace(&mut self.loose, off > FAR * limit);
+        let exact = !std::mem::replace(&mut self.is_loose, off > FAR_FROM_CONVERGENCE * limit);
         if settled && exact && self.iteration > model.numerics.newton_iterations as usize {
-            points.give(model, solids, &self.now);
+            points.set_node_velocities(model, solids, &self.velocities);
             return Ok(true);
         }
-        if self.iteration >= ITERATIONS {
-            return Err(SolveError::Unsettled { iterations: self.iteration, off: off / limit });
+        if self.iteration >= MAX_NEWTON_ITERATIONS {
+            return Err(SolveError::NewtonNotConverged { iterations: self.iteration, off: off / limit });
         }
         Ok(false)
     }
@@ -377,21 +377,21 @@ impl<'a, const D: usize> Descent<'a, D> {
     /// After a whole one of Newton's iterations: where no velocity would change by `limit`, m/s, any more, too little for the pressure to
     /// be found anew, what is lagged is updated, and solids alone go the rest of the way, with the same second derivatives. Returns how
     /// far the next iteration would go, m/s, and whether Newton's method has converged.
-    fn finish(&mut self, response: &Response<D>, limit: f64) -> (f64, bool) {
+    fn finish(&mut self, response: &SolidResponse<D>, limit: f64) -> (f64, bool) {
         let (mut change, mut off) = self.correction(response);
         let mut tolerance = limit;
-        if off < limit && self.rubs < RUBS {
-            self.potential.early = self.potential.early(&self.now, &self.candidates);
-            self.potential.rubs = self.potential.rubbing(&self.now, &self.candidates);
-            self.rubs += 1;
+        if off < limit && self.friction_updates < MAX_FRICTION_UPDATES {
+            self.potential.early_pairs = self.potential.find_early_pairs(&self.velocities, &self.candidates);
+            self.potential.friction_contacts = self.potential.friction_contacts(&self.velocities, &self.candidates);
+            self.friction_updates += 1;
             (change, off) = self.correction(response);
-            tolerance = RUBBED * limit;
+            tolerance = FRICTION_LAG_TOLERANCE * limit;
         }
         for _ in 0..CHORDS {
-            if off >= limit || off < RUBBED * limit {
+            if off >= limit || off < FRICTION_LAG_TOLERANCE * limit {
                 break;
             }
-            let to: Vec<Vector<D>> = self.now.iter().zip(&change).map(|(v, c)| v + c).collect();
+            let to: Vec<Vector<D>> = self.velocities.iter().zip(&change).map(|(v, c)| v + c).collect();
             let candidates = std::mem::take(&mut self.candidates);
             if !self.go(&to, candidates, false) {
                 return (f64::INFINITY, false);
@@ -403,8 +403,8 @@ impl<'a, const D: usize> Descent<'a, D> {
     }
 
     /// What the next iteration would change the velocities by with this response and no other pressure, m/s, and the largest of it.
-    fn correction(&self, response: &Response<D>) -> (Vec<Vector<D>>, f64) {
-        let mut change = self.potential.gradient(&self.now, &self.candidates);
+    fn correction(&self, response: &SolidResponse<D>) -> (Vec<Vector<D>>, f64) {
+        let mut change = self.potential.gradient(&self.velocities, &self.candidates);
         response.solve(&mut change);
         change.iter_mut().for_each(|c| *c = -*c);
         let largest = change.iter().map(Vector::norm).fold(0.0, f64::max);
@@ -413,58 +413,58 @@ impl<'a, const D: usize> Descent<'a, D> {
 
     /// How much nearer, m, solids come to each other by all changes of [`Self::finish`] at most.
     fn margin(&self) -> f64 {
-        2.0 * CHORDS as f64 * SETTLED * self.potential.barrier.reach
+        2.0 * CHORDS as f64 * CONVERGENCE_TOLERANCE * self.potential.barrier.activation_distance
     }
 
     /// Goes on the way to other velocities, on which these `candidates` may meet, as far as nothing does, and, where that is asked for, as
     /// the potential falls; returns whether that is all the way.
-    fn go(&mut self, to: &[Vector<D>], candidates: Candidates, falls: bool) -> bool {
-        let (next, whole) = self.advanced(to, &candidates, falls);
+    fn go(&mut self, to: &[Vector<D>], candidates: CandidatePairs, falls: bool) -> bool {
+        let (next, whole) = self.line_search(to, &candidates, falls);
         // Points of solids that turn leave the straight way between its ends.
         self.candidates =
             if whole { candidates } else { self.potential.candidates(&next, &next, self.margin()) };
-        self.now = next;
+        self.velocities = next;
         whole
     }
 
     /// How far that is; whether it is all the way.
-    fn advanced(&self, to: &[Vector<D>], candidates: &Candidates, falls: bool) -> (Vec<Vector<D>>, bool) {
-        let change: Vec<Vector<D>> = to.iter().zip(&self.now).map(|(t, v)| t - v).collect();
+    fn line_search(&self, to: &[Vector<D>], candidates: &CandidatePairs, must_decrease: bool) -> (Vec<Vector<D>>, bool) {
+        let change: Vec<Vector<D>> = to.iter().zip(&self.velocities).map(|(t, v)| t - v).collect();
         let along = |part: f64| -> Vec<Vector<D>> {
             if part == 1.0 {
                 return to.to_vec();
             }
-            self.now.iter().zip(&change).map(|(v, c)| v + c * part).collect()
+            self.velocities.iter().zip(&change).map(|(v, c)| v + c * part).collect()
         };
-        let mut part = self.potential.free_step(&self.now, &change, to, candidates, KEEP);
-        if !falls {
+        let mut part = self.potential.max_step_fraction(&self.velocities, &change, to, candidates, KEPT_FRACTION);
+        if !must_decrease {
             return (along(part), part == 1.0);
         }
-        let from = self.potential.value(&self.now, candidates);
+        let from = self.potential.value(&self.velocities, candidates);
         let slack = 1e-12 * from.abs();
-        for _ in 0..HALVINGS {
+        for _ in 0..MAX_LINE_SEARCH_HALVINGS {
             let next = along(part);
             if self.potential.value(&next, candidates) <= from + slack {
                 return (next, part == 1.0);
             }
             part *= 0.5;
         }
-        (self.now.clone(), false)
+        (self.velocities.clone(), false)
     }
 }
 
 /// The velocity along an axis of a solid's point nearest to `x`, by those of its nodes, from the `first` on.
-fn arm<const D: usize>(
+fn node_weights<const D: usize>(
     solid: &SolidState<D>,
     first: usize,
     x: &Vector<D>,
     axis: &Vector<D>,
 ) -> Vec<(usize, Vector<D>)> {
-    match solid.grip(x) {
+    match solid.surface_point(x) {
         Some(grip) => (0..D).map(|k| (first + grip.vertices[k] as usize, axis * grip.weights[k])).collect(),
         None => {
             let moment = crate::coupling::impulses::moment(&(x - solid.center), axis);
-            vec![(first, *axis), (first + 1, turning(&moment.into()))]
+            vec![(first, *axis), (first + 1, angular_to_node(&moment.into()))]
         }
     }
 }

@@ -6,17 +6,17 @@
 
 use crate::model::Model;
 use crate::solid::{Motion, SolidState};
-use meniscus_contact::{Plane, Surface};
+use meniscus_contact::{Plane, CollisionMesh};
 use meniscus_elastic::Assembly;
 use meniscus_numerics::Vector;
 use std::collections::BTreeMap;
 
 /// Reach of the barrier, in cells: two surfaces in contact are within half a cell of each other, so that the grid does not see the gap
 /// between them.
-pub const REACH: f64 = 0.25;
+pub const BARRIER_REACH_CELLS: f64 = 0.25;
 /// What a point is part of.
 #[derive(Clone, Copy, Debug)]
-pub enum Owner<const D: usize> {
+pub enum PointOwner<const D: usize> {
     /// A vertex of a solid that deforms: its node.
     Vertex {
         /// Number of the solid.
@@ -33,7 +33,7 @@ pub enum Owner<const D: usize> {
     },
 }
 
-impl<const D: usize> Owner<D> {
+impl<const D: usize> PointOwner<D> {
     /// Number of the solid.
     pub fn solid(&self) -> usize {
         match self {
@@ -44,14 +44,14 @@ impl<const D: usize> Owner<D> {
 
 /// A point and something without facets that it may touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Meeting {
+pub enum SdfPair {
     /// A point and a part of a rigid solid.
     Rigid(u32, usize, usize),
     /// A point and a side of the domain.
     Side(u32, usize),
 }
 
-impl Meeting {
+impl SdfPair {
     /// The point.
     pub fn point(&self) -> u32 {
         match *self {
@@ -70,27 +70,27 @@ impl Meeting {
 
 /// The points of a model's solids.
 #[derive(Clone, Debug, Default)]
-pub struct Points<const D: usize> {
+pub struct CollisionPoints<const D: usize> {
     /// Their surfaces: facets of those that deform, and points of the others.
-    pub surface: Surface<D>,
+    pub surface: CollisionMesh<D>,
     /// What each point is part of.
-    pub owners: Vec<Owner<D>>,
+    pub owners: Vec<PointOwner<D>>,
     /// The first node of each solid.
-    pub first: Vec<usize>,
+    pub first_node: Vec<usize>,
     /// Which nodes have velocities that are told.
-    pub held: Vec<bool>,
+    pub prescribed_nodes: Vec<bool>,
     /// Pressure of each solid's weight on one of the `2 D` sides of its surface, and that which takes the kinetic energy of the fastest
     /// start within the barrier's reach, Pa; 0 of those that are told.
-    pub pressures: Vec<f64>,
+    pub weight_pressures: Vec<f64>,
     /// Mean area of one of the `2 D` sides of each solid's surface, m² (2D: m).
-    pub faces: Vec<f64>,
+    pub mean_side_areas: Vec<f64>,
     /// Closed sides of the domain.
-    pub sides: Vec<Plane<D>>,
+    pub domain_sides: Vec<Plane<D>>,
     /// Distance, m, that is added to that of a point and something without facets, where they touch or overlap at the start (a solid
     /// on the floor; one that is held within a rigid solid).
-    pub(super) lifts: BTreeMap<Meeting, f64>,
+    pub(super) gap_offsets: BTreeMap<SdfPair, f64>,
     /// Which points of each rigid solid may meet each other one.
-    pub(super) probing: BTreeMap<(usize, usize), Probing>,
+    pub(super) probe_sets: BTreeMap<(usize, usize), ProbeSet>,
     /// Points of rigid solids at edges and corners, or with a ball around them.
     pub(super) exposed: Vec<bool>,
     /// How the solids' matrices stand in one; none where memory does not suffice.
@@ -99,7 +99,7 @@ pub struct Points<const D: usize> {
 
 /// Which points of a rigid solid may meet another one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Probing {
+pub(super) enum ProbeSet {
     /// All of them: of two solids it is the smaller one.
     All,
     /// Those at edges and corners only: what glides along a wide face meets that by its own points.
@@ -108,72 +108,72 @@ pub(super) enum Probing {
     None,
 }
 
-impl<const D: usize> Points<D> {
+impl<const D: usize> CollisionPoints<D> {
     /// Distance, m, that counts as none between a point and something without facets.
-    pub fn thickness(&self, meeting: &Meeting) -> f64 {
-        self.surface.radius(meeting.point()) - self.lifts.get(meeting).copied().unwrap_or(0.0)
+    pub fn thickness(&self, meeting: &SdfPair) -> f64 {
+        self.surface.radius(meeting.point()) - self.gap_offsets.get(meeting).copied().unwrap_or(0.0)
     }
 
     /// Whether a point may meet a rigid solid: not one of its own, and not where both stay or go as told.
-    pub fn may_meet(&self, model: &Model<D>, point: u32, solid: usize) -> bool {
+    pub fn may_collide(&self, model: &Model<D>, point: u32, solid: usize) -> bool {
         let owner = &self.owners[point as usize];
-        if owner.solid() == solid || model.solids[solid].motion.is_told() && self.is_told(point) {
+        if owner.solid() == solid || model.solids[solid].motion.is_prescribed() && self.is_prescribed(point) {
             return false;
         }
-        match self.probing.get(&(owner.solid(), solid)) {
-            Some(Probing::None) => false,
-            Some(Probing::Exposed) => self.exposed[point as usize],
-            Some(Probing::All) | None => true,
+        match self.probe_sets.get(&(owner.solid(), solid)) {
+            Some(ProbeSet::None) => false,
+            Some(ProbeSet::Exposed) => self.exposed[point as usize],
+            Some(ProbeSet::All) | None => true,
         }
     }
 
     /// Whether a point stays or goes as told.
-    pub fn is_told(&self, point: u32) -> bool {
-        self.held[match self.owners[point as usize] {
-            Owner::Vertex { solid, vertex } => self.first[solid] + vertex,
-            Owner::Rigid { solid, .. } => self.first[solid],
+    pub fn is_prescribed(&self, point: u32) -> bool {
+        self.prescribed_nodes[match self.owners[point as usize] {
+            PointOwner::Vertex { solid, vertex } => self.first_node[solid] + vertex,
+            PointOwner::Rigid { solid, .. } => self.first_node[solid],
         }]
     }
 
     /// Velocities of the nodes as solids move now.
-    pub fn velocities(&self, model: &Model<D>, solids: &[SolidState<D>]) -> Vec<Vector<D>> {
-        let mut all = Vec::with_capacity(self.nodes());
+    pub fn node_velocities(&self, model: &Model<D>, solids: &[SolidState<D>]) -> Vec<Vector<D>> {
+        let mut all = Vec::with_capacity(self.node_count());
         for (_, now) in model.solids.iter().zip(solids) {
             match &now.soft {
-                Some(soft) => all.extend_from_slice(&soft.body.velocities),
-                None => all.extend([now.velocity, turning(&now.spin)]),
+                Some(soft) => all.extend_from_slice(&soft.state.velocities),
+                None => all.extend([now.velocity, angular_to_node(&now.angular_velocity)]),
             }
         }
         all
     }
 
     /// Gives the solids the velocities of the nodes.
-    pub fn give(&self, model: &Model<D>, solids: &mut [SolidState<D>], velocities: &[Vector<D>]) {
+    pub fn set_node_velocities(&self, model: &Model<D>, solids: &mut [SolidState<D>], velocities: &[Vector<D>]) {
         for (k, (solid, now)) in model.solids.iter().zip(solids).enumerate() {
-            let own = &velocities[self.first[k]..];
+            let own = &velocities[self.first_node[k]..];
             if let (Some(soft), Some(elastic)) = (&mut now.soft, solid.elastic()) {
-                let count = soft.body.velocities.len();
-                soft.body.velocities.copy_from_slice(&own[..count]);
-                now.follow(elastic);
+                let count = soft.state.velocities.len();
+                soft.state.velocities.copy_from_slice(&own[..count]);
+                now.update_center_of_mass(elastic);
             } else if solid.motion == Motion::Free {
-                (now.velocity, now.spin) = (own[0], spin(&own[1]));
+                (now.velocity, now.angular_velocity) = (own[0], angular_from_node(&own[1]));
             }
         }
     }
 
     /// Number of nodes.
-    pub fn nodes(&self) -> usize {
-        self.held.len()
+    pub fn node_count(&self) -> usize {
+        self.prescribed_nodes.len()
     }
 }
 
 /// An angular velocity as a node has it.
-pub fn turning<const D: usize>(spin: &[f64; 3]) -> Vector<D> {
+pub fn angular_to_node<const D: usize>(angular_velocity: &[f64; 3]) -> Vector<D> {
     Vector::from_fn(|a, _| {
         if D == 3 {
-            spin[a]
+            angular_velocity[a]
         } else if a == 0 {
-            spin[2]
+            angular_velocity[2]
         } else {
             0.0
         }
@@ -181,6 +181,6 @@ pub fn turning<const D: usize>(spin: &[f64; 3]) -> Vector<D> {
 }
 
 /// A node's angular velocity.
-pub fn spin<const D: usize>(node: &Vector<D>) -> [f64; 3] {
+pub fn angular_from_node<const D: usize>(node: &Vector<D>) -> [f64; 3] {
     if D == 3 { std::array::from_fn(|a| node[a]) } else { [0.0, 0.0, node[0]] }
 }

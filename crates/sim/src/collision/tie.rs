@@ -11,44 +11,44 @@ use meniscus_numerics::Vector;
 /// pressure: the flow through the face is `α m Σ_s d_s a_s`, the mass `M Σ_s d_s (a_s a_sᵀ − m Σ_r d_r a_s a_rᵀ)`, which is positive
 /// semidefinite, and the system stays symmetric.
 #[derive(Clone, Debug)]
-pub struct Tie<const D: usize> {
+pub struct TiedFace<const D: usize> {
     /// Place among the dragged faces.
-    pub number: usize,
+    pub dragged_face: usize,
     /// The liquid cells that it is the upper (+1) and the lower (−1) face of.
-    pub sides: Vec<(u32, f64)>,
+    pub cells: Vec<(u32, f64)>,
     /// The face's open part in areas of a face, `α`.
-    pub open: f64,
+    pub open_fraction: f64,
     /// `m`.
     pub mobility: f64,
     /// `M`, kg.
     pub mass: f64,
     /// The solids that something can move.
-    pub ends: Vec<End<D>>,
+    pub solids: Vec<TiedSolid<D>>,
 }
 
 /// A solid that a face is tied to.
 #[derive(Clone, Debug)]
-pub struct End<const D: usize> {
+pub struct TiedSolid<const D: usize> {
     /// Place among the face's holds.
-    pub hold: usize,
+    pub drag_index: usize,
     /// `d_s`.
     pub drag: f64,
     /// The solid's velocity along the axis by those of its nodes, `a_s`.
-    pub arm: Vec<(usize, Vector<D>)>,
+    pub node_weights: Vec<(usize, Vector<D>)>,
 }
 
-impl<const D: usize> End<D> {
+impl<const D: usize> TiedSolid<D> {
     /// The solid's velocity along the axis, m/s.
     pub fn velocity(&self, nodes: &[Vector<D>]) -> f64 {
-        self.arm.iter().map(|(node, w)| w.dot(&nodes[*node])).sum()
+        self.node_weights.iter().map(|(node, w)| w.dot(&nodes[*node])).sum()
     }
 }
 
-impl<const D: usize> Tie<D> {
+impl<const D: usize> TiedFace<D> {
     /// Calls `f` with the ends' masses for each other, kg.
-    pub fn masses(&self, mut f: impl FnMut(&End<D>, &End<D>, f64)) {
-        for (s, one) in self.ends.iter().enumerate() {
-            for (r, other) in self.ends.iter().enumerate() {
+    pub fn masses(&self, mut f: impl FnMut(&TiedSolid<D>, &TiedSolid<D>, f64)) {
+        for (s, one) in self.solids.iter().enumerate() {
+            for (r, other) in self.solids.iter().enumerate() {
                 let own = if s == r { one.drag } else { 0.0 };
                 f(one, other, self.mass * (own - self.mobility * one.drag * other.drag));
             }

@@ -1,11 +1,11 @@
 //! Momentum kept: of liquid that touches nothing, of liquid and free solids together, and on the way with the flow.
 
-use super::group::Group;
-use super::momentum::{FaceWalk, Restored};
-use super::tracking::{Change, turning_volume};
-use crate::coupling::impulses::{Exchange, Impulse};
+use super::group::ComponentGroup;
+use super::momentum::{ComponentFaces, MomentumRestoration};
+use super::tracking::{ComponentChange, min_rotation_volume};
+use crate::coupling::impulses::{CouplingImpulses, Impulse};
 use crate::free_surface::curvature::Curvature;
-use crate::free_surface::interface_faces::{CutFace, cut_faces};
+use crate::free_surface::interface_faces::{InterfaceFace, interface_faces};
 use crate::model::Model;
 use crate::repairs::Repairs;
 use crate::simulation::workspace::Workspace;
@@ -16,55 +16,55 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Takes from the groups what they gave to solids. Of a small drop the torque is noise, and so little turns
 /// it that it was flung about at ten times the capillary speed (2 cells a radius, at the rim of a plate).
-pub fn give_back<const D: usize>(model: &Model<D>, groups: &mut [Group<D>], given: &[Exchange<D>]) {
+pub fn subtract_solid_impulses<const D: usize>(model: &Model<D>, groups: &mut [ComponentGroup<D>], given: &[CouplingImpulses<D>]) {
     let count = groups.iter().flat_map(|g| &g.new).max().map_or(0, |c| c + 1);
-    let mut sums = vec![Impulse::none(); count];
+    let mut sums = vec![Impulse::zero(); count];
     for ((component, _), impulse) in given.iter().flat_map(|g| &g.pairs) {
         sums[*component as usize].add(impulse, 1.0);
     }
     for group in groups {
-        let Some(whole) = &mut group.whole else { continue };
+        let Some(whole) = &mut group.target_motion else { continue };
         for j in &group.new {
-            whole.velocity -= sums[*j].linear / (model.density * whole.mass);
-            let turning = sums[*j].about(&whole.center) / model.density;
-            (0..3).for_each(|i| whole.spin[i] -= turning[i]);
+            whole.velocity -= sums[*j].linear / (model.density * whole.volume);
+            let turning = sums[*j].moment_about(&whole.center) / model.density;
+            (0..3).for_each(|i| whole.angular_momentum_per_density[i] -= turning[i]);
         }
         let touches = group.new.iter().any(|j| sums[*j].linear.norm_squared() > 0.0);
-        group.turns &= !touches || whole.mass > turning_volume(model);
+        group.keeps_angular_momentum &= !touches || whole.volume > min_rotation_volume(model);
     }
 }
 
 /// Gives back what components that solids hold lost of their momentum on the way: nothing has pushed them yet. Returns how much
 /// that was.
-pub fn keep_carried<const D: usize>(
+pub fn restore_advected_momentum<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     work: &Workspace<D>,
-    change: &Change<D>,
+    change: &ComponentChange<D>,
 ) -> Repairs {
-    if change.groups.iter().all(|g| g.carried.is_none()) {
+    if change.groups.iter().all(|g| g.advected_motion.is_none()) {
         return Repairs::default();
     }
-    let carried = |g: &Group<D>| Group { whole: g.carried.clone(), placed: Matrix::zeros(), ..g.clone() };
-    let groups: Vec<Group<D>> = change.groups.iter().map(carried).collect();
+    let carried = |g: &ComponentGroup<D>| ComponentGroup { target_motion: g.advected_motion.clone(), unconstrained_projector: Matrix::zeros(), ..g.clone() };
+    let groups: Vec<ComponentGroup<D>> = change.groups.iter().map(carried).collect();
     let flat = Curvature::unknown();
-    let cut = cut_faces(model, &state.phi, &work.band, &flat, &work.cut);
-    let kept = keep_momentum(model, state, work, &cut, (change, &groups), 0.0);
+    let interface_faces = interface_faces(model, &state.phi, &work.band, &flat, &work.cut_cells);
+    let restored = restore_momentum(model, state, work, &interface_faces, (change, &groups), 0.0);
     Repairs {
-        carried_momentum_restored: kept.momentum,
-        carried_spin_restored: kept.spin,
-        unlabelled: kept.unlabelled,
+        carried_momentum_restored: restored.momentum,
+        carried_spin_restored: restored.angular_momentum,
+        unlabelled: restored.unlabelled,
         ..Repairs::default()
     }
 }
 
 /// Components of liquid cells; one without counts as of the first, and is counted.
-pub struct Labels<'a> {
+pub struct ComponentLabels<'a> {
     known: &'a (dyn Fn(usize) -> Option<u32> + Sync),
     missing: AtomicU64,
 }
 
-impl<'a> Labels<'a> {
+impl<'a> ComponentLabels<'a> {
     /// Of what is known of the cells.
     pub fn new(known: &'a (dyn Fn(usize) -> Option<u32> + Sync)) -> Self {
         Self { known, missing: AtomicU64::new(0) }
@@ -85,37 +85,37 @@ impl<'a> Labels<'a> {
 }
 
 /// Restores the momentum of every group that must have one.
-pub fn keep_momentum<const D: usize>(
+pub fn restore_momentum<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     work: &Workspace<D>,
-    cut: &[CutFace],
-    (change, groups): (&Change<D>, &[Group<D>]),
+    interface_faces: &[InterfaceFace],
+    (change, groups): (&ComponentChange<D>, &[ComponentGroup<D>]),
     dt: f64,
-) -> Restored<D> {
-    let of = work.liquid.component(&model.grid);
-    let labels = Labels::new(&of);
+) -> MomentumRestoration<D> {
+    let of = work.liquid.component_lookup(&model.grid);
+    let labels = ComponentLabels::new(&of);
     let label = |cell: usize| labels.of(cell);
-    let walk = walk(model, &state.phi, work, cut, &label);
-    let restored = walk.restore(&mut state.velocity, groups, &change.targets, &change.centers, dt);
-    Restored { unlabelled: labels.missing(), ..restored }
+    let faces = component_faces(model, &state.phi, work, interface_faces, &label);
+    let restored = faces.restore(&mut state.velocity, groups, &change.target_volumes, &change.centers, dt);
+    MomentumRestoration { unlabelled: labels.missing(), ..restored }
 }
 
 /// A walk over the faces of each component.
-pub fn walk<'a, const D: usize>(
+pub fn component_faces<'a, const D: usize>(
     model: &'a Model<D>,
     phi: &'a CellField<D>,
     work: &'a Workspace<D>,
-    cut: &'a [CutFace],
+    interface_faces: &'a [InterfaceFace],
     label: &'a (dyn Fn(usize) -> u32 + Sync),
-) -> FaceWalk<'a, D> {
-    FaceWalk {
+) -> ComponentFaces<'a, D> {
+    ComponentFaces {
         model,
         phi,
-        faces: work.known.liquid(),
-        open: (!work.cut.wet.is_empty()).then_some(&work.cut.open),
-        cut,
+        faces: work.known_faces.liquid_faces(),
+        open_fractions: (!work.cut_cells.cells.is_empty()).then_some(&work.cut_cells.open_fraction),
+        interface_faces,
         label,
-        components: work.liquid.components as usize,
+        component_count: work.liquid.components as usize,
     }
 }

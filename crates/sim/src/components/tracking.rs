@@ -1,141 +1,141 @@
 //! What becomes of the liquid's components in a step: which become which, and the volume, place and momentum each must have.
 
-use super::group::Group;
-use super::momentum::together;
-use super::volume::{Followed, Measured, astray, band_labels, follow, targets};
-use crate::contact_line::force::unpulled;
-use crate::free_surface::dual_cell::CutCube;
+use super::group::ComponentGroup;
+use super::momentum::combined;
+use super::volume::{ComponentMatch, VolumeMeasurement, centroid_corrections, band_labels, match_components, target_volumes};
+use crate::contact_line::force::unconstrained_projectors;
+use crate::free_surface::dual_cell::DualCell;
 use crate::model::Model;
-use crate::model::resolution::{BAND, RESOLVED};
+use crate::model::resolution::{BAND_WIDTH_CELLS, MIN_RESOLVED_RADIUS_CELLS};
 use crate::repairs::Repairs;
 use crate::simulation::workspace::Workspace;
-use crate::state::{Drop, State};
+use crate::state::{Component, State};
 use meniscus_numerics::grid::{Band, Runs};
 use meniscus_numerics::{Matrix, Vector};
 use std::f64::consts::PI;
 
 /// From which on it is told how one on a solid turns.
-const TURNING: f64 = 3.0;
+const MIN_ROTATION_RADIUS_CELLS: f64 = 3.0;
 
 /// Share of the wetted surface, as seen along the directions in which lines pull at no solid, from which on solids hold a
 /// component there as well: it stands in a vessel.
-const FACED: f64 = 0.01;
+const MAX_FACING_WETTED_FRACTION: f64 = 0.01;
 
 /// What became of the components in a step.
-pub struct Change<const D: usize> {
+pub struct ComponentChange<const D: usize> {
     /// Which became which.
-    pub groups: Vec<Group<D>>,
+    pub groups: Vec<ComponentGroup<D>>,
     /// Component that each cell of the band belongs to.
-    pub labels: Vec<u32>,
+    pub band_labels: Vec<u32>,
     /// The surface in cubes.
-    pub cubes: Vec<CutCube>,
+    pub dual_cells: Vec<DualCell>,
     /// Volumes that the components must have.
-    pub targets: Vec<f64>,
+    pub target_volumes: Vec<f64>,
     /// Volumes that they have.
     pub volumes: Vec<f64>,
     /// Their centres of mass.
     pub centers: Vec<Vector<D>>,
     /// What a component's volume was wrong by, as a layer on a ball of its volume, in cells.
-    pub jump: f64,
+    pub volume_error_cells: f64,
     /// What was mended, measured before.
     pub repairs: Repairs,
 }
 
-impl<const D: usize> Change<D> {
+impl<const D: usize> ComponentChange<D> {
     /// The components as they are, each become itself.
-    pub fn none(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Self {
-        let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
-        let Measured { cubes, volumes, centers } = work.measured_liquid(model, &labels).measure(&state.phi);
-        let groups = (0..volumes.len()).map(|c| Group::new(vec![c], vec![c])).collect();
+    pub fn unchanged(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Self {
+        let band_labels = band_labels(model, &work.band, &state.phi, &work.liquid);
+        let VolumeMeasurement { dual_cells, volumes, centers } = work.volume_correction(model, &band_labels).measure(&state.phi);
+        let groups = (0..volumes.len()).map(|c| ComponentGroup::new(vec![c], vec![c])).collect();
         Self {
             groups,
-            labels,
-            cubes,
-            targets: volumes.clone(),
+            band_labels,
+            dual_cells,
+            target_volumes: volumes.clone(),
             volumes,
             centers,
-            jump: 0.0,
+            volume_error_cells: 0.0,
             repairs: Repairs::default(),
         }
     }
 }
 
 /// Follows the components and puts their volumes and centres right.
-pub fn keep_volume<const D: usize>(
+pub fn restore_volume<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     work: &Workspace<D>,
     before: &Runs,
     dt: f64,
-) -> Change<D> {
-    let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
-    let liquid = work.measured_liquid(model, &labels);
+) -> ComponentChange<D> {
+    let band_labels = band_labels(model, &work.band, &state.phi, &work.liquid);
+    let liquid = work.volume_correction(model, &band_labels);
     let measured = liquid.measure(&state.phi);
-    let raw = measured.volumes.clone();
+    let measured_volumes = measured.volumes.clone();
     // A component that vanishes within a cell of an open side has left the domain through that side.
-    let left = |d: &Drop<D>| model.beyond_open(&(d.centroid + d.velocity * dt)) > -model.grid.dx;
-    let mut followed = follow(before, &work.liquid, &state.drops, &measured.centers, dt, left);
+    let has_left = |d: &Component<D>| model.open_side_distance(&(d.centroid + d.velocity * dt)) > -model.grid.dx;
+    let mut followed = match_components(before, &work.liquid, &state.components, &measured.centers, dt, has_left);
     let groups = &mut followed.groups;
-    let mut unpulled = unpulled(&measured.cubes, &work.cut.wet, &in_band(&work.band, &labels), raw.len());
-    let free = work.faced(&unpulled).into_iter().map(|share| share < FACED);
+    let mut unpulled = unconstrained_projectors(&measured.dual_cells, &work.cut_cells.cells, &band_component(&work.band, &band_labels), measured_volumes.len());
+    let free = work.facing_wetted_fraction(&unpulled).into_iter().map(|share| share < MAX_FACING_WETTED_FRACTION);
     unpulled.iter_mut().zip(free).filter(|(_, free)| !free).for_each(|(part, _)| part.fill(0.0));
-    expect(model, state, work, groups, &unpulled, dt);
-    let (targets, mut lost) = targets(groups, &state.drops, &raw);
+    predict_motions(model, state, work, groups, &unpulled, dt);
+    let (target_volumes, mut lost) = target_volumes(groups, &state.components, &measured_volumes);
     for old in groups.iter().filter(|g| g.new.is_empty()).flat_map(|g| &g.old) {
-        let drop = state.drops[*old].clone();
-        if left(&drop) {
+        let drop = state.components[*old].clone();
+        if has_left(&drop) {
             lost -= drop.target_volume;
-            state.count_outflow(&drop, model.density, &model.gravity);
+            state.record_component_outflow(&drop, model.density, &model.gravity);
         }
     }
     state.lost_volume += lost;
-    let mut repairs = moved(model, state, &followed, &raw, &targets);
-    let off = astray(&followed.groups, &targets, &measured.centers);
-    repairs.center_shift = off.iter().map(Vector::norm).fold(0.0, f64::max);
+    let mut repairs = volume_repairs(model, state, &followed, &measured_volumes, &target_volumes);
+    let offsets = centroid_corrections(&followed.groups, &target_volumes, &measured.centers);
+    repairs.center_shift = offsets.iter().map(Vector::norm).fold(0.0, f64::max);
     let groups = followed.groups;
     // A drop too small to be resolved loses its shape in any step: it must not make the others wait.
-    let seen = |c: &usize| targets[*c] > resolved_volume(model);
-    let depths = (0..raw.len()).filter(seen).map(|c| depth(model, raw[c] - targets[c], targets[c]));
-    let jump = depths.fold(0.0, f64::max);
-    let limit = BAND * model.grid.dx;
-    let (corrected, converged) = liquid.correct(&mut state.phi, measured, &targets, &groups, limit);
-    let Measured { cubes, volumes, mut centers } = corrected;
+    let is_resolved = |c: &usize| target_volumes[*c] > min_resolved_volume(model);
+    let depths = (0..measured_volumes.len()).filter(is_resolved).map(|c| layer_thickness_cells(model, measured_volumes[c] - target_volumes[c], target_volumes[c]));
+    let volume_error_cells = depths.fold(0.0, f64::max);
+    let limit = BAND_WIDTH_CELLS * model.grid.dx;
+    let (corrected, converged) = liquid.correct(&mut state.phi, measured, &target_volumes, &groups, limit);
+    let VolumeMeasurement { dual_cells, volumes, mut centers } = corrected;
     if !converged {
         repairs.volume_unconverged = 1;
-        repairs.volume_residual = misplaced(&volumes, &targets) / total(&targets);
+        repairs.volume_residual = absolute_volume_error(&volumes, &target_volumes) / total(&target_volumes);
     }
     // Where the surface could not follow all the way, the books do.
-    let rest = astray(&groups, &targets, &centers);
-    centers.iter_mut().zip(rest).for_each(|(center, rest)| *center += rest);
-    Change { groups, labels, cubes, targets, volumes, centers, jump, repairs }
+    let corrections = centroid_corrections(&groups, &target_volumes, &centers);
+    centers.iter_mut().zip(corrections).for_each(|(center, corrections)| *center += corrections);
+    ComponentChange { groups, band_labels, dual_cells, target_volumes, volumes, centers, volume_error_cells, repairs }
 }
 
 /// Volume that is about to be moved, and components that vanished or appeared; `raw` are the volumes as they are.
-fn moved<const D: usize>(
+fn volume_repairs<const D: usize>(
     model: &Model<D>,
     state: &State<D>,
-    followed: &Followed<D>,
+    followed: &ComponentMatch<D>,
     raw: &[f64],
     targets: &[f64],
 ) -> Repairs {
-    let volume_shift = misplaced(raw, targets);
+    let volume_shift = absolute_volume_error(raw, targets);
     let volume_shift_net = raw.iter().zip(targets).map(|(raw, target)| target - raw).sum();
     let volume_shift_largest = volume_shift / total(targets);
     let mut repairs = Repairs { volume_shift, volume_shift_net, volume_shift_largest, ..Repairs::default() };
     for i in &followed.vanished {
-        let drop = &state.drops[*i];
+        let drop = &state.components[*i];
         repairs.vanished_volume += drop.target_volume;
         repairs.vanished_momentum += model.density * drop.target_volume * drop.velocity.norm();
     }
     for (new, old) in &followed.appeared {
         repairs.appeared_volume += raw[*new];
-        repairs.appeared_momentum += model.density * raw[*new] * state.drops[*old].velocity.norm();
+        repairs.appeared_momentum += model.density * raw[*new] * state.components[*old].velocity.norm();
     }
     repairs
 }
 
 /// Volume that is in the wrong component or missing: the sum over all of what each has too much or too little.
-fn misplaced(volumes: &[f64], targets: &[f64]) -> f64 {
+fn absolute_volume_error(volumes: &[f64], targets: &[f64]) -> f64 {
     volumes.iter().zip(targets).map(|(volume, target)| (volume - target).abs()).sum()
 }
 
@@ -145,13 +145,13 @@ fn total(volumes: &[f64]) -> f64 {
 }
 
 /// Least volume of a drop that the grid resolves, m³ (2D: area, m²).
-pub fn resolved_volume<const D: usize>(model: &Model<D>) -> f64 {
-    ball_volume::<D>(RESOLVED * model.grid.dx)
+pub fn min_resolved_volume<const D: usize>(model: &Model<D>) -> f64 {
+    ball_volume::<D>(MIN_RESOLVED_RADIUS_CELLS * model.grid.dx)
 }
 
 /// Least volume of a drop of which it is told how solids turn it, m³ (2D: area, m²).
-pub fn turning_volume<const D: usize>(model: &Model<D>) -> f64 {
-    ball_volume::<D>(TURNING * model.grid.dx)
+pub fn min_rotation_volume<const D: usize>(model: &Model<D>) -> f64 {
+    ball_volume::<D>(MIN_ROTATION_RADIUS_CELLS * model.grid.dx)
 }
 
 /// Volume of a ball, m³ (2D: area of a disc, m²).
@@ -160,14 +160,14 @@ fn ball_volume<const D: usize>(radius: f64) -> f64 {
 }
 
 /// Thickness, in cells, of a layer of volume `change` on a ball of volume `whole`.
-fn depth<const D: usize>(model: &Model<D>, change: f64, whole: f64) -> f64 {
+fn layer_thickness_cells<const D: usize>(model: &Model<D>, change: f64, whole: f64) -> f64 {
     let unit = ball_volume::<D>(1.0);
     let radius = (whole / unit).max(0.0).powf(1.0 / D as f64).max(0.5 * model.grid.dx);
     change.abs() / (D as f64 * unit * radius.powi(D as i32 - 1) * model.grid.dx)
 }
 
 /// The component of a cell of the band.
-pub fn in_band<'a, const D: usize>(
+pub fn band_component<'a, const D: usize>(
     band: &'a Band<D>,
     labels: &'a [u32],
 ) -> impl Fn(usize) -> Option<u32> + 'a {
@@ -176,38 +176,38 @@ pub fn in_band<'a, const D: usize>(
 
 /// Finds out what every group that nothing holds must be after the step; `unpulled` is, for each component, the part of a
 /// vector in directions in which lines pull at no solid.
-pub fn expect<const D: usize>(
+pub fn predict_motions<const D: usize>(
     model: &Model<D>,
     state: &State<D>,
     work: &Workspace<D>,
-    groups: &mut [Group<D>],
+    groups: &mut [ComponentGroup<D>],
     unpulled: &[Matrix<D>],
     dt: f64,
 ) {
     if !model.numerics.restore_momentum {
         return;
     }
-    let touching = work.touching(model);
+    let touching = work.component_contacts(model);
     for group in groups {
-        let free = group.new.iter().all(|&j| !touching[j].side);
+        let free = group.new.iter().all(|&j| !touching[j].domain_side);
         if !group.old.is_empty() && !group.new.is_empty() && free {
-            let touches = group.new.iter().any(|&j| touching[j].free || touching[j].held);
-            group.placed = if touches { only(group, unpulled) } else { Matrix::identity() };
-            let mut whole = together(group.old.iter().map(|&i| state.drops[i].whole()));
+            let touches = group.new.iter().any(|&j| touching[j].free_solid || touching[j].constrained_solid);
+            group.unconstrained_projector = if touches { group_projector(group, unpulled) } else { Matrix::identity() };
+            let mut motion = combined(group.old.iter().map(|&i| state.components[i].rigid_motion()));
             // A drop whose volume lies within solids altogether has no mass, and so no momentum to be kept.
-            if whole.mass <= 0.0 {
+            if motion.volume <= 0.0 {
                 continue;
             }
-            whole.center += whole.velocity * dt;
-            let held = group.new.iter().any(|&j| touching[j].held);
-            group.turns = whole.mass > resolved_volume(model);
-            if held { group.carried = Some(whole) } else { group.whole = Some(whole) }
+            motion.center += motion.velocity * dt;
+            let is_constrained = group.new.iter().any(|&j| touching[j].constrained_solid);
+            group.keeps_angular_momentum = motion.volume > min_resolved_volume(model);
+            if is_constrained { group.advected_motion = Some(motion) } else { group.target_motion = Some(motion) }
         }
     }
 }
 
 /// The one of these parts of vectors that is a group's: nothing if it is of several components.
-fn only<const D: usize>(group: &Group<D>, parts: &[Matrix<D>]) -> Matrix<D> {
+fn group_projector<const D: usize>(group: &ComponentGroup<D>, parts: &[Matrix<D>]) -> Matrix<D> {
     match group.new[..] {
         [one] => parts.get(one).copied().unwrap_or(Matrix::zeros()),
         _ => Matrix::zeros(),

@@ -5,24 +5,24 @@
 //! shifting φ by a constant near the component's surface; where the centre of mass of a body strays from its path in a
 //! direction in which nothing but its momentum moves it, a translation of φ brings it back.
 
-use crate::components::group::Group;
-use crate::free_surface::dual_cell::{CutCube, NEAREST};
-use crate::free_surface::energy::SurfaceLattice;
+use crate::components::group::ComponentGroup;
+use crate::free_surface::dual_cell::{DualCell, MIN_CORNER_DISTANCE_CELLS};
+use crate::free_surface::energy::DualGrid;
 use crate::model::Model;
-use crate::state::Drop;
+use crate::state::Component;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CellField, Runs, Sampler};
 use rayon::prelude::*;
 
 /// Volume error over the volume, and distance of a centre of mass over the domain's size, that is left alone.
-const EXACT: f64 = 1e-13;
+const RELATIVE_TOLERANCE: f64 = 1e-13;
 /// Most of Newton's iterations for volumes and centres.
-const ITERATIONS: usize = 6;
+const MAX_NEWTON_ITERATIONS: usize = 6;
 
 /// What became of which components.
-pub struct Followed<const D: usize> {
+pub struct ComponentMatch<const D: usize> {
     /// Which became which.
-    pub groups: Vec<Group<D>>,
+    pub groups: Vec<ComponentGroup<D>>,
     /// Old components that shared no cell with a new one and joined the nearest.
     pub vanished: Vec<usize>,
     /// New components that shared no cell with an old one, where none was missing, and the nearest old one, which they join.
@@ -31,14 +31,14 @@ pub struct Followed<const D: usize> {
 
 /// Follows components from `before` to `after` by the cells they share; strays join the nearest, but those that `left` tells
 /// have left the domain.
-pub fn follow<const D: usize>(
+pub fn match_components<const D: usize>(
     before: &Runs,
     after: &Runs,
-    drops: &[Drop<D>],
+    drops: &[Component<D>],
     centroids: &[Vector<D>],
     dt: f64,
-    left: impl Fn(&Drop<D>) -> bool,
-) -> Followed<D> {
+    left: impl Fn(&Component<D>) -> bool,
+) -> ComponentMatch<D> {
     let (m, n) = (before.components as usize, after.components as usize);
     let mut parent: Vec<usize> = (0..m + n).collect();
     fn find(parent: &[usize], mut i: usize) -> usize {
@@ -52,49 +52,49 @@ pub fn follow<const D: usize>(
         parent[a.max(b)] = a.min(b);
     };
     let overlaps = before.overlaps(after);
-    let mut met = vec![false; m + n];
+    let mut matched = vec![false; m + n];
     for &(a, b, _) in &overlaps {
         link(a as usize, m + b as usize);
-        (met[a as usize], met[m + b as usize]) = (true, true);
+        (matched[a as usize], matched[m + b as usize]) = (true, true);
     }
     // A small drop may leave its cells in one step, or become too small to see, or appear: it belongs to the nearest,
     // so that neither volume nor momentum is lost. Newcomers look for drops that went missing first.
     let (mut vanished, mut appeared) = (Vec::new(), Vec::new());
-    let gap = |i: usize, j: usize| (drops[i].centroid + drops[i].velocity * dt - centroids[j]).norm();
+    let distance = |i: usize, j: usize| (drops[i].centroid + drops[i].velocity * dt - centroids[j]).norm();
     for j in 0..n {
-        if met[m + j] {
+        if matched[m + j] {
             continue;
         }
-        let missing = (0..m).filter(|i| !met[*i]).min_by(|a, b| gap(*a, j).total_cmp(&gap(*b, j)));
-        let any = (0..m).min_by(|a, b| gap(*a, j).total_cmp(&gap(*b, j)));
+        let missing = (0..m).filter(|i| !matched[*i]).min_by(|a, b| distance(*a, j).total_cmp(&distance(*b, j)));
+        let any = (0..m).min_by(|a, b| distance(*a, j).total_cmp(&distance(*b, j)));
         if let Some(i) = missing.or(any) {
             link(i, m + j);
             if missing.is_none() {
                 appeared.push((j, i));
             }
-            met[i] = true;
+            matched[i] = true;
         }
     }
     for i in 0..m {
-        if met[i] || left(&drops[i]) {
+        if matched[i] || left(&drops[i]) {
             continue;
         }
         vanished.push(i);
-        if let Some(j) = (0..n).min_by(|a, b| gap(i, *a).total_cmp(&gap(i, *b))) {
+        if let Some(j) = (0..n).min_by(|a, b| distance(i, *a).total_cmp(&distance(i, *b))) {
             link(i, m + j);
         }
     }
-    let mut groups: Vec<Group<D>> = vec![Group::new(Vec::new(), Vec::new()); m + n];
+    let mut groups: Vec<ComponentGroup<D>> = vec![ComponentGroup::new(Vec::new(), Vec::new()); m + n];
     for i in 0..m + n {
         let root = find(&parent, i);
         if i < m { groups[root].old.push(i) } else { groups[root].new.push(i - m) }
     }
     groups.retain(|g| !g.old.is_empty() || !g.new.is_empty());
-    Followed { groups, vanished, appeared }
+    ComponentMatch { groups, vanished, appeared }
 }
 
 /// Target volumes of the new components, and the volume of old ones that are gone.
-pub fn targets<const D: usize>(groups: &[Group<D>], drops: &[Drop<D>], volumes: &[f64]) -> (Vec<f64>, f64) {
+pub fn target_volumes<const D: usize>(groups: &[ComponentGroup<D>], drops: &[Component<D>], volumes: &[f64]) -> (Vec<f64>, f64) {
     let mut targets = volumes.to_vec();
     let mut lost = 0.0;
     for group in groups {
@@ -142,9 +142,9 @@ pub fn band_labels<const D: usize>(
 }
 
 /// The surface as it is: cubes cut, volume and centre of each component.
-pub struct Measured<const D: usize> {
+pub struct VolumeMeasurement<const D: usize> {
     /// Cubes that the surface passes.
-    pub cubes: Vec<CutCube>,
+    pub dual_cells: Vec<DualCell>,
     /// Volume of each component, m³ (2D: m²).
     pub volumes: Vec<f64>,
     /// Centre of each component, m.
@@ -152,22 +152,22 @@ pub struct Measured<const D: usize> {
 }
 
 /// How far the parts of each group must move for the whole to be in its place, by component.
-pub fn astray<const D: usize>(groups: &[Group<D>], targets: &[f64], centers: &[Vector<D>]) -> Vec<Vector<D>> {
+pub fn centroid_corrections<const D: usize>(groups: &[ComponentGroup<D>], targets: &[f64], centers: &[Vector<D>]) -> Vec<Vector<D>> {
     let mut moves = vec![Vector::zeros(); centers.len()];
     for group in groups {
-        let Some(whole) = group.whole.as_ref().or(group.carried.as_ref()) else { continue };
+        let Some(whole) = group.target_motion.as_ref().or(group.advected_motion.as_ref()) else { continue };
         let sum = group.new.iter().fold(Vector::zeros(), |s: Vector<D>, &j| s + centers[j] * targets[j]);
-        group.new.iter().for_each(|&j| moves[j] = group.placed * (whole.center - sum / whole.mass));
+        group.new.iter().for_each(|&j| moves[j] = group.unconstrained_projector * (whole.center - sum / whole.volume));
     }
     moves
 }
 
 /// Where the liquid is, for measuring and correcting its volume.
-pub struct Liquid<'a, const D: usize> {
+pub struct VolumeCorrection<'a, const D: usize> {
     /// The model.
     pub model: &'a Model<D>,
     /// The lattice that measures.
-    pub lattice: &'a SurfaceLattice<D>,
+    pub dual_grid: &'a DualGrid<D>,
     /// The cells around the surface.
     pub band: &'a Band<D>,
     /// The liquid cells.
@@ -176,10 +176,10 @@ pub struct Liquid<'a, const D: usize> {
     pub labels: &'a [u32],
 }
 
-impl<const D: usize> Liquid<'_, D> {
+impl<const D: usize> VolumeCorrection<'_, D> {
     /// Component of a cell: in the band that of the nearest liquid.
-    fn labels(&self) -> impl Fn(usize) -> Option<u32> {
-        let deep = self.cells.component(&self.model.grid);
+    fn component_of(&self) -> impl Fn(usize) -> Option<u32> {
+        let deep = self.cells.component_lookup(&self.model.grid);
         move |cell| match self.band.slot(cell) {
             Some(slot) => Some(self.labels[slot]).filter(|l| *l != u32::MAX),
             None => deep(cell),
@@ -187,11 +187,11 @@ impl<const D: usize> Liquid<'_, D> {
     }
 
     /// Measures the surface of `phi`.
-    pub fn measure(&self, phi: &CellField<D>) -> Measured<D> {
-        let cubes = self.lattice.cut(&phi.data, self.band);
-        let sums = self.lattice.volumes(self.cells, self.labels(), &cubes);
+    pub fn measure(&self, phi: &CellField<D>) -> VolumeMeasurement<D> {
+        let dual_cells = self.dual_grid.interface_cells(&phi.data, self.band);
+        let sums = self.dual_grid.component_volumes(self.cells, self.component_of(), &dual_cells);
         let (volumes, centers) = sums.into_iter().unzip();
-        Measured { cubes, volumes, centers }
+        VolumeMeasurement { dual_cells, volumes, centers }
     }
 
     /// Shifts φ within `limit` of each component's surface until its volume is the target and the whole that it belongs
@@ -199,48 +199,48 @@ impl<const D: usize> Liquid<'_, D> {
     pub fn correct(
         &self,
         phi: &mut CellField<D>,
-        mut now: Measured<D>,
+        mut now: VolumeMeasurement<D>,
         targets: &[f64],
-        groups: &[Group<D>],
+        groups: &[ComponentGroup<D>],
         limit: f64,
-    ) -> (Measured<D>, bool) {
+    ) -> (VolumeMeasurement<D>, bool) {
         let dx = self.model.grid.dx;
-        let least = NEAREST * dx;
-        let near = EXACT * self.model.grid.upper().norm();
-        let slopes = self.slopes(phi, groups);
-        let right = |now: &Measured<D>, moves: &[Vector<D>]| {
-            let off = |c: usize| (now.volumes[c] - targets[c]).abs() > EXACT * targets[c].abs();
-            !(0..targets.len()).any(|c| off(c) || moves[c].norm() > near)
+        let min_phi = MIN_CORNER_DISTANCE_CELLS * dx;
+        let position_tolerance = RELATIVE_TOLERANCE * self.model.grid.domain_upper().norm();
+        let slopes = self.phi_gradients(phi, groups);
+        let is_converged = |now: &VolumeMeasurement<D>, moves: &[Vector<D>]| {
+            let off = |c: usize| (now.volumes[c] - targets[c]).abs() > RELATIVE_TOLERANCE * targets[c].abs();
+            !(0..targets.len()).any(|c| off(c) || moves[c].norm() > position_tolerance)
         };
-        for _ in 0..ITERATIONS {
-            let moves = astray(groups, targets, &now.centers);
-            if right(&now, &moves) {
+        for _ in 0..MAX_NEWTON_ITERATIONS {
+            let moves = centroid_corrections(groups, targets, &now.centers);
+            if is_converged(&now, &moves) {
                 return (now, true);
             }
             let moves: Vec<Vector<D>> = moves.iter().map(|d| d.cap_magnitude(0.1 * dx)).collect();
-            let shifts = self.shifts(&now, targets);
+            let shifts = self.phi_shifts(&now, targets);
             for (i, (&cell, &l)) in self.band.cells.iter().zip(self.labels).enumerate() {
                 let value = &mut phi.data[cell as usize];
                 if l != u32::MAX && value.abs() < limit {
                     // Signs stay: the runs of liquid cells must remain what they are within a step.
                     let c = l as usize;
                     let shifted = *value + shifts[c] - slopes.get(i).map_or(0.0, |s| s.dot(&moves[c]));
-                    *value = if *value < 0.0 { shifted.min(-least) } else { shifted.max(least) };
+                    *value = if *value < 0.0 { shifted.min(-min_phi) } else { shifted.max(min_phi) };
                 }
             }
             now = self.measure(phi);
         }
-        let converged = right(&now, &astray(groups, targets, &now.centers));
+        let converged = is_converged(&now, &centroid_corrections(groups, targets, &now.centers));
         (now, converged)
     }
 
     /// By how much φ must change for each component's volume to be right, m.
-    fn shifts(&self, now: &Measured<D>, targets: &[f64]) -> Vec<f64> {
-        let label = self.labels();
+    fn phi_shifts(&self, now: &VolumeMeasurement<D>, targets: &[f64]) -> Vec<f64> {
+        let label = self.component_of();
         let mut slopes = vec![0.0; targets.len()];
-        for cube in &now.cubes {
+        for cube in &now.dual_cells {
             let slope = cube.volume_slope.iter().sum::<f64>();
-            cube.share(&label, |c, part| slopes[c as usize] += part * slope);
+            cube.distribute(&label, |c, part| slopes[c as usize] += part * slope);
         }
         let grid = &self.model.grid;
         let shift = |c: usize| (now.volumes[c] - targets[c]) / grid.cell_volume() / f64::max(slopes[c], 1.0);
@@ -248,13 +248,13 @@ impl<const D: usize> Liquid<'_, D> {
     }
 
     /// ∇φ on the band; nothing where no group must be anywhere.
-    fn slopes(&self, phi: &CellField<D>, groups: &[Group<D>]) -> Vec<Vector<D>> {
-        if groups.iter().all(|g| g.placed.norm_squared() == 0.0) {
+    fn phi_gradients(&self, phi: &CellField<D>, groups: &[ComponentGroup<D>]) -> Vec<Vector<D>> {
+        if groups.iter().all(|g| g.unconstrained_projector.norm_squared() == 0.0) {
             return Vec::new();
         }
         let grid = &self.model.grid;
-        let sampler = Sampler::cells(grid, &phi.data, self.model.scalar_edges());
-        let slope = |&cell: &u32| sampler.slope(grid.lattice().coordinates(cell as usize));
+        let sampler = Sampler::cells(grid, &phi.data, self.model.scalar_boundary());
+        let slope = |&cell: &u32| sampler.gradient(grid.lattice().coordinates(cell as usize));
         self.band.cells.par_iter().map(slope).collect()
     }
 }

@@ -12,37 +12,37 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Sampler;
 
 /// Heights, in cells, between which the surface counts.
-const FROM: f64 = 1.5;
-const TO: f64 = 4.5;
+const MIN_FIT_HEIGHT_CELLS: f64 = 1.5;
+const MAX_FIT_HEIGHT_CELLS: f64 = 4.5;
 /// Part of the height of a flat drop from which on its surface counts.
-const FLAT: f64 = 0.4;
+const FLAT_DROP_HEIGHT_FRACTION: f64 = 0.4;
 /// Arc length of a step, in cells.
-const STEP: f64 = 0.5;
+const TRACE_STEP_CELLS: f64 = 0.5;
 /// Most steps.
-const STEPS: usize = 40;
+const MAX_TRACE_STEPS: usize = 40;
 /// Steps of Newton's iteration to the foot of an arc.
-const FEET: usize = 6;
+const FOOT_ITERATIONS: usize = 6;
 /// Arc length that is used, in cells.
-const SPAN: f64 = 6.0;
+const MAX_FIT_ARC_CELLS: f64 = 6.0;
 /// Least sine of the angle at which the surface still leads up.
-const LEVEL: f64 = 0.1;
+const MIN_RISE_SINE: f64 = 0.1;
 /// Fewest points for a fit.
-const POINTS: usize = 3;
+const MIN_FIT_POINTS: usize = 3;
 /// Slope of φ below which it is no distance: a ridge between two surfaces.
-const RIDGE: f64 = 0.7;
+const MIN_GRADIENT_NORM: f64 = 0.7;
 
 /// A point of the surface.
-struct Trace<const D: usize> {
+struct TracePoint<const D: usize> {
     at: Vector<D>,
     normal: Vector<D>,
     /// Arc length from where the way began, in cells.
-    arc: f64,
+    arc_cells: f64,
     /// Height above the solid, in cells.
-    height: f64,
+    height_cells: f64,
     /// Angle between the surface's normal and the solid's.
     angle: f64,
     /// Part of it that the weight has made since the way began.
-    heavy: f64,
+    gravity_turn: f64,
 }
 
 /// A place on a solid where a line is.
@@ -54,7 +54,7 @@ pub struct Foot<'a, const D: usize> {
     /// Cell size, m.
     pub dx: f64,
     /// How fast the curvature falls along each axis, 1/cells²: [`crate::Model::weight`].
-    pub weight: Vector<D>,
+    pub bond_vector: Vector<D>,
     /// Distance to the solid, m.
     pub height: &'a dyn Fn(&Vector<D>) -> f64,
 }
@@ -62,60 +62,60 @@ pub struct Foot<'a, const D: usize> {
 /// The contact angle through the liquid, rad; without enough surface to fit it is that of the surface nearest to a point
 /// above the line. `None` where there is no surface.
 pub fn contact_angle<const D: usize>(phi: &Sampler<'_, D>, foot: &Foot<'_, D>) -> Option<f64> {
-    let trace = follow(phi, foot)?;
+    let trace = trace_interface(phi, foot)?;
     // Of a flat drop the upper part must do.
-    let top = trace.iter().map(|t| t.height).fold(0.0, f64::max);
-    let from = FROM.min(FLAT * top);
-    let first = trace.iter().position(|t| t.height >= from).unwrap_or(0);
-    let used: Vec<&Trace<D>> =
-        trace.get(first..)?.iter().take_while(|t| t.arc - trace[first].arc <= SPAN).collect();
-    if used.len() < POINTS {
+    let top = trace.iter().map(|t| t.height_cells).fold(0.0, f64::max);
+    let from = MIN_FIT_HEIGHT_CELLS.min(FLAT_DROP_HEIGHT_FRACTION * top);
+    let first = trace.iter().position(|t| t.height_cells >= from).unwrap_or(0);
+    let used: Vec<&TracePoint<D>> =
+        trace.get(first..)?.iter().take_while(|t| t.arc_cells - trace[first].arc_cells <= MAX_FIT_ARC_CELLS).collect();
+    if used.len() < MIN_FIT_POINTS {
         return Some(trace[0].angle);
     }
     let count = used.len() as f64;
-    let mean = |f: &dyn Fn(&Trace<D>) -> f64| used.iter().map(|t| f(t)).sum::<f64>() / count;
-    let (arc, angle) = (mean(&|t| t.arc), mean(&|t| t.angle - t.heavy));
-    let spread = mean(&|t| (t.arc - arc).powi(2));
-    let bend = mean(&|t| (t.arc - arc) * (t.angle - t.heavy - angle)) / spread;
-    let first = angle + bend * (used[0].arc - arc) + used[0].heavy;
-    let bend = bend + foot.weight.dot(&(used[0].at - trace[0].at)) / foot.dx;
-    Some(at_foot(foot, used[0], first, bend))
+    let mean = |f: &dyn Fn(&TracePoint<D>) -> f64| used.iter().map(|t| f(t)).sum::<f64>() / count;
+    let (arc, angle) = (mean(&|t| t.arc_cells), mean(&|t| t.angle - t.gravity_turn));
+    let spread = mean(&|t| (t.arc_cells - arc).powi(2));
+    let curvature = mean(&|t| (t.arc_cells - arc) * (t.angle - t.gravity_turn - angle)) / spread;
+    let first = angle + curvature * (used[0].arc_cells - arc) + used[0].gravity_turn;
+    let curvature = curvature + foot.bond_vector.dot(&(used[0].at - trace[0].at)) / foot.dx;
+    Some(extrapolated_angle(foot, used[0], first, curvature))
 }
 
 /// The way up along the surface.
-fn follow<const D: usize>(phi: &Sampler<'_, D>, foot: &Foot<'_, D>) -> Option<Vec<Trace<D>>> {
+fn trace_interface<const D: usize>(phi: &Sampler<'_, D>, foot: &Foot<'_, D>) -> Option<Vec<TracePoint<D>>> {
     let (dx, n) = (foot.dx, foot.normal);
-    let mut trace: Vec<Trace<D>> = Vec::new();
-    let (mut target, mut arc, mut heavy) = (foot.at + n * (FROM * dx), 0.0, 0.0);
-    for _ in 0..STEPS {
-        let (at, slope) = nearest(phi, &target, dx);
-        let normal = slope.try_normalize(RIDGE)?;
-        let height = (foot.height)(&at) / dx;
+    let mut trace: Vec<TracePoint<D>> = Vec::new();
+    let (mut target, mut arc_cells, mut gravity_turn) = (foot.at + n * (MIN_FIT_HEIGHT_CELLS * dx), 0.0, 0.0);
+    for _ in 0..MAX_TRACE_STEPS {
+        let (at, slope) = closest_on_interface(phi, &target, dx);
+        let normal = slope.try_normalize(MIN_GRADIENT_NORM)?;
+        let height_cells = (foot.height)(&at) / dx;
         let angle = normal.dot(&n).clamp(-1.0, 1.0).acos();
         if let Some(last) = trace.last() {
             let step = (at - last.at).norm() / dx;
-            arc += step;
-            heavy += step * foot.weight.dot(&(0.5 * (at + last.at) - trace[0].at)) / dx;
+            arc_cells += step;
+            gravity_turn += step * foot.bond_vector.dot(&(0.5 * (at + last.at) - trace[0].at)) / dx;
             // Past the top, or no way up.
-            if height <= last.height {
+            if height_cells <= last.height_cells {
                 break;
             }
         }
-        trace.push(Trace { at, normal, arc, height, angle, heavy });
-        if height > TO || angle.sin() < LEVEL {
+        trace.push(TracePoint { at, normal, arc_cells, height_cells, angle, gravity_turn });
+        if height_cells > MAX_FIT_HEIGHT_CELLS || angle.sin() < MIN_RISE_SINE {
             break;
         }
-        target = at + (n - normal * normal.dot(&n)).normalize() * (STEP * dx);
+        target = at + (n - normal * normal.dot(&n)).normalize() * (TRACE_STEP_CELLS * dx);
     }
     Some(trace)
 }
 
 /// The point of the surface nearest to `x`, and the slope there.
-fn nearest<const D: usize>(phi: &Sampler<'_, D>, x: &Vector<D>, dx: f64) -> (Vector<D>, Vector<D>) {
+fn closest_on_interface<const D: usize>(phi: &Sampler<'_, D>, x: &Vector<D>, dx: f64) -> (Vector<D>, Vector<D>) {
     let mut at = *x;
     let mut slope = Vector::zeros();
     for _ in 0..3 {
-        let (value, gradient) = phi.distance(&at);
+        let (value, gradient) = phi.distance_with_gradient(&at);
         slope = gradient;
         at -= gradient * (value.clamp(-dx, dx) / gradient.norm_squared().max(0.25));
     }
@@ -123,19 +123,19 @@ fn nearest<const D: usize>(phi: &Sampler<'_, D>, x: &Vector<D>, dx: f64) -> (Vec
 }
 
 /// The angle where the arc that has the angle `angle` at `point` and turns there by `bend` (rad per cell) reaches the solid.
-fn at_foot<const D: usize>(foot: &Foot<'_, D>, point: &Trace<D>, angle: f64, bend: f64) -> f64 {
+fn extrapolated_angle<const D: usize>(foot: &Foot<'_, D>, point: &TracePoint<D>, angle: f64, curvature: f64) -> f64 {
     let n = foot.normal;
     let outward = (point.normal - n * point.normal.dot(&n)).try_normalize(0.0).unwrap_or(Vector::zeros());
     // How fast the bend grows with the arc.
-    let heavier = foot.weight.dot(&(n * angle.sin() - outward * angle.cos()));
+    let curvature_rate = foot.bond_vector.dot(&(n * angle.sin() - outward * angle.cos()));
     let mut arc = 0.0;
-    for _ in 0..FEET {
-        let bend = bend + 0.5 * heavier * arc;
-        let (middle, half) = (angle + 0.5 * bend * arc, 0.5 * bend * arc);
+    for _ in 0..FOOT_ITERATIONS {
+        let curvature = curvature + 0.5 * curvature_rate * arc;
+        let (middle, half) = (angle + 0.5 * curvature * arc, 0.5 * curvature * arc);
         let chord = arc * if half.abs() > 1e-6 { half.sin() / half } else { 1.0 };
         let at = point.at + (n * middle.sin() - outward * middle.cos()) * (chord * foot.dx);
-        let steep = (angle + bend * arc).sin().max(0.2);
-        arc = (arc - (foot.height)(&at) / foot.dx / steep).clamp(-2.0 * SPAN, 0.0);
+        let steep = (angle + curvature * arc).sin().max(0.2);
+        arc = (arc - (foot.height)(&at) / foot.dx / steep).clamp(-2.0 * MAX_FIT_ARC_CELLS, 0.0);
     }
-    (angle + (bend + 0.5 * heavier * arc) * arc).clamp(0.0, std::f64::consts::PI)
+    (angle + (curvature + 0.5 * curvature_rate * arc) * arc).clamp(0.0, std::f64::consts::PI)
 }

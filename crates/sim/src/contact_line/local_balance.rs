@@ -5,8 +5,8 @@
 //! difference; one that an edge of the solid holds does not move the liquid, and the solid gets all that the surface pulls
 //! with, whatever its angle (Gibbs). Which of both, what the liquid is in truth pushed with tells.
 
-use crate::free_surface::dual_cell::CutCube;
-use crate::free_surface::interface_faces::CutFace;
+use crate::free_surface::dual_cell::DualCell;
+use crate::free_surface::interface_faces::InterfaceFace;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use std::collections::HashMap;
@@ -14,33 +14,33 @@ use std::collections::HashMap;
 /// Distance from the line, in cells, up to which the surface belongs to it, and from which on it does not: what the line pulls
 /// at the liquid with is smoothed with the curvature over some cells (with 1.5 and 3 the forces on a sheet's halves were wrong by
 /// a tenth of the tension).
-const NEAR: f64 = 4.0;
-const FAR: f64 = 6.0;
+const FULL_SHARE_DISTANCE_CELLS: f64 = 4.0;
+const ZERO_SHARE_DISTANCE_CELLS: f64 = 6.0;
 /// Distance from the surface, in cells, of cells that it cuts.
-const CUT: f64 = 2.0;
+const MAX_INTERFACE_DISTANCE_CELLS: f64 = 2.0;
 
 /// Cells near places on contact lines.
-pub struct Surroundings(HashMap<usize, Near>);
+pub struct LineNeighbourhood(HashMap<usize, NearestPiece>);
 
 /// What a cell has near it.
-struct Near {
+struct NearestPiece {
     /// Number of the nearest place.
-    place: usize,
+    piece: usize,
     /// Distance to it, in cells.
-    distance: f64,
+    distance_cells: f64,
     /// How much of the cell belongs to it.
-    part: f64,
+    share: f64,
 }
 
-impl Surroundings {
+impl LineNeighbourhood {
     /// Of these places (m); `phi` is the distance to the surface, cell by cell.
     pub fn new<const D: usize>(grid: &Grid<D>, phi: &[f64], places: &[Vector<D>]) -> Self {
-        let (lattice, reach) = (grid.lattice(), (FAR + CUT).ceil() as isize);
-        let foot = |at: [usize; D]| foot(grid, phi, at);
+        let (lattice, reach) = (grid.lattice(), (ZERO_SHARE_DISTANCE_CELLS + MAX_INTERFACE_DISTANCE_CELLS).ceil() as isize);
+        let foot = |at: [usize; D]| closest_on_interface_cells(grid, phi, at);
         let width = 2 * reach as usize + 1;
-        let mut near: HashMap<usize, Near> = HashMap::new();
+        let mut near: HashMap<usize, NearestPiece> = HashMap::new();
         for (number, place) in places.iter().enumerate() {
-            let from = (place - grid.corner([0; D])) / grid.dx;
+            let from = (place - grid.lower_corner([0; D])) / grid.dx;
             for n in 0..width.pow(D as u32) {
                 let mut rest = n;
                 let at: [isize; D] = std::array::from_fn(|a| {
@@ -53,16 +53,16 @@ impl Surroundings {
                 }
                 let at = at.map(|i| i as usize);
                 let cell = lattice.index(at);
-                if phi[cell].abs() > CUT * grid.dx {
+                if phi[cell].abs() > MAX_INTERFACE_DISTANCE_CELLS * grid.dx {
                     continue;
                 }
-                let distance = (foot(at) - from).norm();
-                if distance >= FAR {
+                let distance_cells = (foot(at) - from).norm();
+                if distance_cells >= ZERO_SHARE_DISTANCE_CELLS {
                     continue;
                 }
-                let way = ((FAR - distance) / (FAR - NEAR)).min(1.0);
-                let here = Near { place: number, distance, part: way * way * (3.0 - 2.0 * way) };
-                if near.get(&cell).is_none_or(|old| distance < old.distance) {
+                let way = ((ZERO_SHARE_DISTANCE_CELLS - distance_cells) / (ZERO_SHARE_DISTANCE_CELLS - FULL_SHARE_DISTANCE_CELLS)).min(1.0);
+                let here = NearestPiece { piece: number, distance_cells, share: way * way * (3.0 - 2.0 * way) };
+                if near.get(&cell).is_none_or(|old| distance_cells < old.distance_cells) {
                     near.insert(cell, here);
                 }
             }
@@ -72,9 +72,9 @@ impl Surroundings {
 
     /// Adds for every place what the rest of the surface pulls the part near it with, over the tension, times the cell size to
     /// the power `D − 2`.
-    pub fn add_tension<const D: usize>(&self, phi: &[f64], cubes: &[CutCube], sums: &mut [Vector<D>]) {
+    pub fn add_tension<const D: usize>(&self, phi: &[f64], dual_cells: &[DualCell], sums: &mut [Vector<D>]) {
         let slope = |k: usize, a: usize| (if k >> a & 1 == 1 { 1.0 } else { -1.0 }) / (1 << (D - 1)) as f64;
-        for cube in cubes.iter().filter(|c| c.area > 0.0) {
+        for cube in dual_cells.iter().filter(|c| c.area > 0.0) {
             let corners = &cube.corners[..1 << D];
             let belong = || corners.iter().map(|c| self.0.get(&(*c as usize)));
             if belong().all(|b| b.is_none()) {
@@ -84,25 +84,25 @@ impl Surroundings {
             let normal = Vector::<D>::from_fn(|a, _| (0..1 << D).map(|k| slope(k, a) * value(k)).sum());
             let Some(normal) = normal.try_normalize(0.0) else { continue };
             for (k, belongs) in belong().enumerate() {
-                let Some(Near { place, part, .. }) = belongs else { continue };
+                let Some(NearestPiece { piece, share, .. }) = belongs else { continue };
                 let way = Vector::<D>::from_fn(|a, _| slope(k, a));
-                sums[*place] -= (way - normal * normal.dot(&way)) * (cube.area * part);
+                sums[*piece] -= (way - normal * normal.dot(&way)) * (cube.area * share);
             }
         }
     }
 
     /// Takes away for every place what the surface pushes the liquid near it with, in the same units.
-    pub fn take_pushes<const D: usize>(&self, grid: &Grid<D>, cut: &[CutFace], sums: &mut [Vector<D>]) {
+    pub fn subtract_capillary_force<const D: usize>(&self, grid: &Grid<D>, interface_faces: &[InterfaceFace], sums: &mut [Vector<D>]) {
         let lattice = grid.lattice();
-        for face in cut {
-            let push = -face.sign * face.open * face.kappa;
+        for face in interface_faces {
+            let push = -face.sign * face.open_fraction * face.kappa;
             let mut beyond = lattice.coordinates(face.cell);
             beyond[face.axis] = beyond[face.axis].saturating_add_signed(face.sign as isize);
             let beyond =
                 if beyond[face.axis] < lattice.extent[face.axis] { lattice.index(beyond) } else { face.cell };
             for (cell, share) in [(face.cell, 1.0 - face.theta), (beyond, face.theta)] {
-                if let Some(Near { place, part, .. }) = self.0.get(&cell) {
-                    sums[*place][face.axis] -= push * part * share;
+                if let Some(NearestPiece { piece, share: part, .. }) = self.0.get(&cell) {
+                    sums[*piece][face.axis] -= push * part * share;
                 }
             }
         }
@@ -110,7 +110,7 @@ impl Surroundings {
 }
 
 /// The point of the surface next to a cell's centre, in cells from the first cell's lower corner.
-fn foot<const D: usize>(grid: &Grid<D>, phi: &[f64], at: [usize; D]) -> Vector<D> {
+fn closest_on_interface_cells<const D: usize>(grid: &Grid<D>, phi: &[f64], at: [usize; D]) -> Vector<D> {
     let lattice = grid.lattice();
     let value = |a: usize, up: usize| {
         let mut to = at;
@@ -125,7 +125,7 @@ fn foot<const D: usize>(grid: &Grid<D>, phi: &[f64], at: [usize; D]) -> Vector<D
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::free_surface::energy::SurfaceLattice;
+    use crate::free_surface::energy::DualGrid;
     use meniscus_numerics::grid::{Band, Tiles};
 
     /// A flat surface that ends at a place, as a line on a solid: the rest pulls its end along it, with the tension.
@@ -145,15 +145,15 @@ mod tests {
             (0..lattice.len()).map(|i| (grid.center(lattice.coordinates(i)) - place).dot(&normal)).collect();
         let mut band = Band::new(grid);
         band.rebuild(&phi, &Tiles::all(grid).negative_runs(&phi).label(&grid), 3);
-        let mut cubes = SurfaceLattice::new(grid, Vector::zeros()).cut(&phi, &band);
+        let mut cubes = DualGrid::new(grid, Vector::zeros()).interface_cells(&phi, &band);
         let beside =
-            |c: &CutCube| grid.center(lattice.coordinates(c.corners[0] as usize))[0] + 0.5 - place[0];
+            |c: &DualCell| grid.center(lattice.coordinates(c.corners[0] as usize))[0] + 0.5 - place[0];
         cubes.retain(|c| beside(c) > 0.0);
         // In 3D the line is as long as the grid is wide: one piece in each cell.
         let at = |k: usize| Vector::from_fn(|a, _| if a == 2 { k as f64 + 0.5 } else { place[a] });
         let places: Vec<Vector<D>> = (0..pieces).map(at).collect();
         let mut sums = vec![Vector::zeros(); pieces];
-        Surroundings::new(&grid, &phi, &places).add_tension(&phi, &cubes, &mut sums);
+        LineNeighbourhood::new(&grid, &phi, &places).add_tension(&phi, &cubes, &mut sums);
         let expected = Vector::<D>::from_fn(|a, _| {
             if a == 0 {
                 0.8
@@ -176,12 +176,12 @@ mod tests {
             (0..lattice.len()).map(|i| grid.center(lattice.coordinates(i))[1] - 12.2).collect();
         let mut band = Band::new(grid);
         band.rebuild(&phi, &Tiles::all(grid).negative_runs(&phi).label(&grid), 3);
-        let mut cubes = SurfaceLattice::new(grid, Vector::zeros()).cut(&phi, &band);
+        let mut cubes = DualGrid::new(grid, Vector::zeros()).interface_cells(&phi, &band);
         let ends = [Vector::<2>::new(10.0, 12.2), Vector::<2>::new(15.0, 12.2)];
-        let at = |c: &CutCube| grid.center(lattice.coordinates(c.corners[0] as usize))[0] + 0.5;
+        let at = |c: &DualCell| grid.center(lattice.coordinates(c.corners[0] as usize))[0] + 0.5;
         cubes.retain(|c| (ends[0][0]..ends[1][0]).contains(&at(c)));
         let mut sums = vec![Vector::zeros(); 2];
-        Surroundings::new(&grid, &phi, &ends).add_tension(&phi, &cubes, &mut sums);
+        LineNeighbourhood::new(&grid, &phi, &ends).add_tension(&phi, &cubes, &mut sums);
         for (sum, way) in sums.iter().zip([1.0, -1.0]) {
             assert!((sum - Vector::<2>::new(way, 0.0)).norm() < 0.02, "{sums:?}");
         }

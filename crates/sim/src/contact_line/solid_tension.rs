@@ -7,44 +7,44 @@
 //!
 //! The force on a vertex is `−∂A/∂x` of the area of its facets that is wetted, times the difference.
 
-use super::sampling::phi_on;
+use super::sampling::phi_at_solid;
 use crate::model::Model;
 use crate::solid::SolidState;
-use crate::solid::surface::{Grip, Skin};
+use crate::solid::surface::{SurfacePoint, SolidSurface};
 use crate::state::State;
 use meniscus_elastic::StiffnessBlock;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Sampler;
 use meniscus_numerics::mesh::SurfaceMesh;
-use meniscus_numerics::mesh::surface::{area_slopes, area_stiffness};
+use meniscus_numerics::mesh::surface::{area_gradients, area_hessian_psd};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Heights above a vertex, in cells, at which the liquid that wets it is looked for.
-const ABOVE: [f64; 3] = [0.5, 1.0, 1.5];
+const SAMPLE_HEIGHTS_CELLS: [f64; 3] = [0.5, 1.0, 1.5];
 
 /// Vertices of a soft solid's surface, and what its tension pulls them with, N (2D: N/m).
-pub type Pulled<const D: usize> = Vec<(Grip<D>, Vector<D>)>;
+pub type VertexForces<const D: usize> = Vec<(SurfacePoint<D>, Vector<D>)>;
 
 /// What the liquid's components and the solids that deform have between them.
-pub type Skins<const D: usize> = BTreeMap<(u32, u32), Pulled<D>>;
+pub type WettedTensions<const D: usize> = BTreeMap<(u32, u32), VertexForces<D>>;
 
 /// What the tensions of wetted surfaces do to the solids that deform; `label` is the component of a liquid cell.
-pub fn wetted_skins<const D: usize>(
+pub fn wetted_tension_forces<const D: usize>(
     model: &Model<D>,
     solids: &[SolidState<D>],
     phi: &Sampler<'_, D>,
     label: &(dyn Fn(usize) -> Option<u32> + Sync),
-) -> Skins<D> {
+) -> WettedTensions<D> {
     let mut skins = BTreeMap::new();
     for (number, now) in solids.iter().enumerate() {
         let Some(soft) = &now.soft else { continue };
-        let under = Under { model, number, now, phi, label };
-        for (component, forces) in under.forces(&soft.skin.surface) {
-            let grip = |v: u32| Grip {
-                vertices: [soft.skin.vertices()[v as usize]; D],
+        let under = WettedSolid { model, number, now, phi, label };
+        for (component, forces) in under.forces(&soft.surface.mesh) {
+            let grip = |v: u32| SurfacePoint {
+                vertices: [soft.surface.volume_vertices()[v as usize]; D],
                 weights: std::array::from_fn(|k| if k == 0 { 1.0 } else { 0.0 }),
-                point: soft.skin.surface.positions[v as usize],
+                point: soft.surface.mesh.positions[v as usize],
             };
             let pulled = forces.into_iter().map(|(v, force)| (grip(v), force)).collect();
             skins.insert((component, number as u32), pulled);
@@ -56,20 +56,20 @@ pub fn wetted_skins<const D: usize>(
 /// The positive part of the stiffness of the same, for the matrix of each solid ([`meniscus_elastic::Elastic::system`]):
 /// where what is wetted is the tenser, beyond 90 degrees. Else it is negative, and left out. What is wetted is taken before the
 /// liquid moves: the matrices are factorised meanwhile, and a positive part more or less keeps the step as stable.
-pub fn wetted_stiffness<const D: usize>(model: &Model<D>, state: &State<D>) -> Vec<Vec<StiffnessBlock<D>>> {
-    let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
+pub fn wetted_tension_stiffness<const D: usize>(model: &Model<D>, state: &State<D>) -> Vec<Vec<StiffnessBlock<D>>> {
+    let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
     let of = |(number, now): (usize, &SolidState<D>)| {
         let solid = &model.solids[number];
-        let tenser = model.numerics.contact_line && (solid.cosine < 0.0 || !solid.pattern.is_empty());
+        let tenser = model.numerics.contact_line && (solid.young_cosine < 0.0 || !solid.pattern.is_empty());
         let Some(soft) = now.soft.as_ref().filter(|_| tenser) else { return Vec::new() };
-        let under = Under { model, number, now, phi: &phi, label: &|_| Some(0) };
-        under.stiffness(&soft.skin)
+        let under = WettedSolid { model, number, now, phi: &phi, label: &|_| Some(0) };
+        under.stiffness(&soft.surface)
     };
     state.solids.iter().enumerate().map(of).collect()
 }
 
 /// A solid under liquid.
-struct Under<'a, const D: usize> {
+struct WettedSolid<'a, const D: usize> {
     model: &'a Model<D>,
     number: usize,
     now: &'a SolidState<D>,
@@ -78,19 +78,19 @@ struct Under<'a, const D: usize> {
 }
 
 /// A vertex as the liquid sees it: φ there, m, the component that wets it, and the difference of the tensions, N/m.
-type Seen = (f64, Option<u32>, f64);
+type VertexSample = (f64, Option<u32>, f64);
 
-impl<const D: usize> Under<'_, D> {
+impl<const D: usize> WettedSolid<'_, D> {
     /// By component the forces on the vertices of its surface.
     fn forces(&self, surface: &SurfaceMesh<D>) -> BTreeMap<u32, BTreeMap<u32, Vector<D>>> {
-        let seen = self.vertices(surface);
+        let seen = self.sample_vertices(surface);
         let mut forces: BTreeMap<u32, BTreeMap<u32, Vector<D>>> = BTreeMap::new();
         for (f, facet) in surface.facets.iter().enumerate() {
             let corners = facet.map(|v| seen[v as usize]);
             let Some(component) = corners.iter().find_map(|c| c.1) else { continue };
-            let tension = tension(&corners);
+            let tension = facet_tension(&corners);
             let of = forces.entry(component).or_default();
-            for (v, slope) in facet.iter().zip(area_slopes(&surface.corners(f))) {
+            for (v, slope) in facet.iter().zip(area_gradients(&surface.corners(f))) {
                 *of.entry(*v).or_insert_with(Vector::zeros) -= slope * tension;
             }
         }
@@ -98,16 +98,16 @@ impl<const D: usize> Under<'_, D> {
     }
 
     /// Its stiffness, of facets whose tension it adds to.
-    fn stiffness(&self, skin: &Skin<D>) -> Vec<StiffnessBlock<D>> {
-        let seen = self.vertices(&skin.surface);
+    fn stiffness(&self, skin: &SolidSurface<D>) -> Vec<StiffnessBlock<D>> {
+        let seen = self.sample_vertices(&skin.mesh);
         let mut blocks = Vec::new();
-        for (f, facet) in skin.surface.facets.iter().enumerate() {
-            let tension = tension(&facet.map(|v| seen[v as usize]));
+        for (f, facet) in skin.mesh.facets.iter().enumerate() {
+            let tension = facet_tension(&facet.map(|v| seen[v as usize]));
             if tension <= 0.0 {
                 continue;
             }
-            let stiffness = area_stiffness(&skin.surface.corners(f));
-            let vertices = facet.map(|v| skin.vertices()[v as usize]);
+            let stiffness = area_hessian_psd(&skin.mesh.corners(f));
+            let vertices = facet.map(|v| skin.volume_vertices()[v as usize]);
             let pairs = (0..D).flat_map(|i| (i..D).map(move |j| (i, j)));
             blocks.extend(pairs.map(|(i, j)| {
                 let (first, second, block) = (vertices[i], vertices[j], stiffness[i][j] * tension);
@@ -118,45 +118,45 @@ impl<const D: usize> Under<'_, D> {
     }
 
     /// The vertices of its surface.
-    fn vertices(&self, surface: &SurfaceMesh<D>) -> Vec<Seen> {
+    fn sample_vertices(&self, surface: &SurfaceMesh<D>) -> Vec<VertexSample> {
         let mut normals = vec![Vector::zeros(); surface.positions.len()];
         for (f, facet) in surface.facets.iter().enumerate() {
             let area = surface.area_vector(f);
             facet.iter().for_each(|v| normals[*v as usize] += area);
         }
         let vertices = surface.positions.par_iter().zip(&normals).with_min_len(256);
-        vertices.map(|(x, n)| self.seen(x, n)).collect()
+        vertices.map(|(x, n)| self.sample_vertex(x, n)).collect()
     }
 
     /// A vertex; `normal` need not be a unit vector.
-    fn seen(&self, x: &Vector<D>, normal: &Vector<D>) -> Seen {
+    fn sample_vertex(&self, x: &Vector<D>, normal: &Vector<D>) -> VertexSample {
         let dx = self.model.grid.dx;
         let Some(normal) = normal.try_normalize(0.0) else { return (dx, None, 0.0) };
         let solid = &self.model.solids[self.number];
         let x = &(x + normal * solid.padding);
-        let phi = phi_on(self.phi, x, &normal, dx);
+        let phi = phi_at_solid(self.phi, x, &normal, dx);
         let at = |h: &f64| (self.label)(self.cell(&(x + normal * (h * dx)))?);
-        let component = if phi < 0.0 { ABOVE.iter().find_map(at) } else { None };
-        let cosine = solid.cosine_near(self.now, x, dx).clamp(-1.0, 1.0);
+        let component = if phi < 0.0 { SAMPLE_HEIGHTS_CELLS.iter().find_map(at) } else { None };
+        let cosine = solid.young_cosine_near(self.now, x, dx).clamp(-1.0, 1.0);
         (phi, component, -self.model.surface_tension * cosine)
     }
 
     /// The cell that a point is in.
     fn cell(&self, x: &Vector<D>) -> Option<usize> {
         let grid = &self.model.grid;
-        let from = (x - grid.corner([0; D])) / grid.dx;
+        let from = (x - grid.lower_corner([0; D])) / grid.dx;
         let inside = (0..D).all(|a| from[a] >= 0.0 && from[a] < grid.cells[a] as f64);
         inside.then(|| grid.lattice().index(std::array::from_fn(|a| from[a] as usize)))
     }
 }
 
 /// The mean tension that being wetted adds to a facet, N/m, by its corners.
-fn tension<const D: usize>(corners: &[Seen; D]) -> f64 {
-    corners.iter().map(|c| c.2).sum::<f64>() / D as f64 * wetted(corners.map(|c| c.0))
+fn facet_tension<const D: usize>(corners: &[VertexSample; D]) -> f64 {
+    corners.iter().map(|c| c.2).sum::<f64>() / D as f64 * negative_fraction(corners.map(|c| c.0))
 }
 
 /// The share of a facet where a linear function with these values at its corners is negative.
-fn wetted<const D: usize>(values: [f64; D]) -> f64 {
+fn negative_fraction<const D: usize>(values: [f64; D]) -> f64 {
     let negative = values.iter().filter(|v| **v < 0.0).count();
     if negative == 0 || negative == D {
         return if negative == D { 1.0 } else { 0.0 };
@@ -171,11 +171,11 @@ fn wetted<const D: usize>(values: [f64; D]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::resolution::BAND;
+    use crate::model::resolution::BAND_WIDTH_CELLS;
     use crate::model::{Numerics, Wall};
     use crate::solid::deformable::Soft;
     use crate::solid::{Motion, Solid};
-    use meniscus_elastic::{Description, Elastic, Law, Order};
+    use meniscus_elastic::{ElasticSpecification, Elastic, ConstitutiveLaw, ElementOrder};
     use meniscus_numerics::Matrix;
     use meniscus_numerics::grid::Grid;
     use meniscus_numerics::mesh::{Simplex, VolumeMesh};
@@ -189,13 +189,13 @@ mod tests {
         let (center, half_size) = (Vector::repeat(0.5), Vector::repeat(0.2));
         let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
         let positions = [[0.3, 0.35], [0.7, 0.4], [0.45, 0.65]].map(Vector::from).to_vec();
-        let mesh = VolumeMesh { positions, simplices: vec![Simplex { root: 0, rest: [1, 2] }] };
-        let law = Law::NeoHookean { young: 1.0, poisson: 0.3, order: Order::Linear };
+        let mesh = VolumeMesh { positions, simplices: vec![Simplex { root: 0, others: [1, 2] }] };
+        let law = ConstitutiveLaw::NeoHookean { young_modulus: 1.0, poisson_ratio: 0.3, order: ElementOrder::Linear };
         let anchors = Vec::new();
-        let description = Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors };
+        let description = ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors };
         let elastic = Elastic::new(description).unwrap_or_else(|e| panic!("{e}"));
         let mut solid = Solid::new(shape, Motion::Soft(Arc::new(elastic)), 1.0);
-        solid.cosine = angle.to_radians().cos();
+        solid.young_cosine = angle.to_radians().cos();
         let model = Model {
             grid: Grid::new([32; 2], 1.0 / 32.0),
             walls: [[Wall::Slip; 2]; 2],
@@ -207,8 +207,8 @@ mod tests {
             numerics: Numerics::default(),
         };
         let mut state = State::empty(model.grid);
-        state.phi.data.fill(-BAND * model.grid.dx);
-        state.solids = model.solids.iter().map(Solid::start).collect();
+        state.phi.data.fill(-BAND_WIDTH_CELLS * model.grid.dx);
+        state.solids = model.solids.iter().map(Solid::initial_state).collect();
         (model, state)
     }
 
@@ -216,12 +216,12 @@ mod tests {
     fn pulls(model: &Model<2>, state: &State<2>, moved: usize, way: f64) -> [Vector<2>; 3] {
         let mut solids = state.solids.clone();
         let (elastic, soft) = (model.solids[0].elastic().unwrap_or_else(|| panic!()), &state.solids[0].soft);
-        let mut body = soft.as_ref().unwrap_or_else(|| panic!()).body.clone();
+        let mut body = soft.as_ref().unwrap_or_else(|| panic!()).state.clone();
         body.positions[moved / 2][moved % 2] += way;
-        solids[0].soft = Some(Soft::of(elastic, body));
-        let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
+        solids[0].soft = Some(Soft::from_state(elastic, body));
+        let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
         let mut forces = [Vector::zeros(); 3];
-        for (grip, force) in wetted_skins(model, &solids, &phi, &|_| Some(0)).values().flatten() {
+        for (grip, force) in wetted_tension_forces(model, &solids, &phi, &|_| Some(0)).values().flatten() {
             forces[grip.vertices[0] as usize] += force;
         }
         forces
@@ -231,7 +231,7 @@ mod tests {
     fn the_stiffness_is_the_slope_of_the_forces() {
         let (model, state) = drowned(120.0);
         let mut stiffness = [[Matrix::<2>::zeros(); 3]; 3];
-        for StiffnessBlock { first, second, block } in &wetted_stiffness(&model, &state)[0] {
+        for StiffnessBlock { first, second, block } in &wetted_tension_stiffness(&model, &state)[0] {
             let [i, j] = [*first as usize, *second as usize];
             stiffness[i][j] += block;
             if i != j {
@@ -249,12 +249,12 @@ mod tests {
         }
         // Below 90 degrees it would be negative.
         let (model, state) = drowned(60.0);
-        assert!(wetted_stiffness(&model, &state)[0].is_empty());
+        assert!(wetted_tension_stiffness(&model, &state)[0].is_empty());
     }
 
     #[test]
     fn shares_of_facets() {
-        assert_eq!([wetted([-1.0, 3.0]), wetted([1.0, -1.0]), wetted([1.0, 2.0])], [0.25, 0.5, 0.0]);
-        assert_eq!([wetted([-1.0, 1.0, 3.0]), wetted([1.0, -1.0, -1.0])], [0.125, 0.75]);
+        assert_eq!([negative_fraction([-1.0, 3.0]), negative_fraction([1.0, -1.0]), negative_fraction([1.0, 2.0])], [0.25, 0.5, 0.0]);
+        assert_eq!([negative_fraction([-1.0, 1.0, 3.0]), negative_fraction([1.0, -1.0, -1.0])], [0.125, 0.75]);
     }
 }

@@ -12,13 +12,13 @@
 //! that of the lattice's energy ([`super::force`]); [`ContactLine::apart`] tells how far the two are apart.
 
 use super::angle::{Foot, contact_angle};
-use crate::contact_line::sampling::{HIGHER, NEAR, phi_on};
-use crate::flow::advection::Flow;
+use crate::contact_line::sampling::{UPPER_SAMPLE_HEIGHT_CELLS, MAX_LINE_PHI_CELLS, phi_at_solid};
+use crate::flow::advection::VelocitySampler;
 use crate::model::Model;
-use crate::model::resolution::BAND;
+use crate::model::resolution::BAND_WIDTH_CELLS;
 use crate::simulation::Simulation;
 use crate::solid::SolidState;
-use crate::solid::surface::Skin;
+use crate::solid::surface::SolidSurface;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Sampler;
 use meniscus_numerics::mesh::{Contour, Geodesic, ShapeSurface, SurfaceMesh};
@@ -28,15 +28,15 @@ use rayon::prelude::*;
 #[derive(Clone, Debug)]
 pub struct LineTracker<const D: usize> {
     /// None for a solid that deforms: its mesh is its own surface, as it is at the time.
-    solids: Vec<Option<Tracked<D>>>,
+    solids: Vec<Option<TrackedSurface<D>>>,
 }
 
 /// A solid's surface: of a rigid one where it starts.
 #[derive(Clone, Debug)]
-struct Tracked<const D: usize> {
+struct TrackedSurface<const D: usize> {
     mesh: SurfaceMesh<D>,
     /// Its first facets, that are the solid's; those after them close it at the domain's sides.
-    own: usize,
+    own_facets: usize,
     geodesic: Geodesic<D>,
     /// Normal at each vertex; none where the surface is cut off.
     normals: Vec<Vector<D>>,
@@ -54,7 +54,7 @@ pub struct ContactLine<const D: usize> {
     pub phi_c: Vec<Vec<f64>>,
     /// Largest distance of a point of the line that moves the liquid (that of the lattice's energy) from this one, in
     /// cells, five at most; none where there is none.
-    pub apart: Option<f64>,
+    pub line_distance_cells: Option<f64>,
 }
 
 /// A point of the contact line.
@@ -65,7 +65,7 @@ pub struct LinePoint<const D: usize> {
     /// Number of the solid.
     pub solid: u32,
     /// The contact angle through the liquid, degrees.
-    pub angle: f64,
+    pub angle_degrees: f64,
     /// Speed along the solid and relative to it across the line, m/s, positive where the line advances: the liquid's, half
     /// a step ahead as its velocity is.
     pub speed: f64,
@@ -82,7 +82,7 @@ impl<const D: usize> LineTracker<D> {
     pub fn new(model: &Model<D>, edges: &[f64]) -> Self {
         let rigid = |number: usize| model.solids[number].elastic().is_none();
         let tracked =
-            |(number, edge): (usize, &f64)| rigid(number).then(|| Tracked::rigid(model, number, *edge));
+            |(number, edge): (usize, &f64)| rigid(number).then(|| TrackedSurface::rigid(model, number, *edge));
         Self { solids: (0..model.solids.len()).zip(edges).map(tracked).collect() }
     }
 
@@ -90,48 +90,48 @@ impl<const D: usize> LineTracker<D> {
     pub fn surface(&self, model: &Model<D>, solids: &[SolidState<D>], solid: usize) -> SurfaceMesh<D> {
         let (fixed, now) = (&model.solids[solid], &solids[solid]);
         let Some(tracked) = &self.solids[solid] else {
-            return now.soft.as_ref().map_or_else(SurfaceMesh::default, |soft| soft.skin.surface.clone());
+            return now.soft.as_ref().map_or_else(SurfaceMesh::default, |soft| soft.surface.mesh.clone());
         };
-        let positions = tracked.mesh.positions.iter().map(|x| fixed.where_now(now, x)).collect();
+        let positions = tracked.mesh.positions.iter().map(|x| fixed.to_current(now, x)).collect();
         SurfaceMesh { positions, facets: tracked.mesh.facets.clone() }
     }
 
     /// The contact line of a simulation as it stands.
-    pub fn find(&self, simulation: &Simulation<D>) -> ContactLine<D> {
+    pub fn extract(&self, simulation: &Simulation<D>) -> ContactLine<D> {
         let mut line =
-            ContactLine { points: Vec::new(), segments: Vec::new(), phi_c: Vec::new(), apart: None };
-        let seen = Seen::new(simulation);
+            ContactLine { points: Vec::new(), segments: Vec::new(), phi_c: Vec::new(), line_distance_cells: None };
+        let seen = LineSampler::new(simulation);
         for (number, tracked) in self.solids.iter().enumerate() {
             let deformed =
-                || simulation.state.solids[number].soft.as_ref().map(|s| Tracked::deformed(&s.skin));
+                || simulation.state.solids[number].soft.as_ref().map(|s| TrackedSurface::deformed(&s.surface));
             match tracked {
-                Some(tracked) => tracked.find(&seen, number, &mut line),
-                None => deformed().iter().for_each(|t| t.find(&seen, number, &mut line)),
+                Some(tracked) => tracked.extract(&seen, number, &mut line),
+                None => deformed().iter().for_each(|t| t.extract(&seen, number, &mut line)),
             }
         }
-        line.apart =
-            line.distance_of(&simulation.work.lattice.line_places(&simulation.state.phi.data), seen.dx);
+        line.line_distance_cells =
+            line.max_distance_cells(&simulation.workspace.dual_grid.contact_line_points(&simulation.state.phi.data), seen.dx);
         line
     }
 }
 
 /// A state as the line sees it.
-struct Seen<'a, const D: usize> {
+struct LineSampler<'a, const D: usize> {
     model: &'a Model<D>,
     solids: &'a [SolidState<D>],
     phi: Sampler<'a, D>,
-    flow: Flow<'a, D>,
+    velocity: VelocitySampler<'a, D>,
     dx: f64,
 }
 
-impl<'a, const D: usize> Seen<'a, D> {
+impl<'a, const D: usize> LineSampler<'a, D> {
     fn new(simulation: &'a Simulation<D>) -> Self {
         let (model, state) = (&simulation.model, &simulation.state);
         Self {
             model,
             solids: &state.solids,
-            phi: Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges()),
-            flow: Flow::new(model, &state.velocity),
+            phi: Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary()),
+            velocity: VelocitySampler::new(model, &state.velocity),
             dx: model.grid.dx,
         }
     }
@@ -150,68 +150,68 @@ impl<'a, const D: usize> Seen<'a, D> {
         let (solid, now) = (&self.model.solids[number], &self.solids[number]);
         let normal = solid.normal(now, &at, 0.01 * self.dx);
         let foot = at + normal * solid.padding;
-        let (_, slope) = self.phi.distance(&(foot + normal * (HIGHER * self.dx)));
+        let (_, slope) = self.phi.distance_with_gradient(&(foot + normal * (UPPER_SAMPLE_HEIGHT_CELLS * self.dx)));
         let outward = (slope - normal * slope.dot(&normal)).try_normalize(0.0).unwrap_or(Vector::zeros());
-        let height = |x: &Vector<D>| self.model.height(self.solids, number, (&foot, &normal), x);
-        let foot = Foot { at: foot, normal, dx: self.dx, weight: self.model.weight(), height: &height };
+        let height = |x: &Vector<D>| self.model.height_above_solid(self.solids, number, (&foot, &normal), x);
+        let foot = Foot { at: foot, normal, dx: self.dx, bond_vector: self.model.cell_bond_vector(), height: &height };
         let angle =
             contact_angle(&self.phi, &foot).unwrap_or_else(|| slope.dot(&normal).clamp(-1.0, 1.0).acos());
-        let young = solid.cosine_near(now, &at, self.dx).clamp(-1.0, 1.0);
+        let young = solid.young_cosine_near(now, &at, self.dx).clamp(-1.0, 1.0);
         let force = (normal * angle.sin() - outward * young) * self.model.surface_tension;
-        let speed = (self.flow.linear(&foot.at) - now.velocity_at(&at)).dot(&outward);
-        LinePoint { at, solid: number as u32, angle: angle.to_degrees(), speed, force, length }
+        let speed = (self.velocity.linear(&foot.at) - now.velocity_at(&at)).dot(&outward);
+        LinePoint { at, solid: number as u32, angle_degrees: angle.to_degrees(), speed, force, length }
     }
 }
 
-impl<const D: usize> Tracked<D> {
+impl<const D: usize> TrackedSurface<D> {
     fn rigid(model: &Model<D>, number: usize, edge: f64) -> Self {
         let solid = &model.solids[number];
         let (low, high) = solid.shape.bounds();
         let margin = Vector::repeat(2.0 * edge);
-        let [first, last] = match model.wetting_walls() == Some(number) {
+        let [first, last] = match model.wetting_wall_solid() == Some(number) {
             true => model.grid.bounds(),
-            false => [Vector::zeros(), model.grid.upper()],
+            false => [Vector::zeros(), model.grid.domain_upper()],
         };
         let (low, high) = ((low - margin).sup(&first), (high + margin).inf(&last));
         let surface = ShapeSurface::new(&|x| solid.shape.signed_distance(x), low, high, edge);
-        let own = surface.own_facets().len();
+        let own = surface.solid_facets().len();
         Self::new(surface.mesh, own)
     }
 
-    fn deformed(skin: &Skin<D>) -> Self {
-        let mesh = skin.surface.clone();
+    fn deformed(skin: &SolidSurface<D>) -> Self {
+        let mesh = skin.mesh.clone();
         let own = mesh.facets.len();
         Self::new(mesh, own)
     }
 
-    fn new(mesh: SurfaceMesh<D>, own: usize) -> Self {
+    fn new(mesh: SurfaceMesh<D>, own_facets: usize) -> Self {
         let mut normals = vec![Vector::zeros(); mesh.positions.len()];
-        for (f, facet) in mesh.facets[..own].iter().enumerate() {
+        for (f, facet) in mesh.facets[..own_facets].iter().enumerate() {
             let area = mesh.area_vector(f);
             facet.iter().for_each(|v| normals[*v as usize] += area);
         }
         normals.iter_mut().for_each(|n| *n = n.try_normalize(0.0).unwrap_or(Vector::zeros()));
-        let geodesic = Geodesic::new(&mesh.positions, &mesh.facets[..own]);
-        Self { mesh, own, geodesic, normals }
+        let geodesic = Geodesic::new(&mesh.positions, &mesh.facets[..own_facets]);
+        Self { mesh, own_facets, geodesic, normals }
     }
 
     /// Adds the line on this solid.
-    fn find(&self, seen: &Seen<'_, D>, number: usize, line: &mut ContactLine<D>) {
+    fn extract(&self, seen: &LineSampler<'_, D>, number: usize, line: &mut ContactLine<D>) {
         let (solid, now) = (&seen.model.solids[number], &seen.solids[number]);
-        let moved = |x: &Vector<D>| if now.soft.is_some() { *x } else { solid.where_now(now, x) };
+        let moved = |x: &Vector<D>| if now.soft.is_some() { *x } else { solid.to_current(now, x) };
         let value = |(x, n): (&Vector<D>, &Vector<D>)| {
             let normal = if now.soft.is_some() { *n } else { now.rotation * n };
             let x = moved(x) + normal * solid.padding;
-            let value = phi_on(&seen.phi, &x, &normal, seen.dx);
+            let value = phi_at_solid(&seen.phi, &x, &normal, seen.dx);
             let open =
-                *n != Vector::<D>::zeros() && !(value.abs() < NEAR * seen.dx && seen.is_covered(number, &x));
+                *n != Vector::<D>::zeros() && !(value.abs() < MAX_LINE_PHI_CELLS * seen.dx && seen.is_covered(number, &x));
             if open { value } else { f64::NAN }
         };
         let mesh = &self.mesh;
         let vertices = mesh.positions.par_iter().zip(&self.normals).with_min_len(256);
         let values: Vec<f64> = vertices.map(value).collect();
-        let contour = Contour::of(&mesh.facets[..self.own], &values);
-        line.phi_c.push(self.geodesic.distance(mesh, &contour, &values, BAND * seen.dx));
+        let contour = Contour::of(&mesh.facets[..self.own_facets], &values);
+        line.phi_c.push(self.geodesic.distance(mesh, &contour, &values, BAND_WIDTH_CELLS * seen.dx));
         let places: Vec<Vector<D>> = contour.positions(mesh).iter().map(moved).collect();
         let mut lengths = vec![if D == 2 { 1.0 } else { 0.0 }; places.len()];
         for segment in &contour.segments {
@@ -233,19 +233,19 @@ impl<const D: usize> ContactLine<D> {
     }
 
     /// Mean and standard deviation along the line of the contact angle, degrees, on one solid or on all.
-    pub fn angle(&self, solid: Option<u32>) -> Option<(f64, f64)> {
+    pub fn angle_statistics(&self, solid: Option<u32>) -> Option<(f64, f64)> {
         let counts = |p: &&LinePoint<D>| solid.is_none_or(|s| p.solid == s);
         let sum = |f: &dyn Fn(&LinePoint<D>) -> f64| {
             self.points.iter().filter(counts).map(|p| p.length * f(p)).sum::<f64>()
         };
         let length = sum(&|_| 1.0);
-        let mean = sum(&|p| p.angle) / length;
-        let spread = sum(&|p| (p.angle - mean).powi(2)) / length;
+        let mean = sum(&|p| p.angle_degrees) / length;
+        let spread = sum(&|p| (p.angle_degrees - mean).powi(2)) / length;
         (length > 0.0).then(|| (mean, spread.sqrt()))
     }
 
     /// Largest distance of places (m) from the line, in cells.
-    fn distance_of(&self, places: &[Vector<D>], dx: f64) -> Option<f64> {
+    fn max_distance_cells(&self, places: &[Vector<D>], dx: f64) -> Option<f64> {
         // Points alone stand as segments without length.
         let alone = (0..self.points.len() as u32).map(|i| [i, i]).filter(|_| D == 2);
         let mut pieces: Vec<[Vector<D>; 2]> = self
@@ -256,18 +256,18 @@ impl<const D: usize> ContactLine<D> {
             .map(|s| s.map(|p| self.points[p as usize].at))
             .collect();
         pieces.sort_by(|p, q| p[0][0].total_cmp(&q[0][0]));
-        let reach = (BAND + 1.0) * dx;
+        let reach = (BAND_WIDTH_CELLS + 1.0) * dx;
         let away = |x: &Vector<D>| {
             let from = pieces.partition_point(|p| p[0][0] < x[0] - reach);
             let near = pieces[from..].iter().take_while(|p| p[0][0] <= x[0] + reach);
-            near.map(|p| to_segment(x, p)).fold(BAND * dx, f64::min) / dx
+            near.map(|p| distance_to_segment(x, p)).fold(BAND_WIDTH_CELLS * dx, f64::min) / dx
         };
         places.par_iter().with_min_len(64).map(away).reduce_with(f64::max)
     }
 }
 
 /// Distance of a point to a segment.
-fn to_segment<const D: usize>(x: &Vector<D>, [a, b]: &[Vector<D>; 2]) -> f64 {
+fn distance_to_segment<const D: usize>(x: &Vector<D>, [a, b]: &[Vector<D>; 2]) -> f64 {
     let along = b - a;
     let t = ((x - a).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
     (x - a - along * t).norm()

@@ -1,8 +1,8 @@
 //! Impulses that liquid and solids give each other.
 
 use crate::solid::SolidState;
-use crate::solid::surface::Grip;
-use meniscus_numerics::{Vector, planes};
+use crate::solid::surface::SurfacePoint;
+use meniscus_numerics::{Vector, rotation_planes};
 use std::collections::BTreeMap;
 
 /// An impulse and its moment.
@@ -11,69 +11,69 @@ pub struct Impulse<const D: usize> {
     /// N s (2D: per metre).
     pub linear: Vector<D>,
     /// About the origin, N m s (2D: N s, in the last entry).
-    pub turning: Vector<3>,
+    pub angular: Vector<3>,
 }
 
 impl<const D: usize> Impulse<D> {
     /// None.
-    pub fn none() -> Self {
-        Self { linear: Vector::zeros(), turning: Vector::zeros() }
+    pub fn zero() -> Self {
+        Self { linear: Vector::zeros(), angular: Vector::zeros() }
     }
 
     /// One that acts at a point.
     pub fn at(x: &Vector<D>, linear: Vector<D>) -> Self {
-        Self { linear, turning: moment(x, &linear) }
+        Self { linear, angular: moment(x, &linear) }
     }
 
     /// Adds `scale` times another.
     pub fn add(&mut self, other: &Self, scale: f64) {
         self.linear += other.linear * scale;
-        self.turning += other.turning * scale;
+        self.angular += other.angular * scale;
     }
 
     /// The moment about a point.
-    pub fn about(&self, center: &Vector<D>) -> Vector<3> {
-        self.turning - moment(center, &self.linear)
+    pub fn moment_about(&self, center: &Vector<D>) -> Vector<3> {
+        self.angular - moment(center, &self.linear)
     }
 }
 
 /// `r × f` (2D: in the last entry).
 pub fn moment<const D: usize>(r: &Vector<D>, f: &Vector<D>) -> Vector<3> {
     let mut sum = Vector::<3>::zeros();
-    planes::<D>().iter().for_each(|&(a, b, place)| sum[place] += r[a] * f[b] - r[b] * f[a]);
+    rotation_planes::<D>().iter().for_each(|&(a, b, place)| sum[place] += r[a] * f[b] - r[b] * f[a]);
     sum
 }
 
 /// What the liquid gives to the solids.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Exchange<const D: usize> {
+pub struct CouplingImpulses<const D: usize> {
     /// Impulses of the liquid's components on the solids, by the numbers of both.
     pub pairs: BTreeMap<(u32, u32), Impulse<D>>,
     /// By the numbers of solids that deform: where they are gripped, and the impulse there, N s (2D: per metre).
-    pub grips: BTreeMap<u32, Vec<(Grip<D>, Vector<D>)>>,
+    pub point_impulses: BTreeMap<u32, Vec<(SurfacePoint<D>, Vector<D>)>>,
 }
 
-impl<const D: usize> Exchange<D> {
+impl<const D: usize> CouplingImpulses<D> {
     /// Nothing.
     pub fn new() -> Self {
-        Self { pairs: BTreeMap::new(), grips: BTreeMap::new() }
+        Self { pairs: BTreeMap::new(), point_impulses: BTreeMap::new() }
     }
 
     /// Adds `scale` times an impulse of a component on a rigid solid.
     pub fn add(&mut self, pair: (u32, u32), impulse: &Impulse<D>, scale: f64) {
-        self.pairs.entry(pair).or_insert_with(Impulse::none).add(impulse, scale);
+        self.pairs.entry(pair).or_insert_with(Impulse::zero).add(impulse, scale);
     }
 
     /// Adds an impulse on a solid that deforms, where it is gripped.
-    pub fn grip(&mut self, pair: (u32, u32), grip: &Grip<D>, linear: Vector<D>) {
+    pub fn add_at_surface_point(&mut self, pair: (u32, u32), grip: &SurfacePoint<D>, linear: Vector<D>) {
         self.add(pair, &Impulse::at(&grip.point, linear), 1.0);
-        self.grips.entry(pair.1).or_default().push((*grip, linear));
+        self.point_impulses.entry(pair.1).or_default().push((*grip, linear));
     }
 
     /// Adds an impulse at a point of a solid, or of its surface near that if it deforms.
-    pub fn push(&mut self, pair: (u32, u32), solid: &SolidState<D>, x: &Vector<D>, linear: Vector<D>) {
-        match solid.grip(x) {
-            Some(grip) => self.grip(pair, &grip, linear),
+    pub fn add_at(&mut self, pair: (u32, u32), solid: &SolidState<D>, x: &Vector<D>, linear: Vector<D>) {
+        match solid.surface_point(x) {
+            Some(grip) => self.add_at_surface_point(pair, &grip, linear),
             None => self.add(pair, &Impulse::at(x, linear), 1.0),
         }
     }
@@ -81,12 +81,12 @@ impl<const D: usize> Exchange<D> {
     /// Adds another.
     pub fn extend(&mut self, other: &Self) {
         other.pairs.iter().for_each(|(pair, impulse)| self.add(*pair, impulse, 1.0));
-        other.grips.iter().for_each(|(solid, grips)| self.grips.entry(*solid).or_default().extend(grips));
+        other.point_impulses.iter().for_each(|(solid, grips)| self.point_impulses.entry(*solid).or_default().extend(grips));
     }
 
     /// The sums over all components, by solid.
     pub fn by_solid(&self, solids: usize) -> Vec<Impulse<D>> {
-        let mut sums = vec![Impulse::none(); solids];
+        let mut sums = vec![Impulse::zero(); solids];
         self.pairs.iter().for_each(|((_, solid), impulse)| sums[*solid as usize].add(impulse, 1.0));
         sums
     }

@@ -12,113 +12,113 @@
 //! the slope of a first solution says that the surface has more ([`Coupling::beyond_centers`]) is given to the solids
 //! before a second one.
 
-use super::impulses::{Exchange, Impulse};
-use crate::collision::compliance::Response;
-use crate::collision::points::turning;
+use super::impulses::{CouplingImpulses, Impulse};
+use crate::collision::compliance::SolidResponse;
+use crate::collision::points::angular_to_node;
 use crate::model::Model;
-use crate::solid::deformable::Flow;
-use crate::solid::surface::Grip;
+use crate::solid::deformable::FluxRow;
+use crate::solid::surface::SurfacePoint;
 use crate::solid::{Motion, SolidState};
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{CutCells, WetCell};
-use meniscus_numerics::linalg::{Column, Compliance, Solve};
+use meniscus_numerics::grid::{CutCells, CutCell};
+use meniscus_numerics::linalg::{SparseColumn, CoupledBodies, InPlaceSolve};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 /// The wetted surfaces of the solids, and how they move.
-pub struct Coupling<'a, const D: usize> {
+pub struct PressureCoupling<'a, const D: usize> {
     model: &'a Model<D>,
     solids: &'a [SolidState<D>],
     /// How solids answer together, where something can move them.
-    response: Option<&'a Response<D>>,
-    wet: &'a [Wet<D>],
+    response: Option<&'a SolidResponse<D>>,
+    wetted_surfaces: &'a [WettedSurface<D>],
 }
 
 /// A piece of surface in a liquid cell, with the place where the pressure takes hold of a solid that deforms.
-pub type Wet<const D: usize> = (WetCell<D>, Option<Grip<D>>);
+pub type WettedSurface<const D: usize> = (CutCell<D>, Option<SurfacePoint<D>>);
 
 /// The surfaces in liquid cells (`phi` negative).
-pub fn wetted<const D: usize>(
+pub fn wetted_surfaces<const D: usize>(
     model: &Model<D>,
-    cut: &CutCells<D>,
+    cut_cells: &CutCells<D>,
     solids: &[SolidState<D>],
     phi: &[f64],
-) -> Vec<Wet<D>> {
-    let wet = cut.wet.par_iter().with_min_len(64).filter(|w| phi[w.cell as usize] < 0.0);
-    let gripped = |w: &WetCell<D>| (*w, solids[w.solid as usize].grip(&(middle(model, w) * model.grid.dx)));
+) -> Vec<WettedSurface<D>> {
+    let wet = cut_cells.cells.par_iter().with_min_len(64).filter(|w| phi[w.cell as usize] < 0.0);
+    let gripped = |w: &CutCell<D>| (*w, solids[w.solid as usize].surface_point(&(surface_centroid_cells(model, w) * model.grid.dx)));
     wet.map(gripped).collect()
 }
 
-impl<'a, const D: usize> Coupling<'a, D> {
+impl<'a, const D: usize> PressureCoupling<'a, D> {
     /// Of surfaces in liquid cells.
     pub fn new(
         model: &'a Model<D>,
-        wet: &'a [Wet<D>],
-        (solids, response): (&'a [SolidState<D>], Option<&'a Response<D>>),
+        wetted_surfaces: &'a [WettedSurface<D>],
+        (solids, response): (&'a [SolidState<D>], Option<&'a SolidResponse<D>>),
     ) -> Self {
-        Self { model, solids, response, wet }
+        Self { model, solids, response, wetted_surfaces }
     }
 
     /// Calls `f(cell, flux)` with the flow into the surface of every cell, `∫ v·n dS` in areas of a face, m/s.
-    pub fn fluxes(&self, mut f: impl FnMut(usize, f64)) {
-        for (w, grip) in self.wet {
+    pub fn for_each_flux(&self, mut f: impl FnMut(usize, f64)) {
+        for (w, grip) in self.wetted_surfaces {
             let solid = &self.solids[w.solid as usize];
             let flux = match (grip, &solid.soft) {
-                (Some(grip), Some(soft)) => grip.mean(|k| soft.body.velocities[k]).dot(&w.area),
-                _ => solid.velocity.dot(&w.area) + Vector::<3>::from(solid.spin).dot(&self.moment(w)),
+                (Some(grip), Some(soft)) => grip.interpolate(|k| soft.state.velocities[k]).dot(&w.area_vector),
+                _ => solid.velocity.dot(&w.area_vector) + Vector::<3>::from(solid.angular_velocity).dot(&self.area_moment(w)),
             };
             f(w.cell as usize, flux);
         }
     }
 
     /// The term `ρ F A⁻¹ Fᵀ` of the pressure's system, of all solids that forces can move.
-    pub fn compliance(&self) -> Option<Compliance<'_>> {
+    pub fn compliance(&self) -> Option<CoupledBodies<'_>> {
         let response = self.response?;
         let scale = (self.model.density * self.model.grid.cell_volume()).sqrt();
         let scaled = |(cell, flow): (u32, Vec<(u32, f64)>)| {
             (cell, flow.into_iter().map(|(k, v)| (k, v * scale)).collect::<Vec<_>>())
         };
-        let flows: Vec<_> = self.node_flows(response).into_iter().map(scaled).collect();
-        if flows.is_empty() {
+        let flux_rows: Vec<_> = self.node_flux_rows(response).into_iter().map(scaled).collect();
+        if flux_rows.is_empty() {
             return None;
         }
         let lattice = self.model.grid.lattice();
-        let reach = response.reach(&flows);
-        let porous = response.porous(&flows, &reach, |cell| lattice.coordinates(cell as usize));
-        let feelers = feelers(&flows, &porous, |k| response.is_rigid(k));
-        let solve: Box<Solve<'_>> = Box::new(move |x| response.solve_within(&reach, x));
-        let wetted = OnceLock::new();
-        Some(Compliance { freedoms: response.freedoms(), flows, porous, solve, feelers, wetted })
+        let reach = response.reach(&flux_rows);
+        let lumped_compliance = response.lumped_compliance(&flux_rows, &reach, |cell| lattice.coordinates(cell as usize));
+        let mean_pressure_probes = mean_pressure_probes(&flux_rows, &lumped_compliance, |k| response.is_rigid(k));
+        let solve: Box<InPlaceSolve<'_>> = Box::new(move |x| response.solve_within(&reach, x));
+        let subdomain_inverse = OnceLock::new();
+        Some(CoupledBodies { dof_count: response.dof_count(), flux_rows, lumped_compliance, solve, mean_pressure_probes, subdomain_inverse })
     }
 
     /// For each piece of surface, and each face that lines tie to a solid, the cell, and the flow out of it by the components of the
     /// nodes' velocities, in areas of a face.
-    fn node_flows(&self, response: &Response<D>) -> Vec<Flow> {
-        let mut flows: Vec<Flow> = Vec::new();
-        for (w, grip) in self.wet {
+    fn node_flux_rows(&self, response: &SolidResponse<D>) -> Vec<FluxRow> {
+        let mut flows: Vec<FluxRow> = Vec::new();
+        for (w, grip) in self.wetted_surfaces {
             let solid = w.solid as usize;
-            let first = (response.first(solid) * D) as u32;
+            let first = (response.first_node(solid) * D) as u32;
             if let Some(grip) = grip {
                 let entry = |n: usize| {
                     let (k, a) = (n / D, n % D);
-                    (first + grip.vertices[k] * D as u32 + a as u32, grip.weights[k] * w.area[a])
+                    (first + grip.vertices[k] * D as u32 + a as u32, grip.weights[k] * w.area_vector[a])
                 };
                 flows.push((w.cell, (0..D * D).map(entry).collect()));
             } else if self.model.solids[solid].motion == Motion::Free {
-                let turn: Vector<D> = turning(&self.moment(w).into());
-                let entry = |n: usize| (first + n as u32, if n < D { w.area[n] } else { turn[n - D] });
+                let turn: Vector<D> = angular_to_node(&self.area_moment(w).into());
+                let entry = |n: usize| (first + n as u32, if n < D { w.area_vector[n] } else { turn[n - D] });
                 flows.push((w.cell, (0..2 * D).map(entry).collect()));
             }
         }
-        flows.extend(response.tied_flows());
+        flows.extend(response.tied_flux_rows());
         flows
     }
 
     /// Calls `f(cell, flux)` with the flow that velocities of the nodes add.
-    pub fn fluxes_of_nodes(&self, velocities: &[Vector<D>], mut f: impl FnMut(usize, f64)) {
+    pub fn for_each_node_flux(&self, velocities: &[Vector<D>], mut f: impl FnMut(usize, f64)) {
         let Some(response) = self.response else { return };
-        for (cell, flow) in self.node_flows(response) {
+        for (cell, flow) in self.node_flux_rows(response) {
             f(
                 cell as usize,
                 flow.iter().map(|(k, v)| v * velocities[*k as usize / D][*k as usize % D]).sum(),
@@ -127,11 +127,11 @@ impl<'a, const D: usize> Coupling<'a, D> {
     }
 
     /// What the pressure gives to the nodes, through tied faces too, N s; `lambda` is `p h/ρ`.
-    pub fn pushed_nodes(&self, lambda: &[f64]) -> Vec<Vector<D>> {
+    pub fn node_impulses(&self, lambda: &[f64]) -> Vec<Vector<D>> {
         let Some(response) = self.response else { return Vec::new() };
         let scale = self.model.density * self.model.grid.face_area();
-        let mut all = vec![Vector::zeros(); response.freedoms() / D];
-        for (cell, flow) in self.node_flows(response) {
+        let mut all = vec![Vector::zeros(); response.dof_count() / D];
+        for (cell, flow) in self.node_flux_rows(response) {
             let push = scale * lambda[cell as usize];
             flow.iter().for_each(|(k, v)| all[*k as usize / D][*k as usize % D] += v * push);
         }
@@ -139,42 +139,42 @@ impl<'a, const D: usize> Coupling<'a, D> {
     }
 
     /// What the liquid's pressure gives to the solids; `lambda` is `p h/ρ`, `label` the component of a liquid cell.
-    pub fn impulses(&self, lambda: &[f64], label: impl Fn(usize) -> Option<u32>) -> Exchange<D> {
-        self.exchange(label, |w| {
+    pub fn impulses(&self, lambda: &[f64], label: impl Fn(usize) -> Option<u32>) -> CouplingImpulses<D> {
+        self.collect_impulses(label, |w| {
             let push = lambda[w.cell as usize];
-            (w.area * push, Vector::<3>::from(w.moment) * push)
+            (w.area_vector * push, Vector::<3>::from(w.moment) * push)
         })
     }
 
     /// What they get besides because the pressure on their surfaces is not that at the cells' centres; `slope` is that of
     /// `lambda` in a liquid cell, a cell.
-    pub fn beyond_centers(
+    pub fn off_center_impulses(
         &self,
         slope: impl Fn(usize) -> Vector<D>,
         label: impl Fn(usize) -> Option<u32>,
-    ) -> Exchange<D> {
-        self.exchange(label, |w| {
-            let push = w.spread * slope(w.cell as usize);
-            (push, three(&middle(self.model, w)).cross(&three(&push)))
+    ) -> CouplingImpulses<D> {
+        self.collect_impulses(label, |w| {
+            let push = w.first_moment * slope(w.cell as usize);
+            (push, to_3d(&surface_centroid_cells(self.model, w)).cross(&to_3d(&push)))
         })
     }
 
     /// Impulses from what every surface gets, divided by density and area of a face: itself, and its moment in cells.
-    fn exchange(
+    fn collect_impulses(
         &self,
         label: impl Fn(usize) -> Option<u32>,
-        push: impl Fn(&WetCell<D>) -> (Vector<D>, Vector<3>),
-    ) -> Exchange<D> {
+        push: impl Fn(&CutCell<D>) -> (Vector<D>, Vector<3>),
+    ) -> CouplingImpulses<D> {
         let scale = self.model.density * self.model.grid.face_area();
-        let mut exchange = Exchange::new();
-        for (w, grip) in self.wet {
+        let mut exchange = CouplingImpulses::new();
+        for (w, grip) in self.wetted_surfaces {
             let Some(component) = label(w.cell as usize) else { continue };
-            let (linear, turning) = push(w);
+            let (linear, angular) = push(w);
             match grip {
-                Some(grip) => exchange.grip((component, w.solid), grip, linear * scale),
+                Some(grip) => exchange.add_at_surface_point((component, w.solid), grip, linear * scale),
                 None => {
-                    let turning = turning * (scale * self.model.grid.dx);
-                    exchange.add((component, w.solid), &Impulse { linear: linear * scale, turning }, 1.0);
+                    let angular = angular * (scale * self.model.grid.dx);
+                    exchange.add((component, w.solid), &Impulse { linear: linear * scale, angular }, 1.0);
                 }
             }
         }
@@ -182,24 +182,24 @@ impl<'a, const D: usize> Coupling<'a, D> {
     }
 
     /// `∫ r × n dS` about the solid's centre, in areas of a face times m.
-    fn moment(&self, w: &WetCell<D>) -> Vector<3> {
+    fn area_moment(&self, w: &CutCell<D>) -> Vector<3> {
         let center = &self.solids[w.solid as usize].center;
-        Vector::<3>::from(w.moment) * self.model.grid.dx - three(center).cross(&three(&w.area))
+        Vector::<3>::from(w.moment) * self.model.grid.dx - to_3d(center).cross(&to_3d(&w.area_vector))
     }
 }
 
 /// Middle of the solid's surface in a cell, in cells.
-fn middle<const D: usize>(model: &Model<D>, w: &WetCell<D>) -> Vector<D> {
+fn surface_centroid_cells<const D: usize>(model: &Model<D>, w: &CutCell<D>) -> Vector<D> {
     let center = model.grid.center(model.grid.lattice().coordinates(w.cell as usize)) / model.grid.dx;
-    center + w.spread.tr_mul(&w.area) / w.area.norm_squared().max(f64::MIN_POSITIVE)
+    center + w.first_moment.tr_mul(&w.area_vector) / w.area_vector.norm_squared().max(f64::MIN_POSITIVE)
 }
 
 /// Columns whose sums over a component of the liquid tell whether solids determine its mean pressure: one for all solids that deform,
 /// and one for each degree of freedom of the rigid ones.
-fn feelers(flows: &[Flow], porous: &[f64], rigid: impl Fn(u32) -> bool) -> Vec<Column> {
+fn mean_pressure_probes(flows: &[FluxRow], porous: &[f64], rigid: impl Fn(u32) -> bool) -> Vec<SparseColumn> {
     let gives = flows.iter().zip(porous).filter(|(_, porous)| **porous > 0.0);
     let mut columns = vec![gives.map(|((cell, _), _)| (*cell, 1.0)).collect()];
-    let mut of_rigid: BTreeMap<u32, Column> = BTreeMap::new();
+    let mut of_rigid: BTreeMap<u32, SparseColumn> = BTreeMap::new();
     for (cell, flow) in flows {
         for (k, v) in flow.iter().filter(|(k, _)| rigid(*k)) {
             of_rigid.entry(*k).or_default().push((*cell, *v));
@@ -210,18 +210,18 @@ fn feelers(flows: &[Flow], porous: &[f64], rigid: impl Fn(u32) -> bool) -> Vec<C
 }
 
 /// A vector in space.
-fn three<const D: usize>(v: &Vector<D>) -> Vector<3> {
+fn to_3d<const D: usize>(v: &Vector<D>) -> Vector<3> {
     Vector::from_fn(|a, _| if a < D { v[a] } else { 0.0 })
 }
 
 /// Gives impulses to the free rigid solids.
-pub fn push_solids<const D: usize>(model: &Model<D>, solids: &mut [SolidState<D>], exchange: &Exchange<D>) {
+pub fn apply_impulses_to_rigid<const D: usize>(model: &Model<D>, solids: &mut [SolidState<D>], exchange: &CouplingImpulses<D>) {
     let sums = exchange.by_solid(solids.len());
     for ((now, solid), sum) in solids.iter_mut().zip(&model.solids).zip(sums) {
         if solid.motion == Motion::Free {
-            now.velocity += sum.linear / solid.body.mass;
-            let spin = Vector::<3>::from(now.spin) + solid.inverse_inertia(now) * sum.about(&now.center);
-            now.spin = spin.into();
+            now.velocity += sum.linear / solid.mass_properties.mass;
+            let spin = Vector::<3>::from(now.angular_velocity) + solid.inverse_inertia(now) * sum.moment_about(&now.center);
+            now.angular_velocity = spin.into();
         }
     }
 }
@@ -229,13 +229,13 @@ pub fn push_solids<const D: usize>(model: &Model<D>, solids: &mut [SolidState<D>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collision::newton::{Descent, Start};
-    use crate::collision::points::Points;
-    use crate::flow::pressure::{Pass, Projection};
+    use crate::collision::newton::{NewtonSolver, DeformableLoads};
+    use crate::collision::points::CollisionPoints;
+    use crate::flow::pressure::{ProjectionOptions, Projection};
     use crate::free_surface::curvature::Curvature;
-    use crate::free_surface::interface_faces::cut_faces;
-    use crate::model::resolution::BAND;
-    use crate::model::time_step::Times;
+    use crate::free_surface::interface_faces::interface_faces;
+    use crate::model::resolution::BAND_WIDTH_CELLS;
+    use crate::model::time_step::StepTimes;
     use crate::model::{Numerics, Wall};
     use crate::simulation::workspace::Workspace;
     use crate::solid::Solid;
@@ -272,23 +272,23 @@ mod tests {
         };
         let grid = model.grid;
         let mut state = State::empty(grid);
-        state.solids = model.solids.iter().map(Solid::start).collect();
-        let limit = BAND * grid.dx;
+        state.solids = model.solids.iter().map(Solid::initial_state).collect();
+        let limit = BAND_WIDTH_CELLS * grid.dx;
         for i in 0..grid.lattice().len() {
             let x = grid.center(grid.lattice().coordinates(i));
             state.phi.data[i] = (x[D - 1] - height).clamp(-limit, limit);
         }
         let mut work = Workspace::new(&model, &mut state);
         let flat = Curvature::unknown();
-        let cut = cut_faces(&model, &state.phi, &work.band, &flat, &work.cut);
-        let faces = work.known.liquid().clone();
-        let open = work.cut.open.clone();
+        let cut = interface_faces(&model, &state.phi, &work.band, &flat, &work.cut_cells);
+        let faces = work.known_faces.liquid_faces().clone();
+        let open = work.cut_cells.open_fraction.clone();
         let walk = |mut f: Box<dyn FnMut(usize, usize) + '_>| {
             for a in 0..D {
-                let lattice = grid.faces(a);
+                let lattice = grid.face_lattice(a);
                 for s in &faces[a] {
                     for face in s.row * lattice.extent[0] + s.start..s.row * lattice.extent[0] + s.end {
-                        let shut = model.closed(a, lattice.coordinates(face)[a]) || open.axes[a][face] == 0.0;
+                        let shut = model.on_closed_side(a, lattice.coordinates(face)[a]) || open.axes[a][face] == 0.0;
                         if !shut {
                             f(a, face);
                         }
@@ -299,36 +299,36 @@ mod tests {
         let mut start = state.velocity.clone();
         walk(Box::new(|a, face| start.axes[a][face] = velocity[a]));
         state.velocity = start;
-        let wet = wetted(&model, &work.cut, &state.solids, &state.phi.data);
+        let wet = wetted_surfaces(&model, &work.cut_cells, &state.solids, &state.phi.data);
         let mut projection = Projection {
             velocity: &mut state.velocity,
-            lambda: &mut state.lambda,
+            pressure_impulse: &mut state.pressure_impulse,
             phi: &state.phi,
             band: &work.band,
             liquid: &work.liquid,
-            faces: &faces,
-            cut: &cut,
-            dragged: &mut [],
-            cut_cells: &mut work.cut,
+            liquid_faces: &faces,
+            interface_faces: &cut,
+            dragged_faces: &mut [],
+            cut_cells: &mut work.cut_cells,
             solids: &state.solids,
-            wet: &wet,
-            jump: 0.0,
+            wetted_surfaces: &wet,
+            tension_impulse: 0.0,
             label: &|_| Some(0),
-            time: 1.0,
+            impulse_time: 1.0,
         };
-        let response = response(&model, &state.solids, &work.points);
+        let response = response(&model, &state.solids, &work.collision_points);
         let found = work
             .pressure
             .project(
                 &model,
                 &mut projection,
                 response.as_ref(),
-                Pass { again: false, tolerance: 1e-10 },
+                ProjectionOptions { warm_start: false, tolerance: 1e-10 },
                 &mut |_| (),
             )
             .unwrap();
-        let impulses = found.exchange.by_solid(model.solids.len());
-        push_solids(&model, &mut state.solids, &found.exchange);
+        let impulses = found.pressure_impulses.by_solid(model.solids.len());
+        apply_impulses_to_rigid(&model, &mut state.solids, &found.pressure_impulses);
         let solves = found.solves;
         let mut fastest = 0.0f64;
         walk(Box::new(|a, face| fastest = fastest.max(state.velocity.axes[a][face].abs())));
@@ -339,16 +339,16 @@ mod tests {
     fn response<const D: usize>(
         model: &Model<D>,
         solids: &[SolidState<D>],
-        points: &Points<D>,
-    ) -> Option<Response<D>> {
-        let times = Times { dt: 1.0, kick: 1.0, lead: 1e-9, ahead: 1e-9, first: false };
-        let starts: Vec<Option<Start<D>>> = model.solids.iter().map(|_| None).collect();
+        points: &CollisionPoints<D>,
+    ) -> Option<SolidResponse<D>> {
+        let times = StepTimes { dt: 1.0, impulse_time: 1.0, velocity_lead: 1e-9, lookahead: 1e-9, is_first: false };
+        let starts: Vec<Option<DeformableLoads<D>>> = model.solids.iter().map(|_| None).collect();
         let slips = crate::Slips::new();
-        let velocities = &points.velocities(model, solids);
-        let from = crate::collision::newton::Before { solids, velocities, slips: &slips };
-        let mut descent = Descent::new(model, points, from, solids, &starts, times);
+        let velocities = &points.node_velocities(model, solids);
+        let from = crate::collision::newton::OldSolids { solids, velocities, elastic_slips: &slips };
+        let mut descent = NewtonSolver::new(model, points, from, solids, &starts, times);
         let open = FaceField::zeros(model.grid);
-        model.moves_solids().then(|| descent.linearise(&mut solids.to_vec(), &mut [], (&[], &open)).unwrap())
+        model.has_dynamic_solids().then(|| descent.linearise(&mut solids.to_vec(), &mut [], (&[], &open)).unwrap())
     }
 
     fn ball<const D: usize>(radius: f64) -> Shape<D> {
@@ -373,7 +373,7 @@ mod tests {
         assert!((lift[D - 1] / volume - 1.0).abs() < bar, "{D}D: {}", lift[D - 1] / volume);
         // Slivers without a neighbour above or below see no slope.
         assert!((0..D - 1).all(|a| lift[a].abs() < 1e-6 * volume), "{D}D: {lift}");
-        let turning = p.impulses[0].about(&p.state.solids[0].center);
+        let turning = p.impulses[0].moment_about(&p.state.solids[0].center);
         assert!(turning.norm() < 1e-4 * volume * 0.22, "{D}D: {:e}", turning.norm() / volume / 0.22);
     }
 
@@ -392,7 +392,7 @@ mod tests {
         };
         let shell = Shape::Difference { of: Box::new(all), minus: Box::new(ball(0.45)) };
         let mut inner = Solid::new(ball(0.2), Motion::Free, density);
-        inner.velocity[0] = 1.0;
+        inner.initial_velocity[0] = 1.0;
         let p = project::<D>(cells, vec![inner, Solid::new(shell, Motion::Fixed, 1.0)], 9.0, Vector::zeros());
         (p.state.solids[0].velocity[0], p.solves.iter().map(|s| s.iterations).sum())
     }

@@ -3,19 +3,19 @@
 //! All solids that something can move answer to the pressure together, and with contacts, about the velocities that Newton's method
 //! has come to ([`crate::collision`]).
 
-use super::impulses::Exchange;
-use super::pressure::{Wet, push_solids, wetted};
-use crate::collision::impact::bounce;
-use crate::collision::newton::{Before, Descent, Start};
-use crate::components::restoration::{Labels, walk};
-use crate::components::tracking::{Change, in_band, resolved_volume};
-use crate::contact_line::force::{LineImpulses, Lines};
-use crate::contact_line::friction::{DraggedFace, friction};
-use crate::contact_line::solid_tension::{wetted_skins, wetted_stiffness};
-use crate::flow::pressure::{Pass, Projected, Projection};
-use crate::free_surface::interface_faces::CutFace;
+use super::impulses::CouplingImpulses;
+use super::pressure::{WettedSurface, apply_impulses_to_rigid, wetted_surfaces};
+use crate::collision::impact::resolve_impacts;
+use crate::collision::newton::{OldSolids, NewtonSolver, DeformableLoads};
+use crate::components::restoration::{ComponentLabels, component_faces};
+use crate::components::tracking::{ComponentChange, band_component, min_resolved_volume};
+use crate::contact_line::force::{LineImpulses, ContactLineForces};
+use crate::contact_line::friction::{DraggedFace, line_friction_impulses};
+use crate::contact_line::solid_tension::{wetted_tension_forces, wetted_tension_stiffness};
+use crate::flow::pressure::{ProjectionOptions, ProjectionResult, Projection};
+use crate::free_surface::interface_faces::InterfaceFace;
 use crate::model::Model;
-use crate::model::time_step::{PhaseEnd, Times};
+use crate::model::time_step::{PhaseEnd, StepTimes};
 use crate::simulation::workspace::Workspace;
 use crate::solid::SolidState;
 use crate::state::State;
@@ -24,15 +24,15 @@ use meniscus_numerics::grid::{Band, CutCells, Runs, Sampler, Segment};
 use meniscus_numerics::linalg::{SolveError, SolveReport};
 
 /// Results of the pressure's solve.
-pub struct Pressed<const D: usize> {
+pub struct PressureSolution<const D: usize> {
     /// The pressure solves, the last of Newton's iterations where there are any.
     pub solves: [SolveReport; 2],
     /// What line, pressure and friction gave to the solids.
-    pub given: [Exchange<D>; 3],
+    pub solid_impulses: [CouplingImpulses<D>; 3],
     /// The work, J (2D: J/m), that solids which go as told do through contacts.
-    pub contacts: f64,
+    pub contact_work: f64,
     /// Newton's iterations for solids and pressure.
-    pub iterations: u64,
+    pub newton_iterations: u64,
 }
 
 /// Makes the velocity free of divergence and gives the solids, whose velocities were `before` without the forces of this step, their
@@ -40,187 +40,187 @@ pub struct Pressed<const D: usize> {
 ///
 /// # Errors
 /// Those of the solves, which do not converge or meet a matrix that is not definite.
-pub fn press<const D: usize>(
+pub fn solve_pressure<const D: usize>(
     model: &Model<D>,
     (state, before): (&mut State<D>, &[SolidState<D>]),
     work: &mut Workspace<D>,
-    change: &Change<D>,
-    (cut, dragged): (&[CutFace], &mut [DraggedFace]),
-    times: Times,
+    change: &ComponentChange<D>,
+    (interface_faces, dragged): (&[InterfaceFace], &mut [DraggedFace]),
+    times: StepTimes,
     phase_end: PhaseEnd<'_>,
-) -> Result<Pressed<D>, SolveError> {
-    let line = pull_lines(model, state, work, change, cut, times.kick);
-    let Pushed { solves, given: [pressure, friction], contacts, iterations } = match model.moves_solids() {
-        true => descend(model, (state, before), work, (cut, dragged), &line, times, phase_end)?,
-        false => flow_past(model, state, work, (cut, dragged), times, phase_end)?,
+) -> Result<PressureSolution<D>, SolveError> {
+    let line = apply_contact_line_forces(model, state, work, change, interface_faces, times.impulse_time);
+    let SolidImpulses { solves, impulses: [pressure, friction], contact_work, newton_iterations } = match model.has_dynamic_solids() {
+        true => solve_with_dynamic_solids(model, (state, before), work, (interface_faces, dragged), &line, times, phase_end)?,
+        false => solve_with_prescribed_solids(model, state, work, (interface_faces, dragged), times, phase_end)?,
     };
-    let given = [line, pressure, friction];
-    tell_forces(&mut state.solids, &given, times.kick);
-    Ok(Pressed { solves, given, contacts, iterations })
+    let solid_impulses = [line, pressure, friction];
+    store_solid_forces(&mut state.solids, &solid_impulses, times.impulse_time);
+    Ok(PressureSolution { solves, solid_impulses, contact_work, newton_iterations })
 }
 
 /// What contact lines give to the solids; what of it belongs to the liquid along even walls shifts that.
-fn pull_lines<const D: usize>(
+fn apply_contact_line_forces<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     work: &mut Workspace<D>,
-    change: &Change<D>,
-    cut: &[CutFace],
-    kick: f64,
-) -> Exchange<D> {
-    let inside: Vec<bool> = work.touching(model).iter().map(|t| !t.side).collect();
-    let label = work.liquid.component(&model.grid);
-    let near = in_band(&work.band, &change.labels);
-    let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
-    let (solids, cubes) = (&state.solids, &change.cubes);
+    change: &ComponentChange<D>,
+    interface_faces: &[InterfaceFace],
+    impulse_time: f64,
+) -> CouplingImpulses<D> {
+    let touches_no_side: Vec<bool> = work.component_contacts(model).iter().map(|t| !t.domain_side).collect();
+    let label = work.liquid.component_lookup(&model.grid);
+    let near = band_component(&work.band, &change.band_labels);
+    let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
+    let (solids, dual_cells) = (&state.solids, &change.dual_cells);
     let LineImpulses { on_solids: line, on_liquid: along, moment_lost } = if model.numerics.contact_line {
-        let skins = &wetted_skins(model, solids, &phi, &label);
-        let (phi, wet, centers) = (&state.phi.data, &work.cut.wet, &change.centers);
-        let (label, inside) = (&near, &inside);
-        Lines { model, solids, phi, cubes, cut, wet, centers, label, inside, skins }.impulses(kick)
+        let tensions = &wetted_tension_forces(model, solids, &phi, &label);
+        let (phi, wet, centers) = (&state.phi.data, &work.cut_cells.cells, &change.centers);
+        let (label, touches_no_side) = (&near, &touches_no_side);
+        ContactLineForces { model, solids, phi, dual_cells, interface_faces, wet, centers, label, touches_no_side, wetted_tensions: tensions }.impulses(impulse_time)
     } else {
-        let on_liquid = vec![Vector::zeros(); inside.len()];
-        LineImpulses { on_solids: Exchange::new(), on_liquid, moment_lost: 0.0 }
+        let on_liquid = vec![Vector::zeros(); touches_no_side.len()];
+        LineImpulses { on_solids: CouplingImpulses::new(), on_liquid, moment_lost: 0.0 }
     };
     work.repairs.line_moment_lost += moment_lost;
     // Of a drop too small to be resolved the lattice's pull is noise.
-    let least = resolved_volume(model);
+    let least = min_resolved_volume(model);
     let speed = |(j, volume): (&Vector<D>, &f64)| {
         if *volume > least { j / (model.density * volume) } else { Vector::zeros() }
     };
-    let along: Vec<Vector<D>> = along.iter().zip(&change.targets).map(speed).collect();
-    let labels = Labels::new(&label);
+    let along: Vec<Vector<D>> = along.iter().zip(&change.target_volumes).map(speed).collect();
+    let labels = ComponentLabels::new(&label);
     let of = |cell: usize| labels.of(cell);
-    walk(model, &state.phi, work, cut, &of).shift(&mut state.velocity, &along);
+    component_faces(model, &state.phi, work, interface_faces, &of).add_velocities(&mut state.velocity, &along);
     work.repairs.unlabelled += labels.missing();
     line
 }
 
 /// What the pressure, friction and contacts do to the solids.
-struct Pushed<const D: usize> {
+struct SolidImpulses<const D: usize> {
     solves: [SolveReport; 2],
     /// What pressure and friction give.
-    given: [Exchange<D>; 2],
-    contacts: f64,
-    iterations: u64,
+    impulses: [CouplingImpulses<D>; 2],
+    contact_work: f64,
+    newton_iterations: u64,
 }
 
 /// The pressure where nothing moves the solids but what they are told.
-fn flow_past<const D: usize>(
+fn solve_with_prescribed_solids<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     work: &mut Workspace<D>,
-    (cut, dragged): (&[CutFace], &mut [DraggedFace]),
-    times: Times,
+    (interface_faces, dragged): (&[InterfaceFace], &mut [DraggedFace]),
+    times: StepTimes,
     phase_end: PhaseEnd<'_>,
-) -> Result<Pushed<D>, SolveError> {
-    let label = work.liquid.component(&model.grid);
-    let wet = wetted(model, &work.cut, &state.solids, &state.phi.data);
-    let parts = (&work.band, &work.liquid, work.known.liquid(), &mut work.cut, &wet[..]);
-    let mut projection = projection(model, state, parts, (cut, dragged, &label), times.kick);
-    let pass = Pass { again: false, tolerance: model.numerics.tolerance };
-    let Projected { solves, exchange, .. } =
+) -> Result<SolidImpulses<D>, SolveError> {
+    let label = work.liquid.component_lookup(&model.grid);
+    let wet = wetted_surfaces(model, &work.cut_cells, &state.solids, &state.phi.data);
+    let parts = (&work.band, &work.liquid, work.known_faces.liquid_faces(), &mut work.cut_cells, &wet[..]);
+    let mut projection = build_projection(model, state, parts, (interface_faces, dragged, &label), times.impulse_time);
+    let pass = ProjectionOptions { warm_start: false, tolerance: model.numerics.tolerance };
+    let ProjectionResult { solves, pressure_impulses, .. } =
         work.pressure.project(model, &mut projection, None, pass, phase_end)?;
-    let friction = friction(model, state, dragged, &label);
-    Ok(Pushed { solves, given: [exchange, friction], contacts: 0.0, iterations: 0 })
+    let friction = line_friction_impulses(model, state, dragged, &label);
+    Ok(SolidImpulses { solves, impulses: [pressure_impulses, friction], contact_work: 0.0, newton_iterations: 0 })
 }
 
 /// The pressure and solids that move, with all contacts: Newton's iterations.
-fn descend<const D: usize>(
+fn solve_with_dynamic_solids<const D: usize>(
     model: &Model<D>,
     (state, before): (&mut State<D>, &[SolidState<D>]),
     work: &mut Workspace<D>,
-    (cut, dragged): (&[CutFace], &mut [DraggedFace]),
-    line: &Exchange<D>,
-    times: Times,
+    (interface_faces, dragged): (&[InterfaceFace], &mut [DraggedFace]),
+    line: &CouplingImpulses<D>,
+    times: StepTimes,
     phase_end: PhaseEnd<'_>,
-) -> Result<Pushed<D>, SolveError> {
-    let starts = Start::of(model, line, wetted_stiffness(model, state), times.kick);
-    push_solids(model, &mut state.solids, line);
-    let (points, start) = (work.points.clone(), state.velocity.clone());
-    let bounced = bounce(model, &points, &mut state.solids, before, times, &mut work.repairs);
-    let slips = std::mem::take(&mut state.slips);
-    let old = points.velocities(model, before);
-    let from = Before { solids: before, velocities: &old, slips: &slips };
-    let mut descent = Descent::new(model, &points, from, &state.solids, &starts, times);
-    let label = work.liquid.component(&model.grid);
-    let wet = wetted(model, &work.cut, &state.solids, &state.phi.data);
+) -> Result<SolidImpulses<D>, SolveError> {
+    let loads = DeformableLoads::of_solids(model, line, wetted_tension_stiffness(model, state), times.impulse_time);
+    apply_impulses_to_rigid(model, &mut state.solids, line);
+    let (points, start) = (work.collision_points.clone(), state.velocity.clone());
+    let impact_work = resolve_impacts(model, &points, &mut state.solids, before, times, &mut work.repairs);
+    let slips = std::mem::take(&mut state.elastic_slips);
+    let old = points.node_velocities(model, before);
+    let from = OldSolids { solids: before, velocities: &old, elastic_slips: &slips };
+    let mut newton = NewtonSolver::new(model, &points, from, &state.solids, &loads, times);
+    let label = work.liquid.component_lookup(&model.grid);
+    let wet = wetted_surfaces(model, &work.cut_cells, &state.solids, &state.phi.data);
     let mut iteration = 0;
     loop {
         iteration += 1;
-        let response = descent.linearise(&mut state.solids, dragged, (&state.phi.data, &work.cut.open))?;
+        let response = newton.linearise(&mut state.solids, dragged, (&state.phi.data, &work.cut_cells.open_fraction))?;
         state.velocity.clone_from(&start);
-        let parts = (&work.band, &work.liquid, work.known.liquid(), &mut work.cut, &wet[..]);
-        let mut projection = projection(model, state, parts, (cut, dragged, &label), times.kick);
-        let Projected { solves, exchange: pressure, change } =
-            work.pressure.project(model, &mut projection, Some(&response), descent.pass(), phase_end)?;
-        let friction = friction(model, state, dragged, &label);
-        let mut pressed = pressure.clone();
-        pressed.extend(&friction);
-        let pressed = response.impulses(model, before, &pressed);
-        if descent.settle(&mut state.solids, &response, &change, pressed)? {
-            (state.clear, state.slips) = (descent.clear(), descent.slips());
-            work.repairs.indefinite_iterations += descent.indefinite;
-            let told = descent.tell_contacts(&mut state.solids);
-            return Ok(Pushed {
+        let parts = (&work.band, &work.liquid, work.known_faces.liquid_faces(), &mut work.cut_cells, &wet[..]);
+        let mut projection = build_projection(model, state, parts, (interface_faces, dragged, &label), times.impulse_time);
+        let ProjectionResult { solves, pressure_impulses: pressure, node_velocity_change } =
+            work.pressure.project(model, &mut projection, Some(&response), newton.projection_options(), phase_end)?;
+        let friction = line_friction_impulses(model, state, dragged, &label);
+        let mut node_impulses = pressure.clone();
+        node_impulses.extend(&friction);
+        let node_impulses = response.node_impulses(model, before, &node_impulses);
+        if newton.take_step(&mut state.solids, &response, &node_velocity_change, node_impulses)? {
+            (state.collision_free_dt, state.elastic_slips) = (newton.collision_free_dt(), newton.next_slips());
+            work.repairs.indefinite_iterations += newton.indefinite_iterations;
+            let contact_work = newton.store_contact_accelerations(&mut state.solids);
+            return Ok(SolidImpulses {
                 solves,
-                given: [pressure, friction],
-                contacts: told + bounced,
-                iterations: iteration,
+                impulses: [pressure, friction],
+                contact_work: contact_work + impact_work,
+                newton_iterations: iteration,
             });
         }
     }
 }
 
 /// Faces that the surface cuts, those that lines drag, and the component of a liquid cell.
-type Faces<'a> = (&'a [CutFace], &'a mut [DraggedFace], &'a (dyn Fn(usize) -> Option<u32> + Sync));
+type FaceArguments<'a> = (&'a [InterfaceFace], &'a mut [DraggedFace], &'a (dyn Fn(usize) -> Option<u32> + Sync));
 
 /// The grid's part of a projection: band, liquid, its faces, what solids leave open, and their surfaces in liquid cells.
-type Parts<'a, const D: usize> =
-    (&'a Band<D>, &'a Runs, &'a [Vec<Segment>; D], &'a mut CutCells<D>, &'a [Wet<D>]);
+type GridArguments<'a, const D: usize> =
+    (&'a Band<D>, &'a Runs, &'a [Vec<Segment>; D], &'a mut CutCells<D>, &'a [WettedSurface<D>]);
 
-fn projection<'a, const D: usize>(
+fn build_projection<'a, const D: usize>(
     model: &Model<D>,
     state: &'a mut State<D>,
-    (band, liquid, faces, cut_cells, wet): Parts<'a, D>,
-    (cut, dragged, label): Faces<'a>,
-    time: f64,
+    (band, liquid, liquid_faces, cut_cells, wetted_surfaces): GridArguments<'a, D>,
+    (interface_faces, dragged_faces, label): FaceArguments<'a>,
+    impulse_time: f64,
 ) -> Projection<'a, D> {
     Projection {
         velocity: &mut state.velocity,
-        lambda: &mut state.lambda,
+        pressure_impulse: &mut state.pressure_impulse,
         phi: &state.phi,
         band,
         liquid,
-        faces,
-        cut,
-        dragged,
+        liquid_faces,
+        interface_faces,
+        dragged_faces,
         cut_cells,
         solids: &state.solids,
-        wet,
+        wetted_surfaces,
         label,
-        jump: model.surface_tension * time / (model.density * model.grid.dx),
-        time,
+        tension_impulse: model.surface_tension * impulse_time / (model.density * model.grid.dx),
+        impulse_time,
     }
 }
 
 /// Keeps with the solids the mean forces of what line, pressure and friction gave them in the time `kick`.
-fn tell_forces<const D: usize>(solids: &mut [SolidState<D>], given: &[Exchange<D>; 3], kick: f64) {
+fn store_solid_forces<const D: usize>(solids: &mut [SolidState<D>], given: &[CouplingImpulses<D>; 3], impulse_time: f64) {
     let [line, pressure, friction] = given.each_ref().map(|exchange| exchange.by_solid(solids.len()));
     let pulls = line.into_iter().zip(friction);
     for ((now, (line, friction)), pressure) in solids.iter_mut().zip(pulls).zip(pressure) {
-        now.pulled = (line.linear + friction.linear) / kick;
-        now.pressed = pressure.linear / kick;
+        now.contact_line_force = (line.linear + friction.linear) / impulse_time;
+        now.pressure_force = pressure.linear / impulse_time;
     }
 }
 
 /// The work, J, that solids which go as told do on the rest.
-pub fn stirred<const D: usize>(model: &Model<D>, state: &State<D>, given: &[Exchange<D>; 3]) -> f64 {
+pub fn prescribed_solid_work<const D: usize>(model: &Model<D>, state: &State<D>, given: &[CouplingImpulses<D>; 3]) -> f64 {
     let mut work = 0.0;
     for ((_, solid), impulse) in given.iter().flat_map(|g| &g.pairs) {
         let now = &state.solids[*solid as usize];
-        if model.solids[*solid as usize].motion.is_told() {
-            let turning = impulse.about(&now.center).dot(&Vector::<3>::from(now.spin));
+        if model.solids[*solid as usize].motion.is_prescribed() {
+            let turning = impulse.moment_about(&now.center).dot(&Vector::<3>::from(now.angular_velocity));
             work -= impulse.linear.dot(&now.velocity) + turning;
         }
     }

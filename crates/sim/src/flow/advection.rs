@@ -6,15 +6,15 @@ use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
 
 /// Samples a velocity component by component.
-pub struct Flow<'a, const D: usize> {
+pub struct VelocitySampler<'a, const D: usize> {
     axes: [Sampler<'a, D>; D],
 }
 
-impl<'a, const D: usize> Flow<'a, D> {
+impl<'a, const D: usize> VelocitySampler<'a, D> {
     /// The flow of a velocity field.
     pub fn new(model: &Model<D>, velocity: &'a FaceField<D>) -> Self {
         let axes = std::array::from_fn(|a| {
-            Sampler::faces(&model.grid, a, &velocity.axes[a], model.velocity_edges(a))
+            Sampler::faces(&model.grid, a, &velocity.axes[a], model.velocity_boundary(a))
         });
         Self { axes }
     }
@@ -30,7 +30,7 @@ impl<'a, const D: usize> Flow<'a, D> {
 }
 
 /// Where what arrives at `x` after `dt` came from (Ralston's third-order path).
-fn origin<const D: usize>(x: &Vector<D>, dt: f64, velocity: impl Fn(&Vector<D>) -> Vector<D>) -> Vector<D> {
+fn departure_point<const D: usize>(x: &Vector<D>, dt: f64, velocity: impl Fn(&Vector<D>) -> Vector<D>) -> Vector<D> {
     let first = velocity(x);
     let second = velocity(&(x - first * (0.5 * dt)));
     let third = velocity(&(x - second * (0.75 * dt)));
@@ -38,18 +38,18 @@ fn origin<const D: usize>(x: &Vector<D>, dt: f64, velocity: impl Fn(&Vector<D>) 
 }
 
 /// Cells from the surface within which its path is followed with cubic interpolation of the velocity.
-const CLOSE: f64 = 2.5;
+const CUBIC_INTERPOLATION_DISTANCE_CELLS: f64 = 2.5;
 
 /// Slope of the distance below which an air cell lies between two fronts: at the ridge it is the cosine of half the angle
 /// between their normals, so 0.5 stands for a wedge of 60 degrees. 0.9, 130 degrees, made liquid of the groove around a
 /// fresh contact (3 % of the volume in eight steps).
-const BETWEEN: f64 = 0.5;
+const RIDGE_GRADIENT_NORM: f64 = 0.5;
 
 /// New values of φ in the cells of the band, in the order of `band.cells`.
 ///
 /// In a gap of a cell between fronts that meet, the extended velocity is their mean, about nothing: an air cushion that
 /// never closes. There each front moves as the liquid beside the cell does, and the nearer one counts.
-pub fn advect_surface<const D: usize>(
+pub fn advect_interface<const D: usize>(
     model: &Model<D>,
     phi: &CellField<D>,
     band: &Band<D>,
@@ -58,8 +58,8 @@ pub fn advect_surface<const D: usize>(
 ) -> Vec<f64> {
     let grid = &model.grid;
     let lattice = grid.lattice();
-    let flow = Flow::new(model, velocity);
-    let distance = Sampler::cells(grid, &phi.data, model.scalar_edges());
+    let flow = VelocitySampler::new(model, velocity);
+    let distance = Sampler::cells(grid, &phi.data, model.scalar_boundary());
     let first = band.first_layers(1).end;
     band.cells
         .par_iter()
@@ -67,18 +67,18 @@ pub fn advect_surface<const D: usize>(
         .map(|(slot, &cell)| {
             let (at, value) = (lattice.coordinates(cell as usize), phi.data[cell as usize]);
             let x = grid.center(at);
-            if slot < first && value >= 0.0 && distance.slope(at).norm() < BETWEEN {
+            if slot < first && value >= 0.0 && distance.gradient(at).norm() < RIDGE_GRADIENT_NORM {
                 let liquid = lattice.neighbours(cell as usize).filter(|n| phi.data[*n] < 0.0);
                 let fronts = liquid.map(|n| {
                     let beside = grid.center(lattice.coordinates(n));
-                    distance.distance(&(x + origin(&beside, dt, |x| flow.cubic(x)) - beside)).0
+                    distance.distance_with_gradient(&(x + departure_point(&beside, dt, |x| flow.cubic(x)) - beside)).0
                 });
                 return fronts.fold(f64::INFINITY, f64::min);
             }
-            let near = value.abs() < CLOSE * grid.dx;
+            let near = value.abs() < CUBIC_INTERPOLATION_DISTANCE_CELLS * grid.dx;
             let from =
-                if near { origin(&x, dt, |x| flow.cubic(x)) } else { origin(&x, dt, |x| flow.linear(x)) };
-            distance.distance(&from).0
+                if near { departure_point(&x, dt, |x| flow.cubic(x)) } else { departure_point(&x, dt, |x| flow.linear(x)) };
+            distance.distance_with_gradient(&from).0
         })
         .collect()
 }
@@ -90,9 +90,9 @@ pub fn advect_velocity<const D: usize>(
     faces: &[Vec<Segment>; D],
     dt: f64,
 ) -> [Vec<f64>; D] {
-    let flow = Flow::new(model, velocity);
+    let flow = VelocitySampler::new(model, velocity);
     std::array::from_fn(|axis| {
-        let lattice = model.grid.faces(axis);
+        let lattice = model.grid.face_lattice(axis);
         let mut values = vec![0.0; faces[axis].iter().map(|s| s.end - s.start).sum()];
         let packed = pack(&faces[axis]);
         par::for_each_segment(&mut values, 0, &packed, |s, part| {
@@ -100,11 +100,11 @@ pub fn advect_velocity<const D: usize>(
             let mut at = lattice.coordinates(from.row * lattice.extent[0]);
             for (i, value) in part.iter_mut().enumerate() {
                 at[0] = from.start + i;
-                if model.closed(axis, at[axis]) {
+                if model.on_closed_side(axis, at[axis]) {
                     continue;
                 }
                 let x = model.grid.face_center(axis, at);
-                *value = flow.axes[axis].cubic(&origin(&x, dt, |x| flow.linear(x)));
+                *value = flow.axes[axis].cubic(&departure_point(&x, dt, |x| flow.linear(x)));
             }
         });
         values

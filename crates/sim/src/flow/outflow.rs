@@ -9,7 +9,7 @@
 
 use crate::components::volume::band_labels;
 use crate::model::{Model, Wall};
-use crate::simulation::diagnostics::{open_books, potential_energy};
+use crate::simulation::diagnostics::{update_diagnostics, potential_energy};
 use crate::simulation::workspace::Workspace;
 use crate::state::State;
 use meniscus_numerics::Vector;
@@ -17,7 +17,7 @@ use meniscus_numerics::Vector;
 /// Cells of the grid beyond an open side. The six points of the quintic around places up to 2.5 cells beyond the side must lie in the
 /// grid: φ is read there by the paths of cells beside the side and by the closest points of cells two away. With 3 a column that
 /// falls out lost 0.5 % of what left in each step, with 5 it loses 0.01 % (`verify open-side`).
-pub const OPEN_MARGIN: usize = 5;
+pub const OPEN_SIDE_MARGIN_CELLS: usize = 5;
 
 impl<const D: usize> Model<D> {
     /// The same with cells of the grid beyond open sides, as liquid that leaves through them needs.
@@ -25,8 +25,8 @@ impl<const D: usize> Model<D> {
     pub fn with_open_sides(mut self) -> Self {
         let margin = std::array::from_fn(|a| {
             std::array::from_fn(|side| match self.walls[a][side] {
-                Wall::Open => OPEN_MARGIN,
-                Wall::Slip => self.grid.margin[a][side],
+                Wall::Open => OPEN_SIDE_MARGIN_CELLS,
+                Wall::Slip => self.grid.margin_cells[a][side],
             })
         });
         self.grid = self.grid.with_margin(margin);
@@ -34,8 +34,8 @@ impl<const D: usize> Model<D> {
     }
 
     /// Signed distance of a point beyond the open sides, m, negative within them: that to the nearest, or −∞ where all are closed.
-    pub(crate) fn beyond_open(&self, x: &Vector<D>) -> f64 {
-        let upper = self.grid.upper();
+    pub(crate) fn open_side_distance(&self, x: &Vector<D>) -> f64 {
+        let upper = self.grid.domain_upper();
         let beyond = |a: usize, side: usize| match self.walls[a][side] {
             Wall::Open if side == 0 => -x[a],
             Wall::Open => x[a] - upper[a],
@@ -46,41 +46,41 @@ impl<const D: usize> Model<D> {
 }
 
 /// Takes out liquid beyond open sides. Components that reach beyond none stay to the last bit.
-pub fn drain<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut Workspace<D>) {
+pub fn remove_outflow<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut Workspace<D>) {
     let lattice = model.grid.lattice();
-    let beyond = |cell: u32| model.beyond_open(&model.grid.center(lattice.coordinates(cell as usize)));
+    let beyond = |cell: u32| model.open_side_distance(&model.grid.center(lattice.coordinates(cell as usize)));
     let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
-    let mut cut = vec![false; state.drops.len()];
+    let mut is_clipped = vec![false; state.components.len()];
     for (&cell, &label) in work.band.cells.iter().zip(&labels) {
-        let (value, least) = (&mut state.phi.data[cell as usize], beyond(cell));
-        if *value < least {
-            *value = least;
-            cut.get_mut(label as usize).into_iter().for_each(|cut| *cut = true);
+        let (value, side_distance) = (&mut state.phi.data[cell as usize], beyond(cell));
+        if *value < side_distance {
+            *value = side_distance;
+            is_clipped.get_mut(label as usize).into_iter().for_each(|is_clipped| *is_clipped = true);
         }
     }
-    if !cut.contains(&true) {
+    if !is_clipped.contains(&true) {
         return;
     }
-    let before = sums(model, state);
+    let before = volume_and_energies(model, state);
     let liquid = std::mem::take(&mut work.liquid);
-    let whole = std::mem::take(&mut state.drops);
+    let old_components = std::mem::take(&mut state.components);
     work.find_liquid(model, state);
-    work.extend_afresh(model, state);
-    open_books(model, state, work);
+    work.rebuild_velocity_extension(model, state);
+    update_diagnostics(model, state, work);
     for (old, new, _) in liquid.overlaps(&work.liquid) {
-        if !cut[old as usize] {
-            state.drops[new as usize] = whole[old as usize].clone();
+        if !is_clipped[old as usize] {
+            state.components[new as usize] = old_components[old as usize].clone();
         }
     }
-    let after = sums(model, state);
+    let after = volume_and_energies(model, state);
     state.outflow_volume += before[0] - after[0];
     state.outflow_kinetic_energy += before[1] - after[1];
     state.outflow_stored_energy += before[2] - after[2];
 }
 
 /// Volume, kinetic and stored energy of the liquid of a state.
-fn sums<const D: usize>(model: &Model<D>, state: &State<D>) -> [f64; 3] {
-    let volume = state.drops.iter().map(|d| d.target_volume).sum();
-    let surface = model.surface_tension * state.surface_area;
+fn volume_and_energies<const D: usize>(model: &Model<D>, state: &State<D>) -> [f64; 3] {
+    let volume = state.components.iter().map(|d| d.target_volume).sum();
+    let surface = model.surface_tension * state.effective_surface_area;
     [volume, state.kinetic_energy, surface + potential_energy(model, state)]
 }

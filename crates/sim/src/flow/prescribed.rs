@@ -1,54 +1,54 @@
 //! The surface in a given flow: what a step does to φ, without forces.
 
-use crate::components::tracking::keep_volume;
+use crate::components::tracking::restore_volume;
 use crate::model::Model;
-use crate::simulation::diagnostics::open_books;
-use crate::simulation::step::{keep_distance, move_surface};
+use crate::simulation::diagnostics::update_diagnostics;
+use crate::simulation::step::{restore_signed_distance, move_interface};
 use crate::simulation::workspace::Workspace;
-use crate::simulation::{Body, Simulation};
+use crate::simulation::{LiquidRegion, Simulation};
 use crate::state::State;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Segment;
 
 /// A liquid that is carried by a prescribed velocity, for tests of the transport.
-pub struct Kinematic<const D: usize> {
+pub struct PrescribedFlow<const D: usize> {
     /// What stays fixed.
     pub model: Model<D>,
     /// What evolves.
     pub state: State<D>,
-    work: Workspace<D>,
+    workspace: Workspace<D>,
 }
 
-impl<const D: usize> Kinematic<D> {
+impl<const D: usize> PrescribedFlow<D> {
     /// The liquid within the zero set of a distance.
-    pub fn new(mut model: Model<D>, distance: &(dyn Fn(&Vector<D>) -> f64 + Sync)) -> Self {
+    pub fn new(mut model: Model<D>, signed_distance: &(dyn Fn(&Vector<D>) -> f64 + Sync)) -> Self {
         // What a given flow does to the momentum is its own affair.
         model.numerics.restore_momentum = false;
         let Simulation { model, mut state, .. } =
-            Simulation::new(model, &[Body { distance, velocity: Vector::zeros() }]);
-        let work = Workspace::new(&model, &mut state);
-        Self { model, state, work }
+            Simulation::new(model, &[LiquidRegion { signed_distance, velocity: Vector::zeros() }]);
+        let workspace = Workspace::new(&model, &mut state);
+        Self { model, state, workspace }
     }
 
     /// Moves the surface for `dt` (s) in a steady flow (m/s) and makes φ a distance again where a step would; with
     /// `volume`, puts the volume right as a step would.
     pub fn step(&mut self, flow: &dyn Fn(&Vector<D>) -> Vector<D>, dt: f64, volume: bool) {
-        let (model, state, work) = (&self.model, &mut self.state, &mut self.work);
+        let (model, state, work) = (&self.model, &mut self.state, &mut self.workspace);
         for a in 0..D {
-            let faces = model.grid.faces(a);
+            let faces = model.grid.face_lattice(a);
             for (i, u) in state.velocity.axes[a].iter_mut().enumerate() {
                 *u = flow(&model.grid.face_center(a, faces.coordinates(i)))[a];
             }
         }
         let solids = state.solids.clone();
-        let before = move_surface(model, state, work, &solids, dt);
-        keep_distance(model, state, work);
+        let before = move_interface(model, state, work, &solids, dt);
+        restore_signed_distance(model, state, work);
         let faces: [Vec<Segment>; D] = std::array::from_fn(|a| work.liquid.faces(&model.grid, a));
-        work.known.forget();
-        work.known.set_liquid(faces);
-        let targets = volume.then(|| keep_volume(model, state, work, &before, dt).targets);
-        open_books(model, state, work);
-        for (drop, target) in state.drops.iter_mut().zip(targets.into_iter().flatten()) {
+        work.known_faces.clear_marks();
+        work.known_faces.set_liquid_faces(faces);
+        let targets = volume.then(|| restore_volume(model, state, work, &before, dt).target_volumes);
+        update_diagnostics(model, state, work);
+        for (drop, target) in state.components.iter_mut().zip(targets.into_iter().flatten()) {
             drop.target_volume = target;
         }
         state.time += dt;

@@ -20,25 +20,25 @@ use crate::model::Model;
 use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Lattice, Runs, Sampler, Segment};
 use meniscus_numerics::linalg::{Jacobi, LinearOperator, SolveError, SolveReport, conjugate_gradient};
 use meniscus_numerics::shape::plane_box_fraction;
-use meniscus_numerics::{par, planes};
+use meniscus_numerics::{par, rotation_planes};
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
 /// Relative residual of the solve: 1e-8 took twice the iterations and changed the decay of a drop by 0.03 %.
 const TOLERANCE: f64 = 1e-6;
 /// Most iterations.
-const ITERATIONS: usize = 2000;
+const MAX_ITERATIONS: usize = 2000;
 /// Layers of the band whose air cells may hold a control volume that reaches into the liquid.
-const REACH: usize = 3;
+const AIR_LAYERS: usize = 3;
 /// Distance from the surface, in cells, from which on all control volumes of a cell are full or empty: 1.6
 /// for a true distance.
-const DEEP: f64 = 2.0;
+const FULL_CELL_DISTANCE_CELLS: f64 = 2.0;
 /// Shares of liquid below this count as none.
-const LEAST: f64 = 1e-6;
+const MIN_LIQUID_FRACTION: f64 = 1e-6;
 /// Least mass of a face of the liquid, as in the pressure solve.
-const NEAREST: f64 = 0.02;
+const MIN_FACE_MASS: f64 = 0.02;
 /// Cells that are worth a thread's while.
-const GRAIN: usize = 1024;
+const CELLS_PER_TASK: usize = 1024;
 
 /// The part of a state that viscosity works on.
 pub struct Diffusion<'a, const D: usize> {
@@ -51,9 +51,9 @@ pub struct Diffusion<'a, const D: usize> {
     /// The liquid cells.
     pub liquid: &'a Runs,
     /// Their faces.
-    pub faces: &'a [Vec<Segment>; D],
+    pub liquid_faces: &'a [Vec<Segment>; D],
     /// What the solids leave open.
-    pub solids: &'a CutCells<D>,
+    pub cut_cells: &'a CutCells<D>,
 }
 
 impl<const D: usize> Diffusion<'_, D> {
@@ -66,19 +66,19 @@ impl<const D: usize> Diffusion<'_, D> {
     }
 
     fn advance_to(&mut self, model: &Model<D>, dt: f64, tolerance: f64) -> Result<SolveReport, SolveError> {
-        let places = Places::new(model, self);
+        let places = UnknownCells::new(model, self);
         let stiffness = model.kinematic_viscosity * dt / (model.grid.dx * model.grid.dx);
-        let operator = Viscous::new(model, self.phi, self.solids, &places, stiffness);
+        let operator = ViscousOperator::new(model, self.phi, self.cut_cells, &places, stiffness);
         let mut x = operator.gather(model, &places, self.velocity);
         let mut b = x.clone();
-        let cells = b.par_chunks_mut(D).zip(&operator.cells).with_min_len(GRAIN);
-        cells.for_each(|(b, cell)| (0..D).for_each(|a| b[a] *= cell.mass[a]));
+        let cells = b.par_chunks_mut(D).zip(&operator.cells).with_min_len(CELLS_PER_TASK);
+        cells.for_each(|(b, cell)| (0..D).for_each(|a| b[a] *= cell.face_mass[a]));
         let jacobi = Jacobi::new(&operator.diagonal());
-        let report = conjugate_gradient(&operator, &jacobi, &b, &mut x, tolerance, ITERATIONS)?;
+        let report = conjugate_gradient(&operator, &jacobi, &b, &mut x, tolerance, MAX_ITERATIONS)?;
         for a in 0..D {
-            let lattice = model.grid.faces(a);
+            let lattice = model.grid.face_lattice(a);
             let row = lattice.extent[0];
-            par::for_each_segment(&mut self.velocity.axes[a], row, &self.faces[a], |s, part| {
+            par::for_each_segment(&mut self.velocity.axes[a], row, &self.liquid_faces[a], |s, part| {
                 let at = lattice.coordinates(s.row * row + s.start);
                 let slots = &places.slots[places.lattice.index(at)..][..part.len()];
                 for (u, slot) in part.iter_mut().zip(slots).filter(|(_, slot)| **slot != 0) {
@@ -91,7 +91,7 @@ impl<const D: usize> Diffusion<'_, D> {
 }
 
 /// The cells whose lower faces are unknowns: liquid, the nearest air, and beyond open upper sides.
-struct Places<const D: usize> {
+struct UnknownCells<const D: usize> {
     /// Cells and one more along each axis: every face is the lower face of one of these.
     lattice: Lattice<D>,
     /// Where they are; the first is a dummy.
@@ -100,7 +100,7 @@ struct Places<const D: usize> {
     slots: Vec<u32>,
 }
 
-impl<const D: usize> Places<D> {
+impl<const D: usize> UnknownCells<D> {
     fn new(model: &Model<D>, d: &Diffusion<'_, D>) -> Self {
         let cells = model.grid.lattice();
         let lattice = Lattice::new(cells.extent.map(|n| n + 1));
@@ -110,11 +110,11 @@ impl<const D: usize> Places<D> {
                 lattice.index(cells.coordinates(run.row as usize * cells.extent[0] + run.start as usize));
             list.extend(start as u32..start as u32 + (run.end - run.start));
         }
-        let near = &d.band.cells[d.band.first_layers(REACH)];
-        let far = DEEP * model.grid.dx;
+        let near = &d.band.cells[d.band.first_layers(AIR_LAYERS)];
+        let far = FULL_CELL_DISTANCE_CELLS * model.grid.dx;
         let air = near.iter().filter(|c| (0.0..far).contains(&d.phi.data[**c as usize]));
         list.extend(air.map(|&c| lattice.index(cells.coordinates(c as usize)) as u32));
-        for a in (0..D).filter(|a| !model.closed(*a, cells.extent[*a])) {
+        for a in (0..D).filter(|a| !model.on_closed_side(*a, cells.extent[*a])) {
             let last = |p: &u32| {
                 let at = lattice.coordinates(*p as usize);
                 at[a] + 1 == cells.extent[a] && (0..D).all(|b| at[b] < cells.extent[b])
@@ -140,59 +140,59 @@ struct Cell<const D: usize> {
     /// `ν h/Δ²` times the share of the box around the lower edge of each plane.
     shear: [f64; D],
     /// Mass of the lower faces.
-    mass: [f64; D],
+    face_mass: [f64; D],
     /// Whether the lower faces are unknown.
-    free: [bool; D],
+    is_unknown: [bool; D],
 }
 
 /// Mass plus `h` times half the slope of `Φ`.
-struct Viscous<const D: usize> {
+struct ViscousOperator<const D: usize> {
     cells: Vec<Cell<D>>,
     /// Weighted strain rates of each cell: along the axes, in the planes.
     strain: Mutex<Vec<[[f64; D]; 2]>>,
 }
 
-impl<const D: usize> Viscous<D> {
+impl<const D: usize> ViscousOperator<D> {
     fn new(
         model: &Model<D>,
         phi: &CellField<D>,
         solids: &CutCells<D>,
-        places: &Places<D>,
+        places: &UnknownCells<D>,
         stiffness: f64,
     ) -> Self {
         let dummy =
-            Cell { next: [[0; 2]; D], normal: 0.0, shear: [0.0; D], mass: [0.0; D], free: [false; D] };
+            Cell { next: [[0; 2]; D], normal: 0.0, shear: [0.0; D], face_mass: [0.0; D], is_unknown: [false; D] };
         let builder = Builder {
             model,
             places,
             phi: &phi.data,
-            sampler: Sampler::cells(&model.grid, &phi.data, model.scalar_edges()),
+            sampler: Sampler::cells(&model.grid, &phi.data, model.scalar_boundary()),
             solids,
             stiffness,
         };
         let build = |(i, p): (usize, &u32)| if i == 0 { dummy } else { builder.cell(*p as usize) };
-        let cells: Vec<Cell<D>> = places.list.par_iter().with_min_len(GRAIN).enumerate().map(build).collect();
+        let cells: Vec<Cell<D>> = places.list.par_iter().with_min_len(CELLS_PER_TASK).enumerate().map(build).collect();
         let strain = Mutex::new(vec![[[0.0; D]; 2]; cells.len()]);
         Self { cells, strain }
     }
 
     /// The velocity on the faces; those outside the liquid that are unknown take the mean of their neighbours in it.
-    fn gather(&self, model: &Model<D>, places: &Places<D>, velocity: &FaceField<D>) -> Vec<f64> {
+    fn gather(&self, model: &Model<D>, places: &UnknownCells<D>, velocity: &FaceField<D>) -> Vec<f64> {
         let value = |i: usize, a: usize| {
             let at = places.lattice.coordinates(places.list[i] as usize);
             let exists = i > 0 && (0..D).all(|b| b == a || at[b] < model.grid.cells[b]);
-            if exists { velocity.axes[a][model.grid.faces(a).index(at)] } else { 0.0 }
+            if exists { velocity.axes[a][model.grid.face_lattice(a).index(at)] } else { 0.0 }
         };
         let mut x = vec![0.0; self.cells.len() * D];
-        x.par_chunks_mut(D).zip(&self.cells).enumerate().with_min_len(GRAIN).for_each(|(i, (x, cell))| {
+        x.par_chunks_mut(D).zip(&self.cells).enumerate().with_min_len(CELLS_PER_TASK).for_each(|(i, (x, cell))| {
             for a in 0..D {
-                if !cell.free[a] {
+                if !cell.is_unknown[a] {
                     x[a] = value(i, a);
                     continue;
                 }
                 let near = cell.next.iter().flatten().map(|n| *n as usize);
-                let known = near.filter(|n| self.cells[*n].mass[a] > 0.0);
-                x[a] = if cell.mass[a] > 0.0 {
+                let known = near.filter(|n| self.cells[*n].face_mass[a] > 0.0);
+                x[a] = if cell.face_mass[a] > 0.0 {
                     value(i, a)
                 } else {
                     let (sum, count) = known.fold((0.0, 0.0), |(s, c), n| (s + value(n, a), c + 1.0));
@@ -205,22 +205,22 @@ impl<const D: usize> Viscous<D> {
 
     fn diagonal(&self) -> Vec<f64> {
         let of = |c: &Cell<D>, a: usize| {
-            if !c.free[a] {
+            if !c.is_unknown[a] {
                 return 0.0;
             }
-            let mut sum = c.mass[a] + c.normal + self.cells[c.next[a][0] as usize].normal;
-            for (k, &(p, q, _)) in planes::<D>().iter().enumerate() {
+            let mut sum = c.face_mass[a] + c.normal + self.cells[c.next[a][0] as usize].normal;
+            for (k, &(p, q, _)) in rotation_planes::<D>().iter().enumerate() {
                 if a == p || a == q {
                     sum += c.shear[k] + self.cells[c.next[p + q - a][1] as usize].shear[k];
                 }
             }
             sum
         };
-        self.cells.par_iter().with_min_len(GRAIN).flat_map_iter(|c| (0..D).map(move |a| of(c, a))).collect()
+        self.cells.par_iter().with_min_len(CELLS_PER_TASK).flat_map_iter(|c| (0..D).map(move |a| of(c, a))).collect()
     }
 }
 
-impl<const D: usize> LinearOperator for Viscous<D> {
+impl<const D: usize> LinearOperator for ViscousOperator<D> {
     fn size(&self) -> usize {
         self.cells.len() * D
     }
@@ -228,28 +228,28 @@ impl<const D: usize> LinearOperator for Viscous<D> {
     fn apply(&self, x: &[f64], y: &mut [f64]) {
         let (u, _) = x.as_chunks::<D>();
         let mut strain = self.strain.lock().unwrap_or_else(PoisonError::into_inner);
-        strain.par_iter_mut().zip(&self.cells).enumerate().with_min_len(GRAIN).for_each(|(i, (s, c))| {
+        strain.par_iter_mut().zip(&self.cells).enumerate().with_min_len(CELLS_PER_TASK).for_each(|(i, (s, c))| {
             let here = u[i];
             for a in 0..D {
                 s[0][a] = c.normal * (u[c.next[a][1] as usize][a] - here[a]);
             }
-            for (k, &(p, q, _)) in planes::<D>().iter().enumerate() {
+            for (k, &(p, q, _)) in rotation_planes::<D>().iter().enumerate() {
                 let (below, left) = (u[c.next[q][0] as usize][p], u[c.next[p][0] as usize][q]);
                 s[1][k] = c.shear[k] * (here[p] - below + here[q] - left);
             }
         });
         let strain = &*strain;
         let (v, _) = y.as_chunks_mut::<D>();
-        v.par_iter_mut().zip(&self.cells).enumerate().with_min_len(GRAIN).for_each(|(i, (v, c))| {
+        v.par_iter_mut().zip(&self.cells).enumerate().with_min_len(CELLS_PER_TASK).for_each(|(i, (v, c))| {
             let here = &strain[i];
             for a in 0..D {
-                v[a] = c.mass[a] * u[i][a] + strain[c.next[a][0] as usize][0][a] - here[0][a];
+                v[a] = c.face_mass[a] * u[i][a] + strain[c.next[a][0] as usize][0][a] - here[0][a];
             }
-            for (k, &(p, q, _)) in planes::<D>().iter().enumerate() {
+            for (k, &(p, q, _)) in rotation_planes::<D>().iter().enumerate() {
                 v[p] += here[1][k] - strain[c.next[q][1] as usize][1][k];
                 v[q] += here[1][k] - strain[c.next[p][1] as usize][1][k];
             }
-            (0..D).filter(|a| !c.free[*a]).for_each(|a| v[a] = 0.0);
+            (0..D).filter(|a| !c.is_unknown[*a]).for_each(|a| v[a] = 0.0);
         });
     }
 }
@@ -257,7 +257,7 @@ impl<const D: usize> LinearOperator for Viscous<D> {
 /// Finds the shares of liquid.
 struct Builder<'a, const D: usize> {
     model: &'a Model<D>,
-    places: &'a Places<D>,
+    places: &'a UnknownCells<D>,
     phi: &'a [f64],
     sampler: Sampler<'a, D>,
     solids: &'a CutCells<D>,
@@ -275,49 +275,49 @@ impl<const D: usize> Builder<'_, D> {
             [lower, if at[a] < extent[a] { self.places.slots[place + lattice.stride[a]] } else { 0 }]
         });
         let value = if inside { self.phi[self.model.grid.lattice().index(at)] } else { f64::INFINITY };
-        let deep = value < -DEEP * self.model.grid.dx;
+        let is_full = value < -FULL_CELL_DISTANCE_CELLS * self.model.grid.dx;
         // A term that needs a face which is not there is left out.
-        let whole = |a: usize| next[a][1] != 0 || self.model.closed(a, at[a] + 1);
+        let whole = |a: usize| next[a][1] != 0 || self.model.on_closed_side(a, at[a] + 1);
         let normal = if !inside || !(0..D).all(whole) {
             0.0
-        } else if deep {
+        } else if is_full {
             1.0
         } else {
-            self.share(at, &[])
+            self.liquid_fraction(at, &[])
         };
         let mut shear = [0.0; D];
-        for (k, &(p, q, _)) in planes::<D>().iter().enumerate() {
+        for (k, &(p, q, _)) in rotation_planes::<D>().iter().enumerate() {
             if inside && next[p][0] != 0 && next[q][0] != 0 {
-                shear[k] = self.stiffness * if deep { 1.0 } else { self.share(at, &[p, q]) };
+                shear[k] = self.stiffness * if is_full { 1.0 } else { self.liquid_fraction(at, &[p, q]) };
             }
         }
         let exists = |a: usize| (0..D).all(|b| b == a || at[b] < extent[b]);
-        let open = |a: usize| self.solids.open.axes[a][self.model.grid.faces(a).index(at)];
-        let free: [bool; D] = std::array::from_fn(|a| exists(a) && !self.model.closed(a, at[a]));
-        let mass = std::array::from_fn(|a| if free[a] { open(a) * self.mass(at, a) } else { 0.0 });
-        let mut cell = Cell { next, normal: 2.0 * self.stiffness * normal, shear, mass, free };
-        if inside && !self.solids.wet.is_empty() {
-            self.take_solids(&mut cell, at);
+        let open = |a: usize| self.solids.open_fraction.axes[a][self.model.grid.face_lattice(a).index(at)];
+        let is_unknown: [bool; D] = std::array::from_fn(|a| exists(a) && !self.model.on_closed_side(a, at[a]));
+        let face_mass = std::array::from_fn(|a| if is_unknown[a] { open(a) * self.face_mass(at, a) } else { 0.0 });
+        let mut cell = Cell { next, normal: 2.0 * self.stiffness * normal, shear, face_mass, is_unknown };
+        if inside && !self.solids.cells.is_empty() {
+            self.apply_open_fractions(&mut cell, at);
         }
         cell
     }
 
     /// Takes away what solids leave no room for.
-    fn take_solids(&self, cell: &mut Cell<D>, at: [usize; D]) {
+    fn apply_open_fractions(&self, cell: &mut Cell<D>, at: [usize; D]) {
         let lattice = self.model.grid.lattice();
         let here = lattice.index(at);
         // Share of a cell-sized box that is open, at a distance to the solid.
         let room = |distance: f64| (distance + 0.5).clamp(0.0, 1.0);
-        cell.normal *= room(self.solids.distance(here));
-        for (k, &(p, q, _)) in planes::<D>().iter().enumerate() {
+        cell.normal *= room(self.solids.distance_cells(here));
+        for (k, &(p, q, _)) in rotation_planes::<D>().iter().enumerate() {
             if cell.shear[k] == 0.0 {
                 continue;
             }
             let around = [0, lattice.stride[p], lattice.stride[q], lattice.stride[p] + lattice.stride[q]];
-            let mean = around.iter().map(|step| self.solids.distance(here - step)).sum::<f64>() / 4.0;
+            let mean = around.iter().map(|step| self.solids.distance_cells(here - step)).sum::<f64>() / 4.0;
             let open = |axis: usize, down: usize| {
-                let faces = self.model.grid.faces(axis);
-                self.solids.open.axes[axis][faces.index(at) - if down == D { 0 } else { faces.stride[down] }]
+                let faces = self.model.grid.face_lattice(axis);
+                self.solids.open_fraction.axes[axis][faces.index(at) - if down == D { 0 } else { faces.stride[down] }]
             };
             let touches = [open(p, D), open(p, q), open(q, D), open(q, p)].contains(&0.0);
             cell.shear[k] *= if touches { 0.0 } else { room(mean) };
@@ -326,7 +326,7 @@ impl<const D: usize> Builder<'_, D> {
 
     /// Share of liquid in the box of a cell's size around its centre, or the middle of its lower edge: half a
     /// cell down along each of the axes `down`.
-    fn share(&self, at: [usize; D], down: &[usize]) -> f64 {
+    fn liquid_fraction(&self, at: [usize; D], down: &[usize]) -> f64 {
         let mut value = 0.0;
         let mut slope = [0.0; D];
         let count = 1 << down.len();
@@ -352,11 +352,11 @@ impl<const D: usize> Builder<'_, D> {
         }
         let scale = 1.0 / count as f64;
         let share = plane_box_fraction(value * scale, slope.map(|s| s * scale));
-        if share < LEAST { 0.0 } else { share }
+        if share < MIN_LIQUID_FRACTION { 0.0 } else { share }
     }
 
     /// Mass of the lower face along `a`.
-    fn mass(&self, at: [usize; D], a: usize) -> f64 {
+    fn face_mass(&self, at: [usize; D], a: usize) -> f64 {
         let cells = self.model.grid.lattice();
         let side = at[a] == 0 || at[a] == cells.extent[a];
         let mut inner = at;
@@ -370,7 +370,7 @@ impl<const D: usize> Builder<'_, D> {
             return 0.0;
         }
         let liquid = upper.min(lower);
-        if upper.max(lower) < 0.0 { 1.0 } else { (liquid / (liquid - upper.max(lower))).max(NEAREST) }
+        if upper.max(lower) < 0.0 { 1.0 } else { (liquid / (liquid - upper.max(lower))).max(MIN_FACE_MASS) }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Tests of the viscosity.
 
 use super::*;
-use crate::model::resolution::BAND;
+use crate::model::resolution::BAND_WIDTH_CELLS;
 use crate::model::{Numerics, Wall};
 use crate::simulation::workspace::Workspace;
 use crate::state::State;
@@ -30,18 +30,18 @@ fn liquid<const D: usize>(
     let grid = &model.grid;
     let mut state = State::empty(*grid);
     let lattice = grid.lattice();
-    let limit = BAND * grid.dx;
+    let limit = BAND_WIDTH_CELLS * grid.dx;
     for i in 0..lattice.len() {
         state.phi.data[i] = distance(&grid.center(lattice.coordinates(i))).clamp(-limit, limit);
     }
     let work = Workspace::new(model, &mut state);
     for a in 0..D {
         state.velocity.axes[a].fill(0.0);
-        let faces = grid.faces(a);
-        for s in &work.known.liquid()[a] {
+        let faces = grid.face_lattice(a);
+        for s in &work.known_faces.liquid_faces()[a] {
             for f in s.row * faces.extent[0] + s.start..s.row * faces.extent[0] + s.end {
                 let at = faces.coordinates(f);
-                if !model.closed(a, at[a]) {
+                if !model.on_closed_side(a, at[a]) {
                     state.velocity.axes[a][f] = velocity(&grid.face_center(a, at))[a];
                 }
             }
@@ -56,8 +56,8 @@ fn diffusion<'a, const D: usize>(state: &'a mut State<D>, work: &'a Workspace<D>
         phi: &state.phi,
         band: &work.band,
         liquid: &work.liquid,
-        faces: work.known.liquid(),
-        solids: &work.cut,
+        liquid_faces: work.known_faces.liquid_faces(),
+        cut_cells: &work.cut_cells,
     }
 }
 
@@ -100,14 +100,14 @@ fn operator_is_symmetric<const D: usize>() {
     model.walls[1][0] = Wall::Open;
     let (mut state, work) = liquid(&model, |x| ball(&(x * 0.6)), |_| Vector::zeros());
     let d = diffusion(&mut state, &work);
-    let places = Places::new(&model, &d);
-    let operator = Viscous::new(&model, d.phi, d.solids, &places, 3.0);
+    let places = UnknownCells::new(&model, &d);
+    let operator = ViscousOperator::new(&model, d.phi, d.cut_cells, &places, 3.0);
     let diagonal = operator.diagonal();
     let n = operator.size();
     let (mut x, mut image) = (vec![0.0; n], vec![0.0; n]);
     let mut rows = Vec::new();
     for i in 0..n {
-        x[i] = if operator.cells[i / D].free[i % D] { 1.0 } else { 0.0 };
+        x[i] = if operator.cells[i / D].is_unknown[i % D] { 1.0 } else { 0.0 };
         operator.apply(&x, &mut image);
         assert!((image[i] - diagonal[i]).abs() < 1e-12, "{D}D: diagonal {i}");
         rows.push(image.clone());
@@ -130,9 +130,9 @@ fn a_linear_strain_dissipates_what_it_should() {
     let center = Vector::<2>::new(0.493, 0.508);
     let (mut state, work) = liquid(&model, |x| (x - center).norm() - 0.25, |_| Vector::zeros());
     let d = diffusion(&mut state, &work);
-    let places = Places::new(&model, &d);
-    let mut operator = Viscous::new(&model, d.phi, d.solids, &places, 1.0);
-    operator.cells.iter_mut().for_each(|c| c.mass = [0.0; 2]);
+    let places = UnknownCells::new(&model, &d);
+    let mut operator = ViscousOperator::new(&model, d.phi, d.cut_cells, &places, 1.0);
+    operator.cells.iter_mut().for_each(|c| c.face_mass = [0.0; 2]);
     let strain = |i: usize, a: usize| {
         let x = model.grid.face_center(a, places.lattice.coordinates(places.list[i] as usize));
         if i == 0 { 0.0 } else { [x[0], -x[1]][a] }

@@ -5,11 +5,11 @@ use meniscus_numerics::par;
 use rayon::prelude::*;
 
 /// Cells whose surface measure is below this take no part.
-const THIN: f64 = 0.004;
+const MIN_SURFACE_MEASURE_CELLS2: f64 = 0.004;
 /// Relative residual of the filter's solve.
 const TOLERANCE: f64 = 1e-8;
 /// Most iterations of it.
-const ITERATIONS: usize = 500;
+const MAX_ITERATIONS: usize = 500;
 /// Cells summed one after another.
 const CHUNK: usize = 2048;
 
@@ -18,7 +18,7 @@ pub struct Graph {
     /// Place in the band.
     pub slots: Vec<u32>,
     /// Surface measure `w`.
-    weight: Vec<f64>,
+    measure: Vec<f64>,
     /// Neighbours (itself where there is none) and their coupling ½(w_i + w_j).
     links: Vec<[(u32, f32); 6]>,
 }
@@ -26,7 +26,7 @@ pub struct Graph {
 type Complex = [f64; 2];
 
 /// What the filter made of values.
-pub struct Filtered {
+pub struct FilterResult {
     /// The new values.
     pub values: Vec<f64>,
     /// Relative residual that the solve ended with.
@@ -40,7 +40,7 @@ impl Graph {
     pub fn new<const D: usize>(grid: &Grid<D>, band: &Band<D>, measure: &[f64]) -> Self {
         let lattice = grid.lattice();
         let mut place = vec![u32::MAX; measure.len()];
-        let slots: Vec<u32> = (0..measure.len() as u32).filter(|&s| measure[s as usize] > THIN).collect();
+        let slots: Vec<u32> = (0..measure.len() as u32).filter(|&s| measure[s as usize] > MIN_SURFACE_MEASURE_CELLS2).collect();
         slots.iter().enumerate().for_each(|(i, &s)| place[s as usize] = i as u32);
         let weight: Vec<f64> = slots.iter().map(|&s| measure[s as usize]).collect();
         let links = slots
@@ -58,33 +58,33 @@ impl Graph {
                 links
             })
             .collect();
-        Self { slots, weight, links }
+        Self { slots, measure: weight, links }
     }
 
     /// `W⁻¹ L v` in 1/cells².
     pub fn laplacian(&self, v: &[f64]) -> Vec<f64> {
         let row = |i: usize| -> f64 {
             self.links[i].iter().map(|&(j, c)| c as f64 * (v[i] - v[j as usize])).sum::<f64>()
-                / self.weight[i]
+                / self.measure[i]
         };
         (0..v.len()).map(row).collect()
     }
 
     /// `F v = (W + s² L W⁻¹ L)⁻¹ W v = Re (W + i s L)⁻¹ W v` by conjugate gradients for complex symmetric matrices, started from `v`.
-    pub fn filter(&self, v: &[f64], s: f64) -> Filtered {
+    pub fn filter(&self, v: &[f64], s: f64) -> FilterResult {
         let n = v.len();
         let diagonal: Vec<Complex> = (0..n)
-            .map(|i| [self.weight[i], s * self.links[i].iter().map(|l| l.1 as f64).sum::<f64>()])
+            .map(|i| [self.measure[i], s * self.links[i].iter().map(|l| l.1 as f64).sum::<f64>()])
             .collect();
         let mut x: Vec<Complex> = v.iter().map(|v| [*v, 0.0]).collect();
         let mut q = vec![[0.0; 2]; n];
         self.multiply(s, &x, &mut q);
-        let mut r: Vec<Complex> = (0..n).map(|i| [self.weight[i] * v[i] - q[i][0], -q[i][1]]).collect();
+        let mut r: Vec<Complex> = (0..n).map(|i| [self.measure[i] * v[i] - q[i][0], -q[i][1]]).collect();
         let mut p: Vec<Complex> = (0..n).map(|i| over(r[i], diagonal[i])).collect();
-        let scale: f64 = v.iter().zip(&self.weight).map(|(v, w)| (v * w).powi(2)).sum();
+        let scale: f64 = v.iter().zip(&self.measure).map(|(v, w)| (v * w).powi(2)).sum();
         let start = par::sums(n, |i| with_square(times(r[i], p[i]), r[i]));
         let (mut rho, mut square) = ([start[0], start[1]], start[2]);
-        for _ in 0..ITERATIONS {
+        for _ in 0..MAX_ITERATIONS {
             if square <= TOLERANCE * TOLERANCE * scale {
                 break;
             }
@@ -104,7 +104,7 @@ impl Graph {
         }
         let converged = square <= TOLERANCE * TOLERANCE * scale;
         let residual = if square == 0.0 { 0.0 } else { (square / scale).sqrt() };
-        Filtered { values: x.into_iter().map(|x| x[0]).collect(), residual, converged }
+        FilterResult { values: x.into_iter().map(|x| x[0]).collect(), residual, converged }
     }
 
     /// `y = (W + i s L) x`; gives back `Σ x y`.
@@ -123,7 +123,7 @@ impl Graph {
                         bend[0] += link as f64 * (here[0] - there[0]);
                         bend[1] += link as f64 * (here[1] - there[1]);
                     }
-                    let w = self.weight[at];
+                    let w = self.measure[at];
                     *y = [w * here[0] - s * bend[1], w * here[1] + s * bend[0]];
                     let t = times(here, *y);
                     sum = [sum[0] + t[0], sum[1] + t[1]];
@@ -183,17 +183,17 @@ mod tests {
 
     /// A ring of cells with uneven weights.
     fn ring(n: usize) -> Graph {
-        let weight: Vec<f64> = (0..n).map(|i| 0.1 + 0.09 * (1.7 * i as f64).sin()).collect();
+        let measure: Vec<f64> = (0..n).map(|i| 0.1 + 0.09 * (1.7 * i as f64).sin()).collect();
         let links = (0..n)
             .map(|i| {
                 let mut links = [(i as u32, 0.0); 6];
                 for (k, j) in [(i + 1) % n, (i + n - 1) % n].into_iter().enumerate() {
-                    links[k] = (j as u32, (0.5 * (weight[i] + weight[j])) as f32);
+                    links[k] = (j as u32, (0.5 * (measure[i] + measure[j])) as f32);
                 }
                 links
             })
             .collect();
-        Graph { slots: (0..n as u32).collect(), weight, links }
+        Graph { slots: (0..n as u32).collect(), measure, links }
     }
 
     #[test]
@@ -202,11 +202,11 @@ mod tests {
         let constant = graph.filter(&vec![0.7; 5000], 3.0).values;
         assert!(constant.iter().all(|v| (v - 0.7).abs() < 1e-12));
         let noise: Vec<f64> = (0..5000).map(|i| (i as f64 * 12.9898).sin()).collect();
-        let force = |v: &[f64]| v.iter().zip(&graph.weight).map(|(v, w)| v * w).sum::<f64>();
+        let force = |v: &[f64]| v.iter().zip(&graph.measure).map(|(v, w)| v * w).sum::<f64>();
         let smooth = graph.filter(&noise, 3.0);
         assert!(smooth.converged && !graph.filter(&noise, 1e9).converged);
         let smooth = smooth.values;
-        let size = noise.iter().zip(&graph.weight).map(|(v, w)| (v * w).abs()).sum::<f64>();
+        let size = noise.iter().zip(&graph.measure).map(|(v, w)| (v * w).abs()).sum::<f64>();
         assert!((force(&smooth) - force(&noise)).abs() < 1e-6 * size);
     }
 

@@ -4,24 +4,24 @@
 //! Cubes are split into simplices on which φ is linear: four triangles in 2D, two times five tetrahedra in 3D, both ways
 //! to split counting half, so that no direction is preferred.
 
-use meniscus_numerics::shape::Simplex as ClippedSimplex;
+use meniscus_numerics::shape::ClipSimplex as ClippedSimplex;
 use meniscus_numerics::{Matrix, Vector};
 
 /// What the liquid's surface cuts out of a cube, in units of the cell size.
 #[derive(Clone, Debug)]
-pub struct CutCube {
+pub struct DualCell {
     /// Cell of each corner (beyond a wall: its mirror image; 2D: the last four are none, `u32::MAX`).
     pub corners: [u32; 8],
     /// Which corners are liquid cells, one bit each.
-    pub wet: u8,
+    pub liquid_corners: u8,
     /// Area of the free surface.
     pub area: f64,
     /// Area of the solid under liquid.
-    pub wetted: f64,
+    pub wetted_area: f64,
     /// Liquid volume less one share (1/2^D) for every liquid corner.
-    pub excess: f64,
+    pub excess_volume: f64,
     /// First moment of that difference about the origin.
-    pub moment: [f64; 3],
+    pub excess_moment: [f64; 3],
     /// −∂/∂φ of each corner of the energy: free area, less `cosine` times the wetted area, and the liquid's weight times
     /// its height.
     pub energy_slope: [f64; 8],
@@ -30,25 +30,25 @@ pub struct CutCube {
     /// Number of the solid in the cube, if any.
     pub solid: u32,
     /// Cosine of its contact angle.
-    pub cosine: f64,
+    pub contact_cosine: f64,
     /// The same of Young's: the two differ where lines rest.
-    pub young: f64,
+    pub young_cosine: f64,
     /// Whether a contact line in it rests.
     pub pinned: bool,
     /// What the free surface pulls at the solid with across the solid, over the tension, integrated along the contact line.
-    pub lift: [f64; 3],
+    pub normal_pull: [f64; 3],
     /// The direction along the solid into the liquid, integrated along the contact line.
-    pub wetward: [f64; 3],
+    pub wetting_direction: [f64; 3],
     /// Moments of both about the origin (2D: in the last entry).
-    pub turns: [[f64; 3]; 2],
+    pub pull_moments: [[f64; 3]; 2],
 }
 
 /// The surface passes no corner nearer than this (in cells): a simplex cut exactly at a corner has no derivative.
-pub const NEAREST: f64 = 1e-6;
+pub const MIN_CORNER_DISTANCE_CELLS: f64 = 1e-6;
 
 /// A value in cells, kept away from zero; −0 is no liquid, as everywhere.
 pub fn away_from_zero(value: f64) -> f64 {
-    let size = value.abs().max(NEAREST);
+    let size = value.abs().max(MIN_CORNER_DISTANCE_CELLS);
     if value < 0.0 { -size } else { size }
 }
 
@@ -56,7 +56,7 @@ pub fn away_from_zero(value: f64) -> f64 {
 struct Simplex<const D: usize> {
     corners: [usize; 4],
     volume: f64,
-    slopes: [[f64; D]; 4],
+    gradients: [[f64; D]; 4],
 }
 
 /// Corners (bit a = up along axis a) of the simplices of both splits, each counting half.
@@ -75,12 +75,12 @@ const TETRAHEDRA: [[usize; 4]; 10] = [
 ];
 
 /// Both splits of a cube.
-pub struct Split<const D: usize> {
+pub struct SimplexSplit<const D: usize> {
     free: Vec<Simplex<D>>,
     clipped: Vec<ClippedSimplex<D>>,
 }
 
-impl<const D: usize> Split<D> {
+impl<const D: usize> SimplexSplit<D> {
     /// The splits of the unit cube.
     pub fn new() -> Self {
         let table: &[[usize; 4]] = if D == 2 { &TRIANGLES } else { &TETRAHEDRA };
@@ -93,100 +93,100 @@ impl<const D: usize> Split<D> {
 
     /// Adds what the surface cuts out of the unit cube without solids; `weight` is the energy of a unit of volume for each
     /// unit of height along the axes.
-    pub fn cut(&self, values: &[f64; 8], weight: &Vector<D>, cube: &mut CutCube) {
-        cube.take_shares::<D>();
+    pub fn cut(&self, values: &[f64; 8], bond_vector: &Vector<D>, dual_cell: &mut DualCell) {
+        dual_cell.subtract_corner_shares::<D>();
         for simplex in &self.free {
-            let surface = Surface { simplex, values, weight };
-            if D == 2 { cut_triangle(&surface, cube) } else { cut_tetrahedron(&surface, cube) }
+            let surface = SimplexCut { simplex, values, bond_vector };
+            if D == 2 { cut_triangle(&surface, dual_cell) } else { cut_tetrahedron(&surface, dual_cell) }
         }
     }
 
     /// Adds what the surface cuts out of the part of the unit cube where `psi` is positive.
-    pub fn cut_beside(&self, values: &[f64; 8], psi: &[f64; 8], weight: &Vector<D>, cube: &mut CutCube) {
-        cube.take_shares::<D>();
+    pub fn cut_with_solid(&self, values: &[f64; 8], psi: &[f64; 8], bond_vector: &Vector<D>, dual_cell: &mut DualCell) {
+        dual_cell.subtract_corner_shares::<D>();
         for (clipped, simplex) in self.clipped.iter().zip(&self.free) {
             // A corner that does not exist (2D) is outside everything.
             let of = |v: &[f64; 8]| std::array::from_fn(|i| if i <= D { v[simplex.corners[i]] } else { 1.0 });
             let cut = clipped.cut(&of(values), &of(psi));
-            cube.area += 0.5 * cut.area;
-            cube.wetted += 0.5 * cut.wetted;
-            cube.excess += 0.5 * cut.volume;
+            dual_cell.area += 0.5 * cut.area;
+            dual_cell.wetted_area += 0.5 * cut.wetted_area;
+            dual_cell.excess_volume += 0.5 * cut.volume;
             for a in 0..3 {
-                cube.moment[a] += 0.5 * cut.moment[a];
-                cube.lift[a] += 0.5 * cut.lift[0][a];
-                cube.wetward[a] += 0.5 * cut.wetward[0][a];
-                cube.turns[0][a] += 0.5 * cut.lift[1][a];
-                cube.turns[1][a] += 0.5 * cut.wetward[1][a];
+                dual_cell.excess_moment[a] += 0.5 * cut.moment[a];
+                dual_cell.normal_pull[a] += 0.5 * cut.normal_pull[0][a];
+                dual_cell.wetting_direction[a] += 0.5 * cut.wetting_direction[0][a];
+                dual_cell.pull_moments[0][a] += 0.5 * cut.normal_pull[1][a];
+                dual_cell.pull_moments[1][a] += 0.5 * cut.wetting_direction[1][a];
             }
             for i in 0..=D {
-                let heavy: f64 = (0..D).map(|a| weight[a] * cut.moment_slope[i][a]).sum();
-                let energy = cut.area_slope[i] - cube.cosine * cut.wetted_slope[i] + heavy;
-                cube.energy_slope[simplex.corners[i]] -= 0.5 * energy;
-                cube.volume_slope[simplex.corners[i]] -= 0.5 * cut.volume_slope[i];
+                let heavy: f64 = (0..D).map(|a| bond_vector[a] * cut.moment_slope[i][a]).sum();
+                let energy = cut.area_slope[i] - dual_cell.contact_cosine * cut.wetted_area_slope[i] + heavy;
+                dual_cell.energy_slope[simplex.corners[i]] -= 0.5 * energy;
+                dual_cell.volume_slope[simplex.corners[i]] -= 0.5 * cut.volume_slope[i];
             }
         }
     }
 }
 
-impl<const D: usize> Default for Split<D> {
+impl<const D: usize> Default for SimplexSplit<D> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl CutCube {
+impl DualCell {
     /// A cube in which the surface is yet to be cut; the liquid corners' shares are yet to be taken away.
-    pub fn new(corners: [u32; 8], wet: u8) -> Self {
+    pub fn new(corners: [u32; 8], liquid_corners: u8) -> Self {
         let zero = [0.0; 8];
         Self {
             corners,
-            wet,
+            liquid_corners,
             area: 0.0,
-            wetted: 0.0,
-            excess: 0.0,
-            moment: [0.0; 3],
+            wetted_area: 0.0,
+            excess_volume: 0.0,
+            excess_moment: [0.0; 3],
             energy_slope: zero,
             volume_slope: zero,
             solid: u32::MAX,
-            cosine: 0.0,
-            young: 0.0,
+            contact_cosine: 0.0,
+            young_cosine: 0.0,
             pinned: false,
-            lift: [0.0; 3],
-            wetward: [0.0; 3],
-            turns: [[0.0; 3]; 2],
+            normal_pull: [0.0; 3],
+            wetting_direction: [0.0; 3],
+            pull_moments: [[0.0; 3]; 2],
         }
     }
 
     /// What surface and line pull at the solid with, over the tension, integrated along the contact line: across the solid
     /// as the free surface does, along it as at rest: what is unbalanced there moves the liquid.
     pub fn pull(&self) -> [f64; 3] {
-        std::array::from_fn(|a| self.lift[a] + self.cosine * self.wetward[a])
+        std::array::from_fn(|a| self.normal_pull[a] + self.contact_cosine * self.wetting_direction[a])
     }
 
     /// Moment of [`Self::pull`] about the origin (2D: in the last entry).
-    pub fn turn(&self) -> [f64; 3] {
-        std::array::from_fn(|a| self.turns[0][a] + self.cosine * self.turns[1][a])
+    pub fn pull_moment(&self) -> [f64; 3] {
+        std::array::from_fn(|a| self.pull_moments[0][a] + self.contact_cosine * self.pull_moments[1][a])
     }
 
     /// Middle of the contact line, in cells, as its moments tell; nothing without a line.
-    pub fn foot(&self) -> Option<[f64; 3]> {
+    pub fn line_center(&self) -> Option<[f64; 3]> {
         // r × l = m for both directions l along which something is integrated: (l² − l lᵀ) r = l × m.
-        let [lift, wetward] = [self.lift, self.wetward].map(Vector::<3>::from);
+        let [lift, wetward] = [self.normal_pull, self.wetting_direction].map(Vector::<3>::from);
         let square = |l: &Vector<3>| Matrix::<3>::identity() * l.norm_squared() - l * l.transpose();
-        let [first, second] = self.turns.map(Vector::<3>::from);
+        let [first, second] = self.pull_moments.map(Vector::<3>::from);
         let all = lift.cross(&first) + wetward.cross(&second);
         let place = (square(&lift) + square(&wetward)).cholesky()?.solve(&all);
         Some(place.into())
     }
 
     /// Length of the contact line (2D: its points).
-    pub fn length(&self) -> f64 {
-        dot(self.wetward, self.wetward).sqrt()
+    pub fn line_length(&self) -> f64 {
+        dot(self.wetting_direction, self.wetting_direction).sqrt()
     }
 
     /// Direction of the contact line; none in 2D, where it is a point.
-    pub fn along(&self) -> [f64; 3] {
-        let direction = cross(self.lift, self.wetward);
+    pub fn line_direction(&self) -> [f64; 3] {
+        let direction = cross(self.normal_pull, self.wetting_direction);
         let size = dot(direction, direction).sqrt();
         // In 2D it points out of the plane.
         if size > 0.0 { direction.map(|c| c / size) } else { [0.0; 3] }
@@ -194,38 +194,38 @@ impl CutCube {
 
     /// Multiplies what it holds.
     pub fn scale(&mut self, by: f64) {
-        for part in [&mut self.area, &mut self.wetted, &mut self.excess] {
+        for part in [&mut self.area, &mut self.wetted_area, &mut self.excess_volume] {
             *part *= by;
         }
         let lists = self
-            .moment
+            .excess_moment
             .iter_mut()
-            .chain(&mut self.lift)
-            .chain(&mut self.wetward)
-            .chain(self.turns.as_flattened_mut());
+            .chain(&mut self.normal_pull)
+            .chain(&mut self.wetting_direction)
+            .chain(self.pull_moments.as_flattened_mut());
         lists.chain(&mut self.energy_slope).chain(&mut self.volume_slope).for_each(|v| *v *= by);
     }
 
     /// Takes away the liquid corners' shares.
-    fn take_shares<const D: usize>(&mut self) {
-        let wet = self.wet;
+    fn subtract_corner_shares<const D: usize>(&mut self) {
+        let wet = self.liquid_corners;
         for k in (0..1 << D).filter(|k| wet >> k & 1 == 1) {
-            self.fill(-1.0 / (1 << D) as f64, &[corner(k)]);
+            self.add_volume(-1.0 / (1 << D) as f64, &[corner(k)]);
         }
     }
 
     /// Adds (a negative `volume` takes away) a piece with its centre in the middle of `points` of the unit cube.
-    fn fill(&mut self, volume: f64, points: &[[f64; 3]]) {
-        self.excess += volume;
+    fn add_volume(&mut self, volume: f64, points: &[[f64; 3]]) {
+        self.excess_volume += volume;
         for x in points {
-            (0..3).for_each(|a| self.moment[a] += volume / points.len() as f64 * x[a]);
+            (0..3).for_each(|a| self.excess_moment[a] += volume / points.len() as f64 * x[a]);
         }
     }
 
     /// Calls `f(component, part)` for every liquid corner; the parts add up to one.
-    pub fn share(&self, label: impl Fn(usize) -> Option<u32>, mut f: impl FnMut(u32, f64)) {
+    pub fn distribute(&self, label: impl Fn(usize) -> Option<u32>, mut f: impl FnMut(u32, f64)) {
         // Where a solid takes all liquid corners, the liquid is that of any corner's neighbourhood.
-        let corners = if self.wet == 0 { u8::MAX } else { self.wet };
+        let corners = if self.liquid_corners == 0 { u8::MAX } else { self.liquid_corners };
         let labels: [Option<u32>; 8] = std::array::from_fn(|k| {
             let there = corners >> k & 1 == 1 && self.corners[k] != u32::MAX;
             if there { label(self.corners[k] as usize) } else { None }
@@ -245,11 +245,11 @@ fn simplex<const D: usize>(corners: [usize; 4]) -> Simplex<D> {
     let edges = Matrix::<D>::from_fn(|r, c| (point(c + 1) - point(0))[r]);
     // Rows of the inverse are the gradients of the barycentric coordinates 1 … D.
     let inverse = edges.try_inverse().unwrap_or_else(Matrix::zeros);
-    let mut slopes = [[0.0; D]; 4];
+    let mut gradients = [[0.0; D]; 4];
     for i in 0..D {
         for a in 0..D {
-            slopes[i + 1][a] = inverse[(i, a)];
-            slopes[0][a] -= inverse[(i, a)];
+            gradients[i + 1][a] = inverse[(i, a)];
+            gradients[0][a] -= inverse[(i, a)];
         }
     }
     let central = D == 3 && corners.iter().all(|c| c.count_ones() % 2 == corners[0].count_ones() % 2);
@@ -260,14 +260,14 @@ fn simplex<const D: usize>(corners: [usize; 4]) -> Simplex<D> {
     } else {
         1.0 / 6.0
     };
-    Simplex { corners, volume: 0.5 * volume, slopes }
+    Simplex { corners, volume: 0.5 * volume, gradients }
 }
 
 /// A simplex, the values of φ at the corners of its cube, and the weight.
-struct Surface<'a, const D: usize> {
+struct SimplexCut<'a, const D: usize> {
     simplex: &'a Simplex<D>,
     values: &'a [f64; 8],
-    weight: &'a Vector<D>,
+    bond_vector: &'a Vector<D>,
 }
 
 /// A point where the surface crosses an edge: from liquid corner `a` a fraction `t` toward corner `b`.
@@ -290,7 +290,7 @@ fn root<const D: usize>(simplex: &Simplex<D>, values: &[f64; 8], a: usize, b: us
 }
 
 /// Adds `force · ∂x/∂φ` for a force on a root to the slopes of its edge's corners (with a minus sign).
-fn pull<const D: usize>(
+fn add_edge_force<const D: usize>(
     s: &Simplex<D>,
     values: &[f64; 8],
     root: &Root,
@@ -310,18 +310,18 @@ fn pull<const D: usize>(
 fn gradient_norm<const D: usize>(simplex: &Simplex<D>, values: &[f64; 8]) -> f64 {
     let mut square = 0.0;
     for a in 0..D {
-        let slope: f64 = (0..=D).map(|i| values[simplex.corners[i]] * simplex.slopes[i][a]).sum();
+        let slope: f64 = (0..=D).map(|i| values[simplex.corners[i]] * simplex.gradients[i][a]).sum();
         square += slope * slope;
     }
     square.sqrt().max(1e-12)
 }
 
-impl<const D: usize> Surface<'_, D> {
+impl<const D: usize> SimplexCut<'_, D> {
     /// Adds what a facet of this area takes from volume, and weight times height, when it sinks into the liquid.
-    fn sink(&self, area: f64, facet: &[Root], cube: &mut CutCube) {
+    fn add_facet_derivatives(&self, area: f64, facet: &[Root], cube: &mut DualCell) {
         let n = facet.len() as f64;
         let share = area / (n * gradient_norm(self.simplex, self.values));
-        let height = |r: &Root| (0..D).map(|a| self.weight[a] * r.x[a]).sum::<f64>();
+        let height = |r: &Root| (0..D).map(|a| self.bond_vector[a] * r.x[a]).sum::<f64>();
         let sum: f64 = facet.iter().map(height).sum();
         for r in facet {
             let heavy = share * (height(r) + sum) / (n + 1.0);
@@ -335,7 +335,7 @@ impl<const D: usize> Surface<'_, D> {
 }
 
 /// Splits the simplex's corners into liquid ones and others.
-fn sides<const D: usize>(simplex: &Simplex<D>, values: &[f64; 8]) -> ([usize; 4], usize) {
+fn partition_corners<const D: usize>(simplex: &Simplex<D>, values: &[f64; 8]) -> ([usize; 4], usize) {
     let mut order = [0; 4];
     let mut wet = 0;
     for i in 0..=D {
@@ -354,22 +354,22 @@ fn sides<const D: usize>(simplex: &Simplex<D>, values: &[f64; 8]) -> ([usize; 4]
     (order, wet)
 }
 
-fn cut_triangle<const D: usize>(surface: &Surface<'_, D>, cube: &mut CutCube) {
+fn cut_triangle<const D: usize>(surface: &SimplexCut<'_, D>, cube: &mut DualCell) {
     let (s, values) = (surface.simplex, surface.values);
-    let (o, wet) = sides(s, values);
+    let (o, wet) = partition_corners(s, values);
     let at = |i: usize| corner(s.corners[o[i]]);
     let (p, q) = match wet {
         0 => return,
-        3 => return cube.fill(s.volume, &[at(0), at(1), at(2)]),
+        3 => return cube.add_volume(s.volume, &[at(0), at(1), at(2)]),
         1 => {
             let (p, q) = (root(s, values, o[0], o[1]), root(s, values, o[0], o[2]));
-            cube.fill(s.volume * p.t * q.t, &[at(0), p.x, q.x]);
+            cube.add_volume(s.volume * p.t * q.t, &[at(0), p.x, q.x]);
             (p, q)
         }
         _ => {
             let (p, q) = (root(s, values, o[0], o[2]), root(s, values, o[1], o[2]));
-            cube.fill(s.volume, &[at(0), at(1), at(2)]);
-            cube.fill(-s.volume * (1.0 - p.t) * (1.0 - q.t), &[at(2), p.x, q.x]);
+            cube.add_volume(s.volume, &[at(0), at(1), at(2)]);
+            cube.add_volume(-s.volume * (1.0 - p.t) * (1.0 - q.t), &[at(2), p.x, q.x]);
             (p, q)
         }
     };
@@ -377,44 +377,44 @@ fn cut_triangle<const D: usize>(surface: &Surface<'_, D>, cube: &mut CutCube) {
     let length = (d[0] * d[0] + d[1] * d[1]).sqrt();
     cube.area += 0.5 * length;
     let unit = d.map(|c| 0.5 * c / length.max(1e-12));
-    pull(s, values, &q, unit, &mut cube.energy_slope);
-    pull(s, values, &p, unit.map(|c| -c), &mut cube.energy_slope);
-    surface.sink(0.5 * length, &[p, q], cube);
+    add_edge_force(s, values, &q, unit, &mut cube.energy_slope);
+    add_edge_force(s, values, &p, unit.map(|c| -c), &mut cube.energy_slope);
+    surface.add_facet_derivatives(0.5 * length, &[p, q], cube);
 }
 
-fn cut_tetrahedron<const D: usize>(surface: &Surface<'_, D>, cube: &mut CutCube) {
+fn cut_tetrahedron<const D: usize>(surface: &SimplexCut<'_, D>, cube: &mut DualCell) {
     let (s, values) = (surface.simplex, surface.values);
-    let (o, wet) = sides(s, values);
+    let (o, wet) = partition_corners(s, values);
     let edge = |i: usize, j: usize| root(s, values, o[i], o[j]);
     let at = |i: usize| corner(s.corners[o[i]]);
     let whole = [at(0), at(1), at(2), at(3)];
     match wet {
         0 => {}
-        4 => cube.fill(s.volume, &whole),
+        4 => cube.add_volume(s.volume, &whole),
         1 => {
             let r = [edge(0, 1), edge(0, 2), edge(0, 3)];
-            cube.fill(s.volume * r[0].t * r[1].t * r[2].t, &[at(0), r[0].x, r[1].x, r[2].x]);
+            cube.add_volume(s.volume * r[0].t * r[1].t * r[2].t, &[at(0), r[0].x, r[1].x, r[2].x]);
             cut_facet(surface, &r, cube);
         }
         3 => {
             let r = [edge(0, 3), edge(1, 3), edge(2, 3)];
             let dry = (1.0 - r[0].t) * (1.0 - r[1].t) * (1.0 - r[2].t);
-            cube.fill(s.volume, &whole);
-            cube.fill(-s.volume * dry, &[at(3), r[0].x, r[1].x, r[2].x]);
+            cube.add_volume(s.volume, &whole);
+            cube.add_volume(-s.volume * dry, &[at(3), r[0].x, r[1].x, r[2].x]);
             cut_facet(surface, &r, cube);
         }
         _ => {
             let (ac, ad, bc, bd) = (edge(0, 2), edge(0, 3), edge(1, 2), edge(1, 3));
-            cube.fill(s.volume * ac.t * ad.t, &[at(0), ac.x, ad.x, at(1)]);
-            cube.fill(s.volume * ac.t * bd.t * (1.0 - ad.t), &[ac.x, ad.x, bd.x, at(1)]);
-            cube.fill(s.volume * (1.0 - ac.t) * bc.t * bd.t, &[ac.x, bc.x, bd.x, at(1)]);
+            cube.add_volume(s.volume * ac.t * ad.t, &[at(0), ac.x, ad.x, at(1)]);
+            cube.add_volume(s.volume * ac.t * bd.t * (1.0 - ad.t), &[ac.x, ad.x, bd.x, at(1)]);
+            cube.add_volume(s.volume * (1.0 - ac.t) * bc.t * bd.t, &[ac.x, bc.x, bd.x, at(1)]);
             cut_facet(surface, &[ac, ad, bd], cube);
             cut_facet(surface, &[ac, bd, bc], cube);
         }
     }
 }
 
-fn cut_facet<const D: usize>(surface: &Surface<'_, D>, r: &[Root; 3], cube: &mut CutCube) {
+fn cut_facet<const D: usize>(surface: &SimplexCut<'_, D>, r: &[Root; 3], cube: &mut DualCell) {
     let (s, values) = (surface.simplex, surface.values);
     let edge = |i: usize, j: usize| -> [f64; 3] { std::array::from_fn(|k| r[j].x[k] - r[i].x[k]) };
     let normal = cross(edge(0, 1), edge(0, 2));
@@ -427,9 +427,9 @@ fn cut_facet<const D: usize>(surface: &Surface<'_, D>, r: &[Root; 3], cube: &mut
     cube.area += 0.5 * area;
     for i in 0..3 {
         let force = cross(unit, edge((i + 1) % 3, (i + 2) % 3)).map(|c| 0.25 * c);
-        pull(s, values, &r[i], force, &mut cube.energy_slope);
+        add_edge_force(s, values, &r[i], force, &mut cube.energy_slope);
     }
-    surface.sink(0.5 * area, r, cube);
+    surface.add_facet_derivatives(0.5 * area, r, cube);
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

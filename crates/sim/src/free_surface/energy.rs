@@ -11,80 +11,80 @@
 //! meniscus of 8 cells a capillary length stood 4 % too low. Liquid that falls freely with its solid bears no such pressure:
 //! a drop with Bo = 1 on a plate that falls has its angle wrong by half a degree (28 cells a radius).
 
-use super::dual_cell::{CutCube, Split, away_from_zero};
-use meniscus_numerics::grid::{Band, CutCells, Grid, Lattice, Runs, in_parallel};
-use meniscus_numerics::{Vector, planes};
+use super::dual_cell::{DualCell, SimplexSplit, away_from_zero};
+use meniscus_numerics::grid::{Band, CutCells, Grid, Lattice, Runs, par_lattice_points};
+use meniscus_numerics::{Vector, rotation_planes};
 use rayon::prelude::*;
 
 /// The lattice of cubes and how it splits.
-pub struct SurfaceLattice<const D: usize> {
+pub struct DualGrid<const D: usize> {
     grid: Grid<D>,
-    split: Split<D>,
+    split: SimplexSplit<D>,
     /// The cubes that solids cut, sorted.
-    dry: Vec<DryCube>,
+    solid_cells: Vec<SolidDualCell>,
     /// The liquid's weight `w = −ρ g Δ²/γ`, in 1/cells².
-    weight: Vector<D>,
+    bond_vector: Vector<D>,
 }
 
 /// A cube that a solid cuts.
-struct DryCube {
+struct SolidDualCell {
     key: u32,
     /// Distance to the solid at the corners, in cells.
     psi: [f64; 8],
     /// The cells of the corners that have an open face, one bit each.
-    open: u8,
+    open_corners: u8,
     /// Number of the solid that is nearest.
     solid: u32,
     /// Cosine of the contact angle there, and of Young's.
-    cosine: f64,
-    young: f64,
+    contact_cosine: f64,
+    young_cosine: f64,
     /// Whether a line there rests.
     pinned: bool,
     /// What a cube is in which all is liquid.
-    flooded: CutCube,
+    flooded: DualCell,
 }
 
-impl<const D: usize> SurfaceLattice<D> {
+impl<const D: usize> DualGrid<D> {
     /// The lattice of a grid, without solids; the liquid's weight is `w = −ρ g Δ²/γ`, in 1/cells².
-    pub fn new(grid: Grid<D>, weight: Vector<D>) -> Self {
-        Self { grid, split: Split::new(), dry: Vec::new(), weight }
+    pub fn new(grid: Grid<D>, bond_vector: Vector<D>) -> Self {
+        Self { grid, split: SimplexSplit::new(), solid_cells: Vec::new(), bond_vector }
     }
 
     /// Finds the cubes that solids cut; `nearest` tells the nearest solid's number and the cosine of its contact
     /// angle there.
-    pub fn follow(&mut self, cut: &CutCells<D>, nearest: impl Fn(&Vector<D>) -> (u32, f64) + Sync) {
-        let (cubes, cells) = (self.cubes(), self.grid.lattice());
+    pub fn update_solids(&mut self, cut_cells: &CutCells<D>, nearest: impl Fn(&Vector<D>) -> (u32, f64) + Sync) {
+        let (cubes, cells) = (self.lattice(), self.grid.lattice());
         let dry = |at: [usize; D]| {
             let corners = self.corners(at);
-            let psi: [f64; 8] = std::array::from_fn(|k| away_from_zero(cut.distance(corners[k] as usize)));
+            let psi: [f64; 8] = std::array::from_fn(|k| away_from_zero(cut_cells.distance_cells(corners[k] as usize)));
             if psi[..1 << D].iter().all(|v| *v > 0.0) {
                 return None;
             }
-            let open = (0..1 << D)
-                .filter(|k| !cut.closed(cells.coordinates(corners[*k] as usize)))
+            let open_corners = (0..1 << D)
+                .filter(|k| !cut_cells.is_closed(cells.coordinates(corners[*k] as usize)))
                 .fold(0, |bits, k| bits | 1 << k);
-            if open == 0 {
+            if open_corners == 0 {
                 return None;
             }
             let key = cubes.index(at) as u32;
-            let (solid, young) = nearest(&self.grid.corner(at));
-            let flooded = CutCube::new(corners, open);
-            let mut dry = DryCube { key, psi, open, solid, cosine: young, young, pinned: false, flooded };
-            dry.flooded = self.wetted(&dry, &[-1.0; 8], at);
+            let (solid, young_cosine) = nearest(&self.grid.lower_corner(at));
+            let flooded = DualCell::new(corners, open_corners);
+            let mut dry = SolidDualCell { key, psi, open_corners, solid, contact_cosine: young_cosine, young_cosine, pinned: false, flooded };
+            dry.flooded = self.dual_cell_with_solid(&dry, &[-1.0; 8], at);
             Some(dry)
         };
-        let of = |[low, high]: &[[usize; D]; 2]| -> Vec<DryCube> {
-            in_parallel([*low, high.map(|n| n + 1)]).filter_map(dry).collect()
+        let of = |[low, high]: &[[usize; D]; 2]| -> Vec<SolidDualCell> {
+            par_lattice_points([*low, high.map(|n| n + 1)]).filter_map(dry).collect()
         };
-        let mut all: Vec<DryCube> = cut.boxes().iter().flat_map(of).collect();
+        let mut all: Vec<SolidDualCell> = cut_cells.solid_boxes().iter().flat_map(of).collect();
         all.sort_by_key(|d| d.key);
         all.dedup_by_key(|d| d.key);
-        self.dry = all;
+        self.solid_cells = all;
     }
 
     /// Every cube that the surface passes or in which liquid wets a solid, in order of memory.
-    pub fn cut(&self, phi: &[f64], band: &Band<D>) -> Vec<CutCube> {
-        let cubes = self.cubes();
+    pub fn interface_cells(&self, phi: &[f64], band: &Band<D>) -> Vec<DualCell> {
+        let cubes = self.lattice();
         let cells = self.grid.lattice();
         let mut keys: Vec<u32> = band.cells[band.first_layers(1)]
             .par_iter()
@@ -95,50 +95,50 @@ impl<const D: usize> SurfaceLattice<D> {
                     .map(move |k| cubes.index(std::array::from_fn(|a| at[a] + (k >> a & 1))) as u32)
             })
             .collect();
-        let wet = |d: &DryCube| d.flooded.corners[..1 << D].iter().any(|c| phi[*c as usize] < 0.0);
-        keys.extend(self.dry.iter().filter(|d| wet(d)).map(|d| d.key));
+        let wet = |d: &SolidDualCell| d.flooded.corners[..1 << D].iter().any(|c| phi[*c as usize] < 0.0);
+        keys.extend(self.solid_cells.iter().filter(|d| wet(d)).map(|d| d.key));
         keys.par_sort_unstable();
         keys.dedup();
-        keys.par_iter().map(|&k| self.cube(phi, k)).collect()
+        keys.par_iter().map(|&k| self.dual_cell(phi, k)).collect()
     }
 
     /// The contact line as the energy has it: a point, m, in every cube in which it pulls at a solid.
-    pub fn line_places(&self, phi: &[f64]) -> Vec<Vector<D>> {
-        self.line_cubes(phi).into_iter().map(|(_, place)| place).collect()
+    pub fn contact_line_points(&self, phi: &[f64]) -> Vec<Vector<D>> {
+        self.contact_line_cells(phi).into_iter().map(|(_, place)| place).collect()
     }
 
     /// Numbers of the cubes with a contact line, and its place there, m.
-    fn line_cubes(&self, phi: &[f64]) -> Vec<(usize, Vector<D>)> {
-        let cubes = self.cubes();
-        let place = |(number, dry): (usize, &DryCube)| {
+    fn contact_line_cells(&self, phi: &[f64]) -> Vec<(usize, Vector<D>)> {
+        let cubes = self.lattice();
+        let place = |(number, dry): (usize, &SolidDualCell)| {
             let values: [f64; 8] = std::array::from_fn(|k| {
                 phi.get(dry.flooded.corners[k] as usize).map_or(1.0, |v| away_from_zero(v / self.grid.dx))
             });
             let wet = (0..1 << D).filter(|k| values[*k] < 0.0).count();
             let at = cubes.coordinates(dry.key as usize);
-            let pulls = || self.wetted(dry, &values, at).lift != [0.0; 3];
-            let lower = Vector::from_fn(|a, _| self.grid.from_origin(a, at[a] as f64 - 0.5));
+            let pulls = || self.dual_cell_with_solid(dry, &values, at).normal_pull != [0.0; 3];
+            let lower = Vector::from_fn(|a, _| self.grid.domain_coordinate_cells(a, at[a] as f64 - 0.5));
             let there = wet > 0 && wet < 1 << D && pulls();
-            there.then(|| (number, (lower + both_zero(&values, &dry.psi)) * self.grid.dx))
+            there.then(|| (number, (lower + common_zero(&values, &dry.psi)) * self.grid.dx))
         };
-        self.dry.par_iter().enumerate().with_min_len(256).filter_map(place).collect()
+        self.solid_cells.par_iter().enumerate().with_min_len(256).filter_map(place).collect()
     }
 
     /// Sets the angle of the lines: `wetting` tells for a place (m) and the number of its solid the cosine, and whether the
     /// line rests.
-    pub fn hold_lines(&mut self, phi: &[f64], wetting: impl Fn(&Vector<D>, u32) -> (f64, bool) + Sync) {
-        let lines = self.line_cubes(phi);
-        let held: Vec<(f64, bool)> =
-            lines.par_iter().map(|(number, place)| wetting(place, self.dry[*number].solid)).collect();
+    pub fn pin_contact_lines(&mut self, phi: &[f64], wetting: impl Fn(&Vector<D>, u32) -> (f64, bool) + Sync) {
+        let lines = self.contact_line_cells(phi);
+        let angles: Vec<(f64, bool)> =
+            lines.par_iter().map(|(number, place)| wetting(place, self.solid_cells[*number].solid)).collect();
         // A line may come to any of them before it is held again; nothing of earlier steps is kept that a checkpoint has not.
-        self.dry.iter_mut().for_each(|dry| (dry.cosine, dry.pinned) = (dry.young, false));
-        for ((number, _), (cosine, pinned)) in lines.into_iter().zip(held) {
-            let dry = &mut self.dry[number];
-            (dry.cosine, dry.pinned) = (cosine, pinned);
+        self.solid_cells.iter_mut().for_each(|dry| (dry.contact_cosine, dry.pinned) = (dry.young_cosine, false));
+        for ((number, _), (cosine, pinned)) in lines.into_iter().zip(angles) {
+            let dry = &mut self.solid_cells[number];
+            (dry.contact_cosine, dry.pinned) = (cosine, pinned);
         }
     }
 
-    fn cubes(&self) -> Lattice<D> {
+    fn lattice(&self) -> Lattice<D> {
         Lattice::new(self.grid.cells.map(|n| n + 1))
     }
 
@@ -152,80 +152,80 @@ impl<const D: usize> SurfaceLattice<D> {
         })
     }
 
-    fn cube(&self, phi: &[f64], key: u32) -> CutCube {
-        let at = self.cubes().coordinates(key as usize);
+    fn dual_cell(&self, phi: &[f64], key: u32) -> DualCell {
+        let at = self.lattice().coordinates(key as usize);
         let corners = self.corners(at);
         let values: [f64; 8] = std::array::from_fn(|k| {
             phi.get(corners[k] as usize).map_or(1.0, |v| away_from_zero(v / self.grid.dx))
         });
         let liquid = (0..1 << D).filter(|k| values[*k] < 0.0).fold(0u8, |bits, k| bits | 1 << k);
-        if let Ok(i) = self.dry.binary_search_by_key(&key, |d| d.key) {
-            let dry = &self.dry[i];
+        if let Ok(i) = self.solid_cells.binary_search_by_key(&key, |d| d.key) {
+            let dry = &self.solid_cells[i];
             let flooded = u32::from(liquid).count_ones() == 1 << D;
-            return if flooded { dry.flooded.clone() } else { self.wetted(dry, &values, at) };
+            return if flooded { dry.flooded.clone() } else { self.dual_cell_with_solid(dry, &values, at) };
         }
-        let mut cube = CutCube::new(corners, liquid);
-        self.split.cut(&values, &self.weight_within(at), &mut cube);
-        self.place(&mut cube, at);
+        let mut cube = DualCell::new(corners, liquid);
+        self.split.cut(&values, &self.bond_vector_in(at), &mut cube);
+        self.move_to_grid(&mut cube, at);
         cube
     }
 
     /// What the surface cuts out of a cube beside a solid.
-    fn wetted(&self, dry: &DryCube, values: &[f64; 8], at: [usize; D]) -> CutCube {
+    fn dual_cell_with_solid(&self, dry: &SolidDualCell, values: &[f64; 8], at: [usize; D]) -> DualCell {
         let liquid = (0..1 << D).filter(|k| values[*k] < 0.0).fold(0u8, |bits, k| bits | 1 << k);
-        let mut cube = CutCube::new(dry.flooded.corners, liquid & dry.open);
-        (cube.solid, cube.cosine, cube.young, cube.pinned) = (dry.solid, dry.cosine, dry.young, dry.pinned);
-        self.split.cut_beside(values, &dry.psi, &self.weight_within(at), &mut cube);
-        self.place(&mut cube, at);
+        let mut cube = DualCell::new(dry.flooded.corners, liquid & dry.open_corners);
+        (cube.solid, cube.contact_cosine, cube.young_cosine, cube.pinned) = (dry.solid, dry.contact_cosine, dry.young_cosine, dry.pinned);
+        self.split.cut_with_solid(values, &dry.psi, &self.bond_vector_in(at), &mut cube);
+        self.move_to_grid(&mut cube, at);
         cube
     }
 
     /// The weight in a cube: nothing along axes along which it is mirrored.
-    fn weight_within(&self, at: [usize; D]) -> Vector<D> {
+    fn bond_vector_in(&self, at: [usize; D]) -> Vector<D> {
         let mirrored = |a: usize| at[a] == 0 || at[a] == self.grid.cells[a];
-        Vector::from_fn(|a, _| if mirrored(a) { 0.0 } else { self.weight[a] })
+        Vector::from_fn(|a, _| if mirrored(a) { 0.0 } else { self.bond_vector[a] })
     }
 
     /// Brings a cube from the unit cube to its place.
-    fn place(&self, cube: &mut CutCube, at: [usize; D]) {
+    fn move_to_grid(&self, cube: &mut DualCell, at: [usize; D]) {
         let last = self.grid.cells;
         // The half of a mirrored cube that is in the domain lies a quarter of a cell from the wall.
-        let from_origin = |a: usize, i: f64| self.grid.from_origin(a, i);
+        let from_origin = |a: usize, i: f64| self.grid.domain_coordinate_cells(a, i);
         let shift = Vector::<D>::from_fn(|a, _| match at[a] {
             0 => from_origin(a, 0.25),
             n if n == last[a] => from_origin(a, n as f64 - 0.25),
             n => from_origin(a, n as f64 - 0.5),
         });
-        let high = self.weight.dot(&shift);
+        let high = self.bond_vector.dot(&shift);
         (0..1 << D).for_each(|k| cube.energy_slope[k] += high * cube.volume_slope[k]);
-        for &(a, b, place) in planes::<D>() {
+        for &(a, b, place) in rotation_planes::<D>() {
             let [x, y] = [a, b].map(|a| from_origin(a, at[a] as f64 - 0.5));
-            cube.turns[0][place] += x * cube.lift[b] - y * cube.lift[a];
-            cube.turns[1][place] += x * cube.wetward[b] - y * cube.wetward[a];
+            cube.pull_moments[0][place] += x * cube.normal_pull[b] - y * cube.normal_pull[a];
+            cube.pull_moments[1][place] += x * cube.wetting_direction[b] - y * cube.wetting_direction[a];
         }
         let sides = (0..D).filter(|&a| at[a] == 0 || at[a] == last[a]).count();
         cube.scale(0.5f64.powi(sides as i32));
         for a in 0..D {
-            let own = if at[a] == 0 || at[a] == last[a] { 0.0 } else { cube.moment[a] };
-            cube.moment[a] = own + shift[a] * cube.excess;
+            let own = if at[a] == 0 || at[a] == last[a] { 0.0 } else { cube.excess_moment[a] };
+            cube.excess_moment[a] = own + shift[a] * cube.excess_volume;
         }
     }
 
     /// Volume (m³, 2D: m²) and centre (m) of each component of the liquid. What a cube holds beyond its corners' shares
     /// belongs to its liquid corners in equal parts: then no component has a negative volume.
-    pub fn volumes(
+    pub fn component_volumes(
         &self,
         liquid: &Runs,
         label: impl Fn(usize) -> Option<u32>,
-        cubes: &[CutCube],
+        dual_cells: &[DualCell],
     ) -> Vec<(f64, Vector<D>)> {
-        let mut sums = self.whole_cells(liquid);
+        let mut sums = self.cell_counts(liquid);
         let middles: Vec<Vector<D>> = sums.iter().map(|(n, moment)| moment / *n).collect();
-        for cube in cubes {
-            cube.share(&label, |c, part| {
+        for cube in dual_cells {
+            cube.distribute(&label, |c, part| {
                 let (volume, moment) = &mut sums[c as usize];
-                *volume += part * cube.excess;
-                *moment += Vector::from_fn(|a, _| part * cube.moment[a]);
+                *volume += part * cube.excess_volume;
+                *moment += Vector::from_fn(|a, _| part * cube.excess_moment[a]);
             });
         }
         let dx = self.grid.dx;
@@ -238,14 +238,14 @@ impl<const D: usize> SurfaceLattice<D> {
     }
 
     /// Number of cells and sum of their centres, in cells; half a cell at a wall lies behind its centre.
-    fn whole_cells(&self, liquid: &Runs) -> Vec<(f64, Vector<D>)> {
+    fn cell_counts(&self, liquid: &Runs) -> Vec<(f64, Vector<D>)> {
         let cells = self.grid.lattice();
         let mut sums = vec![(0.0, Vector::zeros()); liquid.components as usize];
         for run in &liquid.runs {
             let at = cells.coordinates(run.row as usize * cells.extent[0]);
             let n = (run.end - run.start) as f64;
-            let mut moment = Vector::from_fn(|a, _| n * self.grid.from_origin(a, at[a] as f64 + 0.5));
-            moment[0] = n * self.grid.from_origin(0, 0.5 * (run.start + run.end) as f64);
+            let mut moment = Vector::from_fn(|a, _| n * self.grid.domain_coordinate_cells(a, at[a] as f64 + 0.5));
+            moment[0] = n * self.grid.domain_coordinate_cells(0, 0.5 * (run.start + run.end) as f64);
             for a in 0..D {
                 let (first, last) =
                     if a == 0 { (run.start as usize, run.end as usize - 1) } else { (at[a], at[a]) };
@@ -262,12 +262,12 @@ impl<const D: usize> SurfaceLattice<D> {
 }
 
 /// Steps of Newton's iteration to where two fields vanish.
-const CROSSINGS: usize = 4;
+const CROSSING_ITERATIONS: usize = 4;
 
 /// Where in the unit cube two fields with these values at the corners are both zero, near its middle.
-fn both_zero<const D: usize>(one: &[f64; 8], other: &[f64; 8]) -> Vector<D> {
+fn common_zero<const D: usize>(one: &[f64; 8], other: &[f64; 8]) -> Vector<D> {
     let mut s = Vector::<D>::repeat(0.5);
-    for _ in 0..CROSSINGS {
+    for _ in 0..CROSSING_ITERATIONS {
         let fields = [one, other].map(|v| multilinear(v, &s));
         let [(f, p), (g, q)] = fields;
         let (pp, pq, qq) = (p.norm_squared(), p.dot(&q), q.norm_squared());
@@ -294,13 +294,13 @@ mod tests {
     use meniscus_numerics::Vector;
     use meniscus_numerics::grid::Tiles;
 
-    fn measure<const D: usize>(phi: &[f64], grid: Grid<D>) -> (f64, f64, Vec<CutCube>) {
+    fn measure<const D: usize>(phi: &[f64], grid: Grid<D>) -> (f64, f64, Vec<DualCell>) {
         let inside = Tiles::all(grid).negative_runs(phi).label(&grid);
         let mut band = Band::new(grid);
         band.rebuild(phi, &inside, 3);
-        let lattice = SurfaceLattice::new(grid, Vector::zeros());
-        let cubes = lattice.cut(phi, &band);
-        let volume: f64 = lattice.volumes(&inside, |_| Some(0), &cubes).iter().map(|v| v.0).sum();
+        let lattice = DualGrid::new(grid, Vector::zeros());
+        let cubes = lattice.interface_cells(phi, &band);
+        let volume: f64 = lattice.component_volumes(&inside, |_| Some(0), &cubes).iter().map(|v| v.0).sum();
         (cubes.iter().map(|c| c.area).sum(), volume, cubes)
     }
 
@@ -346,20 +346,20 @@ mod tests {
     }
 
     /// Energy and volume beside a ball, and the cubes.
-    fn measure_beside<const D: usize>(phi: &[f64], grid: Grid<D>) -> (f64, f64, Vec<CutCube>) {
+    fn measure_beside<const D: usize>(phi: &[f64], grid: Grid<D>) -> (f64, f64, Vec<DualCell>) {
         let ball = |x: &Vector<D>| (x - Vector::from_fn(|a, _| 8.2 - 0.4 * a as f64)).norm() - 3.1;
         let bounds = [Vector::repeat(3.0), Vector::repeat(12.0)];
-        let mut cut = CutCells::none(grid);
-        cut.rebuild(&[meniscus_numerics::grid::CutBy { distance: &ball, bounds }], &Tiles::all(grid));
-        let mut lattice = SurfaceLattice::new(grid, weight());
-        lattice.follow(&cut, |_| (0, 0.6));
+        let mut cut = CutCells::uncut(grid);
+        cut.rebuild(&[meniscus_numerics::grid::EmbeddedBoundary { signed_distance: &ball, bounds }], &Tiles::all(grid));
+        let mut lattice = DualGrid::new(grid, weight());
+        lattice.update_solids(&cut, |_| (0, 0.6));
         let inside = Tiles::all(grid).negative_runs(phi);
-        let inside = inside.filtered(&grid, |c| !cut.closed(grid.lattice().coordinates(c))).label(&grid);
+        let inside = inside.filtered(&grid, |c| !cut.is_closed(grid.lattice().coordinates(c))).label(&grid);
         let mut band = Band::new(grid);
         band.rebuild(phi, &inside, 3);
-        let cubes = lattice.cut(phi, &band);
-        let (volume, center) = lattice.volumes(&inside, |_| Some(0), &cubes)[0];
-        let energy: f64 = cubes.iter().map(|c| c.area - c.cosine * c.wetted).sum();
+        let cubes = lattice.interface_cells(phi, &band);
+        let (volume, center) = lattice.component_volumes(&inside, |_| Some(0), &cubes)[0];
+        let energy: f64 = cubes.iter().map(|c| c.area - c.contact_cosine * c.wetted_area).sum();
         (energy + volume * center.dot(&weight()), volume, cubes)
     }
 
@@ -373,7 +373,7 @@ mod tests {
             })
             .collect();
         let (_, _, cubes) = measure_beside(&phi, grid);
-        assert!(cubes.iter().filter(|c| c.lift != [0.0; 3]).count() > if D == 2 { 1 } else { 20 });
+        assert!(cubes.iter().filter(|c| c.normal_pull != [0.0; 3]).count() > if D == 2 { 1 } else { 20 });
         let mut slopes = vec![(0.0, 0.0); phi.len()];
         for cube in &cubes {
             for k in 0..1 << D {
@@ -424,8 +424,8 @@ mod tests {
             let inside = Tiles::all(grid).negative_runs(&phi).label(&grid);
             let mut band = Band::new(grid);
             band.rebuild(&phi, &inside, 3);
-            let measuring = SurfaceLattice::new(grid, Vector::zeros());
-            measuring.volumes(&inside, |_| Some(0), &measuring.cut(&phi, &band))[0].1
+            let measuring = DualGrid::new(grid, Vector::zeros());
+            measuring.component_volumes(&inside, |_| Some(0), &measuring.interface_cells(&phi, &band))[0].1
         };
         let tank = center(&|x| x[2] - 2.1);
         assert!((tank - Vector::<3>::new(1.5, 1.25, 1.05)).norm() < 1e-12, "{tank}");

@@ -6,13 +6,13 @@ use meniscus_numerics::grid::{Band, CellField, CutCells, Sampler};
 use rayon::prelude::*;
 
 /// The surface is kept this share of a cell away from the liquid's centre at least.
-const NEAREST: f64 = 0.02;
+const MIN_THETA: f64 = 0.02;
 /// Most steps to the root of a cubic; the interval that holds it shrinks in each.
-const ROOTS: usize = 30;
+const MAX_ROOT_ITERATIONS: usize = 30;
 
 /// A face between a liquid cell and air.
 #[derive(Clone, Copy, Debug)]
-pub struct CutFace {
+pub struct InterfaceFace {
     /// Normal axis.
     pub axis: usize,
     /// Position in the face lattice.
@@ -26,23 +26,23 @@ pub struct CutFace {
     /// Curvature there, 1/cells.
     pub kappa: f64,
     /// Whether it is known; else it is 0.
-    pub known: bool,
+    pub is_curvature_known: bool,
     /// Share of the face that no solid closes.
-    pub open: f64,
+    pub open_fraction: f64,
     /// What drag leaves of a push at it, 0 to 1.
     pub mobility: f64,
 }
 
 /// Finds the faces between liquid and air, with the surface's place (cubic root) and curvature.
-pub fn cut_faces<const D: usize>(
+pub fn interface_faces<const D: usize>(
     model: &Model<D>,
     phi: &CellField<D>,
     band: &Band<D>,
     curvature: &Curvature,
     solids: &CutCells<D>,
-) -> Vec<CutFace> {
+) -> Vec<InterfaceFace> {
     let lattice = model.grid.lattice();
-    let sampler = Sampler::cells(&model.grid, &phi.data, model.scalar_edges());
+    let sampler = Sampler::cells(&model.grid, &phi.data, model.scalar_boundary());
     let value = |slot: Option<usize>| {
         slot.filter(|s| curvature.known.get(*s) == Some(&true)).map(|s| curvature.kappa[s])
     };
@@ -65,7 +65,7 @@ pub fn cut_faces<const D: usize>(
                     return None;
                 }
                 let step = if up == 1 { 1 } else { -1 };
-                let theta = crossing(sampler, at, axis, step).clamp(NEAREST, 1.0);
+                let theta = interface_crossing(sampler, at, axis, step).clamp(MIN_THETA, 1.0);
                 let here = value(band.slot(cell));
                 let there = value(band.slot(other));
                 let kappa = match (here, there) {
@@ -74,17 +74,17 @@ pub fn cut_faces<const D: usize>(
                 };
                 let mut face = at;
                 face[axis] += up;
-                let face = model.grid.faces(axis).index(face);
-                let open = solids.open.axes[axis][face];
-                (open > 0.0).then_some(CutFace {
+                let face = model.grid.face_lattice(axis).index(face);
+                let open_fraction = solids.open_fraction.axes[axis][face];
+                (open_fraction > 0.0).then_some(InterfaceFace {
                     axis,
                     face,
                     cell,
                     sign: step as f64,
                     theta,
                     kappa: kappa.unwrap_or(0.0),
-                    known: kappa.is_some(),
-                    open,
+                    is_curvature_known: kappa.is_some(),
+                    open_fraction,
                     mobility: 1.0,
                 })
             })
@@ -93,7 +93,7 @@ pub fn cut_faces<const D: usize>(
 }
 
 /// Share of the way from the centre of liquid cell `at` to its neighbour where the cubic through four values is zero.
-fn crossing<const D: usize>(sampler: &Sampler<'_, D>, at: [usize; D], axis: usize, step: isize) -> f64 {
+fn interface_crossing<const D: usize>(sampler: &Sampler<'_, D>, at: [usize; D], axis: usize, step: isize) -> f64 {
     let value = |n: isize| {
         let mut cell = at.map(|i| i as isize);
         cell[axis] += n * step;
@@ -108,7 +108,7 @@ fn crossing<const D: usize>(sampler: &Sampler<'_, D>, at: [usize; D], axis: usiz
     // The cubic takes the signs of its ends: regula falsi (Illinois) cannot leave the edge.
     let (mut low, mut high, mut at_low, mut at_high) = (0.0, 1.0, f[1], f[2]);
     let mut t = linear;
-    for _ in 0..ROOTS {
+    for _ in 0..MAX_ROOT_ITERATIONS {
         let v = cubic(t);
         if v.abs() <= 1e-13 * (f[2] - f[1]) {
             break;

@@ -2,11 +2,11 @@
 
 use crate::solid::{Solid, SolidState};
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{Edge, Grid};
+use meniscus_numerics::grid::{BoundaryExtension, Grid};
 
 /// Weight, in 1/cells², from which on the grid does not see the capillary length (three cells): it is balanced ever less
 /// from there, as the filter of the curvature would take it for noise.
-const HEAVY: f64 = 0.1;
+const MAX_RESOLVED_CELL_BOND: f64 = 0.1;
 
 /// A side of the domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,24 +85,24 @@ impl Default for Numerics {
 
 impl<const D: usize> Model<D> {
     /// Whether forces move any solid: none is, or one that is free or deforms.
-    pub fn moves_solids(&self) -> bool {
-        self.solids.iter().any(|s| !s.motion.is_told())
+    pub fn has_dynamic_solids(&self) -> bool {
+        self.solids.iter().any(|s| !s.motion.is_prescribed())
     }
 
     /// How scalars go on beyond the sides.
-    pub fn scalar_edges(&self) -> [[Edge; 2]; D] {
-        self.walls.map(|sides| sides.map(|w| if w == Wall::Slip { Edge::Even } else { Edge::Clamp }))
+    pub fn scalar_boundary(&self) -> [[BoundaryExtension; 2]; D] {
+        self.walls.map(|sides| sides.map(|w| if w == Wall::Slip { BoundaryExtension::Even } else { BoundaryExtension::Clamp }))
     }
 
     /// How the velocity component along `axis` goes on beyond the sides.
-    pub fn velocity_edges(&self, axis: usize) -> [[Edge; 2]; D] {
-        let mut edges = self.scalar_edges();
-        edges[axis] = self.walls[axis].map(|w| if w == Wall::Slip { Edge::Odd } else { Edge::Clamp });
+    pub fn velocity_boundary(&self, axis: usize) -> [[BoundaryExtension; 2]; D] {
+        let mut edges = self.scalar_boundary();
+        edges[axis] = self.walls[axis].map(|w| if w == Wall::Slip { BoundaryExtension::Odd } else { BoundaryExtension::Clamp });
         edges
     }
 
     /// Whether face `i` along `axis`, normal to it, lies on an impermeable side.
-    pub fn closed(&self, axis: usize, i: usize) -> bool {
+    pub fn on_closed_side(&self, axis: usize, i: usize) -> bool {
         (i == 0 && self.walls[axis][0] == Wall::Slip)
             || (i == self.grid.cells[axis] && self.walls[axis][1] == Wall::Slip)
     }
@@ -115,9 +115,9 @@ impl<const D: usize> Model<D> {
         let mut nearest = (f64::INFINITY, None);
         for (number, (solid, now)) in self.solids.iter().zip(now).enumerate() {
             let [low, high] = solid.bounds(now);
-            let off = (low - x).sup(&(x - high)).sup(&Vector::zeros()).norm();
+            let box_distance = (low - x).sup(&(x - high)).sup(&Vector::zeros()).norm();
             // A point in the box may be inside it.
-            if off > 0.0 && off - solid.padding >= nearest.0 {
+            if box_distance > 0.0 && box_distance - solid.padding >= nearest.0 {
                 continue;
             }
             let distance = solid.liquid_distance(now, x);
@@ -134,23 +134,23 @@ impl<const D: usize> Model<D> {
     }
 
     /// The liquid's weight as the surface beside solids balances it, `−ρ g Δ²/γ` in 1/cells²; none without solids.
-    pub(crate) fn weight(&self) -> Vector<D> {
+    pub(crate) fn cell_bond_vector(&self) -> Vector<D> {
         if self.solids.is_empty() || self.surface_tension <= 0.0 {
             return Vector::zeros();
         }
-        let weight = self.gravity * (-self.density * self.grid.dx.powi(2) / self.surface_tension);
-        weight / (1.0 + (weight.norm() / HEAVY).powi(2))
+        let bond = self.gravity * (-self.density * self.grid.dx.powi(2) / self.surface_tension);
+        bond / (1.0 + (bond.norm() / MAX_RESOLVED_CELL_BOND).powi(2))
     }
 
     /// Share of the liquid's weight that [`Self::weight`] leaves out, 0 to 1.
-    pub(crate) fn weight_left_out(&self) -> f64 {
-        let all = self.gravity.norm() * self.density * self.grid.dx.powi(2) / self.surface_tension;
-        let seen = self.weight().norm();
-        if seen > 0.0 { 1.0 - seen / all } else { 0.0 }
+    pub(crate) fn neglected_weight_fraction(&self) -> f64 {
+        let full = self.gravity.norm() * self.density * self.grid.dx.powi(2) / self.surface_tension;
+        let resolved = self.cell_bond_vector().norm();
+        if resolved > 0.0 { 1.0 - resolved / full } else { 0.0 }
     }
 
     /// The explicit capillary limit of a one-phase liquid, s: `2/ω_max = 0.36 √(ρ Δ³/γ)` (design, numerics).
-    pub fn capillary_step(&self) -> f64 {
+    pub fn capillary_dt_limit(&self) -> f64 {
         0.36 * (self.density * self.grid.dx.powi(3) / self.surface_tension).sqrt()
     }
 }

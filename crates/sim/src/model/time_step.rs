@@ -7,82 +7,82 @@ use crate::solid::SolidState;
 pub type PhaseEnd<'a> = &'a mut dyn FnMut(&'static str);
 
 /// Most that a step may be longer than the one before.
-pub const GROWTH: f64 = 1.25;
+pub const MAX_DT_GROWTH: f64 = 1.25;
 /// The times of a step, s.
 #[derive(Clone, Copy, Debug)]
-pub struct Times {
+pub struct StepTimes {
     /// Its length.
     pub dt: f64,
     /// For how long its forces act.
-    pub kick: f64,
+    pub impulse_time: f64,
     /// How far the velocities are then ahead of the positions.
-    pub lead: f64,
+    pub velocity_lead: f64,
     /// Bound of the coming step.
-    pub ahead: f64,
+    pub lookahead: f64,
     /// Whether its forces are the first.
-    pub first: bool,
+    pub is_first: bool,
 }
 
 /// Least ratio of the time for which forces act to that of the step before, with which the neutral rule is followed. The rule takes a step
 /// whose length falls to `r` of the last to `2 r − 1`, which has to be positive: a step halved after a failure is below any such ratio, one
 /// that follows a growing speed (`r` over 0.8) above it. At 0.25 a single step falls to 0.62.
-const SUDDEN: f64 = 0.25;
+const MIN_IMPULSE_TIME_RATIO: f64 = 0.25;
 
 /// For how long the forces act at the end of a step (leapfrog with steps of any length; design, numerics §8), within bounds.
-pub fn kick(lead: f64, dt: f64) -> f64 {
-    wanted_kick(lead, dt).clamp(0.5 * dt, 1.5 * dt)
+pub fn impulse_time(velocity_lead: f64, dt: f64) -> f64 {
+    unbounded_impulse_time(velocity_lead, dt).clamp(0.5 * dt, 1.5 * dt)
 }
 
 /// The same without bounds. The place `q = x + l v` at the time of a velocity that is `l` ahead moves by `(h − l) v + l' v'` while forces
 /// act for `t = h − l + l'`. With `l' = h − l` that is `t` times the mean velocity: the forces' work is what `½ v²` gains, and angular
 /// momentum is kept, too. A step that is short all at once leaves no time for that; there `l' = h/2`, which is longer, and the energy
 /// falls by `(l'/t − ½) m (v' − v)²`. Coming steps are chosen so that the rule holds ([`next_step`]).
-pub fn wanted_kick(lead: f64, dt: f64) -> f64 {
-    let neutral = 2.0 * (dt - lead);
-    if neutral >= 2.0 * SUDDEN * lead { neutral } else { 1.5 * dt - lead }
+pub fn unbounded_impulse_time(velocity_lead: f64, dt: f64) -> f64 {
+    let neutral = 2.0 * (dt - velocity_lead);
+    if neutral >= 2.0 * MIN_IMPULSE_TIME_RATIO * velocity_lead { neutral } else { 1.5 * dt - velocity_lead }
 }
 
 /// The coming step, s, where velocities are `lead` ahead: at most `longest`, and such that steps of one length follow until the time
 /// `rest` (which may be infinite) is over. Steps go from half of the last time for which forces acted to half of the next one, which
 /// is as near to `longest` as can be.
-pub fn next_step(lead: f64, longest: f64, rest: f64) -> f64 {
-    let kick = longest.min(2.0 * (longest - lead));
-    if kick < 2.0 * SUDDEN * lead || rest - lead < SUDDEN * lead {
-        return even_part(rest, longest);
+pub fn next_dt(velocity_lead: f64, max_dt: f64, remaining_time: f64) -> f64 {
+    let impulse_time = max_dt.min(2.0 * (max_dt - velocity_lead));
+    if impulse_time < 2.0 * MIN_IMPULSE_TIME_RATIO * velocity_lead || remaining_time - velocity_lead < MIN_IMPULSE_TIME_RATIO * velocity_lead {
+        return uniform_dt(remaining_time, max_dt);
     }
-    if rest.is_infinite() {
-        return lead + 0.5 * kick;
+    if remaining_time.is_infinite() {
+        return velocity_lead + 0.5 * impulse_time;
     }
     // `rest = lead + ½ kick + (n − 1) kick` with n steps.
-    let steps = ((rest - lead) / kick * (1.0 - 1e-9) + 0.5).ceil().max(1.0);
-    if steps == 1.0 { rest } else { lead + 0.5 * (rest - lead) / (steps - 0.5) }
+    let steps = ((remaining_time - velocity_lead) / impulse_time * (1.0 - 1e-9) + 0.5).ceil().max(1.0);
+    if steps == 1.0 { remaining_time } else { velocity_lead + 0.5 * (remaining_time - velocity_lead) / (steps - 0.5) }
 }
 
 /// A time divided into as few steps of one length as can be with none over `longest`; that where the time is infinite.
-pub fn even_part(rest: f64, longest: f64) -> f64 {
-    if rest.is_finite() { rest / (rest / longest * (1.0 - 1e-9)).ceil().max(1.0) } else { longest }
+pub fn uniform_dt(remaining_time: f64, max_dt: f64) -> f64 {
+    if remaining_time.is_finite() { remaining_time / (remaining_time / max_dt * (1.0 - 1e-9)).ceil().max(1.0) } else { max_dt }
 }
 
 /// The longest step, s, in which nothing at a speed (m/s) goes farther than the Courant number allows, and which tension,
 /// gravity and the user allow.
-pub fn step_at_speed<const D: usize>(model: &Model<D>, speed: f64) -> f64 {
+pub fn stable_dt<const D: usize>(model: &Model<D>, speed: f64) -> f64 {
     let n = &model.numerics;
     let fall = model.gravity.norm();
     // speed·h + ½ fall·h² = cfl·Δ
-    let reach = n.cfl * model.grid.dx;
-    let flow = 2.0 * reach / (speed + (speed * speed + 2.0 * fall * reach).sqrt()).max(1e-300);
-    let capillary =
-        if model.surface_tension > 0.0 { n.capillary_step * model.capillary_step() } else { f64::INFINITY };
-    flow.min(n.max_step).min(capillary)
+    let max_displacement = n.cfl * model.grid.dx;
+    let advective_dt = 2.0 * max_displacement / (speed + (speed * speed + 2.0 * fall * max_displacement).sqrt()).max(1e-300);
+    let capillary_dt =
+        if model.surface_tension > 0.0 { n.capillary_step * model.capillary_dt_limit() } else { f64::INFINITY };
+    advective_dt.min(n.max_step).min(capillary_dt)
 }
 
 /// The longest that the step after one of `dt` (s) can be, as solids move now, or a little slower once they have met: for so
 /// long contacts are looked for, and no step is longer. Over a longer time a solid that the pressure threw would seem to meet all there is on a way that it never
 /// goes.
-pub fn clear_time<const D: usize>(model: &Model<D>, solids: &[SolidState<D>], dt: f64) -> f64 {
+pub fn lookahead_time<const D: usize>(model: &Model<D>, solids: &[SolidState<D>], dt: f64) -> f64 {
     if model.numerics.fixed_step.is_some() {
-        return GROWTH * dt;
+        return MAX_DT_GROWTH * dt;
     }
-    let fastest = model.solids.iter().zip(solids).map(|(s, now)| s.largest_speed(now)).fold(0.0, f64::max);
-    GROWTH * dt.min(step_at_speed(model, fastest))
+    let fastest = model.solids.iter().zip(solids).map(|(s, now)| s.max_speed(now)).fold(0.0, f64::max);
+    MAX_DT_GROWTH * dt.min(stable_dt(model, fastest))
 }

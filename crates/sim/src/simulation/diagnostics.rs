@@ -1,17 +1,17 @@
 //! The books: volume, momentum and energy of a state.
 
-use super::workspace::{Workspace, boxes};
-use crate::components::momentum::{Moments, together};
-use crate::components::restoration::keep_momentum;
-use crate::components::tracking::Change;
+use super::workspace::{Workspace, component_bounds};
+use crate::components::momentum::{Moments, combined};
+use crate::components::restoration::restore_momentum;
+use crate::components::tracking::ComponentChange;
 use crate::flow::pressure::divergence_max;
 use crate::free_surface::curvature::Curvature;
-use crate::free_surface::dual_cell::CutCube;
-use crate::free_surface::interface_faces::{CutFace, cut_faces};
+use crate::free_surface::dual_cell::DualCell;
+use crate::free_surface::interface_faces::{InterfaceFace, interface_faces};
 use crate::model::Model;
 use crate::repairs::Repairs;
 use crate::solid::{Solid, SolidState};
-use crate::state::{Drop, State};
+use crate::state::{Component, State};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Segment;
 use meniscus_numerics::linalg::SolveReport;
@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 /// Sums over the whole liquid. In 2D everything is per metre of depth.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Ledger<const D: usize> {
+pub struct Diagnostics<const D: usize> {
     /// Volume, m³.
     pub volume: f64,
     /// Volume there should be, m³.
@@ -64,7 +64,7 @@ pub struct StepReport<const D: usize> {
     /// What it mended; how often the step was halved and done again.
     pub repairs: Repairs,
     /// The books after the step.
-    pub ledger: Ledger<D>,
+    pub diagnostics: Diagnostics<D>,
 }
 
 impl<const D: usize> StepReport<D> {
@@ -75,83 +75,83 @@ impl<const D: usize> StepReport<D> {
 }
 
 /// The surface's energy over its tension, m² (2D: m).
-pub fn surface_energy<const D: usize>(model: &Model<D>, cubes: &[CutCube]) -> f64 {
-    cubes.iter().map(|c| c.area - c.young * c.wetted).sum::<f64>() * model.grid.face_area()
+pub fn effective_surface_area<const D: usize>(model: &Model<D>, dual_cells: &[DualCell]) -> f64 {
+    dual_cells.iter().map(|c| c.area - c.young_cosine * c.wetted_area).sum::<f64>() * model.grid.face_area()
 }
 
 /// ½ ρ ∫ u² of the liquid, J: of components of these volumes, as their momentum is.
 pub fn kinetic_energy<const D: usize>(model: &Model<D>, moments: &[Moments<D>], volumes: &[f64]) -> f64 {
-    let energies = moments.iter().zip(volumes).map(|(m, volume)| m.weighing(*volume).energy);
+    let energies = moments.iter().zip(volumes).map(|(m, volume)| m.scaled_to_mass(*volume).energy);
     0.5 * model.density * energies.flatten().sum::<f64>()
 }
 
 /// The components as drops.
-pub fn drops<const D: usize>(
+pub fn measure_components<const D: usize>(
     model: &Model<D>,
     work: &Workspace<D>,
-    cut: &[CutFace],
+    interface_faces: &[InterfaceFace],
     moments: &[Moments<D>],
-    change: &Change<D>,
-) -> Vec<Drop<D>> {
-    let label = work.liquid.component(&model.grid);
+    change: &ComponentChange<D>,
+) -> Vec<Component<D>> {
+    let label = work.liquid.component_lookup(&model.grid);
     let half = 0.5 * model.grid.dx;
-    let mut drops: Vec<Drop<D>> = boxes(model, &work.liquid)
+    let mut components: Vec<Component<D>> = component_bounds(model, &work.liquid)
         .into_iter()
         .zip(moments)
         .enumerate()
         .map(|(c, ((low, high), m))| {
-            let whole = m.weighing(change.targets[c]).whole(change.centers[c]);
-            Drop {
-                target_volume: change.targets[c],
+            let motion = m.scaled_to_mass(change.target_volumes[c]).rigid_motion(change.centers[c]);
+            Component {
+                target_volume: change.target_volumes[c],
                 volume: change.volumes[c],
-                centroid: whole.center,
+                centroid: motion.center,
                 // Outermost centres, or the wall behind them; the surface's place follows.
                 lower: low.map(|x| if x < 1.5 * half { 0.0 } else { x }),
                 upper: Vector::from_fn(|a, _| {
-                    let side = model.grid.upper()[a];
+                    let side = model.grid.domain_upper()[a];
                     if high[a] > side - 1.5 * half { side } else { high[a] }
                 }),
-                velocity: whole.velocity,
-                spin: whole.spin,
+                velocity: motion.velocity,
+                angular_momentum_per_density: motion.angular_momentum_per_density,
             }
         })
         .collect();
-    for f in cut {
+    for f in interface_faces {
         let Some(c) = label(f.cell) else { continue };
-        let drop = &mut drops[c as usize];
+        let drop = &mut components[c as usize];
         let x = model.grid.center(model.grid.lattice().coordinates(f.cell))[f.axis];
         let surface = x + f.sign * f.theta * model.grid.dx;
         drop.lower[f.axis] = drop.lower[f.axis].min(surface);
         drop.upper[f.axis] = drop.upper[f.axis].max(surface);
     }
-    drops
+    components
 }
 
 /// Largest velocity component on the liquid's faces, m/s.
-pub fn max_component<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> f64 {
+pub fn max_velocity_component<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> f64 {
     (0..D)
         .map(|a| {
-            let row = model.grid.faces(a).extent[0];
+            let row = model.grid.face_lattice(a).extent[0];
             let values = &state.velocity.axes[a];
             let stretch = |s: &Segment| {
                 values[s.row * row + s.start..s.row * row + s.end].iter().fold(0.0f64, |m, v| m.max(v.abs()))
             };
-            work.known.liquid()[a].par_iter().map(stretch).reduce(|| 0.0, f64::max)
+            work.known_faces.liquid_faces()[a].par_iter().map(stretch).reduce(|| 0.0, f64::max)
         })
         .fold(0.0, f64::max)
 }
 
 /// Energy of liquid and free solids in gravity, J.
 pub fn potential_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
-    let lift = |d: &Drop<D>| -d.target_volume * model.gravity.dot(&d.centroid);
-    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.motion.is_told());
-    let solids: f64 = solids.map(|(s, now)| -s.body.mass * model.gravity.dot(&now.center)).sum();
-    model.density * state.drops.iter().map(lift).sum::<f64>() + solids
+    let liquid_energy = |d: &Component<D>| -d.target_volume * model.gravity.dot(&d.centroid);
+    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.motion.is_prescribed());
+    let solids: f64 = solids.map(|(s, now)| -s.mass_properties.mass * model.gravity.dot(&now.center)).sum();
+    model.density * state.components.iter().map(liquid_energy).sum::<f64>() + solids
 }
 
 /// Energy of the motion of liquid and free solids, and of the surfaces, J.
-pub fn own_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
-    moving_energy(model, state) + elastic_energy(model, state) + model.surface_tension * state.surface_area
+pub fn energy_without_gravity<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
+    total_kinetic_energy(model, state) + elastic_energy(model, state) + model.surface_tension * state.effective_surface_area
 }
 
 /// Energy in the solids' deformation at the time of the velocities, J: with their kinetic energy it is what a step keeps
@@ -159,8 +159,8 @@ pub fn own_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
 fn elastic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     let soft = |(solid, now): (&Solid<D>, &SolidState<D>)| {
         let (elastic, soft) = solid.elastic().zip(now.soft.as_ref())?;
-        let mut body = soft.body.clone();
-        elastic.advance_positions(&mut body, state.lead);
+        let mut body = soft.state.clone();
+        elastic.advance_positions(&mut body, state.velocity_lead);
         Some(elastic.elastic_energy(&body.positions))
     };
     model.solids.iter().zip(&state.solids).filter_map(soft).sum()
@@ -169,48 +169,48 @@ fn elastic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
 /// [`Ledger::least_element`].
 fn least_element<const D: usize>(model: &Model<D>, state: &State<D>) -> Option<f64> {
     let soft = |(solid, now): (&Solid<D>, &SolidState<D>)| {
-        solid.elastic().zip(now.soft.as_ref()).map(|(e, soft)| e.least_element(&soft.body.positions))
+        solid.elastic().zip(now.soft.as_ref()).map(|(e, soft)| e.min_volume_ratio(&soft.state.positions))
     };
     model.solids.iter().zip(&state.solids).filter_map(soft).reduce(f64::min)
 }
 
 /// Energy of the motion of liquid and free solids, J.
-fn moving_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
-    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.motion.is_told());
+fn total_kinetic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
+    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.motion.is_prescribed());
     state.kinetic_energy + solids.map(|(s, now)| s.kinetic_energy(now)).sum::<f64>()
 }
 
 /// The books of a new state: drops, energies. The velocity must be known on the liquid's faces.
-pub fn open_books<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
-    let change = Change::none(model, state, work);
+pub fn update_diagnostics<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
+    let change = ComponentChange::unchanged(model, state, work);
     let flat = Curvature::unknown();
-    let cut = cut_faces(model, &state.phi, &work.band, &flat, &work.cut);
-    let moments = keep_momentum(model, state, work, &cut, (&change, &[]), 0.0).moments;
-    state.drops = drops(model, work, &cut, &moments, &change);
-    state.kinetic_energy = kinetic_energy(model, &moments, &change.targets);
-    state.surface_area = surface_energy(model, &change.cubes);
+    let interface_faces = interface_faces(model, &state.phi, &work.band, &flat, &work.cut_cells);
+    let moments = restore_momentum(model, state, work, &interface_faces, (&change, &[]), 0.0).moments;
+    state.components = measure_components(model, work, &interface_faces, &moments, &change);
+    state.kinetic_energy = kinetic_energy(model, &moments, &change.target_volumes);
+    state.effective_surface_area = effective_surface_area(model, &change.dual_cells);
 }
 
 /// The books of a state.
-pub fn ledger<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Ledger<D> {
-    let drops = &state.drops;
-    let all = together(drops.iter().map(Drop::whole));
-    let mass = model.density * all.mass;
-    let excess = || drops.iter().map(|d| d.volume - d.target_volume);
-    let misplaced = excess().map(f64::abs).sum::<f64>().copysign(excess().sum());
-    Ledger {
-        volume: drops.iter().map(|d| d.volume).sum(),
-        target_volume: all.mass,
-        volume_error: misplaced / all.mass.max(f64::MIN_POSITIVE),
+pub fn diagnostics<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Diagnostics<D> {
+    let components = &state.components;
+    let all = combined(components.iter().map(Component::rigid_motion));
+    let mass = model.density * all.volume;
+    let excess = || components.iter().map(|d| d.volume - d.target_volume);
+    let absolute_error = excess().map(f64::abs).sum::<f64>().copysign(excess().sum());
+    Diagnostics {
+        volume: components.iter().map(|d| d.volume).sum(),
+        target_volume: all.volume,
+        volume_error: absolute_error / all.volume.max(f64::MIN_POSITIVE),
         centroid: all.center,
         momentum: all.velocity * mass,
-        angular_momentum: all.about(&Vector::zeros()).map(|l| model.density * l),
-        kinetic_energy: moving_energy(model, state),
-        surface_energy: model.surface_tension * state.surface_area,
+        angular_momentum: all.angular_momentum_about(&Vector::zeros()).map(|l| model.density * l),
+        kinetic_energy: total_kinetic_energy(model, state),
+        surface_energy: model.surface_tension * state.effective_surface_area,
         elastic_energy: elastic_energy(model, state),
         least_element: least_element(model, state),
         potential_energy: potential_energy(model, state),
-        max_speed: max_component(model, state, work),
-        divergence_max: divergence_max(model, state, &work.liquid, &work.cut),
+        max_speed: max_velocity_component(model, state, work),
+        divergence_max: divergence_max(model, state, &work.liquid, &work.cut_cells),
     }
 }

@@ -6,4 +6,4 @@ pub mod driver;
 pub mod step;
 pub mod workspace;
 
-pub use driver::{Body, Simulation, StepError};
+pub use driver::{LiquidRegion, Simulation, StepError};

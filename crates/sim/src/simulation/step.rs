@@ -3,44 +3,44 @@
 //! Positions first, then one solve for the velocity: a capillary wave then obeys symplectic Euler, which neither
 //! damps nor drives it (design, numerics §8).
 
-use super::diagnostics::{drops, kinetic_energy, max_component, surface_energy};
+use super::diagnostics::{measure_components, kinetic_energy, max_velocity_component, effective_surface_area};
 use super::workspace::Workspace;
-use crate::components::restoration::{give_back, keep_carried, keep_momentum};
-use crate::components::tracking::{Change, expect, keep_volume};
+use crate::components::restoration::{subtract_solid_impulses, restore_advected_momentum, restore_momentum};
+use crate::components::tracking::{ComponentChange, predict_motions, restore_volume};
 use crate::components::volume::band_labels;
-use crate::contact_line::friction::drag;
-use crate::contact_line::hysteresis::hold_lines;
-use crate::coupling::solve::{Pressed, press, stirred};
-use crate::flow::advection::{advect_surface, advect_velocity, pack};
-use crate::flow::outflow::drain;
-use crate::free_surface::curvature::{Beside, Displacement, FilterStep, curvature};
-use crate::free_surface::extension::{extend_into_solids, ghosts};
-use crate::free_surface::interface_faces::cut_faces;
+use crate::contact_line::friction::dragged_faces;
+use crate::contact_line::hysteresis::pin_contact_lines;
+use crate::coupling::solve::{PressureSolution, solve_pressure, prescribed_solid_work};
+use crate::flow::advection::{advect_interface, advect_velocity, pack};
+use crate::flow::outflow::remove_outflow;
+use crate::free_surface::curvature::{SolidContext, InterfaceDisplacement, FilterStep, curvature};
+use crate::free_surface::extension::{extend_into_solids, ghost_cells};
+use crate::free_surface::interface_faces::interface_faces;
 use crate::model::Model;
-use crate::model::resolution::{BAND, LAYERS, SLOPE};
-use crate::model::time_step::{GROWTH, PhaseEnd, Times, clear_time, kick, wanted_kick};
+use crate::model::resolution::{BAND_WIDTH_CELLS, BAND_LAYERS, GRADIENT_NORM_TOLERANCE};
+use crate::model::time_step::{MAX_DT_GROWTH, PhaseEnd, StepTimes, lookahead_time, impulse_time, unbounded_impulse_time};
 use crate::repairs::Repairs;
 use crate::solid::{Motion, SolidState};
 use crate::state::State;
 use meniscus_numerics::grid::{Runs, Sampler, Segment};
-use meniscus_numerics::level_set::{redistance, slope};
+use meniscus_numerics::level_set::{redistance, interface_gradient_norm};
 use meniscus_numerics::linalg::{SolveError, SolveReport};
 use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
 
 /// Layers of the band on which curvature is found.
-const CURVED: usize = 5;
+const CURVATURE_LAYERS: usize = 5;
 /// Cells that the interface may move before φ is made a distance again.
-const DRIFT: f64 = 0.7;
+const REDISTANCE_DISPLACEMENT_CELLS: f64 = 0.7;
 /// Layers of the band on which φ is made a distance in every step: all that the curvature sees.
-const NEAR: usize = 6;
+const REDISTANCE_LAYERS: usize = 6;
 
 /// φ, in cells, of what a receding line leaves behind in a solid: no liquid, and else as little changed as can be.
-const LEFT_BEHIND: f64 = 0.01;
+const RESIDUE_PHI_CELLS: f64 = 0.01;
 
 /// Part of the way to a distance that φ goes in a step within solids. There no force smooths it, and redistancing turns a
 /// zigzag of the period of two cells into its opposite: all the way it stays for ever and stirs drops at rest (u_rms 1e-2).
-const WITHIN: f64 = 0.5;
+const SOLID_REDISTANCE_RELAXATION: f64 = 0.5;
 
 /// What a step found out.
 pub struct StepResult {
@@ -49,9 +49,9 @@ pub struct StepResult {
     /// Newton's iterations for solids and pressure.
     pub newton_iterations: u64,
     /// Work that solids which go as told did, J.
-    pub stirred: f64,
+    pub prescribed_work: f64,
     /// What a component's volume was wrong by before it was put right, as a layer on a ball of its volume, in cells.
-    pub volume_jump: f64,
+    pub volume_error_cells: f64,
 }
 
 /// Advances the state by `dt` seconds.
@@ -66,7 +66,7 @@ pub fn step<const D: usize>(
     phase_end: PhaseEnd<'_>,
 ) -> Result<StepResult, SolveError> {
     if state.step == 0 {
-        start(model, state, work, dt, phase_end)?;
+        initial_half_step(model, state, work, dt, phase_end)?;
     }
 
     // (0) The solids move.
@@ -77,20 +77,20 @@ pub fn step<const D: usize>(
     }
 
     // (1) to (3) The liquid moves.
-    let (wanted, kick) = (wanted_kick(state.lead, dt), kick(state.lead, dt));
-    work.repairs.limited_kicks += u64::from(kick != wanted);
+    let (unbounded, impulse_time) = (unbounded_impulse_time(state.velocity_lead, dt), impulse_time(state.velocity_lead, dt));
+    work.repairs.limited_kicks += u64::from(impulse_time != unbounded);
     let (mut change, displacement) = move_liquid(model, state, work, &before, dt, phase_end);
 
     // (4) The forces, and viscosity.
-    let pushed = push(model, state, work, &mut change, displacement, (dt, kick), phase_end)?;
-    state.kick = kick;
+    let pushed = apply_forces(model, state, work, &mut change, displacement, (dt, impulse_time), phase_end)?;
+    state.impulse_time = impulse_time;
     state.time += dt;
     state.step += 1;
     state.last_dt = dt;
 
     // (6) What has passed an open side is gone.
-    drain(model, state, work);
-    Ok(StepResult { volume_jump: change.jump, ..pushed })
+    remove_outflow(model, state, work);
+    Ok(StepResult { volume_error_cells: change.volume_error_cells, ..pushed })
 }
 
 /// Moves the liquid; gives back how it has changed, and how its surface moves. `solids` is where they were before.
@@ -101,148 +101,148 @@ fn move_liquid<const D: usize>(
     solids: &[SolidState<D>],
     dt: f64,
     phase_end: PhaseEnd<'_>,
-) -> (Change<D>, Vec<Displacement<D>>) {
+) -> (ComponentChange<D>, Vec<InterfaceDisplacement<D>>) {
     // (1) The surface moves with the flow and becomes a distance again.
-    let before = move_surface(model, state, work, solids, dt);
+    let before = move_interface(model, state, work, solids, dt);
     phase_end("advect surface");
-    keep_distance(model, state, work);
+    restore_signed_distance(model, state, work);
     phase_end("redistance");
-    hold_lines(model, state, work);
+    pin_contact_lines(model, state, work);
 
     // (2) Every component keeps its volume, and the centre of mass of what touches nothing its path.
-    let change = keep_volume(model, state, work, &before, dt);
+    let change = restore_volume(model, state, work, &before, dt);
     work.repairs.add(&change.repairs);
     phase_end("volume");
 
     // (3) The velocity is carried along.
-    let displacement = displacements(model, state, work, dt);
+    let displacement = interface_displacements(model, state, work, dt);
     move_velocity(model, state, work, dt);
-    let carried = keep_carried(model, state, work, &change);
+    let carried = restore_advected_momentum(model, state, work, &change);
     work.repairs.add(&carried);
     phase_end("advect velocity");
     (change, displacement)
 }
 
 /// Brings the velocity half a step ahead of the positions, where leapfrog wants it: once, before the first step.
-fn start<const D: usize>(
+fn initial_half_step<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     work: &mut Workspace<D>,
     dt: f64,
     phase_end: PhaseEnd<'_>,
 ) -> Result<(), SolveError> {
-    hold_lines(model, state, work);
-    let mut change = Change::none(model, state, work);
-    change.targets = state.drops.iter().map(|d| d.target_volume).collect();
-    expect(model, state, work, &mut change.groups, &[], 0.0);
-    let still = displacements(model, state, work, 0.0);
-    work.mark_afresh(model);
-    state.lead = dt;
-    push(model, state, work, &mut change, still, (dt, 0.5 * dt), phase_end)?;
-    state.kick = 0.5 * dt;
+    pin_contact_lines(model, state, work);
+    let mut change = ComponentChange::unchanged(model, state, work);
+    change.target_volumes = state.components.iter().map(|d| d.target_volume).collect();
+    predict_motions(model, state, work, &mut change.groups, &[], 0.0);
+    let still = interface_displacements(model, state, work, 0.0);
+    work.reset_known_faces(model);
+    state.velocity_lead = dt;
+    apply_forces(model, state, work, &mut change, still, (dt, 0.5 * dt), phase_end)?;
+    state.impulse_time = 0.5 * dt;
     Ok(())
 }
 
 /// Adds what gravity, surface tension and pressure do to the velocity in the time `kick`, in a step of `dt`;
 /// `displacement` as [`displacements`] found it. Gives back the work of solids, too.
-fn push<const D: usize>(
+fn apply_forces<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     work: &mut Workspace<D>,
-    change: &mut Change<D>,
-    displacement: Vec<Displacement<D>>,
-    (dt, kick): (f64, f64),
+    change: &mut ComponentChange<D>,
+    displacements: Vec<InterfaceDisplacement<D>>,
+    (dt, impulse_time): (f64, f64),
     phase_end: PhaseEnd<'_>,
 ) -> Result<StepResult, SolveError> {
     let before = state.solids.clone();
-    fall(model, state, work, kick);
+    apply_gravity(model, state, work, impulse_time);
 
     // Surface tension as a pressure on the surface.
-    let capillary = model.surface_tension * dt * kick / (model.density * model.grid.dx.powi(3));
-    let filter = FilterStep { capillary, displacement };
-    let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
-    let ghosts = ghosts(model, state, &work.band, &work.cut);
-    let beside = Beside { solids: &work.cut, ghosts: &ghosts, weight: model.weight() };
-    let kappa = curvature(&model.grid, &work.band, CURVED, &phi, &change.cubes, &beside, &filter);
-    let mut cut = cut_faces(model, &state.phi, &work.band, &kappa, &work.cut);
+    let capillary_cfl_squared = model.surface_tension * dt * impulse_time / (model.density * model.grid.dx.powi(3));
+    let filter = FilterStep { capillary_cfl_squared, displacements };
+    let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
+    let ghosts = ghost_cells(model, state, &work.band, &work.cut_cells);
+    let beside = SolidContext { cut_cells: &work.cut_cells, ghosts: &ghosts, bond_vector: model.cell_bond_vector() };
+    let kappa = curvature(&model.grid, &work.band, CURVATURE_LAYERS, &phi, &change.dual_cells, &beside, &filter);
+    let mut interface_faces = interface_faces(model, &state.phi, &work.band, &kappa, &work.cut_cells);
     work.repairs.add(&kappa.repairs);
-    work.repairs.unknown_curvatures += cut.iter().filter(|face| !face.known).count() as u64;
-    let mut dragged = drag(model, (state, &before), &change.cubes, (&mut cut, &work.cut), kick);
+    work.repairs.unknown_curvatures += interface_faces.iter().filter(|face| !face.is_curvature_known).count() as u64;
+    let mut dragged = dragged_faces(model, (state, &before), &change.dual_cells, (&mut interface_faces, &work.cut_cells), impulse_time);
     phase_end("curvature");
 
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
-    state.clear = if state.last_dt > 0.0 { clear_time(model, &state.solids, dt) } else { GROWTH * dt };
-    state.lead += kick - dt;
+    state.collision_free_dt = if state.last_dt > 0.0 { lookahead_time(model, &state.solids, dt) } else { MAX_DT_GROWTH * dt };
+    state.velocity_lead += impulse_time - dt;
     // Before the first step there are no old positions: its forces act about the start.
-    let first = state.last_dt == 0.0;
-    let lead = if first { 0.5 * kick } else { state.lead };
-    let times = Times { dt, kick, lead, ahead: state.clear, first };
-    let Pressed { solves, given, contacts, iterations } =
-        press(model, (state, &before), work, change, (&cut, &mut dragged), times, phase_end)?;
-    let stirred = stirred(model, state, &given) + contacts;
-    give_back(model, &mut change.groups, &given);
+    let is_first = state.last_dt == 0.0;
+    let velocity_lead = if is_first { 0.5 * impulse_time } else { state.velocity_lead };
+    let times = StepTimes { dt, impulse_time, velocity_lead, lookahead: state.collision_free_dt, is_first };
+    let PressureSolution { solves, solid_impulses, contact_work, newton_iterations } =
+        solve_pressure(model, (state, &before), work, change, (&interface_faces, &mut dragged), times, phase_end)?;
+    let prescribed_work = prescribed_solid_work(model, state, &solid_impulses) + contact_work;
+    subtract_solid_impulses(model, &mut change.groups, &solid_impulses);
     phase_end("pressure");
 
     // Momentum that the discretisation lost comes back; the velocity extends beyond the liquid.
-    let kept = keep_momentum(model, state, work, &cut, (change, &change.groups), kick);
-    let slip_unknown = work.extend(model, state);
+    let restored = restore_momentum(model, state, work, &interface_faces, (change, &change.groups), impulse_time);
+    let slip_unknown = work.extend_velocity(model, state);
     work.repairs.add(&Repairs {
-        momentum_restored: kept.momentum,
-        spin_restored: kept.spin,
-        unrestored: kept.unrestored,
-        unlabelled: kept.unlabelled,
+        momentum_restored: restored.momentum,
+        spin_restored: restored.angular_momentum,
+        unrestored: restored.unrestored,
+        unlabelled: restored.unlabelled,
         slip_unknown,
-        ..of_solids(model, state)
+        ..solid_repairs(model, state)
     });
-    state.drops = drops(model, work, &cut, &kept.moments, change);
-    state.kinetic_energy = kinetic_energy(model, &kept.moments, &change.targets);
-    state.surface_area = surface_energy(model, &change.cubes);
+    state.components = measure_components(model, work, &interface_faces, &restored.moments, change);
+    state.kinetic_energy = kinetic_energy(model, &restored.moments, &change.target_volumes);
+    state.effective_surface_area = effective_surface_area(model, &change.dual_cells);
     phase_end("momentum and extension");
-    Ok(StepResult { solves, newton_iterations: iterations, stirred, volume_jump: 0.0 })
+    Ok(StepResult { solves, newton_iterations, prescribed_work, volume_error_cells: 0.0 })
 }
 
 /// What holds elements upright and what nothing turns, in a state; what of the liquid's weight the model leaves out.
-fn of_solids<const D: usize>(model: &Model<D>, state: &State<D>) -> Repairs {
-    let mut repairs = Repairs { weight_left_out: model.weight_left_out(), ..Repairs::default() };
+fn solid_repairs<const D: usize>(model: &Model<D>, state: &State<D>) -> Repairs {
+    let mut repairs = Repairs { weight_left_out: model.neglected_weight_fraction(), ..Repairs::default() };
     for (solid, now) in model.solids.iter().zip(&state.solids) {
         let soft = solid.elastic().zip(now.soft.as_ref());
-        let crushed = soft.map_or(0, |(elastic, soft)| elastic.crushed_elements(&soft.body.positions));
+        let crushed = soft.map_or(0, |(elastic, soft)| elastic.crushed_elements(&soft.state.positions));
         repairs.crushed_elements += crushed as u64;
-        let stuck = solid.motion == Motion::Free && solid.inverse_inertia(now).norm_squared() == 0.0;
-        repairs.singular_inertia += u64::from(stuck);
+        let is_singular = solid.motion == Motion::Free && solid.inverse_inertia(now).norm_squared() == 0.0;
+        repairs.singular_inertia += u64::from(is_singular);
     }
     repairs
 }
 
 /// Moves φ; gives back the liquid cells before. `solids` is where they were before.
-pub fn move_surface<const D: usize>(
+pub fn move_interface<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     work: &mut Workspace<D>,
     solids: &[SolidState<D>],
     dt: f64,
 ) -> Runs {
-    let values = advect_surface(model, &state.phi, &work.band, &state.velocity, dt);
+    let values = advect_interface(model, &state.phi, &work.band, &state.velocity, dt);
     work.band.cells.iter().zip(values).for_each(|(&c, v)| state.phi.data[c as usize] = v);
-    let extended = extend_into_solids(model, state, &work.band, &work.cut, solids);
-    (work.apart, work.beyond) = (extended.apart, extended.beyond);
-    let way = max_component(model, state, work) * dt / model.grid.dx;
-    state.drift += way;
+    let extended = extend_into_solids(model, state, &work.band, &work.cut_cells, solids);
+    (work.non_distance_cells, work.overwritten_phi) = (extended.non_distance_cells, extended.overwritten_phi);
+    let displacement_cells = max_velocity_component(model, state, work) * dt / model.grid.dx;
+    state.displacement_since_redistancing += displacement_cells;
     let before = std::mem::take(&mut work.liquid);
-    let left = work.band.cells.clone();
+    let old_band_cells = work.band.cells.clone();
     work.find_liquid(model, state);
-    let strays = work.strays(model, &before, way.ceil().max(1.0) as usize);
-    if !strays.cells.is_empty() {
-        let volume = volumes(model, state, work);
+    let spurious = work.find_spurious_components(model, &before, displacement_cells.ceil().max(1.0) as usize);
+    if !spurious.cells.is_empty() {
+        let volume = component_volumes(model, state, work);
         let sum = |some: &[u32]| some.iter().map(|c| volume[*c as usize].max(0.0)).sum::<f64>();
-        work.repairs.deleted_cells += strays.cells.len() as u64;
-        work.repairs.deleted_volume += sum(&strays.components);
-        work.repairs.leaked_volume += sum(&strays.leaked);
-        strays.cells.iter().for_each(|&c| state.phi.data[c] = LEFT_BEHIND * model.grid.dx);
+        work.repairs.deleted_cells += spurious.cells.len() as u64;
+        work.repairs.deleted_volume += sum(&spurious.components);
+        work.repairs.leaked_volume += sum(&spurious.leaked);
+        spurious.cells.iter().for_each(|&c| state.phi.data[c] = RESIDUE_PHI_CELLS * model.grid.dx);
         work.find_liquid(model, state);
     }
-    let limit = BAND * model.grid.dx;
-    for cell in left {
+    let limit = BAND_WIDTH_CELLS * model.grid.dx;
+    for cell in old_band_cells {
         if work.band.slot(cell as usize).is_none() {
             let value = &mut state.phi.data[cell as usize];
             *value = limit.copysign(*value);
@@ -252,9 +252,9 @@ pub fn move_surface<const D: usize>(
 }
 
 /// Volumes of the components, m³ (2D: m²), outside of solids.
-fn volumes<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Vec<f64> {
+fn component_volumes<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Vec<f64> {
     let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
-    work.measured_liquid(model, &labels).measure(&state.phi).volumes
+    work.volume_correction(model, &labels).measure(&state.phi).volumes
 }
 
 /// Makes φ a distance again: around the surface in every step, farther off when the surface has moved enough or its
@@ -262,46 +262,46 @@ fn volumes<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<
 ///
 /// The curvature is only as smooth as φ: noise of the transport that is left from step to step grows (measured: a
 /// drop's frequency wrong by 5 %, where it is 0.3 % if φ is a distance in every step).
-pub(crate) fn keep_distance<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
-    let sampler = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
-    let edge = &work.band.cells[work.band.first_layers(1)];
-    let outside = |c: u32| work.cut.distance(c as usize) >= 0.0;
-    let wrong = |c: u32| (slope(&model.grid, &state.phi.data, &sampler, c as usize) - 1.0).abs() > SLOPE;
-    let count = edge.par_iter().filter(|c| outside(**c) && wrong(**c)).count();
-    let all = state.drift > DRIFT || count * 100 > edge.len();
-    let layers = if all { LAYERS } else { NEAR };
-    let values = redistance(&model.grid, &work.band, layers, &state.phi.data, &sampler, BAND * model.grid.dx);
-    let cells = work.band.cells.iter().zip(values).filter(|(c, _)| work.apart.binary_search(c).is_err());
+pub(crate) fn restore_signed_distance<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
+    let sampler = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
+    let first_layer = &work.band.cells[work.band.first_layers(1)];
+    let outside = |c: u32| work.cut_cells.distance_cells(c as usize) >= 0.0;
+    let is_not_distance = |c: u32| (interface_gradient_norm(&model.grid, &state.phi.data, &sampler, c as usize) - 1.0).abs() > GRADIENT_NORM_TOLERANCE;
+    let count = first_layer.par_iter().filter(|c| outside(**c) && is_not_distance(**c)).count();
+    let full_band = state.displacement_since_redistancing > REDISTANCE_DISPLACEMENT_CELLS || count * 100 > first_layer.len();
+    let layers = if full_band { BAND_LAYERS } else { REDISTANCE_LAYERS };
+    let values = redistance(&model.grid, &work.band, layers, &state.phi.data, &sampler, BAND_WIDTH_CELLS * model.grid.dx);
+    let cells = work.band.cells.iter().zip(values).filter(|(c, _)| work.non_distance_cells.binary_search(c).is_err());
     cells.for_each(|(&c, v)| {
         let value = &mut state.phi.data[c as usize];
-        *value += if outside(c) { v - *value } else { WITHIN * (v - *value) };
+        *value += if outside(c) { v - *value } else { SOLID_REDISTANCE_RELAXATION * (v - *value) };
     });
-    if all {
-        state.drift = 0.0;
+    if full_band {
+        state.displacement_since_redistancing = 0.0;
     }
 }
 
 /// How the surface moves in a step, on the first layers of the band.
-fn displacements<const D: usize>(
+fn interface_displacements<const D: usize>(
     model: &Model<D>,
     state: &State<D>,
     work: &Workspace<D>,
     dt: f64,
-) -> Vec<Displacement<D>> {
-    let sampler = Sampler::cells(&model.grid, &state.phi.data, model.scalar_edges());
+) -> Vec<InterfaceDisplacement<D>> {
+    let sampler = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
     let lattice = model.grid.lattice();
-    work.band.cells[work.band.first_layers(CURVED)]
+    work.band.cells[work.band.first_layers(CURVATURE_LAYERS)]
         .par_iter()
         .map(|&c| {
             let at = lattice.coordinates(c as usize);
-            let mut path = Vector::zeros();
+            let mut displacement_cells = Vector::zeros();
             for a in 0..D {
-                let faces = model.grid.faces(a);
+                let faces = model.grid.face_lattice(a);
                 let f = faces.index(at);
                 let u = 0.5 * (state.velocity.axes[a][f] + state.velocity.axes[a][f + faces.stride[a]]);
-                path[a] = u * dt / model.grid.dx;
+                displacement_cells[a] = u * dt / model.grid.dx;
             }
-            Displacement { normal: sampler.slope(at).try_normalize(0.0).unwrap_or(Vector::zeros()), path }
+            InterfaceDisplacement { normal: sampler.gradient(at).try_normalize(0.0).unwrap_or(Vector::zeros()), displacement_cells }
         })
         .collect()
 }
@@ -310,9 +310,9 @@ fn displacements<const D: usize>(
 fn move_velocity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut Workspace<D>, dt: f64) {
     let faces: [Vec<Segment>; D] = std::array::from_fn(|a| work.liquid.faces(&model.grid, a));
     let values = advect_velocity(model, &state.velocity, &faces, dt);
-    work.known.clear(&mut state.velocity);
+    work.known_faces.clear_with_velocity(&mut state.velocity);
     for a in 0..D {
-        let lattice = model.grid.faces(a);
+        let lattice = model.grid.face_lattice(a);
         let packed = pack(&faces[a]);
         let starts: Vec<usize> = packed.iter().map(|s| s.start).collect();
         let index = |s: &Segment| faces[a].partition_point(|o| (o.row, o.start) < (s.row, s.start));
@@ -321,36 +321,36 @@ fn move_velocity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &
             let mut at = lattice.coordinates(s.row * lattice.extent[0]);
             for (i, u) in part.iter_mut().enumerate() {
                 at[0] = s.start + i;
-                *u = if model.closed(a, at[a]) { 0.0 } else { values[a][from + i] };
+                *u = if model.on_closed_side(a, at[a]) { 0.0 } else { values[a][from + i] };
             }
         });
     }
-    work.known.set_liquid(faces);
-    work.known.forget_shut(&work.cut.shut);
+    work.known_faces.set_liquid_faces(faces);
+    work.known_faces.unmark_closed_faces(&work.cut_cells.closed_faces);
 }
 
 /// Moves the solids and finds what they cut.
 fn move_solids<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut Workspace<D>, dt: f64) {
     let (time, all) = (state.time, model.solids.iter());
     all.zip(&mut state.solids).for_each(|(solid, now)| solid.advance(now, time, dt));
-    crate::collision::potential::slips::advance(model, &mut state.slips, dt);
-    work.follow_solids(model, state);
+    crate::collision::potential::slips::advance_slips(model, &mut state.elastic_slips, dt);
+    work.update_cut_cells(model, state);
 }
 
 /// Adds gravity to the velocity.
-fn fall<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>, dt: f64) {
+fn apply_gravity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>, dt: f64) {
     for (now, solid) in state.solids.iter_mut().zip(&model.solids) {
         now.velocity += if solid.motion == Motion::Free { model.gravity * dt } else { Vector::zeros() };
     }
     for a in (0..D).filter(|&a| model.gravity[a] != 0.0) {
-        let fall = model.gravity[a] * dt;
-        let lattice = model.grid.faces(a);
+        let velocity_change = model.gravity[a] * dt;
+        let lattice = model.grid.face_lattice(a);
         let row = lattice.extent[0];
-        par::for_each_segment(&mut state.velocity.axes[a], row, &work.known.liquid()[a], |s, part| {
+        par::for_each_segment(&mut state.velocity.axes[a], row, &work.known_faces.liquid_faces()[a], |s, part| {
             let mut at = lattice.coordinates(s.row * row);
             for (i, u) in part.iter_mut().enumerate() {
                 at[0] = s.start + i;
-                *u += if model.closed(a, at[a]) { 0.0 } else { fall };
+                *u += if model.on_closed_side(a, at[a]) { 0.0 } else { velocity_change };
             }
         });
     }

@@ -11,9 +11,9 @@ use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 
 /// Cells of the grid beyond a closed side that wets: what stencils at the side reach.
-pub const MARGIN: usize = 3;
+pub const WETTING_WALL_MARGIN_CELLS: usize = 3;
 /// How far the walls go on along open sides, over the size of the domain: beyond the grid.
-const FAR: f64 = 10.0;
+const WALL_EXTENT_RATIO: f64 = 10.0;
 
 impl<const D: usize> Model<D> {
     /// Closed sides that liquid meets at the angle of this cosine, with the given friction of the line, Pa s, and where it
@@ -22,54 +22,54 @@ impl<const D: usize> Model<D> {
     #[must_use]
     pub fn with_wetting_walls(
         mut self,
-        cosine: f64,
+        young_cosine: f64,
         line_friction: f64,
         hysteresis: Option<Hysteresis>,
     ) -> Self {
         let margin = std::array::from_fn(|a| {
             std::array::from_fn(|side| match self.walls[a][side] {
-                Wall::Slip => MARGIN,
-                Wall::Open => self.grid.margin[a][side],
+                Wall::Slip => WETTING_WALL_MARGIN_CELLS,
+                Wall::Open => self.grid.margin_cells[a][side],
             })
         });
         self.grid = self.grid.with_margin(margin);
-        if self.sides_wet() {
-            let solid = Solid::new(self.outside(), Motion::Fixed, self.density);
-            self.solids.push(Solid { cosine, line_friction, hysteresis, ..solid });
+        if self.has_wetting_walls() {
+            let solid = Solid::new(self.exterior_shape(), Motion::Fixed, self.density);
+            self.solids.push(Solid { young_cosine, line_friction, hysteresis, ..solid });
         }
         self
     }
 
     /// Number of the solid that is the closed sides, if they wet at another angle than 90 degrees.
-    pub fn wetting_walls(&self) -> Option<usize> {
-        self.solids.len().checked_sub(1).filter(|_| self.sides_wet())
+    pub fn wetting_wall_solid(&self) -> Option<usize> {
+        self.solids.len().checked_sub(1).filter(|_| self.has_wetting_walls())
     }
 
     /// Whether the grid goes on beyond closed sides.
-    fn sides_wet(&self) -> bool {
+    fn has_wetting_walls(&self) -> bool {
         let beyond = |(wall, cells): (&Wall, &usize)| *wall == Wall::Slip && *cells > 0;
-        self.walls.as_flattened().iter().zip(self.grid.margin.as_flattened()).any(beyond)
+        self.walls.as_flattened().iter().zip(self.grid.margin_cells.as_flattened()).any(beyond)
     }
 
     /// Height of a point over a solid around a foot on it with this normal, m: of the walls only the side of the foot counts,
     /// or none could be seen from beside an edge.
-    pub(crate) fn height(
+    pub(crate) fn height_above_solid(
         &self,
         now: &[SolidState<D>],
         solid: usize,
         (foot, normal): (&Vector<D>, &Vector<D>),
         x: &Vector<D>,
     ) -> f64 {
-        match self.wetting_walls() == Some(solid) {
+        match self.wetting_wall_solid() == Some(solid) {
             true => (x - foot).dot(normal),
             false => self.solids[solid].liquid_distance(&now[solid], x),
         }
     }
 
     /// All space beyond the closed sides.
-    fn outside(&self) -> Shape<D> {
-        let upper = self.grid.upper();
-        let far = FAR * upper.norm();
+    fn exterior_shape(&self) -> Shape<D> {
+        let upper = self.grid.domain_upper();
+        let far = WALL_EXTENT_RATIO * upper.norm();
         let beyond = |a: usize, side: usize| if self.walls[a][side] == Wall::Open { far } else { 0.0 };
         let low = Vector::from_fn(|a, _| -beyond(a, 0));
         let high = Vector::from_fn(|a, _| upper[a] + beyond(a, 1));
@@ -83,7 +83,7 @@ impl<const D: usize> Model<D> {
     /// A point, mirrored at the closed sides if it lies beyond them: there the liquid starts as at 90 degrees, so that liquid
     /// that ends at a side touches it.
     pub(crate) fn mirrored(&self, x: &Vector<D>) -> Vector<D> {
-        let upper = self.grid.upper();
+        let upper = self.grid.domain_upper();
         Vector::from_fn(|a, _| match self.walls[a] {
             [_, Wall::Slip] if x[a] > upper[a] => 2.0 * upper[a] - x[a],
             [Wall::Slip, _] if x[a] < 0.0 => -x[a],

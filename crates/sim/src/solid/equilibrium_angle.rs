@@ -4,40 +4,40 @@ use super::definition::{Solid, SolidState};
 use meniscus_numerics::Vector;
 
 /// Places along each side of the square over which the mean is taken, where the pattern has an edge in it.
-const PLACES: usize = 6;
+const SAMPLES_PER_SIDE: usize = 6;
 /// Part of the square's width by which patches are larger: one that ends at the solid's surface covers it.
-const SLACK: f64 = 0.05;
+const PATCH_ENLARGEMENT: f64 = 0.05;
 
 impl<const D: usize> Solid<D> {
     /// Cosine of the contact angle on the surface next to a point (m), where the solid is `now`: the mean over a square (2D:
     /// a stretch) of a width, m; beyond ±1 nothing or all is wetted.
-    pub fn cosine_near(&self, now: &SolidState<D>, x: &Vector<D>, width: f64) -> f64 {
+    pub fn young_cosine_near(&self, now: &SolidState<D>, x: &Vector<D>, width: f64) -> f64 {
         if self.pattern.is_empty() {
-            return self.cosine;
+            return self.young_cosine;
         }
-        let (foot, normal) = self.foot_at_start(now, x, 0.01 * width);
-        let slack = SLACK * width;
+        let (foot, normal) = self.reference_foot_and_normal(now, x, 0.01 * width);
+        let slack = PATCH_ENLARGEMENT * width;
         let cosine =
-            |x: &Vector<D>| self.pattern.iter().fold(self.cosine, |below, l| l.over(below, x, slack));
+            |x: &Vector<D>| self.pattern.iter().fold(self.young_cosine, |below, l| l.blend_over(below, x, slack));
         let reach = 0.5 * width * ((D - 1) as f64).sqrt() + slack;
-        if self.pattern.iter().all(|layer| layer.even_within(&foot) > reach) {
+        if self.pattern.iter().all(|layer| layer.distance_to_edge(&foot) > reach) {
             return cosine(&foot);
         }
-        let sides = along(&normal).map(|side| side * (width / PLACES as f64));
-        let count = PLACES.pow(D as u32 - 1);
+        let sides = tangents(&normal).map(|side| side * (width / SAMPLES_PER_SIDE as f64));
+        let count = SAMPLES_PER_SIDE.pow(D as u32 - 1);
         let place = |k: usize| {
-            let step = |i: usize| i as f64 - 0.5 * (PLACES - 1) as f64;
-            let second = if D == 3 { sides[1] * step(k / PLACES) } else { Vector::zeros() };
-            foot + sides[0] * step(k % PLACES) + second
+            let step = |i: usize| i as f64 - 0.5 * (SAMPLES_PER_SIDE - 1) as f64;
+            let second = if D == 3 { sides[1] * step(k / SAMPLES_PER_SIDE) } else { Vector::zeros() };
+            foot + sides[0] * step(k % SAMPLES_PER_SIDE) + second
         };
         (0..count).map(|k| cosine(&place(k))).sum::<f64>() / count as f64
     }
 
     /// Where the point of the surface next to `x` was at the start, m, and the normal there; by differences over `step` (m).
-    fn foot_at_start(&self, now: &SolidState<D>, x: &Vector<D>, step: f64) -> (Vector<D>, Vector<D>) {
+    fn reference_foot_and_normal(&self, now: &SolidState<D>, x: &Vector<D>, step: f64) -> (Vector<D>, Vector<D>) {
         let soft = now.soft.as_ref().zip(self.elastic());
-        soft.and_then(|(soft, elastic)| soft.at_start(elastic, x)).unwrap_or_else(|| {
-            let at = self.at_start(now, x);
+        soft.and_then(|(soft, elastic)| soft.reference_point_and_normal(elastic, x)).unwrap_or_else(|| {
+            let at = self.to_reference(now, x);
             let normal = now.rotation.tr_mul(&self.normal(now, x, step));
             (at - normal * self.shape.signed_distance(&at), normal)
         })
@@ -45,15 +45,15 @@ impl<const D: usize> Solid<D> {
 
     /// The cosine of the angle that a line tends to which has the angle of the cosine `now` where Young's is `young`, and
     /// whether it rests: between the advancing and the receding angle it stays what it is.
-    pub fn wetting(&self, young: f64, now: f64) -> (f64, bool) {
-        let Some(hysteresis) = &self.hysteresis else { return (young, false) };
-        let [advancing, receding] = hysteresis.bounds(young);
-        (now.clamp(advancing, receding), (advancing..=receding).contains(&now))
+    pub fn hysteretic_cosine(&self, young_cosine: f64, cosine: f64) -> (f64, bool) {
+        let Some(hysteresis) = &self.hysteresis else { return (young_cosine, false) };
+        let [advancing, receding] = hysteresis.cosine_bounds(young_cosine);
+        (cosine.clamp(advancing, receding), (advancing..=receding).contains(&cosine))
     }
 }
 
 /// Unit vectors along a surface of the normal `n` (2D: the second is none); none where there is no normal.
-fn along<const D: usize>(n: &Vector<D>) -> [Vector<D>; 2] {
+fn tangents<const D: usize>(n: &Vector<D>) -> [Vector<D>; 2] {
     let least = (0..D).fold(0, |least, a| if n[a].abs() < n[least].abs() { a } else { least });
     let axis = Vector::from_fn(|a, _| if a == least && *n != Vector::<D>::zeros() { 1.0 } else { 0.0 });
     let first = (axis - n * n[least]).try_normalize(0.0).unwrap_or(Vector::zeros());
@@ -66,14 +66,14 @@ fn along<const D: usize>(n: &Vector<D>) -> [Vector<D>; 2] {
 mod tests {
     use super::*;
     use crate::solid::Motion;
-    use crate::solid::wettability::Picture;
-    use crate::solid::wettability::{Hysteresis, Layer};
+    use crate::solid::wettability::CosineImage;
+    use crate::solid::wettability::{Hysteresis, WettabilityLayer};
     use meniscus_numerics::Matrix;
     use meniscus_numerics::shape::Shape;
     use std::sync::Arc;
 
     /// A plate 2 by 2 wide whose top is at 0, its middle at the origin.
-    fn plate<const D: usize>(pattern: Vec<Layer<D>>) -> Solid<D> {
+    fn plate<const D: usize>(pattern: Vec<WettabilityLayer<D>>) -> Solid<D> {
         let last = |a: usize| a + 1 == D;
         let shape = Shape::Box {
             center: Vector::from_fn(|a, _| if last(a) { -0.2 } else { 0.0 }),
@@ -81,7 +81,7 @@ mod tests {
             rotation: Matrix::identity(),
         };
         let mut solid = Solid::new(shape, Motion::Free, 1.0);
-        (solid.cosine, solid.pattern) = (-0.5, pattern);
+        (solid.young_cosine, solid.pattern) = (-0.5, pattern);
         solid
     }
 
@@ -96,12 +96,12 @@ mod tests {
     }
 
     fn patches_and_their_edges<const D: usize>() {
-        let patch = |low, high, cosine| Layer::Patch { shape: block::<D>(low, high), cosine };
+        let patch = |low, high, cosine| WettabilityLayer::Patch { shape: block::<D>(low, high), cosine };
         let solid = plate(vec![patch(-0.5, 0.5, 0.5), patch(0.3, 0.7, 0.9)]);
-        let now = solid.start();
+        let now = solid.initial_state();
         let at = |x: f64, width: f64| {
             let place = Vector::from_fn(|a, _| if a == 0 { x } else { 0.03 });
-            solid.cosine_near(&now, &place, width)
+            solid.young_cosine_near(&now, &place, width)
         };
         for (x, cosine) in [(-0.9, -0.5), (0.0, 0.5), (0.4, 0.9), (0.65, 0.9), (0.8, -0.5)] {
             assert!((at(x, 0.1) - cosine).abs() < 1e-12, "{D}D at {x}: {}", at(x, 0.1));
@@ -126,34 +126,34 @@ mod tests {
             half_size: Vector::<3>::new(0.5, 0.5, 0.1),
             rotation: Matrix::identity(),
         };
-        let solid = plate(vec![Layer::Patch { shape, cosine: 0.8 }]);
-        let cosine = |z: f64| solid.cosine_near(&solid.start(), &Vector::<3>::new(0.1, 0.2, z), 0.1);
+        let solid = plate(vec![WettabilityLayer::Patch { shape, cosine: 0.8 }]);
+        let cosine = |z: f64| solid.young_cosine_near(&solid.initial_state(), &Vector::<3>::new(0.1, 0.2, z), 0.1);
         assert!([-0.04, 0.0, 0.05].map(cosine).iter().all(|c| (c - 0.8).abs() < 1e-12));
     }
 
     #[test]
     fn patterns_go_with_their_solids() {
-        let solid = plate::<2>(vec![Layer::Patch { shape: block(-0.5, 0.5), cosine: 0.5 }]);
-        let mut now = solid.start();
+        let solid = plate::<2>(vec![WettabilityLayer::Patch { shape: block(-0.5, 0.5), cosine: 0.5 }]);
+        let mut now = solid.initial_state();
         let (s, c) = 0.7f64.sin_cos();
         let turn = Matrix::<2>::new(c, -s, s, c);
         (now.center, now.rotation) = (now.center + Vector::<2>::new(3.0, 1.0), turn);
-        let moved = |x: f64| now.center + turn * (Vector::<2>::new(x, 0.02) - solid.body.center);
+        let moved = |x: f64| now.center + turn * (Vector::<2>::new(x, 0.02) - solid.mass_properties.center);
         for (x, cosine) in [(0.4, 0.5), (-0.4, 0.5), (0.6, -0.5), (-0.6, -0.5)] {
-            assert!((solid.cosine_near(&now, &moved(x), 0.05) - cosine).abs() < 1e-12, "at {x}");
+            assert!((solid.young_cosine_near(&now, &moved(x), 0.05) - cosine).abs() < 1e-12, "at {x}");
         }
     }
 
     #[test]
     fn gradients_and_pictures() {
-        let gradient = Layer::Gradient {
+        let gradient = WettabilityLayer::Gradient {
             from: (Vector::<3>::new(-0.5, 0.0, 0.0), 0.0),
             to: (Vector::<3>::new(0.5, 0.0, 0.0), 0.8),
         };
         let pixels = vec![[1.0, 1.0], [0.0, 1.0], [0.2, 1.0], [0.7, 0.0]];
-        let picture = Picture { ends: [[0.0, 0.4], [0.0, 0.4]], size: [2, 2], pixels };
-        let solid = plate(vec![gradient, Layer::Picture(Arc::new(picture))]);
-        let at = |x, y| solid.cosine_near(&solid.start(), &Vector::<3>::new(x, y, 0.0), 0.01);
+        let picture = CosineImage { bounds: [[0.0, 0.4], [0.0, 0.4]], size: [2, 2], pixels };
+        let solid = plate(vec![gradient, WettabilityLayer::Image(Arc::new(picture))]);
+        let at = |x, y| solid.young_cosine_near(&solid.initial_state(), &Vector::<3>::new(x, y, 0.0), 0.01);
         assert!((at(-0.25, -0.5) - 0.2).abs() < 1e-9 && (at(0.9, -0.5) - 0.8).abs() < 1e-12);
         // The lower row; half-way between its pixels; the clear pixel shows what is below.
         assert!((at(0.05, 0.05) - 1.0).abs() < 1e-9, "{}", at(0.05, 0.05));
@@ -166,9 +166,9 @@ mod tests {
         let mut solid = plate::<2>(Vec::new());
         let cosine = |degrees: f64| degrees.to_radians().cos();
         solid.hysteresis = Some(Hysteresis::Around([0.2, 0.1]));
-        let bounds = Hysteresis::Around([10f64.to_radians(), 20f64.to_radians()]).bounds(cosine(60.0));
+        let bounds = Hysteresis::Around([10f64.to_radians(), 20f64.to_radians()]).cosine_bounds(cosine(60.0));
         assert!((bounds[0] - cosine(70.0)).abs() < 1e-12 && (bounds[1] - cosine(40.0)).abs() < 1e-12);
-        assert_eq!(solid.wetting(cosine(60.0), cosine(65.0)), (cosine(65.0), true));
-        assert!(!solid.wetting(cosine(30.0), cosine(65.0)).1);
+        assert_eq!(solid.hysteretic_cosine(cosine(60.0), cosine(65.0)), (cosine(65.0), true));
+        assert!(!solid.hysteretic_cosine(cosine(30.0), cosine(65.0)).1);
     }
 }

@@ -8,4 +8,4 @@ pub mod rigid_body;
 pub mod surface;
 pub mod wettability;
 
-pub use definition::{FRICTION, Motion, Path, RESTITUTION, Solid, SolidState, THINNEST};
+pub use definition::{DEFAULT_FRICTION, Motion, PrescribedMotion, DEFAULT_RESTITUTION, Solid, SolidState, MIN_PLATE_THICKNESS_CELLS};

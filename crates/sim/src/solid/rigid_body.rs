@@ -4,11 +4,11 @@ use meniscus_numerics::shape::{Shape, plane_box_fraction};
 use meniscus_numerics::{Matrix, Vector};
 
 /// Cells along the longest side of the box on which mass and inertia are summed up.
-const SUMMED: usize = 96;
+const QUADRATURE_CELLS: usize = 96;
 
 /// Mass of a rigid body and how it is spread.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RigidBody<const D: usize> {
+pub struct MassProperties<const D: usize> {
     /// Mass, kg (2D: kg per metre).
     pub mass: f64,
     /// Centre of mass at the start, m.
@@ -17,7 +17,7 @@ pub struct RigidBody<const D: usize> {
     pub inertia: Matrix<3>,
 }
 
-impl<const D: usize> RigidBody<D> {
+impl<const D: usize> MassProperties<D> {
     /// A homogeneous body of a density (kg/m³) that fills a shape: sums over a lattice that the surface cuts as planes,
     /// right to about 1e-4. A shape without bounds has no mass that counts.
     pub fn homogeneous(shape: &Shape<D>, density: f64) -> Self {
@@ -26,7 +26,7 @@ impl<const D: usize> RigidBody<D> {
         if !size.iter().all(|s| s.is_finite()) {
             return Self { mass: f64::INFINITY, center: Vector::zeros(), inertia: Matrix::identity() };
         }
-        let h = size.max() / SUMMED as f64;
+        let h = size.max() / QUADRATURE_CELLS as f64;
         let cells: [usize; D] = std::array::from_fn(|a| (size[a] / h).ceil().max(1.0) as usize);
         let (mut mass, mut first) = (0.0, Vector::<D>::zeros());
         let mut second = Matrix::<3>::zeros();
@@ -36,7 +36,7 @@ impl<const D: usize> RigidBody<D> {
                 i /= cells[a];
                 low[a] + (k as f64 + 0.5) * h
             });
-            let m = density * h.powi(D as i32) * share(shape, &at, h);
+            let m = density * h.powi(D as i32) * filled_fraction(shape, &at, h);
             if m > 0.0 {
                 let arm = at - low;
                 mass += m;
@@ -59,7 +59,7 @@ impl<const D: usize> RigidBody<D> {
 }
 
 /// Share of a cube around `at` that a shape fills.
-fn share<const D: usize>(shape: &Shape<D>, at: &Vector<D>, h: f64) -> f64 {
+fn filled_fraction<const D: usize>(shape: &Shape<D>, at: &Vector<D>, h: f64) -> f64 {
     let value = shape.signed_distance(at);
     if value.abs() > h {
         return if value < 0.0 { 1.0 } else { 0.0 };
@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn mass_and_inertia_of_a_ball_and_a_turned_box() {
         let ball = Shape::Ball { center: Vector::<3>::new(0.3, -0.2, 0.1), radius: 0.4 };
-        let body = RigidBody::homogeneous(&ball, 2.0);
+        let body = MassProperties::homogeneous(&ball, 2.0);
         let mass = 2.0 * 4.0 / 3.0 * PI * 0.4f64.powi(3);
         assert!((body.mass / mass - 1.0).abs() < 2e-4, "{}", body.mass / mass);
         assert!((body.center - Vector::<3>::new(0.3, -0.2, 0.1)).norm() < 1e-5);
@@ -93,7 +93,7 @@ mod tests {
             half_size: Vector::<2>::new(0.5, 0.1),
             rotation,
         };
-        let body = RigidBody::homogeneous(&plate, 3.0);
+        let body = MassProperties::homogeneous(&plate, 3.0);
         assert!((body.mass / 0.6 - 1.0).abs() < 1e-3, "{}", body.mass);
         let exact = 0.6 * (1.0 + 0.04) / 12.0;
         assert!((body.inertia[(2, 2)] / exact - 1.0).abs() < 2e-3, "{}", body.inertia[(2, 2)] / exact);

@@ -1,20 +1,20 @@
 //! The surface of a solid that deforms, where it is now.
 
 use meniscus_numerics::Vector;
-use meniscus_numerics::mesh::tree::Closest;
-use meniscus_numerics::mesh::{FacetTree, SurfaceMesh};
+use meniscus_numerics::mesh::tree::ClosestPoint;
+use meniscus_numerics::mesh::{FacetBvh, SurfaceMesh};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Barycentric weight from which on a point of a facet is not at its rim.
-const RIM: f64 = 1e-6;
+const MIN_INTERIOR_WEIGHT: f64 = 1e-6;
 /// Parts into which each edge of a triangle is divided that lies partly within a radius: one of 3.6 edges has its second moment
 /// within 2 % then.
-const PARTS: usize = 4;
+const EDGE_SUBDIVISIONS: usize = 4;
 
 /// Where something takes hold of a solid that deforms: a point of a facet of its surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Grip<const D: usize> {
+pub struct SurfacePoint<const D: usize> {
     /// The facet's vertices, as numbers of those of the solid's mesh.
     pub vertices: [u32; D],
     /// The point's barycentric weights in it.
@@ -23,52 +23,52 @@ pub struct Grip<const D: usize> {
     pub point: Vector<D>,
 }
 
-impl<const D: usize> Grip<D> {
+impl<const D: usize> SurfacePoint<D> {
     /// What values of the mesh's vertices are at the point.
-    pub fn mean(&self, of: impl Fn(usize) -> Vector<D>) -> Vector<D> {
+    pub fn interpolate(&self, of: impl Fn(usize) -> Vector<D>) -> Vector<D> {
         (0..D).map(|k| of(self.vertices[k] as usize) * self.weights[k]).sum()
     }
 }
 
 /// The surface of a solid that deforms.
 #[derive(Clone, Debug)]
-pub struct Skin<const D: usize> {
+pub struct SolidSurface<const D: usize> {
     /// The surface, m.
-    pub surface: SurfaceMesh<D>,
+    pub mesh: SurfaceMesh<D>,
     /// For each of its vertices the number of the mesh's.
-    vertices: Vec<u32>,
+    volume_vertices: Vec<u32>,
     /// The facets around each vertex of the surface.
-    around: Arc<Vec<Vec<u32>>>,
-    tree: FacetTree<D>,
+    vertex_facets: Arc<Vec<Vec<u32>>>,
+    tree: FacetBvh<D>,
     bounds: [Vector<D>; 2],
 }
 
-impl<const D: usize> Skin<D> {
+impl<const D: usize> SolidSurface<D> {
     /// A surface, and for each of its vertices the number of the mesh's.
     pub fn new(surface: SurfaceMesh<D>, vertices: Vec<u32>) -> Self {
         let mut around = vec![Vec::new(); surface.positions.len()];
         for (f, facet) in surface.facets.iter().enumerate() {
             facet.iter().for_each(|v| around[*v as usize].push(f as u32));
         }
-        Self::with(surface, vertices, Arc::new(around))
+        Self::with_topology(surface, vertices, Arc::new(around))
     }
 
-    fn with(surface: SurfaceMesh<D>, vertices: Vec<u32>, around: Arc<Vec<Vec<u32>>>) -> Self {
-        let tree = FacetTree::new(&surface);
-        let (low, high) = surface.bounds();
-        Self { surface, vertices, around, tree, bounds: [low, high] }
+    fn with_topology(mesh: SurfaceMesh<D>, volume_vertices: Vec<u32>, vertex_facets: Arc<Vec<Vec<u32>>>) -> Self {
+        let tree = FacetBvh::new(&mesh);
+        let (low, high) = mesh.bounds();
+        Self { mesh, volume_vertices, vertex_facets, tree, bounds: [low, high] }
     }
 
     /// The same surface with the mesh's vertices elsewhere.
-    pub fn at(&self, positions: &[Vector<D>]) -> Self {
-        let facets = self.surface.facets.clone();
-        let positions = self.vertices.iter().map(|v| positions[*v as usize]).collect();
-        Self::with(SurfaceMesh { positions, facets }, self.vertices.clone(), self.around.clone())
+    pub fn with_positions(&self, positions: &[Vector<D>]) -> Self {
+        let facets = self.mesh.facets.clone();
+        let positions = self.volume_vertices.iter().map(|v| positions[*v as usize]).collect();
+        Self::with_topology(SurfaceMesh { positions, facets }, self.volume_vertices.clone(), self.vertex_facets.clone())
     }
 
     /// For each vertex of the surface the number of the mesh's.
-    pub fn vertices(&self) -> &[u32] {
-        &self.vertices
+    pub fn volume_vertices(&self) -> &[u32] {
+        &self.volume_vertices
     }
 
     /// Lower and upper corner of the box around it, m.
@@ -78,26 +78,26 @@ impl<const D: usize> Skin<D> {
 
     /// Distance of a point, m, negative inside.
     pub fn distance(&self, x: &Vector<D>) -> f64 {
-        let Some(closest) = self.tree.closest(x, f64::INFINITY) else { return f64::INFINITY };
+        let Some(closest) = self.tree.closest_point(x, f64::INFINITY) else { return f64::INFINITY };
         closest.distance_squared.sqrt() * if self.is_inside(x, &closest) { -1.0 } else { 1.0 }
     }
 
     /// Whether a point lies inside, given the nearest point of the surface: what is nearest to the inner part of a facet is on
     /// one side of it, the rest the winding number tells.
-    fn is_inside(&self, x: &Vector<D>, closest: &Closest<D>) -> bool {
-        match closest.weights.iter().all(|w| *w > RIM) {
-            true => (x - closest.point).dot(&self.surface.area_vector(closest.facet as usize)) < 0.0,
+    fn is_inside(&self, x: &Vector<D>, closest: &ClosestPoint<D>) -> bool {
+        match closest.weights.iter().all(|w| *w > MIN_INTERIOR_WEIGHT) {
+            true => (x - closest.point).dot(&self.mesh.area_vector(closest.facet as usize)) < 0.0,
             false => self.tree.contains(x),
         }
     }
 
     /// The nearest point of it.
-    pub fn grip(&self, x: &Vector<D>) -> Option<Grip<D>> {
-        Some(self.grip_at(&self.tree.closest(x, f64::INFINITY)?))
+    pub fn closest_point(&self, x: &Vector<D>) -> Option<SurfacePoint<D>> {
+        Some(self.surface_point(&self.tree.closest_point(x, f64::INFINITY)?))
     }
 
-    fn grip_at(&self, closest: &Closest<D>) -> Grip<D> {
-        Grip {
+    fn surface_point(&self, closest: &ClosestPoint<D>) -> SurfacePoint<D> {
+        SurfacePoint {
             weights: closest.weights,
             point: closest.point,
             vertices: self.corners(closest.facet as usize),
@@ -106,52 +106,52 @@ impl<const D: usize> Skin<D> {
 
     /// The corners of a facet, as numbers of the mesh's vertices.
     fn corners(&self, facet: usize) -> [u32; D] {
-        self.surface.facets[facet].map(|v| self.vertices[v as usize])
+        self.mesh.facets[facet].map(|v| self.volume_vertices[v as usize])
     }
 
     /// The part of it that hangs together within a radius (m) around its nearest point to `x`: places that stand for parts of
     /// it, and how large those are (they add up to one). Linear functions on the facets are summed up exactly where a facet
     /// lies within as a whole, and in 2D. With no radius it is the nearest point.
-    pub fn patch(&self, x: &Vector<D>, radius: f64) -> Vec<(Grip<D>, f64)> {
-        let Some(closest) = self.tree.closest(x, f64::INFINITY) else { return Vec::new() };
-        let (mut next, mut seen) = (vec![closest.facet], BTreeSet::from([closest.facet]));
+    pub fn patch(&self, x: &Vector<D>, radius: f64) -> Vec<(SurfacePoint<D>, f64)> {
+        let Some(closest) = self.tree.closest_point(x, f64::INFINITY) else { return Vec::new() };
+        let (mut next, mut visited) = (vec![closest.facet], BTreeSet::from([closest.facet]));
         let mut parts = Vec::new();
         while let Some(facet) = next.pop().filter(|_| radius > 0.0) {
-            let corners = self.surface.corners(facet as usize);
-            let within = pieces(&corners, &closest.point, radius);
+            let corners = self.mesh.corners(facet as usize);
+            let within = facet_quadrature(&corners, &closest.point, radius);
             if within.is_empty() && facet != closest.facet {
                 continue;
             }
             for (weights, size) in within {
                 let point = (0..D).map(|k| corners[k] * weights[k]).sum();
-                parts.push((Grip { vertices: self.corners(facet as usize), weights, point }, size));
+                parts.push((SurfacePoint { vertices: self.corners(facet as usize), weights, point }, size));
             }
-            let around = self.surface.facets[facet as usize].iter().flat_map(|v| &self.around[*v as usize]);
-            next.extend(around.filter(|f| seen.insert(**f)));
+            let around = self.mesh.facets[facet as usize].iter().flat_map(|v| &self.vertex_facets[*v as usize]);
+            next.extend(around.filter(|f| visited.insert(**f)));
         }
         let all: f64 = parts.iter().map(|p| p.1).sum();
         if all == 0.0 {
-            return vec![(self.grip_at(&closest), 1.0)];
+            return vec![(self.surface_point(&closest), 1.0)];
         }
         parts.into_iter().map(|(grip, size)| (grip, size / all)).collect()
     }
 
     /// The nearest point of it, and [`Self::normal`].
-    pub fn grip_and_normal(&self, x: &Vector<D>, step: f64) -> Option<(Grip<D>, Vector<D>)> {
-        let closest = self.tree.closest(x, f64::INFINITY)?;
-        Some((self.grip_at(&closest), self.normal_at(x, &closest, step)))
+    pub fn closest_point_and_normal(&self, x: &Vector<D>, step: f64) -> Option<(SurfacePoint<D>, Vector<D>)> {
+        let closest = self.tree.closest_point(x, f64::INFINITY)?;
+        Some((self.surface_point(&closest), self.normal_at(x, &closest, step)))
     }
 
     /// Direction away from it, on it that of its facet; nothing within `step` (m) of halfway between two of its sides.
     pub fn normal(&self, x: &Vector<D>, step: f64) -> Vector<D> {
-        let closest = self.tree.closest(x, f64::INFINITY);
+        let closest = self.tree.closest_point(x, f64::INFINITY);
         closest.map_or_else(Vector::zeros, |closest| self.normal_at(x, &closest, step))
     }
 
-    fn normal_at(&self, x: &Vector<D>, closest: &Closest<D>, step: f64) -> Vector<D> {
+    fn normal_at(&self, x: &Vector<D>, closest: &ClosestPoint<D>, step: f64) -> Vector<D> {
         let away = x - closest.point;
         if away.norm() <= step {
-            let facet = self.surface.area_vector(closest.facet as usize);
+            let facet = self.mesh.area_vector(closest.facet as usize);
             return facet.try_normalize(0.0).unwrap_or(Vector::zeros());
         }
         let away = away.normalize();
@@ -165,7 +165,7 @@ impl<const D: usize> Skin<D> {
 }
 
 /// The parts of a facet within a radius (m) of a point: barycentric weights of their middles, and sizes.
-fn pieces<const D: usize>(corners: &[Vector<D>; D], center: &Vector<D>, radius: f64) -> Vec<([f64; D], f64)> {
+fn facet_quadrature<const D: usize>(corners: &[Vector<D>; D], center: &Vector<D>, radius: f64) -> Vec<([f64; D], f64)> {
     let near = |x: &Vector<D>| (x - center).norm() <= radius;
     let size = meniscus_numerics::mesh::surface::area_vector(corners).norm();
     if corners.iter().all(near) {
@@ -173,8 +173,8 @@ fn pieces<const D: usize>(corners: &[Vector<D>; D], center: &Vector<D>, radius: 
     }
     if D == 2 {
         // Where the segment passes through the circle.
-        let (way, from) = (corners[1] - corners[0], corners[0] - center);
-        let (square, along) = (way.norm_squared(), way.dot(&from));
+        let (edge, from) = (corners[1] - corners[0], corners[0] - center);
+        let (square, along) = (edge.norm_squared(), edge.dot(&from));
         let root = (along * along - square * (from.norm_squared() - radius * radius)).max(0.0).sqrt();
         let [first, last] = [-root, root].map(|r| ((r - along) / square).clamp(0.0, 1.0));
         let middle = 0.5 * (first + last);
@@ -182,15 +182,15 @@ fn pieces<const D: usize>(corners: &[Vector<D>; D], center: &Vector<D>, radius: 
         return if last > first { vec![(weights, (last - first) * size)] } else { Vec::new() };
     }
     let mut parts = Vec::new();
-    for i in 0..PARTS {
-        for j in 0..PARTS - i {
+    for i in 0..EDGE_SUBDIVISIONS {
+        for j in 0..EDGE_SUBDIVISIONS - i {
             // The triangle at (i, j), and the one turned over beside it.
-            for turned in 0..if i + j + 1 < PARTS { 2 } else { 1 } {
+            for turned in 0..if i + j + 1 < EDGE_SUBDIVISIONS { 2 } else { 1 } {
                 let third = (1 + turned) as f64 / 3.0;
-                let [a, b] = [i, j].map(|n| (n as f64 + third) / PARTS as f64);
+                let [a, b] = [i, j].map(|n| (n as f64 + third) / EDGE_SUBDIVISIONS as f64);
                 let weights: [f64; D] = std::array::from_fn(|k| [1.0 - a - b, a, b][k]);
                 if near(&(0..D).map(|k| corners[k] * weights[k]).sum()) {
-                    parts.push((weights, size / (PARTS * PARTS) as f64));
+                    parts.push((weights, size / (EDGE_SUBDIVISIONS * EDGE_SUBDIVISIONS) as f64));
                 }
             }
         }
@@ -214,7 +214,7 @@ mod tests {
         });
         let surface = SurfaceMesh { facets: facets.collect(), positions };
         let vertices = (0..surface.positions.len() as u32).collect();
-        let skin = Skin::new(surface, vertices);
+        let skin = SolidSurface::new(surface, vertices);
         let x = Vector::<3>::new(0.47, 0.52, 0.1);
         let patch = skin.patch(&x, 0.3);
         let all: f64 = patch.iter().map(|p| p.1).sum();
@@ -226,7 +226,7 @@ mod tests {
 
         let positions = (0..11).map(|k| Vector::<2>::new(0.1 * k as f64, 0.0)).collect();
         let facets = (0..10).map(|k| [k, k + 1]).collect();
-        let skin = Skin::new(SurfaceMesh { positions, facets }, (0..11).collect());
+        let skin = SolidSurface::new(SurfaceMesh { positions, facets }, (0..11).collect());
         let patch = skin.patch(&Vector::<2>::new(0.43, 0.2), 0.26);
         let second: f64 = patch.iter().map(|(g, part)| g.point[0] * part).sum();
         assert!(

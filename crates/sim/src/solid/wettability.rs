@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// A layer of a pattern. Places are those of the solid at its start.
 #[derive(Clone, Debug)]
-pub enum Layer<const D: usize> {
+pub enum WettabilityLayer<const D: usize> {
     /// The cosine goes linearly from one place to another, and is constant before and beyond. It covers everything.
     Gradient {
         /// Where it starts, m, and the cosine there.
@@ -21,7 +21,7 @@ pub enum Layer<const D: usize> {
         to: (Vector<D>, f64),
     },
     /// What a picture covers.
-    Picture(Arc<Picture>),
+    Image(Arc<CosineImage>),
     /// What a shape covers.
     Patch {
         /// The shape, as large as it likes: only what it has of the solid's surface counts.
@@ -33,9 +33,9 @@ pub enum Layer<const D: usize> {
 
 /// A picture of the cosine, seen along the last axis (2D: its middle row, along x); bilinear between its pixels' middles.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
+pub struct CosineImage {
     /// Lower and upper end along x and y, m.
-    pub ends: [[f64; 2]; 2],
+    pub bounds: [[f64; 2]; 2],
     /// Pixels along x and y.
     pub size: [usize; 2],
     /// Cosine of each pixel and how much it covers (0 to 1), rows from the lowest y up.
@@ -53,23 +53,23 @@ pub enum Hysteresis {
 
 impl Hysteresis {
     /// Cosines of the advancing and the receding angle where Young's has the cosine `young`.
-    pub fn bounds(&self, young: f64) -> [f64; 2] {
+    pub fn cosine_bounds(&self, young_cosine: f64) -> [f64; 2] {
         match self {
             Self::Between(cosines) => *cosines,
             Self::Around([above, below]) => {
-                let angle = young.clamp(-1.0, 1.0).acos();
+                let angle = young_cosine.clamp(-1.0, 1.0).acos();
                 [(angle + above).min(PI).cos(), (angle - below).max(0.0).cos()]
             }
         }
     }
 }
 
-impl Picture {
+impl CosineImage {
     /// Cosine times cover, and cover, at a place.
-    fn at<const D: usize>(&self, x: &Vector<D>) -> [f64; 2] {
+    fn sample<const D: usize>(&self, x: &Vector<D>) -> [f64; 2] {
         let mut cell = [[(0, 0.0); 2]; 2];
         for a in 0..2 {
-            let [low, high] = self.ends[a];
+            let [low, high] = self.bounds[a];
             let share = if a + 1 < D { (x[a] - low) / (high - low) } else { 0.5 };
             if !(0.0..=1.0).contains(&share) {
                 return [0.0; 2];
@@ -93,22 +93,22 @@ impl Picture {
 
     /// Distance to what it covers, m; 0 within.
     fn distance<const D: usize>(&self, x: &Vector<D>) -> f64 {
-        let beyond = |a: usize| (self.ends[a][0] - x[a]).max(x[a] - self.ends[a][1]).max(0.0);
+        let beyond = |a: usize| (self.bounds[a][0] - x[a]).max(x[a] - self.bounds[a][1]).max(0.0);
         (0..D - 1).map(beyond).fold(0.0, f64::max)
     }
 }
 
-impl<const D: usize> Layer<D> {
+impl<const D: usize> WettabilityLayer<D> {
     /// The cosine at a place, of the layer over what is `below` it; patches are larger by `slack` (m).
-    pub(super) fn over(&self, below: f64, x: &Vector<D>, slack: f64) -> f64 {
+    pub(super) fn blend_over(&self, below: f64, x: &Vector<D>, slack: f64) -> f64 {
         match self {
             Self::Gradient { from, to } => {
-                let way = to.0 - from.0;
-                let share = (x - from.0).dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE);
+                let span = to.0 - from.0;
+                let share = (x - from.0).dot(&span) / span.norm_squared().max(f64::MIN_POSITIVE);
                 from.1 + (to.1 - from.1) * share.clamp(0.0, 1.0)
             }
-            Self::Picture(picture) => {
-                let [cosine, cover] = picture.at(x);
+            Self::Image(picture) => {
+                let [cosine, cover] = picture.sample(x);
                 cosine + (1.0 - cover) * below
             }
             Self::Patch { shape, cosine } => {
@@ -122,10 +122,10 @@ impl<const D: usize> Layer<D> {
     }
 
     /// Distance, m, within which it has no edge around a place.
-    pub(super) fn even_within(&self, x: &Vector<D>) -> f64 {
+    pub(super) fn distance_to_edge(&self, x: &Vector<D>) -> f64 {
         match self {
             Self::Gradient { .. } => f64::INFINITY,
-            Self::Picture(picture) => picture.distance(x),
+            Self::Image(picture) => picture.distance(x),
             Self::Patch { shape, .. } => shape.signed_distance(x).abs(),
         }
     }

@@ -6,7 +6,7 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{
-    Body, Model, Motion, Numerics, Path, Simulation, Solid, SolidState, Wall, narrowest_gap_now,
+    LiquidRegion, Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, SolidState, Wall, narrowest_current_gap,
 };
 
 const GRAVITY: f64 = 10.0;
@@ -44,7 +44,7 @@ fn run<const D: usize>(simulation: &mut Simulation<D>, time: f64, mut each: impl
 
 fn ball<const D: usize>(center: Vector<D>, radius: f64, velocity: Vector<D>) -> Solid<D> {
     let mut ball = Solid::new(Shape::Ball { center, radius }, Motion::Free, 2.0);
-    ball.velocity = velocity;
+    ball.initial_velocity = velocity;
     ball
 }
 
@@ -62,9 +62,9 @@ fn books<const D: usize>(s: &Simulation<D>) -> (Vector<D>, Vector<3>, f64) {
     let three = |v: &Vector<D>| Vector::<3>::from_fn(|a, _| if a < D { v[a] } else { 0.0 });
     for (solid, now) in s.model.solids.iter().zip(&s.state.solids) {
         if solid.motion == Motion::Free {
-            sum.0 += now.velocity * solid.body.mass;
+            sum.0 += now.velocity * solid.mass_properties.mass;
             sum.1 += solid.angular_momentum(now)
-                + three(&now.center).cross(&three(&now.velocity)) * solid.body.mass;
+                + three(&now.center).cross(&three(&now.velocity)) * solid.mass_properties.mass;
             sum.2 += solid.kinetic_energy(now);
         }
     }
@@ -144,7 +144,7 @@ fn central<const D: usize>() {
     for restitution in [1.0, 0.5] {
         let mut balls: Vec<_> =
             [(0.2, 0.08), (0.45, 0.1), (0.65, 0.1)].map(|(x, r)| ball(at(x), r, Vector::zeros())).into();
-        balls[0].velocity = fast;
+        balls[0].initial_velocity = fast;
         balls.iter_mut().for_each(|b| b.restitution = restitution);
         if restitution < 1.0 {
             balls.pop();
@@ -152,7 +152,7 @@ fn central<const D: usize>() {
         let mut simulation = dry::<D>(balls, Vector::zeros(), LONG);
         let start = books(&simulation);
         run(&mut simulation, 0.12, |_| ());
-        let (m, n) = (simulation.model.solids[0].body.mass, simulation.model.solids[1].body.mass);
+        let (m, n) = (simulation.model.solids[0].mass_properties.mass, simulation.model.solids[1].mass_properties.mass);
         let speeds: Vec<f64> = simulation.state.solids.iter().map(|s| s.velocity[0]).collect();
         let first = (m - restitution * n) / (m + n);
         let second = (1.0 + restitution) * m / (m + n);
@@ -174,7 +174,7 @@ fn balls_in_a_row_hand_the_blow_on() {
 fn off_centre<const D: usize>() {
     let mut first =
         block::<D>(Vector::repeat(0.3), Vector::from_fn(|a, _| 0.12 - 0.03 * a as f64), Motion::Free);
-    first.velocity = Vector::from_fn(|a, _| 1.0 - 0.1 * a as f64);
+    first.initial_velocity = Vector::from_fn(|a, _| 1.0 - 0.1 * a as f64);
     let mut center = Vector::repeat(0.55);
     center[0] = 0.6;
     let axis = Vector::from_fn(|a, _| 0.4 + a as f64);
@@ -276,7 +276,7 @@ fn bar_meets_plate<const D: usize>() {
     let mut center = Vector::repeat(0.5);
     center[0] = 0.3;
     let mut bar = block::<D>(center, Vector::from_fn(|a, _| thin(a)), Motion::Free);
-    bar.velocity = Vector::from_fn(|a, _| if a == 0 { 50.0 } else { 0.0 });
+    bar.initial_velocity = Vector::from_fn(|a, _| if a == 0 { 50.0 } else { 0.0 });
     let plate = block::<D>(Vector::repeat(0.6), Vector::from_fn(|a, _| thin(a)), Motion::Free);
     let mut simulation = dry::<D>(vec![bar, plate], Vector::zeros(), LONG);
     let mut fastest = 0.0f64;
@@ -300,8 +300,8 @@ fn nothing_passes_through_thin_plates() {
 
 #[test]
 fn a_pusher_moves_a_box_with_its_own_speed_and_its_work_is_told() {
-    let path = Path { velocity: Vector::<2>::new(0.3, 0.0), spin: [0.0; 3], keyframes: Vec::new() };
-    let pusher = block(Vector::<2>::new(0.2, 0.3), Vector::<2>::new(0.05, 0.2), Motion::Given(path));
+    let path = PrescribedMotion { velocity: Vector::<2>::new(0.3, 0.0), angular_velocity: [0.0; 3], keyframes: Vec::new() };
+    let pusher = block(Vector::<2>::new(0.2, 0.3), Vector::<2>::new(0.05, 0.2), Motion::Prescribed(path));
     let mut cargo = block(Vector::<2>::new(0.42, 0.1), Vector::<2>::new(0.1, 0.1), Motion::Free);
     cargo.friction = 0.2;
     let mut simulation = dry(vec![pusher, cargo], down(), LONG);
@@ -319,10 +319,10 @@ fn a_pusher_moves_a_box_with_its_own_speed_and_its_work_is_told() {
 #[test]
 fn what_a_bat_hits_leaves_it_twice_as_fast() {
     for (bat, hit) in [(0.04, 0.15), (0.15, 0.04)] {
-        let path = Path { velocity: Vector::from([1.0, 0.0]), spin: [0.0; 3], keyframes: Vec::new() };
+        let path = PrescribedMotion { velocity: Vector::from([1.0, 0.0]), angular_velocity: [0.0; 3], keyframes: Vec::new() };
         let at = |x: f64| Vector::<2>::from([x, 0.5]);
         let mut solids = vec![
-            block(at(0.4 - bat), Vector::repeat(bat), Motion::Given(path)),
+            block(at(0.4 - bat), Vector::repeat(bat), Motion::Prescribed(path)),
             block(at(0.45 + hit), Vector::repeat(hit), Motion::Free),
         ];
         solids.iter_mut().for_each(|s| s.restitution = 1.0);
@@ -335,8 +335,8 @@ fn what_a_bat_hits_leaves_it_twice_as_fast() {
 
 #[test]
 fn what_is_left_no_room_ends_with_an_error_in_bounded_time() {
-    let path = Path { velocity: Vector::<2>::new(0.3, 0.0), spin: [0.0; 3], keyframes: Vec::new() };
-    let pusher = block(Vector::<2>::new(0.4, 0.3), Vector::<2>::new(0.05, 0.2), Motion::Given(path));
+    let path = PrescribedMotion { velocity: Vector::<2>::new(0.3, 0.0), angular_velocity: [0.0; 3], keyframes: Vec::new() };
+    let pusher = block(Vector::<2>::new(0.4, 0.3), Vector::<2>::new(0.05, 0.2), Motion::Prescribed(path));
     let ball = ball(Vector::<2>::new(0.8, 0.1 + 0.1 * DX), 0.1, Vector::zeros());
     let mut s = dry(vec![pusher, ball], down(), LONG);
     let mut steps = 0;
@@ -381,7 +381,7 @@ fn a_ball_comes_to_rest_between_two_slopes_and_in_a_bowl() {
 #[test]
 fn a_heavy_ball_sinks_and_rests_on_the_floor() {
     let mut ball = ball(Vector::<2>::new(0.51, 0.8), 0.12, Vector::zeros());
-    ball.cosine = 0.3;
+    ball.young_cosine = 0.3;
     let cells = 32;
     let model = Model {
         grid: Grid::new([cells; 2], 1.0 / cells as f64),
@@ -395,14 +395,14 @@ fn a_heavy_ball_sinks_and_rests_on_the_floor() {
     };
     let dx = model.grid.dx;
     let distance = |x: &Vector<2>| x[1] - 0.5;
-    let mut simulation = Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }]);
-    let weight = GRAVITY * simulation.model.solids[0].body.mass;
+    let mut simulation = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let weight = GRAVITY * simulation.model.solids[0].mass_properties.mass;
     let mut settled = None;
     while simulation.state.time < 2.5 {
         let report = simulation.step(0.05, &mut |_| ()).expect("a step");
         let (now, time) = (&simulation.state.solids[0], simulation.state.time);
         let gap = (now.center[1] - 0.12) / dx;
-        assert!(gap > 0.0 && report.ledger.max_speed < 5.0, "{time}: {gap} {}", report.ledger.max_speed);
+        assert!(gap > 0.0 && report.diagnostics.max_speed < 5.0, "{time}: {gap} {}", report.diagnostics.max_speed);
         if time > 1.0 {
             let settled = *settled.get_or_insert(gap);
             // On the barrier it gives way to the liquid, which still swings.
@@ -410,7 +410,7 @@ fn a_heavy_ball_sinks_and_rests_on_the_floor() {
         }
         if time > 2.0 {
             // Floor and liquid together hold it, though the liquid still swings.
-            let held = (now.held[1] * weight / GRAVITY + now.pressed[1] + now.pulled[1]) / weight;
+            let held = (now.contact_acceleration[1] * weight / GRAVITY + now.pressure_force[1] + now.contact_line_force[1]) / weight;
             assert!((held - 1.0).abs() < 1e-3, "{time}: {held} of its weight is held");
         }
     }
@@ -420,8 +420,8 @@ fn a_heavy_ball_sinks_and_rests_on_the_floor() {
 #[test]
 fn a_hit_is_not_given_back_to_the_drop() {
     let mut plate = block(Vector::<2>::new(0.3, 0.4), Vector::<2>::new(0.25, 0.06), Motion::Free);
-    (plate.velocity, plate.restitution, plate.cosine) = (Vector::<2>::new(-1.0, 0.0), 1.0, 0.5);
-    let mass = plate.body.mass;
+    (plate.initial_velocity, plate.restitution, plate.young_cosine) = (Vector::<2>::new(-1.0, 0.0), 1.0, 0.5);
+    let mass = plate.mass_properties.mass;
     let cells = 48;
     let model = Model {
         grid: Grid::new([cells; 2], 1.0 / cells as f64),
@@ -435,8 +435,8 @@ fn a_hit_is_not_given_back_to_the_drop() {
     };
     let distance = |x: &Vector<2>| ((x - Vector::<2>::new(0.3, 0.46)).norm() - 0.14).max(0.4 - x[1]);
     let velocity = Vector::<2>::new(-1.0, 0.0);
-    let mut simulation = Simulation::new(model, &[Body { distance: &distance, velocity }]);
-    let momentum = |s: &Simulation<2>| s.ledger().momentum + s.state.solids[0].velocity * mass;
+    let mut simulation = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity }]);
+    let momentum = |s: &Simulation<2>| s.diagnostics().momentum + s.state.solids[0].velocity * mass;
     let start = momentum(&simulation);
     let (mut before, mut after) = (start, None);
     while simulation.state.time < 0.12 {
@@ -466,7 +466,7 @@ fn narrow_gaps_are_told<const D: usize>() {
     };
     let narrowest = |heights: &[f64]| {
         let simulation = dry(heights.iter().map(|h| at(*h)).collect(), Vector::zeros(), LONG);
-        narrowest_gap_now(&simulation.model, &simulation.state.solids)
+        narrowest_current_gap(&simulation.model, &simulation.state.solids)
     };
     let gap = 0.2 * DX;
     let (one, other, between) = narrowest(&[0.3, 0.5 + gap]).expect("a gap between two");

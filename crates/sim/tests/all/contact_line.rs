@@ -5,7 +5,7 @@
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Body, ContactLine, LineTracker, Model, Motion, Numerics, Simulation, Solid, Wall};
+use meniscus_sim::{LiquidRegion, ContactLine, LineTracker, Model, Motion, Numerics, Simulation, Solid, Wall};
 use std::f64::consts::TAU;
 
 fn up<const D: usize>() -> Vector<D> {
@@ -16,7 +16,7 @@ fn up<const D: usize>() -> Vector<D> {
 fn drop_on<const D: usize>(cells: usize, center: Vector<D>, shape: Shape<D>, angle: f64) -> Simulation<D> {
     let dx = 1.0 / cells as f64;
     let mut solid = Solid::new(shape, Motion::Fixed, 1.0);
-    solid.cosine = angle.to_radians().cos();
+    solid.young_cosine = angle.to_radians().cos();
     let model = Model {
         grid: Grid::new([3 * cells; D], dx),
         walls: [[Wall::Slip; 2]; D],
@@ -28,11 +28,11 @@ fn drop_on<const D: usize>(cells: usize, center: Vector<D>, shape: Shape<D>, ang
         numerics: Numerics::default(),
     };
     let distance = |x: &Vector<D>| (x - center).norm() - 1.0;
-    Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }])
+    Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
 }
 
 fn find<const D: usize>(simulation: &Simulation<D>) -> ContactLine<D> {
-    LineTracker::new(&simulation.model, &[simulation.model.grid.dx / 1.5]).find(simulation)
+    LineTracker::new(&simulation.model, &[simulation.model.grid.dx / 1.5]).extract(simulation)
 }
 
 /// Largest errors on an exact cap on a plane (tilted in 2D): angle, degrees; place of the line, cells; length over that of
@@ -49,10 +49,10 @@ fn cap_errors<const D: usize>(cells: usize, angle: f64, offset: f64) -> [f64; 4]
     let base = angle.to_radians().sin();
     let off = |x: &Vector<D>| ((x - point).norm() - base).abs() / dx;
     let place = line.points.iter().map(|p| off(&p.at)).fold(0.0, f64::max);
-    let wrong = line.points.iter().map(|p| (p.angle - angle).abs()).fold(0.0, f64::max);
+    let wrong = line.points.iter().map(|p| (p.angle_degrees - angle).abs()).fold(0.0, f64::max);
     let length = line.length().map_or(0.0, |l| l / (TAU * base) - 1.0);
     assert_eq!(line.points.len() * usize::from(D == 2), if D == 2 { 2 } else { 0 });
-    [wrong, place, length, line.apart.expect("a line")]
+    [wrong, place, length, line.line_distance_cells.expect("a line")]
 }
 
 fn caps<const D: usize>(cells: usize, bars: [f64; 4]) {
@@ -79,8 +79,8 @@ fn on_a_ball<const D: usize>(cells: usize, angle: f64) {
     let turned = &mut simulation.state.solids[0].rotation;
     (turned[(0, 0)], turned[(0, D - 1)], turned[(D - 1, 0)], turned[(D - 1, D - 1)]) = (c, -s, s, c);
     let tracker = LineTracker::new(&simulation.model, &[dx / 1.5]);
-    let line = tracker.find(&simulation);
-    let wrong = line.points.iter().map(|p| (p.angle - angle).abs()).fold(0.0, f64::max);
+    let line = tracker.extract(&simulation);
+    let wrong = line.points.iter().map(|p| (p.angle_degrees - angle).abs()).fold(0.0, f64::max);
     // Colatitude of the line on the solid.
     let cosine = (gap * gap + radius * radius - 1.0) / (2.0 * gap * radius);
     let exact =
@@ -92,7 +92,7 @@ fn on_a_ball<const D: usize>(cells: usize, angle: f64) {
         .map(|(x, found)| (found - exact(x)).abs() / dx)
         .collect();
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
-    let far = line.apart.expect("a line");
+    let far = line.line_distance_cells.expect("a line");
     println!("{D}D ball, {cells} cells, {angle}°: angle {wrong:.3}°, φ_c {mean:.4}, apart {far:.3}");
     assert!(wrong < 0.3 && mean < 0.05 && far < 0.3);
     assert!(line.phi_c[0].iter().all(|d| d.abs() <= 5.0 * dx));
@@ -142,18 +142,18 @@ fn rests<const D: usize>(cells: usize, angle: f64, curved: bool) {
     while simulation.state.time < 12.0 {
         simulation.step(12.0 - simulation.state.time, &mut |_| ()).expect("a step");
         if simulation.state.step % 5 == 0 {
-            apart = apart.max(tracker.find(&simulation).apart.expect("a line"));
+            apart = apart.max(tracker.extract(&simulation).line_distance_cells.expect("a line"));
         }
     }
-    let line = tracker.find(&simulation);
-    let (mean, spread) = line.angle(Some(0)).expect("an angle");
+    let line = tracker.extract(&simulation);
+    let (mean, spread) = line.angle_statistics(Some(0)).expect("an angle");
     let fastest = line.points.iter().map(|p| p.speed.abs()).fold(0.0, f64::max);
     let pull: Vector<D> = line.points.iter().map(|p| p.force * p.length).sum();
     println!(
         "{D}D, {angle}°, curved {curved}: {mean:.2}° ± {spread:.2}, apart {apart:.3} (at the end {:.3}), speed {fastest:.4}, pull {:.4} for {:.4}",
-        line.apart.expect("a line"),
+        line.line_distance_cells.expect("a line"),
         pull[D - 1],
-        simulation.state.solids[0].pulled[D - 1]
+        simulation.state.solids[0].contact_line_force[D - 1]
     );
     assert!(apart < 1.0 && (mean - angle).abs() < 2.0);
 }
@@ -164,7 +164,7 @@ fn a_line_that_is_switched_off_pulls_at_nothing() {
     let mut simulation = drop_on(10, point, Shape::HalfSpace { point, normal: up() }, 90.0);
     let pull = |simulation: &mut Simulation<2>| {
         simulation.step(0.01, &mut |_| ()).expect("a step");
-        simulation.state.solids[0].pulled.norm()
+        simulation.state.solids[0].contact_line_force.norm()
     };
     // Two points of a line at 90 degrees pull with 2 γ.
     assert!((pull(&mut simulation) - 2.0).abs() < 0.1);

@@ -4,7 +4,7 @@
 
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Body, Model, Numerics, Simulation, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Model, Numerics, Simulation, StepError, Wall};
 
 fn model<const D: usize>(cells: usize) -> Model<D> {
     Model {
@@ -32,9 +32,9 @@ fn meeting_time<const D: usize>(x: f64) -> f64 {
     let (left, right) = (ball(x - 0.2), ball(x + 0.2));
     let speed = |u: f64| Vector::from_fn(|a, _| if a == 0 { u } else { 0.0 });
     let bodies =
-        [Body { distance: &left, velocity: speed(1.0) }, Body { distance: &right, velocity: speed(-1.0) }];
+        [LiquidRegion { signed_distance: &left, velocity: speed(1.0) }, LiquidRegion { signed_distance: &right, velocity: speed(-1.0) }];
     let mut simulation = Simulation::new(model::<D>(40), &bodies);
-    while simulation.state.drops.len() > 1 && simulation.state.time < 0.2 {
+    while simulation.state.components.len() > 1 && simulation.state.time < 0.2 {
         simulation.step(0.004, &mut |_| ()).expect("a step");
     }
     simulation.state.time
@@ -53,7 +53,7 @@ fn drops_meet_in_time_wherever_the_lattice_is() {
 #[test]
 fn a_liquid_that_runs_away_is_an_error() {
     let ball = |at: &Vector<2>| (at - Vector::repeat(0.5)).norm() - 0.15;
-    let bodies = [Body { distance: &ball, velocity: Vector::from([1e6, 0.0]) }];
+    let bodies = [LiquidRegion { signed_distance: &ball, velocity: Vector::from([1e6, 0.0]) }];
     let mut simulation = Simulation::new(model::<2>(40), &bodies);
     let error = simulation.step(1.0, &mut |_| ()).expect_err("too fast");
     assert!(matches!(error, StepError::TooShort { .. }), "{error}");
@@ -65,7 +65,7 @@ fn a_falling_drop_is_where_galilei_says() {
     // Leapfrog. Without the half step that its velocity is ahead the drop would be g t dt / 2 = 0.003 off; with forces that
     // act for the step's own length when the steps become shorter, as here, 0.0007.
     let ball = |at: &Vector<2>| (at - Vector::from([0.5, 0.75])).norm() - 0.15;
-    let bodies = [Body { distance: &ball, velocity: Vector::zeros() }];
+    let bodies = [LiquidRegion { signed_distance: &ball, velocity: Vector::zeros() }];
     let mut model = model::<2>(40);
     model.gravity[1] = -2.0;
     let mut simulation = Simulation::new(model, &bodies);
@@ -73,7 +73,7 @@ fn a_falling_drop_is_where_galilei_says() {
         simulation.step(0.01, &mut |_| ()).expect("a step");
     }
     let time = simulation.state.time;
-    let [x, y]: [f64; 2] = simulation.state.drops[0].centroid.into();
+    let [x, y]: [f64; 2] = simulation.state.components[0].centroid.into();
     assert!((y - (0.75 - time * time)).abs() < 1e-4 && (x - 0.5).abs() < 1e-6, "at {x}, {y} after {time}");
 }
 
@@ -89,13 +89,13 @@ fn small_drops_that_graze_do_not_whirl() {
         let (left, right) = (ball(-1.0), ball(1.0));
         let speed = |u: f64| Vector::from([u, 0.0, 0.0]);
         let bodies = [
-            Body { distance: &left, velocity: speed(1.0) },
-            Body { distance: &right, velocity: speed(-1.0) },
+            LiquidRegion { signed_distance: &left, velocity: speed(1.0) },
+            LiquidRegion { signed_distance: &right, velocity: speed(-1.0) },
         ];
         let mut simulation = Simulation::new(model::<3>(24), &bodies);
         while simulation.state.time < 0.3 {
             let report = simulation.step(0.3 - simulation.state.time, &mut |_| ()).expect("a step");
-            assert!(report.ledger.max_speed < 2.0, "{radius}, {offset}: {}", report.ledger.max_speed);
+            assert!(report.diagnostics.max_speed < 2.0, "{radius}, {offset}: {}", report.diagnostics.max_speed);
         }
     }
 }
@@ -106,7 +106,7 @@ fn energy_in_flight<const D: usize>(shift: f64) -> f64 {
     let center = Vector::<D>::repeat(0.5 + shift / 40.0);
     let ball = |x: &Vector<D>| (x - center).norm() - 0.1;
     let velocity = Vector::from_fn(|a, _| if a == 0 { 1.0 } else { 0.0 });
-    let ledger = Simulation::new(model::<D>(40), &[Body { distance: &ball, velocity }]).ledger();
+    let ledger = Simulation::new(model::<D>(40), &[LiquidRegion { signed_distance: &ball, velocity }]).diagnostics();
     ledger.kinetic_energy / (0.5 * ledger.volume)
 }
 
@@ -124,13 +124,13 @@ fn the_kinetic_energy_is_that_of_the_volume_wherever_the_lattice_is() {
 fn liquid_leaves_through_an_open_side_to_the_last_drop() {
     let open = Model { walls: [[Wall::Slip, Wall::Open]; 2], ..model::<2>(40) }.with_open_sides();
     let ball = |x: &Vector<2>| (x - Vector::from([0.8, 0.5])).norm() - 0.15;
-    let bodies = [Body { distance: &ball, velocity: Vector::from([1.0, 0.0]) }];
+    let bodies = [LiquidRegion { signed_distance: &ball, velocity: Vector::from([1.0, 0.0]) }];
     let mut simulation = Simulation::new(open, &bodies);
-    let start = simulation.ledger().volume;
+    let start = simulation.diagnostics().volume;
     while simulation.state.time < 0.5 {
         simulation.step(0.5 - simulation.state.time, &mut |_| ()).expect("a step");
     }
-    assert_eq!(simulation.state.drops.len(), 0);
+    assert_eq!(simulation.state.components.len(), 0);
     let (left, lost) = (simulation.state.outflow_volume, simulation.state.lost_volume);
     assert!((left / start - 1.0).abs() < 1e-9 && lost == 0.0, "{left} and {lost} of {start}");
 }

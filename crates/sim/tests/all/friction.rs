@@ -92,7 +92,7 @@ fn a_ball_rolls_on_a_soft_slab() {
     let mut simulation = dry::<2>(vec![slab, ball], gravity, 1e-3);
     run(&mut simulation, 0.3, |_| ());
     let now = &simulation.state.solids[1];
-    let rolling = now.velocity[0] / -now.spin[2];
+    let rolling = now.velocity[0] / -now.angular_velocity[2];
     let expected = 0.5 * GRAVITY * ALPHA.sin() / (1.0 + 0.5 * (radius / rolling).powi(2)) * 0.09;
     let way = now.center[0] - center[0];
     println!("ball on a slab: {way:.5} for {expected:.5}, rolling radius {rolling:.5} of {radius}");

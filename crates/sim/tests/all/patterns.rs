@@ -5,7 +5,7 @@
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Body, Layer, LineTracker, Model, Motion, Numerics, Path, Simulation, Solid, Wall};
+use meniscus_sim::{LiquidRegion, WettabilityLayer, LineTracker, Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, Wall};
 
 /// Half a ball of liquid (radius 1) on a wall that it meets at `outside` degrees, and at `inside` where x is between `low`
 /// and `high`, counted from the drop's middle; both move at `speed` along x.
@@ -20,16 +20,16 @@ fn drop_on<const D: usize>(
     let point = Vector::from_fn(|a, _| if a + 1 == D { 0.5 + 0.3 * dx } else { 2.0 + 0.14 * dx });
     let normal = Vector::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
     let along = Vector::<D>::from_fn(|a, _| if a == 0 { 1.0 } else { 0.0 });
-    let path = Path { velocity: along * speed, spin: [0.0; 3], keyframes: Vec::new() };
-    let motion = if speed == 0.0 { Motion::Fixed } else { Motion::Given(path) };
+    let path = PrescribedMotion { velocity: along * speed, angular_velocity: [0.0; 3], keyframes: Vec::new() };
+    let motion = if speed == 0.0 { Motion::Fixed } else { Motion::Prescribed(path) };
     let mut wall = Solid::new(Shape::HalfSpace { point, normal }, motion, 1.0);
     let stripe = Shape::Box {
         center: point + along * (0.5 * (low + high)),
         half_size: Vector::from_fn(|a, _| if a == 0 { 0.5 * (high - low) } else { 50.0 }),
         rotation: Matrix::identity(),
     };
-    (wall.cosine, wall.line_friction) = (cosine(outside), 0.3);
-    wall.pattern = vec![Layer::Patch { shape: stripe, cosine: cosine(inside) }];
+    (wall.young_cosine, wall.line_friction) = (cosine(outside), 0.3);
+    wall.pattern = vec![WettabilityLayer::Patch { shape: stripe, cosine: cosine(inside) }];
     let wide = [6, if D == 2 { 3 } else { 4 }, 3];
     let model = Model {
         grid: Grid::new(std::array::from_fn(|a| wide[a] * cells), dx),
@@ -42,7 +42,7 @@ fn drop_on<const D: usize>(
         numerics: Numerics::default(),
     };
     let distance = |x: &Vector<D>| (x - point).norm() - 1.0;
-    Simulation::new(model, &[Body { distance: &distance, velocity: along * speed }])
+    Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: along * speed }])
 }
 
 fn run_to<const D: usize>(simulation: &mut Simulation<D>, end: f64) {
@@ -55,7 +55,7 @@ fn run_to<const D: usize>(simulation: &mut Simulation<D>, end: f64) {
 fn reach<const D: usize>(simulation: &Simulation<D>) -> [f64; 2] {
     let dx = simulation.model.grid.dx;
     let middle = 2.0 + 0.14 * dx + simulation.state.solids[0].center[0];
-    let line = LineTracker::new(&simulation.model, &[dx / 1.5]).find(simulation);
+    let line = LineTracker::new(&simulation.model, &[dx / 1.5]).extract(simulation);
     let x = || line.points.iter().map(|p| p.at[0] - middle);
     [x().fold(f64::INFINITY, f64::min), x().fold(f64::NEG_INFINITY, f64::max)]
 }
@@ -63,9 +63,9 @@ fn reach<const D: usize>(simulation: &Simulation<D>) -> [f64; 2] {
 /// How far a drop goes in three capillary times whose middle is on a step from 60 degrees (left) to 120 degrees.
 fn way_on_a_step<const D: usize>(cells: usize) -> f64 {
     let mut simulation = drop_on::<D>(cells, 120.0, (-50.0, 0.0, 60.0), 0.0);
-    let before = simulation.ledger().centroid[0];
+    let before = simulation.diagnostics().centroid[0];
     run_to(&mut simulation, 3.0);
-    simulation.ledger().centroid[0] - before
+    simulation.diagnostics().centroid[0] - before
 }
 
 #[test]
@@ -93,7 +93,7 @@ fn a_drop_takes_the_shape_of_a_stripe() {
     run_to(&mut simulation, 1.0);
     let [low, high] = reach(&simulation).map(|x| x * 8.0);
     let dx = simulation.model.grid.dx;
-    let line = LineTracker::new(&simulation.model, &[dx / 1.5]).find(&simulation);
+    let line = LineTracker::new(&simulation.model, &[dx / 1.5]).extract(&simulation);
     let y = |f: fn(f64, f64) -> f64, from: f64| line.points.iter().map(|p| p.at[1]).fold(from, f);
     let long = (y(f64::max, f64::NEG_INFINITY) - y(f64::min, f64::INFINITY)) / (2.0 * 0.6);
     println!("{low} to {high} cells, {long} times as long as wide");

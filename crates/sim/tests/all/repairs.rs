@@ -4,7 +4,7 @@
 
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Body, Model, Numerics, Repairs, Simulation, Solid, Wall};
+use meniscus_sim::{LiquidRegion, Model, Numerics, Repairs, Simulation, Solid, Wall};
 
 fn model(solids: Vec<Solid<2>>) -> Model<2> {
     Model {
@@ -38,11 +38,11 @@ fn restored_momentum_is_told() {
         model.numerics.restore_momentum = restore;
         let speed = |u| Vector::<2>::new(u, 0.0);
         let bodies =
-            [Body { distance: &one, velocity: speed(2.0) }, Body { distance: &other, velocity: speed(-2.0) }];
+            [LiquidRegion { signed_distance: &one, velocity: speed(2.0) }, LiquidRegion { signed_distance: &other, velocity: speed(-2.0) }];
         let mut simulation = Simulation::new(model, &bodies);
-        let start = simulation.ledger();
+        let start = simulation.diagnostics();
         let sum = repairs(&mut simulation, 30);
-        let change = (simulation.ledger().momentum - start.momentum).norm();
+        let change = (simulation.diagnostics().momentum - start.momentum).norm();
         (sum, change, start.volume)
     };
     let (kept, change, volume) = run(true);
@@ -59,13 +59,13 @@ fn restored_momentum_is_told() {
 fn vanished_drops_are_told() {
     let (large, small) = (ball(0.35, 0.5, 0.2), ball(0.8, 0.5, 0.08));
     let velocity = Vector::<2>::new(0.5, 0.0);
-    let bodies = [Body { distance: &large, velocity }, Body { distance: &small, velocity }];
+    let bodies = [LiquidRegion { signed_distance: &large, velocity }, LiquidRegion { signed_distance: &small, velocity }];
     let mut model = model(Vec::new());
     // So much volume moved at once would be tried again with a shorter step.
     model.numerics.fixed_step = Some(1e-3);
     let mut simulation = Simulation::new(model, &bodies);
     assert_eq!(repairs(&mut simulation, 1).vanished_volume, 0.0);
-    let gone = simulation.state.drops[1].target_volume;
+    let gone = simulation.state.components[1].target_volume;
     let grid = simulation.model.grid;
     for (i, phi) in simulation.state.phi.data.iter_mut().enumerate() {
         let x = grid.center(grid.lattice().coordinates(i));

@@ -2,12 +2,12 @@
 
 #![allow(clippy::expect_used)]
 
-use meniscus_elastic::{Anchor, Description, Elastic, Law, Order};
+use meniscus_elastic::{Anchor, ElasticSpecification, Elastic, ConstitutiveLaw, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Model, Motion, Numerics, Path, Simulation, Solid, Wall};
+use meniscus_sim::{Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, Wall};
 use std::sync::Arc;
 
 pub const GRAVITY: f64 = 10.0;
@@ -43,14 +43,14 @@ pub fn lattice<const D: usize>(n: [usize; D]) -> VolumeMesh<D> {
         let start: [usize; D] = std::array::from_fn(|a| low[a] + usize::from(mirrored[a]));
         for order in orders {
             let mut at = start;
-            let rest = std::array::from_fn(|k| {
+            let others = std::array::from_fn(|k| {
                 let a = order[k];
                 at[a] = if mirrored[a] { low[a] } else { low[a] + 1 };
                 id(&at) as u32
             });
-            let mut simplex = Simplex { root: id(&start) as u32, rest };
+            let mut simplex = Simplex { root: id(&start) as u32, others };
             if simplex.volume(&positions) < 0.0 {
-                simplex.rest.swap(0, 1);
+                simplex.others.swap(0, 1);
             }
             simplices.push(simplex);
         }
@@ -80,14 +80,14 @@ pub fn block<const D: usize>(n: [usize; D], center: Vector<D>, half: Vector<D>) 
 
 pub fn soft<const D: usize>(
     mesh: VolumeMesh<D>,
-    young: f64,
+    young_modulus: f64,
     damping: f64,
     anchors: Vec<Anchor<D>>,
 ) -> Solid<D> {
     let low = mesh.positions.iter().fold(Vector::repeat(1e9), |l: Vector<D>, x| l.inf(x));
     let high = mesh.positions.iter().fold(Vector::repeat(-1e9), |l: Vector<D>, x| l.sup(x));
-    let law = Law::NeoHookean { young, poisson: 0.3, order: Order::Linear };
-    let description = Description { mesh, density: DENSITY, law, damping_ratio: damping, anchors };
+    let law = ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio: 0.3, order: ElementOrder::Linear };
+    let description = ElasticSpecification { mesh, density: DENSITY, law, damping_ratio: damping, anchors };
     let elastic = Elastic::new(description).expect("a solid");
     let shape = Shape::Box {
         center: (low + high) * 0.5,
@@ -96,7 +96,7 @@ pub fn soft<const D: usize>(
     };
     let mass: f64 = elastic.masses().iter().sum();
     let mut solid = Solid::new(shape, Motion::Soft(Arc::new(elastic)), DENSITY);
-    solid.body.mass = mass;
+    solid.mass_properties.mass = mass;
     solid
 }
 
@@ -116,7 +116,7 @@ pub fn dry<const D: usize>(solids: Vec<Solid<D>>, gravity: Vector<D>, max_step: 
         numerics: Numerics { max_step, ..Numerics::default() },
     };
     assert_eq!(
-        meniscus_sim::overlaps(&model, &model.solids.iter().map(Solid::start).collect::<Vec<_>>()),
+        meniscus_sim::overlaps(&model, &model.solids.iter().map(Solid::initial_state).collect::<Vec<_>>()),
         []
     );
     Simulation::new(model, &[])
@@ -146,7 +146,7 @@ pub fn at<const D: usize>(first: f64, last: f64) -> Vector<D> {
 }
 
 pub fn places<const D: usize>(s: &Simulation<D>, solid: usize) -> &[Vector<D>] {
-    &s.state.solids[solid].soft.as_ref().expect("a soft solid").body.positions
+    &s.state.solids[solid].soft.as_ref().expect("a soft solid").state.positions
 }
 
 /// Momentum and angular momentum about the middle of the domain, of all solids that nothing holds.
@@ -155,12 +155,12 @@ pub fn books<const D: usize>(s: &Simulation<D>) -> (Vector<D>, Vector<3>) {
     let mut sum = (Vector::zeros(), Vector::zeros());
     for (solid, now) in s.model.solids.iter().zip(&s.state.solids) {
         if let (Some(elastic), Some(soft)) = (solid.elastic(), &now.soft) {
-            sum.0 += elastic.momentum(&soft.body);
-            sum.1 += Vector::from(elastic.angular_momentum(&soft.body));
+            sum.0 += elastic.momentum(&soft.state);
+            sum.1 += Vector::from(elastic.angular_momentum(&soft.state));
         } else if solid.motion == Motion::Free {
-            sum.0 += now.velocity * solid.body.mass;
+            sum.0 += now.velocity * solid.mass_properties.mass;
             sum.1 += solid.angular_momentum(now)
-                + three(&now.center).cross(&three(&now.velocity)) * solid.body.mass;
+                + three(&now.center).cross(&three(&now.velocity)) * solid.mass_properties.mass;
         }
     }
     sum
@@ -171,7 +171,7 @@ pub fn depth<const D: usize>(s: &Simulation<D>) -> f64 {
     let mut worst = f64::NEG_INFINITY;
     for (i, now) in s.state.solids.iter().enumerate() {
         let Some(soft) = &now.soft else { continue };
-        for x in &soft.body.positions {
+        for x in &soft.state.positions {
             worst = (0..D).map(|a| (-x[a]).max(x[a] - 1.0)).fold(worst, f64::max);
             for (j, other) in s.state.solids.iter().enumerate().filter(|(j, _)| *j != i) {
                 worst = worst.max(-s.model.solids[j].distance(other, x));
@@ -212,12 +212,12 @@ fn rests<const D: usize>(n: usize, young: f64) {
     run(&mut simulation, 1.5, |s| {
         assert!(depth(s) < 0.0, "{}", depth(s));
         if s.state.time > 1.0 {
-            held.push(s.state.solids[0].held[D - 1] / GRAVITY);
+            held.push(s.state.solids[0].contact_acceleration[D - 1] / GRAVITY);
         }
     });
     let now = &simulation.state.solids[0];
     let weight = held.iter().sum::<f64>() / held.len() as f64;
-    let speed = simulation.model.solids[0].largest_speed(now);
+    let speed = simulation.model.solids[0].max_speed(now);
     println!("{D}D rest: force over weight {weight:.6}, speed {speed:.2e}");
     assert!((weight - 1.0).abs() < 5e-3, "{D}D: {weight}");
     assert!(speed < 2e-3, "{D}D: {speed}");
@@ -233,8 +233,8 @@ fn a_soft_ball_rests_with_its_weight() {
 fn meet<const D: usize>(n: usize, offset: f64, young: f64, friction: f64, step: f64) -> f64 {
     let (one, other) = (ball::<D>(n, at(0.3, 0.5), 0.15), ball::<D>(n, at(0.7, 0.5 + offset), 0.15));
     let mut solids = vec![soft(one, young, 0.0, Vec::new()), soft(other, young, 0.0, Vec::new())];
-    solids[0].velocity[0] = 1.0;
-    solids[1].velocity[0] = -0.5;
+    solids[0].initial_velocity[0] = 1.0;
+    solids[1].initial_velocity[0] = -0.5;
     solids.iter_mut().for_each(|s| s.friction = friction);
     let mut simulation = dry::<D>(solids, Vector::zeros(), step);
     let start = books(&simulation);
@@ -377,16 +377,16 @@ fn squeezed<const D: usize>(n: [usize; D]) {
     let flat = Vector::from_fn(|a, _| if a + 1 == D { 0.04 } else { 0.35 });
     let plate = soft(block(n, at(0.5, 0.36), half), 1e3, 0.1, Vec::new());
     let floor = rigid(at(0.5, 0.25), flat, Motion::Fixed);
-    let path = Path {
+    let path = PrescribedMotion {
         velocity: Vector::zeros(),
-        spin: [0.0; 3],
+        angular_velocity: [0.0; 3],
         keyframes: vec![(0.0, Vector::zeros()), (0.3, at::<D>(0.0, -0.075) - (at::<D>(0.0, 0.0)))],
     };
-    let lid = rigid(at(0.5, 0.48), flat, Motion::Given(path));
+    let lid = rigid(at(0.5, 0.48), flat, Motion::Prescribed(path));
     let mut simulation = dry::<D>(vec![floor, plate, lid], Vector::zeros(), 5e-3);
     let mut worst = f64::NEG_INFINITY;
     run(&mut simulation, 0.5, |s| worst = worst.max(depth(s)));
-    let speed = simulation.model.solids[1].largest_speed(&simulation.state.solids[1]);
+    let speed = simulation.model.solids[1].max_speed(&simulation.state.solids[1]);
     println!("{D}D squeezed: depth {:.2e} dx, speed {speed:.1e}", worst / DX);
     assert!(worst < 0.0, "{D}D: {worst}");
     assert!(speed < 0.05, "{D}D: {speed}");
@@ -402,7 +402,7 @@ fn a_soft_plate_is_squeezed() {
 fn same_place<const D: usize>() {
     let solid = || soft(block([4; D], Vector::repeat(0.5), Vector::repeat(0.1)), 1e3, 0.0, Vec::new());
     let model = Model { solids: vec![solid(), solid()], ..dry(Vec::new(), Vector::zeros(), 1.0).model };
-    let start: Vec<_> = model.solids.iter().map(Solid::start).collect();
+    let start: Vec<_> = model.solids.iter().map(Solid::initial_state).collect();
     let deepest = meniscus_sim::overlaps(&model, &start).iter().map(|o| o.2).fold(0.0, f64::max);
     assert!(deepest > 0.05, "{D}D: {deepest}");
 }

@@ -8,7 +8,7 @@ use crate::soft_collide::{
 use meniscus_elastic::Anchor;
 use meniscus_numerics::Vector;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Body, Motion, Simulation, Solid};
+use meniscus_sim::{LiquidRegion, Motion, Simulation, Solid};
 
 /// Distance of far parts of a strip with so many columns of vertices, m.
 fn own_distance(s: &Simulation<2>, columns: usize) -> f64 {
@@ -28,7 +28,7 @@ fn closes(apart: f64, time: f64) {
     let mut right = Anchor::within(&mesh, |x| end(1.0, x));
     let keys = |side: f64| {
         let way = side * (half - apart);
-        meniscus_elastic::Motion::Keyframes(vec![
+        meniscus_elastic::AnchorMotion::Keyframes(vec![
             (0.0, Vector::zeros()),
             (0.4, Vector::from([-0.2 * side, 0.25])),
             (1.0, Vector::from([-way, 0.25])),
@@ -42,7 +42,7 @@ fn closes(apart: f64, time: f64) {
         worst = worst.max(depth(s));
         near = near.min(own_distance(s, 49));
         if s.state.time > 0.8 * time {
-            late = late.max(s.model.solids[0].largest_speed(&s.state.solids[0]));
+            late = late.max(s.model.solids[0].max_speed(&s.state.solids[0]));
         }
     });
     let shape: Vec<_> = places(&simulation, 0).iter().take(49).step_by(6).map(|x| [x[0], x[1]]).collect();
@@ -68,11 +68,11 @@ fn a_curled_strip_meets_itself() {
     let mesh = block::<2>(n, Vector::from([0.5, 0.5]), Vector::from([0.42, 0.008]));
     let ends = Anchor::within(&mesh, |x: &Vector<2>| x[0] < 0.09);
     let mut strip = soft(mesh, 2e4, 0.02, vec![ends]);
-    strip.velocity = Vector::zeros();
+    strip.initial_velocity = Vector::zeros();
     let mut simulation = dry::<2>(vec![strip], Vector::zeros(), 1.0);
     // A blow that turns the free end over and over.
     if let Some(soft) = &mut simulation.state.solids[0].soft {
-        for (x, v) in soft.body.positions.iter().zip(&mut soft.body.velocities) {
+        for (x, v) in soft.state.positions.iter().zip(&mut soft.state.velocities) {
             *v = Vector::from([0.0, 100.0 * (x[0] - 0.09).powi(2)]);
         }
     }
@@ -97,7 +97,7 @@ fn claps(n: [usize; 3], speed: f64, step: f64) {
     let mesh = block::<3>(n, Vector::from([0.5, 0.5, 0.3]), half);
     let mut simulation = dry::<3>(vec![soft(mesh, 100.0, 0.05, Vec::new())], Vector::zeros(), step);
     if let Some(soft) = &mut simulation.state.solids[0].soft {
-        for (x, v) in soft.body.positions.iter().zip(&mut soft.body.velocities) {
+        for (x, v) in soft.state.positions.iter().zip(&mut soft.state.velocities) {
             let arm = x[0] - 0.47;
             *v = Vector::from([-arm, 0.1 * arm, 3.0 * arm.abs() - 0.3]) * speed;
         }
@@ -140,10 +140,10 @@ fn edges_first<const D: usize>(n: [usize; D], speed: f64) {
         soft(mapped(lattice(n), turned), 3e4, 0.02, Vec::new())
     };
     let mut solids = vec![plate(1.4, 0.6, at(0.25, 0.5)), plate(0.1, 0.2, at(0.62, 0.52))];
-    solids[0].velocity[0] = speed;
-    solids[1].velocity[0] = -speed;
+    solids[0].initial_velocity[0] = speed;
+    solids[1].initial_velocity[0] = -speed;
     solids.push(rigid(at(0.5, 0.15), Vector::repeat(0.08), Motion::Free));
-    solids[2].velocity[D - 1] = 0.7 * speed;
+    solids[2].initial_velocity[D - 1] = 0.7 * speed;
     let mut simulation = dry::<D>(solids, Vector::zeros(), 1.0);
     let start = books(&simulation);
     let (mut worst, mut wrong) = (f64::NEG_INFINITY, 0.0f64);
@@ -154,7 +154,7 @@ fn edges_first<const D: usize>(n: [usize; D], speed: f64) {
         inside = inside
             && (0..2).all(|i| places(s, i).iter().all(|x| x.min() > 0.1 * DX && x.max() < 1.0 - 0.1 * DX));
         if inside {
-            wrong = wrong.max((books(s).0 - start.0).norm() / (speed * s.model.solids[0].body.mass));
+            wrong = wrong.max((books(s).0 - start.0).norm() / (speed * s.model.solids[0].mass_properties.mass));
         }
     });
     let steps = simulation.state.step;
@@ -190,7 +190,7 @@ fn heaps<const D: usize>(n: usize, time: f64) {
     let mut worst = f64::NEG_INFINITY;
     run(&mut simulation, time, |s| worst = worst.max(depth(s)));
     let all = simulation.model.solids.iter().zip(&simulation.state.solids);
-    let speed = all.map(|(s, now)| s.largest_speed(now)).fold(0.0, f64::max);
+    let speed = all.map(|(s, now)| s.max_speed(now)).fold(0.0, f64::max);
     println!("{D}D heap: depth {:.2e} dx, speed {speed:.1e}, {} steps", worst / DX, simulation.state.step);
     assert!(worst < 0.0, "{D}D: {worst}");
 }
@@ -209,13 +209,13 @@ fn a_soft_disc_rests_on_the_floor_of_a_bath() {
     disc.friction = 0.0;
     let model = dry::<2>(vec![disc], down(), 1.0).model;
     let surface = |x: &Vector<2>| x[1] - 0.7;
-    let mut simulation = Simulation::new(model, &[Body { distance: &surface, velocity: Vector::zeros() }]);
+    let mut simulation = Simulation::new(model, &[LiquidRegion { signed_distance: &surface, velocity: Vector::zeros() }]);
     let (mut worst, mut held, mut fastest) = (f64::NEG_INFINITY, Vec::new(), 0.0f64);
     run(&mut simulation, 1.2, |s| {
         worst = worst.max(depth(s));
         if s.state.time > 0.8 {
-            held.push(s.state.solids[0].held[1] / 10.0);
-            fastest = fastest.max(s.ledger().max_speed);
+            held.push(s.state.solids[0].contact_acceleration[1] / 10.0);
+            fastest = fastest.max(s.diagnostics().max_speed);
         }
     });
     let mean = held.iter().sum::<f64>() / held.len() as f64;

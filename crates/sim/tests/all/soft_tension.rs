@@ -5,7 +5,7 @@
 use crate::soft_collide::{block, soft};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Body, Model, Numerics, Simulation, Wall};
+use meniscus_sim::{LiquidRegion, Model, Numerics, Simulation, Wall};
 
 /// Under liquid altogether there is no line, and yet the surface's tension, more by `−γ cos θ` than where it is dry, presses
 /// it together: the mean stress of a square of side 2 a is `γ cos θ / a` along both axes, whatever the stress within is.
@@ -16,7 +16,7 @@ fn what_is_under_liquid_is_pressed_by_its_tension() {
     let (young, poisson, gamma, cosine) = (400.0, 0.3, 1.0, -0.5);
     let middle = Vector::<2>::from([0.51, 0.42]);
     let mut square = soft(block([8, 8], middle, Vector::repeat(HALF)), young, 0.5, Vec::new());
-    square.cosine = cosine;
+    square.young_cosine = cosine;
     let model = Model {
         grid: Grid::new([CELLS; 2], 1.0 / CELLS as f64),
         walls: [[Wall::Slip; 2]; 2],
@@ -28,11 +28,11 @@ fn what_is_under_liquid_is_pressed_by_its_tension() {
         numerics: Numerics::default(),
     };
     let level = |x: &Vector<2>| x[1] - 0.85;
-    let mut simulation = Simulation::new(model, &[Body { distance: &level, velocity: Vector::zeros() }]);
+    let mut simulation = Simulation::new(model, &[LiquidRegion { signed_distance: &level, velocity: Vector::zeros() }]);
     let area = |s: &Simulation<2>| -> f64 {
         let (elastic, now) = (s.model.solids[0].elastic().expect("soft"), &s.state.solids[0].soft);
-        let x = &now.as_ref().expect("soft").body.positions;
-        elastic.mesh().simplices.iter().map(|simplex| simplex.volume(x)).sum()
+        let x = &now.as_ref().expect("soft").state.positions;
+        elastic.rest_mesh().simplices.iter().map(|simplex| simplex.volume(x)).sum()
     };
     let rest = area(&simulation);
     while simulation.state.time < 1.0 {

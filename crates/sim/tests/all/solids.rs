@@ -5,7 +5,7 @@
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Body, Model, Motion, Numerics, Path, Simulation, Solid, Wall};
+use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, Wall};
 
 const GRAVITY: f64 = 10.0;
 
@@ -24,7 +24,7 @@ fn model<const D: usize>(cells: usize, solids: Vec<Solid<D>>) -> Model<D> {
 
 fn filled<const D: usize>(model: Model<D>, height: f64) -> Simulation<D> {
     let distance = |x: &Vector<D>| x[D - 1] - height;
-    Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }])
+    Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
 }
 
 fn ball<const D: usize>(radius: f64) -> Shape<D> {
@@ -49,8 +49,8 @@ fn tank_rests<const D: usize>(cells: usize) {
     let mut fastest = 0.0f64;
     for _ in 0..20 {
         let report = simulation.step(0.01, &mut |_| ()).expect("a step");
-        fastest = fastest.max(report.ledger.max_speed);
-        assert!(report.ledger.divergence_max < 1e-8, "{D}D: {}", report.ledger.divergence_max);
+        fastest = fastest.max(report.diagnostics.max_speed);
+        assert!(report.diagnostics.divergence_max < 1e-8, "{D}D: {}", report.diagnostics.divergence_max);
     }
     assert!(fastest < 1e-10 * GRAVITY.sqrt(), "{D}D: {fastest}");
 }
@@ -86,9 +86,9 @@ fn a_light_ball_in_a_shell_rises_as_the_added_mass_says() {
 
 #[test]
 fn a_stirrer_that_goes_as_told_moves_the_liquid_without_divergence() {
-    let path = Path {
+    let path = PrescribedMotion {
         velocity: Vector::<2>::zeros(),
-        spin: [0.0, 0.0, 5.0],
+        angular_velocity: [0.0, 0.0, 5.0],
         keyframes: vec![(0.0, Vector::<2>::zeros()), (0.1, Vector::<2>::new(0.1, 0.05))],
     };
     let bar = Shape::Box {
@@ -96,13 +96,13 @@ fn a_stirrer_that_goes_as_told_moves_the_liquid_without_divergence() {
         half_size: Vector::<2>::new(0.15, 0.05),
         rotation: Matrix::identity(),
     };
-    let mut simulation = filled(model::<2>(64, vec![Solid::new(bar, Motion::Given(path), 1.0)]), 0.873);
+    let mut simulation = filled(model::<2>(64, vec![Solid::new(bar, Motion::Prescribed(path), 1.0)]), 0.873);
     let mut time = 0.0;
     while time < 0.12 {
         let report = simulation.step(0.01, &mut |_| ()).expect("a step");
         time = simulation.state.time;
-        assert!(report.ledger.divergence_max < 1e-7, "{time}: {}", report.ledger.divergence_max);
-        assert!(report.ledger.max_speed < 5.0, "{time}: {}", report.ledger.max_speed);
+        assert!(report.diagnostics.divergence_max < 1e-7, "{time}: {}", report.diagnostics.divergence_max);
+        assert!(report.diagnostics.max_speed < 5.0, "{time}: {}", report.diagnostics.max_speed);
     }
     let center = simulation.state.solids[0].center;
     assert!((center - Vector::<2>::new(0.55, 0.5)).norm() < 1e-3, "{center}");
@@ -115,18 +115,18 @@ fn drop_on_free_plate<const D: usize>(cells: usize, steps: usize) {
     let half_size = Vector::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.34 });
     let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
     let mut plate = Solid::new(shape, Motion::Free, 1.25);
-    plate.cosine = 0.5;
+    plate.young_cosine = 0.5;
     let mut model = model::<D>(cells, vec![plate]);
     model.gravity = Vector::zeros();
     model.surface_tension = 1.0;
     let middle = center + Vector::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.08 });
     let distance = |x: &Vector<D>| (x - middle).norm() - 0.16;
     let above = |x: &Vector<D>| distance(x).max(center[D - 1] - x[D - 1]);
-    let body = Body { distance: &above, velocity: Vector::from_fn(|a, _| 0.3 - 0.2 * a as f64) };
+    let body = LiquidRegion { signed_distance: &above, velocity: Vector::from_fn(|a, _| 0.3 - 0.2 * a as f64) };
     let mut simulation = Simulation::new(model, &[body]);
     let books = |s: &Simulation<D>| {
-        let (liquid, now, plate) = (s.ledger(), &s.state.solids[0], &s.model.solids[0]);
-        let momentum = liquid.momentum + now.velocity * plate.body.mass;
+        let (liquid, now, plate) = (s.diagnostics(), &s.state.solids[0], &s.model.solids[0]);
+        let momentum = liquid.momentum + now.velocity * plate.mass_properties.mass;
         let own = plate.angular_momentum(now);
         let turning: Vec<f64> = (0..3)
             .map(|i| {
@@ -136,7 +136,7 @@ fn drop_on_free_plate<const D: usize>(cells: usize, steps: usize) {
                 } else {
                     0.0
                 };
-                liquid.angular_momentum[i] + own[i] + plate.body.mass * orbit
+                liquid.angular_momentum[i] + own[i] + plate.mass_properties.mass * orbit
             })
             .collect();
         (momentum, turning)
@@ -165,7 +165,7 @@ fn small_drops_on_free_solids_do_not_whirl() {
     let (center, half_size) = (Vector::<2>::new(1.254, 1.003), Vector::<2>::new(0.75, 0.1));
     let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
     let mut plate = Solid::new(shape, Motion::Free, 1.0);
-    plate.cosine = 18f64.to_radians().cos();
+    plate.young_cosine = 18f64.to_radians().cos();
     let model = Model {
         grid: Grid::new([90, 60], 1.0 / 30.0),
         walls: [[Wall::Slip; 2]; 2],
@@ -178,9 +178,9 @@ fn small_drops_on_free_solids_do_not_whirl() {
     };
     let radius: f64 = 0.07;
     let drop = |x: &Vector<2>| (x - Vector::<2>::new(2.02, 1.03)).norm() - radius;
-    let mut sim = Simulation::new(model, &[Body { distance: &drop, velocity: Vector::zeros() }]);
+    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &drop, velocity: Vector::zeros() }]);
     while sim.state.time < 0.02 {
         let report = sim.step(0.02 - sim.state.time, &mut |_| ()).expect("a step");
-        assert!(report.ledger.max_speed < radius.powf(-0.5), "{}", report.ledger.max_speed);
+        assert!(report.diagnostics.max_speed < radius.powf(-0.5), "{}", report.diagnostics.max_speed);
     }
 }

@@ -7,7 +7,7 @@ use meniscus_numerics::fit::Sphere;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{
-    Body, ContactLine, LineTracker, Model, Motion, Numerics, Simulation, Solid, SolidState, Wall,
+    LiquidRegion, ContactLine, LineTracker, Model, Motion, Numerics, Simulation, Solid, SolidState, Wall,
 };
 
 /// A box of `size` with closed sides, `cells` cells a unit of length.
@@ -33,7 +33,7 @@ fn walled<const D: usize>(cells: usize, size: Vector<D>, angle: f64) -> Model<D>
 /// A ball of liquid, radius 1, as far as it is in the domain.
 fn ball<const D: usize>(model: Model<D>, center: Vector<D>) -> Simulation<D> {
     let distance = |x: &Vector<D>| (x - center).norm() - 1.0;
-    Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }])
+    Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
 }
 
 fn settle<const D: usize>(sim: &mut Simulation<D>, time: f64) {
@@ -43,7 +43,7 @@ fn settle<const D: usize>(sim: &mut Simulation<D>, time: f64) {
 }
 
 fn line<const D: usize>(sim: &Simulation<D>) -> ContactLine<D> {
-    LineTracker::new(&sim.model, &[sim.model.grid.dx / 1.5]).find(sim)
+    LineTracker::new(&sim.model, &[sim.model.grid.dx / 1.5]).extract(sim)
 }
 
 /// Where the surface crosses the lines between cell centres more than 1.5 cells from all sides.
@@ -71,7 +71,7 @@ fn a_drop_on_a_wall_is_one_on_a_half_space() {
         let (center, up) = (Vector::<2>::new(1.87, 0.0), Vector::<2>::new(0.0, 1.0));
         let mut on_wall = ball(walled(12, Vector::<2>::new(4.0, 2.5), angle), center);
         let mut solid = Solid::new(Shape::HalfSpace { point: up, normal: up }, Motion::Fixed, 1.0);
-        solid.cosine = angle.to_radians().cos();
+        solid.young_cosine = angle.to_radians().cos();
         let wide = Model { solids: vec![solid], ..model(12, Vector::<2>::new(4.0, 3.5)) };
         let mut on_solid = ball(wide, center + up);
         settle(&mut on_wall, 10.0);
@@ -80,8 +80,8 @@ fn a_drop_on_a_wall_is_one_on_a_half_space() {
         assert_eq!((own.points.len(), other.points.len()), (2, 2));
         for (p, q) in own.points.iter().zip(&other.points) {
             let off = (p.at - q.at + up).norm() / on_wall.model.grid.dx;
-            println!("{angle}: {:.3}, {off:.1e} cells and {:.1e} deg apart", p.angle, p.angle - q.angle);
-            assert!((p.angle - angle).abs() < 1.5 && (p.angle - q.angle).abs() < 0.05 && off < 0.01);
+            println!("{angle}: {:.3}, {off:.1e} cells and {:.1e} deg apart", p.angle_degrees, p.angle_degrees - q.angle_degrees);
+            assert!((p.angle_degrees - angle).abs() < 1.5 && (p.angle_degrees - q.angle_degrees).abs() < 0.05 && off < 0.01);
         }
     }
 }
@@ -96,11 +96,11 @@ fn corner<const D: usize>(cells: usize, wide: f64, angle: f64, [bar, off]: [f64;
     let along = |a: usize| Vector::from_fn(|b, _| if a == b { 1.0 } else { 0.0 });
     let angles: Vec<f64> = (0..D).map(|a| fit.angle_on_plane(&Vector::zeros(), &along(a))).collect();
     let rough = points.iter().map(|(x, _)| ((x - fit.center).norm() - fit.radius).abs()).fold(0.0, f64::max);
-    let (mean, spread) = line(&sim).angle(Some(0)).expect("a line");
+    let (mean, spread) = line(&sim).angle_statistics(Some(0)).expect("a line");
     println!(
         "{D}D, {angle}: {angles:.2?}, {:.3} cells off a ball, on the line {mean:.2} ± {spread:.2}, speed {:.1e}",
         rough * cells as f64,
-        sim.ledger().max_speed
+        sim.diagnostics().max_speed
     );
     assert!(angles.iter().all(|x| (x - angle).abs() < bar) && rough * (cells as f64) < off);
     assert!((mean - angle).abs() < 2.0);
@@ -119,13 +119,13 @@ fn a_drop_where_walls_meet_is_part_of_a_ball() {
 fn sides_without_an_angle_of_their_own_stay_mirrors() {
     let open = Model { walls: [[Wall::Open; 2]; 2], ..model(8, Vector::<2>::repeat(2.0)) };
     let same = open.clone().with_wetting_walls(0.5, 0.0, None);
-    assert_eq!((same.grid, same.solids.len(), same.wetting_walls()), (open.grid, 0, None));
+    assert_eq!((same.grid, same.solids.len(), same.wetting_wall_solid()), (open.grid, 0, None));
     let half = Model { walls: [[Wall::Slip, Wall::Open]; 2], ..open };
     let half = half.with_wetting_walls(0.5, 0.0, None);
-    assert_eq!((half.grid.domain_cells(), half.grid.upper()), ([16; 2], Vector::<2>::repeat(2.0)));
+    assert_eq!((half.grid.domain_cells(), half.grid.domain_upper()), ([16; 2], Vector::<2>::repeat(2.0)));
     assert_eq!(
-        (half.grid.margin, half.grid.cells),
-        ([[meniscus_sim::MARGIN, 0]; 2], [16 + meniscus_sim::MARGIN; 2])
+        (half.grid.margin_cells, half.grid.cells),
+        ([[meniscus_sim::WETTING_WALL_MARGIN_CELLS, 0]; 2], [16 + meniscus_sim::WETTING_WALL_MARGIN_CELLS; 2])
     );
 }
 
@@ -137,7 +137,7 @@ fn thrown(angle: Option<f64>) -> SolidState<2> {
     model.numerics.fixed_step = Some(0.02);
     let shape = Shape::Ball { center: Vector::<2>::new(4.5, 2.0), radius: 0.5 };
     let mut thrown = Solid::new(shape, Motion::Free, 1.0);
-    thrown.velocity = Vector::<2>::new(0.7, 0.0);
+    thrown.initial_velocity = Vector::<2>::new(0.7, 0.0);
     model.solids.push(thrown);
     let model = match angle {
         Some(angle) => model.with_wetting_walls(angle.to_radians().cos(), 0.0, None),
@@ -162,18 +162,18 @@ fn a_bath_climbs_its_walls_and_rests() {
     tank.gravity[1] = -1.0;
     tank.kinematic_viscosity = 1.0;
     let distance = |x: &Vector<2>| x[1] - 1.71;
-    let mut sim = Simulation::new(tank, &[Body { distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = Simulation::new(tank, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
     settle(&mut sim, 15.0);
     let line = line(&sim);
     let higher = (line.points[0].at[1] - line.points[1].at[1]).abs();
     println!(
         "{:?}, speed {:.1e}",
-        line.points.iter().map(|p| (p.at[1], p.angle)).collect::<Vec<_>>(),
-        sim.ledger().max_speed
+        line.points.iter().map(|p| (p.at[1], p.angle_degrees)).collect::<Vec<_>>(),
+        sim.diagnostics().max_speed
     );
     // A meniscus holds cos θ lc² of liquid, which the level lacks.
     let height = line.points[0].at[1] - 1.71 + 2.0 * 0.5f64.sqrt() / 10.0;
     let should = (2.0 - 2.0f64.sqrt()).sqrt();
     assert!((height / should - 1.0).abs() < 0.04 && higher < 0.01, "{height} {should}");
-    assert!(sim.ledger().max_speed < 0.02);
+    assert!(sim.diagnostics().max_speed < 0.02);
 }

@@ -5,8 +5,8 @@ mod reaction;
 mod signal;
 mod surface;
 
-pub use outcome::{at_least, at_most, settle};
-pub use reaction::{TimeMean, Wrench, force, load};
+pub use outcome::{at_least, at_most, checks_or_failure};
+pub use reaction::{TimeMean, Wrench, liquid_force, external_load};
 pub use signal::{Oscillation, convergence_order, fit_growth, fit_oscillation};
 pub use surface::{
     Roundness, SurfacePoint, fit_mode, mode_shape, surface_points, volume_and_centroid,

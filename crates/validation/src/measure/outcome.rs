@@ -17,7 +17,7 @@ pub fn at_least(case: &str, quantity: &str, value: f64, must: f64, aim: f64) -> 
 }
 
 /// The checks, or a failed one if the run broke off.
-pub fn settle(case: &str, checks: Result<Vec<Check>, StepError>) -> Vec<Check> {
+pub fn checks_or_failure(case: &str, checks: Result<Vec<Check>, StepError>) -> Vec<Check> {
     checks.unwrap_or_else(|error| {
         vec![Check::absolute(case, &format!("runs to its end ({error})"), 0.0, 1.0, 0.0, None, "")]
     })
@@ -31,7 +31,7 @@ mod tests {
     fn one_sided_bars() {
         let order = |value| at_least("drop", "order", value, 1.3, 1.8);
         assert!(!order(1.2).pass && order(1.4).pass && order(2.5).error == 0.0);
-        let failed = settle("drop", Err(StepError::NotFinite { time: 0.0, what: "velocity" }));
+        let failed = checks_or_failure("drop", Err(StepError::NotFinite { time: 0.0, what: "velocity" }));
         assert!(failed.len() == 1 && !failed[0].pass);
     }
 }

@@ -41,9 +41,9 @@ impl TimeMean {
 }
 
 /// The force of the liquid's pressure and contact lines on a solid in the last step, N/m.
-pub fn force(sim: &Simulation<2>, solid: usize) -> Vector<2> {
+pub fn liquid_force(sim: &Simulation<2>, solid: usize) -> Vector<2> {
     let now = &sim.state.solids[solid];
-    now.pressed + now.pulled
+    now.pressure_force + now.contact_line_force
 }
 
 /// The external load, gravity left out, that the elastic forces of a held solid are in balance with, its moment about `point`.
@@ -51,13 +51,13 @@ pub fn force(sim: &Simulation<2>, solid: usize) -> Vector<2> {
 /// The elastic forces of a whole body sum to no force and no moment. On its free vertices they balance liquid and gravity, so
 /// those on the held vertices, less the weight of the free ones, are what the liquid gives. This is so at rest, and of means
 /// over time. None for a rigid solid.
-pub fn load(sim: &Simulation<2>, solid: usize, point: &Vector<2>) -> Option<Wrench> {
+pub fn external_load(sim: &Simulation<2>, solid: usize, point: &Vector<2>) -> Option<Wrench> {
     let soft = sim.state.solids[solid].soft.as_ref()?;
     let elastic = sim.model.solids[solid].elastic()?;
-    let positions = &soft.body.positions;
+    let positions = &soft.state.positions;
     let mut all = Wrench { force: Vector::zeros(), moment: 0.0 };
     let vertices =
-        elastic.forces(positions).into_iter().zip(positions).zip(elastic.held()).zip(elastic.masses());
+        elastic.forces(positions).into_iter().zip(positions).zip(elastic.anchored()).zip(elastic.masses());
     for (((elastic_force, x), held), mass) in vertices {
         let force = if *held { elastic_force } else { -*mass * sim.model.gravity };
         let arm = x - point;

@@ -23,7 +23,7 @@ pub struct SurfacePoint<const D: usize> {
 pub fn surface_points<const D: usize>(model: &Model<D>, phi: &CellField<D>) -> Vec<SurfacePoint<D>> {
     let grid = &model.grid;
     let lattice = grid.lattice();
-    let sampler = Sampler::cells(grid, &phi.data, model.scalar_edges());
+    let sampler = Sampler::cells(grid, &phi.data, model.scalar_boundary());
     let mut points = Vec::new();
     for (i, &here) in phi.data.iter().enumerate() {
         if here.abs() > 2.0 * grid.dx {
@@ -41,7 +41,7 @@ pub fn surface_points<const D: usize>(model: &Model<D>, phi: &CellField<D>) -> V
             });
             let mut x = grid.center(at);
             x[a] += root(&values) * grid.dx;
-            let gradient = sampler.cubic_gradient(&x).1;
+            let gradient = sampler.cubic_with_gradient(&x).1;
             let normal = gradient / gradient.norm().max(1e-300);
             let fourth: f64 = normal.iter().map(|n| n.powi(4)).sum();
             let area = grid.face_area() * normal[a].abs().powi(3) / fourth.max(1e-300);
@@ -73,23 +73,23 @@ fn root(v: &[f64; 4]) -> f64 {
 /// It shares nothing with the simulator's own sums. (Sums over [`surface_points`] were tried: where drops have just
 /// merged and the normals are wild, their volume is off by 2 % and their centre by 0.3 Δ.)
 pub fn volume_and_centroid<const D: usize>(model: &Model<D>, phi: &CellField<D>) -> (f64, Vector<D>) {
-    sampled(model, phi, |_| f64::INFINITY)
+    sampled_volume_and_centroid(model, phi, |_| f64::INFINITY)
 }
 
 /// The same of the liquid outside the solids.
 pub fn volume_and_centroid_outside<const D: usize>(sim: &Simulation<D>) -> (f64, Vector<D>) {
-    sampled(&sim.model, &sim.state.phi, |x| sim.distance_to_solids(x))
+    sampled_volume_and_centroid(&sim.model, &sim.state.phi, |x| sim.distance_to_solids(x))
 }
 
 /// Volume and centre of mass of the liquid where `solids`, a distance, is positive.
-fn sampled<const D: usize>(
+fn sampled_volume_and_centroid<const D: usize>(
     model: &Model<D>,
     phi: &CellField<D>,
     solids: impl Fn(&Vector<D>) -> f64,
 ) -> (f64, Vector<D>) {
     const FINE: usize = 4;
     let (grid, lattice) = (&model.grid, model.grid.lattice());
-    let sampler = Sampler::cells(grid, &phi.data, model.scalar_edges());
+    let sampler = Sampler::cells(grid, &phi.data, model.scalar_boundary());
     let width = grid.dx / FINE as f64;
     let (mut volume, mut moment) = (0.0, Vector::zeros());
     let mut add = |x: &Vector<D>, share: f64| {

@@ -4,17 +4,17 @@ use std::sync::OnceLock;
 use std::time::Instant;
 
 /// Ticks per second in `/proc`: `USER_HZ`, 100 on every Linux.
-const TICKS: f64 = 100.0;
+const TICKS_PER_SECOND: f64 = 100.0;
 
 /// Processor time of all threads of this process so far, s; without `/proc` the time since the first call.
-pub fn seconds() -> f64 {
+pub fn of_this_process() -> f64 {
     static START: OnceLock<Instant> = OnceLock::new();
     let start = START.get_or_init(Instant::now);
     read("self").unwrap_or_else(|| start.elapsed().as_secs_f64())
 }
 
 /// The same of another process; none where it cannot be told.
-pub fn of(process: u32) -> Option<f64> {
+pub fn of_process(process: u32) -> Option<f64> {
     read(&process.to_string())
 }
 
@@ -24,5 +24,5 @@ fn read(process: &str) -> Option<f64> {
     let (_, rest) = text.rsplit_once(')')?;
     let mut fields = rest.split_whitespace().skip(11);
     let ticks = fields.next()?.parse::<f64>().ok()? + fields.next()?.parse::<f64>().ok()?;
-    Some(ticks / TICKS)
+    Some(ticks / TICKS_PER_SECOND)
 }

@@ -15,7 +15,7 @@ mod run;
 mod tests;
 mod walk;
 
-pub use judge::energy::EnergySteps;
+pub use judge::energy::EnergyMonitor;
 pub use run::run;
 
 use meniscus_scene::file::{Material, Scene};
@@ -24,9 +24,9 @@ use std::path::PathBuf;
 
 /// What a case is drawn from; the same wish and number give the same scene.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wish {
+pub struct CaseOptions {
     /// The set.
-    pub set: Set,
+    pub set: CaseSet,
     /// The seed.
     pub seed: u64,
     /// 2 or 3; either without it.
@@ -39,19 +39,19 @@ pub struct Wish {
 
 /// Sets of scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Set {
+pub enum CaseSet {
     /// Random ones from the whole grammar.
     Random,
     /// The drop test (`drops.rs`): soft solids that fall, under the energy law of every step as well.
-    Drops,
+    DropTest,
 }
 
-impl Set {
+impl CaseSet {
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Random => "random",
-            Self::Drops => "drop-test",
+            Self::DropTest => "drop-test",
         }
     }
 }
@@ -95,14 +95,14 @@ impl Class {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Subject {
     /// A drawn one.
-    Case(Wish, u64),
+    Case(CaseOptions, u64),
     /// A scene file, under the invariants of a set.
-    File(PathBuf, Set),
+    File(PathBuf, CaseSet),
 }
 
 impl Subject {
     /// The set whose invariants hold for it.
-    pub fn set(&self) -> Set {
+    pub fn set(&self) -> CaseSet {
         match self {
             Self::Case(wish, _) => wish.set,
             Self::File(_, set) => *set,
@@ -131,7 +131,7 @@ pub struct Violation {
 
 impl Violation {
     /// One of which there are only words.
-    pub fn told(kind: &str, step: u64, time: f64, words: String) -> Self {
+    pub fn described(kind: &str, step: u64, time: f64, words: String) -> Self {
         Self { kind: kind.into(), step, time, value: 0.0, worst: 0.0, bar: 0.0, words }
     }
 }
@@ -158,7 +158,7 @@ pub struct EnergyLaw {
 impl EnergyLaw {
     /// The largest rise with what it is made of, in words.
     pub fn words(&self) -> String {
-        let terms: Vec<String> = judge::energy::TERMS
+        let terms: Vec<String> = judge::energy::ENERGY_TERMS
             .iter()
             .zip(self.terms)
             .map(|(name, change)| format!("{name} {change:+.2e}"))
@@ -213,7 +213,7 @@ pub struct Outcome {
 
 impl Outcome {
     /// That of a scene that has not begun.
-    pub fn begun(scene: &Scene, case: u64, refused: Vec<String>) -> Self {
+    pub fn at_start(scene: &Scene, case: u64, refused: Vec<String>) -> Self {
         Self {
             name: scene.name.clone(),
             case,

@@ -1,7 +1,7 @@
 //! Runs every case in a process of its own, so that what hangs, panics or takes all memory ends that case only.
 
-use super::judge::invariants::{BUDGET, DROP_BUDGET, HANG};
-use super::{Outcome, Set, Violation, Wish, clock};
+use super::judge::invariants::{CPU_BUDGET_SECONDS, DROP_TEST_CPU_BUDGET_SECONDS, HANG_CPU_SECONDS};
+use super::{Outcome, CaseSet, Violation, CaseOptions, clock};
 use meniscus_scene::file::{LoadOptions, Scene};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -11,24 +11,24 @@ use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
 /// Time between the looks at a process.
-const LOOK: Duration = Duration::from_millis(20);
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
 /// Lines by which a case tells its parent the text of a scene before it is tried, and its outcome.
-pub const TOLD: [&str; 2] = ["scene ", "outcome "];
+pub const MESSAGE_PREFIXES: [&str; 2] = ["scene ", "outcome "];
 
 /// How cases are started.
 #[derive(Clone, Debug)]
-pub struct Launch {
+pub struct Launcher {
     /// The program, whose command `soak … --child` runs a case.
     pub program: PathBuf,
     /// What is drawn.
-    pub wish: Wish,
+    pub wish: CaseOptions,
     /// Where violations are written.
     pub out: PathBuf,
 }
 
 /// How many cases there are.
 #[derive(Clone, Copy, Debug)]
-pub struct Extent {
+pub struct CaseRange {
     /// The first case.
     pub first: u64,
     /// The number of cases; without an end if there is none.
@@ -39,9 +39,9 @@ pub struct Extent {
     pub jobs: usize,
 }
 
-impl Launch {
+impl Launcher {
     /// Runs cases, some at a time. `each` sees every outcome as it comes.
-    pub fn run(&self, extent: &Extent, each: &mut dyn FnMut(&Outcome)) -> Vec<Outcome> {
+    pub fn run(&self, extent: &CaseRange, each: &mut dyn FnMut(&Outcome)) -> Vec<Outcome> {
         let next = AtomicU64::new(extent.first);
         let stop = AtomicBool::new(false);
         let mut all = Vec::new();
@@ -84,7 +84,7 @@ impl Launch {
     pub fn case(&self, case: u64) -> Result<Outcome, String> {
         let mut command = Command::new(&self.program);
         command.arg("soak").args(arguments(&self.wish)).args(["--case", &case.to_string()]);
-        self.watch(command, case)
+        self.run_child(command, case)
     }
 
     /// Runs a scene file.
@@ -94,10 +94,10 @@ impl Launch {
     pub fn file(&self, path: &Path) -> Result<Outcome, String> {
         let mut command = Command::new(&self.program);
         command.arg("soak").args(["--set", self.wish.set.name()]).arg("--scene").arg(path);
-        self.watch(command, 0)
+        self.run_child(command, 0)
     }
 
-    fn watch(&self, mut command: Command, case: u64) -> Result<Outcome, String> {
+    fn run_child(&self, mut command: Command, case: u64) -> Result<Outcome, String> {
         command.arg("--child").arg("--out").arg(&self.out);
         let piped = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
         let mut child = piped.map_err(|e| format!("cannot start {}: {e}", self.program.display()))?;
@@ -105,14 +105,14 @@ impl Launch {
         let reader = std::thread::spawn(move || {
             let mut told = [None, None];
             for line in lines.into_iter().flat_map(BufRead::lines).map_while(Result::ok) {
-                for (kind, slot) in TOLD.iter().zip(&mut told) {
+                for (kind, slot) in MESSAGE_PREFIXES.iter().zip(&mut told) {
                     line.strip_prefix(kind).into_iter().for_each(|rest| *slot = Some(rest.to_owned()));
                 }
             }
             told
         });
-        let budget = if self.wish.set == Set::Drops { DROP_BUDGET } else { BUDGET };
-        let ended = wait(&mut child, budget[1] + 3.0 * HANG);
+        let budget = if self.wish.set == CaseSet::DropTest { DROP_TEST_CPU_BUDGET_SECONDS } else { CPU_BUDGET_SECONDS };
+        let ended = wait(&mut child, budget[1] + 3.0 * HANG_CPU_SECONDS);
         let [text, outcome] = reader.join().unwrap_or_default();
         if let Some(outcome) = outcome.and_then(|o| serde_json::from_str(&o).ok()) {
             return Ok(outcome);
@@ -131,16 +131,16 @@ impl Launch {
         let scene = Scene::from_text("drawn.toml", text, Path::new(""), &LoadOptions::default());
         let scene = scene.map_err(|e| format!("case {case}: {words}; its scene: {e}"))?;
         super::rerun::evidence::write_scene(&self.out, &scene.name, text).map_err(|e| e.to_string())?;
-        let mut outcome = Outcome::begun(&scene, case, Vec::new());
-        outcome.violations.push(Violation::told(kind, 0, 0.0, words));
+        let mut outcome = Outcome::at_start(&scene, case, Vec::new());
+        outcome.violations.push(Violation::described(kind, 0, 0.0, words));
         Ok(outcome)
     }
 }
 
 /// The arguments that draw the same scenes.
-pub fn arguments(wish: &Wish) -> Vec<String> {
+pub fn arguments(wish: &CaseOptions) -> Vec<String> {
     let mut words = vec!["--seed".into(), wish.seed.to_string()];
-    if wish.set != Set::Random {
+    if wish.set != CaseSet::Random {
         words.extend(["--set".into(), wish.set.name().into()]);
     }
     wish.dimension.iter().for_each(|d| words.extend(["--dimension".into(), d.to_string()]));
@@ -168,12 +168,12 @@ fn wait(child: &mut Child, most: f64) -> (&'static str, String) {
             Ok(None) => {}
             Err(error) => return ("panic", format!("the process is gone: {error}")),
         }
-        let seconds = clock::of(child.id()).unwrap_or_else(|| start.elapsed().as_secs_f64());
+        let seconds = clock::of_process(child.id()).unwrap_or_else(|| start.elapsed().as_secs_f64());
         if seconds > most {
             let _ = child.kill();
             let _ = child.wait();
             return ("hang", format!("killed after {seconds:.0} s before its first step or after its last"));
         }
-        std::thread::sleep(LOOK);
+        std::thread::sleep(POLL_INTERVAL);
     }
 }

@@ -1,6 +1,6 @@
 //! The results of a soak, as a table for people and JSON for machines.
 
-use super::judge::invariants::ALL;
+use super::judge::invariants::INVARIANTS;
 use super::{Class, Outcome};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -49,7 +49,7 @@ pub fn table(outcomes: &[Outcome]) -> String {
         let (bad, all) = (of(class).filter(broke).count(), of(class).count());
         if all == 0 { String::new() } else { format!("{:.1}", 100.0 * bad as f64 / all as f64) }
     });
-    for invariant in ALL {
+    for invariant in INVARIANTS {
         let has = |o: &&Outcome| o.violations.iter().any(|v| v.kind == invariant.name);
         let first = |o: &&Outcome| o.violations.first().is_some_and(|v| v.kind == invariant.name);
         if outcomes.iter().any(|o| has(&o)) {
@@ -71,7 +71,7 @@ pub fn table(outcomes: &[Outcome]) -> String {
         let all = outcomes.iter().filter(|o| o.violations.iter().any(|v| v.kind == kind));
         all.map(|o| o.name.as_str()).collect::<Vec<_>>().join(" ")
     };
-    for invariant in ALL.iter().filter(|i| !names(i.name).is_empty()) {
+    for invariant in INVARIANTS.iter().filter(|i| !names(i.name).is_empty()) {
         let _ = writeln!(out, "{} ({}): {}", invariant.name, invariant.holds, names(invariant.name));
     }
     out + &counted("gave up", &messages(outcomes)) + &counted("refused, drawn again", &refusals(outcomes))

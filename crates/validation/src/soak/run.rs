@@ -1,19 +1,19 @@
 //! Runs a case: step by step as `meniscus run` does, under the invariants, and guarded by a second thread that ends what hangs.
 
-use super::judge::books::Books;
+use super::judge::books::InvariantChecks;
 use super::judge::invariants::{
-    BUDGET, DROP_BUDGET, DROP_STEPS, ENERGY_STEP, HANG, MEMORY, PAIR, SLOW, STEPS,
+    CPU_BUDGET_SECONDS, DROP_TEST_CPU_BUDGET_SECONDS, DROP_TEST_MAX_STEPS, MAX_ENERGY_RISE_PER_STEP, HANG_CPU_SECONDS, MEMORY_LIMITS, COMPARED_STEPS, SLOW_STEP_LIMITS, MAX_STEPS,
 };
 use super::rerun::evidence;
-use super::rerun::refuse::{Taken, taken};
+use super::rerun::refuse::{AcceptedScene, accepted_scene};
 use super::rerun::repeat::{Waypoint, repeat};
-use super::{Outcome, Set, Subject, Violation, clock};
-use crate::soak::walk::Walk;
+use super::{Outcome, CaseSet, Subject, Violation, clock};
+use crate::soak::walk::ScheduledSimulation;
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::estimate::check::check;
 use meniscus_scene::file::Scene;
 use meniscus_scene::output::summary::peak_memory;
-use meniscus_scene::run::{Setup, Tally};
+use meniscus_scene::run::{Setup, RunStatistics};
 use meniscus_sim::{Model, State, StepError};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -21,16 +21,16 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Time between the looks of the guard.
-const LOOK: Duration = Duration::from_millis(100);
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// What the worker and its guard share.
 struct Record<const D: usize> {
     outcome: Outcome,
     model: Model<D>,
     /// The state before the step that goes on, and its tally.
-    before: Option<(State<D>, Tally)>,
+    state_before_step: Option<(State<D>, RunStatistics)>,
     /// Processor time at which the step that goes on began, s; none between steps.
-    began: Option<f64>,
+    step_began: Option<f64>,
     written: bool,
 }
 
@@ -39,7 +39,7 @@ struct Case {
     scene: Scene,
     text: String,
     out: PathBuf,
-    set: Set,
+    set: CaseSet,
 }
 
 /// Runs a subject. `tell` sees the text of every scene before it is tried. Where a step hangs, `hung` is given the outcome from
@@ -56,14 +56,14 @@ pub fn run(
     // A step takes about as long on one thread: two cases side by side keep two cores busy.
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|e| e.to_string())?;
     one.install(|| {
-        let Taken { text, scene, setup, refused } = taken(subject, tell)?;
+        let AcceptedScene { text, scene, setup, refused } = accepted_scene(subject, tell)?;
         let number = if let Subject::Case(_, case) = subject { *case } else { 0 };
-        let outcome = Outcome::begun(&scene, number, refused);
+        let outcome = Outcome::at_start(&scene, number, refused);
         let wanted = repeat_for(subject);
         let case = Arc::new(Case { scene, text, out: out.to_path_buf(), set: subject.set() });
         match &setup {
-            AnySetup::D2(setup) => go(&case, setup, outcome, wanted, hung),
-            AnySetup::D3(setup) => go(&case, setup, outcome, wanted, hung),
+            AnySetup::D2(setup) => run_guarded(&case, setup, outcome, wanted, hung),
+            AnySetup::D3(setup) => run_guarded(&case, setup, outcome, wanted, hung),
         }
     })
 }
@@ -71,15 +71,15 @@ pub fn run(
 /// What a case is repeated for: a share of drawn ones, each of four.
 fn repeat_for(subject: &Subject) -> Option<&'static str> {
     let Subject::Case(wish, case) = subject else { return None };
-    if wish.set != Set::Random {
+    if wish.set != CaseSet::Random {
         return None;
     }
     let mut random = super::draw::random::Random::of(&[wish.seed, *case, u64::MAX]);
     let kinds = [None, Some("threads"), Some("resume"), Some("mirror"), Some("shift")];
-    kinds[random.weighed(&[0.5, 0.13, 0.13, 0.12, 0.12])]
+    kinds[random.weighted_index(&[0.5, 0.13, 0.13, 0.12, 0.12])]
 }
 
-fn go<const D: usize>(
+fn run_guarded<const D: usize>(
     case: &Arc<Case>,
     setup: &Setup<D>,
     outcome: Outcome,
@@ -87,7 +87,7 @@ fn go<const D: usize>(
     hung: fn(&Outcome),
 ) -> Result<Outcome, String> {
     let model = setup.model.clone();
-    let record = Record { outcome, model, before: None, began: None, written: false };
+    let record = Record { outcome, model, state_before_step: None, step_began: None, written: false };
     let record = Arc::new(Mutex::new(record));
     let watched = (record.clone(), case.clone());
     std::thread::spawn(move || guard(&watched.0, &watched.1, hung));
@@ -95,14 +95,14 @@ fn go<const D: usize>(
         Worker { record: record.clone(), case: case.clone(), times: Vec::new(), points: Vec::new() };
     let done = catch_unwind(AssertUnwindSafe(|| worker.work(setup, wanted)));
     let mut record = lock(&record);
-    record.began = None;
+    record.step_began = None;
     if let Err(payload) = done {
         let words = payload.downcast_ref::<String>().cloned();
         let words = words.or_else(|| payload.downcast_ref::<&str>().map(|s| (*s).to_owned()));
-        record.broken("panic", words.unwrap_or_default());
+        record.add_described("panic", words.unwrap_or_default());
         record.save(case)?;
     }
-    record.outcome.seconds = clock::seconds();
+    record.outcome.seconds = clock::of_this_process();
     Ok(record.outcome.clone())
 }
 
@@ -113,28 +113,28 @@ fn lock<const D: usize>(record: &Mutex<Record<D>>) -> MutexGuard<'_, Record<D>> 
 /// Ends a step that takes too long.
 fn guard<const D: usize>(record: &Mutex<Record<D>>, case: &Case, hung: fn(&Outcome)) {
     loop {
-        std::thread::sleep(LOOK);
+        std::thread::sleep(POLL_INTERVAL);
         let mut record = lock(record);
-        let Some(seconds) = record.began.map(|began| clock::seconds() - began) else { continue };
-        if seconds > HANG {
-            record.add("hang", (seconds, HANG), "s of processor time in a step".into());
+        let Some(seconds) = record.step_began.map(|began| clock::of_this_process() - began) else { continue };
+        if seconds > HANG_CPU_SECONDS {
+            record.add("hang", (seconds, HANG_CPU_SECONDS), "s of processor time in a step".into());
             let saved = record.save(case);
             saved.err().into_iter().for_each(|error| record.outcome.cut = Some(error));
-            record.outcome.seconds = clock::seconds();
+            record.outcome.seconds = clock::of_this_process();
             hung(&record.outcome);
         }
     }
 }
 
 impl<const D: usize> Record<D> {
-    fn broken(&mut self, kind: &str, words: String) {
+    fn add_described(&mut self, kind: &str, words: String) {
         self.add(kind, (0.0, 0.0), words);
     }
 
     /// A violation in the step that goes on.
     fn add(&mut self, kind: &str, (value, bar): (f64, f64), words: String) {
         let (step, time) = (self.outcome.steps + 1, self.outcome.time);
-        self.note(Violation { value, worst: value, bar, ..Violation::told(kind, step, time, words) });
+        self.note(Violation { value, worst: value, bar, ..Violation::described(kind, step, time, words) });
     }
 
     /// Keeps the first violation of a kind, and how much worse it becomes.
@@ -153,7 +153,7 @@ impl<const D: usize> Record<D> {
             return Ok(());
         }
         let scene = (&case.scene, case.text.as_str());
-        let written = match &self.before {
+        let written = match &self.state_before_step {
             Some((state, tally)) => evidence::write(&case.out, scene, &self.model, (state, tally)),
             None => evidence::write_scene(&case.out, &case.scene.name, &case.text),
         };
@@ -179,14 +179,14 @@ impl<const D: usize> Worker<D> {
     fn work(&mut self, setup: &Setup<D>, wanted: Option<&'static str>) {
         let case = self.case.clone();
         forget_peak_memory();
-        lock(&self.record).began = Some(clock::seconds());
-        let mut walk = Walk::start(setup, &case.scene);
-        let mut books = Books::open(&walk.simulation, &case.scene);
-        let mut tally = Tally::start(&setup.model, &walk.simulation.ledger());
-        while !walk.is_over() && self.goes_on() {
+        lock(&self.record).step_began = Some(clock::of_this_process());
+        let mut walk = ScheduledSimulation::start(setup, &case.scene);
+        let mut books = InvariantChecks::at_start(&walk.simulation, &case.scene);
+        let mut tally = RunStatistics::at_start(&setup.model, &walk.simulation.diagnostics());
+        while !walk.is_over() && self.within_budget() {
             tally.next_frame = walk.frame;
             let ended = self.step(&mut walk, &mut books, &mut tally);
-            if wanted.is_some() && [PAIR / 2, PAIR].contains(&walk.simulation.state.step) {
+            if wanted.is_some() && [COMPARED_STEPS / 2, COMPARED_STEPS].contains(&walk.simulation.state.step) {
                 self.points.push(Waypoint { state: walk.simulation.state.clone(), frame: walk.frame });
             }
             if ended {
@@ -195,10 +195,10 @@ impl<const D: usize> Worker<D> {
         }
         self.close();
         if let (Some(wanted), [middle, end]) = (wanted, self.points.as_slice()) {
-            let begins = || lock(&self.record).began = Some(clock::seconds());
+            let begins = || lock(&self.record).step_began = Some(clock::of_this_process());
             let found = repeat(wanted, &self.case.scene, setup, [middle, end], books.scale(), &begins);
             let mut record = lock(&self.record);
-            record.began = None;
+            record.step_began = None;
             if let Some(found) = found {
                 record.outcome.repeated = Some(wanted.into());
                 found.into_iter().for_each(|violation| record.note(violation));
@@ -208,42 +208,42 @@ impl<const D: usize> Worker<D> {
     }
 
     /// One step; whether the run has come to an end with it.
-    fn step(&mut self, walk: &mut Walk<D>, books: &mut Books<D>, tally: &mut Tally) -> bool {
+    fn step(&mut self, walk: &mut ScheduledSimulation<D>, books: &mut InvariantChecks<D>, tally: &mut RunStatistics) -> bool {
         {
             let mut record = lock(&self.record);
-            record.before = Some((walk.simulation.state.clone(), tally.clone()));
-            record.began = Some(clock::seconds());
+            record.state_before_step = Some((walk.simulation.state.clone(), tally.clone()));
+            record.step_began = Some(clock::of_this_process());
         }
-        let (wall, processor) = (Instant::now(), clock::seconds());
+        let (wall, processor) = (Instant::now(), clock::of_this_process());
         let done = walk.step();
         // Whichever is less: the wall's clock tells of others, the processor's of ticks.
-        let seconds = wall.elapsed().as_secs_f64().min((clock::seconds() - processor).max(0.01));
+        let seconds = wall.elapsed().as_secs_f64().min((clock::of_this_process() - processor).max(0.01));
         self.times.push(seconds);
         let mut record = lock(&self.record);
-        record.began = None;
+        record.step_began = None;
         let report = match done {
             Ok(report) => report,
             Err(error) => {
                 let kind =
                     if matches!(error, StepError::NotFinite { .. }) { "not-finite" } else { "gave-up" };
-                record.broken(kind, error.to_string());
+                record.add_described(kind, error.to_string());
                 drop(record);
                 self.save();
                 return true;
             }
         };
         let state = &walk.simulation.state;
-        tally.add(&walk.simulation.model, state.time, &report);
+        tally.add_step(&walk.simulation.model, state.time, &report);
         let found = books.check(&walk.simulation, &report);
-        if self.case.set == Set::Drops {
+        if self.case.set == CaseSet::DropTest {
             record.outcome.energy_law = books.energy_law().cloned();
         }
-        let sound = found.iter().all(|v| v.kind != "not-finite");
+        let is_finite = found.iter().all(|v| v.kind != "not-finite");
         (record.outcome.steps, record.outcome.time) = (state.step, state.time);
         found.into_iter().for_each(|violation| record.note(violation));
         drop(record);
         self.save();
-        !sound
+        !is_finite
     }
 
     /// Writes what there is to write, if anything is broken.
@@ -257,13 +257,13 @@ impl<const D: usize> Worker<D> {
     }
 
     /// Whether there is time for another step.
-    fn goes_on(&self) -> bool {
+    fn within_budget(&self) -> bool {
         let (budget, steps) = match self.case.set {
-            Set::Random => (BUDGET[D - 2], STEPS),
-            Set::Drops => (DROP_BUDGET[D - 2], DROP_STEPS),
+            CaseSet::Random => (CPU_BUDGET_SECONDS[D - 2], MAX_STEPS),
+            CaseSet::DropTest => (DROP_TEST_CPU_BUDGET_SECONDS[D - 2], DROP_TEST_MAX_STEPS),
         };
         let mut record = lock(&self.record);
-        if clock::seconds() > budget {
+        if clock::of_this_process() > budget {
             record.outcome.cut = Some(format!("after {budget} s"));
         } else if record.outcome.steps >= steps {
             record.outcome.cut = Some(format!("after {steps} steps"));
@@ -274,12 +274,12 @@ impl<const D: usize> Worker<D> {
     /// What only the whole run tells: its longest step, and its memory.
     fn close(&mut self) {
         let mut record = lock(&self.record);
-        record.began = None;
+        record.step_began = None;
         let slowest = self.times.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
         let mut sorted = self.times.clone();
         sorted.sort_by(f64::total_cmp);
         let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-        let bar = (SLOW.0 * median).max(SLOW.1);
+        let bar = (SLOW_STEP_LIMITS.0 * median).max(SLOW_STEP_LIMITS.1);
         record.outcome.median_step = median;
         if let Some((step, seconds)) = slowest {
             record.outcome.slowest_step = seconds;
@@ -287,14 +287,14 @@ impl<const D: usize> Worker<D> {
                 record.add("slow-step", (seconds, bar), format!("s in step {}", step + 1));
             }
         }
-        if let Some(law) = record.outcome.energy_law.clone().filter(|law| law.largest > ENERGY_STEP) {
-            let (value, worst, bar) = (law.largest, law.largest, ENERGY_STEP);
-            let told = Violation::told("energy-step", law.step, law.time, law.words());
+        if let Some(law) = record.outcome.energy_law.clone().filter(|law| law.largest > MAX_ENERGY_RISE_PER_STEP) {
+            let (value, worst, bar) = (law.largest, law.largest, MAX_ENERGY_RISE_PER_STEP);
+            let told = Violation::described("energy-step", law.step, law.time, law.words());
             record.note(Violation { value, worst, bar, ..told });
         }
         record.outcome.memory = peak_memory();
         let estimate = check(&self.case.scene, 1).memory_bytes;
-        let bar = MEMORY.0 * estimate + MEMORY.1;
+        let bar = MEMORY_LIMITS.0 * estimate + MEMORY_LIMITS.1;
         if let Some(bytes) = record.outcome.memory.map(|m| m as f64).filter(|bytes| *bytes > bar) {
             record.add("memory", (bytes, bar), format!("bytes, where check tells {estimate:.3e}"));
         }

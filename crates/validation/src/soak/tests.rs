@@ -1,16 +1,16 @@
 use super::draw::random::Random;
-use super::judge::books::Books;
-use super::rerun::image::Image;
-use super::rerun::refuse::taken;
-use super::{Class, Set, Subject, Wish};
-use crate::soak::walk::Walk;
+use super::judge::books::InvariantChecks;
+use super::rerun::image::SceneTransform;
+use super::rerun::refuse::accepted_scene;
+use super::{Class, CaseSet, Subject, CaseOptions};
+use crate::soak::walk::ScheduledSimulation;
 use meniscus_scene::build::setup;
 use meniscus_scene::file::{LoadOptions, Scene};
 use meniscus_sim::StepReport;
 use std::path::Path;
 
-fn wish(class: Option<Class>) -> Wish {
-    Wish { set: Set::Random, seed: 7, dimension: Some(2), class, quick: true }
+fn wish(class: Option<Class>) -> CaseOptions {
+    CaseOptions { set: CaseSet::Random, seed: 7, dimension: Some(2), class, quick: true }
 }
 
 const DROP: &str = r#"
@@ -39,10 +39,10 @@ fn drop() -> Scene {
 }
 
 /// The books of a drop in flight, and the report of its third step.
-fn books() -> (Books<2>, Walk<2>, StepReport<2>) {
+fn books() -> (InvariantChecks<2>, ScheduledSimulation<2>, StepReport<2>) {
     let scene = drop();
-    let mut walk = Walk::start(&setup::<2>(&scene).unwrap(), &scene);
-    let mut books = Books::open(&walk.simulation, &scene);
+    let mut walk = ScheduledSimulation::start(&setup::<2>(&scene).unwrap(), &scene);
+    let mut books = InvariantChecks::at_start(&walk.simulation, &scene);
     for _ in 0..8 {
         let report = walk.step().unwrap();
         assert_eq!(books.check(&walk.simulation, &report), Vec::new());
@@ -60,7 +60,7 @@ fn the_same_numbers_give_the_same_scene() {
     assert_eq!(one, crate::soak::draw::scene::scene(&wish(None), 3, 0));
     assert_ne!(one, other);
     let mut random = Random::of(&[1, 2]);
-    let mean = (0..10_000).map(|_| random.unit()).sum::<f64>() / 1e4;
+    let mean = (0..10_000).map(|_| random.uniform_unit()).sum::<f64>() / 1e4;
     assert!((mean - 0.5).abs() < 0.01, "{mean}");
 }
 
@@ -68,7 +68,7 @@ fn the_same_numbers_give_the_same_scene() {
 fn drawn_scenes_are_of_their_class_and_run() {
     for class in Class::ALL {
         for case in 0..4 {
-            let taken = taken(&Subject::Case(wish(Some(class)), case), &mut |_| ()).unwrap();
+            let taken = accepted_scene(&Subject::Case(wish(Some(class)), case), &mut |_| ()).unwrap();
             assert_eq!(Class::of(&taken.scene), class);
             assert!(taken.refused.len() < 50, "{:?}", taken.refused);
         }
@@ -78,19 +78,19 @@ fn drawn_scenes_are_of_their_class_and_run() {
 #[test]
 fn the_drop_test_runs_and_covers_its_factors() {
     for (dimension, cases) in [(2, 24), (3, 12)] {
-        let wish = Wish { set: Set::Drops, dimension: Some(dimension), ..wish(None) };
+        let wish = CaseOptions { set: CaseSet::DropTest, dimension: Some(dimension), ..wish(None) };
         for case in 0..cases {
             assert_eq!(
                 crate::soak::draw::drops::scene(&wish, case),
                 crate::soak::draw::drops::scene(&wish, case)
             );
-            let taken = taken(&Subject::Case(wish.clone(), case), &mut |_| ());
+            let taken = accepted_scene(&Subject::Case(wish.clone(), case), &mut |_| ());
             let words = taken.as_ref().map_or_else(String::clone, |_| String::new());
             assert!(taken.is_ok(), "{dimension}D {case}: {words}");
         }
     }
     let young = |case| {
-        let text = crate::soak::draw::drops::scene(&Wish { set: Set::Drops, ..wish(None) }, case);
+        let text = crate::soak::draw::drops::scene(&CaseOptions { set: CaseSet::DropTest, ..wish(None) }, case);
         let words = text.split("young_modulus = \"").last().and_then(|rest| rest.split(' ').next());
         words.and_then(|word| word.parse::<f64>().ok()).unwrap()
     };
@@ -103,7 +103,7 @@ fn the_drop_test_runs_and_covers_its_factors() {
 #[test]
 fn what_is_mirrored_twice_is_as_it_was() {
     let scene = drop();
-    let image = Image { mirrored: true, size: scene.domain.size[0], by: 0.0 };
+    let image = SceneTransform { mirrored: true, size: scene.domain.size[0], shift: 0.0 };
     let mirrored = image.scene(&scene).unwrap();
     assert_eq!(mirrored.liquid.bodies[0].velocity, [-0.1, 0.0]);
     assert_eq!(image.scene(&mirrored).unwrap(), scene);
@@ -113,10 +113,10 @@ fn what_is_mirrored_twice_is_as_it_was() {
 fn what_breaks_an_invariant_is_found() {
     type Spoil = fn(&mut StepReport<2>);
     let spoilt: [(&str, Spoil); 4] = [
-        ("speed", |r| r.ledger.max_speed *= 100.0),
-        ("energy", |r| r.ledger.surface_energy *= 1.1),
-        ("momentum", |r| r.ledger.momentum *= 1.001),
-        ("not-finite", |r| r.ledger.kinetic_energy = f64::NAN),
+        ("speed", |r| r.diagnostics.max_speed *= 100.0),
+        ("energy", |r| r.diagnostics.surface_energy *= 1.1),
+        ("momentum", |r| r.diagnostics.momentum *= 1.001),
+        ("not-finite", |r| r.diagnostics.kinetic_energy = f64::NAN),
     ];
     for (kind, spoil) in spoilt {
         let (mut books, walk, mut report) = books();

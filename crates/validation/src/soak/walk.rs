@@ -6,7 +6,7 @@ use meniscus_scene::job::Schedule;
 use meniscus_sim::{Simulation, StepError, StepReport};
 
 /// A simulation that goes the steps of `meniscus run`.
-pub struct Walk<const D: usize> {
+pub struct ScheduledSimulation<const D: usize> {
     /// The simulation.
     pub simulation: Simulation<D>,
     schedule: Schedule,
@@ -14,7 +14,7 @@ pub struct Walk<const D: usize> {
     pub frame: u64,
 }
 
-impl<const D: usize> Walk<D> {
+impl<const D: usize> ScheduledSimulation<D> {
     /// From the start.
     pub fn start(setup: &Setup<D>, scene: &Scene) -> Self {
         Self::from(setup.simulation(), scene, 1)
@@ -32,10 +32,10 @@ impl<const D: usize> Walk<D> {
         let fixed = self.simulation.model.numerics.fixed_step.is_some();
         let longest = if fixed { f64::INFINITY } else { self.schedule.longest_step(now, self.frame) };
         let report = self.simulation.step(longest, &mut |_| ())?;
-        if self.schedule.meets(self.simulation.state.time, self.frame) {
+        if self.schedule.is_frame_time(self.simulation.state.time, self.frame) {
             self.simulation.state.time = self.schedule.time(self.frame);
         }
-        if self.schedule.reaches(self.simulation.state.time, self.frame) {
+        if self.schedule.has_reached_frame(self.simulation.state.time, self.frame) {
             self.frame += 1;
         }
         Ok(report)

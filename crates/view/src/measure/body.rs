@@ -2,16 +2,16 @@
 
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::ply::PlyMesh;
-use meniscus_numerics::mesh::{FacetTree, SurfaceMesh};
+use meniscus_numerics::mesh::{FacetBvh, SurfaceMesh};
 
 use crate::folder::{Frame, RunFolder};
 
 /// Facets are smoothed into each other where their normals lie within this cosine; sharper edges stay sharp.
-const CREASE: f64 = 0.87;
+const CREASE_COSINE: f64 = 0.87;
 
 /// A point of a body's surface.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Foot<const D: usize> {
+pub(super) struct ClosestPoint<const D: usize> {
     /// Where, m.
     pub at: Vector<D>,
     /// Unit normal out of the body.
@@ -22,21 +22,21 @@ pub(super) struct Foot<const D: usize> {
 
 /// A solid or a wall.
 #[derive(Debug)]
-pub(super) struct Body<const D: usize> {
+pub(super) struct SolidBoundary<const D: usize> {
     /// The solid's name, or the wall's side.
     pub name: String,
     /// Whether it is one of the domain's walls.
-    pub wall: bool,
+    pub is_wall: bool,
     surface: Surface<D>,
 }
 
 #[derive(Debug)]
 enum Surface<const D: usize> {
-    Mesh { mesh: SurfaceMesh<D>, tree: FacetTree<D>, normals: Vec<[Vector<D>; D]> },
+    Mesh { mesh: SurfaceMesh<D>, tree: FacetBvh<D>, normals: Vec<[Vector<D>; D]> },
     Wall { axis: usize, at: f64, inward: f64 },
 }
 
-impl<const D: usize> Body<D> {
+impl<const D: usize> SolidBoundary<D> {
     /// The solids of a frame, and the walls if the domain is known.
     pub(super) fn all(folder: &RunFolder, frame: &Frame) -> Vec<Self> {
         let mut bodies: Vec<Self> =
@@ -48,7 +48,7 @@ impl<const D: usize> Body<D> {
             for (name, at, inward) in [(names[0], 0.0, 1.0), (names[1], domain[axis], -1.0)] {
                 bodies.push(Self {
                     name: name.into(),
-                    wall: true,
+                    is_wall: true,
                     surface: Surface::Wall { axis, at, inward },
                 });
             }
@@ -59,26 +59,26 @@ impl<const D: usize> Body<D> {
     /// A solid by its mesh.
     pub(super) fn solid(name: &str, mesh: &SurfaceMesh<D>) -> Self {
         let normals = corner_normals(mesh);
-        let surface = Surface::Mesh { mesh: mesh.clone(), tree: FacetTree::new(mesh), normals };
-        Self { name: name.into(), wall: false, surface }
+        let surface = Surface::Mesh { mesh: mesh.clone(), tree: FacetBvh::new(mesh), normals };
+        Self { name: name.into(), is_wall: false, surface }
     }
 
     /// The closest point of the surface; none if there is no surface.
-    pub(super) fn closest(&self, x: &Vector<D>) -> Option<Foot<D>> {
+    pub(super) fn closest(&self, x: &Vector<D>) -> Option<ClosestPoint<D>> {
         match &self.surface {
             Surface::Wall { axis, at, inward } => {
-                let mut foot = Foot { at: *x, normal: Vector::zeros(), distance: (x[*axis] - at).abs() };
+                let mut foot = ClosestPoint { at: *x, normal: Vector::zeros(), distance: (x[*axis] - at).abs() };
                 foot.at[*axis] = *at;
                 foot.normal[*axis] = *inward;
                 Some(foot)
             }
             Surface::Mesh { mesh, tree, normals } => {
-                let near = tree.closest(x, f64::INFINITY)?;
+                let near = tree.closest_point(x, f64::INFINITY)?;
                 let flat = mesh.area_vector(near.facet as usize).try_normalize(0.0)?;
                 let corners = normals[near.facet as usize].iter().zip(near.weights);
                 let smooth = corners.fold(Vector::<D>::zeros(), |sum, (n, w)| sum + n * w);
                 let normal = smooth.try_normalize(0.0).unwrap_or(flat);
-                Some(Foot { at: near.point, normal, distance: near.distance_squared.sqrt() })
+                Some(ClosestPoint { at: near.point, normal, distance: near.distance_squared.sqrt() })
             }
         }
     }
@@ -87,7 +87,7 @@ impl<const D: usize> Body<D> {
     pub(super) fn is_near(&self, x: &Vector<D>, reach: f64) -> bool {
         match &self.surface {
             Surface::Wall { axis, at, .. } => (x[*axis] - at).abs() < reach,
-            Surface::Mesh { tree, .. } => tree.closest(x, reach).is_some(),
+            Surface::Mesh { tree, .. } => tree.closest_point(x, reach).is_some(),
         }
     }
 
@@ -108,7 +108,7 @@ fn corner_normals<const D: usize>(mesh: &SurfaceMesh<D>) -> Vec<[Vector<D>; D]> 
         facet.iter().for_each(|&v| around[v as usize].push(f));
     }
     let corner = |f: usize, v: u32| {
-        let smooth = |g: &&usize| areas[**g].dot(&areas[f]) > CREASE * areas[**g].norm() * areas[f].norm();
+        let smooth = |g: &&usize| areas[**g].dot(&areas[f]) > CREASE_COSINE * areas[**g].norm() * areas[f].norm();
         let sum = around[v as usize].iter().filter(smooth).map(|&g| areas[g]).sum::<Vector<D>>();
         sum.try_normalize(0.0).unwrap_or_else(Vector::zeros)
     };

@@ -3,13 +3,13 @@
 use meniscus_numerics::Vector;
 use rayon::prelude::*;
 
-use super::body::Body;
-use super::drops::Drop;
+use super::body::SolidBoundary;
+use super::drops::Component;
 
 /// Wetted facets lie no farther from a body than this, in cells.
-const TOUCHING: f64 = 1.0;
+const MAX_WETTED_DISTANCE_CELLS: f64 = 1.0;
 /// Facets of the contact line alone are wetted if they face the body with at least this cosine.
-const FACING: f64 = 0.7;
+const MIN_FACING_COSINE: f64 = 0.7;
 
 /// A point of the contact line, as far as facets show it.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +22,7 @@ pub(super) struct LinePoint<const D: usize> {
 
 /// The contact of a drop with one body.
 #[derive(Clone, Debug)]
-pub(super) struct Patch<const D: usize> {
+pub(super) struct WettedPatch<const D: usize> {
     /// Place of the body in the list.
     pub body: usize,
     /// Area of the wetted facets, m² (2D: m).
@@ -32,10 +32,10 @@ pub(super) struct Patch<const D: usize> {
 }
 
 /// The contacts of a drop, in the order of the bodies; `dx` is the cell width (m).
-pub(super) fn patches<const D: usize>(drop: &Drop<D>, bodies: &[Body<D>], dx: f64) -> Vec<Patch<D>> {
+pub(super) fn patches<const D: usize>(drop: &Component<D>, bodies: &[SolidBoundary<D>], dx: f64) -> Vec<WettedPatch<D>> {
     let facets = drop.mesh.facets.len();
-    let wet: Vec<Option<usize>> = (0..facets).into_par_iter().map(|f| wet(drop, f, bodies, dx)).collect();
-    let mut ridges = ridges(drop);
+    let wet: Vec<Option<usize>> = (0..facets).into_par_iter().map(|f| wetted_boundary(drop, f, bodies, dx)).collect();
+    let mut ridges = facet_edges(drop);
     ridges.sort_unstable();
     let touched = |b: usize| wet.contains(&Some(b));
     let patch = |b: usize| {
@@ -47,27 +47,27 @@ pub(super) fn patches<const D: usize>(drop: &Drop<D>, bodies: &[Body<D>], dx: f6
         };
         let pairs = ridges.chunk_by(|a, b| a.0 == b.0);
         let line = pairs.filter(between).map(|pair| line_point(drop, pair[0].0)).collect();
-        Patch { body: b, area, line }
+        WettedPatch { body: b, area, line }
     };
     (0..bodies.len()).filter(|&b| touched(b)).map(patch).collect()
 }
 
 /// The body that a facet lies on.
-fn wet<const D: usize>(drop: &Drop<D>, facet: usize, bodies: &[Body<D>], dx: f64) -> Option<usize> {
+fn wetted_boundary<const D: usize>(drop: &Component<D>, facet: usize, bodies: &[SolidBoundary<D>], dx: f64) -> Option<usize> {
     let kinds = drop.mesh.facets[facet].map(|v| drop.kinds[v as usize]);
     if kinds.contains(&0) {
         return None;
     }
     let middle = drop.mesh.corners(facet).iter().sum::<Vector<D>>() / D as f64;
-    let near = bodies.iter().enumerate().filter(|(_, b)| b.is_near(&middle, TOUCHING * dx));
+    let near = bodies.iter().enumerate().filter(|(_, b)| b.is_near(&middle, MAX_WETTED_DISTANCE_CELLS * dx));
     let near = near.filter_map(|(i, b)| b.closest(&middle).map(|foot| (i, foot)));
     let (body, foot) = near.min_by(|a, b| a.1.distance.total_cmp(&b.1.distance))?;
     let outward = drop.mesh.area_vector(facet).try_normalize(0.0)?;
-    (kinds.contains(&1) || outward.dot(&foot.normal) < -FACING).then_some(body)
+    (kinds.contains(&1) || outward.dot(&foot.normal) < -MIN_FACING_COSINE).then_some(body)
 }
 
 /// The ridges (2D: vertices, 3D: edges) of all facets, each with the facet.
-fn ridges<const D: usize>(drop: &Drop<D>) -> Vec<([u32; 2], usize)> {
+fn facet_edges<const D: usize>(drop: &Component<D>) -> Vec<([u32; 2], usize)> {
     let of = |(f, facet): (usize, &[u32; D])| {
         let facet = *facet;
         (0..D).map(move |k| {
@@ -78,7 +78,7 @@ fn ridges<const D: usize>(drop: &Drop<D>) -> Vec<([u32; 2], usize)> {
     drop.mesh.facets.iter().enumerate().flat_map(of).collect()
 }
 
-fn line_point<const D: usize>(drop: &Drop<D>, [a, b]: [u32; 2]) -> LinePoint<D> {
+fn line_point<const D: usize>(drop: &Component<D>, [a, b]: [u32; 2]) -> LinePoint<D> {
     let (p, q) = (drop.mesh.positions[a as usize], drop.mesh.positions[b as usize]);
     LinePoint { at: (p + q) * 0.5, weight: if D == 2 { 1.0 } else { (q - p).norm() } }
 }

@@ -5,7 +5,7 @@ use meniscus_numerics::mesh::SurfaceMesh;
 
 /// The surface of one drop.
 #[derive(Clone, Debug)]
-pub(super) struct Drop<const D: usize> {
+pub(super) struct Component<const D: usize> {
     /// Its surface, that of its bubbles included.
     pub mesh: SurfaceMesh<D>,
     /// For each vertex 0 liquid–air, 1 liquid–solid, 2 contact line.
@@ -16,10 +16,10 @@ pub(super) struct Drop<const D: usize> {
     pub centroid: Vector<D>,
 }
 
-impl<const D: usize> Drop<D> {
+impl<const D: usize> Component<D> {
     /// The drops of a surface, the largest first.
     pub(super) fn all(mesh: &SurfaceMesh<D>, kinds: &[u8]) -> Vec<Self> {
-        let mut parts = parts(mesh, kinds);
+        let mut parts = connected_components(mesh, kinds);
         parts.sort_by(|a, b| b.volume.total_cmp(&a.volume));
         let bubbles = parts.split_off(parts.partition_point(|p| p.volume > 0.0));
         for bubble in bubbles {
@@ -51,7 +51,7 @@ impl<const D: usize> Drop<D> {
 }
 
 /// The connected parts of a surface, in the order of their first vertices.
-fn parts<const D: usize>(mesh: &SurfaceMesh<D>, kinds: &[u8]) -> Vec<Drop<D>> {
+fn connected_components<const D: usize>(mesh: &SurfaceMesh<D>, kinds: &[u8]) -> Vec<Component<D>> {
     let mut root: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     fn find(root: &mut [u32], mut v: u32) -> u32 {
         while root[v as usize] != v {
@@ -86,7 +86,7 @@ fn parts<const D: usize>(mesh: &SurfaceMesh<D>, kinds: &[u8]) -> Vec<Drop<D>> {
         out[number[r] as usize].0.facets.push(facet.map(|v| place[v as usize]));
     }
     let whole = out.into_iter().filter(|(m, _)| !m.facets.is_empty());
-    whole.map(|(mesh, kinds)| Drop::new(mesh, kinds)).collect()
+    whole.map(|(mesh, kinds)| Component::new(mesh, kinds)).collect()
 }
 
 /// Volume (m³, 2D: m²) and centre of mass (m) of what a surface encloses.

@@ -4,25 +4,25 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::fit::{Ellipsoid, Sphere};
 use serde::Serialize;
 
-use super::body::Body;
-use super::contact::{LinePoint, Patch};
-use super::drops::Drop;
+use super::body::SolidBoundary;
+use super::contact::{LinePoint, WettedPatch};
+use super::drops::Component;
 use super::line::AngleAt;
 
 /// The surface nearer to the line than this is not fitted, in cells.
-const AWAY: f64 = 1.5;
+const FIT_START_CELLS: f64 = 1.5;
 /// The band next to it, in cells, in which the fit must hold for the angle to be trusted.
-const BAND: f64 = 3.0;
+const FIT_BAND_CELLS: f64 = 3.0;
 /// An ellipse is taken where the circle misses by more than this, in cells, and the ellipse by less than half of it.
-const MISS: f64 = 0.03;
-const BETTER: f64 = 0.5;
+const MAX_CIRCLE_RESIDUAL_CELLS: f64 = 0.03;
+const ELLIPSE_IMPROVEMENT: f64 = 0.5;
 /// A fit that misses by more than this, in cells, is none: drops on their way are no caps, flat puddles no ellipses (one that
 /// missed a puddle by 0.13 cells met its plate at 137 degrees, where the drop did at 90).
-const WORST: f64 = 0.1;
+const MAX_FIT_RESIDUAL_CELLS: f64 = 0.1;
 /// A fit needs as many points.
-const FEWEST: usize = 12;
+const MIN_FIT_POINTS: usize = 12;
 /// How far the foot of the fitted surface may lie from the line that facets show, in cells.
-const FARTHEST: f64 = 8.0;
+const MAX_LINE_OFFSET_CELLS: f64 = 8.0;
 
 /// The shape that was fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -62,53 +62,53 @@ pub struct FittedAngle {
 
 /// A shape fitted to a drop's free surface.
 #[derive(Clone, Debug)]
-pub(super) struct Fit<const D: usize> {
-    it: Ellipsoid<D>,
+pub(super) struct CapFit<const D: usize> {
+    ellipsoid: Ellipsoid<D>,
     /// 1 where the liquid is within the shape, −1 where it is around it.
-    side: f64,
+    liquid_side: f64,
     shape: FitShape,
     residual: f64,
     points: usize,
 }
 
 /// Where a fitted shape meets a body: the angle (degrees), the feet and how far each is beyond the facets' line (m).
-pub(super) struct Feet<const D: usize> {
+pub(super) struct FittedLine<const D: usize> {
     pub angle: FittedAngle,
-    pub at: Vec<LinePoint<D>>,
-    pub beyond: Vec<f64>,
+    pub points: Vec<LinePoint<D>>,
+    pub outward_offsets: Vec<f64>,
 }
 
-impl<const D: usize> Fit<D> {
+impl<const D: usize> CapFit<D> {
     /// Fits the surface of a drop away from its contact lines; `dx` is the cell width (m).
-    pub(super) fn of(drop: &Drop<D>, patches: &[Patch<D>], bodies: &[Body<D>], dx: f64) -> Option<Self> {
-        let (points, near) = free_points(drop, patches, bodies, dx);
-        if points.len() < FEWEST {
+    pub(super) fn of(drop: &Component<D>, patches: &[WettedPatch<D>], bodies: &[SolidBoundary<D>], dx: f64) -> Option<Self> {
+        let (points, near) = free_surface_points(drop, patches, bodies, dx);
+        if points.len() < MIN_FIT_POINTS {
             return None;
         }
-        let sphere = Ellipsoid::round(&Sphere::fit(&points)?);
-        let miss = |it: &Ellipsoid<D>| rms(it, &points).max(rms(it, &near));
-        let (mut it, mut residual) = (sphere, miss(&sphere));
+        let sphere = Ellipsoid::from_sphere(&Sphere::fit(&points)?);
+        let miss = |ellipsoid: &Ellipsoid<D>| rms(ellipsoid, &points).max(rms(ellipsoid, &near));
+        let (mut ellipsoid, mut residual) = (sphere, miss(&sphere));
         let mut shape = if D == 2 { FitShape::Circle } else { FitShape::Sphere };
-        if residual > MISS * dx
+        if residual > MAX_CIRCLE_RESIDUAL_CELLS * dx
             && let Some(ellipse) = Ellipsoid::fit(&points)
-            && miss(&ellipse) < BETTER * residual
+            && miss(&ellipse) < ELLIPSE_IMPROVEMENT * residual
         {
-            (it, residual) = (ellipse, miss(&ellipse));
+            (ellipsoid, residual) = (ellipse, miss(&ellipse));
             shape = if D == 2 { FitShape::Ellipse } else { FitShape::Spheroid };
         }
         let out = |f: usize| {
             let middle = drop.mesh.corners(f).iter().sum::<Vector<D>>() / D as f64;
             let free = drop.mesh.facets[f].iter().all(|&v| drop.kinds[v as usize] == 0);
-            if free { it.normal(&middle).dot(&drop.mesh.area_vector(f)) } else { 0.0 }
+            if free { ellipsoid.normal(&middle).dot(&drop.mesh.area_vector(f)) } else { 0.0 }
         };
-        let side = (0..drop.mesh.facets.len()).map(out).sum::<f64>().signum();
-        (residual < WORST * dx).then_some(Self { it, side, shape, residual, points: points.len() })
+        let liquid_side = (0..drop.mesh.facets.len()).map(out).sum::<f64>().signum();
+        (residual < MAX_FIT_RESIDUAL_CELLS * dx).then_some(Self { ellipsoid, liquid_side, shape, residual, points: points.len() })
     }
 
     /// Where it meets a body, sought from a line; none where it does not meet it along most of the line.
-    pub(super) fn feet(&self, line: &[LinePoint<D>], body: &Body<D>, dx: f64) -> Option<Feet<D>> {
+    pub(super) fn intersect(&self, line: &[LinePoint<D>], body: &SolidBoundary<D>, dx: f64) -> Option<FittedLine<D>> {
         let found: Vec<(LinePoint<D>, f64, f64)> =
-            line.iter().filter_map(|p| self.foot(p, body, dx)).collect();
+            line.iter().filter_map(|p| self.intersect_from(p, body, dx)).collect();
         let weight = |l: f64, p: &LinePoint<D>| l + p.weight;
         let all = line.iter().fold(0.0, weight);
         let kept = found.iter().map(|f| &f.0).fold(0.0, weight);
@@ -120,56 +120,56 @@ impl<const D: usize> Fit<D> {
         };
         let value = mean(&|angle| angle);
         let spread = mean(&|angle| (angle - value).powi(2)).sqrt();
-        let tilt = (self.residual / (BAND * dx)).atan().to_degrees();
+        let tilt = (self.residual / (FIT_BAND_CELLS * dx)).atan().to_degrees();
         let angle = FittedAngle {
             value,
             uncertainty: spread.hypot(tilt),
             spread,
             shape: self.shape,
-            radii: [self.it.level, self.it.upright],
+            radii: [self.ellipsoid.horizontal_semi_axis, self.ellipsoid.vertical_semi_axis],
             residual: self.residual,
             points: self.points,
             places: AngleAt::ordered(found.iter().map(|(p, angle, _)| (p.at, *angle))),
         };
-        let beyond = found.iter().map(|f| f.2).collect();
-        Some(Feet { angle, at: found.into_iter().map(|f| f.0).collect(), beyond })
+        let outward_offsets = found.iter().map(|f| f.2).collect();
+        Some(FittedLine { angle, points: found.into_iter().map(|f| f.0).collect(), outward_offsets })
     }
 
     /// Slides a point along the body to the fitted shape: the foot, the angle there (degrees), the way outwards (m).
-    fn foot(&self, from: &LinePoint<D>, body: &Body<D>, dx: f64) -> Option<(LinePoint<D>, f64, f64)> {
-        const ROUNDS: usize = 20;
-        const CLOSE: f64 = 1e-4;
+    fn intersect_from(&self, from: &LinePoint<D>, body: &SolidBoundary<D>, dx: f64) -> Option<(LinePoint<D>, f64, f64)> {
+        const MAX_ITERATIONS: usize = 20;
+        const GAP_TOLERANCE_CELLS: f64 = 1e-4;
         let start = body.closest(&from.at)?;
         let (mut foot, mut angle, mut out) = (start, 0.0, Vector::zeros());
         let mut gap = f64::INFINITY;
-        for _ in 0..ROUNDS {
-            let normal = self.it.normal(&foot.at) * self.side;
+        for _ in 0..MAX_ITERATIONS {
+            let normal = self.ellipsoid.normal(&foot.at) * self.liquid_side;
             let cosine = normal.dot(&foot.normal).clamp(-1.0, 1.0);
             let sine = (1.0 - cosine * cosine).sqrt().max(0.05);
             angle = cosine.acos().to_degrees();
-            gap = self.it.distance(&foot.at) * self.side;
-            if gap.abs() < CLOSE * dx {
+            gap = self.ellipsoid.distance(&foot.at) * self.liquid_side;
+            if gap.abs() < GAP_TOLERANCE_CELLS * dx {
                 break;
             }
             out = (normal - foot.normal * cosine) / sine;
             let step = (-gap / sine).clamp(-2.0 * dx, 2.0 * dx);
             foot = body.closest(&(foot.at + out * step))?;
         }
-        let way = foot.at - start.at;
+        let offset = foot.at - start.at;
         let point = LinePoint { at: foot.at, weight: from.weight };
-        (gap.abs() < 0.05 * dx && way.norm() < FARTHEST * dx).then(|| (point, angle, way.dot(&out)))
+        (gap.abs() < 0.05 * dx && offset.norm() < MAX_LINE_OFFSET_CELLS * dx).then(|| (point, angle, offset.dot(&out)))
     }
 }
 
-type Weighted<const D: usize> = Vec<(Vector<D>, f64)>;
+type WeightedPoints<const D: usize> = Vec<(Vector<D>, f64)>;
 
 /// The vertices of the free surface with their shares of its area: all away from the lines, and those just so.
-fn free_points<const D: usize>(
-    drop: &Drop<D>,
-    patches: &[Patch<D>],
-    bodies: &[Body<D>],
+fn free_surface_points<const D: usize>(
+    drop: &Component<D>,
+    patches: &[WettedPatch<D>],
+    bodies: &[SolidBoundary<D>],
     dx: f64,
-) -> (Weighted<D>, Weighted<D>) {
+) -> (WeightedPoints<D>, WeightedPoints<D>) {
     let mut shares = vec![0.0; drop.mesh.positions.len()];
     for (f, facet) in drop.mesh.facets.iter().enumerate() {
         let share = drop.mesh.area_vector(f).norm() / D as f64;
@@ -177,12 +177,12 @@ fn free_points<const D: usize>(
     }
     let (mut all, mut near) = (Vec::new(), Vec::new());
     for (v, &x) in drop.mesh.positions.iter().enumerate().filter(|(v, _)| drop.kinds[*v] == 0) {
-        let reach = (AWAY + BAND) * dx;
+        let reach = (FIT_START_CELLS + FIT_BAND_CELLS) * dx;
         // Far from a body is far from its line: most points need no look at the line.
         let close = patches.iter().filter(|p| bodies[p.body].is_near(&x, reach));
         let squares = close.flat_map(|p| &p.line).map(|p| (p.at - x).norm_squared());
         let distance = squares.fold(f64::INFINITY, f64::min).sqrt();
-        if distance > AWAY * dx {
+        if distance > FIT_START_CELLS * dx {
             all.push((x, shares[v]));
             if distance < reach {
                 near.push((x, shares[v]));

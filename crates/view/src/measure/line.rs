@@ -1,16 +1,16 @@
 //! The stored contact line, shared out to the drops and bodies that it belongs to.
 
 use meniscus_numerics::Vector;
-use meniscus_numerics::mesh::FacetTree;
+use meniscus_numerics::mesh::FacetBvh;
 use serde::Serialize;
 
-use super::body::Body;
+use super::body::SolidBoundary;
 use super::contact::LinePoint;
-use super::drops::Drop;
+use super::drops::Component;
 use crate::folder::{Frame, RunFolder};
 
 /// A point of the line lies no farther from its drop than this, in cells.
-const NEAR: f64 = 3.0;
+const MAX_LINE_DISTANCE_CELLS: f64 = 3.0;
 
 /// The angle at a place of a contact line in 2D.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -56,13 +56,13 @@ pub struct LocalAngle {
 
 /// The stored line between one drop and one body.
 #[derive(Clone, Debug)]
-pub(super) struct Stored<const D: usize> {
+pub(super) struct StoredLine<const D: usize> {
     pub points: Vec<LinePoint<D>>,
     /// The angle at each point, degrees; NaN where none is stored.
     angles: Vec<f64>,
 }
 
-impl<const D: usize> Stored<D> {
+impl<const D: usize> StoredLine<D> {
     /// What the stored angles come to; none where there are none.
     pub(super) fn angles(&self) -> Option<LocalAngle> {
         let known: Vec<(f64, f64)> = self
@@ -96,11 +96,11 @@ impl<const D: usize> Stored<D> {
 pub(super) fn assign<const D: usize>(
     folder: &RunFolder,
     frame: &Frame,
-    drops: &[Drop<D>],
-    bodies: &[Body<D>],
+    drops: &[Component<D>],
+    bodies: &[SolidBoundary<D>],
     dx: f64,
-) -> Vec<Vec<Stored<D>>> {
-    let empty = Stored { points: Vec::new(), angles: Vec::new() };
+) -> Vec<Vec<StoredLine<D>>> {
+    let empty = StoredLine { points: Vec::new(), angles: Vec::new() };
     let mut out = vec![vec![empty; bodies.len()]; drops.len()];
     let Some(line) = &frame.contact_line else { return out };
     let mut weights = vec![if D == 2 { 1.0 } else { 0.0 }; line.positions.len()];
@@ -111,18 +111,18 @@ pub(super) fn assign<const D: usize>(
         weights[a] += half;
         weights[b] += half;
     }
-    let trees: Vec<FacetTree<D>> = drops.iter().map(|d| FacetTree::new(&d.mesh)).collect();
+    let trees: Vec<FacetBvh<D>> = drops.iter().map(|d| FacetBvh::new(&d.mesh)).collect();
     let names = folder.solid_order();
     for v in 0..line.positions.len() {
         let x = at(v);
         let near = trees
             .iter()
             .enumerate()
-            .filter_map(|(i, t)| Some((i, t.closest(&x, NEAR * dx)?.distance_squared)));
+            .filter_map(|(i, t)| Some((i, t.closest_point(&x, MAX_LINE_DISTANCE_CELLS * dx)?.distance_squared)));
         let Some((drop, _)) = near.min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
         let named = line.scalars.get("solid").and_then(|s| names.get(*s.get(v)? as usize));
-        let named = named.and_then(|name| bodies.iter().position(|b| !b.wall && b.name == *name));
-        let Some(body) = named.or_else(|| nearest(bodies, &x)) else { continue };
+        let named = named.and_then(|name| bodies.iter().position(|b| !b.is_wall && b.name == *name));
+        let Some(body) = named.or_else(|| nearest_boundary(bodies, &x)) else { continue };
         let stored = &mut out[drop][body];
         stored.points.push(LinePoint { at: x, weight: weights[v] });
         stored.angles.push(line.scalars.get("angle").and_then(|a| a.get(v)).copied().unwrap_or(f64::NAN));
@@ -130,7 +130,7 @@ pub(super) fn assign<const D: usize>(
     out
 }
 
-fn nearest<const D: usize>(bodies: &[Body<D>], x: &Vector<D>) -> Option<usize> {
+fn nearest_boundary<const D: usize>(bodies: &[SolidBoundary<D>], x: &Vector<D>) -> Option<usize> {
     let distances = bodies.iter().enumerate().filter_map(|(i, b)| Some((i, b.closest(x)?.distance)));
     distances.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
 }

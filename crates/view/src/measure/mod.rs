@@ -16,7 +16,7 @@ mod strip;
 mod surfaces;
 mod window;
 
-use crate::measure::over::{Over, kinds};
+use crate::measure::over::{Averaging, vertex_kinds};
 use std::path::Path;
 
 use serde::Serialize;
@@ -24,20 +24,20 @@ use serde::Serialize;
 pub use fit::{FitShape, FittedAngle};
 pub use line::{AngleAt, LocalAngle};
 pub use soft::{Ridge, SoftMeasure};
-pub use solids::{Floating, Forces, SolidMeasure, Touch};
-pub use strip::Strip;
-pub use window::{Mean, Window};
+pub use solids::{Floating, Forces, SolidMeasure, ContactInterval};
+pub use strip::Midline;
+pub use window::{TimeStatistics, TimeWindow};
 
 use crate::error::{Result, ViewError};
 use crate::folder::{Frame, RunFolder};
-use crate::page::series::Series;
-use body::Body;
-use contact::{LinePoint, Patch};
-use drops::Drop;
-use fit::{Feet, Fit};
+use crate::page::series::TimeSeries;
+use body::SolidBoundary;
+use contact::{LinePoint, WettedPatch};
+use drops::Component;
+use fit::{FittedLine, CapFit};
 
 /// Drops smaller than this many cells are counted but not measured.
-const SMALLEST: f64 = 8.0;
+const MIN_MEASURED_CELLS: f64 = 8.0;
 
 /// Which frame is measured, and over how long means are taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -65,7 +65,7 @@ pub struct Measurement {
     pub time: Option<f64>,
     /// The steps that means are taken over; none where the time series has none.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub window: Option<Window>,
+    pub window: Option<TimeWindow>,
     /// Drops that the solver counted, by its cells. Liquid that is joined only where a film is thinner than the drawn surface, or
     /// within a solid, is one drop there and several here.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -73,14 +73,14 @@ pub struct Measurement {
     /// Drops too small to be measured.
     pub small_drops: usize,
     /// The drops, the largest first.
-    pub drops: Vec<DropMeasure>,
+    pub drops: Vec<ComponentMeasure>,
     /// The solids.
     pub solids: Vec<SolidMeasure>,
 }
 
 /// A connected part of the liquid.
 #[derive(Clone, Debug, Serialize)]
-pub struct DropMeasure {
+pub struct ComponentMeasure {
     /// Its volume, m³ (2D: m²).
     pub volume: f64,
     /// Its centre of mass, m.
@@ -131,22 +131,22 @@ pub fn measure(dir: &Path, options: &MeasureOptions) -> Result<Measurement> {
         return Err(ViewError::content(&summary, what));
     };
     let frame = frame_at(&folder, options.at)?;
-    let series = Series::whole(&dir.join("timeseries.csv"))?;
-    let window = frame.time.and_then(|time| Window::of(&series, time, options.window));
-    let over = Over { series, window };
+    let series = TimeSeries::load_all(&dir.join("timeseries.csv"))?;
+    let window = frame.time.and_then(|time| TimeWindow::of(&series, time, options.window));
+    let over = Averaging { series, window };
     if folder.dimension == 2 {
-        frame_measure::<2>(&folder, &frame, dx, over)
+        measure_frame::<2>(&folder, &frame, dx, over)
     } else {
-        frame_measure::<3>(&folder, &frame, dx, over)
+        measure_frame::<3>(&folder, &frame, dx, over)
     }
 }
 
 /// The frame nearest to a time, the last one without a time.
 fn frame_at(folder: &RunFolder, at: Option<f64>) -> Result<Frame> {
-    let last = folder.frame(folder.numbers[folder.numbers.len() - 1])?;
+    let last = folder.frame(folder.frame_numbers[folder.frame_numbers.len() - 1])?;
     let Some(at) = at else { return Ok(last) };
-    let mut times = Vec::with_capacity(folder.numbers.len());
-    for &number in &folder.numbers {
+    let mut times = Vec::with_capacity(folder.frame_numbers.len());
+    for &number in &folder.frame_numbers {
         let Some(time) = folder.time(number)? else {
             return Err(ViewError::content(&folder.dir, format!("the time of frame {number} is not known")));
         };
@@ -159,23 +159,23 @@ fn frame_at(folder: &RunFolder, at: Option<f64>) -> Result<Frame> {
         return Err(ViewError::Time { path: folder.dir.clone(), at, first, last: end });
     }
     let nearest = (0..times.len()).min_by(|&i, &j| (times[i] - at).abs().total_cmp(&(times[j] - at).abs()));
-    folder.frame(folder.numbers[nearest.unwrap_or(0)])
+    folder.frame(folder.frame_numbers[nearest.unwrap_or(0)])
 }
 
-fn frame_measure<const D: usize>(
+fn measure_frame<const D: usize>(
     folder: &RunFolder,
     frame: &Frame,
     dx: f64,
-    over: Over,
+    over: Averaging,
 ) -> Result<Measurement> {
-    let bodies = Body::<D>::all(folder, frame);
+    let bodies = SolidBoundary::<D>::all(folder, frame);
     let mesh = body::surface::<D>(&frame.liquid);
-    let mut drops = Drop::all(&mesh, &kinds(frame));
+    let mut drops = Component::all(&mesh, &vertex_kinds(frame));
     let all = drops.len();
-    drops.retain(|d| d.volume >= SMALLEST * dx.powi(D as i32));
+    drops.retain(|d| d.volume >= MIN_MEASURED_CELLS * dx.powi(D as i32));
     let lines = line::assign(folder, frame, &drops, &bodies, dx);
     let measured = drops.iter().enumerate();
-    let measured = measured.map(|(i, drop)| drop_measure(drop, &bodies, &lines[i], dx)).collect();
+    let measured = measured.map(|(i, drop)| measure_component(drop, &bodies, &lines[i], dx)).collect();
     let row = frame.time.and_then(|time| window::row_at(&over.series, time));
     let counted = row.and_then(|row| over.series.column("drops")?[row]);
     Ok(Measurement {
@@ -192,21 +192,21 @@ fn frame_measure<const D: usize>(
     })
 }
 
-fn drop_measure<const D: usize>(
-    drop: &Drop<D>,
-    bodies: &[Body<D>],
-    lines: &[line::Stored<D>],
+fn measure_component<const D: usize>(
+    drop: &Component<D>,
+    bodies: &[SolidBoundary<D>],
+    lines: &[line::StoredLine<D>],
     dx: f64,
-) -> DropMeasure {
+) -> ComponentMeasure {
     let patches = contact::patches(drop, bodies, dx);
-    let fit = Fit::of(drop, &patches, bodies, dx);
+    let fit = CapFit::of(drop, &patches, bodies, dx);
     let contacts = patches.iter().map(|patch| {
         let stored = &lines[patch.body];
-        contact_measure(drop, patch, &bodies[patch.body], fit.as_ref(), stored, dx)
+        measure_contact(drop, patch, &bodies[patch.body], fit.as_ref(), stored, dx)
     });
     let (lower, upper) = drop.mesh.bounds();
     let list = |v: &meniscus_numerics::Vector<D>| v.iter().copied().collect::<Vec<f64>>();
-    DropMeasure {
+    ComponentMeasure {
         volume: drop.volume,
         centroid: list(&drop.centroid),
         lower: list(&lower),
@@ -215,26 +215,26 @@ fn drop_measure<const D: usize>(
     }
 }
 
-fn contact_measure<const D: usize>(
-    drop: &Drop<D>,
-    patch: &Patch<D>,
-    body: &Body<D>,
-    fit: Option<&Fit<D>>,
-    stored: &line::Stored<D>,
+fn measure_contact<const D: usize>(
+    drop: &Component<D>,
+    patch: &WettedPatch<D>,
+    body: &SolidBoundary<D>,
+    fit: Option<&CapFit<D>>,
+    stored: &line::StoredLine<D>,
     dx: f64,
 ) -> ContactMeasure {
     // The stored line is the better start; facets show it to a cell only.
     let line = if stored.points.is_empty() { &patch.line } else { &stored.points };
-    let feet = fit.and_then(|fit| fit.feet(&patch.line, body, dx));
-    let strip = |feet: &Feet<D>| feet.at.iter().zip(&feet.beyond).map(|(p, way)| p.weight * way).sum::<f64>();
+    let feet = fit.and_then(|fit| fit.intersect(&patch.line, body, dx));
+    let area_correction = |feet: &FittedLine<D>| feet.points.iter().zip(&feet.outward_offsets).map(|(p, way)| p.weight * way).sum::<f64>();
     let distances = drop.mesh.positions.iter().filter_map(|x| body.closest(x)).map(|foot| foot.distance);
     ContactMeasure {
         solid: body.name.clone(),
-        wall: body.wall,
+        wall: body.is_wall,
         local_angle: stored.angles(),
-        base_radius: base_radius(feet.as_ref().map_or(line, |f| &f.at)),
+        base_radius: base_radius(feet.as_ref().map_or(line, |f| &f.points)),
         height: distances.fold(0.0, f64::max),
-        contact_area: patch.area + feet.as_ref().map_or(0.0, strip),
+        contact_area: patch.area + feet.as_ref().map_or(0.0, area_correction),
         angle_reason: if feet.is_some() {
             None
         } else if patch.line.is_empty() {

@@ -4,34 +4,34 @@
 //! All of it comes from the solid's surface in one frame, with the way that each vertex has come; of frames without that
 //! from the surface in the first frame, too: its vertices are the same.
 
-use crate::measure::surfaces::Surfaces;
+use crate::measure::surfaces::DeformedSurface;
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use meniscus_numerics::fit::RigidMotion;
+use meniscus_numerics::fit::RigidTransform;
 use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_numerics::{Matrix, Vector};
 use serde::Serialize;
 
-use super::strip::{self, Strip};
+use super::strip::{self, Midline};
 use crate::error;
 use crate::folder::{Frame, RunFolder};
 
 /// Deformation over size that is rounding: such a solid is rigid, or has not moved yet.
-const ROUNDING: f64 = 1e-7;
+const RIGID_TOLERANCE: f64 = 1e-7;
 /// Distance from its place at first over the size of a solid, below which a vertex is held.
-const HELD: f64 = 1e-12;
+const ANCHORED_TOLERANCE: f64 = 1e-12;
 /// Part of a size within which vertices are equally far away.
-const ALIKE: f64 = 1e-6;
+const EQUAL_DISTANCE_TOLERANCE: f64 = 1e-6;
 /// Reach of a ridge's profile on both sides of the line, and its steps, in cells. `phi_c` ends at five cells: it is the same for
 /// all that is farther away.
-const REACH: f64 = 4.5;
-const STEP: f64 = 0.5;
+const PROFILE_REACH_CELLS: f64 = 4.5;
+const PROFILE_STEP_CELLS: f64 = 0.5;
 /// Most held vertices that distances are measured from.
-const MOST_HELD: usize = 2000;
+const MAX_ANCHOR_SAMPLES: usize = 2000;
 /// Difference of two moments, as a part of them, below which a plate is as wide as long.
-const ROUND: f64 = 0.02;
+const ISOTROPY_TOLERANCE: f64 = 0.02;
 /// Area vector around a vertex over its area, below which the surface has a rim there.
-const EVEN: f64 = 0.9;
+const RIM_THRESHOLD: f64 = 0.9;
 
 /// What was measured of a solid that has deformed. Lengths in m, angles in degrees.
 #[derive(Clone, Debug, Serialize)]
@@ -61,7 +61,7 @@ pub struct SoftMeasure {
     pub wetted: Option<f64>,
     /// The line along the middle of a plate or strip; none of solids that are none.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub strip: Option<Strip>,
+    pub strip: Option<Midline>,
     /// The ridge that the contact line pulls up, where the surface has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ridge: Option<Ridge>,
@@ -87,13 +87,13 @@ pub(super) fn measure(
     dx: f64,
 ) -> error::Result<Option<SoftMeasure>> {
     let Some(now) = frame.solids.get(name) else { return Ok(None) };
-    let last = folder.numbers[folder.numbers.len() - 1];
+    let last = folder.frame_numbers[folder.frame_numbers.len() - 1];
     let last = if last == frame.number { None } else { folder.frame(last)?.solids.remove(name) };
     let last = last.filter(|mesh| mesh.positions.len() == now.positions.len());
-    if let Some(start) = at_rest(now) {
-        return Ok(Some(Surfaces::new(&start, now, last.as_ref()).measure(now, dx)));
+    if let Some(start) = rest_surface(now) {
+        return Ok(Some(DeformedSurface::new(&start, now, last.as_ref()).measure(now, dx)));
     }
-    let first = folder.frame(folder.numbers[0])?;
+    let first = folder.frame(folder.frame_numbers[0])?;
     let Some(start) = first.solids.get(name) else { return Ok(None) };
     if start.positions.len() != now.positions.len()
         || start.faces != now.faces
@@ -102,83 +102,83 @@ pub(super) fn measure(
     {
         return Ok(None);
     }
-    let surfaces = Surfaces::new(start, now, last.as_ref());
+    let surfaces = DeformedSurface::new(start, now, last.as_ref());
     Ok(surfaces.is_deformed().then(|| surfaces.measure(now, dx)))
 }
 
 /// Where the surface was at rest, if it is stored how far it has come from there.
-fn at_rest(now: &PlyMesh) -> Option<PlyMesh> {
+fn rest_surface(now: &PlyMesh) -> Option<PlyMesh> {
     let mut start = now.clone();
     for (a, name) in ["ux", "uy", "uz"].into_iter().enumerate() {
-        let way = now.scalars.get(name).filter(|u| u.len() == now.positions.len() && !u.is_empty())?;
-        start.positions.iter_mut().zip(way).for_each(|(x, u)| x[a] -= u);
+        let displacement = now.scalars.get(name).filter(|u| u.len() == now.positions.len() && !u.is_empty())?;
+        start.positions.iter_mut().zip(displacement).for_each(|(x, u)| x[a] -= u);
     }
     Some(start)
 }
 
-impl Surfaces {
+impl DeformedSurface {
     fn new(start: &PlyMesh, now: &PlyMesh, last: Option<&PlyMesh>) -> Self {
         let points =
             |mesh: &PlyMesh| mesh.positions.iter().map(|p| Vector::<3>::from(*p)).collect::<Vec<_>>();
-        let flat = start.faces.is_empty();
+        let is_planar = start.faces.is_empty();
         let (start_at, now_at) = (points(start), points(now));
         let facets: Vec<[u32; 3]> =
-            if flat { start.edges.iter().map(|e| [e[0], e[1], e[0]]).collect() } else { start.faces.clone() };
-        let areas: Vec<Vector<3>> = facets.iter().map(|f| area(&start_at, f, flat)).collect();
-        let mut weights = vec![0.0; start_at.len()];
-        let corners = if flat { 2 } else { 3 };
-        for (facet, area) in facets.iter().zip(&areas) {
-            facet[..corners].iter().for_each(|v| weights[*v as usize] += area.norm() / corners as f64);
+            if is_planar { start.edges.iter().map(|e| [e[0], e[1], e[0]]).collect() } else { start.faces.clone() };
+        let area_vectors: Vec<Vector<3>> = facets.iter().map(|f| area_vector(&start_at, f, is_planar)).collect();
+        let mut vertex_areas = vec![0.0; start_at.len()];
+        let corners = if is_planar { 2 } else { 3 };
+        for (facet, area) in facets.iter().zip(&area_vectors) {
+            facet[..corners].iter().for_each(|v| vertex_areas[*v as usize] += area.norm() / corners as f64);
         }
         let (low, high) = start_at.iter().fold((start_at[0], start_at[0]), |(l, h), x| (l.inf(x), h.sup(x)));
         let size = (high - low).max();
-        let still = |to: &[Vector<3>], v: usize| (start_at[v] - to[v]).norm() <= HELD * size;
+        let is_unmoved = |to: &[Vector<3>], v: usize| (start_at[v] - to[v]).norm() <= ANCHORED_TOLERANCE * size;
         let last_at = last.map(points);
-        let stays = |v: usize| still(&now_at, v) && last_at.as_ref().is_none_or(|last| still(last, v));
-        let mut held: Vec<bool> = (0..start_at.len()).map(stays).collect();
-        if !held.contains(&false) {
-            held.clear();
+        let stays = |v: usize| is_unmoved(&now_at, v) && last_at.as_ref().is_none_or(|last| is_unmoved(last, v));
+        let mut anchored: Vec<bool> = (0..start_at.len()).map(stays).collect();
+        if !anchored.contains(&false) {
+            anchored.clear();
         }
-        let bent = if held.contains(&true) {
+        let deformed = if anchored.contains(&true) {
             now_at.clone()
         } else {
-            let motion = RigidMotion::of(&start_at, &now_at);
-            now_at.iter().map(|x| motion.undone(x)).collect()
+            let motion = RigidTransform::fit(&start_at, &now_at);
+            now_at.iter().map(|x| motion.inverse_transformed(x)).collect()
         };
-        Self { start: start_at, now: now_at, bent, facets, areas, weights, held, size, flat }
+        Self { reference: start_at, current: now_at, deformed, facets, area_vectors, vertex_areas, anchored, size, is_planar }
     }
 
     /// The largest and the mean way, by area, of the surface from where it started, m.
-    fn ways(&self, to: &[Vector<3>]) -> (f64, f64) {
-        let way = |k: usize| (to[k] - self.start[k]).norm();
-        let all: f64 = self.weights.iter().sum();
-        let sum: f64 = (0..to.len()).map(|k| self.weights[k] * way(k)).sum();
-        ((0..to.len()).map(way).fold(0.0, f64::max), sum / all)
+    fn max_and_mean_displacement(&self, to: &[Vector<3>]) -> (f64, f64) {
+        let displacement = |k: usize| (to[k] - self.reference[k]).norm();
+        let all: f64 = self.vertex_areas.iter().sum();
+        let sum: f64 = (0..to.len()).map(|k| self.vertex_areas[k] * displacement(k)).sum();
+        ((0..to.len()).map(displacement).fold(0.0, f64::max), sum / all)
     }
 
     /// Whether it is deformed by more than rounding.
     fn is_deformed(&self) -> bool {
-        self.ways(&self.bent).0 > ROUNDING * self.size
+        self.max_and_mean_displacement(&self.deformed).0 > RIGID_TOLERANCE * self.size
     }
 
     /// All that is measured.
     fn measure(&self, mesh: &PlyMesh, dx: f64) -> SoftMeasure {
-        let (largest_displacement, mean_displacement) = self.ways(&self.now);
-        let (largest_deflection, mean_deflection) = self.ways(&self.bent);
-        let tip = (!self.held.is_empty()).then(|| self.tip());
-        let phi = mesh.scalars.get("phi_c").filter(|phi| phi.len() == self.now.len());
+        let (largest_displacement, mean_displacement) = self.max_and_mean_displacement(&self.current);
+        let (largest_deflection, mean_deflection) = self.max_and_mean_displacement(&self.deformed);
+        let tip = (!self.anchored.is_empty()).then(|| self.tip());
+        let phi = mesh.scalars.get("phi_c").filter(|phi| phi.len() == self.current.len());
         let ridge = phi.map_or(Err("no contact line is stored"), |phi| self.ridge(phi, dx));
         SoftMeasure {
             largest_displacement,
             mean_displacement,
             largest_deflection,
             mean_deflection,
-            held: self.held.contains(&true),
+            held: self.anchored.contains(&true),
             tip: tip.map(|tip| tip.0.into()),
             tip_displacement: tip.map(|tip| tip.1.into()),
             tip_reason: tip.is_none().then_some("it has not moved yet, so what is held is not known"),
             wetted: phi.and_then(|phi| self.wetted(phi)),
-            strip: strip::of(self),
+            strip: strip::midline(self),
             ridge_reason: ridge.as_ref().err().copied(),
             ridge: ridge.ok(),
         }
@@ -187,20 +187,20 @@ impl Surfaces {
     /// Where the tip is, and how far it has come, m.
     fn tip(&self) -> (Vector<3>, Vector<3>) {
         let held: Vec<Vector<3>> =
-            self.start.iter().zip(&self.held).filter(|(_, held)| **held).map(|(x, _)| *x).collect();
-        let some: Vec<&Vector<3>> = held.iter().step_by(held.len().div_ceil(MOST_HELD).max(1)).collect();
-        let middle = self.start.iter().zip(&self.weights).map(|(x, w)| x * *w).sum::<Vector<3>>()
-            / self.weights.iter().sum::<f64>();
+            self.reference.iter().zip(&self.anchored).filter(|(_, held)| **held).map(|(x, _)| *x).collect();
+        let some: Vec<&Vector<3>> = held.iter().step_by(held.len().div_ceil(MAX_ANCHOR_SAMPLES).max(1)).collect();
+        let middle = self.reference.iter().zip(&self.vertex_areas).map(|(x, w)| x * *w).sum::<Vector<3>>()
+            / self.vertex_areas.iter().sum::<f64>();
         let far = |x: &Vector<3>| match some.is_empty() {
             true => (x - middle).norm(),
             false => some.iter().map(|h| (x - *h).norm()).fold(f64::INFINITY, f64::min),
         };
-        let distances: Vec<f64> = self.start.iter().map(far).collect();
+        let distances: Vec<f64> = self.reference.iter().map(far).collect();
         let farthest = distances.iter().copied().fold(0.0, f64::max);
         let mut sums = (Vector::<3>::zeros(), Vector::<3>::zeros(), 0.0);
-        for k in (0..distances.len()).filter(|k| distances[*k] >= farthest - ALIKE * self.size) {
-            sums.0 += self.now[k];
-            sums.1 += self.now[k] - self.start[k];
+        for k in (0..distances.len()).filter(|k| distances[*k] >= farthest - EQUAL_DISTANCE_TOLERANCE * self.size) {
+            sums.0 += self.current[k];
+            sums.1 += self.current[k] - self.reference[k];
             sums.2 += 1.0;
         }
         (sums.0 / sums.2, sums.1 / sums.2)
@@ -210,14 +210,14 @@ impl Surfaces {
     fn wetted(&self, phi: &[f64]) -> Option<f64> {
         let (mut wet, mut all) = (0.0, 0.0);
         for facet in &self.facets {
-            let size = area(&self.now, facet, self.flat).norm();
+            let size = area_vector(&self.current, facet, self.is_planar).norm();
             let mut at: Vec<f64> = facet[..self.corners()].iter().map(|v| phi[*v as usize]).collect();
             at.sort_by(f64::total_cmp);
             if at.iter().any(|v| v.is_nan()) {
                 return None;
             }
             all += size;
-            wet += size * part_below(&at);
+            wet += size * negative_share(&at);
         }
         (all > 0.0).then(|| wet / all)
     }
@@ -225,22 +225,22 @@ impl Surfaces {
     /// The profile of the ridge around the line, or why there is none. A ridge is a crest along the line: the profile is highest
     /// there. Bending of the whole solid has no crest at the line; at an edge the profile would go around the corner.
     fn ridge(&self, phi: &[f64], dx: f64) -> Result<Ridge, &'static str> {
-        if self.edge_along(phi, REACH * dx) {
+        if self.has_edge_near_line(phi, PROFILE_REACH_CELLS * dx) {
             return Err("the contact line is at an edge of the solid");
         }
-        let bins = (2.0 * REACH / STEP).round() as usize + 1;
+        let bins = (2.0 * PROFILE_REACH_CELLS / PROFILE_STEP_CELLS).round() as usize + 1;
         let mut sums = vec![[0.0; 2]; bins];
         for (k, normal) in self.normals().iter().enumerate().filter(|n| n.1.norm() > 0.5) {
-            let place = (phi[k] / dx + REACH) / STEP;
+            let place = (phi[k] / dx + PROFILE_REACH_CELLS) / PROFILE_STEP_CELLS;
             if place.is_finite() && place > -0.5 && place < bins as f64 - 0.5 {
                 let bin = &mut sums[place.round().max(0.0) as usize];
-                bin[0] += self.weights[k];
-                bin[1] += self.weights[k] * (self.bent[k] - self.start[k]).dot(normal);
+                bin[0] += self.vertex_areas[k];
+                bin[1] += self.vertex_areas[k] * (self.deformed[k] - self.reference[k]).dot(normal);
             }
         }
         let told = sums.iter().enumerate().filter(|(_, sum)| sum[0] > 0.0);
         let profile: Vec<[f64; 2]> =
-            told.map(|(k, sum)| [(k as f64 * STEP - REACH) * dx, sum[1] / sum[0]]).collect();
+            told.map(|(k, sum)| [(k as f64 * PROFILE_STEP_CELLS - PROFILE_REACH_CELLS) * dx, sum[1] / sum[0]]).collect();
         let next = profile.iter().position(|p| p[0] >= 0.0).unwrap_or(0);
         let (Some(first), Some(last), true) = (profile.first(), profile.last(), next > 0) else {
             return Err("there is no contact line");
@@ -249,7 +249,7 @@ impl Surfaces {
         let at_line = a[1] + (b[1] - a[1]) * (-a[0] / (b[0] - a[0]));
         let crest = profile.iter().max_by(|p, q| p[1].total_cmp(&q[1])).map_or(f64::NAN, |p| p[0]);
         // The profile is known to half a step.
-        if crest.abs() > STEP * dx || last[0] <= 0.0 {
+        if crest.abs() > PROFILE_STEP_CELLS * dx || last[0] <= 0.0 {
             return Err(
                 "the surface is not highest along the contact line: the solid is bent, or nothing lifts it there",
             );
@@ -259,15 +259,15 @@ impl Surfaces {
 
     /// Whether an edge of the solid lies within `reach` (m) of the contact line and runs rather along it than across: in 2D, where
     /// an edge is a corner, whether one lies within reach.
-    fn edge_along(&self, phi: &[f64], reach: f64) -> bool {
+    fn has_edge_near_line(&self, phi: &[f64], reach: f64) -> bool {
         let normals = self.normals();
         let near = |v: u32| normals[v as usize] == Vector::<3>::zeros() && phi[v as usize].abs() < reach;
-        if self.flat {
+        if self.is_planar {
             return (0..normals.len() as u32).any(near);
         }
         let along = |a: u32, b: u32| {
-            let way = (self.start[a as usize] - self.start[b as usize]).norm();
-            near(a) && near(b) && (phi[a as usize] - phi[b as usize]).abs() < way * FRAC_1_SQRT_2
+            let edge_length = (self.reference[a as usize] - self.reference[b as usize]).norm();
+            near(a) && near(b) && (phi[a as usize] - phi[b as usize]).abs() < edge_length * FRAC_1_SQRT_2
         };
         self.facets.iter().any(|f| along(f[0], f[1]) || along(f[1], f[2]) || along(f[2], f[0]))
     }
@@ -275,28 +275,28 @@ impl Surfaces {
     /// Unit normals of the vertices at first, outward; 0 at rims, where the surface has none.
     fn normals(&self) -> Vec<Vector<3>> {
         let corners = self.corners();
-        let mut sums = vec![Vector::<3>::zeros(); self.start.len()];
-        for (facet, area) in self.facets.iter().zip(&self.areas) {
+        let mut sums = vec![Vector::<3>::zeros(); self.reference.len()];
+        for (facet, area) in self.facets.iter().zip(&self.area_vectors) {
             facet[..corners].iter().for_each(|v| sums[*v as usize] += area);
         }
-        let even = |(n, w): (&Vector<3>, &f64)| n.norm() > EVEN * w * corners as f64;
+        let even = |(n, w): (&Vector<3>, &f64)| n.norm() > RIM_THRESHOLD * w * corners as f64;
         let normal = |(n, w)| if even((n, w)) { n.normalize() } else { Vector::zeros() };
-        sums.iter().zip(&self.weights).map(normal).collect()
+        sums.iter().zip(&self.vertex_areas).map(normal).collect()
     }
 
     /// Corners of a facet.
     fn corners(&self) -> usize {
-        if self.flat { 2 } else { 3 }
+        if self.is_planar { 2 } else { 3 }
     }
 
     /// Its moments about its middle at first, m⁴ (2D: m³).
     fn moments(&self) -> Matrix<3> {
-        let all: f64 = self.weights.iter().sum();
-        let middle = self.start.iter().zip(&self.weights).map(|(x, w)| x * *w).sum::<Vector<3>>() / all;
+        let all: f64 = self.vertex_areas.iter().sum();
+        let middle = self.reference.iter().zip(&self.vertex_areas).map(|(x, w)| x * *w).sum::<Vector<3>>() / all;
         let n = self.corners() as f64;
         let mut moments = Matrix::<3>::zeros();
-        for (facet, area) in self.facets.iter().zip(&self.areas) {
-            let at = facet.map(|v| self.start[v as usize] - middle);
+        for (facet, area) in self.facets.iter().zip(&self.area_vectors) {
+            let at = facet.map(|v| self.reference[v as usize] - middle);
             let sum = at[..self.corners()].iter().sum::<Vector<3>>();
             // Exact on a facet: its corners, and n² times its middle, which is their sum over n.
             let own: Matrix<3> = at[..self.corners()].iter().map(|x| x * x.transpose()).sum();
@@ -312,7 +312,7 @@ impl Surfaces {
         order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
         let mut axes = order.map(|k| eigen.eigenvectors.column(k).into_owned());
         let [one, two, _] = order.map(|k| eigen.eigenvalues[k]);
-        if !self.flat && two > (1.0 - ROUND) * one {
+        if !self.is_planar && two > (1.0 - ISOTROPY_TOLERANCE) * one {
             // As wide as long: along the coordinates.
             let within = |a: usize| {
                 let e = Vector::<3>::from_fn(|b, _| if a == b { 1.0 } else { 0.0 });
@@ -323,7 +323,7 @@ impl Surfaces {
             axes[1] = axes[2].cross(&axes[0]);
         }
         let extent = |axis: &Vector<3>| {
-            let along = self.start.iter().map(|x| x.dot(axis));
+            let along = self.reference.iter().map(|x| x.dot(axis));
             let (low, high) =
                 along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
             high - low
@@ -334,13 +334,13 @@ impl Surfaces {
 }
 
 /// Area vector of a facet, m² (2D: m).
-fn area(points: &[Vector<3>], facet: &[u32; 3], flat: bool) -> Vector<3> {
+fn area_vector(points: &[Vector<3>], facet: &[u32; 3], flat: bool) -> Vector<3> {
     let [a, b, c] = facet.map(|v| points[v as usize]);
     if flat { Vector::<3>::new(b[1] - a[1], a[0] - b[0], 0.0) } else { (b - a).cross(&(c - a)) * 0.5 }
 }
 
 /// Part of a facet where a linear function with these values at its corners, rising, is negative.
-fn part_below(at: &[f64]) -> f64 {
+fn negative_share(at: &[f64]) -> f64 {
     match at {
         [a, b] if *a < 0.0 && *b >= 0.0 => a / (a - b),
         [a, b, c] if *a < 0.0 && *b >= 0.0 => a * a / ((a - b) * (a - c)),
@@ -355,10 +355,10 @@ mod tests {
 
     #[test]
     fn parts_of_facets_are_exact() {
-        assert_eq!(part_below(&[-1.0, 3.0]), 0.25);
-        assert_eq!(part_below(&[-1.0, 1.0, 1.0]), 0.25);
-        assert_eq!(part_below(&[-1.0, -1.0, 1.0]), 0.75);
-        assert_eq!(part_below(&[-2.0, -1.0, -0.5]), 1.0);
-        assert_eq!(part_below(&[0.0, 1.0, 2.0]), 0.0);
+        assert_eq!(negative_share(&[-1.0, 3.0]), 0.25);
+        assert_eq!(negative_share(&[-1.0, 1.0, 1.0]), 0.25);
+        assert_eq!(negative_share(&[-1.0, -1.0, 1.0]), 0.75);
+        assert_eq!(negative_share(&[-2.0, -1.0, -0.5]), 1.0);
+        assert_eq!(negative_share(&[0.0, 1.0, 2.0]), 0.0);
     }
 }

@@ -6,21 +6,21 @@ use serde::Serialize;
 
 use std::collections::BTreeMap;
 
-use super::body::Body;
-use super::drops::Drop;
-use super::over::{Over, kinds};
+use super::body::SolidBoundary;
+use super::drops::Component;
+use super::over::{Averaging, vertex_kinds};
 use super::soft::{self, SoftMeasure};
-use super::window::{Mean, row_at};
+use super::window::{TimeStatistics, row_at};
 use crate::error::Result;
 use crate::folder::{Frame, RunFolder};
-use crate::page::series::Series;
+use crate::page::series::TimeSeries;
 
 /// A solid is touched where a wetted vertex lies nearer to it than this, in cells.
-const TOUCHING: f64 = 0.75;
+const TOUCHING_CELLS: f64 = 0.75;
 /// Liquid that comes nearer than this to the domain's sides, in cells, stands in it as in a tank.
-const AT_SIDE: f64 = 0.5;
+const AT_SIDE_CELLS: f64 = 0.5;
 /// The part of a tank's surface, the farthest from all solids, that shows the undisturbed level.
-const UNDISTURBED: f64 = 0.25;
+const UNDISTURBED_SHARE: f64 = 0.25;
 
 /// What was measured of a solid.
 #[derive(Clone, Debug, Serialize)]
@@ -39,9 +39,9 @@ pub struct SolidMeasure {
     /// Means over the window of what the time series has of it: `force_x`, `angle_left`, `base_radius`, `wetted`, `deflection`,
     /// `tip_x`, …; in the units of those columns.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub window: BTreeMap<String, Mean>,
+    pub window: BTreeMap<String, TimeStatistics>,
     /// When liquid touched it, by the frames of the whole run.
-    pub touches: Vec<Touch>,
+    pub touches: Vec<ContactInterval>,
 }
 
 /// How a solid lies in the liquid of a tank.
@@ -70,7 +70,7 @@ pub struct Forces {
 
 /// A stretch of frames with contact, s. Each end is known to a frame's interval.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Touch {
+pub struct ContactInterval {
     /// Time of the first frame with contact.
     pub start: f64,
     /// Time of the last one.
@@ -85,15 +85,15 @@ pub struct Touch {
 pub(super) fn measure<const D: usize>(
     folder: &RunFolder,
     frame: &Frame,
-    over: &Over,
-    (drops, bodies): (&[Drop<D>], &[Body<D>]),
+    over: &Averaging,
+    (drops, bodies): (&[Component<D>], &[SolidBoundary<D>]),
     dx: f64,
 ) -> Result<Vec<SolidMeasure>> {
-    let solids: Vec<&Body<D>> = bodies.iter().filter(|b| !b.wall).collect();
-    let touched = touched::<D>(folder, &solids, dx)?;
-    let level = level(folder, drops, &solids, dx);
+    let solids: Vec<&SolidBoundary<D>> = bodies.iter().filter(|b| !b.is_wall).collect();
+    let touched = contacts_by_frame::<D>(folder, &solids, dx)?;
+    let level = undisturbed_level(folder, drops, &solids, dx);
     let series = &over.series;
-    let one = |(i, body): (usize, &&Body<D>)| {
+    let one = |(i, body): (usize, &&SolidBoundary<D>)| {
         let times =
             touched.iter().filter_map(|(time, touched)| Some(((*time)?, touched[i]))).collect::<Vec<_>>();
         Ok(SolidMeasure {
@@ -104,16 +104,16 @@ pub(super) fn measure<const D: usize>(
             window: (over.window.iter().flat_map(|window| window.of_solid(series, &body.name)))
                 .filter(|(quantity, _)| D == 3 || quantity != "force_z")
                 .collect(),
-            touches: touches(&times),
+            touches: contact_intervals(&times),
         })
     };
     solids.iter().enumerate().map(one).collect()
 }
 
 /// For each frame its time, and for each solid whether liquid touches it.
-fn touched<const D: usize>(
+fn contacts_by_frame<const D: usize>(
     folder: &RunFolder,
-    solids: &[&Body<D>],
+    solids: &[&SolidBoundary<D>],
     dx: f64,
 ) -> Result<Vec<(Option<f64>, Vec<bool>)>> {
     if solids.is_empty() {
@@ -121,20 +121,20 @@ fn touched<const D: usize>(
     }
     let one = |&number: &u32| {
         let frame = folder.frame(number)?;
-        let kinds = kinds(&frame);
+        let kinds = vertex_kinds(&frame);
         let wet = || frame.liquid.positions.iter().zip(&kinds).filter(|(_, kind)| **kind > 0);
         let touched = solids.iter().map(|solid| {
             let mesh = frame.solids.get(&solid.name)?;
-            let body = Body::<D>::solid(&solid.name, &super::body::surface(mesh));
-            Some(wet().any(|(p, _)| body.is_near(&Vector::from_fn(|a, _| p[a]), TOUCHING * dx)))
+            let body = SolidBoundary::<D>::solid(&solid.name, &super::body::surface(mesh));
+            Some(wet().any(|(p, _)| body.is_near(&Vector::from_fn(|a, _| p[a]), TOUCHING_CELLS * dx)))
         });
         Ok((frame.time, touched.map(|t| t.unwrap_or(false)).collect()))
     };
-    folder.numbers.par_iter().map(one).collect()
+    folder.frame_numbers.par_iter().map(one).collect()
 }
 
 /// The stretches of contact in a row of frames: time and whether there is contact.
-fn touches(frames: &[(f64, bool)]) -> Vec<Touch> {
+fn contact_intervals(frames: &[(f64, bool)]) -> Vec<ContactInterval> {
     let mut out = Vec::new();
     let mut from = 0;
     for part in frames.chunk_by(|a, b| a.1 == b.1) {
@@ -143,7 +143,7 @@ fn touches(frames: &[(f64, bool)]) -> Vec<Touch> {
             let (start, end) = (part[0].0, part[part.len() - 1].0);
             let before = from.checked_sub(1).map(|i| 0.5 * (frames[i].0 + start));
             let after = frames.get(to).map(|f| 0.5 * (end + f.0));
-            out.push(Touch { start, end, duration: before.zip(after).map(|(a, b)| b - a) });
+            out.push(ContactInterval { start, end, duration: before.zip(after).map(|(a, b)| b - a) });
         }
         from = to;
     }
@@ -151,7 +151,7 @@ fn touches(frames: &[(f64, bool)]) -> Vec<Touch> {
 }
 
 /// The forces on a solid: those that the summary tells at the end of the run, before it the sum that the series has.
-fn forces(folder: &RunFolder, frame: &Frame, name: &str, series: &Series) -> Option<Forces> {
+fn forces(folder: &RunFolder, frame: &Frame, name: &str, series: &TimeSeries) -> Option<Forces> {
     forces_at_end(folder, frame, name).or_else(|| {
         let row = row_at(series, frame.time?)?;
         let axes = ["x", "y", "z"].into_iter().take(folder.dimension);
@@ -175,12 +175,12 @@ fn forces_at_end(folder: &RunFolder, frame: &Frame, name: &str) -> Option<Forces
 
 /// The height of a tank's undisturbed surface, m: the mean of the quarter that is farthest from all solids, as seen from
 /// above. None where the liquid does not reach the bottom and all sides.
-fn level<const D: usize>(folder: &RunFolder, drops: &[Drop<D>], solids: &[&Body<D>], dx: f64) -> Option<f64> {
+fn undisturbed_level<const D: usize>(folder: &RunFolder, drops: &[Component<D>], solids: &[&SolidBoundary<D>], dx: f64) -> Option<f64> {
     let domain = folder.domain?;
     let tank = drops.iter().find(|drop| {
         let (low, high) = drop.mesh.bounds();
-        let sides = (0..D - 1).all(|a| low[a] < AT_SIDE * dx && high[a] > domain[a] - AT_SIDE * dx);
-        sides && low[D - 1] < AT_SIDE * dx
+        let sides = (0..D - 1).all(|a| low[a] < AT_SIDE_CELLS * dx && high[a] > domain[a] - AT_SIDE_CELLS * dx);
+        sides && low[D - 1] < AT_SIDE_CELLS * dx
     })?;
     let boxes: Vec<_> = solids.iter().filter_map(|s| s.bounds()).collect();
     let away = |x: &Vector<D>| {
@@ -199,7 +199,7 @@ fn level<const D: usize>(folder: &RunFolder, drops: &[Drop<D>], solids: &[&Body<
         }
     }
     parts.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let wanted = UNDISTURBED * parts.iter().map(|p| p.2).sum::<f64>();
+    let wanted = UNDISTURBED_SHARE * parts.iter().map(|p| p.2).sum::<f64>();
     let (mut height, mut area) = (0.0, 0.0);
     for (_, z, part) in parts {
         if area >= wanted {
@@ -211,7 +211,7 @@ fn level<const D: usize>(folder: &RunFolder, drops: &[Drop<D>], solids: &[&Body<
     (area > 0.0).then(|| height / area)
 }
 
-fn floating<const D: usize>(body: &Body<D>, level: f64) -> Option<Floating> {
+fn floating<const D: usize>(body: &SolidBoundary<D>, level: f64) -> Option<Floating> {
     let (low, high) = body.bounds()?;
     let up = D - 1;
     Some(Floating { level, centre_above_level: 0.5 * (low[up] + high[up]) - level, depth: level - low[up] })
@@ -226,10 +226,10 @@ mod tests {
         let row = |text: &str| -> Vec<(f64, bool)> {
             text.chars().enumerate().map(|(i, c)| (0.5 * i as f64, c == '#')).collect()
         };
-        assert_eq!(touches(&row("..##.")), [Touch { start: 1.0, end: 1.5, duration: Some(1.0) }]);
-        let open = |start, end| Touch { start, end, duration: None };
-        assert_eq!(touches(&row("#..#")), [open(0.0, 0.0), open(1.5, 1.5)]);
-        assert_eq!(touches(&row("...")), []);
-        assert_eq!(touches(&[]), []);
+        assert_eq!(contact_intervals(&row("..##.")), [ContactInterval { start: 1.0, end: 1.5, duration: Some(1.0) }]);
+        let open = |start, end| ContactInterval { start, end, duration: None };
+        assert_eq!(contact_intervals(&row("#..#")), [open(0.0, 0.0), open(1.5, 1.5)]);
+        assert_eq!(contact_intervals(&row("...")), []);
+        assert_eq!(contact_intervals(&[]), []);
     }
 }

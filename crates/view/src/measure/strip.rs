@@ -6,20 +6,20 @@
 use meniscus_numerics::Vector;
 use serde::Serialize;
 
-use super::surfaces::Surfaces;
+use super::surfaces::DeformedSurface;
 
 /// Thickness over length of a plate, at most.
-const THIN: f64 = 0.3;
+const MAX_THICKNESS_RATIO: f64 = 0.3;
 /// Cosine between a facet's normal and the plate's from which on it belongs to a face.
-const FACE: f64 = 0.7;
+const MIN_FACE_COSINE: f64 = 0.7;
 /// Places along the line: one for every two edges, but not fewer or more than these.
-const PLACES: [f64; 2] = [8.0, 60.0];
+const SAMPLE_COUNT_RANGE: [f64; 2] = [8.0, 60.0];
 /// Half the width of what counts as the middle, in edges.
-const MIDDLE: f64 = 0.75;
+const MIDLINE_HALF_WIDTH_EDGES: f64 = 0.75;
 
 /// The middle line of a plate or strip. Lengths in m, angles in degrees.
 #[derive(Clone, Debug, Serialize)]
-pub struct Strip {
+pub struct Midline {
     /// Its length at first.
     pub length: f64,
     /// Its slope at both ends.
@@ -35,28 +35,28 @@ pub struct Strip {
 }
 
 /// The middle line of a surface; none of one that is no plate.
-pub(super) fn of(surface: &Surfaces) -> Option<Strip> {
+pub(super) fn midline(surface: &DeformedSurface) -> Option<Midline> {
     let (axes, extents) = surface.axes();
-    let thin = if surface.flat { 1 } else { 2 };
+    let thin = if surface.is_planar { 1 } else { 2 };
     let (along, normal) = (axes[0], axes[thin]);
-    if extents[thin] > THIN * extents[0] || extents[0] <= 0.0 {
+    if extents[thin] > MAX_THICKNESS_RATIO * extents[0] || extents[0] <= 0.0 {
         return None;
     }
     let edge = mean_edge(surface);
-    let faces = [1.0, -1.0].map(|side| face(surface, &normal, side));
-    let lines = faces.map(|vertices| line(surface, &axes, vertices, edge));
+    let faces = [1.0, -1.0].map(|side| face_vertices(surface, &normal, side));
+    let lines = faces.map(|vertices| face_centerline(surface, &axes, vertices, edge));
     let [Some(upper), Some(lower)] = lines else { return None };
     let ends = [upper[0].0.max(lower[0].0), upper[upper.len() - 1].0.min(lower[lower.len() - 1].0)];
-    let count = (0.5 * (ends[1] - ends[0]) / edge).round().clamp(PLACES[0], PLACES[1]) as usize;
+    let count = (0.5 * (ends[1] - ends[0]) / edge).round().clamp(SAMPLE_COUNT_RANGE[0], SAMPLE_COUNT_RANGE[1]) as usize;
     let places: Vec<f64> =
         (0..=count).map(|k| ends[0] + (ends[1] - ends[0]) * k as f64 / count as f64).collect();
-    let point = |s: &f64| (at(&upper, *s) + at(&lower, *s)) * 0.5;
+    let point = |s: &f64| (interpolate(&upper, *s) + interpolate(&lower, *s)) * 0.5;
     let points: Vec<Vector<3>> = places.iter().map(point).collect();
     let middle = 0.5 * (ends[0] + ends[1]);
-    let start = surface.start.iter().map(|x| x.dot(&normal));
+    let start = surface.reference.iter().map(|x| x.dot(&normal));
     let (low, high) = start.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-    let bend = Bend::of(&points, &along, &normal)?;
-    Some(Strip {
+    let bend = MidlineBending::of(&points, &along, &normal)?;
+    Some(Midline {
         length: ends[1] - ends[0],
         slopes: bend.slopes.map(f64::to_degrees),
         fold_angle: (bend.slopes[1] - bend.slopes[0]).abs().to_degrees(),
@@ -71,22 +71,22 @@ pub(super) fn of(surface: &Surfaces) -> Option<Strip> {
 }
 
 /// Mean length of the edges of the facets at first, m.
-fn mean_edge(surface: &Surfaces) -> f64 {
-    let sides: &[[usize; 2]] = if surface.flat { &[[0, 1]] } else { &[[0, 1], [1, 2], [2, 0]] };
+fn mean_edge(surface: &DeformedSurface) -> f64 {
+    let sides: &[[usize; 2]] = if surface.is_planar { &[[0, 1]] } else { &[[0, 1], [1, 2], [2, 0]] };
     let length = |f: &[u32; 3], s: &[usize; 2]| {
-        (surface.start[f[s[0]] as usize] - surface.start[f[s[1]] as usize]).norm()
+        (surface.reference[f[s[0]] as usize] - surface.reference[f[s[1]] as usize]).norm()
     };
     let sum: f64 = surface.facets.iter().flat_map(|f| sides.iter().map(|s| length(f, s))).sum();
     sum / (surface.facets.len() * sides.len()).max(1) as f64
 }
 
 /// The vertices of the face on one side.
-fn face(surface: &Surfaces, normal: &Vector<3>, side: f64) -> Vec<usize> {
+fn face_vertices(surface: &DeformedSurface, normal: &Vector<3>, side: f64) -> Vec<usize> {
     let mut vertices: Vec<usize> = surface
         .facets
         .iter()
-        .zip(&surface.areas)
-        .filter(|(_, area)| side * area.dot(normal) > FACE * area.norm())
+        .zip(&surface.area_vectors)
+        .filter(|(_, area)| side * area.dot(normal) > MIN_FACE_COSINE * area.norm())
         .flat_map(|(facet, _)| facet.map(|v| v as usize))
         .collect();
     vertices.sort_unstable();
@@ -95,22 +95,22 @@ fn face(surface: &Surfaces, normal: &Vector<3>, side: f64) -> Vec<usize> {
 }
 
 /// The middle of a face as a line: places along it at first, rising, and where they are now, m. None with fewer than four.
-fn line(
-    surface: &Surfaces,
+fn face_centerline(
+    surface: &DeformedSurface,
     axes: &[Vector<3>; 3],
     vertices: Vec<usize>,
     edge: f64,
 ) -> Option<Vec<(f64, Vector<3>)>> {
-    let across = |v: &usize| if surface.flat { 0.0 } else { surface.start[*v].dot(&axes[1]) };
+    let across = |v: &usize| if surface.is_planar { 0.0 } else { surface.reference[*v].dot(&axes[1]) };
     let (low, high) = vertices
         .iter()
         .map(across)
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-    let central = |v: &usize| (across(v) - 0.5 * (low + high)).abs() <= MIDDLE * edge;
+    let central = |v: &usize| (across(v) - 0.5 * (low + high)).abs() <= MIDLINE_HALF_WIDTH_EDGES * edge;
     let mut all: Vec<(f64, Vector<3>)> = vertices
         .iter()
         .filter(|v| central(v))
-        .map(|v| (surface.start[*v].dot(&axes[0]), surface.bent[*v]))
+        .map(|v| (surface.reference[*v].dot(&axes[0]), surface.deformed[*v]))
         .collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     // Rows of vertices across become one point each.
@@ -129,7 +129,7 @@ fn line(
 }
 
 /// A point of a line of four or more by the cubic through the nearest four.
-fn at(line: &[(f64, Vector<3>)], s: f64) -> Vector<3> {
+fn interpolate(line: &[(f64, Vector<3>)], s: f64) -> Vector<3> {
     let next = line.partition_point(|p| p.0 < s);
     let first = next.saturating_sub(2).min(line.len() - 4);
     let near = &line[first..first + 4];
@@ -141,16 +141,16 @@ fn at(line: &[(f64, Vector<3>)], s: f64) -> Vector<3> {
 }
 
 /// Slopes at the ends, rad, and the largest curvature, 1/m.
-struct Bend {
+struct MidlineBending {
     slopes: [f64; 2],
     curvature: f64,
 }
 
-impl Bend {
+impl MidlineBending {
     fn of(points: &[Vector<3>], along: &Vector<3>, normal: &Vector<3>) -> Option<Self> {
-        let ways: Vec<Vector<3>> = points.windows(2).map(|p| p[1] - p[0]).collect();
+        let segments: Vec<Vector<3>> = points.windows(2).map(|p| p[1] - p[0]).collect();
         let mut angles: Vec<f64> = Vec::new();
-        for way in &ways {
+        for way in &segments {
             let angle = way.dot(normal).atan2(way.dot(along));
             // By less than half a turn from one to the next.
             let before = angles.last().copied().unwrap_or(0.0);
@@ -161,10 +161,10 @@ impl Bend {
         if n < 2 {
             return None;
         }
-        let bend = |k: usize| (angles[k] - angles[k - 1]) / (0.5 * (ways[k].norm() + ways[k - 1].norm()));
-        let most = (1..n).map(bend).fold(0.0, |most: f64, x| if x.abs() > most.abs() { x } else { most });
+        let bend = |k: usize| (angles[k] - angles[k - 1]) / (0.5 * (segments[k].norm() + segments[k - 1].norm()));
+        let max_curvature = (1..n).map(bend).fold(0.0, |max_curvature: f64, x| if x.abs() > max_curvature.abs() { x } else { max_curvature });
         let end = |a: f64, b: f64| 1.5 * a - 0.5 * b;
         let slopes = [end(angles[0], angles[1]), end(angles[n - 1], angles[n - 2])];
-        Some(Self { slopes, curvature: most })
+        Some(Self { slopes, curvature: max_curvature })
     }
 }

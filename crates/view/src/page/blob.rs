@@ -15,13 +15,13 @@ use flate2::write::GzEncoder;
 use meniscus_numerics::mesh::ply::PlyMesh;
 
 use crate::folder::Bounds;
-use crate::shade::{Range, Shade};
+use crate::shade::{ScalarRange, ColorBy};
 
 /// The ranges of [`Shade::STORED`].
-pub(crate) type Ranges = [Option<Range>; 3];
+pub(crate) type ScalarRanges = [Option<ScalarRange>; 3];
 
 /// Packs a mesh: its triangles, or its edges if it has no triangles, and the values that have a range.
-pub(crate) fn pack(mesh: &PlyMesh, ranges: &Ranges) -> String {
+pub(crate) fn pack(mesh: &PlyMesh, ranges: &ScalarRanges) -> String {
     let raw = encode(mesh, ranges);
     let mut gzip = GzEncoder::new(Vec::new(), Compression::new(7));
     // Writing into memory does not fail; if it did, the page would show an empty mesh.
@@ -29,7 +29,7 @@ pub(crate) fn pack(mesh: &PlyMesh, ranges: &Ranges) -> String {
     base64(&packed)
 }
 
-fn encode(mesh: &PlyMesh, ranges: &Ranges) -> Vec<u8> {
+fn encode(mesh: &PlyMesh, ranges: &ScalarRanges) -> Vec<u8> {
     let n = mesh.positions.len();
     let bounds = Bounds::of(&mesh.positions);
     let kinds = mesh.scalars.get("kind").filter(|k| k.len() == n);
@@ -40,7 +40,7 @@ fn encode(mesh: &PlyMesh, ranges: &Ranges) -> Vec<u8> {
     };
     let mut out = Vec::with_capacity(40 + 7 * n + 2 * indices.len());
     out.extend_from_slice(b"MESH");
-    let shaded = |k: usize| Some((Shade::STORED[k].values(mesh)?, ranges[k].as_ref()?));
+    let shaded = |k: usize| Some((ColorBy::STORED[k].values(mesh)?, ranges[k].as_ref()?));
     let shaded: Vec<_> = (0..3).map(shaded).collect();
     let bits = (0..3).filter(|k| shaded[*k].is_some()).map(|k| 512 << k).sum::<u32>();
     let flags = corners + if kinds.is_some() { 256 } else { 0 } + bits;
@@ -65,7 +65,7 @@ fn encode(mesh: &PlyMesh, ranges: &Ranges) -> Vec<u8> {
     }
     out.extend(kinds.into_iter().flatten().map(|k| *k as u8));
     for (values, range) in shaded.into_iter().flatten() {
-        out.extend(values.into_iter().map(|v| (255.0 * range.place(v)).round() as u8));
+        out.extend(values.into_iter().map(|v| (255.0 * range.normalised(v)).round() as u8));
     }
     out
 }
@@ -169,7 +169,7 @@ pub(crate) mod tests {
             mesh.scalars.insert("kind".into(), raw[at..at + n].iter().map(|k| f64::from(*k)).collect());
             at += n;
         }
-        for (_, shade) in Shade::STORED.into_iter().enumerate().filter(|(k, _)| word(12) & (512 << k) != 0) {
+        for (_, shade) in ColorBy::STORED.into_iter().enumerate().filter(|(k, _)| word(12) & (512 << k) != 0) {
             let places = raw[at..at + n].iter().map(|p| f64::from(*p) / 255.0);
             mesh.scalars.insert(shade.name().into(), places.collect());
             at += n;
@@ -192,19 +192,19 @@ pub(crate) mod tests {
         let mut mesh = PlyMesh { positions: (0..300).map(position).collect(), ..PlyMesh::default() };
         mesh.faces = (0..298).map(|i| [i, (i * 7) % 300, 299 - i]).collect();
         mesh.scalars.insert("kind".into(), (0..300).map(|i| f64::from(i % 3)).collect());
-        let back = unpack(&pack(&mesh, &Ranges::default()));
+        let back = unpack(&pack(&mesh, &ScalarRanges::default()));
         assert_eq!(back.faces, mesh.faces);
         assert_eq!(back.scalars, mesh.scalars);
         for (p, q) in back.positions.iter().zip(&mesh.positions) {
             (0..3).for_each(|a| assert!((p[a] - q[a]).abs() < 0.1 / 65535.0 * 0.6 + 1e-7, "{p:?} {q:?}"));
         }
         mesh.scalars.insert("strain".into(), (0..300).map(f64::from).collect());
-        let ranges = [None, Some(Range { low: 0.0, high: 299.0 }), None];
+        let ranges = [None, Some(ScalarRange { low: 0.0, high: 299.0 }), None];
         let places = &unpack(&pack(&mesh, &ranges)).scalars["strain"];
         assert!((0..300).all(|i| (places[i] - i as f64 / 299.0).abs() < 0.6 / 255.0));
         mesh.edges = vec![[0, 5], [5, 299]];
         mesh.faces.clear();
-        assert_eq!(unpack(&pack(&mesh, &Ranges::default())).edges, mesh.edges);
-        assert_eq!(unpack(&pack(&PlyMesh::default(), &Ranges::default())).positions.len(), 0);
+        assert_eq!(unpack(&pack(&mesh, &ScalarRanges::default())).edges, mesh.edges);
+        assert_eq!(unpack(&pack(&PlyMesh::default(), &ScalarRanges::default())).positions.len(), 0);
     }
 }

@@ -11,13 +11,13 @@ use serde::Serialize;
 
 use crate::error::{Result, ViewError};
 use crate::folder::RunFolder;
-use crate::shade::{self, Range, Shade};
-use series::Series;
+use crate::shade::{self, ScalarRange, ColorBy};
+use series::TimeSeries;
 
 /// The page without data, as built from `web/`.
 const BUNDLE: &str = include_str!("../../assets/page.html");
 /// What stands in the bundle where the data belongs.
-const MARKER: &str = "\"MENISCUS_DATA\"";
+const DATA_PLACEHOLDER: &str = "\"MENISCUS_DATA\"";
 
 /// The bundle's title.
 const TITLE: &str = "<title>Meniscus</title>";
@@ -53,7 +53,7 @@ pub struct PageReport {
 }
 
 /// One frame as packed meshes.
-struct Packed {
+struct PackedFrame {
     number: u32,
     time: Option<f64>,
     liquid: String,
@@ -61,7 +61,7 @@ struct Packed {
     solids: BTreeMap<String, String>,
 }
 
-impl Packed {
+impl PackedFrame {
     fn meshes(&self) -> impl Iterator<Item = &String> {
         std::iter::once(&self.liquid).chain(&self.line).chain(self.solids.values())
     }
@@ -83,7 +83,7 @@ struct PageShade {
     name: &'static str,
     unit: Option<char>,
     /// None where nothing is stored.
-    range: Option<Range>,
+    range: Option<ScalarRange>,
 }
 
 /// What the page is given.
@@ -100,7 +100,7 @@ struct Payload<'a> {
     shades: Vec<PageShade>,
     frames: Vec<PageFrame>,
     meshes: Vec<&'a str>,
-    series: Series,
+    series: TimeSeries,
     summary: &'a serde_json::Value,
     scene: String,
 }
@@ -114,17 +114,17 @@ pub fn write_page(dir: &Path, options: &PageOptions) -> Result<PathBuf> {
 pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
     let folder = RunFolder::open(dir)?;
     let asked = options.every.max(1);
-    let numbers: Vec<u32> = folder.numbers.iter().copied().step_by(asked).collect();
-    let ranges = shade::ranges(&folder, Shade::STORED)?;
-    let packed = numbers.par_iter().map(|&n| pack(&folder, n, &ranges)).collect::<Result<Vec<Packed>>>()?;
-    let series = Series::load(&dir.join("timeseries.csv"))?;
+    let numbers: Vec<u32> = folder.frame_numbers.iter().copied().step_by(asked).collect();
+    let ranges = shade::scalar_ranges(&folder, ColorBy::STORED)?;
+    let packed = numbers.par_iter().map(|&n| pack(&folder, n, &ranges)).collect::<Result<Vec<PackedFrame>>>()?;
+    let series = TimeSeries::load_for_plots(&dir.join("timeseries.csv"))?;
     let scene = std::fs::read_to_string(dir.join("scene.toml")).unwrap_or_default();
     let fixed =
         BUNDLE.len() + scene.len() + series.columns.iter().map(|c| 14 * c.len()).sum::<usize>() + 20_000;
     let budget = ((options.max_mb * 1e6) as usize).saturating_sub(fixed);
     let skip = (1..packed.len()).find(|&k| size(&packed, k) <= budget).unwrap_or(packed.len().max(1));
-    let kept: Vec<&Packed> = packed.iter().step_by(skip).collect();
-    let (frames, meshes) = share(&kept);
+    let kept: Vec<&PackedFrame> = packed.iter().step_by(skip).collect();
+    let (frames, meshes) = deduplicate_meshes(&kept);
     let payload = Payload {
         format: 1,
         name: folder.name(),
@@ -133,7 +133,7 @@ pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
         domain: folder.domain,
         dx: folder.dx,
         notes: notes(&folder, options, asked, skip, &series),
-        shades: (ranges.iter().zip(Shade::STORED))
+        shades: (ranges.iter().zip(ColorBy::STORED))
             .map(|(range, shade)| PageShade { name: shade.name(), unit: shade.unit(), range: *range })
             .collect(),
         frames,
@@ -143,7 +143,7 @@ pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
         scene,
     };
     let path = options.to.clone().unwrap_or_else(|| dir.join("page").join("index.html"));
-    let html = insert(&payload, &path)?;
+    let html = insert_data(&payload, &path)?;
     if let Some(parent) = path.parent() {
         std::fs::create_dir_all(parent).map_err(ViewError::io(parent))?;
     }
@@ -151,9 +151,9 @@ pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
     Ok(PageReport { path, bytes: html.len() as u64, frames: kept.len(), every: asked * skip })
 }
 
-fn pack(folder: &RunFolder, number: u32, ranges: &blob::Ranges) -> Result<Packed> {
+fn pack(folder: &RunFolder, number: u32, ranges: &blob::ScalarRanges) -> Result<PackedFrame> {
     let frame = folder.frame(number)?;
-    Ok(Packed {
+    Ok(PackedFrame {
         number,
         time: frame.time,
         liquid: blob::pack(&frame.liquid, ranges),
@@ -163,14 +163,14 @@ fn pack(folder: &RunFolder, number: u32, ranges: &blob::Ranges) -> Result<Packed
 }
 
 /// The bytes of the meshes of each `skip`-th frame, equal ones counted once.
-fn size(packed: &[Packed], skip: usize) -> usize {
+fn size(packed: &[PackedFrame], skip: usize) -> usize {
     let mut seen = HashSet::new();
-    let meshes = packed.iter().step_by(skip).flat_map(Packed::meshes);
+    let meshes = packed.iter().step_by(skip).flat_map(PackedFrame::meshes);
     meshes.filter(|m| seen.insert(m.as_str())).map(|m| m.len() + 3).sum()
 }
 
 /// Frames that name their meshes by place in a list without doubles.
-fn share<'a>(packed: &[&'a Packed]) -> (Vec<PageFrame>, Vec<&'a str>) {
+fn deduplicate_meshes<'a>(packed: &[&'a PackedFrame]) -> (Vec<PageFrame>, Vec<&'a str>) {
     let mut meshes: Vec<&str> = Vec::new();
     let mut known: HashMap<&str, usize> = HashMap::new();
     let mut place = |mesh: &'a String| {
@@ -198,10 +198,10 @@ fn notes(
     options: &PageOptions,
     asked: usize,
     skip: usize,
-    series: &Series,
+    series: &TimeSeries,
 ) -> Vec<String> {
     let mut notes = Vec::new();
-    let all = folder.numbers.len();
+    let all = folder.frame_numbers.len();
     if asked * skip > 1 {
         let kept = all.div_ceil(asked).div_ceil(skip);
         let why = if skip > 1 { format!(" to stay below {} MB", options.max_mb) } else { String::new() };
@@ -225,10 +225,10 @@ fn ordinal(n: usize) -> String {
 }
 
 /// The bundle with the data in it.
-fn insert(payload: &Payload, path: &Path) -> Result<String> {
+fn insert_data(payload: &Payload, path: &Path) -> Result<String> {
     let json = serde_json::to_string(payload).map_err(|e| ViewError::content(path, e.to_string()))?;
     let (before, after) = BUNDLE
-        .split_once(MARKER)
+        .split_once(DATA_PLACEHOLDER)
         .ok_or_else(|| ViewError::content(path, "the built-in page has no place for data"))?;
     // The name of a tab, before any script runs.
     let name: String = payload.name.chars().filter(|c| !"<>&".contains(*c)).collect();

@@ -7,11 +7,11 @@ use serde::Serialize;
 use crate::error::{Result, ViewError};
 
 /// Rows that plots are given at most.
-const MOST_ROWS: usize = 4000;
+const MAX_PLOT_ROWS: usize = 4000;
 
 /// The columns of a time series.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub(crate) struct Series {
+pub(crate) struct TimeSeries {
     /// Their names.
     pub names: Vec<String>,
     /// Their values; `null` where a cell is empty.
@@ -22,14 +22,14 @@ pub(crate) struct Series {
     pub stride: usize,
 }
 
-impl Series {
+impl TimeSeries {
     /// Reads a file, thinned for plots; a missing one has no columns.
-    pub(crate) fn load(path: &Path) -> Result<Self> {
-        Self::of_file(path, MOST_ROWS)
+    pub(crate) fn load_for_plots(path: &Path) -> Result<Self> {
+        Self::of_file(path, MAX_PLOT_ROWS)
     }
 
     /// Reads every row of a file; a missing one has no columns.
-    pub(crate) fn whole(path: &Path) -> Result<Self> {
+    pub(crate) fn load_all(path: &Path) -> Result<Self> {
         Self::of_file(path, usize::MAX)
     }
 
@@ -61,13 +61,13 @@ impl Series {
         let stride = rows.len().div_ceil(most).max(1);
         let last = rows.len().saturating_sub(1);
         let kept: Vec<usize> = (0..rows.len()).filter(|i| i % stride == 0 || *i == last).collect();
-        let column = |c: usize| kept.iter().map(|&r| number(rows[r][c])).collect();
+        let column = |c: usize| kept.iter().map(|&r| parse_rounded(rows[r][c])).collect();
         Self { columns: (0..names.len()).map(column).collect(), names, rows: rows.len(), stride }
     }
 }
 
 /// A number rounded to seven digits, which is all that a plot shows.
-fn number(cell: &str) -> Option<f64> {
+fn parse_rounded(cell: &str) -> Option<f64> {
     let x: f64 = cell.trim().parse().ok()?;
     if !x.is_finite() {
         return None;
@@ -81,20 +81,20 @@ mod tests {
 
     #[test]
     fn empty_cells_and_cut_rows() {
-        let s = Series::parse("step,time,angle\n0,0,\n1,0.1,89.5\n2,0.2,nan\n3,0.", MOST_ROWS);
+        let s = TimeSeries::parse("step,time,angle\n0,0,\n1,0.1,89.5\n2,0.2,nan\n3,0.", MAX_PLOT_ROWS);
         assert_eq!(s.names, ["step", "time", "angle"]);
         assert_eq!(s.columns[2], [None, Some(89.5), None]);
         assert_eq!(s.rows, 3);
-        assert_eq!(Series::parse("", MOST_ROWS).names.len(), 0);
+        assert_eq!(TimeSeries::parse("", MAX_PLOT_ROWS).names.len(), 0);
     }
 
     #[test]
     fn long_series_are_thinned_and_keep_the_end() {
         let text: String =
             std::iter::once("step\n".to_string()).chain((0..10_001).map(|i| format!("{i}\n"))).collect();
-        let s = Series::parse(&text, MOST_ROWS);
+        let s = TimeSeries::parse(&text, MAX_PLOT_ROWS);
         assert_eq!(s.stride, 3);
-        assert!(s.columns[0].len() <= MOST_ROWS + 1);
+        assert!(s.columns[0].len() <= MAX_PLOT_ROWS + 1);
         assert_eq!(s.columns[0].last(), Some(&Some(10_000.0)));
     }
 }

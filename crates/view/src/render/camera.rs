@@ -21,9 +21,9 @@ impl Default for Camera {
 }
 
 /// Half the vertical field of view, as a tangent.
-const HALF_VIEW: f64 = 0.24;
+const HALF_FOV_TANGENT: f64 = 0.24;
 /// The part of the picture that is filled, each way.
-const FILLED: f64 = 0.74;
+const FILLED_SHARE: f64 = 0.74;
 
 /// A camera made ready for one picture size.
 #[derive(Clone, Copy, Debug)]
@@ -38,23 +38,23 @@ pub(crate) struct View {
 
 impl View {
     /// A view of `seen`; all lengths are in the picture's coordinates, `unit` metres each.
-    pub(crate) fn new(camera: &Camera, seen: &Bounds, unit: f64, size: (u32, u32)) -> Self {
+    pub(crate) fn new(camera: &Camera, visible: &Bounds, unit: f64, size: (u32, u32)) -> Self {
         let (az, el) = (camera.azimuth.to_radians(), camera.elevation.clamp(-89.0, 89.0).to_radians());
         let forward = V3::new(-az.sin() * el.cos(), az.cos() * el.cos(), -el.sin());
         let right = V3::new(az.cos(), az.sin(), 0.0);
         let up = right.cross(&forward);
         let size = [f64::from(size.0.max(1)), f64::from(size.1.max(1))];
-        let half = [HALF_VIEW * size[0] / size[1], HALF_VIEW];
-        let mut target = seen.center();
+        let half = [HALF_FOV_TANGENT * size[0] / size[1], HALF_FOV_TANGENT];
+        let mut target = visible.center();
         let fit = |target: &V3| {
-            corners(seen).iter().fold(1e-6f64, |far, p| {
+            corners(visible).iter().fold(1e-6f64, |far, p| {
                 let q = p - target;
                 let (x, y, depth) = (q.dot(&right).abs(), q.dot(&up).abs(), q.dot(&forward));
-                far.max(x / (half[0] * FILLED) - depth).max(y / (half[1] * FILLED) - depth)
+                far.max(x / (half[0] * FILLED_SHARE) - depth).max(y / (half[1] * FILLED_SHARE) - depth)
             })
         };
         let distance = camera.distance.map_or_else(|| fit(&target), |d| d / unit);
-        target -= up * (0.03 * distance * HALF_VIEW);
+        target -= up * (0.03 * distance * HALF_FOV_TANGENT);
         Self { eye: target - forward * distance, forward, right, up, half, size }
     }
 

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 /// Lines per pixel row along which the outline is cut.
-const LINES: usize = 16;
+const SCANLINES_PER_PIXEL: usize = 16;
 
 /// The part of each pixel inside an outline (even-odd rule). The segments are in pixels, y down.
 pub(crate) fn coverage(segments: &[[[f64; 2]; 2]], width: usize, height: usize) -> Vec<f64> {
@@ -18,19 +18,19 @@ pub(crate) fn coverage(segments: &[[[f64; 2]; 2]], width: usize, height: usize) 
     let mut cover = vec![0.0; width * height];
     cover.par_chunks_mut(width.max(1)).zip(rows).enumerate().for_each(|(y, (pixels, own))| {
         let mut cuts = Vec::new();
-        for k in 0..LINES {
-            let line = y as f64 + (k as f64 + 0.5) / LINES as f64;
+        for k in 0..SCANLINES_PER_PIXEL {
+            let line = y as f64 + (k as f64 + 0.5) / SCANLINES_PER_PIXEL as f64;
             cuts.clear();
-            cuts.extend(own.iter().filter_map(|&i| cut(&segments[i as usize], line)));
+            cuts.extend(own.iter().filter_map(|&i| scanline_crossing(&segments[i as usize], line)));
             cuts.sort_by(f64::total_cmp);
-            cuts.chunks_exact(2).for_each(|pair| add_span(pixels, pair[0], pair[1], 1.0 / LINES as f64));
+            cuts.chunks_exact(2).for_each(|pair| add_span(pixels, pair[0], pair[1], 1.0 / SCANLINES_PER_PIXEL as f64));
         }
     });
     cover
 }
 
 /// Where a segment crosses a horizontal line; the upper end counts, the lower does not.
-fn cut([a, b]: &[[f64; 2]; 2], y: f64) -> Option<f64> {
+fn scanline_crossing([a, b]: &[[f64; 2]; 2], y: f64) -> Option<f64> {
     if (a[1] <= y) == (b[1] <= y) {
         return None;
     }

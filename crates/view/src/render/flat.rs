@@ -2,26 +2,26 @@
 
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::ply::PlyMesh;
-use meniscus_numerics::mesh::{FacetTree, SurfaceMesh};
+use meniscus_numerics::mesh::{FacetBvh, SurfaceMesh};
 
 use super::fill::coverage;
 use super::image::{Canvas, Image};
-use super::legend::Shading;
+use super::legend::ColorMapping;
 use super::stage::round_length;
-use super::{Set, label};
+use super::{Appearance, label};
 use crate::folder::{Bounds, Frame, RunFolder, V3};
-use crate::shade::srgb;
+use crate::shade::linear_from_srgb;
 
 /// The window leaves the whole domain where that shows the liquid more than this many times larger.
-const CLOSER: f64 = 1.7;
+const ZOOM_THRESHOLD: f64 = 1.7;
 
 /// How far wetted vertices may be off a solid, and how far below its surface they are put, in cells.
-const OFF: f64 = 1.0;
-const SUNK: f64 = 0.3;
+const SNAP_DISTANCE_CELLS: f64 = 1.0;
+const SNAP_DEPTH_CELLS: f64 = 0.3;
 
 /// The window of the plane that is shown, and how it lies in the picture.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Window {
+pub(crate) struct Viewport {
     center: [f64; 2],
     /// Pixels per metre.
     scale: f64,
@@ -32,14 +32,14 @@ pub(crate) struct Window {
 }
 
 /// A linear colour as 8-bit sRGB, without any change of tone.
-fn plain(c: &V3) -> [u8; 3] {
+fn encode_srgb(c: &V3) -> [u8; 3] {
     [c.x, c.y, c.z].map(|x| {
         let s = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
         (s.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
     })
 }
 
-impl Window {
+impl Viewport {
     /// A window that shows the domain, or what is to be seen where that makes it much larger.
     pub(crate) fn new(folder: &RunFolder, seen: &Bounds, size: (u32, u32)) -> Self {
         let domain = folder.domain.map(|d| [d[0], d[1]]);
@@ -54,7 +54,7 @@ impl Window {
         let (mut lower, mut upper) = (seen.lower - margin, seen.upper + margin);
         if let Some(d) = domain {
             let whole = (V3::zeros(), V3::new(d[0], d[1], 0.0));
-            (lower, upper) = if scale(&lower, &upper) > CLOSER * scale(&whole.0, &whole.1) {
+            (lower, upper) = if scale(&lower, &upper) > ZOOM_THRESHOLD * scale(&whole.0, &whole.1) {
                 (lower.sup(&whole.0), upper.inf(&whole.1))
             } else {
                 whole
@@ -83,22 +83,22 @@ impl Window {
 }
 
 /// The picture of one frame.
-pub(crate) fn picture(window: &Window, frame: &Frame, set: &Set, shading: Option<&Shading>) -> Image {
-    let mut canvas = Canvas::new(window.size, srgb(set.background.unwrap_or(0x00e9_edf1)));
+pub(crate) fn picture(window: &Viewport, frame: &Frame, set: &Appearance, shading: Option<&ColorMapping>) -> Image {
+    let mut canvas = Canvas::new(window.size, linear_from_srgb(set.background.unwrap_or(0x00e9_edf1)));
     let thick = (f64::from(window.size.1) / 240.0).max(1.0);
-    let air = srgb(set.background.unwrap_or(0x00fb_fcfd));
+    let air = linear_from_srgb(set.background.unwrap_or(0x00fb_fcfd));
     if let Some(d) = window.domain.filter(|_| set.domain) {
         let p = [[0.0, 0.0], [d[0], 0.0], [d[0], d[1]], [0.0, d[1]]].map(|p| window.place(&p));
         let walls: Vec<_> = (0..4).map(|k| [p[k], p[(k + 1) % 4]]).collect();
         fill(&mut canvas, &walls, &air, &air);
-        strokes(&mut canvas, &walls, thick * 1.2, &srgb(0x0055_5f69));
+        strokes(&mut canvas, &walls, thick * 1.2, &linear_from_srgb(0x0055_5f69));
     }
     // The solids are drawn over the liquid, whose wetted vertices lie below their surfaces.
-    let outline = window.segments(&seated(&frame.liquid, frame, window.dx));
-    let [top, bottom, edge] = tones(set.liquid, [0x0062_b0e8, 0x0023_74bf, 0x0010_4b86]);
+    let outline = window.segments(&snapped_to_solids(&frame.liquid, frame, window.dx));
+    let [top, bottom, edge] = fill_and_edge_colors(set.liquid, [0x0062_b0e8, 0x0023_74bf, 0x0010_4b86]);
     fill(&mut canvas, &outline, &top, &bottom);
     strokes(&mut canvas, &outline, thick, &edge);
-    let [top, bottom, edge] = tones(set.solids, [0x00c9_b49c, 0x00b3_9a80, 0x0070_5b46]);
+    let [top, bottom, edge] = fill_and_edge_colors(set.solids, [0x00c9_b49c, 0x00b3_9a80, 0x0070_5b46]);
     for solid in frame.solids.values() {
         let outline = window.segments(solid);
         fill(&mut canvas, &outline, &top, &bottom);
@@ -114,21 +114,21 @@ pub(crate) fn picture(window: &Window, frame: &Frame, set: &Set, shading: Option
         for p in &line.positions {
             let at = window.place(p);
             canvas.line(at, at, thick * 5.4, &air, |_, _, _| 1.0);
-            canvas.line(at, at, thick * 4.0, &srgb(0x00d6_2718), |_, _, _| 1.0);
+            canvas.line(at, at, thick * 4.0, &linear_from_srgb(0x00d6_2718), |_, _, _| 1.0);
         }
     }
     labels(window, frame, &mut canvas);
     shading.iter().for_each(|shading| shading.legend(&mut canvas));
-    canvas.develop(plain)
+    canvas.to_image(encode_srgb)
 }
 
 /// The colours of an upper and a lower end and of an edge: shades of one that is given, else the usual ones.
-fn tones(given: Option<u32>, usual: [u32; 3]) -> [V3; 3] {
-    given.map_or(usual.map(srgb), |color| [1.0, 0.75, 0.35].map(|part| srgb(color) * part))
+fn fill_and_edge_colors(given: Option<u32>, usual: [u32; 3]) -> [V3; 3] {
+    given.map_or(usual.map(linear_from_srgb), |color| [1.0, 0.75, 0.35].map(|part| linear_from_srgb(color) * part))
 }
 
 /// The liquid with its wetted vertices a little below the surface of the solid that they are on.
-fn seated(liquid: &PlyMesh, frame: &Frame, dx: Option<f64>) -> PlyMesh {
+fn snapped_to_solids(liquid: &PlyMesh, frame: &Frame, dx: Option<f64>) -> PlyMesh {
     let mut out = liquid.clone();
     let (Some(dx), Some(kinds)) = (dx, liquid.scalars.get("kind")) else { return out };
     let surface = |mesh: &PlyMesh| SurfaceMesh::<2> {
@@ -136,15 +136,15 @@ fn seated(liquid: &PlyMesh, frame: &Frame, dx: Option<f64>) -> PlyMesh {
         facets: mesh.edges.clone(),
     };
     let solids: Vec<SurfaceMesh<2>> = frame.solids.values().map(surface).collect();
-    let trees: Vec<FacetTree<2>> = solids.iter().map(FacetTree::new).collect();
+    let trees: Vec<FacetBvh<2>> = solids.iter().map(FacetBvh::new).collect();
     for (point, _) in out.positions.iter_mut().zip(kinds).filter(|(_, kind)| **kind > 0.0) {
         let x = Vector::<2>::new(point[0], point[1]);
         let near =
-            trees.iter().zip(&solids).filter_map(|(tree, mesh)| Some((tree.closest(&x, OFF * dx)?, mesh)));
+            trees.iter().zip(&solids).filter_map(|(tree, mesh)| Some((tree.closest_point(&x, SNAP_DISTANCE_CELLS * dx)?, mesh)));
         let nearest = near.min_by(|a, b| a.0.distance_squared.total_cmp(&b.0.distance_squared));
         let Some((at, mesh)) = nearest else { continue };
         let out = mesh.area_vector(at.facet as usize).try_normalize(0.0).unwrap_or_else(Vector::zeros);
-        let below = at.point - out * (SUNK * dx);
+        let below = at.point - out * (SNAP_DEPTH_CELLS * dx);
         (point[0], point[1]) = (below[0], below[1]);
     }
     out
@@ -174,9 +174,9 @@ fn strokes(canvas: &mut Canvas, outline: &[[[f64; 2]; 2]], width: f64, color: &V
 }
 
 /// The scale bar and the time.
-fn labels(window: &Window, frame: &Frame, canvas: &mut Canvas) {
+fn labels(window: &Viewport, frame: &Frame, canvas: &mut Canvas) {
     let (w, h) = (f64::from(window.size.0), f64::from(window.size.1));
-    let (ink, height) = (srgb(0x0033_3d47), (h / 28.0).max(8.0));
+    let (ink, height) = (linear_from_srgb(0x0033_3d47), (h / 28.0).max(8.0));
     let length = round_length(0.22 * w / window.scale);
     let (right, low) = (w - 1.2 * height, h - 0.9 * height);
     let left = right - length * window.scale;

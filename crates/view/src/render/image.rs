@@ -52,7 +52,7 @@ impl Canvas {
         let Some((xs, ys)) = self.range(a, b, reach) else { return };
         for y in ys {
             for x in xs.clone() {
-                let (cover, t) = line_cover(a, b, width, x, y);
+                let (cover, t) = line_coverage(a, b, width, x, y);
                 if cover > 0.0 {
                     let a = cover * alpha(x, y, t);
                     self.blend(x, y, color, a);
@@ -67,7 +67,7 @@ impl Canvas {
         for y in ys {
             for x in xs.clone() {
                 let p = &mut self.pixels[y * self.width + x];
-                p.x = p.x.max(line_cover(a, b, width, x, y).0);
+                p.x = p.x.max(line_coverage(a, b, width, x, y).0);
             }
         }
     }
@@ -83,7 +83,7 @@ impl Canvas {
     }
 
     /// The finished picture.
-    pub(crate) fn develop(&self, curve: impl Fn(&V3) -> [u8; 3]) -> Image {
+    pub(crate) fn to_image(&self, curve: impl Fn(&V3) -> [u8; 3]) -> Image {
         Image {
             width: self.width as u32,
             height: self.height as u32,
@@ -93,7 +93,7 @@ impl Canvas {
 }
 
 /// The part of a pixel that a line with round ends covers, and the nearest place along the line (0 to 1).
-fn line_cover(a: [f64; 2], b: [f64; 2], width: f64, x: usize, y: usize) -> (f64, f64) {
+fn line_coverage(a: [f64; 2], b: [f64; 2], width: f64, x: usize, y: usize) -> (f64, f64) {
     let d = [b[0] - a[0], b[1] - a[1]];
     let length = d[0] * d[0] + d[1] * d[1];
     let p = [x as f64 + 0.5 - a[0], y as f64 + 0.5 - a[1]];

@@ -6,25 +6,25 @@ use super::image::Canvas;
 use super::label;
 use crate::error::{Result, ViewError};
 use crate::folder::RunFolder;
-use crate::shade::{Range, Shade, ranges, srgb};
+use crate::shade::{ScalarRange, ColorBy, scalar_ranges, linear_from_srgb};
 
 /// What solids are coloured by in all pictures of a run.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Shading {
-    pub shade: Shade,
-    range: Range,
+pub(crate) struct ColorMapping {
+    pub shade: ColorBy,
+    range: ScalarRange,
 }
 
-impl Shading {
+impl ColorMapping {
     /// That of a run; none where solids have their own colours.
     ///
     /// # Errors
     /// A run that has no such values, or frames that cannot be read.
-    pub(crate) fn of(folder: &RunFolder, shade: Shade) -> Result<Option<Self>> {
-        if shade == Shade::Plain {
+    pub(crate) fn of(folder: &RunFolder, shade: ColorBy) -> Result<Option<Self>> {
+        if shade == ColorBy::Plain {
             return Ok(None);
         }
-        let [range] = ranges(folder, [shade])?;
+        let [range] = scalar_ranges(folder, [shade])?;
         let nothing = || {
             let what = format!("no solid in its frames has values of `{}`", shade.name());
             ViewError::content(&folder.dir, what)
@@ -35,13 +35,13 @@ impl Shading {
     /// Where the values at a mesh's vertices lie in the range; empty where there are none.
     pub(crate) fn places(&self, mesh: &PlyMesh) -> Vec<f64> {
         let values = self.shade.values(mesh).unwrap_or_default();
-        values.into_iter().map(|v| self.range.place(v)).collect()
+        values.into_iter().map(|v| self.range.normalised(v)).collect()
     }
 
     /// Draws a bar of the colours with the ends of the range.
     pub(crate) fn legend(&self, canvas: &mut Canvas) {
         let (w, h) = (canvas.width as f64, canvas.height as f64);
-        let (height, ink) = ((h / 28.0).max(8.0), srgb(0x0033_3d47));
+        let (height, ink) = ((h / 28.0).max(8.0), linear_from_srgb(0x0033_3d47));
         let (left, low, width) = (1.2 * height, h - 1.2 * height, 0.25 * w);
         let at = |t: f64| [left + t * width, low];
         let pieces = 64;

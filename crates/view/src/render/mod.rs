@@ -15,14 +15,14 @@ use std::path::{Path, PathBuf};
 
 pub use camera::Camera;
 pub use image::Image;
-pub use options::{RenderOptions, Rendered, Set, Style};
+pub use options::{RenderOptions, Rendered, Appearance, Style};
 
 use crate::error::{Result, ViewError};
 use crate::folder::{Frame, RunFolder};
-use legend::Shading;
+use legend::ColorMapping;
 
 /// Frames looked at to find out how much of the picture is filled.
-const LOOKED_AT: usize = 8;
+const SAMPLED_FRAMES: usize = 8;
 
 /// Makes pictures of the frames of one run.
 #[derive(Debug)]
@@ -30,15 +30,15 @@ pub struct Renderer {
     folder: RunFolder,
     numbers: Vec<u32>,
     options: RenderOptions,
-    look: Look,
-    shading: Option<Shading>,
-    filled: f64,
+    mode: RenderMode,
+    shading: Option<ColorMapping>,
+    filled_share: f64,
 }
 
 #[derive(Debug)]
-enum Look {
-    Flat(flat::Window),
-    Solid(Box<stage::Stage>),
+enum RenderMode {
+    Flat(flat::Viewport),
+    Solid(Box<stage::RenderSetup>),
 }
 
 impl Renderer {
@@ -47,9 +47,9 @@ impl Renderer {
         let folder = RunFolder::open(dir)?;
         let wanted = |n: &u32| options.frames.as_ref().is_none_or(|range| range.contains(n));
         let every = options.every.max(1);
-        let numbers: Vec<u32> = folder.numbers.iter().copied().filter(wanted).step_by(every).collect();
+        let numbers: Vec<u32> = folder.frame_numbers.iter().copied().filter(wanted).step_by(every).collect();
         if numbers.is_empty() {
-            let (first, last) = (folder.numbers[0], folder.numbers[folder.numbers.len() - 1]);
+            let (first, last) = (folder.frame_numbers[0], folder.frame_numbers[folder.frame_numbers.len() - 1]);
             return Err(ViewError::content(
                 dir,
                 format!("none of its frames {first} to {last} is asked for"),
@@ -61,21 +61,21 @@ impl Renderer {
                 "this run is in 2D: it is shown flat, and a camera is for 3D",
             ));
         }
-        let look = if folder.dimension == 2 {
-            let (seen, _) = stage::seen(&folder)?;
-            Look::Flat(flat::Window::new(&folder, &seen, options.size))
+        let mode = if folder.dimension == 2 {
+            let (seen, _) = stage::visible_bounds(&folder)?;
+            RenderMode::Flat(flat::Viewport::new(&folder, &seen, options.size))
         } else {
-            Look::Solid(Box::new(stage::Stage::new(&folder, options)?))
+            RenderMode::Solid(Box::new(stage::RenderSetup::new(&folder, options)?))
         };
-        let filled = filled(&folder, &numbers, &look)?;
-        if filled <= 0.0 && options.camera.is_some() {
+        let filled_share = max_filled_share(&folder, &numbers, &mode)?;
+        if filled_share <= 0.0 && options.camera.is_some() {
             return Err(ViewError::content(
                 dir,
                 "the pictures would be empty: nothing of the run lies before this camera",
             ));
         }
-        let shading = Shading::of(&folder, options.shade)?;
-        Ok(Self { folder, numbers, options: options.clone(), look, shading, filled })
+        let shading = ColorMapping::of(&folder, options.shade)?;
+        Ok(Self { folder, numbers, options: options.clone(), mode, shading, filled_share })
     }
 
     /// The numbers of the frames to picture.
@@ -91,30 +91,30 @@ impl Renderer {
     /// The picture of a frame.
     fn picture(&self, frame: &Frame) -> Image {
         let shading = self.shading.as_ref();
-        match &self.look {
-            Look::Flat(window) => flat::picture(window, frame, &self.options.set, shading),
-            Look::Solid(stage) => {
+        match &self.mode {
+            RenderMode::Flat(window) => flat::picture(window, frame, &self.options.appearance, shading),
+            RenderMode::Solid(stage) => {
                 let scene = tracer::scene::Scene::new(stage, frame, &self.options, shading);
                 let mut canvas = tracer::trace::picture(&scene, self.options.size, self.options.samples);
                 shading.iter().for_each(|shading| shading.legend(&mut canvas));
-                canvas.develop(tracer::studio::develop)
+                canvas.to_image(tracer::studio::tone_map)
             }
         }
     }
 }
 
 /// The largest part of the picture, in any of some frames, of the box around the liquid and the solids.
-fn filled(folder: &RunFolder, numbers: &[u32], look: &Look) -> Result<f64> {
+fn max_filled_share(folder: &RunFolder, numbers: &[u32], look: &RenderMode) -> Result<f64> {
     let mut most = 0.0f64;
-    for number in RunFolder::spread(numbers, LOOKED_AT) {
+    for number in RunFolder::evenly_spaced(numbers, SAMPLED_FRAMES) {
         let frame = folder.frame(number)?;
         let meshes = std::iter::once(&frame.liquid).chain(frame.solids.values());
         let points = meshes.flat_map(|mesh| &mesh.positions);
         most = most.max(match look {
-            Look::Flat(window) => part_of(points.map(|p| window.place(p)), window.size()),
-            Look::Solid(stage) => {
-                let place = |p: &[f64; 3]| stage.view.project(&stage.points(&[*p])[0]).map(|p| [p.0, p.1]);
-                part_of(points.filter_map(place), stage.view.size())
+            RenderMode::Flat(window) => covered_share(points.map(|p| window.place(p)), window.size()),
+            RenderMode::Solid(stage) => {
+                let place = |p: &[f64; 3]| stage.view.project(&stage.to_picture_coordinates(&[*p])[0]).map(|p| [p.0, p.1]);
+                covered_share(points.filter_map(place), stage.view.size())
             }
         });
     }
@@ -122,7 +122,7 @@ fn filled(folder: &RunFolder, numbers: &[u32], look: &Look) -> Result<f64> {
 }
 
 /// The part of a picture (pixels) that the box around some points takes up.
-fn part_of(points: impl Iterator<Item = [f64; 2]>, size: [f64; 2]) -> f64 {
+fn covered_share(points: impl Iterator<Item = [f64; 2]>, size: [f64; 2]) -> f64 {
     let start = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     let (low, high) = points.fold(start, |(low, high), p| {
         ([low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])])
@@ -131,7 +131,7 @@ fn part_of(points: impl Iterator<Item = [f64; 2]>, size: [f64; 2]) -> f64 {
 }
 
 /// The pictures and films that an earlier call has left in a folder, but for those of some numbers.
-fn stale(to: &Path, numbers: &[u32]) -> Result<Vec<PathBuf>> {
+fn stale_images(to: &Path, numbers: &[u32]) -> Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(to).map_err(ViewError::io(to))? {
         let path = entry.map_err(ViewError::io(to))?.path();
@@ -157,14 +157,14 @@ pub fn render(dir: &Path, options: &RenderOptions, mut done: impl FnMut(usize, u
     let renderer = Renderer::open(dir, options)?;
     let to = options.to.clone().unwrap_or_else(|| dir.join("render"));
     std::fs::create_dir_all(&to).map_err(ViewError::io(&to))?;
-    let old = stale(&to, renderer.numbers())?;
+    let old = stale_images(&to, renderer.numbers())?;
     if options.to.is_some() && !old.is_empty() {
         let what = format!("it has {} pictures or films that this call would not write", old.len());
         return Err(ViewError::content(&to, what));
     }
     old.iter().try_for_each(|path| std::fs::remove_file(path).map_err(ViewError::io(path)))?;
-    let (frames, filled) = (renderer.folder.numbers.len(), renderer.filled);
-    let mut made = Rendered { frames, filled, removed: old.len(), ..Rendered::default() };
+    let (frames, filled_share) = (renderer.folder.frame_numbers.len(), renderer.filled_share);
+    let mut made = Rendered { frames, filled_share, removed: old.len(), ..Rendered::default() };
     for &number in renderer.numbers() {
         let path = to.join(format!("frame_{number:04}.png"));
         renderer.image(number)?.save(&path)?;

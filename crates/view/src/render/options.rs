@@ -1,7 +1,7 @@
 //! How a run is to be drawn, and what was.
 
 use crate::render::camera::Camera;
-use crate::shade::Shade;
+use crate::shade::ColorBy;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ pub enum Style {
 
 /// What is drawn beside the liquid and the solids, and in which colours; those of the program where none is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Set {
+pub struct Appearance {
     /// Whether the checkered floor is drawn (3D).
     pub floor: bool,
     /// Whether the edges of the domain are drawn.
@@ -32,7 +32,7 @@ pub struct Set {
     pub solids: Option<u32>,
 }
 
-impl Default for Set {
+impl Default for Appearance {
     fn default() -> Self {
         Self { floor: true, domain: true, line: true, background: None, liquid: None, solids: None }
     }
@@ -48,9 +48,9 @@ pub struct RenderOptions {
     /// The look of the liquid.
     pub style: Style,
     /// What else is drawn, and colours.
-    pub set: Set,
+    pub appearance: Appearance,
     /// What solids are coloured by.
-    pub shade: Shade,
+    pub shade: ColorBy,
     /// Samples per pixel; three times as many where the liquid is seen.
     pub samples: u32,
     /// The frame numbers to picture; `None` for all.
@@ -71,8 +71,8 @@ impl Default for RenderOptions {
             size: (640, 360),
             camera: None,
             style: Style::Glass,
-            set: Set::default(),
-            shade: Shade::Plain,
+            appearance: Appearance::default(),
+            shade: ColorBy::Plain,
             samples: 4,
             frames: None,
             every: 1,
@@ -91,7 +91,7 @@ pub struct Rendered {
     /// Frames of the run.
     pub frames: usize,
     /// The part of the picture that the box around what is to be seen takes up, in the frame where it is largest.
-    pub filled: f64,
+    pub filled_share: f64,
     /// Pictures of an earlier call that were removed.
     pub removed: usize,
     /// The film, if it was made.

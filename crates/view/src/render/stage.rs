@@ -3,18 +3,18 @@
 use std::collections::BTreeMap;
 
 use super::camera::View;
-use super::tracer::studio::Studio;
-use super::{RenderOptions, Set};
+use super::tracer::studio::Environment;
+use super::{RenderOptions, Appearance};
 use crate::error::Result;
 use crate::folder::{Bounds, Frame, RunFolder, V3};
-use crate::shade::srgb;
+use crate::shade::linear_from_srgb;
 
 /// Frames looked at to find out what is to be seen.
-const LOOKED_AT: usize = 24;
+const SAMPLED_FRAMES: usize = 24;
 
 /// The fixed parts of all pictures of a run.
 #[derive(Clone, Debug)]
-pub(crate) struct Stage {
+pub(crate) struct RenderSetup {
     /// Metres per unit of the picture's coordinates.
     pub unit: f64,
     /// The point (m) that is the origin of the picture's coordinates, on the ground.
@@ -30,43 +30,43 @@ pub(crate) struct Stage {
     /// Where lines on the ground cross.
     pub grid_origin: [f64; 2],
     pub view: View,
-    pub studio: Studio,
+    pub environment: Environment,
     /// What is drawn beside the liquid and the solids.
-    pub set: Set,
+    pub appearance: Appearance,
 }
 
 /// A solid larger than this many times the liquid is shown near the liquid only.
-const LARGE: f64 = 1.5;
+const LARGE_SOLID_RATIO: f64 = 1.5;
 /// How far around the liquid, in its diagonals, such a solid is shown.
-const MARGIN: f64 = 0.25;
+const LARGE_SOLID_MARGIN: f64 = 0.25;
 
 /// What is to be seen of the frames, and the largest volume of the liquid: the liquid, solids of about its size, and the
 /// part near the liquid of those so large that the liquid would be lost on them.
-pub(crate) fn seen(folder: &RunFolder) -> Result<(Bounds, f64)> {
+pub(crate) fn visible_bounds(folder: &RunFolder) -> Result<(Bounds, f64)> {
     let (mut liquid, mut volume) = (Bounds::EMPTY, 0.0f64);
     // Each solid's way, and its largest size in any frame.
     let mut solids: BTreeMap<String, (Bounds, f64)> = BTreeMap::new();
-    for number in RunFolder::spread(&folder.numbers, LOOKED_AT) {
+    for number in RunFolder::evenly_spaced(&folder.frame_numbers, SAMPLED_FRAMES) {
         let frame = folder.frame(number)?;
         liquid.join(&Bounds::of(&frame.liquid.positions));
         for (name, mesh) in &frame.solids {
             let now = Bounds::of(&mesh.positions);
-            let (way, size) = solids.entry(name.clone()).or_insert((Bounds::EMPTY, 0.0));
-            way.join(&now);
+            let (swept_bounds, size) = solids.entry(name.clone()).or_insert((Bounds::EMPTY, 0.0));
+            swept_bounds.join(&now);
             *size = size.max(now.size().norm());
         }
-        volume = volume.max(measure(&frame));
+        volume = volume.max(enclosed_volume(&frame));
     }
     let mut all = liquid;
-    let margin = V3::repeat(MARGIN * liquid.size().norm());
-    for (way, size) in solids.values().filter(|(way, _)| !way.is_empty()) {
-        if liquid.is_empty() || *size <= LARGE * liquid.size().norm() {
-            all.join(way);
+    let margin = V3::repeat(LARGE_SOLID_MARGIN * liquid.size().norm());
+    for (swept_bounds, size) in solids.values().filter(|(swept_bounds, _)| !swept_bounds.is_empty()) {
+        if liquid.is_empty() || *size <= LARGE_SOLID_RATIO * liquid.size().norm() {
+            all.join(swept_bounds);
             continue;
         }
         let part = Bounds {
-            lower: way.lower.sup(&(liquid.lower - margin)),
-            upper: way.upper.inf(&(liquid.upper + margin)),
+            lower: swept_bounds.lower.sup(&(liquid.lower - margin)),
+            upper: swept_bounds.upper.inf(&(liquid.upper + margin)),
         };
         if (0..3).all(|a| part.lower[a] <= part.upper[a]) {
             all.join(&part);
@@ -80,7 +80,7 @@ pub(crate) fn seen(folder: &RunFolder) -> Result<(Bounds, f64)> {
 }
 
 /// The volume enclosed by the liquid's surface.
-fn measure(frame: &Frame) -> f64 {
+fn enclosed_volume(frame: &Frame) -> f64 {
     let p = |i: u32| V3::from(frame.liquid.positions[i as usize]);
     let part = |f: &[u32; 3]| p(f[0]).dot(&p(f[1]).cross(&p(f[2])));
     frame.liquid.faces.iter().map(part).sum::<f64>().abs() / 6.0
@@ -93,9 +93,9 @@ pub(crate) fn round_length(x: f64) -> f64 {
     digit * power
 }
 
-impl Stage {
+impl RenderSetup {
     pub(crate) fn new(folder: &RunFolder, options: &RenderOptions) -> Result<Self> {
-        let (mut seen, volume) = seen(folder)?;
+        let (mut seen, volume) = visible_bounds(folder)?;
         let size = seen.size().norm().max(1e-12);
         let floor = if folder.domain.is_some() { 0.0f64.min(seen.lower.z) } else { seen.lower.z };
         if seen.lower.z - floor < 0.35 * size {
@@ -121,19 +121,19 @@ impl Stage {
             liquid: liquid / unit,
             grid: grid / unit,
             grid_origin: [lines(0), lines(1)],
-            studio: Studio::new(&view.forward),
-            set: options.set,
+            environment: Environment::new(&view.forward),
+            appearance: options.appearance,
             view,
         })
     }
 
     /// What is seen in a direction where nothing stands.
     pub(crate) fn backdrop(&self, direction: &V3) -> V3 {
-        self.set.background.map_or_else(|| self.studio.backdrop(direction), srgb)
+        self.appearance.background.map_or_else(|| self.environment.backdrop(direction), linear_from_srgb)
     }
 
     /// Points in the picture's coordinates, none below the ground.
-    pub(crate) fn points(&self, positions: &[[f64; 3]]) -> Vec<V3> {
+    pub(crate) fn to_picture_coordinates(&self, positions: &[[f64; 3]]) -> Vec<V3> {
         let place = |p: &[f64; 3]| {
             let q = (V3::from(*p) - self.origin) / self.unit;
             V3::new(q.x, q.y, q.z.max(0.0))

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::common::{self, Sample};
 use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_view::{
-    Camera, PageOptions, RenderOptions, Renderer, RunFolder, Shade, Style, make_page, render,
+    Camera, PageOptions, RenderOptions, Renderer, RunFolder, ColorBy, Style, make_page, render,
 };
 
 fn folder(name: &str, sample: Sample, frames: u32) -> PathBuf {
@@ -59,7 +59,7 @@ fn files_are_written_for_the_wanted_frames() {
     let file = std::io::BufReader::new(std::fs::File::open(&made.images[0]).unwrap());
     let reader = png::Decoder::new(file).read_info().unwrap();
     assert_eq!((reader.info().width, reader.info().height), (96, 64));
-    let shaded = RenderOptions { shade: Shade::Strain, ..small() };
+    let shaded = RenderOptions { shade: ColorBy::Strain, ..small() };
     let missing = render(&dir, &shaded, |_, _| ()).unwrap_err().to_string();
     assert!(missing.contains("no solid in its frames has values of `strain`"), "{missing}");
     let none = RenderOptions { frames: Some(70..=80), ..small() };
@@ -101,13 +101,13 @@ fn cameras_that_show_nothing_are_refused() {
     assert!(error.contains("a camera is for 3D"), "{error}");
     std::fs::remove_dir_all(dir).unwrap();
     let dir = folder("camera-3d", Sample::Drop, 1);
-    let filled = |distance| render(&dir, &camera(distance), |_, _| ()).map(|made| made.filled);
+    let filled = |distance| render(&dir, &camera(distance), |_, _| ()).map(|made| made.filled_share);
     let (near, far) = (filled(0.3).unwrap(), filled(30.0).unwrap());
     assert!(near > 0.1 && far < 0.01, "{near} {far}");
     // What is dressed down has no floor, no lines, and the background that was asked for.
     let mut plain = RenderOptions { samples: 1, ..small() };
-    plain.set.floor = false;
-    (plain.set.domain, plain.set.line, plain.set.background) = (false, false, Some(0x80_40_20));
+    plain.appearance.floor = false;
+    (plain.appearance.domain, plain.appearance.line, plain.appearance.background) = (false, false, Some(0x80_40_20));
     let image = Renderer::open(&dir, &plain).unwrap().image(0).unwrap();
     assert_eq!((&image.rgb[..3], red(&image)), (&[0x80, 0x40, 0x20][..], 0));
     std::fs::remove_dir_all(dir).unwrap();
@@ -128,7 +128,7 @@ fn solids_lie_over_the_liquid_that_wets_them() {
         mesh.save(&dir.join(format!("frames/{name}_0000.ply"))).unwrap();
     }
     let mut options = RenderOptions { size: (640, 480), ..small() };
-    options.set.line = false;
+    options.appearance.line = false;
     let image = Renderer::open(&dir, &options).unwrap().image(0).unwrap();
     // In the middle of the picture no air is seen between the last of the liquid and the first of the table.
     let pixel = |y: usize| &image.rgb[3 * (y * 640 + 320)..][..3];

@@ -5,8 +5,8 @@ use crate::grid::{Run, Runs};
 
 /// The unknowns in components that are connected by positive coefficients; runs are split at faces without
 /// flux.
-pub(super) fn connected<const D: usize>(input: &PoissonInput<D>) -> Runs {
-    let mut pieces = split(input);
+pub(super) fn flux_components<const D: usize>(input: &PoissonInput<D>) -> Runs {
+    let mut pieces = split_at_zero_coefficients(input);
     let mut parents: Vec<u32> = (0..pieces.len() as u32).collect();
     let mut stride = 1;
     for axis in 1..D {
@@ -29,7 +29,7 @@ pub(super) fn connected<const D: usize>(input: &PoissonInput<D>) -> Runs {
 }
 
 /// The runs, split where the coefficient between two cells is zero.
-fn split<const D: usize>(input: &PoissonInput<D>) -> Vec<Run> {
+fn split_at_zero_coefficients<const D: usize>(input: &PoissonInput<D>) -> Vec<Run> {
     let mut pieces = Vec::with_capacity(input.unknowns.runs.len());
     for run in &input.unknowns.runs {
         let faces = run.row as usize * (input.grid.cells[0] + 1);
@@ -62,7 +62,7 @@ fn join_above<const D: usize>(
     let above = piece.row + stride;
     let mut at = input.grid.lattice().coordinates(above as usize * input.grid.cells[0]);
     at[0] = 0;
-    let faces = input.grid.faces(axis).index(at);
+    let faces = input.grid.face_lattice(axis).index(at);
     let first = pieces.partition_point(|p| (p.row, p.end) <= (above, piece.start));
     for (number, upper) in pieces.iter().enumerate().skip(first) {
         if upper.row != above || upper.start >= piece.end {

@@ -7,8 +7,8 @@
 //! give way, as if the wall were porous (design, numerics §1): the caller adds that to the Dirichlet coefficients, and here it is taken
 //! off again.
 
-use super::solver::{PressureSolver, Unfinished};
-use super::wetted::{Schwarz, Wetted};
+use super::solver::{PressureSolver, UnconvergedIterate};
+use super::wetted::{Schwarz, SubdomainInverse};
 use crate::grid::{CellField, Lattice};
 use crate::linalg::operator::{LinearOperator, SolveError, SolveReport};
 use nalgebra::DMatrix;
@@ -16,45 +16,45 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock};
 
 /// Entries of a column: the cell (by its place in memory) and the value.
-pub type Column = Vec<(u32, f64)>;
+pub type SparseColumn = Vec<(u32, f64)>;
 
 /// A function that overwrites a vector with another.
-pub type Solve<'a> = dyn Fn(&mut [f64]) + Sync + 'a;
+pub type InPlaceSolve<'a> = dyn Fn(&mut [f64]) + Sync + 'a;
 
 /// Bodies that move under the pressure.
-pub struct Compliance<'a> {
+pub struct CoupledBodies<'a> {
     /// Number of their degrees of freedom.
-    pub freedoms: usize,
+    pub dof_count: usize,
     /// `F`: for each cell at their surfaces the degrees of freedom that flow into it, and how much.
-    pub flows: Vec<(u32, Vec<(u32, f64)>)>,
+    pub flux_rows: Vec<(u32, Vec<(u32, f64)>)>,
     /// For each of these cells what the system's Dirichlet coefficient has already of `F B⁻¹ Fᵀ`.
-    pub porous: Vec<f64>,
+    pub lumped_compliance: Vec<f64>,
     /// `x → B⁻¹ x` for the degrees of freedom in `flows`, where `x` is 0 for all others; of one vector or several, one after another.
-    pub solve: Box<Solve<'a>>,
+    pub solve: Box<InPlaceSolve<'a>>,
     /// Columns whose sums over a component of the liquid tell whether the bodies determine its mean pressure: they do not where each sum
     /// is zero.
-    pub feelers: Vec<Column>,
+    pub mean_pressure_probes: Vec<SparseColumn>,
     /// The exact inverse on these cells, once a solve was too slow without; nothing in it where there is none.
-    pub wetted: OnceLock<Option<Wetted>>,
+    pub subdomain_inverse: OnceLock<Option<SubdomainInverse>>,
 }
 
 /// Bodies' solves that are done at once for the exact inverse on their cells.
-const TOGETHER: usize = 16;
+const SOLVES_PER_BATCH: usize = 16;
 /// Bodies' solves done at once that take as long as one by itself: an estimate for supernodal factors, which changes the cost only.
-const AT_ONCE: usize = 4;
+const BATCH_SPEEDUP: usize = 4;
 
 /// Degrees of freedom of bodies from which on another thread solves for them while the liquid's part is worked out: to wake one takes
 /// some 10 µs.
-const APART: usize = 1 << 14;
+const MIN_PARALLEL_DOFS: usize = 1 << 14;
 
-struct Coupled<'a, const D: usize> {
+struct CoupledOperator<'a, const D: usize> {
     system: &'a PressureSolver<D>,
-    body: &'a Compliance<'a>,
+    body: &'a CoupledBodies<'a>,
     /// For each of the bodies' cells the entry of the solver's vectors.
     entries: Vec<Option<usize>>,
 }
 
-impl<const D: usize> LinearOperator for Coupled<'_, D> {
+impl<const D: usize> LinearOperator for CoupledOperator<'_, D> {
     fn size(&self) -> usize {
         self.system.size()
     }
@@ -65,21 +65,21 @@ impl<const D: usize> LinearOperator for Coupled<'_, D> {
 
     fn apply_dot(&self, x: &[f64], y: &mut [f64]) -> f64 {
         let (body, entries) = (self.body, &self.entries);
-        let give = || {
-            let mut push = vec![0.0; body.freedoms];
-            for (entry, (_, flow)) in entries.iter().zip(&body.flows) {
+        let body_response = || {
+            let mut push = vec![0.0; body.dof_count];
+            for (entry, (_, flow)) in entries.iter().zip(&body.flux_rows) {
                 let Some(entry) = entry else { continue };
                 flow.iter().for_each(|(k, v)| push[*k as usize] += v * x[*entry]);
             }
             (body.solve)(&mut push);
             push
         };
-        let (mut dot, push) = if body.freedoms < APART {
-            (self.system.apply_dot(x, y), give())
+        let (mut dot, push) = if body.dof_count < MIN_PARALLEL_DOFS {
+            (self.system.apply_dot(x, y), body_response())
         } else {
-            rayon::join(|| self.system.apply_dot(x, y), give)
+            rayon::join(|| self.system.apply_dot(x, y), body_response)
         };
-        for ((entry, (_, flow)), porous) in entries.iter().zip(&body.flows).zip(&body.porous) {
+        for ((entry, (_, flow)), porous) in entries.iter().zip(&body.flux_rows).zip(&body.lumped_compliance) {
             let Some(entry) = *entry else { continue };
             let more = flow.iter().map(|(k, v)| v * push[*k as usize]).sum::<f64>() - porous * x[entry];
             y[entry] += more;
@@ -97,7 +97,7 @@ impl<const D: usize> PressureSolver<D> {
     /// As [`solve`](Self::solve), but that `x` may hold an iterate then.
     pub fn solve_coupled(
         &self,
-        bodies: Option<&Compliance<'_>>,
+        bodies: Option<&CoupledBodies<'_>>,
         rhs: &CellField<D>,
         x: &mut CellField<D>,
         limits: (f64, usize),
@@ -105,22 +105,22 @@ impl<const D: usize> PressureSolver<D> {
         let Some(body) = bodies else { return self.solve(rhs, x, limits.0, limits.1) };
         let lattice = rhs.grid.lattice();
         let entry = |cell: u32| self.entry(lattice.coordinates(cell as usize));
-        let translate = |column: &Column| {
+        let translate = |column: &SparseColumn| {
             column.iter().filter_map(|&(cell, v)| entry(cell).map(|e| (e, v))).collect::<Vec<_>>()
         };
-        let feelers: Vec<_> = body.feelers.iter().map(translate).collect();
-        let floats = self.floating_under(&feelers);
-        let entries = body.flows.iter().map(|(cell, _)| entry(*cell)).collect();
-        let coupled = Coupled { system: self, body, entries };
+        let feelers: Vec<_> = body.mean_pressure_probes.iter().map(translate).collect();
+        let floats = self.floating_with_columns(&feelers);
+        let entries = body.flux_rows.iter().map(|(cell, _)| entry(*cell)).collect();
+        let coupled = CoupledOperator { system: self, body, entries };
         // Multigrid alone may go on for as long as it takes to find the exact inverse on the bodies' cells: at most twice the time of
         // whichever of both is faster (ski rental).
         let (tolerance, most) = limits;
         let mut done = 0;
-        if body.wetted.get().is_none() {
-            let first = most.min(body.flows.len().div_ceil(AT_ONCE));
+        if body.subdomain_inverse.get().is_none() {
+            let first = most.min(body.flux_rows.len().div_ceil(BATCH_SPEEDUP));
             let system = (rhs, &mut *x);
             let (limits, multigrid) = ((tolerance, first), self.preconditioner());
-            let report = self.solve_system(&coupled, multigrid, &floats, system, limits, Unfinished::Keep);
+            let report = self.solve_system(&coupled, multigrid, &floats, system, limits, UnconvergedIterate::Keep);
             let slow =
                 matches!(report, Err(SolveError::NotConverged { iterations, .. }) if iterations == first);
             if !slow || first == most {
@@ -128,41 +128,41 @@ impl<const D: usize> PressureSolver<D> {
             }
             done = first;
         }
-        let wetted = body.wetted.get_or_init(|| coupled.wetted(lattice));
+        let subdomain = body.subdomain_inverse.get_or_init(|| coupled.assemble_subdomain_inverse(lattice));
         let limits = (tolerance, most - done);
-        let report = match wetted {
-            Some(wetted) => {
-                let memory = Mutex::new([(); 2].map(|()| vec![0.0; self.size()]));
-                let schwarz = Schwarz { system: self, multigrid: self.preconditioner(), wetted, memory };
-                self.solve_system(&coupled, &schwarz, &floats, (rhs, x), limits, Unfinished::Drop)
+        let report = match subdomain {
+            Some(subdomain) => {
+                let work = Mutex::new([(); 2].map(|()| vec![0.0; self.size()]));
+                let schwarz = Schwarz { system: self, multigrid: self.preconditioner(), subdomain, work };
+                self.solve_system(&coupled, &schwarz, &floats, (rhs, x), limits, UnconvergedIterate::Discard)
             }
             None => {
                 let multigrid = self.preconditioner();
-                self.solve_system(&coupled, multigrid, &floats, (rhs, x), limits, Unfinished::Drop)
+                self.solve_system(&coupled, multigrid, &floats, (rhs, x), limits, UnconvergedIterate::Discard)
             }
         };
         report.map(|report| SolveReport { iterations: report.iterations + done, ..report })
     }
 }
 
-impl<const D: usize> Coupled<'_, D> {
+impl<const D: usize> CoupledOperator<'_, D> {
     /// The exact inverse on the bodies' cells.
-    fn wetted(&self, lattice: Lattice<D>) -> Option<Wetted> {
+    fn assemble_subdomain_inverse(&self, lattice: Lattice<D>) -> Option<SubdomainInverse> {
         let mut cells: BTreeMap<usize, [usize; D]> = BTreeMap::new();
-        for (entry, (cell, _)) in self.entries.iter().zip(&self.body.flows) {
+        for (entry, (cell, _)) in self.entries.iter().zip(&self.body.flux_rows) {
             if let Some(entry) = entry {
                 cells.insert(*entry, lattice.coordinates(*cell as usize));
             }
         }
         let entries: Vec<usize> = cells.keys().copied().collect();
-        let mut matrix = self.of_system(&cells, &entries);
-        self.add_bodies(&entries, &mut matrix);
-        Wetted::new(entries, matrix)
+        let mut matrix = self.subdomain_matrix(&cells, &entries);
+        self.add_compliance(&entries, &mut matrix);
+        SubdomainInverse::new(entries, matrix)
     }
 
     /// The system's entries between cells. `x + 2 y + 3 z` modulo `2 D + 1` is another one for a cell and each of its neighbours: so many
     /// products with the system tell all entries.
-    fn of_system(&self, cells: &BTreeMap<usize, [usize; D]>, entries: &[usize]) -> DMatrix<f64> {
+    fn subdomain_matrix(&self, cells: &BTreeMap<usize, [usize; D]>, entries: &[usize]) -> DMatrix<f64> {
         let colours = 2 * D + 1;
         let colour =
             |at: &[usize; D]| at.iter().enumerate().map(|(a, i)| (a + 1) * i).sum::<usize>() % colours;
@@ -187,16 +187,16 @@ impl<const D: usize> Coupled<'_, D> {
     }
 
     /// Adds what the bodies do to the cells' matrix.
-    fn add_bodies(&self, entries: &[usize], matrix: &mut DMatrix<f64>) {
+    fn add_compliance(&self, entries: &[usize], matrix: &mut DMatrix<f64>) {
         let body = self.body;
         let mut flows: Vec<Vec<(u32, f64)>> = vec![Vec::new(); entries.len()];
-        for ((entry, (_, flow)), porous) in self.entries.iter().zip(&body.flows).zip(&body.porous) {
+        for ((entry, (_, flow)), porous) in self.entries.iter().zip(&body.flux_rows).zip(&body.lumped_compliance) {
             let Some(number) = entry.and_then(|e| entries.binary_search(&e).ok()) else { continue };
             flows[number].extend_from_slice(flow);
             matrix[(number, number)] -= porous;
         }
-        let n = body.freedoms;
-        for (first, some) in (0..).step_by(TOGETHER).zip(flows.chunks(TOGETHER)) {
+        let n = body.dof_count;
+        for (first, some) in (0..).step_by(SOLVES_PER_BATCH).zip(flows.chunks(SOLVES_PER_BATCH)) {
             let mut pushes = vec![0.0; some.len() * n];
             for (push, flow) in pushes.chunks_exact_mut(n).zip(some) {
                 flow.iter().for_each(|(k, v)| push[*k as usize] += v);

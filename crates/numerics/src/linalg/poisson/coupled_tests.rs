@@ -1,4 +1,4 @@
-use super::coupled::{Column, Compliance};
+use super::coupled::{SparseColumn, CoupledBodies};
 use super::solver::PressureSolver;
 use super::tests::{System, slab};
 use nalgebra::{DMatrix, DVector};
@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 fn rigid_solution_matches<const D: usize>(system: &System<D>, scale: f64) {
     let solver = PressureSolver::new(&system.input());
     let (rhs, mut x) = (system.random_field(5), system.random_field(6));
-    let column = |seed: u64| -> Column {
+    let column = |seed: u64| -> SparseColumn {
         let values = system.random_field(seed);
         let every = system.cells().into_iter().step_by(3);
         every.map(|c| (c as u32, scale * values.data[c])).collect()
@@ -16,10 +16,10 @@ fn rigid_solution_matches<const D: usize>(system: &System<D>, scale: f64) {
     let columns = [column(7), column(8), column(9)];
     let flow =
         |(i, (cell, _)): (usize, &(u32, f64))| (*cell, (0..3).map(|k| (k as u32, columns[k][i].1)).collect());
-    let flows: Vec<(u32, Vec<(u32, f64)>)> = columns[0].iter().enumerate().map(flow).collect();
-    let (porous, feelers) = (vec![0.0; flows.len()], columns.to_vec());
+    let flux_rows: Vec<(u32, Vec<(u32, f64)>)> = columns[0].iter().enumerate().map(flow).collect();
+    let (lumped_compliance, mean_pressure_probes) = (vec![0.0; flux_rows.len()], columns.to_vec());
     let body =
-        Compliance { freedoms: 3, flows, porous, solve: Box::new(|_| ()), feelers, wetted: OnceLock::new() };
+        CoupledBodies { dof_count: 3, flux_rows, lumped_compliance, solve: Box::new(|_| ()), mean_pressure_probes, subdomain_inverse: OnceLock::new() };
     let report = solver.solve_coupled(Some(&body), &rhs, &mut x, (1e-11, 400)).unwrap();
     let mut dense = system.dense();
     let cells = system.cells();
@@ -47,41 +47,41 @@ fn rigid_bodies_are_part_of_the_system() {
 fn compliant_solution_matches<const D: usize>(mut system: System<D>, scale: f64) {
     let mut dense = system.dense();
     let cells = system.cells();
-    let (wet, freedoms) = (cells.len().min(40), 12);
+    let (wet, dof_count) = (cells.len().min(40), 12);
     let values = system.random_field(3);
     let flow = |i: usize| {
         let value =
-            |k: usize| (((i + 3 * k) % freedoms) as u32, scale * values.data[cells[(i + 5 * k) % wet]]);
+            |k: usize| (((i + 3 * k) % dof_count) as u32, scale * values.data[cells[(i + 5 * k) % wet]]);
         (cells[i] as u32, (0..3).map(value).collect::<Vec<_>>())
     };
-    let flows: Vec<_> = (0..wet).map(flow).collect();
-    let stiff = DMatrix::from_fn(freedoms, freedoms, |i, j| match i.abs_diff(j) {
+    let flux_rows: Vec<_> = (0..wet).map(flow).collect();
+    let stiff = DMatrix::from_fn(dof_count, dof_count, |i, j| match i.abs_diff(j) {
         0 => 3.0 + i as f64,
         1 => -1.0,
         _ => 0.0,
     });
     let factor = stiff.clone().cholesky().expect("positive definite");
     let solve = |x: &mut [f64]| {
-        for x in x.chunks_exact_mut(freedoms) {
+        for x in x.chunks_exact_mut(dof_count) {
             let solved = factor.solve(&DVector::from_column_slice(x));
             x.copy_from_slice(solved.as_slice());
         }
     };
-    let mut f = DMatrix::zeros(cells.len(), freedoms);
-    for (cell, flow) in &flows {
+    let mut f = DMatrix::zeros(cells.len(), dof_count);
+    for (cell, flow) in &flux_rows {
         let row = cells.binary_search(&(*cell as usize)).unwrap();
         flow.iter().for_each(|(k, v)| f[(row, *k as usize)] += v);
     }
     dense += &f * factor.solve(&f.transpose());
-    let porous: Vec<f64> =
-        flows.iter().map(|(_, flow)| flow.iter().map(|(_, v)| v * v / 3.0).sum()).collect();
-    for ((cell, _), porous) in flows.iter().zip(&porous) {
-        system.dirichlet.data[*cell as usize] += porous;
+    let lumped_compliance: Vec<f64> =
+        flux_rows.iter().map(|(_, flow)| flow.iter().map(|(_, v)| v * v / 3.0).sum()).collect();
+    for ((cell, _), lumped_compliance) in flux_rows.iter().zip(&lumped_compliance) {
+        system.dirichlet.data[*cell as usize] += lumped_compliance;
     }
     let solver = PressureSolver::new(&system.input());
-    let feelers = vec![flows.iter().map(|(cell, _)| (*cell, 1.0)).collect()];
+    let mean_pressure_probes = vec![flux_rows.iter().map(|(cell, _)| (*cell, 1.0)).collect()];
     let soft =
-        Compliance { freedoms, flows, porous, solve: Box::new(solve), feelers, wetted: OnceLock::new() };
+        CoupledBodies { dof_count, flux_rows, lumped_compliance, solve: Box::new(solve), mean_pressure_probes, subdomain_inverse: OnceLock::new() };
     let (rhs, mut x) = (system.random_field(5), system.random_field(6));
     solver.solve_coupled(Some(&soft), &rhs, &mut x, (1e-11, 400)).unwrap();
     let exact = dense.cholesky().expect("positive definite").solve(&system.values(&rhs));

@@ -15,17 +15,17 @@ use std::ops::Range;
 /// Entries of one colour in a block.
 pub(super) const LANES: usize = 8;
 /// Cells of a block.
-pub(super) const CELLS: usize = 2 * LANES;
+pub(super) const BLOCK_CELLS: usize = 2 * LANES;
 /// Longest span of blocks handled at once.
-pub(super) const LONGEST: usize = 64;
+pub(super) const MAX_SPAN_BLOCKS: usize = 64;
 /// Where the zeros stand that replace rows that are not stored.
-pub(super) const ZEROS: u32 = 1;
+pub(super) const ZERO_ENTRY: u32 = 1;
 /// First entry that belongs to a block.
-const FIRST: usize = LONGEST * LANES + 2;
+const FIRST_BLOCK_ENTRY: usize = MAX_SPAN_BLOCKS * LANES + 2;
 
 /// A maximal stretch of stored blocks of one row.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stretch {
+pub(super) struct BlockRun {
     /// Row number.
     pub row: u32,
     /// First block.
@@ -33,9 +33,9 @@ pub(super) struct Stretch {
     /// Number of blocks.
     pub blocks: u32,
     /// Entry of its first cell pair in either half of a vector.
-    pub at: u32,
+    pub entry: u32,
     /// Position of its first block in the list of all stored blocks.
-    pub first: u32,
+    pub first_index: u32,
 }
 
 /// Which blocks are stored, and where.
@@ -44,25 +44,25 @@ pub(super) struct Layout<const D: usize> {
     /// Cells along each axis.
     pub extent: [usize; D],
     /// Stored stretches, by row.
-    pub stretches: Vec<Stretch>,
+    pub block_runs: Vec<BlockRun>,
     /// For each row its first stretch (one more entry than rows).
-    rows: Vec<u32>,
+    row_starts: Vec<u32>,
     /// For each stored block which of its cells are unknowns.
     pub masks: Vec<u16>,
     /// Entries of half a vector.
-    pub half: usize,
+    pub half_length: usize,
 }
 
 impl<const D: usize> Layout<D> {
     /// Stores the given cells of a grid with `extent` cells.
     pub fn new(extent: [usize; D], unknowns: &Runs) -> Self {
         let mut layout = Self::empty(extent);
-        let mut scratch = vec![0_u16; extent[0].div_ceil(CELLS)];
+        let mut scratch = vec![0_u16; extent[0].div_ceil(BLOCK_CELLS)];
         let mut next = 0;
         for row in 0..layout.row_count() {
             let from = next;
             while unknowns.runs.get(next).is_some_and(|run| run.row as usize == row) {
-                mark(&mut scratch, unknowns.runs[next].start as usize, unknowns.runs[next].end as usize);
+                mark_cells(&mut scratch, unknowns.runs[next].start as usize, unknowns.runs[next].end as usize);
                 next += 1;
             }
             layout.close_row(row, &mut scratch, from < next);
@@ -74,14 +74,14 @@ impl<const D: usize> Layout<D> {
     pub fn coarsened(&self) -> Self {
         let extent = self.extent.map(|n| n.div_ceil(2));
         let mut layout = Self::empty(extent);
-        let mut scratch = vec![0_u16; extent[0].div_ceil(CELLS)];
+        let mut scratch = vec![0_u16; extent[0].div_ceil(BLOCK_CELLS)];
         for row in 0..layout.row_count() {
             let mut any = false;
             for child in 0..1 << (D - 1) {
-                for stretch in self.child_row(layout.row_at(row), child).map_or(&[][..], |r| self.of_row(r)) {
+                for stretch in self.child_row(layout.row_coordinates(row), child).map_or(&[][..], |r| self.runs_of_row(r)) {
                     any = true;
                     for b in 0..stretch.blocks {
-                        let half = halved(self.masks[(stretch.first + b) as usize]);
+                        let half = coarsened_mask(self.masks[(stretch.first_index + b) as usize]);
                         let block = (stretch.block + b) as usize;
                         scratch[block / 2] |= half << (LANES * (block % 2));
                     }
@@ -93,9 +93,9 @@ impl<const D: usize> Layout<D> {
     }
 
     fn empty(extent: [usize; D]) -> Self {
-        let rows = Vec::with_capacity(extent[1..].iter().product::<usize>() + 1);
-        let mut layout = Self { extent, stretches: Vec::new(), rows, masks: Vec::new(), half: FIRST };
-        layout.rows.push(0);
+        let row_starts = Vec::with_capacity(extent[1..].iter().product::<usize>() + 1);
+        let mut layout = Self { extent, block_runs: Vec::new(), row_starts, masks: Vec::new(), half_length: FIRST_BLOCK_ENTRY };
+        layout.row_starts.push(0);
         layout
     }
 
@@ -105,28 +105,28 @@ impl<const D: usize> Layout<D> {
         for (block, mask) in scratch.iter_mut().enumerate().take_while(|_| any) {
             if *mask != 0 {
                 if !inside {
-                    let (at, first) = (self.half as u32, self.masks.len() as u32);
-                    self.stretches.push(Stretch {
+                    let (entry, first_index) = (self.half_length as u32, self.masks.len() as u32);
+                    self.block_runs.push(BlockRun {
                         row: row as u32,
                         block: block as u32,
                         blocks: 0,
-                        at,
-                        first,
+                        entry,
+                        first_index,
                     });
                 }
-                if let Some(last) = self.stretches.last_mut() {
+                if let Some(last) = self.block_runs.last_mut() {
                     last.blocks += 1;
                 }
                 self.masks.push(*mask);
-                self.half += LANES;
+                self.half_length += LANES;
             } else if inside {
-                self.half += 1;
+                self.half_length += 1;
             }
             inside = *mask != 0;
             *mask = 0;
         }
-        self.half += usize::from(inside);
-        self.rows.push(self.stretches.len() as u32);
+        self.half_length += usize::from(inside);
+        self.row_starts.push(self.block_runs.len() as u32);
     }
 
     /// Number of rows of the grid.
@@ -135,7 +135,7 @@ impl<const D: usize> Layout<D> {
     }
 
     /// Coordinates of a row (the first is 0).
-    pub fn row_at(&self, mut row: usize) -> [usize; D] {
+    pub fn row_coordinates(&self, mut row: usize) -> [usize; D] {
         let mut at = [0; D];
         for (at, extent) in at.iter_mut().zip(&self.extent).skip(1) {
             *at = row % extent;
@@ -150,8 +150,8 @@ impl<const D: usize> Layout<D> {
     }
 
     /// The stretches of a row.
-    pub fn of_row(&self, row: usize) -> &[Stretch] {
-        &self.stretches[self.rows[row] as usize..self.rows[row + 1] as usize]
+    pub fn runs_of_row(&self, row: usize) -> &[BlockRun] {
+        &self.block_runs[self.row_starts[row] as usize..self.row_starts[row + 1] as usize]
     }
 
     /// Row of this layout that is child number `child` of a row of the coarsened one.
@@ -168,9 +168,9 @@ impl<const D: usize> Layout<D> {
 
     /// Entry and list position of a stored block.
     pub fn find(&self, row: usize, block: usize) -> Option<(u32, usize)> {
-        let stretch = self.of_row(row).iter().find(|s| block < (s.block + s.blocks) as usize)?;
+        let stretch = self.runs_of_row(row).iter().find(|s| block < (s.block + s.blocks) as usize)?;
         let b = block.checked_sub(stretch.block as usize)?;
-        Some((stretch.at + (b * LANES) as u32, stretch.first as usize + b))
+        Some((stretch.entry + (b * LANES) as u32, stretch.first_index as usize + b))
     }
 
     /// Colour of the even cells of a row.
@@ -181,16 +181,16 @@ impl<const D: usize> Layout<D> {
     /// Makes a used buffer ready to hold a vector of `halves` halves: right length, zeros wherever no block
     /// is. The blocks keep whatever they held.
     pub fn prepare<T: Copy + Default>(&self, buffer: &mut Vec<T>, halves: usize) {
-        let length = halves * self.half;
+        let length = halves * self.half_length;
         if buffer.capacity() < length {
             *buffer = vec![T::default(); length];
             return;
         }
         buffer.resize(length, T::default());
-        for half in buffer.chunks_mut(self.half) {
-            half[..FIRST].fill(T::default());
-            for stretch in &self.stretches {
-                half[stretch.at as usize + stretch.blocks as usize * LANES] = T::default();
+        for half in buffer.chunks_mut(self.half_length) {
+            half[..FIRST_BLOCK_ENTRY].fill(T::default());
+            for stretch in &self.block_runs {
+                half[stretch.entry as usize + stretch.blocks as usize * LANES] = T::default();
             }
         }
     }
@@ -200,10 +200,10 @@ impl<const D: usize> Layout<D> {
     pub fn chunks(&self) -> Vec<Range<usize>> {
         let size = (self.masks.len() / 32).max(1024);
         let (mut ranges, mut start, mut blocks) = (Vec::new(), 0, 0);
-        for (i, stretch) in self.stretches.iter().enumerate() {
+        for (i, stretch) in self.block_runs.iter().enumerate() {
             blocks += stretch.blocks as usize;
-            let ends_row = self.stretches.get(i + 1).is_none_or(|next| next.row != stretch.row);
-            if (blocks >= size && ends_row) || i + 1 == self.stretches.len() {
+            let ends_row = self.block_runs.get(i + 1).is_none_or(|next| next.row != stretch.row);
+            if (blocks >= size && ends_row) || i + 1 == self.block_runs.len() {
                 ranges.push(start..i + 1);
                 (start, blocks) = (i + 1, 0);
             }
@@ -213,15 +213,15 @@ impl<const D: usize> Layout<D> {
 }
 
 /// Marks the cells `start..end` of a row in the masks of its blocks.
-fn mark(masks: &mut [u16], start: usize, end: usize) {
-    for (block, mask) in masks.iter_mut().enumerate().take(end.div_ceil(CELLS)).skip(start / CELLS) {
-        let low = start.saturating_sub(block * CELLS).min(CELLS);
-        let high = (end - block * CELLS).min(CELLS);
+fn mark_cells(masks: &mut [u16], start: usize, end: usize) {
+    for (block, mask) in masks.iter_mut().enumerate().take(end.div_ceil(BLOCK_CELLS)).skip(start / BLOCK_CELLS) {
+        let low = start.saturating_sub(block * BLOCK_CELLS).min(BLOCK_CELLS);
+        let high = (end - block * BLOCK_CELLS).min(BLOCK_CELLS);
         *mask |= (((1_u32 << high) - 1) & !((1_u32 << low) - 1)) as u16;
     }
 }
 
 /// The eight pairs of a mask, one bit each.
-fn halved(mask: u16) -> u16 {
+fn coarsened_mask(mask: u16) -> u16 {
     (0..LANES).fold(0, |half, l| half | (u16::from(mask >> (2 * l) & 3 != 0) << l))
 }

@@ -1,6 +1,6 @@
 //! One level of the pressure system: coefficients by spans of blocks, and the loops over them.
 
-use super::layout::{CELLS, LANES, LONGEST, Layout, ZEROS};
+use super::layout::{BLOCK_CELLS, LANES, MAX_SPAN_BLOCKS, Layout, ZERO_ENTRY};
 use rayon::prelude::*;
 use std::ops::{Add, Div, Mul, Range, Sub};
 
@@ -31,13 +31,13 @@ impl Real for f32 {
 
 /// Coefficients of the cells of one colour of a block: toward the lower and upper neighbour along each axis,
 /// then at [`DIAGONAL`] their sum plus the Dirichlet coefficient (1 where the row is empty).
-pub(super) type Pack<T> = [[T; LANES]; 7];
+pub(super) type CoefficientPack<T> = [[T; LANES]; 7];
 /// Where the diagonal stands in a [`Pack`].
 pub(super) const DIAGONAL: usize = 6;
 
 /// The coefficients of a span.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum SpanCoefficients {
     /// All cells and their neighbours are unknowns and all coefficients have this value, Dirichlet ones are
     /// zero.
     Uniform(f64),
@@ -48,11 +48,11 @@ pub(super) enum Kind {
 /// Consecutive blocks of one row whose neighbours are also consecutive in memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Span {
-    pub at: u32,
+    pub entry: u32,
     pub blocks: u32,
     /// Entries of the lower and upper neighbours along axes 1.. .
     pub neighbours: [u32; 4],
-    pub kind: Kind,
+    pub coefficients: SpanCoefficients,
     /// Entry of the parents on the coarser level.
     pub parent: u32,
     /// Colour of the even cells.
@@ -65,24 +65,24 @@ pub(super) struct Span {
 #[derive(Debug, Default)]
 pub(super) struct Chunk {
     /// Stretches it covers.
-    pub stretches: Range<usize>,
+    pub block_runs: Range<usize>,
     /// Entries it covers.
     pub entries: Range<usize>,
     pub spans: Vec<Span>,
     /// Coefficients by colour in double precision (finest level; others only while the hierarchy is built).
-    pub wide: [Vec<Pack<f64>>; 2],
+    pub packs_f64: [Vec<CoefficientPack<f64>>; 2],
     /// Coefficients by colour, scaled, in single precision.
-    pub narrow: [Vec<Pack<f32>>; 2],
+    pub packs_f32: [Vec<CoefficientPack<f32>>; 2],
     /// Dirichlet coefficients beside `wide`, while the hierarchy is built.
     pub dirichlet: [Vec<[f64; LANES]>; 2],
     /// For each block, while the hierarchy is built, what it is.
-    pub kinds: Vec<Kind>,
+    pub block_coefficients: Vec<SpanCoefficients>,
     /// For each block where its children are on the finer level: two blocks of up to four rows.
     pub children: Vec<[u32; 8]>,
 }
 
 /// A stored block while its coefficients are set up.
-pub(super) struct Site<const D: usize> {
+pub(super) struct BlockSite<const D: usize> {
     /// Coordinates of its first cell.
     pub at: [usize; D],
     /// Its number within the row.
@@ -94,18 +94,18 @@ pub(super) struct Site<const D: usize> {
 }
 
 /// Coefficients of a block that is not uniform.
-pub(super) struct General {
-    pub packs: [Pack<f64>; 2],
+pub(super) struct BlockCoefficients {
+    pub packs: [CoefficientPack<f64>; 2],
     pub dirichlet: [[f64; LANES]; 2],
 }
 
-impl General {
+impl BlockCoefficients {
     pub fn new() -> Self {
         Self { packs: [[[0.0; LANES]; 7]; 2], dirichlet: [[0.0; LANES]; 2] }
     }
 
     /// Sets the diagonals from the other coefficients.
-    pub fn close(&mut self) {
+    pub fn set_diagonals(&mut self) {
         for colour in 0..2 {
             for l in 0..LANES {
                 let pack = &mut self.packs[colour];
@@ -119,10 +119,10 @@ impl General {
 
 /// Builds the chunks of a level. `coefficients` gives the value of a uniform block or sets the packs of
 /// another.
-pub(super) fn build<const D: usize>(
+pub(super) fn build_chunks<const D: usize>(
     layout: &Layout<D>,
     coarse: Option<&Layout<D>>,
-    coefficients: impl Fn(&Site<D>, &mut General) -> Option<f64> + Sync,
+    coefficients: impl Fn(&BlockSite<D>, &mut BlockCoefficients) -> Option<f64> + Sync,
 ) -> Vec<Chunk> {
     let ranges = layout.chunks();
     ranges.into_par_iter().map(|range| build_chunk(layout, coarse, range, &coefficients)).collect()
@@ -132,42 +132,42 @@ fn build_chunk<const D: usize>(
     layout: &Layout<D>,
     coarse: Option<&Layout<D>>,
     range: Range<usize>,
-    coefficients: &impl Fn(&Site<D>, &mut General) -> Option<f64>,
+    coefficients: &impl Fn(&BlockSite<D>, &mut BlockCoefficients) -> Option<f64>,
 ) -> Chunk {
-    let stretches = &layout.stretches[range.clone()];
-    let first = stretches.first().map_or(0, |s| s.at as usize);
-    let last = stretches.last().map_or(0, |s| s.at as usize + s.blocks as usize * LANES);
-    let mut chunk = Chunk { stretches: range, entries: first..last, ..Chunk::default() };
+    let stretches = &layout.block_runs[range.clone()];
+    let first = stretches.first().map_or(0, |s| s.entry as usize);
+    let last = stretches.last().map_or(0, |s| s.entry as usize + s.blocks as usize * LANES);
+    let mut chunk = Chunk { block_runs: range, entries: first..last, ..Chunk::default() };
     for stretch in stretches {
         let row = stretch.row as usize;
-        let at = layout.row_at(row);
+        let at = layout.row_coordinates(row);
         let rows = neighbour_rows(layout, row, at);
         for b in 0..stretch.blocks as usize {
             let block = stretch.block as usize + b;
-            let (neighbours, site) = survey(layout, row, at, block, stretch.first as usize + b, &rows);
-            let mut general = General::new();
+            let (neighbours, site) = find_neighbours(layout, row, at, block, stretch.first_index as usize + b, &rows);
+            let mut general = BlockCoefficients::new();
             let kind = match coefficients(&site, &mut general) {
-                Some(value) => Kind::Uniform(value),
+                Some(value) => SpanCoefficients::Uniform(value),
                 None => {
-                    general.close();
+                    general.set_diagonals();
                     for colour in 0..2 {
-                        chunk.wide[colour].push(general.packs[colour]);
+                        chunk.packs_f64[colour].push(general.packs[colour]);
                         chunk.dirichlet[colour].push(general.dirichlet[colour]);
                     }
-                    Kind::General(chunk.wide[0].len() as u32 - 1)
+                    SpanCoefficients::General(chunk.packs_f64[0].len() as u32 - 1)
                 }
             };
-            chunk.kinds.push(kind);
+            chunk.block_coefficients.push(kind);
             let parent_at = at.map(|c| c / 2);
             let parent = coarse
                 .and_then(|c| c.find(c.row(parent_at), block / 2))
                 .map_or(0, |(entry, _)| entry + (block % 2 * LANES / 2) as u32);
-            let entry = stretch.at + (b * LANES) as u32;
+            let entry = stretch.entry + (b * LANES) as u32;
             let parity = Layout::<D>::parity(at) as u8;
             let parent_parity = Layout::<D>::parity(parent_at) as u8;
             push_block(
                 &mut chunk.spans,
-                Span { at: entry, blocks: 1, neighbours, kind, parent, parity, parent_parity },
+                Span { entry, blocks: 1, neighbours, coefficients: kind, parent, parity, parent_parity },
             );
         }
     }
@@ -187,15 +187,15 @@ fn neighbour_rows<const D: usize>(layout: &Layout<D>, row: usize, at: [usize; D]
 }
 
 /// Where the neighbours of a block are, and which are unknowns.
-fn survey<const D: usize>(
+fn find_neighbours<const D: usize>(
     layout: &Layout<D>,
     row: usize,
     at: [usize; D],
     block: usize,
     number: usize,
     rows: &[Option<usize>; 4],
-) -> ([u32; 4], Site<D>) {
-    let mut neighbours = [ZEROS; 4];
+) -> ([u32; 4], BlockSite<D>) {
+    let mut neighbours = [ZERO_ENTRY; 4];
     let mask = layout.masks[number];
     let mut masks = [[0; 2]; D];
     let bit = |block: Option<usize>, bit: u16| {
@@ -209,8 +209,8 @@ fn survey<const D: usize>(
         }
     }
     let mut first = at;
-    first[0] = block * CELLS;
-    (neighbours, Site { at: first, block, mask, neighbour_masks: masks })
+    first[0] = block * BLOCK_CELLS;
+    (neighbours, BlockSite { at: first, block, mask, neighbour_masks: masks })
 }
 
 /// Appends a block to the last span if it continues it, else starts a new one.
@@ -218,16 +218,16 @@ fn push_block(spans: &mut Vec<Span>, block: Span) {
     if let Some(last) = spans.last_mut() {
         let blocks = last.blocks;
         let follows = |a: u32, b: u32| a + blocks * LANES as u32 == b;
-        let same_kind = match (last.kind, block.kind) {
-            (Kind::Uniform(a), Kind::Uniform(b)) => a == b,
-            (Kind::General(a), Kind::General(b)) => a + blocks == b,
+        let same_kind = match (last.coefficients, block.coefficients) {
+            (SpanCoefficients::Uniform(a), SpanCoefficients::Uniform(b)) => a == b,
+            (SpanCoefficients::General(a), SpanCoefficients::General(b)) => a + blocks == b,
             _ => false,
         };
         let neighbours = last.neighbours.iter().zip(&block.neighbours);
         let in_line = neighbours.fold(true, |ok, (a, b)| {
-            ok && ((*a == ZEROS && *b == ZEROS) || (*a != ZEROS && follows(*a, *b)))
+            ok && ((*a == ZERO_ENTRY && *b == ZERO_ENTRY) || (*a != ZERO_ENTRY && follows(*a, *b)))
         });
-        if same_kind && in_line && follows(last.at, block.at) && (blocks as usize) < LONGEST {
+        if same_kind && in_line && follows(last.entry, block.entry) && (blocks as usize) < MAX_SPAN_BLOCKS {
             last.blocks += 1;
             return;
         }
@@ -240,37 +240,37 @@ fn push_block(spans: &mut Vec<Span>, block: Span) {
 pub(super) fn aggregate<const D: usize>(
     fine: &Layout<D>,
     chunks: &[Chunk],
-    kinds: &[(u32, Kind)],
-    site: &Site<D>,
-    general: &mut General,
+    kinds: &[(u32, SpanCoefficients)],
+    site: &BlockSite<D>,
+    general: &mut BlockCoefficients,
 ) -> Option<f64> {
     let parent = std::array::from_fn(|a| if a == 0 { 0 } else { site.at[a] });
     let found = |child: usize, half: usize| {
         let row = fine.child_row(parent, child)?;
         fine.find(row, 2 * site.block + half).map(|(_, number)| (row, kinds[number]))
     };
-    let children: [Option<(usize, (u32, Kind))>; 8] =
+    let children: [Option<(usize, (u32, SpanCoefficients))>; 8] =
         std::array::from_fn(|c| if c < 1 << D { found(c / 2, c % 2) } else { None });
-    if let Some((_, (_, Kind::Uniform(value)))) = children[0]
-        && children[..1 << D].iter().all(|c| matches!(c, Some((_, (_, Kind::Uniform(v)))) if *v == value))
+    if let Some((_, (_, SpanCoefficients::Uniform(value)))) = children[0]
+        && children[..1 << D].iter().all(|c| matches!(c, Some((_, (_, SpanCoefficients::Uniform(v)))) if *v == value))
     {
         return Some(value * (1 << (D - 1)) as f64);
     }
     let coarse_parity = Layout::<D>::parity(site.at);
     for (c, child) in children.iter().enumerate() {
         let Some((row, (chunk, kind))) = child else { continue };
-        let parity = Layout::<D>::parity(fine.row_at(*row));
-        for i in 0..CELLS {
+        let parity = Layout::<D>::parity(fine.row_coordinates(*row));
+        for i in 0..BLOCK_CELLS {
             let (colour, lane) = ((i + parity) % 2, i / 2);
             let target = c % 2 * LANES + lane;
             let (to, to_lane) = ((target + coarse_parity) % 2, target / 2);
             let (value, dirichlet) = match kind {
-                Kind::Uniform(value) => ([*value; DIAGONAL], 0.0),
-                Kind::General(pack) => {
+                SpanCoefficients::Uniform(value) => ([*value; DIAGONAL], 0.0),
+                SpanCoefficients::General(pack) => {
                     let source = &chunks[*chunk as usize];
                     let pack = *pack as usize;
                     (
-                        std::array::from_fn(|k| source.wide[colour][pack][k][lane]),
+                        std::array::from_fn(|k| source.packs_f64[colour][pack][k][lane]),
                         source.dirichlet[colour][pack][lane],
                     )
                 }

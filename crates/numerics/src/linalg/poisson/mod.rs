@@ -15,7 +15,7 @@ mod sweep;
 mod tests;
 mod wetted;
 
-pub use coupled::{Column, Compliance, Solve};
+pub use coupled::{SparseColumn, CoupledBodies, InPlaceSolve};
 pub use input::PoissonInput;
 pub use solver::PressureSolver;
-pub use wetted::Wetted;
+pub use wetted::SubdomainInverse;

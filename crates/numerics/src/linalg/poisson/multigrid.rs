@@ -6,21 +6,21 @@
 //! red-black Gauss-Seidel in one order before and in the reverse order after the correction, which keeps the
 //! V-cycle symmetric. The cycle runs in single precision.
 
-use super::layout::{Layout, ZEROS};
-use super::level::{Chunk, DIAGONAL, General, Kind, Pack, aggregate, build};
+use super::layout::{Layout, ZERO_ENTRY};
+use super::level::{Chunk, DIAGONAL, BlockCoefficients, SpanCoefficients, CoefficientPack, aggregate, build_chunks};
 use super::sweep::{Operands, over_chunks, over_chunks_pair, prolong, restrict, sweep};
 use crate::linalg::operator::Preconditioner;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
 /// Red-black sweeps before and after the coarse-grid correction.
-const SWEEPS: usize = 2;
+const SMOOTHING_SWEEPS: usize = 2;
 /// Over-correction: factor on the coarse-grid correction.
 const OVERCORRECTION: f32 = 2.0;
 /// Sweeps before and after on the coarsest level.
 const COARSEST_SWEEPS: usize = 20;
 /// The coarsest level has at most this many cells along each axis.
-const COARSEST: usize = 8;
+const COARSEST_MAX_CELLS: usize = 8;
 
 /// One level of the hierarchy.
 #[derive(Debug)]
@@ -56,8 +56,8 @@ impl<const D: usize> Hierarchy<D> {
         while let (Some(layout), Some(fine)) = (next.take(), levels.last()) {
             let coarser = coarsened(&layout);
             let mut chunks = {
-                let kinds = kinds(&fine.chunks);
-                build(&layout, coarser.as_ref(), |site, general: &mut General| {
+                let kinds = block_coefficients(&fine.chunks);
+                build_chunks(&layout, coarser.as_ref(), |site, general: &mut BlockCoefficients| {
                     aggregate(&fine.layout, &fine.chunks, &kinds, site, general)
                 })
             };
@@ -65,9 +65,9 @@ impl<const D: usize> Hierarchy<D> {
             levels.push(Level { layout, chunks });
             next = coarser;
         }
-        let scale = 1.0 / largest(&levels[0].chunks);
+        let scale = 1.0 / max_coefficient(&levels[0].chunks);
         for (l, level) in levels.iter_mut().enumerate() {
-            level.chunks.par_iter_mut().for_each(|chunk| finish(chunk, scale, l > 0));
+            level.chunks.par_iter_mut().for_each(|chunk| round_to_single(chunk, scale, l > 0));
         }
         work.resize_with(levels.len(), Workspace::default);
         work.iter_mut().zip(&levels).for_each(|(work, level)| work.prepare(&level.layout));
@@ -79,7 +79,7 @@ impl<const D: usize> Hierarchy<D> {
         self.work.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn cycle(&self, depth: usize, work: &mut [Workspace]) {
+    fn v_cycle(&self, depth: usize, work: &mut [Workspace]) {
         let Some((own, coarser)) = work.split_first_mut() else { return };
         let chunks = &self.levels[depth].chunks;
         let smooth = |own: &mut Workspace, colour: usize| {
@@ -88,13 +88,13 @@ impl<const D: usize> Hierarchy<D> {
                 if colour == 0 { (&mut first[0], &second[0]) } else { (&mut second[0], &first[0]) };
             let b = &own.b[colour];
             over_chunks(chunks, out, |chunk, out| {
-                let packs = &chunk.narrow[colour];
+                let packs = &chunk.packs_f32[colour];
                 let operands = Operands { colour, packs, scale: self.scale, other, own: [b, b] };
                 sweep::<f32, D>(chunk, &operands, out, |row| (row.a + row.sum) * row.inverse);
             });
         };
-        self.start(own, chunks);
-        let sweeps = if coarser.is_empty() { COARSEST_SWEEPS } else { SWEEPS };
+        self.smooth_from_zero(own, chunks);
+        let sweeps = if coarser.is_empty() { COARSEST_SWEEPS } else { SMOOTHING_SWEEPS };
         smooth(own, 1);
         for _ in 1..sweeps {
             smooth(own, 0);
@@ -106,7 +106,7 @@ impl<const D: usize> Hierarchy<D> {
             over_chunks_pair(&self.levels[depth + 1].chunks, [even, odd], |chunk, out| {
                 restrict::<D>(chunk, &own.residual, out);
             });
-            self.cycle(depth + 1, coarser);
+            self.v_cycle(depth + 1, coarser);
             let coarse = &coarser[0].x;
             over_chunks(chunks, &mut own.x[0], |chunk, out| {
                 prolong(chunk, [&coarse[0], &coarse[1]], OVERCORRECTION, out);
@@ -119,10 +119,10 @@ impl<const D: usize> Hierarchy<D> {
     }
 
     /// First half of the first sweep, from zero.
-    fn start(&self, own: &mut Workspace, chunks: &[Chunk]) {
+    fn smooth_from_zero(&self, own: &mut Workspace, chunks: &[Chunk]) {
         let b = &own.b[0];
         over_chunks(chunks, &mut own.x[0], |chunk, out| {
-            let packs = &chunk.narrow[0];
+            let packs = &chunk.packs_f32[0];
             let operands = Operands { colour: 0, packs, scale: self.scale, other: b, own: [b, b] };
             sweep::<f32, D>(chunk, &operands, out, |row| row.a * row.inverse);
         });
@@ -132,7 +132,7 @@ impl<const D: usize> Hierarchy<D> {
     fn residual(&self, own: &mut Workspace, chunks: &[Chunk]) {
         let (x, b) = (&own.x, &own.b);
         over_chunks(chunks, &mut own.residual, |chunk, out| {
-            let packs = &chunk.narrow[0];
+            let packs = &chunk.packs_f32[0];
             let operands =
                 Operands { colour: 0, packs, scale: self.scale, other: &x[1], own: [&b[0], &x[0]] };
             sweep::<f32, D>(chunk, &operands, out, |row| row.a + row.sum - row.diagonal * row.b);
@@ -143,14 +143,14 @@ impl<const D: usize> Hierarchy<D> {
 impl<const D: usize> Preconditioner for Hierarchy<D> {
     fn apply(&self, r: &[f64], z: &mut [f64]) -> f64 {
         let mut work = self.work.lock().unwrap_or_else(PoisonError::into_inner);
-        let half = self.levels[0].layout.half;
+        let half = self.levels[0].layout.half_length;
         let Some(own) = work.first_mut() else { return 0.0 };
         for (b, r) in own.b.iter_mut().zip(r.chunks(half)) {
             over_chunks(&self.levels[0].chunks, b, |chunk, b| {
                 b.iter_mut().zip(&r[chunk.entries.clone()]).for_each(|(b, r)| *b = *r as f32);
             });
         }
-        self.cycle(0, &mut work);
+        self.v_cycle(0, &mut work);
         let mut dot = 0.0;
         for (colour, z) in z.chunks_mut(half).enumerate() {
             let x = &work[0].x[colour];
@@ -175,36 +175,36 @@ impl Workspace {
 
 /// The next layout, unless the given one is the coarsest.
 pub(super) fn coarsened<const D: usize>(layout: &Layout<D>) -> Option<Layout<D>> {
-    layout.extent.iter().any(|n| *n > COARSEST).then(|| layout.coarsened())
+    layout.extent.iter().any(|n| *n > COARSEST_MAX_CELLS).then(|| layout.coarsened())
 }
 
 /// For each block its chunk and what it is.
-fn kinds(chunks: &[Chunk]) -> Vec<(u32, Kind)> {
-    chunks.iter().zip(0..).flat_map(|(chunk, c)| chunk.kinds.iter().map(move |kind| (c, *kind))).collect()
+fn block_coefficients(chunks: &[Chunk]) -> Vec<(u32, SpanCoefficients)> {
+    chunks.iter().zip(0..).flat_map(|(chunk, c)| chunk.block_coefficients.iter().map(move |kind| (c, *kind))).collect()
 }
 
 /// Notes for each block where its children are.
 fn set_children<const D: usize>(chunk: &mut Chunk, layout: &Layout<D>, fine: &Layout<D>) {
-    for stretch in &layout.stretches[chunk.stretches.clone()] {
-        let at = layout.row_at(stretch.row as usize);
+    for stretch in &layout.block_runs[chunk.block_runs.clone()] {
+        let at = layout.row_coordinates(stretch.row as usize);
         for block in stretch.block..stretch.block + stretch.blocks {
             chunk.children.push(std::array::from_fn(|c| {
                 let row = if c < 1 << D { fine.child_row(at, c / 2) } else { None };
                 row.and_then(|row| fine.find(row, 2 * block as usize + c % 2))
-                    .map_or(ZEROS, |(entry, _)| entry)
+                    .map_or(ZERO_ENTRY, |(entry, _)| entry)
             }));
         }
     }
 }
 
 /// The largest diagonal of a level (1 where there is none).
-fn largest(chunks: &[Chunk]) -> f64 {
+fn max_coefficient(chunks: &[Chunk]) -> f64 {
     let of_chunk = |chunk: &Chunk| {
-        let packs = chunk.wide.iter().flatten().zip(chunk.dirichlet.iter().flatten());
+        let packs = chunk.packs_f64.iter().flatten().zip(chunk.dirichlet.iter().flatten());
         let general = packs.flat_map(|(pack, _)| pack[..DIAGONAL].iter().flatten());
-        let uniform = chunk.spans.iter().map(|span| match span.kind {
-            Kind::Uniform(value) => value,
-            Kind::General(_) => 0.0,
+        let uniform = chunk.spans.iter().map(|span| match span.coefficients {
+            SpanCoefficients::Uniform(value) => value,
+            SpanCoefficients::General(_) => 0.0,
         });
         let dirichlet = chunk.dirichlet.iter().flatten().flatten();
         general.chain(dirichlet).copied().chain(uniform).fold(0.0, f64::max)
@@ -214,10 +214,10 @@ fn largest(chunks: &[Chunk]) -> f64 {
 }
 
 /// Rounds the coefficients to single precision and drops what was only needed to build the hierarchy.
-fn finish(chunk: &mut Chunk, scale: f64, coarse: bool) {
+fn round_to_single(chunk: &mut Chunk, scale: f64, coarse: bool) {
     for colour in 0..2 {
-        let rounded = chunk.wide[colour].iter().map(|pack| {
-            let mut out: Pack<f32> = [[0.0; super::layout::LANES]; 7];
+        let rounded = chunk.packs_f64[colour].iter().map(|pack| {
+            let mut out: CoefficientPack<f32> = [[0.0; super::layout::LANES]; 7];
             for (out, wide) in out.as_flattened_mut().iter_mut().zip(pack.as_flattened()) {
                 *out = (wide * scale) as f32;
             }
@@ -227,11 +227,11 @@ fn finish(chunk: &mut Chunk, scale: f64, coarse: bool) {
             }
             out
         });
-        chunk.narrow[colour] = rounded.collect();
+        chunk.packs_f32[colour] = rounded.collect();
         chunk.dirichlet[colour] = Vec::new();
         if coarse {
-            chunk.wide[colour] = Vec::new();
+            chunk.packs_f64[colour] = Vec::new();
         }
     }
-    chunk.kinds = Vec::new();
+    chunk.block_coefficients = Vec::new();
 }

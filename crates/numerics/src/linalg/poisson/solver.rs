@@ -1,12 +1,12 @@
 //! The pressure solver: conjugate gradients with multigrid on the matrix-free `2D + 1`-point system.
 
-use super::connect::connected;
-use super::layout::{CELLS, LANES, Layout};
-use super::level::{Chunk, DIAGONAL, General, Kind, Site, build};
+use super::connect::flux_components;
+use super::layout::{BLOCK_CELLS, LANES, Layout};
+use super::level::{Chunk, DIAGONAL, BlockCoefficients, SpanCoefficients, BlockSite, build_chunks};
 use super::multigrid::{Hierarchy, Level, coarsened};
 use super::sweep::{Operands, over_chunks_pair, sweep_span};
 use crate::grid::{CellField, Grid, Run, Runs};
-use crate::linalg::krylov::conjugate_gradient_in;
+use crate::linalg::krylov::conjugate_gradient_with_workspace;
 use crate::linalg::operator::{LinearOperator, Preconditioner, SolveError, SolveReport};
 use crate::linalg::poisson::PoissonInput;
 use crate::linalg::vectors;
@@ -16,9 +16,9 @@ use std::sync::{Mutex, PoisonError};
 
 /// Whether a solve that did not reach the tolerance returns its last iterate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Unfinished {
+pub(super) enum UnconvergedIterate {
     /// The field stays as it was.
-    Drop,
+    Discard,
     /// The field gets it: another solve goes on from there.
     Keep,
 }
@@ -47,23 +47,23 @@ impl<const D: usize> PressureSolver<D> {
     /// Builds the multigrid hierarchy. Time and memory follow the number of unknowns (plus one word per grid
     /// row).
     pub fn new(input: &PoissonInput<D>) -> Self {
-        Self::in_memory_of(None, input)
+        Self::reusing_memory(None, input)
     }
 
     /// The same in the memory of a solver that is no longer needed, which saves the system from clearing new
     /// pages.
-    pub fn in_memory_of(used: Option<Self>, input: &PoissonInput<D>) -> Self {
+    pub fn reusing_memory(used: Option<Self>, input: &PoissonInput<D>) -> Self {
         let (work, pool) = used.map_or_else(Default::default, |used| (used.hierarchy.into_work(), used.pool));
         let layout = Layout::<D>::new(input.grid.cells, input.unknowns);
         let coarse = coarsened(&layout);
         let severed = AtomicBool::new(false);
         let chunks =
-            build(&layout, coarse.as_ref(), |site, general| assemble(input, site, general, &severed));
+            build_chunks(&layout, coarse.as_ref(), |site, general| assemble(input, site, general, &severed));
         let isolated = isolated(&layout, &chunks);
         let hierarchy = Hierarchy::new(Level { layout, chunks }, coarse, work);
         let mut solver = Self { grid: input.grid, hierarchy, isolated, pool, floating: Vec::new() };
         // Faces without flux may cut components apart that the caller, going by cells, sees as one.
-        let relabelled = severed.into_inner().then(|| connected(input));
+        let relabelled = severed.into_inner().then(|| flux_components(input));
         solver.floating = solver.floating_components(input, relabelled.as_ref().unwrap_or(input.unknowns));
         solver
     }
@@ -104,7 +104,7 @@ impl<const D: usize> PressureSolver<D> {
             &floats,
             (rhs, x),
             (tolerance, max_iterations),
-            Unfinished::Drop,
+            UnconvergedIterate::Discard,
         )
     }
 
@@ -116,7 +116,7 @@ impl<const D: usize> PressureSolver<D> {
         floats: &[usize],
         (rhs, x): (&CellField<D>, &mut CellField<D>),
         limits: (f64, usize),
-        unfinished: Unfinished,
+        unfinished: UnconvergedIterate,
     ) -> Result<SolveReport, SolveError> {
         let mut b = self.take();
         self.gather_into(&rhs.data, &mut b);
@@ -125,9 +125,9 @@ impl<const D: usize> PressureSolver<D> {
         self.gather_into(&x.data, &mut solution);
         self.project_on(floats, &mut solution);
         let mut work = [(); 3].map(|()| self.take());
-        let report = conjugate_gradient_in(operator, preconditioner, &b, &mut solution, limits, &mut work);
+        let report = conjugate_gradient_with_workspace(operator, preconditioner, &b, &mut solution, limits, &mut work);
         let iterate =
-            unfinished == Unfinished::Keep && matches!(report, Err(SolveError::NotConverged { .. }));
+            unfinished == UnconvergedIterate::Keep && matches!(report, Err(SolveError::NotConverged { .. }));
         if report.is_ok() || iterate {
             self.project_on(floats, &mut solution);
             self.scatter(&solution, &mut x.data);
@@ -158,10 +158,10 @@ impl<const D: usize> PressureSolver<D> {
     /// Entry of an unknown cell (by its coordinates) in the vectors of this solver.
     pub fn entry(&self, cell: [usize; D]) -> Option<usize> {
         let layout = &self.finest().layout;
-        let (at, number) = layout.find(layout.row(cell), cell[0] / CELLS)?;
-        let i = cell[0] % CELLS;
+        let (at, number) = layout.find(layout.row(cell), cell[0] / BLOCK_CELLS)?;
+        let i = cell[0] % BLOCK_CELLS;
         let known = layout.masks[number] >> i & 1 == 1;
-        known.then(|| (i + Layout::<D>::parity(cell)) % 2 * layout.half + at as usize + i / 2)
+        known.then(|| (i + Layout::<D>::parity(cell)) % 2 * layout.half_length + at as usize + i / 2)
     }
 
     /// The vector of the unknowns of a dense cell-indexed field.
@@ -173,7 +173,7 @@ impl<const D: usize> PressureSolver<D> {
 
     fn gather_into(&self, field: &[f64], vector: &mut [f64]) {
         let Level { layout, chunks } = self.finest();
-        let (first, second) = vector.split_at_mut(layout.half);
+        let (first, second) = vector.split_at_mut(layout.half_length);
         over_chunks_pair(chunks, [first, second], |chunk, out| {
             let [first, second] = out;
             self.for_each_block(chunk, |start, mask, at, parity| {
@@ -181,11 +181,11 @@ impl<const D: usize> PressureSolver<D> {
                 let (first, second) = (&mut first[at.clone()], &mut second[at]);
                 let (even, odd) = if parity == 0 { (first, second) } else { (second, first) };
                 if mask == u16::MAX {
-                    for (l, pair) in field[start..start + CELLS].as_chunks::<2>().0.iter().enumerate() {
+                    for (l, pair) in field[start..start + BLOCK_CELLS].as_chunks::<2>().0.iter().enumerate() {
                         (even[l], odd[l]) = (pair[0], pair[1]);
                     }
                 } else {
-                    for i in 0..CELLS {
+                    for i in 0..BLOCK_CELLS {
                         let value = if mask >> i & 1 == 1 { field[start + i] } else { 0.0 };
                         *(if i % 2 == 0 { &mut even[i / 2] } else { &mut odd[i / 2] }) = value;
                     }
@@ -201,7 +201,7 @@ impl<const D: usize> PressureSolver<D> {
         let (mut rest, mut done) = (field, 0);
         let mut jobs = Vec::with_capacity(chunks.len());
         for chunk in chunks {
-            let Some(last) = layout.stretches[chunk.stretches.clone()].last() else { continue };
+            let Some(last) = layout.block_runs[chunk.block_runs.clone()].last() else { continue };
             let (part, tail) = rest.split_at_mut((last.row as usize + 1) * row - done);
             jobs.push((chunk, done, part));
             (rest, done) = (tail, (last.row as usize + 1) * row);
@@ -209,16 +209,16 @@ impl<const D: usize> PressureSolver<D> {
         jobs.into_par_iter().for_each(|(chunk, offset, part)| {
             self.for_each_block(chunk, |start, mask, at, parity| {
                 let (first, second) =
-                    (&vector[at..at + LANES], &vector[layout.half + at..layout.half + at + LANES]);
+                    (&vector[at..at + LANES], &vector[layout.half_length + at..layout.half_length + at + LANES]);
                 let (even, odd) = if parity == 0 { (first, second) } else { (second, first) };
                 let start = start - offset;
                 if mask == u16::MAX {
-                    for (l, pair) in part[start..start + CELLS].as_chunks_mut::<2>().0.iter_mut().enumerate()
+                    for (l, pair) in part[start..start + BLOCK_CELLS].as_chunks_mut::<2>().0.iter_mut().enumerate()
                     {
                         *pair = [even[l], odd[l]];
                     }
                 } else {
-                    (0..CELLS).filter(|i| mask >> i & 1 == 1).for_each(|i| {
+                    (0..BLOCK_CELLS).filter(|i| mask >> i & 1 == 1).for_each(|i| {
                         part[start + i] = if i % 2 == 0 { even[i / 2] } else { odd[i / 2] };
                     });
                 }
@@ -228,16 +228,16 @@ impl<const D: usize> PressureSolver<D> {
 
     /// The diagonal of the matrix (1 at entries that belong to no unknown and at isolated cells).
     pub fn diagonal(&self) -> Vec<f64> {
-        let half = self.finest().layout.half;
+        let half = self.finest().layout.half_length;
         let mut diagonal = vec![1.0; 2 * half];
         for chunk in &self.finest().chunks {
             for span in &chunk.spans {
                 for (colour, part) in diagonal.chunks_mut(half).enumerate() {
-                    let part = &mut part[span.at as usize..span.at as usize + span.blocks as usize * LANES];
-                    match span.kind {
-                        Kind::Uniform(value) => part.fill(value * (2 * D) as f64),
-                        Kind::General(pack) => {
-                            let packs = &chunk.wide[colour][pack as usize..];
+                    let part = &mut part[span.entry as usize..span.entry as usize + span.blocks as usize * LANES];
+                    match span.coefficients {
+                        SpanCoefficients::Uniform(value) => part.fill(value * (2 * D) as f64),
+                        SpanCoefficients::General(pack) => {
+                            let packs = &chunk.packs_f64[colour][pack as usize..];
                             part.chunks_mut(LANES)
                                 .zip(packs)
                                 .for_each(|(d, p)| d.copy_from_slice(&p[DIAGONAL]));
@@ -271,7 +271,7 @@ impl<const D: usize> PressureSolver<D> {
     }
 
     /// The floating components on which no column (entries and values) feels a constant.
-    pub(super) fn floating_under(&self, columns: &[Vec<(usize, f64)>]) -> Vec<usize> {
+    pub(super) fn floating_with_columns(&self, columns: &[Vec<(usize, f64)>]) -> Vec<usize> {
         let blind = |floating: &&usize| {
             let runs = self.floating[**floating].0.iter();
             let mut ranges: Vec<_> =
@@ -298,12 +298,12 @@ impl<const D: usize> PressureSolver<D> {
     /// Calls `f` with the first cell, the mask, the entry and the colour of the even cells of every block.
     fn for_each_block(&self, chunk: &Chunk, mut f: impl FnMut(usize, u16, usize, usize)) {
         let layout = &self.finest().layout;
-        for stretch in &layout.stretches[chunk.stretches.clone()] {
-            let parity = Layout::<D>::parity(layout.row_at(stretch.row as usize));
+        for stretch in &layout.block_runs[chunk.block_runs.clone()] {
+            let parity = Layout::<D>::parity(layout.row_coordinates(stretch.row as usize));
             for b in 0..stretch.blocks as usize {
-                let mask = layout.masks[stretch.first as usize + b];
-                let cell = stretch.row as usize * layout.extent[0] + (stretch.block as usize + b) * CELLS;
-                f(cell, mask, stretch.at as usize + b * LANES, parity);
+                let mask = layout.masks[stretch.first_index as usize + b];
+                let cell = stretch.row as usize * layout.extent[0] + (stretch.block as usize + b) * BLOCK_CELLS;
+                f(cell, mask, stretch.entry as usize + b * LANES, parity);
             }
         }
     }
@@ -312,27 +312,27 @@ impl<const D: usize> PressureSolver<D> {
     fn run_entries(&self, run: &Run) -> [std::ops::Range<usize>; 2] {
         let layout = &self.finest().layout;
         let (row, start, end) = (run.row as usize, run.start as usize, run.end as usize);
-        let Some((entry, _)) = layout.find(row, start / CELLS) else { return [0..0, 0..0] };
-        let parity = Layout::<D>::parity(layout.row_at(row));
+        let Some((entry, _)) = layout.find(row, start / BLOCK_CELLS) else { return [0..0, 0..0] };
+        let parity = Layout::<D>::parity(layout.row_coordinates(row));
         std::array::from_fn(|odd| {
-            let shift = (odd + parity) % 2 * layout.half + entry as usize - start / CELLS * LANES;
+            let shift = (odd + parity) % 2 * layout.half_length + entry as usize - start / BLOCK_CELLS * LANES;
             shift + (start + 1 - odd) / 2..shift + (end + 1 - odd) / 2
         })
     }
 
     /// The components without Dirichlet values.
     fn floating_components(&self, input: &PoissonInput<D>, unknowns: &Runs) -> Vec<(Vec<Run>, usize)> {
-        let mut held = vec![false; unknowns.components as usize];
+        let mut has_dirichlet = vec![false; unknowns.components as usize];
         for run in &unknowns.runs {
             let row = run.row as usize * self.grid.cells[0];
             let cells = row + run.start as usize..row + run.end as usize;
-            if !held[run.component as usize] && input.dirichlet.data[cells].iter().any(|d| *d > 0.0) {
-                held[run.component as usize] = true;
+            if !has_dirichlet[run.component as usize] && input.dirichlet.data[cells].iter().any(|d| *d > 0.0) {
+                has_dirichlet[run.component as usize] = true;
             }
         }
-        let mut slot = vec![usize::MAX; held.len()];
+        let mut slot = vec![usize::MAX; has_dirichlet.len()];
         let mut floating = Vec::new();
-        for run in unknowns.runs.iter().filter(|run| !held[run.component as usize]) {
+        for run in unknowns.runs.iter().filter(|run| !has_dirichlet[run.component as usize]) {
             let slot = &mut slot[run.component as usize];
             if *slot == usize::MAX {
                 *slot = floating.len();
@@ -351,7 +351,7 @@ impl<const D: usize> PressureSolver<D> {
 
 impl<const D: usize> LinearOperator for PressureSolver<D> {
     fn size(&self) -> usize {
-        2 * self.finest().layout.half
+        2 * self.finest().layout.half_length
     }
 
     fn apply(&self, x: &[f64], y: &mut [f64]) {
@@ -360,18 +360,18 @@ impl<const D: usize> LinearOperator for PressureSolver<D> {
 
     fn apply_dot(&self, x: &[f64], y: &mut [f64]) -> f64 {
         let Level { layout, chunks } = self.finest();
-        let (x0, x1) = x.split_at(layout.half);
-        let (y0, y1) = y.split_at_mut(layout.half);
+        let (x0, x1) = x.split_at(layout.half_length);
+        let (y0, y1) = y.split_at_mut(layout.half_length);
         let parts = over_chunks_pair(chunks, [y0, y1], |chunk, out| {
             let mut sums = [0.0; LANES];
             let [y0, y1] = out;
             for span in &chunk.spans {
-                let range = span.at as usize..span.at as usize + span.blocks as usize * LANES;
+                let range = span.entry as usize..span.entry as usize + span.blocks as usize * LANES;
                 let local = range.start - chunk.entries.start..range.end - chunk.entries.start;
                 for colour in 0..2 {
                     let (own, other) = if colour == 0 { (x0, x1) } else { (x1, x0) };
                     let out = if colour == 0 { &mut y0[local.clone()] } else { &mut y1[local.clone()] };
-                    let packs = &chunk.wide[colour];
+                    let packs = &chunk.packs_f64[colour];
                     let operands = Operands { colour, packs, scale: 1.0, other, own: [own, own] };
                     sweep_span::<f64, D>(span, &operands, out, |row| row.diagonal * row.a - row.sum);
                     vectors::dot_lanes(out, &own[range.clone()], &mut sums);
@@ -387,13 +387,13 @@ impl<const D: usize> LinearOperator for PressureSolver<D> {
 /// `severed` whether one between two unknowns is zero.
 fn assemble<const D: usize>(
     input: &PoissonInput<D>,
-    site: &Site<D>,
-    general: &mut General,
+    site: &BlockSite<D>,
+    general: &mut BlockCoefficients,
     severed: &AtomicBool,
 ) -> Option<f64> {
     let cell = input.grid.lattice().index(site.at);
     let faces: [(usize, usize); D] = std::array::from_fn(|a| {
-        let lattice = input.grid.faces(a);
+        let lattice = input.grid.face_lattice(a);
         (lattice.index(site.at), lattice.stride[a])
     });
     let full = site.neighbour_masks.as_flattened().iter().fold(site.mask, |all, mask| all & mask) == u16::MAX;
@@ -401,18 +401,18 @@ fn assemble<const D: usize>(
         let value = input.coefficients.axes[0][faces[0].0];
         let same = |values: &[f64]| values.iter().fold(true, |ok, v| ok & (*v == value));
         let uniform = value > 0.0
-            && input.dirichlet.data[cell..cell + CELLS].iter().fold(true, |ok, d| ok & (*d == 0.0))
+            && input.dirichlet.data[cell..cell + BLOCK_CELLS].iter().fold(true, |ok, d| ok & (*d == 0.0))
             && (0..D).all(|a| {
                 let (face, stride) = faces[a];
                 let data = &input.coefficients.axes[a];
-                same(&data[face..face + CELLS]) && same(&data[face + stride..face + stride + CELLS])
+                same(&data[face..face + BLOCK_CELLS]) && same(&data[face + stride..face + stride + BLOCK_CELLS])
             });
         if uniform {
             return Some(value);
         }
     }
     let parity = Layout::<D>::parity(site.at);
-    for i in (0..CELLS).filter(|i| site.mask >> i & 1 == 1) {
+    for i in (0..BLOCK_CELLS).filter(|i| site.mask >> i & 1 == 1) {
         let (colour, lane) = ((i + parity) % 2, i / 2);
         for (a, (face, stride)) in faces.into_iter().enumerate() {
             for side in (0..2).filter(|side| site.neighbour_masks[a][*side] >> i & 1 == 1) {
@@ -432,18 +432,18 @@ fn assemble<const D: usize>(
 fn isolated<const D: usize>(layout: &Layout<D>, chunks: &[Chunk]) -> Vec<usize> {
     let mut entries = Vec::new();
     for chunk in chunks {
-        let mut kinds = chunk.kinds.iter();
-        for stretch in &layout.stretches[chunk.stretches.clone()] {
-            let parity = Layout::<D>::parity(layout.row_at(stretch.row as usize));
+        let mut kinds = chunk.block_coefficients.iter();
+        for stretch in &layout.block_runs[chunk.block_runs.clone()] {
+            let parity = Layout::<D>::parity(layout.row_coordinates(stretch.row as usize));
             for b in 0..stretch.blocks as usize {
-                let Some(Kind::General(pack)) = kinds.next() else { continue };
-                let mask = layout.masks[stretch.first as usize + b];
-                for i in (0..CELLS).filter(|i| mask >> i & 1 == 1) {
+                let Some(SpanCoefficients::General(pack)) = kinds.next() else { continue };
+                let mask = layout.masks[stretch.first_index as usize + b];
+                for i in (0..BLOCK_CELLS).filter(|i| mask >> i & 1 == 1) {
                     let (colour, lane) = ((i + parity) % 2, i / 2);
-                    let wide = &chunk.wide[colour][*pack as usize];
+                    let wide = &chunk.packs_f64[colour][*pack as usize];
                     let empty = (0..DIAGONAL).all(|k| wide[k][lane] == 0.0);
                     if empty && chunk.dirichlet[colour][*pack as usize][lane] == 0.0 {
-                        entries.push(colour * layout.half + stretch.at as usize + b * LANES + lane);
+                        entries.push(colour * layout.half_length + stretch.entry as usize + b * LANES + lane);
                     }
                 }
             }

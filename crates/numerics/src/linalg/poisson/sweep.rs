@@ -1,7 +1,7 @@
 //! The loops over a level.
 
 use super::layout::LANES;
-use super::level::{Chunk, DIAGONAL, Kind, Pack, Real, Span};
+use super::level::{Chunk, DIAGONAL, SpanCoefficients, CoefficientPack, Real, Span};
 use rayon::prelude::*;
 
 /// Runs `work` on every chunk together with the entries of `out` that belong to it; returns the results in
@@ -47,7 +47,7 @@ pub(super) fn over_chunks_pair<T: Send, R: Send>(
 
 /// What one entry of a sweep is made from.
 #[derive(Clone, Copy)]
-pub(super) struct Row<T> {
+pub(super) struct StencilRow<T> {
     /// Entry of the first array passed in.
     pub a: T,
     /// Entry of the second one.
@@ -64,7 +64,7 @@ pub(super) struct Row<T> {
 pub(super) struct Operands<'a, T> {
     pub colour: usize,
     /// The coefficients.
-    pub packs: &'a [Pack<T>],
+    pub packs: &'a [CoefficientPack<T>],
     /// Scale of the coefficients of uniform spans.
     pub scale: f64,
     /// Values at the cells of the other colour.
@@ -79,10 +79,10 @@ pub(super) fn sweep<T: Real, const D: usize>(
     chunk: &Chunk,
     operands: &Operands<T>,
     out: &mut [T],
-    f: impl Fn(Row<T>) -> T + Copy,
+    f: impl Fn(StencilRow<T>) -> T + Copy,
 ) {
     for span in &chunk.spans {
-        let start = span.at as usize - chunk.entries.start;
+        let start = span.entry as usize - chunk.entries.start;
         sweep_span::<T, D>(span, operands, &mut out[start..start + span.blocks as usize * LANES], f);
     }
 }
@@ -93,20 +93,20 @@ pub(super) fn sweep_span<T: Real, const D: usize>(
     span: &Span,
     operands: &Operands<T>,
     out: &mut [T],
-    f: impl Fn(Row<T>) -> T + Copy,
+    f: impl Fn(StencilRow<T>) -> T + Copy,
 ) {
-    match span.kind {
-        Kind::Uniform(value) => uniform::<T, D>(span, operands, value * operands.scale, out, f),
-        Kind::General(pack) => general::<T, D>(span, operands, pack as usize, out, f),
+    match span.coefficients {
+        SpanCoefficients::Uniform(value) => sweep_uniform::<T, D>(span, operands, value * operands.scale, out, f),
+        SpanCoefficients::General(pack) => sweep_general::<T, D>(span, operands, pack as usize, out, f),
     }
 }
 
 /// The neighbours of a span: along its row, then along the other axes.
 #[inline(always)]
-fn streams<'a, T, const D: usize>(span: &Span, operands: &Operands<'a, T>) -> [&'a [T]; 6] {
+fn neighbour_slices<'a, T, const D: usize>(span: &Span, operands: &Operands<'a, T>) -> [&'a [T]; 6] {
     let n = span.blocks as usize * LANES;
     let odd = operands.colour ^ span.parity as usize;
-    let left = span.at as usize + odd - 1;
+    let left = span.entry as usize + odd - 1;
     std::array::from_fn(|k| match k {
         0 => &operands.other[left..left + n],
         1 => &operands.other[left + 1..left + 1 + n],
@@ -116,17 +116,17 @@ fn streams<'a, T, const D: usize>(span: &Span, operands: &Operands<'a, T>) -> [&
 }
 
 #[inline(always)]
-fn uniform<T: Real, const D: usize>(
+fn sweep_uniform<T: Real, const D: usize>(
     span: &Span,
     operands: &Operands<T>,
     value: f64,
     out: &mut [T],
-    f: impl Fn(Row<T>) -> T,
+    f: impl Fn(StencilRow<T>) -> T,
 ) {
     let blocks = out.len() / LANES;
     let [x0, x1, y0, y1, z0, z1] =
-        streams::<T, D>(span, operands).map(|s| &s.as_chunks::<LANES>().0[..blocks]);
-    let at = span.at as usize;
+        neighbour_slices::<T, D>(span, operands).map(|s| &s.as_chunks::<LANES>().0[..blocks]);
+    let at = span.entry as usize;
     let [a, b] = operands.own.map(|own| &own[at..].as_chunks::<LANES>().0[..blocks]);
     let out = &mut out.as_chunks_mut::<LANES>().0[..blocks];
     let c = T::from_f64(value);
@@ -141,25 +141,25 @@ fn uniform<T: Real, const D: usize>(
             if D == 3 {
                 sum = sum + (z0[j][l] + z1[j][l]);
             }
-            values[l] = f(Row { a: a[j][l], b: b[j][l], sum: c * sum, diagonal, inverse });
+            values[l] = f(StencilRow { a: a[j][l], b: b[j][l], sum: c * sum, diagonal, inverse });
         }
         out[j] = values;
     }
 }
 
 #[inline(always)]
-fn general<T: Real, const D: usize>(
+fn sweep_general<T: Real, const D: usize>(
     span: &Span,
     operands: &Operands<T>,
     pack: usize,
     out: &mut [T],
-    f: impl Fn(Row<T>) -> T,
+    f: impl Fn(StencilRow<T>) -> T,
 ) {
     let n = out.len();
     let blocks = n / LANES;
     let [x0, x1, y0, y1, z0, z1] =
-        streams::<T, D>(span, operands).map(|s| &s.as_chunks::<LANES>().0[..blocks]);
-    let at = span.at as usize;
+        neighbour_slices::<T, D>(span, operands).map(|s| &s.as_chunks::<LANES>().0[..blocks]);
+    let at = span.entry as usize;
     let [a, b] = operands.own.map(|own| &own[at..].as_chunks::<LANES>().0[..blocks]);
     let packs = &operands.packs[pack..pack + blocks];
     let out = &mut out.as_chunks_mut::<LANES>().0[..blocks];
@@ -176,7 +176,7 @@ fn general<T: Real, const D: usize>(
             }
             let diagonal = c[DIAGONAL][l];
             let inverse = T::from_f64(1.0) / diagonal;
-            values[l] = f(Row { a: a[j][l], b: b[j][l], sum, diagonal, inverse });
+            values[l] = f(StencilRow { a: a[j][l], b: b[j][l], sum, diagonal, inverse });
         }
         out[j] = values;
     }
@@ -188,7 +188,7 @@ pub(super) fn restrict<const D: usize>(chunk: &Chunk, fine: &[f32], out: [&mut [
     let [even_out, odd_out] = out;
     let mut block = 0;
     for span in &chunk.spans {
-        let start = span.at as usize - chunk.entries.start;
+        let start = span.entry as usize - chunk.entries.start;
         for b in 0..span.blocks as usize {
             let children = &chunk.children[block];
             block += 1;
@@ -215,7 +215,7 @@ pub(super) fn restrict<const D: usize>(chunk: &Chunk, fine: &[f32], out: [&mut [
 pub(super) fn prolong(chunk: &Chunk, coarse: [&[f32]; 2], factor: f32, out: &mut [f32]) {
     for span in &chunk.spans {
         let n = span.blocks as usize * LANES;
-        let start = span.at as usize - chunk.entries.start;
+        let start = span.entry as usize - chunk.entries.start;
         let parent = span.parent as usize..span.parent as usize + n / 2;
         let colour = span.parent_parity as usize;
         let (even, odd) = (&coarse[colour][parent.clone()], &coarse[1 - colour][parent]);

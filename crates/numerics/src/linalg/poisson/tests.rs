@@ -121,7 +121,7 @@ impl<const D: usize> System<D> {
     }
 
     pub fn values(&self, field: &CellField<D>) -> DVector<f64> {
-        DVector::from_iterator(self.unknowns.cells(), self.cells().iter().map(|c| field.data[*c]))
+        DVector::from_iterator(self.unknowns.cell_count(), self.cells().iter().map(|c| field.data[*c]))
     }
 }
 
@@ -130,13 +130,13 @@ fn neighbours<const D: usize>(grid: &Grid<D>, cell: usize) -> Vec<(usize, usize,
     let at = grid.lattice().coordinates(cell);
     let mut found = Vec::new();
     for a in 0..D {
-        let face = grid.faces(a).index(at);
+        let face = grid.face_lattice(a).index(at);
         let stride = grid.lattice().stride[a];
         if at[a] > 0 {
             found.push((cell - stride, a, face, false));
         }
         if at[a] + 1 < grid.cells[a] {
-            found.push((cell + stride, a, face + grid.faces(a).stride[a], true));
+            found.push((cell + stride, a, face + grid.face_lattice(a).stride[a], true));
         }
     }
     found
@@ -283,7 +283,7 @@ fn pocket_behind_faces_without_flux() {
     for axis in 0..3 {
         let held = |at: [usize; 3]| f64::from(u8::from(at[axis] == 0));
         let mut system = System::new([20, 9, 7], |_| true, || 1.0, held);
-        let faces = system.grid.faces(axis);
+        let faces = system.grid.face_lattice(axis);
         let cut = |face: usize| faces.coordinates(face)[axis] == 4;
         let zeros = (0..faces.len()).filter(|face| cut(*face));
         zeros.for_each(|face| system.coefficients.axes[axis][face] = 0.0);
@@ -384,7 +384,7 @@ fn used_memory_leaves_no_trace() {
         used.solve(&first.random_field(2), &mut x, 1e-3, 50).ok();
         let fresh = solve(&PressureSolver::new(&second.input()));
         assert!(fresh.is_ok());
-        assert_eq!(fresh, solve(&PressureSolver::in_memory_of(Some(used), &second.input())));
+        assert_eq!(fresh, solve(&PressureSolver::reusing_memory(Some(used), &second.input())));
     }
 }
 

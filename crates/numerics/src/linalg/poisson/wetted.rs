@@ -17,13 +17,13 @@ use std::sync::Mutex;
 
 /// The exact inverse on the bodies' cells.
 #[derive(Debug)]
-pub struct Wetted {
+pub struct SubdomainInverse {
     /// Entries of the cells, sorted.
     entries: Vec<usize>,
     factor: Cholesky<f64, Dyn>,
 }
 
-impl Wetted {
+impl SubdomainInverse {
     /// Of a matrix on the cells' entries; nothing where it is not positive definite, as where all cells of a component without a free
     /// surface are among them.
     pub fn new(entries: Vec<usize>, matrix: DMatrix<f64>) -> Option<Self> {
@@ -44,16 +44,16 @@ pub struct Schwarz<'a, S, M> {
     /// Multigrid on it.
     pub multigrid: &'a M,
     /// The exact inverse.
-    pub wetted: &'a Wetted,
+    pub subdomain: &'a SubdomainInverse,
     /// Two vectors of the system, whose entries that are no unknowns are zero.
-    pub memory: Mutex<[Vec<f64>; 2]>,
+    pub work: Mutex<[Vec<f64>; 2]>,
 }
 
 impl<S: LinearOperator, M: Preconditioner> Preconditioner for Schwarz<'_, S, M> {
     fn apply(&self, r: &[f64], z: &mut [f64]) -> f64 {
-        let mut memory = self.memory.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut memory = self.work.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let [first, second] = &mut *memory;
-        let (wetted, entries) = (self.wetted, &self.wetted.entries);
+        let (wetted, entries) = (self.subdomain, &self.subdomain.entries);
         // The residual of the cells without bodies after those with bodies are solved for.
         let alone = wetted.solve(|e| r[e]);
         first.fill(0.0);

@@ -69,7 +69,7 @@ pub enum ImportError {
         "{}: the surface passes through itself, or lies on itself, near {at:?}; mend it (Blender: Boolean union, \
          or 3D-Print Toolbox, Make Manifold)", path.display()
     )]
-    Crossing {
+    SelfIntersection {
         /// The file.
         path: PathBuf,
         /// Where, in the file's coordinates.
@@ -187,7 +187,7 @@ fn from_raw<const D: usize>(
     if D == 2 {
         orient_loops(&mut mesh);
     }
-    check(path, &mesh)?;
+    check_closed(path, &mesh)?;
     let (lower, upper) = mesh.bounds();
     let least = 1e-14 * (upper - lower).norm().powi(D as i32 - 1);
     let thin: Vec<usize> = (0..mesh.facets.len()).filter(|f| mesh.area_vector(*f).norm() <= least).collect();
@@ -244,7 +244,7 @@ pub fn weld<const D: usize>(mesh: &SurfaceMesh<D>, tolerance: f64) -> SurfaceMes
 }
 
 /// Whether each ridge bounds an even number of facets, half of them in each direction.
-fn check<const D: usize>(path: &Path, mesh: &SurfaceMesh<D>) -> Result<(), ImportError> {
+fn check_closed<const D: usize>(path: &Path, mesh: &SurfaceMesh<D>) -> Result<(), ImportError> {
     let near = |v: u32| mesh.positions[v as usize].as_slice().to_vec();
     let ridges = mesh.ridges();
     let odd = |c: &&[([u32; 2], i32)]| c.len() % 2 == 1;
@@ -291,7 +291,7 @@ fn orient_loops<const D: usize>(mesh: &mut SurfaceMesh<D>) {
         }
     }
     loops.iter_mut().filter(|l| l.volume() < 0.0).for_each(SurfaceMesh::flip);
-    let trees: Vec<_> = loops.iter().map(crate::mesh::tree::FacetTree::new).collect();
+    let trees: Vec<_> = loops.iter().map(crate::mesh::tree::FacetBvh::new).collect();
     mesh.facets.clear();
     for (i, l) in loops.iter_mut().enumerate() {
         let c = l.corners(0);

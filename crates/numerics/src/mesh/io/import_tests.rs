@@ -72,7 +72,7 @@ fn mesh_import_of_outlines() {
     let mesh = load::<2>(&file("rings.obj", text.as_bytes())).unwrap();
     assert!(mesh.is_watertight());
     assert!((mesh.volume() - (36.0 - 16.0 + 4.0)).abs() < 1e-13);
-    let tree = crate::mesh::FacetTree::new(&mesh);
+    let tree = crate::mesh::FacetBvh::new(&mesh);
     for (x, inside) in [(0.5, true), (1.5, false), (2.5, true), (3.5, false)] {
         assert_eq!(tree.signed_distance(&Vector::from([x, 0.1])), if inside { -0.5 } else { 0.5 });
     }

@@ -11,41 +11,41 @@ use crate::Vector;
 use crate::grid::CellField;
 
 /// Projection steps onto the zero set.
-const STEPS: usize = 2;
+const PROJECTION_STEPS: usize = 2;
 
 /// Position (m) and kind of the vertex of the cube between the cells `at - 1` and `at`; bit `Σ_a o_a 2^a` of
 /// `corners` tells whether its corner `o` is liquid.
-pub(super) fn place<const D: usize>(phi: &CellField<D>, at: [usize; D], corners: u8) -> (Vector<D>, u8) {
+pub(super) fn dual_vertex<const D: usize>(phi: &CellField<D>, at: [usize; D], corners: u8) -> (Vector<D>, u8) {
     let cells = phi.grid.cells;
     let padded: [bool; D] = std::array::from_fn(|a| at[a] == 0 || at[a] == cells[a]);
     let at_wall = padded.contains(&true);
     let mut s = Vector::<D>::repeat(0.5);
     let mut kind = if at_wall { LIQUID_SOLID } else { LIQUID_AIR };
-    if !at_wall || differs(at, &cells, corners) {
+    if !at_wall || has_sign_change(at, &cells, corners) {
         let patch = Patch::new(phi, at);
-        s = patch.mean_crossing(corners, &std::array::from_fn(|o| real(at, &cells, o)));
+        s = patch.mean_crossing(corners, &std::array::from_fn(|o| is_cell(at, &cells, o)));
         for (x, _) in s.iter_mut().zip(padded).filter(|(_, p)| *p) {
             *x = 0.5;
         }
-        for _ in 0..STEPS {
+        for _ in 0..PROJECTION_STEPS {
             patch.project(&mut s, &padded);
         }
         if at_wall {
             kind = CONTACT_LINE;
         }
     }
-    (Vector::from_fn(|a, _| phi.grid.from_origin(a, at[a] as f64 - 0.5 + s[a]) * phi.grid.dx), kind)
+    (Vector::from_fn(|a, _| phi.grid.domain_coordinate_cells(a, at[a] as f64 - 0.5 + s[a]) * phi.grid.dx), kind)
 }
 
 /// Whether a corner of a cube is a cell rather than padding.
-fn real<const D: usize>(at: [usize; D], cells: &[usize; D], corner: usize) -> bool {
+fn is_cell<const D: usize>(at: [usize; D], cells: &[usize; D], corner: usize) -> bool {
     corner >> D == 0 && (0..D).all(|a| (at[a] + (corner >> a & 1)).wrapping_sub(1) < cells[a])
 }
 
 /// Whether the cells among a cube's corners are of both kinds.
-fn differs<const D: usize>(at: [usize; D], cells: &[usize; D], corners: u8) -> bool {
+fn has_sign_change<const D: usize>(at: [usize; D], cells: &[usize; D], corners: u8) -> bool {
     let mut seen = [false; 2];
-    for o in (0..1 << D).filter(|&o| real(at, cells, o)) {
+    for o in (0..1 << D).filter(|&o| is_cell(at, cells, o)) {
         seen[(corners >> o & 1) as usize] = true;
     }
     seen == [true; 2]
@@ -112,7 +112,7 @@ impl<const D: usize> Patch<D> {
                 }
                 let line = (0..D).filter(|&b| b != a).map(|b| (1 + (o >> b & 1)) << (2 * b)).sum::<usize>();
                 let value = |k: usize| self.values[line + (k << (2 * a))];
-                let t = root([value(0), value(1), value(2), value(3)]);
+                let t = edge_crossing([value(0), value(1), value(2), value(3)]);
                 sum += Vector::from_fn(|b, _| if b == a { t } else { (o >> b & 1) as f64 });
                 count += 1.0;
             }
@@ -135,7 +135,7 @@ impl<const D: usize> Patch<D> {
 
     /// Value and gradient of the product cubic.
     fn sample(&self, s: &Vector<D>) -> (f64, Vector<D>) {
-        let w: [[[f64; 4]; 2]; D] = std::array::from_fn(|a| weights(s[a]));
+        let w: [[[f64; 4]; 2]; D] = std::array::from_fn(|a| cubic_weights(s[a]));
         let mut value = 0.0;
         let mut gradient = Vector::<D>::zeros();
         for row in 0..1 << (2 * (D - 1)) {
@@ -154,7 +154,7 @@ impl<const D: usize> Patch<D> {
 }
 
 /// Lagrange weights and their derivatives at `s` for points at -1, 0, 1, 2.
-fn weights(s: f64) -> [[f64; 4]; 2] {
+fn cubic_weights(s: f64) -> [[f64; 4]; 2] {
     let (l, r, rr) = (s + 1.0, s - 1.0, s - 2.0);
     let value = [-s * r * rr / 6.0, l * r * rr / 2.0, -l * s * rr / 2.0, l * s * r / 6.0];
     let q = s * s;
@@ -169,14 +169,14 @@ fn weights(s: f64) -> [[f64; 4]; 2] {
 
 /// The crossing between the second and the third of four values: a root of their cubic, 0..1. Midway if those
 /// two do not differ in sign.
-fn root(v: [f64; 4]) -> f64 {
+fn edge_crossing(v: [f64; 4]) -> f64 {
     if (v[1] < 0.0) == (v[2] < 0.0) {
         return 0.5;
     }
     let (mut low, mut high) = (0.0, 1.0);
     let mut t = v[1] / (v[1] - v[2]);
     for _ in 0..3 {
-        let [w, d] = weights(t);
+        let [w, d] = cubic_weights(t);
         let value: f64 = (0..4).map(|k| w[k] * v[k]).sum();
         let slope: f64 = (0..4).map(|k| d[k] * v[k]).sum();
         if (value < 0.0) == (v[1] < 0.0) {

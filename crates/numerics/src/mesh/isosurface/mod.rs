@@ -5,4 +5,4 @@ mod region;
 mod surface_nets;
 
 pub use region::{CONTACT_LINE, LIQUID_AIR, LIQUID_SOLID};
-pub use surface_nets::{Isosurface, extract};
+pub use surface_nets::{Isosurface, extract_isosurface};

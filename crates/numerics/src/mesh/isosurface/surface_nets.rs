@@ -15,7 +15,7 @@
 //!
 //! Known limit: a cube has one vertex, so that two sheets of surface within one cube touch there.
 
-use super::dual_vertex::place;
+use super::dual_vertex::dual_vertex;
 use crate::Vector;
 use crate::grid::{CellField, Run, Runs};
 use crate::mesh::SurfaceMesh;
@@ -23,7 +23,7 @@ use crate::mesh::isosurface::{LIQUID_AIR, LIQUID_SOLID};
 use rayon::prelude::*;
 
 /// Rows of cubes walked by one task.
-const ROWS: usize = 32;
+const CUBE_ROWS_PER_TASK: usize = 32;
 
 /// The closed surface of the liquid.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,14 +31,14 @@ pub struct Isosurface<const D: usize> {
     /// Vertices (m) and facets, outward.
     pub mesh: SurfaceMesh<D>,
     /// For each vertex [`LIQUID_AIR`], [`LIQUID_SOLID`] or [`super::CONTACT_LINE`].
-    pub kind: Vec<u8>,
+    pub vertex_kind: Vec<u8>,
     /// For each facet [`LIQUID_AIR`] or [`LIQUID_SOLID`].
     pub facet_kind: Vec<u8>,
 }
 
 impl<const D: usize> Isosurface<D> {
     /// Area of the facets of one kind, m² (2D: m).
-    pub fn area_of(&self, kind: u8) -> f64 {
+    pub fn area_of_kind(&self, kind: u8) -> f64 {
         let area = |f: usize| if self.facet_kind[f] == kind { self.mesh.area_vector(f).norm() } else { 0.0 };
         crate::par::sum(self.facet_kind.len(), area)
     }
@@ -47,39 +47,39 @@ impl<const D: usize> Isosurface<D> {
 /// The surface of the cells in `liquid`, placed on the zero set of `phi` (negative inside, any unit).
 ///
 /// Where neighbouring cells differ in `liquid` but not in the sign of `phi`, the surface passes midway.
-pub fn extract<const D: usize>(phi: &CellField<D>, liquid: &Runs) -> Isosurface<D> {
-    let rows = Rows::new(phi, liquid);
+pub fn extract_isosurface<const D: usize>(phi: &CellField<D>, liquid: &Runs) -> Isosurface<D> {
+    let rows = CellRows::new(phi, liquid);
     let blocks: Vec<Block> =
-        (0..rows.count().div_ceil(ROWS)).into_par_iter().map(|b| rows.vertices_of(b)).collect();
-    let mut cubes = Cubes { first: vec![0], ..Cubes::default() };
+        (0..rows.count().div_ceil(CUBE_ROWS_PER_TASK)).into_par_iter().map(|b| rows.active_cubes_of(b)).collect();
+    let mut cubes = ActiveCubes { first: vec![0], ..ActiveCubes::default() };
     cubes.corners.reserve_exact(blocks.iter().map(|b| b.corners.len()).sum());
     for block in &blocks {
         let base = cubes.corners.len() as u32;
         cubes.corners.extend_from_slice(&block.corners);
-        let from = cubes.stretches.len() as u32;
-        cubes.stretches.extend(block.stretches.iter().map(|s| Stretch { vertex: s.vertex + base, ..*s }));
+        let from = cubes.runs.len() as u32;
+        cubes.runs.extend(block.runs.iter().map(|s| CubeRun { vertex: s.vertex + base, ..*s }));
         cubes.first.extend(block.ends.iter().map(|&e| e + from));
     }
-    let parts: Vec<Part<D>> = (0..blocks.len()).into_par_iter().map(|b| rows.facets_of(b, &cubes)).collect();
+    let parts: Vec<DualFaces<D>> = (0..blocks.len()).into_par_iter().map(|b| rows.dual_faces_of(b, &cubes)).collect();
     let vertices: Vec<Vec<(Vector<D>, u8)>> =
-        (0..blocks.len()).into_par_iter().map(|b| rows.places_of(b, &cubes)).collect();
+        (0..blocks.len()).into_par_iter().map(|b| rows.dual_vertices_of(b, &cubes)).collect();
     assemble(vertices, parts)
 }
 
 /// Joins the vertices and facets of all blocks and cuts the quads.
-fn assemble<const D: usize>(vertices: Vec<Vec<(Vector<D>, u8)>>, parts: Vec<Part<D>>) -> Isosurface<D> {
+fn assemble<const D: usize>(vertices: Vec<Vec<(Vector<D>, u8)>>, parts: Vec<DualFaces<D>>) -> Isosurface<D> {
     let mut out = Isosurface::<D>::default();
     let count = vertices.iter().map(Vec::len).sum();
     out.mesh.positions.reserve_exact(count);
-    out.kind.reserve_exact(count);
+    out.vertex_kind.reserve_exact(count);
     for (position, kind) in vertices.into_iter().flatten() {
         out.mesh.positions.push(position);
-        out.kind.push(kind);
+        out.vertex_kind.push(kind);
     }
     let positions = &out.mesh.positions;
     let cut: Vec<Vec<([u32; D], u8)>> = parts
         .par_iter()
-        .map(|p| p.iter().flat_map(|&(v, kind)| split(positions, v, kind)).collect())
+        .map(|p| p.iter().flat_map(|&(v, kind)| triangulate(positions, v, kind)).collect())
         .collect();
     let count = cut.iter().map(Vec::len).sum();
     out.mesh.facets.reserve_exact(count);
@@ -92,7 +92,7 @@ fn assemble<const D: usize>(vertices: Vec<Vec<(Vector<D>, u8)>>, parts: Vec<Part
 }
 
 /// The facets of a dual face: itself in 2D, two triangles along the shorter diagonal of the quad in 3D.
-fn split<const D: usize>(
+fn triangulate<const D: usize>(
     positions: &[Vector<D>],
     v: [u32; 4],
     kind: u8,
@@ -110,11 +110,11 @@ fn split<const D: usize>(
 }
 
 /// Dual faces, ordered: four cube vertices (2D: two, the last repeated) and the kind.
-type Part<const D: usize> = Vec<([u32; 4], u8)>;
+type DualFaces<const D: usize> = Vec<([u32; 4], u8)>;
 
 /// Consecutive cubes of a row that carry a vertex: cubes `start..end`, the first one's vertex.
 #[derive(Clone, Copy)]
-struct Stretch {
+struct CubeRun {
     start: u32,
     end: u32,
     vertex: u32,
@@ -123,7 +123,7 @@ struct Stretch {
 /// The cubes of one block of rows.
 #[derive(Default)]
 struct Block {
-    stretches: Vec<Stretch>,
+    runs: Vec<CubeRun>,
     /// For each row the number of stretches up to its end.
     ends: Vec<u32>,
     /// For each cube which of its corners are liquid, bit `Σ_a o_a 2^a`.
@@ -132,28 +132,28 @@ struct Block {
 
 /// All cubes that carry a vertex.
 #[derive(Default)]
-struct Cubes {
-    stretches: Vec<Stretch>,
+struct ActiveCubes {
+    runs: Vec<CubeRun>,
     /// Row `r` has the stretches `first[r]..first[r + 1]`.
     first: Vec<u32>,
     corners: Vec<u8>,
 }
 
-impl Cubes {
-    fn row(&self, row: usize) -> &[Stretch] {
-        &self.stretches[self.first[row] as usize..self.first[row + 1] as usize]
+impl ActiveCubes {
+    fn row(&self, row: usize) -> &[CubeRun] {
+        &self.runs[self.first[row] as usize..self.first[row + 1] as usize]
     }
 }
 
 /// Rows of cells with their runs, and the rows of cubes between them.
-struct Rows<'a, const D: usize> {
+struct CellRows<'a, const D: usize> {
     phi: &'a CellField<D>,
     runs: &'a [Run],
     /// Row `r` of cells has the runs `first[r]..first[r + 1]`.
     first: Vec<u32>,
 }
 
-impl<'a, const D: usize> Rows<'a, D> {
+impl<'a, const D: usize> CellRows<'a, D> {
     fn new(phi: &'a CellField<D>, liquid: &'a Runs) -> Self {
         let mut first = vec![0; phi.grid.lattice().rows() + 1];
         liquid.runs.iter().for_each(|r| first[r.row as usize + 1] += 1);
@@ -169,7 +169,7 @@ impl<'a, const D: usize> Rows<'a, D> {
     }
 
     /// Coordinates of a row of cubes, the first unused: cube `c` lies between the cells `c - 1` and `c`.
-    fn at(&self, mut row: usize) -> [usize; D] {
+    fn row_coordinates(&self, mut row: usize) -> [usize; D] {
         let mut at = [0; D];
         for (c, cells) in at.iter_mut().zip(self.phi.grid.cells).skip(1) {
             *c = row % (cells + 1);
@@ -180,13 +180,13 @@ impl<'a, const D: usize> Rows<'a, D> {
 
     /// The rows of cubes of a block.
     fn rows_of(&self, block: usize) -> std::ops::Range<usize> {
-        block * ROWS..((block + 1) * ROWS).min(self.count())
+        block * CUBE_ROWS_PER_TASK..((block + 1) * CUBE_ROWS_PER_TASK).min(self.count())
     }
 
     /// The runs in the rows of cells around a row of cubes; bit `a - 1` of the position is the side along
     /// axis `a`.
-    fn around(&self, row: usize) -> [&'a [Run]; 4] {
-        let at = self.at(row);
+    fn adjacent_runs(&self, row: usize) -> [&'a [Run]; 4] {
+        let at = self.row_coordinates(row);
         let cells = &self.phi.grid.cells;
         std::array::from_fn(|q| {
             let (mut cell_row, mut stride) = (0, 1);
@@ -206,19 +206,19 @@ impl<'a, const D: usize> Rows<'a, D> {
     }
 
     /// The cubes of a block that carry a vertex.
-    fn vertices_of(&self, block: usize) -> Block {
+    fn active_cubes_of(&self, block: usize) -> Block {
         let mut out = Block::default();
         for row in self.rows_of(block) {
-            self.walk(row, &mut out);
-            out.ends.push(out.stretches.len() as u32);
+            self.walk_row(row, &mut out);
+            out.ends.push(out.runs.len() as u32);
         }
         out
     }
 
     /// Walks a row of cubes from change to change of the cells around it.
-    fn walk(&self, row: usize, out: &mut Block) {
+    fn walk_row(&self, row: usize, out: &mut Block) {
         let full = (1u8 << (1 << (D - 1))) - 1;
-        let mut around = self.around(row);
+        let mut around = self.adjacent_runs(row);
         let mut inside = 0u8; // which of the rows are liquid just before `from`
         let mut from = 0u32;
         let mut open = false; // whether the last stretch of `out` may be extended
@@ -234,7 +234,7 @@ impl<'a, const D: usize> Rows<'a, D> {
             // Cubes between cells of one pattern: from + 1 .. to (the cube at `from` was added with the
             // change).
             if before != 0 && before != full {
-                (from + 1..to).for_each(|c| push(out, &mut open, c, spread(before) * 3));
+                (from + 1..to).for_each(|c| push_cube(out, &mut open, c, interleave_zeros(before) * 3));
             }
             for (q, runs) in around.iter_mut().enumerate().filter(|(q, runs)| next(*q, runs) == to) {
                 if before >> q & 1 == 1 {
@@ -243,23 +243,23 @@ impl<'a, const D: usize> Rows<'a, D> {
                 let goes_on = before >> q & 1 == 1 && runs.first().is_some_and(|r| r.start == to);
                 inside ^= u8::from(!goes_on) << q;
             }
-            let code = spread(before) | (spread(inside) << 1);
-            if code != 0 && code != spread(full) * 3 {
-                push(out, &mut open, to, code);
+            let code = interleave_zeros(before) | (interleave_zeros(inside) << 1);
+            if code != 0 && code != interleave_zeros(full) * 3 {
+                push_cube(out, &mut open, to, code);
             }
             from = to;
         }
     }
 
     /// Positions (m) and kinds of the vertices of a block.
-    fn places_of(&self, block: usize, cubes: &Cubes) -> Vec<(Vector<D>, u8)> {
+    fn dual_vertices_of(&self, block: usize, cubes: &ActiveCubes) -> Vec<(Vector<D>, u8)> {
         let mut out = Vec::new();
         for row in self.rows_of(block) {
-            let mut at = self.at(row);
+            let mut at = self.row_coordinates(row);
             for s in cubes.row(row) {
                 for c in s.start..s.end {
                     at[0] = c as usize;
-                    out.push(place(self.phi, at, cubes.corners[(s.vertex + c - s.start) as usize]));
+                    out.push(dual_vertex(self.phi, at, cubes.corners[(s.vertex + c - s.start) as usize]));
                 }
             }
         }
@@ -267,19 +267,19 @@ impl<'a, const D: usize> Rows<'a, D> {
     }
 
     /// The dual faces of the lattice edges that start at the lowest corners of the cubes of a block.
-    fn facets_of(&self, block: usize, cubes: &Cubes) -> Part<D> {
+    fn dual_faces_of(&self, block: usize, cubes: &ActiveCubes) -> DualFaces<D> {
         let mut out = Vec::new();
         for row in self.rows_of(block) {
-            let mut at = self.at(row);
+            let mut at = self.row_coordinates(row);
             if cubes.row(row).is_empty() {
                 continue;
             }
-            let mut below = Below::new(self, cubes, row, at);
+            let mut below = LowerCubes::new(self, cubes, row, at);
             for s in cubes.row(row) {
                 for c in s.start..s.end {
                     at[0] = c as usize;
                     let code = cubes.corners[(s.vertex + c - s.start) as usize];
-                    self.faces_of_cube(at, code, &mut below, &mut out);
+                    self.add_faces_of_cube(at, code, &mut below, &mut out);
                 }
             }
         }
@@ -287,7 +287,7 @@ impl<'a, const D: usize> Rows<'a, D> {
     }
 
     /// The dual faces of the edges from the lowest corner of a cube to its neighbours along the axes.
-    fn faces_of_cube(&self, at: [usize; D], code: u8, below: &mut Below, out: &mut Part<D>) {
+    fn add_faces_of_cube(&self, at: [usize; D], code: u8, below: &mut LowerCubes, out: &mut DualFaces<D>) {
         let low = code & 1;
         for a in 0..D {
             if (code >> (1 << a) & 1) == low {
@@ -320,28 +320,28 @@ impl<'a, const D: usize> Rows<'a, D> {
 }
 
 /// Adds a cube to the row's stretches.
-fn push(out: &mut Block, open: &mut bool, cube: u32, code: u8) {
-    match out.stretches.last_mut() {
+fn push_cube(out: &mut Block, open: &mut bool, cube: u32, code: u8) {
+    match out.runs.last_mut() {
         Some(s) if *open && s.end == cube => s.end += 1,
-        _ => out.stretches.push(Stretch { start: cube, end: cube + 1, vertex: out.corners.len() as u32 }),
+        _ => out.runs.push(CubeRun { start: cube, end: cube + 1, vertex: out.corners.len() as u32 }),
     }
     *open = true;
     out.corners.push(code);
 }
 
 /// Moves bit q to bit 2q.
-fn spread(q: u8) -> u8 {
+fn interleave_zeros(q: u8) -> u8 {
     (q & 1) | ((q & 2) << 1) | ((q & 4) << 2) | ((q & 8) << 3)
 }
 
 /// Looks up vertices of the cubes at and below a cube that moves up along its row.
-struct Below<'a> {
+struct LowerCubes<'a> {
     /// The stretches of the row itself and of the rows below along the second, the third and both axes.
-    rows: [&'a [Stretch]; 4],
+    rows: [&'a [CubeRun]; 4],
 }
 
-impl<'a> Below<'a> {
-    fn new<const D: usize>(rows: &Rows<'a, D>, cubes: &'a Cubes, row: usize, at: [usize; D]) -> Self {
+impl<'a> LowerCubes<'a> {
+    fn new<const D: usize>(rows: &CellRows<'a, D>, cubes: &'a ActiveCubes, row: usize, at: [usize; D]) -> Self {
         let over = if D == 3 { rows.phi.grid.cells[1] + 1 } else { 0 };
         let inside = |q: usize| (1..D).all(|a| q >> (a - 1) & 1 == 0 || at[a] > 0) && q >> (D - 1) == 0;
         Self {
@@ -360,7 +360,7 @@ impl<'a> Below<'a> {
         while self.rows[q].first().is_some_and(|s| s.end + 1 < c) {
             self.rows[q] = &self.rows[q][1..];
         }
-        let holds = |s: &&Stretch| s.start <= c && c < s.end;
+        let holds = |s: &&CubeRun| s.start <= c && c < s.end;
         self.rows[q].iter().take(4).find(holds).map_or(0, |s| s.vertex + c - s.start)
     }
 }

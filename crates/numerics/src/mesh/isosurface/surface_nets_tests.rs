@@ -29,7 +29,7 @@ fn field<const D: usize>(grid: Grid<D>, f: impl Fn(Vector<D>) -> f64) -> CellFie
 }
 
 fn surface<const D: usize>(phi: &CellField<D>) -> Isosurface<D> {
-    extract(phi, &negative(phi))
+    extract_isosurface(phi, &negative(phi))
 }
 
 /// Relative errors of volume and area of a ball.
@@ -37,7 +37,7 @@ fn ball<const D: usize>(n: usize) -> (f64, f64) {
     let center = Vector::from_fn(|a, _| 0.5 + [0.013, 0.037, -0.021][a]);
     let phi = field(Grid::<D>::new([n; D], 1.0 / n as f64), |x| (x - center).norm() - 0.3);
     let s = surface(&phi);
-    assert!(s.mesh.is_watertight() && s.kind.iter().all(|k| *k == LIQUID_AIR));
+    assert!(s.mesh.is_watertight() && s.vertex_kind.iter().all(|k| *k == LIQUID_AIR));
     for p in &s.mesh.positions {
         assert!(((p - center).norm() - 0.3).abs() < 0.3 / (n * n) as f64);
     }
@@ -86,15 +86,15 @@ fn check_random<const D: usize>() {
         phi.data.iter_mut().for_each(|v| *v = next() + bias);
         let s = surface(&phi);
         assert!(s.mesh.is_watertight(), "{D}D seed {seed}: {} open ridges", s.mesh.open_ridges());
-        assert_eq!(s.kind.len(), s.mesh.positions.len());
-        let upper = grid.upper();
-        for (p, kind) in s.mesh.positions.iter().zip(&s.kind) {
+        assert_eq!(s.vertex_kind.len(), s.mesh.positions.len());
+        let upper = grid.domain_upper();
+        for (p, kind) in s.mesh.positions.iter().zip(&s.vertex_kind) {
             assert!((0..D).all(|a| 0.0 <= p[a] && p[a] <= upper[a]));
             let on_wall = (0..D).any(|a| p[a] == 0.0 || p[a] == upper[a]);
             assert!(*kind == LIQUID_AIR || on_wall);
         }
         for (facet, kind) in s.mesh.facets.iter().zip(&s.facet_kind) {
-            let kinds = facet.map(|v| s.kind[v as usize]);
+            let kinds = facet.map(|v| s.vertex_kind[v as usize]);
             if *kind == LIQUID_SOLID {
                 assert!(kinds.iter().all(|k| *k != LIQUID_AIR));
                 let p = facet.map(|v| s.mesh.positions[v as usize]);
@@ -118,20 +118,20 @@ fn isosurface_of_noise_is_closed_and_knows_its_walls() {
 fn check_tank<const D: usize>() {
     let cells = std::array::from_fn(|a| [20, 12, 16][a]);
     let grid = Grid::<D>::new(cells, 0.05);
-    let floor: f64 = grid.upper().iter().take(D - 1).product();
-    let up = grid.upper()[D - 1];
+    let floor: f64 = grid.domain_upper().iter().take(D - 1).product();
+    let up = grid.domain_upper()[D - 1];
     for level in [0.5 * up, 0.312, up - 0.0251] {
         let s = surface(&field(grid, |x| x[D - 1] - level));
         assert!(s.mesh.is_watertight());
         assert!((s.mesh.volume() / (floor * level) - 1.0).abs() < 1e-12);
-        assert!((s.area_of(LIQUID_AIR) / floor - 1.0).abs() < 1e-12);
-        for (p, kind) in s.mesh.positions.iter().zip(&s.kind) {
+        assert!((s.area_of_kind(LIQUID_AIR) / floor - 1.0).abs() < 1e-12);
+        for (p, kind) in s.mesh.positions.iter().zip(&s.vertex_kind) {
             assert_eq!(*kind != LIQUID_SOLID, (p[D - 1] - level).abs() < 1e-12);
         }
     }
     // Full: the box itself. Tilted, to a plane that meets the walls: exact but for the floor's rounded edge.
     let s = surface(&CellField::new(grid, -1.0));
-    assert!((s.mesh.volume() / grid.upper().product() - 1.0).abs() < 1e-12);
+    assert!((s.mesh.volume() / grid.domain_upper().product() - 1.0).abs() < 1e-12);
     let tilted = surface(&field(grid, |x| x[D - 1] - 0.4 - 0.3 * (x[0] - 0.5)));
     assert!((tilted.mesh.volume() / (floor * 0.4) - 1.0).abs() < 1e-12);
     assert_eq!(surface(&CellField::new(grid, 1.0)), Isosurface::default());
@@ -151,8 +151,8 @@ fn isosurface_meets_the_wall_at_the_angle_of_the_level_set() {
         let center = Vector::from([0.5, 0.5, 0.1]);
         let s = surface(&field(Grid::<3>::new([n; 3], 1.0 / n as f64), |x| (x - center).norm() - 0.3));
         assert!(s.mesh.is_watertight());
-        let line: Vec<f64> = (0..s.kind.len())
-            .filter(|i| s.kind[*i] == CONTACT_LINE)
+        let line: Vec<f64> = (0..s.vertex_kind.len())
+            .filter(|i| s.vertex_kind[*i] == CONTACT_LINE)
             .map(|i| ((s.mesh.positions[i] - center).norm() - 0.3).abs())
             .collect();
         assert!(line.len() > n);
@@ -193,7 +193,7 @@ fn isosurface_speed() {
         let mut facets = 0;
         for _ in 0..7 {
             let start = std::time::Instant::now();
-            facets = extract(&phi, &runs).mesh.facets.len();
+            facets = extract_isosurface(&phi, &runs).mesh.facets.len();
             best = best.min(start.elapsed().as_secs_f64());
         }
         println!("{name} {n}^3: {facets} facets in {:.1} ms", 1e3 * best);

@@ -12,7 +12,7 @@ pub struct ContourPoint {
     /// The vertices of the edge that it lies on, the lower number first.
     pub edge: [u32; 2],
     /// How far along the edge, 0 to 1.
-    pub at: f64,
+    pub fraction: f64,
     /// One of the facets that it lies in.
     pub facet: u32,
 }
@@ -31,28 +31,28 @@ pub struct Contour {
 impl Contour {
     /// The contour on some facets of a mesh. Vertices of facets with a value that is not finite are left out.
     pub fn of<const D: usize>(facets: &[[u32; D]], values: &[f64]) -> Self {
-        let wet = |v: u32| values[v as usize] < 0.0;
+        let is_negative = |v: u32| values[v as usize] < 0.0;
         let crossed = |f: &&u32| {
             let facet = &facets[**f as usize];
-            facet.iter().any(|v| wet(*v) != wet(facet[0]))
+            facet.iter().any(|v| is_negative(*v) != is_negative(facet[0]))
                 && facet.iter().all(|v| values[*v as usize].is_finite())
         };
         let all: Vec<u32> = (0..facets.len() as u32).collect();
         let crossed: Vec<u32> = all.iter().filter(crossed).copied().collect();
         let mut ends: Vec<([u32; 2], u32)> = Vec::with_capacity(2 * crossed.len());
         for &f in &crossed {
-            ends.extend(crossings(&facets[f as usize], &wet).into_iter().flatten().map(|e| (e, f)));
+            ends.extend(crossings(&facets[f as usize], &is_negative).into_iter().flatten().map(|e| (e, f)));
         }
         ends.sort_unstable();
         ends.dedup_by_key(|e| e.0);
         let point = |&(edge, facet): &([u32; 2], u32)| {
             let [a, b] = edge.map(|v| values[v as usize]);
-            ContourPoint { edge, at: a / (a - b), facet }
+            ContourPoint { edge, fraction: a / (a - b), facet }
         };
         let mut contour = Self { points: ends.iter().map(point).collect(), ..Self::default() };
         for &f in crossed.iter().filter(|_| D == 3) {
             let place = |e: [u32; 2]| ends.binary_search_by_key(&e, |e| e.0).ok().map(|i| i as u32);
-            if let [Some(from), Some(to)] = crossings(&facets[f as usize], &wet).map(|e| e.and_then(place)) {
+            if let [Some(from), Some(to)] = crossings(&facets[f as usize], &is_negative).map(|e| e.and_then(place)) {
                 contour.segments.push([from, to]);
                 contour.facets.push(f);
             }
@@ -70,19 +70,19 @@ impl ContourPoint {
     /// Where it is, m.
     pub fn position<const D: usize>(&self, mesh: &SurfaceMesh<D>) -> Vector<D> {
         let [a, b] = self.edge.map(|v| mesh.positions[v as usize]);
-        a + (b - a) * self.at
+        a + (b - a) * self.fraction
     }
 }
 
 /// The edges of a crossed facet on which the sign changes; in 3D first the one on which it changes from positive to
 /// negative, going around.
-fn crossings<const D: usize>(facet: &[u32; D], wet: &impl Fn(u32) -> bool) -> [Option<[u32; 2]>; 2] {
+fn crossings<const D: usize>(facet: &[u32; D], is_negative: &impl Fn(u32) -> bool) -> [Option<[u32; 2]>; 2] {
     let mut out = [None; 2];
     for k in 0..D {
         let (a, b) = (facet[k], facet[(k + 1) % D]);
-        if wet(a) != wet(b) && (D == 3 || k == 0) {
+        if is_negative(a) != is_negative(b) && (D == 3 || k == 0) {
             // Counter-clockwise, what is wet begins at the segment's end and stops at its start: it lies on the left.
-            out[usize::from(wet(b) && D == 3)] = Some([a.min(b), a.max(b)]);
+            out[usize::from(is_negative(b) && D == 3)] = Some([a.min(b), a.max(b)]);
         }
     }
     out

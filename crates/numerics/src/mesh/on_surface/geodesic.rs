@@ -18,13 +18,13 @@ use std::collections::BinaryHeap;
 use std::f64::consts::{PI, TAU};
 
 /// No facet.
-const NONE: u32 = u32::MAX;
+const NO_FACET: u32 = u32::MAX;
 /// Most triangles that are unfolded.
-const UNFOLDED: usize = 12;
+const MAX_UNFOLDED_TRIANGLES: usize = 12;
 /// Difference of a slope at an end from the mean slope beyond which fronts meet: then no cubic is put through them.
-const BENT: f64 = 0.5;
+const MAX_SLOPE_DEVIATION: f64 = 0.5;
 /// Steps of Newton's method for where a front came from.
-const STEPS: usize = 4;
+const NEWTON_ITERATIONS: usize = 4;
 
 type Point = [f64; 2];
 
@@ -35,33 +35,33 @@ pub struct Geodesic<const D: usize> {
     /// Length of the edge opposite to each corner (2D: of the facet), m.
     lengths: Vec<[f64; D]>,
     /// The facets around vertex `v` are `star[first[v]..first[v + 1]]`.
-    first: Vec<u32>,
+    star_starts: Vec<u32>,
     star: Vec<u32>,
     /// The facet across the edge opposite to each corner.
-    across: Vec<[u32; D]>,
+    opposite_facets: Vec<[u32; D]>,
     /// Direction, in the corner's vertex' frame, of the edge from each corner to the next.
-    start: Vec<[f64; D]>,
+    edge_angles: Vec<[f64; D]>,
     /// What the angles around each vertex are multiplied by.
-    stretch: Vec<f64>,
+    angle_scales: Vec<f64>,
 }
 
 /// A front that is under way.
-struct Front<'a> {
+struct MarchingFront<'a> {
     negative: &'a dyn Fn(u32) -> bool,
     distance: Vec<f64>,
     /// Direction of the distance's slope in each vertex' frame.
-    slope: Vec<f64>,
-    done: Vec<bool>,
+    gradient_angles: Vec<f64>,
+    accepted: Vec<bool>,
     heap: BinaryHeap<Reverse<(u64, u32)>>,
 }
 
 /// A vertex that the front has passed, in the plane of an unfolded triangle.
 #[derive(Clone, Copy)]
-struct Passed {
+struct AcceptedVertex {
     at: Point,
     distance: f64,
     /// Direction of the slope in the plane.
-    slope: f64,
+    gradient_angle: f64,
 }
 
 impl<const D: usize> Geodesic<D> {
@@ -71,21 +71,21 @@ impl<const D: usize> Geodesic<D> {
         let lengths = |f: &[u32; D]| std::array::from_fn(|k| length(f[(k + 1) % D], f[(k + D - 1) % D]));
         let lengths_2d = |f: &[u32; D]| [length(f[0], f[1]); D];
         let lengths = facets.iter().map(|f| if D == 2 { lengths_2d(f) } else { lengths(f) }).collect();
-        let mut first = vec![0; positions.len() + 1];
-        facets.iter().flatten().for_each(|v| first[*v as usize + 1] += 1);
-        (0..positions.len()).for_each(|v| first[v + 1] += first[v]);
-        let (mut fill, mut star) = (first.clone(), vec![0; D * facets.len()]);
+        let mut star_starts = vec![0; positions.len() + 1];
+        facets.iter().flatten().for_each(|v| star_starts[*v as usize + 1] += 1);
+        (0..positions.len()).for_each(|v| star_starts[v + 1] += star_starts[v]);
+        let (mut fill, mut star) = (star_starts.clone(), vec![0; D * facets.len()]);
         for (f, facet) in facets.iter().enumerate() {
             for v in facet {
                 star[fill[*v as usize] as usize] = f as u32;
                 fill[*v as usize] += 1;
             }
         }
-        let stretch = vec![1.0; positions.len()];
-        let start = vec![[0.0; D]; facets.len()];
-        let across = across(facets);
-        let mut out = Self { facets: facets.to_vec(), lengths, first, star, across, start, stretch };
-        (0..positions.len()).filter(|_| D == 3).for_each(|v| out.lay_out(v as u32));
+        let angle_scales = vec![1.0; positions.len()];
+        let edge_angles = vec![[0.0; D]; facets.len()];
+        let opposite_facets = opposite_facets(facets);
+        let mut out = Self { facets: facets.to_vec(), lengths, star_starts, star, opposite_facets, edge_angles, angle_scales };
+        (0..positions.len()).filter(|_| D == 3).for_each(|v| out.set_vertex_frame(v as u32));
         out
     }
 
@@ -93,31 +93,31 @@ impl<const D: usize> Geodesic<D> {
     /// `values` tell the sides.
     pub fn distance(&self, mesh: &SurfaceMesh<D>, contour: &Contour, values: &[f64], band: f64) -> Vec<f64> {
         let negative = |v: u32| values[v as usize] < 0.0;
-        let mut front = Front::new(&negative, values.len());
+        let mut front = MarchingFront::new(&negative, values.len());
         if D == 2 {
             for p in &contour.points {
                 let length = self.lengths[p.facet as usize][0];
-                front.reach(p.edge[0], p.at * length, 0.0);
-                front.reach(p.edge[1], (1.0 - p.at) * length, 0.0);
+                front.propose(p.edge[0], p.fraction * length, 0.0);
+                front.propose(p.edge[1], (1.0 - p.fraction) * length, 0.0);
             }
         } else {
             let positions = contour.positions(mesh);
             for (segment, &f) in contour.segments.iter().zip(&contour.facets) {
-                self.start_at(&mut front, f, segment.map(|p| positions[p as usize]), mesh);
+                self.seed_from_segment(&mut front, f, segment.map(|p| positions[p as usize]), mesh);
             }
         }
-        while let Some(v) = front.next(band) {
+        while let Some(v) = front.pop_nearest(band) {
             // A vertex that splits an obtuse angle may have been passed since a neighbour told.
-            for &f in self.around(v) {
+            for &f in self.vertex_star(v) {
                 let k = self.corner(f, v);
                 if self.is_obtuse(f, k) {
-                    self.advance(&mut front, f, k);
+                    self.update_corner(&mut front, f, k);
                 }
             }
-            front.done[v as usize] = true;
-            for &f in self.around(v) {
+            front.accepted[v as usize] = true;
+            for &f in self.vertex_star(v) {
                 for k in 0..D {
-                    self.advance(&mut front, f, k);
+                    self.update_corner(&mut front, f, k);
                 }
             }
         }
@@ -126,8 +126,8 @@ impl<const D: usize> Geodesic<D> {
     }
 
     /// The facets around a vertex.
-    pub fn around(&self, v: u32) -> &[u32] {
-        &self.star[self.first[v as usize] as usize..self.first[v as usize + 1] as usize]
+    pub fn vertex_star(&self, v: u32) -> &[u32] {
+        &self.star[self.star_starts[v as usize] as usize..self.star_starts[v as usize + 1] as usize]
     }
 
     /// The corner of a facet that is a vertex.
@@ -157,7 +157,7 @@ impl<const D: usize> Geodesic<D> {
     }
 
     /// Corner `j` of a triangle across a side that leads from `from` to `to` and has all before it on its left.
-    fn beyond(&self, g: u32, j: usize, from: Point, to: Point) -> Point {
+    fn unfold_apex(&self, g: u32, j: usize, from: Point, to: Point) -> Point {
         let l = &self.lengths[g as usize];
         let (length, to_to, to_from) = (l[j].max(f64::MIN_POSITIVE), l[(j + 2) % D], l[(j + 1) % D]);
         let [a, b] = minus(to, from).map(|x| x / length);
@@ -167,16 +167,16 @@ impl<const D: usize> Geodesic<D> {
     }
 
     /// Gives every edge from a vertex its direction in the vertex' frame.
-    fn lay_out(&mut self, v: u32) {
-        let star = self.around(v).to_vec();
+    fn set_vertex_frame(&mut self, v: u32) {
+        let star = self.vertex_star(v).to_vec();
         let (mut turned, mut total, mut closed) = (0, 0.0, false);
         let mut seen = vec![false; star.len()];
         while let Some(s) = seen.iter().position(|s| !s) {
             // Back to the border, if there is one, then forth.
             let mut f = star[s];
             for _ in 0..star.len() {
-                match self.across[f as usize][(self.corner(f, v) + 2) % D] {
-                    NONE => break,
+                match self.opposite_facets[f as usize][(self.corner(f, v) + 2) % D] {
+                    NO_FACET => break,
                     before => f = before,
                 }
             }
@@ -187,10 +187,10 @@ impl<const D: usize> Geodesic<D> {
                 };
                 seen[place] = true;
                 let k = self.corner(f, v);
-                self.start[f as usize][k] = total;
+                self.edge_angles[f as usize][k] = total;
                 total += self.angle(f, k);
-                match self.across[f as usize][(k + 1) % D] {
-                    NONE => break,
+                match self.opposite_facets[f as usize][(k + 1) % D] {
+                    NO_FACET => break,
                     next => f = next,
                 }
             }
@@ -198,16 +198,16 @@ impl<const D: usize> Geodesic<D> {
         }
         if closed && turned == 1 && total > 0.0 {
             let stretch = TAU / total;
-            self.stretch[v as usize] = stretch;
+            self.angle_scales[v as usize] = stretch;
             for f in star {
                 let k = self.corner(f, v);
-                self.start[f as usize][k] *= stretch;
+                self.edge_angles[f as usize][k] *= stretch;
             }
         }
     }
 
     /// Starts a front at a segment in a triangle.
-    fn start_at(&self, front: &mut Front<'_>, f: u32, segment: [Vector<D>; 2], mesh: &SurfaceMesh<D>) {
+    fn seed_from_segment(&self, front: &mut MarchingFront<'_>, f: u32, segment: [Vector<D>; 2], mesh: &SurfaceMesh<D>) {
         let corners = self.facets[f as usize].map(|v| mesh.positions[v as usize]);
         for k in 0..D {
             let (origin, next) = (corners[k], corners[(k + 1) % D]);
@@ -223,57 +223,57 @@ impl<const D: usize> Geodesic<D> {
             let to = if near { [e[1], -e[0]] } else { foot };
             let v = self.facets[f as usize][k];
             let to = if near && !(front.negative)(v) { [-to[0], -to[1]] } else { to };
-            front.reach(v, norm(foot), self.away(f, k, direction(to)));
-            self.start_across(front, f, k, [p, q]);
+            front.propose(v, norm(foot), self.gradient_angle(f, k, direction(to)));
+            self.seed_opposite_vertex(front, f, k, [p, q]);
         }
     }
 
     /// Starts a front at a segment in the plane of corner `k` of a triangle for the vertex across the opposite side: the
     /// nearest point of the contour need not lie in a triangle of the vertex.
-    fn start_across(&self, front: &mut Front<'_>, f: u32, k: usize, [p, q]: [Point; 2]) {
-        let g = self.across[f as usize][k];
-        if g == NONE {
+    fn seed_opposite_vertex(&self, front: &mut MarchingFront<'_>, f: u32, k: usize, [p, q]: [Point; 2]) {
+        let g = self.opposite_facets[f as usize][k];
+        if g == NO_FACET {
             return;
         }
         let sides = [self.facets[f as usize][(k + 1) % D], self.facets[f as usize][(k + 2) % D]];
         let [from, to] = self.unfold(f, k);
         let Some(j) = self.facets[g as usize].iter().position(|w| !sides.contains(w)) else { return };
-        let (v, at, e) = (self.facets[g as usize][j], self.beyond(g, j, from, to), minus(q, p));
+        let (v, at, e) = (self.facets[g as usize][j], self.unfold_apex(g, j, from, to), minus(q, p));
         let t = dot(minus(at, p), e) / dot(e, e).max(f64::MIN_POSITIVE);
         let towards = minus([p[0] + t * e[0], p[1] + t * e[1]], at);
         let left = cross(e, minus(at, p)) > 0.0;
         let through = cross(towards, minus(from, at)) > 0.0 && cross(towards, minus(to, at)) < 0.0;
         if (0.0..=1.0).contains(&t) && left == (front.negative)(v) && through {
             let turn = direction(towards) - direction(minus(to, at));
-            front.reach(v, norm(towards), self.away(g, j, turn.rem_euclid(TAU)));
+            front.propose(v, norm(towards), self.gradient_angle(g, j, turn.rem_euclid(TAU)));
         }
     }
 
     /// Direction of the slope, in the frame of corner `k`, of a front that comes from the direction `towards` in the
     /// facet's plane.
-    fn away(&self, f: u32, k: usize, towards: f64) -> f64 {
+    fn gradient_angle(&self, f: u32, k: usize, towards: f64) -> f64 {
         let v = self.facets[f as usize][k] as usize;
-        self.start[f as usize][k] + towards * self.stretch[v] + PI
+        self.edge_angles[f as usize][k] + towards * self.angle_scales[v] + PI
     }
 
     /// Lets the front come to corner `k` of a facet from the others.
-    fn advance(&self, front: &mut Front<'_>, f: u32, k: usize) {
+    fn update_corner(&self, front: &mut MarchingFront<'_>, f: u32, k: usize) {
         let facet = &self.facets[f as usize];
         let v = facet[k];
-        if front.done[v as usize] {
+        if front.accepted[v as usize] {
             return;
         }
-        let passed = |w: u32| front.passed(w, v);
+        let passed = |w: u32| front.is_accepted(w, v);
         let (a, b) = (facet[(k + 1) % D], facet[(k + D - 1) % D]);
         if D == 2 {
             if passed(a) {
-                front.reach(v, front.distance[a as usize] + self.lengths[f as usize][0], 0.0);
+                front.propose(v, front.distance[a as usize] + self.lengths[f as usize][0], 0.0);
             }
             return;
         }
         let [at, bt] = self.unfold(f, k);
-        let near = passed(a).then(|| self.passed(front, f, (k + 1) % D, at, minus(bt, at)));
-        let far = passed(b).then(|| self.passed(front, f, (k + 2) % D, bt, [-bt[0], -bt[1]]));
+        let near = passed(a).then(|| self.accepted_vertex(front, f, (k + 1) % D, at, minus(bt, at)));
+        let far = passed(b).then(|| self.accepted_vertex(front, f, (k + 2) % D, bt, [-bt[0], -bt[1]]));
         let mut best: Option<(f64, f64)> = None;
         let mut better = |found: (f64, f64)| {
             if best.is_none_or(|(d, _)| found.0 < d) {
@@ -281,80 +281,80 @@ impl<const D: usize> Geodesic<D> {
             }
         };
         near.iter().chain(&far).for_each(|p| better((p.distance + norm(p.at), direction(p.at))));
-        let between = if self.is_obtuse(f, k) { self.split(front, f, k) } else { None };
+        let between = if self.is_obtuse(f, k) { self.obtuse_split_vertex(front, f, k) } else { None };
         let pairs = match between {
             Some(c) => [near.zip(Some(c)), Some(c).zip(far)],
             None => [near.zip(far), None],
         };
-        pairs.into_iter().flatten().filter_map(|(p, q)| through(&p, &q)).for_each(&mut better);
+        pairs.into_iter().flatten().filter_map(|(p, q)| update_through_side(&p, &q)).for_each(&mut better);
         if let Some((distance, towards)) = best {
-            front.reach(v, distance, self.away(f, k, towards));
+            front.propose(v, distance, self.gradient_angle(f, k, towards));
         }
     }
 
     /// What the front left at corner `k` of a facet, which lies at `at`; `next` is the way to the next corner.
-    fn passed(&self, front: &Front<'_>, f: u32, k: usize, at: Point, next: Point) -> Passed {
+    fn accepted_vertex(&self, front: &MarchingFront<'_>, f: u32, k: usize, at: Point, next: Point) -> AcceptedVertex {
         let v = self.facets[f as usize][k] as usize;
-        let slope = direction(next) + front.slope[v] - self.start[f as usize][k];
-        Passed { at, distance: front.distance[v], slope }
+        let gradient_angle = direction(next) + front.gradient_angles[v] - self.edge_angles[f as usize][k];
+        AcceptedVertex { at, distance: front.distance[v], gradient_angle }
     }
 
     /// The vertex that splits the obtuse angle at corner `k` into acute ones, if there is one that the front has passed.
-    fn split(&self, front: &Front<'_>, f: u32, k: usize) -> Option<Passed> {
+    fn obtuse_split_vertex(&self, front: &MarchingFront<'_>, f: u32, k: usize) -> Option<AcceptedVertex> {
         let v = self.facets[f as usize][k];
         let [mut from, mut to] = self.unfold(f, k);
         let whole = direction(to);
-        let mut g = self.across[f as usize][k];
+        let mut g = self.opposite_facets[f as usize][k];
         let mut edge = [self.facets[f as usize][(k + 1) % D], self.facets[f as usize][(k + 2) % D]];
-        for _ in 0..UNFOLDED {
-            if g == NONE {
+        for _ in 0..MAX_UNFOLDED_TRIANGLES {
+            if g == NO_FACET {
                 return None;
             }
             let j = self.facets[g as usize].iter().position(|w| !edge.contains(w))?;
             let c = self.facets[g as usize][j];
-            let at = self.beyond(g, j, from, to);
+            let at = self.unfold_apex(g, j, from, to);
             let turn = direction(at);
             if turn > 0.5 * PI {
                 // Too near to the last corner: the next triangle lies beyond the side from the first one.
-                (g, to, edge[1]) = (self.across[g as usize][(j + 1) % D], at, c);
+                (g, to, edge[1]) = (self.opposite_facets[g as usize][(j + 1) % D], at, c);
             } else if turn < whole - 0.5 * PI {
-                (g, from, edge[0]) = (self.across[g as usize][(j + 2) % D], at, c);
+                (g, from, edge[0]) = (self.opposite_facets[g as usize][(j + 2) % D], at, c);
             } else {
-                return front.passed(c, v).then(|| self.passed(front, g, j, at, minus(to, at)));
+                return front.is_accepted(c, v).then(|| self.accepted_vertex(front, g, j, at, minus(to, at)));
             }
         }
         None
     }
 }
 
-impl<'a> Front<'a> {
+impl<'a> MarchingFront<'a> {
     fn new(negative: &'a dyn Fn(u32) -> bool, count: usize) -> Self {
-        let (distance, slope) = (vec![f64::INFINITY; count], vec![0.0; count]);
-        Self { negative, distance, slope, done: vec![false; count], heap: BinaryHeap::new() }
+        let (distance, gradient_angles) = (vec![f64::INFINITY; count], vec![0.0; count]);
+        Self { negative, distance, gradient_angles, accepted: vec![false; count], heap: BinaryHeap::new() }
     }
 
     /// Whether it has passed `w`, on the side of the contour where `v` is.
-    fn passed(&self, w: u32, v: u32) -> bool {
-        self.done[w as usize] && (self.negative)(w) == (self.negative)(v)
+    fn is_accepted(&self, w: u32, v: u32) -> bool {
+        self.accepted[w as usize] && (self.negative)(w) == (self.negative)(v)
     }
 
     /// A vertex may be this far.
-    fn reach(&mut self, v: u32, distance: f64, slope: f64) {
+    fn propose(&mut self, v: u32, distance: f64, slope: f64) {
         if distance < self.distance[v as usize] {
             self.distance[v as usize] = distance;
-            self.slope[v as usize] = slope;
+            self.gradient_angles[v as usize] = slope;
             // The bits of numbers that are not negative are in order.
             self.heap.push(Reverse((distance.to_bits(), v)));
         }
     }
 
     /// The nearest vertex not yet passed (and yet to be marked so), within a band.
-    fn next(&mut self, band: f64) -> Option<u32> {
+    fn pop_nearest(&mut self, band: f64) -> Option<u32> {
         while let Some(Reverse((bits, v))) = self.heap.pop() {
             if f64::from_bits(bits) > band {
                 return None;
             }
-            if !self.done[v as usize] {
+            if !self.accepted[v as usize] {
                 return Some(v);
             }
         }
@@ -364,7 +364,7 @@ impl<'a> Front<'a> {
 
 /// Distance of the origin behind a front that comes through the side between two points, and the direction to where it
 /// came through; `None` if it did not come between them.
-fn through(p: &Passed, q: &Passed) -> Option<(f64, f64)> {
+fn update_through_side(p: &AcceptedVertex, q: &AcceptedVertex) -> Option<(f64, f64)> {
     let side = minus(q.at, p.at);
     let length = norm(side);
     let along = side.map(|x| x / length);
@@ -372,8 +372,8 @@ fn through(p: &Passed, q: &Passed) -> Option<(f64, f64)> {
     if !(length > 0.0 && mean.abs() < 1.0) {
         return None;
     }
-    let slopes = [p, q].map(|p| (p.slope - direction(side)).cos());
-    let [first, last] = if slopes.iter().all(|s| (s - mean).abs() < BENT) { slopes } else { [mean; 2] };
+    let slopes = [p, q].map(|p| (p.gradient_angle - direction(side)).cos());
+    let [first, last] = if slopes.iter().all(|s| (s - mean).abs() < MAX_SLOPE_DEVIATION) { slopes } else { [mean; 2] };
     // T = p + x (mean + (1 − s) (first − mean) + ...), s = x / length.
     let (u, w) = ((first - mean) * length, (last - mean) * length);
     let cubic = |s: f64| p.distance + mean * length * s + s * (1.0 - s) * (u * (1.0 - s) - w * s);
@@ -382,7 +382,7 @@ fn through(p: &Passed, q: &Passed) -> Option<(f64, f64)> {
     let at = |s: f64| [p.at[0] + s * side[0], p.at[1] + s * side[1]];
     let height = (p.at[0] * along[1] - p.at[1] * along[0]).abs();
     let mut s = (-dot(p.at, along) - mean * height / (1.0 - mean * mean).sqrt()) / length;
-    for _ in 0..STEPS {
+    for _ in 0..NEWTON_ITERATIONS {
         s = s.clamp(0.0, 1.0);
         let x = at(s);
         let far = norm(x).max(f64::MIN_POSITIVE);
@@ -397,8 +397,8 @@ fn through(p: &Passed, q: &Passed) -> Option<(f64, f64)> {
 }
 
 /// The facets across the edges opposite to each corner; where more than two meet in an edge, they are paired in order.
-fn across<const D: usize>(facets: &[[u32; D]]) -> Vec<[u32; D]> {
-    let mut out = vec![[NONE; D]; facets.len()];
+fn opposite_facets<const D: usize>(facets: &[[u32; D]]) -> Vec<[u32; D]> {
+    let mut out = vec![[NO_FACET; D]; facets.len()];
     if D == 2 {
         return out;
     }

@@ -6,15 +6,15 @@
 //! preferred. Layers are mirror images of their neighbours and even in number: the mesh is as symmetric as its
 //! triangulation, and from above as from below.
 
-use super::block::count;
+use super::block::cell_count;
 use super::outline::{Outline, OutlineError};
-use super::planar::Planar;
-use super::quadratic::Order;
+use super::planar::PlanarTriangulation;
+use super::quadratic::ElementOrder;
 use super::{Simplex, VolumeMesh};
 use crate::shape::MeshShape;
 use crate::{Matrix, Vector};
 
-impl Planar {
+impl PlanarTriangulation {
     /// Prisms on the triangles in layers about the plane, cut into tetrahedra; `thickness` (m) of all together. An even
     /// number of layers makes both sides alike.
     pub fn extruded(&self, layers: usize, thickness: f64) -> VolumeMesh<3> {
@@ -29,11 +29,11 @@ impl Planar {
             let from = layer + layer % 2;
             let to = layer + 1 - layer % 2;
             for triangle in &self.mesh.simplices {
-                let mut v = [triangle.root, triangle.rest[0], triangle.rest[1]];
+                let mut v = [triangle.root, triangle.others[0], triangle.others[1]];
                 v.sort_unstable_by_key(|v| self.color[*v as usize]);
                 let ([a, b, c], [d, e, f]) = (v.map(|v| at(from, v)), v.map(|v| at(to, v)));
                 for [root, x, y, z] in [[a, b, c, f], [a, b, e, f], [a, d, e, f]] {
-                    mesh.simplices.push(Simplex { root, rest: [x, y, z] }.upright(&mesh.positions));
+                    mesh.simplices.push(Simplex { root, others: [x, y, z] }.oriented(&mesh.positions));
                 }
             }
         }
@@ -55,7 +55,7 @@ impl<const D: usize> VolumeMesh<D> {
         thickness: f64,
         rotation: &Matrix<D>,
         edge: f64,
-        order: Order,
+        order: ElementOrder,
     ) -> Result<Self, OutlineError> {
         let length = |what, value: f64| match value > 0.0 && value.is_finite() {
             true => Ok(()),
@@ -65,12 +65,12 @@ impl<const D: usize> VolumeMesh<D> {
         if D == 3 {
             length("a thickness", thickness)?;
         }
-        if let Some(side) = outline.square {
+        if let Some(side) = outline.square_side {
             length("a square", side)?;
             let half = Vector::from_fn(|a, _| 0.5 * if a < 2 { side } else { thickness });
             return Ok(Self::of_box(center, &half, rotation, edge, order)?);
         }
-        let parts = if order == Order::Quadratic { 2 } else { 1 };
+        let parts = if order == ElementOrder::Quadratic { 2 } else { 1 };
         let planar = outline.triangulate(edge * parts as f64)?;
         let wide = |positions: &[Vector<3>]| {
             positions.iter().map(|x| Vector::from_fn(|a, _| x[a])).collect::<Vec<Vector<D>>>()
@@ -78,37 +78,37 @@ impl<const D: usize> VolumeMesh<D> {
         let mesh = if D == 2 {
             let flat: Vec<Vector<3>> =
                 planar.mesh.positions.iter().map(|x| Vector::from([x[0], x[1], 0.0])).collect();
-            let simplex = |s: &Simplex<2>| Simplex { root: s.root, rest: std::array::from_fn(|k| s.rest[k]) };
+            let simplex = |s: &Simplex<2>| Simplex { root: s.root, others: std::array::from_fn(|k| s.others[k]) };
             Self { positions: wide(&flat), simplices: planar.mesh.simplices.iter().map(simplex).collect() }
         } else {
-            let solid = planar.extruded(count(thickness, edge, 2) / parts, thickness);
-            let simplex = |s: &Simplex<3>| Simplex { root: s.root, rest: std::array::from_fn(|k| s.rest[k]) };
+            let solid = planar.extruded(cell_count(thickness, edge, 2) / parts, thickness);
+            let simplex = |s: &Simplex<3>| Simplex { root: s.root, others: std::array::from_fn(|k| s.others[k]) };
             Self {
                 positions: wide(&solid.positions),
                 simplices: solid.simplices.iter().map(simplex).collect(),
             }
         };
-        let mesh = if order == Order::Quadratic { mesh.bent(&shifts(outline, &planar, &mesh)) } else { mesh };
-        Ok(mesh.moved(rotation, center))
+        let mesh = if order == ElementOrder::Quadratic { mesh.subdivided_curved(&outline_displacements(outline, &planar, &mesh)) } else { mesh };
+        Ok(mesh.transformed(rotation, center))
     }
 }
 
 /// How far nodes on the edges of an extruded triangulation go to reach the outline, m.
-fn shifts<const D: usize>(
+fn outline_displacements<const D: usize>(
     outline: &Outline,
-    planar: &Planar,
+    planar: &PlanarTriangulation,
     mesh: &VolumeMesh<D>,
 ) -> Vec<([u32; 2], Vector<D>)> {
     let (flat, shape) = (&planar.mesh, MeshShape::new(outline.surface()));
-    let (bent, edges) = (flat.divided_onto(&|x| shape.signed_distance(x)), flat.edges());
+    let (bent, edges) = (flat.subdivided_onto(&|x| shape.signed_distance(x)), flat.edges());
     let count = flat.positions.len() as u32;
     let shift = |edge: [u32; 2]| {
         let [a, b] = edge.map(|v| v % count);
         let number = edges.binary_search(&[a.min(b), a.max(b)]).ok()?;
         let middle = (flat.positions[a as usize] + flat.positions[b as usize]) * 0.5;
-        let way = bent.positions[flat.positions.len() + number] - middle;
-        (way != Vector::<2>::zeros())
-            .then(|| (edge, Vector::from_fn(|r, _| if r < 2 { way[r] } else { 0.0 })))
+        let displacement = bent.positions[flat.positions.len() + number] - middle;
+        (displacement != Vector::<2>::zeros())
+            .then(|| (edge, Vector::from_fn(|r, _| if r < 2 { displacement[r] } else { 0.0 })))
     };
     mesh.edges().into_iter().filter_map(shift).collect()
 }

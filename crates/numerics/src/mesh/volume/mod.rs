@@ -16,9 +16,9 @@ pub mod stuffing;
 
 pub use block::BlockError;
 pub use outline::{Outline, OutlineError};
-pub use planar::Planar;
-pub use quadratic::{Order, Parent};
-pub use quality::{MeshDefect, Quality, SimplexShape};
+pub use planar::PlanarTriangulation;
+pub use quadratic::{ElementOrder, QuadraticSimplex};
+pub use quality::{MeshDefect, MeshQuality, SimplexShape};
 pub use read::VolumeImportError;
 pub use simplices::{Simplex, VolumeMesh};
 pub use stuffing::{StuffingError, stuff};

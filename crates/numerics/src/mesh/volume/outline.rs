@@ -5,12 +5,12 @@
 
 use super::block::BlockError;
 use crate::Vector;
-use crate::mesh::{FacetTree, SurfaceMesh};
+use crate::mesh::{FacetBvh, SurfaceMesh};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6, PI, TAU};
 use thiserror::Error;
 
 /// Points of a curved part between two mirror lines.
-const CURVE: usize = 240;
+const CURVE_POINTS: usize = 240;
 /// Radius of the narrowest place between petals over that of their tips.
 const PETAL_WAIST: f64 = 0.38;
 /// Width of the leaf over its length.
@@ -44,7 +44,7 @@ pub enum OutlineError {
     #[error(
         "the sides of the outline after points {first} and {second} meet; an outline may not touch itself"
     )]
-    Crossing {
+    SelfIntersection {
         /// Point that the first side starts from.
         first: usize,
         /// Point that the second side starts from.
@@ -83,20 +83,20 @@ pub enum OutlineError {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
     /// Points from one mirror line counter-clockwise to the next; all points where there are no mirror lines. m.
-    pub(super) part: Vec<Vector<2>>,
+    pub(super) fundamental_arc: Vec<Vector<2>>,
     /// Number of mirror lines through the origin, 0 if none is known.
-    pub(super) mirrors: usize,
+    pub(super) mirror_count: usize,
     /// Angle of the line that `part` starts on, rad.
-    pub(super) start: f64,
+    pub(super) start_angle: f64,
     /// Side of the square that it is, m.
-    pub(super) square: Option<f64>,
+    pub(super) square_side: Option<f64>,
 }
 
 impl Outline {
     /// A square of side `size` (m) about the origin, its sides along the axes.
     pub fn square(size: f64) -> Self {
         let h = 0.5 * size;
-        Self { square: Some(size), ..Self::mirrored(4, 0.0, vec![[h, 0.0], [h, h]]) }
+        Self { square_side: Some(size), ..Self::mirrored(4, 0.0, vec![[h, 0.0], [h, h]]) }
     }
 
     /// An equilateral triangle of side `size` (m), its centre in the origin, one tip up.
@@ -112,11 +112,11 @@ impl Outline {
         let n = count.max(2);
         let c = (1.0 - PETAL_WAIST) / (1.0 + PETAL_WAIST);
         let point = |k: usize| {
-            let angle = PI / n as f64 * k as f64 / CURVE as f64;
+            let angle = PI / n as f64 * k as f64 / CURVE_POINTS as f64;
             let r = 0.5 * size * (1.0 + c * (n as f64 * angle).cos()) / (1.0 + c);
             [r * angle.cos(), r * angle.sin()]
         };
-        Self::mirrored(n, 0.0, (0..=CURVE).map(point).collect())
+        Self::mirrored(n, 0.0, (0..=CURVE_POINTS).map(point).collect())
     }
 
     /// The unfolded box of the paper's Fig. 18: five squares in a cross, joined by bridges that fold; `size` (m) across.
@@ -135,10 +135,10 @@ impl Outline {
         let radius = (a * a + b * b) / (2.0 * b);
         let full = (a / radius).asin();
         let point = |k: usize| {
-            let angle = full * (1.0 - k as f64 / CURVE as f64);
+            let angle = full * (1.0 - k as f64 / CURVE_POINTS as f64);
             [radius * angle.sin(), radius * angle.cos() - (radius - b)]
         };
-        let mut part: Vec<[f64; 2]> = (0..=CURVE).map(point).collect();
+        let mut part: Vec<[f64; 2]> = (0..=CURVE_POINTS).map(point).collect();
         part[0] = [a, 0.0];
         Self::mirrored(2, 0.0, part)
     }
@@ -154,60 +154,60 @@ impl Outline {
         if let Some(point) = points.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
             return Err(OutlineError::NotFinite { point });
         }
-        let part: Vec<Vector<2>> = points.iter().map(|p| Vector::from(*p)).collect();
-        let n = part.len();
-        if let Some(point) = (0..n).find(|i| part[*i] == part[(i + 1) % n]) {
+        let fundamental_arc: Vec<Vector<2>> = points.iter().map(|p| Vector::from(*p)).collect();
+        let n = fundamental_arc.len();
+        if let Some(point) = (0..n).find(|i| fundamental_arc[*i] == fundamental_arc[(i + 1) % n]) {
             return Err(OutlineError::Repeated { point });
         }
-        if let Some([first, second]) = meeting(&part) {
-            return Err(OutlineError::Crossing { first, second });
+        if let Some([first, second]) = self_intersection(&fundamental_arc) {
+            return Err(OutlineError::SelfIntersection { first, second });
         }
-        let mut outline = Self { part, mirrors: 0, start: 0.0, square: None };
+        let mut outline = Self { fundamental_arc, mirror_count: 0, start_angle: 0.0, square_side: None };
         if outline.surface().volume() < 0.0 {
-            outline.part.reverse();
+            outline.fundamental_arc.reverse();
         }
         Ok(outline)
     }
 
-    fn mirrored(mirrors: usize, start: f64, part: Vec<[f64; 2]>) -> Self {
-        Self { part: part.into_iter().map(Vector::from).collect(), mirrors, start, square: None }
+    fn mirrored(mirror_count: usize, start_angle: f64, part: Vec<[f64; 2]>) -> Self {
+        Self { fundamental_arc: part.into_iter().map(Vector::from).collect(), mirror_count, start_angle, square_side: None }
     }
 
     /// What it encloses as a surface in the plane; curves are polygons of some hundred sides.
     pub fn surface(&self) -> SurfaceMesh<2> {
         let mut positions = Vec::new();
-        for k in 0..self.mirrors {
+        for k in 0..self.mirror_count {
             // The part and its mirror image, without the points on the mirror lines that the next ones bring.
-            positions.extend(self.part[..self.part.len() - 1].iter().map(|x| self.image(x, k, false)));
-            positions.extend(self.part[1..].iter().rev().map(|x| self.image(x, k + 1, true)));
+            positions.extend(self.fundamental_arc[..self.fundamental_arc.len() - 1].iter().map(|x| self.image(x, k, false)));
+            positions.extend(self.fundamental_arc[1..].iter().rev().map(|x| self.image(x, k + 1, true)));
         }
-        if self.mirrors == 0 {
-            positions.clone_from(&self.part);
+        if self.mirror_count == 0 {
+            positions.clone_from(&self.fundamental_arc);
         }
         let n = positions.len() as u32;
         SurfaceMesh { positions, facets: (0..n).map(|i| [i, (i + 1) % n]).collect() }
     }
 
     /// The tree that knows distances to the outline.
-    pub fn tree(&self) -> FacetTree<2> {
-        FacetTree::new(&self.surface())
+    pub fn tree(&self) -> FacetBvh<2> {
+        FacetBvh::new(&self.surface())
     }
 
     /// A point of the part between mirror lines turned to the `k`-th such part, or mirrored into the one before.
     pub(super) fn image(&self, x: &Vector<2>, k: usize, mirrored: bool) -> Vector<2> {
-        let turn = TAU * (k % self.mirrors.max(1)) as f64 / self.mirrors.max(1) as f64;
+        let turn = TAU * (k % self.mirror_count.max(1)) as f64 / self.mirror_count.max(1) as f64;
         let reflected = |x: &Vector<2>| {
-            let (s, c) = exact(2.0 * self.start);
+            let (s, c) = exact_sin_cos(2.0 * self.start_angle);
             Vector::from([c * x[0] + s * x[1], s * x[0] - c * x[1]])
         };
         let y = if mirrored { reflected(x) } else { *x };
-        let (s, c) = exact(turn);
+        let (s, c) = exact_sin_cos(turn);
         Vector::from([c * y[0] - s * y[1], s * y[0] + c * y[1]])
     }
 }
 
 /// Sine and cosine of an angle of whole quarters of a turn without rounding.
-fn exact(angle: f64) -> (f64, f64) {
+fn exact_sin_cos(angle: f64) -> (f64, f64) {
     let quarters = angle / FRAC_PI_2;
     if (quarters - quarters.round()).abs() < 1e-12 {
         return [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][quarters.round().rem_euclid(4.0) as usize];
@@ -216,7 +216,7 @@ fn exact(angle: f64) -> (f64, f64) {
 }
 
 /// Two sides of a polygon that have a point in common besides the corner between neighbours.
-fn meeting(points: &[Vector<2>]) -> Option<[usize; 2]> {
+fn self_intersection(points: &[Vector<2>]) -> Option<[usize; 2]> {
     let n = points.len();
     let turn = |a: &Vector<2>, b: &Vector<2>, c: &Vector<2>| (b - a).perp(&(c - a));
     let between = |a: &Vector<2>, b: &Vector<2>, c: &Vector<2>| (a - c).dot(&(b - c)) <= 0.0;
@@ -262,7 +262,7 @@ mod tests {
                 assert!((upper[a] - lower[a] - across[a]).abs() < 0.05 * across[a], "{lower} {upper}");
             }
             assert!(surface.positions.iter().all(|x| x.norm() < 0.5 * across[0] * 1.42));
-            assert_eq!(meeting(&surface.positions), None);
+            assert_eq!(self_intersection(&surface.positions), None);
         }
     }
 
@@ -272,9 +272,9 @@ mod tests {
         assert!((Outline::polygon(&square).unwrap().surface().volume() - 1.0).abs() < 1e-15);
         assert_eq!(Outline::polygon(&square[..2]), Err(OutlineError::TooFew { count: 2 }));
         let bow = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]];
-        assert_eq!(Outline::polygon(&bow), Err(OutlineError::Crossing { first: 0, second: 2 }));
+        assert_eq!(Outline::polygon(&bow), Err(OutlineError::SelfIntersection { first: 0, second: 2 }));
         let spike = [[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-        assert!(matches!(Outline::polygon(&spike), Err(OutlineError::Crossing { .. })));
+        assert!(matches!(Outline::polygon(&spike), Err(OutlineError::SelfIntersection { .. })));
         let twice = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
         assert_eq!(Outline::polygon(&twice), Err(OutlineError::Repeated { point: 1 }));
         let strange = [[0.0, 0.0], [f64::NAN, 0.0], [1.0, 1.0]];

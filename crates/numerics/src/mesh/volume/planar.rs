@@ -8,30 +8,30 @@
 use super::outline::{Outline, OutlineError};
 use super::{Simplex, VolumeMesh};
 use crate::Vector;
-use crate::mesh::{FacetTree, SurfaceMesh};
+use crate::mesh::{FacetBvh, SurfaceMesh};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 /// Cosine of the turn above which a point of an outline is no corner.
-const CORNER: f64 = 0.94;
+const MIN_SMOOTH_COSINE: f64 = 0.94;
 /// Sides longer than this, in edges, meet in a corner however little they turn.
-const LONG_SIDE: f64 = 0.5;
+const LONG_SIDE_EDGES: f64 = 0.5;
 /// Least distance of a point inside from the outline, in edges: at first, and when it is moved.
-const INSET: [f64; 2] = [0.6, 0.4];
+const MIN_INSET_EDGES: [f64; 2] = [0.6, 0.4];
 /// Rounds of moving, and how many pass between rounds of joining and adding.
-const ROUNDS: usize = 80;
-const CHANGE: usize = 10;
+const SMOOTHING_ROUNDS: usize = 80;
+const ROUNDS_PER_REFINEMENT: usize = 10;
 /// Points nearer than this are joined, in edges.
-const JOINED: f64 = 0.7;
+const MERGE_DISTANCE_EDGES: f64 = 0.7;
 /// Triangles with a larger circumradius get a point, in edges (that of a regular one: 0.58).
-const LARGE: f64 = 0.78;
+const MAX_CIRCUMRADIUS_EDGES: f64 = 0.78;
 /// Area below which a triangle is rounding, in squares of the edge.
-const FLAT: f64 = 1e-9;
+const MIN_AREA_SQUARE_EDGES: f64 = 1e-9;
 /// Most vertices.
-const MOST: f64 = 1e6;
+const MAX_VERTICES: f64 = 1e6;
 
 /// A triangulation of what an outline encloses.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Planar {
+pub struct PlanarTriangulation {
     /// The triangles.
     pub mesh: VolumeMesh<2>,
     /// A colour for each vertex, no two neighbours alike, as symmetric as the mesh: the order in which prisms on the
@@ -45,7 +45,7 @@ impl Outline {
     ///
     /// # Errors
     /// Edges that are no length, too short for memory, or too long for the outline.
-    pub fn triangulate(&self, edge: f64) -> Result<Planar, OutlineError> {
+    pub fn triangulate(&self, edge: f64) -> Result<PlanarTriangulation, OutlineError> {
         if !(edge > 0.0 && edge.is_finite()) {
             return Err(OutlineError::Size { what: "edges", value: edge });
         }
@@ -53,31 +53,31 @@ impl Outline {
         if !(vertices > 0.0 && vertices.is_finite()) {
             return Err(OutlineError::Size { what: "an outline", value: vertices * edge });
         }
-        if vertices > MOST {
+        if vertices > MAX_VERTICES {
             return Err(OutlineError::TooFine { edge, vertices });
         }
         let boundary = self.boundary(edge);
-        let mut wedge = Wedge::new(self, boundary, edge);
-        wedge.relax()?;
+        let mut wedge = Triangulator::new(self, boundary, edge);
+        wedge.optimise()?;
         Ok(self.unfold(&wedge))
     }
 
     /// The loop around what is triangulated, divided: the outline, or its part between two mirror lines and these.
-    fn boundary(&self, edge: f64) -> Loop {
-        let mut out = Loop::default();
-        if self.mirrors == 0 {
-            let corners = corners(&self.part, true, edge);
+    fn boundary(&self, edge: f64) -> DividedLoop {
+        let mut out = DividedLoop::default();
+        if self.mirror_count == 0 {
+            let corners = corners(&self.fundamental_arc, true, edge);
             let first = corners.first().copied().unwrap_or(0);
-            let n = self.part.len();
-            let turned: Vec<Vector<2>> = (0..=n).map(|k| self.part[(first + k) % n]).collect();
-            divide(&turned, edge, 0, &mut out);
+            let n = self.fundamental_arc.len();
+            let turned: Vec<Vector<2>> = (0..=n).map(|k| self.fundamental_arc[(first + k) % n]).collect();
+            divide_polyline(&turned, edge, 0, &mut out);
             return out;
         }
         let middle = Vector::zeros();
-        let (first, last) = (self.part[0], self.part[self.part.len() - 1]);
-        divide(&[middle, first], edge, ON_FIRST, &mut out);
-        divide(&self.part, edge, 0, &mut out);
-        divide(&[last, middle], edge, ON_LAST, &mut out);
+        let (first, last) = (self.fundamental_arc[0], self.fundamental_arc[self.fundamental_arc.len() - 1]);
+        divide_polyline(&[middle, first], edge, ON_FIRST, &mut out);
+        divide_polyline(&self.fundamental_arc, edge, 0, &mut out);
+        divide_polyline(&[last, middle], edge, ON_LAST, &mut out);
         // A division starts with what belongs to the last one as well.
         let lines = [ON_FIRST, ON_LAST];
         for (x, on) in out.points.iter().zip(&mut out.on) {
@@ -89,12 +89,12 @@ impl Outline {
     }
 
     /// All images of the part between two mirror lines.
-    fn unfold(&self, wedge: &Wedge) -> Planar {
-        let color = wedge.colors();
-        if self.mirrors == 0 {
-            return Planar { mesh: wedge.mesh(), color };
+    fn unfold(&self, wedge: &Triangulator) -> PlanarTriangulation {
+        let color = wedge.greedy_coloring();
+        if self.mirror_count == 0 {
+            return PlanarTriangulation { mesh: wedge.mesh(), color };
         }
-        let (n, count) = (self.mirrors, wedge.points.len());
+        let (n, count) = (self.mirror_count, wedge.points.len());
         let on = |v: usize| wedge.on.get(v).copied().unwrap_or(0);
         let mut mesh = VolumeMesh::<2>::default();
         let mut colors = Vec::new();
@@ -120,11 +120,11 @@ impl Outline {
                 let image = |v: u32| number[(2 * k + usize::from(!mirrored)) * count + v as usize];
                 for t in &wedge.triangles {
                     let [a, b, c] = t.map(image);
-                    mesh.simplices.push(Simplex { root: a, rest: if mirrored { [c, b] } else { [b, c] } });
+                    mesh.simplices.push(Simplex { root: a, others: if mirrored { [c, b] } else { [b, c] } });
                 }
             }
         }
-        Planar { mesh, color: colors }
+        PlanarTriangulation { mesh, color: colors }
     }
 }
 
@@ -134,7 +134,7 @@ const ON_LAST: u8 = 2;
 
 /// A divided loop and the mirror lines that its points lie on.
 #[derive(Default)]
-struct Loop {
+struct DividedLoop {
     points: Vec<Vector<2>>,
     on: Vec<u8>,
 }
@@ -144,14 +144,14 @@ fn corners(line: &[Vector<2>], closed: bool, edge: f64) -> Vec<usize> {
     let n = line.len();
     let corner = |i: &usize| {
         let (a, b) = (line[*i] - line[(i + n - 1) % n], line[(i + 1) % n] - line[*i]);
-        let long = a.norm().min(b.norm()) > LONG_SIDE * edge;
-        long || a.dot(&b) < CORNER * a.norm() * b.norm()
+        let long = a.norm().min(b.norm()) > LONG_SIDE_EDGES * edge;
+        long || a.dot(&b) < MIN_SMOOTH_COSINE * a.norm() * b.norm()
     };
     (0..n).filter(|i| (!closed && (*i == 0 || i + 1 == n)) || corner(i)).collect()
 }
 
 /// Divides a polyline evenly between its corners and adds all but its last point.
-fn divide(line: &[Vector<2>], edge: f64, on: u8, out: &mut Loop) {
+fn divide_polyline(line: &[Vector<2>], edge: f64, on: u8, out: &mut DividedLoop) {
     for ends in corners(line, false, edge).windows(2) {
         let run = &line[ends[0]..=ends[1]];
         let mut length = vec![0.0];
@@ -169,28 +169,28 @@ fn divide(line: &[Vector<2>], edge: f64, on: u8, out: &mut Loop) {
 }
 
 /// A region under triangulation.
-struct Wedge {
+struct Triangulator {
     edge: f64,
     /// The divided boundary, then the points inside.
     points: Vec<Vector<2>>,
     /// The mirror lines that each point of the boundary lies on.
     on: Vec<u8>,
     /// The boundary.
-    tree: FacetTree<2>,
+    tree: FacetBvh<2>,
     triangles: Vec<[u32; 3]>,
 }
 
-impl Wedge {
-    fn new(outline: &Outline, boundary: Loop, edge: f64) -> Self {
-        let Loop { mut points, on } = boundary;
+impl Triangulator {
+    fn new(outline: &Outline, boundary: DividedLoop, edge: f64) -> Self {
+        let DividedLoop { mut points, on } = boundary;
         let n = points.len() as u32;
         let facets = (0..n).map(|i| [i, (i + 1) % n]).collect();
         let surface = SurfaceMesh { positions: points.clone(), facets };
-        let tree = FacetTree::new(&surface);
+        let tree = FacetBvh::new(&surface);
         let (lower, upper) = surface.bounds();
         // A triangular lattice with a point where the mirror lines meet, one of its directions along the first.
-        let middle = if outline.mirrors > 0 { Vector::zeros() } else { (lower + upper) * 0.5 };
-        let (s, c) = outline.start.sin_cos();
+        let middle = if outline.mirror_count > 0 { Vector::zeros() } else { (lower + upper) * 0.5 };
+        let (s, c) = outline.start_angle.sin_cos();
         let [along, across] = [[c, s], [-s, c]].map(|d| Vector::from(d) * edge);
         let reach = ((lower - middle).norm().max((upper - middle).norm()) / edge).ceil() as i64 * 2;
         for j in -reach..=reach {
@@ -198,7 +198,7 @@ impl Wedge {
                 let shift = if j.rem_euclid(2) == 1 { 0.5 } else { 0.0 };
                 let x = middle + along * (i as f64 + shift) + across * (j as f64 * 0.75f64.sqrt());
                 let near = (0..2).all(|a| x[a] > lower[a] && x[a] < upper[a]);
-                if near && tree.signed_distance(&x) < -INSET[0] * edge {
+                if near && tree.signed_distance(&x) < -MIN_INSET_EDGES[0] * edge {
                     points.push(x);
                 }
             }
@@ -206,17 +206,17 @@ impl Wedge {
         Self { edge, points, on, tree, triangles: Vec::new() }
     }
 
-    fn relax(&mut self) -> Result<(), OutlineError> {
-        for round in 0..ROUNDS {
-            self.connect()?;
-            if round % CHANGE == CHANGE - 1 && round + CHANGE < ROUNDS {
-                self.add();
-                self.join();
+    fn optimise(&mut self) -> Result<(), OutlineError> {
+        for round in 0..SMOOTHING_ROUNDS {
+            self.triangulate_points()?;
+            if round % ROUNDS_PER_REFINEMENT == ROUNDS_PER_REFINEMENT - 1 && round + ROUNDS_PER_REFINEMENT < SMOOTHING_ROUNDS {
+                self.insert_points();
+                self.merge_close_points();
             } else {
                 self.smooth();
             }
         }
-        self.connect()?;
+        self.triangulate_points()?;
         match self.points.first() {
             Some(x) if self.triangles.is_empty() => {
                 Err(OutlineError::TooCoarse { edge: self.edge, near: [x[0], x[1]] })
@@ -226,7 +226,7 @@ impl Wedge {
     }
 
     /// The constrained Delaunay triangulation of the points inside the boundary.
-    fn connect(&mut self) -> Result<(), OutlineError> {
+    fn triangulate_points(&mut self) -> Result<(), OutlineError> {
         let (n, edge) = (self.on.len(), self.edge);
         let near = |v: usize| self.points.get(v).map_or([0.0; 2], |x| [x[0], x[1]]);
         let points: Vec<Point2<f64>> = self.points.iter().map(|x| Point2::new(x[0], x[1])).collect();
@@ -244,7 +244,7 @@ impl Wedge {
             let t = face.vertices().map(|v| v.fix().index() as u32);
             let center = t.iter().map(|v| self.points[*v as usize]).sum::<Vector<2>>() / 3.0;
             // Between points on a straight side that rounding bends inwards.
-            let flat = circumcenter(&self.corners(&t)).1 < FLAT * edge * edge;
+            let flat = circumcenter(&self.corners(&t)).1 < MIN_AREA_SQUARE_EDGES * edge * edge;
             if !flat && self.tree.contains(&center) {
                 triangles.push(t);
             }
@@ -274,20 +274,20 @@ impl Wedge {
         }
         for v in self.on.len()..self.points.len() {
             let to = sums[v].0 / sums[v].1;
-            if sums[v].1 > 0.0 && self.tree.signed_distance(&to) < -INSET[1] * self.edge {
+            if sums[v].1 > 0.0 && self.tree.signed_distance(&to) < -MIN_INSET_EDGES[1] * self.edge {
                 self.points[v] = to;
             }
         }
     }
 
     /// Removes points inside that are too near to others.
-    fn join(&mut self) {
+    fn merge_close_points(&mut self) {
         let n = self.on.len();
         let mut gone = vec![false; self.points.len()];
         for t in &self.triangles {
             for k in 0..3 {
                 let [a, b] = [t[k], t[(k + 1) % 3]].map(|v| v as usize);
-                let close = (self.points[a] - self.points[b]).norm() < JOINED * self.edge;
+                let close = (self.points[a] - self.points[b]).norm() < MERGE_DISTANCE_EDGES * self.edge;
                 let last = a.max(b);
                 if close && last >= n && !gone[a] && !gone[b] {
                     gone[last] = true;
@@ -299,12 +299,12 @@ impl Wedge {
     }
 
     /// Adds points in the middle of large triangles.
-    fn add(&mut self) {
+    fn insert_points(&mut self) {
         let mut large: Vec<(f64, Vector<2>)> = Vec::new();
         for t in &self.triangles {
             let corners = self.corners(t);
             let radius = (circumcenter(&corners).0 - corners[0]).norm();
-            if radius > LARGE * self.edge {
+            if radius > MAX_CIRCUMRADIUS_EDGES * self.edge {
                 large.push((radius, corners.iter().sum::<Vector<2>>() / 3.0));
             }
         }
@@ -312,7 +312,7 @@ impl Wedge {
         let mut added: Vec<Vector<2>> = Vec::new();
         for (_, x) in large {
             let free = added.iter().all(|y| (x - y).norm() > self.edge);
-            if free && self.tree.signed_distance(&x) < -INSET[1] * self.edge {
+            if free && self.tree.signed_distance(&x) < -MIN_INSET_EDGES[1] * self.edge {
                 added.push(x);
             }
         }
@@ -320,7 +320,7 @@ impl Wedge {
     }
 
     /// A colour for each point, the least that none of its earlier neighbours has.
-    fn colors(&self) -> Vec<u32> {
+    fn greedy_coloring(&self) -> Vec<u32> {
         let n = self.points.len();
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         for t in &self.triangles {
@@ -354,7 +354,7 @@ impl Wedge {
     }
 
     fn mesh(&self) -> VolumeMesh<2> {
-        let simplices = self.triangles.iter().map(|t| Simplex { root: t[0], rest: [t[1], t[2]] }).collect();
+        let simplices = self.triangles.iter().map(|t| Simplex { root: t[0], others: [t[1], t[2]] }).collect();
         VolumeMesh { positions: self.points.clone(), simplices }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::Matrix;
-use crate::mesh::volume::Order;
+use crate::mesh::volume::ElementOrder;
 use crate::shape::Shape;
 use std::f64::consts::PI;
 
@@ -42,7 +42,7 @@ fn outlines_are_triangulated_well() {
             assert!(surface.positions.iter().all(|x| tree.signed_distance(x).abs() < 1e-12), "{name}");
             assert!((quality.volume / outline.surface().volume() - 1.0).abs() < 3e-3, "{name}");
             assert!(quality.smallest_angle.0.to_degrees() > 22.0, "{name} {quality}");
-            assert!((quality.edges[1] / edge - 1.0).abs() < 0.1, "{name}");
+            assert!((quality.edge_lengths[1] / edge - 1.0).abs() < 0.1, "{name}");
             for e in mesh.edges() {
                 assert!(planar.color[e[0] as usize] != planar.color[e[1] as usize]);
             }
@@ -64,7 +64,7 @@ fn triangulations_have_the_symmetry_of_their_outline() {
             all.sort_unstable();
             all
         };
-        for k in 0..outline.mirrors {
+        for k in 0..outline.mirror_count {
             let close = |(a, b): (&[i64; 2], &[i64; 2])| (a[0] - b[0]).abs() < 3 && (a[1] - b[1]).abs() < 3;
             assert!(keys(0, false).iter().zip(&keys(k, true)).all(close), "{name}");
             assert!(keys(0, false).iter().zip(&keys(k, false)).all(close), "{name}");
@@ -104,7 +104,7 @@ fn extruded<const D: usize>() {
     (rotation[(0, 0)], rotation[(0, 1)], rotation[(1, 0)], rotation[(1, 1)]) = (c, -s, s, c);
     let center = Vector::from_fn(|a, _| 0.3 + a as f64);
     for (name, outline) in outlines() {
-        for order in [Order::Linear, Order::Quadratic] {
+        for order in [ElementOrder::Linear, ElementOrder::Quadratic] {
             let mesh = VolumeMesh::<D>::of_outline(&outline, &center, 0.06, &rotation, 0.033, order).unwrap();
             let shape = Shape::<D>::extrusion(&outline, &center, 0.06, &rotation);
             let quality = mesh.quality();
@@ -116,7 +116,7 @@ fn extruded<const D: usize>() {
             let off = surface.positions.iter().filter(off).count();
             // Where triangles are flat, nodes of quadratic ones stay on straight edges.
             assert!(
-                off * 50 <= surface.positions.len() && (order == Order::Quadratic || off == 0),
+                off * 50 <= surface.positions.len() && (order == ElementOrder::Quadratic || off == 0),
                 "{name} {off}"
             );
             let least = if D == 2 { 22.0 } else { 20.0 };
@@ -135,7 +135,7 @@ fn extruded_outlines_are_their_shape() {
         0.0693,
         &Matrix::identity(),
         0.034_67,
-        Order::Linear,
+        ElementOrder::Linear,
     );
     assert_eq!(plate.unwrap().simplices.len(), 110_592);
     let thin = VolumeMesh::<3>::of_outline(
@@ -144,7 +144,7 @@ fn extruded_outlines_are_their_shape() {
         0.0,
         &Matrix::identity(),
         0.1,
-        Order::Linear,
+        ElementOrder::Linear,
     );
     assert!(matches!(thin, Err(OutlineError::Size { .. })));
 }

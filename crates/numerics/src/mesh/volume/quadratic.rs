@@ -18,17 +18,17 @@ use crate::mesh::surface::area_vector;
 use crate::{Matrix, Vector};
 
 /// Nodes of a quadratic simplex in 3D, the most.
-const MOST: usize = 10;
+const MAX_NODES: usize = 10;
 /// How far a node goes to reach a surface, over the length of its edge. The map along a straight quadratic edge folds where its middle
 /// has moved by this much; across the edge it makes an arc of 127 degrees.
-pub(super) const BULGE: f64 = 0.25;
+pub(super) const MAX_NODE_DISPLACEMENT_EDGES: f64 = 0.25;
 /// Least volume of a part, and least derivative of volume at a node, of a curved quadratic simplex over those of the straight one.
 /// They fall in proportion to how far nodes go: at half of the way to the fold, half is left.
-const LEAST: f64 = 0.5;
+const MIN_VOLUME_RATIO: f64 = 0.5;
 
 /// The order of the polynomials on the simplices of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Order {
+pub enum ElementOrder {
     /// The simplices of the mesh are linear, each by itself.
     Linear,
     /// Groups of `2^D` simplices of the mesh are the parts of a quadratic one.
@@ -38,11 +38,11 @@ pub enum Order {
 
 /// The nodes of a quadratic simplex: its `D + 1` corners, then those on its edges in the order of [`edges`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Parent<const D: usize> {
-    nodes: [u32; MOST],
+pub struct QuadraticSimplex<const D: usize> {
+    nodes: [u32; MAX_NODES],
 }
 
-impl<const D: usize> Parent<D> {
+impl<const D: usize> QuadraticSimplex<D> {
     /// Its nodes: 6 in 2D, 10 in 3D.
     pub fn nodes(&self) -> &[u32] {
         &self.nodes[..(D + 1) * (D + 2) / 2]
@@ -56,27 +56,27 @@ impl<const D: usize> Parent<D> {
 }
 
 /// Edges of a simplex: pairs of its vertices, the lower one first.
-pub fn edges<const D: usize>() -> impl Iterator<Item = (usize, usize)> {
+pub fn edge_pairs<const D: usize>() -> impl Iterator<Item = (usize, usize)> {
     (0..=D).flat_map(|i| (i + 1..=D).map(move |j| (i, j)))
 }
 
 /// Slopes of the shape functions of all nodes along barycentric coordinates 1 to D at a place with coordinates `b`; coordinate 0 is
 /// what remains of 1.
-pub fn slopes<const D: usize>(b: &[f64]) -> Vec<Vector<D>> {
+pub fn shape_function_gradients<const D: usize>(b: &[f64]) -> Vec<Vector<D>> {
     let along = |i: usize| Vector::<D>::from_fn(|r, _| if i == 0 { -1.0 } else { f64::from(r + 1 == i) });
     let corner = |i: usize| along(i) * (4.0 * b[i] - 1.0);
     let middle = |(i, j): (usize, usize)| (along(i) * b[j] + along(j) * b[i]) * 4.0;
-    (0..=D).map(corner).chain(edges::<D>().map(middle)).collect()
+    (0..=D).map(corner).chain(edge_pairs::<D>().map(middle)).collect()
 }
 
 impl<const D: usize> VolumeMesh<D> {
     /// Every simplex divided into `2^D` at the middles of its edges: a mesh of quadratic simplices. The vertices keep their numbers,
     /// the middles follow.
-    pub fn divided(&self) -> Self {
+    pub fn subdivided(&self) -> Self {
         let all = self.edges();
         let count = self.positions.len();
         let mut positions = self.positions.clone();
-        positions.extend(all.iter().map(|[a, b]| (self.at(*a) + self.at(*b)) * 0.5));
+        positions.extend(all.iter().map(|[a, b]| (self.position(*a) + self.position(*b)) * 0.5));
         let middle = |a: u32, b: u32| {
             let edge = [a.min(b), a.max(b)];
             (count + all.partition_point(|e| *e < edge)) as u32
@@ -86,19 +86,19 @@ impl<const D: usize> VolumeMesh<D> {
             let corners: Vec<u32> = simplex.vertices().collect();
             for (i, at) in corners.iter().enumerate() {
                 let vertex = |j: usize| if i == j { *at } else { middle(*at, corners[j]) };
-                simplices.push(Simplex { root: vertex(0), rest: std::array::from_fn(|k| vertex(k + 1)) });
+                simplices.push(Simplex { root: vertex(0), others: std::array::from_fn(|k| vertex(k + 1)) });
             }
             let node = |i: usize, j: usize| middle(corners[i], corners[j]);
-            within(&node, &positions, &mut simplices);
+            push_inner_simplices(&node, &positions, &mut simplices);
         }
         Self { positions, simplices }
     }
 
     /// As [`divided`](Self::divided), with the nodes on some edges shifted (m), as far as simplices stay well shaped. The edges have
     /// their lower vertices first.
-    pub fn bent(&self, shifts: &[([u32; 2], Vector<D>)]) -> Self {
-        let (mut mesh, all) = (self.divided(), self.edges());
-        let Some(parents) = mesh.parents() else { return mesh };
+    pub fn subdivided_curved(&self, shifts: &[([u32; 2], Vector<D>)]) -> Self {
+        let (mut mesh, all) = (self.subdivided(), self.edges());
+        let Some(parents) = mesh.quadratic_simplices() else { return mesh };
         let straight = mesh.positions.clone();
         for (edge, shift) in shifts {
             let Ok(number) = all.binary_search(edge) else { continue };
@@ -107,7 +107,7 @@ impl<const D: usize> VolumeMesh<D> {
         // Each round makes at least one node straight again.
         for _ in 0..mesh.positions.len() {
             let bad: Vec<usize> =
-                (0..parents.len()).filter(|k| !mesh.is_fair(&parents[*k], *k, &straight)).collect();
+                (0..parents.len()).filter(|k| !mesh.is_well_shaped(&parents[*k], *k, &straight)).collect();
             if bad.is_empty() {
                 break;
             }
@@ -120,15 +120,15 @@ impl<const D: usize> VolumeMesh<D> {
 
     /// The quadratic simplices that the mesh's simplices are the parts of, as [`divided`](Self::divided) leaves them; none where they
     /// are of no such.
-    pub fn parents(&self) -> Option<Vec<Parent<D>>> {
+    pub fn quadratic_simplices(&self) -> Option<Vec<QuadraticSimplex<D>>> {
         let parts = self.simplices.chunks_exact(1 << D);
         if !parts.remainder().is_empty() {
             return None;
         }
-        parts.map(parent).collect()
+        parts.map(quadratic_simplex).collect()
     }
 
-    pub(super) fn at(&self, v: u32) -> Vector<D> {
+    pub(super) fn position(&self, v: u32) -> Vector<D> {
         self.positions[v as usize]
     }
 
@@ -136,7 +136,7 @@ impl<const D: usize> VolumeMesh<D> {
     pub(super) fn boundary_edges(&self) -> Vec<([u32; 2], Vector<D>)> {
         let mut sides: Vec<([u32; 2], Vector<D>)> = Vec::new();
         for facet in self.boundary() {
-            let across = area_vector(&facet.map(|v| self.at(v)));
+            let across = area_vector(&facet.map(|v| self.position(v)));
             for i in 0..D {
                 sides.extend((0..i).map(|j| ([facet[i].min(facet[j]), facet[i].max(facet[j])], across)));
             }
@@ -150,32 +150,32 @@ impl<const D: usize> VolumeMesh<D> {
     }
 
     /// Whether a quadratic simplex, the `number`-th, is well shaped by what it is where nodes are at the `straight` places.
-    fn is_fair(&self, parent: &Parent<D>, number: usize, straight: &[Vector<D>]) -> bool {
+    fn is_well_shaped(&self, parent: &QuadraticSimplex<D>, number: usize, straight: &[Vector<D>]) -> bool {
         let parts = &self.simplices[number << D..(number + 1) << D];
-        let fair = |s: &Simplex<D>| s.volume(&self.positions) >= LEAST * s.volume(straight);
+        let fair = |s: &Simplex<D>| s.volume(&self.positions) >= MIN_VOLUME_RATIO * s.volume(straight);
         let volume = |x: &[Vector<D>], b: &[f64]| {
-            let jacobian = parent.jacobian(&slopes(b), x);
-            let simplex = Simplex::<D> { root: 0, rest: std::array::from_fn(|k| k as u32 + 1) };
+            let jacobian = parent.jacobian(&shape_function_gradients(b), x);
+            let simplex = Simplex::<D> { root: 0, others: std::array::from_fn(|k| k as u32 + 1) };
             let mut corners = vec![Vector::zeros()];
             corners.extend(jacobian.column_iter().map(|c| c.into_owned()));
             simplex.volume(&corners)
         };
         let corner = |i: usize| (0..=D).map(|k| f64::from(k == i)).collect::<Vec<f64>>();
         let middle = |(i, j)| (0..=D).map(|k| 0.5 * f64::from(k == i || k == j)).collect::<Vec<f64>>();
-        let mut places = (0..=D).map(corner).chain(edges::<D>().map(middle));
-        parts.iter().all(fair) && places.all(|b| volume(&self.positions, &b) >= LEAST * volume(straight, &b))
+        let mut places = (0..=D).map(corner).chain(edge_pairs::<D>().map(middle));
+        parts.iter().all(fair) && places.all(|b| volume(&self.positions, &b) >= MIN_VOLUME_RATIO * volume(straight, &b))
     }
 }
 
 /// Adds the simplices between those at the corners; `node` tells the node on an edge.
-fn within<const D: usize>(
+fn push_inner_simplices<const D: usize>(
     node: &dyn Fn(usize, usize) -> u32,
     positions: &[Vector<D>],
     simplices: &mut Vec<Simplex<D>>,
 ) {
     let mut push = |vertices: &[u32]| {
-        let simplex = Simplex { root: vertices[0], rest: std::array::from_fn(|k| vertices[k + 1]) };
-        simplices.push(simplex.upright(positions));
+        let simplex = Simplex { root: vertices[0], others: std::array::from_fn(|k| vertices[k + 1]) };
+        simplices.push(simplex.oriented(positions));
     };
     if D == 2 {
         return push(&[node(1, 2), node(0, 2), node(0, 1)]);
@@ -197,17 +197,17 @@ fn within<const D: usize>(
 }
 
 /// The quadratic simplex of `2^D` parts.
-fn parent<const D: usize>(parts: &[Simplex<D>]) -> Option<Parent<D>> {
-    let vertex = |i: usize, j: usize| if j == 0 { parts[i].root } else { parts[i].rest[j - 1] };
-    let mut nodes = [0; MOST];
+fn quadratic_simplex<const D: usize>(parts: &[Simplex<D>]) -> Option<QuadraticSimplex<D>> {
+    let vertex = |i: usize, j: usize| if j == 0 { parts[i].root } else { parts[i].others[j - 1] };
+    let mut nodes = [0; MAX_NODES];
     (0..=D).for_each(|i| nodes[i] = vertex(i, i));
-    for (k, (i, j)) in edges::<D>().enumerate() {
+    for (k, (i, j)) in edge_pairs::<D>().enumerate() {
         if vertex(i, j) != vertex(j, i) {
             return None;
         }
         nodes[D + 1 + k] = vertex(i, j);
     }
-    let parent = Parent { nodes };
+    let parent = QuadraticSimplex { nodes };
     let known = |part: &Simplex<D>| part.vertices().all(|v| parent.nodes().contains(&v));
     parts.iter().all(known).then_some(parent)
 }
@@ -219,17 +219,17 @@ mod tests {
 
     fn division<const D: usize>() {
         let coarse = block::<D>([2; D], &Vector::repeat(1.0));
-        let fine = coarse.divided();
+        let fine = coarse.subdivided();
         assert_eq!(fine.check(), Ok(()));
         assert!((fine.volume() - coarse.volume()).abs() < 1e-14);
         assert_eq!(fine.positions.len(), 5usize.pow(D as u32));
-        assert_eq!(coarse.parents(), None);
-        let parents = fine.parents().unwrap();
+        assert_eq!(coarse.quadratic_simplices(), None);
+        let parents = fine.quadratic_simplices().unwrap();
         assert_eq!(parents.len(), coarse.simplices.len());
         for (parent, simplex) in parents.iter().zip(&coarse.simplices) {
             let corners: Vec<u32> = simplex.vertices().collect();
             assert_eq!(parent.nodes()[..=D], corners);
-            for (k, (i, j)) in edges::<D>().enumerate() {
+            for (k, (i, j)) in edge_pairs::<D>().enumerate() {
                 let at = |v: u32| fine.positions[v as usize];
                 let middle = (at(corners[i]) + at(corners[j])) * 0.5;
                 assert!((at(parent.nodes()[D + 1 + k]) - middle).norm() < 1e-15);
@@ -248,7 +248,7 @@ mod tests {
         let distance = |x: &Vector<D>| x.norm() - 1.0;
         let (low, high) = (Vector::repeat(-1.0), Vector::repeat(1.0));
         let coarse = super::super::stuff(&distance, &low, &high, 0.5).unwrap();
-        let mesh = coarse.divided_onto(&distance);
+        let mesh = coarse.subdivided_onto(&distance);
         assert_eq!(mesh.check(), Ok(()));
         let off = |x: &Vector<D>| (x.norm() - 1.0).abs();
         let (surface, _) = mesh.surface();

@@ -10,11 +10,11 @@ use std::fmt;
 use thiserror::Error;
 
 /// Volume of a simplex over the cube (2D: square) of its longest edge below which it counts as flat.
-const FLAT: f64 = 1e-9;
+const MIN_RELATIVE_VOLUME: f64 = 1e-9;
 
 /// Measures of a volume mesh. Angles in radians.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Quality {
+pub struct MeshQuality {
     /// Number of vertices.
     pub vertices: usize,
     /// Number of triangles (2D) or tetrahedra (3D).
@@ -24,7 +24,7 @@ pub struct Quality {
     /// Number of parts that no facet joins.
     pub components: usize,
     /// Length of the shortest edge, of all edges in the mean, of the longest, m.
-    pub edges: [f64; 3],
+    pub edge_lengths: [f64; 3],
     /// The smallest dihedral angle (2D: angle), rad, and the simplex that has it.
     pub smallest_angle: (f64, usize),
     /// The largest dihedral angle (2D: angle), rad, and the simplex that has it.
@@ -105,7 +105,7 @@ pub enum MeshDefect {
     },
     /// The mesh falls into parts that no facet joins.
     #[error("the mesh falls into {count} parts")]
-    Apart {
+    Disconnected {
         /// How many.
         count: usize,
     },
@@ -162,17 +162,17 @@ impl<const D: usize> VolumeMesh<D> {
     }
 
     /// Measures the mesh. Its vertices must exist; a flat simplex has angle and radius ratio 0.
-    pub fn quality(&self) -> Quality {
+    pub fn quality(&self) -> MeshQuality {
         let edges = self.edges();
         let length = |e: &[u32; 2]| (self.positions[e[0] as usize] - self.positions[e[1] as usize]).norm();
         let mean = crate::par::sum(edges.len(), |i| length(&edges[i])) / edges.len().max(1) as f64;
         let shortest = edges.iter().map(length).fold(f64::INFINITY, f64::min);
-        let mut out = Quality {
+        let mut out = MeshQuality {
             vertices: self.positions.len(),
             simplices: self.simplices.len(),
             boundary_facets: self.boundary().len(),
-            components: self.components(),
-            edges: [shortest, mean, edges.iter().map(length).fold(0.0, f64::max)],
+            components: self.component_count(),
+            edge_lengths: [shortest, mean, edges.iter().map(length).fold(0.0, f64::max)],
             smallest_angle: (f64::INFINITY, 0),
             largest_angle: (0.0, 0),
             smallest_volume: (f64::INFINITY, 0),
@@ -198,7 +198,7 @@ impl<const D: usize> VolumeMesh<D> {
     }
 
     /// Number of parts that no facet joins.
-    pub fn components(&self) -> usize {
+    pub fn component_count(&self) -> usize {
         let mut facets = Vec::with_capacity(self.simplices.len() * (D + 1));
         for (i, simplex) in self.simplices.iter().enumerate() {
             for k in 0..=D {
@@ -221,10 +221,10 @@ impl<const D: usize> VolumeMesh<D> {
     }
 
     /// The number of the piece that each vertex belongs to, from 0; pieces have no vertex in common.
-    pub fn pieces(&self) -> Vec<u32> {
+    pub fn vertex_components(&self) -> Vec<u32> {
         let mut parent: Vec<usize> = (0..self.positions.len()).collect();
         for simplex in &self.simplices {
-            for v in simplex.rest {
+            for v in simplex.others {
                 let [a, b] = [simplex.root, v].map(|v| root(&mut parent, v as usize));
                 parent[a.max(b)] = a.min(b);
             }
@@ -249,10 +249,10 @@ impl<const D: usize> VolumeMesh<D> {
     /// # Errors
     /// The first of its defects.
     pub fn check(&self) -> Result<(), MeshDefect> {
-        self.check_pieces()?;
-        match self.components() {
+        self.check_elements()?;
+        match self.component_count() {
             0 | 1 => Ok(()),
-            count => Err(MeshDefect::Apart { count }),
+            count => Err(MeshDefect::Disconnected { count }),
         }
     }
 
@@ -260,7 +260,7 @@ impl<const D: usize> VolumeMesh<D> {
     ///
     /// # Errors
     /// The first of its defects.
-    pub fn check_pieces(&self) -> Result<(), MeshDefect> {
+    pub fn check_elements(&self) -> Result<(), MeshDefect> {
         self.check_vertices()?;
         self.check_volumes()?;
         self.check_boundary()
@@ -291,11 +291,11 @@ impl<const D: usize> VolumeMesh<D> {
             let near = self.simplices[simplex].center(&self.positions).as_slice().to_vec();
             Some((1 + all.count(), simplex, self.simplices[simplex].volume(&self.positions), near))
         };
-        if let Some((count, simplex, volume, near)) = found(&|v| v < -FLAT) {
+        if let Some((count, simplex, volume, near)) = found(&|v| v < -MIN_RELATIVE_VOLUME) {
             return Err(MeshDefect::Inverted { count, simplex, volume, near });
         }
         // What is not a number is flat too.
-        if let Some((count, simplex, volume, near)) = found(&|v| v.is_nan() || (-FLAT..FLAT).contains(&v)) {
+        if let Some((count, simplex, volume, near)) = found(&|v| v.is_nan() || (-MIN_RELATIVE_VOLUME..MIN_RELATIVE_VOLUME).contains(&v)) {
             return Err(MeshDefect::Degenerate { count, simplex, volume, near });
         }
         Ok(())
@@ -315,7 +315,7 @@ impl<const D: usize> VolumeMesh<D> {
                 let facet = simplex.facet(k);
                 let mut key = facet;
                 key.sort_unstable();
-                facets.push((key, !even(&facet)));
+                facets.push((key, !is_even_permutation(&facet)));
             }
         }
         facets.sort_unstable();
@@ -325,7 +325,7 @@ impl<const D: usize> VolumeMesh<D> {
             }
         }
         let boundary = self.boundary();
-        match torn_vertex(&boundary) {
+        match non_manifold_vertex(&boundary) {
             Some(v) => Err(MeshDefect::NonManifold { vertex: v as usize, near: near(v) }),
             None => Ok(()),
         }
@@ -334,7 +334,7 @@ impl<const D: usize> VolumeMesh<D> {
 
 /// A vertex around which the facets of a closed boundary do not form one fan (2D: that has not two facets), if there is
 /// one.
-pub(super) fn torn_vertex<const D: usize>(boundary: &[[u32; D]]) -> Option<u32> {
+pub(super) fn non_manifold_vertex<const D: usize>(boundary: &[[u32; D]]) -> Option<u32> {
     let mut stars: Vec<(u32, usize)> =
         boundary.iter().enumerate().flat_map(|(i, f)| f.map(|v| (v, i))).collect();
     stars.sort_unstable();
@@ -362,7 +362,7 @@ pub(super) fn torn_vertex<const D: usize>(boundary: &[[u32; D]]) -> Option<u32> 
 }
 
 /// Whether sorting the vertices of a facet takes an even number of exchanges.
-fn even<const D: usize>(facet: &[u32; D]) -> bool {
+fn is_even_permutation<const D: usize>(facet: &[u32; D]) -> bool {
     let inversions = (0..D).map(|i| (0..i).filter(|j| facet[*j] > facet[i]).count()).sum::<usize>();
     inversions.is_multiple_of(2)
 }
@@ -376,9 +376,9 @@ fn root(parent: &mut [usize], mut i: usize) -> usize {
     i
 }
 
-impl fmt::Display for Quality {
+impl fmt::Display for MeshQuality {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [short, mean, long] = self.edges;
+        let [short, mean, long] = self.edge_lengths;
         write!(
             f,
             "{} vertices, {} elements in {} part(s), {} boundary facets; edges {short:.4e} to {long:.4e} m, mean \
@@ -408,8 +408,8 @@ mod tests {
         let c = (1.0 - (1.0 + D as f64).sqrt()) / D as f64;
         let mut positions: Vec<Vector<D>> = (0..D).map(unit).collect();
         positions.push(Vector::repeat(c));
-        let simplex = Simplex { root: D as u32, rest: std::array::from_fn(|k| k as u32) };
-        let simplices = vec![simplex.upright(&positions)];
+        let simplex = Simplex { root: D as u32, others: std::array::from_fn(|k| k as u32) };
+        let simplices = vec![simplex.oriented(&positions)];
         VolumeMesh { positions, simplices }
     }
 
@@ -419,13 +419,13 @@ mod tests {
         let angle = (1.0 / D as f64).acos();
         assert!((shape.angles[0] - angle).abs() < 1e-12 && (shape.angles[1] - angle).abs() < 1e-12);
         assert!((shape.radius_ratio - 1.0).abs() < 1e-12);
-        assert_eq!((mesh.check(), mesh.components()), (Ok(()), 1));
+        assert_eq!((mesh.check(), mesh.component_count()), (Ok(()), 1));
         let quality = mesh.quality();
-        assert!(quality.edges.iter().all(|e| (e - 2.0f64.sqrt()).abs() < 1e-12));
+        assert!(quality.edge_lengths.iter().all(|e| (e - 2.0f64.sqrt()).abs() < 1e-12));
         assert_eq!((quality.vertices, quality.simplices, quality.boundary_facets), (D + 1, 1, D + 1));
 
         let mut inverted = mesh.clone();
-        inverted.simplices[0].rest.swap(0, 1);
+        inverted.simplices[0].others.swap(0, 1);
         assert!(matches!(inverted.check(), Err(MeshDefect::Inverted { simplex: 0, count: 1, .. })));
         let mut flat = mesh.clone();
         flat.positions[D] = flat.positions[0] * 0.5 + flat.positions[1] * 0.5;
@@ -435,7 +435,7 @@ mod tests {
         twice.simplices.push(twice.simplices[0]);
         assert!(matches!(twice.check(), Err(MeshDefect::Overlap { .. })));
         let mut strange = mesh.clone();
-        strange.simplices[0].rest[0] = 9;
+        strange.simplices[0].others[0] = 9;
         assert_eq!(strange.check(), Err(MeshDefect::Vertex { simplex: 0 }));
         let mut infinite = mesh.clone();
         infinite.positions[1][0] = f64::NAN;
@@ -444,13 +444,13 @@ mod tests {
         // A second one that shares only the last vertex, then one that shares none.
         let mut pinched = mesh.clone();
         pinched.positions.extend((0..D).map(|k| mesh.positions[D] * 2.0 - mesh.positions[k]));
-        let rest = std::array::from_fn(|k| (D + 1 + k) as u32);
-        pinched.simplices.push(Simplex { root: D as u32, rest }.upright(&pinched.positions));
+        let others = std::array::from_fn(|k| (D + 1 + k) as u32);
+        pinched.simplices.push(Simplex { root: D as u32, others }.oriented(&pinched.positions));
         assert!(matches!(pinched.check(), Err(MeshDefect::NonManifold { vertex, .. }) if vertex == D));
         pinched.positions.push(mesh.positions[D] - Vector::repeat(0.01));
         pinched.simplices[1].root = 2 * D as u32 + 1;
-        assert_eq!(pinched.check_pieces(), Ok(()));
-        assert_eq!(pinched.check(), Err(MeshDefect::Apart { count: 2 }));
+        assert_eq!(pinched.check_elements(), Ok(()));
+        assert_eq!(pinched.check(), Err(MeshDefect::Disconnected { count: 2 }));
     }
 
     #[test]
@@ -460,6 +460,6 @@ mod tests {
         // Two tetrahedra of a block that share an edge but no facet.
         let mut mesh = block::<3>([1; 3], &Vector::repeat(1.0));
         mesh.simplices = vec![mesh.simplices[0], mesh.simplices[5]];
-        assert!(matches!(mesh.check_pieces(), Err(MeshDefect::NonManifold { .. })));
+        assert!(matches!(mesh.check_elements(), Err(MeshDefect::NonManifold { .. })));
     }
 }

@@ -14,19 +14,19 @@ pub struct Simplex<const D: usize> {
     /// The first vertex, `x₀`.
     pub root: u32,
     /// The others, `x₁ … x_D`.
-    pub rest: [u32; D],
+    pub others: [u32; D],
 }
 
 impl<const D: usize> Simplex<D> {
     /// All its vertices.
     pub fn vertices(&self) -> impl Iterator<Item = u32> + '_ {
-        std::iter::once(self.root).chain(self.rest)
+        std::iter::once(self.root).chain(self.others)
     }
 
     /// Its edges from the first vertex, `[x₁−x₀ … x_D−x₀]`, m.
     pub fn edges(&self, positions: &[Vector<D>]) -> Matrix<D> {
         let root = positions[self.root as usize];
-        Matrix::from_fn(|r, c| positions[self.rest[c] as usize][r] - root[r])
+        Matrix::from_fn(|r, c| positions[self.others[c] as usize][r] - root[r])
     }
 
     /// Its volume, m³ (2D: area, m²); negative if it is inverted.
@@ -43,16 +43,16 @@ impl<const D: usize> Simplex<D> {
     }
 
     /// The same vertices in an order that makes its volume positive, if it has one.
-    pub fn upright(mut self, positions: &[Vector<D>]) -> Self {
+    pub fn oriented(mut self, positions: &[Vector<D>]) -> Self {
         if self.volume(positions) < 0.0 {
-            self.rest.swap(0, 1);
+            self.others.swap(0, 1);
         }
         self
     }
 
     /// The facet opposite to vertex `k` (0 is the root), outward if the volume is positive.
     pub fn facet(&self, k: usize) -> [u32; D] {
-        let mut facet = self.rest;
+        let mut facet = self.others;
         if k > 0 {
             // The root takes the place of the vertex left out, which turns the facet over.
             facet[k - 1] = self.root;
@@ -78,7 +78,7 @@ impl<const D: usize> VolumeMesh<D> {
     }
 
     /// The mesh rotated about the origin, then moved by `translate` (m). `rotation` must be one: a mirror image is inverted.
-    pub fn moved(mut self, rotation: &Matrix<D>, translate: &Vector<D>) -> Self {
+    pub fn transformed(mut self, rotation: &Matrix<D>, translate: &Vector<D>) -> Self {
         self.positions.iter_mut().for_each(|x| *x = rotation * *x + translate);
         self
     }
@@ -94,7 +94,7 @@ impl<const D: usize> VolumeMesh<D> {
         }
         let renumbered = |s: &Simplex<D>| Simplex {
             root: number[s.root as usize],
-            rest: s.rest.map(|v| number[v as usize]),
+            others: s.others.map(|v| number[v as usize]),
         };
         Self { positions, simplices: self.simplices.iter().map(renumbered).collect() }
     }
@@ -143,11 +143,11 @@ mod tests {
         };
         let simplex = |order: &[usize; 3]| {
             let mut at = 0;
-            let rest = std::array::from_fn(|k| {
+            let others = std::array::from_fn(|k| {
                 at |= 1 << order[k];
                 at as u32
             });
-            Simplex { root: 0, rest }.upright(&positions)
+            Simplex { root: 0, others }.oriented(&positions)
         };
         let simplices = orders.iter().map(simplex).collect();
         VolumeMesh { positions, simplices }

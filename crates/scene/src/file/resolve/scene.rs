@@ -72,17 +72,17 @@ fn resolve(file: SceneFile, source: Source, base: &Path, quality: Quality) -> Re
         let message = format!("format {} is not known", file.format);
         return Err(r.error("format", message, "this version reads `format = 1`"));
     }
-    r.plain_name("name", &file.name)?;
+    r.check_file_name("name", &file.name)?;
     let domain = r.domain(&file.domain, quality)?;
     let liquid = r.liquid(&file.liquid)?;
     let solids = r.solids(&file.solid)?;
     let names: Vec<&str> = solids.iter().map(|s| s.name.as_str()).collect();
     let tension = r.tension(&file.tension, &solids)?;
     let contact_line = r.contact_line(&file.contact_line.unwrap_or_default(), &names)?;
-    r.young_within(&tension, &contact_line, &domain)?;
+    r.check_hysteresis_range(&tension, &contact_line, &domain)?;
     let numerics = r.numerics(&file.numerics, solids.iter().any(|s| s.material.deforms()))?;
     let output = r.output(&file.output)?;
-    let angles = angles(&names, &tension, &domain, &contact_line);
+    let angles = young_angles(&names, &tension, &domain, &contact_line);
     let soft: Vec<&str> = solids.iter().filter(|s| s.material.deforms()).map(|s| s.name.as_str()).collect();
     let expect = r.expect(&file.expect.unwrap_or_default(), &names, &angles, &soft)?;
     Ok(Scene {
@@ -105,7 +105,7 @@ fn resolve(file: SceneFile, source: Source, base: &Path, quality: Quality) -> Re
 
 /// All that has a contact angle, by name, and Young's angle there, rad (of what is wetted totally 0, of what is dry π); none
 /// where it varies.
-fn angles<'a>(
+fn young_angles<'a>(
     names: &[&'a str],
     tension: &Tensions,
     domain: &Domain,
@@ -113,11 +113,11 @@ fn angles<'a>(
 ) -> Vec<(&'a str, Option<f64>)> {
     let young = |name: &&'a str| {
         let given = tension.solids.iter().find(|t| t.0 == **name).map(|t| &t.1);
-        let even = given.is_none_or(Wetting::is_even);
+        let even = given.is_none_or(Wetting::is_uniform);
         let cosine = given.map_or(0.0, |w| w.tension.young_cosine(tension.liquid_air));
         (*name, even.then(|| cosine.clamp(-1.0, 1.0).acos()))
     };
-    let walls = (domain.wets() && line.enabled).then_some((WALLS, Some(domain.wall_contact_angle)));
+    let walls = (domain.walls_are_wetting() && line.enabled).then_some((WALLS, Some(domain.wall_contact_angle)));
     names.iter().map(young).chain(walls).collect()
 }
 
@@ -131,7 +131,7 @@ impl Resolver {
     }
 
     /// A name that is safe as a file name.
-    pub fn plain_name(&self, path: &str, name: &str) -> Result<(), SceneError> {
+    pub fn check_file_name(&self, path: &str, name: &str) -> Result<(), SceneError> {
         let fine = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
         if name.is_empty() || name.len() > 100 || name.starts_with('.') || !name.chars().all(fine) {
             let message = format!("`{}` cannot name a file", name.escape_debug());
@@ -174,12 +174,12 @@ impl Resolver {
     }
 
     /// A length above zero.
-    pub fn size_of(&self, path: &str, what: &str, value: Length) -> Result<f64, SceneError> {
+    pub fn positive_length(&self, path: &str, what: &str, value: Length) -> Result<f64, SceneError> {
         self.positive(path, what, value.resolve(self.dx))
     }
 
     /// Checks the number of entries of a vector.
-    pub fn entries(&self, path: &str, found: usize) -> Result<(), SceneError> {
+    pub fn check_dimension(&self, path: &str, found: usize) -> Result<(), SceneError> {
         if found == self.dim {
             return Ok(());
         }
@@ -189,13 +189,13 @@ impl Resolver {
 
     /// A point or displacement, m.
     pub fn point(&self, path: &str, value: &[Length]) -> Result<Vec<f64>, SceneError> {
-        self.entries(path, value.len())?;
+        self.check_dimension(path, value.len())?;
         Ok(value.iter().map(|l| l.resolve(self.dx)).collect())
     }
 
     pub fn velocity(&self, path: &str, value: Option<&Vec<Speed>>) -> Result<Vec<f64>, SceneError> {
         let Some(v) = value else { return Ok(vec![0.0; self.dim]) };
-        self.entries(path, v.len())?;
+        self.check_dimension(path, v.len())?;
         Ok(v.iter().map(|s| s.0).collect())
     }
 
@@ -205,7 +205,7 @@ impl Resolver {
             return Err(self.error("domain.dimension", message, "accepted: 2, 3"));
         }
         self.dim = d.dimension as usize;
-        self.entries("domain.size", d.size.len())?;
+        self.check_dimension("domain.size", d.size.len())?;
         for (i, l) in d.size.iter().enumerate() {
             let path = format!("domain.size.{i}");
             if l.in_cells {
@@ -319,7 +319,7 @@ impl Resolver {
         };
         let gravity = match &l.gravity {
             Some(g) => {
-                self.entries("liquid.gravity", g.len())?;
+                self.check_dimension("liquid.gravity", g.len())?;
                 g.iter().map(|a| a.0).collect()
             }
             None => vec![0.0; self.dim],
@@ -332,7 +332,7 @@ impl Resolver {
             let path = format!("liquid.body.{i}");
             let velocity = self.velocity(&format!("{path}.velocity"), b.velocity.as_ref())?;
             let shape = self.shape(&format!("{path}.shape"), &b.shape)?;
-            self.liquid_inside(&format!("{path}.shape"), &shape)?;
+            self.check_liquid_inside(&format!("{path}.shape"), &shape)?;
             bodies.push(Body { shape, velocity, displaced: b.displaced.unwrap_or(false) });
         }
         Ok(Liquid { density, kinematic_viscosity, gravity, bodies })
@@ -340,7 +340,7 @@ impl Resolver {
 
     /// A body outside the domain is an error, one that sticks out is not: walls may cut it. Round shapes get a warning,
     /// boxes, cylinders and the like are made to reach beyond walls.
-    fn liquid_inside(&mut self, path: &str, shape: &ShapeSpec) -> Result<(), SceneError> {
+    fn check_liquid_inside(&mut self, path: &str, shape: &ShapeSpec) -> Result<(), SceneError> {
         let Some((lower, upper)) = shape.bounds(self.dim) else { return Ok(()) };
         let mut cut = false;
         for i in 0..self.dim {

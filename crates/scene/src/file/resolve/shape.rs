@@ -14,7 +14,7 @@ impl Resolver {
                 let p = at("ball");
                 ShapeSpec::Ball {
                     center: self.point(&format!("{p}.center"), &b.center)?,
-                    radius: self.size_of(&format!("{p}.radius"), "the radius", b.radius)?,
+                    radius: self.positive_length(&format!("{p}.radius"), "the radius", b.radius)?,
                 }
             }
             ShapeFile::Box(b) => self.box_shape(&at("box"), b)?,
@@ -31,8 +31,8 @@ impl Resolver {
                 ShapeSpec::Cylinder {
                     center: self.point(&format!("{p}.center"), &c.center)?,
                     axis: self.direction(&format!("{p}.axis"), &c.axis, 3)?,
-                    radius: self.size_of(&format!("{p}.radius"), "the radius", c.radius)?,
-                    height: self.size_of(&format!("{p}.height"), "the height", c.height)?,
+                    radius: self.positive_length(&format!("{p}.radius"), "the radius", c.radius)?,
+                    height: self.positive_length(&format!("{p}.height"), "the height", c.height)?,
                 }
             }
             ShapeFile::Capsule(c) => {
@@ -40,7 +40,7 @@ impl Resolver {
                 ShapeSpec::Capsule {
                     a: self.point(&format!("{p}.a"), &c.a)?,
                     b: self.point(&format!("{p}.b"), &c.b)?,
-                    radius: self.size_of(&format!("{p}.radius"), "the radius", c.radius)?,
+                    radius: self.positive_length(&format!("{p}.radius"), "the radius", c.radius)?,
                 }
             }
             ShapeFile::Ellipsoid(e) => {
@@ -67,7 +67,7 @@ impl Resolver {
                 let p = at("cow");
                 ShapeSpec::Cow {
                     at: self.point(&format!("{p}.at"), &c.at)?,
-                    length: self.size_of(&format!("{p}.length"), "the length", c.length)?,
+                    length: self.positive_length(&format!("{p}.length"), "the length", c.length)?,
                     rotation: self.rotation(&format!("{p}.rotation"), c.rotation.as_ref())?,
                 }
             }
@@ -76,7 +76,7 @@ impl Resolver {
     }
 
     fn smooth_union(&mut self, path: &str, u: &SmoothUnionFile) -> Result<ShapeSpec, SceneError> {
-        let width = self.size_of(&format!("{path}.width"), "the width of the fillets", u.width)?;
+        let width = self.positive_length(&format!("{path}.width"), "the width of the fillets", u.width)?;
         let at = format!("{path}.parts");
         let ShapeSpec::Union(parts) = self.union(&at, &u.parts)? else {
             return Err(self.error(&at, "a union of nothing", "list at least one shape"));
@@ -113,8 +113,8 @@ impl Resolver {
     }
 
     fn sizes(&self, path: &str, what: &str, value: &[Length]) -> Result<Vec<f64>, SceneError> {
-        self.entries(path, value.len())?;
-        value.iter().enumerate().map(|(i, l)| self.size_of(&format!("{path}.{i}"), what, *l)).collect()
+        self.check_dimension(path, value.len())?;
+        value.iter().enumerate().map(|(i, l)| self.positive_length(&format!("{path}.{i}"), what, *l)).collect()
     }
 
     /// A unit vector; one that is already of unit length stays as it is, bit for bit.
@@ -202,7 +202,7 @@ impl Resolver {
         }
         Ok(ShapeSpec::PerturbedBall {
             center: self.point(&format!("{path}.center"), &b.center)?,
-            radius: self.size_of(&format!("{path}.radius"), "the radius", b.radius)?,
+            radius: self.positive_length(&format!("{path}.radius"), "the radius", b.radius)?,
             mode: b.mode,
             amplitude: self.within(
                 &format!("{path}.amplitude"),
@@ -216,7 +216,7 @@ impl Resolver {
 
     fn wave(&mut self, path: &str, w: &WaveFile) -> Result<ShapeSpec, SceneError> {
         let amplitude = w.amplitude.resolve(self.dx);
-        let wavelength = self.size_of(&format!("{path}.wavelength"), "the wavelength", w.wavelength)?;
+        let wavelength = self.positive_length(&format!("{path}.wavelength"), "the wavelength", w.wavelength)?;
         self.not_negative(&format!("{path}.amplitude"), "the amplitude", amplitude)?;
         let phase = w.phase.map_or(0.0, |p| p.0);
         Ok(ShapeSpec::Wave { level: w.level.resolve(self.dx), amplitude, wavelength, phase })
@@ -227,7 +227,7 @@ impl Resolver {
         let at = |key: &str| format!("{path}.{key}");
         let outline = match (&e.outline, e.size) {
             (Either::Text(name), Some(size)) => {
-                Outline::Named(*name, self.size_of(&at("size"), "the size", size)?)
+                Outline::Named(*name, self.positive_length(&at("size"), "the size", size)?)
             }
             (Either::Text(_), None) => {
                 return Err(self.error(path, "a named outline has no size", "add `size = \"1 cm\"`"));
@@ -253,7 +253,7 @@ impl Resolver {
         };
         Ok(ShapeSpec::Extrusion {
             outline,
-            thickness: self.size_of(&at("thickness"), "the thickness", e.thickness)?,
+            thickness: self.positive_length(&at("thickness"), "the thickness", e.thickness)?,
             center: self.point(&at("center"), &e.center)?,
             rotation: self.rotation(&at("rotation"), e.rotation.as_ref())?,
         })
@@ -265,10 +265,10 @@ impl Resolver {
         let known =
             file.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).unwrap_or_default();
         let surfaces = if self.dim == 2 { &["obj", "ply"][..] } else { &["obj", "ply", "stl"] };
-        if !surfaces.iter().chain(&VOLUMES).any(|e| *e == known) {
+        if !surfaces.iter().chain(&VOLUME_EXTENSIONS).any(|e| *e == known) {
             let message = format!("`{}` is no mesh that can be read", m.file.escape_debug());
             let names = |list: &[&str]| list.iter().map(|e| format!(".{e}")).collect::<Vec<_>>().join(", ");
-            let help = format!("accepted: surfaces {}, volumes {}", names(surfaces), names(&VOLUMES));
+            let help = format!("accepted: surfaces {}, volumes {}", names(surfaces), names(&VOLUME_EXTENSIONS));
             return Err(self.error(&at("file"), message, help));
         }
         let file = self.mesh_file(&at("file"), &m.file, &file)?;
@@ -286,8 +286,8 @@ impl Resolver {
 
     /// Where the mesh file of this name is; one that is built in keeps its name.
     fn mesh_file(&self, path: &str, name: &str, file: &Path) -> Result<PathBuf, SceneError> {
-        if let Some(of) = meshes::built_in(name) {
-            return match meshes::missing(of) {
+        if let Some(of) = meshes::builtin_name(name) {
+            return match meshes::unknown_mesh_message(of) {
                 None => Ok(PathBuf::from(name)),
                 Some((message, help)) => Err(self.error(path, message, help)),
             };

@@ -5,7 +5,7 @@ use crate::error::{SceneError, nearest};
 use crate::file::*;
 
 /// Speed of sound in air, m/s.
-const SOUND: f64 = 343.0;
+const SPEED_OF_SOUND: f64 = 343.0;
 
 impl Resolver {
     pub fn solids(&mut self, files: &[SolidFile]) -> Result<Vec<Solid>, SceneError> {
@@ -13,7 +13,7 @@ impl Resolver {
         for (i, s) in files.iter().enumerate() {
             let path = format!("solid.{i}");
             let at = |key: &str| format!("{path}.{key}");
-            self.plain_name(&at("name"), &s.name)?;
+            self.check_file_name(&at("name"), &s.name)?;
             if s.name == "liquid_air" {
                 let help = "`tension.liquid_air` is the liquid's surface";
                 return Err(self.error(&at("name"), "a solid cannot be called `liquid_air`", help));
@@ -24,11 +24,11 @@ impl Resolver {
                 return Err(self.error(&at("name"), message, help));
             }
             let shape = self.shape(&at("shape"), &s.shape)?;
-            self.solid_inside(&at("shape"), &shape, &s.name)?;
+            self.check_solid_inside(&at("shape"), &shape, &s.name)?;
             let material = self.material(&at("material"), &s.material)?;
-            let still = matches!(material, Material::Rigid { fixed: true } | Material::Kinematic { .. });
+            let is_prescribed = matches!(material, Material::Rigid { fixed: true } | Material::Kinematic { .. });
             let density = s.density.map(|d| self.positive(&at("density"), "the density", d.0)).transpose()?;
-            if density.is_none() && !still {
+            if density.is_none() && !is_prescribed {
                 let message = format!("the density of `{}` is missing", s.name);
                 return Err(self.error(&path, message, "add `density = \"2.5 g/cm^3\"`"));
             }
@@ -38,17 +38,17 @@ impl Resolver {
                     let message = "the elements of this solid come from its file: `edge` has no effect";
                     return Err(self.error(&at("mesh.edge"), message, help));
                 }
-                Some(e) => self.size_of(&at("mesh.edge"), "the edge length", e)?,
+                Some(e) => self.positive_length(&at("mesh.edge"), "the edge length", e)?,
                 None => self.dx / 1.5,
             };
             if material.deforms() {
-                self.can_be_filled(&path, &shape, mesh_edge, &s.name)?;
+                self.check_meshable(&path, &shape, mesh_edge, &s.name)?;
             }
             let mut fixed = Vec::new();
             for (j, f) in s.fixed.iter().enumerate() {
                 fixed.push(self.shape(&format!("{path}.fixed.{j}"), f)?);
             }
-            let moved = self.moved(&at("moved"), &s.moved)?;
+            let moved = self.prescribed_parts(&at("moved"), &s.moved)?;
             let velocity = self.velocity(&at("velocity"), s.velocity.as_ref())?;
             let (restitution, friction) = self.collision(&at("collision"), s.collision.as_ref())?;
             let name = s.name.clone();
@@ -70,17 +70,17 @@ impl Resolver {
 
     /// Restitution and friction.
     fn collision(&self, path: &str, c: Option<&CollisionFile>) -> Result<(f64, f64), SceneError> {
-        let restitution = c.and_then(|c| c.restitution).unwrap_or(meniscus_sim::RESTITUTION);
-        let friction = c.and_then(|c| c.friction).unwrap_or(meniscus_sim::FRICTION);
+        let restitution = c.and_then(|c| c.restitution).unwrap_or(meniscus_sim::DEFAULT_RESTITUTION);
+        let friction = c.and_then(|c| c.friction).unwrap_or(meniscus_sim::DEFAULT_FRICTION);
         let restitution =
             self.within(&format!("{path}.restitution"), "the restitution", restitution, 0.0, 1.0)?;
         let friction = self.not_negative(&format!("{path}.friction"), "the friction", friction)?;
         Ok((restitution, friction))
     }
 
-    fn solid_inside(&self, path: &str, shape: &ShapeSpec, name: &str) -> Result<(), SceneError> {
+    fn check_solid_inside(&self, path: &str, shape: &ShapeSpec, name: &str) -> Result<(), SceneError> {
         let Some(bounds) = shape.bounds(self.dim) else { return Ok(()) };
-        match crate::file::outside(&bounds, &self.size, 1e-6 * self.dx) {
+        match crate::file::describe_outside(&bounds, &self.size, 1e-6 * self.dx) {
             Some((reach, help)) => {
                 let message = format!("the solid `{name}` is outside the domain: it {reach}");
                 Err(self.error(&self.source.first_inside(path), message, help))
@@ -90,7 +90,7 @@ impl Resolver {
     }
 
     /// Elements fill what has an end, and are as long as they are asked to be where there is room.
-    fn can_be_filled(
+    fn check_meshable(
         &mut self,
         path: &str,
         shape: &ShapeSpec,
@@ -168,7 +168,7 @@ impl Resolver {
             )?),
             MaterialFile::Shell(s) => Material::Shell {
                 elastic: self.elastic(&at("shell"), s.young_modulus, s.poisson_ratio, s.damping_ratio)?,
-                thickness: self.size_of(&at("shell.thickness"), "the thickness", s.thickness)?,
+                thickness: self.positive_length(&at("shell.thickness"), "the thickness", s.thickness)?,
             },
             MaterialFile::Rod(s) => Material::Rod {
                 young_modulus: self.positive(
@@ -176,31 +176,31 @@ impl Resolver {
                     "the Young modulus",
                     s.young_modulus.0,
                 )?,
-                radius: self.size_of(&at("rod.radius"), "the radius", s.radius)?,
+                radius: self.positive_length(&at("rod.radius"), "the radius", s.radius)?,
                 damping_ratio: damping(at("rod.damping_ratio"), s.damping_ratio)?,
             },
         })
     }
 
     fn kinematic(&self, path: &str, k: &KinematicFile) -> Result<Material, SceneError> {
-        let turns = if self.dim == 2 { 1 } else { 3 };
+        let rotation_components = if self.dim == 2 { 1 } else { 3 };
         let angular: Vec<f64> =
-            k.angular_velocity.as_ref().map_or(vec![0.0; turns], |w| w.iter().map(|x| x.0).collect());
-        if angular.len() != turns {
+            k.angular_velocity.as_ref().map_or(vec![0.0; rotation_components], |w| w.iter().map(|x| x.0).collect());
+        if angular.len() != rotation_components {
             let message = format!("found {} entries of angular velocity", angular.len());
-            return Err(self.error(&format!("{path}.angular_velocity"), message, format!("give {turns}")));
+            return Err(self.error(&format!("{path}.angular_velocity"), message, format!("give {rotation_components}")));
         }
         let keyframes = self.keyframes(path, k.keyframes.as_deref())?;
         if !keyframes.is_empty() && (k.velocity.is_some() || k.angular_velocity.is_some()) {
             return Err(self.error(path, "both a velocity and keyframes are given", "remove one"));
         }
         let velocity = self.velocity(&format!("{path}.velocity"), k.velocity.as_ref())?;
-        self.no_jump(&format!("{path}.velocity"), velocity.iter().map(|v| v * v).sum::<f64>().sqrt())?;
+        self.check_prescribed_speed(&format!("{path}.velocity"), velocity.iter().map(|v| v * v).sum::<f64>().sqrt())?;
         Ok(Material::Kinematic { velocity, angular_velocity: angular, keyframes })
     }
 
     /// Parts that go as told.
-    fn moved(&mut self, path: &str, files: &[MovedFile]) -> Result<Vec<Moved>, SceneError> {
+    fn prescribed_parts(&mut self, path: &str, files: &[MovedFile]) -> Result<Vec<Moved>, SceneError> {
         let mut out = Vec::new();
         for (j, m) in files.iter().enumerate() {
             let p = format!("{path}.{j}");
@@ -216,14 +216,14 @@ impl Resolver {
                 }
                 _ => {}
             }
-            if is_displaced(&keyframes) {
+            if starts_displaced(&keyframes) {
                 let help = "let the displacement be 0 at time 0, before the first keyframe it is the first one's: at its start the \
                             solid is at rest";
                 return Err(self.error(&format!("{p}.keyframes.0"), "the solid would start strained", help));
             }
             let velocity = self.velocity(&format!("{p}.velocity"), m.velocity.as_ref())?;
             let speed = velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
-            self.no_jump(&format!("{p}.velocity"), speed)?;
+            self.check_prescribed_speed(&format!("{p}.velocity"), speed)?;
             out.push(Moved { shape, velocity, keyframes });
         }
         Ok(out)
@@ -244,8 +244,8 @@ impl Resolver {
             }
             let to = self.point(&format!("{p}.translate"), &f.translate)?;
             if let Some((before, from)) = keyframes.last() {
-                let way = to.iter().zip(from).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
-                self.no_jump(&format!("{p}.translate"), way / (f.time.0 - before))?;
+                let distance = to.iter().zip(from).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+                self.check_prescribed_speed(&format!("{p}.translate"), distance / (f.time.0 - before))?;
             }
             keyframes.push((f.time.0, to));
         }
@@ -253,8 +253,8 @@ impl Resolver {
     }
 
     /// An error if a solid that goes as told is faster than sound in air (m/s): no liquid is incompressible then.
-    fn no_jump(&self, path: &str, speed: f64) -> Result<(), SceneError> {
-        if speed <= SOUND {
+    fn check_prescribed_speed(&self, path: &str, speed: f64) -> Result<(), SceneError> {
+        if speed <= SPEED_OF_SOUND {
             return Ok(());
         }
         let message =
@@ -263,7 +263,7 @@ impl Resolver {
     }
 
     /// An error if no solid has this name.
-    pub fn known_solid(&self, path: &str, key: bool, name: &str, names: &[&str]) -> Result<(), SceneError> {
+    pub fn check_known_solid(&self, path: &str, key: bool, name: &str, names: &[&str]) -> Result<(), SceneError> {
         if names.contains(&name) {
             return Ok(());
         }
@@ -277,7 +277,7 @@ impl Resolver {
 
     pub fn contact_line(&mut self, c: &ContactLineFile, names: &[&str]) -> Result<ContactLine, SceneError> {
         let path = "contact_line.friction";
-        let of = |radius| self.size_of("contact_line.radius", "the radius", radius);
+        let of = |radius| self.positive_length("contact_line.radius", "the radius", radius);
         let radius = c.radius.map(of).transpose()?;
         let (mut friction, mut friction_of) = (0.0, Vec::new());
         match &c.friction {
@@ -285,7 +285,7 @@ impl Resolver {
             Some(Either::Rich(list)) => {
                 for (name, f) in &list.0 {
                     let p = format!("{path}.{name}");
-                    self.known_solid(&p, true, name, names)?;
+                    self.check_known_solid(&p, true, name, names)?;
                     friction_of.push((name.clone(), self.not_negative(&p, "the friction", f.0)?));
                 }
                 friction_of.sort_by(|a, b| a.0.cmp(&b.0));
@@ -294,10 +294,10 @@ impl Resolver {
         }
         let hysteresis = c.hysteresis.as_ref().map(|h| self.hysteresis(h)).transpose()?;
         let enabled = c.enabled.unwrap_or(true);
-        let rubs = friction > 0.0 || friction_of.iter().any(|(_, f)| *f > 0.0);
+        let has_friction = friction > 0.0 || friction_of.iter().any(|(_, f)| *f > 0.0);
         let neumann = c.neumann.unwrap_or(false);
         let given = [
-            ("friction", rubs),
+            ("friction", has_friction),
             ("hysteresis", hysteresis.is_some()),
             ("radius", radius.is_some()),
             ("neumann", neumann),
@@ -377,7 +377,7 @@ impl Resolver {
                 let help = "accepted: left, right, bottom, top";
                 return Err(self.error(&format!("{p}.side"), "no such side in 2 dimensions", help));
             }
-            let tolerance = self.size_of(&format!("{p}.tolerance"), "the tolerance", r.tolerance)?;
+            let tolerance = self.positive_length(&format!("{p}.tolerance"), "the tolerance", r.tolerance)?;
             out.push(Expectation::Reach { side: r.side, value: r.value.resolve(self.dx), tolerance });
         }
         Ok(())
@@ -394,7 +394,7 @@ impl Resolver {
             let many = e.contact_angle.len() > 1;
             let p =
                 if many { format!("expect.contact_angle.{i}") } else { "expect.contact_angle".to_owned() };
-            self.known_solid(&format!("{p}.solid"), false, &c.solid, &names)?;
+            self.check_known_solid(&format!("{p}.solid"), false, &c.solid, &names)?;
             let young = angles.iter().find(|a| a.0 == c.solid).and_then(|a| a.1);
             let Some(value) = c.value.or(young.map(Angle)) else {
                 let message =
@@ -415,12 +415,12 @@ impl Resolver {
         out: &mut Vec<Expectation>,
     ) -> Result<(), SceneError> {
         for (i, name) in e.floats.iter().enumerate() {
-            self.known_solid(&format!("expect.floats.{i}"), false, name, names)?;
+            self.check_known_solid(&format!("expect.floats.{i}"), false, name, names)?;
             out.push(Expectation::Floats { solid: name.clone() });
         }
         for (i, name) in e.sinks.iter().enumerate() {
             let path = format!("expect.sinks.{i}");
-            self.known_solid(&path, false, name, names)?;
+            self.check_known_solid(&path, false, name, names)?;
             if e.floats.contains(name) {
                 let message = format!("`{name}` cannot float and sink");
                 return Err(self.error(&path, message, "remove it from `floats` or from `sinks`"));
@@ -430,7 +430,7 @@ impl Resolver {
         for (i, w) in e.wetted.iter().enumerate() {
             let many = e.wetted.len() > 1;
             let p = if many { format!("expect.wetted.{i}") } else { "expect.wetted".to_owned() };
-            self.known_solid(&format!("{p}.solid"), false, &w.solid, names)?;
+            self.check_known_solid(&format!("{p}.solid"), false, &w.solid, names)?;
             if w.min.is_none() && w.max.is_none() {
                 return Err(self.error(&p, "the wetted share is not bounded", "give `min`, `max` or both"));
             }
@@ -441,9 +441,9 @@ impl Resolver {
         for (i, x) in e.position.iter().enumerate() {
             let many = e.position.len() > 1;
             let p = if many { format!("expect.position.{i}") } else { "expect.position".to_owned() };
-            self.known_solid(&format!("{p}.solid"), false, &x.solid, names)?;
+            self.check_known_solid(&format!("{p}.solid"), false, &x.solid, names)?;
             let value = self.point(&format!("{p}.value"), &x.value)?;
-            let tolerance = self.size_of(&format!("{p}.tolerance"), "the tolerance", x.tolerance)?;
+            let tolerance = self.positive_length(&format!("{p}.tolerance"), "the tolerance", x.tolerance)?;
             let direction = |d: &Vec<f64>| self.direction(&format!("{p}.along"), d, self.dim);
             let along = x.along.as_ref().map(direction).transpose()?;
             out.push(Expectation::Position { solid: x.solid.clone(), value, tolerance, along });
@@ -461,7 +461,7 @@ impl Resolver {
         for (i, d) in e.deflection.iter().enumerate() {
             let many = e.deflection.len() > 1;
             let p = if many { format!("expect.deflection.{i}") } else { "expect.deflection".to_owned() };
-            self.known_solid(&format!("{p}.solid"), false, &d.solid, names)?;
+            self.check_known_solid(&format!("{p}.solid"), false, &d.solid, names)?;
             if !soft.contains(&d.solid.as_str()) {
                 let message = format!("the solid `{}` does not deform", d.solid);
                 let help = "use material.neo_hookean, corotated or springs, or expect its `position`";
@@ -486,7 +486,7 @@ impl Resolver {
 }
 
 /// Whether keyframes have a displacement at time 0: linear between two, that of the first before it.
-fn is_displaced(keyframes: &[(f64, Vec<f64>)]) -> bool {
+fn starts_displaced(keyframes: &[(f64, Vec<f64>)]) -> bool {
     let next = keyframes.partition_point(|k| k.0 <= 0.0);
     let start: Vec<f64> = match &keyframes[next.saturating_sub(1)..(next + 1).min(keyframes.len())] {
         [(before, from), (after, to)] if *before < 0.0 => {

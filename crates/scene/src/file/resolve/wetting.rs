@@ -13,7 +13,7 @@ impl Resolver {
         let mut solids = Vec::new();
         for (name, s) in &t.solids {
             let path = format!("tension.{name}");
-            self.known_solid(&path, true, name, &names)?;
+            self.check_known_solid(&path, true, name, &names)?;
             let bounds = all.iter().find(|s| s.name == *name).and_then(|s| s.shape.bounds(self.dim));
             let image = s.image.as_ref();
             let wetting = Wetting {
@@ -58,13 +58,13 @@ impl Resolver {
                 SolidTension::Gradient { from, to }
             }
             _ => {
-                return Err(self.undetermined(path, s));
+                return Err(self.tension_error(path, s));
             }
         })
     }
 
     /// Tensions of which too much or too little is given.
-    fn undetermined(&self, path: &str, s: &SolidTensionFile) -> SceneError {
+    fn tension_error(&self, path: &str, s: &SolidTensionFile) -> SceneError {
         let keys = [
             ("liquid_solid", s.liquid_solid.is_some()),
             ("solid_air", s.solid_air.is_some()),
@@ -100,7 +100,7 @@ impl Resolver {
             let p = format!("{path}.{i}.shape");
             let shape = self.shape(&p, &patch.shape)?;
             let own = shape.bounds(self.dim);
-            if bounds.zip(own.as_ref()).is_some_and(|(solid, own)| self.apart(solid, own)) {
+            if bounds.zip(own.as_ref()).is_some_and(|(solid, own)| self.are_bounds_apart(solid, own)) {
                 let help = "patches lie where the solid is at the start";
                 let p = self.source.first_inside(&p);
                 return Err(self.error(&p, "the patch does not reach the solid", help));
@@ -112,7 +112,7 @@ impl Resolver {
     }
 
     /// Whether boxes are apart along any axis that both have.
-    fn apart(&self, one: &Bounds, other: &Bounds) -> bool {
+    fn are_bounds_apart(&self, one: &Bounds, other: &Bounds) -> bool {
         let slack = 1e-6 * self.dx;
         let along = |(low, high): (&f64, &f64)| low > &(high + slack);
         one.0.iter().zip(&other.1).any(along) || other.0.iter().zip(&one.1).any(along)
@@ -144,7 +144,7 @@ impl Resolver {
                 return Err(self.error(&at(&format!("upper.{a}")), message, help));
             }
         }
-        if bounds.is_some_and(|solid| self.apart(solid, &(lower.clone(), upper.clone()))) {
+        if bounds.is_some_and(|solid| self.are_bounds_apart(solid, &(lower.clone(), upper.clone()))) {
             let help = "images lie where the solid is at the start";
             return Err(self.error(&at("lower"), "the image does not reach the solid", help));
         }
@@ -192,7 +192,7 @@ impl Resolver {
     }
 
     /// Young's angle lies between the receding and the advancing one, and does not vary where those do not.
-    pub fn young_within(
+    pub fn check_hysteresis_range(
         &self,
         tension: &Tensions,
         line: &ContactLine,
@@ -200,9 +200,9 @@ impl Resolver {
     ) -> Result<(), SceneError> {
         let Some(Hysteresis::Between { advancing, receding }) = line.hysteresis else { return Ok(()) };
         let refuse = |message: String, help| Err(self.error("contact_line.hysteresis", message, help));
-        let mut all = Vec::from_iter(domain.wets().then_some((WALLS, domain.wall_contact_angle)));
+        let mut all = Vec::from_iter(domain.walls_are_wetting().then_some((WALLS, domain.wall_contact_angle)));
         for (name, solid) in &tension.solids {
-            if !solid.is_even() {
+            if !solid.is_uniform() {
                 let message = format!(
                     "the contact angle of `{name}` varies, and the angles between which its lines rest do not"
                 );

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 pub type Bounds = (Vec<f64>, Vec<f64>);
 
 /// How far something reaches that is not inside the domain, and how far that does, in words; bounds without an end may leave it.
-pub(crate) fn outside((lower, upper): &Bounds, size: &[f64], slack: f64) -> Option<(String, String)> {
+pub(crate) fn describe_outside((lower, upper): &Bounds, size: &[f64], slack: f64) -> Option<(String, String)> {
     let leaves = |i: &usize| {
         let low = lower[*i].is_finite() && lower[*i] < -slack;
         let high = upper[*i].is_finite() && upper[*i] > size[*i] + slack;
@@ -80,7 +80,7 @@ impl ShapeSpec {
                 let (lower, upper) = super::geometry::outline(outline).ok()?.surface().bounds();
                 let (middle, half) = ((lower + upper) * 0.5, (upper - lower) * 0.5);
                 let half = [half[0], half[1], 0.5 * thickness];
-                Some(turned_box(center, &[middle[0], middle[1], 0.0], &half, rotation))
+                Some(rotated_box_bounds(center, &[middle[0], middle[1], 0.0], &half, rotation))
             }
             Self::Cow { at, length, rotation } => Some(match dim {
                 2 => cow_bounds::<2>(at, *length, rotation),
@@ -111,11 +111,11 @@ impl ShapeSpec {
                 r < radius * (1.0 + amplitude * mode_shape(p, center, *mode))
             }
             Self::Box { center, half_size, rotation } => {
-                let q = local(p, center, &rotation.matrix());
+                let q = to_local_frame(p, center, &rotation.matrix());
                 q.iter().zip(half_size).all(|(x, h)| x.abs() < *h)
             }
             Self::Ellipsoid { center, radii, rotation } => {
-                let q = local(p, center, &rotation.matrix());
+                let q = to_local_frame(p, center, &rotation.matrix());
                 q.iter().zip(radii).map(|(x, r)| (x / r).powi(2)).sum::<f64>() < 1.0
             }
             Self::HalfSpace { point, normal } => {
@@ -174,7 +174,7 @@ impl ShapeSpec {
 }
 
 /// A box around one of half sizes `half` about `middle` (m, in its own frame) that is turned and moved to `center`, m.
-fn turned_box(center: &[f64], middle: &[f64; 3], half: &[f64; 3], rotation: &Rotation) -> Bounds {
+fn rotated_box_bounds(center: &[f64], middle: &[f64; 3], half: &[f64; 3], rotation: &Rotation) -> Bounds {
     let m = rotation.matrix();
     let end = |i: usize, sign: f64| {
         let along = |j: usize| m[i][j] * middle[j] + sign * m[i][j].abs() * half[j];
@@ -207,7 +207,7 @@ fn half_space_bounds(point: &[f64], normal: &[f64]) -> Bounds {
 }
 
 /// The point in the frame of the shape.
-fn local(p: &[f64], center: &[f64], matrix: &[[f64; 3]; 3]) -> Vec<f64> {
+fn to_local_frame(p: &[f64], center: &[f64], matrix: &[[f64; 3]; 3]) -> Vec<f64> {
     (0..p.len()).map(|j| (0..p.len()).map(|i| matrix[i][j] * (p[i] - center[i])).sum()).collect()
 }
 

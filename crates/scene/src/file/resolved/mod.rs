@@ -8,7 +8,7 @@ mod tension;
 
 pub use expectation::Expectation;
 pub use extent::Bounds;
-pub(crate) use extent::outside;
+pub(crate) use extent::describe_outside;
 pub(crate) use geometry::{outline, rotation, vector};
 pub use scene::*;
 pub use tension::*;

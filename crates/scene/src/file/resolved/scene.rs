@@ -64,22 +64,22 @@ impl Domain {
     }
 
     /// Whether the angle at the closed sides is another one than 90 degrees, that of a mirror.
-    pub fn wets(&self) -> bool {
+    pub fn walls_are_wetting(&self) -> bool {
         (self.wall_contact_angle - FRAC_PI_2).abs() > 1e-9
     }
 }
 
 impl Scene {
     /// Whether liquid meets the closed sides at another angle than 90 degrees.
-    pub fn walls_wet(&self) -> bool {
-        self.domain.wets() && self.contact_line.enabled
+    pub fn has_wetting_walls(&self) -> bool {
+        self.domain.walls_are_wetting() && self.contact_line.enabled
     }
 
     /// Number of cells of the grid: those of the domain, and those beyond sides that are open or wet.
     pub fn grid_cells(&self) -> f64 {
         let beyond = |w: &Wall| match w {
-            Wall::Open => meniscus_sim::OPEN_MARGIN,
-            Wall::Slip if self.walls_wet() => meniscus_sim::MARGIN,
+            Wall::Open => meniscus_sim::OPEN_SIDE_MARGIN_CELLS,
+            Wall::Slip if self.has_wetting_walls() => meniscus_sim::WETTING_WALL_MARGIN_CELLS,
             Wall::Slip => 0,
         };
         let along = |(n, sides): (&usize, &[Wall; 2])| (n + sides.iter().map(beyond).sum::<usize>()) as f64;
@@ -314,12 +314,12 @@ impl ShapeSpec {
     pub fn volume_file(&self) -> Option<&std::path::Path> {
         let Self::Mesh { path, .. } = self else { return None };
         let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase)?;
-        VOLUMES.contains(&ending.as_str()).then_some(path)
+        VOLUME_EXTENSIONS.contains(&ending.as_str()).then_some(path)
     }
 }
 
 /// Endings of files that hold volumes.
-pub(crate) const VOLUMES: [&str; 4] = ["msh", "node", "ele", "vtk"];
+pub(crate) const VOLUME_EXTENSIONS: [&str; 4] = ["msh", "node", "ele", "vtk"];
 
 /// What a solid is made of.
 #[derive(Clone, Debug, PartialEq)]

@@ -40,7 +40,7 @@ pub struct WettingImage {
 
 impl Wetting {
     /// Whether the angle is the same everywhere.
-    pub fn is_even(&self) -> bool {
+    pub fn is_uniform(&self) -> bool {
         let even = !matches!(self.tension, SolidTension::Gradient { .. });
         even && self.image.is_none() && self.patches.is_empty()
     }

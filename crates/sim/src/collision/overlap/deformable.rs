@@ -1,32 +1,32 @@
 //! What solids that deform overlap where they are: with that no run can start.
 
 use super::Overlap;
-use super::surfaces::Skins;
+use super::surfaces::DeformableSurfaces;
 use crate::model::{Model, Wall};
 use crate::solid::SolidState;
-use meniscus_contact::boxes::{Extent, overlapping};
+use meniscus_contact::boxes::{Aabb, overlapping_pairs};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::mesh::surface::area_vector;
 use meniscus_numerics::mesh::tree::closest_on_facet;
 use meniscus_numerics::mesh::volume::Simplex;
-use meniscus_numerics::shape::Probe;
+use meniscus_numerics::shape::SurfaceSample;
 
 /// Overlaps of solids that deform with sides, rigid solids, each other, and themselves. What is held may be beyond a side
 /// and within solids that nothing moves.
 pub fn soft_overlaps<const D: usize>(
     model: &Model<D>,
     solids: &[SolidState<D>],
-    probes: &[Vec<Probe<D>>],
+    probes: &[Vec<SurfaceSample<D>>],
 ) -> Vec<Overlap> {
-    let skins = Skins::new(solids);
+    let surfaces = DeformableSurfaces::new(solids);
     let mut all = Vec::new();
     for (i, now) in solids.iter().enumerate() {
         let (Some(soft), Some(elastic)) = (&now.soft, model.solids[i].elastic()) else { continue };
-        let vertices = &soft.skin.surface.positions;
-        let held = |k: usize| elastic.held()[soft.skin.vertices()[k] as usize];
-        let loose: Vec<Vector<D>> = (0..vertices.len()).filter(|k| !held(*k)).map(|k| vertices[k]).collect();
-        let upper = model.grid.upper();
+        let vertices = &soft.surface.mesh.positions;
+        let is_anchored = |k: usize| elastic.anchored()[soft.surface.volume_vertices()[k] as usize];
+        let unanchored: Vec<Vector<D>> = (0..vertices.len()).filter(|k| !is_anchored(*k)).map(|k| vertices[k]).collect();
+        let upper = model.grid.domain_upper();
         let beyond = |x: &Vector<D>| {
             let side = |a: usize| {
                 let past =
@@ -35,35 +35,35 @@ pub fn soft_overlaps<const D: usize>(
             };
             (0..D).map(side).fold(f64::NEG_INFINITY, f64::max)
         };
-        all.push((i, None, loose.iter().map(beyond).fold(0.0, f64::max)));
+        all.push((i, None, unanchored.iter().map(beyond).fold(0.0, f64::max)));
         for (j, other) in
-            solids.iter().enumerate().filter(|(j, _)| *j != i && model.wetting_walls() != Some(*j))
+            solids.iter().enumerate().filter(|(j, _)| *j != i && model.wetting_wall_solid() != Some(*j))
         {
             let solid = &model.solids[j];
             let within = |x: &Vector<D>| -solid.distance(other, x);
             // It may be held within what stays or goes as told.
-            let told = solid.motion.is_told();
-            let mut depth = if told { &loose } else { vertices }.iter().map(within).fold(0.0, f64::max);
-            let rooted = told && (0..vertices.len()).any(|k| held(k) && within(&vertices[k]) >= 0.0);
-            if other.soft.is_none() && !rooted {
-                let inside = |p: &Probe<D>| p.radius - soft.skin.distance(&solid.where_now(other, &p.at));
+            let is_prescribed = solid.motion.is_prescribed();
+            let mut depth = if is_prescribed { &unanchored } else { vertices }.iter().map(within).fold(0.0, f64::max);
+            let is_anchored_inside = is_prescribed && (0..vertices.len()).any(|k| is_anchored(k) && within(&vertices[k]) >= 0.0);
+            if other.soft.is_none() && !is_anchored_inside {
+                let inside = |p: &SurfaceSample<D>| p.radius - soft.surface.distance(&solid.to_current(other, &p.position));
                 depth = probes[j].iter().map(inside).fold(depth, f64::max);
             }
             // Surfaces that lie on each other do not tell; what is inside does.
-            depth = middles(&soft.body.positions, elastic.mesh(), solid.bounds(other))
-                .filter(|_| !rooted)
+            depth = element_centers(&soft.state.positions, elastic.rest_mesh(), solid.bounds(other))
+                .filter(|_| !is_anchored_inside)
                 .map(|x| within(&x))
                 .fold(depth, f64::max);
             all.push((i, Some(j), depth));
         }
     }
-    all.extend(crossings(&skins));
+    all.extend(surface_crossings(&surfaces));
     all.retain(|o| o.2 > 0.0);
     all
 }
 
 /// The middles of the elements of a mesh, with its vertices where they are now, that lie within bounds.
-fn middles<const D: usize>(
+fn element_centers<const D: usize>(
     now: &[Vector<D>],
     mesh: &VolumeMesh<D>,
     [low, high]: [Vector<D>; 2],
@@ -74,13 +74,13 @@ fn middles<const D: usize>(
 }
 
 /// Surfaces that cross, their own as well.
-fn crossings<const D: usize>(skins: &Skins<D>) -> Vec<Overlap> {
+fn surface_crossings<const D: usize>(skins: &DeformableSurfaces<D>) -> Vec<Overlap> {
     let lines: Vec<[u32; 2]> = match D {
         2 => skins.facets.iter().map(|f| [f[0], f[1]]).collect(),
         _ => skins.edges.clone(),
     };
-    let place = |p: u32| skins.at[p as usize];
-    let around = |points: &[u32]| -> Extent<D> {
+    let place = |p: u32| skins.positions[p as usize];
+    let around = |points: &[u32]| -> Aabb<D> {
         let first = place(points[0]);
         points.iter().fold([first; 2], |all, p| [all[0].inf(&place(*p)), all[1].sup(&place(*p))])
     };
@@ -91,15 +91,15 @@ fn crossings<const D: usize>(skins: &Skins<D>) -> Vec<Overlap> {
         if line.iter().any(|p| facet.contains(p)) {
             return None;
         }
-        let depth = crossing(line.map(place), &facet.map(place))?;
+        let depth = crossing_depth(line.map(place), &facet.map(place))?;
         let [one, other] = [line[0], facet[0]].map(|p| skins.owner[p as usize]);
         Some((one, Some(other), depth))
     };
-    overlapping(&boxes, &facets).into_iter().filter_map(crossing).collect()
+    overlapping_pairs(&boxes, &facets).into_iter().filter_map(crossing).collect()
 }
 
 /// How far a line goes through a facet, by its shorter part, m; nothing if it does not.
-fn crossing<const D: usize>(line: [Vector<D>; 2], facet: &[Vector<D>; D]) -> Option<f64> {
+fn crossing_depth<const D: usize>(line: [Vector<D>; 2], facet: &[Vector<D>; D]) -> Option<f64> {
     let normal = area_vector(facet).try_normalize(0.0)?;
     let [from, to] = line.map(|x| (x - facet[0]).dot(&normal));
     if from * to >= 0.0 {

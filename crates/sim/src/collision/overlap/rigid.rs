@@ -4,40 +4,40 @@ use super::Overlap;
 use crate::model::{Model, Wall};
 use crate::solid::{Motion, Solid, SolidState};
 use meniscus_numerics::Vector;
-use meniscus_numerics::shape::Probe;
+use meniscus_numerics::shape::SurfaceSample;
 
 /// Distance of probes, in cells.
-const EDGE: f64 = 0.5;
+const PROBE_SPACING_CELLS: f64 = 0.5;
 
 /// What solids overlap where they are. Those that nothing moves may.
 pub fn overlaps<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> Vec<Overlap> {
-    if model.solids.iter().all(|s| s.motion.is_told()) {
+    if model.solids.iter().all(|s| s.motion.is_prescribed()) {
         return Vec::new();
     }
-    let probes: Vec<Vec<Probe<D>>> =
+    let probes: Vec<Vec<SurfaceSample<D>>> =
         model.solids.iter().enumerate().map(|(i, s)| probes(model, i, s)).collect();
     let soft = super::deformable::soft_overlaps(model, solids, &probes);
     let free = |i: usize| model.solids[i].motion == Motion::Free;
     let mut all = Vec::new();
     for (i, own) in probes.iter().enumerate() {
         let [low, high] = model.solids[i].bounds(&solids[i]);
-        let placed: Vec<Probe<D>> = own
+        let placed: Vec<SurfaceSample<D>> = own
             .iter()
-            .map(|p| Probe { at: model.solids[i].where_now(&solids[i], &p.at), ..*p })
+            .map(|p| SurfaceSample { position: model.solids[i].to_current(&solids[i], &p.position), ..*p })
             .chain(inscribed(&model.solids[i], &solids[i]))
             .collect();
         if free(i) {
-            let depth = placed.iter().map(|p| beyond_sides(model, p)).fold(0.0, f64::max);
+            let depth = placed.iter().map(|p| depth_beyond_sides(model, p)).fold(0.0, f64::max);
             all.push((i, None, depth));
         }
         for j in (0..probes.len()).filter(|j| i != *j && !own.is_empty() && (free(i) || free(*j))) {
             let other = &model.solids[j];
             let [lower, upper] = other.bounds(&solids[j]);
             let apart = |a: usize| low[a].max(lower[a]) > high[a].min(upper[a]);
-            if other.elastic().is_some() || model.wetting_walls() == Some(j) || (0..D).any(apart) {
+            if other.elastic().is_some() || model.wetting_wall_solid() == Some(j) || (0..D).any(apart) {
                 continue;
             }
-            let depth = |p: &Probe<D>| p.radius - other.distance(&solids[j], &p.at);
+            let depth = |p: &SurfaceSample<D>| p.radius - other.distance(&solids[j], &p.position);
             all.push((i, Some(j), placed.iter().map(depth).fold(0.0, f64::max)));
         }
     }
@@ -45,24 +45,24 @@ pub fn overlaps<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> V
 }
 
 /// The probes of a rigid solid where it starts. The sides of the domain are met as such.
-fn probes<const D: usize>(model: &Model<D>, number: usize, solid: &Solid<D>) -> Vec<Probe<D>> {
-    let own = model.wetting_walls() != Some(number) && solid.elastic().is_none();
-    if own { solid.shape.probes(EDGE * model.grid.dx) } else { Vec::new() }
+fn probes<const D: usize>(model: &Model<D>, number: usize, solid: &Solid<D>) -> Vec<SurfaceSample<D>> {
+    let own = model.wetting_wall_solid() != Some(number) && solid.elastic().is_none();
+    if own { solid.shape.surface_samples(PROBE_SPACING_CELLS * model.grid.dx) } else { Vec::new() }
 }
 
 /// The ball around a rigid solid's centre that lies within it: surfaces that lie on each other do not tell whether one is in the other.
-fn inscribed<const D: usize>(solid: &Solid<D>, now: &SolidState<D>) -> Option<Probe<D>> {
-    let radius = -solid.shape.signed_distance(&solid.body.center);
-    (radius > 0.0 && radius.is_finite()).then_some(Probe { at: now.center, radius, sharp: false })
+fn inscribed<const D: usize>(solid: &Solid<D>, now: &SolidState<D>) -> Option<SurfaceSample<D>> {
+    let radius = -solid.shape.signed_distance(&solid.mass_properties.center);
+    (radius > 0.0 && radius.is_finite()).then_some(SurfaceSample { position: now.center, radius, sharp: false })
 }
 
 /// How far a probe is beyond the closed sides, m.
-fn beyond_sides<const D: usize>(model: &Model<D>, p: &Probe<D>) -> f64 {
-    let upper: Vector<D> = model.grid.upper();
+fn depth_beyond_sides<const D: usize>(model: &Model<D>, p: &SurfaceSample<D>) -> f64 {
+    let upper: Vector<D> = model.grid.domain_upper();
     let side = |a: usize| {
         let past = |wall: Wall, depth: f64| if wall == Wall::Slip { depth } else { f64::NEG_INFINITY };
-        past(model.walls[a][0], p.radius - p.at[a])
-            .max(past(model.walls[a][1], p.at[a] + p.radius - upper[a]))
+        past(model.walls[a][0], p.radius - p.position[a])
+            .max(past(model.walls[a][1], p.position[a] + p.radius - upper[a]))
     };
     (0..D).map(side).fold(f64::NEG_INFINITY, f64::max)
 }

@@ -4,9 +4,9 @@ use crate::solid::SolidState;
 use meniscus_numerics::Vector;
 
 /// The surfaces of all solids that deform.
-pub struct Skins<const D: usize> {
+pub struct DeformableSurfaces<const D: usize> {
     /// Where their points are, m.
-    pub at: Vec<Vector<D>>,
+    pub positions: Vec<Vector<D>>,
     /// Number of the solid that each is part of.
     pub owner: Vec<usize>,
     /// The facets, as numbers of points.
@@ -15,16 +15,16 @@ pub struct Skins<const D: usize> {
     pub edges: Vec<[u32; 2]>,
 }
 
-impl<const D: usize> Skins<D> {
+impl<const D: usize> DeformableSurfaces<D> {
     /// Where they are now.
     pub fn new(solids: &[SolidState<D>]) -> Self {
-        let mut skins = Self { at: Vec::new(), owner: Vec::new(), facets: Vec::new(), edges: Vec::new() };
+        let mut skins = Self { positions: Vec::new(), owner: Vec::new(), facets: Vec::new(), edges: Vec::new() };
         for (solid, now) in solids.iter().enumerate() {
             let Some(soft) = &now.soft else { continue };
-            let first = skins.at.len() as u32;
-            skins.at.extend_from_slice(&soft.skin.surface.positions);
-            skins.owner.resize(skins.at.len(), solid);
-            skins.facets.extend(soft.skin.surface.facets.iter().map(|f| f.map(|v| v + first)));
+            let first = skins.positions.len() as u32;
+            skins.positions.extend_from_slice(&soft.surface.mesh.positions);
+            skins.owner.resize(skins.positions.len(), solid);
+            skins.facets.extend(soft.surface.mesh.facets.iter().map(|f| f.map(|v| v + first)));
         }
         if D == 3 {
             let sides =

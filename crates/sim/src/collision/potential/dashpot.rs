@@ -13,17 +13,17 @@
 //! barrier at the end of the coming step, after `a`, damps as `a B''` does by itself; with `τ = 2 √(m/k)` the damping of a solid that rests
 //! on one side is critical. Limit: bounces are events ([`crate::collision::impact`]), which this leaves alone only outside the barrier's reach.
 
-use super::barrier::Met;
-use super::term::{Term, of_distance};
-use super::total::{Part, Potential};
-use crate::collision::places::Lever;
-use crate::collision::points::{Meeting, Owner};
+use super::barrier::SdfContact;
+use super::term::{PotentialTerm, distance_derivatives};
+use super::total::{SolidTerm, Potential};
+use crate::collision::places::NodeJacobian;
+use crate::collision::points::{SdfPair, PointOwner};
 use meniscus_numerics::Vector;
 
 /// A dashpot between a point of a rigid solid and what it meets.
 struct Dashpot<const D: usize> {
     /// How velocities of nodes move both where the step starts.
-    levers: Vec<Vec<Lever<D>>>,
+    node_jacobians: Vec<Vec<NodeJacobian<D>>>,
     /// Direction away from the other.
     normal: Vector<D>,
     /// `c`, kg/s (2D: kg/(m s)).
@@ -32,11 +32,11 @@ struct Dashpot<const D: usize> {
 
 impl<const D: usize> Dashpot<D> {
     /// The velocity with which both approach, m/s; none below 0.
-    fn approach(&self, velocities: &[Vector<D>]) -> f64 {
-        let of = |levers: &Vec<Lever<D>>| {
+    fn approach_speed(&self, velocities: &[Vector<D>]) -> f64 {
+        let of = |levers: &Vec<NodeJacobian<D>>| {
             levers.iter().map(|(node, by)| by * velocities[*node]).sum::<Vector<D>>()
         };
-        let apart = self.levers.iter().zip([1.0, -1.0]).map(|(levers, sign)| of(levers) * sign);
+        let apart = self.node_jacobians.iter().zip([1.0, -1.0]).map(|(levers, sign)| of(levers) * sign);
         (-self.normal.dot(&apart.sum::<Vector<D>>())).max(0.0)
     }
 }
@@ -44,54 +44,54 @@ impl<const D: usize> Dashpot<D> {
 impl<const D: usize> Potential<'_, D> {
     /// `τ` of the slowest free rigid solid, s: `m` is its mass, `k` the stiffness around half the reach of the barrier under one of the
     /// `2 D` sides of its surface. At least the length of the coming step.
-    pub fn settling(&self) -> f64 {
-        let [_, _, bend] = self.barrier.of_distance(0.5 * self.barrier.reach);
-        let of = |(k, part): (usize, &Part<'_, D>)| match part {
-            Part::Free(rigid) if self.points.faces[k] > 0.0 => {
-                2.0 * (rigid.mass / (bend * self.points.faces[k] * self.stiffness(k, None))).sqrt()
+    pub fn settling_time(&self) -> f64 {
+        let [_, _, bend] = self.barrier.derivatives_by_distance(0.5 * self.barrier.activation_distance);
+        let of = |(k, part): (usize, &SolidTerm<'_, D>)| match part {
+            SolidTerm::Free(rigid) if self.points.mean_side_areas[k] > 0.0 => {
+                2.0 * (rigid.mass / (bend * self.points.mean_side_areas[k] * self.barrier_stiffness(k, None))).sqrt()
             }
             _ => 0.0,
         };
-        self.parts.iter().enumerate().map(of).fold(self.ahead, f64::max)
+        self.parts.iter().enumerate().map(of).fold(self.lookahead, f64::max)
     }
 
-    fn dashpot(&self, meeting: &Meeting) -> Option<Dashpot<D>> {
+    fn dashpot(&self, meeting: &SdfPair) -> Option<Dashpot<D>> {
         let owner = &self.points.owners[meeting.point() as usize];
-        let excess = self.settling - self.ahead;
-        if excess <= 0.0 || matches!(owner, Owner::Vertex { .. }) {
+        let excess = self.settling_time - self.lookahead;
+        if excess <= 0.0 || matches!(owner, PointOwner::Vertex { .. }) {
             return None;
         }
-        let start = &self.past.start;
-        let Met { point, distance, normal, other } = self.met(meeting, &start.places, &start.at)?;
-        let [_, _, bend] = self.barrier(point).of_distance(distance);
-        let coefficient = excess * self.scale(meeting) * bend;
-        let levers = [Some(*owner), other].into_iter().flatten().map(|o| start.places.levers(&o)).collect();
-        Some(Dashpot { levers, normal, coefficient })
+        let start = &self.old_levels.start;
+        let SdfContact { point, distance, normal, other } = self.sdf_contact(meeting, &start.configuration, &start.positions)?;
+        let [_, _, bend] = self.point_barrier(point).derivatives_by_distance(distance);
+        let coefficient = excess * self.barrier_force_scale(meeting) * bend;
+        let node_jacobians = [Some(*owner), other].into_iter().flatten().map(|o| start.configuration.node_jacobians(&o)).collect();
+        Some(Dashpot { node_jacobians, normal, coefficient })
     }
 
     /// The force of the dashpot of a pair, N (2D: N/m).
-    pub fn damped(&self, meeting: &Meeting, velocities: &[Vector<D>]) -> f64 {
-        self.dashpot(meeting).map_or(0.0, |dashpot| dashpot.coefficient * dashpot.approach(velocities))
+    pub fn damping_force(&self, meeting: &SdfPair, velocities: &[Vector<D>]) -> f64 {
+        self.dashpot(meeting).map_or(0.0, |dashpot| dashpot.coefficient * dashpot.approach_speed(velocities))
     }
 
     /// The dissipation potential of all dashpots over `h`, W (2D: W/m).
-    pub fn damping(&self, velocities: &[Vector<D>], meetings: &[Meeting]) -> f64 {
-        let of = |m: &Meeting| {
+    pub fn dissipation(&self, velocities: &[Vector<D>], meetings: &[SdfPair]) -> f64 {
+        let of = |m: &SdfPair| {
             self.dashpot(m)
-                .map_or(0.0, |dashpot| 0.5 * dashpot.coefficient * dashpot.approach(velocities).powi(2))
+                .map_or(0.0, |dashpot| 0.5 * dashpot.coefficient * dashpot.approach_speed(velocities).powi(2))
         };
         meetings.iter().map(of).sum()
     }
 
     /// The terms of all dashpots.
-    pub fn damping_terms(&self, velocities: &[Vector<D>], meetings: &[Meeting]) -> Vec<Term<D>> {
-        let of = |m: &Meeting| {
+    pub fn damping_terms(&self, velocities: &[Vector<D>], meetings: &[SdfPair]) -> Vec<PotentialTerm<D>> {
+        let of = |m: &SdfPair| {
             let dashpot = self.dashpot(m)?;
-            let approach = dashpot.approach(velocities);
-            let Dashpot { levers, normal, coefficient } = dashpot;
+            let approach = dashpot.approach_speed(velocities);
+            let Dashpot { node_jacobians, normal, coefficient } = dashpot;
             let (slope, bend) = (-coefficient * approach, if approach > 0.0 { coefficient } else { 0.0 });
             // Velocities are the places after a second.
-            Some(Term { local: of_distance(&normal, levers.len(), slope, bend), levers, time: 1.0 })
+            Some(PotentialTerm { derivatives: distance_derivatives(&normal, node_jacobians.len(), slope, bend), node_jacobians, time: 1.0 })
         };
         meetings.iter().filter_map(of).collect()
     }

@@ -1,148 +1,148 @@
 //! What rubs in a step, and the elastic slips of friction that are carried from step to step.
 
-use super::barrier::Met;
-use super::moments::{Felt, Moment};
-use super::slips::{Rub, Slip, Slips, Touch, friction};
+use super::barrier::SdfContact;
+use super::moments::{BarrierLevel, TimeLevel};
+use super::slips::{FrictionContact, Slip, Slips, ContactKey, friction_law};
 use super::total::Potential;
-use crate::collision::broad_phase::Candidates;
-use crate::collision::places::Places;
-use crate::collision::points::{Meeting, Owner};
-use meniscus_contact::{Kind, Rubbing, Stencil};
+use crate::collision::broad_phase::CandidatePairs;
+use crate::collision::places::Configuration;
+use crate::collision::points::{SdfPair, PointOwner};
+use meniscus_contact::{StencilKind, FrictionPair, Stencil};
 use meniscus_numerics::Vector;
 use std::collections::BTreeMap;
 
 impl<const D: usize> Potential<'_, D> {
     /// What rubs with these velocities.
-    pub fn rubbing(&self, velocities: &[Vector<D>], candidates: &Candidates) -> Vec<Rub<D>> {
-        let moments = self.moments(velocities);
-        let from = &self.past.start.places;
+    pub fn friction_contacts(&self, velocities: &[Vector<D>], candidates: &CandidatePairs) -> Vec<FrictionContact<D>> {
+        let moments = self.time_levels(velocities);
+        let from = &self.old_levels.start.configuration;
         let mut rubs = Vec::new();
-        for felt in moments.felt() {
-            rubs.extend(self.rubbing_facets(from, &felt, candidates));
-            let met = |m| self.rubbing_met(from, &felt, m, self.damped(m, velocities));
-            rubs.extend(candidates.meetings.iter().filter_map(met));
+        for felt in moments.barrier_levels() {
+            rubs.extend(self.mesh_friction(from, &felt, candidates));
+            let met = |m| self.sdf_friction(from, &felt, m, self.damping_force(m, velocities));
+            rubs.extend(candidates.sdf_pairs.iter().filter_map(met));
         }
-        let (friction, mut holds) = (friction(self.model), BTreeMap::<Touch, f64>::new());
-        rubs.iter().for_each(|r| *holds.entry(r.touch).or_default() += r.rubbing.hold);
+        let (friction, mut holds) = (friction_law(self.model), BTreeMap::<ContactKey, f64>::new());
+        rubs.iter().for_each(|r| *holds.entry(r.key).or_default() += r.rubbing.friction_limit);
         for r in &mut rubs {
-            let Some(slip) = self.slips.get(&r.touch) else { continue };
-            r.rubbing.slip = friction.carried(&slip.way, slip.hold, holds[&r.touch]);
+            let Some(slip) = self.elastic_slips.get(&r.key) else { continue };
+            r.rubbing.slip = friction.rescaled_slip(&slip.displacement, slip.friction_limit, holds[&r.key]);
         }
         rubs
     }
 
     /// The slips that the next step starts from, with these velocities.
     pub fn next_slips(&self, velocities: &[Vector<D>]) -> Slips<D> {
-        let places = self.places(velocities);
+        let places = self.configuration(velocities);
         // Sums over what is one contact: the hold, and the normal and the rate times the hold.
-        let mut sums: BTreeMap<Touch, (Slip<D>, Vector<D>)> = BTreeMap::new();
-        for r in &self.rubs {
-            let to = r.owners.map(|o| places.at(&o));
-            let Rubbing { hold, normal, slip, .. } = r.rubbing;
-            let none = || (Slip { way: slip, rate: Vector::zeros(), hold: 0.0 }, Vector::zeros());
-            let (sum, normals) = sums.entry(r.touch).or_insert_with(none);
-            sum.hold += hold;
-            sum.rate += r.rubbing.way(&r.from, &to) * (hold / self.ahead);
-            *normals += normal * hold;
+        let mut sums: BTreeMap<ContactKey, (Slip<D>, Vector<D>)> = BTreeMap::new();
+        for r in &self.friction_contacts {
+            let to = r.owners.map(|o| places.position(&o));
+            let FrictionPair { friction_limit, normal, slip, .. } = r.rubbing;
+            let none = || (Slip { displacement: slip, rate: Vector::zeros(), friction_limit: 0.0 }, Vector::zeros());
+            let (sum, normals) = sums.entry(r.key).or_insert_with(none);
+            sum.friction_limit += friction_limit;
+            sum.rate += r.rubbing.tangential_displacement(&r.start_positions, &to) * (friction_limit / self.lookahead);
+            *normals += normal * friction_limit;
         }
-        let mean = |(touch, (sum, normals)): (Touch, (Slip<D>, Vector<D>))| {
+        let mean = |(touch, (sum, normals)): (ContactKey, (Slip<D>, Vector<D>))| {
             let normal = normals.try_normalize(0.0).unwrap_or(Vector::zeros());
             let along = |way: Vector<D>| way - normal * way.dot(&normal);
-            (touch, Slip { way: along(sum.way), rate: along(sum.rate / sum.hold), hold: sum.hold })
+            (touch, Slip { displacement: along(sum.displacement), rate: along(sum.rate / sum.friction_limit), friction_limit: sum.friction_limit })
         };
         sums.into_iter().map(mean).collect()
     }
 
     /// The coefficient of friction of a solid and another, the geometric mean of both, or a side.
-    fn coefficient(&self, first: usize, second: Option<usize>) -> f64 {
+    fn friction_coefficient(&self, first: usize, second: Option<usize>) -> f64 {
         let of = |k: usize| self.model.solids[k].friction;
         second.map_or(of(first), |second| (of(first) * of(second)).sqrt())
     }
 
     /// Points and facets, edges and edges that rub.
-    fn rubbing_facets(
+    fn mesh_friction(
         &self,
-        from: &Places<'_, D>,
-        felt: &Felt<'_, D>,
-        candidates: &Candidates,
-    ) -> Vec<Rub<D>> {
-        let Moment { places, at } = felt.now();
+        from: &Configuration<'_, D>,
+        felt: &BarrierLevel<'_, D>,
+        candidates: &CandidatePairs,
+    ) -> Vec<FrictionContact<D>> {
+        let TimeLevel { configuration, positions } = felt.time_level();
         let owners = &self.points.owners;
         let mut rubs = Vec::new();
-        for c in self.felt_contacts(candidates, felt) {
+        for c in self.active_contacts(candidates, felt) {
             let points = c.stencil.points();
-            let ends = [points[0], points[c.stencil.kind.first() - 1]];
+            let ends = [points[0], points[c.stencil.kind.first_count() - 1]];
             let (first, second) =
-                (owners[points[0] as usize], owners[points[c.stencil.kind.first()] as usize]);
-            let coefficient = self.coefficient(first.solid(), Some(second.solid()));
-            let Some(rubbing) = Rubbing::new(&c, coefficient, at) else { continue };
+                (owners[points[0] as usize], owners[points[c.stencil.kind.first_count()] as usize]);
+            let coefficient = self.friction_coefficient(first.solid(), Some(second.solid()));
+            let Some(rubbing) = FrictionPair::new(&c, coefficient, positions) else { continue };
             let mut own = [first; 4];
             own.iter_mut().zip(points).for_each(|(o, p)| *o = owners[*p as usize]);
-            if let Owner::Rigid { solid, .. } = first {
+            if let PointOwner::Rigid { solid, .. } = first {
                 // Both get it at one place, that on the facet.
                 let on: Vector<D> =
-                    points.iter().zip(rubbing.weights).skip(1).map(|(p, w)| at[*p as usize] * -w).sum();
-                own[0] = Owner::Rigid { solid, at: places.at_start(solid, &on) };
+                    points.iter().zip(rubbing.weights).skip(1).map(|(p, w)| positions[*p as usize] * -w).sum();
+                own[0] = PointOwner::Rigid { solid, at: configuration.to_reference(solid, &on) };
             }
             let mut stencil = c.stencil;
             stencil.points = [0, 1, 2, 3];
-            rubs.push(Rub {
-                touch: Touch { points: ends, other: second.solid() as u32 },
+            rubs.push(FrictionContact {
+                key: ContactKey { points: ends, other: second.solid() as u32 },
                 owners: own,
-                from: own.map(|o| from.at(&o)),
-                rubbing: Rubbing { stencil, ..rubbing },
+                start_positions: own.map(|o| from.position(&o)),
+                rubbing: FrictionPair { stencil, ..rubbing },
             });
         }
         rubs
     }
 
     /// A point and what has no facets, if they rub; `damped` is the force of their dashpot.
-    fn rubbing_met(
+    fn sdf_friction(
         &self,
-        from: &Places<'_, D>,
-        felt: &Felt<'_, D>,
-        meeting: &Meeting,
+        from: &Configuration<'_, D>,
+        felt: &BarrierLevel<'_, D>,
+        meeting: &SdfPair,
         damped: f64,
-    ) -> Option<Rub<D>> {
-        let Moment { places, at } = felt.now();
-        let Met { point, distance, normal, other } = self.felt_met(meeting, felt)?;
+    ) -> Option<FrictionContact<D>> {
+        let TimeLevel { configuration, positions } = felt.time_level();
+        let SdfContact { point, distance, normal, other } = self.active_sdf_contact(meeting, felt)?;
         let owner = self.points.owners[point as usize];
         let (solid, other) = (owner.solid(), other.map(|o| o.solid()));
-        let slope = self.barrier(point).of_distance(distance)[1];
-        let force = damped - self.scale(meeting) * slope;
-        let hold = self.coefficient(solid, other) * force;
-        if hold <= 0.0 {
+        let slope = self.point_barrier(point).derivatives_by_distance(distance)[1];
+        let force = damped - self.barrier_force_scale(meeting) * slope;
+        let friction_limit = self.friction_coefficient(solid, other) * force;
+        if friction_limit <= 0.0 {
             return None;
         }
-        let place = self.rubbing_place(meeting, at[point as usize], distance, normal);
-        let at_place = |solid| Owner::Rigid { solid, at: places.at_start(solid, &place) };
+        let place = self.friction_point(meeting, positions[point as usize], distance, normal);
+        let at_place = |solid| PointOwner::Rigid { solid, at: configuration.to_reference(solid, &place) };
         let mut owners = [owner; 4];
-        if let Owner::Rigid { .. } = owner {
+        if let PointOwner::Rigid { .. } = owner {
             owners = [at_place(solid); 4];
         }
         other.iter().for_each(|o| owners[1] = at_place(*o));
         // The other end of what rubs against a side does not move.
         let weights = if other.is_some() { [1.0, -1.0, 0.0, 0.0] } else { [1.0, 0.0, 0.0, 0.0] };
-        let stencil = Stencil { kind: Kind::PointSegment, points: [0, 1, 2, 3] };
+        let stencil = Stencil { kind: StencilKind::PointSegment, points: [0, 1, 2, 3] };
         let number = match *meeting {
-            Meeting::Rigid(_, other, _) => other,
-            Meeting::Side(_, side) => self.model.solids.len() + side,
+            SdfPair::Rigid(_, other, _) => other,
+            SdfPair::Side(_, side) => self.model.solids.len() + side,
         };
-        Some(Rub {
-            touch: Touch { points: [point; 2], other: number as u32 },
+        Some(FrictionContact {
+            key: ContactKey { points: [point; 2], other: number as u32 },
             owners,
-            from: owners.map(|o| from.at(&o)),
-            rubbing: Rubbing { stencil, weights, normal, hold, slip: Vector::zeros() },
+            start_positions: owners.map(|o| from.position(&o)),
+            rubbing: FrictionPair { stencil, weights, normal, friction_limit, slip: Vector::zeros() },
         })
     }
 
     /// Where friction acts between a point at `x` and something without facets: midway between the two surfaces, so that both get it at
     /// one place; on a vertex of a solid that deforms at the vertex.
-    fn rubbing_place(&self, meeting: &Meeting, x: Vector<D>, distance: f64, normal: Vector<D>) -> Vector<D> {
+    fn friction_point(&self, meeting: &SdfPair, x: Vector<D>, distance: f64, normal: Vector<D>) -> Vector<D> {
         let point = meeting.point();
         match self.points.owners[point as usize] {
-            Owner::Vertex { .. } => x,
-            Owner::Rigid { .. } => {
+            PointOwner::Vertex { .. } => x,
+            PointOwner::Rigid { .. } => {
                 let (radius, thickness) = (self.points.surface.radius(point), self.points.thickness(meeting));
                 x - normal * (0.5 * (distance + thickness + radius))
             }

@@ -3,12 +3,12 @@
 //!
 //! No step asks for it; the books of a study do, as a body at rest on another has a part of its energy there.
 
-use super::moments::{Early, Past};
-use super::slips::{Slips, advance, friction};
+use super::moments::{EarlyPairs, OldTimeLevels};
+use super::slips::{Slips, advance_slips, friction_law};
 use super::total::Potential;
-use crate::collision::broad_phase::{Candidates, Way};
-use crate::collision::places::Places;
-use crate::collision::points::{Points, REACH};
+use crate::collision::broad_phase::{CandidatePairs, Sweep};
+use crate::collision::places::Configuration;
+use crate::collision::points::{CollisionPoints, BARRIER_REACH_CELLS};
 use crate::model::Model;
 use crate::solid::SolidState;
 use crate::state::State;
@@ -16,65 +16,65 @@ use meniscus_contact::Barrier;
 use meniscus_numerics::Vector;
 
 /// Solids, and the elastic slips between them, after a time (s) with the velocities that they have.
-pub fn solids_after<const D: usize>(
+pub fn advanced_solids<const D: usize>(
     model: &Model<D>,
     state: &State<D>,
     time: f64,
 ) -> (Vec<SolidState<D>>, Slips<D>) {
-    let (mut solids, mut slips) = (state.solids.clone(), state.slips.clone());
+    let (mut solids, mut slips) = (state.solids.clone(), state.elastic_slips.clone());
     model.solids.iter().zip(&mut solids).for_each(|(solid, now)| solid.advance(now, state.time, time));
-    advance(model, &mut slips, time);
+    advance_slips(model, &mut slips, time);
     (solids, slips)
 }
 
 /// The barriers of a model, as they are from its start on.
 #[derive(Clone, Debug)]
 pub struct Barriers<const D: usize> {
-    points: Points<D>,
+    points: CollisionPoints<D>,
 }
 
 impl<const D: usize> Barriers<D> {
     /// Of a model.
     pub fn of(model: &Model<D>) -> Self {
-        Self { points: Points::of(model) }
+        Self { points: CollisionPoints::of(model) }
     }
 
     /// Their energy, and that of friction's elastic slips, J (2D: J/m).
-    pub fn energy(&self, model: &Model<D>, solids: &[SolidState<D>], slips: &Slips<D>) -> f64 {
-        let still = vec![Vector::zeros(); self.points.nodes()];
+    pub fn energy(&self, model: &Model<D>, solids: &[SolidState<D>], elastic_slips: &Slips<D>) -> f64 {
+        let still = vec![Vector::zeros(); self.points.node_count()];
         let potential = Potential {
             model,
             solids,
             points: &self.points,
             parts: Vec::new(),
-            barrier: Barrier { reach: REACH * model.grid.dx },
-            kick: 0.0,
-            lead: 0.0,
-            ahead: 0.0,
-            settling: 0.0,
-            past: Past::new(model, solids, &self.points, &still, 0.0),
-            slips,
-            early: Early::default(),
-            rubs: Vec::new(),
-            pressed: Vec::new(),
+            barrier: Barrier { activation_distance: BARRIER_REACH_CELLS * model.grid.dx },
+            impulse_time: 0.0,
+            velocity_lead: 0.0,
+            lookahead: 0.0,
+            settling_time: 0.0,
+            old_levels: OldTimeLevels::new(model, solids, &self.points, &still, 0.0),
+            elastic_slips,
+            early_pairs: EarlyPairs::default(),
+            friction_contacts: Vec::new(),
+            pressure_impulses: Vec::new(),
         };
         let candidates = potential.candidates(&still, &still, 0.0);
-        let friction = friction(model);
-        let held: f64 = slips.values().map(|slip| friction.stored(slip.hold, &slip.way)).sum();
-        potential.stored(&candidates) + held
+        let friction = friction_law(model);
+        let friction_energy: f64 = elastic_slips.values().map(|slip| friction.slip_energy(slip.friction_limit, &slip.displacement)).sum();
+        potential.barrier_energy(&candidates) + friction_energy
     }
 
     /// The narrowest gap, m, between surfaces of solids, and of these and the sides of the domain; infinite where all are wider than
     /// the barrier's reach, not above zero where something overlaps.
-    pub fn narrowest(&self, model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
-        let still = vec![Vector::zeros(); self.points.nodes()];
-        let places = Places::new(model, solids, &self.points, &still, 0.0);
-        let at = places.all();
-        let all = Candidates::on(&[Way { from: &places, to: &places }], REACH * model.grid.dx, 0.0);
-        let of_meeting = all.meetings.iter().map(|m| {
+    pub fn narrowest_gap(&self, model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
+        let still = vec![Vector::zeros(); self.points.node_count()];
+        let places = Configuration::new(model, solids, &self.points, &still, 0.0);
+        let at = places.positions();
+        let all = CandidatePairs::on(&[Sweep { from: &places, to: &places }], BARRIER_REACH_CELLS * model.grid.dx, 0.0);
+        let of_meeting = all.sdf_pairs.iter().map(|m| {
             let point = m.point();
             m.distance(&places, &at[point as usize]) - self.points.surface.radius(point)
         });
-        all.near.gaps(&at).map(|(_, gap)| gap).chain(of_meeting).fold(f64::INFINITY, f64::min)
+        all.feature_pairs.gaps(&at).map(|(_, gap)| gap).chain(of_meeting).fold(f64::INFINITY, f64::min)
     }
 }

@@ -4,44 +4,44 @@
 //! other forces give it; of all together `h/a` times the barriers between them at the end of the coming step, of length `a`, and what
 //! friction holds them with on the way there.
 
-use super::moments::{Early, Past};
-use super::slips::{Rub, Slips, friction};
-use super::term::Term;
-use crate::collision::broad_phase::{Candidates, Way};
-use crate::collision::points::{Meeting, Points};
-use crate::collision::tie::Tie;
+use super::moments::{EarlyPairs, OldTimeLevels};
+use super::slips::{FrictionContact, Slips, friction_law};
+use super::term::PotentialTerm;
+use crate::collision::broad_phase::{CandidatePairs, Sweep};
+use crate::collision::points::{SdfPair, CollisionPoints};
+use crate::collision::tie::TiedFace;
 use crate::model::Model;
 use crate::solid::SolidState;
 use meniscus_contact::{Barrier, Clearance};
-use meniscus_elastic::{BlockMatrix, Cliques, Incremental, Structure};
+use meniscus_elastic::{BlockMatrix, Cliques, IncrementalPotential, AssemblyStructure};
 use meniscus_numerics::{Matrix, Vector};
 
 /// A rigid solid in the potential.
 #[derive(Clone, Copy, Debug)]
-pub struct Rigid<const D: usize> {
+pub struct RigidTerm<const D: usize> {
     /// Mass, kg.
     pub mass: f64,
     /// Moments of inertia, kg m², for a node's angular velocity.
     pub inertia: Matrix<D>,
     /// Velocities of its nodes that all other forces give it.
-    pub target: [Vector<D>; 2],
+    pub target_velocities: [Vector<D>; 2],
 }
 
 /// The part of a solid.
 #[derive(Clone, Debug)]
-pub enum Part<'a, const D: usize> {
+pub enum SolidTerm<'a, const D: usize> {
     /// It deforms.
-    Soft(Incremental<'a, D>),
+    Soft(IncrementalPotential<'a, D>),
     /// It is rigid, and free.
-    Free(Rigid<D>),
+    Free(RigidTerm<D>),
     /// Nothing moves it but what it is told.
-    Told,
+    Prescribed,
 }
 
 /// In what order the unknowns of the solids' matrix are eliminated.
-pub struct Elimination<const D: usize> {
+pub struct EliminationOrder<const D: usize> {
     /// Of the last matrix.
-    pub structure: Option<Structure>,
+    pub structure: Option<AssemblyStructure>,
     /// Where nodes are when the forces act, m: the order is by these.
     pub positions: Vec<Vector<D>>,
 }
@@ -53,105 +53,105 @@ pub struct Potential<'a, const D: usize> {
     /// The solids where the step ends.
     pub solids: &'a [SolidState<D>],
     /// Their points.
-    pub points: &'a Points<D>,
+    pub points: &'a CollisionPoints<D>,
     /// The solids' own parts.
-    pub parts: Vec<Part<'a, D>>,
+    pub parts: Vec<SolidTerm<'a, D>>,
     /// The barrier between all of them.
     pub barrier: Barrier,
     /// For how long the forces act, s.
-    pub kick: f64,
+    pub impulse_time: f64,
     /// How far the velocities are then ahead of the positions, s.
-    pub lead: f64,
+    pub velocity_lead: f64,
     /// The longest that the coming step can be, s.
-    pub ahead: f64,
+    pub lookahead: f64,
     /// The time in which rigid solids settle on each other, s.
-    pub settling: f64,
+    pub settling_time: f64,
     /// Where solids are now, and where they were at the time of the old velocities.
-    pub past: Past<'a, D>,
+    pub old_levels: OldTimeLevels<'a, D>,
     /// The elastic slips where the step ends.
-    pub slips: &'a Slips<D>,
+    pub elastic_slips: &'a Slips<D>,
     /// The pairs that feel their barrier early.
-    pub early: Early,
+    pub early_pairs: EarlyPairs,
     /// What rubs.
-    pub rubs: Vec<Rub<D>>,
+    pub friction_contacts: Vec<FrictionContact<D>>,
     /// Impulses of the pressure on the nodes, N s.
-    pub pressed: Vec<Vector<D>>,
+    pub pressure_impulses: Vec<Vector<D>>,
 }
 
 impl<'a, const D: usize> Potential<'a, D> {
     /// Its value, J (2D: J/m).
-    pub fn value(&self, velocities: &[Vector<D>], candidates: &Candidates) -> f64 {
+    pub fn value(&self, velocities: &[Vector<D>], candidates: &CandidatePairs) -> f64 {
         let own: f64 =
             self.parts.iter().enumerate().map(|(k, part)| self.own_value(k, part, velocities)).sum();
-        let places = self.places(velocities);
-        let friction = friction(self.model);
-        let rub = |r: &Rub<D>| {
-            let to = r.owners.map(|o| places.at(&o));
-            friction.energy(&r.rubbing, &r.from, &to)
+        let places = self.configuration(velocities);
+        let friction = friction_law(self.model);
+        let rub = |r: &FrictionContact<D>| {
+            let to = r.owners.map(|o| places.position(&o));
+            friction.energy(&r.rubbing, &r.start_positions, &to)
         };
-        let rubbed: f64 = self.rubs.iter().map(rub).sum();
-        let pressed: f64 = self.pressed.iter().zip(velocities).map(|(j, v)| j.dot(v)).sum();
-        let damped = self.damping(velocities, &candidates.meetings);
-        own - pressed + self.kick * (self.barriers(velocities, candidates) + damped + rubbed / self.ahead)
+        let rubbed: f64 = self.friction_contacts.iter().map(rub).sum();
+        let pressed: f64 = self.pressure_impulses.iter().zip(velocities).map(|(j, v)| j.dot(v)).sum();
+        let damped = self.dissipation(velocities, &candidates.sdf_pairs);
+        own - pressed + self.impulse_time * (self.barrier_power(velocities, candidates) + damped + rubbed / self.lookahead)
     }
 
     /// All terms between solids.
-    fn terms(&self, velocities: &[Vector<D>], candidates: &Candidates, positive: bool) -> Vec<Term<D>> {
+    fn terms(&self, velocities: &[Vector<D>], candidates: &CandidatePairs, positive: bool) -> Vec<PotentialTerm<D>> {
         let mut terms = self.barrier_terms(velocities, candidates, positive);
-        let (places, friction) = (self.places(velocities), friction(self.model));
-        for r in &self.rubs {
-            let to = r.owners.map(|o| places.at(&o));
-            let local = friction.derivatives(&r.rubbing, &r.from, &to);
-            terms.push(Term {
-                levers: r.owners[..local.count].iter().map(|o| places.levers(o)).collect(),
-                local,
-                time: self.ahead,
+        let (places, friction) = (self.configuration(velocities), friction_law(self.model));
+        for r in &self.friction_contacts {
+            let to = r.owners.map(|o| places.position(&o));
+            let derivatives = friction.derivatives(&r.rubbing, &r.start_positions, &to);
+            terms.push(PotentialTerm {
+                node_jacobians: r.owners[..derivatives.point_count].iter().map(|o| places.node_jacobians(o)).collect(),
+                derivatives,
+                time: self.lookahead,
             });
         }
         terms
     }
 
-    fn own_value(&self, k: usize, part: &Part<'a, D>, velocities: &[Vector<D>]) -> f64 {
-        let own = &velocities[self.points.first[k]..];
+    fn own_value(&self, k: usize, part: &SolidTerm<'a, D>, velocities: &[Vector<D>]) -> f64 {
+        let own = &velocities[self.points.first_node[k]..];
         match part {
-            Part::Soft(soft) => soft.value(&own[..soft.impulses.len()]),
-            Part::Free(rigid) => {
-                let off = [own[0] - rigid.target[0], own[1] - rigid.target[1]];
+            SolidTerm::Soft(soft) => soft.value(&own[..soft.impulses.len()]),
+            SolidTerm::Free(rigid) => {
+                let off = [own[0] - rigid.target_velocities[0], own[1] - rigid.target_velocities[1]];
                 0.5 * (rigid.mass * off[0].norm_squared() + off[1].dot(&(rigid.inertia * off[1])))
             }
-            Part::Told => 0.0,
+            SolidTerm::Prescribed => 0.0,
         }
     }
 
     /// Its gradient, N s (2D: N s/m).
-    pub fn gradient(&self, velocities: &[Vector<D>], candidates: &Candidates) -> Vec<Vector<D>> {
-        let mut gradient: Vec<Vector<D>> = self.pressed.iter().map(|j| -j).collect();
+    pub fn gradient(&self, velocities: &[Vector<D>], candidates: &CandidatePairs) -> Vec<Vector<D>> {
+        let mut gradient: Vec<Vector<D>> = self.pressure_impulses.iter().map(|j| -j).collect();
         for (k, part) in self.parts.iter().enumerate() {
-            let first = self.points.first[k];
+            let first = self.points.first_node[k];
             match part {
-                Part::Soft(soft) => {
+                SolidTerm::Soft(soft) => {
                     let own = first..first + soft.impulses.len();
                     let of = soft.gradient(&velocities[own.clone()]);
                     gradient[own].iter_mut().zip(of).for_each(|(g, of)| *g += of);
                 }
-                Part::Free(rigid) => {
-                    gradient[first] += (velocities[first] - rigid.target[0]) * rigid.mass;
-                    gradient[first + 1] += rigid.inertia * (velocities[first + 1] - rigid.target[1]);
+                SolidTerm::Free(rigid) => {
+                    gradient[first] += (velocities[first] - rigid.target_velocities[0]) * rigid.mass;
+                    gradient[first + 1] += rigid.inertia * (velocities[first + 1] - rigid.target_velocities[1]);
                 }
-                Part::Told => {}
+                SolidTerm::Prescribed => {}
             }
         }
-        gradient.iter_mut().zip(self.between(velocities, candidates)).for_each(|(g, push)| *g -= push);
+        gradient.iter_mut().zip(self.contact_impulses(velocities, candidates)).for_each(|(g, push)| *g -= push);
         gradient
     }
 
     /// Impulses, N s (2D: N s/m), that contacts and friction give to the nodes.
-    pub fn between(&self, velocities: &[Vector<D>], candidates: &Candidates) -> Vec<Vector<D>> {
+    pub fn contact_impulses(&self, velocities: &[Vector<D>], candidates: &CandidatePairs) -> Vec<Vector<D>> {
         let mut impulses = vec![Vector::zeros(); velocities.len()];
-        for Term { levers, local, .. } in &self.terms(velocities, candidates, false) {
-            for k in 0..local.count {
-                for (i, by) in &levers[k] {
-                    impulses[*i] -= by.tr_mul(&local.gradient[k]) * self.kick;
+        for PotentialTerm { node_jacobians, derivatives, .. } in &self.terms(velocities, candidates, false) {
+            for k in 0..derivatives.point_count {
+                for (i, by) in &node_jacobians[k] {
+                    impulses[*i] -= by.tr_mul(&derivatives.gradient[k]) * self.impulse_time;
                 }
             }
         }
@@ -160,48 +160,48 @@ impl<'a, const D: usize> Potential<'a, D> {
 
     /// Its second derivatives, kg (2D: kg/m), or their `positive` part; nothing where a solid's matrix cannot be. `ties` add their
     /// masses. The order of elimination becomes that of this matrix.
-    pub fn matrix(
+    pub fn hessian(
         &self,
         velocities: &[Vector<D>],
-        candidates: &Candidates,
-        ties: &[Tie<D>],
-        elimination: &mut Elimination<D>,
-        positive: bool,
+        candidates: &CandidatePairs,
+        ties: &[TiedFace<D>],
+        elimination: &mut EliminationOrder<D>,
+        project_positive: bool,
     ) -> Option<BlockMatrix<D>> {
         let mut parts = Vec::new();
-        for (part, first) in self.parts.iter().zip(&self.points.first) {
-            if let Part::Soft(soft) = part {
-                parts.push(soft.matrix(&velocities[*first..first + soft.impulses.len()], positive)?);
+        for (part, first) in self.parts.iter().zip(&self.points.first_node) {
+            if let SolidTerm::Soft(soft) = part {
+                parts.push(soft.hessian(&velocities[*first..first + soft.impulses.len()], project_positive)?);
             }
         }
-        let terms = self.terms(velocities, candidates, positive);
+        let terms = self.terms(velocities, candidates, project_positive);
         let mut groups = Cliques::default();
         for term in &terms {
-            groups.push(term.levers.iter().flatten().map(|l| l.0 as u32));
+            groups.push(term.node_jacobians.iter().flatten().map(|l| l.0 as u32));
         }
-        let arms = |tie: &Tie<D>| {
-            tie.ends.iter().flat_map(|end| &end.arm).map(|arm| arm.0 as u32).collect::<Vec<_>>()
+        let arms = |tie: &TiedFace<D>| {
+            tie.solids.iter().flat_map(|end| &end.node_weights).map(|arm| arm.0 as u32).collect::<Vec<_>>()
         };
         ties.iter().for_each(|tie| groups.push(arms(tie)));
         let assembly = self.points.assembly.as_ref()?;
-        let Elimination { structure, positions } = elimination;
+        let EliminationOrder { structure, positions } = elimination;
         *structure = assembly.structure(&groups, positions, structure.take());
         let mut matrix = assembly.matrix(&parts, structure.as_ref()?);
         for (k, part) in self.parts.iter().enumerate() {
-            let node = self.points.first[k] as u32;
-            if let Part::Free(rigid) = part {
+            let node = self.points.first_node[k] as u32;
+            if let SolidTerm::Free(rigid) = part {
                 let _ = matrix.add(node, node, &(Matrix::identity() * rigid.mass));
                 let _ = matrix.add(node + 1, node + 1, &rigid.inertia);
             }
         }
-        for Term { levers, local, time } in &terms {
-            for k in 0..local.count {
-                for (i, by_i) in &levers[k] {
-                    for l in 0..local.count {
-                        for (j, by_j) in &levers[l] {
+        for PotentialTerm { node_jacobians, derivatives, time } in &terms {
+            for k in 0..derivatives.point_count {
+                for (i, by_i) in &node_jacobians[k] {
+                    for l in 0..derivatives.point_count {
+                        for (j, by_j) in &node_jacobians[l] {
                             if i >= j {
-                                let block = by_i.tr_mul(&(local.hessian[k][l] * by_j));
-                                let _ = matrix.add(*i as u32, *j as u32, &(block * (self.kick * time)));
+                                let block = by_i.tr_mul(&(derivatives.hessian[k][l] * by_j));
+                                let _ = matrix.add(*i as u32, *j as u32, &(block * (self.impulse_time * time)));
                             }
                         }
                     }
@@ -210,8 +210,8 @@ impl<'a, const D: usize> Potential<'a, D> {
         }
         for tie in ties {
             tie.masses(|one, other, mass| {
-                for (i, a) in &one.arm {
-                    for (j, b) in other.arm.iter().filter(|(j, _)| i >= j) {
+                for (i, a) in &one.node_weights {
+                    for (j, b) in other.node_weights.iter().filter(|(j, _)| i >= j) {
                         let _ = matrix.add(*i as u32, *j as u32, &(a * b.transpose() * mass));
                     }
                 }
@@ -222,51 +222,51 @@ impl<'a, const D: usize> Potential<'a, D> {
 
     /// What may meet on the way to the end of the coming step between two choices of velocities, and on the way from the start to that of
     /// the second one, or feels a barrier before; with a `margin`, m, to what is near.
-    pub fn candidates(&self, from: &[Vector<D>], to: &[Vector<D>], margin: f64) -> Candidates {
-        let (start, end) = (self.moments(from), self.moments(to));
+    pub fn candidates(&self, from: &[Vector<D>], to: &[Vector<D>], margin: f64) -> CandidatePairs {
+        let (start, end) = (self.time_levels(from), self.time_levels(to));
         let still = vec![Vector::zeros(); to.len()];
-        let now = self.places_after(&still, 0.0);
-        let late = Way { from: &start.late.places, to: &end.late.places };
-        let early = Way { from: &start.early.places, to: &end.early.places };
-        let all = Way { from: &now, to: &end.late.places };
-        Candidates::on(&[late, early, all], self.barrier.reach, margin)
+        let now = self.configuration_after(&still, 0.0);
+        let late = Sweep { from: &start.late.configuration, to: &end.late.configuration };
+        let early = Sweep { from: &start.early.configuration, to: &end.early.configuration };
+        let all = Sweep { from: &now, to: &end.late.configuration };
+        CandidatePairs::on(&[late, early, all], self.barrier.activation_distance, margin)
     }
 
     /// The largest part of the way from some velocities along a change of them, up to all of it, on which nothing gives up more than
     /// `1 − keep` of what keeps it from meeting and from turning inside out.
-    pub fn free_step(
+    pub fn max_step_fraction(
         &self,
         from: &[Vector<D>],
         change: &[Vector<D>],
         to: &[Vector<D>],
-        candidates: &Candidates,
-        keep: f64,
+        candidates: &CandidatePairs,
+        kept_fraction: f64,
     ) -> f64 {
-        let (one, other) = (self.places(from), self.places(to));
-        let (start, end) = (one.all(), other.all());
+        let (one, other) = (self.configuration(from), self.configuration(to));
+        let (start, end) = (one.positions(), other.positions());
         let ways: Vec<Vector<D>> = end.iter().zip(&start).map(|(e, s)| e - s).collect();
-        let mut part = candidates.near.free_step(&start, &ways, keep);
-        for m in &candidates.meetings {
+        let mut part = candidates.feature_pairs.collision_free_fraction(&start, &ways, kept_fraction);
+        for m in &candidates.sdf_pairs {
             let thickness = self.points.thickness(m);
             match *m {
-                Meeting::Side(p, side) => {
-                    let (side, clearance) = (&self.points.sides[side], Clearance { thickness, keep });
-                    part = part.min(side.free_step(&start[p as usize], &ways[p as usize], clearance));
+                SdfPair::Side(p, side) => {
+                    let (side, clearance) = (&self.points.domain_sides[side], Clearance { thickness, kept_fraction });
+                    part = part.min(side.collision_free_fraction(&start[p as usize], &ways[p as usize], clearance));
                 }
-                Meeting::Rigid(p, solid, part_of) => {
+                SdfPair::Rigid(p, solid, part_of) => {
                     let (start, end) = (&start[p as usize], &end[p as usize]);
                     let far = one.distance_to_rigid((solid, part_of), start) - thickness;
-                    let length = Way { from: &one, to: &other }.seen_from(solid, start, end);
-                    if length > (1.0 - keep) * far {
-                        part = part.min((1.0 - keep) * far / length);
+                    let length = Sweep { from: &one, to: &other }.path_length_bound(solid, start, end);
+                    if length > (1.0 - kept_fraction) * far {
+                        part = part.min((1.0 - kept_fraction) * far / length);
                     }
                 }
             }
         }
         for (k, solid) in self.parts.iter().enumerate() {
-            if let Part::Soft(soft) = solid {
-                let own = self.points.first[k]..self.points.first[k] + soft.impulses.len();
-                part = part.min(soft.upright_step(&from[own.clone()], &change[own], keep));
+            if let SolidTerm::Soft(soft) = solid {
+                let own = self.points.first_node[k]..self.points.first_node[k] + soft.impulses.len();
+                part = part.min(soft.inversion_free_fraction(&from[own.clone()], &change[own], kept_fraction));
             }
         }
         part

@@ -1,8 +1,8 @@
 //! Elastic beams by themselves, against the theories of thin and of thick beams.
 
-use crate::measure::settle;
+use crate::measure::checks_or_failure;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Law, Order, lowest_modes};
+use meniscus_elastic::{Anchor, ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, ElementOrder, lowest_modes};
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::StepError;
@@ -15,12 +15,12 @@ pub const BEAM: Case = Case {
         Timoshenko's beam; the tip's drop under small weight (q L⁴/8B) and, large, by the elastica for q L³/B = 1, 2, 5, 10 \
         (design, validation §6, 15a). 2 and 4 layers of cells; quick: 2.",
     quick: true,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "elastic-beam";
 /// The wave numbers of a clamped beam over its length, and the mean squares of their modes' slopes.
-const WAVES: [(f64, f64); 3] = [(1.875104069, 4.6478), (4.694091133, 32.417), (7.854757438, 77.299)];
+const MODE_CONSTANTS: [(f64, f64); 3] = [(1.875104069, 4.6478), (4.694091133, 32.417), (7.854757438, 77.299)];
 /// Load, and the tip's drop and place over the length, by the elastica.
 const ELASTICA: [(f64, f64, f64); 4] = [
     (1.0, 0.123471, 0.991246),
@@ -29,12 +29,12 @@ const ELASTICA: [(f64, f64, f64); 4] = [
     (10.0, 0.700200, 0.656354),
 ];
 const LENGTH: f64 = 4.0;
-const THICK: f64 = 0.2;
+const THICKNESS: f64 = 0.2;
 const DENSITY: f64 = 1.2;
 const YOUNG: f64 = 1e8;
 const POISSON: f64 = 0.3;
 /// Stiffness of the plate.
-const BENDING: f64 = YOUNG / (1.0 - POISSON * POISSON) * THICK * THICK * THICK / 12.0;
+const BENDING_STIFFNESS: f64 = YOUNG / (1.0 - POISSON * POISSON) * THICKNESS * THICKNESS * THICKNESS / 12.0;
 const STEP: f64 = 1e-3;
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -50,7 +50,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
         }
         let body = cantilever(layers, 0.7).map_err(failed)?;
         let small = 1e-3;
-        let (drop, _) = tip(&body, small).map_err(failed)?;
+        let (drop, _) = tip_deflection(&body, small).map_err(failed)?;
         checks.push(Check::relative(
             NAME,
             &what("small deflection"),
@@ -61,7 +61,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
             "",
         ));
         for (load, drop, along) in ELASTICA {
-            let (d, a) = tip(&body, load).map_err(failed)?;
+            let (d, a) = tip_deflection(&body, load).map_err(failed)?;
             let text = |what_of: &str| what(&format!("{what_of}, q L³/B = {load}"));
             checks.push(Check::relative(NAME, &text("tip's drop / L"), d, drop, 0.04, Some(0.02), ""));
             checks.push(Check::relative(NAME, &text("tip's place / L"), a, along, 0.04, Some(0.02), ""));
@@ -75,28 +75,28 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 fn frequencies() -> [f64; 3] {
     let stiffness = YOUNG / (1.0 - POISSON * POISSON);
     let shear = YOUNG / (2.0 * (1.0 + POISSON)) * 10.0 * (1.0 + POISSON) / (12.0 + 11.0 * POISSON);
-    WAVES.map(|(k, slope)| {
-        let thin = (k / LENGTH).powi(2) * (stiffness * THICK * THICK / 12.0 / DENSITY).sqrt();
-        let ratio = slope * THICK * THICK / 12.0 / LENGTH.powi(2);
+    MODE_CONSTANTS.map(|(k, slope)| {
+        let thin = (k / LENGTH).powi(2) * (stiffness * THICKNESS * THICKNESS / 12.0 / DENSITY).sqrt();
+        let ratio = slope * THICKNESS * THICKNESS / 12.0 / LENGTH.powi(2);
         thin / (1.0 + ratio * (1.0 + stiffness / shear)).sqrt()
     })
 }
 
 /// A beam along the first axis, clamped where that is 0.
 fn cantilever(layers: usize, damping_ratio: f64) -> Result<Elastic<2>, ElasticError> {
-    let half = Vector::<2>::new(0.5 * LENGTH, 0.5 * THICK);
-    let mesh = VolumeMesh::of_box(&half, &half, &Matrix::identity(), THICK / layers as f64, Order::Quadratic)
+    let half = Vector::<2>::new(0.5 * LENGTH, 0.5 * THICKNESS);
+    let mesh = VolumeMesh::of_box(&half, &half, &Matrix::identity(), THICKNESS / layers as f64, ElementOrder::Quadratic)
         .unwrap_or_default();
     let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9)];
-    let law = Law::NeoHookean { young: YOUNG, poisson: POISSON, order: Order::Quadratic };
-    Elastic::new(Description { mesh, density: DENSITY, law, damping_ratio, anchors })
+    let law = ConstitutiveLaw::NeoHookean { young_modulus: YOUNG, poisson_ratio: POISSON, order: ElementOrder::Quadratic };
+    Elastic::new(ElasticSpecification { mesh, density: DENSITY, law, damping_ratio, anchors })
 }
 
 /// Drop and place of the end's middle over the length, at rest under a load `q L³/B`.
-fn tip(body: &Elastic<2>, load: f64) -> Result<(f64, f64), ElasticError> {
-    let gravity = load * BENDING / (DENSITY * THICK * LENGTH.powi(3));
+fn tip_deflection(body: &Elastic<2>, load: f64) -> Result<(f64, f64), ElasticError> {
+    let gravity = load * BENDING_STIFFNESS / (DENSITY * THICKNESS * LENGTH.powi(3));
     let weight: Vec<Vector<2>> = body.masses().iter().map(|m| Vector::<2>::new(0.0, -gravity * m)).collect();
-    let mut state = body.at_rest(STEP);
+    let mut state = body.rest_state(STEP);
     for _ in 0..2000 {
         body.step(&mut state, STEP, &weight)?;
         let (moves, bends) = (body.kinetic_energy(&state.velocities), body.elastic_energy(&state.positions));
@@ -104,7 +104,7 @@ fn tip(body: &Elastic<2>, load: f64) -> Result<(f64, f64), ElasticError> {
             break;
         }
     }
-    let rest = &body.mesh().positions;
+    let rest = &body.rest_mesh().positions;
     let end: Vec<usize> = (0..rest.len()).filter(|v| rest[*v][0] > LENGTH - 1e-9).collect();
     let mean = |a: usize, x: &[Vector<2>]| end.iter().map(|v| x[*v][a]).sum::<f64>() / end.len() as f64;
     Ok(((mean(1, rest) - mean(1, &state.positions)) / LENGTH, mean(0, &state.positions) / LENGTH))

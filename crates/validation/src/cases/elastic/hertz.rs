@@ -9,8 +9,8 @@
 //! The barrier holds the plates off by a part of its reach that depends on the pressure: as if they had a soft layer. Its reach is a
 //! quarter of a cell, which is made small; the flattening is the ball's own.
 
-use crate::dry::{Material, Watch, areas, dry, led, mapped, plate, quadratic, round, soft, vertices};
-use crate::measure::{at_least, settle};
+use crate::dry::{SoftMaterial, ContactMonitor, vertex_area_vectors, simulation_without_liquid, prescribed_motion, mapped, rigid_half_space, quadratic_cube_mesh, cube_to_ball, soft, vertices};
+use crate::measure::{at_least, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -28,7 +28,7 @@ pub const CASE: Case = Case {
         of the Theory of Elasticity', 1964). Meshes that are finer where they touch, 8 (3D: 4) elements along the half-width; \
         cells of a 500th and a 1000th of the radius; quick: 2D, the first of them.",
     quick: true,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "hertz";
@@ -38,9 +38,9 @@ const POISSON: f64 = 0.3;
 const STIFFNESS: f64 = YOUNG / (1.0 - POISSON * POISSON);
 const STEP: f64 = 1e-2;
 /// Time in which the plates come together, and in which the ball comes to rest.
-const TIMES: [f64; 2] = [0.4, 0.4];
+const PHASE_DURATIONS: [f64; 2] = [0.4, 0.4];
 /// Power by which the mesh is finer where it touches.
-const GRADING: f64 = 1.7;
+const GRADING_EXPONENT: f64 = 1.7;
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut checks = squeeze::<2>([64; 2], RADIUS / 500.0, 0.1)?;
@@ -53,47 +53,47 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 }
 
 /// The ball between its plates, which come together by `way` each.
-fn between<const D: usize>(n: [usize; D], dx: f64, way: f64) -> Result<Simulation<D>, StepError> {
-    let material = Material { young: YOUNG, poisson: POISSON, density: 2.0, damping: 1.0, friction: 0.0 };
+fn ball_between_plates<const D: usize>(n: [usize; D], dx: f64, way: f64) -> Result<Simulation<D>, StepError> {
+    let material = SoftMaterial { young: YOUNG, poisson: POISSON, density: 2.0, damping: 1.0, friction: 0.0 };
     let graded = |x: &Vector<D>| {
-        let across = x.map(|c| c.abs().powf(GRADING).copysign(c));
-        let along = x.map(|c| (1.0 - (1.0 - c.abs()).powf(GRADING)).copysign(c));
+        let across = x.map(|c| c.abs().powf(GRADING_EXPONENT).copysign(c));
+        let along = x.map(|c| (1.0 - (1.0 - c.abs()).powf(GRADING_EXPONENT)).copysign(c));
         Vector::from_fn(|a, _| if a + 1 == D { along[a] } else { across[a] })
     };
-    let ball = soft(mapped(quadratic(n), |x| round(&graded(x)) * RADIUS), material, Vec::new())?;
+    let ball = soft(mapped(quadratic_cube_mesh(n), |x| cube_to_ball(&graded(x)) * RADIUS), material, Vec::new())?;
     let mut solids = vec![ball];
     for side in [-1.0, 1.0] {
         let up = |y: f64| Vector::<D>::from_fn(|a, _| if a + 1 == D { y } else { 0.0 });
-        let motion = led(vec![(0.0, up(0.0)), (TIMES[0], up(-side * way))]);
-        let mut plate = plate(side * (RADIUS + 0.25 * dx), motion);
+        let motion = prescribed_motion(vec![(0.0, up(0.0)), (PHASE_DURATIONS[0], up(-side * way))]);
+        let mut plate = rigid_half_space(side * (RADIUS + 0.25 * dx), motion);
         plate.friction = 0.0;
         solids.push(plate);
     }
-    let mut simulation = dry(([8; D], dx), solids, Vector::zeros(), STEP);
+    let mut simulation = simulation_without_liquid(([8; D], dx), solids, Vector::zeros(), STEP);
     // No side is in the way; the few cells are there as there must be some.
     simulation.model.walls = [[Wall::Open; 2]; D];
     Ok(Simulation::resume(simulation.model, simulation.state))
 }
 
 /// What the plates' pressure is found to be.
-struct Pressed {
+struct PressureMeasure {
     force: f64,
     /// Half-width of the contact.
-    width: f64,
+    half_width: f64,
     /// Pressure in its middle.
-    peak: f64,
+    peak_pressure: f64,
     /// Flattening of a side.
-    flat: f64,
+    flattening: f64,
 }
 
 fn squeeze<const D: usize>(n: [usize; D], dx: f64, wide: f64) -> Result<Vec<Check>, StepError> {
-    let flat = wide * wide * RADIUS * of_hertz::<D>(wide);
-    let mut simulation = between(n, dx, flat + 0.1 * dx)?;
-    let mut watch = Watch::new(&simulation.model, STIFFNESS * flat * flat);
-    run_to(&mut simulation, TIMES[0] + TIMES[1], |s, report| {
-        watch.look(s, &report.ledger, s.state.time > TIMES[0] + 2.0 * STEP);
+    let flat = wide * wide * RADIUS * hertz_flattening_ratio::<D>(wide);
+    let mut simulation = ball_between_plates(n, dx, flat + 0.1 * dx)?;
+    let mut watch = ContactMonitor::new(&simulation.model, STIFFNESS * flat * flat);
+    run_to(&mut simulation, PHASE_DURATIONS[0] + PHASE_DURATIONS[1], |s, report| {
+        watch.observe(s, &report.diagnostics, s.state.time > PHASE_DURATIONS[0] + 2.0 * STEP);
     })?;
-    let Some(found) = pressed(&simulation) else { return Ok(Vec::new()) };
+    let Some(found) = measure_contact(&simulation) else { return Ok(Vec::new()) };
     let force = found.force;
     let (width, peak) = if D == 2 {
         let width = (4.0 * force * RADIUS / (PI * STIFFNESS)).sqrt();
@@ -102,18 +102,18 @@ fn squeeze<const D: usize>(n: [usize; D], dx: f64, wide: f64) -> Result<Vec<Chec
         let width = (0.75 * force * RADIUS / STIFFNESS).cbrt();
         (width, 1.5 * force / (PI * width * width))
     };
-    let flat = width * width / RADIUS * of_hertz::<D>(width / RADIUS);
+    let flat = width * width / RADIUS * hertz_flattening_ratio::<D>(width / RADIUS);
     let cells = RADIUS / dx;
     let what = |text: &str| format!("{text}, {D}D, a = {wide} R, {cells} cells/R");
     let mut checks = vec![
-        Check::relative(NAME, &what("half-width"), found.width, width, 0.03, Some(0.01), ""),
-        Check::relative(NAME, &what("pressure in the middle"), found.peak, peak, 0.03, Some(0.01), ""),
-        Check::relative(NAME, &what("flattening"), found.flat, flat, 0.03, Some(0.01), ""),
-        at_least(NAME, &what("narrowest gap / cell"), watch.gap / dx, f64::MIN_POSITIVE, 0.02),
+        Check::relative(NAME, &what("half-width"), found.half_width, width, 0.03, Some(0.01), ""),
+        Check::relative(NAME, &what("pressure in the middle"), found.peak_pressure, peak, 0.03, Some(0.01), ""),
+        Check::relative(NAME, &what("flattening"), found.flattening, flat, 0.03, Some(0.01), ""),
+        at_least(NAME, &what("narrowest gap / cell"), watch.narrowest_gap / dx, f64::MIN_POSITIVE, 0.02),
     ];
     if D == 3 {
-        let hertz = 4.0 / 3.0 * STIFFNESS * RADIUS.sqrt() * found.flat.powf(1.5);
-        let told = of_hertz::<D>(width / RADIUS).powf(-1.5);
+        let hertz = 4.0 / 3.0 * STIFFNESS * RADIUS.sqrt() * found.flattening.powf(1.5);
+        let told = hertz_flattening_ratio::<D>(width / RADIUS).powf(-1.5);
         let text = what("force / (4/3 E* √R δ^1.5)");
         checks.push(Check::relative(NAME, &text, force / hertz, told, 0.03, Some(0.01), ""));
     }
@@ -121,38 +121,38 @@ fn squeeze<const D: usize>(n: [usize; D], dx: f64, wide: f64) -> Result<Vec<Chec
 }
 
 /// The flattening of a side over `a²/R`.
-fn of_hertz<const D: usize>(wide: f64) -> f64 {
+fn hertz_flattening_ratio<const D: usize>(wide: f64) -> f64 {
     // P/π E* = a²/4R in 2D.
-    if D == 2 { 0.25 * (2.0 * (4.0 / wide).ln() - 1.0) } else { flattening(wide) }
+    if D == 2 { 0.25 * (2.0 * (4.0 / wide).ln() - 1.0) } else { ball_flattening_ratio(wide) }
 }
 
 /// What presses on the upper side, at rest: the opposite of the elastic forces.
-fn pressed<const D: usize>(simulation: &Simulation<D>) -> Option<Pressed> {
+fn measure_contact<const D: usize>(simulation: &Simulation<D>) -> Option<PressureMeasure> {
     let elastic = simulation.model.solids[0].elastic()?;
     let now = vertices(simulation, 0);
     let forces = elastic.forces(now);
-    let areas = areas(elastic, now);
+    let areas = vertex_area_vectors(elastic, now);
     let upper: Vec<usize> = (0..now.len()).filter(|v| areas[*v][D - 1] > 0.0).collect();
     let across = |v: usize| now[v].rows(0, D - 1).norm_squared();
     let force: f64 = upper.iter().map(|v| forces[*v][D - 1]).sum();
     let second: f64 = upper.iter().map(|v| forces[*v][D - 1] * across(*v)).sum();
     // The mean of x² over the pressure is a²/4 in 2D, that of r² 2a²/5 in 3D.
-    let width = (second / force * if D == 2 { 4.0 } else { 2.5 }).sqrt();
+    let half_width = (second / force * if D == 2 { 4.0 } else { 2.5 }).sqrt();
     let (mut push, mut share) = (0.0, 0.0);
-    for v in upper.iter().filter(|v| across(**v) < (0.4 * width).powi(2)) {
+    for v in upper.iter().filter(|v| across(**v) < (0.4 * half_width).powi(2)) {
         push += forces[*v][D - 1];
-        share += areas[*v][D - 1] * (1.0 - across(*v) / (width * width)).sqrt();
+        share += areas[*v][D - 1] * (1.0 - across(*v) / (half_width * half_width)).sqrt();
     }
     let high = upper.iter().map(|v| now[*v][D - 1]).fold(0.0, f64::max);
     let pole = |up: f64| {
         let of = |v: &usize| {
-            (elastic.mesh().positions[*v] - Vector::<D>::from_fn(|a, _| if a + 1 == D { up } else { 0.0 }))
+            (elastic.rest_mesh().positions[*v] - Vector::<D>::from_fn(|a, _| if a + 1 == D { up } else { 0.0 }))
                 .norm()
         };
         (0..now.len()).min_by(|a, b| of(a).total_cmp(&of(b))).map_or(high, |v| now[v][D - 1])
     };
-    let flat = RADIUS - 0.5 * (pole(RADIUS) - pole(-RADIUS));
-    Some(Pressed { force, width, peak: push / share, flat })
+    let flattening = RADIUS - 0.5 * (pole(RADIUS) - pole(-RADIUS));
+    Some(PressureMeasure { force, half_width, peak_pressure: push / share, flattening })
 }
 
 /// The flattening of a ball at the poles under Hertz's pressures on caps of radius `a` (over the ball's) about both, over that of a
@@ -161,7 +161,7 @@ fn pressed<const D: usize>(simulation: &Simulation<D>) -> Option<Pressed> {
 /// The radial traction is a sum of Legendre polynomials `p_n P_n(cos θ)`. With Lur'e's displacements
 /// `u_r = [A (n+1)(n−2+4ν) r^(n+1) + B n r^(n−1)] P_n` and no shear at `r = 1`, `B = −A (n²+2n−1+2ν)/(n−1)`, and
 /// `p_n = 2G A [(n+1)(n²−n−2−2ν) − n (n²+2n−1+2ν)]`.
-fn flattening(a: f64) -> f64 {
+fn ball_flattening_ratio(a: f64) -> f64 {
     const POINTS: usize = 600;
     const TERMS: usize = 3000;
     let points = (0..POINTS).map(|k| {

@@ -1,7 +1,7 @@
 //! The energy law of dry soft solids that fall.
 
-use crate::dry::{GRAVITY, Material, Watch, at, down, dry, mapped, quadratic, round, soft};
-use crate::measure::{at_least, at_most, settle};
+use crate::dry::{GRAVITY, SoftMaterial, ContactMonitor, point_at, gravity, simulation_without_liquid, mapped, quadratic_cube_mesh, cube_to_ball, soft};
+use crate::measure::{at_least, at_most, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -16,51 +16,51 @@ pub const CASE: Case = Case {
         energy together, at the time of the velocities, never rise; over the energy of the fall. With the longest steps \
         that are allowed (0.7 cells), and with such of 5e-4. Quick: 2D, the ball.",
     quick: false,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "soft-energy";
 const DX: f64 = 1.0 / 24.0;
-const FALL: f64 = 0.3;
+const FALL_HEIGHT: f64 = 0.3;
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
     for step in [1.0, 5e-4] {
         for young in [400.0, 1e4, 1e6] {
-            checks.extend(falls::<2>(8, young, 0.0, step)?);
+            checks.extend(check_fall::<2>(8, young, 0.0, step)?);
             if mode == Mode::Full {
-                checks.extend(falls::<2>(8, young, 20.0, step)?);
+                checks.extend(check_fall::<2>(8, young, 20.0, step)?);
             }
         }
     }
     if mode == Mode::Full {
         for young in [400.0, 1e6] {
-            checks.extend(falls::<3>(4, young, 0.0, 1.0)?);
+            checks.extend(check_fall::<3>(4, young, 0.0, 1.0)?);
         }
     }
     Ok(checks)
 }
 
 /// A ball, or a block that is turned by an angle, degrees.
-fn falls<const D: usize>(n: usize, young: f64, turned: f64, step: f64) -> Result<Vec<Check>, StepError> {
-    let material = Material { young, poisson: 0.3, density: 2.0, damping: 0.0, friction: 0.3 };
+fn check_fall<const D: usize>(n: usize, young: f64, turned: f64, step: f64) -> Result<Vec<Check>, StepError> {
+    let material = SoftMaterial { young, poisson: 0.3, density: 2.0, damping: 0.0, friction: 0.3 };
     let half = 0.12;
     let (s, c) = turned.to_radians().sin_cos();
     let low = if turned == 0.0 { 0.15 } else { half * (s + c) };
-    let center = at::<D>(0.5, low + FALL);
+    let center = point_at::<D>(0.5, low + FALL_HEIGHT);
     let place = |x: &Vector<D>| {
         if turned == 0.0 {
-            return center + round(x) * low;
+            return center + cube_to_ball(x) * low;
         }
         let mut y = x * half;
         (y[0], y[D - 1]) = (half * (c * x[0] - s * x[D - 1]), half * (s * x[0] + c * x[D - 1]));
         center + y
     };
-    let solid = soft(mapped(quadratic([n; D]), place), material, Vec::new())?;
-    let scale = solid.body.mass * GRAVITY * FALL;
-    let mut simulation = dry(([24; D], DX), vec![solid], down(), step);
-    let mut watch = Watch::new(&simulation.model, scale);
-    run_to(&mut simulation, 0.5, |s, report| watch.look(s, &report.ledger, true))?;
+    let solid = soft(mapped(quadratic_cube_mesh([n; D]), place), material, Vec::new())?;
+    let scale = solid.mass_properties.mass * GRAVITY * FALL_HEIGHT;
+    let mut simulation = simulation_without_liquid(([24; D], DX), vec![solid], gravity(), step);
+    let mut watch = ContactMonitor::new(&simulation.model, scale);
+    run_to(&mut simulation, 0.5, |s, report| watch.observe(s, &report.diagnostics, true))?;
     let law = watch.law();
     let steps = if step < 1.0 { "short" } else { "long" };
     let shape = if turned == 0.0 { "ball" } else { "block" };
@@ -75,6 +75,6 @@ fn falls<const D: usize>(n: usize, young: f64, turned: f64, step: f64) -> Result
             None,
             "",
         ),
-        at_least(NAME, &what("narrowest gap / cell"), watch.gap / DX, f64::MIN_POSITIVE, 1e-2),
+        at_least(NAME, &what("narrowest gap / cell"), watch.narrowest_gap / DX, f64::MIN_POSITIVE, 1e-2),
     ])
 }

@@ -1,7 +1,7 @@
 //! Soft blocks on slopes, with friction.
 
-use crate::dry::{GRAVITY, Material, Watch, at, block, dry, mapped, quadratic, soft};
-use crate::measure::{at_least, at_most, settle};
+use crate::dry::{GRAVITY, SoftMaterial, ContactMonitor, point_at, box_mesh, simulation_without_liquid, mapped, quadratic_cube_mesh, soft};
+use crate::measure::{at_least, at_most, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_elastic::Anchor;
@@ -19,35 +19,35 @@ pub const CASE: Case = Case {
         within 1e-3 of its side in a second, from 0.4 s on. Slopes: a rigid half-space; a soft slab that is held below \
         (E = 1e4), where gravity is turned. Steps of 1e-3; quick: 2D, three coefficients.",
     quick: true,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "soft-slope";
-const ALPHA: f64 = 0.4;
-const HALF: f64 = 0.08;
+const SLOPE_ANGLE: f64 = 0.4;
+const HALF_SIZE: f64 = 0.08;
 const CELLS: usize = 24;
 const DX: f64 = 1.0 / CELLS as f64;
 const STEP: f64 = 1e-3;
 /// Between these times the way of what slides is measured: it rests on the slope, and does not reach the lower end.
-const SLIDES: [f64; 2] = [0.1, 0.35];
+const SLIDING_WINDOW: [f64; 2] = [0.1, 0.35];
 /// The same of what stays. Until it lies on the slope it slides, and what friction then hardly holds stops late.
-const STAYS: [f64; 2] = [0.4, 0.6];
+const RESTING_WINDOW: [f64; 2] = [0.4, 0.6];
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
     let rigid: &[f64] =
         if mode == Mode::Quick { &[0.0, 0.2, 0.6] } else { &[0.0, 0.1, 0.2, 0.3, 0.4, 0.44, 0.6] };
     for &friction in rigid {
-        checks.extend(slide("rigid", on_rigid::<2>(friction)?, friction)?);
+        checks.extend(check_slope("rigid", on_rigid::<2>(friction)?, friction)?);
     }
     let some: &[f64] = if mode == Mode::Quick { &[0.2] } else { &[0.0, 0.2, 0.4, 0.44, 0.6] };
     for &friction in some {
-        checks.extend(slide("soft", on_soft::<2>(friction)?, friction)?);
+        checks.extend(check_slope("soft", on_soft::<2>(friction)?, friction)?);
     }
     if mode == Mode::Full {
         for friction in [0.2, 0.6] {
-            checks.extend(slide("rigid", on_rigid::<3>(friction)?, friction)?);
-            checks.extend(slide("soft", on_soft::<3>(friction)?, friction)?);
+            checks.extend(check_slope("rigid", on_rigid::<3>(friction)?, friction)?);
+            checks.extend(check_slope("soft", on_soft::<3>(friction)?, friction)?);
         }
     }
     Ok(checks)
@@ -56,32 +56,32 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 /// A simulation, its sliding solid, and the direction down the slope.
 type Slope<const D: usize> = (Simulation<D>, Vector<D>);
 
-fn material(friction: f64) -> Material {
-    Material { young: 1e4, poisson: 0.3, density: 2.0, damping: 0.5, friction }
+fn material(friction: f64) -> SoftMaterial {
+    SoftMaterial { young: 1e4, poisson: 0.3, density: 2.0, damping: 0.5, friction }
 }
 
 fn on_rigid<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
     let turned = |x: f64, y: f64| {
         let mut v = Vector::<D>::zeros();
-        (v[0], v[D - 1]) = (ALPHA.cos() * x + ALPHA.sin() * y, ALPHA.cos() * y - ALPHA.sin() * x);
+        (v[0], v[D - 1]) = (SLOPE_ANGLE.cos() * x + SLOPE_ANGLE.sin() * y, SLOPE_ANGLE.cos() * y - SLOPE_ANGLE.sin() * x);
         v
     };
     let (normal, along) = (turned(0.0, 1.0), turned(1.0, 0.0));
     let point = Vector::repeat(0.4);
     let mut floor = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
     floor.friction = friction;
-    let middle = at::<D>(0.2, 0.0);
-    let middle = middle + normal * (HALF + 0.2 * DX + (point - middle).dot(&normal));
+    let middle = point_at::<D>(0.2, 0.0);
+    let middle = middle + normal * (HALF_SIZE + 0.2 * DX + (point - middle).dot(&normal));
     let place = |x: &Vector<D>| {
-        let mut y = turned(x[0] * HALF, x[D - 1] * HALF);
+        let mut y = turned(x[0] * HALF_SIZE, x[D - 1] * HALF_SIZE);
         if D == 3 {
-            y[1] = x[1] * HALF;
+            y[1] = x[1] * HALF_SIZE;
         }
         middle + y
     };
-    let block = soft(mapped(quadratic([4; D]), place), material(friction), Vec::new())?;
+    let block = soft(mapped(quadratic_cube_mesh([4; D]), place), material(friction), Vec::new())?;
     let gravity = Vector::from_fn(|a, _| if a + 1 == D { -GRAVITY } else { 0.0 });
-    Ok((dry(([CELLS; D], DX), vec![floor, block], gravity, STEP), along))
+    Ok((simulation_without_liquid(([CELLS; D], DX), vec![floor, block], gravity, STEP), along))
 }
 
 fn on_soft<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
@@ -98,47 +98,47 @@ fn on_soft<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
             10
         }
     });
-    let mesh = block(cells, at::<D>(0.5, 0.1 + 0.5 * high), half);
+    let mesh = box_mesh(cells, point_at::<D>(0.5, 0.1 + 0.5 * high), half);
     let held = Anchor::within(&mesh, |x: &Vector<D>| x[D - 1] < 0.1 + 1e-9);
     let slab = soft(mesh, material(friction), vec![held])?;
-    let center = at::<D>(0.2, 0.1 + high + HALF + 0.2 * DX);
-    let body = soft(block([4; D], center, Vector::repeat(HALF)), material(friction), Vec::new())?;
+    let center = point_at::<D>(0.2, 0.1 + high + HALF_SIZE + 0.2 * DX);
+    let body = soft(box_mesh([4; D], center, Vector::repeat(HALF_SIZE)), material(friction), Vec::new())?;
     let mut gravity = Vector::<D>::zeros();
-    (gravity[0], gravity[D - 1]) = (GRAVITY * ALPHA.sin(), -GRAVITY * ALPHA.cos());
+    (gravity[0], gravity[D - 1]) = (GRAVITY * SLOPE_ANGLE.sin(), -GRAVITY * SLOPE_ANGLE.cos());
     let along = Vector::from_fn(|a, _| if a == 0 { 1.0 } else { 0.0 });
-    Ok((dry(([CELLS; D], DX), vec![slab, body], gravity, STEP), along))
+    Ok((simulation_without_liquid(([CELLS; D], DX), vec![slab, body], gravity, STEP), along))
 }
 
-fn slide<const D: usize>(
+fn check_slope<const D: usize>(
     slope: &str,
     (mut simulation, along): Slope<D>,
     friction: f64,
 ) -> Result<Vec<Check>, StepError> {
     let place = |s: &Simulation<D>| s.state.solids[1].center.dot(&along);
-    let scale = simulation.model.solids[1].body.mass * GRAVITY * 2.0 * HALF;
-    let free = GRAVITY * ALPHA.sin();
-    let pull = free - friction * GRAVITY * ALPHA.cos();
-    let [from, to] = if pull > 0.0 { SLIDES } else { STAYS };
-    let mut watch = Watch::new(&simulation.model, scale);
-    let mut seen: Vec<(f64, f64)> = Vec::new();
+    let scale = simulation.model.solids[1].mass_properties.mass * GRAVITY * 2.0 * HALF_SIZE;
+    let free = GRAVITY * SLOPE_ANGLE.sin();
+    let acceleration_expected = free - friction * GRAVITY * SLOPE_ANGLE.cos();
+    let [from, to] = if acceleration_expected > 0.0 { SLIDING_WINDOW } else { RESTING_WINDOW };
+    let mut watch = ContactMonitor::new(&simulation.model, scale);
+    let mut samples: Vec<(f64, f64)> = Vec::new();
     run_to(&mut simulation, to, |s, report| {
-        watch.look(s, &report.ledger, true);
+        watch.observe(s, &report.diagnostics, true);
         if s.state.time >= from {
-            seen.push((s.state.time, place(s)));
+            samples.push((s.state.time, place(s)));
         }
     })?;
     let what = |text: &str| format!("{text}, {slope} slope, μ = {friction}, {D}D");
     let mut checks = Vec::new();
-    if pull > 0.0 {
-        let found = acceleration(&seen) / free;
+    if acceleration_expected > 0.0 {
+        let found = acceleration(&samples) / free;
         let text = what("acceleration / g sin α");
-        checks.push(Check::absolute(NAME, &text, found, pull / free, 0.01, Some(2e-3), ""));
+        checks.push(Check::absolute(NAME, &text, found, acceleration_expected / free, 0.01, Some(2e-3), ""));
     } else {
-        let way = seen.last().zip(seen.first()).map_or(f64::NAN, |(end, start)| end.1 - start.1);
-        let creep = way / (to - from) / (2.0 * HALF);
+        let displacement = samples.last().zip(samples.first()).map_or(f64::NAN, |(end, start)| end.1 - start.1);
+        let creep = displacement / (to - from) / (2.0 * HALF_SIZE);
         checks.push(at_most(NAME, &what("it stays: creep in a second / side"), creep, 1e-3, Some(1e-5), ""));
     }
-    checks.push(at_least(NAME, &what("narrowest gap / cell"), watch.gap / DX, f64::MIN_POSITIVE, 0.02));
+    checks.push(at_least(NAME, &what("narrowest gap / cell"), watch.narrowest_gap / DX, f64::MIN_POSITIVE, 0.02));
     let law = watch.law().largest;
     checks.push(at_most(
         NAME,

@@ -1,7 +1,7 @@
 //! Five soft blocks that stand on each other.
 
-use crate::dry::{GRAVITY, Material, Watch, areas, at, block, down, dry, soft, vertices};
-use crate::measure::{at_least, at_most, settle};
+use crate::dry::{GRAVITY, SoftMaterial, ContactMonitor, vertex_area_vectors, point_at, box_mesh, gravity, simulation_without_liquid, soft, vertices};
+use crate::measure::{at_least, at_most, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -18,37 +18,37 @@ pub const CASE: Case = Case {
         needed for it is none: they stay where they are (a drift of 1e-3 of a width in a second would bring them down in ten \
         minutes). 6 cells a block's height (3D: 3), gap: 0.25 cells of 1/32; quick: 2D.",
     quick: true,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "soft-stack";
 const BLOCKS: usize = 5;
-const HALF: [f64; 2] = [0.125, 0.075];
+const HALF_SIZE: [f64; 2] = [0.125, 0.075];
 const DX: f64 = 1.0 / 32.0;
 const YOUNG: f64 = 1e4;
 const DENSITY: f64 = 2.0;
 const STEP: f64 = 2.5e-3;
 /// When the blocks have come to rest, and for how long they are looked at then.
-const REST: f64 = 1.0;
+const SETTLING_TIME: f64 = 1.0;
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
-    let mut checks = stands::<2>([10, 6], 0.3, mode)?;
-    checks.extend(stands::<2>([10, 6], 0.0, mode)?);
+    let mut checks = check_stack::<2>([10, 6], 0.3, mode)?;
+    checks.extend(check_stack::<2>([10, 6], 0.0, mode)?);
     if mode == Mode::Full {
-        checks.extend(stands::<3>([4; 3], 0.3, mode)?);
+        checks.extend(check_stack::<3>([4; 3], 0.3, mode)?);
     }
     Ok(checks)
 }
 
 fn stack<const D: usize>(n: [usize; D], poisson: f64) -> Result<Simulation<D>, StepError> {
-    let material = Material { young: YOUNG, poisson, density: DENSITY, damping: 0.5, friction: 0.3 };
-    let half = Vector::<D>::from_fn(|a, _| HALF[usize::from(a + 1 == D)]);
+    let material = SoftMaterial { young: YOUNG, poisson, density: DENSITY, damping: 0.5, friction: 0.3 };
+    let half = Vector::<D>::from_fn(|a, _| HALF_SIZE[usize::from(a + 1 == D)]);
     // About as far apart as they come to rest.
     let gap = 0.15 * DX;
-    let place = |k: usize| at::<D>(0.5, gap + HALF[1] + k as f64 * (2.0 * HALF[1] + gap));
+    let place = |k: usize| point_at::<D>(0.5, gap + HALF_SIZE[1] + k as f64 * (2.0 * HALF_SIZE[1] + gap));
     let solids: Result<Vec<_>, _> =
-        (0..BLOCKS).map(|k| soft(block(n, place(k), half), material, Vec::new())).collect();
-    Ok(dry(([32; D], DX), solids?, down(), STEP))
+        (0..BLOCKS).map(|k| soft(box_mesh(n, place(k), half), material, Vec::new())).collect();
+    Ok(simulation_without_liquid(([32; D], DX), solids?, gravity(), STEP))
 }
 
 /// Height of a block: between the means over its upper and over its lower side, whatever shape these have. By the virtual work of
@@ -57,7 +57,7 @@ fn height<const D: usize>(simulation: &Simulation<D>, solid: usize) -> f64 {
     let Some(elastic) = simulation.model.solids[solid].elastic() else { return f64::NAN };
     let now = vertices(simulation, solid);
     let (mut sums, mut sizes) = ([0.0; 2], [0.0; 2]);
-    for (x, area) in now.iter().zip(areas(elastic, &elastic.mesh().positions)) {
+    for (x, area) in now.iter().zip(vertex_area_vectors(elastic, &elastic.rest_mesh().positions)) {
         let (area, side) = (area[D - 1].abs(), usize::from(area[D - 1] > 0.0));
         sums[side] += area * x[D - 1];
         sizes[side] += area;
@@ -65,19 +65,19 @@ fn height<const D: usize>(simulation: &Simulation<D>, solid: usize) -> f64 {
     sums[1] / sizes[1] - sums[0] / sizes[0]
 }
 
-fn stands<const D: usize>(n: [usize; D], poisson: f64, mode: Mode) -> Result<Vec<Check>, StepError> {
+fn check_stack<const D: usize>(n: [usize; D], poisson: f64, mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut simulation = stack::<D>(n, poisson)?;
-    let (rest, time) = if mode == Mode::Quick { (0.5, 0.25) } else { (REST, 1.0) };
-    let weights: Vec<f64> = simulation.model.solids.iter().map(|s| s.body.mass * GRAVITY).collect();
-    let fall = weights.iter().sum::<f64>() * 2.0 * HALF[1];
-    let mut watch = Watch::new(&simulation.model, fall);
-    run_to(&mut simulation, rest, |s, report| watch.look(s, &report.ledger, true))?;
+    let (rest, time) = if mode == Mode::Quick { (0.5, 0.25) } else { (SETTLING_TIME, 1.0) };
+    let weights: Vec<f64> = simulation.model.solids.iter().map(|s| s.mass_properties.mass * GRAVITY).collect();
+    let fall = weights.iter().sum::<f64>() * 2.0 * HALF_SIZE[1];
+    let mut watch = ContactMonitor::new(&simulation.model, fall);
+    run_to(&mut simulation, rest, |s, report| watch.observe(s, &report.diagnostics, true))?;
     let start: Vec<Vector<D>> = simulation.state.solids.iter().map(|s| s.center).collect();
-    let (mut held, mut steps, mut drift) = ([0.0; BLOCKS], 0.0, [0f64; 2]);
+    let (mut contact_load, mut steps, mut drift) = ([0.0; BLOCKS], 0.0, [0f64; 2]);
     let middle = |s: &Simulation<D>| s.state.solids.iter().map(|s| s.center).collect::<Vec<_>>();
     run_to(&mut simulation, rest + time, |s, report| {
-        watch.look(s, &report.ledger, true);
-        held.iter_mut().zip(&s.state.solids).for_each(|(h, now)| *h += now.held[D - 1] / GRAVITY);
+        watch.observe(s, &report.diagnostics, true);
+        contact_load.iter_mut().zip(&s.state.solids).for_each(|(h, now)| *h += now.contact_acceleration[D - 1] / GRAVITY);
         steps += 1.0;
         for (now, then) in middle(s).iter().zip(&start) {
             let off = now - then;
@@ -87,20 +87,20 @@ fn stands<const D: usize>(n: [usize; D], poisson: f64, mode: Mode) -> Result<Vec
     })?;
     let what = |text: &str| format!("{text}, {D}D, ν = {poisson}");
     let mut checks = Vec::new();
-    let bottom = (2.0 * HALF[0]).powi(D as i32 - 1);
+    let bottom = (2.0 * HALF_SIZE[0]).powi(D as i32 - 1);
     for k in 0..BLOCKS {
         let above: f64 = weights[k..].iter().sum();
-        let pushed: f64 = (k..BLOCKS).map(|j| weights[j] * held[j] / steps).sum();
+        let pushed: f64 = (k..BLOCKS).map(|j| weights[j] * contact_load[j] / steps).sum();
         let text = what(&format!("force below block {} over the weight above", k + 1));
         checks.push(Check::relative(NAME, &text, pushed / above, 1.0, 0.01, Some(1e-3), ""));
         if poisson == 0.0 {
             let told = (above - 0.5 * weights[k]) / (bottom * YOUNG);
-            let pressed = 1.0 - height(&simulation, k) / (2.0 * HALF[1]);
+            let pressed = 1.0 - height(&simulation, k) / (2.0 * HALF_SIZE[1]);
             let text = what(&format!("block {} is pressed together", k + 1));
             checks.push(Check::relative(NAME, &text, pressed, told, 0.01, Some(3e-3), ""));
         }
     }
-    let over = 1.0 / (2.0 * HALF[0] * time);
+    let over = 1.0 / (2.0 * HALF_SIZE[0] * time);
     checks.push(at_most(
         NAME,
         &what("creep to the side in a second / width"),
@@ -117,7 +117,7 @@ fn stands<const D: usize>(n: [usize; D], poisson: f64, mode: Mode) -> Result<Vec
         Some(1e-6),
         "",
     ));
-    checks.push(at_least(NAME, &what("narrowest gap / cell"), watch.gap / DX, f64::MIN_POSITIVE, 0.02));
+    checks.push(at_least(NAME, &what("narrowest gap / cell"), watch.narrowest_gap / DX, f64::MIN_POSITIVE, 0.02));
     let law = watch.law().largest;
     checks.push(at_most(
         NAME,

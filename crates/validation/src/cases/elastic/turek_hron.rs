@@ -1,8 +1,8 @@
 //! The flag of Turek and Hron by itself.
 
-use crate::measure::settle;
+use crate::measure::checks_or_failure;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Law, Motion, Order};
+use meniscus_elastic::{Anchor, ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, AnchorMotion, ElementOrder};
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::StepError;
@@ -16,7 +16,7 @@ pub const FLAG: Case = Case {
         J. Hron, Fluid-Structure Interaction, Springer 2006, 371-385; design, validation §6, 15b). 2, 4 and 8 layers of \
         cells; quick: 2.",
     quick: true,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "elastic-flag";
@@ -24,13 +24,13 @@ const GRAVITY: f64 = 2.0;
 const STEP: f64 = 0.005;
 const END: f64 = 10.0;
 const RADIUS: f64 = 0.05;
-const THICK: f64 = 0.02;
+const THICKNESS: f64 = 0.02;
 /// Where the flag ends, m from the cylinder's axis.
 const TIP: f64 = 0.4;
 /// Cells along the flag for each layer of them.
-const ALONG: usize = 17;
+const CELLS_ALONG_PER_LAYER: usize = 17;
 /// Mean and amplitude of the tip's way along and across, mm.
-const TOLD: [(f64, f64); 2] = [(-14.279, 14.280), (-63.541, 65.094)];
+const REFERENCE: [(f64, f64); 2] = [(-14.279, 14.280), (-63.541, 65.094)];
 const FREQUENCY: f64 = 1.0995;
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -38,7 +38,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
     let mut checks = Vec::new();
     for &layers in layers {
-        let path = swing(layers).map_err(failed)?;
+        let path = tip_displacements(layers).map_err(failed)?;
         let mut check = |what: &str, value: f64, told: f64, unit: &'static str| {
             let what = format!("{what}, {layers} layers");
             checks.push(Check::relative(NAME, &what, value, told, 0.04, Some(0.01), unit));
@@ -47,8 +47,8 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
             let ways = || path.iter().map(|u| 1e3 * u[a]);
             let (low, high) =
                 (ways().fold(f64::INFINITY, f64::min), ways().fold(f64::NEG_INFINITY, f64::max));
-            check(&format!("mean way {axis}"), 0.5 * (low + high), TOLD[a].0, "mm");
-            check(&format!("amplitude {axis}"), 0.5 * (high - low), TOLD[a].1, "mm");
+            check(&format!("mean way {axis}"), 0.5 * (low + high), REFERENCE[a].0, "mm");
+            check(&format!("amplitude {axis}"), 0.5 * (high - low), REFERENCE[a].1, "mm");
             if a == 1 {
                 check("frequency", frequency(&path, 0.5e-3 * (low + high)), FREQUENCY, "Hz");
             }
@@ -58,38 +58,38 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 }
 
 /// The way of the tip's middle in the second half of the time, m.
-fn swing(layers: usize) -> Result<Vec<Vector<2>>, ElasticError> {
+fn tip_displacements(layers: usize) -> Result<Vec<Vector<2>>, ElasticError> {
     let (body, tip) = flag(layers)?;
     let weight: Vec<Vector<2>> = body.masses().iter().map(|m| Vector::<2>::new(0.0, -GRAVITY * m)).collect();
-    let mut state = body.at_rest(STEP);
+    let mut state = body.rest_state(STEP);
     // Velocities are half a step ahead: forces act for half a step before the first.
-    for (v, _) in state.velocities.iter_mut().zip(body.held()).filter(|(_, held)| !**held) {
+    for (v, _) in state.velocities.iter_mut().zip(body.anchored()).filter(|(_, held)| !**held) {
         v[1] = -0.5 * STEP * GRAVITY;
     }
     let mut path = Vec::new();
     for _ in 0..(END / STEP).round() as usize {
         body.step(&mut state, STEP, &weight)?;
-        path.push(state.positions[tip] - body.mesh().positions[tip]);
+        path.push(state.positions[tip] - body.rest_mesh().positions[tip]);
     }
     Ok(path.split_off(path.len() / 2))
 }
 
 /// The flag from the cylinder to its tip, and its tip's middle vertex.
 fn flag(layers: usize) -> Result<(Elastic<2>, usize), ElasticError> {
-    let half = Vector::<2>::new(0.5 * THICK * ALONG as f64, 0.5 * THICK);
-    let edge = THICK / layers as f64;
+    let half = Vector::<2>::new(0.5 * THICKNESS * CELLS_ALONG_PER_LAYER as f64, 0.5 * THICKNESS);
+    let edge = THICKNESS / layers as f64;
     let mut mesh =
-        VolumeMesh::of_box(&half, &half, &Matrix::identity(), edge, Order::Quadratic).unwrap_or_default();
+        VolumeMesh::of_box(&half, &half, &Matrix::identity(), edge, ElementOrder::Quadratic).unwrap_or_default();
     let length = 2.0 * half[0];
-    let anchors = vec![Anchor { motion: Motion::Fixed, ..Anchor::within(&mesh, |x| x[0] < 1e-9) }];
+    let anchors = vec![Anchor { motion: AnchorMotion::Fixed, ..Anchor::within(&mesh, |x| x[0] < 1e-9) }];
     for x in &mut mesh.positions {
         let start = (RADIUS * RADIUS - (x[1] - half[1]).powi(2)).sqrt();
         x[0] = start + x[0] / length * (TIP - start);
     }
     let from_tip = |v: &usize| (mesh.positions[*v] - Vector::<2>::new(TIP, half[1])).norm();
     let tip = (0..mesh.positions.len()).min_by(|a, b| from_tip(a).total_cmp(&from_tip(b))).unwrap_or(0);
-    let law = Law::NeoHookean { young: 1.4e6, poisson: 0.4, order: Order::Quadratic };
-    let description = Description { mesh, density: 1000.0, law, damping_ratio: 0.0, anchors };
+    let law = ConstitutiveLaw::NeoHookean { young_modulus: 1.4e6, poisson_ratio: 0.4, order: ElementOrder::Quadratic };
+    let description = ElasticSpecification { mesh, density: 1000.0, law, damping_ratio: 0.0, anchors };
     Ok((Elastic::new(description)?, tip))
 }
 

@@ -1,11 +1,11 @@
 //! Prosperetti's capillary wave.
 
-use crate::measure::{SurfacePoint, settle, surface_points};
+use crate::measure::{SurfacePoint, checks_or_failure, surface_points};
 use crate::setup::{model, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Body, Simulation, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Simulation, StepError, Wall};
 use std::f64::consts::{PI, TAU};
 
 /// The case.
@@ -20,13 +20,13 @@ pub const CASE: Case = Case {
         Full: 32 cells \
         per length; quick: 16, bar 8 %.",
     quick: false,
-    run: |mode| settle("capillary-wave", run(mode)),
+    run: |mode| checks_or_failure("capillary-wave", run(mode)),
 };
 
 /// Depth of the liquid.
 const DEPTH: f64 = 1.507_3;
 /// Amplitude of the wave.
-const HEIGHT: f64 = 0.01;
+const AMPLITUDE: f64 = 0.01;
 /// Frequency of the inviscid wave, √(γk³/ρ).
 const OMEGA: f64 = 157.496_1;
 
@@ -63,21 +63,21 @@ fn wave(cells: usize, viscosity: f64) -> Result<Vec<f64>, StepError> {
     model.numerics.tolerance = 1e-8;
     model.numerics.capillary_step = 0.25;
     let distance = |x: &Vector<2>| wave_distance(x);
-    let mut sim = Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
     let mut found = Vec::new();
     for time in TIMES {
         run_to(&mut sim, time / OMEGA, |_, _| ())?;
-        found.push(amplitude(&sim) / HEIGHT);
+        found.push(amplitude(&sim) / AMPLITUDE);
     }
     Ok(found)
 }
 
 /// Signed distance to y = depth + height cos 2πx: the closest point by Newton's iteration.
 fn wave_distance(x: &Vector<2>) -> f64 {
-    let level = |s: f64| DEPTH + HEIGHT * (TAU * s).cos() - x[1];
+    let level = |s: f64| DEPTH + AMPLITUDE * (TAU * s).cos() - x[1];
     let mut s = x[0];
     for _ in 0..20 {
-        let (slope, bend) = (-HEIGHT * TAU * (TAU * s).sin(), -HEIGHT * TAU * TAU * (TAU * s).cos());
+        let (slope, bend) = (-AMPLITUDE * TAU * (TAU * s).sin(), -AMPLITUDE * TAU * TAU * (TAU * s).cos());
         let (gap, y) = (s - x[0], level(s));
         s -= (gap + y * slope) / (1.0 + slope * slope + y * bend).max(0.2);
     }
@@ -104,9 +104,9 @@ mod tests {
         let model = model(grid, [[Wall::Slip; 2]; 2]);
         let mut sim = Simulation::new(
             model,
-            &[Body { distance: &|x: &Vector<2>| wave_distance(x), velocity: Vector::zeros() }],
+            &[LiquidRegion { signed_distance: &|x: &Vector<2>| wave_distance(x), velocity: Vector::zeros() }],
         );
-        assert!((amplitude(&sim) / HEIGHT - 1.0).abs() < 1e-4, "{}", amplitude(&sim));
+        assert!((amplitude(&sim) / AMPLITUDE - 1.0).abs() < 1e-4, "{}", amplitude(&sim));
         sim.state.phi = CellField::new(grid, 1.0);
         assert_eq!(amplitude(&sim), 0.0);
         assert!((OMEGA - (TENSION * TAU.powi(3)).sqrt()).abs() < 1e-4);

@@ -1,11 +1,11 @@
 //! A tank at rest.
 
-use crate::measure::{at_most, settle};
+use crate::measure::{at_most, checks_or_failure};
 use crate::setup::{TENSION, model};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Body, Simulation, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Simulation, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -15,7 +15,7 @@ pub const CASE: Case = Case {
         at rest: the pressure is ρg(H − y). Largest speed over √(gH) in the last of 200 steps of default length, \
         pressure tolerance 1e-10, with and without surface tension; and the pressure at the bottom.",
     quick: true,
-    run: |mode| settle("hydrostatic", run(mode)),
+    run: |mode| checks_or_failure("hydrostatic", run(mode)),
 };
 
 const GRAVITY: f64 = 10.0;
@@ -39,10 +39,10 @@ fn tank<const D: usize>(cells: usize, tension: f64) -> Result<Vec<Check>, StepEr
     model.numerics.tolerance = 1e-10;
     model.numerics.max_step = 0.01;
     let distance = |x: &Vector<D>| x[D - 1] - height;
-    let mut sim = Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
     let (mut speed, mut steps) = (0.0, 0);
     while steps < 200 {
-        speed = sim.step(f64::INFINITY, &mut |_| ())?.ledger.max_speed;
+        speed = sim.step(f64::INFINITY, &mut |_| ())?.diagnostics.max_speed;
         steps += 1;
     }
     let pressure = sim.state.pressure(sim.model.density, 0);

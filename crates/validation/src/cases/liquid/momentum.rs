@@ -1,12 +1,12 @@
 //! Momentum of an isolated system.
 
-use crate::measure::{at_most, settle, volume_and_centroid};
-use crate::setup::{RADIUS, TENSION, model, offset, run_to};
+use crate::measure::{at_most, checks_or_failure, volume_and_centroid};
+use crate::setup::{RADIUS, TENSION, model, grid_offset, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Body, Ledger, Repairs, Simulation, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Diagnostics, Repairs, Simulation, StepError, Wall};
 use std::f64::consts::{PI, TAU};
 
 /// The case.
@@ -19,15 +19,15 @@ pub const CASE: Case = Case {
         in every step: the sum of that is measured before. The centre of mass moves uniformly; it is found from φ alone, apart from the \
         books, by points in every cell. Full: 12 cells per radius; quick: 8, 2D.",
     quick: true,
-    run: |mode| settle("momentum", run(mode)),
+    run: |mode| checks_or_failure("momentum", run(mode)),
 };
 
 /// Angular velocity of the spinning drop.
-const SPIN: f64 = 5.0;
+const ANGULAR_VELOCITY: f64 = 5.0;
 /// Bars of what is restored: the sizes of all steps together stay below what a force of γL would give in the whole time
 /// (8 cells, 2D: 0.39 and 0.28 were measured).
-const LINEAR: f64 = 1.0;
-const ANGULAR: f64 = 1.0;
+const MAX_MOMENTUM_RESTORED: f64 = 1.0;
+const MAX_ANGULAR_MOMENTUM_RESTORED: f64 = 1.0;
 /// Relative amplitude of its mode.
 const AMPLITUDE: f64 = 0.1;
 
@@ -43,21 +43,21 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 fn isolated<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
     let (mut sim, time) = start::<D>(cells);
     let dx = sim.model.grid.dx;
-    let before = sim.ledger();
+    let before = sim.diagnostics();
     let mass = sim.model.density * before.target_volume;
     let center = |sim: &Simulation<D>| volume_and_centroid(&sim.model, &sim.state.phi).1;
     let first = center(&sim);
-    let (mut linear, mut angular, mut wander): (f64, f64, f64) = (0.0, 0.0, 0.0);
+    let (mut linear, mut angular, mut centroid_deviation): (f64, f64, f64) = (0.0, 0.0, 0.0);
     let mut repairs = Repairs::default();
     let unit = TENSION * RADIUS.powi(D as i32 - 2) * time;
     run_to(&mut sim, time, |sim, report| {
         repairs.add(&report.repairs);
-        let (p, l) = drift(&before, &report.ledger);
+        let (p, l) = momentum_change(&before, &report.diagnostics);
         (linear, angular) = (linear.max(p / unit), angular.max(l / (unit * RADIUS)));
         let expected = first + before.momentum * (sim.state.time / mass);
-        wander = wander.max((center(sim) - expected).norm() / dx);
+        centroid_deviation = centroid_deviation.max((center(sim) - expected).norm() / dx);
     })?;
-    let components = sim.state.drops.len() as f64;
+    let components = sim.state.components.len() as f64;
     let what = |text: &str| format!("{text}, {D}D");
     let case = "momentum";
     Ok(vec![
@@ -67,7 +67,7 @@ fn isolated<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
             case,
             &what("momentum restored / γLt"),
             repairs.momentum_restored / unit,
-            LINEAR,
+            MAX_MOMENTUM_RESTORED,
             Some(1e-4),
             "",
         ),
@@ -75,17 +75,17 @@ fn isolated<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
             case,
             &what("angular momentum restored / γL²t"),
             repairs.spin_restored / (unit * RADIUS),
-            ANGULAR,
+            MAX_ANGULAR_MOMENTUM_RESTORED,
             Some(1e-4),
             "",
         ),
-        at_most(case, &what("centre of mass off its straight path / Δ"), wander, 0.1, Some(0.01), ""),
+        at_most(case, &what("centre of mass off its straight path / Δ"), centroid_deviation, 0.1, Some(0.01), ""),
         Check::absolute(case, &what("drops at the end (merged)"), components, 2.0, 0.0, None, ""),
     ])
 }
 
 /// Largest change of momentum and of angular momentum so far.
-fn drift<const D: usize>(before: &Ledger<D>, now: &Ledger<D>) -> (f64, f64) {
+fn momentum_change<const D: usize>(before: &Diagnostics<D>, now: &Diagnostics<D>) -> (f64, f64) {
     let linear = (now.momentum - before.momentum).norm();
     let turn = |i: usize| (now.angular_momentum[i] - before.angular_momentum[i]).powi(2);
     (linear, (0..3).map(turn).sum::<f64>().sqrt())
@@ -98,7 +98,7 @@ fn start<const D: usize>(cells: usize) -> (Simulation<D>, f64) {
     let count = std::array::from_fn(|a| (size[a] * cells as f64) as usize);
     let mut model = model(Grid::<D>::new(count, dx), [[Wall::Open; 2]; D]);
     model.numerics.tolerance = 1e-8;
-    let place = |x: f64, y: f64| offset::<D>(dx) + Vector::from_fn(|a, _| [x, y, 2.25][a] * RADIUS);
+    let place = |x: f64, y: f64| grid_offset::<D>(dx) + Vector::from_fn(|a, _| [x, y, 2.25][a] * RADIUS);
     let flow = |x: f64, y: f64| Vector::from_fn(|a, _| [x, y, 0.5][a]);
     let ball = |center: Vector<D>| Shape::Ball { center, radius: RADIUS };
     let top = place(4.2, 7.0);
@@ -109,23 +109,23 @@ fn start<const D: usize>(cells: usize) -> (Simulation<D>, f64) {
     ];
     let speeds = [flow(6.0, 0.3), flow(-5.0, 0.0), flow(0.7, -0.4)];
     let distances: Vec<_> = shapes.iter().map(|s| |x: &Vector<D>| s.signed_distance(x)).collect();
-    let bodies: Vec<Body<'_, D>> =
-        distances.iter().zip(speeds).map(|(distance, velocity)| Body { distance, velocity }).collect();
+    let bodies: Vec<LiquidRegion<'_, D>> =
+        distances.iter().zip(speeds).map(|(signed_distance, velocity)| LiquidRegion { signed_distance, velocity }).collect();
     let mut sim = Simulation::new(model, &bodies);
-    spin(&mut sim, &top);
+    add_rotation(&mut sim, &top);
     let Simulation { model, state, .. } = sim;
     (Simulation::resume(model, state), 0.15)
 }
 
 /// Lets the drop around `center` spin about the last axis, in the velocity as well as in its books.
-fn spin<const D: usize>(sim: &mut Simulation<D>, center: &Vector<D>) {
+fn add_rotation<const D: usize>(sim: &mut Simulation<D>, center: &Vector<D>) {
     let grid = sim.model.grid;
     for a in 0..2 {
-        let faces = grid.faces(a);
+        let faces = grid.face_lattice(a);
         for (i, u) in sim.state.velocity.axes[a].iter_mut().enumerate() {
             let d = grid.face_center(a, faces.coordinates(i)) - center;
             if d.norm() < RADIUS * (1.0 + AMPLITUDE) + grid.dx {
-                *u += if a == 0 { -SPIN * d[1] } else { SPIN * d[0] };
+                *u += if a == 0 { -ANGULAR_VELOCITY * d[1] } else { ANGULAR_VELOCITY * d[0] };
             }
         }
     }
@@ -151,10 +151,10 @@ fn spin<const D: usize>(sim: &mut Simulation<D>, center: &Vector<D>) {
         })
         .sum::<f64>()
         / f64::from(steps);
-    for drop in &mut sim.state.drops {
+    for drop in &mut sim.state.components {
         if (drop.centroid - center).norm() < 0.5 * RADIUS {
-            drop.spin[2] += SPIN * inertia;
+            drop.angular_momentum_per_density[2] += ANGULAR_VELOCITY * inertia;
         }
     }
-    sim.state.kinetic_energy += 0.5 * sim.model.density * SPIN * SPIN * inertia;
+    sim.state.kinetic_energy += 0.5 * sim.model.density * ANGULAR_VELOCITY * ANGULAR_VELOCITY * inertia;
 }

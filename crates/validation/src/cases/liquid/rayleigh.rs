@@ -1,6 +1,6 @@
 //! Drops that oscillate: frequency, damping, step length, viscosity.
 
-use crate::measure::{at_least, at_most, convergence_order, fit_oscillation, settle};
+use crate::measure::{at_least, at_most, convergence_order, fit_oscillation, checks_or_failure};
 use crate::setup::{DropHistory, DropRun, RADIUS, rayleigh_frequency, run_drop};
 use crate::{Case, Check, Mode};
 use meniscus_sim::StepError;
@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 /// Relative amplitude of the perturbation; where convergence is measured, as theory is that of small ones.
 const AMPLITUDE: f64 = 0.02;
-const SMALL: f64 = 0.005;
+const SMALL_AMPLITUDE: f64 = 0.005;
 
 const THEORY: &str = "A drop r = R(1 + ε cos nθ) (2D) or R(1 + ε P_n) (3D), R = 0.5, ε = 0.02, γ = 100, ρ = 1, ν = 0, \
     released at rest, oscillates with ω² = n(n² − 1)γ/ρR³ or n(n − 1)(n + 2)γ/ρR³ (Rayleigh 1879) and loses nothing. \
@@ -19,21 +19,21 @@ const THEORY: &str = "A drop r = R(1 + ε cos nθ) (2D) or R(1 + ε P_n) (3D), R
     order from 6, 8 and 12 cells.";
 
 /// In 2D.
-pub const PLANE: Case = Case {
+pub const CASE_2D: Case = Case {
     name: "rayleigh-2d",
     title: "Oscillating drop, 2D",
     theory: THEORY,
     quick: true,
-    run: |mode| settle("rayleigh-2d", modes::<2>("rayleigh-2d", mode)),
+    run: |mode| checks_or_failure("rayleigh-2d", modes::<2>("rayleigh-2d", mode)),
 };
 
 /// In 3D.
-pub const SPACE: Case = Case {
+pub const CASE_3D: Case = Case {
     name: "rayleigh-3d",
     title: "Oscillating drop, 3D",
     theory: THEORY,
     quick: true,
-    run: |mode| settle("rayleigh-3d", modes::<3>("rayleigh-3d", mode)),
+    run: |mode| checks_or_failure("rayleigh-3d", modes::<3>("rayleigh-3d", mode)),
 };
 
 /// Long steps.
@@ -44,7 +44,7 @@ pub const STEPS: Case = Case {
         capillary limit, and no blow-up up to 40 times. Full: 16 cells per radius in 2D, 12 in 3D; quick: 8 cells per \
         radius, 2D, bars twice as wide.",
     quick: true,
-    run: |mode| settle("step-length", steps(mode)),
+    run: |mode| checks_or_failure("step-length", steps(mode)),
 };
 
 /// Viscous decay.
@@ -57,11 +57,11 @@ pub const LAMB: Case = Case {
         half the explicit limit; quick: 2D at 8 cells per radius, where \
         numerical damping shows, bar 50 %.",
     quick: false,
-    run: |mode| settle("lamb-decay", lamb(mode)),
+    run: |mode| checks_or_failure("lamb-decay", lamb(mode)),
 };
 
 /// Frequency and loss per period of a run.
-struct Tone {
+struct OscillationResult {
     frequency: f64,
     loss: f64,
     decay: f64,
@@ -69,14 +69,14 @@ struct Tone {
     history: DropHistory,
 }
 
-fn tone<const D: usize>(
+fn measure_oscillation<const D: usize>(
     cells: usize,
     n: u32,
     amplitude: f64,
     step: f64,
     periods: f64,
     nu: f64,
-) -> Result<Tone, StepError> {
+) -> Result<OscillationResult, StepError> {
     let omega = rayleigh_frequency::<D>(n);
     let time = periods * TAU / omega;
     let run = DropRun { cells, mode: n, amplitude, viscosity: nu, step, time };
@@ -84,7 +84,7 @@ fn tone<const D: usize>(
     let growth = history.amplitudes.iter().fold(0.0f64, |m, a| m.max(a.abs())) / amplitude;
     let fit = fit_oscillation(&history.times, &history.amplitudes, omega);
     let (frequency, decay) = fit.map_or((f64::NAN, f64::NAN), |f| (f.omega, f.decay));
-    Ok(Tone { frequency, decay, loss: 1.0 - (-decay * TAU / omega).exp(), growth, history })
+    Ok(OscillationResult { frequency, decay, loss: 1.0 - (-decay * TAU / omega).exp(), growth, history })
 }
 
 fn modes<const D: usize>(name: &str, mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -98,7 +98,7 @@ fn modes<const D: usize>(name: &str, mode: Mode) -> Result<Vec<Check>, StepError
         }
         let cells = if quick { coarse } else { 16 };
         let omega = rayleigh_frequency::<D>(n);
-        let tone = tone::<D>(cells, n, AMPLITUDE, step, periods, 0.0)?;
+        let tone = measure_oscillation::<D>(cells, n, AMPLITUDE, step, periods, 0.0)?;
         let frequency = format!("frequency, n = {n}");
         checks.push(Check::relative(name, &frequency, tone.frequency, omega, bars.0, Some(0.005), "rad/s"));
         let loss = format!("loss of amplitude per period, n = {n}");
@@ -125,7 +125,7 @@ fn order<const D: usize>(name: &str, quick: bool) -> Result<Check, StepError> {
     let mut errors = Vec::new();
     for cells in grids {
         let (step, periods) = if D == 2 { (0.5, 2.0) } else { (2.0, 1.25) };
-        let tone = tone::<D>(cells, 2, SMALL, step, periods, 0.0)?;
+        let tone = measure_oscillation::<D>(cells, 2, SMALL_AMPLITUDE, step, periods, 0.0)?;
         errors.push((RADIUS / cells as f64, tone.frequency / omega - 1.0));
     }
     let list: Vec<String> = errors.iter().map(|(_, e)| format!("{:+.2} %", 100.0 * e)).collect();
@@ -148,7 +148,7 @@ fn steps_in<const D: usize>(name: &str, cells: usize, wider: f64) -> Result<Vec<
     let mut checks = Vec::new();
     for (step, must, aim) in [(0.5, 0.02, 0.01), (5.0, 0.03, 0.01), (20.0, 0.05, 0.02), (40.0, 0.0, 0.0)] {
         let periods = if D == 2 { 3.0 } else { 1.0 + 0.25 * f64::min(step, 4.0) };
-        let tone = tone::<D>(cells, 2, AMPLITUDE, step, periods, 0.0)?;
+        let tone = measure_oscillation::<D>(cells, 2, AMPLITUDE, step, periods, 0.0)?;
         if must > 0.0 {
             let quantity = format!("frequency, {D}D, steps {step} × the limit");
             let frequency = tone.frequency;
@@ -164,7 +164,7 @@ fn lamb(mode: Mode) -> Result<Vec<Check>, StepError> {
     let (name, nu) = ("lamb-decay", 0.01);
     let unit = nu / (RADIUS * RADIUS);
     if mode == Mode::Quick {
-        let plane = tone::<2>(8, 2, AMPLITUDE, 1.0, 4.0, nu)?;
+        let plane = measure_oscillation::<2>(8, 2, AMPLITUDE, 1.0, 4.0, nu)?;
         return Ok(vec![Check::relative(
             name,
             "decay rate, 2D",
@@ -175,8 +175,8 @@ fn lamb(mode: Mode) -> Result<Vec<Check>, StepError> {
             "1/s",
         )]);
     }
-    let plane = tone::<2>(16, 2, AMPLITUDE, 0.5, 6.0, nu)?;
-    let space = tone::<3>(16, 2, AMPLITUDE, 0.5, 2.0, nu)?;
+    let plane = measure_oscillation::<2>(16, 2, AMPLITUDE, 0.5, 6.0, nu)?;
+    let space = measure_oscillation::<3>(16, 2, AMPLITUDE, 0.5, 2.0, nu)?;
     Ok(vec![
         Check::relative(name, "decay rate, 2D", plane.decay, 4.0 * unit, 0.1, Some(0.03), "1/s"),
         Check::relative(name, "decay rate, 3D", space.decay, 5.0 * unit, 0.1, Some(0.03), "1/s"),

@@ -1,6 +1,6 @@
 //! A drop at rest: Laplace's pressure and parasitic currents.
 
-use crate::measure::{at_most, settle};
+use crate::measure::{at_most, checks_or_failure};
 use crate::setup::{DropRun, RADIUS, TENSION, run_drop};
 use crate::{Case, Check, Mode};
 use meniscus_sim::StepError;
@@ -12,21 +12,21 @@ const THEORY: &str = "A round drop (R = 0.5, γ = 100, ρ = 1, Laplace number γ
     errors are four times as large and the bars 2 % and 1e-2.";
 
 /// In 2D.
-pub const PLANE: Case = Case {
+pub const CASE_2D: Case = Case {
     name: "static-2d",
     title: "Drop at rest, 2D",
     theory: THEORY,
     quick: true,
-    run: |mode| settle("static-2d", run::<2>("static-2d", mode)),
+    run: |mode| checks_or_failure("static-2d", run::<2>("static-2d", mode)),
 };
 
 /// In 3D.
-pub const SPACE: Case = Case {
+pub const CASE_3D: Case = Case {
     name: "static-3d",
     title: "Drop at rest, 3D",
     theory: THEORY,
     quick: true,
-    run: |mode| settle("static-3d", run::<3>("static-3d", mode)),
+    run: |mode| checks_or_failure("static-3d", run::<3>("static-3d", mode)),
 };
 
 fn run<const D: usize>(name: &str, mode: Mode) -> Result<Vec<Check>, StepError> {

@@ -5,7 +5,7 @@ use crate::setup::model;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, Grid, Sampler};
-use meniscus_sim::{Kinematic, Model, Wall};
+use meniscus_sim::{PrescribedFlow, Model, Wall};
 use std::f64::consts::{PI, TAU};
 
 /// Zalesak's disc.
@@ -34,7 +34,7 @@ pub const VORTEX: Case = Case {
 };
 
 /// What a run gave.
-struct Outcome {
+struct AdvectionResult {
     area: f64,
     error: f64,
 }
@@ -44,7 +44,7 @@ fn zalesak() -> Vec<Check> {
     let about = Vector::<2>::new(50.0, 50.0);
     let flow = |x: &Vector<2>, _: f64| Vector::<2>::new(about[1] - x[1], x[0] - about[0]) * (TAU / 628.0);
     let length = outline_length();
-    let run = |keep| carry(grid, &slotted, &flow, 628, 1.0, keep);
+    let run = |keep| advect(grid, &slotted, &flow, 628, 1.0, keep);
     checks("zalesak", &run, length, 582.207, (0.01, 0.61), (0.0031, 0.07))
 }
 
@@ -59,14 +59,14 @@ fn vortex(mode: Mode) -> Vec<Check> {
         let turn = (PI * t / period).cos();
         Vector::<2>::new(-sx * sx * (TAU * x[1]).sin(), sy * sy * (TAU * x[0]).sin()) * turn
     };
-    let run = |keep| carry(grid, &disc, &flow, steps, dt, keep);
+    let run = |keep| advect(grid, &disc, &flow, steps, dt, keep);
     checks("vortex", &run, TAU * 0.15, PI * 0.0225, (area, 0.031), (0.0071, 0.0014))
 }
 
 /// Area and L1 error with the volume correction off and on.
 fn checks(
     case: &str,
-    run: &dyn Fn(bool) -> Outcome,
+    run: &dyn Fn(bool) -> AdvectionResult,
     length: f64,
     area: f64,
     must: (f64, f64),
@@ -84,27 +84,27 @@ fn checks(
 }
 
 /// Carries a shape that returns to its place.
-fn carry(
+fn advect(
     grid: Grid<2>,
     distance: &(dyn Fn(&Vector<2>) -> f64 + Sync),
     flow: &dyn Fn(&Vector<2>, f64) -> Vector<2>,
     steps: usize,
     dt: f64,
     keep: bool,
-) -> Outcome {
-    let mut liquid = Kinematic::new(model(grid, [[Wall::Slip; 2]; 2]), distance);
+) -> AdvectionResult {
+    let mut liquid = PrescribedFlow::new(model(grid, [[Wall::Slip; 2]; 2]), distance);
     let start = liquid.state.phi.clone();
     for step in 0..steps {
         let middle = (step as f64 + 0.5) * dt;
         liquid.step(&|x: &Vector<2>| flow(x, middle), dt, keep);
     }
     let (area, _) = volume_and_centroid(&liquid.model, &liquid.state.phi);
-    Outcome { area, error: difference(&liquid.model, &start, &liquid.state.phi) }
+    AdvectionResult { area, error: symmetric_difference_area(&liquid.model, &start, &liquid.state.phi) }
 }
 
 /// Area where two fields differ in sign: ten by ten points in every cell near either surface.
-fn difference(model: &Model<2>, a: &CellField<2>, b: &CellField<2>) -> f64 {
-    let (grid, edges) = (&model.grid, model.scalar_edges());
+fn symmetric_difference_area(model: &Model<2>, a: &CellField<2>, b: &CellField<2>) -> f64 {
+    let (grid, edges) = (&model.grid, model.scalar_boundary());
     let samplers = [a, b].map(|field| Sampler::cells(grid, &field.data, edges));
     let lattice = grid.lattice();
     let fine = 10;

@@ -1,13 +1,13 @@
 //! Drops that bounce off a wall they do not wet.
 
-use crate::cases::wetting::sessile::liquid;
-use crate::measure::{settle, surface_points};
+use crate::cases::wetting::sessile::sessile_model;
+use crate::measure::{checks_or_failure, surface_points};
 use crate::setup::run_to;
 use crate::{Case, Check};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Body, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{LiquidRegion, Motion, Simulation, Solid, StepError};
 
 /// Drops of water that bounce.
 pub const CASE: Case = Case {
@@ -19,22 +19,22 @@ pub const CASE: Case = Case {
         'Maximal deformation of an impacting drop', 2004); We of water of 1 mm at 20, 50 and 100 cm/s (design, validation \
         §5, 12a and 12b).",
     quick: false,
-    run: |_| settle("bounce", bounces()),
+    run: |_| checks_or_failure("bounce", bounces()),
 };
 
 /// √(ρR³/γ) that a drop touches the wall.
-const CONTACT: f64 = 2.6;
+const CONTACT_TIME: f64 = 2.6;
 
 fn bounces() -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
     for (weber, spreads) in [(1.099, false), (6.868, true), (27.47, true)] {
         let bounce = bounce(16, weber)?;
         let what = |text: &str| format!("{text}, We = {weber}");
-        let touched = bounce.touched;
-        checks.push(Check::relative("bounce", &what("contact time"), touched, CONTACT, 0.15, Some(0.08), ""));
+        let touched = bounce.contact_time;
+        checks.push(Check::relative("bounce", &what("contact time"), touched, CONTACT_TIME, 0.15, Some(0.08), ""));
         if spreads {
             let width = weber.sqrt().sqrt();
-            checks.push(Check::relative("bounce", &what("D/D0"), bounce.widest, width, 0.15, Some(0.08), ""));
+            checks.push(Check::relative("bounce", &what("D/D0"), bounce.max_spread, width, 0.15, Some(0.08), ""));
         }
     }
     Ok(checks)
@@ -43,9 +43,9 @@ fn bounces() -> Result<Vec<Check>, StepError> {
 /// What came of a bounce.
 struct Bounce {
     /// For how long the drop touched the wall.
-    touched: f64,
+    contact_time: f64,
     /// Largest diameter, over the drop's.
-    widest: f64,
+    max_spread: f64,
 }
 
 fn bounce(cells: usize, weber: f64) -> Result<Bounce, StepError> {
@@ -53,27 +53,27 @@ fn bounce(cells: usize, weber: f64) -> Result<Bounce, StepError> {
     let half = (1.3 * weber.sqrt().sqrt()).max(1.7);
     let size = |length: f64| (length * cells as f64).ceil() as usize;
     let grid = Grid::<3>::new([size(2.0 * half), size(2.0 * half), size(4.5)], dx);
-    let mut point = grid.upper() * 0.5 + Vector::<3>::new(0.141 * dx, 0.273 * dx, 0.0);
+    let mut point = grid.domain_upper() * 0.5 + Vector::<3>::new(0.141 * dx, 0.273 * dx, 0.0);
     point[2] = 0.3 + 0.3 * dx;
     let mut wall = Solid::new(Shape::HalfSpace { point, normal: Vector::<3>::z() }, Motion::Fixed, 1.0);
-    wall.cosine = -1.0;
-    let mut model = liquid(grid, wall);
+    wall.young_cosine = -1.0;
+    let mut model = sessile_model(grid, wall);
     model.kinematic_viscosity = 0.0037;
     let center = point + Vector::<3>::z() * 1.2;
     let ball = |x: &Vector<3>| (x - center).norm() - 1.0;
     let velocity = Vector::<3>::z() * -(0.5 * weber).sqrt();
-    let mut sim = Simulation::new(model, &[Body { distance: &ball, velocity }]);
+    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &ball, velocity }]);
     let mut span = None;
-    let mut widest = 0.0f64;
-    let end = 0.2 / velocity.norm() + 1.6 * CONTACT;
+    let mut max_spread = 0.0f64;
+    let end = 0.2 / velocity.norm() + 1.6 * CONTACT_TIME;
     run_to(&mut sim, end, |sim, _| {
-        if sim.wetted(0) > 0.0 {
+        if sim.wetted_fraction(0) > 0.0 {
             let (first, _) = span.unwrap_or((sim.state.time, 0.0));
             span = Some((first, sim.state.time));
         }
         let reach = |p: &Vector<3>| (p - center).xy().norm();
         let points = surface_points(&sim.model, &sim.state.phi);
-        widest = points.iter().map(|p| reach(&p.at)).fold(widest, f64::max);
+        max_spread = points.iter().map(|p| reach(&p.at)).fold(max_spread, f64::max);
     })?;
-    Ok(Bounce { touched: span.map_or(0.0, |(first, last)| last - first), widest })
+    Ok(Bounce { contact_time: span.map_or(0.0, |(first, last)| last - first), max_spread })
 }

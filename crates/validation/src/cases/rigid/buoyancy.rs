@@ -1,13 +1,13 @@
 //! Bodies in liquid without surface tension: Archimedes, and the liquid that moves with them.
 
 use super::floating::{TIME, level_at_sides, tank};
-use crate::measure::settle;
-use crate::setup::{offset, run_to};
+use crate::measure::checks_or_failure;
+use crate::setup::{grid_offset, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Body, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Light bodies that float.
@@ -18,11 +18,11 @@ pub const BUOYANCY: Case = Case {
         comes to rest where the share D of it is under water (Archimedes): height of its centre over the level at the sides, \
         6 R off. 12 cells per radius, time 40 √(R/g). Quick: D = 0.5, 8 cells, time 20.",
     quick: true,
-    run: |mode| settle("buoyancy", buoyancy(mode)),
+    run: |mode| checks_or_failure("buoyancy", buoyancy(mode)),
 };
 
 /// Bodies that start to rise or fall in full shells.
-pub const ADDED: Case = Case {
+pub const ADDED_MASS: Case = Case {
     name: "added-mass",
     title: "Added mass in a shell full of liquid",
     theory: "A cylinder or ball of radius Ri in the middle of a fixed shell of radius Ro full of inviscid liquid is let go \
@@ -30,17 +30,17 @@ pub const ADDED: Case = Case {
         displaces, for balls (Ro³ + 2 Ri³)/(2 (Ro³ − Ri³)). The added mass by how far it gets in 10 steps, 0.02 Ri in \
         all. 12 cells per Ri. Quick: 2D, Ro/Ri = 2.",
     quick: true,
-    run: |mode| settle("added-mass", added(mode)),
+    run: |mode| checks_or_failure("added-mass", added_mass(mode)),
 };
 
 fn buoyancy(mode: Mode) -> Result<Vec<Check>, StepError> {
     if mode == Mode::Quick {
-        return Ok(vec![afloat(0.5, 8, 0.5 * TIME)?]);
+        return Ok(vec![check_floating_height(0.5, 8, 0.5 * TIME)?]);
     }
-    [0.25, 0.5, 0.75].into_iter().map(|density| afloat(density, 12, TIME)).collect()
+    [0.25, 0.5, 0.75].into_iter().map(|density| check_floating_height(density, 12, TIME)).collect()
 }
 
-fn afloat(density: f64, cells: usize, time: f64) -> Result<Check, StepError> {
+fn check_floating_height(density: f64, cells: usize, time: f64) -> Result<Check, StepError> {
     // Half the angle that the level cuts out of the circle, from below.
     let (mut low, mut high) = (0.0, PI);
     while high - low > 1e-12 {
@@ -56,26 +56,26 @@ fn afloat(density: f64, cells: usize, time: f64) -> Result<Check, StepError> {
     Ok(Check::absolute("buoyancy", &text, found, expected, 0.02, Some(0.01), ""))
 }
 
-fn added(mode: Mode) -> Result<Vec<Check>, StepError> {
+fn added_mass(mode: Mode) -> Result<Vec<Check>, StepError> {
     if mode == Mode::Quick {
-        return Ok(vec![in_shell::<2>(2.0, 0.1)?]);
+        return Ok(vec![added_mass_in_shell::<2>(2.0, 0.1)?]);
     }
     let mut checks = Vec::new();
     for (ratio, density) in [(2.0, 0.01), (2.0, 0.1), (2.0, 3.0), (3.0, 0.1), (4.0, 0.1)] {
-        checks.push(in_shell::<2>(ratio, density)?);
+        checks.push(added_mass_in_shell::<2>(ratio, density)?);
     }
     for (ratio, density) in [(2.0, 0.01), (2.0, 0.1), (3.0, 0.1)] {
-        checks.push(in_shell::<3>(ratio, density)?);
+        checks.push(added_mass_in_shell::<3>(ratio, density)?);
     }
     Ok(checks)
 }
 
-fn in_shell<const D: usize>(ratio: f64, density: f64) -> Result<Check, StepError> {
+fn added_mass_in_shell<const D: usize>(ratio: f64, density: f64) -> Result<Check, StepError> {
     const STEPS: u32 = 10;
     let (cells, way) = (12.0, 0.02);
     let dx = 1.0 / cells;
     let grid = Grid::<D>::new([((2.0 * ratio + 0.5) * cells) as usize; D], dx);
-    let center = grid.upper() * 0.5 + offset(dx);
+    let center = grid.domain_upper() * 0.5 + grid_offset(dx);
     let all = Shape::Box { center, half_size: Vector::repeat(2.0 * ratio), rotation: Matrix::identity() };
     let hole = Shape::Ball { center, radius: ratio };
     let shell = Shape::Difference { of: Box::new(all), minus: Box::new(hole) };
@@ -93,7 +93,7 @@ fn in_shell<const D: usize>(ratio: f64, density: f64) -> Result<Check, StepError
     let (d, outer) = (D as f64 - 1.0, ratio.powi(D as i32));
     let expected = (outer + d) / (d * (outer - 1.0));
     let full = |x: &Vector<D>| x[D - 1] - 100.0 * ratio;
-    let mut sim = Simulation::new(model, &[Body { distance: &full, velocity: Vector::zeros() }]);
+    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &full, velocity: Vector::zeros() }]);
     let start = sim.state.solids[0].center[D - 1];
     let time = (2.0 * way * (density + expected) / (1.0 - density).abs()).sqrt();
     for _ in 0..STEPS {

@@ -1,16 +1,16 @@
 //! Heavy bodies that the surface carries, and the force on a held one.
 
-use crate::measure::{at_most, settle, surface_points};
+use crate::measure::{at_most, checks_or_failure, surface_points};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Body, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Bodies that float and sink.
-pub const FREE: Case = Case {
+pub const FREE_BODY: Case = Case {
     name: "floating",
     title: "Heavy bodies on the surface",
     theory: "A cylinder (2D; R = ρ = g = 1, γ = 1/Bo, ν = 1) twice as dense as the liquid floats: height of its centre over \
@@ -21,11 +21,11 @@ pub const FREE: Case = Case {
         cells per radius; the sphere (3D) 8, in a tank of 4 capillary lengths, the level by the pressure at its bottom. \
         Quick: 8, time 20.",
     quick: true,
-    run: |mode| settle(FLOATING, free(mode)),
+    run: |mode| checks_or_failure(FLOATING, free_body(mode)),
 };
 
 /// Held bodies.
-pub const HELD: Case = Case {
+pub const FIXED_BODY: Case = Case {
     name: "floating-force",
     title: "Force on a held cylinder in the surface",
     theory: "A cylinder (R = 0.5, γ = 150, ρ = 1, g = 981, ν = 11) held at z/R = −0.5, 0, 0.5 in a level that starts flat: \
@@ -33,18 +33,18 @@ pub const HELD: Case = Case {
         over the level at the tank's sides, 6 capillary lengths off; and over the weight of the \
         liquid that body and meniscus displace under the level that the pressure at the bottom tells. 12 cells per radius. Quick: 8, z = 0, 90 and 150 degrees.",
     quick: false,
-    run: |mode| settle(FORCE, held(mode)),
+    run: |mode| checks_or_failure(FORCE, fixed_body(mode)),
 };
 
 const FLOATING: &str = "floating";
 const FORCE: &str = "floating-force";
 /// How far above equilibrium bodies are released, R.
-const LIFT: f64 = 0.1;
+const RELEASE_HEIGHT: f64 = 0.1;
 /// How long they are left alone, √(R/g).
 pub(super) const TIME: f64 = 40.0;
 /// Depth of the tank, and room above the level, R.
 const DEPTH: f64 = 6.2;
-const ROOM: f64 = 1.5;
+const HEADSPACE: f64 = 1.5;
 
 /// A cylinder of radius one in the surface of a liquid, all angles in rad.
 #[derive(Clone, Copy)]
@@ -55,7 +55,7 @@ struct Cylinder {
 
 /// Where its contact line lies and what follows from it.
 #[derive(Clone, Copy)]
-struct Line {
+struct EquilibriumLine {
     /// Angle of the line from the bottom.
     polar: f64,
     /// Slope angle of the meniscus there.
@@ -69,38 +69,38 @@ struct Line {
 }
 
 impl Cylinder {
-    fn line(&self, polar: f64) -> Line {
+    fn line_at(&self, polar: f64) -> EquilibriumLine {
         let (slope, root) = (self.angle + polar - PI, self.bond.sqrt());
         let (s, c) = polar.sin_cos();
         let depth = 2.0 / root * (0.5 * slope).sin();
         let force = 2.0 * slope.sin() + self.bond * (polar - s * c) + 4.0 * root * s * (0.5 * slope).sin();
-        Line { polar, slope, depth, center: c - depth, force }
+        EquilibriumLine { polar, slope, depth, center: c - depth, force }
     }
 
     /// All places of the line, from the bottom up.
-    fn lines(&self) -> impl Iterator<Item = Line> {
-        (1..20_000).map(|i| self.line(PI * f64::from(i) / 20_000.0))
+    fn lines(&self) -> impl Iterator<Item = EquilibriumLine> {
+        (1..20_000).map(|i| self.line_at(PI * f64::from(i) / 20_000.0))
     }
 
     /// Where a body floats that is denser than the liquid by a factor: where the force, growing, first is its weight.
-    fn floating(&self, density: f64) -> Option<Line> {
+    fn floating(&self, density: f64) -> Option<EquilibriumLine> {
         let weight = PI * self.bond * density;
         self.lines().find(|l| l.slope.abs() < PI && l.force >= weight)
     }
 
     /// The line of the densest body that floats.
-    fn heaviest(&self) -> Line {
-        self.lines().max_by(|a, b| a.force.total_cmp(&b.force)).unwrap_or_else(|| self.line(0.5 * PI))
+    fn heaviest(&self) -> EquilibriumLine {
+        self.lines().max_by(|a, b| a.force.total_cmp(&b.force)).unwrap_or_else(|| self.line_at(0.5 * PI))
     }
 
     /// The line of one held at a height over the level.
-    fn held(&self, center: f64) -> Line {
-        let miss = |l: &Line| (l.center - center).abs();
-        self.lines().min_by(|a, b| miss(a).total_cmp(&miss(b))).unwrap_or_else(|| self.line(0.5 * PI))
+    fn line_at_height(&self, center: f64) -> EquilibriumLine {
+        let miss = |l: &EquilibriumLine| (l.center - center).abs();
+        self.lines().min_by(|a, b| miss(a).total_cmp(&miss(b))).unwrap_or_else(|| self.line_at(0.5 * PI))
     }
 }
 
-fn free(mode: Mode) -> Result<Vec<Check>, StepError> {
+fn free_body(mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
     let quick = mode == Mode::Quick;
     let (cells, time) = if quick { (8, 0.5 * TIME) } else { (12, TIME) };
@@ -125,7 +125,7 @@ fn free(mode: Mode) -> Result<Vec<Check>, StepError> {
         if quick { &[(1.0, 120.0)] } else { &[(1.0, 90.0), (1.0, 120.0), (0.5, 150.0)] };
     for &(bond, angle) in limits {
         for &share in if quick { &[1.1][..] } else { &[0.9, 1.1] } {
-            checks.push(stays(bond, angle, share, (cells, time))?);
+            checks.push(floats_or_sinks(bond, angle, share, (cells, time))?);
         }
     }
     if !quick {
@@ -144,13 +144,13 @@ pub(crate) fn tank<const D: usize>(
 ) -> Simulation<D> {
     let dx = 1.0 / cells as f64;
     let side = 2 * (width * cells as f64).ceil() as usize;
-    let high = ((DEPTH + ROOM) * cells as f64) as usize;
+    let high = ((DEPTH + HEADSPACE) * cells as f64) as usize;
     let grid = Grid::<D>::new(std::array::from_fn(|a| if a + 1 == D { high } else { side }), dx);
-    let level = level();
-    let mut middle = grid.upper() * 0.5;
+    let level = initial_level();
+    let mut middle = grid.domain_upper() * 0.5;
     middle[D - 1] = level + center;
     let mut body = Solid::new(Shape::Ball { center: middle, radius: 1.0 }, Motion::Free, density);
-    body.cosine = angle.to_radians().cos();
+    body.young_cosine = angle.to_radians().cos();
     let mut walls = [[Wall::Slip; 2]; D];
     walls[D - 1][1] = Wall::Open;
     let model = Model {
@@ -171,17 +171,17 @@ pub(crate) fn tank<const D: usize>(
         let slope = (surface(r + 0.5 * dx) - surface((r - 0.5 * dx).abs())) / dx;
         (x[D - 1] - level - surface(r)) / (1.0 + slope * slope).sqrt()
     };
-    Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }])
+    Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
 }
 
 /// Height of the level where the liquid starts.
-fn level() -> f64 {
+fn initial_level() -> f64 {
     DEPTH + 0.0123
 }
 
 /// Height of the surface at the tank's sides.
 pub(crate) fn level_at_sides<const D: usize>(sim: &Simulation<D>) -> f64 {
-    let (dx, wide) = (sim.model.grid.dx, sim.model.grid.upper()[0]);
+    let (dx, wide) = (sim.model.grid.dx, sim.model.grid.domain_upper()[0]);
     let (mut sum, mut weight) = (0.0, 0.0);
     for p in surface_points(&sim.model, &sim.state.phi) {
         if p.at[0] < 4.0 * dx || p.at[0] > wide - 4.0 * dx {
@@ -193,9 +193,9 @@ pub(crate) fn level_at_sides<const D: usize>(sim: &Simulation<D>) -> f64 {
 
 /// Height of the undisturbed level: at the sides the meniscus is `depth / cosh((L − edge)/lc)` below it, if the contact
 /// line lies at `edge`, so deep.
-fn undisturbed(sim: &Simulation<2>, edge: f64, depth: f64) -> f64 {
+fn undisturbed_level(sim: &Simulation<2>, edge: f64, depth: f64) -> f64 {
     let length = (sim.model.surface_tension / (sim.model.density * sim.model.gravity.norm())).sqrt();
-    let wide = 0.5 * sim.model.grid.upper()[0];
+    let wide = 0.5 * sim.model.grid.domain_upper()[0];
     level_at_sides(sim) + depth / ((wide - edge) / length).cosh()
 }
 
@@ -210,8 +210,8 @@ fn floats_at(bond: f64, angle: f64, cells: usize, time: f64) -> Result<Vec<Check
     let Some(line) = cylinder.floating(2.0) else { return Ok(Vec::new()) };
     let (edge, length) = (line.polar.sin(), 1.0 / bond.sqrt());
     let surface = |r: f64| -line.depth * (-(r - edge).max(0.0) / length).exp();
-    let mut sim = tank::<2>((bond, angle, 2.0), (cells, 6.0 * length), line.center + LIFT, &surface);
-    let height = |sim: &Simulation<2>| sim.state.solids[0].center[1] - undisturbed(sim, edge, line.depth);
+    let mut sim = tank::<2>((bond, angle, 2.0), (cells, 6.0 * length), line.center + RELEASE_HEIGHT, &surface);
+    let height = |sim: &Simulation<2>| sim.state.solids[0].center[1] - undisturbed_level(sim, edge, line.depth);
     run_to(&mut sim, 0.75 * time, |_, _| ())?;
     let before = height(&sim);
     run_to(&mut sim, time, |_, _| ())?;
@@ -231,7 +231,7 @@ fn floats_at(bond: f64, angle: f64, cells: usize, time: f64) -> Result<Vec<Check
 }
 
 /// One that is `share` times as dense as the densest that floats, released where it, or that one, rests.
-fn stays(bond: f64, angle: f64, share: f64, (cells, time): (usize, f64)) -> Result<Check, StepError> {
+fn floats_or_sinks(bond: f64, angle: f64, share: f64, (cells, time): (usize, f64)) -> Result<Check, StepError> {
     let cylinder = Cylinder { bond, angle: angle.to_radians() };
     let heaviest = cylinder.heaviest();
     let density = share * heaviest.force / (PI * bond);
@@ -240,7 +240,7 @@ fn stays(bond: f64, angle: f64, share: f64, (cells, time): (usize, f64)) -> Resu
     let surface = |r: f64| -line.depth * (-(r - edge).max(0.0) / length).exp();
     let mut sim = tank::<2>((bond, angle, density), (cells, 6.0 * length), line.center, &surface);
     run_to(&mut sim, time, |_, _| ())?;
-    let floats = if sim.wetted(0) < 0.999 { 1.0 } else { 0.0 };
+    let floats = if sim.wetted_fraction(0) < 0.999 { 1.0 } else { 0.0 };
     let text = format!("floats, D = {share} D_max, 2D, Bo = {bond}, θ = {angle}°, {cells} cells/R");
     Ok(Check::absolute(FLOATING, &text, floats, if share < 1.0 { 1.0 } else { 0.0 }, 0.0, None, ""))
 }
@@ -253,14 +253,14 @@ fn sphere_floats_at(cells: usize) -> Result<Vec<Check>, StepError> {
         let out = r.max(edge);
         -depth * (edge - out).exp() * (edge / out).sqrt()
     };
-    let mut sim = tank::<3>((1.0, 120.0, 2.0), (cells, 4.0), center + LIFT, &surface);
+    let mut sim = tank::<3>((1.0, 120.0, 2.0), (cells, 4.0), center + RELEASE_HEIGHT, &surface);
     run_to(&mut sim, 0.5 * TIME, |_, _| ())?;
     let found = sim.state.solids[0].center[2] - level_by_pressure(&sim);
     let text = format!("centre / R, 3D, Bo = 1, θ = 120°, {cells} cells/R");
     Ok(vec![Check::absolute(FLOATING, &text, found, center, 0.06, Some(0.02), "")])
 }
 
-fn held(mode: Mode) -> Result<Vec<Check>, StepError> {
+fn fixed_body(mode: Mode) -> Result<Vec<Check>, StepError> {
     let (cells, heights): (usize, &[f64]) =
         if mode == Mode::Quick { (8, &[0.0]) } else { (12, &[-0.5, 0.0, 0.5]) };
     let mut checks = Vec::new();
@@ -284,19 +284,19 @@ fn force(angle: f64, height: f64, cells: usize) -> Result<Vec<Check>, StepError>
     run_to(&mut sim, 0.5 * TIME, |sim, report| {
         if sim.state.time > 0.45 * TIME {
             let now = &sim.state.solids[0];
-            mean = (mean.0 + (now.pressed + now.pulled)[1] * report.dt, mean.1 + report.dt);
+            mean = (mean.0 + (now.pressure_force + now.contact_line_force)[1] * report.dt, mean.1 + report.dt);
         }
     })?;
     let scale = fall * radius * radius;
     let found = mean.0 / mean.1 * scale;
     let center = sim.state.solids[0].center[1];
-    let near = cylinder.held(center - level_at_sides(&sim));
-    let above = center - undisturbed(&sim, near.polar.sin(), near.depth);
-    let expected = cylinder.held(above).force * tension;
+    let near = cylinder.line_at_height(center - level_at_sides(&sim));
+    let above = center - undisturbed_level(&sim, near.polar.sin(), near.depth);
+    let expected = cylinder.line_at_height(above).force * tension;
     let what = |text: &str| format!("{text}, θ = {angle}°, z = {height} R, {cells} cells/R");
     // The liquid carries what it would weigh in the room that body and meniscus take under the level.
     let level = level_by_pressure(&sim);
-    let displaced = (sim.model.grid.upper()[0] * level - sim.ledger().volume) * scale;
+    let displaced = (sim.model.grid.domain_upper()[0] * level - sim.diagnostics().volume) * scale;
     Ok(vec![
         Check::relative(FORCE, &what("upward force"), found, expected, 0.02, Some(0.01), "dyn/cm"),
         Check::relative(
@@ -323,7 +323,7 @@ mod tests {
         assert!(cylinder(1.0, 90.0).floating(2.0).is_none());
         let most = cylinder(1.0, 90.0).heaviest().force / PI;
         assert!((most - 1.8491).abs() < 1e-3, "{most}");
-        let pull = cylinder(981.0 * 0.25 / 150.0, 30.0).held(-0.5).force * 150.0;
+        let pull = cylinder(981.0 * 0.25 / 150.0, 30.0).line_at_height(-0.5).force * 150.0;
         assert!((pull - 550.29).abs() < 0.2, "{pull}");
     }
 }

@@ -1,11 +1,11 @@
 //! A closed cup that is moved, tilted and shaken, and what gets through its wall.
 
-use crate::measure::{at_most, settle};
+use crate::measure::{at_most, checks_or_failure};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Body, Model, Motion, Numerics, Path, Repairs, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, PrescribedMotion, Repairs, Simulation, Solid, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -26,26 +26,26 @@ pub const CASE: Case = Case {
 const NAME: &str = "leak";
 const STEPS: u64 = 1000;
 /// Cells in the wall's thickness, and whether the liquid meets it padded, as scenes have it.
-const WALLS: [(f64, bool); 3] = [(2.0, false), (2.0, true), (1.5, true)];
+const WALL_CASES: [(f64, bool); 3] = [(2.0, false), (2.0, true), (1.5, true)];
 /// Farthest place of the keyframes from the start along each axis, and time between them.
 const AMPLITUDE: f64 = 0.45;
-const BEAT: f64 = 0.5;
+const KEYFRAME_INTERVAL: f64 = 0.5;
 /// Bar of the volume that is deleted in all steps, over that of the liquid. It was set after 0.0037 had been measured with the wall
 /// of 2 cells as it is, 0.0002 padded, and nothing with 1.5 cells (2D, 60 degrees). That this volume is what receding lines leave in
 /// the wall, and none of it came through, is told by [`meniscus_sim::Repairs::leaked_volume`] alone.
-const DELETED: f64 = 0.01;
+const MAX_DELETED_VOLUME: f64 = 0.01;
 
 fn run(mode: Mode) -> Vec<Check> {
     if mode == Mode::Quick {
-        return WALLS.into_iter().flat_map(|wall| settle(NAME, shaken::<2>(wall, 60.0))).collect();
+        return WALL_CASES.into_iter().flat_map(|wall| checks_or_failure(NAME, check_shaken_cup::<2>(wall, 60.0))).collect();
     }
-    let all = WALLS.into_iter().flat_map(|wall| [60.0, 120.0].map(|angle| (wall, angle)));
-    let both = |(wall, angle)| [shaken::<2>(wall, angle), shaken::<3>(wall, angle)];
-    all.flat_map(both).flat_map(|checks| settle(NAME, checks)).collect()
+    let all = WALL_CASES.into_iter().flat_map(|wall| [60.0, 120.0].map(|angle| (wall, angle)));
+    let both = |(wall, angle)| [check_shaken_cup::<2>(wall, angle), check_shaken_cup::<3>(wall, angle)];
+    all.flat_map(both).flat_map(|checks| checks_or_failure(NAME, checks)).collect()
 }
 
 /// Where the cup goes: to and fro along each axis, in another order along each.
-fn path<const D: usize>() -> Path<D> {
+fn cup_path<const D: usize>() -> PrescribedMotion<D> {
     let place = |k: u32| {
         Vector::from_fn(|a, _| {
             // The golden ratio's multiples never repeat; even ones go to one side, odd ones to the other.
@@ -54,9 +54,9 @@ fn path<const D: usize>() -> Path<D> {
             if k == 0 { 0.0 } else { AMPLITUDE * side * (1.0 + 2.0 * share) / 3.0 }
         })
     };
-    let spin = if D == 2 { [0.0, 0.0, 0.3] } else { [0.2, 0.21, 0.08] };
-    let keyframes = (0..400).map(|k| (BEAT * f64::from(k), place(k))).collect();
-    Path { velocity: Vector::zeros(), spin, keyframes }
+    let angular_velocity = if D == 2 { [0.0, 0.0, 0.3] } else { [0.2, 0.21, 0.08] };
+    let keyframes = (0..400).map(|k| (KEYFRAME_INTERVAL * f64::from(k), place(k))).collect();
+    PrescribedMotion { velocity: Vector::zeros(), angular_velocity, keyframes }
 }
 
 /// The cup with a wall of so many cells, padded or not, and its liquid, which meets it at an angle (degrees).
@@ -67,16 +67,16 @@ fn start<const D: usize>((wall, padded): (f64, bool), angle: f64) -> Simulation<
     // Room for the diagonal, the way, and three cells.
     let half = (1.0 + wall * dx) * (D as f64).sqrt() + AMPLITUDE + 3.0 * dx;
     let grid = Grid::<D>::new([2 * (half * cells).ceil() as usize; D], dx);
-    let center = grid.upper() * 0.5 + crate::setup::offset(dx);
+    let center = grid.domain_upper() * 0.5 + crate::setup::grid_offset(dx);
     let shape = |half_size: f64| Shape::Box {
         center,
         half_size: Vector::repeat(half_size),
         rotation: Matrix::identity(),
     };
     let hollow = Shape::Difference { of: Box::new(shape(1.0 + wall * dx)), minus: Box::new(shape(1.0)) };
-    let cup = Solid::new(hollow, Motion::Given(path()), 1.0);
+    let cup = Solid::new(hollow, Motion::Prescribed(cup_path()), 1.0);
     let mut cup = if padded { cup.padded(wall * dx, dx) } else { cup };
-    cup.cosine = angle.to_radians().cos();
+    cup.young_cosine = angle.to_radians().cos();
     let model = Model {
         grid,
         walls: [[Wall::Slip; 2]; D],
@@ -90,41 +90,41 @@ fn start<const D: usize>((wall, padded): (f64, bool), angle: f64) -> Simulation<
     // What lies within the wall is cut off.
     let inside = shape(1.0 + 0.5 * wall * dx);
     let distance = |x: &Vector<D>| (x[D - 1] - center[D - 1]).max(inside.signed_distance(x));
-    Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }])
+    Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
 }
 
-fn shaken<const D: usize>(wall: (f64, bool), angle: f64) -> Result<Vec<Check>, StepError> {
+fn check_shaken_cup<const D: usize>(wall: (f64, bool), angle: f64) -> Result<Vec<Check>, StepError> {
     let mut sim = start::<D>(wall, angle);
     let (wall, padded) = (wall.0, if wall.1 { ", padded" } else { "" });
-    let full = sim.ledger().volume;
+    let full = sim.diagnostics().volume;
     let (mut outside, mut change): (f64, f64) = (0.0, 0.0);
     let mut repairs = Repairs::default();
     while sim.state.step < STEPS {
         repairs.add(&sim.step(f64::INFINITY, &mut |_| ())?.repairs);
-        let kept: f64 = sim.state.drops.iter().map(|d| d.target_volume).sum();
+        let kept: f64 = sim.state.components.iter().map(|d| d.target_volume).sum();
         change = change.max(((kept + sim.state.lost_volume) / full - 1.0).abs());
-        outside = outside.max(beyond(&sim, wall) / full);
+        outside = outside.max(volume_beyond_wall(&sim, wall) / full);
     }
     let lost = sim.state.lost_volume / full;
     let what = |text: &str| format!("{text}, {D}D, {wall} cells{padded}, θ = {angle}°");
     Ok(vec![
-        at_most(NAME, &what("volume outside in the end"), beyond(&sim, wall) / full, 1e-6, Some(0.0), ""),
+        at_most(NAME, &what("volume outside in the end"), volume_beyond_wall(&sim, wall) / full, 1e-6, Some(0.0), ""),
         at_most(NAME, &what("volume outside in any step"), outside, 1e-6, Some(0.0), ""),
         at_most(NAME, &what("volume that came through"), repairs.leaked_volume / full, 1e-6, Some(0.0), ""),
-        at_most(NAME, &what("volume deleted"), repairs.deleted_volume / full, DELETED, Some(0.0), ""),
+        at_most(NAME, &what("volume deleted"), repairs.deleted_volume / full, MAX_DELETED_VOLUME, Some(0.0), ""),
         at_most(NAME, &what("change of the volume"), change, 1e-6, Some(1e-12), ""),
         at_most(NAME, &what("volume of vanished droplets"), lost, 1e-4, Some(1e-8), ""),
     ])
 }
 
 /// Volume of the parts of liquid cells that are beyond the wall of so many cells.
-fn beyond<const D: usize>(sim: &Simulation<D>, wall: f64) -> f64 {
+fn volume_beyond_wall<const D: usize>(sim: &Simulation<D>, wall: f64) -> f64 {
     const FINE: usize = 4;
     let (cup, now) = (&sim.model.solids[0], &sim.state.solids[0]);
     let grid = sim.model.grid;
     let half_size = Vector::repeat(1.0 + wall * grid.dx);
-    let hull = Shape::Box { center: cup.body.center, half_size, rotation: Matrix::identity() };
-    let outside = |x: &Vector<D>| hull.signed_distance(&cup.at_start(now, x)) > 0.0;
+    let hull = Shape::Box { center: cup.mass_properties.center, half_size, rotation: Matrix::identity() };
+    let outside = |x: &Vector<D>| hull.signed_distance(&cup.to_reference(now, x)) > 0.0;
     let row = grid.cells[0];
     let cells = sim
         .liquid_cells()

@@ -1,12 +1,12 @@
 //! Momentum of drops and the free plate that they wet.
 
-use crate::measure::{at_most, settle, volume_and_centroid_outside};
-use crate::setup::{offset, run_to};
+use crate::measure::{at_most, checks_or_failure, volume_and_centroid_outside};
+use crate::setup::{grid_offset, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector, planes};
-use meniscus_sim::{Body, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_numerics::{Matrix, Vector, rotation_planes};
+use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -18,14 +18,14 @@ pub const CASE: Case = Case {
         depth), and so does the way of the common centre of mass, found from φ alone. Time 6 √(ρR³/γ). Full: 16 cells per \
         radius, one drop, one on each side, one whose line has friction (0.3 √(ργR)); 3D with 8. Quick: 8.",
     quick: true,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "momentum-with-solid";
 const TIME: f64 = 6.0;
 /// Half the plate's width and thickness.
-const WIDTH: f64 = 2.6;
-const THICKNESS: f64 = 0.25;
+const HALF_WIDTH: f64 = 2.6;
+const HALF_THICKNESS: f64 = 0.25;
 /// Density of the plate over the liquid's.
 const DENSITY: f64 = 1.25;
 
@@ -43,15 +43,15 @@ const fn pair(text: &'static str, angle: f64, drops: [&'static [f64]; 2]) -> Pai
 }
 
 const CENTRED: [&[f64]; 2] = [&[0.0], &[]];
-const ASIDE: [&[f64]; 2] = [&[0.7], &[]];
+const OFF_CENTRE: [&[f64]; 2] = [&[0.7], &[]];
 const PAIRS: [Pair; 7] = [
-    pair("off-centre", 60.0, ASIDE),
-    pair("off-centre", 120.0, ASIDE),
+    pair("off-centre", 60.0, OFF_CENTRE),
+    pair("off-centre", 120.0, OFF_CENTRE),
     pair("centred", 60.0, CENTRED),
     pair("centred", 120.0, CENTRED),
     pair("one on each side", 60.0, [&[-0.9], &[0.6]]),
     pair("two on one side", 120.0, [&[-1.3, 1.2], &[]]),
-    Pair { text: "off-centre, friction", angle: 60.0, drops: ASIDE, friction: 0.3 },
+    Pair { text: "off-centre, friction", angle: 60.0, drops: OFF_CENTRE, friction: 0.3 },
 ];
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -73,24 +73,24 @@ fn isolated<const D: usize>(pair: &Pair, cells: usize) -> Result<Vec<Check>, Ste
     let mut sim = start::<D>(pair, cells);
     let dx = sim.model.grid.dx;
     let first = center_of_mass(&sim);
-    let (mut linear, mut angular, mut wander): (f64, f64, f64) = (0.0, 0.0, 0.0);
+    let (mut linear, mut angular, mut centroid_deviation): (f64, f64, f64) = (0.0, 0.0, 0.0);
     run_to(&mut sim, TIME, |sim, _| {
         let (p, l) = momentum(sim);
         (linear, angular) = (linear.max(p / TIME), angular.max(l / TIME));
-        wander = wander.max((center_of_mass(sim) - first).norm() / dx);
+        centroid_deviation = centroid_deviation.max((center_of_mass(sim) - first).norm() / dx);
     })?;
     let what = |text: &str| format!("{text}, {D}D, {}, θ = {}°, {cells} cells/R", pair.text, pair.angle);
     Ok(vec![
         at_most(NAME, &what("momentum / γLt"), linear, 1e-6, Some(1e-12), ""),
         at_most(NAME, &what("angular momentum / γL²t"), angular, 1e-4, Some(1e-12), ""),
-        at_most(NAME, &what("way of the centre of mass / Δ"), wander, 0.1, Some(0.01), ""),
+        at_most(NAME, &what("way of the centre of mass / Δ"), centroid_deviation, 0.1, Some(0.01), ""),
     ])
 }
 
 /// A drop aside of the middle of a plate that is `density` times as dense.
 pub(crate) fn plate_and_drop<const D: usize>(cells: usize, density: f64) -> Simulation<D> {
     let mut sim = start(&PAIRS[0], cells);
-    let body = &mut sim.model.solids[0].body;
+    let body = &mut sim.model.solids[0].mass_properties;
     body.mass *= density / DENSITY;
     body.inertia *= density / DENSITY;
     sim
@@ -105,11 +105,11 @@ fn start<const D: usize>(pair: &Pair, cells: usize) -> Simulation<D> {
     let mut rotation = Matrix::<D>::identity();
     (rotation[(0, 0)], rotation[(D - 1, D - 1)]) = (c, c);
     (rotation[(0, D - 1)], rotation[(D - 1, 0)]) = (-s, s);
-    let center = grid.upper() * 0.5 + offset(dx);
-    let half_size = Vector::from_fn(|a, _| if a + 1 == D { THICKNESS } else { WIDTH });
+    let center = grid.domain_upper() * 0.5 + grid_offset(dx);
+    let half_size = Vector::from_fn(|a, _| if a + 1 == D { HALF_THICKNESS } else { HALF_WIDTH });
     let shape = Shape::Box { center, half_size, rotation };
     let mut plate = Solid::new(shape, Motion::Free, DENSITY);
-    plate.cosine = pair.angle.to_radians().cos();
+    plate.young_cosine = pair.angle.to_radians().cos();
     plate.line_friction = pair.friction;
     let model = Model {
         grid,
@@ -130,29 +130,29 @@ fn start<const D: usize>(pair: &Pair, cells: usize) -> Simulation<D> {
                 let mut own = rotation.tr_mul(&(x - center));
                 own[0] -= at;
                 let above = side * own[D - 1];
-                own[D - 1] = above - THICKNESS;
+                own[D - 1] = above - HALF_THICKNESS;
                 (own.norm() - 1.0).max(-above)
             }
         })
         .collect();
-    let bodies: Vec<Body<'_, D>> =
-        distances.iter().map(|distance| Body { distance, velocity: Vector::zeros() }).collect();
+    let bodies: Vec<LiquidRegion<'_, D>> =
+        distances.iter().map(|signed_distance| LiquidRegion { signed_distance, velocity: Vector::zeros() }).collect();
     Simulation::new(model, &bodies)
 }
 
 /// The centre of mass of liquid and plate.
 fn center_of_mass<const D: usize>(sim: &Simulation<D>) -> Vector<D> {
     let (volume, center) = volume_and_centroid_outside(sim);
-    let (liquid, plate) = (sim.model.density * volume, sim.model.solids[0].body.mass);
+    let (liquid, plate) = (sim.model.density * volume, sim.model.solids[0].mass_properties.mass);
     (center * liquid + sim.state.solids[0].center * plate) / (liquid + plate)
 }
 
 /// Linear and angular momentum of liquid and plate, their sizes.
 fn momentum<const D: usize>(sim: &Simulation<D>) -> (f64, f64) {
-    let (books, plate, now) = (sim.ledger(), &sim.model.solids[0], &sim.state.solids[0]);
-    let own = now.velocity * plate.body.mass;
+    let (books, plate, now) = (sim.diagnostics(), &sim.model.solids[0], &sim.state.solids[0]);
+    let own = now.velocity * plate.mass_properties.mass;
     let mut turning = Vector::<3>::from(books.angular_momentum) + plate.angular_momentum(now);
-    planes::<D>()
+    rotation_planes::<D>()
         .iter()
         .for_each(|&(a, b, place)| turning[place] += now.center[a] * own[b] - now.center[b] * own[a]);
     ((books.momentum + own).norm(), turning.norm())

@@ -1,7 +1,7 @@
 //! Rigid solids that hit and rest on each other, by themselves.
 
-use crate::dry::{GRAVITY, at, down, dry, slab};
-use crate::measure::{at_most, settle};
+use crate::dry::{GRAVITY, point_at, gravity, simulation_without_liquid, rigid_box};
+use crate::measure::{at_most, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -18,7 +18,7 @@ pub const CASE: Case = Case {
         rest stays (e = 1): momentum and energy allow no other of all those that hand on whole blows. A tower of ten \
         blocks of 0.4 x 0.08 stays where it is for two seconds: its drift over a block's height, and the speed left. Quick: 2D.",
     quick: false,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "rigid-contact";
@@ -26,14 +26,14 @@ const DX: f64 = 1.0 / 24.0;
 const STEP: f64 = 2e-3;
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
-    let mut checks = of::<2>()?;
+    let mut checks = checks_in::<2>()?;
     if mode == Mode::Full {
-        checks.extend(of::<3>()?);
+        checks.extend(checks_in::<3>()?);
     }
     Ok(checks)
 }
 
-fn of<const D: usize>() -> Result<Vec<Check>, StepError> {
+fn checks_in<const D: usize>() -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
     for restitution in [0.3, 0.5, 0.8, 1.0] {
         checks.extend(bounce::<D>(restitution)?);
@@ -53,8 +53,8 @@ fn ball<const D: usize>(center: Vector<D>, radius: f64, restitution: f64) -> Sol
 
 fn bounce<const D: usize>(restitution: f64) -> Result<Vec<Check>, StepError> {
     let (radius, height) = (0.1, 0.5);
-    let solid = ball::<D>(at(0.5, radius + height), radius, restitution);
-    let mut simulation = dry(([24; D], DX), vec![solid], down(), STEP);
+    let solid = ball::<D>(point_at(0.5, radius + height), radius, restitution);
+    let mut simulation = simulation_without_liquid(([24; D], DX), vec![solid], gravity(), STEP);
     let speed = (2.0 * GRAVITY * height).sqrt();
     let fall = speed / GRAVITY;
     let (mut low, mut high, mut touched) = (f64::INFINITY, 0f64, 0.0);
@@ -77,11 +77,11 @@ fn bounce<const D: usize>(restitution: f64) -> Result<Vec<Check>, StepError> {
     })?;
     let what = |text: &str| format!("{text}, e = {restitution}, {D}D");
     let told = restitution * restitution;
-    let most = 0.5 * DX / speed;
+    let max_contact_time = 0.5 * DX / speed;
     let back = (high - floor) / (height - floor);
     Ok(vec![
         Check::relative(NAME, &what("height of the rebound"), back, told, 0.01, Some(1e-3), ""),
-        at_most(NAME, &what("time of contact / (half a cell / speed)"), touched / most, 1.0, None, ""),
+        at_most(NAME, &what("time of contact / (half a cell / speed)"), touched / max_contact_time, 1.0, None, ""),
     ])
 }
 
@@ -91,26 +91,26 @@ fn cradle<const D: usize>(moving: usize) -> Result<Check, StepError> {
     let mut balls: Vec<Solid<D>> = (0..5)
         .map(|k| {
             let away = if k < moving { 0.15 } else { 0.0 };
-            ball(at(0.3 + 2.0 * radius * k as f64 - away, 0.5), radius, 1.0)
+            ball(point_at(0.3 + 2.0 * radius * k as f64 - away, 0.5), radius, 1.0)
         })
         .collect();
-    balls[..moving].iter_mut().for_each(|b| b.velocity[0] = 1.0);
-    let mut simulation = dry(([24; D], DX), balls, Vector::zeros(), STEP);
+    balls[..moving].iter_mut().for_each(|b| b.initial_velocity[0] = 1.0);
+    let mut simulation = simulation_without_liquid(([24; D], DX), balls, Vector::zeros(), STEP);
     run_to(&mut simulation, 0.3, |_, _| ())?;
-    let wrong = simulation.state.solids.iter().enumerate().map(|(k, now)| {
+    let speed_errors = simulation.state.solids.iter().enumerate().map(|(k, now)| {
         let told = if k >= 5 - moving { 1.0 } else { 0.0 };
         (now.velocity[0] - told).abs()
     });
     let text = format!("cradle, {moving} of 5 balls, {D}D: error of the speeds");
-    Ok(at_most(NAME, &text, wrong.fold(0.0, f64::max), 0.02, Some(1e-3), ""))
+    Ok(at_most(NAME, &text, speed_errors.fold(0.0, f64::max), 0.02, Some(1e-3), ""))
 }
 
 fn tower<const D: usize>(count: usize) -> Result<Vec<Check>, StepError> {
     let half = Vector::<D>::from_fn(|a, _| if a + 1 == D { 0.04 } else { 0.2 });
     let gap = 0.05 * DX;
-    let place = |k: usize| at::<D>(0.5, gap + half[D - 1] + k as f64 * (2.0 * half[D - 1] + gap));
-    let solids = (0..count).map(|k| slab(place(k), half, Motion::Free)).collect();
-    let mut simulation = dry::<D>(([24; D], DX), solids, down(), STEP);
+    let place = |k: usize| point_at::<D>(0.5, gap + half[D - 1] + k as f64 * (2.0 * half[D - 1] + gap));
+    let solids = (0..count).map(|k| rigid_box(place(k), half, Motion::Free)).collect();
+    let mut simulation = simulation_without_liquid::<D>(([24; D], DX), solids, gravity(), STEP);
     let middle = |s: &Simulation<D>| s.state.solids.iter().map(|s| s.center).collect::<Vec<_>>();
     run_to(&mut simulation, 1.0, |_, _| ())?;
     let start = middle(&simulation);

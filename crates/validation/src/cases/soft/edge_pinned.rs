@@ -6,15 +6,15 @@
 //! the push of a cap at Young's angle varies by a tenth of the tension, with jumps, as its line moves through a cell. The case has
 //! the bars that a drop at rest should meet; it is no part of `verify --quick`.
 
-use crate::measure::{TimeMean, at_most, force, load, settle};
+use crate::measure::{TimeMean, at_most, liquid_force, external_load, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check};
-use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Law, Order};
+use meniscus_elastic::{Anchor, ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Body, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -29,7 +29,7 @@ pub const CASE: Case = Case {
         reaction of what holds it (none is kept of a rigid one). 8 cells a millimetre. Steadiness is not met in this version: the pull \
         of a line at an edge jumps from facet to facet of the lattice's edge.",
     quick: false,
-    run: |_| settle(NAME, run()),
+    run: |_| checks_or_failure(NAME, run()),
 };
 
 const NAME: &str = "edge-pinned";
@@ -37,51 +37,51 @@ const ANGLES: [f64; 4] = [60.0, 90.0, 120.0, 150.0];
 const MM: f64 = 1e-3;
 const CELLS: usize = 8;
 const TENSION: f64 = 72.8e-3;
-const LIQUID: f64 = 1000.0;
+const LIQUID_DENSITY: f64 = 1000.0;
 const DENSITY: f64 = 1100.0;
 /// ρ g R²/γ.
 const BOND: f64 = 0.3;
 const HALF_WIDTH: f64 = 2.0 * MM;
-const THICK: f64 = 0.6 * MM;
+const THICKNESS: f64 = 0.6 * MM;
 /// Middle of the plate's upper side, m, off the lattice's points.
 const TOP: [f64; 2] = [6.03 * MM, 3.02 * MM];
 /// Half the width of what is held of the soft plate, m: the lower half of its thickness.
-const HELD: f64 = 0.4 * MM;
+const CLAMP_HALF_WIDTH: f64 = 0.4 * MM;
 /// Time from which, and to which, means are taken, s: the largest drop (R = 4 mm) still settles by 3 % from 0.15 to 0.3 s.
-const WINDOW: [f64; 2] = [0.45, 0.6];
+const AVERAGING_WINDOW: [f64; 2] = [0.45, 0.6];
 
 fn run() -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
     for soft in [false, true] {
         for apparent in ANGLES {
-            checks.extend(Pinned { apparent, soft }.checks()?);
+            checks.extend(PinnedDrop { apparent, soft }.checks()?);
         }
     }
     Ok(checks)
 }
 
 /// A drop on a plate.
-struct Pinned {
+struct PinnedDrop {
     /// The apparent angle at the edges, degrees.
     apparent: f64,
     /// Whether the plate deforms.
     soft: bool,
 }
 
-impl Pinned {
+impl PinnedDrop {
     fn checks(&self) -> Result<Vec<Check>, StepError> {
         let mut sim = self.start()?;
-        let middle = Vector::<2>::new(TOP[0], TOP[1] - 0.5 * THICK);
+        let middle = Vector::<2>::new(TOP[0], TOP[1] - 0.5 * THICKNESS);
         let gravity = sim.model.gravity[1].abs();
         let [mut along, mut up, mut moment] = [TimeMean::default(); 3];
-        run_to(&mut sim, WINDOW[0], |_, _| ())?;
-        run_to(&mut sim, WINDOW[1], |sim, report| {
-            let weight = LIQUID * gravity * report.ledger.volume;
-            let given = force(sim, 0) / weight;
+        run_to(&mut sim, AVERAGING_WINDOW[0], |_, _| ())?;
+        run_to(&mut sim, AVERAGING_WINDOW[1], |sim, report| {
+            let weight = LIQUID_DENSITY * gravity * report.diagnostics.volume;
+            let given = liquid_force(sim, 0) / weight;
             along.add(given[0], report.dt);
             up.add(-given[1], report.dt);
-            if let Some(load) = load(sim, 0, &middle) {
-                let lever = report.ledger.centroid[0] - middle[0];
+            if let Some(load) = external_load(sim, 0, &middle) {
+                let lever = report.diagnostics.centroid[0] - middle[0];
                 moment.add((load.moment / weight + lever) / HALF_WIDTH, report.dt);
             }
         })?;
@@ -105,39 +105,39 @@ impl Pinned {
         let angle = self.apparent.to_radians();
         let radius = HALF_WIDTH / angle.sin();
         let shape = Shape::Box {
-            center: Vector::<2>::new(TOP[0], TOP[1] - 0.5 * THICK),
-            half_size: Vector::<2>::new(HALF_WIDTH, 0.5 * THICK),
+            center: Vector::<2>::new(TOP[0], TOP[1] - 0.5 * THICKNESS),
+            half_size: Vector::<2>::new(HALF_WIDTH, 0.5 * THICKNESS),
             rotation: Matrix::identity(),
         };
         let motion = if self.soft { elastic(&shape, dx / 1.5)? } else { Motion::Fixed };
         let mut plate = Solid::new(shape, motion, DENSITY);
         let young = 0.5 * (self.apparent + (self.apparent - 90.0).max(0.0));
-        plate.cosine = young.to_radians().cos();
+        plate.young_cosine = young.to_radians().cos();
         plate.line_friction = 0.3;
         let model = Model {
             grid: Grid::<2>::new([12 * CELLS, 12 * CELLS], dx),
             walls: [[Wall::Slip; 2]; 2],
-            density: LIQUID,
+            density: LIQUID_DENSITY,
             kinematic_viscosity: 1e-4,
             surface_tension: TENSION,
-            gravity: Vector::<2>::new(0.0, -BOND * TENSION / (LIQUID * radius * radius)),
+            gravity: Vector::<2>::new(0.0, -BOND * TENSION / (LIQUID_DENSITY * radius * radius)),
             solids: vec![plate],
             numerics: Numerics::default(),
         };
         let center = Vector::<2>::new(TOP[0], TOP[1] - radius * angle.cos());
         let cap = move |x: &Vector<2>| ((x - center).norm() - radius).max(TOP[1] - x[1]);
-        Ok(Simulation::new(model, &[Body { distance: &cap, velocity: Vector::zeros() }]))
+        Ok(Simulation::new(model, &[LiquidRegion { signed_distance: &cap, velocity: Vector::zeros() }]))
     }
 }
 
 /// What the soft plate is made of, on a mesh of edges of a length, m.
 fn elastic(shape: &Shape<2>, edge: f64) -> Result<Motion<2>, StepError> {
-    let mesh = VolumeMesh::of_shape(shape, edge, Order::Quadratic).unwrap_or_default();
-    let held = |x: &Vector<2>| (x[0] - TOP[0]).abs() <= HELD && x[1] <= TOP[1] - 0.5 * THICK;
+    let mesh = VolumeMesh::of_shape(shape, edge, ElementOrder::Quadratic).unwrap_or_default();
+    let held = |x: &Vector<2>| (x[0] - TOP[0]).abs() <= CLAMP_HALF_WIDTH && x[1] <= TOP[1] - 0.5 * THICKNESS;
     let anchors = vec![Anchor::within(&mesh, held)];
-    let law = Law::NeoHookean { young: 10e6, poisson: 0.3, order: Order::Quadratic };
+    let law = ConstitutiveLaw::NeoHookean { young_modulus: 10e6, poisson_ratio: 0.3, order: ElementOrder::Quadratic };
     let damping_ratio = 0.1;
-    let plate = Elastic::new(Description { mesh, density: DENSITY, law, damping_ratio, anchors });
+    let plate = Elastic::new(ElasticSpecification { mesh, density: DENSITY, law, damping_ratio, anchors });
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
     plate.map(|plate| Motion::Soft(Arc::new(plate))).map_err(failed)
 }

@@ -1,8 +1,8 @@
 //! A drop that holds a sheet by its ends.
 
 use crate::elastica::{Sheet, Unknowns};
-use crate::measure::settle;
-use crate::plate::{Held, Plate, Setting};
+use crate::measure::checks_or_failure;
+use crate::plate::{PlateSupport, Plate, PlateSetup};
 use crate::{Case, Check, Mode};
 use meniscus_sim::StepError;
 
@@ -16,22 +16,22 @@ pub const CASE: Case = Case {
         sheet folds and opens again below l/L = 3.541, L = √(B/γ), and closes above it (with the thickness in the theory above \
         3.57): at 0.9 and at 1.1 times that.",
     quick: false,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "elastica-drop";
 const LENGTH: f64 = 6.0;
 /// What the contact angle is less than the drop's at the start, on the flat sheet, degrees: the line stays at the ends.
-const BELOW: f64 = 15.0;
+const ANGLE_MARGIN_DEGREES: f64 = 15.0;
 /// l/L above which a drop that dries up closes its sheet.
-const CLOSING: f64 = 3.5412;
+const CLOSING_THRESHOLD: f64 = 3.5412;
 /// A/l² from which and to which it dries up: the threshold is at 0.14, where the sheet opens again or goes on. At 1.1 times the
 /// threshold its ends come together as the drop goes: with the thickness in the theory 2 x_e/l is 0.33 at 0.11, 0.15 at 0.08.
-const DRYING: [f64; 2] = [0.2, 0.08];
+const DRYING_AREAS: [f64; 2] = [0.2, 0.08];
 /// For how long, and for how long the sheet is watched after that.
 const DRYING_TIME: [f64; 2] = [40.0, 10.0];
 /// Distance between the ends over l, half of that of the last open state, at which the sheet is closing.
-const CLOSED: f64 = 0.3;
+const CLOSED_GAP_RATIO: f64 = 0.3;
 /// l/L, A/l², and the sheet's without thickness: p l/γ, κ l in the middle, angle of the liquid with the sheet (degrees).
 const SHAPES: [(f64, f64, f64, f64, f64); 7] = [
     (3.0, 0.2, 1.20033, 2.50209, 76.77),
@@ -51,7 +51,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     }
     let parts: &[_] = if mode == Mode::Quick { &[(1.1, 1.0)] } else { &[(0.9, 0.0), (1.1, 1.0)] };
     for &(part, closes) in parts {
-        let mut plate = setting(cells, part * CLOSING, DRYING[0]).start()?;
+        let mut plate = plate_setup(cells, part * CLOSING_THRESHOLD, DRYING_AREAS[0]).start()?;
         let closed = closes_up(&mut plate)?;
         let text = format!("closes at {part} times the threshold, {cells} cells a unit");
         checks.push(Check::absolute(NAME, &text, f64::from(u8::from(closed)), closes, 0.0, Some(0.0), ""));
@@ -60,12 +60,12 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 }
 
 /// A drop on a flat sheet; `ratio` is l/L, `area` A/l².
-fn setting(cells: usize, ratio: f64, area: f64) -> Setting {
-    let first = cap(area);
-    Setting {
+fn plate_setup(cells: usize, ratio: f64, area: f64) -> PlateSetup {
+    let initial_angle = cap_angle(area);
+    PlateSetup {
         cells,
-        angle: first - BELOW,
-        first,
+        angle: initial_angle - ANGLE_MARGIN_DEGREES,
+        initial_angle,
         length: LENGTH,
         thickness: 4.0 / cells as f64,
         bending: (LENGTH / ratio).powi(2),
@@ -74,15 +74,15 @@ fn setting(cells: usize, ratio: f64, area: f64) -> Setting {
         density: 1.0,
         damping: 1.0,
         area: area * LENGTH * LENGTH,
-        place: 0.0,
+        drop_offset: 0.0,
         viscosity: 0.5,
-        held: Held::Nowhere,
-        heights: [5.6, 2.2],
+        support: PlateSupport::Free,
+        domain_and_plate_height: [5.6, 2.2],
     }
 }
 
 /// The angle, degrees, of a cap of a given area over the square of its width.
-fn cap(area: f64) -> f64 {
+fn cap_angle(area: f64) -> f64 {
     let over = |angle: f64| (angle - angle.sin() * angle.cos()) / (2.0 * angle.sin()).powi(2);
     let (mut low, mut high) = (1e-3, 3.0);
     for _ in 0..60 {
@@ -96,12 +96,12 @@ fn shape(
     cells: usize,
     &(ratio, area, p, curvature, apparent): &(f64, f64, f64, f64, f64),
 ) -> Result<Vec<Check>, StepError> {
-    let setting = setting(cells, ratio, area);
-    let Some(told) = theory(&setting, (p / LENGTH, curvature / LENGTH, apparent)) else {
+    let setting = plate_setup(cells, ratio, area);
+    let Some(told) = theoretical_ends(&setting, (p / LENGTH, curvature / LENGTH, apparent)) else {
         return Ok(Vec::new());
     };
     let mut plate = setting.start()?;
-    let x = plate.mean_of(20.0, |p| p.ends()[0])?;
+    let x = plate.mean_over_last_fifth(20.0, |p| p.ends()[0])?;
     let y = plate.ends()[1];
     let text = |what: &str| format!("{what} of the ends, l/L = {ratio}, A/l² = {area}, {cells} cells a unit");
     let check = |what: &str, value: f64, told: f64| {
@@ -112,14 +112,14 @@ fn shape(
 }
 
 /// Where the ends are, by theory; `row` is the pressure, the curvature and the angle without thickness.
-fn theory(setting: &Setting, (pressure, curvature, apparent): (f64, f64, f64)) -> Option<[f64; 2]> {
-    let (bending, half) = (setting.bending, 0.5 * LENGTH);
+fn theoretical_ends(setting: &PlateSetup, (pressure, curvature, apparent): (f64, f64, f64)) -> Option<[f64; 2]> {
+    let (bending, half_length) = (setting.bending, 0.5 * LENGTH);
     let (thickness, area, angle) = (setting.thickness, setting.area, setting.angle);
-    let sheet = Sheet { bending, thickness, area, angle, pinned: Some(half) };
+    let sheet = Sheet { bending, thickness, area, angle, pinned_half_length: Some(half_length) };
     let thin = Sheet { thickness: 0.0, ..sheet };
     // κ = (1 − q²)/2pB in the middle.
     let root = (1.0 - 2.0 * pressure * curvature * bending).max(0.0).sqrt();
-    let guesses = [root, -root].map(|center| Unknowns { pressure, center, curvature, half });
+    let guesses = [root, -root].map(|scaled_center_height| Unknowns { pressure, scaled_center_height, curvature, half_length });
     let right = |g: &&Unknowns| thin.shape(g).is_some_and(|s| (s.apparent - apparent).abs() < 0.1);
     sheet.shape(guesses.iter().find(right)?).map(|s| s.end)
 }
@@ -127,14 +127,14 @@ fn theory(setting: &Setting, (pressure, curvature, apparent): (f64, f64, f64)) -
 /// Whether the ends meet while the drop dries up.
 fn closes_up(plate: &mut Plate) -> Result<bool, StepError> {
     let [drying, watched] = DRYING_TIME;
-    let mut area = DRYING[0];
+    let mut area = DRYING_AREAS[0];
     while plate.sim.state.time < drying + watched {
         let part = (plate.sim.state.time / drying).min(1.0);
-        let next = DRYING[0] + (DRYING[1] - DRYING[0]) * part;
-        plate.sim.state.drops.iter_mut().for_each(|d| d.target_volume *= next / area);
+        let next = DRYING_AREAS[0] + (DRYING_AREAS[1] - DRYING_AREAS[0]) * part;
+        plate.sim.state.components.iter_mut().for_each(|d| d.target_volume *= next / area);
         area = next;
         plate.sim.step(drying + watched - plate.sim.state.time, &mut |_| ())?;
-        if 2.0 * plate.ends()[0] < CLOSED * LENGTH {
+        if 2.0 * plate.ends()[0] < CLOSED_GAP_RATIO * LENGTH {
             return Ok(true);
         }
     }

@@ -1,14 +1,14 @@
 //! A heavy soft plate that the surface carries: the paper's Fig. 21.
 
-use crate::measure::settle;
+use crate::measure::checks_or_failure;
 use crate::setup::run_to;
 use crate::{Case, Check};
-use meniscus_elastic::{Description, Elastic, ElasticError, Law, Order};
+use meniscus_elastic::{ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Body, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -21,16 +21,16 @@ pub const CASE: Case = Case {
         what plate and dimple displace. Released there at rest: the depth of its upper face under the level, a mean over \
         0.25 s, one heave, from 0.35 s on.",
     quick: false,
-    run: |_| settle(NAME, run()),
+    run: |_| checks_or_failure(NAME, run()),
 };
 
 const NAME: &str = "floating-plate";
 /// Lengths in cm: cell, half the tank's width, the level that the liquid has without the plate, half the plate's width, and its
 /// thickness.
 const DX: f64 = 0.052;
-const HALF: f64 = 48.0 * DX;
-const LEVEL: f64 = 48.0 * DX;
-const REACH: f64 = 19.0 * DX / 1.5;
+const TANK_HALF_WIDTH: f64 = 48.0 * DX;
+const INITIAL_LEVEL: f64 = 48.0 * DX;
+const PLATE_HALF_WIDTH: f64 = 19.0 * DX / 1.5;
 const THICKNESS: f64 = 4.0 * DX / 1.5;
 /// Density over the liquid's, 1 g/cm³; tension, dyn/cm; gravity, cm/s².
 const DENSITY: f64 = 5.0;
@@ -39,11 +39,11 @@ const GRAVITY: f64 = 981.0;
 /// Nodes of the theory along half the tank.
 const NODES: usize = 106;
 /// Over-relaxation, and the change of a depth in a sweep, cm, that is nothing.
-const RELAXATION: f64 = 1.7;
-const SETTLED: f64 = 1e-9;
+const RELAXATION_FACTOR: f64 = 1.7;
+const DEPTH_TOLERANCE: f64 = 1e-9;
 /// Times, s, between which the depth is taken.
-const FROM: f64 = 0.35;
-const TO: f64 = 0.6;
+const AVERAGING_START: f64 = 0.35;
+const AVERAGING_END: f64 = 0.6;
 
 /// The dimple around the plate: depths under the level on a quarter of the tank, from the middle on, cm.
 struct Dimple {
@@ -55,16 +55,16 @@ struct Dimple {
 impl Dimple {
     /// Where the plate's upper edge is at a depth: `∇·(∇u/√(1 + |∇u|²)) = u ρg/γ`, no slope at the sides. By over-relaxation.
     fn of(depth: f64) -> Self {
-        let plate = (REACH / HALF * NODES as f64).round() as usize;
+        let plate = (PLATE_HALF_WIDTH / TANK_HALF_WIDTH * NODES as f64).round() as usize;
         let mut dimple = Self { depths: vec![[0.0; NODES + 1]; NODES + 1], plate };
         (0..=plate).for_each(|i| dimple.depths[i][..=plate].fill(depth));
-        while dimple.relax() > SETTLED {}
+        while dimple.relax() > DEPTH_TOLERANCE {}
         dimple
     }
 
     /// A sweep; the largest change.
     fn relax(&mut self) -> f64 {
-        let h = HALF / NODES as f64;
+        let h = TANK_HALF_WIDTH / NODES as f64;
         let weight = h * h * GRAVITY / TENSION;
         let mut change: f64 = 0.0;
         for i in 0..=NODES as isize {
@@ -82,7 +82,7 @@ impl Dimple {
                     let stretch = (1.0 + ((there - here).powi(2) + across * across) / (h * h)).sqrt();
                     (sum, all) = (sum + there / stretch, all + 1.0 / stretch);
                 }
-                let step = RELAXATION * (sum / all - here);
+                let step = RELAXATION_FACTOR * (sum / all - here);
                 self.depths[i as usize][j as usize] += step;
                 change = change.max(step.abs());
             }
@@ -99,7 +99,7 @@ impl Dimple {
 
     /// The depth at a place off the middle.
     fn depth(&self, x: f64, y: f64) -> f64 {
-        let [x, y] = [x, y].map(|c| (c.abs() / HALF * NODES as f64).min(NODES as f64));
+        let [x, y] = [x, y].map(|c| (c.abs() / TANK_HALF_WIDTH * NODES as f64).min(NODES as f64));
         let [i, j] = [x, y].map(|c| (c as isize).min(NODES as isize - 1));
         let (s, t) = (x - i as f64, y - j as f64);
         let row = |i: isize| self.at(i, j) * (1.0 - t) + self.at(i, j + 1) * t;
@@ -109,7 +109,7 @@ impl Dimple {
     /// What the plate has under it, were it liquid up to the level, and the dimple beside it, over its own volume: its density
     /// if it floats so.
     fn displaced(&self) -> f64 {
-        let h = HALF / NODES as f64;
+        let h = TANK_HALF_WIDTH / NODES as f64;
         let half = |k: usize, end: usize| if k == 0 || k == end { 0.5 } else { 1.0 };
         let share = |i: usize, j: usize| {
             let within = i.max(j) <= self.plate;
@@ -138,21 +138,21 @@ fn run() -> Result<Vec<Check>, StepError> {
     let dimple = equilibrium();
     let depth = dimple.depth(0.0, 0.0);
     // It displaces its weight, by which the level rises.
-    let level = LEVEL + DENSITY * THICKNESS * (REACH / HALF).powi(2);
-    let middle = Vector::<3>::new(HALF, HALF, level - depth - 0.5 * THICKNESS);
-    let half_size = Vector::<3>::new(REACH, REACH, 0.5 * THICKNESS);
+    let level = INITIAL_LEVEL + DENSITY * THICKNESS * (PLATE_HALF_WIDTH / TANK_HALF_WIDTH).powi(2);
+    let middle = Vector::<3>::new(TANK_HALF_WIDTH, TANK_HALF_WIDTH, level - depth - 0.5 * THICKNESS);
+    let half_size = Vector::<3>::new(PLATE_HALF_WIDTH, PLATE_HALF_WIDTH, 0.5 * THICKNESS);
     let shape = Shape::Box { center: middle, half_size, rotation: Matrix::identity() };
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
-    let description = Description {
-        mesh: VolumeMesh::of_shape(&shape, DX / 1.5, Order::Linear).unwrap_or_default(),
+    let description = ElasticSpecification {
+        mesh: VolumeMesh::of_shape(&shape, DX / 1.5, ElementOrder::Linear).unwrap_or_default(),
         density: DENSITY,
-        law: Law::Springs { stiffness: 5e5 },
+        law: ConstitutiveLaw::Springs { stiffness: 5e5 },
         damping_ratio: 0.1,
         anchors: Vec::new(),
     };
     let elastic = Elastic::new(description).map_err(failed)?;
     let mut plate = Solid::new(shape, Motion::Soft(Arc::new(elastic)), DENSITY);
-    (plate.cosine, plate.line_friction) = (-0.2, 3.0);
+    (plate.young_cosine, plate.line_friction) = (-0.2, 3.0);
     let model = Model {
         grid: Grid::<3>::new([96, 96, 80], DX),
         walls: [[Wall::Slip; 2]; 3],
@@ -163,13 +163,13 @@ fn run() -> Result<Vec<Check>, StepError> {
         solids: vec![plate],
         numerics: Numerics::default(),
     };
-    let bath = |x: &Vector<3>| x[2] - level + dimple.depth(x[0] - HALF, x[1] - HALF);
-    let mut sim = Simulation::new(model, &[Body { distance: &bath, velocity: Vector::zeros() }]);
+    let bath = |x: &Vector<3>| x[2] - level + dimple.depth(x[0] - TANK_HALF_WIDTH, x[1] - TANK_HALF_WIDTH);
+    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &bath, velocity: Vector::zeros() }]);
     let (mut sum, mut time, mut last) = (0.0, 0.0, 0.0);
-    run_to(&mut sim, TO, |sim, _| {
+    run_to(&mut sim, AVERAGING_END, |sim, _| {
         let step = sim.state.time - last;
         last = sim.state.time;
-        if last > FROM {
+        if last > AVERAGING_START {
             let found = level - sim.state.solids[0].center[2] - 0.5 * THICKNESS;
             (sum, time) = (sum + found * step, time + step);
         }
@@ -191,8 +191,8 @@ mod tests {
         assert!((depth - 0.2160).abs() < 2e-4, "{depth}");
         // A plane meniscus of this depth would carry less: corners help.
         let plane =
-            TENSION * (2.0 * REACH) * 4.0 * (2.0 * (0.5 * depth * (GRAVITY / TENSION).sqrt()).asin()).sin();
-        let carried = (DENSITY - 1.0 - depth / THICKNESS) * THICKNESS * 4.0 * REACH * REACH * GRAVITY;
+            TENSION * (2.0 * PLATE_HALF_WIDTH) * 4.0 * (2.0 * (0.5 * depth * (GRAVITY / TENSION).sqrt()).asin()).sin();
+        let carried = (DENSITY - 1.0 - depth / THICKNESS) * THICKNESS * 4.0 * PLATE_HALF_WIDTH * PLATE_HALF_WIDTH * GRAVITY;
         assert!(carried > 1.05 * plane && carried < 1.4 * plane, "{carried} {plane}");
     }
 }

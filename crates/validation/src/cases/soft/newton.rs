@@ -1,8 +1,8 @@
 //! Newton's iterations of steps in which a soft solid turns far.
 
-use crate::measure::{at_most, settle};
+use crate::measure::{at_most, checks_or_failure};
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Description, Elastic, ElasticError, Law, Order};
+use meniscus_elastic::{ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
@@ -19,12 +19,12 @@ pub const CASE: Case = Case {
         constant. Steps that end where nothing moves any more lose some of it, with `newton_iterations = 8` it must stay. \
         2D and 3D; quick: 2D.",
     quick: true,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "newton";
 const STEP: f64 = 0.01;
-const SPIN: f64 = 10.0;
+const ANGULAR_VELOCITY: f64 = 10.0;
 const STEPS: usize = 20;
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -36,7 +36,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 }
 
 fn spinning<const D: usize>() -> Result<Vec<Check>, StepError> {
-    let (few, more) = (drift::<D>(0)?, drift::<D>(8)?);
+    let (few, more) = (angular_momentum_drift::<D>(0)?, angular_momentum_drift::<D>(8)?);
     let what = |text: &str| format!("change of the angular momentum, {text}, {D}D");
     Ok(vec![
         at_most(NAME, &what("as it comes"), few, 1e-6, Some(1e-9), ""),
@@ -45,11 +45,11 @@ fn spinning<const D: usize>() -> Result<Vec<Check>, StepError> {
 }
 
 /// The largest change of the angular momentum, over it.
-fn drift<const D: usize>(iterations: u32) -> Result<f64, StepError> {
+fn angular_momentum_drift<const D: usize>(iterations: u32) -> Result<f64, StepError> {
     let mut sim = start::<D>(iterations)?;
     let turning = |sim: &Simulation<D>| {
         let soft = sim.model.solids[0].elastic().zip(sim.state.solids[0].soft.as_ref());
-        soft.map_or(Vector::<3>::zeros(), |(e, soft)| Vector::from(e.angular_momentum(&soft.body)))
+        soft.map_or(Vector::<3>::zeros(), |(e, soft)| Vector::from(e.angular_momentum(&soft.state)))
     };
     let before = turning(&sim);
     let mut most = 0f64;
@@ -64,10 +64,10 @@ fn drift<const D: usize>(iterations: u32) -> Result<f64, StepError> {
 fn start<const D: usize>(iterations: u32) -> Result<Simulation<D>, StepError> {
     let (center, half) = (Vector::repeat(1.0), Vector::from_fn(|a, _| if a == 0 { 0.5 } else { 0.25 }));
     let mesh =
-        VolumeMesh::of_box(&center, &half, &Matrix::identity(), 0.125, Order::Quadratic).unwrap_or_default();
-    let law = Law::NeoHookean { young: 1e3, poisson: 0.3, order: Order::Quadratic };
+        VolumeMesh::of_box(&center, &half, &Matrix::identity(), 0.125, ElementOrder::Quadratic).unwrap_or_default();
+    let law = ConstitutiveLaw::NeoHookean { young_modulus: 1e3, poisson_ratio: 0.3, order: ElementOrder::Quadratic };
     let anchors = Vec::new();
-    let description = Description { mesh, density: 1.0, law, damping_ratio: 0.0, anchors };
+    let description = ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors };
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
     let elastic = Arc::new(Elastic::new(description).map_err(failed)?);
     let shape = Shape::Box { center, half_size: half, rotation: Matrix::identity() };
@@ -83,9 +83,9 @@ fn start<const D: usize>(iterations: u32) -> Result<Simulation<D>, StepError> {
     };
     let mut sim = Simulation::new(model, &[]);
     if let Some(soft) = &mut sim.state.solids[0].soft {
-        for (v, x) in soft.body.velocities.iter_mut().zip(&soft.body.positions) {
+        for (v, x) in soft.state.velocities.iter_mut().zip(&soft.state.positions) {
             let from = x - center;
-            *v = Vector::from_fn(|a, _| SPIN * [-from[1], from[0], 0.0][a]);
+            *v = Vector::from_fn(|a, _| ANGULAR_VELOCITY * [-from[1], from[0], 0.0][a]);
         }
     }
     Ok(sim)

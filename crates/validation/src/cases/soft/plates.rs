@@ -1,7 +1,7 @@
 //! Drops on solids that deform, against the theory of plates.
 
-use crate::measure::{at_most, settle};
-use crate::plate::{Held, Plate, Setting};
+use crate::measure::{at_most, checks_or_failure};
+use crate::plate::{PlateSupport, Plate, PlateSetup};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -17,7 +17,7 @@ pub const KINK: Case = Case {
         the wetted width), and where one end is clamped the part between stays straight (design, validation §4, 8c). \
         Plates of 4 to 1.5 cells, 16 cells a unit; quick: 12.",
     quick: true,
-    run: |mode| settle("soft-kink", kinks(mode)),
+    run: |mode| checks_or_failure("soft-kink", kinks(mode)),
 };
 
 /// A free strip and a drop.
@@ -28,7 +28,7 @@ pub const STRIP: Case = Case {
         4 cells thick, √(B/γ) = 2.3 (it bends by 20 degrees). Momentum and angular momentum over γt and γLt, and the way of \
         the centre of mass (design, validation §6, 16f).",
     quick: true,
-    run: |mode| settle("soft-strip", strip(mode)),
+    run: |mode| checks_or_failure("soft-strip", strip(mode)),
 };
 
 /// A solid too stiff to deform.
@@ -38,7 +38,7 @@ pub const STIFF: Case = Case {
     theory: "2D, no gravity: a drop (area π/2, γ = ρ = 1, ν = 0.3) at rest on a plate clamped at its bottom, elastic (E = 10⁵) \
         and rigid: contact angles. 16 cells a unit; quick: 12.",
     quick: true,
-    run: |mode| settle("soft-stiff", stiff(mode)),
+    run: |mode| checks_or_failure("soft-stiff", stiff(mode)),
 };
 
 fn kinks(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -49,13 +49,13 @@ fn kinks(mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
     for &thick in layers {
         for &angle in angles {
-            for held in [Held::Nowhere, Held::Left] {
+            for support in [PlateSupport::Free, PlateSupport::LeftEnd] {
                 let thickness = thick / cells as f64;
-                let (length, place) = if held == Held::Left { (6.0, 0.5) } else { (5.6, 0.0) };
-                let setting = Setting {
+                let (length, drop_offset) = if support == PlateSupport::LeftEnd { (6.0, 0.5) } else { (5.6, 0.0) };
+                let setting = PlateSetup {
                     cells,
                     angle,
-                    first: angle,
+                    initial_angle: angle,
                     length,
                     thickness,
                     bending: 20.0,
@@ -64,21 +64,21 @@ fn kinks(mode: Mode) -> Result<Vec<Check>, StepError> {
                     density: 1.0,
                     damping: 0.3,
                     area: FRAC_PI_2,
-                    place,
+                    drop_offset,
                     viscosity: 0.15,
-                    held,
-                    heights: [4.0, 1.4],
+                    support,
+                    domain_and_plate_height: [4.0, 1.4],
                 };
                 let a = setting.half_width(angle);
                 let exact = 2.0 / 3.0 * angle.to_radians().sin() * a * a / 20.0;
                 let mut plate = setting.start()?;
-                let (end, left, right) = (0.5 * length, place - a - 0.2, place + a + 0.2);
+                let (end, left, right) = (0.5 * length, drop_offset - a - 0.2, drop_offset + a + 0.2);
                 let bend = |p: &Plate| p.slope(right, end) - p.slope(-end, left);
                 let tip = |p: &Plate| p.slope(right, end);
                 let value =
-                    if held == Held::Left { plate.mean_of(30.0, tip)? } else { plate.mean_of(10.0, bend)? };
+                    if support == PlateSupport::LeftEnd { plate.mean_over_last_fifth(30.0, tip)? } else { plate.mean_over_last_fifth(10.0, bend)? };
                 let what =
-                    if held == Held::Left { "slope of a cantilever's tip" } else { "bend of a free plate" };
+                    if support == PlateSupport::LeftEnd { "slope of a cantilever's tip" } else { "bend of a free plate" };
                 let text = format!("{what}, {thick} cells thick, θ = {angle}°, {cells} cells/R");
                 checks.push(Check::relative("soft-kink", &text, value, exact, 0.08, Some(0.03), ""));
             }
@@ -93,10 +93,10 @@ fn strip(mode: Mode) -> Result<Vec<Check>, StepError> {
     let angles: &[f64] = if mode == Mode::Quick { &[60.0] } else { &[60.0, 90.0, 120.0] };
     for &angle in angles {
         let time = 10.0;
-        let setting = Setting {
+        let setting = PlateSetup {
             cells,
             angle,
-            first: angle,
+            initial_angle: angle,
             length: 5.0,
             thickness: 4.0 / cells as f64,
             bending: 5.5,
@@ -105,17 +105,17 @@ fn strip(mode: Mode) -> Result<Vec<Check>, StepError> {
             density: 1.0,
             damping: 0.3,
             area: FRAC_PI_2,
-            place: 0.4,
+            drop_offset: 0.4,
             viscosity: 0.02,
-            held: Held::Nowhere,
-            heights: [4.0, 1.4],
+            support: PlateSupport::Free,
+            domain_and_plate_height: [4.0, 1.4],
         };
         let Plate { mut sim, .. } = setting.start()?;
         let sums = |sim: &Simulation<2>| {
-            let (books, now) = (sim.ledger(), &sim.state.solids[0]);
+            let (books, now) = (sim.diagnostics(), &sim.state.solids[0]);
             let own = sim.model.solids[0].elastic().zip(now.soft.as_ref());
             let (p, l, mass) = own.map_or((Vector::zeros(), 0.0, 0.0), |(e, soft)| {
-                (e.momentum(&soft.body), e.angular_momentum(&soft.body)[2], e.masses().iter().sum())
+                (e.momentum(&soft.state), e.angular_momentum(&soft.state)[2], e.masses().iter().sum())
             });
             let center =
                 (books.centroid * books.target_volume + now.center * mass) / (books.target_volume + mass);
@@ -145,11 +145,11 @@ fn stiff(mode: Mode) -> Result<Vec<Check>, StepError> {
     };
     let mut checks = Vec::new();
     for &angle in angles {
-        let contact = |held: Held| {
-            let setting = Setting {
+        let contact = |support: PlateSupport| {
+            let setting = PlateSetup {
                 cells,
                 angle,
-                first: 90.0,
+                initial_angle: 90.0,
                 length: 5.0,
                 thickness: 6.0 / cells as f64,
                 bending: 1e5,
@@ -158,16 +158,16 @@ fn stiff(mode: Mode) -> Result<Vec<Check>, StepError> {
                 density: 1.0,
                 damping: 0.3,
                 area: FRAC_PI_2,
-                place: 0.0,
+                drop_offset: 0.0,
                 viscosity: 0.3,
-                held,
-                heights: [4.0, 1.4],
+                support,
+                domain_and_plate_height: [4.0, 1.4],
             };
             let mut plate = setting.start()?;
             let tracker = LineTracker::new(&plate.sim.model, &[plate.sim.model.grid.dx / 1.5]);
-            plate.mean_of(15.0, |p| tracker.find(&p.sim).angle(None).map_or(0.0, |a| a.0))
+            plate.mean_over_last_fifth(15.0, |p| tracker.extract(&p.sim).angle_statistics(None).map_or(0.0, |a| a.0))
         };
-        let (soft, rigid) = (contact(Held::Bottom)?, contact(Held::Everywhere)?);
+        let (soft, rigid) = (contact(PlateSupport::Bottom)?, contact(PlateSupport::Rigid)?);
         let text = format!("contact angle, θ = {angle}°, {cells} cells/R");
         checks.push(Check::absolute("soft-stiff", &text, soft, rigid, 1.0, Some(0.5), "°"));
     }

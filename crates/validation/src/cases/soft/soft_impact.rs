@@ -33,7 +33,7 @@ fn run(_: Mode) -> Vec<Check> {
         return Vec::new();
     };
     let size = 16e-3;
-    let [first, second] = [0, 1].map(|k| apart(&all[k], &all[k + 1]) / (size / RESOLUTIONS[0] as f64));
+    let [first, second] = [0, 1].map(|k| mean_distance(&all[k], &all[k + 1]) / (size / RESOLUTIONS[0] as f64));
     let between = |k: usize| format!("{}² and {}²", RESOLUTIONS[k], RESOLUTIONS[k + 1]);
     let text = |k: usize| format!("contact points of {}, in cells of the coarsest", between(k));
     vec![
@@ -59,13 +59,13 @@ fn history(cells: usize) -> Option<History> {
 
 /// The first and the last contact point along the plate.
 fn outermost(sim: &Simulation<2>, tracker: &LineTracker<2>) -> Option<[Vector<2>; 2]> {
-    let mut points: Vec<Vector<2>> = tracker.find(sim).points.iter().map(|p| p.at).collect();
+    let mut points: Vec<Vector<2>> = tracker.extract(sim).points.iter().map(|p| p.at).collect();
     points.sort_by(|p, q| p[0].total_cmp(&q[0]));
     points.first().zip(points.last()).filter(|(p, q)| p[0] < q[0]).map(|(p, q)| [*p, *q])
 }
 
 /// Mean distance of the points of two histories, m, at the times when both have some.
-fn apart(one: &History, other: &History) -> f64 {
+fn mean_distance(one: &History, other: &History) -> f64 {
     let both = one.iter().zip(other).filter_map(|(p, q)| p.zip(*q));
     let each: Vec<f64> = both.flat_map(|(p, q)| [0, 1].map(|k| (p[k] - q[k]).norm())).collect();
     each.iter().sum::<f64>() / each.len().max(1) as f64

@@ -1,15 +1,15 @@
 //! The bending moment of a beam that carries a drop, against statics.
 
-use crate::measure::{TimeMean, force, load, settle};
+use crate::measure::{TimeMean, liquid_force, external_load, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, Description, Elastic, ElasticError, Law, Order};
+use meniscus_elastic::{Anchor, ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, ElementOrder};
 use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Body, Hysteresis, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Hysteresis, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -23,7 +23,7 @@ pub const CASE: Case = Case {
         slope of the middle line's angle by a parabola over 0.6 mm to both sides. The liquid's moment about the clamp is what the \
         clamp's reaction balances, less the beam's own. Means from 0.3 to 0.8 s. 8 and 16 cells a millimetre. Quick: the first drop, 8 cells.",
     quick: true,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "soft-moment";
@@ -31,33 +31,33 @@ const MM: f64 = 1e-3;
 const YOUNG: f64 = 500e3;
 const POISSON: f64 = 0.45;
 const DENSITY: f64 = 1100.0;
-const LIQUID: f64 = 1000.0;
+const LIQUID_DENSITY: f64 = 1000.0;
 const GRAVITY: f64 = 9.81;
-const THICK: f64 = 0.4 * MM;
+const THICKNESS: f64 = 0.4 * MM;
 /// Where the beam starts and ends, and how high its lower side is, m.
 const BEAM: [f64; 2] = [MM, 10.0 * MM];
-const LOW: f64 = 3.6 * MM;
+const BEAM_BOTTOM: f64 = 3.6 * MM;
 /// Where the clamp ends, m.
-const CLAMP: f64 = 1.5 * MM;
+const CLAMP_END: f64 = 1.5 * MM;
 /// Where moments are compared, m: all over a plate's thickness from the clamp and from the liquid.
-const PLACES: [f64; 4] = [2.5 * MM, 3.0 * MM, 3.5 * MM, 4.0 * MM];
+const STATIONS: [f64; 4] = [2.5 * MM, 3.0 * MM, 3.5 * MM, 4.0 * MM];
 /// Half the length over which the curvature is fitted, m.
-const PIECE: f64 = 0.6 * MM;
+const FIT_HALF_LENGTH: f64 = 0.6 * MM;
 
 /// Time from which, and to which, means are taken, s. Beam and drop swing with a period of 0.07 s, which lines at the edge keep up:
 /// means over two of them differ by several per cent.
-const WINDOW: [f64; 2] = [0.3, 0.8];
+const AVERAGING_WINDOW: [f64; 2] = [0.3, 0.8];
 
 /// A drop on the beam.
-struct Drop {
+struct DropCase {
     angle: f64,
     hysteresis: Option<f64>,
     damping: f64,
 }
 
-const DROPS: [Drop; 2] = [
-    Drop { angle: 30.0, hysteresis: None, damping: 0.1 },
-    Drop { angle: 90.0, hysteresis: Some(20.0), damping: 0.3 },
+const DROPS: [DropCase; 2] = [
+    DropCase { angle: 30.0, hysteresis: None, damping: 0.1 },
+    DropCase { angle: 90.0, hysteresis: Some(20.0), damping: 0.3 },
 ];
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -84,20 +84,20 @@ struct Means {
     moment: TimeMean,
 }
 
-impl Drop {
+impl DropCase {
     fn checks(&self, cells: usize) -> Result<Vec<Check>, StepError> {
         let means = self.means(cells)?;
         let what = |text: &str| format!("{text}, θ = {}°, {cells} cells/mm", self.angle);
         let (weight, center) = (means.weight.mean(), means.center.mean());
-        let mut checks: Vec<Check> = PLACES
+        let mut checks: Vec<Check> = STATIONS
             .iter()
             .map(|&place| {
                 let text = what(&format!("moment at s = {} mm", place / MM));
-                let told = means.statics(place);
-                Check::relative(NAME, &text, means.bending(place), told, 0.03, Some(0.01), "N")
+                let told = means.static_moment(place);
+                Check::relative(NAME, &text, means.bending_moment(place), told, 0.03, Some(0.01), "N")
             })
             .collect();
-        let torque = weight * (center - CLAMP);
+        let torque = weight * (center - CLAMP_END);
         let (found, text) = (-means.moment.mean(), what("moment of the liquid about the clamp"));
         checks.push(Check::relative(NAME, &text, found, torque, 0.03, Some(0.01), "N"));
         let (found, text) = (-means.force.mean(), what("force of the liquid"));
@@ -107,22 +107,22 @@ impl Drop {
 
     fn means(&self, cells: usize) -> Result<Means, StepError> {
         let mut sim = self.start(cells)?;
-        let [from, to] = WINDOW;
+        let [from, to] = AVERAGING_WINDOW;
         let lines = middle_line(&sim);
         let middle = lines.iter().map(|(s, _)| (*s, [TimeMean::default(); 2])).collect();
         let none = TimeMean::default();
         let mut means = Means { middle, weight: none, center: none, force: none, moment: none };
-        let clamp = Vector::<2>::new(CLAMP, LOW + 0.5 * THICK);
+        let clamp = Vector::<2>::new(CLAMP_END, BEAM_BOTTOM + 0.5 * THICKNESS);
         run_to(&mut sim, from, |_, _| ())?;
         run_to(&mut sim, to, |sim, report| {
             let dt = report.dt;
-            means.weight.add(LIQUID * GRAVITY * report.ledger.volume, dt);
-            means.center.add(report.ledger.centroid[0], dt);
-            means.force.add(force(sim, 0)[1], dt);
-            means.moment.add(load(sim, 0, &clamp).map_or(f64::NAN, |load| load.moment), dt);
+            means.weight.add(LIQUID_DENSITY * GRAVITY * report.diagnostics.volume, dt);
+            means.center.add(report.diagnostics.centroid[0], dt);
+            means.force.add(liquid_force(sim, 0)[1], dt);
+            means.moment.add(external_load(sim, 0, &clamp).map_or(f64::NAN, |load| load.moment), dt);
             let Some(soft) = &sim.state.solids[0].soft else { return };
             for ((_, mean), (_, [top, bottom])) in means.middle.iter_mut().zip(&lines) {
-                let at = 0.5 * (soft.body.positions[*top] + soft.body.positions[*bottom]);
+                let at = 0.5 * (soft.state.positions[*top] + soft.state.positions[*bottom]);
                 (0..2).for_each(|a| mean[a].add(at[a], dt));
             }
         })?;
@@ -132,24 +132,24 @@ impl Drop {
     fn start(&self, cells: usize) -> Result<Simulation<2>, StepError> {
         let dx = MM / cells as f64;
         let shape = Shape::Box {
-            center: Vector::<2>::new(0.5 * (BEAM[0] + BEAM[1]), LOW + 0.5 * THICK),
-            half_size: Vector::<2>::new(0.5 * (BEAM[1] - BEAM[0]), 0.5 * THICK),
+            center: Vector::<2>::new(0.5 * (BEAM[0] + BEAM[1]), BEAM_BOTTOM + 0.5 * THICKNESS),
+            half_size: Vector::<2>::new(0.5 * (BEAM[1] - BEAM[0]), 0.5 * THICKNESS),
             rotation: Matrix::identity(),
         };
-        let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, Order::Quadratic).unwrap_or_default();
-        let anchors = vec![Anchor::within(&mesh, |x| x[0] <= CLAMP)];
-        let law = Law::NeoHookean { young: YOUNG, poisson: POISSON, order: Order::Quadratic };
+        let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, ElementOrder::Quadratic).unwrap_or_default();
+        let anchors = vec![Anchor::within(&mesh, |x| x[0] <= CLAMP_END)];
+        let law = ConstitutiveLaw::NeoHookean { young_modulus: YOUNG, poisson_ratio: POISSON, order: ElementOrder::Quadratic };
         let damping_ratio = self.damping;
-        let elastic = Elastic::new(Description { mesh, density: DENSITY, law, damping_ratio, anchors });
+        let elastic = Elastic::new(ElasticSpecification { mesh, density: DENSITY, law, damping_ratio, anchors });
         let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
         let mut beam = Solid::new(shape, Motion::Soft(Arc::new(elastic.map_err(failed)?)), DENSITY);
-        beam.cosine = self.angle.to_radians().cos();
+        beam.young_cosine = self.angle.to_radians().cos();
         beam.line_friction = 0.3;
         beam.hysteresis = self.hysteresis.map(|by| Hysteresis::Around([by.to_radians(); 2]));
         let model = Model {
             grid: Grid::<2>::new([14 * cells, 8 * cells], dx),
             walls: [[Wall::Slip; 2]; 2],
-            density: LIQUID,
+            density: LIQUID_DENSITY,
             kinematic_viscosity: 1e-6,
             surface_tension: 72.8e-3,
             gravity: Vector::<2>::new(0.0, -GRAVITY),
@@ -158,7 +158,7 @@ impl Drop {
         };
         let center = Vector::<2>::new(6.0 * MM, 5.05 * MM);
         let ball = move |x: &Vector<2>| (x - center).norm() - MM;
-        Ok(Simulation::new(model, &[Body { distance: &ball, velocity: Vector::zeros() }]))
+        Ok(Simulation::new(model, &[LiquidRegion { signed_distance: &ball, velocity: Vector::zeros() }]))
     }
 }
 
@@ -166,12 +166,12 @@ impl Drop {
 fn middle_line(sim: &Simulation<2>) -> Vec<(f64, [usize; 2])> {
     let Some(elastic) = sim.model.solids[0].elastic() else { return Vec::new() };
     let side = |height: f64| {
-        let on = elastic.mesh().positions.iter().enumerate().filter(|(_, x)| (x[1] - height).abs() < 1e-9);
+        let on = elastic.rest_mesh().positions.iter().enumerate().filter(|(_, x)| (x[1] - height).abs() < 1e-9);
         let mut on: Vec<(f64, usize)> = on.map(|(k, x)| (x[0], k)).collect();
         on.sort_by(|a, b| a.0.total_cmp(&b.0));
         on
     };
-    side(LOW + THICK).into_iter().zip(side(LOW)).map(|((s, top), (_, bottom))| (s, [top, bottom])).collect()
+    side(BEAM_BOTTOM + THICKNESS).into_iter().zip(side(BEAM_BOTTOM)).map(|((s, top), (_, bottom))| (s, [top, bottom])).collect()
 }
 
 impl Means {
@@ -181,18 +181,18 @@ impl Means {
     }
 
     /// B κ at a place along the beam, N; positive where it bends down.
-    fn bending(&self, place: f64) -> f64 {
+    fn bending_moment(&self, place: f64) -> f64 {
         let line = self.line();
         let near = line.windows(2).filter_map(|pair| {
             let (s, way) = (0.5 * (pair[0].0 + pair[1].0) - place, pair[1].1 - pair[0].1);
-            (s.abs() < PIECE).then(|| (1.0, [1.0, s / PIECE, (s / PIECE).powi(2)], way[1].atan2(way[0])))
+            (s.abs() < FIT_HALF_LENGTH).then(|| (1.0, [1.0, s / FIT_HALF_LENGTH, (s / FIT_HALF_LENGTH).powi(2)], way[1].atan2(way[0])))
         });
-        let stiffness = YOUNG * THICK.powi(3) / (12.0 * (1.0 - POISSON * POISSON));
-        least_squares(near).map_or(f64::NAN, |fit| -stiffness * fit[1] / PIECE)
+        let stiffness = YOUNG * THICKNESS.powi(3) / (12.0 * (1.0 - POISSON * POISSON));
+        least_squares(near).map_or(f64::NAN, |fit| -stiffness * fit[1] / FIT_HALF_LENGTH)
     }
 
     /// The moment by statics of what hangs beyond a place along the beam, N.
-    fn statics(&self, place: f64) -> f64 {
+    fn static_moment(&self, place: f64) -> f64 {
         let line = self.line();
         let next = line.partition_point(|(s, _)| *s < place).clamp(1, line.len() - 1);
         let ((a, from), (b, to)) = (line[next - 1], line[next]);
@@ -200,6 +200,6 @@ impl Means {
         let rest = std::iter::once((place, here)).chain(line[next..].iter().copied());
         let rest: Vec<(f64, f64)> = rest.map(|(s, x)| (s, x[0] - here[0])).collect();
         let arms: f64 = rest.windows(2).map(|p| 0.5 * (p[0].1 + p[1].1) * (p[1].0 - p[0].0)).sum();
-        self.weight.mean() * (self.center.mean() - here[0]) + DENSITY * GRAVITY * THICK * arms
+        self.weight.mean() * (self.center.mean() - here[0]) + DENSITY * GRAVITY * THICKNESS * arms
     }
 }

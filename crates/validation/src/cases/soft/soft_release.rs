@@ -1,14 +1,14 @@
 //! An elastic body that is stretched and let go in liquid.
 
-use crate::measure::{at_least, at_most, settle};
-use crate::setup::{offset, run_to};
+use crate::measure::{at_least, at_most, checks_or_failure};
+use crate::setup::{grid_offset, run_to};
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Description, Elastic, ElasticError, Law, Order};
+use meniscus_elastic::{ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, ElementOrder};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Body, Model, Motion, Numerics, Simulation, Soft, Solid, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Soft, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -21,7 +21,7 @@ pub const CASE: Case = Case {
         E0, when all of it is elastic (design, validation §6, 16f). Motion at a step's start: the mean of those half a step \
         before and after. 16 cells a unit, in 3D 8; quick: 12, 2D only.",
     quick: true,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "soft-release";
@@ -43,12 +43,12 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 /// The stretched body in its liquid.
 fn start<const D: usize>(cells: usize) -> Result<Simulation<D>, StepError> {
     let dx = 1.0 / cells as f64;
-    let middle = Vector::repeat(1.6) + offset(dx);
+    let middle = Vector::repeat(1.6) + grid_offset(dx);
     let shape = Shape::Ball { center: middle + Vector::from_fn(|a, _| [0.2, 0.1, -0.1][a]), radius: RADIUS };
-    let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, Order::Quadratic).unwrap_or_default();
-    let law = Law::NeoHookean { young: 10.0, poisson: 0.4, order: Order::Quadratic };
+    let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, ElementOrder::Quadratic).unwrap_or_default();
+    let law = ConstitutiveLaw::NeoHookean { young_modulus: 10.0, poisson_ratio: 0.4, order: ElementOrder::Quadratic };
     let anchors = Vec::new();
-    let description = Description { mesh, density: DENSITY, law, damping_ratio: 0.0, anchors };
+    let description = ElasticSpecification { mesh, density: DENSITY, law, damping_ratio: 0.0, anchors };
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
     let elastic = Arc::new(Elastic::new(description).map_err(failed)?);
     let model = Model {
@@ -62,20 +62,20 @@ fn start<const D: usize>(cells: usize) -> Result<Simulation<D>, StepError> {
         numerics: Numerics { max_step: STEP, tolerance: 1e-8, ..Numerics::default() },
     };
     let liquid = move |x: &Vector<D>| (x - middle).norm() - 1.0;
-    let still = Simulation::new(model, &[Body { distance: &liquid, velocity: Vector::zeros() }]);
+    let still = Simulation::new(model, &[LiquidRegion { signed_distance: &liquid, velocity: Vector::zeros() }]);
     let Simulation { model, mut state, .. } = still;
     let now = &mut state.solids[0];
     let center = now.center;
     if let Some(soft) = &mut now.soft {
-        let mut body = soft.body.clone();
+        let mut body = soft.state.clone();
         let narrow = STRETCH.powf(-1.0 / (D as f64 - 1.0));
         let stretched = |x: &Vector<D>| {
             center + Vector::from_fn(|a, _| (x - center)[a] * if a == 0 { STRETCH } else { narrow })
         };
         body.positions.iter_mut().for_each(|x| *x = stretched(x));
-        *soft = Soft::bare(body);
+        *soft = Soft::without_surface(body);
     }
-    now.follow(&elastic);
+    now.update_center_of_mass(&elastic);
     Ok(Simulation::resume(model, state))
 }
 
@@ -84,17 +84,17 @@ fn release<const D: usize>(cells: usize, time: f64) -> Result<Vec<Check>, StepEr
     let own = |sim: &Simulation<D>| {
         let soft = sim.model.solids[0].elastic().zip(sim.state.solids[0].soft.as_ref());
         soft.map_or((Vector::zeros(), Vector::<3>::zeros(), 0.0), |(e, soft)| {
-            let turning = Vector::<3>::from(e.angular_momentum(&soft.body));
-            (e.momentum(&soft.body), turning, e.masses().iter().sum::<f64>())
+            let turning = Vector::<3>::from(e.angular_momentum(&soft.state));
+            (e.momentum(&soft.state), turning, e.masses().iter().sum::<f64>())
         })
     };
-    let books = sim.ledger();
+    let books = sim.diagnostics();
     let start = books.elastic_energy;
     let scale = (2.0 * start * (books.target_volume + own(&sim).2)).sqrt();
     let (mut linear, mut turning, mut rise, mut moving) = (0f64, 0f64, 0f64, 0f64);
     run_to(&mut sim, time, |sim, report| {
         let (p, l, _) = own(sim);
-        let books = &report.ledger;
+        let books = &report.diagnostics;
         linear = linear.max((books.momentum + p).norm() / scale);
         turning = turning.max((Vector::<3>::from(books.angular_momentum) + l).norm() / scale);
         let (moves, stretches) = (books.kinetic_energy, books.elastic_energy);

@@ -1,14 +1,14 @@
 //! A drop at rest on a soft plate that its weight bends, with friction of its line.
 
-use crate::measure::settle;
+use crate::measure::checks_or_failure;
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, Description, Elastic, Law, Order};
+use meniscus_elastic::{Anchor, ElasticSpecification, Elastic, ConstitutiveLaw, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Body, LineTracker, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LiquidRegion, LineTracker, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -20,7 +20,7 @@ pub const CASE: Case = Case {
         under both: mean angle from 0.5 to 0.6 s with steps of 2 and 5 times the explicit capillary limit; the line feels the \
         plate's speed, which is nothing, not what a part of the forces would make it (2.6° too little with steps of 5). Quick: 5.",
     quick: true,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "soft-sag";
@@ -28,7 +28,7 @@ const NAME: &str = "soft-sag";
 const DX: f64 = 0.52e-3;
 const LENGTH: f64 = 64.0 * DX;
 /// Four layers of elements of Δ/1.5.
-const THICK: f64 = 4.0 / 1.5 * DX;
+const THICKNESS: f64 = 4.0 / 1.5 * DX;
 const RADIUS: f64 = 5e-3;
 const POISSON: f64 = 0.3;
 
@@ -43,7 +43,7 @@ fn check(step: f64) -> Result<Check, StepError> {
     run_to(&mut sim, 0.5, |_, _| ())?;
     let (mut sum, mut count) = (0.0, 0.0);
     run_to(&mut sim, 0.6, |sim, _| {
-        sum += tracker.find(sim).angle(None).map_or(f64::NAN, |a| a.0);
+        sum += tracker.extract(sim).angle_statistics(None).map_or(f64::NAN, |a| a.0);
         count += 1.0;
     })?;
     let text = format!("angle with steps of {step} times the explicit limit");
@@ -53,14 +53,14 @@ fn check(step: f64) -> Result<Check, StepError> {
 fn start(step: f64) -> Simulation<2> {
     let grid = Grid::<2>::new([96, 64], DX);
     let center = Vector::<2>::new(48.0 * DX, 21.0 * DX);
-    let half = Vector::<2>::new(0.5 * LENGTH, 0.5 * THICK);
+    let half = Vector::<2>::new(0.5 * LENGTH, 0.5 * THICKNESS);
     let shape = Shape::Box { center, half_size: half, rotation: Matrix::identity() };
-    let mesh = VolumeMesh::of_shape(&shape, DX / 1.5, Order::Quadratic).unwrap_or_default();
+    let mesh = VolumeMesh::of_shape(&shape, DX / 1.5, ElementOrder::Quadratic).unwrap_or_default();
     let clamped = half[0] - 1.3 * DX;
     let anchors = vec![Anchor::within(&mesh, |x| (x[0] - center[0]).abs() > clamped)];
-    let young = 5e-5 * 12.0 * (1.0 - POISSON * POISSON) / THICK.powi(3);
-    let law = Law::NeoHookean { young, poisson: POISSON, order: Order::Quadratic };
-    let plate = Elastic::new(Description { mesh, density: 2500.0, law, damping_ratio: 0.2, anchors });
+    let young_modulus = 5e-5 * 12.0 * (1.0 - POISSON * POISSON) / THICKNESS.powi(3);
+    let law = ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio: POISSON, order: ElementOrder::Quadratic };
+    let plate = Elastic::new(ElasticSpecification { mesh, density: 2500.0, law, damping_ratio: 0.2, anchors });
     let mut solid = Solid::new(shape, plate.map_or(Motion::Fixed, |e| Motion::Soft(Arc::new(e))), 2500.0);
     solid.line_friction = 0.3;
     let model = Model {
@@ -75,5 +75,5 @@ fn start(step: f64) -> Simulation<2> {
     };
     let middle = center + Vector::<2>::new(0.0, half[1] + RADIUS);
     let drop = |x: &Vector<2>| (x - middle).norm() - RADIUS;
-    Simulation::new(model, &[Body { distance: &drop, velocity: Vector::zeros() }])
+    Simulation::new(model, &[LiquidRegion { signed_distance: &drop, velocity: Vector::zeros() }])
 }

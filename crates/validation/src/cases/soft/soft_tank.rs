@@ -1,14 +1,14 @@
 //! An elastic plate as the bottom of a tank.
 
-use crate::measure::{at_most, settle};
+use crate::measure::{at_most, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, Description, Elastic, Law, Order};
+use meniscus_elastic::{Anchor, ElasticSpecification, Elastic, ConstitutiveLaw, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Body, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -20,14 +20,14 @@ pub const CASE: Case = Case {
         which cannot come nearer, hold it up by 4 % more than that says), and the water comes to rest: largest speed over √(g H) \
         (design, validation §6, 16a and 16b). 15 cells a unit; quick: 10.",
     quick: true,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "soft-tank";
 const LENGTH: f64 = 10.0;
-const THICK: f64 = 0.4;
+const THICKNESS: f64 = 0.4;
 /// Height of the plate's middle over the floor.
-const OVER: f64 = 2.03;
+const PLATE_HEIGHT: f64 = 2.03;
 const DEPTH: f64 = 5.0;
 const GRAVITY: f64 = 980.0;
 
@@ -37,14 +37,14 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let grid = Grid::<2>::new([(LENGTH * cells) as usize, (8.8 * cells) as usize], dx);
     // The plate goes on within the walls, where it is held.
     let (center, half) =
-        (Vector::<2>::new(0.5 * LENGTH, OVER), Vector::<2>::new(0.5 * LENGTH + 0.4, 0.5 * THICK));
+        (Vector::<2>::new(0.5 * LENGTH, PLATE_HEIGHT), Vector::<2>::new(0.5 * LENGTH + 0.4, 0.5 * THICKNESS));
     let shape = Shape::Box { center, half_size: half, rotation: Matrix::identity() };
-    let mesh = VolumeMesh::of_shape(&shape, 0.1f64.min(dx), Order::Quadratic).unwrap_or_default();
+    let mesh = VolumeMesh::of_shape(&shape, 0.1f64.min(dx), ElementOrder::Quadratic).unwrap_or_default();
     let middle = mesh.positions.iter().enumerate();
     let middle: Vec<usize> = middle.filter(|(_, x)| (*x - center).norm() < 0.06).map(|(k, _)| k).collect();
     let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9 || x[0] > LENGTH - 1e-9)];
-    let law = Law::NeoHookean { young: 2e9, poisson: 0.3, order: Order::Quadratic };
-    let plate = Elastic::new(Description { mesh, density: 1.2, law, damping_ratio: 1.0, anchors });
+    let law = ConstitutiveLaw::NeoHookean { young_modulus: 2e9, poisson_ratio: 0.3, order: ElementOrder::Quadratic };
+    let plate = Elastic::new(ElasticSpecification { mesh, density: 1.2, law, damping_ratio: 1.0, anchors });
     let motion = plate.map_or(Motion::Fixed, |e| Motion::Soft(Arc::new(e)));
     let model = Model {
         grid,
@@ -56,12 +56,12 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
         solids: vec![Solid::new(shape, motion, 1.2)],
         numerics: Numerics::default(),
     };
-    let top = OVER + 0.5 * THICK + DEPTH;
-    let water = |x: &Vector<2>| (x[1] - top).max(OVER - x[1]);
-    let mut sim = Simulation::new(model, &[Body { distance: &water, velocity: Vector::zeros() }]);
+    let top = PLATE_HEIGHT + 0.5 * THICKNESS + DEPTH;
+    let water = |x: &Vector<2>| (x[1] - top).max(PLATE_HEIGHT - x[1]);
+    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &water, velocity: Vector::zeros() }]);
     run_to(&mut sim, 1.0, |_, _| ())?;
-    let speed = sim.ledger().max_speed / (GRAVITY * DEPTH).sqrt();
-    let sunk = |k: &usize| sim.state.solids[0].soft.as_ref().map_or(0.0, |s| OVER - s.body.positions[*k][1]);
+    let speed = sim.diagnostics().max_speed / (GRAVITY * DEPTH).sqrt();
+    let sunk = |k: &usize| sim.state.solids[0].soft.as_ref().map_or(0.0, |s| PLATE_HEIGHT - s.state.positions[*k][1]);
     let sunk = middle.iter().map(sunk).sum::<f64>() / middle.len() as f64;
     let text = |what: &str| format!("{what}, {cells} cells a unit");
     Ok(vec![

@@ -2,7 +2,7 @@
 
 use crate::cases::rigid::floating::tank;
 use crate::cases::rigid::momentum_with_solid::plate_and_drop;
-use crate::measure::{at_most, settle};
+use crate::measure::{at_most, checks_or_failure};
 use crate::{Case, Check, Mode};
 use meniscus_sim::{Simulation, StepError};
 
@@ -15,7 +15,7 @@ pub const CASE: Case = Case {
         (floating). The most iterations of any solve of 20 steps, the first of which starts from a pressure of zero. 16 cells per radius, in 3D 8. \
         Quick: 2D, 8.",
     quick: true,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "iterations";
@@ -39,14 +39,14 @@ fn checks<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
         let pool = tank::<D>((1.0, 90.0, density), (cells, 4.0), 0.0, &|_| 0.0);
         for (what, sim) in [("drop on a plate", plate), ("body in a pool", pool)] {
             let text = format!("iterations of a solve, {what}, {D}D, D = {density}, {cells} cells/R");
-            all.push(at_most(NAME, &text, most(sim)?, 20.0, None, ""));
+            all.push(at_most(NAME, &text, max_iterations(sim)?, 20.0, None, ""));
         }
     }
     Ok(all)
 }
 
 /// The most iterations of any solve.
-fn most<const D: usize>(mut sim: Simulation<D>) -> Result<f64, StepError> {
+fn max_iterations<const D: usize>(mut sim: Simulation<D>) -> Result<f64, StepError> {
     let mut most = 0;
     while sim.state.step < STEPS {
         most =

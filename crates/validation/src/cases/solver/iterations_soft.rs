@@ -1,14 +1,14 @@
 //! How many iterations the pressure takes with soft sheets.
 
-use crate::measure::{at_most, settle};
-use crate::setup::offset;
+use crate::measure::{at_most, checks_or_failure};
+use crate::setup::grid_offset;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Description, Elastic, ElasticError, Law, Order};
+use meniscus_elastic::{ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Body, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -20,7 +20,7 @@ pub const CASE: Case = Case {
         h²/ρ_s tΔ⁴ of 1 to 10⁶. Multigrid-preconditioned conjugate gradients to a relative residual of 1e-6: the most iterations of \
         any solve of 8 steps of h = 0.005, the first of which starts from a pressure of zero. 3D, 16 cells a unit; quick: 2D, 12.",
     quick: true,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "iterations-soft";
@@ -42,7 +42,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 
 fn checks<const D: usize>(cells: usize, settings: &[(f64, f64)]) -> Result<Vec<Check>, StepError> {
     let check = |(light, bending): &(f64, f64)| {
-        let most = most(start::<D>(cells, *light, *bending)?)?;
+        let most = max_iterations(start::<D>(cells, *light, *bending)?)?;
         let text = format!("iterations of a solve, r = {light}, k_b = {bending}, {D}D, {cells} cells a unit");
         Ok(at_most(NAME, &text, most, 60.0, Some(30.0), ""))
     };
@@ -54,16 +54,16 @@ fn start<const D: usize>(cells: usize, light: f64, bending: f64) -> Result<Simul
     let dx = 1.0 / cells as f64;
     let thickness = THICKNESS * dx;
     let density = dx / (light * thickness);
-    let young =
+    let young_modulus =
         bending * density * dx.powi(4) * 12.0 * (1.0 - POISSON * POISSON) / (STEP * thickness).powi(2);
     let room = Vector::<D>::from_fn(|a, _| if a == D - 1 { 2.0 } else { 3.0 });
-    let center = Vector::from_fn(|a, _| if a == D - 1 { 0.9 } else { 1.5 }) + offset(dx);
+    let center = Vector::from_fn(|a, _| if a == D - 1 { 0.9 } else { 1.5 }) + grid_offset(dx);
     let half_size = Vector::from_fn(|a, _| if a == D - 1 { 0.5 * thickness } else { 0.75 });
     let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
-    let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, Order::Quadratic).unwrap_or_default();
-    let law = Law::NeoHookean { young, poisson: POISSON, order: Order::Quadratic };
+    let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, ElementOrder::Quadratic).unwrap_or_default();
+    let law = ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio: POISSON, order: ElementOrder::Quadratic };
     let anchors = Vec::new();
-    let description = Description { mesh, density, law, damping_ratio: 0.0, anchors };
+    let description = ElasticSpecification { mesh, density, law, damping_ratio: 0.0, anchors };
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
     let elastic = Elastic::new(description).map_err(failed)?;
     let model = Model {
@@ -77,11 +77,11 @@ fn start<const D: usize>(cells: usize, light: f64, bending: f64) -> Result<Simul
         numerics: Numerics { max_step: STEP, ..Numerics::default() },
     };
     let liquid = |x: &Vector<D>| x[D - 1] - 1.5;
-    Ok(Simulation::new(model, &[Body { distance: &liquid, velocity: Vector::zeros() }]))
+    Ok(Simulation::new(model, &[LiquidRegion { signed_distance: &liquid, velocity: Vector::zeros() }]))
 }
 
 /// The most iterations of any solve.
-fn most<const D: usize>(mut sim: Simulation<D>) -> Result<f64, StepError> {
+fn max_iterations<const D: usize>(mut sim: Simulation<D>) -> Result<f64, StepError> {
     let mut most = 0;
     while sim.state.step < STEPS {
         let solves = sim.step(f64::INFINITY, &mut |_| ())?.solves;

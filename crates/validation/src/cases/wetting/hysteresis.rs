@@ -1,12 +1,12 @@
 //! Drops that rest on slopes, held by its contact lines.
 
-use crate::measure::{at_least, at_most, settle};
+use crate::measure::{at_least, at_most, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Body, Hysteresis, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Hysteresis, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// A drop on a slope.
@@ -21,23 +21,23 @@ pub const CASE: Case = Case {
         around (A. I. ElSherbini, A. M. Jacobi, J. Colloid Interface Sci. 299 (2006) 841), and none holds more than k = 1: \
         0.7 of the first (load comes at once: it swings beyond) must leave it at rest, 1.1 of the second must not.",
     quick: true,
-    run: |mode| settle("hysteresis", slopes(if mode == Mode::Quick { 8 } else { 16 })),
+    run: |mode| checks_or_failure("hysteresis", slopes(if mode == Mode::Quick { 8 } else { 16 })),
 };
 
 /// Share of γ times its width times the difference of the cosines that a round drop holds.
-const ROUND: f64 = 24.0 / (PI * PI * PI);
+const ROUND_DROP_FACTOR: f64 = 24.0 / (PI * PI * PI);
 
 fn slopes(cells: usize) -> Result<Vec<Check>, StepError> {
     let (area, volume) = (0.5 * PI, 2.0 / 3.0 * PI);
-    let mut checks = pulled::<2>(cells, [0.9, 1.1].map(|share| (share, share / area)))?;
-    checks.extend(pulled::<3>(8, [(0.7, 0.7 * ROUND * 2.0 / volume), (1.1, 1.1 * 2.0 / volume)])?);
+    let mut checks = check_pull::<2>(cells, [0.9, 1.1].map(|share| (share, share / area)))?;
+    checks.extend(check_pull::<3>(8, [(0.7, 0.7 * ROUND_DROP_FACTOR * 2.0 / volume), (1.1, 1.1 * 2.0 / volume)])?);
     Ok(checks)
 }
 
 /// One that must rest, and one that must not: share of the critical pull, and the pull over γ (cos θ_r − cos θ_a).
-fn pulled<const D: usize>(cells: usize, [rest, slide]: [(f64, f64); 2]) -> Result<Vec<Check>, StepError> {
+fn check_pull<const D: usize>(cells: usize, [rest, slide]: [(f64, f64); 2]) -> Result<Vec<Check>, StepError> {
     let what = |share: f64| format!("way / R at {share} of the critical pull, {D}D, {cells} cells/R");
-    let (stays, goes) = (way::<D>(cells, rest.1)?.abs(), way::<D>(cells, slide.1)?);
+    let (stays, goes) = (sliding_distance::<D>(cells, rest.1)?.abs(), sliding_distance::<D>(cells, slide.1)?);
     Ok(vec![
         at_most("hysteresis", &what(rest.0), stays, 0.02, Some(0.005), ""),
         at_least("hysteresis", &what(slide.0), goes, 0.1, 0.2),
@@ -45,7 +45,7 @@ fn pulled<const D: usize>(cells: usize, [rest, slide]: [(f64, f64); 2]) -> Resul
 }
 
 /// How far the drop's middle goes from the sixth to the twelfth capillary time; `pull` over γ (cos θ_r − cos θ_a).
-fn way<const D: usize>(cells: usize, pull: f64) -> Result<f64, StepError> {
+fn sliding_distance<const D: usize>(cells: usize, pull: f64) -> Result<f64, StepError> {
     let dx = 1.0 / cells as f64;
     let point = Vector::<D>::from_fn(|a, _| if a + 1 == D { 6.3 * dx } else { 2.0 });
     let normal = Vector::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
@@ -65,9 +65,9 @@ fn way<const D: usize>(cells: usize, pull: f64) -> Result<f64, StepError> {
         numerics: Numerics::default(),
     };
     let half = |x: &Vector<D>| (x - point).norm() - 1.0;
-    let mut sim = Simulation::new(model, &[Body { distance: &half, velocity: Vector::zeros() }]);
+    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &half, velocity: Vector::zeros() }]);
     run_to(&mut sim, 6.0, |_, _| ())?;
-    let before = sim.ledger().centroid[0];
+    let before = sim.diagnostics().centroid[0];
     run_to(&mut sim, 12.0, |_, _| ())?;
-    Ok(sim.ledger().centroid[0] - before)
+    Ok(sim.diagnostics().centroid[0] - before)
 }

@@ -1,13 +1,13 @@
 //! The friction of contact lines: how fast a drop spreads that nothing else holds back.
 
-use super::sessile::{cap_radius, fit, liquid};
-use crate::measure::{at_most, settle};
+use super::sessile::{cap_radius, fit_cap, sessile_model};
+use crate::measure::{at_most, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Body, Model, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{LiquidRegion, Model, Motion, Simulation, Solid, StepError};
 use std::f64::consts::PI;
 
 /// The case.
@@ -22,7 +22,7 @@ pub const CASE: Case = Case {
         plate under it, together, over γ L t, with L the drop's radius. Quick: the momentum \
         in 2D alone.",
     quick: true,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "line-friction";
@@ -48,15 +48,15 @@ fn spreading(cells: usize) -> Result<Vec<Check>, StepError> {
     let point = Vector::<2>::new(2.0, (0.5 * cells as f64).floor() * dx + 0.3 * dx);
     let normal = Vector::<2>::new(0.0, 1.0);
     let mut wall = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
-    wall.cosine = YOUNG.to_radians().cos();
+    wall.young_cosine = YOUNG.to_radians().cos();
     wall.line_friction = FRICTION;
     let start = |x: &Vector<2>| (x - point).norm() - 1.0;
-    let model = Model { kinematic_viscosity: VISCOSITY, ..liquid(grid, wall) };
-    let mut sim = Simulation::new(model, &[Body { distance: &start, velocity: Vector::zeros() }]);
+    let model = Model { kinematic_viscosity: VISCOSITY, ..sessile_model(grid, wall) };
+    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &start, velocity: Vector::zeros() }]);
     let mut checks = Vec::new();
     for time in TIMES {
         run_to(&mut sim, time, |_, _| ())?;
-        let cap = fit(&sim, |x| x[1] - point[1] > 1.5 * dx);
+        let cap = fit_cap(&sim, |x| x[1] - point[1] > 1.5 * dx);
         let found = cap.angle_on_plane(&point, &normal);
         let what = format!("angle at t = {time}, {cells} cells/R");
         checks.push(Check::absolute(NAME, &what, found, angle_at(time), 1.5, Some(0.7), "deg"));
@@ -98,16 +98,16 @@ fn momentum<const D: usize>(cells: usize, steps: usize) -> Result<Check, StepErr
     let half_size = Vector::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.34 });
     let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
     let mut plate = Solid::new(shape, Motion::Free, 1.25);
-    plate.cosine = 0.5;
+    plate.young_cosine = 0.5;
     plate.line_friction = FRICTION * RADIUS.sqrt();
-    let mut model = liquid(Grid::<D>::new([cells; D], 1.0 / cells as f64), plate);
+    let mut model = sessile_model(Grid::<D>::new([cells; D], 1.0 / cells as f64), plate);
     model.numerics.tolerance = 1e-10;
     let middle = center + Vector::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.08 });
     let above = |x: &Vector<D>| ((x - middle).norm() - RADIUS).max(center[D - 1] - x[D - 1]);
-    let body = Body { distance: &above, velocity: Vector::from_fn(|a, _| 0.3 - 0.2 * a as f64) };
+    let body = LiquidRegion { signed_distance: &above, velocity: Vector::from_fn(|a, _| 0.3 - 0.2 * a as f64) };
     let mut sim = Simulation::new(model, &[body]);
     let sum = |sim: &Simulation<D>| {
-        sim.ledger().momentum + sim.state.solids[0].velocity * sim.model.solids[0].body.mass
+        sim.diagnostics().momentum + sim.state.solids[0].velocity * sim.model.solids[0].mass_properties.mass
     };
     let start = sum(&sim);
     for _ in 0..steps {

@@ -1,18 +1,18 @@
 //! Baths that climb walls, or shun them: plates, gaps and tubes.
 
-use super::sessile::{liquid, speeds};
+use super::sessile::{sessile_model, rms_and_mean_speed};
 use crate::cases::rigid::floating::level_by_pressure;
-use crate::measure::{at_most, settle};
+use crate::measure::{at_most, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::{Grid, Sampler};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Body, LineTracker, Model, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{LiquidRegion, LineTracker, Model, Motion, Simulation, Solid, StepError};
 use std::f64::consts::{PI, SQRT_2};
 
 /// Plates and gaps in the plane.
-pub const PLANE: Case = Case {
+pub const CASE_2D: Case = Case {
     name: "meniscus-2d",
     title: "Menisci at plates and between them, 2D",
     theory: "A bath (ρ = g = γ = 1, so the capillary length lc is 1; ν = 1, 8 cells per lc, 12.5 for gaps) that starts level. At an \
@@ -22,7 +22,7 @@ pub const PLANE: Case = Case {
         stands, at the middle, as high as the Young–Laplace equation says (6c). Design, validation §2. Quick: 60 degrees, \
         wall and plate.",
     quick: false,
-    run: |mode| settle(PLANE_NAME, plane(mode)),
+    run: |mode| checks_or_failure(PLANE_NAME, plane(mode)),
 };
 
 /// Tubes in space.
@@ -35,7 +35,7 @@ pub const TUBE: Case = Case {
         that of the axisymmetric Young–Laplace equation (design, validation §2, 6d; Jurin). Time 25 √(lc/g). Quick: 60 \
         degrees, 6 cells.",
     quick: false,
-    run: |mode| settle(TUBE_NAME, tubes(mode)),
+    run: |mode| checks_or_failure(TUBE_NAME, tubes(mode)),
 };
 
 const TUBE_NAME: &str = "tube";
@@ -47,7 +47,7 @@ const ANGLES: [f64; 4] = [30.0, 60.0, 120.0, 150.0];
 const GAPS: [(f64, f64, f64); 4] =
     [(0.5, 30.0, 1.65156), (0.5, 60.0, 0.95797), (1.0, 30.0, 0.72221), (1.0, 60.0, 0.42316)];
 /// Distance from a plate to the tank's end, lc.
-const FAR: f64 = 8.0;
+const PLATE_TO_END_DISTANCE: f64 = 8.0;
 const TIME: f64 = 25.0;
 
 fn plane(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -68,8 +68,8 @@ fn plane(mode: Mode) -> Result<Vec<Check>, StepError> {
 /// A tank with a solid that the liquid meets at an angle (degrees).
 fn tank<const D: usize>(grid: Grid<D>, shape: Shape<D>, angle: f64) -> Model<D> {
     let mut solid = Solid::new(shape, Motion::Fixed, 1.0);
-    solid.cosine = angle.to_radians().cos();
-    let mut model = liquid(grid, solid);
+    solid.young_cosine = angle.to_radians().cos();
+    let mut model = sessile_model(grid, solid);
     model.kinematic_viscosity = 1.0;
     model.gravity[D - 1] = -1.0;
     model
@@ -78,18 +78,18 @@ fn tank<const D: usize>(grid: Grid<D>, shape: Shape<D>, angle: f64) -> Model<D> 
 /// The tank filled up to a level.
 fn bath<const D: usize>(model: Model<D>, level: f64) -> Simulation<D> {
     let distance = |x: &Vector<D>| x[D - 1] - level;
-    Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }])
+    Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
 }
 
 /// Height of the surface over or under a point.
-pub(crate) fn level<const D: usize>(sim: &Simulation<D>, mut x: Vector<D>) -> f64 {
+pub(crate) fn surface_height<const D: usize>(sim: &Simulation<D>, mut x: Vector<D>) -> f64 {
     let grid = &sim.model.grid;
-    let sampler = Sampler::cells(grid, &sim.state.phi.data, sim.model.scalar_edges());
+    let sampler = Sampler::cells(grid, &sim.state.phi.data, sim.model.scalar_boundary());
     let mut at = |height: f64| {
         x[D - 1] = height;
         sampler.cubic(&x)
     };
-    let mut high = grid.upper()[D - 1];
+    let mut high = grid.domain_upper()[D - 1];
     let mut low = high - grid.dx;
     while low > 0.0 && at(low) >= 0.0 {
         (low, high) = (low - grid.dx, low);
@@ -102,21 +102,21 @@ pub(crate) fn level<const D: usize>(sim: &Simulation<D>, mut x: Vector<D>) -> f6
 }
 
 /// How lively the bath still is.
-fn rest<const D: usize>(case: &str, what: &str, sim: &Simulation<D>) -> Check {
-    at_most(case, &format!("u_rms / √(g lc), {what}"), speeds(sim).0, 1e-2, Some(1e-3), "")
+fn check_at_rest<const D: usize>(case: &str, what: &str, sim: &Simulation<D>) -> Check {
+    at_most(case, &format!("u_rms / √(g lc), {what}"), rms_and_mean_speed(sim).0, 1e-2, Some(1e-3), "")
 }
 
 /// 6a: an upright wall.
 fn wall(angle: f64) -> Result<Vec<Check>, StepError> {
     let dx = 0.125;
     let x = 4.3 * dx;
-    let grid = Grid::<2>::new([((x + FAR) / dx).ceil() as usize, 38], dx);
+    let grid = Grid::<2>::new([((x + PLATE_TO_END_DISTANCE) / dx).ceil() as usize, 38], dx);
     let shape = Shape::HalfSpace { point: Vector::<2>::new(x, 0.0), normal: Vector::<2>::new(1.0, 0.0) };
     let mut sim = bath(tank(grid, shape, angle), 2.43);
     run_to(&mut sim, TIME, |_, _| ())?;
-    let line = LineTracker::new(&sim.model, &[dx / 1.5]).find(&sim);
+    let line = LineTracker::new(&sim.model, &[dx / 1.5]).extract(&sim);
     let risen = match line.points[..] {
-        [point] => point.at[1] - level(&sim, grid.upper()),
+        [point] => point.at[1] - surface_height(&sim, grid.domain_upper()),
         _ => f64::NAN,
     };
     let sine = angle.to_radians().sin();
@@ -124,7 +124,7 @@ fn wall(angle: f64) -> Result<Vec<Check>, StepError> {
     let what = format!("wall, θ = {angle}°");
     Ok(vec![
         Check::relative(PLANE_NAME, &format!("height, {what}"), risen, should, 0.02, Some(0.01), "lc"),
-        rest(PLANE_NAME, &what, &sim),
+        check_at_rest(PLANE_NAME, &what, &sim),
     ])
 }
 
@@ -132,10 +132,10 @@ fn wall(angle: f64) -> Result<Vec<Check>, StepError> {
 fn plate(angle: f64) -> Result<Vec<Check>, StepError> {
     const THICK: f64 = 1.0;
     let dx = 0.125;
-    let grid = Grid::<2>::new([((2.0 * FAR + THICK) / dx) as usize + 1, 46], dx);
+    let grid = Grid::<2>::new([((2.0 * PLATE_TO_END_DISTANCE + THICK) / dx) as usize + 1, 46], dx);
     let (bottom, top) = (1.5 + 0.3 * dx, 10.0);
     let shape = Shape::Box {
-        center: Vector::<2>::new(0.5 * grid.upper()[0] + 0.17 * dx, 0.5 * (bottom + top)),
+        center: Vector::<2>::new(0.5 * grid.domain_upper()[0] + 0.17 * dx, 0.5 * (bottom + top)),
         half_size: Vector::<2>::new(0.5 * THICK, 0.5 * (top - bottom)),
         rotation: Matrix::identity(),
     };
@@ -144,11 +144,11 @@ fn plate(angle: f64) -> Result<Vec<Check>, StepError> {
     let (start, mut force, mut side) = (sim.state.time, 0.0, 0.0);
     run_to(&mut sim, 1.1 * TIME, |sim, report| {
         let now = &sim.state.solids[0];
-        force += (now.pressed + now.pulled)[1] * report.dt;
-        side += now.pulled[1] * report.dt;
+        force += (now.pressure_force + now.contact_line_force)[1] * report.dt;
+        side += now.contact_line_force[1] * report.dt;
     })?;
     let time = sim.state.time - start;
-    let deep = 0.5 * (level(&sim, grid.upper()) + level(&sim, Vector::zeros())) - bottom;
+    let deep = 0.5 * (surface_height(&sim, grid.domain_upper()) + surface_height(&sim, Vector::zeros())) - bottom;
     let pull = 0.5 * (THICK * deep - force / time);
     let should = angle.to_radians().cos();
     let what = format!("plate, θ = {angle}°");
@@ -157,14 +157,14 @@ fn plate(angle: f64) -> Result<Vec<Check>, StepError> {
     Ok(vec![
         Check::relative(PLANE_NAME, &name("force less buoyancy"), pull, should, 0.02, Some(0.01), "γ"),
         Check::relative(PLANE_NAME, &name("pull of the contact line"), line, should, 0.02, Some(0.01), "γ"),
-        rest(PLANE_NAME, &what, &sim),
+        check_at_rest(PLANE_NAME, &what, &sim),
     ])
 }
 
 /// 6c: half a gap beside a plane of symmetry, its plate, and the bath beyond.
 fn gap((half, angle, should): (f64, f64, f64)) -> Result<Vec<Check>, StepError> {
     let (dx, thick) = (0.08, 1.0);
-    let grid = Grid::<2>::new([((half + thick + FAR) / dx).ceil() as usize, 66], dx);
+    let grid = Grid::<2>::new([((half + thick + PLATE_TO_END_DISTANCE) / dx).ceil() as usize, 66], dx);
     let (bottom, top) = (1.2 + 0.3 * dx, 10.0);
     let shape = Shape::Box {
         center: Vector::<2>::new(half + 0.5 * thick, 0.5 * (bottom + top)),
@@ -173,11 +173,11 @@ fn gap((half, angle, should): (f64, f64, f64)) -> Result<Vec<Check>, StepError> 
     };
     let mut sim = bath(tank(grid, shape, angle), 2.73);
     run_to(&mut sim, 1.5 * TIME, |_, _| ())?;
-    let risen = level(&sim, Vector::zeros()) - level(&sim, grid.upper());
+    let risen = surface_height(&sim, Vector::zeros()) - surface_height(&sim, grid.domain_upper());
     let what = format!("gap, a = {half} lc, θ = {angle}°");
     Ok(vec![
         Check::relative(PLANE_NAME, &format!("height, {what}"), risen, should, 0.02, Some(0.01), "lc"),
-        rest(PLANE_NAME, &what, &sim),
+        check_at_rest(PLANE_NAME, &what, &sim),
     ])
 }
 
@@ -215,10 +215,10 @@ fn tube((angle, should): (f64, f64), cells: usize) -> Result<Vec<Check>, StepErr
     model.solids[0].line_friction = 0.3;
     let mut sim = bath(model, start + taken);
     run_to(&mut sim, TIME, |_, _| ())?;
-    let risen = level(&sim, Vector::zeros()) - level_by_pressure(&sim);
+    let risen = surface_height(&sim, Vector::zeros()) - level_by_pressure(&sim);
     let what = format!("tube, a = {radius} lc, θ = {angle}°, {cells} cells/a");
     Ok(vec![
         Check::relative(TUBE_NAME, &format!("height, {what}"), risen, should, 0.04, Some(0.01), "lc"),
-        rest(TUBE_NAME, &what, &sim),
+        check_at_rest(TUBE_NAME, &what, &sim),
     ])
 }

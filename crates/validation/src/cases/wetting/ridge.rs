@@ -1,7 +1,7 @@
 //! The ridge that a contact line lifts on a soft layer.
 
-use crate::measure::{at_least, settle};
-use crate::plate::{Held, Setting};
+use crate::measure::{at_least, checks_or_failure};
+use crate::plate::{PlateSupport, PlateSetup};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_sim::{LineTracker, StepError};
@@ -18,14 +18,14 @@ pub const CASE: Case = Case {
         own, 4 γ on both sides of the line (`contact_line.neumann`; E = 20 γ/h). The ridge is 2 to 3 % of h high. 16 cells a \
         unit, 24 with own tension: that of the mesh's edges rounds the tip off. Steps of twice the explicit limit; quick: 12.",
     quick: true,
-    run: |mode| settle(NAME, ridges(mode)),
+    run: |mode| checks_or_failure(NAME, ridges(mode)),
 };
 
 const NAME: &str = "wetting-ridge";
 
 /// A layer of thickness one, clamped at its bottom, in plane strain, and what its lines do; units of γ and h.
 #[derive(Clone, Copy)]
-struct Layer {
+struct ElasticLayer {
     young: f64,
     poisson: f64,
     /// Its own tension.
@@ -35,13 +35,13 @@ struct Layer {
 }
 
 /// Layers whose lines are spread.
-const SPREAD: Layer = Layer { young: 50.0, poisson: 0.3, tension: 0.0, width: 0.1 };
+const SPREAD_LINE_LAYER: ElasticLayer = ElasticLayer { young: 50.0, poisson: 0.3, tension: 0.0, width: 0.1 };
 /// Layers with a tension of their own.
-const TENSE: Layer = Layer { young: 20.0, poisson: 0.3, tension: 4.0, width: 0.0 };
+const TENSIONED_LAYER: ElasticLayer = ElasticLayer { young: 20.0, poisson: 0.3, tension: 4.0, width: 0.0 };
 
-impl Layer {
+impl ElasticLayer {
     /// Displacement of its surface under a load `cos kx` (Style and Dufresne 2012).
-    fn gives(&self, k: f64) -> f64 {
+    fn compliance(&self, k: f64) -> f64 {
         let (nu, shear) = (self.poisson, self.young / (2.0 * (1.0 + self.poisson)));
         // Both parts over e^2k, that they stay finite.
         let (near, far) = ((-2.0 * k).exp(), (-4.0 * k).exp());
@@ -55,18 +55,18 @@ impl Layer {
     fn integral(&self, load: impl Fn(f64) -> f64) -> f64 {
         const STEP: f64 = 5e-3;
         let place = |i: u32| (f64::from(i) + 0.5) * STEP;
-        (0..400_000).map(place).map(|k| self.gives(k) * load(k)).sum::<f64>() * STEP / PI
+        (0..400_000).map(place).map(|k| self.compliance(k) * load(k)).sum::<f64>() * STEP / PI
     }
 
     /// The transform of a line.
-    fn line(&self, k: f64) -> f64 {
+    fn line_load_transform(&self, k: f64) -> f64 {
         if self.width > 0.0 { (k * self.width).sin() / (k * self.width) } else { 1.0 }
     }
 
     /// The same as [`Self::measured`] of a drop of radius one before it sinks in: lines at ±1, and its pressure. The
     /// layer's slope at the lines, where it has the contact angle, and what sinks in make the drop wider.
     fn expected(&self) -> [f64; 3] {
-        let drop = |k: f64| 2.0 * k.cos() * self.line(k) - 2.0 * k.sin() / k;
+        let drop = |k: f64| 2.0 * k.cos() * self.line_load_transform(k) - 2.0 * k.sin() / k;
         let [high, deep] = [1.0, 0.0].map(|x: f64| self.integral(|k| drop(k) * (k * x).cos()));
         let slope = self.integral(|k| -drop(k) * k * k.sin());
         let sunk = 2.0 * (high - self.integral(|k| drop(k) * k.sin() / k));
@@ -76,11 +76,11 @@ impl Layer {
     }
 
     /// Half the wetted width, height at the lines and under the drop's middle, of a drop at rest.
-    fn measured(&self, cells: usize) -> Result<[f64; 3], StepError> {
-        let setting = Setting {
+    fn measure(&self, cells: usize) -> Result<[f64; 3], StepError> {
+        let setting = PlateSetup {
             cells,
             angle: 90.0,
-            first: 90.0,
+            initial_angle: 90.0,
             length: 8.0,
             thickness: 1.0,
             bending: self.young / (12.0 * (1.0 - self.poisson * self.poisson)),
@@ -89,20 +89,20 @@ impl Layer {
             density: 1.0,
             damping: 0.7,
             area: FRAC_PI_2,
-            place: 0.0,
+            drop_offset: 0.0,
             viscosity: 0.3,
-            held: Held::Around,
-            heights: [3.2, 0.8],
+            support: PlateSupport::BottomAndEnds,
+            domain_and_plate_height: [3.2, 0.8],
         };
         let mut plate = setting.start()?;
         plate.sim.model.numerics.line_radius = self.width;
         let tracker = LineTracker::new(&plate.sim.model, &[plate.sim.model.grid.dx / 1.5]);
         plate
-            .mean_of(8.0, |p| {
-                let points = tracker.find(&p.sim).points;
+            .mean_over_last_fifth(8.0, |p| {
+                let points = tracker.extract(&p.sim).points;
                 let ends = [points.first(), points.last()]
                     .map(|at| at.map_or(f64::NAN, |at| at.at[0] - p.middle[0]));
-                Vector::<3>::new(0.5 * (ends[0] - ends[1]).abs(), p.lift(ends, 1.0), p.lift([0.0; 2], 1.0))
+                Vector::<3>::new(0.5 * (ends[0] - ends[1]).abs(), p.mean_deflection(ends, 1.0), p.mean_deflection([0.0; 2], 1.0))
             })
             .map(Into::into)
     }
@@ -110,25 +110,25 @@ impl Layer {
 
 fn ridges(mode: Mode) -> Result<Vec<Check>, StepError> {
     if mode == Mode::Quick {
-        return Ok(ridge(12, &Layer { width: 0.2, ..SPREAD })?.0);
+        return Ok(ridge(12, &ElasticLayer { width: 0.2, ..SPREAD_LINE_LAYER })?.0);
     }
     let mut checks = Vec::new();
     for (poisson, width) in [(0.3, 0.1), (0.3, 0.2), (0.45, 0.1), (0.45, 0.2)] {
-        checks.extend(ridge(16, &Layer { poisson, width, ..SPREAD })?.0);
+        checks.extend(ridge(16, &ElasticLayer { poisson, width, ..SPREAD_LINE_LAYER })?.0);
     }
-    let (rows, fine) = ridge(24, &Layer { poisson: 0.3, ..TENSE })?;
-    let (_, coarse) = ridge(12, &Layer { poisson: 0.3, ..TENSE })?;
+    let (rows, fine) = ridge(24, &ElasticLayer { poisson: 0.3, ..TENSIONED_LAYER })?;
+    let (_, coarse) = ridge(12, &ElasticLayer { poisson: 0.3, ..TENSIONED_LAYER })?;
     checks.extend(rows);
     let text = "height of the ridge, ν = 0.3, own tension 4 γ: error of 12 cells/h over that of 24";
     checks.push(at_least(NAME, text, (coarse / fine).abs(), 1.5, 2.0));
-    checks.extend(ridge(24, &Layer { poisson: 0.45, ..TENSE })?.0);
+    checks.extend(ridge(24, &ElasticLayer { poisson: 0.45, ..TENSIONED_LAYER })?.0);
     Ok(checks)
 }
 
 /// The checks of a layer, and the relative error of the ridge's height.
-fn ridge(cells: usize, layer: &Layer) -> Result<(Vec<Check>, f64), StepError> {
-    let ([half, high, deep], should) = (layer.measured(cells)?, layer.expected());
-    let Layer { poisson, width, tension, .. } = layer;
+fn ridge(cells: usize, layer: &ElasticLayer) -> Result<(Vec<Check>, f64), StepError> {
+    let ([half, high, deep], should) = (layer.measure(cells)?, layer.expected());
+    let ElasticLayer { poisson, width, tension, .. } = layer;
     let which = if *width > 0.0 { format!("w = {width} h") } else { format!("own tension {tension} γ") };
     let what = |text: &str| format!("{text}, ν = {poisson}, {which}, {cells} cells/h");
     // The width has the bars of a drop's shape on a sheet (`elastica-drop`).
@@ -146,10 +146,10 @@ mod tests {
 
     #[test]
     fn single_lines_are_those_of_the_table() {
-        let spread = |poisson, width| Layer { young: 1.0, poisson, width, ..SPREAD };
+        let spread = |poisson, width| ElasticLayer { young: 1.0, poisson, width, ..SPREAD_LINE_LAYER };
         // Υs = 30, γ = 72.8 and E = 3e4 in units of γ and h, cm.
         let tense =
-            |poisson, h: f64| Layer { young: 3e4 * h / 72.8, poisson, tension: 30.0 / 72.8, width: 0.0 };
+            |poisson, h: f64| ElasticLayer { young: 3e4 * h / 72.8, poisson, tension: 30.0 / 72.8, width: 0.0 };
         let rows = [
             (spread(0.3, 0.025), 2.4114),
             (spread(0.3, 0.1), 1.6095),
@@ -162,7 +162,7 @@ mod tests {
         for (layer, should) in rows {
             // Beyond the sum's last wave number, 2000, a tension of its own is all that holds.
             let rest = if layer.tension > 0.0 { 1.0 / (PI * layer.tension * 2000.0) } else { 0.0 };
-            let found = layer.integral(|k| layer.line(k)) + rest;
+            let found = layer.integral(|k| layer.line_load_transform(k)) + rest;
             assert!((found / should - 1.0).abs() < 3e-3, "{found} {should}");
         }
     }

@@ -1,17 +1,17 @@
 //! Drops on solids without gravity: Young's angle on planes of any place and slope, on a cylinder and a ball.
 
-use crate::measure::{at_least, at_most, convergence_order, settle, surface_points};
+use crate::measure::{at_least, at_most, convergence_order, checks_or_failure, surface_points};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::fit::Sphere;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Body, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Drops on lines in the plane.
-pub const PLANE: Case = Case {
+pub const CASE_2D: Case = Case {
     name: "sessile-2d",
     title: "Drops on a wall, 2D",
     theory: "Half a disc (radius 1, γ = ρ = 1, ν = 0.5, no gravity) on a frictionless wall spreads or contracts to the \
@@ -21,20 +21,20 @@ pub const PLANE: Case = Case {
     quick: true,
     run: |mode| {
         let angles: &[f64] = if mode == Mode::Quick { &[60.0, 120.0] } else { &ANGLES };
-        let places: &[Place] = if mode == Mode::Quick { &TILTED[..1] } else { &PLACES };
-        settle("sessile-2d", planes::<2>("sessile-2d", mode, angles, places))
+        let places: &[WallPlacement] = if mode == Mode::Quick { &TILTED[..1] } else { &PLACES };
+        checks_or_failure("sessile-2d", planes::<2>("sessile-2d", mode, angles, places))
     },
 };
 
 /// Drops on planes in space.
-pub const SPACE: Case = Case {
+pub const CASE_3D: Case = Case {
     name: "sessile-3d",
     title: "Drops on a wall, 3D",
     theory: "As in 2D, from half a ball; walls 0.3 cells off the grid's faces and tilted by 22.5 degrees about an axis of \
         30 degrees' azimuth. 16 cells per radius. At 150 degrees ν = 1: half a ball has 2.87 π of energy, the drop at rest \
         2.51 π, free 2.52 π, so that with ν = 0.5 what contracts is thrown off.",
     quick: false,
-    run: |mode| settle("sessile-3d", planes::<3>("sessile-3d", mode, &SOME_ANGLES, &SOME_PLACES)),
+    run: |mode| checks_or_failure("sessile-3d", planes::<3>("sessile-3d", mode, &SOME_ANGLES, &SOME_PLACES)),
 };
 
 /// Drops on curved solids, and convergence.
@@ -47,7 +47,7 @@ pub const CURVED: Case = Case {
         wall tilted by 22.5 degrees, 8, 16 and 32 cells per radius, root mean square over 60, 90 and 120 degrees (2D).",
     quick: false,
     run: |_| {
-        settle(
+        checks_or_failure(
             "sessile-curved",
             curved().and_then(|mut c| {
                 Ok({
@@ -67,7 +67,7 @@ pub const STEPS: Case = Case {
         capillary limit: the angle less that with the usual 5 times; the worst of the walls counts. It must not depend on \
         the steps.",
     quick: false,
-    run: |_| settle("sessile-steps", steps()),
+    run: |_| checks_or_failure("sessile-steps", steps()),
 };
 
 /// Drops on plates as thin as those of the paper.
@@ -78,26 +78,26 @@ pub const THIN: Case = Case {
         walls, at all its places; their other side is dry. The angle, the worst of the places, and the speed; bars of the \
         soft plates of Fig. 22. Quick: 8 cells per radius, 1.5 and 2.67 cells thick.",
     quick: true,
-    run: |mode| settle("sessile-thin", thin(mode)),
+    run: |mode| checks_or_failure("sessile-thin", thin(mode)),
 };
 
 /// Where a wall lies: cells off the grid's faces, and tilt in degrees.
-type Place = (f64, f64);
+type WallPlacement = (f64, f64);
 
 const ANGLES: [f64; 7] = [30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 150.0];
 const SOME_ANGLES: [f64; 5] = [30.0, 60.0, 90.0, 120.0, 150.0];
-const PLACES: [Place; 5] = [(0.0, 0.0), (0.3, 0.0), (0.7, 0.0), (0.0, 22.5), (0.0, 45.0)];
-const TILTED: [Place; 2] = [(0.0, 22.5), (0.0, 45.0)];
-const SOME_PLACES: [Place; 2] = [(0.3, 0.0), (0.0, 22.5)];
+const PLACES: [WallPlacement; 5] = [(0.0, 0.0), (0.3, 0.0), (0.7, 0.0), (0.0, 22.5), (0.0, 45.0)];
+const TILTED: [WallPlacement; 2] = [(0.0, 22.5), (0.0, 45.0)];
+const SOME_PLACES: [WallPlacement; 2] = [(0.3, 0.0), (0.0, 22.5)];
 /// Contact angle, degrees, from which on half a ball that contracts is thrown off its wall.
-const THROWN: f64 = 140.0;
+const DETACHMENT_ANGLE_DEGREES: f64 = 140.0;
 /// The usual length of steps over the explicit capillary limit.
-const USUAL: f64 = 5.0;
+const DEFAULT_STEP_FACTOR: f64 = 5.0;
 /// How long drops are left alone, in √(ρR³/γ).
 const TIME: f64 = 12.0;
 
 /// What came of a drop.
-struct Rest {
+struct SessileResult {
     /// Angle less Young's, degrees.
     angle: f64,
     /// Base radius and height over those of the circle, less one.
@@ -105,12 +105,12 @@ struct Rest {
     /// Root mean square of the speed within the drop, over √(γ/ρR).
     speed: f64,
     /// Speed of the drop as a whole, over the same.
-    glide: f64,
+    mean_speed: f64,
     /// By how much the angle changed in the last third, degrees.
-    creep: f64,
+    angle_change: f64,
 }
 
-pub(crate) fn liquid<const D: usize>(grid: Grid<D>, solid: Solid<D>) -> Model<D> {
+pub(crate) fn sessile_model<const D: usize>(grid: Grid<D>, solid: Solid<D>) -> Model<D> {
     Model {
         grid,
         walls: [[Wall::Slip; 2]; D],
@@ -133,16 +133,16 @@ fn planes<const D: usize>(
     case: &str,
     mode: Mode,
     angles: &[f64],
-    places: &[Place],
+    places: &[WallPlacement],
 ) -> Result<Vec<Check>, StepError> {
     let cells = if mode == Mode::Quick { 8 } else { 16 };
     let mut checks = Vec::new();
     for &angle in angles {
-        let rests: Vec<Rest> = places
+        let rests: Vec<SessileResult> = places
             .iter()
-            .map(|p| drop_on_plane::<D>(cells, angle, *p, (USUAL, f64::INFINITY)))
+            .map(|p| drop_on_plane::<D>(cells, angle, *p, (DEFAULT_STEP_FACTOR, f64::INFINITY)))
             .collect::<Result<_, _>>()?;
-        let worst = |f: &dyn Fn(&Rest) -> f64| {
+        let worst = |f: &dyn Fn(&SessileResult) -> f64| {
             rests.iter().map(f).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
         };
         let middle = (45.0..=135.0).contains(&angle);
@@ -158,9 +158,9 @@ fn planes<const D: usize>(
                 checks.push(Check::relative(case, &what("height"), height, 1.0, 0.02, Some(0.007), ""));
             }
             checks.push(at_most(case, &what("u_rms √(ρR/γ)"), worst(&|r| r.speed), 1e-2, Some(1e-3), ""));
-            let glide = worst(&|r| r.glide);
+            let glide = worst(&|r| r.mean_speed);
             checks.push(at_most(case, &what("gliding √(ρR/γ)"), glide, 1e-2, Some(1e-3), ""));
-            checks.push(at_most(case, &what("creep"), worst(&|r| r.creep), 0.5, Some(0.1), "deg"));
+            checks.push(at_most(case, &what("creep"), worst(&|r| r.angle_change), 0.5, Some(0.1), "deg"));
         }
     }
     Ok(checks)
@@ -173,9 +173,9 @@ fn thin(mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
     for &thick in thick {
         for angle in [60.0, 90.0, 120.0] {
-            let at = |place: &Place| drop_on_plane::<2>(cells, angle, *place, (USUAL, thick));
-            let rests: Vec<Rest> = PLACES.iter().map(at).collect::<Result<_, _>>()?;
-            let off = |f: &dyn Fn(&Rest) -> f64| {
+            let at = |place: &WallPlacement| drop_on_plane::<2>(cells, angle, *place, (DEFAULT_STEP_FACTOR, thick));
+            let rests: Vec<SessileResult> = PLACES.iter().map(at).collect::<Result<_, _>>()?;
+            let off = |f: &dyn Fn(&SessileResult) -> f64| {
                 rests.iter().map(f).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
             };
             let what = |text: &str| format!("{text}, {thick:.2} cells thick, θ = {angle}°, {cells} cells/R");
@@ -193,9 +193,9 @@ fn thin(mode: Mode) -> Result<Vec<Check>, StepError> {
 fn drop_on_plane<const D: usize>(
     cells: usize,
     angle: f64,
-    place: Place,
+    place: WallPlacement,
     (step, thick): (f64, f64),
-) -> Result<Rest, StepError> {
+) -> Result<SessileResult, StepError> {
     let dx = 1.0 / cells as f64;
     let young = angle.to_radians();
     let radius = cap_radius::<D>(young);
@@ -210,23 +210,23 @@ fn drop_on_plane<const D: usize>(
     if D == 3 {
         normal[1] += tilt.sin() * azimuth.sin();
     }
-    let mut point = grid.upper() * 0.5;
+    let mut point = grid.domain_upper() * 0.5;
     point[D - 1] += place.0 * dx;
     let shape = if thick.is_finite() {
-        let mut half_size = 2.0 * grid.upper();
+        let mut half_size = 2.0 * grid.domain_upper();
         half_size[D - 1] = 0.5 * thick * dx;
-        Shape::Box { center: point - normal * half_size[D - 1], half_size, rotation: upright_to(&normal) }
+        Shape::Box { center: point - normal * half_size[D - 1], half_size, rotation: rotation_to(&normal) }
     } else {
         Shape::HalfSpace { point, normal }
     };
     let mut wall = Solid::new(shape, Motion::Fixed, 1.0).padded(thick * dx, dx);
-    wall.cosine = young.cos();
+    wall.young_cosine = young.cos();
     let depth = |x: &Vector<D>| (point - x).dot(&normal);
     let start = |x: &Vector<D>| ((x - point).norm() - 1.0).max(depth(x) - 0.5 * thick * dx);
-    let body = Body { distance: &start, velocity: Vector::zeros() };
-    let mut model = liquid(grid, wall);
+    let body = LiquidRegion { signed_distance: &start, velocity: Vector::zeros() };
+    let mut model = sessile_model(grid, wall);
     model.numerics.capillary_step = step;
-    if D == 3 && angle > THROWN {
+    if D == 3 && angle > DETACHMENT_ANGLE_DEGREES {
         model.kinematic_viscosity = 1.0;
     }
     // Where the liquid meets it.
@@ -234,7 +234,7 @@ fn drop_on_plane<const D: usize>(
     let mut sim = Simulation::new(model, &[body]);
     let measure = |sim: &Simulation<D>| {
         let above = |x: &Vector<D>| (x - side).dot(&normal) > 1.5 * dx;
-        let cap = fit(sim, above);
+        let cap = fit_cap(sim, above);
         (cap.angle_on_plane(&side, &normal), cap.radius)
     };
     run_to(&mut sim, TIME * 2.0 / 3.0, |_, _| ())?;
@@ -243,24 +243,24 @@ fn drop_on_plane<const D: usize>(
     let (found, size) = measure(&sim);
     let turned = found.to_radians();
     let sizes = [size * turned.sin() / base - 1.0, size * (1.0 - turned.cos()) / height - 1.0];
-    Ok(Rest {
+    Ok(SessileResult {
         angle: found - angle,
         sizes,
-        speed: speeds(&sim).0,
-        glide: speeds(&sim).1,
-        creep: found - before,
+        speed: rms_and_mean_speed(&sim).0,
+        mean_speed: rms_and_mean_speed(&sim).1,
+        angle_change: found - before,
     })
 }
 
 /// The rotation that turns the last axis to a direction other than its opposite.
-fn upright_to<const D: usize>(normal: &Vector<D>) -> Matrix<D> {
+fn rotation_to<const D: usize>(normal: &Vector<D>) -> Matrix<D> {
     let up = Vector::<D>::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
     let both = up + normal;
     Matrix::identity() - both * both.transpose() / (1.0 + normal[D - 1]) + normal * up.transpose() * 2.0
 }
 
 /// The cap that the surface is part of, by its points for which `counts` holds.
-pub(crate) fn fit<const D: usize>(sim: &Simulation<D>, counts: impl Fn(&Vector<D>) -> bool) -> Sphere<D> {
+pub(crate) fn fit_cap<const D: usize>(sim: &Simulation<D>, counts: impl Fn(&Vector<D>) -> bool) -> Sphere<D> {
     let mut points = surface_points(&sim.model, &sim.state.phi);
     points.retain(|p| counts(&p.at));
     let points: Vec<(Vector<D>, f64)> = points.iter().map(|p| (p.at, p.area)).collect();
@@ -268,8 +268,8 @@ pub(crate) fn fit<const D: usize>(sim: &Simulation<D>, counts: impl Fn(&Vector<D
 }
 
 /// Root mean square of the speed about the mean, and the mean's.
-pub(crate) fn speeds<const D: usize>(sim: &Simulation<D>) -> (f64, f64) {
-    let books = sim.ledger();
+pub(crate) fn rms_and_mean_speed<const D: usize>(sim: &Simulation<D>) -> (f64, f64) {
+    let books = sim.diagnostics();
     let mass = sim.model.density * books.volume;
     let mean = books.momentum.norm() / mass;
     ((2.0 * books.kinetic_energy / mass - mean * mean).max(0.0).sqrt(), mean)
@@ -284,7 +284,7 @@ fn steps() -> Result<Vec<Check>, StepError> {
                 .map(|p| Ok(drop_on_plane::<2>(16, angle, *p, (step, f64::INFINITY))?.angle))
                 .collect()
         };
-        let usual = angles(USUAL)?;
+        let usual = angles(DEFAULT_STEP_FACTOR)?;
         for step in [0.5, 10.0, 20.0] {
             let turned = angles(step)?.iter().zip(&usual).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             let what = format!("change of the angle, {step} times the limit, θ = {angle}°");
@@ -315,25 +315,25 @@ fn drop_on_ball<const D: usize>(angle: f64, apex: f64) -> Result<Vec<Check>, Ste
     let size = [3.4, 3.4, 4.0];
     let grid =
         Grid::<D>::new(std::array::from_fn(|a| (size[if a + 1 == D { 2 } else { a }] * cells) as usize), dx);
-    let mut center = grid.upper() * 0.5 + Vector::from_fn(|a, _| dx * [0.141, 0.273, 0.368][a]);
+    let mut center = grid.domain_upper() * 0.5 + Vector::from_fn(|a, _| dx * [0.141, 0.273, 0.368][a]);
     center[D - 1] = 1.4;
     let mut ball = Solid::new(Shape::Ball { center, radius: solid }, Motion::Fixed, 1.0);
-    ball.cosine = angle.to_radians().cos();
+    ball.young_cosine = angle.to_radians().cos();
     // A ball around the top, so large that what the solid leaves of it is the drop.
     let volume = if D == 2 { 0.25 * PI * solid * solid } else { PI / 6.0 * solid.powi(3) };
     let up = Vector::<D>::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
     let start = |radius: f64| {
         let distance = |x: &Vector<D>| (x - center - up * solid).norm() - radius;
-        let body = Body { distance: &distance, velocity: Vector::zeros() };
-        Simulation::new(Model { kinematic_viscosity: 1.0, ..liquid(grid, ball.clone()) }, &[body])
+        let body = LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() };
+        Simulation::new(Model { kinematic_viscosity: 1.0, ..sessile_model(grid, ball.clone()) }, &[body])
     };
     let mut radius = 1.0;
     for _ in 0..8 {
-        radius *= (volume / start(radius).ledger().volume).powf(1.0 / D as f64);
+        radius *= (volume / start(radius).diagnostics().volume).powf(1.0 / D as f64);
     }
     let mut sim = start(radius);
     run_to(&mut sim, TIME, |_, _| ())?;
-    let cap = fit(&sim, |x| (x - center).norm() > solid + 1.5 * dx);
+    let cap = fit_cap(&sim, |x| (x - center).norm() > solid + 1.5 * dx);
     let found = cap.angle_on_ball(&center, solid);
     let top = (cap.center - center).norm() + cap.radius - solid;
     let what = |text: &str| format!("{text} on a {}, θ = {angle}°", if D == 2 { "cylinder" } else { "ball" });
@@ -350,7 +350,7 @@ fn order() -> Result<Vec<Check>, StepError> {
         let mut square = 0.0;
         for angle in [60.0, 90.0, 120.0] {
             square +=
-                drop_on_plane::<2>(cells, angle, TILTED[0], (USUAL, f64::INFINITY))?.angle.powi(2) / 3.0;
+                drop_on_plane::<2>(cells, angle, TILTED[0], (DEFAULT_STEP_FACTOR, f64::INFINITY))?.angle.powi(2) / 3.0;
         }
         errors.push((1.0 / cells as f64, square.sqrt()));
     }

@@ -1,18 +1,18 @@
 //! Drops that gravity flattens, and what they do to the solid under them.
 
-use super::sessile::{fit, liquid, speeds};
-use crate::measure::{at_most, settle, surface_points};
+use super::sessile::{fit_cap, sessile_model, rms_and_mean_speed};
+use crate::measure::{at_most, checks_or_failure, surface_points};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Body, LineTracker, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{LiquidRegion, LineTracker, Motion, Simulation, Solid, StepError};
 use std::f64::consts::PI;
 
 /// Drops under gravity in the plane.
-pub const PLANE: Case = Case {
+pub const CASE_2D: Case = Case {
     name: "sessile-gravity-2d",
     title: "Drops on a wall under gravity, 2D",
     theory: "A drop as large as a disc of radius R0 = 1 (γ = ρ = 1, ν = 1, Bo = ρgR0²/γ of 1 and 5) on a wall without \
@@ -22,17 +22,17 @@ pub const PLANE: Case = Case {
         the mean over the last tenth of the run; without gravity the contact line pulls with 2γ sin θ what the pressure of \
         the drop pushes. Quick: θ = 60 degrees at Bo = 1, half as long.",
     quick: true,
-    run: |mode| settle("sessile-gravity-2d", plane(mode)),
+    run: |mode| checks_or_failure("sessile-gravity-2d", plane(mode)),
 };
 
 /// Drops under gravity in space.
-pub const SPACE: Case = Case {
+pub const CASE_3D: Case = Case {
     name: "sessile-gravity-3d",
     title: "Drops on a wall under gravity, 3D",
     theory: "As in 2D, R0 being the radius of a ball as large as the drop; a quarter of the drop, beside two planes of \
         symmetry, 16 cells per R0, left alone for 20 √(ρR0³/γ). Quick: θ = 60 degrees at Bo = 1, 8 cells per R0.",
     quick: false,
-    run: |mode| settle("sessile-gravity-3d", space(mode)),
+    run: |mode| checks_or_failure("sessile-gravity-3d", space(mode)),
 };
 
 /// A drop of the table: angle (degrees), Bond number, height and base radius over R0.
@@ -52,7 +52,7 @@ const ROWS: [Row; 12] = [
     (135.0, 1.0, 1.39105, 1.18472),
     (135.0, 5.0, 0.81961, 2.07197),
 ];
-const SPACE_ROWS: [Row; 6] = [
+const ROWS_3D: [Row; 6] = [
     (60.0, 1.0, 0.77621, 1.71595),
     (60.0, 5.0, 0.47835, 2.01063),
     (90.0, 1.0, 1.04291, 1.38849),
@@ -61,9 +61,9 @@ const SPACE_ROWS: [Row; 6] = [
     (120.0, 5.0, 0.80148, 1.44373),
 ];
 /// How long drops are left alone, √(ρR0³/γ), and thin ones, which are slower.
-const PLANE_TIME: f64 = 30.0;
-const THIN: (f64, f64) = (30.0, 60.0);
-const SPACE_TIME: f64 = 20.0;
+const TIME_2D: f64 = 30.0;
+const SLOW_ANGLE_AND_TIME: (f64, f64) = (30.0, 60.0);
+const TIME_3D: f64 = 20.0;
 
 fn plane(mode: Mode) -> Result<Vec<Check>, StepError> {
     let case = "sessile-gravity-2d";
@@ -72,7 +72,7 @@ fn plane(mode: Mode) -> Result<Vec<Check>, StepError> {
     }
     let mut checks = Vec::new();
     for row in ROWS {
-        let time = if row.0 <= THIN.0 { THIN.1 } else { PLANE_TIME };
+        let time = if row.0 <= SLOW_ANGLE_AND_TIME.0 { SLOW_ANGLE_AND_TIME.1 } else { TIME_2D };
         checks.extend(drop::<2>(case, 16, row, time)?);
     }
     for angle in [60.0, 90.0, 120.0] {
@@ -84,17 +84,17 @@ fn plane(mode: Mode) -> Result<Vec<Check>, StepError> {
 fn space(mode: Mode) -> Result<Vec<Check>, StepError> {
     let case = "sessile-gravity-3d";
     if mode == Mode::Quick {
-        return drop::<3>(case, 8, SPACE_ROWS[0], SPACE_TIME);
+        return drop::<3>(case, 8, ROWS_3D[0], TIME_3D);
     }
     let mut checks = Vec::new();
-    for row in SPACE_ROWS {
-        checks.extend(drop::<3>(case, 16, row, SPACE_TIME)?);
+    for row in ROWS_3D {
+        checks.extend(drop::<3>(case, 16, row, TIME_3D)?);
     }
     Ok(checks)
 }
 
 /// A drop on a wall, and the point of the wall in the middle under it.
-struct Setting<const D: usize> {
+struct WallDrop<const D: usize> {
     sim: Simulation<D>,
     point: Vector<D>,
 }
@@ -106,12 +106,12 @@ const fn share<const D: usize>() -> f64 {
 
 /// Half an ellipse on a wall, `volume` large and with a base of `base`; room for a drop `widest` wide to each side. In 3D
 /// a quarter of half an ellipsoid around the vertical edge of the domain.
-fn set<const D: usize>(
+fn start_drop<const D: usize>(
     cells: usize,
     (angle, gravity): (f64, f64),
     volume: f64,
     (base, widest): (f64, f64),
-) -> Setting<D> {
+) -> WallDrop<D> {
     let dx = 1.0 / cells as f64;
     let round = |x: f64| (x * cells as f64).ceil() as usize;
     let mut height = if D == 2 { 2.0 * volume / (PI * base) } else { 1.5 * volume / (PI * base * base) };
@@ -119,12 +119,12 @@ fn set<const D: usize>(
         if a + 1 == D { round(1.0 + 1.2 * height) } else { (4 - D) * round(1.15 * widest + 0.4) }
     });
     let grid = Grid::<D>::new(size, dx);
-    let mut point = if D == 3 { Vector::zeros() } else { grid.upper() * 0.5 };
+    let mut point = if D == 3 { Vector::zeros() } else { grid.domain_upper() * 0.5 };
     point[D - 1] = (0.4 * cells as f64).floor() * dx + 0.3 * dx;
     let normal = Vector::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
     let mut wall = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
-    wall.cosine = angle.to_radians().cos();
-    let mut model = liquid(grid, wall);
+    wall.young_cosine = angle.to_radians().cos();
+    let mut model = sessile_model(grid, wall);
     model.kinematic_viscosity = 1.0;
     model.gravity[D - 1] = -gravity;
     let start = |height: f64| {
@@ -132,22 +132,22 @@ fn set<const D: usize>(
         let ellipsoid =
             Shape::Ellipsoid { center: point, radii, rotation: meniscus_numerics::Matrix::identity() };
         let distance = |x: &Vector<D>| ellipsoid.signed_distance(x);
-        Simulation::new(model.clone(), &[Body { distance: &distance, velocity: Vector::zeros() }])
+        Simulation::new(model.clone(), &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
     };
     // What the lattice makes of the shape is not quite its volume.
     for _ in 0..4 {
-        height *= share::<D>() * volume / start(height).ledger().volume;
+        height *= share::<D>() * volume / start(height).diagnostics().volume;
     }
-    Setting { sim: start(height), point }
+    WallDrop { sim: start(height), point }
 }
 
 fn drop<const D: usize>(case: &str, cells: usize, row: Row, time: f64) -> Result<Vec<Check>, StepError> {
     let (angle, bond, height, base) = row;
     let volume = if D == 2 { PI } else { 4.0 / 3.0 * PI };
-    let Setting { mut sim, point } = set::<D>(cells, (angle, bond), volume, (0.85 * base, base));
+    let WallDrop { mut sim, point } = start_drop::<D>(cells, (angle, bond), volume, (0.85 * base, base));
     run_to(&mut sim, 0.9 * time, |_, _| ())?;
     let (_, force) = mean_forces(&mut sim, time)?;
-    let (found_height, found_base, found_angle) = sizes(&sim, &point);
+    let (found_height, found_base, found_angle) = drop_dimensions(&sim, &point);
     let bars = if angle < 45.0 { (3.0, 1.5) } else { (1.5, 0.5) };
     let what = |text: &str| format!("{text}, θ = {angle}°, Bo = {bond}, {cells} cells/R0");
     let weight = share::<D>() * volume * bond;
@@ -156,18 +156,18 @@ fn drop<const D: usize>(case: &str, cells: usize, row: Row, time: f64) -> Result
         Check::relative(case, &what("base radius"), found_base, base, 0.02, Some(0.007), "R0"),
         Check::relative(case, &what("force on the wall"), -force, weight, 0.02, Some(0.005), ""),
         Check::absolute(case, &what("angle along the line"), found_angle, angle, bars.0, Some(bars.1), "deg"),
-        at_most(case, &what("u_rms √(ρR0/γ)"), speeds(&sim).0, 1e-2, Some(1e-3), ""),
+        at_most(case, &what("u_rms √(ρR0/γ)"), rms_and_mean_speed(&sim).0, 1e-2, Some(1e-3), ""),
     ])
 }
 
 /// A drop without weight: the contact line's pull against the pressure's push.
 fn weightless(case: &str, cells: usize, angle: f64) -> Result<Vec<Check>, StepError> {
-    let Setting { mut sim, point } = set::<2>(cells, (angle, 0.0), 0.5 * PI, (1.0, 1.4));
+    let WallDrop { mut sim, point } = start_drop::<2>(cells, (angle, 0.0), 0.5 * PI, (1.0, 1.4));
     run_to(&mut sim, 12.0, |_, _| ())?;
     let (pull, sum) = mean_forces(&mut sim, 15.0)?;
     let above = |x: &Vector<2>| x[1] - point[1] > 1.5 / cells as f64;
-    let cap = fit(&sim, above);
-    let laplace = 2.0 * sizes(&sim, &point).1 / cap.radius;
+    let cap = fit_cap(&sim, above);
+    let laplace = 2.0 * drop_dimensions(&sim, &point).1 / cap.radius;
     let what = |text: &str| format!("{text}, θ = {angle}°, no gravity");
     let should = 2.0 * angle.to_radians().sin();
     Ok(vec![
@@ -184,17 +184,17 @@ fn mean_forces<const D: usize>(sim: &mut Simulation<D>, end: f64) -> Result<(f64
     let (mut pull, mut all) = (0.0, 0.0);
     run_to(sim, end, |sim, report| {
         let wall = &sim.state.solids[0];
-        pull += wall.pulled[D - 1] * report.dt;
-        all += (wall.pulled + wall.pressed)[D - 1] * report.dt;
+        pull += wall.contact_line_force[D - 1] * report.dt;
+        all += (wall.contact_line_force + wall.pressure_force)[D - 1] * report.dt;
     })?;
     let time = sim.state.time - start;
     Ok((pull / time, all / time))
 }
 
 /// Height over a horizontal wall through a point, radius of the base, and mean of the angle along the line, degrees.
-fn sizes<const D: usize>(sim: &Simulation<D>, point: &Vector<D>) -> (f64, f64, f64) {
+fn drop_dimensions<const D: usize>(sim: &Simulation<D>, point: &Vector<D>) -> (f64, f64, f64) {
     let dx = sim.model.grid.dx;
-    let line = LineTracker::new(&sim.model, &[dx / 1.5]).find(sim);
+    let line = LineTracker::new(&sim.model, &[dx / 1.5]).extract(sim);
     let length: f64 = line.points.iter().map(|p| p.length).sum();
     let middle = line.points.iter().map(|p| p.at * p.length).sum::<Vector<D>>() / length;
     // A quarter of a drop has its middle at the edge of the domain.
@@ -213,5 +213,5 @@ fn sizes<const D: usize>(sim: &Simulation<D>, point: &Vector<D>) -> (f64, f64, f
     });
     let pin = (1e-12, [0.0, 1.0, 0.0], 0.0);
     let apex = least_squares(top.chain([pin])).map_or(f64::NAN, |c| c[0]);
-    (apex + middle[D - 1] - point[D - 1], base, line.angle(None).map_or(f64::NAN, |a| a.0))
+    (apex + middle[D - 1] - point[D - 1], base, line.angle_statistics(None).map_or(f64::NAN, |a| a.0))
 }

@@ -1,13 +1,13 @@
 //! Drops on slopes without hysteresis and friction: nothing holds them.
 
-use super::sessile::liquid;
-use crate::measure::settle;
+use super::sessile::sessile_model;
+use crate::measure::checks_or_failure;
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Body, Model, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{LiquidRegion, Model, Motion, Simulation, Solid, StepError};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -18,7 +18,7 @@ pub const CASE: Case = Case {
         validation §2, 5e). Its way along the slope over that, after 12 capillary times or 2.5 radii: what cells or a \
         wrong pull of the lines hold it with shows most on the flattest. 16 cells per radius; quick: 8, two slopes.",
     quick: true,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "sliding";
@@ -33,14 +33,14 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     for &angle in angles {
         for &tilt in tilts {
             let text = format!("way over ½ g sin α t², α = {tilt}°, θ = {angle}°, {cells} cells/R");
-            checks.push(Check::relative(NAME, &text, way(cells, tilt, angle)?, 1.0, 0.05, Some(0.01), ""));
+            checks.push(Check::relative(NAME, &text, sliding_ratio(cells, tilt, angle)?, 1.0, 0.05, Some(0.01), ""));
         }
     }
     Ok(checks)
 }
 
 /// The drop's way along the slope over that of free fall.
-fn way(cells: usize, tilt: f64, angle: f64) -> Result<f64, StepError> {
+fn sliding_ratio(cells: usize, tilt: f64, angle: f64) -> Result<f64, StepError> {
     let dx = 1.0 / cells as f64;
     let (s, c) = tilt.to_radians().sin_cos();
     let (along, normal) = (Vector::<2>::new(c, -s), Vector::<2>::new(s, c));
@@ -49,15 +49,15 @@ fn way(cells: usize, tilt: f64, angle: f64) -> Result<f64, StepError> {
     let grid = Grid::<2>::new([0, 1].map(|a| (size[a] * cells as f64).ceil() as usize), dx);
     let middle = Vector::<2>::new(0.5 * size[0], 0.45 * size[1] - 0.75 * c + 0.27 * dx);
     let mut wall = Solid::new(Shape::HalfSpace { point: middle, normal }, Motion::Fixed, 1.0);
-    wall.cosine = angle.to_radians().cos();
+    wall.young_cosine = angle.to_radians().cos();
     let pull = GRAVITY * s;
     let time = 12f64.min((2.0 * 2.5 / pull).sqrt());
     let way = 0.5 * pull * time * time;
     let start = |x: &Vector<2>| (x - (middle - along * (0.5 * way))).norm() - 1.0;
     let gravity = Vector::<2>::new(0.0, -GRAVITY);
-    let body = Body { distance: &start, velocity: Vector::zeros() };
-    let mut sim = Simulation::new(Model { gravity, ..liquid(grid, wall) }, &[body]);
-    let before = sim.ledger().centroid;
+    let body = LiquidRegion { signed_distance: &start, velocity: Vector::zeros() };
+    let mut sim = Simulation::new(Model { gravity, ..sessile_model(grid, wall) }, &[body]);
+    let before = sim.diagnostics().centroid;
     run_to(&mut sim, time, |_, _| ())?;
-    Ok((sim.ledger().centroid - before).dot(&along) / way)
+    Ok((sim.diagnostics().centroid - before).dot(&along) / way)
 }

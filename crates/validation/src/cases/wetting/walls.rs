@@ -1,13 +1,13 @@
 //! Closed sides of the domain that wet.
 
-use super::meniscus::level;
-use super::sessile::{fit, speeds};
-use crate::measure::{at_most, settle, surface_points};
+use super::meniscus::surface_height;
+use super::sessile::{fit_cap, rms_and_mean_speed};
+use crate::measure::{at_most, checks_or_failure, surface_points};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Body, LineTracker, Model, Numerics, Simulation, StepError, Wall};
+use meniscus_sim::{LiquidRegion, LineTracker, Model, Numerics, Simulation, StepError, Wall};
 use std::f64::consts::SQRT_2;
 
 /// A tank, and drops in its corners.
@@ -19,12 +19,12 @@ pub const CASE: Case = Case {
         cells a radius of the ball it starts as; ν = 0.3, no gravity) or three (3D, 10 cells) ends as part of a disc or ball: its \
         mean curvature is the same everywhere, and it meets every side at θ. Quick: a tank of 6 cells per lc, 60 degrees.",
     quick: true,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "walls";
 /// Half the width of the tank, lc: the level in the middle is undisturbed to e⁻⁷.
-const HALF: f64 = 7.0;
+const HALF_WIDTH: f64 = 7.0;
 const TIME: f64 = 25.0;
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -62,21 +62,21 @@ fn walled<const D: usize>(grid: Grid<D>, angle: f64) -> Model<D> {
 /// How high a bath climbs the sides.
 fn tank(angle: f64, cells: usize) -> Result<Vec<Check>, StepError> {
     let dx = 1.0 / cells as f64;
-    let mut model = walled(Grid::<2>::new([(2.0 * HALF) as usize * cells, 5 * cells], dx), angle);
+    let mut model = walled(Grid::<2>::new([(2.0 * HALF_WIDTH) as usize * cells, 5 * cells], dx), angle);
     model.gravity[1] = -1.0;
     let distance = |x: &Vector<2>| x[1] - 2.43;
-    let mut sim = Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
     run_to(&mut sim, TIME, |_, _| ())?;
-    let line = LineTracker::new(&sim.model, &[dx / 1.5]).find(&sim);
+    let line = LineTracker::new(&sim.model, &[dx / 1.5]).extract(&sim);
     let risen = match line.points[..] {
-        [left, right] => 0.5 * (left.at[1] + right.at[1]) - level(&sim, sim.model.grid.upper() * 0.5),
+        [left, right] => 0.5 * (left.at[1] + right.at[1]) - surface_height(&sim, sim.model.grid.domain_upper() * 0.5),
         _ => f64::NAN,
     };
     let should = (SQRT_2 * (1.0 - angle.to_radians().sin()).sqrt()).copysign(90.0 - angle);
     let what = |text: &str| format!("{text}, tank, θ = {angle}°");
     Ok(vec![
         Check::relative(NAME, &what("height"), risen, should, 0.02, Some(0.01), "lc"),
-        at_most(NAME, &what("u_rms / √(g lc)"), speeds(&sim).0, 1e-2, Some(1e-3), ""),
+        at_most(NAME, &what("u_rms / √(g lc)"), rms_and_mean_speed(&sim).0, 1e-2, Some(1e-3), ""),
     ])
 }
 
@@ -87,10 +87,10 @@ fn corner<const D: usize>(angle: f64, cells: usize) -> Result<Vec<Check>, StepEr
     model.kinematic_viscosity = 0.3;
     let middle = Vector::from_fn(|a, _| [0.31, 0.17, 0.05][a]);
     let distance = |x: &Vector<D>| (x - middle).norm() - 1.0;
-    let mut sim = Simulation::new(model, &[Body { distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
     run_to(&mut sim, TIME, |_, _| ())?;
     let away = |x: &Vector<D>| x.min() > 1.5 * dx;
-    let ball = fit(&sim, away);
+    let ball = fit_cap(&sim, away);
     let along = |a: usize| Vector::from_fn(|b, _| if a == b { 1.0 } else { 0.0 });
     let angles = (0..D).map(|a| ball.angle_on_plane(&Vector::zeros(), &along(a)));
     let found =
@@ -103,6 +103,6 @@ fn corner<const D: usize>(angle: f64, cells: usize) -> Result<Vec<Check>, StepEr
     Ok(vec![
         Check::absolute(NAME, &what("angle, the worst of the sides"), found, angle, 2.0, Some(1.0), "deg"),
         at_most(NAME, &what("distance from a ball / its radius"), off, 1e-2, Some(5e-3), ""),
-        at_most(NAME, &what("u_rms √(ρ R / γ)"), speeds(&sim).0, 1e-2, Some(1e-3), ""),
+        at_most(NAME, &what("u_rms √(ρ R / γ)"), rms_and_mean_speed(&sim).0, 1e-2, Some(1e-3), ""),
     ])
 }

@@ -1,13 +1,13 @@
 //! A drop on a slope whose front is at a step of the wettability.
 
-use super::sessile::liquid;
-use crate::measure::settle;
+use super::sessile::sessile_model;
+use crate::measure::checks_or_failure;
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Body, Layer, Model, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{LiquidRegion, WettabilityLayer, Model, Motion, Simulation, Solid, StepError};
 use std::f64::consts::PI;
 
 /// The case.
@@ -21,27 +21,27 @@ pub const CASE: Case = Case {
         step. A slope across the grid under gravity along it, and a wall along the grid 0.3 cells off its faces under \
         gravity that is tilted. 16 cells per radius; quick: 8, the slope alone, to 1.2°.",
     quick: true,
-    run: |mode| settle(NAME, run(mode)),
+    run: |mode| checks_or_failure(NAME, run(mode)),
 };
 
 const NAME: &str = "wettability-step";
 /// `ρ g A / γ` of the design's table: γ = 100 dyn/cm, A = 0.2 cm².
-const WEIGHT: f64 = 1.962;
+const WEIGHT_RATIO: f64 = 1.962;
 /// How long the drop has to let go.
 const TIME: f64 = 60.0;
 /// Angles, degrees, between which the critical one is looked for.
-const RANGE: [f64; 2] = [21.0, 40.0];
+const ANGLE_RANGE: [f64; 2] = [21.0, 40.0];
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
-    let exact = (1.0 / WEIGHT).asin().to_degrees();
+    let exact = (1.0 / WEIGHT_RATIO).asin().to_degrees();
     let (cells, halvings) = if mode == Mode::Quick { (8, 3) } else { (16, 5) };
     let walls: &[(&str, bool)] = &[("slope", true), ("wall along the grid", false)];
     let mut checks = Vec::new();
     for (what, slanting) in &walls[..if mode == Mode::Quick { 1 } else { 2 }] {
-        let mut range = RANGE;
+        let mut range = ANGLE_RANGE;
         for _ in 0..halvings {
             let middle = 0.5 * (range[0] + range[1]);
-            range[usize::from(lets_go(cells, middle, *slanting)?)] = middle;
+            range[usize::from(depins(cells, middle, *slanting)?)] = middle;
         }
         let text = format!("critical angle, {what}, {cells} cells/R");
         let found = 0.5 * (range[0] + range[1]);
@@ -51,10 +51,10 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 }
 
 /// Whether the drop lets go of the step at an angle (degrees): on a slope that slants, or on a wall along the grid.
-fn lets_go(cells: usize, angle: f64, slanting: bool) -> Result<bool, StepError> {
+fn depins(cells: usize, angle: f64, slanting: bool) -> Result<bool, StepError> {
     let dx = 1.0 / cells as f64;
     let (s, c) = angle.to_radians().sin_cos();
-    let (down, gravity) = (WEIGHT / (0.5 * PI), Vector::<2>::new(s, -c));
+    let (down, gravity) = (WEIGHT_RATIO / (0.5 * PI), Vector::<2>::new(s, -c));
     let [along, normal] =
         if slanting { [[c, -s], [s, c]] } else { [[1.0, 0.0], [0.0, 1.0]] }.map(Vector::<2>::from);
     let gravity = (if slanting { Vector::<2>::new(0.0, -1.0) } else { gravity }) * down;
@@ -63,14 +63,14 @@ fn lets_go(cells: usize, angle: f64, slanting: bool) -> Result<bool, StepError> 
     let step = if slanting { Vector::<2>::new(3.2, 1.8) } else { Vector::<2>::new(3.2, 0.5 + 0.3 * dx) };
     let grid = Grid::<2>::new([0, 1].map(|a| (size[a] * cells as f64) as usize), dx);
     let mut wall = Solid::new(Shape::HalfSpace { point: step, normal }, Motion::Fixed, 1.0);
-    wall.cosine = 60f64.to_radians().cos();
+    wall.young_cosine = 60f64.to_radians().cos();
     let below = Shape::HalfSpace { point: step, normal: -along };
-    wall.pattern = vec![Layer::Patch { shape: below, cosine: 120f64.to_radians().cos() }];
+    wall.pattern = vec![WettabilityLayer::Patch { shape: below, cosine: 120f64.to_radians().cos() }];
     wall.line_friction = 1.0;
     let start = |x: &Vector<2>| (x - (step - along)).norm() - 1.0;
-    let body = Body { distance: &start, velocity: Vector::zeros() };
-    let mut sim = Simulation::new(Model { gravity, ..liquid(grid, wall) }, &[body]);
-    let below = |sim: &Simulation<2>| (sim.ledger().centroid - step).dot(&along) > 0.5;
+    let body = LiquidRegion { signed_distance: &start, velocity: Vector::zeros() };
+    let mut sim = Simulation::new(Model { gravity, ..sessile_model(grid, wall) }, &[body]);
+    let below = |sim: &Simulation<2>| (sim.diagnostics().centroid - step).dot(&along) > 0.5;
     for k in 1..=60 {
         run_to(&mut sim, TIME * f64::from(k) / 60.0, |_, _| ())?;
         if below(&sim) {

@@ -1,7 +1,7 @@
 //! Drops on long soft sheets: how far they bend them, and from what size on the sheet wraps them up.
 
-use crate::measure::settle;
-use crate::plate::{Held, Plate, Setting};
+use crate::measure::checks_or_failure;
+use crate::plate::{PlateSupport, Plate, PlateSetup};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_sim::{LineTracker, StepError};
@@ -16,7 +16,7 @@ pub const OPEN: Case = Case {
         without thickness (design, validation §4, 8b). Sheets of 4 cells, 16 cells a unit, t/R0 = 0.25 (with that thickness in \
         the theory: slopes up to 4.3 % more, lengths 0.2 %).",
     quick: true,
-    run: |mode| settle("soft-sheet", open(mode)),
+    run: |mode| checks_or_failure("soft-sheet", open(mode)),
 };
 
 /// The threshold of wrapping.
@@ -27,7 +27,7 @@ pub const WRAP: Case = Case {
         validation §4, 8b): at 0.9 times it the sheet stays open, at 1.1 times it wraps the drop, its ends beyond 90 degrees. \
         Sheets of 4 cells, 16 cells a unit, t/R0 = 0.25 (with that thickness in the theory the thresholds are 6 % lower).",
     quick: true,
-    run: |mode| settle("soft-wrapping", wrap(mode)),
+    run: |mode| checks_or_failure("soft-wrapping", wrap(mode)),
 };
 
 /// R0/L, contact angle (degrees), wetted length over R0, slope of the ends (degrees).
@@ -54,14 +54,14 @@ const THRESHOLDS: [(f64, f64); 7] = [
 ];
 const CELLS: usize = 16;
 /// Length of the ends whose slope is measured.
-const PIECE: f64 = 0.5;
+const END_LENGTH: f64 = 0.5;
 
 /// A drop on a sheet with R0/L = `ratio`.
-fn sheet(angle: f64, ratio: f64) -> Setting {
-    Setting {
+fn plate_setup(angle: f64, ratio: f64) -> PlateSetup {
+    PlateSetup {
         cells: CELLS,
         angle,
-        first: angle,
+        initial_angle: angle,
         length: 6.4,
         thickness: 4.0 / CELLS as f64,
         bending: ratio.powi(-2),
@@ -70,10 +70,10 @@ fn sheet(angle: f64, ratio: f64) -> Setting {
         density: 1.0,
         damping: 1.0,
         area: PI,
-        place: 0.0,
+        drop_offset: 0.0,
         viscosity: 0.5,
-        held: Held::Nowhere,
-        heights: [6.4, 2.2],
+        support: PlateSupport::Free,
+        domain_and_plate_height: [6.4, 2.2],
     }
 }
 
@@ -81,11 +81,11 @@ fn open(mode: Mode) -> Result<Vec<Check>, StepError> {
     let rows: &[_] = if mode == Mode::Quick { &OPEN_SHEETS[4..5] } else { &OPEN_SHEETS };
     let mut checks = Vec::new();
     for &(ratio, angle, wetted, slope) in rows {
-        let mut plate = sheet(angle, ratio).start()?;
+        let mut plate = plate_setup(angle, ratio).start()?;
         let tracker = LineTracker::new(&plate.sim.model, &[plate.sim.model.grid.dx / 1.5]);
-        let found = plate.mean_of(25.0, |p| p.rise(PIECE).to_degrees())?;
+        let found = plate.mean_over_last_fifth(25.0, |p| p.end_slope(END_LENGTH).to_degrees())?;
         let text = |what: &str| format!("{what}, R0/L = {ratio}, θ = {angle}°, {CELLS} cells/R0");
-        let long = plate.wetted(&tracker);
+        let long = plate.wetted_length(&tracker);
         checks.extend([
             Check::relative("soft-sheet", &text("wetted length / R0"), long, wetted, 0.1, Some(0.04), ""),
             Check::relative("soft-sheet", &text("slope of the ends"), found, slope, 0.1, Some(0.04), "°"),
@@ -99,7 +99,7 @@ fn wrap(mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
     for &(angle, threshold) in rows {
         for (part, wraps) in [(0.9, 0.0), (1.1, 1.0)] {
-            let mut plate = sheet(angle, part * threshold).start()?;
+            let mut plate = plate_setup(angle, part * threshold).start()?;
             let value = if ends_wrapped(&mut plate)? { 1.0 } else { 0.0 };
             let text = format!("wraps at {part} times the threshold, θ = {angle}°");
             checks.push(Check::absolute("soft-wrapping", &text, value, wraps, 0.0, Some(0.0), ""));
@@ -112,7 +112,7 @@ fn wrap(mode: Mode) -> Result<Vec<Check>, StepError> {
 fn ends_wrapped(plate: &mut Plate) -> Result<bool, StepError> {
     for time in 1..=40 {
         run_to(&mut plate.sim, f64::from(time), |_, _| ())?;
-        if plate.rise(PIECE) > FRAC_PI_2 {
+        if plate.end_slope(END_LENGTH) > FRAC_PI_2 {
             return Ok(true);
         }
     }

@@ -13,17 +13,17 @@
 
 use super::random::Random;
 use super::world::{length, lengths, list};
-use crate::soak::{Set, Wish};
+use crate::soak::{CaseSet, CaseOptions};
 use std::fmt::Write as _;
 
 /// Strata of a factor, and cases of a round: 2D, 3D.
-pub const ROUND: [u64; 2] = [60, 12];
+pub const STRATA: [u64; 2] = [60, 12];
 const GRAVITY: f64 = 9.81;
-const WATER: f64 = 1000.0;
+const WATER_DENSITY: f64 = 1000.0;
 /// Room between the solid and what it falls on at the start, m.
-const ROOM: f64 = 0.5e-3;
+const START_GAP: f64 = 0.5e-3;
 /// Time after the solid has come down, s: 2D, 3D. Solids of the longest period rebound and return in it.
-const AFTER: [f64; 2] = [30e-3, 15e-3];
+const TIME_AFTER_IMPACT: [f64; 2] = [30e-3, 15e-3];
 
 const SHAPES: [&str; 4] = ["block", "ball", "plate", "strip"];
 const GROUNDS: [&str; 6] = ["floor", "corner", "rigid-ball", "soft-block", "bath", "carries"];
@@ -46,16 +46,16 @@ struct Case {
     /// Tilt, rad.
     tilt: f64,
     /// Way off the middle, m.
-    aside: f64,
+    lateral_offset: f64,
     /// Frames and duration are shorter.
     quick: bool,
 }
 
 /// The text of a scene file of the set, the same on every machine.
-pub fn scene(wish: &Wish, case: u64) -> String {
+pub fn scene(wish: &CaseOptions, case: u64) -> String {
     let dimension = wish.dimension.unwrap_or(2);
-    let design = Design { seed: wish.seed, dimension, case };
-    let number = case % ROUND[dimension - 2];
+    let design = LatinHypercube { seed: wish.seed, dimension, case };
+    let number = case % STRATA[dimension - 2];
     let log = |factor: u64, low: f64, high: f64| low * (high / low).powf(design.stratum(factor));
     let even = |factor: u64, low: f64, high: f64| low + (high - low) * design.stratum(factor);
     let drawn = Case {
@@ -64,32 +64,32 @@ pub fn scene(wish: &Wish, case: u64) -> String {
         ground: (number / 2 % 6) as usize,
         young: [log(0, 300.0, 1e7), log(1, 300.0, 1e7)],
         poisson: even(2, 0.2, 0.45),
-        density: [log(3, 0.2, 8.0) * WATER, log(4, 0.2, 8.0) * WATER],
+        density: [log(3, 0.2, 8.0) * WATER_DENSITY, log(4, 0.2, 8.0) * WATER_DENSITY],
         height: log(5, 1e-3, 20e-3),
         angle: even(6, 20.0, 160.0),
         tilt: even(7, -30.0, 30.0).to_radians(),
-        aside: even(8, -1e-3, 1e-3),
+        lateral_offset: even(8, -1e-3, 1e-3),
         quick: wish.quick,
     };
-    drawn.text(&format!("{}-{dimension}d-{}-{case}", Set::Drops.name(), wish.seed))
+    drawn.text(&format!("{}-{dimension}d-{}-{case}", CaseSet::DropTest.name(), wish.seed))
 }
 
 /// Where the strata of a case come from.
-struct Design {
+struct LatinHypercube {
     seed: u64,
     dimension: usize,
     case: u64,
 }
 
-impl Design {
+impl LatinHypercube {
     /// The place of the case in a factor's range, 0 to 1: its stratum in a random order of all, and at random within that.
     fn stratum(&self, factor: u64) -> f64 {
-        let count = ROUND[self.dimension - 2];
+        let count = STRATA[self.dimension - 2];
         let (round, number) = (self.case / count, (self.case % count) as usize);
         let mut random = Random::of(&[self.seed, self.dimension as u64, round, factor]);
         let mut order: Vec<usize> = (0..count as usize).collect();
-        (1..order.len()).rev().for_each(|k| order.swap(k, random.below(k + 1)));
-        let within = Random::of(&[self.seed, self.dimension as u64, self.case, factor, 1]).unit();
+        (1..order.len()).rev().for_each(|k| order.swap(k, random.index_below(k + 1)));
+        let within = Random::of(&[self.seed, self.dimension as u64, self.case, factor, 1]).uniform_unit();
         (order[number] as f64 + within) / count as f64
     }
 }
@@ -108,7 +108,7 @@ impl Case {
     }
 
     /// How far the solid reaches to the side and down from its middle, m.
-    fn reach(&self) -> [f64; 2] {
+    fn half_extents(&self) -> [f64; 2] {
         let half = self.half();
         let (wide, high) = (half[0], half[self.dimension - 1]);
         if SHAPES[self.shape] == "ball" {
@@ -128,21 +128,21 @@ impl Case {
     }
 
     fn text(&self, name: &str) -> String {
-        let (middle, [wide, low]) = (0.5 * self.size()[0], self.reach());
+        let (middle, [wide, low]) = (0.5 * self.size()[0], self.half_extents());
         let ground = self.ground();
-        let x = if GROUNDS[self.ground] == "corner" { wide + ROOM } else { middle + self.aside };
-        let center = self.at(x, ground.top + ROOM + low);
+        let x = if GROUNDS[self.ground] == "corner" { wide + START_GAP } else { middle + self.lateral_offset };
+        let center = self.at(x, ground.top + START_GAP + low);
         // What is left of the height after the room that there is.
-        let fallen = (self.height - (ground.top - ground.level) - ROOM).max(0.0);
+        let fallen = (self.height - (ground.top - ground.level) - START_GAP).max(0.0);
         let speed = (2.0 * GRAVITY * fallen).sqrt();
         let mut velocity = vec![0.0; self.dimension];
         velocity[self.dimension - 1] = -speed;
         if GROUNDS[self.ground] == "corner" {
             velocity[0] = -0.5 * speed;
         }
-        let way = ground.top - ground.level + ROOM;
+        let way = ground.top - ground.level + START_GAP;
         let fall = ((speed * speed + 2.0 * GRAVITY * way).sqrt() - speed) / GRAVITY;
-        let after = AFTER[self.dimension - 2] * if self.quick { 0.3 } else { 1.0 };
+        let after = TIME_AFTER_IMPACT[self.dimension - 2] * if self.quick { 0.3 } else { 1.0 };
         let mut text = self.head(name);
         text += &self.liquid(&ground, &center, &velocity);
         text += &ground.solid;
@@ -156,7 +156,7 @@ impl Case {
         let what = what.replace('"', "");
         let mut text = format!("format = 1\nname = \"{name}\"\ndescription = \"{what}\"\n\n[domain]\n");
         let _ = writeln!(text, "dimension = {}\nsize = {}", self.dimension, lengths(&self.size()));
-        let _ = writeln!(text, "resolution = {resolution}\n\n[liquid]\ndensity = \"{WATER:.1} kg/m^3\"");
+        let _ = writeln!(text, "resolution = {resolution}\n\n[liquid]\ndensity = \"{WATER_DENSITY:.1} kg/m^3\"");
         text += "dynamic_viscosity = \"1e-3 Pa s\"\n";
         let _ = writeln!(text, "gravity = {}", list(&self.down(), "m/s^2"));
         text

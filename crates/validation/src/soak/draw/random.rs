@@ -2,7 +2,7 @@
 //! case and an attempt name a stream on every machine.
 
 /// The step of the counter: the golden ratio in 64 bits.
-const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// A stream of random numbers.
 #[derive(Clone, Debug)]
@@ -13,42 +13,42 @@ pub struct Random {
 impl Random {
     /// The stream that a list of numbers names.
     pub fn of(keys: &[u64]) -> Self {
-        Self { state: keys.iter().fold(0, |state, key| mix(state ^ mix(key.wrapping_add(GOLDEN)))) }
+        Self { state: keys.iter().fold(0, |state, key| mix(state ^ mix(key.wrapping_add(GOLDEN_GAMMA)))) }
     }
 
     fn bits(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(GOLDEN);
+        self.state = self.state.wrapping_add(GOLDEN_GAMMA);
         mix(self.state)
     }
 
     /// A number from 0 to below 1.
-    pub fn unit(&mut self) -> f64 {
+    pub fn uniform_unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
     /// A number between two, each equally likely.
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
+    pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.uniform_unit()
     }
 
     /// A number between two above zero, each order of magnitude equally likely.
-    pub fn scale(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.unit())
+    pub fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.uniform_unit())
     }
 
     /// A whole number from 0 to below `count`.
-    pub fn below(&mut self, count: usize) -> usize {
-        ((self.unit() * count as f64) as usize).min(count.saturating_sub(1))
+    pub fn index_below(&mut self, count: usize) -> usize {
+        ((self.uniform_unit() * count as f64) as usize).min(count.saturating_sub(1))
     }
 
     /// Whether something of a probability happens.
-    pub fn chance(&mut self, probability: f64) -> bool {
-        self.unit() < probability
+    pub fn bernoulli(&mut self, probability: f64) -> bool {
+        self.uniform_unit() < probability
     }
 
     /// The number of one of several things that are as likely as their weights.
-    pub fn weighed(&mut self, weights: &[f64]) -> usize {
-        let mut rest = self.unit() * weights.iter().sum::<f64>();
+    pub fn weighted_index(&mut self, weights: &[f64]) -> usize {
+        let mut rest = self.uniform_unit() * weights.iter().sum::<f64>();
         let within = |weight: &f64| {
             rest -= weight;
             rest < 0.0
@@ -59,7 +59,7 @@ impl Random {
     /// A direction in so many dimensions; all are equally likely.
     pub fn direction(&mut self, dimension: usize) -> Vec<f64> {
         loop {
-            let v: Vec<f64> = (0..dimension).map(|_| self.between(-1.0, 1.0)).collect();
+            let v: Vec<f64> = (0..dimension).map(|_| self.uniform(-1.0, 1.0)).collect();
             let norm = v.iter().map(|x| x * x).sum::<f64>().sqrt();
             if (0.1..=1.0).contains(&norm) {
                 return v.iter().map(|x| x / norm).collect();

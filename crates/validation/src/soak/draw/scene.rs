@@ -4,28 +4,28 @@
 //! version runs yet; studies of the step (`fixed_step`, `restore_momentum = false`).
 
 use super::random::Random;
-use super::shapes::{Place, Use};
+use super::shapes::{ShapeRegion, Use};
 use super::solids::Solids;
-use super::world::{World, length, lengths, list, numbers};
-use crate::soak::{Class, Wish};
+use super::world::{SceneContext, length, lengths, list, numbers};
+use crate::soak::{Class, CaseOptions};
 use std::fmt::Write as _;
 
 /// The text of a scene file, the same for the same wish, seed, case and attempt on every machine.
-pub fn scene(wish: &Wish, case: u64, attempt: u64) -> String {
+pub fn scene(wish: &CaseOptions, case: u64, attempt: u64) -> String {
     let class = wish.class.map_or(0, |c| 1 + c as u64);
     let kind = 2 * class + u64::from(wish.quick);
     let mut random = Random::of(&[wish.seed, case, attempt, wish.dimension.unwrap_or(0) as u64, kind]);
     let random = &mut random;
-    let mut world = World::draw(random, wish);
+    let mut world = SceneContext::draw(random, wish);
     let any = || [Class::Liquid, Class::Rigid, Class::Soft];
-    let class = wish.class.unwrap_or_else(|| any()[random.weighed(&[0.25, 0.45, 0.3])]);
+    let class = wish.class.unwrap_or_else(|| any()[random.weighted_index(&[0.25, 0.45, 0.3])]);
     let solids = Solids::draw(random, &mut world, class);
     let soft = class == Class::Soft;
     let mut bodies = String::new();
-    if random.chance(0.15) {
+    if random.bernoulli(0.15) {
         bodies += &bath(random, &world);
     }
-    let count = if bodies.is_empty() { 1 + random.weighed(&[0.6, 0.25, 0.15]) } else { random.below(3) };
+    let count = if bodies.is_empty() { 1 + random.weighted_index(&[0.6, 0.25, 0.15]) } else { random.index_below(3) };
     for _ in 0..count {
         bodies += &body(random, &mut world);
     }
@@ -39,25 +39,25 @@ pub fn scene(wish: &Wish, case: u64, attempt: u64) -> String {
 }
 
 /// A body that fills the lower part of the domain.
-fn bath(random: &mut Random, world: &World) -> String {
+fn bath(random: &mut Random, world: &SceneContext) -> String {
     let last = world.dimension - 1;
-    let level = world.floor + random.between(0.12, 0.4) * (world.size[last] - world.floor);
+    let level = world.floor + random.uniform(0.12, 0.4) * (world.size[last] - world.floor);
     let mut at: Vec<f64> = vec![0.0; world.dimension];
     at[last] = level;
-    let shape = match random.weighed(&[0.5, 0.25, 0.25]) {
+    let shape = match random.weighted_index(&[0.5, 0.25, 0.25]) {
         0 => {
             let mut up = vec![0.0; world.dimension];
             up[last] = 1.0;
             format!("{{ half_space = {{ point = {}, normal = {} }} }}", lengths(&at), numbers(&up))
         }
         1 => {
-            let mut upper: Vec<f64> = world.size.iter().map(|s| s * random.between(0.3, 1.0)).collect();
+            let mut upper: Vec<f64> = world.size.iter().map(|s| s * random.uniform(0.3, 1.0)).collect();
             upper[last] = level;
             let lower = lengths(&vec![0.0; world.dimension]);
             format!("{{ box = {{ lower = {lower}, upper = {} }} }}", lengths(&upper))
         }
         _ => {
-            let (long, high) = (world.size[0] / (1.0 + random.below(2) as f64), 0.05 * world.size[0]);
+            let (long, high) = (world.size[0] / (1.0 + random.index_below(2) as f64), 0.05 * world.size[0]);
             let (level, high, long) = (length(level), length(high), length(long));
             format!("{{ wave = {{ level = {level}, amplitude = {high}, wavelength = {long} }} }}")
         }
@@ -66,15 +66,15 @@ fn bath(random: &mut Random, world: &World) -> String {
 }
 
 /// A body with an end, at rest or on its way.
-fn body(random: &mut Random, world: &mut World) -> String {
-    let reach = random.scale(4.0 * world.dx, (0.25 * world.least_side()).max(5.0 * world.dx));
-    let center = world.room(random, reach);
-    let shape = Place { world, center, reach, used: Use::Liquid }.shape(random);
+fn body(random: &mut Random, world: &mut SceneContext) -> String {
+    let radius = random.log_uniform(4.0 * world.dx, (0.25 * world.shortest_side()).max(5.0 * world.dx));
+    let center = world.place_ball(random, radius);
+    let shape = ShapeRegion { world, center, radius, used: Use::Liquid }.shape(random);
     let mut text = format!("\n[[liquid.body]]\nshape = {shape}\n");
     if world.speed > 0.0 {
         let mut along = random.direction(world.dimension);
         // Most fall on what is below.
-        if random.chance(0.5) {
+        if random.bernoulli(0.5) {
             let last = world.dimension - 1;
             along[last] = -along[last].abs();
         }

@@ -1,7 +1,7 @@
 //! Shapes with an end, of solids and liquid.
 
 use super::random::Random;
-use super::world::{World, length, lengths, numbers};
+use super::world::{SceneContext, length, lengths, numbers};
 
 /// What a shape is for.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -15,24 +15,24 @@ pub enum Use {
 }
 
 /// A shape that lies within a ball.
-pub struct Place<'a> {
+pub struct ShapeRegion<'a> {
     /// The frame of the scene.
-    pub world: &'a World,
+    pub world: &'a SceneContext,
     /// Centre of the ball, m.
     pub center: Vec<f64>,
     /// Its radius, m.
-    pub reach: f64,
+    pub radius: f64,
     /// What it is for.
     pub used: Use,
 }
 
-impl Place<'_> {
+impl ShapeRegion<'_> {
     /// Draws a shape of any kind.
     pub fn shape(&self, random: &mut Random) -> String {
         let deep = self.world.dimension == 3;
         let weight = |yes: bool, w: f64| if yes { w } else { 0.0 };
         let (soft, wet) = (self.used == Use::Soft, self.used == Use::Liquid);
-        let large = self.reach > 9.0 * self.world.dx;
+        let large = self.radius > 9.0 * self.world.dx;
         let weights = [
             if wet { 5.0 } else { 2.0 },
             if wet { 1.0 } else { 4.0 },
@@ -47,7 +47,7 @@ impl Place<'_> {
             weight(deep && soft, 0.7),
             weight(deep && large && !wet, 0.2),
         ];
-        match random.weighed(&weights) {
+        match random.weighted_index(&weights) {
             0 => self.ball(),
             1 => self.plate(random),
             2 => self.capsule(random),
@@ -69,7 +69,7 @@ impl Place<'_> {
     }
 
     fn ball(&self) -> String {
-        self.ball_at(&self.center, self.reach)
+        self.ball_at(&self.center, self.radius)
     }
 
     fn ball_at(&self, center: &[f64], radius: f64) -> String {
@@ -79,21 +79,21 @@ impl Place<'_> {
     /// A box of any proportion, often a thin one, turned or not.
     fn plate(&self, random: &mut Random) -> String {
         let d = self.world.dimension;
-        let mut size: Vec<f64> = (0..d).map(|_| random.between(0.4, 1.0)).collect();
-        let thin = if random.chance(0.7) { d - 1 } else { random.below(d) };
-        let largest = 2.0 * self.reach / (d as f64).sqrt();
+        let mut size: Vec<f64> = (0..d).map(|_| random.uniform(0.4, 1.0)).collect();
+        let thin = if random.bernoulli(0.7) { d - 1 } else { random.index_below(d) };
+        let largest = 2.0 * self.radius / (d as f64).sqrt();
         size.iter_mut().for_each(|s| *s = (*s * largest).max(self.thinnest()));
-        size[thin] = random.scale(self.thinnest(), largest.max(1.01 * self.thinnest()));
+        size[thin] = random.log_uniform(self.thinnest(), largest.max(1.01 * self.thinnest()));
         let (center, size) = (lengths(&self.center), lengths(&size));
         format!("{{ box = {{ center = {center}, size = {size}{} }} }}", self.turned(random))
     }
 
     fn turned(&self, random: &mut Random) -> String {
-        if random.chance(0.4) {
+        if random.bernoulli(0.4) {
             return String::new();
         }
         let angle =
-            if random.chance(0.5) { random.between(-20.0, 20.0) } else { random.between(-180.0, 180.0) };
+            if random.bernoulli(0.5) { random.uniform(-20.0, 20.0) } else { random.uniform(-180.0, 180.0) };
         if self.world.dimension == 2 {
             return format!(", rotation = \"{angle:.3} deg\"");
         }
@@ -102,9 +102,9 @@ impl Place<'_> {
     }
 
     fn capsule(&self, random: &mut Random) -> String {
-        let radius = random.scale(0.5 * self.thinnest(), 0.8 * self.reach.max(self.thinnest()));
+        let radius = random.log_uniform(0.5 * self.thinnest(), 0.8 * self.radius.max(self.thinnest()));
         let along = random.direction(self.world.dimension);
-        let half = (self.reach - radius).max(0.0);
+        let half = (self.radius - radius).max(0.0);
         let end = |sign: f64| -> Vec<f64> {
             self.center.iter().zip(&along).map(|(c, a)| c + sign * half * a).collect()
         };
@@ -113,15 +113,15 @@ impl Place<'_> {
     }
 
     fn ellipsoid(&self, random: &mut Random) -> String {
-        let radius = |_| (self.reach * random.between(0.3, 1.0)).max(0.75 * self.thinnest());
+        let radius = |_| (self.radius * random.uniform(0.3, 1.0)).max(0.75 * self.thinnest());
         let radii: Vec<f64> = (0..self.world.dimension).map(radius).collect();
         let (center, radii) = (lengths(&self.center), lengths(&radii));
         format!("{{ ellipsoid = {{ center = {center}, radii = {radii}{} }} }}", self.turned(random))
     }
 
     fn perturbed(&self, random: &mut Random) -> String {
-        let amplitude = random.between(0.05, 0.3);
-        let (mode, radius) = (2 + random.below(4), self.reach / (1.0 + amplitude));
+        let amplitude = random.uniform(0.05, 0.3);
+        let (mode, radius) = (2 + random.index_below(4), self.radius / (1.0 + amplitude));
         let (center, radius) = (lengths(&self.center), length(radius));
         format!(
             "{{ perturbed_ball = {{ center = {center}, radius = {radius}, mode = {mode}, amplitude = {amplitude:.3} }} }}"
@@ -129,8 +129,8 @@ impl Place<'_> {
     }
 
     fn cylinder(&self, random: &mut Random) -> String {
-        let ratio = random.between(0.2, 0.9);
-        let (radius, height) = (self.reach * (1.0 - ratio * ratio).sqrt(), 2.0 * self.reach * ratio);
+        let ratio = random.uniform(0.2, 0.9);
+        let (radius, height) = (self.radius * (1.0 - ratio * ratio).sqrt(), 2.0 * self.radius * ratio);
         let (center, axis) = (lengths(&self.center), numbers(&random.direction(3)));
         let (radius, height) = (length(radius), length(height.max(self.thinnest())));
         format!(
@@ -141,12 +141,12 @@ impl Place<'_> {
     /// Two balls that overlap, and how far they reach.
     fn two(&self, random: &mut Random) -> [String; 2] {
         let along = random.direction(self.world.dimension);
-        let off = random.between(0.3, 0.45) * self.reach;
+        let off = random.uniform(0.3, 0.45) * self.radius;
         let at = |sign: f64| -> Vec<f64> {
             self.center.iter().zip(&along).map(|(c, a)| c + sign * off * a).collect()
         };
-        let radius = self.reach - off;
-        [self.ball_at(&at(-1.0), radius), self.ball_at(&at(1.0), radius * random.between(0.8, 1.0))]
+        let radius = self.radius - off;
+        [self.ball_at(&at(-1.0), radius), self.ball_at(&at(1.0), radius * random.uniform(0.8, 1.0))]
     }
 
     fn union(&self, random: &mut Random) -> String {
@@ -155,29 +155,29 @@ impl Place<'_> {
 
     fn smooth_union(&self, random: &mut Random) -> String {
         let parts = self.two(random).join(", ");
-        format!("{{ smooth_union = {{ parts = [{parts}], width = {} }} }}", length(0.3 * self.reach))
+        format!("{{ smooth_union = {{ parts = [{parts}], width = {} }} }}", length(0.3 * self.radius))
     }
 
     /// A ball with a bite.
     fn difference(&self, random: &mut Random) -> String {
         let along = random.direction(self.world.dimension);
-        let at: Vec<f64> = self.center.iter().zip(&along).map(|(c, a)| c + self.reach * a).collect();
-        let (of, minus) = (self.ball(), self.ball_at(&at, random.between(0.3, 0.7) * self.reach));
+        let at: Vec<f64> = self.center.iter().zip(&along).map(|(c, a)| c + self.radius * a).collect();
+        let (of, minus) = (self.ball(), self.ball_at(&at, random.uniform(0.3, 0.7) * self.radius));
         format!("{{ difference = {{ of = {of}, minus = {minus} }} }}")
     }
 
     fn cow(&self, random: &mut Random) -> String {
-        let long = 1.5 * self.reach;
+        let long = 1.5 * self.radius;
         let mut feet = self.center.clone();
         feet[self.world.dimension - 1] -= 0.4 * long;
-        let turned = if random.chance(0.5) { String::new() } else { self.turned(random) };
+        let turned = if random.bernoulli(0.5) { String::new() } else { self.turned(random) };
         format!("{{ cow = {{ at = {}, length = {}{turned} }} }}", lengths(&feet), length(long))
     }
 
     fn extrusion(&self, random: &mut Random) -> String {
         let names = ["square", "triangle", "petals-4", "petals-6", "cross", "leaf"];
-        let name = names[random.below(names.len())];
-        let (size, thick) = (length(1.4 * self.reach), length(self.thinnest() * random.between(1.0, 2.5)));
+        let name = names[random.index_below(names.len())];
+        let (size, thick) = (length(1.4 * self.radius), length(self.thinnest() * random.uniform(1.0, 2.5)));
         let center = lengths(&self.center);
         format!(
             "{{ extrusion = {{ outline = \"{name}\", size = {size}, thickness = {thick}, center = {center}{} }} }}",
@@ -187,7 +187,7 @@ impl Place<'_> {
 
     /// The duck of the program is about two units long; its frame starts at its middle.
     fn duck(&self) -> String {
-        let scale = format!("{:.6e}", 0.5 * self.reach);
+        let scale = format!("{:.6e}", 0.5 * self.radius);
         format!(
             "{{ mesh = {{ file = \"builtin:duck.obj\", scale = {scale}, translate = {} }} }}",
             lengths(&self.center)

@@ -1,14 +1,14 @@
 //! Solids of a drawn scene: what they are made of, where they are, how they move, and how liquid meets them.
 
 use super::random::Random;
-use super::shapes::{Place, Use};
-use super::world::{World, angle, length, lengths, list, numbers};
+use super::shapes::{ShapeRegion, Use};
+use super::world::{SceneContext, angle, length, lengths, list, numbers};
 use crate::soak::Class;
 use std::fmt::Write as _;
 
 /// Kinds of solids.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum MotionKind {
     Fixed,
     Kinematic,
     Free,
@@ -30,52 +30,52 @@ pub struct Solids {
 
 impl Solids {
     /// Draws one to four solids of a class.
-    pub fn draw(random: &mut Random, world: &mut World, class: Class) -> Self {
-        let mut solids = Self { neumann: class == Class::Soft && random.chance(0.1), ..Self::default() };
+    pub fn draw(random: &mut Random, world: &mut SceneContext, class: Class) -> Self {
+        let mut solids = Self { neumann: class == Class::Soft && random.bernoulli(0.1), ..Self::default() };
         if class == Class::Liquid {
             return solids;
         }
-        let count = 1 + random.weighed(&[0.5, 0.25, 0.15, 0.1]);
+        let count = 1 + random.weighted_index(&[0.5, 0.25, 0.15, 0.1]);
         // One of the class' own kind first: the rest may be of any kind that the class has.
         let first = match class {
-            Class::Soft => Kind::Soft,
-            _ => [Kind::Fixed, Kind::Kinematic, Kind::Free][random.weighed(&[0.35, 0.15, 0.5])],
+            Class::Soft => MotionKind::Soft,
+            _ => [MotionKind::Fixed, MotionKind::Kinematic, MotionKind::Free][random.weighted_index(&[0.35, 0.15, 0.5])],
         };
         for number in 0..count {
-            let kinds = [Kind::Fixed, Kind::Kinematic, Kind::Free, Kind::Soft];
+            let kinds = [MotionKind::Fixed, MotionKind::Kinematic, MotionKind::Free, MotionKind::Soft];
             let soft = if class == Class::Soft { 0.5 } else { 0.0 };
-            let kind = if number == 0 { first } else { kinds[random.weighed(&[0.35, 0.1, 0.4, soft])] };
+            let kind = if number == 0 { first } else { kinds[random.weighted_index(&[0.35, 0.1, 0.4, soft])] };
             solids.add(random, world, kind, number);
         }
         solids
     }
 
-    fn add(&mut self, random: &mut Random, world: &mut World, kind: Kind, number: usize) {
+    fn add(&mut self, random: &mut Random, world: &mut SceneContext, kind: MotionKind, number: usize) {
         let name = format!("s{number}");
-        let ground = kind == Kind::Fixed && world.floor == 0.0 && random.chance(0.6);
+        let ground = kind == MotionKind::Fixed && world.floor == 0.0 && random.bernoulli(0.6);
         let (shape, center, reach) =
             if ground { ground_shape(random, world) } else { bounded(random, world, kind) };
         let _ = writeln!(self.text, "\n[[solid]]\nname = \"{name}\"\nshape = {shape}");
-        if matches!(kind, Kind::Free | Kind::Soft) {
-            let density = world.density * random.scale(0.05, 20.0);
+        if matches!(kind, MotionKind::Free | MotionKind::Soft) {
+            let density = world.density * random.log_uniform(0.05, 20.0);
             let _ = writeln!(self.text, "density = \"{density:.2} kg/m^3\"");
         }
         match kind {
-            Kind::Fixed => self.text += "material.rigid = { fixed = true }\n",
-            Kind::Kinematic => self.text += &kinematic(random, world, &center, reach),
-            Kind::Free => self.text += "material.rigid = {}\n",
-            Kind::Soft => self.text += &soft(random, world, &center, reach),
+            MotionKind::Fixed => self.text += "material.rigid = { fixed = true }\n",
+            MotionKind::Kinematic => self.text += &kinematic(random, world, &center, reach),
+            MotionKind::Free => self.text += "material.rigid = {}\n",
+            MotionKind::Soft => self.text += &soft(random, world, &center, reach),
         }
-        if matches!(kind, Kind::Free | Kind::Soft) && random.chance(0.25) {
-            let speed = random.scale(0.05, 1.0);
+        if matches!(kind, MotionKind::Free | MotionKind::Soft) && random.bernoulli(0.25) {
+            let speed = random.log_uniform(0.05, 1.0);
             let along: Vec<f64> = random.direction(world.dimension).iter().map(|x| x * speed).collect();
             let _ = writeln!(self.text, "velocity = {}", list(&along, "m/s"));
         }
-        if kind != Kind::Fixed && random.chance(0.2) {
-            let (back, rough) = (random.unit(), random.between(0.0, 1.0));
+        if kind != MotionKind::Fixed && random.bernoulli(0.2) {
+            let (back, rough) = (random.uniform_unit(), random.uniform(0.0, 1.0));
             let _ = writeln!(self.text, "collision = {{ restitution = {back:.3}, friction = {rough:.3} }}");
         }
-        let tension = if self.neumann && kind == Kind::Soft {
+        let tension = if self.neumann && kind == MotionKind::Soft {
             energies(random, world.tension)
         } else {
             wetting(random, world, &center, reach)
@@ -85,21 +85,21 @@ impl Solids {
     }
 
     /// The section `[contact_line]`.
-    pub fn line(&self, random: &mut Random, world: &World, soft: bool) -> String {
+    pub fn line(&self, random: &mut Random, world: &SceneContext, soft: bool) -> String {
         let mut text = String::from("\n[contact_line]\n");
-        if random.chance(0.05) && !self.neumann {
+        if random.bernoulli(0.05) && !self.neumann {
             return text + "enabled = false\n";
         }
-        if random.chance(0.6) {
-            let _ = writeln!(text, "friction = \"{:.4} Pa s\"", random.scale(1e-3, 1.0));
+        if random.bernoulli(0.6) {
+            let _ = writeln!(text, "friction = \"{:.4} Pa s\"", random.log_uniform(1e-3, 1.0));
         }
-        if random.chance(0.4) {
-            let (above, below) = (random.between(0.0, 30.0), random.between(0.0, 30.0));
+        if random.bernoulli(0.4) {
+            let (above, below) = (random.uniform(0.0, 30.0), random.uniform(0.0, 30.0));
             let _ =
                 writeln!(text, "hysteresis = {{ above = \"{above:.1} deg\", below = \"{below:.1} deg\" }}");
         }
-        if soft && random.chance(0.2) {
-            let _ = writeln!(text, "radius = {}", length(world.dx * random.between(1.0, 4.0)));
+        if soft && random.bernoulli(0.2) {
+            let _ = writeln!(text, "radius = {}", length(world.dx * random.uniform(1.0, 4.0)));
         }
         if self.neumann {
             text += "neumann = true\n";
@@ -109,23 +109,23 @@ impl Solids {
 }
 
 /// A solid with an end: its shape, the centre (m) and the radius (m) of a ball around it.
-fn bounded(random: &mut Random, world: &mut World, kind: Kind) -> (String, Vec<f64>, f64) {
-    let used = if kind == Kind::Soft { Use::Soft } else { Use::Rigid };
+fn bounded(random: &mut Random, world: &mut SceneContext, kind: MotionKind) -> (String, Vec<f64>, f64) {
+    let used = if kind == MotionKind::Soft { Use::Soft } else { Use::Rigid };
     let least = 2.5 * world.dx;
-    let reach = random.scale(least, (0.33 * world.least_side()).max(1.2 * least));
-    let center = world.room(random, reach);
-    let place = Place { world, center: center.clone(), reach, used };
-    (place.shape(random), center, reach)
+    let radius = random.log_uniform(least, (0.33 * world.shortest_side()).max(1.2 * least));
+    let center = world.place_ball(random, radius);
+    let place = ShapeRegion { world, center: center.clone(), radius, used };
+    (place.shape(random), center, radius)
 }
 
 /// A floor, a slope, or a shelf from wall to wall; everything else is above it.
-fn ground_shape(random: &mut Random, world: &mut World) -> (String, Vec<f64>, f64) {
+fn ground_shape(random: &mut Random, world: &mut SceneContext) -> (String, Vec<f64>, f64) {
     let last = world.dimension - 1;
-    let thick = random.scale(1.5 * world.dx, 0.25 * world.size[last]);
+    let thick = random.log_uniform(1.5 * world.dx, 0.25 * world.size[last]);
     let mut top: Vec<f64> = world.size.iter().map(|s| 0.5 * s).collect();
     let reach = top[0];
-    if random.chance(0.5) {
-        let tilt = if random.chance(0.5) { 0.0 } else { random.between(-25.0f64, 25.0).to_radians() };
+    if random.bernoulli(0.5) {
+        let tilt = if random.bernoulli(0.5) { 0.0 } else { random.uniform(-25.0f64, 25.0).to_radians() };
         let mut normal = vec![0.0; world.dimension];
         (normal[0], normal[last]) = (tilt.sin(), tilt.cos());
         top[last] = thick;
@@ -134,7 +134,7 @@ fn ground_shape(random: &mut Random, world: &mut World) -> (String, Vec<f64>, f6
             format!("{{ half_space = {{ point = {}, normal = {} }} }}", lengths(&top), numbers(&normal));
         return (shape, top, reach);
     }
-    let low = if random.chance(0.5) { 0.0 } else { random.between(0.05, 0.2) * world.size[last] };
+    let low = if random.bernoulli(0.5) { 0.0 } else { random.uniform(0.05, 0.2) * world.size[last] };
     let (mut lower, mut upper) = (vec![0.0; world.dimension], world.size.clone());
     (lower[last], upper[last]) = (low, low + thick);
     top[last] = low + thick;
@@ -144,16 +144,16 @@ fn ground_shape(random: &mut Random, world: &mut World) -> (String, Vec<f64>, f6
 }
 
 /// A motion that ends before the sides of the domain, by keyframes or with a constant velocity.
-fn kinematic(random: &mut Random, world: &World, center: &[f64], reach: f64) -> String {
+fn kinematic(random: &mut Random, world: &SceneContext, center: &[f64], reach: f64) -> String {
     let way = |random: &mut Random| -> Vec<f64> {
         let along = |a: usize| {
             let (back, ahead) = (center[a] - reach, world.size[a] - reach - center[a]);
-            0.9 * random.between(-back.max(0.0), ahead.max(0.0))
+            0.9 * random.uniform(-back.max(0.0), ahead.max(0.0))
         };
         (0..world.dimension).map(along).collect()
     };
     let first = way(random);
-    if random.chance(0.5) {
+    if random.bernoulli(0.5) {
         let (half, second) = (length(0.0), way(random));
         let zero = vec![half; world.dimension].join(", ");
         let (middle, end) = (0.4e3 * world.duration, 0.8e3 * world.duration);
@@ -166,8 +166,8 @@ fn kinematic(random: &mut Random, world: &World, center: &[f64], reach: f64) -> 
     }
     let velocity: Vec<f64> = first.iter().map(|w| w / world.duration).collect();
     let turns = if world.dimension == 2 { 1 } else { 3 };
-    let turn = if random.chance(0.4) { 0.25 * std::f64::consts::PI / world.duration } else { 0.0 };
-    let spin: Vec<f64> = (0..turns).map(|_| random.between(-turn, turn)).collect();
+    let turn = if random.bernoulli(0.4) { 0.25 * std::f64::consts::PI / world.duration } else { 0.0 };
+    let spin: Vec<f64> = (0..turns).map(|_| random.uniform(-turn, turn)).collect();
     format!(
         "material.kinematic = {{ velocity = {}, angular_velocity = {} }}\n",
         list(&velocity, "m/s"),
@@ -176,10 +176,10 @@ fn kinematic(random: &mut Random, world: &World, center: &[f64], reach: f64) -> 
 }
 
 /// The material of a solid that deforms, its mesh, and what holds it.
-fn soft(random: &mut Random, world: &World, center: &[f64], reach: f64) -> String {
-    let young = random.scale(10.0, 1e9);
-    let damping = if random.chance(0.5) { 0.0 } else { random.between(0.0, 0.3) };
-    let mut text = match random.weighed(&[0.4, 0.35, 0.25]) {
+fn soft(random: &mut Random, world: &SceneContext, center: &[f64], reach: f64) -> String {
+    let young = random.log_uniform(10.0, 1e9);
+    let damping = if random.bernoulli(0.5) { 0.0 } else { random.uniform(0.0, 0.3) };
+    let mut text = match random.weighted_index(&[0.4, 0.35, 0.25]) {
         // Springs as stiff along a cell as a material of this modulus.
         2 => {
             let stiffness = young * world.dx.powi(world.dimension as i32 - 2);
@@ -189,25 +189,25 @@ fn soft(random: &mut Random, world: &World, center: &[f64], reach: f64) -> Strin
         }
         law => {
             let name = ["neo_hookean", "corotated"][law];
-            let poisson = random.between(0.0, 0.49);
+            let poisson = random.uniform(0.0, 0.49);
             format!(
                 "material.{name} = {{ young_modulus = \"{young:.4e} Pa\", poisson_ratio = {poisson:.3}, damping_ratio = {damping:.3} }}\n"
             )
         }
     };
-    if random.chance(0.2) {
-        let _ = writeln!(text, "mesh = {{ edge = {} }}", length(world.dx * random.between(0.6, 1.5)));
+    if random.bernoulli(0.2) {
+        let _ = writeln!(text, "mesh = {{ edge = {} }}", length(world.dx * random.uniform(0.6, 1.5)));
     }
-    if random.chance(0.5) {
-        let _ = writeln!(text, "{}", hold(random, world, center, reach));
+    if random.bernoulli(0.5) {
+        let _ = writeln!(text, "{}", anchored_part(random, world, center, reach));
     }
     text
 }
 
 /// Holds or moves what lies to one side of a plane through the ball around a solid.
-fn hold(random: &mut Random, world: &World, center: &[f64], reach: f64) -> String {
-    let (axis, low) = (random.below(world.dimension), random.chance(0.5));
-    let depth = random.between(0.2, 0.7) * reach;
+fn anchored_part(random: &mut Random, world: &SceneContext, center: &[f64], reach: f64) -> String {
+    let (axis, low) = (random.index_below(world.dimension), random.bernoulli(0.5));
+    let depth = random.uniform(0.2, 0.7) * reach;
     let (mut lower, mut upper): (Vec<f64>, Vec<f64>) = center.iter().map(|c| (c - reach, c + reach)).unzip();
     if low {
         upper[axis] = lower[axis] + depth
@@ -215,17 +215,17 @@ fn hold(random: &mut Random, world: &World, center: &[f64], reach: f64) -> Strin
         lower[axis] = upper[axis] - depth
     }
     let part = format!("box = {{ lower = {}, upper = {} }}", lengths(&lower), lengths(&upper));
-    if random.chance(0.85) {
+    if random.bernoulli(0.85) {
         return format!("fixed = [{{ {part} }}]");
     }
-    let speed = random.between(0.0, 0.3) * reach / world.duration;
+    let speed = random.uniform(0.0, 0.3) * reach / world.duration;
     let velocity: Vec<f64> = random.direction(world.dimension).iter().map(|x| x * speed).collect();
     format!("moved = [{{ shape = {{ {part} }}, velocity = {} }}]", list(&velocity, "m/s"))
 }
 
 /// How liquid meets a solid: an angle, both tensions, a gradient, and patches over them.
-fn wetting(random: &mut Random, world: &World, center: &[f64], reach: f64) -> String {
-    let base = match random.weighed(&[0.7, 0.15, 0.15]) {
+fn wetting(random: &mut Random, world: &SceneContext, center: &[f64], reach: f64) -> String {
+    let base = match random.weighted_index(&[0.7, 0.15, 0.15]) {
         0 => format!("contact_angle = \"{:.2} deg\"", angle(random)),
         1 => energies(random, world.tension),
         _ => {
@@ -241,12 +241,12 @@ fn wetting(random: &mut Random, world: &World, center: &[f64], reach: f64) -> St
             )
         }
     };
-    if random.chance(0.85) {
+    if random.bernoulli(0.85) {
         return base;
     }
     let at: Vec<f64> =
         random.direction(world.dimension).iter().zip(center).map(|(a, c)| c + 0.5 * reach * a).collect();
-    let (at, radius) = (lengths(&at), length(reach * random.between(0.3, 0.8)));
+    let (at, radius) = (lengths(&at), length(reach * random.uniform(0.3, 0.8)));
     let angle = angle(random);
     format!(
         "{base}, patches = [{{ shape = {{ ball = {{ center = {at}, radius = {radius} }} }}, contact_angle = \"{angle:.2} deg\" }}]"
@@ -255,8 +255,8 @@ fn wetting(random: &mut Random, world: &World, center: &[f64], reach: f64) -> St
 
 /// Both tensions of a solid, at an angle between 10 and 170 degrees.
 fn energies(random: &mut Random, tension: f64) -> String {
-    let difference = tension * random.between(10.0f64, 170.0).to_radians().cos();
-    let wet = random.between(0.0, 1.0) * tension + (-difference).max(0.0);
+    let difference = tension * random.uniform(10.0f64, 170.0).to_radians().cos();
+    let wet = random.uniform(0.0, 1.0) * tension + (-difference).max(0.0);
     let (wet, dry) = (1e3 * wet, 1e3 * (wet + difference));
     format!("liquid_solid = \"{wet:.4} mN/m\", solid_air = \"{dry:.4} mN/m\"")
 }

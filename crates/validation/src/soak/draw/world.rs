@@ -1,18 +1,18 @@
 //! The frame of a drawn scene: domain, liquid, gravity, step and duration, and what room is left in it.
 
 use super::random::Random;
-use crate::soak::Wish;
+use crate::soak::CaseOptions;
 use std::fmt::Write as _;
 
 /// Standard gravity, m/s².
 const GRAVITY: f64 = 9.81;
 /// Steps that a run should take: enough that solids and drops meet, few enough that a case takes seconds.
-const STEPS: [f64; 2] = [200.0, 600.0];
+const STEP_COUNT_RANGE: [f64; 2] = [200.0, 600.0];
 /// Tries to find room for something.
-const TRIES: usize = 30;
+const MAX_PLACEMENT_TRIES: usize = 30;
 
 /// What is drawn first, SI.
-pub struct World {
+pub struct SceneContext {
     /// 2 or 3.
     pub dimension: usize,
     /// Size of the domain, m.
@@ -38,35 +38,35 @@ pub struct World {
     /// Height below which there is a floor, m.
     pub floor: f64,
     /// Balls around what is there already: centre and radius, m.
-    pub taken: Vec<(Vec<f64>, f64)>,
+    pub occupied: Vec<(Vec<f64>, f64)>,
 }
 
-impl World {
+impl SceneContext {
     /// Draws it.
-    pub fn draw(random: &mut Random, wish: &Wish) -> Self {
-        let dimension = wish.dimension.unwrap_or(if random.chance(0.8) { 2 } else { 3 });
+    pub fn draw(random: &mut Random, wish: &CaseOptions) -> Self {
+        let dimension = wish.dimension.unwrap_or(if random.bernoulli(0.8) { 2 } else { 3 });
         let (fewest, most) = match (dimension, wish.quick) {
             (2, false) => (32.0, 96.0),
             (2, true) => (32.0, 48.0),
             (_, false) => (20.0, 40.0),
             (_, true) => (20.0, 24.0),
         };
-        let longest = random.scale(4e-3, 16e-3);
+        let longest = random.log_uniform(4e-3, 16e-3);
         // Small ones are more frequent: a case costs some power of the number of cells.
-        let resolution = random.scale(fewest, most + 0.99).floor();
+        let resolution = random.log_uniform(fewest, most + 0.99).floor();
         let dx = longest / resolution;
-        let wide = random.below(dimension);
+        let wide = random.index_below(dimension);
         let side = |a: usize| {
-            let cells = if a == wide { resolution } else { (resolution * random.between(0.6, 1.0)).round() };
+            let cells = if a == wide { resolution } else { (resolution * random.uniform(0.6, 1.0)).round() };
             cells * dx
         };
         let size: Vec<f64> = (0..dimension).map(side).collect();
-        let (density, tension) = (random.scale(700.0, 2000.0), random.scale(0.01, 0.1));
-        let viscosity = if random.chance(0.25) { 0.0 } else { random.scale(1e-4, 1.0) };
+        let (density, tension) = (random.log_uniform(700.0, 2000.0), random.log_uniform(0.01, 0.1));
+        let viscosity = if random.bernoulli(0.25) { 0.0 } else { random.log_uniform(1e-4, 1.0) };
         let gravity = gravity(random, dimension);
-        let capillary_step = random.chance(0.5).then(|| random.scale(0.5, 20.0));
+        let capillary_step = random.bernoulli(0.5).then(|| random.log_uniform(0.5, 20.0));
         let across = 0.3 * size.iter().copied().fold(f64::INFINITY, f64::min);
-        let weber = if random.chance(0.35) { 0.0 } else { random.scale(0.1, 200.0) };
+        let weber = if random.bernoulli(0.35) { 0.0 } else { random.log_uniform(0.1, 200.0) };
         let speed = (weber * tension / (density * across)).sqrt();
         let mut world = Self {
             dimension,
@@ -81,15 +81,15 @@ impl World {
             speed,
             duration: 0.0,
             floor: 0.0,
-            taken: Vec::new(),
+            occupied: Vec::new(),
         };
-        world.duration = world.long_enough(across) * if wish.quick { 0.4 } else { 1.0 };
+        world.duration = world.suitable_duration(across) * if wish.quick { 0.4 } else { 1.0 };
         world
     }
 
     /// The time in which drops fall or fly through the domain and swing a few times, within [`STEPS`], s. A drop of water of
     /// two millimetres takes 60 ms.
-    fn long_enough(&self, across: f64) -> f64 {
+    fn suitable_duration(&self, across: f64) -> f64 {
         let height = self.size[self.dimension - 1];
         let fall = self.gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
         let falling = if fall > 0.0 { (2.0 * height / fall).sqrt() } else { f64::INFINITY };
@@ -101,33 +101,33 @@ impl World {
         let fastest =
             self.speed.max((fall * height).sqrt()).max((self.tension / (self.density * across)).sqrt());
         let step = (self.capillary_step.unwrap_or(5.0) * capillary).min(0.7 * self.dx / fastest);
-        wanted.clamp(STEPS[0] * step, STEPS[1] * step)
+        wanted.clamp(STEP_COUNT_RANGE[0] * step, STEP_COUNT_RANGE[1] * step)
     }
 
     /// The shortest side of the domain, m.
-    pub fn least_side(&self) -> f64 {
+    pub fn shortest_side(&self) -> f64 {
         self.size.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
     /// Finds room for a ball of a radius (m), marks it as taken and gives back its centre; where there is none it overlaps
     /// something, and the program has to refuse it.
-    pub fn room(&mut self, random: &mut Random, reach: f64) -> Vec<f64> {
+    pub fn place_ball(&mut self, random: &mut Random, reach: f64) -> Vec<f64> {
         let gap = 0.5 * self.dx;
         let last = self.dimension - 1;
         let mut place = Vec::new();
-        for _ in 0..TRIES {
+        for _ in 0..MAX_PLACEMENT_TRIES {
             place = (0..self.dimension)
                 .map(|a| {
                     let low = if a == last { self.floor } else { 0.0 } + reach + gap;
                     let high = self.size[a] - reach - gap;
-                    if low < high { random.between(low, high) } else { 0.5 * (low + high) }
+                    if low < high { random.uniform(low, high) } else { 0.5 * (low + high) }
                 })
                 .collect();
-            if self.taken.iter().all(|(center, radius)| distance(center, &place) > radius + reach + gap) {
+            if self.occupied.iter().all(|(center, radius)| distance(center, &place) > radius + reach + gap) {
                 break;
             }
         }
-        self.taken.push((place.clone(), reach));
+        self.occupied.push((place.clone(), reach));
         place
     }
 
@@ -137,14 +137,14 @@ impl World {
         let _ = writeln!(head, "size = {}", lengths(&self.size));
         let _ = writeln!(head, "resolution = {}", self.resolution);
         head += &walls(random, self.dimension);
-        if random.chance(0.3) {
+        if random.bernoulli(0.3) {
             let _ = writeln!(head, "wall_contact_angle = \"{:.1} deg\"", angle(random));
         }
         let _ = writeln!(head, "\n[liquid]\ndensity = \"{:.1} kg/m^3\"", self.density);
         let _ = writeln!(head, "dynamic_viscosity = \"{:.4e} Pa s\"", self.viscosity);
         let _ = writeln!(head, "gravity = {}", list(&self.gravity, "m/s^2"));
         let mut tail = String::new();
-        let newton = soft && random.chance(0.2);
+        let newton = soft && random.bernoulli(0.2);
         if self.capillary_step.is_some() || newton {
             tail += "\n[numerics]\n";
         }
@@ -165,8 +165,8 @@ impl World {
 /// Down, seldom none, seldom askew.
 fn gravity(random: &mut Random, dimension: usize) -> Vec<f64> {
     let mut gravity = vec![0.0; dimension];
-    if random.chance(0.75) {
-        let tilt = if random.chance(0.15) { random.between(-0.5, 0.5) } else { 0.0 };
+    if random.bernoulli(0.75) {
+        let tilt = if random.bernoulli(0.15) { random.uniform(-0.5, 0.5) } else { 0.0 };
         gravity[0] = GRAVITY * tilt.sin();
         gravity[dimension - 1] = -GRAVITY * tilt.cos();
     }
@@ -174,22 +174,22 @@ fn gravity(random: &mut Random, dimension: usize) -> Vec<f64> {
 }
 
 fn walls(random: &mut Random, dimension: usize) -> String {
-    if random.chance(0.7) {
+    if random.bernoulli(0.7) {
         return String::new();
     }
     let sides = ["left", "right", "bottom", "top", "front", "back"];
-    let open = |side: &&str| format!("{side} = \"{}\"", if random.chance(0.3) { "open" } else { "slip" });
+    let open = |side: &&str| format!("{side} = \"{}\"", if random.bernoulli(0.3) { "open" } else { "slip" });
     let sides: Vec<String> = sides[..2 * dimension].iter().map(open).collect();
     format!("walls = {{ {} }}\n", sides.join(", "))
 }
 
 /// A contact angle, degrees; the ends and the middle are frequent.
 pub fn angle(random: &mut Random) -> f64 {
-    match random.weighed(&[0.1, 0.1, 0.1, 0.7]) {
+    match random.weighted_index(&[0.1, 0.1, 0.1, 0.7]) {
         0 => 0.0,
         1 => 180.0,
         2 => 90.0,
-        _ => random.between(0.0, 180.0),
+        _ => random.uniform(0.0, 180.0),
     }
 }
 

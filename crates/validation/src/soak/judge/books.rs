@@ -1,30 +1,30 @@
 //! The books of a run: what is compared with the invariants after every step.
 
-use super::invariants::{ENERGY, MOMENTUM, OVERLAP, SPEED, VOLUME, WITHIN};
-use crate::soak::{EnergyLaw, EnergySteps, Violation};
+use super::invariants::{MAX_ENERGY_GROWTH, MAX_MOMENTUM_ERROR, MAX_OVERLAP_CELLS, MAX_SPEED_RATIO, MAX_VOLUME_ERROR, MAX_LIQUID_DEPTH_CELLS};
+use crate::soak::{EnergyLaw, EnergyMonitor, Violation};
 use meniscus_numerics::Vector;
 use meniscus_scene::file::Scene;
-use meniscus_sim::{Ledger, Model, Motion, Simulation, SolidState, State, StepReport, overlaps};
+use meniscus_sim::{Diagnostics, Model, Motion, Simulation, SolidState, State, StepReport, overlaps};
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
 /// Steps between the looks at what costs as much as a step: fields, overlaps, liquid within solids.
-const SELDOM: u64 = 4;
+const CHECK_INTERVAL_STEPS: u64 = 4;
 /// Steps over which the energy is averaged where it is compared with its least value.
-const WINDOW: usize = 8;
+const AVERAGING_STEPS: usize = 8;
 /// Cells to a side within which something may touch it.
-const TOUCHING: f64 = 3.0;
+const SIDE_CONTACT_CELLS: f64 = 3.0;
 
 /// What a run began with, and its books so far.
-pub struct Books<const D: usize> {
+pub struct InvariantChecks<const D: usize> {
     energy: f64,
     /// Largest kind of energy at the start, J.
     scale: f64,
     /// The energies after the last [`WINDOW`] steps, J, and the least mean of so many so far.
-    recent: VecDeque<f64>,
+    recent_energies: VecDeque<f64>,
     least_energy: f64,
     /// The energy of every step.
-    steps: EnergySteps<D>,
+    steps: EnergyMonitor<D>,
     volume: f64,
     momentum: Vector<D>,
     mass: f64,
@@ -33,40 +33,40 @@ pub struct Books<const D: usize> {
     /// The largest physical speed, m/s.
     speed: f64,
     /// Whether nothing does work from outside.
-    closed: bool,
+    is_isolated: bool,
     /// Whether no solid is led, so that overlaps can be resolved.
-    unled: bool,
+    has_no_prescribed_motion: bool,
     /// Whether nothing has touched a side so far, and no solid is held or led.
-    free: bool,
+    conserves_momentum: bool,
 }
 
-impl<const D: usize> Books<D> {
+impl<const D: usize> InvariantChecks<D> {
     /// The books of a simulation at its start.
-    pub fn open(simulation: &Simulation<D>, scene: &Scene) -> Self {
-        let (model, ledger) = (&simulation.model, simulation.ledger());
-        let led = model.solids.iter().any(|s| matches!(s.motion, Motion::Given(_)));
+    pub fn at_start(simulation: &Simulation<D>, scene: &Scene) -> Self {
+        let (model, ledger) = (&simulation.model, simulation.diagnostics());
+        let prescribed = model.solids.iter().any(|s| matches!(s.motion, Motion::Prescribed(_)));
         let moved = scene.solids.iter().any(|s| !s.moved.is_empty());
         let lines = scene.contact_line.enabled || model.solids.is_empty();
-        let scale = scale(model, &ledger);
-        let steps = EnergySteps::open(model, scale);
-        let barriers = steps.barriers(model, &simulation.state);
+        let scale = energy_scale(model, &ledger);
+        let steps = EnergyMonitor::new(model, scale);
+        let barriers = steps.barrier_energy(model, &simulation.state);
         let energy = potential_and_stored(&ledger) + ledger.kinetic_energy + barriers;
-        let loose = model.solids.iter().all(|s| s.is_unheld());
+        let unanchored = model.solids.iter().all(|s| s.is_unconstrained());
         Self {
             energy,
             scale,
-            recent: VecDeque::new(),
+            recent_energies: VecDeque::new(),
             least_energy: f64::INFINITY,
             steps,
             volume: ledger.volume,
             momentum: momentum(model, &simulation.state.solids, &ledger),
             mass: mass(model, &ledger),
             largest_kinetic: ledger.kinetic_energy,
-            overlap: deepest(model, &simulation.state.solids),
-            speed: largest_speed(simulation, scene, &ledger),
-            closed: !led && !moved && lines,
-            unled: !led && !moved,
-            free: loose && lines,
+            overlap: deepest_overlap(model, &simulation.state.solids),
+            speed: max_physical_speed(simulation, scene, &ledger),
+            is_isolated: !prescribed && !moved && lines,
+            has_no_prescribed_motion: !prescribed && !moved,
+            conserves_momentum: unanchored && lines,
         }
     }
 
@@ -77,42 +77,42 @@ impl<const D: usize> Books<D> {
 
     /// How the energy went from step to step; nothing where something does work from outside.
     pub fn energy_law(&self) -> Option<&EnergyLaw> {
-        self.closed.then(|| self.steps.law())
+        self.is_isolated.then(|| self.steps.law())
     }
 
     /// What the step that led to this state broke.
     pub fn check(&mut self, simulation: &Simulation<D>, report: &StepReport<D>) -> Vec<Violation> {
-        let (model, state, ledger) = (&simulation.model, &simulation.state, &report.ledger);
-        let mut found = Found { step: state.step, time: state.time, all: Vec::new() };
-        found.at_most("not-finite", not_finite(ledger) as f64, 0.0, "sums over the liquid");
+        let (model, state, ledger) = (&simulation.model, &simulation.state, &report.diagnostics);
+        let mut found = StepViolations { step: state.step, time: state.time, all: Vec::new() };
+        found.at_most("not-finite", count_not_finite(ledger) as f64, 0.0, "sums over the liquid");
         self.check_energy(&mut found, simulation, ledger);
         self.check_momentum(&mut found, simulation, ledger);
         found.at_most(
             "volume-before",
             report.repairs.volume_shift / self.volume,
-            VOLUME,
+            MAX_VOLUME_ERROR,
             "shifted in a step",
         );
         let leaked = report.repairs.leaked_volume / self.volume;
-        found.at_most("leak", leaked, VOLUME, "came through a solid in a step");
+        found.at_most("leak", leaked, MAX_VOLUME_ERROR, "came through a solid in a step");
         let misplaced = ledger.volume_error.abs() * ledger.target_volume / self.volume;
-        found.at_most("volume", misplaced, VOLUME, "misplaced");
-        found.at_most("volume", state.lost_volume / self.volume, VOLUME, "lost");
-        found.at_most("speed", ledger.max_speed, SPEED * self.speed, "m/s");
+        found.at_most("volume", misplaced, MAX_VOLUME_ERROR, "misplaced");
+        found.at_most("volume", state.lost_volume / self.volume, MAX_VOLUME_ERROR, "lost");
+        found.at_most("speed", ledger.max_speed, MAX_SPEED_RATIO * self.speed, "m/s");
         let rigid = model.solids.iter().zip(&state.solids).filter(|(s, _)| s.motion == Motion::Free);
-        let fastest = rigid.map(|(s, now)| s.largest_speed(now)).fold(0.0, f64::max);
-        found.at_most("solid-speed", fastest, SPEED * self.speed, "m/s");
+        let fastest = rigid.map(|(s, now)| s.max_speed(now)).fold(0.0, f64::max);
+        found.at_most("solid-speed", fastest, MAX_SPEED_RATIO * self.speed, "m/s");
         if let Some(least) = ledger.least_element.filter(|least| *least <= 0.0) {
             found.add("inverted", least, 0.0, "volume of an element over that at rest");
         }
-        if state.step.is_multiple_of(SELDOM) {
+        if state.step.is_multiple_of(CHECK_INTERVAL_STEPS) {
             let fields = state.velocity.axes.iter().chain([&state.phi.data]).flatten();
             found.at_most("not-finite", fields.filter(|v| !v.is_finite()).count() as f64, 0.0, "fields");
-            let allowed = (OVERLAP * model.grid.dx).max(self.overlap + OVERLAP * model.grid.dx);
-            if self.unled {
-                found.at_most("overlap", deepest(model, &state.solids), allowed, "m");
+            let allowed = (MAX_OVERLAP_CELLS * model.grid.dx).max(self.overlap + MAX_OVERLAP_CELLS * model.grid.dx);
+            if self.has_no_prescribed_motion {
+                found.at_most("overlap", deepest_overlap(model, &state.solids), allowed, "m");
             }
-            found.at_most("within-solid", deepest_liquid(simulation), WITHIN * model.grid.dx, "m");
+            found.at_most("within-solid", deepest_liquid(simulation), MAX_LIQUID_DEPTH_CELLS * model.grid.dx, "m");
         }
         found.all
     }
@@ -123,43 +123,43 @@ impl<const D: usize> Books<D> {
     ///
     /// What steps of many capillary limits keep is a neighbour of the energy, which itself swings about that from step to step
     /// by `(ω h)²` of what the fastest waves have. So it is a mean over some steps that must not rise again.
-    fn check_energy(&mut self, found: &mut Found, simulation: &Simulation<D>, ledger: &Ledger<D>) {
-        let energy = if self.closed { self.steps.note(simulation, ledger) } else { None };
+    fn check_energy(&mut self, found: &mut StepViolations, simulation: &Simulation<D>, ledger: &Diagnostics<D>) {
+        let energy = if self.is_isolated { self.steps.record(simulation, ledger) } else { None };
         let Some(energy) = energy else { return };
-        found.at_most("energy", (energy - self.energy) / self.scale, ENERGY, "of its scale, over the start");
-        self.recent.push_back(energy);
-        if self.recent.len() > WINDOW {
-            self.recent.pop_front();
-            let mean = self.recent.iter().sum::<f64>() / WINDOW as f64;
+        found.at_most("energy", (energy - self.energy) / self.scale, MAX_ENERGY_GROWTH, "of its scale, over the start");
+        self.recent_energies.push_back(energy);
+        if self.recent_energies.len() > AVERAGING_STEPS {
+            self.recent_energies.pop_front();
+            let mean = self.recent_energies.iter().sum::<f64>() / AVERAGING_STEPS as f64;
             self.least_energy = self.least_energy.min(mean);
             let risen = (mean - self.least_energy) / self.scale;
-            found.at_most("energy-again", risen, ENERGY, "of its scale, over its least");
+            found.at_most("energy-again", risen, MAX_ENERGY_GROWTH, "of its scale, over its least");
         }
     }
 
     /// $|P - P_0 - M g t| / \sqrt{2 M E_{max}}$ at the time of the velocity.
-    fn check_momentum(&mut self, found: &mut Found, simulation: &Simulation<D>, ledger: &Ledger<D>) {
+    fn check_momentum(&mut self, found: &mut StepViolations, simulation: &Simulation<D>, ledger: &Diagnostics<D>) {
         let (model, state) = (&simulation.model, &simulation.state);
         self.largest_kinetic = self.largest_kinetic.max(ledger.kinetic_energy);
-        self.free &= !touches_a_side(model, state);
+        self.conserves_momentum &= !touches_a_side(model, state);
         let scale = (2.0 * self.largest_kinetic * self.mass).sqrt();
-        if !self.free || scale == 0.0 {
+        if !self.conserves_momentum || scale == 0.0 {
             return;
         }
-        let given = model.gravity * (self.mass * (state.time + state.lead));
+        let given = model.gravity * (self.mass * (state.time + state.velocity_lead));
         let off = (momentum(model, &state.solids, ledger) - self.momentum - given).norm();
-        found.at_most("momentum", off / scale, MOMENTUM, "of the largest momentum");
+        found.at_most("momentum", off / scale, MAX_MOMENTUM_ERROR, "of the largest momentum");
     }
 }
 
 /// Violations of a step.
-struct Found {
+struct StepViolations {
     step: u64,
     time: f64,
     all: Vec<Violation>,
 }
 
-impl Found {
+impl StepViolations {
     /// Adds a violation where a value is above its bar, or none.
     fn at_most(&mut self, kind: &str, value: f64, bar: f64, words: &str) {
         if value.is_nan() || value > bar {
@@ -175,12 +175,12 @@ impl Found {
             value,
             worst: value,
             bar,
-            ..Violation::told(kind, step, time, words.into())
+            ..Violation::described(kind, step, time, words.into())
         });
     }
 }
 
-fn not_finite<const D: usize>(ledger: &Ledger<D>) -> usize {
+fn count_not_finite<const D: usize>(ledger: &Diagnostics<D>) -> usize {
     let energies =
         [ledger.kinetic_energy, ledger.surface_energy, ledger.elastic_energy, ledger.potential_energy];
     let sums =
@@ -188,14 +188,14 @@ fn not_finite<const D: usize>(ledger: &Ledger<D>) -> usize {
     sums.filter(|v| !v.is_finite()).count()
 }
 
-fn potential_and_stored<const D: usize>(ledger: &Ledger<D>) -> f64 {
+fn potential_and_stored<const D: usize>(ledger: &Diagnostics<D>) -> f64 {
     ledger.surface_energy + ledger.elastic_energy + ledger.potential_energy
 }
 
 /// The largest kind of energy at the start, J: of motion, of height over the lowest corner, of the surface, which is at least
 /// that of one ball of all the liquid (what wets may have none left).
-fn scale<const D: usize>(model: &Model<D>, ledger: &Ledger<D>) -> f64 {
-    let lowest: f64 = (0..D).map(|a| (model.gravity[a] * model.grid.upper()[a]).max(0.0)).sum();
+fn energy_scale<const D: usize>(model: &Model<D>, ledger: &Diagnostics<D>) -> f64 {
+    let lowest: f64 = (0..D).map(|a| (model.gravity[a] * model.grid.domain_upper()[a]).max(0.0)).sum();
     let height = ledger.potential_energy + mass(model, ledger) * lowest;
     let surface = ledger.surface_energy.abs().max(model.surface_tension * ball_area::<D>(ledger.volume));
     ledger.kinetic_energy.max(height).max(surface).max(ledger.elastic_energy)
@@ -207,19 +207,19 @@ fn ball_area<const D: usize>(volume: f64) -> f64 {
 }
 
 /// Mass of liquid and free solids, kg.
-fn mass<const D: usize>(model: &Model<D>, ledger: &Ledger<D>) -> f64 {
-    let solids = model.solids.iter().filter(|s| !s.motion.is_told()).map(|s| s.body.mass);
+fn mass<const D: usize>(model: &Model<D>, ledger: &Diagnostics<D>) -> f64 {
+    let solids = model.solids.iter().filter(|s| !s.motion.is_prescribed()).map(|s| s.mass_properties.mass);
     model.density * ledger.target_volume + solids.sum::<f64>()
 }
 
 /// Momentum of liquid and free solids, kg m/s.
-fn momentum<const D: usize>(model: &Model<D>, solids: &[SolidState<D>], ledger: &Ledger<D>) -> Vector<D> {
-    let free = model.solids.iter().zip(solids).filter(|(s, _)| !s.motion.is_told());
-    free.fold(ledger.momentum, |sum, (solid, now)| sum + now.velocity * solid.body.mass)
+fn momentum<const D: usize>(model: &Model<D>, solids: &[SolidState<D>], ledger: &Diagnostics<D>) -> Vector<D> {
+    let free = model.solids.iter().zip(solids).filter(|(s, _)| !s.motion.is_prescribed());
+    free.fold(ledger.momentum, |sum, (solid, now)| sum + now.velocity * solid.mass_properties.mass)
 }
 
 /// How deep solids overlap, m.
-fn deepest<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
+fn deepest_overlap<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
     overlaps(model, solids).into_iter().map(|o| o.2).fold(0.0, f64::max)
 }
 
@@ -236,10 +236,10 @@ fn deepest_liquid<const D: usize>(simulation: &Simulation<D>) -> f64 {
 }
 
 fn touches_a_side<const D: usize>(model: &Model<D>, state: &State<D>) -> bool {
-    let (near, upper) = (TOUCHING * model.grid.dx, model.grid.upper());
+    let (near, upper) = (SIDE_CONTACT_CELLS * model.grid.dx, model.grid.domain_upper());
     let out = |low: &Vector<D>, high: &Vector<D>| (0..D).any(|a| low[a] < near || high[a] > upper[a] - near);
     let solids = model.solids.iter().zip(&state.solids).map(|(s, now)| s.bounds(now));
-    state.drops.iter().any(|d| out(&d.lower, &d.upper))
+    state.components.iter().any(|d| out(&d.lower, &d.upper))
         || solids.into_iter().any(|[low, high]| out(&low, &high))
 }
 
@@ -252,16 +252,16 @@ fn touches_a_side<const D: usize>(model: &Model<D>, state: &State<D>) -> bool {
 ///   `√(2 γ / ρ h)`): tension moves little liquid no faster, threads of that size alike.
 ///
 /// Splashes and jets of what is resolved reach one to two times this speed; the bar is three times.
-fn largest_speed<const D: usize>(simulation: &Simulation<D>, scene: &Scene, ledger: &Ledger<D>) -> f64 {
+fn max_physical_speed<const D: usize>(simulation: &Simulation<D>, scene: &Scene, ledger: &Diagnostics<D>) -> f64 {
     let (model, solids) = (&simulation.model, &simulation.state.solids);
     let bodies = scene.liquid.bodies.iter().map(|b| b.velocity.iter().map(|v| v * v).sum::<f64>().sqrt());
-    let starts = model.solids.iter().zip(solids).map(|(s, now)| s.largest_speed(now));
+    let starts = model.solids.iter().zip(solids).map(|(s, now)| s.max_speed(now));
     let led = scene.solids.iter().map(|s| match &s.material {
         meniscus_scene::file::Material::Kinematic { keyframes, .. } => keyframe_speed(keyframes),
         _ => 0.0,
     });
     let start = bodies.chain(starts).chain(led).filter(|v| v.is_finite()).fold(0.0, f64::max);
-    let fall: f64 = (0..D).map(|a| 2.0 * (model.gravity[a] * model.grid.upper()[a]).abs()).sum();
+    let fall: f64 = (0..D).map(|a| 2.0 * (model.gravity[a] * model.grid.domain_upper()[a]).abs()).sum();
     let weight = model.density * ledger.volume;
     let surface =
         2.0 * ledger.surface_energy.abs().max(model.surface_tension * ball_area::<D>(ledger.volume));

@@ -12,29 +12,29 @@
 //! of gravity. For solids it is exact. The surface's and gravity's are between two times, with an error of second order in the step for
 //! liquid. Liquid and rigid solids have no energy but `T`, `B`, `S` and `P`.
 
-use super::invariants::ENERGY_STEP;
+use super::invariants::MAX_ENERGY_RISE_PER_STEP;
 use crate::soak::EnergyLaw;
-use meniscus_sim::{Barriers, Ledger, Model, Simulation, Solid, SolidState, State, solids_after};
+use meniscus_sim::{Barriers, Diagnostics, Model, Simulation, Solid, SolidState, State, advanced_solids};
 
 /// Kinds of energy, in the order of [`EnergyLaw::terms`].
-pub const TERMS: [&str; 5] = ["kinetic", "elastic", "barrier", "surface", "potential"];
+pub const ENERGY_TERMS: [&str; 5] = ["kinetic", "elastic", "barrier", "surface", "potential"];
 
 /// The books of the energy from step to step.
-pub struct EnergySteps<const D: usize> {
+pub struct EnergyMonitor<const D: usize> {
     barriers: Barriers<D>,
     scale: f64,
     /// What was true at the start of the step that goes on.
-    start: Option<Start<D>>,
+    start: Option<StepStart<D>>,
     /// The energies of the step before, J.
-    before: Option<[f64; 5]>,
+    previous: Option<[f64; 5]>,
     law: EnergyLaw,
 }
 
 /// The positions of a time, and velocities of the step from there.
-struct Start<const D: usize> {
+struct StepStart<const D: usize> {
     time: f64,
     /// How far the velocities are ahead, s.
-    lead: f64,
+    velocity_lead: f64,
     kinetic: f64,
     surface: f64,
     potential: f64,
@@ -42,21 +42,21 @@ struct Start<const D: usize> {
     barrier: f64,
 }
 
-impl<const D: usize> EnergySteps<D> {
+impl<const D: usize> EnergyMonitor<D> {
     /// The books of a model; `scale` is the energy, J, that rises are compared with.
-    pub fn open(model: &Model<D>, scale: f64) -> Self {
-        Self { barriers: Barriers::of(model), scale, start: None, before: None, law: EnergyLaw::default() }
+    pub fn new(model: &Model<D>, scale: f64) -> Self {
+        Self { barriers: Barriers::of(model), scale, start: None, previous: None, law: EnergyLaw::default() }
     }
 
     /// Takes a step to the books; gives back the energy within the step, J, from the second step on.
-    pub fn note(&mut self, simulation: &Simulation<D>, ledger: &Ledger<D>) -> Option<f64> {
+    pub fn record(&mut self, simulation: &Simulation<D>, ledger: &Diagnostics<D>) -> Option<f64> {
         let (model, state) = (&simulation.model, &simulation.state);
         // Energy of liquid that has left through open sides is part of the sum.
         let potential = ledger.potential_energy + state.outflow_stored_energy;
-        let (solids, slips) = solids_after(model, state, state.lead);
-        let now = Start {
+        let (solids, slips) = advanced_solids(model, state, state.velocity_lead);
+        let now = StepStart {
             time: state.time,
-            lead: state.lead,
+            velocity_lead: state.velocity_lead,
             kinetic: ledger.kinetic_energy + state.outflow_kinetic_energy,
             surface: ledger.surface_energy,
             potential,
@@ -64,7 +64,7 @@ impl<const D: usize> EnergySteps<D> {
             barrier: self.barriers.energy(model, &solids, &slips),
         };
         let start = self.start.replace(now)?;
-        let part = start.lead / (state.time - start.time);
+        let part = start.velocity_lead / (state.time - start.time);
         let energies = [
             start.kinetic,
             start.elastic,
@@ -76,14 +76,14 @@ impl<const D: usize> EnergySteps<D> {
         let total: f64 = energies.iter().sum();
         if !total.is_finite() {
             // The step was shorter than the lead: beyond its end solids need not be apart and upright.
-            self.before = None;
+            self.previous = None;
             return None;
         }
-        let Some(before) = self.before.replace(energies) else { return Some(total) };
+        let Some(before) = self.previous.replace(energies) else { return Some(total) };
         let terms: [f64; 5] = std::array::from_fn(|k| (energies[k] - before[k]) / self.scale);
         let rise: f64 = terms.iter().sum();
         self.law.steps += 1;
-        if rise > ENERGY_STEP {
+        if rise > MAX_ENERGY_RISE_PER_STEP {
             self.law.rises += 1;
             self.law.sum += rise;
         }
@@ -96,13 +96,13 @@ impl<const D: usize> EnergySteps<D> {
     }
 
     /// The energy of barriers and of friction's elastic slips where solids are, J.
-    pub fn barriers(&self, model: &Model<D>, state: &State<D>) -> f64 {
-        self.barriers.energy(model, &state.solids, &state.slips)
+    pub fn barrier_energy(&self, model: &Model<D>, state: &State<D>) -> f64 {
+        self.barriers.energy(model, &state.solids, &state.elastic_slips)
     }
 
     /// Begins anew with the next step: what goes on until then is not compared.
-    pub fn forget(&mut self) {
-        (self.start, self.before) = (None, None);
+    pub fn reset(&mut self) {
+        (self.start, self.previous) = (None, None);
     }
 
     /// What was found.
@@ -115,7 +115,7 @@ impl<const D: usize> EnergySteps<D> {
 fn elastic<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
     let of = |(solid, now): (&Solid<D>, &SolidState<D>)| {
         let (elastic, soft) = solid.elastic().zip(now.soft.as_ref())?;
-        Some(elastic.elastic_energy(&soft.body.positions) + elastic.upright_energy(&soft.body.positions))
+        Some(elastic.elastic_energy(&soft.state.positions) + elastic.inversion_barrier_energy(&soft.state.positions))
     };
     model.solids.iter().zip(solids).filter_map(of).sum()
 }

@@ -11,46 +11,46 @@ pub struct Invariant {
 
 /// Growth of the energy over what it was, relative to its scale at the start: 1 %. Discretisation errors of the
 /// surface's area at eight cells a radius are a tenth of it.
-pub const ENERGY: f64 = 0.01;
+pub const MAX_ENERGY_GROWTH: f64 = 0.01;
 /// Rise of the energy in a step, relative to its scale, in sets where no step may have one: rounding and the pressure's residual
 /// (1e-6 of its right side) are below it.
-pub const ENERGY_STEP: f64 = 1e-6;
+pub const MAX_ENERGY_RISE_PER_STEP: f64 = 1e-6;
 /// Momentum that nothing gave, over that of all mass at the largest root mean square speed. What the discretisation loses is
 /// given back, so only rounding and the solver's residual (1e-6) are left.
-pub const MOMENTUM: f64 = 1e-5;
+pub const MAX_MOMENTUM_ERROR: f64 = 1e-5;
 /// Volume lost or gained, relative.
-pub const VOLUME: f64 = 1e-3;
+pub const MAX_VOLUME_ERROR: f64 = 1e-3;
 /// Overlap of solids beyond that at the start, in cells: what `[expect]` allows everywhere.
-pub const OVERLAP: f64 = 0.01;
+pub const MAX_OVERLAP_CELLS: f64 = 0.01;
 /// Depth of liquid within a solid, in cells.
-pub const WITHIN: f64 = 1.0;
+pub const MAX_LIQUID_DEPTH_CELLS: f64 = 1.0;
 /// Largest speed over the largest physical one.
-pub const SPEED: f64 = 3.0;
+pub const MAX_SPEED_RATIO: f64 = 3.0;
 /// Longest step over the median's, and the least that counts, s: below it is noise of the machine.
-pub const SLOW: (f64, f64) = (50.0, 1.0);
+pub const SLOW_STEP_LIMITS: (f64, f64) = (50.0, 1.0);
 /// Memory over what `check` tells, and what the program takes without a scene, bytes (its code, tables, threads and what the
 /// allocator keeps). The estimate is for large scenes, where it is right within a third; twice it is a fault of its own.
-pub const MEMORY: (f64, f64) = (2.0, 64e6);
+pub const MEMORY_LIMITS: (f64, f64) = (2.0, 64e6);
 /// Processor time of one step that hangs, s.
-pub const HANG: f64 = 20.0;
+pub const HANG_CPU_SECONDS: f64 = 20.0;
 /// Processor time after which a case ends without a verdict, s: 2D, 3D.
-pub const BUDGET: [f64; 2] = [60.0, 150.0];
+pub const CPU_BUDGET_SECONDS: [f64; 2] = [60.0, 150.0];
 /// Steps after which a case ends without a verdict: twice what a drawn scene should take.
-pub const STEPS: u64 = 1200;
+pub const MAX_STEPS: u64 = 1200;
 /// The same two bounds in the drop test, whose cases are longer.
-pub const DROP_BUDGET: [f64; 2] = [180.0, 900.0];
+pub const DROP_TEST_CPU_BUDGET_SECONDS: [f64; 2] = [180.0, 900.0];
 /// Steps of a case of the drop test at most.
-pub const DROP_STEPS: u64 = 6000;
+pub const DROP_TEST_MAX_STEPS: u64 = 6000;
 /// Difference of a mirrored run after [`PAIR`] steps: of the energy over its scale, and of the centre of mass in cells. Rounding
 /// and the solver's residual (1e-6) make it, and what the flow does to them in so short a time.
-pub const MIRRORED: (f64, f64) = (0.01, 0.1);
+pub const MIRROR_TOLERANCES: (f64, f64) = (0.01, 0.1);
 /// The same of a shifted one: the error of second order of drops of four cells a radius, `(1/4)²`, the smallest that are drawn.
-pub const SHIFTED: (f64, f64) = (0.06, 0.25);
+pub const SHIFT_TOLERANCES: (f64, f64) = (0.06, 0.25);
 /// Steps after which repeated runs are compared.
-pub const PAIR: u64 = 60;
+pub const COMPARED_STEPS: u64 = 60;
 
 /// All of them, worst first.
-pub const ALL: [Invariant; 22] = [
+pub const INVARIANTS: [Invariant; 22] = [
     Invariant { name: "panic", holds: "the program does not end by itself" },
     Invariant { name: "hang", holds: "no step takes 20 s" },
     Invariant { name: "not-finite", holds: "everything is finite" },

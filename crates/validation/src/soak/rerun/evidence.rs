@@ -2,9 +2,9 @@
 //! SCENE --out FOLDER --resume` goes on.
 
 use meniscus_scene::file::Scene;
-use meniscus_scene::output::series::Series;
+use meniscus_scene::output::series::TimeSeriesWriter;
 use meniscus_scene::output::{FileError, Folder, SolidMeasures, file};
-use meniscus_scene::run::{Job, Tally, checkpoint};
+use meniscus_scene::run::{Job, RunStatistics, checkpoint};
 use meniscus_sim::{Model, Simulation, State};
 use std::io::Write as _;
 use std::path::Path;
@@ -17,7 +17,7 @@ pub fn write<const D: usize>(
     out: &Path,
     (scene, text): (&Scene, &str),
     model: &Model<D>,
-    (state, tally): (&State<D>, &Tally),
+    (state, tally): (&State<D>, &RunStatistics),
 ) -> Result<(), FileError> {
     write_scene(out, &scene.name, text)?;
     let folder = Folder::at(&out.join(&scene.name));
@@ -28,8 +28,8 @@ pub fn write<const D: usize>(
     let names = || scene.solids.iter().map(|s| s.name.as_str());
     let simulation = Simulation::resume(model.clone(), state.clone());
     let measures = SolidMeasures::new(&simulation, scene.solids.len()).columns::<D>(names());
-    let mut series = Series::create(&folder.series(), names(), &measures)?;
-    let tally = Tally { series_bytes: series.sync()?, ..tally.clone() };
+    let mut series = TimeSeriesWriter::create(&folder.series(), names(), &measures)?;
+    let tally = RunStatistics { series_bytes: series.sync()?, ..tally.clone() };
     checkpoint::write(&folder.checkpoints(), job.identity, state, &tally)?;
     Ok(())
 }
@@ -40,16 +40,16 @@ pub fn write<const D: usize>(
 /// [`FileError`].
 pub fn write_scene(out: &Path, name: &str, text: &str) -> Result<(), FileError> {
     file::create_folder(out)?;
-    file::replace(&out.join(format!("{name}.toml")), |w| w.write_all(text.as_bytes()))
+    file::write_atomically(&out.join(format!("{name}.toml")), |w| w.write_all(text.as_bytes()))
 }
 
 /// A state written to a checkpoint in a folder and read back.
 ///
 /// # Errors
 /// Why that cannot be done, in words.
-pub fn there_and_back<const D: usize>(folder: &Path, state: &State<D>) -> Result<State<D>, String> {
+pub fn checkpoint_round_trip<const D: usize>(folder: &Path, state: &State<D>) -> Result<State<D>, String> {
     file::create_folder(folder).map_err(|e| e.to_string())?;
-    let path = checkpoint::write(folder, 0, state, &Tally::default()).map_err(|e| e.to_string())?;
+    let path = checkpoint::write(folder, 0, state, &RunStatistics::default()).map_err(|e| e.to_string())?;
     let read = checkpoint::read(&path, 0, state.phi.grid).map_err(|e| e.to_string());
     let _ = std::fs::remove_dir_all(folder);
     read.map(|(state, _)| state)

@@ -3,16 +3,16 @@
 use meniscus_scene::file::{Material, Rotation, Scene, ShapeSpec, Solid, SolidTension};
 
 /// Where everything goes: mirrored at the middle of the domain, then shifted, along the first axis.
-pub struct Image {
+pub struct SceneTransform {
     /// Whether it is mirrored.
     pub mirrored: bool,
     /// Size of the domain along the first axis, m.
     pub size: f64,
     /// The shift, m.
-    pub by: f64,
+    pub shift: f64,
 }
 
-impl Image {
+impl SceneTransform {
     /// The image of a scene; none of one that has none: a shift along with something that ends at a side, or a mirror image of
     /// a shape or a mesh of elements that is not built the same way.
     pub fn scene(&self, scene: &Scene) -> Option<Scene> {
@@ -50,7 +50,7 @@ impl Image {
 
     /// Whether a body ends before the sides that the shift is along.
     fn is_inside(&self, shape: &ShapeSpec, dimension: usize) -> bool {
-        shape.bounds(dimension).is_some_and(|(low, high)| low[0] > 0.0 && high[0] < self.size - self.by)
+        shape.bounds(dimension).is_some_and(|(low, high)| low[0] > 0.0 && high[0] < self.size - self.shift)
     }
 
     fn solid(&self, solid: &mut Solid) -> Option<()> {
@@ -59,7 +59,7 @@ impl Image {
         if let Material::Kinematic { velocity, angular_velocity, keyframes } = &mut solid.material {
             *velocity = self.direction(velocity);
             keyframes.iter_mut().for_each(|k| k.1 = self.direction(&k.1));
-            *angular_velocity = self.turning(angular_velocity);
+            *angular_velocity = self.angular_velocity(angular_velocity);
         }
         for part in &mut solid.fixed {
             *part = self.shape(part)?;
@@ -75,7 +75,7 @@ impl Image {
     /// The image of a point, m.
     pub fn point(&self, x: &[f64]) -> Vec<f64> {
         let mut x = x.to_vec();
-        x[0] = if self.mirrored { self.size - x[0] } else { x[0] } + self.by;
+        x[0] = if self.mirrored { self.size - x[0] } else { x[0] } + self.shift;
         x
     }
 
@@ -86,7 +86,7 @@ impl Image {
     }
 
     /// The image of an angular velocity: a mirror turns the parts of it that lie in it.
-    fn turning(&self, w: &[f64]) -> Vec<f64> {
+    fn angular_velocity(&self, w: &[f64]) -> Vec<f64> {
         if !self.mirrored {
             return w.to_vec();
         }

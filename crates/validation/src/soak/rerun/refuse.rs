@@ -1,16 +1,16 @@
 //! Drawing until the program takes the scene: what it refuses is drawn again.
 
-use crate::soak::{Set, Subject};
+use crate::soak::{CaseSet, Subject};
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::error::SceneError;
-use meniscus_scene::file::{LoadOptions, Scene, runnable};
+use meniscus_scene::file::{LoadOptions, Scene, ensure_runnable};
 use std::path::Path;
 
 /// Draws of a case before it is given up.
-const ATTEMPTS: u64 = 200;
+const MAX_ATTEMPTS: u64 = 200;
 
 /// A scene that the program takes.
-pub struct Taken {
+pub struct AcceptedScene {
     /// Its text.
     pub text: String,
     /// The scene.
@@ -25,7 +25,7 @@ pub struct Taken {
 ///
 /// # Errors
 /// Why there is none, in words.
-pub fn taken(subject: &Subject, tell: &mut dyn FnMut(&str)) -> Result<Taken, String> {
+pub fn accepted_scene(subject: &Subject, tell: &mut dyn FnMut(&str)) -> Result<AcceptedScene, String> {
     let mut refused = Vec::new();
     match subject {
         Subject::File(path, _) => {
@@ -33,36 +33,36 @@ pub fn taken(subject: &Subject, tell: &mut dyn FnMut(&str)) -> Result<Taken, Str
                 std::fs::read_to_string(path).map_err(|e| format!("cannot read {}: {e}", path.display()))?;
             tell(&text);
             let base = path.parent().unwrap_or(Path::new(""));
-            let (scene, setup) = taken_from(&text, base).map_err(|e| e.message)?;
-            Ok(Taken { text, scene, setup, refused })
+            let (scene, setup) = parse_and_set_up(&text, base).map_err(|e| e.message)?;
+            Ok(AcceptedScene { text, scene, setup, refused })
         }
         Subject::Case(wish, case) => {
-            for attempt in 0..ATTEMPTS {
+            for attempt in 0..MAX_ATTEMPTS {
                 let text = match wish.set {
-                    Set::Random => crate::soak::draw::scene::scene(wish, *case, attempt),
-                    Set::Drops => crate::soak::draw::drops::scene(wish, *case),
+                    CaseSet::Random => crate::soak::draw::scene::scene(wish, *case, attempt),
+                    CaseSet::DropTest => crate::soak::draw::drops::scene(wish, *case),
                 };
                 tell(&text);
-                match taken_from(&text, Path::new("")) {
-                    Ok((scene, setup)) => return Ok(Taken { text, scene, setup, refused }),
-                    Err(error) if wish.set == Set::Drops => return Err(error.message),
+                match parse_and_set_up(&text, Path::new("")) {
+                    Ok((scene, setup)) => return Ok(AcceptedScene { text, scene, setup, refused }),
+                    Err(error) if wish.set == CaseSet::DropTest => return Err(error.message),
                     Err(error) => refused.push(error.message),
                 }
             }
-            Err(format!("{ATTEMPTS} draws were refused, the last as {}", refused.last().map_or("", |r| r)))
+            Err(format!("{MAX_ATTEMPTS} draws were refused, the last as {}", refused.last().map_or("", |r| r)))
         }
     }
 }
 
 /// The scene of a text, as `run` would take it.
-fn taken_from(text: &str, base: &Path) -> Result<(Scene, AnySetup), SceneError> {
+fn parse_and_set_up(text: &str, base: &Path) -> Result<(Scene, AnySetup), SceneError> {
     let scene = Scene::from_text("drawn.toml", text, base, &LoadOptions::default())?;
-    runnable(&scene)?;
+    ensure_runnable(&scene)?;
     let setup = AnySetup::of(&scene)?;
     Ok((scene, setup))
 }
 
 /// A scene that was changed, as the program takes it.
-pub fn changed(scene: &Scene) -> Option<(Scene, AnySetup)> {
-    taken_from(&scene.to_toml().ok()?, Path::new("")).ok()
+pub fn round_tripped(scene: &Scene) -> Option<(Scene, AnySetup)> {
+    parse_and_set_up(&scene.to_toml().ok()?, Path::new("")).ok()
 }

@@ -1,18 +1,18 @@
 //! Runs a case again in another way that must give the same: on two threads, from a checkpoint, mirrored, shifted.
 
-use super::evidence::there_and_back;
-use super::image::Image;
-use super::refuse::changed;
+use super::evidence::checkpoint_round_trip;
+use super::image::SceneTransform;
+use super::refuse::round_tripped;
 use crate::soak::Violation;
-use crate::soak::judge::invariants::{MIRRORED, PAIR, SHIFTED};
-use crate::soak::walk::Walk;
+use crate::soak::judge::invariants::{MIRROR_TOLERANCES, COMPARED_STEPS, SHIFT_TOLERANCES};
+use crate::soak::walk::ScheduledSimulation;
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::file::Scene;
 use meniscus_scene::run::Setup;
 use meniscus_sim::{Simulation, State};
 
 /// How far the shifted run is shifted, in cells: no fraction that a grid favours.
-const SHIFT: f64 = 0.37;
+const SHIFT_CELLS: f64 = 0.37;
 
 /// A state of the run that is compared with.
 pub struct Waypoint<const D: usize> {
@@ -32,31 +32,31 @@ pub fn repeat<const D: usize>(
     scale: f64,
     begins: &(dyn Fn() + Sync),
 ) -> Option<Vec<Violation>> {
-    let walk = Walk::start;
+    let walk = ScheduledSimulation::start;
     match how {
         "threads" => {
             let two = rayon::ThreadPoolBuilder::new().num_threads(2).build().ok()?;
-            let state = two.install(|| steps(walk(setup, scene), PAIR, begins));
+            let state = two.install(|| steps(walk(setup, scene), COMPARED_STEPS, begins));
             Some(same_bits(how, &state, &end.state))
         }
         "resume" => {
             let folder = std::env::temp_dir().join(format!("meniscus-soak-{}", std::process::id()));
-            let read = match there_and_back(&folder, &middle.state) {
+            let read = match checkpoint_round_trip(&folder, &middle.state) {
                 Ok(state) => state,
                 Err(error) => return Some(vec![broken(how, error)]),
             };
             let simulation = Simulation::resume(setup.model.clone(), read);
-            let state = steps(Walk::from(simulation, scene, middle.frame), PAIR / 2, begins);
+            let state = steps(ScheduledSimulation::from(simulation, scene, middle.frame), COMPARED_STEPS / 2, begins);
             Some(same_bits(how, &state, &end.state))
         }
         _ => {
-            let by = if how == "shift" { SHIFT * scene.domain.dx } else { 0.0 };
-            let image = Image { mirrored: how == "mirror", size: scene.domain.size[0], by };
-            let (other, its_setup) = changed(&image.scene(scene)?)?;
+            let shift = if how == "shift" { SHIFT_CELLS * scene.domain.dx } else { 0.0 };
+            let image = SceneTransform { mirrored: how == "mirror", size: scene.domain.size[0], shift };
+            let (other, its_setup) = round_tripped(&image.scene(scene)?)?;
             let compared = Pair { how, image, setup, end, scale, begins };
             match &its_setup {
-                AnySetup::D2(its) if D == 2 => compared.with(its, &other),
-                AnySetup::D3(its) if D == 3 => compared.with(its, &other),
+                AnySetup::D2(its) if D == 2 => compared.compare_with(its, &other),
+                AnySetup::D3(its) if D == 3 => compared.compare_with(its, &other),
                 _ => None,
             }
         }
@@ -64,12 +64,12 @@ pub fn repeat<const D: usize>(
 }
 
 fn broken(how: &str, words: String) -> Violation {
-    Violation::told(how, PAIR, 0.0, words)
+    Violation::described(how, COMPARED_STEPS, 0.0, words)
 }
 
 /// The state after some steps, or why there is none.
 fn steps<const D: usize>(
-    mut walk: Walk<D>,
+    mut walk: ScheduledSimulation<D>,
     count: u64,
     begins: &(dyn Fn() + Sync),
 ) -> Result<State<D>, String> {
@@ -106,7 +106,7 @@ fn same_bits<const D: usize>(
 /// A run and its image.
 struct Pair<'a, const D: usize> {
     how: &'a str,
-    image: Image,
+    image: SceneTransform,
     setup: &'a Setup<D>,
     end: &'a Waypoint<D>,
     scale: f64,
@@ -115,18 +115,18 @@ struct Pair<'a, const D: usize> {
 
 impl<const D: usize> Pair<'_, D> {
     /// Compares energy and centre of mass at the time of the waypoint.
-    fn with<const E: usize>(&self, its: &Setup<E>, scene: &Scene) -> Option<Vec<Violation>> {
+    fn compare_with<const E: usize>(&self, its: &Setup<E>, scene: &Scene) -> Option<Vec<Violation>> {
         let time = self.end.state.time;
         let mut simulation = its.simulation();
-        let start = simulation.ledger().volume;
+        let start = simulation.diagnostics().volume;
         while simulation.state.time < time * (1.0 - 1e-12) {
             (self.begins)();
             if let Err(error) = simulation.step(time - simulation.state.time, &mut |_| ()) {
                 return Some(vec![broken(self.how, format!("the image ends: {error}"))]);
             }
         }
-        let own = Simulation::resume(self.setup.model.clone(), self.end.state.clone()).ledger();
-        let other = simulation.ledger();
+        let own = Simulation::resume(self.setup.model.clone(), self.end.state.clone()).diagnostics();
+        let other = simulation.diagnostics();
         let stored = |surface: f64, elastic: f64| surface + elastic;
         let energies = stored(own.surface_energy, own.elastic_energy) + own.kinetic_energy
             - stored(other.surface_energy, other.elastic_energy)
@@ -141,7 +141,7 @@ impl<const D: usize> Pair<'_, D> {
                 found.push(Violation { value, worst: value, bar, time, ..broken(self.how, words.into()) });
             }
         };
-        let (of_energy, of_place) = if self.image.mirrored { MIRRORED } else { SHIFTED };
+        let (of_energy, of_place) = if self.image.mirrored { MIRROR_TOLERANCES } else { SHIFT_TOLERANCES };
         at_most(energies.abs() / self.scale, of_energy, "of the energy's scale");
         at_most(share * off / scene.domain.dx, of_place, "cells between the centres of mass");
         Some(found)

@@ -1,17 +1,17 @@
 //! Makes a scene that breaks an invariant smaller, as long as it still breaks it.
 
 use super::evidence;
-use super::refuse::changed;
+use super::refuse::round_tripped;
 use crate::soak::Outcome;
-use crate::soak::parent::Launch;
+use crate::soak::parent::Launcher;
 use meniscus_scene::file::{Scene, ShapeSpec, SolidTension, Wall};
 use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
 
 /// Runs of changed scenes at most.
-const TRIES: usize = 60;
+const MAX_TRIES: usize = 60;
 /// How much longer than until the violation a shrunk scene runs.
-const LONGER: f64 = 1.05;
+const DURATION_FACTOR: f64 = 1.05;
 
 /// A scene that still breaks the invariant.
 pub struct Shrunk {
@@ -28,7 +28,7 @@ pub struct Shrunk {
 /// # Errors
 /// In words: where nothing can be written or started.
 pub fn shrink(
-    launch: &Launch,
+    launch: &Launcher,
     (scene, first): (Scene, Outcome),
     kind: &str,
     each: &mut dyn FnMut(&str),
@@ -43,10 +43,10 @@ pub fn shrink(
     loop {
         let mut smaller = false;
         for (what, candidate) in candidates(&scene, &outcome, kind) {
-            if needed.contains(&what) || tries >= TRIES {
+            if needed.contains(&what) || tries >= MAX_TRIES {
                 continue;
             }
-            let Some((candidate, _)) = changed(&candidate) else { continue };
+            let Some((candidate, _)) = round_tripped(&candidate) else { continue };
             tries += 1;
             let text = candidate.to_toml().map_err(|e| e.to_string())?;
             evidence::write_scene(&launch.out, &name, &text).map_err(|e| e.to_string())?;
@@ -85,7 +85,7 @@ fn candidates(scene: &Scene, outcome: &Outcome, kind: &str) -> Vec<(String, Scen
         all.push((format!("a body of liquid ({i})"), less));
     }
     let failed = outcome.violations.iter().find(|v| v.kind == kind && v.time > 0.0);
-    if let Some(end) = failed.map(|v| LONGER * v.time).filter(|end| *end < 0.9 * scene.output.duration) {
+    if let Some(end) = failed.map(|v| DURATION_FACTOR * v.time).filter(|end| *end < 0.9 * scene.output.duration) {
         let mut less = scene.clone();
         less.output.duration = end;
         all.push(("the time after it".into(), less));

@@ -3,13 +3,13 @@
 use crate::folder::{Bounds, V3};
 
 /// Boxes a leaf holds at most, unless they cannot be parted.
-const LEAF: usize = 4;
+const MAX_LEAF_SIZE: usize = 4;
 /// Bins per axis in which the surface area heuristic looks for a cut.
 const BINS: usize = 12;
 /// Below this depth cuts go through the median, which bounds the depth of the whole tree.
-const DEEP: usize = 40;
+const MAX_SAH_DEPTH: usize = 40;
 /// Nodes that can wait while one is visited.
-const STACK: usize = 96;
+const STACK_SIZE: usize = 96;
 
 /// A ray with the reciprocals of its direction.
 #[derive(Clone, Copy, Debug)]
@@ -73,7 +73,7 @@ impl Bvh {
     /// Visits the primitives whose boxes the ray meets before `limit`, near boxes first. `hit` gets the place
     /// in [`Self::order`] and the present limit, and returns the new limit; a negative one ends the search.
     pub(crate) fn visit(&self, ray: &Ray, mut limit: f64, mut hit: impl FnMut(usize, f64) -> f64) {
-        let mut stack = [(0u32, 0.0f64); STACK];
+        let mut stack = [(0u32, 0.0f64); STACK_SIZE];
         let mut top = 0;
         let Some(root) = self.nodes.first() else { return };
         let Some(t) = root.enter(ray, limit) else { return };
@@ -141,10 +141,10 @@ impl Builder<'_> {
             first: offset as u32,
             count: order.len() as u32,
         });
-        if order.len() <= LEAF {
+        if order.len() <= MAX_LEAF_SIZE {
             return;
         }
-        let middle = if depth < DEEP { self.split(order) } else { None };
+        let middle = if depth < MAX_SAH_DEPTH { self.split(order) } else { None };
         let middle = middle.unwrap_or_else(|| self.median(order));
         let (a, b) = order.split_at_mut(middle);
         self.build(a, offset, depth + 1);

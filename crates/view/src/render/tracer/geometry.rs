@@ -10,9 +10,9 @@ use crate::folder::{Bounds, V3};
 pub(crate) struct Hit {
     pub t: f64,
     /// The outward normal of the facet.
-    pub facet: V3,
+    pub geometric_normal: V3,
     /// The outward normal, smooth over the facets.
-    pub smooth: V3,
+    pub shading_normal: V3,
     /// Whether the facet touches something opaque (see [`TriMesh::new`]).
     pub wetted: bool,
     /// How far from its plain colour the surface is, 0 to 1.
@@ -78,7 +78,7 @@ impl TriMesh {
     /// The first hit with `least < t < limit`.
     pub(crate) fn hit(&self, ray: &Ray, least: f64, limit: f64) -> Option<Hit> {
         let mut best = None;
-        self.bvh.visit(ray, limit, |place, limit| match self.triangles[place].meet(ray) {
+        self.bvh.visit(ray, limit, |place, limit| match self.triangles[place].intersect(ray) {
             Some((t, u, v)) if t > least && t < limit => {
                 best = Some((place, t, u, v));
                 t
@@ -87,17 +87,17 @@ impl TriMesh {
         });
         let (place, t, u, v) = best?;
         let tri = &self.triangles[place];
-        let facet = tri.ab.cross(&tri.ac).normalize();
+        let geometric_normal = tri.ab.cross(&tri.ac).normalize();
         let [a, b, c] = tri.corners.map(|i| self.normals[i as usize]);
-        let smooth = (a * (1.0 - u - v) + b * u + c * v).try_normalize(1e-12).unwrap_or(facet);
+        let shading_normal = (a * (1.0 - u - v) + b * u + c * v).try_normalize(1e-12).unwrap_or(geometric_normal);
         let tint = tri.tint[0] * (1.0 - u - v) + tri.tint[1] * u + tri.tint[2] * v;
-        Some(Hit { t, facet, smooth, wetted: tri.wetted, tint })
+        Some(Hit { t, geometric_normal, shading_normal, wetted: tri.wetted, tint })
     }
 
     /// Whether anything is hit with `least < t < limit`.
-    pub(crate) fn blocks(&self, ray: &Ray, least: f64, limit: f64) -> bool {
+    pub(crate) fn occludes(&self, ray: &Ray, least: f64, limit: f64) -> bool {
         let mut found = false;
-        self.bvh.visit(ray, limit, |place, limit| match self.triangles[place].meet(ray) {
+        self.bvh.visit(ray, limit, |place, limit| match self.triangles[place].intersect(ray) {
             Some((t, ..)) if t > least && t < limit => {
                 found = true;
                 -1.0
@@ -110,7 +110,7 @@ impl TriMesh {
 
 impl Triangle {
     /// The distance and the barycentric coordinates of the second and third corner.
-    fn meet(&self, ray: &Ray) -> Option<(f64, f64, f64)> {
+    fn intersect(&self, ray: &Ray) -> Option<(f64, f64, f64)> {
         const EDGE: f64 = 1e-10;
         let p = ray.dir.cross(&self.ac);
         let det = self.ab.dot(&p);
@@ -169,13 +169,13 @@ fn corner_normals(points: &[V3], faces: &[[u32; 3]], crease: f64) -> (Vec<V3>, V
 
 /// Round tubes along edges.
 #[derive(Debug, Default)]
-pub(crate) struct Tubes {
+pub(crate) struct Capsules {
     bvh: Bvh,
     ends: Vec<[V3; 2]>,
     radius: f64,
 }
 
-impl Tubes {
+impl Capsules {
     pub(crate) fn new(points: &[V3], mesh: &PlyMesh, radius: f64) -> Self {
         let ends = |e: &[u32; 2]| e.map(|i| points[i as usize]);
         let bounds = |e: [V3; 2]| {
@@ -195,19 +195,19 @@ impl Tubes {
     /// The first hit with `least < t < limit`.
     pub(crate) fn hit(&self, ray: &Ray, least: f64, limit: f64) -> Option<Hit> {
         let mut best: Option<(f64, V3)> = None;
-        self.bvh.visit(ray, limit, |place, limit| match capsule(ray, self.ends[place], self.radius) {
+        self.bvh.visit(ray, limit, |place, limit| match intersect_capsule(ray, self.ends[place], self.radius) {
             Some((t, n)) if t > least && t < limit => {
                 best = Some((t, n));
                 t
             }
             _ => limit,
         });
-        best.map(|(t, n)| Hit { t, facet: n, smooth: n, wetted: false, tint: 0.0 })
+        best.map(|(t, n)| Hit { t, geometric_normal: n, shading_normal: n, wetted: false, tint: 0.0 })
     }
 }
 
 /// Where a ray enters the capsule between two points, and the normal there.
-fn capsule(ray: &Ray, [a, b]: [V3; 2], radius: f64) -> Option<(f64, V3)> {
+fn intersect_capsule(ray: &Ray, [a, b]: [V3; 2], radius: f64) -> Option<(f64, V3)> {
     let (ba, oa) = (b - a, ray.origin - a);
     let (baba, bard, baoa) = (ba.dot(&ba), ba.dot(&ray.dir), ba.dot(&oa));
     let (rdoa, oaoa) = (ray.dir.dot(&oa), oa.dot(&oa));

@@ -4,25 +4,25 @@
 use rayon::prelude::*;
 
 use super::bvh::Ray;
-use super::optics::Interface;
-use super::sampling::{cone, cosine, frame, hash, r2, smoothstep};
-use super::scene::{Scene, Thing};
-use super::studio::KEY_SPREAD;
+use super::optics::FresnelSplit;
+use super::sampling::{sample_cone, sample_cosine_hemisphere, orthonormal_basis, hash, r2, smoothstep};
+use super::scene::{Scene, HitObject};
+use super::studio::KEY_HALF_ANGLE_TANGENT;
 use crate::folder::{Bounds, V3};
 use crate::render::Style;
 
 /// Texels along each side of the map.
-const SIDE: usize = 240;
+const MAP_SIDE_TEXELS: usize = 240;
 /// Light paths along each side of their grid.
-const PATHS: u32 = 420;
+const PATHS_PER_SIDE: u32 = 420;
 /// Rays to the lamp per texel.
 const KEY_RAYS: u32 = 12;
 /// Rays to the surroundings per texel.
 const SKY_RAYS: u32 = 20;
 /// The part of the surroundings' light that passes the liquid.
-const SKY_THROUGH: f64 = 0.80;
+const SKY_TRANSMITTANCE: f64 = 0.80;
 /// Interfaces a light path may cross.
-const CROSSINGS: usize = 10;
+const MAX_CROSSINGS: usize = 10;
 
 /// The light on horizontal surfaces about the liquid.
 #[derive(Debug)]
@@ -30,28 +30,28 @@ pub(crate) struct LightMap {
     corner: [f64; 2],
     cell: f64,
     /// Per texel on the ground: the part of the surroundings seen, the part of the lamp seen.
-    ground: Vec<[f64; 2]>,
+    visibility: Vec<[f64; 2]>,
     /// Per texel: light through the liquid on the ground, and on solids.
-    through: [Vec<V3>; 2],
+    caustics: [Vec<V3>; 2],
 }
 
 impl LightMap {
     /// Works out the light of a scene.
     pub(crate) fn new(scene: &Scene) -> Self {
-        let region = region(scene);
+        let region = shadow_region(scene);
         let width = region.size().x.max(region.size().y);
         let center = region.center();
-        let cell = width / SIDE as f64;
+        let cell = width / MAP_SIDE_TEXELS as f64;
         let corner = [center.x - 0.5 * width, center.y - 0.5 * width];
-        let mut map = Self { corner, cell, ground: Vec::new(), through: [Vec::new(), Vec::new()] };
-        map.ground = (0..SIDE * SIDE).into_par_iter().map(|i| map.gather(scene, i)).collect();
-        map.ground = blur(&map.ground, 2.0, |a, b, w| [a[0] + b[0] * w, a[1]], [0.0; 2])
+        let mut map = Self { corner, cell, visibility: Vec::new(), caustics: [Vec::new(), Vec::new()] };
+        map.visibility = (0..MAP_SIDE_TEXELS * MAP_SIDE_TEXELS).into_par_iter().map(|i| map.texel_visibility(scene, i)).collect();
+        map.visibility = blur(&map.visibility, 2.0, |a, b, w| [a[0] + b[0] * w, a[1]], [0.0; 2])
             .into_iter()
-            .zip(blur(&map.ground, 0.8, |a, b, w| [a[0], a[1] + b[1] * w], [0.0; 2]))
+            .zip(blur(&map.visibility, 0.8, |a, b, w| [a[0], a[1] + b[1] * w], [0.0; 2]))
             .map(|(sky, key)| [sky[0], key[1]])
             .collect();
         let spread = |paths: Vec<V3>| blur(&paths, 0.9, |a, b, w| a + b * w, V3::zeros());
-        map.through = map.follow(scene).map(spread).map(|m| m.iter().map(|c| c.map(compress)).collect());
+        map.caustics = map.trace_caustics(scene).map(spread).map(|m| m.iter().map(|c| c.map(compress_highlight)).collect());
         map
     }
 
@@ -63,9 +63,9 @@ impl LightMap {
         let mut light = [0.0; 2];
         let mut through = V3::zeros();
         for (i, w) in at {
-            light[0] += self.ground[i][0] * w;
-            light[1] += self.ground[i][1] * w;
-            through += self.through[0][i] * w;
+            light[0] += self.visibility[i][0] * w;
+            light[1] += self.visibility[i][1] * w;
+            through += self.caustics[0][i] * w;
         }
         let key = V3::repeat(light[1]) + through;
         (1.0 + (light[0] - 1.0) * inside, V3::repeat(1.0) + (key - V3::repeat(1.0)) * inside)
@@ -74,37 +74,37 @@ impl LightMap {
     /// The light that reaches the top of a solid through the liquid.
     pub(crate) fn on_solid(&self, x: f64, y: f64) -> V3 {
         let Some(at) = self.texels(x, y) else { return V3::zeros() };
-        at.into_iter().fold(V3::zeros(), |sum, (i, w)| sum + self.through[1][i] * w)
+        at.into_iter().fold(V3::zeros(), |sum, (i, w)| sum + self.caustics[1][i] * w)
     }
 
     /// The four texels about a point with their weights.
     fn texels(&self, x: f64, y: f64) -> Option<[(usize, f64); 4]> {
         let u = (x - self.corner[0]) / self.cell - 0.5;
         let v = (y - self.corner[1]) / self.cell - 0.5;
-        let most = SIDE as f64 - 1.001;
+        let most = MAP_SIDE_TEXELS as f64 - 1.001;
         if !(u >= 0.0 && v >= 0.0 && u <= most && v <= most) {
             return None;
         }
         let (i, j, fu, fv) = (u as usize, v as usize, u.fract(), v.fract());
-        let at = j * SIDE + i;
+        let at = j * MAP_SIDE_TEXELS + i;
         Some([
             (at, (1.0 - fu) * (1.0 - fv)),
             (at + 1, fu * (1.0 - fv)),
-            (at + SIDE, (1.0 - fu) * fv),
-            (at + SIDE + 1, fu * fv),
+            (at + MAP_SIDE_TEXELS, (1.0 - fu) * fv),
+            (at + MAP_SIDE_TEXELS + 1, fu * fv),
         ])
     }
 
     /// 1 in the middle of the map, falling to 0 at its border.
     fn inside(&self, x: f64, y: f64) -> f64 {
-        let width = self.cell * SIDE as f64;
+        let width = self.cell * MAP_SIDE_TEXELS as f64;
         let edge = |p: f64| smoothstep(0.0, 0.08, p.min(1.0 - p));
         edge((x - self.corner[0]) / width) * edge((y - self.corner[1]) / width)
     }
 
     /// The parts of the surroundings and of the lamp that a texel sees past the liquid and the solids.
-    fn gather(&self, scene: &Scene, texel: usize) -> [f64; 2] {
-        let (i, j) = (texel % SIDE, texel / SIDE);
+    fn texel_visibility(&self, scene: &Scene, texel: usize) -> [f64; 2] {
+        let (i, j) = (texel % MAP_SIDE_TEXELS, texel / MAP_SIDE_TEXELS);
         let at = |i: usize, c: f64| c + (i as f64 + 0.5) * self.cell;
         let point = V3::new(at(i, self.corner[0]), at(j, self.corner[1]), 0.0);
         let seed = hash(texel as u32);
@@ -112,39 +112,39 @@ impl LightMap {
         let sees = |dir: V3, through: f64| {
             let ray = Ray::new(point, dir);
             match () {
-                () if scene.solid_blocks(&ray, f64::INFINITY) => 0.0,
-                () if scene.liquid_blocks(&ray, f64::INFINITY) => through,
+                () if scene.occluded_by_solid(&ray, f64::INFINITY) => 0.0,
+                () if scene.occluded_by_liquid(&ray, f64::INFINITY) => through,
                 () => 1.0,
             }
         };
         let glass = scene.style == Style::Glass;
         let sky: f64 = (0..SKY_RAYS)
-            .map(|k| sees(cosine(&V3::z(), r2(k, shift)), if glass { SKY_THROUGH } else { 0.0 }))
+            .map(|k| sees(sample_cosine_hemisphere(&V3::z(), r2(k, shift)), if glass { SKY_TRANSMITTANCE } else { 0.0 }))
             .sum();
-        let lamp = scene.stage.studio.key;
-        let key: f64 = (0..KEY_RAYS).map(|k| sees(cone(&lamp, KEY_SPREAD, r2(k, shift)), 0.0)).sum();
+        let lamp = scene.setup.environment.key;
+        let key: f64 = (0..KEY_RAYS).map(|k| sees(sample_cone(&lamp, KEY_HALF_ANGLE_TANGENT, r2(k, shift)), 0.0)).sum();
         [sky / f64::from(SKY_RAYS), key / f64::from(KEY_RAYS)]
     }
 
     /// Follows light through the liquid to the ground and to solids.
-    fn follow(&self, scene: &Scene) -> [Vec<V3>; 2] {
-        let mut maps = [vec![V3::zeros(); SIDE * SIDE], vec![V3::zeros(); SIDE * SIDE]];
+    fn trace_caustics(&self, scene: &Scene) -> [Vec<V3>; 2] {
+        let mut maps = [vec![V3::zeros(); MAP_SIDE_TEXELS * MAP_SIDE_TEXELS], vec![V3::zeros(); MAP_SIDE_TEXELS * MAP_SIDE_TEXELS]];
         if scene.style != Style::Glass || scene.liquid.is_empty() {
             return maps;
         }
-        let lamp = scene.stage.studio.key;
-        let (a, b) = frame(&lamp);
+        let lamp = scene.setup.environment.key;
+        let (a, b) = orthonormal_basis(&lamp);
         let radius = 0.5 * scene.bounds.size().norm() * 1.02;
-        let step = 2.0 * radius / f64::from(PATHS);
+        let step = 2.0 * radius / f64::from(PATHS_PER_SIDE);
         let start = |k: u32| {
-            let (i, j) = (k % PATHS, k / PATHS);
+            let (i, j) = (k % PATHS_PER_SIDE, k / PATHS_PER_SIDE);
             let at = |i: u32| (f64::from(i) + 0.5) * step - radius;
-            let dir = -cone(&lamp, KEY_SPREAD, r2(k, [0.0; 2]));
+            let dir = -sample_cone(&lamp, KEY_HALF_ANGLE_TANGENT, r2(k, [0.0; 2]));
             let through = scene.bounds.center() + a * at(i) + b * at(j);
             Ray::new(through - dir * (2.0 * radius + 1.0), dir)
         };
         let ends: Vec<Option<(usize, V3, V3)>> =
-            (0..PATHS * PATHS).into_par_iter().map(|k| path(scene, start(k))).collect();
+            (0..PATHS_PER_SIDE * PATHS_PER_SIDE).into_par_iter().map(|k| trace_light_path(scene, start(k))).collect();
         let share = step * step / (self.cell * self.cell * lamp.z);
         for (layer, point, light) in ends.into_iter().flatten() {
             for (i, w) in self.texels(point.x, point.y).into_iter().flatten() {
@@ -156,21 +156,21 @@ impl LightMap {
 }
 
 /// Follows one ray of the lamp; where it ends after it went through the liquid: layer, point, light left.
-fn path(scene: &Scene, mut ray: Ray) -> Option<(usize, V3, V3)> {
+fn trace_light_path(scene: &Scene, mut ray: Ray) -> Option<(usize, V3, V3)> {
     let mut light = V3::repeat(1.0);
     let mut wet = false;
-    for _ in 0..CROSSINGS {
-        let (thing, hit) = scene.meet(&ray)?;
+    for _ in 0..MAX_CROSSINGS {
+        let (thing, hit) = scene.first_hit(&ray)?;
         let point = ray.at(hit.t);
         match thing {
-            Thing::Ground if wet => return Some((0, point, light)),
-            Thing::Solid(_) if wet => return Some((1, point, light)),
-            Thing::Liquid => {
+            HitObject::Ground if wet => return Some((0, point, light)),
+            HitObject::Solid(_) if wet => return Some((1, point, light)),
+            HitObject::Liquid => {
                 wet = true;
-                if ray.dir.dot(&hit.facet) > 0.0 {
+                if ray.dir.dot(&hit.geometric_normal) > 0.0 {
                     light.component_mul_assign(&(scene.absorption * -hit.t).map(f64::exp));
                 }
-                let side = Interface::new(&ray.dir, &hit);
+                let side = FresnelSplit::new(&ray.dir, &hit);
                 let (dir, part) = match side.refracted {
                     Some(dir) => (dir, 1.0 - side.reflectance),
                     None => (side.reflected, 1.0),
@@ -185,14 +185,14 @@ fn path(scene: &Scene, mut ray: Ray) -> Option<(usize, V3, V3)> {
 }
 
 /// Takes the strongest light back, as an eye does.
-fn compress(light: f64) -> f64 {
+fn compress_highlight(light: f64) -> f64 {
     if light > 1.0 { 1.0 + (light - 1.0) / (1.0 + 0.30 * (light - 1.0)) } else { light }
 }
 
 /// The part of the ground that the liquid and the solids can darken.
-fn region(scene: &Scene) -> Bounds {
+fn shadow_region(scene: &Scene) -> Bounds {
     let mut all = Bounds::EMPTY;
-    let lamp = scene.stage.studio.key;
+    let lamp = scene.setup.environment.key;
     for bounds in [&scene.bounds, &scene.solid_bounds] {
         if bounds.is_empty() {
             continue;
@@ -219,14 +219,14 @@ fn blur<T: Copy + Send + Sync>(
     let total: f64 = weights.iter().sum();
     let pass = |map: &[T], along_rows: bool| -> Vec<T> {
         let one = |i: usize| {
-            let (x, y) = (i % SIDE, i / SIDE);
+            let (x, y) = (i % MAP_SIDE_TEXELS, i / MAP_SIDE_TEXELS);
             weights.iter().zip(-reach..).fold(zero, |sum, (w, k)| {
-                let move_by = |p: usize| (p as i64 + k).clamp(0, SIDE as i64 - 1) as usize;
-                let from = if along_rows { y * SIDE + move_by(x) } else { move_by(y) * SIDE + x };
+                let move_by = |p: usize| (p as i64 + k).clamp(0, MAP_SIDE_TEXELS as i64 - 1) as usize;
+                let from = if along_rows { y * MAP_SIDE_TEXELS + move_by(x) } else { move_by(y) * MAP_SIDE_TEXELS + x };
                 add(sum, map[from], w / total)
             })
         };
-        (0..SIDE * SIDE).into_par_iter().map(one).collect()
+        (0..MAP_SIDE_TEXELS * MAP_SIDE_TEXELS).into_par_iter().map(one).collect()
     };
     pass(&pass(map, true), false)
 }

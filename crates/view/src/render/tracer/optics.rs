@@ -4,11 +4,11 @@ use super::geometry::Hit;
 use crate::folder::V3;
 
 /// The refractive index of the liquid.
-const INDEX: f64 = 1.33;
+const REFRACTIVE_INDEX: f64 = 1.33;
 
 /// The two ways on from a point of the surface.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Interface {
+pub(crate) struct FresnelSplit {
     /// The part that is reflected.
     pub reflectance: f64,
     pub reflected: V3,
@@ -18,17 +18,17 @@ pub(crate) struct Interface {
     pub entering: bool,
 }
 
-impl Interface {
+impl FresnelSplit {
     /// For a ray in direction `d`. A wetted facet lets it pass as if it were not there.
     pub(crate) fn new(d: &V3, hit: &Hit) -> Self {
-        let entering = d.dot(&hit.facet) < 0.0;
+        let entering = d.dot(&hit.geometric_normal) < 0.0;
         if hit.wetted {
             return Self { reflectance: 0.0, reflected: *d, refracted: Some(*d), entering };
         }
         let sign = if entering { 1.0 } else { -1.0 };
-        let facet = hit.facet * sign;
-        let normal = facing(&(hit.smooth * sign), &facet, d);
-        let eta = if entering { 1.0 / INDEX } else { INDEX };
+        let facet = hit.geometric_normal * sign;
+        let normal = facing(&(hit.shading_normal * sign), &facet, d);
+        let eta = if entering { 1.0 / REFRACTIVE_INDEX } else { REFRACTIVE_INDEX };
         let cos = (-d.dot(&normal)).clamp(0.0, 1.0);
         let reflected = above(d + normal * (2.0 * cos), &facet);
         let sin2 = eta * eta * (1.0 - cos * cos);
@@ -66,8 +66,8 @@ fn above(d: V3, facet: &V3) -> V3 {
 mod tests {
     use super::*;
 
-    fn at(d: V3) -> Interface {
-        Interface::new(&d, &Hit { t: 1.0, facet: V3::z(), smooth: V3::z(), wetted: false, tint: 0.0 })
+    fn at(d: V3) -> FresnelSplit {
+        FresnelSplit::new(&d, &Hit { t: 1.0, geometric_normal: V3::z(), shading_normal: V3::z(), wetted: false, tint: 0.0 })
     }
 
     #[test]
@@ -81,7 +81,7 @@ mod tests {
     fn obeys_snell_and_reflects_all_beyond_the_critical_angle() {
         let (s, c) = 0.6f64.sin_cos();
         let t = at(V3::new(s, 0.0, -c)).refracted.unwrap();
-        assert!((t.x * INDEX - s).abs() < 1e-12);
+        assert!((t.x * REFRACTIVE_INDEX - s).abs() < 1e-12);
         let (s, c) = 0.9f64.sin_cos();
         let inside = at(V3::new(s, 0.0, c));
         assert!(inside.refracted.is_none() && inside.reflectance == 1.0 && !inside.entering);

@@ -19,7 +19,7 @@ pub(crate) fn r2(i: u32, shift: [f64; 2]) -> [f64; 2] {
 }
 
 /// Where in a pixel sample `i` of `n` lies; more than `n` fill the gaps.
-pub(crate) fn in_pixel(i: u32, n: u32) -> [f64; 2] {
+pub(crate) fn pixel_sample(i: u32, n: u32) -> [f64; 2] {
     const ROTATED: [[f64; 2]; 4] = [[0.375, 0.125], [0.875, 0.375], [0.625, 0.875], [0.125, 0.625]];
     match n {
         0 | 1 => [0.5, 0.5],
@@ -37,7 +37,7 @@ pub(crate) fn pixel_shift(x: u32, y: u32) -> [f64; 2] {
 }
 
 /// Two directions that make a right-handed frame with the unit vector `n`.
-pub(crate) fn frame(n: &V3) -> (V3, V3) {
+pub(crate) fn orthonormal_basis(n: &V3) -> (V3, V3) {
     let sign = 1f64.copysign(n.z);
     let a = -1.0 / (sign + n.z);
     let b = n.x * n.y * a;
@@ -45,15 +45,15 @@ pub(crate) fn frame(n: &V3) -> (V3, V3) {
 }
 
 /// A direction about `n` with density proportional to the cosine.
-pub(crate) fn cosine(n: &V3, u: [f64; 2]) -> V3 {
-    let (a, b) = frame(n);
+pub(crate) fn sample_cosine_hemisphere(n: &V3, u: [f64; 2]) -> V3 {
+    let (a, b) = orthonormal_basis(n);
     let (r, angle) = (u[0].sqrt(), TAU * u[1]);
     (a * (r * angle.cos()) + b * (r * angle.sin()) + n * (1.0 - u[0]).max(0.0).sqrt()).normalize()
 }
 
 /// A direction within a cone about `n` whose half angle has the tangent `spread`.
-pub(crate) fn cone(n: &V3, spread: f64, u: [f64; 2]) -> V3 {
-    let (a, b) = frame(n);
+pub(crate) fn sample_cone(n: &V3, spread: f64, u: [f64; 2]) -> V3 {
+    let (a, b) = orthonormal_basis(n);
     let (r, angle) = (spread * u[0].sqrt(), TAU * u[1]);
     (n + a * (r * angle.cos()) + b * (r * angle.sin())).normalize()
 }

@@ -1,36 +1,36 @@
 //! The things in one picture, and the first of them that a ray meets.
 
 use super::bvh::Ray;
-use super::geometry::{Hit, TriMesh, Tubes};
+use super::geometry::{Hit, TriMesh, Capsules};
 use crate::folder::{Bounds, Frame, V3};
-use crate::render::legend::Shading;
-use crate::render::stage::Stage;
+use crate::render::legend::ColorMapping;
+use crate::render::stage::RenderSetup;
 use crate::render::{RenderOptions, Style};
-use crate::shade::{Shade, srgb};
+use crate::shade::{ColorBy, linear_from_srgb};
 use meniscus_numerics::mesh::ply::PlyMesh;
-use meniscus_numerics::mesh::{FacetTree, SurfaceMesh};
+use meniscus_numerics::mesh::{FacetBvh, SurfaceMesh};
 
 /// How far below the domain's floor the ground is drawn, so that the liquid's own bottom is met first.
-const GROUND: f64 = -2e-4;
+const GROUND_HEIGHT: f64 = -2e-4;
 /// Hits nearer than this belong to the surface that the ray starts from.
-pub(crate) const NEAR: f64 = 1e-6;
+pub(crate) const RAY_EPSILON: f64 = 1e-6;
 /// How much nearer the liquid must be to be met before a solid.
-const TIE: f64 = 1e-5;
+const LIQUID_TIE_BREAK: f64 = 1e-5;
 /// Half the width of the contact line: in typical widths of the liquid, and in pixels at least.
-const LINE: f64 = 0.02;
-const LINE_PIXELS: f64 = 1.1;
+const LINE_RADIUS: f64 = 0.02;
+const MIN_LINE_RADIUS_PIXELS: f64 = 1.1;
 /// How far off a solid, in cells, wetted vertices can be, and their neighbours that go with them.
-const OFF: f64 = 1.0;
-const OFF_BESIDE: f64 = 0.6;
+const SNAP_DISTANCE_CELLS: f64 = 1.0;
+const NEIGHBOUR_SNAP_DISTANCE_CELLS: f64 = 0.6;
 /// How far below the solid's surface they are put, in cells.
-const SUNK: f64 = 0.05;
+const SNAP_DEPTH_CELLS: f64 = 0.05;
 
 /// The least part of a colour that a tinted liquid lets through over its own width.
-const DARKEST: f64 = 0.02;
+const MIN_TRANSMITTANCE: f64 = 0.02;
 
 /// What a ray has met.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Thing {
+pub(crate) enum HitObject {
     Liquid,
     Solid(usize),
     Line,
@@ -40,13 +40,13 @@ pub(crate) enum Thing {
 /// All surfaces of one picture.
 #[derive(Debug)]
 pub(crate) struct Scene<'a> {
-    pub stage: &'a Stage,
+    pub setup: &'a RenderSetup,
     pub style: Style,
     pub liquid: TriMesh,
     pub solids: Vec<TriMesh>,
     /// What each solid's tint shows: nothing but a wetting pattern, or values.
-    pub shades: Vec<Option<Shade>>,
-    pub line: Tubes,
+    pub shades: Vec<Option<ColorBy>>,
+    pub line: Capsules,
     /// The liquid's extent.
     pub bounds: Bounds,
     /// The extent of the solids.
@@ -57,19 +57,19 @@ pub(crate) struct Scene<'a> {
 
 impl<'a> Scene<'a> {
     pub(crate) fn new(
-        stage: &'a Stage,
+        setup: &'a RenderSetup,
         frame: &Frame,
         options: &RenderOptions,
-        shading: Option<&Shading>,
+        shading: Option<&ColorMapping>,
     ) -> Self {
-        let mut points = stage.points(&frame.liquid.positions);
-        let wetted = stage.wetted(frame, &points);
+        let mut points = setup.to_picture_coordinates(&frame.liquid.positions);
+        let wetted = setup.wetted(frame, &points);
         let mut bounds = Bounds::EMPTY;
         points.iter().for_each(|&p| bounds.add(p));
         let mut solid_bounds = Bounds::EMPTY;
         let (mut solids, mut shades, mut surfaces) = (Vec::new(), Vec::new(), Vec::new());
         for mesh in frame.solids.values() {
-            let points = stage.points(&mesh.positions);
+            let points = setup.to_picture_coordinates(&mesh.positions);
             points.iter().for_each(|&p| solid_bounds.add(p));
             let places = shading.map_or_else(Vec::new, |shading| shading.places(mesh));
             shades.push(shading.filter(|_| !places.is_empty()).map(|shading| shading.shade));
@@ -77,17 +77,17 @@ impl<'a> Scene<'a> {
             solids.push(TriMesh::tinted(&points, &mesh.faces, (&[], &tint), 0.8));
             surfaces.push(SurfaceMesh { positions: points, facets: mesh.faces.clone() });
         }
-        seat(&mut points, &frame.liquid.faces, &wetted, &surfaces, stage.dx.unwrap_or(0.0));
+        snap_to_solids(&mut points, &frame.liquid.faces, &wetted, &surfaces, setup.dx.unwrap_or(0.0));
         // However far the camera is, the line is to be seen.
-        let thinnest = LINE_PIXELS * stage.view.pixel_angle() * (bounds.center() - stage.view.eye).norm();
-        let radius = (LINE * stage.liquid).max(thinnest);
+        let thinnest = MIN_LINE_RADIUS_PIXELS * setup.view.pixel_angle() * (bounds.center() - setup.view.eye).norm();
+        let radius = (LINE_RADIUS * setup.liquid).max(thinnest);
         let line = frame
             .contact_line
             .as_ref()
-            .filter(|_| options.set.line)
-            .map_or_else(Tubes::default, |mesh| Tubes::new(&stage.points(&mesh.positions), mesh, radius));
+            .filter(|_| options.appearance.line)
+            .map_or_else(Capsules::default, |mesh| Capsules::new(&setup.to_picture_coordinates(&mesh.positions), mesh, radius));
         Self {
-            stage,
+            setup,
             style: options.style,
             liquid: TriMesh::new(&points, &frame.liquid.faces, &wetted, 0.3),
             solids,
@@ -95,54 +95,54 @@ impl<'a> Scene<'a> {
             line,
             bounds,
             solid_bounds,
-            absorption: absorption(options.set.liquid) / stage.liquid,
+            absorption: absorption(options.appearance.liquid) / setup.liquid,
         }
     }
 
     /// The first thing met beyond [`NEAR`].
-    pub(crate) fn meet(&self, ray: &Ray) -> Option<(Thing, Hit)> {
-        let mut best: Option<(Thing, Hit)> = None;
+    pub(crate) fn first_hit(&self, ray: &Ray) -> Option<(HitObject, Hit)> {
+        let mut best: Option<(HitObject, Hit)> = None;
         let mut limit = f64::INFINITY;
-        if ray.dir.z < 0.0 && self.stage.set.floor {
-            let t = (GROUND - ray.origin.z) / ray.dir.z;
-            if t > NEAR {
+        if ray.dir.z < 0.0 && self.setup.appearance.floor {
+            let t = (GROUND_HEIGHT - ray.origin.z) / ray.dir.z;
+            if t > RAY_EPSILON {
                 best = Some((
-                    Thing::Ground,
-                    Hit { t, facet: V3::z(), smooth: V3::z(), wetted: false, tint: 0.0 },
+                    HitObject::Ground,
+                    Hit { t, geometric_normal: V3::z(), shading_normal: V3::z(), wetted: false, tint: 0.0 },
                 ));
                 limit = t;
             }
         }
-        if let Some(hit) = self.liquid.hit(ray, NEAR, limit) {
-            limit = hit.t + TIE;
-            best = Some((Thing::Liquid, hit));
+        if let Some(hit) = self.liquid.hit(ray, RAY_EPSILON, limit) {
+            limit = hit.t + LIQUID_TIE_BREAK;
+            best = Some((HitObject::Liquid, hit));
         }
         for (i, solid) in self.solids.iter().enumerate() {
-            if let Some(hit) = solid.hit(ray, NEAR, limit) {
+            if let Some(hit) = solid.hit(ray, RAY_EPSILON, limit) {
                 limit = hit.t;
-                best = Some((Thing::Solid(i), hit));
+                best = Some((HitObject::Solid(i), hit));
             }
         }
-        if let Some(hit) = self.line.hit(ray, NEAR, limit) {
-            best = Some((Thing::Line, hit));
+        if let Some(hit) = self.line.hit(ray, RAY_EPSILON, limit) {
+            best = Some((HitObject::Line, hit));
         }
         best
     }
 
     /// Whether a solid lies on the ray before `limit`.
-    pub(crate) fn solid_blocks(&self, ray: &Ray, limit: f64) -> bool {
-        self.solids.iter().any(|s| s.blocks(ray, 1e-4, limit))
+    pub(crate) fn occluded_by_solid(&self, ray: &Ray, limit: f64) -> bool {
+        self.solids.iter().any(|s| s.occludes(ray, 1e-4, limit))
     }
 
     /// Whether the liquid lies on the ray before `limit`.
-    pub(crate) fn liquid_blocks(&self, ray: &Ray, limit: f64) -> bool {
-        self.liquid.blocks(ray, 1e-4, limit)
+    pub(crate) fn occluded_by_liquid(&self, ray: &Ray, limit: f64) -> bool {
+        self.liquid.occludes(ray, 1e-4, limit)
     }
 }
 
 /// What the liquid takes of each colour over its own width (natural logarithm); all but a tint where a colour is given.
 fn absorption(color: Option<u32>) -> V3 {
-    color.map_or(V3::new(0.62, 0.17, 0.07), |color| srgb(color).map(|c| -c.max(DARKEST).ln()))
+    color.map_or(V3::new(0.62, 0.17, 0.07), |color| linear_from_srgb(color).map(|c| -c.max(MIN_TRANSMITTANCE).ln()))
 }
 
 /// Where the contact angle of a solid varies: 0 where it is largest, 1 where it is smallest.
@@ -156,18 +156,18 @@ fn tint(mesh: &PlyMesh) -> Vec<f64> {
 /// Puts wetted vertices of the liquid, and the ragged ring next to them, a little below the surface of the solid that
 /// they are on. The two meshes are made apart and fit to a part of a cell; a gap between them would show as a bright seam
 /// around the drop's foot.
-fn seat(points: &mut [V3], faces: &[[u32; 3]], wetted: &[bool], solids: &[SurfaceMesh<3>], dx: f64) {
-    let mut reach: Vec<f64> = wetted.iter().map(|&wet| if wet { OFF * dx } else { 0.0 }).collect();
+fn snap_to_solids(points: &mut [V3], faces: &[[u32; 3]], wetted: &[bool], solids: &[SurfaceMesh<3>], dx: f64) {
+    let mut reach: Vec<f64> = wetted.iter().map(|&wet| if wet { SNAP_DISTANCE_CELLS * dx } else { 0.0 }).collect();
     for face in faces.iter().filter(|f| f.iter().any(|&v| wetted[v as usize])) {
-        face.iter().for_each(|&v| reach[v as usize] = reach[v as usize].max(OFF_BESIDE * dx));
+        face.iter().for_each(|&v| reach[v as usize] = reach[v as usize].max(NEIGHBOUR_SNAP_DISTANCE_CELLS * dx));
     }
-    let trees: Vec<FacetTree<3>> = solids.iter().map(FacetTree::new).collect();
+    let trees: Vec<FacetBvh<3>> = solids.iter().map(FacetBvh::new).collect();
     for (point, reach) in points.iter_mut().zip(reach).filter(|(_, reach)| *reach > 0.0) {
-        let closest = |(tree, mesh): (&FacetTree<3>, _)| Some((tree.closest(point, reach)?, mesh));
+        let closest = |(tree, mesh): (&FacetBvh<3>, _)| Some((tree.closest_point(point, reach)?, mesh));
         let near = trees.iter().zip(solids).filter_map(closest);
         let nearest = near.min_by(|a, b| a.0.distance_squared.total_cmp(&b.0.distance_squared));
         let Some((at, mesh)) = nearest else { continue };
         let out = mesh.area_vector(at.facet as usize).try_normalize(0.0).unwrap_or_else(V3::zeros);
-        *point = at.point - out * (SUNK * dx);
+        *point = at.point - out * (SNAP_DEPTH_CELLS * dx);
     }
 }

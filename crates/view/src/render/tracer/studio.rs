@@ -4,15 +4,15 @@ use super::sampling::smoothstep;
 use crate::folder::V3;
 
 /// The tangent of the key light's half angle.
-pub(crate) const KEY_SPREAD: f64 = 0.09;
+pub(crate) const KEY_HALF_ANGLE_TANGENT: f64 = 0.09;
 /// What the key light adds to a white surface that faces it.
-pub(crate) const KEY: f64 = 0.56;
+pub(crate) const KEY_IRRADIANCE: f64 = 0.56;
 /// What the surroundings add to a white surface that sees all of them.
-pub(crate) const AMBIENT: f64 = 0.47;
+pub(crate) const AMBIENT_IRRADIANCE: f64 = 0.47;
 
 /// The surroundings.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Studio {
+pub(crate) struct Environment {
     /// Where the camera looks, without its slope.
     forward: V3,
     right: V3,
@@ -44,7 +44,7 @@ fn soft_box(d: &V3, at: &V3, w: f64, h: f64) -> f64 {
     edge(x, w) * edge(y, h)
 }
 
-impl Studio {
+impl Environment {
     /// A studio for a camera that looks along `view`.
     pub(crate) fn new(view: &V3) -> Self {
         let flat = V3::new(view.x, view.y, 0.0);
@@ -81,19 +81,19 @@ impl Studio {
     }
 
     /// The radiance with lamps capped, for rays whose weight is too small to follow further.
-    pub(crate) fn soft(&self, d: &V3) -> V3 {
+    pub(crate) fn clamped_radiance(&self, d: &V3) -> V3 {
         self.radiance(d).map(|x| x.min(1.2))
     }
 
     /// The light that surroundings send to a surface with normal `n`, all of them visible.
     pub(crate) fn ambient(&self, n: &V3) -> V3 {
         let sky = mix(rgb(0.70, 0.71, 0.72), rgb(0.98, 1.0, 1.03), 0.5 + 0.5 * n.z);
-        sky * (AMBIENT * (0.86 + 0.14 * n.dot(&self.forward)))
+        sky * (AMBIENT_IRRADIANCE * (0.86 + 0.14 * n.dot(&self.forward)))
     }
 }
 
 /// A linear colour as 8-bit sRGB, highlights rolled off.
-pub(crate) fn develop(c: &V3) -> [u8; 3] {
+pub(crate) fn tone_map(c: &V3) -> [u8; 3] {
     let curve = |x: f64| if x <= 0.7 { x.max(0.0) } else { shoulder(x) };
     let encode = |x: f64| {
         let s = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };

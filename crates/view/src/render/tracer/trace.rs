@@ -5,35 +5,35 @@ use rayon::prelude::*;
 use super::bvh::Ray;
 use super::geometry::Hit;
 use super::light::LightMap;
-use super::optics::Interface;
-use super::sampling::{cone, cosine, in_pixel, pixel_shift, r2, smoothstep};
-use super::scene::{NEAR, Scene, Thing};
-use super::studio::{KEY, KEY_SPREAD};
+use super::optics::FresnelSplit;
+use super::sampling::{sample_cone, sample_cosine_hemisphere, pixel_sample, pixel_shift, r2, smoothstep};
+use super::scene::{RAY_EPSILON, Scene, HitObject};
+use super::studio::{KEY_IRRADIANCE, KEY_HALF_ANGLE_TANGENT};
 use crate::folder::V3;
 use crate::render::Style;
 use crate::render::camera::corners;
 use crate::render::image::Canvas;
-use crate::shade::srgb;
+use crate::shade::linear_from_srgb;
 
 /// Branches of a path with less weight than this end in the surroundings.
-const LEAST_WEIGHT: f64 = 0.03;
+const MIN_PATH_WEIGHT: f64 = 0.03;
 /// Surfaces a path may meet.
-const DEEPEST: u32 = 9;
+const MAX_DEPTH: u32 = 9;
 /// The brightest a sample can be.
-const BRIGHTEST: f64 = 1.8;
+const MAX_SAMPLE_RADIANCE: f64 = 1.8;
 /// How many times the samples are taken where the liquid is seen.
-const MORE: u32 = 3;
+const LIQUID_SAMPLE_FACTOR: u32 = 3;
 /// Rays to the lamp, and to the surroundings, per sample of a matte surface.
 const SHADE_RAYS: u32 = 4;
 /// The colours of solids.
-const SOLIDS: [[f64; 3]; 5] =
+const SOLID_COLORS: [[f64; 3]; 5] =
     [[0.50, 0.37, 0.28], [0.34, 0.40, 0.46], [0.38, 0.45, 0.31], [0.52, 0.41, 0.22], [0.43, 0.33, 0.43]];
 /// The colour of patterned solids where liquid wets them most.
-const WETTING: V3 = V3::new(0.16, 0.33, 0.45);
+const WETTED_COLOR: V3 = V3::new(0.16, 0.33, 0.45);
 /// The colour of the liquid where it is drawn matte.
-const MATTE: V3 = V3::new(0.10, 0.34, 0.62);
+const MATTE_COLOR: V3 = V3::new(0.10, 0.34, 0.62);
 /// The colour of the contact line.
-const LINE: V3 = V3::new(0.85, 0.06, 0.04);
+const LINE_COLOR: V3 = V3::new(0.85, 0.06, 0.04);
 
 /// A sample of the picture on its way.
 #[derive(Clone, Copy)]
@@ -41,7 +41,7 @@ struct Path {
     weight: f64,
     depth: u32,
     /// The way from the camera so far.
-    way: f64,
+    length: f64,
     /// Which of the pixel's samples it is, and the pixel's own shift of patterns.
     sample: u32,
     shift: [f64; 2],
@@ -65,16 +65,16 @@ pub(crate) fn picture(scene: &Scene, size: (u32, u32), samples: u32) -> Canvas {
             let shift = pixel_shift(x as u32, y as u32);
             let (mut taken, mut wanted) = (0, samples);
             while taken < wanted {
-                let at = in_pixel(taken, samples);
-                let ray = scene.stage.view.ray(x as f64 + at[0], y as f64 + at[1]);
-                let path = Path { weight: 1.0, depth: 0, way: 0.0, sample: taken, shift };
+                let at = pixel_sample(taken, samples);
+                let ray = scene.setup.view.ray(x as f64 + at[0], y as f64 + at[1]);
+                let path = Path { weight: 1.0, depth: 0, length: 0.0, sample: taken, shift };
                 let (light, met) = tracer.follow(&ray, path);
-                *color += light.map(|c| c.min(BRIGHTEST));
+                *color += light.map(|c| c.min(MAX_SAMPLE_RADIANCE));
                 *depth =
-                    depth.min(met.map_or(f64::INFINITY, |m| m.1) * ray.dir.dot(&scene.stage.view.forward));
+                    depth.min(met.map_or(f64::INFINITY, |m| m.1) * ray.dir.dot(&scene.setup.view.forward));
                 taken += 1;
-                if samples > 1 && met.is_some_and(|m| m.0 == Thing::Liquid) {
-                    wanted = MORE * samples;
+                if samples > 1 && met.is_some_and(|m| m.0 == HitObject::Liquid) {
+                    wanted = LIQUID_SAMPLE_FACTOR * samples;
                 }
             }
             *color /= f64::from(taken);
@@ -86,8 +86,8 @@ pub(crate) fn picture(scene: &Scene, size: (u32, u32), samples: u32) -> Canvas {
 
 /// Draws the edges of the domain, where nothing is before them.
 fn outline(scene: &Scene, canvas: &mut Canvas, depth: &[f64]) {
-    let Some(domain) = scene.stage.domain.filter(|_| scene.stage.set.domain) else { return };
-    let view = &scene.stage.view;
+    let Some(domain) = scene.setup.domain.filter(|_| scene.setup.appearance.domain) else { return };
+    let view = &scene.setup.view;
     let corners = corners(&domain);
     let (width, thick) = (canvas.width, (canvas.height as f64 / 400.0).max(0.8));
     for i in 0..8 {
@@ -114,42 +114,42 @@ fn piece(canvas: &mut Canvas, a: [f64; 2], b: [f64; 2], thick: f64, seen: impl F
 
 impl Tracer<'_> {
     /// The light that comes back along a ray, what it met and how far away.
-    fn follow(&self, ray: &Ray, path: Path) -> (V3, Option<(Thing, f64)>) {
-        let studio = &self.scene.stage.studio;
-        let Some((thing, hit)) = self.scene.meet(ray) else {
+    fn follow(&self, ray: &Ray, path: Path) -> (V3, Option<(HitObject, f64)>) {
+        let studio = &self.scene.setup.environment;
+        let Some((thing, hit)) = self.scene.first_hit(ray) else {
             let light =
-                if path.depth == 0 { self.scene.stage.backdrop(&ray.dir) } else { studio.radiance(&ray.dir) };
+                if path.depth == 0 { self.scene.setup.backdrop(&ray.dir) } else { studio.radiance(&ray.dir) };
             // A lamp seen through the drop rather than mirrored in it would outshine everything.
-            let light = light.map(|c| c.min(BRIGHTEST / path.weight.max(LEAST_WEIGHT)));
+            let light = light.map(|c| c.min(MAX_SAMPLE_RADIANCE / path.weight.max(MIN_PATH_WEIGHT)));
             return (light, None);
         };
-        let path = Path { way: path.way + hit.t, ..path };
+        let path = Path { length: path.length + hit.t, ..path };
         let point = ray.at(hit.t);
         let light = match thing {
-            Thing::Ground => self.ground(ray, &point, &path),
-            Thing::Solid(i) => {
-                let normal = if ray.dir.dot(&hit.facet) > 0.0 { -hit.smooth } else { hit.smooth };
+            HitObject::Ground => self.ground(ray, &point, &path),
+            HitObject::Solid(i) => {
+                let normal = if ray.dir.dot(&hit.geometric_normal) > 0.0 { -hit.shading_normal } else { hit.shading_normal };
                 let color = match self.scene.shades[i] {
                     Some(shade) => shade.color(hit.tint),
                     None => {
-                        let own = || V3::from(SOLIDS[i % SOLIDS.len()]);
-                        self.scene.stage.set.solids.map_or_else(own, srgb).lerp(&WETTING, hit.tint)
+                        let own = || V3::from(SOLID_COLORS[i % SOLID_COLORS.len()]);
+                        self.scene.setup.appearance.solids.map_or_else(own, linear_from_srgb).lerp(&WETTED_COLOR, hit.tint)
                     }
                 };
-                self.matte(&point, &normal, &color, &path)
+                self.diffuse(&point, &normal, &color, &path)
             }
-            Thing::Line => self.lacquer(ray, &point, &hit, LINE, &path),
-            Thing::Liquid if self.scene.style == Style::Matte => {
-                let color = self.scene.stage.set.liquid.map_or(MATTE, srgb);
-                self.lacquer(ray, &point, &hit, color, &path)
+            HitObject::Line => self.clear_coat(ray, &point, &hit, LINE_COLOR, &path),
+            HitObject::Liquid if self.scene.style == Style::Matte => {
+                let color = self.scene.setup.appearance.liquid.map_or(MATTE_COLOR, linear_from_srgb);
+                self.clear_coat(ray, &point, &hit, color, &path)
             }
-            Thing::Liquid => self.glass(ray, &point, &hit, path),
+            HitObject::Liquid => self.dielectric(ray, &point, &hit, path),
         };
         (light, Some((thing, hit.t)))
     }
 
-    fn glass(&self, ray: &Ray, point: &V3, hit: &Hit, path: Path) -> V3 {
-        let side = Interface::new(&ray.dir, hit);
+    fn dielectric(&self, ray: &Ray, point: &V3, hit: &Hit, path: Path) -> V3 {
+        let side = FresnelSplit::new(&ray.dir, hit);
         let mut light = V3::zeros();
         if side.reflectance > 0.0 {
             light += self.branch(point, &side.reflected, path, side.reflectance, !side.entering);
@@ -163,8 +163,8 @@ impl Tracer<'_> {
     /// The light of one way on, weighted; `wet` if it goes through the liquid.
     fn branch(&self, point: &V3, dir: &V3, path: Path, part: f64, wet: bool) -> V3 {
         let weight = path.weight * part;
-        if weight < LEAST_WEIGHT || path.depth >= DEEPEST {
-            return self.scene.stage.studio.soft(dir) * part;
+        if weight < MIN_PATH_WEIGHT || path.depth >= MAX_DEPTH {
+            return self.scene.setup.environment.clamped_radiance(dir) * part;
         }
         let next = Path { weight, depth: path.depth + 1, ..path };
         let (light, met) = self.follow(&Ray::new(*point, *dir), next);
@@ -174,8 +174,8 @@ impl Tracer<'_> {
 
     /// The ground: fine squares that fade into the backdrop.
     fn ground(&self, ray: &Ray, point: &V3, path: &Path) -> V3 {
-        let stage = self.scene.stage;
-        let blurred = path.way * stage.view.pixel_angle() * if path.depth > 0 { 2.5 } else { 1.2 };
+        let stage = self.scene.setup;
+        let blurred = path.length * stage.view.pixel_angle() * if path.depth > 0 { 2.5 } else { 1.2 };
         let width = blurred / ray.dir.z.abs().max(0.05).sqrt();
         let (x, y) = (point.x - stage.grid_origin[0], point.y - stage.grid_origin[1]);
         let pattern = squares(x / stage.grid, y / stage.grid, width / stage.grid);
@@ -183,8 +183,8 @@ impl Tracer<'_> {
         let near = 1.0 - smoothstep(0.9, 3.2, away);
         let albedo = 0.74 + near * (0.10 * (pattern - 0.5));
         let (sky, key) = self.light.ground(point.x, point.y);
-        let lamp = KEY * stage.studio.key.z;
-        let light = stage.studio.ambient(&V3::z()) * sky + key * lamp;
+        let lamp = KEY_IRRADIANCE * stage.environment.key.z;
+        let light = stage.environment.ambient(&V3::z()) * sky + key * lamp;
         let pool = 1.0 - 0.30 * smoothstep(0.35, 2.6, away);
         let shown = V3::new(albedo * 0.985, albedo, albedo * 1.015).component_mul(&light) * pool;
         let fade = smoothstep(1.0, 4.2, away);
@@ -192,46 +192,46 @@ impl Tracer<'_> {
     }
 
     /// A rough surface in the light of the lamp and the surroundings.
-    fn matte(&self, point: &V3, normal: &V3, color: &V3, path: &Path) -> V3 {
-        let studio = &self.scene.stage.studio;
+    fn diffuse(&self, point: &V3, normal: &V3, color: &V3, path: &Path) -> V3 {
+        let studio = &self.scene.setup.environment;
         let rays = if path.depth == 0 { SHADE_RAYS } else { 2 };
-        let from = point + normal * (20.0 * NEAR);
+        let from = point + normal * (20.0 * RAY_EPSILON);
         let (mut sky, mut lamp) = (0.0, 0.0);
         for k in 0..rays {
             let u = r2(path.sample * SHADE_RAYS + k, path.shift);
-            let out = Ray::new(from, cosine(normal, u));
+            let out = Ray::new(from, sample_cosine_hemisphere(normal, u));
             let reach = 0.35;
-            sky += if self.scene.solid_blocks(&out, reach) { 0.25 } else { 1.0 };
-            let to_lamp = Ray::new(from, cone(&studio.key, KEY_SPREAD, u));
+            sky += if self.scene.occluded_by_solid(&out, reach) { 0.25 } else { 1.0 };
+            let to_lamp = Ray::new(from, sample_cone(&studio.key, KEY_HALF_ANGLE_TANGENT, u));
             let facing = to_lamp.dir.dot(normal);
-            if facing > 0.0 && !self.scene.solid_blocks(&to_lamp, f64::INFINITY) {
+            if facing > 0.0 && !self.scene.occluded_by_solid(&to_lamp, f64::INFINITY) {
                 lamp += facing * self.lit_through_liquid(&to_lamp, normal);
             }
         }
         let mut light =
-            studio.ambient(normal) * (sky / f64::from(rays)) + V3::repeat(KEY * lamp / f64::from(rays));
-        light += self.light.on_solid(point.x, point.y) * (KEY * studio.key.z * upward(normal));
+            studio.ambient(normal) * (sky / f64::from(rays)) + V3::repeat(KEY_IRRADIANCE * lamp / f64::from(rays));
+        light += self.light.on_solid(point.x, point.y) * (KEY_IRRADIANCE * studio.key.z * upward(normal));
         color.component_mul(&light)
     }
 
     /// The part of the lamp's light that the liquid leaves; on upward faces the light paths bring it back.
     fn lit_through_liquid(&self, to_lamp: &Ray, normal: &V3) -> f64 {
-        if !self.scene.liquid_blocks(to_lamp, f64::INFINITY) {
+        if !self.scene.occluded_by_liquid(to_lamp, f64::INFINITY) {
             return 1.0;
         }
         if self.scene.style == Style::Matte { 0.0 } else { 0.7 * (1.0 - upward(normal)) }
     }
 
     /// A coloured surface with a clear coat.
-    fn lacquer(&self, ray: &Ray, point: &V3, hit: &Hit, color: V3, path: &Path) -> V3 {
+    fn clear_coat(&self, ray: &Ray, point: &V3, hit: &Hit, color: V3, path: &Path) -> V3 {
         let dry = Hit { wetted: false, ..*hit };
-        let normal = if ray.dir.dot(&hit.facet) > 0.0 { -hit.smooth } else { hit.smooth };
-        let body = self.matte(point, &normal, &color, path);
-        let side = Interface::new(&ray.dir, &dry);
+        let normal = if ray.dir.dot(&hit.geometric_normal) > 0.0 { -hit.shading_normal } else { hit.shading_normal };
+        let body = self.diffuse(point, &normal, &color, path);
+        let side = FresnelSplit::new(&ray.dir, &dry);
         if !side.entering {
             return body;
         }
-        let shine = self.scene.stage.studio.soft(&side.reflected);
+        let shine = self.scene.setup.environment.clamped_radiance(&side.reflected);
         body * (1.0 - side.reflectance) + shine * side.reflectance
     }
 }

@@ -1,8 +1,8 @@
 //! Gmsh `.msh`, formats 2.2 and 4.1, text and binary (Gmsh reference manual, "File formats"). Elements of all physical
 //! groups are taken together.
 
-use super::raw::{Kind, Raw};
-use super::reader::{Fault, Reader};
+use super::raw::{ElementUse, RawMesh};
+use super::reader::{ReadFault, Reader};
 
 /// Vertices by their number in the file, sorted.
 type Numbers = Vec<(u64, u32)>;
@@ -16,9 +16,9 @@ struct Format {
 }
 
 /// Reads a file.
-pub(super) fn read<const D: usize>(bytes: &[u8]) -> Result<Raw, Fault> {
+pub(super) fn read<const D: usize>(bytes: &[u8]) -> Result<RawMesh, ReadFault> {
     let mut from = Reader::new(bytes, None);
-    let (mut raw, mut numbers) = (Raw::default(), Numbers::new());
+    let (mut raw, mut numbers) = (RawMesh::default(), Numbers::new());
     let mut format = Format { version: 0, binary: false };
     while let Some(word) = from.word() {
         let Some(section) = word.strip_prefix('$') else {
@@ -29,7 +29,7 @@ pub(super) fn read<const D: usize>(bytes: &[u8]) -> Result<Raw, Fault> {
             return Err(from.fault("the section `$MeshFormat` is missing"));
         }
         if section == "MeshFormat" {
-            format = heading(&mut from)?;
+            format = read_format(&mut from)?;
         } else if wanted {
             match (section, format.version) {
                 ("Nodes", 2) => numbers = nodes_2(&mut from, format.binary, &mut raw)?,
@@ -41,7 +41,7 @@ pub(super) fn read<const D: usize>(bytes: &[u8]) -> Result<Raw, Fault> {
         from.binary = false;
         let end = format!("$End{section}");
         if !wanted {
-            from.pass(&end)?;
+            from.skip_past(&end)?;
         } else if from.word() != Some(&end) {
             let what = format!("more in `${section}` than its count says, or `{end}` is missing");
             return Err(from.fault(what));
@@ -54,7 +54,7 @@ pub(super) fn read<const D: usize>(bytes: &[u8]) -> Result<Raw, Fault> {
 }
 
 /// The section `$MeshFormat`.
-fn heading(from: &mut Reader) -> Result<Format, Fault> {
+fn read_format(from: &mut Reader) -> Result<Format, ReadFault> {
     let version = from.word().unwrap_or_default();
     let known = match version {
         "2.2" | "2" | "2.1" => 2,
@@ -75,12 +75,12 @@ fn heading(from: &mut Reader) -> Result<Format, Fault> {
     Ok(Format { version: known, binary })
 }
 
-fn point(from: &mut Reader) -> Result<[f64; 3], Fault> {
+fn point(from: &mut Reader) -> Result<[f64; 3], ReadFault> {
     Ok([from.f64("a coordinate")?, from.f64("a coordinate")?, from.f64("a coordinate")?])
 }
 
 /// Sorts vertices by number; one may be there once.
-fn sorted(from: &Reader, mut numbers: Numbers) -> Result<Numbers, Fault> {
+fn sorted(from: &Reader, mut numbers: Numbers) -> Result<Numbers, ReadFault> {
     numbers.sort_unstable();
     match numbers.windows(2).find(|n| n[0].0 == n[1].0) {
         Some(twice) => Err(from.fault(format!("vertex {} is there twice", twice[0].0))),
@@ -88,7 +88,7 @@ fn sorted(from: &Reader, mut numbers: Numbers) -> Result<Numbers, Fault> {
     }
 }
 
-fn nodes_2(from: &mut Reader, binary: bool, raw: &mut Raw) -> Result<Numbers, Fault> {
+fn nodes_2(from: &mut Reader, binary: bool, raw: &mut RawMesh) -> Result<Numbers, ReadFault> {
     let count = from.count("the number of vertices")?;
     from.line();
     from.binary = binary;
@@ -100,7 +100,7 @@ fn nodes_2(from: &mut Reader, binary: bool, raw: &mut Raw) -> Result<Numbers, Fa
     sorted(from, numbers)
 }
 
-fn nodes_4(from: &mut Reader, binary: bool, raw: &mut Raw) -> Result<Numbers, Fault> {
+fn nodes_4(from: &mut Reader, binary: bool, raw: &mut RawMesh) -> Result<Numbers, ReadFault> {
     from.line();
     from.binary = binary;
     let blocks = from.u64("the number of blocks")?;
@@ -111,7 +111,7 @@ fn nodes_4(from: &mut Reader, binary: bool, raw: &mut Raw) -> Result<Numbers, Fa
         from.i32("an entity's number")?;
         let parametric = from.i32("whether there are parameters")? != 0;
         let count = from.u64("the number of vertices")?;
-        let count = from.sane(count, "the number of vertices")?;
+        let count = from.checked_count(count, "the number of vertices")?;
         let first = raw.points.len();
         for k in 0..count {
             numbers.push((from.u64("a vertex' number")?, (first + k) as u32));
@@ -129,8 +129,8 @@ fn elements_2<const D: usize>(
     from: &mut Reader,
     binary: bool,
     numbers: &Numbers,
-    raw: &mut Raw,
-) -> Result<(), Fault> {
+    raw: &mut RawMesh,
+) -> Result<(), ReadFault> {
     let count = from.count("the number of elements")?;
     from.line();
     from.binary = binary;
@@ -144,7 +144,7 @@ fn elements_2<const D: usize>(
             (from.i32("an element's type")?, 1)
         };
         let tags = from.i32("the number of tags")?;
-        let nodes = nodes_of(from, kind)?;
+        let nodes = node_count(from, kind)?;
         if many < 1 || tags < 0 {
             return Err(from.fault("a block without elements"));
         }
@@ -153,7 +153,7 @@ fn elements_2<const D: usize>(
             (0..tags).try_for_each(|_| from.i32("a tag").map(drop))?;
             let v: Vec<u64> =
                 (0..nodes).map(|_| from.i32("a vertex").map(|v| v as u64)).collect::<Result<_, _>>()?;
-            take::<D>(element as u64, kind, &v, numbers, raw)?;
+            add_element::<D>(element as u64, kind, &v, numbers, raw)?;
             read += 1;
         }
     }
@@ -164,8 +164,8 @@ fn elements_4<const D: usize>(
     from: &mut Reader,
     binary: bool,
     numbers: &Numbers,
-    raw: &mut Raw,
-) -> Result<(), Fault> {
+    raw: &mut RawMesh,
+) -> Result<(), ReadFault> {
     from.line();
     from.binary = binary;
     let blocks = from.u64("the number of blocks")?;
@@ -175,37 +175,37 @@ fn elements_4<const D: usize>(
         from.i32("an entity's number")?;
         let kind = from.i32("an element's type")?;
         let count = from.u64("the number of elements")?;
-        let nodes = nodes_of(from, kind)?;
-        for _ in 0..from.sane(count, "the number of elements")? {
+        let nodes = node_count(from, kind)?;
+        for _ in 0..from.checked_count(count, "the number of elements")? {
             let element = from.u64("an element's number")?;
             let v: Vec<u64> = (0..nodes).map(|_| from.u64("a vertex")).collect::<Result<_, _>>()?;
-            take::<D>(element, kind, &v, numbers, raw)?;
+            add_element::<D>(element, kind, &v, numbers, raw)?;
         }
     }
     Ok(())
 }
 
 /// Adds an element if it is wanted.
-fn take<const D: usize>(
+fn add_element<const D: usize>(
     element: u64,
     kind: i32,
     vertices: &[u64],
     numbers: &Numbers,
-    raw: &mut Raw,
-) -> Result<(), Fault> {
-    match wanted::<D>(kind) {
-        Kind::Passed => return Ok(()),
-        Kind::Refused(what) => return Err(Fault::Element { element, what: what.into() }),
-        Kind::Taken => {}
+    raw: &mut RawMesh,
+) -> Result<(), ReadFault> {
+    match element_use::<D>(kind) {
+        ElementUse::Skipped => return Ok(()),
+        ElementUse::Rejected(what) => return Err(ReadFault::Element { element, what: what.into() }),
+        ElementUse::Accepted => {}
     }
     let place = |v: &u64| numbers.binary_search_by_key(v, |n| n.0).ok().map(|i| numbers[i].1);
     let v = vertices.iter().map(place).collect::<Option<Vec<u32>>>();
-    raw.elements.push((element, v.ok_or(Fault::Vertex { element })?));
+    raw.elements.push((element, v.ok_or(ReadFault::Vertex { element })?));
     Ok(())
 }
 
 /// Number of vertices of an element of a type.
-fn nodes_of(from: &Reader, kind: i32) -> Result<usize, Fault> {
+fn node_count(from: &Reader, kind: i32) -> Result<usize, ReadFault> {
     const NODES: [usize; 31] = [
         2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1, 8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4, 5, 6, 20,
         35, 56,
@@ -216,16 +216,16 @@ fn nodes_of(from: &Reader, kind: i32) -> Result<usize, Fault> {
 }
 
 /// What is done with elements of a type.
-fn wanted<const D: usize>(kind: i32) -> Kind {
+fn element_use<const D: usize>(kind: i32) -> ElementUse {
     match (D, kind) {
-        (2, 2) | (3, 4) => Kind::Taken,
+        (2, 2) | (3, 4) => ElementUse::Accepted,
         // Points and lines; in 3D triangles and quadrilaterals.
-        (_, 1 | 8 | 15 | 26..=28) | (3, 2 | 3 | 9 | 10 | 16 | 20..=25) => Kind::Passed,
-        (2, 4) => Kind::Refused("a tetrahedron"),
-        (_, 3 | 10 | 16) => Kind::Refused("a quadrilateral"),
-        (_, 5 | 12 | 17) => Kind::Refused("a hexahedron"),
-        (_, 6 | 13 | 18) => Kind::Refused("a prism"),
-        (_, 7 | 14 | 19) => Kind::Refused("a pyramid"),
-        _ => Kind::Refused("an element of higher order"),
+        (_, 1 | 8 | 15 | 26..=28) | (3, 2 | 3 | 9 | 10 | 16 | 20..=25) => ElementUse::Skipped,
+        (2, 4) => ElementUse::Rejected("a tetrahedron"),
+        (_, 3 | 10 | 16) => ElementUse::Rejected("a quadrilateral"),
+        (_, 5 | 12 | 17) => ElementUse::Rejected("a hexahedron"),
+        (_, 6 | 13 | 18) => ElementUse::Rejected("a prism"),
+        (_, 7 | 14 | 19) => ElementUse::Rejected("a pyramid"),
+        _ => ElementUse::Rejected("an element of higher order"),
     }
 }

@@ -4,15 +4,15 @@
 //! Elements of lower dimension (the sides of a Gmsh mesh) are passed over, vertices that no element has are dropped, and if
 //! all elements are inverted they are turned: then the file counts the other way around.
 
-use super::reader::Fault;
+use super::reader::ReadFault;
 use crate::Vector;
 use crate::mesh::volume::read::error::VolumeImportError;
-use crate::mesh::volume::read::raw::Raw;
+use crate::mesh::volume::read::raw::RawMesh;
 use crate::mesh::volume::{Simplex, VolumeMesh};
 use std::path::{Path, PathBuf};
 
 /// Volume of an element over the power of its longest edge below which it is flat.
-const FLAT: f64 = 1e-9;
+const MIN_RELATIVE_VOLUME: f64 = 1e-9;
 
 /// Reads a mesh, checked; positions in m. It may fall into parts that no facet joins.
 ///
@@ -36,25 +36,25 @@ pub fn load<const D: usize>(path: &Path) -> Result<VolumeMesh<D>, VolumeImportEr
         _ => return Err(VolumeImportError::Format { path: path.into(), found: ending }),
     };
     let raw = read.map_err(|fault| match fault {
-        Fault::Content { place, what } => VolumeImportError::Content { path: at.clone(), place, what },
-        Fault::Element { element, what } => {
-            VolumeImportError::Element { path: at.clone(), element, what, wanted: wanted::<D>() }
+        ReadFault::Content { place, what } => VolumeImportError::Content { path: at.clone(), place, what },
+        ReadFault::Element { element, what } => {
+            VolumeImportError::Element { path: at.clone(), element, what, wanted: element_name::<D>() }
         }
-        Fault::Vertex { element } => VolumeImportError::Vertex { path: at.clone(), element },
+        ReadFault::Vertex { element } => VolumeImportError::Vertex { path: at.clone(), element },
     })?;
     from_raw(&at, &raw)
 }
 
 /// What elements are called.
-fn wanted<const D: usize>() -> &'static str {
+fn element_name<const D: usize>() -> &'static str {
     if D == 2 { "triangles" } else { "tetrahedra" }
 }
 
 /// Checks what a file holds and makes a mesh of it.
-fn from_raw<const D: usize>(path: &Path, raw: &Raw) -> Result<VolumeMesh<D>, VolumeImportError> {
+fn from_raw<const D: usize>(path: &Path, raw: &RawMesh) -> Result<VolumeMesh<D>, VolumeImportError> {
     let path = || path.to_owned();
     if raw.elements.is_empty() {
-        return Err(VolumeImportError::Empty { path: path(), element: wanted::<D>(), dimension: D });
+        return Err(VolumeImportError::Empty { path: path(), element: element_name::<D>(), dimension: D });
     }
     let positions = raw.points.iter().map(|p| Vector::from_fn(|a, _| p[a])).collect();
     let mut mesh = VolumeMesh::<D> { positions, simplices: Vec::with_capacity(raw.elements.len()) };
@@ -68,11 +68,11 @@ fn from_raw<const D: usize>(path: &Path, raw: &Raw) -> Result<VolumeMesh<D>, Vol
                 return Err(VolumeImportError::NotPlanar { path: path(), element: *element, z: p[2] });
             }
         }
-        mesh.simplices.push(Simplex { root: v[0], rest: std::array::from_fn(|k| v[k + 1]) });
+        mesh.simplices.push(Simplex { root: v[0], others: std::array::from_fn(|k| v[k + 1]) });
     }
     orient(&mut mesh, &raw.elements, &path)?;
     let mesh = mesh.compacted();
-    mesh.check_pieces().map_err(|defect| VolumeImportError::Defect { path: path(), defect })?;
+    mesh.check_elements().map_err(|defect| VolumeImportError::Defect { path: path(), defect })?;
     Ok(mesh)
 }
 
@@ -90,7 +90,7 @@ fn orient<const D: usize>(
     };
     let volumes: Vec<f64> = mesh.simplices.iter().map(relative).collect();
     let near = |i: usize| mesh.simplices[i].center(positions).as_slice().to_vec();
-    let is_flat = |v: f64| v.is_nan() || v.abs() < FLAT;
+    let is_flat = |v: f64| v.is_nan() || v.abs() < MIN_RELATIVE_VOLUME;
     let flat: Vec<usize> = (0..volumes.len()).filter(|i| is_flat(volumes[*i])).collect();
     if let Some(first) = flat.first() {
         let (element, near) = (elements[*first].0, near(*first));
@@ -98,7 +98,7 @@ fn orient<const D: usize>(
     }
     let inverted: Vec<usize> = (0..volumes.len()).filter(|i| volumes[*i] < 0.0).collect();
     if inverted.len() == volumes.len() {
-        mesh.simplices.iter_mut().for_each(|s| s.rest.swap(0, 1));
+        mesh.simplices.iter_mut().for_each(|s| s.others.swap(0, 1));
     } else if let Some(first) = inverted.first() {
         let (count, total) = (inverted.len(), volumes.len());
         let (element, near) = (elements[*first].0, near(*first));

@@ -218,7 +218,7 @@ fn mended<const D: usize>() {
     let name = format!("mended-{D}.msh");
     let read = |mesh: &VolumeMesh<D>| load::<D>(&file(&name, &msh_2(mesh, false)));
     let mut turned = mesh.clone();
-    turned.simplices.iter_mut().for_each(|s| s.rest.swap(0, 1));
+    turned.simplices.iter_mut().for_each(|s| s.others.swap(0, 1));
     assert_eq!(read(&turned).unwrap(), mesh);
     let mut unused = mesh.clone();
     unused.positions.push(Vector::repeat(9.0));
@@ -226,7 +226,7 @@ fn mended<const D: usize>() {
 
     let message = |mesh: &VolumeMesh<D>| read(mesh).unwrap_err().to_string();
     let mut mixed = mesh.clone();
-    mixed.simplices[3].rest.swap(0, 1);
+    mixed.simplices[3].others.swap(0, 1);
     let text = message(&mixed);
     assert!(
         text.contains(&format!(
@@ -243,7 +243,7 @@ fn mended<const D: usize>() {
     pinched.simplices = mesh.simplices.iter().step_by(if D == 2 { 2 } else { 3 }).copied().collect();
     assert!(message(&pinched).contains("the boundary touches itself at vertex"), "{}", message(&pinched));
     let mut twice = mesh.clone();
-    twice.simplices[0].rest[0] = twice.simplices[0].root;
+    twice.simplices[0].others[0] = twice.simplices[0].root;
     assert!(message(&twice).contains("element 2 has a vertex that does not exist, or the same one twice"));
 }
 
@@ -309,7 +309,7 @@ fn volume_import_survives_broken_files() {
                 flipped[at] ^= 1 << (k % 8);
                 for content in [&flipped[..], &whole[..at]] {
                     if let Ok(mesh) = load::<2>(&file(name, content)) {
-                        assert_eq!(mesh.check_pieces(), Ok(()));
+                        assert_eq!(mesh.check_elements(), Ok(()));
                     }
                 }
             }

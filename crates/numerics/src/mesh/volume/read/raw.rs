@@ -2,7 +2,7 @@
 
 /// What a file holds.
 #[derive(Default)]
-pub struct Raw {
+pub struct RawMesh {
     /// Coordinates of the vertices.
     pub points: Vec<[f64; 3]>,
     /// Elements: number in the file, places of the vertices in `points`.
@@ -10,11 +10,11 @@ pub struct Raw {
 }
 
 /// What is done with an element of a kind.
-pub enum Kind {
+pub enum ElementUse {
     /// It is a simplex of the mesh's dimension.
-    Taken,
+    Accepted,
     /// It has a lower dimension.
-    Passed,
+    Skipped,
     /// It cannot be used; its name.
-    Refused(&'static str),
+    Rejected(&'static str),
 }

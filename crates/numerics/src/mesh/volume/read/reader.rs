@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 /// What is wrong with a file.
-pub(super) enum Fault {
+pub(super) enum ReadFault {
     /// Something cannot be understood.
     Content { place: String, what: String },
     /// An element that cannot be used.
@@ -29,14 +29,14 @@ impl<'a> Reader<'a> {
     }
 
     /// Something wrong at this place.
-    pub fn fault(&self, what: impl Into<String>) -> Fault {
+    pub fn fault(&self, what: impl Into<String>) -> ReadFault {
         let place = if self.binary {
             format!("byte {}", self.at)
         } else {
             let passed = self.bytes.get(..self.at.saturating_sub(1)).unwrap_or(self.bytes);
             format!("line {}", 1 + passed.iter().filter(|b| **b == b'\n').count())
         };
-        Fault::Content { place, what: what.into() }
+        ReadFault::Content { place, what: what.into() }
     }
 
     fn peek(&self) -> Option<u8> {
@@ -78,7 +78,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Passes over everything up to the end of the next place where `text` stands.
-    pub fn pass(&mut self, text: &str) -> Result<(), Fault> {
+    pub fn skip_past(&mut self, text: &str) -> Result<(), ReadFault> {
         let found = self.bytes[self.at..].windows(text.len()).position(|w| w == text.as_bytes());
         let Some(by) = found else { return Err(self.fault(format!("`{text}` is missing"))) };
         self.at += by + text.len();
@@ -86,25 +86,25 @@ impl<'a> Reader<'a> {
     }
 
     /// The next word as a number of the text.
-    pub fn number<T: FromStr>(&mut self, what: &str) -> Result<T, Fault> {
+    pub fn number<T: FromStr>(&mut self, what: &str) -> Result<T, ReadFault> {
         let Some(word) = self.word() else { return Err(self.fault(format!("{what} is missing"))) };
         word.parse().map_err(|_| self.fault(format!("`{}` where {what} should be", word.escape_debug())))
     }
 
     /// A count, not more than the file could hold.
-    pub fn count(&mut self, what: &str) -> Result<usize, Fault> {
+    pub fn count(&mut self, what: &str) -> Result<usize, ReadFault> {
         let count: u64 = self.number(what)?;
-        self.sane(count, what)
+        self.checked_count(count, what)
     }
 
     /// A count, if the file can hold as many things.
-    pub fn sane(&self, count: u64, what: &str) -> Result<usize, Fault> {
+    pub fn checked_count(&self, count: u64, what: &str) -> Result<usize, ReadFault> {
         let fits = usize::try_from(count).ok().filter(|n| *n <= self.bytes.len());
         fits.ok_or_else(|| self.fault(format!("{what} is {count}, more than the file can hold")))
     }
 
     /// Passes over so many bytes.
-    pub fn skip(&mut self, bytes: usize) -> Result<(), Fault> {
+    pub fn skip(&mut self, bytes: usize) -> Result<(), ReadFault> {
         if bytes > self.bytes.len() - self.at {
             return Err(self.fault("the file ends too early"));
         }
@@ -112,7 +112,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], ReadFault> {
         let found = self.bytes.get(self.at..self.at + N).and_then(|b| <[u8; N]>::try_from(b).ok());
         let Some(mut bytes) = found else { return Err(self.fault("the file ends too early")) };
         self.at += N;
@@ -123,23 +123,23 @@ impl<'a> Reader<'a> {
     }
 
     /// A 32-bit integer of a binary part, or a number of the text.
-    pub fn i32(&mut self, what: &str) -> Result<i32, Fault> {
+    pub fn i32(&mut self, what: &str) -> Result<i32, ReadFault> {
         if self.binary { self.take().map(i32::from_le_bytes) } else { self.number(what) }
     }
 
     /// A 64-bit integer of a binary part, or a number of the text.
-    pub fn u64(&mut self, what: &str) -> Result<u64, Fault> {
+    pub fn u64(&mut self, what: &str) -> Result<u64, ReadFault> {
         if self.binary { self.take().map(u64::from_le_bytes) } else { self.number(what) }
     }
 
     /// A double of a binary part, or a number of the text; finite.
-    pub fn f64(&mut self, what: &str) -> Result<f64, Fault> {
+    pub fn f64(&mut self, what: &str) -> Result<f64, ReadFault> {
         let x = if self.binary { self.take().map(f64::from_le_bytes)? } else { self.number(what)? };
         if x.is_finite() { Ok(x) } else { Err(self.fault(format!("{what} is {x}"))) }
     }
 
     /// A float of a binary part, or a number of the text; finite.
-    pub fn f32(&mut self, what: &str) -> Result<f64, Fault> {
+    pub fn f32(&mut self, what: &str) -> Result<f64, ReadFault> {
         if !self.binary {
             return self.f64(what);
         }

@@ -1,17 +1,17 @@
 //! TetGen's `.node` and `.ele` files, and those of Triangle in 2D (H. Si, TetGen manual, 5.2; J. Shewchuk, Triangle).
 
-use super::raw::Raw;
-use super::reader::{Fault, Reader};
+use super::raw::RawMesh;
+use super::reader::{ReadFault, Reader};
 
 /// The vertices of a `.node` file, and the number of the first.
 pub(super) struct Nodes {
-    raw: Raw,
+    raw: RawMesh,
     first: u64,
 }
 
 /// Reads a `.node` file: count, dimension, numbers of attributes and of markers; for each vertex its number, coordinates,
 /// attributes and markers.
-pub(super) fn nodes<const D: usize>(bytes: &[u8]) -> Result<Nodes, Fault> {
+pub(super) fn nodes<const D: usize>(bytes: &[u8]) -> Result<Nodes, ReadFault> {
     let mut from = Reader::new(bytes, Some(b'#'));
     let count = from.count("the number of vertices")?;
     let dimension: usize = from.number("the dimension")?;
@@ -19,7 +19,7 @@ pub(super) fn nodes<const D: usize>(bytes: &[u8]) -> Result<Nodes, Fault> {
         return Err(from.fault(format!("vertices of a {dimension}D mesh in a {D}D scene")));
     }
     from.line();
-    let (mut raw, mut first) = (Raw::default(), 0);
+    let (mut raw, mut first) = (RawMesh::default(), 0);
     for k in 0..count as u64 {
         let number: u64 = from.number("a vertex' number")?;
         first = if k == 0 { number } else { first };
@@ -33,12 +33,12 @@ pub(super) fn nodes<const D: usize>(bytes: &[u8]) -> Result<Nodes, Fault> {
         raw.points.push(point);
         from.line();
     }
-    ended(&mut from, count)?;
+    expect_end(&mut from, count)?;
     Ok(Nodes { raw, first })
 }
 
 /// Reads an `.ele` file: count, vertices of an element, attributes; for each element its number and vertices.
-pub(super) fn elements<const D: usize>(bytes: &[u8], nodes: Nodes) -> Result<Raw, Fault> {
+pub(super) fn elements<const D: usize>(bytes: &[u8], nodes: Nodes) -> Result<RawMesh, ReadFault> {
     let Nodes { mut raw, first } = nodes;
     let mut from = Reader::new(bytes, Some(b'#'));
     let count = from.count("the number of elements")?;
@@ -47,23 +47,23 @@ pub(super) fn elements<const D: usize>(bytes: &[u8], nodes: Nodes) -> Result<Raw
     for _ in 0..count {
         let element: u64 = from.number("an element's number")?;
         if corners != D + 1 {
-            return Err(Fault::Element { element, what: format!("one of {corners} vertices") });
+            return Err(ReadFault::Element { element, what: format!("one of {corners} vertices") });
         }
         let mut vertices = Vec::with_capacity(D + 1);
         for _ in 0..=D {
             let v: u64 = from.number("a vertex")?;
             let place = v.checked_sub(first).and_then(|v| u32::try_from(v).ok());
-            vertices.push(place.ok_or(Fault::Vertex { element })?);
+            vertices.push(place.ok_or(ReadFault::Vertex { element })?);
         }
         raw.elements.push((element, vertices));
         from.line();
     }
-    ended(&mut from, count)?;
+    expect_end(&mut from, count)?;
     Ok(raw)
 }
 
 /// Refuses what follows the last of a list.
-fn ended(from: &mut Reader, count: usize) -> Result<(), Fault> {
+fn expect_end(from: &mut Reader, count: usize) -> Result<(), ReadFault> {
     match from.word() {
         Some(_) => Err(from.fault(format!("more lines than the {count} of the file's head"))),
         None => Ok(()),

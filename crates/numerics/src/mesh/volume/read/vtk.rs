@@ -1,11 +1,11 @@
 //! VTK's legacy files with an unstructured grid, versions up to 5.1, text and binary (The VTK User's Guide, "Simple legacy
 //! formats"). Binary numbers have the highest byte first.
 
-use super::raw::{Kind, Raw};
-use super::reader::{Fault, Reader};
+use super::raw::{ElementUse, RawMesh};
+use super::reader::{ReadFault, Reader};
 
 /// Reads a file. Elements are numbered from 0.
-pub(super) fn read<const D: usize>(bytes: &[u8]) -> Result<Raw, Fault> {
+pub(super) fn read<const D: usize>(bytes: &[u8]) -> Result<RawMesh, ReadFault> {
     let mut from = Reader::new(bytes, None);
     let head = from.line();
     let Some(version) = head.strip_prefix("# vtk DataFile Version ") else {
@@ -22,7 +22,7 @@ pub(super) fn read<const D: usize>(bytes: &[u8]) -> Result<Raw, Fault> {
     if (from.word(), from.word()) != (Some("DATASET"), Some("UNSTRUCTURED_GRID")) {
         return Err(from.fault("`DATASET UNSTRUCTURED_GRID` is missing"));
     }
-    let (mut raw, mut cells) = (Raw::default(), Vec::new());
+    let (mut raw, mut cells) = (RawMesh::default(), Vec::new());
     while let Some(word) = from.word() {
         match word {
             "POINTS" => points(&mut from, binary, &mut raw)?,
@@ -45,7 +45,7 @@ pub(super) fn read<const D: usize>(bytes: &[u8]) -> Result<Raw, Fault> {
     Err(from.fault("`CELL_TYPES` is missing"))
 }
 
-fn points(from: &mut Reader, binary: bool, raw: &mut Raw) -> Result<(), Fault> {
+fn points(from: &mut Reader, binary: bool, raw: &mut RawMesh) -> Result<(), ReadFault> {
     let count = from.count("the number of points")?;
     let double = match from.word() {
         Some("double") => true,
@@ -65,7 +65,7 @@ fn points(from: &mut Reader, binary: bool, raw: &mut Raw) -> Result<(), Fault> {
 }
 
 /// Passes over arrays that belong to the whole, such as a time.
-fn fields(from: &mut Reader, binary: bool) -> Result<(), Fault> {
+fn fields(from: &mut Reader, binary: bool) -> Result<(), ReadFault> {
     from.word();
     for _ in 0..from.count("the number of arrays")? {
         from.word();
@@ -92,7 +92,7 @@ fn fields(from: &mut Reader, binary: bool) -> Result<(), Fault> {
 }
 
 /// Up to version 4: for each cell the number of its vertices, and these.
-fn cells_by_counts(from: &mut Reader, binary: bool) -> Result<Vec<Vec<u32>>, Fault> {
+fn cells_by_counts(from: &mut Reader, binary: bool) -> Result<Vec<Vec<u32>>, ReadFault> {
     let count = from.count("the number of cells")?;
     from.count("the number of entries")?;
     from.line();
@@ -100,14 +100,14 @@ fn cells_by_counts(from: &mut Reader, binary: bool) -> Result<Vec<Vec<u32>>, Fau
     let mut cells = Vec::with_capacity(count);
     for _ in 0..count {
         let vertices = from.i32("the number of a cell's vertices")?;
-        let vertices = from.sane(vertices as u64, "the number of a cell's vertices")?;
+        let vertices = from.checked_count(vertices as u64, "the number of a cell's vertices")?;
         cells.push((0..vertices).map(|_| from.i32("a vertex").map(|v| v as u32)).collect::<Result<_, _>>()?);
     }
     Ok(cells)
 }
 
 /// From version 5: where each cell's vertices begin, then the vertices of all.
-fn cells_by_offsets(from: &mut Reader, binary: bool) -> Result<Vec<Vec<u32>>, Fault> {
+fn cells_by_offsets(from: &mut Reader, binary: bool) -> Result<Vec<Vec<u32>>, ReadFault> {
     let sizes = [from.count("the number of offsets")?, from.count("the number of entries")?];
     let mut lists: [Vec<u64>; 2] = Default::default();
     for ((name, size), list) in ["OFFSETS", "CONNECTIVITY"].into_iter().zip(sizes).zip(&mut lists) {
@@ -139,8 +139,8 @@ fn types<const D: usize>(
     from: &mut Reader,
     binary: bool,
     cells: &mut [Vec<u32>],
-    raw: &mut Raw,
-) -> Result<(), Fault> {
+    raw: &mut RawMesh,
+) -> Result<(), ReadFault> {
     let count = from.count("the number of types")?;
     if count != cells.len() {
         return Err(from.fault(format!("{count} types of {} cells", cells.len())));
@@ -149,25 +149,25 @@ fn types<const D: usize>(
     from.binary = binary;
     for (number, cell) in cells.iter_mut().enumerate() {
         let element = number as u64;
-        match wanted::<D>(from.i32("a cell's type")?) {
-            Kind::Taken => raw.elements.push((element, std::mem::take(cell))),
-            Kind::Passed => {}
-            Kind::Refused(what) => return Err(Fault::Element { element, what: what.into() }),
+        match element_use::<D>(from.i32("a cell's type")?) {
+            ElementUse::Accepted => raw.elements.push((element, std::mem::take(cell))),
+            ElementUse::Skipped => {}
+            ElementUse::Rejected(what) => return Err(ReadFault::Element { element, what: what.into() }),
         }
     }
     Ok(())
 }
 
 /// What is done with cells of a type.
-fn wanted<const D: usize>(kind: i32) -> Kind {
+fn element_use<const D: usize>(kind: i32) -> ElementUse {
     match (D, kind) {
-        (2, 5) | (3, 10) => Kind::Taken,
-        (_, 0..=4 | 21) | (3, 5..=9 | 22 | 23) => Kind::Passed,
-        (2, 10) => Kind::Refused("a tetrahedron"),
-        (_, 6..=9) => Kind::Refused("no triangle but a strip, polygon or quadrilateral"),
-        (_, 11 | 12) => Kind::Refused("a hexahedron"),
-        (_, 13) => Kind::Refused("a prism"),
-        (_, 14) => Kind::Refused("a pyramid"),
-        _ => Kind::Refused("an element of higher order"),
+        (2, 5) | (3, 10) => ElementUse::Accepted,
+        (_, 0..=4 | 21) | (3, 5..=9 | 22 | 23) => ElementUse::Skipped,
+        (2, 10) => ElementUse::Rejected("a tetrahedron"),
+        (_, 6..=9) => ElementUse::Rejected("no triangle but a strip, polygon or quadrilateral"),
+        (_, 11 | 12) => ElementUse::Rejected("a hexahedron"),
+        (_, 13) => ElementUse::Rejected("a prism"),
+        (_, 14) => ElementUse::Rejected("a pyramid"),
+        _ => ElementUse::Rejected("an element of higher order"),
     }
 }

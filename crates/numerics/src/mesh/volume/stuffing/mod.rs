@@ -4,5 +4,5 @@ mod of_shape;
 mod quadratic;
 mod simplices;
 
-pub use quadratic::stuff_of;
+pub use quadratic::stuff_with_order;
 pub use simplices::{Distance, StuffingError, stuff};

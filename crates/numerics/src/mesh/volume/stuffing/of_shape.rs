@@ -1,8 +1,8 @@
 //! Shapes filled with simplices.
 
 use crate::mesh::volume::VolumeMesh;
-use crate::mesh::volume::quadratic::Order;
-use crate::mesh::volume::stuffing::{StuffingError, stuff_of};
+use crate::mesh::volume::quadratic::ElementOrder;
+use crate::mesh::volume::stuffing::{StuffingError, stuff_with_order};
 use crate::shape::Shape;
 
 impl<const D: usize> VolumeMesh<D> {
@@ -11,11 +11,11 @@ impl<const D: usize> VolumeMesh<D> {
     ///
     /// # Errors
     /// As [`super::stuff`].
-    pub fn of_shape(shape: &Shape<D>, edge: f64, order: Order) -> Result<Self, StuffingError> {
+    pub fn of_shape(shape: &Shape<D>, edge: f64, order: ElementOrder) -> Result<Self, StuffingError> {
         if let Shape::Box { center, half_size, rotation } = shape {
             return Ok(Self::of_box(center, half_size, rotation, edge, order)?);
         }
         let (lower, upper) = shape.bounds();
-        stuff_of(order, &|x| shape.signed_distance(x), &lower, &upper, edge)
+        stuff_with_order(order, &|x| shape.signed_distance(x), &lower, &upper, edge)
     }
 }

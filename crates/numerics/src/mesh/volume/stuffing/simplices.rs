@@ -22,19 +22,19 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 /// Share of an edge within which a crossing draws the vertex to itself: long edges, short edges (article, Table 1).
-const DRAWN_3D: [f64; 2] = [0.249_99, 0.411_89];
+const WARP_THRESHOLDS_3D: [f64; 2] = [0.249_99, 0.411_89];
 /// The same in 2D, where all edges are alike: with it the smallest angle that can be is largest (measured).
-const DRAWN_2D: [f64; 2] = [0.4, 0.4];
+const WARP_THRESHOLDS_2D: [f64; 2] = [0.4, 0.4];
 /// Length of the mesh's mean edge over that of the lattice's longest one.
 const MEAN_EDGE_3D: f64 = 0.923;
 /// Most vertices of a lattice, half of which a compact body fills: its matrices take some 8 kB of memory for each in 3D.
-const MOST: usize = 1 << 22;
+const MAX_LATTICE_VERTICES: usize = 1 << 22;
 /// Most steps to a crossing, and how close to it they stop, in edges.
-const STEPS: usize = 60;
-const CLOSE: f64 = 1e-13;
+const MAX_ROOT_ITERATIONS: usize = 60;
+const ROOT_TOLERANCE: f64 = 1e-13;
 
 /// How much farther than the nearest crossing others may be to count as near as it.
-const ALIKE: f64 = 1e-6;
+const EQUAL_DISTANCE_TOLERANCE: f64 = 1e-6;
 
 /// A signed distance, negative inside; point and distance in m.
 pub type Distance<'a, const D: usize> = dyn Fn(&Vector<D>) -> f64 + Sync + 'a;
@@ -104,27 +104,27 @@ pub fn stuff<const D: usize>(
     upper: &Vector<D>,
     edge: f64,
 ) -> Result<VolumeMesh<D>, StuffingError> {
-    let mesh = stuff_drawn(distance, lower, upper, edge, if D == 2 { DRAWN_2D } else { DRAWN_3D })?;
-    mesh.check_pieces().map_err(|defect| StuffingError::Defect { edge, defect })?;
+    let mesh = stuff_unchecked(distance, lower, upper, edge, if D == 2 { WARP_THRESHOLDS_2D } else { WARP_THRESHOLDS_3D })?;
+    mesh.check_elements().map_err(|defect| StuffingError::Defect { edge, defect })?;
     Ok(mesh)
 }
 
 /// As [`stuff`], with given shares of an edge within which vertices are drawn to crossings, and without a check.
-fn stuff_drawn<const D: usize>(
+fn stuff_unchecked<const D: usize>(
     distance: &Distance<D>,
     lower: &Vector<D>,
     upper: &Vector<D>,
     edge: f64,
-    drawn: [f64; 2],
+    warp_thresholds: [f64; 2],
 ) -> Result<VolumeMesh<D>, StuffingError> {
-    let lattice = Lattice::new(lower, upper, edge)?;
+    let lattice = PermutohedralLattice::new(lower, upper, edge)?;
     let value = |i: usize| distance(&lattice.position(&lattice.point(i)));
     let values: Vec<f64> = (0..lattice.len()).into_par_iter().map(value).collect();
     if let Some(i) = (0..values.len()).find(|i| values[*i] < 0.0 && lattice.at_border(*i)) {
         return Err(StuffingError::Beyond { near: lattice.position(&lattice.point(i)).as_slice().to_vec() });
     }
-    let cuts = Cuts::new(&lattice, &values, distance);
-    let stuffing = Stuffing::new(&lattice, &values, cuts, drawn, distance);
+    let cuts = EdgeCrossings::new(&lattice, &values, distance);
+    let stuffing = Stuffing::new(&lattice, &values, cuts, warp_thresholds, distance);
     let simplices = stuffing.simplices(distance);
     if simplices.is_empty() {
         return Err(StuffingError::Empty { edge });
@@ -134,16 +134,16 @@ fn stuff_drawn<const D: usize>(
 
 /// The lattice around the bounds. A vertex is at `middle + scale q` for whole `q` of one parity (3D), or whose sum is even
 /// (2D). Vertices are numbered densely.
-struct Lattice<const D: usize> {
+struct PermutohedralLattice<const D: usize> {
     middle: Vector<D>,
     scale: Vector<D>,
     /// What is added to `q` so that it is not negative; even.
-    reach: [i32; D],
+    offset: [i32; D],
     /// How many vertices lie along an axis; in 3D for each parity.
     extent: [usize; D],
 }
 
-impl<const D: usize> Lattice<D> {
+impl<const D: usize> PermutohedralLattice<D> {
     fn new(lower: &Vector<D>, upper: &Vector<D>, edge: f64) -> Result<Self, StuffingError> {
         let size = upper - lower;
         let listed = |v: &Vector<D>| v.as_slice().to_vec();
@@ -158,12 +158,12 @@ impl<const D: usize> Lattice<D> {
         // Three more on each side than fit: the outermost of them are where it is known to end.
         let steps = (size * 0.5).component_div(&scale).map(|s| (s / 2.0).ceil() * 2.0 + 4.0);
         let vertices = steps.iter().map(|s| s + 1.0).product::<f64>() * (D - 1) as f64;
-        if vertices > MOST as f64 {
+        if vertices > MAX_LATTICE_VERTICES as f64 {
             return Err(StuffingError::TooFine { edge, vertices });
         }
-        let reach: [i32; D] = std::array::from_fn(|a| steps[a] as i32);
-        let extent = std::array::from_fn(|a| reach[a] as usize * if D == 2 && a == 1 { 2 } else { 1 } + 1);
-        Ok(Self { middle: (lower + upper) * 0.5, scale, reach, extent })
+        let offset: [i32; D] = std::array::from_fn(|a| steps[a] as i32);
+        let extent = std::array::from_fn(|a| offset[a] as usize * if D == 2 && a == 1 { 2 } else { 1 } + 1);
+        Ok(Self { middle: (lower + upper) * 0.5, scale, offset, extent })
     }
 
     fn len(&self) -> usize {
@@ -181,7 +181,7 @@ impl<const D: usize> Lattice<D> {
 
     /// The vertex' number, if the lattice has it.
     fn index(&self, q: &[i32; D]) -> Option<usize> {
-        let q: [i32; D] = std::array::from_fn(|a| q[a] + self.reach[a]);
+        let q: [i32; D] = std::array::from_fn(|a| q[a] + self.offset[a]);
         let parity = q[D - 1] & 1;
         let mut index = 0;
         for a in (0..D).rev() {
@@ -205,7 +205,7 @@ impl<const D: usize> Lattice<D> {
         }
         let parity = if D == 3 { (index & 1) as i32 } else { i[1] & 1 };
         std::array::from_fn(|a| {
-            if D == 3 || a == 0 { 2 * i[a] + parity - self.reach[a] } else { i[a] - self.reach[a] }
+            if D == 3 || a == 0 { 2 * i[a] + parity - self.offset[a] } else { i[a] - self.offset[a] }
         })
     }
 
@@ -216,11 +216,11 @@ impl<const D: usize> Lattice<D> {
     /// Whether the vertex lies farther out than the bounds by an edge or more.
     fn at_border(&self, index: usize) -> bool {
         let q = self.point(index);
-        (0..D).any(|a| q[a].abs() >= self.reach[a] - 1)
+        (0..D).any(|a| q[a].abs() >= self.offset[a] - 1)
     }
 
     /// Where a point is moved to along some of the vectors (bits of `along`).
-    fn moved(q: &[i32; D], along: usize) -> [i32; D] {
+    fn translated(q: &[i32; D], along: usize) -> [i32; D] {
         let vectors = Self::vectors();
         std::array::from_fn(|a| {
             q[a] + (0..D).filter(|k| along >> k & 1 == 1).map(|k| vectors[k][a]).sum::<i32>()
@@ -230,31 +230,31 @@ impl<const D: usize> Lattice<D> {
 
 /// Where the surface crosses an edge.
 #[derive(Clone, Copy)]
-struct Cut<const D: usize> {
+struct EdgeCrossing<const D: usize> {
     /// The vertex inside and the one outside.
     ends: [u32; 2],
     /// How far along the edge from inside, 0 to 1.
-    at: f64,
+    fraction: f64,
     long: bool,
     position: Vector<D>,
 }
 
 /// The crossings, sorted by their edges' lower and higher vertex.
-struct Cuts<const D: usize> {
-    all: Vec<Cut<D>>,
+struct EdgeCrossings<const D: usize> {
+    all: Vec<EdgeCrossing<D>>,
 }
 
-impl<const D: usize> Cut<D> {
+impl<const D: usize> EdgeCrossing<D> {
     fn key(&self) -> [u32; 2] {
         [self.ends[0].min(self.ends[1]), self.ends[0].max(self.ends[1])]
     }
 }
 
-impl<const D: usize> Cuts<D> {
-    fn new(lattice: &Lattice<D>, values: &[f64], distance: &Distance<D>) -> Self {
-        let crossing = |i: usize, along: usize| -> Option<Cut<D>> {
+impl<const D: usize> EdgeCrossings<D> {
+    fn new(lattice: &PermutohedralLattice<D>, values: &[f64], distance: &Distance<D>) -> Self {
+        let crossing = |i: usize, along: usize| -> Option<EdgeCrossing<D>> {
             let here = lattice.point(i);
-            let there = Lattice::moved(&here, along);
+            let there = PermutohedralLattice::translated(&here, along);
             let j = lattice.index(&there)?;
             if values[i] * values[j] >= 0.0 {
                 return None;
@@ -262,40 +262,40 @@ impl<const D: usize> Cuts<D> {
             let inside = values[i] < 0.0;
             let (ends, points) = if inside { ([i, j], [here, there]) } else { ([j, i], [there, here]) };
             let [a, b] = points.map(|q| lattice.position(&q));
-            let at = root(&|t| distance(&(a + (b - a) * t)), ends.map(|i| values[i]));
+            let fraction = root(&|t| distance(&(a + (b - a) * t)), ends.map(|i| values[i]));
             let long = D == 3 && along.count_ones() == 2;
-            Some(Cut { ends: ends.map(|i| i as u32), at, long, position: a + (b - a) * at })
+            Some(EdgeCrossing { ends: ends.map(|i| i as u32), fraction, long, position: a + (b - a) * fraction })
         };
         let from = |i: usize| (1..1usize << D).filter_map(move |along| crossing(i, along));
-        let mut all: Vec<Cut<D>> = (0..values.len()).into_par_iter().flat_map_iter(from).collect();
-        all.sort_unstable_by_key(Cut::key);
+        let mut all: Vec<EdgeCrossing<D>> = (0..values.len()).into_par_iter().flat_map_iter(from).collect();
+        all.sort_unstable_by_key(EdgeCrossing::key);
         Self { all }
     }
 
     /// The number of the crossing between two vertices.
     fn between(&self, a: u32, b: u32) -> Option<usize> {
-        self.all.binary_search_by_key(&[a.min(b), a.max(b)], Cut::key).ok()
+        self.all.binary_search_by_key(&[a.min(b), a.max(b)], EdgeCrossing::key).ok()
     }
 }
 
 /// The lattice warped to the surface.
 struct Stuffing<'a, const D: usize> {
-    lattice: &'a Lattice<D>,
+    lattice: &'a PermutohedralLattice<D>,
     /// Of the lattice's vertices, then of the crossings.
     positions: Vec<Vector<D>>,
     /// -1 inside, 0 on the surface, 1 outside; of the lattice's vertices.
     side: Vec<i8>,
-    cuts: Cuts<D>,
+    cuts: EdgeCrossings<D>,
     /// Place of each crossing in the order of cutting.
     rank: Vec<u32>,
 }
 
 impl<'a, const D: usize> Stuffing<'a, D> {
     fn new(
-        lattice: &'a Lattice<D>,
+        lattice: &'a PermutohedralLattice<D>,
         values: &[f64],
-        cuts: Cuts<D>,
-        drawn: [f64; 2],
+        cuts: EdgeCrossings<D>,
+        warp_thresholds: [f64; 2],
         distance: &Distance<D>,
     ) -> Self {
         let sign = |v: &f64| if *v < 0.0 { -1 } else { i8::from(*v > 0.0) };
@@ -305,8 +305,8 @@ impl<'a, const D: usize> Stuffing<'a, D> {
         // Each vertex goes to the nearest of the crossings that draw it.
         let mut draws: Vec<(u32, f64, usize)> = Vec::new();
         for (k, cut) in cuts.all.iter().enumerate() {
-            let reach = drawn[usize::from(!cut.long)];
-            for (end, at) in [(cut.ends[0], cut.at), (cut.ends[1], 1.0 - cut.at)] {
+            let reach = warp_thresholds[usize::from(!cut.long)];
+            for (end, at) in [(cut.ends[0], cut.fraction), (cut.ends[1], 1.0 - cut.fraction)] {
                 if at < reach {
                     draws.push((end, (cut.position - positions[end as usize]).norm(), k));
                 }
@@ -315,16 +315,16 @@ impl<'a, const D: usize> Stuffing<'a, D> {
         draws.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
         for near in draws.chunk_by(|a, b| a.0 == b.0) {
             let vertex = near[0].0 as usize;
-            let alike = near.iter().take_while(|n| n.1 <= near[0].1 * (1.0 + ALIKE));
+            let alike = near.iter().take_while(|n| n.1 <= near[0].1 * (1.0 + EQUAL_DISTANCE_TOLERANCE));
             let alike: Vec<Vector<D>> = alike.map(|n| cuts.all[n.2].position).collect();
-            positions[vertex] = drawn_to(&positions[vertex], values[vertex], &alike, distance);
+            positions[vertex] = warped_position(&positions[vertex], values[vertex], &alike, distance);
             side[vertex] = 0;
         }
         positions.extend(cuts.all.iter().map(|c| c.position));
         let mut order: Vec<usize> = (0..cuts.all.len()).collect();
         order.sort_unstable_by(|a, b| {
             let (c, d) = (&cuts.all[*a], &cuts.all[*b]);
-            d.long.cmp(&c.long).then(d.at.total_cmp(&c.at)).then(a.cmp(b))
+            d.long.cmp(&c.long).then(d.fraction.total_cmp(&c.fraction)).then(a.cmp(b))
         });
         let mut rank = vec![0; order.len()];
         order.iter().enumerate().for_each(|(place, k)| rank[*k] = place as u32);
@@ -343,7 +343,7 @@ impl<'a, const D: usize> Stuffing<'a, D> {
                 let mut vertices = [i as u32; 4];
                 let whole = (0..D).all(|k| {
                     along |= 1 << order[k];
-                    let next = self.lattice.index(&Lattice::moved(&q, along));
+                    let next = self.lattice.index(&PermutohedralLattice::translated(&q, along));
                     vertices[k + 1] = next.unwrap_or(0) as u32;
                     next.is_some()
                 });
@@ -383,18 +383,18 @@ impl<'a, const D: usize> Stuffing<'a, D> {
             }
             return;
         }
-        let simplex = Simplex { root: vertices[0], rest: std::array::from_fn(|k| vertices[k + 1]) };
+        let simplex = Simplex { root: vertices[0], others: std::array::from_fn(|k| vertices[k + 1]) };
         let all_on_surface = used.iter().all(|v| side(*v) == 0);
         let inside = used.iter().all(|v| side(*v) <= 0);
         if inside && (!all_on_surface || distance(&simplex.center(&self.positions)) < 0.0) {
-            out.push(simplex.upright(&self.positions));
+            out.push(simplex.oriented(&self.positions));
         }
     }
 }
 
 /// Where a vertex goes that crossings at one distance draw: to the crossing, or to the surface in the direction of their
 /// mean, so that mirror images stay mirror images.
-fn drawn_to<const D: usize>(
+fn warped_position<const D: usize>(
     vertex: &Vector<D>,
     value: f64,
     crossings: &[Vector<D>],
@@ -414,19 +414,19 @@ fn drawn_to<const D: usize>(
 }
 
 /// Where a surface is on a way to both sides of a place; nothing where it is not, or nearer than rounding.
-pub(super) fn crossing<const D: usize>(
+pub(super) fn surface_crossing<const D: usize>(
     from: &Vector<D>,
-    way: &Vector<D>,
+    displacement: &Vector<D>,
     distance: &Distance<D>,
 ) -> Option<Vector<D>> {
     let here = distance(from);
-    let way = way * -here.signum();
-    let there = distance(&(from + way));
+    let displacement = displacement * -here.signum();
+    let there = distance(&(from + displacement));
     if here == 0.0 || here * there > 0.0 {
         return None;
     }
     let sign = -here.signum();
-    Some(from + way * root(&|t| sign * distance(&(from + way * t)), [sign * here, sign * there]))
+    Some(from + displacement * root(&|t| sign * distance(&(from + displacement * t)), [sign * here, sign * there]))
 }
 
 /// The zero, 0 to 1, of a function that is negative at 0 and positive at 1, with the given values there: false position with
@@ -434,11 +434,11 @@ pub(super) fn crossing<const D: usize>(
 fn root(f: &dyn Fn(f64) -> f64, [mut low_value, mut high_value]: [f64; 2]) -> f64 {
     let (mut low, mut high, mut last) = (0.0, 1.0, 0);
     let mut t = 0.5;
-    for step in 0..STEPS {
+    for step in 0..MAX_ROOT_ITERATIONS {
         let guess = low + (high - low) * low_value / (low_value - high_value);
         t = if step % 8 < 6 && guess > low && guess < high { guess } else { 0.5 * (low + high) };
         let value = f(t);
-        if value == 0.0 || high - low < CLOSE {
+        if value == 0.0 || high - low < ROOT_TOLERANCE {
             break;
         }
         let sign = if value < 0.0 { -1 } else { 1 };

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::Matrix;
-use crate::mesh::volume::quadratic::Order;
+use crate::mesh::volume::quadratic::ElementOrder;
 use crate::shape::{MeshShape, Shape};
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ fn planes<const D: usize>(count: usize, drawn: [f64; 2]) -> [f64; 2] {
         let distance = |x: &Vector<D>| {
             ((x.dot(&normal) - shift).abs() - 3.0).max((x - normal * x.dot(&normal)).norm() - 3.0)
         };
-        let mesh = stuff_drawn(&distance, &Vector::repeat(-6.0), &Vector::repeat(6.0), 1.0, drawn).unwrap();
+        let mesh = stuff_unchecked(&distance, &Vector::repeat(-6.0), &Vector::repeat(6.0), 1.0, drawn).unwrap();
         for simplex in &mesh.simplices {
             let x = simplex.center(&mesh.positions);
             if (x - normal * x.dot(&normal)).norm() > 1.5 {
@@ -50,7 +50,7 @@ fn noise<const D: usize>(half: f64, drawn: [f64; 2]) -> [f64; 2] {
         let sum = waves.iter().map(|(k, phase)| (k.dot(x) + phase).sin()).sum::<f64>();
         sum.max((x.abs() - size).max() * 20.0)
     };
-    let mesh = stuff_drawn(&distance, &-size, &size, 1.0, drawn).unwrap();
+    let mesh = stuff_unchecked(&distance, &-size, &size, 1.0, drawn).unwrap();
     let mut worst = [180.0f64, 0.0f64];
     for simplex in &mesh.simplices {
         let angles = simplex.shape(&mesh.positions).unwrap().angles.map(f64::to_degrees);
@@ -82,14 +82,14 @@ fn off<const D: usize>(mesh: &VolumeMesh<D>, distance: &dyn Fn(&Vector<D>) -> f6
 
 fn fill<const D: usize>(name: &str, shape: &Shape<D>, edge: f64) -> VolumeMesh<D> {
     let distance = |x: &Vector<D>| shape.signed_distance(x);
-    let mesh = VolumeMesh::of_shape(shape, edge, Order::Linear).unwrap();
+    let mesh = VolumeMesh::of_shape(shape, edge, ElementOrder::Linear).unwrap();
     let [vertices, facets] = off(&mesh, &distance, edge);
     let quality = mesh.quality();
     println!("{D}D {name}: {quality}; vertices off by {vertices:.1e} edges, facets by {facets:.3}");
     assert!(vertices < 1e-9);
     let least = if D == 2 { 16.0 } else { 10.7 };
     assert!(quality.smallest_angle.0.to_degrees() > least && quality.components == 1);
-    assert!((quality.edges[1] / edge - 1.0).abs() < 0.15);
+    assert!((quality.edge_lengths[1] / edge - 1.0).abs() < 0.15);
     mesh
 }
 
@@ -118,7 +118,7 @@ fn regions<const D: usize>() {
     ]);
     fill::<D>("two balls", &pair, 0.04);
     let cube =
-        VolumeMesh::of_box(&middle, &Vector::repeat(0.2), &rotation, 0.2, Order::Linear).unwrap().surface().0;
+        VolumeMesh::of_box(&middle, &Vector::repeat(0.2), &rotation, 0.2, ElementOrder::Linear).unwrap().surface().0;
     fill::<D>("mesh of a cube", &Shape::Mesh(Arc::new(MeshShape::new(cube))), 0.04);
 }
 
@@ -130,8 +130,8 @@ fn stuffing_follows_the_surface() {
 
 #[test]
 fn stuffing_keeps_angles() {
-    let flat = [planes::<2>(60, DRAWN_2D), noise::<2>(20.0, DRAWN_2D)];
-    let solid = [planes::<3>(8, DRAWN_3D), noise::<3>(5.0, DRAWN_3D)];
+    let flat = [planes::<2>(60, WARP_THRESHOLDS_2D), noise::<2>(20.0, WARP_THRESHOLDS_2D)];
+    let solid = [planes::<3>(8, WARP_THRESHOLDS_3D), noise::<3>(5.0, WARP_THRESHOLDS_3D)];
     println!("angles at random planes and random signs, degrees: 2D {flat:?}, 3D {solid:?}");
     assert!(flat[0][0] > 16.0 && flat[0][1] < 131.0 && flat[1][0] > 16.0 && flat[1][1] < 139.0);
     assert!(solid[0][0] > 17.0 && solid[0][1] < 141.0 && solid[1][0] > 10.7 && solid[1][1] < 164.8);
@@ -164,7 +164,7 @@ fn refusals<const D: usize>() {
     assert!(matches!(stuff(&ball, &-one, &one, 1e-7), Err(StuffingError::TooFine { .. })));
     assert!(matches!(stuff(&ball, &(-one * 0.1), &(one * 0.1), 0.05), Err(StuffingError::Beyond { .. })));
     let half = Shape::HalfSpace { point: one, normal: one };
-    assert!(matches!(VolumeMesh::of_shape(&half, 0.1, Order::Linear), Err(StuffingError::Size { .. })));
+    assert!(matches!(VolumeMesh::of_shape(&half, 0.1, ElementOrder::Linear), Err(StuffingError::Size { .. })));
     let nothing = |_: &Vector<D>| 1.0;
     assert!(matches!(stuff(&nothing, &-one, &one, 0.1), Err(StuffingError::Empty { .. })));
 }
