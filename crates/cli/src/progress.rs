@@ -88,7 +88,14 @@ impl Reporter {
             LogFormat::Text if std::io::stderr().is_terminal() => Style::Bar(bar()),
             LogFormat::Text => Style::Lines,
         };
-        Self { style, begun: Instant::now(), first_frame: None, last_step: None, last_line: None, resume_command }
+        Self {
+            style,
+            begun: Instant::now(),
+            first_frame: None,
+            last_step: None,
+            last_line: None,
+            resume_command,
+        }
     }
 
     fn say(&self, line: &str) {
@@ -178,7 +185,10 @@ impl Observer for Reporter {
     }
 
     fn remote(&self) -> Option<Box<dyn RemoteObserver>> {
-        Some(Box::new(RemoteReporter { style: self.style.clone(), resume_command: self.resume_command.clone() }))
+        Some(Box::new(RemoteReporter {
+            style: self.style.clone(),
+            resume_command: self.resume_command.clone(),
+        }))
     }
 }
 

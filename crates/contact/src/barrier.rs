@@ -1,7 +1,7 @@
 //! The barrier: an energy that keeps two features apart.
 
-use crate::distance::{ClosestPair, StencilKind, Stencil};
-use crate::local::LocalDerivatives;
+use crate::distance::{ClosestPair, Stencil, StencilKind};
+use crate::local_derivatives::LocalDerivatives;
 use crate::mollifier::Mollifier;
 use meniscus_numerics::{Matrix, Vector};
 
@@ -52,7 +52,8 @@ impl Barrier {
 impl Contact {
     /// Its barrier's energy of a distance, as [`Barrier::of_distance`].
     fn derivatives_by_distance(&self, distance: f64) -> [f64; 3] {
-        Barrier { activation_distance: self.activation_distance }.derivatives_by_distance(distance - self.thickness)
+        Barrier { activation_distance: self.activation_distance }
+            .derivatives_by_distance(distance - self.thickness)
     }
 
     /// The same by the squared distance.
@@ -118,6 +119,10 @@ impl Contact {
     }
 
     fn mollifier<const D: usize>(&self, at: &[Vector<D>; 4]) -> Option<Mollifier<D>> {
-        if self.stencil.kind == StencilKind::EdgeEdge { Mollifier::new(at, self.squared_length_product) } else { None }
+        if self.stencil.kind == StencilKind::EdgeEdge {
+            Mollifier::new(at, self.squared_length_product)
+        } else {
+            None
+        }
     }
 }

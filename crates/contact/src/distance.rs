@@ -103,7 +103,9 @@ impl<const D: usize> ClosestPair<D> {
     pub fn new(kind: StencilKind, x: &[Vector<D>; 4]) -> Self {
         let nearest = |pairs: &[(usize, [usize; 2])]| {
             let all = pairs.iter().map(|(p, edge)| Self::point_edge(x, *p, *edge));
-            all.reduce(|best, next| if next.squared_distance() < best.squared_distance() { next } else { best })
+            all.reduce(
+                |best, next| if next.squared_distance() < best.squared_distance() { next } else { best },
+            )
         };
         let (within, rim) = match kind {
             StencilKind::PointSegment => (None, None),
@@ -173,7 +175,12 @@ impl<const D: usize> ClosestPair<D> {
             return self;
         }
         let turned = |w: Weights| w.map(|w| -w);
-        Self { separation: -self.separation, weights: turned(self.weights), free_directions: self.free_directions.map(turned), ..self }
+        Self {
+            separation: -self.separation,
+            weights: turned(self.weights),
+            free_directions: self.free_directions.map(turned),
+            ..self
+        }
     }
 
     /// The second derivative of the squared distance by the positions of points `k` and `l`.
@@ -182,7 +189,9 @@ impl<const D: usize> ClosestPair<D> {
         x: &[Vector<D>; 4],
     ) -> impl Fn(usize, usize) -> meniscus_numerics::Matrix<D> + use<D> {
         use meniscus_numerics::Matrix;
-        let along: [Vector<D>; 2] = self.free_directions.map(|free_directions| x.iter().zip(free_directions).map(|(x, q)| x * q).sum());
+        let along: [Vector<D>; 2] = self
+            .free_directions
+            .map(|free_directions| x.iter().zip(free_directions).map(|(x, q)| x * q).sum());
         let inverse = inverse_gram(&along, self.free_count);
         let Self { separation, weights, free_directions, free_count } = *self;
         // Half the mixed derivative by a point and a coordinate, times a vector.
@@ -217,7 +226,11 @@ fn inverse_gram<const D: usize>(along: &[Vector<D>; 2], count: usize) -> [[f64; 
 }
 
 /// The coordinates at which `|Σ_k (w_k + λ_1 q_1k + λ_2 q_2k) x_k|` is least; nothing where they are not told.
-fn minimising_coordinates<const D: usize>(x: &[Vector<D>; 4], weights: Weights, free: &[Weights; 2]) -> Option<[f64; 2]> {
+fn minimising_coordinates<const D: usize>(
+    x: &[Vector<D>; 4],
+    weights: Weights,
+    free: &[Weights; 2],
+) -> Option<[f64; 2]> {
     let sum = |w: &Weights| -> Vector<D> { x.iter().zip(w).map(|(x, w)| x * *w).sum() };
     let (start, along) = (sum(&weights), free.each_ref().map(sum));
     let inverse = inverse_gram(&along, 2);

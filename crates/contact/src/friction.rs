@@ -7,7 +7,7 @@
 
 use crate::barrier::Contact;
 use crate::distance::{ClosestPair, Stencil};
-use crate::local::LocalDerivatives;
+use crate::local_derivatives::LocalDerivatives;
 use meniscus_numerics::{Matrix, Vector};
 
 /// Friction with an elastic slip.
@@ -89,7 +89,12 @@ impl Friction {
     }
 
     /// Energy, J (2D: J/m), of the way from one place to another.
-    pub fn energy<const D: usize>(&self, rubbing: &FrictionPair<D>, from: &[Vector<D>], to: &[Vector<D>]) -> f64 {
+    pub fn energy<const D: usize>(
+        &self,
+        rubbing: &FrictionPair<D>,
+        from: &[Vector<D>],
+        to: &[Vector<D>],
+    ) -> f64 {
         self.slip_energy(rubbing.friction_limit, &rubbing.trial_slip(from, to))
     }
 

@@ -17,23 +17,23 @@
 //! This crate knows points, facets and edges only. What moves the points, and what keeps the elements behind them upright, is
 //! not its concern.
 
-mod advance;
 mod barrier;
-pub mod boxes;
+pub mod broad_phase;
+mod ccd;
+mod collision_mesh;
 mod distance;
 mod friction;
-mod local;
+mod local_derivatives;
 mod mollifier;
 mod plane;
-mod surface;
 
-pub use advance::{Clearance, collision_free_fraction, inversion_free_fraction};
 pub use barrier::{Barrier, Contact};
-pub use distance::{ClosestPair, StencilKind, Stencil};
+pub use ccd::{Clearance, collision_free_fraction, inversion_free_fraction};
+pub use collision_mesh::{CollisionMesh, FeaturePairs};
+pub use distance::{ClosestPair, Stencil, StencilKind};
 pub use friction::{Friction, FrictionPair};
-pub use local::LocalDerivatives;
+pub use local_derivatives::LocalDerivatives;
 pub use plane::Plane;
-pub use surface::{FeaturePairs, CollisionMesh};
 
 #[cfg(test)]
 mod tests;

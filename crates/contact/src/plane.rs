@@ -1,6 +1,6 @@
 //! A plane that nothing moves: a side of the domain.
 
-use crate::advance::Clearance;
+use crate::ccd::Clearance;
 use meniscus_numerics::Vector;
 
 /// A plane.
@@ -19,8 +19,17 @@ impl<const D: usize> Plane<D> {
     }
 
     /// The largest part of a way, up to all of it, on which a point keeps a clearance.
-    pub fn collision_free_fraction(&self, x: &Vector<D>, displacement: &Vector<D>, Clearance { thickness, kept_fraction }: Clearance) -> f64 {
+    pub fn collision_free_fraction(
+        &self,
+        x: &Vector<D>,
+        displacement: &Vector<D>,
+        Clearance { thickness, kept_fraction }: Clearance,
+    ) -> f64 {
         let (far, nearer) = (self.distance(x) - thickness, -displacement.dot(&self.normal));
-        if nearer <= (1.0 - kept_fraction) * far { 1.0 } else { ((1.0 - kept_fraction) * far / nearer).max(0.0) }
+        if nearer <= (1.0 - kept_fraction) * far {
+            1.0
+        } else {
+            ((1.0 - kept_fraction) * far / nearer).max(0.0)
+        }
     }
 }

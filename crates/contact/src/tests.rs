@@ -240,12 +240,15 @@ fn check_steps<const D: usize>(kinds: &[StencilKind]) {
     for kind in kinds {
         let mut hits = 0;
         for _ in 0..300 {
-            let (x, ways) = (numbers.points::<D>(kind.point_count()), numbers.points::<D>(kind.point_count()));
+            let (x, ways) =
+                (numbers.points::<D>(kind.point_count()), numbers.points::<D>(kind.point_count()));
             let (at, ways) = (stencil(*kind).positions(&x), stencil(*kind).positions(&ways).map(|w| w * 3.0));
             let kept_fraction = 0.2;
-            let part = collision_free_fraction(*kind, &at, &ways, Clearance { thickness: 0.0, kept_fraction });
-            let distance =
-                |part: f64| ClosestPair::new(*kind, &std::array::from_fn(|k| at[k] + ways[k] * part)).distance();
+            let part =
+                collision_free_fraction(*kind, &at, &ways, Clearance { thickness: 0.0, kept_fraction });
+            let distance = |part: f64| {
+                ClosestPair::new(*kind, &std::array::from_fn(|k| at[k] + ways[k] * part)).distance()
+            };
             let start = distance(0.0);
             let least =
                 (0..=1000).map(|i| distance(part * f64::from(i) / 1000.0)).fold(f64::INFINITY, f64::min);
@@ -273,12 +276,12 @@ fn check_upright<const D: usize>() {
     for _ in 0..2000 {
         let edges = Matrix::<D>::from_fn(|i, j| f64::from(i == j) + 0.3 * numbers.next());
         let ways = Matrix::<D>::from_fn(|_, _| 2.0 * numbers.next());
-        let start = crate::advance::determinant(&edges);
+        let start = crate::ccd::determinant(&edges);
         if start < 0.1 {
             continue;
         }
         let part = inversion_free_fraction(&edges, &ways, 0.1);
-        let volume = |part: f64| crate::advance::determinant(&(edges + ways * part));
+        let volume = |part: f64| crate::ccd::determinant(&(edges + ways * part));
         for i in 0..=500 {
             assert!(volume(part * f64::from(i) / 500.0) > (0.1 - 1e-9) * start);
         }

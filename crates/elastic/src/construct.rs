@@ -1,14 +1,14 @@
 //! How a deformable solid is made from its description.
 
-use crate::body::Elastic;
-use crate::describe::check_material_constant;
-use crate::linalg::{SparsityPattern, LinearSolver};
+use crate::elastic_solid::Elastic;
+use crate::linalg::{LinearSolver, SparsityPattern};
+use crate::specification::check_material_constant;
 use crate::term::continuum::Continuum;
-use crate::term::crushed::InversionBarrier;
-use crate::term::points::mean_square_edge;
+use crate::term::inversion_barrier::InversionBarrier;
+use crate::term::quadrature::mean_square_edge;
 use crate::{
-    Anchor, DiscreteGradientTerm, Corotated, ElasticSpecification, ElasticError, Lame, ConstitutiveLaw, AnchorMotion, NeoHookean, ElementOrder,
-    Springs, lowest_modes_to_tolerance,
+    Anchor, AnchorMotion, ConstitutiveLaw, Corotated, DiscreteGradientTerm, ElasticError,
+    ElasticSpecification, ElementOrder, Lame, NeoHookean, Springs, lowest_modes_to_tolerance,
 };
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
@@ -38,7 +38,12 @@ impl<const D: usize> Elastic<D> {
     ) -> Result<Self, ElasticError> {
         let ElasticSpecification { mesh, density, law, damping_ratio, anchors } = description;
         check_material_constant("the density", density, density > 0.0, "more than 0 kg/m³")?;
-        check_material_constant("the damping ratio", damping_ratio, damping_ratio >= 0.0, "0 (none) or more")?;
+        check_material_constant(
+            "the damping ratio",
+            damping_ratio,
+            damping_ratio >= 0.0,
+            "0 (none) or more",
+        )?;
         law.check()?;
         let masses = lumped_masses(&mesh, density)?;
         let anchored = anchored_vertices(&mesh, &anchors)?;
@@ -90,7 +95,8 @@ fn terms<const D: usize>(
 /// Young's modulus of a law, Pa.
 fn young_modulus<const D: usize>(mesh: &VolumeMesh<D>, law: ConstitutiveLaw) -> f64 {
     match law {
-        ConstitutiveLaw::NeoHookean { young_modulus, .. } | ConstitutiveLaw::Corotated { young_modulus, .. } => young_modulus,
+        ConstitutiveLaw::NeoHookean { young_modulus, .. }
+        | ConstitutiveLaw::Corotated { young_modulus, .. } => young_modulus,
         ConstitutiveLaw::Springs { stiffness } => {
             let edge = |s: &Simplex<D>| s.edges(&mesh.positions).column(0).norm();
             stiffness / mesh.simplices.iter().map(edge).fold(0.0, f64::max).powi(D as i32 - 2)
@@ -106,7 +112,8 @@ fn inversion_barriers<const D: usize>(
 ) -> Result<Vec<Continuum<InversionBarrier, D>>, ElasticError> {
     let lame = |stiffness| Lame { lambda: stiffness, mu: 0.0 };
     match law {
-        ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order } | ConstitutiveLaw::Corotated { young_modulus, poisson_ratio, order } => {
+        ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order }
+        | ConstitutiveLaw::Corotated { young_modulus, poisson_ratio, order } => {
             let Lame { lambda, mu } = Lame::new(young_modulus, poisson_ratio);
             let lame = lame(lambda + 2.0 * mu);
             let mut all = vec![Continuum::new(mesh, InversionBarrier, lame, ElementOrder::Linear)?];
@@ -151,15 +158,19 @@ fn lumped_masses<const D: usize>(mesh: &VolumeMesh<D>, density: f64) -> Result<V
         simplex.vertices().for_each(|v| masses[v as usize] += density * volume / (D + 1) as f64);
     }
     match masses.iter().position(|m| *m == 0.0) {
-        Some(vertex) => {
-            Err(ElasticError::UnreferencedVertex { vertex, place: positions[vertex].iter().copied().collect() })
-        }
+        Some(vertex) => Err(ElasticError::UnreferencedVertex {
+            vertex,
+            place: positions[vertex].iter().copied().collect(),
+        }),
         None => Ok(masses),
     }
 }
 
 /// Which vertices are held.
-fn anchored_vertices<const D: usize>(mesh: &VolumeMesh<D>, anchors: &[Anchor<D>]) -> Result<Vec<bool>, ElasticError> {
+fn anchored_vertices<const D: usize>(
+    mesh: &VolumeMesh<D>,
+    anchors: &[Anchor<D>],
+) -> Result<Vec<bool>, ElasticError> {
     let count = mesh.positions.len();
     let mut by = vec![None; count];
     for (anchor, held) in anchors.iter().enumerate() {

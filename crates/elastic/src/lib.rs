@@ -18,33 +18,33 @@
 //! ([`Order`]): each is `2^D` of the mesh's simplices together, which share its nodes. The vertices stay the only unknowns, and all that
 //! meets the body meets the mesh.
 
-mod body;
 mod construct;
-mod describe;
+mod diagnostics;
+mod elastic_solid;
 mod error;
-mod incremental;
-mod ledger;
+mod incremental_potential;
 mod linalg;
 mod modes;
+mod specification;
 mod state;
 mod step;
 mod term;
 
-pub use body::Elastic;
-pub use describe::{Anchor, ElasticSpecification, ConstitutiveLaw, AnchorMotion};
+pub use elastic_solid::Elastic;
 pub use error::ElasticError;
-pub use incremental::IncrementalPotential;
-pub use linalg::{Assembly, BlockMatrix, Cliques, Reach, AssemblyInverse, AssemblyStructure};
+pub use incremental_potential::IncrementalPotential;
+pub use linalg::{Assembly, AssemblyInverse, AssemblyStructure, BlockMatrix, Cliques, Reach};
 pub use meniscus_numerics::mesh::volume::ElementOrder;
 pub use modes::{Mode, lowest_modes, lowest_modes_to_tolerance};
+pub use specification::{Anchor, AnchorMotion, ConstitutiveLaw, ElasticSpecification};
 pub use state::ElasticState;
-pub use step::{MAX_LINE_SEARCH_HALVINGS, MAX_NEWTON_ITERATIONS, KEPT_FRACTION};
+pub use step::{KEPT_FRACTION, MAX_LINE_SEARCH_HALVINGS, MAX_NEWTON_ITERATIONS};
 pub use term::continuum::Continuum;
 pub use term::corotated::Corotated;
-pub use term::crushed::{CRUSHED_VOLUME_RATIO, InversionBarrier};
-pub use term::density::{EnergyDensity, Lame, PrincipalHessian};
-pub use term::extra::StiffnessBlock;
+pub use term::energy_density::{EnergyDensity, Lame, PrincipalHessian};
+pub use term::extra_stiffness::StiffnessBlock;
+pub use term::inversion_barrier::{CRUSHED_VOLUME_RATIO, InversionBarrier};
 pub use term::neo_hookean::NeoHookean;
 pub use term::springs::Springs;
-pub use term::tension::SurfaceTension;
+pub use term::surface_tension::SurfaceTension;
 pub use term::{DiscreteGradientTerm, ForceTerm, TangentWeights};

@@ -41,8 +41,10 @@ pub fn lowest_modes_to_tolerance<const D: usize>(
     count: usize,
     tolerance: f64,
 ) -> Result<Vec<Mode<D>>, ElasticError> {
-    let stiffness =
-        body.tangent(&body.rest_mesh.positions, TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 });
+    let stiffness = body.tangent(
+        &body.rest_mesh.positions,
+        TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 },
+    );
     let rigid = rigid_motions(body);
     let inverse = shifted_inverse(body, &stiffness, !rigid.is_empty())?;
     let wanted = (count + GUARD_VECTORS).min(body.masses.len() * D);
@@ -107,7 +109,8 @@ fn rigid_motions_of<const D: usize>(body: &Elastic<D>, own: &dyn Fn(usize) -> bo
             Vector::from_fn(|r, _| if r == a || r == b { along(r) } else { 0.0 })
         })
     };
-    let motions: Vec<Vec<Vector<D>>> = (0..D).map(shift).chain(rotation_planes::<D>().iter().map(turn)).collect();
+    let motions: Vec<Vec<Vector<D>>> =
+        (0..D).map(shift).chain(rotation_planes::<D>().iter().map(turn)).collect();
     // Those combinations that move no held vertex.
     let product = |a: usize, b: usize| -> f64 {
         let held = vertices.iter().filter(|v| body.anchored[**v]);
@@ -115,7 +118,8 @@ fn rigid_motions_of<const D: usize>(body: &Elastic<D>, own: &dyn Fn(usize) -> bo
     };
     let gram = DMatrix::from_fn(motions.len(), motions.len(), product).symmetric_eigen();
     let free = (0..motions.len()).filter(|k| gram.eigenvalues[*k] < 1e-9);
-    let mixed = free.map(|k| linear_combination(&motions, &gram.eigenvectors.column(k).into_owned())).collect();
+    let mixed =
+        free.map(|k| linear_combination(&motions, &gram.eigenvectors.column(k).into_owned())).collect();
     mass_orthonormalised(body, mixed, &[])
 }
 
@@ -144,7 +148,11 @@ fn initial_vectors<const D: usize>(body: &Elastic<D>, count: usize) -> Vec<Vec<V
 }
 
 /// `y ← (K + σ M)⁻¹ M y`.
-fn inverse_iteration<const D: usize>(body: &Elastic<D>, inverse: &Inverse<D>, vectors: &mut [Vec<Vector<D>>]) {
+fn inverse_iteration<const D: usize>(
+    body: &Elastic<D>,
+    inverse: &Inverse<D>,
+    vectors: &mut [Vec<Vector<D>>],
+) {
     let weighted = |y: &Vec<Vector<D>>| {
         let pairs = y.iter().zip(&body.masses);
         pairs.flat_map(|(v, m)| (v * *m).iter().copied().collect::<Vec<_>>()).collect::<Vec<f64>>()
@@ -198,6 +206,9 @@ fn rayleigh_ritz<const D: usize>(stiffness: &BlockMatrix<D>, vectors: &mut Vec<V
     let small = small.symmetric_eigen();
     let mut order: Vec<usize> = (0..vectors.len()).collect();
     order.sort_by(|a, b| small.eigenvalues[*a].total_cmp(&small.eigenvalues[*b]));
-    *vectors = order.iter().map(|k| linear_combination(vectors, &small.eigenvectors.column(*k).into_owned())).collect();
+    *vectors = order
+        .iter()
+        .map(|k| linear_combination(vectors, &small.eigenvectors.column(*k).into_owned()))
+        .collect();
     order.iter().map(|k| small.eigenvalues[*k]).collect()
 }

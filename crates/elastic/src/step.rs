@@ -45,8 +45,10 @@ impl<const D: usize> Elastic<D> {
         forces: &[Vector<D>],
         extra_stiffness: &[StiffnessBlock<D>],
     ) -> Result<Vec<Vector<D>>, ElasticError> {
-        let mut stiffness =
-            self.tangent(&self.rest_mesh.positions, TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 });
+        let mut stiffness = self.tangent(
+            &self.rest_mesh.positions,
+            TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 },
+        );
         for StiffnessBlock { first, second, block } in extra_stiffness {
             if !stiffness.add(*first, *second, block) {
                 return Err(ElasticError::NotNeighbours { first: *first, second: *second });
@@ -98,16 +100,22 @@ impl<const D: usize> Elastic<D> {
         let size = positions.iter().map(|x| (x - positions[0]).norm()).fold(0.0, f64::max);
         for _ in 0..MAX_NEWTON_ITERATIONS {
             let mut prescribed_change = vec![Vector::zeros(); velocities.len()];
-            self.anchored_velocities(time, step).for_each(|(v, told)| prescribed_change[v] = told - velocities[v]);
+            self.anchored_velocities(time, step)
+                .for_each(|(v, told)| prescribed_change[v] = told - velocities[v]);
             let prescribed_moves = prescribed_change.iter().any(|l| l.norm_squared() > 0.0);
             let (change, fall) = self.newton_direction(potential, &velocities, &prescribed_change)?;
             let fall = fall / potential.energy_scale(&velocities).max(f64::MIN_POSITIVE);
             let must_decrease = !prescribed_moves && fall > POTENTIAL_ROUNDING;
-            let Some((next, whole)) = line_search(potential, &velocities, &change, must_decrease) else { break };
+            let Some((next, whole)) = line_search(potential, &velocities, &change, must_decrease) else {
+                break;
+            };
             velocities = next;
             potential.update_lagged(&velocities);
             let way = step * change.iter().map(Vector::norm).fold(0.0, f64::max);
-            if !prescribed_moves && whole && (fall <= DECREMENT_TOLERANCE || way <= DISPLACEMENT_ROUNDING * size) {
+            if !prescribed_moves
+                && whole
+                && (fall <= DECREMENT_TOLERANCE || way <= DISPLACEMENT_ROUNDING * size)
+            {
                 return Ok(velocities);
             }
         }
@@ -163,7 +171,8 @@ fn line_search<const D: usize>(
         return Some((along(upright), upright == 1.0));
     }
     let from = potential.value(velocities);
-    let mut parts =
-        (0..MAX_LINE_SEARCH_HALVINGS).map(|k| upright * 0.5f64.powi(k as i32)).map(|part| (along(part), part == 1.0));
+    let mut parts = (0..MAX_LINE_SEARCH_HALVINGS)
+        .map(|k| upright * 0.5f64.powi(k as i32))
+        .map(|part| (along(part), part == 1.0));
     parts.find(|(next, _)| potential.value(next) <= from)
 }

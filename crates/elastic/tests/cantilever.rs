@@ -4,7 +4,7 @@
 mod lattice;
 
 use lattice::{clamped, quadratic, rubber};
-use meniscus_elastic::{Elastic, ConstitutiveLaw, ElementOrder, lowest_modes};
+use meniscus_elastic::{ConstitutiveLaw, Elastic, ElementOrder, lowest_modes};
 use meniscus_numerics::Vector;
 
 /// The wave numbers of a clamped beam over its length.
@@ -111,8 +111,10 @@ fn large_deflection() {
     ];
     let (poisson_ratio, order) = (0.3, ElementOrder::Quadratic);
     let plate = YOUNG / (1.0 - poisson_ratio * poisson_ratio) * THICK.powi(3) / 12.0;
-    let laws =
-        [ConstitutiveLaw::NeoHookean { young_modulus: YOUNG, poisson_ratio, order }, ConstitutiveLaw::Corotated { young_modulus: YOUNG, poisson_ratio, order }];
+    let laws = [
+        ConstitutiveLaw::NeoHookean { young_modulus: YOUNG, poisson_ratio, order },
+        ConstitutiveLaw::Corotated { young_modulus: YOUNG, poisson_ratio, order },
+    ];
     for law in laws {
         for layers in [2, 4] {
             let body = damped([20 * layers, layers], [LENGTH, THICK], law);

@@ -5,8 +5,9 @@ mod lattice;
 
 use lattice::{Noise, quadratic};
 use meniscus_elastic::{
-    CRUSHED_VOLUME_RATIO, DiscreteGradientTerm, Continuum, Corotated, InversionBarrier, ElasticSpecification, Elastic, ElasticState, ForceTerm,
-    IncrementalPotential, Lame, ConstitutiveLaw, NeoHookean, ElementOrder, Springs, SurfaceTension, TangentWeights,
+    CRUSHED_VOLUME_RATIO, ConstitutiveLaw, Continuum, Corotated, DiscreteGradientTerm, Elastic,
+    ElasticSpecification, ElasticState, ElementOrder, ForceTerm, IncrementalPotential, InversionBarrier,
+    Lame, NeoHookean, Springs, SurfaceTension, TangentWeights,
 };
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Vector, rotation_planes};
@@ -42,9 +43,14 @@ fn moved<const D: usize>(x: &[Vector<D>], along: &[Vector<D>], by: f64) -> Vec<V
 
 /// A body of a term only (and of one so soft that it does not count).
 fn body<const D: usize>(term: Box<dyn DiscreteGradientTerm<D>>) -> Elastic<D> {
-    let law = ConstitutiveLaw::Corotated { young_modulus: 1e-200, poisson_ratio: 0.0, order: ElementOrder::Quadratic };
+    let law = ConstitutiveLaw::Corotated {
+        young_modulus: 1e-200,
+        poisson_ratio: 0.0,
+        order: ElementOrder::Quadratic,
+    };
     let mesh = quadratic::<D>([2; D], [1.0; D]);
-    let description = ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new() };
+    let description =
+        ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new() };
     Elastic::with_terms(description, vec![term]).unwrap()
 }
 
@@ -121,8 +127,10 @@ fn tangents_are_positive_and_rates_of_strain_keep_momenta<const D: usize>() {
         for _ in 0..20 {
             let along = noise.vectors(x.len());
             assert!(
-                dot(&along, &product(TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 }, &along))
-                    > 0.0
+                dot(
+                    &along,
+                    &product(TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 }, &along)
+                ) > 0.0
             );
         }
         // Viscous forces are what the tangent says, and vanish for rigid motions of the strained body.
@@ -141,7 +149,8 @@ fn tangents_are_positive_and_rates_of_strain_keep_momenta<const D: usize>() {
                 })
             };
             let turning: Vec<Vector<D>> = x.iter().map(turn).collect();
-            let felt = product(TangentWeights { stiffness: 0.0, project_psd: true, viscosity: 1.0 }, &turning);
+            let felt =
+                product(TangentWeights { stiffness: 0.0, project_psd: true, viscosity: 1.0 }, &turning);
             assert!(felt.iter().all(|f| f.norm() < 1e-12), "{D}D term {k}");
         }
     }
@@ -200,7 +209,8 @@ fn forces_between() {
 
 fn crushed_elements_resist<const D: usize>() {
     let mesh = quadratic::<D>([2; D], [1.0; D]);
-    let crush = || Continuum::new(&mesh, InversionBarrier, Lame::new(3.0, 0.35), ElementOrder::Quadratic).unwrap();
+    let crush =
+        || Continuum::new(&mesh, InversionBarrier, Lame::new(3.0, 0.35), ElementOrder::Quadratic).unwrap();
     let mut noise = Noise(5);
     assert!(crush().energy(&crushed(1.2 * CRUSHED_VOLUME_RATIO, &mut noise)) == 0.0);
     assert!(crush().energy(&crushed(-0.1, &mut noise)) == f64::INFINITY);
@@ -222,8 +232,13 @@ fn crushed_elements() {
 /// The potential of a step has the gradient and the second derivatives that it says.
 fn potentials_of_steps_have_their_derivatives<const D: usize>(pressed: f64) {
     let mesh = quadratic::<D>([2; D], [1.0; D]);
-    let law = ConstitutiveLaw::NeoHookean { young_modulus: 3.0, poisson_ratio: 0.35, order: ElementOrder::Quadratic };
-    let description = ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.3, anchors: Vec::new() };
+    let law = ConstitutiveLaw::NeoHookean {
+        young_modulus: 3.0,
+        poisson_ratio: 0.35,
+        order: ElementOrder::Quadratic,
+    };
+    let description =
+        ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.3, anchors: Vec::new() };
     let elastic = Elastic::new(description).unwrap();
     let mut noise = Noise(11);
     let x = crushed::<D>(pressed, &mut noise);
@@ -264,8 +279,13 @@ fn potentials_of_steps_have_their_derivatives<const D: usize>(pressed: f64) {
 fn potentials_are_infinite_without_volume_at_the_end<const D: usize>() {
     let mesh = quadratic::<D>([2; D], [1.0; D]);
     let x = mesh.positions.clone();
-    let law = ConstitutiveLaw::NeoHookean { young_modulus: 3.0, poisson_ratio: 0.35, order: ElementOrder::Quadratic };
-    let description = ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new() };
+    let law = ConstitutiveLaw::NeoHookean {
+        young_modulus: 3.0,
+        poisson_ratio: 0.35,
+        order: ElementOrder::Quadratic,
+    };
+    let description =
+        ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new() };
     let elastic = Elastic::new(description).unwrap();
     let zero = vec![Vector::zeros(); x.len()];
     let state = ElasticState { positions: x.clone(), velocities: zero.clone(), time: 0.0 };
@@ -388,12 +408,17 @@ fn stiffness_has_full_rank<const D: usize>() {
         let rest = moved(&mesh.positions, &noise.vectors(mesh.positions.len()), 0.02);
         let bent = VolumeMesh { positions: rest, ..mesh.clone() };
         for mesh in [mesh, bent] {
-            let law = ConstitutiveLaw::NeoHookean { young_modulus: 1.0, poisson_ratio: 0.3, order: ElementOrder::Quadratic };
+            let law = ConstitutiveLaw::NeoHookean {
+                young_modulus: 1.0,
+                poisson_ratio: 0.3,
+                order: ElementOrder::Quadratic,
+            };
             let description =
                 ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new() };
             let body = Elastic::new(description).unwrap();
             let x = &body.rest_mesh().positions;
-            let stiffness = body.tangent(x, TangentWeights { stiffness: 1.0, project_psd: false, viscosity: 0.0 });
+            let stiffness =
+                body.tangent(x, TangentWeights { stiffness: 1.0, project_psd: false, viscosity: 0.0 });
             let n = x.len() * D;
             let column = |k: usize| {
                 let mut unit = vec![Vector::<D>::zeros(); x.len()];

@@ -5,7 +5,7 @@
 mod lattice;
 
 use lattice::{block, clamped};
-use meniscus_elastic::{Elastic, ConstitutiveLaw, ElementOrder, TangentWeights, lowest_modes};
+use meniscus_elastic::{ConstitutiveLaw, Elastic, ElementOrder, TangentWeights, lowest_modes};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::mesh::volume::Outline;
@@ -22,7 +22,13 @@ fn timoshenko(length: f64, stiffness: f64, poisson: f64) -> [f64; 2] {
 }
 
 /// A line of the table.
-fn tell<const D: usize>(name: &str, mesh: VolumeMesh<D>, order: ElementOrder, poisson_ratio: f64, told: [f64; 2]) {
+fn tell<const D: usize>(
+    name: &str,
+    mesh: VolumeMesh<D>,
+    order: ElementOrder,
+    poisson_ratio: f64,
+    told: [f64; 2],
+) {
     let law = ConstitutiveLaw::NeoHookean { young_modulus: 1.0, poisson_ratio, order };
     let body = Elastic::new(clamped(mesh, 1.0, law)).unwrap();
     let x = &body.rest_mesh().positions;
@@ -54,7 +60,9 @@ fn cantilevers_of_all_elements() {
         for layers in [2usize, 3, 4, 6] {
             for order in [ElementOrder::Linear, ElementOrder::Quadratic] {
                 let name = |what: &str| format!("{what} {order:?}, nu {poisson}, {layers} layers");
-                let of = |mesh: VolumeMesh<2>| if order == ElementOrder::Quadratic { mesh.subdivided() } else { mesh };
+                let of = |mesh: VolumeMesh<2>| {
+                    if order == ElementOrder::Quadratic { mesh.subdivided() } else { mesh }
+                };
                 let parts = if order == ElementOrder::Quadratic { 2 } else { 1 };
                 let told = timoshenko(length, 1.0 / (1.0 - poisson * poisson), poisson);
                 let flat = outline.triangulate(parts as f64 / layers as f64).unwrap().mesh;

@@ -10,8 +10,10 @@ use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 
 /// The highest frequency of a body at rest, rad/s, by power iteration.
 fn highest<const D: usize>(body: &Elastic<D>) -> f64 {
-    let stiffness =
-        body.tangent(&body.rest_mesh().positions, TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 });
+    let stiffness = body.tangent(
+        &body.rest_mesh().positions,
+        TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 },
+    );
     let mut v = Noise(3).vectors::<D>(body.masses().len());
     let mut square = 0.0;
     for _ in 0..100 {

@@ -4,7 +4,7 @@
 mod lattice;
 
 use lattice::{block, free, quadratic};
-use meniscus_elastic::{Elastic, ConstitutiveLaw, ElementOrder, StiffnessBlock, TangentWeights};
+use meniscus_elastic::{ConstitutiveLaw, Elastic, ElementOrder, StiffnessBlock, TangentWeights};
 use meniscus_numerics::{Matrix, Vector};
 
 /// Vertex, component, displacement.
@@ -22,16 +22,25 @@ fn energy<const D: usize>(body: &Elastic<D>, told: &[Told]) -> f64 {
     told.iter().for_each(|(v, a, by)| forces[*v][*a] += hold * by);
     let u = body.linear_static_displacements(&forces, &extra).unwrap();
     let mut pull = vec![Vector::zeros(); u.len()];
-    body.tangent(&body.rest_mesh().positions, TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 })
-        .add_product(&u, &mut pull);
+    body.tangent(
+        &body.rest_mesh().positions,
+        TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 },
+    )
+    .add_product(&u, &mut pull);
     0.5 * u.iter().zip(&pull).map(|(u, p)| u.dot(p)).sum::<f64>()
 }
 
-fn plate<const D: usize>(cells: [usize; D], poisson_ratio: f64, order: ElementOrder, wide: f64) -> Elastic<D> {
+fn plate<const D: usize>(
+    cells: [usize; D],
+    poisson_ratio: f64,
+    order: ElementOrder,
+    wide: f64,
+) -> Elastic<D> {
     let mut size = cells.map(|n| n as f64 * wide);
     size[D - 1] = cells[D - 1] as f64;
     let law = ConstitutiveLaw::NeoHookean { young_modulus: 1.0, poisson_ratio, order };
-    let mesh = if order == ElementOrder::Quadratic { quadratic::<D>(cells, size) } else { block::<D>(cells, size) };
+    let mesh =
+        if order == ElementOrder::Quadratic { quadratic::<D>(cells, size) } else { block::<D>(cells, size) };
     Elastic::new(free(mesh, 1e-9, law)).unwrap()
 }
 
@@ -104,7 +113,10 @@ fn cells_that_are_not_cubes() {
     for wide in [0.5, 0.75, 1.0, 1.33, 2.0] {
         let all = [2, 4].map(|n| {
             let long = 2 * (4.0 / wide) as usize;
-            [bending([long, 4, n], 0.3, ElementOrder::Quadratic, wide), twisting(6, n, 0.3, ElementOrder::Quadratic, wide)]
+            [
+                bending([long, 4, n], 0.3, ElementOrder::Quadratic, wide),
+                twisting(6, n, 0.3, ElementOrder::Quadratic, wide),
+            ]
         });
         println!("{wide} times as wide as high: {all:.4?}");
         assert!(all.iter().flatten().all(|r| (r - 1.0).abs() < 1e-3));

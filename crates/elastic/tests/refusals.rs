@@ -5,7 +5,8 @@ mod lattice;
 
 use lattice::{block, free, linear};
 use meniscus_elastic::{
-    Anchor, ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, AnchorMotion, ElementOrder, StiffnessBlock, TangentWeights,
+    Anchor, AnchorMotion, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder,
+    StiffnessBlock, TangentWeights,
 };
 use meniscus_numerics::{Matrix, Vector};
 
@@ -35,10 +36,14 @@ fn refusals() {
         refused(|d| d.mesh.simplices[3].root = 99),
         NoSuchVertex { element: 3, vertex: 99, count: 9 }
     ));
-    assert!(matches!(refused(|d| d.mesh.positions.push(Vector::zeros())), UnreferencedVertex { vertex: 9, .. }));
+    assert!(matches!(
+        refused(|d| d.mesh.positions.push(Vector::zeros())),
+        UnreferencedVertex { vertex: 9, .. }
+    ));
     assert!(matches!(refused(|d| d.mesh.positions[2][1] = f64::NAN), NonFinitePosition { vertex: 2 }));
     for poisson_ratio in [0.5, -1.0, 0.7, f64::NAN] {
-        let law = ConstitutiveLaw::Corotated { young_modulus: 1.0, poisson_ratio, order: ElementOrder::Linear };
+        let law =
+            ConstitutiveLaw::Corotated { young_modulus: 1.0, poisson_ratio, order: ElementOrder::Linear };
         assert!(matches!(refused(|d| d.law = law), Material { name: "Poisson's ratio", .. }));
     }
     assert!(matches!(refused(|d| d.law = linear(-1.0, 0.3)), Material { .. }));
@@ -71,8 +76,10 @@ fn held_vertices_go_where_they_are_told() {
     let mesh = lattice::quadratic([2, 2], [1.0, 1.0]);
     let mut description = free(mesh, 1.0, lattice::rubber(1.0, 0.3));
     let path = vec![(0.0, Vector::zeros()), (0.5, Vector::from([0.2, 0.1])), (1.0, Vector::from([0.2, 0.0]))];
-    description.anchors =
-        vec![Anchor { motion: AnchorMotion::Keyframes(path), ..Anchor::within(&description.mesh, |x| x[0] < 0.1) }];
+    description.anchors = vec![Anchor {
+        motion: AnchorMotion::Keyframes(path),
+        ..Anchor::within(&description.mesh, |x| x[0] < 0.1)
+    }];
     description.damping_ratio = 0.5;
     let body = Elastic::new(description).unwrap();
     let h = 0.05;
@@ -99,8 +106,10 @@ fn small_displacements_balance_forces() {
     let extra = [extra, diagonal(4), diagonal(5)];
     let b = lattice::Noise(1).vectors::<2>(9);
     let x = body.linear_static_displacements(&b, &extra).unwrap();
-    let mut matrix =
-        body.tangent(&body.rest_mesh().positions, TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 });
+    let mut matrix = body.tangent(
+        &body.rest_mesh().positions,
+        TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 },
+    );
     assert!(extra.iter().all(|e| matrix.add(e.first, e.second, &e.block)));
     let mut back = vec![Vector::zeros(); 9];
     matrix.add_product(&x, &mut back);

@@ -1,8 +1,8 @@
 //! The `[expect]` section: evaluated at the end of a run from what lies in its folder.
 
 use crate::file::{Expectation, Scene, Side, WALLS};
-use crate::output::series::TimeSeries;
 use crate::output::summary::{Summary, Verdict};
+use crate::output::time_series::TimeSeries;
 use crate::units::{format_four_digits, format_si};
 
 /// Wetted share of a surface from which on it is all: the cells at a gap to the floor may count as dry.
@@ -30,7 +30,8 @@ fn solid_integrity(summary: &Summary) -> impl Iterator<Item = Verdict> {
         pass: least > 0.0,
     });
     let overlap = summary.deepest_overlap;
-    let overlap = overlap.map(|_| at_most("deepest overlap of solids", overlap, OVERLAP_TOLERANCE_CELLS * summary.dx, "m"));
+    let overlap = overlap
+        .map(|_| at_most("deepest overlap of solids", overlap, OVERLAP_TOLERANCE_CELLS * summary.dx, "m"));
     element.into_iter().chain(overlap)
 }
 
@@ -42,7 +43,8 @@ fn verdict(expectation: &Expectation, summary: &Summary, series: &TimeSeries) ->
         Expectation::MomentumError { max } => at_most("momentum error", summary.momentum_error, *max, ""),
         Expectation::EnergyGrowth { max } => at_most("energy growth", energy_growth(series), *max, ""),
         Expectation::Repair { name, max } => {
-            let value = summary.relative_repairs().find(|(found, _)| found == name).map(|(_, value)| value.abs());
+            let value =
+                summary.relative_repairs().find(|(found, _)| found == name).map(|(_, value)| value.abs());
             at_most(&format!("repairs: {name}"), value, *max, "")
         }
         Expectation::MaxSpeed { max } => {
@@ -72,7 +74,13 @@ fn verdict(expectation: &Expectation, summary: &Summary, series: &TimeSeries) ->
             let named = summary.solids.iter().find(|s| s.name == *solid);
             let walls = || summary.wall_contact_angle.filter(|_| solid == WALLS);
             let found = named.map_or_else(walls, |s| s.contact_angle);
-            within_tolerance(&format!("contact angle on {solid}"), found, degrees(*value), degrees(*tolerance), "deg")
+            within_tolerance(
+                &format!("contact angle on {solid}"),
+                found,
+                degrees(*value),
+                degrees(*tolerance),
+                "deg",
+            )
         }
         Expectation::Floats { solid } => floats(summary, solid),
         Expectation::Sinks { solid } => {
@@ -128,7 +136,13 @@ fn at_most(quantity: &str, value: Option<f64>, max: f64, unit: &str) -> Verdict 
     }
 }
 
-fn within_tolerance(quantity: &str, value: Option<f64>, expected: f64, tolerance: f64, unit: &str) -> Verdict {
+fn within_tolerance(
+    quantity: &str,
+    value: Option<f64>,
+    expected: f64,
+    tolerance: f64,
+    unit: &str,
+) -> Verdict {
     Verdict {
         quantity: quantity.into(),
         bar: format!("{} within {}", format_value(expected, unit), format_value(tolerance, unit)),

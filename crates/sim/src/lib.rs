@@ -14,10 +14,10 @@ mod simulation;
 mod solid;
 mod state;
 
+pub use collision::initial_points::{narrowest_current_gap, narrowest_initial_gap};
 pub use collision::overlap::overlaps;
-pub use collision::potential::slips::{Slip, Slips, ContactKey};
+pub use collision::potential::slips::{ContactKey, Slip, Slips};
 pub use collision::potential::stored_energy::{Barriers, advanced_solids};
-pub use collision::start::{narrowest_initial_gap, narrowest_current_gap};
 pub use contact_line::tracker::{ContactLine, LinePoint, LineTracker};
 pub use flow::outflow::OPEN_SIDE_MARGIN_CELLS;
 pub use flow::prescribed::PrescribedFlow;
@@ -28,7 +28,10 @@ pub use simulation::diagnostics::{Diagnostics, StepReport};
 pub use simulation::{LiquidRegion, Simulation, StepError};
 pub use solid::deformable::Soft;
 pub use solid::domain_walls::WETTING_WALL_MARGIN_CELLS;
-pub use solid::rigid_body::MassProperties;
-pub use solid::wettability::{Hysteresis, WettabilityLayer, CosineImage};
-pub use solid::{DEFAULT_FRICTION, Motion, PrescribedMotion, DEFAULT_RESTITUTION, Solid, SolidState, MIN_PLATE_THICKNESS_CELLS};
+pub use solid::mass_properties::MassProperties;
+pub use solid::wettability::{CosineImage, Hysteresis, WettabilityLayer};
+pub use solid::{
+    DEFAULT_FRICTION, DEFAULT_RESTITUTION, MIN_PLATE_THICKNESS_CELLS, Motion, PrescribedMotion, Solid,
+    SolidState,
+};
 pub use state::{Component, State};

@@ -71,14 +71,24 @@ pub struct Component<const D: usize> {
 impl<const D: usize> Component<D> {
     /// What the drop is as a body.
     pub(crate) fn rigid_motion(&self) -> RigidMotion<D> {
-        RigidMotion { volume: self.target_volume, center: self.centroid, velocity: self.velocity, angular_momentum_per_density: self.angular_momentum_per_density }
+        RigidMotion {
+            volume: self.target_volume,
+            center: self.centroid,
+            velocity: self.velocity,
+            angular_momentum_per_density: self.angular_momentum_per_density,
+        }
     }
 }
 
 impl<const D: usize> State<D> {
     /// Counts a drop that the grid does not see any more as left through an open side. The energy of its surface is unknown and
     /// counts as none.
-    pub(crate) fn record_component_outflow(&mut self, component: &Component<D>, density: f64, gravity: &Vector<D>) {
+    pub(crate) fn record_component_outflow(
+        &mut self,
+        component: &Component<D>,
+        density: f64,
+        gravity: &Vector<D>,
+    ) {
         let mass = density * component.target_volume;
         self.outflow_volume += component.target_volume;
         self.outflow_kinetic_energy += 0.5 * mass * component.velocity.norm_squared();

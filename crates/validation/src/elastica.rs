@@ -77,7 +77,12 @@ impl Sheet {
     /// Newton's method.
     fn solve(&self, guess: &Unknowns) -> Option<Shape> {
         let of = |x: &[f64; 4]| {
-            self.integrate(&Unknowns { pressure: x[0], scaled_center_height: x[1], curvature: x[2], half_length: x[3] })
+            self.integrate(&Unknowns {
+                pressure: x[0],
+                scaled_center_height: x[1],
+                curvature: x[2],
+                half_length: x[3],
+            })
         };
         let mut x = [guess.pressure, guess.scaled_center_height, guess.curvature, guess.half_length];
         let size = |s: &Shape| s.residuals.iter().map(|m| m.abs()).fold(0.0, f64::max);
@@ -185,7 +190,12 @@ mod tests {
             let sheet = Sheet { bending, thickness: 0.0, area, angle: 90.0, pinned_half_length: Some(0.5) };
             // The line gives the middle its curvature: B κ₀ = (1 − q²)/2p.
             let q = (1.0 - 2.0 * p * curvature * bending).sqrt();
-            let guess = |scaled_center_height: f64| Unknowns { pressure: p, scaled_center_height, curvature, half_length: 0.5 };
+            let guess = |scaled_center_height: f64| Unknowns {
+                pressure: p,
+                scaled_center_height,
+                curvature,
+                half_length: 0.5,
+            };
             let near = |s: &Shape| (s.apparent - apparent).abs() < 0.02;
             let found = [q, -q].iter().find_map(|q| sheet.shape(&guess(*q)).filter(near)).unwrap();
             assert!((found.end[0] - x).abs() < 2e-5 && (found.end[1] - y).abs() < 2e-5, "{found:?}");

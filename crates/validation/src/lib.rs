@@ -4,7 +4,6 @@
 
 mod case;
 pub mod cases;
-pub mod dry;
 pub mod elastica;
 pub mod measure;
 pub mod plate;
@@ -12,6 +11,7 @@ pub mod pressure_bench;
 pub mod report;
 pub mod setup;
 pub mod soak;
+pub mod solids_only;
 
 pub use crate::case::{Case, Check, Mode, Outcome};
 

@@ -1,12 +1,14 @@
 //! Plates that deform with a drop on them, for the cases.
 
 use crate::setup::run_to;
-use meniscus_elastic::{Anchor, ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, ElementOrder, SurfaceTension};
+use meniscus_elastic::{
+    Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder, SurfaceTension,
+};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, LineTracker, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LineTracker, LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::iter::Sum;
 use std::ops::Div;
 use std::sync::Arc;
@@ -123,12 +125,14 @@ impl PlateSetup {
             solids: vec![solid],
             numerics: Numerics::default(),
         };
-        let sim = Simulation::new(model, &[LiquidRegion { signed_distance: &drop, velocity: Vector::zeros() }]);
+        let sim =
+            Simulation::new(model, &[LiquidRegion { signed_distance: &drop, velocity: Vector::zeros() }]);
         Ok(Plate { sim, middle, bottom, top })
     }
 
     fn elastic(&self, mesh: VolumeMesh<2>, low: &Vector<2>) -> Result<Elastic<2>, StepError> {
-        let young_modulus = 12.0 * self.bending * (1.0 - self.poisson * self.poisson) / self.thickness.powi(3);
+        let young_modulus =
+            12.0 * self.bending * (1.0 - self.poisson * self.poisson) / self.thickness.powi(3);
         let anchors = match self.support {
             PlateSupport::LeftEnd => vec![Anchor::within(&mesh, |x| x[0] < low[0] + 1e-9)],
             PlateSupport::Bottom => vec![Anchor::within(&mesh, |x| x[1] < low[1] + 1e-9)],
@@ -138,7 +142,11 @@ impl PlateSetup {
             }
             _ => Vec::new(),
         };
-        let law = ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio: self.poisson, order: ElementOrder::Quadratic };
+        let law = ConstitutiveLaw::NeoHookean {
+            young_modulus,
+            poisson_ratio: self.poisson,
+            order: ElementOrder::Quadratic,
+        };
         let (density, damping_ratio) = (self.density, self.damping);
         let description = ElasticSpecification { mesh, density, law, damping_ratio, anchors };
         let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
@@ -189,7 +197,10 @@ impl Plate {
 
     /// Half the distance between the ends of its middle line, and their height over its middle.
     pub fn ends(&self) -> [f64; 2] {
-        let sides = self.vertex_positions(&self.top, |_| true).into_iter().zip(self.vertex_positions(&self.bottom, |_| true));
+        let sides = self
+            .vertex_positions(&self.top, |_| true)
+            .into_iter()
+            .zip(self.vertex_positions(&self.bottom, |_| true));
         let line: Vec<Vector<2>> = sides.map(|(a, b)| 0.5 * (a + b)).collect();
         let (Some(first), Some(last)) = (line.first(), line.last()) else { return [0.0; 2] };
         let middle = 0.5 * (line[(line.len() - 1) / 2] + line[line.len() / 2]);

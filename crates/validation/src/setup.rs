@@ -103,7 +103,8 @@ pub fn run_drop<const D: usize>(run: &DropRun) -> Result<DropHistory, StepError>
     let center = model.grid.domain_upper() * 0.5 + grid_offset(dx);
     let shape = Shape::PerturbedBall { center, radius: RADIUS, mode: run.mode, amplitude: run.amplitude };
     let distance = |x: &Vector<D>| shape.signed_distance(x);
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim =
+        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
     let mut history = DropHistory::default();
     history.record(&sim, run.mode);
     run_to(&mut sim, run.time, |sim, report| {

@@ -5,8 +5,8 @@ use crate::args::MeasureArgs;
 use crate::failure::{Failure, OUTPUT, Result, USAGE};
 use meniscus_scene::units::{Dimension, parse};
 use meniscus_view::{
-    AngleAt, ContactMeasure, FitShape, TimeStatistics, MeasureOptions, Measurement, SoftMeasure, SolidMeasure, Midline,
-    ContactInterval, ViewError,
+    AngleAt, ContactInterval, ContactMeasure, FitShape, MeasureOptions, Measurement, Midline, SoftMeasure,
+    SolidMeasure, TimeStatistics, ViewError,
 };
 use std::fmt::Write as _;
 

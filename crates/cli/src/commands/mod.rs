@@ -41,6 +41,9 @@ const THREAD_STACK_BYTES: usize = 8 << 20;
 /// # Errors
 /// The error of `work`, or one that says that the threads cannot be started.
 pub fn with_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> Result<R> + Send) -> Result<R> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).stack_size(THREAD_STACK_BYTES).build();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.unwrap_or(0))
+        .stack_size(THREAD_STACK_BYTES)
+        .build();
     pool.map_err(|e| Failure::new(1, format!("cannot start the threads: {e}")))?.install(work)
 }

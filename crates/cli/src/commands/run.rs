@@ -3,16 +3,16 @@
 use super::{print, view, with_threads};
 use crate::args::{LogFormat, RunArgs};
 use crate::failure::{Failure, MISSED, Result, STOPPED};
-use crate::progress::{Reporter, format_wall_time, format_simulated_time};
+use crate::progress::{Reporter, format_simulated_time, format_wall_time};
 use crate::scenes::{self, Loaded};
 use crate::stop::StopMonitor;
-use meniscus_scene::build::{AnySetup, displaced};
+use meniscus_scene::build::{AnySetup, displaced_liquid};
 use meniscus_scene::estimate::memory;
 use meniscus_scene::expect;
 use meniscus_scene::file::{Format, Scene};
 use meniscus_scene::output::Folder;
-use meniscus_scene::output::series::TimeSeries;
 use meniscus_scene::output::summary::{Summary, Verdict};
+use meniscus_scene::output::time_series::TimeSeries;
 use meniscus_scene::run::{ExistingRun, Job, Outcome};
 use meniscus_view::RenderOptions;
 use std::fmt::Write as _;
@@ -34,8 +34,8 @@ pub fn run(args: &RunArgs) -> Result {
 /// that the scene was found in, if it was the scene of a run.
 fn simulate(args: &RunArgs, scene: &Scene, folder: Option<PathBuf>) -> Result {
     let out = args.out.clone().or(folder).unwrap_or_else(|| Path::new("out").join(&scene.name));
-    let watch =
-        StopMonitor::begin(args.walltime).map_err(|e| Failure::new(1, format!("cannot watch for signals: {e}")))?;
+    let watch = StopMonitor::begin(args.walltime)
+        .map_err(|e| Failure::new(1, format!("cannot watch for signals: {e}")))?;
     let mut job = Job::of(scene, scene.to_toml()?);
     job.frames = args.frames;
     let existing = match (args.resume, args.force) {
@@ -46,7 +46,7 @@ fn simulate(args: &RunArgs, scene: &Scene, folder: Option<PathBuf>) -> Result {
     let folder = Folder::at(&out);
     let mut reporter = Reporter::new(args.log, args.quiet, resume_command(args, &out));
     let setup = AnySetup::of(scene)?;
-    let cut = displaced::check_displaced(scene, &displaced::displaced_bodies(scene, &setup))?;
+    let cut = displaced_liquid::check_displaced(scene, &displaced_liquid::displaced_bodies(scene, &setup))?;
     job.warnings = cut.into_iter().map(|w| format!("{}: {}", w.path, w.message)).collect();
     memory::check_solid_memory(scene, &setup, memory::machine_memory())?;
     let outcome = setup.run(&job, &folder, existing, &|| watch.request(), &mut reporter)?;

@@ -4,7 +4,7 @@ use super::print;
 use crate::args::{PageArgs, RenderArgs};
 use crate::failure::{Failure, OUTPUT, Result, USAGE};
 use indicatif::{ProgressBar, ProgressStyle};
-use meniscus_view::{Camera, PageOptions, RenderOptions, Rendered, Appearance, ColorBy, Style};
+use meniscus_view::{Appearance, Camera, ColorBy, PageOptions, RenderOptions, Rendered, Style};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
 //! The matrices of several solids as one, with what couples them.
 
-use super::{BlockMatrix, Cliques, Inverse, SparsityPattern, Reach, LinearSolver, ITERATIVE_TOLERANCE};
+use super::{BlockMatrix, Cliques, ITERATIVE_TOLERANCE, Inverse, LinearSolver, Reach, SparsityPattern};
 use crate::Elastic;
 use meniscus_numerics::Vector;
 use std::sync::Arc;
@@ -58,7 +58,11 @@ impl Assembly {
     }
 
     /// The solids' matrices on the diagonal, and zero in all other blocks of a structure.
-    pub fn matrix<const D: usize>(&self, parts: &[BlockMatrix<D>], structure: &AssemblyStructure) -> BlockMatrix<D> {
+    pub fn matrix<const D: usize>(
+        &self,
+        parts: &[BlockMatrix<D>],
+        structure: &AssemblyStructure,
+    ) -> BlockMatrix<D> {
         let pattern = structure.pattern.clone();
         let mut whole = BlockMatrix::new(pattern);
         for (first, part) in self.first_nodes.iter().zip(parts) {

@@ -3,7 +3,7 @@
 //! A field on the lattice is one on the mesh by interpolation, which shifts, turns and even strains are exactly. What is smooth
 //! over some edges is solved for there; it is all that keeps the blocks of a matrix's diagonal from telling what the rest does.
 
-use super::{BlockMatrix, Cliques, CholeskyFactor, SparsityPattern, SymbolicFactor};
+use super::{BlockMatrix, CholeskyFactor, Cliques, SparsityPattern, SymbolicFactor};
 use meniscus_numerics::{Matrix, Vector};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -32,8 +32,13 @@ pub struct CoarseFactor {
 impl CoarseLattice {
     /// Around vertices at these positions, coupled as the pattern says, of which some are held. Nothing where memory does not
     /// suffice.
-    pub fn new<const D: usize>(positions: &[Vector<D>], fine: &SparsityPattern, anchored: &[bool]) -> Option<Self> {
-        let pairs = (0..anchored.len()).flat_map(|j| fine.column(j)[1..].iter().map(move |i| (*i as usize, j)));
+    pub fn new<const D: usize>(
+        positions: &[Vector<D>],
+        fine: &SparsityPattern,
+        anchored: &[bool],
+    ) -> Option<Self> {
+        let pairs =
+            (0..anchored.len()).flat_map(|j| fine.column(j)[1..].iter().map(move |i| (*i as usize, j)));
         let count = fine.rows.len().saturating_sub(anchored.len()).max(1) as f64;
         let mean_edge = pairs.clone().map(|(i, j)| (positions[i] - positions[j]).norm()).sum::<f64>() / count;
         let spacing = if mean_edge > 0.0 { SPACING_EDGES * mean_edge } else { 1.0 };

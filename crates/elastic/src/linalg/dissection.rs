@@ -1,6 +1,6 @@
 //! Nested dissection: the order of elimination that keeps the factors of meshes sparse (George 1973).
 
-use super::blocks::SparsityPattern;
+use super::block_matrix::SparsityPattern;
 use meniscus_numerics::Vector;
 
 /// Vertices that are not divided further.
@@ -8,7 +8,11 @@ const MAX_LEAF_VERTICES: usize = 24;
 
 /// An order of the `kept` vertices: both halves of the body, then the vertices between them, and so on within the halves.
 /// Halves are cut across the longest side.
-pub fn nested_dissection<const D: usize>(positions: &[Vector<D>], pattern: &SparsityPattern, kept: Vec<u32>) -> Vec<u32> {
+pub fn nested_dissection<const D: usize>(
+    positions: &[Vector<D>],
+    pattern: &SparsityPattern,
+    kept: Vec<u32>,
+) -> Vec<u32> {
     let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); positions.len()];
     for j in 0..positions.len() {
         for i in &pattern.column(j)[1..] {

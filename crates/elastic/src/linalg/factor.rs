@@ -1,8 +1,8 @@
 //! Cholesky factors of block matrices, without the rows and columns of vertices that are held.
 
-use super::blocks::{BlockMatrix, SparsityPattern};
+use super::block_matrix::{BlockMatrix, SparsityPattern};
 use super::subtrees::Subtrees;
-use super::{dissection, fronts};
+use super::{dissection, multifrontal};
 use faer::perm::PermRef;
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::SupernodalThreshold;
@@ -33,7 +33,11 @@ pub struct SymbolicFactor {
 
 impl SymbolicFactor {
     /// For matrices of this pattern; `held` vertices are left out. Nothing where memory does not suffice.
-    pub fn new<const D: usize>(positions: &[Vector<D>], pattern: &SparsityPattern, anchored: &[bool]) -> Option<Self> {
+    pub fn new<const D: usize>(
+        positions: &[Vector<D>],
+        pattern: &SparsityPattern,
+        anchored: &[bool],
+    ) -> Option<Self> {
         let free: Vec<u32> = (0..anchored.len() as u32).filter(|v| !anchored[*v as usize]).collect();
         let mut number = vec![usize::MAX; anchored.len()];
         free.iter().enumerate().for_each(|(k, v)| number[*v as usize] = k);
@@ -46,7 +50,9 @@ impl SymbolicFactor {
         order.iter().enumerate().for_each(|(row, k)| rows[*k] = row);
         let mut below: Vec<Vec<usize>> = vec![Vec::new(); n];
         let component = |vertex: u32, axis: usize| number[vertex as usize] * D + axis;
-        for_each_entry::<D>(pattern, &free, anchored, |_, (i, a), (j, b)| below[component(j, b)].push(component(i, a)));
+        for_each_entry::<D>(pattern, &free, anchored, |_, (i, a), (j, b)| {
+            below[component(j, b)].push(component(i, a))
+        });
         let columns: Vec<usize> = std::iter::once(0)
             .chain(below.iter().scan(0, |sum, column| {
                 *sum += column.len();
@@ -79,7 +85,8 @@ impl SymbolicFactor {
 
     /// As many zeros.
     fn zeros(&self) -> Vec<f64> {
-        let mut values = std::mem::take(&mut *self.recycled_values.lock().unwrap_or_else(PoisonError::into_inner));
+        let mut values =
+            std::mem::take(&mut *self.recycled_values.lock().unwrap_or_else(PoisonError::into_inner));
         values.par_chunks_mut(1 << 16).for_each(|chunk| chunk.fill(0.0));
         values.resize(self.entries(), 0.0);
         values
@@ -96,7 +103,8 @@ fn for_each_entry<const D: usize>(
 ) {
     for j in free {
         let start = pattern.starts[*j as usize];
-        for (k, i) in pattern.column(*j as usize).iter().enumerate().filter(|(_, i)| !anchored[**i as usize]) {
+        for (k, i) in pattern.column(*j as usize).iter().enumerate().filter(|(_, i)| !anchored[**i as usize])
+        {
             for b in 0..D {
                 (if k == 0 { b } else { 0 }..D).for_each(|a| f(start + k, (*i, a), (*j, b)));
             }
@@ -141,7 +149,7 @@ impl CholeskyFactor {
         for_each_entry::<D>(&matrix.pattern, &symbolic.free, anchored, |block, (_, a), (_, b)| {
             places.next().into_iter().for_each(|place| values[*place] = matrix.blocks[block][(a, b)]);
         });
-        fronts::factorise(supernodes(&symbolic.cholesky)?, &symbolic.subtrees, &mut values)?;
+        multifrontal::factorise(supernodes(&symbolic.cholesky)?, &symbolic.subtrees, &mut values)?;
         Some(Self { symbolic, values })
     }
 

@@ -1,7 +1,7 @@
 //! How systems with a matrix are solved.
 
 use super::subtrees::Subtrees;
-use super::{BlockMatrix, CholeskyFactor, IterativeInverse, CoarseLattice, SparsityPattern, SymbolicFactor};
+use super::{BlockMatrix, CholeskyFactor, CoarseLattice, IterativeInverse, SparsityPattern, SymbolicFactor};
 use meniscus_numerics::Vector;
 use std::sync::Arc;
 
@@ -30,7 +30,11 @@ pub enum Inverse<const D: usize> {
 
 impl LinearSolver {
     /// For matrices of this pattern; `held` vertices are left out. Nothing where memory does not suffice.
-    pub fn new<const D: usize>(positions: &[Vector<D>], pattern: &SparsityPattern, anchored: &[bool]) -> Option<Self> {
+    pub fn new<const D: usize>(
+        positions: &[Vector<D>],
+        pattern: &SparsityPattern,
+        anchored: &[bool],
+    ) -> Option<Self> {
         let symbolic = SymbolicFactor::new(positions, pattern, anchored)?;
         if symbolic.entries() <= MAX_FACTOR_ENTRIES {
             return Some(Self::Direct(Arc::new(symbolic)));
@@ -56,7 +60,9 @@ impl LinearSolver {
         tolerance: f64,
     ) -> Option<Inverse<D>> {
         match self {
-            Self::Direct(symbolic) => CholeskyFactor::new(symbolic.clone(), matrix, anchored).map(Inverse::Factor),
+            Self::Direct(symbolic) => {
+                CholeskyFactor::new(symbolic.clone(), matrix, anchored).map(Inverse::Factor)
+            }
             Self::Iterative(lattice, _) => {
                 IterativeInverse::new(matrix, anchored, lattice, tolerance).map(Inverse::Iterative)
             }

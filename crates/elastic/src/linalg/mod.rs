@@ -1,24 +1,24 @@
 //! Block matrices on the mesh's vertices, and their factorisation.
 
 mod assembly;
-mod blocks;
+mod block_matrix;
 mod cliques;
 mod coarse;
+mod conjugate_gradient;
 mod dissection;
 mod factor;
-mod fronts;
 mod inverse;
-mod iterated;
-mod small;
+mod jacobi_rotations;
+mod multifrontal;
 mod subtrees;
 
 pub use assembly::{Assembly, AssemblyInverse, AssemblyStructure};
-pub use blocks::BlockMatrix;
-pub(crate) use blocks::SparsityPattern;
+pub use block_matrix::BlockMatrix;
+pub(crate) use block_matrix::SparsityPattern;
 pub use cliques::Cliques;
 pub(crate) use coarse::{CoarseFactor, CoarseLattice};
+pub(crate) use conjugate_gradient::IterativeInverse;
 pub(crate) use factor::{CholeskyFactor, SymbolicFactor};
 pub use inverse::Reach;
-pub(crate) use inverse::{Inverse, LinearSolver, ITERATIVE_TOLERANCE};
-pub(crate) use iterated::IterativeInverse;
-pub(crate) use small::{Svd, symmetric_eigen, axis_pairs, svd};
+pub(crate) use inverse::{ITERATIVE_TOLERANCE, Inverse, LinearSolver};
+pub(crate) use jacobi_rotations::{Svd, axis_pairs, svd, symmetric_eigen};

@@ -63,7 +63,10 @@ impl Subtrees {
         let mut ancestors = Vec::new();
         while let Some(k) = (0..roots.len()).max_by_key(|k| (work[roots[*k]], roots[*k])) {
             let largest = roots[k];
-            if work[largest] * SUBTREES_PER_PART * PART_COUNT <= total || roots.len() >= MAX_SUBTREES || children[largest].is_empty() {
+            if work[largest] * SUBTREES_PER_PART * PART_COUNT <= total
+                || roots.len() >= MAX_SUBTREES
+                || children[largest].is_empty()
+            {
                 break;
             }
             roots.swap_remove(k);
@@ -196,7 +199,7 @@ fn max_pattern_rows(factor: SupernodalLltRef<'_, usize, f64>, nodes: &[usize]) -
 #[cfg(test)]
 mod tests {
     use super::Subtrees;
-    use crate::linalg::{BlockMatrix, Cliques, CholeskyFactor, SparsityPattern, SymbolicFactor};
+    use crate::linalg::{BlockMatrix, CholeskyFactor, Cliques, SparsityPattern, SymbolicFactor};
     use meniscus_numerics::{Matrix, Vector};
     use std::sync::Arc;
 
@@ -245,7 +248,8 @@ mod tests {
             let mut matrix = matrix.clone();
             matrix.blocks.iter_mut().for_each(|block| *block *= scale);
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            let factor = pool.map(|pool| pool.install(|| CholeskyFactor::new(symbolic.clone(), &matrix, &held)));
+            let factor =
+                pool.map(|pool| pool.install(|| CholeskyFactor::new(symbolic.clone(), &matrix, &held)));
             let mut x = [flat(&product), flat(&product)].concat();
             factor.ok().flatten().map(|factor| {
                 factor.solve::<3>(None, &mut x, 2);

@@ -1,8 +1,8 @@
 //! A continuum: an energy density, integrated over the points of a body's elements.
 
-use super::conserving::DiscreteGradientDensity;
-use super::density::{EnergyDensity, Lame, Tangent, determinant};
-use super::points::QuadraturePoints;
+use super::discrete_gradient::DiscreteGradientDensity;
+use super::energy_density::{EnergyDensity, Lame, Tangent, determinant};
+use super::quadrature::QuadraturePoints;
 use super::{DiscreteGradientTerm, ForceTerm, TangentWeights};
 use crate::ElasticError;
 use crate::linalg::{BlockMatrix, Cliques};
@@ -37,7 +37,12 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
     ///
     /// # Errors
     /// [`ElasticError::NotDivided`] and [`ElasticError::Folded`], of quadratic simplices.
-    pub fn new(mesh: &VolumeMesh<D>, density: P, lame: Lame, order: ElementOrder) -> Result<Self, ElasticError> {
+    pub fn new(
+        mesh: &VolumeMesh<D>,
+        density: P,
+        lame: Lame,
+        order: ElementOrder,
+    ) -> Result<Self, ElasticError> {
         Ok(Self { density, points: QuadraturePoints::new(mesh, lame, order)? })
     }
 
@@ -47,15 +52,28 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
     }
 
     /// The largest part of a way of the vertices, up to all of it, on which the volume at every point keeps a part `keep` of itself.
-    pub(crate) fn inversion_free_fraction(&self, from: &[Vector<D>], displacements: &[Vector<D>], kept_fraction: f64) -> f64 {
-        let part = |k| inversion_free_fraction(&self.points.deformation_gradient(k, from), &self.points.deformation_gradient(k, displacements), kept_fraction);
+    pub(crate) fn inversion_free_fraction(
+        &self,
+        from: &[Vector<D>],
+        displacements: &[Vector<D>],
+        kept_fraction: f64,
+    ) -> f64 {
+        let part = |k| {
+            inversion_free_fraction(
+                &self.points.deformation_gradient(k, from),
+                &self.points.deformation_gradient(k, displacements),
+                kept_fraction,
+            )
+        };
         (0..self.points.len()).into_par_iter().with_min_len(256).map(part).reduce(|| 1.0, f64::min)
     }
 
     /// The deformation gradients at an element's points.
     fn deformation_gradients(&self, element: usize, x: &[Vector<D>]) -> PerPoint<Matrix<D>> {
         let mut all = [Matrix::zeros(); MAX_ELEMENT_POINTS];
-        all.iter_mut().zip(self.points.points_of(element)).for_each(|(f, k)| *f = self.points.deformation_gradient(k, x));
+        all.iter_mut()
+            .zip(self.points.points_of(element))
+            .for_each(|(f, k)| *f = self.points.deformation_gradient(k, x));
         all
     }
 
@@ -86,7 +104,11 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
 
     /// Values of a function of elements in order, in parallel where there are many.
     fn map_elements<T: Send>(range: Range<usize>, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-        if range.len() <= MAX_SERIAL_ELEMENTS { range.map(f).collect() } else { range.into_par_iter().map(f).collect() }
+        if range.len() <= MAX_SERIAL_ELEMENTS {
+            range.map(f).collect()
+        } else {
+            range.into_par_iter().map(f).collect()
+        }
     }
 
     /// The stresses at an element's points; nothing where there are none.
@@ -96,10 +118,14 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
         if fs[..count].iter().all(|f| self.density.is_inactive(f)) {
             return None;
         }
-        let pressures = if P::HAS_VOLUMETRIC { self.pressures(element, &fs) } else { [[0.0; 2]; MAX_ELEMENT_POINTS] };
+        let pressures =
+            if P::HAS_VOLUMETRIC { self.pressures(element, &fs) } else { [[0.0; 2]; MAX_ELEMENT_POINTS] };
         for (f, [pressure, _]) in fs[..count].iter_mut().zip(&pressures) {
-            let volumetric =
-                if P::HAS_VOLUMETRIC { self.density.volume_change_gradient(f) * *pressure } else { Matrix::zeros() };
+            let volumetric = if P::HAS_VOLUMETRIC {
+                self.density.volume_change_gradient(f) * *pressure
+            } else {
+                Matrix::zeros()
+            };
             *f = self.density.stress(lame, f) + volumetric;
         }
         Some(fs)
@@ -116,7 +142,10 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
             let mut pulls = [Vector::<D>::zeros(); MAX_ELEMENT_VERTICES];
             for (k, stress) in self.points.points_of(element).zip(&stresses) {
                 let stress = stress * self.points.volumes[k];
-                pulls.iter_mut().zip(self.points.shape_gradients(k).1).for_each(|(pull, g)| *pull -= stress * g);
+                pulls
+                    .iter_mut()
+                    .zip(self.points.shape_gradients(k).1)
+                    .for_each(|(pull, g)| *pull -= stress * g);
             }
             Some(pulls)
         };
@@ -135,7 +164,8 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
         if fs[..count].iter().all(|f| self.density.is_inactive(f)) {
             return Vec::new();
         }
-        let pressures = if P::HAS_VOLUMETRIC { self.pressures(element, &fs) } else { [[0.0; 2]; MAX_ELEMENT_POINTS] };
+        let pressures =
+            if P::HAS_VOLUMETRIC { self.pressures(element, &fs) } else { [[0.0; 2]; MAX_ELEMENT_POINTS] };
         let mut blocks = vec![Matrix::zeros(); n * (n + 1) / 2];
         for (k, (f, pressure)) in self.points.points_of(element).zip(fs.iter().zip(&pressures)) {
             let tangent = Tangent::new(&self.density, lame, f, pressure[0], weights);
@@ -148,7 +178,12 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
             self.add_volumetric_tangent(element, &slopes, &share, &mut blocks);
         }
         if weights.viscosity != 0.0 {
-            self.add_volumetric_tangent(element, &fs, &[weights.viscosity * lame.lambda; MAX_ELEMENT_POINTS], &mut blocks);
+            self.add_volumetric_tangent(
+                element,
+                &fs,
+                &[weights.viscosity * lame.lambda; MAX_ELEMENT_POINTS],
+                &mut blocks,
+            );
         }
         blocks
     }
@@ -230,8 +265,9 @@ impl<P: EnergyDensity<D>, const D: usize> ForceTerm<D> for Continuum<P, D> {
             let mut changes = [0.0; MAX_ELEMENT_POINTS];
             changes.iter_mut().zip(points()).for_each(|(j, (_, f))| *j = self.density.volume_change(f));
             let thetas = self.projected(element, &changes);
-            let volumetric =
-                |(k, theta): (usize, &f64)| self.points.volumes[k] * self.density.volumetric_energy(lame, *theta)[0];
+            let volumetric = |(k, theta): (usize, &f64)| {
+                self.points.volumes[k] * self.density.volumetric_energy(lame, *theta)[0]
+            };
             own + self.points.points_of(element).zip(&thetas).map(volumetric).sum::<f64>()
         };
         par::sum(self.points.elements.len(), of)
@@ -245,7 +281,8 @@ impl<P: EnergyDensity<D>, const D: usize> ForceTerm<D> for Continuum<P, D> {
     fn add_viscous_forces(&self, x: &[Vector<D>], v: &[Vector<D>], time: f64, forces: &mut [Vector<D>]) {
         let stresses = |element: usize| {
             let Lame { lambda, mu } = self.points.lame(element);
-            let (fs, rates) = (self.deformation_gradients(element, x), self.deformation_gradients(element, v));
+            let (fs, rates) =
+                (self.deformation_gradients(element, x), self.deformation_gradients(element, v));
             let halves: PerPoint<Matrix<D>> = std::array::from_fn(|q| fs[q].tr_mul(&rates[q]));
             // Projected twice, as pressures are, which is once.
             let volumes = self.projected(element, &halves.map(|half| half.trace()));

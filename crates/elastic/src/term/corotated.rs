@@ -1,7 +1,7 @@
 //! Corotated linear solids: Hooke's law in the frame that turns with the material.
 
-use super::conserving::{DiscreteGradientDensity, stretch_discrete_gradient};
-use super::density::{EnergyDensity, Lame, PrincipalHessian};
+use super::discrete_gradient::{DiscreteGradientDensity, stretch_discrete_gradient};
+use super::energy_density::{EnergyDensity, Lame, PrincipalHessian};
 use crate::linalg::svd;
 use meniscus_numerics::{Matrix, Vector};
 

@@ -9,7 +9,7 @@
 //! projected within an element: both can be below zero where no element is turned inside out. What keeps elements upright is
 //! [`super::Crushed`], which begins at `J₀`.
 
-use super::crushed::CRUSHED_VOLUME_RATIO;
+use super::inversion_barrier::CRUSHED_VOLUME_RATIO;
 
 /// `x` below which `ln (1 + x)/x` is summed: 1e-16 of it are left out.
 const SERIES_THRESHOLD: f64 = 1e-4;
@@ -20,7 +20,11 @@ pub fn extended_log(j: f64) -> [f64; 3] {
         return [j.ln(), 1.0 / j, -1.0 / (j * j)];
     }
     let below = j / CRUSHED_VOLUME_RATIO - 1.0;
-    [CRUSHED_VOLUME_RATIO.ln() + below - 0.5 * below * below, (1.0 - below) / CRUSHED_VOLUME_RATIO, -1.0 / (CRUSHED_VOLUME_RATIO * CRUSHED_VOLUME_RATIO)]
+    [
+        CRUSHED_VOLUME_RATIO.ln() + below - 0.5 * below * below,
+        (1.0 - below) / CRUSHED_VOLUME_RATIO,
+        -1.0 / (CRUSHED_VOLUME_RATIO * CRUSHED_VOLUME_RATIO),
+    ]
 }
 
 /// `(L(b) − L(a))/(b − a)`.
@@ -33,14 +37,17 @@ pub fn log_divided_difference([a, b]: [f64; 2]) -> f64 {
     } else if high <= CRUSHED_VOLUME_RATIO {
         below(low, high)
     } else {
-        (plain_log_divided_difference(CRUSHED_VOLUME_RATIO, high) * (high - CRUSHED_VOLUME_RATIO) + below(low, CRUSHED_VOLUME_RATIO) * (CRUSHED_VOLUME_RATIO - low)) / (high - low)
+        (plain_log_divided_difference(CRUSHED_VOLUME_RATIO, high) * (high - CRUSHED_VOLUME_RATIO)
+            + below(low, CRUSHED_VOLUME_RATIO) * (CRUSHED_VOLUME_RATIO - low))
+            / (high - low)
     }
 }
 
 /// `(ln b − ln a)/(b − a)` of positive numbers.
 fn plain_log_divided_difference(a: f64, b: f64) -> f64 {
     let x = (b - a) / a;
-    let per = if x.abs() < SERIES_THRESHOLD { 1.0 - x * (0.5 - x * (1.0 / 3.0 - x * 0.25)) } else { x.ln_1p() / x };
+    let per =
+        if x.abs() < SERIES_THRESHOLD { 1.0 - x * (0.5 - x * (1.0 / 3.0 - x * 0.25)) } else { x.ln_1p() / x };
     per / a
 }
 
@@ -66,7 +73,10 @@ mod tests {
             [(0.5, 2.0), (1.0, 1.0 + 1e-9), (0.1, 0.2), (-0.4, 1.3), (1.3, -0.4), (0.29, 0.31), (-3.0, -1.0)]
         {
             let change = extended_log(b)[0] - extended_log(a)[0];
-            assert!((log_divided_difference([a, b]) * (b - a) - change).abs() < 1e-13 * (1.0 + change.abs()), "{a} {b}");
+            assert!(
+                (log_divided_difference([a, b]) * (b - a) - change).abs() < 1e-13 * (1.0 + change.abs()),
+                "{a} {b}"
+            );
         }
     }
 }

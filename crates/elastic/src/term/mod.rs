@@ -1,16 +1,16 @@
 //! What pulls at the vertices: one file a term.
 
-pub mod conserving;
 pub mod continuum;
 pub mod corotated;
-pub mod crushed;
-pub mod density;
-pub mod extra;
+pub mod discrete_gradient;
+pub mod energy_density;
+pub mod extra_stiffness;
+pub mod inversion_barrier;
 mod logarithm;
 pub mod neo_hookean;
-pub mod points;
+pub mod quadrature;
 pub mod springs;
-pub mod tension;
+pub mod surface_tension;
 
 use crate::linalg::{BlockMatrix, Cliques};
 use meniscus_numerics::Vector;

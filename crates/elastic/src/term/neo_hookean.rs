@@ -9,10 +9,12 @@
 //! Below a volume of 0.3 the logarithm is continued ([`super::logarithm`]): what turns no element inside out there is
 //! [`super::Crushed`]. Limit: stretched beyond `J = e` to all sides it yields more the more it is stretched.
 
-use super::conserving::{DiscreteGradientDensity, determinant_discrete_gradient, volume_ratios};
-use super::crushed::CRUSHED_VOLUME_RATIO;
-use super::density::{EnergyDensity, Lame, PrincipalHessian, nonlinear_dilation, cofactor, determinant, dilation};
-use super::logarithm::{log_divided_difference, extended_log};
+use super::discrete_gradient::{DiscreteGradientDensity, determinant_discrete_gradient, volume_ratios};
+use super::energy_density::{
+    EnergyDensity, Lame, PrincipalHessian, cofactor, determinant, dilation, nonlinear_dilation,
+};
+use super::inversion_barrier::CRUSHED_VOLUME_RATIO;
+use super::logarithm::{extended_log, log_divided_difference};
 use crate::linalg::axis_pairs;
 use meniscus_numerics::{Matrix, Vector};
 
@@ -92,7 +94,9 @@ impl<const D: usize> EnergyDensity<D> for NeoHookean {
 
 impl<const D: usize> DiscreteGradientDensity<D> for NeoHookean {
     fn stress_between(&self, lame: Lame, ends: [&Matrix<D>; 2]) -> Matrix<D> {
-        (Matrix::identity() - determinant_discrete_gradient(ends) * log_divided_difference(volume_ratios(ends))) * lame.mu
+        (Matrix::identity()
+            - determinant_discrete_gradient(ends) * log_divided_difference(volume_ratios(ends)))
+            * lame.mu
     }
 
     fn volume_discrete_gradient(&self, ends: [&Matrix<D>; 2]) -> Matrix<D> {

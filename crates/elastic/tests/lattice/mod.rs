@@ -1,7 +1,7 @@
 //! Boxes cut into cells, and these into simplices around a diagonal.
 #![allow(dead_code)]
 
-use meniscus_elastic::{Anchor, ElasticSpecification, ConstitutiveLaw, ElementOrder};
+use meniscus_elastic::{Anchor, ConstitutiveLaw, ElasticSpecification, ElementOrder};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 
@@ -55,13 +55,21 @@ pub fn quadratic<const D: usize>(cells: [usize; D], size: [f64; D]) -> VolumeMes
 }
 
 /// A solid held at `x = 0`.
-pub fn clamped<const D: usize>(mesh: VolumeMesh<D>, density: f64, law: ConstitutiveLaw) -> ElasticSpecification<D> {
+pub fn clamped<const D: usize>(
+    mesh: VolumeMesh<D>,
+    density: f64,
+    law: ConstitutiveLaw,
+) -> ElasticSpecification<D> {
     let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9)];
     ElasticSpecification { mesh, density, law, damping_ratio: 0.0, anchors }
 }
 
 /// A solid that nothing holds.
-pub fn free<const D: usize>(mesh: VolumeMesh<D>, density: f64, law: ConstitutiveLaw) -> ElasticSpecification<D> {
+pub fn free<const D: usize>(
+    mesh: VolumeMesh<D>,
+    density: f64,
+    law: ConstitutiveLaw,
+) -> ElasticSpecification<D> {
     ElasticSpecification { mesh, density, law, damping_ratio: 0.0, anchors: Vec::new() }
 }
 

@@ -58,9 +58,16 @@ impl<const D: usize> Ellipsoid<D> {
         let square = fit[3] + center.norm_squared() - center[up].powi(2) + center[up].powi(2) / k;
         center[up] /= k;
         let level = square.sqrt();
-        let it =
-            Self { center: origin + center * scale, horizontal_semi_axis: level * scale, vertical_semi_axis: level * scale / k.sqrt() };
-        (it.horizontal_semi_axis > 0.0 && it.vertical_semi_axis > 0.0 && it.horizontal_semi_axis.is_finite() && it.vertical_semi_axis.is_finite()).then_some(it)
+        let it = Self {
+            center: origin + center * scale,
+            horizontal_semi_axis: level * scale,
+            vertical_semi_axis: level * scale / k.sqrt(),
+        };
+        (it.horizontal_semi_axis > 0.0
+            && it.vertical_semi_axis > 0.0
+            && it.horizontal_semi_axis.is_finite()
+            && it.vertical_semi_axis.is_finite())
+        .then_some(it)
     }
 
     /// Half its axis along each coordinate, m.
@@ -80,7 +87,11 @@ impl<const D: usize> Ellipsoid<D> {
     pub fn distance(&self, x: &Vector<D>) -> f64 {
         let u = Vector::<D>::from_fn(|a, _| (x[a] - self.center[a]) / self.semi_axis(a));
         let slope = Vector::<D>::from_fn(|a, _| u[a] / self.semi_axis(a)).norm();
-        if slope > 0.0 { u.norm() * (u.norm() - 1.0) / slope } else { -self.horizontal_semi_axis.min(self.vertical_semi_axis) }
+        if slope > 0.0 {
+            u.norm() * (u.norm() - 1.0) / slope
+        } else {
+            -self.horizontal_semi_axis.min(self.vertical_semi_axis)
+        }
     }
 
     /// Outward unit normal of the one like it that passes through a point.
@@ -106,14 +117,17 @@ mod tests {
                 } else {
                     [t.sin() * s.cos(), t.sin() * s.sin()]
                 };
-                let x = Vector::from_fn(|a, _| if a + 1 == D { vertical_semi_axis * t.cos() } else { horizontal_semi_axis * side[a] });
+                let x = Vector::from_fn(|a, _| {
+                    if a + 1 == D { vertical_semi_axis * t.cos() } else { horizontal_semi_axis * side[a] }
+                });
                 (center + x, 1.0)
             })
             .collect();
         let fit = Ellipsoid::fit(&points).unwrap();
         assert!((fit.center - center).norm() < 1e-8 * horizontal_semi_axis, "{fit:?}");
         assert!(
-            (fit.horizontal_semi_axis / horizontal_semi_axis - 1.0).abs() < 1e-8 && (fit.vertical_semi_axis / vertical_semi_axis - 1.0).abs() < 1e-8,
+            (fit.horizontal_semi_axis / horizontal_semi_axis - 1.0).abs() < 1e-8
+                && (fit.vertical_semi_axis / vertical_semi_axis - 1.0).abs() < 1e-8,
             "{fit:?}"
         );
         assert!(points.iter().all(|(x, _)| it.distance(x).abs() < 1e-9 * horizontal_semi_axis));

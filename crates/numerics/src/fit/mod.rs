@@ -5,7 +5,7 @@ mod ellipsoid;
 mod rigid;
 mod sphere;
 
-pub use dense::{min_relative_pivot, least_squares, solve};
+pub use dense::{least_squares, min_relative_pivot, solve};
 pub use ellipsoid::Ellipsoid;
 pub use rigid::RigidTransform;
 pub use sphere::Sphere;

@@ -57,7 +57,11 @@ mod tests {
             let to: Vec<_> = from.iter().map(|x| rotation * x + way).collect();
             let motion = RigidTransform::fit(&from, &to);
             assert!((motion.rotation - rotation).norm() < 1e-12, "{}", motion.rotation);
-            let off = from.iter().zip(&to).map(|(a, b)| (motion.inverse_transformed(b) - a).norm()).fold(0.0, f64::max);
+            let off = from
+                .iter()
+                .zip(&to)
+                .map(|(a, b)| (motion.inverse_transformed(b) - a).norm())
+                .fold(0.0, f64::max);
             assert!(off < 1e-12, "{off}");
         }
     }

@@ -128,8 +128,11 @@ impl<'a, const D: usize> Sampler<'a, D> {
     fn quintic_in(&self, base: [isize; D], t: &[f64; D]) -> (f64, Vector<D>) {
         let rows = self.rows::<6, 36>(base);
         let both: [([f64; 6], [f64; 6]); D] = std::array::from_fn(|a| quintic_weights(t[a]));
-        let (value, slopes) =
-            contract_with_gradient::<6, D>(&rows[..6usize.pow(D as u32 - 1)], &both.map(|b| b.0), &both.map(|b| b.1));
+        let (value, slopes) = contract_with_gradient::<6, D>(
+            &rows[..6usize.pow(D as u32 - 1)],
+            &both.map(|b| b.0),
+            &both.map(|b| b.1),
+        );
         (value, slopes * self.inverse_dx)
     }
 
@@ -137,7 +140,11 @@ impl<'a, const D: usize> Sampler<'a, D> {
     fn cubic_in(&self, stencil: &Stencil, t: &[f64; D]) -> (f64, Vector<D>) {
         let rows = &stencil[..1 << (2 * (D - 1))];
         let weights: [[f64; 4]; D] = std::array::from_fn(|a| cubic_weights(t[a]));
-        let (value, slopes) = contract_with_gradient::<4, D>(rows, &weights, &std::array::from_fn(|a| cubic_weight_derivatives(t[a])));
+        let (value, slopes) = contract_with_gradient::<4, D>(
+            rows,
+            &weights,
+            &std::array::from_fn(|a| cubic_weight_derivatives(t[a])),
+        );
         (value, slopes * self.inverse_dx)
     }
 
@@ -149,7 +156,8 @@ impl<'a, const D: usize> Sampler<'a, D> {
         for a in 0..D {
             for row in 0..1 << (2 * (D - 1 - a)) {
                 let old = values[row];
-                let (weights, rises) = eno_cubic_weights(&old.map(|v| v * self.inverse_dx), t[a], kink_indicator);
+                let (weights, rises) =
+                    eno_cubic_weights(&old.map(|v| v * self.inverse_dx), t[a], kink_indicator);
                 values[row / 4][row % 4] = dot(&weights, &old);
                 for slope in &mut slopes[..a] {
                     slope[row / 4][row % 4] = dot(&weights, &slope[row]);
@@ -272,7 +280,8 @@ const KINK_SLOPE_LOSS: f64 = 0.05;
 /// until they meet (Harten's subcell resolution), the deeper dent counts out.
 fn eno_cubic_weights(v: &[f64; 4], t: f64, kink_indicator: f64) -> ([f64; 4], [f64; 4]) {
     let (a, b) = (v[0] - 2.0 * v[1] + v[2], v[1] - 2.0 * v[2] + v[3]);
-    let differ = (((a - b).abs() - MAX_SMOOTH_THIRD_DIFFERENCE_CELLS).max(0.0) / KINK_TRANSITION_CELLS).powi(4);
+    let differ =
+        (((a - b).abs() - MAX_SMOOTH_THIRD_DIFFERENCE_CELLS).max(0.0) / KINK_TRANSITION_CELLS).powi(4);
     let smooth = 1.0 / (1.0 + differ) / 3.0;
     let (q, dq) = (0.5 * t * (t - 1.0), t - 0.5);
     let (mut left, mut right) = (smooth * (2.0 - t), smooth * (1.0 + t));
@@ -452,7 +461,8 @@ mod tests {
         assert_eq!(sampler.value([-2, 2]), 1.0);
         assert_eq!(sampler.value([5, 2]), 2.0);
         let data: Vec<f64> = (0..20).map(|i| (i % 5) as f64).collect();
-        let faces = Sampler::faces(&grid, 0, &data, [[BoundaryExtension::Odd; 2], [BoundaryExtension::Even; 2]]);
+        let faces =
+            Sampler::faces(&grid, 0, &data, [[BoundaryExtension::Odd; 2], [BoundaryExtension::Even; 2]]);
         assert_eq!(faces.value([-1, 0]), -1.0);
         assert_eq!(faces.value([5, 0]), -3.0);
     }

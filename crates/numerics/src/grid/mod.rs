@@ -2,22 +2,22 @@
 
 mod band;
 mod components;
-mod cut;
-mod extrapolate;
+mod cut_cells;
 mod field;
 mod interpolate;
 mod runs;
 mod segment;
 mod tiles;
+mod velocity_extension;
 
 pub use band::Band;
-pub use cut::{EmbeddedBoundary, CutCells, CutCell, par_lattice_points, lattice_points};
-pub use extrapolate::VelocityExtension;
+pub use cut_cells::{CutCell, CutCells, EmbeddedBoundary, lattice_points, par_lattice_points};
 pub use field::{CellField, FaceField};
 pub use interpolate::{BoundaryExtension, Sampler};
 pub use runs::{Run, Runs};
 pub use segment::Segment;
 pub use tiles::{TILE_CELLS, Tiles};
+pub use velocity_extension::VelocityExtension;
 
 use crate::Vector;
 
@@ -110,7 +110,11 @@ impl<const D: usize> Grid<D> {
     /// The same domain with `margin` cells beyond its sides.
     pub fn with_margin(&self, margin_cells: [[usize; 2]; D]) -> Self {
         let inner = self.domain_cells();
-        Self { cells: std::array::from_fn(|a| inner[a] + margin_cells[a][0] + margin_cells[a][1]), margin_cells, ..*self }
+        Self {
+            cells: std::array::from_fn(|a| inner[a] + margin_cells[a][0] + margin_cells[a][1]),
+            margin_cells,
+            ..*self
+        }
     }
 
     /// Number of cells of the domain along each axis.

@@ -71,7 +71,8 @@ impl<const D: usize> Tiles<D> {
 
     /// Whether a face normal to `axis` is one of a cell in an active tile.
     pub fn is_active_face(&self, axis: usize, at: [usize; D]) -> bool {
-        self.is_active_below(at, [0; D]) || self.is_active_below(at, std::array::from_fn(|a| usize::from(a == axis)))
+        self.is_active_below(at, [0; D])
+            || self.is_active_below(at, std::array::from_fn(|a| usize::from(a == axis)))
     }
 
     /// Whether the cell `by` below another is in an active tile.
@@ -96,7 +97,11 @@ impl<const D: usize> Tiles<D> {
                 while t < tiles.len() && tiles[t] {
                     t += 1;
                 }
-                out.push(Segment { row, start: start * TILE_CELLS, end: (t * TILE_CELLS).min(self.grid.cells[0]) });
+                out.push(Segment {
+                    row,
+                    start: start * TILE_CELLS,
+                    end: (t * TILE_CELLS).min(self.grid.cells[0]),
+                });
             }
         }
         out

@@ -5,7 +5,8 @@ use crate::{Matrix, Vector};
 
 /// Fourth-order differences: first derivative, second derivative.
 const FIRST_DERIVATIVE_WEIGHTS: [f64; 5] = [1.0 / 12.0, -8.0 / 12.0, 0.0, 8.0 / 12.0, -1.0 / 12.0];
-const SECOND_DERIVATIVE_WEIGHTS: [f64; 5] = [-1.0 / 12.0, 16.0 / 12.0, -30.0 / 12.0, 16.0 / 12.0, -1.0 / 12.0];
+const SECOND_DERIVATIVE_WEIGHTS: [f64; 5] =
+    [-1.0 / 12.0, 16.0 / 12.0, -30.0 / 12.0, 16.0 / 12.0, -1.0 / 12.0];
 /// Slope of a distance below which its differences see a kink.
 const MIN_GRADIENT_NORM: f64 = 0.5;
 /// Part of its area that a piece of surface may lose on the way to the zero set.
@@ -83,7 +84,7 @@ fn dot(a: &[f64; 5], b: &[f64; 5]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::{CellField, BoundaryExtension, Grid};
+    use crate::grid::{BoundaryExtension, CellField, Grid};
 
     /// Largest relative error of the curvature near a ball of `n / 4` cells' radius.
     fn error<const D: usize>(n: usize) -> f64 {

@@ -4,4 +4,4 @@ mod curvature;
 mod redistance;
 
 pub use curvature::curvature;
-pub use redistance::{redistance, interface_gradient_norm};
+pub use redistance::{interface_gradient_norm, redistance};

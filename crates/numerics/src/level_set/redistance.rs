@@ -45,10 +45,15 @@ pub fn redistance<const D: usize>(
                     nearest_neighbour_point(grid, band, done, cell as usize, &x)
                 };
                 let Some(known) = known else { return (x, f64::INFINITY) };
-                let closest_point = predicted_closest_point(sampler, phi[cell as usize], lattice.coordinates(cell as usize), &x)
-                    .and_then(|start| newton_closest_point(sampler, grid.dx, &x, start, &known))
-                    .or_else(|| newton_closest_point(sampler, grid.dx, &x, known, &known))
-                    .unwrap_or(known);
+                let closest_point = predicted_closest_point(
+                    sampler,
+                    phi[cell as usize],
+                    lattice.coordinates(cell as usize),
+                    &x,
+                )
+                .and_then(|start| newton_closest_point(sampler, grid.dx, &x, start, &known))
+                .or_else(|| newton_closest_point(sampler, grid.dx, &x, known, &known))
+                .unwrap_or(known);
                 (closest_point, (closest_point - x).norm())
             })
             .collect();
@@ -77,13 +82,23 @@ fn predicted_closest_point<const D: usize>(
 }
 
 /// |∇φ| where the interface crosses a lattice edge of a cell, 1 where it does not.
-pub fn interface_gradient_norm<const D: usize>(grid: &Grid<D>, phi: &[f64], sampler: &Sampler<'_, D>, cell: usize) -> f64 {
+pub fn interface_gradient_norm<const D: usize>(
+    grid: &Grid<D>,
+    phi: &[f64],
+    sampler: &Sampler<'_, D>,
+    cell: usize,
+) -> f64 {
     let x = grid.center(grid.lattice().coordinates(cell));
     nearest_crossing(grid, phi, cell, &x).map_or(1.0, |point| sampler.distance_with_gradient(&point).1.norm())
 }
 
 /// The nearest crossing of the interface with the lattice edges of a cell.
-fn nearest_crossing<const D: usize>(grid: &Grid<D>, phi: &[f64], cell: usize, x: &Vector<D>) -> Option<Vector<D>> {
+fn nearest_crossing<const D: usize>(
+    grid: &Grid<D>,
+    phi: &[f64],
+    cell: usize,
+    x: &Vector<D>,
+) -> Option<Vector<D>> {
     let here = phi[cell];
     let mut best: Option<(f64, Vector<D>)> = None;
     for n in grid.lattice().neighbours(cell) {
@@ -153,7 +168,7 @@ fn newton_closest_point<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::{CellField, BoundaryExtension, Tiles};
+    use crate::grid::{BoundaryExtension, CellField, Tiles};
 
     fn ball<const D: usize>(n: usize) -> f64 {
         let grid = Grid::<D>::new([n; D], 1.0 / n as f64);

@@ -9,4 +9,6 @@ mod vectors;
 pub use jacobi::Jacobi;
 pub use krylov::{conjugate_gradient, conjugate_gradient_with_workspace};
 pub use operator::{LinearOperator, Preconditioner, SolveError, SolveReport};
-pub use poisson::{SparseColumn, CoupledBodies, PoissonInput, PressureSolver, InPlaceSolve, SubdomainInverse};
+pub use poisson::{
+    CoupledBodies, InPlaceSolve, PoissonInput, PressureSolver, SparseColumn, SubdomainInverse,
+};

@@ -1,5 +1,6 @@
 //! Surfaces made of facets: their measures, their reading, their making from a level set.
 
+pub mod bvh;
 pub mod icosphere;
 pub mod io;
 pub mod isosurface;
@@ -7,13 +8,12 @@ mod on_surface;
 mod remesh;
 mod shape_surface;
 pub mod surface;
-pub mod tree;
 pub mod volume;
 
+pub use bvh::FacetBvh;
 pub use io::{import, ply};
 pub use isosurface::{Isosurface, extract_isosurface};
 pub use on_surface::{Contour, ContourPoint, Geodesic};
 pub use shape_surface::ShapeSurface;
 pub use surface::SurfaceMesh;
-pub use tree::FacetBvh;
 pub use volume::{Simplex, VolumeMesh};

@@ -197,7 +197,8 @@ impl<const D: usize> Remesher<'_, D> {
     /// Whether a facet that changes still looks to the same side.
     fn keeps_orientation(&self, old: &[Vector<D>; D], new: &[Vector<D>; D], mean: f64) -> bool {
         let (old, new) = (area_vector(old), area_vector(new));
-        let bar = if old.norm() < DEGENERATE_AREA * mean.powi(D as i32 - 1) { 0.0 } else { MIN_NORMAL_COSINE };
+        let bar =
+            if old.norm() < DEGENERATE_AREA * mean.powi(D as i32 - 1) { 0.0 } else { MIN_NORMAL_COSINE };
         new.dot(&old) > bar * old.norm() * new.norm()
     }
 
@@ -217,7 +218,8 @@ impl<const D: usize> Remesher<'_, D> {
             if busy || self.is_fixed_edge(&[a, b]) || self.tags[f as usize] != self.tags[g as usize] {
                 continue;
             }
-            let angle = |v: u32| (self.position(a) - self.position(v)).angle(&(self.position(b) - self.position(v)));
+            let angle =
+                |v: u32| (self.position(a) - self.position(v)).angle(&(self.position(b) - self.position(v)));
             if angle(c) + angle(d) < std::f64::consts::PI + 1e-3
                 || self.one_ring(&stars, c).binary_search(&d).is_ok()
             {

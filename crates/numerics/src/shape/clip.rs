@@ -123,7 +123,12 @@ impl<const D: usize> ClipSimplex<D> {
         let n = gradient / steepness;
         cut.area = self.measure(&surface);
         self.for_each_facet(&surface, |area, corners| {
-            self.add_volume_derivatives(area / steepness, corners, &mut cut.volume_slope, &mut cut.moment_slope)
+            self.add_volume_derivatives(
+                area / steepness,
+                corners,
+                &mut cut.volume_slope,
+                &mut cut.moment_slope,
+            )
         });
         for k in 0..surface.len() {
             let (p, label) = surface[k];
@@ -148,7 +153,13 @@ impl<const D: usize> ClipSimplex<D> {
     }
 
     /// Takes away `∫ λ_c dA` and `∫ λ_c x dA` over a facet of the free surface.
-    fn add_volume_derivatives(&self, area: f64, facet: &[Point], volume: &mut [f64; 4], moment: &mut [[f64; 3]; 4]) {
+    fn add_volume_derivatives(
+        &self,
+        area: f64,
+        facet: &[Point],
+        volume: &mut [f64; 4],
+        moment: &mut [[f64; 3]; 4],
+    ) {
         let n = facet.len() as f64;
         for c in 0..=D {
             let sum: f64 = facet.iter().map(|p| p[c]).sum();
@@ -359,7 +370,8 @@ mod tests {
             }
             let (free, whole) = (quarters[0].area + quarters[2].area, s.cut(&phi, &[1.0; 4]).area);
             assert!((free - whole).abs() < 1e-12, "{D}D: {free} {whole}");
-            let (wet, whole) = (quarters[0].wetted_area + quarters[1].wetted_area, s.cut(&[-1.0; 4], &psi).wetted_area);
+            let (wet, whole) =
+                (quarters[0].wetted_area + quarters[1].wetted_area, s.cut(&[-1.0; 4], &psi).wetted_area);
             assert!((wet - whole).abs() < 1e-12, "{D}D: {wet} {whole}");
         }
     }

@@ -38,7 +38,10 @@ impl<const D: usize> MeshShape<D> {
     ) -> Result<Self, ImportError> {
         let read = Self::new(import::load(path)?);
         if let Some(at) = read.self_intersection() {
-            return Err(ImportError::SelfIntersection { path: path.to_owned(), at: at.iter().copied().collect() });
+            return Err(ImportError::SelfIntersection {
+                path: path.to_owned(),
+                at: at.iter().copied().collect(),
+            });
         }
         Ok(Self::new(read.surface.transformed(scale, rotation, translate)))
     }

@@ -6,19 +6,19 @@
 //! union gives is less than the distance at its fillets.
 
 mod clip;
+mod distance_field;
 mod ellipsoid;
 mod fraction;
 mod mesh_shape;
 mod perturbed;
-mod probes;
-mod sample;
-mod smooth;
+mod smooth_union;
+mod surface_samples;
 
-pub use clip::{ClippedMeasures, ClipSimplex};
+pub use clip::{ClipSimplex, ClippedMeasures};
 pub use fraction::plane_box_fraction;
 pub use mesh_shape::MeshShape;
-pub use probes::SurfaceSample;
-pub use smooth::SmoothUnion;
+pub use smooth_union::SmoothUnion;
+pub use surface_samples::SurfaceSample;
 
 use crate::mesh::volume::Outline;
 use crate::{Matrix, Vector};

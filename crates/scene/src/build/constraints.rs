@@ -28,14 +28,16 @@ pub fn anchors<const D: usize>(
     let mut anchors: Vec<Anchor<D>> = Vec::new();
     for (key, region, motion) in fixed.chain(moved) {
         let region = shape::<D>(region).map_err(|e| at(&key, e))?;
-        let inside = Anchor::within(mesh, |x| region.signed_distance(x) <= ANCHOR_TOLERANCE_EDGES * spec.mesh_edge);
+        let inside =
+            Anchor::within(mesh, |x| region.signed_distance(x) <= ANCHOR_TOLERANCE_EDGES * spec.mesh_edge);
         let refuse = |message: &str, help: &str| Err(at(&key, SceneError::new(message).with_help(help)));
         if inside.vertices.is_empty() {
             let message = format!("this holds no vertex of the solid `{}`", spec.name);
             return refuse(&message, "make it larger, or move it onto the solid");
         }
         let holder = |v: &u32| anchor_of_vertex[*v as usize].map(|k| &anchors[k].motion);
-        let conflicting = inside.vertices.iter().filter(|v| holder(v).is_some_and(|other| *other != motion)).count();
+        let conflicting =
+            inside.vertices.iter().filter(|v| holder(v).is_some_and(|other| *other != motion)).count();
         if conflicting > 0 {
             let message = format!(
                 "{conflicting} vertices that this holds are held by a part before it, which moves otherwise"
@@ -75,7 +77,9 @@ fn domain_exit_time<const D: usize>(
     let breakpoints = match motion {
         AnchorMotion::Fixed => return None,
         AnchorMotion::Velocity(_) => Vec::new(),
-        AnchorMotion::Keyframes(keys) => keys.iter().map(|k| k.0).filter(|t| (0.0..duration).contains(t)).collect(),
+        AnchorMotion::Keyframes(keys) => {
+            keys.iter().map(|k| k.0).filter(|t| (0.0..duration).contains(t)).collect()
+        }
     };
     let beyond = |x: &Vector<D>| {
         let past = |a: usize| [x[a] < 0.0, x[a] > domain.size[a]];
@@ -83,7 +87,10 @@ fn domain_exit_time<const D: usize>(
     };
     breakpoints.into_iter().chain([duration]).find(|time| {
         let displacement = motion.displacement(*time);
-        vertices.iter().map(|v| mesh.positions[*v as usize]).any(|x| !beyond(&x) && beyond(&(x + displacement)))
+        vertices
+            .iter()
+            .map(|v| mesh.positions[*v as usize])
+            .any(|x| !beyond(&x) && beyond(&(x + displacement)))
     })
 }
 
@@ -91,6 +98,8 @@ fn domain_exit_time<const D: usize>(
 fn prescribed_motion<const D: usize>(moved: &Moved) -> AnchorMotion<D> {
     match moved.keyframes.is_empty() {
         true => AnchorMotion::Velocity(vector(&moved.velocity)),
-        false => AnchorMotion::Keyframes(moved.keyframes.iter().map(|(time, to)| (*time, vector(to))).collect()),
+        false => {
+            AnchorMotion::Keyframes(moved.keyframes.iter().map(|(time, to)| (*time, vector(to))).collect())
+        }
     }
 }

@@ -6,7 +6,9 @@ use crate::estimate::stiffness::check_stiffness;
 use crate::file::{
     Elastic as Constants, Material, Scene, ShapeSpec, Solid as SolidSpec, SolidTension, rotation, vector,
 };
-use meniscus_elastic::{ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, ElementOrder, SurfaceTension};
+use meniscus_elastic::{
+    ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder, SurfaceTension,
+};
 use meniscus_numerics::mesh::VolumeMesh;
 
 /// What a solid of a scene is made of if it deforms.
@@ -85,7 +87,9 @@ fn dry_surface_tension(scene: &Scene, spec: &SolidSpec) -> Result<Option<f64>, S
 fn law(spec: &SolidSpec) -> Option<(ConstitutiveLaw, f64)> {
     let order = ElementOrder::Quadratic;
     match spec.material {
-        Material::Springs { stiffness, damping_ratio } => Some((ConstitutiveLaw::Springs { stiffness }, damping_ratio)),
+        Material::Springs { stiffness, damping_ratio } => {
+            Some((ConstitutiveLaw::Springs { stiffness }, damping_ratio))
+        }
         Material::NeoHookean(Constants { young_modulus, poisson_ratio, damping_ratio }) => {
             Some((ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order }, damping_ratio))
         }

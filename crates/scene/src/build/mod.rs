@@ -2,13 +2,13 @@
 
 mod constraints;
 mod deformable;
-pub mod displaced;
+pub mod displaced_liquid;
+mod initial_condition;
 mod setup;
 mod shapes;
-mod start;
 mod thickness;
 mod wettability;
 
+pub use initial_condition::{Setup, SignedDistanceFn};
 pub use setup::{AnySetup, AnySimulation, model, setup};
 pub use shapes::signed_distance_fn;
-pub use start::{SignedDistanceFn, Setup};

@@ -1,7 +1,7 @@
 //! From a resolved scene to a simulation: the one place where the dimension is chosen at run time.
 
 use super::Setup;
-use super::shapes::{signed_distance_fn, shape};
+use super::shapes::{shape, signed_distance_fn};
 use super::thickness::pad_thin_solids;
 use crate::error::SceneError;
 use crate::estimate::parameters::parameters;
@@ -142,7 +142,10 @@ pub fn setup<const D: usize>(scene: &Scene) -> Result<Setup<D>, SceneError> {
     check_solids_apart(scene, &model)?;
     let model = Model { solids: pad_thin_solids(scene, &model)?, ..model };
     let model = model.with_open_sides();
-    Ok(Setup { model: if scene.has_wetting_walls() { with_wetting_domain_walls(scene, model) } else { model }, bodies })
+    Ok(Setup {
+        model: if scene.has_wetting_walls() { with_wetting_domain_walls(scene, model) } else { model },
+        bodies,
+    })
 }
 
 /// The model with walls that wet.
@@ -159,7 +162,11 @@ fn with_wetting_domain_walls<const D: usize>(scene: &Scene, model: Model<D>) -> 
 const CONTACT_TOLERANCE_CELLS: f64 = 0.01;
 
 /// Refuses a solid from a mesh file that reaches beyond the domain; of others the scene alone tells.
-fn check_mesh_inside_domain<const D: usize>(scene: &Scene, spec: &SolidSpec, shape: &Shape<D>) -> Result<(), SceneError> {
+fn check_mesh_inside_domain<const D: usize>(
+    scene: &Scene,
+    spec: &SolidSpec,
+    shape: &Shape<D>,
+) -> Result<(), SceneError> {
     if spec.shape.bounds(D).is_some() {
         return Ok(());
     }
@@ -206,7 +213,8 @@ fn check_solids_apart<const D: usize>(scene: &Scene, model: &Model<D>) -> Result
 /// Refuses surfaces of solids that deform which touch where they start: the barrier between them would be infinite.
 fn check_initial_gaps<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneError> {
     let dx = model.grid.dx;
-    let narrowest = meniscus_sim::narrowest_initial_gap(model).filter(|gap| gap.2 <= CONTACT_TOLERANCE_CELLS * dx);
+    let narrowest =
+        meniscus_sim::narrowest_initial_gap(model).filter(|gap| gap.2 <= CONTACT_TOLERANCE_CELLS * dx);
     let Some((i, j, _)) = narrowest else { return Ok(()) };
     let (i, j) = (i.max(j), i.min(j));
     let name = |i: usize| &scene.solids[i].name;
@@ -258,7 +266,11 @@ fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, Sc
             let first = 3 - angular_velocity.len().min(3);
             angular_velocity_3d[first..].copy_from_slice(&angular_velocity[..3 - first]);
             let keyframes = keyframes.iter().map(|(time, to)| (*time, vector(to))).collect();
-            Motion::Prescribed(PrescribedMotion { velocity: vector(velocity), angular_velocity: angular_velocity_3d, keyframes })
+            Motion::Prescribed(PrescribedMotion {
+                velocity: vector(velocity),
+                angular_velocity: angular_velocity_3d,
+                keyframes,
+            })
         }
         Material::Rigid { fixed: false } => Motion::Free,
         _ => match super::deformable::elastic(scene, spec)? {

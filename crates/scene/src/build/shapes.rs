@@ -16,7 +16,8 @@ use std::sync::Arc;
 pub fn signed_distance_fn<const D: usize>(spec: &ShapeSpec) -> Result<SignedDistanceFn<D>, SceneError> {
     match spec {
         ShapeSpec::Union(parts) => {
-            let parts: Vec<SignedDistanceFn<D>> = parts.iter().map(signed_distance_fn).collect::<Result<_, _>>()?;
+            let parts: Vec<SignedDistanceFn<D>> =
+                parts.iter().map(signed_distance_fn).collect::<Result<_, _>>()?;
             Ok(Arc::new(move |x| parts.iter().map(|part| part(x)).fold(f64::INFINITY, f64::min)))
         }
         ShapeSpec::Difference { of, minus } => {

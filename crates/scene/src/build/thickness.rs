@@ -4,7 +4,7 @@ use crate::error::SceneError;
 use crate::file::{Scene, Solid as SolidSpec};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::SurfaceMesh;
-use meniscus_sim::{LineTracker, Model, Solid, MIN_PLATE_THICKNESS_CELLS};
+use meniscus_sim::{LineTracker, MIN_PLATE_THICKNESS_CELLS, Model, Solid};
 
 /// Part of a solid's surface behind which it may be thinner than a cell: sharp rims.
 const MAX_THIN_SHARE: f64 = 0.1;
@@ -36,8 +36,11 @@ pub fn pad_thin_solids<const D: usize>(scene: &Scene, model: &Model<D>) -> Resul
         let thin = thin_share(&surface, min_cells * dx, &inside);
         if thin <= MAX_THIN_SHARE {
             let is_plate = thin_share(&surface, MIN_PLATE_THICKNESS_CELLS * dx, &inside) > MIN_PLATE_SHARE;
-            let thickness =
-                if is_plate { mean_thickness(&surface, MIN_PLATE_THICKNESS_CELLS * dx, &inside) } else { f64::INFINITY };
+            let thickness = if is_plate {
+                mean_thickness(&surface, MIN_PLATE_THICKNESS_CELLS * dx, &inside)
+            } else {
+                f64::INFINITY
+            };
             padded.push(model.solids[i].clone().padded(thickness, dx));
             continue;
         }
@@ -84,7 +87,9 @@ fn mean_thickness<const D: usize>(
         let area = surface.area_vector(facet);
         let Some(normal) = area.try_normalize(0.0) else { continue };
         let middle = surface.corners(facet).iter().sum::<Vector<D>>() / D as f64;
-        let is_in = |k: u32| inside(&(middle - normal * (max_depth * f64::from(k) / f64::from(SAMPLES_PER_THICKNESS))));
+        let is_in = |k: u32| {
+            inside(&(middle - normal * (max_depth * f64::from(k) / f64::from(SAMPLES_PER_THICKNESS))))
+        };
         if let Some(k) = (1..=SAMPLES_PER_THICKNESS).find(|k| !is_in(*k)) {
             sum += area.norm() * max_depth * (f64::from(k) - 0.5) / f64::from(SAMPLES_PER_THICKNESS);
             all += area.norm();

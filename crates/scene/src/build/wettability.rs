@@ -4,7 +4,7 @@ use super::shapes::shape;
 use crate::error::SceneError;
 use crate::file::vector;
 use crate::file::{self, Scene, SolidTension, Wetting, WettingImage};
-use meniscus_sim::{Hysteresis, WettabilityLayer, CosineImage};
+use meniscus_sim::{CosineImage, Hysteresis, WettabilityLayer};
 use std::fs::File;
 use std::io::BufReader;
 use std::sync::Arc;

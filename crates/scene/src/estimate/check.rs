@@ -3,7 +3,7 @@
 use super::deformable::{SoftReport, reports};
 use super::{gaps, memory, thin_liquid};
 use crate::build::AnySetup;
-use crate::build::displaced::{DisplacedBody, displaced_bodies, check_displaced};
+use crate::build::displaced_liquid::{DisplacedBody, check_displaced, displaced_bodies};
 use crate::error::SceneError;
 use crate::estimate::scales::{ball_radius, liquid_volume, norm, radius, smallest_radius, typical_speed};
 use crate::file::{Material, Scene, WALLS, Warning};
@@ -148,7 +148,9 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
     warnings.extend(cut.as_ref().cloned().unwrap_or_default());
     let thin_liquid = setup.as_ref().ok().map(|setup| unresolved_share(scene, setup, &mut warnings));
     let soft = setup.as_ref().map_or_else(|_| Vec::new(), |setup| reports(scene, setup));
-    let fits = setup.as_ref().map_or(Ok(()), |setup| memory::check_solid_memory(scene, setup, memory::machine_memory()));
+    let fits = setup
+        .as_ref()
+        .map_or(Ok(()), |setup| memory::check_solid_memory(scene, setup, memory::machine_memory()));
     let soft_bytes: f64 = soft.iter().map(|s| s.memory_bytes).sum();
     let per_byte = |factorised| if factorised { SECONDS_PER_FACTOR_BYTE } else { SECONDS_PER_ITERATED_BYTE };
     let solves = if soft.is_empty() { 1.0 } else { 1.0 + f64::from(scene.numerics.newton_iterations) };

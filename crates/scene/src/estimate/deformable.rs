@@ -96,7 +96,8 @@ fn report_of_solid<const D: usize>(scene: &Scene, spec: &SolidSpec, body: &Elast
         edges_per_step: wave_speed.map(|c| c * step / quality.edge_lengths[1]),
         frequency,
         steps_per_period: frequency.map(|f| 1.0 / (f * step)),
-        thickness_cells: super::stiffness::plate_thickness_and_normal::<D>(&spec.shape).map(|p| p.0 / scene.domain.dx),
+        thickness_cells: super::stiffness::plate_thickness_and_normal::<D>(&spec.shape)
+            .map(|p| p.0 / scene.domain.dx),
         bending_stiffness: bending,
         bending_elastocapillary_length: bending.map(|b| (b / scene.tension.liquid_air).sqrt()),
     }

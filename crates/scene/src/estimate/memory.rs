@@ -56,7 +56,8 @@ pub fn check_liquid_memory(scene: &Scene, limit: Option<u64>) -> Result<(), Scen
     }
     let longest = scene.domain.cells.iter().copied().max().unwrap_or(1) as f64;
     let fit = (longest * (0.9 * limit / need).powf(1.0 / scene.domain.dimension as f64)).floor();
-    let error = insufficient_memory(need, limit).with_help(format!("at most about `resolution = {fit}` fits here"));
+    let error =
+        insufficient_memory(need, limit).with_help(format!("at most about `resolution = {fit}` fits here"));
     let path = if scene.source.has("domain.dx") { "domain.dx" } else { "domain.resolution" };
     Err(scene.source.at_value(error, path))
 }
@@ -88,7 +89,9 @@ pub fn check_solid_memory(scene: &Scene, setup: &AnySetup, limit: Option<u64>) -
 /// The numbers of the solids that deform, the memory that each takes, bytes, and its vertices.
 fn memory_by_solid<const D: usize>(setup: &Setup<D>) -> Vec<(usize, f64, usize)> {
     let solids = setup.model.solids.iter().enumerate();
-    solids.filter_map(|(k, s)| s.elastic().map(|e| (k, solid_memory(e), e.rest_mesh().positions.len()))).collect()
+    solids
+        .filter_map(|(k, s)| s.elastic().map(|e| (k, solid_memory(e), e.rest_mesh().positions.len())))
+        .collect()
 }
 
 fn grid_and_liquid_memory(scene: &Scene) -> f64 {

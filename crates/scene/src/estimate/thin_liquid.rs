@@ -52,7 +52,10 @@ pub fn of_setup<const D: usize>(setup: &Setup<D>) -> ThinLiquid<D> {
 }
 
 /// The thin part of the liquid where `distance` (m) is to its boundary, negative inside, at the centre of a cell.
-pub fn measure_thin_liquid<const D: usize>(grid: &Grid<D>, distance: impl Fn([usize; D]) -> f64 + Sync) -> ThinLiquid<D> {
+pub fn measure_thin_liquid<const D: usize>(
+    grid: &Grid<D>,
+    distance: impl Fn([usize; D]) -> f64 + Sync,
+) -> ThinLiquid<D> {
     let lattice = grid.lattice();
     let cells = || (0..lattice.len()).into_par_iter();
     let depth: Vec<f32> = cells().map(|i| (-distance(lattice.coordinates(i)) / grid.dx) as f32).collect();
@@ -101,7 +104,11 @@ fn cell_offsets_within_reach<const D: usize>() -> Vec<[isize; D]> {
     steps
 }
 
-fn neighbour_cell<const D: usize>(lattice: Lattice<D>, mut at: [usize; D], step: &[isize; D]) -> Option<usize> {
+fn neighbour_cell<const D: usize>(
+    lattice: Lattice<D>,
+    mut at: [usize; D],
+    step: &[isize; D],
+) -> Option<usize> {
     for a in 0..D {
         at[a] = at[a].checked_add_signed(step[a]).filter(|c| *c < lattice.extent[a])?;
     }
@@ -184,7 +191,9 @@ mod tests {
         assert!(with.share > 0.02 && with.place.is_some_and(|x| x[0] > 70.0), "{with:?}");
         let thread = Grid::<3>::new([24, 24, 24], 1.0);
         let of = |radius: f64| {
-            measure_thin_liquid(&thread, |at| (thread.center(at) - Vector::from([12.1, 12.3, 0.0])).xy().norm() - radius)
+            measure_thin_liquid(&thread, |at| {
+                (thread.center(at) - Vector::from([12.1, 12.3, 0.0])).xy().norm() - radius
+            })
         };
         assert!(of(0.8).share == 1.0 && of(1.6).share == 0.0);
     }

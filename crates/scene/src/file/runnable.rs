@@ -38,7 +38,11 @@ pub fn ensure_runnable(scene: &Scene) -> Result<(), SceneError> {
     for (name, wetting) in &scene.tension.solids {
         if let Some(i) = wetting.patches.iter().position(|(shape, _)| shape.parts().into_iter().any(is_wave))
         {
-            return refuse(&format!("tension.{name}.patches.{i}.shape"), "patches of this shape", SUPPORTED_SHAPES);
+            return refuse(
+                &format!("tension.{name}.patches.{i}.shape"),
+                "patches of this shape",
+                SUPPORTED_SHAPES,
+            );
         }
     }
     if scene.numerics.scheme == Scheme::Paper {

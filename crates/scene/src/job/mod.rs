@@ -2,9 +2,9 @@
 
 mod plan;
 mod schedule;
-mod tally;
+mod statistics;
 
 pub use plan::{ExistingRun, Job, Stop};
 pub use schedule::Schedule;
-pub(crate) use tally::padded_to_3d;
-pub use tally::{RunStatistics, ThinLiquidStatistics};
+pub(crate) use statistics::padded_to_3d;
+pub use statistics::{RunStatistics, ThinLiquidStatistics};

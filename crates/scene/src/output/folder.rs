@@ -1,6 +1,6 @@
 //! Where everything of a run is, and who may write there.
 
-use super::file::{self, FileError};
+use super::atomic_file::{self, FileError};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -123,8 +123,8 @@ impl Folder {
     /// # Errors
     /// [`FolderError::File`].
     pub fn make(&self) -> Result<(), FolderError> {
-        file::create_folder(&self.frames())?;
-        file::create_folder(&self.checkpoints())?;
+        atomic_file::create_folder(&self.frames())?;
+        atomic_file::create_folder(&self.checkpoints())?;
         Ok(())
     }
 

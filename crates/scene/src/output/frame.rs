@@ -1,6 +1,6 @@
 //! A frame: the surfaces of the liquid and of the solids and the contact line as PLY files.
 
-use super::file::{self, FileError};
+use super::atomic_file::{self, FileError};
 use crate::job::padded_to_3d;
 use meniscus_elastic::Elastic;
 use meniscus_numerics::Vector;
@@ -87,8 +87,9 @@ pub fn solid<const D: usize>(
     mesh.comments.push("phi_c distance to the contact line along the surface, negative where wetted".into());
     if let Some((elastic, soft)) = soft_state(simulation, number) {
         let (rest, strains) = (&elastic.rest_mesh().positions, elastic.strains(&soft.state.positions));
-        let of =
-            |value: &dyn Fn(usize) -> f64| soft.surface.volume_vertices().iter().map(|v| value(*v as usize)).collect();
+        let of = |value: &dyn Fn(usize) -> f64| {
+            soft.surface.volume_vertices().iter().map(|v| value(*v as usize)).collect()
+        };
         for (a, name) in DISPLACEMENT.into_iter().enumerate() {
             let displacement = |v: usize| padded_to_3d(&(soft.state.positions[v] - rest[v]))[a];
             mesh.scalars.insert(name.into(), of(&displacement));
@@ -162,5 +163,5 @@ fn ply<const D: usize>(surface: &SurfaceMesh<D>, time: f64) -> PlyMesh {
 /// # Errors
 /// [`FileError`].
 pub fn write(path: &Path, mesh: &PlyMesh) -> Result<(), FileError> {
-    file::write_atomically(path, |writer| mesh.write(writer))
+    atomic_file::write_atomically(path, |writer| mesh.write(writer))
 }

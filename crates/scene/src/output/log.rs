@@ -1,6 +1,6 @@
 //! `log.jsonl`: what happened, one JSON object per line.
 
-use super::file::FileError;
+use super::atomic_file::FileError;
 use serde_json::Value;
 use std::fs::{File, OpenOptions};
 use std::io::Write;

@@ -1,13 +1,13 @@
 //! The output folder of a run.
 
-pub mod file;
+pub mod atomic_file;
 mod folder;
 pub mod frame;
 pub mod log;
-pub mod series;
-mod solids;
+mod solid_measures;
 pub mod summary;
+pub mod time_series;
 
-pub use file::FileError;
+pub use atomic_file::FileError;
 pub use folder::{Folder, FolderError};
-pub use solids::SolidMeasures;
+pub use solid_measures::SolidMeasures;

@@ -1,11 +1,11 @@
 //! `summary.json`: how a run stands or ended.
 
-use super::file::{self, FileError};
+use super::atomic_file::{self, FileError};
 use crate::estimate::parameters::Parameter;
 use crate::job::{Job, RunStatistics, ThinLiquidStatistics, padded_to_3d};
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::RigidTransform;
-use meniscus_sim::{ContactLine, Component, Motion, Quantity, Repairs, Simulation, Solid, SolidState};
+use meniscus_sim::{Component, ContactLine, Motion, Quantity, Repairs, Simulation, Solid, SolidState};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -208,7 +208,9 @@ impl SolidSummary {
             contact_angle: angle,
             contact_force: match (solid.motion == Motion::Free, solid.elastic()) {
                 (true, _) => list(&(now.contact_acceleration * solid.mass_properties.mass)),
-                (_, Some(elastic)) => list(&(now.contact_acceleration * elastic.masses().iter().sum::<f64>())),
+                (_, Some(elastic)) => {
+                    list(&(now.contact_acceleration * elastic.masses().iter().sum::<f64>()))
+                }
                 _ => list(&Vector::zeros()),
             },
             wetted: simulation.wetted_fraction(number),
@@ -220,7 +222,8 @@ impl SolidSummary {
 /// How far a solid that deforms is bent, m.
 pub fn deflection<const D: usize>(solid: &Solid<D>, now: &SolidState<D>) -> Option<f64> {
     let (elastic, soft) = (solid.elastic()?, now.soft.as_ref()?);
-    let points = |all: &[Vector<D>]| all.iter().map(|x| Vector::<3>::from(padded_to_3d(x))).collect::<Vec<_>>();
+    let points =
+        |all: &[Vector<D>]| all.iter().map(|x| Vector::<3>::from(padded_to_3d(x))).collect::<Vec<_>>();
     let (start, end) = (points(&elastic.rest_mesh().positions), points(&soft.state.positions));
     let motion = rigid_motion_of_anchors(elastic.anchored(), &start, &end);
     let bent = |x: &Vector<3>| motion.map_or(*x, |motion| motion.inverse_transformed(x));
@@ -328,7 +331,7 @@ impl Summary {
     /// # Errors
     /// [`FileError`].
     pub fn write(&self, path: &Path) -> Result<(), FileError> {
-        file::write_atomically(path, |writer| {
+        atomic_file::write_atomically(path, |writer| {
             serde_json::to_writer_pretty(&mut *writer, self)?;
             writer.write_all(b"\n")
         })
@@ -379,7 +382,8 @@ pub(crate) mod tests {
         // All go up by two, and the end that is not held goes aside by half besides.
         let mut end = start.map(|x| x + Vector::<3>::new(0.0, 0.0, 2.0));
         end[4][0] += 0.5;
-        let undone = rigid_motion_of_anchors(&held, &start, &end).map(|motion| motion.inverse_transformed(&end[4]) - start[4]);
+        let undone = rigid_motion_of_anchors(&held, &start, &end)
+            .map(|motion| motion.inverse_transformed(&end[4]) - start[4]);
         assert!(
             undone.is_some_and(|way| (way - Vector::<3>::new(0.5, 0.0, 0.0)).norm() < 1e-12),
             "{undone:?}"

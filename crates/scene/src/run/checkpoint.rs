@@ -5,11 +5,11 @@
 //! are kept, so that a damaged one costs some steps and not the run.
 
 use crate::job::RunStatistics;
-use crate::output::file::{self, FileError};
+use crate::output::atomic_file::{self, FileError};
 use meniscus_elastic::ElasticState;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Component, Slip, Slips, Soft, SolidState, State, ContactKey};
+use meniscus_sim::{Component, ContactKey, Slip, Slips, Soft, SolidState, State};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
@@ -78,7 +78,16 @@ struct ComponentRecord {
 }
 
 fn solid_record<'a, const D: usize>(solid: &'a SolidState<D>) -> Vec<f64> {
-    let SolidState { center, rotation, velocity, angular_velocity, pressure_force, contact_line_force, contact_acceleration, soft } = solid;
+    let SolidState {
+        center,
+        rotation,
+        velocity,
+        angular_velocity,
+        pressure_force,
+        contact_line_force,
+        contact_acceleration,
+        soft,
+    } = solid;
     let motion = center.iter().chain(rotation).chain(velocity).chain(angular_velocity);
     let vertices = |s: &'a Soft<D>| s.state.positions.iter().chain(&s.state.velocities);
     let vertices = soft.iter().flat_map(vertices).flatten();
@@ -131,16 +140,32 @@ fn decode_slips<const D: usize>(touches: &[[u32; 3]], slips: &[f64]) -> Option<S
         let (displacement, rest) = record.split_at(D);
         let (rate, hold) = rest.split_at(D);
         let (displacement, rate) = (Vector::from_column_slice(displacement), Vector::from_column_slice(rate));
-        (ContactKey { points: [*first, *last], other: *other }, Slip { displacement, rate, friction_limit: hold[0] })
+        (
+            ContactKey { points: [*first, *last], other: *other },
+            Slip { displacement, rate, friction_limit: hold[0] },
+        )
     };
     Some(touches.iter().zip(records).map(slip).collect())
 }
 
 impl ComponentRecord {
     fn of<const D: usize>(drop: &Component<D>) -> Self {
-        let Component { target_volume, volume, centroid, lower, upper, velocity, angular_momentum_per_density } = drop;
+        let Component {
+            target_volume,
+            volume,
+            centroid,
+            lower,
+            upper,
+            velocity,
+            angular_momentum_per_density,
+        } = drop;
         let vectors = [centroid, lower, upper, velocity].map(|v| v.iter().copied().collect());
-        Self { target_volume: *target_volume, volume: *volume, vectors, angular_momentum_per_density: *angular_momentum_per_density }
+        Self {
+            target_volume: *target_volume,
+            volume: *volume,
+            vectors,
+            angular_momentum_per_density: *angular_momentum_per_density,
+        }
     }
 
     fn decode<const D: usize>(&self) -> Option<Component<D>> {
@@ -227,7 +252,7 @@ pub fn write<const D: usize>(
         path: path.clone(),
         source: std::io::Error::other(e),
     })?;
-    file::write_atomically(&path, |writer| {
+    atomic_file::write_atomically(&path, |writer| {
         let mut sum = Checksum::default();
         let mut put = |bytes: &[u8]| {
             sum.update(bytes);
@@ -341,12 +366,22 @@ fn decode_state<const D: usize>(header: &Header, body: &[u8], grid: Grid<D>) -> 
     }
     let mut state = State::empty(grid);
     let mut rest = body;
-    let arrays = [&mut state.phi.data, &mut state.pressure_impulse.data].into_iter().chain(&mut state.velocity.axes);
+    let arrays =
+        [&mut state.phi.data, &mut state.pressure_impulse.data].into_iter().chain(&mut state.velocity.axes);
     for (array, blocks) in arrays.zip(&header.blocks) {
         rest = decompress(array, blocks, rest)?;
     }
     let n = header.scalars;
-    [state.time, state.last_dt, state.velocity_lead, state.impulse_time, state.collision_free_dt, state.displacement_since_redistancing, state.lost_volume, ..] = n;
+    [
+        state.time,
+        state.last_dt,
+        state.velocity_lead,
+        state.impulse_time,
+        state.collision_free_dt,
+        state.displacement_since_redistancing,
+        state.lost_volume,
+        ..,
+    ] = n;
     [.., state.outflow_volume, state.outflow_kinetic_energy, state.outflow_stored_energy, _, _] = n;
     [.., state.kinetic_energy, state.effective_surface_area] = n;
     state.step = header.step;

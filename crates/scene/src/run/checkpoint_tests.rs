@@ -6,7 +6,7 @@ use meniscus_sim::Repairs;
 fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("meniscus-{name}-{}", std::process::id()));
     let _ = std::fs::remove_dir_all(&folder);
-    file::create_folder(&folder).unwrap();
+    atomic_file::create_folder(&folder).unwrap();
     folder
 }
 
@@ -40,7 +40,11 @@ fn example() -> State<2> {
         })),
     });
     for (other, friction_limit) in [(0, 3.0), (9, 0.1)] {
-        let slip = Slip { displacement: Vector::from([1e-9, -0.3]), rate: Vector::from([0.1, -0.0]), friction_limit };
+        let slip = Slip {
+            displacement: Vector::from([1e-9, -0.3]),
+            rate: Vector::from([0.1, -0.0]),
+            friction_limit,
+        };
         state.elastic_slips.insert(ContactKey { points: [4, 7], other }, slip);
     }
     (state.pressure_impulse.data[3], state.kinetic_energy, state.effective_surface_area) = (2.5, 0.1, 0.3);

@@ -9,8 +9,8 @@ mod scene_text;
 mod session;
 mod watchdog;
 
-pub use crate::build::{SignedDistanceFn, Setup};
-pub use crate::job::{ExistingRun, Job, Schedule, Stop, RunStatistics, ThinLiquidStatistics};
+pub use crate::build::{Setup, SignedDistanceFn};
+pub use crate::job::{ExistingRun, Job, RunStatistics, Schedule, Stop, ThinLiquidStatistics};
 pub use error::RunError;
 pub use event::RemoteObserver;
 pub use event::{Event, Observer, Progress, SilentObserver};
@@ -49,7 +49,9 @@ pub fn run<const D: usize>(
 /// The summary of an earlier run that has done all that is asked now.
 fn finished(job: &Job, folder: &Folder) -> Result<Option<Summary>, RunError> {
     let Ok(summary) = Summary::read(&folder.summary()) else { return Ok(None) };
-    if summary.exit_reason != FINISHED || !job.schedule.has_reached_frame(summary.simulated_seconds, job.last_frame()) {
+    if summary.exit_reason != FINISHED
+        || !job.schedule.has_reached_frame(summary.simulated_seconds, job.last_frame())
+    {
         return Ok(None);
     }
     resume::check_identity(job, folder)?;

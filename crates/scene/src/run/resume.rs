@@ -7,7 +7,7 @@ use super::scene_text::identity_line;
 use super::session::Session;
 use crate::build::Setup;
 use crate::job::Job;
-use crate::output::series::TimeSeriesWriter;
+use crate::output::time_series::TimeSeriesWriter;
 use crate::output::{FileError, Folder};
 use meniscus_sim::Simulation;
 
@@ -24,7 +24,9 @@ pub(super) fn resume<'a, const D: usize>(
         match checkpoint::read(&path, job.identity, setup.model.grid) {
             Ok((state, mut tally)) => {
                 // A frame at the end of a shorter run may lie before its time in this longer one.
-                while tally.next_frame > 0 && !job.schedule.has_reached_frame(state.time, tally.next_frame - 1) {
+                while tally.next_frame > 0
+                    && !job.schedule.has_reached_frame(state.time, tally.next_frame - 1)
+                {
                     tally.next_frame -= 1;
                 }
                 let Some(series) = TimeSeriesWriter::reopen(&folder.series(), tally.series_bytes)? else {

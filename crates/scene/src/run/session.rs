@@ -7,11 +7,11 @@ use super::outcome::Outcome;
 use super::scene_text::scene_text;
 use super::watchdog::{FinishOnDrop, Limits, Watchdog};
 use crate::estimate::thin_liquid;
-use crate::job::{Job, Stop, RunStatistics};
+use crate::job::{Job, RunStatistics, Stop};
 use crate::output::log::Log;
-use crate::output::series::{self, TimeSeriesWriter};
 use crate::output::summary::{FINISHED, Summary};
-use crate::output::{FileError, Folder, SolidMeasures, file, frame};
+use crate::output::time_series::{self, TimeSeriesWriter};
+use crate::output::{FileError, Folder, SolidMeasures, atomic_file, frame};
 use crate::units::format_si;
 use meniscus_sim::{ContactLine, LineTracker, Simulation, StepReport};
 use std::io::Write;
@@ -62,7 +62,7 @@ impl<'a, const D: usize> Session<'a, D> {
         job: &'a Job,
         folder: &'a Folder,
     ) -> Result<Self, FileError> {
-        file::write_atomically(&folder.scene(), |w| w.write_all(scene_text(job).as_bytes()))?;
+        atomic_file::write_atomically(&folder.scene(), |w| w.write_all(scene_text(job).as_bytes()))?;
         let tally = RunStatistics::at_start(&simulation.model, &simulation.diagnostics());
         let names = || job.solids.iter().map(|s| s.0.as_str());
         let measures = SolidMeasures::new(&simulation, job.solids.len()).columns::<D>(names());
@@ -78,7 +78,7 @@ impl<'a, const D: usize> Session<'a, D> {
         job: &'a Job,
         folder: &'a Folder,
     ) -> Result<Self, FileError> {
-        file::write_atomically(&folder.scene(), |w| w.write_all(scene_text(job).as_bytes()))?;
+        atomic_file::write_atomically(&folder.scene(), |w| w.write_all(scene_text(job).as_bytes()))?;
         let time = simulation.state.time;
         Self::open(simulation, tally, series, job, folder, Some(time))
     }
@@ -211,7 +211,8 @@ impl<'a, const D: usize> Session<'a, D> {
     fn checkpoint_is_due(&self) -> bool {
         let frames = self.statistics.next_frame.saturating_sub(self.checkpoint_frame);
         let pause = self.checkpoint_time.elapsed();
-        pause >= MAX_CHECKPOINT_INTERVAL || frames >= self.job.checkpoint_every && pause >= MIN_CHECKPOINT_INTERVAL
+        pause >= MAX_CHECKPOINT_INTERVAL
+            || frames >= self.job.checkpoint_every && pause >= MIN_CHECKPOINT_INTERVAL
     }
 
     /// The narrowest gap between solids, in words; empty where none is narrow.
@@ -272,7 +273,7 @@ impl<'a, const D: usize> Session<'a, D> {
     fn append_row(&mut self, report: &StepReport<D>, momentum_error: f64) -> Result<(), RunError> {
         self.statistics.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
         let told = (momentum_error, self.statistics.wall_seconds);
-        let row = series::row(&self.simulation, report, &self.contact_line, told, &self.measures);
+        let row = time_series::row(&self.simulation, report, &self.contact_line, told, &self.measures);
         Ok(self.series.append(&row)?)
     }
 

@@ -69,7 +69,9 @@ impl StepProgress {
             return None;
         }
         let median = self.median();
-        median.map_or(taken >= limits.min_long_first_step, |median| taken > LONG_STEP_FACTOR * median).then_some(median)
+        median
+            .map_or(taken >= limits.min_long_first_step, |median| taken > LONG_STEP_FACTOR * median)
+            .then_some(median)
     }
 
     /// The phase at work, as far as the step before tells.

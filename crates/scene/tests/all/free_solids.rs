@@ -6,7 +6,7 @@ use meniscus_scene::build::{self, AnySetup};
 use meniscus_scene::expect;
 use meniscus_scene::file::{LoadOptions, Scene, ensure_runnable};
 use meniscus_scene::output::Folder;
-use meniscus_scene::output::series::TimeSeries;
+use meniscus_scene::output::time_series::TimeSeries;
 use meniscus_scene::run::{ExistingRun, Job, Outcome, SilentObserver};
 use meniscus_sim::{Simulation, State};
 use std::path::Path;
@@ -62,7 +62,8 @@ fn a_cork_floats_and_a_stone_sinks() {
     let folder = std::env::temp_dir().join(format!("meniscus-free-{}", std::process::id()));
     let job = Job::of(&scene, String::new());
     let setup = AnySetup::of(&scene).unwrap();
-    let done = setup.run(&job, &Folder::at(&folder), ExistingRun::Replace, &|| None, &mut SilentObserver).unwrap();
+    let done =
+        setup.run(&job, &Folder::at(&folder), ExistingRun::Replace, &|| None, &mut SilentObserver).unwrap();
     std::fs::remove_dir_all(&folder).unwrap();
     let Outcome::Finished(summary) = done else { panic!("it did not finish") };
     let verdicts = expect::evaluate(&scene, &summary, &TimeSeries::default());
@@ -81,10 +82,14 @@ fn a_cork_floats_and_a_stone_sinks() {
 
 fn same<const D: usize>(a: &State<D>, b: &State<D>) -> bool {
     let bits = |s: &State<D>| {
-        let fields = s.phi.data.iter().chain(&s.pressure_impulse.data).chain(s.velocity.axes.iter().flatten());
+        let fields =
+            s.phi.data.iter().chain(&s.pressure_impulse.data).chain(s.velocity.axes.iter().flatten());
         fields.map(|v| v.to_bits()).collect::<Vec<u64>>()
     };
-    bits(a) == bits(b) && a.solids == b.solids && a.elastic_slips == b.elastic_slips && a.components == b.components
+    bits(a) == bits(b)
+        && a.solids == b.solids
+        && a.elastic_slips == b.elastic_slips
+        && a.components == b.components
 }
 
 #[test]
@@ -96,7 +101,8 @@ fn resumed_before_and_after_a_hit_it_is_the_same_run() {
         whole.step(5e-3, &mut |_| {}).unwrap();
         again.step(5e-3, &mut |_| {}).unwrap();
         assert!(same(&whole.state, &again.state), "step {step}");
-        met |= whole.state.solids[1].contact_acceleration.norm() > 0.0 && !whole.state.elastic_slips.is_empty();
+        met |=
+            whole.state.solids[1].contact_acceleration.norm() > 0.0 && !whole.state.elastic_slips.is_empty();
     }
     assert!(met, "nothing was hit: {:?}", whole.state.solids[1]);
 }

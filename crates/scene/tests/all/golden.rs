@@ -11,7 +11,7 @@ use crate::state_hash::{hash, hashes, sums};
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::file::{LoadOptions, Scene, ensure_runnable};
 use meniscus_scene::run::checkpoint;
-use meniscus_scene::run::{Setup, RunStatistics};
+use meniscus_scene::run::{RunStatistics, Setup};
 use meniscus_sim::{Simulation, State};
 use std::path::{Path, PathBuf};
 
@@ -100,7 +100,10 @@ fn undo<const D: usize>(name: &str, simulation: &mut Simulation<D>) {
     let mut before = simulation.state.clone();
     simulation.step_and_undo(1e-4).unwrap();
     let after = &mut simulation.state;
-    assert!(after.pressure_impulse.data.iter().all(|value| *value == 0.0), "{name}: a guess of the pressure is left");
+    assert!(
+        after.pressure_impulse.data.iter().all(|value| *value == 0.0),
+        "{name}: a guess of the pressure is left"
+    );
     before.pressure_impulse = after.pressure_impulse.clone();
     let bound = |values: &[f64]| values.iter().fold(0.0f64, |most, v| most.max(v.abs()));
     let bound = bound(&before.phi.data);

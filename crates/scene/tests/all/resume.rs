@@ -20,8 +20,10 @@ fn differences<const D: usize>(a: &State<D>, b: &State<D>) -> String {
     (0..D).for_each(|i| note("velocity", count(&a.velocity.axes[i], &b.velocity.axes[i])));
     note("drops", usize::from(a.components != b.components));
     let numbers = |s: &State<D>| {
-        let sums = [s.lost_volume, s.outflow_volume, s.outflow_energy(), s.kinetic_energy, s.effective_surface_area];
-        [[s.time, s.last_dt, s.velocity_lead, s.impulse_time, s.displacement_since_redistancing], sums].concat()
+        let sums =
+            [s.lost_volume, s.outflow_volume, s.outflow_energy(), s.kinetic_energy, s.effective_surface_area];
+        [[s.time, s.last_dt, s.velocity_lead, s.impulse_time, s.displacement_since_redistancing], sums]
+            .concat()
     };
     note("numbers", count(&numbers(a), &numbers(b)));
     out

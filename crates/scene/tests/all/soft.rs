@@ -10,7 +10,7 @@ use meniscus_scene::error::SceneError;
 use meniscus_scene::expect;
 use meniscus_scene::file::{LoadOptions, Quality, Scene, ensure_runnable};
 use meniscus_scene::output::Folder;
-use meniscus_scene::output::series::{COLUMNS, TimeSeries};
+use meniscus_scene::output::time_series::{COLUMNS, TimeSeries};
 use meniscus_scene::run::{ExistingRun, Job, Outcome, Schedule, SilentObserver};
 use std::path::{Path, PathBuf};
 
@@ -188,7 +188,8 @@ fn parts_go_as_told() {
         let elastic = setup.model.solids[0].elastic().unwrap();
         let speed = |v: usize| start.velocities[v];
         assert!(
-            (0..start.velocities.len()).all(|v| elastic.anchored()[v] || speed(v) == Vector::from([0.0, 0.01]))
+            (0..start.velocities.len())
+                .all(|v| elastic.anchored()[v] || speed(v) == Vector::from([0.0, 0.01]))
         );
         for _ in 0..3 {
             simulation.step(1e-3, &mut |_| {}).unwrap();
@@ -440,7 +441,8 @@ fn runs_tell_of_inverted_elements_and_overlaps() {
     job.schedule = Schedule::new(1e-3, 2e-3);
     let out = std::env::temp_dir().join(format!("meniscus-sound-{}", std::process::id()));
     let setup = AnySetup::of(&scene).unwrap();
-    let done = setup.run(&job, &Folder::at(&out), ExistingRun::Replace, &|| None, &mut SilentObserver).unwrap();
+    let done =
+        setup.run(&job, &Folder::at(&out), ExistingRun::Replace, &|| None, &mut SilentObserver).unwrap();
     let header = std::fs::read_to_string(out.join("timeseries.csv")).unwrap();
     assert!(header.lines().next().unwrap().ends_with("deflection_body,tip_body_x,tip_body_y"), "{header}");
     assert_eq!(header.lines().nth(1).unwrap().split(',').count(), COLUMNS.len() + 3 + 7);

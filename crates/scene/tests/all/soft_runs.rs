@@ -6,8 +6,8 @@ use meniscus_scene::build::{self, AnySetup};
 use meniscus_scene::expect;
 use meniscus_scene::file::{LoadOptions, Scene};
 use meniscus_scene::output::Folder;
-use meniscus_scene::output::series::TimeSeries;
 use meniscus_scene::output::summary::Summary;
+use meniscus_scene::output::time_series::TimeSeries;
 use meniscus_scene::run::{ExistingRun, Job, Outcome, SilentObserver};
 use std::path::Path;
 
@@ -49,7 +49,8 @@ fn run(scene: &Scene, name: &str) -> (Summary, TimeSeries) {
     let out = std::env::temp_dir().join(format!("meniscus-{name}-{}", std::process::id()));
     let setup = AnySetup::of(scene).unwrap_or_else(|e| panic!("{}", e.render()));
     let job = Job::of(scene, String::new());
-    let done = setup.run(&job, &Folder::at(&out), ExistingRun::Replace, &|| None, &mut SilentObserver).unwrap();
+    let done =
+        setup.run(&job, &Folder::at(&out), ExistingRun::Replace, &|| None, &mut SilentObserver).unwrap();
     let series = TimeSeries::read(&Folder::at(&out).series()).unwrap();
     std::fs::remove_dir_all(&out).unwrap();
     let Outcome::Finished(summary) = done else { panic!("it did not finish") };

@@ -2,7 +2,7 @@
 
 use meniscus_elastic::ElasticState;
 use meniscus_numerics::grid::{CellField, FaceField};
-use meniscus_sim::{Component, Slip, Soft, SolidState, State, ContactKey};
+use meniscus_sim::{Component, ContactKey, Slip, Soft, SolidState, State};
 
 /// FNV-1a over the bits of numbers (G. Fowler, L. Noll, K.-P. Vo 1991).
 struct Fnv(u64);
@@ -55,7 +55,14 @@ pub fn hashes<const D: usize>(state: &State<D>) -> Vec<(&'static str, u64)> {
     } = state;
     let times = of(|fnv| {
         fnv.bits(*step);
-        fnv.all([time, last_dt, velocity_lead, impulse_time, collision_free_dt, displacement_since_redistancing]);
+        fnv.all([
+            time,
+            last_dt,
+            velocity_lead,
+            impulse_time,
+            collision_free_dt,
+            displacement_since_redistancing,
+        ]);
     });
     let sums = of(|fnv| {
         fnv.all([lost_volume, outflow_volume, outflow_kinetic_energy, outflow_stored_energy]);
@@ -85,15 +92,27 @@ pub fn hash<const D: usize>(state: &State<D>) -> u64 {
 }
 
 fn put_drop<const D: usize>(fnv: &mut Fnv, drop: &Component<D>) {
-    let Component { target_volume, volume, centroid, lower, upper, velocity, angular_momentum_per_density } = drop;
+    let Component { target_volume, volume, centroid, lower, upper, velocity, angular_momentum_per_density } =
+        drop;
     fnv.all([target_volume, volume]);
     [centroid, lower, upper, velocity].iter().for_each(|vector| fnv.all(vector.iter()));
     fnv.all(angular_momentum_per_density);
 }
 
 fn put_solid<const D: usize>(fnv: &mut Fnv, solid: &SolidState<D>) {
-    let SolidState { center, rotation, velocity, angular_velocity, pressure_force, contact_line_force, contact_acceleration, soft } = solid;
-    [center, velocity, pressure_force, contact_line_force, contact_acceleration].iter().for_each(|vector| fnv.all(vector.iter()));
+    let SolidState {
+        center,
+        rotation,
+        velocity,
+        angular_velocity,
+        pressure_force,
+        contact_line_force,
+        contact_acceleration,
+        soft,
+    } = solid;
+    [center, velocity, pressure_force, contact_line_force, contact_acceleration]
+        .iter()
+        .for_each(|vector| fnv.all(vector.iter()));
     fnv.all(rotation.iter());
     fnv.all(angular_velocity);
     // The surface follows from the positions.

@@ -9,7 +9,7 @@ use meniscus_scene::estimate::check::check;
 use meniscus_scene::expect;
 use meniscus_scene::file::{LoadOptions, Scene, ensure_runnable};
 use meniscus_scene::output::Folder;
-use meniscus_scene::output::series::TimeSeries;
+use meniscus_scene::output::time_series::TimeSeries;
 use meniscus_scene::run::{ExistingRun, Job, Outcome, SilentObserver};
 use std::path::Path;
 

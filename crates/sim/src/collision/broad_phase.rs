@@ -1,6 +1,6 @@
 //! Broad phase of contact: pairs of features that may touch while all solids go from one configuration to another.
 
-use super::places::Configuration;
+use super::configuration::Configuration;
 use super::points::SdfPair;
 use meniscus_contact::FeaturePairs;
 use meniscus_numerics::Vector;
@@ -21,9 +21,11 @@ impl CandidatePairs {
         let Some(Configuration { model, points, .. }) = ways.first().map(|way| way.from) else {
             return Self::default();
         };
-        let configurations: Vec<_> = ways.iter().flat_map(|way| [way.from.positions(), way.to.positions()]).collect();
+        let configurations: Vec<_> =
+            ways.iter().flat_map(|way| [way.from.positions(), way.to.positions()]).collect();
         let rigid = |body: u32| model.solids[body as usize].elastic().is_none();
-        let feature_pairs = points.surface.nearby_pairs(&configurations, reach, margin, rigid, |p| points.is_prescribed(p));
+        let feature_pairs =
+            points.surface.nearby_pairs(&configurations, reach, margin, rigid, |p| points.is_prescribed(p));
         let ends = configurations.chunks_exact(2);
         let mut sdf_pairs: Vec<SdfPair> = ways
             .iter()
@@ -53,7 +55,8 @@ fn find_sdf_pairs<const D: usize>(
     let mut meetings = Vec::new();
     for (side, plane) in points.domain_sides.iter().enumerate() {
         let close = plane.near_points(&points.surface, start, &displacements, reach);
-        meetings.extend(close.into_iter().filter(|p| !points.is_prescribed(*p)).map(|p| SdfPair::Side(p, side)));
+        meetings
+            .extend(close.into_iter().filter(|p| !points.is_prescribed(*p)).map(|p| SdfPair::Side(p, side)));
     }
     let rigid = |k: &usize| model.solids[*k].elastic().is_none() && model.wetting_wall_solid() != Some(*k);
     for solid in (0..model.solids.len()).filter(rigid) {

@@ -9,8 +9,8 @@
 //! Limit: solids that deform have no restitution; their own elasticity tells how they bounce.
 
 use super::broad_phase::{CandidatePairs, Sweep};
-use super::places::Configuration;
-use super::points::{SdfPair, PointOwner, CollisionPoints, BARRIER_REACH_CELLS};
+use super::configuration::Configuration;
+use super::points::{BARRIER_REACH_CELLS, CollisionPoints, PointOwner, SdfPair};
 use crate::coupling::impulses::moment;
 use crate::model::Model;
 use crate::model::time_step::StepTimes;
@@ -139,11 +139,20 @@ impl<const D: usize> ImpactSolver<'_, D> {
                 SdfPair::Side(_, side) => (None, points.domain_sides[side].normal),
             };
             let radius = points.surface.radius(m.point());
-            let gap = distance - points.thickness(m) - points.surface.activation_distance(m.point()).min(reach);
+            let gap =
+                distance - points.thickness(m) - points.surface.activation_distance(m.point()).min(reach);
             let at = x - normal * (0.5 * (distance + radius));
             let tangential_impulse = Vector::zeros();
-            let mut c =
-                RigidContact { pair: (solid, other), at, normal, gap, predicted_gap: gap, target_speed: 0.0, normal_impulse: 0.0, tangential_impulse };
+            let mut c = RigidContact {
+                pair: (solid, other),
+                at,
+                normal,
+                gap,
+                predicted_gap: gap,
+                target_speed: 0.0,
+                normal_impulse: 0.0,
+                tangential_impulse,
+            };
             c.predicted_gap += self.times.lookahead * self.relative_velocity(self.solids, &c).dot(&normal);
             (free(solid) || other.is_some_and(free)).then_some(c)
         };
@@ -202,8 +211,9 @@ impl<const D: usize> ImpactSolver<'_, D> {
     /// Gauss-Seidel. Returns whether it converged.
     fn gauss_seidel(&mut self, hits: &mut [RigidContact<D>]) -> bool {
         let of = |c: &RigidContact<D>, i: usize| self.solids[i].velocity_at(&c.at).norm();
-        let fastest =
-            |c: &RigidContact<D>| c.pair.1.map_or(c.target_speed, |j| of(c, j).max(c.target_speed)).max(of(c, c.pair.0));
+        let fastest = |c: &RigidContact<D>| {
+            c.pair.1.map_or(c.target_speed, |j| of(c, j).max(c.target_speed)).max(of(c, c.pair.0))
+        };
         let scale = hits.iter().map(fastest).fold(0.0, f64::max);
         for sweep in 0..2 * MAX_SWEEPS {
             let mut change = 0.0f64;
@@ -227,7 +237,8 @@ impl<const D: usize> ImpactSolver<'_, D> {
         self.apply_impulse(c, &pushed);
         let speed = self.relative_velocity(self.solids, c);
         let across = speed - c.normal * speed.dot(&c.normal);
-        let stop = across.try_normalize(0.0).map_or(across, |along| across / self.inverse_effective_mass(c, &along));
+        let stop =
+            across.try_normalize(0.0).map_or(across, |along| across / self.inverse_effective_mass(c, &along));
         let rub = (c.tangential_impulse - stop).cap_magnitude(friction * push);
         let rubbed = rub - c.tangential_impulse;
         self.apply_impulse(c, &rubbed);

@@ -4,12 +4,12 @@
 //! ([`newton`]). Before that rigid solids bounce ([`impact`]).
 
 pub mod broad_phase;
-pub mod compliance;
+pub mod configuration;
 pub mod impact;
+pub mod initial_points;
 pub mod newton;
 pub mod overlap;
-pub mod places;
 pub mod points;
 pub mod potential;
-pub mod start;
-pub mod tie;
+pub mod solid_response;
+pub mod tied_face;

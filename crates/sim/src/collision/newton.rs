@@ -7,17 +7,17 @@
 //! (M. Li et al., "Incremental Potential Contact", 2020), and as the potential falls. Iterations end when the next would move
 //! nothing.
 
-pub use super::compliance::SolidResponse;
 use super::points::BARRIER_REACH_CELLS;
+pub use super::solid_response::SolidResponse;
 
 pub use super::points::{CollisionPoints, angular_to_node};
-use super::potential::moments::{EarlyPairs, OldTimeLevels};
+use super::potential::time_levels::{EarlyPairs, OldTimeLevels};
 
 pub use super::potential::slips::Slips;
-use super::tie::{TiedSolid, TiedFace};
+use super::tied_face::{TiedFace, TiedSolid};
 
 use super::broad_phase::CandidatePairs;
-use super::potential::total::{EliminationOrder, SolidTerm, Potential, RigidTerm};
+use super::potential::incremental_potential::{EliminationOrder, Potential, RigidTerm, SolidTerm};
 use crate::contact_line::friction::DraggedFace;
 use crate::coupling::impulses::CouplingImpulses;
 use crate::flow::pressure::ProjectionOptions;
@@ -25,7 +25,10 @@ use crate::model::Model;
 use crate::model::time_step::StepTimes;
 use crate::solid::{Motion, SolidState};
 use meniscus_contact::Barrier;
-use meniscus_elastic::{Elastic, MAX_LINE_SEARCH_HALVINGS, MAX_NEWTON_ITERATIONS, IncrementalPotential, KEPT_FRACTION, StiffnessBlock};
+use meniscus_elastic::{
+    Elastic, IncrementalPotential, KEPT_FRACTION, MAX_LINE_SEARCH_HALVINGS, MAX_NEWTON_ITERATIONS,
+    StiffnessBlock,
+};
 use meniscus_numerics::grid::FaceField;
 use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::{Matrix, Vector};
@@ -145,7 +148,11 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
                     _ => inertia[(r, c)],
                 });
                 let target_velocities = [forced[k].velocity, angular_to_node(&forced[k].angular_velocity)];
-                SolidTerm::Free(RigidTerm { mass: model.solids[k].mass_properties.mass, inertia, target_velocities })
+                SolidTerm::Free(RigidTerm {
+                    mass: model.solids[k].mass_properties.mass,
+                    inertia,
+                    target_velocities,
+                })
             }
             _ => SolidTerm::Prescribed,
         };
@@ -170,7 +177,13 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             velocity_lead: times.velocity_lead,
             lookahead: times.lookahead,
             settling_time: times.lookahead,
-            old_levels: OldTimeLevels::new(model, before, points, old, times.impulse_time - times.velocity_lead),
+            old_levels: OldTimeLevels::new(
+                model,
+                before,
+                points,
+                old,
+                times.impulse_time - times.velocity_lead,
+            ),
             elastic_slips,
             early_pairs: EarlyPairs::default(),
             friction_contacts: Vec::new(),
@@ -193,10 +206,12 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         // The first guess is to go on as before.
         let guess = descent.prescribed.clone();
         let on_the_way = descent.potential.candidates(&descent.velocities, &guess, descent.margin());
-        descent.potential.friction_contacts = descent.potential.friction_contacts(&descent.velocities, &on_the_way);
+        descent.potential.friction_contacts =
+            descent.potential.friction_contacts(&descent.velocities, &on_the_way);
         descent.go(&guess, on_the_way, false);
         descent.recentre();
-        descent.potential.early_pairs = descent.potential.find_early_pairs(&descent.velocities, &descent.candidates);
+        descent.potential.early_pairs =
+            descent.potential.find_early_pairs(&descent.velocities, &descent.candidates);
         descent
     }
 
@@ -273,8 +288,11 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
                 if model.solids[solid].motion.is_prescribed() {
                     continue;
                 }
-                let end =
-                    TiedSolid { drag_index, drag: of.drag, node_weights: node_weights(&solids[solid], points.first_node[solid], &x, &axis) };
+                let end = TiedSolid {
+                    drag_index,
+                    drag: of.drag,
+                    node_weights: node_weights(&solids[solid], points.first_node[solid], &x, &axis),
+                };
                 of.solid_velocity = end.velocity(&self.velocities);
                 ends.push(end);
             }
@@ -300,7 +318,13 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
     /// of which a shorter step takes a part.
     pub fn collision_free_dt(&self) -> f64 {
         let still = vec![Vector::zeros(); self.velocities.len()];
-        let part = self.potential.max_step_fraction(&still, &self.velocities, &self.velocities, &self.candidates, MIN_CLEARANCE_FRACTION);
+        let part = self.potential.max_step_fraction(
+            &still,
+            &self.velocities,
+            &self.velocities,
+            &self.candidates,
+            MIN_CLEARANCE_FRACTION,
+        );
         self.potential.lookahead * part
     }
 
@@ -319,7 +343,8 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             now.contact_acceleration = Vector::zeros();
             if let Some(elastic) = solid.elastic() {
                 let count = elastic.masses().len();
-                now.contact_acceleration = own[..count].iter().sum::<Vector<D>>() / (solid.mass_properties.mass * impulse_time);
+                now.contact_acceleration =
+                    own[..count].iter().sum::<Vector<D>>() / (solid.mass_properties.mass * impulse_time);
             } else if solid.motion == Motion::Free {
                 now.contact_acceleration = own[0] / (solid.mass_properties.mass * impulse_time);
             }
@@ -331,7 +356,11 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
     /// The difference of the told nodes' velocities from what they are told.
     fn prescribed_change(&self) -> Vec<Vector<D>> {
         let of = |k: usize| {
-            if self.potential.points.prescribed_nodes[k] { self.prescribed[k] - self.velocities[k] } else { Vector::zeros() }
+            if self.potential.points.prescribed_nodes[k] {
+                self.prescribed[k] - self.velocities[k]
+            } else {
+                Vector::zeros()
+            }
         };
         (0..self.velocities.len()).map(of).collect()
     }
@@ -351,10 +380,13 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         let Potential { model, points, .. } = self.potential;
         let mut to: Vec<Vector<D>> = self.velocities.iter().zip(change).map(|(v, c)| v + c).collect();
         let prescribed_change = self.prescribed_change();
-        (0..to.len()).filter(|k| self.potential.points.prescribed_nodes[*k]).for_each(|k| to[k] = self.prescribed[k]);
+        (0..to.len())
+            .filter(|k| self.potential.points.prescribed_nodes[*k])
+            .for_each(|k| to[k] = self.prescribed[k]);
         self.potential.pressure_impulses = pressed;
         let prescribed_moves = prescribed_change.iter().any(|l| l.norm_squared() > 0.0);
-        let limit = CONVERGENCE_TOLERANCE * self.potential.barrier.activation_distance / self.potential.lookahead;
+        let limit =
+            CONVERGENCE_TOLERANCE * self.potential.barrier.activation_distance / self.potential.lookahead;
         let size = to.iter().zip(&self.velocities).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         let on_the_way = self.potential.candidates(&self.velocities, &to, self.margin());
         let whole = self.go(&to, on_the_way, !prescribed_moves && size > limit);
@@ -382,7 +414,8 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         let mut tolerance = limit;
         if off < limit && self.friction_updates < MAX_FRICTION_UPDATES {
             self.potential.early_pairs = self.potential.find_early_pairs(&self.velocities, &self.candidates);
-            self.potential.friction_contacts = self.potential.friction_contacts(&self.velocities, &self.candidates);
+            self.potential.friction_contacts =
+                self.potential.friction_contacts(&self.velocities, &self.candidates);
             self.friction_updates += 1;
             (change, off) = self.correction(response);
             tolerance = FRICTION_LAG_TOLERANCE * limit;
@@ -428,7 +461,12 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
     }
 
     /// How far that is; whether it is all the way.
-    fn line_search(&self, to: &[Vector<D>], candidates: &CandidatePairs, must_decrease: bool) -> (Vec<Vector<D>>, bool) {
+    fn line_search(
+        &self,
+        to: &[Vector<D>],
+        candidates: &CandidatePairs,
+        must_decrease: bool,
+    ) -> (Vec<Vector<D>>, bool) {
         let change: Vec<Vector<D>> = to.iter().zip(&self.velocities).map(|(t, v)| t - v).collect();
         let along = |part: f64| -> Vec<Vector<D>> {
             if part == 1.0 {
@@ -436,7 +474,8 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             }
             self.velocities.iter().zip(&change).map(|(v, c)| v + c * part).collect()
         };
-        let mut part = self.potential.max_step_fraction(&self.velocities, &change, to, candidates, KEPT_FRACTION);
+        let mut part =
+            self.potential.max_step_fraction(&self.velocities, &change, to, candidates, KEPT_FRACTION);
         if !must_decrease {
             return (along(part), part == 1.0);
         }

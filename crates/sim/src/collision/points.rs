@@ -6,7 +6,7 @@
 
 use crate::model::Model;
 use crate::solid::{Motion, SolidState};
-use meniscus_contact::{Plane, CollisionMesh};
+use meniscus_contact::{CollisionMesh, Plane};
 use meniscus_elastic::Assembly;
 use meniscus_numerics::Vector;
 use std::collections::BTreeMap;
@@ -148,7 +148,12 @@ impl<const D: usize> CollisionPoints<D> {
     }
 
     /// Gives the solids the velocities of the nodes.
-    pub fn set_node_velocities(&self, model: &Model<D>, solids: &mut [SolidState<D>], velocities: &[Vector<D>]) {
+    pub fn set_node_velocities(
+        &self,
+        model: &Model<D>,
+        solids: &mut [SolidState<D>],
+        velocities: &[Vector<D>],
+    ) {
         for (k, (solid, now)) in model.solids.iter().zip(solids).enumerate() {
             let own = &velocities[self.first_node[k]..];
             if let (Some(soft), Some(elastic)) = (&mut now.soft, solid.elastic()) {

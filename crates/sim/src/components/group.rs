@@ -23,7 +23,14 @@ pub struct ComponentGroup<const D: usize> {
 impl<const D: usize> ComponentGroup<D> {
     /// These old components became these new ones.
     pub fn new(old: Vec<usize>, new: Vec<usize>) -> Self {
-        Self { old, new, target_motion: None, advected_motion: None, unconstrained_projector: Matrix::zeros(), keeps_angular_momentum: true }
+        Self {
+            old,
+            new,
+            target_motion: None,
+            advected_motion: None,
+            unconstrained_projector: Matrix::zeros(),
+            keeps_angular_momentum: true,
+        }
     }
 }
 

@@ -106,7 +106,8 @@ impl<const D: usize> Moments<D> {
     /// Angular momentum about the mean position of each axis' faces: a uniform velocity adds nothing.
     fn angular_momentum(&self) -> [f64; 3] {
         let relative = |a: usize, b: usize| {
-            self.moment_of_momentum[a][b] - self.first_moment[a][b] * self.momentum[a] / self.mass[a].max(1e-300)
+            self.moment_of_momentum[a][b]
+                - self.first_moment[a][b] * self.momentum[a] / self.mass[a].max(1e-300)
         };
         let mut angular_momentum = [0.0; 3];
         for &(a, b, place) in rotation_planes::<D>() {
@@ -117,12 +118,18 @@ impl<const D: usize> Moments<D> {
 
     /// The body as one whole with its centre where the surface says.
     pub fn rigid_motion(&self, center: Vector<D>) -> RigidMotion<D> {
-        RigidMotion { volume: self.mass[0], center, velocity: self.velocity(), angular_momentum_per_density: self.angular_momentum() }
+        RigidMotion {
+            volume: self.mass[0],
+            center,
+            velocity: self.velocity(),
+            angular_momentum_per_density: self.angular_momentum(),
+        }
     }
 
     /// Σ m x_b x_c over the faces of axis `a`, about their mean position.
     fn central_second_moment(&self, a: usize, b: usize, c: usize) -> f64 {
-        self.second_moment[a][b][c] - self.first_moment[a][b] * self.first_moment[a][c] / self.mass[a].max(1e-300)
+        self.second_moment[a][b][c]
+            - self.first_moment[a][b] * self.first_moment[a][c] / self.mass[a].max(1e-300)
     }
 }
 
@@ -203,7 +210,8 @@ impl<const D: usize> ComponentFaces<'_, D> {
             }
         }
         for f in self.interface_faces {
-            let x = self.model.grid.face_center(f.axis, self.model.grid.face_lattice(f.axis).coordinates(f.face));
+            let x =
+                self.model.grid.face_center(f.axis, self.model.grid.face_lattice(f.axis).coordinates(f.face));
             let component = (self.label)(f.cell) as usize;
             total[component].add_face(f.axis, f.theta * f.open_fraction, &x, velocity.axes[f.axis][f.face]);
         }
@@ -272,8 +280,13 @@ impl<const D: usize> ComponentFaces<'_, D> {
         dt: f64,
     ) -> MomentumRestoration<D> {
         let moments = self.moments(velocity);
-        let mut restored =
-            MomentumRestoration { moments: Vec::new(), momentum: 0.0, angular_momentum: 0.0, unrestored: 0, unlabelled: 0 };
+        let mut restored = MomentumRestoration {
+            moments: Vec::new(),
+            momentum: 0.0,
+            angular_momentum: 0.0,
+            unrestored: 0,
+            unlabelled: 0,
+        };
         let mut motions: Vec<Option<VelocityCorrection<D>>> = vec![None; self.component_count];
         for group in groups {
             let Some(mut target) = group.target_motion.clone() else { continue };
@@ -281,26 +294,39 @@ impl<const D: usize> ComponentFaces<'_, D> {
                 restored.unrestored += 1;
                 continue;
             }
-            let parts: Vec<Moments<D>> = group.new.iter().map(|&j| moments[j].scaled_to_mass(targets[j])).collect();
+            let parts: Vec<Moments<D>> =
+                group.new.iter().map(|&j| moments[j].scaled_to_mass(targets[j])).collect();
             let now = combined(zip(&group.new, &parts).map(|(&j, m)| m.rigid_motion(centers[j])));
             if !group.unconstrained_projector.is_identity(0.0) {
                 target = target.moved_to(now.center);
             }
             let arms: Vec<Vector<D>> = group.new.iter().map(|&j| centers[j] - target.center).collect();
             let shift = target.velocity + self.model.gravity * dt - now.velocity;
-            let missing: [f64; 3] = std::array::from_fn(|i| target.angular_momentum_per_density[i] - now.angular_momentum_per_density[i]);
+            let missing: [f64; 3] = std::array::from_fn(|i| {
+                target.angular_momentum_per_density[i] - now.angular_momentum_per_density[i]
+            });
             restored.momentum += self.model.density * target.volume * shift.norm();
             if group.keeps_angular_momentum {
                 restored.angular_momentum += self.model.density * Vector::<3>::from(missing).norm();
             }
             let spread = |a: usize, b: usize, c: usize| {
-                zip(&parts, &arms).map(|(m, r)| m.central_second_moment(a, b, c) + m.mass[a] * r[b] * r[c]).sum()
+                zip(&parts, &arms)
+                    .map(|(m, r)| m.central_second_moment(a, b, c) + m.mass[a] * r[b] * r[c])
+                    .sum()
             };
             let least = 1e-6 * target.volume * self.model.grid.dx.powi(2);
-            let rotation_rate = if group.keeps_angular_momentum { rotation_rate::<D>(missing, least, spread) } else { [0.0; 3] };
+            let rotation_rate = if group.keeps_angular_momentum {
+                rotation_rate::<D>(missing, least, spread)
+            } else {
+                [0.0; 3]
+            };
             for ((&j, m), arm) in zip(&group.new, parts).zip(&arms) {
                 let mean_positions = m.mean_positions();
-                motions[j] = Some(VelocityCorrection { velocity: shift + rotational_velocity(&rotation_rate, arm), rotation_rate, mean_positions });
+                motions[j] = Some(VelocityCorrection {
+                    velocity: shift + rotational_velocity(&rotation_rate, arm),
+                    rotation_rate,
+                    mean_positions,
+                });
             }
         }
         if motions.iter().all(Option::is_none) {
@@ -312,7 +338,11 @@ impl<const D: usize> ComponentFaces<'_, D> {
 
     /// Adds a velocity to each component.
     pub fn add_velocities(&self, velocity: &mut FaceField<D>, by: &[Vector<D>]) {
-        let still = |v: &Vector<D>| VelocityCorrection { velocity: *v, rotation_rate: [0.0; 3], mean_positions: [Vector::zeros(); D] };
+        let still = |v: &Vector<D>| VelocityCorrection {
+            velocity: *v,
+            rotation_rate: [0.0; 3],
+            mean_positions: [Vector::zeros(); D],
+        };
         let motions: Vec<Option<VelocityCorrection<D>>> =
             by.iter().map(|v| v.iter().any(|u| *u != 0.0).then(|| still(v))).collect();
         if motions.iter().any(Option::is_some) {
@@ -322,9 +352,9 @@ impl<const D: usize> ComponentFaces<'_, D> {
 
     fn add_rigid_velocities(&self, velocity: &mut FaceField<D>, motions: &[Option<VelocityCorrection<D>>]) {
         let motion = |a: usize, x: &Vector<D>, component: u32| -> f64 {
-            motions[component as usize]
-                .as_ref()
-                .map_or(0.0, |m| m.velocity[a] + rotational_velocity(&m.rotation_rate, &(x - m.mean_positions[a]))[a])
+            motions[component as usize].as_ref().map_or(0.0, |m| {
+                m.velocity[a] + rotational_velocity(&m.rotation_rate, &(x - m.mean_positions[a]))[a]
+            })
         };
         for a in 0..D {
             let row = self.model.grid.face_lattice(a).extent[0];
@@ -334,12 +364,15 @@ impl<const D: usize> ComponentFaces<'_, D> {
                 &self.faces[a],
                 |s, part| {
                     let base = s.row * row + s.start;
-                    self.for_each_inner_face(a, s, |face, x, component, _| part[face - base] += motion(a, x, component));
+                    self.for_each_inner_face(a, s, |face, x, component, _| {
+                        part[face - base] += motion(a, x, component)
+                    });
                 },
             );
         }
         for f in self.interface_faces {
-            let x = self.model.grid.face_center(f.axis, self.model.grid.face_lattice(f.axis).coordinates(f.face));
+            let x =
+                self.model.grid.face_center(f.axis, self.model.grid.face_lattice(f.axis).coordinates(f.face));
             velocity.axes[f.axis][f.face] += motion(f.axis, &x, (self.label)(f.cell));
         }
     }

@@ -16,7 +16,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Takes from the groups what they gave to solids. Of a small drop the torque is noise, and so little turns
 /// it that it was flung about at ten times the capillary speed (2 cells a radius, at the rim of a plate).
-pub fn subtract_solid_impulses<const D: usize>(model: &Model<D>, groups: &mut [ComponentGroup<D>], given: &[CouplingImpulses<D>]) {
+pub fn subtract_solid_impulses<const D: usize>(
+    model: &Model<D>,
+    groups: &mut [ComponentGroup<D>],
+    given: &[CouplingImpulses<D>],
+) {
     let count = groups.iter().flat_map(|g| &g.new).max().map_or(0, |c| c + 1);
     let mut sums = vec![Impulse::zero(); count];
     for ((component, _), impulse) in given.iter().flat_map(|g| &g.pairs) {
@@ -45,7 +49,11 @@ pub fn restore_advected_momentum<const D: usize>(
     if change.groups.iter().all(|g| g.advected_motion.is_none()) {
         return Repairs::default();
     }
-    let carried = |g: &ComponentGroup<D>| ComponentGroup { target_motion: g.advected_motion.clone(), unconstrained_projector: Matrix::zeros(), ..g.clone() };
+    let carried = |g: &ComponentGroup<D>| ComponentGroup {
+        target_motion: g.advected_motion.clone(),
+        unconstrained_projector: Matrix::zeros(),
+        ..g.clone()
+    };
     let groups: Vec<ComponentGroup<D>> = change.groups.iter().map(carried).collect();
     let flat = Curvature::unknown();
     let interface_faces = interface_faces(model, &state.phi, &work.band, &flat, &work.cut_cells);

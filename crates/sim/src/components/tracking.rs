@@ -2,7 +2,9 @@
 
 use super::group::ComponentGroup;
 use super::momentum::combined;
-use super::volume::{ComponentMatch, VolumeMeasurement, centroid_corrections, band_labels, match_components, target_volumes};
+use super::volume::{
+    ComponentMatch, VolumeMeasurement, band_labels, centroid_corrections, match_components, target_volumes,
+};
 use crate::contact_line::force::unconstrained_projectors;
 use crate::free_surface::dual_cell::DualCell;
 use crate::model::Model;
@@ -45,7 +47,8 @@ impl<const D: usize> ComponentChange<D> {
     /// The components as they are, each become itself.
     pub fn unchanged(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Self {
         let band_labels = band_labels(model, &work.band, &state.phi, &work.liquid);
-        let VolumeMeasurement { dual_cells, volumes, centers } = work.volume_correction(model, &band_labels).measure(&state.phi);
+        let VolumeMeasurement { dual_cells, volumes, centers } =
+            work.volume_correction(model, &band_labels).measure(&state.phi);
         let groups = (0..volumes.len()).map(|c| ComponentGroup::new(vec![c], vec![c])).collect();
         Self {
             groups,
@@ -73,11 +76,19 @@ pub fn restore_volume<const D: usize>(
     let measured = liquid.measure(&state.phi);
     let measured_volumes = measured.volumes.clone();
     // A component that vanishes within a cell of an open side has left the domain through that side.
-    let has_left = |d: &Component<D>| model.open_side_distance(&(d.centroid + d.velocity * dt)) > -model.grid.dx;
-    let mut followed = match_components(before, &work.liquid, &state.components, &measured.centers, dt, has_left);
+    let has_left =
+        |d: &Component<D>| model.open_side_distance(&(d.centroid + d.velocity * dt)) > -model.grid.dx;
+    let mut followed =
+        match_components(before, &work.liquid, &state.components, &measured.centers, dt, has_left);
     let groups = &mut followed.groups;
-    let mut unpulled = unconstrained_projectors(&measured.dual_cells, &work.cut_cells.cells, &band_component(&work.band, &band_labels), measured_volumes.len());
-    let free = work.facing_wetted_fraction(&unpulled).into_iter().map(|share| share < MAX_FACING_WETTED_FRACTION);
+    let mut unpulled = unconstrained_projectors(
+        &measured.dual_cells,
+        &work.cut_cells.cells,
+        &band_component(&work.band, &band_labels),
+        measured_volumes.len(),
+    );
+    let free =
+        work.facing_wetted_fraction(&unpulled).into_iter().map(|share| share < MAX_FACING_WETTED_FRACTION);
     unpulled.iter_mut().zip(free).filter(|(_, free)| !free).for_each(|(part, _)| part.fill(0.0));
     predict_motions(model, state, work, groups, &unpulled, dt);
     let (target_volumes, mut lost) = target_volumes(groups, &state.components, &measured_volumes);
@@ -95,7 +106,9 @@ pub fn restore_volume<const D: usize>(
     let groups = followed.groups;
     // A drop too small to be resolved loses its shape in any step: it must not make the others wait.
     let is_resolved = |c: &usize| target_volumes[*c] > min_resolved_volume(model);
-    let depths = (0..measured_volumes.len()).filter(is_resolved).map(|c| layer_thickness_cells(model, measured_volumes[c] - target_volumes[c], target_volumes[c]));
+    let depths = (0..measured_volumes.len())
+        .filter(is_resolved)
+        .map(|c| layer_thickness_cells(model, measured_volumes[c] - target_volumes[c], target_volumes[c]));
     let volume_error_cells = depths.fold(0.0, f64::max);
     let limit = BAND_WIDTH_CELLS * model.grid.dx;
     let (corrected, converged) = liquid.correct(&mut state.phi, measured, &target_volumes, &groups, limit);
@@ -107,7 +120,16 @@ pub fn restore_volume<const D: usize>(
     // Where the surface could not follow all the way, the books do.
     let corrections = centroid_corrections(&groups, &target_volumes, &centers);
     centers.iter_mut().zip(corrections).for_each(|(center, corrections)| *center += corrections);
-    ComponentChange { groups, band_labels, dual_cells, target_volumes, volumes, centers, volume_error_cells, repairs }
+    ComponentChange {
+        groups,
+        band_labels,
+        dual_cells,
+        target_volumes,
+        volumes,
+        centers,
+        volume_error_cells,
+        repairs,
+    }
 }
 
 /// Volume that is about to be moved, and components that vanished or appeared; `raw` are the volumes as they are.
@@ -192,7 +214,8 @@ pub fn predict_motions<const D: usize>(
         let free = group.new.iter().all(|&j| !touching[j].domain_side);
         if !group.old.is_empty() && !group.new.is_empty() && free {
             let touches = group.new.iter().any(|&j| touching[j].free_solid || touching[j].constrained_solid);
-            group.unconstrained_projector = if touches { group_projector(group, unpulled) } else { Matrix::identity() };
+            group.unconstrained_projector =
+                if touches { group_projector(group, unpulled) } else { Matrix::identity() };
             let mut motion = combined(group.old.iter().map(|&i| state.components[i].rigid_motion()));
             // A drop whose volume lies within solids altogether has no mass, and so no momentum to be kept.
             if motion.volume <= 0.0 {
@@ -201,7 +224,11 @@ pub fn predict_motions<const D: usize>(
             motion.center += motion.velocity * dt;
             let is_constrained = group.new.iter().any(|&j| touching[j].constrained_solid);
             group.keeps_angular_momentum = motion.volume > min_resolved_volume(model);
-            if is_constrained { group.advected_motion = Some(motion) } else { group.target_motion = Some(motion) }
+            if is_constrained {
+                group.advected_motion = Some(motion)
+            } else {
+                group.target_motion = Some(motion)
+            }
         }
     }
 }

@@ -65,7 +65,8 @@ pub fn match_components<const D: usize>(
         if matched[m + j] {
             continue;
         }
-        let missing = (0..m).filter(|i| !matched[*i]).min_by(|a, b| distance(*a, j).total_cmp(&distance(*b, j)));
+        let missing =
+            (0..m).filter(|i| !matched[*i]).min_by(|a, b| distance(*a, j).total_cmp(&distance(*b, j)));
         let any = (0..m).min_by(|a, b| distance(*a, j).total_cmp(&distance(*b, j)));
         if let Some(i) = missing.or(any) {
             link(i, m + j);
@@ -94,7 +95,11 @@ pub fn match_components<const D: usize>(
 }
 
 /// Target volumes of the new components, and the volume of old ones that are gone.
-pub fn target_volumes<const D: usize>(groups: &[ComponentGroup<D>], drops: &[Component<D>], volumes: &[f64]) -> (Vec<f64>, f64) {
+pub fn target_volumes<const D: usize>(
+    groups: &[ComponentGroup<D>],
+    drops: &[Component<D>],
+    volumes: &[f64],
+) -> (Vec<f64>, f64) {
     let mut targets = volumes.to_vec();
     let mut lost = 0.0;
     for group in groups {
@@ -152,12 +157,19 @@ pub struct VolumeMeasurement<const D: usize> {
 }
 
 /// How far the parts of each group must move for the whole to be in its place, by component.
-pub fn centroid_corrections<const D: usize>(groups: &[ComponentGroup<D>], targets: &[f64], centers: &[Vector<D>]) -> Vec<Vector<D>> {
+pub fn centroid_corrections<const D: usize>(
+    groups: &[ComponentGroup<D>],
+    targets: &[f64],
+    centers: &[Vector<D>],
+) -> Vec<Vector<D>> {
     let mut moves = vec![Vector::zeros(); centers.len()];
     for group in groups {
         let Some(whole) = group.target_motion.as_ref().or(group.advected_motion.as_ref()) else { continue };
         let sum = group.new.iter().fold(Vector::zeros(), |s: Vector<D>, &j| s + centers[j] * targets[j]);
-        group.new.iter().for_each(|&j| moves[j] = group.unconstrained_projector * (whole.center - sum / whole.volume));
+        group
+            .new
+            .iter()
+            .for_each(|&j| moves[j] = group.unconstrained_projector * (whole.center - sum / whole.volume));
     }
     moves
 }

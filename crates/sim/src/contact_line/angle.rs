@@ -67,8 +67,11 @@ pub fn contact_angle<const D: usize>(phi: &Sampler<'_, D>, foot: &Foot<'_, D>) -
     let top = trace.iter().map(|t| t.height_cells).fold(0.0, f64::max);
     let from = MIN_FIT_HEIGHT_CELLS.min(FLAT_DROP_HEIGHT_FRACTION * top);
     let first = trace.iter().position(|t| t.height_cells >= from).unwrap_or(0);
-    let used: Vec<&TracePoint<D>> =
-        trace.get(first..)?.iter().take_while(|t| t.arc_cells - trace[first].arc_cells <= MAX_FIT_ARC_CELLS).collect();
+    let used: Vec<&TracePoint<D>> = trace
+        .get(first..)?
+        .iter()
+        .take_while(|t| t.arc_cells - trace[first].arc_cells <= MAX_FIT_ARC_CELLS)
+        .collect();
     if used.len() < MIN_FIT_POINTS {
         return Some(trace[0].angle);
     }
@@ -111,7 +114,11 @@ fn trace_interface<const D: usize>(phi: &Sampler<'_, D>, foot: &Foot<'_, D>) -> 
 }
 
 /// The point of the surface nearest to `x`, and the slope there.
-fn closest_on_interface<const D: usize>(phi: &Sampler<'_, D>, x: &Vector<D>, dx: f64) -> (Vector<D>, Vector<D>) {
+fn closest_on_interface<const D: usize>(
+    phi: &Sampler<'_, D>,
+    x: &Vector<D>,
+    dx: f64,
+) -> (Vector<D>, Vector<D>) {
     let mut at = *x;
     let mut slope = Vector::zeros();
     for _ in 0..3 {
@@ -123,7 +130,12 @@ fn closest_on_interface<const D: usize>(phi: &Sampler<'_, D>, x: &Vector<D>, dx:
 }
 
 /// The angle where the arc that has the angle `angle` at `point` and turns there by `bend` (rad per cell) reaches the solid.
-fn extrapolated_angle<const D: usize>(foot: &Foot<'_, D>, point: &TracePoint<D>, angle: f64, curvature: f64) -> f64 {
+fn extrapolated_angle<const D: usize>(
+    foot: &Foot<'_, D>,
+    point: &TracePoint<D>,
+    angle: f64,
+    curvature: f64,
+) -> f64 {
     let n = foot.normal;
     let outward = (point.normal - n * point.normal.dot(&n)).try_normalize(0.0).unwrap_or(Vector::zeros());
     // How fast the bend grows with the arc.

@@ -174,13 +174,15 @@ impl<const D: usize> ContactLineForces<'_, D> {
             {
                 let skin = self.wetted_tensions.get(pair).map_or(&[][..], |skin| skin);
                 let shortest_lever = MIN_RESOLVED_RADIUS_CELLS * self.model.grid.dx;
-                moment_lost += load_deformable(loads, shortest_lever, (skin, impulse_time), *pair, &all, &mut impulses);
+                moment_lost +=
+                    load_deformable(loads, shortest_lever, (skin, impulse_time), *pair, &all, &mut impulses);
             }
         }
         // Without a line nothing holds the tension of what is wetted, nor needs to: that of every facet is in balance.
         let lineless = self.wetted_tensions.iter().filter(|(pair, _)| !lengths.contains_key(pair));
         for (pair, skin) in lineless {
-            skin.iter().for_each(|(grip, force)| impulses.add_at_surface_point(*pair, grip, force * impulse_time));
+            skin.iter()
+                .for_each(|(grip, force)| impulses.add_at_surface_point(*pair, grip, force * impulse_time));
         }
         LineImpulses { on_solids: impulses, on_liquid: along, moment_lost }
     }
@@ -201,7 +203,8 @@ impl<const D: usize> ContactLineForces<'_, D> {
     fn lattice_pulls(&self, impulse_time: f64) -> LinePulls<D> {
         let grid = &self.model.grid;
         let strength = self.model.surface_tension * impulse_time * grid.dx.powi(D as i32 - 2);
-        let (mut impulses, mut lengths, mut loads) = (CouplingImpulses::new(), BTreeMap::new(), BTreeMap::new());
+        let (mut impulses, mut lengths, mut loads) =
+            (CouplingImpulses::new(), BTreeMap::new(), BTreeMap::new());
         let mut pieces = Vec::new();
         for cube in self.dual_cells.iter().filter(|c| c.normal_pull != [0.0; 3]) {
             let pull = cube.pull();
@@ -222,7 +225,12 @@ impl<const D: usize> ContactLineForces<'_, D> {
                 for &(point, share) in &grips {
                     let (part, loads) = (part * share, loads.entry((c, cube.solid)).or_insert_with(Vec::new));
                     let pull = Vector::from_fn(|a, _| strength * part * pull[a]);
-                    loads.push(LineLoad { point, piece: (number, part), length_cells: part * size, impulse: pull });
+                    loads.push(LineLoad {
+                        point,
+                        piece: (number, part),
+                        length_cells: part * size,
+                        impulse: pull,
+                    });
                 }
                 let (length, moment) = lengths.entry((c, cube.solid)).or_insert((0.0, Vector::zeros()));
                 *length += part * size;
@@ -306,7 +314,8 @@ fn distribute_rigidly<const D: usize>(
     for foot in feet {
         let arm = foot.point.point - middle;
         let r = Vector::<3>::from_fn(|a, _| if a < D { arm[a] } else { 0.0 });
-        second += (Matrix::<3>::identity() * r.norm_squared() - r * r.transpose()) * (foot.length_cells / length);
+        second +=
+            (Matrix::<3>::identity() * r.norm_squared() - r * r.transpose()) * (foot.length_cells / length);
     }
     let inverse = second.pseudo_inverse(shortest_lever * shortest_lever).unwrap_or_else(|_| Matrix::zeros());
     let turning = inverse * impulse.moment_about(&middle);
@@ -329,7 +338,11 @@ mod tests {
     /// is asked for and the sum of what the places get.
     fn spread_over(width: f64) -> [Impulse<2>; 2] {
         let foot = |x: f64| LineLoad {
-            point: SurfacePoint { vertices: [0; 2], weights: [0.5; 2], point: Vector::<2>::new(3.0 + x * width, 2.0) },
+            point: SurfacePoint {
+                vertices: [0; 2],
+                weights: [0.5; 2],
+                point: Vector::<2>::new(3.0 + x * width, 2.0),
+            },
             piece: (0, 1.0),
             length_cells: 0.7,
             impulse: Vector::zeros(),
@@ -339,7 +352,10 @@ mod tests {
         let mut given = Impulse::zero();
         for (foot, push) in feet.iter().zip(distribute_rigidly(&feet, MIN_RESOLVED_RADIUS_CELLS, &asked)) {
             // The whole impulse and moment over the shortest lever bound what a place gets.
-            assert!(push.norm() < asked.linear.norm() + asked.angular.norm() / MIN_RESOLVED_RADIUS_CELLS, "{push:?}");
+            assert!(
+                push.norm() < asked.linear.norm() + asked.angular.norm() / MIN_RESOLVED_RADIUS_CELLS,
+                "{push:?}"
+            );
             given.add(&Impulse::at(&foot.point.point, push), 1.0);
         }
         [asked, given]

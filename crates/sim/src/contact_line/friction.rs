@@ -74,7 +74,8 @@ impl DraggedFace {
 
     /// The velocity `u` after the drag, when nothing else pushes.
     pub fn dragged_velocity(&self, u: f64) -> f64 {
-        (u + self.drags.iter().map(|h| h.lagged_impulse + h.drag * h.solid_velocity).sum::<f64>()) * self.mobility()
+        (u + self.drags.iter().map(|h| h.lagged_impulse + h.drag * h.solid_velocity).sum::<f64>())
+            * self.mobility()
     }
 
     /// The hold of a solid.
@@ -105,7 +106,8 @@ pub fn dragged_faces<const D: usize>(
         let friction = model.solids.get(cube.solid as usize).map_or(0.0, |s| s.line_friction);
         if cube.pinned { PINNED_DRAG } else { unit * friction }
     };
-    let line_cells: Vec<&DualCell> = dual_cells.iter().filter(|c| c.line_length() > 0.0 && strength(c) > 0.0).collect();
+    let line_cells: Vec<&DualCell> =
+        dual_cells.iter().filter(|c| c.line_length() > 0.0 && strength(c) > 0.0).collect();
     let mut faces: BTreeMap<(usize, usize), DraggedFace> = BTreeMap::new();
     for cube in &line_cells {
         for (axis, face, sides) in faces_around(model, cube) {
@@ -216,7 +218,8 @@ pub fn line_friction_impulses<const D: usize>(
         let u = state.velocity.axes[f.axis][f.face];
         for hold in &f.drags {
             let mut impulse = Vector::<D>::zeros();
-            impulse[f.axis] = model.density * model.grid.cell_volume() * f.volume_cells * hold.impulse_on_solid(u);
+            impulse[f.axis] =
+                model.density * model.grid.cell_volume() * f.volume_cells * hold.impulse_on_solid(u);
             exchange.add_at((component, hold.solid), &state.solids[hold.solid as usize], &x, impulse);
         }
     }

@@ -22,7 +22,8 @@ pub fn pin_contact_lines<const D: usize>(model: &Model<D>, state: &State<D>, wor
     work.dual_grid.pin_contact_lines(&state.phi.data, |place: &Vector<D>, number| {
         let (solid, now) = (&model.solids[number as usize], &state.solids[number as usize]);
         let normal = solid.normal(now, place, 0.01 * dx);
-        let height = |x: &Vector<D>| model.height_above_solid(&state.solids, number as usize, (place, &normal), x);
+        let height =
+            |x: &Vector<D>| model.height_above_solid(&state.solids, number as usize, (place, &normal), x);
         let foot = Foot { at: *place, normal, dx, bond_vector: model.cell_bond_vector(), height: &height };
         let angle = contact_angle(&phi, &foot);
         let young = solid.young_cosine_near(now, place, dx);

@@ -35,7 +35,8 @@ struct NearestPiece {
 impl LineNeighbourhood {
     /// Of these places (m); `phi` is the distance to the surface, cell by cell.
     pub fn new<const D: usize>(grid: &Grid<D>, phi: &[f64], places: &[Vector<D>]) -> Self {
-        let (lattice, reach) = (grid.lattice(), (ZERO_SHARE_DISTANCE_CELLS + MAX_INTERFACE_DISTANCE_CELLS).ceil() as isize);
+        let (lattice, reach) =
+            (grid.lattice(), (ZERO_SHARE_DISTANCE_CELLS + MAX_INTERFACE_DISTANCE_CELLS).ceil() as isize);
         let foot = |at: [usize; D]| closest_on_interface_cells(grid, phi, at);
         let width = 2 * reach as usize + 1;
         let mut near: HashMap<usize, NearestPiece> = HashMap::new();
@@ -60,8 +61,11 @@ impl LineNeighbourhood {
                 if distance_cells >= ZERO_SHARE_DISTANCE_CELLS {
                     continue;
                 }
-                let way = ((ZERO_SHARE_DISTANCE_CELLS - distance_cells) / (ZERO_SHARE_DISTANCE_CELLS - FULL_SHARE_DISTANCE_CELLS)).min(1.0);
-                let here = NearestPiece { piece: number, distance_cells, share: way * way * (3.0 - 2.0 * way) };
+                let way = ((ZERO_SHARE_DISTANCE_CELLS - distance_cells)
+                    / (ZERO_SHARE_DISTANCE_CELLS - FULL_SHARE_DISTANCE_CELLS))
+                    .min(1.0);
+                let here =
+                    NearestPiece { piece: number, distance_cells, share: way * way * (3.0 - 2.0 * way) };
                 if near.get(&cell).is_none_or(|old| distance_cells < old.distance_cells) {
                     near.insert(cell, here);
                 }
@@ -92,7 +96,12 @@ impl LineNeighbourhood {
     }
 
     /// Takes away for every place what the surface pushes the liquid near it with, in the same units.
-    pub fn subtract_capillary_force<const D: usize>(&self, grid: &Grid<D>, interface_faces: &[InterfaceFace], sums: &mut [Vector<D>]) {
+    pub fn subtract_capillary_force<const D: usize>(
+        &self,
+        grid: &Grid<D>,
+        interface_faces: &[InterfaceFace],
+        sums: &mut [Vector<D>],
+    ) {
         let lattice = grid.lattice();
         for face in interface_faces {
             let push = -face.sign * face.open_fraction * face.kappa;

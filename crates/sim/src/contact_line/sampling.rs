@@ -21,7 +21,8 @@ pub fn phi_at_solid<const D: usize>(phi: &Sampler<'_, D>, x: &Vector<D>, n: &Vec
     }
     let (value, slope) = phi.distance_with_gradient(&low);
     let (_, higher) = phi.distance_with_gradient(&(x + n * (UPPER_SAMPLE_HEIGHT_CELLS * dx)));
-    let bend = ((higher - slope).dot(n) / (UPPER_SAMPLE_HEIGHT_CELLS - SAMPLE_HEIGHT_CELLS)).clamp(-MAX_SECOND_DERIVATIVE, MAX_SECOND_DERIVATIVE);
+    let bend = ((higher - slope).dot(n) / (UPPER_SAMPLE_HEIGHT_CELLS - SAMPLE_HEIGHT_CELLS))
+        .clamp(-MAX_SECOND_DERIVATIVE, MAX_SECOND_DERIVATIVE);
     // A distance changes by no more than the way: else there would be lines where φ jumps, within a thin solid.
     value - dx * SAMPLE_HEIGHT_CELLS * (slope.dot(n) - 0.5 * SAMPLE_HEIGHT_CELLS * bend).clamp(-1.0, 1.0)
 }

@@ -10,7 +10,7 @@
 use super::sampling::phi_at_solid;
 use crate::model::Model;
 use crate::solid::SolidState;
-use crate::solid::surface::{SurfacePoint, SolidSurface};
+use crate::solid::surface::{SolidSurface, SurfacePoint};
 use crate::state::State;
 use meniscus_elastic::StiffnessBlock;
 use meniscus_numerics::Vector;
@@ -56,7 +56,10 @@ pub fn wetted_tension_forces<const D: usize>(
 /// The positive part of the stiffness of the same, for the matrix of each solid ([`meniscus_elastic::Elastic::system`]):
 /// where what is wetted is the tenser, beyond 90 degrees. Else it is negative, and left out. What is wetted is taken before the
 /// liquid moves: the matrices are factorised meanwhile, and a positive part more or less keeps the step as stable.
-pub fn wetted_tension_stiffness<const D: usize>(model: &Model<D>, state: &State<D>) -> Vec<Vec<StiffnessBlock<D>>> {
+pub fn wetted_tension_stiffness<const D: usize>(
+    model: &Model<D>,
+    state: &State<D>,
+) -> Vec<Vec<StiffnessBlock<D>>> {
     let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
     let of = |(number, now): (usize, &SolidState<D>)| {
         let solid = &model.solids[number];
@@ -175,7 +178,7 @@ mod tests {
     use crate::model::{Numerics, Wall};
     use crate::solid::deformable::Soft;
     use crate::solid::{Motion, Solid};
-    use meniscus_elastic::{ElasticSpecification, Elastic, ConstitutiveLaw, ElementOrder};
+    use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
     use meniscus_numerics::Matrix;
     use meniscus_numerics::grid::Grid;
     use meniscus_numerics::mesh::{Simplex, VolumeMesh};
@@ -190,7 +193,11 @@ mod tests {
         let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
         let positions = [[0.3, 0.35], [0.7, 0.4], [0.45, 0.65]].map(Vector::from).to_vec();
         let mesh = VolumeMesh { positions, simplices: vec![Simplex { root: 0, others: [1, 2] }] };
-        let law = ConstitutiveLaw::NeoHookean { young_modulus: 1.0, poisson_ratio: 0.3, order: ElementOrder::Linear };
+        let law = ConstitutiveLaw::NeoHookean {
+            young_modulus: 1.0,
+            poisson_ratio: 0.3,
+            order: ElementOrder::Linear,
+        };
         let anchors = Vec::new();
         let description = ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors };
         let elastic = Elastic::new(description).unwrap_or_else(|e| panic!("{e}"));
@@ -254,7 +261,13 @@ mod tests {
 
     #[test]
     fn shares_of_facets() {
-        assert_eq!([negative_fraction([-1.0, 3.0]), negative_fraction([1.0, -1.0]), negative_fraction([1.0, 2.0])], [0.25, 0.5, 0.0]);
-        assert_eq!([negative_fraction([-1.0, 1.0, 3.0]), negative_fraction([1.0, -1.0, -1.0])], [0.125, 0.75]);
+        assert_eq!(
+            [negative_fraction([-1.0, 3.0]), negative_fraction([1.0, -1.0]), negative_fraction([1.0, 2.0])],
+            [0.25, 0.5, 0.0]
+        );
+        assert_eq!(
+            [negative_fraction([-1.0, 1.0, 3.0]), negative_fraction([1.0, -1.0, -1.0])],
+            [0.125, 0.75]
+        );
     }
 }

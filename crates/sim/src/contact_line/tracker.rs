@@ -12,7 +12,7 @@
 //! that of the lattice's energy ([`super::force`]); [`ContactLine::apart`] tells how far the two are apart.
 
 use super::angle::{Foot, contact_angle};
-use crate::contact_line::sampling::{UPPER_SAMPLE_HEIGHT_CELLS, MAX_LINE_PHI_CELLS, phi_at_solid};
+use crate::contact_line::sampling::{MAX_LINE_PHI_CELLS, UPPER_SAMPLE_HEIGHT_CELLS, phi_at_solid};
 use crate::flow::advection::VelocitySampler;
 use crate::model::Model;
 use crate::model::resolution::BAND_WIDTH_CELLS;
@@ -81,8 +81,9 @@ impl<const D: usize> LineTracker<D> {
     /// walls that wet at those of the grid.
     pub fn new(model: &Model<D>, edges: &[f64]) -> Self {
         let rigid = |number: usize| model.solids[number].elastic().is_none();
-        let tracked =
-            |(number, edge): (usize, &f64)| rigid(number).then(|| TrackedSurface::rigid(model, number, *edge));
+        let tracked = |(number, edge): (usize, &f64)| {
+            rigid(number).then(|| TrackedSurface::rigid(model, number, *edge))
+        };
         Self { solids: (0..model.solids.len()).zip(edges).map(tracked).collect() }
     }
 
@@ -98,19 +99,26 @@ impl<const D: usize> LineTracker<D> {
 
     /// The contact line of a simulation as it stands.
     pub fn extract(&self, simulation: &Simulation<D>) -> ContactLine<D> {
-        let mut line =
-            ContactLine { points: Vec::new(), segments: Vec::new(), phi_c: Vec::new(), line_distance_cells: None };
+        let mut line = ContactLine {
+            points: Vec::new(),
+            segments: Vec::new(),
+            phi_c: Vec::new(),
+            line_distance_cells: None,
+        };
         let seen = LineSampler::new(simulation);
         for (number, tracked) in self.solids.iter().enumerate() {
-            let deformed =
-                || simulation.state.solids[number].soft.as_ref().map(|s| TrackedSurface::deformed(&s.surface));
+            let deformed = || {
+                simulation.state.solids[number].soft.as_ref().map(|s| TrackedSurface::deformed(&s.surface))
+            };
             match tracked {
                 Some(tracked) => tracked.extract(&seen, number, &mut line),
                 None => deformed().iter().for_each(|t| t.extract(&seen, number, &mut line)),
             }
         }
-        line.line_distance_cells =
-            line.max_distance_cells(&simulation.workspace.dual_grid.contact_line_points(&simulation.state.phi.data), seen.dx);
+        line.line_distance_cells = line.max_distance_cells(
+            &simulation.workspace.dual_grid.contact_line_points(&simulation.state.phi.data),
+            seen.dx,
+        );
         line
     }
 }
@@ -150,10 +158,17 @@ impl<'a, const D: usize> LineSampler<'a, D> {
         let (solid, now) = (&self.model.solids[number], &self.solids[number]);
         let normal = solid.normal(now, &at, 0.01 * self.dx);
         let foot = at + normal * solid.padding;
-        let (_, slope) = self.phi.distance_with_gradient(&(foot + normal * (UPPER_SAMPLE_HEIGHT_CELLS * self.dx)));
+        let (_, slope) =
+            self.phi.distance_with_gradient(&(foot + normal * (UPPER_SAMPLE_HEIGHT_CELLS * self.dx)));
         let outward = (slope - normal * slope.dot(&normal)).try_normalize(0.0).unwrap_or(Vector::zeros());
         let height = |x: &Vector<D>| self.model.height_above_solid(self.solids, number, (&foot, &normal), x);
-        let foot = Foot { at: foot, normal, dx: self.dx, bond_vector: self.model.cell_bond_vector(), height: &height };
+        let foot = Foot {
+            at: foot,
+            normal,
+            dx: self.dx,
+            bond_vector: self.model.cell_bond_vector(),
+            height: &height,
+        };
         let angle =
             contact_angle(&self.phi, &foot).unwrap_or_else(|| slope.dot(&normal).clamp(-1.0, 1.0).acos());
         let young = solid.young_cosine_near(now, &at, self.dx).clamp(-1.0, 1.0);
@@ -203,8 +218,8 @@ impl<const D: usize> TrackedSurface<D> {
             let normal = if now.soft.is_some() { *n } else { now.rotation * n };
             let x = moved(x) + normal * solid.padding;
             let value = phi_at_solid(&seen.phi, &x, &normal, seen.dx);
-            let open =
-                *n != Vector::<D>::zeros() && !(value.abs() < MAX_LINE_PHI_CELLS * seen.dx && seen.is_covered(number, &x));
+            let open = *n != Vector::<D>::zeros()
+                && !(value.abs() < MAX_LINE_PHI_CELLS * seen.dx && seen.is_covered(number, &x));
             if open { value } else { f64::NAN }
         };
         let mesh = &self.mesh;

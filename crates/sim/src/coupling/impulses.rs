@@ -81,7 +81,10 @@ impl<const D: usize> CouplingImpulses<D> {
     /// Adds another.
     pub fn extend(&mut self, other: &Self) {
         other.pairs.iter().for_each(|(pair, impulse)| self.add(*pair, impulse, 1.0));
-        other.point_impulses.iter().for_each(|(solid, grips)| self.point_impulses.entry(*solid).or_default().extend(grips));
+        other
+            .point_impulses
+            .iter()
+            .for_each(|(solid, grips)| self.point_impulses.entry(*solid).or_default().extend(grips));
     }
 
     /// The sums over all components, by solid.

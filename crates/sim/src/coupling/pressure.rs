@@ -13,15 +13,15 @@
 //! before a second one.
 
 use super::impulses::{CouplingImpulses, Impulse};
-use crate::collision::compliance::SolidResponse;
 use crate::collision::points::angular_to_node;
+use crate::collision::solid_response::SolidResponse;
 use crate::model::Model;
 use crate::solid::deformable::FluxRow;
 use crate::solid::surface::SurfacePoint;
 use crate::solid::{Motion, SolidState};
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{CutCells, CutCell};
-use meniscus_numerics::linalg::{SparseColumn, CoupledBodies, InPlaceSolve};
+use meniscus_numerics::grid::{CutCell, CutCells};
+use meniscus_numerics::linalg::{CoupledBodies, InPlaceSolve, SparseColumn};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -46,7 +46,9 @@ pub fn wetted_surfaces<const D: usize>(
     phi: &[f64],
 ) -> Vec<WettedSurface<D>> {
     let wet = cut_cells.cells.par_iter().with_min_len(64).filter(|w| phi[w.cell as usize] < 0.0);
-    let gripped = |w: &CutCell<D>| (*w, solids[w.solid as usize].surface_point(&(surface_centroid_cells(model, w) * model.grid.dx)));
+    let gripped = |w: &CutCell<D>| {
+        (*w, solids[w.solid as usize].surface_point(&(surface_centroid_cells(model, w) * model.grid.dx)))
+    };
     wet.map(gripped).collect()
 }
 
@@ -65,8 +67,13 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
         for (w, grip) in self.wetted_surfaces {
             let solid = &self.solids[w.solid as usize];
             let flux = match (grip, &solid.soft) {
-                (Some(grip), Some(soft)) => grip.interpolate(|k| soft.state.velocities[k]).dot(&w.area_vector),
-                _ => solid.velocity.dot(&w.area_vector) + Vector::<3>::from(solid.angular_velocity).dot(&self.area_moment(w)),
+                (Some(grip), Some(soft)) => {
+                    grip.interpolate(|k| soft.state.velocities[k]).dot(&w.area_vector)
+                }
+                _ => {
+                    solid.velocity.dot(&w.area_vector)
+                        + Vector::<3>::from(solid.angular_velocity).dot(&self.area_moment(w))
+                }
             };
             f(w.cell as usize, flux);
         }
@@ -85,11 +92,20 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
         }
         let lattice = self.model.grid.lattice();
         let reach = response.reach(&flux_rows);
-        let lumped_compliance = response.lumped_compliance(&flux_rows, &reach, |cell| lattice.coordinates(cell as usize));
-        let mean_pressure_probes = mean_pressure_probes(&flux_rows, &lumped_compliance, |k| response.is_rigid(k));
+        let lumped_compliance =
+            response.lumped_compliance(&flux_rows, &reach, |cell| lattice.coordinates(cell as usize));
+        let mean_pressure_probes =
+            mean_pressure_probes(&flux_rows, &lumped_compliance, |k| response.is_rigid(k));
         let solve: Box<InPlaceSolve<'_>> = Box::new(move |x| response.solve_within(&reach, x));
         let subdomain_inverse = OnceLock::new();
-        Some(CoupledBodies { dof_count: response.dof_count(), flux_rows, lumped_compliance, solve, mean_pressure_probes, subdomain_inverse })
+        Some(CoupledBodies {
+            dof_count: response.dof_count(),
+            flux_rows,
+            lumped_compliance,
+            solve,
+            mean_pressure_probes,
+            subdomain_inverse,
+        })
     }
 
     /// For each piece of surface, and each face that lines tie to a solid, the cell, and the flow out of it by the components of the
@@ -215,12 +231,17 @@ fn to_3d<const D: usize>(v: &Vector<D>) -> Vector<3> {
 }
 
 /// Gives impulses to the free rigid solids.
-pub fn apply_impulses_to_rigid<const D: usize>(model: &Model<D>, solids: &mut [SolidState<D>], exchange: &CouplingImpulses<D>) {
+pub fn apply_impulses_to_rigid<const D: usize>(
+    model: &Model<D>,
+    solids: &mut [SolidState<D>],
+    exchange: &CouplingImpulses<D>,
+) {
     let sums = exchange.by_solid(solids.len());
     for ((now, solid), sum) in solids.iter_mut().zip(&model.solids).zip(sums) {
         if solid.motion == Motion::Free {
             now.velocity += sum.linear / solid.mass_properties.mass;
-            let spin = Vector::<3>::from(now.angular_velocity) + solid.inverse_inertia(now) * sum.moment_about(&now.center);
+            let spin = Vector::<3>::from(now.angular_velocity)
+                + solid.inverse_inertia(now) * sum.moment_about(&now.center);
             now.angular_velocity = spin.into();
         }
     }
@@ -229,9 +250,9 @@ pub fn apply_impulses_to_rigid<const D: usize>(model: &Model<D>, solids: &mut [S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collision::newton::{NewtonSolver, DeformableLoads};
+    use crate::collision::newton::{DeformableLoads, NewtonSolver};
     use crate::collision::points::CollisionPoints;
-    use crate::flow::pressure::{ProjectionOptions, Projection};
+    use crate::flow::pressure::{Projection, ProjectionOptions};
     use crate::free_surface::curvature::Curvature;
     use crate::free_surface::interface_faces::interface_faces;
     use crate::model::resolution::BAND_WIDTH_CELLS;
@@ -288,7 +309,8 @@ mod tests {
                 let lattice = grid.face_lattice(a);
                 for s in &faces[a] {
                     for face in s.row * lattice.extent[0] + s.start..s.row * lattice.extent[0] + s.end {
-                        let shut = model.on_closed_side(a, lattice.coordinates(face)[a]) || open.axes[a][face] == 0.0;
+                        let shut = model.on_closed_side(a, lattice.coordinates(face)[a])
+                            || open.axes[a][face] == 0.0;
                         if !shut {
                             f(a, face);
                         }
@@ -341,14 +363,17 @@ mod tests {
         solids: &[SolidState<D>],
         points: &CollisionPoints<D>,
     ) -> Option<SolidResponse<D>> {
-        let times = StepTimes { dt: 1.0, impulse_time: 1.0, velocity_lead: 1e-9, lookahead: 1e-9, is_first: false };
+        let times =
+            StepTimes { dt: 1.0, impulse_time: 1.0, velocity_lead: 1e-9, lookahead: 1e-9, is_first: false };
         let starts: Vec<Option<DeformableLoads<D>>> = model.solids.iter().map(|_| None).collect();
         let slips = crate::Slips::new();
         let velocities = &points.node_velocities(model, solids);
         let from = crate::collision::newton::OldSolids { solids, velocities, elastic_slips: &slips };
         let mut descent = NewtonSolver::new(model, points, from, solids, &starts, times);
         let open = FaceField::zeros(model.grid);
-        model.has_dynamic_solids().then(|| descent.linearise(&mut solids.to_vec(), &mut [], (&[], &open)).unwrap())
+        model
+            .has_dynamic_solids()
+            .then(|| descent.linearise(&mut solids.to_vec(), &mut [], (&[], &open)).unwrap())
     }
 
     fn ball<const D: usize>(radius: f64) -> Shape<D> {

@@ -6,13 +6,13 @@
 use super::impulses::CouplingImpulses;
 use super::pressure::{WettedSurface, apply_impulses_to_rigid, wetted_surfaces};
 use crate::collision::impact::resolve_impacts;
-use crate::collision::newton::{OldSolids, NewtonSolver, DeformableLoads};
+use crate::collision::newton::{DeformableLoads, NewtonSolver, OldSolids};
 use crate::components::restoration::{ComponentLabels, component_faces};
 use crate::components::tracking::{ComponentChange, band_component, min_resolved_volume};
-use crate::contact_line::force::{LineImpulses, ContactLineForces};
+use crate::contact_line::force::{ContactLineForces, LineImpulses};
 use crate::contact_line::friction::{DraggedFace, line_friction_impulses};
 use crate::contact_line::solid_tension::{wetted_tension_forces, wetted_tension_stiffness};
-use crate::flow::pressure::{ProjectionOptions, ProjectionResult, Projection};
+use crate::flow::pressure::{Projection, ProjectionOptions, ProjectionResult};
 use crate::free_surface::interface_faces::InterfaceFace;
 use crate::model::Model;
 use crate::model::time_step::{PhaseEnd, StepTimes};
@@ -50,10 +50,26 @@ pub fn solve_pressure<const D: usize>(
     phase_end: PhaseEnd<'_>,
 ) -> Result<PressureSolution<D>, SolveError> {
     let line = apply_contact_line_forces(model, state, work, change, interface_faces, times.impulse_time);
-    let SolidImpulses { solves, impulses: [pressure, friction], contact_work, newton_iterations } = match model.has_dynamic_solids() {
-        true => solve_with_dynamic_solids(model, (state, before), work, (interface_faces, dragged), &line, times, phase_end)?,
-        false => solve_with_prescribed_solids(model, state, work, (interface_faces, dragged), times, phase_end)?,
-    };
+    let SolidImpulses { solves, impulses: [pressure, friction], contact_work, newton_iterations } =
+        match model.has_dynamic_solids() {
+            true => solve_with_dynamic_solids(
+                model,
+                (state, before),
+                work,
+                (interface_faces, dragged),
+                &line,
+                times,
+                phase_end,
+            )?,
+            false => solve_with_prescribed_solids(
+                model,
+                state,
+                work,
+                (interface_faces, dragged),
+                times,
+                phase_end,
+            )?,
+        };
     let solid_impulses = [line, pressure, friction];
     store_solid_forces(&mut state.solids, &solid_impulses, times.impulse_time);
     Ok(PressureSolution { solves, solid_impulses, contact_work, newton_iterations })
@@ -77,7 +93,19 @@ fn apply_contact_line_forces<const D: usize>(
         let tensions = &wetted_tension_forces(model, solids, &phi, &label);
         let (phi, wet, centers) = (&state.phi.data, &work.cut_cells.cells, &change.centers);
         let (label, touches_no_side) = (&near, &touches_no_side);
-        ContactLineForces { model, solids, phi, dual_cells, interface_faces, wet, centers, label, touches_no_side, wetted_tensions: tensions }.impulses(impulse_time)
+        ContactLineForces {
+            model,
+            solids,
+            phi,
+            dual_cells,
+            interface_faces,
+            wet,
+            centers,
+            label,
+            touches_no_side,
+            wetted_tensions: tensions,
+        }
+        .impulses(impulse_time)
     } else {
         let on_liquid = vec![Vector::zeros(); touches_no_side.len()];
         LineImpulses { on_solids: CouplingImpulses::new(), on_liquid, moment_lost: 0.0 }
@@ -91,7 +119,8 @@ fn apply_contact_line_forces<const D: usize>(
     let along: Vec<Vector<D>> = along.iter().zip(&change.target_volumes).map(speed).collect();
     let labels = ComponentLabels::new(&label);
     let of = |cell: usize| labels.of(cell);
-    component_faces(model, &state.phi, work, interface_faces, &of).add_velocities(&mut state.velocity, &along);
+    component_faces(model, &state.phi, work, interface_faces, &of)
+        .add_velocities(&mut state.velocity, &along);
     work.repairs.unlabelled += labels.missing();
     line
 }
@@ -117,12 +146,18 @@ fn solve_with_prescribed_solids<const D: usize>(
     let label = work.liquid.component_lookup(&model.grid);
     let wet = wetted_surfaces(model, &work.cut_cells, &state.solids, &state.phi.data);
     let parts = (&work.band, &work.liquid, work.known_faces.liquid_faces(), &mut work.cut_cells, &wet[..]);
-    let mut projection = build_projection(model, state, parts, (interface_faces, dragged, &label), times.impulse_time);
+    let mut projection =
+        build_projection(model, state, parts, (interface_faces, dragged, &label), times.impulse_time);
     let pass = ProjectionOptions { warm_start: false, tolerance: model.numerics.tolerance };
     let ProjectionResult { solves, pressure_impulses, .. } =
         work.pressure.project(model, &mut projection, None, pass, phase_end)?;
     let friction = line_friction_impulses(model, state, dragged, &label);
-    Ok(SolidImpulses { solves, impulses: [pressure_impulses, friction], contact_work: 0.0, newton_iterations: 0 })
+    Ok(SolidImpulses {
+        solves,
+        impulses: [pressure_impulses, friction],
+        contact_work: 0.0,
+        newton_iterations: 0,
+    })
 }
 
 /// The pressure and solids that move, with all contacts: Newton's iterations.
@@ -135,7 +170,8 @@ fn solve_with_dynamic_solids<const D: usize>(
     times: StepTimes,
     phase_end: PhaseEnd<'_>,
 ) -> Result<SolidImpulses<D>, SolveError> {
-    let loads = DeformableLoads::of_solids(model, line, wetted_tension_stiffness(model, state), times.impulse_time);
+    let loads =
+        DeformableLoads::of_solids(model, line, wetted_tension_stiffness(model, state), times.impulse_time);
     apply_impulses_to_rigid(model, &mut state.solids, line);
     let (points, start) = (work.collision_points.clone(), state.velocity.clone());
     let impact_work = resolve_impacts(model, &points, &mut state.solids, before, times, &mut work.repairs);
@@ -148,18 +184,23 @@ fn solve_with_dynamic_solids<const D: usize>(
     let mut iteration = 0;
     loop {
         iteration += 1;
-        let response = newton.linearise(&mut state.solids, dragged, (&state.phi.data, &work.cut_cells.open_fraction))?;
+        let response =
+            newton.linearise(&mut state.solids, dragged, (&state.phi.data, &work.cut_cells.open_fraction))?;
         state.velocity.clone_from(&start);
-        let parts = (&work.band, &work.liquid, work.known_faces.liquid_faces(), &mut work.cut_cells, &wet[..]);
-        let mut projection = build_projection(model, state, parts, (interface_faces, dragged, &label), times.impulse_time);
-        let ProjectionResult { solves, pressure_impulses: pressure, node_velocity_change } =
-            work.pressure.project(model, &mut projection, Some(&response), newton.projection_options(), phase_end)?;
+        let parts =
+            (&work.band, &work.liquid, work.known_faces.liquid_faces(), &mut work.cut_cells, &wet[..]);
+        let mut projection =
+            build_projection(model, state, parts, (interface_faces, dragged, &label), times.impulse_time);
+        let ProjectionResult { solves, pressure_impulses: pressure, node_velocity_change } = work
+            .pressure
+            .project(model, &mut projection, Some(&response), newton.projection_options(), phase_end)?;
         let friction = line_friction_impulses(model, state, dragged, &label);
         let mut node_impulses = pressure.clone();
         node_impulses.extend(&friction);
         let node_impulses = response.node_impulses(model, before, &node_impulses);
         if newton.take_step(&mut state.solids, &response, &node_velocity_change, node_impulses)? {
-            (state.collision_free_dt, state.elastic_slips) = (newton.collision_free_dt(), newton.next_slips());
+            (state.collision_free_dt, state.elastic_slips) =
+                (newton.collision_free_dt(), newton.next_slips());
             work.repairs.indefinite_iterations += newton.indefinite_iterations;
             let contact_work = newton.store_contact_accelerations(&mut state.solids);
             return Ok(SolidImpulses {
@@ -173,7 +214,8 @@ fn solve_with_dynamic_solids<const D: usize>(
 }
 
 /// Faces that the surface cuts, those that lines drag, and the component of a liquid cell.
-type FaceArguments<'a> = (&'a [InterfaceFace], &'a mut [DraggedFace], &'a (dyn Fn(usize) -> Option<u32> + Sync));
+type FaceArguments<'a> =
+    (&'a [InterfaceFace], &'a mut [DraggedFace], &'a (dyn Fn(usize) -> Option<u32> + Sync));
 
 /// The grid's part of a projection: band, liquid, its faces, what solids leave open, and their surfaces in liquid cells.
 type GridArguments<'a, const D: usize> =
@@ -205,7 +247,11 @@ fn build_projection<'a, const D: usize>(
 }
 
 /// Keeps with the solids the mean forces of what line, pressure and friction gave them in the time `kick`.
-fn store_solid_forces<const D: usize>(solids: &mut [SolidState<D>], given: &[CouplingImpulses<D>; 3], impulse_time: f64) {
+fn store_solid_forces<const D: usize>(
+    solids: &mut [SolidState<D>],
+    given: &[CouplingImpulses<D>; 3],
+    impulse_time: f64,
+) {
     let [line, pressure, friction] = given.each_ref().map(|exchange| exchange.by_solid(solids.len()));
     let pulls = line.into_iter().zip(friction);
     for ((now, (line, friction)), pressure) in solids.iter_mut().zip(pulls).zip(pressure) {
@@ -215,7 +261,11 @@ fn store_solid_forces<const D: usize>(solids: &mut [SolidState<D>], given: &[Cou
 }
 
 /// The work, J, that solids which go as told do on the rest.
-pub fn prescribed_solid_work<const D: usize>(model: &Model<D>, state: &State<D>, given: &[CouplingImpulses<D>; 3]) -> f64 {
+pub fn prescribed_solid_work<const D: usize>(
+    model: &Model<D>,
+    state: &State<D>,
+    given: &[CouplingImpulses<D>; 3],
+) -> f64 {
     let mut work = 0.0;
     for ((_, solid), impulse) in given.iter().flat_map(|g| &g.pairs) {
         let now = &state.solids[*solid as usize];

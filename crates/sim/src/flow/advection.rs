@@ -30,7 +30,11 @@ impl<'a, const D: usize> VelocitySampler<'a, D> {
 }
 
 /// Where what arrives at `x` after `dt` came from (Ralston's third-order path).
-fn departure_point<const D: usize>(x: &Vector<D>, dt: f64, velocity: impl Fn(&Vector<D>) -> Vector<D>) -> Vector<D> {
+fn departure_point<const D: usize>(
+    x: &Vector<D>,
+    dt: f64,
+    velocity: impl Fn(&Vector<D>) -> Vector<D>,
+) -> Vector<D> {
     let first = velocity(x);
     let second = velocity(&(x - first * (0.5 * dt)));
     let third = velocity(&(x - second * (0.75 * dt)));
@@ -71,13 +75,20 @@ pub fn advect_interface<const D: usize>(
                 let liquid = lattice.neighbours(cell as usize).filter(|n| phi.data[*n] < 0.0);
                 let fronts = liquid.map(|n| {
                     let beside = grid.center(lattice.coordinates(n));
-                    distance.distance_with_gradient(&(x + departure_point(&beside, dt, |x| flow.cubic(x)) - beside)).0
+                    distance
+                        .distance_with_gradient(
+                            &(x + departure_point(&beside, dt, |x| flow.cubic(x)) - beside),
+                        )
+                        .0
                 });
                 return fronts.fold(f64::INFINITY, f64::min);
             }
             let near = value.abs() < CUBIC_INTERPOLATION_DISTANCE_CELLS * grid.dx;
-            let from =
-                if near { departure_point(&x, dt, |x| flow.cubic(x)) } else { departure_point(&x, dt, |x| flow.linear(x)) };
+            let from = if near {
+                departure_point(&x, dt, |x| flow.cubic(x))
+            } else {
+                departure_point(&x, dt, |x| flow.linear(x))
+            };
             distance.distance_with_gradient(&from).0
         })
         .collect()

@@ -9,7 +9,7 @@
 
 use crate::components::volume::band_labels;
 use crate::model::{Model, Wall};
-use crate::simulation::diagnostics::{update_diagnostics, potential_energy};
+use crate::simulation::diagnostics::{potential_energy, update_diagnostics};
 use crate::simulation::workspace::Workspace;
 use crate::state::State;
 use meniscus_numerics::Vector;

@@ -8,7 +8,7 @@
 //! it is inside. It takes a few iterations.
 
 use super::viscosity::Diffusion;
-use crate::collision::compliance::SolidResponse;
+use crate::collision::solid_response::SolidResponse;
 use crate::contact_line::friction::DraggedFace;
 use crate::coupling::impulses::CouplingImpulses;
 use crate::coupling::pressure::{PressureCoupling, WettedSurface, wetted_surfaces};
@@ -112,7 +112,8 @@ impl<const D: usize> PressureFields<D> {
         let compliance = coupling.compliance();
         let start = change_without_pressure(model, p, response, &[], None);
         self.assemble(model, p, &coupling, &start);
-        for (flow, porous) in compliance.iter().flat_map(|body| zip(&body.flux_rows, &body.lumped_compliance)) {
+        for (flow, porous) in compliance.iter().flat_map(|body| zip(&body.flux_rows, &body.lumped_compliance))
+        {
             self.dirichlet.data[flow.0 as usize] += porous;
         }
         let solver = self.build_solver(model, p);
@@ -125,7 +126,8 @@ impl<const D: usize> PressureFields<D> {
         solves[0] = solver.solve_coupled(compliance.as_ref(), &self.rhs, p.pressure_impulse, limits)?;
         solves[1].residual = solves[0].residual;
         let corrections = second_order_corrections(model, p);
-        let off_center_impulses = coupling.off_center_impulses(|cell| pressure_gradient(model, p, cell), p.label);
+        let off_center_impulses =
+            coupling.off_center_impulses(|cell| pressure_gradient(model, p, cell), p.label);
         let viscous = model.kinematic_viscosity > 0.0;
         if viscous {
             phase_end("pressure");
@@ -134,10 +136,12 @@ impl<const D: usize> PressureFields<D> {
         }
         let mut node_velocity_change = start;
         if viscous || !off_center_impulses.is_empty() || corrections.iter().any(|b| *b != 0.0) {
-            node_velocity_change = change_without_pressure(model, p, response, &corrections, Some(&off_center_impulses));
+            node_velocity_change =
+                change_without_pressure(model, p, response, &corrections, Some(&off_center_impulses));
             self.assemble(model, p, &coupling, &node_velocity_change);
-            zip(p.interface_faces, &corrections)
-                .for_each(|(face, bend)| self.rhs.data[face.cell] += face.open_fraction * face.mobility * bend);
+            zip(p.interface_faces, &corrections).for_each(|(face, bend)| {
+                self.rhs.data[face.cell] += face.open_fraction * face.mobility * bend
+            });
             match (warm_start, response) {
                 (true, _) => std::mem::swap(p.pressure_impulse, &mut self.first_solution),
                 (false, Some(_)) => self.first_solution.data.clone_from(&p.pressure_impulse.data),
@@ -154,7 +158,9 @@ impl<const D: usize> PressureFields<D> {
             response.solve(&mut node_impulses);
             node_velocity_change.iter_mut().zip(&node_impulses).for_each(|(c, by)| *c += by);
             let velocity = &mut *p.velocity;
-            response.update_tied_faces(p.dragged_faces, &node_velocity_change, |f, by| velocity.axes[f.axis][f.face] += by);
+            response.update_tied_faces(p.dragged_faces, &node_velocity_change, |f, by| {
+                velocity.axes[f.axis][f.face] += by
+            });
         }
         Ok(ProjectionResult { solves, pressure_impulses, node_velocity_change })
     }
@@ -257,7 +263,13 @@ fn change_without_pressure<const D: usize>(
     let Some(response) = response else { return Vec::new() };
     let more = more.map(|more| response.node_impulses(model, p.solids, more));
     let velocity = |f: &DraggedFace| p.velocity.axes[f.axis][f.face];
-    response.change_without_pressure(model, p.dragged_faces, velocity, tension_velocity_change(model, p, corrections), more)
+    response.change_without_pressure(
+        model,
+        p.dragged_faces,
+        velocity,
+        tension_velocity_change(model, p, corrections),
+        more,
+    )
 }
 
 /// What the surface's tension and `bends` push cut faces with, m/s, by axis and face.
@@ -268,7 +280,10 @@ fn tension_velocity_change<const D: usize>(
 ) -> BTreeMap<(usize, usize), f64> {
     let push = |(k, c): (usize, &InterfaceFace)| {
         let bend = corrections.get(k).copied().unwrap_or(0.0);
-        ((c.axis, c.face), c.open_fraction * c.sign * (p.tension_impulse * c.kappa + c.theta * bend) / model.grid.dx)
+        (
+            (c.axis, c.face),
+            c.open_fraction * c.sign * (p.tension_impulse * c.kappa + c.theta * bend) / model.grid.dx,
+        )
     };
     p.interface_faces.iter().enumerate().map(push).collect()
 }
@@ -287,10 +302,13 @@ fn pressure_gradient<const D: usize>(model: &Model<D>, p: &Projection<'_, D>, ce
     let at = lattice.coordinates(cell);
     Vector::from_fn(|a, _| {
         let face = model.grid.face_lattice(a).index(at);
-        let open = |up: usize| p.cut_cells.open_fraction.axes[a][face + up * model.grid.face_lattice(a).stride[a]] > 0.0;
+        let open = |up: usize| {
+            p.cut_cells.open_fraction.axes[a][face + up * model.grid.face_lattice(a).stride[a]] > 0.0
+        };
         let (mut sum, mut count) = (0.0, 0.0);
         if at[a] > 0 && open(0) && p.phi.data[cell - lattice.stride[a]] < 0.0 {
-            (sum, count) = (p.pressure_impulse.data[cell] - p.pressure_impulse.data[cell - lattice.stride[a]], 1.0);
+            (sum, count) =
+                (p.pressure_impulse.data[cell] - p.pressure_impulse.data[cell - lattice.stride[a]], 1.0);
         }
         if at[a] + 1 < lattice.extent[a] && open(1) && p.phi.data[cell + lattice.stride[a]] < 0.0 {
             sum += p.pressure_impulse.data[cell + lattice.stride[a]] - p.pressure_impulse.data[cell];
@@ -316,7 +334,8 @@ fn second_order_corrections<const D: usize>(model: &Model<D>, p: &Projection<'_,
         };
         let faces = model.grid.face_lattice(f.axis).stride[f.axis];
         let behind = |n: usize| if f.sign > 0.0 { f.face - n * faces } else { f.face + n * faces };
-        let liquid = |n: usize| p.phi.data[inward(n)] < 0.0 && p.cut_cells.open_fraction.axes[f.axis][behind(n)] > 0.0;
+        let liquid =
+            |n: usize| p.phi.data[inward(n)] < 0.0 && p.cut_cells.open_fraction.axes[f.axis][behind(n)] > 0.0;
         if !liquid(1) || !liquid(2) {
             return 0.0;
         }
@@ -327,7 +346,12 @@ fn second_order_corrections<const D: usize>(model: &Model<D>, p: &Projection<'_,
 }
 
 /// Adds `sign` times what the pressure does to the velocity: minus its gradient on the liquid's faces.
-fn apply_pressure_gradient<const D: usize>(model: &Model<D>, p: &mut Projection<'_, D>, corrections: &[f64], sign: f64) {
+fn apply_pressure_gradient<const D: usize>(
+    model: &Model<D>,
+    p: &mut Projection<'_, D>,
+    corrections: &[f64],
+    sign: f64,
+) {
     let cells = model.grid.lattice();
     let before: Vec<f64> = p.dragged_faces.iter().map(|f| p.velocity.axes[f.axis][f.face]).collect();
     let (lambda, phi) = (&p.pressure_impulse.data, &p.phi.data);
@@ -351,7 +375,8 @@ fn apply_pressure_gradient<const D: usize>(model: &Model<D>, p: &mut Projection<
         });
     }
     for (face, bend) in zip(p.interface_faces, corrections) {
-        let slope = ((p.tension_impulse * face.kappa - lambda[face.cell]) / face.theta + bend) / model.grid.dx;
+        let slope =
+            ((p.tension_impulse * face.kappa - lambda[face.cell]) / face.theta + bend) / model.grid.dx;
         p.velocity.axes[face.axis][face.face] -= sign * face.sign * slope;
     }
     scale_by_mobility(p, before);
@@ -470,7 +495,13 @@ mod tests {
             label: &|_| Some(0),
         };
         work.pressure
-            .project(&model, &mut projection, None, ProjectionOptions { warm_start: false, tolerance: 1e-11 }, &mut |_| ())
+            .project(
+                &model,
+                &mut projection,
+                None,
+                ProjectionOptions { warm_start: false, tolerance: 1e-11 },
+                &mut |_| (),
+            )
             .unwrap();
         let square = |f: &InterfaceFace| state.velocity.axes[f.axis][f.face].powi(2);
         (cut.iter().map(square).sum::<f64>() / cut.len() as f64).sqrt()

@@ -160,8 +160,13 @@ impl<const D: usize> ViscousOperator<D> {
         places: &UnknownCells<D>,
         stiffness: f64,
     ) -> Self {
-        let dummy =
-            Cell { next: [[0; 2]; D], normal: 0.0, shear: [0.0; D], face_mass: [0.0; D], is_unknown: [false; D] };
+        let dummy = Cell {
+            next: [[0; 2]; D],
+            normal: 0.0,
+            shear: [0.0; D],
+            face_mass: [0.0; D],
+            is_unknown: [false; D],
+        };
         let builder = Builder {
             model,
             places,
@@ -171,7 +176,8 @@ impl<const D: usize> ViscousOperator<D> {
             stiffness,
         };
         let build = |(i, p): (usize, &u32)| if i == 0 { dummy } else { builder.cell(*p as usize) };
-        let cells: Vec<Cell<D>> = places.list.par_iter().with_min_len(CELLS_PER_TASK).enumerate().map(build).collect();
+        let cells: Vec<Cell<D>> =
+            places.list.par_iter().with_min_len(CELLS_PER_TASK).enumerate().map(build).collect();
         let strain = Mutex::new(vec![[[0.0; D]; 2]; cells.len()]);
         Self { cells, strain }
     }
@@ -184,22 +190,24 @@ impl<const D: usize> ViscousOperator<D> {
             if exists { velocity.axes[a][model.grid.face_lattice(a).index(at)] } else { 0.0 }
         };
         let mut x = vec![0.0; self.cells.len() * D];
-        x.par_chunks_mut(D).zip(&self.cells).enumerate().with_min_len(CELLS_PER_TASK).for_each(|(i, (x, cell))| {
-            for a in 0..D {
-                if !cell.is_unknown[a] {
-                    x[a] = value(i, a);
-                    continue;
+        x.par_chunks_mut(D).zip(&self.cells).enumerate().with_min_len(CELLS_PER_TASK).for_each(
+            |(i, (x, cell))| {
+                for a in 0..D {
+                    if !cell.is_unknown[a] {
+                        x[a] = value(i, a);
+                        continue;
+                    }
+                    let near = cell.next.iter().flatten().map(|n| *n as usize);
+                    let known = near.filter(|n| self.cells[*n].face_mass[a] > 0.0);
+                    x[a] = if cell.face_mass[a] > 0.0 {
+                        value(i, a)
+                    } else {
+                        let (sum, count) = known.fold((0.0, 0.0), |(s, c), n| (s + value(n, a), c + 1.0));
+                        sum / f64::max(count, 1.0)
+                    };
                 }
-                let near = cell.next.iter().flatten().map(|n| *n as usize);
-                let known = near.filter(|n| self.cells[*n].face_mass[a] > 0.0);
-                x[a] = if cell.face_mass[a] > 0.0 {
-                    value(i, a)
-                } else {
-                    let (sum, count) = known.fold((0.0, 0.0), |(s, c), n| (s + value(n, a), c + 1.0));
-                    sum / f64::max(count, 1.0)
-                };
-            }
-        });
+            },
+        );
         x
     }
 
@@ -216,7 +224,11 @@ impl<const D: usize> ViscousOperator<D> {
             }
             sum
         };
-        self.cells.par_iter().with_min_len(CELLS_PER_TASK).flat_map_iter(|c| (0..D).map(move |a| of(c, a))).collect()
+        self.cells
+            .par_iter()
+            .with_min_len(CELLS_PER_TASK)
+            .flat_map_iter(|c| (0..D).map(move |a| of(c, a)))
+            .collect()
     }
 }
 
@@ -228,16 +240,18 @@ impl<const D: usize> LinearOperator for ViscousOperator<D> {
     fn apply(&self, x: &[f64], y: &mut [f64]) {
         let (u, _) = x.as_chunks::<D>();
         let mut strain = self.strain.lock().unwrap_or_else(PoisonError::into_inner);
-        strain.par_iter_mut().zip(&self.cells).enumerate().with_min_len(CELLS_PER_TASK).for_each(|(i, (s, c))| {
-            let here = u[i];
-            for a in 0..D {
-                s[0][a] = c.normal * (u[c.next[a][1] as usize][a] - here[a]);
-            }
-            for (k, &(p, q, _)) in rotation_planes::<D>().iter().enumerate() {
-                let (below, left) = (u[c.next[q][0] as usize][p], u[c.next[p][0] as usize][q]);
-                s[1][k] = c.shear[k] * (here[p] - below + here[q] - left);
-            }
-        });
+        strain.par_iter_mut().zip(&self.cells).enumerate().with_min_len(CELLS_PER_TASK).for_each(
+            |(i, (s, c))| {
+                let here = u[i];
+                for a in 0..D {
+                    s[0][a] = c.normal * (u[c.next[a][1] as usize][a] - here[a]);
+                }
+                for (k, &(p, q, _)) in rotation_planes::<D>().iter().enumerate() {
+                    let (below, left) = (u[c.next[q][0] as usize][p], u[c.next[p][0] as usize][q]);
+                    s[1][k] = c.shear[k] * (here[p] - below + here[q] - left);
+                }
+            },
+        );
         let strain = &*strain;
         let (v, _) = y.as_chunks_mut::<D>();
         v.par_iter_mut().zip(&self.cells).enumerate().with_min_len(CELLS_PER_TASK).for_each(|(i, (v, c))| {
@@ -293,8 +307,10 @@ impl<const D: usize> Builder<'_, D> {
         }
         let exists = |a: usize| (0..D).all(|b| b == a || at[b] < extent[b]);
         let open = |a: usize| self.solids.open_fraction.axes[a][self.model.grid.face_lattice(a).index(at)];
-        let is_unknown: [bool; D] = std::array::from_fn(|a| exists(a) && !self.model.on_closed_side(a, at[a]));
-        let face_mass = std::array::from_fn(|a| if is_unknown[a] { open(a) * self.face_mass(at, a) } else { 0.0 });
+        let is_unknown: [bool; D] =
+            std::array::from_fn(|a| exists(a) && !self.model.on_closed_side(a, at[a]));
+        let face_mass =
+            std::array::from_fn(|a| if is_unknown[a] { open(a) * self.face_mass(at, a) } else { 0.0 });
         let mut cell = Cell { next, normal: 2.0 * self.stiffness * normal, shear, face_mass, is_unknown };
         if inside && !self.solids.cells.is_empty() {
             self.apply_open_fractions(&mut cell, at);
@@ -317,7 +333,8 @@ impl<const D: usize> Builder<'_, D> {
             let mean = around.iter().map(|step| self.solids.distance_cells(here - step)).sum::<f64>() / 4.0;
             let open = |axis: usize, down: usize| {
                 let faces = self.model.grid.face_lattice(axis);
-                self.solids.open_fraction.axes[axis][faces.index(at) - if down == D { 0 } else { faces.stride[down] }]
+                self.solids.open_fraction.axes[axis]
+                    [faces.index(at) - if down == D { 0 } else { faces.stride[down] }]
             };
             let touches = [open(p, D), open(p, q), open(q, D), open(q, p)].contains(&0.0);
             cell.shear[k] *= if touches { 0.0 } else { room(mean) };

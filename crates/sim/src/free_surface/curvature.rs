@@ -120,7 +120,9 @@ pub fn curvature<const D: usize>(
     let raw_curvature = |&slot: &u32| {
         let s = slot as usize;
         let cell = band.cells[s] as usize;
-        let off = ((solids.cut_cells.distance_cells(cell) - CURVATURE_BLEND_START_CELLS) / (CURVATURE_BLEND_END_CELLS - CURVATURE_BLEND_START_CELLS)).clamp(0.0, 1.0);
+        let off = ((solids.cut_cells.distance_cells(cell) - CURVATURE_BLEND_START_CELLS)
+            / (CURVATURE_BLEND_END_CELLS - CURVATURE_BLEND_START_CELLS))
+            .clamp(0.0, 1.0);
         let differences = || {
             let curvature = level_set::curvature(phi, grid.dx, lattice.coordinates(cell));
             curvature.map_or_else(|| slopes[s][0] / slopes[s][1], |k| k * grid.dx + hydrostatic(s))
@@ -129,7 +131,8 @@ pub fn curvature<const D: usize>(
         let (kappa, cut) = if off < 1.0 { near[s] } else { (0.0, false) };
         (differences + if off < 1.0 { (1.0 - off) * kappa } else { 0.0 }, cut)
     };
-    let (raw, clamped): (Vec<f64>, Vec<bool>) = graph.slots.par_iter().with_min_len(512).map(raw_curvature).unzip();
+    let (raw, clamped): (Vec<f64>, Vec<bool>) =
+        graph.slots.par_iter().with_min_len(512).map(raw_curvature).unzip();
     let mut repairs = Repairs::default();
     let filtered = filter_curvature(&graph, &raw, step, &mut repairs);
     let (mut kappa, mut known, mut cut) = (vec![0.0; count], vec![false; count], vec![false; count]);
@@ -187,7 +190,12 @@ type SlotWeights = (usize, Vec<(usize, f64)>);
 impl<const D: usize> SolidContext<'_, D> {
     /// Moves what cells within solids hold to those around the points where the surface comes out: φ within follows φ
     /// outside, and so does what it does to the energy. Gives back where it went.
-    fn move_slopes_out_of_solids(&self, grid: &Grid<D>, band: &Band<D>, slopes: &mut [[f64; 2]]) -> Vec<SlotWeights> {
+    fn move_slopes_out_of_solids(
+        &self,
+        grid: &Grid<D>,
+        band: &Band<D>,
+        slopes: &mut [[f64; 2]],
+    ) -> Vec<SlotWeights> {
         let lattice = grid.lattice();
         let mut spreads = Vec::new();
         for ghost in self.ghosts.iter().filter(|g| (g.slot as usize) < slopes.len()) {
@@ -202,7 +210,9 @@ impl<const D: usize> SolidContext<'_, D> {
                     (low + up).clamp(0.0, lattice.extent[a] as f64 - 1.0) as usize
                 });
                 let cell = lattice.index(at);
-                let slot = band.slot(cell).filter(|s| *s < slopes.len() && self.cut_cells.distance_cells(cell) >= 0.0);
+                let slot = band
+                    .slot(cell)
+                    .filter(|s| *s < slopes.len() && self.cut_cells.distance_cells(cell) >= 0.0);
                 if let Some(s) = slot.filter(|_| weight > 0.0) {
                     to.push((s, weight));
                 }
@@ -276,7 +286,11 @@ fn binomial<const D: usize>(grid: &Grid<D>, band: &Band<D>, values: &[[f64; 2]],
 
 /// What the displacement, times `stretch`, adds to the curvature, in 1/cells: `n · L u`, which is nothing for a body that
 /// just flies. (`L (n · u)` is not: the lattice's noise of the Laplacian would then feed on the speed.)
-fn curvature_rate<const D: usize>(graph: &Graph, displacement: &[InterfaceDisplacement<D>], stretch: f64) -> Vec<f64> {
+fn curvature_rate<const D: usize>(
+    graph: &Graph,
+    displacement: &[InterfaceDisplacement<D>],
+    stretch: f64,
+) -> Vec<f64> {
     let mut bend = vec![0.0; graph.slots.len()];
     for a in 0..D {
         let path: Vec<f64> =

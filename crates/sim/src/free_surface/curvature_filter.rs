@@ -40,7 +40,8 @@ impl Graph {
     pub fn new<const D: usize>(grid: &Grid<D>, band: &Band<D>, measure: &[f64]) -> Self {
         let lattice = grid.lattice();
         let mut place = vec![u32::MAX; measure.len()];
-        let slots: Vec<u32> = (0..measure.len() as u32).filter(|&s| measure[s as usize] > MIN_SURFACE_MEASURE_CELLS2).collect();
+        let slots: Vec<u32> =
+            (0..measure.len() as u32).filter(|&s| measure[s as usize] > MIN_SURFACE_MEASURE_CELLS2).collect();
         slots.iter().enumerate().for_each(|(i, &s)| place[s as usize] = i as u32);
         let weight: Vec<f64> = slots.iter().map(|&s| measure[s as usize]).collect();
         let links = slots

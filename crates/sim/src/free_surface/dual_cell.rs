@@ -102,7 +102,13 @@ impl<const D: usize> SimplexSplit<D> {
     }
 
     /// Adds what the surface cuts out of the part of the unit cube where `psi` is positive.
-    pub fn cut_with_solid(&self, values: &[f64; 8], psi: &[f64; 8], bond_vector: &Vector<D>, dual_cell: &mut DualCell) {
+    pub fn cut_with_solid(
+        &self,
+        values: &[f64; 8],
+        psi: &[f64; 8],
+        bond_vector: &Vector<D>,
+        dual_cell: &mut DualCell,
+    ) {
         dual_cell.subtract_corner_shares::<D>();
         for (clipped, simplex) in self.clipped.iter().zip(&self.free) {
             // A corner that does not exist (2D) is outside everything.

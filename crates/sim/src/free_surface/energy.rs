@@ -52,11 +52,16 @@ impl<const D: usize> DualGrid<D> {
 
     /// Finds the cubes that solids cut; `nearest` tells the nearest solid's number and the cosine of its contact
     /// angle there.
-    pub fn update_solids(&mut self, cut_cells: &CutCells<D>, nearest: impl Fn(&Vector<D>) -> (u32, f64) + Sync) {
+    pub fn update_solids(
+        &mut self,
+        cut_cells: &CutCells<D>,
+        nearest: impl Fn(&Vector<D>) -> (u32, f64) + Sync,
+    ) {
         let (cubes, cells) = (self.lattice(), self.grid.lattice());
         let dry = |at: [usize; D]| {
             let corners = self.corners(at);
-            let psi: [f64; 8] = std::array::from_fn(|k| away_from_zero(cut_cells.distance_cells(corners[k] as usize)));
+            let psi: [f64; 8] =
+                std::array::from_fn(|k| away_from_zero(cut_cells.distance_cells(corners[k] as usize)));
             if psi[..1 << D].iter().all(|v| *v > 0.0) {
                 return None;
             }
@@ -69,7 +74,16 @@ impl<const D: usize> DualGrid<D> {
             let key = cubes.index(at) as u32;
             let (solid, young_cosine) = nearest(&self.grid.lower_corner(at));
             let flooded = DualCell::new(corners, open_corners);
-            let mut dry = SolidDualCell { key, psi, open_corners, solid, contact_cosine: young_cosine, young_cosine, pinned: false, flooded };
+            let mut dry = SolidDualCell {
+                key,
+                psi,
+                open_corners,
+                solid,
+                contact_cosine: young_cosine,
+                young_cosine,
+                pinned: false,
+                flooded,
+            };
             dry.flooded = self.dual_cell_with_solid(&dry, &[-1.0; 8], at);
             Some(dry)
         };
@@ -126,12 +140,18 @@ impl<const D: usize> DualGrid<D> {
 
     /// Sets the angle of the lines: `wetting` tells for a place (m) and the number of its solid the cosine, and whether the
     /// line rests.
-    pub fn pin_contact_lines(&mut self, phi: &[f64], wetting: impl Fn(&Vector<D>, u32) -> (f64, bool) + Sync) {
+    pub fn pin_contact_lines(
+        &mut self,
+        phi: &[f64],
+        wetting: impl Fn(&Vector<D>, u32) -> (f64, bool) + Sync,
+    ) {
         let lines = self.contact_line_cells(phi);
         let angles: Vec<(f64, bool)> =
             lines.par_iter().map(|(number, place)| wetting(place, self.solid_cells[*number].solid)).collect();
         // A line may come to any of them before it is held again; nothing of earlier steps is kept that a checkpoint has not.
-        self.solid_cells.iter_mut().for_each(|dry| (dry.contact_cosine, dry.pinned) = (dry.young_cosine, false));
+        self.solid_cells
+            .iter_mut()
+            .for_each(|dry| (dry.contact_cosine, dry.pinned) = (dry.young_cosine, false));
         for ((number, _), (cosine, pinned)) in lines.into_iter().zip(angles) {
             let dry = &mut self.solid_cells[number];
             (dry.contact_cosine, dry.pinned) = (cosine, pinned);
@@ -174,7 +194,8 @@ impl<const D: usize> DualGrid<D> {
     fn dual_cell_with_solid(&self, dry: &SolidDualCell, values: &[f64; 8], at: [usize; D]) -> DualCell {
         let liquid = (0..1 << D).filter(|k| values[*k] < 0.0).fold(0u8, |bits, k| bits | 1 << k);
         let mut cube = DualCell::new(dry.flooded.corners, liquid & dry.open_corners);
-        (cube.solid, cube.contact_cosine, cube.young_cosine, cube.pinned) = (dry.solid, dry.contact_cosine, dry.young_cosine, dry.pinned);
+        (cube.solid, cube.contact_cosine, cube.young_cosine, cube.pinned) =
+            (dry.solid, dry.contact_cosine, dry.young_cosine, dry.pinned);
         self.split.cut_with_solid(values, &dry.psi, &self.bond_vector_in(at), &mut cube);
         self.move_to_grid(&mut cube, at);
         cube
@@ -244,7 +265,8 @@ impl<const D: usize> DualGrid<D> {
         for run in &liquid.runs {
             let at = cells.coordinates(run.row as usize * cells.extent[0]);
             let n = (run.end - run.start) as f64;
-            let mut moment = Vector::from_fn(|a, _| n * self.grid.domain_coordinate_cells(a, at[a] as f64 + 0.5));
+            let mut moment =
+                Vector::from_fn(|a, _| n * self.grid.domain_coordinate_cells(a, at[a] as f64 + 0.5));
             moment[0] = n * self.grid.domain_coordinate_cells(0, 0.5 * (run.start + run.end) as f64);
             for a in 0..D {
                 let (first, last) =
@@ -350,7 +372,10 @@ mod tests {
         let ball = |x: &Vector<D>| (x - Vector::from_fn(|a, _| 8.2 - 0.4 * a as f64)).norm() - 3.1;
         let bounds = [Vector::repeat(3.0), Vector::repeat(12.0)];
         let mut cut = CutCells::uncut(grid);
-        cut.rebuild(&[meniscus_numerics::grid::EmbeddedBoundary { signed_distance: &ball, bounds }], &Tiles::all(grid));
+        cut.rebuild(
+            &[meniscus_numerics::grid::EmbeddedBoundary { signed_distance: &ball, bounds }],
+            &Tiles::all(grid),
+        );
         let mut lattice = DualGrid::new(grid, weight());
         lattice.update_solids(&cut, |_| (0, 0.6));
         let inside = Tiles::all(grid).negative_runs(phi);

@@ -88,7 +88,12 @@ pub fn ghost_cells<const D: usize>(
     let ghost = |&slot: &u32| {
         let cell = band.cells[slot as usize] as usize;
         let at = model.grid.lattice().coordinates(cell);
-        surface.ghost_cell(slot, &model.grid.center(at), -cut.distance_cells(cell) * model.grid.dx, cut.is_closed(at))
+        surface.ghost_cell(
+            slot,
+            &model.grid.center(at),
+            -cut.distance_cells(cell) * model.grid.dx,
+            cut.is_closed(at),
+        )
     };
     slots.par_iter().with_min_len(64).filter_map(ghost).collect()
 }
@@ -128,7 +133,8 @@ impl<const D: usize> InterfaceSampler<'_, D> {
         let way = velocity.norm() * self.max_next_dt;
         let is_exposed = way > RELAXATION * MIN_COVERED_DEPTH_CELLS * dx;
         let thin = is_exposed && depth < SHALLOW_DEPTH_CELLS * dx && self.opposite_side(x, &near).is_some();
-        let own = GhostCell { slot, exit_point, phi_scale, is_closed, is_exposed, thin, nearest_normal: None };
+        let own =
+            GhostCell { slot, exit_point, phi_scale, is_closed, is_exposed, thin, nearest_normal: None };
         let seen = |at: &Vector<D>| self.phi.distance_with_gradient(at).0 / dx;
         let here = seen(&exit_point);
         let covered = depth > MIN_COVERED_DEPTH_CELLS * dx + way;
@@ -140,7 +146,11 @@ impl<const D: usize> InterfaceSampler<'_, D> {
         let there = seen(&exit_point);
         // What separates the sides within the solid is farther away from there than this.
         let takes_opposite = there.abs() < SAMPLE_HEIGHT_CELLS || (here > 0.0 && there < 0.0);
-        Some(if takes_opposite { GhostCell { exit_point, phi_scale, nearest_normal: Some(normal), ..own } } else { own })
+        Some(if takes_opposite {
+            GhostCell { exit_point, phi_scale, nearest_normal: Some(normal), ..own }
+        } else {
+            own
+        })
     }
 
     /// The side across of a thin solid.
@@ -151,7 +161,11 @@ impl<const D: usize> InterfaceSampler<'_, D> {
         let height = solid.liquid_distance(now, &beyond);
         let normal =
             if height > 0.0 { solid.normal(now, &beyond, 0.01 * dx).try_normalize(0.5) } else { None }?;
-        (normal.dot(&near.normal) < 0.0).then_some(SolidSide { depth: MAX_OPPOSITE_DEPTH_CELLS * dx - height, normal, ..*near })
+        (normal.dot(&near.normal) < 0.0).then_some(SolidSide {
+            depth: MAX_OPPOSITE_DEPTH_CELLS * dx - height,
+            normal,
+            ..*near
+        })
     }
 
     /// Direction along a solid in which φ rises. It has unit length; less where φ rises by less than its slope's error
@@ -178,7 +192,8 @@ impl<const D: usize> InterfaceSampler<'_, D> {
         let angle = |slope: &Vector<D>| (slope.dot(&normal) / slope.norm().max(0.5)).clamp(-1.0, 1.0).acos();
         let steepest = MIN_CONTINUATION_SINE.asin();
         let bound = |angle: f64| angle.clamp(steepest, PI - steepest);
-        let (mut cosine, rests) = solid.hysteretic_cosine(solid.young_cosine_near(now, x, dx), angle(&slope).cos());
+        let (mut cosine, rests) =
+            solid.hysteretic_cosine(solid.young_cosine_near(now, x, dx), angle(&slope).cos());
         if solid.line_friction > 0.0 && !rests {
             let at = outside(bound(cosine.clamp(-1.0, 1.0).acos()));
             let speed = (self.velocity.linear(&at) - now.velocity_at(&at)).dot(&along);
@@ -233,7 +248,10 @@ pub fn extend_into_solids<const D: usize>(
     }
     let non_distance_cells = separate_sides(model, &mut state.phi.data, cut, across);
     let moving = model.solids.iter().any(|s| s.motion != Motion::Fixed);
-    ExtensionResult { non_distance_cells, overwritten_phi: if moving { extend_signs_beyond_band(model, state, band, cut) } else { Vec::new() } }
+    ExtensionResult {
+        non_distance_cells,
+        overwritten_phi: if moving { extend_signs_beyond_band(model, state, band, cut) } else { Vec::new() },
+    }
 }
 
 /// Bounds φ in cells that go on from the side across, given with the open cells beside them, and clears those. Gives back all
@@ -247,7 +265,9 @@ fn separate_sides<const D: usize>(
     let clear = raise_clear_cells(model, phi, cut, across.iter().flat_map(|a| &a.1).copied().collect());
     for (cell, beside) in &across {
         let all = beside.iter().all(|c| clear.binary_search(c).is_ok());
-        let bound = -cut.distance_cells(*cell as usize) * model.grid.dx * if all { MAX_PHI_DEPTH_RATIO } else { UNCLEAR_PHI_DEPTH_RATIO };
+        let bound = -cut.distance_cells(*cell as usize)
+            * model.grid.dx
+            * if all { MAX_PHI_DEPTH_RATIO } else { UNCLEAR_PHI_DEPTH_RATIO };
         let value = &mut phi[*cell as usize];
         *value = value.clamp(-bound, bound);
     }
@@ -330,7 +350,9 @@ fn extend_signs_beyond_band<const D: usize>(
         }
         let mut at = cell;
         for _ in 0..2 * MAX_EXPOSED_DEPTH_CELLS as usize {
-            at = lattice.neighbours(at).max_by(|i, j| cut.distance_cells(*i).total_cmp(&cut.distance_cells(*j)))?;
+            at = lattice
+                .neighbours(at)
+                .max_by(|i, j| cut.distance_cells(*i).total_cmp(&cut.distance_cells(*j)))?;
             if cut.distance_cells(at) >= 0.0 {
                 return Some((cell, limit.copysign(phi[at])));
             }

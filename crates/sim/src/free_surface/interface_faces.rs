@@ -93,7 +93,12 @@ pub fn interface_faces<const D: usize>(
 }
 
 /// Share of the way from the centre of liquid cell `at` to its neighbour where the cubic through four values is zero.
-fn interface_crossing<const D: usize>(sampler: &Sampler<'_, D>, at: [usize; D], axis: usize, step: isize) -> f64 {
+fn interface_crossing<const D: usize>(
+    sampler: &Sampler<'_, D>,
+    at: [usize; D],
+    axis: usize,
+    step: isize,
+) -> f64 {
     let value = |n: isize| {
         let mut cell = at.map(|i| i as isize);
         cell[axis] += n * step;

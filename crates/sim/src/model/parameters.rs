@@ -91,13 +91,16 @@ impl<const D: usize> Model<D> {
 
     /// How scalars go on beyond the sides.
     pub fn scalar_boundary(&self) -> [[BoundaryExtension; 2]; D] {
-        self.walls.map(|sides| sides.map(|w| if w == Wall::Slip { BoundaryExtension::Even } else { BoundaryExtension::Clamp }))
+        self.walls.map(|sides| {
+            sides.map(|w| if w == Wall::Slip { BoundaryExtension::Even } else { BoundaryExtension::Clamp })
+        })
     }
 
     /// How the velocity component along `axis` goes on beyond the sides.
     pub fn velocity_boundary(&self, axis: usize) -> [[BoundaryExtension; 2]; D] {
         let mut edges = self.scalar_boundary();
-        edges[axis] = self.walls[axis].map(|w| if w == Wall::Slip { BoundaryExtension::Odd } else { BoundaryExtension::Clamp });
+        edges[axis] = self.walls[axis]
+            .map(|w| if w == Wall::Slip { BoundaryExtension::Odd } else { BoundaryExtension::Clamp });
         edges
     }
 

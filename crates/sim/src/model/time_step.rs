@@ -47,7 +47,9 @@ pub fn unbounded_impulse_time(velocity_lead: f64, dt: f64) -> f64 {
 /// is as near to `longest` as can be.
 pub fn next_dt(velocity_lead: f64, max_dt: f64, remaining_time: f64) -> f64 {
     let impulse_time = max_dt.min(2.0 * (max_dt - velocity_lead));
-    if impulse_time < 2.0 * MIN_IMPULSE_TIME_RATIO * velocity_lead || remaining_time - velocity_lead < MIN_IMPULSE_TIME_RATIO * velocity_lead {
+    if impulse_time < 2.0 * MIN_IMPULSE_TIME_RATIO * velocity_lead
+        || remaining_time - velocity_lead < MIN_IMPULSE_TIME_RATIO * velocity_lead
+    {
         return uniform_dt(remaining_time, max_dt);
     }
     if remaining_time.is_infinite() {
@@ -55,12 +57,20 @@ pub fn next_dt(velocity_lead: f64, max_dt: f64, remaining_time: f64) -> f64 {
     }
     // `rest = lead + ½ kick + (n − 1) kick` with n steps.
     let steps = ((remaining_time - velocity_lead) / impulse_time * (1.0 - 1e-9) + 0.5).ceil().max(1.0);
-    if steps == 1.0 { remaining_time } else { velocity_lead + 0.5 * (remaining_time - velocity_lead) / (steps - 0.5) }
+    if steps == 1.0 {
+        remaining_time
+    } else {
+        velocity_lead + 0.5 * (remaining_time - velocity_lead) / (steps - 0.5)
+    }
 }
 
 /// A time divided into as few steps of one length as can be with none over `longest`; that where the time is infinite.
 pub fn uniform_dt(remaining_time: f64, max_dt: f64) -> f64 {
-    if remaining_time.is_finite() { remaining_time / (remaining_time / max_dt * (1.0 - 1e-9)).ceil().max(1.0) } else { max_dt }
+    if remaining_time.is_finite() {
+        remaining_time / (remaining_time / max_dt * (1.0 - 1e-9)).ceil().max(1.0)
+    } else {
+        max_dt
+    }
 }
 
 /// The longest step, s, in which nothing at a speed (m/s) goes farther than the Courant number allows, and which tension,
@@ -70,9 +80,13 @@ pub fn stable_dt<const D: usize>(model: &Model<D>, speed: f64) -> f64 {
     let fall = model.gravity.norm();
     // speed·h + ½ fall·h² = cfl·Δ
     let max_displacement = n.cfl * model.grid.dx;
-    let advective_dt = 2.0 * max_displacement / (speed + (speed * speed + 2.0 * fall * max_displacement).sqrt()).max(1e-300);
-    let capillary_dt =
-        if model.surface_tension > 0.0 { n.capillary_step * model.capillary_dt_limit() } else { f64::INFINITY };
+    let advective_dt =
+        2.0 * max_displacement / (speed + (speed * speed + 2.0 * fall * max_displacement).sqrt()).max(1e-300);
+    let capillary_dt = if model.surface_tension > 0.0 {
+        n.capillary_step * model.capillary_dt_limit()
+    } else {
+        f64::INFINITY
+    };
     advective_dt.min(n.max_step).min(capillary_dt)
 }
 

@@ -128,7 +128,11 @@ pub fn measure_components<const D: usize>(
 }
 
 /// Largest velocity component on the liquid's faces, m/s.
-pub fn max_velocity_component<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> f64 {
+pub fn max_velocity_component<const D: usize>(
+    model: &Model<D>,
+    state: &State<D>,
+    work: &Workspace<D>,
+) -> f64 {
     (0..D)
         .map(|a| {
             let row = model.grid.face_lattice(a).extent[0];
@@ -151,7 +155,9 @@ pub fn potential_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f
 
 /// Energy of the motion of liquid and free solids, and of the surfaces, J.
 pub fn energy_without_gravity<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
-    total_kinetic_energy(model, state) + elastic_energy(model, state) + model.surface_tension * state.effective_surface_area
+    total_kinetic_energy(model, state)
+        + elastic_energy(model, state)
+        + model.surface_tension * state.effective_surface_area
 }
 
 /// Energy in the solids' deformation at the time of the velocities, J: with their kinetic energy it is what a step keeps
@@ -192,7 +198,11 @@ pub fn update_diagnostics<const D: usize>(model: &Model<D>, state: &mut State<D>
 }
 
 /// The books of a state.
-pub fn diagnostics<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Diagnostics<D> {
+pub fn diagnostics<const D: usize>(
+    model: &Model<D>,
+    state: &State<D>,
+    work: &Workspace<D>,
+) -> Diagnostics<D> {
     let components = &state.components;
     let all = combined(components.iter().map(Component::rigid_motion));
     let mass = model.density * all.volume;

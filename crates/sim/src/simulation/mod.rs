@@ -2,8 +2,8 @@
 
 pub mod diagnostics;
 pub mod dimension;
-pub mod driver;
 pub mod step;
+pub mod stepper;
 pub mod workspace;
 
-pub use driver::{LiquidRegion, Simulation, StepError};
+pub use stepper::{LiquidRegion, Simulation, StepError};

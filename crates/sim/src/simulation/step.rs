@@ -3,27 +3,31 @@
 //! Positions first, then one solve for the velocity: a capillary wave then obeys symplectic Euler, which neither
 //! damps nor drives it (design, numerics §8).
 
-use super::diagnostics::{measure_components, kinetic_energy, max_velocity_component, effective_surface_area};
+use super::diagnostics::{
+    effective_surface_area, kinetic_energy, max_velocity_component, measure_components,
+};
 use super::workspace::Workspace;
-use crate::components::restoration::{subtract_solid_impulses, restore_advected_momentum, restore_momentum};
+use crate::components::restoration::{restore_advected_momentum, restore_momentum, subtract_solid_impulses};
 use crate::components::tracking::{ComponentChange, predict_motions, restore_volume};
 use crate::components::volume::band_labels;
 use crate::contact_line::friction::dragged_faces;
 use crate::contact_line::hysteresis::pin_contact_lines;
-use crate::coupling::solve::{PressureSolution, solve_pressure, prescribed_solid_work};
+use crate::coupling::solve::{PressureSolution, prescribed_solid_work, solve_pressure};
 use crate::flow::advection::{advect_interface, advect_velocity, pack};
 use crate::flow::outflow::remove_outflow;
-use crate::free_surface::curvature::{SolidContext, InterfaceDisplacement, FilterStep, curvature};
+use crate::free_surface::curvature::{FilterStep, InterfaceDisplacement, SolidContext, curvature};
 use crate::free_surface::extension::{extend_into_solids, ghost_cells};
 use crate::free_surface::interface_faces::interface_faces;
 use crate::model::Model;
-use crate::model::resolution::{BAND_WIDTH_CELLS, BAND_LAYERS, GRADIENT_NORM_TOLERANCE};
-use crate::model::time_step::{MAX_DT_GROWTH, PhaseEnd, StepTimes, lookahead_time, impulse_time, unbounded_impulse_time};
+use crate::model::resolution::{BAND_LAYERS, BAND_WIDTH_CELLS, GRADIENT_NORM_TOLERANCE};
+use crate::model::time_step::{
+    MAX_DT_GROWTH, PhaseEnd, StepTimes, impulse_time, lookahead_time, unbounded_impulse_time,
+};
 use crate::repairs::Repairs;
 use crate::solid::{Motion, SolidState};
 use crate::state::State;
 use meniscus_numerics::grid::{Runs, Sampler, Segment};
-use meniscus_numerics::level_set::{redistance, interface_gradient_norm};
+use meniscus_numerics::level_set::{interface_gradient_norm, redistance};
 use meniscus_numerics::linalg::{SolveError, SolveReport};
 use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
@@ -77,7 +81,8 @@ pub fn step<const D: usize>(
     }
 
     // (1) to (3) The liquid moves.
-    let (unbounded, impulse_time) = (unbounded_impulse_time(state.velocity_lead, dt), impulse_time(state.velocity_lead, dt));
+    let (unbounded, impulse_time) =
+        (unbounded_impulse_time(state.velocity_lead, dt), impulse_time(state.velocity_lead, dt));
     work.repairs.limited_kicks += u64::from(impulse_time != unbounded);
     let (mut change, displacement) = move_liquid(model, state, work, &before, dt, phase_end);
 
@@ -158,33 +163,52 @@ fn apply_forces<const D: usize>(
     apply_gravity(model, state, work, impulse_time);
 
     // Surface tension as a pressure on the surface.
-    let capillary_cfl_squared = model.surface_tension * dt * impulse_time / (model.density * model.grid.dx.powi(3));
+    let capillary_cfl_squared =
+        model.surface_tension * dt * impulse_time / (model.density * model.grid.dx.powi(3));
     let filter = FilterStep { capillary_cfl_squared, displacements };
     let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
     let ghosts = ghost_cells(model, state, &work.band, &work.cut_cells);
-    let beside = SolidContext { cut_cells: &work.cut_cells, ghosts: &ghosts, bond_vector: model.cell_bond_vector() };
-    let kappa = curvature(&model.grid, &work.band, CURVATURE_LAYERS, &phi, &change.dual_cells, &beside, &filter);
+    let beside =
+        SolidContext { cut_cells: &work.cut_cells, ghosts: &ghosts, bond_vector: model.cell_bond_vector() };
+    let kappa =
+        curvature(&model.grid, &work.band, CURVATURE_LAYERS, &phi, &change.dual_cells, &beside, &filter);
     let mut interface_faces = interface_faces(model, &state.phi, &work.band, &kappa, &work.cut_cells);
     work.repairs.add(&kappa.repairs);
-    work.repairs.unknown_curvatures += interface_faces.iter().filter(|face| !face.is_curvature_known).count() as u64;
-    let mut dragged = dragged_faces(model, (state, &before), &change.dual_cells, (&mut interface_faces, &work.cut_cells), impulse_time);
+    work.repairs.unknown_curvatures +=
+        interface_faces.iter().filter(|face| !face.is_curvature_known).count() as u64;
+    let mut dragged = dragged_faces(
+        model,
+        (state, &before),
+        &change.dual_cells,
+        (&mut interface_faces, &work.cut_cells),
+        impulse_time,
+    );
     phase_end("curvature");
 
     // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
-    state.collision_free_dt = if state.last_dt > 0.0 { lookahead_time(model, &state.solids, dt) } else { MAX_DT_GROWTH * dt };
+    state.collision_free_dt =
+        if state.last_dt > 0.0 { lookahead_time(model, &state.solids, dt) } else { MAX_DT_GROWTH * dt };
     state.velocity_lead += impulse_time - dt;
     // Before the first step there are no old positions: its forces act about the start.
     let is_first = state.last_dt == 0.0;
     let velocity_lead = if is_first { 0.5 * impulse_time } else { state.velocity_lead };
     let times = StepTimes { dt, impulse_time, velocity_lead, lookahead: state.collision_free_dt, is_first };
-    let PressureSolution { solves, solid_impulses, contact_work, newton_iterations } =
-        solve_pressure(model, (state, &before), work, change, (&interface_faces, &mut dragged), times, phase_end)?;
+    let PressureSolution { solves, solid_impulses, contact_work, newton_iterations } = solve_pressure(
+        model,
+        (state, &before),
+        work,
+        change,
+        (&interface_faces, &mut dragged),
+        times,
+        phase_end,
+    )?;
     let prescribed_work = prescribed_solid_work(model, state, &solid_impulses) + contact_work;
     subtract_solid_impulses(model, &mut change.groups, &solid_impulses);
     phase_end("pressure");
 
     // Momentum that the discretisation lost comes back; the velocity extends beyond the liquid.
-    let restored = restore_momentum(model, state, work, &interface_faces, (change, &change.groups), impulse_time);
+    let restored =
+        restore_momentum(model, state, work, &interface_faces, (change, &change.groups), impulse_time);
     let slip_unknown = work.extend_velocity(model, state);
     work.repairs.add(&Repairs {
         momentum_restored: restored.momentum,
@@ -262,16 +286,32 @@ fn component_volumes<const D: usize>(model: &Model<D>, state: &State<D>, work: &
 ///
 /// The curvature is only as smooth as φ: noise of the transport that is left from step to step grows (measured: a
 /// drop's frequency wrong by 5 %, where it is 0.3 % if φ is a distance in every step).
-pub(crate) fn restore_signed_distance<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
+pub(crate) fn restore_signed_distance<const D: usize>(
+    model: &Model<D>,
+    state: &mut State<D>,
+    work: &Workspace<D>,
+) {
     let sampler = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
     let first_layer = &work.band.cells[work.band.first_layers(1)];
     let outside = |c: u32| work.cut_cells.distance_cells(c as usize) >= 0.0;
-    let is_not_distance = |c: u32| (interface_gradient_norm(&model.grid, &state.phi.data, &sampler, c as usize) - 1.0).abs() > GRADIENT_NORM_TOLERANCE;
+    let is_not_distance = |c: u32| {
+        (interface_gradient_norm(&model.grid, &state.phi.data, &sampler, c as usize) - 1.0).abs()
+            > GRADIENT_NORM_TOLERANCE
+    };
     let count = first_layer.par_iter().filter(|c| outside(**c) && is_not_distance(**c)).count();
-    let full_band = state.displacement_since_redistancing > REDISTANCE_DISPLACEMENT_CELLS || count * 100 > first_layer.len();
+    let full_band = state.displacement_since_redistancing > REDISTANCE_DISPLACEMENT_CELLS
+        || count * 100 > first_layer.len();
     let layers = if full_band { BAND_LAYERS } else { REDISTANCE_LAYERS };
-    let values = redistance(&model.grid, &work.band, layers, &state.phi.data, &sampler, BAND_WIDTH_CELLS * model.grid.dx);
-    let cells = work.band.cells.iter().zip(values).filter(|(c, _)| work.non_distance_cells.binary_search(c).is_err());
+    let values = redistance(
+        &model.grid,
+        &work.band,
+        layers,
+        &state.phi.data,
+        &sampler,
+        BAND_WIDTH_CELLS * model.grid.dx,
+    );
+    let cells =
+        work.band.cells.iter().zip(values).filter(|(c, _)| work.non_distance_cells.binary_search(c).is_err());
     cells.for_each(|(&c, v)| {
         let value = &mut state.phi.data[c as usize];
         *value += if outside(c) { v - *value } else { SOLID_REDISTANCE_RELAXATION * (v - *value) };
@@ -301,7 +341,10 @@ fn interface_displacements<const D: usize>(
                 let u = 0.5 * (state.velocity.axes[a][f] + state.velocity.axes[a][f + faces.stride[a]]);
                 displacement_cells[a] = u * dt / model.grid.dx;
             }
-            InterfaceDisplacement { normal: sampler.gradient(at).try_normalize(0.0).unwrap_or(Vector::zeros()), displacement_cells }
+            InterfaceDisplacement {
+                normal: sampler.gradient(at).try_normalize(0.0).unwrap_or(Vector::zeros()),
+                displacement_cells,
+            }
         })
         .collect()
 }
@@ -346,12 +389,17 @@ fn apply_gravity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &
         let velocity_change = model.gravity[a] * dt;
         let lattice = model.grid.face_lattice(a);
         let row = lattice.extent[0];
-        par::for_each_segment(&mut state.velocity.axes[a], row, &work.known_faces.liquid_faces()[a], |s, part| {
-            let mut at = lattice.coordinates(s.row * row);
-            for (i, u) in part.iter_mut().enumerate() {
-                at[0] = s.start + i;
-                *u += if model.on_closed_side(a, at[a]) { 0.0 } else { velocity_change };
-            }
-        });
+        par::for_each_segment(
+            &mut state.velocity.axes[a],
+            row,
+            &work.known_faces.liquid_faces()[a],
+            |s, part| {
+                let mut at = lattice.coordinates(s.row * row);
+                for (i, u) in part.iter_mut().enumerate() {
+                    at[0] = s.start + i;
+                    *u += if model.on_closed_side(a, at[a]) { 0.0 } else { velocity_change };
+                }
+            },
+        );
     }
 }

@@ -6,12 +6,12 @@ use crate::flow::advection::VelocitySampler;
 use crate::flow::pressure::PressureFields;
 use crate::free_surface::energy::DualGrid;
 use crate::model::Model;
-use crate::model::resolution::{BAND_WIDTH_CELLS, BAND_LAYERS};
+use crate::model::resolution::{BAND_LAYERS, BAND_WIDTH_CELLS};
 use crate::repairs::Repairs;
 use crate::solid::{Motion, Solid, SolidState};
 use crate::state::State;
 use meniscus_numerics::grid::{
-    Band, CellField, CutCells, Grid, VelocityExtension, Run, Runs, Sampler, Segment, Tiles, lattice_points,
+    Band, CellField, CutCells, Grid, Run, Runs, Sampler, Segment, Tiles, VelocityExtension, lattice_points,
 };
 use meniscus_numerics::{Matrix, Vector};
 use rayon::prelude::*;
@@ -135,7 +135,8 @@ impl<const D: usize> Workspace<D> {
         self.tiles = self.tiles.around_negative(&state.phi.data);
         let negative = self.tiles.negative_runs(&state.phi.data);
         let open = |cell: usize| !self.cut_cells.is_closed(model.grid.lattice().coordinates(cell));
-        let liquid = if self.cut_cells.cells.is_empty() { negative } else { negative.filtered(&model.grid, open) };
+        let liquid =
+            if self.cut_cells.cells.is_empty() { negative } else { negative.filtered(&model.grid, open) };
         self.liquid = liquid.label(&model.grid);
         let tips = self.wedge_tips(model, state);
         self.liquid.merge_components(&tips);
@@ -145,8 +146,14 @@ impl<const D: usize> Workspace<D> {
     /// The liquid cells of components that are none: those that lie within solids altogether, without a centre outside, as
     /// a line that recedes leaves them behind, and those that no liquid can have reached. `before` is the liquid before
     /// its surface moved, by `reach` cells at most.
-    pub fn find_spurious_components(&self, model: &Model<D>, before: &Runs, reach: usize) -> SpuriousComponents {
-        let (within, through) = (self.components_inside_solids(), self.leaked_components(model, before, reach));
+    pub fn find_spurious_components(
+        &self,
+        model: &Model<D>,
+        before: &Runs,
+        reach: usize,
+    ) -> SpuriousComponents {
+        let (within, through) =
+            (self.components_inside_solids(), self.leaked_components(model, before, reach));
         let stray = |c: u32| [&within, &through].iter().any(|s| s.get(c as usize) == Some(&true));
         let strays = self.liquid.runs.iter().filter(|r| stray(r.component));
         let leaked = |c: u32| !within[c as usize] && through[c as usize];
@@ -193,7 +200,9 @@ impl<const D: usize> Workspace<D> {
         let mut within = vec![true; self.liquid.components as usize];
         for run in &self.liquid.runs {
             let within = &mut within[run.component as usize];
-            *within = *within && cells_of(&self.cut_cells.open_fraction.grid, run).all(|c| self.cut_cells.distance_cells(c) < 0.0);
+            *within = *within
+                && cells_of(&self.cut_cells.open_fraction.grid, run)
+                    .all(|c| self.cut_cells.distance_cells(c) < 0.0);
         }
         within
     }
@@ -206,17 +215,20 @@ impl<const D: usize> Workspace<D> {
         let depth = |x: &Vector<D>| -model.solid_distance(&state.solids, x);
         let across = |from: [usize; D], to: [usize; D]| {
             let (from, to) = (grid.center(from), grid.center(to));
-            depth(&((from + to) * 0.5)) > 0.5 * (depth(&from) + depth(&to)) + THIN_SOLID_DEPTH_EXCESS_CELLS * grid.dx
+            depth(&((from + to) * 0.5))
+                > 0.5 * (depth(&from) + depth(&to)) + THIN_SOLID_DEPTH_EXCESS_CELLS * grid.dx
         };
         let component = self.liquid.component_lookup(&grid);
         let mut pairs = Vec::new();
         for run in self.liquid.runs.iter().filter(|r| within.get(r.component as usize) == Some(&true)) {
-            for cell in cells_of(&grid, run).filter(|c| self.cut_cells.has_air_neighbour(*c, &state.phi.data)) {
+            for cell in cells_of(&grid, run).filter(|c| self.cut_cells.has_air_neighbour(*c, &state.phi.data))
+            {
                 let at = lattice.coordinates(cell);
                 let low = at.map(|i| i.saturating_sub(1));
                 let high = std::array::from_fn(|a| (at[a] + 2).min(lattice.extent[a]));
                 let whole = |to: [usize; D]| component(lattice.index(to)).filter(|c| !within[*c as usize]);
-                let around = lattice_points([low, high]).filter_map(|to| whole(to).filter(|_| !across(at, to)));
+                let around =
+                    lattice_points([low, high]).filter_map(|to| whole(to).filter(|_| !across(at, to)));
                 pairs.extend(around.min().map(|whole| (run.component, whole)));
             }
         }
@@ -247,7 +259,8 @@ impl<const D: usize> Workspace<D> {
         if self.cut_cells.cells.is_empty() {
             return 0;
         }
-        let shut = self.known_faces.extend_into_closed_faces(&mut state.velocity, &self.cut_cells.closed_faces);
+        let shut =
+            self.known_faces.extend_into_closed_faces(&mut state.velocity, &self.cut_cells.closed_faces);
         impose_slip_velocity(model, state, &shut)
     }
 
@@ -258,8 +271,14 @@ impl<const D: usize> Workspace<D> {
             (0..D).any(|a| low[a] < first[a] + near || high[a] > last[a] - near)
         };
         let boxes = component_bounds(model, &self.liquid);
-        let mut touching: Vec<ComponentContacts> =
-            boxes.iter().map(|b| ComponentContacts { domain_side: at_side(b), constrained_solid: false, free_solid: false }).collect();
+        let mut touching: Vec<ComponentContacts> = boxes
+            .iter()
+            .map(|b| ComponentContacts {
+                domain_side: at_side(b),
+                constrained_solid: false,
+                free_solid: false,
+            })
+            .collect();
         let label = self.liquid.component_lookup(&model.grid);
         for w in &self.cut_cells.cells {
             if let Some(c) = label(w.cell as usize) {
@@ -286,7 +305,11 @@ impl<const D: usize> Workspace<D> {
     }
 
     /// The liquid as the volume correction sees it.
-    pub fn volume_correction<'a>(&'a self, model: &'a Model<D>, labels: &'a [u32]) -> VolumeCorrection<'a, D> {
+    pub fn volume_correction<'a>(
+        &'a self,
+        model: &'a Model<D>,
+        labels: &'a [u32],
+    ) -> VolumeCorrection<'a, D> {
         VolumeCorrection { model, dual_grid: &self.dual_grid, band: &self.band, cells: &self.liquid, labels }
     }
 }
@@ -370,14 +393,41 @@ impl<const D: usize> Snapshot<D> {
             };
             workspace.known_faces.liquid_faces()[a].iter().map(values).collect()
         });
-        let State { last_dt, velocity_lead, impulse_time, collision_free_dt, displacement_since_redistancing, lost_volume, .. } = *state;
+        let State {
+            last_dt,
+            velocity_lead,
+            impulse_time,
+            collision_free_dt,
+            displacement_since_redistancing,
+            lost_volume,
+            ..
+        } = *state;
         let State { outflow_volume, outflow_kinetic_energy, outflow_stored_energy, .. } = *state;
         let outflow = [outflow_volume, outflow_kinetic_energy, outflow_stored_energy];
-        let start = [last_dt, velocity_lead, impulse_time, collision_free_dt, displacement_since_redistancing, lost_volume];
-        let scalars = (state.time, state.step, start, outflow, [state.kinetic_energy, state.effective_surface_area]);
-        let (tiles, components, solids) = (workspace.tiles.clone(), state.components.clone(), state.solids.clone());
+        let start = [
+            last_dt,
+            velocity_lead,
+            impulse_time,
+            collision_free_dt,
+            displacement_since_redistancing,
+            lost_volume,
+        ];
+        let scalars =
+            (state.time, state.step, start, outflow, [state.kinetic_energy, state.effective_surface_area]);
+        let (tiles, components, solids) =
+            (workspace.tiles.clone(), state.components.clone(), state.solids.clone());
         let liquid = workspace.liquid.clone();
-        Self { tiles, liquid, band_cells, phi, velocity, components, solids, elastic_slips: state.elastic_slips.clone(), scalars }
+        Self {
+            tiles,
+            liquid,
+            band_cells,
+            phi,
+            velocity,
+            components,
+            solids,
+            elastic_slips: state.elastic_slips.clone(),
+            scalars,
+        }
     }
 
     /// Puts the state back as it was, and the workspace with it.
@@ -395,7 +445,14 @@ impl<const D: usize> Snapshot<D> {
             }
         }
         (state.time, state.step) = (self.scalars.0, self.scalars.1);
-        [state.last_dt, state.velocity_lead, state.impulse_time, state.collision_free_dt, state.displacement_since_redistancing, state.lost_volume] = self.scalars.2;
+        [
+            state.last_dt,
+            state.velocity_lead,
+            state.impulse_time,
+            state.collision_free_dt,
+            state.displacement_since_redistancing,
+            state.lost_volume,
+        ] = self.scalars.2;
         [state.outflow_volume, state.outflow_kinetic_energy, state.outflow_stored_energy] = self.scalars.3;
         [state.kinetic_energy, state.effective_surface_area] = self.scalars.4;
         state.components = self.components;
@@ -410,7 +467,11 @@ impl<const D: usize> Snapshot<D> {
         // appears so. With all of them put back, `verify leak` finds stale liquid in thin walls that move.
         if workspace.liquid.components as usize != state.components.len() {
             // Boxes of solids overlap, so a cell may be listed twice: its first entry is the φ before the step.
-            workspace.overwritten_phi.iter().rev().for_each(|(cell, value)| state.phi.data[*cell as usize] = *value);
+            workspace
+                .overwritten_phi
+                .iter()
+                .rev()
+                .for_each(|(cell, value)| state.phi.data[*cell as usize] = *value);
             self.band_cells.iter().zip(&self.phi).for_each(|(&c, v)| state.phi.data[c as usize] = *v);
             workspace.tiles = self.tiles;
             workspace.find_liquid(model, state);
@@ -460,7 +521,11 @@ mod tests {
     #[test]
     fn a_step_taken_back_leaves_the_drops_that_were() {
         let grid = Grid::<2>::new([40; 2], 1.0);
-        let path = crate::PrescribedMotion { velocity: Vector::from([0.4, -1.0]), angular_velocity: [0.0; 3], keyframes: Vec::new() };
+        let path = crate::PrescribedMotion {
+            velocity: Vector::from([0.4, -1.0]),
+            angular_velocity: [0.0; 3],
+            keyframes: Vec::new(),
+        };
         let ball = |x: f64| {
             let shape = Shape::Ball { center: Vector::from([x, 24.0]), radius: 5.5 };
             Solid::new(shape, Motion::Prescribed(path.clone()), 1.0)

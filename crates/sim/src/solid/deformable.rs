@@ -5,7 +5,7 @@
 //! inverse of its second derivatives in its system, so that how soft or light a solid is sets no limit to the step (design,
 //! numerics §1).
 
-use super::surface::{SurfacePoint, SolidSurface};
+use super::surface::{SolidSurface, SurfacePoint};
 use meniscus_elastic::{Elastic, ElasticState};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::SurfaceMesh;
@@ -65,7 +65,11 @@ impl<const D: usize> Soft<D> {
     }
 
     /// Where the point of its surface nearest to `x` was at the start, m, and its normal there.
-    pub fn reference_point_and_normal(&self, elastic: &Elastic<D>, x: &Vector<D>) -> Option<(Vector<D>, Vector<D>)> {
+    pub fn reference_point_and_normal(
+        &self,
+        elastic: &Elastic<D>,
+        x: &Vector<D>,
+    ) -> Option<(Vector<D>, Vector<D>)> {
         let rest = &elastic.rest_mesh().positions;
         let grip = self.surface.closest_point(x)?;
         let corners = grip.vertices.map(|v| rest[v as usize]);
@@ -83,7 +87,10 @@ impl<const D: usize> Soft<D> {
 }
 
 /// Adds impulses where a solid is gripped to those of its vertices.
-pub fn distribute_to_vertices<const D: usize>(grips: &[(SurfacePoint<D>, Vector<D>)], vertices: &mut [Vector<D>]) {
+pub fn distribute_to_vertices<const D: usize>(
+    grips: &[(SurfacePoint<D>, Vector<D>)],
+    vertices: &mut [Vector<D>],
+) {
     for (grip, impulse) in grips {
         let corners = grip.vertices.iter().zip(grip.weights);
         corners.for_each(|(vertex, weight)| vertices[*vertex as usize] += impulse * weight);

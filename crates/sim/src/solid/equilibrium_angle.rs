@@ -1,6 +1,6 @@
 //! The cosine of Young's angle of a solid near a place, and the angles between which lines rest there.
 
-use super::definition::{Solid, SolidState};
+use super::kinematics::{Solid, SolidState};
 use meniscus_numerics::Vector;
 
 /// Places along each side of the square over which the mean is taken, where the pattern has an edge in it.
@@ -17,8 +17,9 @@ impl<const D: usize> Solid<D> {
         }
         let (foot, normal) = self.reference_foot_and_normal(now, x, 0.01 * width);
         let slack = PATCH_ENLARGEMENT * width;
-        let cosine =
-            |x: &Vector<D>| self.pattern.iter().fold(self.young_cosine, |below, l| l.blend_over(below, x, slack));
+        let cosine = |x: &Vector<D>| {
+            self.pattern.iter().fold(self.young_cosine, |below, l| l.blend_over(below, x, slack))
+        };
         let reach = 0.5 * width * ((D - 1) as f64).sqrt() + slack;
         if self.pattern.iter().all(|layer| layer.distance_to_edge(&foot) > reach) {
             return cosine(&foot);
@@ -34,7 +35,12 @@ impl<const D: usize> Solid<D> {
     }
 
     /// Where the point of the surface next to `x` was at the start, m, and the normal there; by differences over `step` (m).
-    fn reference_foot_and_normal(&self, now: &SolidState<D>, x: &Vector<D>, step: f64) -> (Vector<D>, Vector<D>) {
+    fn reference_foot_and_normal(
+        &self,
+        now: &SolidState<D>,
+        x: &Vector<D>,
+        step: f64,
+    ) -> (Vector<D>, Vector<D>) {
         let soft = now.soft.as_ref().zip(self.elastic());
         soft.and_then(|(soft, elastic)| soft.reference_point_and_normal(elastic, x)).unwrap_or_else(|| {
             let at = self.to_reference(now, x);
@@ -127,7 +133,8 @@ mod tests {
             rotation: Matrix::identity(),
         };
         let solid = plate(vec![WettabilityLayer::Patch { shape, cosine: 0.8 }]);
-        let cosine = |z: f64| solid.young_cosine_near(&solid.initial_state(), &Vector::<3>::new(0.1, 0.2, z), 0.1);
+        let cosine =
+            |z: f64| solid.young_cosine_near(&solid.initial_state(), &Vector::<3>::new(0.1, 0.2, z), 0.1);
         assert!([-0.04, 0.0, 0.05].map(cosine).iter().all(|c| (c - 0.8).abs() < 1e-12));
     }
 

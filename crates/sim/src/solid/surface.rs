@@ -1,7 +1,7 @@
 //! The surface of a solid that deforms, where it is now.
 
 use meniscus_numerics::Vector;
-use meniscus_numerics::mesh::tree::ClosestPoint;
+use meniscus_numerics::mesh::bvh::ClosestPoint;
 use meniscus_numerics::mesh::{FacetBvh, SurfaceMesh};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -53,7 +53,11 @@ impl<const D: usize> SolidSurface<D> {
         Self::with_topology(surface, vertices, Arc::new(around))
     }
 
-    fn with_topology(mesh: SurfaceMesh<D>, volume_vertices: Vec<u32>, vertex_facets: Arc<Vec<Vec<u32>>>) -> Self {
+    fn with_topology(
+        mesh: SurfaceMesh<D>,
+        volume_vertices: Vec<u32>,
+        vertex_facets: Arc<Vec<Vec<u32>>>,
+    ) -> Self {
         let tree = FacetBvh::new(&mesh);
         let (low, high) = mesh.bounds();
         Self { mesh, volume_vertices, vertex_facets, tree, bounds: [low, high] }
@@ -63,7 +67,11 @@ impl<const D: usize> SolidSurface<D> {
     pub fn with_positions(&self, positions: &[Vector<D>]) -> Self {
         let facets = self.mesh.facets.clone();
         let positions = self.volume_vertices.iter().map(|v| positions[*v as usize]).collect();
-        Self::with_topology(SurfaceMesh { positions, facets }, self.volume_vertices.clone(), self.vertex_facets.clone())
+        Self::with_topology(
+            SurfaceMesh { positions, facets },
+            self.volume_vertices.clone(),
+            self.vertex_facets.clone(),
+        )
     }
 
     /// For each vertex of the surface the number of the mesh's.
@@ -126,7 +134,8 @@ impl<const D: usize> SolidSurface<D> {
                 let point = (0..D).map(|k| corners[k] * weights[k]).sum();
                 parts.push((SurfacePoint { vertices: self.corners(facet as usize), weights, point }, size));
             }
-            let around = self.mesh.facets[facet as usize].iter().flat_map(|v| &self.vertex_facets[*v as usize]);
+            let around =
+                self.mesh.facets[facet as usize].iter().flat_map(|v| &self.vertex_facets[*v as usize]);
             next.extend(around.filter(|f| visited.insert(**f)));
         }
         let all: f64 = parts.iter().map(|p| p.1).sum();
@@ -165,7 +174,11 @@ impl<const D: usize> SolidSurface<D> {
 }
 
 /// The parts of a facet within a radius (m) of a point: barycentric weights of their middles, and sizes.
-fn facet_quadrature<const D: usize>(corners: &[Vector<D>; D], center: &Vector<D>, radius: f64) -> Vec<([f64; D], f64)> {
+fn facet_quadrature<const D: usize>(
+    corners: &[Vector<D>; D],
+    center: &Vector<D>,
+    radius: f64,
+) -> Vec<([f64; D], f64)> {
     let near = |x: &Vector<D>| (x - center).norm() <= radius;
     let size = meniscus_numerics::mesh::surface::area_vector(corners).norm();
     if corners.iter().all(near) {

@@ -6,7 +6,8 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{
-    LiquidRegion, Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, SolidState, Wall, narrowest_current_gap,
+    LiquidRegion, Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, SolidState, Wall,
+    narrowest_current_gap,
 };
 
 const GRAVITY: f64 = 10.0;
@@ -152,7 +153,10 @@ fn central<const D: usize>() {
         let mut simulation = dry::<D>(balls, Vector::zeros(), LONG);
         let start = books(&simulation);
         run(&mut simulation, 0.12, |_| ());
-        let (m, n) = (simulation.model.solids[0].mass_properties.mass, simulation.model.solids[1].mass_properties.mass);
+        let (m, n) = (
+            simulation.model.solids[0].mass_properties.mass,
+            simulation.model.solids[1].mass_properties.mass,
+        );
         let speeds: Vec<f64> = simulation.state.solids.iter().map(|s| s.velocity[0]).collect();
         let first = (m - restitution * n) / (m + n);
         let second = (1.0 + restitution) * m / (m + n);
@@ -300,7 +304,11 @@ fn nothing_passes_through_thin_plates() {
 
 #[test]
 fn a_pusher_moves_a_box_with_its_own_speed_and_its_work_is_told() {
-    let path = PrescribedMotion { velocity: Vector::<2>::new(0.3, 0.0), angular_velocity: [0.0; 3], keyframes: Vec::new() };
+    let path = PrescribedMotion {
+        velocity: Vector::<2>::new(0.3, 0.0),
+        angular_velocity: [0.0; 3],
+        keyframes: Vec::new(),
+    };
     let pusher = block(Vector::<2>::new(0.2, 0.3), Vector::<2>::new(0.05, 0.2), Motion::Prescribed(path));
     let mut cargo = block(Vector::<2>::new(0.42, 0.1), Vector::<2>::new(0.1, 0.1), Motion::Free);
     cargo.friction = 0.2;
@@ -319,7 +327,11 @@ fn a_pusher_moves_a_box_with_its_own_speed_and_its_work_is_told() {
 #[test]
 fn what_a_bat_hits_leaves_it_twice_as_fast() {
     for (bat, hit) in [(0.04, 0.15), (0.15, 0.04)] {
-        let path = PrescribedMotion { velocity: Vector::from([1.0, 0.0]), angular_velocity: [0.0; 3], keyframes: Vec::new() };
+        let path = PrescribedMotion {
+            velocity: Vector::from([1.0, 0.0]),
+            angular_velocity: [0.0; 3],
+            keyframes: Vec::new(),
+        };
         let at = |x: f64| Vector::<2>::from([x, 0.5]);
         let mut solids = vec![
             block(at(0.4 - bat), Vector::repeat(bat), Motion::Prescribed(path)),
@@ -335,7 +347,11 @@ fn what_a_bat_hits_leaves_it_twice_as_fast() {
 
 #[test]
 fn what_is_left_no_room_ends_with_an_error_in_bounded_time() {
-    let path = PrescribedMotion { velocity: Vector::<2>::new(0.3, 0.0), angular_velocity: [0.0; 3], keyframes: Vec::new() };
+    let path = PrescribedMotion {
+        velocity: Vector::<2>::new(0.3, 0.0),
+        angular_velocity: [0.0; 3],
+        keyframes: Vec::new(),
+    };
     let pusher = block(Vector::<2>::new(0.4, 0.3), Vector::<2>::new(0.05, 0.2), Motion::Prescribed(path));
     let ball = ball(Vector::<2>::new(0.8, 0.1 + 0.1 * DX), 0.1, Vector::zeros());
     let mut s = dry(vec![pusher, ball], down(), LONG);
@@ -395,14 +411,19 @@ fn a_heavy_ball_sinks_and_rests_on_the_floor() {
     };
     let dx = model.grid.dx;
     let distance = |x: &Vector<2>| x[1] - 0.5;
-    let mut simulation = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut simulation =
+        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
     let weight = GRAVITY * simulation.model.solids[0].mass_properties.mass;
     let mut settled = None;
     while simulation.state.time < 2.5 {
         let report = simulation.step(0.05, &mut |_| ()).expect("a step");
         let (now, time) = (&simulation.state.solids[0], simulation.state.time);
         let gap = (now.center[1] - 0.12) / dx;
-        assert!(gap > 0.0 && report.diagnostics.max_speed < 5.0, "{time}: {gap} {}", report.diagnostics.max_speed);
+        assert!(
+            gap > 0.0 && report.diagnostics.max_speed < 5.0,
+            "{time}: {gap} {}",
+            report.diagnostics.max_speed
+        );
         if time > 1.0 {
             let settled = *settled.get_or_insert(gap);
             // On the barrier it gives way to the liquid, which still swings.
@@ -410,7 +431,10 @@ fn a_heavy_ball_sinks_and_rests_on_the_floor() {
         }
         if time > 2.0 {
             // Floor and liquid together hold it, though the liquid still swings.
-            let held = (now.contact_acceleration[1] * weight / GRAVITY + now.pressure_force[1] + now.contact_line_force[1]) / weight;
+            let held = (now.contact_acceleration[1] * weight / GRAVITY
+                + now.pressure_force[1]
+                + now.contact_line_force[1])
+                / weight;
             assert!((held - 1.0).abs() < 1e-3, "{time}: {held} of its weight is held");
         }
     }

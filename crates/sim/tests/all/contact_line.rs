@@ -5,7 +5,9 @@
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, ContactLine, LineTracker, Model, Motion, Numerics, Simulation, Solid, Wall};
+use meniscus_sim::{
+    ContactLine, LineTracker, LiquidRegion, Model, Motion, Numerics, Simulation, Solid, Wall,
+};
 use std::f64::consts::TAU;
 
 fn up<const D: usize>() -> Vector<D> {

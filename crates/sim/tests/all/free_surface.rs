@@ -31,8 +31,10 @@ fn meeting_time<const D: usize>(x: f64) -> f64 {
     };
     let (left, right) = (ball(x - 0.2), ball(x + 0.2));
     let speed = |u: f64| Vector::from_fn(|a, _| if a == 0 { u } else { 0.0 });
-    let bodies =
-        [LiquidRegion { signed_distance: &left, velocity: speed(1.0) }, LiquidRegion { signed_distance: &right, velocity: speed(-1.0) }];
+    let bodies = [
+        LiquidRegion { signed_distance: &left, velocity: speed(1.0) },
+        LiquidRegion { signed_distance: &right, velocity: speed(-1.0) },
+    ];
     let mut simulation = Simulation::new(model::<D>(40), &bodies);
     while simulation.state.components.len() > 1 && simulation.state.time < 0.2 {
         simulation.step(0.004, &mut |_| ()).expect("a step");
@@ -95,7 +97,11 @@ fn small_drops_that_graze_do_not_whirl() {
         let mut simulation = Simulation::new(model::<3>(24), &bodies);
         while simulation.state.time < 0.3 {
             let report = simulation.step(0.3 - simulation.state.time, &mut |_| ()).expect("a step");
-            assert!(report.diagnostics.max_speed < 2.0, "{radius}, {offset}: {}", report.diagnostics.max_speed);
+            assert!(
+                report.diagnostics.max_speed < 2.0,
+                "{radius}, {offset}: {}",
+                report.diagnostics.max_speed
+            );
         }
     }
 }
@@ -106,7 +112,8 @@ fn energy_in_flight<const D: usize>(shift: f64) -> f64 {
     let center = Vector::<D>::repeat(0.5 + shift / 40.0);
     let ball = |x: &Vector<D>| (x - center).norm() - 0.1;
     let velocity = Vector::from_fn(|a, _| if a == 0 { 1.0 } else { 0.0 });
-    let ledger = Simulation::new(model::<D>(40), &[LiquidRegion { signed_distance: &ball, velocity }]).diagnostics();
+    let ledger =
+        Simulation::new(model::<D>(40), &[LiquidRegion { signed_distance: &ball, velocity }]).diagnostics();
     ledger.kinetic_energy / (0.5 * ledger.volume)
 }
 

@@ -5,7 +5,10 @@
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, WettabilityLayer, LineTracker, Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, Wall};
+use meniscus_sim::{
+    LineTracker, LiquidRegion, Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, Wall,
+    WettabilityLayer,
+};
 
 /// Half a ball of liquid (radius 1) on a wall that it meets at `outside` degrees, and at `inside` where x is between `low`
 /// and `high`, counted from the drop's middle; both move at `speed` along x.
@@ -20,7 +23,8 @@ fn drop_on<const D: usize>(
     let point = Vector::from_fn(|a, _| if a + 1 == D { 0.5 + 0.3 * dx } else { 2.0 + 0.14 * dx });
     let normal = Vector::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
     let along = Vector::<D>::from_fn(|a, _| if a == 0 { 1.0 } else { 0.0 });
-    let path = PrescribedMotion { velocity: along * speed, angular_velocity: [0.0; 3], keyframes: Vec::new() };
+    let path =
+        PrescribedMotion { velocity: along * speed, angular_velocity: [0.0; 3], keyframes: Vec::new() };
     let motion = if speed == 0.0 { Motion::Fixed } else { Motion::Prescribed(path) };
     let mut wall = Solid::new(Shape::HalfSpace { point, normal }, motion, 1.0);
     let stripe = Shape::Box {

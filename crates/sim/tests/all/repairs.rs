@@ -37,8 +37,10 @@ fn restored_momentum_is_told() {
         let mut model = model(Vec::new());
         model.numerics.restore_momentum = restore;
         let speed = |u| Vector::<2>::new(u, 0.0);
-        let bodies =
-            [LiquidRegion { signed_distance: &one, velocity: speed(2.0) }, LiquidRegion { signed_distance: &other, velocity: speed(-2.0) }];
+        let bodies = [
+            LiquidRegion { signed_distance: &one, velocity: speed(2.0) },
+            LiquidRegion { signed_distance: &other, velocity: speed(-2.0) },
+        ];
         let mut simulation = Simulation::new(model, &bodies);
         let start = simulation.diagnostics();
         let sum = repairs(&mut simulation, 30);
@@ -59,7 +61,10 @@ fn restored_momentum_is_told() {
 fn vanished_drops_are_told() {
     let (large, small) = (ball(0.35, 0.5, 0.2), ball(0.8, 0.5, 0.08));
     let velocity = Vector::<2>::new(0.5, 0.0);
-    let bodies = [LiquidRegion { signed_distance: &large, velocity }, LiquidRegion { signed_distance: &small, velocity }];
+    let bodies = [
+        LiquidRegion { signed_distance: &large, velocity },
+        LiquidRegion { signed_distance: &small, velocity },
+    ];
     let mut model = model(Vec::new());
     // So much volume moved at once would be tried again with a shorter step.
     model.numerics.fixed_step = Some(1e-3);

@@ -2,7 +2,7 @@
 
 #![allow(clippy::expect_used)]
 
-use meniscus_elastic::{Anchor, ElasticSpecification, Elastic, ConstitutiveLaw, ElementOrder};
+use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use meniscus_numerics::shape::Shape;

@@ -154,7 +154,8 @@ fn edges_first<const D: usize>(n: [usize; D], speed: f64) {
         inside = inside
             && (0..2).all(|i| places(s, i).iter().all(|x| x.min() > 0.1 * DX && x.max() < 1.0 - 0.1 * DX));
         if inside {
-            wrong = wrong.max((books(s).0 - start.0).norm() / (speed * s.model.solids[0].mass_properties.mass));
+            wrong =
+                wrong.max((books(s).0 - start.0).norm() / (speed * s.model.solids[0].mass_properties.mass));
         }
     });
     let steps = simulation.state.step;
@@ -209,7 +210,8 @@ fn a_soft_disc_rests_on_the_floor_of_a_bath() {
     disc.friction = 0.0;
     let model = dry::<2>(vec![disc], down(), 1.0).model;
     let surface = |x: &Vector<2>| x[1] - 0.7;
-    let mut simulation = Simulation::new(model, &[LiquidRegion { signed_distance: &surface, velocity: Vector::zeros() }]);
+    let mut simulation =
+        Simulation::new(model, &[LiquidRegion { signed_distance: &surface, velocity: Vector::zeros() }]);
     let (mut worst, mut held, mut fastest) = (f64::NEG_INFINITY, Vec::new(), 0.0f64);
     run(&mut simulation, 1.2, |s| {
         worst = worst.max(depth(s));

@@ -38,7 +38,8 @@ fn stirred(iterations: u32) -> Vec<Vector<2>> {
         },
     };
     let level = |x: &Vector<2>| x[1] - 0.85;
-    let mut s = Simulation::new(model, &[LiquidRegion { signed_distance: &level, velocity: Vector::zeros() }]);
+    let mut s =
+        Simulation::new(model, &[LiquidRegion { signed_distance: &level, velocity: Vector::zeros() }]);
     spin(&mut s, 8.0);
     s.step(f64::INFINITY, &mut |_| ()).expect("a step");
     s.state.solids[0].soft.as_ref().expect("soft").state.velocities.clone()

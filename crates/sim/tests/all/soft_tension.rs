@@ -28,7 +28,8 @@ fn what_is_under_liquid_is_pressed_by_its_tension() {
         numerics: Numerics::default(),
     };
     let level = |x: &Vector<2>| x[1] - 0.85;
-    let mut simulation = Simulation::new(model, &[LiquidRegion { signed_distance: &level, velocity: Vector::zeros() }]);
+    let mut simulation =
+        Simulation::new(model, &[LiquidRegion { signed_distance: &level, velocity: Vector::zeros() }]);
     let area = |s: &Simulation<2>| -> f64 {
         let (elastic, now) = (s.model.solids[0].elastic().expect("soft"), &s.state.solids[0].soft);
         let x = &now.as_ref().expect("soft").state.positions;

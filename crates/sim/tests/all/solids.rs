@@ -122,7 +122,8 @@ fn drop_on_free_plate<const D: usize>(cells: usize, steps: usize) {
     let middle = center + Vector::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.08 });
     let distance = |x: &Vector<D>| (x - middle).norm() - 0.16;
     let above = |x: &Vector<D>| distance(x).max(center[D - 1] - x[D - 1]);
-    let body = LiquidRegion { signed_distance: &above, velocity: Vector::from_fn(|a, _| 0.3 - 0.2 * a as f64) };
+    let body =
+        LiquidRegion { signed_distance: &above, velocity: Vector::from_fn(|a, _| 0.3 - 0.2 * a as f64) };
     let mut simulation = Simulation::new(model, &[body]);
     let books = |s: &Simulation<D>| {
         let (liquid, now, plate) = (s.diagnostics(), &s.state.solids[0], &s.model.solids[0]);
@@ -178,7 +179,8 @@ fn small_drops_on_free_solids_do_not_whirl() {
     };
     let radius: f64 = 0.07;
     let drop = |x: &Vector<2>| (x - Vector::<2>::new(2.02, 1.03)).norm() - radius;
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &drop, velocity: Vector::zeros() }]);
+    let mut sim =
+        Simulation::new(model, &[LiquidRegion { signed_distance: &drop, velocity: Vector::zeros() }]);
     while sim.state.time < 0.02 {
         let report = sim.step(0.02 - sim.state.time, &mut |_| ()).expect("a step");
         assert!(report.diagnostics.max_speed < radius.powf(-0.5), "{}", report.diagnostics.max_speed);

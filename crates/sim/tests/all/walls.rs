@@ -7,7 +7,7 @@ use meniscus_numerics::fit::Sphere;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{
-    LiquidRegion, ContactLine, LineTracker, Model, Motion, Numerics, Simulation, Solid, SolidState, Wall,
+    ContactLine, LineTracker, LiquidRegion, Model, Motion, Numerics, Simulation, Solid, SolidState, Wall,
 };
 
 /// A box of `size` with closed sides, `cells` cells a unit of length.
@@ -80,8 +80,16 @@ fn a_drop_on_a_wall_is_one_on_a_half_space() {
         assert_eq!((own.points.len(), other.points.len()), (2, 2));
         for (p, q) in own.points.iter().zip(&other.points) {
             let off = (p.at - q.at + up).norm() / on_wall.model.grid.dx;
-            println!("{angle}: {:.3}, {off:.1e} cells and {:.1e} deg apart", p.angle_degrees, p.angle_degrees - q.angle_degrees);
-            assert!((p.angle_degrees - angle).abs() < 1.5 && (p.angle_degrees - q.angle_degrees).abs() < 0.05 && off < 0.01);
+            println!(
+                "{angle}: {:.3}, {off:.1e} cells and {:.1e} deg apart",
+                p.angle_degrees,
+                p.angle_degrees - q.angle_degrees
+            );
+            assert!(
+                (p.angle_degrees - angle).abs() < 1.5
+                    && (p.angle_degrees - q.angle_degrees).abs() < 0.05
+                    && off < 0.01
+            );
         }
     }
 }
@@ -125,7 +133,10 @@ fn sides_without_an_angle_of_their_own_stay_mirrors() {
     assert_eq!((half.grid.domain_cells(), half.grid.domain_upper()), ([16; 2], Vector::<2>::repeat(2.0)));
     assert_eq!(
         (half.grid.margin_cells, half.grid.cells),
-        ([[meniscus_sim::WETTING_WALL_MARGIN_CELLS, 0]; 2], [16 + meniscus_sim::WETTING_WALL_MARGIN_CELLS; 2])
+        (
+            [[meniscus_sim::WETTING_WALL_MARGIN_CELLS, 0]; 2],
+            [16 + meniscus_sim::WETTING_WALL_MARGIN_CELLS; 2]
+        )
     );
 }
 
@@ -162,7 +173,8 @@ fn a_bath_climbs_its_walls_and_rests() {
     tank.gravity[1] = -1.0;
     tank.kinematic_viscosity = 1.0;
     let distance = |x: &Vector<2>| x[1] - 1.71;
-    let mut sim = Simulation::new(tank, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim =
+        Simulation::new(tank, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
     settle(&mut sim, 15.0);
     let line = line(&sim);
     let higher = (line.points[0].at[1] - line.points[1].at[1]).abs();

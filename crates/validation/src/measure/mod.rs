@@ -1,12 +1,12 @@
 //! Measuring: points of the surface, modes of drops, oscillations.
 
-mod outcome;
+mod checks;
 mod reaction;
 mod signal;
 mod surface;
 
-pub use outcome::{at_least, at_most, checks_or_failure};
-pub use reaction::{TimeMean, Wrench, liquid_force, external_load};
+pub use checks::{at_least, at_most, checks_or_failure};
+pub use reaction::{TimeMean, Wrench, external_load, liquid_force};
 pub use signal::{Oscillation, convergence_order, fit_growth, fit_oscillation};
 pub use surface::{
     Roundness, SurfacePoint, fit_mode, mode_shape, surface_points, volume_and_centroid,

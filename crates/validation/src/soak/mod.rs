@@ -4,16 +4,16 @@
 //! in a process of its own, step by step under the invariants of [`judge::invariants`]. What breaks one is written with the
 //! checkpoint before it.
 
-mod clock;
+mod cpu_time;
 mod draw;
 pub mod judge;
-pub mod parent;
+pub mod launcher;
 pub mod report;
 pub mod rerun;
 mod run;
+mod scheduled;
 #[cfg(test)]
 mod tests;
-mod walk;
 
 pub use judge::energy::EnergyMonitor;
 pub use run::run;

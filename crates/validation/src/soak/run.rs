@@ -1,19 +1,20 @@
 //! Runs a case: step by step as `meniscus run` does, under the invariants, and guarded by a second thread that ends what hangs.
 
-use super::judge::books::InvariantChecks;
+use super::judge::invariant_checks::InvariantChecks;
 use super::judge::invariants::{
-    CPU_BUDGET_SECONDS, DROP_TEST_CPU_BUDGET_SECONDS, DROP_TEST_MAX_STEPS, MAX_ENERGY_RISE_PER_STEP, HANG_CPU_SECONDS, MEMORY_LIMITS, COMPARED_STEPS, SLOW_STEP_LIMITS, MAX_STEPS,
+    COMPARED_STEPS, CPU_BUDGET_SECONDS, DROP_TEST_CPU_BUDGET_SECONDS, DROP_TEST_MAX_STEPS, HANG_CPU_SECONDS,
+    MAX_ENERGY_RISE_PER_STEP, MAX_STEPS, MEMORY_LIMITS, SLOW_STEP_LIMITS,
 };
+use super::rerun::accepted::{AcceptedScene, accepted_scene};
 use super::rerun::evidence;
-use super::rerun::refuse::{AcceptedScene, accepted_scene};
 use super::rerun::repeat::{Waypoint, repeat};
-use super::{Outcome, CaseSet, Subject, Violation, clock};
-use crate::soak::walk::ScheduledSimulation;
+use super::{CaseSet, Outcome, Subject, Violation, cpu_time};
+use crate::soak::scheduled::ScheduledSimulation;
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::estimate::check::check;
 use meniscus_scene::file::Scene;
 use meniscus_scene::output::summary::peak_memory;
-use meniscus_scene::run::{Setup, RunStatistics};
+use meniscus_scene::run::{RunStatistics, Setup};
 use meniscus_sim::{Model, State, StepError};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -102,7 +103,7 @@ fn run_guarded<const D: usize>(
         record.add_described("panic", words.unwrap_or_default());
         record.save(case)?;
     }
-    record.outcome.seconds = clock::of_this_process();
+    record.outcome.seconds = cpu_time::of_this_process();
     Ok(record.outcome.clone())
 }
 
@@ -115,12 +116,14 @@ fn guard<const D: usize>(record: &Mutex<Record<D>>, case: &Case, hung: fn(&Outco
     loop {
         std::thread::sleep(POLL_INTERVAL);
         let mut record = lock(record);
-        let Some(seconds) = record.step_began.map(|began| clock::of_this_process() - began) else { continue };
+        let Some(seconds) = record.step_began.map(|began| cpu_time::of_this_process() - began) else {
+            continue;
+        };
         if seconds > HANG_CPU_SECONDS {
             record.add("hang", (seconds, HANG_CPU_SECONDS), "s of processor time in a step".into());
             let saved = record.save(case);
             saved.err().into_iter().for_each(|error| record.outcome.cut = Some(error));
-            record.outcome.seconds = clock::of_this_process();
+            record.outcome.seconds = cpu_time::of_this_process();
             hung(&record.outcome);
         }
     }
@@ -179,14 +182,15 @@ impl<const D: usize> Worker<D> {
     fn work(&mut self, setup: &Setup<D>, wanted: Option<&'static str>) {
         let case = self.case.clone();
         forget_peak_memory();
-        lock(&self.record).step_began = Some(clock::of_this_process());
+        lock(&self.record).step_began = Some(cpu_time::of_this_process());
         let mut walk = ScheduledSimulation::start(setup, &case.scene);
         let mut books = InvariantChecks::at_start(&walk.simulation, &case.scene);
         let mut tally = RunStatistics::at_start(&setup.model, &walk.simulation.diagnostics());
         while !walk.is_over() && self.within_budget() {
             tally.next_frame = walk.frame;
             let ended = self.step(&mut walk, &mut books, &mut tally);
-            if wanted.is_some() && [COMPARED_STEPS / 2, COMPARED_STEPS].contains(&walk.simulation.state.step) {
+            if wanted.is_some() && [COMPARED_STEPS / 2, COMPARED_STEPS].contains(&walk.simulation.state.step)
+            {
                 self.points.push(Waypoint { state: walk.simulation.state.clone(), frame: walk.frame });
             }
             if ended {
@@ -195,7 +199,7 @@ impl<const D: usize> Worker<D> {
         }
         self.close();
         if let (Some(wanted), [middle, end]) = (wanted, self.points.as_slice()) {
-            let begins = || lock(&self.record).step_began = Some(clock::of_this_process());
+            let begins = || lock(&self.record).step_began = Some(cpu_time::of_this_process());
             let found = repeat(wanted, &self.case.scene, setup, [middle, end], books.scale(), &begins);
             let mut record = lock(&self.record);
             record.step_began = None;
@@ -208,16 +212,21 @@ impl<const D: usize> Worker<D> {
     }
 
     /// One step; whether the run has come to an end with it.
-    fn step(&mut self, walk: &mut ScheduledSimulation<D>, books: &mut InvariantChecks<D>, tally: &mut RunStatistics) -> bool {
+    fn step(
+        &mut self,
+        walk: &mut ScheduledSimulation<D>,
+        books: &mut InvariantChecks<D>,
+        tally: &mut RunStatistics,
+    ) -> bool {
         {
             let mut record = lock(&self.record);
             record.state_before_step = Some((walk.simulation.state.clone(), tally.clone()));
-            record.step_began = Some(clock::of_this_process());
+            record.step_began = Some(cpu_time::of_this_process());
         }
-        let (wall, processor) = (Instant::now(), clock::of_this_process());
+        let (wall, processor) = (Instant::now(), cpu_time::of_this_process());
         let done = walk.step();
         // Whichever is less: the wall's clock tells of others, the processor's of ticks.
-        let seconds = wall.elapsed().as_secs_f64().min((clock::of_this_process() - processor).max(0.01));
+        let seconds = wall.elapsed().as_secs_f64().min((cpu_time::of_this_process() - processor).max(0.01));
         self.times.push(seconds);
         let mut record = lock(&self.record);
         record.step_began = None;
@@ -263,7 +272,7 @@ impl<const D: usize> Worker<D> {
             CaseSet::DropTest => (DROP_TEST_CPU_BUDGET_SECONDS[D - 2], DROP_TEST_MAX_STEPS),
         };
         let mut record = lock(&self.record);
-        if clock::of_this_process() > budget {
+        if cpu_time::of_this_process() > budget {
             record.outcome.cut = Some(format!("after {budget} s"));
         } else if record.outcome.steps >= steps {
             record.outcome.cut = Some(format!("after {steps} steps"));
@@ -287,7 +296,9 @@ impl<const D: usize> Worker<D> {
                 record.add("slow-step", (seconds, bar), format!("s in step {}", step + 1));
             }
         }
-        if let Some(law) = record.outcome.energy_law.clone().filter(|law| law.largest > MAX_ENERGY_RISE_PER_STEP) {
+        if let Some(law) =
+            record.outcome.energy_law.clone().filter(|law| law.largest > MAX_ENERGY_RISE_PER_STEP)
+        {
             let (value, worst, bar) = (law.largest, law.largest, MAX_ENERGY_RISE_PER_STEP);
             let told = Violation::described("energy-step", law.step, law.time, law.words());
             record.note(Violation { value, worst, bar, ..told });

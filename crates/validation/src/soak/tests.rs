@@ -1,9 +1,9 @@
 use super::draw::random::Random;
-use super::judge::books::InvariantChecks;
-use super::rerun::image::SceneTransform;
-use super::rerun::refuse::accepted_scene;
-use super::{Class, CaseSet, Subject, CaseOptions};
-use crate::soak::walk::ScheduledSimulation;
+use super::judge::invariant_checks::InvariantChecks;
+use super::rerun::accepted::accepted_scene;
+use super::rerun::scene_transform::SceneTransform;
+use super::{CaseOptions, CaseSet, Class, Subject};
+use crate::soak::scheduled::ScheduledSimulation;
 use meniscus_scene::build::setup;
 use meniscus_scene::file::{LoadOptions, Scene};
 use meniscus_sim::StepReport;
@@ -81,8 +81,8 @@ fn the_drop_test_runs_and_covers_its_factors() {
         let wish = CaseOptions { set: CaseSet::DropTest, dimension: Some(dimension), ..wish(None) };
         for case in 0..cases {
             assert_eq!(
-                crate::soak::draw::drops::scene(&wish, case),
-                crate::soak::draw::drops::scene(&wish, case)
+                crate::soak::draw::drop_test::scene(&wish, case),
+                crate::soak::draw::drop_test::scene(&wish, case)
             );
             let taken = accepted_scene(&Subject::Case(wish.clone(), case), &mut |_| ());
             let words = taken.as_ref().map_or_else(String::clone, |_| String::new());
@@ -90,7 +90,8 @@ fn the_drop_test_runs_and_covers_its_factors() {
         }
     }
     let young = |case| {
-        let text = crate::soak::draw::drops::scene(&CaseOptions { set: CaseSet::DropTest, ..wish(None) }, case);
+        let text =
+            crate::soak::draw::drop_test::scene(&CaseOptions { set: CaseSet::DropTest, ..wish(None) }, case);
         let words = text.split("young_modulus = \"").last().and_then(|rest| rest.split(' ').next());
         words.and_then(|word| word.parse::<f64>().ok()).unwrap()
     };

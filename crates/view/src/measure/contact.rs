@@ -3,8 +3,8 @@
 use meniscus_numerics::Vector;
 use rayon::prelude::*;
 
-use super::body::SolidBoundary;
-use super::drops::Component;
+use super::components::Component;
+use super::solid_boundary::SolidBoundary;
 
 /// Wetted facets lie no farther from a body than this, in cells.
 const MAX_WETTED_DISTANCE_CELLS: f64 = 1.0;
@@ -32,9 +32,14 @@ pub(super) struct WettedPatch<const D: usize> {
 }
 
 /// The contacts of a drop, in the order of the bodies; `dx` is the cell width (m).
-pub(super) fn patches<const D: usize>(drop: &Component<D>, bodies: &[SolidBoundary<D>], dx: f64) -> Vec<WettedPatch<D>> {
+pub(super) fn patches<const D: usize>(
+    drop: &Component<D>,
+    bodies: &[SolidBoundary<D>],
+    dx: f64,
+) -> Vec<WettedPatch<D>> {
     let facets = drop.mesh.facets.len();
-    let wet: Vec<Option<usize>> = (0..facets).into_par_iter().map(|f| wetted_boundary(drop, f, bodies, dx)).collect();
+    let wet: Vec<Option<usize>> =
+        (0..facets).into_par_iter().map(|f| wetted_boundary(drop, f, bodies, dx)).collect();
     let mut ridges = facet_edges(drop);
     ridges.sort_unstable();
     let touched = |b: usize| wet.contains(&Some(b));
@@ -53,7 +58,12 @@ pub(super) fn patches<const D: usize>(drop: &Component<D>, bodies: &[SolidBounda
 }
 
 /// The body that a facet lies on.
-fn wetted_boundary<const D: usize>(drop: &Component<D>, facet: usize, bodies: &[SolidBoundary<D>], dx: f64) -> Option<usize> {
+fn wetted_boundary<const D: usize>(
+    drop: &Component<D>,
+    facet: usize,
+    bodies: &[SolidBoundary<D>],
+    dx: f64,
+) -> Option<usize> {
     let kinds = drop.mesh.facets[facet].map(|v| drop.kinds[v as usize]);
     if kinds.contains(&0) {
         return None;

@@ -4,37 +4,37 @@
 //! where that fits clearly better, is fitted to the free surface away from the contact line, and met with the solid: the
 //! angle that an optical goniometer would show. The angles stored with the contact line are told beside it.
 
-mod body;
+mod averaging;
+mod cap_fit;
+mod components;
 mod contact;
-mod drops;
-mod fit;
-mod line;
-mod over;
+mod deformed_surface;
+mod midline;
 mod soft;
+mod solid_boundary;
 mod solids;
-mod strip;
-mod surfaces;
-mod window;
+mod stored_line;
+mod time_window;
 
-use crate::measure::over::{Averaging, vertex_kinds};
+use crate::measure::averaging::{Averaging, vertex_kinds};
 use std::path::Path;
 
 use serde::Serialize;
 
-pub use fit::{FitShape, FittedAngle};
-pub use line::{AngleAt, LocalAngle};
+pub use cap_fit::{FitShape, FittedAngle};
+pub use midline::Midline;
 pub use soft::{Ridge, SoftMeasure};
-pub use solids::{Floating, Forces, SolidMeasure, ContactInterval};
-pub use strip::Midline;
-pub use window::{TimeStatistics, TimeWindow};
+pub use solids::{ContactInterval, Floating, Forces, SolidMeasure};
+pub use stored_line::{AngleAt, LocalAngle};
+pub use time_window::{TimeStatistics, TimeWindow};
 
 use crate::error::{Result, ViewError};
 use crate::folder::{Frame, RunFolder};
-use crate::page::series::TimeSeries;
-use body::SolidBoundary;
+use crate::page::time_series::TimeSeries;
+use cap_fit::{CapFit, FittedLine};
+use components::Component;
 use contact::{LinePoint, WettedPatch};
-use drops::Component;
-use fit::{FittedLine, CapFit};
+use solid_boundary::SolidBoundary;
 
 /// Drops smaller than this many cells are counted but not measured.
 const MIN_MEASURED_CELLS: f64 = 8.0;
@@ -169,14 +169,14 @@ fn measure_frame<const D: usize>(
     over: Averaging,
 ) -> Result<Measurement> {
     let bodies = SolidBoundary::<D>::all(folder, frame);
-    let mesh = body::surface::<D>(&frame.liquid);
+    let mesh = solid_boundary::surface::<D>(&frame.liquid);
     let mut drops = Component::all(&mesh, &vertex_kinds(frame));
     let all = drops.len();
     drops.retain(|d| d.volume >= MIN_MEASURED_CELLS * dx.powi(D as i32));
-    let lines = line::assign(folder, frame, &drops, &bodies, dx);
+    let lines = stored_line::assign(folder, frame, &drops, &bodies, dx);
     let measured = drops.iter().enumerate();
     let measured = measured.map(|(i, drop)| measure_component(drop, &bodies, &lines[i], dx)).collect();
-    let row = frame.time.and_then(|time| window::row_at(&over.series, time));
+    let row = frame.time.and_then(|time| time_window::row_at(&over.series, time));
     let counted = row.and_then(|row| over.series.column("drops")?[row]);
     Ok(Measurement {
         solids: solids::measure(folder, frame, &over, (&drops, &bodies), dx)?,
@@ -195,7 +195,7 @@ fn measure_frame<const D: usize>(
 fn measure_component<const D: usize>(
     drop: &Component<D>,
     bodies: &[SolidBoundary<D>],
-    lines: &[line::StoredLine<D>],
+    lines: &[stored_line::StoredLine<D>],
     dx: f64,
 ) -> ComponentMeasure {
     let patches = contact::patches(drop, bodies, dx);
@@ -220,13 +220,15 @@ fn measure_contact<const D: usize>(
     patch: &WettedPatch<D>,
     body: &SolidBoundary<D>,
     fit: Option<&CapFit<D>>,
-    stored: &line::StoredLine<D>,
+    stored: &stored_line::StoredLine<D>,
     dx: f64,
 ) -> ContactMeasure {
     // The stored line is the better start; facets show it to a cell only.
     let line = if stored.points.is_empty() { &patch.line } else { &stored.points };
     let feet = fit.and_then(|fit| fit.intersect(&patch.line, body, dx));
-    let area_correction = |feet: &FittedLine<D>| feet.points.iter().zip(&feet.outward_offsets).map(|(p, way)| p.weight * way).sum::<f64>();
+    let area_correction = |feet: &FittedLine<D>| {
+        feet.points.iter().zip(&feet.outward_offsets).map(|(p, way)| p.weight * way).sum::<f64>()
+    };
     let distances = drop.mesh.positions.iter().filter_map(|x| body.closest(x)).map(|foot| foot.distance);
     ContactMeasure {
         solid: body.name.clone(),

@@ -4,7 +4,7 @@
 //! All of it comes from the solid's surface in one frame, with the way that each vertex has come; of frames without that
 //! from the surface in the first frame, too: its vertices are the same.
 
-use crate::measure::surfaces::DeformedSurface;
+use crate::measure::deformed_surface::DeformedSurface;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use meniscus_numerics::fit::RigidTransform;
@@ -12,7 +12,7 @@ use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_numerics::{Matrix, Vector};
 use serde::Serialize;
 
-use super::strip::{self, Midline};
+use super::midline::{self, Midline};
 use crate::error;
 use crate::folder::{Frame, RunFolder};
 
@@ -110,7 +110,8 @@ pub(super) fn measure(
 fn rest_surface(now: &PlyMesh) -> Option<PlyMesh> {
     let mut start = now.clone();
     for (a, name) in ["ux", "uy", "uz"].into_iter().enumerate() {
-        let displacement = now.scalars.get(name).filter(|u| u.len() == now.positions.len() && !u.is_empty())?;
+        let displacement =
+            now.scalars.get(name).filter(|u| u.len() == now.positions.len() && !u.is_empty())?;
         start.positions.iter_mut().zip(displacement).for_each(|(x, u)| x[a] -= u);
     }
     Some(start)
@@ -122,9 +123,13 @@ impl DeformedSurface {
             |mesh: &PlyMesh| mesh.positions.iter().map(|p| Vector::<3>::from(*p)).collect::<Vec<_>>();
         let is_planar = start.faces.is_empty();
         let (start_at, now_at) = (points(start), points(now));
-        let facets: Vec<[u32; 3]> =
-            if is_planar { start.edges.iter().map(|e| [e[0], e[1], e[0]]).collect() } else { start.faces.clone() };
-        let area_vectors: Vec<Vector<3>> = facets.iter().map(|f| area_vector(&start_at, f, is_planar)).collect();
+        let facets: Vec<[u32; 3]> = if is_planar {
+            start.edges.iter().map(|e| [e[0], e[1], e[0]]).collect()
+        } else {
+            start.faces.clone()
+        };
+        let area_vectors: Vec<Vector<3>> =
+            facets.iter().map(|f| area_vector(&start_at, f, is_planar)).collect();
         let mut vertex_areas = vec![0.0; start_at.len()];
         let corners = if is_planar { 2 } else { 3 };
         for (facet, area) in facets.iter().zip(&area_vectors) {
@@ -132,9 +137,11 @@ impl DeformedSurface {
         }
         let (low, high) = start_at.iter().fold((start_at[0], start_at[0]), |(l, h), x| (l.inf(x), h.sup(x)));
         let size = (high - low).max();
-        let is_unmoved = |to: &[Vector<3>], v: usize| (start_at[v] - to[v]).norm() <= ANCHORED_TOLERANCE * size;
+        let is_unmoved =
+            |to: &[Vector<3>], v: usize| (start_at[v] - to[v]).norm() <= ANCHORED_TOLERANCE * size;
         let last_at = last.map(points);
-        let stays = |v: usize| is_unmoved(&now_at, v) && last_at.as_ref().is_none_or(|last| is_unmoved(last, v));
+        let stays =
+            |v: usize| is_unmoved(&now_at, v) && last_at.as_ref().is_none_or(|last| is_unmoved(last, v));
         let mut anchored: Vec<bool> = (0..start_at.len()).map(stays).collect();
         if !anchored.contains(&false) {
             anchored.clear();
@@ -145,7 +152,17 @@ impl DeformedSurface {
             let motion = RigidTransform::fit(&start_at, &now_at);
             now_at.iter().map(|x| motion.inverse_transformed(x)).collect()
         };
-        Self { reference: start_at, current: now_at, deformed, facets, area_vectors, vertex_areas, anchored, size, is_planar }
+        Self {
+            reference: start_at,
+            current: now_at,
+            deformed,
+            facets,
+            area_vectors,
+            vertex_areas,
+            anchored,
+            size,
+            is_planar,
+        }
     }
 
     /// The largest and the mean way, by area, of the surface from where it started, m.
@@ -178,7 +195,7 @@ impl DeformedSurface {
             tip_displacement: tip.map(|tip| tip.1.into()),
             tip_reason: tip.is_none().then_some("it has not moved yet, so what is held is not known"),
             wetted: phi.and_then(|phi| self.wetted(phi)),
-            strip: strip::midline(self),
+            strip: midline::midline(self),
             ridge_reason: ridge.as_ref().err().copied(),
             ridge: ridge.ok(),
         }
@@ -188,7 +205,8 @@ impl DeformedSurface {
     fn tip(&self) -> (Vector<3>, Vector<3>) {
         let held: Vec<Vector<3>> =
             self.reference.iter().zip(&self.anchored).filter(|(_, held)| **held).map(|(x, _)| *x).collect();
-        let some: Vec<&Vector<3>> = held.iter().step_by(held.len().div_ceil(MAX_ANCHOR_SAMPLES).max(1)).collect();
+        let some: Vec<&Vector<3>> =
+            held.iter().step_by(held.len().div_ceil(MAX_ANCHOR_SAMPLES).max(1)).collect();
         let middle = self.reference.iter().zip(&self.vertex_areas).map(|(x, w)| x * *w).sum::<Vector<3>>()
             / self.vertex_areas.iter().sum::<f64>();
         let far = |x: &Vector<3>| match some.is_empty() {
@@ -198,7 +216,9 @@ impl DeformedSurface {
         let distances: Vec<f64> = self.reference.iter().map(far).collect();
         let farthest = distances.iter().copied().fold(0.0, f64::max);
         let mut sums = (Vector::<3>::zeros(), Vector::<3>::zeros(), 0.0);
-        for k in (0..distances.len()).filter(|k| distances[*k] >= farthest - EQUAL_DISTANCE_TOLERANCE * self.size) {
+        for k in
+            (0..distances.len()).filter(|k| distances[*k] >= farthest - EQUAL_DISTANCE_TOLERANCE * self.size)
+        {
             sums.0 += self.current[k];
             sums.1 += self.current[k] - self.reference[k];
             sums.2 += 1.0;
@@ -239,8 +259,9 @@ impl DeformedSurface {
             }
         }
         let told = sums.iter().enumerate().filter(|(_, sum)| sum[0] > 0.0);
-        let profile: Vec<[f64; 2]> =
-            told.map(|(k, sum)| [(k as f64 * PROFILE_STEP_CELLS - PROFILE_REACH_CELLS) * dx, sum[1] / sum[0]]).collect();
+        let profile: Vec<[f64; 2]> = told
+            .map(|(k, sum)| [(k as f64 * PROFILE_STEP_CELLS - PROFILE_REACH_CELLS) * dx, sum[1] / sum[0]])
+            .collect();
         let next = profile.iter().position(|p| p[0] >= 0.0).unwrap_or(0);
         let (Some(first), Some(last), true) = (profile.first(), profile.last(), next > 0) else {
             return Err("there is no contact line");
@@ -292,7 +313,8 @@ impl DeformedSurface {
     /// Its moments about its middle at first, m⁴ (2D: m³).
     fn moments(&self) -> Matrix<3> {
         let all: f64 = self.vertex_areas.iter().sum();
-        let middle = self.reference.iter().zip(&self.vertex_areas).map(|(x, w)| x * *w).sum::<Vector<3>>() / all;
+        let middle =
+            self.reference.iter().zip(&self.vertex_areas).map(|(x, w)| x * *w).sum::<Vector<3>>() / all;
         let n = self.corners() as f64;
         let mut moments = Matrix::<3>::zeros();
         for (facet, area) in self.facets.iter().zip(&self.area_vectors) {

@@ -6,14 +6,14 @@ use serde::Serialize;
 
 use std::collections::BTreeMap;
 
-use super::body::SolidBoundary;
-use super::drops::Component;
-use super::over::{Averaging, vertex_kinds};
+use super::averaging::{Averaging, vertex_kinds};
+use super::components::Component;
 use super::soft::{self, SoftMeasure};
-use super::window::{TimeStatistics, row_at};
+use super::solid_boundary::SolidBoundary;
+use super::time_window::{TimeStatistics, row_at};
 use crate::error::Result;
 use crate::folder::{Frame, RunFolder};
-use crate::page::series::TimeSeries;
+use crate::page::time_series::TimeSeries;
 
 /// A solid is touched where a wetted vertex lies nearer to it than this, in cells.
 const TOUCHING_CELLS: f64 = 0.75;
@@ -125,7 +125,7 @@ fn contacts_by_frame<const D: usize>(
         let wet = || frame.liquid.positions.iter().zip(&kinds).filter(|(_, kind)| **kind > 0);
         let touched = solids.iter().map(|solid| {
             let mesh = frame.solids.get(&solid.name)?;
-            let body = SolidBoundary::<D>::solid(&solid.name, &super::body::surface(mesh));
+            let body = SolidBoundary::<D>::solid(&solid.name, &super::solid_boundary::surface(mesh));
             Some(wet().any(|(p, _)| body.is_near(&Vector::from_fn(|a, _| p[a]), TOUCHING_CELLS * dx)))
         });
         Ok((frame.time, touched.map(|t| t.unwrap_or(false)).collect()))
@@ -175,11 +175,17 @@ fn forces_at_end(folder: &RunFolder, frame: &Frame, name: &str) -> Option<Forces
 
 /// The height of a tank's undisturbed surface, m: the mean of the quarter that is farthest from all solids, as seen from
 /// above. None where the liquid does not reach the bottom and all sides.
-fn undisturbed_level<const D: usize>(folder: &RunFolder, drops: &[Component<D>], solids: &[&SolidBoundary<D>], dx: f64) -> Option<f64> {
+fn undisturbed_level<const D: usize>(
+    folder: &RunFolder,
+    drops: &[Component<D>],
+    solids: &[&SolidBoundary<D>],
+    dx: f64,
+) -> Option<f64> {
     let domain = folder.domain?;
     let tank = drops.iter().find(|drop| {
         let (low, high) = drop.mesh.bounds();
-        let sides = (0..D - 1).all(|a| low[a] < AT_SIDE_CELLS * dx && high[a] > domain[a] - AT_SIDE_CELLS * dx);
+        let sides =
+            (0..D - 1).all(|a| low[a] < AT_SIDE_CELLS * dx && high[a] > domain[a] - AT_SIDE_CELLS * dx);
         sides && low[D - 1] < AT_SIDE_CELLS * dx
     })?;
     let boxes: Vec<_> = solids.iter().filter_map(|s| s.bounds()).collect();
@@ -226,7 +232,10 @@ mod tests {
         let row = |text: &str| -> Vec<(f64, bool)> {
             text.chars().enumerate().map(|(i, c)| (0.5 * i as f64, c == '#')).collect()
         };
-        assert_eq!(contact_intervals(&row("..##.")), [ContactInterval { start: 1.0, end: 1.5, duration: Some(1.0) }]);
+        assert_eq!(
+            contact_intervals(&row("..##.")),
+            [ContactInterval { start: 1.0, end: 1.5, duration: Some(1.0) }]
+        );
         let open = |start, end| ContactInterval { start, end, duration: None };
         assert_eq!(contact_intervals(&row("#..#")), [open(0.0, 0.0), open(1.5, 1.5)]);
         assert_eq!(contact_intervals(&row("...")), []);

@@ -1,7 +1,7 @@
 //! The result page: one HTML file with everything in it.
 
-mod blob;
-pub(crate) mod series;
+mod packed_mesh;
+pub(crate) mod time_series;
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::color_map::{self, ColorBy, ScalarRange};
 use crate::error::{Result, ViewError};
 use crate::folder::RunFolder;
-use crate::shade::{self, ScalarRange, ColorBy};
-use series::TimeSeries;
+use time_series::TimeSeries;
 
 /// The page without data, as built from `web/`.
 const BUNDLE: &str = include_str!("../../assets/page.html");
@@ -115,8 +115,9 @@ pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
     let folder = RunFolder::open(dir)?;
     let asked = options.every.max(1);
     let numbers: Vec<u32> = folder.frame_numbers.iter().copied().step_by(asked).collect();
-    let ranges = shade::scalar_ranges(&folder, ColorBy::STORED)?;
-    let packed = numbers.par_iter().map(|&n| pack(&folder, n, &ranges)).collect::<Result<Vec<PackedFrame>>>()?;
+    let ranges = color_map::scalar_ranges(&folder, ColorBy::STORED)?;
+    let packed =
+        numbers.par_iter().map(|&n| pack(&folder, n, &ranges)).collect::<Result<Vec<PackedFrame>>>()?;
     let series = TimeSeries::load_for_plots(&dir.join("timeseries.csv"))?;
     let scene = std::fs::read_to_string(dir.join("scene.toml")).unwrap_or_default();
     let fixed =
@@ -151,14 +152,18 @@ pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
     Ok(PageReport { path, bytes: html.len() as u64, frames: kept.len(), every: asked * skip })
 }
 
-fn pack(folder: &RunFolder, number: u32, ranges: &blob::ScalarRanges) -> Result<PackedFrame> {
+fn pack(folder: &RunFolder, number: u32, ranges: &packed_mesh::ScalarRanges) -> Result<PackedFrame> {
     let frame = folder.frame(number)?;
     Ok(PackedFrame {
         number,
         time: frame.time,
-        liquid: blob::pack(&frame.liquid, ranges),
-        line: frame.contact_line.as_ref().map(|line| blob::pack(line, ranges)),
-        solids: frame.solids.iter().map(|(name, mesh)| (name.clone(), blob::pack(mesh, ranges))).collect(),
+        liquid: packed_mesh::pack(&frame.liquid, ranges),
+        line: frame.contact_line.as_ref().map(|line| packed_mesh::pack(line, ranges)),
+        solids: frame
+            .solids
+            .iter()
+            .map(|(name, mesh)| (name.clone(), packed_mesh::pack(mesh, ranges)))
+            .collect(),
     })
 }
 
@@ -276,7 +281,7 @@ mod tests {
         assert_eq!(data["frames"].as_array().unwrap().len(), 3);
         assert_eq!(data["meshes"].as_array().unwrap().len(), 4, "the solid at rest is there once");
         let place = data["frames"][2]["liquid"].as_u64().unwrap() as usize;
-        let mesh = blob::tests::unpack(data["meshes"][place].as_str().unwrap());
+        let mesh = packed_mesh::tests::unpack(data["meshes"][place].as_str().unwrap());
         assert_eq!(mesh.edges.len(), 500);
         assert!((mesh.positions[5][0] - 45.0).abs() < 1e-2);
         std::fs::remove_dir_all(dir).unwrap();

@@ -4,9 +4,9 @@ use meniscus_numerics::mesh::ply::PlyMesh;
 
 use super::image::Canvas;
 use super::label;
+use crate::color_map::{ColorBy, ScalarRange, linear_from_srgb, scalar_ranges};
 use crate::error::{Result, ViewError};
 use crate::folder::RunFolder;
-use crate::shade::{ScalarRange, ColorBy, scalar_ranges, linear_from_srgb};
 
 /// What solids are coloured by in all pictures of a run.
 #[derive(Clone, Copy, Debug)]

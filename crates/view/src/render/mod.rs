@@ -1,21 +1,21 @@
 //! Pictures of a run: own ray tracer on the CPU, the same bits for any number of threads.
 
 mod camera;
-mod fill;
+mod coverage;
 mod film;
-mod flat;
 mod image;
 mod label;
 mod legend;
 mod options;
-mod stage;
+mod render_2d;
+mod setup;
 mod tracer;
 
 use std::path::{Path, PathBuf};
 
 pub use camera::Camera;
 pub use image::Image;
-pub use options::{RenderOptions, Rendered, Appearance, Style};
+pub use options::{Appearance, RenderOptions, Rendered, Style};
 
 use crate::error::{Result, ViewError};
 use crate::folder::{Frame, RunFolder};
@@ -37,8 +37,8 @@ pub struct Renderer {
 
 #[derive(Debug)]
 enum RenderMode {
-    Flat(flat::Viewport),
-    Solid(Box<stage::RenderSetup>),
+    Flat(render_2d::Viewport),
+    Solid(Box<setup::RenderSetup>),
 }
 
 impl Renderer {
@@ -49,7 +49,8 @@ impl Renderer {
         let every = options.every.max(1);
         let numbers: Vec<u32> = folder.frame_numbers.iter().copied().filter(wanted).step_by(every).collect();
         if numbers.is_empty() {
-            let (first, last) = (folder.frame_numbers[0], folder.frame_numbers[folder.frame_numbers.len() - 1]);
+            let (first, last) =
+                (folder.frame_numbers[0], folder.frame_numbers[folder.frame_numbers.len() - 1]);
             return Err(ViewError::content(
                 dir,
                 format!("none of its frames {first} to {last} is asked for"),
@@ -62,10 +63,10 @@ impl Renderer {
             ));
         }
         let mode = if folder.dimension == 2 {
-            let (seen, _) = stage::visible_bounds(&folder)?;
-            RenderMode::Flat(flat::Viewport::new(&folder, &seen, options.size))
+            let (seen, _) = setup::visible_bounds(&folder)?;
+            RenderMode::Flat(render_2d::Viewport::new(&folder, &seen, options.size))
         } else {
-            RenderMode::Solid(Box::new(stage::RenderSetup::new(&folder, options)?))
+            RenderMode::Solid(Box::new(setup::RenderSetup::new(&folder, options)?))
         };
         let filled_share = max_filled_share(&folder, &numbers, &mode)?;
         if filled_share <= 0.0 && options.camera.is_some() {
@@ -92,12 +93,12 @@ impl Renderer {
     fn picture(&self, frame: &Frame) -> Image {
         let shading = self.shading.as_ref();
         match &self.mode {
-            RenderMode::Flat(window) => flat::picture(window, frame, &self.options.appearance, shading),
+            RenderMode::Flat(window) => render_2d::picture(window, frame, &self.options.appearance, shading),
             RenderMode::Solid(stage) => {
                 let scene = tracer::scene::Scene::new(stage, frame, &self.options, shading);
                 let mut canvas = tracer::trace::picture(&scene, self.options.size, self.options.samples);
                 shading.iter().for_each(|shading| shading.legend(&mut canvas));
-                canvas.to_image(tracer::studio::tone_map)
+                canvas.to_image(tracer::environment::tone_map)
             }
         }
     }
@@ -113,7 +114,9 @@ fn max_filled_share(folder: &RunFolder, numbers: &[u32], look: &RenderMode) -> R
         most = most.max(match look {
             RenderMode::Flat(window) => covered_share(points.map(|p| window.place(p)), window.size()),
             RenderMode::Solid(stage) => {
-                let place = |p: &[f64; 3]| stage.view.project(&stage.to_picture_coordinates(&[*p])[0]).map(|p| [p.0, p.1]);
+                let place = |p: &[f64; 3]| {
+                    stage.view.project(&stage.to_picture_coordinates(&[*p])[0]).map(|p| [p.0, p.1])
+                };
                 covered_share(points.filter_map(place), stage.view.size())
             }
         });

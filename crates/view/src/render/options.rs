@@ -1,7 +1,7 @@
 //! How a run is to be drawn, and what was.
 
+use crate::color_map::ColorBy;
 use crate::render::camera::Camera;
-use crate::shade::ColorBy;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 

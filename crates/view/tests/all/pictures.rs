@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::common::{self, Sample};
 use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_view::{
-    Camera, PageOptions, RenderOptions, Renderer, RunFolder, ColorBy, Style, make_page, render,
+    Camera, ColorBy, PageOptions, RenderOptions, Renderer, RunFolder, Style, make_page, render,
 };
 
 fn folder(name: &str, sample: Sample, frames: u32) -> PathBuf {
@@ -107,7 +107,8 @@ fn cameras_that_show_nothing_are_refused() {
     // What is dressed down has no floor, no lines, and the background that was asked for.
     let mut plain = RenderOptions { samples: 1, ..small() };
     plain.appearance.floor = false;
-    (plain.appearance.domain, plain.appearance.line, plain.appearance.background) = (false, false, Some(0x80_40_20));
+    (plain.appearance.domain, plain.appearance.line, plain.appearance.background) =
+        (false, false, Some(0x80_40_20));
     let image = Renderer::open(&dir, &plain).unwrap().image(0).unwrap();
     assert_eq!((&image.rgb[..3], red(&image)), (&[0x80, 0x40, 0x20][..], 0));
     std::fs::remove_dir_all(dir).unwrap();

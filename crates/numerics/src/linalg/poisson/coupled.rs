@@ -7,8 +7,8 @@
 //! give way, as if the wall were porous (design, numerics §1): the caller adds that to the Dirichlet coefficients, and here it is taken
 //! off again.
 
+use super::schwarz::{Schwarz, SubdomainInverse};
 use super::solver::{PressureSolver, UnconvergedIterate};
-use super::wetted::{Schwarz, SubdomainInverse};
 use crate::grid::{CellField, Lattice};
 use crate::linalg::operator::{LinearOperator, SolveError, SolveReport};
 use nalgebra::DMatrix;
@@ -120,7 +120,8 @@ impl<const D: usize> PressureSolver<D> {
             let first = most.min(body.flux_rows.len().div_ceil(BATCH_SPEEDUP));
             let system = (rhs, &mut *x);
             let (limits, multigrid) = ((tolerance, first), self.preconditioner());
-            let report = self.solve_system(&coupled, multigrid, &floats, system, limits, UnconvergedIterate::Keep);
+            let report =
+                self.solve_system(&coupled, multigrid, &floats, system, limits, UnconvergedIterate::Keep);
             let slow =
                 matches!(report, Err(SolveError::NotConverged { iterations, .. }) if iterations == first);
             if !slow || first == most {
@@ -190,7 +191,9 @@ impl<const D: usize> CoupledOperator<'_, D> {
     fn add_compliance(&self, entries: &[usize], matrix: &mut DMatrix<f64>) {
         let body = self.body;
         let mut flows: Vec<Vec<(u32, f64)>> = vec![Vec::new(); entries.len()];
-        for ((entry, (_, flow)), porous) in self.entries.iter().zip(&body.flux_rows).zip(&body.lumped_compliance) {
+        for ((entry, (_, flow)), porous) in
+            self.entries.iter().zip(&body.flux_rows).zip(&body.lumped_compliance)
+        {
             let Some(number) = entry.and_then(|e| entries.binary_search(&e).ok()) else { continue };
             flows[number].extend_from_slice(flow);
             matrix[(number, number)] -= porous;

@@ -1,4 +1,4 @@
-use super::coupled::{SparseColumn, CoupledBodies};
+use super::coupled::{CoupledBodies, SparseColumn};
 use super::solver::PressureSolver;
 use super::tests::{System, slab};
 use nalgebra::{DMatrix, DVector};
@@ -18,8 +18,14 @@ fn rigid_solution_matches<const D: usize>(system: &System<D>, scale: f64) {
         |(i, (cell, _)): (usize, &(u32, f64))| (*cell, (0..3).map(|k| (k as u32, columns[k][i].1)).collect());
     let flux_rows: Vec<(u32, Vec<(u32, f64)>)> = columns[0].iter().enumerate().map(flow).collect();
     let (lumped_compliance, mean_pressure_probes) = (vec![0.0; flux_rows.len()], columns.to_vec());
-    let body =
-        CoupledBodies { dof_count: 3, flux_rows, lumped_compliance, solve: Box::new(|_| ()), mean_pressure_probes, subdomain_inverse: OnceLock::new() };
+    let body = CoupledBodies {
+        dof_count: 3,
+        flux_rows,
+        lumped_compliance,
+        solve: Box::new(|_| ()),
+        mean_pressure_probes,
+        subdomain_inverse: OnceLock::new(),
+    };
     let report = solver.solve_coupled(Some(&body), &rhs, &mut x, (1e-11, 400)).unwrap();
     let mut dense = system.dense();
     let cells = system.cells();
@@ -80,8 +86,14 @@ fn compliant_solution_matches<const D: usize>(mut system: System<D>, scale: f64)
     }
     let solver = PressureSolver::new(&system.input());
     let mean_pressure_probes = vec![flux_rows.iter().map(|(cell, _)| (*cell, 1.0)).collect()];
-    let soft =
-        CoupledBodies { dof_count, flux_rows, lumped_compliance, solve: Box::new(solve), mean_pressure_probes, subdomain_inverse: OnceLock::new() };
+    let soft = CoupledBodies {
+        dof_count,
+        flux_rows,
+        lumped_compliance,
+        solve: Box::new(solve),
+        mean_pressure_probes,
+        subdomain_inverse: OnceLock::new(),
+    };
     let (rhs, mut x) = (system.random_field(5), system.random_field(6));
     solver.solve_coupled(Some(&soft), &rhs, &mut x, (1e-11, 400)).unwrap();
     let exact = dense.cholesky().expect("positive definite").solve(&system.values(&rhs));

@@ -62,7 +62,11 @@ impl<const D: usize> Layout<D> {
         for row in 0..layout.row_count() {
             let from = next;
             while unknowns.runs.get(next).is_some_and(|run| run.row as usize == row) {
-                mark_cells(&mut scratch, unknowns.runs[next].start as usize, unknowns.runs[next].end as usize);
+                mark_cells(
+                    &mut scratch,
+                    unknowns.runs[next].start as usize,
+                    unknowns.runs[next].end as usize,
+                );
                 next += 1;
             }
             layout.close_row(row, &mut scratch, from < next);
@@ -78,7 +82,10 @@ impl<const D: usize> Layout<D> {
         for row in 0..layout.row_count() {
             let mut any = false;
             for child in 0..1 << (D - 1) {
-                for stretch in self.child_row(layout.row_coordinates(row), child).map_or(&[][..], |r| self.runs_of_row(r)) {
+                for stretch in self
+                    .child_row(layout.row_coordinates(row), child)
+                    .map_or(&[][..], |r| self.runs_of_row(r))
+                {
                     any = true;
                     for b in 0..stretch.blocks {
                         let half = coarsened_mask(self.masks[(stretch.first_index + b) as usize]);
@@ -94,7 +101,13 @@ impl<const D: usize> Layout<D> {
 
     fn empty(extent: [usize; D]) -> Self {
         let row_starts = Vec::with_capacity(extent[1..].iter().product::<usize>() + 1);
-        let mut layout = Self { extent, block_runs: Vec::new(), row_starts, masks: Vec::new(), half_length: FIRST_BLOCK_ENTRY };
+        let mut layout = Self {
+            extent,
+            block_runs: Vec::new(),
+            row_starts,
+            masks: Vec::new(),
+            half_length: FIRST_BLOCK_ENTRY,
+        };
         layout.row_starts.push(0);
         layout
     }
@@ -214,7 +227,9 @@ impl<const D: usize> Layout<D> {
 
 /// Marks the cells `start..end` of a row in the masks of its blocks.
 fn mark_cells(masks: &mut [u16], start: usize, end: usize) {
-    for (block, mask) in masks.iter_mut().enumerate().take(end.div_ceil(BLOCK_CELLS)).skip(start / BLOCK_CELLS) {
+    for (block, mask) in
+        masks.iter_mut().enumerate().take(end.div_ceil(BLOCK_CELLS)).skip(start / BLOCK_CELLS)
+    {
         let low = start.saturating_sub(block * BLOCK_CELLS).min(BLOCK_CELLS);
         let high = (end - block * BLOCK_CELLS).min(BLOCK_CELLS);
         *mask |= (((1_u32 << high) - 1) & !((1_u32 << low) - 1)) as u16;

@@ -1,6 +1,6 @@
 //! One level of the pressure system: coefficients by spans of blocks, and the loops over them.
 
-use super::layout::{BLOCK_CELLS, LANES, MAX_SPAN_BLOCKS, Layout, ZERO_ENTRY};
+use super::layout::{BLOCK_CELLS, LANES, Layout, MAX_SPAN_BLOCKS, ZERO_ENTRY};
 use rayon::prelude::*;
 use std::ops::{Add, Div, Mul, Range, Sub};
 
@@ -144,7 +144,8 @@ fn build_chunk<const D: usize>(
         let rows = neighbour_rows(layout, row, at);
         for b in 0..stretch.blocks as usize {
             let block = stretch.block as usize + b;
-            let (neighbours, site) = find_neighbours(layout, row, at, block, stretch.first_index as usize + b, &rows);
+            let (neighbours, site) =
+                find_neighbours(layout, row, at, block, stretch.first_index as usize + b, &rows);
             let mut general = BlockCoefficients::new();
             let kind = match coefficients(&site, &mut general) {
                 Some(value) => SpanCoefficients::Uniform(value),
@@ -252,7 +253,9 @@ pub(super) fn aggregate<const D: usize>(
     let children: [Option<(usize, (u32, SpanCoefficients))>; 8] =
         std::array::from_fn(|c| if c < 1 << D { found(c / 2, c % 2) } else { None });
     if let Some((_, (_, SpanCoefficients::Uniform(value)))) = children[0]
-        && children[..1 << D].iter().all(|c| matches!(c, Some((_, (_, SpanCoefficients::Uniform(v)))) if *v == value))
+        && children[..1 << D]
+            .iter()
+            .all(|c| matches!(c, Some((_, (_, SpanCoefficients::Uniform(v)))) if *v == value))
     {
         return Some(value * (1 << (D - 1)) as f64);
     }

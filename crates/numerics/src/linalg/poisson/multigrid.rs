@@ -7,7 +7,9 @@
 //! V-cycle symmetric. The cycle runs in single precision.
 
 use super::layout::{Layout, ZERO_ENTRY};
-use super::level::{Chunk, DIAGONAL, BlockCoefficients, SpanCoefficients, CoefficientPack, aggregate, build_chunks};
+use super::level::{
+    BlockCoefficients, Chunk, CoefficientPack, DIAGONAL, SpanCoefficients, aggregate, build_chunks,
+};
 use super::sweep::{Operands, over_chunks, over_chunks_pair, prolong, restrict, sweep};
 use crate::linalg::operator::Preconditioner;
 use rayon::prelude::*;
@@ -180,7 +182,11 @@ pub(super) fn coarsened<const D: usize>(layout: &Layout<D>) -> Option<Layout<D>>
 
 /// For each block its chunk and what it is.
 fn block_coefficients(chunks: &[Chunk]) -> Vec<(u32, SpanCoefficients)> {
-    chunks.iter().zip(0..).flat_map(|(chunk, c)| chunk.block_coefficients.iter().map(move |kind| (c, *kind))).collect()
+    chunks
+        .iter()
+        .zip(0..)
+        .flat_map(|(chunk, c)| chunk.block_coefficients.iter().map(move |kind| (c, *kind)))
+        .collect()
 }
 
 /// Notes for each block where its children are.

@@ -1,8 +1,8 @@
 //! The pressure solver: conjugate gradients with multigrid on the matrix-free `2D + 1`-point system.
 
-use super::connect::flux_components;
+use super::flux_components::flux_components;
 use super::layout::{BLOCK_CELLS, LANES, Layout};
-use super::level::{Chunk, DIAGONAL, BlockCoefficients, SpanCoefficients, BlockSite, build_chunks};
+use super::level::{BlockCoefficients, BlockSite, Chunk, DIAGONAL, SpanCoefficients, build_chunks};
 use super::multigrid::{Hierarchy, Level, coarsened};
 use super::sweep::{Operands, over_chunks_pair, sweep_span};
 use crate::grid::{CellField, Grid, Run, Runs};
@@ -125,7 +125,8 @@ impl<const D: usize> PressureSolver<D> {
         self.gather_into(&x.data, &mut solution);
         self.project_on(floats, &mut solution);
         let mut work = [(); 3].map(|()| self.take());
-        let report = conjugate_gradient_with_workspace(operator, preconditioner, &b, &mut solution, limits, &mut work);
+        let report =
+            conjugate_gradient_with_workspace(operator, preconditioner, &b, &mut solution, limits, &mut work);
         let iterate =
             unfinished == UnconvergedIterate::Keep && matches!(report, Err(SolveError::NotConverged { .. }));
         if report.is_ok() || iterate {
@@ -208,12 +209,15 @@ impl<const D: usize> PressureSolver<D> {
         }
         jobs.into_par_iter().for_each(|(chunk, offset, part)| {
             self.for_each_block(chunk, |start, mask, at, parity| {
-                let (first, second) =
-                    (&vector[at..at + LANES], &vector[layout.half_length + at..layout.half_length + at + LANES]);
+                let (first, second) = (
+                    &vector[at..at + LANES],
+                    &vector[layout.half_length + at..layout.half_length + at + LANES],
+                );
                 let (even, odd) = if parity == 0 { (first, second) } else { (second, first) };
                 let start = start - offset;
                 if mask == u16::MAX {
-                    for (l, pair) in part[start..start + BLOCK_CELLS].as_chunks_mut::<2>().0.iter_mut().enumerate()
+                    for (l, pair) in
+                        part[start..start + BLOCK_CELLS].as_chunks_mut::<2>().0.iter_mut().enumerate()
                     {
                         *pair = [even[l], odd[l]];
                     }
@@ -233,7 +237,8 @@ impl<const D: usize> PressureSolver<D> {
         for chunk in &self.finest().chunks {
             for span in &chunk.spans {
                 for (colour, part) in diagonal.chunks_mut(half).enumerate() {
-                    let part = &mut part[span.entry as usize..span.entry as usize + span.blocks as usize * LANES];
+                    let part =
+                        &mut part[span.entry as usize..span.entry as usize + span.blocks as usize * LANES];
                     match span.coefficients {
                         SpanCoefficients::Uniform(value) => part.fill(value * (2 * D) as f64),
                         SpanCoefficients::General(pack) => {
@@ -302,7 +307,8 @@ impl<const D: usize> PressureSolver<D> {
             let parity = Layout::<D>::parity(layout.row_coordinates(stretch.row as usize));
             for b in 0..stretch.blocks as usize {
                 let mask = layout.masks[stretch.first_index as usize + b];
-                let cell = stretch.row as usize * layout.extent[0] + (stretch.block as usize + b) * BLOCK_CELLS;
+                let cell =
+                    stretch.row as usize * layout.extent[0] + (stretch.block as usize + b) * BLOCK_CELLS;
                 f(cell, mask, stretch.entry as usize + b * LANES, parity);
             }
         }
@@ -315,7 +321,8 @@ impl<const D: usize> PressureSolver<D> {
         let Some((entry, _)) = layout.find(row, start / BLOCK_CELLS) else { return [0..0, 0..0] };
         let parity = Layout::<D>::parity(layout.row_coordinates(row));
         std::array::from_fn(|odd| {
-            let shift = (odd + parity) % 2 * layout.half_length + entry as usize - start / BLOCK_CELLS * LANES;
+            let shift =
+                (odd + parity) % 2 * layout.half_length + entry as usize - start / BLOCK_CELLS * LANES;
             shift + (start + 1 - odd) / 2..shift + (end + 1 - odd) / 2
         })
     }
@@ -326,7 +333,8 @@ impl<const D: usize> PressureSolver<D> {
         for run in &unknowns.runs {
             let row = run.row as usize * self.grid.cells[0];
             let cells = row + run.start as usize..row + run.end as usize;
-            if !has_dirichlet[run.component as usize] && input.dirichlet.data[cells].iter().any(|d| *d > 0.0) {
+            if !has_dirichlet[run.component as usize] && input.dirichlet.data[cells].iter().any(|d| *d > 0.0)
+            {
                 has_dirichlet[run.component as usize] = true;
             }
         }
@@ -405,7 +413,8 @@ fn assemble<const D: usize>(
             && (0..D).all(|a| {
                 let (face, stride) = faces[a];
                 let data = &input.coefficients.axes[a];
-                same(&data[face..face + BLOCK_CELLS]) && same(&data[face + stride..face + stride + BLOCK_CELLS])
+                same(&data[face..face + BLOCK_CELLS])
+                    && same(&data[face + stride..face + stride + BLOCK_CELLS])
             });
         if uniform {
             return Some(value);

@@ -1,7 +1,7 @@
 //! The loops over a level.
 
 use super::layout::LANES;
-use super::level::{Chunk, DIAGONAL, SpanCoefficients, CoefficientPack, Real, Span};
+use super::level::{Chunk, CoefficientPack, DIAGONAL, Real, Span, SpanCoefficients};
 use rayon::prelude::*;
 
 /// Runs `work` on every chunk together with the entries of `out` that belong to it; returns the results in
@@ -96,7 +96,9 @@ pub(super) fn sweep_span<T: Real, const D: usize>(
     f: impl Fn(StencilRow<T>) -> T + Copy,
 ) {
     match span.coefficients {
-        SpanCoefficients::Uniform(value) => sweep_uniform::<T, D>(span, operands, value * operands.scale, out, f),
+        SpanCoefficients::Uniform(value) => {
+            sweep_uniform::<T, D>(span, operands, value * operands.scale, out, f)
+        }
         SpanCoefficients::General(pack) => sweep_general::<T, D>(span, operands, pack as usize, out, f),
     }
 }

@@ -291,7 +291,7 @@ fn orient_loops<const D: usize>(mesh: &mut SurfaceMesh<D>) {
         }
     }
     loops.iter_mut().filter(|l| l.volume() < 0.0).for_each(SurfaceMesh::flip);
-    let trees: Vec<_> = loops.iter().map(crate::mesh::tree::FacetBvh::new).collect();
+    let trees: Vec<_> = loops.iter().map(crate::mesh::bvh::FacetBvh::new).collect();
     mesh.facets.clear();
     for (i, l) in loops.iter_mut().enumerate() {
         let c = l.corners(0);

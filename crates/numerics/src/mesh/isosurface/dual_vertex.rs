@@ -15,7 +15,11 @@ const PROJECTION_STEPS: usize = 2;
 
 /// Position (m) and kind of the vertex of the cube between the cells `at - 1` and `at`; bit `Σ_a o_a 2^a` of
 /// `corners` tells whether its corner `o` is liquid.
-pub(super) fn dual_vertex<const D: usize>(phi: &CellField<D>, at: [usize; D], corners: u8) -> (Vector<D>, u8) {
+pub(super) fn dual_vertex<const D: usize>(
+    phi: &CellField<D>,
+    at: [usize; D],
+    corners: u8,
+) -> (Vector<D>, u8) {
     let cells = phi.grid.cells;
     let padded: [bool; D] = std::array::from_fn(|a| at[a] == 0 || at[a] == cells[a]);
     let at_wall = padded.contains(&true);
@@ -34,7 +38,10 @@ pub(super) fn dual_vertex<const D: usize>(phi: &CellField<D>, at: [usize; D], co
             kind = CONTACT_LINE;
         }
     }
-    (Vector::from_fn(|a, _| phi.grid.domain_coordinate_cells(a, at[a] as f64 - 0.5 + s[a]) * phi.grid.dx), kind)
+    (
+        Vector::from_fn(|a, _| phi.grid.domain_coordinate_cells(a, at[a] as f64 - 0.5 + s[a]) * phi.grid.dx),
+        kind,
+    )
 }
 
 /// Whether a corner of a cube is a cell rather than padding.

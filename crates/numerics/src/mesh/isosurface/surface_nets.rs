@@ -49,8 +49,10 @@ impl<const D: usize> Isosurface<D> {
 /// Where neighbouring cells differ in `liquid` but not in the sign of `phi`, the surface passes midway.
 pub fn extract_isosurface<const D: usize>(phi: &CellField<D>, liquid: &Runs) -> Isosurface<D> {
     let rows = CellRows::new(phi, liquid);
-    let blocks: Vec<Block> =
-        (0..rows.count().div_ceil(CUBE_ROWS_PER_TASK)).into_par_iter().map(|b| rows.active_cubes_of(b)).collect();
+    let blocks: Vec<Block> = (0..rows.count().div_ceil(CUBE_ROWS_PER_TASK))
+        .into_par_iter()
+        .map(|b| rows.active_cubes_of(b))
+        .collect();
     let mut cubes = ActiveCubes { first: vec![0], ..ActiveCubes::default() };
     cubes.corners.reserve_exact(blocks.iter().map(|b| b.corners.len()).sum());
     for block in &blocks {
@@ -60,7 +62,8 @@ pub fn extract_isosurface<const D: usize>(phi: &CellField<D>, liquid: &Runs) -> 
         cubes.runs.extend(block.runs.iter().map(|s| CubeRun { vertex: s.vertex + base, ..*s }));
         cubes.first.extend(block.ends.iter().map(|&e| e + from));
     }
-    let parts: Vec<DualFaces<D>> = (0..blocks.len()).into_par_iter().map(|b| rows.dual_faces_of(b, &cubes)).collect();
+    let parts: Vec<DualFaces<D>> =
+        (0..blocks.len()).into_par_iter().map(|b| rows.dual_faces_of(b, &cubes)).collect();
     let vertices: Vec<Vec<(Vector<D>, u8)>> =
         (0..blocks.len()).into_par_iter().map(|b| rows.dual_vertices_of(b, &cubes)).collect();
     assemble(vertices, parts)
@@ -341,7 +344,12 @@ struct LowerCubes<'a> {
 }
 
 impl<'a> LowerCubes<'a> {
-    fn new<const D: usize>(rows: &CellRows<'a, D>, cubes: &'a ActiveCubes, row: usize, at: [usize; D]) -> Self {
+    fn new<const D: usize>(
+        rows: &CellRows<'a, D>,
+        cubes: &'a ActiveCubes,
+        row: usize,
+        at: [usize; D],
+    ) -> Self {
         let over = if D == 3 { rows.phi.grid.cells[1] + 1 } else { 0 };
         let inside = |q: usize| (1..D).all(|a| q >> (a - 1) & 1 == 0 || at[a] > 0) && q >> (D - 1) == 0;
         Self {

@@ -52,7 +52,9 @@ impl Contour {
         let mut contour = Self { points: ends.iter().map(point).collect(), ..Self::default() };
         for &f in crossed.iter().filter(|_| D == 3) {
             let place = |e: [u32; 2]| ends.binary_search_by_key(&e, |e| e.0).ok().map(|i| i as u32);
-            if let [Some(from), Some(to)] = crossings(&facets[f as usize], &is_negative).map(|e| e.and_then(place)) {
+            if let [Some(from), Some(to)] =
+                crossings(&facets[f as usize], &is_negative).map(|e| e.and_then(place))
+            {
                 contour.segments.push([from, to]);
                 contour.facets.push(f);
             }

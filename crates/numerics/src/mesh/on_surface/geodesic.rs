@@ -84,7 +84,15 @@ impl<const D: usize> Geodesic<D> {
         let angle_scales = vec![1.0; positions.len()];
         let edge_angles = vec![[0.0; D]; facets.len()];
         let opposite_facets = opposite_facets(facets);
-        let mut out = Self { facets: facets.to_vec(), lengths, star_starts, star, opposite_facets, edge_angles, angle_scales };
+        let mut out = Self {
+            facets: facets.to_vec(),
+            lengths,
+            star_starts,
+            star,
+            opposite_facets,
+            edge_angles,
+            angle_scales,
+        };
         (0..positions.len()).filter(|_| D == 3).for_each(|v| out.set_vertex_frame(v as u32));
         out
     }
@@ -207,7 +215,13 @@ impl<const D: usize> Geodesic<D> {
     }
 
     /// Starts a front at a segment in a triangle.
-    fn seed_from_segment(&self, front: &mut MarchingFront<'_>, f: u32, segment: [Vector<D>; 2], mesh: &SurfaceMesh<D>) {
+    fn seed_from_segment(
+        &self,
+        front: &mut MarchingFront<'_>,
+        f: u32,
+        segment: [Vector<D>; 2],
+        mesh: &SurfaceMesh<D>,
+    ) {
         let corners = self.facets[f as usize].map(|v| mesh.positions[v as usize]);
         for k in 0..D {
             let (origin, next) = (corners[k], corners[(k + 1) % D]);
@@ -293,7 +307,14 @@ impl<const D: usize> Geodesic<D> {
     }
 
     /// What the front left at corner `k` of a facet, which lies at `at`; `next` is the way to the next corner.
-    fn accepted_vertex(&self, front: &MarchingFront<'_>, f: u32, k: usize, at: Point, next: Point) -> AcceptedVertex {
+    fn accepted_vertex(
+        &self,
+        front: &MarchingFront<'_>,
+        f: u32,
+        k: usize,
+        at: Point,
+        next: Point,
+    ) -> AcceptedVertex {
         let v = self.facets[f as usize][k] as usize;
         let gradient_angle = direction(next) + front.gradient_angles[v] - self.edge_angles[f as usize][k];
         AcceptedVertex { at, distance: front.distance[v], gradient_angle }
@@ -373,7 +394,8 @@ fn update_through_side(p: &AcceptedVertex, q: &AcceptedVertex) -> Option<(f64, f
         return None;
     }
     let slopes = [p, q].map(|p| (p.gradient_angle - direction(side)).cos());
-    let [first, last] = if slopes.iter().all(|s| (s - mean).abs() < MAX_SLOPE_DEVIATION) { slopes } else { [mean; 2] };
+    let [first, last] =
+        if slopes.iter().all(|s| (s - mean).abs() < MAX_SLOPE_DEVIATION) { slopes } else { [mean; 2] };
     // T = p + x (mean + (1 − s) (first − mean) + ...), s = x / length.
     let (u, w) = ((first - mean) * length, (last - mean) * length);
     let cubic = |s: f64| p.distance + mean * length * s + s * (1.0 - s) * (u * (1.0 - s) - w * s);

@@ -78,17 +78,23 @@ impl<const D: usize> VolumeMesh<D> {
         let mesh = if D == 2 {
             let flat: Vec<Vector<3>> =
                 planar.mesh.positions.iter().map(|x| Vector::from([x[0], x[1], 0.0])).collect();
-            let simplex = |s: &Simplex<2>| Simplex { root: s.root, others: std::array::from_fn(|k| s.others[k]) };
+            let simplex =
+                |s: &Simplex<2>| Simplex { root: s.root, others: std::array::from_fn(|k| s.others[k]) };
             Self { positions: wide(&flat), simplices: planar.mesh.simplices.iter().map(simplex).collect() }
         } else {
             let solid = planar.extruded(cell_count(thickness, edge, 2) / parts, thickness);
-            let simplex = |s: &Simplex<3>| Simplex { root: s.root, others: std::array::from_fn(|k| s.others[k]) };
+            let simplex =
+                |s: &Simplex<3>| Simplex { root: s.root, others: std::array::from_fn(|k| s.others[k]) };
             Self {
                 positions: wide(&solid.positions),
                 simplices: solid.simplices.iter().map(simplex).collect(),
             }
         };
-        let mesh = if order == ElementOrder::Quadratic { mesh.subdivided_curved(&outline_displacements(outline, &planar, &mesh)) } else { mesh };
+        let mesh = if order == ElementOrder::Quadratic {
+            mesh.subdivided_curved(&outline_displacements(outline, &planar, &mesh))
+        } else {
+            mesh
+        };
         Ok(mesh.transformed(rotation, center))
     }
 }

@@ -11,8 +11,8 @@ pub mod planar;
 pub mod quadratic;
 pub mod quality;
 pub mod read;
-mod simplices;
 pub mod stuffing;
+mod volume_mesh;
 
 pub use block::BlockError;
 pub use outline::{Outline, OutlineError};
@@ -20,5 +20,5 @@ pub use planar::PlanarTriangulation;
 pub use quadratic::{ElementOrder, QuadraticSimplex};
 pub use quality::{MeshDefect, MeshQuality, SimplexShape};
 pub use read::VolumeImportError;
-pub use simplices::{Simplex, VolumeMesh};
 pub use stuffing::{StuffingError, stuff};
+pub use volume_mesh::{Simplex, VolumeMesh};

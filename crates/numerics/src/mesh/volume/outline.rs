@@ -170,7 +170,12 @@ impl Outline {
     }
 
     fn mirrored(mirror_count: usize, start_angle: f64, part: Vec<[f64; 2]>) -> Self {
-        Self { fundamental_arc: part.into_iter().map(Vector::from).collect(), mirror_count, start_angle, square_side: None }
+        Self {
+            fundamental_arc: part.into_iter().map(Vector::from).collect(),
+            mirror_count,
+            start_angle,
+            square_side: None,
+        }
     }
 
     /// What it encloses as a surface in the plane; curves are polygons of some hundred sides.
@@ -178,7 +183,11 @@ impl Outline {
         let mut positions = Vec::new();
         for k in 0..self.mirror_count {
             // The part and its mirror image, without the points on the mirror lines that the next ones bring.
-            positions.extend(self.fundamental_arc[..self.fundamental_arc.len() - 1].iter().map(|x| self.image(x, k, false)));
+            positions.extend(
+                self.fundamental_arc[..self.fundamental_arc.len() - 1]
+                    .iter()
+                    .map(|x| self.image(x, k, false)),
+            );
             positions.extend(self.fundamental_arc[1..].iter().rev().map(|x| self.image(x, k + 1, true)));
         }
         if self.mirror_count == 0 {

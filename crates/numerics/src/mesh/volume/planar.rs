@@ -209,7 +209,9 @@ impl Triangulator {
     fn optimise(&mut self) -> Result<(), OutlineError> {
         for round in 0..SMOOTHING_ROUNDS {
             self.triangulate_points()?;
-            if round % ROUNDS_PER_REFINEMENT == ROUNDS_PER_REFINEMENT - 1 && round + ROUNDS_PER_REFINEMENT < SMOOTHING_ROUNDS {
+            if round % ROUNDS_PER_REFINEMENT == ROUNDS_PER_REFINEMENT - 1
+                && round + ROUNDS_PER_REFINEMENT < SMOOTHING_ROUNDS
+            {
                 self.insert_points();
                 self.merge_close_points();
             } else {

@@ -163,7 +163,8 @@ impl<const D: usize> VolumeMesh<D> {
         let corner = |i: usize| (0..=D).map(|k| f64::from(k == i)).collect::<Vec<f64>>();
         let middle = |(i, j)| (0..=D).map(|k| 0.5 * f64::from(k == i || k == j)).collect::<Vec<f64>>();
         let mut places = (0..=D).map(corner).chain(edge_pairs::<D>().map(middle));
-        parts.iter().all(fair) && places.all(|b| volume(&self.positions, &b) >= MIN_VOLUME_RATIO * volume(straight, &b))
+        parts.iter().all(fair)
+            && places.all(|b| volume(&self.positions, &b) >= MIN_VOLUME_RATIO * volume(straight, &b))
     }
 }
 

@@ -295,7 +295,9 @@ impl<const D: usize> VolumeMesh<D> {
             return Err(MeshDefect::Inverted { count, simplex, volume, near });
         }
         // What is not a number is flat too.
-        if let Some((count, simplex, volume, near)) = found(&|v| v.is_nan() || (-MIN_RELATIVE_VOLUME..MIN_RELATIVE_VOLUME).contains(&v)) {
+        if let Some((count, simplex, volume, near)) =
+            found(&|v| v.is_nan() || (-MIN_RELATIVE_VOLUME..MIN_RELATIVE_VOLUME).contains(&v))
+        {
             return Err(MeshDefect::Degenerate { count, simplex, volume, near });
         }
         Ok(())

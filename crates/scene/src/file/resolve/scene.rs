@@ -117,7 +117,8 @@ fn young_angles<'a>(
         let cosine = given.map_or(0.0, |w| w.tension.young_cosine(tension.liquid_air));
         (*name, even.then(|| cosine.clamp(-1.0, 1.0).acos()))
     };
-    let walls = (domain.walls_are_wetting() && line.enabled).then_some((WALLS, Some(domain.wall_contact_angle)));
+    let walls =
+        (domain.walls_are_wetting() && line.enabled).then_some((WALLS, Some(domain.wall_contact_angle)));
     names.iter().map(young).chain(walls).collect()
 }
 

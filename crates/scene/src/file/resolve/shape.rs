@@ -2,7 +2,7 @@
 
 use super::scene::Resolver;
 use crate::error::SceneError;
-use crate::file::meshes;
+use crate::file::builtin_meshes;
 use crate::file::*;
 use std::path::{Path, PathBuf};
 
@@ -114,7 +114,11 @@ impl Resolver {
 
     fn sizes(&self, path: &str, what: &str, value: &[Length]) -> Result<Vec<f64>, SceneError> {
         self.check_dimension(path, value.len())?;
-        value.iter().enumerate().map(|(i, l)| self.positive_length(&format!("{path}.{i}"), what, *l)).collect()
+        value
+            .iter()
+            .enumerate()
+            .map(|(i, l)| self.positive_length(&format!("{path}.{i}"), what, *l))
+            .collect()
     }
 
     /// A unit vector; one that is already of unit length stays as it is, bit for bit.
@@ -216,7 +220,8 @@ impl Resolver {
 
     fn wave(&mut self, path: &str, w: &WaveFile) -> Result<ShapeSpec, SceneError> {
         let amplitude = w.amplitude.resolve(self.dx);
-        let wavelength = self.positive_length(&format!("{path}.wavelength"), "the wavelength", w.wavelength)?;
+        let wavelength =
+            self.positive_length(&format!("{path}.wavelength"), "the wavelength", w.wavelength)?;
         self.not_negative(&format!("{path}.amplitude"), "the amplitude", amplitude)?;
         let phase = w.phase.map_or(0.0, |p| p.0);
         Ok(ShapeSpec::Wave { level: w.level.resolve(self.dx), amplitude, wavelength, phase })
@@ -268,7 +273,8 @@ impl Resolver {
         if !surfaces.iter().chain(&VOLUME_EXTENSIONS).any(|e| *e == known) {
             let message = format!("`{}` is no mesh that can be read", m.file.escape_debug());
             let names = |list: &[&str]| list.iter().map(|e| format!(".{e}")).collect::<Vec<_>>().join(", ");
-            let help = format!("accepted: surfaces {}, volumes {}", names(surfaces), names(&VOLUME_EXTENSIONS));
+            let help =
+                format!("accepted: surfaces {}, volumes {}", names(surfaces), names(&VOLUME_EXTENSIONS));
             return Err(self.error(&at("file"), message, help));
         }
         let file = self.mesh_file(&at("file"), &m.file, &file)?;
@@ -286,8 +292,8 @@ impl Resolver {
 
     /// Where the mesh file of this name is; one that is built in keeps its name.
     fn mesh_file(&self, path: &str, name: &str, file: &Path) -> Result<PathBuf, SceneError> {
-        if let Some(of) = meshes::builtin_name(name) {
-            return match meshes::unknown_mesh_message(of) {
+        if let Some(of) = builtin_meshes::builtin_name(name) {
+            return match builtin_meshes::unknown_mesh_message(of) {
                 None => Ok(PathBuf::from(name)),
                 Some((message, help)) => Err(self.error(path, message, help)),
             };

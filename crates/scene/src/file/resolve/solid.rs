@@ -26,7 +26,8 @@ impl Resolver {
             let shape = self.shape(&at("shape"), &s.shape)?;
             self.check_solid_inside(&at("shape"), &shape, &s.name)?;
             let material = self.material(&at("material"), &s.material)?;
-            let is_prescribed = matches!(material, Material::Rigid { fixed: true } | Material::Kinematic { .. });
+            let is_prescribed =
+                matches!(material, Material::Rigid { fixed: true } | Material::Kinematic { .. });
             let density = s.density.map(|d| self.positive(&at("density"), "the density", d.0)).transpose()?;
             if density.is_none() && !is_prescribed {
                 let message = format!("the density of `{}` is missing", s.name);
@@ -184,18 +185,27 @@ impl Resolver {
 
     fn kinematic(&self, path: &str, k: &KinematicFile) -> Result<Material, SceneError> {
         let rotation_components = if self.dim == 2 { 1 } else { 3 };
-        let angular: Vec<f64> =
-            k.angular_velocity.as_ref().map_or(vec![0.0; rotation_components], |w| w.iter().map(|x| x.0).collect());
+        let angular: Vec<f64> = k
+            .angular_velocity
+            .as_ref()
+            .map_or(vec![0.0; rotation_components], |w| w.iter().map(|x| x.0).collect());
         if angular.len() != rotation_components {
             let message = format!("found {} entries of angular velocity", angular.len());
-            return Err(self.error(&format!("{path}.angular_velocity"), message, format!("give {rotation_components}")));
+            return Err(self.error(
+                &format!("{path}.angular_velocity"),
+                message,
+                format!("give {rotation_components}"),
+            ));
         }
         let keyframes = self.keyframes(path, k.keyframes.as_deref())?;
         if !keyframes.is_empty() && (k.velocity.is_some() || k.angular_velocity.is_some()) {
             return Err(self.error(path, "both a velocity and keyframes are given", "remove one"));
         }
         let velocity = self.velocity(&format!("{path}.velocity"), k.velocity.as_ref())?;
-        self.check_prescribed_speed(&format!("{path}.velocity"), velocity.iter().map(|v| v * v).sum::<f64>().sqrt())?;
+        self.check_prescribed_speed(
+            &format!("{path}.velocity"),
+            velocity.iter().map(|v| v * v).sum::<f64>().sqrt(),
+        )?;
         Ok(Material::Kinematic { velocity, angular_velocity: angular, keyframes })
     }
 
@@ -263,7 +273,13 @@ impl Resolver {
     }
 
     /// An error if no solid has this name.
-    pub fn check_known_solid(&self, path: &str, key: bool, name: &str, names: &[&str]) -> Result<(), SceneError> {
+    pub fn check_known_solid(
+        &self,
+        path: &str,
+        key: bool,
+        name: &str,
+        names: &[&str],
+    ) -> Result<(), SceneError> {
         if names.contains(&name) {
             return Ok(());
         }

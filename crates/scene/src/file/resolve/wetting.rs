@@ -200,7 +200,8 @@ impl Resolver {
     ) -> Result<(), SceneError> {
         let Some(Hysteresis::Between { advancing, receding }) = line.hysteresis else { return Ok(()) };
         let refuse = |message: String, help| Err(self.error("contact_line.hysteresis", message, help));
-        let mut all = Vec::from_iter(domain.walls_are_wetting().then_some((WALLS, domain.wall_contact_angle)));
+        let mut all =
+            Vec::from_iter(domain.walls_are_wetting().then_some((WALLS, domain.wall_contact_angle)));
         for (name, solid) in &tension.solids {
             if !solid.is_uniform() {
                 let message = format!(

@@ -4,11 +4,11 @@ use super::Overlap;
 use super::surfaces::DeformableSurfaces;
 use crate::model::{Model, Wall};
 use crate::solid::SolidState;
-use meniscus_contact::boxes::{Aabb, overlapping_pairs};
+use meniscus_contact::broad_phase::{Aabb, overlapping_pairs};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
+use meniscus_numerics::mesh::bvh::closest_on_facet;
 use meniscus_numerics::mesh::surface::area_vector;
-use meniscus_numerics::mesh::tree::closest_on_facet;
 use meniscus_numerics::mesh::volume::Simplex;
 use meniscus_numerics::shape::SurfaceSample;
 
@@ -25,7 +25,8 @@ pub fn soft_overlaps<const D: usize>(
         let (Some(soft), Some(elastic)) = (&now.soft, model.solids[i].elastic()) else { continue };
         let vertices = &soft.surface.mesh.positions;
         let is_anchored = |k: usize| elastic.anchored()[soft.surface.volume_vertices()[k] as usize];
-        let unanchored: Vec<Vector<D>> = (0..vertices.len()).filter(|k| !is_anchored(*k)).map(|k| vertices[k]).collect();
+        let unanchored: Vec<Vector<D>> =
+            (0..vertices.len()).filter(|k| !is_anchored(*k)).map(|k| vertices[k]).collect();
         let upper = model.grid.domain_upper();
         let beyond = |x: &Vector<D>| {
             let side = |a: usize| {
@@ -43,10 +44,14 @@ pub fn soft_overlaps<const D: usize>(
             let within = |x: &Vector<D>| -solid.distance(other, x);
             // It may be held within what stays or goes as told.
             let is_prescribed = solid.motion.is_prescribed();
-            let mut depth = if is_prescribed { &unanchored } else { vertices }.iter().map(within).fold(0.0, f64::max);
-            let is_anchored_inside = is_prescribed && (0..vertices.len()).any(|k| is_anchored(k) && within(&vertices[k]) >= 0.0);
+            let mut depth =
+                if is_prescribed { &unanchored } else { vertices }.iter().map(within).fold(0.0, f64::max);
+            let is_anchored_inside =
+                is_prescribed && (0..vertices.len()).any(|k| is_anchored(k) && within(&vertices[k]) >= 0.0);
             if other.soft.is_none() && !is_anchored_inside {
-                let inside = |p: &SurfaceSample<D>| p.radius - soft.surface.distance(&solid.to_current(other, &p.position));
+                let inside = |p: &SurfaceSample<D>| {
+                    p.radius - soft.surface.distance(&solid.to_current(other, &p.position))
+                };
                 depth = probes[j].iter().map(inside).fold(depth, f64::max);
             }
             // Surfaces that lie on each other do not tell; what is inside does.

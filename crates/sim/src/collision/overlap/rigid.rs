@@ -53,7 +53,11 @@ fn probes<const D: usize>(model: &Model<D>, number: usize, solid: &Solid<D>) -> 
 /// The ball around a rigid solid's centre that lies within it: surfaces that lie on each other do not tell whether one is in the other.
 fn inscribed<const D: usize>(solid: &Solid<D>, now: &SolidState<D>) -> Option<SurfaceSample<D>> {
     let radius = -solid.shape.signed_distance(&solid.mass_properties.center);
-    (radius > 0.0 && radius.is_finite()).then_some(SurfaceSample { position: now.center, radius, sharp: false })
+    (radius > 0.0 && radius.is_finite()).then_some(SurfaceSample {
+        position: now.center,
+        radius,
+        sharp: false,
+    })
 }
 
 /// How far a probe is beyond the closed sides, m.

@@ -18,7 +18,8 @@ pub struct DeformableSurfaces<const D: usize> {
 impl<const D: usize> DeformableSurfaces<D> {
     /// Where they are now.
     pub fn new(solids: &[SolidState<D>]) -> Self {
-        let mut skins = Self { positions: Vec::new(), owner: Vec::new(), facets: Vec::new(), edges: Vec::new() };
+        let mut skins =
+            Self { positions: Vec::new(), owner: Vec::new(), facets: Vec::new(), edges: Vec::new() };
         for (solid, now) in solids.iter().enumerate() {
             let Some(soft) = &now.soft else { continue };
             let first = skins.positions.len() as u32;

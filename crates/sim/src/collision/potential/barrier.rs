@@ -12,12 +12,12 @@
 //! parts gets at most that: a convex `B` rises by less than its slope at a nearer place, and falls by more than that at a farther one.
 //! Limit: what comes back in the step after it parted can win energy. Rigid solids feel a dashpot besides ([`super::dashpot`]).
 
-use super::moments::{EarlyPairs, BarrierLevel, TimeLevel, TimeLevels};
+use super::incremental_potential::Potential;
 use super::term::{PotentialTerm, distance_derivatives};
-use super::total::Potential;
+use super::time_levels::{BarrierLevel, EarlyPairs, TimeLevel, TimeLevels};
 use crate::collision::broad_phase::CandidatePairs;
-use crate::collision::places::Configuration;
-use crate::collision::points::{SdfPair, PointOwner};
+use crate::collision::configuration::Configuration;
+use crate::collision::points::{PointOwner, SdfPair};
 use meniscus_contact::{Barrier, Contact};
 use meniscus_numerics::Vector;
 use rayon::prelude::*;
@@ -51,8 +51,13 @@ impl<'a, const D: usize> Potential<'a, D> {
 
     /// The moments of a step with these velocities.
     pub fn time_levels<'b>(&'b self, velocities: &'b [Vector<D>]) -> TimeLevels<'b, D> {
-        let after = |velocities: &'b [Vector<D>], time| TimeLevel::new(self.configuration_after(velocities, time));
-        TimeLevels { past: &self.old_levels, early: after(velocities, self.velocity_lead), late: after(velocities, self.lookahead) }
+        let after =
+            |velocities: &'b [Vector<D>], time| TimeLevel::new(self.configuration_after(velocities, time));
+        TimeLevels {
+            past: &self.old_levels,
+            early: after(velocities, self.velocity_lead),
+            late: after(velocities, self.lookahead),
+        }
     }
 
     /// Stiffness of the barrier, Pa, between a solid and another, or a side: the pressures that there can be, tension's in a drop of a
@@ -61,7 +66,8 @@ impl<'a, const D: usize> Potential<'a, D> {
     pub fn barrier_stiffness(&self, solid: usize, other: Option<usize>) -> f64 {
         let model = self.model;
         let speed = model.grid.dx / model.capillary_dt_limit();
-        let column: f64 = model.gravity.iter().zip(&model.grid.domain_upper()).map(|(g, l)| (g * l).abs()).sum();
+        let column: f64 =
+            model.gravity.iter().zip(&model.grid.domain_upper()).map(|(g, l)| (g * l).abs()).sum();
         let young = |solid: usize| model.solids[solid].elastic().map_or(f64::INFINITY, |e| e.young_modulus());
         let pressure = |solid: usize| self.points.weight_pressures[solid];
         let softer = young(solid).min(other.map_or(f64::INFINITY, young));
@@ -72,17 +78,29 @@ impl<'a, const D: usize> Potential<'a, D> {
 
     /// The barrier between a point and what has no facets.
     pub fn point_barrier(&self, point: u32) -> Barrier {
-        Barrier { activation_distance: self.barrier.activation_distance.min(self.points.surface.activation_distance(point)) }
+        Barrier {
+            activation_distance: self
+                .barrier
+                .activation_distance
+                .min(self.points.surface.activation_distance(point)),
+        }
     }
 
     /// The contacts within reach at the end.
     pub fn contacts(&self, candidates: &CandidatePairs, at: &[Vector<D>]) -> Vec<Contact> {
         let solid = |p: u32| self.points.owners[p as usize].solid();
-        candidates.feature_pairs.contacts(self.barrier.activation_distance, at, |p, q| self.barrier_stiffness(solid(p), Some(solid(q))))
+        candidates.feature_pairs.contacts(self.barrier.activation_distance, at, |p, q| {
+            self.barrier_stiffness(solid(p), Some(solid(q)))
+        })
     }
 
     /// A point that feels something without facets; nothing where it is out of reach.
-    pub fn sdf_contact(&self, meeting: &SdfPair, places: &Configuration<'_, D>, at: &[Vector<D>]) -> Option<SdfContact<D>> {
+    pub fn sdf_contact(
+        &self,
+        meeting: &SdfPair,
+        places: &Configuration<'_, D>,
+        at: &[Vector<D>],
+    ) -> Option<SdfContact<D>> {
         let point = meeting.point();
         let x = &at[point as usize];
         let distance = meeting.distance(places, x) - self.points.thickness(meeting);
@@ -104,7 +122,9 @@ impl<'a, const D: usize> Potential<'a, D> {
         let moments = self.time_levels(velocities);
         let contacts = self.contacts(candidates, &moments.early.positions).into_iter();
         let meetings = candidates.sdf_pairs.iter().copied();
-        let far = |m: &SdfPair, now: &TimeLevel<'_, D>| m.distance(&now.configuration, &now.positions[m.point() as usize]);
+        let far = |m: &SdfPair, now: &TimeLevel<'_, D>| {
+            m.distance(&now.configuration, &now.positions[m.point() as usize])
+        };
         EarlyPairs {
             contacts: contacts
                 .filter(|c| moments.is_early(|m| c.distance(&m.positions)))
@@ -132,9 +152,11 @@ impl<'a, const D: usize> Potential<'a, D> {
         let moments = self.time_levels(velocities);
         let of = |felt: &BarrierLevel<'_, D>| {
             let now = felt.time_level();
-            let between: f64 = self.active_contacts(candidates, felt).iter().map(|c| c.energy(&now.positions)).sum();
+            let between: f64 =
+                self.active_contacts(candidates, felt).iter().map(|c| c.energy(&now.positions)).sum();
             let met = |m: &&SdfPair| self.early_pairs.sdf_pairs.contains(m) == felt.early;
-            let stored = candidates.sdf_pairs.iter().filter(met).map(|m| self.sdf_barrier_energy(m, now)).sum::<f64>();
+            let stored =
+                candidates.sdf_pairs.iter().filter(met).map(|m| self.sdf_barrier_energy(m, now)).sum::<f64>();
             (between + stored) / now.configuration.time()
         };
         moments.barrier_levels().iter().map(of).sum()
@@ -151,8 +173,8 @@ impl<'a, const D: usize> Potential<'a, D> {
     /// Energy of the barrier between a point and what has no facets, J (2D: J/m).
     fn sdf_barrier_energy(&self, meeting: &SdfPair, now: &TimeLevel<'_, D>) -> f64 {
         let point = meeting.point();
-        let distance =
-            meeting.distance(&now.configuration, &now.positions[point as usize]) - self.points.thickness(meeting);
+        let distance = meeting.distance(&now.configuration, &now.positions[point as usize])
+            - self.points.thickness(meeting);
         let energy = self.point_barrier(point).derivatives_by_distance(distance)[0];
         if energy > 0.0 { self.barrier_force_scale(meeting) * energy } else { 0.0 }
     }
@@ -172,27 +194,43 @@ impl<'a, const D: usize> Potential<'a, D> {
         positive: bool,
     ) -> Vec<PotentialTerm<D>> {
         let moments = self.time_levels(velocities);
-        let terms = moments.barrier_levels().into_iter().flat_map(|felt| self.barrier_terms_at(candidates, &felt, positive));
+        let terms = moments
+            .barrier_levels()
+            .into_iter()
+            .flat_map(|felt| self.barrier_terms_at(candidates, &felt, positive));
         terms.chain(self.damping_terms(velocities, &candidates.sdf_pairs)).collect()
     }
 
     /// The terms of the barriers that are felt now.
-    fn barrier_terms_at(&self, candidates: &CandidatePairs, felt: &BarrierLevel<'_, D>, positive: bool) -> Vec<PotentialTerm<D>> {
+    fn barrier_terms_at(
+        &self,
+        candidates: &CandidatePairs,
+        felt: &BarrierLevel<'_, D>,
+        positive: bool,
+    ) -> Vec<PotentialTerm<D>> {
         let now = felt.time_level();
         let (owners, time) = (&self.points.owners, now.configuration.time());
         let lever = |p: u32| now.configuration.node_jacobians(&owners[p as usize]);
         let of_contact = |c: &Contact| {
             let derivatives = c.derivatives(&now.positions)?;
             let derivatives = if positive { derivatives.projected_psd() } else { derivatives };
-            Some(PotentialTerm { node_jacobians: c.stencil.points().iter().map(|p| lever(*p)).collect(), derivatives, time })
+            Some(PotentialTerm {
+                node_jacobians: c.stencil.points().iter().map(|p| lever(*p)).collect(),
+                derivatives,
+                time,
+            })
         };
         let contacts = self.active_contacts(candidates, felt);
-        let mut terms: Vec<PotentialTerm<D>> = contacts.par_iter().with_min_len(32).filter_map(of_contact).collect();
+        let mut terms: Vec<PotentialTerm<D>> =
+            contacts.par_iter().with_min_len(32).filter_map(of_contact).collect();
         for m in &candidates.sdf_pairs {
             let Some(SdfContact { point, distance, normal, other }) = self.active_sdf_contact(m, felt) else {
                 continue;
             };
-            let [_, slope, bend] = self.point_barrier(point).derivatives_by_distance(distance).map(|d| d * self.barrier_force_scale(m));
+            let [_, slope, bend] = self
+                .point_barrier(point)
+                .derivatives_by_distance(distance)
+                .map(|d| d * self.barrier_force_scale(m));
             let mut node_jacobians = vec![lever(point)];
             node_jacobians.extend(other.map(|o| now.configuration.node_jacobians(&o)));
             let derivatives = distance_derivatives(&normal, node_jacobians.len(), slope, bend);

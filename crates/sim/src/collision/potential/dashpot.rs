@@ -14,10 +14,10 @@
 //! on one side is critical. Limit: bounces are events ([`crate::collision::impact`]), which this leaves alone only outside the barrier's reach.
 
 use super::barrier::SdfContact;
+use super::incremental_potential::{Potential, SolidTerm};
 use super::term::{PotentialTerm, distance_derivatives};
-use super::total::{SolidTerm, Potential};
-use crate::collision::places::NodeJacobian;
-use crate::collision::points::{SdfPair, PointOwner};
+use crate::collision::configuration::NodeJacobian;
+use crate::collision::points::{PointOwner, SdfPair};
 use meniscus_numerics::Vector;
 
 /// A dashpot between a point of a rigid solid and what it meets.
@@ -48,7 +48,8 @@ impl<const D: usize> Potential<'_, D> {
         let [_, _, bend] = self.barrier.derivatives_by_distance(0.5 * self.barrier.activation_distance);
         let of = |(k, part): (usize, &SolidTerm<'_, D>)| match part {
             SolidTerm::Free(rigid) if self.points.mean_side_areas[k] > 0.0 => {
-                2.0 * (rigid.mass / (bend * self.points.mean_side_areas[k] * self.barrier_stiffness(k, None))).sqrt()
+                2.0 * (rigid.mass / (bend * self.points.mean_side_areas[k] * self.barrier_stiffness(k, None)))
+                    .sqrt()
             }
             _ => 0.0,
         };
@@ -62,10 +63,15 @@ impl<const D: usize> Potential<'_, D> {
             return None;
         }
         let start = &self.old_levels.start;
-        let SdfContact { point, distance, normal, other } = self.sdf_contact(meeting, &start.configuration, &start.positions)?;
+        let SdfContact { point, distance, normal, other } =
+            self.sdf_contact(meeting, &start.configuration, &start.positions)?;
         let [_, _, bend] = self.point_barrier(point).derivatives_by_distance(distance);
         let coefficient = excess * self.barrier_force_scale(meeting) * bend;
-        let node_jacobians = [Some(*owner), other].into_iter().flatten().map(|o| start.configuration.node_jacobians(&o)).collect();
+        let node_jacobians = [Some(*owner), other]
+            .into_iter()
+            .flatten()
+            .map(|o| start.configuration.node_jacobians(&o))
+            .collect();
         Some(Dashpot { node_jacobians, normal, coefficient })
     }
 
@@ -91,7 +97,11 @@ impl<const D: usize> Potential<'_, D> {
             let Dashpot { node_jacobians, normal, coefficient } = dashpot;
             let (slope, bend) = (-coefficient * approach, if approach > 0.0 { coefficient } else { 0.0 });
             // Velocities are the places after a second.
-            Some(PotentialTerm { derivatives: distance_derivatives(&normal, node_jacobians.len(), slope, bend), node_jacobians, time: 1.0 })
+            Some(PotentialTerm {
+                derivatives: distance_derivatives(&normal, node_jacobians.len(), slope, bend),
+                node_jacobians,
+                time: 1.0,
+            })
         };
         meetings.iter().filter_map(of).collect()
     }

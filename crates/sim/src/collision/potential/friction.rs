@@ -1,19 +1,23 @@
 //! What rubs in a step, and the elastic slips of friction that are carried from step to step.
 
 use super::barrier::SdfContact;
-use super::moments::{BarrierLevel, TimeLevel};
-use super::slips::{FrictionContact, Slip, Slips, ContactKey, friction_law};
-use super::total::Potential;
+use super::incremental_potential::Potential;
+use super::slips::{ContactKey, FrictionContact, Slip, Slips, friction_law};
+use super::time_levels::{BarrierLevel, TimeLevel};
 use crate::collision::broad_phase::CandidatePairs;
-use crate::collision::places::Configuration;
-use crate::collision::points::{SdfPair, PointOwner};
-use meniscus_contact::{StencilKind, FrictionPair, Stencil};
+use crate::collision::configuration::Configuration;
+use crate::collision::points::{PointOwner, SdfPair};
+use meniscus_contact::{FrictionPair, Stencil, StencilKind};
 use meniscus_numerics::Vector;
 use std::collections::BTreeMap;
 
 impl<const D: usize> Potential<'_, D> {
     /// What rubs with these velocities.
-    pub fn friction_contacts(&self, velocities: &[Vector<D>], candidates: &CandidatePairs) -> Vec<FrictionContact<D>> {
+    pub fn friction_contacts(
+        &self,
+        velocities: &[Vector<D>],
+        candidates: &CandidatePairs,
+    ) -> Vec<FrictionContact<D>> {
         let moments = self.time_levels(velocities);
         let from = &self.old_levels.start.configuration;
         let mut rubs = Vec::new();
@@ -39,16 +43,25 @@ impl<const D: usize> Potential<'_, D> {
         for r in &self.friction_contacts {
             let to = r.owners.map(|o| places.position(&o));
             let FrictionPair { friction_limit, normal, slip, .. } = r.rubbing;
-            let none = || (Slip { displacement: slip, rate: Vector::zeros(), friction_limit: 0.0 }, Vector::zeros());
+            let none =
+                || (Slip { displacement: slip, rate: Vector::zeros(), friction_limit: 0.0 }, Vector::zeros());
             let (sum, normals) = sums.entry(r.key).or_insert_with(none);
             sum.friction_limit += friction_limit;
-            sum.rate += r.rubbing.tangential_displacement(&r.start_positions, &to) * (friction_limit / self.lookahead);
+            sum.rate += r.rubbing.tangential_displacement(&r.start_positions, &to)
+                * (friction_limit / self.lookahead);
             *normals += normal * friction_limit;
         }
         let mean = |(touch, (sum, normals)): (ContactKey, (Slip<D>, Vector<D>))| {
             let normal = normals.try_normalize(0.0).unwrap_or(Vector::zeros());
             let along = |way: Vector<D>| way - normal * way.dot(&normal);
-            (touch, Slip { displacement: along(sum.displacement), rate: along(sum.rate / sum.friction_limit), friction_limit: sum.friction_limit })
+            (
+                touch,
+                Slip {
+                    displacement: along(sum.displacement),
+                    rate: along(sum.rate / sum.friction_limit),
+                    friction_limit: sum.friction_limit,
+                },
+            )
         };
         sums.into_iter().map(mean).collect()
     }
@@ -80,8 +93,12 @@ impl<const D: usize> Potential<'_, D> {
             own.iter_mut().zip(points).for_each(|(o, p)| *o = owners[*p as usize]);
             if let PointOwner::Rigid { solid, .. } = first {
                 // Both get it at one place, that on the facet.
-                let on: Vector<D> =
-                    points.iter().zip(rubbing.weights).skip(1).map(|(p, w)| positions[*p as usize] * -w).sum();
+                let on: Vector<D> = points
+                    .iter()
+                    .zip(rubbing.weights)
+                    .skip(1)
+                    .map(|(p, w)| positions[*p as usize] * -w)
+                    .sum();
                 own[0] = PointOwner::Rigid { solid, at: configuration.to_reference(solid, &on) };
             }
             let mut stencil = c.stencil;

@@ -3,8 +3,8 @@
 pub mod barrier;
 pub mod dashpot;
 pub mod friction;
-pub mod moments;
+pub mod incremental_potential;
 pub mod slips;
 pub mod stored_energy;
 pub mod term;
-pub mod total;
+pub mod time_levels;

@@ -1,6 +1,6 @@
 //! Elastic slips of friction, which are carried from step to step, and the places that rub in a step.
 
-use crate::collision::points::{PointOwner, BARRIER_REACH_CELLS};
+use crate::collision::points::{BARRIER_REACH_CELLS, PointOwner};
 use crate::model::Model;
 use meniscus_contact::{Friction, FrictionPair};
 use meniscus_numerics::Vector;
@@ -45,7 +45,9 @@ pub fn friction_law<const D: usize>(model: &Model<D>) -> Friction {
 /// Lets all slips grow as they do in a time `dt` (s), up to where things slide.
 pub fn advance_slips<const D: usize>(model: &Model<D>, slips: &mut Slips<D>, dt: f64) {
     let friction = friction_law(model);
-    slips.values_mut().for_each(|slip| slip.displacement = friction.return_mapped(slip.displacement + slip.rate * dt));
+    slips
+        .values_mut()
+        .for_each(|slip| slip.displacement = friction.return_mapped(slip.displacement + slip.rate * dt));
 }
 
 /// Two places that rub each other, with the owners of the points.

@@ -3,12 +3,12 @@
 //!
 //! No step asks for it; the books of a study do, as a body at rest on another has a part of its energy there.
 
-use super::moments::{EarlyPairs, OldTimeLevels};
+use super::incremental_potential::Potential;
 use super::slips::{Slips, advance_slips, friction_law};
-use super::total::Potential;
+use super::time_levels::{EarlyPairs, OldTimeLevels};
 use crate::collision::broad_phase::{CandidatePairs, Sweep};
-use crate::collision::places::Configuration;
-use crate::collision::points::{CollisionPoints, BARRIER_REACH_CELLS};
+use crate::collision::configuration::Configuration;
+use crate::collision::points::{BARRIER_REACH_CELLS, CollisionPoints};
 use crate::model::Model;
 use crate::solid::SolidState;
 use crate::state::State;
@@ -60,7 +60,10 @@ impl<const D: usize> Barriers<D> {
         };
         let candidates = potential.candidates(&still, &still, 0.0);
         let friction = friction_law(model);
-        let friction_energy: f64 = elastic_slips.values().map(|slip| friction.slip_energy(slip.friction_limit, &slip.displacement)).sum();
+        let friction_energy: f64 = elastic_slips
+            .values()
+            .map(|slip| friction.slip_energy(slip.friction_limit, &slip.displacement))
+            .sum();
         potential.barrier_energy(&candidates) + friction_energy
     }
 
@@ -70,7 +73,11 @@ impl<const D: usize> Barriers<D> {
         let still = vec![Vector::zeros(); self.points.node_count()];
         let places = Configuration::new(model, solids, &self.points, &still, 0.0);
         let at = places.positions();
-        let all = CandidatePairs::on(&[Sweep { from: &places, to: &places }], BARRIER_REACH_CELLS * model.grid.dx, 0.0);
+        let all = CandidatePairs::on(
+            &[Sweep { from: &places, to: &places }],
+            BARRIER_REACH_CELLS * model.grid.dx,
+            0.0,
+        );
         let of_meeting = all.sdf_pairs.iter().map(|m| {
             let point = m.point();
             m.distance(&places, &at[point as usize]) - self.points.surface.radius(point)

@@ -1,6 +1,6 @@
 //! Terms of the potential between points of solids, with their derivatives.
 
-use crate::collision::places::NodeJacobian;
+use crate::collision::configuration::NodeJacobian;
 use meniscus_contact::LocalDerivatives;
 use meniscus_numerics::Vector;
 
@@ -16,7 +16,12 @@ pub struct PotentialTerm<const D: usize> {
 
 /// Derivatives, by one or two points, of a function of their distance with this slope and bend; the `normal` is the direction away from
 /// the second.
-pub fn distance_derivatives<const D: usize>(normal: &Vector<D>, count: usize, slope: f64, bend: f64) -> LocalDerivatives<D> {
+pub fn distance_derivatives<const D: usize>(
+    normal: &Vector<D>,
+    count: usize,
+    slope: f64,
+    bend: f64,
+) -> LocalDerivatives<D> {
     let (mut local, outer) = (LocalDerivatives::zeros(count), normal * normal.transpose() * bend);
     for k in 0..count {
         let sign = 1.0 - 2.0 * k as f64;

@@ -2,7 +2,9 @@
 
 use crate::measure::checks_or_failure;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, ElementOrder, lowest_modes};
+use meniscus_elastic::{
+    Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder, lowest_modes,
+};
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::StepError;
@@ -85,10 +87,20 @@ fn frequencies() -> [f64; 3] {
 /// A beam along the first axis, clamped where that is 0.
 fn cantilever(layers: usize, damping_ratio: f64) -> Result<Elastic<2>, ElasticError> {
     let half = Vector::<2>::new(0.5 * LENGTH, 0.5 * THICKNESS);
-    let mesh = VolumeMesh::of_box(&half, &half, &Matrix::identity(), THICKNESS / layers as f64, ElementOrder::Quadratic)
-        .unwrap_or_default();
+    let mesh = VolumeMesh::of_box(
+        &half,
+        &half,
+        &Matrix::identity(),
+        THICKNESS / layers as f64,
+        ElementOrder::Quadratic,
+    )
+    .unwrap_or_default();
     let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9)];
-    let law = ConstitutiveLaw::NeoHookean { young_modulus: YOUNG, poisson_ratio: POISSON, order: ElementOrder::Quadratic };
+    let law = ConstitutiveLaw::NeoHookean {
+        young_modulus: YOUNG,
+        poisson_ratio: POISSON,
+        order: ElementOrder::Quadratic,
+    };
     Elastic::new(ElasticSpecification { mesh, density: DENSITY, law, damping_ratio, anchors })
 }
 

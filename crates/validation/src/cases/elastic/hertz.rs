@@ -9,9 +9,12 @@
 //! The barrier holds the plates off by a part of its reach that depends on the pressure: as if they had a soft layer. Its reach is a
 //! quarter of a cell, which is made small; the flattening is the ball's own.
 
-use crate::dry::{SoftMaterial, ContactMonitor, vertex_area_vectors, simulation_without_liquid, prescribed_motion, mapped, rigid_half_space, quadratic_cube_mesh, cube_to_ball, soft, vertices};
 use crate::measure::{at_least, checks_or_failure};
 use crate::setup::run_to;
+use crate::solids_only::{
+    ContactMonitor, SoftMaterial, cube_to_ball, mapped, prescribed_motion, quadratic_cube_mesh,
+    rigid_half_space, simulation_without_liquid, soft, vertex_area_vectors, vertices,
+};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_sim::{Simulation, StepError, Wall};
@@ -60,7 +63,8 @@ fn ball_between_plates<const D: usize>(n: [usize; D], dx: f64, way: f64) -> Resu
         let along = x.map(|c| (1.0 - (1.0 - c.abs()).powf(GRADING_EXPONENT)).copysign(c));
         Vector::from_fn(|a, _| if a + 1 == D { along[a] } else { across[a] })
     };
-    let ball = soft(mapped(quadratic_cube_mesh(n), |x| cube_to_ball(&graded(x)) * RADIUS), material, Vec::new())?;
+    let ball =
+        soft(mapped(quadratic_cube_mesh(n), |x| cube_to_ball(&graded(x)) * RADIUS), material, Vec::new())?;
     let mut solids = vec![ball];
     for side in [-1.0, 1.0] {
         let up = |y: f64| Vector::<D>::from_fn(|a, _| if a + 1 == D { y } else { 0.0 });
@@ -107,7 +111,15 @@ fn squeeze<const D: usize>(n: [usize; D], dx: f64, wide: f64) -> Result<Vec<Chec
     let what = |text: &str| format!("{text}, {D}D, a = {wide} R, {cells} cells/R");
     let mut checks = vec![
         Check::relative(NAME, &what("half-width"), found.half_width, width, 0.03, Some(0.01), ""),
-        Check::relative(NAME, &what("pressure in the middle"), found.peak_pressure, peak, 0.03, Some(0.01), ""),
+        Check::relative(
+            NAME,
+            &what("pressure in the middle"),
+            found.peak_pressure,
+            peak,
+            0.03,
+            Some(0.01),
+            "",
+        ),
         Check::relative(NAME, &what("flattening"), found.flattening, flat, 0.03, Some(0.01), ""),
         at_least(NAME, &what("narrowest gap / cell"), watch.narrowest_gap / dx, f64::MIN_POSITIVE, 0.02),
     ];
@@ -146,8 +158,9 @@ fn measure_contact<const D: usize>(simulation: &Simulation<D>) -> Option<Pressur
     let high = upper.iter().map(|v| now[*v][D - 1]).fold(0.0, f64::max);
     let pole = |up: f64| {
         let of = |v: &usize| {
-            (elastic.rest_mesh().positions[*v] - Vector::<D>::from_fn(|a, _| if a + 1 == D { up } else { 0.0 }))
-                .norm()
+            (elastic.rest_mesh().positions[*v]
+                - Vector::<D>::from_fn(|a, _| if a + 1 == D { up } else { 0.0 }))
+            .norm()
         };
         (0..now.len()).min_by(|a, b| of(a).total_cmp(&of(b))).map_or(high, |v| now[v][D - 1])
     };

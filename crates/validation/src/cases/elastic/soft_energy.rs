@@ -1,8 +1,11 @@
 //! The energy law of dry soft solids that fall.
 
-use crate::dry::{GRAVITY, SoftMaterial, ContactMonitor, point_at, gravity, simulation_without_liquid, mapped, quadratic_cube_mesh, cube_to_ball, soft};
 use crate::measure::{at_least, at_most, checks_or_failure};
 use crate::setup::run_to;
+use crate::solids_only::{
+    ContactMonitor, GRAVITY, SoftMaterial, cube_to_ball, gravity, mapped, point_at, quadratic_cube_mesh,
+    simulation_without_liquid, soft,
+};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_sim::StepError;

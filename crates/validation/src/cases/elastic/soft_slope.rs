@@ -1,8 +1,11 @@
 //! Soft blocks on slopes, with friction.
 
-use crate::dry::{GRAVITY, SoftMaterial, ContactMonitor, point_at, box_mesh, simulation_without_liquid, mapped, quadratic_cube_mesh, soft};
 use crate::measure::{at_least, at_most, checks_or_failure};
 use crate::setup::run_to;
+use crate::solids_only::{
+    ContactMonitor, GRAVITY, SoftMaterial, box_mesh, mapped, point_at, quadratic_cube_mesh,
+    simulation_without_liquid, soft,
+};
 use crate::{Case, Check, Mode};
 use meniscus_elastic::Anchor;
 use meniscus_numerics::Vector;
@@ -63,7 +66,8 @@ fn material(friction: f64) -> SoftMaterial {
 fn on_rigid<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
     let turned = |x: f64, y: f64| {
         let mut v = Vector::<D>::zeros();
-        (v[0], v[D - 1]) = (SLOPE_ANGLE.cos() * x + SLOPE_ANGLE.sin() * y, SLOPE_ANGLE.cos() * y - SLOPE_ANGLE.sin() * x);
+        (v[0], v[D - 1]) =
+            (SLOPE_ANGLE.cos() * x + SLOPE_ANGLE.sin() * y, SLOPE_ANGLE.cos() * y - SLOPE_ANGLE.sin() * x);
         v
     };
     let (normal, along) = (turned(0.0, 1.0), turned(1.0, 0.0));
@@ -134,11 +138,18 @@ fn check_slope<const D: usize>(
         let text = what("acceleration / g sin α");
         checks.push(Check::absolute(NAME, &text, found, acceleration_expected / free, 0.01, Some(2e-3), ""));
     } else {
-        let displacement = samples.last().zip(samples.first()).map_or(f64::NAN, |(end, start)| end.1 - start.1);
+        let displacement =
+            samples.last().zip(samples.first()).map_or(f64::NAN, |(end, start)| end.1 - start.1);
         let creep = displacement / (to - from) / (2.0 * HALF_SIZE);
         checks.push(at_most(NAME, &what("it stays: creep in a second / side"), creep, 1e-3, Some(1e-5), ""));
     }
-    checks.push(at_least(NAME, &what("narrowest gap / cell"), watch.narrowest_gap / DX, f64::MIN_POSITIVE, 0.02));
+    checks.push(at_least(
+        NAME,
+        &what("narrowest gap / cell"),
+        watch.narrowest_gap / DX,
+        f64::MIN_POSITIVE,
+        0.02,
+    ));
     let law = watch.law().largest;
     checks.push(at_most(
         NAME,

@@ -1,8 +1,11 @@
 //! Five soft blocks that stand on each other.
 
-use crate::dry::{GRAVITY, SoftMaterial, ContactMonitor, vertex_area_vectors, point_at, box_mesh, gravity, simulation_without_liquid, soft, vertices};
 use crate::measure::{at_least, at_most, checks_or_failure};
 use crate::setup::run_to;
+use crate::solids_only::{
+    ContactMonitor, GRAVITY, SoftMaterial, box_mesh, gravity, point_at, simulation_without_liquid, soft,
+    vertex_area_vectors, vertices,
+};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_sim::{Simulation, StepError};
@@ -68,7 +71,8 @@ fn height<const D: usize>(simulation: &Simulation<D>, solid: usize) -> f64 {
 fn check_stack<const D: usize>(n: [usize; D], poisson: f64, mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut simulation = stack::<D>(n, poisson)?;
     let (rest, time) = if mode == Mode::Quick { (0.5, 0.25) } else { (SETTLING_TIME, 1.0) };
-    let weights: Vec<f64> = simulation.model.solids.iter().map(|s| s.mass_properties.mass * GRAVITY).collect();
+    let weights: Vec<f64> =
+        simulation.model.solids.iter().map(|s| s.mass_properties.mass * GRAVITY).collect();
     let fall = weights.iter().sum::<f64>() * 2.0 * HALF_SIZE[1];
     let mut watch = ContactMonitor::new(&simulation.model, fall);
     run_to(&mut simulation, rest, |s, report| watch.observe(s, &report.diagnostics, true))?;
@@ -77,7 +81,10 @@ fn check_stack<const D: usize>(n: [usize; D], poisson: f64, mode: Mode) -> Resul
     let middle = |s: &Simulation<D>| s.state.solids.iter().map(|s| s.center).collect::<Vec<_>>();
     run_to(&mut simulation, rest + time, |s, report| {
         watch.observe(s, &report.diagnostics, true);
-        contact_load.iter_mut().zip(&s.state.solids).for_each(|(h, now)| *h += now.contact_acceleration[D - 1] / GRAVITY);
+        contact_load
+            .iter_mut()
+            .zip(&s.state.solids)
+            .for_each(|(h, now)| *h += now.contact_acceleration[D - 1] / GRAVITY);
         steps += 1.0;
         for (now, then) in middle(s).iter().zip(&start) {
             let off = now - then;
@@ -117,7 +124,13 @@ fn check_stack<const D: usize>(n: [usize; D], poisson: f64, mode: Mode) -> Resul
         Some(1e-6),
         "",
     ));
-    checks.push(at_least(NAME, &what("narrowest gap / cell"), watch.narrowest_gap / DX, f64::MIN_POSITIVE, 0.02));
+    checks.push(at_least(
+        NAME,
+        &what("narrowest gap / cell"),
+        watch.narrowest_gap / DX,
+        f64::MIN_POSITIVE,
+        0.02,
+    ));
     let law = watch.law().largest;
     checks.push(at_most(
         NAME,

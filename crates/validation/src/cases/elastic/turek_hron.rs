@@ -2,7 +2,9 @@
 
 use crate::measure::checks_or_failure;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, AnchorMotion, ElementOrder};
+use meniscus_elastic::{
+    Anchor, AnchorMotion, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder,
+};
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::StepError;
@@ -78,8 +80,8 @@ fn tip_displacements(layers: usize) -> Result<Vec<Vector<2>>, ElasticError> {
 fn flag(layers: usize) -> Result<(Elastic<2>, usize), ElasticError> {
     let half = Vector::<2>::new(0.5 * THICKNESS * CELLS_ALONG_PER_LAYER as f64, 0.5 * THICKNESS);
     let edge = THICKNESS / layers as f64;
-    let mut mesh =
-        VolumeMesh::of_box(&half, &half, &Matrix::identity(), edge, ElementOrder::Quadratic).unwrap_or_default();
+    let mut mesh = VolumeMesh::of_box(&half, &half, &Matrix::identity(), edge, ElementOrder::Quadratic)
+        .unwrap_or_default();
     let length = 2.0 * half[0];
     let anchors = vec![Anchor { motion: AnchorMotion::Fixed, ..Anchor::within(&mesh, |x| x[0] < 1e-9) }];
     for x in &mut mesh.positions {
@@ -88,7 +90,11 @@ fn flag(layers: usize) -> Result<(Elastic<2>, usize), ElasticError> {
     }
     let from_tip = |v: &usize| (mesh.positions[*v] - Vector::<2>::new(TIP, half[1])).norm();
     let tip = (0..mesh.positions.len()).min_by(|a, b| from_tip(a).total_cmp(&from_tip(b))).unwrap_or(0);
-    let law = ConstitutiveLaw::NeoHookean { young_modulus: 1.4e6, poisson_ratio: 0.4, order: ElementOrder::Quadratic };
+    let law = ConstitutiveLaw::NeoHookean {
+        young_modulus: 1.4e6,
+        poisson_ratio: 0.4,
+        order: ElementOrder::Quadratic,
+    };
     let description = ElasticSpecification { mesh, density: 1000.0, law, damping_ratio: 0.0, anchors };
     Ok((Elastic::new(description)?, tip))
 }

@@ -7,7 +7,10 @@
 
 use crate::measure::checks_or_failure;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, AnchorMotion, ElementOrder, lowest_modes};
+use meniscus_elastic::{
+    Anchor, AnchorMotion, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder,
+    lowest_modes,
+};
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::mesh::volume::{Outline, stuff};
 use meniscus_numerics::shape::Shape;
@@ -48,7 +51,15 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut add = |dimension: usize, layers: usize, poisson: f64, found: BeamResponse, told: BeamResponse| {
         for (k, what) in ["deflection", "frequency"].iter().enumerate() {
             let what = format!("{what}, {dimension}D, {layers} layers, ν = {poisson}");
-            checks.push(Check::relative(NAME, &what, found[k], told[k], TOLERANCES.0, Some(TOLERANCES.1), ""));
+            checks.push(Check::relative(
+                NAME,
+                &what,
+                found[k],
+                told[k],
+                TOLERANCES.0,
+                Some(TOLERANCES.1),
+                "",
+            ));
         }
     };
     for poisson in POISSONS {
@@ -131,7 +142,8 @@ fn beam_response<const D: usize>(
     poisson_ratio: f64,
     counts: &dyn Fn(&Vector<D>) -> bool,
 ) -> Result<BeamResponse, ElasticError> {
-    let law = ConstitutiveLaw::NeoHookean { young_modulus: 1.0, poisson_ratio, order: ElementOrder::Quadratic };
+    let law =
+        ConstitutiveLaw::NeoHookean { young_modulus: 1.0, poisson_ratio, order: ElementOrder::Quadratic };
     let anchors = vec![Anchor { vertices: held, motion: AnchorMotion::Fixed }];
     let body = Elastic::new(ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors })?;
     let modes = lowest_modes(&body, 1)?;

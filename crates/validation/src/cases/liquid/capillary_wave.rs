@@ -63,7 +63,8 @@ fn wave(cells: usize, viscosity: f64) -> Result<Vec<f64>, StepError> {
     model.numerics.tolerance = 1e-8;
     model.numerics.capillary_step = 0.25;
     let distance = |x: &Vector<2>| wave_distance(x);
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim =
+        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
     let mut found = Vec::new();
     for time in TIMES {
         run_to(&mut sim, time / OMEGA, |_, _| ())?;

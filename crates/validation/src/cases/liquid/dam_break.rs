@@ -5,7 +5,7 @@ use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{LiquidRegion, Component, Model, Numerics, Simulation, StepError, Wall};
+use meniscus_sim::{Component, LiquidRegion, Model, Numerics, Simulation, StepError, Wall};
 use std::f64::consts::SQRT_2;
 
 /// The case.
@@ -107,17 +107,22 @@ fn collapse(cells: usize, surface_tension: f64) -> Result<Collapse, StepError> {
         let (right, top) = (x[0] - WIDTH, x[1] - 2.0 * WIDTH);
         right.max(top).min(0.0) + right.max(0.0).hypot(top.max(0.0))
     };
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim =
+        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
     let unit = (2.0 * GRAVITY / WIDTH).sqrt();
     let mut c = Collapse { times: vec![0.0], fronts: vec![1.0], heights: vec![1.0], volume_error: 0.0 };
-    run_to(&mut sim, (MEASURED_FRONT[MEASURED_FRONT.len() - 1].0 + MAX_RELEASE_DELAY) / unit, |sim, report| {
-        let largest = |a: &&Component<2>, b: &&Component<2>| a.target_volume.total_cmp(&b.target_volume);
-        let upper = sim.state.components.iter().max_by(largest).map_or(Vector::zeros(), |d| d.upper);
-        c.times.push(sim.state.time * unit);
-        c.fronts.push(upper[0] / WIDTH);
-        c.heights.push(upper[1] / (2.0 * WIDTH));
-        c.volume_error = c.volume_error.max(report.diagnostics.volume_error.abs());
-    })?;
+    run_to(
+        &mut sim,
+        (MEASURED_FRONT[MEASURED_FRONT.len() - 1].0 + MAX_RELEASE_DELAY) / unit,
+        |sim, report| {
+            let largest = |a: &&Component<2>, b: &&Component<2>| a.target_volume.total_cmp(&b.target_volume);
+            let upper = sim.state.components.iter().max_by(largest).map_or(Vector::zeros(), |d| d.upper);
+            c.times.push(sim.state.time * unit);
+            c.fronts.push(upper[0] / WIDTH);
+            c.heights.push(upper[1] / (2.0 * WIDTH));
+            c.volume_error = c.volume_error.max(report.diagnostics.volume_error.abs());
+        },
+    )?;
     Ok(c)
 }
 

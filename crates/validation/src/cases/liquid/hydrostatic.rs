@@ -39,7 +39,8 @@ fn tank<const D: usize>(cells: usize, tension: f64) -> Result<Vec<Check>, StepEr
     model.numerics.tolerance = 1e-10;
     model.numerics.max_step = 0.01;
     let distance = |x: &Vector<D>| x[D - 1] - height;
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim =
+        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
     let (mut speed, mut steps) = (0.0, 0);
     while steps < 200 {
         speed = sim.step(f64::INFINITY, &mut |_| ())?.diagnostics.max_speed;

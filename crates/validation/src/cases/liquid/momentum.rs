@@ -1,12 +1,12 @@
 //! Momentum of an isolated system.
 
 use crate::measure::{at_most, checks_or_failure, volume_and_centroid};
-use crate::setup::{RADIUS, TENSION, model, grid_offset, run_to};
+use crate::setup::{RADIUS, TENSION, grid_offset, model, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Diagnostics, Repairs, Simulation, StepError, Wall};
+use meniscus_sim::{Diagnostics, LiquidRegion, Repairs, Simulation, StepError, Wall};
 use std::f64::consts::{PI, TAU};
 
 /// The case.
@@ -79,7 +79,14 @@ fn isolated<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
             Some(1e-4),
             "",
         ),
-        at_most(case, &what("centre of mass off its straight path / Δ"), centroid_deviation, 0.1, Some(0.01), ""),
+        at_most(
+            case,
+            &what("centre of mass off its straight path / Δ"),
+            centroid_deviation,
+            0.1,
+            Some(0.01),
+            "",
+        ),
         Check::absolute(case, &what("drops at the end (merged)"), components, 2.0, 0.0, None, ""),
     ])
 }
@@ -109,8 +116,11 @@ fn start<const D: usize>(cells: usize) -> (Simulation<D>, f64) {
     ];
     let speeds = [flow(6.0, 0.3), flow(-5.0, 0.0), flow(0.7, -0.4)];
     let distances: Vec<_> = shapes.iter().map(|s| |x: &Vector<D>| s.signed_distance(x)).collect();
-    let bodies: Vec<LiquidRegion<'_, D>> =
-        distances.iter().zip(speeds).map(|(signed_distance, velocity)| LiquidRegion { signed_distance, velocity }).collect();
+    let bodies: Vec<LiquidRegion<'_, D>> = distances
+        .iter()
+        .zip(speeds)
+        .map(|(signed_distance, velocity)| LiquidRegion { signed_distance, velocity })
+        .collect();
     let mut sim = Simulation::new(model, &bodies);
     add_rotation(&mut sim, &top);
     let Simulation { model, state, .. } = sim;

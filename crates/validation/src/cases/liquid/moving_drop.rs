@@ -1,7 +1,7 @@
 //! A drop that flies: Galilean invariance.
 
 use crate::measure::{at_most, checks_or_failure, volume_and_centroid};
-use crate::setup::{RADIUS, TENSION, model, grid_offset, roundness, run_to};
+use crate::setup::{RADIUS, TENSION, grid_offset, model, roundness, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
@@ -50,7 +50,8 @@ fn fly<const D: usize>(cells: usize, round: f64) -> Result<Vec<Check>, StepError
     let shape = Shape::Ball { center, radius: RADIUS };
     let distance = |x: &Vector<D>| shape.signed_distance(x);
     let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity }]);
-    let (mut deviation, mut volume, mut centroid_deviation, mut pressure): (f64, f64, f64, f64) = (0.0, 0.0, 0.0, 0.0);
+    let (mut deviation, mut volume, mut centroid_deviation, mut pressure): (f64, f64, f64, f64) =
+        (0.0, 0.0, 0.0, 0.0);
     let measured = |sim: &Simulation<D>| volume_and_centroid(&sim.model, &sim.state.phi);
     let first = measured(&sim);
     let laplace = TENSION * (D as f64 - 1.0) / RADIUS;
@@ -72,7 +73,14 @@ fn fly<const D: usize>(cells: usize, round: f64) -> Result<Vec<Check>, StepError
     Ok(vec![
         at_most(case, &what("largest deviation from round / R"), deviation, round, Some(0.003), ""),
         at_most(case, &what("volume error"), volume, 1e-4, Some(1e-8), ""),
-        at_most(case, &what("centre of mass off its straight path / Δ"), centroid_deviation, 0.1, Some(0.01), ""),
+        at_most(
+            case,
+            &what("centre of mass off its straight path / Δ"),
+            centroid_deviation,
+            0.1,
+            Some(0.01),
+            "",
+        ),
         at_most(case, &what("(max|u| − U) / √(γ/ρD) at the end"), inner, 0.01, Some(0.001), ""),
         Check::relative(case, &what("Laplace pressure at the end"), pressure, laplace, 0.03, Some(0.005), ""),
     ])

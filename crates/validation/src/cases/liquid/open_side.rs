@@ -5,7 +5,7 @@ use crate::setup::model;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{LiquidRegion, Diagnostics, Simulation, StepError, Wall};
+use meniscus_sim::{Diagnostics, LiquidRegion, Simulation, StepError, Wall};
 use std::f64::consts::PI;
 
 /// The case.
@@ -43,7 +43,11 @@ fn energies<const D: usize>(sim: &Simulation<D>, ledger: &Diagnostics<D>) -> [f6
 }
 
 /// Runs until `end`. Gives back the share of the volume that has left, and the largest growth of the energy over `scale`.
-fn run_outflow<const D: usize>(sim: &mut Simulation<D>, end: f64, scale: f64) -> Result<(f64, f64), StepError> {
+fn run_outflow<const D: usize>(
+    sim: &mut Simulation<D>,
+    end: f64,
+    scale: f64,
+) -> Result<(f64, f64), StepError> {
     let start = sim.diagnostics();
     let [mut before, stored] = energies(sim, &start);
     let (first, mut growth) = (before + stored, 0.0f64);
@@ -64,7 +68,8 @@ fn column<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
     let mut model = model(Grid::<D>::new([cells; D], 1.0 / cells as f64), walls).with_open_sides();
     model.gravity[D - 1] = -1.0;
     let distance = |x: &Vector<D>| x[D - 1] - height;
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim =
+        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
     let scale = sim.diagnostics().potential_energy;
     let (left, growth) = run_outflow(&mut sim, end, scale)?;
     let (share, energy) =

@@ -1,6 +1,6 @@
 //! Drops that oscillate: frequency, damping, step length, viscosity.
 
-use crate::measure::{at_least, at_most, convergence_order, fit_oscillation, checks_or_failure};
+use crate::measure::{at_least, at_most, checks_or_failure, convergence_order, fit_oscillation};
 use crate::setup::{DropHistory, DropRun, RADIUS, rayleigh_frequency, run_drop};
 use crate::{Case, Check, Mode};
 use meniscus_sim::StepError;

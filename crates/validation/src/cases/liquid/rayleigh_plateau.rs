@@ -1,7 +1,7 @@
 //! A liquid column that breaks up.
 
-use crate::measure::{fit_growth, checks_or_failure, surface_points};
-use crate::setup::{RADIUS, TENSION, model, grid_offset, run_to};
+use crate::measure::{checks_or_failure, fit_growth, surface_points};
+use crate::setup::{RADIUS, TENSION, grid_offset, model, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::least_squares;
@@ -28,7 +28,9 @@ const AMPLITUDE: f64 = 0.01;
 
 /// Rayleigh's growth rate, 1/s.
 fn growth_rate() -> f64 {
-    let factor = WAVENUMBER_TIMES_RADIUS * bessel(1, WAVENUMBER_TIMES_RADIUS) / bessel(0, WAVENUMBER_TIMES_RADIUS) * (1.0 - WAVENUMBER_TIMES_RADIUS * WAVENUMBER_TIMES_RADIUS);
+    let factor = WAVENUMBER_TIMES_RADIUS * bessel(1, WAVENUMBER_TIMES_RADIUS)
+        / bessel(0, WAVENUMBER_TIMES_RADIUS)
+        * (1.0 - WAVENUMBER_TIMES_RADIUS * WAVENUMBER_TIMES_RADIUS);
     (TENSION / RADIUS.powi(3) * factor).sqrt()
 }
 
@@ -65,7 +67,8 @@ fn measured_growth_rate(length: usize) -> Result<f64, StepError> {
         let radius = RADIUS * (1.0 + AMPLITUDE * (wave * x[0]).cos());
         ((x[1] - axis[1]).hypot(x[2] - axis[2]) - radius) / slope.hypot(1.0)
     };
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim =
+        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
     let amplitude = |sim: &Simulation<3>| {
         let points = surface_points(&sim.model, &sim.state.phi);
         let fit = least_squares(points.iter().map(|p| {

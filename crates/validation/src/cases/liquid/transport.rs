@@ -5,7 +5,7 @@ use crate::setup::model;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, Grid, Sampler};
-use meniscus_sim::{PrescribedFlow, Model, Wall};
+use meniscus_sim::{Model, PrescribedFlow, Wall};
 use std::f64::consts::{PI, TAU};
 
 /// Zalesak's disc.

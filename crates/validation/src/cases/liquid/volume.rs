@@ -1,7 +1,7 @@
 //! Volume through a collision.
 
 use crate::measure::{at_most, checks_or_failure};
-use crate::setup::{RADIUS, model, grid_offset};
+use crate::setup::{RADIUS, grid_offset, model};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
@@ -69,7 +69,14 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
             "",
         ),
         at_most("volume", "volume of vanished components", lost, 1e-4, Some(1e-8), ""),
-        at_most("volume", "volume moved in a step", repairs.volume_shift_largest, MAX_VOLUME_SHIFT, Some(1e-6), ""),
+        at_most(
+            "volume",
+            "volume moved in a step",
+            repairs.volume_shift_largest,
+            MAX_VOLUME_SHIFT,
+            Some(1e-6),
+            "",
+        ),
         at_most(
             "volume",
             "volume moved in all steps",

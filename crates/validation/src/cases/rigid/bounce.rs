@@ -31,10 +31,26 @@ fn bounces() -> Result<Vec<Check>, StepError> {
         let bounce = bounce(16, weber)?;
         let what = |text: &str| format!("{text}, We = {weber}");
         let touched = bounce.contact_time;
-        checks.push(Check::relative("bounce", &what("contact time"), touched, CONTACT_TIME, 0.15, Some(0.08), ""));
+        checks.push(Check::relative(
+            "bounce",
+            &what("contact time"),
+            touched,
+            CONTACT_TIME,
+            0.15,
+            Some(0.08),
+            "",
+        ));
         if spreads {
             let width = weber.sqrt().sqrt();
-            checks.push(Check::relative("bounce", &what("D/D0"), bounce.max_spread, width, 0.15, Some(0.08), ""));
+            checks.push(Check::relative(
+                "bounce",
+                &what("D/D0"),
+                bounce.max_spread,
+                width,
+                0.15,
+                Some(0.08),
+                "",
+            ));
         }
     }
     Ok(checks)

@@ -93,7 +93,8 @@ fn added_mass_in_shell<const D: usize>(ratio: f64, density: f64) -> Result<Check
     let (d, outer) = (D as f64 - 1.0, ratio.powi(D as i32));
     let expected = (outer + d) / (d * (outer - 1.0));
     let full = |x: &Vector<D>| x[D - 1] - 100.0 * ratio;
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &full, velocity: Vector::zeros() }]);
+    let mut sim =
+        Simulation::new(model, &[LiquidRegion { signed_distance: &full, velocity: Vector::zeros() }]);
     let start = sim.state.solids[0].center[D - 1];
     let time = (2.0 * way * (density + expected) / (1.0 - density).abs()).sqrt();
     for _ in 0..STEPS {

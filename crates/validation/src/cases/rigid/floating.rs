@@ -210,8 +210,10 @@ fn floats_at(bond: f64, angle: f64, cells: usize, time: f64) -> Result<Vec<Check
     let Some(line) = cylinder.floating(2.0) else { return Ok(Vec::new()) };
     let (edge, length) = (line.polar.sin(), 1.0 / bond.sqrt());
     let surface = |r: f64| -line.depth * (-(r - edge).max(0.0) / length).exp();
-    let mut sim = tank::<2>((bond, angle, 2.0), (cells, 6.0 * length), line.center + RELEASE_HEIGHT, &surface);
-    let height = |sim: &Simulation<2>| sim.state.solids[0].center[1] - undisturbed_level(sim, edge, line.depth);
+    let mut sim =
+        tank::<2>((bond, angle, 2.0), (cells, 6.0 * length), line.center + RELEASE_HEIGHT, &surface);
+    let height =
+        |sim: &Simulation<2>| sim.state.solids[0].center[1] - undisturbed_level(sim, edge, line.depth);
     run_to(&mut sim, 0.75 * time, |_, _| ())?;
     let before = height(&sim);
     run_to(&mut sim, time, |_, _| ())?;
@@ -231,7 +233,12 @@ fn floats_at(bond: f64, angle: f64, cells: usize, time: f64) -> Result<Vec<Check
 }
 
 /// One that is `share` times as dense as the densest that floats, released where it, or that one, rests.
-fn floats_or_sinks(bond: f64, angle: f64, share: f64, (cells, time): (usize, f64)) -> Result<Check, StepError> {
+fn floats_or_sinks(
+    bond: f64,
+    angle: f64,
+    share: f64,
+    (cells, time): (usize, f64),
+) -> Result<Check, StepError> {
     let cylinder = Cylinder { bond, angle: angle.to_radians() };
     let heaviest = cylinder.heaviest();
     let density = share * heaviest.force / (PI * bond);
@@ -284,7 +291,8 @@ fn force(angle: f64, height: f64, cells: usize) -> Result<Vec<Check>, StepError>
     run_to(&mut sim, 0.5 * TIME, |sim, report| {
         if sim.state.time > 0.45 * TIME {
             let now = &sim.state.solids[0];
-            mean = (mean.0 + (now.pressure_force + now.contact_line_force)[1] * report.dt, mean.1 + report.dt);
+            mean =
+                (mean.0 + (now.pressure_force + now.contact_line_force)[1] * report.dt, mean.1 + report.dt);
         }
     })?;
     let scale = fall * radius * radius;

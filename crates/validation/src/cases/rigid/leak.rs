@@ -5,7 +5,9 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, PrescribedMotion, Repairs, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{
+    LiquidRegion, Model, Motion, Numerics, PrescribedMotion, Repairs, Simulation, Solid, StepError, Wall,
+};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -37,7 +39,10 @@ const MAX_DELETED_VOLUME: f64 = 0.01;
 
 fn run(mode: Mode) -> Vec<Check> {
     if mode == Mode::Quick {
-        return WALL_CASES.into_iter().flat_map(|wall| checks_or_failure(NAME, check_shaken_cup::<2>(wall, 60.0))).collect();
+        return WALL_CASES
+            .into_iter()
+            .flat_map(|wall| checks_or_failure(NAME, check_shaken_cup::<2>(wall, 60.0)))
+            .collect();
     }
     let all = WALL_CASES.into_iter().flat_map(|wall| [60.0, 120.0].map(|angle| (wall, angle)));
     let both = |(wall, angle)| [check_shaken_cup::<2>(wall, angle), check_shaken_cup::<3>(wall, angle)];
@@ -108,10 +113,24 @@ fn check_shaken_cup<const D: usize>(wall: (f64, bool), angle: f64) -> Result<Vec
     let lost = sim.state.lost_volume / full;
     let what = |text: &str| format!("{text}, {D}D, {wall} cells{padded}, θ = {angle}°");
     Ok(vec![
-        at_most(NAME, &what("volume outside in the end"), volume_beyond_wall(&sim, wall) / full, 1e-6, Some(0.0), ""),
+        at_most(
+            NAME,
+            &what("volume outside in the end"),
+            volume_beyond_wall(&sim, wall) / full,
+            1e-6,
+            Some(0.0),
+            "",
+        ),
         at_most(NAME, &what("volume outside in any step"), outside, 1e-6, Some(0.0), ""),
         at_most(NAME, &what("volume that came through"), repairs.leaked_volume / full, 1e-6, Some(0.0), ""),
-        at_most(NAME, &what("volume deleted"), repairs.deleted_volume / full, MAX_DELETED_VOLUME, Some(0.0), ""),
+        at_most(
+            NAME,
+            &what("volume deleted"),
+            repairs.deleted_volume / full,
+            MAX_DELETED_VOLUME,
+            Some(0.0),
+            "",
+        ),
         at_most(NAME, &what("change of the volume"), change, 1e-6, Some(1e-12), ""),
         at_most(NAME, &what("volume of vanished droplets"), lost, 1e-4, Some(1e-8), ""),
     ])

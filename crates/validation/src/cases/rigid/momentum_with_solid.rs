@@ -135,8 +135,10 @@ fn start<const D: usize>(pair: &Pair, cells: usize) -> Simulation<D> {
             }
         })
         .collect();
-    let bodies: Vec<LiquidRegion<'_, D>> =
-        distances.iter().map(|signed_distance| LiquidRegion { signed_distance, velocity: Vector::zeros() }).collect();
+    let bodies: Vec<LiquidRegion<'_, D>> = distances
+        .iter()
+        .map(|signed_distance| LiquidRegion { signed_distance, velocity: Vector::zeros() })
+        .collect();
     Simulation::new(model, &bodies)
 }
 

@@ -64,7 +64,8 @@ fn angles_on(cells: usize, angle: f64, velocity: Vector<2>) -> Result<Vec<f64>, 
     let mut plate = Solid::new(Shape::HalfSpace { point, normal }, motion, 1.0);
     plate.young_cosine = young.cos();
     let start = |x: &Vector<2>| (x - point).norm() - 1.0;
-    let mut sim = Simulation::new(sessile_model(grid, plate), &[LiquidRegion { signed_distance: &start, velocity }]);
+    let mut sim =
+        Simulation::new(sessile_model(grid, plate), &[LiquidRegion { signed_distance: &start, velocity }]);
     let mut angles = Vec::new();
     for k in 0..=8 {
         run_to(&mut sim, TIME * (2.0 + f64::from(k) / 8.0) / 3.0, |_, _| ())?;

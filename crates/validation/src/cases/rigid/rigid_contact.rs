@@ -1,8 +1,8 @@
 //! Rigid solids that hit and rest on each other, by themselves.
 
-use crate::dry::{GRAVITY, point_at, gravity, simulation_without_liquid, rigid_box};
 use crate::measure::{at_most, checks_or_failure};
 use crate::setup::run_to;
+use crate::solids_only::{GRAVITY, gravity, point_at, rigid_box, simulation_without_liquid};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::shape::Shape;
@@ -81,7 +81,14 @@ fn bounce<const D: usize>(restitution: f64) -> Result<Vec<Check>, StepError> {
     let back = (high - floor) / (height - floor);
     Ok(vec![
         Check::relative(NAME, &what("height of the rebound"), back, told, 0.01, Some(1e-3), ""),
-        at_most(NAME, &what("time of contact / (half a cell / speed)"), touched / max_contact_time, 1.0, None, ""),
+        at_most(
+            NAME,
+            &what("time of contact / (half a cell / speed)"),
+            touched / max_contact_time,
+            1.0,
+            None,
+            "",
+        ),
     ])
 }
 

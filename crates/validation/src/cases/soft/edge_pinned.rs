@@ -6,10 +6,10 @@
 //! the push of a cap at Young's angle varies by a tenth of the tension, with jumps, as its line moves through a cell. The case has
 //! the bars that a drop at rest should meet; it is no part of `verify --quick`.
 
-use crate::measure::{TimeMean, at_most, liquid_force, external_load, checks_or_failure};
+use crate::measure::{TimeMean, at_most, checks_or_failure, external_load, liquid_force};
 use crate::setup::run_to;
 use crate::{Case, Check};
-use meniscus_elastic::{Anchor, ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, ElementOrder};
+use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
@@ -135,7 +135,11 @@ fn elastic(shape: &Shape<2>, edge: f64) -> Result<Motion<2>, StepError> {
     let mesh = VolumeMesh::of_shape(shape, edge, ElementOrder::Quadratic).unwrap_or_default();
     let held = |x: &Vector<2>| (x[0] - TOP[0]).abs() <= CLAMP_HALF_WIDTH && x[1] <= TOP[1] - 0.5 * THICKNESS;
     let anchors = vec![Anchor::within(&mesh, held)];
-    let law = ConstitutiveLaw::NeoHookean { young_modulus: 10e6, poisson_ratio: 0.3, order: ElementOrder::Quadratic };
+    let law = ConstitutiveLaw::NeoHookean {
+        young_modulus: 10e6,
+        poisson_ratio: 0.3,
+        order: ElementOrder::Quadratic,
+    };
     let damping_ratio = 0.1;
     let plate = Elastic::new(ElasticSpecification { mesh, density: DENSITY, law, damping_ratio, anchors });
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };

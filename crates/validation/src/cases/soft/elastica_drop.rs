@@ -2,7 +2,7 @@
 
 use crate::elastica::{Sheet, Unknowns};
 use crate::measure::checks_or_failure;
-use crate::plate::{PlateSupport, Plate, PlateSetup};
+use crate::plate::{Plate, PlateSetup, PlateSupport};
 use crate::{Case, Check, Mode};
 use meniscus_sim::StepError;
 
@@ -112,14 +112,22 @@ fn shape(
 }
 
 /// Where the ends are, by theory; `row` is the pressure, the curvature and the angle without thickness.
-fn theoretical_ends(setting: &PlateSetup, (pressure, curvature, apparent): (f64, f64, f64)) -> Option<[f64; 2]> {
+fn theoretical_ends(
+    setting: &PlateSetup,
+    (pressure, curvature, apparent): (f64, f64, f64),
+) -> Option<[f64; 2]> {
     let (bending, half_length) = (setting.bending, 0.5 * LENGTH);
     let (thickness, area, angle) = (setting.thickness, setting.area, setting.angle);
     let sheet = Sheet { bending, thickness, area, angle, pinned_half_length: Some(half_length) };
     let thin = Sheet { thickness: 0.0, ..sheet };
     // κ = (1 − q²)/2pB in the middle.
     let root = (1.0 - 2.0 * pressure * curvature * bending).max(0.0).sqrt();
-    let guesses = [root, -root].map(|scaled_center_height| Unknowns { pressure, scaled_center_height, curvature, half_length });
+    let guesses = [root, -root].map(|scaled_center_height| Unknowns {
+        pressure,
+        scaled_center_height,
+        curvature,
+        half_length,
+    });
     let right = |g: &&Unknowns| thin.shape(g).is_some_and(|s| (s.apparent - apparent).abs() < 0.1);
     sheet.shape(guesses.iter().find(right)?).map(|s| s.end)
 }

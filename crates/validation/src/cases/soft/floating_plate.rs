@@ -3,7 +3,7 @@
 use crate::measure::checks_or_failure;
 use crate::setup::run_to;
 use crate::{Case, Check};
-use meniscus_elastic::{ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, ElementOrder};
+use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
@@ -164,7 +164,8 @@ fn run() -> Result<Vec<Check>, StepError> {
         numerics: Numerics::default(),
     };
     let bath = |x: &Vector<3>| x[2] - level + dimple.depth(x[0] - TANK_HALF_WIDTH, x[1] - TANK_HALF_WIDTH);
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &bath, velocity: Vector::zeros() }]);
+    let mut sim =
+        Simulation::new(model, &[LiquidRegion { signed_distance: &bath, velocity: Vector::zeros() }]);
     let (mut sum, mut time, mut last) = (0.0, 0.0, 0.0);
     run_to(&mut sim, AVERAGING_END, |sim, _| {
         let step = sim.state.time - last;
@@ -190,9 +191,16 @@ mod tests {
         // Half as many nodes give 0.2152.
         assert!((depth - 0.2160).abs() < 2e-4, "{depth}");
         // A plane meniscus of this depth would carry less: corners help.
-        let plane =
-            TENSION * (2.0 * PLATE_HALF_WIDTH) * 4.0 * (2.0 * (0.5 * depth * (GRAVITY / TENSION).sqrt()).asin()).sin();
-        let carried = (DENSITY - 1.0 - depth / THICKNESS) * THICKNESS * 4.0 * PLATE_HALF_WIDTH * PLATE_HALF_WIDTH * GRAVITY;
+        let plane = TENSION
+            * (2.0 * PLATE_HALF_WIDTH)
+            * 4.0
+            * (2.0 * (0.5 * depth * (GRAVITY / TENSION).sqrt()).asin()).sin();
+        let carried = (DENSITY - 1.0 - depth / THICKNESS)
+            * THICKNESS
+            * 4.0
+            * PLATE_HALF_WIDTH
+            * PLATE_HALF_WIDTH
+            * GRAVITY;
         assert!(carried > 1.05 * plane && carried < 1.4 * plane, "{carried} {plane}");
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::measure::{at_most, checks_or_failure};
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, ElementOrder};
+use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
@@ -63,9 +63,13 @@ fn angular_momentum_drift<const D: usize>(iterations: u32) -> Result<f64, StepEr
 /// The block, spinning about the last axis (2D: about its centre).
 fn start<const D: usize>(iterations: u32) -> Result<Simulation<D>, StepError> {
     let (center, half) = (Vector::repeat(1.0), Vector::from_fn(|a, _| if a == 0 { 0.5 } else { 0.25 }));
-    let mesh =
-        VolumeMesh::of_box(&center, &half, &Matrix::identity(), 0.125, ElementOrder::Quadratic).unwrap_or_default();
-    let law = ConstitutiveLaw::NeoHookean { young_modulus: 1e3, poisson_ratio: 0.3, order: ElementOrder::Quadratic };
+    let mesh = VolumeMesh::of_box(&center, &half, &Matrix::identity(), 0.125, ElementOrder::Quadratic)
+        .unwrap_or_default();
+    let law = ConstitutiveLaw::NeoHookean {
+        young_modulus: 1e3,
+        poisson_ratio: 0.3,
+        order: ElementOrder::Quadratic,
+    };
     let anchors = Vec::new();
     let description = ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors };
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };

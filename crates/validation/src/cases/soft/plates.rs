@@ -1,7 +1,7 @@
 //! Drops on solids that deform, against the theory of plates.
 
 use crate::measure::{at_most, checks_or_failure};
-use crate::plate::{PlateSupport, Plate, PlateSetup};
+use crate::plate::{Plate, PlateSetup, PlateSupport};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -51,7 +51,8 @@ fn kinks(mode: Mode) -> Result<Vec<Check>, StepError> {
         for &angle in angles {
             for support in [PlateSupport::Free, PlateSupport::LeftEnd] {
                 let thickness = thick / cells as f64;
-                let (length, drop_offset) = if support == PlateSupport::LeftEnd { (6.0, 0.5) } else { (5.6, 0.0) };
+                let (length, drop_offset) =
+                    if support == PlateSupport::LeftEnd { (6.0, 0.5) } else { (5.6, 0.0) };
                 let setting = PlateSetup {
                     cells,
                     angle,
@@ -75,10 +76,16 @@ fn kinks(mode: Mode) -> Result<Vec<Check>, StepError> {
                 let (end, left, right) = (0.5 * length, drop_offset - a - 0.2, drop_offset + a + 0.2);
                 let bend = |p: &Plate| p.slope(right, end) - p.slope(-end, left);
                 let tip = |p: &Plate| p.slope(right, end);
-                let value =
-                    if support == PlateSupport::LeftEnd { plate.mean_over_last_fifth(30.0, tip)? } else { plate.mean_over_last_fifth(10.0, bend)? };
-                let what =
-                    if support == PlateSupport::LeftEnd { "slope of a cantilever's tip" } else { "bend of a free plate" };
+                let value = if support == PlateSupport::LeftEnd {
+                    plate.mean_over_last_fifth(30.0, tip)?
+                } else {
+                    plate.mean_over_last_fifth(10.0, bend)?
+                };
+                let what = if support == PlateSupport::LeftEnd {
+                    "slope of a cantilever's tip"
+                } else {
+                    "bend of a free plate"
+                };
                 let text = format!("{what}, {thick} cells thick, θ = {angle}°, {cells} cells/R");
                 checks.push(Check::relative("soft-kink", &text, value, exact, 0.08, Some(0.03), ""));
             }
@@ -165,7 +172,9 @@ fn stiff(mode: Mode) -> Result<Vec<Check>, StepError> {
             };
             let mut plate = setting.start()?;
             let tracker = LineTracker::new(&plate.sim.model, &[plate.sim.model.grid.dx / 1.5]);
-            plate.mean_over_last_fifth(15.0, |p| tracker.extract(&p.sim).angle_statistics(None).map_or(0.0, |a| a.0))
+            plate.mean_over_last_fifth(15.0, |p| {
+                tracker.extract(&p.sim).angle_statistics(None).map_or(0.0, |a| a.0)
+            })
         };
         let (soft, rigid) = (contact(PlateSupport::Bottom)?, contact(PlateSupport::Rigid)?);
         let text = format!("contact angle, θ = {angle}°, {cells} cells/R");

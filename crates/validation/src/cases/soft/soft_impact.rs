@@ -33,7 +33,8 @@ fn run(_: Mode) -> Vec<Check> {
         return Vec::new();
     };
     let size = 16e-3;
-    let [first, second] = [0, 1].map(|k| mean_distance(&all[k], &all[k + 1]) / (size / RESOLUTIONS[0] as f64));
+    let [first, second] =
+        [0, 1].map(|k| mean_distance(&all[k], &all[k + 1]) / (size / RESOLUTIONS[0] as f64));
     let between = |k: usize| format!("{}² and {}²", RESOLUTIONS[k], RESOLUTIONS[k + 1]);
     let text = |k: usize| format!("contact points of {}, in cells of the coarsest", between(k));
     vec![

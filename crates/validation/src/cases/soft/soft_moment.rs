@@ -1,15 +1,15 @@
 //! The bending moment of a beam that carries a drop, against statics.
 
-use crate::measure::{TimeMean, liquid_force, external_load, checks_or_failure};
+use crate::measure::{TimeMean, checks_or_failure, external_load, liquid_force};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, ElementOrder};
+use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
 use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Hysteresis, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Hysteresis, LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -138,9 +138,14 @@ impl DropCase {
         };
         let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, ElementOrder::Quadratic).unwrap_or_default();
         let anchors = vec![Anchor::within(&mesh, |x| x[0] <= CLAMP_END)];
-        let law = ConstitutiveLaw::NeoHookean { young_modulus: YOUNG, poisson_ratio: POISSON, order: ElementOrder::Quadratic };
+        let law = ConstitutiveLaw::NeoHookean {
+            young_modulus: YOUNG,
+            poisson_ratio: POISSON,
+            order: ElementOrder::Quadratic,
+        };
         let damping_ratio = self.damping;
-        let elastic = Elastic::new(ElasticSpecification { mesh, density: DENSITY, law, damping_ratio, anchors });
+        let elastic =
+            Elastic::new(ElasticSpecification { mesh, density: DENSITY, law, damping_ratio, anchors });
         let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
         let mut beam = Solid::new(shape, Motion::Soft(Arc::new(elastic.map_err(failed)?)), DENSITY);
         beam.young_cosine = self.angle.to_radians().cos();
@@ -166,12 +171,17 @@ impl DropCase {
 fn middle_line(sim: &Simulation<2>) -> Vec<(f64, [usize; 2])> {
     let Some(elastic) = sim.model.solids[0].elastic() else { return Vec::new() };
     let side = |height: f64| {
-        let on = elastic.rest_mesh().positions.iter().enumerate().filter(|(_, x)| (x[1] - height).abs() < 1e-9);
+        let on =
+            elastic.rest_mesh().positions.iter().enumerate().filter(|(_, x)| (x[1] - height).abs() < 1e-9);
         let mut on: Vec<(f64, usize)> = on.map(|(k, x)| (x[0], k)).collect();
         on.sort_by(|a, b| a.0.total_cmp(&b.0));
         on
     };
-    side(BEAM_BOTTOM + THICKNESS).into_iter().zip(side(BEAM_BOTTOM)).map(|((s, top), (_, bottom))| (s, [top, bottom])).collect()
+    side(BEAM_BOTTOM + THICKNESS)
+        .into_iter()
+        .zip(side(BEAM_BOTTOM))
+        .map(|((s, top), (_, bottom))| (s, [top, bottom]))
+        .collect()
 }
 
 impl Means {
@@ -185,7 +195,9 @@ impl Means {
         let line = self.line();
         let near = line.windows(2).filter_map(|pair| {
             let (s, way) = (0.5 * (pair[0].0 + pair[1].0) - place, pair[1].1 - pair[0].1);
-            (s.abs() < FIT_HALF_LENGTH).then(|| (1.0, [1.0, s / FIT_HALF_LENGTH, (s / FIT_HALF_LENGTH).powi(2)], way[1].atan2(way[0])))
+            (s.abs() < FIT_HALF_LENGTH).then(|| {
+                (1.0, [1.0, s / FIT_HALF_LENGTH, (s / FIT_HALF_LENGTH).powi(2)], way[1].atan2(way[0]))
+            })
         });
         let stiffness = YOUNG * THICKNESS.powi(3) / (12.0 * (1.0 - POISSON * POISSON));
         least_squares(near).map_or(f64::NAN, |fit| -stiffness * fit[1] / FIT_HALF_LENGTH)

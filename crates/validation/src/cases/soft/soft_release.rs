@@ -3,7 +3,7 @@
 use crate::measure::{at_least, at_most, checks_or_failure};
 use crate::setup::{grid_offset, run_to};
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{ElasticSpecification, Elastic, ElasticError, ConstitutiveLaw, ElementOrder};
+use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
@@ -46,7 +46,11 @@ fn start<const D: usize>(cells: usize) -> Result<Simulation<D>, StepError> {
     let middle = Vector::repeat(1.6) + grid_offset(dx);
     let shape = Shape::Ball { center: middle + Vector::from_fn(|a, _| [0.2, 0.1, -0.1][a]), radius: RADIUS };
     let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, ElementOrder::Quadratic).unwrap_or_default();
-    let law = ConstitutiveLaw::NeoHookean { young_modulus: 10.0, poisson_ratio: 0.4, order: ElementOrder::Quadratic };
+    let law = ConstitutiveLaw::NeoHookean {
+        young_modulus: 10.0,
+        poisson_ratio: 0.4,
+        order: ElementOrder::Quadratic,
+    };
     let anchors = Vec::new();
     let description = ElasticSpecification { mesh, density: DENSITY, law, damping_ratio: 0.0, anchors };
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
@@ -62,7 +66,8 @@ fn start<const D: usize>(cells: usize) -> Result<Simulation<D>, StepError> {
         numerics: Numerics { max_step: STEP, tolerance: 1e-8, ..Numerics::default() },
     };
     let liquid = move |x: &Vector<D>| (x - middle).norm() - 1.0;
-    let still = Simulation::new(model, &[LiquidRegion { signed_distance: &liquid, velocity: Vector::zeros() }]);
+    let still =
+        Simulation::new(model, &[LiquidRegion { signed_distance: &liquid, velocity: Vector::zeros() }]);
     let Simulation { model, mut state, .. } = still;
     let now = &mut state.solids[0];
     let center = now.center;

@@ -3,12 +3,12 @@
 use crate::measure::checks_or_failure;
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, ElasticSpecification, Elastic, ConstitutiveLaw, ElementOrder};
+use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, LineTracker, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LineTracker, LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -59,8 +59,10 @@ fn start(step: f64) -> Simulation<2> {
     let clamped = half[0] - 1.3 * DX;
     let anchors = vec![Anchor::within(&mesh, |x| (x[0] - center[0]).abs() > clamped)];
     let young_modulus = 5e-5 * 12.0 * (1.0 - POISSON * POISSON) / THICKNESS.powi(3);
-    let law = ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio: POISSON, order: ElementOrder::Quadratic };
-    let plate = Elastic::new(ElasticSpecification { mesh, density: 2500.0, law, damping_ratio: 0.2, anchors });
+    let law =
+        ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio: POISSON, order: ElementOrder::Quadratic };
+    let plate =
+        Elastic::new(ElasticSpecification { mesh, density: 2500.0, law, damping_ratio: 0.2, anchors });
     let mut solid = Solid::new(shape, plate.map_or(Motion::Fixed, |e| Motion::Soft(Arc::new(e))), 2500.0);
     solid.line_friction = 0.3;
     let model = Model {

@@ -3,7 +3,7 @@
 use crate::measure::{at_most, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, ElasticSpecification, Elastic, ConstitutiveLaw, ElementOrder};
+use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
@@ -43,7 +43,11 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let middle = mesh.positions.iter().enumerate();
     let middle: Vec<usize> = middle.filter(|(_, x)| (*x - center).norm() < 0.06).map(|(k, _)| k).collect();
     let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9 || x[0] > LENGTH - 1e-9)];
-    let law = ConstitutiveLaw::NeoHookean { young_modulus: 2e9, poisson_ratio: 0.3, order: ElementOrder::Quadratic };
+    let law = ConstitutiveLaw::NeoHookean {
+        young_modulus: 2e9,
+        poisson_ratio: 0.3,
+        order: ElementOrder::Quadratic,
+    };
     let plate = Elastic::new(ElasticSpecification { mesh, density: 1.2, law, damping_ratio: 1.0, anchors });
     let motion = plate.map_or(Motion::Fixed, |e| Motion::Soft(Arc::new(e)));
     let model = Model {
@@ -58,10 +62,13 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     };
     let top = PLATE_HEIGHT + 0.5 * THICKNESS + DEPTH;
     let water = |x: &Vector<2>| (x[1] - top).max(PLATE_HEIGHT - x[1]);
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &water, velocity: Vector::zeros() }]);
+    let mut sim =
+        Simulation::new(model, &[LiquidRegion { signed_distance: &water, velocity: Vector::zeros() }]);
     run_to(&mut sim, 1.0, |_, _| ())?;
     let speed = sim.diagnostics().max_speed / (GRAVITY * DEPTH).sqrt();
-    let sunk = |k: &usize| sim.state.solids[0].soft.as_ref().map_or(0.0, |s| PLATE_HEIGHT - s.state.positions[*k][1]);
+    let sunk = |k: &usize| {
+        sim.state.solids[0].soft.as_ref().map_or(0.0, |s| PLATE_HEIGHT - s.state.positions[*k][1])
+    };
     let sunk = middle.iter().map(sunk).sum::<f64>() / middle.len() as f64;
     let text = |what: &str| format!("{what}, {cells} cells a unit");
     Ok(vec![

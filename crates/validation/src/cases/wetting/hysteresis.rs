@@ -6,7 +6,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Hysteresis, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Hysteresis, LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// A drop on a slope.
@@ -30,7 +30,10 @@ const ROUND_DROP_FACTOR: f64 = 24.0 / (PI * PI * PI);
 fn slopes(cells: usize) -> Result<Vec<Check>, StepError> {
     let (area, volume) = (0.5 * PI, 2.0 / 3.0 * PI);
     let mut checks = check_pull::<2>(cells, [0.9, 1.1].map(|share| (share, share / area)))?;
-    checks.extend(check_pull::<3>(8, [(0.7, 0.7 * ROUND_DROP_FACTOR * 2.0 / volume), (1.1, 1.1 * 2.0 / volume)])?);
+    checks.extend(check_pull::<3>(
+        8,
+        [(0.7, 0.7 * ROUND_DROP_FACTOR * 2.0 / volume), (1.1, 1.1 * 2.0 / volume)],
+    )?);
     Ok(checks)
 }
 
@@ -65,7 +68,8 @@ fn sliding_distance<const D: usize>(cells: usize, pull: f64) -> Result<f64, Step
         numerics: Numerics::default(),
     };
     let half = |x: &Vector<D>| (x - point).norm() - 1.0;
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &half, velocity: Vector::zeros() }]);
+    let mut sim =
+        Simulation::new(model, &[LiquidRegion { signed_distance: &half, velocity: Vector::zeros() }]);
     run_to(&mut sim, 6.0, |_, _| ())?;
     let before = sim.diagnostics().centroid[0];
     run_to(&mut sim, 12.0, |_, _| ())?;

@@ -52,7 +52,8 @@ fn spreading(cells: usize) -> Result<Vec<Check>, StepError> {
     wall.line_friction = FRICTION;
     let start = |x: &Vector<2>| (x - point).norm() - 1.0;
     let model = Model { kinematic_viscosity: VISCOSITY, ..sessile_model(grid, wall) };
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &start, velocity: Vector::zeros() }]);
+    let mut sim =
+        Simulation::new(model, &[LiquidRegion { signed_distance: &start, velocity: Vector::zeros() }]);
     let mut checks = Vec::new();
     for time in TIMES {
         run_to(&mut sim, time, |_, _| ())?;
@@ -104,7 +105,8 @@ fn momentum<const D: usize>(cells: usize, steps: usize) -> Result<Check, StepErr
     model.numerics.tolerance = 1e-10;
     let middle = center + Vector::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.08 });
     let above = |x: &Vector<D>| ((x - middle).norm() - RADIUS).max(center[D - 1] - x[D - 1]);
-    let body = LiquidRegion { signed_distance: &above, velocity: Vector::from_fn(|a, _| 0.3 - 0.2 * a as f64) };
+    let body =
+        LiquidRegion { signed_distance: &above, velocity: Vector::from_fn(|a, _| 0.3 - 0.2 * a as f64) };
     let mut sim = Simulation::new(model, &[body]);
     let sum = |sim: &Simulation<D>| {
         sim.diagnostics().momentum + sim.state.solids[0].velocity * sim.model.solids[0].mass_properties.mass

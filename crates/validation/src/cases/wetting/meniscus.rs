@@ -1,6 +1,6 @@
 //! Baths that climb walls, or shun them: plates, gaps and tubes.
 
-use super::sessile::{sessile_model, rms_and_mean_speed};
+use super::sessile::{rms_and_mean_speed, sessile_model};
 use crate::cases::rigid::floating::level_by_pressure;
 use crate::measure::{at_most, checks_or_failure};
 use crate::setup::run_to;
@@ -8,7 +8,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::{Grid, Sampler};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, LineTracker, Model, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{LineTracker, LiquidRegion, Model, Motion, Simulation, Solid, StepError};
 use std::f64::consts::{PI, SQRT_2};
 
 /// Plates and gaps in the plane.
@@ -148,7 +148,8 @@ fn plate(angle: f64) -> Result<Vec<Check>, StepError> {
         side += now.contact_line_force[1] * report.dt;
     })?;
     let time = sim.state.time - start;
-    let deep = 0.5 * (surface_height(&sim, grid.domain_upper()) + surface_height(&sim, Vector::zeros())) - bottom;
+    let deep =
+        0.5 * (surface_height(&sim, grid.domain_upper()) + surface_height(&sim, Vector::zeros())) - bottom;
     let pull = 0.5 * (THICK * deep - force / time);
     let should = angle.to_radians().cos();
     let what = format!("plate, θ = {angle}°");

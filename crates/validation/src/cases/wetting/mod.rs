@@ -1,5 +1,6 @@
 //! Contact lines: angles, menisci, friction, hysteresis, patterns, thin sheets that drops wrap.
 
+pub mod domain_walls;
 pub mod hysteresis;
 pub mod line_friction;
 pub mod meniscus;
@@ -7,6 +8,5 @@ pub mod ridge;
 pub mod sessile;
 pub mod sessile_gravity;
 pub mod sliding;
-pub mod walls;
 pub mod wettability_step;
 pub mod wrapping;

@@ -1,7 +1,7 @@
 //! The ridge that a contact line lifts on a soft layer.
 
 use crate::measure::{at_least, checks_or_failure};
-use crate::plate::{PlateSupport, PlateSetup};
+use crate::plate::{PlateSetup, PlateSupport};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_sim::{LineTracker, StepError};
@@ -102,7 +102,11 @@ impl ElasticLayer {
                 let points = tracker.extract(&p.sim).points;
                 let ends = [points.first(), points.last()]
                     .map(|at| at.map_or(f64::NAN, |at| at.at[0] - p.middle[0]));
-                Vector::<3>::new(0.5 * (ends[0] - ends[1]).abs(), p.mean_deflection(ends, 1.0), p.mean_deflection([0.0; 2], 1.0))
+                Vector::<3>::new(
+                    0.5 * (ends[0] - ends[1]).abs(),
+                    p.mean_deflection(ends, 1.0),
+                    p.mean_deflection([0.0; 2], 1.0),
+                )
             })
             .map(Into::into)
     }
@@ -148,8 +152,12 @@ mod tests {
     fn single_lines_are_those_of_the_table() {
         let spread = |poisson, width| ElasticLayer { young: 1.0, poisson, width, ..SPREAD_LINE_LAYER };
         // Υs = 30, γ = 72.8 and E = 3e4 in units of γ and h, cm.
-        let tense =
-            |poisson, h: f64| ElasticLayer { young: 3e4 * h / 72.8, poisson, tension: 30.0 / 72.8, width: 0.0 };
+        let tense = |poisson, h: f64| ElasticLayer {
+            young: 3e4 * h / 72.8,
+            poisson,
+            tension: 30.0 / 72.8,
+            width: 0.0,
+        };
         let rows = [
             (spread(0.3, 0.025), 2.4114),
             (spread(0.3, 0.1), 1.6095),

@@ -1,6 +1,6 @@
 //! Drops on solids without gravity: Young's angle on planes of any place and slope, on a cylinder and a ball.
 
-use crate::measure::{at_least, at_most, convergence_order, checks_or_failure, surface_points};
+use crate::measure::{at_least, at_most, checks_or_failure, convergence_order, surface_points};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::fit::Sphere;
@@ -173,7 +173,9 @@ fn thin(mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
     for &thick in thick {
         for angle in [60.0, 90.0, 120.0] {
-            let at = |place: &WallPlacement| drop_on_plane::<2>(cells, angle, *place, (DEFAULT_STEP_FACTOR, thick));
+            let at = |place: &WallPlacement| {
+                drop_on_plane::<2>(cells, angle, *place, (DEFAULT_STEP_FACTOR, thick))
+            };
             let rests: Vec<SessileResult> = PLACES.iter().map(at).collect::<Result<_, _>>()?;
             let off = |f: &dyn Fn(&SessileResult) -> f64| {
                 rests.iter().map(f).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
@@ -349,8 +351,10 @@ fn order() -> Result<Vec<Check>, StepError> {
     for cells in [8, 16, 32] {
         let mut square = 0.0;
         for angle in [60.0, 90.0, 120.0] {
-            square +=
-                drop_on_plane::<2>(cells, angle, TILTED[0], (DEFAULT_STEP_FACTOR, f64::INFINITY))?.angle.powi(2) / 3.0;
+            square += drop_on_plane::<2>(cells, angle, TILTED[0], (DEFAULT_STEP_FACTOR, f64::INFINITY))?
+                .angle
+                .powi(2)
+                / 3.0;
         }
         errors.push((1.0 / cells as f64, square.sqrt()));
     }

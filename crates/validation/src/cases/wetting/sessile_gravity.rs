@@ -1,6 +1,6 @@
 //! Drops that gravity flattens, and what they do to the solid under them.
 
-use super::sessile::{fit_cap, sessile_model, rms_and_mean_speed};
+use super::sessile::{fit_cap, rms_and_mean_speed, sessile_model};
 use crate::measure::{at_most, checks_or_failure, surface_points};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
@@ -8,7 +8,7 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, LineTracker, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{LineTracker, LiquidRegion, Motion, Simulation, Solid, StepError};
 use std::f64::consts::PI;
 
 /// Drops under gravity in the plane.
@@ -132,7 +132,10 @@ fn start_drop<const D: usize>(
         let ellipsoid =
             Shape::Ellipsoid { center: point, radii, rotation: meniscus_numerics::Matrix::identity() };
         let distance = |x: &Vector<D>| ellipsoid.signed_distance(x);
-        Simulation::new(model.clone(), &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
+        Simulation::new(
+            model.clone(),
+            &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }],
+        )
     };
     // What the lattice makes of the shape is not quite its volume.
     for _ in 0..4 {

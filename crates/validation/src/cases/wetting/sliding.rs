@@ -33,7 +33,15 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     for &angle in angles {
         for &tilt in tilts {
             let text = format!("way over ½ g sin α t², α = {tilt}°, θ = {angle}°, {cells} cells/R");
-            checks.push(Check::relative(NAME, &text, sliding_ratio(cells, tilt, angle)?, 1.0, 0.05, Some(0.01), ""));
+            checks.push(Check::relative(
+                NAME,
+                &text,
+                sliding_ratio(cells, tilt, angle)?,
+                1.0,
+                0.05,
+                Some(0.01),
+                "",
+            ));
         }
     }
     Ok(checks)

@@ -7,7 +7,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, WettabilityLayer, Model, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{LiquidRegion, Model, Motion, Simulation, Solid, StepError, WettabilityLayer};
 use std::f64::consts::PI;
 
 /// The case.

@@ -1,7 +1,7 @@
 //! Drops on long soft sheets: how far they bend them, and from what size on the sheet wraps them up.
 
 use crate::measure::checks_or_failure;
-use crate::plate::{PlateSupport, Plate, PlateSetup};
+use crate::plate::{Plate, PlateSetup, PlateSupport};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_sim::{LineTracker, StepError};

@@ -1,8 +1,8 @@
 //! Scenes, drawn at random.
 
-pub mod drops;
+pub mod context;
+pub mod drop_test;
 pub mod random;
 pub mod scene;
 pub mod shapes;
 pub mod solids;
-pub mod world;

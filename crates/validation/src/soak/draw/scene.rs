@@ -3,11 +3,11 @@
 //! It is left out: images of the angle and mesh files of the user's, as they need files; thin sheets and threads, which no
 //! version runs yet; studies of the step (`fixed_step`, `restore_momentum = false`).
 
+use super::context::{SceneContext, length, lengths, list, numbers};
 use super::random::Random;
 use super::shapes::{ShapeRegion, Use};
 use super::solids::Solids;
-use super::world::{SceneContext, length, lengths, list, numbers};
-use crate::soak::{Class, CaseOptions};
+use crate::soak::{CaseOptions, Class};
 use std::fmt::Write as _;
 
 /// The text of a scene file, the same for the same wish, seed, case and attempt on every machine.
@@ -25,7 +25,8 @@ pub fn scene(wish: &CaseOptions, case: u64, attempt: u64) -> String {
     if random.bernoulli(0.15) {
         bodies += &bath(random, &world);
     }
-    let count = if bodies.is_empty() { 1 + random.weighted_index(&[0.6, 0.25, 0.15]) } else { random.index_below(3) };
+    let count =
+        if bodies.is_empty() { 1 + random.weighted_index(&[0.6, 0.25, 0.15]) } else { random.index_below(3) };
     for _ in 0..count {
         bodies += &body(random, &mut world);
     }

@@ -1,7 +1,7 @@
 //! Shapes with an end, of solids and liquid.
 
+use super::context::{SceneContext, length, lengths, numbers};
 use super::random::Random;
-use super::world::{SceneContext, length, lengths, numbers};
 
 /// What a shape is for.
 #[derive(Clone, Copy, PartialEq, Eq)]

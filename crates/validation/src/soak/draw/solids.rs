@@ -1,8 +1,8 @@
 //! Solids of a drawn scene: what they are made of, where they are, how they move, and how liquid meets them.
 
+use super::context::{SceneContext, angle, length, lengths, list, numbers};
 use super::random::Random;
 use super::shapes::{ShapeRegion, Use};
-use super::world::{SceneContext, angle, length, lengths, list, numbers};
 use crate::soak::Class;
 use std::fmt::Write as _;
 
@@ -39,12 +39,14 @@ impl Solids {
         // One of the class' own kind first: the rest may be of any kind that the class has.
         let first = match class {
             Class::Soft => MotionKind::Soft,
-            _ => [MotionKind::Fixed, MotionKind::Kinematic, MotionKind::Free][random.weighted_index(&[0.35, 0.15, 0.5])],
+            _ => [MotionKind::Fixed, MotionKind::Kinematic, MotionKind::Free]
+                [random.weighted_index(&[0.35, 0.15, 0.5])],
         };
         for number in 0..count {
             let kinds = [MotionKind::Fixed, MotionKind::Kinematic, MotionKind::Free, MotionKind::Soft];
             let soft = if class == Class::Soft { 0.5 } else { 0.0 };
-            let kind = if number == 0 { first } else { kinds[random.weighted_index(&[0.35, 0.1, 0.4, soft])] };
+            let kind =
+                if number == 0 { first } else { kinds[random.weighted_index(&[0.35, 0.1, 0.4, soft])] };
             solids.add(random, world, kind, number);
         }
         solids

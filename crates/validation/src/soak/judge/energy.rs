@@ -115,7 +115,10 @@ impl<const D: usize> EnergyMonitor<D> {
 fn elastic<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
     let of = |(solid, now): (&Solid<D>, &SolidState<D>)| {
         let (elastic, soft) = solid.elastic().zip(now.soft.as_ref())?;
-        Some(elastic.elastic_energy(&soft.state.positions) + elastic.inversion_barrier_energy(&soft.state.positions))
+        Some(
+            elastic.elastic_energy(&soft.state.positions)
+                + elastic.inversion_barrier_energy(&soft.state.positions),
+        )
     };
     model.solids.iter().zip(solids).filter_map(of).sum()
 }

@@ -1,5 +1,5 @@
 //! What every step is compared with.
 
-pub mod books;
 pub mod energy;
+pub mod invariant_checks;
 pub mod invariants;

@@ -2,8 +2,8 @@
 //! SCENE --out FOLDER --resume` goes on.
 
 use meniscus_scene::file::Scene;
-use meniscus_scene::output::series::TimeSeriesWriter;
-use meniscus_scene::output::{FileError, Folder, SolidMeasures, file};
+use meniscus_scene::output::time_series::TimeSeriesWriter;
+use meniscus_scene::output::{FileError, Folder, SolidMeasures, atomic_file};
 use meniscus_scene::run::{Job, RunStatistics, checkpoint};
 use meniscus_sim::{Model, Simulation, State};
 use std::io::Write as _;
@@ -22,8 +22,8 @@ pub fn write<const D: usize>(
     write_scene(out, &scene.name, text)?;
     let folder = Folder::at(&out.join(&scene.name));
     let _ = std::fs::remove_dir_all(folder.root());
-    file::create_folder(&folder.frames())?;
-    file::create_folder(&folder.checkpoints())?;
+    atomic_file::create_folder(&folder.frames())?;
+    atomic_file::create_folder(&folder.checkpoints())?;
     let job = Job::of(scene, text.to_owned());
     let names = || scene.solids.iter().map(|s| s.name.as_str());
     let simulation = Simulation::resume(model.clone(), state.clone());
@@ -39,8 +39,8 @@ pub fn write<const D: usize>(
 /// # Errors
 /// [`FileError`].
 pub fn write_scene(out: &Path, name: &str, text: &str) -> Result<(), FileError> {
-    file::create_folder(out)?;
-    file::write_atomically(&out.join(format!("{name}.toml")), |w| w.write_all(text.as_bytes()))
+    atomic_file::create_folder(out)?;
+    atomic_file::write_atomically(&out.join(format!("{name}.toml")), |w| w.write_all(text.as_bytes()))
 }
 
 /// A state written to a checkpoint in a folder and read back.
@@ -48,7 +48,7 @@ pub fn write_scene(out: &Path, name: &str, text: &str) -> Result<(), FileError> 
 /// # Errors
 /// Why that cannot be done, in words.
 pub fn checkpoint_round_trip<const D: usize>(folder: &Path, state: &State<D>) -> Result<State<D>, String> {
-    file::create_folder(folder).map_err(|e| e.to_string())?;
+    atomic_file::create_folder(folder).map_err(|e| e.to_string())?;
     let path = checkpoint::write(folder, 0, state, &RunStatistics::default()).map_err(|e| e.to_string())?;
     let read = checkpoint::read(&path, 0, state.phi.grid).map_err(|e| e.to_string());
     let _ = std::fs::remove_dir_all(folder);

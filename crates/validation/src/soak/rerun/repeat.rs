@@ -1,11 +1,11 @@
 //! Runs a case again in another way that must give the same: on two threads, from a checkpoint, mirrored, shifted.
 
+use super::accepted::round_tripped;
 use super::evidence::checkpoint_round_trip;
-use super::image::SceneTransform;
-use super::refuse::round_tripped;
+use super::scene_transform::SceneTransform;
 use crate::soak::Violation;
-use crate::soak::judge::invariants::{MIRROR_TOLERANCES, COMPARED_STEPS, SHIFT_TOLERANCES};
-use crate::soak::walk::ScheduledSimulation;
+use crate::soak::judge::invariants::{COMPARED_STEPS, MIRROR_TOLERANCES, SHIFT_TOLERANCES};
+use crate::soak::scheduled::ScheduledSimulation;
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::file::Scene;
 use meniscus_scene::run::Setup;
@@ -46,7 +46,8 @@ pub fn repeat<const D: usize>(
                 Err(error) => return Some(vec![broken(how, error)]),
             };
             let simulation = Simulation::resume(setup.model.clone(), read);
-            let state = steps(ScheduledSimulation::from(simulation, scene, middle.frame), COMPARED_STEPS / 2, begins);
+            let state =
+                steps(ScheduledSimulation::from(simulation, scene, middle.frame), COMPARED_STEPS / 2, begins);
             Some(same_bits(how, &state, &end.state))
         }
         _ => {

@@ -1,9 +1,9 @@
 //! Makes a scene that breaks an invariant smaller, as long as it still breaks it.
 
+use super::accepted::round_tripped;
 use super::evidence;
-use super::refuse::round_tripped;
 use crate::soak::Outcome;
-use crate::soak::parent::Launcher;
+use crate::soak::launcher::Launcher;
 use meniscus_scene::file::{Scene, ShapeSpec, SolidTension, Wall};
 use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
@@ -85,7 +85,9 @@ fn candidates(scene: &Scene, outcome: &Outcome, kind: &str) -> Vec<(String, Scen
         all.push((format!("a body of liquid ({i})"), less));
     }
     let failed = outcome.violations.iter().find(|v| v.kind == kind && v.time > 0.0);
-    if let Some(end) = failed.map(|v| DURATION_FACTOR * v.time).filter(|end| *end < 0.9 * scene.output.duration) {
+    if let Some(end) =
+        failed.map(|v| DURATION_FACTOR * v.time).filter(|end| *end < 0.9 * scene.output.duration)
+    {
         let mut less = scene.clone();
         less.output.duration = end;
         all.push(("the time after it".into(), less));

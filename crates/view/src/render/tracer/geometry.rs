@@ -89,7 +89,8 @@ impl TriMesh {
         let tri = &self.triangles[place];
         let geometric_normal = tri.ab.cross(&tri.ac).normalize();
         let [a, b, c] = tri.corners.map(|i| self.normals[i as usize]);
-        let shading_normal = (a * (1.0 - u - v) + b * u + c * v).try_normalize(1e-12).unwrap_or(geometric_normal);
+        let shading_normal =
+            (a * (1.0 - u - v) + b * u + c * v).try_normalize(1e-12).unwrap_or(geometric_normal);
         let tint = tri.tint[0] * (1.0 - u - v) + tri.tint[1] * u + tri.tint[2] * v;
         Some(Hit { t, geometric_normal, shading_normal, wetted: tri.wetted, tint })
     }
@@ -195,12 +196,14 @@ impl Capsules {
     /// The first hit with `least < t < limit`.
     pub(crate) fn hit(&self, ray: &Ray, least: f64, limit: f64) -> Option<Hit> {
         let mut best: Option<(f64, V3)> = None;
-        self.bvh.visit(ray, limit, |place, limit| match intersect_capsule(ray, self.ends[place], self.radius) {
-            Some((t, n)) if t > least && t < limit => {
-                best = Some((t, n));
-                t
+        self.bvh.visit(ray, limit, |place, limit| {
+            match intersect_capsule(ray, self.ends[place], self.radius) {
+                Some((t, n)) if t > least && t < limit => {
+                    best = Some((t, n));
+                    t
+                }
+                _ => limit,
             }
-            _ => limit,
         });
         best.map(|(t, n)| Hit { t, geometric_normal: n, shading_normal: n, wetted: false, tint: 0.0 })
     }

@@ -4,10 +4,10 @@
 use rayon::prelude::*;
 
 use super::bvh::Ray;
+use super::environment::KEY_HALF_ANGLE_TANGENT;
 use super::optics::FresnelSplit;
-use super::sampling::{sample_cone, sample_cosine_hemisphere, orthonormal_basis, hash, r2, smoothstep};
-use super::scene::{Scene, HitObject};
-use super::studio::KEY_HALF_ANGLE_TANGENT;
+use super::sampling::{hash, orthonormal_basis, r2, sample_cone, sample_cosine_hemisphere, smoothstep};
+use super::scene::{HitObject, Scene};
 use crate::folder::{Bounds, V3};
 use crate::render::Style;
 
@@ -44,14 +44,20 @@ impl LightMap {
         let cell = width / MAP_SIDE_TEXELS as f64;
         let corner = [center.x - 0.5 * width, center.y - 0.5 * width];
         let mut map = Self { corner, cell, visibility: Vec::new(), caustics: [Vec::new(), Vec::new()] };
-        map.visibility = (0..MAP_SIDE_TEXELS * MAP_SIDE_TEXELS).into_par_iter().map(|i| map.texel_visibility(scene, i)).collect();
+        map.visibility = (0..MAP_SIDE_TEXELS * MAP_SIDE_TEXELS)
+            .into_par_iter()
+            .map(|i| map.texel_visibility(scene, i))
+            .collect();
         map.visibility = blur(&map.visibility, 2.0, |a, b, w| [a[0] + b[0] * w, a[1]], [0.0; 2])
             .into_iter()
             .zip(blur(&map.visibility, 0.8, |a, b, w| [a[0], a[1] + b[1] * w], [0.0; 2]))
             .map(|(sky, key)| [sky[0], key[1]])
             .collect();
         let spread = |paths: Vec<V3>| blur(&paths, 0.9, |a, b, w| a + b * w, V3::zeros());
-        map.caustics = map.trace_caustics(scene).map(spread).map(|m| m.iter().map(|c| c.map(compress_highlight)).collect());
+        map.caustics = map
+            .trace_caustics(scene)
+            .map(spread)
+            .map(|m| m.iter().map(|c| c.map(compress_highlight)).collect());
         map
     }
 
@@ -119,16 +125,25 @@ impl LightMap {
         };
         let glass = scene.style == Style::Glass;
         let sky: f64 = (0..SKY_RAYS)
-            .map(|k| sees(sample_cosine_hemisphere(&V3::z(), r2(k, shift)), if glass { SKY_TRANSMITTANCE } else { 0.0 }))
+            .map(|k| {
+                sees(
+                    sample_cosine_hemisphere(&V3::z(), r2(k, shift)),
+                    if glass { SKY_TRANSMITTANCE } else { 0.0 },
+                )
+            })
             .sum();
         let lamp = scene.setup.environment.key;
-        let key: f64 = (0..KEY_RAYS).map(|k| sees(sample_cone(&lamp, KEY_HALF_ANGLE_TANGENT, r2(k, shift)), 0.0)).sum();
+        let key: f64 =
+            (0..KEY_RAYS).map(|k| sees(sample_cone(&lamp, KEY_HALF_ANGLE_TANGENT, r2(k, shift)), 0.0)).sum();
         [sky / f64::from(SKY_RAYS), key / f64::from(KEY_RAYS)]
     }
 
     /// Follows light through the liquid to the ground and to solids.
     fn trace_caustics(&self, scene: &Scene) -> [Vec<V3>; 2] {
-        let mut maps = [vec![V3::zeros(); MAP_SIDE_TEXELS * MAP_SIDE_TEXELS], vec![V3::zeros(); MAP_SIDE_TEXELS * MAP_SIDE_TEXELS]];
+        let mut maps = [
+            vec![V3::zeros(); MAP_SIDE_TEXELS * MAP_SIDE_TEXELS],
+            vec![V3::zeros(); MAP_SIDE_TEXELS * MAP_SIDE_TEXELS],
+        ];
         if scene.style != Style::Glass || scene.liquid.is_empty() {
             return maps;
         }
@@ -143,8 +158,10 @@ impl LightMap {
             let through = scene.bounds.center() + a * at(i) + b * at(j);
             Ray::new(through - dir * (2.0 * radius + 1.0), dir)
         };
-        let ends: Vec<Option<(usize, V3, V3)>> =
-            (0..PATHS_PER_SIDE * PATHS_PER_SIDE).into_par_iter().map(|k| trace_light_path(scene, start(k))).collect();
+        let ends: Vec<Option<(usize, V3, V3)>> = (0..PATHS_PER_SIDE * PATHS_PER_SIDE)
+            .into_par_iter()
+            .map(|k| trace_light_path(scene, start(k)))
+            .collect();
         let share = step * step / (self.cell * self.cell * lamp.z);
         for (layer, point, light) in ends.into_iter().flatten() {
             for (i, w) in self.texels(point.x, point.y).into_iter().flatten() {
@@ -222,7 +239,11 @@ fn blur<T: Copy + Send + Sync>(
             let (x, y) = (i % MAP_SIDE_TEXELS, i / MAP_SIDE_TEXELS);
             weights.iter().zip(-reach..).fold(zero, |sum, (w, k)| {
                 let move_by = |p: usize| (p as i64 + k).clamp(0, MAP_SIDE_TEXELS as i64 - 1) as usize;
-                let from = if along_rows { y * MAP_SIDE_TEXELS + move_by(x) } else { move_by(y) * MAP_SIDE_TEXELS + x };
+                let from = if along_rows {
+                    y * MAP_SIDE_TEXELS + move_by(x)
+                } else {
+                    move_by(y) * MAP_SIDE_TEXELS + x
+                };
                 add(sum, map[from], w / total)
             })
         };

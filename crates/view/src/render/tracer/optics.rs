@@ -67,7 +67,10 @@ mod tests {
     use super::*;
 
     fn at(d: V3) -> FresnelSplit {
-        FresnelSplit::new(&d, &Hit { t: 1.0, geometric_normal: V3::z(), shading_normal: V3::z(), wetted: false, tint: 0.0 })
+        FresnelSplit::new(
+            &d,
+            &Hit { t: 1.0, geometric_normal: V3::z(), shading_normal: V3::z(), wetted: false, tint: 0.0 },
+        )
     }
 
     #[test]

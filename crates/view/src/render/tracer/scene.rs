@@ -1,12 +1,12 @@
 //! The things in one picture, and the first of them that a ray meets.
 
 use super::bvh::Ray;
-use super::geometry::{Hit, TriMesh, Capsules};
+use super::geometry::{Capsules, Hit, TriMesh};
+use crate::color_map::{ColorBy, linear_from_srgb};
 use crate::folder::{Bounds, Frame, V3};
 use crate::render::legend::ColorMapping;
-use crate::render::stage::RenderSetup;
+use crate::render::setup::RenderSetup;
 use crate::render::{RenderOptions, Style};
-use crate::shade::{ColorBy, linear_from_srgb};
 use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_numerics::mesh::{FacetBvh, SurfaceMesh};
 
@@ -79,13 +79,16 @@ impl<'a> Scene<'a> {
         }
         snap_to_solids(&mut points, &frame.liquid.faces, &wetted, &surfaces, setup.dx.unwrap_or(0.0));
         // However far the camera is, the line is to be seen.
-        let thinnest = MIN_LINE_RADIUS_PIXELS * setup.view.pixel_angle() * (bounds.center() - setup.view.eye).norm();
+        let thinnest =
+            MIN_LINE_RADIUS_PIXELS * setup.view.pixel_angle() * (bounds.center() - setup.view.eye).norm();
         let radius = (LINE_RADIUS * setup.liquid).max(thinnest);
         let line = frame
             .contact_line
             .as_ref()
             .filter(|_| options.appearance.line)
-            .map_or_else(Capsules::default, |mesh| Capsules::new(&setup.to_picture_coordinates(&mesh.positions), mesh, radius));
+            .map_or_else(Capsules::default, |mesh| {
+                Capsules::new(&setup.to_picture_coordinates(&mesh.positions), mesh, radius)
+            });
         Self {
             setup,
             style: options.style,
@@ -142,7 +145,9 @@ impl<'a> Scene<'a> {
 
 /// What the liquid takes of each colour over its own width (natural logarithm); all but a tint where a colour is given.
 fn absorption(color: Option<u32>) -> V3 {
-    color.map_or(V3::new(0.62, 0.17, 0.07), |color| linear_from_srgb(color).map(|c| -c.max(MIN_TRANSMITTANCE).ln()))
+    color.map_or(V3::new(0.62, 0.17, 0.07), |color| {
+        linear_from_srgb(color).map(|c| -c.max(MIN_TRANSMITTANCE).ln())
+    })
 }
 
 /// Where the contact angle of a solid varies: 0 where it is largest, 1 where it is smallest.
@@ -156,10 +161,18 @@ fn tint(mesh: &PlyMesh) -> Vec<f64> {
 /// Puts wetted vertices of the liquid, and the ragged ring next to them, a little below the surface of the solid that
 /// they are on. The two meshes are made apart and fit to a part of a cell; a gap between them would show as a bright seam
 /// around the drop's foot.
-fn snap_to_solids(points: &mut [V3], faces: &[[u32; 3]], wetted: &[bool], solids: &[SurfaceMesh<3>], dx: f64) {
-    let mut reach: Vec<f64> = wetted.iter().map(|&wet| if wet { SNAP_DISTANCE_CELLS * dx } else { 0.0 }).collect();
+fn snap_to_solids(
+    points: &mut [V3],
+    faces: &[[u32; 3]],
+    wetted: &[bool],
+    solids: &[SurfaceMesh<3>],
+    dx: f64,
+) {
+    let mut reach: Vec<f64> =
+        wetted.iter().map(|&wet| if wet { SNAP_DISTANCE_CELLS * dx } else { 0.0 }).collect();
     for face in faces.iter().filter(|f| f.iter().any(|&v| wetted[v as usize])) {
-        face.iter().for_each(|&v| reach[v as usize] = reach[v as usize].max(NEIGHBOUR_SNAP_DISTANCE_CELLS * dx));
+        face.iter()
+            .for_each(|&v| reach[v as usize] = reach[v as usize].max(NEIGHBOUR_SNAP_DISTANCE_CELLS * dx));
     }
     let trees: Vec<FacetBvh<3>> = solids.iter().map(FacetBvh::new).collect();
     for (point, reach) in points.iter_mut().zip(reach).filter(|(_, reach)| *reach > 0.0) {

@@ -3,17 +3,17 @@
 use rayon::prelude::*;
 
 use super::bvh::Ray;
+use super::environment::{KEY_HALF_ANGLE_TANGENT, KEY_IRRADIANCE};
 use super::geometry::Hit;
 use super::light::LightMap;
 use super::optics::FresnelSplit;
-use super::sampling::{sample_cone, sample_cosine_hemisphere, pixel_sample, pixel_shift, r2, smoothstep};
-use super::scene::{RAY_EPSILON, Scene, HitObject};
-use super::studio::{KEY_IRRADIANCE, KEY_HALF_ANGLE_TANGENT};
+use super::sampling::{pixel_sample, pixel_shift, r2, sample_cone, sample_cosine_hemisphere, smoothstep};
+use super::scene::{HitObject, RAY_EPSILON, Scene};
+use crate::color_map::linear_from_srgb;
 use crate::folder::V3;
 use crate::render::Style;
 use crate::render::camera::corners;
 use crate::render::image::Canvas;
-use crate::shade::linear_from_srgb;
 
 /// Branches of a path with less weight than this end in the surroundings.
 const MIN_PATH_WEIGHT: f64 = 0.03;
@@ -128,12 +128,21 @@ impl Tracer<'_> {
         let light = match thing {
             HitObject::Ground => self.ground(ray, &point, &path),
             HitObject::Solid(i) => {
-                let normal = if ray.dir.dot(&hit.geometric_normal) > 0.0 { -hit.shading_normal } else { hit.shading_normal };
+                let normal = if ray.dir.dot(&hit.geometric_normal) > 0.0 {
+                    -hit.shading_normal
+                } else {
+                    hit.shading_normal
+                };
                 let color = match self.scene.shades[i] {
                     Some(shade) => shade.color(hit.tint),
                     None => {
                         let own = || V3::from(SOLID_COLORS[i % SOLID_COLORS.len()]);
-                        self.scene.setup.appearance.solids.map_or_else(own, linear_from_srgb).lerp(&WETTED_COLOR, hit.tint)
+                        self.scene
+                            .setup
+                            .appearance
+                            .solids
+                            .map_or_else(own, linear_from_srgb)
+                            .lerp(&WETTED_COLOR, hit.tint)
                     }
                 };
                 self.diffuse(&point, &normal, &color, &path)
@@ -208,8 +217,8 @@ impl Tracer<'_> {
                 lamp += facing * self.lit_through_liquid(&to_lamp, normal);
             }
         }
-        let mut light =
-            studio.ambient(normal) * (sky / f64::from(rays)) + V3::repeat(KEY_IRRADIANCE * lamp / f64::from(rays));
+        let mut light = studio.ambient(normal) * (sky / f64::from(rays))
+            + V3::repeat(KEY_IRRADIANCE * lamp / f64::from(rays));
         light += self.light.on_solid(point.x, point.y) * (KEY_IRRADIANCE * studio.key.z * upward(normal));
         color.component_mul(&light)
     }
@@ -225,7 +234,8 @@ impl Tracer<'_> {
     /// A coloured surface with a clear coat.
     fn clear_coat(&self, ray: &Ray, point: &V3, hit: &Hit, color: V3, path: &Path) -> V3 {
         let dry = Hit { wetted: false, ..*hit };
-        let normal = if ray.dir.dot(&hit.geometric_normal) > 0.0 { -hit.shading_normal } else { hit.shading_normal };
+        let normal =
+            if ray.dir.dot(&hit.geometric_normal) > 0.0 { -hit.shading_normal } else { hit.shading_normal };
         let body = self.diffuse(point, &normal, &color, path);
         let side = FresnelSplit::new(&ray.dir, &dry);
         if !side.entering {

@@ -1,7 +1,7 @@
 //! Gmsh `.msh`, formats 2.2 and 4.1, text and binary (Gmsh reference manual, "File formats"). Elements of all physical
 //! groups are taken together.
 
-use super::raw::{ElementUse, RawMesh};
+use super::raw_mesh::{ElementUse, RawMesh};
 use super::reader::{ReadFault, Reader};
 
 /// Vertices by their number in the file, sorted.

@@ -7,7 +7,7 @@
 use super::reader::ReadFault;
 use crate::Vector;
 use crate::mesh::volume::read::error::VolumeImportError;
-use crate::mesh::volume::read::raw::RawMesh;
+use crate::mesh::volume::read::raw_mesh::RawMesh;
 use crate::mesh::volume::{Simplex, VolumeMesh};
 use std::path::{Path, PathBuf};
 

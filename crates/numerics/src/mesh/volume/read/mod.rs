@@ -3,7 +3,7 @@
 mod error;
 mod gmsh;
 mod load;
-mod raw;
+mod raw_mesh;
 mod reader;
 mod tetgen;
 mod vtk;

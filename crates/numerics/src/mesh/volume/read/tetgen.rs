@@ -1,6 +1,6 @@
 //! TetGen's `.node` and `.ele` files, and those of Triangle in 2D (H. Si, TetGen manual, 5.2; J. Shewchuk, Triangle).
 
-use super::raw::RawMesh;
+use super::raw_mesh::RawMesh;
 use super::reader::{ReadFault, Reader};
 
 /// The vertices of a `.node` file, and the number of the first.

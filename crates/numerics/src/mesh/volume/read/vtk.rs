@@ -1,7 +1,7 @@
 //! VTK's legacy files with an unstructured grid, versions up to 5.1, text and binary (The VTK User's Guide, "Simple legacy
 //! formats"). Binary numbers have the highest byte first.
 
-use super::raw::{ElementUse, RawMesh};
+use super::raw_mesh::{ElementUse, RawMesh};
 use super::reader::{ReadFault, Reader};
 
 /// Reads a file. Elements are numbered from 0.

@@ -2,8 +2,8 @@
 
 use crate::Vector;
 use crate::mesh::volume::VolumeMesh;
-use crate::mesh::volume::quadratic::{MAX_NODE_DISPLACEMENT_EDGES, ElementOrder};
-use crate::mesh::volume::stuffing::simplices::surface_crossing;
+use crate::mesh::volume::quadratic::{ElementOrder, MAX_NODE_DISPLACEMENT_EDGES};
+use crate::mesh::volume::stuffing::isosurface_stuffing::surface_crossing;
 use crate::mesh::volume::stuffing::{Distance, StuffingError, stuff};
 
 /// Part of a volume that large quadratic simplices may lose of what linear ones have with the same vertices: that of a solid's mass
@@ -40,7 +40,11 @@ impl<const D: usize> VolumeMesh<D> {
         let moved = |(edge, normal): ([u32; 2], Vector<D>)| {
             let [a, b] = edge.map(|v| self.position(v));
             let middle = (a + b) * 0.5;
-            let place = surface_crossing(&middle, &(normal * (MAX_NODE_DISPLACEMENT_EDGES * (b - a).norm())), distance)?;
+            let place = surface_crossing(
+                &middle,
+                &(normal * (MAX_NODE_DISPLACEMENT_EDGES * (b - a).norm())),
+                distance,
+            )?;
             Some((edge, place - middle))
         };
         let shifts: Vec<([u32; 2], Vector<D>)> =

@@ -1,0 +1,298 @@
+//! Surfaces of points, facets and edges, and what of them is near each other.
+
+use crate::barrier::Contact;
+use crate::broad_phase::{Aabb, overlapping_pairs};
+use crate::ccd::{Clearance, collision_free_fraction};
+use crate::distance::{ClosestPair, Stencil};
+use crate::plane::Plane;
+use meniscus_numerics::Vector;
+use meniscus_numerics::mesh::surface::area_vector;
+use rayon::prelude::*;
+
+/// The surfaces of all bodies together. Its points are numbers in a list of positions, which may have others as well.
+#[derive(Clone, Debug, Default)]
+pub struct CollisionMesh<const D: usize> {
+    /// The points.
+    points: Vec<u32>,
+    /// The facets, by their points.
+    facets: Vec<[u32; D]>,
+    /// The edges, by their points; none in 2D.
+    edges: Vec<[u32; 2]>,
+    /// Area at rest for which each position stands, m² (2D: m).
+    point_areas: Vec<f64>,
+    /// The same of edges, and their squared length at rest, m².
+    edge_measures: Vec<(f64, f64)>,
+    /// Radius of a ball around each position, m.
+    radii: Vec<f64>,
+    /// Distance, m, from which on each position does not feel others, where that is less than the barrier's reach.
+    activation_distances: Vec<f64>,
+    /// Body to which each position belongs.
+    bodies: Vec<u32>,
+}
+
+/// Pairs that may be near each other.
+#[derive(Clone, Debug, Default)]
+pub struct FeaturePairs {
+    pairs: Vec<FeaturePair>,
+}
+
+/// Two features and for which part of the surface they stand.
+#[derive(Clone, Copy, Debug)]
+struct FeaturePair {
+    stencil: Stencil,
+    area: f64,
+    squared_length_product: f64,
+    thickness: f64,
+    activation_distance: f64,
+}
+
+impl<const D: usize> CollisionMesh<D> {
+    /// Of facets with their points at `rest`; `bodies` says to which body each position belongs.
+    pub fn new(facets: Vec<[u32; D]>, rest: &[Vector<D>], bodies: Vec<u32>) -> Self {
+        let mut point_areas = vec![0.0; rest.len()];
+        let mut sides: Vec<([u32; 2], f64)> = Vec::new();
+        for facet in &facets {
+            let area = area_vector(&facet.map(|p| rest[p as usize])).norm() / D as f64;
+            for k in 0..D {
+                point_areas[facet[k] as usize] += area;
+                let [a, b] = [facet[k], facet[(k + 1) % D]];
+                sides.push(([a.min(b), a.max(b)], area));
+            }
+        }
+        let mut points: Vec<u32> = facets.iter().flatten().copied().collect();
+        points.sort_unstable();
+        points.dedup();
+        let (mut edges, mut edge_measures) = (Vec::new(), Vec::new());
+        if D == 3 {
+            sides.sort_by_key(|side| side.0);
+            for same in sides.chunk_by(|a, b| a.0 == b.0) {
+                let edge = same[0].0;
+                let [a, b] = edge.map(|p| rest[p as usize]);
+                edges.push(edge);
+                edge_measures.push((same.iter().map(|s| s.1).sum(), (b - a).norm_squared()));
+            }
+        }
+        let (radii, activation_distances) = (vec![0.0; rest.len()], vec![f64::INFINITY; rest.len()]);
+        Self { points, facets, edges, point_areas, edge_measures, radii, activation_distances, bodies }
+    }
+
+    /// The same with some of the other positions as points of it, each with the area (m², 2D: m) for which it stands and the radius
+    /// (m) of a ball around it.
+    pub fn with_points(mut self, more: impl IntoIterator<Item = (u32, f64, f64)>) -> Self {
+        for (point, area, radius) in more {
+            self.points.push(point);
+            (self.point_areas[point as usize], self.radii[point as usize]) = (area, radius);
+        }
+        self
+    }
+
+    /// The same with a reach, m, of each position; a facet's or an edge's is the least of its points'.
+    pub fn with_activation_distances(self, activation_distances: Vec<f64>) -> Self {
+        Self { activation_distances, ..self }
+    }
+
+    /// Distance, m, from which on a position does not feel others, where that is less than the barrier's reach.
+    pub fn activation_distance(&self, point: u32) -> f64 {
+        self.activation_distances[point as usize]
+    }
+
+    /// The same of two features.
+    fn pair_activation_distance(&self, stencil: &Stencil) -> f64 {
+        stencil.points().iter().map(|p| self.activation_distance(*p)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Radius of the ball around a position, m.
+    pub fn radius(&self, point: u32) -> f64 {
+        self.radii[point as usize]
+    }
+
+    /// The points.
+    pub fn points(&self) -> &[u32] {
+        &self.points
+    }
+
+    /// Area at rest for which a position stands, m² (2D: m).
+    pub fn area(&self, point: u32) -> f64 {
+        self.point_areas[point as usize]
+    }
+
+    /// Whether two features can meet: they have no point in common, and not both belong to one rigid body or to what nothing moves. `rigid` says of a body whether it is rigid, `still` of a point whether nothing moves it.
+    fn can_collide(
+        &self,
+        stencil: &Stencil,
+        is_rigid: &impl Fn(u32) -> bool,
+        is_immovable: &impl Fn(u32) -> bool,
+    ) -> bool {
+        let points = stencil.points();
+        let (first, second) = points.split_at(stencil.kind.first_count());
+        let body = |p: u32| self.bodies[p as usize];
+        let (one, other) = (body(first[0]), body(second[0]));
+        let moves = !points.iter().all(|p| is_immovable(*p)) && (one != other || !is_rigid(one));
+        moves && first.iter().all(|p| !second.contains(p))
+    }
+
+    /// The pairs that come nearer than `reach`, or their own where that is less, and a `margin` on the straight way between some
+    /// configurations, and some more. All in m.
+    pub fn nearby_pairs(
+        &self,
+        configurations: &[Vec<Vector<D>>],
+        activation_distance: f64,
+        margin: f64,
+        is_rigid: impl Fn(u32) -> bool + Sync,
+        is_immovable: impl Fn(u32) -> bool + Sync,
+    ) -> FeaturePairs {
+        let swept = |points: &[u32], wider: f64| -> Aabb<D> {
+            let ends = points.iter().flat_map(|p| configurations.iter().map(|x| x[*p as usize]));
+            let all = ends.fold(None, |all: Option<Aabb<D>>, at| {
+                Some(all.map_or([at, at], |[low, high]| [low.inf(&at), high.sup(&at)]))
+            });
+            let [low, high] = all.unwrap_or([Vector::zeros(); 2]);
+            [low.add_scalar(-wider), high.add_scalar(wider)]
+        };
+        let within = |points: &[u32]| {
+            points.iter().map(|p| self.activation_distance(*p)).fold(activation_distance, f64::min) + margin
+        };
+        let boxes = |list: &[[u32; D]]| list.par_iter().map(|f| swept(f, within(f))).collect::<Vec<_>>();
+        let points: Vec<Aabb<D>> = self.points.par_iter().map(|p| swept(&[*p], self.radius(*p))).collect();
+        let found = overlapping_pairs(&points, &boxes(&self.facets));
+        let of_facets = found.into_iter().map(|(p, f)| {
+            let point = self.points[p as usize];
+            let stencil = Stencil::point_facet(point, &self.facets[f as usize]);
+            let (area, thickness, activation_distance) = (
+                self.point_areas[point as usize],
+                self.radius(point),
+                self.pair_activation_distance(&stencil),
+            );
+            FeaturePair { stencil, area, squared_length_product: 0.0, thickness, activation_distance }
+        });
+        let mut pairs: Vec<FeaturePair> =
+            of_facets.filter(|p| self.can_collide(&p.stencil, &is_rigid, &is_immovable)).collect();
+        let wide: Vec<Aabb<D>> = self.edges.par_iter().map(|e| swept(e, within(e))).collect();
+        let slim: Vec<Aabb<D>> = self.edges.par_iter().map(|e| swept(e, 0.0)).collect();
+        let of_edges = overlapping_pairs(&slim, &wide).into_iter().filter(|(i, j)| i < j).map(|(i, j)| {
+            let [i, j] = [i as usize, j as usize];
+            let stencil = Stencil::edge_edge(self.edges[i], self.edges[j]);
+            let (area, squared_length_product) = (
+                0.5 * (self.edge_measures[i].0 + self.edge_measures[j].0),
+                self.edge_measures[i].1 * self.edge_measures[j].1,
+            );
+            FeaturePair {
+                stencil,
+                area,
+                squared_length_product,
+                thickness: 0.0,
+                activation_distance: self.pair_activation_distance(&stencil),
+            }
+        });
+        pairs.extend(of_edges.filter(|p| self.can_collide(&p.stencil, &is_rigid, &is_immovable)));
+        let pairs = pairs
+            .into_par_iter()
+            .with_min_len(256)
+            .filter(|p| p.comes_near(configurations, activation_distance, margin));
+        FeaturePairs { pairs: pairs.collect() }
+    }
+}
+
+impl FeaturePair {
+    /// Whether its features may come nearer than `reach`, or their own, and a `margin` between configurations: they come nearer by no more
+    /// than their points move against each other.
+    fn comes_near<const D: usize>(&self, configurations: &[Vec<Vector<D>>], reach: f64, margin: f64) -> bool {
+        let Some((first, others)) = configurations.split_first() else { return false };
+        let (kind, start) = (self.stencil.kind, self.stencil.positions(first));
+        let motion = |x: &Vec<Vector<D>>| {
+            let at = self.stencil.positions(x);
+            kind.relative_motion(&std::array::from_fn(|k| at[k] - start[k]))
+        };
+        let motion = others.iter().map(motion).fold(0.0, f64::max);
+        let limit = reach.min(self.activation_distance) + margin + self.thickness + motion;
+        kind.least_distance(&start) < limit && ClosestPair::new(kind, &start).distance() < limit
+    }
+}
+
+impl FeaturePairs {
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.pairs.is_empty()
+    }
+
+    /// Those nearer than `reach` (m) at positions; `stiffness` is that between two bodies' points, Pa.
+    pub fn contacts<const D: usize>(
+        &self,
+        activation_distance: f64,
+        x: &[Vector<D>],
+        stiffness: impl Fn(u32, u32) -> f64 + Sync,
+    ) -> Vec<Contact> {
+        let contact = |pair: &FeaturePair| {
+            let FeaturePair { stencil, area, squared_length_product, thickness, .. } = *pair;
+            let (at, activation_distance) =
+                (stencil.positions(x), pair.activation_distance.min(activation_distance));
+            let near = stencil.kind.least_distance(&at) < activation_distance + thickness
+                && ClosestPair::new(stencil.kind, &at).distance() < activation_distance + thickness;
+            let stiffness = || stiffness(stencil.points[0], stencil.points[stencil.kind.first_count()]);
+            near.then(|| Contact {
+                stencil,
+                area,
+                stiffness: stiffness(),
+                squared_length_product,
+                thickness,
+                activation_distance,
+            })
+        };
+        self.pairs.par_iter().with_min_len(256).filter_map(contact).collect()
+    }
+
+    /// The largest part of a way, up to all of it, on which every pair keeps `keep` of its distance.
+    pub fn collision_free_fraction<const D: usize>(
+        &self,
+        x: &[Vector<D>],
+        displacements: &[Vector<D>],
+        kept_fraction: f64,
+    ) -> f64 {
+        let part = |pair: &FeaturePair| {
+            let clearance = Clearance { thickness: pair.thickness, kept_fraction };
+            collision_free_fraction(
+                pair.stencil.kind,
+                &pair.stencil.positions(x),
+                &pair.stencil.positions(displacements),
+                clearance,
+            )
+        };
+        self.pairs.par_iter().with_min_len(256).map(part).reduce(|| 1.0, f64::min)
+    }
+
+    /// The least distance, m, of each of `count` positions from what it may meet; infinite where there is nothing.
+    pub fn min_distances<const D: usize>(&self, x: &[Vector<D>]) -> Vec<f64> {
+        let mut all = vec![f64::INFINITY; x.len()];
+        for pair in &self.pairs {
+            let far =
+                ClosestPair::new(pair.stencil.kind, &pair.stencil.positions(x)).distance() - pair.thickness;
+            pair.stencil.points().iter().for_each(|p| all[*p as usize] = all[*p as usize].min(far));
+        }
+        all
+    }
+
+    /// The features of all pairs, and their distances, m.
+    pub fn gaps<const D: usize>(&self, x: &[Vector<D>]) -> impl Iterator<Item = (Stencil, f64)> {
+        self.pairs.iter().map(|pair| {
+            let FeaturePair { stencil, thickness, .. } = *pair;
+            (stencil, ClosestPair::new(stencil.kind, &stencil.positions(x)).distance() - thickness)
+        })
+    }
+}
+
+impl<const D: usize> Plane<D> {
+    /// The points of a surface that are nearer to it than `reach` somewhere on a way.
+    pub fn near_points(
+        &self,
+        surface: &CollisionMesh<D>,
+        x: &[Vector<D>],
+        displacements: &[Vector<D>],
+        reach: f64,
+    ) -> Vec<u32> {
+        let close = |p: &u32| {
+            let (from, way) = (self.distance(&x[*p as usize]), displacements[*p as usize].dot(&self.normal));
+            from + way.min(0.0) < reach + surface.radius(*p)
+        };
+        surface.points().iter().copied().filter(close).collect()
+    }
+}

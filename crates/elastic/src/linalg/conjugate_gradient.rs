@@ -1,0 +1,174 @@
+//! Conjugate gradients, for matrices whose factors would be too large: those of many vertices that fill space.
+//!
+//! The preconditioner is the blocks of the matrix's diagonal and, for what is smooth over some edges, the matrix on a coarse
+//! lattice (two levels, added: Bramble, Pasciak & Xu 1990).
+
+use super::{BlockMatrix, CoarseFactor, CoarseLattice};
+use meniscus_numerics::{Matrix, Vector, par};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Most iterations.
+const MAX_ITERATIONS: usize = 20_000;
+/// Fewest rows that a thread takes.
+const MIN_ROWS_PER_TASK: usize = 512;
+
+/// A matrix with both of its triangles, without the rows and columns of vertices that are held.
+#[derive(Clone, Debug)]
+pub struct IterativeInverse<const D: usize> {
+    /// Where each row starts among the blocks; one more than rows.
+    starts: Vec<usize>,
+    columns: Vec<u32>,
+    blocks: Vec<Matrix<D>>,
+    /// Inverse of each block of the diagonal; zero where a vertex is held.
+    diagonal: Vec<Matrix<D>>,
+    coarse: CoarseFactor,
+    /// What the error is less than, over that at the start, in the norm of the preconditioner.
+    tolerance: f64,
+}
+
+impl<const D: usize> IterativeInverse<D> {
+    /// Nothing where the matrix is seen not to be positive definite.
+    pub fn new(
+        matrix: &BlockMatrix<D>,
+        anchored: &[bool],
+        lattice: &Arc<CoarseLattice>,
+        tolerance: f64,
+    ) -> Option<Self> {
+        let n = anchored.len();
+        let mut rows: Vec<Vec<(u32, Matrix<D>)>> = vec![Vec::new(); n];
+        for j in (0..n).filter(|j| !anchored[*j]) {
+            let start = matrix.pattern.starts[j];
+            for (k, i) in matrix.pattern.column(j).iter().enumerate().filter(|(_, i)| !anchored[**i as usize])
+            {
+                let block = matrix.blocks[start + k];
+                rows[*i as usize].push((j as u32, block));
+                if k > 0 {
+                    rows[j].push((*i, block.transpose()));
+                }
+            }
+        }
+        let inverse = |j: usize| match anchored[j] {
+            true => Some(Matrix::zeros()),
+            false => Some(matrix.blocks[matrix.pattern.starts[j]].cholesky()?.inverse()),
+        };
+        let diagonal = (0..n).map(inverse).collect::<Option<_>>()?;
+        let (mut starts, mut columns, mut blocks) = (vec![0], Vec::new(), Vec::new());
+        for row in rows {
+            columns.extend(row.iter().map(|r| r.0));
+            blocks.extend(row.iter().map(|r| r.1));
+            starts.push(blocks.len());
+        }
+        let coarse = lattice.factorised(&starts, &columns, &blocks)?;
+        Some(Self { starts, columns, blocks, diagonal, coarse, tolerance })
+    }
+
+    /// `b ← A⁻¹ b` for right-hand sides of all vertices' components, one after another. What belongs to held vertices
+    /// becomes 0.
+    pub fn solve(&self, b: &mut [f64]) {
+        for b in b.chunks_exact_mut(D * self.diagonal.len()) {
+            let x = self.solved(b.chunks_exact(D).map(Vector::from_column_slice).collect());
+            b.chunks_exact_mut(D).zip(x).for_each(|(b, x)| b.copy_from_slice(x.as_slice()));
+        }
+    }
+
+    /// `A⁻¹ r`; not a number where iterations do not come to it, which a pressure's solve reports as its own failure.
+    fn solved(&self, mut r: Vec<Vector<D>>) -> Vec<Vector<D>> {
+        let dot = |a: &[Vector<D>], b: &[Vector<D>]| par::sum(a.len(), |k| a[k].dot(&b[k]));
+        let mut x = vec![Vector::zeros(); r.len()];
+        let mut z = self.preconditioned(&r);
+        let mut p = z.clone();
+        let mut size = dot(&r, &z);
+        let target = size * self.tolerance * self.tolerance;
+        for _ in 0..MAX_ITERATIONS {
+            if size <= target {
+                return x;
+            }
+            if size.is_nan() {
+                break;
+            }
+            let pulled = self.product(&p);
+            let step = size / dot(&p, &pulled);
+            x.iter_mut().zip(&p).for_each(|(x, p)| *x += p * step);
+            r.iter_mut().zip(&pulled).for_each(|(r, q)| *r -= q * step);
+            z = self.preconditioned(&r);
+            let last = std::mem::replace(&mut size, dot(&r, &z));
+            p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + *p * (size / last));
+        }
+        vec![Vector::repeat(f64::NAN); x.len()]
+    }
+
+    fn preconditioned(&self, r: &[Vector<D>]) -> Vec<Vector<D>> {
+        let mut z: Vec<Vector<D>> = r.iter().zip(&self.diagonal).map(|(r, inverse)| inverse * r).collect();
+        self.coarse.add_correction(r, &mut z);
+        z
+    }
+
+    fn product(&self, x: &[Vector<D>]) -> Vec<Vector<D>> {
+        let row = |i: usize| {
+            let all = self.starts[i]..self.starts[i + 1];
+            all.map(|k| self.blocks[k] * x[self.columns[k] as usize]).sum()
+        };
+        (0..x.len()).into_par_iter().with_min_len(MIN_ROWS_PER_TASK).map(row).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::{CholeskyFactor, Cliques, SparsityPattern, SymbolicFactor};
+
+    /// A chain of springs along which masses differ, some held: where its vertices are, which are held, and its matrix.
+    fn chain(n: usize) -> (Vec<Vector<3>>, Vec<bool>, BlockMatrix<3>) {
+        let positions: Vec<Vector<3>> =
+            (0..n).map(|i| Vector::<3>::new(i as f64, (i % 7) as f64, (i % 3) as f64)).collect();
+        let mut springs = Cliques::default();
+        (0..n as u32 - 5).for_each(|i| [1, 2, 5].into_iter().for_each(|k| springs.push([i, i + k])));
+        let mut matrix = BlockMatrix::<3>::new(Arc::new(SparsityPattern::new(n, [&springs])));
+        for pair in springs.iter() {
+            let (i, j) = (pair[0], pair[1]);
+            let along = (positions[i as usize] - positions[j as usize]).normalize();
+            let block = (along * along.transpose() + Matrix::identity() * 0.1) * 20.0;
+            assert!(matrix.add(i, i, &block) && matrix.add(j, j, &block) && matrix.add(i, j, &-block));
+        }
+        (0..n).for_each(|i| matrix.add_diagonal(i, 1.0 + (i % 4) as f64));
+        (positions, (0..n).map(|i| i % 50 == 3).collect(), matrix)
+    }
+
+    /// What solves systems of the chain by iterations.
+    fn iterated(n: usize, tolerance: f64) -> Option<IterativeInverse<3>> {
+        let (positions, held, matrix) = chain(n);
+        let lattice = CoarseLattice::new(&positions, &matrix.pattern, &held)?;
+        IterativeInverse::new(&matrix, &held, &Arc::new(lattice), tolerance)
+    }
+
+    #[test]
+    fn iterations_give_what_factors_give() {
+        let n = 300;
+        let (positions, held, matrix) = chain(n);
+        let symbolic =
+            SymbolicFactor::new(&positions, &matrix.pattern, &held).map(Arc::new).ok_or("no memory");
+        let factor = symbolic.map(|s| CholeskyFactor::new(s, &matrix, &held));
+        let mut exact: Vec<f64> = (0..6 * n).map(|k| (k as f64 * 0.37).sin()).collect();
+        let mut found = exact.clone();
+        let iterated = iterated(n, 1e-12);
+        assert!(iterated.is_some() && matches!(factor, Ok(Some(_))));
+        factor.iter().flatten().for_each(|f| f.solve::<3>(None, &mut exact, 2));
+        iterated.iter().for_each(|i| i.solve(&mut found));
+        let size = exact.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
+        let off = exact.iter().zip(&found).fold(0.0, |s: f64, (a, b)| s.max((a - b).abs()));
+        assert!(off < 1e-11 * size, "{off} of {size}");
+        assert!(held.iter().enumerate().all(|(v, held)| !held || found[3 * v] == 0.0));
+    }
+
+    /// A tolerance that rounding keeps from being met, and a right-hand side that is not a number.
+    #[test]
+    fn what_is_not_solved_is_not_a_number() {
+        let n = 100;
+        for (tolerance, right) in [(0.0, 1.0), (1e-9, f64::NAN)] {
+            let mut b = vec![right; 3 * n];
+            iterated(n, tolerance).iter().for_each(|i| i.solve(&mut b));
+            assert!(b.iter().all(|b| b.is_nan()));
+        }
+    }
+}

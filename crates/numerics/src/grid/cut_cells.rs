@@ -1,0 +1,466 @@
+//! Cells cut by solids: the open part of every face, and the solid's surface in every cell.
+//!
+//! The solids' distance is known at the corners of the cells. On a face it is taken as linear between them (2D: along
+//! the edge; 3D: on the four triangles around the middle, which has the mean); where it is positive the face is open.
+//! What closes the open parts of a cell's faces is the wetted surface `S`: with the normal out of the cell,
+//!
+//! `∫_S n dS = −Σ A_f`, `∫_S r × n dS = −Σ r_f × A_f`
+//!
+//! over the open parts `A_f` and their centroids `r_f`, whatever `S` is. Taken so, a constant pressure pushes a body
+//! nowhere and turns it nowhere, to rounding, and no surface has to be built (design, numerics §1).
+
+use super::{FaceField, Grid, Lattice, Tiles};
+use crate::{Matrix, Vector, rotation_planes};
+use rayon::prelude::*;
+
+/// Shares of a face that are nearer than this to none or all count as that: no flow is worth the stiffness of such a gap.
+const MIN_OPEN_FRACTION: f64 = 1e-4;
+/// Areas and moments below this, in cells, are rounding: positions go up to some hundreds.
+const AREA_MOMENT_TOLERANCE: f64 = 1e-11;
+/// Points nearer to a solid's surface than this, in cells, are within: rounding must not tell neighbours on it apart.
+const SURFACE_TOLERANCE_CELLS: f64 = 1e-6;
+/// Distance of what is far from all solids, in cells.
+const FAR_DISTANCE_CELLS: f64 = 1e3;
+/// Cells around a solid's box in which its distance is known.
+const DISTANCE_MARGIN_CELLS: f64 = 6.0;
+/// Depth to which closed faces are listed, in cells: paths and their stencils reach no farther.
+const MAX_CLOSED_FACE_DEPTH_CELLS: f64 = 4.0;
+
+/// A solid as the cells that it cuts see it.
+#[derive(Clone, Copy)]
+pub struct EmbeddedBoundary<'a, const D: usize> {
+    /// Distance to its surface, m, negative inside.
+    pub signed_distance: &'a (dyn Fn(&Vector<D>) -> f64 + Sync),
+    /// Lower and upper corner of a box that holds it, m; may reach beyond the grid.
+    pub bounds: [Vector<D>; 2],
+}
+
+/// The wetted surface of a solid in a cell; lengths in cells, the normal `n` points into the solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutCell<const D: usize> {
+    /// The cell.
+    pub cell: u32,
+    /// Number of the solid: the one nearest to the cell's centre.
+    pub solid: u32,
+    /// `∫ n dS`.
+    pub area_vector: Vector<D>,
+    /// `∫ r × n dS` about the origin (2D: in the last entry).
+    pub moment: [f64; 3],
+    /// `∫ n ⊗ r dS` with `r` from the cell's centre: the slope of a pressure pushes with this times itself.
+    pub first_moment: Matrix<D>,
+}
+
+/// The faces and cells that solids cut.
+#[derive(Clone, Debug)]
+pub struct CutCells<const D: usize> {
+    /// Share of every face that is open, 0 to 1.
+    pub open_fraction: FaceField<D>,
+    /// The cells with a wetted surface, sorted.
+    pub cells: Vec<CutCell<D>>,
+    /// Closed faces within four cells of a surface, per axis, sorted.
+    pub closed_faces: [Vec<u32>; D],
+    /// Distance at the corners of the cells, in cells; empty as long as there is no solid.
+    corner_distances_cells: Vec<f64>,
+    /// The same at their centres.
+    center_distances_cells: Vec<f64>,
+    /// Cells around each solid: lower corner, and one past the upper one.
+    solid_boxes: Vec<[[usize; D]; 2]>,
+}
+
+impl<const D: usize> CutCells<D> {
+    /// No solid: all faces are open.
+    pub fn uncut(grid: Grid<D>) -> Self {
+        let open_fraction =
+            FaceField { grid, axes: std::array::from_fn(|a| vec![1.0; grid.face_lattice(a).len()]) };
+        Self {
+            open_fraction,
+            cells: Vec::new(),
+            closed_faces: std::array::from_fn(|_| Vec::new()),
+            corner_distances_cells: Vec::new(),
+            center_distances_cells: Vec::new(),
+            solid_boxes: Vec::new(),
+        }
+    }
+
+    /// Finds what the solids cut where they are now, in active tiles; elsewhere they are as if they were not. Where solids
+    /// overlap they are one.
+    pub fn rebuild(&mut self, solids: &[EmbeddedBoundary<'_, D>], tiles: &Tiles<D>) {
+        self.reset();
+        let grid = self.open_fraction.grid;
+        if self.corner_distances_cells.is_empty() && !solids.is_empty() {
+            self.corner_distances_cells = vec![FAR_DISTANCE_CELLS; corner_lattice(&grid).len()];
+            self.center_distances_cells = vec![FAR_DISTANCE_CELLS; grid.lattice().len()];
+        }
+        self.solid_boxes = solids.iter().map(|s| cells_around(&grid, s.bounds)).collect();
+        for (solid, [low, high]) in solids.iter().zip(&self.solid_boxes) {
+            let corner = |at: [usize; D]| tiles.is_active_corner(at).then(|| grid.lower_corner(at));
+            let center = |at: [usize; D]| tiles.is_active(at).then(|| grid.center(at));
+            let (corners, cells) = ((grid.dx, corner_lattice(&grid)), (grid.dx, grid.lattice()));
+            take_min_distance(
+                solid,
+                corners,
+                [*low, high.map(|n| n + 1)],
+                corner,
+                &mut self.corner_distances_cells,
+            );
+            take_min_distance(solid, cells, [*low, *high], center, &mut self.center_distances_cells);
+        }
+        for cells in self.solid_boxes.clone() {
+            self.update_open_fractions(cells, tiles);
+        }
+        self.closed_faces.iter_mut().for_each(|faces| {
+            faces.sort_unstable();
+            faces.dedup();
+        });
+        let wet = |cells: &[[usize; D]; 2]| self.cut_cells_in(*cells, solids, tiles);
+        let mut wet: Vec<CutCell<D>> = self.solid_boxes.iter().flat_map(wet).collect();
+        wet.sort_by_key(|w| w.cell);
+        wet.dedup_by_key(|w| w.cell);
+        self.cells = wet;
+    }
+
+    /// Distance of a cell's centre to the nearest solid, in cells, negative inside; a large number more than six cells
+    /// away.
+    pub fn distance_cells(&self, cell: usize) -> f64 {
+        self.center_distances_cells.get(cell).copied().unwrap_or(FAR_DISTANCE_CELLS)
+    }
+
+    /// Whether a point lies in a cell whose centre is within a solid.
+    pub fn is_in_solid_cell(&self, x: &Vector<D>) -> bool {
+        let grid = &self.open_fraction.grid;
+        !self.center_distances_cells.is_empty()
+            && self.distance_cells(grid.lattice().index(grid.cell_at(x))) < 0.0
+    }
+
+    /// Whether a cell has an open face to one where `phi` is not negative.
+    pub fn has_air_neighbour(&self, cell: usize, phi: &[f64]) -> bool {
+        let lattice = self.open_fraction.grid.lattice();
+        let at = lattice.coordinates(cell);
+        (0..2 * D).any(|n| {
+            let (a, up) = (n / 2, n % 2);
+            if at[a] + up == 0 || at[a] + up == lattice.extent[a] {
+                return false;
+            }
+            let mut face = at;
+            face[a] += up;
+            let open = self.open_fraction.axes[a][self.open_fraction.grid.face_lattice(a).index(face)] > 0.0;
+            open && phi[if up == 1 { cell + lattice.stride[a] } else { cell - lattice.stride[a] }] >= 0.0
+        })
+    }
+
+    /// The cells whose distance to a solid is known, as boxes: lower corner, and one past the upper one.
+    pub fn solid_boxes(&self) -> &[[[usize; D]; 2]] {
+        &self.solid_boxes
+    }
+
+    /// Whether a cell has no open face.
+    pub fn is_closed(&self, at: [usize; D]) -> bool {
+        self.has_open_fraction(at, 0.0)
+    }
+
+    /// Whether this share of each of a cell's faces is open.
+    fn has_open_fraction(&self, at: [usize; D], share: f64) -> bool {
+        (0..D).all(|a| {
+            let faces = self.open_fraction.grid.face_lattice(a);
+            let f = faces.index(at);
+            self.open_fraction.axes[a][f] == share && self.open_fraction.axes[a][f + faces.stride[a]] == share
+        })
+    }
+
+    fn reset(&mut self) {
+        let grid = self.open_fraction.grid;
+        self.closed_faces.iter_mut().for_each(Vec::clear);
+        for [low, high] in std::mem::take(&mut self.solid_boxes) {
+            fill_box(
+                &mut self.corner_distances_cells,
+                &corner_lattice(&grid),
+                [low, high.map(|n| n + 1)],
+                FAR_DISTANCE_CELLS,
+            );
+            fill_box(&mut self.center_distances_cells, &grid.lattice(), [low, high], FAR_DISTANCE_CELLS);
+            for a in 0..D {
+                fill_box(
+                    &mut self.open_fraction.axes[a],
+                    &grid.face_lattice(a),
+                    face_box([low, high], a),
+                    1.0,
+                );
+            }
+        }
+    }
+
+    fn update_open_fractions(&mut self, cells: [[usize; D]; 2], tiles: &Tiles<D>) {
+        for a in 0..D {
+            let faces = self.open_fraction.grid.face_lattice(a);
+            let shares: Vec<(usize, f64, bool)> = par_lattice_points(face_box(cells, a))
+                .filter(|at| tiles.is_active_face(a, *at))
+                .map(|at| {
+                    let share = self.open_fraction_and_centroid(a, at).0;
+                    (
+                        faces.index(at),
+                        share,
+                        share == 0.0 && self.face_depth_cells(a, at) < MAX_CLOSED_FACE_DEPTH_CELLS,
+                    )
+                })
+                .collect();
+            for (f, share, near) in shares {
+                self.open_fraction.axes[a][f] = share;
+                if near {
+                    self.closed_faces[a].push(f as u32);
+                }
+            }
+        }
+    }
+
+    /// Least depth of a face's corners, in cells.
+    fn face_depth_cells(&self, axis: usize, at: [usize; D]) -> f64 {
+        let lattice = corner_lattice(&self.open_fraction.grid);
+        let across = (0..1usize << D).filter(|k| k >> axis & 1 == 0);
+        let depth = |k: usize| {
+            -self.corner_distances_cells[lattice.index(std::array::from_fn(|b| at[b] + (k >> b & 1)))]
+        };
+        across.map(depth).fold(f64::INFINITY, f64::min)
+    }
+
+    fn cut_cells_in(
+        &self,
+        cells: [[usize; D]; 2],
+        solids: &[EmbeddedBoundary<'_, D>],
+        tiles: &Tiles<D>,
+    ) -> Vec<CutCell<D>> {
+        let grid = self.open_fraction.grid;
+        let lattice = grid.lattice();
+        let wet = |at: [usize; D]| {
+            if self.has_open_fraction(at, 1.0) || self.is_closed(at) {
+                return None;
+            }
+            let (mut area_vector, mut moment): (Vector<D>, [f64; 3]) = (Vector::zeros(), [0.0; 3]);
+            let (mut first_moment, center): (Matrix<D>, _) = (Matrix::zeros(), grid.center(at) / grid.dx);
+            for a in 0..D {
+                for side in 0..2 {
+                    let mut face = at;
+                    face[a] += side;
+                    let (share, r) = self.open_fraction_and_centroid(a, face);
+                    let outward = if side == 1 { share } else { -share };
+                    area_vector[a] -= outward;
+                    (0..D).for_each(|b| first_moment[(a, b)] -= outward * (r[b] - center[b]));
+                    for &(b, c, place) in rotation_planes::<D>() {
+                        // r × A, of which only the entry of A along `a` is not zero.
+                        let turn = if c == a {
+                            r[b]
+                        } else if b == a {
+                            -r[c]
+                        } else {
+                            0.0
+                        };
+                        moment[place] -= outward * turn;
+                    }
+                }
+            }
+            // What is left of whole faces is rounding. Two surfaces in a cell may cancel in area and still turn a body (3D).
+            let turning = rotation_planes::<D>().iter().map(|&(b, c, place)| {
+                let [y, z] = [b, c].map(|a| grid.domain_coordinate_cells(a, at[a] as f64 + 0.5));
+                (moment[place] - (y * area_vector[c] - z * area_vector[b])).abs()
+            });
+            if turning.fold(area_vector.amax(), f64::max) < AREA_MOMENT_TOLERANCE {
+                return None;
+            }
+            // All around what is open `∫ n ⊗ r dS` is its volume. Of that volume's D-fold the surface has its distance times its
+            // area, the faces the rest.
+            let distance = self.mean_distance_cells(at) * area_vector.norm();
+            let volume = ((distance - first_moment.trace()) / D as f64).clamp(0.0, 1.0);
+            first_moment += Matrix::identity() * volume;
+            let x = grid.center(at);
+            let near = |i: &usize, j: &usize| {
+                (solids[*i].signed_distance)(&x).total_cmp(&(solids[*j].signed_distance)(&x))
+            };
+            let beside = |i: &usize| {
+                let [low, high] = self.solid_boxes[*i];
+                (0..D).all(|a| (low[a]..high[a]).contains(&at[a]))
+            };
+            let solid = (0..solids.len()).filter(beside).min_by(near)? as u32;
+            Some(CutCell { cell: lattice.index(at) as u32, solid, area_vector, moment, first_moment })
+        };
+        par_lattice_points(cells).filter(|at| tiles.is_active(*at)).filter_map(wet).collect()
+    }
+
+    /// Mean distance in a cell, in cells.
+    fn mean_distance_cells(&self, at: [usize; D]) -> f64 {
+        let lattice = corner_lattice(&self.open_fraction.grid);
+        let corner = |k: usize| {
+            self.corner_distances_cells[lattice.index(std::array::from_fn(|a| at[a] + (k >> a & 1)))]
+        };
+        let corners = (0..1usize << D).map(corner).sum::<f64>() / (1 << D) as f64;
+        (2.0 * self.center_distances_cells[self.open_fraction.grid.lattice().index(at)] + corners) / 3.0
+    }
+
+    /// Open share of a face, and the centroid of the open part, in cells from the origin.
+    fn open_fraction_and_centroid(&self, axis: usize, at: [usize; D]) -> (f64, Vector<D>) {
+        let lattice = corner_lattice(&self.open_fraction.grid);
+        let base = lattice.index(at);
+        let along: [usize; 2] = match D {
+            2 => [1 - axis; 2],
+            _ => [(axis + 1) % 3, (axis + 2) % 3],
+        };
+        let corner = |i: usize, j: usize| {
+            self.corner_distances_cells[base + i * lattice.stride[along[0]] + j * lattice.stride[along[1]]]
+        };
+        let (share, [s, t]) = if D == 2 {
+            positive_edge_part(corner(0, 0), corner(1, 0))
+        } else {
+            positive_square_part([[corner(0, 0), corner(0, 1)], [corner(1, 0), corner(1, 1)]])
+        };
+        let (share, [s, t]) = match share {
+            none if none < MIN_OPEN_FRACTION => (0.0, [0.5; 2]),
+            all if all > 1.0 - MIN_OPEN_FRACTION => (1.0, [0.5; 2]),
+            some => (some, [s, t]),
+        };
+        let mut centroid =
+            Vector::from_fn(|b, _| self.open_fraction.grid.domain_coordinate_cells(b, at[b] as f64));
+        centroid[along[0]] += s;
+        if D == 3 {
+            centroid[along[1]] += t;
+        }
+        (share, centroid)
+    }
+}
+
+fn corner_lattice<const D: usize>(grid: &Grid<D>) -> Lattice<D> {
+    Lattice::new(grid.cells.map(|n| n + 1))
+}
+
+/// Makes `values` the distance to a solid, in cells, where that is less, at the points of a box; `place` is where those are
+/// that count.
+fn take_min_distance<const D: usize>(
+    solid: &EmbeddedBoundary<'_, D>,
+    (dx, lattice): (f64, Lattice<D>),
+    cells: [[usize; D]; 2],
+    place: impl Fn([usize; D]) -> Option<Vector<D>> + Sync,
+    values: &mut [f64],
+) {
+    let found: Vec<(usize, f64)> = par_lattice_points(cells)
+        .filter_map(|at| place(at).map(|x| (lattice.index(at), (solid.signed_distance)(&x) / dx)))
+        .map(|(i, v)| (i, if v.abs() < SURFACE_TOLERANCE_CELLS { -SURFACE_TOLERANCE_CELLS } else { v }))
+        .collect();
+    found.into_iter().for_each(|(i, v)| values[i] = values[i].min(v));
+}
+
+/// The cells that a box touches, and some more all around.
+fn cells_around<const D: usize>(grid: &Grid<D>, bounds: [Vector<D>; 2]) -> [[usize; D]; 2] {
+    let clamp =
+        |a: usize, x: f64| (x + grid.margin_cells[a][0] as f64).clamp(0.0, grid.cells[a] as f64) as usize;
+    let low = std::array::from_fn(|a| clamp(a, (bounds[0][a] / grid.dx).floor() - DISTANCE_MARGIN_CELLS));
+    let high: [usize; D] =
+        std::array::from_fn(|a| clamp(a, (bounds[1][a] / grid.dx).ceil() + DISTANCE_MARGIN_CELLS));
+    [low, std::array::from_fn(|a| high[a].max(low[a]))]
+}
+
+/// The faces normal to `axis` of the cells of a box.
+fn face_box<const D: usize>([low, mut high]: [[usize; D]; 2], axis: usize) -> [[usize; D]; 2] {
+    high[axis] += 1;
+    [low, high]
+}
+
+/// The lattice points of a box, the first axis running fastest.
+pub fn lattice_points<const D: usize>(cells: [[usize; D]; 2]) -> impl Iterator<Item = [usize; D]> {
+    let (count, place) = point_numbering(cells);
+    (0..count).map(place)
+}
+
+/// The same in parallel.
+pub fn par_lattice_points<const D: usize>(
+    cells: [[usize; D]; 2],
+) -> impl IndexedParallelIterator<Item = [usize; D]> {
+    let (count, place) = point_numbering(cells);
+    (0..count).into_par_iter().with_min_len(256).map(place)
+}
+
+/// The number of lattice points of a box, and the point of a number.
+fn point_numbering<const D: usize>([low, high]: [[usize; D]; 2]) -> (usize, impl Fn(usize) -> [usize; D]) {
+    let inner = Lattice::new(std::array::from_fn::<_, D, _>(|a| high[a] - low[a]));
+    let place = move |i| {
+        let at = inner.coordinates(i);
+        std::array::from_fn(|a| low[a] + at[a])
+    };
+    (inner.len(), place)
+}
+
+/// Gives all points of a box a value.
+fn fill_box<const D: usize>(
+    values: &mut [f64],
+    lattice: &Lattice<D>,
+    [low, high]: [[usize; D]; 2],
+    value: f64,
+) {
+    let mut ends = high;
+    ends[0] = low[0] + usize::from(high[0] > low[0]);
+    for start in lattice_points([low, ends]) {
+        let first = lattice.index(start);
+        values[first..first + high[0] - low[0]].fill(value);
+    }
+}
+
+/// Part of the unit edge where a linear function is positive: its length and middle.
+fn positive_edge_part(v0: f64, v1: f64) -> (f64, [f64; 2]) {
+    match (v0 > 0.0, v1 > 0.0) {
+        (true, true) => (1.0, [0.5; 2]),
+        (false, false) => (0.0, [0.5; 2]),
+        (true, false) => {
+            let t = v0 / (v0 - v1);
+            (t, [0.5 * t, 0.5])
+        }
+        (false, true) => {
+            let t = v1 / (v1 - v0);
+            (t, [1.0 - 0.5 * t, 0.5])
+        }
+    }
+}
+
+/// Part of the unit square where the function that is linear on the triangles around the middle is positive: area and
+/// centroid.
+fn positive_square_part(v: [[f64; 2]; 2]) -> (f64, [f64; 2]) {
+    let ring = [([0.0, 0.0], v[0][0]), ([1.0, 0.0], v[1][0]), ([1.0, 1.0], v[1][1]), ([0.0, 1.0], v[0][1])];
+    if ring.iter().all(|c| c.1 > 0.0) {
+        return (1.0, [0.5; 2]);
+    }
+    if ring.iter().all(|c| c.1 <= 0.0) {
+        return (0.0, [0.5; 2]);
+    }
+    let middle = ([0.5, 0.5], 0.25 * (v[0][0] + v[0][1] + v[1][0] + v[1][1]));
+    let (mut area, mut first) = (0.0, [0.0; 2]);
+    for k in 0..4 {
+        let (part, center) = positive_triangle_part([middle, ring[k], ring[(k + 1) % 4]]);
+        area += 0.25 * part;
+        (0..2).for_each(|a| first[a] += 0.25 * part * center[a]);
+    }
+    (area, first.map(|f| if area > 0.0 { f / area } else { 0.5 }))
+}
+
+/// Part of a triangle where the linear function given at its corners is positive: share of the area, and centroid.
+fn positive_triangle_part(corners: [([f64; 2], f64); 3]) -> (f64, [f64; 2]) {
+    let mean = |p: [[f64; 2]; 3]| [0, 1].map(|a| (p[0][a] + p[1][a] + p[2][a]) / 3.0);
+    let whole = mean(corners.map(|c| c.0));
+    let positive = corners.iter().filter(|c| c.1 > 0.0).count();
+    if positive == 3 || positive == 0 {
+        return (if positive == 3 { 1.0 } else { 0.0 }, whole);
+    }
+    // The corner that is alone with its sign, and the small triangle that the zero line cuts off at it.
+    let lone = (0..3).find(|k| (corners[*k].1 > 0.0) == (positive == 1)).unwrap_or(0);
+    let (p, v) = corners[lone];
+    let cut = |k: usize| {
+        let (q, w) = corners[(lone + k) % 3];
+        let t = v / (v - w);
+        (t, [0, 1].map(|a| p[a] + t * (q[a] - p[a])))
+    };
+    let ((t1, p1), (t2, p2)) = (cut(1), cut(2));
+    let (share, center) = (t1 * t2, mean([p, p1, p2]));
+    if positive == 1 {
+        return (share, center);
+    }
+    let rest = 1.0 - share;
+    (rest, [0, 1].map(|a| if rest > 0.0 { (whole[a] - share * center[a]) / rest } else { whole[a] }))
+}
+
+#[cfg(test)]
+#[path = "cut_cells_tests.rs"]
+mod tests;

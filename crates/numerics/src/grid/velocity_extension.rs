@@ -1,0 +1,374 @@
+//! Velocity beyond the liquid.
+//!
+//! Layer by layer outward from the faces where it is known, each face takes the values of its neighbours on the
+//! liquid's side, weighted by the components of the normal (the upwind form of Aslam 2004, "A partial differential
+//! equation approach to multidimensional extrapolation", done in one sweep). Along each axis they are extended with all
+//! of the last slope, then with half of it, then constantly: all of it in the second layer makes a drop's frequency 0.12 %
+//! too low on 16 cells a radius in 2D (half: 0.02 %), and costs energy in proportion to the step; none of it makes the frequency 0.08 % too
+//! high, with an error of first order. A quadratic extension, of which noise comes out seven times as large, drove torn
+//! sheets to any speed. So does the linear one where the liquid behind is thin. Beside a solid, where it cannot be deep, the
+//! velocity out of the liquid is extended so, but not that into it: what flows in brings the extended velocity along, and a
+//! jet through the corner of a cell grew by a fifth in every step (constant extension of both makes lines advance too slowly).
+
+use super::{Band, FaceField, Grid, Sampler, Segment};
+use crate::Vector;
+use rayon::prelude::*;
+
+/// Mark of the faces of the first layer.
+const FIRST_LAYER_MARK: u8 = 2;
+/// Share of the slope by which the layers go on.
+const LAYER_SLOPE_FRACTIONS: [f64; 2] = [1.0, 0.5];
+/// Depth, in cells, at which the liquid behind a face of the first layer is looked at, and how deep it must at least be there.
+/// That face is at most √2 cells outside, so that in deep liquid at least 1.6 remain; a sheet of under 2.8 cells always
+/// fails, one of over 4.3 never.
+const PROBE_AND_MIN_DEPTH_CELLS: (f64, f64) = (3.0, 1.25);
+/// Layers behind closed faces: those listed lie up to four cells deep, 4 √3 steps along the axes.
+const CLOSED_FACE_LAYERS: usize = 7;
+
+/// Which faces carry a velocity, and in which layer they got it.
+#[derive(Clone, Debug)]
+pub struct VelocityExtension<const D: usize> {
+    grid: Grid<D>,
+    /// 0: unknown; 1: in the liquid; `l + 2`: extended in layer `l`.
+    marks: [Vec<u8>; D],
+    extended_faces: [Vec<u32>; D],
+    liquid_segments: [Vec<Segment>; D],
+}
+
+/// What slopes of the velocity count at a face.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum SlopeUse {
+    None,
+    /// Not those by which it flows into the liquid faster the farther out.
+    Outward,
+    All,
+}
+
+impl<const D: usize> VelocityExtension<D> {
+    /// No face is known.
+    pub fn new(grid: Grid<D>) -> Self {
+        Self {
+            grid,
+            marks: std::array::from_fn(|a| vec![0; grid.face_lattice(a).len()]),
+            extended_faces: std::array::from_fn(|_| Vec::new()),
+            liquid_segments: std::array::from_fn(|_| Vec::new()),
+        }
+    }
+
+    /// Forgets all, and sets the velocity of the forgotten faces to zero.
+    pub fn clear_with_velocity(&mut self, velocity: &mut FaceField<D>) {
+        for a in 0..D {
+            let row = self.grid.face_lattice(a).extent[0];
+            for s in &self.liquid_segments[a] {
+                velocity.axes[a][s.row * row + s.start..s.row * row + s.end].fill(0.0);
+            }
+            self.extended_faces[a].iter().for_each(|&f| velocity.axes[a][f as usize] = 0.0);
+        }
+        self.clear_marks();
+    }
+
+    /// Forgets all.
+    pub fn clear_marks(&mut self) {
+        for a in 0..D {
+            let row = self.grid.face_lattice(a).extent[0];
+            for s in &self.liquid_segments[a] {
+                self.marks[a][s.row * row + s.start..s.row * row + s.end].fill(0);
+            }
+            self.extended_faces[a].iter().for_each(|&f| self.marks[a][f as usize] = 0);
+            self.extended_faces[a].clear();
+            self.liquid_segments[a].clear();
+        }
+    }
+
+    /// Marks the faces of the liquid.
+    pub fn set_liquid_faces(&mut self, segments: [Vec<Segment>; D]) {
+        for a in 0..D {
+            let row = self.grid.face_lattice(a).extent[0];
+            for s in &segments[a] {
+                self.marks[a][s.row * row + s.start..s.row * row + s.end].fill(1);
+            }
+        }
+        self.liquid_segments = segments;
+    }
+
+    /// The faces of the liquid, per axis.
+    pub fn liquid_faces(&self) -> &[Vec<Segment>; D] {
+        &self.liquid_segments
+    }
+
+    /// Extends the velocity over the faces of the band's cells outside the liquid. `solid` tells whether a point is in one,
+    /// `closed(axis, side)` walls.
+    pub fn extrapolate(
+        &mut self,
+        velocity: &mut FaceField<D>,
+        band: &Band<D>,
+        phi: &[f64],
+        distance: &Sampler<'_, D>,
+        solid: impl Fn(&Vector<D>) -> bool + Sync,
+        closed: impl Fn(usize, usize) -> bool + Sync,
+    ) {
+        let cells = self.grid.lattice();
+        for layer in 0..band.layers.len() - 1 {
+            let mark = (layer + FIRST_LAYER_MARK as usize).min(255) as u8;
+            let mut fresh: [Vec<u32>; D] = std::array::from_fn(|_| Vec::new());
+            for &cell in &band.cells[band.layers[layer]..band.layers[layer + 1]] {
+                if phi[cell as usize] < 0.0 {
+                    continue;
+                }
+                let at = cells.coordinates(cell as usize);
+                for a in 0..D {
+                    for side in 0..2 {
+                        let mut face = at;
+                        face[a] += side;
+                        let f = self.grid.face_lattice(a).index(face);
+                        if self.marks[a][f] == 0 {
+                            self.marks[a][f] = mark;
+                            fresh[a].push(f as u32);
+                        }
+                    }
+                }
+            }
+            for a in 0..D {
+                let values: Vec<f64> = fresh[a]
+                    .par_iter()
+                    .map(|&f| {
+                        let at = self.grid.face_lattice(a).coordinates(f as usize);
+                        let shut =
+                            (at[a] == 0 && closed(a, 0)) || (at[a] == self.grid.cells[a] && closed(a, 1));
+                        if shut {
+                            0.0
+                        } else {
+                            self.extrapolated_value(&velocity.axes[a], a, at, mark, (distance, &solid))
+                        }
+                    })
+                    .collect();
+                fresh[a].iter().zip(values).for_each(|(&f, v)| velocity.axes[a][f as usize] = v);
+                self.extended_faces[a].append(&mut fresh[a]);
+            }
+        }
+    }
+
+    /// Takes the mark of known ones from faces that a solid closes.
+    pub fn unmark_closed_faces(&mut self, shut: &[Vec<u32>; D]) {
+        (0..D).for_each(|a| shut[a].iter().for_each(|&f| self.marks[a][f as usize] = 0));
+    }
+
+    /// Extends the velocity over the faces that solids close: layer by layer, each the mean of its known neighbours along
+    /// the axes. Gives back those that are then known.
+    pub fn extend_into_closed_faces(
+        &mut self,
+        velocity: &mut FaceField<D>,
+        shut: &[Vec<u32>; D],
+    ) -> [Vec<u32>; D] {
+        for a in 0..D {
+            let lattice = self.grid.face_lattice(a);
+            let mut rest: Vec<u32> =
+                shut[a].iter().copied().filter(|&f| self.marks[a][f as usize] == 0).collect();
+            for _ in 0..CLOSED_FACE_LAYERS {
+                let mean = |&f: &u32| {
+                    let known = lattice.neighbours(f as usize).filter(|n| self.marks[a][*n] != 0);
+                    let (sum, count) = known.fold((0.0, 0.0), |(s, c), n| (s + velocity.axes[a][n], c + 1.0));
+                    (count > 0.0).then(|| (f, sum / count))
+                };
+                let fresh: Vec<(u32, f64)> = rest.par_iter().with_min_len(256).filter_map(mean).collect();
+                rest.clear();
+                for (f, value) in fresh {
+                    velocity.axes[a][f as usize] = value;
+                    self.marks[a][f as usize] = u8::MAX;
+                    self.extended_faces[a].push(f);
+                    rest.extend(lattice.neighbours(f as usize).map(|n| n as u32));
+                }
+                rest.sort_unstable();
+                rest.dedup();
+                rest.retain(|f| self.marks[a][*f as usize] == 0 && shut[a].binary_search(f).is_ok());
+            }
+        }
+        let marks = &self.marks;
+        std::array::from_fn(|a| shut[a].iter().copied().filter(|f| marks[a][*f as usize] != 0).collect())
+    }
+
+    /// What slopes the liquid behind a face tells: sheets and threads of a few cells none, what is beside a solid not all.
+    fn slope_use(
+        &self,
+        axis: usize,
+        at: [usize; D],
+        layer: usize,
+        normal: &[f64; D],
+        (distance, solid): (&Sampler<'_, D>, &dyn Fn(&Vector<D>) -> bool),
+    ) -> SlopeUse {
+        let into =
+            |cells: f64| self.grid.face_center(axis, at) - Vector::from(*normal) * (cells * self.grid.dx);
+        let behind = into(PROBE_AND_MIN_DEPTH_CELLS.0 + layer as f64);
+        match distance.linear(&behind) < -PROBE_AND_MIN_DEPTH_CELLS.1 * self.grid.dx {
+            false => SlopeUse::None,
+            true if solid(&behind) || solid(&into(0.5)) => SlopeUse::Outward,
+            true => SlopeUse::All,
+        }
+    }
+
+    /// The value of the face `at` from faces marked before `mark`.
+    fn extrapolated_value(
+        &self,
+        values: &[f64],
+        axis: usize,
+        at: [usize; D],
+        mark: u8,
+        (distance, solid): (&Sampler<'_, D>, &dyn Fn(&Vector<D>) -> bool),
+    ) -> f64 {
+        let lattice = self.grid.face_lattice(axis);
+        let here = lattice.index(at);
+        let known = |f: usize| {
+            let m = self.marks[axis][f];
+            m != 0 && m < mark
+        };
+        let normal = face_normal(axis, at, distance);
+        let layer = (mark - FIRST_LAYER_MARK) as usize;
+        let slopes = self.slope_use(axis, at, layer, &normal, (distance, solid));
+        let share = LAYER_SLOPE_FRACTIONS.get(layer).filter(|_| slopes != SlopeUse::None);
+        let runs_in = |value: f64, more: f64| value * normal[axis] < 0.0 && more * normal[axis] < 0.0;
+        let (mut sum, mut total) = (0.0, 0.0);
+        let (mut plain, mut count) = (0.0, 0.0);
+        for b in 0..D {
+            for down in [true, false] {
+                let room = if down { at[b] } else { lattice.extent[b] - 1 - at[b] };
+                if room == 0 {
+                    continue;
+                }
+                let step =
+                    |n: usize| if down { here - n * lattice.stride[b] } else { here + n * lattice.stride[b] };
+                let first = step(1);
+                if !known(first) {
+                    continue;
+                }
+                plain += values[first];
+                count += 1.0;
+                if (normal[b] > 0.0) == down && normal[b] != 0.0 {
+                    let mut value = values[first];
+                    if let Some(share) = share.filter(|_| room > 1 && known(step(2))) {
+                        let more = share * (value - values[step(2)]);
+                        if slopes == SlopeUse::All || !runs_in(value, more) {
+                            value += more;
+                        }
+                    }
+                    sum += normal[b].abs() * value;
+                    total += normal[b].abs();
+                }
+            }
+        }
+        if total > 1e-3 {
+            sum / total
+        } else if count > 0.0 {
+            plain / count
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Direction away from the liquid at a face (unit length but where φ is flat).
+fn face_normal<const D: usize>(axis: usize, at: [usize; D], distance: &Sampler<'_, D>) -> [f64; D] {
+    let upper = at.map(|i| i as isize);
+    let mut lower = upper;
+    lower[axis] -= 1;
+    let mut normal = [0.0; D];
+    for b in 0..D {
+        normal[b] = if b == axis {
+            distance.value(upper) - distance.value(lower)
+        } else {
+            let slope = |mut cell: [isize; D]| {
+                cell[b] += 1;
+                let up = distance.value(cell);
+                cell[b] -= 2;
+                up - distance.value(cell)
+            };
+            0.25 * (slope(upper) + slope(lower))
+        };
+    }
+    let norm = normal.iter().map(|n| n * n).sum::<f64>().sqrt();
+    if norm > 0.0 { normal.map(|n| n / norm) } else { normal }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{BoundaryExtension, Tiles};
+    use super::*;
+
+    fn linear_fields_go_on_linearly<const D: usize>() {
+        let grid = Grid::<D>::new([20; D], 0.05);
+        let lattice = grid.lattice();
+        let center = Vector::from_fn(|_, _| 0.51);
+        let phi: Vec<f64> = (0..lattice.len())
+            .map(|i| (grid.center(lattice.coordinates(i)) - center).norm() - 0.26)
+            .collect();
+        let inside = Tiles::all(grid).negative_runs(&phi);
+        let mut band = Band::new(grid);
+        band.rebuild(&phi, &inside, 3);
+        let exact = |x: &Vector<D>| 1.0 + 2.0 * x[0] - 3.0 * x[1] + 0.5 * x[D - 1];
+        let mut velocity = FaceField::zeros(grid);
+        let mut known = VelocityExtension::new(grid);
+        known.set_liquid_faces(std::array::from_fn(|a| inside.faces(&grid, a)));
+        for a in 0..D {
+            let faces = grid.face_lattice(a);
+            for f in (0..faces.len()).filter(|&f| known.marks[a][f] == 1) {
+                velocity.axes[a][f] = exact(&grid.face_center(a, faces.coordinates(f)));
+            }
+        }
+        let distance = Sampler::cells(&grid, &phi, [[BoundaryExtension::Even; 2]; D]);
+        known.extrapolate(&mut velocity, &band, &phi, &distance, |_| false, |_, _| true);
+        for a in 0..D {
+            let faces = grid.face_lattice(a);
+            let worst = (0..faces.len())
+                .filter(|&f| known.marks[a][f] == FIRST_LAYER_MARK)
+                .map(|f| (velocity.axes[a][f] - exact(&grid.face_center(a, faces.coordinates(f)))).abs())
+                .fold(0.0, f64::max);
+            assert!(worst < 1e-12, "{D}D axis {a}: {worst:e}");
+        }
+    }
+
+    #[test]
+    fn extension_of_a_linear_field_is_exact() {
+        linear_fields_go_on_linearly::<2>();
+        linear_fields_go_on_linearly::<3>();
+    }
+
+    /// The velocity `(x, −y)` times `rate` extended beyond the sheet |y| < `half` (cells), with a solid at some heights:
+    /// the faces normal to y in the first layers above it, each with what it should be on the line.
+    fn above_a_sheet(half: f64, solid: fn(f64) -> bool, rate: f64) -> Vec<(f64, f64)> {
+        let grid = Grid::<2>::new([12, 24], 1.0);
+        let lattice = grid.lattice();
+        let phi: Vec<f64> =
+            (0..lattice.len()).map(|i| (lattice.coordinates(i)[1] as f64 - 11.5).abs() - half).collect();
+        let inside = Tiles::all(grid).negative_runs(&phi);
+        let mut band = Band::new(grid);
+        band.rebuild(&phi, &inside, 4);
+        let mut known = VelocityExtension::new(grid);
+        known.set_liquid_faces(std::array::from_fn(|a| inside.faces(&grid, a)));
+        let mut velocity = FaceField::zeros(grid);
+        let faces = grid.face_lattice(1);
+        let exact = |f: usize| rate * (12.0 - faces.coordinates(f)[1] as f64);
+        (0..faces.len()).filter(|&f| known.marks[1][f] == 1).for_each(|f| velocity.axes[1][f] = exact(f));
+        let distance = Sampler::cells(&grid, &phi, [[BoundaryExtension::Even; 2]; 2]);
+        known.extrapolate(&mut velocity, &band, &phi, &distance, |x| solid(x[1]), |_, _| true);
+        let top = (12..24).map(|y| faces.index([6, y])).filter(|&f| known.marks[1][f] >= FIRST_LAYER_MARK);
+        top.map(|f| (velocity.axes[1][f], exact(f))).collect()
+    }
+
+    #[test]
+    fn the_slope_fades_and_thin_liquid_has_none() {
+        // A solid three cells behind the first face, and one at it: what flows out beside it has the slope.
+        let solids: [fn(f64) -> bool; 3] = [|_| false, |y| y < 15.5, |y| y > 17.0];
+        for (solid, rate) in [(solids[0], 1.0), (solids[1], -1.0), (solids[2], -1.0)] {
+            let thick = above_a_sheet(5.0, solid, rate);
+            let (first, line) = thick[0];
+            assert_eq!(first, line);
+            assert_eq!(thick[1].0, first - 0.5 * rate);
+            assert_eq!(thick[2].0, thick[1].0);
+        }
+        // What flows into it has not.
+        for (half, solid) in [(1.0, solids[0]), (5.0, solids[1]), (5.0, solids[2])] {
+            let thin = above_a_sheet(half, solid, 1.0);
+            let last = thin[0].1 + 1.0;
+            assert!(thin.iter().all(|(value, _)| *value == last), "{thin:?}");
+        }
+    }
+}

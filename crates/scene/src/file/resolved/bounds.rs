@@ -1,0 +1,231 @@
+//! What a shape fills: bounds, points inside, a typical radius.
+
+use crate::file::{Rotation, ShapeSpec, short};
+use meniscus_numerics::shape::SmoothUnion;
+use std::f64::consts::PI;
+
+/// Lower and upper corner, m; infinite where the shape has no end.
+pub type Bounds = (Vec<f64>, Vec<f64>);
+
+/// How far something reaches that is not inside the domain, and how far that does, in words; bounds without an end may leave it.
+pub(crate) fn describe_outside(
+    (lower, upper): &Bounds,
+    size: &[f64],
+    slack: f64,
+) -> Option<(String, String)> {
+    let leaves = |i: &usize| {
+        let low = lower[*i].is_finite() && lower[*i] < -slack;
+        let high = upper[*i].is_finite() && upper[*i] > size[*i] + slack;
+        low || high || upper[*i] <= 0.0 || lower[*i] >= size[*i]
+    };
+    let i = (0..size.len()).find(leaves)?;
+    let (axis, [low, high, end]) = (["x", "y", "z"][i], [lower[i], upper[i], size[i]].map(short));
+    let reach = format!("reaches from {axis} = {low} m to {high} m");
+    Some((reach, format!("the domain reaches from {axis} = 0 m to {end} m")))
+}
+
+impl ShapeSpec {
+    /// This shape and all that it is made of.
+    pub fn parts(&self) -> Vec<&Self> {
+        let within: Vec<&Self> = match self {
+            Self::Union(list) | Self::SmoothUnion { parts: list, .. } => list.iter().collect(),
+            Self::Difference { of, minus } => vec![of, minus],
+            _ => Vec::new(),
+        };
+        std::iter::once(self).chain(within.into_iter().flat_map(Self::parts)).collect()
+    }
+
+    /// A box around the shape in `dim` dimensions; none for a mesh, whose file is not read here.
+    pub fn bounds(&self, dim: usize) -> Option<Bounds> {
+        let around = |center: &[f64], reach: &[f64]| {
+            let lower = center.iter().zip(reach).map(|(c, r)| c - r).collect();
+            let upper = center.iter().zip(reach).map(|(c, r)| c + r).collect();
+            Some((lower, upper))
+        };
+        match self {
+            Self::Ball { center, radius } => around(center, &vec![*radius; dim]),
+            Self::PerturbedBall { center, radius, amplitude, .. } => {
+                around(center, &vec![radius * (1.0 + amplitude.abs()); dim])
+            }
+            Self::Box { center, half_size, rotation } => {
+                let m = rotation.matrix();
+                let reach: Vec<f64> =
+                    (0..dim).map(|i| (0..dim).map(|j| m[i][j].abs() * half_size[j]).sum()).collect();
+                if rotation.angle == 0.0 { around(center, half_size) } else { around(center, &reach) }
+            }
+            Self::Ellipsoid { center, radii, rotation } => {
+                let m = rotation.matrix();
+                let reach = |i: usize| (0..dim).map(|j| (m[i][j] * radii[j]).powi(2)).sum::<f64>().sqrt();
+                if rotation.angle == 0.0 {
+                    around(center, radii)
+                } else {
+                    around(center, &(0..dim).map(reach).collect::<Vec<f64>>())
+                }
+            }
+            Self::Cylinder { center, axis, radius, height } => {
+                let reach: Vec<f64> = axis
+                    .iter()
+                    .map(|a| 0.5 * height * a.abs() + radius * (1.0 - a * a).max(0.0).sqrt())
+                    .collect();
+                around(center, &reach)
+            }
+            Self::Capsule { a, b, radius } => {
+                let lower = a.iter().zip(b).map(|(a, b)| a.min(*b) - radius).collect();
+                let upper = a.iter().zip(b).map(|(a, b)| a.max(*b) + radius).collect();
+                Some((lower, upper))
+            }
+            Self::HalfSpace { point, normal } => Some(half_space_bounds(point, normal)),
+            Self::Wave { level, amplitude, .. } => {
+                let mut upper = vec![f64::INFINITY; dim];
+                upper[dim - 1] = level + amplitude;
+                Some((vec![f64::NEG_INFINITY; dim], upper))
+            }
+            Self::Extrusion { outline, thickness, center, rotation } => {
+                let (lower, upper) = super::geometry::outline(outline).ok()?.surface().bounds();
+                let (middle, half) = ((lower + upper) * 0.5, (upper - lower) * 0.5);
+                let half = [half[0], half[1], 0.5 * thickness];
+                Some(rotated_box_bounds(center, &[middle[0], middle[1], 0.0], &half, rotation))
+            }
+            Self::Cow { at, length, rotation } => Some(match dim {
+                2 => cow_bounds::<2>(at, *length, rotation),
+                _ => cow_bounds::<3>(at, *length, rotation),
+            }),
+            Self::Union(list) | Self::SmoothUnion { parts: list, .. } => {
+                let mut parts = list.iter().map(|s| s.bounds(dim));
+                let first = parts.next()??;
+                parts.try_fold(first, |(lower, upper), next| {
+                    let (l, u) = next?;
+                    let lower = lower.iter().zip(&l).map(|(a, b)| a.min(*b)).collect();
+                    let upper = upper.iter().zip(&u).map(|(a, b)| a.max(*b)).collect();
+                    Some((lower, upper))
+                })
+            }
+            Self::Difference { of, .. } => of.bounds(dim),
+            Self::Mesh { .. } => None,
+        }
+    }
+
+    /// Whether a point is inside; none where only a numerical shape can tell.
+    pub fn contains(&self, p: &[f64]) -> Option<bool> {
+        let distance2 = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum::<f64>();
+        Some(match self {
+            Self::Ball { center, radius } => distance2(p, center) < radius * radius,
+            Self::PerturbedBall { center, radius, mode, amplitude } => {
+                let r = distance2(p, center).sqrt();
+                r < radius * (1.0 + amplitude * mode_shape(p, center, *mode))
+            }
+            Self::Box { center, half_size, rotation } => {
+                let q = to_local_frame(p, center, &rotation.matrix());
+                q.iter().zip(half_size).all(|(x, h)| x.abs() < *h)
+            }
+            Self::Ellipsoid { center, radii, rotation } => {
+                let q = to_local_frame(p, center, &rotation.matrix());
+                q.iter().zip(radii).map(|(x, r)| (x / r).powi(2)).sum::<f64>() < 1.0
+            }
+            Self::HalfSpace { point, normal } => {
+                p.iter().zip(point).zip(normal).map(|((x, c), n)| (x - c) * n).sum::<f64>() < 0.0
+            }
+            Self::Cylinder { center, axis, radius, height } => {
+                let along: f64 = p.iter().zip(center).zip(axis).map(|((x, c), n)| (x - c) * n).sum();
+                along.abs() < 0.5 * height && distance2(p, center) - along * along < radius * radius
+            }
+            Self::Capsule { a, b, radius } => {
+                let length2 = distance2(a, b);
+                let along: f64 = p.iter().zip(a).zip(b).map(|((x, a), b)| (x - a) * (b - a)).sum();
+                let t = if length2 > 0.0 { (along / length2).clamp(0.0, 1.0) } else { 0.0 };
+                let near: Vec<f64> = a.iter().zip(b).map(|(a, b)| a + t * (b - a)).collect();
+                distance2(p, &near) < radius * radius
+            }
+            Self::Wave { level, amplitude, wavelength, phase } => {
+                let up = p.last().copied().unwrap_or(0.0);
+                up < level + amplitude * (2.0 * PI * p[0] / wavelength + phase).cos()
+            }
+            Self::Union(list) => {
+                let mut any = false;
+                for s in list {
+                    any |= s.contains(p)?;
+                }
+                any
+            }
+            Self::Difference { of, minus } => of.contains(p)? && !minus.contains(p)?,
+            Self::Extrusion { .. } | Self::SmoothUnion { .. } | Self::Cow { .. } | Self::Mesh { .. } => {
+                return None;
+            }
+        })
+    }
+
+    /// The length that a grid has to resolve, m: a radius, or half the thickness. None for what has no such length.
+    pub fn radius(&self) -> Option<f64> {
+        let least = |v: &[f64]| v.iter().copied().fold(f64::INFINITY, f64::min);
+        match self {
+            Self::Ball { radius, .. } | Self::PerturbedBall { radius, .. } | Self::Capsule { radius, .. } => {
+                Some(*radius)
+            }
+            Self::Cylinder { radius, height, .. } => Some(radius.min(0.5 * height)),
+            Self::Box { half_size, .. } => Some(least(half_size)),
+            Self::Ellipsoid { radii, .. } => Some(least(radii)),
+            Self::Wave { wavelength, .. } => Some(wavelength / (2.0 * PI)),
+            Self::Extrusion { thickness, .. } => Some(0.5 * thickness),
+            Self::Union(list) | Self::SmoothUnion { parts: list, .. } => {
+                list.iter().filter_map(Self::radius).reduce(f64::min)
+            }
+            // Half the thickness of its legs.
+            Self::Cow { length, .. } => Some(0.045 * length),
+            Self::Difference { of, .. } => of.radius(),
+            Self::HalfSpace { .. } | Self::Mesh { .. } => None,
+        }
+    }
+}
+
+/// A box around one of half sizes `half` about `middle` (m, in its own frame) that is turned and moved to `center`, m.
+fn rotated_box_bounds(center: &[f64], middle: &[f64; 3], half: &[f64; 3], rotation: &Rotation) -> Bounds {
+    let m = rotation.matrix();
+    let end = |i: usize, sign: f64| {
+        let along = |j: usize| m[i][j] * middle[j] + sign * m[i][j].abs() * half[j];
+        center[i] + (0..center.len()).map(along).sum::<f64>()
+    };
+    let side = |sign: f64| (0..center.len()).map(|i| end(i, sign)).collect();
+    (side(-1.0), side(1.0))
+}
+
+/// The box around a cow's parts, m.
+fn cow_bounds<const D: usize>(at: &[f64], length: f64, rotation: &Rotation) -> Bounds {
+    let cow =
+        SmoothUnion::<D>::cow(length, &super::geometry::vector(at), &super::geometry::rotation(rotation));
+    let (lower, upper) = cow.parts_bounds();
+    (lower.as_slice().to_vec(), upper.as_slice().to_vec())
+}
+
+/// A half-space has an end along an axis only if its normal lies in that axis.
+fn half_space_bounds(point: &[f64], normal: &[f64]) -> Bounds {
+    let mut lower = vec![f64::NEG_INFINITY; point.len()];
+    let mut upper = vec![f64::INFINITY; point.len()];
+    for i in 0..point.len() {
+        if normal[i] >= 1.0 - 1e-12 {
+            upper[i] = point[i];
+        } else if normal[i] <= -1.0 + 1e-12 {
+            lower[i] = point[i];
+        }
+    }
+    (lower, upper)
+}
+
+/// The point in the frame of the shape.
+fn to_local_frame(p: &[f64], center: &[f64], matrix: &[[f64; 3]; 3]) -> Vec<f64> {
+    (0..p.len()).map(|j| (0..p.len()).map(|i| matrix[i][j] * (p[i] - center[i])).sum()).collect()
+}
+
+/// `P_n(cos θ)` from the last axis in 3D, `cos nθ` from x in 2D.
+fn mode_shape(p: &[f64], center: &[f64], mode: u32) -> f64 {
+    if p.len() == 2 {
+        return (f64::from(mode) * (p[1] - center[1]).atan2(p[0] - center[0])).cos();
+    }
+    let r = p.iter().zip(center).map(|(x, c)| (x - c).powi(2)).sum::<f64>().sqrt();
+    let x = if r > 0.0 { (p[2] - center[2]) / r } else { 1.0 };
+    let (mut before, mut last) = (1.0, x);
+    for n in 2..=mode {
+        let n = f64::from(n);
+        (before, last) = (last, ((2.0 * n - 1.0) * x * last - (n - 1.0) * before) / n);
+    }
+    last
+}

@@ -1,0 +1,162 @@
+//! What a run carries along beside the state: counters, worst values, clocks.
+
+use crate::estimate::thin_liquid::{ThinLiquid, WARNING_SHARE};
+use meniscus_numerics::Vector;
+use meniscus_sim::{Diagnostics, Model, Repairs, SolidState, StepReport, overlaps};
+use serde::{Deserialize, Serialize};
+
+/// Everything that a resumed run needs and the state does not have. Part of every checkpoint.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RunStatistics {
+    /// Number of the frame to write next.
+    pub next_frame: u64,
+    /// Length of `timeseries.csv` so far, bytes.
+    pub series_bytes: u64,
+    /// Seconds of work so far.
+    pub wall_seconds: f64,
+    /// Momentum at the start, kg m/s.
+    pub start_momentum: [f64; 3],
+    /// Mass at the start, kg (2D: per metre).
+    pub mass: f64,
+    /// Largest kinetic energy so far, J: the scale of the momentum error.
+    pub largest_kinetic_energy: f64,
+    /// Relative, signed, worst so far.
+    pub volume_error: f64,
+    /// Worst so far, relative: momentum that did not come from gravity.
+    pub momentum_error: f64,
+    /// Largest divergence so far, 1/s.
+    pub max_divergence: f64,
+    /// Largest speed so far, m/s.
+    pub max_speed: f64,
+    /// Smallest volume of an element of a solid that deforms so far, over that at rest.
+    pub least_element: Option<f64>,
+    /// Deepest that a solid that deforms overlapped anything in a frame so far, m.
+    pub deepest_overlap: Option<f64>,
+    /// What was mended so far.
+    #[serde(with = "repairs")]
+    pub repairs: Repairs,
+    /// Pressure solves.
+    pub solves: u64,
+    /// Their iterations.
+    pub iterations: u64,
+    /// Most iterations of one.
+    pub most_iterations: u64,
+    /// Liquid thinner than two cells in frames so far.
+    pub thin: ThinLiquidStatistics,
+    /// Seconds per named phase, in the order of their first end.
+    pub phases: Vec<(String, f64)>,
+}
+
+/// Liquid thinner than two cells in the frames of a run (see [`crate::estimate::thin_liquid`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ThinLiquidStatistics {
+    /// Its largest share of the liquid's volume so far.
+    pub worst: f64,
+    /// When that was, s.
+    pub worst_time: f64,
+    /// Where its deepest cell was then, m; three entries.
+    pub worst_place: [f64; 3],
+    /// When its share was first over [`crate::estimate::thin_liquid::TOLD`], s.
+    pub first_time: Option<f64>,
+}
+
+impl RunStatistics {
+    /// The tally of a run that has not begun.
+    pub fn at_start<const D: usize>(model: &Model<D>, ledger: &Diagnostics<D>) -> Self {
+        Self {
+            start_momentum: padded_to_3d(&ledger.momentum),
+            mass: model.density * ledger.volume,
+            largest_kinetic_energy: ledger.kinetic_energy,
+            max_speed: ledger.max_speed,
+            ..Self::default()
+        }
+    }
+
+    /// Takes a step into account. The momentum error after it.
+    pub fn add_step<const D: usize>(&mut self, model: &Model<D>, time: f64, report: &StepReport<D>) -> f64 {
+        let ledger = &report.diagnostics;
+        self.largest_kinetic_energy = self.largest_kinetic_energy.max(ledger.kinetic_energy);
+        if ledger.volume_error.abs() > self.volume_error.abs() {
+            self.volume_error = ledger.volume_error;
+        }
+        let momentum_error = self.momentum_error(&model.gravity, time, &ledger.momentum);
+        self.momentum_error = self.momentum_error.max(momentum_error);
+        self.max_divergence = self.max_divergence.max(ledger.divergence_max);
+        self.max_speed = self.max_speed.max(ledger.max_speed);
+        self.least_element =
+            [self.least_element, ledger.least_element].into_iter().flatten().reduce(f64::min);
+        self.repairs.add(&report.repairs);
+        for iterations in report.solves.iter().map(|solve| solve.iterations as u64).filter(|n| *n > 0) {
+            self.solves += 1;
+            self.iterations += iterations;
+            self.most_iterations = self.most_iterations.max(iterations);
+        }
+        momentum_error
+    }
+
+    /// Takes into account what the solids of a frame overlap, if any of them deforms.
+    pub fn add_overlaps<const D: usize>(&mut self, model: &Model<D>, solids: &[SolidState<D>]) {
+        let soft = |i: usize| solids[i].soft.is_some();
+        if (0..solids.len()).any(soft) {
+            let so_far = self.deepest_overlap.unwrap_or(0.0);
+            let all = overlaps(model, solids).into_iter().filter(|o| soft(o.0) || o.1.is_some_and(soft));
+            self.deepest_overlap = Some(all.map(|o| o.2).fold(so_far, f64::max));
+        }
+    }
+
+    /// Takes the thin liquid of a frame into account. Whether it is the first of the run that is worth a warning.
+    pub fn add_thin_liquid<const D: usize>(&mut self, time: f64, thin: &ThinLiquid<D>) -> bool {
+        if let Some(place) = thin.place.filter(|_| thin.share > self.thin.worst) {
+            let (worst, worst_place) = (thin.share, padded_to_3d(&place));
+            self.thin = ThinLiquidStatistics { worst, worst_time: time, worst_place, ..self.thin };
+        }
+        let first = thin.share > WARNING_SHARE && self.thin.first_time.is_none();
+        if first {
+            self.thin.first_time = Some(time);
+        }
+        first
+    }
+
+    /// $|P - P_0 - M g t| / (M \sqrt{2 E_{max}/M})$: momentum that did not come from gravity, relative to that of all
+    /// the liquid at the largest root mean square speed so far. Walls give momentum too: it counts free drops only.
+    fn momentum_error<const D: usize>(&self, gravity: &Vector<D>, time: f64, momentum: &Vector<D>) -> f64 {
+        let start = Vector::<D>::from_fn(|a, _| self.start_momentum[a]);
+        let difference = (momentum - start - gravity * (self.mass * time)).norm();
+        let scale = self.momentum_scale();
+        if scale > 0.0 { difference / scale } else { 0.0 }
+    }
+
+    /// Momentum of all the liquid at the largest root mean square speed so far, kg m/s (2D: kg/s).
+    pub fn momentum_scale(&self) -> f64 {
+        (2.0 * self.largest_kinetic_energy * self.mass).sqrt()
+    }
+
+    /// Adds seconds to a phase.
+    pub fn add_phase(&mut self, name: &str, seconds: f64) {
+        match self.phases.iter_mut().find(|(known, _)| known == name) {
+            Some((_, sum)) => *sum += seconds,
+            None => self.phases.push((name.to_string(), seconds)),
+        }
+    }
+}
+
+/// Repairs as numbers in the order of their entries.
+mod repairs {
+    use meniscus_sim::Repairs;
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(repairs: &Repairs, s: S) -> Result<S::Ok, S::Error> {
+        repairs.values().serialize(s)
+    }
+
+    pub fn deserialize<'de, De: Deserializer<'de>>(d: De) -> Result<Repairs, De::Error> {
+        let values = Vec::<f64>::deserialize(d)?;
+        Repairs::from_values(&values).ok_or_else(|| De::Error::custom("another number of repairs"))
+    }
+}
+
+/// A vector as three components, the missing one 0.
+pub(crate) fn padded_to_3d<const D: usize>(v: &Vector<D>) -> [f64; 3] {
+    std::array::from_fn(|a| if a < D { v[a] } else { 0.0 })
+}

@@ -1,0 +1,181 @@
+//! Measures of each solid in every row of the time series: where its tip is, how far it is bent, how much of it is wetted, and
+//! the contact line of the largest drop on it.
+//!
+//! All of it follows from the state and from the contact line that is found anyway, so a resumed run writes the same numbers.
+//! Angles by a fit of the free surface are not among them: they take longer, and `meniscus measure` has them.
+
+use super::summary::deflection;
+use crate::job::padded_to_3d;
+use meniscus_numerics::Vector;
+use meniscus_sim::{Component, ContactLine, LinePoint, Simulation};
+use rayon::prelude::*;
+use std::fmt::Write as _;
+
+/// Part of a size within which vertices are equally far away: rounding.
+const EQUAL_DISTANCE_TOLERANCE: f64 = 1e-6;
+/// Most held vertices that distances are measured from.
+const MAX_ANCHOR_SAMPLES: usize = 2000;
+/// Distance across over distance along, below which two points stand one above the other to rounding.
+const VERTICAL_TOLERANCE: f64 = 1e-9;
+/// Names of the axes.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Which measures the solids with names have.
+#[derive(Clone, Debug)]
+pub struct SolidMeasures {
+    /// For each solid the vertices of its mesh that are its tip; none of a rigid one.
+    tips: Vec<Option<Vec<u32>>>,
+}
+
+impl SolidMeasures {
+    /// Those of the first `solids` solids of a simulation, which are those with names.
+    pub fn new<const D: usize>(simulation: &Simulation<D>, solids: usize) -> Self {
+        Self { tips: (0..solids).map(|number| tip_vertices(simulation, number)).collect() }
+    }
+
+    /// How many solids have names.
+    pub fn solids(&self) -> usize {
+        self.tips.len()
+    }
+
+    /// The columns' names, solid by solid, given the solids' names.
+    pub fn columns<'a, const D: usize>(&self, names: impl Iterator<Item = &'a str>) -> Vec<String> {
+        let of = |(tip, name): (&Option<Vec<u32>>, &str)| {
+            let angles = if D == 2 { &["left", "right"][..] } else { &["mean", "least", "largest"] };
+            let mut columns: Vec<String> = angles.iter().map(|a| format!("angle_{name}_{a}")).collect();
+            columns.extend([format!("base_radius_{name}"), format!("wetted_{name}")]);
+            if tip.is_some() {
+                columns.push(format!("deflection_{name}"));
+                columns.extend(AXES[..D].iter().map(|axis| format!("tip_{name}_{axis}")));
+            }
+            columns
+        };
+        self.tips.iter().zip(names).flat_map(of).collect()
+    }
+
+    /// The cells of a row in the order of the columns; empty where there is no value.
+    pub fn cells<const D: usize>(&self, simulation: &Simulation<D>, line: &ContactLine<D>) -> String {
+        let mut row = String::new();
+        let mut put = |value: Option<f64>| {
+            row.push(',');
+            value.iter().for_each(|value| {
+                let _ = write!(row, "{value:?}");
+            });
+        };
+        for (number, tip) in self.tips.iter().enumerate() {
+            let points = line_points_of_largest_component(simulation, line, number);
+            line_angles(&points).into_iter().for_each(&mut put);
+            put(base_radius(&points));
+            put(Some(simulation.wetted_fraction(number)));
+            if let Some(tip) = tip {
+                put(deflection(&simulation.model.solids[number], &simulation.state.solids[number]));
+                let at = tip_position(simulation, number, tip);
+                (0..D).for_each(|a| put(at.map(|x| x[a])));
+            }
+        }
+        row
+    }
+}
+
+/// The vertices of a solid's surface that at rest are farthest from its held parts, or from the middle of its surface's vertices
+/// where nothing is held; none of a rigid solid.
+fn tip_vertices<const D: usize>(simulation: &Simulation<D>, number: usize) -> Option<Vec<u32>> {
+    let elastic = simulation.model.solids[number].elastic()?;
+    let surface_vertices = simulation.state.solids[number].soft.as_ref()?.surface.volume_vertices();
+    let rest = &elastic.rest_mesh().positions;
+    let anchored: Vec<u32> =
+        surface_vertices.iter().copied().filter(|v| elastic.anchored()[*v as usize]).collect();
+    let middle = surface_vertices.iter().map(|v| rest[*v as usize]).sum::<Vector<D>>()
+        / surface_vertices.len().max(1) as f64;
+    let far = |v: &u32| {
+        let to = |from: &Vector<D>| (rest[*v as usize] - from).norm();
+        let some = anchored.iter().step_by(anchored.len().div_ceil(MAX_ANCHOR_SAMPLES).max(1));
+        some.map(|h| to(&rest[*h as usize])).reduce(f64::min).unwrap_or_else(|| to(&middle))
+    };
+    let distances: Vec<f64> = surface_vertices.par_iter().map(far).collect();
+    let farthest = distances.iter().copied().fold(0.0, f64::max);
+    let is_tip = |(_, distance): &(&u32, &f64)| **distance >= (1.0 - EQUAL_DISTANCE_TOLERANCE) * farthest;
+    Some(surface_vertices.iter().zip(&distances).filter(is_tip).map(|(v, _)| *v).collect())
+}
+
+/// Where the tip is, m: the mean of its vertices.
+fn tip_position<const D: usize>(simulation: &Simulation<D>, number: usize, tip: &[u32]) -> Option<[f64; 3]> {
+    let positions = &simulation.state.solids[number].soft.as_ref()?.state.positions;
+    let sum: Vector<D> = tip.iter().map(|v| positions[*v as usize]).sum();
+    Some(padded_to_3d(&(sum / tip.len() as f64)))
+}
+
+/// The points of the line between a solid and the largest drop that has any on it: those in the drop's box, a cell around it.
+fn line_points_of_largest_component<'a, const D: usize>(
+    simulation: &Simulation<D>,
+    line: &'a ContactLine<D>,
+    number: usize,
+) -> Vec<&'a LinePoint<D>> {
+    let dx = simulation.model.grid.dx;
+    let own: Vec<&LinePoint<D>> = line.points.iter().filter(|p| p.solid as usize == number).collect();
+    let within = |drop: &Component<D>| -> Vec<&'a LinePoint<D>> {
+        let holds = |p: &&&LinePoint<D>| {
+            (0..D).all(|a| p.at[a] >= drop.lower[a] - dx && p.at[a] <= drop.upper[a] + dx)
+        };
+        own.iter().filter(holds).copied().collect()
+    };
+    let drops = simulation.state.components.iter().map(|drop| (drop.volume, within(drop)));
+    let touching = drops.filter(|(_, points)| !points.is_empty());
+    touching.max_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Vec::new, |(_, points)| points)
+}
+
+/// 2D: the angles at the outermost points, left and right (of two one above the other the lower and the upper); 3D: mean along
+/// the line, least and largest. Degrees; none without a line.
+fn line_angles<const D: usize>(points: &[&LinePoint<D>]) -> Vec<Option<f64>> {
+    if D == 2 {
+        let before = |a: &&&LinePoint<D>, b: &&&LinePoint<D>| {
+            let separation = b.at - a.at;
+            let axis = if separation[0].abs() > VERTICAL_TOLERANCE * separation[1].abs() { 0 } else { 1 };
+            a.at[axis].total_cmp(&b.at[axis])
+        };
+        let ends = [points.iter().min_by(before), points.iter().max_by(before)];
+        return ends.map(|p| p.map(|p| p.angle_degrees)).to_vec();
+    }
+    let length: f64 = points.iter().map(|p| p.length).sum();
+    let sum: f64 = points.iter().map(|p| p.length * p.angle_degrees).sum();
+    let all = || points.iter().map(|p| p.angle_degrees);
+    vec![(length > 0.0).then(|| sum / length), all().reduce(f64::min), all().reduce(f64::max)]
+}
+
+/// Mean distance of the points from their middle, m; none of fewer than two.
+fn base_radius<const D: usize>(points: &[&LinePoint<D>]) -> Option<f64> {
+    let length: f64 = points.iter().map(|p| p.length).sum();
+    if points.len() < 2 || length <= 0.0 {
+        return None;
+    }
+    let middle = points.iter().map(|p| p.at * p.length).sum::<Vector<D>>() / length;
+    Some(points.iter().map(|p| p.length * (p.at - middle).norm()).sum::<f64>() / length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(x: f64, y: f64, angle_degrees: f64) -> LinePoint<2> {
+        let zero = Vector::<2>::zeros();
+        LinePoint {
+            at: Vector::<2>::new(x, y),
+            solid: 0,
+            angle_degrees,
+            speed: 0.0,
+            force: zero,
+            length: 1.0,
+        }
+    }
+
+    #[test]
+    fn left_and_right_are_the_outermost_points() {
+        let [a, b, c] = [point(0.3, 1.0, 50.0), point(0.1, 1.0, 33.0), point(0.2, 2.0, 90.0)];
+        assert_eq!(line_angles(&[&a, &b, &c]), [Some(33.0), Some(50.0)]);
+        assert!(base_radius(&[&a, &b]).is_some_and(|radius| (radius - 0.1).abs() < 1e-15));
+        // On an upright wall the lower one comes first, whatever rounding does to x.
+        let [low, high] = [point(1.0 + 1e-15, 0.0, 20.0), point(1.0, 1.0, 60.0)];
+        assert_eq!(line_angles(&[&high, &low]), [Some(20.0), Some(60.0)]);
+        assert_eq!((line_angles::<2>(&[]), base_radius::<2>(&[])), (vec![None, None], None));
+    }
+}

@@ -1,0 +1,239 @@
+//! Points of a model's solids where these start, and how near they are to each other.
+
+use super::broad_phase::{CandidatePairs, Sweep};
+use super::configuration::Configuration;
+use super::points::{BARRIER_REACH_CELLS, CollisionPoints, PointOwner, ProbeSet};
+use crate::model::{Model, Wall};
+use crate::solid::{Motion, Solid, SolidState};
+use meniscus_contact::{CollisionMesh, FeaturePairs, Plane};
+use meniscus_elastic::{Assembly, Elastic};
+use meniscus_numerics::Vector;
+use meniscus_numerics::mesh::surface::area_vector;
+use meniscus_numerics::shape::Shape;
+use std::collections::BTreeMap;
+
+/// The least reach of a point, over [`REACH`]: one that touches something at the start needs some distance over which the barrier
+/// rises, and the barrier's energy of a contact is proportional to it.
+const MIN_REACH_FRACTION: f64 = 0.1;
+/// Distance of probes of rigid solids, in cells: a surface of a radius of five cells bulges out between them by less than 0.01 cells.
+const PROBE_SPACING_CELLS: f64 = 0.5;
+impl<const D: usize> CollisionPoints<D> {
+    /// Of a model.
+    pub fn of(model: &Model<D>) -> Self {
+        let (mut owners, mut facets, mut rest, mut bodies) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut first_node, mut nodes) = (Vec::new(), 0);
+        for (solid, is) in model.solids.iter().enumerate() {
+            first_node.push(nodes);
+            nodes += is.elastic().map_or(2, |elastic| elastic.masses().len());
+            let Some(elastic) = is.elastic() else { continue };
+            let (surface, vertices) = elastic.rest_mesh().surface();
+            let from = owners.len() as u32;
+            owners.extend(vertices.iter().map(|v| PointOwner::Vertex { solid, vertex: *v as usize }));
+            rest.extend_from_slice(&surface.positions);
+            facets.extend(surface.facets.iter().map(|f| f.map(|v| v + from)));
+        }
+        bodies.extend(owners.iter().map(|o: &PointOwner<D>| o.solid() as u32));
+        let (edge, mut probes, mut exposed) =
+            (PROBE_SPACING_CELLS * model.grid.dx, Vec::new(), vec![true; owners.len()]);
+        for (solid, is) in model.solids.iter().enumerate() {
+            if is.elastic().is_some() || model.wetting_wall_solid() == Some(solid) {
+                continue;
+            }
+            for probe in is.shape.surface_samples(edge) {
+                probes.push((owners.len() as u32, edge.powi(D as i32 - 1), probe.radius));
+                owners.push(PointOwner::Rigid { solid, at: probe.position });
+                rest.push(probe.position);
+                bodies.push(solid as u32);
+                exposed.push(probe.sharp || probe.radius > 0.0);
+            }
+        }
+        let surface = CollisionMesh::new(facets, &rest, bodies).with_points(probes);
+        let mut areas = vec![0.0; model.solids.len()];
+        surface.points().iter().for_each(|p| areas[owners[*p as usize].solid()] += surface.area(*p));
+        let fastest = model.solids.iter().map(initial_speed).fold(0.0, f64::max);
+        let stop = 0.5 * fastest * fastest / (BARRIER_REACH_CELLS * model.grid.dx);
+        let pressure = |(solid, area): (&Solid<D>, &f64)| {
+            let is_prescribed = solid.motion.is_prescribed() || *area == 0.0;
+            let weight = model.gravity.norm() * (2 * D) as f64;
+            if is_prescribed { 0.0 } else { solid.mass_properties.mass * (weight + stop) / area }
+        };
+        let weight_pressures = model.solids.iter().zip(&areas).map(pressure).collect();
+        let mean_side_areas = areas.iter().map(|area| area / (2 * D) as f64).collect();
+        let prescribed_nodes = prescribed_nodes(model);
+        let deforming = model
+            .solids
+            .iter()
+            .zip(&first_node)
+            .filter_map(|(s, first_node)| Some((*first_node, s.elastic()?)));
+        let deforming: Vec<(usize, &Elastic<D>)> = deforming.collect();
+        let assembly = Assembly::new(&deforming, prescribed_nodes.clone());
+        let (domain_sides, gap_offsets, probe_sets) =
+            (domain_sides(model), BTreeMap::new(), probe_sets(model));
+        let mut all = Self {
+            surface,
+            owners,
+            first_node,
+            prescribed_nodes,
+            weight_pressures,
+            mean_side_areas,
+            domain_sides,
+            gap_offsets,
+            probe_sets,
+            exposed,
+            assembly,
+        };
+        all.fit_reaches_to_gaps(model);
+        all
+    }
+
+    /// Reduces the reach of points that are within the barrier's reach of something at the start to that distance, so that no contact
+    /// pushes at the start. No reach is less than a part [`LEAST`] of the barrier's.
+    fn fit_reaches_to_gaps(&mut self, model: &Model<D>) {
+        let (reach, still) = (BARRIER_REACH_CELLS * model.grid.dx, vec![Vector::zeros(); self.node_count()]);
+        let start: Vec<SolidState<D>> = model.solids.iter().map(Solid::initial_state).collect();
+        let places = Configuration::new(model, &start, self, &still, 0.0);
+        let at = places.positions();
+        let near = CandidatePairs::on(&[Sweep { from: &places, to: &places }], reach, 0.0).feature_pairs;
+        self.retract_points(&near, &at, MIN_REACH_FRACTION * reach);
+        let places = Configuration::new(model, &start, self, &still, 0.0);
+        let at = places.positions();
+        let candidates = CandidatePairs::on(&[Sweep { from: &places, to: &places }], reach, 0.0);
+        let mut reaches = candidates.feature_pairs.min_distances(&at);
+        let mut lifts = BTreeMap::new();
+        for meeting in &candidates.sdf_pairs {
+            let p = meeting.point();
+            let distance = meeting.distance(&places, &at[p as usize]) - self.surface.radius(p);
+            let nearest = MIN_REACH_FRACTION * reach;
+            if distance < nearest {
+                lifts.insert(*meeting, nearest - distance);
+            }
+            reaches[p as usize] = reaches[p as usize].min(distance.max(nearest));
+        }
+        reaches
+            .iter_mut()
+            .for_each(|r| *r = if *r < reach { r.max(MIN_REACH_FRACTION * reach) } else { f64::INFINITY });
+        self.surface = std::mem::take(&mut self.surface).with_activation_distances(reaches);
+        self.gap_offsets = lifts;
+    }
+
+    /// Draws points of rigid solids that touch facets at the start back into their solids, to a distance of `least` (m).
+    fn retract_points(&mut self, near: &FeaturePairs, at: &[Vector<D>], least: f64) {
+        let mut moves: BTreeMap<u32, (f64, Vector<D>)> = BTreeMap::new();
+        for (stencil, gap) in near.gaps(at).filter(|(_, gap)| *gap < least) {
+            let (point, rest) = (stencil.points()[0], stencil.points().get(stencil.kind.first_count()..));
+            let Some(facet) = rest.and_then(|rest| <[u32; D]>::try_from(rest).ok()) else { continue };
+            let outward = area_vector(&facet.map(|p| at[p as usize])).try_normalize(0.0);
+            let known = moves.get(&point).is_some_and(|(known, _)| *known <= gap);
+            if let Some(outward) = outward.filter(|_| !known && stencil.kind.first_count() == 1) {
+                moves.insert(point, (gap, outward));
+            }
+        }
+        for (point, (gap, outward)) in moves {
+            if let PointOwner::Rigid { at, .. } = &mut self.owners[point as usize] {
+                *at += outward * (least - gap);
+            }
+        }
+    }
+}
+
+/// The numbers of two solids, and the gap between them, m.
+type Gap = (usize, usize, f64);
+/// The number of a solid, that of another one (none for a side of the domain), and the gap between them, m.
+type SdfGap = (usize, Option<usize>, f64);
+
+/// All gaps below the barrier's reach: between facets and points, and between points and rigid solids or sides.
+fn gaps<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> (Vec<Gap>, Vec<SdfGap>) {
+    let points = CollisionPoints::of(model);
+    let still = vec![Vector::zeros(); points.node_count()];
+    let places = Configuration::new(model, solids, &points, &still, 0.0);
+    let found =
+        CandidatePairs::on(&[Sweep { from: &places, to: &places }], BARRIER_REACH_CELLS * model.grid.dx, 0.0);
+    let at = places.positions();
+    let solid = |point: u32| points.owners[point as usize].solid();
+    let facets = found.feature_pairs.gaps(&at).map(|(stencil, gap)| {
+        let points = stencil.points();
+        (solid(points[0]), solid(points[stencil.kind.first_count()]), gap)
+    });
+    let rigid = found.sdf_pairs.iter().map(|m| {
+        let gap = m.distance(&places, &at[m.point() as usize]) - points.thickness(m);
+        (solid(m.point()), m.solid(), gap)
+    });
+    (facets.collect(), rigid.collect())
+}
+
+/// The narrowest gap, m, between surfaces of solids that deform, each other's or their own, where they start, with the numbers of the
+/// two solids; nothing where all gaps are wider than the barrier's reach. A run needs a gap: the barrier is infinite where there is none.
+pub fn narrowest_initial_gap<const D: usize>(model: &Model<D>) -> Option<(usize, usize, f64)> {
+    let start: Vec<SolidState<D>> = model.solids.iter().map(Solid::initial_state).collect();
+    gaps(model, &start).0.into_iter().min_by(|a, b| a.2.total_cmp(&b.2))
+}
+
+/// The narrowest gap, m, between a solid and another one, itself, or a closed side of the domain, as they are now, with their numbers (none
+/// for a side); nothing where all gaps are wider than the barrier's reach.
+pub fn narrowest_current_gap<const D: usize>(
+    model: &Model<D>,
+    solids: &[SolidState<D>],
+) -> Option<(usize, Option<usize>, f64)> {
+    let (facets, rigid) = gaps(model, solids);
+    let facets = facets.into_iter().map(|(one, other, gap)| (one, Some(other), gap));
+    facets.chain(rigid).min_by(|a, b| a.2.total_cmp(&b.2))
+}
+
+/// The closed sides of the domain.
+fn domain_sides<const D: usize>(model: &Model<D>) -> Vec<Plane<D>> {
+    let upper = model.grid.domain_upper();
+    let mut all = Vec::new();
+    for a in 0..D {
+        for (up, wall) in model.walls[a].iter().enumerate() {
+            if *wall == Wall::Slip {
+                let sign = 1.0 - 2.0 * up as f64;
+                let normal = Vector::from_fn(|b, _| if a == b { sign } else { 0.0 });
+                all.push(Plane { point: if up == 0 { Vector::zeros() } else { upper }, normal });
+            }
+        }
+    }
+    all
+}
+
+/// The speed with which a solid starts, or the largest with which it goes as told, m/s.
+fn initial_speed<const D: usize>(solid: &Solid<D>) -> f64 {
+    match &solid.motion {
+        Motion::Prescribed(path) => {
+            let between = |k: &[(f64, Vector<D>); 2]| (k[1].1 - k[0].1).norm() / (k[1].0 - k[0].0);
+            let frames = path.keyframes.array_windows().map(between);
+            let start = solid.initial_state();
+            frames.fold(solid.max_speed(&SolidState { velocity: path.velocity, ..start }), f64::max)
+        }
+        _ => solid.initial_velocity.norm(),
+    }
+}
+
+/// How each rigid solid is probed against each other one.
+fn probe_sets<const D: usize>(model: &Model<D>) -> BTreeMap<(usize, usize), ProbeSet> {
+    let size = |k: usize| {
+        let (low, high) = model.solids[k].shape.bounds();
+        (high - low).norm()
+    };
+    let rigid: Vec<usize> =
+        (0..model.solids.len()).filter(|k| model.solids[*k].elastic().is_none()).collect();
+    let round = |k: usize| matches!(model.solids[k].shape, Shape::Ball { .. } | Shape::Capsule { .. });
+    let mut all = BTreeMap::new();
+    for i in &rigid {
+        for j in rigid.iter().filter(|j| *j < i) {
+            let (small, large) = if size(*i) <= size(*j) { (*i, *j) } else { (*j, *i) };
+            all.insert((small, large), ProbeSet::All);
+            let centred = round(small) && model.solids[large].shape.is_convex();
+            all.insert((large, small), if centred { ProbeSet::None } else { ProbeSet::Exposed });
+        }
+    }
+    all
+}
+
+/// Which nodes have velocities that are told.
+fn prescribed_nodes<const D: usize>(model: &Model<D>) -> Vec<bool> {
+    let of = |solid: &Solid<D>| match solid.elastic() {
+        Some(elastic) => elastic.anchored().to_vec(),
+        None => vec![solid.motion.is_prescribed(); 2],
+    };
+    model.solids.iter().flat_map(of).collect()
+}

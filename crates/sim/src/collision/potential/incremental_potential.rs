@@ -1,0 +1,295 @@
+//! What the velocities of all solids make least in a step: an incremental potential (M. Li et al. 2020).
+//!
+//! Of each solid that deforms that of [`Incremental`], of each rigid one `½ (V − V*)ᵀ M (V − V*)` about the velocities `V*` that all
+//! other forces give it; of all together `h/a` times the barriers between them at the end of the coming step, of length `a`, and what
+//! friction holds them with on the way there.
+
+use super::slips::{FrictionContact, Slips, friction_law};
+use super::term::PotentialTerm;
+use super::time_levels::{EarlyPairs, OldTimeLevels};
+use crate::collision::broad_phase::{CandidatePairs, Sweep};
+use crate::collision::points::{CollisionPoints, SdfPair};
+use crate::collision::tied_face::TiedFace;
+use crate::model::Model;
+use crate::solid::SolidState;
+use meniscus_contact::{Barrier, Clearance};
+use meniscus_elastic::{AssemblyStructure, BlockMatrix, Cliques, IncrementalPotential};
+use meniscus_numerics::{Matrix, Vector};
+
+/// A rigid solid in the potential.
+#[derive(Clone, Copy, Debug)]
+pub struct RigidTerm<const D: usize> {
+    /// Mass, kg.
+    pub mass: f64,
+    /// Moments of inertia, kg m², for a node's angular velocity.
+    pub inertia: Matrix<D>,
+    /// Velocities of its nodes that all other forces give it.
+    pub target_velocities: [Vector<D>; 2],
+}
+
+/// The part of a solid.
+#[derive(Clone, Debug)]
+pub enum SolidTerm<'a, const D: usize> {
+    /// It deforms.
+    Soft(IncrementalPotential<'a, D>),
+    /// It is rigid, and free.
+    Free(RigidTerm<D>),
+    /// Nothing moves it but what it is told.
+    Prescribed,
+}
+
+/// In what order the unknowns of the solids' matrix are eliminated.
+pub struct EliminationOrder<const D: usize> {
+    /// Of the last matrix.
+    pub structure: Option<AssemblyStructure>,
+    /// Where nodes are when the forces act, m: the order is by these.
+    pub positions: Vec<Vector<D>>,
+}
+
+/// The potential of a step.
+pub struct Potential<'a, const D: usize> {
+    /// The model.
+    pub model: &'a Model<D>,
+    /// The solids where the step ends.
+    pub solids: &'a [SolidState<D>],
+    /// Their points.
+    pub points: &'a CollisionPoints<D>,
+    /// The solids' own parts.
+    pub parts: Vec<SolidTerm<'a, D>>,
+    /// The barrier between all of them.
+    pub barrier: Barrier,
+    /// For how long the forces act, s.
+    pub impulse_time: f64,
+    /// How far the velocities are then ahead of the positions, s.
+    pub velocity_lead: f64,
+    /// The longest that the coming step can be, s.
+    pub lookahead: f64,
+    /// The time in which rigid solids settle on each other, s.
+    pub settling_time: f64,
+    /// Where solids are now, and where they were at the time of the old velocities.
+    pub old_levels: OldTimeLevels<'a, D>,
+    /// The elastic slips where the step ends.
+    pub elastic_slips: &'a Slips<D>,
+    /// The pairs that feel their barrier early.
+    pub early_pairs: EarlyPairs,
+    /// What rubs.
+    pub friction_contacts: Vec<FrictionContact<D>>,
+    /// Impulses of the pressure on the nodes, N s.
+    pub pressure_impulses: Vec<Vector<D>>,
+}
+
+impl<'a, const D: usize> Potential<'a, D> {
+    /// Its value, J (2D: J/m).
+    pub fn value(&self, velocities: &[Vector<D>], candidates: &CandidatePairs) -> f64 {
+        let own: f64 =
+            self.parts.iter().enumerate().map(|(k, part)| self.own_value(k, part, velocities)).sum();
+        let places = self.configuration(velocities);
+        let friction = friction_law(self.model);
+        let rub = |r: &FrictionContact<D>| {
+            let to = r.owners.map(|o| places.position(&o));
+            friction.energy(&r.rubbing, &r.start_positions, &to)
+        };
+        let rubbed: f64 = self.friction_contacts.iter().map(rub).sum();
+        let pressed: f64 = self.pressure_impulses.iter().zip(velocities).map(|(j, v)| j.dot(v)).sum();
+        let damped = self.dissipation(velocities, &candidates.sdf_pairs);
+        own - pressed
+            + self.impulse_time
+                * (self.barrier_power(velocities, candidates) + damped + rubbed / self.lookahead)
+    }
+
+    /// All terms between solids.
+    fn terms(
+        &self,
+        velocities: &[Vector<D>],
+        candidates: &CandidatePairs,
+        positive: bool,
+    ) -> Vec<PotentialTerm<D>> {
+        let mut terms = self.barrier_terms(velocities, candidates, positive);
+        let (places, friction) = (self.configuration(velocities), friction_law(self.model));
+        for r in &self.friction_contacts {
+            let to = r.owners.map(|o| places.position(&o));
+            let derivatives = friction.derivatives(&r.rubbing, &r.start_positions, &to);
+            terms.push(PotentialTerm {
+                node_jacobians: r.owners[..derivatives.point_count]
+                    .iter()
+                    .map(|o| places.node_jacobians(o))
+                    .collect(),
+                derivatives,
+                time: self.lookahead,
+            });
+        }
+        terms
+    }
+
+    fn own_value(&self, k: usize, part: &SolidTerm<'a, D>, velocities: &[Vector<D>]) -> f64 {
+        let own = &velocities[self.points.first_node[k]..];
+        match part {
+            SolidTerm::Soft(soft) => soft.value(&own[..soft.impulses.len()]),
+            SolidTerm::Free(rigid) => {
+                let off = [own[0] - rigid.target_velocities[0], own[1] - rigid.target_velocities[1]];
+                0.5 * (rigid.mass * off[0].norm_squared() + off[1].dot(&(rigid.inertia * off[1])))
+            }
+            SolidTerm::Prescribed => 0.0,
+        }
+    }
+
+    /// Its gradient, N s (2D: N s/m).
+    pub fn gradient(&self, velocities: &[Vector<D>], candidates: &CandidatePairs) -> Vec<Vector<D>> {
+        let mut gradient: Vec<Vector<D>> = self.pressure_impulses.iter().map(|j| -j).collect();
+        for (k, part) in self.parts.iter().enumerate() {
+            let first = self.points.first_node[k];
+            match part {
+                SolidTerm::Soft(soft) => {
+                    let own = first..first + soft.impulses.len();
+                    let of = soft.gradient(&velocities[own.clone()]);
+                    gradient[own].iter_mut().zip(of).for_each(|(g, of)| *g += of);
+                }
+                SolidTerm::Free(rigid) => {
+                    gradient[first] += (velocities[first] - rigid.target_velocities[0]) * rigid.mass;
+                    gradient[first + 1] +=
+                        rigid.inertia * (velocities[first + 1] - rigid.target_velocities[1]);
+                }
+                SolidTerm::Prescribed => {}
+            }
+        }
+        gradient
+            .iter_mut()
+            .zip(self.contact_impulses(velocities, candidates))
+            .for_each(|(g, push)| *g -= push);
+        gradient
+    }
+
+    /// Impulses, N s (2D: N s/m), that contacts and friction give to the nodes.
+    pub fn contact_impulses(&self, velocities: &[Vector<D>], candidates: &CandidatePairs) -> Vec<Vector<D>> {
+        let mut impulses = vec![Vector::zeros(); velocities.len()];
+        for PotentialTerm { node_jacobians, derivatives, .. } in &self.terms(velocities, candidates, false) {
+            for k in 0..derivatives.point_count {
+                for (i, by) in &node_jacobians[k] {
+                    impulses[*i] -= by.tr_mul(&derivatives.gradient[k]) * self.impulse_time;
+                }
+            }
+        }
+        impulses
+    }
+
+    /// Its second derivatives, kg (2D: kg/m), or their `positive` part; nothing where a solid's matrix cannot be. `ties` add their
+    /// masses. The order of elimination becomes that of this matrix.
+    pub fn hessian(
+        &self,
+        velocities: &[Vector<D>],
+        candidates: &CandidatePairs,
+        ties: &[TiedFace<D>],
+        elimination: &mut EliminationOrder<D>,
+        project_positive: bool,
+    ) -> Option<BlockMatrix<D>> {
+        let mut parts = Vec::new();
+        for (part, first) in self.parts.iter().zip(&self.points.first_node) {
+            if let SolidTerm::Soft(soft) = part {
+                parts.push(soft.hessian(&velocities[*first..first + soft.impulses.len()], project_positive)?);
+            }
+        }
+        let terms = self.terms(velocities, candidates, project_positive);
+        let mut groups = Cliques::default();
+        for term in &terms {
+            groups.push(term.node_jacobians.iter().flatten().map(|l| l.0 as u32));
+        }
+        let arms = |tie: &TiedFace<D>| {
+            tie.solids.iter().flat_map(|end| &end.node_weights).map(|arm| arm.0 as u32).collect::<Vec<_>>()
+        };
+        ties.iter().for_each(|tie| groups.push(arms(tie)));
+        let assembly = self.points.assembly.as_ref()?;
+        let EliminationOrder { structure, positions } = elimination;
+        *structure = assembly.structure(&groups, positions, structure.take());
+        let mut matrix = assembly.matrix(&parts, structure.as_ref()?);
+        for (k, part) in self.parts.iter().enumerate() {
+            let node = self.points.first_node[k] as u32;
+            if let SolidTerm::Free(rigid) = part {
+                let _ = matrix.add(node, node, &(Matrix::identity() * rigid.mass));
+                let _ = matrix.add(node + 1, node + 1, &rigid.inertia);
+            }
+        }
+        for PotentialTerm { node_jacobians, derivatives, time } in &terms {
+            for k in 0..derivatives.point_count {
+                for (i, by_i) in &node_jacobians[k] {
+                    for l in 0..derivatives.point_count {
+                        for (j, by_j) in &node_jacobians[l] {
+                            if i >= j {
+                                let block = by_i.tr_mul(&(derivatives.hessian[k][l] * by_j));
+                                let _ =
+                                    matrix.add(*i as u32, *j as u32, &(block * (self.impulse_time * time)));
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        for tie in ties {
+            tie.masses(|one, other, mass| {
+                for (i, a) in &one.node_weights {
+                    for (j, b) in other.node_weights.iter().filter(|(j, _)| i >= j) {
+                        let _ = matrix.add(*i as u32, *j as u32, &(a * b.transpose() * mass));
+                    }
+                }
+            });
+        }
+        Some(matrix)
+    }
+
+    /// What may meet on the way to the end of the coming step between two choices of velocities, and on the way from the start to that of
+    /// the second one, or feels a barrier before; with a `margin`, m, to what is near.
+    pub fn candidates(&self, from: &[Vector<D>], to: &[Vector<D>], margin: f64) -> CandidatePairs {
+        let (start, end) = (self.time_levels(from), self.time_levels(to));
+        let still = vec![Vector::zeros(); to.len()];
+        let now = self.configuration_after(&still, 0.0);
+        let late = Sweep { from: &start.late.configuration, to: &end.late.configuration };
+        let early = Sweep { from: &start.early.configuration, to: &end.early.configuration };
+        let all = Sweep { from: &now, to: &end.late.configuration };
+        CandidatePairs::on(&[late, early, all], self.barrier.activation_distance, margin)
+    }
+
+    /// The largest part of the way from some velocities along a change of them, up to all of it, on which nothing gives up more than
+    /// `1 − keep` of what keeps it from meeting and from turning inside out.
+    pub fn max_step_fraction(
+        &self,
+        from: &[Vector<D>],
+        change: &[Vector<D>],
+        to: &[Vector<D>],
+        candidates: &CandidatePairs,
+        kept_fraction: f64,
+    ) -> f64 {
+        let (one, other) = (self.configuration(from), self.configuration(to));
+        let (start, end) = (one.positions(), other.positions());
+        let ways: Vec<Vector<D>> = end.iter().zip(&start).map(|(e, s)| e - s).collect();
+        let mut part = candidates.feature_pairs.collision_free_fraction(&start, &ways, kept_fraction);
+        for m in &candidates.sdf_pairs {
+            let thickness = self.points.thickness(m);
+            match *m {
+                SdfPair::Side(p, side) => {
+                    let (side, clearance) =
+                        (&self.points.domain_sides[side], Clearance { thickness, kept_fraction });
+                    part = part.min(side.collision_free_fraction(
+                        &start[p as usize],
+                        &ways[p as usize],
+                        clearance,
+                    ));
+                }
+                SdfPair::Rigid(p, solid, part_of) => {
+                    let (start, end) = (&start[p as usize], &end[p as usize]);
+                    let far = one.distance_to_rigid((solid, part_of), start) - thickness;
+                    let length = Sweep { from: &one, to: &other }.path_length_bound(solid, start, end);
+                    if length > (1.0 - kept_fraction) * far {
+                        part = part.min((1.0 - kept_fraction) * far / length);
+                    }
+                }
+            }
+        }
+        for (k, solid) in self.parts.iter().enumerate() {
+            if let SolidTerm::Soft(soft) = solid {
+                let own = self.points.first_node[k]..self.points.first_node[k] + soft.impulses.len();
+                part =
+                    part.min(soft.inversion_free_fraction(&from[own.clone()], &change[own], kept_fraction));
+            }
+        }
+        part
+    }
+}

@@ -1,0 +1,98 @@
+//! The moments of a step at which distances between solids are compared, and which pairs feel their barrier at which.
+
+use crate::collision::configuration::Configuration;
+use crate::collision::points::{CollisionPoints, SdfPair};
+use crate::model::Model;
+use crate::solid::SolidState;
+use meniscus_contact::Stencil;
+use meniscus_numerics::Vector;
+use std::collections::BTreeSet;
+
+/// Solids at a time, and their points.
+pub struct TimeLevel<'a, const D: usize> {
+    /// The solids.
+    pub configuration: Configuration<'a, D>,
+    /// Where all points are, m.
+    pub positions: Vec<Vector<D>>,
+}
+
+/// The two moments of a step that do not depend on the new velocities.
+pub struct OldTimeLevels<'a, const D: usize> {
+    /// At the time of the old velocities.
+    before: TimeLevel<'a, D>,
+    /// When the forces act.
+    pub start: TimeLevel<'a, D>,
+}
+
+impl<'a, const D: usize> OldTimeLevels<'a, D> {
+    /// Of solids that have gone with the old velocities of their nodes for a time `since`, s.
+    pub fn new(
+        model: &'a Model<D>,
+        solids: &'a [SolidState<D>],
+        points: &'a CollisionPoints<D>,
+        old: &'a [Vector<D>],
+        since: f64,
+    ) -> Self {
+        let [before, start] =
+            [-since, 0.0].map(|time| TimeLevel::new(Configuration::new(model, solids, points, old, time)));
+        Self { before, start }
+    }
+}
+
+/// The moments of a step at which distances between solids are compared.
+pub struct TimeLevels<'a, const D: usize> {
+    pub(super) past: &'a OldTimeLevels<'a, D>,
+    /// At the time of the new velocities.
+    pub early: TimeLevel<'a, D>,
+    /// At the end of the coming step.
+    pub late: TimeLevel<'a, D>,
+}
+
+/// The pairs that feel their barrier at the time of the new velocities, the others at the end of the coming step. Which do depends on the
+/// velocities, and where it changes the potential jumps, so that Newton's method would end at the jump: it is lagged, as friction's
+/// normal forces are.
+#[derive(Clone, Debug, Default)]
+pub struct EarlyPairs {
+    pub(super) contacts: BTreeSet<Stencil>,
+    pub(super) sdf_pairs: BTreeSet<SdfPair>,
+}
+
+impl EarlyPairs {
+    /// Keeps those that are among others, too. Pairs that may only leave within Newton's iterations do not go to and fro.
+    pub fn retain_common(&mut self, others: &Self) {
+        self.contacts.retain(|c| others.contacts.contains(c));
+        self.sdf_pairs.retain(|m| others.sdf_pairs.contains(m));
+    }
+}
+
+/// One of the two moments at which barriers are felt.
+pub struct BarrierLevel<'a, const D: usize> {
+    moments: &'a TimeLevels<'a, D>,
+    pub(super) early: bool,
+}
+
+impl<'a, const D: usize> TimeLevels<'a, D> {
+    /// Whether a pair that came towards each other is nearer at the time of the new velocities than at the end of the coming step.
+    pub(super) fn is_early(&self, distance: impl Fn(&TimeLevel<'a, D>) -> f64) -> bool {
+        let TimeLevels { past, early, late } = self;
+        distance(early) < distance(late) && distance(&past.before) > distance(&past.start)
+    }
+
+    /// Both moments at which barriers are felt.
+    pub fn barrier_levels(&'a self) -> [BarrierLevel<'a, D>; 2] {
+        [false, true].map(|early| BarrierLevel { moments: self, early })
+    }
+}
+
+impl<'a, const D: usize> BarrierLevel<'a, D> {
+    /// The moment.
+    pub fn time_level(&self) -> &'a TimeLevel<'a, D> {
+        if self.early { &self.moments.early } else { &self.moments.late }
+    }
+}
+
+impl<'a, const D: usize> TimeLevel<'a, D> {
+    pub(super) fn new(configuration: Configuration<'a, D>) -> Self {
+        Self { positions: configuration.positions(), configuration }
+    }
+}

@@ -1,0 +1,243 @@
+//! How all solids that something can move answer to impulses together: `A⁻¹`, with the second derivatives `A` of the potential of a
+//! step.
+
+use super::tied_face::{TiedFace, TiedSolid};
+use crate::coupling::impulses::CouplingImpulses;
+use crate::model::Model;
+use crate::solid::deformable::FluxRow;
+use crate::solid::{Motion, Solid, SolidState};
+use meniscus_elastic::{AssemblyInverse, Reach};
+use meniscus_numerics::Vector;
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::points::{CollisionPoints, angular_to_node};
+use crate::contact_line::friction::DraggedFace;
+
+/// What a cell gives way, over what a face does, that is nothing: a pocket with no way out but through so little of a solid's
+/// surface could have any pressure.
+const MIN_COMPLIANCE_RATIO: f64 = 1e-3;
+/// Widths of the blocks, doubling from one cell, in which it is asked how a solid gives way.
+const BLOCK_WIDTH_COUNT: u32 = 5;
+
+/// The answer of all solids.
+#[derive(Debug)]
+pub struct SolidResponse<const D: usize> {
+    solution: AssemblyInverse<D>,
+    /// The first node of each solid.
+    first_node: Vec<usize>,
+    /// Mass of each node, kg (of an angular velocity a moment of inertia, kg m²).
+    masses: Vec<f64>,
+    /// Which nodes are those of rigid solids.
+    rigid: Vec<bool>,
+    /// Impulses on the nodes without the pressure, N s.
+    base_impulses: Vec<Vector<D>>,
+    /// What nodes that are told lack of their velocities, m/s.
+    prescribed_change: Vec<Vector<D>>,
+    /// Faces that contact lines tie to solids.
+    ties: Vec<TiedFace<D>>,
+}
+
+impl<const D: usize> SolidResponse<D> {
+    /// By the inverse of the matrix.
+    pub fn new(
+        model: &Model<D>,
+        solids: &[SolidState<D>],
+        points: &CollisionPoints<D>,
+        solution: AssemblyInverse<D>,
+        (base_impulses, prescribed_change): (Vec<Vector<D>>, Vec<Vector<D>>),
+        ties: Vec<TiedFace<D>>,
+    ) -> Self {
+        let of = |(solid, now): (&Solid<D>, &SolidState<D>)| match solid.elastic() {
+            Some(elastic) => elastic.masses().to_vec(),
+            None => vec![solid.mass_properties.mass, solid.inertia(now).trace() / 3.0],
+        };
+        let masses: Vec<f64> = model.solids.iter().zip(solids).flat_map(of).collect();
+        let nodes = |solid: &Solid<D>| solid.elastic().map_or(2, |e| e.masses().len());
+        let rigid = |solid: &Solid<D>| vec![solid.elastic().is_none(); nodes(solid)];
+        let rigid = model.solids.iter().flat_map(rigid).collect();
+        Self {
+            solution,
+            first_node: points.first_node.clone(),
+            masses,
+            rigid,
+            base_impulses,
+            prescribed_change,
+            ties,
+        }
+    }
+
+    /// Number of degrees of freedom.
+    pub fn dof_count(&self) -> usize {
+        D * self.masses.len()
+    }
+
+    /// Whether a degree of freedom is a rigid solid's.
+    pub fn is_rigid(&self, freedom: u32) -> bool {
+        self.rigid[freedom as usize / D]
+    }
+
+    /// The first node of a solid.
+    pub fn first_node(&self, solid: usize) -> usize {
+        self.first_node[solid]
+    }
+
+    /// `A⁻¹ b`, in place.
+    pub fn solve(&self, b: &mut [Vector<D>]) {
+        self.solution.solve(b);
+    }
+
+    /// What is needed to solve for the degrees of freedom that flow into cells.
+    pub fn reach(&self, flows: &[FluxRow]) -> Reach {
+        let all = flows.iter().flat_map(|(_, flow)| flow);
+        let nodes: BTreeSet<u32> = all.map(|(k, _)| k / D as u32).collect();
+        self.solution.reach(nodes.into_iter())
+    }
+
+    /// `A⁻¹ x` of these degrees of freedom, in place; `x` is 0 for all others. Of one vector or several, one after another.
+    pub fn solve_within(&self, reach: &Reach, x: &mut [f64]) {
+        let count = x.len() / self.dof_count();
+        self.solution.solve_within(reach, x, count);
+    }
+
+    /// What each cell by itself would give way if the nodes of solids that deform were loose, a bound of `F M⁻¹ Fᵀ` by the sums of its
+    /// rows, times the share of that which they are loose. Rigid solids give way as a whole only. `place` tells where a cell is.
+    pub fn lumped_compliance(
+        &self,
+        flows: &[FluxRow],
+        reach: &Reach,
+        place: impl Fn(u32) -> [usize; D],
+    ) -> Vec<f64> {
+        let soft =
+            |flow: &FluxRow| (flow.0, flow.1.iter().filter(|(k, _)| !self.is_rigid(*k)).copied().collect());
+        let flows: Vec<FluxRow> = flows.iter().map(soft).collect();
+        if flows.iter().all(|(_, flow)| flow.is_empty()) {
+            return vec![0.0; flows.len()];
+        }
+        let mut sums = vec![0.0; self.dof_count()];
+        flows.iter().flat_map(|(_, flow)| flow).for_each(|(k, v)| sums[*k as usize] += v.abs());
+        let entry = |(k, v): &(u32, f64)| v.abs() * sums[*k as usize] / self.masses[*k as usize / D];
+        let all: Vec<f64> = flows.iter().map(|(_, flow)| flow.iter().map(entry).sum()).collect();
+        let loose = self.compliance_ratio(&flows, reach, place);
+        all.into_iter().map(|give| if give < MIN_COMPLIANCE_RATIO { 0.0 } else { give * loose }).collect()
+    }
+
+    /// What pressures give way to over what they would if the nodes were loose: the mean over pushes to and fro in blocks of
+    /// 1 to 16 cells. Stiff sheets bend under wide ones only (design, numerics §1: as if loose up to a bending stiffness of some
+    /// hundred, as if rigid from 10⁵ on).
+    fn compliance_ratio(&self, flows: &[FluxRow], reach: &Reach, place: impl Fn(u32) -> [usize; D]) -> f64 {
+        let n = self.dof_count();
+        // Both sides of a sheet are pushed the same way.
+        let sides = flows.iter().map(|(cell, flow)| {
+            let along = |a: usize| flow.iter().filter(|(k, _)| *k as usize % D == a).map(|f| f.1).sum();
+            let total = Vector::<D>::from_fn(|a, _| along(a));
+            (place(*cell), total[total.iamax()].signum(), flow)
+        });
+        let sides: Vec<_> = sides.collect();
+        let mut pushes = vec![0.0; BLOCK_WIDTH_COUNT as usize * n];
+        for (width, push) in pushes.chunks_exact_mut(n).enumerate() {
+            for (at, side, flow) in &sides {
+                let even = at.iter().map(|i| i >> width).sum::<usize>() % 2 == 0;
+                let sign = if even { *side } else { -side };
+                flow.iter().for_each(|(k, v)| push[*k as usize] += sign * v);
+            }
+        }
+        let mut gives = pushes.clone();
+        self.solution.solve_within(reach, &mut gives, BLOCK_WIDTH_COUNT as usize);
+        let ratio = |(push, gives): (&[f64], &[f64])| {
+            let held: f64 = push.iter().zip(gives).map(|(f, x)| f * x).sum();
+            let loose: f64 = push.iter().enumerate().map(|(k, f)| f * f / self.masses[k / D]).sum();
+            if loose > 0.0 { held / loose } else { 1.0 }
+        };
+        let all = pushes.chunks_exact(n).zip(gives.chunks_exact(n));
+        all.map(ratio).sum::<f64>() / f64::from(BLOCK_WIDTH_COUNT)
+    }
+
+    /// An exchange as impulses on the nodes.
+    pub fn node_impulses(
+        &self,
+        model: &Model<D>,
+        solids: &[SolidState<D>],
+        exchange: &CouplingImpulses<D>,
+    ) -> Vec<Vector<D>> {
+        let mut all = vec![Vector::zeros(); self.masses.len()];
+        let sums = exchange.by_solid(solids.len());
+        for (k, solid) in model.solids.iter().enumerate() {
+            if solid.motion == Motion::Free {
+                let about = sums[k].moment_about(&solids[k].center);
+                all[self.first_node[k]] = sums[k].linear;
+                all[self.first_node[k] + 1] = angular_to_node(&about.into());
+            }
+        }
+        for (solid, grips) in &exchange.point_impulses {
+            crate::solid::deformable::distribute_to_vertices(
+                grips,
+                &mut all[self.first_node[*solid as usize]..],
+            );
+        }
+        all
+    }
+
+    /// The flows through tied faces: the cell, and the flow out of it by the components of the nodes' velocities.
+    pub fn tied_flux_rows(&self) -> Vec<FluxRow> {
+        let of = |tie: &TiedFace<D>| {
+            let entries = |sign: f64| {
+                let of = |end: &TiedSolid<D>| {
+                    let flow = sign * tie.open_fraction * tie.mobility * end.drag;
+                    let entry = |(node, w): &(usize, Vector<D>)| {
+                        (0..D).map(|a| ((node * D + a) as u32, flow * w[a])).collect::<Vec<_>>()
+                    };
+                    end.node_weights.iter().flat_map(entry).collect::<Vec<_>>()
+                };
+                tie.solids.iter().flat_map(of).collect::<Vec<_>>()
+            };
+            tie.cells.iter().map(|(cell, sign)| (*cell, entries(*sign))).collect::<Vec<_>>()
+        };
+        self.ties.iter().flat_map(of).collect()
+    }
+
+    /// The change of the nodes' velocities without the pressure of the cells: by what is given to them, the tied faces with their
+    /// `velocity` and the surface's `tension`, and some impulses more.
+    pub fn change_without_pressure(
+        &self,
+        model: &Model<D>,
+        dragged: &[DraggedFace],
+        velocity: impl Fn(&DraggedFace) -> f64,
+        tension: BTreeMap<(usize, usize), f64>,
+        more: Option<Vec<Vector<D>>>,
+    ) -> Vec<Vector<D>> {
+        let weight = model.density * model.grid.cell_volume();
+        let mut impulses = self.base_impulses.clone();
+        more.iter().flatten().zip(&mut impulses).for_each(|(more, j)| *j += more);
+        for tie in &self.ties {
+            let f = &dragged[tie.dragged_face];
+            let pulled = tension.get(&(f.axis, f.face)).copied().unwrap_or(0.0) * tie.mobility;
+            for end in &tie.solids {
+                let push = weight
+                    * (f.volume_cells * f.drags[end.drag_index].impulse_on_solid(velocity(f))
+                        - pulled * end.drag);
+                end.node_weights.iter().for_each(|(node, w)| impulses[*node] += w * push);
+            }
+        }
+        self.solve(&mut impulses);
+        impulses.iter().zip(&self.prescribed_change).map(|(c, lead)| c + lead).collect()
+    }
+
+    /// Adds the change of the nodes' velocities to the tied faces; `velocity` adds to one face.
+    pub fn update_tied_faces(
+        &self,
+        dragged: &mut [DraggedFace],
+        change: &[Vector<D>],
+        mut velocity: impl FnMut(&DraggedFace, f64),
+    ) {
+        for tie in &self.ties {
+            let f = &mut dragged[tie.dragged_face];
+            let mut sum = 0.0;
+            for end in &tie.solids {
+                let by = end.velocity(change);
+                f.drags[end.drag_index].solid_velocity += by;
+                sum += end.drag * by;
+            }
+            velocity(f, tie.mobility * sum);
+        }
+    }
+}

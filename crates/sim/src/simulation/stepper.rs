@@ -1,0 +1,362 @@
+//! A run in memory: the model, the state, and how to step.
+
+use super::diagnostics::{
+    Diagnostics, StepReport, diagnostics, energy_without_gravity, max_velocity_component, potential_energy,
+    update_diagnostics,
+};
+use super::dimension::by_dimension;
+use super::step::{restore_signed_distance, step};
+use super::workspace::{Snapshot, Workspace};
+use crate::contact_line::sampling::phi_at_solid;
+use crate::model::Model;
+use crate::model::resolution::BAND_WIDTH_CELLS;
+use crate::model::time_step::{PhaseEnd, next_dt, stable_dt, uniform_dt};
+use crate::repairs::Repairs;
+use crate::solid::Solid;
+use crate::state::State;
+use meniscus_numerics::grid::{Runs, Sampler};
+use meniscus_numerics::linalg::SolveError;
+use meniscus_numerics::mesh::SurfaceMesh;
+use meniscus_numerics::{Vector, par};
+use rayon::prelude::*;
+use thiserror::Error;
+
+/// A liquid body at the start.
+pub struct LiquidRegion<'a, const D: usize> {
+    /// Signed distance to its surface, m, negative inside.
+    pub signed_distance: &'a (dyn Fn(&Vector<D>) -> f64 + Sync),
+    /// Start velocity, m/s.
+    pub velocity: Vector<D>,
+}
+
+/// Why a step could not be done. The state is as it was before the step.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum StepError {
+    /// The solve failed even with the shortest step tried.
+    #[error("time {time:.6e} s, step {dt:.3e} s: {source}")]
+    SolveFailed {
+        /// Time of the last good state, s.
+        time: f64,
+        /// Step length tried last, s.
+        dt: f64,
+        /// What the solver said.
+        source: SolveError,
+    },
+    /// A number that is not finite appeared.
+    #[error("the {what} is not finite after the step from time {time:.6e} s")]
+    NotFinite {
+        /// Time of the last good state, s.
+        time: f64,
+        /// Which field.
+        what: &'static str,
+    },
+    /// The step had to be cut too often.
+    #[error("at time {time:.6e} s even a step of {dt:.3e} s fails: {reason}")]
+    TooShort {
+        /// Time of the last good state, s.
+        time: f64,
+        /// Step length tried last, s.
+        dt: f64,
+        /// What went wrong.
+        reason: String,
+    },
+}
+
+/// Halvings of a step that went wrong before giving up.
+const MAX_RETRIES: u64 = 6;
+/// Halvings because of doubtful accuracy, counted from the longest step allowed; a shorter one is taken as it is.
+const MAX_ACCURACY_HALVINGS: u32 = 2;
+/// Layer, in cells, that a component's volume gained or lost in one step and that is doubtful.
+const MAX_VOLUME_ERROR_CELLS: f64 = 0.1;
+/// Shortest step, over the longest that tension, gravity and the user allow: far below what any splash or impact needs; a liquid that
+/// asks for less runs away, and solids that do leave each other no room.
+const MIN_DT_RATIO: f64 = 1e-5;
+/// Growth of the energy in one step, over what there is without gravity's, that is doubtful.
+const MAX_ENERGY_GROWTH: f64 = 0.05;
+/// Way of the liquid in a step, in cells, that is no motion but a failure.
+const MAX_DISPLACEMENT_CELLS: f64 = 30.0;
+/// Distance, in cells, of motions in a step, and of falls, whose energy is nothing.
+const NEGLIGIBLE_DISPLACEMENT_CELLS: f64 = 1e-6;
+
+/// A model, its state, and the memory a step works in.
+pub struct Simulation<const D: usize> {
+    /// What stays fixed.
+    pub model: Model<D>,
+    /// What evolves.
+    pub state: State<D>,
+    pub(crate) workspace: Workspace<D>,
+}
+
+impl<const D: usize> Simulation<D> {
+    /// A simulation that starts from bodies of liquid. Where bodies overlap, the first one's velocity counts. Liquid that may reach
+    /// an open side needs a model [with open sides](Model::with_open_sides).
+    pub fn new(model: Model<D>, regions: &[LiquidRegion<'_, D>]) -> Self {
+        let grid = model.grid;
+        let mut state = State::empty(grid);
+        state.solids = model.solids.iter().map(Solid::initial_state).collect();
+        let limit = BAND_WIDTH_CELLS * grid.dx;
+        let lattice = grid.lattice();
+        state.phi.data.par_iter_mut().enumerate().for_each(|(i, value)| {
+            let x = model.mirrored(&grid.center(lattice.coordinates(i)));
+            let distance = regions.iter().map(|b| (b.signed_distance)(&x)).fold(f64::INFINITY, f64::min);
+            *value = distance.max(model.open_side_distance(&x)).clamp(-limit, limit);
+        });
+        let mut simulation = Self::resume(model, state);
+        simulation.clamp_phi_beyond_band();
+        simulation.redistance_at_wetting_walls();
+        simulation.initialise_velocity(regions);
+        simulation
+    }
+
+    /// A simulation that goes on from a state (a checkpoint). The same bits as if it had never stopped.
+    pub fn resume(model: Model<D>, mut state: State<D>) -> Self {
+        for (solid, now) in model.solids.iter().zip(&mut state.solids) {
+            let soft = now.soft.take().zip(solid.elastic());
+            now.soft = soft.map(|(soft, elastic)| soft.with_surface(elastic));
+        }
+        let mut parts = (model, state);
+        let workspace = by_dimension(&mut parts, (), workspace_2, workspace_3);
+        let (model, state) = parts;
+        Self { model, state, workspace }
+    }
+
+    /// Gives φ its bound beyond the band, as every step does.
+    fn clamp_phi_beyond_band(&mut self) {
+        let (work, limit) = (&self.workspace, BAND_WIDTH_CELLS * self.model.grid.dx);
+        let deep =
+            self.state.phi.data.par_iter_mut().enumerate().filter(|(c, _)| work.band.slot(*c).is_none());
+        deep.for_each(|(_, value)| *value = limit.copysign(*value));
+    }
+
+    /// Makes φ the distance to the surface where sides wet: a body may end at a side, and there no surface is.
+    fn redistance_at_wetting_walls(&mut self) {
+        if self.model.wetting_wall_solid().is_none() {
+            return;
+        }
+        self.state.displacement_since_redistancing = f64::INFINITY;
+        restore_signed_distance(&self.model, &mut self.state, &self.workspace);
+    }
+
+    fn initialise_velocity(&mut self, regions: &[LiquidRegion<'_, D>]) {
+        let grid = self.model.grid;
+        for a in 0..D {
+            let faces = grid.face_lattice(a);
+            let row = faces.extent[0];
+            let model = &self.model;
+            par::for_each_segment(
+                &mut self.state.velocity.axes[a],
+                row,
+                &self.workspace.known_faces.liquid_faces()[a],
+                |s, part| {
+                    for (i, u) in part.iter_mut().enumerate() {
+                        let at = faces.coordinates(s.row * row + s.start + i);
+                        let x = grid.face_center(a, at);
+                        let nearest = regions
+                            .iter()
+                            .map(|b| ((b.signed_distance)(&x), b.velocity[a]))
+                            .reduce(|best, b| if best.0 < 0.0 || best.0 <= b.0 { best } else { b });
+                        *u = if model.on_closed_side(a, at[a]) { 0.0 } else { nearest.map_or(0.0, |b| b.1) };
+                    }
+                },
+            );
+        }
+        by_dimension(self, (), open_2, open_3)
+    }
+
+    fn initialise(&mut self) {
+        self.workspace.rebuild_velocity_extension(&self.model, &mut self.state);
+        update_diagnostics(&self.model, &mut self.state, &self.workspace);
+    }
+
+    /// Takes a step and undoes it, as one that fails is undone: for tests of that.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::step`].
+    pub fn step_and_undo(&mut self, max_dt: f64) -> Result<StepReport<D>, StepError> {
+        let snapshot = Snapshot::take(&self.model, &self.state, &mut self.workspace);
+        let report = self.step(max_dt, &mut |_| {});
+        snapshot.restore(&self.model, &mut self.state, &mut self.workspace);
+        report
+    }
+
+    /// Goes one time step on, at most `max_dt` (s) long: the step ends early where stability or accuracy ask for it,
+    /// and is chosen so that `max_dt` is met in steps of equal length.
+    ///
+    /// # Errors
+    /// [`StepError`]; the state is then the one before the step.
+    pub fn step(&mut self, max_dt: f64, phase_end: PhaseEnd<'_>) -> Result<StepReport<D>, StepError> {
+        by_dimension(self, (max_dt, phase_end), step_2, step_3)
+    }
+
+    fn advance(&mut self, max_dt: f64, phase_end: PhaseEnd<'_>) -> Result<StepReport<D>, StepError> {
+        let solids = self.model.solids.iter().zip(&self.state.solids).map(|(s, now)| s.max_speed(now));
+        let liquid = max_velocity_component(&self.model, &self.state, &self.workspace);
+        let solids = solids.fold(0.0, f64::max);
+        let speed = liquid.max(solids);
+        let max_stable_dt =
+            self.max_stable_dt(speed, if solids > liquid { "a solid" } else { "the liquid" })?;
+        let mut dt = self.choose_dt(max_stable_dt, max_dt);
+        let accept_below_dt = 1.5 * 0.5f64.powi(MAX_ACCURACY_HALVINGS as i32) * max_stable_dt;
+        let dt_at_rest = stable_dt(&self.model, 0.0);
+        let min_dt = if dt_at_rest.is_finite() { MIN_DT_RATIO * dt_at_rest } else { 0.0 };
+        let energy = energy_without_gravity(&self.model, &self.state);
+        let total_energy = energy + potential_energy(&self.model, &self.state) + self.state.outflow_energy();
+        let time = self.state.time;
+        let (mut redone, mut failed) = (0, 0);
+        // Ends after [`RETRIES`] and [`DOUBTS`].
+        loop {
+            self.workspace.repairs = Repairs::default();
+            let snapshot = Snapshot::take(&self.model, &self.state, &mut self.workspace);
+            let result = step(&self.model, &mut self.state, &mut self.workspace, dt, phase_end);
+            let failure = match result {
+                Ok(result) => {
+                    let displacement_cells =
+                        max_velocity_component(&self.model, &self.state, &self.workspace) * dt
+                            / self.model.grid.dx;
+                    let is_bounded =
+                        self.state.kinetic_energy.is_finite() && displacement_cells < MAX_DISPLACEMENT_CELLS;
+                    let own = energy_without_gravity(&self.model, &self.state) + self.state.outflow_energy();
+                    let energy_gain = own + potential_energy(&self.model, &self.state)
+                        - total_energy
+                        - result.prescribed_work;
+                    let doubtful = result.volume_error_cells > MAX_VOLUME_ERROR_CELLS
+                        || energy_gain > MAX_ENERGY_GROWTH * energy.abs() + self.negligible_energy(dt);
+                    if is_bounded
+                        && (!doubtful || dt < accept_below_dt || self.model.numerics.fixed_step.is_some())
+                    {
+                        let cfl = speed * dt / self.model.grid.dx;
+                        let mut repairs = std::mem::take(&mut self.workspace.repairs);
+                        (repairs.redone, repairs.failed_tries) = (redone, failed);
+                        repairs.doubtful_steps = u64::from(doubtful);
+                        return Ok(StepReport {
+                            dt,
+                            cfl,
+                            solves: result.solves,
+                            newton_iterations: result.newton_iterations,
+                            repairs,
+                            diagnostics: self.diagnostics(),
+                        });
+                    }
+                    let reason = format!("the liquid would go {displacement_cells:.1e} cells in a step");
+                    match displacement_cells.is_finite() {
+                        true if is_bounded => None,
+                        true => Some(StepError::TooShort { time, dt, reason }),
+                        false => Some(StepError::NotFinite { time, what: "velocity" }),
+                    }
+                }
+                Err(source) => Some(StepError::SolveFailed { time, dt, source }),
+            };
+            snapshot.restore(&self.model, &mut self.state, &mut self.workspace);
+            redone += 1;
+            failed += u64::from(failure.is_some());
+            let last = redone > MAX_RETRIES || 0.5 * dt < min_dt && self.model.numerics.fixed_step.is_none();
+            if let Some(failure) = failure.filter(|_| last) {
+                return Err(failure);
+            }
+            dt *= 0.5;
+        }
+    }
+
+    fn choose_dt(&self, mut wanted: f64, max_dt: f64) -> f64 {
+        if self.model.numerics.fixed_step.is_none() && self.state.last_dt > 0.0 {
+            wanted = wanted.min(self.state.collision_free_dt);
+        }
+        if self.model.numerics.fixed_step.is_some() || self.state.last_dt == 0.0 {
+            return uniform_dt(max_dt, wanted);
+        }
+        next_dt(self.state.velocity_lead, wanted, max_dt)
+    }
+
+    /// The longest step that the largest speed, which is that of `fastest`, and surface tension allow.
+    fn max_stable_dt(&self, speed: f64, fastest: &str) -> Result<f64, StepError> {
+        if let Some(dt) = self.model.numerics.fixed_step {
+            return Ok(dt);
+        }
+        let dt_at_rest = stable_dt(&self.model, 0.0);
+        let dt = stable_dt(&self.model, speed);
+        if dt_at_rest.is_finite() && dt < MIN_DT_RATIO * dt_at_rest {
+            let reason = format!("{fastest} runs away, at {speed:.3e} m/s");
+            return Err(StepError::TooShort { time: self.state.time, dt, reason });
+        }
+        Ok(dt)
+    }
+
+    /// Energy of motions too small to count: without it rounding alone would be doubtful in a liquid at rest.
+    fn negligible_energy(&self, dt: f64) -> f64 {
+        let mass = self.model.density * self.state.components.iter().map(|d| d.target_volume).sum::<f64>();
+        let displacement = NEGLIGIBLE_DISPLACEMENT_CELLS * self.model.grid.dx;
+        mass * ((displacement / dt).powi(2) + displacement * self.model.gravity.norm())
+    }
+
+    /// The liquid cells (centre in the liquid) as runs labelled with their component.
+    pub fn liquid_cells(&self) -> &Runs {
+        &self.workspace.liquid
+    }
+
+    /// Distance of a point to the nearest solid where it is now, m, negative inside.
+    pub fn distance_to_solids(&self, x: &Vector<D>) -> f64 {
+        let all = self.model.solids.iter().zip(&self.state.solids);
+        all.map(|(solid, now)| solid.distance(now, x)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Share of a solid's surface that is wetted, 0 to 1.
+    pub fn wetted_fraction(&self, number: usize) -> f64 {
+        if let Some(soft) = &self.state.solids[number].soft {
+            return self.wetted_fraction_of_surface(&soft.surface.mesh, self.model.solids[number].padding);
+        }
+        let own = self.workspace.cut_cells.cells.iter().filter(|w| w.solid as usize == number);
+        let wet = own.filter(|w| self.state.phi.data[w.cell as usize] < 0.0);
+        let wet = wet.map(|w| w.area_vector.norm()).sum::<f64>() * self.model.grid.face_area();
+        let all = self.workspace.initial_solid_areas[number];
+        if all > 0.0 { (wet / all).min(1.0) } else { 0.0 }
+    }
+
+    /// Share of a surface over the middles of whose facets, `padding` (m) above them, there is liquid.
+    fn wetted_fraction_of_surface(&self, surface: &SurfaceMesh<D>, padding: f64) -> f64 {
+        let grid = &self.model.grid;
+        let phi = Sampler::cells(grid, &self.state.phi.data, self.model.scalar_boundary());
+        let (mut wet, mut all) = (0.0, 0.0);
+        for (f, facet) in surface.facets.iter().enumerate() {
+            let middle = facet.iter().map(|v| surface.positions[*v as usize]).sum::<Vector<D>>() / D as f64;
+            let area = surface.area_vector(f);
+            let size = area.norm();
+            all += size;
+            let normal = area / size;
+            if size > 0.0 && phi_at_solid(&phi, &(middle + normal * padding), &normal, grid.dx) < 0.0 {
+                wet += size;
+            }
+        }
+        if all > 0.0 { wet / all } else { 0.0 }
+    }
+
+    /// The books of the present state.
+    pub fn diagnostics(&self) -> Diagnostics<D> {
+        diagnostics(&self.model, &self.state, &self.workspace)
+    }
+}
+
+/// The functions of either dimension ([`self::dimension`]).
+macro_rules! of_dimension {
+    ($d:literal, $workspace:ident, $open:ident, $step:ident) => {
+        #[inline(never)]
+        fn $workspace((model, state): &mut (Model<$d>, State<$d>), (): ()) -> Workspace<$d> {
+            Workspace::new(model, state)
+        }
+
+        #[inline(never)]
+        fn $open(simulation: &mut Simulation<$d>, (): ()) {
+            simulation.initialise();
+        }
+
+        #[inline(never)]
+        fn $step(
+            simulation: &mut Simulation<$d>,
+            (max_dt, phase_end): (f64, PhaseEnd<'_>),
+        ) -> Result<StepReport<$d>, StepError> {
+            simulation.advance(max_dt, phase_end)
+        }
+    };
+}
+
+of_dimension!(2, workspace_2, open_2, step_2);
+of_dimension!(3, workspace_3, open_3, step_3);

@@ -1,0 +1,250 @@
+//! Solids without liquid that the cases of contact share: meshes, models, and what is watched while they run.
+
+use crate::soak::{EnergyLaw, EnergyMonitor};
+use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
+use meniscus_numerics::grid::Grid;
+use meniscus_numerics::mesh::{Simplex, VolumeMesh};
+use meniscus_numerics::shape::Shape;
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{
+    Barriers, Diagnostics, Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, StepError, Wall,
+    overlaps,
+};
+use std::sync::Arc;
+
+/// Gravity where there is any.
+pub const GRAVITY: f64 = 10.0;
+
+/// What a soft solid is made of: neo-Hookean.
+#[derive(Clone, Copy, Debug)]
+pub struct SoftMaterial {
+    /// Young's modulus.
+    pub young: f64,
+    /// Poisson's ratio.
+    pub poisson: f64,
+    /// Density.
+    pub density: f64,
+    /// Damping of the lowest mode over the critical one.
+    pub damping: f64,
+    /// Coulomb's coefficient of friction.
+    pub friction: f64,
+}
+
+/// A cube from −1 to 1 in `n` cells along each axis, of simplices whose diagonals are mirrored about the middle.
+pub fn cube_mesh<const D: usize>(n: [usize; D]) -> VolumeMesh<D> {
+    let id = |at: &[usize; D]| (0..D).rev().fold(0, |k, a| k * (n[a] + 1) + at[a]);
+    let count: usize = n.iter().map(|n| n + 1).product();
+    let place = |mut k: usize| {
+        Vector::<D>::from_fn(|a, _| {
+            let i = k % (n[a] + 1);
+            k /= n[a] + 1;
+            2.0 * i as f64 / n[a] as f64 - 1.0
+        })
+    };
+    let positions: Vec<Vector<D>> = (0..count).map(place).collect();
+    let orders: &[[usize; 3]] = if D == 2 {
+        &[[0, 1, 2], [1, 0, 2]]
+    } else {
+        &[[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]]
+    };
+    let mut simplices = Vec::new();
+    for mut cell in 0..n.iter().product() {
+        let low: [usize; D] = std::array::from_fn(|a| {
+            let i = cell % n[a];
+            cell /= n[a];
+            i
+        });
+        let mirrored: [bool; D] = std::array::from_fn(|a| 2 * low[a] + 1 < n[a]);
+        let start: [usize; D] = std::array::from_fn(|a| low[a] + usize::from(mirrored[a]));
+        for order in orders {
+            let mut at = start;
+            let others = std::array::from_fn(|k| {
+                let a = order[k];
+                at[a] = if mirrored[a] { low[a] } else { low[a] + 1 };
+                id(&at) as u32
+            });
+            let mut simplex = Simplex { root: id(&start) as u32, others };
+            if simplex.volume(&positions) < 0.0 {
+                simplex.others.swap(0, 1);
+            }
+            simplices.push(simplex);
+        }
+    }
+    VolumeMesh { positions, simplices }
+}
+
+/// The same with vertices in the same places, of quadratic simplices twice as large: the numbers of cells are even.
+pub fn quadratic_cube_mesh<const D: usize>(n: [usize; D]) -> VolumeMesh<D> {
+    cube_mesh(n.map(|n| n / 2)).subdivided()
+}
+
+/// A mesh with every vertex moved.
+pub fn mapped<const D: usize>(
+    mut mesh: VolumeMesh<D>,
+    map: impl Fn(&Vector<D>) -> Vector<D>,
+) -> VolumeMesh<D> {
+    mesh.positions.iter_mut().for_each(|x| *x = map(x));
+    mesh
+}
+
+/// A box of quadratic simplices.
+pub fn box_mesh<const D: usize>(n: [usize; D], center: Vector<D>, half: Vector<D>) -> VolumeMesh<D> {
+    mapped(quadratic_cube_mesh(n), |x| center + x.component_mul(&half))
+}
+
+/// The point of the unit ball to which a point of the cube from −1 to 1 goes: spheres come from cubes about the middle.
+pub fn cube_to_ball<const D: usize>(x: &Vector<D>) -> Vector<D> {
+    let norm = x.norm();
+    if norm > 0.0 { x * (x.amax() / norm) } else { Vector::zeros() }
+}
+
+/// A vector of which all components but the first and the last are those of the middle of a unit box.
+pub fn point_at<const D: usize>(first: f64, last: f64) -> Vector<D> {
+    Vector::from_fn(|a, _| match a {
+        0 => first,
+        a if a + 1 == D => last,
+        _ => 0.5,
+    })
+}
+
+/// A solid that deforms.
+///
+/// # Errors
+/// What the mesh lacks.
+pub fn soft<const D: usize>(
+    mesh: VolumeMesh<D>,
+    material: SoftMaterial,
+    anchors: Vec<Anchor<D>>,
+) -> Result<Solid<D>, StepError> {
+    let low = mesh.positions.iter().fold(Vector::repeat(f64::INFINITY), |l: Vector<D>, x| l.inf(x));
+    let high = mesh.positions.iter().fold(Vector::repeat(f64::NEG_INFINITY), |l: Vector<D>, x| l.sup(x));
+    let SoftMaterial { young: young_modulus, poisson: poisson_ratio, density, damping, friction } = material;
+    let order =
+        if mesh.quadratic_simplices().is_some() { ElementOrder::Quadratic } else { ElementOrder::Linear };
+    let law = ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order };
+    let description = ElasticSpecification { mesh, density, law, damping_ratio: damping, anchors };
+    let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
+    let elastic = Elastic::new(description).map_err(failed)?;
+    let (center, half_size) = ((low + high) * 0.5, (high - low) * 0.5);
+    let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
+    let mut solid = Solid::new(shape, Motion::Soft(Arc::new(elastic)), density);
+    solid.friction = friction;
+    Ok(solid)
+}
+
+/// A rigid box along the axes.
+pub fn rigid_box<const D: usize>(center: Vector<D>, half_size: Vector<D>, motion: Motion<D>) -> Solid<D> {
+    Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, motion, 1.0)
+}
+
+/// A rigid plate without end: its face is at a height, and towards the middle.
+pub fn rigid_half_space<const D: usize>(height: f64, motion: Motion<D>) -> Solid<D> {
+    let up = |y: f64| Vector::from_fn(|a, _| if a + 1 == D { y } else { 0.0 });
+    let shape = Shape::HalfSpace { point: up(height), normal: up(-height.signum()) };
+    Solid::new(shape, motion, 1.0)
+}
+
+/// The way of a solid that is led: times and displacements.
+pub fn prescribed_motion<const D: usize>(keyframes: Vec<(f64, Vector<D>)>) -> Motion<D> {
+    Motion::Prescribed(PrescribedMotion { velocity: Vector::zeros(), angular_velocity: [0.0; 3], keyframes })
+}
+
+/// A box without liquid of `cells` cells of a size.
+pub fn simulation_without_liquid<const D: usize>(
+    (cells, dx): ([usize; D], f64),
+    solids: Vec<Solid<D>>,
+    gravity: Vector<D>,
+    max_step: f64,
+) -> Simulation<D> {
+    let model = Model {
+        grid: Grid::new(cells, dx),
+        walls: [[Wall::Slip; 2]; D],
+        density: 1.0,
+        kinematic_viscosity: 0.0,
+        surface_tension: 0.0,
+        gravity,
+        solids,
+        numerics: Numerics { max_step, ..Numerics::default() },
+    };
+    Simulation::new(model, &[])
+}
+
+/// Gravity along the last axis.
+pub fn gravity<const D: usize>() -> Vector<D> {
+    Vector::from_fn(|a, _| if a + 1 == D { -GRAVITY } else { 0.0 })
+}
+
+/// Where the vertices of a soft solid are; nothing of a rigid one.
+pub fn vertices<const D: usize>(simulation: &Simulation<D>, solid: usize) -> &[Vector<D>] {
+    simulation.state.solids[solid].soft.as_ref().map_or(&[], |soft| &soft.state.positions)
+}
+
+/// What the vertices of a solid's surface have of the areas of its facets, vectors in m² (2D: m), in the integral of what its elements
+/// interpolate; nothing of others. A quadratic facet gives its corners 1/6 each, its middle 4/6, in 3D the middles of its edges 1/3 each:
+/// its linear parts share theirs so that this is the sum.
+pub fn vertex_area_vectors<const D: usize>(elastic: &Elastic<D>, positions: &[Vector<D>]) -> Vec<Vector<D>> {
+    let mesh = elastic.rest_mesh();
+    let parents = mesh.quadratic_simplices().unwrap_or_default();
+    let (corner, middle) = if D == 2 || parents.is_empty() { (1.0, 2.0) } else { (0.0, 1.0) };
+    let mut shares = vec![corner; positions.len()];
+    parents.iter().flat_map(|p| &p.nodes()[D + 1..]).for_each(|v| shares[*v as usize] = middle);
+    let (mut surface, numbers) = mesh.surface();
+    surface.positions.iter_mut().zip(&numbers).for_each(|(x, v)| *x = positions[*v as usize]);
+    let mut areas = vec![Vector::zeros(); positions.len()];
+    for (f, facet) in surface.facets.iter().enumerate() {
+        let vertices = facet.map(|k| numbers[k as usize] as usize);
+        let all: f64 = vertices.iter().map(|v| shares[*v]).sum();
+        let area = surface.area_vector(f) / all;
+        vertices.iter().for_each(|v| areas[*v] += area * shares[*v]);
+    }
+    areas
+}
+
+/// What nothing may do to solids: cross, turn inside out, win energy.
+pub struct ContactMonitor<const D: usize> {
+    barriers: Barriers<D>,
+    energy: EnergyMonitor<D>,
+    /// The narrowest gap so far.
+    pub narrowest_gap: f64,
+    /// The deepest overlap of two solids so far.
+    pub deepest_overlap: f64,
+    /// The least volume of an element so far over that at rest.
+    pub least_element_volume: f64,
+    /// Steps.
+    pub steps: u64,
+}
+
+impl<const D: usize> ContactMonitor<D> {
+    /// Begins to watch; `scale` is the energy that rises are compared with.
+    pub fn new(model: &Model<D>, scale: f64) -> Self {
+        Self {
+            barriers: Barriers::of(model),
+            energy: EnergyMonitor::new(model, scale),
+            narrowest_gap: f64::INFINITY,
+            deepest_overlap: 0.0,
+            least_element_volume: f64::INFINITY,
+            steps: 0,
+        }
+    }
+
+    /// After a step; `isolated` says that nothing did work from outside in it and the one before.
+    pub fn observe(&mut self, simulation: &Simulation<D>, ledger: &Diagnostics<D>, isolated: bool) {
+        let (model, solids) = (&simulation.model, &simulation.state.solids);
+        self.narrowest_gap = self.narrowest_gap.min(self.barriers.narrowest_gap(model, solids));
+        self.deepest_overlap =
+            overlaps(model, solids).iter().map(|o| o.2).fold(self.deepest_overlap, f64::max);
+        self.least_element_volume =
+            self.least_element_volume.min(ledger.least_element.unwrap_or(f64::INFINITY));
+        self.steps += 1;
+        if isolated {
+            self.energy.record(simulation, ledger);
+        } else {
+            self.energy.reset();
+        }
+    }
+
+    /// How the energy went where nothing did work.
+    pub fn law(&self) -> &EnergyLaw {
+        self.energy.law()
+    }
+}

@@ -1,0 +1,144 @@
+//! What solids are coloured by: a value at each vertex, and where it lies in the range of a run.
+
+use meniscus_numerics::mesh::ply::PlyMesh;
+use serde::Serialize;
+
+use crate::error::Result;
+use crate::folder::{RunFolder, V3};
+
+/// Frames looked at to find a range.
+const SAMPLED_FRAMES: usize = 24;
+/// The colours of what goes up from zero, by equal steps (viridis, S. van der Walt and N. Smith 2015).
+const SEQUENTIAL_COLORMAP: [u32; 5] = [0x0044_0154, 0x003b_528b, 0x0021_918c, 0x005e_c962, 0x00fd_e725];
+/// Those of what is wetted (below zero), the line, and what is dry.
+const DIVERGING_COLORMAP: [u32; 5] = [0x0021_66ac, 0x0092_c5de, 0x00f7_f7f7, 0x00f4_a582, 0x00b2_182b];
+
+/// What solids are coloured by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ColorBy {
+    /// Each by its own colour, wetting patterns by where liquid wets them most.
+    #[default]
+    Plain,
+    /// Signed distance to the contact line along the surface, m: blue where it is wetted, red where it is dry.
+    PhiC,
+    /// The largest principal strain of what deforms.
+    Strain,
+    /// The way from the place at rest of what deforms, m.
+    Displacement,
+}
+
+/// From where to where values go.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(crate) struct ScalarRange {
+    pub low: f64,
+    pub high: f64,
+}
+
+impl ColorBy {
+    /// All that values are stored for.
+    pub(crate) const STORED: [Self; 3] = [Self::PhiC, Self::Strain, Self::Displacement];
+
+    /// Its name: `plain`, `phi_c`, `strain`, `displacement`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plain => "plain",
+            Self::PhiC => "phi_c",
+            Self::Strain => "strain",
+            Self::Displacement => "displacement",
+        }
+    }
+
+    /// The one of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        [Self::Plain, Self::PhiC, Self::Strain, Self::Displacement].into_iter().find(|s| s.name() == name)
+    }
+
+    /// The unit of its values.
+    pub(crate) fn unit(self) -> Option<char> {
+        (self != Self::Strain).then_some('m')
+    }
+
+    /// The values at a mesh's vertices, where they are stored; not finite where there is no line.
+    pub(crate) fn values(self, mesh: &PlyMesh) -> Option<Vec<f64>> {
+        let column = |name: &str| mesh.scalars.get(name).filter(|v| v.len() == mesh.positions.len());
+        match self {
+            Self::Plain => None,
+            Self::PhiC | Self::Strain => column(self.name()).cloned(),
+            Self::Displacement => {
+                let [x, y, z] = ["ux", "uy", "uz"].map(column);
+                Some((x?.iter().zip(y?).zip(z?)).map(|((x, y), z)| V3::new(*x, *y, *z).norm()).collect())
+            }
+        }
+    }
+
+    /// The colour at a place in the range, 0 to 1; linear light.
+    pub(crate) fn color(self, place: f64) -> V3 {
+        let stops = if self == Self::PhiC { DIVERGING_COLORMAP } else { SEQUENTIAL_COLORMAP };
+        let at = place.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
+        let k = (at as usize).min(stops.len() - 2);
+        linear_from_srgb(stops[k]).lerp(&linear_from_srgb(stops[k + 1]), at - k as f64)
+    }
+}
+
+/// A colour of the web as linear light.
+pub(crate) fn linear_from_srgb(hex: u32) -> V3 {
+    let part = |shift: u32| {
+        let s = f64::from(hex >> shift & 255) / 255.0;
+        if s <= 0.040_45 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
+    };
+    V3::new(part(16), part(8), part(0))
+}
+
+/// The ranges of a run's values; none where nothing is stored.
+///
+/// # Errors
+/// A frame that cannot be read.
+pub(crate) fn scalar_ranges<const N: usize>(
+    folder: &RunFolder,
+    shades: [ColorBy; N],
+) -> Result<[Option<ScalarRange>; N]> {
+    let mut most: [Option<f64>; N] = [None; N];
+    for number in RunFolder::evenly_spaced(&folder.frame_numbers, SAMPLED_FRAMES) {
+        let frame = folder.frame(number)?;
+        for (most, shade) in most.iter_mut().zip(shades) {
+            let values = frame.solids.values().filter_map(|mesh| shade.values(mesh)).flatten();
+            *most = values.filter(|v| v.is_finite()).map(f64::abs).chain(*most).reduce(f64::max);
+        }
+    }
+    let range = |k: usize| {
+        let high = most[k].filter(|m| *m > 0.0)?;
+        Some(ScalarRange { low: if shades[k] == ColorBy::PhiC { -high } else { 0.0 }, high })
+    };
+    Ok(std::array::from_fn(range))
+}
+
+impl ScalarRange {
+    /// Where a value lies, 0 to 1; what is not finite in the middle.
+    pub fn normalised(&self, value: f64) -> f64 {
+        let place = (value - self.low) / (self.high - self.low);
+        if place.is_finite() { place.clamp(0.0, 1.0) } else { 0.5 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_have_their_places_and_colours() {
+        let range = ScalarRange { low: -2.0, high: 2.0 };
+        assert_eq!([-3.0, 0.0, 1.0, f64::NAN].map(|v| range.normalised(v)), [0.0, 0.5, 0.75, 0.5]);
+        let mut mesh = PlyMesh { positions: vec![[0.0; 3]], ..PlyMesh::default() };
+        assert_eq!(ColorBy::Displacement.values(&mesh), None);
+        for (name, value) in [("ux", 3.0), ("uy", 0.0), ("uz", 4.0), ("strain", 0.5)] {
+            mesh.scalars.insert(name.into(), vec![value]);
+        }
+        assert_eq!(ColorBy::Displacement.values(&mesh), Some(vec![5.0]));
+        assert_eq!(ColorBy::Strain.values(&mesh), Some(vec![0.5]));
+        let [wet, dry] = [0.0, 1.0].map(|t| ColorBy::PhiC.color(t));
+        assert!(wet.z > wet.x && dry.x > dry.z);
+        for shade in ColorBy::STORED {
+            assert_eq!(ColorBy::named(shade.name()), Some(shade));
+        }
+    }
+}
