@@ -80,7 +80,7 @@ fn long_step(event: &Event) -> String {
 const MIN_LINE_INTERVAL: Duration = Duration::from_millis(500);
 
 impl Reporter {
-    /// A reporter for standard error as it is. `go_on`: the command that goes on with the run.
+    /// A reporter for standard error as it is. `resume_command`: the command that goes on with the run.
     pub fn new(log: LogFormat, quiet: bool, resume_command: String) -> Self {
         let style = match log {
             LogFormat::Json => Style::Json,

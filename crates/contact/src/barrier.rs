@@ -50,7 +50,7 @@ impl Barrier {
 }
 
 impl Contact {
-    /// Its barrier's energy of a distance, as [`Barrier::of_distance`].
+    /// Its barrier's energy of a distance, as [`Barrier::derivatives_by_distance`].
     fn derivatives_by_distance(&self, distance: f64) -> [f64; 3] {
         Barrier { activation_distance: self.activation_distance }
             .derivatives_by_distance(distance - self.thickness)

@@ -20,7 +20,7 @@ pub struct Clearance {
     pub kept_fraction: f64,
 }
 
-/// The largest part of a way, up to all of it, on which two features keep a clearance: points go from `x` along `ways`. It is never too
+/// The largest part of a way, up to all of it, on which two features keep a clearance: points go from `x` along `displacements`. It is never too
 /// large: no point comes nearer by more than the ways relative to each other are long (additive continuous collision detection:
 /// M. Li, D. M. Kaufman, C. Jiang, "Codimensional incremental potential contact", ACM Trans. Graph. 40(4), 2021, §5).
 pub fn collision_free_fraction<const D: usize>(
@@ -61,8 +61,8 @@ pub fn collision_free_fraction<const D: usize>(
     part
 }
 
-/// The largest part of a way, up to all of it, on which an element keeps more than `keep` of its volume. `edges` are those from one
-/// of its corners, as columns, `ways` how they change.
+/// The largest part of a way, up to all of it, on which an element keeps more than `kept_fraction` of its volume. `edges` are those from one
+/// of its corners, as columns, `displacements` how they change.
 pub fn inversion_free_fraction<const D: usize>(
     edges: &Matrix<D>,
     displacements: &Matrix<D>,

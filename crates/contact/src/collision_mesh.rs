@@ -116,7 +116,7 @@ impl<const D: usize> CollisionMesh<D> {
         self.point_areas[point as usize]
     }
 
-    /// Whether two features can meet: they have no point in common, and not both belong to one rigid body or to what nothing moves. `rigid` says of a body whether it is rigid, `still` of a point whether nothing moves it.
+    /// Whether two features can meet: they have no point in common, and not both belong to one rigid body or to what nothing moves. `is_rigid` says of a body whether it is rigid, `is_immovable` of a point whether nothing moves it.
     fn can_collide(
         &self,
         stencil: &Stencil,
@@ -241,7 +241,7 @@ impl FeaturePairs {
         self.pairs.par_iter().with_min_len(256).filter_map(contact).collect()
     }
 
-    /// The largest part of a way, up to all of it, on which every pair keeps `keep` of its distance.
+    /// The largest part of a way, up to all of it, on which every pair keeps `kept_fraction` of its distance.
     pub fn collision_free_fraction<const D: usize>(
         &self,
         x: &[Vector<D>],
@@ -260,7 +260,7 @@ impl FeaturePairs {
         self.pairs.par_iter().with_min_len(256).map(part).reduce(|| 1.0, f64::min)
     }
 
-    /// The least distance, m, of each of `count` positions from what it may meet; infinite where there is nothing.
+    /// The least distance, m, of each of `point_count` positions from what it may meet; infinite where there is nothing.
     pub fn min_distances<const D: usize>(&self, x: &[Vector<D>]) -> Vec<f64> {
         let mut all = vec![f64::INFINITY; x.len()];
         for pair in &self.pairs {

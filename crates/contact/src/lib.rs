@@ -12,7 +12,7 @@
 //!
 //! with their distance `d`, the area `a` of the point (2D: length) and the stiffness `κ`, a pressure: they press each other
 //! with `−κ β'`. Energies have values, gradients and positive semidefinite Hessians ([`Barrier`], [`Friction`]). Whoever
-//! minimises a sum of them takes no step longer than [`Near::free_step`]: then surfaces that do not intersect never will.
+//! minimises a sum of them takes no step longer than [`FeaturePairs::collision_free_fraction`]: then surfaces that do not intersect never will.
 //!
 //! This crate knows points, facets and edges only. What moves the points, and what keeps the elements behind them upright, is
 //! not its concern.

@@ -104,7 +104,7 @@ fn young_modulus<const D: usize>(mesh: &VolumeMesh<D>, law: ConstitutiveLaw) -> 
     }
 }
 
-/// The barriers of the elements' volumes ([`Crushed`]). Their stiffness is that of the law in uniaxial compression, `λ + 2 μ`; for springs
+/// The barriers of the elements' volumes ([`InversionBarrier`]). Their stiffness is that of the law in uniaxial compression, `λ + 2 μ`; for springs
 /// of stiffness `k` it is `k l²/V` in an element of volume `V`, with the mean square `l²` of its edges.
 fn inversion_barriers<const D: usize>(
     mesh: &VolumeMesh<D>,

@@ -51,7 +51,7 @@ impl<const D: usize> Elastic<D> {
         self.rest_mesh.simplices.par_iter().with_min_len(1024).map(ratio).reduce(|| f64::INFINITY, f64::min)
     }
 
-    /// Elements of less than [`crate::CRUSHED`] of their volume at rest, which something besides the law keeps upright.
+    /// Elements of less than [`crate::CRUSHED_VOLUME_RATIO`] of their volume at rest, which something besides the law keeps upright.
     pub fn crushed_elements(&self, positions: &[Vector<D>]) -> usize {
         let crushed = |simplex: &&Simplex<D>| {
             let rest = determinant(&simplex.edges(&self.rest_mesh.positions));

@@ -66,7 +66,7 @@ impl<const D: usize> Elastic<D> {
         matches!(self.solver, LinearSolver::Direct(_))
     }
 
-    /// At rest at time 0; held vertices where their motion has them, with its velocity over a step of `step` s.
+    /// At rest at time 0; held vertices where their motion has them, with its velocity over a step of `dt` s.
     ///
     /// Velocities are half a step ahead of positions: where forces act from the start, those of half a step are to be added.
     pub fn rest_state(&self, dt: f64) -> ElasticState<D> {
@@ -130,7 +130,7 @@ impl<const D: usize> Elastic<D> {
         }
     }
 
-    /// Held vertices and the velocities that take them where they belong after a step of `step` s from `time`.
+    /// Held vertices and the velocities that take them where they belong after a step of `dt` s from `time`.
     pub fn anchored_velocities(&self, time: f64, dt: f64) -> impl Iterator<Item = (usize, Vector<D>)> {
         self.anchors.iter().flat_map(move |anchor| {
             let ahead = anchor.motion.displacement(time + dt) - anchor.motion.displacement(time);

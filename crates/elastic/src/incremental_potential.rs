@@ -8,9 +8,9 @@
 //! ½ wᵀ M w + 2 h/l Ψ(y) − h (f(q, q') − f(y))ᵀ w + ½ h τ v'ᵀ K̂ v' − jᵀ w + h/a U(z):
 //! ```
 //!
-//! the law `Ψ`, whose forces `f(q, q')` do the work by which it changes ([`crate::ConservingTerm`]), damping `τ K̂`, the impulses `j` of all
-//! other forces, and what keeps elements upright, `U` ([`crate::Crushed`]). The difference of the forces, which have no potential, is
-//! lagged ([`Incremental::recentre`]), and so is `K̂`: at `x` the first Newton iteration from `w = 0` is the step that is linear about
+//! the law `Ψ`, whose forces `f(q, q')` do the work by which it changes ([`crate::DiscreteGradientTerm`]), damping `τ K̂`, the impulses `j` of all
+//! other forces, and what keeps elements upright, `U` ([`crate::InversionBarrier`]). The difference of the forces, which have no potential, is
+//! lagged ([`IncrementalPotential::update_lagged`]), and so is `K̂`: at `x` the first Newton iteration from `w = 0` is the step that is linear about
 //! `x`. Where `l = h/2` the step keeps the energy `½ vᵀ M v + Ψ(q)` of the law and both momenta (energy–momentum method, J. Simo & N. Tarnow
 //! 1992); a longer `l` loses `(l/h − ½) wᵀ M w`.
 
@@ -128,7 +128,7 @@ impl<const D: usize> IncrementalPotential<'_, D> {
         (0..w.len()).map(of).collect()
     }
 
-    /// Its second derivatives, kg (2D: kg/m), or their `positive` part.
+    /// Its second derivatives, kg (2D: kg/m), or their `project_psd` part.
     pub fn hessian(&self, velocities: &[Vector<D>], project_psd: bool) -> Option<BlockMatrix<D>> {
         let elastic = self.elastic;
         let viscosity = self.impulse_time * elastic.damping_time;
@@ -148,7 +148,7 @@ impl<const D: usize> IncrementalPotential<'_, D> {
         self.extra_stiffness.iter().all(&mut put).then_some(matrix)
     }
 
-    /// The largest part of a change of the velocities, up to all of it, on which elements keep `keep` of the volume that they have
+    /// The largest part of a change of the velocities, up to all of it, on which elements keep `kept_fraction` of the volume that they have
     /// at the end of the coming step, everywhere where it is looked at.
     pub fn inversion_free_fraction(
         &self,

@@ -7,7 +7,7 @@
 //! # One step
 //!
 //! Positions first, `x ← x + h v`; then the velocities at the end of the step, half a step ahead of the positions, make an incremental
-//! potential least ([`Incremental`]), by Newton's method. Its forces do the work by which the elastic energy changes, so that energy and
+//! potential least ([`IncrementalPotential`]), by Newton's method. Its forces do the work by which the elastic energy changes, so that energy and
 //! both momenta are kept for any step (J. Simo & N. Tarnow 1992). About rest a mode of any frequency neither grows nor decays. The
 //! matrices are factorised, those of the largest meshes solved by conjugate gradients. A solid by itself takes such steps by
 //! [`Elastic::step`]; the simulator adds the potentials of contacts and the liquid's pressure.
@@ -15,7 +15,7 @@
 //! # Elements
 //!
 //! Linear simplices are too stiff in bending: a plate of two layers 1.9 times at ν = 0.3, 2.7 times at 0.45. So elements are quadratic
-//! ([`Order`]): each is `2^D` of the mesh's simplices together, which share its nodes. The vertices stay the only unknowns, and all that
+//! ([`ElementOrder`]): each is `2^D` of the mesh's simplices together, which share its nodes. The vertices stay the only unknowns, and all that
 //! meets the body meets the mesh.
 
 mod construct;

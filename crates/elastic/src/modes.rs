@@ -27,7 +27,7 @@ pub struct Mode<const D: usize> {
 /// The `count` slowest elastic modes; motions without strain are left out.
 ///
 /// # Errors
-/// [`ElasticError::NotDefinite`].
+/// [`ElasticError::NotPositiveDefinite`].
 pub fn lowest_modes<const D: usize>(body: &Elastic<D>, count: usize) -> Result<Vec<Mode<D>>, ElasticError> {
     lowest_modes_to_tolerance(body, count, FREQUENCY_TOLERANCE)
 }
@@ -35,7 +35,7 @@ pub fn lowest_modes<const D: usize>(body: &Elastic<D>, count: usize) -> Result<V
 /// The same, with iterations that end where the squared frequencies change by less than a part of them.
 ///
 /// # Errors
-/// [`ElasticError::NotDefinite`].
+/// [`ElasticError::NotPositiveDefinite`].
 pub fn lowest_modes_to_tolerance<const D: usize>(
     body: &Elastic<D>,
     count: usize,

@@ -1,7 +1,7 @@
 //! The step of a solid by itself, and its linear statics.
 //!
 //! ```text
-//! x ← x + h v,    v' makes the potential of the step least ([`Incremental`]),    K u = f
+//! x ← x + h v,    v' makes the potential of the step least ([`IncrementalPotential`]),    K u = f
 //! ```
 //!
 //! The first is the simulator's step without liquid and contacts: positions first, then velocities half a step ahead of them. Newton's
@@ -39,7 +39,7 @@ impl<const D: usize> Elastic<D> {
     /// Displacements from rest, m, under small forces, N (2D: N/m), with the stiffness of other forces.
     ///
     /// # Errors
-    /// [`ElasticError::NotNeighbours`]; [`ElasticError::NotDefinite`] where the body can move without strain.
+    /// [`ElasticError::NotNeighbours`]; [`ElasticError::NotPositiveDefinite`] where the body can move without strain.
     pub fn linear_static_displacements(
         &self,
         forces: &[Vector<D>],
@@ -62,7 +62,7 @@ impl<const D: usize> Elastic<D> {
     /// it was.
     ///
     /// # Errors
-    /// [`ElasticError::NotDefinite`], [`ElasticError::Unsettled`] and [`ElasticError::NotFinite`].
+    /// [`ElasticError::NotPositiveDefinite`], [`ElasticError::NotConverged`] and [`ElasticError::NotFinite`].
     pub fn step(
         &self,
         state: &mut ElasticState<D>,
@@ -122,7 +122,7 @@ impl<const D: usize> Elastic<D> {
         Err(ElasticError::NotConverged { iterations: MAX_NEWTON_ITERATIONS, step })
     }
 
-    /// The change of the velocities in an iteration, m/s, with that of held vertices, `lead`, and by how much the potential falls along
+    /// The change of the velocities in an iteration, m/s, with that of held vertices, `prescribed_change`, and by how much the potential falls along
     /// it to first order, J (2D: J/m).
     fn newton_direction(
         &self,

@@ -27,7 +27,7 @@ pub struct State<const D: usize> {
     pub phi: CellField<D>,
     /// Velocity, m/s; valid in the liquid and a few cells around it.
     pub velocity: FaceField<D>,
-    /// Pressure times the time it acted for (`kick`), over density, in the liquid cells, m²/s: where the next solve starts.
+    /// Pressure times the time it acted for (`impulse_time`), over density, in the liquid cells, m²/s: where the next solve starts.
     pub pressure_impulse: CellField<D>,
     /// The connected components of the liquid, in order of their first cell.
     pub components: Vec<Component<D>>,

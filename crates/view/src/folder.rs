@@ -201,7 +201,7 @@ impl RunFolder {
         given.or_else(of_dir).unwrap_or_else(|| "run".into())
     }
 
-    /// At most `most` of `numbers`, evenly spread, with the first and the last.
+    /// At most `max_count` of `numbers`, evenly spread, with the first and the last.
     pub(crate) fn evenly_spaced(numbers: &[u32], max_count: usize) -> Vec<u32> {
         let n = numbers.len();
         if n <= max_count {

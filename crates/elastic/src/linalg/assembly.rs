@@ -22,7 +22,7 @@ pub struct Assembly {
 }
 
 impl Assembly {
-    /// Of `held.len()` nodes: the vertices of solids, each with the number of its first node, and nodes that belong to none. Held ones
+    /// Of `anchored.len()` nodes: the vertices of solids, each with the number of its first node, and nodes that belong to none. Held ones
     /// are left out. Nothing where memory does not suffice.
     pub fn new<const D: usize>(solids: &[(usize, &Elastic<D>)], anchored: Vec<bool>) -> Option<Self> {
         let mut rest = vec![Vector::<D>::zeros(); anchored.len()];

@@ -32,7 +32,7 @@ pub struct SymbolicFactor {
 }
 
 impl SymbolicFactor {
-    /// For matrices of this pattern; `held` vertices are left out. Nothing where memory does not suffice.
+    /// For matrices of this pattern; `anchored` vertices are left out. Nothing where memory does not suffice.
     pub fn new<const D: usize>(
         positions: &[Vector<D>],
         pattern: &SparsityPattern,
@@ -94,7 +94,7 @@ impl SymbolicFactor {
 }
 
 /// Calls `f` with each component of a symmetric matrix's lower triangle: its block, row and column, the latter two as vertex and
-/// axis. Those of `held` vertices are left out.
+/// axis. Those of `anchored` vertices are left out.
 fn for_each_entry<const D: usize>(
     pattern: &SparsityPattern,
     free: &[u32],

@@ -29,7 +29,7 @@ pub enum Inverse<const D: usize> {
 }
 
 impl LinearSolver {
-    /// For matrices of this pattern; `held` vertices are left out. Nothing where memory does not suffice.
+    /// For matrices of this pattern; `anchored` vertices are left out. Nothing where memory does not suffice.
     pub fn new<const D: usize>(
         positions: &[Vector<D>],
         pattern: &SparsityPattern,
@@ -71,7 +71,7 @@ impl LinearSolver {
 }
 
 /// The part of the factors that the solution at some vertices needs, where right-hand sides are zero at all others
-/// ([`crate::Solution::reach`]).
+/// ([`crate::AssemblyInverse::reach`]).
 #[derive(Clone, Debug)]
 pub struct Reach(Option<Subtrees>);
 

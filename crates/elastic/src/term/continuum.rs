@@ -36,7 +36,7 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
     /// At rest on a mesh, every simplex of which must have a positive volume.
     ///
     /// # Errors
-    /// [`ElasticError::NotDivided`] and [`ElasticError::Folded`], of quadratic simplices.
+    /// [`ElasticError::NotQuadratic`] and [`ElasticError::Folded`], of quadratic simplices.
     pub fn new(
         mesh: &VolumeMesh<D>,
         density: P,
@@ -51,7 +51,7 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
         Self { density, points: QuadraturePoints::linear(mesh, lame) }
     }
 
-    /// The largest part of a way of the vertices, up to all of it, on which the volume at every point keeps a part `keep` of itself.
+    /// The largest part of a way of the vertices, up to all of it, on which the volume at every point keeps a part `kept_fraction` of itself.
     pub(crate) fn inversion_free_fraction(
         &self,
         from: &[Vector<D>],
@@ -156,7 +156,7 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
         }
     }
 
-    /// The blocks of an element's tangent, for pairs of its vertices in the order of [`Self::add_blocks`]; none where all are zero.
+    /// The blocks of an element's tangent, for pairs of its vertices in the order of [`Self::assemble_blocks`]; none where all are zero.
     fn tangent_blocks(&self, element: usize, x: &[Vector<D>], weights: TangentWeights) -> Vec<Matrix<D>> {
         let n = self.points.elements.get(element).len();
         let (fs, lame) = (self.deformation_gradients(element, x), self.points.lame(element));

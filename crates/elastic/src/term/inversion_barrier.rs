@@ -1,7 +1,7 @@
 //! What keeps elements upright: an energy without bound as the volume goes to zero.
 //!
 //! `Ψ = κ β(J/J₀)` below the volume `J₀` over that at rest, with `β(t) = −(1 − t)² ln t` as for contacts (`meniscus_contact`). It is
-//! taken where a step ends, not half-way as the law of the material ([`crate::Incremental`]): so no step that is taken turns an element
+//! taken where a step ends, not half-way as the law of the material ([`crate::IncrementalPotential`]): so no step that is taken turns an element
 //! inside out. It is that of the parts of quadratic simplices, which nothing else keeps upright, and of the points of their law.
 
 use super::energy_density::{EnergyDensity, Lame, PrincipalHessian, cofactor, determinant};

@@ -5,9 +5,9 @@
 //!        ln J₀ + (j − J₀)/J₀ − (j − J₀)²/(2 J₀²)         below,
 //! ```
 //!
-//! its second-order expansion about `J₀` = [`CRUSHED`]. A law is taken half-way between two times, and of changes of volume that are
+//! its second-order expansion about `J₀` = [`CRUSHED_VOLUME_RATIO`]. A law is taken half-way between two times, and of changes of volume that are
 //! projected within an element: both can be below zero where no element is turned inside out. What keeps elements upright is
-//! [`super::Crushed`], which begins at `J₀`.
+//! [`super::InversionBarrier`], which begins at `J₀`.
 
 use super::inversion_barrier::CRUSHED_VOLUME_RATIO;
 

@@ -7,7 +7,7 @@
 //! (J. Simo & K. Pister 1984; Bonet & Wood, "Nonlinear Continuum Mechanics for Finite Element Analysis", §6.4.3), without stress at
 //! rest and Hooke's law for small strains; in 2D it is that of plane strain. The last part is that of the projected change of volume.
 //! Below a volume of 0.3 the logarithm is continued ([`super::logarithm`]): what turns no element inside out there is
-//! [`super::Crushed`]. Limit: stretched beyond `J = e` to all sides it yields more the more it is stretched.
+//! [`super::InversionBarrier`]. Limit: stretched beyond `J = e` to all sides it yields more the more it is stretched.
 
 use super::discrete_gradient::{DiscreteGradientDensity, determinant_discrete_gradient, volume_ratios};
 use super::energy_density::{

@@ -13,7 +13,7 @@
 //! so that any mesh holds them, of one layer of elements too.
 //!
 //! **Changes of volume** would lock where Poisson's ratio is near a half: as many of them are resisted as there are unknowns. So
-//! simplices make pairs with a neighbour ([`pairs`]), and only the part of the change that is linear in the pair is resisted by `λ`:
+//! simplices make pairs with a neighbour ([`pair_simplices`]), and only the part of the change that is linear in the pair is resisted by `λ`:
 //! at the points `q` of an element it is
 //!
 //! ```text
@@ -74,7 +74,7 @@ impl<const D: usize> QuadraturePoints<D> {
     /// Of a body of one elasticity.
     ///
     /// # Errors
-    /// [`ElasticError::NotDivided`] and [`ElasticError::Folded`].
+    /// [`ElasticError::NotQuadratic`] and [`ElasticError::Folded`].
     pub fn new(mesh: &VolumeMesh<D>, lame: Lame, order: ElementOrder) -> Result<Self, ElasticError> {
         match order {
             ElementOrder::Linear => Ok(Self::linear(mesh, vec![lame; mesh.simplices.len()])),

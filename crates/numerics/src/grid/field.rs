@@ -16,7 +16,7 @@ pub struct CellField<const D: usize> {
 pub struct FaceField<const D: usize> {
     /// The grid it lives on.
     pub grid: Grid<D>,
-    /// For each axis the values on the faces normal to it, in the order of [`Grid::faces`].
+    /// For each axis the values on the faces normal to it, in the order of [`Grid::face_lattice`].
     pub axes: [Vec<f64>; D],
 }
 

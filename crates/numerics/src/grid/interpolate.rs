@@ -255,7 +255,7 @@ fn cubic_weights(t: f64) -> [f64; 4] {
     [-t * b * c / 6.0, a * b * c / 2.0, -a * t * c / 2.0, a * t * b / 6.0]
 }
 
-/// Derivatives of [`lagrange`].
+/// Derivatives of [`cubic_weights`].
 fn cubic_weight_derivatives(t: f64) -> [f64; 4] {
     let s = t * t;
     [

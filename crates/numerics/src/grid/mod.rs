@@ -107,7 +107,7 @@ impl<const D: usize> Grid<D> {
         Self { cells, dx, margin_cells: [[0; 2]; D] }
     }
 
-    /// The same domain with `margin` cells beyond its sides.
+    /// The same domain with `margin_cells` cells beyond its sides.
     pub fn with_margin(&self, margin_cells: [[usize; 2]; D]) -> Self {
         let inner = self.domain_cells();
         Self {

@@ -102,7 +102,7 @@ impl<const D: usize> FacetBvh<D> {
         self.nodes[index].skip_index = self.nodes.len() as u32;
     }
 
-    /// The closest point to `x` (m) nearer than `within` (m); of equally near ones the first in the tree's
+    /// The closest point to `x` (m) nearer than `max_distance` (m); of equally near ones the first in the tree's
     /// order.
     pub fn closest_point(&self, x: &Vector<D>, max_distance: f64) -> Option<ClosestPoint<D>> {
         let mut best: Option<ClosestPoint<D>> = None;

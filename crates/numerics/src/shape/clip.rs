@@ -178,7 +178,7 @@ impl<const D: usize> ClipSimplex<D> {
         sum
     }
 
-    /// Calls `f(size, corners)` for the segment, or the triangles of the polygon.
+    /// Calls `f(energy_scale, corners)` for the segment, or the triangles of the polygon.
     fn for_each_facet(&self, section: &[(Point, usize)], mut f: impl FnMut(f64, &[Point])) {
         if D == 2 {
             if let [(p, _), (q, _)] = section {

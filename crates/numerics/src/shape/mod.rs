@@ -80,8 +80,8 @@ pub enum Shape<const D: usize> {
         /// A rotation whose columns are the ellipsoid's own axes.
         rotation: Matrix<D>,
     },
-    /// A ball with one surface mode: `r = R (1 + ε cos nθ)` in 2D, θ from the first axis, and
-    /// `r = R (1 + ε P_n(cos ϑ))` in 3D, ϑ from the last (vertical) axis.
+    /// A ball with one surface mode: `r = R (1 + ε mode_cosine nθ)` in 2D, θ from the first axis, and
+    /// `r = R (1 + ε P_n(mode_cosine ϑ))` in 3D, ϑ from the last (vertical) axis.
     PerturbedBall {
         /// Its centre, m.
         center: Vector<D>,

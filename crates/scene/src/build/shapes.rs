@@ -106,7 +106,7 @@ pub(crate) fn file_volume_mesh<const D: usize>(spec: &ShapeSpec) -> Result<Volum
     Ok(mesh.transformed(&rotation(turned), &vector(translate)))
 }
 
-/// `level + amplitude cos(number x + phase)`.
+/// `level + amplitude cos(wavenumber x + phase)`.
 struct Wave {
     level: f64,
     amplitude: f64,

@@ -18,7 +18,7 @@ const RELATIVE_ROUNDING: f64 = 1e-6;
 const SAMPLES_PER_THICKNESS: u32 = 100;
 
 /// Refuses solids with walls thinner than a cell: no cell's centre need lie in them, and liquid would pass. Those that deform
-/// need [`LEAST_SOFT`] cells. Gives back the solids, padded where they have less than the liquid needs ([`Solid::padded`]).
+/// need [`MIN_SOFT_THICKNESS_CELLS`] cells. Gives back the solids, padded where they have less than the liquid needs ([`Solid::padded`]).
 ///
 /// # Errors
 /// [`SceneError`] at the solid's shape.
@@ -76,7 +76,7 @@ fn too_thin_error(scene: &Scene, solid: &SolidSpec, part: f64, thickness: f64) -
     ))
 }
 
-/// Mean thickness behind the part of a surface that has less than `most` (m) behind it.
+/// Mean thickness behind the part of a surface that has less than `max_depth` (m) behind it.
 fn mean_thickness<const D: usize>(
     surface: &SurfaceMesh<D>,
     max_depth: f64,

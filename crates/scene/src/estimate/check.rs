@@ -14,7 +14,7 @@ use serde::Serialize;
 const SECONDS_PER_CELL: f64 = 2e-7;
 /// Core seconds per step and cell of liquid.
 const SECONDS_PER_LIQUID_CELL: f64 = 4e-6;
-/// Seconds per step and byte of the factors of solids that deform, found and solved with some dozen times: `fig22-plate-180`,
+/// Seconds per step and byte of the factors of solids that deform, found and solved with some dozen times: `fig22-plate_thickness_and_normal-180`,
 /// with 491 MB of them, takes 1.9 to 2.5 s a step on a machine that others share, nearly all for them.
 const SECONDS_PER_FACTOR_BYTE: f64 = 4.4e-9;
 /// The same of what iterations go through instead, some dozen times thirty: a ball of 58,400 vertices took 32 s a step, beside

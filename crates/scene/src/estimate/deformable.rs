@@ -1,4 +1,4 @@
-//! What `meniscus check` tells of solids that deform.
+//! What `meniscus check_closed` tells of solids that deform.
 
 use super::memory;
 use super::scales::longest_step;
@@ -120,7 +120,7 @@ fn lowest_frequency<const D: usize>(spec: &SolidSpec, body: &Elastic<D>) -> Opti
 }
 
 impl SoftReport {
-    /// The report as lines of plain text for `meniscus check`; each a name and what is told.
+    /// The report as lines of plain text for `meniscus check_closed`; each a name and what is told.
     pub(crate) fn lines(&self, dimension: usize) -> Vec<(String, String)> {
         let (element, angle) =
             if dimension == 2 { ("triangles", "angles") } else { ("tetrahedra", "dihedral angles") };

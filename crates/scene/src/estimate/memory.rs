@@ -41,7 +41,7 @@ pub fn machine_memory() -> Option<u64> {
     Some(allowed.map_or(total, |a| a.min(total)))
 }
 
-/// Refuses a scene whose grid and liquid need more memory than there is (`limit`, bytes; [`of_machine`]).
+/// Refuses a scene whose grid and liquid need more memory than there is (`limit`, bytes; [`machine_memory`]).
 ///
 /// # Errors
 /// [`SceneError`] that points at the resolution.
@@ -62,7 +62,7 @@ pub fn check_liquid_memory(scene: &Scene, limit: Option<u64>) -> Result<(), Scen
     Err(scene.source.at_value(error, path))
 }
 
-/// Refuses a scene that needs more memory than there is (`limit`, bytes; [`of_machine`]) as solids that deform come to it.
+/// Refuses a scene that needs more memory than there is (`limit`, bytes; [`machine_memory`]) as solids that deform come to it.
 ///
 /// # Errors
 /// [`SceneError`] that points at the solid which takes most.

@@ -1,6 +1,6 @@
 //! The parameters of a scene in numbers, for `summary.json` and the page: what a run was of.
 //!
-//! They follow from the scene alone and cost nothing; `check` tells more, but builds the solids for it.
+//! They follow from the scene alone and cost nothing; `check_closed` tells more, but builds the solids for it.
 
 use super::scales::{ball_radius, liquid_volume, smallest_radius, typical_speed};
 use crate::file::{Elastic, Material, Scene, Solid, WALLS};

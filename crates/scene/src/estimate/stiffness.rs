@@ -13,7 +13,7 @@ const MAX_CROSSED_ELEMENTS: f64 = 1e6;
 const MAX_PLATE_ASPECT: f64 = 0.25;
 
 /// Modulus of a wave of pressure, Pa: `λ + 2μ`. That of springs is the mean over all directions with the strain the same
-/// everywhere, `Σ k l² ⟨cos⁴⟩ / V`.
+/// everywhere, `Σ k l² ⟨mode_cosine⁴⟩ / V`.
 fn p_wave_modulus<const D: usize>(spec: &SolidSpec, mesh: &VolumeMesh<D>) -> Option<f64> {
     match &spec.material {
         Material::NeoHookean(e) | Material::Corotated(e) => {
@@ -64,7 +64,7 @@ pub fn plate_bending_stiffness(e: &Elastic, thickness: f64) -> f64 {
 }
 
 /// Bending stiffness of a plate per width, N m (2D: of a strip per depth): `E t³ / 12 (1 - ν²)`; of springs what the plate's
-/// middle surface bent in all directions alike asks for, `⟨cos⁴⟩ Σ k p⁴ z² / (l² A)` with the part `p` of an edge along the
+/// middle surface bent in all directions alike asks for, `⟨mode_cosine⁴⟩ Σ k p⁴ z² / (l² A)` with the part `p` of an edge along the
 /// plate (5-tetrahedra lattices of 2 and 4 cells: 3.2 and 16.9 k a², where a solver finds 3.1 and 16.8).
 pub fn bending_stiffness<const D: usize>(spec: &SolidSpec, mesh: &VolumeMesh<D>) -> Option<f64> {
     let (thickness, normal) = plate_thickness_and_normal::<D>(&spec.shape)?;

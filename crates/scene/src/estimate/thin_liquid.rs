@@ -93,7 +93,7 @@ fn ball_fits<const D: usize>(lattice: Lattice<D>, depth: &[f32], i: usize) -> bo
     own >= BALL_RADIUS_CELLS || own > 0.0 && (0..2 * D).any(between)
 }
 
-/// Steps to the cells up to [`REACH`] away, the shortest first.
+/// Steps to the cells up to [`OPENING_REACH_CELLS`] away, the shortest first.
 fn cell_offsets_within_reach<const D: usize>() -> Vec<[isize; D]> {
     let cube = Lattice::<D>::new([2 * OPENING_REACH_CELLS as usize + 1; D]);
     let mut steps: Vec<[isize; D]> =

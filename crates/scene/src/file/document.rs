@@ -142,7 +142,7 @@ impl<'i> Document<'i> {
         }
     }
 
-    /// Replaces or adds a value: `domain.resolution=64`, `liquid.body.0.velocity=["1 m/s", 0]`. What is no TOML value
+    /// Replaces or adds a value: `domain.resolution=64`, `liquid.body.0.initial_velocity=["1 m/s", 0]`. What is no TOML value
     /// is taken as text, so `tension.liquid_air=0.5 mN/cm` needs no quotes.
     ///
     /// # Errors

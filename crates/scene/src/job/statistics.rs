@@ -56,7 +56,7 @@ pub struct ThinLiquidStatistics {
     pub worst_time: f64,
     /// Where its deepest cell was then, m; three entries.
     pub worst_place: [f64; 3],
-    /// When its share was first over [`crate::estimate::thin_liquid::TOLD`], s.
+    /// When its share was first over [`crate::estimate::thin_liquid::WARNING_SHARE`], s.
     pub first_time: Option<f64>,
 }
 

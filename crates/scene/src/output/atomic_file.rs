@@ -69,7 +69,7 @@ pub fn write_atomically(
     Ok(())
 }
 
-/// The name under which a file is prepared: `frames/x.ply` → `frames/x.ply.part`.
+/// The name under which a file is prepared: `keyframe_tables/x.ply` → `keyframe_tables/x.ply.part`.
 fn temporary_path(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".part");

@@ -2,7 +2,7 @@
 //! the contact line of the largest drop on it.
 //!
 //! All of it follows from the state and from the contact line that is found anyway, so a resumed run writes the same numbers.
-//! Angles by a fit of the free surface are not among them: they take longer, and `meniscus measure` has them.
+//! Angles by a fit of the free surface are not among them: they take longer, and `meniscus measure_thin_liquid` has them.
 
 use super::summary::deflection;
 use crate::job::padded_to_3d;

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 pub(super) struct Limits {
     /// Shortest step that is long.
     pub min_long_step: Duration,
-    /// Shortest step that is long while fewer than [`KNOWN`] steps have told how long a step is.
+    /// Shortest step that is long while fewer than [`MIN_STEPS_FOR_MEDIAN`] steps have told how long a step is.
     pub min_long_first_step: Duration,
     /// Time from a request to stop to the end of the process within a step that is over twice as long as the median.
     pub grace: Duration,

@@ -87,7 +87,7 @@ impl<const D: usize> CollisionPoints<D> {
     }
 
     /// Reduces the reach of points that are within the barrier's reach of something at the start to that distance, so that no contact
-    /// pushes at the start. No reach is less than a part [`LEAST`] of the barrier's.
+    /// pushes at the start. No reach is less than a part [`MIN_REACH_FRACTION`] of the barrier's.
     fn fit_reaches_to_gaps(&mut self, model: &Model<D>) {
         let (reach, still) = (BARRIER_REACH_CELLS * model.grid.dx, vec![Vector::zeros(); self.node_count()]);
         let start: Vec<SolidState<D>> = model.solids.iter().map(Solid::initial_state).collect();

@@ -1,7 +1,7 @@
 //! Solids that cannot break: the velocities at the end of a step make an incremental potential least ([`potential`]), together with
 //! the liquid's pressure.
 //!
-//! Newton's method: about the velocities `v` that it has come to, solids answer to impulses with `A⁻¹` ([`Response`]), `A` the second
+//! Newton's method: about the velocities `v` that it has come to, solids answer to impulses with `A⁻¹` ([`SolidResponse`]), `A` the second
 //! derivatives of the potential there, contacts included. With that answer the pressure is solved for, as in a step without
 //! contacts; where it leads is gone to as far as nothing meets and no element turns inside out at the end of the coming step
 //! (M. Li et al., "Incremental Potential Contact", 2020), and as the potential falls. Iterations end when the next would move
@@ -38,13 +38,13 @@ use meniscus_numerics::{Matrix, Vector};
 const MIN_CLEARANCE_FRACTION: f64 = 0.01;
 /// Change of a position at the end of the coming step, in reaches of the barrier, below which Newton's method has converged.
 const CONVERGENCE_TOLERANCE: f64 = 1e-3;
-/// The same after an update of the lagged friction, over [`SETTLED`]: the error of a lag that is updated [`RUBS`] times only adds up
+/// The same after an update of the lagged friction, over [`CONVERGENCE_TOLERANCE`]: the error of a lag that is updated [`MAX_FRICTION_UPDATES`] times only adds up
 /// from step to step.
 const FRICTION_LAG_TOLERANCE: f64 = 0.01;
 /// Relative residual of the pressure's solve in iterations far from convergence (inexact Newton: S. Eisenstat, H. Walker 1996). An
 /// iteration that ends the method has the full accuracy, so that this changes the cost only.
 const LOOSE_SOLVE_TOLERANCE: f64 = 1e-3;
-/// Far from convergence: the next iteration would move something by over so many times [`SETTLED`], which one of Newton's iterations
+/// Far from convergence: the next iteration would move something by over so many times [`CONVERGENCE_TOLERANCE`], which one of Newton's iterations
 /// does not bring below 1.
 const FAR_FROM_CONVERGENCE: f64 = 100.0;
 /// Most updates of the lagged friction in a step.
@@ -61,7 +61,7 @@ pub struct DeformableLoads<const D: usize> {
 }
 
 impl<const D: usize> DeformableLoads<D> {
-    /// Of all solids; `line` is what contact lines give them in the time `kick` (s), `extra` the stiffness that other forces add.
+    /// Of all solids; `line` is what contact lines give them in the time `impulse_time` (s), `extra_stiffness` the stiffness that other forces add.
     pub fn of_solids(
         model: &Model<D>,
         line: &CouplingImpulses<D>,
@@ -104,7 +104,7 @@ pub struct NewtonSolver<'a, const D: usize> {
     /// The pairs that may touch with these velocities.
     candidates: CandidatePairs,
     iteration: usize,
-    /// Whether the pressure's solve may be [`LOOSE`].
+    /// Whether the pressure's solve may be [`LOOSE_SOLVE_TOLERANCE`].
     is_loose: bool,
     friction_updates: usize,
     /// Iterations whose second derivatives were not positive definite.
@@ -218,7 +218,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
     /// The answer of solids about the velocities that it has come to, which they get, with the faces that lines drag.
     ///
     /// # Errors
-    /// [`SolveError::Indefinite`].
+    /// [`SolveError::NotPositiveDefinite`].
     pub fn linearise(
         &mut self,
         solids: &mut [SolidState<D>],

@@ -3,7 +3,7 @@
 //! Advection and the surface force are accurate but not conservative. A body of liquid that touches nothing must keep
 //! its mean velocity (but for gravity) and its angular momentum: after each step a uniform velocity and a rigid rotation
 //! restore both. Rigid motions are free of divergence, so nothing else changes (design, experiments part 2). Bodies that
-//! merge or part in a step are one [`Whole`] in it: orbits about the common centre count as well as spins. A centre is
+//! merge or part in a step are one [`RigidMotion`] in it: orbits about the common centre count as well as spins. A centre is
 //! that of the surface, which the volume correction keeps on its path; the faces' own centres (one per axis) jitter.
 
 use super::group::ComponentGroup;

@@ -2,10 +2,10 @@
 //!
 //! Next to the solid the interpolant of φ reaches into it, where φ is only a continuation. So the surface is followed from
 //! the line up the solid's normal `n`: at `y` with the normal `ν = ∇φ` it goes on along the part of `n` in its tangent
-//! plane, and each step ends on the zero set again. What is [`FROM`] to [`TO`] cells above the solid tells the angle
+//! plane, and each step ends on the zero set again. What is [`MIN_FIT_HEIGHT_CELLS`] to [`MAX_FIT_HEIGHT_CELLS`] cells above the solid tells the angle
 //! `arccos ν·n` as a function of the arc length, which is continued to where the arc reaches the solid: a linear one (exact
 //! for a circle and for a sphere on a plane), and what the liquid's weight adds to it, as it makes the curvature change with
-//! the height (Young and Laplace: `κ = κ0 − w·x`, with `w` as in [`Foot::weight`]; without it the angle of a puddle with a
+//! the height (Young and Laplace: `κ = κ0 − w·x`, with `w` as in [`Foot::bond_vector`]; without it the angle of a puddle with a
 //! capillary length of six cells is eight degrees too small).
 
 use meniscus_numerics::Vector;
@@ -53,7 +53,7 @@ pub struct Foot<'a, const D: usize> {
     pub normal: Vector<D>,
     /// Cell size, m.
     pub dx: f64,
-    /// How fast the curvature falls along each axis, 1/cells²: [`crate::Model::weight`].
+    /// How fast the curvature falls along each axis, 1/cells²: [`crate::Model::bond_vector`].
     pub bond_vector: Vector<D>,
     /// Distance to the solid, m.
     pub height: &'a dyn Fn(&Vector<D>) -> f64,
@@ -129,7 +129,7 @@ fn closest_on_interface<const D: usize>(
     (at, slope)
 }
 
-/// The angle where the arc that has the angle `angle` at `point` and turns there by `bend` (rad per cell) reaches the solid.
+/// The angle where the arc that has the angle `angle` at `point` and turns there by `curvature` (rad per cell) reaches the solid.
 fn extrapolated_angle<const D: usize>(
     foot: &Foot<'_, D>,
     point: &TracePoint<D>,

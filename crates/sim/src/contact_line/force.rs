@@ -1,14 +1,14 @@
 //! What the liquid's surface pulls at the solids with.
 //!
 //! Along the contact line a solid feels the free surface's tension across its own surface, `γ sin θ n` with the angle `θ`
-//! that the surface has, and along it `γ cos θ_Y t` with Young's: what is unbalanced there moves the liquid, and no even
+//! that the surface has, and along it `γ mode_cosine θ_Y t` with Young's: what is unbalanced there moves the liquid, and no even
 //! wall is pulled along itself, as the energy does not change when the liquid moves along it. At rest both make the pull
 //! of the free surface, `γ t_la`.
 //!
 //! The lattice of the surface tells that to a percent or two; a body of liquid that touches nothing but solids tells it
 //! exactly: what its surface's pressure pushes the liquid with, the solids must give back. So across the solids the
 //! difference is spread over its lines, and drop and solids together neither gain nor lose momentum (design, experiments
-//! part 2, EFT), nor angular momentum, except where all lines on a solid that deforms lie within [`RESOLVED`] cells of one place:
+//! part 2, EFT), nor angular momentum, except where all lines on a solid that deforms lie within [`MIN_RESOLVED_RADIUS_CELLS`] cells of one place:
 //! these carry no moment, and the repairs say how much was left out; along them the lattice is right, and the liquid gets what its surface's pressure lacks. Without that a drop
 //! that spreads on a tilted wall starts to glide along it.
 //!
@@ -139,7 +139,7 @@ pub struct ContactLineForces<'a, const D: usize> {
 }
 
 impl<const D: usize> ContactLineForces<'_, D> {
-    /// The impulses of the time `kick` (s).
+    /// The impulses of the time `impulse_time` (s).
     pub fn impulses(&self, impulse_time: f64) -> LineImpulses<D> {
         let LinePulls { mut impulses, lengths, mut loads, pieces } = self.lattice_pulls(impulse_time);
         if !loads.is_empty() {
@@ -278,8 +278,8 @@ impl<const D: usize> ContactLineForces<'_, D> {
 }
 
 /// Gives a solid that deforms what its lines pull with, each where it is, what the tension of its wetted surface (`skin`) does
-/// in the time `kick` (s), which along the solid is in balance with the lines, and what `all` is besides to all lines. Returns
-/// the size of the moment that [`spread`] leaves out, kg m²/s (2D: kg m/s).
+/// in the time `impulse_time` (s), which along the solid is in balance with the lines, and what `all` is besides to all lines. Returns
+/// the size of the moment that [`distribute_rigidly`] leaves out, kg m²/s (2D: kg m/s).
 fn load_deformable<const D: usize>(
     feet: &[LineLoad<D>],
     shortest_lever: f64,

@@ -1,7 +1,7 @@
 //! Friction of contact lines.
 //!
 //! A line that moves along a solid with the speed `U` is held back with the force `ζ U` on its length, so that the angle it
-//! moves with differs from Young's: `γ (cos θ_Y − cos θ) = ζ U` (molecular-kinetic theory, linear: T. D. Blake, J. M. Haynes,
+//! moves with differs from Young's: `γ (mode_cosine θ_Y − mode_cosine θ) = ζ U` (molecular-kinetic theory, linear: T. D. Blake, J. M. Haynes,
 //! "Kinetics of liquid/liquid displacement", 1969; design, numerics §3). The liquid's faces around the line feel it as a drag
 //! towards the solid's velocity, but not along a line that moves, with the velocity of the step's end: no step is too long
 //! for it, however light the liquid at the line. In the pressure solve such faces give way less, as if they were heavier.
@@ -88,11 +88,11 @@ impl DraggedFace {
     }
 }
 
-/// The faces that the lines drag in the time `kick` (s). Those at the surface are told what that leaves of a push.
+/// The faces that the lines drag in the time `impulse_time` (s). Those at the surface are told what that leaves of a push.
 ///
 /// `bodies` are the solids with the velocities that the step before left, or that they are told: towards those the lines drag.
 /// What `state` has is on its way, with what some of the forces give to a solid at rest, before the others take it away: drops
-/// on soft plates stirred with it, and had angles too small by up to 6 degrees (`verify soft-sag`). Where a solid
+/// on soft plates stirred with it, and had angles too small by up to 6 degrees (`verify clamped_radiance-sag`). Where a solid
 /// accelerates by `a` they lag by `a h`, of what the step's end will have.
 pub fn dragged_faces<const D: usize>(
     model: &Model<D>,

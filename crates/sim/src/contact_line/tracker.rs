@@ -5,11 +5,11 @@
 //!
 //! The paper samples φ at the vertices, takes its contour at `ε = Δx` rather than 0, and moves that back by `ε` along the
 //! surface. That looks where the liquid is seen well, but is off by `ε (1/sin θ − 1)`, a cell at 30 degrees, and inside
-//! solids φ is a mere continuation. Here φ is looked at [`HEIGHT`] cells above each vertex, outside, and taken down to it
+//! solids φ is a mere continuation. Here φ is looked at [`SAMPLE_HEIGHT_CELLS`] cells above each vertex, outside, and taken down to it
 //! with its slope and bend: enlarged and shrunk across the surface instead of along it.
 //!
 //! The line follows from model and state: nothing of it is kept, no step depends on it. The line that moves the liquid is
-//! that of the lattice's energy ([`super::force`]); [`ContactLine::apart`] tells how far the two are apart.
+//! that of the lattice's energy ([`super::force`]); [`ContactLine::line_distance_cells`] tells how far the two are apart.
 
 use super::angle::{Foot, contact_angle};
 use crate::contact_line::sampling::{MAX_LINE_PHI_CELLS, UPPER_SAMPLE_HEIGHT_CELLS, phi_at_solid};
@@ -69,7 +69,7 @@ pub struct LinePoint<const D: usize> {
     /// Speed along the solid and relative to it across the line, m/s, positive where the line advances: the liquid's, half
     /// a step ahead as its velocity is.
     pub speed: f64,
-    /// Force on the solid per length of the line, N/m (2D: per point, N/m): `γ sin θ n − γ cos θ_Y m`, `n` the solid's
+    /// Force on the solid per length of the line, N/m (2D: per point, N/m): `γ sin θ n − γ mode_cosine θ_Y m`, `n` the solid's
     /// normal, `m` the way out of the liquid along it, `θ_Y` Young's angle.
     pub force: Vector<D>,
     /// Length of the line that it stands for, m (2D: 1).

@@ -9,7 +9,7 @@
 //!
 //! In that system a surface feels the pressure at the centre of its cell, up to half a cell off: a floor on the faces of
 //! the lattice would bear half a cell of liquid too little, a box half a cell too much at its top and at its bottom. What
-//! the slope of a first solution says that the surface has more ([`Coupling::beyond_centers`]) is given to the solids
+//! the slope of a first solution says that the surface has more ([`PressureCoupling::off_center_impulses`]) is given to the solids
 //! before a second one.
 
 use super::impulses::{CouplingImpulses, Impulse};

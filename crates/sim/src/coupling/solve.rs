@@ -246,7 +246,7 @@ fn build_projection<'a, const D: usize>(
     }
 }
 
-/// Keeps with the solids the mean forces of what line, pressure and friction gave them in the time `kick`.
+/// Keeps with the solids the mean forces of what line, pressure and friction gave them in the time `impulse_time`.
 fn store_solid_forces<const D: usize>(
     solids: &mut [SolidState<D>],
     given: &[CouplingImpulses<D>; 3],

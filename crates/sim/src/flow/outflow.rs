@@ -1,6 +1,6 @@
 //! Open sides: beyond them is air, and liquid that passes them is taken out of the domain.
 //!
-//! The grid goes on for [`OPEN_MARGIN`] cells beyond an open side. At the end of each step φ becomes the larger of itself and of the
+//! The grid goes on for [`OPEN_SIDE_MARGIN_CELLS`] cells beyond an open side. At the end of each step φ becomes the larger of itself and of the
 //! distance beyond the nearest open side: the intersection of the liquid with the domain, which ends at the side with a free surface
 //! under the pressure of air. The state sums up the volume and the energy that have left, as the difference of the books before and
 //! after. A component that becomes too small to see within a cell of an open side counts as left, too ([`crate::components::tracking`]).

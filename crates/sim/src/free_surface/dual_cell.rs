@@ -22,7 +22,7 @@ pub struct DualCell {
     pub excess_volume: f64,
     /// First moment of that difference about the origin.
     pub excess_moment: [f64; 3],
-    /// −∂/∂φ of each corner of the energy: free area, less `cosine` times the wetted area, and the liquid's weight times
+    /// −∂/∂φ of each corner of the energy: free area, less `contact_cosine` times the wetted area, and the liquid's weight times
     /// its height.
     pub energy_slope: [f64; 8],
     /// −∂volume/∂φ of each corner.
@@ -91,7 +91,7 @@ impl<const D: usize> SimplexSplit<D> {
         }
     }
 
-    /// Adds what the surface cuts out of the unit cube without solids; `weight` is the energy of a unit of volume for each
+    /// Adds what the surface cuts out of the unit cube without solids; `bond_vector` is the energy of a unit of volume for each
     /// unit of height along the axes.
     pub fn cut(&self, values: &[f64; 8], bond_vector: &Vector<D>, dual_cell: &mut DualCell) {
         dual_cell.subtract_corner_shares::<D>();
@@ -228,7 +228,7 @@ impl DualCell {
         }
     }
 
-    /// Calls `f(component, part)` for every liquid corner; the parts add up to one.
+    /// Calls `f(component_lookup, part)` for every liquid corner; the parts add up to one.
     pub fn distribute(&self, label: impl Fn(usize) -> Option<u32>, mut f: impl FnMut(u32, f64)) {
         // Where a solid takes all liquid corners, the liquid is that of any corner's neighbourhood.
         let corners = if self.liquid_corners == 0 { u8::MAX } else { self.liquid_corners };

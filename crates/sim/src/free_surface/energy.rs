@@ -1,11 +1,11 @@
 //! Energy of the liquid's surface and volume of the liquid, with their exact derivatives, on the lattice of cell centres.
 //!
 //! On cubes between cell centres the area `A` of the free surface, the area `W` of the solids under liquid, and the
-//! volume `V` are functions of the cell values. The surface's energy over its tension is `E = A − W cos θ`, with `cos θ =
+//! volume `V` are functions of the cell values. The surface's energy over its tension is `E = A − W mode_cosine θ`, with `cos θ =
 //! (γ_sa − γ_ls)/γ_la` (Young), and `∂E/∂φ_c / ∂V/∂φ_c` is the curvature, that of the contact line included (design,
 //! experiments parts 1 and 4). Walls mirror: a cube that reaches beyond a wall counts half.
 //!
-//! Beside solids the energy has the liquid's weight in it, `E = A − W cos θ + ∫ w·x dV` with `w = −ρ g/γ`: at rest the ratio
+//! Beside solids the energy has the liquid's weight in it, `E = A − W mode_cosine θ + ∫ w·x dV` with `w = −ρ g/γ`: at rest the ratio
 //! is then the same constant everywhere, however large the parts of the surface that a cell stands for, and the curvature is
 //! that less `w·x`. Without it the surface within two cells of a wall had the curvature of a cell farther off, and a
 //! meniscus of 8 cells a capillary length stood 4 % too low. Liquid that falls freely with its solid bears no such pressure:

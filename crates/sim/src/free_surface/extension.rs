@@ -36,7 +36,7 @@ const SAMPLE_HEIGHT_CELLS: f64 = 1.0;
 /// Depth, in cells, under a side up to which its continuation counts: farther no stencil reaches.
 const MAX_OPPOSITE_DEPTH_CELLS: f64 = 2.5;
 /// Most that φ may be in cells that take that, over their depth: between there and a clear cell on the nearest side, where φ is
-/// at least [`HEIGHT`] and its height, the sign changes within the solid up to twice that.
+/// at least [`SAMPLE_HEIGHT_CELLS`] and its height, the sign changes within the solid up to twice that.
 const MAX_PHI_DEPTH_RATIO: f64 = 1.5;
 /// The same beside cells that are not clear: the sign changes half-way between two distances.
 const UNCLEAR_PHI_DEPTH_RATIO: f64 = 0.5;
@@ -169,7 +169,7 @@ impl<const D: usize> InterfaceSampler<'_, D> {
     }
 
     /// Direction along a solid in which φ rises. It has unit length; less where φ rises by less than its slope's error
-    /// ([`SLOPE`]), as beside a film, which has no line. The slope is a difference over two cells: that at a point of a film
+    /// ([`GRADIENT_NORM_TOLERANCE`]), as beside a film, which has no line. The slope is a difference over two cells: that at a point of a film
     /// changes its sign with ripples of a hundredth of a cell.
     fn tangential_gradient(&self, x: &Vector<D>, normal: &Vector<D>) -> Vector<D> {
         let dx = self.model.grid.dx;
@@ -297,7 +297,7 @@ fn is_isolated<const D: usize>(model: &Model<D>, phi: &[f64], cut: &CutCells<D>,
 }
 
 /// Of open cells beside those in a thin solid that go on from the side across: those that no neighbour tells of a surface
-/// nearer than [`HEIGHT`] over their solid's. What separates the sides within the solid is none: their φ is at least that.
+/// nearer than [`SAMPLE_HEIGHT_CELLS`] over their solid's. What separates the sides within the solid is none: their φ is at least that.
 fn raise_clear_cells<const D: usize>(
     model: &Model<D>,
     phi: &mut [f64],

@@ -36,15 +36,15 @@ pub fn impulse_time(velocity_lead: f64, dt: f64) -> f64 {
 /// The same without bounds. The place `q = x + l v` at the time of a velocity that is `l` ahead moves by `(h − l) v + l' v'` while forces
 /// act for `t = h − l + l'`. With `l' = h − l` that is `t` times the mean velocity: the forces' work is what `½ v²` gains, and angular
 /// momentum is kept, too. A step that is short all at once leaves no time for that; there `l' = h/2`, which is longer, and the energy
-/// falls by `(l'/t − ½) m (v' − v)²`. Coming steps are chosen so that the rule holds ([`next_step`]).
+/// falls by `(l'/t − ½) m (v' − v)²`. Coming steps are chosen so that the rule holds ([`next_dt`]).
 pub fn unbounded_impulse_time(velocity_lead: f64, dt: f64) -> f64 {
     let neutral = 2.0 * (dt - velocity_lead);
     if neutral >= 2.0 * MIN_IMPULSE_TIME_RATIO * velocity_lead { neutral } else { 1.5 * dt - velocity_lead }
 }
 
-/// The coming step, s, where velocities are `lead` ahead: at most `longest`, and such that steps of one length follow until the time
-/// `rest` (which may be infinite) is over. Steps go from half of the last time for which forces acted to half of the next one, which
-/// is as near to `longest` as can be.
+/// The coming step, s, where velocities are `velocity_lead` ahead: at most `max_dt`, and such that steps of one length follow until the time
+/// `remaining_time` (which may be infinite) is over. Steps go from half of the last time for which forces acted to half of the next one, which
+/// is as near to `max_dt` as can be.
 pub fn next_dt(velocity_lead: f64, max_dt: f64, remaining_time: f64) -> f64 {
     let impulse_time = max_dt.min(2.0 * (max_dt - velocity_lead));
     if impulse_time < 2.0 * MIN_IMPULSE_TIME_RATIO * velocity_lead
@@ -55,7 +55,7 @@ pub fn next_dt(velocity_lead: f64, max_dt: f64, remaining_time: f64) -> f64 {
     if remaining_time.is_infinite() {
         return velocity_lead + 0.5 * impulse_time;
     }
-    // `rest = lead + ½ kick + (n − 1) kick` with n steps.
+    // `remaining_time = velocity_lead + ½ impulse_time + (n − 1) impulse_time` with n steps.
     let steps = ((remaining_time - velocity_lead) / impulse_time * (1.0 - 1e-9) + 0.5).ceil().max(1.0);
     if steps == 1.0 {
         remaining_time
@@ -64,7 +64,7 @@ pub fn next_dt(velocity_lead: f64, max_dt: f64, remaining_time: f64) -> f64 {
     }
 }
 
-/// A time divided into as few steps of one length as can be with none over `longest`; that where the time is infinite.
+/// A time divided into as few steps of one length as can be with none over `max_dt`; that where the time is infinite.
 pub fn uniform_dt(remaining_time: f64, max_dt: f64) -> f64 {
     if remaining_time.is_finite() {
         remaining_time / (remaining_time / max_dt * (1.0 - 1e-9)).ceil().max(1.0)

@@ -161,7 +161,7 @@ pub fn energy_without_gravity<const D: usize>(model: &Model<D>, state: &State<D>
 }
 
 /// Energy in the solids' deformation at the time of the velocities, J: with their kinetic energy it is what a step keeps
-/// (`meniscus_elastic::Incremental`).
+/// (`meniscus_elastic::IncrementalPotential`).
 fn elastic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     let soft = |(solid, now): (&Solid<D>, &SolidState<D>)| {
         let (elastic, soft) = solid.elastic().zip(now.soft.as_ref())?;
@@ -172,7 +172,7 @@ fn elastic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     model.solids.iter().zip(&state.solids).filter_map(soft).sum()
 }
 
-/// [`Ledger::least_element`].
+/// [`Diagnostics::least_element`].
 fn least_element<const D: usize>(model: &Model<D>, state: &State<D>) -> Option<f64> {
     let soft = |(solid, now): (&Solid<D>, &SolidState<D>)| {
         solid.elastic().zip(now.soft.as_ref()).map(|(e, soft)| e.min_volume_ratio(&soft.state.positions))

@@ -148,7 +148,7 @@ fn initial_half_step<const D: usize>(
     Ok(())
 }
 
-/// Adds what gravity, surface tension and pressure do to the velocity in the time `kick`, in a step of `dt`;
+/// Adds what gravity, surface tension and pressure do to the velocity in the time `impulse_time`, in a step of `dt`;
 /// `displacement` as [`displacements`] found it. Gives back the work of solids, too.
 fn apply_forces<const D: usize>(
     model: &Model<D>,

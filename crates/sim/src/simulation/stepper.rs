@@ -203,7 +203,7 @@ impl<const D: usize> Simulation<D> {
         let total_energy = energy + potential_energy(&self.model, &self.state) + self.state.outflow_energy();
         let time = self.state.time;
         let (mut redone, mut failed) = (0, 0);
-        // Ends after [`RETRIES`] and [`DOUBTS`].
+        // Ends after [`MAX_RETRIES`] and [`MAX_ACCURACY_HALVINGS`].
         loop {
             self.workspace.repairs = Repairs::default();
             let snapshot = Snapshot::take(&self.model, &self.state, &mut self.workspace);

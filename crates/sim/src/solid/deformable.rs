@@ -1,7 +1,7 @@
 //! Solids that deform, as the liquid meets them.
 //!
 //! Their positions go first, then their velocities, as the liquid's do: the new velocities make the incremental potential of
-//! `meniscus_elastic::Incremental` least, together with contacts ([`crate::collision`]). The liquid's pressure is solved for with the
+//! `meniscus_elastic::IncrementalPotential` least, together with contacts ([`crate::collision`]). The liquid's pressure is solved for with the
 //! inverse of its second derivatives in its system, so that how soft or light a solid is sets no limit to the step (design,
 //! numerics §1).
 

@@ -49,7 +49,7 @@ impl<const D: usize> Solid<D> {
         })
     }
 
-    /// The cosine of the angle that a line tends to which has the angle of the cosine `now` where Young's is `young`, and
+    /// The cosine of the angle that a line tends to which has the angle of the cosine `now` where Young's is `young_cosine`, and
     /// whether it rests: between the advancing and the receding angle it stays what it is.
     pub fn hysteretic_cosine(&self, young_cosine: f64, cosine: f64) -> (f64, bool) {
         let Some(hysteresis) = &self.hysteresis else { return (young_cosine, false) };

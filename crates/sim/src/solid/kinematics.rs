@@ -115,7 +115,7 @@ pub struct SolidState<const D: usize> {
 
 impl<const D: usize> Solid<D> {
     /// A homogeneous solid of a density, kg/m³, that starts at rest and that liquid meets at 90 degrees, with the usual
-    /// [`RESTITUTION`] and [`FRICTION`]. One without bounds has no mass to be free with: it stays where it is.
+    /// [`DEFAULT_RESTITUTION`] and [`DEFAULT_FRICTION`]. One without bounds has no mass to be free with: it stays where it is.
     pub fn new(shape: Shape<D>, motion: Motion<D>, density: f64) -> Self {
         let mut mass_properties = MassProperties::homogeneous(&shape, density);
         if let Motion::Soft(elastic) = &motion {
@@ -138,7 +138,7 @@ impl<const D: usize> Solid<D> {
         }
     }
 
-    /// The same as the liquid sees it where cells are `dx` large (m): two sides of a plate thinner than [`THINNEST`] cells share
+    /// The same as the liquid sees it where cells are `dx` large (m): two sides of a plate thinner than [`MIN_PLATE_THICKNESS_CELLS`] cells share
     /// cells, and what wets the one would wet the other. The liquid meets such a solid (`thickness`, m) by half of what is
     /// missing farther out; its mass and its own forces are those of what it is (design, experiments 4).
     pub fn padded(self, thickness: f64, dx: f64) -> Self {

@@ -52,7 +52,7 @@ pub enum Hysteresis {
 }
 
 impl Hysteresis {
-    /// Cosines of the advancing and the receding angle where Young's has the cosine `young`.
+    /// Cosines of the advancing and the receding angle where Young's has the cosine `young_cosine`.
     pub fn cosine_bounds(&self, young_cosine: f64) -> [f64; 2] {
         match self {
             Self::Between(cosines) => *cosines,

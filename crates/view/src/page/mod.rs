@@ -96,7 +96,7 @@ struct Payload<'a> {
     domain: Option<[f64; 3]>,
     dx: Option<f64>,
     notes: Vec<String>,
-    /// What solids can be coloured by, in the order of [`Shade::STORED`].
+    /// What solids can be coloured by, in the order of [`ColorBy::STORED`].
     shades: Vec<PageShade>,
     frames: Vec<PageFrame>,
     meshes: Vec<&'a str>,

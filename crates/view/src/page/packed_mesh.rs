@@ -2,7 +2,7 @@
 //! next, then gzip and base64.
 //!
 //! Before gzip, little-endian: `MESH`, vertex count, element count, corners per element (2 or 3) + 256 if
-//! kinds follow + 512, 1024, 2048 for each of [`Shade::STORED`] whose values do (u32 each); lower and upper corner of the
+//! kinds follow + 512, 1024, 2048 for each of [`ColorBy::STORED`] whose values do (u32 each); lower and upper corner of the
 //! box (f32 each); per axis the low bytes, then the
 //! high bytes of the differences between successive positions (wrapping u16); the differences between
 //! successive vertex indices as zigzag LEB128; one byte per vertex for its kind; one for the place of each value in
@@ -17,7 +17,7 @@ use meniscus_numerics::mesh::ply::PlyMesh;
 use crate::color_map::{ColorBy, ScalarRange};
 use crate::folder::Bounds;
 
-/// The ranges of [`Shade::STORED`].
+/// The ranges of [`ColorBy::STORED`].
 pub(crate) type ScalarRanges = [Option<ScalarRange>; 3];
 
 /// Packs a mesh: its triangles, or its edges if it has no triangles, and the values that have a range.

@@ -37,7 +37,7 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// A view of `seen`; all lengths are in the picture's coordinates, `unit` metres each.
+    /// A view of `visible`; all lengths are in the picture's coordinates, `unit` metres each.
     pub(crate) fn new(camera: &Camera, visible: &Bounds, unit: f64, size: (u32, u32)) -> Self {
         let (az, el) = (camera.azimuth.to_radians(), camera.elevation.clamp(-89.0, 89.0).to_radians());
         let forward = V3::new(-az.sin() * el.cos(), az.cos() * el.cos(), -el.sin());

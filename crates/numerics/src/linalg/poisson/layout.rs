@@ -1,6 +1,6 @@
 //! Compact storage of the unknowns: blocks of a row, split by colour.
 //!
-//! A *block* is [`CELLS`] consecutive cells of a row (aligned in absolute cell numbers), stored where it
+//! A *block* is [`BLOCK_CELLS`] consecutive cells of a row (aligned in absolute cell numbers), stored where it
 //! holds at least one unknown. A vector over the unknowns consists of two halves, one per colour of the
 //! chessboard; cell `i` of a row of parity `s` (sum of the other coordinates mod 2) has colour `(i + s) mod
 //! 2` and lies at entry `i / 2` of its row in that half. So the neighbours of a cell are entries of the other

@@ -32,7 +32,7 @@ impl Real for f32 {
 /// Coefficients of the cells of one colour of a block: toward the lower and upper neighbour along each axis,
 /// then at [`DIAGONAL`] their sum plus the Dirichlet coefficient (1 where the row is empty).
 pub(super) type CoefficientPack<T> = [[T; LANES]; 7];
-/// Where the diagonal stands in a [`Pack`].
+/// Where the diagonal stands in a [`CoefficientPack`].
 pub(super) const DIAGONAL: usize = 6;
 
 /// The coefficients of a span.
@@ -73,7 +73,7 @@ pub(super) struct Chunk {
     pub packs_f64: [Vec<CoefficientPack<f64>>; 2],
     /// Coefficients by colour, scaled, in single precision.
     pub packs_f32: [Vec<CoefficientPack<f32>>; 2],
-    /// Dirichlet coefficients beside `wide`, while the hierarchy is built.
+    /// Dirichlet coefficients beside `packs_f64`, while the hierarchy is built.
     pub dirichlet: [Vec<[f64; LANES]>; 2],
     /// For each block, while the hierarchy is built, what it is.
     pub block_coefficients: Vec<SpanCoefficients>,

@@ -1,7 +1,7 @@
 //! The exact inverse on the cells that bodies touch, for a pressure system with bodies that multigrid alone does not precondition
 //! well.
 //!
-//! With `w` the cells into which bodies flow, and `n` all others, the system `S = A + F B⁻¹ Fᵀ − porous` has its full block `S_ww`
+//! With `w` the cells into which bodies flow, and `n` all others, the system `S = A + F B⁻¹ Fᵀ − lumped_compliance` has its full block `S_ww`
 //! there only. The preconditioner is the symmetric multiplicative Schwarz method of the two: exact on `w`, multigrid `M` on the rest
 //! (B. Smith, P. Bjørstad, W. Gropp, "Domain Decomposition", 1996):
 //!

@@ -94,7 +94,7 @@ impl<const D: usize> VolumeMesh<D> {
         Self { positions, simplices }
     }
 
-    /// As [`divided`](Self::divided), with the nodes on some edges shifted (m), as far as simplices stay well shaped. The edges have
+    /// As [`subdivided`](Self::divided), with the nodes on some edges shifted (m), as far as simplices stay well shaped. The edges have
     /// their lower vertices first.
     pub fn subdivided_curved(&self, shifts: &[([u32; 2], Vector<D>)]) -> Self {
         let (mut mesh, all) = (self.subdivided(), self.edges());
@@ -118,7 +118,7 @@ impl<const D: usize> VolumeMesh<D> {
         mesh
     }
 
-    /// The quadratic simplices that the mesh's simplices are the parts of, as [`divided`](Self::divided) leaves them; none where they
+    /// The quadratic simplices that the mesh's simplices are the parts of, as [`subdivided`](Self::divided) leaves them; none where they
     /// are of no such.
     pub fn quadratic_simplices(&self) -> Option<Vec<QuadraticSimplex<D>>> {
         let parts = self.simplices.chunks_exact(1 << D);

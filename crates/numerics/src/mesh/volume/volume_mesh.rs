@@ -1,8 +1,8 @@
 //! Volumes made of simplices: triangles in 2D, tetrahedra in 3D.
 //!
-//! Boxes are lattices ([`block`]), flat outlines are triangulated and given a thickness ([`planar`], [`extrude`]), any
+//! Boxes are lattices ([`box_mesh`]), flat outlines are triangulated and given a thickness ([`planar`], [`extrude`]), any
 //! signed distance is filled by isosurface stuffing ([`stuffing`]), files are read ([`read`]); [`quality`] measures and
-//! checks what came of it. Any of them may be of quadratic simplices, which [`quadratic`] divides into the mesh's linear ones.
+//! checks what came of it. Any of them may be of quadratic simplices, which [`quadratic_cube_mesh`] divides into the mesh's linear ones.
 
 use crate::mesh::SurfaceMesh;
 use crate::{Matrix, Vector};

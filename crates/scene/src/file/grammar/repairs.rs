@@ -1,4 +1,4 @@
-//! `[expect] repairs`: how much may have been mended in a run.
+//! `[predict_motions] repairs`: how much may have been mended in a run.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -24,7 +24,7 @@ pub enum Expectation {
     Repair {
         /// Its name among the repairs of the summary.
         name: String,
-        /// Bound, as [`crate::file::RepairsFile`] has it.
+        /// Bound, as [`crate::atomic_file::RepairsFile`] has it.
         max: f64,
     },
     /// Largest speed at the end.
@@ -52,7 +52,7 @@ pub enum Expectation {
     },
     /// Contact angle at the end.
     ContactAngle {
-        /// Name of the solid, or [`crate::file::WALLS`].
+        /// Name of the solid, or [`crate::atomic_file::WALL_CASES`].
         solid: String,
         /// Expected, rad.
         value: f64,

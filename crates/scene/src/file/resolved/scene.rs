@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// What the closed sides are called where solids have names.
 pub const WALLS: &str = "walls";
 
-/// A scene that makes sense. What of it can run today: [`crate::file::runnable`].
+/// A scene that makes sense. What of it can run today: [`crate::atomic_file::ensure_runnable`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// Name, also of the output folder.
@@ -166,8 +166,8 @@ pub enum ShapeSpec {
         /// Rotation about the centre.
         rotation: Rotation,
     },
-    /// A ball whose radius is `radius (1 + amplitude P_mode(cos θ))`, θ from the last axis; in 2D
-    /// `radius (1 + amplitude cos(mode θ))`.
+    /// A ball whose radius is `radius (1 + amplitude P_mode(mode_cosine θ))`, θ from the last axis; in 2D
+    /// `radius (1 + amplitude mode_cosine(mode θ))`.
     PerturbedBall {
         /// Centre, m.
         center: Vec<f64>,
@@ -178,7 +178,7 @@ pub enum ShapeSpec {
         /// Amplitude over radius.
         amplitude: f64,
     },
-    /// Filled where the last coordinate is below `level + amplitude cos(2π x / wavelength + phase)`.
+    /// Filled where the last coordinate is below `level + amplitude mode_cosine(2π x / wavelength + phase)`.
     Wave {
         /// Mean height, m.
         level: f64,

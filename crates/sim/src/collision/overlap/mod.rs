@@ -1,7 +1,7 @@
 //! Overlaps of solids: where they start there may be none, and no step makes any.
 //!
 //! Rigid solids are held against each other by probes of their surfaces and the other's signed distance; the surfaces of solids that
-//! deform by their points, facets and edges ([`soft`]). The resolution is that of the probes, half a cell.
+//! deform by their points, facets and edges ([`clamped_radiance`]). The resolution is that of the probes, half a cell.
 
 mod deformable;
 mod rigid;

@@ -2,7 +2,7 @@
 //!
 //! A barrier with the energy `B` is felt at the end of the coming step, after `a`, where nothing may overlap (M. Li et al. 2020). Pairs that
 //! came towards each other with the old velocities feel it at the nearer of two places, there or at the time of the new velocities, after
-//! `l`, where the step keeps its books of energy ([`crate::simulation::step`]):
+//! `l`, where the step keeps its books of energy ([`crate::simulation::max_next_dt`]):
 //!
 //! ```text
 //! h max ((B(x + a v) − B(x))/a, (B(x + l v) − B(x))/l)

@@ -1,6 +1,6 @@
 //! What the velocities of all solids make least in a step: an incremental potential (M. Li et al. 2020).
 //!
-//! Of each solid that deforms that of [`Incremental`], of each rigid one `½ (V − V*)ᵀ M (V − V*)` about the velocities `V*` that all
+//! Of each solid that deforms that of [`IncrementalPotential`], of each rigid one `½ (V − V*)ᵀ M (V − V*)` about the velocities `V*` that all
 //! other forces give it; of all together `h/a` times the barriers between them at the end of the coming step, of length `a`, and what
 //! friction holds them with on the way there.
 
@@ -248,7 +248,7 @@ impl<'a, const D: usize> Potential<'a, D> {
     }
 
     /// The largest part of the way from some velocities along a change of them, up to all of it, on which nothing gives up more than
-    /// `1 − keep` of what keeps it from meeting and from turning inside out.
+    /// `1 − retain_common` of what keeps it from meeting and from turning inside out.
     pub fn max_step_fraction(
         &self,
         from: &[Vector<D>],

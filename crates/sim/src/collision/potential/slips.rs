@@ -6,7 +6,7 @@ use meniscus_contact::{Friction, FrictionPair};
 use meniscus_numerics::Vector;
 use std::collections::BTreeMap;
 
-/// Elastic slip, in reaches of the barrier, from which on things slide: a few times what Newton's method resolves (`SETTLED` in
+/// Elastic slip, in reaches of the barrier, from which on things slide: a few times what Newton's method resolves (`CONVERGENCE_TOLERANCE` in
 /// [`crate::collision::newton`]), for
 /// it goes to and fro over a kink that it does not resolve (with 1e-3 it takes half as many iterations again as with 1e-2). It is a
 /// deflection that a contact has once; what bounces has it in each contact anew, and slides farther by it (with 1e-2 a soft block that

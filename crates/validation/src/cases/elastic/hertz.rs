@@ -171,7 +171,7 @@ fn measure_contact<const D: usize>(simulation: &Simulation<D>) -> Option<Pressur
 /// The flattening of a ball at the poles under Hertz's pressures on caps of radius `a` (over the ball's) about both, over that of a
 /// half-space, `a²/R`.
 ///
-/// The radial traction is a sum of Legendre polynomials `p_n P_n(cos θ)`. With Lur'e's displacements
+/// The radial traction is a sum of Legendre polynomials `p_n P_n(mode_cosine θ)`. With Lur'e's displacements
 /// `u_r = [A (n+1)(n−2+4ν) r^(n+1) + B n r^(n−1)] P_n` and no shear at `r = 1`, `B = −A (n²+2n−1+2ν)/(n−1)`, and
 /// `p_n = 2G A [(n+1)(n²−n−2−2ν) − n (n²+2n−1+2ν)]`.
 fn ball_flattening_ratio(a: f64) -> f64 {

@@ -63,7 +63,7 @@ impl ElasticLayer {
         if self.width > 0.0 { (k * self.width).sin() / (k * self.width) } else { 1.0 }
     }
 
-    /// The same as [`Self::measured`] of a drop of radius one before it sinks in: lines at ±1, and its pressure. The
+    /// The same as [`Self::measure`] of a drop of radius one before it sinks in: lines at ±1, and its pressure. The
     /// layer's slope at the lines, where it has the contact angle, and what sinks in make the drop wider.
     fn expected(&self) -> [f64; 3] {
         let drop = |k: f64| 2.0 * k.cos() * self.line_load_transform(k) - 2.0 * k.sin() / k;

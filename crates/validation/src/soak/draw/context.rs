@@ -87,7 +87,7 @@ impl SceneContext {
         world
     }
 
-    /// The time in which drops fall or fly through the domain and swing a few times, within [`STEPS`], s. A drop of water of
+    /// The time in which drops fall or fly through the domain and swing a few times, within [`STEP_COUNT_RANGE`], s. A drop of water of
     /// two millimetres takes 60 ms.
     fn suitable_duration(&self, across: f64) -> f64 {
         let height = self.size[self.dimension - 1];

@@ -2,7 +2,7 @@
 //!
 //! A step moves positions with velocities that are a time `l` ahead of them, `x' = x + h v`, and then finds the coming velocities. What
 //! a step keeps that dissipates nothing is the energy at the time of the velocities, where solids are at `q = x + l v`
-//! (`meniscus_elastic::Incremental`):
+//! (`meniscus_elastic::IncrementalPotential`):
 //!
 //! ```text
 //! E = T(v) + Ψ(q) + B(q) + S + l/h (S' − S) + P + l/h (P' − P):

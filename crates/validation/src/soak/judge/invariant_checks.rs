@@ -23,7 +23,7 @@ pub struct InvariantChecks<const D: usize> {
     energy: f64,
     /// Largest kind of energy at the start, J.
     scale: f64,
-    /// The energies after the last [`WINDOW`] steps, J, and the least mean of so many so far.
+    /// The energies after the last [`AVERAGING_STEPS`] steps, J, and the least mean of so many so far.
     recent_energies: VecDeque<f64>,
     least_energy: f64,
     /// The energy of every step.
@@ -126,7 +126,7 @@ impl<const D: usize> InvariantChecks<D> {
         found.all
     }
 
-    /// The energy is that at the time of the velocities ([`EnergySteps`]), where that of solids is kept: where a step does not resolve a
+    /// The energy is that at the time of the velocities ([`EnergyMonitor`]), where that of solids is kept: where a step does not resolve a
     /// vibration, the elastic energy at the positions is above the vibration's. Where a solid goes as it is told it does work that
     /// steps do not report: there the energy is left out. What has left through open sides counts.
     ///

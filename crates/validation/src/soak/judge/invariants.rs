@@ -20,7 +20,7 @@ pub const MAX_ENERGY_RISE_PER_STEP: f64 = 1e-6;
 pub const MAX_MOMENTUM_ERROR: f64 = 1e-5;
 /// Volume lost or gained, relative.
 pub const MAX_VOLUME_ERROR: f64 = 1e-3;
-/// Overlap of solids beyond that at the start, in cells: what `[expect]` allows everywhere.
+/// Overlap of solids beyond that at the start, in cells: what `[predict_motions]` allows everywhere.
 pub const MAX_OVERLAP_CELLS: f64 = 0.01;
 /// Depth of liquid within a solid, in cells.
 pub const MAX_LIQUID_DEPTH_CELLS: f64 = 1.0;
@@ -41,7 +41,7 @@ pub const MAX_STEPS: u64 = 1200;
 pub const DROP_TEST_CPU_BUDGET_SECONDS: [f64; 2] = [180.0, 900.0];
 /// Steps of a case of the drop test at most.
 pub const DROP_TEST_MAX_STEPS: u64 = 6000;
-/// Difference of a mirrored run after [`PAIR`] steps: of the energy over its scale, and of the centre of mass in cells. Rounding
+/// Difference of a mirrored run after [`COMPARED_STEPS`] steps: of the energy over its scale, and of the centre of mass in cells. Rounding
 /// and the solver's residual (1e-6) make it, and what the flow does to them in so short a time.
 pub const MIRROR_TOLERANCES: (f64, f64) = (0.01, 0.1);
 /// The same of a shifted one: the error of second order of drops of four cells a radius, `(1/4)²`, the smallest that are drawn.

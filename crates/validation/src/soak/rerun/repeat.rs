@@ -22,7 +22,7 @@ pub struct Waypoint<const D: usize> {
     pub frame: u64,
 }
 
-/// Repeats a run from its start or its middle to the end of its first [`PAIR`] steps; nothing where the scene has no such
+/// Repeats a run from its start or its middle to the end of its first [`COMPARED_STEPS`] steps; nothing where the scene has no such
 /// image. `scale` is that of its energy, J; `begins` is called before every step.
 pub fn repeat<const D: usize>(
     how: &str,

@@ -102,7 +102,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The first thing met beyond [`NEAR`].
+    /// The first thing met beyond [`RAY_EPSILON`].
     pub(crate) fn first_hit(&self, ray: &Ray) -> Option<(HitObject, Hit)> {
         let mut best: Option<(HitObject, Hit)> = None;
         let mut limit = f64::INFINITY;

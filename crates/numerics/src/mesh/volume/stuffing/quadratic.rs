@@ -34,7 +34,7 @@ pub fn stuff_with_order<const D: usize>(
 }
 
 impl<const D: usize> VolumeMesh<D> {
-    /// As [`divided`](Self::divided), with the nodes on the boundary's edges moved onto the surface of a signed distance (m), as far
+    /// As [`subdivided`](Self::divided), with the nodes on the boundary's edges moved onto the surface of a signed distance (m), as far
     /// as simplices stay well shaped.
     pub fn subdivided_onto(&self, distance: &Distance<D>) -> Self {
         let moved = |(edge, normal): ([u32; 2], Vector<D>)| {
