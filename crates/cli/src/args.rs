@@ -1,10 +1,10 @@
-//! The command line, as `clap` reads it.
+//! The command line, parsed by `clap`.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// What `meniscus measure --help` tells of the columns.
+/// The help text of `meniscus measure` about its columns.
 pub const MEASURE_HELP: &str = "\
 Columns (docs/measure.md tells more, and the keys of --json):
   drop           number, the largest first; those under 8 cells are only counted
@@ -398,7 +398,7 @@ pub struct RenderArgs {
     pub every: u32,
 }
 
-/// `10:20` → (10, 20); an open end is as far as there is.
+/// `10:20` → (10, 20); an open end stands for the first or last frame.
 fn frame_range(text: &str) -> Result<(u64, u64), String> {
     let (a, b) = text.split_once(':').ok_or("expected first:last, such as 10:20")?;
     let number = |s: &str, open: u64| {
@@ -436,7 +436,7 @@ fn wall_time(text: &str) -> Result<Duration, String> {
     Duration::try_from_secs_f64(seconds).ok().filter(|d| !d.is_zero()).ok_or_else(|| help.to_string())
 }
 
-/// `7` → (7, 7), else as [`frame_range`].
+/// `7` → (7, 7), otherwise as [`frame_range`].
 fn picture_range(text: &str) -> Result<(u64, u64), String> {
     match text.parse::<u64>() {
         Ok(one) => Ok((one, one)),

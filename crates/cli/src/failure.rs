@@ -1,4 +1,4 @@
-//! How a command fails: one message for people, one exit status for scripts.
+//! Failures of a command: a message for the user, an exit status for scripts.
 
 use meniscus_scene::error::SceneError;
 use meniscus_scene::output::FileError;
@@ -9,11 +9,11 @@ use std::path::Path;
 
 /// Wrong usage.
 pub const USAGE: u8 = 2;
-/// The scene is not valid.
+/// The scene is invalid.
 pub const SCENE: u8 = 3;
 /// Input or output failed.
 pub const OUTPUT: u8 = 4;
-/// An expectation or a verification missed.
+/// An expectation or a verification was missed.
 pub const MISSED: u8 = 6;
 /// Stopped on request, resumable.
 pub const STOPPED: u8 = 75;
@@ -25,11 +25,11 @@ pub struct Failure {
     pub status: u8,
     message: String,
     help: Option<String>,
-    /// The text that it is about, and where in it.
+    /// The source text and the position of the error in it.
     place: Option<Box<(NamedSource<String>, LabeledSpan)>>,
 }
 
-/// What a command returns: its exit status.
+/// The result of a command: its exit status.
 pub type Result<T = u8> = std::result::Result<T, Failure>;
 
 impl Failure {
@@ -38,14 +38,14 @@ impl Failure {
         Self { status, message: message.into(), help: None, place: None }
     }
 
-    /// The same with advice.
+    /// The same failure with a help text.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self
     }
 
-    /// For `map_err`: an operation on a file that failed.
+    /// For `map_err`: a failed operation on a file.
     pub fn file(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         let of = FileError::of(action, path);
         move |source| of(source).into()

@@ -30,7 +30,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Tells why a command failed; its exit status.
+/// Reports a failure. Returns its exit status.
 fn fail(failure: Failure, json: bool) -> ExitCode {
     let status = failure.status;
     if json {
@@ -59,8 +59,7 @@ fn dispatch(command: Command) -> Result {
     }
 }
 
-/// Commands of the interface that this version does not have, and what to use instead. They are in no help text and no
-/// completion; whoever types one is told.
+/// Commands that this version does not have, with alternatives. They are in no help text and no completion.
 const UNAVAILABLE_COMMANDS: [(&str, &str); 2] = [
     (
         "export",
@@ -69,7 +68,7 @@ const UNAVAILABLE_COMMANDS: [(&str, &str); 2] = [
     ("sweep", "a shell loop over `meniscus run --set path=value --out DIR` does the same"),
 ];
 
-/// The command line; what clap says of a wrong one goes to standard error, with exit status 2.
+/// Parses the command line. Errors of clap go to standard error, with exit status 2.
 fn parsed() -> Result<Cli> {
     let error = match Cli::try_parse() {
         Ok(cli) => return Ok(cli),

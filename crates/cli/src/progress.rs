@@ -1,4 +1,4 @@
-//! Progress: a bar on a terminal, plain lines or JSON lines elsewhere.
+//! Progress reports: a bar on a terminal, plain lines or JSON lines elsewhere.
 
 use crate::args::LogFormat;
 use crate::failure::STOPPED;
@@ -7,15 +7,15 @@ use meniscus_scene::run::{Event, Observer, Progress, RemoteObserver};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-/// Shows what happens in a run on standard error.
+/// Reports the events of a run on standard error.
 pub struct Reporter {
     style: Style,
     begun: Instant,
-    /// The frame that was next when this process began.
+    /// The next frame at the start of this process.
     first_frame: Option<u64>,
     last_step: Option<Progress>,
     last_line: Option<Instant>,
-    /// How to go on with the run after it is stopped.
+    /// The command that resumes the run.
     resume_command: String,
 }
 
@@ -37,7 +37,7 @@ impl Style {
     }
 }
 
-/// The reporter's part in the thread that watches over steps.
+/// The part of the reporter in the watchdog's thread.
 struct RemoteReporter {
     style: Style,
     resume_command: String,
@@ -66,7 +66,7 @@ fn json(event: &Event) {
     }
 }
 
-/// The message about a step that takes long; none for other events.
+/// The message about a long step; empty for other events.
 fn long_step(event: &Event) -> String {
     let Event::LongStep { step, seconds, median, dt_before, phase } = event else { return String::new() };
     let median = median.map_or_else(String::new, |m| format!(" (median {m:.3} s)"));
@@ -76,11 +76,11 @@ fn long_step(event: &Event) -> String {
     )
 }
 
-/// Plain lines are at least this far apart, so that logs of long runs stay readable.
+/// Shortest time between plain lines, which limits the logs of long runs.
 const MIN_LINE_INTERVAL: Duration = Duration::from_millis(500);
 
 impl Reporter {
-    /// A reporter for standard error as it is. `resume_command`: the command that goes on with the run.
+    /// A reporter for standard error. `resume_command` is the command that resumes the run.
     pub fn new(log: LogFormat, quiet: bool, resume_command: String) -> Self {
         let style = match log {
             LogFormat::Json => Style::Json,
@@ -102,7 +102,7 @@ impl Reporter {
         self.style.say(line);
     }
 
-    /// Seconds per frame and seconds to go.
+    /// Seconds per frame and remaining seconds.
     fn pace(&self, now: &Progress) -> Option<(f64, f64)> {
         let done = now.frame.checked_sub(self.first_frame?).filter(|&n| n > 0)?;
         let per_frame = self.begun.elapsed().as_secs_f64() / done as f64;
@@ -200,7 +200,7 @@ fn bar() -> ProgressBar {
     bar
 }
 
-/// A simulated time in the unit that suits the size of another.
+/// A simulated time in the unit that suits `size`.
 pub fn format_simulated_time(seconds: f64, size: f64) -> String {
     if size < 1e-3 {
         format!("{:.2} us", seconds * 1e6)
@@ -211,7 +211,7 @@ pub fn format_simulated_time(seconds: f64, size: f64) -> String {
     }
 }
 
-/// Seconds as people read them: `42 s`, `3 min 20 s`, `2 h 05 min`.
+/// A readable duration: `42 s`, `3 min 20 s`, `2 h 05 min`.
 pub fn format_wall_time(seconds: f64) -> String {
     let s = seconds.max(0.0).round() as u64;
     match s {

@@ -7,15 +7,15 @@ use meniscus_scene::estimate::memory;
 use meniscus_scene::file::{LoadOptions, Quality, Scene, ensure_runnable};
 use std::path::{Path, PathBuf};
 
-/// A loaded scene and where it came from.
+/// A loaded scene and its origin.
 pub struct Loaded {
     /// The scene.
     pub scene: Scene,
-    /// The output folder that it was found in, if it was the scene of a run.
+    /// The output folder, if the scene is that of an earlier run.
     pub folder: Option<PathBuf>,
 }
 
-/// Loads the scene of a command, with what the command line changes in it. `more` counts last.
+/// Loads the scene of a command with the settings of the command line. Those in `more` take precedence.
 pub fn load(args: &SceneArgs, more: &[String]) -> Result<Loaded> {
     let options = LoadOptions {
         sets: args.set.iter().chain(more).cloned().collect(),
@@ -33,7 +33,7 @@ pub fn load(args: &SceneArgs, more: &[String]) -> Result<Loaded> {
     Ok(Loaded { scene: builtin::open(&args.scene, &options)?, folder: None })
 }
 
-/// Refuses what this version or this machine cannot run.
+/// Refuses a scene that this version or this machine cannot run.
 pub fn check_runnable(scene: &Scene) -> Result<()> {
     ensure_runnable(scene)?;
     memory::check_liquid_memory(scene, memory::machine_memory())?;

@@ -5,19 +5,19 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// Watches for requests to stop.
+/// Receives requests to stop.
 pub struct StopMonitor {
     /// Signals so far.
     signals: Arc<AtomicUsize>,
     until: Option<Instant>,
 }
 
-/// The signal that ends a process whose file grows beyond `ulimit -f`; ignored, so that the write fails instead.
+/// SIGXFSZ, sent to a process whose file exceeds `ulimit -f`; it is ignored, so that the write fails instead.
 #[cfg(unix)]
 const FILE_TOO_LARGE: i32 = 25;
 
 impl StopMonitor {
-    /// Begins to watch. A first signal stops the run after the step, a second one within it, a third ends the process at once.
+    /// Starts to listen. A first signal stops the run after the step, a second one within it, a third ends the process at once.
     pub fn begin(walltime: Option<Duration>) -> std::io::Result<Self> {
         let signals = Arc::new(AtomicUsize::new(0));
         register(&signals)?;
@@ -42,7 +42,7 @@ fn register(signals: &Arc<AtomicUsize>) -> std::io::Result<()> {
     let signals = Arc::clone(signals);
     std::thread::Builder::new().name("signals".into()).spawn(move || {
         for number in coming.forever() {
-            // SIGUSR1 only asks: however often it comes it is one request.
+            // SIGUSR1 counts as one request, however often it is sent.
             let before = if number == SIGUSR1 {
                 signals.fetch_max(1, Ordering::Relaxed)
             } else {

@@ -1,42 +1,42 @@
-//! The barrier: an energy that keeps two features apart.
+//! Barrier energy of two features.
 
 use crate::distance::{ClosestPair, Stencil, StencilKind};
 use crate::local_derivatives::LocalDerivatives;
 use crate::mollifier::Mollifier;
 use meniscus_numerics::{Matrix, Vector};
 
-/// A barrier of a reach, which that of a contact may be less than.
+/// Barrier with an activation distance; a contact may have a smaller one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Barrier {
-    /// Distance, m, from which on features do not feel each other.
+    /// Activation distance `d̂`, m: features at this distance or farther do not interact.
     pub activation_distance: f64,
 }
 
-/// Two features that are near each other.
+/// Two features closer than the activation distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// The two features.
     pub stencil: Stencil,
-    /// Area for which they stand, m² (2D: length, m).
+    /// Area weight of the pair, m² (2D: length, m).
     pub area: f64,
-    /// Stiffness `κ`, Pa: the pressure at 0.53 of the reach, where `β' = −1`.
+    /// Stiffness `κ`, Pa: the contact pressure at 0.53 of the activation distance, where `β' = −1`.
     pub stiffness: f64,
-    /// Of two edges: the squared lengths at rest, multiplied, m⁴.
+    /// For two edges: product of their squared rest lengths, m⁴.
     pub squared_length_product: f64,
-    /// Distance, m, that counts as none: the radius of a ball around the first point.
+    /// Distance, m, that counts as zero: radius of a ball around the first point.
     pub thickness: f64,
-    /// Distance, m, beyond it from which on they do not feel each other.
+    /// Activation distance, m, measured from the thickness.
     pub activation_distance: f64,
 }
 
-/// `β(t) = −(1 − t)² ln t` for `0 < t < 1`, and its first and second derivative.
+/// `β(t) = −(1 − t)² ln t` for `0 < t < 1`, and its first and second derivatives.
 fn normalised_barrier(t: f64) -> [f64; 3] {
     let (rest, log) = (1.0 - t, t.ln());
     [-rest * rest * log, 2.0 * rest * log - rest * rest / t, rest * (4.0 + rest / t) / t - 2.0 * log]
 }
 
 impl Barrier {
-    /// The energy of a distance over `a κ`, m, and its derivatives by the distance; infinite where there is none.
+    /// Energy over `a κ`, m, and its derivatives with respect to the distance; infinite where the distance is not positive.
     pub fn derivatives_by_distance(&self, distance: f64) -> [f64; 3] {
         if distance >= self.activation_distance {
             return [0.0; 3];
@@ -50,20 +50,20 @@ impl Barrier {
 }
 
 impl Contact {
-    /// Its barrier's energy of a distance, as [`Barrier::derivatives_by_distance`].
+    /// [`Barrier::derivatives_by_distance`] of the distance less the thickness.
     fn derivatives_by_distance(&self, distance: f64) -> [f64; 3] {
         Barrier { activation_distance: self.activation_distance }
             .derivatives_by_distance(distance - self.thickness)
     }
 
-    /// The same by the squared distance.
+    /// The same with derivatives with respect to the squared distance.
     fn derivatives_by_squared_distance(&self, square: f64) -> [f64; 3] {
         let distance = square.sqrt();
         let [value, slope, bend] = self.derivatives_by_distance(distance);
         [value, slope / (2.0 * distance), (bend - slope / distance) / (4.0 * square)]
     }
 
-    /// Energy, J (2D: J/m), at positions; infinite where the features touch.
+    /// Energy at positions, J (2D: J/m); infinite where the features touch.
     pub fn energy<const D: usize>(&self, x: &[Vector<D>]) -> f64 {
         let at = self.stencil.positions(x);
         let [value, ..] = self.derivatives_by_distance(ClosestPair::new(self.stencil.kind, &at).distance());
@@ -71,12 +71,12 @@ impl Contact {
         if value > 0.0 { self.area * self.stiffness * value * share } else { 0.0 }
     }
 
-    /// Distance of the features, m, at positions.
+    /// Distance of the features at positions, m.
     pub fn distance<const D: usize>(&self, x: &[Vector<D>]) -> f64 {
         ClosestPair::new(self.stencil.kind, &self.stencil.positions(x)).distance()
     }
 
-    /// Magnitude of the contact force between them, N (2D: N/m).
+    /// Magnitude of the contact force, N (2D: N/m).
     pub fn force<const D: usize>(&self, x: &[Vector<D>]) -> f64 {
         let at = self.stencil.positions(x);
         let closest = ClosestPair::new(self.stencil.kind, &at);
@@ -84,7 +84,7 @@ impl Contact {
         -self.area * self.stiffness * share * self.derivatives_by_distance(closest.distance())[1]
     }
 
-    /// Derivatives at positions; nothing where the features are out of reach. The Hessian is not projected.
+    /// Derivatives at positions; `None` beyond the activation distance. The Hessian is not projected.
     pub fn derivatives<const D: usize>(&self, x: &[Vector<D>]) -> Option<LocalDerivatives<D>> {
         let at = self.stencil.positions(x);
         let closest = ClosestPair::new(self.stencil.kind, &at);

@@ -1,15 +1,15 @@
-//! Which boxes overlap.
+//! Broad phase: overlapping pairs of axis-aligned boxes, found with a lattice of bins.
 
 use meniscus_numerics::Vector;
 use rayon::prelude::*;
 
-/// A box, by its lower and upper corner, m.
+/// Axis-aligned box: lower and upper corner, m.
 pub type Aabb<const D: usize> = [Vector<D>; 2];
 
-/// Width of the bins, in mean widths of the boxes in them.
+/// Width of the bins over the mean width of the boxes.
 const BIN_WIDTH_FACTOR: f64 = 2.0;
 
-/// The pairs of boxes of two lists that overlap, in order.
+/// Overlapping pairs of boxes of two lists, in ascending order.
 pub fn overlapping_pairs<const D: usize>(one: &[Aabb<D>], other: &[Aabb<D>]) -> Vec<(u32, u32)> {
     let Some(bins) = Bins::new(other) else { return Vec::new() };
     let of_one = |(k, own): (usize, &Aabb<D>)| {
@@ -26,23 +26,23 @@ pub fn overlapping_pairs<const D: usize>(one: &[Aabb<D>], other: &[Aabb<D>]) -> 
     one.par_iter().enumerate().flat_map_iter(of_one).collect()
 }
 
-/// Boxes by the bins of a lattice that they touch: few boxes in a bin and few bins of a box where all are about as wide.
+/// Boxes sorted into the bins of a lattice. If widths are similar, bins have few boxes and boxes touch few bins.
 struct Bins<const D: usize> {
     lower: Vector<D>,
     width: Vector<D>,
     count: [usize; D],
-    /// Where the boxes of a bin start in `boxes`.
+    /// Start of the boxes of each bin in `boxes`.
     starts: Vec<u32>,
     boxes: Vec<u32>,
 }
 
 impl<const D: usize> Bins<D> {
-    /// Of these boxes; nothing if there are none.
+    /// Bins of these boxes; `None` if there are no boxes.
     fn new(boxes: &[Aabb<D>]) -> Option<Self> {
         let first = *boxes.first()?;
         let [lower, upper] = boxes.iter().fold(first, |all, b| [all[0].inf(&b[0]), all[1].sup(&b[1])]);
         let mean = boxes.iter().map(|b| b[1] - b[0]).sum::<Vector<D>>() / boxes.len() as f64;
-        // No more bins than 2^D times the boxes, however thin these are.
+        // Limits the number of bins to about 2^D times that of the boxes, however thin these are.
         let most = 2 * (boxes.len() as f64).powf(1.0 / D as f64).ceil() as usize;
         let span = upper - lower;
         let count =
@@ -53,7 +53,7 @@ impl<const D: usize> Bins<D> {
         Some(bins)
     }
 
-    /// Sorts the boxes into the bins, each bin's in order.
+    /// Sorts the boxes into the bins, in order within each bin.
     fn fill(&mut self, boxes: &[Aabb<D>]) {
         let mut starts = vec![0u32; self.count.iter().product::<usize>() + 1];
         for b in boxes {
@@ -73,16 +73,16 @@ impl<const D: usize> Bins<D> {
         (self.starts, self.boxes) = (starts, sorted);
     }
 
-    /// The boxes that touch a bin.
+    /// Boxes that touch a bin.
     fn boxes_in(&self, bin: usize) -> &[u32] {
         &self.boxes[self.starts[bin] as usize..self.starts[bin + 1] as usize]
     }
 
-    /// The bins that a box touches; of one that is outside, the nearest.
+    /// Bins that a box touches; the nearest ones for a box outside the lattice.
     fn touched_bins(&self, extent: &Aabb<D>) -> impl Iterator<Item = usize> + use<D> {
         let count = self.count;
         let [from, to] = extent.map(|corner| -> [usize; D] {
-            // Of a width of 0 there is one bin, whatever the ratio.
+            // An axis of width 0 has one bin, whatever the ratio.
             std::array::from_fn(|a| {
                 (((corner[a] - self.lower[a]) / self.width[a]) as usize).min(count[a] - 1)
             })
@@ -105,7 +105,7 @@ impl<const D: usize> Bins<D> {
 mod tests {
     use super::*;
 
-    /// Boxes of very different widths, some of no width at all, some far outside.
+    /// Boxes of very different widths, some of zero width, some far outside.
     fn some(count: usize, seed: f64) -> Vec<Aabb<3>> {
         let part = |k: usize, a: usize| (k as f64 * seed * [1.0, 1.324_718, 1.732_051][a]).fract();
         let of = |k: usize| {

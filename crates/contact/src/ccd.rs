@@ -1,28 +1,28 @@
-//! How far points may go so that nothing meets and no element turns inside out.
+//! Continuous collision detection: step fractions without contact or inversion of elements.
 
 use crate::distance::{ClosestPair, StencilKind};
 use meniscus_numerics::{Matrix, Vector};
 
-/// Part of the way to the bound that an iteration goes (Li et al. 2021, algorithm 1). All of it would be safe, but for rounding; the
-/// iterations end where less than the rest, a tenth, of what may be given up is left.
+/// Fraction of the bound by which an iteration advances (Li et al. 2021, algorithm 1); 1 would be safe but for rounding. The iteration
+/// ends when less than one minus this fraction of the distance that may be given up remains.
 const ADVANCE_FRACTION: f64 = 0.9;
-/// Most looks at one pair. Features that pass each other closely, fast, take many.
+/// Largest number of iterations for a pair. Features that pass each other closely and fast take many.
 const MAX_CCD_ITERATIONS: usize = 1000;
-/// Halvings of the time in which an element is found to turn inside out.
+/// Bisections of the interval in which an element inverts.
 const BISECTION_ITERATIONS: usize = 60;
 
-/// How near two features may come.
+/// Minimum separation of two features.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearance {
-    /// Distance, m, that counts as none.
+    /// Distance, m, that counts as zero.
     pub thickness: f64,
-    /// Part of the distance beyond it that must remain.
+    /// Fraction of the distance beyond the thickness that must remain.
     pub kept_fraction: f64,
 }
 
-/// The largest part of a way, up to all of it, on which two features keep a clearance: points go from `x` along `displacements`. It is never too
-/// large: no point comes nearer by more than the ways relative to each other are long (additive continuous collision detection:
-/// M. Li, D. M. Kaufman, C. Jiang, "Codimensional incremental potential contact", ACM Trans. Graph. 40(4), 2021, §5).
+/// Conservative fraction, at most 1, of the linear motion from `x` along `displacements` for which two features keep a clearance
+/// (additive continuous collision detection: M. Li, D. M. Kaufman, C. Jiang, "Codimensional incremental potential contact", ACM Trans.
+/// Graph. 40(4), 2021, §5). The distance decreases by no more than the relative motion.
 pub fn collision_free_fraction<const D: usize>(
     kind: StencilKind,
     x: &[Vector<D>; 4],
@@ -42,10 +42,10 @@ pub fn collision_free_fraction<const D: usize>(
     let start = distance(0.0);
     let (least, mut part) = (kept_fraction * start, 0.0);
     let mut far = start;
-    // Ends after so many looks, where it says less than could be.
+    // The result after the last iteration is safe but not the largest.
     for _ in 0..MAX_CCD_ITERATIONS {
         let next = part + ADVANCE_FRACTION * (far - least) / speed;
-        // Without a way there is nothing to find.
+        // Without relative motion the quotient is infinite or NaN.
         if next >= 1.0 || next.is_nan() {
             return 1.0;
         }
@@ -61,8 +61,8 @@ pub fn collision_free_fraction<const D: usize>(
     part
 }
 
-/// The largest part of a way, up to all of it, on which an element keeps more than `kept_fraction` of its volume. `edges` are those from one
-/// of its corners, as columns, `displacements` how they change.
+/// Largest fraction, at most 1, of a linear motion for which an element keeps more than `kept_fraction` of its volume. The columns of
+/// `edges` are the edges from one of its corners, those of `displacements` their changes.
 pub fn inversion_free_fraction<const D: usize>(
     edges: &Matrix<D>,
     displacements: &Matrix<D>,
@@ -71,7 +71,7 @@ pub fn inversion_free_fraction<const D: usize>(
     let volume = |part: f64| determinant(&(edges + displacements * part));
     let start = volume(0.0);
     let short = |part: f64| volume(part) <= kept_fraction * start;
-    // A polynomial of degree D: between its extremes it is monotone.
+    // The volume is a polynomial of degree D, monotone between its extrema.
     let mut ends: Vec<f64> = extrema(volume, D).into_iter().filter(|t| *t > 0.0 && *t < 1.0).collect();
     ends.sort_unstable_by(f64::total_cmp);
     ends.push(1.0);
@@ -102,7 +102,7 @@ pub(crate) fn determinant<const D: usize>(m: &Matrix<D>) -> f64 {
         .sum()
 }
 
-/// Where a polynomial of degree 2 or 3 has extremes.
+/// Extrema of a polynomial of degree 2 or 3, given by its values.
 fn extrema(p: impl Fn(f64) -> f64, degree: usize) -> Vec<f64> {
     let (zero, plus, minus) = (p(0.0), p(1.0), p(-1.0));
     let second = 0.5 * (plus + minus) - zero;
@@ -113,7 +113,7 @@ fn extrema(p: impl Fn(f64) -> f64, degree: usize) -> Vec<f64> {
     let odd = 0.5 * (plus - minus);
     let third = (p(2.0) - zero - 4.0 * second - 2.0 * odd) / 6.0;
     let first = odd - third;
-    // 3 third t² + 2 second t + first = 0, without differences of what is nearly the same.
+    // 3 third t² + 2 second t + first = 0, solved without cancellation.
     let root = (second * second - 3.0 * third * first).max(0.0).sqrt();
     let q = -(second + root.copysign(second));
     vec![q / (3.0 * third), first / q]

@@ -1,4 +1,4 @@
-//! Surfaces of points, facets and edges, and what of them is near each other.
+//! Collision mesh: the points, edges and facets of surfaces, and the pairs of these that are close to each other.
 
 use crate::barrier::Contact;
 use crate::broad_phase::{Aabb, overlapping_pairs};
@@ -9,34 +9,34 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::surface::area_vector;
 use rayon::prelude::*;
 
-/// The surfaces of all bodies together. Its points are numbers in a list of positions, which may have others as well.
+/// Surfaces of all bodies. Points are indices into a list of positions, which may contain others as well.
 #[derive(Clone, Debug, Default)]
 pub struct CollisionMesh<const D: usize> {
     /// The points.
     points: Vec<u32>,
-    /// The facets, by their points.
+    /// Points of the facets.
     facets: Vec<[u32; D]>,
-    /// The edges, by their points; none in 2D.
+    /// Points of the edges; none in 2D.
     edges: Vec<[u32; 2]>,
-    /// Area at rest for which each position stands, m² (2D: m).
+    /// Rest area of each position, m² (2D: m).
     point_areas: Vec<f64>,
-    /// The same of edges, and their squared length at rest, m².
+    /// Rest area of each edge, m², and its squared rest length, m².
     edge_measures: Vec<(f64, f64)>,
     /// Radius of a ball around each position, m.
     radii: Vec<f64>,
-    /// Distance, m, from which on each position does not feel others, where that is less than the barrier's reach.
+    /// Upper bound on the activation distance of each position, m.
     activation_distances: Vec<f64>,
-    /// Body to which each position belongs.
+    /// Body of each position.
     bodies: Vec<u32>,
 }
 
-/// Pairs that may be near each other.
+/// Candidate pairs of features.
 #[derive(Clone, Debug, Default)]
 pub struct FeaturePairs {
     pairs: Vec<FeaturePair>,
 }
 
-/// Two features and for which part of the surface they stand.
+/// Two features with the parameters of their contact.
 #[derive(Clone, Copy, Debug)]
 struct FeaturePair {
     stencil: Stencil,
@@ -47,7 +47,7 @@ struct FeaturePair {
 }
 
 impl<const D: usize> CollisionMesh<D> {
-    /// Of facets with their points at `rest`; `bodies` says to which body each position belongs.
+    /// Mesh of facets with the rest positions `rest`; `bodies` gives the body of each position.
     pub fn new(facets: Vec<[u32; D]>, rest: &[Vector<D>], bodies: Vec<u32>) -> Self {
         let mut point_areas = vec![0.0; rest.len()];
         let mut sides: Vec<([u32; 2], f64)> = Vec::new();
@@ -76,8 +76,7 @@ impl<const D: usize> CollisionMesh<D> {
         Self { points, facets, edges, point_areas, edge_measures, radii, activation_distances, bodies }
     }
 
-    /// The same with some of the other positions as points of it, each with the area (m², 2D: m) for which it stands and the radius
-    /// (m) of a ball around it.
+    /// Adds isolated points, each with its area (m², 2D: m) and the radius (m) of a ball around it.
     pub fn with_points(mut self, more: impl IntoIterator<Item = (u32, f64, f64)>) -> Self {
         for (point, area, radius) in more {
             self.points.push(point);
@@ -86,17 +85,17 @@ impl<const D: usize> CollisionMesh<D> {
         self
     }
 
-    /// The same with a reach, m, of each position; a facet's or an edge's is the least of its points'.
+    /// Sets an upper bound on the activation distance, m, for each position; a feature has the least of its points.
     pub fn with_activation_distances(self, activation_distances: Vec<f64>) -> Self {
         Self { activation_distances, ..self }
     }
 
-    /// Distance, m, from which on a position does not feel others, where that is less than the barrier's reach.
+    /// Upper bound on the activation distance of a position, m.
     pub fn activation_distance(&self, point: u32) -> f64 {
         self.activation_distances[point as usize]
     }
 
-    /// The same of two features.
+    /// Upper bound on the activation distance of two features, m.
     fn pair_activation_distance(&self, stencil: &Stencil) -> f64 {
         stencil.points().iter().map(|p| self.activation_distance(*p)).fold(f64::INFINITY, f64::min)
     }
@@ -111,12 +110,13 @@ impl<const D: usize> CollisionMesh<D> {
         &self.points
     }
 
-    /// Area at rest for which a position stands, m² (2D: m).
+    /// Rest area of a position, m² (2D: m).
     pub fn area(&self, point: u32) -> f64 {
         self.point_areas[point as usize]
     }
 
-    /// Whether two features can meet: they have no point in common, and not both belong to one rigid body or to what nothing moves. `is_rigid` says of a body whether it is rigid, `is_immovable` of a point whether nothing moves it.
+    /// Whether two features can collide: they share no point, at least one point is movable, and they do not belong to the same rigid
+    /// body. `is_rigid` takes a body, `is_immovable` a point.
     fn can_collide(
         &self,
         stencil: &Stencil,
@@ -131,8 +131,8 @@ impl<const D: usize> CollisionMesh<D> {
         moves && first.iter().all(|p| !second.contains(p))
     }
 
-    /// The pairs that come nearer than `reach`, or their own where that is less, and a `margin` on the straight way between some
-    /// configurations, and some more. All in m.
+    /// Pairs that come closer than `activation_distance`, or their own where it is less, plus `margin` on straight paths between
+    /// `configurations`; the result may contain other pairs. All lengths in m.
     pub fn nearby_pairs(
         &self,
         configurations: &[Vec<Vector<D>>],
@@ -194,8 +194,8 @@ impl<const D: usize> CollisionMesh<D> {
 }
 
 impl FeaturePair {
-    /// Whether its features may come nearer than `reach`, or their own, and a `margin` between configurations: they come nearer by no more
-    /// than their points move against each other.
+    /// Whether the features may come closer than `reach`, or their own activation distance, plus `margin` between configurations. The
+    /// distance decreases by no more than the relative motion of their points.
     fn comes_near<const D: usize>(&self, configurations: &[Vec<Vector<D>>], reach: f64, margin: f64) -> bool {
         let Some((first, others)) = configurations.split_first() else { return false };
         let (kind, start) = (self.stencil.kind, self.stencil.positions(first));
@@ -210,12 +210,12 @@ impl FeaturePair {
 }
 
 impl FeaturePairs {
-    /// Whether there is none.
+    /// Whether there are no pairs.
     pub fn is_empty(&self) -> bool {
         self.pairs.is_empty()
     }
 
-    /// Those nearer than `reach` (m) at positions; `stiffness` is that between two bodies' points, Pa.
+    /// Contacts of the pairs closer than `activation_distance` (m) at positions; `stiffness` returns that of two points, Pa.
     pub fn contacts<const D: usize>(
         &self,
         activation_distance: f64,
@@ -241,7 +241,7 @@ impl FeaturePairs {
         self.pairs.par_iter().with_min_len(256).filter_map(contact).collect()
     }
 
-    /// The largest part of a way, up to all of it, on which every pair keeps `kept_fraction` of its distance.
+    /// Conservative fraction, at most 1, of `displacements` for which every pair keeps `kept_fraction` of its distance.
     pub fn collision_free_fraction<const D: usize>(
         &self,
         x: &[Vector<D>],
@@ -260,7 +260,7 @@ impl FeaturePairs {
         self.pairs.par_iter().with_min_len(256).map(part).reduce(|| 1.0, f64::min)
     }
 
-    /// The least distance, m, of each of `point_count` positions from what it may meet; infinite where there is nothing.
+    /// Smallest distance over the pairs of each position, m; infinite where there is no pair.
     pub fn min_distances<const D: usize>(&self, x: &[Vector<D>]) -> Vec<f64> {
         let mut all = vec![f64::INFINITY; x.len()];
         for pair in &self.pairs {
@@ -271,7 +271,7 @@ impl FeaturePairs {
         all
     }
 
-    /// The features of all pairs, and their distances, m.
+    /// Features of all pairs and their distances, m.
     pub fn gaps<const D: usize>(&self, x: &[Vector<D>]) -> impl Iterator<Item = (Stencil, f64)> {
         self.pairs.iter().map(|pair| {
             let FeaturePair { stencil, thickness, .. } = *pair;
@@ -281,7 +281,7 @@ impl FeaturePairs {
 }
 
 impl<const D: usize> Plane<D> {
-    /// The points of a surface that are nearer to it than `reach` somewhere on a way.
+    /// Points of a surface that come closer to the plane than `reach` on a linear motion.
     pub fn near_points(
         &self,
         surface: &CollisionMesh<D>,

@@ -1,34 +1,34 @@
-//! Distances of a point and a facet, and of two edges.
+//! Distances between a point and a facet, and between two edges.
 //!
-//! The points that are closest to each other are linear in the positions `x_k` for given coordinates `λ` on both features:
-//! `r = Σ_k w_k(λ) x_k`, and the squared distance is `s = min_λ |r|²`. Its gradient is `∂s/∂x_k = 2 w_k r`, as `λ` is a minimum,
-//! and its Hessian that of `|r|²` less `C G⁻¹ Cᵀ` with the second derivatives `G` by `λ` and `C` by `x` and `λ`: one formula for
-//! all pairs of vertices, edges and faces, whichever of them are closest.
+//! For coordinates `λ` on both features the separation is linear in the positions `x_k`, `r = Σ_k w_k(λ) x_k`, and the squared distance
+//! is `s = min_λ |r|²`. Its gradient is `∂s/∂x_k = 2 w_k r`, since `λ` is a minimum. Its Hessian is that of `|r|²` minus `C G⁻¹ Cᵀ`,
+//! with the second derivatives `G` with respect to `λ` and `C` with respect to `x` and `λ`. The formula holds for all pairs of
+//! vertices, edges and faces.
 
 use meniscus_numerics::Vector;
 
-/// The kinds of pairs of features between which distances are found.
+/// Kinds of pairs of features.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum StencilKind {
-    /// A point, and a segment: a facet in 2D.
+    /// A point and a segment, a facet in 2D.
     PointSegment,
-    /// A point, and a triangle: a facet in 3D.
+    /// A point and a triangle, a facet in 3D.
     PointTriangle,
     /// Two edges in 3D.
     EdgeEdge,
 }
 
-/// Two features, by the numbers of their points: of a point and a facet the point first.
+/// Two features, given by their points; the point comes before the facet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Stencil {
-    /// Their kind.
+    /// Kind of the pair.
     pub kind: StencilKind,
-    /// Their points; of a point and a segment three, and nothing in the last place.
+    /// Points; a point and a segment use the first three.
     pub points: [u32; 4],
 }
 
 impl Stencil {
-    /// A point and a facet, which has 2 points in 2D and 3 in 3D.
+    /// A point and a facet of 2 points in 2D and 3 in 3D.
     pub fn point_facet<const D: usize>(point: u32, facet: &[u32; D]) -> Self {
         let mut points = [point, 0, 0, 0];
         points[1..=D].copy_from_slice(facet);
@@ -40,12 +40,12 @@ impl Stencil {
         Self { kind: StencilKind::EdgeEdge, points: [first[0], first[1], second[0], second[1]] }
     }
 
-    /// Its points.
+    /// Points of both features.
     pub fn points(&self) -> &[u32] {
         &self.points[..self.kind.point_count()]
     }
 
-    /// Where its points are among `x`; nothing follows the last.
+    /// Positions of the points in `x`, followed by zeros.
     pub fn positions<const D: usize>(&self, x: &[Vector<D>]) -> [Vector<D>; 4] {
         let mut at = [Vector::zeros(); 4];
         at.iter_mut().zip(self.points()).for_each(|(at, p)| *at = x[*p as usize]);
@@ -59,12 +59,12 @@ impl StencilKind {
         if self == Self::PointSegment { 3 } else { 4 }
     }
 
-    /// How many of these are of the first feature.
+    /// Number of points of the first feature.
     pub fn first_count(self) -> usize {
         if self == Self::EdgeEdge { 2 } else { 1 }
     }
 
-    /// By how much two features come nearer to each other at most, m, where their points move along `ways`.
+    /// Upper bound on the decrease of the distance, m, when the points move along `ways`.
     pub fn relative_motion<const D: usize>(self, ways: &[Vector<D>; 4]) -> f64 {
         let ways = &ways[..self.point_count()];
         let mean: Vector<D> = ways.iter().sum::<Vector<D>>() / ways.len() as f64;
@@ -72,7 +72,7 @@ impl StencilKind {
         longest(&ways[..self.first_count()]) + longest(&ways[self.first_count()..])
     }
 
-    /// The distance between the bounding boxes of two features, m, which they are not nearer than.
+    /// Distance between the bounding boxes of two features, m: a lower bound on their distance.
     pub fn least_distance<const D: usize>(self, x: &[Vector<D>; 4]) -> f64 {
         let (first, second) = x[..self.point_count()].split_at(self.first_count());
         let bounds = |part: &[Vector<D>]| {
@@ -86,20 +86,20 @@ impl StencilKind {
 /// Weights of four points.
 type Weights = [f64; 4];
 
-/// Points of two features that are closest to each other.
+/// Closest points of two features.
 #[derive(Clone, Copy, Debug)]
 pub struct ClosestPair<const D: usize> {
-    /// From the one on the second feature to the one on the first, m: `Σ_k w_k x_k`.
+    /// Vector from the closest point on the second feature to that on the first, m: `Σ_k w_k x_k`.
     pub separation: Vector<D>,
-    /// The weights `w_k`. Those of the first feature add up to 1, those of the second to -1.
+    /// Weights `w_k`. Those of the first feature sum to 1, those of the second to -1.
     pub weights: Weights,
-    /// How the weights change with each coordinate along which both are free to move, and how many of these there are.
+    /// Derivatives of the weights with respect to each free coordinate, and the number of free coordinates.
     free_directions: [Weights; 2],
     free_count: usize,
 }
 
 impl<const D: usize> ClosestPair<D> {
-    /// Of two features with their points at `x`.
+    /// Closest points of two features with their points at `x`.
     pub fn new(kind: StencilKind, x: &[Vector<D>; 4]) -> Self {
         let nearest = |pairs: &[(usize, [usize; 2])]| {
             let all = pairs.iter().map(|(p, edge)| Self::point_edge(x, *p, *edge));
@@ -117,7 +117,7 @@ impl<const D: usize> ClosestPair<D> {
                 (Self::within_edges(x), ends.map(Self::oriented_to_first))
             }
         };
-        // The inside of flat triangles and of parallel edges is told with large rounding errors: then it is not the nearest.
+        // The interior solution of flat triangles and parallel edges has large rounding errors; then it is not the nearest.
         let both = [within, rim].into_iter().flatten();
         let nearer = both.reduce(|a, b| if b.squared_distance() < a.squared_distance() { b } else { a });
         nearer.unwrap_or_else(|| Self::point_edge(x, 0, [1, 2]))
@@ -143,7 +143,7 @@ impl<const D: usize> ClosestPair<D> {
     fn point_edge(x: &[Vector<D>; 4], p: usize, [a, b]: [usize; 2]) -> Self {
         let edge = x[b] - x[a];
         let along = ((x[p] - x[a]).dot(&edge) / edge.norm_squared()).clamp(0.0, 1.0);
-        // An edge of no length is its first point.
+        // An edge of zero length is its first point.
         let along = if along.is_nan() { 0.0 } else { along };
         let mut weights = [0.0; 4];
         (weights[p], weights[a], weights[b]) = (1.0, along - 1.0, -along);
@@ -153,7 +153,7 @@ impl<const D: usize> ClosestPair<D> {
         Self::from_weights(x, weights, if inside { std::slice::from_ref(&free) } else { &[] })
     }
 
-    /// Of a point above the inside of a triangle.
+    /// Closest points if the projection of the point lies inside the triangle.
     fn within_triangle(x: &[Vector<D>; 4]) -> Option<Self> {
         let free = [[0.0, 1.0, -1.0, 0.0], [0.0, 1.0, 0.0, -1.0]];
         let [s, t] = minimising_coordinates(x, [1.0, -1.0, 0.0, 0.0], &free)?;
@@ -161,7 +161,7 @@ impl<const D: usize> ClosestPair<D> {
         inside.then(|| Self::from_weights(x, [1.0, s + t - 1.0, -s, -t], &free))
     }
 
-    /// Of two edges that pass each other.
+    /// Closest points if both lie inside the edges.
     fn within_edges(x: &[Vector<D>; 4]) -> Option<Self> {
         let free = [[-1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0]];
         let [s, t] = minimising_coordinates(x, [1.0, 0.0, -1.0, 0.0], &free)?;
@@ -169,7 +169,7 @@ impl<const D: usize> ClosestPair<D> {
         inside.then(|| Self::from_weights(x, [1.0 - s, s, t - 1.0, -t], &free))
     }
 
-    /// The same with the first two points as those of the first feature.
+    /// The same with the first two points as the first feature.
     fn oriented_to_first(self) -> Self {
         if self.weights[0] + self.weights[1] > 0.0 {
             return self;
@@ -183,7 +183,7 @@ impl<const D: usize> ClosestPair<D> {
         }
     }
 
-    /// The second derivative of the squared distance by the positions of points `k` and `l`.
+    /// Second derivative of the squared distance with respect to the positions of points `k` and `l`.
     pub fn squared_distance_hessian(
         &self,
         x: &[Vector<D>; 4],
@@ -194,7 +194,7 @@ impl<const D: usize> ClosestPair<D> {
             .map(|free_directions| x.iter().zip(free_directions).map(|(x, q)| x * q).sum());
         let inverse = inverse_gram(&along, self.free_count);
         let Self { separation, weights, free_directions, free_count } = *self;
-        // Half the mixed derivative by a point and a coordinate, times a vector.
+        // Half the mixed derivative with respect to a point and a coordinate, times a vector.
         let mixed = move |k: usize, i: usize, to: &Vector<D>| -> Matrix<D> {
             // (w_k E_i + q_ik r) toᵀ
             (along[i] * weights[k] + separation * free_directions[i][k]) * to.transpose()
@@ -212,7 +212,7 @@ impl<const D: usize> ClosestPair<D> {
     }
 }
 
-/// The inverse of the products of up to two vectors, of which the first `count` count.
+/// Inverse of the Gram matrix of the first `count` vectors.
 fn inverse_gram<const D: usize>(along: &[Vector<D>; 2], count: usize) -> [[f64; 2]; 2] {
     let (a, b, c) = (along[0].norm_squared(), along[1].norm_squared(), along[0].dot(&along[1]));
     match count {
@@ -225,7 +225,7 @@ fn inverse_gram<const D: usize>(along: &[Vector<D>; 2], count: usize) -> [[f64; 
     }
 }
 
-/// The coordinates at which `|Σ_k (w_k + λ_1 q_1k + λ_2 q_2k) x_k|` is least; nothing where they are not told.
+/// Coordinates that minimise `|Σ_k (w_k + λ_1 q_1k + λ_2 q_2k) x_k|`; `None` where they are not finite.
 fn minimising_coordinates<const D: usize>(
     x: &[Vector<D>; 4],
     weights: Weights,

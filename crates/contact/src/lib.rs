@@ -1,21 +1,20 @@
-//! Contact of surface meshes as a potential energy that grows without bound as the distance goes to zero, in two and three
-//! dimensions from one source.
+//! Barrier contact and friction of surface meshes in 2D and 3D from one source.
 //!
 //! Source: M. Li, Z. Ferguson, T. Schneider, T. Langlois, D. Zorin, D. Panozzo, C. Jiang, D. M. Kaufman, "Incremental Potential
 //! Contact", ACM Trans. Graph. 39(4), 2020 (IPC).
 //!
-//! A point and a facet that are nearer to each other than the reach `d̂` (in 3D two edges as well) have the energy
+//! A point and a facet (in 3D also two edges) closer than the activation distance `d̂` have the energy
 //!
 //! ```text
 //! a κ d̂ β(d/d̂),    β(t) = −(1 − t)² ln t,
 //! ```
 //!
-//! with their distance `d`, the area `a` of the point (2D: length) and the stiffness `κ`, a pressure: they press each other
-//! with `−κ β'`. Energies have values, gradients and positive semidefinite Hessians ([`Barrier`], [`Friction`]). Whoever
-//! minimises a sum of them takes no step longer than [`FeaturePairs::collision_free_fraction`]: then surfaces that do not intersect never will.
+//! with their distance `d`, the area `a` of the point (2D: length) and the stiffness `κ`, a pressure; the contact pressure is `−κ β'`.
+//! [`Contact`] and [`Friction`] have values, gradients and Hessians; [`LocalDerivatives::projected_psd`] makes the latter positive
+//! semidefinite. Surfaces that do not intersect stay free of intersections if no step of a minimisation exceeds
+//! [`FeaturePairs::collision_free_fraction`].
 //!
-//! This crate knows points, facets and edges only. What moves the points, and what keeps the elements behind them upright, is
-//! not its concern.
+//! This crate knows points, facets and edges only; the caller moves the points and keeps elements from inverting.
 
 mod barrier;
 pub mod broad_phase;

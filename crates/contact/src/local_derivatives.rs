@@ -1,28 +1,28 @@
-//! A function of a few points: value, gradient, Hessian.
+//! Gradient and Hessian of an energy of up to four points.
 
 use meniscus_numerics::{Matrix, Vector};
 use nalgebra::{SMatrix, SymmetricEigen};
 
-/// First and second derivatives of an energy by the positions of up to four points.
+/// First and second derivatives of an energy with respect to the positions of up to four points.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalDerivatives<const D: usize> {
     /// Number of points.
     pub point_count: usize,
-    /// By each, N (2D: N/m).
+    /// Gradient of each point, N (2D: N/m).
     pub gradient: [Vector<D>; 4],
-    /// By each two, N/m (2D: N/m²).
+    /// Hessian of each pair of points, N/m (2D: N/m²).
     pub hessian: [[Matrix<D>; 4]; 4],
 }
 
 impl<const D: usize> LocalDerivatives<D> {
-    /// Zero.
+    /// Zero derivatives of `point_count` points.
     pub fn zeros(point_count: usize) -> Self {
         Self { point_count, gradient: [Vector::zeros(); 4], hessian: [[Matrix::zeros(); 4]; 4] }
     }
 
-    /// The same without the negative part of the Hessian.
+    /// The same with the Hessian projected to its positive semidefinite part.
     pub fn projected_psd(mut self) -> Self {
-        // The sizes of matrices are constants: three points in 2D, four in 3D.
+        // Matrix sizes are constants: three points in 2D, four in 3D.
         if D == 2 && self.point_count <= 3 {
             self.project::<6>()
         } else {
@@ -51,7 +51,7 @@ impl<const D: usize> LocalDerivatives<D> {
     }
 }
 
-/// Symmetric matrices without their negative part.
+/// Projection of symmetric matrices to their positive semidefinite part.
 trait Projected {
     fn projected(&self) -> Self;
 }

@@ -1,25 +1,26 @@
-//! The factor by which the barrier of two nearly parallel edges is reduced (IPC, §5.2): where edges are parallel their closest points
-//! jump, and the gradient of the distance with them. Points and facets keep the surfaces apart there.
+//! Mollifier of the barrier of two nearly parallel edges (IPC, §5.2): `m = c/ε (2 − c/ε)` for `c = |e × f|² < ε`, with `ε` a fraction
+//! of the product of both squared rest lengths.
 //!
-//! `m = c/ε (2 − c/ε)` for `c = |e × f|² < ε`, with `ε` a part of the product of both squared lengths at rest.
+//! The closest points of parallel edges, and with them the gradient of the distance, are discontinuous. Pairs of points and facets keep
+//! the surfaces apart there.
 
 use meniscus_numerics::{Matrix, Vector};
 
-/// `ε` over the product of the squared lengths at rest (IPC, §5.2): the factor acts on edges at less than 1.8 degrees, `sin² = 1e-3`.
+/// `ε` over the product of the squared rest lengths (IPC, §5.2): acts at angles below 1.8 degrees, `sin² = 1e-3`.
 const PARALLEL_THRESHOLD: f64 = 1e-3;
 
-/// The share of the barrier that is left, and its derivatives.
+/// Value and derivatives of the mollifier.
 pub struct Mollifier<const D: usize> {
-    /// From 0 to 1.
+    /// Value from 0 to 1.
     pub value: f64,
-    /// By each point, 1/m.
+    /// Gradient of each point, 1/m.
     pub gradient: [Vector<D>; 4],
-    /// By each two, 1/m².
+    /// Hessian of each pair of points, 1/m².
     pub hessian: [[Matrix<D>; 4]; 4],
 }
 
 impl<const D: usize> Mollifier<D> {
-    /// Of two edges; nothing where all is left.
+    /// Mollifier of two edges; `None` where it is 1.
     pub fn new(x: &[Vector<D>; 4], squared_length_product: f64) -> Option<Self> {
         let least = PARALLEL_THRESHOLD * squared_length_product;
         let edges = [x[1] - x[0], x[3] - x[2]];
@@ -30,7 +31,7 @@ impl<const D: usize> Mollifier<D> {
         }
         let part = cross / least;
         let (slope, bend) = (2.0 * (1.0 - part) / least, -2.0 / (least * least));
-        // By the edges first: c = |e|² |f|² − (e·f)².
+        // Derivatives with respect to the edges: c = |e|² |f|² − (e·f)².
         let other = |i: usize| edges[1 - i];
         let by_edge = [0, 1].map(|i| (edges[i] * squares[1 - i] - other(i) * product) * 2.0);
         let by_edges = |i: usize, j: usize| -> Matrix<D> {

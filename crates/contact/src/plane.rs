@@ -1,4 +1,4 @@
-//! A plane that nothing moves: a side of the domain.
+//! Fixed plane: a side of the domain.
 
 use crate::ccd::Clearance;
 use meniscus_numerics::Vector;
@@ -6,19 +6,19 @@ use meniscus_numerics::Vector;
 /// A plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane<const D: usize> {
-    /// A point of it, m.
+    /// Point on the plane, m.
     pub point: Vector<D>,
-    /// Unit vector to the side where things are.
+    /// Unit normal towards the admissible side.
     pub normal: Vector<D>,
 }
 
 impl<const D: usize> Plane<D> {
-    /// Distance of a point from it, m.
+    /// Signed distance of a point, m.
     pub fn distance(&self, x: &Vector<D>) -> f64 {
         (x - self.point).dot(&self.normal)
     }
 
-    /// The largest part of a way, up to all of it, on which a point keeps a clearance.
+    /// Largest fraction, at most 1, of a displacement for which a point keeps a clearance.
     pub fn collision_free_fraction(
         &self,
         x: &Vector<D>,

@@ -1,9 +1,9 @@
-//! Derivatives against differences, and steps against distances.
+//! Tests of derivatives against finite differences, and of step fractions against distances.
 
 use crate::*;
 use meniscus_numerics::{Matrix, Vector};
 
-/// Numbers between -1 and 1 that look random.
+/// Pseudo-random numbers between -1 and 1.
 struct Numbers(u64);
 
 impl Numbers {
@@ -24,7 +24,7 @@ fn stencil(kind: StencilKind) -> Stencil {
     Stencil { kind, points: [0, 1, 2, if kind.point_count() == 4 { 3 } else { 0 }] }
 }
 
-/// The distance of two features by trying all points of them.
+/// Distance of two features by sampling both.
 fn tried<const D: usize>(kind: StencilKind, x: &[Vector<D>]) -> f64 {
     const MANY: usize = 200;
     let part = |i: usize| i as f64 / MANY as f64;
@@ -65,7 +65,7 @@ fn distances_are_those_of_all_points() {
     check_distances::<3>(&KINDS_3);
 }
 
-/// Derivatives of an energy against differences of it, and of its gradient.
+/// Compares derivatives with finite differences of the energy and of its gradient.
 fn check_derivatives<const D: usize>(
     x: &[Vector<D>],
     scale: f64,
@@ -102,7 +102,7 @@ fn check_barrier<const D: usize>(kinds: &[StencilKind]) {
         for _ in 0..400 {
             let x = numbers.points::<D>(kind.point_count());
             let closest = ClosestPair::new(*kind, &stencil(*kind).positions(&x));
-            // Where a coordinate reaches its end the second derivative jumps.
+            // The second derivative jumps where a coordinate reaches its bound.
             let inner = closest.weights[..kind.point_count()].iter().all(|w| w.abs() > 1e-4 || *w == 0.0);
             if !(0.1..0.49).contains(&closest.distance()) || !inner {
                 continue;
@@ -118,7 +118,7 @@ fn check_barrier<const D: usize>(kinds: &[StencilKind]) {
             let energy = |x: &[Vector<D>]| contact.energy(x);
             let derivatives = |x: &[Vector<D>]| contact.derivatives(x);
             checked += usize::from(check_derivatives(&x, 10.0, energy, derivatives));
-            // The force is what the gradient of the first feature is.
+            // The force is the gradient of the first feature.
             if let Some(local) = (Contact { squared_length_product: 0.0, ..contact }).derivatives(&x) {
                 let first: Vector<D> = local.gradient[..kind.first_count()].iter().sum();
                 let force = Contact { squared_length_product: 0.0, ..contact }.force(&x);
@@ -201,7 +201,7 @@ fn friction_has_the_derivatives_it_tells() {
     check_friction::<3>(StencilKind::EdgeEdge);
 }
 
-/// The spring and slider: the force is carried where the hold grows, no energy is won, and no force is more than the hold.
+/// Spring and slider: the force is kept where the limit grows, no energy is created, and no force exceeds the limit.
 fn check_slip<const D: usize>() {
     let mut numbers = Numbers(17);
     let friction = Friction { max_elastic_slip: 0.7 };
@@ -254,7 +254,7 @@ fn check_steps<const D: usize>(kinds: &[StencilKind]) {
                 (0..=1000).map(|i| distance(part * f64::from(i) / 1000.0)).fold(f64::INFINITY, f64::min);
             assert!(least >= kept_fraction * start * (1.0 - 1e-12), "{kind:?}: {least} of {start}");
             if part < 1.0 {
-                // Not much less far than it could.
+                // The fraction is not much below the largest possible.
                 hits += 1;
                 let near = distance(part);
                 assert!(near < (kept_fraction + 0.11) * start, "{kind:?}: {near} of {start} at {part}");
@@ -299,7 +299,7 @@ fn steps_end_before_elements_turn_inside_out() {
     check_upright::<3>();
 }
 
-/// All pairs of the surface of two boxes against a look at all of them.
+/// Contacts of the surfaces of two boxes.
 #[test]
 fn what_is_near_is_found() {
     let square = |low: [f64; 2]| {
@@ -311,7 +311,7 @@ fn what_is_near_is_found() {
     let surface = CollisionMesh::new(facets, &x, (0..8).map(|k| k / 4).collect());
     let near = surface.nearby_pairs(std::slice::from_ref(&x), 0.1, 0.0, |_| false, |_| false);
     let contacts = near.contacts(0.1, &x, |_, _| 1.0);
-    // Corners 2 of the lower square and 4 of the upper one are beside the other's side.
+    // Corner 2 of the lower square and corner 4 of the upper one are beside a side of the other square.
     let points: Vec<u32> = contacts.iter().map(|c| c.stencil.points[0]).collect();
     assert_eq!(points, [2, 4]);
     let narrowest = near.gaps(&x).map(|d| d.1).fold(f64::INFINITY, f64::min);
@@ -322,7 +322,7 @@ fn what_is_near_is_found() {
     assert!(part > 0.35 && part <= 0.4, "{part}");
 }
 
-/// Edges that are parallel but for rounding are as far apart as their lines.
+/// Edges that are parallel up to rounding have the distance of their lines.
 #[test]
 fn nearly_parallel_edges_have_their_distance() {
     for tilt in [0.0, 1e-16, 1e-12, 1e-9, 1e-6] {
@@ -333,7 +333,7 @@ fn nearly_parallel_edges_have_their_distance() {
     }
 }
 
-/// A point may go as far towards a plane as it keeps its share of the distance, and away from it as it likes.
+/// Points keep their fraction of the distance to a plane and move away from it freely.
 #[test]
 fn points_stay_off_planes() {
     let plane = Plane { point: Vector::<2>::new(0.0, 1.0), normal: Vector::<2>::new(0.0, 1.0) };

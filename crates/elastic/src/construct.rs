@@ -1,4 +1,4 @@
-//! How a deformable solid is made from its description.
+//! Construction of a deformable solid from its specification.
 
 use crate::elastic_solid::Elastic;
 use crate::linalg::{LinearSolver, SparsityPattern};
@@ -14,24 +14,24 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use std::sync::Arc;
 
-/// Volume of an element over that of a regular one with its longest edge, below which it is refused.
+/// Volume of an element over that of a regular one with its longest edge, below which the element is refused.
 const MIN_ELEMENT_QUALITY: f64 = 1e-3;
-/// Change of the lowest frequency's square, as a part of it, at which the damping takes it.
+/// Relative change of the squared lowest frequency at which the iteration for the damping ends.
 const DAMPING_FREQUENCY_TOLERANCE: f64 = 1e-3;
 
 impl<const D: usize> Elastic<D> {
-    /// A solid as described.
+    /// A solid from its specification.
     ///
     /// # Errors
-    /// Where the description is of no solid: see [`ElasticError`].
+    /// [`ElasticError`] where the specification is invalid.
     pub fn new(description: ElasticSpecification<D>) -> Result<Self, ElasticError> {
         Self::with_terms(description, Vec::new())
     }
 
-    /// A solid as described, with more terms.
+    /// A solid from its specification with additional terms.
     ///
     /// # Errors
-    /// Where the description is of no solid: see [`ElasticError`].
+    /// [`ElasticError`] where the specification is invalid.
     pub fn with_terms(
         description: ElasticSpecification<D>,
         extra_terms: Vec<Box<dyn DiscreteGradientTerm<D>>>,
@@ -74,7 +74,7 @@ impl<const D: usize> Elastic<D> {
     }
 }
 
-/// The terms of a law.
+/// The terms of a constitutive law.
 fn terms<const D: usize>(
     mesh: &VolumeMesh<D>,
     law: ConstitutiveLaw,
@@ -92,7 +92,7 @@ fn terms<const D: usize>(
     })
 }
 
-/// Young's modulus of a law, Pa.
+/// Young's modulus of a constitutive law, Pa.
 fn young_modulus<const D: usize>(mesh: &VolumeMesh<D>, law: ConstitutiveLaw) -> f64 {
     match law {
         ConstitutiveLaw::NeoHookean { young_modulus, .. }
@@ -104,8 +104,8 @@ fn young_modulus<const D: usize>(mesh: &VolumeMesh<D>, law: ConstitutiveLaw) -> 
     }
 }
 
-/// The barriers of the elements' volumes ([`InversionBarrier`]). Their stiffness is that of the law in uniaxial compression, `λ + 2 μ`; for springs
-/// of stiffness `k` it is `k l²/V` in an element of volume `V`, with the mean square `l²` of its edges.
+/// The inversion barriers of the elements ([`InversionBarrier`]). Their stiffness is that of the law in uniaxial compression,
+/// `λ + 2 μ`. For springs of stiffness `k` it is `k l²/V` in an element of volume `V` with the mean square edge length `l²`.
 fn inversion_barriers<const D: usize>(
     mesh: &VolumeMesh<D>,
     law: ConstitutiveLaw,
@@ -129,7 +129,7 @@ fn inversion_barriers<const D: usize>(
     }
 }
 
-/// The masses of a mesh's vertices, kg (2D: kg/m).
+/// Lumped masses of the vertices, kg (2D: kg/m).
 fn lumped_masses<const D: usize>(mesh: &VolumeMesh<D>, density: f64) -> Result<Vec<f64>, ElasticError> {
     let (positions, count) = (&mesh.positions, mesh.positions.len());
     if mesh.simplices.is_empty() {
@@ -166,7 +166,7 @@ fn lumped_masses<const D: usize>(mesh: &VolumeMesh<D>, density: f64) -> Result<V
     }
 }
 
-/// Which vertices are held.
+/// Whether each vertex is anchored.
 fn anchored_vertices<const D: usize>(
     mesh: &VolumeMesh<D>,
     anchors: &[Anchor<D>],

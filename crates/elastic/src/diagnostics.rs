@@ -1,4 +1,4 @@
-//! Energies and momenta.
+//! Energies, momenta and measures of deformation.
 
 use crate::linalg::svd;
 use crate::term::energy_density::{cofactor, determinant};
@@ -19,10 +19,10 @@ impl<const D: usize> Elastic<D> {
         0.5 * par::sum(velocities.len(), |v| self.masses[v] * velocities[v].norm_squared())
     }
 
-    /// Elastic and kinetic energy at one time, J (2D: J/m).
+    /// Elastic and kinetic energy at the time of the velocities, J (2D: J/m).
     ///
-    /// Velocities are those of the coming step, so that positions are taken half-way through it: for a linear solid this
-    /// sum is constant to rounding when nothing dissipates.
+    /// Velocities lead positions by half a step, so the elastic energy is taken at `x + ½ dt v`. For a linear solid without
+    /// dissipation the sum is constant to rounding.
     pub fn energy(&self, state: &ElasticState<D>, dt: f64) -> f64 {
         let ahead = state.positions.iter().zip(&state.velocities).map(|(x, v)| x + v * (0.5 * dt));
         self.elastic_energy(&ahead.collect::<Vec<_>>()) + self.kinetic_energy(&state.velocities)
@@ -43,7 +43,7 @@ impl<const D: usize> Elastic<D> {
         })
     }
 
-    /// The smallest volume of an element (2D: area) over that at rest; not above zero where one is turned inside out.
+    /// Smallest volume of an element (2D: area) over its rest volume; zero or negative where an element is inverted.
     pub fn min_volume_ratio(&self, positions: &[Vector<D>]) -> f64 {
         let ratio = |simplex: &Simplex<D>| {
             determinant(&simplex.edges(positions)) / determinant(&simplex.edges(&self.rest_mesh.positions))
@@ -51,7 +51,7 @@ impl<const D: usize> Elastic<D> {
         self.rest_mesh.simplices.par_iter().with_min_len(1024).map(ratio).reduce(|| f64::INFINITY, f64::min)
     }
 
-    /// Elements of less than [`crate::CRUSHED_VOLUME_RATIO`] of their volume at rest, which something besides the law keeps upright.
+    /// Number of elements below [`crate::CRUSHED_VOLUME_RATIO`] of their rest volume, where the inversion barrier acts.
     pub fn crushed_elements(&self, positions: &[Vector<D>]) -> usize {
         let crushed = |simplex: &&Simplex<D>| {
             let rest = determinant(&simplex.edges(&self.rest_mesh.positions));
@@ -60,8 +60,8 @@ impl<const D: usize> Elastic<D> {
         self.rest_mesh.simplices.par_iter().with_min_len(1024).filter(crushed).count()
     }
 
-    /// How much the material is stretched or pressed at each vertex: the largest |λ − 1| of the principal stretches λ, the
-    /// mean over the elements there by their volume at rest.
+    /// Strain at each vertex: the largest |λ − 1| of the principal stretches λ, averaged over the adjacent elements with their rest
+    /// volumes as weights.
     pub fn strains(&self, positions: &[Vector<D>]) -> Vec<f64> {
         let of = |simplex: &Simplex<D>| {
             let edges = simplex.edges(&self.rest_mesh.positions);
@@ -80,10 +80,10 @@ impl<const D: usize> Elastic<D> {
         sums.into_iter().map(|(volume, sum)| if volume > 0.0 { sum / volume } else { 0.0 }).collect()
     }
 
-    /// The largest velocity gradient in an element, 1/s: how fast elements turn or change their shape.
+    /// Largest norm of the velocity gradient in an element, 1/s.
     ///
-    /// A step starts with straight lines, which stretch what turns. In steps shorter than 1 over this none turns inside out; what
-    /// turns hardly stretches in those shorter than 0.3 over it. The stiffness sets no limit.
+    /// Vertices advance along straight lines, which stretches rotating elements. No element inverts if `dt` is below the reciprocal
+    /// of this rate; rotation hardly stretches elements if `dt` is below 0.3 of it. The stiffness sets no limit.
     pub fn max_velocity_gradient(&self, state: &ElasticState<D>) -> f64 {
         let rate = |simplex: &Simplex<D>| {
             let edges = simplex.edges(&state.positions);

@@ -1,4 +1,4 @@
-//! What a deformable solid is while it moves.
+//! Data of a deformable solid that do not change in time, and its forces and tangents.
 
 use crate::linalg::{BlockMatrix, LinearSolver, SparsityPattern};
 use crate::term::TangentWeights;
@@ -9,11 +9,11 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
 use std::sync::Arc;
 
-/// A deformable solid: all that does not change while it moves.
+/// A deformable solid without its state.
 ///
-/// Masses are lumped: each simplex of the mesh gives equal parts to its vertices. That keeps momentum, the centre of mass and the order
-/// of accuracy, and leaves `M⁻¹` a division, which preconditioners of the liquid's pressure need. The consistent matrix would
-/// have smaller errors of the same order, but makes the fastest modes of an element, which no one wants to see, faster.
+/// Masses are lumped: each simplex distributes its mass equally to its vertices. This preserves momentum, the centre of mass and
+/// the order of accuracy, and `M⁻¹`, which preconditioners of the liquid's pressure need, is a division. The consistent mass matrix
+/// has smaller errors of the same order but raises the highest frequencies of an element.
 #[derive(Debug)]
 pub struct Elastic<const D: usize> {
     pub(crate) rest_mesh: VolumeMesh<D>,
@@ -25,7 +25,7 @@ pub struct Elastic<const D: usize> {
     pub(crate) young_modulus: f64,
     pub(crate) solver: LinearSolver,
     pub(crate) pattern: Arc<SparsityPattern>,
-    /// What keeps its elements upright.
+    /// Barriers against the inversion of elements.
     pub(crate) inversion_barriers: Vec<Continuum<InversionBarrier, D>>,
 }
 
@@ -40,35 +40,35 @@ impl<const D: usize> Elastic<D> {
         &self.masses
     }
 
-    /// Which vertices are held.
+    /// Whether each vertex is anchored.
     pub fn anchored(&self) -> &[bool] {
         &self.anchored
     }
 
-    /// `D = τ K`: the time `τ`, s, of the damping that is proportional to the stiffness against rates of strain.
+    /// Damping time `τ`, s, of `D = τ K̂`, with the stiffness `K̂` against rates of strain.
     pub fn damping_time(&self) -> f64 {
         self.damping_time
     }
 
-    /// Young's modulus, Pa; of springs their stiffness over the longest edge (in 2D their stiffness).
+    /// Young's modulus, Pa. For springs: their stiffness over the longest edge (2D: their stiffness).
     pub fn young_modulus(&self) -> f64 {
         self.young_modulus
     }
 
-    /// Entries of a factor of the solid's matrix: twice as many multiplications make a solve. Without factors the entries that
-    /// iterations go through.
+    /// Entries of the Cholesky factor of the solid's matrix; a solve takes two multiplications for each. Without a factor: the
+    /// entries that one iteration reads.
     pub fn solver_entries(&self) -> usize {
         self.solver.entries()
     }
 
-    /// Whether its matrix is factorised; else the factor would be too large, and systems with it are solved by iterations.
+    /// Whether the matrix is factorised. If the factor is too large, conjugate gradients solve systems with it.
     pub fn is_factorised(&self) -> bool {
         matches!(self.solver, LinearSolver::Direct(_))
     }
 
-    /// At rest at time 0; held vertices where their motion has them, with its velocity over a step of `dt` s.
+    /// The rest state at time 0. Anchored vertices have their prescribed positions and their velocities over a step of `dt` s.
     ///
-    /// Velocities are half a step ahead of positions: where forces act from the start, those of half a step are to be added.
+    /// Velocities lead positions by half a step: the caller adds half a step of impulses of forces that act from the start.
     pub fn rest_state(&self, dt: f64) -> ElasticState<D> {
         let positions = self.rest_mesh.positions.clone();
         let velocities = vec![Vector::zeros(); positions.len()];
@@ -80,21 +80,21 @@ impl<const D: usize> Elastic<D> {
         state
     }
 
-    /// The elastic forces at positions, N (2D: N/m).
+    /// Elastic forces at positions, N (2D: N/m).
     pub fn forces(&self, positions: &[Vector<D>]) -> Vec<Vector<D>> {
         let mut forces = vec![Vector::zeros(); positions.len()];
         self.terms.iter().for_each(|t| t.add_forces(positions, &mut forces));
         forces
     }
 
-    /// Elastic forces between two configurations, N (2D: N/m), whose work from one to the other is the change of the elastic energy.
+    /// Discrete-gradient forces between two configurations, N (2D: N/m): their work equals the decrease of the elastic energy.
     pub fn forces_between(&self, ends: [&[Vector<D>]; 2]) -> Vec<Vector<D>> {
         let mut forces = vec![Vector::zeros(); ends[0].len()];
         self.terms.iter().for_each(|t| t.add_forces_between(ends, &mut forces));
         forces
     }
 
-    /// Forces that resist rates of strain, N (2D: N/m), proportional to the stiffness times `time`, s.
+    /// Viscous forces, N (2D: N/m): the stiffness against rates of strain, times `time`, s.
     pub fn viscous_forces(
         &self,
         positions: &[Vector<D>],
@@ -108,19 +108,19 @@ impl<const D: usize> Elastic<D> {
         forces
     }
 
-    /// Tangents of all terms at positions.
+    /// Weighted sum of the tangents of all terms at positions.
     pub fn tangent(&self, positions: &[Vector<D>], weights: TangentWeights) -> BlockMatrix<D> {
         let mut matrix = BlockMatrix::new(self.pattern.clone());
         self.terms.iter().for_each(|t| t.add_tangent(positions, weights, &mut matrix));
         matrix
     }
 
-    /// Energy, J (2D: J/m), of what keeps elements upright, at positions.
+    /// Energy of the inversion barriers at positions, J (2D: J/m).
     pub fn inversion_barrier_energy(&self, positions: &[Vector<D>]) -> f64 {
         self.inversion_barriers.iter().map(|u| u.energy(positions)).sum()
     }
 
-    /// Puts held vertices where they belong at the state's time.
+    /// Sets anchored vertices to their prescribed positions at the state's time.
     pub(crate) fn place_anchored(&self, state: &mut ElasticState<D>) {
         for anchor in &self.anchors {
             let displacement = anchor.motion.displacement(state.time);
@@ -130,7 +130,7 @@ impl<const D: usize> Elastic<D> {
         }
     }
 
-    /// Held vertices and the velocities that take them where they belong after a step of `dt` s from `time`.
+    /// Anchored vertices and the velocities that take them to their prescribed positions in a step of `dt` s from `time`.
     pub fn anchored_velocities(&self, time: f64, dt: f64) -> impl Iterator<Item = (usize, Vector<D>)> {
         self.anchors.iter().flat_map(move |anchor| {
             let ahead = anchor.motion.displacement(time + dt) - anchor.motion.displacement(time);

@@ -1,165 +1,165 @@
-//! What can be wrong with a deformable solid.
+//! Errors of the construction and the steps of deformable solids.
 
 use thiserror::Error;
 
-/// Why a solid cannot be made, or a step not be taken. Places are in metres.
+/// Reason why a solid cannot be constructed or a step fails. Positions are in metres.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ElasticError {
-    /// There is no element.
+    /// The mesh has no element.
     #[error("the solid has no element; give it a volume that is at least a mesh cell thick")]
     Empty,
-    /// Quadratic simplices are asked for on a mesh that has none.
+    /// Quadratic elements are requested on a mesh whose simplices are not the parts of quadratic ones.
     #[error(
         "the simplices of the mesh are not the parts of quadratic ones; divide it (`VolumeMesh::divided`)"
     )]
     NotQuadratic,
-    /// A quadratic simplex that is turned inside out at a point.
+    /// A quadratic element has no positive volume at a quadrature point at rest.
     #[error(
         "the quadratic element {element} is folded at rest; move the nodes on its edges nearer to their middles"
     )]
     Folded {
-        /// Its number.
+        /// Number of the element.
         element: usize,
     },
-    /// An element names a vertex that does not exist.
+    /// An element refers to a vertex that does not exist.
     #[error("element {element} names vertex {vertex}, but there are only {count}; the mesh is damaged")]
     NoSuchVertex {
-        /// Its number.
+        /// Number of the element.
         element: usize,
-        /// Its number.
+        /// Number of the vertex.
         vertex: u32,
         /// Vertices of the mesh.
         count: usize,
     },
-    /// A position that is not finite.
+    /// A rest position is not finite.
     #[error("vertex {vertex} of the mesh at rest is not at a finite place")]
     NonFinitePosition {
-        /// Its number.
+        /// Number of the vertex.
         vertex: usize,
     },
-    /// An element of negative volume.
+    /// An element has a negative volume.
     #[error("element {element} at {center:?} is inverted (volume {volume:e}); exchange two of its vertices")]
     Inverted {
-        /// Its number.
+        /// Number of the element.
         element: usize,
         /// The mean of its vertices, m.
         center: Vec<f64>,
         /// Its signed volume, m³ (2D: m²).
         volume: f64,
     },
-    /// An element without volume to speak of.
+    /// An element is nearly flat.
     #[error(
         "element {element} at {center:?} is flat: {quality:e} of the volume of a regular one with its longest edge; \
          mesh the solid anew, or merge vertices that are too close"
     )]
     Flat {
-        /// Its number.
+        /// Number of the element.
         element: usize,
         /// The mean of its vertices, m.
         center: Vec<f64>,
-        /// That ratio.
+        /// Its volume over that of a regular element with its longest edge.
         quality: f64,
     },
-    /// A vertex of no element.
+    /// A vertex belongs to no element.
     #[error(
         "vertex {vertex} at {place:?} belongs to no element and would have no mass; leave it out of the mesh"
     )]
     UnreferencedVertex {
-        /// Its number.
+        /// Number of the vertex.
         vertex: usize,
-        /// Where it is, m.
+        /// Its rest position, m.
         place: Vec<f64>,
     },
-    /// A material constant that no solid has.
+    /// A material constant is out of range.
     #[error("{name} is {value}, but must be {allowed}")]
     Material {
-        /// Of what.
+        /// Name of the constant.
         name: &'static str,
-        /// What was given.
+        /// The given value.
         value: f64,
-        /// What would do.
+        /// The allowed values.
         allowed: &'static str,
     },
-    /// An anchor that holds nothing.
+    /// An anchor has no vertex.
     #[error(
         "anchor {anchor} touches no vertex of the solid; move its region onto the solid or make it larger"
     )]
     EmptyAnchor {
-        /// Its number.
+        /// Number of the anchor.
         anchor: usize,
     },
-    /// An anchor of a vertex that does not exist.
+    /// An anchor refers to a vertex that does not exist.
     #[error("anchor {anchor} holds vertex {vertex}, but there are only {count}")]
     NoSuchAnchorVertex {
-        /// Its number.
+        /// Number of the anchor.
         anchor: usize,
-        /// Its number.
+        /// Number of the vertex.
         vertex: u32,
         /// Vertices of the mesh.
         count: usize,
     },
-    /// Keyframes out of order.
+    /// Times of keyframes are not finite or do not increase.
     #[error(
         "anchor {anchor}: the times of its keyframes must be finite and rise; they do not at keyframe {keyframe}"
     )]
     Keyframes {
-        /// Its number.
+        /// Number of the anchor.
         anchor: usize,
-        /// Its number.
+        /// Number of the keyframe.
         keyframe: usize,
     },
-    /// Two anchors of one vertex.
+    /// Two anchors contain the same vertex.
     #[error("anchors {first} and {second} both hold vertex {vertex}; let their regions not overlap")]
     OverlappingAnchors {
-        /// One of the two.
+        /// Number of one of the two.
         first: usize,
-        /// The other.
+        /// Number of the other one.
         second: usize,
-        /// Its number.
+        /// Number of the vertex.
         vertex: u32,
     },
-    /// All vertices are held.
+    /// All vertices are anchored.
     #[error("every vertex of the solid is held; make it a rigid solid")]
     AllAnchored,
-    /// Memory did not suffice.
+    /// There is not enough memory for the factors.
     #[error("the factors of a solid of {vertices} vertices do not fit into memory; make its mesh coarser")]
     TooLarge {
-        /// Of the mesh.
+        /// Vertices of the mesh.
         vertices: usize,
     },
-    /// A matrix that is not positive definite.
+    /// A matrix is not positive definite.
     #[error(
         "the solid's matrix is not positive definite (step {step:e} s): its stiffness is too large for the step to be \
          resolved in double precision, or not a number"
     )]
     NotPositiveDefinite {
-        /// Its length, s.
+        /// Length of the step, s; infinite in a static solve.
         step: f64,
     },
-    /// Newton's method that did not end.
+    /// Newton's method did not converge.
     #[error(
         "the velocities of a step of {step:e} s did not converge in {iterations} iterations; take shorter steps"
     )]
     NotConverged {
-        /// Newton's iterations.
+        /// Number of Newton iterations.
         iterations: usize,
         /// Length of the step, s.
         step: f64,
     },
-    /// Extra stiffness between vertices that are no neighbours.
+    /// Extra stiffness couples vertices that share no element.
     #[error("extra stiffness between vertices {first} and {second}, which share no element")]
     NotNeighbours {
-        /// One of the two.
+        /// Number of one of the two.
         first: u32,
-        /// The other.
+        /// Number of the other one.
         second: u32,
     },
-    /// A velocity that is not finite.
+    /// A velocity is not finite.
     #[error("the velocity of vertex {vertex} is no longer finite at {time} s; take shorter steps")]
     NotFinite {
-        /// Its number.
+        /// Number of the vertex.
         vertex: usize,
-        /// When, s.
+        /// Time, s.
         time: f64,
     },
 }

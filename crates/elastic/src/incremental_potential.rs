@@ -1,44 +1,45 @@
-//! What the velocities at the end of a step make least: an incremental potential.
+//! Incremental potential of a step, minimised by the velocities at its end.
 //!
-//! Forces act for `h` and leave the velocities `l` ahead of the positions `x`. With the change `w = v' − v` of the velocities, the places
-//! `q = x − (h − l) v` and `q' = x + l v'` of a body at the times of the old and the new velocities, `y` half-way between them, and
-//! `z = x + a v'` where the coming step ends at the latest, that is
+//! Forces act for the impulse time `h` and leave the new velocities `v'` ahead of the positions `x` by the velocity lead `l`. With
+//! the change `w = v' − v` of the velocities, the positions `q = x − (h − l) v` and `q' = x + l v'` at the times of the old and the
+//! new velocities, their midpoint `y`, and the positions `z = x + a v'` at the latest end of the coming step, the potential is
 //!
 //! ```text
-//! ½ wᵀ M w + 2 h/l Ψ(y) − h (f(q, q') − f(y))ᵀ w + ½ h τ v'ᵀ K̂ v' − jᵀ w + h/a U(z):
+//! ½ wᵀ M w + 2 h/l Ψ(y) − h (f(q, q') − f(y))ᵀ w + ½ h τ v'ᵀ K̂ v' − jᵀ w + h/a U(z).
 //! ```
 //!
-//! the law `Ψ`, whose forces `f(q, q')` do the work by which it changes ([`crate::DiscreteGradientTerm`]), damping `τ K̂`, the impulses `j` of all
-//! other forces, and what keeps elements upright, `U` ([`crate::InversionBarrier`]). The difference of the forces, which have no potential, is
-//! lagged ([`IncrementalPotential::update_lagged`]), and so is `K̂`: at `x` the first Newton iteration from `w = 0` is the step that is linear about
-//! `x`. Where `l = h/2` the step keeps the energy `½ vᵀ M v + Ψ(q)` of the law and both momenta (energy–momentum method, J. Simo & N. Tarnow
-//! 1992); a longer `l` loses `(l/h − ½) wᵀ M w`.
+//! `Ψ` is the elastic energy, whose discrete gradient `f(q, q')` does the work by which it changes
+//! ([`crate::DiscreteGradientTerm`]), `τ K̂` the damping, `j` the impulses of all other forces, and `U` the inversion barrier
+//! ([`crate::InversionBarrier`]). The correction `f(q, q') − f(y)` has no potential; it is lagged
+//! ([`IncrementalPotential::update_lagged`]), and so is `K̂`. At `x` the first Newton iteration from `w = 0` is the step linearised
+//! about `x`. For `l = h/2` the step conserves the energy `½ vᵀ M v + Ψ(q)` and both momenta (energy–momentum method, J. Simo & N.
+//! Tarnow 1992); a longer `l` dissipates `(l/h − ½) wᵀ M w`.
 
 use crate::term::ForceTerm;
 use crate::term::extra_stiffness::add_stiffness_impulses;
 use crate::{BlockMatrix, Elastic, ElasticState, StiffnessBlock, TangentWeights};
 use meniscus_numerics::{Vector, par};
 
-/// The potential of a solid in a step.
+/// Incremental potential of a solid in a step.
 #[derive(Clone, Debug)]
 pub struct IncrementalPotential<'a, const D: usize> {
     /// The solid.
     pub elastic: &'a Elastic<D>,
-    /// Positions that have advanced, and velocities that have not.
+    /// Advanced positions and old velocities.
     pub state: &'a ElasticState<D>,
-    /// Where vertices are for the viscosities `K̂`, m.
+    /// Positions at which the viscosity `K̂` is evaluated, m.
     pub viscosity_positions: Vec<Vector<D>>,
-    /// The forces with which the law keeps energy, less those at `y`, N (2D: N/m).
+    /// Lagged correction `f(q, q') − f(y)`, N (2D: N/m).
     pub discrete_gradient_correction: Vec<Vector<D>>,
     /// Stiffness of other forces.
     pub extra_stiffness: &'a [StiffnessBlock<D>],
     /// Impulses `j` of all other forces, N s (2D: N s/m).
     pub impulses: &'a [Vector<D>],
-    /// Length `h` of the step, s.
+    /// Impulse time `h`, s.
     pub impulse_time: f64,
-    /// How far the new velocities are ahead of the positions, `l`, s: half of the step where steps are of one length.
+    /// Velocity lead `l`, s: half of the step where all steps have the same length.
     pub velocity_lead: f64,
-    /// The longest that the coming step can be, `a`, s.
+    /// Longest possible length `a` of the coming step, s.
     pub lookahead: f64,
 }
 
@@ -47,7 +48,7 @@ impl<const D: usize> IncrementalPotential<'_, D> {
         velocities.iter().zip(&self.state.velocities).map(|(new, old)| new - old).collect()
     }
 
-    /// Takes viscosities where these velocities lead half-way, and the forces that keep energy between the ends of that way.
+    /// Evaluates the lagged viscosity positions and the discrete-gradient correction for these velocities.
     pub fn update_lagged(&mut self, velocities: &[Vector<D>]) {
         self.viscosity_positions = self.midpoint_positions(velocities);
         let (new, old) = (self.velocity_lead, self.impulse_time - self.velocity_lead);
@@ -66,12 +67,12 @@ impl<const D: usize> IncrementalPotential<'_, D> {
         self.state.positions.iter().enumerate().map(|(k, x)| x + displacement(k)).collect()
     }
 
-    /// Where the vertices are at the end of the coming step, m.
+    /// Positions `z` at the end of the coming step, m.
     pub fn end_positions(&self, velocities: &[Vector<D>]) -> Vec<Vector<D>> {
         self.state.positions.iter().zip(velocities).map(|(x, v)| x + v * self.lookahead).collect()
     }
 
-    /// Impulses of what resists rates of strain, N s.
+    /// Impulses of the damping, N s (2D: N s/m).
     fn damping_impulses(&self, velocities: &[Vector<D>]) -> Vec<Vector<D>> {
         self.elastic.viscous_forces(
             &self.viscosity_positions,
@@ -80,7 +81,7 @@ impl<const D: usize> IncrementalPotential<'_, D> {
         )
     }
 
-    /// Its value, J (2D: J/m); infinite where an element has no volume.
+    /// Value of the potential, J (2D: J/m); infinite where an element has no volume.
     pub fn value(&self, velocities: &[Vector<D>]) -> f64 {
         let (h, w) = (self.impulse_time, self.velocity_change(velocities));
         let damping = self.damping_impulses(velocities);
@@ -100,7 +101,7 @@ impl<const D: usize> IncrementalPotential<'_, D> {
             + h / self.lookahead * upright
     }
 
-    /// The size of the energies of which it is the sum, J (2D: J/m).
+    /// Magnitude of its energies, J (2D: J/m), the scale of the Newton decrement.
     pub fn energy_scale(&self, velocities: &[Vector<D>]) -> f64 {
         let kinetic = |velocities: &[Vector<D>]| self.elastic.kinetic_energy(velocities);
         let stored = self.elastic.elastic_energy(&self.midpoint_positions(velocities));
@@ -109,7 +110,7 @@ impl<const D: usize> IncrementalPotential<'_, D> {
             + 2.0 * self.impulse_time / self.velocity_lead * stored
     }
 
-    /// Its gradient by the velocities, N s (2D: N s/m).
+    /// Gradient with respect to the velocities, N s (2D: N s/m).
     pub fn gradient(&self, velocities: &[Vector<D>]) -> Vec<Vector<D>> {
         let (h, w) = (self.impulse_time, self.velocity_change(velocities));
         let damping = self.damping_impulses(velocities);
@@ -128,7 +129,8 @@ impl<const D: usize> IncrementalPotential<'_, D> {
         (0..w.len()).map(of).collect()
     }
 
-    /// Its second derivatives, kg (2D: kg/m), or their `project_psd` part.
+    /// Hessian with respect to the velocities, kg (2D: kg/m), positive semidefinite if `project_psd`. `None` where
+    /// `extra_stiffness` couples vertices that share no element.
     pub fn hessian(&self, velocities: &[Vector<D>], project_psd: bool) -> Option<BlockMatrix<D>> {
         let elastic = self.elastic;
         let viscosity = self.impulse_time * elastic.damping_time;
@@ -148,8 +150,8 @@ impl<const D: usize> IncrementalPotential<'_, D> {
         self.extra_stiffness.iter().all(&mut put).then_some(matrix)
     }
 
-    /// The largest part of a change of the velocities, up to all of it, on which elements keep `kept_fraction` of the volume that they have
-    /// at the end of the coming step, everywhere where it is looked at.
+    /// Largest fraction, at most 1, of a change of the velocities for which all elements keep `kept_fraction` of the volume that they
+    /// have at the end of the coming step, at every point of the inversion barriers.
     pub fn inversion_free_fraction(
         &self,
         velocities: &[Vector<D>],

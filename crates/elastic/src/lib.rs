@@ -1,22 +1,22 @@
-//! Deformable solids by themselves, in two and three dimensions from one source.
+//! Deformable solids without liquid and contacts, in 2D and 3D from one source.
 //!
-//! A body is a mesh of triangles or tetrahedra with its mass at the vertices ([`Elastic`], which never changes), the
-//! positions and velocities of these ([`ElasticState`], plain data), and terms that pull at them ([`ForceTerm`]). 2D is
-//! plane strain, per metre of depth; everything is SI.
+//! A solid consists of a mesh of triangles or tetrahedra with masses at the vertices ([`Elastic`], constant in time), the positions
+//! and velocities of the vertices ([`ElasticState`]), and force terms ([`ForceTerm`]). 2D is plane strain, per metre of depth.
+//! Units are SI.
 //!
 //! # One step
 //!
-//! Positions first, `x ← x + h v`; then the velocities at the end of the step, half a step ahead of the positions, make an incremental
-//! potential least ([`IncrementalPotential`]), by Newton's method. Its forces do the work by which the elastic energy changes, so that energy and
-//! both momenta are kept for any step (J. Simo & N. Tarnow 1992). About rest a mode of any frequency neither grows nor decays. The
-//! matrices are factorised, those of the largest meshes solved by conjugate gradients. A solid by itself takes such steps by
-//! [`Elastic::step`]; the simulator adds the potentials of contacts and the liquid's pressure.
+//! Positions advance first, `x ← x + h v`. The new velocities, half a step ahead of the positions, minimise an incremental
+//! potential ([`IncrementalPotential`]) by Newton's method. Its forces do the work by which the elastic energy changes, so the step
+//! conserves energy and both momenta for any step length (J. Simo & N. Tarnow 1992). Modes of any frequency about rest neither grow
+//! nor decay. Matrices are factorised; those of the largest meshes are solved by conjugate gradients. [`Elastic::step`] takes such
+//! steps of a solid alone; the simulator adds the potentials of contacts and the liquid's pressure.
 //!
 //! # Elements
 //!
-//! Linear simplices are too stiff in bending: a plate of two layers 1.9 times at ν = 0.3, 2.7 times at 0.45. So elements are quadratic
-//! ([`ElementOrder`]): each is `2^D` of the mesh's simplices together, which share its nodes. The vertices stay the only unknowns, and all that
-//! meets the body meets the mesh.
+//! Linear simplices are too stiff in bending: a plate of two layers by a factor of 1.9 at ν = 0.3 and 2.7 at 0.45. Elements are
+//! therefore quadratic ([`ElementOrder`]): each consists of `2^D` simplices of the mesh and uses their vertices as nodes. The
+//! vertices remain the only unknowns, and contacts and liquid see the mesh.
 
 mod construct;
 mod diagnostics;

@@ -1,4 +1,4 @@
-//! The lowest vibrations about rest, by inverse iteration of several vectors at once (Bathe & Wilson 1972).
+//! Lowest modes of vibration about rest, by subspace iteration (Bathe & Wilson 1972).
 
 use crate::linalg::Inverse;
 use crate::term::TangentWeights;
@@ -6,16 +6,16 @@ use crate::{BlockMatrix, Elastic, ElasticError};
 use meniscus_numerics::{Vector, rotation_planes};
 use nalgebra::{DMatrix, DVector};
 
-/// Iterations at most.
+/// Largest number of iterations.
 const MAX_ITERATIONS: usize = 100;
-/// Relative change of the squared frequencies at which they end.
+/// Relative change of the squared frequencies at which the iteration ends.
 const FREQUENCY_TOLERANCE: f64 = 1e-6;
-/// Error of a solve where there are no factors: the iterations around it make it less.
+/// Tolerance of iterative solves where there is no factor; the subspace iteration reduces their error.
 const SOLVE_TOLERANCE: f64 = 1e-2;
-/// Vectors beyond those that are asked for, which makes the iterations fewer.
+/// Additional vectors, which reduce the number of iterations.
 const GUARD_VECTORS: usize = 4;
 
-/// A vibration about rest, without damping.
+/// An undamped mode of vibration about rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mode<const D: usize> {
     /// Angular frequency, rad/s.
@@ -24,7 +24,7 @@ pub struct Mode<const D: usize> {
     pub shape: Vec<Vector<D>>,
 }
 
-/// The `count` slowest elastic modes; motions without strain are left out.
+/// The `count` lowest elastic modes; rigid motions are left out.
 ///
 /// # Errors
 /// [`ElasticError::NotPositiveDefinite`].
@@ -32,7 +32,7 @@ pub fn lowest_modes<const D: usize>(body: &Elastic<D>, count: usize) -> Result<V
     lowest_modes_to_tolerance(body, count, FREQUENCY_TOLERANCE)
 }
 
-/// The same, with iterations that end where the squared frequencies change by less than a part of them.
+/// [`lowest_modes`] with a tolerance for the relative change of the squared frequencies.
 ///
 /// # Errors
 /// [`ElasticError::NotPositiveDefinite`].
@@ -63,7 +63,7 @@ pub fn lowest_modes_to_tolerance<const D: usize>(
     Ok(modes.map(|(square, shape)| Mode { frequency: square.max(0.0).sqrt(), shape }).collect())
 }
 
-/// The inverse of `K`, with a little mass added where the body can move without strain.
+/// The inverse of `K + σ M` with a small shift `σ`, zero where no rigid motion is possible and `K` is positive definite.
 fn shifted_inverse<const D: usize>(
     body: &Elastic<D>,
     stiffness: &BlockMatrix<D>,
@@ -81,14 +81,14 @@ fn shifted_inverse<const D: usize>(
     Err(ElasticError::NotPositiveDefinite { step: f64::INFINITY })
 }
 
-/// Motions of each piece without strain that leave held vertices where they are, orthonormal in the mass.
+/// Rigid motions of each connected part that leave anchored vertices in place, orthonormal in the mass.
 fn rigid_motions<const D: usize>(body: &Elastic<D>) -> Vec<Vec<Vector<D>>> {
     let components = body.rest_mesh.vertex_components();
     let count = components.iter().max().map_or(0, |last| *last as usize + 1);
     (0..count).flat_map(|piece| rigid_motions_of(body, &|v| components[v] as usize == piece)).collect()
 }
 
-/// The same of one piece, of the vertices of which `own` tells.
+/// Rigid motions of the part whose vertices fulfil `own`.
 fn rigid_motions_of<const D: usize>(body: &Elastic<D>, own: &dyn Fn(usize) -> bool) -> Vec<Vec<Vector<D>>> {
     let positions = &body.rest_mesh.positions;
     let vertices: Vec<usize> = (0..positions.len()).filter(|v| own(*v)).collect();
@@ -111,7 +111,7 @@ fn rigid_motions_of<const D: usize>(body: &Elastic<D>, own: &dyn Fn(usize) -> bo
     };
     let motions: Vec<Vec<Vector<D>>> =
         (0..D).map(shift).chain(rotation_planes::<D>().iter().map(turn)).collect();
-    // Those combinations that move no held vertex.
+    // The combinations that move no anchored vertex.
     let product = |a: usize, b: usize| -> f64 {
         let held = vertices.iter().filter(|v| body.anchored[**v]);
         held.map(|v| motions[a][*v].dot(&motions[b][*v])).sum()
@@ -131,7 +131,7 @@ fn linear_combination<const D: usize>(vectors: &[Vec<Vector<D>>], weights: &DVec
     sum
 }
 
-/// Smooth vectors to start from, each with its own waves along each axis.
+/// Smooth initial vectors, each with different wave numbers along the axes.
 fn initial_vectors<const D: usize>(body: &Elastic<D>, count: usize) -> Vec<Vec<Vector<D>>> {
     let positions = &body.rest_mesh.positions;
     let (low, high) = positions.iter().fold((positions[0], positions[0]), |(l, h), x| (l.inf(x), h.sup(x)));
@@ -163,8 +163,7 @@ fn inverse_iteration<const D: usize>(
     vectors.iter_mut().flatten().zip(solved).for_each(|(v, x)| v.copy_from_slice(x));
 }
 
-/// Makes vectors orthonormal in the mass, and orthogonal to others, which are orthonormal; leaves out what has nothing of
-/// its own.
+/// Makes vectors orthonormal in the mass and orthogonal to the orthonormal `others`; drops linearly dependent ones.
 fn mass_orthonormalised<const D: usize>(
     body: &Elastic<D>,
     vectors: Vec<Vec<Vector<D>>>,
@@ -176,7 +175,7 @@ fn mass_orthonormalised<const D: usize>(
     let mut done: Vec<Vec<Vector<D>>> = Vec::new();
     for mut vector in vectors {
         let before = dot(&vector, &vector).sqrt();
-        // Twice, against rounding.
+        // A second pass removes rounding errors.
         for _ in 0..2 {
             for other in others.iter().chain(&done) {
                 let part = dot(&vector, other);
@@ -192,7 +191,7 @@ fn mass_orthonormalised<const D: usize>(
     done
 }
 
-/// Turns orthonormal vectors into those that are orthogonal in the stiffness too; their squared frequencies, rising.
+/// Rotates mass-orthonormal vectors so that they diagonalise the stiffness; returns their squared frequencies in ascending order.
 fn rayleigh_ritz<const D: usize>(stiffness: &BlockMatrix<D>, vectors: &mut Vec<Vec<Vector<D>>>) -> Vec<f64> {
     let product = |v: &Vec<Vector<D>>| {
         let mut pulled = vec![Vector::zeros(); v.len()];

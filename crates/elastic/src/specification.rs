@@ -1,56 +1,56 @@
-//! What a deformable solid is told to be.
+//! Specification of a deformable solid.
 
 use crate::ElasticError;
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::mesh::volume::ElementOrder;
 
-/// A deformable solid, as described.
+/// Specification of a deformable solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElasticSpecification<const D: usize> {
-    /// Its mesh at rest.
+    /// Mesh at rest.
     pub mesh: VolumeMesh<D>,
     /// Mass density, kg/m³.
     pub density: f64,
-    /// What makes it elastic.
+    /// Constitutive law.
     pub law: ConstitutiveLaw,
-    /// Damping of the lowest elastic mode as a fraction of the critical one; of others in proportion to their frequency.
-    /// Motions without strain are not damped.
+    /// Damping of the lowest elastic mode over the critical damping; that of other modes is proportional to their frequency. Rigid
+    /// motions are not damped.
     pub damping_ratio: f64,
-    /// Vertices that are held.
+    /// Anchored vertices.
     pub anchors: Vec<Anchor<D>>,
 }
 
-/// What makes a solid elastic.
+/// Constitutive law of a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ConstitutiveLaw {
-    /// A continuum for large strains, [`crate::NeoHookean`].
+    /// Hyperelastic continuum for large strains, [`crate::NeoHookean`].
     NeoHookean {
         /// Young's modulus, Pa.
         young_modulus: f64,
         /// Poisson's ratio.
         poisson_ratio: f64,
-        /// Of the elements.
+        /// Order of the elements.
         order: ElementOrder,
     },
-    /// A continuum for small strains and any rotation, [`crate::Corotated`].
+    /// Continuum for small strains and large rotations, [`crate::Corotated`].
     Corotated {
         /// Young's modulus, Pa.
         young_modulus: f64,
         /// Poisson's ratio.
         poisson_ratio: f64,
-        /// Of the elements.
+        /// Order of the elements.
         order: ElementOrder,
     },
     /// A spring along every edge, [`crate::Springs`].
     Springs {
-        /// Of each, N/m (2D: N/m²).
+        /// Stiffness of each spring, N/m (2D: N/m²).
         stiffness: f64,
     },
 }
 
 impl ConstitutiveLaw {
-    /// Refuses what no solid can be.
+    /// Checks the ranges of the material constants.
     pub(crate) fn check(&self) -> Result<(), ElasticError> {
         match *self {
             Self::NeoHookean { young_modulus, poisson_ratio, .. }
@@ -79,7 +79,7 @@ impl ConstitutiveLaw {
     }
 }
 
-/// Refuses a constant that is not finite or not what is allowed.
+/// Returns an error if a constant is not finite or outside its allowed range.
 pub(crate) fn check_material_constant(
     name: &'static str,
     value: f64,
@@ -89,17 +89,17 @@ pub(crate) fn check_material_constant(
     if fits && value.is_finite() { Ok(()) } else { Err(ElasticError::Material { name, value, allowed }) }
 }
 
-/// Vertices that are held, or moved as told.
+/// Anchored vertices with their prescribed motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Anchor<const D: usize> {
-    /// Which.
+    /// Numbers of the vertices.
     pub vertices: Vec<u32>,
-    /// Where they go.
+    /// Prescribed motion.
     pub motion: AnchorMotion<D>,
 }
 
 impl<const D: usize> Anchor<D> {
-    /// Of all vertices of a mesh at rest in a region, which do not move.
+    /// A fixed anchor of all vertices whose rest positions are in a region.
     pub fn within(mesh: &VolumeMesh<D>, region: impl Fn(&Vector<D>) -> bool) -> Self {
         let inside = |v: &u32| region(&mesh.positions[*v as usize]);
         Self {
@@ -109,19 +109,19 @@ impl<const D: usize> Anchor<D> {
     }
 }
 
-/// How held vertices move.
+/// Prescribed motion of anchored vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AnchorMotion<const D: usize> {
-    /// Not at all.
+    /// No motion.
     Fixed,
-    /// With a constant velocity, m/s, from time 0.
+    /// Constant velocity, m/s, from time 0.
     Velocity(Vector<D>),
-    /// Times, s, which rise, and displacements from rest, m; linear between, constant before and after.
+    /// Increasing times, s, and displacements from rest, m; linear between, constant before and after.
     Keyframes(Vec<(f64, Vector<D>)>),
 }
 
 impl<const D: usize> AnchorMotion<D> {
-    /// The displacement from rest at a time, m.
+    /// Displacement from rest at a time, m.
     pub fn displacement(&self, time: f64) -> Vector<D> {
         match self {
             Self::Fixed => Vector::zeros(),

@@ -1,14 +1,14 @@
-//! Where a deformable solid is and how it moves.
+//! State of a deformable solid.
 
 use meniscus_numerics::Vector;
 
-/// Positions and velocities of a solid's vertices. Plain data.
+/// Positions and velocities of the vertices of a solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElasticState<const D: usize> {
     /// Positions, m.
     pub positions: Vec<Vector<D>>,
-    /// Velocities, m/s: those with which the vertices go on in the next step.
+    /// Velocities, m/s, with which positions advance in the next step.
     pub velocities: Vec<Vector<D>>,
-    /// Time, s, of the positions; what held vertices follow.
+    /// Time of the positions, s.
     pub time: f64,
 }

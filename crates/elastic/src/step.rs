@@ -1,35 +1,36 @@
-//! The step of a solid by itself, and its linear statics.
+//! Step of a solid without liquid and contacts, and its linear statics.
 //!
 //! ```text
-//! x ← x + h v,    v' makes the potential of the step least ([`IncrementalPotential`]),    K u = f
+//! x ← x + h v,    v' = argmin E(v'),    K u = f
 //! ```
 //!
-//! The first is the simulator's step without liquid and contacts: positions first, then velocities half a step ahead of them. Newton's
-//! method, whose line search ends before an element is turned inside out at the end of the coming step (as in M. Li et al.,
-//! "Incremental Potential Contact", 2020). The second is the limit of small forces at rest.
+//! The first two equations are the simulator's step without liquid and contacts, with the potential `E` of [`IncrementalPotential`];
+//! velocities lead positions by half a step. Newton's method minimises the potential; its line search keeps elements from inverting by
+//! the end of the coming step (as in M. Li et al., "Incremental Potential Contact", 2020). The third equation is the limit of small
+//! forces at rest.
 
 use crate::linalg::ITERATIVE_TOLERANCE;
 use crate::term::TangentWeights;
 use crate::{BlockMatrix, Elastic, ElasticError, ElasticState, IncrementalPotential, StiffnessBlock};
 use meniscus_numerics::Vector;
 
-/// Most of Newton's iterations in a step.
+/// Largest number of Newton iterations in a step.
 pub const MAX_NEWTON_ITERATIONS: usize = 60;
-/// Part of its distance that a pair keeps in an iteration, and of its volume an element: IPC's 0.2, its line search's safety.
+/// Fraction of its distance that a pair, and of its volume that an element, keeps in a Newton iteration: 0.2 as in IPC.
 pub const KEPT_FRACTION: f64 = 0.2;
-/// Most halvings of an iteration's change in the line search.
+/// Largest number of halvings in a line search.
 pub const MAX_LINE_SEARCH_HALVINGS: usize = 30;
-/// Fall of the potential that Newton's method predicts, over the size of its terms, below which it has converged: the change is then 1e-9
-/// of the velocities.
+/// Newton decrement, over the magnitude of the energies, below which the method has converged: the relative change of the
+/// velocities is then 1e-9.
 const DECREMENT_TOLERANCE: f64 = 1e-18;
-/// Way of a vertex in a step, over the size of the body, to which rounding in the elastic forces leaves its place open.
+/// Change of a displacement in a step, over the size of the solid, that is below the rounding of the elastic forces.
 const DISPLACEMENT_ROUNDING: f64 = 1e-12;
-/// Fall, over the size of the terms, that is lost in the rounding of the potential: from positions of 16 digits strains of 1e-6 have 8
-/// digits, and their energy as many. Newton's method then changes the velocities by less than 1e-4 of them.
+/// Decrease of the potential, over the magnitude of the energies, that is lost in rounding: with positions of 16 digits strains of
+/// 1e-6 and their energy have 8. The relative change of the velocities is then below 1e-4.
 const POTENTIAL_ROUNDING: f64 = 1e-8;
 
 impl<const D: usize> Elastic<D> {
-    /// The first half of a step of `step` s: moves the vertices with their velocities, held ones exactly as told.
+    /// First part of a step of `dt` s: advances the vertices with their velocities, anchored ones to their prescribed positions.
     pub fn advance_positions(&self, state: &mut ElasticState<D>, dt: f64) {
         state.positions.iter_mut().zip(&state.velocities).for_each(|(x, v)| *x += v * dt);
         state.time += dt;
@@ -39,7 +40,7 @@ impl<const D: usize> Elastic<D> {
     /// Displacements from rest, m, under small forces, N (2D: N/m), with the stiffness of other forces.
     ///
     /// # Errors
-    /// [`ElasticError::NotNeighbours`]; [`ElasticError::NotPositiveDefinite`] where the body can move without strain.
+    /// [`ElasticError::NotNeighbours`]; [`ElasticError::NotPositiveDefinite`] where the solid can move without strain.
     pub fn linear_static_displacements(
         &self,
         forces: &[Vector<D>],
@@ -58,8 +59,7 @@ impl<const D: usize> Elastic<D> {
         self.solve_linear(&stiffness, forces.to_vec()).ok_or(failed)
     }
 
-    /// A step of `step` s under external forces, N (2D: N/m), one for each vertex. A step that fails leaves the state as
-    /// it was.
+    /// A step of `dt` s under an external force on each vertex, N (2D: N/m). A step that fails leaves the state unchanged.
     ///
     /// # Errors
     /// [`ElasticError::NotPositiveDefinite`], [`ElasticError::NotConverged`] and [`ElasticError::NotFinite`].
@@ -92,7 +92,7 @@ impl<const D: usize> Elastic<D> {
         Ok(())
     }
 
-    /// The velocities that make a step's potential least, m/s, by Newton's method.
+    /// Velocities that minimise the potential of a step, m/s, by Newton's method.
     fn minimiser(&self, potential: &mut IncrementalPotential<'_, D>) -> Result<Vec<Vector<D>>, ElasticError> {
         let (time, step) = (potential.state.time, potential.impulse_time);
         let mut velocities = potential.state.velocities.clone();
@@ -122,8 +122,8 @@ impl<const D: usize> Elastic<D> {
         Err(ElasticError::NotConverged { iterations: MAX_NEWTON_ITERATIONS, step })
     }
 
-    /// The change of the velocities in an iteration, m/s, with that of held vertices, `prescribed_change`, and by how much the potential falls along
-    /// it to first order, J (2D: J/m).
+    /// Newton direction, m/s, with the change `prescribed_change` of anchored vertices, and the Newton decrement: the first-order
+    /// decrease of the potential along it, J (2D: J/m).
     fn newton_direction(
         &self,
         potential: &IncrementalPotential<'_, D>,
@@ -139,7 +139,7 @@ impl<const D: usize> Elastic<D> {
             right.iter_mut().zip(&pushed).for_each(|(r, p)| *r -= p);
             self.solve_linear(&matrix, right)
         };
-        // Only where the second derivatives are not positive definite their positive part is taken: it is stiffer than need be.
+        // The projected Hessian is stiffer; it is used only where the exact one is not positive definite.
         let change = solved(false).or_else(|| solved(true));
         let mut change = change.ok_or(ElasticError::NotPositiveDefinite { step: potential.impulse_time })?;
         change.iter_mut().zip(prescribed_change).for_each(|(c, l)| *c += l);
@@ -147,7 +147,7 @@ impl<const D: usize> Elastic<D> {
         Ok((change, fall))
     }
 
-    /// `A⁻¹ b`, 0 at held vertices.
+    /// `A⁻¹ b`, zero at anchored vertices. `None` where the matrix is not positive definite.
     fn solve_linear(&self, matrix: &BlockMatrix<D>, right: Vec<Vector<D>>) -> Option<Vec<Vector<D>>> {
         let inverse = self.solver.invert(matrix, &self.anchored, ITERATIVE_TOLERANCE)?;
         let mut flat: Vec<f64> = right.iter().flat_map(|v| v.iter().copied()).collect();
@@ -156,8 +156,8 @@ impl<const D: usize> Elastic<D> {
     }
 }
 
-/// Velocities on the way along a change as far as elements stay upright and, where that is asked for, as the potential falls, and whether
-/// that is all the way; nothing where it does not fall.
+/// Line search: velocities along a change for which no element inverts and, if `must_decrease`, the potential does not increase,
+/// and whether the full change was taken. `None` where every tried fraction increases the potential.
 fn line_search<const D: usize>(
     potential: &IncrementalPotential<'_, D>,
     velocities: &[Vector<D>],

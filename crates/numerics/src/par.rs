@@ -3,7 +3,7 @@
 use crate::grid::Segment;
 use rayon::prelude::*;
 
-/// Values summed one after another within a chunk.
+/// Number of values that are summed serially in a chunk.
 const CHUNK: usize = 4096;
 
 /// The sum of `f(i)` for `i` in `0..n`, in an order that does not depend on the number of threads.
@@ -11,7 +11,7 @@ pub fn sum(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
     sums(n, |i| [f(i)])[0]
 }
 
-/// Several sums at once, as [`sum`].
+/// Computes `K` sums at once; see [`sum`].
 pub fn sums<const K: usize>(n: usize, f: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
     let add = |mut a: [f64; K], b: [f64; K]| {
         (0..K).for_each(|k| a[k] += b[k]);
@@ -25,9 +25,9 @@ pub fn sums<const K: usize>(n: usize, f: impl Fn(usize) -> [f64; K] + Sync) -> [
     chunks.into_iter().fold([0.0; K], add)
 }
 
-/// Calls `f` with every stretch and its part of `data` (rows of `row` values), in parallel.
+/// Calls `f` in parallel with every segment and its part of `data`, whose rows have `row_length` values.
 ///
-/// The stretches must be sorted and disjoint, as those of [`crate::grid::Tiles`] and [`crate::grid::Runs`] are.
+/// The segments must be sorted and disjoint, as those of [`crate::grid::Tiles`] and [`crate::grid::Runs`] are.
 pub fn for_each_segment<T: Send>(
     data: &mut [T],
     row_length: usize,
@@ -46,7 +46,7 @@ pub fn for_each_segment<T: Send>(
     parts.into_par_iter().with_min_len(16).for_each(|(s, part)| f(s, part));
 }
 
-/// Number of threads that parallel loops run on here.
+/// Number of threads on which parallel loops run.
 pub fn threads() -> usize {
     rayon::current_num_threads()
 }

@@ -1,4 +1,4 @@
-//! The scenes that are built in.
+//! The built-in scenes.
 
 use crate::error::{ErrorKind, SceneError, nearest};
 use crate::file::{LoadOptions, Scene};
@@ -12,11 +12,11 @@ pub struct Builtin {
     pub name: &'static str,
     /// 2 or 3.
     pub dimension: u32,
-    /// The paper's figure that it follows, if any.
+    /// The figure of the paper that it follows, if any.
     pub figure: Option<&'static str>,
-    /// What it shows, in one line.
+    /// What the scene shows, in one line.
     pub line: &'static str,
-    /// What it takes to run, roughly, on two cores.
+    /// Approximate cost of a run on two cores.
     pub cost: &'static str,
     /// The scene file.
     #[serde(skip)]
@@ -376,7 +376,7 @@ pub const BUILTINS: [Builtin; 58] = [
     ),
 ];
 
-/// The built-in scene of this name.
+/// Finds the built-in scene of this name.
 pub fn find(name: &str) -> Option<&'static Builtin> {
     BUILTINS.iter().find(|b| b.name == name)
 }
@@ -384,7 +384,7 @@ pub fn find(name: &str) -> Option<&'static Builtin> {
 /// Opens a scene: the path of a `.toml` file, or the name of a built-in scene.
 ///
 /// # Errors
-/// [`SceneError`]: there is no such scene (with the nearest name), or what is wrong in it.
+/// [`SceneError`] if there is no such scene (with the nearest name) or if the scene is invalid.
 pub fn open(scene: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
     if let Some(b) = find(scene) {
         return Scene::from_text(&format!("{}.toml", b.name), b.text, Path::new(""), options);

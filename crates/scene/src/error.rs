@@ -1,13 +1,13 @@
-//! The one error type of scenes: what was found, where, what is accepted, how to mend it.
+//! The error type of scenes: what was found, where, what is accepted, and how to correct it.
 
 use std::fmt::Write as _;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What went wrong, as far as the exit status of the program is concerned.
+/// Kind of an error; it decides the exit status of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorKind {
-    /// The scene is not valid, or asks for what cannot run (exit status 3).
+    /// The scene is invalid, or this version cannot run it (exit status 3).
     Invalid,
     /// A file could not be read or written (exit status 4).
     Io,
@@ -19,9 +19,9 @@ pub enum ErrorKind {
 pub struct SceneError {
     /// Decides the exit status.
     pub kind: ErrorKind,
-    /// What was found and why it will not do, in one sentence.
+    /// What was found and why it is refused, in one sentence.
     pub message: String,
-    /// What is accepted and how to mend it.
+    /// What is accepted and how to correct it.
     pub help: Option<String>,
     /// The offending text: a byte range of `source_text` that starts and ends at characters.
     pub span: Option<Range<usize>>,
@@ -32,7 +32,7 @@ pub struct SceneError {
 }
 
 impl SceneError {
-    /// An invalid scene with nothing to point at yet.
+    /// An invalid scene, without a position in its text.
     pub fn new(message: impl Into<String>) -> Self {
         Self {
             kind: ErrorKind::Invalid,
@@ -49,7 +49,7 @@ impl SceneError {
         Self { kind: ErrorKind::Io, source_name: name.to_owned(), ..Self::new(message) }
     }
 
-    /// The same error with advice.
+    /// The same error with a help text.
     #[must_use]
     pub fn with_help(mut self, help: impl Into<String>) -> Self {
         let help = help.into();
@@ -57,7 +57,7 @@ impl SceneError {
         self
     }
 
-    /// The same error pointing at a byte range of a text; the range is cut to what exists.
+    /// The same error with a position in a text; the range is clamped to the text.
     #[must_use]
     pub fn at(mut self, name: &str, text: &Arc<str>, span: Option<Range<usize>>) -> Self {
         self.source_name = name.to_owned();
@@ -82,7 +82,7 @@ impl SceneError {
         Some((before.matches('\n').count() + 1, before[line_start..].chars().count() + 1))
     }
 
-    /// The error in one line: what, where, and how to mend it.
+    /// The error in one line: what, where, and how to correct it.
     pub fn line(&self) -> String {
         let place = match self.line_column() {
             Some((line, column)) => format!(" ({}:{line}:{column})", self.source_name),
@@ -92,7 +92,7 @@ impl SceneError {
         format!("{}{place}{help}", self.message)
     }
 
-    /// The error as plain text, with the line it is about.
+    /// The error as plain text, with the line of the scene that it concerns.
     pub fn render(&self) -> String {
         let mut out = format!("error: {}\n", self.message);
         self.render_snippet(&mut out);
@@ -126,7 +126,7 @@ impl SceneError {
     }
 }
 
-/// Cuts a range to the text and widens it to whole characters.
+/// Clamps a range to the text and widens it to whole characters.
 fn clamp(text: &str, span: Range<usize>) -> Range<usize> {
     let mut start = span.start.min(text.len());
     let mut end = span.end.clamp(start, text.len());
@@ -139,7 +139,7 @@ fn clamp(text: &str, span: Range<usize>) -> Range<usize> {
     start..end
 }
 
-/// The candidate nearest to a word by edit distance, if it is near enough to be what was meant.
+/// The candidate nearest to a word by edit distance, if it is near enough to be a likely correction.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let limit = (word.chars().count() / 3).clamp(1, 4);
     candidates
@@ -150,7 +150,7 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .map(|(_, c)| c)
 }
 
-/// Insertions, deletions, replacements and swaps of neighbours that turn one word into the other.
+/// Edit distance: insertions, deletions, replacements and swaps of neighbours that turn one word into the other.
 fn edit_distance(a: &str, b: &str) -> usize {
     let a: Vec<char> = a.chars().take(64).collect();
     let b: Vec<char> = b.chars().take(64).collect();

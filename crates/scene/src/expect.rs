@@ -1,26 +1,25 @@
-//! The `[expect]` section: evaluated at the end of a run from what lies in its folder.
+//! Evaluates the `[expect]` section at the end of a run from the files in its folder.
 
 use crate::file::{Expectation, Scene, Side, WALLS};
 use crate::output::summary::{Summary, Verdict};
 use crate::output::time_series::TimeSeries;
 use crate::units::{format_four_digits, format_si};
 
-/// Wetted share of a surface from which on it is all: the cells at a gap to the floor may count as dry.
+/// Wetted share from which a surface counts as fully wetted; cells at a gap to the floor may count as dry.
 const FULLY_WETTED_SHARE: f64 = 0.98;
-/// Force of the liquid over that of what a solid rests on, from which on the liquid carries it.
+/// Ratio of the liquid's force to the contact force on a solid, above which the liquid carries it.
 const FLOATING_FORCE_RATIO: f64 = 10.0;
 
-/// Depth, in cells, up to which solids that touch do not count as overlapping.
+/// Overlap depth, in cells, that is tolerated between touching solids.
 const OVERLAP_TOLERANCE_CELLS: f64 = 0.01;
 
-/// Evaluates every expectation of a scene, and what must hold wherever solids deform: no element is turned inside out, nothing
-/// goes through anything.
+/// Evaluates every expectation of a scene and, where solids deform, the invariants: no element is inverted and nothing overlaps.
 pub fn evaluate(scene: &Scene, summary: &Summary, series: &TimeSeries) -> Vec<Verdict> {
     let expected = scene.expect.iter().map(|expectation| verdict(expectation, summary, series));
     expected.chain(solid_integrity(summary)).collect()
 }
 
-/// What must hold of solids that deform.
+/// The invariants of deformable solids.
 fn solid_integrity(summary: &Summary) -> impl Iterator<Item = Verdict> {
     let element = summary.least_element.map(|least| Verdict {
         quantity: "smallest element over its volume at rest".into(),
@@ -152,7 +151,7 @@ fn within_tolerance(
     }
 }
 
-/// Whether the liquid carries a solid that sticks out of it. The value is the share that is wetted.
+/// Whether the liquid carries a solid that is not fully wetted. The value is its wetted share.
 fn floats(summary: &Summary, name: &str) -> Verdict {
     let solid = summary.solids.iter().find(|s| s.name == *name);
     let up = |force: &[f64]| force.last().copied().unwrap_or(0.0);
@@ -171,7 +170,7 @@ fn format_bounds(min: u32, max: u32) -> String {
     if max == u32::MAX { format!("at least {min}") } else { format!("{min} to {max}") }
 }
 
-/// A value of an expectation with its unit: four digits at least, with a prefix where the unit takes one.
+/// A value of an expectation with its unit: at least four digits, with a prefix where the unit takes one.
 pub fn format_value(value: f64, unit: &str) -> String {
     match unit {
         "" if value != 0.0 && value.abs() < 0.01 => format!("{value:.2e}"),
@@ -181,8 +180,8 @@ pub fn format_value(value: f64, unit: &str) -> String {
     }
 }
 
-/// How far the total energy, with what has left through open sides, rises above its start, relative to the largest kind of
-/// energy at the start.
+/// Largest rise of the total energy, with the energy that left through open sides, above its initial value, relative to the largest kind
+/// of energy at the start.
 fn energy_growth(series: &TimeSeries) -> Option<f64> {
     let names = ["kinetic_energy", "surface_energy", "elastic_energy", "potential_energy"];
     let kinds = names.map(|name| series.column(name));
@@ -196,7 +195,7 @@ fn energy_growth(series: &TimeSeries) -> Option<f64> {
     if scale > 0.0 { Some(growth / scale) } else { None }
 }
 
-/// How far the liquid reaches towards a side at the end, m.
+/// How far the liquid extends towards a side at the end, m.
 fn reach(summary: &Summary, side: Side) -> Option<f64> {
     let last = summary.dimension.checked_sub(1)?;
     let (axis, upper) = match side {
@@ -214,9 +213,8 @@ fn reach(summary: &Summary, side: Side) -> Option<f64> {
     if upper { corners.reduce(f64::max) } else { corners.reduce(f64::min) }
 }
 
-/// The period of an oscillation, s: twice the mean distance of the maxima of the kinetic energy, which has two in each
-/// period. Each is placed by the middle between the crossings of half its height on either side, which a few noisy
-/// steps do not move. None with fewer than two maxima.
+/// Period of an oscillation, s: twice the mean distance of the maxima of the kinetic energy, of which each period has two. A maximum lies
+/// midway between the crossings of half its height, which noise in a few steps does not move. None with fewer than two maxima.
 pub fn period(series: &TimeSeries) -> Option<f64> {
     let (time, energy) = (series.column("time"), series.column("kinetic_energy"));
     let peaks = peaks(time, energy);
@@ -225,7 +223,7 @@ pub fn period(series: &TimeSeries) -> Option<f64> {
     Some(2.0 * (last - first) / gaps as f64)
 }
 
-/// Times of the maxima of a curve that falls below half of each of them on both sides.
+/// Times of the maxima on both sides of which the curve falls below half of them.
 fn peaks(time: &[f64], curve: &[f64]) -> Vec<f64> {
     let mut times = Vec::new();
     let mut start = 0;
@@ -242,8 +240,8 @@ fn peaks(time: &[f64], curve: &[f64]) -> Vec<f64> {
     times
 }
 
-/// The largest value from `start` on before the curve falls below its half, and where it does so. It must be twice what the
-/// curve has been before: what falls from the start is no peak.
+/// The largest value from `start` on before the curve falls below half of it, and the index where it does so. It must be twice the
+/// smallest value before it, so a curve that only falls from the start has no peak.
 fn next_peak(curve: &[f64], start: usize) -> Option<(usize, usize)> {
     let (mut valley, mut top) = (start, start);
     for i in start..curve.len() {
@@ -260,7 +258,7 @@ fn next_peak(curve: &[f64], start: usize) -> Option<(usize, usize)> {
     None
 }
 
-/// The time between rows `i` and `i + 1` at which the curve has the value `level`.
+/// The time between rows `i` and `i + 1` at which the curve takes the value `level`.
 fn crossing(time: &[f64], curve: &[f64], i: usize, level: f64) -> f64 {
     let fraction = (level - curve[i]) / (curve[i + 1] - curve[i]);
     time[i] + fraction.clamp(0.0, 1.0) * (time[i + 1] - time[i])
@@ -302,7 +300,7 @@ mod tests {
         }
         let measured = period(&TimeSeries::parse(&text));
         let expected = 0.4 * std::f64::consts::PI;
-        // The swing is sampled 60 times a maximum: the middles of its flanks are off by less than a sample.
+        // With 60 samples per maximum, the midpoints of its flanks are off by less than a sample.
         assert!(measured.is_some_and(|m| (m / expected - 1.0).abs() < 5e-3), "{measured:?}");
     }
 

@@ -1,4 +1,4 @@
-//! Scenes of Meniscus: what is simulated, how it is run, and what is written.
+//! Scenes of Meniscus: the scene file, its run, and the output.
 
 pub mod build;
 pub mod builtin;

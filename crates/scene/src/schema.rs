@@ -1,4 +1,4 @@
-//! The JSON Schema of scene files, for editors, and the same as a page for people.
+//! The JSON Schema of scene files for editors, and the same as a Markdown page.
 
 use crate::file::SceneFile;
 use serde_json::Value;
@@ -21,7 +21,7 @@ const HEAD: &str = "# The scene file\n\n\
     complete keys and mark mistakes.\n\n\
     **Tables with one key** name a kind: `shape.ball = { … }`, `material.rigid = { fixed = true }`.\n";
 
-/// The grammar as a page of Markdown: a table for every table of a scene, in the order in which they come up.
+/// The grammar as a page of Markdown: one section per table of a scene, in order of appearance.
 pub fn markdown() -> String {
     let schema = schemars::schema_for!(SceneFile);
     let root = schema.as_value();
@@ -46,7 +46,7 @@ pub fn markdown() -> String {
     out
 }
 
-/// The keys or values of a definition; names of definitions that it refers to are added to `found`.
+/// The keys or values of a definition. Adds the names of definitions that it refers to to `found`.
 fn table(out: &mut String, node: &Value, found: &mut Vec<String>) {
     let required: Vec<&str> =
         node["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
@@ -88,12 +88,12 @@ fn text_of(node: &Value) -> String {
     node["description"].as_str().map(|t| one_line(t).replace('|', "\\|")).unwrap_or_default()
 }
 
-/// A text without line breaks, and without the links of documentation.
+/// A text without line breaks and documentation links.
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// What a value may be, in words.
+/// The type of a value in words.
 fn kind(node: &Value, found: &mut Vec<String>) -> String {
     if let Some(name) = node["$ref"].as_str().and_then(|r| r.rsplit('/').next()) {
         found.push(name.to_owned());

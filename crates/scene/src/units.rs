@@ -1,11 +1,10 @@
-//! Values with units, read into SI.
+//! Parses values with units into SI.
 //!
-//! The number is shifted by the unit's power of ten in its decimal text, so `"72.8 mN/m"` is exactly the double
-//! nearest to 0.0728.
+//! The number is shifted by the unit's power of ten in its decimal text, so `"72.8 mN/m"` is exactly the double nearest to 0.0728.
 
 use std::f64::consts::PI;
 
-/// What kind of quantity a value must be.
+/// Physical dimension of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
     /// Metres, or multiples of the cell size (`dx`).
@@ -40,10 +39,10 @@ pub enum Dimension {
     Force,
 }
 
-/// kg, m, s, rad, dx.
+/// Exponents of kg, m, s, rad, dx.
 type Exponents = [i32; 5];
 
-/// Name with article, SI unit, units shown as accepted, exponents.
+/// Name with article, SI unit, accepted units shown to the user, exponents.
 type Row = (Dimension, &'static str, &'static str, &'static str, Exponents);
 
 const DIMENSIONS: [Row; 15] = [
@@ -85,7 +84,7 @@ impl Dimension {
         self.row().2
     }
 
-    /// The unit that values of scenes mostly have, for examples: `mm`.
+    /// The usual unit in scenes, for examples: `mm`.
     pub fn usual(self) -> &'static str {
         match self {
             Self::Length => "mm",
@@ -106,13 +105,13 @@ impl Dimension {
         self.row().3
     }
 
-    /// What to write instead, in one sentence.
+    /// Help text, in one sentence.
     pub fn advice(self) -> String {
         format!("{} is written as text with a unit, one of: {}", self.name(), self.accepted())
     }
 }
 
-/// A number with four digits and an SI prefix that keeps it handy: `1.612 mm`. Only for units of power one.
+/// A number with four digits and a fitting SI prefix: `1.612 mm`. Only for units of power one.
 pub fn format_si(x: f64, unit: &str) -> String {
     const STEPS: [(f64, &str); 7] =
         [(1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n")];
@@ -121,7 +120,7 @@ pub fn format_si(x: f64, unit: &str) -> String {
     format!("{} {prefix}{unit}", format_four_digits(x / scale))
 }
 
-/// A number with four digits at least, without zeros at its end.
+/// A number with at least four digits, without trailing zeros.
 pub(crate) fn format_four_digits(x: f64) -> String {
     let whole = x.abs().max(1.0).log10().floor() as usize;
     let digits = 3usize.saturating_sub(whole);
@@ -160,7 +159,7 @@ pub struct Parsed {
     pub in_cells: bool,
 }
 
-/// Symbol, factor that is no power of ten, power of ten, exponents, takes prefixes.
+/// Symbol, factor that is not a power of ten, power of ten, exponents, whether it takes prefixes.
 type Atom = (&'static str, f64, i32, Exponents, bool);
 
 const ATOMS: [Atom; 20] = [
@@ -197,7 +196,7 @@ struct Unit {
     exponents: Exponents,
 }
 
-/// Reads a value with a unit into SI.
+/// Parses a value with a unit into SI.
 ///
 /// # Errors
 /// [`UnitError`] if there is no number, no unit, an unknown unit, one of another dimension, or a number that is not
@@ -273,7 +272,7 @@ fn split_number(text: &str) -> Option<(&str, i64, &str)> {
     Some((mantissa, 0, text.get(end..)?))
 }
 
-/// Writes typographic variants of a unit in the plain way.
+/// Replaces typographic variants in a unit by plain ones.
 fn normalise(unit: &str) -> String {
     let mut out = String::new();
     for c in unit.trim().chars().take(200) {
@@ -289,7 +288,7 @@ fn normalise(unit: &str) -> String {
     out
 }
 
-/// Products and quotients of atoms; the error is the part not understood.
+/// Parses products and quotients of atoms; the error is the part not understood.
 fn parse_unit(text: &str) -> Result<Unit, String> {
     let mut unit = Unit { factor: 1.0, ten: 0, exponents: [0; 5] };
     for (i, part) in text.split('/').enumerate() {
@@ -335,7 +334,7 @@ fn parse_atom(symbol: &str) -> Option<Unit> {
     a.4.then_some(Unit { factor: a.1, ten: a.2 + prefix.1, exponents: a.3 })
 }
 
-/// The name of what has these exponents.
+/// The name of the quantity with these exponents.
 fn describe(exponents: Exponents) -> String {
     if exponents == [0, 0, 0, 0, 1] {
         return "a number of cells".to_owned();

@@ -1,4 +1,4 @@
-//! The physics of Meniscus: a surface-tension liquid on a staggered grid.
+//! Simulation of a liquid with surface tension on a staggered grid, coupled to rigid and deformable solids.
 //!
 //! This crate never opens a file, reads a clock or chooses a number of threads.
 

@@ -1,7 +1,7 @@
-//! The repairs of a step: every mechanism that corrects the result of another one leaves a count or a sum here, measured before
-//! the correction. No result depends on it.
+//! Repairs of a step: every mechanism that corrects the result of another one records a count or a sum here, measured before
+//! the correction. No result depends on this record.
 
-/// Makes the record and the list of its entries from one table.
+/// Generates the record and the list of its entries from one table.
 macro_rules! record {
     (@type count) => { u64 };
     (@type sum) => { f64 };
@@ -13,14 +13,14 @@ macro_rules! record {
     (@from sum, $v:expr) => { $v };
     (@from max, $v:expr) => { $v };
     ($($(#[$doc:meta])* $name:ident: $merge:ident of $quantity:ident,)*) => {
-        /// The repairs of a step, or of many.
+        /// Repairs of one step, or of many.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Repairs {
             $($(#[$doc])* pub $name: record!(@type $merge),)*
         }
 
         impl Repairs {
-            /// Names of all entries, and what each measures, in order.
+            /// Names and quantities of all entries, in order.
             pub const ENTRIES: &'static [(&'static str, Quantity)] =
                 &[$((stringify!($name), Quantity::$quantity),)*];
 
@@ -29,14 +29,14 @@ macro_rules! record {
                 vec![$(self.$name as f64,)*]
             }
 
-            /// The record of which these are the [`Self::values`]; nothing if their number is another.
+            /// The record with these [`Self::values`]; `None` if their number is wrong.
             pub fn from_values(values: &[f64]) -> Option<Self> {
                 let mut next = values.iter().copied();
                 let record = Self { $($name: record!(@from $merge, next.next()?),)* };
                 next.next().is_none().then_some(record)
             }
 
-            /// Takes the repairs of a later step into account: counts and sums add up, of largest values the larger stays.
+            /// Adds the repairs of a later step: counts and sums add up, of maxima the larger one stays.
             pub fn add(&mut self, step: &Self) {
                 $(record!(@add $merge, self.$name, step.$name);)*
             }
@@ -62,86 +62,84 @@ pub enum Quantity {
 }
 
 record! {
-    /// Volume of the liquid that was deleted: components that lay within solids altogether or had come through one, m³
-    /// (2D: m²), as far as it was outside of solids.
+    /// Liquid volume outside solids that was deleted, m³ (2D: m²): components that lay entirely within solids or had leaked through one.
     deleted_volume: sum of Volume,
-    /// The part of it that had come through a solid, m³ (2D: m²); the rest are residues that a receding line left in a solid.
+    /// Part of [`Self::deleted_volume`] that had leaked through a solid, m³ (2D: m²). The rest is residue of receding contact lines.
     leaked_volume: sum of Volume,
-    /// Liquid cells that were deleted with it.
+    /// Number of liquid cells deleted with it.
     deleted_cells: count of Count,
-    /// Volume that the shift of φ moved: the sum over all components of what each had too much or too little, m³ (2D: m²).
+    /// Volume moved by the shift of φ: the sum of the absolute volume errors of all components, m³ (2D: m²).
     volume_shift: sum of Volume,
-    /// The same with its sign, m³ (2D: m²): positive where the shift added liquid.
+    /// The same with its sign, m³ (2D: m²): positive if the shift added liquid.
     volume_shift_net: sum of Volume,
-    /// The largest [`Self::volume_shift`] of a step, over the volume of the liquid.
+    /// Largest [`Self::volume_shift`] of a step, over the volume of the liquid.
     volume_shift_largest: max of Ratio,
-    /// Largest distance that the centre of mass of a component was from its path before it was put back, m.
+    /// Largest distance of a component's centre of mass from its predicted path before the correction, m.
     center_shift: max of Length,
-    /// Volume of components that left no cell behind; the nearest component inherits it, m³ (2D: m²).
+    /// Volume of components that left no cell behind, m³ (2D: m²); the nearest component inherits it.
     vanished_volume: sum of Volume,
-    /// Their momentum, kg m/s (2D: kg/s), the sum of its sizes.
+    /// Momentum of these components, kg m/s (2D: kg/s), sum of magnitudes.
     vanished_momentum: sum of Momentum,
-    /// Volume of components that appeared where no liquid was and that took it from the nearest one, m³ (2D: m²).
+    /// Volume of components that appeared where no liquid was and took it from the nearest component, m³ (2D: m²).
     appeared_volume: sum of Volume,
-    /// Their momentum, kg m/s (2D: kg/s), the sum of its sizes, with the velocity of the component that gave them their volume.
+    /// Momentum of these components at the velocity of the component that gave the volume, kg m/s (2D: kg/s), sum of magnitudes.
     appeared_momentum: sum of Momentum,
-    /// Momentum that was restored to liquid that no held solid or side touches, kg m/s (2D: kg/s), the sum of its sizes.
+    /// Momentum restored to liquid that touches no constrained solid and no side, kg m/s (2D: kg/s), sum of magnitudes.
     momentum_restored: sum of Momentum,
-    /// Angular momentum that was restored to it, kg m²/s (2D: kg m/s), the sum of its sizes.
+    /// Angular momentum restored to the same liquid, kg m²/s (2D: kg m/s), sum of magnitudes.
     spin_restored: sum of AngularMomentum,
-    /// Momentum that was restored, once it was carried along, to liquid that solids hold, kg m/s (2D: kg/s).
+    /// Momentum restored after advection to liquid that touches constrained solids, kg m/s (2D: kg/s).
     carried_momentum_restored: sum of Momentum,
-    /// Angular momentum that was restored to it, kg m²/s (2D: kg m/s).
+    /// Angular momentum restored to the same liquid, kg m²/s (2D: kg m/s).
     carried_spin_restored: sum of AngularMomentum,
-    /// Moment of the liquid's surface that solids that deform did not get, because their contact lines are too close together to
-    /// carry it, as angular momentum, kg m²/s (2D: kg m/s), the sum of its sizes.
+    /// Moment of surface tension that deformable solids did not receive because their contact lines are too close together to
+    /// carry it, as angular momentum, kg m²/s (2D: kg m/s), sum of magnitudes.
     line_moment_lost: sum of AngularMomentum,
-    /// Cells of the surface whose curvature was cut down to the largest that the grid knows, two radii a cell.
+    /// Interface cells whose curvature was clamped to the largest one, 2/Δ.
     clamped_curvatures: count of Count,
-    /// Faces at the surface with an unknown curvature on both sides: no tension acts there.
+    /// Interface faces with unknown curvature on both sides: no surface tension acts there.
     unknown_curvatures: count of Count,
-    /// Solves of the curvature's filter that did not converge.
+    /// Solves of the curvature filter that did not converge.
     filter_unconverged: count of Count,
-    /// Largest relative residual that such a solve ended with.
+    /// Largest relative residual of such a solve.
     filter_residual: max of Ratio,
-    /// Steps in which Newton's iterations for the volumes and centres of the components did not converge.
+    /// Steps in which the Newton iteration for volumes and centres of the components did not converge.
     volume_unconverged: count of Count,
-    /// Largest volume error that they left, over the volume of the liquid.
+    /// Largest remaining volume error of such a step, over the volume of the liquid.
     volume_residual: max of Ratio,
-    /// Newton's iterations of solids whose second derivatives were not positive definite, so that their positive part was taken.
+    /// Newton iterations of solids with an indefinite Hessian, which was replaced by its positive part.
     indefinite_iterations: count of Count,
-    /// Largest share of the liquid's weight that the filter of the curvature beside solids leaves out.
+    /// Largest fraction of the liquid's weight that the curvature filter beside solids neglects.
     weight_left_out: max of Ratio,
-    /// Rounds of impacts whose iterations (Gauss–Seidel) ended unconverged at the largest number of sweeps.
+    /// Rounds of impacts whose Gauss–Seidel iteration did not converge within the largest number of sweeps.
     contact_sweeps: count of Count,
-    /// Steps in which rigid solids still hit one another after the largest number of rounds.
+    /// Steps in which rigid solids still collided after the largest number of rounds.
     contact_rounds: count of Count,
-    /// Rounds of impacts that did not bounce, as that would have made energy.
+    /// Rounds of impacts without restitution, which would have created energy.
     stopped_bounces: count of Count,
-    /// Elements below three tenths of their volume at rest, which an extra energy keeps upright, in every step.
+    /// Elements below three tenths of their rest volume, where an additional energy prevents inversion, summed over the steps.
     crushed_elements: count of Count,
-    /// Free solids whose moments of inertia have no inverse, in every step: nothing turns them.
+    /// Free solids with a singular inertia matrix, which nothing turns, summed over the steps.
     singular_inertia: count of Count,
-    /// Bodies of liquid, in every step, whose momentum was not restored, because they lie between solids: the mass of their faces
-    /// differs from that of their volume by more than twice.
+    /// Groups of components whose momentum was not restored, summed over the steps: they lie between solids, and the masses of
+    /// their faces and of their volume differ by more than a factor of two.
     unrestored: count of Count,
-    /// Times that the component of a liquid cell was asked for where there is none; it then counts as the first component's.
+    /// Lookups of the component of a liquid cell that has none. The cell then counts as part of the first component.
     unlabelled: count of Count,
     /// Faces within solids for which no solid was found to slip along: their velocity is zero.
     slip_unknown: count of Count,
-    /// Steps whose forces acted for a shorter or longer time than the leapfrog scheme asks for, because the length of the step
-    /// had changed by too much.
+    /// Steps whose impulse time was clamped because the step length had changed by too much for the leapfrog scheme.
     limited_kicks: count of Count,
-    /// Steps that were accepted although volume or energy changed by more than is credible.
+    /// Steps accepted despite a doubtful change of volume or energy.
     doubtful_steps: count of Count,
-    /// Steps that were thrown away and done again with half the length. Their other repairs are not counted.
+    /// Steps rejected and repeated with half the length. Their other repairs are not counted.
     redone: count of Count,
-    /// Those of them in which a solve for pressure, viscosity or a solid failed, or the liquid ran away.
+    /// Those of them rejected because a solve for pressure, viscosity or a solid failed, or the velocity became too large.
     failed_tries: count of Count,
 }
 
 impl Repairs {
-    /// Iterations of all kinds that ended before they converged.
+    /// Number of iterations of all kinds that ended unconverged.
     pub fn unconverged(&self) -> u64 {
         self.filter_unconverged + self.volume_unconverged + self.contact_sweeps + self.contact_rounds
     }

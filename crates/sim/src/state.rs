@@ -1,4 +1,4 @@
-//! Everything that evolves.
+//! The state of a simulation: everything that evolves.
 
 use crate::collision::potential::slips::Slips;
 use crate::components::group::RigidMotion;
@@ -6,7 +6,7 @@ use crate::solid::SolidState;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, FaceField, Grid};
 
-/// What a time step starts from and makes. Plain data: written to a checkpoint and read back it gives the same bits.
+/// All data that a time step reads and updates. Plain data: a state that is written to a checkpoint and read back has the same bits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State<const D: usize> {
     /// Time, s.
@@ -15,61 +15,61 @@ pub struct State<const D: usize> {
     pub step: u64,
     /// Length of the last step, s (0 before the first).
     pub last_dt: f64,
-    /// Time by which the velocity is ahead of the positions, s: half a step, where the step's length is constant.
+    /// Velocity lead: time by which the velocity is ahead of the positions, s; half a step if the step length is constant.
     pub velocity_lead: f64,
-    /// Time for which the last forces acted, s.
+    /// Impulse time of the last step: time for which its forces acted, s.
     pub impulse_time: f64,
-    /// Length up to which the next step meets no contacts but those that were found, s.
+    /// Length up to which the next step meets no contacts other than those found, s.
     pub collision_free_dt: f64,
-    /// Distance that the interface may have moved since the last redistance, in cells.
+    /// Estimated displacement of the interface since the last redistancing of the whole band, in cells.
     pub displacement_since_redistancing: f64,
-    /// Signed distance to the liquid's surface, m, negative in the liquid; valid within the band, elsewhere ± its width.
+    /// Level set: signed distance to the liquid's surface, m, negative in the liquid; valid in the narrow band, ± its width elsewhere.
     pub phi: CellField<D>,
     /// Velocity, m/s; valid in the liquid and a few cells around it.
     pub velocity: FaceField<D>,
-    /// Pressure times the time it acted for (`impulse_time`), over density, in the liquid cells, m²/s: where the next solve starts.
+    /// Pressure impulse `p t/ρ` of the liquid cells for the impulse time `t`, m²/s: the initial guess of the next solve.
     pub pressure_impulse: CellField<D>,
     /// The connected components of the liquid, in order of their first cell.
     pub components: Vec<Component<D>>,
-    /// The solids, in the model's order.
+    /// The solids, in the order of the model.
     pub solids: Vec<SolidState<D>>,
-    /// Elastic slips of friction where solids touch.
+    /// Elastic slips of friction between solids in contact.
     pub elastic_slips: Slips<D>,
-    /// Volume of components that became too small to see, m³ (2D: m²), since the start.
+    /// Volume of components that became too small for the grid, m³ (2D: m²), since the start.
     pub lost_volume: f64,
     /// Volume that has left through open sides, m³ (2D: m²), since the start.
     pub outflow_volume: f64,
-    /// Kinetic energy that has left with it, J (2D: J per metre).
+    /// Kinetic energy of the volume that has left, J (2D: J per metre).
     pub outflow_kinetic_energy: f64,
-    /// Energy of surface and height that has left with it, J (2D: J per metre).
+    /// Surface and gravitational energy of the volume that has left, J (2D: J per metre).
     pub outflow_stored_energy: f64,
-    /// Kinetic energy, J (2D: J per metre).
+    /// Kinetic energy of the liquid, J (2D: J per metre).
     pub kinetic_energy: f64,
-    /// Area of the surface, m² (2D: m).
+    /// Surface energy over surface tension, m² (2D: m).
     pub effective_surface_area: f64,
 }
 
 /// A connected component of the liquid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Component<const D: usize> {
-    /// Volume it must keep, m³ (2D: m²).
+    /// Target volume, m³ (2D: m²).
     pub target_volume: f64,
-    /// Volume it has, m³ (2D: m²).
+    /// Measured volume, m³ (2D: m²).
     pub volume: f64,
-    /// Centre of mass, m: that of its surface; a body that touches nothing is carried by its velocity alone.
+    /// Centre of mass, m, of the volume within the interface. If nothing touches the component, it moves with `velocity` alone.
     pub centroid: Vector<D>,
-    /// Lower corner of its box, m.
+    /// Lower corner of the bounding box, m.
     pub lower: Vector<D>,
-    /// Upper corner of its box, m.
+    /// Upper corner of the bounding box, m.
     pub upper: Vector<D>,
     /// Mean velocity, m/s.
     pub velocity: Vector<D>,
-    /// Angular momentum about its centre over the liquid's density, m⁵/s (2D: m⁴/s, in the last entry).
+    /// Angular momentum about the centre of mass over the liquid's density, m⁵/s (2D: m⁴/s, in the last entry).
     pub angular_momentum_per_density: [f64; 3],
 }
 
 impl<const D: usize> Component<D> {
-    /// What the drop is as a body.
+    /// Rigid motion of the component.
     pub(crate) fn rigid_motion(&self) -> RigidMotion<D> {
         RigidMotion {
             volume: self.target_volume,
@@ -81,8 +81,8 @@ impl<const D: usize> Component<D> {
 }
 
 impl<const D: usize> State<D> {
-    /// Counts a drop that the grid does not see any more as left through an open side. The energy of its surface is unknown and
-    /// counts as none.
+    /// Counts a component that the grid no longer resolves as outflow through an open side. Its surface energy is unknown and
+    /// counts as zero.
     pub(crate) fn record_component_outflow(
         &mut self,
         component: &Component<D>,
@@ -100,7 +100,7 @@ impl<const D: usize> State<D> {
         self.outflow_kinetic_energy + self.outflow_stored_energy
     }
 
-    /// Pressure in a liquid cell, Pa (2D: N/m), of a liquid of a density, kg/m³.
+    /// Pressure in a liquid cell, Pa (2D: N/m), for the given density of the liquid, kg/m³.
     pub fn pressure(&self, density: f64, cell: usize) -> f64 {
         self.pressure_impulse.data[cell] * density / self.impulse_time
     }

@@ -18,13 +18,13 @@ pub enum Mode {
 pub struct Case {
     /// Short name: letters, digits, `-`.
     pub name: &'static str,
-    /// What it is, in a few words.
+    /// Title, in a few words.
     pub title: &'static str,
-    /// What is compared with what, and where the reference comes from.
+    /// The comparison and the source of its reference.
     pub theory: &'static str,
     /// Whether it is part of `verify --quick`.
     pub quick: bool,
-    /// Runs it.
+    /// Runs the case.
     pub run: fn(Mode) -> Vec<Check>,
 }
 
@@ -35,19 +35,19 @@ pub struct Check {
     pub case: String,
     /// What is measured.
     pub quantity: String,
-    /// What came out.
+    /// The measured value.
     pub value: f64,
-    /// What should come out.
+    /// The reference value.
     pub reference: f64,
-    /// How far off it is, in the sense of the bars: signed, relative or in the unit of the value.
+    /// The error: signed; relative, or in the unit of the value.
     pub error: f64,
-    /// The bar: largest error, by size, that passes.
+    /// Tolerance: the largest absolute error that passes.
     pub must: f64,
-    /// The state of the art.
+    /// The tolerance of the state of the art.
     pub aim: Option<f64>,
     /// Unit of value and reference, empty for a pure number.
     pub unit: String,
-    /// Whether the bar is met.
+    /// Whether the tolerance is met.
     pub pass: bool,
 }
 
@@ -95,7 +95,7 @@ impl Check {
     }
 }
 
-/// What came of a case.
+/// Outcome of a case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
     /// Its name.
@@ -104,14 +104,14 @@ pub struct Outcome {
     pub title: String,
     /// Its theory.
     pub theory: String,
-    /// How long it took.
+    /// Wall time, s.
     pub seconds: f64,
     /// Its checks.
     pub checks: Vec<Check>,
 }
 
 impl Case {
-    /// Runs the case. One that panics or gives no check counts as a failed check.
+    /// Runs the case. A panic or an empty list of checks counts as a failed check.
     pub fn outcome(&self, mode: Mode) -> Outcome {
         let start = Instant::now();
         let checks = catch_unwind(AssertUnwindSafe(|| (self.run)(mode))).unwrap_or_default();

@@ -1,19 +1,18 @@
-//! Sheets that bend around a drop, by theory: an inextensible elastic line under pressure and line, in 2D and without gravity.
+//! Theory of a sheet bent by a drop: an inextensible elastica under pressure and contact-line forces, in 2D without gravity.
 //!
-//! `B κ' = −p T·(U − O)`: `T` is the sheet's direction, `κ` its curvature, `U` the place of its wetted side, half a thickness
-//! above its middle line, `p` the pressure and `O` the centre of the free surface, an arc of radius `γ/p`. Beyond its middle the
-//! sheet is its own mirror image. γ = 1. Without thickness these are the equations of the design's tables (validation §4, 8 and
-//! 8b: `κ = (r² − ρ²)/2rL²` with the distances `r` and `ρ` from `O`).
+//! The equation is `B κ' = −p T·(U − O)`, with the tangent `T` and the curvature `κ` of the sheet, the position `U` of its wetted side,
+//! half a thickness above the middle line, the pressure `p`, and the centre `O` of the free surface, an arc of radius `γ/p`. The sheet is
+//! symmetric about its middle. γ = 1. Without thickness it becomes `κ = (r² − ρ²)/2rL²` with the distances `r` and `ρ` from `O`.
 
 use meniscus_numerics::{Matrix, Vector};
 
-/// Pieces of half a sheet.
+/// Integration steps of half a sheet.
 const SEGMENTS: usize = 400;
-/// Newton's steps.
+/// Most Newton iterations.
 const MAX_NEWTON_ITERATIONS: usize = 60;
-/// Change of an unknown for a derivative.
+/// Increment of an unknown for finite differences.
 const DIFFERENCE_STEP: f64 = 1e-6;
-/// Steps in which the thickness is given to the sheet.
+/// Continuation steps in the thickness.
 const CONTINUATION_STEPS: usize = 5;
 
 /// A sheet with a drop on it.
@@ -27,11 +26,11 @@ pub struct Sheet {
     pub area: f64,
     /// Contact angle, degrees.
     pub angle: f64,
-    /// Half the sheet's length if the line is pinned at its ends; it is at the contact angle otherwise.
+    /// Half the sheet's length if the line is pinned at its ends; otherwise the line has the contact angle.
     pub pinned_half_length: Option<f64>,
 }
 
-/// What is not known beforehand.
+/// The unknowns of the boundary value problem.
 #[derive(Clone, Copy, Debug)]
 pub struct Unknowns {
     /// Pressure over γ.
@@ -40,16 +39,16 @@ pub struct Unknowns {
     pub scaled_center_height: f64,
     /// Curvature in the middle.
     pub curvature: f64,
-    /// Half the length from line to line along the middle line.
+    /// Half the length of the middle line from contact line to contact line.
     pub half_length: f64,
 }
 
-/// A sheet's shape.
+/// Shape of a sheet.
 #[derive(Clone, Copy, Debug)]
 pub struct Shape {
-    /// End of its middle line at the contact line, from its middle.
+    /// End of the middle line at the contact line, relative to its middle.
     pub end: [f64; 2],
-    /// Slope there, radians.
+    /// Slope there, rad.
     pub slope: f64,
     /// Length of the wetted side.
     pub wetted: f64,
@@ -61,7 +60,7 @@ pub struct Shape {
 }
 
 impl Sheet {
-    /// Its shape at rest near a guess; none if there is none near it. The guess is for a sheet without thickness.
+    /// The equilibrium near a guess; none if there is none. The guess is for a sheet without thickness.
     pub fn shape(&self, guess: &Unknowns) -> Option<Shape> {
         let mut shape = None;
         let mut unknowns = *guess;
@@ -74,7 +73,7 @@ impl Sheet {
         shape
     }
 
-    /// Newton's method.
+    /// Solves by Newton's method with a line search.
     fn solve(&self, guess: &Unknowns) -> Option<Shape> {
         let of = |x: &[f64; 4]| {
             self.integrate(&Unknowns {
@@ -114,11 +113,11 @@ impl Sheet {
         (size(&shape) < 1e-8).then_some(shape)
     }
 
-    /// The shape that unknowns make, and what is wrong with it.
+    /// Integrates the shape for given unknowns (Runge–Kutta of fourth order) and evaluates the residuals.
     fn integrate(&self, u: &Unknowns) -> Shape {
         let up = 0.5 * self.thickness;
         let side = |s: &[f64; 4]| [s[0] - up * s[2].sin(), s[1] + up * s[2].cos()];
-        // Of the force over the pressure's turned by a right angle: p (U − O).
+        // p (U − O): the internal force over γ, turned by a right angle.
         let arm = |s: &[f64; 4]| {
             let at = side(s);
             [u.pressure * at[0], u.pressure * at[1] - u.scaled_center_height]
@@ -162,7 +161,7 @@ impl Sheet {
 }
 
 impl Unknowns {
-    /// Those of a drop with a free line on a sheet that is nearly flat.
+    /// A guess for a drop with a free line on a nearly flat sheet.
     pub fn nearly_flat(sheet: &Sheet) -> Self {
         let angle = sheet.angle.to_radians();
         let radius = (sheet.area / (angle - angle.sin() * angle.cos())).sqrt();
@@ -188,7 +187,7 @@ mod tests {
         ] {
             let bending = f64::powi(length, -2);
             let sheet = Sheet { bending, thickness: 0.0, area, angle: 90.0, pinned_half_length: Some(0.5) };
-            // The line gives the middle its curvature: B κ₀ = (1 − q²)/2p.
+            // The line force gives the curvature in the middle: B κ₀ = (1 − q²)/2p.
             let q = (1.0 - 2.0 * p * curvature * bending).sqrt();
             let guess = |scaled_center_height: f64| Unknowns {
                 pressure: p,

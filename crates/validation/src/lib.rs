@@ -1,4 +1,4 @@
-//! The validation suite: each case runs the simulator and compares with theory or measurement.
+//! The validation suite: each case runs the simulator and compares it with theory or experiments.
 //!
 //! A case is a [`Case`] in a file of its own under `cases`, listed in `cases/mod.rs`.
 

@@ -1,4 +1,4 @@
-//! Plates that deform with a drop on them, for the cases.
+//! Deformable plates with a drop on them, shared by the cases.
 
 use crate::setup::run_to;
 use meniscus_elastic::{
@@ -13,14 +13,14 @@ use std::iter::Sum;
 use std::ops::Div;
 use std::sync::Arc;
 
-/// A plate and a drop on it. Lengths and times: γ = ρ = 1.
+/// A plate and a drop on it. Units: γ = ρ = 1.
 #[derive(Clone, Copy, Debug)]
 pub struct PlateSetup {
     /// Cells per unit of length.
     pub cells: usize,
     /// Contact angle, degrees.
     pub angle: f64,
-    /// The drop's at the start, degrees.
+    /// Initial contact angle of the drop, degrees.
     pub initial_angle: f64,
     /// Length of the plate.
     pub length: f64,
@@ -30,59 +30,59 @@ pub struct PlateSetup {
     pub bending: f64,
     /// Its Poisson's ratio.
     pub poisson: f64,
-    /// Tension of its dry surface over γ.
+    /// Surface tension of the dry plate over γ.
     pub own_tension: f64,
     /// Density of the plate over the liquid's.
     pub density: f64,
-    /// Damping of its lowest mode over the critical one.
+    /// Damping ratio of its lowest mode.
     pub damping: f64,
     /// Area of the drop.
     pub area: f64,
-    /// Its place along the plate, from the middle.
+    /// Position of the drop along the plate, from the middle.
     pub drop_offset: f64,
     /// Kinematic viscosity of the liquid.
     pub viscosity: f64,
-    /// What holds the plate.
+    /// Support of the plate.
     pub support: PlateSupport,
-    /// Height of the domain, and of the plate's middle in it at the start.
+    /// Height of the domain, and initial height of the plate's middle in it.
     pub domain_and_plate_height: [f64; 2],
 }
 
-/// What holds a plate.
+/// Support of a plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlateSupport {
-    /// Nothing.
+    /// No anchored part.
     Free,
-    /// Its left end.
+    /// The left end is anchored.
     LeftEnd,
-    /// Its lower side.
+    /// The lower side is anchored.
     Bottom,
-    /// Its lower side and its ends.
+    /// The lower side and the ends are anchored.
     BottomAndEnds,
-    /// As it is rigid.
+    /// The plate is rigid.
     Rigid,
 }
 
-/// A plate's simulation, and where its bottom's vertices were.
+/// The simulation of a plate, with the initial positions of its vertices.
 pub struct Plate {
     /// The simulation; the plate is its only solid.
     pub sim: Simulation<2>,
-    /// Where its middle was.
+    /// Initial position of the plate's middle.
     pub middle: Vector<2>,
-    /// Numbers of its lower side's vertices, and their places along the plate from its middle, in order.
+    /// Vertices of its lower side, and their positions along the plate from its middle, in order.
     pub bottom: Vec<(usize, f64)>,
-    /// Those of its upper side's.
+    /// The same for its upper side.
     pub top: Vec<(usize, f64)>,
 }
 
 impl PlateSetup {
-    /// Half the width that the drop wets on a flat plate at a contact angle, degrees.
+    /// Half the width wetted by the drop on a flat plate at a contact angle, degrees.
     pub fn half_width(&self, angle: f64) -> f64 {
         let t = angle.to_radians();
         (self.area / (t - t.sin() * t.cos())).sqrt() * t.sin()
     }
 
-    /// The drop, a cap at the angle of the start, on the plate at rest.
+    /// Starts with the drop as a cap at the initial angle on the plate at rest.
     ///
     /// # Errors
     /// If the plate cannot be made.
@@ -112,7 +112,7 @@ impl PlateSetup {
         let radius = self.half_width(self.initial_angle) / t.sin();
         let side = half[1] + solid.padding;
         let center = middle + Vector::<2>::new(self.drop_offset, side - radius * t.cos());
-        // Liquid may reach into the plate, but not down beside its ends.
+        // Liquid may extend into the plate, but not beside its ends.
         let beside = move |x: &Vector<2>| (middle[1] + side - x[1]).min((x[0] - middle[0]).abs() - half[0]);
         let drop = move |x: &Vector<2>| ((x - center).norm() - radius).max(middle[1] - x[1]).max(beside(x));
         let model = Model {
@@ -156,7 +156,7 @@ impl PlateSetup {
 }
 
 impl Plate {
-    /// Slope of its lower side between two places along it, radians.
+    /// Slope of its lower side between two positions along it, rad.
     pub fn slope(&self, from: f64, to: f64) -> f64 {
         let Some(soft) = &self.sim.state.solids[0].soft else { return 0.0 };
         let within = self.bottom.iter().filter(|(_, s)| (from..=to).contains(s));
@@ -166,13 +166,13 @@ impl Plate {
         (sum(&|d| d[0] * d[1]) / sum(&|d| d[0] * d[0])).atan()
     }
 
-    /// Where vertices of a side are.
+    /// Positions of the vertices of a side.
     fn vertex_positions(&self, side: &[(usize, f64)], within: impl Fn(f64) -> bool) -> Vec<Vector<2>> {
         let Some(soft) = &self.sim.state.solids[0].soft else { return Vec::new() };
         side.iter().filter(|(_, s)| within(*s)).map(|(k, _)| soft.state.positions[*k]).collect()
     }
 
-    /// Half the angle between the last pieces of both ends, of this length, radians; positive where they rise.
+    /// Half the angle between the last pieces of the given length at both ends, rad; positive where they rise.
     pub fn end_slope(&self, piece: f64) -> f64 {
         let end = self.bottom.last().map_or(0.0, |b| b.1);
         let direction = |within: &dyn Fn(f64) -> bool| {
@@ -183,7 +183,7 @@ impl Plate {
         0.5 * (direction(&|s| s > end - piece) - direction(&|s| s < piece - end))
     }
 
-    /// Mean height of its upper side at two places along it from its middle, over where it was.
+    /// Mean height of its upper side at two positions from its middle, relative to the start.
     pub fn mean_deflection(&self, places: [f64; 2], thickness: f64) -> f64 {
         let side = self.vertex_positions(&self.top, |_| true);
         let height = |s: f64| {
@@ -208,7 +208,7 @@ impl Plate {
         [0.5 * way.norm(), (way[0] * over[1] - way[1] * over[0]) / way.norm()]
     }
 
-    /// Length along the upper side between the first and the last point of the contact line on it.
+    /// Length along the upper side between the first and the last point of the contact line.
     pub fn wetted_length(&self, tracker: &LineTracker<2>) -> f64 {
         let side = self.vertex_positions(&self.top, |_| true);
         let line = tracker.extract(&self.sim);
@@ -218,7 +218,7 @@ impl Plate {
         high - low
     }
 
-    /// Runs to a time; the mean of a value over the last fifth.
+    /// Runs to a time. Returns the mean of a value over the last fifth.
     ///
     /// # Errors
     /// The step's.
@@ -236,7 +236,7 @@ impl Plate {
     }
 }
 
-/// How far along a curve its point nearest to `x` is.
+/// Arc length along a curve at the point closest to `x`.
 fn arc_length_at(curve: &[Vector<2>], x: &Vector<2>) -> f64 {
     let (mut start, mut best) = (0.0, (f64::INFINITY, 0.0));
     for piece in curve.windows(2) {

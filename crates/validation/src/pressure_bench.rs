@@ -1,9 +1,8 @@
-//! The pressure problem that every solver is timed on: a voxelised free-surface Poisson problem.
+//! The benchmark problem of pressure solvers: a voxelised free-surface Poisson problem.
 //!
-//! `drop`: a ball of radius 0.3 N in the middle of a box of N³ cells. `tank`: the cells with `j < N/2`. Zero
-//! pressure in every other cell, no flux through the walls, all coefficients 1. The right-hand side is minus
-//! the divergence of a smooth velocity plus 10 % noise hashed from the face, the same as that of the drivers
-//! for other solvers.
+//! `drop`: a ball of radius 0.3 N in the middle of a box of N³ cells. `tank`: the cells with `j < N/2`. The pressure is zero in every
+//! other cell, walls have zero flux, all coefficients are 1. The right-hand side is minus the divergence of a smooth velocity plus 10 %
+//! noise hashed from the face, as in the drivers of other solvers.
 
 use meniscus_numerics::grid::{CellField, FaceField, Grid, Run, Runs};
 use meniscus_numerics::linalg::{Jacobi, PoissonInput, PressureSolver, SolveError};
@@ -11,7 +10,7 @@ use serde::Serialize;
 use std::f64::consts::PI;
 use std::time::Instant;
 
-/// Which liquid.
+/// Liquid region of the benchmark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PressureProblem {
@@ -21,14 +20,14 @@ pub enum PressureProblem {
     Tank,
 }
 
-/// What a run of the benchmark measured.
+/// Result of the benchmark.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct PressureBench {
-    /// Which liquid.
+    /// Liquid region.
     pub problem: PressureProblem,
     /// Cells along each axis of the box.
     pub n: usize,
-    /// Relative residual asked for.
+    /// Relative tolerance of the residual.
     pub tolerance: f64,
     /// Threads used.
     pub threads: usize,
@@ -38,15 +37,15 @@ pub struct PressureBench {
     pub setup_s: f64,
     /// Time to solve from zero, s.
     pub solve_s: f64,
-    /// Iterations taken.
+    /// Number of iterations.
     pub iterations: usize,
     /// `‖b − A x‖₂ / ‖b‖₂` at the end.
     pub true_residual: f64,
-    /// Time of the same solve with the Jacobi preconditioner, s (none if left out).
+    /// Time of the same solve with the Jacobi preconditioner, s; none if it was skipped.
     pub jacobi_s: Option<f64>,
     /// Its iterations.
     pub jacobi_iterations: Option<usize>,
-    /// Largest memory of the process so far, MB (where the system tells).
+    /// Peak memory of the process so far, MB; none where the system does not report it.
     pub peak_memory_mb: Option<f64>,
 }
 
@@ -55,9 +54,9 @@ pub struct PressureBench {
 pub struct PressureCase {
     /// The grid, of cells of size 1.
     pub grid: Grid<3>,
-    /// The liquid.
+    /// The liquid cells.
     pub unknowns: Runs,
-    /// 1 everywhere.
+    /// Coefficients, 1 everywhere.
     pub coefficients: FaceField<3>,
     /// Number of neighbours at zero pressure.
     pub dirichlet: CellField<3>,
@@ -134,7 +133,7 @@ impl PressureCase {
         Self { grid, unknowns, coefficients, dirichlet, rhs }
     }
 
-    /// What the solver takes.
+    /// The input of the solver.
     pub fn input(&self) -> PoissonInput<'_, 3> {
         PoissonInput {
             grid: self.grid,
@@ -192,7 +191,7 @@ fn neighbours(n: usize, at: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
     })
 }
 
-/// A number in [0, 1) from an integer.
+/// A hash of an integer, in [0, 1).
 fn hash_to_unit(mut a: u32) -> f64 {
     a ^= a >> 16;
     a = a.wrapping_mul(0x7feb_352d);

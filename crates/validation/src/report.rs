@@ -27,7 +27,7 @@ pub fn text(outcome: &Outcome) -> String {
     out + "\n"
 }
 
-/// How many checks passed in all, and how long they took.
+/// Number of passed checks, and the time of all cases.
 pub fn summary(outcomes: &[Outcome]) -> String {
     let (passed, all) = count(outcomes);
     let seconds = outcomes.iter().map(|o| o.seconds).fold(0.0, |sum, s| sum + s);
@@ -40,7 +40,7 @@ pub fn json(outcomes: &[Outcome]) -> Value {
     json!({ "version": env!("CARGO_PKG_VERSION"), "passed": passed, "checks": all, "cases": outcomes })
 }
 
-/// The results as a page without outside parts.
+/// The results as a self-contained page.
 pub fn html(outcomes: &[Outcome]) -> String {
     let (passed, all) = count(outcomes);
     let mut out = String::from(HEAD);

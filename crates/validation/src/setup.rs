@@ -1,4 +1,4 @@
-//! Models and drops that the cases share: the liquid of the design's tables, in any consistent units.
+//! Models and drops shared by the cases, in any consistent units.
 
 use crate::measure::{Roundness, fit_mode, surface_points};
 use meniscus_numerics::Vector;
@@ -11,7 +11,7 @@ pub const RADIUS: f64 = 0.5;
 /// Surface tension.
 pub const TENSION: f64 = 100.0;
 
-/// The liquid of the tables without viscosity and gravity: density 1, tension 100.
+/// A liquid without viscosity and gravity: density 1, tension 100.
 pub fn model<const D: usize>(grid: Grid<D>, walls: [[Wall; 2]; D]) -> Model<D> {
     Model {
         grid,
@@ -25,12 +25,12 @@ pub fn model<const D: usize>(grid: Grid<D>, walls: [[Wall; 2]; D]) -> Model<D> {
     }
 }
 
-/// A shift by irrational fractions of a cell, so that no symmetry of the grid helps.
+/// A shift by irrational fractions of a cell, which avoids symmetries of the grid.
 pub fn grid_offset<const D: usize>(dx: f64) -> Vector<D> {
     Vector::from_fn(|a, _| dx * [0.141_421_356, 0.273_205_081, 0.367_879_441][a])
 }
 
-/// Steps to a time; `each` sees the simulation after every step.
+/// Steps to a time; `each` is called after every step.
 ///
 /// # Errors
 /// The step's.
@@ -59,18 +59,18 @@ pub struct DropRun {
     pub viscosity: f64,
     /// Step length as a multiple of the explicit capillary limit.
     pub step: f64,
-    /// How long.
+    /// Duration.
     pub time: f64,
 }
 
-/// What was recorded.
+/// Recorded history of a run.
 #[derive(Clone, Debug, Default)]
 pub struct DropHistory {
     /// Times, from zero.
     pub times: Vec<f64>,
     /// Relative amplitude of the mode.
     pub amplitudes: Vec<f64>,
-    /// Largest deviation of the surface from radius, shift and mode over the radius.
+    /// Largest deviation of the surface from radius, shift and mode, over the radius.
     pub deviations: Vec<f64>,
     /// Largest speed.
     pub speeds: Vec<f64>,
@@ -82,14 +82,14 @@ pub struct DropHistory {
     pub iterations: usize,
 }
 
-/// Rayleigh's frequency of a mode of a drop without viscosity (Lord Rayleigh 1879), rad/s.
+/// Rayleigh's frequency of a mode of an inviscid drop (Lord Rayleigh 1879), rad/s.
 pub fn rayleigh_frequency<const D: usize>(mode: u32) -> f64 {
     let n = f64::from(mode);
     let number = if D == 2 { n * (n * n - 1.0) } else { n * (n - 1.0) * (n + 2.0) };
     (number * TENSION / RADIUS.powi(3)).sqrt()
 }
 
-/// Runs a drop in the middle of a box 3.4 radii wide, off the grid's points, released at rest.
+/// Runs a drop in the middle of a box 3.4 radii wide, off the grid points, released at rest.
 ///
 /// # Errors
 /// The step's.

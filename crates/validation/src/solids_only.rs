@@ -1,4 +1,4 @@
-//! Solids without liquid that the cases of contact share: meshes, models, and what is watched while they run.
+//! Solids without liquid for the contact cases: meshes, models, and monitors.
 
 use crate::soak::{EnergyLaw, EnergyMonitor};
 use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
@@ -12,10 +12,10 @@ use meniscus_sim::{
 };
 use std::sync::Arc;
 
-/// Gravity where there is any.
+/// Gravity in the cases that have it.
 pub const GRAVITY: f64 = 10.0;
 
-/// What a soft solid is made of: neo-Hookean.
+/// A neo-Hookean material.
 #[derive(Clone, Copy, Debug)]
 pub struct SoftMaterial {
     /// Young's modulus.
@@ -24,13 +24,13 @@ pub struct SoftMaterial {
     pub poisson: f64,
     /// Density.
     pub density: f64,
-    /// Damping of the lowest mode over the critical one.
+    /// Damping ratio of the lowest mode.
     pub damping: f64,
     /// Coulomb's coefficient of friction.
     pub friction: f64,
 }
 
-/// A cube from −1 to 1 in `n` cells along each axis, of simplices whose diagonals are mirrored about the middle.
+/// The cube [−1, 1]^D with `n` cells along each axis, of simplices whose diagonals are mirrored about the middle.
 pub fn cube_mesh<const D: usize>(n: [usize; D]) -> VolumeMesh<D> {
     let id = |at: &[usize; D]| (0..D).rev().fold(0, |k, a| k * (n[a] + 1) + at[a]);
     let count: usize = n.iter().map(|n| n + 1).product();
@@ -73,7 +73,7 @@ pub fn cube_mesh<const D: usize>(n: [usize; D]) -> VolumeMesh<D> {
     VolumeMesh { positions, simplices }
 }
 
-/// The same with vertices in the same places, of quadratic simplices twice as large: the numbers of cells are even.
+/// The same vertices with quadratic simplices twice as large; the numbers of cells must be even.
 pub fn quadratic_cube_mesh<const D: usize>(n: [usize; D]) -> VolumeMesh<D> {
     cube_mesh(n.map(|n| n / 2)).subdivided()
 }
@@ -92,13 +92,13 @@ pub fn box_mesh<const D: usize>(n: [usize; D], center: Vector<D>, half: Vector<D
     mapped(quadratic_cube_mesh(n), |x| center + x.component_mul(&half))
 }
 
-/// The point of the unit ball to which a point of the cube from −1 to 1 goes: spheres come from cubes about the middle.
+/// Maps the cube [−1, 1]^D to the unit ball; concentric cubes become spheres.
 pub fn cube_to_ball<const D: usize>(x: &Vector<D>) -> Vector<D> {
     let norm = x.norm();
     if norm > 0.0 { x * (x.amax() / norm) } else { Vector::zeros() }
 }
 
-/// A vector of which all components but the first and the last are those of the middle of a unit box.
+/// A vector with the given first and last components; the others are those of the middle of a unit box.
 pub fn point_at<const D: usize>(first: f64, last: f64) -> Vector<D> {
     Vector::from_fn(|a, _| match a {
         0 => first,
@@ -107,7 +107,7 @@ pub fn point_at<const D: usize>(first: f64, last: f64) -> Vector<D> {
     })
 }
 
-/// A solid that deforms.
+/// A deformable solid.
 ///
 /// # Errors
 /// What the mesh lacks.
@@ -137,19 +137,19 @@ pub fn rigid_box<const D: usize>(center: Vector<D>, half_size: Vector<D>, motion
     Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, motion, 1.0)
 }
 
-/// A rigid plate without end: its face is at a height, and towards the middle.
+/// A rigid half-space with its face at a height, towards the middle.
 pub fn rigid_half_space<const D: usize>(height: f64, motion: Motion<D>) -> Solid<D> {
     let up = |y: f64| Vector::from_fn(|a, _| if a + 1 == D { y } else { 0.0 });
     let shape = Shape::HalfSpace { point: up(height), normal: up(-height.signum()) };
     Solid::new(shape, motion, 1.0)
 }
 
-/// The way of a solid that is led: times and displacements.
+/// A motion prescribed by times and displacements.
 pub fn prescribed_motion<const D: usize>(keyframes: Vec<(f64, Vector<D>)>) -> Motion<D> {
     Motion::Prescribed(PrescribedMotion { velocity: Vector::zeros(), angular_velocity: [0.0; 3], keyframes })
 }
 
-/// A box without liquid of `cells` cells of a size.
+/// A domain of `cells` cells of a size without liquid.
 pub fn simulation_without_liquid<const D: usize>(
     (cells, dx): ([usize; D], f64),
     solids: Vec<Solid<D>>,
@@ -174,14 +174,14 @@ pub fn gravity<const D: usize>() -> Vector<D> {
     Vector::from_fn(|a, _| if a + 1 == D { -GRAVITY } else { 0.0 })
 }
 
-/// Where the vertices of a soft solid are; nothing of a rigid one.
+/// Positions of the vertices of a deformable solid; none for a rigid one.
 pub fn vertices<const D: usize>(simulation: &Simulation<D>, solid: usize) -> &[Vector<D>] {
     simulation.state.solids[solid].soft.as_ref().map_or(&[], |soft| &soft.state.positions)
 }
 
-/// What the vertices of a solid's surface have of the areas of its facets, vectors in m² (2D: m), in the integral of what its elements
-/// interpolate; nothing of others. A quadratic facet gives its corners 1/6 each, its middle 4/6, in 3D the middles of its edges 1/3 each:
-/// its linear parts share theirs so that this is the sum.
+/// Area vectors of the surface vertices of a deformable solid, m² (2D: m): the integrals of the elements' shape functions over the
+/// facets. A quadratic facet gives its corners 1/6 each and its middle 4/6; in 3D it gives the middles of its edges 1/3 each. The linear
+/// parts of a facet distribute theirs accordingly.
 pub fn vertex_area_vectors<const D: usize>(elastic: &Elastic<D>, positions: &[Vector<D>]) -> Vec<Vector<D>> {
     let mesh = elastic.rest_mesh();
     let parents = mesh.quadratic_simplices().unwrap_or_default();
@@ -200,7 +200,7 @@ pub fn vertex_area_vectors<const D: usize>(elastic: &Elastic<D>, positions: &[Ve
     areas
 }
 
-/// What nothing may do to solids: cross, turn inside out, win energy.
+/// Monitors the invariants of solids: no crossing, no inversion, no gain of energy.
 pub struct ContactMonitor<const D: usize> {
     barriers: Barriers<D>,
     energy: EnergyMonitor<D>,
@@ -208,14 +208,14 @@ pub struct ContactMonitor<const D: usize> {
     pub narrowest_gap: f64,
     /// The deepest overlap of two solids so far.
     pub deepest_overlap: f64,
-    /// The least volume of an element so far over that at rest.
+    /// The smallest volume of an element so far over its rest volume.
     pub least_element_volume: f64,
-    /// Steps.
+    /// Number of steps.
     pub steps: u64,
 }
 
 impl<const D: usize> ContactMonitor<D> {
-    /// Begins to watch; `scale` is the energy that rises are compared with.
+    /// Starts to monitor; `scale` is the energy that scales rises.
     pub fn new(model: &Model<D>, scale: f64) -> Self {
         Self {
             barriers: Barriers::of(model),
@@ -227,7 +227,7 @@ impl<const D: usize> ContactMonitor<D> {
         }
     }
 
-    /// After a step; `isolated` says that nothing did work from outside in it and the one before.
+    /// Observes a step; `isolated` says that there was no external work in it and the one before.
     pub fn observe(&mut self, simulation: &Simulation<D>, ledger: &Diagnostics<D>, isolated: bool) {
         let (model, solids) = (&simulation.model, &simulation.state.solids);
         self.narrowest_gap = self.narrowest_gap.min(self.barriers.narrowest_gap(model, solids));
@@ -243,7 +243,7 @@ impl<const D: usize> ContactMonitor<D> {
         }
     }
 
-    /// How the energy went where nothing did work.
+    /// The energy law in the isolated steps.
     pub fn law(&self) -> &EnergyLaw {
         self.energy.law()
     }

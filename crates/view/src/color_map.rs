@@ -1,4 +1,4 @@
-//! What solids are coloured by: a value at each vertex, and where it lies in the range of a run.
+//! Colours of solids by vertex values, normalised to their range over a run.
 
 use meniscus_numerics::mesh::ply::PlyMesh;
 use serde::Serialize;
@@ -6,28 +6,28 @@ use serde::Serialize;
 use crate::error::Result;
 use crate::folder::{RunFolder, V3};
 
-/// Frames looked at to find a range.
+/// Number of frames sampled for a range.
 const SAMPLED_FRAMES: usize = 24;
-/// The colours of what goes up from zero, by equal steps (viridis, S. van der Walt and N. Smith 2015).
+/// Sequential colour map at equal steps (viridis, S. van der Walt and N. Smith 2015).
 const SEQUENTIAL_COLORMAP: [u32; 5] = [0x0044_0154, 0x003b_528b, 0x0021_918c, 0x005e_c962, 0x00fd_e725];
-/// Those of what is wetted (below zero), the line, and what is dry.
+/// Diverging colour map: wetted (negative), contact line (zero), dry (positive).
 const DIVERGING_COLORMAP: [u32; 5] = [0x0021_66ac, 0x0092_c5de, 0x00f7_f7f7, 0x00f4_a582, 0x00b2_182b];
 
-/// What solids are coloured by.
+/// Quantity that colours solids.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColorBy {
-    /// Each by its own colour, wetting patterns by where liquid wets them most.
+    /// One colour per solid; wetting patterns are shaded by contact angle.
     #[default]
     Plain,
     /// Signed distance to the contact line along the surface, m: blue where it is wetted, red where it is dry.
     PhiC,
-    /// The largest principal strain of what deforms.
+    /// Largest principal strain of deformable solids.
     Strain,
-    /// The way from the place at rest of what deforms, m.
+    /// Displacement of deformable solids from rest, m.
     Displacement,
 }
 
-/// From where to where values go.
+/// Range of values.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct ScalarRange {
     pub low: f64,
@@ -35,7 +35,7 @@ pub(crate) struct ScalarRange {
 }
 
 impl ColorBy {
-    /// All that values are stored for.
+    /// The quantities stored at vertices.
     pub(crate) const STORED: [Self; 3] = [Self::PhiC, Self::Strain, Self::Displacement];
 
     /// Its name: `plain`, `phi_c`, `strain`, `displacement`.
@@ -48,17 +48,17 @@ impl ColorBy {
         }
     }
 
-    /// The one of a name.
+    /// The quantity of a name.
     pub fn named(name: &str) -> Option<Self> {
         [Self::Plain, Self::PhiC, Self::Strain, Self::Displacement].into_iter().find(|s| s.name() == name)
     }
 
-    /// The unit of its values.
+    /// Unit of the values.
     pub(crate) fn unit(self) -> Option<char> {
         (self != Self::Strain).then_some('m')
     }
 
-    /// The values at a mesh's vertices, where they are stored; not finite where there is no line.
+    /// The stored values at a mesh's vertices; not finite where there is no contact line.
     pub(crate) fn values(self, mesh: &PlyMesh) -> Option<Vec<f64>> {
         let column = |name: &str| mesh.scalars.get(name).filter(|v| v.len() == mesh.positions.len());
         match self {
@@ -71,7 +71,7 @@ impl ColorBy {
         }
     }
 
-    /// The colour at a place in the range, 0 to 1; linear light.
+    /// The colour at a normalised value, 0 to 1; linear light.
     pub(crate) fn color(self, place: f64) -> V3 {
         let stops = if self == Self::PhiC { DIVERGING_COLORMAP } else { SEQUENTIAL_COLORMAP };
         let at = place.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
@@ -80,7 +80,7 @@ impl ColorBy {
     }
 }
 
-/// A colour of the web as linear light.
+/// A hexadecimal sRGB colour as linear light.
 pub(crate) fn linear_from_srgb(hex: u32) -> V3 {
     let part = |shift: u32| {
         let s = f64::from(hex >> shift & 255) / 255.0;
@@ -89,7 +89,7 @@ pub(crate) fn linear_from_srgb(hex: u32) -> V3 {
     V3::new(part(16), part(8), part(0))
 }
 
-/// The ranges of a run's values; none where nothing is stored.
+/// The ranges of the values over a run; `None` where nothing is stored.
 ///
 /// # Errors
 /// A frame that cannot be read.
@@ -113,7 +113,7 @@ pub(crate) fn scalar_ranges<const N: usize>(
 }
 
 impl ScalarRange {
-    /// Where a value lies, 0 to 1; what is not finite in the middle.
+    /// Normalised value, 0 to 1; 0.5 for values that are not finite.
     pub fn normalised(&self, value: f64) -> f64 {
         let place = (value - self.low) / (self.high - self.low);
         if place.is_finite() { place.clamp(0.0, 1.0) } else { 0.5 }

@@ -1,4 +1,4 @@
-//! What can go wrong while pictures and pages are made.
+//! Errors of pictures, pages and measurements.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -13,13 +13,13 @@ pub enum ViewError {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// A mesh file could not be read.
     #[error(transparent)]
     Ply(#[from] PlyError),
-    /// A file has content that this crate cannot use.
+    /// A file has unusable content.
     #[error("{}: {what}", path.display())]
     Content {
         /// The file or folder.
@@ -27,16 +27,16 @@ pub enum ViewError {
         /// What is wrong with it.
         what: String,
     },
-    /// A time lies beyond the frames.
+    /// A requested time lies outside the frames.
     #[error("{}: there is no frame near {at} s: its frames go from {first} s to {last} s", path.display())]
     Time {
         /// The folder.
         path: PathBuf,
-        /// The time that was asked for (s).
+        /// The requested time, s.
         at: f64,
-        /// The first frame's time (s).
+        /// Time of the first frame, s.
         first: f64,
-        /// The last frame's time (s).
+        /// Time of the last frame, s.
         last: f64,
     },
     /// An image could not be encoded.
@@ -44,13 +44,13 @@ pub enum ViewError {
     Png {
         /// The image.
         path: PathBuf,
-        /// What the encoder said.
+        /// Error of the encoder.
         source: png::EncodingError,
     },
 }
 
 impl ViewError {
-    /// A function that turns an i/o error about `path` into an error of this crate.
+    /// Returns a function that converts an i/o error about `path` to an error of this crate.
     pub(crate) fn io(path: &Path) -> impl FnOnce(io::Error) -> Self + '_ {
         move |source| Self::Io { path: path.into(), source }
     }

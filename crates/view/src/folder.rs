@@ -1,4 +1,4 @@
-//! An output folder as it lies on disk: which frames there are, what is in them, how large the domain is.
+//! An output folder on disk: its frames, their meshes, the size of the domain.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ pub(crate) type V3 = Vector<3>;
 pub struct RunFolder {
     /// The folder.
     pub dir: PathBuf,
-    /// The frame numbers that have a `frames/liquid_NNNN.ply`, ascending.
+    /// Numbers of the frames with a `frames/liquid_NNNN.ply`, ascending.
     pub frame_numbers: Vec<u32>,
     /// `summary.json`, or `null` if there is none.
     pub summary: serde_json::Value,
@@ -24,9 +24,9 @@ pub struct RunFolder {
     pub solids: Vec<String>,
     /// 2 or 3.
     pub dimension: usize,
-    /// The lengths of the domain (m), if the summary has them.
+    /// Size of the domain, m, if the summary has it.
     pub domain: Option<[f64; 3]>,
-    /// The cell width (m), if the summary has it.
+    /// Cell size, m, if the summary has it.
     pub dx: Option<f64>,
     frame_interval: Option<f64>,
 }
@@ -36,11 +36,11 @@ pub struct RunFolder {
 pub struct Frame {
     /// Its number.
     pub number: u32,
-    /// Its time (s), where it is known.
+    /// Its time, s, if known.
     pub time: Option<f64>,
     /// The surface of the liquid.
     pub liquid: PlyMesh,
-    /// The contact line, where there is one.
+    /// The contact line, if there is one.
     pub contact_line: Option<PlyMesh>,
     /// The solids by name.
     pub solids: BTreeMap<String, PlyMesh>,
@@ -89,7 +89,7 @@ impl Bounds {
 }
 
 impl RunFolder {
-    /// Looks through the folder `dir`. It needs at least one frame.
+    /// Opens the output folder `dir`. It must have at least one frame.
     pub fn open(dir: &Path) -> Result<Self> {
         let frames = dir.join("frames");
         let mut frame_numbers = Vec::new();
@@ -178,7 +178,7 @@ impl RunFolder {
         })
     }
 
-    /// The time (s) of a frame, where it is known.
+    /// Time of a frame, s, if known.
     pub(crate) fn time(&self, number: u32) -> Result<Option<f64>> {
         if let Some(interval) = self.frame_interval {
             return Ok(Some(interval * f64::from(number)));
@@ -186,7 +186,7 @@ impl RunFolder {
         Ok(PlyMesh::load(&self.mesh_path("liquid", number))?.time())
     }
 
-    /// The solids' names in the order of the scene, as `solid` numbers of contact lines count; by name if not known.
+    /// Names of the solids in scene order, to which the `solid` numbers of contact lines refer; sorted by name if unknown.
     pub(crate) fn solid_order(&self) -> Vec<String> {
         let listed = self.summary.get("solids").and_then(|s| s.as_array());
         let name = |s: &serde_json::Value| s.get("name")?.as_str().map(String::from);
@@ -194,14 +194,14 @@ impl RunFolder {
         names.filter(|n| n.len() == self.solids.len()).unwrap_or_else(|| self.solids.clone())
     }
 
-    /// The scene's name, or the folder's.
+    /// The scene's name, or the name of the folder.
     pub(crate) fn name(&self) -> String {
         let given = self.summary.get("scene").and_then(|s| s.as_str()).map(str::to_string);
         let of_dir = || self.dir.canonicalize().ok()?.file_name()?.to_str().map(str::to_string);
         given.or_else(of_dir).unwrap_or_else(|| "run".into())
     }
 
-    /// At most `max_count` of `numbers`, evenly spread, with the first and the last.
+    /// At most `max_count` of `numbers`, evenly spaced, including the first and the last.
     pub(crate) fn evenly_spaced(numbers: &[u32], max_count: usize) -> Vec<u32> {
         let n = numbers.len();
         if n <= max_count {

@@ -1,7 +1,7 @@
 //! Pictures, pages and measurements of Meniscus runs.
 //!
-//! [`render`] makes a PNG of each stored frame, and a film; [`write_page`] makes one self-contained page.
-//! [`measure`] tells angles, radii and heights of a stored frame. All read an output folder and need neither a GPU nor any system package.
+//! [`render`] makes a PNG of each stored frame, and a film; [`write_page`] makes one self-contained page. [`measure`] reports
+//! angles, radii and heights of a stored frame. All read an output folder and need neither a GPU nor any system package.
 
 mod color_map;
 mod error;

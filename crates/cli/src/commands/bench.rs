@@ -1,4 +1,4 @@
-//! `meniscus bench`: where the time goes.
+//! `meniscus bench`: run times by part.
 
 use super::step_bench::{StepBench, step};
 use super::table1::table1;
@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Runs the benchmarks that are asked for.
+/// Runs the requested benchmarks.
 pub fn bench(args: &BenchArgs) -> Result {
     let known = ["pressure", "step", "table1"];
     if let Some(name) = args.names.iter().find(|name| !known.contains(&name.as_str())) {
@@ -23,7 +23,7 @@ pub fn bench(args: &BenchArgs) -> Result {
     with_threads(args.threads.map(usize::from), || measure(args))
 }
 
-/// Runs the benchmarks that are asked for on the thread pool that it is called from.
+/// Runs the requested benchmarks on the current thread pool.
 fn measure(args: &BenchArgs) -> Result {
     let wanted = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
     let mut results =
@@ -34,7 +34,7 @@ fn measure(args: &BenchArgs) -> Result {
     if wanted("step") {
         results["step"] = steps(args.quick)?;
     }
-    // It takes long, and is done only where it is asked for.
+    // It takes long, so it runs only on request.
     if args.names.iter().any(|n| n == "table1") {
         results["table1"] = table1(args.quick)?;
     }
@@ -99,7 +99,7 @@ fn steps(quick: bool) -> Result<Value> {
     Ok(json!(rows))
 }
 
-/// A swinging drop of radius 0.3 n cells in the middle of a box of `factor` n cells: 0.8 million cells for n = 192.
+/// An oscillating drop of radius 0.3 n cells in the middle of a box of `factor` n cells: 0.8 million cells for n = 192.
 fn drop_scene(n: usize, factor: usize) -> Result<Scene> {
     let (side, middle) = (3 * factor, 1.5 * factor as f64);
     let point = |v: f64| format!(r#"["{v} mm", "{v} mm", "{v} mm"]"#);
@@ -118,8 +118,7 @@ fn drop_scene(n: usize, factor: usize) -> Result<Scene> {
     Ok(Scene::from_text("bench-drop.toml", &text, Path::new(""), &LoadOptions::default())?)
 }
 
-/// As much liquid as half a ball on the middle of a free plate that it wets, without gravity, so that both move: 0.8 million
-/// cells for n = 192.
+/// Half a ball of liquid on the middle of a free plate that it wets, without gravity, so that both move: 0.8 million cells for n = 192.
 fn body_scene(n: usize) -> Result<Scene> {
     let text = format!(
         r#"

@@ -7,7 +7,7 @@ use crate::scenes;
 use meniscus_scene::estimate::check::check as report;
 use meniscus_scene::estimate::memory;
 
-/// Prints what a scene asks for, without running it.
+/// Checks a scene without running it, and prints the report.
 pub fn check(args: &CheckArgs) -> Result {
     let scene = scenes::load(&args.scene, &[])?.scene;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);

@@ -6,7 +6,7 @@ use crate::failure::Result;
 use clap::CommandFactory;
 use serde_json::json;
 
-/// Prints the JSON Schema of scene files, or the same as Markdown.
+/// Prints the JSON Schema of scene files, or the grammar as Markdown.
 pub fn schema(markdown: bool) -> Result {
     let schema = meniscus_scene::schema::json_schema() + "\n";
     print(&if markdown { meniscus_scene::schema::markdown() } else { schema })?;

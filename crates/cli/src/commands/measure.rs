@@ -1,4 +1,4 @@
-//! `meniscus measure`: what drops and solids are like in a stored frame.
+//! `meniscus measure`: measures of drops and solids in a stored frame.
 
 use super::print;
 use crate::args::MeasureArgs;
@@ -10,7 +10,7 @@ use meniscus_view::{
 };
 use std::fmt::Write as _;
 
-/// What stands where there is no value.
+/// Placeholder for a missing value.
 const NONE: &str = "–";
 
 /// Measures a stored frame and prints a table or JSON.
@@ -38,7 +38,7 @@ fn failure(error: ViewError) -> Failure {
     }
 }
 
-/// All of a measurement as text.
+/// A measurement as text.
 fn table(m: &Measurement) -> String {
     let at = m.time.map_or_else(String::new, |t| format!(" at {}", prefixed(t, "s")));
     let mut out =
@@ -70,7 +70,7 @@ fn table(m: &Measurement) -> String {
     out + &means(m)
 }
 
-/// The table of the drops and what they touch.
+/// The table of the drops and of the solids that they touch.
 fn drops(m: &Measurement) -> String {
     let power = if m.dimension == 2 { "m²" } else { "m³" };
     let sides = if m.dimension == 2 { &["left", "right"][..] } else { &[] };
@@ -123,7 +123,7 @@ fn means(m: &Measurement) -> String {
     format!("\nmeans over {span}, {} steps{table}", window.steps)
 }
 
-/// A quantity of a solid over the window. The components of a force have one unit, so that they can be compared.
+/// A row for a quantity of a solid. The components of a force share one unit, so that they can be compared.
 fn mean_row(solid: &str, quantity: &str, mean: &TimeStatistics, m: &Measurement) -> Vec<String> {
     let tell = |x: f64| match quantity.split('_').next() {
         Some("angle") => format!("{x:.2}°"),
@@ -142,7 +142,7 @@ fn titled(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     format!("\n{}", aligned(&rows))
 }
 
-/// A solid that has deformed.
+/// A row for a deformed solid.
 fn deformation_row(name: &str, s: &SoftMeasure, m: &Measurement) -> Vec<String> {
     let place = |x: &[f64; 3]| vector(&x[..m.dimension], "m");
     let strip = |tell: &dyn Fn(&Midline) -> String| s.strip.as_ref().map_or(NONE.into(), tell);
@@ -220,7 +220,7 @@ fn touch(t: &ContactInterval) -> String {
     t.duration.map_or(ends.clone(), |d| format!("{ends}: for {}", prefixed(d, "s")))
 }
 
-/// Columns side by side, as wide as their widest cell.
+/// Columns side by side, aligned to their widest cell.
 fn aligned(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |c: usize| rows.iter().filter_map(|r| r.get(c)).map(|s| s.chars().count()).max().unwrap_or(0);
@@ -234,7 +234,7 @@ fn aligned(rows: &[Vec<String>]) -> String {
     out
 }
 
-/// A vector with one prefix for all its components; those that vanish beside the largest are 0.
+/// A vector with one prefix for all components; those negligible beside the largest are 0.
 fn vector(v: &[f64], unit: &str) -> String {
     let largest = v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let (scale, prefix) = prefix(largest);
@@ -242,13 +242,13 @@ fn vector(v: &[f64], unit: &str) -> String {
     format!("({}) {prefix}{unit}", v.iter().map(part).collect::<Vec<_>>().join(", "))
 }
 
-/// A number with four digits and a unit with a prefix that keeps it handy: `1.612 mm`.
+/// A number with four digits, a fitting prefix and its unit: `1.612 mm`.
 fn prefixed(x: f64, unit: &str) -> String {
     let (scale, prefix) = prefix(x);
     format!("{} {prefix}{unit}", four_digits(x / scale))
 }
 
-/// The prefix for a number, and what it stands for.
+/// The prefix for a number, and its factor.
 fn prefix(x: f64) -> (f64, &'static str) {
     const PREFIXES: [(f64, &str); 4] = [(1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n")];
     let fits = PREFIXES.into_iter().find(|(scale, _)| x.abs() >= scale * 0.999_95);

@@ -16,7 +16,7 @@ use crate::failure::{Failure, OUTPUT, Result};
 use std::io::Write;
 use std::path::Path;
 
-/// Prints to standard output. A reader that has gone (`| head`) is no error.
+/// Prints to standard output. A closed pipe (`| head`) is no error.
 pub fn print(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -32,14 +32,14 @@ pub fn save(path: &Path, text: &str) -> Result<()> {
     std::fs::write(path, text).map_err(Failure::file("write", path))
 }
 
-/// Stack of a thread, bytes: that which a main thread has, on which the work would run otherwise.
+/// Stack of a thread, bytes; that of a main thread.
 const THREAD_STACK_BYTES: usize = 8 << 20;
 
-/// Runs `work` on one thread of a pool of so many, as many as the machine has if no number is given. A thread of the pool starts a
-/// short parallel loop at less cost than one outside of it, which must hand the loop over and wait.
+/// Runs `work` on a thread of a pool with `threads` threads, by default one per core. A thread of the pool starts a short parallel loop
+/// at less cost than an outside thread, which must hand the loop over and wait.
 ///
 /// # Errors
-/// The error of `work`, or one that says that the threads cannot be started.
+/// The error of `work`, or one if the threads cannot be started.
 pub fn with_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> Result<R> + Send) -> Result<R> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))

@@ -18,7 +18,7 @@ use meniscus_view::RenderOptions;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Pictures that a run makes at its end at most: what shows the motion in a few seconds.
+/// Most pictures at the end of a run; they show the motion in a few seconds.
 const MAX_PICTURES: u64 = 50;
 
 /// Simulates a scene into its output folder, then makes pictures and the page.
@@ -30,8 +30,7 @@ pub fn run(args: &RunArgs) -> Result {
     with_threads(threads, || simulate(args, &scene, loaded.folder))
 }
 
-/// Runs a scene on the thread pool that it is called from; `folder` is the output folder
-/// that the scene was found in, if it was the scene of a run.
+/// Runs a scene on the current thread pool; `folder` is the output folder of an earlier run from which the scene was read.
 fn simulate(args: &RunArgs, scene: &Scene, folder: Option<PathBuf>) -> Result {
     let out = args.out.clone().or(folder).unwrap_or_else(|| Path::new("out").join(&scene.name));
     let watch = StopMonitor::begin(args.walltime)
@@ -63,7 +62,7 @@ fn simulate(args: &RunArgs, scene: &Scene, folder: Option<PathBuf>) -> Result {
     }
 }
 
-/// Loads the scene. `[expect]` is for the whole of it: a run that is cut short is not held to it.
+/// Loads the scene. `[expect]` concerns the whole run, so a shortened run is not checked against it.
 fn load(args: &RunArgs) -> Result<Loaded> {
     let mut loaded = scenes::load(&args.scene, &[])?;
     let whole = loaded.scene.output.duration;
@@ -81,7 +80,7 @@ fn load(args: &RunArgs) -> Result<Loaded> {
     Ok(loaded)
 }
 
-/// `--until` is a setting of the scene like any other, so that `scene.toml` gives this run again.
+/// `--until` as a setting of the scene, so that `scene.toml` reproduces this run.
 fn duration(time: &str) -> String {
     format!("output.duration=\"{}\"", time.replace(['"', '\\'], ""))
 }
@@ -94,7 +93,7 @@ fn stopped(args: &RunArgs, summary: &Summary, out: &Path) -> Result {
     Ok(STOPPED)
 }
 
-/// The command that goes on with this run.
+/// The command that resumes this run.
 fn resume_command(args: &RunArgs, out: &Path) -> String {
     let mut words = vec!["meniscus".to_string(), "run".into(), quote(&args.scene.scene)];
     words.extend(args.scene.set.iter().flat_map(|set| ["--set".into(), quote(set)]));
@@ -112,7 +111,7 @@ fn resume_command(args: &RunArgs, out: &Path) -> String {
     words.join(" ")
 }
 
-/// A word as a shell reads it back.
+/// Quotes a word for a shell.
 fn quote(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
@@ -122,7 +121,7 @@ fn quote(word: &str) -> String {
     }
 }
 
-/// Expectations, pictures, page; where everything is.
+/// Reports expectations, makes pictures and page, and prints their paths.
 fn finish(args: &RunArgs, scene: &Scene, mut summary: Summary, folder: &Folder) -> Result {
     summary.expect = expect::evaluate(scene, &summary, &TimeSeries::read(&folder.series())?);
     summary.write(&folder.summary())?;
@@ -158,7 +157,7 @@ fn finish(args: &RunArgs, scene: &Scene, mut summary: Summary, folder: &Folder) 
     Ok(if summary.expect.iter().all(|v| v.pass) { 0 } else { MISSED })
 }
 
-/// Makes pictures and the page; where they are.
+/// Makes pictures and the page. Returns their paths as text.
 fn show(dir: &Path, frames: u64, quiet: bool) -> Result<String> {
     let every = frames.div_ceil(MAX_PICTURES).max(1) as usize;
     let options = RenderOptions { every, ..RenderOptions::default() };
@@ -167,7 +166,7 @@ fn show(dir: &Path, frames: u64, quiet: bool) -> Result<String> {
     Ok(view::describe(&rendered) + &format!("page      {}\n", page.display()))
 }
 
-/// A line with the repairs of a run that are not zero, relative as bars have them: counts, and sums of volumes and momenta.
+/// A line with the nonzero repairs of a run, scaled as their bounds are: counts, and sums of volumes and momenta.
 fn repairs(summary: &Summary) -> String {
     let part = |name: &str| ["_net", "_largest", "_residual"].iter().any(|end| name.ends_with(end));
     let told = summary.relative_repairs().filter(|(name, value)| *value != 0.0 && !part(name));
@@ -180,10 +179,10 @@ fn short(value: f64) -> String {
     if value.fract() == 0.0 && value < 1e6 { format!("{value}") } else { format!("{value:.1e}") }
 }
 
-/// How the line of an expectation that is missed ends.
+/// The last word of the line of a missed expectation.
 const MISSED_WORD: &str = "MISSED";
 
-/// A line each; `whose`: the scene's `expect`, or what is checked `always`.
+/// A line per verdict; `whose` is `expect` for those of the scene, or `always` for the invariants.
 fn verdicts(whose: &str, verdicts: &[Verdict]) -> String {
     let mut out = String::new();
     for v in verdicts {

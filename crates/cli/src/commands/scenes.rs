@@ -51,8 +51,8 @@ pub fn new(args: &NewArgs) -> Result {
     Ok(0)
 }
 
-/// The name of a scene in a file of this name: a copy must not run into the output folder of what it was copied from. None
-/// where nothing of the file's name can name a scene.
+/// The name of the scene in a file of this name, so that a copy does not use the output folder of its original. None if the file's name
+/// yields no valid one.
 fn scene_name(path: &Path) -> Option<String> {
     let stem = path.file_stem()?.to_string_lossy();
     let fine = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' };

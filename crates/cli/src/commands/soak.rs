@@ -11,10 +11,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Cases where nothing tells how many.
+/// Default number of cases.
 const SCENES: u64 = 100;
 
-/// Draws random scenes and runs them under invariants.
+/// Generates random scenes and checks them against the invariants.
 pub fn soak(args: &SoakArgs) -> Result {
     let wish = case_options(args);
     if args.child {
@@ -49,7 +49,7 @@ fn internal(words: String) -> Failure {
     Failure::new(1, words)
 }
 
-/// Runs a case in this process, and tells the parent what comes of it.
+/// Runs a case in this process, and sends its outcome to the parent.
 fn child(args: &SoakArgs, wish: CaseOptions) -> Result {
     let subject = match &args.scene {
         Some(path) => Subject::File(path.clone(), wish.set),
@@ -65,12 +65,12 @@ fn child(args: &SoakArgs, wish: CaseOptions) -> Result {
     Ok(0)
 }
 
-/// A line for the parent. If that is gone there is nobody to tell.
+/// Sends a line to the parent. Errors are ignored: the parent has ended.
 fn tell_parent(kind: usize, value: &serde_json::Value) {
     let _ = print(&format!("{}{value}\n", MESSAGE_PREFIXES[kind]));
 }
 
-/// Runs cases until their number or the time is reached; a table closes.
+/// Runs cases until their number or the time is reached, and prints the final table.
 fn many(args: &SoakArgs, launch: &Launcher) -> Result {
     let known = known(args.known.as_deref())?;
     let hours = args.hours.map(|h| Duration::from_secs_f64(3600.0 * h.clamp(0.0, 1e4)));
@@ -111,13 +111,13 @@ fn many(args: &SoakArgs, launch: &Launcher) -> Result {
     Ok(MISSED)
 }
 
-/// Whether all that a case broke is on the list.
+/// Whether all violations of a case are on the list.
 fn is_known(outcome: &Outcome, known: &BTreeMap<String, Vec<String>>) -> bool {
     let listed = known.get(&outcome.name);
     outcome.violations.iter().all(|v| listed.is_some_and(|kinds| kinds.contains(&v.kind)))
 }
 
-/// Reads a list of known violations: a line for each case, its name, then the invariants; `#` begins a comment.
+/// Reads a list of known violations: per line the name of a case, then the invariants; `#` begins a comment.
 fn known(path: Option<&Path>) -> Result<BTreeMap<String, Vec<String>>> {
     let Some(path) = path else { return Ok(BTreeMap::new()) };
     let text = std::fs::read_to_string(path).map_err(Failure::file("read", path))?;
@@ -126,7 +126,7 @@ fn known(path: Option<&Path>) -> Result<BTreeMap<String, Vec<String>>> {
     Ok(words.filter_map(|w| w.split_first().map(|(name, kinds)| (name.clone(), kinds.to_vec()))).collect())
 }
 
-/// Runs one case or scene, and makes it smaller if that is asked for.
+/// Runs one case or scene, and shrinks it on request.
 fn one(args: &SoakArgs, launch: &Launcher, outcome: Outcome, path: Option<&Path>) -> Result {
     print(&report::line(&outcome))?;
     let Some(first) = outcome.violations.first().cloned() else {
@@ -154,7 +154,7 @@ fn one(args: &SoakArgs, launch: &Launcher, outcome: Outcome, path: Option<&Path>
     Ok(MISSED)
 }
 
-/// A path with something after its name, which may hold dots.
+/// A path with a suffix after its name, which may contain dots.
 fn append(path: &Path, end: &str) -> std::path::PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(end);

@@ -1,4 +1,4 @@
-//! The time of a scene's steps by phase.
+//! Wall time of a scene's steps by phase.
 
 use crate::failure::{Failure, Result};
 use meniscus_scene::build;
@@ -7,7 +7,7 @@ use meniscus_scene::output::summary::peak_memory;
 use serde::Serialize;
 use std::time::Instant;
 
-/// Steps that are done before the clock runs, and while it does.
+/// Warm-up steps before the measurement.
 const WARM_UP_STEPS: usize = 2;
 
 /// Time per phase of whole steps.
@@ -15,9 +15,9 @@ const WARM_UP_STEPS: usize = 2;
 pub struct StepBench {
     pub name: String,
     pub cells: usize,
-    /// Cells of liquid at the end.
+    /// Liquid cells at the end.
     pub liquid_cells: usize,
-    /// Vertices of the solids that deform.
+    /// Vertices of the deformable solids.
     pub vertices: usize,
     /// Their elements.
     pub elements: usize,
@@ -28,13 +28,13 @@ pub struct StepBench {
     pub seconds_per_step: f64,
     /// Iterations of the pressure solve in a step.
     pub iterations_per_step: f64,
-    /// Seconds per step and phase.
+    /// Seconds per step in each phase.
     pub phases: Vec<(String, f64)>,
-    /// Largest memory of this process up to here, bytes.
+    /// Peak memory of this process so far, bytes.
     pub peak_memory_bytes: Option<u64>,
 }
 
-/// Times `count` steps of a scene in three dimensions.
+/// Times `count` steps of a 3D scene.
 pub fn step(name: String, scene: &Scene, count: usize) -> Result<StepBench> {
     let mut simulation = build::setup::<3>(scene)?.simulation();
     let mut phases: Vec<(String, f64)> = Vec::new();

@@ -1,4 +1,4 @@
-//! `meniscus bench table1`: the paper's Table 1 with ours beside it.
+//! `meniscus bench table1`: the paper's Table 1 and the times of Meniscus.
 
 use super::print;
 use super::step_bench::{StepBench, step};
@@ -10,13 +10,13 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// Steps whose time is taken.
+/// Timed steps of a scene.
 const TIMED_STEPS: usize = 3;
 
-/// A row of the paper's Table 1. Sixteen cores and a GPU did it.
+/// A row of the paper's Table 1, measured on sixteen cores and a GPU.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct Row {
-    /// Our scene of it.
+    /// The corresponding scene.
     scene: &'static str,
     /// Figure of the paper.
     figure: &'static str,
@@ -24,15 +24,15 @@ struct Row {
     vertices: usize,
     /// Its tetrahedra.
     elements: usize,
-    /// What the paper calls the time step, s; with its speeds it must be the time between frames (design, validation §7.5).
+    /// The paper's time step, s; with its speeds it must be the time between frames.
     time_step: f64,
-    /// Seconds a step.
+    /// Wall time per step, s.
     seconds: f64,
-    /// Changes of our scene with which its first steps are as dear as later ones.
+    /// Settings of the scene with which its first steps cost as much as later ones.
     set: &'static [&'static str],
 }
 
-/// A row whose scene is one of ours.
+/// A row without settings.
 const fn row(
     scene: &'static str,
     figure: &'static str,
@@ -43,10 +43,10 @@ const fn row(
     Row { scene, figure, vertices: mesh[0], elements: mesh[1], time_step, seconds, set: &[] }
 }
 
-/// The cow up to its back in the liquid, where it starts above it.
+/// The cow starts up to its back in the liquid instead of above it.
 const WADING: &[&str] = &[r#"solid.0.shape.cow.at=["2.496 cm", "2.496 cm", "2.3 cm"]"#];
 
-/// The rows of Table 1 that we have scenes of.
+/// The rows of Table 1 for which there are scenes.
 const ROWS: [Row; 8] = [
     row("fig15-origami-square", "15", [28_227, 92_160], 6.67e-3, 4.12),
     row("fig21-tank-float", "21 (top)", [7_605, 28_880], 1e-2, 9.94),
@@ -58,7 +58,7 @@ const ROWS: [Row; 8] = [
     row("fig22-plate-0", "22 (bot)", [47_045, 184_320], 4e-2, 3.59),
 ];
 
-/// Takes some steps of each scene and prints the table. `quick`: of the drafts, one step each.
+/// Times some steps of each scene and prints the table. `quick`: one step each at draft quality.
 pub fn table1(quick: bool) -> Result<Value> {
     print(
         "table1: the paper's number, then ours\n\
@@ -84,7 +84,7 @@ pub fn table1(quick: bool) -> Result<Value> {
     Ok(json!(rows))
 }
 
-/// A row's scene, changed as it says: built in, or else in `scenes/` here; none of that name.
+/// The scene of a row with its settings, built in or from `scenes/` of the current folder; none if there is none.
 fn scene(row: &Row, quick: bool) -> Result<Option<Scene>> {
     let quality = if quick { Quality::Draft } else { Quality::Normal };
     let sets = row.set.iter().map(ToString::to_string).collect();

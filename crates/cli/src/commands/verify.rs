@@ -31,7 +31,7 @@ pub fn verify(args: &VerifyArgs) -> Result {
     Ok(if passed { 0 } else { MISSED })
 }
 
-/// Runs cases one after another on the thread pool that it is called from, and prints what each found.
+/// Runs cases one after another on the current thread pool, and prints their checks.
 fn outcomes(chosen: &[&Case], mode: Mode) -> Result<Vec<Outcome>> {
     let run = |(i, case): (usize, &&Case)| {
         eprintln!("[{}/{}] {}", i + 1, chosen.len(), case.title);

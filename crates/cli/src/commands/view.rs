@@ -1,4 +1,4 @@
-//! `meniscus render` and `meniscus page`, and what `run` makes of them at its end.
+//! `meniscus render` and `meniscus page`, also used at the end of `run`.
 
 use super::print;
 use crate::args::{PageArgs, RenderArgs};
@@ -8,10 +8,10 @@ use meniscus_view::{Appearance, Camera, ColorBy, PageOptions, RenderOptions, Ren
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
-/// The size of a page that may be sent by mail, MB.
+/// Default size limit of a page, MB; small enough for e-mail.
 pub const DEFAULT_PAGE_MB: f64 = 20.0;
 
-/// The part of a picture below which what is to be seen is hardly seen.
+/// Filled share of a picture below which a warning is given.
 const MIN_FILLED_SHARE: f64 = 0.05;
 
 /// Makes pictures of a run.
@@ -52,12 +52,12 @@ pub fn page(args: &PageArgs) -> Result {
     Ok(0)
 }
 
-/// A frame's number; numbers beyond all frames stay beyond.
+/// A frame's number; numbers that do not fit become the largest one.
 fn frame(number: u64) -> u32 {
     u32::try_from(number).unwrap_or(u32::MAX)
 }
 
-/// `azimuth,elevation` in degrees, and the distance in metres if wanted.
+/// Parses `azimuth,elevation` in degrees, with an optional distance in metres.
 fn camera(text: &str) -> Result<Camera> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     let numbers = numbers.filter(|n| n.iter().all(|x| x.is_finite())).unwrap_or_default();
@@ -102,7 +102,7 @@ pub fn pictures(dir: &Path, options: &RenderOptions, quiet: bool) -> Result<Rend
     rendered.map_err(|e| Failure::new(OUTPUT, e.to_string()))
 }
 
-/// Where the pictures are, in words.
+/// The location of the pictures as text.
 pub fn describe(rendered: &Rendered) -> String {
     let mut out = String::new();
     if let (Some(first), Some(last)) = (rendered.images.first(), rendered.images.last()) {
@@ -124,7 +124,7 @@ pub fn describe(rendered: &Rendered) -> String {
     out
 }
 
-/// Makes the page; its path.
+/// Makes the page. Returns its path.
 pub fn make_page(dir: &Path, every: u32, max_mb: f64) -> Result<PathBuf> {
     let options = PageOptions { every: every as usize, max_mb, ..PageOptions::default() };
     let report = meniscus_view::make_page(dir, &options).map_err(|e| Failure::new(OUTPUT, e.to_string()))?;

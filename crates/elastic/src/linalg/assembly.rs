@@ -1,29 +1,29 @@
-//! The matrices of several solids as one, with what couples them.
+//! Assembled matrix of several solids with the blocks that couple them.
 
 use super::{BlockMatrix, Cliques, ITERATIVE_TOLERANCE, Inverse, LinearSolver, Reach, SparsityPattern};
 use crate::Elastic;
 use meniscus_numerics::Vector;
 use std::sync::Arc;
 
-/// Which blocks a matrix of several solids has, and in what order these are eliminated.
+/// Sparsity pattern of an assembled matrix and its elimination order.
 #[derive(Clone, Debug)]
 pub struct AssemblyStructure {
     pattern: Arc<SparsityPattern>,
     solver: LinearSolver,
 }
 
-/// The block structure of a matrix of several solids, with the matrix of each on its diagonal.
+/// Block structure of the matrix of several solids, with the matrix of each on the diagonal.
 #[derive(Clone, Debug)]
 pub struct Assembly {
     first_nodes: Vec<usize>,
     anchored: Vec<bool>,
-    /// While nothing couples them.
+    /// The structure without coupling blocks.
     uncoupled: AssemblyStructure,
 }
 
 impl Assembly {
-    /// Of `anchored.len()` nodes: the vertices of solids, each with the number of its first node, and nodes that belong to none. Held ones
-    /// are left out. Nothing where memory does not suffice.
+    /// Assembly of `anchored.len()` nodes: the vertices of solids, each given with the number of its first node, and nodes of no
+    /// solid. Anchored nodes are left out. `None` where there is not enough memory.
     pub fn new<const D: usize>(solids: &[(usize, &Elastic<D>)], anchored: Vec<bool>) -> Option<Self> {
         let mut rest = vec![Vector::<D>::zeros(); anchored.len()];
         for (first, elastic) in solids {
@@ -38,10 +38,9 @@ impl Assembly {
         Some(Self { first_nodes: solids.iter().map(|s| s.0).collect(), anchored, uncoupled })
     }
 
-    /// A structure with blocks between all nodes of each group. That of solids which nothing couples and the `last` one serve as long
-    /// as they have these blocks; else all of the last one's stay in the new one, so that few are analysed where groups come and go.
-    /// `positions` are where nodes are, which tells in what order coupled ones are best eliminated. Nothing where memory does not
-    /// suffice.
+    /// Returns a structure with blocks between all nodes of each group. The uncoupled structure or the `last` one is reused if it
+    /// has these blocks; else the new one also keeps all blocks of the last one, so that few are analysed where groups come and go.
+    /// The current `positions` of the nodes determine the elimination order. `None` where there is not enough memory.
     pub fn structure<const D: usize>(
         &self,
         groups: &Cliques,
@@ -57,7 +56,7 @@ impl Assembly {
         Some(AssemblyStructure { pattern, solver })
     }
 
-    /// The solids' matrices on the diagonal, and zero in all other blocks of a structure.
+    /// The matrix with the solids' matrices on its diagonal and zero in all other blocks of a structure.
     pub fn matrix<const D: usize>(
         &self,
         parts: &[BlockMatrix<D>],
@@ -78,7 +77,7 @@ impl Assembly {
         whole
     }
 
-    /// The inverse, applied, of a matrix of this structure. Nothing where it is not positive definite, to rounding.
+    /// The inverse of a matrix of this structure, as an operator. `None` where it is numerically not positive definite.
     pub fn invert<const D: usize>(
         &self,
         matrix: &BlockMatrix<D>,
@@ -88,24 +87,24 @@ impl Assembly {
     }
 }
 
-/// The inverse of a matrix, applied.
+/// The inverse of a matrix, as an operator.
 #[derive(Clone, Debug)]
 pub struct AssemblyInverse<const D: usize>(Inverse<D>);
 
 impl<const D: usize> AssemblyInverse<D> {
-    /// `b ← A⁻¹ b`; what belongs to held vertices becomes 0.
+    /// `b ← A⁻¹ b`; entries of anchored vertices become 0.
     pub fn solve(&self, b: &mut [Vector<D>]) {
         let mut flat: Vec<f64> = b.iter().flat_map(|v| v.iter().copied()).collect();
         self.0.solve(None, &mut flat, 1);
         b.iter_mut().zip(flat.chunks_exact(D)).for_each(|(b, x)| b.copy_from_slice(x));
     }
 
-    /// The part of the factors that is needed to solve for some vertices, where right-hand sides are zero at all others.
+    /// The part of the factors that the solution at some vertices needs if right-hand sides are zero at all others.
     pub fn reach(&self, vertices: impl Iterator<Item = u32>) -> Reach {
         self.0.reach(vertices)
     }
 
-    /// `b ← A⁻¹ b` at the vertices of a reach, for `count` right-hand sides one after another that are 0 at all others.
+    /// `b ← A⁻¹ b` at the vertices of a reach, for `count` consecutive right-hand sides that are zero at all others.
     pub fn solve_within(&self, reach: &Reach, b: &mut [f64], count: usize) {
         self.0.solve(Some(reach), b, count);
     }

@@ -1,27 +1,27 @@
-//! Symmetric matrices of `D × D` blocks, one for each pair of vertices that pull at each other.
+//! Symmetric matrices of `D × D` blocks, one for each pair of coupled vertices.
 
 use super::Cliques;
 use meniscus_numerics::{Matrix, Vector};
 use std::sync::Arc;
 
-/// Which blocks there are: columns of the lower triangle, rows rising, the diagonal first.
+/// Blocks of the lower triangle in compressed columns: rows ascending, the diagonal first.
 #[derive(Debug, PartialEq)]
 pub struct SparsityPattern {
-    /// Where each column starts among the blocks; one more than columns.
+    /// Start of each column among the blocks; one more entry than columns.
     pub starts: Vec<usize>,
-    /// The row of each block.
+    /// Row of each block.
     pub rows: Vec<u32>,
 }
 
 impl SparsityPattern {
-    /// Of `n` vertices in these groups.
+    /// Pattern of `n` vertices with blocks between all vertices of each group.
     pub fn new<'a>(n: usize, groups: impl IntoIterator<Item = &'a Cliques>) -> Self {
         let mut below: Vec<Vec<u32>> = (0..n).map(|i| vec![i as u32]).collect();
         groups.into_iter().for_each(|group| add_clique_pairs(&mut below, group));
         Self::of_columns(below)
     }
 
-    /// Of several, each with the number of its first vertex among `n`.
+    /// Block-diagonal pattern on `n` vertices of several patterns, each given with the number of its first vertex.
     pub fn block_diagonal(n: usize, parts: &[(usize, &Self)]) -> Self {
         let mut below: Vec<Vec<u32>> = (0..n).map(|i| vec![i as u32]).collect();
         for (first, part) in parts {
@@ -32,7 +32,7 @@ impl SparsityPattern {
         Self::of_columns(below)
     }
 
-    /// This one, and blocks between all vertices of each group.
+    /// This pattern with blocks added between all vertices of each group.
     pub fn with(&self, groups: &Cliques) -> Self {
         let mut below: Vec<Vec<u32>> = (0..self.starts.len() - 1).map(|j| self.column(j).to_vec()).collect();
         add_clique_pairs(&mut below, groups);
@@ -50,19 +50,19 @@ impl SparsityPattern {
         Self { starts, rows }
     }
 
-    /// Whether all blocks of each group are there.
+    /// Whether the pattern has all blocks of each group.
     pub fn contains(&self, groups: &Cliques) -> bool {
         groups
             .iter()
             .all(|list| list.iter().all(|i| list.iter().all(|j| i < j || self.slot(*i, *j).is_some())))
     }
 
-    /// The rows of a column.
+    /// Rows of a column.
     pub fn column(&self, j: usize) -> &[u32] {
         &self.rows[self.starts[j]..self.starts[j + 1]]
     }
 
-    /// Where block `(i, j)`, `i ≥ j`, lies.
+    /// Index of block `(i, j)`, `i ≥ j`.
     pub(crate) fn slot(&self, i: u32, j: u32) -> Option<usize> {
         let k = self.column(j as usize).binary_search(&i).ok()?;
         Some(self.starts[j as usize] + k)
@@ -86,14 +86,14 @@ pub struct BlockMatrix<const D: usize> {
 }
 
 impl<const D: usize> BlockMatrix<D> {
-    /// Zero.
+    /// The zero matrix.
     pub(crate) fn new(pattern: Arc<SparsityPattern>) -> Self {
         let blocks = vec![Matrix::zeros(); pattern.rows.len()];
         Self { pattern, blocks }
     }
 
-    /// Adds to block `(i, j)` and its transpose to `(j, i)`; on the diagonal the block must be symmetric. Returns `false`,
-    /// and adds nothing, where the two vertices are in no common element or spring.
+    /// Adds a block to `(i, j)` and its transpose to `(j, i)`; a block on the diagonal must be symmetric. Returns `false`, and adds
+    /// nothing, where the pattern has no block of the two vertices.
     #[must_use]
     pub fn add(&mut self, i: u32, j: u32, block: &Matrix<D>) -> bool {
         let Some(slot) = self.pattern.slot(i.max(j), i.min(j)) else { return false };
@@ -105,7 +105,7 @@ impl<const D: usize> BlockMatrix<D> {
         true
     }
 
-    /// Adds to a block of the diagonal.
+    /// Adds a multiple of the identity to a block of the diagonal.
     pub(crate) fn add_diagonal(&mut self, i: usize, value: f64) {
         self.blocks[self.pattern.starts[i]] += Matrix::identity() * value;
     }
@@ -123,7 +123,7 @@ impl<const D: usize> BlockMatrix<D> {
         }
     }
 
-    /// The sum of the diagonal.
+    /// Trace.
     pub(crate) fn trace(&self) -> f64 {
         (0..self.pattern.starts.len() - 1).map(|j| self.blocks[self.pattern.starts[j]].trace()).sum()
     }

@@ -1,9 +1,9 @@
-//! Groups of vertices that pull at each other.
+//! Groups of mutually coupled vertices.
 
 /// Lists of vertices, one after another.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cliques {
-    /// Where each list ends in `vertices`.
+    /// End of each list in `vertices`.
     ends: Vec<usize>,
     vertices: Vec<u32>,
 }
@@ -25,7 +25,7 @@ impl Cliques {
         self.ends.is_empty()
     }
 
-    /// Where list `k` lies among the vertices of all lists.
+    /// Range of list `k` among the vertices of all lists.
     pub fn range(&self, k: usize) -> std::ops::Range<usize> {
         let start = if k == 0 { 0 } else { self.ends[k - 1] };
         start..self.ends[k]
@@ -36,7 +36,7 @@ impl Cliques {
         &self.vertices[self.range(k)]
     }
 
-    /// All lists in turn.
+    /// Iterator over all lists.
     pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
         (0..self.len()).map(|k| self.get(k))
     }

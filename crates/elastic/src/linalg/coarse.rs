@@ -1,28 +1,29 @@
-//! A coarse lattice around a mesh, on which systems of the whole are solved roughly.
+//! Coarse correction of the preconditioner: the Galerkin matrix on a lattice around a mesh.
 //!
-//! A field on the lattice is one on the mesh by interpolation, which shifts, turns and even strains are exactly. What is smooth
-//! over some edges is solved for there; it is all that keeps the blocks of a matrix's diagonal from telling what the rest does.
+//! Fields on the lattice are interpolated multilinearly to the mesh, so translations, rotations and uniform strains are represented
+//! exactly. The coarse solve reduces errors that are smooth over several edges, on which the block-Jacobi part of the
+//! preconditioner is inefficient.
 
 use super::{BlockMatrix, CholeskyFactor, Cliques, SparsityPattern, SymbolicFactor};
 use meniscus_numerics::{Matrix, Vector};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Spacing of the lattice, over the mean way between neighbours.
+/// Lattice spacing over the mean distance of coupled vertices.
 const SPACING_EDGES: f64 = 4.0;
-/// Part of itself that is added to its matrix's diagonal: where few vertices are, they do not tell all nodes apart.
+/// Shift of each diagonal block over its trace: where a cell has few vertices the coarse matrix can be singular.
 const DIAGONAL_SHIFT: f64 = 1e-6;
 
-/// The nodes around the vertices of a mesh.
+/// Lattice nodes around the vertices of a mesh.
 #[derive(Debug)]
 pub struct CoarseLattice {
-    /// For each vertex the nodes around it and their weights; a held one has none.
+    /// Nodes around each vertex with their weights; empty for anchored vertices.
     weights: Vec<Vec<(u32, f64)>>,
     pattern: Arc<SparsityPattern>,
     symbolic: Arc<SymbolicFactor>,
 }
 
-/// A matrix on the lattice, factorised.
+/// Factorised matrix on the lattice.
 #[derive(Clone, Debug)]
 pub struct CoarseFactor {
     lattice: Arc<CoarseLattice>,
@@ -30,8 +31,7 @@ pub struct CoarseFactor {
 }
 
 impl CoarseLattice {
-    /// Around vertices at these positions, coupled as the pattern says, of which some are held. Nothing where memory does not
-    /// suffice.
+    /// Lattice around vertices at `positions` with the couplings of the pattern `fine`. `None` where there is not enough memory.
     pub fn new<const D: usize>(
         positions: &[Vector<D>],
         fine: &SparsityPattern,
@@ -71,8 +71,8 @@ impl CoarseLattice {
         Some(Self { weights, pattern, symbolic })
     }
 
-    /// The matrix that one of the mesh's vertices is on the lattice, factorised; of that its rows are given, both triangles of
-    /// them: where each starts among the blocks, their columns, and the blocks. Nothing where it is not positive definite.
+    /// Factorises the coarse matrix of a matrix on the mesh, which is given by the rows of both triangles: the start of each row
+    /// among the blocks, the columns, and the blocks. `None` where the coarse matrix is not positive definite.
     pub fn factorised<const D: usize>(
         self: &Arc<Self>,
         starts: &[usize],
@@ -109,7 +109,7 @@ impl CoarseLattice {
 }
 
 impl CoarseFactor {
-    /// Adds to `z` what solves for `r` on the lattice.
+    /// Adds the coarse solution for the residual `r` to `z`.
     pub fn add_correction<const D: usize>(&self, r: &[Vector<D>], z: &mut [Vector<D>]) {
         let lattice = &self.lattice;
         let mut coarse = vec![0.0; D * (lattice.pattern.starts.len() - 1)];

@@ -1,34 +1,34 @@
-//! Conjugate gradients, for matrices whose factors would be too large: those of many vertices that fill space.
+//! Preconditioned conjugate gradients, for matrices with factors that would be too large: those of large 3D meshes.
 //!
-//! The preconditioner is the blocks of the matrix's diagonal and, for what is smooth over some edges, the matrix on a coarse
-//! lattice (two levels, added: Bramble, Pasciak & Xu 1990).
+//! The preconditioner is additive with two levels: the diagonal blocks (block Jacobi) and the matrix on a coarse lattice (Bramble,
+//! Pasciak & Xu 1990).
 
 use super::{BlockMatrix, CoarseFactor, CoarseLattice};
 use meniscus_numerics::{Matrix, Vector, par};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Most iterations.
+/// Largest number of iterations.
 const MAX_ITERATIONS: usize = 20_000;
-/// Fewest rows that a thread takes.
+/// Fewest rows of a parallel task.
 const MIN_ROWS_PER_TASK: usize = 512;
 
-/// A matrix with both of its triangles, without the rows and columns of vertices that are held.
+/// Matrix with both triangles, without the rows and columns of anchored vertices, and its preconditioner.
 #[derive(Clone, Debug)]
 pub struct IterativeInverse<const D: usize> {
-    /// Where each row starts among the blocks; one more than rows.
+    /// Start of each row among the blocks; one more entry than rows.
     starts: Vec<usize>,
     columns: Vec<u32>,
     blocks: Vec<Matrix<D>>,
-    /// Inverse of each block of the diagonal; zero where a vertex is held.
+    /// Inverse of each diagonal block; zero for anchored vertices.
     diagonal: Vec<Matrix<D>>,
     coarse: CoarseFactor,
-    /// What the error is less than, over that at the start, in the norm of the preconditioner.
+    /// Bound on the residual over the initial one, in the norm of the preconditioner.
     tolerance: f64,
 }
 
 impl<const D: usize> IterativeInverse<D> {
-    /// Nothing where the matrix is seen not to be positive definite.
+    /// Builds the preconditioner. `None` where the matrix is found not to be positive definite.
     pub fn new(
         matrix: &BlockMatrix<D>,
         anchored: &[bool],
@@ -63,8 +63,7 @@ impl<const D: usize> IterativeInverse<D> {
         Some(Self { starts, columns, blocks, diagonal, coarse, tolerance })
     }
 
-    /// `b ← A⁻¹ b` for right-hand sides of all vertices' components, one after another. What belongs to held vertices
-    /// becomes 0.
+    /// `b ← A⁻¹ b` for consecutive right-hand sides of the components of all vertices. Entries of anchored vertices become 0.
     pub fn solve(&self, b: &mut [f64]) {
         for b in b.chunks_exact_mut(D * self.diagonal.len()) {
             let x = self.solved(b.chunks_exact(D).map(Vector::from_column_slice).collect());
@@ -72,7 +71,7 @@ impl<const D: usize> IterativeInverse<D> {
         }
     }
 
-    /// `A⁻¹ r`; not a number where iterations do not come to it, which a pressure's solve reports as its own failure.
+    /// `A⁻¹ r`; NaN where the iteration does not converge, which the pressure solve reports as its own failure.
     fn solved(&self, mut r: Vec<Vector<D>>) -> Vec<Vector<D>> {
         let dot = |a: &[Vector<D>], b: &[Vector<D>]| par::sum(a.len(), |k| a[k].dot(&b[k]));
         let mut x = vec![Vector::zeros(); r.len()];
@@ -118,7 +117,7 @@ mod tests {
     use super::*;
     use crate::linalg::{CholeskyFactor, Cliques, SparsityPattern, SymbolicFactor};
 
-    /// A chain of springs along which masses differ, some held: where its vertices are, which are held, and its matrix.
+    /// Positions, anchored flags and matrix of a chain of springs with different masses.
     fn chain(n: usize) -> (Vec<Vector<3>>, Vec<bool>, BlockMatrix<3>) {
         let positions: Vec<Vector<3>> =
             (0..n).map(|i| Vector::<3>::new(i as f64, (i % 7) as f64, (i % 3) as f64)).collect();
@@ -135,7 +134,7 @@ mod tests {
         (positions, (0..n).map(|i| i % 50 == 3).collect(), matrix)
     }
 
-    /// What solves systems of the chain by iterations.
+    /// Iterative inverse of the chain's matrix.
     fn iterated(n: usize, tolerance: f64) -> Option<IterativeInverse<3>> {
         let (positions, held, matrix) = chain(n);
         let lattice = CoarseLattice::new(&positions, &matrix.pattern, &held)?;
@@ -161,7 +160,7 @@ mod tests {
         assert!(held.iter().enumerate().all(|(v, held)| !held || found[3 * v] == 0.0));
     }
 
-    /// A tolerance that rounding keeps from being met, and a right-hand side that is not a number.
+    /// A tolerance below rounding, and a right-hand side of NaN.
     #[test]
     fn what_is_not_solved_is_not_a_number() {
         let n = 100;

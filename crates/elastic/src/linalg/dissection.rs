@@ -1,13 +1,13 @@
-//! Nested dissection: the order of elimination that keeps the factors of meshes sparse (George 1973).
+//! Nested dissection: an elimination order that keeps the factors of meshes sparse (George 1973).
 
 use super::block_matrix::SparsityPattern;
 use meniscus_numerics::Vector;
 
-/// Vertices that are not divided further.
+/// Number of vertices up to which a part is not divided further.
 const MAX_LEAF_VERTICES: usize = 24;
 
-/// An order of the `kept` vertices: both halves of the body, then the vertices between them, and so on within the halves.
-/// Halves are cut across the longest side.
+/// Elimination order of the `kept` vertices: recursively both halves, then the separator between them. Halves are cut across the
+/// longest side.
 pub fn nested_dissection<const D: usize>(
     positions: &[Vector<D>],
     pattern: &SparsityPattern,
@@ -29,7 +29,7 @@ pub fn nested_dissection<const D: usize>(
 struct Dissection<'a, const D: usize> {
     positions: &'a [Vector<D>],
     neighbours: Vec<Vec<u32>>,
-    /// Which vertices are in the second half of what is being divided.
+    /// Whether a vertex is in the second half of the part that is being divided.
     in_second_half: Vec<bool>,
     order: Vec<u32>,
 }
@@ -43,7 +43,7 @@ impl<const D: usize> Dissection<'_, D> {
         let axis = self.longest_axis(&part);
         let key = |v: &u32| self.positions[*v as usize][axis];
         part.sort_by(|a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
-        // Whole rows of a regular mesh go to one side.
+        // Whole rows of a regular mesh stay on one side.
         let middle = key(&part[part.len() / 2]);
         let mut cut = part.partition_point(|v| key(v) < middle - 1e-9 * middle.abs());
         if cut == 0 {

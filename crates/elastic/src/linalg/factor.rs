@@ -1,4 +1,4 @@
-//! Cholesky factors of block matrices, without the rows and columns of vertices that are held.
+//! Sparse Cholesky factors of block matrices, without the rows and columns of anchored vertices.
 
 use super::block_matrix::{BlockMatrix, SparsityPattern};
 use super::subtrees::Subtrees;
@@ -16,23 +16,23 @@ use meniscus_numerics::Vector;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What all factors of matrices with one pattern share.
+/// Symbolic factorisation, shared by all matrices of one pattern.
 #[derive(Debug)]
 pub struct SymbolicFactor {
-    /// The vertices that are not held, rising.
+    /// Vertices that are not anchored, ascending.
     free: Vec<u32>,
-    /// The factor's row of each component of these, one after another.
+    /// Row of the factor for each component of the free vertices.
     rows: Vec<usize>,
-    /// Where among a factor's values those of the matrix belong, in the order of [`entries`].
+    /// Index among the values of a factor of each matrix entry, in the order of [`for_each_entry`].
     value_indices: Vec<usize>,
     cholesky: SymbolicCholesky<usize>,
     pub(super) subtrees: Subtrees,
-    /// Memory of a factor that is no more: threads that ask the system for theirs wait for each other.
+    /// Memory of a dropped factor: threads that request memory from the system wait for each other.
     recycled_values: Mutex<Vec<f64>>,
 }
 
 impl SymbolicFactor {
-    /// For matrices of this pattern; `anchored` vertices are left out. Nothing where memory does not suffice.
+    /// Symbolic factor of matrices of this pattern without `anchored` vertices. `None` where there is not enough memory.
     pub fn new<const D: usize>(
         positions: &[Vector<D>],
         pattern: &SparsityPattern,
@@ -78,12 +78,12 @@ impl SymbolicFactor {
         Some(Self { free, rows, value_indices, cholesky, subtrees, recycled_values: Mutex::default() })
     }
 
-    /// Entries of a factor.
+    /// Number of entries of a factor.
     pub fn entries(&self) -> usize {
         self.cholesky.len_val()
     }
 
-    /// As many zeros.
+    /// Zero values of a factor.
     fn zeros(&self) -> Vec<f64> {
         let mut values =
             std::mem::take(&mut *self.recycled_values.lock().unwrap_or_else(PoisonError::into_inner));
@@ -93,8 +93,8 @@ impl SymbolicFactor {
     }
 }
 
-/// Calls `f` with each component of a symmetric matrix's lower triangle: its block, row and column, the latter two as vertex and
-/// axis. Those of `anchored` vertices are left out.
+/// Calls `f` with each entry of a symmetric matrix's lower triangle: its block, its row and its column, the latter two as vertex
+/// and axis. Entries of `anchored` vertices are left out.
 fn for_each_entry<const D: usize>(
     pattern: &SparsityPattern,
     free: &[u32],
@@ -112,7 +112,7 @@ fn for_each_entry<const D: usize>(
     }
 }
 
-/// The supernodes of a factor.
+/// Supernodes of a factor.
 fn supernodes(cholesky: &SymbolicCholesky<usize>) -> Option<&SymbolicSupernodalCholesky<usize>> {
     match cholesky.raw() {
         SymbolicCholeskyRaw::Supernodal(supernodes) => Some(supernodes),
@@ -120,7 +120,7 @@ fn supernodes(cholesky: &SymbolicCholesky<usize>) -> Option<&SymbolicSupernodalC
     }
 }
 
-/// Where a factor has the entry of two rows.
+/// Index of an entry among the values of a factor.
 fn value_index(supernodes: &SymbolicSupernodalCholesky<usize>, i: usize, j: usize) -> usize {
     let (row, column) = (i.max(j), i.min(j));
     let node = supernodes.supernode_begin().partition_point(|begin| *begin <= column) - 1;
@@ -130,7 +130,7 @@ fn value_index(supernodes: &SymbolicSupernodalCholesky<usize>, i: usize, j: usiz
     supernodes.col_ptr_for_val()[node] + (column - begin) * (end - begin + pattern.len()) + down
 }
 
-/// The Cholesky factor of a matrix.
+/// Cholesky factor of a matrix.
 #[derive(Clone, Debug)]
 pub struct CholeskyFactor {
     symbolic: Arc<SymbolicFactor>,
@@ -138,7 +138,7 @@ pub struct CholeskyFactor {
 }
 
 impl CholeskyFactor {
-    /// Nothing where the matrix is not positive definite, to rounding.
+    /// Factorises a matrix. `None` where it is numerically not positive definite.
     pub fn new<const D: usize>(
         symbolic: Arc<SymbolicFactor>,
         matrix: &BlockMatrix<D>,
@@ -153,7 +153,7 @@ impl CholeskyFactor {
         Some(Self { symbolic, values })
     }
 
-    /// The parts of the factor with which right-hand sides of some vertices are solved for these.
+    /// The parts of the factor that the solution at some vertices needs if right-hand sides are zero at all others.
     pub fn reach<const D: usize>(&self, vertices: impl Iterator<Item = u32>) -> Option<Subtrees> {
         let symbolic = &self.symbolic;
         let free = vertices.filter_map(|v| symbolic.free.binary_search(&v).ok());
@@ -161,8 +161,8 @@ impl CholeskyFactor {
         Some(symbolic.subtrees.restricted_to_reach(supernodes(&symbolic.cholesky)?, rows))
     }
 
-    /// `b ← A⁻¹ b` for `count` right-hand sides of all vertices' components, one after another. What belongs to held
-    /// vertices becomes 0. With a `reach` that is so for its vertices, if the right-hand sides are 0 for all others.
+    /// `b ← A⁻¹ b` for `count` consecutive right-hand sides of the components of all vertices. Entries of anchored vertices become
+    /// zero. With a `reach` the solution is valid at its vertices, if right-hand sides are zero at all others.
     pub fn solve<const D: usize>(&self, reach: Option<&Subtrees>, b: &mut [f64], count: usize) {
         let (symbolic, Some(supernodes)) = (&self.symbolic, supernodes(&self.symbolic.cholesky)) else {
             return;

@@ -1,35 +1,35 @@
-//! How systems with a matrix are solved.
+//! Choice of the linear solver: Cholesky factors, or conjugate gradients where factors would be too large.
 
 use super::subtrees::Subtrees;
 use super::{BlockMatrix, CholeskyFactor, CoarseLattice, IterativeInverse, SparsityPattern, SymbolicFactor};
 use meniscus_numerics::Vector;
 use std::sync::Arc;
 
-/// Relative error of a solve by iterations, where there are no factors.
+/// Relative tolerance of iterative solves.
 pub const ITERATIVE_TOLERANCE: f64 = 1e-9;
-/// Entries of a factor beyond which there is none: 2 GB.
+/// Largest number of entries of a factor: 2 GB.
 const MAX_FACTOR_ENTRIES: usize = 250_000_000;
 
-/// What all inverses of matrices with one pattern share.
+/// Linear solver, shared by all matrices of one pattern.
 #[derive(Clone, Debug)]
 pub enum LinearSolver {
-    /// They have factors of a bearable size.
+    /// Cholesky factors.
     Direct(Arc<SymbolicFactor>),
-    /// They have not: iterations, and entries that each goes through.
+    /// Conjugate gradients, and the number of entries that an iteration reads.
     Iterative(Arc<CoarseLattice>, usize),
 }
 
-/// The inverse of a matrix, applied.
+/// The inverse of a matrix, as an operator.
 #[derive(Clone, Debug)]
 pub enum Inverse<const D: usize> {
-    /// By Cholesky factors.
+    /// Cholesky factors.
     Factor(CholeskyFactor),
-    /// By iterations.
+    /// Conjugate gradients.
     Iterative(IterativeInverse<D>),
 }
 
 impl LinearSolver {
-    /// For matrices of this pattern; `anchored` vertices are left out. Nothing where memory does not suffice.
+    /// Solver for matrices of this pattern without `anchored` vertices. `None` where there is not enough memory.
     pub fn new<const D: usize>(
         positions: &[Vector<D>],
         pattern: &SparsityPattern,
@@ -43,7 +43,7 @@ impl LinearSolver {
         Some(Self::Iterative(Arc::new(lattice), 2 * D * D * pattern.rows.len()))
     }
 
-    /// Entries that are kept of an inverse.
+    /// Number of entries stored for an inverse.
     pub fn entries(&self) -> usize {
         match self {
             Self::Direct(symbolic) => symbolic.entries(),
@@ -51,8 +51,8 @@ impl LinearSolver {
         }
     }
 
-    /// The inverse of a matrix; iterations go on until the error is `tolerance` times as large. Nothing where the matrix is seen
-    /// not to be positive definite.
+    /// The inverse of a matrix; iterative solves end at the relative `tolerance`. `None` where the matrix is found not to be
+    /// positive definite.
     pub fn invert<const D: usize>(
         &self,
         matrix: &BlockMatrix<D>,
@@ -70,13 +70,13 @@ impl LinearSolver {
     }
 }
 
-/// The part of the factors that the solution at some vertices needs, where right-hand sides are zero at all others
+/// Part of the factors that the solution at some vertices needs if right-hand sides are zero at all others
 /// ([`crate::AssemblyInverse::reach`]).
 #[derive(Clone, Debug)]
 pub struct Reach(Option<Subtrees>);
 
 impl<const D: usize> Inverse<D> {
-    /// What right-hand sides of some vertices need for the solution there.
+    /// The part of the factors for right-hand sides and solutions at some vertices.
     pub fn reach(&self, vertices: impl Iterator<Item = u32>) -> Reach {
         match self {
             Self::Factor(factor) => Reach(factor.reach::<D>(vertices)),
@@ -84,8 +84,8 @@ impl<const D: usize> Inverse<D> {
         }
     }
 
-    /// `b ← A⁻¹ b` for `count` right-hand sides of all vertices' components, one after another. What belongs to held
-    /// vertices becomes 0. With a `reach` that is so for its vertices, if the right-hand sides are 0 for all others.
+    /// `b ← A⁻¹ b` for `count` consecutive right-hand sides of the components of all vertices. Entries of anchored vertices become
+    /// zero. With a `reach` the solution is valid at its vertices, if right-hand sides are zero at all others.
     pub fn solve(&self, reach: Option<&Reach>, b: &mut [f64], count: usize) {
         match self {
             Self::Factor(factor) => factor.solve::<D>(reach.and_then(|r| r.0.as_ref()), b, count),

@@ -1,12 +1,12 @@
-//! Singular values and eigenvalues of 2×2 and 3×3 matrices, by Jacobi's rotations: short, accurate to rounding whatever
-//! the matrix, and the same code in both dimensions.
+//! Singular values and eigenvalues of 2×2 and 3×3 matrices by Jacobi rotations: accurate to rounding for any matrix, with the same
+//! code in both dimensions.
 
 use meniscus_numerics::{Matrix, Vector};
 
-/// Sweeps after which rotations end; four are common.
+/// Largest number of sweeps; four are typical.
 const MAX_SWEEPS: usize = 20;
 
-/// `F = U diag(σ) Vᵀ` with rotations `U` and `V`: `σ` falls in size, and its last is negative where `det F` is.
+/// `F = U diag(σ) Vᵀ` with rotations `U` and `V`. The magnitudes of `σ` descend; the last is negative where `det F` is.
 #[derive(Clone, Copy, Debug)]
 pub struct Svd<const D: usize> {
     pub u: Matrix<D>,
@@ -14,7 +14,7 @@ pub struct Svd<const D: usize> {
     pub v: Matrix<D>,
 }
 
-/// The decomposition of a matrix by one-sided rotations (Hestenes 1958), with signs as in Irving et al. 2004, §3.
+/// Singular value decomposition by one-sided rotations (Hestenes 1958), with signs as in Irving et al. 2004, §3.
 pub fn svd<const D: usize>(f: &Matrix<D>) -> Svd<D> {
     let (mut w, mut v) = (*f, Matrix::identity());
     for _ in 0..MAX_SWEEPS {
@@ -35,7 +35,7 @@ pub fn svd<const D: usize>(f: &Matrix<D>) -> Svd<D> {
     }
     for (p, q) in axis_pairs::<D>() {
         if w.column(p).norm_squared() < w.column(q).norm_squared() {
-            // A quarter turn exchanges the columns and keeps the orientation.
+            // A quarter turn exchanges the columns and preserves the orientation.
             rotate_columns(&mut w, p, q, 0.0, -1.0);
             rotate_columns(&mut v, p, q, 0.0, -1.0);
         }
@@ -71,16 +71,16 @@ pub(crate) fn axis_pairs<const D: usize>() -> impl Iterator<Item = (usize, usize
     (0..D).flat_map(|p| (p + 1..D).map(move |q| (p, q)))
 }
 
-/// Cosine and sine that make columns with these products orthogonal.
+/// Cosine and sine of the rotation that makes columns with these inner products orthogonal.
 fn jacobi_rotation(pp: f64, qq: f64, pq: f64) -> (f64, f64) {
     let zeta = (qq - pp) / (2.0 * pq);
-    // Where the square overflows the angle vanishes, as it should; `hypot` takes several times as long.
+    // Where the square overflows the angle correctly vanishes; `hypot` is several times slower.
     let t = 1f64.copysign(zeta) / (zeta.abs() + (1.0 + zeta * zeta).sqrt());
     let c = 1.0 / (1.0 + t * t).sqrt();
     (c, c * t)
 }
 
-/// Turns columns `p` and `q` into each other.
+/// Rotates columns `p` and `q`.
 fn rotate_columns<const D: usize>(m: &mut Matrix<D>, p: usize, q: usize, c: f64, s: f64) {
     for row in 0..D {
         let (x, y) = (m[(row, p)], m[(row, q)]);
@@ -89,7 +89,7 @@ fn rotate_columns<const D: usize>(m: &mut Matrix<D>, p: usize, q: usize, c: f64,
     }
 }
 
-/// A rotation whose columns but the last point along those of `w`, which are orthogonal and may vanish.
+/// A rotation whose columns except the last have the directions of those of `w`, which are orthogonal and may vanish.
 fn completed_rotation<const D: usize>(w: &Matrix<D>) -> Matrix<D> {
     let mut u = Matrix::<D>::zeros();
     for k in 0..D - 1 {
@@ -98,7 +98,7 @@ fn completed_rotation<const D: usize>(w: &Matrix<D>) -> Matrix<D> {
         if size > 1e-150 {
             along /= size;
         }
-        // Once more against rounding, and with axes where the column vanishes.
+        // Orthogonalises again against rounding, and tries axes where the column vanishes.
         let axes = (0..D).map(|a| Vector::<D>::from_fn(|r, _| f64::from(r == a)));
         for start in std::iter::once(along).chain(axes) {
             let free = (0..k).fold(start, |x, j| x - u.column(j) * u.column(j).dot(&start));

@@ -1,4 +1,4 @@
-//! Block matrices on the mesh's vertices, and their factorisation.
+//! Block matrices on the vertices of meshes, and their direct and iterative solvers.
 
 mod assembly;
 mod block_matrix;

@@ -1,9 +1,9 @@
-//! Cholesky factors by fronts: every supernode takes up what those below it leave, eliminates its own columns, and leaves the
-//! rest to the one above it (the multifrontal method: J. Liu, SIAM Review 34 (1992) 82).
+//! Multifrontal Cholesky factorisation (J. Liu, SIAM Review 34 (1992) 82): each supernode adds the update matrices of its children
+//! to its front, eliminates its columns, and passes an update matrix to its parent.
 //!
-//! [`Subtrees`] know nothing of each other here either; above them work on large fronts is divided. What supernodes leave is
-//! added part by part, within each in the order of their numbers, and work is divided by sizes alone: the bits are the same for
-//! any number of threads.
+//! The independent parts of [`Subtrees`] are factorised in parallel; above them the work on large fronts is divided. Updates are
+//! added part by part, within each in the order of the supernodes, and the division depends on sizes only: results are bitwise
+//! identical for any number of threads.
 
 use super::subtrees::Subtrees;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -17,16 +17,16 @@ use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Columns or rows that are not divided among threads.
+/// Number of columns or rows that are not divided among threads.
 const MAX_SERIAL_SIZE: usize = 256;
 
-/// A supernode, and its part of the factor.
+/// A supernode and its values in the factor.
 type SupernodeValues<'a> = (usize, &'a mut [f64]);
 
-/// What is left to a supernode: by each of those below it the lower triangle of a matrix of the rows in their patterns.
+/// Update matrices of the children of a supernode: the lower triangle on the rows of the child's pattern.
 type UpdateMatrices = Vec<(usize, Vec<f64>)>;
 
-/// `values ← L`, where they were the lower triangle of `L Lᵀ`. Nothing where there is no such factor, to rounding.
+/// Overwrites `values`, the lower triangle of `L Lᵀ`, with `L`. `None` where the matrix is numerically not positive definite.
 pub fn factorise(
     supernodes: &SymbolicSupernodalCholesky<usize>,
     subtrees: &Subtrees,
@@ -50,14 +50,14 @@ pub fn factorise(
     eliminate(supernodes, subtrees, above, left).map(drop)
 }
 
-/// Eliminates the columns of some supernodes, rising, with what is left to them; gives back what is left to others.
+/// Eliminates the columns of ascending supernodes with the updates in `left`; returns the updates for other supernodes.
 fn eliminate(
     supernodes: &SymbolicSupernodalCholesky<usize>,
     subtrees: &Subtrees,
     nodes: Vec<SupernodeValues<'_>>,
     mut left: BTreeMap<usize, UpdateMatrices>,
 ) -> Option<BTreeMap<usize, UpdateMatrices>> {
-    // Memory that is no longer in use: large pieces are slow to come from the system.
+    // Reused memory: the system is slow to provide large blocks.
     let mut spare: Vec<Vec<f64>> = Vec::new();
     for (node, slab) in nodes {
         let (own, rows) = (supernodes.supernode_end()[node], supernodes.supernode(node).pattern());
@@ -81,7 +81,7 @@ fn eliminate(
     Some(left)
 }
 
-/// Where the rows of a supernode's pattern are in another one above it.
+/// Positions of the rows of a child's pattern in the front of `node`.
 fn relative_indices(supernodes: &SymbolicSupernodalCholesky<usize>, child: usize, node: usize) -> Vec<usize> {
     let (begin, end) = (supernodes.supernode_begin()[node], supernodes.supernode_end()[node]);
     let pattern = supernodes.supernode(node).pattern();
@@ -96,14 +96,14 @@ fn relative_indices(supernodes: &SymbolicSupernodalCholesky<usize>, child: usize
     supernodes.supernode(child).pattern().iter().map(place).collect()
 }
 
-/// The lower triangle of a matrix: the columns that are eliminated, and the others.
+/// Front: the columns that are eliminated and the remaining lower triangle.
 struct Front<'a> {
     pivot_columns: MatMut<'a, f64>,
     update_matrix: MatMut<'a, f64>,
 }
 
 impl Front<'_> {
-    /// Adds the lower triangle of a matrix whose rows have these places, rising.
+    /// Adds the lower triangle of an update matrix whose rows have these ascending positions in the front.
     fn extend_add(&mut self, to: &[usize], update: &[f64]) -> Option<()> {
         let own = self.pivot_columns.ncols();
         let (now, later) = to.split_at(to.partition_point(|i| *i < own));
@@ -115,7 +115,7 @@ impl Front<'_> {
         slab.and(rest)
     }
 
-    /// Eliminates the columns of the slab.
+    /// Eliminates the pivot columns.
     fn eliminate(&mut self) -> Option<()> {
         let own = self.pivot_columns.ncols();
         let (mut diagonal, mut below) = self.pivot_columns.rb_mut().split_at_row_mut(own);
@@ -126,7 +126,7 @@ impl Front<'_> {
     }
 }
 
-/// Adds a lower triangle to that of a matrix, in which its rows and columns have the places `rows` and `columns` after `shift`.
+/// Adds a lower triangle to that of `a`; its rows and columns have the positions `rows` and `columns` there, minus `shift`.
 fn scatter_add(
     mut a: MatMut<'_, f64>,
     shift: usize,
@@ -191,7 +191,7 @@ mod tests {
     use super::*;
     use faer::Mat;
 
-    /// Large enough to be divided several times.
+    /// The matrix is large enough to be divided several times.
     #[test]
     fn divided_work_is_the_same_for_all_threads() {
         let n = 3 * MAX_SERIAL_SIZE + 40;

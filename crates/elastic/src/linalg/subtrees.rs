@@ -1,10 +1,9 @@
-//! Parts of a supernodal Cholesky factor that know nothing of each other: subtrees of its elimination tree, and what is above
-//! them (J. Liu, SIAM J. Matrix Anal. Appl. 11 (1990) 134); and solving with it in these.
+//! Independent parts of a supernodal Cholesky factor: subtrees of its elimination tree and their common ancestors (J. Liu, SIAM J.
+//! Matrix Anal. Appl. 11 (1990) 134), and parallel triangular solves.
 //!
-//! A solve does little but read the factor, which is larger than any cache: two cores read faster than one (a factor of 490 MB:
-//! the pressure of a step in 1.38 s for 1.86).
-//! The parts and the order in which they are added up are those of the matrix, not of the threads: the bits are the same for any
-//! number of these.
+//! Solves are bound by memory bandwidth, and two cores read faster than one (a factor of 490 MB: the pressure of a step in 1.38 s
+//! instead of 1.86 s). The parts and the order of summation depend on the matrix only: results are bitwise identical for any number
+//! of threads.
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
@@ -13,28 +12,28 @@ use faer::sparse::linalg::cholesky::supernodal::{SupernodalLltRef, SymbolicSuper
 use faer::{Accum, Mat, Par};
 use rayon::prelude::*;
 
-/// Parts of a large factor: memory feeds few cores.
+/// Number of parts of a large factor: memory bandwidth is exhausted by few cores.
 const PART_COUNT: usize = 4;
-/// Entries below which a factor is one part: 2 MB, which a core's own cache holds.
+/// Entries below which a factor is not divided: 2 MB fit into the cache of one core.
 const MIN_DIVIDED_ENTRIES: usize = 1 << 18;
-/// Subtrees smaller than a part by this are not divided further: parts then differ by a quarter at most.
+/// Subtrees smaller than a part by this factor are not divided further: the sizes of parts then differ by a quarter at most.
 const SUBTREES_PER_PART: usize = 4;
-/// Most subtrees from which the parts are put together.
+/// Largest number of subtrees from which the parts are composed.
 const MAX_SUBTREES: usize = 64;
 
-/// The supernodes of a factor, each list rising.
+/// Supernodes of a factor; each list is ascending.
 #[derive(Clone, Debug)]
 pub struct Subtrees {
-    /// Those of each part.
+    /// Supernodes of each part.
     pub(super) parts: Vec<Vec<usize>>,
-    /// Those above all parts.
+    /// Common ancestors of all parts.
     pub(super) ancestors: Vec<usize>,
-    /// The one above each, if there is one.
+    /// Parent of each supernode.
     pub(super) parents: Vec<Option<usize>>,
 }
 
 impl Subtrees {
-    /// Parts of about the same size.
+    /// Divides a factor into parts of similar size.
     pub fn new(symbolic: &SymbolicSupernodalCholesky<usize>) -> Self {
         let count = symbolic.n_supernodes();
         let (begin, end) = (symbolic.supernode_begin(), symbolic.supernode_end());
@@ -92,8 +91,8 @@ impl Subtrees {
         Self { parts, ancestors, parents }
     }
 
-    /// Those supernodes of them that these rows of a right-hand side reach: their own, and all above. Solving with no others
-    /// gives the solution in these rows where the right-hand side vanishes in all others.
+    /// The supernodes that these rows of a right-hand side reach: their own and all ancestors. Solves with these alone give the
+    /// solution in these rows if the right-hand side vanishes in all others.
     pub fn restricted_to_reach(
         &self,
         supernodes: &SymbolicSupernodalCholesky<usize>,
@@ -116,7 +115,7 @@ impl Subtrees {
         }
     }
 
-    /// `x ← (L Lᵀ)⁻¹ x`, rows in the factor's order.
+    /// `x ← (L Lᵀ)⁻¹ x`, with rows in the order of the factor.
     pub fn solve(&self, factor: SupernodalLltRef<'_, usize, f64>, x: &mut Mat<f64>) {
         if let [all] = &self.parts[..] {
             forward_substitution(factor, all, x);
@@ -175,7 +174,7 @@ fn forward_substitution(factor: SupernodalLltRef<'_, usize, f64>, nodes: &[usize
     }
 }
 
-/// `x ← L⁻ᵀ x` for the columns of some supernodes; what is above them is solved.
+/// `x ← L⁻ᵀ x` for the columns of some supernodes; the rows of their ancestors must already be solved.
 fn backward_substitution(factor: SupernodalLltRef<'_, usize, f64>, nodes: &[usize], x: &mut Mat<f64>) {
     let mut solved_rows = Mat::zeros(max_pattern_rows(factor, nodes), x.ncols());
     for node in nodes.iter().rev().map(|s| factor.supernode(*s)) {
@@ -191,7 +190,7 @@ fn backward_substitution(factor: SupernodalLltRef<'_, usize, f64>, nodes: &[usiz
     }
 }
 
-/// The most rows below the diagonal that one of some supernodes has.
+/// Largest number of rows below the diagonal of one of these supernodes.
 fn max_pattern_rows(factor: SupernodalLltRef<'_, usize, f64>, nodes: &[usize]) -> usize {
     nodes.iter().map(|s| factor.supernode(*s).pattern().len()).max().unwrap_or(0)
 }
@@ -203,7 +202,7 @@ mod tests {
     use meniscus_numerics::{Matrix, Vector};
     use std::sync::Arc;
 
-    /// A block of masses and springs, some of it held.
+    /// A block of masses and springs with some anchored vertices.
     #[test]
     fn parts_solve_the_whole() {
         let n = 14;
@@ -243,7 +242,7 @@ mod tests {
         let wanted = [flat(&wanted), flat(&wanted)].concat();
         let off = x.iter().zip(&wanted).fold(0.0, |s: f64, (a, b)| s.max((a - b).abs()));
         assert!(off < 1e-12, "{off}");
-        // The same bits on any number of threads, in memory that was another factor's, and after one that failed.
+        // The same bits for any number of threads, in memory of an earlier factor, and after a failed factorisation.
         let again = |threads, scale| {
             let mut matrix = matrix.clone();
             matrix.blocks.iter_mut().for_each(|block| *block *= scale);
@@ -259,7 +258,7 @@ mod tests {
         for (threads, scale) in [(1, 1.0), (3, 1.0), (2, -1.0), (2, 1.0)] {
             assert!(again(threads, scale) == (scale > 0.0).then(|| x.clone()), "{threads} threads, {scale}");
         }
-        // Where right-hand sides act, and at one vertex more, in a corner.
+        // Vertices with right-hand sides, and one more in a corner.
         let corner: Vec<u32> = (0..30).chain([200, 215]).collect();
         let mut pushed = vec![0.0; 3 * held.len()];
         corner[1..].iter().for_each(|v| pushed[3 * *v as usize + 1] = f64::from(*v).cos());

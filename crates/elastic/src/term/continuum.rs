@@ -1,4 +1,4 @@
-//! A continuum: an energy density, integrated over the points of a body's elements.
+//! Continuum term: an energy density integrated over the quadrature points of the elements.
 
 use super::discrete_gradient::DiscreteGradientDensity;
 use super::energy_density::{EnergyDensity, Lame, Tangent, determinant};
@@ -13,27 +13,27 @@ use meniscus_numerics::{Matrix, Vector, par};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Elements whose tangents are worked out, in parallel, before they are added up in order.
+/// Number of elements whose tangents are computed in parallel before they are added in order.
 const ELEMENTS_PER_BATCH: usize = 4096;
-/// Elements up to which threads are not worth their while.
+/// Number of elements up to which the loop is serial.
 const MAX_SERIAL_ELEMENTS: usize = 128;
-/// Most vertices of an element: two quadratic tetrahedra with a facet in common.
+/// Largest number of vertices of an element: two quadratic tetrahedra that share a facet.
 const MAX_ELEMENT_VERTICES: usize = 14;
-/// Most points of an element.
+/// Largest number of quadrature points of an element.
 const MAX_ELEMENT_POINTS: usize = 8;
 
-/// A solid of one density (finite elements, Sifakis & Barbič 2012).
+/// A continuum of one energy density (finite elements, Sifakis & Barbič 2012).
 #[derive(Clone, Debug)]
 pub struct Continuum<P, const D: usize> {
     density: P,
     points: QuadraturePoints<D>,
 }
 
-/// A quantity at each of an element's points.
+/// A quantity at each quadrature point of an element.
 type PerPoint<T> = [T; MAX_ELEMENT_POINTS];
 
 impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
-    /// At rest on a mesh, every simplex of which must have a positive volume.
+    /// Continuum on a mesh at rest; every simplex must have a positive volume.
     ///
     /// # Errors
     /// [`ElasticError::NotQuadratic`] and [`ElasticError::Folded`], of quadratic simplices.
@@ -46,12 +46,12 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
         Ok(Self { density, points: QuadraturePoints::new(mesh, lame, order)? })
     }
 
-    /// Of linear simplices, each with an elasticity.
+    /// Continuum of linear simplices, each with its own Lamé parameters.
     pub(crate) fn of_simplices(mesh: &VolumeMesh<D>, density: P, lame: Vec<Lame>) -> Self {
         Self { density, points: QuadraturePoints::linear(mesh, lame) }
     }
 
-    /// The largest part of a way of the vertices, up to all of it, on which the volume at every point keeps a part `kept_fraction` of itself.
+    /// Largest fraction, at most 1, of `displacements` for which the volume at every point keeps `kept_fraction` of itself.
     pub(crate) fn inversion_free_fraction(
         &self,
         from: &[Vector<D>],
@@ -68,7 +68,7 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
         (0..self.points.len()).into_par_iter().with_min_len(256).map(part).reduce(|| 1.0, f64::min)
     }
 
-    /// The deformation gradients at an element's points.
+    /// Deformation gradients at the quadrature points of an element.
     fn deformation_gradients(&self, element: usize, x: &[Vector<D>]) -> PerPoint<Matrix<D>> {
         let mut all = [Matrix::zeros(); MAX_ELEMENT_POINTS];
         all.iter_mut()
@@ -77,7 +77,7 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
         all
     }
 
-    /// The projections `θ_q = Σ W_qr j_r` of changes of volume at an element's points.
+    /// Projections `θ_q = Σ W_qr j_r` of the changes of volume at the quadrature points of an element.
     fn projected(&self, element: usize, changes: &PerPoint<f64>) -> PerPoint<f64> {
         let count = self.points.points_of(element).len();
         let mut all = [0.0; MAX_ELEMENT_POINTS];
@@ -87,8 +87,8 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
         all
     }
 
-    /// The pressures conjugate to the changes `j_r` of volume, `Σ_q v_q p_q W_qr / v_r`, and the second derivatives of `U`. As `v_q W_qr` is
-    /// symmetric, these pressures are the projection of the pressures `p_q = U'(θ_q)`.
+    /// Pressures conjugate to the changes of volume `j_r`, `Σ_q v_q p_q W_qr / v_r` with `p_q = U'(θ_q)`, and the second
+    /// derivatives of `U`. As `v_q W_qr` is symmetric, they are the projection of the `p_q`.
     fn pressures(&self, element: usize, fs: &PerPoint<Matrix<D>>) -> PerPoint<[f64; 2]> {
         let mut changes = [0.0; MAX_ELEMENT_POINTS];
         let count = self.points.points_of(element).len();
@@ -102,7 +102,7 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
         std::array::from_fn(|q| [slopes[q], bends[q]])
     }
 
-    /// Values of a function of elements in order, in parallel where there are many.
+    /// Values of a function of the elements in order, computed in parallel where there are many.
     fn map_elements<T: Send>(range: Range<usize>, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
         if range.len() <= MAX_SERIAL_ELEMENTS {
             range.map(f).collect()
@@ -111,7 +111,7 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
         }
     }
 
-    /// The stresses at an element's points; nothing where there are none.
+    /// Stresses at the quadrature points of an element; `None` where all are zero.
     fn stresses(&self, element: usize, x: &[Vector<D>]) -> Option<PerPoint<Matrix<D>>> {
         let (mut fs, lame) = (self.deformation_gradients(element, x), self.points.lame(element));
         let count = self.points.points_of(element).len();
@@ -131,7 +131,7 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
         Some(fs)
     }
 
-    /// Adds the forces of stresses at the points of elements; nothing where there are none.
+    /// Adds the forces of stresses at the quadrature points; elements without stresses (`None`) are skipped.
     fn add_stress_forces(
         &self,
         stresses: impl Fn(usize) -> Option<PerPoint<Matrix<D>>> + Sync + Send,
@@ -156,7 +156,7 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
         }
     }
 
-    /// The blocks of an element's tangent, for pairs of its vertices in the order of [`Self::assemble_blocks`]; none where all are zero.
+    /// Blocks of an element's tangent for the pairs of vertices of [`Self::assemble_blocks`], in order; empty where all are zero.
     fn tangent_blocks(&self, element: usize, x: &[Vector<D>], weights: TangentWeights) -> Vec<Matrix<D>> {
         let n = self.points.elements.get(element).len();
         let (fs, lame) = (self.deformation_gradients(element, x), self.points.lame(element));
@@ -188,7 +188,7 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
         blocks
     }
 
-    /// Adds the tangent at a point.
+    /// Adds the tangent at a quadrature point.
     fn add_point_tangent(&self, k: usize, tangent: &Tangent<D>, blocks: &mut [Matrix<D>]) {
         let gradients = self.points.shape_gradients(k).1;
         let n = gradients.len();
@@ -209,8 +209,8 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
         }
     }
 
-    /// Adds `Σ_q v_q s_q d_q d_qᵀ` with the derivatives `d_q = Σ_r W_qr S_r g_r` of projected changes of volume, of the slopes `S_r` by the
-    /// deformation gradients.
+    /// Adds `Σ_q v_q s_q d_q d_qᵀ` with the shares `s_q`, the derivatives `d_q = Σ_r W_qr S_r g_r` of the projected changes of
+    /// volume, and the derivatives `S_r` (`slopes`) of the changes of volume with respect to `F`.
     fn add_volumetric_tangent(
         &self,
         element: usize,
@@ -277,14 +277,14 @@ impl<P: EnergyDensity<D>, const D: usize> ForceTerm<D> for Continuum<P, D> {
         self.add_stress_forces(|element| self.stresses(element, x), forces);
     }
 
-    /// Hooke's law for the rate of Green's strain (Kelvin and Voigt's solid).
+    /// Hooke's law for the rate of the Green strain (Kelvin–Voigt solid).
     fn add_viscous_forces(&self, x: &[Vector<D>], v: &[Vector<D>], time: f64, forces: &mut [Vector<D>]) {
         let stresses = |element: usize| {
             let Lame { lambda, mu } = self.points.lame(element);
             let (fs, rates) =
                 (self.deformation_gradients(element, x), self.deformation_gradients(element, v));
             let halves: PerPoint<Matrix<D>> = std::array::from_fn(|q| fs[q].tr_mul(&rates[q]));
-            // Projected twice, as pressures are, which is once.
+            // Strain rates and pressures are both projected; the projection is idempotent, so once suffices.
             let volumes = self.projected(element, &halves.map(|half| half.trace()));
             Some(std::array::from_fn(|q| {
                 let rate =
@@ -306,7 +306,7 @@ impl<P: EnergyDensity<D>, const D: usize> ForceTerm<D> for Continuum<P, D> {
 }
 
 impl<P: DiscreteGradientDensity<D>, const D: usize> Continuum<P, D> {
-    /// The stresses between two configurations at an element's points; nothing where a point has no volume in one of both.
+    /// Discrete-gradient stresses at the quadrature points of an element; `None` where a point has no positive volume at an end.
     fn stresses_between(&self, element: usize, ends: [&[Vector<D>]; 2]) -> Option<PerPoint<Matrix<D>>> {
         let (all, lame) = (ends.map(|x| self.deformation_gradients(element, x)), self.points.lame(element));
         let count = self.points.points_of(element).len();

@@ -1,12 +1,12 @@
-//! Corotated linear solids: Hooke's law in the frame that turns with the material.
+//! Corotated linear elasticity: Hooke's law in the frame that rotates with the material.
 
 use super::discrete_gradient::{DiscreteGradientDensity, stretch_discrete_gradient};
 use super::energy_density::{EnergyDensity, Lame, PrincipalHessian};
 use crate::linalg::svd;
 use meniscus_numerics::{Matrix, Vector};
 
-/// `Ψ = μ |F − R|² + λ/2 tr(RᵀF − 1)²` with the rotation `R` nearest to `F` (Müller & Gross 2004; Sifakis & Barbič 2012,
-/// §3.4). In 2D it is that of plane strain. Where an element is inverted to a point, its force has a kink.
+/// `Ψ = μ |F − R|² + λ/2 tr(RᵀF − 1)²` with the rotation `R` nearest to `F` (Müller & Gross 2004; Sifakis & Barbič 2012, §3.4). In
+/// 2D it is plane strain. Limit: the force of an element has a kink where `R` is not unique.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Corotated;
 
@@ -25,7 +25,7 @@ impl<const D: usize> EnergyDensity<D> for Corotated {
         let mut twist = [0.0; 3];
         for (k, (i, j)) in crate::linalg::axis_pairs::<D>().enumerate() {
             let sum = stretches[i] + stretches[j];
-            // The rotation jumps where the sum vanishes; the curvature there is negative and left out.
+            // `R` jumps where the sum vanishes; the curvature there is negative and is omitted.
             twist[k] = if sum > 1e-12 { 2.0 * lame.mu + (2.0 * pressure - 4.0 * lame.mu) / sum } else { 0.0 };
         }
         PrincipalHessian { stretch: Matrix::identity() * (2.0 * lame.mu), shear: [2.0 * lame.mu; 3], twist }
@@ -58,7 +58,7 @@ impl<const D: usize> DiscreteGradientDensity<D> for Corotated {
     }
 }
 
-/// The rotation nearest to `F`.
+/// Rotation nearest to `F`.
 fn turned<const D: usize>(f: &Matrix<D>) -> Matrix<D> {
     let frame = svd(f);
     frame.u * frame.v.transpose()

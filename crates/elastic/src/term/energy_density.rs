@@ -1,4 +1,4 @@
-//! Energy densities of isotropic solids as functions of the deformation gradient.
+//! Energy densities of isotropic solids as functions of the deformation gradient, and their tangents.
 
 use super::TangentWeights;
 use crate::linalg::{Svd, axis_pairs, svd, symmetric_eigen};
@@ -8,48 +8,48 @@ use std::fmt::Debug;
 /// Lamé's parameters, Pa.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lame {
-    /// The first, `λ`.
+    /// First parameter `λ`.
     pub lambda: f64,
-    /// The second, `μ`, the shear modulus.
+    /// Shear modulus `μ`.
     pub mu: f64,
 }
 
 impl Lame {
-    /// From Young's modulus, Pa, and Poisson's ratio, between -1 and 0.5.
+    /// Converts Young's modulus, Pa, and Poisson's ratio, between -1 and 0.5.
     pub fn new(young: f64, poisson: f64) -> Self {
         let mu = 0.5 * young / (1.0 + poisson);
         Self { lambda: 2.0 * mu * poisson / (1.0 - 2.0 * poisson), mu }
     }
 }
 
-/// Second derivatives of a density in the principal frame of the deformation.
+/// Second derivatives of an energy density in the principal frame of the deformation.
 #[derive(Clone, Copy, Debug)]
 pub struct PrincipalHessian<const D: usize> {
-    /// In the principal stretches, Pa.
+    /// With respect to the principal stretches, Pa.
     pub stretch: Matrix<D>,
     /// For each pair of axes `i < j`, in the order (0,1), (0,2), (1,2), in the direction `(e_i e_jᵀ + e_j e_iᵀ)/√2`:
     /// `(Ψ_i − Ψ_j)/(σ_i − σ_j)`, Pa.
     pub shear: [f64; 3],
-    /// And in the direction `(e_i e_jᵀ − e_j e_iᵀ)/√2`: `(Ψ_i + Ψ_j)/(σ_i + σ_j)`, Pa.
+    /// In the direction `(e_i e_jᵀ − e_j e_iᵀ)/√2`: `(Ψ_i + Ψ_j)/(σ_i + σ_j)`, Pa.
     pub twist: [f64; 3],
 }
 
-/// An isotropic energy density `Ψ(F) + U(θ)`. Without strain its second derivatives are those of Hooke's law. The part `U` is that
-/// which resists changes `j(F)` of volume however little others are resisted; elements have it of a projection `θ` of these.
+/// An isotropic energy density `Ψ(F) + U(θ)`. Without strain its second derivatives are those of Hooke's law. Elements evaluate the
+/// volumetric part `U`, which would lock them near incompressibility, for a projection `θ` of the changes of volume `j(F)`.
 pub trait EnergyDensity<const D: usize>: Debug + Send + Sync {
-    /// Whether there is a part `U`.
+    /// Whether there is a volumetric part `U`.
     const HAS_VOLUMETRIC: bool = false;
 
     /// `Ψ`, Pa.
     fn energy(&self, lame: Lame, f: &Matrix<D>) -> f64;
 
-    /// `∂Ψ/∂F`, of the first Piola-Kirchhoff stress, Pa.
+    /// First Piola–Kirchhoff stress `∂Ψ/∂F`, Pa.
     fn stress(&self, lame: Lame, f: &Matrix<D>) -> Matrix<D>;
 
-    /// Second derivatives of `Ψ + p j` at the stretches `σ`, of which the last is negative in inverted elements; `p` in Pa.
+    /// Second derivatives of `Ψ + p j` at the stretches `σ`; the last stretch is negative in inverted elements; `p` in Pa.
     fn principal_hessian(&self, lame: Lame, stretches: &Vector<D>, pressure: f64) -> PrincipalHessian<D>;
 
-    /// The change of volume `j`, zero at rest.
+    /// Change of volume `j`, zero at rest.
     fn volume_change(&self, _: &Matrix<D>) -> f64 {
         0.0
     }
@@ -59,30 +59,30 @@ pub trait EnergyDensity<const D: usize>: Debug + Send + Sync {
         Matrix::zeros()
     }
 
-    /// `U` and its first and second derivative, Pa.
+    /// `U` and its first and second derivatives, Pa.
     fn volumetric_energy(&self, _: Lame, _: f64) -> [f64; 3] {
         [0.0; 3]
     }
 
-    /// Whether neither energy nor stress, nor their derivatives, are anything at `F`.
+    /// Whether energy, stress and their derivatives all vanish at `F`.
     fn is_inactive(&self, _: &Matrix<D>) -> bool {
         false
     }
 }
 
-/// A quadratic form of changes of `F`: the sum of `wₘ (Eₘ : δF)²` over modes `Eₘ`.
+/// Quadratic form on changes of `F`: the sum of `wₘ (Eₘ : δF)²` over modes `Eₘ`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tangent<const D: usize> {
-    /// `Σ wₘ (Eₘ)_ij (Eₘ)_kl`: for columns `j` and `l` the matrix of `i` and `k`.
+    /// `Σ wₘ (Eₘ)_ij (Eₘ)_kl`: for each pair of columns `j` and `l` the matrix with the indices `i` and `k`.
     columns: [[Matrix<D>; D]; D],
 }
 
 impl<const D: usize> Tangent<D> {
-    /// The second derivatives of `Ψ + p j`, or their positive part, and Hooke's law for rates of Green's strain without change of
-    /// volume, at `F` with the pressure `p`.
+    /// Tangent at `F`: the Hessian of `Ψ + p j` with the pressure `p`, or its positive part, and Hooke's law without `λ` for rates of
+    /// the Green strain.
     ///
-    /// The eigenvectors of an isotropic density's Hessian are known but for those of the stretches (Smith et al. 2019,
-    /// "Analytic eigensystems for isotropic distortion energies").
+    /// The eigenvectors of an isotropic density's Hessian are known except those of the stretches (Smith et al. 2019, "Analytic
+    /// eigensystems for isotropic distortion energies").
     pub fn new(
         density: &impl EnergyDensity<D>,
         lame: Lame,
@@ -103,7 +103,7 @@ impl<const D: usize> Tangent<D> {
         tangent
     }
 
-    /// For changes `δF = u gᵀ`, what takes `u` to each column of the change of stress.
+    /// For changes `δF = u gᵀ`: the matrices that map `u` to each column of the change of stress.
     pub fn along(&self, g: &Vector<D>) -> [Matrix<D>; D] {
         self.columns.map(|row| row.iter().zip(g.iter()).map(|(block, g)| block * *g).sum())
     }
@@ -159,7 +159,7 @@ impl<const D: usize> Tangent<D> {
     }
 }
 
-/// `det F − 1`, so that small strains are not lost in rounding.
+/// `det F − 1`, without loss of small strains to rounding.
 pub(crate) fn dilation<const D: usize>(f: &Matrix<D>) -> f64 {
     let g = f - Matrix::identity();
     g.trace() + nonlinear_dilation(&g)
@@ -177,7 +177,7 @@ pub(crate) fn determinant<const D: usize>(f: &Matrix<D>) -> f64 {
     f.component_mul(&cofactor(f)).column(0).sum()
 }
 
-/// The matrix of cofactors, the derivative of the determinant.
+/// Cofactor matrix, the derivative of the determinant.
 pub(crate) fn cofactor<const D: usize>(f: &Matrix<D>) -> Matrix<D> {
     if D == 2 {
         return Matrix::from_fn(|r, c| if r == c { f[(1 - r, 1 - c)] } else { -f[(1 - r, 1 - c)] });

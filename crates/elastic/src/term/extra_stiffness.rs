@@ -1,20 +1,20 @@
-//! Stiffness of forces that are not the solid's own.
+//! Stiffness of external forces on a solid.
 
 use meniscus_numerics::{Matrix, Vector};
 
-/// Stiffness that other forces add, N/m (2D: N/m²): minus the derivative of the force on `first` by the position of
-/// `second`. For two different vertices the transpose counts for the exchanged pair by itself.
+/// Stiffness of an external force, N/m (2D: N/m²): minus the derivative of the force on `first` with respect to the position of
+/// `second`. For two different vertices the transposed block of the exchanged pair is implied.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StiffnessBlock<const D: usize> {
-    /// A vertex.
+    /// Number of a vertex.
     pub first: u32,
-    /// The same, or one that shares an element with it.
+    /// The same vertex, or one that shares an element with it.
     pub second: u32,
-    /// The block; symmetric if the vertices are the same. All blocks together must be positive semidefinite.
+    /// Block, symmetric if the vertices are the same. All blocks together must be positive semidefinite.
     pub block: Matrix<D>,
 }
 
-/// Adds the impulses, N s, of other forces' stiffness in a step of `h` s that changes the velocities by `w`.
+/// Adds the impulses, N s, of the extra stiffness in a step of `h` s that changes the velocities by `w`.
 pub(crate) fn add_stiffness_impulses<const D: usize>(
     extra_stiffness: &[StiffnessBlock<D>],
     h: f64,

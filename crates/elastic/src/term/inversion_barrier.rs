@@ -1,21 +1,22 @@
-//! What keeps elements upright: an energy without bound as the volume goes to zero.
+//! Barrier against the inversion of elements: `Ψ = κ β(J/J₀)` for volume ratios `J < J₀`, with `β(t) = −(1 − t)² ln t` as for contacts
+//! (`meniscus_contact`).
 //!
-//! `Ψ = κ β(J/J₀)` below the volume `J₀` over that at rest, with `β(t) = −(1 − t)² ln t` as for contacts (`meniscus_contact`). It is
-//! taken where a step ends, not half-way as the law of the material ([`crate::IncrementalPotential`]): so no step that is taken turns an element
-//! inside out. It is that of the parts of quadratic simplices, which nothing else keeps upright, and of the points of their law.
+//! The barrier is evaluated at the end of the coming step, not at the midpoint as the law ([`crate::IncrementalPotential`]), so no
+//! accepted step inverts an element. It acts on the linear parts of quadratic simplices, which the law does not protect, and at the
+//! quadrature points of the law.
 
 use super::energy_density::{EnergyDensity, Lame, PrincipalHessian, cofactor, determinant};
 use crate::linalg::axis_pairs;
 use meniscus_numerics::{Matrix, Vector};
 
-/// Volume over that at rest, `J₀`, below which elements resist besides their law: milder strains are the law's alone.
+/// Volume ratio `J₀` below which the barrier acts: milder strains obey the law alone.
 pub const CRUSHED_VOLUME_RATIO: f64 = 0.3;
 
-/// The energy; `κ` is the first Lamé parameter.
+/// Energy density of the barrier; `κ` is the first Lamé parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InversionBarrier;
 
-/// `Ψ/κ` and its first and second derivative by `J`.
+/// `Ψ/κ` and its first and second derivatives with respect to `J`.
 fn barrier_derivatives(j: f64) -> [f64; 3] {
     let (t, rest) = (j / CRUSHED_VOLUME_RATIO, 1.0 - j / CRUSHED_VOLUME_RATIO);
     if rest <= 0.0 {

@@ -1,20 +1,19 @@
-//! The logarithm of a change of volume that a law of material takes, continued where there is no volume.
+//! Logarithm of the volume ratio, continued to ratios below zero.
 //!
 //! ```text
 //! L(j) = ln j                                            j ≥ J₀
 //!        ln J₀ + (j − J₀)/J₀ − (j − J₀)²/(2 J₀²)         below,
 //! ```
 //!
-//! its second-order expansion about `J₀` = [`CRUSHED_VOLUME_RATIO`]. A law is taken half-way between two times, and of changes of volume that are
-//! projected within an element: both can be below zero where no element is turned inside out. What keeps elements upright is
-//! [`super::InversionBarrier`], which begins at `J₀`.
+//! its second-order expansion about `J₀` = [`CRUSHED_VOLUME_RATIO`]. Ratios at the midpoint of a step and projected ratios can be below
+//! zero where no element is inverted. [`super::InversionBarrier`], which acts below `J₀`, prevents inversion.
 
 use super::inversion_barrier::CRUSHED_VOLUME_RATIO;
 
-/// `x` below which `ln (1 + x)/x` is summed: 1e-16 of it are left out.
+/// `x` below which `ln (1 + x)/x` is evaluated as a series, with a relative error of 1e-16.
 const SERIES_THRESHOLD: f64 = 1e-4;
 
-/// `L` and its first and second derivative.
+/// `L` and its first and second derivatives.
 pub fn extended_log(j: f64) -> [f64; 3] {
     if j >= CRUSHED_VOLUME_RATIO {
         return [j.ln(), 1.0 / j, -1.0 / (j * j)];
@@ -30,7 +29,7 @@ pub fn extended_log(j: f64) -> [f64; 3] {
 /// `(L(b) − L(a))/(b − a)`.
 pub fn log_divided_difference([a, b]: [f64; 2]) -> f64 {
     let (low, high) = (a.min(b), a.max(b));
-    // Of a parabola it is the slope half-way.
+    // The divided difference of a parabola is its slope at the midpoint.
     let below = |a: f64, b: f64| extended_log((0.5 * (a + b)).min(CRUSHED_VOLUME_RATIO))[1];
     if low >= CRUSHED_VOLUME_RATIO {
         plain_log_divided_difference(a, b)

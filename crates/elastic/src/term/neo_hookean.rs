@@ -1,13 +1,13 @@
-//! Neo-Hookean solids: rubber, which no force presses to nothing.
+//! Neo-Hookean elasticity for rubber-like solids.
 //!
 //! ```text
 //! Ψ = μ/2 (|F|² − D) − μ ln J + λ/2 (ln J)²,        J = det F
 //! ```
 //!
-//! (J. Simo & K. Pister 1984; Bonet & Wood, "Nonlinear Continuum Mechanics for Finite Element Analysis", §6.4.3), without stress at
-//! rest and Hooke's law for small strains; in 2D it is that of plane strain. The last part is that of the projected change of volume.
-//! Below a volume of 0.3 the logarithm is continued ([`super::logarithm`]): what turns no element inside out there is
-//! [`super::InversionBarrier`]. Limit: stretched beyond `J = e` to all sides it yields more the more it is stretched.
+//! (J. Simo & K. Pister 1984; Bonet & Wood, "Nonlinear Continuum Mechanics for Finite Element Analysis", §6.4.3). It has no stress
+//! at rest and Hooke's law for small strains; in 2D it is plane strain. The last part is evaluated for the projected change of
+//! volume. Below a volume ratio of 0.3 the logarithm is continued ([`super::logarithm`]), and [`super::InversionBarrier`] prevents
+//! inversion. Limit: in expansion beyond `J = e` the volumetric part softens (`U'' < 0`).
 
 use super::discrete_gradient::{DiscreteGradientDensity, determinant_discrete_gradient, volume_ratios};
 use super::energy_density::{
@@ -18,11 +18,12 @@ use super::logarithm::{extended_log, log_divided_difference};
 use crate::linalg::axis_pairs;
 use meniscus_numerics::{Matrix, Vector};
 
-/// The density.
+/// Neo-Hookean energy density.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NeoHookean;
 
-/// `|j|` below which `j − ln (1 + j)` is summed, so that small strains are not lost in rounding: 14 terms make 1e-16 of the first.
+/// `|j|` below which `j − ln (1 + j)` is evaluated as a series, so that rounding does not lose small strains: 14 terms give a
+/// relative error of 1e-16.
 const SERIES_THRESHOLD: f64 = 0.06;
 const SERIES_TERMS: i32 = 14;
 
@@ -38,7 +39,7 @@ fn minus_log_one_plus(j: f64) -> f64 {
     j * j * (2..SERIES_TERMS + 2).rev().fold(0.0, |sum, k| 1.0 / f64::from(k) - j * sum)
 }
 
-/// `L(1 + θ)`, small changes in full.
+/// `L(1 + θ)`, with small changes in full precision.
 fn log_one_plus(theta: f64) -> f64 {
     if 1.0 + theta < CRUSHED_VOLUME_RATIO { extended_log(1.0 + theta)[0] } else { theta.ln_1p() }
 }
@@ -58,7 +59,7 @@ impl<const D: usize> EnergyDensity<D> for NeoHookean {
     }
 
     fn principal_hessian(&self, lame: Lame, stretches: &Vector<D>, pressure: f64) -> PrincipalHessian<D> {
-        // Of the product `J` of stretches: that without two of them is the second derivative of `J`, that without one the first.
+        // Products of the stretches without one and without two factors: first and second derivatives of `J`.
         let without = |i: usize, j: usize| -> f64 {
             (0..D).filter(|k| *k != i && *k != j).map(|k| stretches[k]).product()
         };

@@ -1,32 +1,32 @@
-//! Where the strain of a body is evaluated: points in its elements, each with a deformation gradient `F = Σ x_v g_vᵀ` of its own.
+//! Quadrature points of the elements, each with a deformation gradient `F = Σ x_v g_vᵀ`.
 //!
-//! **Quadratic simplices** (`meniscus_numerics::mesh::volume::quadratic`) have the points of the rule of degree 2 that is as symmetric
-//! as they are (P. Hammer, O. Marlowe & A. Stroud, "Numerical integration over simplexes and cones", 1956): `D + 1`, one towards each
-//! corner, at the barycentric coordinates
+//! **Quadratic simplices** (`meniscus_numerics::mesh::volume::quadratic`) have the symmetric rule of degree 2 (P. Hammer, O.
+//! Marlowe & A. Stroud, "Numerical integration over simplexes and cones", 1956) with `D + 1` points, one towards each corner, at
+//! the barycentric coordinates
 //!
 //! ```text
 //! 2D: (2/3, 1/6, 1/6),        3D: ((5 + 3 √5)/20, (5 − √5)/20, (5 − √5)/20, (5 − √5)/20),        weights 1/(D + 1)
 //! ```
 //!
-//! Strains are linear in a simplex with straight edges, and their squares integrated exactly: the stiffness has full rank, and no
-//! motion but a rigid one is without energy. Displacements of bending at constant curvature are quadratic, whatever Poisson's ratio is,
-//! so that any mesh holds them, of one layer of elements too.
+//! In a simplex with straight edges strains are linear and the rule integrates their squares exactly: the stiffness has full rank,
+//! and only rigid motions have no energy. Displacements of bending at constant curvature are quadratic for any Poisson's ratio, so
+//! any mesh represents them, even with a single layer of elements.
 //!
-//! **Changes of volume** would lock where Poisson's ratio is near a half: as many of them are resisted as there are unknowns. So
-//! simplices make pairs with a neighbour ([`pair_simplices`]), and only the part of the change that is linear in the pair is resisted by `λ`:
-//! at the points `q` of an element it is
+//! **Changes of volume** lock where Poisson's ratio is close to ½, since there are as many constraints as unknowns. Simplices are
+//! therefore paired with a neighbour ([`pair_simplices`]), and `λ` resists only the part of the change that is linear in the pair.
+//! At the points `q` of an element it is
 //!
 //! ```text
 //! θ_q = Σ_r W_qr j_r,        W_qr = b_q · (Σ_s v_s b_s b_sᵀ)⁻¹ b_r v_r,        b = (1, X)
 //! ```
 //!
-//! with the change `j_r` at its points and their volumes `v_r`: the projection onto linear functions of the place at rest `X`, of
-//! which bending needs no more. It is the pressure of the element Q2/P1 (discontinuous), which neither locks nor oscillates (Boffi,
-//! Brezzi & Fortin, "Mixed Finite Element Methods", 2013, §8.6), on what meshes without squares have instead of them. A simplex without
-//! a partner keeps all its changes, which are linear already.
+//! with the changes `j_r` at its points and their volumes `v_r`. This is the projection onto linear functions of the rest position
+//! `X`, which suffice for bending. The corresponding pressure is that of the Q2/P1 element with discontinuous pressure, which
+//! neither locks nor oscillates (Boffi, Brezzi & Fortin, "Mixed Finite Element Methods", 2013, §8.6), with pairs of simplices in
+//! place of squares. A simplex without a partner keeps all its changes, which are already linear.
 //!
-//! **Linear simplices** have one strain each. They bend by shearing only: a plate of two layers is 1.9 times too stiff at ν = 0.3.
-//! They are for comparisons, and for what has no bending.
+//! **Linear simplices** have one point each. They bend only by shearing: a plate of two layers is 1.9 times too stiff at ν = 0.3.
+//! They serve for comparisons and for problems without bending.
 
 use super::energy_density::{Lame, cofactor, determinant};
 use crate::ElasticError;
@@ -39,31 +39,31 @@ use meniscus_numerics::{Matrix, Vector};
 use nalgebra::DMatrix;
 use std::ops::Range;
 
-/// Steps in which sizes of facets are told apart, over the largest: those of lattices differ by rounding.
+/// Resolution of facet sizes, over the largest: equal facets of lattices differ by rounding.
 const FACET_SIZE_TOLERANCE: f64 = 1e-6;
 
-/// Points in the elements of a body.
+/// Quadrature points in the elements of a solid.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct QuadraturePoints<const D: usize> {
-    /// The vertices of each element.
+    /// Vertices of each element.
     pub elements: Cliques,
-    /// Where the points of each element end.
+    /// End of the points of each element.
     point_ends: Vec<usize>,
-    /// The element of each point, and where its gradients start.
+    /// Element of each point, and the start of its gradients.
     point_elements: Vec<(u32, usize)>,
-    /// The gradients `g_v`, 1/m, as the vertices of the point's element.
+    /// Gradients `g_v`, 1/m, in the order of the vertices of the point's element.
     gradients: Vec<Vector<D>>,
-    /// Volume that a point stands for, m³ (2D: m²).
+    /// Volume of each point, m³ (2D: m²).
     pub volumes: Vec<f64>,
-    /// The matrices `W` of elements with several points, one after another.
+    /// Matrices `W` of the elements, one after another.
     projections: Vec<f64>,
-    /// Where the matrix of each element starts.
+    /// Start of the matrix of each element.
     projection_starts: Vec<usize>,
-    /// Elasticity of each element.
+    /// Lamé parameters of each element.
     lame: Vec<Lame>,
 }
 
-/// A point: gradients of some vertices, its volume, and where it is at rest, m.
+/// A quadrature point: gradients of some vertices, 1/m, its volume, m³ (2D: m²), and its rest position, m.
 struct QuadraturePoint<const D: usize> {
     gradients: Vec<(u32, Vector<D>)>,
     volume: f64,
@@ -71,7 +71,7 @@ struct QuadraturePoint<const D: usize> {
 }
 
 impl<const D: usize> QuadraturePoints<D> {
-    /// Of a body of one elasticity.
+    /// Points of a solid with uniform Lamé parameters.
     ///
     /// # Errors
     /// [`ElasticError::NotQuadratic`] and [`ElasticError::Folded`].
@@ -82,7 +82,7 @@ impl<const D: usize> QuadraturePoints<D> {
         }
     }
 
-    /// Of linear simplices, each with an elasticity.
+    /// Points of linear simplices, each with its own Lamé parameters.
     pub fn linear(mesh: &VolumeMesh<D>, lame: Vec<Lame>) -> Self {
         let mut points = Self::default();
         for (simplex, lame) in mesh.simplices.iter().zip(lame) {
@@ -136,12 +136,12 @@ impl<const D: usize> QuadraturePoints<D> {
         self.lame.push(lame);
     }
 
-    /// The number of points.
+    /// Number of points.
     pub fn len(&self) -> usize {
         self.volumes.len()
     }
 
-    /// The points of an element.
+    /// Points of an element.
     pub fn points_of(&self, element: usize) -> Range<usize> {
         let start = if element == 0 { 0 } else { self.point_ends[element - 1] };
         start..self.point_ends[element]
@@ -153,7 +153,7 @@ impl<const D: usize> QuadraturePoints<D> {
         &self.projections[self.projection_starts[element]..self.projection_starts[element] + count * count]
     }
 
-    /// Elasticity of an element.
+    /// Lamé parameters of an element.
     pub fn lame(&self, element: usize) -> Lame {
         self.lame[element]
     }
@@ -165,7 +165,7 @@ impl<const D: usize> QuadraturePoints<D> {
         (vertices, &self.gradients[start..start + vertices.len()])
     }
 
-    /// `F = Σ x_v g_vᵀ`; differences of positions, so that it is the same wherever the body is.
+    /// `F = Σ x_v g_vᵀ`, computed from differences of positions so that it does not depend on the position of the solid.
     pub fn deformation_gradient(&self, k: usize, x: &[Vector<D>]) -> Matrix<D> {
         let (vertices, gradients) = self.shape_gradients(k);
         let first = x[vertices[0] as usize];
@@ -180,7 +180,7 @@ fn quadrature_coordinates<const D: usize>(corner: usize) -> Vec<f64> {
     (0..=D).map(|i| if i == corner { 1.0 - D as f64 * far } else { far }).collect()
 }
 
-/// A point of a quadratic simplex at barycentric coordinates; nothing where it has no volume.
+/// Quadrature point of a quadratic simplex at barycentric coordinates; `None` where it has no positive volume.
 fn quadrature_point<const D: usize>(
     parent: &QuadraticSimplex<D>,
     at: &[f64],
@@ -188,7 +188,7 @@ fn quadrature_point<const D: usize>(
     mesh: &VolumeMesh<D>,
 ) -> Option<QuadraturePoint<D>> {
     let jacobian = parent.jacobian(slopes, &mesh.positions);
-    // Of the unit simplex, shared among the points.
+    // Volume of the unit simplex, shared among the points.
     let unit = if D == 2 { 0.5 } else { 1.0 / 6.0 };
     let volume = determinant(&jacobian) * unit / (D + 1) as f64;
     if volume.is_nan() || volume <= 0.0 {
@@ -196,7 +196,7 @@ fn quadrature_point<const D: usize>(
     }
     let across = inverse_transposed(&jacobian);
     let gradients = parent.nodes().iter().zip(slopes).map(|(v, s)| (*v, across * s)).collect();
-    // Among the corners: of a curved simplex the projection is onto what is linear without the curves.
+    // Interpolated between the corners: in a curved simplex the projection is onto functions linear without the curves.
     let corners = parent.nodes().iter().zip(at);
     Some(QuadraturePoint {
         gradients,
@@ -205,8 +205,8 @@ fn quadrature_point<const D: usize>(
     })
 }
 
-/// Quadratic simplices in pairs that share a facet, and those that are left: facet after facet from the largest one, each with both
-/// simplices if none of them has a partner.
+/// Pairs of quadratic simplices that share a facet, and the remaining simplices. Facets are visited in descending size; each pairs
+/// its two simplices if neither has a partner.
 fn pair_simplices<const D: usize>(mesh: &VolumeMesh<D>, parents: &[QuadraticSimplex<D>]) -> Vec<Vec<usize>> {
     let mut facets: Vec<([u32; D], usize)> = Vec::new();
     for (number, parent) in parents.iter().enumerate() {
@@ -240,7 +240,7 @@ fn pair_simplices<const D: usize>(mesh: &VolumeMesh<D>, parents: &[QuadraticSimp
     (0..parents.len()).filter_map(element).collect()
 }
 
-/// The matrix `W` of an element, row by row; the unit matrix where there are no more points than linear functions.
+/// Matrix `W` of an element, row by row; the identity where there are no more points than linear functions.
 fn projection_matrix<const D: usize>(points: &[QuadraturePoint<D>]) -> Vec<f64> {
     let count = points.len();
     let unit = || DMatrix::<f64>::identity(count, count);
@@ -259,7 +259,7 @@ fn inverse_transposed<const D: usize>(m: &Matrix<D>) -> Matrix<D> {
     cofactor(m) / determinant(m)
 }
 
-/// The mean square of an element's edges, m².
+/// Mean square edge length of an element, m².
 pub(crate) fn mean_square_edge<const D: usize>(mesh: &VolumeMesh<D>, simplex: &Simplex<D>) -> f64 {
     let at: Vec<Vector<D>> = simplex.vertices().map(|v| mesh.positions[v as usize]).collect();
     let all: f64 = at.iter().flat_map(|a| at.iter().map(move |b| (a - b).norm_squared())).sum();

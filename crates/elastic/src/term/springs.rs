@@ -9,14 +9,14 @@ use meniscus_numerics::{Matrix, Vector, par};
 #[derive(Clone, Debug)]
 pub struct Springs {
     edges: Cliques,
-    /// Lengths at rest, m.
+    /// Rest lengths, m.
     rest_lengths: Vec<f64>,
-    /// N/m (2D: N/m²).
+    /// Stiffness of each spring, N/m (2D: N/m²).
     stiffness: f64,
 }
 
 impl Springs {
-    /// At rest on a mesh; `stiffness` in N/m (2D: N/m²), of each edge.
+    /// Springs on a mesh at rest; `stiffness` of each edge in N/m (2D: N/m²).
     pub fn new<const D: usize>(mesh: &VolumeMesh<D>, stiffness: f64) -> Self {
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         for simplex in &mesh.simplices {
@@ -34,12 +34,12 @@ impl Springs {
         Self { edges, rest_lengths, stiffness }
     }
 
-    /// Vertices of an edge, the direction from the first to the second, and the length.
+    /// Vertices of an edge, its direction from the first to the second, and its length.
     fn edge<const D: usize>(&self, k: usize, x: &[Vector<D>]) -> (usize, usize, Vector<D>, f64) {
         let [a, b] = [0, 1].map(|end| self.edges.get(k)[end] as usize);
         let along = x[b] - x[a];
         let length = along.norm();
-        // A spring of no length pulls nowhere.
+        // A spring of zero length exerts no force.
         (a, b, if length > 0.0 { along / length } else { along }, length)
     }
 }
@@ -75,7 +75,7 @@ impl<const D: usize> ForceTerm<D> for Springs {
     fn add_tangent(&self, x: &[Vector<D>], weights: TangentWeights, matrix: &mut BlockMatrix<D>) {
         for k in 0..self.rest_lengths.len() {
             let (a, b, along, length) = self.edge(k, x);
-            // A spring that is pushed together gives way sideways: the negative part.
+            // The transverse stiffness of a compressed spring is negative.
             let across = 1.0 - self.rest_lengths[k] / length;
             let across = if weights.project_psd { across.max(0.0) } else { across };
             let outer = along * along.transpose();
@@ -89,14 +89,14 @@ impl<const D: usize> ForceTerm<D> for Springs {
     }
 }
 
-/// `Δ(|d|²) = 2 d̄ · Δd` and `ΔΨ = k/2 (|d₀| + |d₁| − 2 l) (|d₁| − |d₀|)`.
+/// Follows from `Δ(|d|²) = 2 d̄ · Δd` and `ΔΨ = k/2 (|d₀| + |d₁| − 2 l) (|d₁| − |d₀|)`.
 impl<const D: usize> DiscreteGradientTerm<D> for Springs {
     fn add_forces_between(&self, ends: [&[Vector<D>]; 2], forces: &mut [Vector<D>]) {
         for k in 0..self.rest_lengths.len() {
             let [(a, b, _, first), (_, _, _, last)] = ends.map(|x| self.edge(k, x));
             let mean = ends.iter().map(|x| x[b] - x[a]).sum::<Vector<D>>() * 0.5;
             let both = first + last;
-            // A spring of no length pulls nowhere.
+            // A spring of zero length exerts no force.
             let pull = if both > 0.0 {
                 mean * (self.stiffness * (both - 2.0 * self.rest_lengths[k]) / both)
             } else {

@@ -1,4 +1,4 @@
-//! The tension of a solid's own surface.
+//! Surface tension of a solid.
 
 use super::{DiscreteGradientTerm, ForceTerm, TangentWeights};
 use crate::linalg::{BlockMatrix, Cliques};
@@ -6,8 +6,7 @@ use meniscus_numerics::mesh::surface::{area_gradients, area_hessian, area_hessia
 use meniscus_numerics::mesh::{SurfaceMesh, VolumeMesh};
 use meniscus_numerics::{Matrix, Vector, par};
 
-/// The same energy `γ_s` for every part of a mesh's surface, however stretched: a tension (design, validation §4, 9, `Υs`; a
-/// tension that strain changes, Shuttleworth's, is left out).
+/// Energy `γ_s` per area of the current surface of a mesh. Limit: the tension does not depend on strain (no Shuttleworth effect).
 #[derive(Clone, Debug)]
 pub struct SurfaceTension {
     facets: Cliques,
@@ -16,7 +15,7 @@ pub struct SurfaceTension {
 }
 
 impl SurfaceTension {
-    /// On the surface of a mesh; the tension is in N/m.
+    /// Term on the surface of a mesh; `tension` in N/m.
     pub fn new<const D: usize>(mesh: &VolumeMesh<D>, tension: f64) -> Self {
         let (SurfaceMesh { facets, .. }, vertices) = mesh.surface();
         let mut cliques = Cliques::default();
@@ -24,7 +23,7 @@ impl SurfaceTension {
         Self { facets: cliques, tension }
     }
 
-    /// A facet's vertices, and where they are.
+    /// Vertices of a facet and their positions.
     fn facet<const D: usize>(&self, k: usize, x: &[Vector<D>]) -> ([u32; D], [Vector<D>; D]) {
         let vertices: [u32; D] = std::array::from_fn(|i| self.facets.get(k)[i]);
         (vertices, vertices.map(|v| x[v as usize]))
@@ -66,8 +65,8 @@ impl<const D: usize> ForceTerm<D> for SurfaceTension {
     }
 }
 
-/// With the edges `e_i` from a facet's first corner and their products `C_ij = e_i · e_j` an area is `√(det C)/(D − 1)!`, and
-/// `det C₁ − det C₀ = cof C̄ : ΔC`: the discrete gradient is `γ_s Ē S` with `S = 2 cof C̄/((D − 1)!² (A₀ + A₁))`.
+/// With the edges `e_i` from a facet's first corner and their products `C_ij = e_i · e_j` the area is `√(det C)/(D − 1)!`. As
+/// `det C₁ − det C₀ = cof C̄ : ΔC`, the discrete gradient is `γ_s Ē S` with `S = 2 cof C̄/((D − 1)!² (A₀ + A₁))`.
 impl<const D: usize> DiscreteGradientTerm<D> for SurfaceTension {
     fn add_forces_between(&self, ends: [&[Vector<D>]; 2], forces: &mut [Vector<D>]) {
         for k in 0..self.facets.len() {
@@ -79,7 +78,7 @@ impl<const D: usize> DiscreteGradientTerm<D> for SurfaceTension {
                 |i: usize, j: usize| both.iter().map(|c| edge(c, i).dot(&edge(c, j))).sum::<f64>() * 0.5;
             let areas: f64 = both.iter().map(|corners| area_vector(corners).norm()).sum();
             let scale = 2.0 * self.tension / (areas * ((D - 1) * (D - 1)) as f64);
-            // The one cofactor of a number is 1.
+            // The cofactor of a 1×1 matrix is 1.
             let cofactors = if D == 2 {
                 Matrix::<2>::identity()
             } else {

@@ -1,6 +1,6 @@
 //! Small dense linear systems.
 
-/// The solution of `A x = b` by elimination with row pivoting; none if the matrix is singular.
+/// The solution of `A x = b` by Gaussian elimination with row pivoting; `None` if the matrix is singular.
 pub fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Option<Vec<f64>> {
     let n = b.len();
     for k in 0..n {
@@ -27,7 +27,7 @@ pub fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Option<Vec<f64>> {
     Some(b)
 }
 
-/// The smallest pivot of the Cholesky factorisation over the largest diagonal entry: positive exactly if the
+/// The smallest pivot of the Cholesky factorisation over the largest diagonal entry. It is positive if and only if the
 /// symmetric matrix is positive definite.
 pub fn min_relative_pivot(mut a: Vec<Vec<f64>>) -> f64 {
     let n = a.len();
@@ -51,7 +51,7 @@ pub fn min_relative_pivot(mut a: Vec<Vec<f64>>) -> f64 {
     least
 }
 
-/// Coefficients that make `Σ w (value − c · basis)²` smallest; each sample is a weight, a basis and a value.
+/// Coefficients `c` that minimise `Σ w (value − c · basis)²`; each sample is a weight, a basis and a value.
 pub fn least_squares<const N: usize>(
     samples: impl Iterator<Item = (f64, [f64; N], f64)>,
 ) -> Option<[f64; N]> {

@@ -1,29 +1,29 @@
-//! Ellipses and spheroids with an upright axis through points.
+//! Least-squares fit of ellipses and spheroids with a vertical axis.
 
 use super::{Sphere, least_squares};
 use crate::Vector;
 
-/// How often the weights are set anew by the length of the gradient, which turns algebraic into true distances.
+/// Number of reweightings by the length of the gradient, which turn algebraic into geometric distances.
 const REWEIGHTING_ITERATIONS: usize = 3;
 
-/// An ellipse with level and upright axes (2D), a spheroid about an upright axis (3D); the last axis is up.
+/// An ellipse with horizontal and vertical axes (2D), a spheroid about a vertical axis (3D); the last axis is up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid<const D: usize> {
     /// Centre, m.
     pub center: Vector<D>,
-    /// Half the level axis, m.
+    /// Horizontal semi-axis, m.
     pub horizontal_semi_axis: f64,
-    /// Half the upright axis, m.
+    /// Vertical semi-axis, m.
     pub vertical_semi_axis: f64,
 }
 
 impl<const D: usize> Ellipsoid<D> {
-    /// A circle or sphere as what it is among them.
+    /// The ellipsoid equal to a circle or sphere.
     pub fn from_sphere(sphere: &Sphere<D>) -> Self {
         Self { center: sphere.center, horizontal_semi_axis: sphere.radius, vertical_semi_axis: sphere.radius }
     }
 
-    /// The one that weighted points are nearest to, if there is one.
+    /// Fits weighted points; `None` if they determine no ellipsoid.
     pub fn fit(points: &[(Vector<D>, f64)]) -> Option<Self> {
         let mut best = Self::algebraic_fit(points, |_| 1.0)?;
         for _ in 0..REWEIGHTING_ITERATIONS {
@@ -33,7 +33,7 @@ impl<const D: usize> Ellipsoid<D> {
         Some(best)
     }
 
-    /// Least squares of `|x_level|² = −k x_up² + 2 c·x + e`, points weighted with `by` besides.
+    /// Least squares of `|x_horizontal|² = −k x_up² + 2 c·x + e`; the points' weights are multiplied by `by`.
     fn algebraic_fit(points: &[(Vector<D>, f64)], by: impl Fn(&Vector<D>) -> f64) -> Option<Self> {
         let origin = points.first()?.0;
         let scale = points.iter().map(|p| (p.0 - origin).norm()).fold(0.0, f64::max);
@@ -47,7 +47,7 @@ impl<const D: usize> Ellipsoid<D> {
             (0..D).for_each(|a| basis[a] = 2.0 * x[a]);
             (weight * by(at), basis, x.norm_squared() - x[up] * x[up])
         };
-        // In 2D the third entry of the basis is free: a weight pins it to zero.
+        // In 2D the third entry of the basis is unused: a weight pins its coefficient to zero.
         let pin = (if D == 2 { 1.0 } else { 0.0 }, [0.0, 0.0, 1.0, 0.0, 0.0], 0.0);
         let fit = least_squares(points.iter().map(row).chain([pin]))?;
         let k = fit[4];
@@ -70,7 +70,7 @@ impl<const D: usize> Ellipsoid<D> {
         .then_some(it)
     }
 
-    /// Half its axis along each coordinate, m.
+    /// Semi-axis along a coordinate, m.
     fn semi_axis(&self, a: usize) -> f64 {
         if a + 1 == D { self.vertical_semi_axis } else { self.horizontal_semi_axis }
     }
@@ -94,7 +94,7 @@ impl<const D: usize> Ellipsoid<D> {
         }
     }
 
-    /// Outward unit normal of the one like it that passes through a point.
+    /// Outward unit normal of the concentric, similar ellipsoid that passes through a point.
     pub fn normal(&self, x: &Vector<D>) -> Vector<D> {
         let n = Vector::<D>::from_fn(|a, _| (x[a] - self.center[a]) / self.semi_axis(a).powi(2));
         n.try_normalize(0.0).unwrap_or_else(Vector::zeros)
@@ -110,7 +110,7 @@ mod tests {
         let it = Ellipsoid { center, horizontal_semi_axis, vertical_semi_axis };
         let points: Vec<(Vector<D>, f64)> = (0..200)
             .map(|i| {
-                // The upper two thirds only, as of a drop on a plate.
+                // Only the upper two thirds, as for a drop on a plate.
                 let (s, t) = (0.71 * f64::from(i), 2.0 * f64::from(i) / 199.0);
                 let side = if D == 2 {
                     [t.sin() * s.cos().signum(), 0.0]
@@ -139,7 +139,7 @@ mod tests {
         found::<2>(1e-3, 1.3e-3);
         found::<3>(1.0, 0.6);
         found::<3>(1e-3, 1e-3);
-        // A line is none.
+        // A line determines no ellipse.
         let line: Vec<_> = (0..9).map(|i| (Vector::<2>::new(f64::from(i), 0.0), 1.0)).collect();
         assert_eq!(Ellipsoid::fit(&line), None);
     }

@@ -1,4 +1,4 @@
-//! Fits by least squares: linear systems, circles and spheres, ellipses and spheroids, rigid motions.
+//! Least-squares fits of linear systems, circles, spheres, ellipses, spheroids and rigid motions.
 
 mod dense;
 mod ellipsoid;

@@ -1,21 +1,21 @@
-//! The rigid motion nearest to what points have done.
+//! Least-squares rigid motion between two sets of points.
 
 use crate::{Matrix, Vector};
 
-/// A rotation about one point and a way to another: what takes points to others with the least sum of squares
-/// (W. Kabsch, "A solution for the best rotation to relate two sets of vectors", Acta Cryst. A 32 (1976) 922).
+/// A rotation about one point and a translation that map points to others with the least sum of squares (W. Kabsch, "A
+/// solution for the best rotation to relate two sets of vectors", Acta Cryst. A 32 (1976) 922).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidTransform {
     /// The rotation.
     pub rotation: Matrix<3>,
-    /// The mean of the points at first, m.
+    /// Mean of the initial points, m.
     pub initial_centroid: Vector<3>,
-    /// Their mean at last, m.
+    /// Mean of the final points, m.
     pub final_centroid: Vector<3>,
 }
 
 impl RigidTransform {
-    /// That of points that were at `from` and are at `to` (m), as many of one as of the other. Points in a plane `z` stay in it.
+    /// Fits the motion of points from `from` to `to` (m), in the same order. Points in a plane `z` stay in it.
     pub fn fit(from: &[Vector<3>], to: &[Vector<3>]) -> Self {
         let count = from.len().min(to.len()).max(1) as f64;
         let mean = |all: &[Vector<3>]| all.iter().sum::<Vector<3>>() / count;
@@ -34,7 +34,7 @@ impl RigidTransform {
         Self { rotation, initial_centroid: start, final_centroid: end }
     }
 
-    /// Where a point would be if that motion had not been, m.
+    /// The point that the motion maps to `x`, m.
     pub fn inverse_transformed(&self, x: &Vector<3>) -> Vector<3> {
         self.initial_centroid + self.rotation.tr_mul(&(x - self.final_centroid))
     }

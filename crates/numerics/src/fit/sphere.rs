@@ -1,4 +1,4 @@
-//! Circles and spheres through points, and the angles at which they meet planes and balls.
+//! Least-squares fit of circles and spheres, and their angles with planes and balls.
 
 use super::least_squares;
 use crate::Vector;
@@ -13,10 +13,10 @@ pub struct Sphere<const D: usize> {
 }
 
 impl<const D: usize> Sphere<D> {
-    /// The one that weighted points are nearest to (least squares of `|x|² = 2 c·x + k`), if there is one.
+    /// Fits weighted points by least squares of `|x|² = 2 c·x + k`; `None` if they determine no sphere.
     pub fn fit(points: &[(Vector<D>, f64)]) -> Option<Self> {
         let origin = points.first()?.0;
-        // In 2D the third entry of the basis is free: a weight pins it to zero.
+        // In 2D the third entry of the basis is unused: a weight pins its coefficient to zero.
         let pin = (if D == 2 { 1.0 } else { 0.0 }, [0.0, 0.0, 1.0, 0.0], 0.0);
         let scale = points.iter().map(|p| (p.0 - origin).norm()).fold(0.0, f64::max);
         if scale <= 0.0 {
@@ -34,12 +34,12 @@ impl<const D: usize> Sphere<D> {
         radius.is_finite().then(|| Self { center: origin + center * scale, radius: radius * scale })
     }
 
-    /// Angle, in degrees and through its inside, at which it meets a plane.
+    /// Angle, in degrees, measured through its inside, at which it meets a plane.
     pub fn angle_on_plane(&self, point: &Vector<D>, normal: &Vector<D>) -> f64 {
         (-(self.center - point).dot(normal) / self.radius).clamp(-1.0, 1.0).acos().to_degrees()
     }
 
-    /// The same on a ball.
+    /// The same for a ball.
     pub fn angle_on_ball(&self, center: &Vector<D>, radius: f64) -> f64 {
         let gap = (self.center - center).norm_squared();
         let cosine = (self.radius.powi(2) + radius.powi(2) - gap) / (2.0 * self.radius * radius);

@@ -1,4 +1,4 @@
-//! The cells around the interface, in layers.
+//! The narrow band: the cells around the interface, in layers.
 
 use super::{Grid, Runs};
 use rayon::prelude::*;
@@ -14,7 +14,7 @@ pub struct Band<const D: usize> {
     pub cells: Vec<u32>,
     /// Layer `l` is `cells[layers[l]..layers[l + 1]]`.
     pub layers: Vec<usize>,
-    /// For every cell of the grid 1 + its place in `cells`, or 0.
+    /// For every cell of the grid: 1 + its index in `cells`, or 0.
     slots: Vec<u32>,
 }
 
@@ -24,18 +24,18 @@ impl<const D: usize> Band<D> {
         Self { grid, cells: Vec::new(), layers: vec![0], slots: vec![0; grid.lattice().len()] }
     }
 
-    /// Place of a cell in the list.
+    /// Index of a cell in `cells`.
     pub fn slot(&self, cell: usize) -> Option<usize> {
         (self.slots[cell] as usize).checked_sub(1)
     }
 
-    /// The layers `0..n` as a range of the list.
+    /// Index range in `cells` of the layers `0..n`.
     pub fn first_layers(&self, n: usize) -> std::ops::Range<usize> {
         0..self.layers[n.min(self.layers.len() - 1)]
     }
 
-    /// Builds the band of `layers` layers around the zero set of `phi`, whose negative cells are `inside`. Only the
-    /// signs of `phi` count.
+    /// Builds the band of `layers` layers around the zero set of `phi`, whose negative cells are `inside`. Only the signs
+    /// of `phi` are used.
     pub fn rebuild(&mut self, phi: &[f64], inside: &Runs, layers: usize) {
         for &cell in &self.cells {
             self.slots[cell as usize] = 0;

@@ -3,7 +3,8 @@
 use super::{Grid, Run, Runs};
 
 impl Runs {
-    /// Labels every run with its component (cells that share a face), numbered in order of their first cell.
+    /// Labels every run with its connected component (cells that share a face). Components are numbered in the order of
+    /// their first cells.
     pub fn label<const D: usize>(mut self, grid: &Grid<D>) -> Self {
         let rows = self.row_starts(grid);
         let mut parent: Vec<u32> = (0..self.runs.len() as u32).collect();
@@ -39,7 +40,7 @@ impl Runs {
         self
     }
 
-    /// Makes each pair of components one, and numbers them in order of their first cell again.
+    /// Merges each pair of components and renumbers them in the order of their first cells.
     pub fn merge_components(&mut self, pairs: &[(u32, u32)]) {
         let mut parent: Vec<u32> = (0..self.components).collect();
         pairs.iter().for_each(|&(a, b)| unite(&mut parent, a, b));
@@ -57,7 +58,7 @@ impl Runs {
         self.components = count;
     }
 
-    /// The component of a cell, if it is one of these.
+    /// A function that returns the component of a cell, or `None` if the cell is not in the set.
     pub fn component_lookup<const D: usize>(
         &self,
         grid: &Grid<D>,
@@ -71,7 +72,7 @@ impl Runs {
         }
     }
 
-    /// For every row of the grid the number of runs in rows before it.
+    /// For every row of the grid, the number of runs in the rows before it.
     pub fn row_starts<const D: usize>(&self, grid: &Grid<D>) -> Vec<usize> {
         let rows = grid.lattice().rows();
         let mut starts = vec![0; rows + 1];

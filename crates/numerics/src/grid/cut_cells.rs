@@ -1,69 +1,69 @@
-//! Cells cut by solids: the open part of every face, and the solid's surface in every cell.
+//! Cells cut by solids: the open fraction of every face, and the wetted surface in every cell.
 //!
-//! The solids' distance is known at the corners of the cells. On a face it is taken as linear between them (2D: along
-//! the edge; 3D: on the four triangles around the middle, which has the mean); where it is positive the face is open.
-//! What closes the open parts of a cell's faces is the wetted surface `S`: with the normal out of the cell,
+//! The solids' signed distance is sampled at the corners of the cells. On a face it is interpolated linearly (2D: along
+//! the edge; 3D: on the four triangles around the middle, which has the mean), and the face is open where it is positive.
+//! The wetted surface `S` closes the open parts `A_f` of a cell's faces, whose centroids are `r_f`. With the normal out
+//! of the cell, for any shape of `S`,
 //!
 //! `∫_S n dS = −Σ A_f`, `∫_S r × n dS = −Σ r_f × A_f`
 //!
-//! over the open parts `A_f` and their centroids `r_f`, whatever `S` is. Taken so, a constant pressure pushes a body
-//! nowhere and turns it nowhere, to rounding, and no surface has to be built (design, numerics §1).
+//! With these integrals a constant pressure exerts no force and no torque on a body, to rounding, and no surface has to be built.
 
 use super::{FaceField, Grid, Lattice, Tiles};
 use crate::{Matrix, Vector, rotation_planes};
 use rayon::prelude::*;
 
-/// Shares of a face that are nearer than this to none or all count as that: no flow is worth the stiffness of such a gap.
+/// Open fractions closer than this to 0 or 1 are rounded to it: the flow through such a gap is not worth its stiffness.
 const MIN_OPEN_FRACTION: f64 = 1e-4;
-/// Areas and moments below this, in cells, are rounding: positions go up to some hundreds.
+/// Areas and moments below this, in cells, are rounding errors: positions go up to some hundreds of cells.
 const AREA_MOMENT_TOLERANCE: f64 = 1e-11;
-/// Points nearer to a solid's surface than this, in cells, are within: rounding must not tell neighbours on it apart.
+/// Points closer than this to a solid's surface, in cells, count as inside, so that rounding does not separate neighbours on it.
 const SURFACE_TOLERANCE_CELLS: f64 = 1e-6;
-/// Distance of what is far from all solids, in cells.
+/// Distance assigned far from all solids, in cells.
 const FAR_DISTANCE_CELLS: f64 = 1e3;
-/// Cells around a solid's box in which its distance is known.
+/// Margin around a solid's bounding box within which its distance is known, in cells.
 const DISTANCE_MARGIN_CELLS: f64 = 6.0;
-/// Depth to which closed faces are listed, in cells: paths and their stencils reach no farther.
+/// Depth to which closed faces are listed, in cells: trajectories and their stencils reach no farther.
 const MAX_CLOSED_FACE_DEPTH_CELLS: f64 = 4.0;
 
-/// A solid as the cells that it cuts see it.
+/// A solid, given by its signed distance.
 #[derive(Clone, Copy)]
 pub struct EmbeddedBoundary<'a, const D: usize> {
     /// Distance to its surface, m, negative inside.
     pub signed_distance: &'a (dyn Fn(&Vector<D>) -> f64 + Sync),
-    /// Lower and upper corner of a box that holds it, m; may reach beyond the grid.
+    /// Lower and upper corner of a box that contains it, m; may reach beyond the grid.
     pub bounds: [Vector<D>; 2],
 }
 
-/// The wetted surface of a solid in a cell; lengths in cells, the normal `n` points into the solid.
+/// Wetted surface of a solid in a cell. Lengths are in cells; the normal `n` points into the solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CutCell<const D: usize> {
     /// The cell.
     pub cell: u32,
-    /// Number of the solid: the one nearest to the cell's centre.
+    /// Index of the solid nearest to the cell's centre.
     pub solid: u32,
     /// `∫ n dS`.
     pub area_vector: Vector<D>,
     /// `∫ r × n dS` about the origin (2D: in the last entry).
     pub moment: [f64; 3],
-    /// `∫ n ⊗ r dS` with `r` from the cell's centre: the slope of a pressure pushes with this times itself.
+    /// `∫ n ⊗ r dS` with `r` from the cell's centre. Times a pressure gradient it is the force of that gradient.
     pub first_moment: Matrix<D>,
 }
 
 /// The faces and cells that solids cut.
 #[derive(Clone, Debug)]
 pub struct CutCells<const D: usize> {
-    /// Share of every face that is open, 0 to 1.
+    /// Open fraction of every face, 0 to 1.
     pub open_fraction: FaceField<D>,
     /// The cells with a wetted surface, sorted.
     pub cells: Vec<CutCell<D>>,
     /// Closed faces within four cells of a surface, per axis, sorted.
     pub closed_faces: [Vec<u32>; D],
-    /// Distance at the corners of the cells, in cells; empty as long as there is no solid.
+    /// Signed distance at the corners of the cells, in cells; empty as long as there is no solid.
     corner_distances_cells: Vec<f64>,
-    /// The same at their centres.
+    /// The same at the cell centres.
     center_distances_cells: Vec<f64>,
-    /// Cells around each solid: lower corner, and one past the upper one.
+    /// Box of cells around each solid: lower corner, and one past the upper corner.
     solid_boxes: Vec<[[usize; D]; 2]>,
 }
 
@@ -82,8 +82,8 @@ impl<const D: usize> CutCells<D> {
         }
     }
 
-    /// Finds what the solids cut where they are now, in active tiles; elsewhere they are as if they were not. Where solids
-    /// overlap they are one.
+    /// Recomputes the cut cells for the current position of the solids, in active tiles. Elsewhere all faces are open.
+    /// Overlapping solids are merged.
     pub fn rebuild(&mut self, solids: &[EmbeddedBoundary<'_, D>], tiles: &Tiles<D>) {
         self.reset();
         let grid = self.open_fraction.grid;
@@ -119,20 +119,19 @@ impl<const D: usize> CutCells<D> {
         self.cells = wet;
     }
 
-    /// Distance of a cell's centre to the nearest solid, in cells, negative inside; a large number more than six cells
-    /// away.
+    /// Signed distance of a cell's centre to the nearest solid, in cells, negative inside; a large number more than six cells away.
     pub fn distance_cells(&self, cell: usize) -> f64 {
         self.center_distances_cells.get(cell).copied().unwrap_or(FAR_DISTANCE_CELLS)
     }
 
-    /// Whether a point lies in a cell whose centre is within a solid.
+    /// Whether a point lies in a cell whose centre is inside a solid.
     pub fn is_in_solid_cell(&self, x: &Vector<D>) -> bool {
         let grid = &self.open_fraction.grid;
         !self.center_distances_cells.is_empty()
             && self.distance_cells(grid.lattice().index(grid.cell_at(x))) < 0.0
     }
 
-    /// Whether a cell has an open face to one where `phi` is not negative.
+    /// Whether an open face connects a cell to one where `phi` is not negative.
     pub fn has_air_neighbour(&self, cell: usize, phi: &[f64]) -> bool {
         let lattice = self.open_fraction.grid.lattice();
         let at = lattice.coordinates(cell);
@@ -148,7 +147,7 @@ impl<const D: usize> CutCells<D> {
         })
     }
 
-    /// The cells whose distance to a solid is known, as boxes: lower corner, and one past the upper one.
+    /// Boxes of the cells whose distance to a solid is known: lower corner, and one past the upper corner.
     pub fn solid_boxes(&self) -> &[[[usize; D]; 2]] {
         &self.solid_boxes
     }
@@ -158,7 +157,7 @@ impl<const D: usize> CutCells<D> {
         self.has_open_fraction(at, 0.0)
     }
 
-    /// Whether this share of each of a cell's faces is open.
+    /// Whether all faces of a cell have the open fraction `share`.
     fn has_open_fraction(&self, at: [usize; D], share: f64) -> bool {
         (0..D).all(|a| {
             let faces = self.open_fraction.grid.face_lattice(a);
@@ -245,7 +244,7 @@ impl<const D: usize> CutCells<D> {
                     area_vector[a] -= outward;
                     (0..D).for_each(|b| first_moment[(a, b)] -= outward * (r[b] - center[b]));
                     for &(b, c, place) in rotation_planes::<D>() {
-                        // r × A, of which only the entry of A along `a` is not zero.
+                        // r × A, where only the component of A along `a` is not zero.
                         let turn = if c == a {
                             r[b]
                         } else if b == a {
@@ -257,7 +256,7 @@ impl<const D: usize> CutCells<D> {
                     }
                 }
             }
-            // What is left of whole faces is rounding. Two surfaces in a cell may cancel in area and still turn a body (3D).
+            // Skip rounding errors. In 3D the areas of two surfaces in a cell may cancel although they exert a torque.
             let turning = rotation_planes::<D>().iter().map(|&(b, c, place)| {
                 let [y, z] = [b, c].map(|a| grid.domain_coordinate_cells(a, at[a] as f64 + 0.5));
                 (moment[place] - (y * area_vector[c] - z * area_vector[b])).abs()
@@ -265,8 +264,8 @@ impl<const D: usize> CutCells<D> {
             if turning.fold(area_vector.amax(), f64::max) < AREA_MOMENT_TOLERANCE {
                 return None;
             }
-            // All around what is open `∫ n ⊗ r dS` is its volume. Of that volume's D-fold the surface has its distance times its
-            // area, the faces the rest.
+            // On the closed boundary of the open part, `∫ n ⊗ r dS` is its volume times the identity. The surface's
+            // contribution to `D` times the volume is its distance times its area.
             let distance = self.mean_distance_cells(at) * area_vector.norm();
             let volume = ((distance - first_moment.trace()) / D as f64).clamp(0.0, 1.0);
             first_moment += Matrix::identity() * volume;
@@ -284,7 +283,7 @@ impl<const D: usize> CutCells<D> {
         par_lattice_points(cells).filter(|at| tiles.is_active(*at)).filter_map(wet).collect()
     }
 
-    /// Mean distance in a cell, in cells.
+    /// Mean signed distance over a cell, in cells.
     fn mean_distance_cells(&self, at: [usize; D]) -> f64 {
         let lattice = corner_lattice(&self.open_fraction.grid);
         let corner = |k: usize| {
@@ -294,7 +293,7 @@ impl<const D: usize> CutCells<D> {
         (2.0 * self.center_distances_cells[self.open_fraction.grid.lattice().index(at)] + corners) / 3.0
     }
 
-    /// Open share of a face, and the centroid of the open part, in cells from the origin.
+    /// Open fraction of a face, and the centroid of its open part, in cells from the origin.
     fn open_fraction_and_centroid(&self, axis: usize, at: [usize; D]) -> (f64, Vector<D>) {
         let lattice = corner_lattice(&self.open_fraction.grid);
         let base = lattice.index(at);
@@ -329,8 +328,8 @@ fn corner_lattice<const D: usize>(grid: &Grid<D>) -> Lattice<D> {
     Lattice::new(grid.cells.map(|n| n + 1))
 }
 
-/// Makes `values` the distance to a solid, in cells, where that is less, at the points of a box; `place` is where those are
-/// that count.
+/// Takes the minimum of `values` and the distance to a solid, in cells, at the points of a box. `place` returns the
+/// position of a point, or `None` to skip it.
 fn take_min_distance<const D: usize>(
     solid: &EmbeddedBoundary<'_, D>,
     (dx, lattice): (f64, Lattice<D>),
@@ -345,7 +344,7 @@ fn take_min_distance<const D: usize>(
     found.into_iter().for_each(|(i, v)| values[i] = values[i].min(v));
 }
 
-/// The cells that a box touches, and some more all around.
+/// The cells that a box touches, and `DISTANCE_MARGIN_CELLS` more on every side.
 fn cells_around<const D: usize>(grid: &Grid<D>, bounds: [Vector<D>; 2]) -> [[usize; D]; 2] {
     let clamp =
         |a: usize, x: f64| (x + grid.margin_cells[a][0] as f64).clamp(0.0, grid.cells[a] as f64) as usize;
@@ -361,7 +360,7 @@ fn face_box<const D: usize>([low, mut high]: [[usize; D]; 2], axis: usize) -> [[
     [low, high]
 }
 
-/// The lattice points of a box, the first axis running fastest.
+/// The lattice points of a box, the first axis varying fastest.
 pub fn lattice_points<const D: usize>(cells: [[usize; D]; 2]) -> impl Iterator<Item = [usize; D]> {
     let (count, place) = point_numbering(cells);
     (0..count).map(place)
@@ -375,7 +374,7 @@ pub fn par_lattice_points<const D: usize>(
     (0..count).into_par_iter().with_min_len(256).map(place)
 }
 
-/// The number of lattice points of a box, and the point of a number.
+/// The number of lattice points of a box, and the map from number to point.
 fn point_numbering<const D: usize>([low, high]: [[usize; D]; 2]) -> (usize, impl Fn(usize) -> [usize; D]) {
     let inner = Lattice::new(std::array::from_fn::<_, D, _>(|a| high[a] - low[a]));
     let place = move |i| {
@@ -385,7 +384,7 @@ fn point_numbering<const D: usize>([low, high]: [[usize; D]; 2]) -> (usize, impl
     (inner.len(), place)
 }
 
-/// Gives all points of a box a value.
+/// Sets all points of a box to a value.
 fn fill_box<const D: usize>(
     values: &mut [f64],
     lattice: &Lattice<D>,
@@ -400,7 +399,7 @@ fn fill_box<const D: usize>(
     }
 }
 
-/// Part of the unit edge where a linear function is positive: its length and middle.
+/// Part of the unit edge where a linear function is positive: its length and centroid.
 fn positive_edge_part(v0: f64, v1: f64) -> (f64, [f64; 2]) {
     match (v0 > 0.0, v1 > 0.0) {
         (true, true) => (1.0, [0.5; 2]),
@@ -416,8 +415,7 @@ fn positive_edge_part(v0: f64, v1: f64) -> (f64, [f64; 2]) {
     }
 }
 
-/// Part of the unit square where the function that is linear on the triangles around the middle is positive: area and
-/// centroid.
+/// Part of the unit square where a function that is linear on the triangles around the middle is positive: its area and centroid.
 fn positive_square_part(v: [[f64; 2]; 2]) -> (f64, [f64; 2]) {
     let ring = [([0.0, 0.0], v[0][0]), ([1.0, 0.0], v[1][0]), ([1.0, 1.0], v[1][1]), ([0.0, 1.0], v[0][1])];
     if ring.iter().all(|c| c.1 > 0.0) {
@@ -436,7 +434,7 @@ fn positive_square_part(v: [[f64; 2]; 2]) -> (f64, [f64; 2]) {
     (area, first.map(|f| if area > 0.0 { f / area } else { 0.5 }))
 }
 
-/// Part of a triangle where the linear function given at its corners is positive: share of the area, and centroid.
+/// Part of a triangle where the linear function given at its corners is positive: its share of the area, and centroid.
 fn positive_triangle_part(corners: [([f64; 2], f64); 3]) -> (f64, [f64; 2]) {
     let mean = |p: [[f64; 2]; 3]| [0, 1].map(|a| (p[0][a] + p[1][a] + p[2][a]) / 3.0);
     let whole = mean(corners.map(|c| c.0));
@@ -444,7 +442,7 @@ fn positive_triangle_part(corners: [([f64; 2], f64); 3]) -> (f64, [f64; 2]) {
     if positive == 3 || positive == 0 {
         return (if positive == 3 { 1.0 } else { 0.0 }, whole);
     }
-    // The corner that is alone with its sign, and the small triangle that the zero line cuts off at it.
+    // The only corner with its sign, and the triangle that the zero line cuts off at it.
     let lone = (0..3).find(|k| (corners[*k].1 > 0.0) == (positive == 1)).unwrap_or(0);
     let (p, v) = corners[lone];
     let cut = |k: usize| {

@@ -18,7 +18,7 @@ fn surface_closes<const D: usize>(distance: &(dyn Fn(&Vector<D>) -> f64 + Sync))
     let area = cut.cells.iter().fold(Vector::zeros(), |s: Vector<D>, w| s + w.area_vector);
     let moment =
         cut.cells.iter().fold([0.0; 3], |m: [f64; 3], w| std::array::from_fn(|i| m[i] + w.moment[i]));
-    // What a pressure of slope one does is the volume of the body in its direction, and nothing across.
+    // The force of a unit pressure gradient is the volume of the body along the gradient, and zero across it.
     let grid = cut.open_fraction.grid;
     let push = |w: &CutCell<D>| {
         let x = grid.center(grid.lattice().coordinates(w.cell as usize)) / grid.dx;
@@ -35,7 +35,7 @@ fn surface_closes<const D: usize>(distance: &(dyn Fn(&Vector<D>) -> f64 + Sync))
 fn the_surface_of_a_body_closes_to_rounding() {
     surface_closes::<2>(&ball);
     surface_closes::<3>(&ball);
-    // A cross of bars a cell and a half thick, slantwise.
+    // Oblique bars, 3 (2D) or 1.5 (3D) cells thick.
     let bar = |x: f64, y: f64| (0.8 * x + 0.6 * y - 0.7).abs() - 0.03;
     surface_closes::<2>(&|x| bar(x[0], x[1]).max((x - Vector::repeat(0.5)).norm() - 0.35));
     surface_closes::<3>(&|x| {
@@ -43,7 +43,7 @@ fn the_surface_of_a_body_closes_to_rounding() {
     });
 }
 
-/// Volume of the body by the divergence theorem, over the exact one, minus one.
+/// Relative error of the body's volume, found by the divergence theorem.
 fn volume_error<const D: usize>(cells: usize) -> f64 {
     let cut = cut::<D>(cells, &ball);
     let grid = cut.open_fraction.grid;
@@ -85,11 +85,11 @@ fn plane_is_exact<const D: usize>() {
     for w in &cut.cells {
         let along = w.area_vector.normalize().dot(&-normal);
         assert!((along - 1.0).abs() < 1e-9 || w.area_vector.norm() < 0.05, "{w:?}");
-        // The moment is that of the area at its centroid, which lies on the plane: both are orthogonal.
+        // The moment is that of the area vector at its centroid on the plane, so it is orthogonal to the area vector.
         let lean: f64 = if D == 2 { 0.0 } else { (0..D).map(|a| w.moment[a] * w.area_vector[a]).sum() };
         assert!(lean.abs() < 1e-9, "{w:?}");
     }
-    // Shares of a face and what lies beyond it make a whole.
+    // The open fractions of a solid and of its complement add up to one.
     let other = |x: &Vector<D>| -distance(x);
     let mut rest = CutCells::uncut(cut.open_fraction.grid);
     rest.rebuild(
@@ -116,7 +116,7 @@ fn a_solid_that_leaves_leaves_nothing_behind() {
     assert!(cut.cells.is_empty() && cut.open_fraction.axes.iter().flatten().all(|s| *s == 1.0));
 }
 
-/// Half of the grid's tiles are active: in their cells all is as if all were.
+/// With some active tiles only, their cells are cut as if all tiles were active.
 fn tiles_are_cut_alike<const D: usize>() {
     let grid = Grid::<D>::new([32; D], 1.0 / 32.0);
     let mut phi = vec![1.0; grid.lattice().len()];

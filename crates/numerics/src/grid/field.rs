@@ -5,7 +5,7 @@ use super::Grid;
 /// One value per cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellField<const D: usize> {
-    /// The grid it lives on.
+    /// Its grid.
     pub grid: Grid<D>,
     /// Values in the order of [`Grid::lattice`].
     pub data: Vec<f64>,
@@ -14,7 +14,7 @@ pub struct CellField<const D: usize> {
 /// One value per face, one array per axis (the staggered velocity).
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaceField<const D: usize> {
-    /// The grid it lives on.
+    /// Its grid.
     pub grid: Grid<D>,
     /// For each axis the values on the faces normal to it, in the order of [`Grid::face_lattice`].
     pub axes: [Vec<f64>; D],

@@ -1,45 +1,45 @@
-//! Sampling of lattice data between its points.
+//! Interpolation of lattice data.
 //!
-//! Cubic interpolation is Lagrange's through four points along each axis (fourth order); "limited" means that the
-//! result is kept within the values it is made of, so that repeated sampling makes no new extremes.
+//! Cubic interpolation is Lagrange's through four points along each axis (fourth order). "Limited" means that the result
+//! is clamped to the range of the stencil's values, so that repeated sampling creates no new extrema.
 
 use super::{Grid, Lattice};
 use crate::Vector;
 
-/// How data goes on beyond the last point of an axis.
+/// Extension of data beyond the last point of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoundaryExtension {
     /// Mirrored: tangential velocity, distance and everything else at a frictionless wall.
     Even,
     /// Mirrored with the opposite sign: normal velocity at a wall.
     Odd,
-    /// The last value goes on: an open side.
+    /// Constant: an open side.
     Clamp,
 }
 
-/// Lattice data with all it takes to sample it anywhere.
+/// Lattice data that can be sampled at any point.
 #[derive(Clone, Copy)]
 pub struct Sampler<'a, const D: usize> {
     data: &'a [f64],
     lattice: Lattice<D>,
     /// Position of point 0 in cells from the grid's lower side: 0.5 for centres, 0 along the normal of faces.
     stagger_cells: [f64; D],
-    /// Cells of the grid before the origin.
+    /// Cells of the grid below the origin.
     margin_cells: [f64; D],
     boundary_extensions: [[BoundaryExtension; 2]; D],
     inverse_dx: f64,
 }
 
-/// The values around a point, four along each axis, the first axis running fastest.
+/// The values around a point, four along each axis, the first axis varying fastest.
 type Stencil = [[f64; 4]; 16];
 
 impl<'a, const D: usize> Sampler<'a, D> {
-    /// Samples values at cell centres; `edges` as for a scalar.
+    /// Samples values at cell centres; `edges` are the boundary extensions of a scalar.
     pub fn cells(grid: &Grid<D>, data: &'a [f64], edges: [[BoundaryExtension; 2]; D]) -> Self {
         Self::new(grid, data, grid.lattice(), [0.5; D], edges)
     }
 
-    /// Samples values on the faces normal to `axis`; `edges` as for that component of a velocity.
+    /// Samples values on the faces normal to `axis`; `edges` are the boundary extensions of that velocity component.
     pub fn faces(grid: &Grid<D>, axis: usize, data: &'a [f64], edges: [[BoundaryExtension; 2]; D]) -> Self {
         let mut shift = [0.5; D];
         shift[axis] = 0.0;
@@ -112,8 +112,8 @@ impl<'a, const D: usize> Sampler<'a, D> {
         self.cubic_in(&self.stencil(base), &t)
     }
 
-    /// Value and gradient (per m) at `x` (m) of a signed distance: quintic where it is smooth, cubic as seen from one
-    /// side at its kinks. Across a kink a cubic swings over, which makes filaments thicker.
+    /// Value and gradient (per m) of a signed distance at `x` (m): quintic where it is smooth, one-sided cubic at its
+    /// kinks. A cubic across a kink overshoots, which thickens filaments.
     pub fn distance_with_gradient(&self, x: &Vector<D>) -> (f64, Vector<D>) {
         let (base, t) = self.locate(x);
         let stencil = self.stencil(base);
@@ -124,7 +124,7 @@ impl<'a, const D: usize> Sampler<'a, D> {
         }
     }
 
-    /// The quintic and its gradient.
+    /// Quintic interpolation: value and gradient.
     fn quintic_in(&self, base: [isize; D], t: &[f64; D]) -> (f64, Vector<D>) {
         let rows = self.rows::<6, 36>(base);
         let both: [([f64; 6], [f64; 6]); D] = std::array::from_fn(|a| quintic_weights(t[a]));
@@ -136,7 +136,7 @@ impl<'a, const D: usize> Sampler<'a, D> {
         (value, slopes * self.inverse_dx)
     }
 
-    /// The cubic and its gradient.
+    /// Cubic interpolation: value and gradient.
     fn cubic_in(&self, stencil: &Stencil, t: &[f64; D]) -> (f64, Vector<D>) {
         let rows = &stencil[..1 << (2 * (D - 1))];
         let weights: [[f64; 4]; D] = std::array::from_fn(|a| cubic_weights(t[a]));
@@ -148,11 +148,11 @@ impl<'a, const D: usize> Sampler<'a, D> {
         (value, slopes * self.inverse_dx)
     }
 
-    /// The piecewise cubic of a function with kinks and its gradient.
+    /// ENO cubic interpolation of a function with kinks: value and gradient.
     fn eno_cubic_in(&self, mut values: Stencil, t: &[f64; D]) -> (f64, Vector<D>) {
         let kink_indicator = kink_indicator::<D>(&values);
         let mut slopes = [[[0.0; 4]; 16]; D];
-        // Rows along an axis become single values, which make the rows of the next axis.
+        // Each row along an axis is reduced to one value; these values form the rows of the next axis.
         for a in 0..D {
             for row in 0..1 << (2 * (D - 1 - a)) {
                 let old = values[row];
@@ -178,12 +178,12 @@ impl<'a, const D: usize> Sampler<'a, D> {
         })
     }
 
-    /// The lattice cell that holds `x`, and where in it `x` is.
+    /// The lattice cell that contains `x`, and the coordinates of `x` in it.
     fn locate(&self, x: &Vector<D>) -> ([isize; D], [f64; D]) {
         let mut base = [0; D];
         let mut t = [0.0; D];
         for a in 0..D {
-            // Two cells beyond the edge at most: farther out nothing more is known.
+            // Clamp to two cells beyond the edge: there is no data farther out.
             let s = x[a] * self.inverse_dx + (self.margin_cells[a] - self.stagger_cells[a]);
             let s = s.clamp(-2.0, self.lattice.extent[a] as f64 + 1.0);
             let floor = s.floor();
@@ -227,7 +227,7 @@ impl<'a, const D: usize> Sampler<'a, D> {
         let mut sign = 1.0;
         for a in 0..D {
             let n = self.lattice.extent[a] as isize;
-            // Mirrors lie on the domain's sides: half a cell beyond the outermost centre, or on the outermost face.
+            // The mirror planes are the domain's sides: half a cell beyond the outermost centre, or on the outermost face.
             let beyond = if self.stagger_cells[a] == 0.5 { 1 } else { 0 };
             let (edge, mirrored) = if at[a] < 0 {
                 (self.boundary_extensions[a][0], -at[a] - beyond)
@@ -266,18 +266,19 @@ fn cubic_weight_derivatives(t: f64) -> [f64; 4] {
     ]
 }
 
-/// Third difference, in cells, up to which a distance has no kink: a ball of seven cells makes no larger one.
+/// Third difference, in cells, up to which a distance counts as smooth: a ball with a radius of seven cells has no larger one.
 const MAX_SMOOTH_THIRD_DIFFERENCE_CELLS: f64 = 0.02;
-/// How much more tells a kink for sure.
+/// Excess third difference, in cells, at which the cubic and the one-sided form have equal weights.
 const KINK_TRANSITION_CELLS: f64 = 0.1;
-/// Part of the slope that differences no longer see where they tell a kink.
+/// Relative loss of slope across the middle cube at which a kink is certain.
 const KINK_SLOPE_LOSS: f64 = 0.05;
 
-/// Weights of four values (in cells) at `t`, and their derivatives: the chord, and what each second difference adds.
+/// Weights of four values (in cells) at `t`, and their derivatives: linear interpolation plus the contribution of each second difference.
 ///
-/// Where the two agree the sum is the cubic; else the smaller one counts, as the larger one has seen the kink (Min and
-/// Gibou 2007). `dent` is how sure it is that the kink lies between the middle points: then both sides go on straight
-/// until they meet (Harten's subcell resolution), the deeper dent counts out.
+/// Where the second differences agree, the sum is the cubic. Elsewhere only the smaller one is used, because the larger
+/// one crosses the kink (Min and Gibou 2007). `kink_indicator` is the certainty that the kink lies between the middle
+/// points. There both sides are extended linearly until they meet (Harten's subcell resolution): the one that deviates
+/// less from the chord is used.
 fn eno_cubic_weights(v: &[f64; 4], t: f64, kink_indicator: f64) -> ([f64; 4], [f64; 4]) {
     let (a, b) = (v[0] - 2.0 * v[1] + v[2], v[1] - 2.0 * v[2] + v[3]);
     let differ =
@@ -303,10 +304,10 @@ fn eno_cubic_weights(v: &[f64; 4], t: f64, kink_indicator: f64) -> ([f64; 4], [f
     (sum([1.0 - t, t], l[0], r[0]), sum([-1.0, 1.0], l[1], r[1]))
 }
 
-/// How sure it is, 0 to 1, that a kink passes the middle cube of a stencil: there differences see less of the slope than
-/// in the cubes on both sides.
+/// Certainty, 0 to 1, that a kink passes through the middle cube of a stencil: the differences there see a smaller slope
+/// than those in the cubes on both sides.
 fn kink_indicator<const D: usize>(rows: &Stencil) -> f64 {
-    // Square of the slope in a cube: the middle one, moved along an axis (by 1: not at all).
+    // Squared slope in a cube: the middle one for `shift` 1, else its neighbour along `axis`.
     let square = |axis: usize, shift: usize| {
         let mut rise = [0.0; D];
         for corner in 0..1 << D {
@@ -326,7 +327,7 @@ fn dot(a: &[f64; 4], b: &[f64; 4]) -> f64 {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
 }
 
-/// Sum of a stencil with products of weights, and with the weights of one axis replaced by its slopes, for every axis.
+/// Sum of a stencil with product weights, and its gradient: the weights of each axis in turn are replaced by `slopes`.
 fn contract_with_gradient<const N: usize, const D: usize>(
     rows: &[[f64; N]],
     weights: &[[f64; N]; D],
@@ -334,7 +335,7 @@ fn contract_with_gradient<const N: usize, const D: usize>(
 ) -> (f64, Vector<D>) {
     let mut value = [0.0; N];
     let mut across = [[0.0; N]; D];
-    // The rows of one place along the last axis are summed first.
+    // The rows at one position along the last axis are summed first.
     for (k, plane) in rows.chunks_exact(rows.len() / N).enumerate() {
         let (mut sum, mut turned) = ([0.0; N], [0.0; N]);
         for (j, row) in plane.iter().enumerate() {
@@ -394,7 +395,7 @@ fn max_third_difference<const D: usize>(rows: &Stencil) -> f64 {
     worst[0].max(worst[1]).max(worst[2].max(worst[3]))
 }
 
-/// Sum of the stencil with a product of weights.
+/// Sum of the stencil with product weights.
 fn contract<const D: usize>(rows: &[[f64; 4]], weights: &[[f64; 4]; D]) -> f64 {
     let mut sums = [0.0; 4];
     for (row, values) in rows.iter().enumerate() {

@@ -21,21 +21,21 @@ pub use velocity_extension::VelocityExtension;
 
 use crate::Vector;
 
-/// A box of cubic cells around the domain, whose lower corner is the origin.
+/// A box of cubic cells that contains the domain; the domain's lower corner is the origin.
 ///
-/// Cells are numbered with the first axis running fastest: `index = i + nx (j + ny k)`. The faces normal to axis
-/// `a` form a lattice of their own with one more entry along `a`; face `i` along `a` is the *lower* face of cell `i`.
+/// Cells are numbered with the first axis varying fastest: `index = i + nx (j + ny k)`. The faces normal to axis `a` form
+/// a lattice of their own with one more entry along `a`; face `i` along `a` is the *lower* face of cell `i`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid<const D: usize> {
-    /// Number of cells along each axis, with those beyond the domain.
+    /// Number of cells along each axis, including those outside the domain.
     pub cells: [usize; D],
     /// Cell size, m.
     pub dx: f64,
-    /// Cells beyond the lower and the upper side of the domain along each axis; as a rule none.
+    /// Cells outside the domain at its lower and upper side along each axis; usually none.
     pub margin_cells: [[usize; 2]; D],
 }
 
-/// The shape of a dense array over a lattice: extents and strides, the first axis running fastest.
+/// The shape of a dense array over a lattice: extents and strides, the first axis varying fastest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lattice<const D: usize> {
     /// Number of points along each axis.
@@ -101,7 +101,7 @@ impl<const D: usize> Lattice<D> {
 }
 
 impl<const D: usize> Grid<D> {
-    /// A grid of `cells` cells of size `dx` (m), none of them beyond the domain.
+    /// A grid of `cells` cells of size `dx` (m), none of them outside the domain.
     pub fn new(cells: [usize; D], dx: f64) -> Self {
         const { assert!(D == 2 || D == 3, "Meniscus works in two or three dimensions") };
         Self { cells, dx, margin_cells: [[0; 2]; D] }
@@ -122,7 +122,7 @@ impl<const D: usize> Grid<D> {
         std::array::from_fn(|a| self.cells[a] - self.margin_cells[a][0] - self.margin_cells[a][1])
     }
 
-    /// Distance from the origin along an axis, in cells, of what lies `i` cells from the grid's lower side.
+    /// Coordinate along an axis, in cells from the origin, of a point `i` cells from the grid's lower side.
     pub fn domain_coordinate_cells(&self, axis: usize, i: f64) -> f64 {
         i - self.margin_cells[axis][0] as f64
     }
@@ -154,7 +154,7 @@ impl<const D: usize> Grid<D> {
         Vector::from_fn(|a, _| self.domain_cells()[a] as f64 * self.dx)
     }
 
-    /// Lower and upper corner of the grid, m: those of the domain with what lies beyond its sides.
+    /// Lower and upper corner of the grid including its margins, m.
     pub fn bounds(&self) -> [Vector<D>; 2] {
         [self.lower_corner([0; D]), self.lower_corner(self.cells)]
     }
@@ -164,7 +164,7 @@ impl<const D: usize> Grid<D> {
         Vector::from_fn(|a, _| self.domain_coordinate_cells(a, at[a] as f64) * self.dx)
     }
 
-    /// The cell that holds a point, or the nearest one.
+    /// The cell that contains a point, or the nearest one.
     pub fn cell_at(&self, x: &Vector<D>) -> [usize; D] {
         std::array::from_fn(|a| {
             let place = x[a] / self.dx + self.margin_cells[a][0] as f64;

@@ -1,17 +1,17 @@
-//! Runs: the cells of one kind as a sorted list of stretches along the first axis.
+//! Sets of cells as sorted lists of runs along the first axis.
 
 use super::{Grid, Segment};
 
-/// A stretch of consecutive cells of one row.
+/// Consecutive cells of one row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Run {
     /// Row number: `index / cells[0]`.
     pub row: u32,
     /// First cell of the row that belongs to the run.
     pub start: u32,
-    /// One past the last.
+    /// One past the last cell.
     pub end: u32,
-    /// Connected component it belongs to.
+    /// Its connected component.
     pub component: u32,
 }
 
@@ -25,13 +25,13 @@ pub struct Runs {
 }
 
 impl Runs {
-    /// The faces normal to `axis` that bound these cells, as stretches of the rows of the face lattice, sorted.
+    /// The faces normal to `axis` that bound these cells, as sorted segments of the rows of the face lattice.
     pub fn faces<const D: usize>(&self, grid: &Grid<D>, axis: usize) -> Vec<Segment> {
         let cells = self.segments();
         if axis == 0 {
             return cells.into_iter().map(|s| Segment { end: s.end + 1, ..s }).collect();
         }
-        // Rows of the face lattice: one more along `axis`, so rows beyond that axis move up.
+        // The face lattice has one more row along `axis`, which shifts the rows beyond that axis.
         let below: usize = grid.cells[1..axis].iter().product();
         let block = below * grid.cells[axis];
         let lift = |s: Segment| Segment { row: s.row + s.row / block * below, ..s };
@@ -40,7 +40,7 @@ impl Runs {
         merge(&lower, &upper.collect::<Vec<_>>())
     }
 
-    /// The cells for which `keep` holds; components must be labelled anew.
+    /// The cells for which `keep` holds. Their components must be relabelled.
     pub fn filtered<const D: usize>(self, grid: &Grid<D>, keep: impl Fn(usize) -> bool) -> Self {
         let mut runs = Vec::with_capacity(self.runs.len());
         for run in self.runs {
@@ -58,7 +58,7 @@ impl Runs {
         Self { runs, components: 0 }
     }
 
-    /// The runs as plain stretches.
+    /// The runs as segments.
     pub fn segments(&self) -> Vec<Segment> {
         let plain = |r: &Run| Segment { row: r.row as usize, start: r.start as usize, end: r.end as usize };
         self.runs.iter().map(plain).collect()
@@ -70,7 +70,7 @@ impl Runs {
     }
 }
 
-/// Union of two sorted lists of stretches.
+/// Union of two sorted lists of segments.
 fn merge(a: &[Segment], b: &[Segment]) -> Vec<Segment> {
     let mut out: Vec<Segment> = Vec::with_capacity(a.len() + b.len());
     let (mut i, mut j) = (0, 0);

@@ -1,12 +1,12 @@
-//! Stretches of cells of a row.
+//! Segments of grid rows.
 
 /// Part of a row: cells `start..end` of row `row`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Segment {
     /// Row number.
     pub row: usize,
-    /// First cell of the row.
+    /// First cell, counted along the row.
     pub start: usize,
-    /// One past the last.
+    /// One past the last cell.
     pub end: usize,
 }

@@ -1,7 +1,7 @@
-//! Active tiles: the part of the dense fields that is worth looking at.
+//! Active tiles: the parts of the dense fields that sweeps visit.
 //!
-//! Fields are stored densely, but every sweep runs over the tiles of 8 cells a side that hold liquid or its
-//! neighbourhood, so that cost follows the liquid and not the box around it.
+//! Fields are stored densely. Sweeps run only over the tiles of 8 cells a side that contain liquid, and their neighbours.
+//! Their cost therefore scales with the liquid and not with the domain.
 
 use super::{Grid, Lattice, Run, Runs};
 use crate::grid::Segment;
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// Cells along the side of a tile.
 pub const TILE_CELLS: usize = 8;
 
-/// The tiles that hold the liquid and its neighbourhood, one tile wide.
+/// The tiles that contain liquid, and their neighbours.
 #[derive(Clone, Debug)]
 pub struct Tiles<const D: usize> {
     grid: Grid<D>,
@@ -25,7 +25,7 @@ impl<const D: usize> Tiles<D> {
         Self { grid, lattice, active: vec![true; lattice.len()] }
     }
 
-    /// The tiles within these that hold a negative value, and their neighbours.
+    /// Those of these tiles that contain a negative value, and all their neighbours.
     pub fn around_negative(&self, data: &[f64]) -> Self {
         let nx = self.grid.cells[0];
         let mut marked = vec![false; self.lattice.len()];
@@ -50,7 +50,7 @@ impl<const D: usize> Tiles<D> {
         Self { grid: self.grid, lattice: self.lattice, active }
     }
 
-    /// These and their neighbours.
+    /// These tiles and their neighbours.
     pub fn dilated(&self) -> Self {
         let mut active = vec![false; self.lattice.len()];
         for (tile, _) in self.active.iter().enumerate().filter(|(_, a)| **a) {
@@ -64,24 +64,24 @@ impl<const D: usize> Tiles<D> {
         self.active[self.lattice.index(cell.map(|i| i / TILE_CELLS))]
     }
 
-    /// Whether a corner of cells is one of a cell in an active tile.
+    /// Whether a corner of the cell lattice belongs to a cell in an active tile.
     pub fn is_active_corner(&self, at: [usize; D]) -> bool {
         (0..1usize << D).any(|k| self.is_active_below(at, std::array::from_fn(|a| k >> a & 1)))
     }
 
-    /// Whether a face normal to `axis` is one of a cell in an active tile.
+    /// Whether a face normal to `axis` belongs to a cell in an active tile.
     pub fn is_active_face(&self, axis: usize, at: [usize; D]) -> bool {
         self.is_active_below(at, [0; D])
             || self.is_active_below(at, std::array::from_fn(|a| usize::from(a == axis)))
     }
 
-    /// Whether the cell `by` below another is in an active tile.
+    /// Whether `at − by` is a cell in an active tile.
     fn is_active_below(&self, at: [usize; D], by: [usize; D]) -> bool {
         let within = (0..D).all(|a| (by[a]..self.grid.cells[a] + by[a]).contains(&at[a]));
         within && self.is_active(std::array::from_fn(|a| at[a] - by[a]))
     }
 
-    /// The rows of the active tiles, stretches as long as possible, in the order of memory.
+    /// The rows of the active tiles as maximal segments, in memory order.
     pub fn segments(&self) -> Vec<Segment> {
         let mut out = Vec::new();
         for row in 0..self.grid.lattice().rows() {

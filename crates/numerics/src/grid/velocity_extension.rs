@@ -1,14 +1,15 @@
-//! Velocity beyond the liquid.
+//! Extrapolation of the velocity beyond the liquid.
 //!
-//! Layer by layer outward from the faces where it is known, each face takes the values of its neighbours on the
-//! liquid's side, weighted by the components of the normal (the upwind form of Aslam 2004, "A partial differential
-//! equation approach to multidimensional extrapolation", done in one sweep). Along each axis they are extended with all
-//! of the last slope, then with half of it, then constantly: all of it in the second layer makes a drop's frequency 0.12 %
-//! too low on 16 cells a radius in 2D (half: 0.02 %), and costs energy in proportion to the step; none of it makes the frequency 0.08 % too
-//! high, with an error of first order. A quadratic extension, of which noise comes out seven times as large, drove torn
-//! sheets to any speed. So does the linear one where the liquid behind is thin. Beside a solid, where it cannot be deep, the
-//! velocity out of the liquid is extended so, but not that into it: what flows in brings the extended velocity along, and a
-//! jet through the corner of a cell grew by a fifth in every step (constant extension of both makes lines advance too slowly).
+//! Faces are filled layer by layer outward. Each face takes the values of its neighbours on the liquid's side, weighted
+//! by the components of the interface normal: the upwind form of Aslam 2004, "A partial differential equation approach to
+//! multidimensional extrapolation", in one sweep. Along each axis the first layer uses the full slope, the second half of
+//! it, and the others none. The full slope in the second layer makes a drop's frequency 0.12 % too low at 16 cells per
+//! radius in 2D (half: 0.02 %) and loses energy in proportion to the step. No slope makes the frequency 0.08 % too high,
+//! with a first-order error. Quadratic extrapolation amplifies noise by seven and is unstable in torn sheets.
+//!
+//! The slope is unstable as well where the liquid behind a face is thin, so it is not used there. Beside a solid it is
+//! not used where it would increase the inflow: a jet through the corner of a cell grew by a fifth per step. Constant
+//! extrapolation of inflow and outflow makes contact lines advance too slowly.
 
 use super::{Band, FaceField, Grid, Sampler, Segment};
 use crate::Vector;
@@ -16,16 +17,15 @@ use rayon::prelude::*;
 
 /// Mark of the faces of the first layer.
 const FIRST_LAYER_MARK: u8 = 2;
-/// Share of the slope by which the layers go on.
+/// Fraction of the slope used in each layer; further layers use none.
 const LAYER_SLOPE_FRACTIONS: [f64; 2] = [1.0, 0.5];
-/// Depth, in cells, at which the liquid behind a face of the first layer is looked at, and how deep it must at least be there.
-/// That face is at most √2 cells outside, so that in deep liquid at least 1.6 remain; a sheet of under 2.8 cells always
-/// fails, one of over 4.3 never.
+/// Depth, in cells, at which the liquid behind a face of the first layer is probed, and its minimum depth there. The face is at most √2
+/// cells outside, so deep liquid has at least 1.6 there. A sheet of under 2.8 cells always fails, one of over 4.3 never.
 const PROBE_AND_MIN_DEPTH_CELLS: (f64, f64) = (3.0, 1.25);
-/// Layers behind closed faces: those listed lie up to four cells deep, 4 √3 steps along the axes.
+/// Number of layers of closed faces: the listed ones lie up to four cells deep, that is 4 √3 steps along the axes.
 const CLOSED_FACE_LAYERS: usize = 7;
 
-/// Which faces carry a velocity, and in which layer they got it.
+/// The faces with a known velocity, and the layer in which each was extrapolated.
 #[derive(Clone, Debug)]
 pub struct VelocityExtension<const D: usize> {
     grid: Grid<D>,
@@ -35,17 +35,17 @@ pub struct VelocityExtension<const D: usize> {
     liquid_segments: [Vec<Segment>; D],
 }
 
-/// What slopes of the velocity count at a face.
+/// Which slopes of the velocity are used at a face.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum SlopeUse {
     None,
-    /// Not those by which it flows into the liquid faster the farther out.
+    /// All except those that increase the flow into the liquid.
     Outward,
     All,
 }
 
 impl<const D: usize> VelocityExtension<D> {
-    /// No face is known.
+    /// Creates an extension in which no face is known.
     pub fn new(grid: Grid<D>) -> Self {
         Self {
             grid,
@@ -55,7 +55,7 @@ impl<const D: usize> VelocityExtension<D> {
         }
     }
 
-    /// Forgets all, and sets the velocity of the forgotten faces to zero.
+    /// Clears all marks and sets the velocity of the marked faces to zero.
     pub fn clear_with_velocity(&mut self, velocity: &mut FaceField<D>) {
         for a in 0..D {
             let row = self.grid.face_lattice(a).extent[0];
@@ -67,7 +67,7 @@ impl<const D: usize> VelocityExtension<D> {
         self.clear_marks();
     }
 
-    /// Forgets all.
+    /// Clears all marks.
     pub fn clear_marks(&mut self) {
         for a in 0..D {
             let row = self.grid.face_lattice(a).extent[0];
@@ -96,8 +96,8 @@ impl<const D: usize> VelocityExtension<D> {
         &self.liquid_segments
     }
 
-    /// Extends the velocity over the faces of the band's cells outside the liquid. `solid` tells whether a point is in one,
-    /// `closed(axis, side)` walls.
+    /// Extrapolates the velocity to the faces of the band's cells outside the liquid. `solid` tells whether a point is
+    /// inside a solid, `closed(axis, side)` whether a side of the domain is a wall.
     pub fn extrapolate(
         &mut self,
         velocity: &mut FaceField<D>,
@@ -148,13 +148,13 @@ impl<const D: usize> VelocityExtension<D> {
         }
     }
 
-    /// Takes the mark of known ones from faces that a solid closes.
+    /// Marks the faces that a solid closes as unknown.
     pub fn unmark_closed_faces(&mut self, shut: &[Vec<u32>; D]) {
         (0..D).for_each(|a| shut[a].iter().for_each(|&f| self.marks[a][f as usize] = 0));
     }
 
-    /// Extends the velocity over the faces that solids close: layer by layer, each the mean of its known neighbours along
-    /// the axes. Gives back those that are then known.
+    /// Extends the velocity to the faces that solids close. Layer by layer, each takes the mean of its known neighbours
+    /// along the axes. Returns the faces that are then known.
     pub fn extend_into_closed_faces(
         &mut self,
         velocity: &mut FaceField<D>,
@@ -187,7 +187,7 @@ impl<const D: usize> VelocityExtension<D> {
         std::array::from_fn(|a| shut[a].iter().copied().filter(|f| marks[a][*f as usize] != 0).collect())
     }
 
-    /// What slopes the liquid behind a face tells: sheets and threads of a few cells none, what is beside a solid not all.
+    /// Slopes used at a face: none where the liquid behind it is only a few cells thick, not all beside a solid.
     fn slope_use(
         &self,
         axis: usize,
@@ -206,7 +206,7 @@ impl<const D: usize> VelocityExtension<D> {
         }
     }
 
-    /// The value of the face `at` from faces marked before `mark`.
+    /// Extrapolated value at the face `at`, from faces marked before `mark`.
     fn extrapolated_value(
         &self,
         values: &[f64],
@@ -265,7 +265,7 @@ impl<const D: usize> VelocityExtension<D> {
     }
 }
 
-/// Direction away from the liquid at a face (unit length but where φ is flat).
+/// Unit normal away from the liquid at a face; zero where φ is constant.
 fn face_normal<const D: usize>(axis: usize, at: [usize; D], distance: &Sampler<'_, D>) -> [f64; D] {
     let upper = at.map(|i| i as isize);
     let mut lower = upper;
@@ -331,8 +331,8 @@ mod tests {
         linear_fields_go_on_linearly::<3>();
     }
 
-    /// The velocity `(x, −y)` times `rate` extended beyond the sheet |y| < `half` (cells), with a solid at some heights:
-    /// the faces normal to y in the first layers above it, each with what it should be on the line.
+    /// Extrapolates the velocity `(x, −y)` times `rate` beyond the sheet |y| < `half` (cells), with a solid at some
+    /// heights. Returns the values on the faces normal to y above the sheet, each with its linear extrapolation.
     fn above_a_sheet(half: f64, solid: fn(f64) -> bool, rate: f64) -> Vec<(f64, f64)> {
         let grid = Grid::<2>::new([12, 24], 1.0);
         let lattice = grid.lattice();
@@ -355,7 +355,7 @@ mod tests {
 
     #[test]
     fn the_slope_fades_and_thin_liquid_has_none() {
-        // A solid three cells behind the first face, and one at it: what flows out beside it has the slope.
+        // A solid three cells behind the first face, and one at it: outflow beside it has the slope.
         let solids: [fn(f64) -> bool; 3] = [|_| false, |y| y < 15.5, |y| y > 17.0];
         for (solid, rate) in [(solids[0], 1.0), (solids[1], -1.0), (solids[2], -1.0)] {
             let thick = above_a_sheet(5.0, solid, rate);
@@ -364,7 +364,7 @@ mod tests {
             assert_eq!(thick[1].0, first - 0.5 * rate);
             assert_eq!(thick[2].0, thick[1].0);
         }
-        // What flows into it has not.
+        // Thin liquid, and inflow beside a solid, have no slope.
         for (half, solid) in [(1.0, solids[0]), (5.0, solids[1]), (5.0, solids[2])] {
             let thin = above_a_sheet(half, solid, 1.0);
             let last = thin[0].1 + 1.0;

@@ -7,17 +7,17 @@ use crate::{Matrix, Vector};
 const FIRST_DERIVATIVE_WEIGHTS: [f64; 5] = [1.0 / 12.0, -8.0 / 12.0, 0.0, 8.0 / 12.0, -1.0 / 12.0];
 const SECOND_DERIVATIVE_WEIGHTS: [f64; 5] =
     [-1.0 / 12.0, 16.0 / 12.0, -30.0 / 12.0, 16.0 / 12.0, -1.0 / 12.0];
-/// Slope of a distance below which its differences see a kink.
+/// |∇φ| below which the differences cross a kink of the distance.
 const MIN_GRADIENT_NORM: f64 = 0.5;
-/// Part of its area that a piece of surface may lose on the way to the zero set.
+/// Minimum ratio of the area element on the zero set to that on the level set through the cell's centre.
 const MIN_AREA_RATIO: f64 = 0.3;
 
-/// Curvature (1/m; sum of the principal ones, positive for a ball) of the zero set at its point closest to the centre
-/// of `cell`; `None` where a kink or a focus of the distance is too near.
+/// Curvature (1/m) of the zero set at its point closest to the centre of `cell`: the sum of the principal curvatures,
+/// positive for a ball. `None` if a kink or a focus of the distance is too near.
 ///
-/// `phi` must sample a signed distance, negative inside, at least two cells around. With `S` and `K` the sum and the
-/// product of the principal curvatures of the level set through the centre, at distance `d`, the parallel surface
-/// `d = 0` has the curvature `(S − 2 d K) / (1 − d S + d² K)`.
+/// `phi` must sample a signed distance, negative inside, within at least two cells. With `S` and `K` the sum and the
+/// product of the principal curvatures of the level set through the centre, at distance `d`, the parallel surface `d = 0`
+/// has the curvature `(S − 2 d K) / (1 − d S + d² K)`.
 pub fn curvature<const D: usize>(phi: &Sampler<'_, D>, dx: f64, cell: [usize; D]) -> Option<f64> {
     let value = |shift: [isize; D]| phi.value(std::array::from_fn(|a| cell[a] as isize + shift[a])) / dx;
     let (gradient, hessian) = gradient_and_hessian(&value);
@@ -33,7 +33,7 @@ pub fn curvature<const D: usize>(phi: &Sampler<'_, D>, dx: f64, cell: [usize; D]
     (area > MIN_AREA_RATIO).then(|| (sum - 2.0 * d * product) / (area * dx))
 }
 
-/// Gradient and second derivatives in cells.
+/// Gradient and Hessian, with lengths in cells.
 fn gradient_and_hessian<const D: usize>(value: &impl Fn([isize; D]) -> f64) -> (Vector<D>, Matrix<D>) {
     let mut gradient = Vector::zeros();
     let mut hessian = Matrix::zeros();
@@ -86,7 +86,7 @@ mod tests {
     use super::*;
     use crate::grid::{BoundaryExtension, CellField, Grid};
 
-    /// Largest relative error of the curvature near a ball of `n / 4` cells' radius.
+    /// Largest relative error of the curvature near a ball with a radius of `n / 4` cells.
     fn error<const D: usize>(n: usize) -> f64 {
         let grid = Grid::<D>::new([n; D], 1.0 / n as f64);
         let lattice = grid.lattice();

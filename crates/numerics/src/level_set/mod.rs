@@ -1,4 +1,4 @@
-//! Signed distance to an interface: keeping it one, its curvature.
+//! Signed distance to an interface: redistancing and curvature.
 
 mod curvature;
 mod redistance;

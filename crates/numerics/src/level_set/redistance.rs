@@ -1,23 +1,24 @@
-//! Signed distance from closest points.
+//! Redistancing: signed distance from closest points.
 //!
-//! Every cell looks for its closest point on the zero set of the old values' interpolant ([`Sampler::distance`]; Newton's
-//! method of Chopp 2001, "Some improvements of the fast marching method"). Where the old values are nearly a distance, search
-//! starts from the point that they tell; elsewhere from the closest points of the neighbours nearer to the interface,
-//! layer by layer: started anywhere else it finds false ones. No first-order marching anywhere.
+//! For every cell of the narrow band, Newton's method finds the closest point on the zero set of the interpolant of the
+//! old values ([`Sampler::distance_with_gradient`]; Chopp 2001, "Some improvements of the fast marching method"). Where
+//! the old values are nearly a signed distance, the iteration starts from the point that they predict. Elsewhere it
+//! starts from the closest points of the neighbours nearer to the interface, layer by layer; other initial guesses
+//! converge to wrong points. No first-order marching is used.
 
 use crate::Vector;
 use crate::grid::{Band, Grid, Sampler};
 use rayon::prelude::*;
 
-/// Newton steps at most.
+/// Maximum number of Newton iterations.
 const MAX_NEWTON_ITERATIONS: usize = 12;
-/// Length of the last step, in cells; what it leaves is far smaller, the distance's error its square.
+/// Length of the last Newton step, in cells. The remaining error of the point is far smaller, and that of the distance is its square.
 const NEWTON_TOLERANCE_CELLS: f64 = 1e-3;
-/// Deviation of the old values' slope from one up to which they tell where to start.
+/// Maximum deviation of |∇φ| from 1 for which the old values predict the initial guess.
 const MAX_GRADIENT_DEVIATION: f64 = 0.2;
 
-/// The signed distance (m) to the zero set of `phi` on the first `layers` of the band, at most `limit` in size, in the
-/// order of `band.cells`.
+/// The signed distance (m) to the zero set of `phi` on the first `layers` layers of the band, in the order of
+/// `band.cells`. Its magnitude is at most `limit` (m).
 ///
 /// `sampler` must sample `phi`.
 pub fn redistance<const D: usize>(
@@ -69,7 +70,7 @@ pub fn redistance<const D: usize>(
         .collect()
 }
 
-/// The closest point of the cell at `x` as its old value and slope tell it, if they are those of a distance.
+/// Closest point of the cell at `x`, predicted from its old value and gradient; `None` unless they are nearly those of a distance.
 fn predicted_closest_point<const D: usize>(
     sampler: &Sampler<'_, D>,
     here: f64,
@@ -81,7 +82,7 @@ fn predicted_closest_point<const D: usize>(
     ((square.sqrt() - 1.0).abs() < MAX_GRADIENT_DEVIATION).then(|| x - slope * (here / square))
 }
 
-/// |∇φ| where the interface crosses a lattice edge of a cell, 1 where it does not.
+/// |∇φ| at the nearest crossing of the interface with a lattice edge of a cell; 1 if there is none.
 pub fn interface_gradient_norm<const D: usize>(
     grid: &Grid<D>,
     phi: &[f64],
@@ -133,7 +134,7 @@ fn nearest_neighbour_point<const D: usize>(
     best.map(|(_, p)| p)
 }
 
-/// Newton's search for the point of the zero set closest to `x`, if it leads to one no farther than `known`.
+/// Newton iteration for the point of the zero set closest to `x`; `None` if it fails or ends clearly farther away than `known`.
 fn newton_closest_point<const D: usize>(
     sampler: &Sampler<'_, D>,
     dx: f64,

@@ -1,4 +1,4 @@
-//! The Jacobi preconditioner, for comparison.
+//! The Jacobi preconditioner.
 
 use super::operator::Preconditioner;
 use super::vectors;
@@ -11,7 +11,7 @@ pub struct Jacobi {
 }
 
 impl Jacobi {
-    /// From the diagonal of the operator (entries that are not positive are left out).
+    /// Inverts the operator's diagonal; entries that are not positive get the inverse 0.
     pub fn new(diagonal: &[f64]) -> Self {
         let inverse = diagonal.iter().map(|d| if *d > 0.0 { 1.0 / d } else { 0.0 }).collect();
         Self { inverse }

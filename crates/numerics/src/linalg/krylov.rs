@@ -5,13 +5,12 @@ use super::vectors;
 
 /// Solves `A x = b` by preconditioned conjugate gradients, starting from the `x` passed in.
 ///
-/// Stops when the true residual `b − A x`, computed anew at the end, is at most `tolerance` times `b` in the
-/// 2-norm. If the recursive residual reached that but the true one did not, the iteration starts anew from
-/// there.
+/// Stops when the true residual `b − A x`, recomputed at the end, is at most `tolerance` times `b` in the 2-norm. If the
+/// recursive residual reached that but the true one did not, the iteration restarts from there.
 ///
 /// # Errors
-/// [`SolveError`] after `max_iterations`, with the last iterate in `x`; when the operator or preconditioner turns out not to be
-/// positive, or when a number is not finite: `x` is then of no use.
+/// [`SolveError`] after `max_iterations`, with the last iterate in `x`. It is also returned if the operator or the
+/// preconditioner is not positive or a number is not finite; `x` is then meaningless.
 pub fn conjugate_gradient(
     operator: &impl LinearOperator,
     preconditioner: &impl Preconditioner,
@@ -24,8 +23,8 @@ pub fn conjugate_gradient(
     conjugate_gradient_with_workspace(operator, preconditioner, b, x, (tolerance, max_iterations), &mut work)
 }
 
-/// The same in memory that is passed in: three vectors whose contents do not matter, except that entries
-/// which the operator and the preconditioner do not write must be zero.
+/// The same with three work vectors from the caller. Their contents do not matter, except that entries that the operator
+/// and the preconditioner do not write must be zero.
 ///
 /// # Errors
 /// As [`conjugate_gradient`].
@@ -45,9 +44,9 @@ pub fn conjugate_gradient_with_workspace(
         x.fill(0.0);
         return Ok(SolveReport::default());
     }
-    // The preconditioned residual and the image of the direction take turns in the last one.
+    // The last vector holds the preconditioned residual and the image of the direction in turn.
     let [r, p, q] = work;
-    // The recursion runs on residuals relative to the right-hand side.
+    // The recursion uses residuals relative to the right-hand side.
     let scale = 1.0 / norm;
     let mut iterations = 0;
     loop {

@@ -1,4 +1,4 @@
-//! What every solver sees of a linear system.
+//! Linear operators and preconditioners, and the results of solvers.
 
 use thiserror::Error;
 
@@ -21,16 +21,16 @@ pub trait Preconditioner: Sync {
     fn apply(&self, r: &[f64], z: &mut [f64]) -> f64;
 }
 
-/// How a solve went.
+/// Result of a solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SolveReport {
     /// Number of iterations.
     pub iterations: usize,
-    /// True residual at the end over the norm of the right-hand side.
+    /// Norm of the true residual at the end, relative to the right-hand side.
     pub residual: f64,
 }
 
-/// Why a solve gave no answer.
+/// Why a solve failed.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SolveError {
     /// The tolerance was not reached.
@@ -42,7 +42,7 @@ pub enum SolveError {
         iterations: usize,
         /// Relative residual reached.
         residual: f64,
-        /// Relative residual asked for.
+        /// Relative residual requested.
         tolerance: f64,
     },
     /// Newton's method for solids and pressure did not converge.
@@ -54,16 +54,16 @@ pub enum SolveError {
     NewtonNotConverged {
         /// Iterations done.
         iterations: usize,
-        /// What the next would move, over the tolerance.
+        /// Step of the next iteration, relative to the tolerance.
         off: f64,
     },
-    /// A number that is not finite came in or out.
+    /// An input or a result was not finite.
     #[error("the linear solve met a number that is not finite in iteration {iteration}")]
     NotFinite {
         /// Iteration in which it appeared.
         iteration: usize,
     },
-    /// The matrix of the solids has no factors.
+    /// The matrix of the solids is not positive definite.
     #[error(
         "the matrix of the solids is not positive definite for a step of {step:.3e} s: a solid is too stiff for rounding, elements \
          are crushed, or solids leave each other no room"

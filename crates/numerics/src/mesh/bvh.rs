@@ -1,24 +1,23 @@
-//! A tree of boxes over the facets of a surface: closest point and winding number.
+//! Bounding volume hierarchy over the facets of a surface: closest point, winding number, signed distance.
 //!
-//! The winding number (A. Jacobson, L. Kavan and O. Sorkine-Hornung, ACM Trans. Graph. 32 (2013) 33) counts
-//! how often the surface wraps around a point: 1 inside, 0 outside, in between only within a hole. Facets
-//! further away than twice the radius of their box act through the sum of their area vectors, a dipole (G.
-//! Barill et al., ACM Trans. Graph. 37 (2018) 43), so that a query costs about the logarithm of the number of
-//! facets.
+//! The winding number (A. Jacobson, L. Kavan and O. Sorkine-Hornung, ACM Trans. Graph. 32 (2013) 33) of a closed outward
+//! surface is 1 inside and 0 outside; near a hole it takes values in between. The facets of a box farther away than twice
+//! its radius act as a dipole, the sum of their area vectors (G. Barill et al., ACM Trans. Graph. 37 (2018) 43). A query
+//! costs about the logarithm of the number of facets.
 
 use super::surface::{SurfaceMesh, area_vector};
 use crate::Vector;
 use std::f64::consts::PI;
 
-/// Facets in a leaf.
+/// Most facets of a leaf.
 const MAX_LEAF_FACETS: usize = 4;
-/// A box acts as a dipole beyond this many of its radii.
+/// Distance beyond which a box acts as a dipole, in radii of the box.
 const DIPOLE_DISTANCE_RADII: f64 = 2.0;
 
-/// The closest point of a surface.
+/// Closest point on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClosestPoint<const D: usize> {
-    /// Number of the facet it lies on.
+    /// Number of its facet.
     pub facet: u32,
     /// The point, m.
     pub point: Vector<D>,
@@ -28,30 +27,30 @@ pub struct ClosestPoint<const D: usize> {
     pub distance_squared: f64,
 }
 
-/// A box of the tree, as searches see it: a line of the cache in 3D. A node's first child follows it.
+/// Box of the tree; fills one cache line in 3D. Its first child follows it in the array.
 #[derive(Clone, Copy, Debug)]
 struct Node<const D: usize> {
     lower: Vector<D>,
     upper: Vector<D>,
-    /// Facets `first..first + count`, in the tree's order.
+    /// Facets `first..first + count` in the tree's order.
     first: u32,
     count: u32,
-    /// The second child; 0 in a leaf.
+    /// Second child; 0 in a leaf.
     second_child: u32,
-    /// The node after all nodes below this one.
+    /// Next node after this subtree.
     skip_index: u32,
 }
 
-/// The facets of a node from afar.
+/// Far-field approximation of the facets of a node.
 #[derive(Clone, Copy, Debug)]
 struct Dipole<const D: usize> {
-    /// Sum of the area vectors, their mean point and the farthest corner from it.
+    /// Sum of the area vectors, area-weighted centre, distance of the farthest corner from it.
     area: Vector<D>,
     center: Vector<D>,
     radius: f64,
 }
 
-/// A tree of boxes over the facets of a surface. It keeps a copy of the corners.
+/// Bounding volume hierarchy over the facets of a surface. It keeps a copy of the corners.
 #[derive(Clone, Debug)]
 pub struct FacetBvh<const D: usize> {
     nodes: Vec<Node<D>>,
@@ -61,7 +60,7 @@ pub struct FacetBvh<const D: usize> {
 }
 
 impl<const D: usize> FacetBvh<D> {
-    /// Builds the tree; costs `n log n` in the number of facets.
+    /// Builds the tree in O(n log n) for n facets.
     pub fn new(mesh: &SurfaceMesh<D>) -> Self {
         let mut items: Vec<(Vector<D>, u32)> = (0..mesh.facets.len())
             .map(|f| (mesh.corners(f).iter().sum::<Vector<D>>() / D as f64, f as u32))
@@ -75,7 +74,7 @@ impl<const D: usize> FacetBvh<D> {
         tree
     }
 
-    /// Adds the node of some facets and those below it, the facets in the tree's order from `first` on.
+    /// Adds the subtree of the given facets; `first` is their first place in the tree's order.
     fn build(&mut self, mesh: &SurfaceMesh<D>, items: &mut [(Vector<D>, u32)], first: usize) {
         let index = self.nodes.len();
         let (node, dipole) = node(mesh, items, first);
@@ -102,8 +101,7 @@ impl<const D: usize> FacetBvh<D> {
         self.nodes[index].skip_index = self.nodes.len() as u32;
     }
 
-    /// The closest point to `x` (m) nearer than `max_distance` (m); of equally near ones the first in the tree's
-    /// order.
+    /// Closest point to `x` (m) nearer than `max_distance` (m); on a tie the first in the search order.
     pub fn closest_point(&self, x: &Vector<D>, max_distance: f64) -> Option<ClosestPoint<D>> {
         let mut best: Option<ClosestPoint<D>> = None;
         let mut bound = max_distance * max_distance;
@@ -138,11 +136,11 @@ impl<const D: usize> FacetBvh<D> {
         best
     }
 
-    /// How often the surface winds around `x`: 1 inside, 0 outside a closed outward surface, to about 0.05.
+    /// Winding number at `x` (m): 1 inside and 0 outside a closed outward surface, accurate to about 0.05.
     pub fn winding_number(&self, x: &Vector<D>) -> f64 {
         let mut sum = 0.0;
         let mut at = 0;
-        // The nodes below a node follow it: skipping them is a jump.
+        // A subtree is contiguous, so skipping it is a jump.
         while let Some(node) = self.nodes.get(at) {
             let far = &self.dipoles[at];
             let d = far.center - x;
@@ -161,7 +159,7 @@ impl<const D: usize> FacetBvh<D> {
         sum
     }
 
-    /// Whether a closed outward surface holds `x` (m).
+    /// Whether `x` (m) lies inside a closed outward surface.
     pub fn contains(&self, x: &Vector<D>) -> bool {
         let near = self.nodes.first().is_some_and(|root| root.distance_squared(x) == 0.0);
         near && self.winding_number(x) > 0.5
@@ -187,7 +185,7 @@ impl<const D: usize> Node<D> {
     }
 }
 
-/// The box and the dipole of some facets.
+/// Box and dipole of the given facets.
 fn node<const D: usize>(
     mesh: &SurfaceMesh<D>,
     items: &[(Vector<D>, u32)],
@@ -211,7 +209,7 @@ fn node<const D: usize>(
     (node, Dipole { area, center, radius })
 }
 
-/// The share of the full angle (2D) or solid angle (3D) under which a facet is seen, positive from inside.
+/// Fraction of the full angle (2D) or solid angle (3D) that a facet subtends, positive from inside.
 fn facet_winding<const D: usize>(corners: &[Vector<D>; D], x: &Vector<D>) -> f64 {
     let (a, b, c) = (corners[0] - x, corners[1] - x, corners[D - 1] - x);
     if D == 2 {
@@ -227,8 +225,7 @@ fn facet_winding<const D: usize>(corners: &[Vector<D>; D], x: &Vector<D>) -> f64
     volume.atan2(na * nb * nc + a.dot(&b) * nc + b.dot(&c) * na + c.dot(&a) * nb) / (2.0 * PI)
 }
 
-/// The closest point of a facet and its barycentric weights (C. Ericson, Real-Time Collision Detection, 2005,
-/// §5.1.5).
+/// Closest point on a facet and its barycentric weights (C. Ericson, Real-Time Collision Detection, 2005, §5.1.5).
 pub fn closest_on_facet<const D: usize>(corners: &[Vector<D>; D], x: &Vector<D>) -> (Vector<D>, [f64; D]) {
     let weights = if D == 2 {
         let t = segment_parameter(&corners[0], &corners[1], x);
@@ -241,13 +238,13 @@ pub fn closest_on_facet<const D: usize>(corners: &[Vector<D>; D], x: &Vector<D>)
     (point, weights)
 }
 
-/// The parameter 0..1 of the closest point of a segment.
+/// Parameter, 0 to 1, of the closest point on a segment.
 fn segment_parameter<const D: usize>(a: &Vector<D>, b: &Vector<D>, x: &Vector<D>) -> f64 {
     let e = b - a;
     ((x - a).dot(&e) / e.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
 }
 
-/// The barycentric weights of the closest point of a triangle.
+/// Barycentric weights of the closest point on a triangle.
 fn closest_barycentric<const D: usize>([a, b, c]: [&Vector<D>; 3], x: &Vector<D>) -> [f64; 3] {
     let (ab, ac) = (b - a, c - a);
     let (ap, bp, cp) = (x - a, x - b, x - c);
@@ -285,7 +282,7 @@ mod tests {
     use crate::grid::{CellField, Grid, Run, Runs};
     use crate::mesh::extract_isosurface;
 
-    /// A dumbbell of two balls as a mesh, from the grid.
+    /// Mesh of a dumbbell of two balls, extracted from the grid.
     fn mesh<const D: usize>(n: usize) -> SurfaceMesh<D> {
         let grid = Grid::<D>::new([n; D], 1.0 / n as f64);
         let mut phi = CellField::new(grid, 0.0);

@@ -1,10 +1,9 @@
-//! Spheres made of nearly equal triangles, on which distances and lengths along a surface are known.
+//! Icospheres: spheres of nearly equal triangles, on which geodesic distances and lengths are known exactly.
 
 use super::SurfaceMesh;
 use crate::Vector;
 
-/// The unit sphere as an icosahedron whose triangles are split in four `levels` times, every vertex on the sphere:
-/// `10·4^levels + 2` vertices.
+/// Unit icosphere: an icosahedron subdivided `levels` times, with `10·4^levels + 2` vertices, all on the sphere.
 pub fn icosphere(levels: usize) -> SurfaceMesh<3> {
     let golden = 0.5 * (1.0 + 5.0f64.sqrt());
     let mut positions = Vec::new();
@@ -23,9 +22,9 @@ pub fn icosphere(levels: usize) -> SurfaceMesh<3> {
     mesh
 }
 
-/// The triangles of an icosahedron: all triples of neighbours, outward.
+/// Outward triangles of an icosahedron: all triples of mutual neighbours.
 fn icosahedron_triangles(x: &[Vector<3>]) -> Vec<[u32; 3]> {
-    // Neighbours see each other under 63 degrees, others under 117 at least.
+    // Neighbours subtend 63 degrees, other pairs at least 117.
     let near = |i: usize, j: usize| x[i].dot(&x[j]) > 0.4;
     let mut facets = Vec::new();
     for i in 0..x.len() {
@@ -42,7 +41,7 @@ fn icosahedron_triangles(x: &[Vector<3>]) -> Vec<[u32; 3]> {
     facets
 }
 
-/// Every triangle as four, the new vertices on the sphere.
+/// Splits every triangle into four and puts the new vertices on the sphere.
 fn subdivide(mesh: &SurfaceMesh<3>) -> SurfaceMesh<3> {
     let sorted = |a: u32, b: u32| [a.min(b), a.max(b)];
     let mut edges: Vec<[u32; 2]> = mesh

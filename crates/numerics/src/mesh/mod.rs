@@ -1,4 +1,4 @@
-//! Surfaces made of facets: their measures, their reading, their making from a level set.
+//! Surface meshes and volume meshes: measures, file input and output, extraction from a level set.
 
 pub mod bvh;
 pub mod icosphere;

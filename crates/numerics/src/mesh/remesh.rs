@@ -1,35 +1,35 @@
-//! Mending a surface of facets: long edges are split, short ones collapsed, bad diagonals flipped.
+//! Remeshing of a surface: long edges are split, short ones collapsed, and diagonals flipped to Delaunay.
 //!
-//! T. Brochu and R. Bridson, SIAM J. Sci. Comput. 31 (2009) 2472; bounds as in the paper, 4.3.1. A change that would turn a
-//! facet over, bend a crease away or join what is apart is not made, so a closed surface stays closed. Works on segments
-//! (2D) as well.
+//! T. Brochu and R. Bridson, SIAM J. Sci. Comput. 31 (2009) 2472; edge length bounds of Liu et al., Hydrophobic and
+//! Hydrophilic Solid-Fluid Interaction, 4.3.1. A change that would invert a facet, remove a crease or join separate sheets
+//! is rejected, so a closed surface stays closed. Works on segments (2D) as well.
 
 use super::SurfaceMesh;
 use super::surface::area_vector;
 use crate::Vector;
 
-/// Longest and shortest edge, in mean edges.
+/// Longest and shortest allowed edge, in mean edges.
 const EDGE_LENGTH_BOUNDS: [f64; 2] = [1.5, 0.5];
-/// Cosine of the angle by which a change may turn a facet.
+/// Cosine of the largest angle by which a change may turn a facet's normal.
 const MIN_NORMAL_COSINE: f64 = 0.9;
-/// The same where the facet is next to nothing, in squares of the mean edge (2D: mean edges).
+/// Area below which a facet may turn by up to 90 degrees, in squares of the mean edge (2D: mean edges).
 const DEGENERATE_AREA: f64 = 0.05;
-/// Rounds of changes.
+/// Most rounds of changes.
 const MAX_ROUNDS: usize = 8;
 
-/// A surface that is mended.
+/// State of the remeshing of a surface.
 pub struct Remesher<'a, const D: usize> {
     /// The surface.
     pub mesh: SurfaceMesh<D>,
-    /// A tag for each facet: facets made of one keep its tag.
+    /// Tag of each facet, inherited by the facets made from it.
     pub tags: Vec<u8>,
-    /// The vertices that must stay; edges between two of them stay as they are.
+    /// Whether each vertex is fixed; edges between two fixed vertices do not change.
     pub fixed: Vec<bool>,
-    /// Brings a new vertex to where the surface should be.
+    /// Projects a new vertex onto the surface.
     pub project: &'a dyn Fn(&Vector<D>) -> Vector<D>,
 }
 
-/// An edge: length and vertices.
+/// Length and vertices of an edge.
 type Edge = (f64, [u32; 2]);
 
 /// The facets around each vertex.
@@ -45,7 +45,7 @@ impl Stars {
 }
 
 impl<const D: usize> Remesher<'_, D> {
-    /// Mends the surface.
+    /// Remeshes the surface.
     pub fn remesh(&mut self) {
         let edges = self.edges();
         let mean = edges.iter().map(|e| e.0).sum::<f64>() / edges.len().max(1) as f64;
@@ -58,7 +58,7 @@ impl<const D: usize> Remesher<'_, D> {
         self.drop_unused();
     }
 
-    /// All edges, by their vertices.
+    /// All edges, sorted by their vertices.
     fn edges(&self) -> Vec<Edge> {
         let mut edges: Vec<[u32; 2]> = Vec::with_capacity(D * self.mesh.facets.len());
         for f in &self.mesh.facets {
@@ -95,7 +95,7 @@ impl<const D: usize> Remesher<'_, D> {
         e.iter().all(|v| self.fixed[*v as usize])
     }
 
-    /// The vertices next to one, sorted.
+    /// The neighbours of a vertex, sorted.
     fn one_ring(&self, stars: &Stars, v: u32) -> Vec<u32> {
         let around = stars.of(v).iter().flat_map(|f| self.mesh.facets[*f as usize]);
         let mut ring: Vec<u32> = around.filter(|w| *w != v).collect();
@@ -109,7 +109,7 @@ impl<const D: usize> Remesher<'_, D> {
         stars.of(a).iter().copied().filter(|f| self.mesh.facets[*f as usize].contains(&b)).collect()
     }
 
-    /// Splits edges longer than `longest` in their middle, the longest first.
+    /// Splits edges longer than `longest` at their middle, the longest first.
     fn split(&mut self, longest: f64) -> usize {
         let mut long: Vec<Edge> =
             self.edges().into_iter().filter(|e| e.0 > longest && !self.is_fixed_edge(&e.1)).collect();
@@ -152,7 +152,7 @@ impl<const D: usize> Remesher<'_, D> {
             if rings.iter().flatten().any(|v| touched[*v as usize]) {
                 continue;
             }
-            // Else something else than the two sides' facets would be pressed flat.
+            // Otherwise facets other than those at the edge would be flattened.
             let shared = rings[0].iter().filter(|v| rings[1].binary_search(v).is_ok()).count();
             if shared != 2 * (D - 2) || rings[0].len() + rings[1].len() < 2 * D + 2 {
                 continue;
@@ -175,7 +175,7 @@ impl<const D: usize> Remesher<'_, D> {
         count
     }
 
-    /// Where the two ends of an edge may be put together so that no facet around turns much.
+    /// Position at which the ends of an edge can be merged without turning a facet too far.
     fn collapse_position(&self, stars: &Stars, edge: [u32; 2], mean: f64) -> Option<Vector<D>> {
         let [a, b] = edge.map(|v| self.position(v));
         let places = match edge.map(|v| self.fixed[v as usize]) {
@@ -194,7 +194,7 @@ impl<const D: usize> Remesher<'_, D> {
         places.into_iter().find(fits)
     }
 
-    /// Whether a facet that changes still looks to the same side.
+    /// Whether the normal of a changed facet turns by no more than the bound.
     fn keeps_orientation(&self, old: &[Vector<D>; D], new: &[Vector<D>; D], mean: f64) -> bool {
         let (old, new) = (area_vector(old), area_vector(new));
         let bar =
@@ -202,7 +202,7 @@ impl<const D: usize> Remesher<'_, D> {
         new.dot(&old) > bar * old.norm() * new.norm()
     }
 
-    /// Flips diagonals of two triangles whose opposite angles add up to more than half a turn.
+    /// Flips edges whose two opposite angles add up to more than 180 degrees.
     fn flip(&mut self, mean: f64) -> usize {
         if D == 2 {
             return 0;
@@ -225,7 +225,7 @@ impl<const D: usize> Remesher<'_, D> {
             {
                 continue;
             }
-            // `f` without `b` but with `d`, `g` without `a` but with `c`.
+            // In `f` vertex `d` replaces `b`, in `g` vertex `c` replaces `a`.
             let new_f = self.mesh.facets[f as usize].map(|v| if v == b { d } else { v });
             let new_g = self.mesh.facets[g as usize].map(|v| if v == a { c } else { v });
             let corners = |t: [u32; D]| t.map(|v| self.position(v));
@@ -241,7 +241,7 @@ impl<const D: usize> Remesher<'_, D> {
         count
     }
 
-    /// Leaves out vertices of no facet.
+    /// Removes vertices without facets.
     fn drop_unused(&mut self) {
         let mut number = vec![u32::MAX; self.mesh.positions.len()];
         self.mesh.facets.iter().flatten().for_each(|v| number[*v as usize] = 0);

@@ -1,4 +1,4 @@
-//! The surface of a solid as facets finer than the grid, from its signed distance.
+//! Surface mesh of a solid, finer than the grid, from its signed distance.
 
 use super::isosurface::LIQUID_AIR;
 use super::remesh::Remesher;
@@ -7,22 +7,22 @@ use crate::Vector;
 use crate::grid::{CellField, Grid, Tiles};
 use rayon::prelude::*;
 
-/// Steps by which a vertex is brought to the surface.
+/// Newton iterations of the projection of a vertex onto the surface.
 const PROJECTION_STEPS: usize = 3;
 
-/// The surface of a solid.
+/// Surface mesh of a solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShapeSurface<const D: usize> {
     /// Vertices (m) and facets, outward; closed.
     pub mesh: SurfaceMesh<D>,
-    /// Number of the facets that lie on the solid's surface: the first ones. The others close it in the sides of the box
-    /// that it is cut off at.
+    /// Number of facets on the solid's surface; they come first. The others close the mesh at the sides of the box that
+    /// truncates the solid.
     pub solid_facet_count: usize,
 }
 
 impl<const D: usize> ShapeSurface<D> {
     /// The zero set of a signed distance (m, negative inside) within a box, with edges about `edge` (m) long: surface nets,
-    /// mended and brought to the zero set.
+    /// remeshed and projected onto the zero set.
     pub fn new(
         distance: &(dyn Fn(&Vector<D>) -> f64 + Sync),
         low: Vector<D>,
@@ -30,7 +30,7 @@ impl<const D: usize> ShapeSurface<D> {
         edge: f64,
     ) -> Self {
         let cells: [usize; D] = std::array::from_fn(|a| ((high[a] - low[a]) / edge).ceil().max(1.0) as usize);
-        // The lattice's cells may be a little flatter than cubes, so that they end where the box does.
+        // Cells are slightly compressed so that the lattice ends at the box.
         let scale = Vector::from_fn(|a, _| (high[a] - low[a]) / (cells[a] as f64 * edge));
         let grid = Grid::<D>::new(cells, edge);
         let lattice = grid.lattice();
@@ -63,7 +63,7 @@ impl<const D: usize> ShapeSurface<D> {
 }
 
 impl<const D: usize> Remesher<'_, D> {
-    /// Brings every vertex that may move to where the surface should be.
+    /// Projects every vertex that is not fixed onto the surface.
     fn project_all(&mut self) {
         let (project, fixed) = (self.project, &self.fixed);
         let moving = self.mesh.positions.iter_mut().zip(fixed).filter(|(_, f)| !**f);
@@ -71,7 +71,7 @@ impl<const D: usize> Remesher<'_, D> {
     }
 }
 
-/// A point brought to the zero set of a distance; one that would go farther than an edge stays.
+/// Projection of a point onto the zero set of a distance; points that would move by half an edge or more stay.
 fn project<const D: usize>(distance: &dyn Fn(&Vector<D>) -> f64, x: &Vector<D>, edge: f64) -> Vector<D> {
     let step = 1e-3 * edge;
     let mut y = *x;
@@ -95,7 +95,7 @@ mod tests {
     use crate::Matrix;
     use crate::shape::Shape;
 
-    /// Shortest and longest edge over the mean, and the least height of a facet over it.
+    /// Shortest edge, longest edge and smallest facet height, over the mean edge.
     fn quality<const D: usize>(surface: &ShapeSurface<D>) -> [f64; 3] {
         let mesh = &surface.mesh;
         let mut edges = Vec::new();
@@ -137,7 +137,7 @@ mod tests {
         assert!(plane_surface.solid_facet_count < plane_surface.mesh.facets.len());
         for f in plane_surface.solid_facets().iter().flatten() {
             let x = plane_surface.mesh.positions[*f as usize];
-            // In the sides of the box the surface nets have the last word.
+            // On the sides of the box vertices are fixed where the surface nets put them.
             let inner = x.iter().all(|c| (1e-9..1.0 - 1e-9).contains(c));
             assert!(plane.signed_distance(&x).abs() < if inner { 1e-9 } else { 0.7 * edge }, "{D}D {x}");
         }

@@ -1,16 +1,16 @@
-//! Closed surfaces made of facets: segments in 2D, triangles in 3D.
+//! Surface meshes: segments in 2D, triangles in 3D.
 
 use crate::{Matrix, Vector};
 
-/// A surface of facets with their outward side known by the order of their vertices.
+/// Surface mesh whose facets are oriented by the order of their vertices.
 ///
-/// In 3D a facet's vertices run counter-clockwise as seen from outside; in 2D the inside lies to the left of
-/// the edge from the first vertex to the second, so that the outward normal is `(dy, -dx)`.
+/// In 3D the vertices of a facet run counter-clockwise as seen from outside. In 2D the inside lies to the left of
+/// the edge from the first vertex to the second, so the outward normal is `(dy, -dx)`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceMesh<const D: usize> {
     /// Vertices, m.
     pub positions: Vec<Vector<D>>,
-    /// For each facet the numbers of its vertices.
+    /// Vertex numbers of each facet.
     pub facets: Vec<[u32; D]>,
 }
 
@@ -20,7 +20,7 @@ impl<const D: usize> SurfaceMesh<D> {
         self.facets[facet].map(|v| self.positions[v as usize])
     }
 
-    /// Outward area vector of a facet, m² (2D: m): its length is the area.
+    /// Outward area vector of a facet, m² (2D: m). Its length is the area.
     pub fn area_vector(&self, facet: usize) -> Vector<D> {
         area_vector(&self.corners(facet))
     }
@@ -30,8 +30,8 @@ impl<const D: usize> SurfaceMesh<D> {
         crate::par::sum(self.facets.len(), |f| self.area_vector(f).norm())
     }
 
-    /// Enclosed volume by the divergence theorem, $\frac1D \oint x \cdot n\, dA$, m³ (2D: m²). Positive if
-    /// the surface is closed and outward; positions are taken from its first vertex to keep digits.
+    /// Enclosed volume by the divergence theorem, $\frac1D \oint x \cdot n\, dA$, m³ (2D: m²). Positive for a closed outward
+    /// surface. Positions are relative to the first vertex to reduce cancellation.
     pub fn volume(&self) -> f64 {
         let Some(&origin) = self.positions.first() else { return 0.0 };
         let facet = |f: usize| {
@@ -41,19 +41,18 @@ impl<const D: usize> SurfaceMesh<D> {
         crate::par::sum(self.facets.len(), facet) / D as f64
     }
 
-    /// Whether the surface is closed and consistently oriented: each ridge (2D: vertex, 3D: edge) is passed
-    /// as often in one direction as in the other. An empty surface is.
+    /// Whether the surface is closed and consistently oriented: each ridge (2D: vertex, 3D: edge) is traversed equally
+    /// often in both directions. True for an empty surface.
     pub fn is_watertight(&self) -> bool {
         self.open_ridges() == 0
     }
 
-    /// Number of ridges (2D: vertices, 3D: edges) that keep the surface from being closed and consistently
-    /// oriented.
+    /// Number of ridges (2D: vertices, 3D: edges) at which the surface is open or inconsistently oriented.
     pub fn open_ridges(&self) -> usize {
         self.ridges().chunk_by(|a, b| a.0 == b.0).filter(|c| c.iter().map(|r| r.1).sum::<i32>() != 0).count()
     }
 
-    /// The ridges (2D: vertices, 3D: edges) of all facets, each with the direction it is passed in, sorted.
+    /// The ridges (2D: vertices, 3D: edges) of all facets with their direction of traversal, sorted.
     pub(super) fn ridges(&self) -> Vec<([u32; 2], i32)> {
         let mut ridges = Vec::with_capacity(self.facets.len() * D);
         for facet in &self.facets {
@@ -70,8 +69,8 @@ impl<const D: usize> SurfaceMesh<D> {
         ridges
     }
 
-    /// The surface scaled, then rotated, then moved by `translate` (m). A mirror image is turned outward
-    /// again.
+    /// The surface scaled, then rotated, then translated by `translate` (m). After a reflection the facets are
+    /// flipped so that they stay outward.
     pub fn transformed(mut self, scale: f64, rotation: &Matrix<D>, translate: &Vector<D>) -> Self {
         let map = rotation * scale;
         let before = self.volume();
@@ -82,20 +81,19 @@ impl<const D: usize> SurfaceMesh<D> {
         self
     }
 
-    /// Lower and upper corner of the box around all vertices, m. An empty surface has an inverted, infinite
-    /// box.
+    /// Lower and upper corner of the bounding box, m. Inverted and infinite for an empty surface.
     pub fn bounds(&self) -> (Vector<D>, Vector<D>) {
         let start = (Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY));
         self.positions.iter().fold(start, |(l, u), p| (l.inf(p), u.sup(p)))
     }
 
-    /// Turns every facet over: inside becomes outside.
+    /// Reverses the orientation of every facet.
     pub fn flip(&mut self) {
         self.facets.iter_mut().for_each(|f| f.swap(0, 1));
     }
 }
 
-/// Area vector of a facet with the given corners, m² (2D: m), on its outward side.
+/// Outward area vector of a facet with the given corners, m² (2D: m).
 pub fn area_vector<const D: usize>(corners: &[Vector<D>; D]) -> Vector<D> {
     let e = corners[1] - corners[0];
     let mut out = Vector::<D>::zeros();
@@ -112,8 +110,7 @@ pub fn area_vector<const D: usize>(corners: &[Vector<D>; D]) -> Vector<D> {
     out
 }
 
-/// Derivatives of the area (2D: length) of a facet by the positions of its corners, m (2D: unit vectors); none of a facet
-/// without an area.
+/// Gradients of a facet's area (2D: length) with respect to its corners, m (2D: unit vectors). Zero for a degenerate facet.
 pub fn area_gradients<const D: usize>(corners: &[Vector<D>; D]) -> [Vector<D>; D] {
     let unit = |v: Vector<D>| v.try_normalize(0.0).unwrap_or(Vector::zeros());
     if D == 2 {
@@ -122,7 +119,7 @@ pub fn area_gradients<const D: usize>(corners: &[Vector<D>; D]) -> [Vector<D>; D
     }
     let normal = unit(area_vector(corners));
     std::array::from_fn(|k| {
-        // Half the opposite edge turned by a right angle in the facet's plane, outward.
+        // Half the opposite edge, rotated outward by 90 degrees in the facet's plane.
         let edge = corners[(k + 2) % D] - corners[(k + 1) % D];
         Vector::from_fn(|a, _| {
             let (b, c) = ((a + 1) % D, (a + 2) % D);
@@ -131,9 +128,9 @@ pub fn area_gradients<const D: usize>(corners: &[Vector<D>; D]) -> [Vector<D>; D
     })
 }
 
-/// The positive part of the second derivatives of the area (2D: length) of a facet by the positions of its corners, without
-/// a unit (2D: 1/m): with heights `u` over what is flat it grows by `½ ∫ |∇u|²`, of which the linear functions' slopes are those
-/// of the area over it. What else there is, is left out: most of it is negative. None of a facet without an area.
+/// Positive semidefinite part of the Hessian of a facet's area (2D: length) with respect to its corners, dimensionless
+/// (2D: 1/m): `n nᵀ (∇A_i · ∇A_j) / A`. It follows from the area growth `½ ∫ |∇u|²` of a flat facet at heights `u`.
+/// The remaining, mostly negative, terms are omitted. Zero for a degenerate facet.
 pub fn area_hessian_psd<const D: usize>(corners: &[Vector<D>; D]) -> [[Matrix<D>; D]; D] {
     let (area, slopes) = (area_vector(corners), area_gradients(corners));
     let size = area.norm();
@@ -141,11 +138,11 @@ pub fn area_hessian_psd<const D: usize>(corners: &[Vector<D>; D]) -> [[Matrix<D>
     std::array::from_fn(|i| std::array::from_fn(|j| outer * slopes[i].dot(&slopes[j])))
 }
 
-/// All second derivatives of the area (2D: length) of a facet by the positions of its corners, without a unit (2D: 1/m). None of a
-/// facet without an area.
+/// Full Hessian of a facet's area (2D: length) with respect to its corners, dimensionless (2D: 1/m). Zero for a degenerate
+/// facet.
 pub fn area_hessian<const D: usize>(corners: &[Vector<D>; D]) -> [[Matrix<D>; D]; D] {
     if D == 2 {
-        // A length grows with its square across its direction only.
+        // The Hessian of a length is nonzero only across its direction.
         return area_hessian_psd(corners);
     }
     let area = area_vector(corners);
@@ -154,7 +151,7 @@ pub fn area_hessian<const D: usize>(corners: &[Vector<D>; D]) -> [[Matrix<D>; D]
         return [[Matrix::zeros(); D]; D];
     }
     let normal = area / size;
-    // With the opposite edges `e`, `2 ∂A/∂x_i = n × e_i` and `2 ∂a/∂x_j = e_j ×` of the area vector `a = A n`.
+    // With the opposite edges `e_i`: `2 ∂A/∂x_i = n × e_i`, and `2 ∂a/∂x_j = e_j ×` for the area vector `a = A n`.
     let edges: [Matrix<D>; D] =
         std::array::from_fn(|i| cross_matrix(&(corners[(i + 2) % D] - corners[(i + 1) % D])));
     let (turn, flat) = (cross_matrix(&normal) * 0.5, Matrix::identity() - normal * normal.transpose());
@@ -166,7 +163,7 @@ pub fn area_hessian<const D: usize>(corners: &[Vector<D>; D]) -> [[Matrix<D>; D]
     })
 }
 
-/// The matrix of `v ×`, in 3D.
+/// Matrix of the cross product `v ×` in 3D.
 fn cross_matrix<const D: usize>(v: &Vector<D>) -> Matrix<D> {
     Matrix::from_fn(|r, c| match (c + D - r) % D {
         1 => -v[(r + 2) % D],

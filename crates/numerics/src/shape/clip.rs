@@ -1,14 +1,14 @@
 //! A simplex cut by two linear functions: liquid (`φ < 0`) beside a solid (`ψ < 0`).
 //!
-//! With `g = ∇φ`, `n = g/|g|` and barycentric coordinates `λ_c`, moving the value of `φ` at corner `c` changes
+//! With `g = ∇φ`, `n = g/|g|` and barycentric coordinates `λ_c`, the derivatives with respect to the value of `φ` at corner `c` are
 //!
-//! - the volume of `{φ < 0, ψ > 0}` by `−(1/|g|) ∫_P λ_c dA` over the free surface `P = {φ = 0, ψ > 0}`, and its first
-//!   moment by `−(1/|g|) ∫_P λ_c x dA`;
-//! - the area of `P` by `(1/|g|) Σ_e l_e λ_c(e) (m·n)/√(1 − (m·n)²)` over the edges `e` of `P`, `m` being the outward normal
-//!   of the face of the simplex, or of the solid's surface, in which the edge lies (2D: over its two ends);
-//! - the wetted area of `{ψ = 0, φ < 0}` by `−(1/|g|) Σ_e l_e λ_c(e)/√(1 − (m·n)²)` over the edge on the solid
+//! - of the volume of `{φ < 0, ψ > 0}`: `−(1/|g|) ∫_P λ_c dA` over the free surface `P = {φ = 0, ψ > 0}`, and of its
+//!   first moment: `−(1/|g|) ∫_P λ_c x dA`;
+//! - of the area of `P`: `(1/|g|) Σ_e l_e λ_c(e) (m·n)/√(1 − (m·n)²)` over the edges `e` of `P`, where `m` is the outward
+//!   normal of the face of the simplex, or of the solid's surface, in which the edge lies (2D: over its two ends);
+//! - of the wetted area of `{ψ = 0, φ < 0}`: `−(1/|g|) Σ_e l_e λ_c(e)/√(1 − (m·n)²)` over the edge on the solid.
 //!
-//! (design, experiments part 4). Points are kept in barycentric coordinates, so that one code cuts triangles and tetrahedra.
+//! Points are stored in barycentric coordinates, so that one code cuts triangles and tetrahedra.
 
 use crate::{Matrix, Vector, rotation_planes};
 
@@ -19,10 +19,10 @@ const MIN_CONTACT_SINE: f64 = 0.05;
 
 /// A point by its barycentric coordinates (2D: the last one is 0).
 type Point = [f64; 4];
-/// Number of an edge that lies on the solid; the others have that of the corner opposite their face.
+/// Label of an edge that lies on the solid. The others have the number of the corner opposite their face.
 const SOLID_EDGE: usize = 4;
 
-/// A simplex: `D + 1` corners, and what follows from them.
+/// A simplex: its `D + 1` corners, the gradients of its barycentric coordinates, and its volume.
 #[derive(Clone, Debug)]
 pub struct ClipSimplex<const D: usize> {
     corners: [Vector<D>; 4],
@@ -41,12 +41,12 @@ pub struct ClippedMeasures {
     pub area: f64,
     /// Area of the solid under liquid.
     pub wetted_area: f64,
-    /// The part along the solid's normal of what the free surface pulls with: the integral along the contact line (2D: the
-    /// sum over its points) of the sine of its angle times the normal; and its moment about the origin (2D: in the last entry).
+    /// Normal component of the surface-tension pull on the solid: the integral along the contact line (2D: the sum over
+    /// its points) of the sine of its angle times the normal; and its moment about the origin (2D: in the last entry).
     pub normal_pull: [[f64; 3]; 2],
-    /// The integral of the direction along the solid into the liquid, and its moment.
+    /// Integral along the contact line of the unit vector along the solid into the liquid, and its moment.
     pub wetting_direction: [[f64; 3]; 2],
-    /// Derivative of the volume by the value of φ at each corner.
+    /// Derivative of the volume with respect to the value of φ at each corner.
     pub volume_slope: [f64; 4],
     /// That of the volume's first moment.
     pub moment_slope: [[f64; 3]; 4],
@@ -57,7 +57,7 @@ pub struct ClippedMeasures {
 }
 
 impl<const D: usize> ClipSimplex<D> {
-    /// The simplex with these corners; the entries after `D + 1` mean nothing.
+    /// The simplex with these corners; entries beyond `D + 1` are ignored.
     pub fn new(corners: [Vector<D>; 4]) -> Self {
         let edges = Matrix::<D>::from_fn(|r, c| (corners[c + 1] - corners[0])[r]);
         // Rows of the inverse are the gradients of the barycentric coordinates 1 … D.
@@ -75,7 +75,7 @@ impl<const D: usize> ClipSimplex<D> {
         Self { corners, gradients, volume }
     }
 
-    /// Cuts it; `phi` and `psi` are the values at its corners.
+    /// Cuts the simplex; `phi` and `psi` are the values at its corners.
     pub fn cut(&self, phi: &[f64; 4], psi: &[f64; 4]) -> ClippedMeasures {
         let mut cut = ClippedMeasures::default();
         let open = psi.map(|v| -v);
@@ -95,7 +95,7 @@ impl<const D: usize> ClipSimplex<D> {
     }
 
     fn add_volume(&self, piece: &[Point; 4], cut: &mut ClippedMeasures) {
-        // Barycentric coordinates add up to one: the first of them tells nothing.
+        // Barycentric coordinates add up to one, so the first of them is redundant.
         let share = Matrix::<3>::from_fn(|r, c| piece[r + 1][c + 1] - piece[0][c + 1]).determinant().abs();
         let volume = share * self.volume;
         cut.volume += volume;
@@ -152,7 +152,7 @@ impl<const D: usize> ClipSimplex<D> {
         }
     }
 
-    /// Takes away `∫ λ_c dA` and `∫ λ_c x dA` over a facet of the free surface.
+    /// Subtracts `∫ λ_c dA` and `∫ λ_c x dA` over a facet of the free surface.
     fn add_volume_derivatives(
         &self,
         area: f64,
@@ -178,7 +178,7 @@ impl<const D: usize> ClipSimplex<D> {
         sum
     }
 
-    /// Calls `f(energy_scale, corners)` for the segment, or the triangles of the polygon.
+    /// Calls `f(area, corners)` for the segment, or for each triangle of the polygon.
     fn for_each_facet(&self, section: &[(Point, usize)], mut f: impl FnMut(f64, &[Point])) {
         if D == 2 {
             if let [(p, _), (q, _)] = section {
@@ -196,7 +196,7 @@ impl<const D: usize> ClipSimplex<D> {
     }
 }
 
-/// Adds a force at a place, and its moment.
+/// Adds a force at a point, and its moment about the origin.
 fn add_force<const D: usize>(sum: &mut [[f64; 3]; 2], at: &Vector<D>, force: &Vector<D>) {
     (0..D).for_each(|a| sum[0][a] += force[a]);
     for &(a, b, place) in rotation_planes::<D>() {
@@ -215,7 +215,7 @@ fn zero_between(p: &Point, q: &Point, v: f64, w: f64) -> Point {
     std::array::from_fn(|i| p[i] + t * (q[i] - p[i]))
 }
 
-/// Corners with a negative value first; how many they are.
+/// The corners sorted with negative values first, and the number of negative values.
 fn negative_first<const D: usize>(values: &[f64; 4]) -> ([usize; 4], usize) {
     let mut order = [0, 1, 2, 3];
     order[..=D].sort_by_key(|i| values[*i] >= 0.0);
@@ -227,7 +227,7 @@ fn negative_part<const D: usize>(corners: &[Point; 4], values: &[f64; 4]) -> [Op
     let (o, count) = negative_first::<D>(values);
     let p = |i: usize| corners[o[i]];
     let x = |i: usize, j: usize| zero_between(&p(i), &p(j), values[o[i]], values[o[j]]);
-    // In 2D the last corner stays the fourth unit vector: determinants are those of three.
+    // In 2D the fourth corner stays the fourth unit vector, so that determinants are those of three corners.
     let flat = |a: Point, b: Point, c: Point| Some([a, b, c, [0.0, 0.0, 0.0, 1.0]]);
     match (D, count) {
         (_, 0) => [None; 3],
@@ -245,7 +245,7 @@ fn prism_tetrahedra(a: [Point; 3], b: [Point; 3]) -> [Option<[Point; 4]>; 3] {
     [Some([a[0], a[1], a[2], b[0]]), Some([a[1], a[2], b[0], b[1]]), Some([a[2], b[0], b[1], b[2]])]
 }
 
-/// Where the function with these values at the corners is zero: the points around, each with the number of the edge that
+/// Zero set of the function with these values at the corners: the points around it, each with the label of the edge that
 /// follows it (2D: in which it lies).
 fn zero_section<const D: usize>(values: &[f64; 4]) -> Vec<(Point, usize)> {
     let (o, count) = negative_first::<D>(values);
@@ -261,7 +261,7 @@ fn zero_section<const D: usize>(values: &[f64; 4]) -> Vec<(Point, usize)> {
     }
 }
 
-/// The part of a segment or polygon where a linear function is positive; the new edge is the solid's.
+/// The part of a segment or polygon where a linear function is positive; the new edge gets the label `SOLID_EDGE`.
 fn clip_to_positive<const D: usize>(section: Vec<(Point, usize)>, values: &[f64; 4]) -> Vec<(Point, usize)> {
     let inside = |p: &Point| interpolate(p, values) > 0.0;
     let cross = |p: &Point, q: &Point| zero_between(p, q, interpolate(p, values), interpolate(q, values));

@@ -1,7 +1,7 @@
 //! A shape's signed distance at all cells of a grid.
 //!
-//! The distance to a mesh is found along a row of cells with what the cell before tells: its closest point
-//! bounds the distance, and the side changes only within a cell of the surface.
+//! Along a row of cells, the distance to a mesh uses the result of the previous cell: its closest point bounds the
+//! distance, and the sign changes only within a cell of the surface.
 
 use super::{MeshShape, Shape};
 use crate::Vector;
@@ -55,7 +55,7 @@ fn mesh_row<const D: usize>(mesh: &MeshShape<D>, at: impl Fn(usize) -> Vector<D>
     let mut foot: Option<Vector<D>> = None;
     for (i, v) in out.iter_mut().enumerate() {
         let x = at(i);
-        // Beyond a cell's width of the surface the side is that of the point before.
+        // More than one cell from the surface, the sign is that of the previous point.
         let inside =
             if last.is_finite() && last.abs() > 1.0001 * dx { last < 0.0 } else { tree.contains(&x) };
         let within = foot.map_or(f64::INFINITY, |p| (p - x).norm() * (1.0 + 1e-12));

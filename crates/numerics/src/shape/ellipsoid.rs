@@ -1,13 +1,12 @@
 //! The closest point of an ellipsoid.
 //!
-//! The closest point $x$ to $y$ solves $x_a = r_a^2 y_a / (t + r_a^2)$ with the largest root $t$ of
-//! $F(t) = \sum_a (r_a y_a / (t + r_a^2))^2 - 1$ (D. Eberly, "Distance from a point to an ellipse, an
-//! ellipsoid, or a hyperellipsoid", 2013). $F$ is convex and falls on $t > -r_{min}^2$, so that Newton's
-//! iteration from the left climbs to the root without a bracket.
+//! The closest point $x$ to $y$ solves $x_a = r_a^2 y_a / (t + r_a^2)$ with the largest root $t$ of $F(t) = \sum_a (r_a y_a / (t +
+//! r_a^2))^2 - 1$ (D. Eberly, "Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid", 2013). $F$ is convex and
+//! decreasing on $t > -r_{min}^2$, so that Newton's iteration from the left converges to the root without a bracket.
 
 use crate::Vector;
 
-/// Newton steps at most; seven are usual.
+/// Maximum number of Newton iterations; seven are usual.
 const MAX_NEWTON_ITERATIONS: usize = 60;
 
 /// Distance from `y` (in the ellipsoid's own frame, m) to the ellipsoid of half axes `radii` (m), negative
@@ -28,8 +27,7 @@ pub(super) fn closest_point<const D: usize>(y: &Vector<D>, radii: &Vector<D>) ->
     if let Some(x) = inside_the_focal_set(&p, &r, &q) {
         return x.zip_map(y, |x, y| shortest * x.copysign(y));
     }
-    // Counted from the pole of the shortest axis, u = s + 1, so that points near the focal set keep their
-    // digits.
+    // u = s + 1 is measured from the pole of the shortest axis, which avoids cancellation near the focal set.
     let rest = q.add_scalar(-1.0);
     let mut u = (0..D).map(|a| r[a] * p[a] - rest[a]).fold(0.0, f64::max);
     for _ in 0..MAX_NEWTON_ITERATIONS {
@@ -52,8 +50,8 @@ pub(super) fn closest_point<const D: usize>(y: &Vector<D>, radii: &Vector<D>) ->
     )
 }
 
-/// The closest point if the point has no component along any shortest axis and lies where the surface's
-/// closest points leave that plane. All in units of the shortest half axis, components not negative.
+/// The closest point of a point on the focal set: the point has no component along any shortest axis, but its closest
+/// point has. `None` for other points. Lengths are in units of the shortest half axis, components not negative.
 fn inside_the_focal_set<const D: usize>(p: &Vector<D>, r: &Vector<D>, q: &Vector<D>) -> Option<Vector<D>> {
     let first = (0..D).find(|&a| q[a] == 1.0)?;
     if (0..D).any(|a| q[a] == 1.0 && p[a] > 0.0) {

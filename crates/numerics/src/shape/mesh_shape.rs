@@ -6,12 +6,12 @@ use crate::{Matrix, Vector};
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Distance from a facet over its size from which its two sides are looked at.
+/// Distance from a facet, relative to its size, at which its two sides are tested.
 const SIDE_TEST_OFFSET: f64 = 1e-3;
-/// Most facets that are looked at for places where the surface passes through itself.
+/// Maximum number of facets that are tested for self-intersection.
 const MAX_TESTED_FACETS: usize = 20_000;
 
-/// The inside of a closed surface, with the tree that answers questions about it.
+/// The interior of a closed surface, with a tree for queries.
 #[derive(Clone, Debug)]
 pub struct MeshShape<const D: usize> {
     surface: SurfaceMesh<D>,
@@ -19,7 +19,7 @@ pub struct MeshShape<const D: usize> {
 }
 
 impl<const D: usize> MeshShape<D> {
-    /// The inside of a closed, outward surface.
+    /// The interior of a closed surface with outward orientation.
     pub fn new(surface: SurfaceMesh<D>) -> Self {
         let tree = FacetBvh::new(&surface);
         Self { surface, tree }
@@ -29,7 +29,7 @@ impl<const D: usize> MeshShape<D> {
     /// `translate` (m).
     ///
     /// # Errors
-    /// What the file lacks and how to mend it.
+    /// [`ImportError`] describes the defect of the file and how to repair it.
     pub fn load(
         path: &Path,
         scale: f64,
@@ -46,8 +46,8 @@ impl<const D: usize> MeshShape<D> {
         Ok(Self::new(read.surface.transformed(scale, rotation, translate)))
     }
 
-    /// A place, m, where the surface passes through itself or lies on itself: there it does not wind once around the points
-    /// just within it, or does around those just outside. Of large meshes some facets are looked at.
+    /// A point, m, where the surface intersects or touches itself: there its winding number is not 1 just inside, or not
+    /// 0 just outside. Of large meshes only some facets are tested.
     fn self_intersection(&self) -> Option<Vector<D>> {
         let count = self.surface.facets.len();
         let wrong = |facet: usize| {

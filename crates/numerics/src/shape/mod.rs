@@ -1,9 +1,8 @@
-//! Shapes that fill the domain at the start of a run, and exact fractions of cut cells.
+//! Shapes for the initial state of a run, and exact volume fractions of cut cells.
 //!
-//! Each shape knows its signed distance, negative inside. Ball, box, half space, cylinder, capsule,
-//! ellipsoid, perturbed ball and mesh give the true distance everywhere; unions and differences take the
-//! smaller or larger of their parts' distances, which is right on the surface and a bound away from it; what a smooth
-//! union gives is less than the distance at its fillets.
+//! Each shape has a signed distance, negative inside. It is exact for ball, box, half space, cylinder, capsule, ellipsoid, perturbed ball
+//! and mesh. Unions and differences take the minimum or maximum of their parts' distances, which is correct on the surface and a bound
+//! away from it. A smooth union returns less than the distance at its fillets.
 
 mod clip;
 mod distance_field;
@@ -44,7 +43,7 @@ pub enum Shape<const D: usize> {
         /// A rotation whose columns are the box's own axes.
         rotation: Matrix<D>,
     },
-    /// All space on the side that the normal points away from.
+    /// The half space that the normal points away from.
     HalfSpace {
         /// A point of the plane, m.
         point: Vector<D>,
@@ -80,8 +79,8 @@ pub enum Shape<const D: usize> {
         /// A rotation whose columns are the ellipsoid's own axes.
         rotation: Matrix<D>,
     },
-    /// A ball with one surface mode: `r = R (1 + ε mode_cosine nθ)` in 2D, θ from the first axis, and
-    /// `r = R (1 + ε P_n(mode_cosine ϑ))` in 3D, ϑ from the last (vertical) axis.
+    /// A ball with one surface mode: `r = R (1 + ε cos nθ)` in 2D, θ from the first axis, and `r = R (1 + ε P_n(cos ϑ))`
+    /// in 3D, ϑ from the last (vertical) axis.
     PerturbedBall {
         /// Its centre, m.
         center: Vector<D>,
@@ -94,7 +93,7 @@ pub enum Shape<const D: usize> {
     },
     /// All points in any of the shapes.
     Union(Vec<Shape<D>>),
-    /// Shapes that melt into each other.
+    /// A union with fillets.
     SmoothUnion(SmoothUnion<D>),
     /// All points of one shape that are not in another.
     Difference {
@@ -103,24 +102,24 @@ pub enum Shape<const D: usize> {
         /// The shape cut away.
         minus: Box<Shape<D>>,
     },
-    /// A flat outline given a thickness along the last axis (2D: the outline).
+    /// A flat outline extruded along the last axis (2D: the outline).
     Extrusion {
         /// The outline, its origin at the shape's centre, m.
         outline: Arc<MeshShape<2>>,
-        /// Where the outline's origin goes, halfway up the thickness, m.
+        /// Position of the outline's origin, at mid-thickness, m.
         center: Vector<D>,
-        /// The thickness, m; means nothing in 2D.
+        /// The thickness, m; ignored in 2D.
         thickness: f64,
         /// A rotation whose columns are the axes of the outline's frame.
         rotation: Matrix<D>,
     },
-    /// A closed surface, from a file or made by a program.
+    /// The interior of a closed surface mesh.
     Mesh(Arc<MeshShape<D>>),
 }
 
 impl<const D: usize> Shape<D> {
-    /// An outline given a thickness (m) along the last axis (2D: what it encloses), with the exact signed distance of the
-    /// polygon that the outline is. Its origin goes to `center` (m), halfway up; the columns of `rotation` are its axes.
+    /// Extrudes an outline by `thickness` (m) along the last axis (2D: its interior). The signed distance of the outline's polygon is
+    /// exact. Its origin is placed at `center` (m), at mid-thickness; the columns of `rotation` are its axes.
     pub fn extrusion(outline: &Outline, center: &Vector<D>, thickness: f64, rotation: &Matrix<D>) -> Self {
         let outline = Arc::new(MeshShape::new(outline.surface()));
         Self::Extrusion { outline, center: *center, thickness, rotation: *rotation }
@@ -170,9 +169,9 @@ impl<const D: usize> Shape<D> {
         self.signed_distance(x) < 0.0
     }
 
-    /// Lower and upper corner of an axis-aligned box that holds the shape, m. A half space is unbounded; an
-    /// empty union has an inverted, infinite box. Tight except for a difference (the box of what is cut into),
-    /// a perturbed ball (the box of its largest radius) and a smooth union (with room for fillets).
+    /// Lower and upper corner of an axis-aligned box that contains the shape, m. A half space is unbounded; an empty
+    /// union has an inverted, infinite box. The box is tight except for a difference (the box of the shape cut into), a
+    /// perturbed ball (the box of its largest radius) and a smooth union (with room for fillets).
     pub fn bounds(&self) -> (Vector<D>, Vector<D>) {
         let around = |center: &Vector<D>, reach: Vector<D>| (center - reach, center + reach);
         match self {
@@ -254,7 +253,7 @@ fn disjoint<const D: usize>(a: &(Vector<D>, Vector<D>), b: &(Vector<D>, Vector<D
     (0..D).any(|k| a.1[k] <= b.0[k] || b.1[k] <= a.0[k])
 }
 
-/// The direction of a vector; the last axis if it has none.
+/// The unit vector along `v`; the last axis if `v` is zero.
 fn unit<const D: usize>(v: &Vector<D>) -> Vector<D> {
     v.try_normalize(0.0).unwrap_or_else(|| Vector::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 }))
 }

@@ -1,16 +1,15 @@
 //! The closest point of a ball with one surface mode.
 //!
-//! Both dimensions reduce to a plane curve $r(\theta)$ in polar coordinates: in 3D the plane through the
-//! vertical axis and the point, $\theta$ from the axis. The closest point makes $f(\theta) = \tfrac12
-//! |c(\theta) - p|^2$ smallest; the candidates within reach of the point are sampled, the best one is refined
-//! by Newton's iteration.
+//! Both dimensions reduce to a plane curve $r(\theta)$ in polar coordinates: in 3D in the plane through the vertical axis
+//! and the point, with $\theta$ from the axis. The closest point minimises $f(\theta) = \tfrac12 |c(\theta) - p|^2$. The
+//! angles at which it can lie are sampled, and the best sample is refined by Newton's iteration.
 
 use crate::Vector;
 use std::f64::consts::PI;
 
-/// Most steps of Newton's iteration.
+/// Maximum number of Newton iterations.
 const MAX_NEWTON_ITERATIONS: usize = 40;
-/// Most halvings of one of them: no angle stands after so many.
+/// Maximum number of halvings of a Newton step: it is below rounding after so many.
 const MAX_STEP_HALVINGS: usize = 60;
 
 /// The curve $r(\theta) = R (1 + \varepsilon\, m(\theta))$.
@@ -36,10 +35,10 @@ impl PolarCurve {
         if gap < 0.0 { -distance } else { distance }
     }
 
-    /// Distance from a point to the curve; one point of the curve lies at `angle` and `gap` away.
+    /// Distance from a point to the curve, whose point at `angle` is `gap` away.
     fn distance(&self, p: [f64; 2], angle: f64, gap: f64) -> f64 {
         let norm = p[0].hypot(p[1]);
-        // No point nearer than `gap` is seen under a larger angle than this from the ray through p.
+        // All points nearer than `gap` lie within this angle of the ray through p.
         let window = if gap < norm { (gap / norm).asin() } else { PI };
         let samples = (window * f64::from(8 * self.mode.max(2)) / PI).ceil().clamp(1.0, 4096.0);
         let h = window / samples;
@@ -56,7 +55,7 @@ impl PolarCurve {
         (2.0 * self.refine(p, best, h.max(1e-9))).sqrt()
     }
 
-    /// The smallest value of `f` near a sample: Newton's iteration, halved until it descends.
+    /// Minimum of `f` near a sample by Newton's iteration, with steps halved until `f` descends.
     fn refine(&self, p: [f64; 2], (mut value, mut t): (f64, f64), h: f64) -> f64 {
         for _ in 0..MAX_NEWTON_ITERATIONS {
             let [r, r1, r2] = self.derivatives(t);
@@ -107,7 +106,7 @@ impl PolarCurve {
         (f64::from(self.mode) * t).cos()
     }
 
-    /// The radius and its first and second derivative by the angle, m.
+    /// The radius and its first and second derivative with respect to the angle, m.
     fn derivatives(&self, t: f64) -> [f64; 3] {
         let m = if self.legendre {
             let (s, c) = t.sin_cos();

@@ -1,14 +1,13 @@
-//! Shapes that melt into each other, and an animal made of them.
+//! Unions of shapes with fillets, and a cow made of them.
 
 use super::Shape;
 use crate::{Matrix, Vector};
 
 /// A union of shapes with fillets where they meet.
 ///
-/// Two distances `a` and `b` are joined by the quadratic smooth minimum `min(a, b) - h² / (4 k)`,
-/// `h = max(k - |a - b|, 0)` (I. Quilez, "Smooth minimum", 2013), one part after another. The result is a distance where one
-/// part is nearer than the others by `k`; elsewhere it is less than the distance, but continuous with continuous slope
-/// wherever the parts' distances are, and zero on the surface that it defines.
+/// Two distances `a` and `b` are joined by the quadratic smooth minimum `min(a, b) - h² / (4 k)`, `h = max(k - |a - b|, 0)` (I. Quilez,
+/// "Smooth minimum", 2013), one part after another. The result is a distance where one part is nearer than the others by `k`. Elsewhere
+/// it is less than the distance, but continuous with continuous slope wherever the parts' distances are.
 #[derive(Clone, Debug)]
 pub struct SmoothUnion<const D: usize> {
     /// The parts.
@@ -18,7 +17,7 @@ pub struct SmoothUnion<const D: usize> {
 }
 
 impl<const D: usize> SmoothUnion<D> {
-    /// A function that is negative inside, near the surface a distance, m. Infinite without parts.
+    /// Approximate signed distance, m, negative inside; infinite without parts.
     pub fn signed_distance(&self, x: &Vector<D>) -> f64 {
         let join = |a: f64, b: f64| {
             let h = self.fillet_width - (a - b).abs();
@@ -27,7 +26,7 @@ impl<const D: usize> SmoothUnion<D> {
         self.parts.iter().map(|s| s.signed_distance(x)).fold(f64::INFINITY, join)
     }
 
-    /// Lower and upper corner of a box that holds it, m; not tight: fillets are taken to stick out by half their width.
+    /// Lower and upper corner of a box that contains it, m. It is not tight: fillets are assumed to stick out by half their width.
     pub fn bounds(&self) -> (Vector<D>, Vector<D>) {
         let (lower, upper) = self.parts_bounds();
         (lower.add_scalar(-0.5 * self.fillet_width), upper.add_scalar(0.5 * self.fillet_width))
@@ -39,12 +38,12 @@ impl<const D: usize> SmoothUnion<D> {
         self.parts.iter().map(Shape::bounds).fold(start, |s, b| (s.0.inf(&b.0), s.1.sup(&b.1)))
     }
 
-    /// A cow, about `length` (m) from rump to muzzle. It stands at the point `at` (m), which is below its chest, with its feet
-    /// at that height; it faces along the first of its own axes, the columns of `rotation`, and the last is up. In 2D it is
-    /// seen from the side. Horns, ears and tail are a twentieth of the length thick: fill it with edges of a thirtieth or less.
+    /// A cow, about `length` (m) from rump to muzzle. The point `at` (m) is below its chest, at the height of its feet.
+    /// The columns of `rotation` are its axes: the first points forward, the last up. In 2D it is seen from the side.
+    /// Horns, ears and tail are a twentieth of the length thick: a mesh needs edges of a thirtieth or less.
     pub fn cow(length: f64, at: &Vector<D>, rotation: &Matrix<D>) -> Self {
         let mut parts = Vec::new();
-        // Places as forward, sideways, up, in lengths.
+        // Positions are forward, sideways, up, in lengths.
         let along = |p: [f64; 3]| Vector::<D>::from_fn(|a, _| length * if a + 1 == D { p[2] } else { p[a] });
         let place = |p: [f64; 3]| at + rotation * along(p);
         let capsule = |a: [f64; 3], b: [f64; 3], radius: f64| Shape::Capsule {
@@ -69,7 +68,7 @@ impl<const D: usize> SmoothUnion<D> {
         parts.push(ellipsoid([-0.17, 0.0, 0.35], [0.07, 0.06, 0.05]));
         let sides: &[f64] = if D == 2 { &[1.0] } else { &[1.0, -1.0] };
         for &side in sides {
-            // In the plane horn and ear go up and back, where they can be seen.
+            // In 2D horn and ear are spread in the plane, where they are visible.
             let flat = if D == 2 { 1.0 } else { 0.0 };
             parts.push(capsule([0.18, 0.09 * side, 0.45], [0.19, 0.09 * side, 0.045], 0.045));
             parts.push(capsule([-0.28, 0.09 * side, 0.48], [-0.30, 0.09 * side, 0.24], 0.058));
@@ -124,7 +123,7 @@ mod tests {
         );
     }
 
-    /// A cow elsewhere and turned is the same cow.
+    /// A moved and rotated cow has the same distances.
     fn turned<const D: usize>() {
         let (s, c) = 0.7f64.sin_cos();
         let mut rotation = Matrix::<D>::identity();
@@ -152,7 +151,7 @@ mod tests {
         animal::<2>(1.0 / 60.0);
         animal::<3>(1.0 / 30.0);
         animal::<3>(1.0 / 45.0);
-        // Too coarse for horns and tail: an error, or parts that are left over.
+        // Too coarse for horns and tail: meshing fails, or parts are left over.
         for edge in [0.05, 0.08, 0.15] {
             let cow = SmoothUnion::<3>::cow(1.0, &Vector::zeros(), &Matrix::identity());
             let (lower, upper) = cow.bounds();

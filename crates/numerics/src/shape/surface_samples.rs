@@ -1,32 +1,32 @@
-//! Points that stand for a shape's surface where it may meet others.
+//! Sample points of a shape's surface, for contact with other shapes.
 //!
-//! A ball is one point with its radius, a capsule some along its segment: where the other's distance is true, that is
-//! exact. All other surfaces are points at most an edge apart, corners and sharp rims among them.
+//! A ball is one point with its radius, a capsule several along its segment: these are exact where the other shape's
+//! distance is. All other surfaces are points at most an edge apart, including corners and sharp rims.
 
 use super::{MeshShape, Shape, unit};
 use crate::grid::{CellField, Grid, Tiles};
 use crate::{Matrix, Vector};
 use std::f64::consts::PI;
 
-/// A point with a ball around it.
+/// A sample point with a ball around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceSample<const D: usize> {
-    /// Where it is, m.
+    /// Position, m.
     pub position: Vector<D>,
     /// Radius of the ball, m; zero for a point of the surface.
     pub radius: f64,
-    /// Whether it is a point of a sharp edge or corner.
+    /// Whether it lies on a sharp edge or corner.
     pub sharp: bool,
 }
 
-/// Slope of the distance, by differences across a point of the surface, below which the surface has an edge there.
+/// Norm of the distance's finite-difference gradient at a point of the surface below which the surface has an edge there.
 const MIN_SMOOTH_GRADIENT_NORM: f64 = 0.97;
 
-/// Steps that bring a point to a rim.
+/// Number of iterations of the projection onto a rim.
 const RIM_PROJECTION_ITERATIONS: usize = 12;
 
 impl<const D: usize> Shape<D> {
-    /// Probes of its surface at most `edge` (m) apart. None of a half space: what meets one must be probed itself.
+    /// Samples of its surface at most `edge` (m) apart. A half space has none: shapes that meet it must be sampled themselves.
     pub fn surface_samples(&self, edge: f64) -> Vec<SurfaceSample<D>> {
         match self {
             Self::Ball { center, radius } => {
@@ -55,7 +55,7 @@ impl<const D: usize> Shape<D> {
         }
     }
 
-    /// Whether it is sure to be convex.
+    /// Whether the shape is known to be convex.
     pub fn is_convex(&self) -> bool {
         match self {
             Self::Ball { .. } | Self::Box { .. } | Self::HalfSpace { .. } => true,
@@ -66,7 +66,7 @@ impl<const D: usize> Shape<D> {
         }
     }
 
-    /// The shapes that it is the union of; itself if it is none.
+    /// The parts of a union, without nesting; the shape itself if it is no union.
     pub fn parts(&self) -> Vec<&Self> {
         match self {
             Self::Union(parts) => parts.iter().flat_map(Self::parts).collect(),
@@ -74,7 +74,7 @@ impl<const D: usize> Shape<D> {
         }
     }
 
-    /// Direction in which the signed distance grows, by differences over `step` (m); nothing where it has none.
+    /// Unit vector along the gradient of the signed distance, by differences over `step` (m); zero where the gradient is.
     pub fn normal(&self, x: &Vector<D>, step: f64) -> Vector<D> {
         self.gradient(x, step).try_normalize(0.0).unwrap_or(Vector::zeros())
     }
@@ -117,7 +117,7 @@ impl<const D: usize> Shape<D> {
         }
     }
 
-    /// The vertices of a net over a surface without sharp edges, put onto it.
+    /// The vertices of a mesh of a surface without sharp edges, projected onto it.
     fn smooth_points(&self, edge: f64) -> Vec<Vector<D>> {
         let (low, high) = self.bounds();
         let cells = std::array::from_fn(|a| ((high[a] - low[a]) / edge).ceil().max(1.0) as usize + 4);
@@ -135,7 +135,7 @@ impl<const D: usize> Shape<D> {
     }
 }
 
-/// A point moved to where two surfaces meet, by turns onto the one and the other.
+/// Projects a point onto the intersection of two surfaces, alternating between both.
 fn project_onto_rim<const D: usize>(x: &Vector<D>, one: &Shape<D>, other: &Shape<D>, edge: f64) -> Vector<D> {
     let mut x = *x;
     for _ in 0..RIM_PROJECTION_ITERATIONS {
@@ -254,7 +254,7 @@ mod tests {
         }
         let corner = center + turned() * half_size;
         assert!(nearest(&block.surface_samples(0.05), &corner) < 1e-12);
-        // A point of the rim that the ball cuts into the box' face.
+        // Points of the rim that the ball cuts into the box's face.
         let rim = cut.surface_samples(0.05);
         let (one, other) = (&block, &Shape::Ball { center: Vector::<3>::new(0.4, 0.1, -0.1), radius: 0.3 });
         let on = |p: &&SurfaceSample<3>| {

@@ -17,7 +17,7 @@ impl Random {
     }
 }
 
-/// A rotation about an odd direction.
+/// A rotation about an oblique direction.
 fn turn<const D: usize>() -> Matrix<D> {
     let mut m = Matrix::identity();
     for (a, b, angle) in [(0, 1, 0.4f64), (1, D - 1, if D == 3 { 0.9 } else { 0.0 })] {
@@ -75,7 +75,7 @@ fn check_distances<const D: usize>() {
             if (g.norm() - 1.0).abs() >= 1e-5 {
                 continue; // on the skeleton or at an edge of it
             }
-            // The point at that distance against the gradient is on the surface.
+            // The point at that distance along the negative gradient is on the surface.
             let foot = x - g.normalize() * d;
             assert!(
                 shape.signed_distance(&foot).abs() < 2e-6,
@@ -116,7 +116,7 @@ fn shape_gradient_is_one_near_the_surface() {
     check_near_surface::<3>();
 }
 
-/// Points placed at a known distance along the exact normal come back at that distance.
+/// Points at a known distance along the exact normal have that signed distance.
 #[test]
 fn shape_closest_points_are_exact_to_ten_digits() {
     let mut random = Random(2);
@@ -173,7 +173,7 @@ fn shape_distances_at_centres_and_axes() {
     assert!((plate.signed_distance(&Vector::from([1.0, 1.0])) + 0.1).abs() < 1e-15);
 }
 
-/// Volumes by counting points of a lattice with the distance as a soft edge; bounds hold and touch.
+/// Compares volumes with lattice sums smoothed by the distance; the bounds contain and touch the shape.
 fn check_volumes<const D: usize>() {
     let n: usize = if D == 2 { 400 } else { 60 };
     for shape in smooth::<D>() {

@@ -1,4 +1,4 @@
-//! The parts of a solid that deforms which are held, or go as told.
+//! Anchored vertices of deformable solids: fixed parts and parts with prescribed motion.
 
 use super::shapes::shape;
 use crate::error::SceneError;
@@ -7,14 +7,14 @@ use meniscus_elastic::{Anchor, AnchorMotion};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
 
-/// How far, in edges of its mesh, a vertex may lie outside a region that holds it: on its surface it is held.
+/// Largest distance outside a region, in mesh edges, of an anchored vertex. It includes vertices on the region's surface.
 const ANCHOR_TOLERANCE_EDGES: f64 = 1e-6;
 
-/// The vertices that are held, by the regions that hold them.
+/// The anchored vertices of a solid, grouped by region.
 ///
 /// # Errors
-/// [`SceneError`] where a region holds none, or such as another one moves otherwise, and where a part would leave the domain
-/// through a closed side; `at` marks it with the region's key.
+/// [`SceneError`] for a region without vertices, for overlapping regions with different motions, and for a part that would
+/// leave the domain through a closed side. `at` marks the error with the region's key.
 pub fn anchors<const D: usize>(
     mesh: &VolumeMesh<D>,
     scene: &Scene,
@@ -65,8 +65,8 @@ pub fn anchors<const D: usize>(
     Ok(anchors)
 }
 
-/// The first of the times at which a part turns, or the end, s, at which one of its vertices is outside the domain that was
-/// inside at the start: beyond a closed side.
+/// The first time, s, at which a vertex that starts inside the domain lies beyond a closed side. Only the times of keyframes
+/// and the end of the run are checked, since motion between them is linear.
 fn domain_exit_time<const D: usize>(
     mesh: &VolumeMesh<D>,
     vertices: &[u32],
@@ -94,7 +94,7 @@ fn domain_exit_time<const D: usize>(
     })
 }
 
-/// How a part that goes as told does so.
+/// The prescribed motion of a part.
 fn prescribed_motion<const D: usize>(moved: &Moved) -> AnchorMotion<D> {
     match moved.keyframes.is_empty() {
         true => AnchorMotion::Velocity(vector(&moved.velocity)),

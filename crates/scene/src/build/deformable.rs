@@ -1,4 +1,4 @@
-//! Solids of a scene that deform: their meshes, and what they are made of.
+//! Builds the deformable solids of a scene: mesh, constitutive law, anchors, surface tension.
 
 use super::shapes::shape;
 use crate::error::SceneError;
@@ -11,10 +11,10 @@ use meniscus_elastic::{
 };
 use meniscus_numerics::mesh::VolumeMesh;
 
-/// What a solid of a scene is made of if it deforms.
+/// The elastic model of a solid; `None` if it does not deform.
 ///
 /// # Errors
-/// [`SceneError`] for what no mesh can be made of, or no solid be.
+/// [`SceneError`] for a shape that cannot be meshed and for an invalid material.
 pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option<Elastic<D>>, SceneError> {
     if !spec.material.deforms() {
         return Ok(None);
@@ -51,7 +51,7 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
     })
 }
 
-/// The tension of its dry surface, N/m, where a solid feels it. Where it is wetted, liquid and line make the difference.
+/// Tension of the dry surface, N/m, for solids with surface tension. The liquid and the contact line add the difference where wetted.
 fn dry_surface_tension(scene: &Scene, spec: &SolidSpec) -> Result<Option<f64>, SceneError> {
     if !scene.contact_line.neumann {
         return Ok(None);
@@ -83,7 +83,7 @@ fn dry_surface_tension(scene: &Scene, spec: &SolidSpec) -> Result<Option<f64>, S
     }
 }
 
-/// The law of a solid that deforms, and its damping ratio.
+/// The constitutive law of a deformable solid, and its damping ratio.
 fn law(spec: &SolidSpec) -> Option<(ConstitutiveLaw, f64)> {
     let order = ElementOrder::Quadratic;
     match spec.material {
@@ -100,8 +100,8 @@ fn law(spec: &SolidSpec) -> Option<(ConstitutiveLaw, f64)> {
     }
 }
 
-/// The mesh of a shape with vertices a length apart, m; the message of an error if there is none. The elements of a file are all taken
-/// over: quadratic ones have more vertices, in the middles of its edges.
+/// Meshes a shape with vertex spacing `edge`, m; the error is a message. Elements of a file are kept; quadratic elements add
+/// vertices at the midpoints of its edges.
 fn mesh<const D: usize>(spec: &ShapeSpec, edge: f64, order: ElementOrder) -> Result<VolumeMesh<D>, String> {
     if spec.volume_file().is_some() {
         let mesh = super::shapes::file_volume_mesh::<D>(spec)?;

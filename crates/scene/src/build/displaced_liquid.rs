@@ -1,9 +1,9 @@
-//! Liquid that solids displace where it starts.
+//! Liquid displaced by solids at the start.
 //!
-//! Where a body of liquid and a solid overlap there is the solid. A pool is made to be displaced: a box, a half-space or any
-//! other shape around solids. A drop (a ball, an ellipsoid, a perturbed ball) is not: where it overlaps a solid by more than a
-//! cell, and that solid is not wholly within it, the scene gets a warning, unless the body says `displaced = true`. A body of which
-//! nothing is left is an error.
+//! Where a body of liquid and a solid overlap, the solid takes precedence. A pool (any shape but a drop) is expected to be
+//! displaced. A drop (ball, ellipsoid or perturbed ball) is not: the scene gets a warning if the drop overlaps a solid by more
+//! than a cell and that solid is not fully inside the drop, unless the body says `displaced = true`. A body that is displaced
+//! completely is an error.
 
 use super::Setup;
 use super::setup::AnySetup;
@@ -17,27 +17,27 @@ use meniscus_sim::Solid;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Samples along each axis of the box around a body, in two and in three dimensions.
+/// Samples along each axis of the bounding box of a body, in two and three dimensions.
 const SAMPLES_PER_AXIS: [usize; 2] = [512, 96];
-/// Depth of an overlap, in cells, by which a drop is laid on a solid.
+/// Depth of an overlap, in cells, above which a drop gets a warning. A smaller overlap places the drop on the solid.
 const OVERLAP_WARNING_CELLS: f64 = 1.0;
 
-/// A body of liquid beside solids.
+/// A body of liquid and the part of it that solids displace.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DisplacedBody {
     /// Number of the body in the scene, from 0.
     pub body: usize,
-    /// Volume inside the domain and outside the bodies before it, m³ (2D: m²), sampled.
+    /// Sampled volume inside the domain and outside the preceding bodies, m³ (2D: m²).
     pub volume: f64,
-    /// The part of it that solids displace, m³ (2D: m²).
+    /// Volume displaced by solids, m³ (2D: m²).
     pub displaced: f64,
     /// Depth of the overlap, m.
     pub depth: f64,
-    /// Whether it overlaps a solid that is not wholly within it.
+    /// Whether it overlaps a solid that is not fully inside it.
     pub cut: bool,
 }
 
-/// All bodies of a scene, in its order.
+/// The displacement of every body of a scene, in order.
 pub fn displaced_bodies(scene: &Scene, setup: &AnySetup) -> Vec<DisplacedBody> {
     match setup {
         AnySetup::D2(setup) => displaced_bodies_of(scene, setup),
@@ -45,10 +45,10 @@ pub fn displaced_bodies(scene: &Scene, setup: &AnySetup) -> Vec<DisplacedBody> {
     }
 }
 
-/// Warnings of what is cut off from drops.
+/// Warnings for drops that solids cut.
 ///
 /// # Errors
-/// [`SceneError`] at a body that lies wholly inside solids.
+/// [`SceneError`] at a body that lies completely inside solids.
 pub fn check_displaced(scene: &Scene, all: &[DisplacedBody]) -> Result<Vec<Warning>, SceneError> {
     let mut warnings = Vec::new();
     for d in all {
@@ -102,7 +102,7 @@ fn displaced_bodies_of<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<D
             (depth > 0.0 && setup.bodies[..body].iter().all(|b| (b.0)(x) >= 0.0)).then_some(depth)
         };
         let points: Vec<Vector<D>> = sample_points(&low, &high, count).collect();
-        // Depth in the body and the nearest solid with the distance to it, of each point that is liquid.
+        // For each liquid point inside a solid: that solid, and the smaller of the depths in body and solid.
         let found: Vec<Option<(usize, f64)>> = points
             .par_iter()
             .filter_map(|x| Some((x, liquid(x)?)))
@@ -126,7 +126,7 @@ fn displaced_bodies_of<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<D
     (0..setup.bodies.len()).map(of_body).collect()
 }
 
-/// The box around a body inside the domain.
+/// The bounding box of a body, clipped to the domain.
 fn sampling_box<const D: usize>(scene: &Scene, shape: &ShapeSpec) -> [Vector<D>; 2] {
     let size = Vector::<D>::from_fn(|a, _| scene.domain.size[a]);
     let Some((low, high)) = shape.bounds(D) else { return [Vector::zeros(), size] };
@@ -134,7 +134,7 @@ fn sampling_box<const D: usize>(scene: &Scene, shape: &ShapeSpec) -> [Vector<D>;
     [corner(&low), corner(&high)]
 }
 
-/// Middles of `count` by `count` (by `count`) equal parts of a box.
+/// Centres of `count` by `count` (by `count`) equal parts of a box.
 fn sample_points<const D: usize>(
     low: &Vector<D>,
     high: &Vector<D>,

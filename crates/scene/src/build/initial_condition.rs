@@ -1,15 +1,15 @@
-//! What a simulation starts from.
+//! Initial condition of a simulation.
 
 use meniscus_numerics::Vector;
 use meniscus_sim::{LiquidRegion, Model, Simulation};
 use std::sync::Arc;
 
-/// What a simulation starts from: its model and the bodies of liquid.
+/// Initial condition of a simulation: its model and the bodies of liquid.
 #[derive(Clone)]
 pub struct Setup<const D: usize> {
     /// The model.
     pub model: Model<D>,
-    /// Bodies of liquid with their start velocity, m/s.
+    /// Bodies of liquid with their initial velocity, m/s.
     pub bodies: Vec<(SignedDistanceFn<D>, Vector<D>)>,
 }
 
@@ -17,7 +17,7 @@ pub struct Setup<const D: usize> {
 pub type SignedDistanceFn<const D: usize> = Arc<dyn Fn(&Vector<D>) -> f64 + Send + Sync>;
 
 impl<const D: usize> Setup<D> {
-    /// The simulation at its start.
+    /// The simulation in its initial state.
     pub fn simulation(&self) -> Simulation<D> {
         let bodies: Vec<LiquidRegion<'_, D>> = self
             .bodies

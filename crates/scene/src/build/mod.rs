@@ -1,4 +1,4 @@
-//! From a resolved scene to a simulation.
+//! Builds a simulation from a resolved scene.
 
 mod constraints;
 mod deformable;

@@ -1,4 +1,4 @@
-//! From a resolved scene to a simulation: the one place where the dimension is chosen at run time.
+//! Builds a simulation from a resolved scene. The only place where the dimension is chosen at run time.
 
 use super::Setup;
 use super::shapes::{shape, signed_distance_fn};
@@ -18,7 +18,7 @@ use meniscus_sim::{Model, Motion, Numerics, PrescribedMotion, Simulation, Solid}
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What a simulation starts from, in two or three dimensions.
+/// Initial condition in two or three dimensions.
 #[derive(Clone)]
 pub enum AnySetup {
     /// Two dimensions.
@@ -47,7 +47,7 @@ impl AnySetup {
         }
     }
 
-    /// The simulation at its start.
+    /// The simulation in its initial state.
     pub fn simulation(&self) -> AnySimulation {
         match self {
             Self::D2(setup) => AnySimulation::D2(Box::new(setup.simulation())),
@@ -55,7 +55,7 @@ impl AnySetup {
         }
     }
 
-    /// Runs it into a folder; see [`run::run`].
+    /// Runs the scene into a folder; see [`run::run`].
     ///
     /// # Errors
     /// [`RunError`].
@@ -75,7 +75,7 @@ impl AnySetup {
 }
 
 impl Job {
-    /// The job of a scene; `text` is the scene as `scene.toml` of the output will show it.
+    /// The job of a scene; `text` is written as `scene.toml` of the output.
     pub fn of(scene: &Scene, text: String) -> Self {
         let output = &scene.output;
         Self {
@@ -94,20 +94,20 @@ impl Job {
     }
 }
 
-/// A number that differs between scenes whose results differ. How long the run is, what is written beside the frames
-/// and how many threads work does not count.
+/// A hash that differs between scenes with different results. The duration, additional output and the number of threads do
+/// not enter.
 fn identity(scene: &Scene) -> u64 {
     let Scene { name, domain, liquid, solids, tension, contact_line, numerics, output, .. } = scene;
     let numerics = crate::file::Numerics { threads: None, ..numerics.clone() };
     let parts = (name, domain, liquid, solids, tension, contact_line, numerics, output.frame_interval);
     let mut sum = Checksum::default();
     sum.update(format!("{parts:?}").as_bytes());
-    // What cannot be read is no file of the disk, or is missed where the solid is made.
+    // Files that cannot be read are built in, or are reported when the solid is built.
     files(scene).iter().filter_map(|file| std::fs::read(file).ok()).for_each(|bytes| sum.update(&bytes));
     sum.value()
 }
 
-/// The files that a scene is made of besides its own.
+/// The files that a scene refers to.
 fn files(scene: &Scene) -> Vec<PathBuf> {
     let of_solid = |s: &SolidSpec| {
         let moved = s.moved.iter().map(|m| m.shape.clone());
@@ -118,7 +118,7 @@ fn files(scene: &Scene) -> Vec<PathBuf> {
     let shapes: Vec<ShapeSpec> =
         scene.solids.iter().flat_map(of_solid).chain(patches).chain(bodies).collect();
     let mesh = |s: &ShapeSpec| match s {
-        // TetGen's are two.
+        // TetGen meshes consist of two files.
         ShapeSpec::Mesh { path, .. } if path.extension().is_some_and(|e| e == "node" || e == "ele") => {
             vec![path.with_extension("node"), path.with_extension("ele")]
         }
@@ -148,7 +148,7 @@ pub fn setup<const D: usize>(scene: &Scene) -> Result<Setup<D>, SceneError> {
     })
 }
 
-/// The model with walls that wet.
+/// The model with wetting domain walls.
 fn with_wetting_domain_walls<const D: usize>(scene: &Scene, model: Model<D>) -> Model<D> {
     let (cosine, line) = (scene.domain.wall_contact_angle.cos(), &scene.contact_line);
     model.with_wetting_walls(
@@ -158,10 +158,10 @@ fn with_wetting_domain_walls<const D: usize>(scene: &Scene, model: Model<D>) -> 
     )
 }
 
-/// Depth of an overlap, in cells, that is rounding of the numbers in a scene; surfaces with a gap up to this touch.
+/// Overlap, in cells, attributed to rounding of the numbers in a scene. Surfaces with a gap up to this touch.
 const CONTACT_TOLERANCE_CELLS: f64 = 0.01;
 
-/// Refuses a solid from a mesh file that reaches beyond the domain; of others the scene alone tells.
+/// Refuses a solid from a mesh file that leaves the domain. Other shapes are checked when the scene is resolved.
 fn check_mesh_inside_domain<const D: usize>(
     scene: &Scene,
     spec: &SolidSpec,
@@ -184,7 +184,7 @@ fn check_mesh_inside_domain<const D: usize>(
     Err(scene.source.at_value(error, &scene.source.first_inside(&format!("solid.{number}.shape"))))
 }
 
-/// Refuses solids that could not move as they should: such without bounds, and those that overlap where they start.
+/// Refuses unbounded free solids and solids that overlap at the start.
 fn check_solids_apart<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneError> {
     let at = |i: usize, key: &str| format!("solid.{i}.{key}");
     let name = |i: usize| &scene.solids[i].name;
@@ -202,7 +202,7 @@ fn check_solids_apart<const D: usize>(scene: &Scene, model: &Model<D>) -> Result
     let Some((i, other, depth)) = deepest.filter(|o| o.2 > CONTACT_TOLERANCE_CELLS * model.grid.dx) else {
         return check_initial_gaps(scene, model);
     };
-    // The later one in the file is the one to mend.
+    // Report the later one in the file.
     let (i, other) = other.map_or((i, None), |j| (i.max(j), Some(i.min(j))));
     let what = other.map_or("a closed side of the domain".to_owned(), |j| format!("the solid `{}`", name(j)));
     let error = SceneError::new(format!("the solid `{}` overlaps {what} by {depth:.3e} m", name(i)));
@@ -210,7 +210,7 @@ fn check_solids_apart<const D: usize>(scene: &Scene, model: &Model<D>) -> Result
     Err(scene.source.at_value(error, &scene.source.first_inside(&at(i, "shape"))))
 }
 
-/// Refuses surfaces of solids that deform which touch where they start: the barrier between them would be infinite.
+/// Refuses deformable solids whose surfaces touch at the start: the barrier would be infinite.
 fn check_initial_gaps<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<(), SceneError> {
     let dx = model.grid.dx;
     let narrowest =

@@ -1,4 +1,4 @@
-//! Shapes of a resolved scene as signed distances, and the meshes of those that come from files.
+//! Signed distance functions of the shapes of a resolved scene, and meshes from files.
 
 use super::SignedDistanceFn;
 use crate::error::SceneError;
@@ -40,7 +40,7 @@ pub fn signed_distance_fn<const D: usize>(spec: &ShapeSpec) -> Result<SignedDist
     }
 }
 
-/// A shape of any kind but a wave.
+/// A shape of any kind except a wave.
 pub(crate) fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneError> {
     Ok(match spec {
         ShapeSpec::Ball { center, radius } => Shape::Ball { center: vector(center), radius: *radius },
@@ -96,7 +96,7 @@ pub(crate) fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneE
     })
 }
 
-/// The elements of a mesh file that holds a volume, where the scene has them; the message of an error if there are none.
+/// The elements of a volume mesh file, in scene coordinates; the error is a message.
 pub(crate) fn file_volume_mesh<const D: usize>(spec: &ShapeSpec) -> Result<VolumeMesh<D>, String> {
     let ShapeSpec::Mesh { path, scale, translate, rotation: turned } = spec else {
         return Err("this shape has no elements of its own".to_owned());
@@ -106,7 +106,7 @@ pub(crate) fn file_volume_mesh<const D: usize>(spec: &ShapeSpec) -> Result<Volum
     Ok(mesh.transformed(&rotation(turned), &vector(translate)))
 }
 
-/// `level + amplitude cos(wavenumber x + phase)`.
+/// The curve `level + amplitude cos(wavenumber x + phase)`.
 struct Wave {
     level: f64,
     amplitude: f64,
@@ -115,7 +115,7 @@ struct Wave {
 }
 
 impl Wave {
-    /// Distance to the nearest point of the curve by Newton's method from the point above or below, negative under it.
+    /// Signed distance, negative below the curve. Newton's method finds the closest point, starting from the same `x`.
     fn signed_distance(&self, x: f64, y: f64) -> f64 {
         let height = |s: f64| {
             let (sin, cos) = (self.wavenumber * s + self.phase).sin_cos();

@@ -1,4 +1,4 @@
-//! Solids that the grid cannot see.
+//! Detects solids too thin for the grid.
 
 use crate::error::SceneError;
 use crate::file::{Scene, Solid as SolidSpec};
@@ -6,19 +6,19 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::SurfaceMesh;
 use meniscus_sim::{LineTracker, MIN_PLATE_THICKNESS_CELLS, Model, Solid};
 
-/// Part of a solid's surface behind which it may be thinner than a cell: sharp rims.
+/// Largest share of a solid's surface that may be thinner than a cell; sharp rims are.
 const MAX_THIN_SHARE: f64 = 0.1;
-/// Part of a plate's surface behind which it is thin; what has thin limbs only is left as it is.
+/// Least share of thin surface that makes a solid a plate. Solids with only thin limbs are not padded.
 const MIN_PLATE_SHARE: f64 = 0.5;
-/// Fewest cells through a solid that deforms and has liquid on both sides.
+/// Least thickness, in cells, of a deformable solid with liquid on both sides.
 const MIN_SOFT_THICKNESS_CELLS: f64 = 1.5;
-/// Part of a thickness that is rounding.
+/// Relative rounding error of a thickness.
 const RELATIVE_ROUNDING: f64 = 1e-6;
-/// Places at which a thickness is looked for.
+/// Samples along a normal to measure a thickness.
 const SAMPLES_PER_THICKNESS: u32 = 100;
 
-/// Refuses solids with walls thinner than a cell: no cell's centre need lie in them, and liquid would pass. Those that deform
-/// need [`MIN_SOFT_THICKNESS_CELLS`] cells. Gives back the solids, padded where they have less than the liquid needs ([`Solid::padded`]).
+/// Refuses solids with walls thinner than a cell: they may contain no cell centre, and liquid would pass. Deformable solids
+/// need [`MIN_SOFT_THICKNESS_CELLS`] cells. Returns the solids, with thin plates padded ([`Solid::padded`]).
 ///
 /// # Errors
 /// [`SceneError`] at the solid's shape.
@@ -58,7 +58,7 @@ pub fn pad_thin_solids<const D: usize>(scene: &Scene, model: &Model<D>) -> Resul
     Ok(padded)
 }
 
-/// The error of a solid that deforms and is thinner than it may be behind a part of its surface, in the mean by `thickness`, m.
+/// The error for a deformable solid with mean `thickness`, m, behind the thin share `part` of its surface.
 fn too_thin_error(scene: &Scene, solid: &SolidSpec, part: f64, thickness: f64) -> SceneError {
     let dx = scene.domain.dx;
     let longest = scene.domain.cells.iter().max().copied().unwrap_or(1) as f64;
@@ -76,7 +76,7 @@ fn too_thin_error(scene: &Scene, solid: &SolidSpec, part: f64, thickness: f64) -
     ))
 }
 
-/// Mean thickness behind the part of a surface that has less than `max_depth` (m) behind it.
+/// Mean thickness, m, of a surface where it is below `max_depth`, m.
 fn mean_thickness<const D: usize>(
     surface: &SurfaceMesh<D>,
     max_depth: f64,
@@ -98,7 +98,7 @@ fn mean_thickness<const D: usize>(
     if all > 0.0 { sum / all } else { max_depth }
 }
 
-/// The part of a surface behind which there is less than a depth `dx` (m) of what is `inside`.
+/// The share of a surface where the thickness of the region `inside` is below `dx`, m.
 fn thin_share<const D: usize>(surface: &SurfaceMesh<D>, dx: f64, inside: &dyn Fn(&Vector<D>) -> bool) -> f64 {
     let (mut thin, mut all) = (0.0, 0.0);
     for facet in 0..surface.facets.len() {

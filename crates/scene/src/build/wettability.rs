@@ -1,4 +1,4 @@
-//! Patterns of the contact angle: from a resolved scene, and a picture in a file, to the layers of a solid.
+//! Builds the wettability layers of a solid: gradient, image and patches of the contact angle.
 
 use super::shapes::shape;
 use crate::error::SceneError;
@@ -9,12 +9,12 @@ use std::fs::File;
 use std::io::BufReader;
 use std::sync::Arc;
 
-/// The most pixels of an image.
+/// Largest number of pixels of an image.
 const MAX_PIXELS: usize = 1 << 24;
-/// The most memory, bytes, that reading it may take beside them.
+/// Largest memory of the decoder, bytes, in addition to the pixels.
 const MAX_BYTES: usize = 1 << 26;
 
-/// The angles between which lines rest.
+/// The range of contact angles in which the line does not move.
 pub fn hysteresis(h: &file::Hysteresis) -> Hysteresis {
     match *h {
         file::Hysteresis::Between { advancing, receding } => {
@@ -24,10 +24,10 @@ pub fn hysteresis(h: &file::Hysteresis) -> Hysteresis {
     }
 }
 
-/// What lies over the cosine of a solid, the last on top.
+/// The layers over the uniform cosine of a solid; the last one wins.
 ///
 /// # Errors
-/// [`SceneError`] that points at the image that cannot be read, or for a shape that cannot be made.
+/// [`SceneError`] that points at an unreadable image, or for a shape that cannot be made.
 pub fn layers<const D: usize>(
     scene: &Scene,
     solid: &str,
@@ -51,7 +51,7 @@ pub fn layers<const D: usize>(
     Ok(layers)
 }
 
-/// The picture in a file; or why it cannot be read.
+/// Reads an image as contact-angle cosines; the error is a message.
 fn picture(image: &WettingImage) -> Result<CosineImage, String> {
     let file = File::open(&image.path).map_err(|e| e.to_string())?;
     let mut decoder = png::Decoder::new_with_limits(BufReader::new(file), png::Limits { bytes: MAX_BYTES });
@@ -66,12 +66,12 @@ fn picture(image: &WettingImage) -> Result<CosineImage, String> {
     let [black, white] = [image.black.cos(), image.white.cos()];
     let pixel = |values: &[u8]| {
         let value = |i: usize| f64::from(values[i]) / 255.0;
-        // Grey as the eye sees it (ITU-R BT.709).
+        // Luminance (ITU-R BT.709).
         let grey =
             if samples < 3 { value(0) } else { 0.2126 * value(0) + 0.7152 * value(1) + 0.0722 * value(2) };
         [black + (white - black) * grey, if samples % 2 == 0 { value(samples - 1) } else { 1.0 }]
     };
-    // The file tells the uppermost row first.
+    // The file stores the uppermost row first.
     let rows = bytes.chunks_exact(frame.line_size).take(size[1]).rev();
     let pixels = rows.flat_map(|row| row.chunks_exact(samples).take(size[0]).map(pixel)).collect();
     let ends = |a: usize| match (image.lower.get(a), image.upper.get(a)) {

@@ -1,4 +1,4 @@
-//! The physics of a scene in numbers, without running it.
+//! Checks a scene without running it: dimensionless numbers, cost, memory and warnings.
 
 use super::deformable::{SoftReport, reports};
 use super::{gaps, memory, thin_liquid};
@@ -10,20 +10,20 @@ use crate::file::{Material, Scene, WALLS, Warning};
 use crate::units::format_si;
 use serde::Serialize;
 
-/// Core seconds per step and cell of the domain, a rough figure for the time estimate.
+/// Core seconds per step and cell of the domain; rough, for the time estimate.
 const SECONDS_PER_CELL: f64 = 2e-7;
-/// Core seconds per step and cell of liquid.
+/// Core seconds per step and liquid cell.
 const SECONDS_PER_LIQUID_CELL: f64 = 4e-6;
-/// Seconds per step and byte of the factors of solids that deform, found and solved with some dozen times: `fig22-plate_thickness_and_normal-180`,
-/// with 491 MB of them, takes 1.9 to 2.5 s a step on a machine that others share, nearly all for them.
+/// Seconds per step and byte of the factors of deformable solids, for one factorisation and some dozen solves. `fig22-plate-180` (491 MB
+/// of factors) takes 1.9 to 2.5 s a step.
 const SECONDS_PER_FACTOR_BYTE: f64 = 4.4e-9;
-/// The same of what iterations go through instead, some dozen times thirty: a ball of 58,400 vertices took 32 s a step, beside
-/// other runs.
+/// Seconds per step and byte of the matrix of solids without factors, for some dozen iterative solves. A ball of 58,400 vertices took 32
+/// s a step.
 const SECONDS_PER_ITERATED_BYTE: f64 = 4e-7;
-/// Fewer cells across a body than this deserve a warning.
+/// A warning is given for fewer cells per radius of a liquid body.
 const MIN_CELLS_ACROSS: f64 = 8.0;
 
-/// The physics of a scene in numbers; SI, angles in degrees.
+/// The report of a check; SI units, angles in degrees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     /// Name of the scene.
@@ -32,31 +32,31 @@ pub struct Report {
     pub dimension: usize,
     /// Cells along each axis.
     pub cells: Vec<usize>,
-    /// All cells.
+    /// Number of cells.
     pub cell_count: f64,
     /// Size of a cell, m.
     pub dx: f64,
-    /// Volume of the liquid at the start, m³ (2D: m²), sampled; none with a mesh.
+    /// Volume of the liquid at the start, m³ (2D: m²), sampled; none if a shape is a mesh.
     pub liquid_volume: Option<f64>,
     /// Cells of liquid.
     pub liquid_cells: Option<f64>,
-    /// Every body of liquid beside the solids; none where the scene cannot run.
+    /// Every liquid body that solids displace; none where the scene cannot run.
     pub displaced: Vec<DisplacedBody>,
     /// Share of the liquid that is thinner than two cells at the start; none where the scene cannot run.
     pub thin_liquid: Option<f64>,
-    /// Memory, bytes, estimated.
+    /// Estimated memory, bytes.
     pub memory_bytes: f64,
-    /// Time steps, estimated.
+    /// Estimated number of time steps.
     pub steps: f64,
-    /// Time that a run takes here, s, rough.
+    /// Rough time that a run takes on this machine, s.
     pub run_seconds: f64,
-    /// Time step that is expected, s.
+    /// Expected time step, s.
     pub time_step: f64,
     /// The explicit capillary limit 0.36 √(ρ Δ³ / γ), s.
     pub capillary_step: f64,
-    /// Length of the dimensionless numbers: the smallest radius of a body (else that of a ball of the same volume), m.
+    /// Length scale of the dimensionless numbers, m: the smallest radius of a liquid body, or that of a ball of the same volume.
     pub radius: Option<f64>,
-    /// Speed of the dimensionless numbers: the largest difference between bodies, or of one body to rest, m/s.
+    /// Velocity scale of the dimensionless numbers, m/s: the largest difference between liquid bodies, or the speed of a single one.
     pub speed: f64,
     /// Capillary length √(γ / ρ g), m; none without gravity.
     pub capillary_length: Option<f64>,
@@ -72,34 +72,33 @@ pub struct Report {
     pub laplace: Option<f64>,
     /// Re = U D / ν; none without viscosity.
     pub reynolds: Option<f64>,
-    /// The bodies of liquid.
+    /// The liquid bodies.
     pub bodies: Vec<BodyReport>,
     /// Every pair of liquid and solid.
     pub pairs: Vec<PairReport>,
-    /// Every solid that deforms; none where the scene cannot run.
+    /// Every deformable solid; none where the scene cannot run.
     pub soft: Vec<SoftReport>,
-    /// What looks odd.
+    /// Warnings about the scene.
     pub warnings: Vec<Warning>,
-    /// Why the scene cannot be run; none if it can.
+    /// Why the scene cannot run; none if it can.
     pub cannot_run: Option<String>,
-    /// The same as an error where the scene is wrong, not only beyond this version; or that its solids need more memory than
-    /// this machine has.
+    /// The error, if the scene is invalid (not only unsupported by this version) or its solids need more memory than this machine has.
     #[serde(skip)]
     pub error: Option<SceneError>,
 }
 
-/// A body of liquid.
+/// A liquid body.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BodyReport {
     /// Number in the scene, from 0.
     pub index: usize,
-    /// The length that the grid has to resolve, m; none for a half-space.
+    /// The length that the grid must resolve, m; none for a half-space.
     pub radius: Option<f64>,
     /// Cells per that length.
     pub cells_per_radius: Option<f64>,
 }
 
-/// How the liquid meets a solid.
+/// Wetting of a solid by the liquid.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PairReport {
     /// Name of the solid; `walls` for the sides of the domain.
@@ -108,7 +107,7 @@ pub struct PairReport {
     pub young_cosine: Option<f64>,
     /// Young's angle, degrees; none beyond total wetting or drying.
     pub young_angle: Option<f64>,
-    /// Smallest and largest angle of a pattern, degrees; none where it is the same everywhere.
+    /// Smallest and largest angle of a pattern, degrees; none where the angle is uniform.
     pub young_angles: Option<[f64; 2]>,
     /// `partial`, `total wetting`, `no wetting`, `patterned` or `no tension given`.
     pub wetting: &'static str,
@@ -116,11 +115,11 @@ pub struct PairReport {
     pub elastocapillary_length: Option<f64>,
     /// Bending elastocapillary length √(B / γ) of a shell, m (plates: see `soft`).
     pub bending_elastocapillary_length: Option<f64>,
-    /// Friction of the contact line, Pa s.
+    /// Friction coefficient of the contact line, Pa s.
     pub line_friction: f64,
 }
 
-/// The physics of a scene in numbers. `threads`: how many cores a run would use, for the time estimate.
+/// Checks a scene without running it. `threads` is the number of cores of a run, for the time estimate.
 pub fn check(scene: &Scene, threads: usize) -> Report {
     let (d, l, gamma) = (&scene.domain, &scene.liquid, scene.tension.liquid_air);
     let volume = liquid_volume(scene);
@@ -188,7 +187,7 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
     }
 }
 
-/// The share of the liquid that is thinner than two cells at the start. Tells of it and of gaps between solids.
+/// Share of the liquid that is thinner than two cells at the start. Adds warnings about it and about gaps between solids.
 fn unresolved_share(scene: &Scene, setup: &AnySetup, warnings: &mut Vec<Warning>) -> f64 {
     let (share, place) = match setup {
         AnySetup::D2(setup) => {
@@ -214,7 +213,7 @@ fn unresolved_share(scene: &Scene, setup: &AnySetup, warnings: &mut Vec<Warning>
     share
 }
 
-/// The step that is expected: the capillary limit, the CFL limit at the largest speed in sight, the given limits.
+/// The expected step, s: the minimum of the capillary limit, the CFL limit at the largest estimated speed, and the given limits.
 fn expected_time_step(scene: &Scene, capillary: f64, speed: f64, radius: Option<f64>) -> f64 {
     let (n, l) = (&scene.numerics, &scene.liquid);
     if let Some(fixed) = n.fixed_step {

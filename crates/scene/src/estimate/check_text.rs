@@ -6,7 +6,7 @@ use crate::file::WALLS;
 use crate::units::{format_si, format_volume};
 use std::fmt::Write as _;
 
-/// Seconds for people.
+/// Formats a duration, s.
 fn format_duration(s: f64) -> String {
     match s {
         s if s < 1.0 => "less than a second".to_owned(),
@@ -17,12 +17,12 @@ fn format_duration(s: f64) -> String {
 }
 
 impl Report {
-    /// Volume that solids leave of the liquid at the start, m³ (2D: m²).
+    /// Volume of the liquid at the start without the part that solids displace, m³ (2D: m²).
     fn remaining_liquid_volume(&self) -> f64 {
         self.displaced.iter().map(|d| d.volume - d.displaced).sum()
     }
 
-    /// The report as plain text, one fact a line.
+    /// The report as plain text, one fact per line.
     pub fn render(&self) -> String {
         let mut out = format!("{} ({}D)\n", self.name, self.dimension);
         let mut line = |name: &str, value: String| {

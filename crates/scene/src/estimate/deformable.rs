@@ -1,4 +1,4 @@
-//! What `meniscus check_closed` tells of solids that deform.
+//! The part of `meniscus check` about deformable solids.
 
 use super::memory;
 use super::scales::longest_step;
@@ -11,12 +11,12 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-/// Entries of a factor up to which the lowest frequency is looked for where no damping has asked for it: seconds of work.
+/// Entries of a factor up to which the lowest frequency is computed even if no damping needs it; it takes seconds.
 const MAX_ENTRIES_FOR_MODES: usize = 5_000_000;
-/// Change of the frequency's square, as a part of it, that is nothing.
+/// Relative tolerance of the square of the frequency.
 const MODE_TOLERANCE: f64 = 1e-3;
 
-/// A solid that deforms; SI, angles in degrees.
+/// A deformable solid; SI units, angles in degrees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SoftReport {
     /// Name of the solid.
@@ -25,7 +25,7 @@ pub struct SoftReport {
     pub vertices: usize,
     /// Its triangles (2D) or tetrahedra (3D).
     pub elements: usize,
-    /// Vertices that are held or go as told.
+    /// Anchored vertices, with those of prescribed motion.
     pub held: usize,
     /// Mean length of an edge, m.
     pub edge: f64,
@@ -33,33 +33,33 @@ pub struct SoftReport {
     pub smallest_angle: f64,
     /// The largest one, degrees.
     pub largest_angle: f64,
-    /// The worst radius ratio of an element: 1 regular, 0 flat.
+    /// The worst radius ratio of an element: 1 for a regular, 0 for a flat one.
     pub worst_radius_ratio: f64,
     /// Mass, kg (2D: kg/m).
     pub mass: f64,
-    /// Memory of what solves systems with its matrix, bytes.
+    /// Memory of the solver of its linear systems, bytes.
     pub solver_bytes: f64,
-    /// Memory that the solid takes in all, bytes, estimated.
+    /// Estimated memory of the solid in all, bytes.
     pub memory_bytes: f64,
-    /// Whether that is factors; else it is what iterations go through.
+    /// Whether the solver factorises the matrix; else it iterates.
     pub factorised: bool,
-    /// Speed of elastic waves √((λ + 2μ) / ρ), m/s; of springs about.
+    /// Speed of elastic waves √((λ + 2μ) / ρ), m/s; approximate for springs.
     pub wave_speed: Option<f64>,
     /// Longest step over the time that a wave takes along an edge.
     pub edges_per_step: Option<f64>,
-    /// Lowest frequency, Hz; none where it would take long to find (give a `damping_ratio`).
+    /// Lowest frequency, Hz; none where its computation would take long (a `damping_ratio` requests it).
     pub frequency: Option<f64>,
-    /// Steps of the longest length in a period of that.
+    /// Steps of the longest length per period of that frequency.
     pub steps_per_period: Option<f64>,
     /// Thickness of a plate in cells.
     pub thickness_cells: Option<f64>,
-    /// Bending stiffness of a plate per width, N m; of springs about.
+    /// Bending stiffness of a plate per width, N m; approximate for springs.
     pub bending_stiffness: Option<f64>,
     /// Bending elastocapillary length √(B / γ) of a plate, m.
     pub bending_elastocapillary_length: Option<f64>,
 }
 
-/// The reports of all solids that deform.
+/// The reports of all deformable solids.
 pub(crate) fn reports(scene: &Scene, setup: &AnySetup) -> Vec<SoftReport> {
     match setup {
         AnySetup::D2(setup) => reports_of_setup(scene, setup),
@@ -103,7 +103,7 @@ fn report_of_solid<const D: usize>(scene: &Scene, spec: &SolidSpec, body: &Elast
     }
 }
 
-/// The lowest frequency, Hz: the damping knows it; else it is looked for where that is quick.
+/// The lowest frequency, Hz: known from the damping, else computed where that is fast.
 fn lowest_frequency<const D: usize>(spec: &SolidSpec, body: &Elastic<D>) -> Option<f64> {
     let ratio = match &spec.material {
         Material::NeoHookean(e) | Material::Corotated(e) => e.damping_ratio,
@@ -120,7 +120,7 @@ fn lowest_frequency<const D: usize>(spec: &SolidSpec, body: &Elastic<D>) -> Opti
 }
 
 impl SoftReport {
-    /// The report as lines of plain text for `meniscus check_closed`; each a name and what is told.
+    /// The report as lines of plain text for `meniscus check`, each a label and its text.
     pub(crate) fn lines(&self, dimension: usize) -> Vec<(String, String)> {
         let (element, angle) =
             if dimension == 2 { ("triangles", "angles") } else { ("tetrahedra", "dihedral angles") };

@@ -7,16 +7,16 @@ use meniscus_numerics::Vector;
 use meniscus_sim::Solid;
 use rayon::prelude::*;
 
-/// Width, in cells, under which liquid in a gap is not resolved.
+/// Width, in cells, below which liquid in a gap is not resolved.
 const RESOLVED_GAP_CELLS: f64 = 2.0;
-/// Width, in cells, up to which solids touch.
+/// Width, in cells, up to which solids count as touching.
 const CONTACT_GAP_CELLS: f64 = 0.05;
-/// Halvings of the step with which the narrowest place is looked for, from a cell's size on.
+/// Halvings of the step of the pattern search, which starts at half a cell.
 const HALVINGS: u32 = 12;
-/// Steps of one length at most.
+/// Most steps of one length.
 const MAX_STEPS_PER_LENGTH: u32 = 8;
 
-/// Warnings of gaps under two cells between solids where they start.
+/// Warnings of gaps narrower than two cells between solids at the start.
 pub(crate) fn warnings<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<Warning> {
     let model = &setup.model;
     let start: Vec<_> = model.solids.iter().map(Solid::initial_state).collect();
@@ -44,7 +44,7 @@ pub(crate) fn warnings<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<W
     out
 }
 
-/// The centre of the cell between two solids where they are closest; none where they are over two cells apart.
+/// The centre of the cell where the gap between two solids is narrowest; none where it is wider than two cells everywhere.
 fn narrowest_gap_center<const D: usize>(
     obstacles: &Obstacles<'_, D>,
     setup: &Setup<D>,
@@ -63,7 +63,7 @@ fn narrowest_gap_center<const D: usize>(
     Some(grid.center(lattice.coordinates(least.0)))
 }
 
-/// The least value near a place, by steps along the axes that get shorter.
+/// Pattern search for the minimum near a point, with steps along the axes that are halved.
 fn pattern_search<const D: usize>(of: impl Fn(&Vector<D>) -> f64, mut at: Vector<D>, dx: f64) -> f64 {
     let (mut least, mut step) = (of(&at), 0.5 * dx);
     for _ in 0..HALVINGS {

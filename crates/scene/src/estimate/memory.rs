@@ -1,4 +1,4 @@
-//! The memory that a run takes, and what this machine has.
+//! Estimated memory of a run, and the memory of this machine.
 
 use super::scales::liquid_volume;
 use crate::build::{AnySetup, Setup};
@@ -8,30 +8,30 @@ use meniscus_elastic::Elastic;
 
 /// Bytes per cell of the domain: 25 fields of 8 bytes.
 const BYTES_PER_CELL: f64 = 200.0;
-/// Bytes more per cell of liquid: 30 fields of 8 bytes.
+/// Further bytes per liquid cell: 30 fields of 8 bytes.
 const BYTES_PER_LIQUID_CELL: f64 = 240.0;
-/// Bytes per vertex of a solid that deforms, without what solves systems with its matrix, measured.
+/// Bytes per vertex of a deformable solid without its linear solver, measured.
 const BYTES_PER_VERTEX: f64 = 8e3;
-/// Memory while factors are found over what they take. Compact bodies have the largest fronts: `fig02-soft-cow`, with factors of
-/// 736 MB, takes 2.1 GB at most, of which 0.5 are the grid's and the vertices'; plates need less.
+/// Peak memory of a factorisation over that of the factors. Compact bodies have the largest fronts: `fig02-soft-cow`, with factors of 736
+/// MB, takes at most 2.1 GB, 0.5 GB of it for the grid and the vertices.
 const FACTORISATION_OVERHEAD: f64 = 2.2;
 
-/// Memory of the grid and the liquid, bytes, from all cells and those of liquid.
+/// Memory of the grid and the liquid, bytes, from the numbers of all cells and of liquid cells.
 pub fn liquid_memory(cells: f64, liquid_cells: f64) -> f64 {
     BYTES_PER_CELL * cells + BYTES_PER_LIQUID_CELL * liquid_cells
 }
 
-/// Memory of a solid that deforms, bytes.
+/// Memory of a deformable solid, bytes.
 pub fn solid_memory<const D: usize>(body: &Elastic<D>) -> f64 {
     FACTORISATION_OVERHEAD * solver_bytes(body) + BYTES_PER_VERTEX * body.rest_mesh().positions.len() as f64
 }
 
-/// Memory of what solves systems with a solid's matrix, bytes.
+/// Memory of the solver of a solid's linear systems, bytes.
 pub fn solver_bytes<const D: usize>(body: &Elastic<D>) -> f64 {
     8.0 * body.solver_entries() as f64
 }
 
-/// Memory of this machine, bytes: what the kernel has, or what a container is allowed; none if it cannot be told.
+/// Memory of this machine or the limit of its container, bytes; none if it is unknown.
 pub fn machine_memory() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find(|l| l.starts_with("MemTotal:"))?;
@@ -41,7 +41,7 @@ pub fn machine_memory() -> Option<u64> {
     Some(allowed.map_or(total, |a| a.min(total)))
 }
 
-/// Refuses a scene whose grid and liquid need more memory than there is (`limit`, bytes; [`machine_memory`]).
+/// Refuses a scene whose grid and liquid need more than `limit` bytes (see [`machine_memory`]).
 ///
 /// # Errors
 /// [`SceneError`] that points at the resolution.
@@ -62,10 +62,10 @@ pub fn check_liquid_memory(scene: &Scene, limit: Option<u64>) -> Result<(), Scen
     Err(scene.source.at_value(error, path))
 }
 
-/// Refuses a scene that needs more memory than there is (`limit`, bytes; [`machine_memory`]) as solids that deform come to it.
+/// Refuses a scene that needs more than `limit` bytes (see [`machine_memory`]) with its deformable solids.
 ///
 /// # Errors
-/// [`SceneError`] that points at the solid which takes most.
+/// [`SceneError`] that points at the solid with the largest need.
 pub fn check_solid_memory(scene: &Scene, setup: &AnySetup, limit: Option<u64>) -> Result<(), SceneError> {
     let Some(limit) = limit else { return Ok(()) };
     let soft = match setup {
@@ -86,7 +86,7 @@ pub fn check_solid_memory(scene: &Scene, setup: &AnySetup, limit: Option<u64>) -
     Err(scene.source.at_value(error, &scene.source.first_inside(&format!("solid.{number}.shape"))))
 }
 
-/// The numbers of the solids that deform, the memory that each takes, bytes, and its vertices.
+/// For each deformable solid its number, its memory in bytes, and its number of vertices.
 fn memory_by_solid<const D: usize>(setup: &Setup<D>) -> Vec<(usize, f64, usize)> {
     let solids = setup.model.solids.iter().enumerate();
     solids
@@ -108,7 +108,7 @@ fn insufficient_memory(need: f64, limit: f64) -> SceneError {
     ))
 }
 
-/// Bytes for people.
+/// Formats a number of bytes.
 pub(crate) fn format_bytes(bytes: f64) -> String {
     match bytes {
         n if n < 1e6 => format!("{:.0} kB", n / 1e3),

@@ -1,4 +1,4 @@
-//! What a scene asks for, in numbers, without running it: time scales, elasticity, memory, gaps and films that the grid does not resolve.
+//! Estimates of a scene without running it: time scales, elasticity, memory, and gaps and films that the grid does not resolve.
 
 pub mod check;
 mod check_text;

@@ -1,6 +1,4 @@
-//! The parameters of a scene in numbers, for `summary.json` and the page: what a run was of.
-//!
-//! They follow from the scene alone and cost nothing; `check_closed` tells more, but builds the solids for it.
+//! The parameters of a scene as numbers, for `summary.json` and the page. They follow from the scene without building its solids.
 
 use super::scales::{ball_radius, liquid_volume, smallest_radius, typical_speed};
 use crate::file::{Elastic, Material, Scene, Solid, WALLS};
@@ -9,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// A number with a name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parameter {
-    /// The solid that it is of, or `walls`; none where it is of the liquid or of all.
+    /// The solid that it belongs to, or `walls`; none for the liquid and the whole scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub of: Option<String>,
     /// Its name.
@@ -22,7 +20,7 @@ pub struct Parameter {
     pub unit: String,
 }
 
-/// A list of parameters of one thing.
+/// A list of parameters of one owner.
 struct List {
     of: Option<String>,
     all: Vec<Parameter>,
@@ -35,7 +33,7 @@ impl List {
     }
 }
 
-/// The parameters of a scene: of the liquid, then of each solid.
+/// The parameters of a scene: those of the liquid, then those of each solid.
 pub fn parameters(scene: &Scene) -> Vec<Parameter> {
     let mut list = List { of: None, all: Vec::new() };
     liquid(scene, &mut list);

@@ -2,18 +2,18 @@
 
 use crate::file::{Scene, ShapeSpec};
 
-/// Length of a vector.
+/// Norm of a vector.
 pub(crate) fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Radius of a ball (2D: a disc) of a volume, m.
+/// Radius of a ball (2D: a disc) of the given volume, m.
 pub(crate) fn ball_radius(volume: f64, dimension: usize) -> f64 {
     let pi = std::f64::consts::PI;
     if dimension == 2 { (volume / pi).sqrt() } else { (0.75 * volume / pi).cbrt() }
 }
 
-/// The largest difference of start velocity between bodies; of a single body to rest.
+/// The largest difference of initial velocities between liquid bodies, m/s; for a single body its speed.
 pub(crate) fn typical_speed(scene: &Scene) -> f64 {
     let v: Vec<&[f64]> = scene.liquid.bodies.iter().map(|b| b.velocity.as_slice()).collect();
     if let [one] = v.as_slice() {
@@ -28,19 +28,19 @@ pub(crate) fn typical_speed(scene: &Scene) -> f64 {
     most
 }
 
-/// The longest step that a scene lets the simulation take, s.
+/// The longest step that the limits of a scene allow, s.
 pub(crate) fn longest_step(scene: &Scene) -> f64 {
     let (n, gamma) = (&scene.numerics, scene.tension.liquid_air);
     let capillary = n.capillary_step * 0.36 * (scene.liquid.density * scene.domain.dx.powi(3) / gamma).sqrt();
     n.fixed_step.unwrap_or_else(|| capillary.min(n.max_step)).min(scene.output.frame_interval)
 }
 
-/// The smallest radius of a body of liquid, m; none where they are half-spaces.
+/// The smallest radius of a liquid body, m; none for half-spaces.
 pub(crate) fn smallest_radius(scene: &Scene) -> Option<f64> {
     scene.liquid.bodies.iter().filter_map(|body| radius(scene, &body.shape)).reduce(f64::min)
 }
 
-/// Radius of a body of liquid, m: of a box that is not turned half the least extent inside the domain.
+/// Radius of a liquid body, m; for an unrotated box half its smallest extent inside the domain.
 pub(crate) fn radius(scene: &Scene, shape: &ShapeSpec) -> Option<f64> {
     match shape {
         ShapeSpec::Box { rotation, .. } if rotation.angle == 0.0 => half_min_extent_inside(scene, shape),
@@ -48,14 +48,14 @@ pub(crate) fn radius(scene: &Scene, shape: &ShapeSpec) -> Option<f64> {
     }
 }
 
-/// Half the least extent of what lies inside the domain, m.
+/// Half the smallest extent of the part inside the domain, m.
 fn half_min_extent_inside(scene: &Scene, shape: &ShapeSpec) -> Option<f64> {
     let (lower, upper) = shape.bounds(scene.domain.dimension)?;
     let extent = |((l, u), s): ((&f64, &f64), &f64)| 0.5 * (u.min(*s) - l.max(0.0));
     lower.iter().zip(&upper).zip(&scene.domain.size).map(extent).reduce(f64::min)
 }
 
-/// Volume of the liquid inside the domain by sampling; none if a shape cannot be sampled.
+/// Volume of the liquid inside the domain, m³ (2D: m²), by sampling; none if a shape cannot be sampled.
 pub fn liquid_volume(scene: &Scene) -> Option<f64> {
     let d = &scene.domain;
     let dim = d.dimension;

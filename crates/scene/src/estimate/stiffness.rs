@@ -1,4 +1,4 @@
-//! How stiff a solid that deforms is: its elastic waves, its bending, and whether a step can follow it.
+//! Stiffness of deformable solids: elastic wave speed, bending stiffness, and the limit on stiffness at a given step.
 
 use super::scales::longest_step;
 use crate::error::SceneError;
@@ -6,14 +6,13 @@ use crate::file::{Elastic, Material, Scene, ShapeSpec, Solid as SolidSpec};
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector};
 
-/// Most elements that an elastic wave may cross in a step: its square is the ratio of stiffness and mass in the step's matrix, of
-/// which double precision keeps four digits then.
+/// Most elements that an elastic wave may cross in a step. Its square is the ratio of stiffness to mass in the step's matrix, which
+/// leaves four digits of double precision.
 const MAX_CROSSED_ELEMENTS: f64 = 1e6;
-/// Thickness over the next longer side of a plate, at most.
+/// Largest ratio of the thickness of a plate to its next longer side.
 const MAX_PLATE_ASPECT: f64 = 0.25;
 
-/// Modulus of a wave of pressure, Pa: `λ + 2μ`. That of springs is the mean over all directions with the strain the same
-/// everywhere, `Σ k l² ⟨mode_cosine⁴⟩ / V`.
+/// P-wave modulus `λ + 2μ`, Pa. For springs it is the mean over all directions at uniform strain, `Σ k l² ⟨cos⁴⟩ / V`.
 fn p_wave_modulus<const D: usize>(spec: &SolidSpec, mesh: &VolumeMesh<D>) -> Option<f64> {
     match &spec.material {
         Material::NeoHookean(e) | Material::Corotated(e) => {
@@ -29,7 +28,7 @@ fn p_wave_modulus<const D: usize>(spec: &SolidSpec, mesh: &VolumeMesh<D>) -> Opt
     }
 }
 
-/// Middle and way of all edges of a mesh, m.
+/// Midpoint and edge vector of all edges of a mesh, m.
 fn edges<const D: usize>(mesh: &VolumeMesh<D>) -> impl Iterator<Item = (Vector<D>, Vector<D>)> {
     let at = |v: u32| mesh.positions[v as usize];
     mesh.edges().into_iter().map(move |[a, b]| ((at(a) + at(b)) * 0.5, at(b) - at(a)))
@@ -40,7 +39,7 @@ pub fn wave_speed<const D: usize>(spec: &SolidSpec, mesh: &VolumeMesh<D>, densit
     p_wave_modulus(spec, mesh).map(|modulus| (modulus / density).sqrt())
 }
 
-/// Thickness (m) and unit normal of a solid that is a plate or a strip by its shape.
+/// Thickness (m) and unit normal of a solid whose shape is a plate or a strip.
 pub fn plate_thickness_and_normal<const D: usize>(shape: &ShapeSpec) -> Option<(f64, Vector<D>)> {
     let (sizes, rotation): ([f64; 3], Matrix<D>) = match shape {
         ShapeSpec::Box { half_size, rotation, .. } => {
@@ -63,9 +62,9 @@ pub fn plate_bending_stiffness(e: &Elastic, thickness: f64) -> f64 {
     e.young_modulus * thickness.powi(3) / (12.0 * (1.0 - e.poisson_ratio.powi(2)))
 }
 
-/// Bending stiffness of a plate per width, N m (2D: of a strip per depth): `E t³ / 12 (1 - ν²)`; of springs what the plate's
-/// middle surface bent in all directions alike asks for, `⟨mode_cosine⁴⟩ Σ k p⁴ z² / (l² A)` with the part `p` of an edge along the
-/// plate (5-tetrahedra lattices of 2 and 4 cells: 3.2 and 16.9 k a², where a solver finds 3.1 and 16.8).
+/// Bending stiffness of a plate per width, N m (2D: of a strip per depth): `E t³ / 12 (1 - ν²)`. For springs it is that of isotropic
+/// bending of the middle surface, `⟨cos⁴⟩ Σ k p⁴ z² / (l² A)`, where `p` is the in-plane length of an edge. Lattices of 5 tetrahedra with
+/// 2 and 4 layers give 3.2 and 16.9 k a²; the solver gives 3.1 and 16.8.
 pub fn bending_stiffness<const D: usize>(spec: &SolidSpec, mesh: &VolumeMesh<D>) -> Option<f64> {
     let (thickness, normal) = plate_thickness_and_normal::<D>(&spec.shape)?;
     match &spec.material {
@@ -83,10 +82,10 @@ pub fn bending_stiffness<const D: usize>(spec: &SolidSpec, mesh: &VolumeMesh<D>)
     }
 }
 
-/// Refuses what is so stiff that a step's matrix could not tell its mass from rounding.
+/// Refuses a solid so stiff that its mass is lost to rounding in the step's matrix.
 ///
 /// # Errors
-/// [`SceneError`] that says how stiff it may be.
+/// [`SceneError`] that gives the largest possible stiffness.
 pub fn check_stiffness<const D: usize>(
     scene: &Scene,
     spec: &SolidSpec,
@@ -105,7 +104,7 @@ pub fn check_stiffness<const D: usize>(
          {crossed:.1e} elements of {shortest:.2e} m, and beyond {MAX_CROSSED_ELEMENTS:.0e} rounding hides its mass",
         spec.name
     );
-    // Rounded so that it is enough.
+    // Rounded up, so that the advice suffices.
     let more = (crossed / MAX_CROSSED_ELEMENTS).powi(2) * 1.05;
     let help = format!(
         "make it {more:.1e} times softer, or rigid, or set numerics.max_step = \"{:.1e} s\"",
@@ -147,7 +146,7 @@ mod tests {
         let plate_of = spec(springs, &[20.0, 20.0, 2.0]);
         let (thickness, normal) = plate_thickness_and_normal::<3>(&plate_of.shape).unwrap();
         assert!(thickness == 4.0 && normal == Vector::<3>::z());
-        // Layers: (2 + 2) 3/8 · 10; across: two diagonals of 1/2 and one of 4/3, 3/8 · 5 each; rims add a few per cent.
+        // In plane: (2 + 2) 3/8 · 10; across: two diagonals of 1/2 and one of 4/3, 3/8 · 5 each; edges of the plate add a few per cent.
         let exact = 0.375 * (4.0 * 10.0 + (2.0 * 0.5 + 4.0 / 3.0) * 5.0);
         let found = bending_stiffness(&plate_of, &mesh).unwrap() / 3.0;
         assert!((found / exact - 1.0).abs() < 0.05, "{found} {exact}");

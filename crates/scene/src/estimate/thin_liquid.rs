@@ -1,10 +1,10 @@
 //! Liquid that the grid does not resolve: films, threads and gaps thinner than two cells.
 //!
-//! The measure is a morphological opening. A point of the liquid is resolved where a ball of two cells in diameter fits into the
-//! liquid within four cells of it; the rest is thin. Solids bound the liquid as air does; sides of the domain that are mirrors
-//! do not. The four cells leave out what every contact line has, a wedge that ends in nothing: at 30 degrees and more its tip is
-//! closer than that to where the ball fits. Of two neighbours at depths a and b, in cells, the middle of a film between them is
-//! (a + b + s) / 2 deep, where s is the slope of the depth along the axis.
+//! The measure is a morphological opening. A point of the liquid is resolved if a ball of two cells in diameter fits into the liquid
+//! within four cells of it; the rest is thin. Solids bound the liquid as air does; mirror sides of the domain do not. The reach of four
+//! cells excludes the wedge at every contact line: at angles of 30 degrees and more its tip is closer than that to the ball. Between two
+//! neighbours at depths a and b, in cells, the middle of a film has the depth (a + b + s) / 2, where s is the slope of the depth along
+//! the axis.
 
 use crate::build::Setup;
 use meniscus_numerics::Vector;
@@ -12,11 +12,11 @@ use meniscus_numerics::grid::{Grid, Lattice};
 use meniscus_sim::{Simulation, Solid, SolidState};
 use rayon::prelude::*;
 
-/// Radius of the ball that has to fit, in cells.
+/// Radius of the ball that must fit, in cells.
 const BALL_RADIUS_CELLS: f32 = 1.0;
-/// Distance, in cells, from where the ball fits up to which liquid is resolved.
+/// Distance, in cells, from the ball up to which liquid is resolved.
 const OPENING_REACH_CELLS: isize = 4;
-/// Share of the liquid from which on thin liquid is worth a warning.
+/// Share of the liquid above which thin liquid gives a warning.
 pub const WARNING_SHARE: f64 = 1e-3;
 
 /// Liquid thinner than two cells.
@@ -28,7 +28,7 @@ pub struct ThinLiquid<const D: usize> {
     pub place: Option<Vector<D>>,
 }
 
-/// The thin liquid of a simulation as it stands.
+/// The thin liquid of a simulation in its present state.
 pub fn of_simulation<const D: usize>(simulation: &Simulation<D>) -> ThinLiquid<D> {
     let (model, state) = (&simulation.model, &simulation.state);
     let lattice = model.grid.lattice();
@@ -39,7 +39,7 @@ pub fn of_simulation<const D: usize>(simulation: &Simulation<D>) -> ThinLiquid<D
     })
 }
 
-/// The thin liquid of bodies as they are laid out, before anything moves.
+/// The thin liquid of the initial liquid bodies of a setup.
 pub fn of_setup<const D: usize>(setup: &Setup<D>) -> ThinLiquid<D> {
     let (model, grid) = (&setup.model, &setup.model.grid);
     let start: Vec<_> = model.solids.iter().map(Solid::initial_state).collect();
@@ -51,7 +51,7 @@ pub fn of_setup<const D: usize>(setup: &Setup<D>) -> ThinLiquid<D> {
     })
 }
 
-/// The thin part of the liquid where `distance` (m) is to its boundary, negative inside, at the centre of a cell.
+/// The thin part of the liquid whose signed distance (m, negative inside) at the centre of a cell is `distance`.
 pub fn measure_thin_liquid<const D: usize>(
     grid: &Grid<D>,
     distance: impl Fn([usize; D]) -> f64 + Sync,
@@ -67,7 +67,7 @@ pub fn measure_thin_liquid<const D: usize>(
     };
     let candidate = |i: usize| depth[i] > -0.5 && !fits[i];
     let thin: Vec<usize> = cells().filter(|i| candidate(*i) && is_thin(*i)).collect();
-    // The part of a cell that is liquid, where the surface is level with an axis.
+    // The liquid fraction of a cell for an interface perpendicular to an axis.
     let part = |i: usize| f64::from((depth[i] + 0.5).clamp(0.0, 1.0));
     let all: f64 = (0..lattice.len()).map(part).sum();
     let some: f64 = thin.iter().map(|i| part(*i)).sum();
@@ -76,8 +76,8 @@ pub fn measure_thin_liquid<const D: usize>(
     ThinLiquid { share: if all > 0.0 { some / all } else { 0.0 }, place }
 }
 
-/// Whether the ball fits around a cell's centre, or between that and a neighbour's: there the depth rises from both by the slope
-/// that it has along the axis on their outer sides.
+/// Whether the ball fits around a cell's centre, or between it and a neighbour's. Between them the depth rises from both by its slope
+/// along the axis on their outer sides.
 fn ball_fits<const D: usize>(lattice: Lattice<D>, depth: &[f32], i: usize) -> bool {
     let own = depth[i];
     let at = lattice.coordinates(i);
@@ -93,7 +93,7 @@ fn ball_fits<const D: usize>(lattice: Lattice<D>, depth: &[f32], i: usize) -> bo
     own >= BALL_RADIUS_CELLS || own > 0.0 && (0..2 * D).any(between)
 }
 
-/// Steps to the cells up to [`OPENING_REACH_CELLS`] away, the shortest first.
+/// Offsets to the cells up to [`OPENING_REACH_CELLS`] away, the shortest first.
 fn cell_offsets_within_reach<const D: usize>() -> Vec<[isize; D]> {
     let cube = Lattice::<D>::new([2 * OPENING_REACH_CELLS as usize + 1; D]);
     let mut steps: Vec<[isize; D]> =
@@ -115,14 +115,14 @@ fn neighbour_cell<const D: usize>(
     Some(lattice.index(at))
 }
 
-/// Solids as the liquid meets them.
+/// The solids as boundaries of the liquid.
 pub struct Obstacles<'a, const D: usize> {
-    /// Each with a box around all that is closer to it than two cells.
+    /// Each solid with a box around all points closer to it than two cells.
     solids: Vec<(&'a Solid<D>, &'a SolidState<D>, [Vector<D>; 2])>,
 }
 
 impl<'a, const D: usize> Obstacles<'a, D> {
-    /// The solids of a model where they are now.
+    /// The solids of a model at their present positions.
     pub fn new(solids: &'a [Solid<D>], now: &'a [SolidState<D>], dx: f64) -> Self {
         let boxed = |(solid, now): (&'a Solid<D>, &'a SolidState<D>)| {
             let [low, high] = solid.bounds(now);
@@ -132,12 +132,12 @@ impl<'a, const D: usize> Obstacles<'a, D> {
         Self { solids: solids.iter().zip(now).map(boxed).collect() }
     }
 
-    /// Distance of a point to the nearest solid, m, negative inside; infinite where that is over two cells away.
+    /// Distance of a point to the nearest solid, m, negative inside; infinite beyond two cells.
     pub fn distance(&self, x: &Vector<D>) -> f64 {
         self.distances(x).map(|(_, d)| d).fold(f64::INFINITY, f64::min)
     }
 
-    /// Distances, m, to the solids that may be closer than two cells, by their number.
+    /// Distances, m, to the solids that may be closer than two cells, with their numbers.
     pub fn distances<'b>(&'b self, x: &'b Vector<D>) -> impl Iterator<Item = (usize, f64)> + 'b {
         let near = |[low, high]: &[Vector<D>; 2]| (0..D).all(|a| low[a] <= x[a] && x[a] <= high[a]);
         let all = self.solids.iter().enumerate().filter(move |(_, s)| near(&s.2));
@@ -149,7 +149,7 @@ impl<'a, const D: usize> Obstacles<'a, D> {
 mod tests {
     use super::*;
 
-    /// Share of a straight film of so many cells, turned and shifted.
+    /// Thin share of a straight film of the given thickness (cells), rotated and shifted.
     fn film(thickness: f64, angle: f64, shift: f64) -> f64 {
         let grid = Grid::<2>::new([60, 60], 0.1);
         let normal = Vector::from([angle.sin(), angle.cos()]);

@@ -1,13 +1,13 @@
-//! Mesh files that are built in: `builtin:NAME` where a scene names a file.
+//! Built-in mesh files: `builtin:NAME` where a scene names a file.
 //!
-//! So the scenes that need them run from any folder, what they write as `scene.toml` too, and `--resume` finds the same file.
+//! Scenes that use them run from any folder, also from the `scene.toml` of a run and with `--resume`.
 
 use crate::error::nearest;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What comes before the name of a mesh file that is built in.
+/// Prefix of the name of a built-in mesh file.
 const PREFIX: &str = "builtin:";
 
 /// The files: name and content.
@@ -16,12 +16,12 @@ const MESHES: [(&str, &[u8]); 2] = [
     ("leaf.msh", include_bytes!("../../../../scenes/meshes/leaf.msh")),
 ];
 
-/// The name of a built-in file after its prefix; none for any other file.
+/// The name of a built-in file after its prefix; `None` for any other file.
 pub(crate) fn builtin_name(file: &str) -> Option<&str> {
     file.strip_prefix(PREFIX)
 }
 
-/// Why there is no such built-in file, and what there is; none if there is.
+/// Message and help for an unknown built-in file; `None` if the file exists.
 pub(crate) fn unknown_mesh_message(name: &str) -> Option<(String, String)> {
     if MESHES.iter().any(|(known, _)| *known == name) {
         return None;
@@ -32,8 +32,8 @@ pub(crate) fn unknown_mesh_message(name: &str) -> Option<(String, String)> {
     Some((format!("there is no built-in mesh `{}`", name.escape_debug()), format!("{near}built in: {names}")))
 }
 
-/// Reads a mesh file, built in or not, by what reads files. Readers take paths, as formats of several files need them: a
-/// built-in file is there for them only while they read.
+/// Reads a mesh file, built in or not, with `reader`. Readers take paths because some formats consist of several files; a
+/// built-in file therefore exists as a temporary file while it is read.
 pub(crate) fn read<T, E: ToString>(
     path: &Path,
     reader: impl FnOnce(&Path) -> Result<T, E>,
@@ -48,7 +48,7 @@ pub(crate) fn read<T, E: ToString>(
     found
 }
 
-/// A new file of this content among the system's temporary ones; it ends in `name`.
+/// Writes the content to a new temporary file whose name ends in `name`.
 fn unpack(name: &str, bytes: &[u8]) -> io::Result<PathBuf> {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     loop {

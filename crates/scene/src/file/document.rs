@@ -1,4 +1,4 @@
-//! The text of a scene as a tree whose values know where they stand, `--set`, and errors that point.
+//! Scene text parsed into a TOML tree with source positions, `--set` overrides, and errors that point into the text.
 
 use super::{HELP_MARK, SceneFile};
 use crate::error::{SceneError, nearest};
@@ -14,16 +14,16 @@ use toml::de::{DeTable, DeValue};
 /// The largest scene text that is read, bytes.
 const MAX_TEXT: usize = 4 << 20;
 
-/// Where keys and values stand: the file, then every `--set`, in one run of byte positions.
+/// Source positions of keys and values. The file and then every `--set` share one range of byte positions.
 #[derive(Clone, Debug, Default)]
 pub struct Source {
-    /// First position, name and text of each piece.
+    /// First position, name and text of each source text.
     texts: Vec<(usize, String, Arc<str>)>,
     /// Key and value positions by dotted path.
     spans: BTreeMap<String, (Range<usize>, Range<usize>)>,
 }
 
-/// Where a scene came from is no part of what it is.
+/// Two scenes from different sources can be equal, so all sources compare equal.
 impl PartialEq for Source {
     fn eq(&self, _: &Self) -> bool {
         true
@@ -31,14 +31,14 @@ impl PartialEq for Source {
 }
 
 impl Source {
-    /// Adds a text; gives the position of its first byte.
+    /// Adds a text; returns the position of its first byte.
     fn add(&mut self, name: &str, text: &str) -> usize {
         let start = self.texts.last().map_or(0, |(s, _, t)| s + t.len() + 1);
         self.texts.push((start, name.to_owned(), Arc::from(text)));
         start
     }
 
-    /// The same error pointing at a range of positions.
+    /// The error with a range of positions attached.
     pub(crate) fn point(&self, error: SceneError, span: Option<Range<usize>>) -> SceneError {
         let wanted = span.as_ref().map_or(0, |s| s.start);
         let piece = self.texts.iter().rev().find(|(start, _, _)| *start <= wanted);
@@ -51,7 +51,7 @@ impl Source {
         }
     }
 
-    /// The same error pointing at the value of a path, or of the nearest table around it that stands in the text.
+    /// The error pointing at the value of a path, or at the nearest enclosing table that the text contains.
     pub fn at_value(&self, error: SceneError, path: &str) -> SceneError {
         let mut path = path;
         loop {
@@ -65,7 +65,7 @@ impl Source {
         }
     }
 
-    /// The same error pointing at a key.
+    /// The error pointing at a key.
     pub fn at_key(&self, error: SceneError, path: &str) -> SceneError {
         match self.spans.get(path) {
             Some((key, _)) => self.point(error, Some(key.clone())),
@@ -73,7 +73,7 @@ impl Source {
         }
     }
 
-    /// The path of the first key inside a table, for tables that name a kind by their only key.
+    /// The path of the first key inside a table, for tables whose only key names a kind.
     pub fn first_inside(&self, path: &str) -> String {
         let prefix = format!("{path}.");
         let next = self.spans.range(prefix.clone()..).next();
@@ -111,14 +111,14 @@ impl Source {
             }
             _ => {}
         }
-        // the span of a table written in dotted keys is empty or reversed: its key is better then
+        // The span of a table written in dotted keys is empty or reversed; use the span of its key.
         let span = value.span();
         let span = if span.start < span.end { span } else { key.clone() };
         self.spans.insert(path, (key, span));
     }
 }
 
-/// A parsed scene text, before it is read as a scene.
+/// A parsed scene text, not yet deserialised as a scene.
 pub struct Document<'i> {
     source: Source,
     root: Spanned<DeTable<'i>>,
@@ -128,7 +128,7 @@ impl<'i> Document<'i> {
     /// Parses the text of a scene.
     ///
     /// # Errors
-    /// [`SceneError`] pointing at what is not TOML.
+    /// [`SceneError`] pointing at invalid TOML.
     pub fn parse(name: &str, text: &'i str) -> Result<Self, SceneError> {
         let mut source = Source::default();
         source.add(name, text);
@@ -142,8 +142,8 @@ impl<'i> Document<'i> {
         }
     }
 
-    /// Replaces or adds a value: `domain.resolution=64`, `liquid.body.0.initial_velocity=["1 m/s", 0]`. What is no TOML value
-    /// is taken as text, so `tension.liquid_air=0.5 mN/cm` needs no quotes.
+    /// Replaces or adds a value: `domain.resolution=64`, `liquid.body.0.velocity=["1 m/s", 0]`. Text that is not a TOML value is
+    /// taken as a string, so `tension.liquid_air=0.5 mN/cm` needs no quotes.
     ///
     /// # Errors
     /// [`SceneError`] pointing into the setting.
@@ -176,7 +176,7 @@ impl<'i> Document<'i> {
         set_in_table(self.root.get_mut(), &segments, value).map_err(|e| self.source.point(e.0, Some(e.1)))
     }
 
-    /// `domain.dx` and `domain.resolution` exclude each other: the one set replaces the other.
+    /// Removes `domain.dx` when `domain.resolution` is set, and vice versa: they exclude each other.
     fn remove_conflicting_key(&mut self, path: &str) {
         let rival = match path {
             "domain.dx" => "resolution",
@@ -190,7 +190,7 @@ impl<'i> Document<'i> {
         }
     }
 
-    /// Reads the tree as a scene file.
+    /// Deserialises the tree as a scene file.
     ///
     /// # Errors
     /// [`SceneError`] pointing at the key or value that is not accepted.
@@ -214,7 +214,7 @@ fn parse_set_value(text: &str) -> Result<Spanned<DeValue<'_>>, toml::de::Error> 
     }
 }
 
-/// The same value with every position moved.
+/// The value with all positions shifted.
 fn shift<'i>(value: Spanned<DeValue<'i>>, by: usize) -> Spanned<DeValue<'i>> {
     let move_by = |s: Range<usize>| s.start + by..s.end + by;
     let span = move_by(value.span());
@@ -303,7 +303,7 @@ fn set_in_value<'i>(
     }
 }
 
-/// The `name` of an entry of a list, such as a solid's.
+/// The `name` of an entry of a list, for example of a solid.
 fn name_of(item: &Spanned<DeValue<'_>>) -> Option<String> {
     let DeValue::Table(table) = item.get_ref() else { return None };
     match table.get("name")?.get_ref() {
@@ -312,7 +312,7 @@ fn name_of(item: &Spanned<DeValue<'_>>) -> Option<String> {
     }
 }
 
-/// Words of other programs for keys and values of ours.
+/// Common synonyms, mapped to the keys and values of the scene grammar.
 const SYNONYMS: [(&str, &str); 8] = [
     ("clamp", "fixed"),
     ("clamped", "fixed"),
@@ -329,13 +329,13 @@ fn with_article(noun: &str) -> String {
     format!("{article} {noun}")
 }
 
-/// Turns what TOML or serde said into our words.
+/// Rewords an error of TOML or serde.
 fn from_toml(source: &Source, error: &toml::de::Error) -> SceneError {
     let (message, help) = reword(error.message());
     source.point(SceneError::new(message).with_help(help), error.span())
 }
 
-/// Message and help for people.
+/// Message and help for users.
 fn reword(raw: &str) -> (String, String) {
     if let Some((message, help)) = raw.split_once(HELP_MARK) {
         return (message.to_owned(), help.to_owned());
@@ -379,7 +379,7 @@ fn reword(raw: &str) -> (String, String) {
     (raw.to_owned(), String::new())
 }
 
-/// Rust's name of a type in words.
+/// Plain description of a Rust type name.
 fn plain_type(wanted: &str) -> String {
     match wanted {
         "u32" | "u64" | "usize" => "a whole number, not negative, no quotes".to_owned(),

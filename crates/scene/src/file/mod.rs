@@ -1,4 +1,4 @@
-//! Scene files: the grammar, exactly as written; the scene that they resolve to, in SI; errors that point at the value.
+//! Scene files: the grammar as written, the resolved scene in SI units, and errors that point at the value.
 
 mod builtin_meshes;
 mod document;

@@ -1,12 +1,12 @@
-//! What this version can run; the rest is refused, never ignored.
+//! Refuses scenes that this version cannot run; nothing is ignored silently.
 
 use super::{Format, Material, Scene, Scheme, ShapeSpec};
 use crate::error::SceneError;
 
-/// Whether this version can run the scene.
+/// Checks that this version can run the scene.
 ///
 /// # Errors
-/// [`SceneError`] of kind `Invalid` (exit status 3) that points at what cannot run.
+/// [`SceneError`] of kind `Invalid` (exit status 3) that points at the unsupported value.
 pub fn ensure_runnable(scene: &Scene) -> Result<(), SceneError> {
     let refuse = |path: &str, what: &str, help: &str| {
         let error = SceneError::new(format!("this version cannot run {what} yet")).with_help(help);
@@ -60,6 +60,6 @@ pub fn ensure_runnable(scene: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Shapes that both liquid and solids can have.
+/// Shapes supported for both liquid and solids.
 const SUPPORTED_SHAPES: &str = "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, extrusion, union, smooth_union, \
                       difference, cow or mesh";

@@ -1,13 +1,13 @@
-//! A resolved scene written as a scene file again: reading it gives the same scene.
+//! Writes a resolved scene as a scene file.
 
 use super::*;
 use crate::error::{ErrorKind, SceneError};
 
 impl Scene {
-    /// The scene as run: SI, defaults and overrides filled in. Reading it gives the identical scene.
+    /// The scene as run: SI, defaults and overrides filled in. Reading it again gives an identical scene.
     ///
     /// # Errors
-    /// [`SceneError`] if the text cannot be written; no valid scene leads to it.
+    /// [`SceneError`] if the text cannot be written; this does not happen for a valid scene.
     pub fn to_toml(&self) -> Result<String, SceneError> {
         let body = toml::to_string(&self.to_file()).map_err(|e| SceneError {
             kind: ErrorKind::Io,
@@ -86,7 +86,7 @@ fn body(b: &Body) -> BodyFile {
     BodyFile { shape: shape(&b.shape), velocity: Some(speeds(&b.velocity)), displaced }
 }
 
-/// Nothing is written for no rotation; else the form follows the number of dimensions.
+/// The rotation in the form of the number of dimensions; `None` for the identity.
 fn rotation(r: &Rotation, dim: usize) -> Option<RotationFile> {
     if *r == Rotation::NONE {
         None
@@ -155,7 +155,7 @@ fn shape(s: &ShapeSpec) -> ShapeFile {
     }
 }
 
-/// Shapes given by an outline or a file.
+/// Shapes defined by an outline or a file.
 fn outlined(s: &ShapeSpec) -> ShapeFile {
     match s {
         ShapeSpec::Extrusion { outline, thickness, center, rotation: r } => {

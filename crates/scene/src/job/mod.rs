@@ -1,4 +1,4 @@
-//! What a run is asked to do, and what it carries along beside the state.
+//! The job of a run, its schedule, and the statistics that it keeps beside the state.
 
 mod plan;
 mod schedule;

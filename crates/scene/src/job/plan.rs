@@ -1,28 +1,28 @@
-//! What a run needs to know of a scene beside the physics.
+//! What a run needs of a scene beside the physics.
 
 use super::schedule::Schedule;
 use crate::estimate::parameters::Parameter;
 
-/// What a run needs to know of a scene beside the physics.
+/// What a run needs of a scene beside the physics.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {
     /// Name of the scene.
     pub name: String,
-    /// The scene with everything filled in, as TOML: what `scene.toml` of the output will be.
+    /// The complete scene as TOML, written to `scene.toml` of the output.
     pub text: String,
-    /// Identity of everything that decides the bits of the result. Checkpoints of another identity are refused.
+    /// Hash of everything that determines the result bit for bit. Checkpoints with another identity are refused.
     pub identity: u64,
-    /// When frames are due.
+    /// Times of the frames.
     pub schedule: Schedule,
     /// Time between frames, s.
     pub frame_interval: f64,
-    /// The frames to write, first and last; the run ends with the last.
+    /// First and last frame to write; the run ends with the last.
     pub frames: Option<(u64, u64)>,
     /// Frames between checkpoints.
     pub checkpoint_every: u64,
     /// Name and mesh edge, m, of every solid.
     pub solids: Vec<(String, f64)>,
-    /// Warnings about the scene, told at the start.
+    /// Warnings about the scene, shown at the start.
     pub warnings: Vec<String>,
     /// The scene's `description`.
     pub description: Option<String>,
@@ -30,25 +30,25 @@ pub struct Job {
     pub parameters: Vec<Parameter>,
 }
 
-/// What to do with an output folder that holds a run already.
+/// What to do with an output folder that already holds a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExistingRun {
     /// Refuse.
     Refuse,
-    /// Remove it and start again.
+    /// Remove the run and start again.
     Replace,
-    /// Go on from its last checkpoint; start if there is none.
+    /// Continue from its last checkpoint; start if there is none.
     Resume,
 }
 
-/// Why a run is asked to stop before its end.
+/// Why a run is asked to stop early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
     /// A signal.
     Signal,
-    /// A second signal: within the step, whose work is lost.
+    /// A second signal: stops within the step, whose work is lost.
     AtOnce,
-    /// The time given with `--walltime` is over.
+    /// The time given with `--walltime` is used up.
     Walltime,
 }
 

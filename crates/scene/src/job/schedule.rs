@@ -1,4 +1,4 @@
-//! When frames are due, and how long a step may be to meet them.
+//! Times of the frames, and the step length that meets them.
 
 /// Frames at exact times `0, interval, 2 interval, …` and at the end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,13 +28,13 @@ impl Schedule {
         if frame >= self.last_frame() { self.end } else { frame as f64 * self.interval }
     }
 
-    /// The longest step (s) allowed at `time` on the way to `frame`. The solver divides it into steps of equal length,
-    /// so that no sliver of a step remains.
+    /// The longest step (s) allowed at `time` on the way to `frame`. The solver divides it into equal steps, so no very short step
+    /// remains.
     pub fn longest_step(&self, time: f64, frame: u64) -> f64 {
         self.time(frame) - time
     }
 
-    /// Whether `time` is that of `frame` but for rounding.
+    /// Whether `time` equals that of `frame` up to rounding.
     pub fn is_frame_time(&self, time: f64, frame: u64) -> bool {
         (time - self.time(frame)).abs() <= 1e-9 * self.interval
     }

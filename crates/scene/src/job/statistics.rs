@@ -1,67 +1,67 @@
-//! What a run carries along beside the state: counters, worst values, clocks.
+//! Statistics of a run beside the state: counters, worst values, wall times.
 
 use crate::estimate::thin_liquid::{ThinLiquid, WARNING_SHARE};
 use meniscus_numerics::Vector;
 use meniscus_sim::{Diagnostics, Model, Repairs, SolidState, StepReport, overlaps};
 use serde::{Deserialize, Serialize};
 
-/// Everything that a resumed run needs and the state does not have. Part of every checkpoint.
+/// Everything that a resumed run needs beside the state. Part of every checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunStatistics {
     /// Number of the frame to write next.
     pub next_frame: u64,
     /// Length of `timeseries.csv` so far, bytes.
     pub series_bytes: u64,
-    /// Seconds of work so far.
+    /// Wall time of the run so far, s.
     pub wall_seconds: f64,
     /// Momentum at the start, kg m/s.
     pub start_momentum: [f64; 3],
-    /// Mass at the start, kg (2D: per metre).
+    /// Mass at the start, kg (2D: kg/m).
     pub mass: f64,
-    /// Largest kinetic energy so far, J: the scale of the momentum error.
+    /// Largest kinetic energy so far, J; it scales the momentum error.
     pub largest_kinetic_energy: f64,
-    /// Relative, signed, worst so far.
+    /// Worst relative volume error so far, signed.
     pub volume_error: f64,
-    /// Worst so far, relative: momentum that did not come from gravity.
+    /// Worst relative momentum error so far: momentum that does not come from gravity.
     pub momentum_error: f64,
     /// Largest divergence so far, 1/s.
     pub max_divergence: f64,
     /// Largest speed so far, m/s.
     pub max_speed: f64,
-    /// Smallest volume of an element of a solid that deforms so far, over that at rest.
+    /// Smallest volume of an element of a deformable solid so far, over its rest volume.
     pub least_element: Option<f64>,
-    /// Deepest that a solid that deforms overlapped anything in a frame so far, m.
+    /// Deepest overlap of a deformable solid with anything in a frame so far, m.
     pub deepest_overlap: Option<f64>,
-    /// What was mended so far.
+    /// Repairs so far.
     #[serde(with = "repairs")]
     pub repairs: Repairs,
-    /// Pressure solves.
+    /// Number of pressure solves.
     pub solves: u64,
-    /// Their iterations.
+    /// Number of their iterations.
     pub iterations: u64,
-    /// Most iterations of one.
+    /// Most iterations of one solve.
     pub most_iterations: u64,
-    /// Liquid thinner than two cells in frames so far.
+    /// Liquid thinner than two cells in the frames so far.
     pub thin: ThinLiquidStatistics,
-    /// Seconds per named phase, in the order of their first end.
+    /// Seconds per named phase, in the order in which they first ended.
     pub phases: Vec<(String, f64)>,
 }
 
 /// Liquid thinner than two cells in the frames of a run (see [`crate::estimate::thin_liquid`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ThinLiquidStatistics {
-    /// Its largest share of the liquid's volume so far.
+    /// Largest share of the liquid's volume so far.
     pub worst: f64,
-    /// When that was, s.
+    /// Time of that share, s.
     pub worst_time: f64,
-    /// Where its deepest cell was then, m; three entries.
+    /// Centre of its deepest cell at that time, m; three entries.
     pub worst_place: [f64; 3],
-    /// When its share was first over [`crate::estimate::thin_liquid::WARNING_SHARE`], s.
+    /// Time at which the share first exceeded [`crate::estimate::thin_liquid::WARNING_SHARE`], s.
     pub first_time: Option<f64>,
 }
 
 impl RunStatistics {
-    /// The tally of a run that has not begun.
+    /// Statistics of a run at its start.
     pub fn at_start<const D: usize>(model: &Model<D>, ledger: &Diagnostics<D>) -> Self {
         Self {
             start_momentum: padded_to_3d(&ledger.momentum),
@@ -72,7 +72,7 @@ impl RunStatistics {
         }
     }
 
-    /// Takes a step into account. The momentum error after it.
+    /// Adds a step. Returns the relative momentum error after it.
     pub fn add_step<const D: usize>(&mut self, model: &Model<D>, time: f64, report: &StepReport<D>) -> f64 {
         let ledger = &report.diagnostics;
         self.largest_kinetic_energy = self.largest_kinetic_energy.max(ledger.kinetic_energy);
@@ -94,7 +94,7 @@ impl RunStatistics {
         momentum_error
     }
 
-    /// Takes into account what the solids of a frame overlap, if any of them deforms.
+    /// Adds the overlaps of the solids of a frame, if any of them deforms.
     pub fn add_overlaps<const D: usize>(&mut self, model: &Model<D>, solids: &[SolidState<D>]) {
         let soft = |i: usize| solids[i].soft.is_some();
         if (0..solids.len()).any(soft) {
@@ -104,7 +104,7 @@ impl RunStatistics {
         }
     }
 
-    /// Takes the thin liquid of a frame into account. Whether it is the first of the run that is worth a warning.
+    /// Adds the thin liquid of a frame. Returns whether it is the first of the run that exceeds the warning share.
     pub fn add_thin_liquid<const D: usize>(&mut self, time: f64, thin: &ThinLiquid<D>) -> bool {
         if let Some(place) = thin.place.filter(|_| thin.share > self.thin.worst) {
             let (worst, worst_place) = (thin.share, padded_to_3d(&place));
@@ -117,8 +117,8 @@ impl RunStatistics {
         first
     }
 
-    /// $|P - P_0 - M g t| / (M \sqrt{2 E_{max}/M})$: momentum that did not come from gravity, relative to that of all
-    /// the liquid at the largest root mean square speed so far. Walls give momentum too: it counts free drops only.
+    /// $|P - P_0 - M g t| / (M \sqrt{2 E_{max}/M})$: momentum that does not come from gravity, relative to that of all the liquid at its
+    /// largest root mean square speed. Walls exert forces too, so it is meaningful for free drops only.
     fn momentum_error<const D: usize>(&self, gravity: &Vector<D>, time: f64, momentum: &Vector<D>) -> f64 {
         let start = Vector::<D>::from_fn(|a, _| self.start_momentum[a]);
         let difference = (momentum - start - gravity * (self.mass * time)).norm();
@@ -126,7 +126,7 @@ impl RunStatistics {
         if scale > 0.0 { difference / scale } else { 0.0 }
     }
 
-    /// Momentum of all the liquid at the largest root mean square speed so far, kg m/s (2D: kg/s).
+    /// Momentum of all the liquid at its largest root mean square speed so far, kg m/s (2D: kg/s).
     pub fn momentum_scale(&self) -> f64 {
         (2.0 * self.largest_kinetic_energy * self.mass).sqrt()
     }
@@ -140,7 +140,7 @@ impl RunStatistics {
     }
 }
 
-/// Repairs as numbers in the order of their entries.
+/// Serialises repairs as numbers in the order of their entries.
 mod repairs {
     use meniscus_sim::Repairs;
     use serde::de::Error;
@@ -156,7 +156,7 @@ mod repairs {
     }
 }
 
-/// A vector as three components, the missing one 0.
+/// A vector with three components; a missing one is 0.
 pub(crate) fn padded_to_3d<const D: usize>(v: &Vector<D>) -> [f64; 3] {
     std::array::from_fn(|a| if a < D { v[a] } else { 0.0 })
 }

@@ -1,19 +1,19 @@
-//! Files that are either whole or not there: written beside, synced, then renamed.
+//! Atomic files: a file is written under a temporary name, synced, then renamed.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// An operation on a file that failed.
+/// A failed operation on a file.
 #[derive(Debug, Error)]
 #[error("cannot {action} `{}`: {source}", path.display())]
 pub struct FileError {
-    /// What was tried, as a verb ("write", "read", …).
+    /// The operation, as a verb ("write", "read", …).
     pub action: &'static str,
-    /// On which file or folder.
+    /// The file or folder.
     pub path: PathBuf,
-    /// What the system said.
+    /// The error of the system.
     pub source: io::Error,
 }
 
@@ -24,7 +24,7 @@ impl FileError {
         move |source| Self { action, path, source }
     }
 
-    /// What a user can do about it.
+    /// Advice for the user.
     pub fn advice(&self) -> &'static str {
         match self.source.kind() {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
@@ -44,11 +44,11 @@ impl FileError {
     }
 }
 
-/// Writes a file in one piece: `fill` writes into a file beside it, which then takes its place. After a failure or a
-/// kill at any moment the old file (or none) is still there.
+/// Writes a file atomically: `fill` writes a temporary file, which then replaces the file. After a failure or a kill at any moment the
+/// old file (or none) is still there.
 ///
 /// # Errors
-/// [`FileError`]; the file beside is removed.
+/// [`FileError`]; the temporary file is removed.
 pub fn write_atomically(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
@@ -69,21 +69,21 @@ pub fn write_atomically(
     Ok(())
 }
 
-/// The name under which a file is prepared: `keyframe_tables/x.ply` → `keyframe_tables/x.ply.part`.
+/// The temporary name of a file: `frames/x.ply` → `frames/x.ply.part`.
 fn temporary_path(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".part");
     PathBuf::from(name)
 }
 
-/// Makes a rename durable. Not all systems can sync a folder, and the rename has already happened: no error.
+/// Makes a rename durable. Not all systems can sync a folder, and the rename has already happened, so errors are ignored.
 fn sync_folder(path: &Path) {
     if let Some(Ok(folder)) = path.parent().map(File::open) {
         let _ = folder.sync_all();
     }
 }
 
-/// Makes a folder and those above it.
+/// Makes a folder and its parents.
 ///
 /// # Errors
 /// [`FileError`].

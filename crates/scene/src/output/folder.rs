@@ -1,4 +1,4 @@
-//! Where everything of a run is, and who may write there.
+//! The output folder of a run: its paths, its lock.
 
 use super::atomic_file::{self, FileError};
 use std::path::{Path, PathBuf};
@@ -13,18 +13,18 @@ pub struct Folder {
 /// Why a folder cannot be used.
 #[derive(Debug, Error)]
 pub enum FolderError {
-    /// It holds a run.
+    /// The folder holds a run.
     #[error("the folder `{}` already holds a run", .0.display())]
     Taken(PathBuf),
-    /// Another process is at work in it.
+    /// Another process writes into it.
     #[error("another run is writing into the folder `{}`", .0.display())]
     Busy(PathBuf),
-    /// It could not be made, emptied or written.
+    /// The folder could not be made, emptied or written.
     #[error(transparent)]
     File(#[from] FileError),
 }
 
-/// All that a run writes, by name; nothing else in the folder is ever touched.
+/// Names of everything that a run writes; nothing else in the folder is touched.
 const ENTRIES: &[&str] =
     &["scene.toml", "summary.json", "timeseries.csv", "log.jsonl", "frames", "checkpoints", "render", "page"];
 
@@ -64,17 +64,17 @@ impl Folder {
         self.root.join("frames")
     }
 
-    /// The liquid's surface of a frame.
+    /// File of the liquid's surface in a frame.
     pub fn liquid(&self, frame: u64) -> PathBuf {
         self.frames().join(format!("liquid_{frame:04}.ply"))
     }
 
-    /// The contact line of a frame.
+    /// File of the contact line in a frame.
     pub fn contact_line(&self, frame: u64) -> PathBuf {
         self.frames().join(format!("contact_line_{frame:04}.ply"))
     }
 
-    /// A solid's surface of a frame.
+    /// File of a solid's surface in a frame.
     pub fn solid(&self, name: &str, frame: u64) -> PathBuf {
         self.frames().join(format!("solid_{name}_{frame:04}.ply"))
     }
@@ -84,14 +84,14 @@ impl Folder {
         self.root.join("checkpoints")
     }
 
-    /// Whether it holds a run.
+    /// Whether the folder holds a run.
     pub fn holds_a_run(&self) -> bool {
         ["scene.toml", "summary.json", "timeseries.csv", "frames", "checkpoints"]
             .iter()
             .any(|name| self.root.join(name).exists())
     }
 
-    /// Makes the folder ready for a new run. With `force` an earlier run in it is removed.
+    /// Prepares the folder for a new run. `force` removes an earlier run.
     ///
     /// # Errors
     /// [`FolderError`].
@@ -106,7 +106,7 @@ impl Folder {
         self.make()
     }
 
-    /// Refuses a folder in which another process is at work: it holds a lock on the log.
+    /// Refuses a folder into which another process writes; such a process holds a lock on the log.
     ///
     /// # Errors
     /// [`FolderError::Busy`].
@@ -118,7 +118,7 @@ impl Folder {
         }
     }
 
-    /// Makes the folders that are missing.
+    /// Makes the missing folders.
     ///
     /// # Errors
     /// [`FolderError::File`].
@@ -141,7 +141,7 @@ impl Folder {
         Ok(())
     }
 
-    /// Removes the frames from number `from` on: a resumed run writes them again.
+    /// Removes the frames from number `from` on; a resumed run writes them again.
     ///
     /// # Errors
     /// [`FileError`].
@@ -156,7 +156,7 @@ impl Folder {
     }
 }
 
-/// The number at the end of a frame's name: 12 of `liquid_0012.ply`. None for what is left of an unfinished write.
+/// The number at the end of a frame's name: 12 of `liquid_0012.ply`. None for an unfinished file.
 fn frame_number(path: &Path) -> Option<u64> {
     if path.extension()? == "part" {
         return None;

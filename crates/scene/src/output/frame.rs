@@ -11,17 +11,17 @@ use meniscus_sim::{ContactLine, LinePoint, Simulation, Soft};
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Distance from a solid's surface, in cells, up to which a vertex of the liquid's surface lies on it; from the free surface
-/// up to which it lies on the contact line. Surface nets place vertices as well as that.
+/// Distance, in cells, up to which a vertex of the liquid's surface lies on a solid's surface or on the contact line. It is the accuracy
+/// of the vertices of surface nets.
 const ON_SURFACE_CELLS: f64 = 0.3;
 
-/// The parts of a displacement.
+/// Components of the displacement.
 const DISPLACEMENT: [&str; 3] = ["ux", "uy", "uz"];
 
-/// The liquid's surface of a state, where it is not within solids; `Err` names a field that is not finite.
+/// The liquid's surface outside the solids.
 ///
 /// # Errors
-/// The name of the field.
+/// The name of a field that is not finite.
 pub fn liquid<const D: usize>(simulation: &Simulation<D>) -> Result<PlyMesh, &'static str> {
     let state = &simulation.state;
     if !state.phi.data.par_iter().all(|v| v.is_finite()) {
@@ -49,7 +49,7 @@ pub fn liquid<const D: usize>(simulation: &Simulation<D>) -> Result<PlyMesh, &'s
     Ok(mesh)
 }
 
-/// φ, or minus the distance to the solids where that is larger.
+/// max(φ, -d) with the distance d to the solids, m.
 fn phi_outside_solids<const D: usize>(simulation: &Simulation<D>) -> CellField<D> {
     let mut field = simulation.state.phi.clone();
     let (grid, lattice) = (simulation.model.grid, simulation.model.grid.lattice());
@@ -72,7 +72,7 @@ fn classify_vertices<const D: usize>(simulation: &Simulation<D>, positions: &[Ve
     });
 }
 
-/// The surface of a solid, and on it the distance to the contact line, Young's angle where it varies, and where it deforms its
+/// The surface of a solid with the distance to the contact line, Young's angle where it varies, and where the solid deforms its
 /// displacement and strain.
 pub fn solid<const D: usize>(
     simulation: &Simulation<D>,
@@ -104,13 +104,13 @@ pub fn solid<const D: usize>(
     mesh
 }
 
-/// A solid that deforms, and its state.
+/// A deformable solid and its state.
 fn soft_state<const D: usize>(simulation: &Simulation<D>, number: usize) -> Option<(&Elastic<D>, &Soft<D>)> {
     let soft = simulation.state.solids[number].soft.as_ref();
     simulation.model.solids[number].elastic().zip(soft)
 }
 
-/// Young's angle, degrees, at points of a solid if it has a pattern of it.
+/// Young's angle, degrees, at points of a solid with a pattern.
 fn young_angles<const D: usize>(simulation: &Simulation<D>, number: usize, points: &[Vector<D>]) -> Vec<f64> {
     let (solid, now) = (&simulation.model.solids[number], &simulation.state.solids[number]);
     if solid.pattern.is_empty() {
@@ -120,8 +120,8 @@ fn young_angles<const D: usize>(simulation: &Simulation<D>, number: usize, point
     points.par_iter().map(|x| cosine(x).clamp(-1.0, 1.0).acos().to_degrees()).collect()
 }
 
-/// The contact line: vertices with angle, speed, force per length and the number of the solid (that after the last one: the
-/// walls of the domain), in 3D with edges.
+/// The contact line: vertices with angle, speed, force per length and the number of the solid (the walls of the domain follow the last
+/// solid); in 3D with edges.
 pub fn contact_line<const D: usize>(simulation: &Simulation<D>, line: &ContactLine<D>) -> PlyMesh {
     let mut mesh = ply(&SurfaceMesh::<D>::default(), simulation.state.time);
     mesh.positions = line.points.iter().map(|p| padded_to_3d(&p.at)).collect();

@@ -1,4 +1,4 @@
-//! `log.jsonl`: what happened, one JSON object per line.
+//! `log.jsonl`: the events of a run, one JSON object per line.
 
 use super::atomic_file::FileError;
 use serde_json::Value;
@@ -6,27 +6,26 @@ use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The log, open for appending: a resumed run goes on where it was. While it is open it is locked, which tells other
-/// processes that the folder is in use.
+/// The log, open for appending, so that a resumed run continues it. While open it is locked, which marks the folder as in use.
 pub struct Log {
     path: PathBuf,
     file: File,
 }
 
 impl Log {
-    /// Opens or makes the file.
+    /// Opens or creates the file.
     ///
     /// # Errors
     /// [`FileError`].
     pub fn open(path: &Path) -> Result<Self, FileError> {
         let file = OpenOptions::new().append(true).create(true).open(path);
         let file = file.map_err(FileError::of("write", path))?;
-        // Some file systems have no locks: then two runs in one folder are not noticed.
+        // Some file systems have no locks; then two runs in one folder are not noticed.
         let _ = file.try_lock();
         Ok(Self { path: path.to_path_buf(), file })
     }
 
-    /// The same file for another thread; none where the system has no more handles.
+    /// The same file for another thread; none if the system has no more handles.
     pub fn try_clone(&self) -> Option<Self> {
         Some(Self { path: self.path.clone(), file: self.file.try_clone().ok()? })
     }
@@ -36,7 +35,7 @@ impl Log {
     /// # Errors
     /// [`FileError`].
     pub fn write(&mut self, line: &Value) -> Result<(), FileError> {
-        // In one piece: another thread may write too.
+        // A single write, because another thread may write too.
         let text = format!("{line}\n");
         self.file.write_all(text.as_bytes()).map_err(FileError::of("write", &self.path))
     }

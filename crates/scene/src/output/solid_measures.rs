@@ -1,8 +1,8 @@
-//! Measures of each solid in every row of the time series: where its tip is, how far it is bent, how much of it is wetted, and
-//! the contact line of the largest drop on it.
+//! Measures of each solid in every row of the time series: position of its tip, deflection, wetted share, and the contact line of the
+//! largest connected component of liquid on it.
 //!
-//! All of it follows from the state and from the contact line that is found anyway, so a resumed run writes the same numbers.
-//! Angles by a fit of the free surface are not among them: they take longer, and `meniscus measure_thin_liquid` has them.
+//! They follow from the state and the contact line alone, so a resumed run writes the same numbers. Angles by a fit of the free surface
+//! take longer; `meniscus measure` computes them.
 
 use super::summary::deflection;
 use crate::job::padded_to_3d;
@@ -11,34 +11,34 @@ use meniscus_sim::{Component, ContactLine, LinePoint, Simulation};
 use rayon::prelude::*;
 use std::fmt::Write as _;
 
-/// Part of a size within which vertices are equally far away: rounding.
+/// Relative tolerance within which vertices are equally far away.
 const EQUAL_DISTANCE_TOLERANCE: f64 = 1e-6;
-/// Most held vertices that distances are measured from.
+/// Most anchored vertices that distances are measured from.
 const MAX_ANCHOR_SAMPLES: usize = 2000;
-/// Distance across over distance along, below which two points stand one above the other to rounding.
+/// Ratio of horizontal to vertical distance below which two points lie one above the other up to rounding.
 const VERTICAL_TOLERANCE: f64 = 1e-9;
 /// Names of the axes.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Which measures the solids with names have.
+/// Which measures the named solids have.
 #[derive(Clone, Debug)]
 pub struct SolidMeasures {
-    /// For each solid the vertices of its mesh that are its tip; none of a rigid one.
+    /// For each solid the vertices of its mesh that form its tip; none for a rigid one.
     tips: Vec<Option<Vec<u32>>>,
 }
 
 impl SolidMeasures {
-    /// Those of the first `solids` solids of a simulation, which are those with names.
+    /// Measures of the first `solids` solids of a simulation, which are the named ones.
     pub fn new<const D: usize>(simulation: &Simulation<D>, solids: usize) -> Self {
         Self { tips: (0..solids).map(|number| tip_vertices(simulation, number)).collect() }
     }
 
-    /// How many solids have names.
+    /// Number of named solids.
     pub fn solids(&self) -> usize {
         self.tips.len()
     }
 
-    /// The columns' names, solid by solid, given the solids' names.
+    /// Names of the columns, solid by solid, from the names of the solids.
     pub fn columns<'a, const D: usize>(&self, names: impl Iterator<Item = &'a str>) -> Vec<String> {
         let of = |(tip, name): (&Option<Vec<u32>>, &str)| {
             let angles = if D == 2 { &["left", "right"][..] } else { &["mean", "least", "largest"] };
@@ -77,8 +77,8 @@ impl SolidMeasures {
     }
 }
 
-/// The vertices of a solid's surface that at rest are farthest from its held parts, or from the middle of its surface's vertices
-/// where nothing is held; none of a rigid solid.
+/// The surface vertices of a solid that at rest are farthest from its anchored parts, or from the centroid of its surface vertices if
+/// none is anchored; none for a rigid solid.
 fn tip_vertices<const D: usize>(simulation: &Simulation<D>, number: usize) -> Option<Vec<u32>> {
     let elastic = simulation.model.solids[number].elastic()?;
     let surface_vertices = simulation.state.solids[number].soft.as_ref()?.surface.volume_vertices();
@@ -98,14 +98,14 @@ fn tip_vertices<const D: usize>(simulation: &Simulation<D>, number: usize) -> Op
     Some(surface_vertices.iter().zip(&distances).filter(is_tip).map(|(v, _)| *v).collect())
 }
 
-/// Where the tip is, m: the mean of its vertices.
+/// Position of the tip, m: the mean of its vertices.
 fn tip_position<const D: usize>(simulation: &Simulation<D>, number: usize, tip: &[u32]) -> Option<[f64; 3]> {
     let positions = &simulation.state.solids[number].soft.as_ref()?.state.positions;
     let sum: Vector<D> = tip.iter().map(|v| positions[*v as usize]).sum();
     Some(padded_to_3d(&(sum / tip.len() as f64)))
 }
 
-/// The points of the line between a solid and the largest drop that has any on it: those in the drop's box, a cell around it.
+/// The points of the contact line on a solid that belong to the largest component with any: those in its box, widened by a cell.
 fn line_points_of_largest_component<'a, const D: usize>(
     simulation: &Simulation<D>,
     line: &'a ContactLine<D>,
@@ -124,8 +124,8 @@ fn line_points_of_largest_component<'a, const D: usize>(
     touching.max_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Vec::new, |(_, points)| points)
 }
 
-/// 2D: the angles at the outermost points, left and right (of two one above the other the lower and the upper); 3D: mean along
-/// the line, least and largest. Degrees; none without a line.
+/// 2D: the angles at the left and right outermost points (the lower and upper ones if one lies above the other). 3D: mean along the line,
+/// least and largest. Degrees; none without a line.
 fn line_angles<const D: usize>(points: &[&LinePoint<D>]) -> Vec<Option<f64>> {
     if D == 2 {
         let before = |a: &&&LinePoint<D>, b: &&&LinePoint<D>| {
@@ -142,7 +142,7 @@ fn line_angles<const D: usize>(points: &[&LinePoint<D>]) -> Vec<Option<f64>> {
     vec![(length > 0.0).then(|| sum / length), all().reduce(f64::min), all().reduce(f64::max)]
 }
 
-/// Mean distance of the points from their middle, m; none of fewer than two.
+/// Mean distance of the points from their centroid, m; none for fewer than two.
 fn base_radius<const D: usize>(points: &[&LinePoint<D>]) -> Option<f64> {
     let length: f64 = points.iter().map(|p| p.length).sum();
     if points.len() < 2 || length <= 0.0 {
@@ -173,7 +173,7 @@ mod tests {
         let [a, b, c] = [point(0.3, 1.0, 50.0), point(0.1, 1.0, 33.0), point(0.2, 2.0, 90.0)];
         assert_eq!(line_angles(&[&a, &b, &c]), [Some(33.0), Some(50.0)]);
         assert!(base_radius(&[&a, &b]).is_some_and(|radius| (radius - 0.1).abs() < 1e-15));
-        // On an upright wall the lower one comes first, whatever rounding does to x.
+        // On an upright wall the lower one comes first, whatever the rounding of x.
         let [low, high] = [point(1.0 + 1e-15, 0.0, 20.0), point(1.0, 1.0, 60.0)];
         assert_eq!(line_angles(&[&high, &low]), [Some(20.0), Some(60.0)]);
         assert_eq!((line_angles::<2>(&[]), base_radius::<2>(&[])), (vec![None, None], None));

@@ -1,4 +1,4 @@
-//! `summary.json`: how a run stands or ended.
+//! `summary.json`: the state of a run or its end.
 
 use super::atomic_file::{self, FileError};
 use crate::estimate::parameters::Parameter;
@@ -11,12 +11,12 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
-/// The `exit_reason` of a run that did all it was asked.
+/// The `exit_reason` of a complete run.
 pub const FINISHED: &str = "finished";
-/// Name of the sum of all iterations that did not converge among the repairs.
+/// Name, among the repairs, of the sum of all iterations that did not converge.
 pub const UNCONVERGED: &str = "unconverged";
 
-/// The content of `summary.json`. SI units.
+/// The content of `summary.json`; SI units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Name of the scene.
@@ -24,12 +24,12 @@ pub struct Summary {
     /// The scene's `description`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
-    /// The parameters of the scene in numbers.
+    /// The parameters of the scene as numbers.
     #[serde(default)]
     pub parameters: Vec<Parameter>,
     /// Version of Meniscus.
     pub version: String,
-    /// Why the run ended: `finished`, `stopped: …`, `failed: …`; `running` while it goes.
+    /// Why the run ended: `finished`, `stopped: …`, `failed: …`; `running` until then.
     pub exit_reason: String,
     /// 2 or 3.
     pub dimension: usize,
@@ -41,70 +41,69 @@ pub struct Summary {
     pub dx: f64,
     /// Lengths of the domain, m.
     pub domain: Vec<f64>,
-    /// Threads at work.
+    /// Number of threads.
     pub threads: usize,
-    /// Steps done.
+    /// Number of steps.
     pub steps: u64,
-    /// Frames written.
+    /// Number of frames.
     pub frames: u64,
     /// Time between frames, s.
     pub frame_interval: f64,
     /// Simulated time, s.
     pub simulated_seconds: f64,
-    /// Seconds of work.
+    /// Wall time, s.
     pub wall_seconds: f64,
-    /// Relative, signed, worst of the run.
+    /// Worst relative volume error of the run, signed.
     pub volume_error: f64,
-    /// Relative, worst of the run: momentum that did not come from gravity, over that of all liquid at the largest root mean
-    /// square speed. Sides of the domain that the liquid touches count too. Null where solids are held or go as told.
+    /// Worst relative momentum error of the run: momentum that does not come from gravity, over that of all liquid at its largest root
+    /// mean square speed. Walls that the liquid touches contribute. Null where solids are anchored or have prescribed motion.
     pub momentum_error: Option<f64>,
     /// Why there is no momentum error.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub momentum_error_reason: Option<String>,
-    /// Largest divergence in a liquid cell of the run, 1/s: times the time step it is the part of a cell's volume by which what
-    /// flows in and out differ. It is of single cells at surfaces and solids; the volume of drops is kept apart from it.
+    /// Largest divergence in a liquid cell of the run, 1/s. Multiplied by the time step it is the relative volume imbalance of a single
+    /// cell at a surface or solid; the volume of drops is conserved separately.
     pub max_divergence: f64,
     /// Largest speed of the run, m/s.
     pub max_speed: f64,
-    /// Smallest volume (2D: area) that an element of a solid that deforms had, over that at rest: not above zero where one was
-    /// turned inside out. Null without such solids.
+    /// Smallest volume (2D: area) of an element of a deformable solid, over its rest volume; not positive if one was inverted. Null
+    /// without such solids.
     #[serde(default)]
     pub least_element: Option<f64>,
-    /// Deepest that a solid that deforms overlapped a side, another solid or itself in any frame, m. Null without such solids.
+    /// Deepest overlap of a deformable solid with a side, another solid or itself in any frame, m. Null without such solids.
     #[serde(default)]
     pub deepest_overlap: Option<f64>,
     /// Liquid thinner than two cells, which the grid does not resolve.
     #[serde(default)]
     pub thin_liquid: ThinLiquidStatistics,
-    /// Volume of drops that became too small to see, m³ (2D: m²).
+    /// Volume of drops that became too small to resolve, m³ (2D: m²).
     pub lost_volume: f64,
     /// Volume that left through open sides, m³ (2D: m²).
     #[serde(default)]
     pub outflow_volume: f64,
-    /// Steps done again with half the length.
+    /// Steps repeated with half the length.
     pub redone: u64,
-    /// The repairs of the run, by name: counts, and sums in SI units ([`meniscus_sim::Repairs`]); `unconverged` counts all iterations that
+    /// The repairs of the run by name: counts, and sums in SI units ([`meniscus_sim::Repairs`]); `unconverged` counts all iterations that
     /// ended before they converged.
     #[serde(default)]
     pub repairs: BTreeMap<String, f64>,
-    /// Volume of the liquid at the start, m³ (2D: m²): bars of repaired volumes are relative to it.
+    /// Volume of the liquid at the start, m³ (2D: m²); it scales repaired volumes.
     #[serde(default)]
     pub start_volume: f64,
-    /// Momentum of all the liquid at the largest root mean square speed of the run, kg m/s (2D: kg/s): bars of repaired momenta
-    /// are relative to it.
+    /// Momentum of all the liquid at its largest root mean square speed of the run, kg m/s (2D: kg/s); it scales repaired momenta.
     #[serde(default)]
     pub momentum_scale: f64,
     /// Seconds per phase of a step.
     pub phases: BTreeMap<String, f64>,
     /// Iterations per solver.
     pub solves: BTreeMap<String, SolveStatistics>,
-    /// Largest memory in use, bytes (0 where the system does not tell).
+    /// Peak memory, bytes (0 where the system does not report it).
     pub peak_memory_bytes: u64,
     /// The connected components of the liquid.
     pub drops: Vec<ComponentSummary>,
     /// The solids.
     pub solids: Vec<SolidSummary>,
-    /// Mean contact angle on the closed sides, degrees; null where no line is on them, and where they are mirrors.
+    /// Mean contact angle on the closed sides, degrees; null without a line on them, and on mirrors.
     #[serde(default)]
     pub wall_contact_angle: Option<f64>,
     /// The `[expect]` section of the scene, evaluated; empty before the end.
@@ -112,25 +111,25 @@ pub struct Summary {
     pub expect: Vec<Verdict>,
 }
 
-/// An expectation of a scene and what came of it.
+/// An expectation of a scene and its result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
-    /// What is expected of what.
+    /// The quantity.
     pub quantity: String,
-    /// The bar, as text.
+    /// The bound, as text.
     pub bar: String,
-    /// What came out; none if it could not be measured.
+    /// The measured value; none if it could not be measured.
     pub value: Option<f64>,
     /// Unit of the value, empty if it has none.
     pub unit: String,
-    /// Whether the bar is met.
+    /// Whether the bound is met.
     pub pass: bool,
 }
 
-/// How often a solver was asked and what it took.
+/// Number of solves of a solver and their iterations.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolveStatistics {
-    /// Solves.
+    /// Number of solves.
     pub count: u64,
     /// Mean number of iterations.
     pub mean: f64,
@@ -143,15 +142,15 @@ pub struct SolveStatistics {
 pub struct ComponentSummary {
     /// Volume, m³ (2D: m²).
     pub volume: f64,
-    /// Volume it must keep, m³ (2D: m²).
+    /// Volume that it must conserve, m³ (2D: m²).
     pub target_volume: f64,
     /// Centre of mass, m.
     pub centroid: Vec<f64>,
     /// Mean velocity, m/s.
     pub velocity: Vec<f64>,
-    /// Lower corner of its box, m.
+    /// Lower corner of its bounding box, m.
     pub lower: Vec<f64>,
-    /// Upper corner of its box, m.
+    /// Upper corner of its bounding box, m.
     pub upper: Vec<f64>,
 }
 
@@ -164,28 +163,27 @@ pub struct SolidSummary {
     pub centroid: Vec<f64>,
     /// Its velocity, m/s.
     pub velocity: Vec<f64>,
-    /// Lower corner of its box, m; null where it has no bounds.
+    /// Lower corner of its bounding box, m; null where it is unbounded.
     pub lower: Vec<Option<f64>>,
-    /// Upper corner of its box, m; null where it has no bounds.
+    /// Upper corner of its bounding box, m; null where it is unbounded.
     pub upper: Vec<Option<f64>>,
     /// Force of the liquid, N (2D: N/m).
     pub net_force: Vec<f64>,
-    /// The part of it that pressure has.
+    /// The pressure part of it.
     pub pressure_force: Vec<f64>,
-    /// The part of it that the surface has, along the contact line.
+    /// The part of surface tension, along the contact line.
     pub line_force: Vec<f64>,
-    /// Mean contact angle, degrees; null where no line is on it.
+    /// Mean contact angle, degrees; null without a contact line on it.
     #[serde(default)]
     pub contact_angle: Option<f64>,
-    /// Force of the solids and sides that it rests on, N (2D: N/m).
+    /// Contact force of the solids and sides on it, N (2D: N/m).
     #[serde(default)]
     pub contact_force: Vec<f64>,
-    /// Share of its surface that is wetted.
+    /// Wetted share of its surface.
     #[serde(default)]
     pub wetted: f64,
-    /// The largest way of a part of it from where it started, m; of one that moves freely less the rigid motion nearest to all,
-    /// of one whose held parts go as told less theirs.
-    /// Null where it does not deform.
+    /// Largest displacement from the rest shape, m, without rigid motion: that of the anchored parts where they move, or the best fit to
+    /// the whole solid if none is anchored. Null for a rigid solid.
     #[serde(default)]
     pub deflection: Option<f64>,
 }
@@ -219,7 +217,7 @@ impl SolidSummary {
     }
 }
 
-/// How far a solid that deforms is bent, m.
+/// Deflection of a deformable solid, m.
 pub fn deflection<const D: usize>(solid: &Solid<D>, now: &SolidState<D>) -> Option<f64> {
     let (elastic, soft) = (solid.elastic()?, now.soft.as_ref()?);
     let points =
@@ -230,8 +228,8 @@ pub fn deflection<const D: usize>(solid: &Solid<D>, now: &SolidState<D>) -> Opti
     Some(start.iter().zip(&end).map(|(a, b)| (bent(b) - a).norm()).fold(0.0, f64::max))
 }
 
-/// The rigid motion that a solid takes part in: nearest to that of its held parts, or to that of all of it where none is held;
-/// none where they stay.
+/// The rigid motion of a solid: the best fit to that of its anchored parts, or of the whole solid if none is anchored; none if the
+/// anchored parts are at rest.
 fn rigid_motion_of_anchors(held: &[bool], start: &[Vector<3>], end: &[Vector<3>]) -> Option<RigidTransform> {
     if !held.contains(&true) {
         return Some(RigidTransform::fit(start, end));
@@ -244,7 +242,7 @@ fn rigid_motion_of_anchors(held: &[bool], start: &[Vector<3>], end: &[Vector<3>]
 }
 
 impl Summary {
-    /// The summary of a simulation as it stands.
+    /// The summary of a simulation in its present state.
     pub fn of<const D: usize>(
         job: &Job,
         simulation: &Simulation<D>,
@@ -301,8 +299,8 @@ impl Summary {
         }
     }
 
-    /// The repairs, by name, as bars have them: volumes relative to the start volume, momenta to the momentum scale, angular
-    /// momenta to that times the size of a cube of the start volume, lengths in cells.
+    /// The repairs by name, scaled as their bounds are: volumes by the start volume, momenta by the momentum scale, angular momenta by
+    /// that times the size of a cube of the start volume, lengths by the cell size.
     pub fn relative_repairs(&self) -> impl Iterator<Item = (&str, f64)> {
         let size = self.start_volume.powf(1.0 / self.dimension as f64);
         let scale = move |name: &str| match Repairs::ENTRIES.iter().find(|(known, _)| *known == name) {
@@ -353,7 +351,7 @@ impl ComponentSummary {
     }
 }
 
-/// Largest memory that this process has had in use, bytes. Known on Linux only.
+/// Peak memory of this process, bytes. Known on Linux only.
 pub fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
@@ -364,7 +362,7 @@ pub fn peak_memory() -> Option<u64> {
 pub(crate) mod tests {
     use super::*;
 
-    /// The summary of a run that has done nothing.
+    /// The summary of a run without any step.
     pub(crate) fn empty() -> Summary {
         let text = "{\"scene\":\"\",\"version\":\"\",\"exit_reason\":\"running\",\"dimension\":2,\"resolution\":1,\
                     \"cells\":[],\"dx\":1,\"domain\":[],\"threads\":1,\"steps\":0,\"frames\":0,\"frame_interval\":1,\
@@ -379,7 +377,7 @@ pub(crate) mod tests {
         let start = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 3.0]];
         let start = start.map(Vector::<3>::from);
         let held = [true, true, true, true, false];
-        // All go up by two, and the end that is not held goes aside by half besides.
+        // All points move up by two; the free end also moves sideways by half.
         let mut end = start.map(|x| x + Vector::<3>::new(0.0, 0.0, 2.0));
         end[4][0] += 0.5;
         let undone = rigid_motion_of_anchors(&held, &start, &end)

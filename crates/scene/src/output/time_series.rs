@@ -10,7 +10,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// The columns: first those of the contract, then ours.
+/// The columns: first those of the format's contract, then those of Meniscus.
 pub const COLUMNS: &[&str] = &[
     "step",
     "time",
@@ -62,13 +62,12 @@ pub const COLUMNS: &[&str] = &[
     "newton_iterations",
 ];
 
-/// The columns of the liquid's force on a solid, N (2D: N/m).
+/// Columns of the liquid's force on a solid, N (2D: N/m).
 fn force_columns(solid: &str) -> impl Iterator<Item = String> {
     ["x", "y", "z"].into_iter().map(move |axis| format!("force_{solid}_{axis}"))
 }
 
-/// A row: the state after a step, what the step did, and the measures of the solids that have names. Numbers are written
-/// so that they read back to the same bits.
+/// A row: the state after a step, the step's report, and the measures of the named solids. Numbers round-trip bit for bit.
 pub fn row<const D: usize>(
     simulation: &Simulation<D>,
     report: &StepReport<D>,
@@ -114,7 +113,7 @@ pub fn row<const D: usize>(
     row
 }
 
-/// The columns of the contact line; empty where there is none.
+/// Columns of the contact line; empty without one.
 fn put_line<const D: usize>(row: &mut String, line: &ContactLine<D>) {
     row.push(',');
     if !line.points.is_empty() {
@@ -147,7 +146,7 @@ pub struct TimeSeriesWriter {
 }
 
 impl TimeSeriesWriter {
-    /// A new file with its header row: [`COLUMNS`], the force on each solid of these names, and the columns of their measures.
+    /// Creates the file with its header row: [`COLUMNS`], the force on each solid of these names, and the columns of their measures.
     ///
     /// # Errors
     /// [`FileError`].
@@ -164,7 +163,7 @@ impl TimeSeriesWriter {
         Ok(series)
     }
 
-    /// The file of an earlier run, cut to the length that it had at a checkpoint; `None` if it is shorter.
+    /// Opens the file of an earlier run and cuts it to its length at a checkpoint; `None` if it is shorter.
     ///
     /// # Errors
     /// [`FileError`].
@@ -188,7 +187,7 @@ impl TimeSeriesWriter {
         Ok(())
     }
 
-    /// Puts all rows on the disk; the length of the file.
+    /// Syncs all rows to the disk. Returns the length of the file, bytes.
     ///
     /// # Errors
     /// [`FileError`].
@@ -214,7 +213,7 @@ impl TimeSeries {
         Ok(Self::parse(&std::fs::read_to_string(path).map_err(FileError::of("read", path))?))
     }
 
-    /// Takes the text of a file apart. Rows that are cut off are left out.
+    /// Parses the text of a file. Truncated rows are left out.
     pub fn parse(text: &str) -> Self {
         let mut lines = text.lines();
         let names: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();

@@ -1,8 +1,8 @@
-//! Checkpoints: all that a run needs to go on with the same bits.
+//! Checkpoints: all that a run needs to continue bit for bit.
 //!
-//! One file is: magic, format version, length of the header, header (`postcard`), the fields of the state as
-//! little-endian `f64` in LZ4 blocks, checksum of all before it. Files are written beside and renamed; the last two
-//! are kept, so that a damaged one costs some steps and not the run.
+//! A file consists of: magic, format version, length of the header, header (`postcard`), the fields of the state as little-endian `f64`
+//! in LZ4 blocks, and a checksum of everything before it. Files are written atomically. The last two are kept, so that a damaged one
+//! costs some steps and not the run.
 
 use crate::job::RunStatistics;
 use crate::output::atomic_file::{self, FileError};
@@ -20,16 +20,16 @@ const MAGIC: &[u8; 8] = b"MENISCKP";
 const VERSION: u32 = 14;
 /// Values per compressed block (4 MiB).
 const VALUES_PER_BLOCK: usize = 1 << 19;
-/// Checkpoints that are kept.
+/// Number of checkpoints that are kept.
 const CHECKPOINTS_KEPT: usize = 2;
 
 /// Why a checkpoint cannot be used.
 #[derive(Debug, Error)]
 pub enum CheckpointError {
-    /// It could not be read.
+    /// The file could not be read.
     #[error(transparent)]
     File(#[from] FileError),
-    /// It is not whole.
+    /// The file is damaged.
     #[error("the checkpoint `{}` is damaged: {what}", path.display())]
     Damaged {
         /// The file.
@@ -37,7 +37,7 @@ pub enum CheckpointError {
         /// What is wrong with it.
         what: String,
     },
-    /// It belongs to something else.
+    /// The checkpoint belongs to another scene, grid or the like.
     #[error("the checkpoint `{}` is of another {what}", path.display())]
     Foreign {
         /// The file.
@@ -53,18 +53,18 @@ struct Header {
     cells: Vec<u64>,
     dx: f64,
     step: u64,
-    /// Time, last step, lead, kick, clear, drift, lost volume, kinetic energy, surface area.
+    /// The scalar fields of the state, in the order in which `write` lists them.
     scalars: [f64; 12],
     components: Vec<ComponentRecord>,
-    /// Centre, rotation by columns, velocity, spin, forces, what holds it, of each solid; of one that deforms
-    /// also its time, all positions, and all velocities.
+    /// Per solid: centre, rotation by columns, velocity, angular velocity, forces, contact acceleration; for a deformable solid also its
+    /// time, all positions, and all velocities.
     solids: Vec<Vec<f64>>,
-    /// Of each touch its points and the other.
+    /// Per elastic slip the two points and the other solid.
     contacts: Vec<[u32; 3]>,
-    /// Way, rate and hold of the slip of each touch.
+    /// Per elastic slip its record of numbers.
     slips: Vec<f64>,
     tally: RunStatistics,
-    /// Bytes of each compressed block, per array: phi, lambda, then the velocity along each axis.
+    /// Bytes of each compressed block, per array: φ, pressure impulse, then the velocity along each axis.
     blocks: Vec<Vec<u64>>,
 }
 
@@ -189,14 +189,14 @@ impl ComponentRecord {
 /// Writes the checkpoint of a state into a folder, then removes those that are too old.
 ///
 /// # Errors
-/// [`FileError`]; earlier checkpoints are untouched then.
+/// [`FileError`]; earlier checkpoints are then untouched.
 pub fn write<const D: usize>(
     folder: &Path,
     scene: u64,
     state: &State<D>,
     tally: &RunStatistics,
 ) -> Result<PathBuf, FileError> {
-    // Every field is named: one that is new must go into the file, or a resumed run is another run.
+    // Every field is named: a new field must be written to the file, or a resumed run differs.
     let State {
         time,
         step,
@@ -286,7 +286,7 @@ fn remove_old(folder: &Path) {
     }
 }
 
-/// Removes the checkpoints that are newer than one: damaged, they would only be in the way of good ones.
+/// Removes the checkpoints newer than the given one, which are damaged.
 pub fn remove_newer(path: &Path) {
     let Some(folder) = path.parent() else { return };
     for newer in list(folder).iter().take_while(|file| *file != path) {
@@ -307,7 +307,7 @@ pub fn list(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// Reads a checkpoint of the given scene on the given grid.
+/// Reads a checkpoint of the given scene and grid.
 ///
 /// # Errors
 /// [`CheckpointError`].
@@ -340,7 +340,7 @@ enum Fault {
     Damage(&'static str),
 }
 
-/// Checks magic, version and checksum; the header and what follows it.
+/// Checks magic, version and checksum. Returns the header and the bytes after it.
 fn verify(bytes: &[u8]) -> Result<(&[u8], &[u8]), Fault> {
     let cut = Fault::Damage("it is cut off");
     let Some((start, rest)) = bytes.split_at_checked(20) else { return Err(cut) };
@@ -411,7 +411,7 @@ fn decompress<'a>(array: &mut [f64], blocks: &[u64], body: &'a [u8]) -> Option<&
     Some(rest)
 }
 
-/// A 64-bit sum that sees any single damaged bit: FNV-1a over 8-byte words. Independent of how the bytes are cut.
+/// A 64-bit checksum that detects any single damaged bit: FNV-1a over 8-byte words. Independent of how the bytes are chunked.
 #[derive(Default)]
 pub(crate) struct Checksum {
     hash: u64,

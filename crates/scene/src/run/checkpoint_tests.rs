@@ -1,4 +1,4 @@
-//! Checkpoints hold a whole state, and refuse what is none.
+//! Tests: checkpoints hold a whole state, and damaged or foreign ones are refused.
 
 use super::*;
 use meniscus_sim::Repairs;

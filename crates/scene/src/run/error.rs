@@ -1,4 +1,4 @@
-//! Why a run could not go on.
+//! Errors of a run.
 
 use super::checkpoint::CheckpointError;
 use crate::output::{FileError, FolderError};
@@ -7,7 +7,7 @@ use meniscus_sim::StepError;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// Why a run could not begin or go on.
+/// Why a run could not begin or continue.
 #[derive(Debug, Error)]
 pub enum RunError {
     /// The output folder cannot be used.
@@ -19,7 +19,7 @@ pub enum RunError {
     /// The folder holds a run of another scene.
     #[error("the run in `{}` is of another scene", .0.display())]
     OtherScene(PathBuf),
-    /// Output failed during the run.
+    /// The output failed during the run.
     #[error("{error}")]
     Output {
         /// What failed.
@@ -27,7 +27,7 @@ pub enum RunError {
         /// Last good checkpoint.
         checkpoint: Option<PathBuf>,
     },
-    /// The solver could not go on.
+    /// The solver failed.
     #[error("the solver could not go on: {error}")]
     Step {
         /// What failed.
@@ -35,7 +35,7 @@ pub enum RunError {
         /// Last good checkpoint.
         checkpoint: Option<PathBuf>,
     },
-    /// The matrix of the solids has no factors.
+    /// The matrix of the solids could not be factorised.
     #[error(
         "the solver could not go on: at time {time:.6e} s the matrix of the solids is not positive definite for a step of \
          {step:.3e} s: a solid is too stiff for rounding, elements are crushed, or solids leave each other no room{narrowest}"
@@ -45,17 +45,17 @@ pub enum RunError {
         time: f64,
         /// Length of the step, s.
         step: f64,
-        /// The narrowest gap between solids, in words; empty where none is narrow.
+        /// Description of the narrowest gap between solids; empty if none is narrow.
         narrowest: String,
         /// Last good checkpoint.
         checkpoint: Option<PathBuf>,
     },
-    /// A number that is not finite appeared.
+    /// A number was not finite.
     #[error("the solver could not go on: the {what} is not finite at time {time:.6e} s")]
     NotFinite {
-        /// Which.
+        /// Name of the quantity.
         what: &'static str,
-        /// When, s.
+        /// Time, s.
         time: f64,
         /// Last good checkpoint.
         checkpoint: Option<PathBuf>,
@@ -63,7 +63,7 @@ pub enum RunError {
 }
 
 impl RunError {
-    /// The message of a failed step for the user, with the narrowest gap between solids in words.
+    /// The error of a failed step, with a description of the narrowest gap between solids.
     pub(super) fn of_step(error: StepError, narrowest: impl Fn() -> String) -> Self {
         let checkpoint = None;
         match &error {
@@ -93,7 +93,7 @@ impl RunError {
         }
     }
 
-    /// What a user can do about it.
+    /// Advice for the user.
     pub fn advice(&self) -> String {
         match self {
             Self::Folder(FolderError::Taken(_)) => {

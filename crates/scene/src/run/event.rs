@@ -1,13 +1,13 @@
-//! What a run tells while it goes.
+//! Events of a run.
 
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Something that happened in a run. As JSON: one object with the key `event`.
+/// An event of a run. As JSON: one object with the key `event`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 pub enum Event {
-    /// The run begins, or goes on.
+    /// The run begins or continues.
     Begin {
         /// Name of the scene.
         scene: String,
@@ -17,11 +17,11 @@ pub enum Event {
         cells: Vec<usize>,
         /// Number of the last frame.
         last_frame: u64,
-        /// Where the output goes.
+        /// Output folder.
         folder: PathBuf,
-        /// The time from which an earlier run is continued, s.
+        /// The time from which an earlier run continues, s.
         resumed_at: Option<f64>,
-        /// Threads at work.
+        /// Number of threads.
         threads: usize,
         /// Version of Meniscus.
         version: &'static str,
@@ -46,38 +46,38 @@ pub enum Event {
         /// The file.
         path: PathBuf,
     },
-    /// A step is taking long. Told from another thread, while it goes on.
+    /// A step takes long. Sent from another thread while the step goes on.
     LongStep {
-        /// Its number.
+        /// Number of the step.
         step: u64,
-        /// How long it has taken so far, s.
+        /// Its duration so far, s.
         seconds: f64,
-        /// Median of the steps before it, s; none where they are too few.
+        /// Median duration of the steps before it, s; none if they are too few.
         median: Option<f64>,
-        /// Length of the step before it, s.
+        /// Time step before it, s.
         dt_before: f64,
-        /// The phase that it is in, as far as the step before tells.
+        /// The phase at work, inferred from the step before.
         phase: String,
     },
-    /// Something that the user should know.
+    /// A warning for the user.
     Warning {
-        /// What.
+        /// Its text.
         message: String,
     },
-    /// The run is over, for whatever reason.
+    /// The run has ended.
     End {
-        /// Why: the `exit_reason` of the summary.
+        /// The `exit_reason` of the summary.
         reason: String,
         /// Steps done.
         steps: u64,
-        /// Its time, s.
+        /// Simulated time, s.
         time: f64,
-        /// Seconds of work in all.
+        /// Wall time in all, s.
         wall_seconds: f64,
     },
 }
 
-/// Where a run is.
+/// Progress of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Progress {
     /// Steps done.
@@ -88,28 +88,28 @@ pub struct Progress {
     pub end: f64,
     /// Length of the step, s.
     pub dt: f64,
-    /// Cells that the fastest liquid moved.
+    /// Largest displacement of the liquid in the step, cells.
     pub cfl: f64,
     /// Pressure iterations.
     pub iterations: usize,
-    /// Relative volume error now.
+    /// Present relative volume error.
     pub volume_error: f64,
-    /// Frame that comes next.
+    /// Number of the next frame.
     pub frame: u64,
     /// Number of the last frame.
     pub last_frame: u64,
-    /// Components of the liquid.
+    /// Connected components of the liquid.
     pub drops: usize,
-    /// Seconds of work so far.
+    /// Wall time so far, s.
     pub wall_seconds: f64,
 }
 
-/// Told of everything that happens in a run.
+/// Receiver of the events of a run.
 pub trait Observer {
-    /// Called at once, between steps.
+    /// Receives an event. Called immediately, between steps.
     fn notify(&mut self, event: &Event);
 
-    /// The observer of events that another thread sends while a step goes on; none if there is none.
+    /// A receiver for events sent from another thread during a step, if any.
     fn remote(&self) -> Option<Box<dyn RemoteObserver>> {
         None
     }
@@ -122,10 +122,10 @@ impl Observer for SilentObserver {
     fn notify(&mut self, _: &Event) {}
 }
 
-/// What an observer does from another thread while a step goes on.
+/// Receiver of events from another thread during a step.
 pub trait RemoteObserver: Send {
-    /// Told of an event.
+    /// Receives an event.
     fn notify(&self, event: &Event);
-    /// The run is given up within a step; what is on the disk is that of the last checkpoint. Ends the process.
+    /// Gives the run up within a step and ends the process; the disk holds the state of the last checkpoint.
     fn abandon(&self, reason: &str);
 }

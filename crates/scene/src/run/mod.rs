@@ -1,4 +1,4 @@
-//! The run of a scene: steps, frames, checkpoints, until it is done, is asked to stop, or fails.
+//! The run of a scene: steps, frames and checkpoints until it is complete, stopped, or fails.
 
 pub mod checkpoint;
 mod error;
@@ -19,10 +19,10 @@ pub use outcome::Outcome;
 use crate::output::summary::{FINISHED, Summary};
 use crate::output::{FileError, Folder};
 
-/// Runs a simulation into a folder. `stop` is asked between steps, and from another thread within them.
+/// Runs a simulation into a folder. `stop` is polled between steps, and from another thread within them.
 ///
 /// # Errors
-/// [`RunError`]; what was written is whole, and the last good checkpoint is kept.
+/// [`RunError`]; files already written are complete, and the last good checkpoint is kept.
 pub fn run<const D: usize>(
     setup: &Setup<D>,
     job: &Job,
@@ -46,7 +46,7 @@ pub fn run<const D: usize>(
     session.run(stop, observer)
 }
 
-/// The summary of an earlier run that has done all that is asked now.
+/// The summary of an earlier run, if it has done all that this job asks.
 fn finished(job: &Job, folder: &Folder) -> Result<Option<Summary>, RunError> {
     let Ok(summary) = Summary::read(&folder.summary()) else { return Ok(None) };
     if summary.exit_reason != FINISHED

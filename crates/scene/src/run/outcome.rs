@@ -1,15 +1,15 @@
-//! How a run ended.
+//! Outcome of a run.
 
 use crate::job::Stop;
 use crate::output::summary::Summary;
 
-/// How a run ended.
+/// Outcome of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
-    /// It did all it was asked.
+    /// The run is complete.
     Finished(Summary),
-    /// There was nothing left to do.
+    /// The run was already complete.
     AlreadyFinished(Summary),
-    /// It stopped on request after a checkpoint.
+    /// The run stopped on request after a checkpoint.
     Stopped(Stop, Summary),
 }

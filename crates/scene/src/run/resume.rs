@@ -1,4 +1,4 @@
-//! Going on from a checkpoint.
+//! Resuming from a checkpoint.
 
 use super::RunError;
 use super::checkpoint::{self, CheckpointError};
@@ -11,7 +11,7 @@ use crate::output::time_series::TimeSeriesWriter;
 use crate::output::{FileError, Folder};
 use meniscus_sim::Simulation;
 
-/// A session that goes on from the newest checkpoint that is whole. If there is no checkpoint at all the run begins.
+/// A session that continues from the newest undamaged checkpoint. Without any checkpoint the run begins.
 pub(super) fn resume<'a, const D: usize>(
     setup: &Setup<D>,
     job: &'a Job,
@@ -23,7 +23,7 @@ pub(super) fn resume<'a, const D: usize>(
     for path in checkpoint::list(&folder.checkpoints()) {
         match checkpoint::read(&path, job.identity, setup.model.grid) {
             Ok((state, mut tally)) => {
-                // A frame at the end of a shorter run may lie before its time in this longer one.
+                // The last frame of a shorter run may lie before its time in this longer one.
                 while tally.next_frame > 0
                     && !job.schedule.has_reached_frame(state.time, tally.next_frame - 1)
                 {
@@ -60,7 +60,7 @@ pub(super) fn resume<'a, const D: usize>(
     }
 }
 
-/// Refuses a folder whose scene is another one.
+/// Refuses a folder that holds another scene.
 pub(super) fn check_identity(job: &Job, folder: &Folder) -> Result<(), RunError> {
     let path = folder.scene();
     if !path.exists() {

@@ -2,7 +2,7 @@
 
 use crate::job::Job;
 
-/// What the line with the identity begins with.
+/// Start of the line with the identity.
 const IDENTITY: &str = "# identity ";
 
 /// The scene file of the output: a comment with the identity, then the scene.
@@ -15,7 +15,7 @@ pub fn scene_text(job: &Job) -> String {
     )
 }
 
-/// The identity that such a text names.
+/// The identity in such a text.
 pub fn identity_line(text: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix(IDENTITY))?;
     u64::from_str_radix(line.trim(), 16).ok()

@@ -1,4 +1,4 @@
-//! One process at work on a run.
+//! The session: the loop of one process over the steps of a run.
 
 use super::checkpoint;
 use super::error::RunError;
@@ -19,21 +19,21 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Checkpoints of very short runs are at least this far apart: writing them must not take the time.
+/// Shortest time between checkpoints, so that writing them does not dominate short runs.
 const MIN_CHECKPOINT_INTERVAL: Duration = Duration::from_millis(100);
-/// Checkpoints of very long runs are at most this far apart, whatever the number of frames: no more can be lost.
+/// Longest time between checkpoints; it bounds the work that can be lost.
 const MAX_CHECKPOINT_INTERVAL: Duration = Duration::from_secs(60);
 
-/// Edges of the mesh of walls that wet along a cell: as many as solids have of which nothing is told.
+/// Edges per cell of the mesh of wetted walls; the default of solids.
 const WALL_MESH_EDGES_PER_CELL: f64 = 1.5;
 
-/// A run that is going on in this process.
+/// A run in this process.
 pub(super) struct Session<'a, const D: usize> {
     job: &'a Job,
     folder: &'a Folder,
     simulation: Simulation<D>,
     tracker: LineTracker<D>,
-    /// The contact line of the simulation as it stands.
+    /// The contact line of the present state.
     contact_line: ContactLine<D>,
     statistics: RunStatistics,
     measures: SolidMeasures,
@@ -43,20 +43,20 @@ pub(super) struct Session<'a, const D: usize> {
     checkpoint: Option<PathBuf>,
     checkpoint_frame: u64,
     checkpoint_time: Instant,
-    /// When this process began, less the seconds worked before it.
+    /// Start of this process less the seconds worked before it.
     clock: Instant,
     seconds_before: f64,
     watchdog: Arc<Watchdog>,
 }
 
-/// Why the loop was left without error.
+/// Why the loop ended without error.
 enum LoopExit {
     AtEnd,
     StopRequested(Stop),
 }
 
 impl<'a, const D: usize> Session<'a, D> {
-    /// A new run in a folder that is ready.
+    /// A new run in a prepared folder.
     pub(super) fn start(
         simulation: Simulation<D>,
         job: &'a Job,
@@ -70,7 +70,7 @@ impl<'a, const D: usize> Session<'a, D> {
         Self::open(simulation, tally, series, job, folder, None)
     }
 
-    /// A run that goes on from a checkpoint.
+    /// A run that continues from a checkpoint.
     pub(super) fn resume(
         simulation: Simulation<D>,
         tally: RunStatistics,
@@ -115,7 +115,7 @@ impl<'a, const D: usize> Session<'a, D> {
         })
     }
 
-    /// Works until the end, a request to stop, or a failure, watched by another thread if the observer has a remote.
+    /// Runs until the end, a request to stop, or a failure. Another thread watches it if the observer has a remote.
     pub(super) fn run(
         self,
         stop: &(dyn Fn() -> Option<Stop> + Sync),
@@ -215,7 +215,7 @@ impl<'a, const D: usize> Session<'a, D> {
             || frames >= self.job.checkpoint_every && pause >= MIN_CHECKPOINT_INTERVAL
     }
 
-    /// The narrowest gap between solids, in words; empty where none is narrow.
+    /// Description of the narrowest gap between solids; empty if none is narrow.
     fn narrowest_gap(&self) -> String {
         let Simulation { model, state, .. } = &self.simulation;
         let Some((solid, other, gap)) = meniscus_sim::narrowest_current_gap(model, &state.solids) else {
@@ -295,7 +295,7 @@ impl<'a, const D: usize> Session<'a, D> {
             let mesh = frame::solid(&self.simulation, i, &surface, &self.contact_line);
             frame::write(&self.folder.solid(name, number), &mesh)?;
         }
-        // No file where there is no line: readers of meshes refuse one without vertices.
+        // No file without a line: mesh readers refuse one without vertices.
         if !self.contact_line.points.is_empty() {
             let mesh = frame::contact_line(&self.simulation, &self.contact_line);
             frame::write(&self.folder.contact_line(number), &mesh)?;
@@ -304,7 +304,7 @@ impl<'a, const D: usize> Session<'a, D> {
         self.emit(Event::Frame { frame: number, time: self.simulation.state.time, path }, observer)
     }
 
-    /// Tells once in a run of liquid that the grid does not resolve.
+    /// Warns once per run of liquid that the grid does not resolve.
     fn check_thin_liquid(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         let (start, time) = (Instant::now(), self.simulation.state.time);
         let thin = thin_liquid::of_simulation(&self.simulation);
@@ -337,8 +337,7 @@ impl<'a, const D: usize> Session<'a, D> {
         self.emit(Event::Checkpoint { step, time, path }, observer)
     }
 
-    /// Writes what is left to write. After a failure as much of it as still can be: the state is the last good one
-    /// unless it is not finite.
+    /// Writes the remaining output, after a failure as far as possible. The state is the last good one unless it is not finite.
     fn close(&mut self, reason: &str, good: bool, observer: &mut dyn Observer) -> Result<Summary, RunError> {
         let is_savable = good || reason.starts_with("failed: the solver") && self.state_is_finite();
         let saved = if is_savable { self.write_checkpoint(observer) } else { Ok(()) };
@@ -395,7 +394,7 @@ impl<'a, const D: usize> Session<'a, D> {
         RunError::NotFinite { what, time: self.simulation.state.time, checkpoint: None }
     }
 
-    /// An error that names the last good checkpoint.
+    /// Adds the last good checkpoint to an error.
     fn with_checkpoint(&self, error: RunError) -> RunError {
         let checkpoint = self.checkpoint.clone();
         match error {

@@ -1,5 +1,5 @@
-//! Watches a step from another thread: a step that takes long says what it does, and a request to stop that comes within a
-//! step leaves its reason in `summary.json`, whatever becomes of the step.
+//! Watches a step from another thread. A long step is reported with its phase, and a request to stop within a step is recorded in
+//! `summary.json` even if the step never ends.
 
 use super::event::Event;
 use crate::job::Stop;
@@ -13,13 +13,13 @@ use std::time::{Duration, Instant};
 /// When a step is long, and how long a request to stop waits for its end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// Shortest step that is long.
+    /// Shortest duration of a long step.
     pub min_long_step: Duration,
-    /// Shortest step that is long while fewer than [`MIN_STEPS_FOR_MEDIAN`] steps have told how long a step is.
+    /// The same while fewer than [`MIN_STEPS_FOR_MEDIAN`] durations are known.
     pub min_long_first_step: Duration,
-    /// Time from a request to stop to the end of the process within a step that is over twice as long as the median.
+    /// Time from a request to stop to the end of the process within a step that takes over twice the median.
     pub grace: Duration,
-    /// Time between two looks.
+    /// Time between two polls.
     pub poll_interval: Duration,
 }
 
@@ -34,24 +34,24 @@ impl Default for Limits {
     }
 }
 
-/// A step of more than so many times the median is long.
+/// A step is long if it takes more than this multiple of the median.
 const LONG_STEP_FACTOR: u32 = 50;
-/// Steps from which on the median is known.
+/// Fewest steps for a median.
 const MIN_STEPS_FOR_MEDIAN: usize = 5;
-/// Steps that the median is taken of.
+/// Number of steps in the median.
 const MEDIAN_WINDOW_STEPS: usize = 1001;
 
-/// Where the step stands.
+/// Progress of the present step.
 #[derive(Default)]
 struct StepProgress {
-    /// Number of the step, and when it began; none between steps.
+    /// Number of the step and its start; none between steps.
     step: Option<(u64, Instant)>,
-    /// Length of the step before, s.
+    /// Length of the previous step, s.
     dt: f64,
-    /// Phases that have ended in this step, and those of the step before: the one after the last is at work.
+    /// Phases that have ended in this step, and those of the previous step, which tell the one at work.
     phases: Vec<&'static str>,
     previous_phases: Vec<&'static str>,
-    /// How long the last steps took.
+    /// Durations of the last steps.
     durations: Vec<Duration>,
     done: bool,
 }
@@ -63,7 +63,7 @@ impl StepProgress {
         (sorted.len() >= MIN_STEPS_FOR_MEDIAN).then(|| sorted[sorted.len() / 2])
     }
 
-    /// The median, or nothing, if a step of this duration is long.
+    /// If a step of this duration is long, the median, if known.
     fn is_long(&self, taken: Duration, limits: &Limits) -> Option<Option<Duration>> {
         if taken < limits.min_long_step {
             return None;
@@ -74,7 +74,7 @@ impl StepProgress {
             .then_some(median)
     }
 
-    /// The phase at work, as far as the step before tells.
+    /// The phase at work, inferred from the previous step.
     fn phase(&self) -> String {
         let ended = self.phases.len();
         let same = self.previous_phases.get(..ended).is_some_and(|before| before == self.phases);
@@ -86,14 +86,14 @@ impl StepProgress {
     }
 }
 
-/// The watch over the steps of a run.
+/// The watchdog of a run.
 pub(super) struct Watchdog {
     progress: Mutex<StepProgress>,
     wake_up: Condvar,
     limits: Limits,
 }
 
-/// Ends the watch when it is dropped, also where the run panics.
+/// Ends the watch when it is dropped, also if the run panics.
 pub(super) struct FinishOnDrop<'a>(pub &'a Watchdog);
 
 impl Drop for FinishOnDrop<'_> {
@@ -112,19 +112,19 @@ impl Watchdog {
         self.progress.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A step begins.
+    /// Marks the start of a step.
     pub fn begin(&self, step: u64) {
         let mut pulse = self.lock();
         pulse.previous_phases = std::mem::take(&mut pulse.phases);
         pulse.step = Some((step, Instant::now()));
     }
 
-    /// A phase of the step has ended.
+    /// Marks the end of a phase.
     pub fn phase_end(&self, name: &'static str) {
         self.lock().phases.push(name);
     }
 
-    /// The step has ended; its length (s). What there is to tell of it if it was long.
+    /// Marks the end of a step of length `dt` (s). Returns a message if it took long.
     pub fn end(&self, dt: f64) -> Option<String> {
         let mut pulse = self.lock();
         let (step, began) = pulse.step.take()?;
@@ -141,7 +141,7 @@ impl Watchdog {
         })
     }
 
-    /// Watches until the run is done.
+    /// Watches until the run ends.
     pub fn watch(
         &self,
         stop: &(dyn Fn() -> Option<Stop> + Sync),
@@ -156,7 +156,7 @@ impl Watchdog {
             pulse = waited.unwrap_or_else(PoisonError::into_inner).0;
             let Some((step, began)) = pulse.step.filter(|_| !pulse.done) else { continue };
             let taken = began.elapsed();
-            // Told when it is long, and again whenever twice as much time has passed.
+            // Reported once the step is long, and again whenever its duration has doubled.
             if (told.0 != step || taken >= 2 * told.1)
                 && let Some(median) = pulse.is_long(taken, &self.limits)
             {
@@ -172,7 +172,7 @@ impl Watchdog {
             let reason =
                 format!("{}, within step {step}; the state is that of the last checkpoint", stop.reason());
             let first = *asked.get_or_insert_with(|| {
-                // Held until it is written: the step cannot end and write the summary meanwhile.
+                // The lock is held meanwhile, so that the step cannot end and write the summary.
                 write_exit_reason(summary, &reason);
                 (step, Instant::now())
             });
@@ -189,16 +189,16 @@ impl Watchdog {
 
 fn write_log(log: &mut Option<Log>, event: &Event) {
     if let Some(log) = log {
-        // A log that cannot be written is an error where the step ends; here nothing can be done about it.
+        // A log that cannot be written is an error at the end of the step; here it is ignored.
         let _ = log.write(&serde_json::to_value(event).unwrap_or_default());
     }
 }
 
-/// Writes why the run ends into its summary, which else is that of the last checkpoint.
+/// Writes the exit reason into the summary, which otherwise is that of the last checkpoint.
 fn write_exit_reason(path: &Path, reason: &str) {
     if let Ok(mut summary) = Summary::read(path) {
         summary.exit_reason = reason.to_owned();
-        // A summary that cannot be written stays as it was, and the process ends all the same.
+        // A summary that cannot be written stays as it was; the process ends anyway.
         let _ = summary.write(path);
     }
 }
@@ -229,7 +229,7 @@ mod tests {
         poll_interval: Duration::from_millis(5),
     };
 
-    /// What is said of five short steps and a long one of 400 ms, and its summary.
+    /// The events and the summary of five short steps and a long one of 400 ms.
     fn watched(
         stop: &(dyn Fn() -> Option<Stop> + Sync),
         name: &str,

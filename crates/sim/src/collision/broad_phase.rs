@@ -1,22 +1,21 @@
-//! Broad phase of contact: pairs of features that may touch while all solids go from one configuration to another.
+//! Broad phase of contact: pairs of features that may touch while all solids move from one configuration to another.
 
 use super::configuration::Configuration;
 use super::points::SdfPair;
 use meniscus_contact::FeaturePairs;
 use meniscus_numerics::Vector;
 
-/// The pairs that the broad phase has found.
+/// Pairs that the broad phase found.
 #[derive(Clone, Debug, Default)]
 pub struct CandidatePairs {
-    /// Points and facets, edges and edges.
+    /// Point–facet and edge–edge pairs.
     pub feature_pairs: FeaturePairs,
-    /// Points and rigid solids, points and sides of the domain.
+    /// Pairs of a point and a rigid solid or a side of the domain.
     pub sdf_pairs: Vec<SdfPair>,
 }
 
 impl CandidatePairs {
-    /// All pairs whose distance falls below `reach` and a `margin` (m) on one of the ways; a few that stay farther apart may be among
-    /// them.
+    /// All pairs whose distance falls below `reach + margin` (m) during one of the sweeps `ways`. A few others may be included.
     pub fn on<const D: usize>(ways: &[Sweep<'_, D>], reach: f64, margin: f64) -> Self {
         let Some(Configuration { model, points, .. }) = ways.first().map(|way| way.from) else {
             return Self::default();
@@ -37,13 +36,13 @@ impl CandidatePairs {
         CandidatePairs { feature_pairs, sdf_pairs }
     }
 
-    /// Those of points with what has no facets.
+    /// Pairs of points with rigid solids and sides only.
     pub fn sdf_pairs_along<const D: usize>(sweep: Sweep<'_, D>, reach: f64) -> Vec<SdfPair> {
         find_sdf_pairs(sweep, &sweep.from.positions(), &sweep.to.positions(), reach)
     }
 }
 
-/// Points and what has no facets whose distance falls below `reach` (m) on the way.
+/// Pairs of points with rigid solids and sides whose distance falls below `reach` (m) during the sweep.
 fn find_sdf_pairs<const D: usize>(
     sweep: Sweep<'_, D>,
     start: &[Vector<D>],
@@ -75,21 +74,21 @@ fn find_sdf_pairs<const D: usize>(
     meetings
 }
 
-/// Two configurations of all solids; points go straight from the one to the other.
+/// Two configurations of all solids; points move on straight paths between them.
 #[derive(Clone, Copy)]
 pub struct Sweep<'a, const D: usize> {
-    /// Where it starts.
+    /// The start.
     pub from: &'a Configuration<'a, D>,
-    /// Where it ends.
+    /// The end.
     pub to: &'a Configuration<'a, D>,
 }
 
-/// Length of a point's path in the frame of a rigid solid, over the distance of its ends there: where it turns, the path is an
-/// arc, longer than its chord by `(θ/2)/sin(θ/2)`, less than this up to 2.6 radians a step.
+/// Bound of the length of a point's path in the frame of a rigid solid, relative to its chord. For a rotation by `θ` the ratio is
+/// `(θ/2)/sin(θ/2)`, which stays below this value up to 2.6 radians a step.
 const MAX_ARC_CHORD_RATIO: f64 = 1.5;
 
 impl<const D: usize> Sweep<'_, D> {
-    /// A bound, m, of the length of a point's path from `start` to `end` in the frame of a rigid solid.
+    /// Upper bound, m, of the length of a point's path from `start` to `end` in the frame of a rigid solid.
     pub fn path_length_bound(&self, solid: usize, start: &Vector<D>, end: &Vector<D>) -> f64 {
         (self.to.to_reference(solid, end) - self.from.to_reference(solid, start)).norm() * MAX_ARC_CHORD_RATIO
     }

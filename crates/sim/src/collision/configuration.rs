@@ -1,4 +1,4 @@
-//! Places of the points of solids on the way of a step, and their derivatives by the velocities of the nodes.
+//! Positions of the points of solids within a step, and their derivatives by the velocities of the nodes.
 
 use super::points::{CollisionPoints, PointOwner, SdfPair, angular_from_node};
 use crate::model::Model;
@@ -6,11 +6,11 @@ use crate::solid::SolidState;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 
-/// Step of the differences of a distance, in cells.
+/// Step of the finite differences of a distance, in cells.
 const DIFFERENCE_STEP_CELLS: f64 = 1e-4;
 
 impl SdfPair {
-    /// The distance of the point, which is at `x`, from the other, m.
+    /// Distance from the point, at `x`, to the other feature, m.
     pub fn distance<const D: usize>(&self, places: &Configuration<'_, D>, x: &Vector<D>) -> f64 {
         match *self {
             Self::Rigid(_, solid, part) => places.distance_to_rigid((solid, part), x),
@@ -19,34 +19,34 @@ impl SdfPair {
     }
 }
 
-/// Solids somewhere on the way of a step.
+/// The solids after moving with given velocities for a given time.
 pub struct Configuration<'a, const D: usize> {
     /// The model.
     pub model: &'a Model<D>,
     solids: &'a [SolidState<D>],
-    /// The solids' points.
+    /// Points of the solids.
     pub points: &'a CollisionPoints<D>,
     /// Velocities of the nodes.
     velocities: &'a [Vector<D>],
-    /// For how long they go on, s.
+    /// Time of the motion, s.
     time: f64,
     frames: Vec<Frame<D>>,
 }
 
-/// Where a rigid solid is.
+/// Pose of a rigid solid.
 #[derive(Clone, Copy, Debug)]
 struct Frame<const D: usize> {
     center: Vector<D>,
     rotation: Matrix<D>,
-    /// What its angular velocity does to the rate at which it turns at the end: the left Jacobian of the exponential.
+    /// Left Jacobian of the exponential map: it maps a change of the rotation vector to a rotation at the end.
     left_jacobian: Matrix<3>,
 }
 
-/// How a point follows a node: the node, and the derivative of the point's position by the node's velocity over the time.
+/// A node, and the derivative of a point's position by the node's velocity, divided by the time.
 pub type NodeJacobian<const D: usize> = (usize, Matrix<D>);
 
 impl<'a, const D: usize> Configuration<'a, D> {
-    /// After a time with these velocities.
+    /// The solids after the time `time` (s) with these velocities.
     pub fn new(
         model: &'a Model<D>,
         solids: &'a [SolidState<D>],
@@ -72,12 +72,12 @@ impl<'a, const D: usize> Configuration<'a, D> {
         Self { model, solids, points, velocities, time, frames }
     }
 
-    /// The time, s.
+    /// Time of the motion, s.
     pub fn time(&self) -> f64 {
         self.time
     }
 
-    /// Where a point is, m.
+    /// Position of a point, m.
     pub fn position(&self, owner: &PointOwner<D>) -> Vector<D> {
         match *owner {
             PointOwner::Vertex { solid, vertex } => {
@@ -92,30 +92,30 @@ impl<'a, const D: usize> Configuration<'a, D> {
         }
     }
 
-    /// Where all points are, m.
+    /// Positions of all points, m.
     pub fn positions(&self) -> Vec<Vector<D>> {
         self.points.owners.iter().map(|owner| self.position(owner)).collect()
     }
 
-    /// A box around a rigid solid, m.
+    /// Bounding box of a rigid solid, m.
     pub fn bounds(&self, solid: usize) -> [Vector<D>; 2] {
         let frame = &self.frames[solid];
         let now = SolidState { center: frame.center, rotation: frame.rotation, ..self.solids[solid].clone() };
         self.model.solids[solid].bounds(&now)
     }
 
-    /// Where the point of a rigid solid that is at `x` was at the start, m.
+    /// Initial position, m, of the material point of a rigid solid that is now at `x`.
     pub fn to_reference(&self, solid: usize, x: &Vector<D>) -> Vector<D> {
         let frame = &self.frames[solid];
         self.model.solids[solid].mass_properties.center + frame.rotation.tr_mul(&(x - frame.center))
     }
 
-    /// Distance of a point from a part of a rigid solid, m.
+    /// Signed distance of a point from a part of a rigid solid, m.
     pub fn distance_to_rigid(&self, (solid, part): (usize, usize), x: &Vector<D>) -> f64 {
         self.part(solid, part).signed_distance(&self.to_reference(solid, x))
     }
 
-    /// The direction away from that; any where there is none.
+    /// Outward normal of that part at `x`; the last axis if the distance has no gradient.
     pub fn rigid_normal(&self, (solid, part): (usize, usize), x: &Vector<D>) -> Vector<D> {
         let up = Vector::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
         let normal = self
@@ -131,7 +131,7 @@ impl<'a, const D: usize> Configuration<'a, D> {
         }
     }
 
-    /// How a point follows the nodes.
+    /// Derivatives of a point's position by the velocities of its nodes.
     pub fn node_jacobians(&self, owner: &PointOwner<D>) -> Vec<NodeJacobian<D>> {
         match *owner {
             PointOwner::Vertex { solid, vertex } => {
@@ -142,7 +142,7 @@ impl<'a, const D: usize> Configuration<'a, D> {
                 let arm = self.position(owner) - frame.center;
                 let arm = Vector::<3>::from_fn(|a, _| if a < D { arm[a] } else { 0.0 });
                 let turned = -arm.cross_matrix() * frame.left_jacobian;
-                // In 2D the node's first component turns about the third axis.
+                // In 2D the first component of the second node is the rotation about the third axis.
                 let turn = Matrix::<D>::from_fn(|r, c| match D {
                     2 if c == 0 => turned[(r, 2)],
                     2 => 0.0,
@@ -155,10 +155,10 @@ impl<'a, const D: usize> Configuration<'a, D> {
     }
 }
 
-/// The left Jacobian of the exponential of a rotation: `(exp((θ + δ)×) ≈ exp((J δ)×) exp(θ×))`.
+/// Left Jacobian `J` of the exponential map of a rotation: `exp((θ + δ)×) ≈ exp((J δ)×) exp(θ×)`.
 fn left_jacobian(turn: &Vector<3>) -> Matrix<3> {
     let (angle, cross) = (turn.norm(), turn.cross_matrix());
-    // Series where differences would be of nearly equal numbers.
+    // Taylor series, because the closed form cancels at small angles.
     let (first, second) = if angle < 1e-3 {
         (0.5 - angle * angle / 24.0, 1.0 / 6.0 - angle * angle / 120.0)
     } else {

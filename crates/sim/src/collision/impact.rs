@@ -1,12 +1,12 @@
 //! Impacts of rigid solids on each other and on the closed sides: `v_n' = −e v_n` with the coefficient of restitution `e` (Newton).
 //!
-//! An impact is an event: its impulses change the velocities at once, before the step's potential is made least. It acts where a
-//! pair would come within the reach of the barrier in the coming step, so that what bounces does not feel that. A blow is handed on
-//! from solid to solid in rounds; the impulses of a round are found by projected Gauss-Seidel in a fixed order, with Coulomb's
-//! friction (E. Guendelman, R. Bridson, R. Fedkiw, "Nonconvex rigid bodies with stacking", SIGGRAPH 2003). Every impulse acts on
-//! both solids at one point: momentum and angular momentum are kept to rounding. What does not bounce the barrier stops.
+//! An impact is an event: its impulses change the velocities at once, before the minimisation of the step's potential. It acts on pairs
+//! that would come within the activation distance of the barrier in the coming step, so bouncing solids do not feel the barrier. Impacts
+//! propagate from solid to solid in rounds. Each round is solved by projected Gauss–Seidel in a fixed order with Coulomb friction (E.
+//! Guendelman, R. Bridson, R. Fedkiw, "Nonconvex rigid bodies with stacking", SIGGRAPH 2003). Every impulse acts on both solids at one
+//! point, which conserves momentum and angular momentum to rounding. The barrier stops pairs that do not bounce.
 //!
-//! Limit: solids that deform have no restitution; their own elasticity tells how they bounce.
+//! Limit: deformable solids have no restitution; they bounce by their own elasticity.
 
 use super::broad_phase::{CandidatePairs, Sweep};
 use super::configuration::Configuration;
@@ -18,57 +18,57 @@ use crate::repairs::Repairs;
 use crate::solid::{Motion, Solid, SolidState};
 use meniscus_numerics::{Matrix, Vector};
 
-/// Most rounds in which a blow is handed on in a step.
+/// Maximum number of rounds in a step.
 const MAX_ROUNDS: usize = 12;
-/// Most sweeps of Gauss-Seidel, there and back.
+/// Maximum number of symmetric Gauss–Seidel sweeps.
 const MAX_SWEEPS: usize = 300;
-/// Change of speed in a sweep, over the speeds there are, that ends it.
+/// Change of speed in a sweep, relative to the largest speed, at which the iteration has converged.
 const SWEEP_TOLERANCE: f64 = 1e-12;
-/// Cosine of the angle between normals from which on the contacts of a pair are those of one face.
+/// Cosine of the angle between normals above which contacts of a pair belong to the same face.
 const SAME_FACE_COSINE: f64 = 0.9;
 
-/// Two solids, or a solid and a side, near each other at a point.
+/// Contact point between two solids, or a solid and a side.
 #[derive(Clone, Debug)]
 struct RigidContact<const D: usize> {
-    /// The solid that the normal points to, and the other; none for a side.
+    /// The solid that the normal points to, and the other; `None` for a side.
     pair: (usize, Option<usize>),
-    /// Midway between them, m.
+    /// Midpoint between the surfaces, m.
     at: Vector<D>,
     normal: Vector<D>,
-    /// Distance beyond the reach of the barrier, m.
+    /// Distance beyond the activation distance of the barrier, m.
     gap: f64,
-    /// The same after the coming step if nothing acts, m.
+    /// Gap after the coming step without impulses, m.
     predicted_gap: f64,
-    /// Least speed apart that is asked for, m/s.
+    /// Required minimum separation speed, m/s.
     target_speed: f64,
-    /// Impulse along the normal so far, N s.
+    /// Accumulated normal impulse, N s.
     normal_impulse: f64,
-    /// The same across it.
+    /// Accumulated tangential impulse, N s.
     tangential_impulse: Vector<D>,
 }
 
 impl<const D: usize> RigidContact<D> {
-    /// The normal, away from the same one of both whichever is named first.
+    /// The normal, oriented by the solids' numbers instead of their order in the pair.
     fn ordered_normal(&self) -> Vector<D> {
         if self.pair.1 > Some(self.pair.0) { -self.normal } else { self.normal }
     }
 }
 
-/// The solids as impacts see them.
+/// State of the impact solver.
 struct ImpactSolver<'a, const D: usize> {
     model: &'a Model<D>,
     solids: &'a mut [SolidState<D>],
-    /// How they moved before the forces of this step, and after them.
+    /// Solids before the forces of this step, and after them (`forced`).
     before: &'a [SolidState<D>],
     forced: Vec<SolidState<D>>,
-    /// Inverse mass and moments of inertia; zero for what nothing moves.
+    /// Inverse mass and inertia; zero for solids that are not free.
     inverse_masses: Vec<(f64, Matrix<3>)>,
     times: StepTimes,
 }
 
-/// Lets rigid solids bounce that would come within the reach of the barrier in the coming step; `before` is how they moved before the
-/// forces of this one, which have changed `solids`. Returns the work, J (2D: J/m), of solids that go as told; `record` takes what did
-/// not come to its end.
+/// Applies the impacts of rigid solids that would come within the activation distance of the barrier in the coming step. `before` are the
+/// solids before the forces of this step, `solids` those after them. Returns the work, J (2D: J/m), of solids with prescribed motion;
+/// `record` counts unconverged rounds.
 pub fn resolve_impacts<const D: usize>(
     model: &Model<D>,
     points: &CollisionPoints<D>,
@@ -102,8 +102,8 @@ pub fn resolve_impacts<const D: usize>(
 }
 
 impl<const D: usize> ImpactSolver<'_, D> {
-    /// The contacts of rigid solids that bounce, with the speed at which they shall leave each other. What the forces of the step
-    /// alone brought about is no impact: it rests.
+    /// Contacts of rigid solids that bounce, with their target speeds. A contact whose approach speed comes from the forces of this step
+    /// alone is resting and does not bounce.
     fn impacting_contacts(&self, points: &CollisionPoints<D>) -> Vec<RigidContact<D>> {
         let (dx, ahead) = (self.model.grid.dx, self.times.lookahead);
         let mut hits = Vec::new();
@@ -120,7 +120,7 @@ impl<const D: usize> ImpactSolver<'_, D> {
         hits.chunk_by(|a, b| a.pair == b.pair).flat_map(|of_pair| reduce_contacts(of_pair.to_vec())).collect()
     }
 
-    /// Pairs that come within the reach of the barrier, of which one is free.
+    /// Contacts within the activation distance of the barrier during the coming step, with at least one free solid.
     fn nearby_contacts(&self, points: &CollisionPoints<D>) -> Vec<RigidContact<D>> {
         let velocities = points.node_velocities(self.model, self.solids);
         let still = vec![Vector::zeros(); velocities.len()];
@@ -159,20 +159,19 @@ impl<const D: usize> ImpactSolver<'_, D> {
         meetings.iter().filter_map(contact).collect()
     }
 
-    /// How fast both move apart at a contact, m/s.
+    /// Relative velocity of the two solids at a contact, m/s.
     fn relative_velocity(&self, solids: &[SolidState<D>], c: &RigidContact<D>) -> Vector<D> {
         let other = c.pair.1.map_or(Vector::zeros(), |j| solids[j].velocity_at(&c.at));
         solids[c.pair.0].velocity_at(&c.at) - other
     }
 
-    /// Speed with which the forces of the step drive both together, m/s.
+    /// Approach speed that the forces of this step add, m/s.
     fn forced_approach_speed(&self, c: &RigidContact<D>) -> f64 {
         (self.relative_velocity(self.before, c) - self.relative_velocity(&self.forced, c)).dot(&c.normal)
     }
 
-    /// Speed apart of what approaches and bounces. It does so a little early, and velocities are half a step ahead of
-    /// positions: what the forces do on the way to the surface and back is counted, so that a ball comes back as high as
-    /// its restitution says.
+    /// Separation speed after a bounce. The impact acts slightly early, and velocities are half a step ahead of positions. The work of
+    /// the forces on the way to the surface and back is therefore included, so that a ball rises as high as its restitution implies.
     fn rebound_speed(&self, c: &RigidContact<D>, approach: f64, together: f64) -> f64 {
         let restitution = self.combined_coefficient(c, |s| s.restitution);
         let pull = together / self.times.impulse_time;
@@ -181,8 +180,8 @@ impl<const D: usize> ImpactSolver<'_, D> {
         (restitution * restitution * touching - fall).max(0.0).sqrt() - lead
     }
 
-    /// Solves for a round of hits; returns the work of solids that go as told. Where several hits and their friction together would
-    /// make energy, none of them bounces, and the round is nothing.
+    /// Solves one round of impacts; returns the work of solids with prescribed motion. If the round would increase the energy, as several
+    /// contacts with friction can, it is undone and none of them bounces.
     fn round(&mut self, mut hits: Vec<RigidContact<D>>, record: &mut Repairs) -> Option<f64> {
         let (start, energy) = (self.solids.to_vec(), self.energy());
         record.contact_sweeps += u64::from(!self.gauss_seidel(&mut hits));
@@ -208,7 +207,7 @@ impl<const D: usize> ImpactSolver<'_, D> {
         free.map(|(s, now)| s.kinetic_energy(now)).sum()
     }
 
-    /// Gauss-Seidel. Returns whether it converged.
+    /// Gauss–Seidel iteration. Returns whether it converged.
     fn gauss_seidel(&mut self, hits: &mut [RigidContact<D>]) -> bool {
         let of = |c: &RigidContact<D>, i: usize| self.solids[i].velocity_at(&c.at).norm();
         let fastest = |c: &RigidContact<D>| {
@@ -228,7 +227,7 @@ impl<const D: usize> ImpactSolver<'_, D> {
         false
     }
 
-    /// Puts one contact right. Returns how much its speed changed.
+    /// Updates the impulses of one contact. Returns the change of its speed.
     fn relax(&mut self, c: &mut RigidContact<D>) -> f64 {
         let friction = self.combined_coefficient(c, |s| s.friction);
         let miss = c.target_speed - self.relative_velocity(self.solids, c).dot(&c.normal);
@@ -247,7 +246,7 @@ impl<const D: usize> ImpactSolver<'_, D> {
         impulse.try_normalize(0.0).map_or(0.0, |n| impulse.norm() * self.inverse_effective_mass(c, &n))
     }
 
-    /// Change of the speed apart along a direction for an impulse along it, 1/kg.
+    /// Change of the separation speed per impulse along a direction, 1/kg.
     fn inverse_effective_mass(&self, c: &RigidContact<D>, along: &Vector<D>) -> f64 {
         let of = |i: usize| {
             let turning = moment(&(c.at - self.solids[i].center), along);
@@ -256,7 +255,7 @@ impl<const D: usize> ImpactSolver<'_, D> {
         of(c.pair.0) + c.pair.1.map_or(0.0, of)
     }
 
-    /// Gives an impulse to the first and takes it from the second.
+    /// Adds an impulse to the first solid and subtracts it from the second.
     fn apply_impulse(&mut self, c: &RigidContact<D>, impulse: &Vector<D>) {
         let sides = [Some((c.pair.0, 1.0)), c.pair.1.map(|j| (j, -1.0))];
         for (i, sign) in sides.into_iter().flatten() {
@@ -268,15 +267,15 @@ impl<const D: usize> ImpactSolver<'_, D> {
         }
     }
 
-    /// The coefficient of a pair: the geometric mean of both solids' coefficients; at a side of the domain that of the solid.
+    /// Coefficient of a pair: the geometric mean of the two solids'; at a side of the domain that of the solid.
     fn combined_coefficient(&self, c: &RigidContact<D>, of: impl Fn(&Solid<D>) -> f64) -> f64 {
         let first = of(&self.model.solids[c.pair.0]);
         (first * c.pair.1.map_or(first, |j| of(&self.model.solids[j]))).sqrt()
     }
 }
 
-/// Of the contacts of a pair a few that do as all: of every face the one that is left least distance, then those
-/// farthest from all that are taken.
+/// Reduces the contacts of a pair to a few equivalent ones: for each face the one with the smallest predicted gap, then repeatedly the
+/// one farthest from those kept.
 fn reduce_contacts<const D: usize>(mut all: Vec<RigidContact<D>>) -> Vec<RigidContact<D>> {
     let mut kept: Vec<RigidContact<D>> = Vec::new();
     while let Some(first) = all.iter().min_by(|a, b| a.predicted_gap.total_cmp(&b.predicted_gap)).cloned() {

@@ -1,4 +1,4 @@
-//! Points of a model's solids where these start, and how near they are to each other.
+//! Collision points of a model's solids at the start, and their distances.
 
 use super::broad_phase::{CandidatePairs, Sweep};
 use super::configuration::Configuration;
@@ -12,13 +12,13 @@ use meniscus_numerics::mesh::surface::area_vector;
 use meniscus_numerics::shape::Shape;
 use std::collections::BTreeMap;
 
-/// The least reach of a point, over [`REACH`]: one that touches something at the start needs some distance over which the barrier
-/// rises, and the barrier's energy of a contact is proportional to it.
+/// Minimum activation distance of a point, relative to [`BARRIER_REACH_CELLS`]. A point in contact at the start needs some distance over
+/// which the barrier rises, and the barrier's energy of a contact is proportional to it.
 const MIN_REACH_FRACTION: f64 = 0.1;
-/// Distance of probes of rigid solids, in cells: a surface of a radius of five cells bulges out between them by less than 0.01 cells.
+/// Spacing of the sample points of rigid solids, in cells. Between them a surface of radius five cells bulges by less than 0.01 cells.
 const PROBE_SPACING_CELLS: f64 = 0.5;
 impl<const D: usize> CollisionPoints<D> {
-    /// Of a model.
+    /// Collision points of a model.
     pub fn of(model: &Model<D>) -> Self {
         let (mut owners, mut facets, mut rest, mut bodies) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let (mut first_node, mut nodes) = (Vec::new(), 0);
@@ -86,8 +86,8 @@ impl<const D: usize> CollisionPoints<D> {
         all
     }
 
-    /// Reduces the reach of points that are within the barrier's reach of something at the start to that distance, so that no contact
-    /// pushes at the start. No reach is less than a part [`MIN_REACH_FRACTION`] of the barrier's.
+    /// Reduces the activation distance of points that start within the barrier's range to their initial distance, so that the barrier
+    /// exerts no force at the start. The minimum is [`MIN_REACH_FRACTION`] of the barrier's activation distance.
     fn fit_reaches_to_gaps(&mut self, model: &Model<D>) {
         let (reach, still) = (BARRIER_REACH_CELLS * model.grid.dx, vec![Vector::zeros(); self.node_count()]);
         let start: Vec<SolidState<D>> = model.solids.iter().map(Solid::initial_state).collect();
@@ -116,7 +116,7 @@ impl<const D: usize> CollisionPoints<D> {
         self.gap_offsets = lifts;
     }
 
-    /// Draws points of rigid solids that touch facets at the start back into their solids, to a distance of `least` (m).
+    /// Moves points of rigid solids that touch facets at the start into their solids, to the distance `least` (m).
     fn retract_points(&mut self, near: &FeaturePairs, at: &[Vector<D>], least: f64) {
         let mut moves: BTreeMap<u32, (f64, Vector<D>)> = BTreeMap::new();
         for (stencil, gap) in near.gaps(at).filter(|(_, gap)| *gap < least) {
@@ -136,12 +136,12 @@ impl<const D: usize> CollisionPoints<D> {
     }
 }
 
-/// The numbers of two solids, and the gap between them, m.
+/// Numbers of two solids, and the gap between them, m.
 type Gap = (usize, usize, f64);
-/// The number of a solid, that of another one (none for a side of the domain), and the gap between them, m.
+/// Numbers of a solid and of another one (`None` for a side of the domain), and the gap between them, m.
 type SdfGap = (usize, Option<usize>, f64);
 
-/// All gaps below the barrier's reach: between facets and points, and between points and rigid solids or sides.
+/// All gaps below the barrier's activation distance: mesh features with each other, and points with rigid solids or sides.
 fn gaps<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> (Vec<Gap>, Vec<SdfGap>) {
     let points = CollisionPoints::of(model);
     let still = vec![Vector::zeros(); points.node_count()];
@@ -161,15 +161,15 @@ fn gaps<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> (Vec<Gap>
     (facets.collect(), rigid.collect())
 }
 
-/// The narrowest gap, m, between surfaces of solids that deform, each other's or their own, where they start, with the numbers of the
-/// two solids; nothing where all gaps are wider than the barrier's reach. A run needs a gap: the barrier is infinite where there is none.
+/// The narrowest initial gap, m, between the surface of a deformable solid and itself or another solid's, with the numbers of both;
+/// `None` if all exceed the barrier's activation distance. A run needs a positive gap, because the barrier is infinite at zero.
 pub fn narrowest_initial_gap<const D: usize>(model: &Model<D>) -> Option<(usize, usize, f64)> {
     let start: Vec<SolidState<D>> = model.solids.iter().map(Solid::initial_state).collect();
     gaps(model, &start).0.into_iter().min_by(|a, b| a.2.total_cmp(&b.2))
 }
 
-/// The narrowest gap, m, between a solid and another one, itself, or a closed side of the domain, as they are now, with their numbers (none
-/// for a side); nothing where all gaps are wider than the barrier's reach.
+/// The narrowest current gap, m, between a solid and another one, itself or a closed side of the domain (`None`), with their numbers;
+/// `None` if all exceed the barrier's activation distance.
 pub fn narrowest_current_gap<const D: usize>(
     model: &Model<D>,
     solids: &[SolidState<D>],
@@ -179,7 +179,7 @@ pub fn narrowest_current_gap<const D: usize>(
     facets.chain(rigid).min_by(|a, b| a.2.total_cmp(&b.2))
 }
 
-/// The closed sides of the domain.
+/// Closed sides of the domain.
 fn domain_sides<const D: usize>(model: &Model<D>) -> Vec<Plane<D>> {
     let upper = model.grid.domain_upper();
     let mut all = Vec::new();
@@ -195,7 +195,7 @@ fn domain_sides<const D: usize>(model: &Model<D>) -> Vec<Plane<D>> {
     all
 }
 
-/// The speed with which a solid starts, or the largest with which it goes as told, m/s.
+/// Initial speed of a solid, or the maximum speed of its prescribed motion, m/s.
 fn initial_speed<const D: usize>(solid: &Solid<D>) -> f64 {
     match &solid.motion {
         Motion::Prescribed(path) => {
@@ -208,7 +208,7 @@ fn initial_speed<const D: usize>(solid: &Solid<D>) -> f64 {
     }
 }
 
-/// How each rigid solid is probed against each other one.
+/// Points of each rigid solid that are tested against each other one.
 fn probe_sets<const D: usize>(model: &Model<D>) -> BTreeMap<(usize, usize), ProbeSet> {
     let size = |k: usize| {
         let (low, high) = model.solids[k].shape.bounds();
@@ -229,7 +229,7 @@ fn probe_sets<const D: usize>(model: &Model<D>) -> BTreeMap<(usize, usize), Prob
     all
 }
 
-/// Which nodes have velocities that are told.
+/// Nodes with prescribed velocities.
 fn prescribed_nodes<const D: usize>(model: &Model<D>) -> Vec<bool> {
     let of = |solid: &Solid<D>| match solid.elastic() {
         Some(elastic) => elastic.anchored().to_vec(),

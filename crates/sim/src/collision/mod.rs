@@ -1,7 +1,7 @@
-//! Contact of solids: none may overlap, and no element turns inside out, whatever the step.
+//! Contact of solids. No step lets solids overlap or inverts an element, whatever its length.
 //!
-//! The velocities at the end of a step make an incremental potential least ([`potential`]), by Newton's method together with the pressure
-//! ([`newton`]). Before that rigid solids bounce ([`impact`]).
+//! The velocities at the end of a step minimise an incremental potential ([`potential`]) by Newton's method, coupled to the pressure
+//! solve ([`newton`]). Rigid solids bounce before that ([`impact`]).
 
 pub mod broad_phase;
 pub mod configuration;

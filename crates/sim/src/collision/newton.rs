@@ -1,11 +1,8 @@
-//! Solids that cannot break: the velocities at the end of a step make an incremental potential least ([`potential`]), together with
-//! the liquid's pressure.
+//! Newton's method for the velocities of solids in contact, coupled to the liquid's pressure.
 //!
-//! Newton's method: about the velocities `v` that it has come to, solids answer to impulses with `A⁻¹` ([`SolidResponse`]), `A` the second
-//! derivatives of the potential there, contacts included. With that answer the pressure is solved for, as in a step without
-//! contacts; where it leads is gone to as far as nothing meets and no element turns inside out at the end of the coming step
-//! (M. Li et al., "Incremental Potential Contact", 2020), and as the potential falls. Iterations end when the next would move
-//! nothing.
+//! These velocities minimise an incremental potential ([`super::potential`]; M. Li et al., "Incremental Potential Contact", 2020). The
+//! pressure solve contains the response `A⁻¹` of the solids to impulses ([`SolidResponse`]), where `A` is the Hessian at the current
+//! velocities. The line search prevents collisions and inversion up to the end of the coming step, and makes the potential decrease.
 
 use super::points::BARRIER_REACH_CELLS;
 pub use super::solid_response::SolidResponse;
@@ -33,35 +30,32 @@ use meniscus_numerics::grid::FaceField;
 use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::{Matrix, Vector};
 
-/// Part of its distance that a pair keeps, and of its volume an element, on the straight way to the end of the coming step, at the end of
-/// which the barrier holds them.
+/// Fraction of a pair's distance and of an element's volume that remains on the straight path to the end of the coming step.
 const MIN_CLEARANCE_FRACTION: f64 = 0.01;
-/// Change of a position at the end of the coming step, in reaches of the barrier, below which Newton's method has converged.
+/// Tolerance of the positions at the end of the coming step, in activation distances of the barrier.
 const CONVERGENCE_TOLERANCE: f64 = 1e-3;
-/// The same after an update of the lagged friction, over [`CONVERGENCE_TOLERANCE`]: the error of a lag that is updated [`MAX_FRICTION_UPDATES`] times only adds up
-/// from step to step.
+/// Tolerance after an update of the lagged friction, relative to [`CONVERGENCE_TOLERANCE`]. It is tighter because the error of a lag that
+/// is updated only [`MAX_FRICTION_UPDATES`] times accumulates from step to step.
 const FRICTION_LAG_TOLERANCE: f64 = 0.01;
-/// Relative residual of the pressure's solve in iterations far from convergence (inexact Newton: S. Eisenstat, H. Walker 1996). An
-/// iteration that ends the method has the full accuracy, so that this changes the cost only.
+/// Relative residual of the pressure solve far from convergence (inexact Newton: S. Eisenstat, H. Walker 1996); changes only the cost.
 const LOOSE_SOLVE_TOLERANCE: f64 = 1e-3;
-/// Far from convergence: the next iteration would move something by over so many times [`CONVERGENCE_TOLERANCE`], which one of Newton's iterations
-/// does not bring below 1.
+/// Predicted change, over [`CONVERGENCE_TOLERANCE`], that one Newton iteration does not bring below 1.
 const FAR_FROM_CONVERGENCE: f64 = 100.0;
-/// Most updates of the lagged friction in a step.
+/// Maximum number of updates of the lagged friction in a step.
 const MAX_FRICTION_UPDATES: usize = 2;
-/// Most changes of the velocities by the solids alone after an iteration. What is lagged makes each a hundredth of the one before.
+/// Maximum number of chord iterations (solids only, old Hessian) after a Newton iteration. Each reduces the error about a hundredfold.
 const CHORDS: usize = 4;
 
-/// What a solid that deforms starts from.
+/// Loads on a deformable solid in a step.
 pub struct DeformableLoads<const D: usize> {
-    /// What all but the pressure gives to its vertices, N s.
+    /// Impulses of all forces but the pressure on its vertices, N s.
     impulses: Vec<Vector<D>>,
-    /// Stiffness that other forces add.
+    /// Stiffness of forces other than the elastic ones.
     extra_stiffness: Vec<StiffnessBlock<D>>,
 }
 
 impl<const D: usize> DeformableLoads<D> {
-    /// Of all solids; `line` is what contact lines give them in the time `impulse_time` (s), `extra_stiffness` the stiffness that other forces add.
+    /// Loads on all solids. `line` holds the impulses of contact lines in the time `impulse_time` (s).
     pub fn of_solids(
         model: &Model<D>,
         line: &CouplingImpulses<D>,
@@ -82,37 +76,37 @@ impl<const D: usize> DeformableLoads<D> {
     }
 }
 
-/// The solids when the forces of a step act.
+/// The solids at the time when the forces of a step act.
 #[derive(Clone, Copy)]
 pub struct OldSolids<'a, const D: usize> {
-    /// The solids, with the velocities before these forces.
+    /// The solids, with the velocities before the forces act.
     pub solids: &'a [SolidState<D>],
-    /// These velocities, of their nodes.
+    /// These velocities, by node.
     pub velocities: &'a [Vector<D>],
     /// The elastic slips of friction.
     pub elastic_slips: &'a Slips<D>,
 }
 
-/// A step's search for velocities.
+/// Newton's method for one step.
 pub struct NewtonSolver<'a, const D: usize> {
     potential: Potential<'a, D>,
-    /// Velocities that nodes have which are told.
+    /// Velocities of the prescribed nodes.
     prescribed: Vec<Vector<D>>,
     elimination: EliminationOrder<D>,
-    /// Velocities that it has come to.
+    /// Current velocities.
     velocities: Vec<Vector<D>>,
-    /// The pairs that may touch with these velocities.
+    /// Pairs that may touch with these velocities.
     candidates: CandidatePairs,
     iteration: usize,
-    /// Whether the pressure's solve may be [`LOOSE_SOLVE_TOLERANCE`].
+    /// Whether [`LOOSE_SOLVE_TOLERANCE`] applies to the pressure solve.
     is_loose: bool,
     friction_updates: usize,
-    /// Iterations whose second derivatives were not positive definite.
+    /// Iterations whose Hessian was not positive definite.
     pub indefinite_iterations: u64,
 }
 
 impl<'a, const D: usize> NewtonSolver<'a, D> {
-    /// Before the pressure; `forced` is how all forces but the pressure, contacts and their own make rigid solids move.
+    /// Starts the method. `forced` holds the velocities of rigid solids after all forces but pressure and contacts.
     pub fn new(
         model: &'a Model<D>,
         points: &'a CollisionPoints<D>,
@@ -125,8 +119,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         let part = |k: usize| match (&model.solids[k].motion, &loads[k], &before[k].soft) {
             (Motion::Soft(elastic), Some(start), Some(soft)) => {
                 let elastic: &'a Elastic<D> = elastic;
-                // At the start the velocities of a solid need not agree with what holds it. About the start they would be reversed where
-                // they do not, at no loss; from there they come to rest.
+                // Initial velocities that disagree with the anchors decay with the full lead; the centred scheme would reverse them.
                 let has_anchors = times.is_first && elastic.anchored().contains(&true);
                 SolidTerm::Soft(IncrementalPotential {
                     elastic,
@@ -203,7 +196,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             friction_updates: 0,
             indefinite_iterations: 0,
         };
-        // The first guess is to go on as before.
+        // Initial guess: the velocities do not change.
         let guess = descent.prescribed.clone();
         let on_the_way = descent.potential.candidates(&descent.velocities, &guess, descent.margin());
         descent.potential.friction_contacts =
@@ -215,7 +208,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         descent
     }
 
-    /// The answer of solids about the velocities that it has come to, which they get, with the faces that lines drag.
+    /// Response of the solids about the current velocities. The `solids` get these velocities; `dragged` faces are tied to them.
     ///
     /// # Errors
     /// [`SolveError::NotPositiveDefinite`].
@@ -235,8 +228,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             let solution = potential.points.assembly.as_ref()?.invert(&matrix, structure)?;
             Some((matrix, solution))
         };
-        // The positive part alone is as stiff as can be, and slow: it is for where there is no other way (Longva et al., "Pitfalls of
-        // projection", 2023).
+        // The projected Hessian is a fallback: it is too stiff and converges slowly (Longva et al., "Pitfalls of projection", 2023).
         let whole = inverse(false);
         let indefinite = whole.is_none();
         let (matrix, solution) = whole.or_else(|| inverse(true)).ok_or(failed)?;
@@ -254,7 +246,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         Ok(SolidResponse::new(model, before, points, solution, (base, prescribed_change), ties))
     }
 
-    /// How the pressure of this iteration is solved for.
+    /// Options of the pressure solve in this iteration.
     pub fn projection_options(&self) -> ProjectionOptions {
         let tolerance = self.potential.model.numerics.tolerance;
         ProjectionOptions {
@@ -263,7 +255,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         }
     }
 
-    /// Updates what is lagged of the elastic forces and viscosities to the current velocities.
+    /// Updates the lagged elastic forces and viscosities to the current velocities.
     fn recentre(&mut self) {
         for (part, first) in self.potential.parts.iter_mut().zip(&self.potential.points.first_node) {
             if let SolidTerm::Soft(soft) = part {
@@ -273,7 +265,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         }
     }
 
-    /// Ties dragged faces to the solids, with the velocities that it has come to.
+    /// Ties the dragged faces to the solids, which have the current velocities.
     fn ties(&self, dragged: &mut [DraggedFace], phi: &[f64], open: &FaceField<D>) -> Vec<TiedFace<D>> {
         let Potential { model, points, solids, .. } = self.potential;
         let weight = model.density * model.grid.cell_volume();
@@ -314,8 +306,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         ties
     }
 
-    /// The longest that the coming step can be, s: for so long nothing meets or turns inside out on the straight way there, either,
-    /// of which a shorter step takes a part.
+    /// Maximum length of the coming step, s: on the straight path of that time nothing collides and no element inverts.
     pub fn collision_free_dt(&self) -> f64 {
         let still = vec![Vector::zeros(); self.velocities.len()];
         let part = self.potential.max_step_fraction(
@@ -328,13 +319,12 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         self.potential.lookahead * part
     }
 
-    /// The elastic slips that the next step starts from.
+    /// Elastic slips at the start of the next step.
     pub fn next_slips(&self) -> Slips<D> {
         self.potential.next_slips(&self.velocities)
     }
 
-    /// Stores in each solid the mean acceleration by its contacts. Returns the work, J (2D: J/m), that solids with told velocities do
-    /// through contacts.
+    /// Stores each solid's mean acceleration by contacts. Returns the work, J (2D: J/m), of prescribed solids through contacts.
     pub fn store_contact_accelerations(&self, solids: &mut [SolidState<D>]) -> f64 {
         let Potential { model, points, impulse_time, .. } = self.potential;
         let given = self.potential.contact_impulses(&self.velocities, &self.candidates);
@@ -353,7 +343,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         -prescribed.map(|node| given[node].dot(&self.velocities[node])).sum::<f64>()
     }
 
-    /// The difference of the told nodes' velocities from what they are told.
+    /// Prescribed minus current velocities of the prescribed nodes; zero for the others.
     fn prescribed_change(&self) -> Vec<Vector<D>> {
         let of = |k: usize| {
             if self.potential.points.prescribed_nodes[k] {
@@ -365,11 +355,11 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         (0..self.velocities.len()).map(of).collect()
     }
 
-    /// Changes the velocities by `change`, the `response` to a pressure that gives the nodes the impulses `pressed`, as far as the line
-    /// search allows. Returns whether Newton's method has converged; the solids then have the final velocities.
+    /// Adds `change`, the `response` to a pressure with the impulses `pressed` on the nodes, as far as the line search allows. Returns
+    /// whether the method has converged; the solids then have the final velocities.
     ///
     /// # Errors
-    /// [`SolveError::Unsettled`] after too many iterations.
+    /// [`SolveError::NewtonNotConverged`] after too many iterations.
     pub fn take_step(
         &mut self,
         solids: &mut [SolidState<D>],
@@ -406,9 +396,8 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         Ok(false)
     }
 
-    /// After a whole one of Newton's iterations: where no velocity would change by `limit`, m/s, any more, too little for the pressure to
-    /// be found anew, what is lagged is updated, and solids alone go the rest of the way, with the same second derivatives. Returns how
-    /// far the next iteration would go, m/s, and whether Newton's method has converged.
+    /// Ends a full Newton step. If the next change is below `limit` (m/s), too small for another pressure solve, it updates the lagged
+    /// friction and iterates on the solids alone with the same Hessian. Returns the next change, m/s, and whether the method converged.
     fn finish(&mut self, response: &SolidResponse<D>, limit: f64) -> (f64, bool) {
         let (mut change, mut off) = self.correction(response);
         let mut tolerance = limit;
@@ -435,7 +424,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         (off, off < tolerance)
     }
 
-    /// What the next iteration would change the velocities by with this response and no other pressure, m/s, and the largest of it.
+    /// Next change of the velocities with this response and the same pressure, and its largest norm, m/s.
     fn correction(&self, response: &SolidResponse<D>) -> (Vec<Vector<D>>, f64) {
         let mut change = self.potential.gradient(&self.velocities, &self.candidates);
         response.solve(&mut change);
@@ -444,23 +433,23 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         (change, largest)
     }
 
-    /// How much nearer, m, solids come to each other by all changes of [`Self::finish`] at most.
+    /// Bound, m, of the distance by which solids approach each other in [`Self::finish`].
     fn margin(&self) -> f64 {
         2.0 * CHORDS as f64 * CONVERGENCE_TOLERANCE * self.potential.barrier.activation_distance
     }
 
-    /// Goes on the way to other velocities, on which these `candidates` may meet, as far as nothing does, and, where that is asked for, as
-    /// the potential falls; returns whether that is all the way.
+    /// Moves towards the velocities `to` up to the first collision of the `candidates` and, if `falls`, while the potential decreases.
+    /// Returns whether it made the full step.
     fn go(&mut self, to: &[Vector<D>], candidates: CandidatePairs, falls: bool) -> bool {
         let (next, whole) = self.line_search(to, &candidates, falls);
-        // Points of solids that turn leave the straight way between its ends.
+        // Points of rotating solids leave the straight path between its ends.
         self.candidates =
             if whole { candidates } else { self.potential.candidates(&next, &next, self.margin()) };
         self.velocities = next;
         whole
     }
 
-    /// How far that is; whether it is all the way.
+    /// Line search: the new velocities, and whether they are the full step.
     fn line_search(
         &self,
         to: &[Vector<D>],
@@ -492,7 +481,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
     }
 }
 
-/// The velocity along an axis of a solid's point nearest to `x`, by those of its nodes, from the `first` on.
+/// Velocity along `axis` of the solid's point closest to `x`, as weights of its nodes; `first` is the solid's first node.
 fn node_weights<const D: usize>(
     solid: &SolidState<D>,
     first: usize,

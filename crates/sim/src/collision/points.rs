@@ -1,8 +1,8 @@
-//! Points of all solids' surfaces, and what moves them.
+//! Points on the surfaces of all solids, and the nodes that move them.
 //!
-//! A solid that deforms moves with the nodes of its mesh, a rigid one with two: its velocity, and its angular velocity (2D: the
-//! first component). Points are functions of the nodes' velocities `v`: `x + a v` of a vertex, `c + a v + exp(a ω) r` of a point
-//! of a rigid solid.
+//! A deformable solid moves with the vertices of its mesh as nodes. A rigid solid has two nodes: its velocity and its angular velocity
+//! (2D: the first component). Positions are functions of the nodes' velocities `v`: `x + a v` for a vertex, and `c + a v + exp(a ω) r`
+//! for a point of a rigid solid.
 
 use crate::model::Model;
 use crate::solid::{Motion, SolidState};
@@ -11,24 +11,23 @@ use meniscus_elastic::Assembly;
 use meniscus_numerics::Vector;
 use std::collections::BTreeMap;
 
-/// Reach of the barrier, in cells: two surfaces in contact are within half a cell of each other, so that the grid does not see the gap
-/// between them.
+/// Activation distance of the barrier, in cells. Surfaces in contact are then within half a cell, so the grid does not resolve their gap.
 pub const BARRIER_REACH_CELLS: f64 = 0.25;
-/// What a point is part of.
+/// The owner of a point.
 #[derive(Clone, Copy, Debug)]
 pub enum PointOwner<const D: usize> {
-    /// A vertex of a solid that deforms: its node.
+    /// A vertex of a deformable solid.
     Vertex {
         /// Number of the solid.
         solid: usize,
         /// Number of the vertex in its mesh.
         vertex: usize,
     },
-    /// A place of a rigid solid at the start.
+    /// A material point of a rigid solid.
     Rigid {
         /// Number of the solid.
         solid: usize,
-        /// Where it was at the start, m.
+        /// Its initial position, m.
         at: Vector<D>,
     },
 }
@@ -42,7 +41,7 @@ impl<const D: usize> PointOwner<D> {
     }
 }
 
-/// A point and something without facets that it may touch.
+/// A point and a rigid solid or side of the domain, with a signed distance instead of facets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SdfPair {
     /// A point and a part of a rigid solid.
@@ -59,7 +58,7 @@ impl SdfPair {
         }
     }
 
-    /// The other solid; none of a side.
+    /// The other solid; `None` for a side.
     pub fn solid(&self) -> Option<usize> {
         match *self {
             Self::Rigid(_, solid, _) => Some(solid),
@@ -68,53 +67,52 @@ impl SdfPair {
     }
 }
 
-/// The points of a model's solids.
+/// Collision points of a model's solids.
 #[derive(Clone, Debug, Default)]
 pub struct CollisionPoints<const D: usize> {
-    /// Their surfaces: facets of those that deform, and points of the others.
+    /// The surfaces: facets of deformable solids, points of rigid ones.
     pub surface: CollisionMesh<D>,
-    /// What each point is part of.
+    /// Owner of each point.
     pub owners: Vec<PointOwner<D>>,
     /// The first node of each solid.
     pub first_node: Vec<usize>,
-    /// Which nodes have velocities that are told.
+    /// Whether each node has a prescribed velocity.
     pub prescribed_nodes: Vec<bool>,
-    /// Pressure of each solid's weight on one of the `2 D` sides of its surface, and that which takes the kinetic energy of the fastest
-    /// start within the barrier's reach, Pa; 0 of those that are told.
+    /// Pressure scale of each solid, Pa: its weight on one of the `2 D` sides of its surface, plus the pressure that stops the largest
+    /// initial speed within the barrier's activation distance; 0 for prescribed motion.
     pub weight_pressures: Vec<f64>,
     /// Mean area of one of the `2 D` sides of each solid's surface, m² (2D: m).
     pub mean_side_areas: Vec<f64>,
     /// Closed sides of the domain.
     pub domain_sides: Vec<Plane<D>>,
-    /// Distance, m, that is added to that of a point and something without facets, where they touch or overlap at the start (a solid
-    /// on the floor; one that is held within a rigid solid).
+    /// Offset, m, added to the distance of pairs that touch or overlap at the start (a solid on the floor, or anchored in a rigid solid).
     pub(super) gap_offsets: BTreeMap<SdfPair, f64>,
-    /// Which points of each rigid solid may meet each other one.
+    /// Points of a rigid solid (first) that are tested against another one.
     pub(super) probe_sets: BTreeMap<(usize, usize), ProbeSet>,
-    /// Points of rigid solids at edges and corners, or with a ball around them.
+    /// Whether a point lies on a sharp edge or corner, or is the centre of a ball; true for vertices.
     pub(super) exposed: Vec<bool>,
-    /// How the solids' matrices stand in one; none where memory does not suffice.
+    /// Block structure of the joint matrix of all solids; `None` if it exceeds the memory.
     pub assembly: Option<Assembly>,
 }
 
-/// Which points of a rigid solid may meet another one.
+/// Which points of a rigid solid are tested against another one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ProbeSet {
-    /// All of them: of two solids it is the smaller one.
+    /// All: it is the smaller of the two.
     All,
-    /// Those at edges and corners only: what glides along a wide face meets that by its own points.
+    /// Only those at edges and corners: on a wide face the points of the other solid suffice.
     Exposed,
-    /// None: the other one is round, this one is convex, and the distances of the other's centres are enough.
+    /// None: it is convex and the other one is round, so the distances of the other's centres suffice.
     None,
 }
 
 impl<const D: usize> CollisionPoints<D> {
-    /// Distance, m, that counts as none between a point and something without facets.
+    /// Distance, m, of a point from a rigid solid or side that counts as contact.
     pub fn thickness(&self, meeting: &SdfPair) -> f64 {
         self.surface.radius(meeting.point()) - self.gap_offsets.get(meeting).copied().unwrap_or(0.0)
     }
 
-    /// Whether a point may meet a rigid solid: not one of its own, and not where both stay or go as told.
+    /// Whether a point may touch a rigid solid. It may not touch its own solid, nor if both have prescribed motion.
     pub fn may_collide(&self, model: &Model<D>, point: u32, solid: usize) -> bool {
         let owner = &self.owners[point as usize];
         if owner.solid() == solid || model.solids[solid].motion.is_prescribed() && self.is_prescribed(point) {
@@ -127,7 +125,7 @@ impl<const D: usize> CollisionPoints<D> {
         }
     }
 
-    /// Whether a point stays or goes as told.
+    /// Whether a point has prescribed motion.
     pub fn is_prescribed(&self, point: u32) -> bool {
         self.prescribed_nodes[match self.owners[point as usize] {
             PointOwner::Vertex { solid, vertex } => self.first_node[solid] + vertex,
@@ -135,7 +133,7 @@ impl<const D: usize> CollisionPoints<D> {
         }]
     }
 
-    /// Velocities of the nodes as solids move now.
+    /// Current velocities of the nodes.
     pub fn node_velocities(&self, model: &Model<D>, solids: &[SolidState<D>]) -> Vec<Vector<D>> {
         let mut all = Vec::with_capacity(self.node_count());
         for (_, now) in model.solids.iter().zip(solids) {
@@ -147,7 +145,7 @@ impl<const D: usize> CollisionPoints<D> {
         all
     }
 
-    /// Gives the solids the velocities of the nodes.
+    /// Sets the velocities of the solids from those of the nodes.
     pub fn set_node_velocities(
         &self,
         model: &Model<D>,
@@ -172,7 +170,7 @@ impl<const D: usize> CollisionPoints<D> {
     }
 }
 
-/// An angular velocity as a node has it.
+/// Angular velocity as the velocity of a node.
 pub fn angular_to_node<const D: usize>(angular_velocity: &[f64; 3]) -> Vector<D> {
     Vector::from_fn(|a, _| {
         if D == 3 {
@@ -185,7 +183,7 @@ pub fn angular_to_node<const D: usize>(angular_velocity: &[f64; 3]) -> Vector<D>
     })
 }
 
-/// A node's angular velocity.
+/// Angular velocity of a node.
 pub fn angular_from_node<const D: usize>(node: &Vector<D>) -> [f64; 3] {
     if D == 3 { std::array::from_fn(|a| node[a]) } else { [0.0, 0.0, node[0]] }
 }

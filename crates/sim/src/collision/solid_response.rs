@@ -1,5 +1,4 @@
-//! How all solids that something can move answer to impulses together: `A⁻¹`, with the second derivatives `A` of the potential of a
-//! step.
+//! Joint response `A⁻¹` of all movable solids to impulses, where `A` is the Hessian of the step's potential.
 
 use super::tied_face::{TiedFace, TiedSolid};
 use crate::coupling::impulses::CouplingImpulses;
@@ -13,32 +12,32 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::points::{CollisionPoints, angular_to_node};
 use crate::contact_line::friction::DraggedFace;
 
-/// What a cell gives way, over what a face does, that is nothing: a pocket with no way out but through so little of a solid's
-/// surface could have any pressure.
+/// Lumped compliance of a cell, relative to a full grid face, below which it counts as zero: a pocket that is closed but for so small a
+/// part of a solid's surface could have any pressure.
 const MIN_COMPLIANCE_RATIO: f64 = 1e-3;
-/// Widths of the blocks, doubling from one cell, in which it is asked how a solid gives way.
+/// Number of block widths, doubling from one cell, for which the compliance is measured.
 const BLOCK_WIDTH_COUNT: u32 = 5;
 
-/// The answer of all solids.
+/// Response of all solids.
 #[derive(Debug)]
 pub struct SolidResponse<const D: usize> {
     solution: AssemblyInverse<D>,
     /// The first node of each solid.
     first_node: Vec<usize>,
-    /// Mass of each node, kg (of an angular velocity a moment of inertia, kg m²).
+    /// Mass of each node, kg; moment of inertia of an angular velocity, kg m².
     masses: Vec<f64>,
-    /// Which nodes are those of rigid solids.
+    /// Whether each node belongs to a rigid solid.
     rigid: Vec<bool>,
     /// Impulses on the nodes without the pressure, N s.
     base_impulses: Vec<Vector<D>>,
-    /// What nodes that are told lack of their velocities, m/s.
+    /// Prescribed minus current velocities of the prescribed nodes, m/s.
     prescribed_change: Vec<Vector<D>>,
     /// Faces that contact lines tie to solids.
     ties: Vec<TiedFace<D>>,
 }
 
 impl<const D: usize> SolidResponse<D> {
-    /// By the inverse of the matrix.
+    /// Response with the inverse matrix `solution`.
     pub fn new(
         model: &Model<D>,
         solids: &[SolidState<D>],
@@ -71,7 +70,7 @@ impl<const D: usize> SolidResponse<D> {
         D * self.masses.len()
     }
 
-    /// Whether a degree of freedom is a rigid solid's.
+    /// Whether a degree of freedom belongs to a rigid solid.
     pub fn is_rigid(&self, freedom: u32) -> bool {
         self.rigid[freedom as usize / D]
     }
@@ -86,21 +85,21 @@ impl<const D: usize> SolidResponse<D> {
         self.solution.solve(b);
     }
 
-    /// What is needed to solve for the degrees of freedom that flow into cells.
+    /// Part of the factors needed to solve for the degrees of freedom in `flows`.
     pub fn reach(&self, flows: &[FluxRow]) -> Reach {
         let all = flows.iter().flat_map(|(_, flow)| flow);
         let nodes: BTreeSet<u32> = all.map(|(k, _)| k / D as u32).collect();
         self.solution.reach(nodes.into_iter())
     }
 
-    /// `A⁻¹ x` of these degrees of freedom, in place; `x` is 0 for all others. Of one vector or several, one after another.
+    /// `A⁻¹ x` at these degrees of freedom, in place, for one or several vectors in sequence; `x` is 0 at all others.
     pub fn solve_within(&self, reach: &Reach, x: &mut [f64]) {
         let count = x.len() / self.dof_count();
         self.solution.solve_within(reach, x, count);
     }
 
-    /// What each cell by itself would give way if the nodes of solids that deform were loose, a bound of `F M⁻¹ Fᵀ` by the sums of its
-    /// rows, times the share of that which they are loose. Rigid solids give way as a whole only. `place` tells where a cell is.
+    /// Diagonal approximation of `F A⁻¹ Fᵀ` for each cell: the row sums of `F M⁻¹ Fᵀ`, an upper bound, times the ratio of the actual
+    /// compliance to that of free nodes. Rigid solids contribute nothing. `place` returns the coordinates of a cell.
     pub fn lumped_compliance(
         &self,
         flows: &[FluxRow],
@@ -121,12 +120,12 @@ impl<const D: usize> SolidResponse<D> {
         all.into_iter().map(|give| if give < MIN_COMPLIANCE_RATIO { 0.0 } else { give * loose }).collect()
     }
 
-    /// What pressures give way to over what they would if the nodes were loose: the mean over pushes to and fro in blocks of
-    /// 1 to 16 cells. Stiff sheets bend under wide ones only (design, numerics §1: as if loose up to a bending stiffness of some
-    /// hundred, as if rigid from 10⁵ on).
+    /// Compliance relative to that of free nodes, as the mean over pressures that alternate in sign between blocks of 1 to 16 cells.
+    /// Stiff sheets bend under wide blocks only: they respond as free nodes up to a bending stiffness `h² EI/(ρ_s t Δ⁴)` of some hundred,
+    /// and as rigid solids from 10⁵ on.
     fn compliance_ratio(&self, flows: &[FluxRow], reach: &Reach, place: impl Fn(u32) -> [usize; D]) -> f64 {
         let n = self.dof_count();
-        // Both sides of a sheet are pushed the same way.
+        // Both sides of a sheet are pushed in the same direction.
         let sides = flows.iter().map(|(cell, flow)| {
             let along = |a: usize| flow.iter().filter(|(k, _)| *k as usize % D == a).map(|f| f.1).sum();
             let total = Vector::<D>::from_fn(|a, _| along(a));
@@ -152,7 +151,7 @@ impl<const D: usize> SolidResponse<D> {
         all.map(ratio).sum::<f64>() / f64::from(BLOCK_WIDTH_COUNT)
     }
 
-    /// An exchange as impulses on the nodes.
+    /// Converts coupling impulses to impulses on the nodes.
     pub fn node_impulses(
         &self,
         model: &Model<D>,
@@ -177,7 +176,7 @@ impl<const D: usize> SolidResponse<D> {
         all
     }
 
-    /// The flows through tied faces: the cell, and the flow out of it by the components of the nodes' velocities.
+    /// Flux rows of the tied faces: the cell, and the flow out of it per component of the nodes' velocities.
     pub fn tied_flux_rows(&self) -> Vec<FluxRow> {
         let of = |tie: &TiedFace<D>| {
             let entries = |sign: f64| {
@@ -195,8 +194,8 @@ impl<const D: usize> SolidResponse<D> {
         self.ties.iter().flat_map(of).collect()
     }
 
-    /// The change of the nodes' velocities without the pressure of the cells: by what is given to them, the tied faces with their
-    /// `velocity` and the surface's `tension`, and some impulses more.
+    /// Change of the nodes' velocities without the pressure of the cells. It is due to the base impulses, the tied faces with their
+    /// `velocity` and the surface `tension`, and the impulses `more`.
     pub fn change_without_pressure(
         &self,
         model: &Model<D>,
@@ -222,7 +221,7 @@ impl<const D: usize> SolidResponse<D> {
         impulses.iter().zip(&self.prescribed_change).map(|(c, lead)| c + lead).collect()
     }
 
-    /// Adds the change of the nodes' velocities to the tied faces; `velocity` adds to one face.
+    /// Adds the change of the nodes' velocities to the solids' velocities at tied faces. `velocity` receives the change of each face.
     pub fn update_tied_faces(
         &self,
         dragged: &mut [DraggedFace],

@@ -1,39 +1,38 @@
-//! Faces of the grid that lines of several solids drag, as masses between liquid and solids.
+//! Grid faces that contact lines on several solids drag, as masses between liquid and solids.
 
 use meniscus_numerics::Vector;
 
-/// A face of the liquid that contact lines tie to solids.
+/// A liquid face that contact lines couple to solids.
 ///
-/// It gets the velocity `u = m (u* − g + Σ_s d_s a_s·V)`, with `d_s` the drag of the line on solid `s` over the face's mass,
-/// `m = 1/(1 + Σ_s d_s)`, `a_s·V` that solid's velocity along the face's axis by those of its nodes, and `g` the pressure's push; the
-/// solid gets `M d_s (u − a_s·V)` with `M` the face's mass. With the solids' velocities of the step before, a light solid ran away:
-/// the liquid that it moves hands more back than it weighs (added mass). So `u` is eliminated, and `V` solved for with the
-/// pressure: the flow through the face is `α m Σ_s d_s a_s`, the mass `M Σ_s d_s (a_s a_sᵀ − m Σ_r d_r a_s a_rᵀ)`, which is positive
-/// semidefinite, and the system stays symmetric.
+/// Its velocity is `u = m (u* − g + Σ_s d_s a_s·V)`. Here `d_s` is the drag of the line on solid `s` over the face's mass,
+/// `m = 1/(1 + Σ_s d_s)` the mobility, `a_s·V` the velocity of that solid along the face's axis in terms of its nodes, and `g` the
+/// velocity change by the pressure. The solid receives the impulse `M d_s (u − a_s·V)`, with the mass `M` of the face. Lagged velocities
+/// of the solids are unstable for light solids (added mass). Therefore `u` is eliminated, and `V` is solved for with the pressure. The
+/// flux of the face is `α m Σ_s d_s a_s`, and its mass matrix `M Σ_s d_s (a_s a_sᵀ − m Σ_r d_r a_s a_rᵀ)` is positive semidefinite.
 #[derive(Clone, Debug)]
 pub struct TiedFace<const D: usize> {
-    /// Place among the dragged faces.
+    /// Index among the dragged faces.
     pub dragged_face: usize,
-    /// The liquid cells that it is the upper (+1) and the lower (−1) face of.
+    /// Adjacent liquid cells: +1 if the face is their upper face, −1 if it is their lower one.
     pub cells: Vec<(u32, f64)>,
-    /// The face's open part in areas of a face, `α`.
+    /// Open fraction `α` of the face.
     pub open_fraction: f64,
-    /// `m`.
+    /// Mobility `m`.
     pub mobility: f64,
-    /// `M`, kg.
+    /// Mass `M`, kg.
     pub mass: f64,
-    /// The solids that something can move.
+    /// The movable solids.
     pub solids: Vec<TiedSolid<D>>,
 }
 
-/// A solid that a face is tied to.
+/// A solid that is coupled to a face.
 #[derive(Clone, Debug)]
 pub struct TiedSolid<const D: usize> {
-    /// Place among the face's holds.
+    /// Index among the face's drags.
     pub drag_index: usize,
-    /// `d_s`.
+    /// Drag `d_s`.
     pub drag: f64,
-    /// The solid's velocity along the axis by those of its nodes, `a_s`.
+    /// Weights `a_s` of the nodes' velocities in the solid's velocity along the axis.
     pub node_weights: Vec<(usize, Vector<D>)>,
 }
 
@@ -45,7 +44,7 @@ impl<const D: usize> TiedSolid<D> {
 }
 
 impl<const D: usize> TiedFace<D> {
-    /// Calls `f` with the ends' masses for each other, kg.
+    /// Calls `f` with each entry of the mass matrix, kg.
     pub fn masses(&self, mut f: impl FnMut(&TiedSolid<D>, &TiedSolid<D>, f64)) {
         for (s, one) in self.solids.iter().enumerate() {
             for (r, other) in self.solids.iter().enumerate() {

@@ -1,27 +1,27 @@
-//! Components of two times that became one another, and the rigid motion of what they are together.
+//! Groups of components that became one another in a step, and their rigid motion.
 
 use meniscus_numerics::{Matrix, Vector, rotation_planes};
 
-/// Components of two times that became one another: which old ones, which new ones.
+/// Components of two times that became one another.
 #[derive(Clone, Debug)]
 pub struct ComponentGroup<const D: usize> {
     /// Old components.
     pub old: Vec<usize>,
     /// New components.
     pub new: Vec<usize>,
-    /// What the new ones must be together at the end of the step, if they touch nothing that holds them.
+    /// Target motion of the new components at the end of the step, if they touch neither a side nor a constrained solid.
     pub target_motion: Option<RigidMotion<D>>,
-    /// What they must be once they are carried along and before any force acts, if solids hold them.
+    /// Target motion after advection and before the forces, if they touch constrained solids.
     pub advected_motion: Option<RigidMotion<D>>,
-    /// The part of a vector in directions in which nothing but momentum tells their place: all of it where they touch
-    /// nothing, what is along an even wall for drops on it.
+    /// Projector onto the directions in which momentum alone determines their position: all directions if they touch nothing, those
+    /// along an even wall for drops on it.
     pub unconstrained_projector: Matrix<D>,
-    /// Whether their angular momentum is told well enough to be kept.
+    /// Whether their angular momentum is resolved well enough to be conserved.
     pub keeps_angular_momentum: bool,
 }
 
 impl<const D: usize> ComponentGroup<D> {
-    /// These old components became these new ones.
+    /// A group of old components that became these new ones.
     pub fn new(old: Vec<usize>, new: Vec<usize>) -> Self {
         Self {
             old,
@@ -34,21 +34,21 @@ impl<const D: usize> ComponentGroup<D> {
     }
 }
 
-/// Bodies seen as one: mass over density, centre of mass, its velocity, and the angular momentum about it over density.
+/// Rigid motion of a body, or of several as one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigidMotion<const D: usize> {
     /// Mass over density, m³ (2D: m²).
     pub volume: f64,
     /// Centre of mass, m.
     pub center: Vector<D>,
-    /// Its velocity, m/s.
+    /// Velocity of the centre of mass, m/s.
     pub velocity: Vector<D>,
-    /// Angular momentum about it over density.
+    /// Angular momentum about the centre of mass over density, m⁵/s (2D: m⁴/s, in the last entry).
     pub angular_momentum_per_density: [f64; 3],
 }
 
 impl<const D: usize> RigidMotion<D> {
-    /// The same body found elsewhere: its momentum and its angular momentum about any point stay.
+    /// The same body with another centre. Its momentum and its angular momentum about any point are conserved.
     pub(super) fn moved_to(self, center: Vector<D>) -> Self {
         Self { angular_momentum_per_density: self.angular_momentum_about(&center), center, ..self }
     }

@@ -1,4 +1,4 @@
-//! Connected components of the liquid: what becomes of them, their volume, momentum and spin.
+//! Connected components of the liquid: tracking, and restoration of their volume, momentum and angular momentum.
 
 pub mod group;
 pub mod momentum;

@@ -1,10 +1,10 @@
-//! Momentum of every component, and giving back what the discretisation loses.
+//! Momentum of the liquid's components, and its restoration.
 //!
-//! Advection and the surface force are accurate but not conservative. A body of liquid that touches nothing must keep
-//! its mean velocity (but for gravity) and its angular momentum: after each step a uniform velocity and a rigid rotation
-//! restore both. Rigid motions are free of divergence, so nothing else changes (design, experiments part 2). Bodies that
-//! merge or part in a step are one [`RigidMotion`] in it: orbits about the common centre count as well as spins. A centre is
-//! that of the surface, which the volume correction keeps on its path; the faces' own centres (one per axis) jitter.
+//! Advection and surface tension are accurate but not conservative. A component that touches nothing must keep its mean velocity
+//! (except for gravity) and its angular momentum: after each step a uniform velocity and a rigid rotation restore both. Rigid motions
+//! are divergence-free, so nothing else changes. Components that merge or split in a step form one [`RigidMotion`], whose angular
+//! momentum includes that of their orbits. A centre is that of the volume within the interface, which the volume correction keeps on
+//! its path; the centres of the faces (one per axis) jitter.
 
 use super::group::ComponentGroup;
 use crate::components::group::RigidMotion;
@@ -15,11 +15,11 @@ use meniscus_numerics::{Matrix, Vector, rotation_planes};
 use rayon::prelude::*;
 use std::iter::zip;
 
-/// Most that the mass of a body's faces and that of its volume may differ by, as a ratio: beyond, its cells lie between solids and
-/// the mean over its faces is not its velocity.
+/// Largest ratio between the mass of a group's faces and that of its volume. Beyond it the cells lie between solids, and the mean over
+/// the faces is not the velocity.
 const MAX_MASS_RATIO: f64 = 2.0;
 
-/// Sums over the faces of a body, mass in units of a cell's.
+/// Moments of a body: sums over its faces, with masses in units of a cell's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moments<const D: usize> {
     /// Σ m per axis.
@@ -37,7 +37,7 @@ pub struct Moments<const D: usize> {
 }
 
 impl<const D: usize> Moments<D> {
-    /// Nothing.
+    /// All sums zero.
     pub fn zero() -> Self {
         Self {
             mass: [0.0; D],
@@ -62,7 +62,7 @@ impl<const D: usize> Moments<D> {
         }
     }
 
-    /// Adds `scale` times another body.
+    /// Adds `scale` times the moments of another body.
     pub fn add(&mut self, o: &Self, scale: f64) {
         for a in 0..D {
             self.energy[a] += scale * o.energy[a];
@@ -78,7 +78,7 @@ impl<const D: usize> Moments<D> {
         }
     }
 
-    /// The same body with `mass` on the faces of every axis: their sums differ a little, bodies must not.
+    /// The same body with `mass` on the faces of each axis, whose sums differ slightly otherwise.
     pub fn scaled_to_mass(&self, mass: f64) -> Self {
         let mut out = Self::zero();
         for a in 0..D {
@@ -103,7 +103,7 @@ impl<const D: usize> Moments<D> {
         std::array::from_fn(|a| Vector::from_fn(|b, _| self.first_moment[a][b] / self.mass[a].max(1e-300)))
     }
 
-    /// Angular momentum about the mean position of each axis' faces: a uniform velocity adds nothing.
+    /// Angular momentum about the mean position of each axis' faces, to which a uniform velocity adds nothing.
     fn angular_momentum(&self) -> [f64; 3] {
         let relative = |a: usize, b: usize| {
             self.moment_of_momentum[a][b]
@@ -116,7 +116,7 @@ impl<const D: usize> Moments<D> {
         angular_momentum
     }
 
-    /// The body as one whole with its centre where the surface says.
+    /// Rigid motion of the body, with its centre from the interface.
     pub fn rigid_motion(&self, center: Vector<D>) -> RigidMotion<D> {
         RigidMotion {
             volume: self.mass[0],
@@ -133,8 +133,8 @@ impl<const D: usize> Moments<D> {
     }
 }
 
-/// The rotation rate that carries a given angular momentum in bodies of the given spread (axis of the faces, two of
-/// positions) and mass.
+/// Angular velocity that carries a given angular momentum, for the second moments `spread` (axis of the faces, two axes of the
+/// positions); directions of less inertia than `min_inertia` are left out.
 fn rotation_rate<const D: usize>(
     momentum: [f64; 3],
     min_inertia: f64,
@@ -155,7 +155,7 @@ fn rotation_rate<const D: usize>(
     }
     let mut right = Vector::<3>::zeros();
     rotation_planes::<D>().iter().enumerate().for_each(|(i, p)| right[i] = momentum[p.2]);
-    // A body one cell thick has faces at one place only and cannot turn: directions without inertia are left out.
+    // The faces of a body one cell thick lie in one plane: it has no inertia in some directions.
     let inverse = inertia.symmetric_eigen();
     let mut rate = [0.0; 3];
     for (k, value) in inverse.eigenvalues.iter().enumerate().filter(|(_, value)| **value > min_inertia) {
@@ -166,31 +166,31 @@ fn rotation_rate<const D: usize>(
     rate
 }
 
-/// What restoring the momentum came to.
+/// Result of restoring the momentum.
 pub struct MomentumRestoration<const D: usize> {
-    /// The moments of every component after it.
+    /// Moments of every component afterwards.
     pub moments: Vec<Moments<D>>,
-    /// Momentum that was given back, kg m/s (2D: kg/s): the sum of the sizes over all bodies.
+    /// Restored momentum, kg m/s (2D: kg/s), sum of magnitudes over all groups.
     pub momentum: f64,
-    /// Angular momentum that was given back, kg m²/s (2D: kg m/s), in the same way.
+    /// Restored angular momentum, kg m²/s (2D: kg m/s), likewise.
     pub angular_momentum: f64,
-    /// Bodies that it was not given back to, as they lie between solids.
+    /// Groups whose momentum was not restored because they lie between solids.
     pub unrestored: u64,
-    /// Times that a cell had no component.
+    /// Number of cells without a component.
     pub unlabelled: u64,
 }
 
-/// What is needed to walk over the faces of each component.
+/// Iterates over the faces of each component.
 pub struct ComponentFaces<'a, const D: usize> {
     /// The model.
     pub model: &'a Model<D>,
-    /// Distance, to tell liquid cells.
+    /// Signed distance, m, to identify liquid cells.
     pub phi: &'a CellField<D>,
     /// The liquid's faces.
     pub faces: &'a [Vec<Segment>; D],
-    /// Shares of them that solids leave open, where there are solids.
+    /// Open fractions of the faces, if there are solids.
     pub open_fractions: Option<&'a FaceField<D>>,
-    /// Those at the surface.
+    /// The faces at the interface.
     pub interface_faces: &'a [InterfaceFace],
     /// Component of a liquid cell.
     pub label: &'a (dyn Fn(usize) -> u32 + Sync),
@@ -235,7 +235,7 @@ impl<const D: usize> ComponentFaces<'_, D> {
         out
     }
 
-    /// Calls `f(face, centre, component, mass)` for the faces of a stretch between two liquid cells.
+    /// Calls `f(face, centre, component, mass)` for the faces of a segment between two liquid cells.
     fn for_each_inner_face(&self, a: usize, s: &Segment, mut f: impl FnMut(usize, &Vector<D>, u32, f64)) {
         let (faces, cells) = (self.model.grid.face_lattice(a), self.model.grid.lattice());
         let mut at = faces.coordinates(s.row * faces.extent[0]);
@@ -253,7 +253,7 @@ impl<const D: usize> ComponentFaces<'_, D> {
             }
             let face = faces.index(at);
             let mass = self.open_fractions.map_or(1.0, |open| open.axes[a][face]);
-            // Beyond a face that a solid closes another component may begin.
+            // Another component may begin beyond a closed face.
             if mass == 0.0 {
                 component = None;
                 continue;
@@ -263,14 +263,14 @@ impl<const D: usize> ComponentFaces<'_, D> {
         }
     }
 
-    /// Whether the faces of a group's bodies hold their mass.
+    /// Whether the mass of a group's faces agrees with that of its volume.
     fn is_mass_consistent(&self, group: &ComponentGroup<D>, moments: &[Moments<D>], targets: &[f64]) -> bool {
         let faces = group.new.iter().flat_map(|&j| moments[j].mass).sum::<f64>() / D as f64;
         let cells = group.new.iter().map(|&j| targets[j]).sum::<f64>() / self.model.grid.cell_volume();
         faces.max(cells) <= MAX_MASS_RATIO * faces.min(cells)
     }
 
-    /// Restores the momentum and angular momentum of every whole; `centers` are those of the components.
+    /// Restores momentum and angular momentum of every group; `centers` are those of the components.
     pub fn restore(
         &self,
         velocity: &mut FaceField<D>,
@@ -378,8 +378,8 @@ impl<const D: usize> ComponentFaces<'_, D> {
     }
 }
 
-/// A rigid motion: velocity of the centre, rotation rate, and the mean position of the faces of each axis, about which
-/// a rotation leaves the mean velocity alone.
+/// A rigid motion: velocity of the centre, angular velocity, and the mean position of each axis' faces, about which a rotation does not
+/// change the mean velocity.
 #[derive(Clone)]
 struct VelocityCorrection<const D: usize> {
     velocity: Vector<D>,
@@ -387,7 +387,7 @@ struct VelocityCorrection<const D: usize> {
     mean_positions: [Vector<D>; D],
 }
 
-/// Velocity at `arm` of a rotation.
+/// Velocity of a rotation at `arm`.
 fn rotational_velocity<const D: usize>(rate: &[f64; 3], arm: &Vector<D>) -> Vector<D> {
     let mut velocity = Vector::zeros();
     for &(a, b, place) in rotation_planes::<D>() {
@@ -397,7 +397,7 @@ fn rotational_velocity<const D: usize>(rate: &[f64; 3], arm: &Vector<D>) -> Vect
     velocity
 }
 
-/// Several bodies as one.
+/// Combines several bodies into one.
 pub fn combined<const D: usize>(bodies: impl Iterator<Item = RigidMotion<D>>) -> RigidMotion<D> {
     let bodies: Vec<_> = bodies.collect();
     let volume: f64 = bodies.iter().map(|b| b.volume).sum();

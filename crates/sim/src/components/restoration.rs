@@ -1,4 +1,4 @@
-//! Momentum kept: of liquid that touches nothing, of liquid and free solids together, and on the way with the flow.
+//! Restoration of momentum: after advection, and after the forces, for liquid that touches nothing and for liquid with free solids.
 
 use super::group::ComponentGroup;
 use super::momentum::{ComponentFaces, MomentumRestoration};
@@ -14,8 +14,8 @@ use meniscus_numerics::Matrix;
 use meniscus_numerics::grid::CellField;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Takes from the groups what they gave to solids. Of a small drop the torque is noise, and so little turns
-/// it that it was flung about at ten times the capillary speed (2 cells a radius, at the rim of a plate).
+/// Subtracts the impulses given to solids from the target motions. The torque on a small drop is noise and its inertia small: with it
+/// one of radius 2 cells at the rim of a plate reached ten times the capillary speed.
 pub fn subtract_solid_impulses<const D: usize>(
     model: &Model<D>,
     groups: &mut [ComponentGroup<D>],
@@ -38,8 +38,7 @@ pub fn subtract_solid_impulses<const D: usize>(
     }
 }
 
-/// Gives back what components that solids hold lost of their momentum on the way: nothing has pushed them yet. Returns how much
-/// that was.
+/// Restores the momentum that components held by solids lose in advection, before any force acts. Returns how much.
 pub fn restore_advected_momentum<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
@@ -66,14 +65,14 @@ pub fn restore_advected_momentum<const D: usize>(
     }
 }
 
-/// Components of liquid cells; one without counts as of the first, and is counted.
+/// Component of each liquid cell. A cell without one counts as part of the first component, and is counted.
 pub struct ComponentLabels<'a> {
     known: &'a (dyn Fn(usize) -> Option<u32> + Sync),
     missing: AtomicU64,
 }
 
 impl<'a> ComponentLabels<'a> {
-    /// Of what is known of the cells.
+    /// Labels from a lookup of known components.
     pub fn new(known: &'a (dyn Fn(usize) -> Option<u32> + Sync)) -> Self {
         Self { known, missing: AtomicU64::new(0) }
     }
@@ -86,13 +85,13 @@ impl<'a> ComponentLabels<'a> {
         })
     }
 
-    /// Times that there was none.
+    /// Number of lookups without a component.
     pub fn missing(&self) -> u64 {
         self.missing.load(Ordering::Relaxed)
     }
 }
 
-/// Restores the momentum of every group that must have one.
+/// Restores the momentum of every group with a target motion.
 pub fn restore_momentum<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
@@ -109,7 +108,7 @@ pub fn restore_momentum<const D: usize>(
     MomentumRestoration { unlabelled: labels.missing(), ..restored }
 }
 
-/// A walk over the faces of each component.
+/// Iterator over the faces of each component.
 pub fn component_faces<'a, const D: usize>(
     model: &'a Model<D>,
     phi: &'a CellField<D>,

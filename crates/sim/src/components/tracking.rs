@@ -1,4 +1,4 @@
-//! What becomes of the liquid's components in a step: which become which, and the volume, place and momentum each must have.
+//! Tracking of the liquid's components in a step: which become which, and the volume, position and momentum each must have.
 
 use super::group::ComponentGroup;
 use super::momentum::combined;
@@ -16,35 +16,35 @@ use meniscus_numerics::grid::{Band, Runs};
 use meniscus_numerics::{Matrix, Vector};
 use std::f64::consts::PI;
 
-/// From which on it is told how one on a solid turns.
+/// Smallest radius, in cells, of a drop on a solid whose rotation is resolved.
 const MIN_ROTATION_RADIUS_CELLS: f64 = 3.0;
 
-/// Share of the wetted surface, as seen along the directions in which lines pull at no solid, from which on solids hold a
-/// component there as well: it stands in a vessel.
+/// Wetted fraction facing directions in which contact lines exert no force, from which on solids hold a component in these directions
+/// as well, as a vessel does.
 const MAX_FACING_WETTED_FRACTION: f64 = 0.01;
 
-/// What became of the components in a step.
+/// Change of the components in a step.
 pub struct ComponentChange<const D: usize> {
-    /// Which became which.
+    /// The groups that became one another.
     pub groups: Vec<ComponentGroup<D>>,
-    /// Component that each cell of the band belongs to.
+    /// Component of each cell of the band.
     pub band_labels: Vec<u32>,
-    /// The surface in cubes.
+    /// The interface in dual cells.
     pub dual_cells: Vec<DualCell>,
-    /// Volumes that the components must have.
+    /// Target volumes of the components, m³ (2D: m²).
     pub target_volumes: Vec<f64>,
-    /// Volumes that they have.
+    /// Measured volumes, m³ (2D: m²).
     pub volumes: Vec<f64>,
-    /// Their centres of mass.
+    /// Centres of mass, m.
     pub centers: Vec<Vector<D>>,
-    /// What a component's volume was wrong by, as a layer on a ball of its volume, in cells.
+    /// Largest volume error of a component, as the thickness of a layer on a ball of its volume, in cells.
     pub volume_error_cells: f64,
-    /// What was mended, measured before.
+    /// Repairs, measured before the corrections.
     pub repairs: Repairs,
 }
 
 impl<const D: usize> ComponentChange<D> {
-    /// The components as they are, each become itself.
+    /// The present components, each unchanged.
     pub fn unchanged(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Self {
         let band_labels = band_labels(model, &work.band, &state.phi, &work.liquid);
         let VolumeMeasurement { dual_cells, volumes, centers } =
@@ -63,7 +63,7 @@ impl<const D: usize> ComponentChange<D> {
     }
 }
 
-/// Follows the components and puts their volumes and centres right.
+/// Tracks the components and restores their volumes and centres of mass.
 pub fn restore_volume<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
@@ -104,7 +104,7 @@ pub fn restore_volume<const D: usize>(
     let offsets = centroid_corrections(&followed.groups, &target_volumes, &measured.centers);
     repairs.center_shift = offsets.iter().map(Vector::norm).fold(0.0, f64::max);
     let groups = followed.groups;
-    // A drop too small to be resolved loses its shape in any step: it must not make the others wait.
+    // An unresolved drop loses its shape in any step and must not shorten the steps of the others.
     let is_resolved = |c: &usize| target_volumes[*c] > min_resolved_volume(model);
     let depths = (0..measured_volumes.len())
         .filter(is_resolved)
@@ -117,7 +117,7 @@ pub fn restore_volume<const D: usize>(
         repairs.volume_unconverged = 1;
         repairs.volume_residual = absolute_volume_error(&volumes, &target_volumes) / total(&target_volumes);
     }
-    // Where the surface could not follow all the way, the books do.
+    // Where the interface could not be moved all the way, the recorded centres are corrected.
     let corrections = centroid_corrections(&groups, &target_volumes, &centers);
     centers.iter_mut().zip(corrections).for_each(|(center, corrections)| *center += corrections);
     ComponentChange {
@@ -132,7 +132,7 @@ pub fn restore_volume<const D: usize>(
     }
 }
 
-/// Volume that is about to be moved, and components that vanished or appeared; `raw` are the volumes as they are.
+/// Volume about to be moved, and components that vanished or appeared; `raw` are the measured volumes.
 fn volume_repairs<const D: usize>(
     model: &Model<D>,
     state: &State<D>,
@@ -156,22 +156,22 @@ fn volume_repairs<const D: usize>(
     repairs
 }
 
-/// Volume that is in the wrong component or missing: the sum over all of what each has too much or too little.
+/// Sum of the absolute volume errors of all components.
 fn absolute_volume_error(volumes: &[f64], targets: &[f64]) -> f64 {
     volumes.iter().zip(targets).map(|(volume, target)| (volume - target).abs()).sum()
 }
 
-/// The sum of volumes, above zero.
+/// Sum of volumes, bounded above zero.
 fn total(volumes: &[f64]) -> f64 {
     volumes.iter().sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
-/// Least volume of a drop that the grid resolves, m³ (2D: area, m²).
+/// Smallest volume of a resolved drop, m³ (2D: area, m²).
 pub fn min_resolved_volume<const D: usize>(model: &Model<D>) -> f64 {
     ball_volume::<D>(MIN_RESOLVED_RADIUS_CELLS * model.grid.dx)
 }
 
-/// Least volume of a drop of which it is told how solids turn it, m³ (2D: area, m²).
+/// Smallest volume of a drop whose rotation by solids is resolved, m³ (2D: area, m²).
 pub fn min_rotation_volume<const D: usize>(model: &Model<D>) -> f64 {
     ball_volume::<D>(MIN_ROTATION_RADIUS_CELLS * model.grid.dx)
 }
@@ -196,8 +196,8 @@ pub fn band_component<'a, const D: usize>(
     |cell| band.slot(cell).map(|s| labels[s]).filter(|l| *l != u32::MAX)
 }
 
-/// Finds out what every group that nothing holds must be after the step; `unpulled` is, for each component, the part of a
-/// vector in directions in which lines pull at no solid.
+/// Finds the target motion of every group that touches no side. `unpulled` is, for each component, the projector onto the directions in
+/// which contact lines exert no force on solids.
 pub fn predict_motions<const D: usize>(
     model: &Model<D>,
     state: &State<D>,
@@ -217,7 +217,7 @@ pub fn predict_motions<const D: usize>(
             group.unconstrained_projector =
                 if touches { group_projector(group, unpulled) } else { Matrix::identity() };
             let mut motion = combined(group.old.iter().map(|&i| state.components[i].rigid_motion()));
-            // A drop whose volume lies within solids altogether has no mass, and so no momentum to be kept.
+            // A drop entirely within solids has no mass, and so no momentum to restore.
             if motion.volume <= 0.0 {
                 continue;
             }
@@ -233,7 +233,7 @@ pub fn predict_motions<const D: usize>(
     }
 }
 
-/// The one of these parts of vectors that is a group's: nothing if it is of several components.
+/// The projector of a group; zero for several components.
 fn group_projector<const D: usize>(group: &ComponentGroup<D>, parts: &[Matrix<D>]) -> Matrix<D> {
     match group.new[..] {
         [one] => parts.get(one).copied().unwrap_or(Matrix::zeros()),

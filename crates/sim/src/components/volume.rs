@@ -1,9 +1,8 @@
 //! Volume of every connected component of the liquid.
 //!
-//! Each component has a volume to keep. When components merge their targets add up, when one splits its target is
-//! shared in proportion to the volumes of the parts. What the level set loses or gains in a step is put right by
-//! shifting φ by a constant near the component's surface; where the centre of mass of a body strays from its path in a
-//! direction in which nothing but its momentum moves it, a translation of φ brings it back.
+//! Each component has a target volume. When components merge, their targets add up; when one splits, its target is shared in proportion
+//! to the volumes of the parts. A constant shift of φ near the component's interface corrects the volume error of the level set in a
+//! step. Where the centre of mass leaves its path in a direction in which only the momentum moves it, a translation of φ brings it back.
 
 use crate::components::group::ComponentGroup;
 use crate::free_surface::dual_cell::{DualCell, MIN_CORNER_DISTANCE_CELLS};
@@ -14,23 +13,23 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CellField, Runs, Sampler};
 use rayon::prelude::*;
 
-/// Volume error over the volume, and distance of a centre of mass over the domain's size, that is left alone.
+/// Tolerance of a volume over its target, and of a centre of mass over the size of the domain.
 const RELATIVE_TOLERANCE: f64 = 1e-13;
-/// Most of Newton's iterations for volumes and centres.
+/// Largest number of Newton iterations for volumes and centres.
 const MAX_NEWTON_ITERATIONS: usize = 6;
 
-/// What became of which components.
+/// Which components became which.
 pub struct ComponentMatch<const D: usize> {
-    /// Which became which.
+    /// The groups that became one another.
     pub groups: Vec<ComponentGroup<D>>,
-    /// Old components that shared no cell with a new one and joined the nearest.
+    /// Old components without a cell in common with a new one; they joined the nearest.
     pub vanished: Vec<usize>,
-    /// New components that shared no cell with an old one, where none was missing, and the nearest old one, which they join.
+    /// New components without a cell in common with an old one, where no old one was missing, and the nearest old one, which they join.
     pub appeared: Vec<(usize, usize)>,
 }
 
-/// Follows components from `before` to `after` by the cells they share; strays join the nearest, but those that `left` tells
-/// have left the domain.
+/// Matches components of `before` and `after` by the cells they share. Unmatched ones join the nearest, except those that have `left`
+/// the domain.
 pub fn match_components<const D: usize>(
     before: &Runs,
     after: &Runs,
@@ -57,8 +56,8 @@ pub fn match_components<const D: usize>(
         link(a as usize, m + b as usize);
         (matched[a as usize], matched[m + b as usize]) = (true, true);
     }
-    // A small drop may leave its cells in one step, or become too small to see, or appear: it belongs to the nearest,
-    // so that neither volume nor momentum is lost. Newcomers look for drops that went missing first.
+    // A small drop may leave its cells in a step, vanish or appear: it joins the nearest component, so that
+    // volume and momentum are conserved. New components are first matched with missing ones.
     let (mut vanished, mut appeared) = (Vec::new(), Vec::new());
     let distance = |i: usize, j: usize| (drops[i].centroid + drops[i].velocity * dt - centroids[j]).norm();
     for j in 0..n {
@@ -94,7 +93,7 @@ pub fn match_components<const D: usize>(
     ComponentMatch { groups, vanished, appeared }
 }
 
-/// Target volumes of the new components, and the volume of old ones that are gone.
+/// Target volumes of the new components, and the volume of vanished ones, m³ (2D: m²).
 pub fn target_volumes<const D: usize>(
     groups: &[ComponentGroup<D>],
     drops: &[Component<D>],
@@ -119,7 +118,7 @@ pub fn target_volumes<const D: usize>(
     (targets, lost)
 }
 
-/// The component that each cell of the band belongs to: its own, or that of the nearest liquid.
+/// Component of each cell of the band: its own, or that of the nearest liquid.
 pub fn band_labels<const D: usize>(
     model: &Model<D>,
     band: &Band<D>,
@@ -146,17 +145,17 @@ pub fn band_labels<const D: usize>(
     labels
 }
 
-/// The surface as it is: cubes cut, volume and centre of each component.
+/// Measured interface: dual cells, volume and centre of each component.
 pub struct VolumeMeasurement<const D: usize> {
-    /// Cubes that the surface passes.
+    /// Dual cells that contain the interface.
     pub dual_cells: Vec<DualCell>,
     /// Volume of each component, m³ (2D: m²).
     pub volumes: Vec<f64>,
-    /// Centre of each component, m.
+    /// Centre of mass of each component, m.
     pub centers: Vec<Vector<D>>,
 }
 
-/// How far the parts of each group must move for the whole to be in its place, by component.
+/// Displacement of each component that moves its group to its target position, m.
 pub fn centroid_corrections<const D: usize>(
     groups: &[ComponentGroup<D>],
     targets: &[f64],
@@ -174,13 +173,13 @@ pub fn centroid_corrections<const D: usize>(
     moves
 }
 
-/// Where the liquid is, for measuring and correcting its volume.
+/// Measures and corrects the volume of the liquid.
 pub struct VolumeCorrection<'a, const D: usize> {
     /// The model.
     pub model: &'a Model<D>,
-    /// The lattice that measures.
+    /// The dual grid, which measures the volume.
     pub dual_grid: &'a DualGrid<D>,
-    /// The cells around the surface.
+    /// The cells of the narrow band.
     pub band: &'a Band<D>,
     /// The liquid cells.
     pub cells: &'a Runs,
@@ -189,7 +188,7 @@ pub struct VolumeCorrection<'a, const D: usize> {
 }
 
 impl<const D: usize> VolumeCorrection<'_, D> {
-    /// Component of a cell: in the band that of the nearest liquid.
+    /// Component of a cell; in the band that of the nearest liquid.
     fn component_of(&self) -> impl Fn(usize) -> Option<u32> {
         let deep = self.cells.component_lookup(&self.model.grid);
         move |cell| match self.band.slot(cell) {
@@ -198,7 +197,7 @@ impl<const D: usize> VolumeCorrection<'_, D> {
         }
     }
 
-    /// Measures the surface of `phi`.
+    /// Measures the volumes within the interface of `phi`.
     pub fn measure(&self, phi: &CellField<D>) -> VolumeMeasurement<D> {
         let dual_cells = self.dual_grid.interface_cells(&phi.data, self.band);
         let sums = self.dual_grid.component_volumes(self.cells, self.component_of(), &dual_cells);
@@ -206,8 +205,8 @@ impl<const D: usize> VolumeCorrection<'_, D> {
         VolumeMeasurement { dual_cells, volumes, centers }
     }
 
-    /// Shifts φ within `limit` of each component's surface until its volume is the target and the whole that it belongs
-    /// to is in its place (Newton), and measures. Gives back as well whether that came to its end.
+    /// Shifts φ within `limit` (m) of each component's interface until volumes and positions match their targets (Newton iteration).
+    /// Returns the final measurement and whether it converged.
     pub fn correct(
         &self,
         phi: &mut CellField<D>,
@@ -234,7 +233,7 @@ impl<const D: usize> VolumeCorrection<'_, D> {
             for (i, (&cell, &l)) in self.band.cells.iter().zip(self.labels).enumerate() {
                 let value = &mut phi.data[cell as usize];
                 if l != u32::MAX && value.abs() < limit {
-                    // Signs stay: the runs of liquid cells must remain what they are within a step.
+                    // Signs are kept: the runs of liquid cells must not change within a step.
                     let c = l as usize;
                     let shifted = *value + shifts[c] - slopes.get(i).map_or(0.0, |s| s.dot(&moves[c]));
                     *value = if *value < 0.0 { shifted.min(-min_phi) } else { shifted.max(min_phi) };
@@ -246,7 +245,7 @@ impl<const D: usize> VolumeCorrection<'_, D> {
         (now, converged)
     }
 
-    /// By how much φ must change for each component's volume to be right, m.
+    /// Change of φ that corrects the volume of each component, m.
     fn phi_shifts(&self, now: &VolumeMeasurement<D>, targets: &[f64]) -> Vec<f64> {
         let label = self.component_of();
         let mut slopes = vec![0.0; targets.len()];
@@ -259,7 +258,7 @@ impl<const D: usize> VolumeCorrection<'_, D> {
         (0..targets.len()).map(|c| shift(c).clamp(-0.1, 0.1) * grid.dx).collect()
     }
 
-    /// ∇φ on the band; nothing where no group must be anywhere.
+    /// ∇φ on the band; empty if no group has a target position.
     fn phi_gradients(&self, phi: &CellField<D>, groups: &[ComponentGroup<D>]) -> Vec<Vector<D>> {
         if groups.iter().all(|g| g.unconstrained_projector.norm_squared() == 0.0) {
             return Vec::new();

@@ -1,69 +1,68 @@
-//! The angle at which the liquid's surface meets a solid, from the surface a few cells away.
+//! Contact angle from the free surface a few cells away from the solid.
 //!
-//! Next to the solid the interpolant of φ reaches into it, where φ is only a continuation. So the surface is followed from
-//! the line up the solid's normal `n`: at `y` with the normal `ν = ∇φ` it goes on along the part of `n` in its tangent
-//! plane, and each step ends on the zero set again. What is [`MIN_FIT_HEIGHT_CELLS`] to [`MAX_FIT_HEIGHT_CELLS`] cells above the solid tells the angle
-//! `arccos ν·n` as a function of the arc length, which is continued to where the arc reaches the solid: a linear one (exact
-//! for a circle and for a sphere on a plane), and what the liquid's weight adds to it, as it makes the curvature change with
-//! the height (Young and Laplace: `κ = κ0 − w·x`, with `w` as in [`Foot::bond_vector`]; without it the angle of a puddle with a
-//! capillary length of six cells is eight degrees too small).
+//! Next to the solid the interpolant of φ reaches into it, where φ is only an extension. The surface is therefore traced from the
+//! line up the solid's normal `n`: at a point with the normal `ν = ∇φ` a step follows the part of `n` in the tangent plane, and
+//! then returns to the zero set. The points `MIN_FIT_HEIGHT_CELLS` to `MAX_FIT_HEIGHT_CELLS` cells above the solid give the angle
+//! `arccos ν·n` as a function of the arc length. It is extrapolated to the solid as a linear function (exact for a circle and for
+//! a sphere on a plane) plus the effect of gravity on the curvature (Young–Laplace: `κ = κ0 − w·x`, with `w` as in
+//! [`Foot::bond_vector`]; without it the angle of a puddle with a capillary length of six cells is 8 degrees too small).
 
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Sampler;
 
-/// Heights, in cells, between which the surface counts.
+/// Heights above the solid, in cells, between which surface points are fitted.
 const MIN_FIT_HEIGHT_CELLS: f64 = 1.5;
 const MAX_FIT_HEIGHT_CELLS: f64 = 4.5;
-/// Part of the height of a flat drop from which on its surface counts.
+/// Fraction of the height of a flat drop above which its surface points are fitted.
 const FLAT_DROP_HEIGHT_FRACTION: f64 = 0.4;
-/// Arc length of a step, in cells.
+/// Arc length of a tracing step, in cells.
 const TRACE_STEP_CELLS: f64 = 0.5;
-/// Most steps.
+/// Maximum number of tracing steps.
 const MAX_TRACE_STEPS: usize = 40;
-/// Steps of Newton's iteration to the foot of an arc.
+/// Newton iterations to the foot of an arc.
 const FOOT_ITERATIONS: usize = 6;
-/// Arc length that is used, in cells.
+/// Maximum arc length of the fit, in cells.
 const MAX_FIT_ARC_CELLS: f64 = 6.0;
-/// Least sine of the angle at which the surface still leads up.
+/// Smallest sine of the angle at which the surface still leads up.
 const MIN_RISE_SINE: f64 = 0.1;
 /// Fewest points for a fit.
 const MIN_FIT_POINTS: usize = 3;
-/// Slope of φ below which it is no distance: a ridge between two surfaces.
+/// Gradient norm of φ below which it is no distance: a ridge between two surfaces.
 const MIN_GRADIENT_NORM: f64 = 0.7;
 
-/// A point of the surface.
+/// A point of the traced surface.
 struct TracePoint<const D: usize> {
     at: Vector<D>,
     normal: Vector<D>,
-    /// Arc length from where the way began, in cells.
+    /// Arc length from the start of the trace, in cells.
     arc_cells: f64,
     /// Height above the solid, in cells.
     height_cells: f64,
-    /// Angle between the surface's normal and the solid's.
+    /// Angle between the surface's normal and the solid's, rad.
     angle: f64,
-    /// Part of it that the weight has made since the way began.
+    /// Part of it that gravity has added since the start of the trace, rad.
     gravity_turn: f64,
 }
 
-/// A place on a solid where a line is.
+/// A point of a contact line on a solid.
 pub struct Foot<'a, const D: usize> {
-    /// The place, m.
+    /// Position, m.
     pub at: Vector<D>,
     /// The solid's normal there.
     pub normal: Vector<D>,
     /// Cell size, m.
     pub dx: f64,
-    /// How fast the curvature falls along each axis, 1/cells²: [`crate::Model::bond_vector`].
+    /// Decrease of the curvature along each axis, 1/cells²: `Model::cell_bond_vector`.
     pub bond_vector: Vector<D>,
     /// Distance to the solid, m.
     pub height: &'a dyn Fn(&Vector<D>) -> f64,
 }
 
-/// The contact angle through the liquid, rad; without enough surface to fit it is that of the surface nearest to a point
+/// The contact angle through the liquid, rad. With too few points to fit, it is the angle at the surface point closest to a point
 /// above the line. `None` where there is no surface.
 pub fn contact_angle<const D: usize>(phi: &Sampler<'_, D>, foot: &Foot<'_, D>) -> Option<f64> {
     let trace = trace_interface(phi, foot)?;
-    // Of a flat drop the upper part must do.
+    // On a flat drop only the upper part is used.
     let top = trace.iter().map(|t| t.height_cells).fold(0.0, f64::max);
     let from = MIN_FIT_HEIGHT_CELLS.min(FLAT_DROP_HEIGHT_FRACTION * top);
     let first = trace.iter().position(|t| t.height_cells >= from).unwrap_or(0);
@@ -85,7 +84,7 @@ pub fn contact_angle<const D: usize>(phi: &Sampler<'_, D>, foot: &Foot<'_, D>) -
     Some(extrapolated_angle(foot, used[0], first, curvature))
 }
 
-/// The way up along the surface.
+/// Traces the surface upwards from the line.
 fn trace_interface<const D: usize>(phi: &Sampler<'_, D>, foot: &Foot<'_, D>) -> Option<Vec<TracePoint<D>>> {
     let (dx, n) = (foot.dx, foot.normal);
     let mut trace: Vec<TracePoint<D>> = Vec::new();
@@ -99,7 +98,7 @@ fn trace_interface<const D: usize>(phi: &Sampler<'_, D>, foot: &Foot<'_, D>) -> 
             let step = (at - last.at).norm() / dx;
             arc_cells += step;
             gravity_turn += step * foot.bond_vector.dot(&(0.5 * (at + last.at) - trace[0].at)) / dx;
-            // Past the top, or no way up.
+            // Past the top, or the surface does not lead up.
             if height_cells <= last.height_cells {
                 break;
             }
@@ -113,7 +112,7 @@ fn trace_interface<const D: usize>(phi: &Sampler<'_, D>, foot: &Foot<'_, D>) -> 
     Some(trace)
 }
 
-/// The point of the surface nearest to `x`, and the slope there.
+/// Closest point of the interface to `x`, and the gradient of φ there.
 fn closest_on_interface<const D: usize>(
     phi: &Sampler<'_, D>,
     x: &Vector<D>,
@@ -129,7 +128,7 @@ fn closest_on_interface<const D: usize>(
     (at, slope)
 }
 
-/// The angle where the arc that has the angle `angle` at `point` and turns there by `curvature` (rad per cell) reaches the solid.
+/// The angle at which the arc with `angle` and `curvature` (rad per cell) at `point` reaches the solid.
 fn extrapolated_angle<const D: usize>(
     foot: &Foot<'_, D>,
     point: &TracePoint<D>,
@@ -138,7 +137,7 @@ fn extrapolated_angle<const D: usize>(
 ) -> f64 {
     let n = foot.normal;
     let outward = (point.normal - n * point.normal.dot(&n)).try_normalize(0.0).unwrap_or(Vector::zeros());
-    // How fast the bend grows with the arc.
+    // Growth of the curvature with the arc length.
     let curvature_rate = foot.bond_vector.dot(&(n * angle.sin() - outward * angle.cos()));
     let mut arc = 0.0;
     for _ in 0..FOOT_ITERATIONS {

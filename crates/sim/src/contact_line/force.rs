@@ -1,19 +1,20 @@
-//! What the liquid's surface pulls at the solids with.
+//! Forces of contact lines on solids.
 //!
-//! Along the contact line a solid feels the free surface's tension across its own surface, `γ sin θ n` with the angle `θ`
-//! that the surface has, and along it `γ mode_cosine θ_Y t` with Young's: what is unbalanced there moves the liquid, and no even
-//! wall is pulled along itself, as the energy does not change when the liquid moves along it. At rest both make the pull
-//! of the free surface, `γ t_la`.
+//! Normal to its surface a solid feels the tension of the free surface, `γ sin θ n` with the actual angle `θ`; along its
+//! surface it feels `γ cos θ_Y t` with Young's angle. The unbalanced tangential part accelerates the liquid. The tangential
+//! force on a plane wall adds up to zero, as the energy does not change when the liquid moves along it. In equilibrium both
+//! parts together are the tension of the free surface, `γ t_la`.
 //!
-//! The lattice of the surface tells that to a percent or two; a body of liquid that touches nothing but solids tells it
-//! exactly: what its surface's pressure pushes the liquid with, the solids must give back. So across the solids the
-//! difference is spread over its lines, and drop and solids together neither gain nor lose momentum (design, experiments
-//! part 2, EFT), nor angular momentum, except where all lines on a solid that deforms lie within [`MIN_RESOLVED_RADIUS_CELLS`] cells of one place:
-//! these carry no moment, and the repairs say how much was left out; along them the lattice is right, and the liquid gets what its surface's pressure lacks. Without that a drop
-//! that spreads on a tilted wall starts to glide along it.
+//! The dual cells give these forces to a percent or two. For a component of liquid that touches only solids the sum is
+//! known exactly: it balances the capillary impulse on the liquid. The difference normal to the solids is therefore
+//! distributed over the lines of the component, and liquid and solids together conserve momentum and angular momentum. The
+//! exception are lines on a deformable solid that all lie within [`MIN_RESOLVED_RADIUS_CELLS`] cells of one point: they
+//! carry no moment, and the repairs record what is left out. Along the solids the dual cells are right, and the liquid gets
+//! the difference; otherwise a drop that spreads on a tilted wall starts to glide along it.
 //!
-//! A solid that deforms feels the tension of its own surface as well ([`super::solid_tension`]): along it the two are in balance. What each
-//! piece of a line pulls it with, the balance of the surface around tells ([`super::local_balance`]); the sum over a line is as above.
+//! A deformable solid also feels the tension of its own surface ([`super::solid_tension`]), which balances the line force
+//! along the solid. The force of each piece of a line follows from the balance of the free surface around it
+//! ([`super::local_balance`]); the sum over the line is as above.
 
 use super::local_balance::LineNeighbourhood;
 use super::solid_tension::WettedTensions;
@@ -28,33 +29,33 @@ use meniscus_numerics::grid::CutCell;
 use meniscus_numerics::{Matrix, Vector, rotation_planes};
 use std::collections::BTreeMap;
 
-/// What the lattice tells of the lines: pulls, and lengths in cells (times the sine of the angle) with their first moments
-/// (m).
+/// Contact-line forces of the dual cells: impulses, and line lengths in cells (times the sine of the angle) with their
+/// first moments (cells times m).
 struct LinePulls<const D: usize> {
     impulses: CouplingImpulses<D>,
     lengths: BTreeMap<(u32, u32), (f64, Vector<D>)>,
-    /// Where lines take hold of solids that deform.
+    /// Load points of the lines on deformable solids.
     loads: BTreeMap<(u32, u32), Vec<LineLoad<D>>>,
-    /// The pieces of all lines, and of the surface's rims at sides of the domain, each of which has its part of the surface
-    /// around it: places, m, and pulls over the time and the tension of a cell.
+    /// Pieces of all lines, and of the surface's rims at sides of the domain; each has its part of the surface around it.
+    /// Positions, m, and impulses over `γ h Δ^(D−2)`.
     pieces: Vec<(Vector<D>, Vector<D>)>,
 }
 
-/// A place where a line takes hold of a solid that deforms.
+/// A load point of a contact line on a deformable solid.
 struct LineLoad<const D: usize> {
     point: SurfacePoint<D>,
-    /// Number of the line's piece, and how much of it takes hold here.
+    /// Index of the line's piece, and the fraction of it that acts here.
     piece: (usize, f64),
-    /// Length there, in cells.
+    /// Length there, in cells, times the sine of the angle.
     length_cells: f64,
-    /// What it pulls with, N s (2D: per metre).
+    /// Impulse, N s (2D: per metre).
     impulse: Vector<D>,
 }
 
-/// Least share of the lines' pull across solids that a direction must have for lines to pull in it.
+/// Share of the lines' forces normal to solids from which on a direction counts fully as pulled.
 const MIN_PULL_FRACTION: f64 = 0.1;
 
-/// The part of a vector in directions in which lines pull across their solids: all but those along an even wall.
+/// Projector onto the directions in which lines pull normal to their solids; it excludes those along a plane wall.
 fn pull_projector<const D: usize>(across: &Matrix<D>) -> Matrix<D> {
     let square =
         Matrix::<3>::from_fn(|i, j| if i < D && j < D { across[(i, j)] / across.trace() } else { 0.0 });
@@ -64,9 +65,9 @@ fn pull_projector<const D: usize>(across: &Matrix<D>) -> Matrix<D> {
     Matrix::from_fn(|i, j| part[(i, j)])
 }
 
-/// The sum over each component's lines of the projector across the solids around them: the mean over the solids' surface in
-/// the cells that a piece of a line lies between, of which alone its energy knows. Beside an edge that has the normals of both
-/// sides: nothing there is along an even wall.
+/// The sum over each component's lines of the projector onto the normals of the solids around them: the mean over the
+/// solids' surface in the cells between which a piece of a line lies, the only ones on which its energy depends. Beside an
+/// edge it contains the normals of both faces.
 fn normal_projectors<const D: usize>(
     dual_cells: &[DualCell],
     wet: &[CutCell<D>],
@@ -91,7 +92,7 @@ fn surface_in<const D: usize>(wet: &[CutCell<D>], cell: u32) -> Option<&CutCell<
     wet.binary_search_by_key(&cell, |w| w.cell).ok().map(|at| &wet[at])
 }
 
-/// For each component the part of a vector in directions in which its lines pull at no solid; nothing without lines.
+/// For each component the projector onto the directions in which its lines pull at no solid; zero without lines.
 pub fn unconstrained_projectors<const D: usize>(
     dual_cells: &[DualCell],
     wet: &[CutCell<D>],
@@ -108,23 +109,23 @@ pub fn unconstrained_projectors<const D: usize>(
 pub struct LineImpulses<const D: usize> {
     /// On the solids.
     pub on_solids: CouplingImpulses<D>,
-    /// For each component what is missing along its solids, N s (2D: N s/m): the liquid gets it.
+    /// For each component the missing impulse along its solids, N s (2D: N s/m), which the liquid gets.
     pub on_liquid: Vec<Vector<D>>,
     /// Size of the moments that lines too close together do not carry, kg m²/s (2D: kg m/s).
     pub moment_lost: f64,
 }
 
-/// The surface as it pulls at solids.
+/// The data from which the contact-line forces are computed.
 pub struct ContactLineForces<'a, const D: usize> {
     /// The model.
     pub model: &'a Model<D>,
     /// The solids.
     pub solids: &'a [SolidState<D>],
-    /// The distance to the surface, cell by cell.
+    /// Signed distance to the interface in each cell, m.
     pub phi: &'a [f64],
-    /// The surface in cubes.
+    /// The dual cells with interface or wetted solid.
     pub dual_cells: &'a [DualCell],
-    /// The faces that it cuts.
+    /// The interface faces.
     pub interface_faces: &'a [InterfaceFace],
     /// The solids' surfaces in cells.
     pub wet: &'a [CutCell<D>],
@@ -132,14 +133,14 @@ pub struct ContactLineForces<'a, const D: usize> {
     pub centers: &'a [Vector<D>],
     /// Component of a liquid cell.
     pub label: &'a dyn Fn(usize) -> Option<u32>,
-    /// Which components touch no side of the domain.
+    /// Whether each component touches no side of the domain.
     pub touches_no_side: &'a [bool],
-    /// What is wetted of the solids that deform.
+    /// Tension forces of the wetted surfaces of deformable solids.
     pub wetted_tensions: &'a WettedTensions<D>,
 }
 
 impl<const D: usize> ContactLineForces<'_, D> {
-    /// The impulses of the time `impulse_time` (s).
+    /// Computes the impulses during `impulse_time` (s).
     pub fn impulses(&self, impulse_time: f64) -> LineImpulses<D> {
         let LinePulls { mut impulses, lengths, mut loads, pieces } = self.lattice_pulls(impulse_time);
         if !loads.is_empty() {
@@ -153,12 +154,12 @@ impl<const D: usize> ContactLineForces<'_, D> {
         let mut along = vec![Vector::zeros(); self.touches_no_side.len()];
         let (sides, mut moment_lost) = (self.side_axes(), 0.0);
         for c in (0..along.len()).filter(|&c| total[c] > 0.0) {
-            // Sides of the domain pull across themselves only, and with what moment is not known.
+            // Sides of the domain pull only along their normals, with an unknown moment.
             let balanced = Vector::from_fn(|a, _| if sides[c][a] { 0.0 } else { missing[c].linear[a] });
             let linear = pull_projector(&across[c]) * balanced;
             if self.touches_no_side[c] {
                 along[c] = linear - missing[c].linear;
-                // The liquid gets that as a whole.
+                // The liquid gets this impulse at its centre of mass.
                 missing[c].angular += moment(&self.centers[c], &along[c]);
             }
             missing[c].linear = linear;
@@ -178,7 +179,7 @@ impl<const D: usize> ContactLineForces<'_, D> {
                     load_deformable(loads, shortest_lever, (skin, impulse_time), *pair, &all, &mut impulses);
             }
         }
-        // Without a line nothing holds the tension of what is wetted, nor needs to: that of every facet is in balance.
+        // Without a contact line the tension of the wetted surface is in balance by itself.
         let lineless = self.wetted_tensions.iter().filter(|(pair, _)| !lengths.contains_key(pair));
         for (pair, skin) in lineless {
             skin.iter()
@@ -187,11 +188,11 @@ impl<const D: usize> ContactLineForces<'_, D> {
         LineImpulses { on_solids: impulses, on_liquid: along, moment_lost }
     }
 
-    /// Along which axes sides of the domain pull at the surface of each component: along their normals.
+    /// The axes along which sides of the domain pull at the surface of each component: the normals of the sides.
     fn side_axes(&self) -> Vec<[bool; D]> {
         let mut sides = vec![[false; D]; self.touches_no_side.len()];
         for cube in self.dual_cells.iter().filter(|c| c.area > 0.0) {
-            // Beyond a side a corner stands for its mirror image.
+            // Beyond a side a corner is a mirror image.
             for a in (0..D).filter(|a| cube.corners[0] == cube.corners[1 << a]) {
                 cube.distribute(self.label, |c, _| sides[c as usize][a] = true);
             }
@@ -199,7 +200,7 @@ impl<const D: usize> ContactLineForces<'_, D> {
         sides
     }
 
-    /// What the lattice tells.
+    /// Contact-line forces of the dual cells.
     fn lattice_pulls(&self, impulse_time: f64) -> LinePulls<D> {
         let grid = &self.model.grid;
         let strength = self.model.surface_tension * impulse_time * grid.dx.powi(D as i32 - 2);
@@ -240,7 +241,7 @@ impl<const D: usize> ContactLineForces<'_, D> {
         LinePulls { impulses, lengths, loads, pieces }
     }
 
-    /// Gives each piece of the lines on solids that deform what the balance of the surface around it asks for.
+    /// Adds the imbalance of the free surface around each piece of the lines to the load points on deformable solids.
     fn add_local_balance<'f>(
         &self,
         impulse_time: f64,
@@ -260,7 +261,7 @@ impl<const D: usize> ContactLineForces<'_, D> {
         feet.for_each(|foot| foot.impulse += imbalances[foot.piece.0] * (strength * foot.piece.1));
     }
 
-    /// What the surface's pressure pushes each component with.
+    /// Capillary impulse of the free surface on each component.
     fn capillary_impulses(&self, impulse_time: f64) -> Vec<Impulse<D>> {
         let grid = &self.model.grid;
         let strength = self.model.surface_tension * impulse_time * grid.face_area() / grid.dx;
@@ -277,9 +278,9 @@ impl<const D: usize> ContactLineForces<'_, D> {
     }
 }
 
-/// Gives a solid that deforms what its lines pull with, each where it is, what the tension of its wetted surface (`skin`) does
-/// in the time `impulse_time` (s), which along the solid is in balance with the lines, and what `all` is besides to all lines. Returns
-/// the size of the moment that [`distribute_rigidly`] leaves out, kg m²/s (2D: kg m/s).
+/// Applies the impulse `all` to a deformable solid: the lines' impulses at their load points, that of the tension of the
+/// wetted surface (`skin`) during `impulse_time` (s), and the rest distributed over all load points. Returns the size of
+/// the moment that [`distribute_rigidly`] leaves out, kg m²/s (2D: kg m/s).
 fn load_deformable<const D: usize>(
     feet: &[LineLoad<D>],
     shortest_lever: f64,
@@ -300,9 +301,9 @@ fn load_deformable<const D: usize>(
     rest.angular.norm()
 }
 
-/// An impulse spread over places on a solid that deforms, by their lengths, as the accelerations of a rigid body are. About an axis
-/// from which the root mean square distance of the places is less than `shortest_lever` (m) they get no moment: the forces that
-/// make it grow without bound as the places come together.
+/// Distributes an impulse over load points on a deformable solid, weighted by length, as the accelerations of a rigid body
+/// are. There is no moment about an axis from which the root mean square distance of the points is less than
+/// `shortest_lever` (m): the forces for it grow without bound as the points approach each other.
 fn distribute_rigidly<const D: usize>(
     feet: &[LineLoad<D>],
     shortest_lever: f64,
@@ -334,8 +335,8 @@ fn distribute_rigidly<const D: usize>(
 mod tests {
     use super::*;
 
-    /// A force and a moment are spread over three places on a line, `width` cells apart from each other; returns the impulse that
-    /// is asked for and the sum of what the places get.
+    /// Distributes a force and a moment over three points on a line, `width` cells apart. Returns the requested impulse and
+    /// the sum of the impulses at the points.
     fn spread_over(width: f64) -> [Impulse<2>; 2] {
         let foot = |x: f64| LineLoad {
             point: SurfacePoint {
@@ -351,7 +352,7 @@ mod tests {
         let asked = Impulse { linear: Vector::<2>::new(0.2, -0.4), angular: Vector::<3>::new(0.0, 0.0, 1.3) };
         let mut given = Impulse::zero();
         for (foot, push) in feet.iter().zip(distribute_rigidly(&feet, MIN_RESOLVED_RADIUS_CELLS, &asked)) {
-            // The whole impulse and moment over the shortest lever bound what a place gets.
+            // The whole impulse, and the moment over the shortest lever, bound the impulse at a point.
             assert!(
                 push.norm() < asked.linear.norm() + asked.angular.norm() / MIN_RESOLVED_RADIUS_CELLS,
                 "{push:?}"
@@ -363,7 +364,7 @@ mod tests {
 
     #[test]
     fn what_lines_lack_is_spread_over_them() {
-        // The root mean square lever of three places is √(2/3) of their distance: 2.45 cells carry a moment, 2.44 do not.
+        // The root mean square lever of three points is √(2/3) of their distance: 2.45 cells carry a moment, 2.44 do not.
         for (width, carries) in [(0.0, false), (1e-15, false), (2.44, false), (2.46, true), (4.0, true)] {
             let [asked, given] = spread_over(width);
             assert!((asked.linear - given.linear).norm() < 1e-12);

@@ -1,16 +1,17 @@
 //! Friction of contact lines.
 //!
-//! A line that moves along a solid with the speed `U` is held back with the force `ζ U` on its length, so that the angle it
-//! moves with differs from Young's: `γ (mode_cosine θ_Y − mode_cosine θ) = ζ U` (molecular-kinetic theory, linear: T. D. Blake, J. M. Haynes,
-//! "Kinetics of liquid/liquid displacement", 1969; design, numerics §3). The liquid's faces around the line feel it as a drag
-//! towards the solid's velocity, but not along a line that moves, with the velocity of the step's end: no step is too long
-//! for it, however light the liquid at the line. In the pressure solve such faces give way less, as if they were heavier.
+//! A contact line that moves along a solid at the speed `U` is resisted by the force `ζ U` per length, so that its angle
+//! differs from Young's: `γ (cos θ_Y − cos θ) = ζ U` (linear molecular-kinetic theory: T. D. Blake, J. M. Haynes, "Kinetics
+//! of liquid/liquid displacement", 1969). The force is a drag on the liquid faces around the line, towards the solid's
+//! velocity; a moving line exerts none along itself. It depends on the velocity at the end of the step, so it does not
+//! limit the time step, however light the liquid at the line. In the pressure solve it reduces the mobility of these faces,
+//! as a larger mass would.
 //!
-//! What the line's speed is, the grid does not tell: around it the surface rolls over the liquid. With the liquid's mean speed
-//! a thin drop (ν = 0.02 √(γR/ρ), 16 cells a radius) spreads too fast, 2 degrees ahead of the law; with that of the surface
-//! too slowly, 3 to 11 degrees behind. Half-way between the two it is within 0.6 degrees. That is a compromise, not a
-//! derivation: drops that slide roll more, and are still 1.3 (ν = 1) to 1.7 times (ν = 0.03, 12 cells a radius, 2D), in space
-//! up to 2.6 times as fast as they should be.
+//! The grid does not resolve the speed of the line, since the surface rolls over the liquid around it. The mean of the
+//! liquid's mean speed and the surface's speed is used: a thin drop (ν = 0.02 √(γR/ρ), 16 cells a radius) then spreads
+//! within 0.6 degrees of the law. The former alone is 2 degrees ahead, the latter 3 to 11 degrees behind. This is a
+//! compromise, not a derivation: sliding drops roll more, and are too fast by a factor of 1.3 (ν = 1) to 1.7 (ν = 0.03, 12
+//! cells a radius) in 2D and up to 2.6 in 3D.
 
 use crate::coupling::impulses::CouplingImpulses;
 use crate::free_surface::dual_cell::DualCell;
@@ -22,28 +23,28 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CutCells, lattice_points};
 use std::collections::BTreeMap;
 
-/// Cubes around the line's own whose faces it drags: the surface pulls at the liquid over as many. Without them the liquid
-/// rolls over the few faces that are held (a drop then spreads in half the time).
+/// Layers of dual cells around that of the line whose faces are dragged; the line's capillary force acts on the liquid over
+/// as many. With 0 the liquid rolls over the few dragged faces, and a drop spreads in half the time.
 const DRAG_REACH_CELLS: usize = 1;
 
-/// `ζ h / (ρ Δ²)` of a line that rests: what pushes it moves it by a thousandth of what it would.
+/// `ζ h / (ρ Δ²)`, with the impulse time `h`, of a pinned line: a force moves it by a thousandth of the undragged motion.
 const PINNED_DRAG: f64 = 1e3;
 
 /// Drag of the contact line on one solid at a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineDrag {
-    /// Number of the solid.
+    /// Index of the solid.
     pub solid: u32,
-    /// Drag in the step, over the face's mass.
+    /// Drag coefficient times the impulse time, over the mass of the face.
     pub drag: f64,
-    /// Drag times the velocity relative to the solid's that it drags towards, m/s: the part that lags.
+    /// Lagged part of the drag, m/s: `drag` times the velocity relative to the solid towards which it drags.
     pub lagged_impulse: f64,
     /// Velocity of the solid along the face's axis, m/s.
     pub solid_velocity: f64,
 }
 
 impl LineDrag {
-    /// The impulse of the face on the solid at the face's velocity `u`, over the face's mass, m/s.
+    /// Impulse of the face on the solid at the face's velocity `u`, over the mass of the face, m/s.
     pub fn impulse_on_solid(&self, u: f64) -> f64 {
         self.drag * (u - self.solid_velocity) - self.lagged_impulse
     }
@@ -56,29 +57,29 @@ pub struct DraggedFace {
     pub axis: usize,
     /// Position in the face lattice.
     pub face: usize,
-    /// A liquid cell at it.
+    /// A liquid cell beside it.
     cell: usize,
-    /// Liquid that moves with it, in cells.
+    /// Volume of liquid that moves with it, in cells.
     pub volume_cells: f64,
-    /// Whether the surface crosses it.
+    /// Whether the free surface crosses it.
     is_interface: bool,
-    /// What the lines on each solid do; several solids' lines may drag the same face.
+    /// Drag of the lines on each solid; lines on several solids may drag the same face.
     pub drags: Vec<LineDrag>,
 }
 
 impl DraggedFace {
-    /// What the drag leaves of a push, 0 to 1.
+    /// Fraction of an impulse that remains after the drag, 0 to 1.
     pub fn mobility(&self) -> f64 {
         1.0 / (1.0 + self.drags.iter().map(|h| h.drag).sum::<f64>())
     }
 
-    /// The velocity `u` after the drag, when nothing else pushes.
+    /// Velocity after the drag alone, from the velocity `u` before it.
     pub fn dragged_velocity(&self, u: f64) -> f64 {
         (u + self.drags.iter().map(|h| h.lagged_impulse + h.drag * h.solid_velocity).sum::<f64>())
             * self.mobility()
     }
 
-    /// The hold of a solid.
+    /// The drag of a solid's lines; added if there is none yet.
     fn drag_on(&mut self, solid: u32) -> &mut LineDrag {
         let place = self.drags.iter().position(|h| h.solid == solid).unwrap_or_else(|| {
             self.drags.push(LineDrag { solid, drag: 0.0, lagged_impulse: 0.0, solid_velocity: 0.0 });
@@ -88,12 +89,12 @@ impl DraggedFace {
     }
 }
 
-/// The faces that the lines drag in the time `impulse_time` (s). Those at the surface are told what that leaves of a push.
+/// Computes the faces that the contact lines drag during `impulse_time` (s), and sets the mobility of the interface faces.
 ///
-/// `bodies` are the solids with the velocities that the step before left, or that they are told: towards those the lines drag.
-/// What `state` has is on its way, with what some of the forces give to a solid at rest, before the others take it away: drops
-/// on soft plates stirred with it, and had angles too small by up to 6 degrees (`verify clamped_radiance-sag`). Where a solid
-/// accelerates by `a` they lag by `a h`, of what the step's end will have.
+/// `bodies` are the solids with the velocities of the last step, or the prescribed ones: the lines drag towards these. The
+/// velocities in `state` are provisional and contain only some of the forces; with them drops on soft plates were stirred, and had
+/// angles too small by up to 6 degrees (`verify clamped_radiance-sag`). On a solid that accelerates by `a` they lag by `a h`
+/// behind the step's end.
 pub fn dragged_faces<const D: usize>(
     model: &Model<D>,
     (state, bodies): (&State<D>, &[SolidState<D>]),
@@ -142,7 +143,7 @@ pub fn dragged_faces<const D: usize>(
     faces.into_values().filter(|f| !f.drags.is_empty()).collect()
 }
 
-/// Adds the drag of the line in a cube to its faces; `strength` is `ζ h / (ρ Δ²)`.
+/// Adds the drag of the line in a dual cell to the faces around it; `strength` is `ζ h / (ρ Δ²)`.
 fn add_drag<const D: usize>(
     model: &Model<D>,
     (state, bodies): (&State<D>, &[SolidState<D>]),
@@ -170,10 +171,10 @@ fn add_drag<const D: usize>(
         let Some(f) = faces.get_mut(&(a, face)).filter(|f| f.volume_cells > 0.0) else { continue };
         let x = model.grid.face_center(a, model.grid.face_lattice(a).coordinates(face));
         let solid = now.velocity_at(&x);
-        // A line that rests lets nothing slide by: where it bends, what slides along one part of it would cross the next.
+        // A pinned line also drags along itself: where it bends, liquid that slides along one part would cross the next.
         let slides = if cube.pinned { 0.0 } else { 1.0 };
         let along: [f64; D] = std::array::from_fn(|b| slides * along[b]);
-        // Along the line nothing drags: `(1 − t tᵀ)` of the drag, whose diagonal is implicit.
+        // No drag along the line: the tensor is `1 − t tᵀ`, whose diagonal is implicit.
         let others = (0..D).filter(|b| *b != a);
         let sliding: f64 = others.map(|b| along[b] * (velocity[b] - solid[b])).sum();
         let whole = strength * cube.line_length() / mass[a];
@@ -184,7 +185,7 @@ fn add_drag<const D: usize>(
     }
 }
 
-/// The inner faces of a cube and of the cubes around it, with their axes and the cells beside them.
+/// Inner faces of a dual cell and its neighbours, with their axes and the cells beside them.
 fn faces_around<const D: usize>(model: &Model<D>, cube: &DualCell) -> Vec<(usize, usize, [usize; 2])> {
     let cells = model.grid.lattice();
     let (first, last) =
@@ -204,7 +205,7 @@ fn faces_around<const D: usize>(model: &Model<D>, cube: &DualCell) -> Vec<(usize
     faces
 }
 
-/// What the drag gave to the solids, with the velocity after the step.
+/// Impulses of the drag on the solids, at the velocity after the step.
 pub fn line_friction_impulses<const D: usize>(
     model: &Model<D>,
     state: &State<D>,

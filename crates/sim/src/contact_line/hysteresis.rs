@@ -1,9 +1,9 @@
-//! Hysteresis: contact lines that rest.
+//! Contact angle hysteresis: pinned contact lines.
 //!
-//! A rough or dirty solid holds a line as long as its angle is between the receding and the advancing one; beyond them the
-//! line moves as if the one that it has passed were Young's. So the energy's angle at each place of the line is what the line
-//! has, within those bounds, which pushes it nowhere, and while it rests what else pushes the liquid there finds it held
-//! (`liquid/friction.rs`; design, numerics §3).
+//! A rough or dirty solid pins a contact line while its angle lies between the receding and the advancing angle. Beyond
+//! them the line moves as if the exceeded bound were Young's angle. The contact angle of the energy is therefore the
+//! present angle clamped to these bounds, so that the energy exerts no force on a pinned line. Other forces on the liquid
+//! at a pinned line are resisted by drag ([`super::friction`]).
 
 use super::angle::{Foot, contact_angle};
 use crate::model::Model;
@@ -12,7 +12,7 @@ use crate::state::State;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Sampler;
 
-/// Finds the angle of every line, and which of them rest.
+/// Sets the contact angle of every contact line, and which lines are pinned.
 pub fn pin_contact_lines<const D: usize>(model: &Model<D>, state: &State<D>, work: &mut Workspace<D>) {
     if model.solids.iter().all(|s| s.hysteresis.is_none()) {
         return;

@@ -1,9 +1,9 @@
-//! The balance of the free surface around a contact line on a solid that deforms.
+//! Force balance of the free surface around a contact line on a deformable solid.
 //!
-//! The surface has no mass: what its rest pulls the part near a piece of the line with, that part gives to the solid at the
-//! line and to the liquid that it encloses. A line that moves freely pulls along the solid as at rest, and the liquid gets the
-//! difference; one that an edge of the solid holds does not move the liquid, and the solid gets all that the surface pulls
-//! with, whatever its angle (Gibbs). Which of both, what the liquid is in truth pushed with tells.
+//! The surface has no mass: the tension of the rest of the surface on the part near a piece of the line acts on the solid
+//! at the line and on the enclosed liquid. A line that moves freely pulls along the solid as in equilibrium, and the liquid
+//! gets the difference. A line pinned at an edge of the solid does not move the liquid, and the solid gets the full tension
+//! at any angle (Gibbs). The capillary force that acts on the liquid decides between the two.
 
 use crate::free_surface::dual_cell::DualCell;
 use crate::free_surface::interface_faces::InterfaceFace;
@@ -11,29 +11,29 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use std::collections::HashMap;
 
-/// Distance from the line, in cells, up to which the surface belongs to it, and from which on it does not: what the line pulls
-/// at the liquid with is smoothed with the curvature over some cells (with 1.5 and 3 the forces on a sheet's halves were wrong by
-/// a tenth of the tension).
+/// Distances from the line, in cells, up to which the surface fully belongs to it, and from which on it does not: the
+/// line's force on the liquid is smoothed with the curvature over some cells (with 1.5 and 3 the forces on a sheet's halves
+/// were wrong by a tenth of the tension).
 const FULL_SHARE_DISTANCE_CELLS: f64 = 4.0;
 const ZERO_SHARE_DISTANCE_CELLS: f64 = 6.0;
-/// Distance from the surface, in cells, of cells that it cuts.
+/// Largest distance from the interface, in cells, of cells that it cuts.
 const MAX_INTERFACE_DISTANCE_CELLS: f64 = 2.0;
 
-/// Cells near places on contact lines.
+/// The cells near pieces of contact lines.
 pub struct LineNeighbourhood(HashMap<usize, NearestPiece>);
 
-/// What a cell has near it.
+/// The piece nearest to a cell.
 struct NearestPiece {
-    /// Number of the nearest place.
+    /// Index of the piece.
     piece: usize,
     /// Distance to it, in cells.
     distance_cells: f64,
-    /// How much of the cell belongs to it.
+    /// Share of the cell's surface that belongs to it.
     share: f64,
 }
 
 impl LineNeighbourhood {
-    /// Of these places (m); `phi` is the distance to the surface, cell by cell.
+    /// The neighbourhood of pieces at these places (m); `phi` is the signed distance to the interface in each cell, m.
     pub fn new<const D: usize>(grid: &Grid<D>, phi: &[f64], places: &[Vector<D>]) -> Self {
         let (lattice, reach) =
             (grid.lattice(), (ZERO_SHARE_DISTANCE_CELLS + MAX_INTERFACE_DISTANCE_CELLS).ceil() as isize);
@@ -74,8 +74,7 @@ impl LineNeighbourhood {
         Self(near)
     }
 
-    /// Adds for every place what the rest of the surface pulls the part near it with, over the tension, times the cell size to
-    /// the power `D − 2`.
+    /// Adds for each piece the force of the rest of the surface on the part near it, over `γ Δ^(D−2)`.
     pub fn add_tension<const D: usize>(&self, phi: &[f64], dual_cells: &[DualCell], sums: &mut [Vector<D>]) {
         let slope = |k: usize, a: usize| (if k >> a & 1 == 1 { 1.0 } else { -1.0 }) / (1 << (D - 1)) as f64;
         for cube in dual_cells.iter().filter(|c| c.area > 0.0) {
@@ -95,7 +94,7 @@ impl LineNeighbourhood {
         }
     }
 
-    /// Takes away for every place what the surface pushes the liquid near it with, in the same units.
+    /// Subtracts for each piece the capillary force on the liquid near it, in the same units.
     pub fn subtract_capillary_force<const D: usize>(
         &self,
         grid: &Grid<D>,
@@ -118,7 +117,7 @@ impl LineNeighbourhood {
     }
 }
 
-/// The point of the surface next to a cell's centre, in cells from the first cell's lower corner.
+/// Closest point of the interface to a cell's centre, in cells from the first cell's lower corner.
 fn closest_on_interface_cells<const D: usize>(grid: &Grid<D>, phi: &[f64], at: [usize; D]) -> Vector<D> {
     let lattice = grid.lattice();
     let value = |a: usize, up: usize| {
@@ -137,7 +136,7 @@ mod tests {
     use crate::free_surface::energy::DualGrid;
     use meniscus_numerics::grid::{Band, Tiles};
 
-    /// A flat surface that ends at a place, as a line on a solid: the rest pulls its end along it, with the tension.
+    /// A flat surface that ends at a contact line: the rest pulls its end along the surface, with the tension.
     fn check<const D: usize>(place: Vector<D>, pieces: usize) {
         let grid = Grid::<D>::new([24; D], 1.0);
         let lattice = grid.lattice();
@@ -176,7 +175,7 @@ mod tests {
         assert!((middle - expected).norm() < 0.02, "{middle:?}");
     }
 
-    /// A film between two lines closer than the surroundings of either: each gets its own end's pull, not both none.
+    /// A film between two lines that lie closer than their reach: each gets the tension at its own end.
     #[test]
     fn two_lines_share_the_surface_between_them() {
         let grid = Grid::<2>::new([24; 2], 1.0);

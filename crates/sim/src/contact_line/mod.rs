@@ -1,6 +1,6 @@
-//! The contact line, where liquid, solid and air meet: the forces there, friction, hysteresis, and where it is.
+//! The contact line, where liquid, solid and air meet: its forces, friction, hysteresis, angle and position.
 //!
-//! The line is nowhere imposed: Young's angle is where the energy of [`crate::free_surface::energy`] is least.
+//! The contact angle is not imposed: Young's angle minimises the energy of [`crate::free_surface::energy`].
 
 pub mod angle;
 pub mod force;

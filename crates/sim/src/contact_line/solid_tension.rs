@@ -1,11 +1,11 @@
-//! The tension of a soft solid's own surface.
+//! Surface tension of deformable solids.
 //!
-//! Where it is wetted it is less by `γ cos θ_Y` than where it is dry (Young). Along the solid that is in balance with the free
-//! surface's pull at the line; and it presses on what is wetted and bent, as every tension does. So what the lines of a drop pull
-//! along a sheet that bends up around it acts on the sheet all over what is wetted. Left out, with the resultant given to the
-//! lines, it holds the ends down (measured at 45 degrees and R0/√(B/γ) = 0.5: they rose by 15 degrees instead of 21).
+//! A wetted surface has less tension than a dry one, by `γ cos θ_Y` (Young). Along the solid the difference balances the free
+//! surface's tension at the contact line; where the wetted surface is curved it exerts a pressure. The tangential line force of a
+//! drop on a sheet that bends up around it thus acts on the whole wetted surface. With its resultant applied at the lines
+//! instead, the ends are held down (at 45 degrees and R0/√(B/γ) = 0.5 they rose by 15 degrees instead of 21).
 //!
-//! The force on a vertex is `−∂A/∂x` of the area of its facets that is wetted, times the difference.
+//! The force on a vertex is `−∂A/∂x` times the tension difference, with `A` the wetted area of its facets.
 
 use super::sampling::phi_at_solid;
 use crate::model::Model;
@@ -20,16 +20,16 @@ use meniscus_numerics::mesh::surface::{area_gradients, area_hessian_psd};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Heights above a vertex, in cells, at which the liquid that wets it is looked for.
+/// Heights above a vertex, in cells, at which the component that wets it is looked up.
 const SAMPLE_HEIGHTS_CELLS: [f64; 3] = [0.5, 1.0, 1.5];
 
-/// Vertices of a soft solid's surface, and what its tension pulls them with, N (2D: N/m).
+/// Vertices of a deformable solid's surface, and the tension force on each, N (2D: N/m).
 pub type VertexForces<const D: usize> = Vec<(SurfacePoint<D>, Vector<D>)>;
 
-/// What the liquid's components and the solids that deform have between them.
+/// Tension forces by liquid component and deformable solid.
 pub type WettedTensions<const D: usize> = BTreeMap<(u32, u32), VertexForces<D>>;
 
-/// What the tensions of wetted surfaces do to the solids that deform; `label` is the component of a liquid cell.
+/// Computes the tension forces of wetted surfaces on deformable solids; `label` is the component of a liquid cell.
 pub fn wetted_tension_forces<const D: usize>(
     model: &Model<D>,
     solids: &[SolidState<D>],
@@ -53,9 +53,9 @@ pub fn wetted_tension_forces<const D: usize>(
     skins
 }
 
-/// The positive part of the stiffness of the same, for the matrix of each solid ([`meniscus_elastic::Elastic::system`]):
-/// where what is wetted is the tenser, beyond 90 degrees. Else it is negative, and left out. What is wetted is taken before the
-/// liquid moves: the matrices are factorised meanwhile, and a positive part more or less keeps the step as stable.
+/// The positive part of the stiffness of these forces, for the matrix of each solid ([`meniscus_elastic::Elastic::system`]): where
+/// wetting raises the tension, beyond 90 degrees. Elsewhere the stiffness is negative and left out. The wetted area is that before
+/// the liquid moves, since the matrices are factorised meanwhile; an added or omitted positive part leaves the step as stable.
 pub fn wetted_tension_stiffness<const D: usize>(
     model: &Model<D>,
     state: &State<D>,
@@ -71,7 +71,7 @@ pub fn wetted_tension_stiffness<const D: usize>(
     state.solids.iter().enumerate().map(of).collect()
 }
 
-/// A solid under liquid.
+/// A deformable solid and the liquid on it.
 struct WettedSolid<'a, const D: usize> {
     model: &'a Model<D>,
     number: usize,
@@ -80,11 +80,11 @@ struct WettedSolid<'a, const D: usize> {
     label: &'a (dyn Fn(usize) -> Option<u32> + Sync),
 }
 
-/// A vertex as the liquid sees it: φ there, m, the component that wets it, and the difference of the tensions, N/m.
+/// Liquid at a vertex: φ, m, the component that wets it, and the difference of the tensions, N/m.
 type VertexSample = (f64, Option<u32>, f64);
 
 impl<const D: usize> WettedSolid<'_, D> {
-    /// By component the forces on the vertices of its surface.
+    /// Forces on the vertices of the surface, by component.
     fn forces(&self, surface: &SurfaceMesh<D>) -> BTreeMap<u32, BTreeMap<u32, Vector<D>>> {
         let seen = self.sample_vertices(surface);
         let mut forces: BTreeMap<u32, BTreeMap<u32, Vector<D>>> = BTreeMap::new();
@@ -100,7 +100,7 @@ impl<const D: usize> WettedSolid<'_, D> {
         forces
     }
 
-    /// Its stiffness, of facets whose tension it adds to.
+    /// Stiffness of the facets whose tension is positive.
     fn stiffness(&self, skin: &SolidSurface<D>) -> Vec<StiffnessBlock<D>> {
         let seen = self.sample_vertices(&skin.mesh);
         let mut blocks = Vec::new();
@@ -120,7 +120,7 @@ impl<const D: usize> WettedSolid<'_, D> {
         blocks
     }
 
-    /// The vertices of its surface.
+    /// Samples all vertices of the surface.
     fn sample_vertices(&self, surface: &SurfaceMesh<D>) -> Vec<VertexSample> {
         let mut normals = vec![Vector::zeros(); surface.positions.len()];
         for (f, facet) in surface.facets.iter().enumerate() {
@@ -131,7 +131,7 @@ impl<const D: usize> WettedSolid<'_, D> {
         vertices.map(|(x, n)| self.sample_vertex(x, n)).collect()
     }
 
-    /// A vertex; `normal` need not be a unit vector.
+    /// Samples a vertex; `normal` need not be a unit vector.
     fn sample_vertex(&self, x: &Vector<D>, normal: &Vector<D>) -> VertexSample {
         let dx = self.model.grid.dx;
         let Some(normal) = normal.try_normalize(0.0) else { return (dx, None, 0.0) };
@@ -144,7 +144,7 @@ impl<const D: usize> WettedSolid<'_, D> {
         (phi, component, -self.model.surface_tension * cosine)
     }
 
-    /// The cell that a point is in.
+    /// The cell that contains a point.
     fn cell(&self, x: &Vector<D>) -> Option<usize> {
         let grid = &self.model.grid;
         let from = (x - grid.lower_corner([0; D])) / grid.dx;
@@ -153,18 +153,18 @@ impl<const D: usize> WettedSolid<'_, D> {
     }
 }
 
-/// The mean tension that being wetted adds to a facet, N/m, by its corners.
+/// The mean tension that wetting adds to a facet with these corners, N/m.
 fn facet_tension<const D: usize>(corners: &[VertexSample; D]) -> f64 {
     corners.iter().map(|c| c.2).sum::<f64>() / D as f64 * negative_fraction(corners.map(|c| c.0))
 }
 
-/// The share of a facet where a linear function with these values at its corners is negative.
+/// Fraction of a facet where a linear function with these values at its corners is negative.
 fn negative_fraction<const D: usize>(values: [f64; D]) -> f64 {
     let negative = values.iter().filter(|v| **v < 0.0).count();
     if negative == 0 || negative == D {
         return if negative == D { 1.0 } else { 0.0 };
     }
-    // The corner that is alone on its side, and what it cuts off.
+    // The corner that is alone on its side, and the fraction that it cuts off.
     let alone = values.iter().position(|v| (*v < 0.0) == (negative == 1)).unwrap_or(0);
     let others = (0..D).filter(|k| *k != alone);
     let cut: f64 = others.map(|k| values[alone] / (values[alone] - values[k])).product();
@@ -187,7 +187,7 @@ mod tests {
 
     const GAMMA: f64 = 0.7;
 
-    /// A triangle that is wetted all around at an angle (degrees).
+    /// A triangle that is wetted all around at a contact angle (degrees).
     fn drowned(angle: f64) -> (Model<2>, State<2>) {
         let (center, half_size) = (Vector::repeat(0.5), Vector::repeat(0.2));
         let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
@@ -219,7 +219,7 @@ mod tests {
         (model, state)
     }
 
-    /// The forces on the vertices after one of their coordinates has changed by a length, m.
+    /// The forces on the vertices after coordinate `moved` has changed by `way`, m.
     fn pulls(model: &Model<2>, state: &State<2>, moved: usize, way: f64) -> [Vector<2>; 3] {
         let mut solids = state.solids.clone();
         let (elastic, soft) = (model.solids[0].elastic().unwrap_or_else(|| panic!()), &state.solids[0].soft);
@@ -254,7 +254,7 @@ mod tests {
                 assert!((slope - told).norm() < 1e-7 * GAMMA / 0.4, "{i}, {moved}: {slope} for {told}");
             }
         }
-        // Below 90 degrees it would be negative.
+        // Below 90 degrees the stiffness would be negative.
         let (model, state) = drowned(60.0);
         assert!(wetted_tension_stiffness(&model, &state)[0].is_empty());
     }

@@ -1,15 +1,15 @@
-//! The contact line as it is seen, measured and written: a level set of codimension one on the solids' surfaces.
+//! The contact line for output and measurements: a level set of codimension one on the solids' surfaces.
 //!
-//! Every rigid solid carries a mesh finer than the grid. On its vertices φ tells where the solid is wetted, the contour is
-//! the line, and the distance from it along the surface is `φ_c`, negative where it is wetted (paper, 4.3.1).
+//! Every rigid solid carries a mesh finer than the grid. φ at its vertices tells where the solid is wetted. The zero contour is
+//! the line, and the geodesic distance from it is `φ_c`, negative where the solid is wetted (paper, 4.3.1).
 //!
-//! The paper samples φ at the vertices, takes its contour at `ε = Δx` rather than 0, and moves that back by `ε` along the
-//! surface. That looks where the liquid is seen well, but is off by `ε (1/sin θ − 1)`, a cell at 30 degrees, and inside
-//! solids φ is a mere continuation. Here φ is looked at [`SAMPLE_HEIGHT_CELLS`] cells above each vertex, outside, and taken down to it
-//! with its slope and bend: enlarged and shrunk across the surface instead of along it.
+//! The paper samples φ at the vertices, takes its contour at `ε = Δx` rather than 0, and moves it back by `ε` along the surface.
+//! This has an error of `ε (1/sin θ − 1)`, a cell at 30 degrees, and inside solids φ is only an extension. Here φ is sampled
+//! `SAMPLE_HEIGHT_CELLS` cells above each vertex, outside, and extrapolated to it with its gradient and second derivative: the
+//! offset is normal to the surface instead of along it.
 //!
-//! The line follows from model and state: nothing of it is kept, no step depends on it. The line that moves the liquid is
-//! that of the lattice's energy ([`super::force`]); [`ContactLine::line_distance_cells`] tells how far the two are apart.
+//! The line is computed from model and state; it is not stored, and no step depends on it. The line that moves the liquid is that
+//! of the energy on the dual grid ([`super::force`]); [`ContactLine::line_distance_cells`] is the distance between the two.
 
 use super::angle::{Foot, contact_angle};
 use crate::contact_line::sampling::{MAX_LINE_PHI_CELLS, UPPER_SAMPLE_HEIGHT_CELLS, phi_at_solid};
@@ -24,21 +24,21 @@ use meniscus_numerics::grid::Sampler;
 use meniscus_numerics::mesh::{Contour, Geodesic, ShapeSurface, SurfaceMesh};
 use rayon::prelude::*;
 
-/// Finds the contact line on the solids of a model.
+/// Extracts the contact line on the solids of a model.
 #[derive(Clone, Debug)]
 pub struct LineTracker<const D: usize> {
-    /// None for a solid that deforms: its mesh is its own surface, as it is at the time.
+    /// `None` for a deformable solid, whose own current surface is used.
     solids: Vec<Option<TrackedSurface<D>>>,
 }
 
-/// A solid's surface: of a rigid one where it starts.
+/// The surface of a solid; of a rigid one in its reference position.
 #[derive(Clone, Debug)]
 struct TrackedSurface<const D: usize> {
     mesh: SurfaceMesh<D>,
-    /// Its first facets, that are the solid's; those after them close it at the domain's sides.
+    /// Number of facets of the solid itself, which come first; the others close the mesh at the domain's sides.
     own_facets: usize,
     geodesic: Geodesic<D>,
-    /// Normal at each vertex; none where the surface is cut off.
+    /// Normal at each vertex; zero where the surface is cut off.
     normals: Vec<Vector<D>>,
 }
 
@@ -47,38 +47,38 @@ struct TrackedSurface<const D: usize> {
 pub struct ContactLine<const D: usize> {
     /// Its points, solid by solid.
     pub points: Vec<LinePoint<D>>,
-    /// Its segments as numbers of points, the wetted side on the left as seen from outside the solid; none in 2D.
+    /// Its segments as indices of points, the wetted side on the left as seen from outside the solid; none in 2D.
     pub segments: Vec<[u32; 2]>,
-    /// For every solid and every vertex of its surface the distance to the line along it, m, negative where it is wetted;
+    /// For every solid and every vertex of its surface the signed geodesic distance to the line, m, negative where it is wetted;
     /// five cells at most.
     pub phi_c: Vec<Vec<f64>>,
-    /// Largest distance of a point of the line that moves the liquid (that of the lattice's energy) from this one, in
-    /// cells, five at most; none where there is none.
+    /// Largest distance from this line of a point of the line that moves the liquid (that of the dual grid's energy), in cells,
+    /// five at most; `None` without such a point.
     pub line_distance_cells: Option<f64>,
 }
 
 /// A point of the contact line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinePoint<const D: usize> {
-    /// Where it is, m.
+    /// Position, m.
     pub at: Vector<D>,
-    /// Number of the solid.
+    /// Index of the solid.
     pub solid: u32,
     /// The contact angle through the liquid, degrees.
     pub angle_degrees: f64,
-    /// Speed along the solid and relative to it across the line, m/s, positive where the line advances: the liquid's, half
-    /// a step ahead as its velocity is.
+    /// Speed of the liquid across the line, along the solid and relative to it, m/s, positive where the line advances; half a
+    /// step ahead, as the velocity is.
     pub speed: f64,
-    /// Force on the solid per length of the line, N/m (2D: per point, N/m): `γ sin θ n − γ mode_cosine θ_Y m`, `n` the solid's
-    /// normal, `m` the way out of the liquid along it, `θ_Y` Young's angle.
+    /// Force on the solid per length of the line, N/m (2D: per point, N/m): `γ sin θ n − γ cos θ_Y m`, with the solid's normal
+    /// `n`, its tangent `m` out of the liquid, and Young's angle `θ_Y`.
     pub force: Vector<D>,
-    /// Length of the line that it stands for, m (2D: 1).
+    /// Length of the line that the point represents, m (2D: 1).
     pub length: f64,
 }
 
 impl<const D: usize> LineTracker<D> {
-    /// Makes a mesh of every solid, with edges of the given lengths (m); one without bounds ends at the domain's sides, and
-    /// walls that wet at those of the grid.
+    /// Builds a mesh of every rigid solid, with edges of the given lengths (m). That of an unbounded solid ends at the domain's
+    /// sides, that of wetting walls at the sides of the grid.
     pub fn new(model: &Model<D>, edges: &[f64]) -> Self {
         let rigid = |number: usize| model.solids[number].elastic().is_none();
         let tracked = |(number, edge): (usize, &f64)| {
@@ -87,7 +87,7 @@ impl<const D: usize> LineTracker<D> {
         Self { solids: (0..model.solids.len()).zip(edges).map(tracked).collect() }
     }
 
-    /// The surface of a solid where it is now; the vertices of [`ContactLine::phi_c`].
+    /// The current surface of a solid, with the vertices of [`ContactLine::phi_c`].
     pub fn surface(&self, model: &Model<D>, solids: &[SolidState<D>], solid: usize) -> SurfaceMesh<D> {
         let (fixed, now) = (&model.solids[solid], &solids[solid]);
         let Some(tracked) = &self.solids[solid] else {
@@ -97,7 +97,7 @@ impl<const D: usize> LineTracker<D> {
         SurfaceMesh { positions, facets: tracked.mesh.facets.clone() }
     }
 
-    /// The contact line of a simulation as it stands.
+    /// Extracts the contact line of a simulation's current state.
     pub fn extract(&self, simulation: &Simulation<D>) -> ContactLine<D> {
         let mut line = ContactLine {
             points: Vec::new(),
@@ -123,7 +123,7 @@ impl<const D: usize> LineTracker<D> {
     }
 }
 
-/// A state as the line sees it.
+/// The state, as the extraction samples it.
 struct LineSampler<'a, const D: usize> {
     model: &'a Model<D>,
     solids: &'a [SolidState<D>],
@@ -144,7 +144,7 @@ impl<'a, const D: usize> LineSampler<'a, D> {
         }
     }
 
-    /// Whether a point lies in a solid other than `number`, or beyond the domain.
+    /// Whether a point lies in a solid other than `number`, or outside the domain.
     fn is_covered(&self, number: usize, x: &Vector<D>) -> bool {
         let mut others = (0..self.solids.len()).filter(|i| *i != number);
         let [low, high] = self.model.grid.bounds();
@@ -210,7 +210,7 @@ impl<const D: usize> TrackedSurface<D> {
         Self { mesh, own_facets, geodesic, normals }
     }
 
-    /// Adds the line on this solid.
+    /// Appends the line on this solid.
     fn extract(&self, seen: &LineSampler<'_, D>, number: usize, line: &mut ContactLine<D>) {
         let (solid, now) = (&seen.model.solids[number], &seen.solids[number]);
         let moved = |x: &Vector<D>| if now.soft.is_some() { *x } else { solid.to_current(now, x) };
@@ -242,7 +242,7 @@ impl<const D: usize> TrackedSurface<D> {
 }
 
 impl<const D: usize> ContactLine<D> {
-    /// Length of the line, m; in 2D it has none.
+    /// Length of the line, m; `None` in 2D or without a line.
     pub fn length(&self) -> Option<f64> {
         (D == 3 && !self.points.is_empty()).then(|| self.points.iter().map(|p| p.length).sum())
     }
@@ -259,9 +259,9 @@ impl<const D: usize> ContactLine<D> {
         (length > 0.0).then(|| (mean, spread.sqrt()))
     }
 
-    /// Largest distance of places (m) from the line, in cells.
+    /// Largest distance of points (m) from the line, in cells.
     fn max_distance_cells(&self, places: &[Vector<D>], dx: f64) -> Option<f64> {
-        // Points alone stand as segments without length.
+        // Single points count as segments of zero length.
         let alone = (0..self.points.len() as u32).map(|i| [i, i]).filter(|_| D == 2);
         let mut pieces: Vec<[Vector<D>; 2]> = self
             .segments

@@ -1,4 +1,4 @@
-//! Impulses that liquid and solids give each other.
+//! Impulses between liquid and solids.
 
 use crate::solid::SolidState;
 use crate::solid::surface::SurfacePoint;
@@ -8,24 +8,24 @@ use std::collections::BTreeMap;
 /// An impulse and its moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impulse<const D: usize> {
-    /// N s (2D: per metre).
+    /// Linear impulse, N s (2D: per metre).
     pub linear: Vector<D>,
-    /// About the origin, N m s (2D: N s, in the last entry).
+    /// Moment about the origin, N m s (2D: N s, in the last entry).
     pub angular: Vector<3>,
 }
 
 impl<const D: usize> Impulse<D> {
-    /// None.
+    /// The zero impulse.
     pub fn zero() -> Self {
         Self { linear: Vector::zeros(), angular: Vector::zeros() }
     }
 
-    /// One that acts at a point.
+    /// An impulse that acts at the point `x`.
     pub fn at(x: &Vector<D>, linear: Vector<D>) -> Self {
         Self { linear, angular: moment(x, &linear) }
     }
 
-    /// Adds `scale` times another.
+    /// Adds `scale` times another impulse.
     pub fn add(&mut self, other: &Self, scale: f64) {
         self.linear += other.linear * scale;
         self.angular += other.angular * scale;
@@ -44,33 +44,33 @@ pub fn moment<const D: usize>(r: &Vector<D>, f: &Vector<D>) -> Vector<3> {
     sum
 }
 
-/// What the liquid gives to the solids.
+/// Impulses of the liquid on the solids.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CouplingImpulses<const D: usize> {
-    /// Impulses of the liquid's components on the solids, by the numbers of both.
+    /// Impulses by the numbers of the liquid component and the solid.
     pub pairs: BTreeMap<(u32, u32), Impulse<D>>,
-    /// By the numbers of solids that deform: where they are gripped, and the impulse there, N s (2D: per metre).
+    /// Impulses at surface points, N s (2D: per metre), by the number of the deformable solid.
     pub point_impulses: BTreeMap<u32, Vec<(SurfacePoint<D>, Vector<D>)>>,
 }
 
 impl<const D: usize> CouplingImpulses<D> {
-    /// Nothing.
+    /// No impulses.
     pub fn new() -> Self {
         Self { pairs: BTreeMap::new(), point_impulses: BTreeMap::new() }
     }
 
-    /// Adds `scale` times an impulse of a component on a rigid solid.
+    /// Adds `scale` times an impulse of a component on a solid.
     pub fn add(&mut self, pair: (u32, u32), impulse: &Impulse<D>, scale: f64) {
         self.pairs.entry(pair).or_insert_with(Impulse::zero).add(impulse, scale);
     }
 
-    /// Adds an impulse on a solid that deforms, where it is gripped.
+    /// Adds an impulse at a surface point of a deformable solid.
     pub fn add_at_surface_point(&mut self, pair: (u32, u32), grip: &SurfacePoint<D>, linear: Vector<D>) {
         self.add(pair, &Impulse::at(&grip.point, linear), 1.0);
         self.point_impulses.entry(pair.1).or_default().push((*grip, linear));
     }
 
-    /// Adds an impulse at a point of a solid, or of its surface near that if it deforms.
+    /// Adds an impulse at a point of a rigid solid, or at the closest surface point of a deformable one.
     pub fn add_at(&mut self, pair: (u32, u32), solid: &SolidState<D>, x: &Vector<D>, linear: Vector<D>) {
         match solid.surface_point(x) {
             Some(grip) => self.add_at_surface_point(pair, &grip, linear),
@@ -78,7 +78,7 @@ impl<const D: usize> CouplingImpulses<D> {
         }
     }
 
-    /// Adds another.
+    /// Adds all impulses of another.
     pub fn extend(&mut self, other: &Self) {
         other.pairs.iter().for_each(|(pair, impulse)| self.add(*pair, impulse, 1.0));
         other
@@ -87,14 +87,14 @@ impl<const D: usize> CouplingImpulses<D> {
             .for_each(|(solid, grips)| self.point_impulses.entry(*solid).or_default().extend(grips));
     }
 
-    /// The sums over all components, by solid.
+    /// Sums over all components, by solid.
     pub fn by_solid(&self, solids: usize) -> Vec<Impulse<D>> {
         let mut sums = vec![Impulse::zero(); solids];
         self.pairs.iter().for_each(|((_, solid), impulse)| sums[*solid as usize].add(impulse, 1.0));
         sums
     }
 
-    /// Whether nothing is given.
+    /// Whether there are no impulses.
     pub fn is_empty(&self) -> bool {
         self.pairs.is_empty()
     }

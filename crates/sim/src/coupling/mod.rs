@@ -1,4 +1,4 @@
-//! What liquid and solids give each other in a step: impulses of the pressure and of contact lines, and the solve of both together.
+//! Coupling of liquid and solids in a step: impulses of pressure and contact lines, and the joint solve.
 
 pub mod impulses;
 pub mod pressure;

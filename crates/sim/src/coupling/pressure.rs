@@ -1,16 +1,14 @@
-//! Pressure between liquid and solids.
+//! Coupling of pressure and solids.
 //!
-//! In a liquid cell that a solid cuts, the flow through the open faces and into the moving surface balance:
-//! `Σ ± α u + ∫ v·n dS = 0`, with `v` the surface's velocity and `n` pointing into the solid. A free solid takes up
-//! `∫ p n dS` and its moment in the same solve: with `F` the cells' surfaces by the solids' degrees of freedom and `A`
-//! the second derivatives of their potential ([`crate::collision`]), of a rigid one alone its mass matrix, the system for
-//! `λ = p h/ρ` gains `ρ F A⁻¹ Fᵀ`, which is symmetric and positive, so that light solids are as stable as heavy ones (C. Batty, F. Bertails, R. Bridson, "A fast variational framework for accurate
-//! solid-fluid coupling", SIGGRAPH 2007; design, numerics §1).
+//! In a liquid cell that a solid cuts, the fluxes through the open faces and into the moving surface sum to zero:
+//! `Σ ± α u + ∫ v·n dS = 0`, with the velocity `v` of the surface and `n` into the solid. A free solid receives `∫ p n dS` and its moment
+//! in the same solve. Let `F` map the solids' degrees of freedom to the fluxes of the cells, and `A` be the Hessian of their potential
+//! ([`crate::collision`]; the mass matrix for a rigid solid without contacts). The system for `λ = p h/ρ` then gains the symmetric
+//! positive semidefinite term `ρ F A⁻¹ Fᵀ`, so that light solids are as stable as heavy ones (C. Batty, F. Bertails, R. Bridson, "A fast
+//! variational framework for accurate solid-fluid coupling", SIGGRAPH 2007).
 //!
-//! In that system a surface feels the pressure at the centre of its cell, up to half a cell off: a floor on the faces of
-//! the lattice would bear half a cell of liquid too little, a box half a cell too much at its top and at its bottom. What
-//! the slope of a first solution says that the surface has more ([`PressureCoupling::off_center_impulses`]) is given to the solids
-//! before a second one.
+//! In this system a surface feels the pressure at the centre of its cell, up to half a cell away. The gradient of a first solution gives
+//! the missing impulse on the solids ([`PressureCoupling::off_center_impulses`]), which acts before a second solve.
 
 use super::impulses::{CouplingImpulses, Impulse};
 use crate::collision::points::angular_to_node;
@@ -26,19 +24,19 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-/// The wetted surfaces of the solids, and how they move.
+/// The wetted surfaces of the solids, and their motion.
 pub struct PressureCoupling<'a, const D: usize> {
     model: &'a Model<D>,
     solids: &'a [SolidState<D>],
-    /// How solids answer together, where something can move them.
+    /// Joint response of the solids, if any is movable.
     response: Option<&'a SolidResponse<D>>,
     wetted_surfaces: &'a [WettedSurface<D>],
 }
 
-/// A piece of surface in a liquid cell, with the place where the pressure takes hold of a solid that deforms.
+/// A piece of solid surface in a liquid cell, with the closest surface point of a deformable solid, where the pressure acts.
 pub type WettedSurface<const D: usize> = (CutCell<D>, Option<SurfacePoint<D>>);
 
-/// The surfaces in liquid cells (`phi` negative).
+/// Solid surfaces in liquid cells (`phi` negative).
 pub fn wetted_surfaces<const D: usize>(
     model: &Model<D>,
     cut_cells: &CutCells<D>,
@@ -53,7 +51,7 @@ pub fn wetted_surfaces<const D: usize>(
 }
 
 impl<'a, const D: usize> PressureCoupling<'a, D> {
-    /// Of surfaces in liquid cells.
+    /// Coupling at these surfaces.
     pub fn new(
         model: &'a Model<D>,
         wetted_surfaces: &'a [WettedSurface<D>],
@@ -62,7 +60,7 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
         Self { model, solids, response, wetted_surfaces }
     }
 
-    /// Calls `f(cell, flux)` with the flow into the surface of every cell, `∫ v·n dS` in areas of a face, m/s.
+    /// Calls `f(cell, flux)` with the flux into each surface, `∫ v·n dS` in areas of a face, m/s.
     pub fn for_each_flux(&self, mut f: impl FnMut(usize, f64)) {
         for (w, grip) in self.wetted_surfaces {
             let solid = &self.solids[w.solid as usize];
@@ -79,7 +77,7 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
         }
     }
 
-    /// The term `ρ F A⁻¹ Fᵀ` of the pressure's system, of all solids that forces can move.
+    /// The term `ρ F A⁻¹ Fᵀ` of the pressure system.
     pub fn compliance(&self) -> Option<CoupledBodies<'_>> {
         let response = self.response?;
         let scale = (self.model.density * self.model.grid.cell_volume()).sqrt();
@@ -108,8 +106,7 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
         })
     }
 
-    /// For each piece of surface, and each face that lines tie to a solid, the cell, and the flow out of it by the components of the
-    /// nodes' velocities, in areas of a face.
+    /// For each surface piece and tied face the cell, and the flux out of it per component of the nodes' velocities, in areas of a face.
     fn node_flux_rows(&self, response: &SolidResponse<D>) -> Vec<FluxRow> {
         let mut flows: Vec<FluxRow> = Vec::new();
         for (w, grip) in self.wetted_surfaces {
@@ -131,7 +128,7 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
         flows
     }
 
-    /// Calls `f(cell, flux)` with the flow that velocities of the nodes add.
+    /// Calls `f(cell, flux)` with the flux due to velocities of the nodes.
     pub fn for_each_node_flux(&self, velocities: &[Vector<D>], mut f: impl FnMut(usize, f64)) {
         let Some(response) = self.response else { return };
         for (cell, flow) in self.node_flux_rows(response) {
@@ -142,7 +139,7 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
         }
     }
 
-    /// What the pressure gives to the nodes, through tied faces too, N s; `lambda` is `p h/ρ`.
+    /// Impulses of the pressure on the nodes, including tied faces, N s; `lambda` is `p h/ρ`.
     pub fn node_impulses(&self, lambda: &[f64]) -> Vec<Vector<D>> {
         let Some(response) = self.response else { return Vec::new() };
         let scale = self.model.density * self.model.grid.face_area();
@@ -154,7 +151,7 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
         all
     }
 
-    /// What the liquid's pressure gives to the solids; `lambda` is `p h/ρ`, `label` the component of a liquid cell.
+    /// Impulses of the pressure on the solids; `lambda` is `p h/ρ`, `label` the component of a liquid cell.
     pub fn impulses(&self, lambda: &[f64], label: impl Fn(usize) -> Option<u32>) -> CouplingImpulses<D> {
         self.collect_impulses(label, |w| {
             let push = lambda[w.cell as usize];
@@ -162,8 +159,8 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
         })
     }
 
-    /// What they get besides because the pressure on their surfaces is not that at the cells' centres; `slope` is that of
-    /// `lambda` in a liquid cell, a cell.
+    /// Additional impulses because the pressure at the surfaces differs from that at the cell centres; `slope` is the gradient of
+    /// `lambda` in a liquid cell, per cell.
     pub fn off_center_impulses(
         &self,
         slope: impl Fn(usize) -> Vector<D>,
@@ -175,7 +172,7 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
         })
     }
 
-    /// Impulses from what every surface gets, divided by density and area of a face: itself, and its moment in cells.
+    /// Sums the impulses of all surfaces. `push` returns linear impulse and moment (in cells) over density and face area.
     fn collect_impulses(
         &self,
         label: impl Fn(usize) -> Option<u32>,
@@ -204,14 +201,14 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
     }
 }
 
-/// Middle of the solid's surface in a cell, in cells.
+/// Centroid of the solid surface in a cell, in cells.
 fn surface_centroid_cells<const D: usize>(model: &Model<D>, w: &CutCell<D>) -> Vector<D> {
     let center = model.grid.center(model.grid.lattice().coordinates(w.cell as usize)) / model.grid.dx;
     center + w.first_moment.tr_mul(&w.area_vector) / w.area_vector.norm_squared().max(f64::MIN_POSITIVE)
 }
 
-/// Columns whose sums over a component of the liquid tell whether solids determine its mean pressure: one for all solids that deform,
-/// and one for each degree of freedom of the rigid ones.
+/// Columns whose sums over a liquid component show whether solids determine its mean pressure: one for all deformable solids, and one for
+/// each degree of freedom of the rigid ones.
 fn mean_pressure_probes(flows: &[FluxRow], porous: &[f64], rigid: impl Fn(u32) -> bool) -> Vec<SparseColumn> {
     let gives = flows.iter().zip(porous).filter(|(_, porous)| **porous > 0.0);
     let mut columns = vec![gives.map(|((cell, _), _)| (*cell, 1.0)).collect()];
@@ -225,12 +222,12 @@ fn mean_pressure_probes(flows: &[FluxRow], porous: &[f64], rigid: impl Fn(u32) -
     columns
 }
 
-/// A vector in space.
+/// Extends a vector to three dimensions.
 fn to_3d<const D: usize>(v: &Vector<D>) -> Vector<3> {
     Vector::from_fn(|a, _| if a < D { v[a] } else { 0.0 })
 }
 
-/// Gives impulses to the free rigid solids.
+/// Applies impulses to the free rigid solids.
 pub fn apply_impulses_to_rigid<const D: usize>(
     model: &Model<D>,
     solids: &mut [SolidState<D>],
@@ -274,7 +271,7 @@ mod tests {
         fastest: f64,
     }
 
-    /// One pressure solve in a unit box that is filled up to a height, with a velocity on all open faces.
+    /// One pressure solve in a unit box filled up to `height`, with the same velocity on all open faces.
     fn project<const D: usize>(
         cells: usize,
         solids: Vec<Solid<D>>,
@@ -357,7 +354,7 @@ mod tests {
         Projected { state, impulses, solves, fastest }
     }
 
-    /// How free solids answer that nothing else pushes.
+    /// Response of free solids without other forces.
     fn response<const D: usize>(
         model: &Model<D>,
         solids: &[SolidState<D>],
@@ -385,18 +382,18 @@ mod tests {
     }
 
     fn liquid_at_rest_lifts<const D: usize>() {
-        // A ball under water, and a slanting bottom.
+        // A submerged ball, and an inclined bottom.
         let slope = Vector::<D>::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.3 });
         let bottom = Shape::HalfSpace { point: Vector::from_fn(|_, _| 0.11), normal: slope };
         let solids = vec![Solid::new(ball(0.22), Motion::Fixed, 1.0), Solid::new(bottom, Motion::Fixed, 1.0)];
         let fall = Vector::from_fn(|a, _| if a + 1 == D { -1.0 } else { 0.0 });
         let p = project::<D>(if D == 2 { 64 } else { 40 }, solids, 0.873, fall);
-        // What is left is the solve's tolerance, 1e-10; the volume is the cut cells', right to second order.
+        // The velocity error is the solver's tolerance, 1e-10. The cut cells' volume is second-order accurate.
         assert!(p.fastest < 1e-9, "{D}D: {}", p.fastest);
         let (volume, bar) = (volume::<D>(0.22), if D == 2 { 0.002 } else { 0.008 });
         let lift = p.impulses[0].linear;
         assert!((lift[D - 1] / volume - 1.0).abs() < bar, "{D}D: {}", lift[D - 1] / volume);
-        // Slivers without a neighbour above or below see no slope.
+        // Sliver cells without a neighbour above or below have no pressure gradient.
         assert!((0..D - 1).all(|a| lift[a].abs() < 1e-6 * volume), "{D}D: {lift}");
         let turning = p.impulses[0].moment_about(&p.state.solids[0].center);
         assert!(turning.norm() < 1e-4 * volume * 0.22, "{D}D: {:e}", turning.norm() / volume / 0.22);
@@ -408,7 +405,7 @@ mod tests {
         liquid_at_rest_lifts::<3>();
     }
 
-    /// Speed that a ball keeps of its start velocity within a shell full of liquid, and iterations.
+    /// Speed that a ball retains from its initial velocity in a shell full of liquid, and the number of iterations.
     fn kept_speed<const D: usize>(cells: usize, density: f64) -> (f64, usize) {
         let all = Shape::Box {
             center: Vector::repeat(0.5),

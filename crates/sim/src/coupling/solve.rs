@@ -1,7 +1,7 @@
-//! The pressure of a step, and what it, contact lines and friction give to the solids.
+//! The pressure solve of a step, and the impulses of pressure, contact lines and friction on the solids.
 //!
-//! All solids that something can move answer to the pressure together, and with contacts, about the velocities that Newton's method
-//! has come to ([`crate::collision`]).
+//! Movable solids respond jointly to pressure and contacts, linearised about the current velocities of Newton's method
+//! ([`crate::collision`]).
 
 use super::impulses::CouplingImpulses;
 use super::pressure::{WettedSurface, apply_impulses_to_rigid, wetted_surfaces};
@@ -23,23 +23,22 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CutCells, Runs, Sampler, Segment};
 use meniscus_numerics::linalg::{SolveError, SolveReport};
 
-/// Results of the pressure's solve.
+/// Results of the pressure solve.
 pub struct PressureSolution<const D: usize> {
-    /// The pressure solves, the last of Newton's iterations where there are any.
+    /// Both pressure solves, of the last Newton iteration if there are several.
     pub solves: [SolveReport; 2],
-    /// What line, pressure and friction gave to the solids.
+    /// Impulses of contact lines, pressure and friction on the solids.
     pub solid_impulses: [CouplingImpulses<D>; 3],
-    /// The work, J (2D: J/m), that solids which go as told do through contacts.
+    /// Work, J (2D: J/m), of solids with prescribed motion through contacts.
     pub contact_work: f64,
-    /// Newton's iterations for solids and pressure.
+    /// Number of Newton iterations for solids and pressure.
     pub newton_iterations: u64,
 }
 
-/// Makes the velocity free of divergence and gives the solids, whose velocities were `before` without the forces of this step, their
-/// impulses.
+/// Makes the velocity divergence-free and applies the impulses to the solids; `before` are the solids before the forces of this step.
 ///
 /// # Errors
-/// Those of the solves, which do not converge or meet a matrix that is not definite.
+/// A solve does not converge, or a matrix is not positive definite.
 pub fn solve_pressure<const D: usize>(
     model: &Model<D>,
     (state, before): (&mut State<D>, &[SolidState<D>]),
@@ -75,7 +74,7 @@ pub fn solve_pressure<const D: usize>(
     Ok(PressureSolution { solves, solid_impulses, contact_work, newton_iterations })
 }
 
-/// What contact lines give to the solids; what of it belongs to the liquid along even walls shifts that.
+/// Impulses of the contact lines on the solids. The remainder along flat walls accelerates each liquid component as a whole.
 fn apply_contact_line_forces<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
@@ -111,7 +110,7 @@ fn apply_contact_line_forces<const D: usize>(
         LineImpulses { on_solids: CouplingImpulses::new(), on_liquid, moment_lost: 0.0 }
     };
     work.repairs.line_moment_lost += moment_lost;
-    // Of a drop too small to be resolved the lattice's pull is noise.
+    // For an unresolved drop the force along the walls is discretisation noise.
     let least = min_resolved_volume(model);
     let speed = |(j, volume): (&Vector<D>, &f64)| {
         if *volume > least { j / (model.density * volume) } else { Vector::zeros() }
@@ -125,16 +124,16 @@ fn apply_contact_line_forces<const D: usize>(
     line
 }
 
-/// What the pressure, friction and contacts do to the solids.
+/// Results of one of the two solves below.
 struct SolidImpulses<const D: usize> {
     solves: [SolveReport; 2],
-    /// What pressure and friction give.
+    /// Impulses of pressure and friction.
     impulses: [CouplingImpulses<D>; 2],
     contact_work: f64,
     newton_iterations: u64,
 }
 
-/// The pressure where nothing moves the solids but what they are told.
+/// Pressure solve if all solids have prescribed motion.
 fn solve_with_prescribed_solids<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
@@ -160,7 +159,7 @@ fn solve_with_prescribed_solids<const D: usize>(
     })
 }
 
-/// The pressure and solids that move, with all contacts: Newton's iterations.
+/// Joint solve of pressure, movable solids and contacts by Newton's method.
 fn solve_with_dynamic_solids<const D: usize>(
     model: &Model<D>,
     (state, before): (&mut State<D>, &[SolidState<D>]),
@@ -213,11 +212,11 @@ fn solve_with_dynamic_solids<const D: usize>(
     }
 }
 
-/// Faces that the surface cuts, those that lines drag, and the component of a liquid cell.
+/// Faces at the interface, faces that contact lines drag, and the component of a liquid cell.
 type FaceArguments<'a> =
     (&'a [InterfaceFace], &'a mut [DraggedFace], &'a (dyn Fn(usize) -> Option<u32> + Sync));
 
-/// The grid's part of a projection: band, liquid, its faces, what solids leave open, and their surfaces in liquid cells.
+/// Grid data of a projection: band, liquid, its faces, cut cells, and wetted surfaces.
 type GridArguments<'a, const D: usize> =
     (&'a Band<D>, &'a Runs, &'a [Vec<Segment>; D], &'a mut CutCells<D>, &'a [WettedSurface<D>]);
 
@@ -246,7 +245,7 @@ fn build_projection<'a, const D: usize>(
     }
 }
 
-/// Keeps with the solids the mean forces of what line, pressure and friction gave them in the time `impulse_time`.
+/// Stores in the solids the mean forces of contact lines, pressure and friction over the time `impulse_time`.
 fn store_solid_forces<const D: usize>(
     solids: &mut [SolidState<D>],
     given: &[CouplingImpulses<D>; 3],
@@ -260,7 +259,7 @@ fn store_solid_forces<const D: usize>(
     }
 }
 
-/// The work, J, that solids which go as told do on the rest.
+/// Work, J (2D: J/m), of solids with prescribed motion on the liquid.
 pub fn prescribed_solid_work<const D: usize>(
     model: &Model<D>,
     state: &State<D>,

@@ -1,17 +1,17 @@
-//! Moving the surface and the velocity with the flow (semi-Lagrangian, third-order Runge–Kutta paths).
+//! Semi-Lagrangian advection of the interface and the velocity along third-order Runge–Kutta paths.
 
 use crate::model::Model;
 use meniscus_numerics::grid::{Band, CellField, FaceField, Sampler, Segment};
 use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
 
-/// Samples a velocity component by component.
+/// Interpolates a velocity field component by component.
 pub struct VelocitySampler<'a, const D: usize> {
     axes: [Sampler<'a, D>; D],
 }
 
 impl<'a, const D: usize> VelocitySampler<'a, D> {
-    /// The flow of a velocity field.
+    /// The sampler of a velocity field.
     pub fn new(model: &Model<D>, velocity: &'a FaceField<D>) -> Self {
         let axes = std::array::from_fn(|a| {
             Sampler::faces(&model.grid, a, &velocity.axes[a], model.velocity_boundary(a))
@@ -29,7 +29,7 @@ impl<'a, const D: usize> VelocitySampler<'a, D> {
     }
 }
 
-/// Where what arrives at `x` after `dt` came from (Ralston's third-order path).
+/// Departure point of the path that arrives at `x` after `dt` (Ralston's third-order method).
 fn departure_point<const D: usize>(
     x: &Vector<D>,
     dt: f64,
@@ -41,18 +41,18 @@ fn departure_point<const D: usize>(
     x - (first * 2.0 + second * 3.0 + third * 4.0) * (dt / 9.0)
 }
 
-/// Cells from the surface within which its path is followed with cubic interpolation of the velocity.
+/// Distance from the interface, in cells, within which paths use cubic interpolation of the velocity.
 const CUBIC_INTERPOLATION_DISTANCE_CELLS: f64 = 2.5;
 
-/// Slope of the distance below which an air cell lies between two fronts: at the ridge it is the cosine of half the angle
-/// between their normals, so 0.5 stands for a wedge of 60 degrees. 0.9, 130 degrees, made liquid of the groove around a
-/// fresh contact (3 % of the volume in eight steps).
+/// |∇φ| below which an air cell lies between two fronts. At the ridge it is the cosine of half the angle between their normals, so 0.5
+/// means a wedge of 60 degrees. With 0.9 (130 degrees) the groove around a new contact filled with liquid (3 % of the volume in eight
+/// steps).
 const RIDGE_GRADIENT_NORM: f64 = 0.5;
 
-/// New values of φ in the cells of the band, in the order of `band.cells`.
+/// Advected values of φ in the cells of the band, in the order of `band.cells`.
 ///
-/// In a gap of a cell between fronts that meet, the extended velocity is their mean, about nothing: an air cushion that
-/// never closes. There each front moves as the liquid beside the cell does, and the nearer one counts.
+/// In a gap of one cell between two fronts the extended velocity is their mean, close to zero, so that the air cushion would never
+/// close. There each front moves with the velocity of the adjacent liquid cell, and the nearer front counts.
 pub fn advect_interface<const D: usize>(
     model: &Model<D>,
     phi: &CellField<D>,
@@ -94,7 +94,7 @@ pub fn advect_interface<const D: usize>(
         .collect()
 }
 
-/// The velocity carried along, on the given faces: one list of values per axis, stretch after stretch.
+/// Advected velocity on the given faces: one list of values per axis, segment after segment.
 pub fn advect_velocity<const D: usize>(
     model: &Model<D>,
     velocity: &FaceField<D>,
@@ -122,7 +122,7 @@ pub fn advect_velocity<const D: usize>(
     })
 }
 
-/// The stretches one behind the other; `row` is the stretch's number.
+/// Packs segments one behind the other; `row` is the number of the segment.
 pub fn pack(segments: &[Segment]) -> Vec<Segment> {
     let mut at = 0;
     segments

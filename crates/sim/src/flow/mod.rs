@@ -1,4 +1,4 @@
-//! The velocity of the liquid: advection, pressure, viscosity, open sides.
+//! Velocity of the liquid: advection, pressure, viscosity, and open sides.
 
 pub mod advection;
 pub mod outflow;

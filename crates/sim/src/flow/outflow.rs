@@ -1,11 +1,11 @@
-//! Open sides: beyond them is air, and liquid that passes them is taken out of the domain.
+//! Open sides: air lies beyond them, and liquid that passes them leaves the domain.
 //!
-//! The grid goes on for [`OPEN_SIDE_MARGIN_CELLS`] cells beyond an open side. At the end of each step φ becomes the larger of itself and of the
-//! distance beyond the nearest open side: the intersection of the liquid with the domain, which ends at the side with a free surface
-//! under the pressure of air. The state sums up the volume and the energy that have left, as the difference of the books before and
-//! after. A component that becomes too small to see within a cell of an open side counts as left, too ([`crate::components::tracking`]).
+//! The grid extends [`OPEN_SIDE_MARGIN_CELLS`] cells beyond an open side. At the end of each step φ becomes the maximum of φ and the
+//! signed distance to the domain within the open sides: the liquid ends at the side with a free surface at air pressure. The volume and
+//! energy that left are the differences of the diagnostics before and after, summed up in the state. A component that becomes too small
+//! for the grid within a cell of an open side also counts as outflow ([`crate::components::tracking`]).
 //!
-//! Limit: the end of a jet at the side has surface tension, which a jet that goes on does not feel there.
+//! Limit: surface tension acts on the end of a jet at the side, where a continuing jet has no end.
 
 use crate::components::volume::band_labels;
 use crate::model::{Model, Wall};
@@ -14,13 +14,13 @@ use crate::simulation::workspace::Workspace;
 use crate::state::State;
 use meniscus_numerics::Vector;
 
-/// Cells of the grid beyond an open side. The six points of the quintic around places up to 2.5 cells beyond the side must lie in the
-/// grid: φ is read there by the paths of cells beside the side and by the closest points of cells two away. With 3 a column that
-/// falls out lost 0.5 % of what left in each step, with 5 it loses 0.01 % (`verify open-side`).
+/// Cells of the grid beyond an open side. The six points of the quintic stencil around points up to 2.5 cells beyond the side must lie
+/// in the grid: paths from cells beside the side and closest points of cells two away evaluate φ there. A falling column lost 0.5 % of
+/// the outflow in each step with 3 cells, and 0.01 % with 5 (`verify open-side`).
 pub const OPEN_SIDE_MARGIN_CELLS: usize = 5;
 
 impl<const D: usize> Model<D> {
-    /// The same with cells of the grid beyond open sides, as liquid that leaves through them needs.
+    /// Extends the grid beyond open sides, as liquid that leaves through them requires.
     #[must_use]
     pub fn with_open_sides(mut self) -> Self {
         let margin = std::array::from_fn(|a| {
@@ -33,7 +33,7 @@ impl<const D: usize> Model<D> {
         self
     }
 
-    /// Signed distance of a point beyond the open sides, m, negative within them: that to the nearest, or −∞ where all are closed.
+    /// Signed distance of a point to the nearest open side, m, negative within the domain; −∞ where all sides are closed.
     pub(crate) fn open_side_distance(&self, x: &Vector<D>) -> f64 {
         let upper = self.grid.domain_upper();
         let beyond = |a: usize, side: usize| match self.walls[a][side] {
@@ -45,7 +45,7 @@ impl<const D: usize> Model<D> {
     }
 }
 
-/// Takes out liquid beyond open sides. Components that reach beyond none stay to the last bit.
+/// Removes liquid beyond open sides. Components that do not reach beyond one keep every bit.
 pub fn remove_outflow<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut Workspace<D>) {
     let lattice = model.grid.lattice();
     let beyond = |cell: u32| model.open_side_distance(&model.grid.center(lattice.coordinates(cell as usize)));
@@ -78,7 +78,7 @@ pub fn remove_outflow<const D: usize>(model: &Model<D>, state: &mut State<D>, wo
     state.outflow_stored_energy += before[2] - after[2];
 }
 
-/// Volume, kinetic and stored energy of the liquid of a state.
+/// Volume, m³, and kinetic and stored energy, J, of the liquid of a state.
 fn volume_and_energies<const D: usize>(model: &Model<D>, state: &State<D>) -> [f64; 3] {
     let volume = state.components.iter().map(|d| d.target_volume).sum();
     let surface = model.surface_tension * state.effective_surface_area;

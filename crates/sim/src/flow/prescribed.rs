@@ -1,4 +1,4 @@
-//! The surface in a given flow: what a step does to φ, without forces.
+//! Advection of the interface in a prescribed flow, without forces.
 
 use crate::components::tracking::restore_volume;
 use crate::model::Model;
@@ -10,19 +10,19 @@ use crate::state::State;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Segment;
 
-/// A liquid that is carried by a prescribed velocity, for tests of the transport.
+/// A liquid carried by a prescribed velocity, for tests of the advection.
 pub struct PrescribedFlow<const D: usize> {
-    /// What stays fixed.
+    /// The fixed parameters.
     pub model: Model<D>,
-    /// What evolves.
+    /// The evolving state.
     pub state: State<D>,
     workspace: Workspace<D>,
 }
 
 impl<const D: usize> PrescribedFlow<D> {
-    /// The liquid within the zero set of a distance.
+    /// The liquid within the zero level set of a signed distance.
     pub fn new(mut model: Model<D>, signed_distance: &(dyn Fn(&Vector<D>) -> f64 + Sync)) -> Self {
-        // What a given flow does to the momentum is its own affair.
+        // The momentum of a prescribed flow is not corrected.
         model.numerics.restore_momentum = false;
         let Simulation { model, mut state, .. } =
             Simulation::new(model, &[LiquidRegion { signed_distance, velocity: Vector::zeros() }]);
@@ -30,8 +30,8 @@ impl<const D: usize> PrescribedFlow<D> {
         Self { model, state, workspace }
     }
 
-    /// Moves the surface for `dt` (s) in a steady flow (m/s) and makes φ a distance again where a step would; with
-    /// `volume`, puts the volume right as a step would.
+    /// Moves the interface for `dt` (s) in a steady flow (m/s) and redistances φ as a step does. With `volume`, it restores the volume,
+    /// too.
     pub fn step(&mut self, flow: &dyn Fn(&Vector<D>) -> Vector<D>, dt: f64, volume: bool) {
         let (model, state, work) = (&self.model, &mut self.state, &mut self.workspace);
         for a in 0..D {

@@ -1,11 +1,10 @@
-//! Pressure: the one solve that makes the velocity free of divergence.
+//! Pressure projection: one solve that makes the velocity divergence-free.
 //!
-//! Unknown: `λ = p h / ρ` (m²/s) in the liquid cells. At the surface, a fraction θ of a cell from the liquid's centre,
-//! `p = γ κ` (ghost fluid: Gibou et al. 2002; Enright et al. 2003). For a liquid cell
-//! `Σ (λ_i − λ_j) + Σ (λ_i − λ_I)/θ = −Δ Σ ± u*`, which is symmetric and positive definite wherever a component has
-//! a free surface. Viscosity acts on the velocity that this makes; a second solve takes out the divergence that it leaves,
-//! and with what the first one's bend adds to the slopes at the surface ([`bends`]) makes the velocity there as accurate as
-//! it is inside. It takes a few iterations.
+//! The unknown is the pressure impulse `λ = p h / ρ` (m²/s) in the liquid cells. At the interface, a fraction θ of a cell from the
+//! centre of the liquid cell, `p = γ κ` (ghost fluid: Gibou et al. 2002; Enright et al. 2003). For a liquid cell
+//! `Σ (λ_i − λ_j) + Σ (λ_i − λ_I)/θ = −Δ Σ ± u*`, which is symmetric and positive definite wherever a component has a free surface.
+//! Viscosity acts on the resulting velocity. A second solve of a few iterations removes the divergence that viscosity leaves, and with
+//! the corrections from the first solution ([`second_order_corrections`]) makes the velocity at the interface as accurate as inside.
 
 use super::viscosity::Diffusion;
 use crate::collision::solid_response::SolidResponse;
@@ -28,60 +27,60 @@ use std::iter::zip;
 pub struct PressureFields<const D: usize> {
     dirichlet: CellField<D>,
     rhs: CellField<D>,
-    /// λ of the first solve of Newton's iteration before.
+    /// λ of the first solve of the previous Newton iteration.
     first_solution: CellField<D>,
-    /// The last solver, for its memory.
+    /// The last solver, kept for its memory.
     solver: Option<PressureSolver<D>>,
 }
 
-/// The part of a state that a projection works on.
+/// The fields of a state that a projection needs.
 pub struct Projection<'a, const D: usize> {
     /// Velocity, m/s.
     pub velocity: &'a mut FaceField<D>,
-    /// λ, m²/s: in, a guess; out, the solution.
+    /// λ, m²/s: initial guess and solution.
     pub pressure_impulse: &'a mut CellField<D>,
-    /// Distance, m.
+    /// Signed distance, m.
     pub phi: &'a CellField<D>,
-    /// The cells around the surface.
+    /// The cells of the narrow band.
     pub band: &'a Band<D>,
     /// The liquid cells.
     pub liquid: &'a Runs,
     /// Their faces.
     pub liquid_faces: &'a [Vec<Segment>; D],
-    /// Those at the surface.
+    /// Those of them at the interface.
     pub interface_faces: &'a [InterfaceFace],
-    /// Those that contact lines drag.
+    /// Those of them that contact lines drag.
     pub dragged_faces: &'a mut [DraggedFace],
-    /// What the solids leave open.
+    /// Open fractions beside solids.
     pub cut_cells: &'a mut CutCells<D>,
     /// The solids.
     pub solids: &'a [SolidState<D>],
-    /// Their surfaces in liquid cells.
+    /// Surfaces of the solids in liquid cells.
     pub wetted_surfaces: &'a [WettedSurface<D>],
     /// Component of a liquid cell.
     pub label: &'a (dyn Fn(usize) -> Option<u32> + Sync),
-    /// The tension term `γ h / (ρ Δ)` (m²/s): times a curvature in 1/cells it is λ at the surface.
+    /// Tension impulse `γ h / (ρ Δ)`, m²/s: times a curvature in 1/cells it is λ at the interface.
     pub tension_impulse: f64,
-    /// For how long viscosity acts, s.
+    /// Time for which viscosity acts, s.
     pub impulse_time: f64,
 }
 
-/// How a projection is done.
+/// Options of a projection.
 #[derive(Clone, Copy, Debug)]
 pub struct ProjectionOptions {
-    /// Whether Newton's iteration before has left its pressures as guesses.
+    /// Whether the previous Newton iteration has left its pressures as initial guesses.
     pub warm_start: bool,
-    /// Relative residual.
+    /// Relative residual of the solves.
     pub tolerance: f64,
 }
 
-/// What a projection finds besides the velocity.
+/// Results of a projection other than the velocity.
 pub struct ProjectionResult<const D: usize> {
     /// Both solves.
     pub solves: [SolveReport; 2],
-    /// What the pressure gives to the solids.
+    /// Impulses of the pressure on the solids.
     pub pressure_impulses: CouplingImpulses<D>,
-    /// How much the velocities of the solids' nodes change, m/s; empty without a response.
+    /// Velocity changes of the solids' nodes, m/s; empty without a response.
     pub node_velocity_change: Vec<Vector<D>>,
 }
 
@@ -93,12 +92,12 @@ impl<const D: usize> PressureFields<D> {
         Self { dirichlet: zero(), rhs: zero(), first_solution: zero(), solver: None }
     }
 
-    /// Makes the velocity free of divergence in the liquid, as solids with a `response` give way. From the slopes of the first
-    /// solve's pressure follow viscosity, [`bends`] and the pressure on the solids' surfaces. (Slopes of the pressure of Newton's
-    /// iteration before, in place of a first solve, do not converge where liquid fills slits.)
+    /// Makes the velocity divergence-free in the liquid, coupled to solids with a `response`. The gradient of the first solution gives
+    /// viscosity, [`second_order_corrections`] and the off-centre pressure on the solids. (With the gradient of the previous Newton
+    /// iteration instead of a first solve, Newton's method does not converge where liquid fills slits.)
     ///
     /// # Errors
-    /// What the solver says.
+    /// Those of the solver.
     pub fn project(
         &mut self,
         model: &Model<D>,
@@ -165,7 +164,7 @@ impl<const D: usize> PressureFields<D> {
         Ok(ProjectionResult { solves, pressure_impulses, node_velocity_change })
     }
 
-    /// The system made ready; faces that are dragged give way less.
+    /// Builds the solver; dragged faces have a smaller coefficient.
     fn build_solver(&mut self, model: &Model<D>, p: &mut Projection<'_, D>) -> PressureSolver<D> {
         let open = &mut p.cut_cells.open_fraction.axes;
         let whole: Vec<f64> = p.dragged_faces.iter().map(|f| open[f.axis][f.face]).collect();
@@ -182,7 +181,7 @@ impl<const D: usize> PressureFields<D> {
         solver
     }
 
-    /// The system for the solids' velocities, changed by `change` of their nodes.
+    /// Assembles the system for the velocities of the solids, with those of the nodes changed by `change`.
     fn assemble(
         &mut self,
         model: &Model<D>,
@@ -219,10 +218,10 @@ impl<const D: usize> PressureFields<D> {
     }
 }
 
-/// Lets viscosity act on the velocity that the forces have made, and adds what it changes to the velocity before them.
+/// Lets viscosity act on the velocity after the forces, and adds its change to the velocity before them.
 ///
-/// Before the forces it would leave them alone: what viscosity slows in a few steps would yield to them `1 + ν k² h` times
-/// too fast, and of drops at rest ripples of five cells would grow (u_rms 0.04).
+/// Before the forces it would not damp their effect: motions that viscosity damps in a few steps would respond `1 + ν k² h` times too
+/// fast, and ripples of five cells would grow on drops at rest (u_rms 0.04).
 fn apply_viscosity<const D: usize>(
     model: &Model<D>,
     p: &mut Projection<'_, D>,
@@ -244,7 +243,7 @@ fn apply_viscosity<const D: usize>(
     Ok(())
 }
 
-/// Of what has changed on dragged faces since `before` the drag leaves a part.
+/// Scales the change of velocity on dragged faces since `before` by their mobility.
 fn scale_by_mobility<const D: usize>(p: &mut Projection<'_, D>, before: Vec<f64>) {
     for (f, before) in zip(p.dragged_faces.iter(), before) {
         let u = &mut p.velocity.axes[f.axis][f.face];
@@ -252,7 +251,7 @@ fn scale_by_mobility<const D: usize>(p: &mut Projection<'_, D>, before: Vec<f64>
     }
 }
 
-/// The change of the nodes' velocities without the pressure of the cells; `more` acts on the solids besides.
+/// Velocity change of the nodes without the pressure of the cells; `more` are further impulses on the solids.
 fn change_without_pressure<const D: usize>(
     model: &Model<D>,
     p: &Projection<'_, D>,
@@ -272,7 +271,7 @@ fn change_without_pressure<const D: usize>(
     )
 }
 
-/// What the surface's tension and `bends` push cut faces with, m/s, by axis and face.
+/// Velocity change of interface faces by surface tension and `corrections`, m/s, by axis and face.
 fn tension_velocity_change<const D: usize>(
     model: &Model<D>,
     p: &Projection<'_, D>,
@@ -288,7 +287,7 @@ fn tension_velocity_change<const D: usize>(
     p.interface_faces.iter().enumerate().map(push).collect()
 }
 
-/// The velocity of dragged faces before the pressure pushes them.
+/// Velocity of dragged faces before the pressure acts.
 fn apply_line_drag<const D: usize>(p: &mut Projection<'_, D>) {
     for f in p.dragged_faces.iter() {
         let u = &mut p.velocity.axes[f.axis][f.face];
@@ -296,7 +295,7 @@ fn apply_line_drag<const D: usize>(p: &mut Projection<'_, D>) {
     }
 }
 
-/// Slope of λ in a liquid cell, a cell: along each axis the mean over the open faces to other liquid cells.
+/// Gradient of λ per cell in a liquid cell: along each axis the mean over the open faces to other liquid cells.
 fn pressure_gradient<const D: usize>(model: &Model<D>, p: &Projection<'_, D>, cell: usize) -> Vector<D> {
     let lattice = model.grid.lattice();
     let at = lattice.coordinates(cell);
@@ -318,8 +317,8 @@ fn pressure_gradient<const D: usize>(model: &Model<D>, p: &Projection<'_, D>, ce
     })
 }
 
-/// What the ghost fluid's slope of λ misses on each cut face, times Δ: it is the slope half-way to the surface, `θ/2` from
-/// the liquid's centre, where the face lies at one half. Left out it makes waves slower by up to `(kΔ)²/24`.
+/// Correction of the ghost-fluid gradient of λ on each interface face, times Δ. That gradient is centred `θ/2` from the centre of the
+/// liquid cell, but the face lies at 1/2. Without the correction waves are slower by up to `(kΔ)²/24`.
 fn second_order_corrections<const D: usize>(model: &Model<D>, p: &Projection<'_, D>) -> Vec<f64> {
     let lattice = model.grid.lattice();
     let bend = |f: &InterfaceFace| {
@@ -345,7 +344,7 @@ fn second_order_corrections<const D: usize>(model: &Model<D>, p: &Projection<'_,
     p.interface_faces.par_iter().map(bend).collect()
 }
 
-/// Adds `sign` times what the pressure does to the velocity: minus its gradient on the liquid's faces.
+/// Adds `sign` times the velocity change by the pressure, minus its gradient, on the liquid's faces.
 fn apply_pressure_gradient<const D: usize>(
     model: &Model<D>,
     p: &mut Projection<'_, D>,
@@ -382,7 +381,7 @@ fn apply_pressure_gradient<const D: usize>(
     scale_by_mobility(p, before);
 }
 
-/// Largest divergence in a liquid cell, 1/s: of what flows through open faces and into moving solids.
+/// Largest divergence in a liquid cell, 1/s, with the fluxes through open faces and into moving solids.
 pub fn divergence_max<const D: usize>(
     model: &Model<D>,
     state: &State<D>,
@@ -431,7 +430,8 @@ mod tests {
         (PI * x[0]).cos() * (PI * x[D - 1]).cosh()
     }
 
-    /// Velocity (rms) that is left on the cut faces of a potential flow under a sloping surface, with that potential on it.
+    /// Velocity (rms) that the projection leaves on the interface faces of a potential flow under a sloping surface with that potential
+    /// on it.
     fn left_over<const D: usize>(cells: usize) -> f64 {
         let model = Model {
             grid: Grid::<D>::new([cells; D], 1.0 / cells as f64),

@@ -1,20 +1,18 @@
-//! Viscosity: one implicit step with the free surface's condition of no traction.
+//! Viscosity: one implicit step with a traction-free free surface.
 //!
-//! Variational (C. Batty and R. Bridson, "Accurate viscous free surfaces for buckling, coiling, and rotating
-//! liquids", SCA 2008): the new velocity minimises `½ Σ m_f (u_f − u*_f)² + ½ h Φ(u)` with the dissipation
-//! `Φ = ν ∫ 2 Σ_a (∂_a u_a)² + Σ_{a<b} (∂_b u_a + ∂_a u_b)² dV`. Each term is weighted by the share of its
-//! control volume that is liquid: a cell for the diagonal terms, the box around an edge (2D: a node) for the
-//! shear. Where there is no liquid nothing pulls: the traction at the surface vanishes by itself, and a rigid
-//! motion stays as it is.
+//! Variational form (C. Batty and R. Bridson, "Accurate viscous free surfaces for buckling, coiling, and rotating liquids", SCA 2008):
+//! the new velocity minimises `½ Σ m_f (u_f − u*_f)² + ½ h Φ(u)` with the dissipation
+//! `Φ = ν ∫ 2 Σ_a (∂_a u_a)² + Σ_{a<b} (∂_b u_a + ∂_a u_b)² dV`. Each term is weighted by the liquid fraction of its control volume: a
+//! cell for the diagonal terms, the box around an edge (2D: a node) for the shear. The traction at the free surface then vanishes by
+//! itself, and rigid motions are unchanged.
 //!
-//! The mass `m_f` of a face is the one of the pressure solve (1 between liquid cells, the share θ of the way
-//! to the surface otherwise), so that this step and the projection are symmetric in the same inner product.
-//! Faces outside the liquid that a term needs are unknowns without mass: they follow the liquid as the
-//! missing traction demands.
+//! The mass `m_f` of a face is that of the pressure solve (1 between liquid cells, otherwise the fraction θ of the way to the
+//! interface), so that this step and the projection are symmetric in the same inner product. Faces outside the liquid that a term needs
+//! are unknowns without mass, which follow the liquid.
 //!
-//! Walls and solids are frictionless: edges on the domain's sides or in solids carry no shear, faces on closed sides stay as
-//! they are. In cells that solids cut, shares and masses are those of the open part; faces that solids close have no mass
-//! and follow the liquid, so that nothing is pushed along a solid (as fixed values they made drops glide).
+//! Walls and solids are frictionless: edges on sides or in solids carry no shear, and faces on closed sides keep their velocity. In cut
+//! cells fractions and masses are those of the open part. Faces closed by solids have no mass and follow the liquid; as fixed values
+//! they made drops glide.
 
 use crate::model::Model;
 use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Lattice, Runs, Sampler, Segment};
@@ -24,35 +22,34 @@ use meniscus_numerics::{par, rotation_planes};
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
-/// Relative residual of the solve: 1e-8 took twice the iterations and changed the decay of a drop by 0.03 %.
+/// Relative residual of the solve. 1e-8 takes twice the iterations and changes the decay of a drop by 0.03 %.
 const TOLERANCE: f64 = 1e-6;
-/// Most iterations.
+/// Largest number of iterations.
 const MAX_ITERATIONS: usize = 2000;
 /// Layers of the band whose air cells may hold a control volume that reaches into the liquid.
 const AIR_LAYERS: usize = 3;
-/// Distance from the surface, in cells, from which on all control volumes of a cell are full or empty: 1.6
-/// for a true distance.
+/// Distance from the interface, in cells, beyond which all control volumes of a cell are full or empty: 1.6 for an exact distance.
 const FULL_CELL_DISTANCE_CELLS: f64 = 2.0;
-/// Shares of liquid below this count as none.
+/// Liquid fractions below this count as zero.
 const MIN_LIQUID_FRACTION: f64 = 1e-6;
-/// Least mass of a face of the liquid, as in the pressure solve.
+/// Smallest mass of a face of the liquid, as in the pressure solve.
 const MIN_FACE_MASS: f64 = 0.02;
-/// Cells that are worth a thread's while.
+/// Cells per parallel task.
 const CELLS_PER_TASK: usize = 1024;
 
-/// The part of a state that viscosity works on.
+/// The fields of a state that viscosity needs.
 pub struct Diffusion<'a, const D: usize> {
     /// Velocity, m/s; changed on the liquid's faces.
     pub velocity: &'a mut FaceField<D>,
-    /// Distance, m.
+    /// Signed distance, m.
     pub phi: &'a CellField<D>,
-    /// The cells around the surface.
+    /// The cells of the narrow band.
     pub band: &'a Band<D>,
     /// The liquid cells.
     pub liquid: &'a Runs,
     /// Their faces.
     pub liquid_faces: &'a [Vec<Segment>; D],
-    /// What the solids leave open.
+    /// Open fractions beside solids.
     pub cut_cells: &'a CutCells<D>,
 }
 
@@ -60,7 +57,7 @@ impl<const D: usize> Diffusion<'_, D> {
     /// Lets viscosity act for `dt` seconds.
     ///
     /// # Errors
-    /// What the solver says.
+    /// Those of the solver.
     pub fn advance(&mut self, model: &Model<D>, dt: f64) -> Result<SolveReport, SolveError> {
         self.advance_to(model, dt, TOLERANCE)
     }
@@ -90,13 +87,13 @@ impl<const D: usize> Diffusion<'_, D> {
     }
 }
 
-/// The cells whose lower faces are unknowns: liquid, the nearest air, and beyond open upper sides.
+/// The cells whose lower faces are unknowns: liquid, nearby air, and those beyond open upper sides.
 struct UnknownCells<const D: usize> {
-    /// Cells and one more along each axis: every face is the lower face of one of these.
+    /// The cells and one more along each axis, so that every face is the lower face of one of these.
     lattice: Lattice<D>,
-    /// Where they are; the first is a dummy.
+    /// Indices of the cells; the first is a dummy.
     list: Vec<u32>,
-    /// Place in the list; 0: none.
+    /// Slot of a cell in the list; 0: none.
     slots: Vec<u32>,
 }
 
@@ -123,29 +120,29 @@ impl<const D: usize> UnknownCells<D> {
                 list[1..].iter().filter(|p| last(p)).map(|p| p + lattice.stride[a] as u32).collect();
             list.extend(beyond);
         }
-        // Memory of a zero field is not touched where nothing is written.
+        // Pages of a zeroed array that are never written take no memory.
         let mut slots = vec![0; lattice.len()];
         list.iter().enumerate().skip(1).for_each(|(i, p)| slots[*p as usize] = i as u32);
         Self { lattice, list, slots }
     }
 }
 
-/// What belongs to a cell: its volume, the edges at its lower corner, its lower faces.
+/// Coefficients of a cell, of the edges at its lower corner, and of its lower faces.
 #[derive(Clone, Copy)]
 struct Cell<const D: usize> {
-    /// Places of the lower and upper neighbour along each axis.
+    /// Slots of the lower and upper neighbour along each axis.
     next: [[u32; 2]; D],
-    /// `2 ν h/Δ²` times the share of the cell.
+    /// `2 ν h/Δ²` times the liquid fraction of the cell.
     normal: f64,
-    /// `ν h/Δ²` times the share of the box around the lower edge of each plane.
+    /// `ν h/Δ²` times the liquid fraction of the box around the lower edge of each plane.
     shear: [f64; D],
-    /// Mass of the lower faces.
+    /// Masses of the lower faces.
     face_mass: [f64; D],
-    /// Whether the lower faces are unknown.
+    /// Whether the lower faces are unknowns.
     is_unknown: [bool; D],
 }
 
-/// Mass plus `h` times half the slope of `Φ`.
+/// The operator `M + ½ h Φ'`: mass plus `h` times half the gradient of `Φ`.
 struct ViscousOperator<const D: usize> {
     cells: Vec<Cell<D>>,
     /// Weighted strain rates of each cell: along the axes, in the planes.
@@ -182,7 +179,7 @@ impl<const D: usize> ViscousOperator<D> {
         Self { cells, strain }
     }
 
-    /// The velocity on the faces; those outside the liquid that are unknown take the mean of their neighbours in it.
+    /// Initial values on the faces. Unknowns outside the liquid get the mean of their neighbours in it.
     fn gather(&self, model: &Model<D>, places: &UnknownCells<D>, velocity: &FaceField<D>) -> Vec<f64> {
         let value = |i: usize, a: usize| {
             let at = places.lattice.coordinates(places.list[i] as usize);
@@ -268,7 +265,7 @@ impl<const D: usize> LinearOperator for ViscousOperator<D> {
     }
 }
 
-/// Finds the shares of liquid.
+/// Computes liquid fractions and coefficients.
 struct Builder<'a, const D: usize> {
     model: &'a Model<D>,
     places: &'a UnknownCells<D>,
@@ -290,7 +287,7 @@ impl<const D: usize> Builder<'_, D> {
         });
         let value = if inside { self.phi[self.model.grid.lattice().index(at)] } else { f64::INFINITY };
         let is_full = value < -FULL_CELL_DISTANCE_CELLS * self.model.grid.dx;
-        // A term that needs a face which is not there is left out.
+        // A term with a missing face is left out.
         let whole = |a: usize| next[a][1] != 0 || self.model.on_closed_side(a, at[a] + 1);
         let normal = if !inside || !(0..D).all(whole) {
             0.0
@@ -318,11 +315,11 @@ impl<const D: usize> Builder<'_, D> {
         cell
     }
 
-    /// Takes away what solids leave no room for.
+    /// Reduces the coefficients of a cell to the part that solids leave open.
     fn apply_open_fractions(&self, cell: &mut Cell<D>, at: [usize; D]) {
         let lattice = self.model.grid.lattice();
         let here = lattice.index(at);
-        // Share of a cell-sized box that is open, at a distance to the solid.
+        // Open fraction of a cell-sized box at a distance from the solid.
         let room = |distance: f64| (distance + 0.5).clamp(0.0, 1.0);
         cell.normal *= room(self.solids.distance_cells(here));
         for (k, &(p, q, _)) in rotation_planes::<D>().iter().enumerate() {
@@ -341,8 +338,8 @@ impl<const D: usize> Builder<'_, D> {
         }
     }
 
-    /// Share of liquid in the box of a cell's size around its centre, or the middle of its lower edge: half a
-    /// cell down along each of the axes `down`.
+    /// Liquid fraction of a cell-sized box around the centre of the cell, or around the middle of its lower edge: half a cell down
+    /// along each of the axes `down`.
     fn liquid_fraction(&self, at: [usize; D], down: &[usize]) -> f64 {
         let mut value = 0.0;
         let mut slope = [0.0; D];

@@ -1,14 +1,13 @@
-//! Curvature of the surface on the cells of the band.
+//! Curvature of the free surface on the cells of the band.
 //!
-//! Differences of the distance ([`level_set::curvature`]) tell it; where they cannot, near kinks, the energy gradient
-//! `(∂A/∂φ) / (∂V/∂φ)` does ([`super::energy`]). That gradient alone, the design's choice, makes a ripple in the
-//! lattice's period: a drop's frequency then depends by ±0.5 % on where in the lattice it lies, its damping by more
-//! than all the viscous damping of Lamb's case. The differences do not see the lattice.
+//! Differences of the signed distance ([`level_set::curvature`]) give it; near solids and kinks the energy gradient
+//! `(∂A/∂φ) / (∂V/∂φ)` ([`super::energy`]) replaces them. The energy gradient alone has ripples of the grid's period: a drop's
+//! frequency then varies by ±0.5 % with its position, and its damping by more than all the viscous damping of Lamb's case.
 //!
-//! The implicit biharmonic filter `F = (W + s² L W⁻¹ L)⁻¹ W`, with `W` the surface measure `∂V/∂φ`, `s² = c/k_c⁴ + b Δ⁴`
-//! and `k_c = (4ρ/(γ h²))^⅓`, keeps capillary waves stable at steps `h` far beyond the explicit limit (`c`) and removes
-//! noise between neighbours (`b`). A band-pass term damps the waves in between, those that the step does not resolve
-//! (design, experiments part 3, scheme C). `F` leaves a constant as it is: a drop at rest stays at rest.
+//! The implicit biharmonic filter `F = (W + s² L W⁻¹ L)⁻¹ W`, with the surface measure `W = ∂V/∂φ`, `s² = c/k_c⁴ + b Δ⁴` and
+//! `k_c = (4ρ/(γ h²))^⅓`, keeps capillary waves stable at steps `h` far beyond the explicit limit (`c`) and removes noise between
+//! neighbours (`b`). A band-pass term damps the waves in between, which the step does not resolve. `F` preserves constants: a drop
+//! at rest stays at rest.
 
 use super::curvature_filter::{FilterResult, Graph};
 use super::dual_cell::DualCell;
@@ -18,21 +17,21 @@ use meniscus_numerics::grid::{Band, CutCells, Grid, Sampler};
 use meniscus_numerics::{Vector, level_set};
 use rayon::prelude::*;
 
-/// Strength of the filter `c`; stable from 0.4725 on, 2 as measured best.
+/// Strength `c` of the filter: stable from 0.4725 on, 2 measured best.
 const FILTER_STRENGTH: f64 = 2.0;
-/// Width `b` of the filter that is always there, in cells⁴: it slows a wave by `b k⁴/2`, and below 0.3 a flying drop of 8
-/// cells a radius was torn by its noise (with cubic distances; not tried again with quintics).
+/// Width `b` of the filter that always acts, in cells⁴. It slows a wave by `b k⁴/2`; below 0.3 noise tore a flying drop of 8
+/// cells a radius (with cubic distances; not tested with quintic ones).
 const BASE_FILTER_CELLS4: f64 = 0.5;
-/// Width of the band that is always damped, in cells⁴: 1 left a flying drop noisy, at 16 one that hits a wall blew up. It
-/// damps a wave by `ω²/2 · DAMPING_TIME · b k⁴` a unit of time.
+/// Width of the band that is always damped, in cells⁴: 1 left a flying drop noisy, with 16 one that hits a wall blew up. A wave
+/// is damped by `ω²/2 · DAMPING_TIME · b k⁴` per unit of time.
 const DAMPING_FILTER_CELLS4: f64 = 4.0;
-/// Time in which that damping acts, in √(ρΔ³/γ): short steps damp as much in the same time as a step of this length. Half
-/// of it, as half of the width above, still kept a flying drop round to 1e-5; a quarter with twice the width did not. It adds
-/// 2 % (2D) and 3 % (3D) to the viscous damping of Lamb's case (steps of half the explicit limit).
+/// Time scale of this damping, in √(ρΔ³/γ): shorter steps damp as much per time as a step of this length. Half of it still kept a
+/// flying drop round, a quarter with twice the width did not. It adds 2 % (2D) and 3 % (3D) to the viscous damping of Lamb's case
+/// (steps of half the explicit limit).
 const DAMPING_TIME: f64 = 1.0;
-/// Distance from solids, in cells, up to which the curvature is the energy's slope.
+/// Distance from solids, in cells, up to which the curvature is the energy gradient.
 const CURVATURE_BLEND_START_CELLS: f64 = 3.0;
-/// Distance from which on differences of φ tell it.
+/// Distance from solids, in cells, beyond which it comes from differences of φ.
 const CURVATURE_BLEND_END_CELLS: f64 = 5.0;
 /// Largest curvature, in 1/cells.
 const MAX_CURVATURE_PER_CELL: f64 = 2.0;
@@ -43,7 +42,7 @@ pub struct Curvature {
     pub kappa: Vec<f64>,
     /// Whether it is known.
     pub known: Vec<bool>,
-    /// What was mended on the way: clamped curvatures, filters that did not converge.
+    /// Clamped curvatures and filters that did not converge.
     pub repairs: Repairs,
 }
 
@@ -54,15 +53,15 @@ impl Curvature {
     }
 }
 
-/// What the filter must know of the step, in cells.
+/// What the filter needs of the step, in cells.
 pub struct FilterStep<const D: usize> {
     /// `γ h² / (ρ Δ³)`.
     pub capillary_cfl_squared: f64,
-    /// Normal and displacement during the step, per cell of the band, in cells.
+    /// Normal and displacement during the step at each cell of the band.
     pub displacements: Vec<InterfaceDisplacement<D>>,
 }
 
-/// How the surface moves near a cell.
+/// Motion of the interface near a cell.
 #[derive(Clone, Copy)]
 pub struct InterfaceDisplacement<const D: usize> {
     /// Outward normal.
@@ -71,9 +70,9 @@ pub struct InterfaceDisplacement<const D: usize> {
     pub displacement_cells: Vector<D>,
 }
 
-/// What curvature must know of solids.
+/// What the curvature needs of the solids.
 pub struct SolidContext<'a, const D: usize> {
-    /// Where they are.
+    /// Their cut cells.
     pub cut_cells: &'a CutCells<D>,
     /// The cells of the band within them.
     pub ghosts: &'a [GhostCell<D>],
@@ -81,7 +80,7 @@ pub struct SolidContext<'a, const D: usize> {
     pub bond_vector: Vector<D>,
 }
 
-/// Filtered curvature on the first `layers` layers of the band; `phi` samples the distance.
+/// Computes the filtered curvature on the first `layers` layers of the band; `phi` samples the signed distance.
 pub fn curvature<const D: usize>(
     grid: &Grid<D>,
     band: &Band<D>,
@@ -106,7 +105,7 @@ pub fn curvature<const D: usize>(
     let weight: Vec<f64> = slopes.iter().map(|s| s[1]).collect();
     let graph = Graph::new(grid, band, &weight);
     let lattice = grid.lattice();
-    // The weight times the height of the surface that a cell stands for: what the energy's slope has too much.
+    // `w·x` at the surface point of a cell: the energy gradient contains it, the curvature does not.
     let hydrostatic = |slot: usize| {
         if solids.bond_vector.norm_squared() == 0.0 {
             return 0.0;
@@ -157,7 +156,7 @@ pub fn curvature<const D: usize>(
     Curvature { kappa, known, repairs }
 }
 
-/// The curvature on the graph without what the step does not resolve; `repairs` takes solves that did not converge.
+/// The filtered curvature on the graph; `repairs` records solves that did not converge.
 fn filter_curvature<const D: usize>(
     graph: &Graph,
     raw: &[f64],
@@ -174,7 +173,7 @@ fn filter_curvature<const D: usize>(
     };
     let mut filtered = filter(raw, filter_width(step.capillary_cfl_squared, BASE_FILTER_CELLS4));
     if step.capillary_cfl_squared > 0.0 {
-        // F (r − F r), the waves that the step does not resolve; r is what the step adds to the curvature.
+        // F (r − F r): the waves that the step does not resolve; r is the change of the curvature in the step.
         let strength = filter_width(step.capillary_cfl_squared, DAMPING_FILTER_CELLS4);
         let stretch = (DAMPING_TIME / step.capillary_cfl_squared.sqrt()).max(1.0);
         let rate = curvature_rate(graph, &step.displacements, stretch);
@@ -184,12 +183,12 @@ fn filter_curvature<const D: usize>(
     filtered
 }
 
-/// A cell and others with weights, as places in the band.
+/// A cell and others with weights, as slots of the band.
 type SlotWeights = (usize, Vec<(usize, f64)>);
 
 impl<const D: usize> SolidContext<'_, D> {
-    /// Moves what cells within solids hold to those around the points where the surface comes out: φ within follows φ
-    /// outside, and so does what it does to the energy. Gives back where it went.
+    /// Moves the slopes of cells within solids to the cells around their exit points, as φ within follows φ outside. Returns the
+    /// weights of those cells.
     fn move_slopes_out_of_solids(
         &self,
         grid: &Grid<D>,
@@ -229,9 +228,9 @@ impl<const D: usize> SolidContext<'_, D> {
         spreads
     }
 
-    /// Curvature, in 1/cells, of the first cells of the band near solids as the energy's slope, smoothed: the lattice's noise
-    /// goes, what the contact line pulls stays. The energy and the volume are smoothed alike, so that a constant curvature
-    /// stays as it is (design, experiments parts 1 and 4). With each goes whether it was clamped.
+    /// Curvature, in 1/cells, of the first cells of the band near solids: the energy gradient, smoothed to remove grid noise but
+    /// not the contribution of the contact line. Slopes of energy and volume are smoothed alike, which preserves a constant
+    /// curvature. The flag tells whether it was clamped.
     fn smoothed_energy_curvature(
         &self,
         grid: &Grid<D>,
@@ -263,7 +262,7 @@ impl<const D: usize> SolidContext<'_, D> {
     }
 }
 
-/// Weighted mean (1/4, 1/2, 1/4 along each axis) of what the cells around one hold; sides mirror.
+/// Weighted mean (1/4, 1/2, 1/4 along each axis) of the values around a cell; sides mirror.
 fn binomial<const D: usize>(grid: &Grid<D>, band: &Band<D>, values: &[[f64; 2]], cell: usize) -> [f64; 2] {
     let lattice = grid.lattice();
     let at = lattice.coordinates(cell);
@@ -284,8 +283,8 @@ fn binomial<const D: usize>(grid: &Grid<D>, band: &Band<D>, values: &[[f64; 2]],
     sum
 }
 
-/// What the displacement, times `stretch`, adds to the curvature, in 1/cells: `n · L u`, which is nothing for a body that
-/// just flies. (`L (n · u)` is not: the lattice's noise of the Laplacian would then feed on the speed.)
+/// Change of the curvature, in 1/cells, by the displacement times `stretch`: `n · L u`, which is zero for a translation.
+/// (`L (n · u)` is not: the grid noise of the Laplacian would grow with the speed.)
 fn curvature_rate<const D: usize>(
     graph: &Graph,
     displacement: &[InterfaceDisplacement<D>],

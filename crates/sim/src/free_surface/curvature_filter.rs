@@ -1,42 +1,42 @@
-//! The implicit biharmonic filter on the cells of the surface.
+//! The implicit biharmonic filter on the cells of the free surface.
 
 use meniscus_numerics::grid::{Band, Grid};
 use meniscus_numerics::par;
 use rayon::prelude::*;
 
-/// Cells whose surface measure is below this take no part.
+/// Surface measure, in cells², below which a cell is left out.
 const MIN_SURFACE_MEASURE_CELLS2: f64 = 0.004;
-/// Relative residual of the filter's solve.
+/// Tolerance of the filter's solve: relative residual.
 const TOLERANCE: f64 = 1e-8;
-/// Most iterations of it.
+/// Maximum number of its iterations.
 const MAX_ITERATIONS: usize = 500;
-/// Cells summed one after another.
+/// Number of cells that one task sums in sequence.
 const CHUNK: usize = 2048;
 
-/// The cells that carry surface, and the surface Laplacian `L` between them.
+/// The cells with free surface, and the surface Laplacian `L` on them.
 pub struct Graph {
-    /// Place in the band.
+    /// Slots in the band.
     pub slots: Vec<u32>,
     /// Surface measure `w`.
     measure: Vec<f64>,
-    /// Neighbours (itself where there is none) and their coupling ½(w_i + w_j).
+    /// Neighbours (the cell itself where there is none) and the coupling ½(w_i + w_j).
     links: Vec<[(u32, f32); 6]>,
 }
 
 type Complex = [f64; 2];
 
-/// What the filter made of values.
+/// Result of the filter.
 pub struct FilterResult {
-    /// The new values.
+    /// Filtered values.
     pub values: Vec<f64>,
-    /// Relative residual that the solve ended with.
+    /// Final relative residual of the solve.
     pub residual: f64,
-    /// Whether the solve came to its end before the largest number of iterations.
+    /// Whether the solve converged within the maximum number of iterations.
     pub converged: bool,
 }
 
 impl Graph {
-    /// The graph of the band's first cells, whose surface measure (cells²) is given.
+    /// The graph of the band's first cells with this surface measure (cells²).
     pub fn new<const D: usize>(grid: &Grid<D>, band: &Band<D>, measure: &[f64]) -> Self {
         let lattice = grid.lattice();
         let mut place = vec![u32::MAX; measure.len()];
@@ -108,7 +108,7 @@ impl Graph {
         FilterResult { values: x.into_iter().map(|x| x[0]).collect(), residual, converged }
     }
 
-    /// `y = (W + i s L) x`; gives back `Σ x y`.
+    /// Computes `y = (W + i s L) x`; returns `Σ x y`.
     fn multiply(&self, s: f64, x: &[Complex], y: &mut [Complex]) -> Complex {
         let sums: Vec<Complex> = y
             .par_chunks_mut(CHUNK)
@@ -136,7 +136,7 @@ impl Graph {
     }
 }
 
-/// `x += α p`, `r −= α q`; gives back `Σ r r/d` (complex) and `Σ |r|²`.
+/// Computes `x += α p`, `r −= α q`; returns `Σ r r/d` (complex) and `Σ |r|²`.
 fn update(
     x: &mut [Complex],
     r: &mut [Complex],

@@ -1,52 +1,52 @@
-//! One cube between cell centres: the area of the liquid's surface in it, the liquid's volume, the area that it wets, and
-//! their exact derivatives by the values of φ at the corners.
+//! One dual cell (a cube between cell centres): area of the free surface in it, liquid volume, wetted area, and their exact
+//! derivatives by the values of φ at the corners.
 //!
-//! Cubes are split into simplices on which φ is linear: four triangles in 2D, two times five tetrahedra in 3D, both ways
-//! to split counting half, so that no direction is preferred.
+//! The cube is split into simplices on which φ is linear: four triangles in 2D, two times five tetrahedra in 3D. Both ways to
+//! split count half, so that no direction is preferred.
 
 use meniscus_numerics::shape::ClipSimplex as ClippedSimplex;
 use meniscus_numerics::{Matrix, Vector};
 
-/// What the liquid's surface cuts out of a cube, in units of the cell size.
+/// The liquid in a dual cell, in units of the cell size.
 #[derive(Clone, Debug)]
 pub struct DualCell {
-    /// Cell of each corner (beyond a wall: its mirror image; 2D: the last four are none, `u32::MAX`).
+    /// Cell of each corner (beyond a wall its mirror image; in 2D the last four are `u32::MAX`).
     pub corners: [u32; 8],
-    /// Which corners are liquid cells, one bit each.
+    /// Bit mask of the corners that are liquid cells.
     pub liquid_corners: u8,
     /// Area of the free surface.
     pub area: f64,
-    /// Area of the solid under liquid.
+    /// Wetted area of the solid.
     pub wetted_area: f64,
-    /// Liquid volume less one share (1/2^D) for every liquid corner.
+    /// Liquid volume minus one share (1/2^D) for every liquid corner.
     pub excess_volume: f64,
-    /// First moment of that difference about the origin.
+    /// First moment of the excess volume about the origin.
     pub excess_moment: [f64; 3],
-    /// −∂/∂φ of each corner of the energy: free area, less `contact_cosine` times the wetted area, and the liquid's weight times
-    /// its height.
+    /// −∂/∂φ at each corner of the energy: free area, minus `contact_cosine` times the wetted area, plus the potential energy of
+    /// the liquid's weight.
     pub energy_slope: [f64; 8],
-    /// −∂volume/∂φ of each corner.
+    /// −∂volume/∂φ at each corner.
     pub volume_slope: [f64; 8],
-    /// Number of the solid in the cube, if any.
+    /// Index of the solid in the cube, if any.
     pub solid: u32,
     /// Cosine of its contact angle.
     pub contact_cosine: f64,
-    /// The same of Young's: the two differ where lines rest.
+    /// Cosine of Young's angle; the two differ with hysteresis.
     pub young_cosine: f64,
-    /// Whether a contact line in it rests.
+    /// Whether a contact line in it is pinned.
     pub pinned: bool,
-    /// What the free surface pulls at the solid with across the solid, over the tension, integrated along the contact line.
+    /// Normal part of the free surface's force on the solid, over the tension, integrated along the contact line.
     pub normal_pull: [f64; 3],
-    /// The direction along the solid into the liquid, integrated along the contact line.
+    /// Tangent of the solid into the liquid, integrated along the contact line.
     pub wetting_direction: [f64; 3],
     /// Moments of both about the origin (2D: in the last entry).
     pub pull_moments: [[f64; 3]; 2],
 }
 
-/// The surface passes no corner nearer than this (in cells): a simplex cut exactly at a corner has no derivative.
+/// Smallest distance of the surface from a corner, in cells: a simplex cut exactly at a corner has no derivative.
 pub const MIN_CORNER_DISTANCE_CELLS: f64 = 1e-6;
 
-/// A value in cells, kept away from zero; −0 is no liquid, as everywhere.
+/// A value in cells, bounded away from zero; −0 is not liquid, as everywhere.
 pub fn away_from_zero(value: f64) -> f64 {
     let size = value.abs().max(MIN_CORNER_DISTANCE_CELLS);
     if value < 0.0 { -size } else { size }
@@ -91,8 +91,7 @@ impl<const D: usize> SimplexSplit<D> {
         }
     }
 
-    /// Adds what the surface cuts out of the unit cube without solids; `bond_vector` is the energy of a unit of volume for each
-    /// unit of height along the axes.
+    /// Adds the liquid in the unit cube without solids; `bond_vector` is the energy per volume and height along each axis.
     pub fn cut(&self, values: &[f64; 8], bond_vector: &Vector<D>, dual_cell: &mut DualCell) {
         dual_cell.subtract_corner_shares::<D>();
         for simplex in &self.free {
@@ -101,7 +100,7 @@ impl<const D: usize> SimplexSplit<D> {
         }
     }
 
-    /// Adds what the surface cuts out of the part of the unit cube where `psi` is positive.
+    /// Adds the liquid in the part of the unit cube where `psi` is positive.
     pub fn cut_with_solid(
         &self,
         values: &[f64; 8],
@@ -141,7 +140,7 @@ impl<const D: usize> Default for SimplexSplit<D> {
 }
 
 impl DualCell {
-    /// A cube in which the surface is yet to be cut; the liquid corners' shares are yet to be taken away.
+    /// A cube in which the surface is not cut yet and the liquid corners' shares are not subtracted yet.
     pub fn new(corners: [u32; 8], liquid_corners: u8) -> Self {
         let zero = [0.0; 8];
         Self {
@@ -163,8 +162,8 @@ impl DualCell {
         }
     }
 
-    /// What surface and line pull at the solid with, over the tension, integrated along the contact line: across the solid
-    /// as the free surface does, along it as at rest: what is unbalanced there moves the liquid.
+    /// Force of surface and line on the solid, over the tension, integrated along the contact line: normal to the solid that of
+    /// the free surface, along it that of equilibrium. The unbalanced tangential part moves the liquid.
     pub fn pull(&self) -> [f64; 3] {
         std::array::from_fn(|a| self.normal_pull[a] + self.contact_cosine * self.wetting_direction[a])
     }
@@ -174,9 +173,9 @@ impl DualCell {
         std::array::from_fn(|a| self.pull_moments[0][a] + self.contact_cosine * self.pull_moments[1][a])
     }
 
-    /// Middle of the contact line, in cells, as its moments tell; nothing without a line.
+    /// Midpoint of the contact line, in cells, from its moments; `None` without a line.
     pub fn line_center(&self) -> Option<[f64; 3]> {
-        // r × l = m for both directions l along which something is integrated: (l² − l lᵀ) r = l × m.
+        // r × l = m for both integrated directions l: (l² − l lᵀ) r = l × m.
         let [lift, wetward] = [self.normal_pull, self.wetting_direction].map(Vector::<3>::from);
         let square = |l: &Vector<3>| Matrix::<3>::identity() * l.norm_squared() - l * l.transpose();
         let [first, second] = self.pull_moments.map(Vector::<3>::from);
@@ -185,20 +184,19 @@ impl DualCell {
         Some(place.into())
     }
 
-    /// Length of the contact line (2D: its points).
+    /// Length of the contact line, in cells (2D: number of its points).
     pub fn line_length(&self) -> f64 {
         dot(self.wetting_direction, self.wetting_direction).sqrt()
     }
 
-    /// Direction of the contact line; none in 2D, where it is a point.
+    /// Unit tangent of the contact line; zero without one. In 2D, where the line is a point, it points out of the plane.
     pub fn line_direction(&self) -> [f64; 3] {
         let direction = cross(self.normal_pull, self.wetting_direction);
         let size = dot(direction, direction).sqrt();
-        // In 2D it points out of the plane.
         if size > 0.0 { direction.map(|c| c / size) } else { [0.0; 3] }
     }
 
-    /// Multiplies what it holds.
+    /// Multiplies all integrals by a factor.
     pub fn scale(&mut self, by: f64) {
         for part in [&mut self.area, &mut self.wetted_area, &mut self.excess_volume] {
             *part *= by;
@@ -212,7 +210,7 @@ impl DualCell {
         lists.chain(&mut self.energy_slope).chain(&mut self.volume_slope).for_each(|v| *v *= by);
     }
 
-    /// Takes away the liquid corners' shares.
+    /// Subtracts the volume shares of the liquid corners.
     fn subtract_corner_shares<const D: usize>(&mut self) {
         let wet = self.liquid_corners;
         for k in (0..1 << D).filter(|k| wet >> k & 1 == 1) {
@@ -220,7 +218,7 @@ impl DualCell {
         }
     }
 
-    /// Adds (a negative `volume` takes away) a piece with its centre in the middle of `points` of the unit cube.
+    /// Adds a piece (subtracts it if `volume` is negative) with its centroid in the middle of `points` of the unit cube.
     fn add_volume(&mut self, volume: f64, points: &[[f64; 3]]) {
         self.excess_volume += volume;
         for x in points {
@@ -228,9 +226,9 @@ impl DualCell {
         }
     }
 
-    /// Calls `f(component_lookup, part)` for every liquid corner; the parts add up to one.
+    /// Calls `f(component, part)` for every liquid corner; the parts add up to one.
     pub fn distribute(&self, label: impl Fn(usize) -> Option<u32>, mut f: impl FnMut(u32, f64)) {
-        // Where a solid takes all liquid corners, the liquid is that of any corner's neighbourhood.
+        // Without an open liquid corner the components at all corners count.
         let corners = if self.liquid_corners == 0 { u8::MAX } else { self.liquid_corners };
         let labels: [Option<u32>; 8] = std::array::from_fn(|k| {
             let there = corners >> k & 1 == 1 && self.corners[k] != u32::MAX;
@@ -241,7 +239,7 @@ impl DualCell {
     }
 }
 
-/// Where a corner of the unit cube is.
+/// Position of a corner of the unit cube.
 fn corner(k: usize) -> [f64; 3] {
     std::array::from_fn(|a| (k >> a & 1) as f64)
 }
@@ -269,7 +267,7 @@ fn simplex<const D: usize>(corners: [usize; 4]) -> Simplex<D> {
     Simplex { corners, volume: 0.5 * volume, gradients }
 }
 
-/// A simplex, the values of φ at the corners of its cube, and the weight.
+/// A simplex, the values of φ at the corners of its cube, and the bond vector.
 struct SimplexCut<'a, const D: usize> {
     simplex: &'a Simplex<D>,
     values: &'a [f64; 8],
@@ -295,7 +293,7 @@ fn root<const D: usize>(simplex: &Simplex<D>, values: &[f64; 8], a: usize, b: us
     Root { a, b, t, x }
 }
 
-/// Adds `force · ∂x/∂φ` for a force on a root to the slopes of its edge's corners (with a minus sign).
+/// Adds −`force · ∂x/∂φ` of a force on a root to the slopes at the corners of its edge.
 fn add_edge_force<const D: usize>(
     s: &Simplex<D>,
     values: &[f64; 8],
@@ -323,7 +321,7 @@ fn gradient_norm<const D: usize>(simplex: &Simplex<D>, values: &[f64; 8]) -> f64
 }
 
 impl<const D: usize> SimplexCut<'_, D> {
-    /// Adds what a facet of this area takes from volume, and weight times height, when it sinks into the liquid.
+    /// Adds the derivatives of volume and of the weight's energy that the motion of a facet of this area causes.
     fn add_facet_derivatives(&self, area: f64, facet: &[Root], cube: &mut DualCell) {
         let n = facet.len() as f64;
         let share = area / (n * gradient_norm(self.simplex, self.values));
@@ -340,7 +338,7 @@ impl<const D: usize> SimplexCut<'_, D> {
     }
 }
 
-/// Splits the simplex's corners into liquid ones and others.
+/// Orders the corners of the simplex, liquid ones first, and counts the liquid ones.
 fn partition_corners<const D: usize>(simplex: &Simplex<D>, values: &[f64; 8]) -> ([usize; 4], usize) {
     let mut order = [0; 4];
     let mut wet = 0;

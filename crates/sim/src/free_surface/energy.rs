@@ -1,57 +1,56 @@
-//! Energy of the liquid's surface and volume of the liquid, with their exact derivatives, on the lattice of cell centres.
+//! Energy of the free surface and volume of the liquid, with their exact derivatives, on the dual grid of cell centres.
 //!
-//! On cubes between cell centres the area `A` of the free surface, the area `W` of the solids under liquid, and the
-//! volume `V` are functions of the cell values. The surface's energy over its tension is `E = A − W mode_cosine θ`, with `cos θ =
-//! (γ_sa − γ_ls)/γ_la` (Young), and `∂E/∂φ_c / ∂V/∂φ_c` is the curvature, that of the contact line included (design,
-//! experiments parts 1 and 4). Walls mirror: a cube that reaches beyond a wall counts half.
+//! On cubes between cell centres the area `A` of the free surface, the wetted area `W` of the solids, and the volume `V` are
+//! functions of the cell values. The surface energy over the tension is `E = A − W cos θ`, with `cos θ = (γ_sa − γ_ls)/γ_la`
+//! (Young), and `∂E/∂φ_c / ∂V/∂φ_c` is the curvature, that of the contact line included. Walls mirror: a cube that reaches beyond
+//! a wall counts half.
 //!
-//! Beside solids the energy has the liquid's weight in it, `E = A − W mode_cosine θ + ∫ w·x dV` with `w = −ρ g/γ`: at rest the ratio
-//! is then the same constant everywhere, however large the parts of the surface that a cell stands for, and the curvature is
-//! that less `w·x`. Without it the surface within two cells of a wall had the curvature of a cell farther off, and a
-//! meniscus of 8 cells a capillary length stood 4 % too low. Liquid that falls freely with its solid bears no such pressure:
-//! a drop with Bo = 1 on a plate that falls has its angle wrong by half a degree (28 cells a radius).
+//! Beside solids the energy includes gravity, `E = A − W cos θ + ∫ w·x dV` with `w = −ρ g/γ`. In equilibrium the ratio is then
+//! the same constant everywhere, however large a part of the surface a cell represents, and the curvature is the ratio minus
+//! `w·x`. Without gravity the surface within two cells of a wall got the curvature of a cell farther off, and a meniscus of 8
+//! cells a capillary length was 4 % too low. Limit: liquid in free fall with its solid has no hydrostatic pressure; the angle of
+//! a drop with Bo = 1 on a falling plate is wrong by half a degree (28 cells a radius).
 
 use super::dual_cell::{DualCell, SimplexSplit, away_from_zero};
 use meniscus_numerics::grid::{Band, CutCells, Grid, Lattice, Runs, par_lattice_points};
 use meniscus_numerics::{Vector, rotation_planes};
 use rayon::prelude::*;
 
-/// The lattice of cubes and how it splits.
+/// The grid of dual cells and their split into simplices.
 pub struct DualGrid<const D: usize> {
     grid: Grid<D>,
     split: SimplexSplit<D>,
-    /// The cubes that solids cut, sorted.
+    /// The dual cells that solids cut, sorted by `key`.
     solid_cells: Vec<SolidDualCell>,
-    /// The liquid's weight `w = −ρ g Δ²/γ`, in 1/cells².
+    /// Bond vector `w = −ρ g Δ²/γ` of the liquid's weight, in 1/cells².
     bond_vector: Vector<D>,
 }
 
-/// A cube that a solid cuts.
+/// A dual cell that a solid cuts.
 struct SolidDualCell {
     key: u32,
     /// Distance to the solid at the corners, in cells.
     psi: [f64; 8],
-    /// The cells of the corners that have an open face, one bit each.
+    /// Bit mask of the corners whose cells have an open face.
     open_corners: u8,
-    /// Number of the solid that is nearest.
+    /// Index of the nearest solid.
     solid: u32,
-    /// Cosine of the contact angle there, and of Young's.
+    /// Cosine of the contact angle there, and of Young's angle.
     contact_cosine: f64,
     young_cosine: f64,
-    /// Whether a line there rests.
+    /// Whether a line there is pinned.
     pinned: bool,
-    /// What a cube is in which all is liquid.
+    /// The dual cell when it is full of liquid.
     flooded: DualCell,
 }
 
 impl<const D: usize> DualGrid<D> {
-    /// The lattice of a grid, without solids; the liquid's weight is `w = −ρ g Δ²/γ`, in 1/cells².
+    /// The dual grid of a grid, without solids; `bond_vector` is `w = −ρ g Δ²/γ`, in 1/cells².
     pub fn new(grid: Grid<D>, bond_vector: Vector<D>) -> Self {
         Self { grid, split: SimplexSplit::new(), solid_cells: Vec::new(), bond_vector }
     }
 
-    /// Finds the cubes that solids cut; `nearest` tells the nearest solid's number and the cosine of its contact
-    /// angle there.
+    /// Finds the cubes that solids cut; `nearest` returns the index of the nearest solid and the cosine of its contact angle.
     pub fn update_solids(
         &mut self,
         cut_cells: &CutCells<D>,
@@ -96,7 +95,7 @@ impl<const D: usize> DualGrid<D> {
         self.solid_cells = all;
     }
 
-    /// Every cube that the surface passes or in which liquid wets a solid, in order of memory.
+    /// Every dual cell that the surface crosses or in which liquid wets a solid, in order of memory.
     pub fn interface_cells(&self, phi: &[f64], band: &Band<D>) -> Vec<DualCell> {
         let cubes = self.lattice();
         let cells = self.grid.lattice();
@@ -116,12 +115,12 @@ impl<const D: usize> DualGrid<D> {
         keys.par_iter().map(|&k| self.dual_cell(phi, k)).collect()
     }
 
-    /// The contact line as the energy has it: a point, m, in every cube in which it pulls at a solid.
+    /// The contact line of the energy: a point, m, in every dual cell in which it pulls at a solid.
     pub fn contact_line_points(&self, phi: &[f64]) -> Vec<Vector<D>> {
         self.contact_line_cells(phi).into_iter().map(|(_, place)| place).collect()
     }
 
-    /// Numbers of the cubes with a contact line, and its place there, m.
+    /// Indices in `solid_cells` of the cubes with a contact line, and a point of the line in each, m.
     fn contact_line_cells(&self, phi: &[f64]) -> Vec<(usize, Vector<D>)> {
         let cubes = self.lattice();
         let place = |(number, dry): (usize, &SolidDualCell)| {
@@ -138,8 +137,8 @@ impl<const D: usize> DualGrid<D> {
         self.solid_cells.par_iter().enumerate().with_min_len(256).filter_map(place).collect()
     }
 
-    /// Sets the angle of the lines: `wetting` tells for a place (m) and the number of its solid the cosine, and whether the
-    /// line rests.
+    /// Sets the contact angles: `wetting` returns the cosine at a point (m) on the solid with an index, and whether the line is
+    /// pinned.
     pub fn pin_contact_lines(
         &mut self,
         phi: &[f64],
@@ -148,7 +147,7 @@ impl<const D: usize> DualGrid<D> {
         let lines = self.contact_line_cells(phi);
         let angles: Vec<(f64, bool)> =
             lines.par_iter().map(|(number, place)| wetting(place, self.solid_cells[*number].solid)).collect();
-        // A line may come to any of them before it is held again; nothing of earlier steps is kept that a checkpoint has not.
+        // A line may reach any of the cells before the next call; nothing of earlier steps is kept that a checkpoint lacks.
         self.solid_cells
             .iter_mut()
             .for_each(|dry| (dry.contact_cosine, dry.pinned) = (dry.young_cosine, false));
@@ -162,8 +161,8 @@ impl<const D: usize> DualGrid<D> {
         Lattice::new(self.grid.cells.map(|n| n + 1))
     }
 
-    /// The cells of a cube's corners. `at` is one more than the lower corner, so that cubes beyond the lower walls have 0;
-    /// beyond a wall stands the mirror image.
+    /// The cells of a cube's corners; a corner beyond a wall is a mirror image. `at` is one more than the lower corner, so that
+    /// cubes beyond the lower walls have 0.
     fn corners(&self, at: [usize; D]) -> [u32; 8] {
         let cells = self.grid.lattice();
         let corner = |k: usize, a: usize| (at[a] + (k >> a & 1)).saturating_sub(1).min(cells.extent[a] - 1);
@@ -190,7 +189,7 @@ impl<const D: usize> DualGrid<D> {
         cube
     }
 
-    /// What the surface cuts out of a cube beside a solid.
+    /// Computes a dual cell that a solid cuts.
     fn dual_cell_with_solid(&self, dry: &SolidDualCell, values: &[f64; 8], at: [usize; D]) -> DualCell {
         let liquid = (0..1 << D).filter(|k| values[*k] < 0.0).fold(0u8, |bits, k| bits | 1 << k);
         let mut cube = DualCell::new(dry.flooded.corners, liquid & dry.open_corners);
@@ -201,16 +200,16 @@ impl<const D: usize> DualGrid<D> {
         cube
     }
 
-    /// The weight in a cube: nothing along axes along which it is mirrored.
+    /// The bond vector in a cube: zero along axes along which it is mirrored.
     fn bond_vector_in(&self, at: [usize; D]) -> Vector<D> {
         let mirrored = |a: usize| at[a] == 0 || at[a] == self.grid.cells[a];
         Vector::from_fn(|a, _| if mirrored(a) { 0.0 } else { self.bond_vector[a] })
     }
 
-    /// Brings a cube from the unit cube to its place.
+    /// Moves a cube from the unit cube to its position.
     fn move_to_grid(&self, cube: &mut DualCell, at: [usize; D]) {
         let last = self.grid.cells;
-        // The half of a mirrored cube that is in the domain lies a quarter of a cell from the wall.
+        // The centre of the half of a mirrored cube that is in the domain is a quarter of a cell from the wall.
         let from_origin = |a: usize, i: f64| self.grid.domain_coordinate_cells(a, i);
         let shift = Vector::<D>::from_fn(|a, _| match at[a] {
             0 => from_origin(a, 0.25),
@@ -232,8 +231,8 @@ impl<const D: usize> DualGrid<D> {
         }
     }
 
-    /// Volume (m³, 2D: m²) and centre (m) of each component of the liquid. What a cube holds beyond its corners' shares
-    /// belongs to its liquid corners in equal parts: then no component has a negative volume.
+    /// Volume (m³, 2D: m²) and centroid (m) of each component of the liquid. The excess volume of a cube belongs to its liquid
+    /// corners in equal parts: then no component has a negative volume.
     pub fn component_volumes(
         &self,
         liquid: &Runs,
@@ -251,14 +250,15 @@ impl<const D: usize> DualGrid<D> {
         }
         let dx = self.grid.dx;
         let center = |(c, (volume, moment)): (usize, (f64, Vector<D>))| {
-            // Next to nothing has its centre lost in rounding.
+            // The centroid of a tiny volume is lost in rounding.
             let center = if volume > 1e-6 { moment / volume } else { middles[c] };
             (volume * self.grid.cell_volume(), center * dx)
         };
         sums.into_iter().enumerate().map(center).collect()
     }
 
-    /// Number of cells and sum of their centres, in cells; half a cell at a wall lies behind its centre.
+    /// Number of cells of each component, and sum of their centres, in cells; half of a cell at a wall counts half-way to the
+    /// wall.
     fn cell_counts(&self, liquid: &Runs) -> Vec<(f64, Vector<D>)> {
         let cells = self.grid.lattice();
         let mut sums = vec![(0.0, Vector::zeros()); liquid.components as usize];
@@ -283,10 +283,10 @@ impl<const D: usize> DualGrid<D> {
     }
 }
 
-/// Steps of Newton's iteration to where two fields vanish.
+/// Newton iterations to the common zero of two fields.
 const CROSSING_ITERATIONS: usize = 4;
 
-/// Where in the unit cube two fields with these values at the corners are both zero, near its middle.
+/// Point of the unit cube, near its middle, where two fields with these values at the corners are both zero.
 fn common_zero<const D: usize>(one: &[f64; 8], other: &[f64; 8]) -> Vector<D> {
     let mut s = Vector::<D>::repeat(0.5);
     for _ in 0..CROSSING_ITERATIONS {
@@ -300,7 +300,7 @@ fn common_zero<const D: usize>(one: &[f64; 8], other: &[f64; 8]) -> Vector<D> {
     s
 }
 
-/// Value and gradient of a field with values at the corners of the unit cube.
+/// Value and gradient of the multilinear field with these values at the corners of the unit cube.
 fn multilinear<const D: usize>(values: &[f64; 8], s: &Vector<D>) -> (f64, Vector<D>) {
     let weight = |k: usize, a: usize| if k >> a & 1 == 1 { s[a] } else { 1.0 - s[a] };
     let rest = |k: usize, a: usize| (0..D).filter(|b| *b != a).map(|b| weight(k, b)).product::<f64>();
@@ -362,7 +362,7 @@ mod tests {
         check::<3>();
     }
 
-    /// A liquid's weight that points along no axis.
+    /// A bond vector that points along no axis.
     fn weight<const D: usize>() -> Vector<D> {
         Vector::from_fn(|a, _| 0.03 - 0.05 * a as f64)
     }

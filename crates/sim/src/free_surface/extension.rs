@@ -1,18 +1,18 @@
-//! The surface inside solids: it goes on at the contact angle.
+//! Extension of the free surface into solids at the contact angle.
 //!
-//! Stencils at a solid's surface reach into it, and a solid that moves leaves what was in it. There φ tends to the
-//! surface's continuation under the contact angle `θ`: from a point at depth `d` the direction `w = n sin θ − t cos θ`, with
-//! `n` the solid's normal and `t` that of φ's slope along the solid, leads out to a point above the solid that has the same
-//! value (design, experiments part 2). The continuation is an arc: it turns on as the surface does between the solid, where
-//! it has the contact angle, and that point. Where it is straight, the kink in φ makes redistancing pull the line back in
-//! every step (a base radius 0.6 % short where the surface turns within four cells), which short steps do more often.
+//! Stencils at a solid's surface reach into it, and a moving solid uncovers cells that were within. In a solid φ tends to the
+//! continuation of the surface at the contact angle `θ`: from a point at depth `d` the direction `w = n sin θ − t cos θ`, with
+//! the solid's normal `n` and the direction `t` of φ's gradient along the solid, leads to a point above the solid with the same
+//! value. The continuation is an arc: it turns as the surface does between the solid, where it has the contact angle, and that
+//! point. If it is straight, the kink in φ makes redistancing pull the line back in every step, the more often the shorter the
+//! steps (a base radius 0.6 % short where the surface turns within four cells).
 //!
-//! A plate of a few cells is thinner than two sides' stencils. Where the nearest side is clear of any surface, its closed
-//! cells take the continuation from the side across, within bounds that keep what then separates the sides in the plate; and
-//! what lies beside them on the nearest side does not see that ([`clear`]).
+//! A plate of a few cells is thinner than the stencils of its two sides. Where the nearest side is clear of any surface, its
+//! closed cells take the continuation of the opposite side, within bounds that keep the sign change inside the plate; cells
+//! beside them on the nearest side ignore that sign change (`raise_clear_cells`).
 //!
-//! A line with friction `ζ` has the angle `cos θ = cos θ_Y − ζ U/γ` while it moves with the speed `U`: with Young's the
-//! continuation would carry the line past the liquid that the friction holds. A line that rests keeps the angle it has.
+//! A line with friction `ζ` that moves at the speed `U` has the angle `cos θ = cos θ_Y − ζ U/γ`: with Young's angle the
+//! continuation would carry the line past the liquid that friction holds back. A pinned line keeps its angle.
 
 use crate::flow::advection::VelocitySampler;
 use crate::model::Model;
@@ -25,51 +25,50 @@ use meniscus_numerics::grid::{Band, CutCells, Sampler, lattice_points};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Part of the way to the continuation that φ goes in a step: at once it lifts drops off, never it keeps what is stale.
+/// Fraction of the difference to the continuation that φ takes in a step: 1 lifts drops off, 0 keeps stale values.
 const RELAXATION: f64 = 0.1;
-/// Depth, in cells, within which a cell in a solid that moves may be left by it in a step or two.
+/// Depth, in cells, within which a moving solid may uncover a cell in a step or two.
 const MAX_EXPOSED_DEPTH_CELLS: f64 = 3.0;
-/// Height above a solid, in cells, at which the surface is looked for. If that is farther away than this no surface meets the
-/// solid below: liquid within is stale and goes at once. Else a dry side that moves away from what lies behind it would look
-/// wetted: it goes faster than what is left behind fades.
+/// Height above a solid, in cells, at which the surface is sampled. If it is farther away, no surface meets the solid below, and
+/// stale liquid within is removed at once. Else a dry side that moves faster than stale values fade would look wetted.
 const SAMPLE_HEIGHT_CELLS: f64 = 1.0;
-/// Depth, in cells, under a side up to which its continuation counts: farther no stencil reaches.
+/// Depth, in cells, under a side up to which its continuation counts: stencils reach no farther.
 const MAX_OPPOSITE_DEPTH_CELLS: f64 = 2.5;
-/// Most that φ may be in cells that take that, over their depth: between there and a clear cell on the nearest side, where φ is
-/// at least [`SAMPLE_HEIGHT_CELLS`] and its height, the sign changes within the solid up to twice that.
+/// Bound of |φ| over the depth, in cells that take the opposite continuation. Between there and a clear cell on the nearest side,
+/// where |φ| is at least [`SAMPLE_HEIGHT_CELLS`] plus its height, the sign changes within the solid up to twice this ratio.
 const MAX_PHI_DEPTH_RATIO: f64 = 1.5;
 /// The same beside cells that are not clear: the sign changes half-way between two distances.
 const UNCLEAR_PHI_DEPTH_RATIO: f64 = 0.5;
 /// Depth, in cells, up to which a surface steeper than 45 degrees that reaches a cell passes between its open neighbours.
 const SHALLOW_DEPTH_CELLS: f64 = 0.6;
-/// Depth, in cells, below what a solid uncovers in a step from which on one side may yield to the other. What comes nearer to a
-/// side by more than that in a step has that side's sign at once.
+/// Depth, in cells, below what a solid uncovers in a step, from which on a cell may take the opposite continuation. A cell that
+/// comes nearer to a side by more than that in a step takes the sign of that side at once.
 const MIN_COVERED_DEPTH_CELLS: f64 = 0.25;
-/// Least sine of the angle at which it is continued.
+/// Smallest sine of the angle of the continuation.
 const MIN_CONTINUATION_SINE: f64 = 0.25;
-/// Most that it turns in a cell of depth, rad: a surface with a radius of two cells.
+/// Bound of its turning per cell of depth, rad: a surface with a radius of two cells.
 const MAX_TURN_PER_CELL: f64 = 0.5;
 
-/// A cell with its centre in a solid, and where the surface's continuation through it comes out.
+/// A cell with its centre in a solid, and where the surface's continuation through it leaves the solid.
 #[derive(Clone, Copy, Debug)]
 pub struct GhostCell<const D: usize> {
-    /// Its place in the band.
+    /// Slot in the band.
     pub slot: u32,
     /// A point of the continuation outside the solid, m.
     pub exit_point: Vector<D>,
-    /// φ here over φ there: as many times as dense as there lie its values along the solid if it is to be a distance.
+    /// Ratio of φ here to φ at the exit point with which φ is a distance along the solid.
     phi_scale: f64,
     /// Whether none of its faces is open.
     is_closed: bool,
-    /// Whether its solid leaves it before what is stale has faded.
+    /// Whether the solid uncovers it before stale values have faded.
     is_exposed: bool,
-    /// Whether it then may hold what is on the side across: it is shallow, and its solid is thin.
+    /// Whether it then may hold a value of the opposite side: it is shallow, and its solid is thin.
     thin: bool,
-    /// Where the surface goes on from the farther side of a thin solid: the normal of the nearest.
+    /// Normal of the nearest side where the continuation is that of the opposite side of a thin solid.
     nearest_normal: Option<Vector<D>>,
 }
 
-/// The cells of the band within solids.
+/// Finds the cells of the band within solids.
 pub fn ghost_cells<const D: usize>(
     model: &Model<D>,
     state: &State<D>,
@@ -98,19 +97,19 @@ pub fn ghost_cells<const D: usize>(
     slots.par_iter().with_min_len(64).filter_map(ghost).collect()
 }
 
-/// The surface and how it moves.
+/// The free surface, the solids and their motion.
 struct InterfaceSampler<'a, const D: usize> {
     model: &'a Model<D>,
     solids: &'a [SolidState<D>],
     phi: Sampler<'a, D>,
     velocity: VelocitySampler<'a, D>,
-    /// Longest that the coming step may be, s.
+    /// Bound of the next step's length, s.
     max_next_dt: f64,
 }
 
 /// A side of a solid that a point lies under.
 struct SolidSide<const D: usize> {
-    /// Number of the solid.
+    /// Index of the solid.
     solid: usize,
     /// Its normal.
     normal: Vector<D>,
@@ -119,14 +118,14 @@ struct SolidSide<const D: usize> {
 }
 
 impl<const D: usize> InterfaceSampler<'_, D> {
-    /// The continuation through a point at a depth (m): that from the nearest side or, in closed cells of thin solids, from
-    /// the one across.
+    /// The continuation through a point at a depth (m): that of the nearest side or, in closed cells of thin solids, of the
+    /// opposite side.
     fn ghost_cell(&self, slot: u32, x: &Vector<D>, depth: f64, is_closed: bool) -> Option<GhostCell<D>> {
         let dx = self.model.grid.dx;
         let solid = self.model.nearest_solid(self.solids, x)?;
         let now = &self.solids[solid];
         let [normal, velocity] = self.model.solids[solid].normal_and_velocity(now, x, 0.01 * dx);
-        // Half-way between two sides of a solid there is none.
+        // Half-way between two sides of a solid there is no normal.
         let normal = normal.try_normalize(0.5)?;
         let near = SolidSide { solid, normal, depth };
         let (exit_point, phi_scale) = self.exit_point(x, &near);
@@ -144,7 +143,7 @@ impl<const D: usize> InterfaceSampler<'_, D> {
         let Some(far) = self.opposite_side(x, &near) else { return Some(own) };
         let (exit_point, phi_scale) = self.exit_point(x, &far);
         let there = seen(&exit_point);
-        // What separates the sides within the solid is farther away from there than this.
+        // The sign change within the solid is farther from the exit point than this.
         let takes_opposite = there.abs() < SAMPLE_HEIGHT_CELLS || (here > 0.0 && there < 0.0);
         Some(if takes_opposite {
             GhostCell { exit_point, phi_scale, nearest_normal: Some(normal), ..own }
@@ -153,7 +152,7 @@ impl<const D: usize> InterfaceSampler<'_, D> {
         })
     }
 
-    /// The side across of a thin solid.
+    /// The opposite side of a thin solid; `None` if the solid is thick.
     fn opposite_side(&self, x: &Vector<D>, near: &SolidSide<D>) -> Option<SolidSide<D>> {
         let dx = self.model.grid.dx;
         let (solid, now) = (&self.model.solids[near.solid], &self.solids[near.solid]);
@@ -168,9 +167,9 @@ impl<const D: usize> InterfaceSampler<'_, D> {
         })
     }
 
-    /// Direction along a solid in which φ rises. It has unit length; less where φ rises by less than its slope's error
-    /// ([`GRADIENT_NORM_TOLERANCE`]), as beside a film, which has no line. The slope is a difference over two cells: that at a point of a film
-    /// changes its sign with ripples of a hundredth of a cell.
+    /// Direction along a solid in which φ rises. It has unit length, or less where φ rises by less than the error of its gradient
+    /// ([`GRADIENT_NORM_TOLERANCE`]), as beside a film without a line. The gradient is a difference over two cells: at a point of
+    /// a film it changes sign with ripples of a hundredth of a cell.
     fn tangential_gradient(&self, x: &Vector<D>, normal: &Vector<D>) -> Vector<D> {
         let dx = self.model.grid.dx;
         let slope: Vector<D> = Vector::from_fn(|a, _| {
@@ -181,7 +180,7 @@ impl<const D: usize> InterfaceSampler<'_, D> {
         along / along.norm().max(GRADIENT_NORM_TOLERANCE)
     }
 
-    /// Where the continuation through a point under a side comes out of the solid, and how dense it is within.
+    /// Exit point of the continuation through a point under a side, and the `phi_scale` within.
     fn exit_point(&self, x: &Vector<D>, side: &SolidSide<D>) -> (Vector<D>, f64) {
         let (dx, normal, depth) = (self.model.grid.dx, side.normal, side.depth);
         let (solid, now) = (&self.model.solids[side.solid], &self.solids[side.solid]);
@@ -201,22 +200,22 @@ impl<const D: usize> InterfaceSampler<'_, D> {
         }
         let foot = bound(cosine.clamp(-1.0, 1.0).acos());
         let above = bound(angle(&self.phi.distance_with_gradient(&outside(foot)).1));
-        // The chord of an arc that turns evenly with the height.
+        // The chord of an arc whose angle is linear in height.
         let turn = ((above - foot) / SAMPLE_HEIGHT_CELLS).clamp(-MAX_TURN_PER_CELL, MAX_TURN_PER_CELL);
         let chord = bound(foot + 0.5 * turn * (SAMPLE_HEIGHT_CELLS - depth / dx));
         (outside(chord), foot.sin() / above.sin())
     }
 }
 
-/// What [`extend_into_solids`] changed, beside φ in the band.
+/// Result of [`extend_into_solids`], apart from φ in the band.
 pub struct ExtensionResult {
-    /// The cells whose φ is no distance, in order: those that thin solids keep their sides apart with.
+    /// Cells whose φ is no distance, sorted: those that keep the sides of thin solids apart.
     pub non_distance_cells: Vec<u32>,
-    /// Cells outside the band with the φ that they had before.
+    /// Cells outside the band that were overwritten, with their old φ.
     pub overwritten_phi: Vec<(u32, f64)>,
 }
 
-/// Brings φ in the band's cells within solids nearer to the surface's continuation; `before` is where the solids were.
+/// Relaxes φ in the band's cells within solids to the surface's continuation; `before` are the solids before they moved.
 pub fn extend_into_solids<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
@@ -254,8 +253,8 @@ pub fn extend_into_solids<const D: usize>(
     }
 }
 
-/// Bounds φ in cells that go on from the side across, given with the open cells beside them, and clears those. Gives back all
-/// whose φ is then no distance, in order.
+/// Bounds φ in the cells with the opposite continuation, given with the open cells beside them, and raises φ in those that are
+/// clear. Returns all cells whose φ is then no distance, sorted.
 fn separate_sides<const D: usize>(
     model: &Model<D>,
     phi: &mut [f64],
@@ -276,7 +275,7 @@ fn separate_sides<const D: usize>(
     apart
 }
 
-/// The cells around a cell that no solid covers, and the ways there.
+/// The cells around a cell that no solid covers, and the offsets to them, in cells.
 fn open_neighbours<const D: usize>(
     model: &Model<D>,
     cut: &CutCells<D>,
@@ -291,13 +290,13 @@ fn open_neighbours<const D: usize>(
     all.filter(|(c, _)| cut.distance_cells(*c) > 0.0)
 }
 
-/// Whether a cell in a solid, near its surface, has another sign than all that is open around it.
+/// Whether φ of a cell near a solid's surface has the opposite sign of all open cells around it.
 fn is_isolated<const D: usize>(model: &Model<D>, phi: &[f64], cut: &CutCells<D>, cell: usize) -> bool {
     open_neighbours(model, cut, cell).all(|(c, _)| phi[c] * phi[cell] < 0.0)
 }
 
-/// Of open cells beside those in a thin solid that go on from the side across: those that no neighbour tells of a surface
-/// nearer than [`SAMPLE_HEIGHT_CELLS`] over their solid's. What separates the sides within the solid is none: their φ is at least that.
+/// Of the `open` cells finds those without a neighbour that indicates a surface nearer than [`SAMPLE_HEIGHT_CELLS`] above their
+/// solid, and raises their |φ| to at least that distance: the sign change within the solid is no surface.
 fn raise_clear_cells<const D: usize>(
     model: &Model<D>,
     phi: &mut [f64],
@@ -322,7 +321,7 @@ fn raise_clear_cells<const D: usize>(
     clear
 }
 
-/// Whether a solid has moved so far in a step that what a cell holds may be another side's: that has become the nearest, or
+/// Whether a solid has moved so far in a step that a cell's φ may belong to another side: that side has become the nearest, or
 /// the cell's centre lies much less deep.
 fn has_moved_away<const D: usize>(model: &Model<D>, solids: [&[SolidState<D>]; 2], cell: usize) -> bool {
     let x = model.grid.center(model.grid.lattice().coordinates(cell));
@@ -333,8 +332,8 @@ fn has_moved_away<const D: usize>(model: &Model<D>, solids: [&[SolidState<D>]; 2
         || solid.distance(now, &x) - solid.distance(before, &x) > MIN_COVERED_DEPTH_CELLS * model.grid.dx
 }
 
-/// Gives cells within solids that the band does not reach the sign that φ has outside, next to them: a solid that moves leaves
-/// them to the air or to the liquid, and what they were at the start would be a surface there. Gives back what φ was before.
+/// Gives cells within solids beyond the band the sign of φ outside, next to them: when a moving solid uncovers them, their old
+/// values would be a surface there. Returns the old φ.
 fn extend_signs_beyond_band<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,

@@ -1,13 +1,13 @@
-//! The faces between liquid and air: where the surface crosses the way between two cells, and what it pushes with there.
+//! Faces between liquid and air (ghost fluid): where the interface crosses between two cell centres, and its curvature there.
 
 use super::curvature::Curvature;
 use crate::model::Model;
 use meniscus_numerics::grid::{Band, CellField, CutCells, Sampler};
 use rayon::prelude::*;
 
-/// The surface is kept this share of a cell away from the liquid's centre at least.
+/// Smallest distance of the interface from the liquid's cell centre, as a fraction of a cell.
 const MIN_THETA: f64 = 0.02;
-/// Most steps to the root of a cubic; the interval that holds it shrinks in each.
+/// Maximum number of iterations to the root of a cubic; each shrinks its bracket.
 const MAX_ROOT_ITERATIONS: usize = 30;
 
 /// A face between a liquid cell and air.
@@ -21,19 +21,19 @@ pub struct InterfaceFace {
     pub cell: usize,
     /// +1 where the air is above, −1 where it is below.
     pub sign: f64,
-    /// Share of the way from the liquid's centre to the surface.
+    /// Fraction of the segment from the liquid's cell centre to the interface.
     pub theta: f64,
     /// Curvature there, 1/cells.
     pub kappa: f64,
-    /// Whether it is known; else it is 0.
+    /// Whether the curvature is known; otherwise it is 0.
     pub is_curvature_known: bool,
-    /// Share of the face that no solid closes.
+    /// Open fraction of the face.
     pub open_fraction: f64,
-    /// What drag leaves of a push at it, 0 to 1.
+    /// Fraction of an impulse that remains after drag, 0 to 1.
     pub mobility: f64,
 }
 
-/// Finds the faces between liquid and air, with the surface's place (cubic root) and curvature.
+/// Finds the interface faces, with the position (cubic root) and curvature of the interface.
 pub fn interface_faces<const D: usize>(
     model: &Model<D>,
     phi: &CellField<D>,
@@ -92,7 +92,7 @@ pub fn interface_faces<const D: usize>(
         .collect()
 }
 
-/// Share of the way from the centre of liquid cell `at` to its neighbour where the cubic through four values is zero.
+/// Fraction of the segment from the centre of liquid cell `at` to its neighbour's at which the cubic through four values is zero.
 fn interface_crossing<const D: usize>(
     sampler: &Sampler<'_, D>,
     at: [usize; D],
@@ -110,7 +110,7 @@ fn interface_crossing<const D: usize>(
         let (a, b, c) = (t + 1.0, t - 1.0, t - 2.0);
         -t * b * c / 6.0 * f[0] + a * b * c / 2.0 * f[1] - a * t * c / 2.0 * f[2] + a * t * b / 6.0 * f[3]
     };
-    // The cubic takes the signs of its ends: regula falsi (Illinois) cannot leave the edge.
+    // The cubic has the signs of its end values: regula falsi (Illinois) cannot leave the segment.
     let (mut low, mut high, mut at_low, mut at_high) = (0.0, 1.0, f[1], f[2]);
     let mut t = linear;
     for _ in 0..MAX_ROOT_ITERATIONS {

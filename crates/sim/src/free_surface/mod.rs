@@ -1,4 +1,4 @@
-//! The free surface: its energy on the cubes between cell centres, its curvature, its continuation into solids, and where it cuts the grid.
+//! The free surface: its energy on dual cells, its curvature, its extension into solids, and the grid faces that it crosses.
 
 pub mod curvature;
 pub mod curvature_filter;

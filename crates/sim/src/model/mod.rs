@@ -1,4 +1,4 @@
-//! What stays fixed during a run: the parameters, what the grid resolves, and how long steps may be.
+//! Fixed data of a run: its parameters, the resolution of the grid, and the bounds of the step length.
 
 pub mod parameters;
 pub mod resolution;

@@ -1,19 +1,19 @@
-//! What stays fixed during a run.
+//! Physical and numerical parameters of a run.
 
 use crate::solid::{Solid, SolidState};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{BoundaryExtension, Grid};
 
-/// Weight, in 1/cells², from which on the grid does not see the capillary length (three cells): it is balanced ever less
-/// from there, as the filter of the curvature would take it for noise.
+/// Bond number of a cell, `ρ g Δ²/γ` in 1/cells², above which the grid does not resolve the capillary length (three cells).
+/// Beyond it the balanced weight falls off, because the curvature filter would take it for noise.
 const MAX_RESOLVED_CELL_BOND: f64 = 0.1;
 
-/// A side of the domain.
+/// Boundary condition of a side of the domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wall {
-    /// Impermeable, without friction; the liquid meets it at 90 degrees.
+    /// Impermeable and frictionless; the contact angle is 90 degrees.
     Slip,
-    /// Air; liquid leaves there in a grid that goes on beyond ([`Model::with_open_sides`]), as scenes have it.
+    /// Open to air. Liquid leaves through it if the grid extends beyond it ([`Model::with_open_sides`]), as in scenes.
     Open,
 }
 
@@ -28,41 +28,40 @@ pub struct Model<const D: usize> {
     pub density: f64,
     /// Kinematic viscosity, m²/s; 0 for an inviscid liquid.
     pub kinematic_viscosity: f64,
-    /// Tension of the liquid–air interface, N/m.
+    /// Surface tension of the liquid–air interface, N/m.
     pub surface_tension: f64,
     /// Gravity, m/s².
     pub gravity: Vector<D>,
     /// The solids.
     pub solids: Vec<Solid<D>>,
-    /// Choices of the discretisation.
+    /// Parameters of the discretisation.
     pub numerics: Numerics,
 }
 
-/// Choices of the discretisation.
+/// Parameters of the discretisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Numerics {
-    /// Largest distance the liquid may move in a step, in cells.
+    /// Courant number: largest displacement in a step, in cells.
     pub cfl: f64,
-    /// Largest step as a multiple of the explicit capillary limit ([`Model::capillary_step`]).
+    /// Largest step as a multiple of the explicit capillary limit ([`Model::capillary_dt_limit`]).
     pub capillary_step: f64,
     /// Largest step, s.
     pub max_step: f64,
-    /// Relative residual of the pressure solve.
+    /// Tolerance of the pressure solve: relative residual.
     pub tolerance: f64,
-    /// Most iterations of the pressure solve.
+    /// Largest number of iterations of the pressure solve.
     pub max_iterations: usize,
-    /// The same step length always (s): nothing limits it. For studies of the step length.
+    /// Constant step length, s, without any other bound; for studies of the step length.
     pub fixed_step: Option<f64>,
-    /// Give back the momentum that the discretisation loses (on, but for studies of what it does).
+    /// Restores the momentum that the discretisation loses; off only in studies of that loss.
     pub restore_momentum: bool,
-    /// Contact lines pull at solids. Without it solids feel pressure only, as in a traditional two-way coupling, and the
-    /// liquid meets them at 90 degrees if their `cosine` is 0, as it then should be.
+    /// Contact lines exert forces on solids. Without them solids feel pressure only, as in traditional two-way coupling; their
+    /// `young_cosine` should then be 0, so that the contact angle is 90 degrees.
     pub contact_line: bool,
-    /// Distance, m, from the line along solids that deform over which its pull is spread evenly (the paper's R); 0: it acts
-    /// where the line is, and how high it lifts a thick solid then depends on the mesh.
+    /// Distance, m, from the contact line on deformable solids over which its force is spread evenly (the paper's R). With 0
+    /// the force acts at the line, and the lift of a thick solid depends on the mesh.
     pub line_radius: f64,
-    /// Newton's iterations of a step where solids deform go on for at least so many after the first; each solves for the pressure
-    /// again.
+    /// Least number of Newton iterations after the first in steps with deformable solids; each repeats the pressure solve.
     pub newton_iterations: u32,
 }
 
@@ -84,19 +83,19 @@ impl Default for Numerics {
 }
 
 impl<const D: usize> Model<D> {
-    /// Whether forces move any solid: none is, or one that is free or deforms.
+    /// Whether forces move any solid, that is, whether one is free or deformable.
     pub fn has_dynamic_solids(&self) -> bool {
         self.solids.iter().any(|s| !s.motion.is_prescribed())
     }
 
-    /// How scalars go on beyond the sides.
+    /// Boundary extension of scalars beyond the sides.
     pub fn scalar_boundary(&self) -> [[BoundaryExtension; 2]; D] {
         self.walls.map(|sides| {
             sides.map(|w| if w == Wall::Slip { BoundaryExtension::Even } else { BoundaryExtension::Clamp })
         })
     }
 
-    /// How the velocity component along `axis` goes on beyond the sides.
+    /// Boundary extension of the velocity component along `axis` beyond the sides.
     pub fn velocity_boundary(&self, axis: usize) -> [[BoundaryExtension; 2]; D] {
         let mut edges = self.scalar_boundary();
         edges[axis] = self.walls[axis]
@@ -110,7 +109,7 @@ impl<const D: usize> Model<D> {
             || (i == self.grid.cells[axis] && self.walls[axis][1] == Wall::Slip)
     }
 
-    /// Number of the solid whose surface is nearest to a point (or deepest around it); `now` is where they are.
+    /// Number of the solid with the smallest signed distance to a point; `now` are the states of the solids.
     pub(crate) fn nearest_solid(&self, now: &[SolidState<D>], x: &Vector<D>) -> Option<usize> {
         if self.solids.len() < 2 {
             return (!self.solids.is_empty()).then_some(0);
@@ -131,12 +130,12 @@ impl<const D: usize> Model<D> {
         nearest.1
     }
 
-    /// Distance to where the liquid meets the nearest solid, m, negative inside; infinite where there are none.
+    /// Signed distance to the nearest solid as the liquid meets it, m, negative inside; infinite without solids.
     pub(crate) fn solid_distance(&self, now: &[SolidState<D>], x: &Vector<D>) -> f64 {
         self.nearest_solid(now, x).map_or(f64::INFINITY, |i| self.solids[i].liquid_distance(&now[i], x))
     }
 
-    /// The liquid's weight as the surface beside solids balances it, `−ρ g Δ²/γ` in 1/cells²; none without solids.
+    /// Vector Bond number of a cell, `−ρ g Δ²/γ` in 1/cells²: the liquid's weight as balanced beside solids; zero without solids.
     pub(crate) fn cell_bond_vector(&self) -> Vector<D> {
         if self.solids.is_empty() || self.surface_tension <= 0.0 {
             return Vector::zeros();
@@ -145,14 +144,14 @@ impl<const D: usize> Model<D> {
         bond / (1.0 + (bond.norm() / MAX_RESOLVED_CELL_BOND).powi(2))
     }
 
-    /// Share of the liquid's weight that [`Self::weight`] leaves out, 0 to 1.
+    /// Fraction of the liquid's weight that [`Self::cell_bond_vector`] neglects, 0 to 1.
     pub(crate) fn neglected_weight_fraction(&self) -> f64 {
         let full = self.gravity.norm() * self.density * self.grid.dx.powi(2) / self.surface_tension;
         let resolved = self.cell_bond_vector().norm();
         if resolved > 0.0 { 1.0 - resolved / full } else { 0.0 }
     }
 
-    /// The explicit capillary limit of a one-phase liquid, s: `2/ω_max = 0.36 √(ρ Δ³/γ)` (design, numerics).
+    /// Explicit capillary limit of the step of a one-phase liquid, s: `2/ω_max = 0.36 √(ρ Δ³/γ)`.
     pub fn capillary_dt_limit(&self) -> f64 {
         0.36 * (self.density * self.grid.dx.powi(3) / self.surface_tension).sqrt()
     }

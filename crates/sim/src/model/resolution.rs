@@ -1,12 +1,12 @@
-//! What the grid resolves of the liquid, and how far around its surface φ is known.
+//! Resolution limits of the grid, and the extent of the narrow band of φ.
 
-/// Radius, in cells, from which on a drop's volume tells whether a step was too long, its line what pulls at it, and its faces
-/// how it turns: with the angular momentum of two that met, one of seven cells' volume was flung apart at 1000 m/s. Contact lines
-/// of a smaller radius turn no solid that deforms.
+/// Smallest resolved drop radius, in cells. Below it volume errors do not reject a step, contact-line forces do not accelerate the
+/// drop, and angular momentum is not restored (a drop of seven cells merged from two was flung apart at 1000 m/s). Contact lines of a
+/// smaller radius exert no moment on deformable solids.
 pub const MIN_RESOLVED_RADIUS_CELLS: f64 = 2.0;
-/// Largest distance that φ tells, in cells.
+/// Largest |φ| stored, in cells: the half width of the narrow band.
 pub const BAND_WIDTH_CELLS: f64 = 5.0;
-/// Layers of the band: enough for [`BAND_WIDTH_CELLS`] where the surface lies slantwise to the axes.
+/// Layers of the band: enough for [`BAND_WIDTH_CELLS`] if the interface is oblique to the axes.
 pub const BAND_LAYERS: usize = 8;
-/// Error of |∇φ| at the interface, from which on φ is made a distance again: slopes of φ are told no better than that.
+/// Error of |∇φ| at the interface above which φ is redistanced: the accuracy of the gradient.
 pub const GRADIENT_NORM_TOLERANCE: f64 = 0.1;

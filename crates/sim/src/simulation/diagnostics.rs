@@ -1,4 +1,4 @@
-//! The books: volume, momentum and energy of a state.
+//! Diagnostics of a state: volume, momentum and energy.
 
 use super::workspace::{Workspace, component_bounds};
 use crate::components::momentum::{Moments, combined};
@@ -22,10 +22,10 @@ use rayon::prelude::*;
 pub struct Diagnostics<const D: usize> {
     /// Volume, m³.
     pub volume: f64,
-    /// Volume there should be, m³.
+    /// Target volume, m³.
     pub target_volume: f64,
-    /// Volume too much or too little, summed over the components (an excess of one does not make up for what another
-    /// lacks), over all the volume; its sign is that of the sum.
+    /// Sum of the absolute volume errors of the components over the total volume, with the sign of the net error. An excess of
+    /// one component does not cancel a deficit of another.
     pub volume_error: f64,
     /// Centre of mass, m.
     pub centroid: Vector<D>,
@@ -33,37 +33,37 @@ pub struct Diagnostics<const D: usize> {
     pub momentum: Vector<D>,
     /// Angular momentum about the origin, kg m²/s; in 2D only the last entry.
     pub angular_momentum: [f64; 3],
-    /// Kinetic energy, J, of free solids as well.
+    /// Kinetic energy of the liquid and of dynamic solids, J.
     pub kinetic_energy: f64,
-    /// Tension times the area of the surface, J.
+    /// Surface tension times effective surface area, J.
     pub surface_energy: f64,
-    /// Energy in the deformation of solids, J, at the time of the velocities.
+    /// Elastic energy of deformable solids at the time of the velocities, J.
     pub elastic_energy: f64,
-    /// The smallest volume (2D: area) of an element of the solids that deform over that at rest, not above zero where one is
-    /// turned inside out; none without such solids.
+    /// Smallest ratio of the volume (2D: area) of an element to that at rest, not positive if one is inverted; `None` without
+    /// deformable solids.
     pub least_element: Option<f64>,
-    /// −mass × gravity · centre of mass, J, of free solids as well.
+    /// Potential energy −mass × gravity · centre of mass of the liquid and of dynamic solids, J.
     pub potential_energy: f64,
-    /// Largest speed, m/s.
+    /// Largest velocity component of the liquid, m/s.
     pub max_speed: f64,
     /// Largest divergence in a liquid cell, 1/s.
     pub divergence_max: f64,
 }
 
-/// What a step did.
+/// Result of a step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepReport<const D: usize> {
-    /// Length of the step taken, s.
+    /// Step length, s.
     pub dt: f64,
-    /// Cells that the fastest liquid moved.
+    /// Courant number: displacement of the fastest liquid or solid, in cells.
     pub cfl: f64,
-    /// The pressure solves: the one for the forces, and the short one for what viscosity and the surface's slope change.
+    /// The pressure solves: one for the forces, and a short one for viscosity and the second-order correction at the interface.
     pub solves: [SolveReport; 2],
-    /// Newton's iterations for solids and pressure; none where nothing moves the solids but what they are told.
+    /// Newton iterations for solids and pressure; 0 if the motion of all solids is prescribed.
     pub newton_iterations: u64,
-    /// What it mended; how often the step was halved and done again.
+    /// Repairs of the step, and how often it was halved and repeated.
     pub repairs: Repairs,
-    /// The books after the step.
+    /// Diagnostics after the step.
     pub diagnostics: Diagnostics<D>,
 }
 
@@ -74,18 +74,18 @@ impl<const D: usize> StepReport<D> {
     }
 }
 
-/// The surface's energy over its tension, m² (2D: m).
+/// Surface energy over surface tension, m² (2D: m).
 pub fn effective_surface_area<const D: usize>(model: &Model<D>, dual_cells: &[DualCell]) -> f64 {
     dual_cells.iter().map(|c| c.area - c.young_cosine * c.wetted_area).sum::<f64>() * model.grid.face_area()
 }
 
-/// ½ ρ ∫ u² of the liquid, J: of components of these volumes, as their momentum is.
+/// Kinetic energy `½ ρ ∫ u²` of the liquid, J, with the moments of each component scaled to its volume.
 pub fn kinetic_energy<const D: usize>(model: &Model<D>, moments: &[Moments<D>], volumes: &[f64]) -> f64 {
     let energies = moments.iter().zip(volumes).map(|(m, volume)| m.scaled_to_mass(*volume).energy);
     0.5 * model.density * energies.flatten().sum::<f64>()
 }
 
-/// The components as drops.
+/// Measures the components of the liquid.
 pub fn measure_components<const D: usize>(
     model: &Model<D>,
     work: &Workspace<D>,
@@ -105,7 +105,7 @@ pub fn measure_components<const D: usize>(
                 target_volume: change.target_volumes[c],
                 volume: change.volumes[c],
                 centroid: motion.center,
-                // Outermost centres, or the wall behind them; the surface's place follows.
+                // Outermost cell centres, or the side behind them; the interface positions follow.
                 lower: low.map(|x| if x < 1.5 * half { 0.0 } else { x }),
                 upper: Vector::from_fn(|a, _| {
                     let side = model.grid.domain_upper()[a];
@@ -145,7 +145,7 @@ pub fn max_velocity_component<const D: usize>(
         .fold(0.0, f64::max)
 }
 
-/// Energy of liquid and free solids in gravity, J.
+/// Potential energy of the liquid and of dynamic solids, J.
 pub fn potential_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     let liquid_energy = |d: &Component<D>| -d.target_volume * model.gravity.dot(&d.centroid);
     let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.motion.is_prescribed());
@@ -153,14 +153,14 @@ pub fn potential_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f
     model.density * state.components.iter().map(liquid_energy).sum::<f64>() + solids
 }
 
-/// Energy of the motion of liquid and free solids, and of the surfaces, J.
+/// Kinetic, elastic and surface energy of the liquid and of dynamic solids, J.
 pub fn energy_without_gravity<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     total_kinetic_energy(model, state)
         + elastic_energy(model, state)
         + model.surface_tension * state.effective_surface_area
 }
 
-/// Energy in the solids' deformation at the time of the velocities, J: with their kinetic energy it is what a step keeps
+/// Elastic energy of the solids at the time of the velocities, J. A step conserves its sum with their kinetic energy
 /// (`meniscus_elastic::IncrementalPotential`).
 fn elastic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     let soft = |(solid, now): (&Solid<D>, &SolidState<D>)| {
@@ -180,13 +180,13 @@ fn least_element<const D: usize>(model: &Model<D>, state: &State<D>) -> Option<f
     model.solids.iter().zip(&state.solids).filter_map(soft).reduce(f64::min)
 }
 
-/// Energy of the motion of liquid and free solids, J.
+/// Kinetic energy of the liquid and of dynamic solids, J.
 fn total_kinetic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.motion.is_prescribed());
     state.kinetic_energy + solids.map(|(s, now)| s.kinetic_energy(now)).sum::<f64>()
 }
 
-/// The books of a new state: drops, energies. The velocity must be known on the liquid's faces.
+/// Updates components and energies of a new state. The velocity must be known on the liquid's faces.
 pub fn update_diagnostics<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>) {
     let change = ComponentChange::unchanged(model, state, work);
     let flat = Curvature::unknown();
@@ -197,7 +197,7 @@ pub fn update_diagnostics<const D: usize>(model: &Model<D>, state: &mut State<D>
     state.effective_surface_area = effective_surface_area(model, &change.dual_cells);
 }
 
-/// The books of a state.
+/// Diagnostics of a state.
 pub fn diagnostics<const D: usize>(
     model: &Model<D>,
     state: &State<D>,

@@ -1,11 +1,11 @@
-//! Code for two and for three dimensions, compiled here.
+//! Dispatch between the instances for two and three dimensions.
 //!
-//! What is generic is compiled anew in every crate that uses it, and with it all that it calls: the whole step, many times.
-//! A function that is not generic is compiled once.
+//! Generic code is compiled again in every crate that uses it, with everything it calls: here the whole step. A function that
+//! is not generic is compiled once.
 
 use std::any::Any;
 
-/// What `two` or `three` gives back for `input`, whichever takes it. They should not be inlined.
+/// Calls `two` or `three`, whichever takes the type of `input`, and returns its result. They should not be inlined.
 pub fn by_dimension<A, I: Any, O: Any, I2: Any, O2: Any, I3: Any, O3: Any>(
     input: &mut I,
     arguments: A,

@@ -1,4 +1,4 @@
-//! A simulation: what it is, one step of it, and what it reports.
+//! A simulation: model and state, one step, and its report.
 
 pub mod diagnostics;
 pub mod dimension;

@@ -1,7 +1,7 @@
 //! One time step of the liquid.
 //!
-//! Positions first, then one solve for the velocity: a capillary wave then obeys symplectic Euler, which neither
-//! damps nor drives it (design, numerics §8).
+//! Positions are advanced first, then one solve gives the velocity. A capillary wave thus obeys symplectic Euler, which neither
+//! damps nor amplifies it.
 
 use super::diagnostics::{
     effective_surface_area, kinetic_energy, max_velocity_component, measure_components,
@@ -32,36 +32,36 @@ use meniscus_numerics::linalg::{SolveError, SolveReport};
 use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
 
-/// Layers of the band on which curvature is found.
+/// Layers of the band in which the curvature is computed.
 const CURVATURE_LAYERS: usize = 5;
-/// Cells that the interface may move before φ is made a distance again.
+/// Displacement of the interface, in cells, after which φ is redistanced in the whole band.
 const REDISTANCE_DISPLACEMENT_CELLS: f64 = 0.7;
-/// Layers of the band on which φ is made a distance in every step: all that the curvature sees.
+/// Layers of the band redistanced in every step: the stencil of the curvature.
 const REDISTANCE_LAYERS: usize = 6;
 
-/// φ, in cells, of what a receding line leaves behind in a solid: no liquid, and else as little changed as can be.
+/// Value of φ, in cells, for deleted residue in a solid: air, and changed as little as possible.
 const RESIDUE_PHI_CELLS: f64 = 0.01;
 
-/// Part of the way to a distance that φ goes in a step within solids. There no force smooths it, and redistancing turns a
-/// zigzag of the period of two cells into its opposite: all the way it stays for ever and stirs drops at rest (u_rms 1e-2).
+/// Relaxation factor of redistancing within solids. No force smooths φ there, and redistancing inverts a zigzag of two cells'
+/// period: with factor 1 it persists and disturbs drops at rest (u_rms 1e-2).
 const SOLID_REDISTANCE_RELAXATION: f64 = 0.5;
 
-/// What a step found out.
+/// Result of a step.
 pub struct StepResult {
-    /// The pressure solves, the last of Newton's iterations where there are any.
+    /// The pressure solves, those of the last Newton iteration if there are any.
     pub solves: [SolveReport; 2],
-    /// Newton's iterations for solids and pressure.
+    /// Newton iterations for solids and pressure.
     pub newton_iterations: u64,
-    /// Work that solids which go as told did, J.
+    /// Work done by solids of prescribed motion, J.
     pub prescribed_work: f64,
-    /// What a component's volume was wrong by before it was put right, as a layer on a ball of its volume, in cells.
+    /// Largest volume error of a component before its correction, as the thickness of a layer on a ball of its volume, in cells.
     pub volume_error_cells: f64,
 }
 
 /// Advances the state by `dt` seconds.
 ///
 /// # Errors
-/// The pressure solve's; the state is then between two times and must be thrown away.
+/// Those of the pressure solve. The state is then inconsistent and must be discarded.
 pub fn step<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
@@ -86,19 +86,19 @@ pub fn step<const D: usize>(
     work.repairs.limited_kicks += u64::from(impulse_time != unbounded);
     let (mut change, displacement) = move_liquid(model, state, work, &before, dt, phase_end);
 
-    // (4) The forces, and viscosity.
+    // (4) Forces and viscosity act.
     let pushed = apply_forces(model, state, work, &mut change, displacement, (dt, impulse_time), phase_end)?;
     state.impulse_time = impulse_time;
     state.time += dt;
     state.step += 1;
     state.last_dt = dt;
 
-    // (6) What has passed an open side is gone.
+    // (5) Liquid beyond open sides is removed.
     remove_outflow(model, state, work);
     Ok(StepResult { volume_error_cells: change.volume_error_cells, ..pushed })
 }
 
-/// Moves the liquid; gives back how it has changed, and how its surface moves. `solids` is where they were before.
+/// Moves the liquid; returns the change of its components and the displacement of the interface. `solids` are those before the step.
 fn move_liquid<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
@@ -107,19 +107,19 @@ fn move_liquid<const D: usize>(
     dt: f64,
     phase_end: PhaseEnd<'_>,
 ) -> (ComponentChange<D>, Vec<InterfaceDisplacement<D>>) {
-    // (1) The surface moves with the flow and becomes a distance again.
+    // (1) The interface is advected and φ redistanced.
     let before = move_interface(model, state, work, solids, dt);
     phase_end("advect surface");
     restore_signed_distance(model, state, work);
     phase_end("redistance");
     pin_contact_lines(model, state, work);
 
-    // (2) Every component keeps its volume, and the centre of mass of what touches nothing its path.
+    // (2) The volume of every component is restored, and the centre of mass of one that touches nothing is put back on its path.
     let change = restore_volume(model, state, work, &before, dt);
     work.repairs.add(&change.repairs);
     phase_end("volume");
 
-    // (3) The velocity is carried along.
+    // (3) The velocity is advected.
     let displacement = interface_displacements(model, state, work, dt);
     move_velocity(model, state, work, dt);
     let carried = restore_advected_momentum(model, state, work, &change);
@@ -128,7 +128,7 @@ fn move_liquid<const D: usize>(
     (change, displacement)
 }
 
-/// Brings the velocity half a step ahead of the positions, where leapfrog wants it: once, before the first step.
+/// Advances the velocity by half a step ahead of the positions, as leapfrog requires; once, before the first step.
 fn initial_half_step<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
@@ -148,8 +148,8 @@ fn initial_half_step<const D: usize>(
     Ok(())
 }
 
-/// Adds what gravity, surface tension and pressure do to the velocity in the time `impulse_time`, in a step of `dt`;
-/// `displacement` as [`displacements`] found it. Gives back the work of solids, too.
+/// Adds the impulses of gravity, surface tension and pressure over `impulse_time`, in a step of `dt`, to the velocity. The
+/// `displacements` are those of [`interface_displacements`]. Returns the work of solids, too.
 fn apply_forces<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
@@ -162,7 +162,7 @@ fn apply_forces<const D: usize>(
     let before = state.solids.clone();
     apply_gravity(model, state, work, impulse_time);
 
-    // Surface tension as a pressure on the surface.
+    // Surface tension is a pressure jump at the interface.
     let capillary_cfl_squared =
         model.surface_tension * dt * impulse_time / (model.density * model.grid.dx.powi(3));
     let filter = FilterStep { capillary_cfl_squared, displacements };
@@ -185,11 +185,11 @@ fn apply_forces<const D: usize>(
     );
     phase_end("curvature");
 
-    // One solve for the pressure; what it and the contact line give to solids, the liquid gives.
+    // One solve for the pressure. The liquid loses the impulses that pressure and contact line give to solids.
     state.collision_free_dt =
         if state.last_dt > 0.0 { lookahead_time(model, &state.solids, dt) } else { MAX_DT_GROWTH * dt };
     state.velocity_lead += impulse_time - dt;
-    // Before the first step there are no old positions: its forces act about the start.
+    // Before the first step there are no old positions: its impulse time is centred on the start.
     let is_first = state.last_dt == 0.0;
     let velocity_lead = if is_first { 0.5 * impulse_time } else { state.velocity_lead };
     let times = StepTimes { dt, impulse_time, velocity_lead, lookahead: state.collision_free_dt, is_first };
@@ -206,7 +206,7 @@ fn apply_forces<const D: usize>(
     subtract_solid_impulses(model, &mut change.groups, &solid_impulses);
     phase_end("pressure");
 
-    // Momentum that the discretisation lost comes back; the velocity extends beyond the liquid.
+    // Momentum lost by the discretisation is restored; the velocity is extended beyond the liquid.
     let restored =
         restore_momentum(model, state, work, &interface_faces, (change, &change.groups), impulse_time);
     let slip_unknown = work.extend_velocity(model, state);
@@ -225,7 +225,7 @@ fn apply_forces<const D: usize>(
     Ok(StepResult { solves, newton_iterations, prescribed_work, volume_error_cells: 0.0 })
 }
 
-/// What holds elements upright and what nothing turns, in a state; what of the liquid's weight the model leaves out.
+/// Elements near inversion and singular inertias of a state, and the neglected weight of the liquid.
 fn solid_repairs<const D: usize>(model: &Model<D>, state: &State<D>) -> Repairs {
     let mut repairs = Repairs { weight_left_out: model.neglected_weight_fraction(), ..Repairs::default() };
     for (solid, now) in model.solids.iter().zip(&state.solids) {
@@ -238,7 +238,7 @@ fn solid_repairs<const D: usize>(model: &Model<D>, state: &State<D>) -> Repairs 
     repairs
 }
 
-/// Moves φ; gives back the liquid cells before. `solids` is where they were before.
+/// Advects φ and returns the liquid cells before. `solids` are those before the step.
 pub fn move_interface<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
@@ -275,17 +275,16 @@ pub fn move_interface<const D: usize>(
     before
 }
 
-/// Volumes of the components, m³ (2D: m²), outside of solids.
+/// Volumes of the components outside solids, m³ (2D: m²).
 fn component_volumes<const D: usize>(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Vec<f64> {
     let labels = band_labels(model, &work.band, &state.phi, &work.liquid);
     work.volume_correction(model, &labels).measure(&state.phi).volumes
 }
 
-/// Makes φ a distance again: around the surface in every step, farther off when the surface has moved enough or its
-/// slope has become wrong.
+/// Redistances φ: near the interface in every step, in the whole band if the interface has moved enough or |∇φ| is wrong.
 ///
-/// The curvature is only as smooth as φ: noise of the transport that is left from step to step grows (measured: a
-/// drop's frequency wrong by 5 %, where it is 0.3 % if φ is a distance in every step).
+/// The curvature is only as smooth as φ, and noise of the advection that persists grows: the frequency of a drop is then wrong by 5 %,
+/// with redistancing in every step by 0.3 %.
 pub(crate) fn restore_signed_distance<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
@@ -321,7 +320,7 @@ pub(crate) fn restore_signed_distance<const D: usize>(
     }
 }
 
-/// How the surface moves in a step, on the first layers of the band.
+/// Displacement of the interface in a step, on the first layers of the band.
 fn interface_displacements<const D: usize>(
     model: &Model<D>,
     state: &State<D>,
@@ -349,7 +348,7 @@ fn interface_displacements<const D: usize>(
         .collect()
 }
 
-/// Carries the velocity to the new liquid's faces.
+/// Advects the velocity to the faces of the new liquid.
 fn move_velocity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut Workspace<D>, dt: f64) {
     let faces: [Vec<Segment>; D] = std::array::from_fn(|a| work.liquid.faces(&model.grid, a));
     let values = advect_velocity(model, &state.velocity, &faces, dt);
@@ -372,7 +371,7 @@ fn move_velocity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &
     work.known_faces.unmark_closed_faces(&work.cut_cells.closed_faces);
 }
 
-/// Moves the solids and finds what they cut.
+/// Moves the solids and updates the cut cells.
 fn move_solids<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut Workspace<D>, dt: f64) {
     let (time, all) = (state.time, model.solids.iter());
     all.zip(&mut state.solids).for_each(|(solid, now)| solid.advance(now, time, dt));

@@ -1,4 +1,4 @@
-//! A run in memory: the model, the state, and how to step.
+//! A simulation in memory: the model, the state, and the choice of steps.
 
 use super::diagnostics::{
     Diagnostics, StepReport, diagnostics, energy_without_gravity, max_velocity_component, potential_energy,
@@ -21,15 +21,15 @@ use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
 use thiserror::Error;
 
-/// A liquid body at the start.
+/// A region of liquid at the start.
 pub struct LiquidRegion<'a, const D: usize> {
     /// Signed distance to its surface, m, negative inside.
     pub signed_distance: &'a (dyn Fn(&Vector<D>) -> f64 + Sync),
-    /// Start velocity, m/s.
+    /// Initial velocity, m/s.
     pub velocity: Vector<D>,
 }
 
-/// Why a step could not be done. The state is as it was before the step.
+/// Reason why a step failed. The state is as it was before the step.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum StepError {
     /// The solve failed even with the shortest step tried.
@@ -39,57 +39,57 @@ pub enum StepError {
         time: f64,
         /// Step length tried last, s.
         dt: f64,
-        /// What the solver said.
+        /// Error of the solver.
         source: SolveError,
     },
-    /// A number that is not finite appeared.
+    /// A value is not finite.
     #[error("the {what} is not finite after the step from time {time:.6e} s")]
     NotFinite {
         /// Time of the last good state, s.
         time: f64,
-        /// Which field.
+        /// The field.
         what: &'static str,
     },
-    /// The step had to be cut too often.
+    /// The step was halved too often.
     #[error("at time {time:.6e} s even a step of {dt:.3e} s fails: {reason}")]
     TooShort {
         /// Time of the last good state, s.
         time: f64,
         /// Step length tried last, s.
         dt: f64,
-        /// What went wrong.
+        /// Reason of the failure.
         reason: String,
     },
 }
 
-/// Halvings of a step that went wrong before giving up.
+/// Largest number of halvings of a failed step.
 const MAX_RETRIES: u64 = 6;
-/// Halvings because of doubtful accuracy, counted from the longest step allowed; a shorter one is taken as it is.
+/// Largest number of halvings for accuracy, counted from the longest step allowed; a shorter step is accepted.
 const MAX_ACCURACY_HALVINGS: u32 = 2;
-/// Layer, in cells, that a component's volume gained or lost in one step and that is doubtful.
+/// Volume error of a component in one step, as a layer in cells, above which the step is doubtful.
 const MAX_VOLUME_ERROR_CELLS: f64 = 0.1;
-/// Shortest step, over the longest that tension, gravity and the user allow: far below what any splash or impact needs; a liquid that
-/// asks for less runs away, and solids that do leave each other no room.
+/// Shortest step over the longest that surface tension, gravity and the user allow. It is far below what any splash or impact
+/// needs: a shorter one means a diverging liquid, or solids without room between them.
 const MIN_DT_RATIO: f64 = 1e-5;
-/// Growth of the energy in one step, over what there is without gravity's, that is doubtful.
+/// Energy gain in one step, over the energy without gravity, above which the step is doubtful.
 const MAX_ENERGY_GROWTH: f64 = 0.05;
-/// Way of the liquid in a step, in cells, that is no motion but a failure.
+/// Displacement of the liquid in a step, in cells, above which the step has failed.
 const MAX_DISPLACEMENT_CELLS: f64 = 30.0;
-/// Distance, in cells, of motions in a step, and of falls, whose energy is nothing.
+/// Displacement in a step and height of fall, in cells, whose energy is treated as rounding.
 const NEGLIGIBLE_DISPLACEMENT_CELLS: f64 = 1e-6;
 
-/// A model, its state, and the memory a step works in.
+/// A model, its state, and the workspace of a step.
 pub struct Simulation<const D: usize> {
-    /// What stays fixed.
+    /// The fixed parameters.
     pub model: Model<D>,
-    /// What evolves.
+    /// The evolving state.
     pub state: State<D>,
     pub(crate) workspace: Workspace<D>,
 }
 
 impl<const D: usize> Simulation<D> {
-    /// A simulation that starts from bodies of liquid. Where bodies overlap, the first one's velocity counts. Liquid that may reach
-    /// an open side needs a model [with open sides](Model::with_open_sides).
+    /// A simulation that starts from regions of liquid. Where regions overlap, the first one's velocity applies. Liquid that
+    /// may reach an open side needs a model [with open sides](Model::with_open_sides).
     pub fn new(model: Model<D>, regions: &[LiquidRegion<'_, D>]) -> Self {
         let grid = model.grid;
         let mut state = State::empty(grid);
@@ -108,7 +108,7 @@ impl<const D: usize> Simulation<D> {
         simulation
     }
 
-    /// A simulation that goes on from a state (a checkpoint). The same bits as if it had never stopped.
+    /// Resumes a simulation from a state (a checkpoint), with the same bits as without an interruption.
     pub fn resume(model: Model<D>, mut state: State<D>) -> Self {
         for (solid, now) in model.solids.iter().zip(&mut state.solids) {
             let soft = now.soft.take().zip(solid.elastic());
@@ -120,7 +120,7 @@ impl<const D: usize> Simulation<D> {
         Self { model, state, workspace }
     }
 
-    /// Gives φ its bound beyond the band, as every step does.
+    /// Clamps φ beyond the band, as every step does.
     fn clamp_phi_beyond_band(&mut self) {
         let (work, limit) = (&self.workspace, BAND_WIDTH_CELLS * self.model.grid.dx);
         let deep =
@@ -128,7 +128,7 @@ impl<const D: usize> Simulation<D> {
         deep.for_each(|(_, value)| *value = limit.copysign(*value));
     }
 
-    /// Makes φ the distance to the surface where sides wet: a body may end at a side, and there no surface is.
+    /// Redistances φ where sides wet: liquid may end at a side, where there is no interface.
     fn redistance_at_wetting_walls(&mut self) {
         if self.model.wetting_wall_solid().is_none() {
             return;
@@ -168,7 +168,7 @@ impl<const D: usize> Simulation<D> {
         update_diagnostics(&self.model, &mut self.state, &self.workspace);
     }
 
-    /// Takes a step and undoes it, as one that fails is undone: for tests of that.
+    /// Takes a step and undoes it like a failed one; for tests of that.
     ///
     /// # Errors
     /// Those of [`Simulation::step`].
@@ -179,8 +179,8 @@ impl<const D: usize> Simulation<D> {
         report
     }
 
-    /// Goes one time step on, at most `max_dt` (s) long: the step ends early where stability or accuracy ask for it,
-    /// and is chosen so that `max_dt` is met in steps of equal length.
+    /// Advances by one time step of at most `max_dt` (s). Stability or accuracy may shorten it, and its length is chosen so
+    /// that steps of equal length end at `max_dt`.
     ///
     /// # Errors
     /// [`StepError`]; the state is then the one before the step.
@@ -267,7 +267,7 @@ impl<const D: usize> Simulation<D> {
         next_dt(self.state.velocity_lead, wanted, max_dt)
     }
 
-    /// The longest step that the largest speed, which is that of `fastest`, and surface tension allow.
+    /// Longest step that surface tension and the largest speed allow; `fastest` names what has that speed.
     fn max_stable_dt(&self, speed: f64, fastest: &str) -> Result<f64, StepError> {
         if let Some(dt) = self.model.numerics.fixed_step {
             return Ok(dt);
@@ -281,7 +281,7 @@ impl<const D: usize> Simulation<D> {
         Ok(dt)
     }
 
-    /// Energy of motions too small to count: without it rounding alone would be doubtful in a liquid at rest.
+    /// Energy of negligible motions: without it rounding alone would be doubtful in a liquid at rest.
     fn negligible_energy(&self, dt: f64) -> f64 {
         let mass = self.model.density * self.state.components.iter().map(|d| d.target_volume).sum::<f64>();
         let displacement = NEGLIGIBLE_DISPLACEMENT_CELLS * self.model.grid.dx;
@@ -293,13 +293,13 @@ impl<const D: usize> Simulation<D> {
         &self.workspace.liquid
     }
 
-    /// Distance of a point to the nearest solid where it is now, m, negative inside.
+    /// Signed distance of a point to the nearest solid in its current position, m, negative inside.
     pub fn distance_to_solids(&self, x: &Vector<D>) -> f64 {
         let all = self.model.solids.iter().zip(&self.state.solids);
         all.map(|(solid, now)| solid.distance(now, x)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Share of a solid's surface that is wetted, 0 to 1.
+    /// Wetted fraction of a solid's surface, 0 to 1.
     pub fn wetted_fraction(&self, number: usize) -> f64 {
         if let Some(soft) = &self.state.solids[number].soft {
             return self.wetted_fraction_of_surface(&soft.surface.mesh, self.model.solids[number].padding);
@@ -311,7 +311,7 @@ impl<const D: usize> Simulation<D> {
         if all > 0.0 { (wet / all).min(1.0) } else { 0.0 }
     }
 
-    /// Share of a surface over the middles of whose facets, `padding` (m) above them, there is liquid.
+    /// Wetted fraction of a surface: a facet is wet if there is liquid `padding` (m) above its centre.
     fn wetted_fraction_of_surface(&self, surface: &SurfaceMesh<D>, padding: f64) -> f64 {
         let grid = &self.model.grid;
         let phi = Sampler::cells(grid, &self.state.phi.data, self.model.scalar_boundary());
@@ -329,13 +329,13 @@ impl<const D: usize> Simulation<D> {
         if all > 0.0 { wet / all } else { 0.0 }
     }
 
-    /// The books of the present state.
+    /// Diagnostics of the current state.
     pub fn diagnostics(&self) -> Diagnostics<D> {
         diagnostics(&self.model, &self.state, &self.workspace)
     }
 }
 
-/// The functions of either dimension ([`self::dimension`]).
+/// Functions of one dimension ([`super::dimension`]).
 macro_rules! of_dimension {
     ($d:literal, $workspace:ident, $open:ident, $step:ident) => {
         #[inline(never)]

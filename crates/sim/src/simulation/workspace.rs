@@ -1,4 +1,4 @@
-//! Memory of a step, and what follows from the state: where the liquid is.
+//! Workspace of a step: data derived from the state (liquid cells, narrow band, cut cells), and scratch memory.
 
 use crate::collision::points::CollisionPoints;
 use crate::components::volume::VolumeCorrection;
@@ -17,56 +17,56 @@ use meniscus_numerics::{Matrix, Vector};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// How much deeper, in cells, it is half-way between two cells than in the mean if they are on either side of a thin solid. Under
-/// one side the depth is linear; through one of 2.5 cells it is 0.38 and more where both cells have open faces.
+/// Excess of the depth midway between two cells over their mean depth, in cells, above which they are on either side of a thin solid. On
+/// one side the depth is linear; through a plate of 2.5 cells the excess is at least 0.38 if both cells have open faces.
 const THIN_SOLID_DEPTH_EXCESS_CELLS: f64 = 0.25;
 
-/// What a component of the liquid touches.
+/// Contacts of a component of the liquid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ComponentContacts {
     /// A side of the domain.
     pub domain_side: bool,
-    /// A solid that stays or goes as told.
+    /// A fixed solid, one of prescribed motion, or a deformable one with anchored vertices.
     pub constrained_solid: bool,
-    /// A free solid.
+    /// An unconstrained solid.
     pub free_solid: bool,
 }
 
-/// Components of the liquid that are none.
+/// Spurious components of the liquid.
 pub struct SpuriousComponents {
     /// Their cells.
     pub cells: Vec<usize>,
     /// Their numbers, in order.
     pub components: Vec<u32>,
-    /// Those of them that have come through a solid.
+    /// Those of them that have leaked through a solid.
     pub leaked: Vec<u32>,
 }
 
-/// What follows from the state, kept from step to step, and scratch memory.
+/// Data derived from the state, kept from step to step, and scratch memory.
 pub struct Workspace<const D: usize> {
-    /// Tiles with liquid or band.
+    /// Tiles with liquid or band cells.
     pub tiles: Tiles<D>,
-    /// The cells around the surface.
+    /// The narrow band around the interface.
     pub band: Band<D>,
     /// The liquid cells.
     pub liquid: Runs,
-    /// What the solids leave open.
+    /// Open fractions beside solids.
     pub cut_cells: CutCells<D>,
-    /// The faces with a velocity.
+    /// Faces with a known velocity.
     pub known_faces: VelocityExtension<D>,
-    /// The lattice that measures the surface.
+    /// The dual grid, which measures the interface.
     pub dual_grid: DualGrid<D>,
     /// Dense memory of the pressure solve.
     pub pressure: PressureFields<D>,
-    /// The surfaces of solids as contacts see them.
+    /// Surfaces of the solids for contact detection.
     pub collision_points: Arc<CollisionPoints<D>>,
-    /// Cells in and beside thin solids where φ is no distance, in order.
+    /// Cells in and beside thin solids where φ is no distance, sorted.
     pub non_distance_cells: Vec<u32>,
-    /// Cells within solids that the band does not reach and that the step under way has changed, with the φ that they had.
+    /// Cells within solids beyond the band that the current step has changed, with their φ before.
     pub overwritten_phi: Vec<(u32, f64)>,
-    /// Surface of each solid at the start, m² (2D: m).
+    /// Surface area of each solid at the start, m² (2D: m).
     pub initial_solid_areas: Vec<f64>,
-    /// What the step under way has mended so far.
+    /// Repairs of the current step so far.
     pub repairs: Repairs,
 }
 
@@ -99,13 +99,13 @@ impl<const D: usize> Workspace<D> {
         workspace
     }
 
-    /// Finds what the solids cut where they are now, near the liquid.
+    /// Rebuilds the cut cells near the liquid for the current positions of the solids.
     fn rebuild_cut_cells(&mut self, model: &Model<D>, now: &[SolidState<D>]) {
         let solids: Vec<_> = model.solids.iter().zip(now).collect();
         let distances: Vec<_> =
             solids.iter().map(|(solid, now)| move |x: &Vector<D>| solid.liquid_distance(now, x)).collect();
         let cuts = solids.iter().zip(&distances).map(|((solid, now), d)| solid.embedded_boundary(now, d));
-        // The liquid and its band go less than a tile in a step.
+        // Liquid and band move less than a tile in a step.
         self.cut_cells.rebuild(&cuts.collect::<Vec<_>>(), &self.tiles.dilated());
         let nearest = |x: &Vector<D>| {
             let number = model.nearest_solid(now, x).unwrap_or(0);
@@ -114,14 +114,14 @@ impl<const D: usize> Workspace<D> {
         self.dual_grid.update_solids(&self.cut_cells, nearest);
     }
 
-    /// Finds what they cut anew, if any solid moves.
+    /// Rebuilds the cut cells if any solid moves.
     pub fn update_cut_cells(&mut self, model: &Model<D>, state: &State<D>) {
         if model.solids.iter().any(|s| s.motion != Motion::Fixed) {
             self.rebuild_cut_cells(model, &state.solids);
         }
     }
 
-    /// The surface of each solid in the domain, m² (2D: m).
+    /// Surface area of each solid within the domain, m² (2D: m).
     fn measure_surfaces(&self, model: &Model<D>) -> Vec<f64> {
         let mut sums = vec![0.0; model.solids.len()];
         let wet = self.cut_cells.cells.iter();
@@ -129,8 +129,8 @@ impl<const D: usize> Workspace<D> {
         sums
     }
 
-    /// Finds tiles, liquid cells and band of the state's φ. Only its signs count: what is found stays right when φ is
-    /// made a distance again or shifted, and a resumed run finds the same.
+    /// Finds tiles, liquid cells and band from the signs of φ. They stay valid when φ is redistanced or shifted, and a resumed
+    /// run finds the same.
     pub fn find_liquid(&mut self, model: &Model<D>, state: &State<D>) {
         self.tiles = self.tiles.around_negative(&state.phi.data);
         let negative = self.tiles.negative_runs(&state.phi.data);
@@ -143,9 +143,8 @@ impl<const D: usize> Workspace<D> {
         self.band.rebuild(&state.phi.data, &self.liquid, BAND_LAYERS);
     }
 
-    /// The liquid cells of components that are none: those that lie within solids altogether, without a centre outside, as
-    /// a line that recedes leaves them behind, and those that no liquid can have reached. `before` is the liquid before
-    /// its surface moved, by `reach` cells at most.
+    /// Finds spurious components: those entirely within solids, as a receding contact line leaves them, and those that no
+    /// liquid can have reached. `before` is the liquid before the interface moved, by `reach` cells at most.
     pub fn find_spurious_components(
         &self,
         model: &Model<D>,
@@ -167,8 +166,8 @@ impl<const D: usize> Workspace<D> {
         }
     }
 
-    /// Which components have come through a solid: they lie where no liquid was within reach. Within a wall φ goes on from
-    /// the nearer side, and where the liquid of one side ends the other may take a cell of it for its own.
+    /// Flags components that have leaked through a solid: no liquid was within reach. Within a wall φ is extended from the
+    /// nearer side, and where liquid on one side ends, that on the other may claim a cell of it.
     fn leaked_components(&self, model: &Model<D>, before: &Runs, reach: usize) -> Vec<bool> {
         if self.cut_cells.cells.is_empty() {
             return Vec::new();
@@ -192,7 +191,7 @@ impl<const D: usize> Workspace<D> {
         through
     }
 
-    /// Which components lie within solids altogether; nothing where there are no solids.
+    /// Flags components that lie entirely within solids; empty without solids.
     fn components_inside_solids(&self) -> Vec<bool> {
         if self.cut_cells.cells.is_empty() {
             return Vec::new();
@@ -207,8 +206,8 @@ impl<const D: usize> Workspace<D> {
         within
     }
 
-    /// Components that are but tips of wedges, and those that they are the tips of: at a slanting solid a cell at the tip
-    /// may share no face with the rest. That of the other side of a thin solid is not.
+    /// Pairs of a component at the tip of a wedge and the one that it belongs to: at an oblique solid a cell at the tip may
+    /// share no face with the rest. A component on the other side of a thin solid is not paired.
     fn wedge_tips(&self, model: &Model<D>, state: &State<D>) -> Vec<(u32, u32)> {
         let (within, grid) = (self.components_inside_solids(), model.grid);
         let lattice = grid.lattice();
@@ -235,13 +234,13 @@ impl<const D: usize> Workspace<D> {
         pairs
     }
 
-    /// Marks the liquid's faces anew and extends the velocity from them.
+    /// Resets the known faces to those of the liquid and extends the velocity from them.
     pub fn rebuild_velocity_extension(&mut self, model: &Model<D>, state: &mut State<D>) {
         self.reset_known_faces(model);
         self.extend_velocity(model, state);
     }
 
-    /// Marks the liquid's faces anew: no other is known.
+    /// Resets the known faces to those of the liquid.
     pub fn reset_known_faces(&mut self, model: &Model<D>) {
         let faces: [Vec<Segment>; D] = std::array::from_fn(|a| self.liquid.faces(&model.grid, a));
         self.known_faces.clear_marks();
@@ -249,7 +248,7 @@ impl<const D: usize> Workspace<D> {
         self.known_faces.unmark_closed_faces(&self.cut_cells.closed_faces);
     }
 
-    /// Extends the velocity from the liquid over the band. Gives back how many faces within solids found no solid to slip along.
+    /// Extends the velocity from the liquid over the band. Returns the number of faces within solids that found no solid to slip along.
     pub fn extend_velocity(&mut self, model: &Model<D>, state: &mut State<D>) -> u64 {
         let distance = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
         let closed = |a: usize, side: usize| model.walls[a][side] == crate::Wall::Slip;
@@ -264,7 +263,7 @@ impl<const D: usize> Workspace<D> {
         impose_slip_velocity(model, state, &shut)
     }
 
-    /// What each component touches.
+    /// Contacts of each component.
     pub fn component_contacts(&self, model: &Model<D>) -> Vec<ComponentContacts> {
         let (near, [first, last]) = (0.75 * model.grid.dx, model.grid.bounds());
         let at_side = |(low, high): &(Vector<D>, Vector<D>)| {
@@ -290,7 +289,7 @@ impl<const D: usize> Workspace<D> {
         touching
     }
 
-    /// The share of the solids' surface that each component wets which faces the directions of its part of vectors.
+    /// Fraction of the solid surface wetted by each component that faces the directions of its projector in `parts`.
     pub fn facing_wetted_fraction(&self, parts: &[Matrix<D>]) -> Vec<f64> {
         let label = self.liquid.component_lookup(&self.cut_cells.open_fraction.grid);
         let mut sums = vec![(0.0, 0.0); parts.len()];
@@ -304,7 +303,7 @@ impl<const D: usize> Workspace<D> {
         sums.into_iter().map(|(faced, all)| faced / f64::max(all, f64::MIN_POSITIVE)).collect()
     }
 
-    /// The liquid as the volume correction sees it.
+    /// The volume correction of this liquid.
     pub fn volume_correction<'a>(
         &'a self,
         model: &'a Model<D>,
@@ -320,8 +319,8 @@ fn cells_of<const D: usize>(grid: &Grid<D>, run: &Run) -> std::ops::Range<usize>
     row + run.start as usize..row + run.end as usize
 }
 
-/// Gives the velocity on faces that solids close the normal part of the nearest solid's surface; it is zero where there is none.
-/// Gives back on how many that is so.
+/// Replaces the normal velocity on faces closed by solids by that of the nearest solid (slip condition). Faces without a solid
+/// get zero velocity; returns their number.
 fn impose_slip_velocity<const D: usize>(model: &Model<D>, state: &mut State<D>, shut: &[Vec<u32>; D]) -> u64 {
     let flow = VelocitySampler::new(model, &state.velocity);
     let new: [Vec<Option<f64>>; D] = std::array::from_fn(|a| {
@@ -344,7 +343,7 @@ fn impose_slip_velocity<const D: usize>(model: &Model<D>, state: &mut State<D>, 
     new.iter().flatten().filter(|u| u.is_none()).count() as u64
 }
 
-/// Box of the cell centres of every component.
+/// Bounding box of the cell centres of every component.
 pub fn component_bounds<const D: usize>(model: &Model<D>, liquid: &Runs) -> Vec<(Vector<D>, Vector<D>)> {
     let lattice = model.grid.lattice();
     let far: Vector<D> = Vector::repeat(f64::INFINITY);
@@ -363,8 +362,8 @@ pub fn component_bounds<const D: usize>(model: &Model<D>, liquid: &Runs) -> Vec<
     out
 }
 
-/// A copy of φ in the band, of the liquid's velocity and of drops, solids and sums, from which [`Snapshot::restore`] makes the state
-/// before a failed step; all else follows from these, but φ in the cells of [`Workspace::beyond`].
+/// Copy of φ in the band, the liquid's velocity, components, solids and sums, from which [`Snapshot::restore`] rebuilds the
+/// state before a failed step. Everything else follows from these, except φ in the cells of [`Workspace::overwritten_phi`].
 pub struct Snapshot<const D: usize> {
     tiles: Tiles<D>,
     liquid: Runs,
@@ -380,7 +379,7 @@ pub struct Snapshot<const D: usize> {
 type FaceValues<const D: usize> = [Vec<(usize, Vec<f64>)>; D];
 
 impl<const D: usize> Snapshot<D> {
-    /// Copies what the coming step may overwrite.
+    /// Copies the data that the coming step may overwrite.
     pub fn take(model: &Model<D>, state: &State<D>, workspace: &mut Workspace<D>) -> Self {
         workspace.overwritten_phi.clear();
         let band_cells = workspace.band.cells.clone();
@@ -430,7 +429,7 @@ impl<const D: usize> Snapshot<D> {
         }
     }
 
-    /// Puts the state back as it was, and the workspace with it.
+    /// Restores the state and the workspace.
     pub fn restore(self, model: &Model<D>, state: &mut State<D>, workspace: &mut Workspace<D>) {
         let limit = BAND_WIDTH_CELLS * model.grid.dx;
         for &cell in &workspace.band.cells {
@@ -457,14 +456,14 @@ impl<const D: usize> Snapshot<D> {
         [state.kinetic_energy, state.effective_surface_area] = self.scalars.4;
         state.components = self.components;
         (state.solids, state.elastic_slips) = (self.solids, self.elastic_slips);
-        // What a failed solve left behind is no guess.
+        // The pressure of a failed solve is no initial guess.
         state.pressure_impulse = CellField::new(model.grid, 0.0);
-        // The tiles of the liquid that failed need not hold the liquid, nor what solids cut of its cells.
+        // The tiles of the failed step need not cover the liquid and its cut cells.
         workspace.tiles = self.tiles.clone();
         workspace.update_cut_cells(model, state);
         workspace.find_liquid(model, state);
-        // Known defect: outside the band φ within solids keeps the signs that the failed step gave it, unless liquid of no drop
-        // appears so. With all of them put back, `verify leak` finds stale liquid in thin walls that move.
+        // Known defect: outside the band φ within solids keeps the signs of the failed step, unless the number of components is then
+        // wrong. If all are restored, `verify leak` finds stale liquid in moving thin walls.
         if workspace.liquid.components as usize != state.components.len() {
             // Boxes of solids overlap, so a cell may be listed twice: its first entry is the φ before the step.
             workspace
@@ -476,8 +475,8 @@ impl<const D: usize> Snapshot<D> {
             workspace.tiles = self.tiles;
             workspace.find_liquid(model, state);
         }
-        // With the wrong number of components the next step would end with a panic: where φ does not give those that the
-        // drops are of, they are the ones from before the step.
+        // A wrong number of components would make the next step panic: if φ does not give that of the state,
+        // the liquid cells from before the step are used.
         if workspace.liquid.components as usize != state.components.len() {
             workspace.liquid = self.liquid;
             workspace.band.rebuild(&state.phi.data, &workspace.liquid, BAND_LAYERS);
@@ -512,12 +511,12 @@ mod tests {
         assert_eq!(workspace.liquid.components, 2);
         let strays = workspace.find_spurious_components(&model, &before, 1);
         assert_eq!((strays.cells, &strays.leaked), (vec![beyond], &strays.components));
-        // Liquid that could have got there, or was there, stays.
+        // Liquid that could have reached the cell, or was there, stays.
         assert!(workspace.find_spurious_components(&model, &before, 3).cells.is_empty());
         assert!(workspace.find_spurious_components(&model, &workspace.liquid.clone(), 1).cells.is_empty());
     }
 
-    /// Two balls that touch are carried into a pool. Deep in them φ follows what is outside, where no band reaches.
+    /// Two touching balls move into a pool. Deep within them φ follows the outside, beyond the band.
     #[test]
     fn a_step_taken_back_leaves_the_drops_that_were() {
         let grid = Grid::<2>::new([40; 2], 1.0);

@@ -1,9 +1,8 @@
-//! Solids that deform, as the liquid meets them.
+//! Deformable solids, coupled to the liquid.
 //!
-//! Their positions go first, then their velocities, as the liquid's do: the new velocities make the incremental potential of
-//! `meniscus_elastic::IncrementalPotential` least, together with contacts ([`crate::collision`]). The liquid's pressure is solved for with the
-//! inverse of its second derivatives in its system, so that how soft or light a solid is sets no limit to the step (design,
-//! numerics §1).
+//! Positions are advanced first, then velocities, as for the liquid: the new velocities minimise the incremental potential of
+//! `meniscus_elastic::IncrementalPotential` together with contacts ([`crate::collision`]). The pressure system of the liquid contains
+//! the inverse Hessian, so that softness and lightness of a solid do not limit the step.
 
 use super::surface::{SolidSurface, SurfacePoint};
 use meniscus_elastic::{Elastic, ElasticState};
@@ -11,18 +10,18 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::SurfaceMesh;
 use std::sync::Arc;
 
-/// Time, s, over which held vertices have their velocity at the start.
+/// Time, s, of the difference that gives anchored vertices their initial velocity.
 const INITIAL_DIFFERENCE_TIME: f64 = 1e-9;
 
-/// A cell, and which degrees of freedom flow into it, how much.
+/// A cell, and the degrees of freedom that flow into it with their weights.
 pub type FluxRow = (u32, Vec<(u32, f64)>);
 
-/// Where a solid that deforms is, and how it moves.
+/// Position and velocity of a deformable solid.
 #[derive(Clone, Debug)]
 pub struct Soft<const D: usize> {
-    /// Positions and velocities of its mesh's vertices.
+    /// Positions and velocities of the mesh's vertices.
     pub state: ElasticState<D>,
-    /// Its surface there.
+    /// The surface at these positions.
     pub surface: Arc<SolidSurface<D>>,
 }
 
@@ -41,30 +40,30 @@ impl<const D: usize> Soft<D> {
         Self::from_state(elastic, body)
     }
 
-    /// The solid as a checkpoint has it: [`crate::Simulation::resume`] gives it its surface.
+    /// The solid as stored in a checkpoint; [`crate::Simulation::resume`] adds its surface.
     pub fn without_surface(state: ElasticState<D>) -> Self {
         Self { state, surface: Arc::new(SolidSurface::new(SurfaceMesh::default(), Vec::new())) }
     }
 
-    /// The solid in a state of its own.
+    /// The solid in a given state.
     pub fn from_state(elastic: &Elastic<D>, state: ElasticState<D>) -> Self {
         let (surface, vertices) = elastic.rest_mesh().surface();
         let skin = Arc::new(SolidSurface::new(surface, vertices).with_positions(&state.positions));
         Self { state, surface: skin }
     }
 
-    /// The same with its surface.
+    /// The same solid with its surface.
     pub fn with_surface(self, elastic: &Elastic<D>) -> Self {
         Self::from_state(elastic, self.state)
     }
 
-    /// Moves it by its velocity.
+    /// Advances the positions by the velocities over `dt` (s).
     pub fn advance(&mut self, elastic: &Elastic<D>, dt: f64) {
         elastic.advance_positions(&mut self.state, dt);
         self.surface = Arc::new(self.surface.with_positions(&self.state.positions));
     }
 
-    /// Where the point of its surface nearest to `x` was at the start, m, and its normal there.
+    /// Reference position of the surface point closest to `x`, m, and the reference normal there.
     pub fn reference_point_and_normal(
         &self,
         elastic: &Elastic<D>,
@@ -86,7 +85,7 @@ impl<const D: usize> Soft<D> {
     }
 }
 
-/// Adds impulses where a solid is gripped to those of its vertices.
+/// Distributes impulses at surface points to the vertices of their facets.
 pub fn distribute_to_vertices<const D: usize>(
     grips: &[(SurfacePoint<D>, Vector<D>)],
     vertices: &mut [Vector<D>],

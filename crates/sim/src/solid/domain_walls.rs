@@ -1,8 +1,8 @@
-//! Closed sides that liquid meets at an angle: a solid around the domain.
+//! Wetting walls: closed sides with a contact angle, as a solid around the domain.
 //!
-//! At 90 degrees a closed side is a mirror. At any other angle the grid goes on for a few cells beyond the closed sides, and a
-//! fixed solid fills these: one solid for all sides, so that liquid passes edges and corners as on any other solid. What
-//! solids run into are still the sides themselves (`collide/`).
+//! At 90 degrees a closed side is a mirror. For other angles the grid extends a few cells beyond the closed sides, and a fixed solid
+//! fills these cells. It is one solid for all sides, so that liquid passes edges and corners as on any other solid. Solids still
+//! collide with the sides themselves ([`crate::collision`]).
 
 use super::wettability::Hysteresis;
 use super::{Motion, Solid, SolidState};
@@ -10,15 +10,14 @@ use crate::model::{Model, Wall};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 
-/// Cells of the grid beyond a closed side that wets: what stencils at the side reach.
+/// Cells of the grid beyond a closed side that wets: the reach of stencils at the side.
 pub const WETTING_WALL_MARGIN_CELLS: usize = 3;
-/// How far the walls go on along open sides, over the size of the domain: beyond the grid.
+/// Length of the walls beyond open sides over the size of the domain, so that they reach beyond the grid.
 const WALL_EXTENT_RATIO: f64 = 10.0;
 
 impl<const D: usize> Model<D> {
-    /// Closed sides that liquid meets at the angle of this cosine, with the given friction of the line, Pa s, and where it
-    /// rests. To be called once, when all other solids are in the model: the walls are the last
-    /// one. With open sides only nothing changes.
+    /// Adds closed sides with the contact angle of this cosine, a friction of the contact line, Pa s, and a hysteresis.
+    /// Call this once, after all other solids are in the model: the walls are the last one. With open sides only nothing changes.
     #[must_use]
     pub fn with_wetting_walls(
         mut self,
@@ -40,19 +39,19 @@ impl<const D: usize> Model<D> {
         self
     }
 
-    /// Number of the solid that is the closed sides, if they wet at another angle than 90 degrees.
+    /// Number of the solid that represents the closed sides, if their contact angle is not 90 degrees.
     pub fn wetting_wall_solid(&self) -> Option<usize> {
         self.solids.len().checked_sub(1).filter(|_| self.has_wetting_walls())
     }
 
-    /// Whether the grid goes on beyond closed sides.
+    /// Whether the grid extends beyond closed sides.
     fn has_wetting_walls(&self) -> bool {
         let beyond = |(wall, cells): (&Wall, &usize)| *wall == Wall::Slip && *cells > 0;
         self.walls.as_flattened().iter().zip(self.grid.margin_cells.as_flattened()).any(beyond)
     }
 
-    /// Height of a point over a solid around a foot on it with this normal, m: of the walls only the side of the foot counts,
-    /// or none could be seen from beside an edge.
+    /// Height of a point above a solid, m, seen from a foot on it with this normal. For the walls only the side of the foot counts:
+    /// beside an edge the other side may be nearer.
     pub(crate) fn height_above_solid(
         &self,
         now: &[SolidState<D>],
@@ -80,8 +79,8 @@ impl<const D: usize> Model<D> {
         Shape::Difference { of: Box::new(all), minus: Box::new(inner) }
     }
 
-    /// A point, mirrored at the closed sides if it lies beyond them: there the liquid starts as at 90 degrees, so that liquid
-    /// that ends at a side touches it.
+    /// A point, mirrored at the closed sides if it lies beyond them: the liquid starts there as at 90 degrees, so that liquid that ends
+    /// at a side touches it.
     pub(crate) fn mirrored(&self, x: &Vector<D>) -> Vector<D> {
         let upper = self.grid.domain_upper();
         Vector::from_fn(|a, _| match self.walls[a] {

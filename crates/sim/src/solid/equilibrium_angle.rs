@@ -1,16 +1,16 @@
-//! The cosine of Young's angle of a solid near a place, and the angles between which lines rest there.
+//! The cosine of Young's angle of a solid near a point, and its hysteresis there.
 
 use super::kinematics::{Solid, SolidState};
 use meniscus_numerics::Vector;
 
-/// Places along each side of the square over which the mean is taken, where the pattern has an edge in it.
+/// Samples along each side of the square for the mean, if the pattern has an edge in it.
 const SAMPLES_PER_SIDE: usize = 6;
-/// Part of the square's width by which patches are larger: one that ends at the solid's surface covers it.
+/// Enlargement of patches over the square's width: a patch that ends at the solid's surface covers it.
 const PATCH_ENLARGEMENT: f64 = 0.05;
 
 impl<const D: usize> Solid<D> {
-    /// Cosine of the contact angle on the surface next to a point (m), where the solid is `now`: the mean over a square (2D:
-    /// a stretch) of a width, m; beyond ±1 nothing or all is wetted.
+    /// Cosine of Young's angle on the surface next to a point (m) of the solid in state `now`: the mean over a square (2D: a segment)
+    /// of `width` (m). Beyond ±1 nothing or everything is wetted.
     pub fn young_cosine_near(&self, now: &SolidState<D>, x: &Vector<D>, width: f64) -> f64 {
         if self.pattern.is_empty() {
             return self.young_cosine;
@@ -34,7 +34,7 @@ impl<const D: usize> Solid<D> {
         (0..count).map(|k| cosine(&place(k))).sum::<f64>() / count as f64
     }
 
-    /// Where the point of the surface next to `x` was at the start, m, and the normal there; by differences over `step` (m).
+    /// Reference position of the surface point next to `x`, m, and the reference normal there, by differences over `step` (m).
     fn reference_foot_and_normal(
         &self,
         now: &SolidState<D>,
@@ -49,8 +49,8 @@ impl<const D: usize> Solid<D> {
         })
     }
 
-    /// The cosine of the angle that a line tends to which has the angle of the cosine `now` where Young's is `young_cosine`, and
-    /// whether it rests: between the advancing and the receding angle it stays what it is.
+    /// Cosine of the angle to which a contact line of the present angle's `cosine` tends where Young's is `young_cosine`, and whether
+    /// it rests. Between the receding and the advancing angle the line keeps its angle.
     pub fn hysteretic_cosine(&self, young_cosine: f64, cosine: f64) -> (f64, bool) {
         let Some(hysteresis) = &self.hysteresis else { return (young_cosine, false) };
         let [advancing, receding] = hysteresis.cosine_bounds(young_cosine);
@@ -58,7 +58,7 @@ impl<const D: usize> Solid<D> {
     }
 }
 
-/// Unit vectors along a surface of the normal `n` (2D: the second is none); none where there is no normal.
+/// Unit tangents of a surface with the normal `n` (2D: the second is zero); zero without a normal.
 fn tangents<const D: usize>(n: &Vector<D>) -> [Vector<D>; 2] {
     let least = (0..D).fold(0, |least, a| if n[a].abs() < n[least].abs() { a } else { least });
     let axis = Vector::from_fn(|a, _| if a == least && *n != Vector::<D>::zeros() { 1.0 } else { 0.0 });
@@ -78,7 +78,7 @@ mod tests {
     use meniscus_numerics::shape::Shape;
     use std::sync::Arc;
 
-    /// A plate 2 by 2 wide whose top is at 0, its middle at the origin.
+    /// A plate 2 by 2 wide with its top at 0 and its middle at the origin.
     fn plate<const D: usize>(pattern: Vec<WettabilityLayer<D>>) -> Solid<D> {
         let last = |a: usize| a + 1 == D;
         let shape = Shape::Box {
@@ -112,7 +112,7 @@ mod tests {
         for (x, cosine) in [(-0.9, -0.5), (0.0, 0.5), (0.4, 0.9), (0.65, 0.9), (0.8, -0.5)] {
             assert!((at(x, 0.1) - cosine).abs() < 1e-12, "{D}D at {x}: {}", at(x, 0.1));
         }
-        // Over an edge the mean goes linearly from one side to the other.
+        // Over an edge the mean is linear from one side to the other.
         for part in [-0.4, -0.2, 0.0, 0.2, 0.4] {
             let found = at(-0.5 + part * 0.1, 0.1);
             assert!((found - part).abs() < 0.15, "{D}D, {part}: {found}");
@@ -162,7 +162,7 @@ mod tests {
         let solid = plate(vec![gradient, WettabilityLayer::Image(Arc::new(picture))]);
         let at = |x, y| solid.young_cosine_near(&solid.initial_state(), &Vector::<3>::new(x, y, 0.0), 0.01);
         assert!((at(-0.25, -0.5) - 0.2).abs() < 1e-9 && (at(0.9, -0.5) - 0.8).abs() < 1e-12);
-        // The lower row; half-way between its pixels; the clear pixel shows what is below.
+        // The lower row; half-way between its pixels; the transparent pixel shows the layer below.
         assert!((at(0.05, 0.05) - 1.0).abs() < 1e-9, "{}", at(0.05, 0.05));
         assert!((at(0.2, 0.05) - 0.5).abs() < 1e-9, "{}", at(0.2, 0.05));
         assert!((at(0.35, 0.35) - 0.68).abs() < 1e-9, "{}", at(0.35, 0.35));

@@ -1,8 +1,7 @@
-//! Rigid solids: what they are, where they are, and how they move by themselves.
+//! Solids: their description, state, and motion.
 //!
-//! A solid turns about its centre of mass. Between the pushes of the liquid its angular momentum `L = I ω` is constant
-//! while `I` turns with it: the step uses the `ω` that `L` has half-way, which keeps `L` exactly and the energy to second
-//! order.
+//! A rigid solid rotates about its centre of mass. Between impulses of the liquid its angular momentum `L = I ω` is constant, while `I`
+//! rotates with it: the step uses the `ω` of `L` at the midpoint, which conserves `L` exactly and the energy to second order.
 
 use super::deformable::Soft;
 use super::mass_properties::MassProperties;
@@ -14,57 +13,56 @@ use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use std::sync::Arc;
 
-/// A rigid solid.
+/// A solid, rigid or deformable.
 #[derive(Clone, Debug)]
 pub struct Solid<const D: usize> {
-    /// Its shape and place at the start.
+    /// Shape and position at the start.
     pub shape: Shape<D>,
     /// What moves it.
     pub motion: Motion<D>,
-    /// Velocity at the start, m/s.
+    /// Initial velocity, m/s.
     pub initial_velocity: Vector<D>,
-    /// Mass and how it is spread.
+    /// Mass, centre of mass and inertia.
     pub mass_properties: MassProperties<D>,
-    /// How far outside its own surface the liquid meets it, m ([`Self::padded`]).
+    /// Distance outside its own surface at which the liquid meets it, m ([`Self::padded`]).
     pub padding: f64,
-    /// `(γ_sa − γ_ls)/γ_la`, the cosine of the contact angle (Young); beyond ±1 nothing or all is wetted.
+    /// Cosine of Young's contact angle, `(γ_sa − γ_ls)/γ_la`; beyond ±1 nothing or everything is wetted.
     pub young_cosine: f64,
-    /// What lies over that where it varies, the last on top; nothing where the cosine is the same everywhere.
+    /// Layers over `young_cosine` where the cosine varies, the last on top; empty where it is uniform.
     pub pattern: Vec<WettabilityLayer<D>>,
-    /// Friction of the contact line, Pa s: force on a length of it, over its speed.
+    /// Friction of the contact line, Pa s: force per length over speed.
     pub line_friction: f64,
-    /// The angles between which a contact line rests; without them none rests.
+    /// Contact angle hysteresis; without it no contact line rests.
     pub hysteresis: Option<Hysteresis>,
-    /// Speed after a hit over that before it, 0 to 1. Of two solids the geometric mean counts; a side of the domain has
-    /// the solid's.
+    /// Coefficient of restitution, 0 to 1. For two solids the geometric mean applies, at a side of the domain that of the solid.
     pub restitution: f64,
-    /// Coulomb's coefficient of friction, combined in the same way.
+    /// Coulomb friction coefficient, combined in the same way.
     pub friction: f64,
 }
 
-/// Cells through a plate from which on liquid on both of its sides is told apart: drops at rest have their angle within 0.4
-/// degrees then (with 2.25 cells 1.4, with 2 cells 1.9, with 1.5 up to 19).
+/// Thickness of a plate, in cells, from which on liquid on its two sides is resolved separately: contact angles of drops at rest are
+/// then right within 0.4 degrees (1.4 with 2.25 cells, 1.9 with 2, up to 19 with 1.5).
 pub const MIN_PLATE_THICKNESS_CELLS: f64 = 2.5;
-/// Restitution of solids of which none is told.
+/// Restitution of solids without a given value.
 pub const DEFAULT_RESTITUTION: f64 = 0.3;
-/// Friction of solids of which none is told.
+/// Friction of solids without a given value.
 pub const DEFAULT_FRICTION: f64 = 0.3;
 
 /// What moves a solid.
 #[derive(Clone, Debug)]
 pub enum Motion<const D: usize> {
-    /// Nothing.
+    /// It stays at rest.
     Fixed,
-    /// It goes where it is told.
+    /// A prescribed motion.
     Prescribed(PrescribedMotion<D>),
-    /// Gravity, liquid, and what it runs into.
+    /// Rigid motion under gravity, liquid and contacts.
     Free,
-    /// The same, and its own forces: it deforms.
+    /// Deformation under the same and its own elastic forces.
     Soft(Arc<Elastic<D>>),
 }
 
 impl<const D: usize> Motion<D> {
-    /// Whether nothing that happens changes it.
+    /// Whether the motion does not depend on forces.
     pub fn is_prescribed(&self) -> bool {
         matches!(self, Self::Fixed | Self::Prescribed(_))
     }
@@ -88,16 +86,16 @@ pub struct PrescribedMotion<const D: usize> {
     pub velocity: Vector<D>,
     /// Angular velocity, rad/s (2D: the last entry).
     pub angular_velocity: [f64; 3],
-    /// Time, s, and displacement from the start, m; linear between, constant before and after. Times increase.
+    /// Time, s, and displacement from the start, m; linear in between, constant before and after. Times increase.
     pub keyframes: Vec<(f64, Vector<D>)>,
 }
 
-/// Where a solid is and how it moves. Plain data.
+/// Position and motion of a solid. Plain data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidState<const D: usize> {
-    /// Its centre of mass, m.
+    /// Centre of mass, m.
     pub center: Vector<D>,
-    /// How it has turned since the start.
+    /// Rotation since the start.
     pub rotation: Matrix<D>,
     /// Velocity of the centre, m/s.
     pub velocity: Vector<D>,
@@ -105,17 +103,17 @@ pub struct SolidState<const D: usize> {
     pub angular_velocity: [f64; 3],
     /// Force of the liquid's pressure in the last step, N (2D: N/m).
     pub pressure_force: Vector<D>,
-    /// Force of the liquid's surface along the contact line in the last step, N (2D: N/m).
+    /// Force of surface tension along the contact line in the last step, N (2D: N/m).
     pub contact_line_force: Vector<D>,
-    /// What contacts accelerated it by in the last step, without impacts, m/s².
+    /// Acceleration by contacts in the last step, without impacts, m/s².
     pub contact_acceleration: Vector<D>,
-    /// Where and how each part of it moves, if it deforms. Centre and velocity are then means, rotation and spin nothing.
+    /// State of a deformable solid. Centre and velocity are then means, rotation and angular velocity unused.
     pub soft: Option<Soft<D>>,
 }
 
 impl<const D: usize> Solid<D> {
-    /// A homogeneous solid of a density, kg/m³, that starts at rest and that liquid meets at 90 degrees, with the usual
-    /// [`DEFAULT_RESTITUTION`] and [`DEFAULT_FRICTION`]. One without bounds has no mass to be free with: it stays where it is.
+    /// A homogeneous solid of a density, kg/m³, at rest and with a contact angle of 90 degrees, with [`DEFAULT_RESTITUTION`] and
+    /// [`DEFAULT_FRICTION`]. An unbounded solid has no finite mass to move freely: it is fixed.
     pub fn new(shape: Shape<D>, motion: Motion<D>, density: f64) -> Self {
         let mut mass_properties = MassProperties::homogeneous(&shape, density);
         if let Motion::Soft(elastic) = &motion {
@@ -138,14 +136,14 @@ impl<const D: usize> Solid<D> {
         }
     }
 
-    /// The same as the liquid sees it where cells are `dx` large (m): two sides of a plate thinner than [`MIN_PLATE_THICKNESS_CELLS`] cells share
-    /// cells, and what wets the one would wet the other. The liquid meets such a solid (`thickness`, m) by half of what is
-    /// missing farther out; its mass and its own forces are those of what it is (design, experiments 4).
+    /// Pads a plate thinner than [`MIN_PLATE_THICKNESS_CELLS`] cells of size `dx` (m): its two sides would share cells, and liquid that
+    /// wets one would wet the other. The liquid meets it farther out by half of the missing `thickness` (m); its mass and its own
+    /// forces are unchanged.
     pub fn padded(self, thickness: f64, dx: f64) -> Self {
         Self { padding: 0.5 * (MIN_PLATE_THICKNESS_CELLS * dx - thickness).max(0.0), ..self }
     }
 
-    /// Where and how it starts.
+    /// State at the start.
     pub fn initial_state(&self) -> SolidState<D> {
         let (velocity, angular_velocity) = match &self.motion {
             Motion::Prescribed(path) => (path.mean_velocity(0.0, 1e-9), path.angular_velocity),
@@ -168,7 +166,7 @@ impl<const D: usize> Solid<D> {
         now
     }
 
-    /// Distance to its surface where it is now, m, negative inside.
+    /// Signed distance to its current surface, m, negative inside.
     pub fn distance(&self, now: &SolidState<D>, x: &Vector<D>) -> f64 {
         match &now.soft {
             Some(soft) => soft.surface.distance(x),
@@ -176,12 +174,12 @@ impl<const D: usize> Solid<D> {
         }
     }
 
-    /// Distance to where the liquid meets it, m, negative inside.
+    /// Signed distance to the surface at which the liquid meets it, m, negative inside.
     pub fn liquid_distance(&self, now: &SolidState<D>, x: &Vector<D>) -> f64 {
         self.distance(now, x) - self.padding
     }
 
-    /// What it is made of, if it deforms.
+    /// The elastic body, if it deforms.
     pub fn elastic(&self) -> Option<&Elastic<D>> {
         if let Motion::Soft(elastic) = &self.motion { Some(elastic) } else { None }
     }
@@ -192,17 +190,17 @@ impl<const D: usize> Solid<D> {
             || self.elastic().is_some_and(|elastic| !elastic.anchored().contains(&true))
     }
 
-    /// Where the point of a rigid solid that was at `x` at the start is now, m.
+    /// Current position of the point of a rigid solid that was at `x` at the start, m.
     pub fn to_current(&self, now: &SolidState<D>, x: &Vector<D>) -> Vector<D> {
         now.center + now.rotation * (x - self.mass_properties.center)
     }
 
-    /// Where the point of a rigid solid that is at `x` now was at the start, m.
+    /// Initial position of the point of a rigid solid that is at `x` now, m.
     pub fn to_reference(&self, now: &SolidState<D>, x: &Vector<D>) -> Vector<D> {
         self.mass_properties.center + now.rotation.tr_mul(&(x - now.center))
     }
 
-    /// Direction away from its surface, by differences over `step` (m); nothing where it has none.
+    /// Outward direction from its surface, by differences over `step` (m); zero where there is none.
     pub fn normal(&self, now: &SolidState<D>, x: &Vector<D>, step: f64) -> Vector<D> {
         if let Some(soft) = &now.soft {
             return soft.surface.normal(x, step);
@@ -224,7 +222,7 @@ impl<const D: usize> Solid<D> {
         }
     }
 
-    /// Largest speed of any point of it, m/s.
+    /// Largest speed of any of its points, m/s.
     pub fn max_speed(&self, now: &SolidState<D>) -> f64 {
         if let Some(soft) = &now.soft {
             return soft.state.velocities.iter().map(Vector::norm).fold(0.0, f64::max);
@@ -235,7 +233,7 @@ impl<const D: usize> Solid<D> {
         now.velocity.norm() + if angular_speed > 0.0 { angular_speed * reach } else { 0.0 }
     }
 
-    /// A box around it where it is now, m.
+    /// Bounding box of its current surface, m.
     pub fn bounds(&self, now: &SolidState<D>) -> [Vector<D>; 2] {
         if let Some(soft) = &now.soft {
             return soft.surface.bounds();
@@ -249,7 +247,7 @@ impl<const D: usize> Solid<D> {
         [middle - reach, middle + reach]
     }
 
-    /// The solid as cells see it; `distance` is [`Self::liquid_distance`] with its state.
+    /// The solid as cells see it, with padding; `signed_distance` is [`Self::liquid_distance`] in its state.
     pub fn embedded_boundary<'a>(
         &self,
         now: &SolidState<D>,
@@ -260,19 +258,19 @@ impl<const D: usize> Solid<D> {
         EmbeddedBoundary { signed_distance, bounds: [low - padding, high + padding] }
     }
 
-    /// The moments of inertia where it is now, kg m².
+    /// Current inertia matrix, kg m².
     pub fn inertia(&self, now: &SolidState<D>) -> Matrix<3> {
         let turn = embed_in_3d(&now.rotation);
         turn * self.mass_properties.inertia * turn.transpose()
     }
 
-    /// Inverse of the moments of inertia where it is now, 1/(kg m²).
+    /// Inverse of the current inertia matrix, 1/(kg m²).
     pub fn inverse_inertia(&self, now: &SolidState<D>) -> Matrix<3> {
         self.inertia(now).try_inverse().unwrap_or_else(Matrix::zeros)
     }
 
-    /// Moves it from `time` on for `dt` seconds. Where it goes as told, its velocity is then that of the coming step, for
-    /// which the liquid's is solved.
+    /// Advances it from `time` by `dt` (s). The velocity of a prescribed motion is then that of the coming step, for which the liquid's
+    /// is solved.
     pub fn advance(&self, now: &mut SolidState<D>, time: f64, dt: f64) {
         match &self.motion {
             Motion::Fixed => {}
@@ -298,7 +296,7 @@ impl<const D: usize> Solid<D> {
         }
     }
 
-    /// Energy of its motion, J.
+    /// Kinetic energy, J.
     pub fn kinetic_energy(&self, now: &SolidState<D>) -> f64 {
         if let (Some(soft), Some(elastic)) = (&now.soft, self.elastic()) {
             return elastic.kinetic_energy(&soft.state.velocities);
@@ -307,7 +305,7 @@ impl<const D: usize> Solid<D> {
         0.5 * (self.mass_properties.mass * now.velocity.norm_squared() + turning)
     }
 
-    /// Angular momentum about its centre, kg m²/s.
+    /// Angular momentum about its centre of mass, kg m²/s.
     pub fn angular_momentum(&self, now: &SolidState<D>) -> Vector<3> {
         let turn = embed_in_3d(&now.rotation);
         turn * (self.mass_properties.inertia * (turn.transpose() * Vector::<3>::from(now.angular_velocity)))
@@ -315,23 +313,23 @@ impl<const D: usize> Solid<D> {
 }
 
 impl<const D: usize> SolidState<D> {
-    /// Where something at `x` takes hold of it, if it deforms.
+    /// Closest point of its surface to `x`, if it deforms.
     pub fn surface_point(&self, x: &Vector<D>) -> Option<SurfacePoint<D>> {
         self.soft.as_ref()?.surface.closest_point(x)
     }
 
-    /// Where something takes hold of it that is spread over a radius (m) around `x`, if it deforms.
+    /// Points of its surface within a radius (m) around `x` and their weights, if it deforms.
     pub fn surface_patch(&self, x: &Vector<D>, radius: f64) -> Vec<(SurfacePoint<D>, f64)> {
         self.soft.as_ref().map_or_else(Vec::new, |soft| soft.surface.patch(x, radius))
     }
 
-    /// Takes all its velocity.
+    /// Sets all its velocities to zero.
     pub fn stop(&mut self) {
         (self.velocity, self.angular_velocity) = (Vector::zeros(), [0.0; 3]);
         self.soft.iter_mut().for_each(|soft| soft.state.velocities.fill(Vector::zeros()));
     }
 
-    /// Makes centre and velocity those of its mass, if it deforms.
+    /// Updates centre and velocity to those of its mass, if it deforms.
     pub fn update_center_of_mass(&mut self, elastic: &Elastic<D>) {
         if let Some(soft) = &self.soft {
             (self.center, self.velocity) = soft.center_of_mass_and_velocity(elastic);
@@ -350,7 +348,7 @@ impl<const D: usize> SolidState<D> {
 }
 
 impl<const D: usize> PrescribedMotion<D> {
-    /// Mean velocity over `dt` from a time on, m/s.
+    /// Mean velocity over `dt` from `time`, m/s.
     pub fn mean_velocity(&self, time: f64, dt: f64) -> Vector<D> {
         (self.displacement(time + dt) - self.displacement(time)) / dt
     }
@@ -374,7 +372,7 @@ fn embed_in_3d<const D: usize>(rotation: &Matrix<D>) -> Matrix<3> {
     Matrix::<3>::from_fn(|r, c| if r < D && c < D { rotation[(r, c)] } else { own(r, c) })
 }
 
-/// `rotation` followed by a turn at the rate `spin` for `dt`.
+/// `rotation` followed by a rotation at `angular_velocity` for `dt`.
 fn rotated<const D: usize>(rotation: &Matrix<D>, angular_velocity: &[f64; 3], dt: f64) -> Matrix<D> {
     let turn = nalgebra::Rotation3::new(Vector::<3>::from(*angular_velocity) * dt).into_inner();
     Matrix::<D>::from_fn(|r, c| turn[(r, c)]) * rotation
@@ -393,7 +391,7 @@ mod tests {
         };
         let solid = Solid::new(shape, Motion::Free, 1.0);
         let mut now = solid.initial_state();
-        // Turning about the middle axis is unstable: it flips over and over.
+        // Rotation about the middle axis is unstable: the box flips over and over.
         now.angular_velocity = [0.01, 1.0, 0.02];
         let energy =
             |now: &SolidState<3>| solid.angular_momentum(now).dot(&Vector::<3>::from(now.angular_velocity));

@@ -1,25 +1,25 @@
-//! Mass of rigid bodies.
+//! Mass properties of rigid bodies.
 
 use meniscus_numerics::shape::{Shape, plane_box_fraction};
 use meniscus_numerics::{Matrix, Vector};
 
-/// Cells along the longest side of the box on which mass and inertia are summed up.
+/// Cells along the longest side of the bounding box for the quadrature of mass and inertia.
 const QUADRATURE_CELLS: usize = 96;
 
-/// Mass of a rigid body and how it is spread.
+/// Mass, centre of mass and inertia of a rigid body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MassProperties<const D: usize> {
     /// Mass, kg (2D: kg per metre).
     pub mass: f64,
     /// Centre of mass at the start, m.
     pub center: Vector<D>,
-    /// Moments of inertia about it at the start, kg m² (2D: kg m, in the last entry).
+    /// Inertia matrix about it at the start, kg m² (2D: kg m, in the last entry).
     pub inertia: Matrix<3>,
 }
 
 impl<const D: usize> MassProperties<D> {
-    /// A homogeneous body of a density (kg/m³) that fills a shape: sums over a lattice that the surface cuts as planes,
-    /// right to about 1e-4. A shape without bounds has no mass that counts.
+    /// A homogeneous body of a density (kg/m³) and shape, by quadrature over a lattice with planar cuts, accurate to about 1e-4. An
+    /// unbounded shape gets infinite mass.
     pub fn homogeneous(shape: &Shape<D>, density: f64) -> Self {
         let (low, high) = shape.bounds();
         let size = high - low;
@@ -41,7 +41,7 @@ impl<const D: usize> MassProperties<D> {
                 let arm = at - low;
                 mass += m;
                 first += arm * m;
-                // A cube's own inertia about its centre counts as well.
+                // The inertia of a cube about its own centre counts as well.
                 let own = m * h * h / 12.0;
                 for a in 0..D {
                     (0..D).for_each(|b| second[(a, b)] += m * arm[a] * arm[b]);
@@ -58,7 +58,7 @@ impl<const D: usize> MassProperties<D> {
     }
 }
 
-/// Share of a cube around `at` that a shape fills.
+/// Fraction of a cube around `at` that a shape fills.
 fn filled_fraction<const D: usize>(shape: &Shape<D>, at: &Vector<D>, h: f64) -> f64 {
     let value = shape.signed_distance(at);
     if value.abs() > h {

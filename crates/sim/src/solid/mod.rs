@@ -1,4 +1,4 @@
-//! Solids by themselves: rigid ones, those that go as told, those that deform; their surfaces and what wets them.
+//! Solids: rigid, prescribed and deformable ones, their surfaces and their wettability.
 
 pub mod deformable;
 pub mod domain_walls;

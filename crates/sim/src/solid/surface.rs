@@ -1,4 +1,4 @@
-//! The surface of a solid that deforms, where it is now.
+//! The current surface of a deformable solid.
 
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::bvh::ClosestPoint;
@@ -6,45 +6,45 @@ use meniscus_numerics::mesh::{FacetBvh, SurfaceMesh};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Barycentric weight from which on a point of a facet is not at its rim.
+/// Barycentric weight above which a point is in the interior of a facet.
 const MIN_INTERIOR_WEIGHT: f64 = 1e-6;
-/// Parts into which each edge of a triangle is divided that lies partly within a radius: one of 3.6 edges has its second moment
-/// within 2 % then.
+/// Subdivisions of each edge of a triangle that lies partly within a radius: the second moment of a disc with a radius of 3.6 edges is
+/// then right within 2 %.
 const EDGE_SUBDIVISIONS: usize = 4;
 
-/// Where something takes hold of a solid that deforms: a point of a facet of its surface.
+/// A point of a facet of a deformable solid's surface, where a force may act.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint<const D: usize> {
-    /// The facet's vertices, as numbers of those of the solid's mesh.
+    /// The facet's vertices, as indices of the volume mesh.
     pub vertices: [u32; D],
-    /// The point's barycentric weights in it.
+    /// Barycentric weights of the point.
     pub weights: [f64; D],
     /// The point, m.
     pub point: Vector<D>,
 }
 
 impl<const D: usize> SurfacePoint<D> {
-    /// What values of the mesh's vertices are at the point.
+    /// Interpolates values at the vertices of the volume mesh to the point.
     pub fn interpolate(&self, of: impl Fn(usize) -> Vector<D>) -> Vector<D> {
         (0..D).map(|k| of(self.vertices[k] as usize) * self.weights[k]).sum()
     }
 }
 
-/// The surface of a solid that deforms.
+/// The surface of a deformable solid.
 #[derive(Clone, Debug)]
 pub struct SolidSurface<const D: usize> {
     /// The surface, m.
     pub mesh: SurfaceMesh<D>,
-    /// For each of its vertices the number of the mesh's.
+    /// Index in the volume mesh of each vertex of the surface.
     volume_vertices: Vec<u32>,
-    /// The facets around each vertex of the surface.
+    /// Facets around each vertex of the surface.
     vertex_facets: Arc<Vec<Vec<u32>>>,
     tree: FacetBvh<D>,
     bounds: [Vector<D>; 2],
 }
 
 impl<const D: usize> SolidSurface<D> {
-    /// A surface, and for each of its vertices the number of the mesh's.
+    /// A surface, and the index in the volume mesh of each of its vertices.
     pub fn new(surface: SurfaceMesh<D>, vertices: Vec<u32>) -> Self {
         let mut around = vec![Vec::new(); surface.positions.len()];
         for (f, facet) in surface.facets.iter().enumerate() {
@@ -63,7 +63,7 @@ impl<const D: usize> SolidSurface<D> {
         Self { mesh, volume_vertices, vertex_facets, tree, bounds: [low, high] }
     }
 
-    /// The same surface with the mesh's vertices elsewhere.
+    /// The same surface with other positions of the volume mesh's vertices.
     pub fn with_positions(&self, positions: &[Vector<D>]) -> Self {
         let facets = self.mesh.facets.clone();
         let positions = self.volume_vertices.iter().map(|v| positions[*v as usize]).collect();
@@ -74,24 +74,24 @@ impl<const D: usize> SolidSurface<D> {
         )
     }
 
-    /// For each vertex of the surface the number of the mesh's.
+    /// Index in the volume mesh of each vertex of the surface.
     pub fn volume_vertices(&self) -> &[u32] {
         &self.volume_vertices
     }
 
-    /// Lower and upper corner of the box around it, m.
+    /// Lower and upper corner of the bounding box, m.
     pub fn bounds(&self) -> [Vector<D>; 2] {
         self.bounds
     }
 
-    /// Distance of a point, m, negative inside.
+    /// Signed distance of a point, m, negative inside.
     pub fn distance(&self, x: &Vector<D>) -> f64 {
         let Some(closest) = self.tree.closest_point(x, f64::INFINITY) else { return f64::INFINITY };
         closest.distance_squared.sqrt() * if self.is_inside(x, &closest) { -1.0 } else { 1.0 }
     }
 
-    /// Whether a point lies inside, given the nearest point of the surface: what is nearest to the inner part of a facet is on
-    /// one side of it, the rest the winding number tells.
+    /// Whether a point lies inside, given its closest point. If that is in the interior of a facet, the side of the facet decides,
+    /// otherwise the winding number.
     fn is_inside(&self, x: &Vector<D>, closest: &ClosestPoint<D>) -> bool {
         match closest.weights.iter().all(|w| *w > MIN_INTERIOR_WEIGHT) {
             true => (x - closest.point).dot(&self.mesh.area_vector(closest.facet as usize)) < 0.0,
@@ -99,7 +99,7 @@ impl<const D: usize> SolidSurface<D> {
         }
     }
 
-    /// The nearest point of it.
+    /// The closest point of the surface.
     pub fn closest_point(&self, x: &Vector<D>) -> Option<SurfacePoint<D>> {
         Some(self.surface_point(&self.tree.closest_point(x, f64::INFINITY)?))
     }
@@ -112,14 +112,14 @@ impl<const D: usize> SolidSurface<D> {
         }
     }
 
-    /// The corners of a facet, as numbers of the mesh's vertices.
+    /// The corners of a facet, as indices of the volume mesh.
     fn corners(&self, facet: usize) -> [u32; D] {
         self.mesh.facets[facet].map(|v| self.volume_vertices[v as usize])
     }
 
-    /// The part of it that hangs together within a radius (m) around its nearest point to `x`: places that stand for parts of
-    /// it, and how large those are (they add up to one). Linear functions on the facets are summed up exactly where a facet
-    /// lies within as a whole, and in 2D. With no radius it is the nearest point.
+    /// The connected part of the surface within a radius (m) around the closest point to `x`: quadrature points and weights, which add
+    /// up to one. Linear functions are integrated exactly on facets entirely within the radius, and always in 2D. With radius 0 it is
+    /// the closest point.
     pub fn patch(&self, x: &Vector<D>, radius: f64) -> Vec<(SurfacePoint<D>, f64)> {
         let Some(closest) = self.tree.closest_point(x, f64::INFINITY) else { return Vec::new() };
         let (mut next, mut visited) = (vec![closest.facet], BTreeSet::from([closest.facet]));
@@ -145,13 +145,13 @@ impl<const D: usize> SolidSurface<D> {
         parts.into_iter().map(|(grip, size)| (grip, size / all)).collect()
     }
 
-    /// The nearest point of it, and [`Self::normal`].
+    /// The closest point of the surface, and [`Self::normal`].
     pub fn closest_point_and_normal(&self, x: &Vector<D>, step: f64) -> Option<(SurfacePoint<D>, Vector<D>)> {
         let closest = self.tree.closest_point(x, f64::INFINITY)?;
         Some((self.surface_point(&closest), self.normal_at(x, &closest, step)))
     }
 
-    /// Direction away from it, on it that of its facet; nothing within `step` (m) of halfway between two of its sides.
+    /// Outward direction from the surface, on it the normal of the facet; zero within `step` (m) of the medial axis.
     pub fn normal(&self, x: &Vector<D>, step: f64) -> Vector<D> {
         let closest = self.tree.closest_point(x, f64::INFINITY);
         closest.map_or_else(Vector::zeros, |closest| self.normal_at(x, &closest, step))
@@ -173,7 +173,7 @@ impl<const D: usize> SolidSurface<D> {
     }
 }
 
-/// The parts of a facet within a radius (m) of a point: barycentric weights of their middles, and sizes.
+/// Quadrature of the part of a facet within a radius (m) of a point: barycentric weights of points, and sizes.
 fn facet_quadrature<const D: usize>(
     corners: &[Vector<D>; D],
     center: &Vector<D>,
@@ -185,7 +185,7 @@ fn facet_quadrature<const D: usize>(
         return vec![([1.0 / D as f64; D], size)];
     }
     if D == 2 {
-        // Where the segment passes through the circle.
+        // Parameters at which the segment crosses the circle.
         let (edge, from) = (corners[1] - corners[0], corners[0] - center);
         let (square, along) = (edge.norm_squared(), edge.dot(&from));
         let root = (along * along - square * (from.norm_squared() - radius * radius)).max(0.0).sqrt();
@@ -197,7 +197,7 @@ fn facet_quadrature<const D: usize>(
     let mut parts = Vec::new();
     for i in 0..EDGE_SUBDIVISIONS {
         for j in 0..EDGE_SUBDIVISIONS - i {
-            // The triangle at (i, j), and the one turned over beside it.
+            // The triangle at (i, j), and the inverted one beside it.
             for turned in 0..if i + j + 1 < EDGE_SUBDIVISIONS { 2 } else { 1 } {
                 let third = (1 + turned) as f64 / 3.0;
                 let [a, b] = [i, j].map(|n| (n as f64 + third) / EDGE_SUBDIVISIONS as f64);

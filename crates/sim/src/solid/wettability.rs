@@ -1,53 +1,53 @@
-//! How solids are wetted: patterns of the contact angle, and angles between which lines rest.
+//! Wettability of solids: patterns of the contact angle, and contact angle hysteresis.
 //!
-//! A pattern is a list of layers over the solid's own cosine, the last on top. It belongs to the solid: it is told where the
-//! solid starts, and moves and turns with it. On the grid the cosine of a place is the mean over a square of a cell's width
-//! on the surface: so an edge of the pattern keeps its place to a fraction of a cell, and the energy of what lies wet under
-//! the liquid is that of the pattern ([`crate::free_surface::energy`] takes one cosine for each cube).
+//! A pattern is a list of layers over the solid's own cosine, the last on top. It is defined at the initial position of the solid and
+//! moves and rotates with it. On the grid the cosine at a point is the mean over a square of a cell's width on the surface. An edge of
+//! the pattern thus keeps its position to a fraction of a cell, and the energy of the wetted area is that of the pattern
+//! ([`crate::free_surface::energy`] uses one cosine per dual cell).
 
 use meniscus_numerics::Vector;
 use meniscus_numerics::shape::Shape;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// A layer of a pattern. Places are those of the solid at its start.
+/// A layer of a pattern. Positions are those of the solid at the start.
 #[derive(Clone, Debug)]
 pub enum WettabilityLayer<const D: usize> {
-    /// The cosine goes linearly from one place to another, and is constant before and beyond. It covers everything.
+    /// The cosine is linear from one point to another, and constant before and beyond. It covers everything.
     Gradient {
-        /// Where it starts, m, and the cosine there.
+        /// Start, m, and the cosine there.
         from: (Vector<D>, f64),
-        /// Where it ends, m, and the cosine there.
+        /// End, m, and the cosine there.
         to: (Vector<D>, f64),
     },
-    /// What a picture covers.
+    /// The area of an image.
     Image(Arc<CosineImage>),
-    /// What a shape covers.
+    /// The solid's surface within a shape.
     Patch {
-        /// The shape, as large as it likes: only what it has of the solid's surface counts.
+        /// The shape, of any extent beyond the solid's surface.
         shape: Shape<D>,
         /// The cosine there.
         cosine: f64,
     },
 }
 
-/// A picture of the cosine, seen along the last axis (2D: its middle row, along x); bilinear between its pixels' middles.
+/// An image of the cosine, projected along the last axis (2D: its middle row, along x); bilinear between the pixel centres.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CosineImage {
     /// Lower and upper end along x and y, m.
     pub bounds: [[f64; 2]; 2],
     /// Pixels along x and y.
     pub size: [usize; 2],
-    /// Cosine of each pixel and how much it covers (0 to 1), rows from the lowest y up.
+    /// Cosine and opacity (0 to 1) of each pixel, rows from the lowest y up.
     pub pixels: Vec<[f64; 2]>,
 }
 
 /// The angles between which a contact line rests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hysteresis {
-    /// Cosines of the advancing and the receding angle, wherever the line is.
+    /// Cosines of the advancing and the receding angle, everywhere.
     Between([f64; 2]),
-    /// By how much (rad) the advancing angle lies above Young's angle of the place, and the receding one below it.
+    /// Angles, rad, of the advancing angle above and of the receding angle below the local Young's angle.
     Around([f64; 2]),
 }
 
@@ -65,7 +65,7 @@ impl Hysteresis {
 }
 
 impl CosineImage {
-    /// Cosine times cover, and cover, at a place.
+    /// Cosine times opacity, and opacity, at a point.
     fn sample<const D: usize>(&self, x: &Vector<D>) -> [f64; 2] {
         let mut cell = [[(0, 0.0); 2]; 2];
         for a in 0..2 {
@@ -91,7 +91,7 @@ impl CosineImage {
         sum
     }
 
-    /// Distance to what it covers, m; 0 within.
+    /// Distance to the area of the image, m; 0 within.
     fn distance<const D: usize>(&self, x: &Vector<D>) -> f64 {
         let beyond = |a: usize| (self.bounds[a][0] - x[a]).max(x[a] - self.bounds[a][1]).max(0.0);
         (0..D - 1).map(beyond).fold(0.0, f64::max)
@@ -99,7 +99,7 @@ impl CosineImage {
 }
 
 impl<const D: usize> WettabilityLayer<D> {
-    /// The cosine at a place, of the layer over what is `below` it; patches are larger by `slack` (m).
+    /// The cosine at a point of this layer over the cosine `below`; patches are enlarged by `slack` (m).
     pub(super) fn blend_over(&self, below: f64, x: &Vector<D>, slack: f64) -> f64 {
         match self {
             Self::Gradient { from, to } => {
@@ -121,7 +121,7 @@ impl<const D: usize> WettabilityLayer<D> {
         }
     }
 
-    /// Distance, m, within which it has no edge around a place.
+    /// Distance from a point within which the layer has no edge, m.
     pub(super) fn distance_to_edge(&self, x: &Vector<D>) -> f64 {
         match self {
             Self::Gradient { .. } => f64::INFINITY,

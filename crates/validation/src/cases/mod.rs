@@ -1,4 +1,4 @@
-//! The cases, by what they are of, one file a family.
+//! The cases by subject, one file per family.
 
 mod elastic;
 mod liquid;

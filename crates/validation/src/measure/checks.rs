@@ -1,4 +1,4 @@
-//! Checks with one-sided bars, and runs that fail.
+//! Checks with one-sided tolerances, and failed runs.
 
 use crate::Check;
 use meniscus_sim::StepError;
@@ -8,7 +8,7 @@ pub fn at_most(case: &str, quantity: &str, value: f64, must: f64, aim: Option<f6
     Check::absolute(case, quantity, value, 0.0, must, aim, unit)
 }
 
-/// A check of a quantity that should be at least `must` and aims at `aim`; the error is what is missing.
+/// A check of a quantity that should be at least `must`, with the aim `aim`; the error is the shortfall.
 pub fn at_least(case: &str, quantity: &str, value: f64, must: f64, aim: f64) -> Check {
     let mut check = Check::absolute(case, quantity, value, aim, aim - must, Some(0.0), "");
     check.error = (aim - value).max(0.0);
@@ -16,7 +16,7 @@ pub fn at_least(case: &str, quantity: &str, value: f64, must: f64, aim: f64) -> 
     check
 }
 
-/// The checks, or a failed one if the run broke off.
+/// The checks, or a failed check if the run failed.
 pub fn checks_or_failure(case: &str, checks: Result<Vec<Check>, StepError>) -> Vec<Check> {
     checks.unwrap_or_else(|error| {
         vec![Check::absolute(case, &format!("runs to its end ({error})"), 0.0, 1.0, 0.0, None, "")]

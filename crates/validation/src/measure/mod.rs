@@ -1,4 +1,4 @@
-//! Measuring: points of the surface, modes of drops, oscillations.
+//! Measurements: points of the surface, modes of drops, oscillations, forces.
 
 mod checks;
 mod reaction;

@@ -21,14 +21,14 @@ pub struct TimeMean {
 }
 
 impl TimeMean {
-    /// Adds a value that holds for a time, s.
+    /// Adds a value that holds for a duration, s.
     pub fn add(&mut self, value: f64, time: f64) {
         self.time += time;
         self.sum += value * time;
         self.squares += value * value * time;
     }
 
-    /// The mean; not a number if nothing was added.
+    /// The mean; NaN if nothing was added.
     pub fn mean(&self) -> f64 {
         self.sum / self.time
     }
@@ -46,11 +46,11 @@ pub fn liquid_force(sim: &Simulation<2>, solid: usize) -> Vector<2> {
     now.pressure_force + now.contact_line_force
 }
 
-/// The external load, gravity left out, that the elastic forces of a held solid are in balance with, its moment about `point`.
+/// The external load without gravity on an anchored solid, from its elastic forces; the moment is about `point`.
 ///
-/// The elastic forces of a whole body sum to no force and no moment. On its free vertices they balance liquid and gravity, so
-/// those on the held vertices, less the weight of the free ones, are what the liquid gives. This is so at rest, and of means
-/// over time. None for a rigid solid.
+/// The elastic forces of a whole solid have no resultant force and moment. On its free vertices they balance liquid and gravity, so those
+/// on the anchored vertices, minus the weight of the free ones, equal the load of the liquid. This holds at rest, and for means over
+/// time. None for a rigid solid.
 pub fn external_load(sim: &Simulation<2>, solid: usize, point: &Vector<2>) -> Option<Wrench> {
     let soft = sim.state.solids[solid].soft.as_ref()?;
     let elastic = sim.model.solids[solid].elastic()?;

@@ -9,12 +9,12 @@ pub struct Oscillation {
     pub omega: f64,
     /// Decay rate β, 1/s.
     pub decay: f64,
-    /// Root mean square of what the fit leaves over, relative to the amplitude.
+    /// Root mean square residual of the fit, relative to the amplitude.
     pub residual: f64,
 }
 
-/// Fits a damped oscillation by least squares, its frequency within a quarter of `guess` (rad/s): the best of a
-/// row of undamped ones, refined by Levenberg and Marquardt's iteration.
+/// Least-squares fit of a damped oscillation with a frequency within a quarter of `guess` (rad/s): the best of a series of undamped ones,
+/// refined by the Levenberg–Marquardt method.
 pub fn fit_oscillation(times: &[f64], values: &[f64], guess: f64) -> Option<Oscillation> {
     let series = || times.iter().zip(values);
     let misfit = |p: &[f64; 5]| series().map(|(t, v)| (v - damped(p, *t).0).powi(2)).sum::<f64>();
@@ -63,7 +63,7 @@ pub fn fit_oscillation(times: &[f64], values: &[f64], guess: f64) -> Option<Osci
     Some(Oscillation { omega: p[4].abs(), decay: p[3], residual })
 }
 
-/// Value and derivatives by A, B, C, β, ω.
+/// Value and derivatives with respect to A, B, C, β, ω.
 fn damped(p: &[f64; 5], t: f64) -> (f64, [f64; 5]) {
     let fade = (-p[3] * t).exp();
     let (s, c) = (p[4] * t).sin_cos();
@@ -72,7 +72,7 @@ fn damped(p: &[f64; 5], t: f64) -> (f64, [f64; 5]) {
     (fade * wave + p[2], [fade * c, fade * s, 1.0, -t * fade * wave, fade * turn])
 }
 
-/// The rate σ (1/s) of the best `A cosh σt + B sinh σt`, sought between half and twice `guess` by golden section.
+/// The rate σ (1/s) of the best fit `A cosh σt + B sinh σt`, between half and twice `guess`, by golden section.
 pub fn fit_growth(times: &[f64], values: &[f64], guess: f64) -> Option<f64> {
     let misfit = |sigma: f64| -> f64 {
         let basis = |t: f64| [(sigma * t).cosh(), (sigma * t).sinh()];
@@ -91,7 +91,7 @@ pub fn fit_growth(times: &[f64], values: &[f64], guess: f64) -> Option<f64> {
     (times.len() > 3).then_some(0.5 * (low + high))
 }
 
-/// The order `p` of errors `≈ C Δ^p`: slope of the logarithms. Each entry is a cell size and an error.
+/// The order `p` of errors `≈ C Δ^p`: the slope of the logarithms. Each entry is a cell size and an error.
 pub fn convergence_order(errors: &[(f64, f64)]) -> f64 {
     let samples = errors.iter().map(|(dx, e)| (1.0, [1.0, dx.ln()], e.abs().max(1e-300).ln()));
     least_squares(samples).map_or(f64::NAN, |fit| fit[1])

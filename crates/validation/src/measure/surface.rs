@@ -1,25 +1,25 @@
-//! Points of the surface, and what they tell about drops.
+//! Points of the free surface, and measures of drops from them.
 
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::{CellField, Sampler};
 use meniscus_sim::{Model, Simulation};
 
-/// Where the surface crosses a line between the centres of neighbouring cells.
+/// Crossing of the surface with a line between the centres of neighbouring cells.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint<const D: usize> {
-    /// Where, m.
+    /// Position, m.
     pub at: Vector<D>,
     /// Outward unit normal.
     pub normal: Vector<D>,
-    /// The piece of surface that it stands for, m² (2D: m).
+    /// Area that the point represents, m² (2D: m).
     pub area: f64,
 }
 
 /// The points where φ, cubic along the lattice lines, vanishes.
 ///
-/// Lines along axis `a` cut a surface of normal `n` with the density `|n_a|/Δ^(D−1)`; weights `Δ^(D−1) |n_a|³/Σ n⁴`
-/// make one partition of the surface out of all axes that fades where the lines become tangent.
+/// Lines along axis `a` cut a surface of normal `n` with the density `|n_a|/Δ^(D−1)`. The weights `Δ^(D−1) |n_a|³/Σ n⁴` sum to one over
+/// all axes and vanish where the lines are tangent.
 pub fn surface_points<const D: usize>(model: &Model<D>, phi: &CellField<D>) -> Vec<SurfacePoint<D>> {
     let grid = &model.grid;
     let lattice = grid.lattice();
@@ -67,11 +67,11 @@ fn root(v: &[f64; 4]) -> f64 {
     0.5 * (low + high)
 }
 
-/// Volume (m³, 2D: m²) and centre of mass (m) of the liquid: four points per axis in the cells near the surface, φ cubic
-/// between the centres, each point as full as its distance says.
+/// Volume (m³, 2D: m²) and centre of mass (m) of the liquid, by four points per axis in the cells near the surface. φ is cubic between
+/// the centres; the fraction of each point follows from its distance.
 ///
-/// It shares nothing with the simulator's own sums. (Sums over [`surface_points`] were tried: where drops have just
-/// merged and the normals are wild, their volume is off by 2 % and their centre by 0.3 Δ.)
+/// Independent of the simulator's own sums. Sums over [`surface_points`] are worse: just after drops merge their volume is off by 2 % and
+/// their centre by 0.3 Δ.
 pub fn volume_and_centroid<const D: usize>(model: &Model<D>, phi: &CellField<D>) -> (f64, Vector<D>) {
     sampled_volume_and_centroid(model, phi, |_| f64::INFINITY)
 }
@@ -81,7 +81,7 @@ pub fn volume_and_centroid_outside<const D: usize>(sim: &Simulation<D>) -> (f64,
     sampled_volume_and_centroid(&sim.model, &sim.state.phi, |x| sim.distance_to_solids(x))
 }
 
-/// Volume and centre of mass of the liquid where `solids`, a distance, is positive.
+/// Volume and centre of mass of the liquid where the distance `solids` is positive.
 fn sampled_volume_and_centroid<const D: usize>(
     model: &Model<D>,
     phi: &CellField<D>,
@@ -136,7 +136,7 @@ pub fn mode_shape<const D: usize>(mode: u32, direction: &Vector<D>) -> f64 {
     value
 }
 
-/// What remains of a drop's shape beside its radius, centre and one mode.
+/// Decomposition of a drop's shape into radius, centre and one mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Roundness {
     /// Mean radius, m.
@@ -163,7 +163,7 @@ pub fn fit_mode<const D: usize>(
         (0..D).for_each(|a| basis[2 + a] = direction[a]);
         (p.area, basis, r)
     };
-    // In 2D the last entry of the basis is free: a tiny weight pins it to zero.
+    // In 2D the last entry of the basis is undetermined; a tiny weight sets it to zero.
     let pin = (1e-12, [0.0, 0.0, 0.0, 0.0, 1.0], 0.0);
     let fit = least_squares(points.iter().map(sample).chain([pin]))?;
     let miss = |p: &SurfacePoint<D>| {

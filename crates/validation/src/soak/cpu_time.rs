@@ -1,4 +1,4 @@
-//! Processor time of processes: on a machine that others share the wall's clock tells of them.
+//! Processor time of processes; on a shared machine the wall clock includes the load of others.
 
 use std::sync::OnceLock;
 use std::time::Instant;
@@ -13,14 +13,14 @@ pub fn of_this_process() -> f64 {
     read("self").unwrap_or_else(|| start.elapsed().as_secs_f64())
 }
 
-/// The same of another process; none where it cannot be told.
+/// Processor time of another process, s; none if it is unknown.
 pub fn of_process(process: u32) -> Option<f64> {
     read(&process.to_string())
 }
 
 fn read(process: &str) -> Option<f64> {
     let text = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
-    // The name of the program, in brackets, may hold anything.
+    // The program's name, in brackets, may contain any character.
     let (_, rest) = text.rsplit_once(')')?;
     let mut fields = rest.split_whitespace().skip(11);
     let ticks = fields.next()?.parse::<f64>().ok()? + fields.next()?.parse::<f64>().ok()?;

@@ -1,4 +1,4 @@
-//! Runs every case in a process of its own, so that what hangs, panics or takes all memory ends that case only.
+//! Runs every case in its own process, so that a hang, a panic or a lack of memory ends that case only.
 
 use super::judge::invariants::{CPU_BUDGET_SECONDS, DROP_TEST_CPU_BUDGET_SECONDS, HANG_CPU_SECONDS};
 use super::{CaseOptions, CaseSet, Outcome, Violation, cpu_time};
@@ -10,37 +10,37 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
-/// Time between the looks at a process.
+/// Time between polls of a process.
 const POLL_INTERVAL: Duration = Duration::from_millis(20);
-/// Lines by which a case tells its parent the text of a scene before it is tried, and its outcome.
+/// Prefixes of the lines in which a case sends its parent the text of a scene before it is tried, and its outcome.
 pub const MESSAGE_PREFIXES: [&str; 2] = ["scene ", "outcome "];
 
-/// How cases are started.
+/// Launcher of case processes.
 #[derive(Clone, Debug)]
 pub struct Launcher {
     /// The program, whose command `soak … --child` runs a case.
     pub program: PathBuf,
-    /// What is drawn.
+    /// Options of the random cases.
     pub wish: CaseOptions,
-    /// Where violations are written.
+    /// Folder of the violations.
     pub out: PathBuf,
 }
 
-/// How many cases there are.
+/// Range of cases to run.
 #[derive(Clone, Copy, Debug)]
 pub struct CaseRange {
     /// The first case.
     pub first: u64,
-    /// The number of cases; without an end if there is none.
+    /// Number of cases; unlimited if none.
     pub scenes: Option<u64>,
     /// No case begins after this time.
     pub until: Option<Instant>,
-    /// Cases at a time.
+    /// Number of concurrent cases.
     pub jobs: usize,
 }
 
 impl Launcher {
-    /// Runs cases, some at a time. `each` sees every outcome as it comes.
+    /// Runs cases concurrently. `each` receives every outcome as it arrives.
     pub fn run(&self, extent: &CaseRange, each: &mut dyn FnMut(&Outcome)) -> Vec<Outcome> {
         let next = AtomicU64::new(extent.first);
         let stop = AtomicBool::new(false);
@@ -80,7 +80,7 @@ impl Launcher {
     /// Runs a case.
     ///
     /// # Errors
-    /// Where no process can be started, in words.
+    /// A message if no process can be started.
     pub fn case(&self, case: u64) -> Result<Outcome, String> {
         let mut command = Command::new(&self.program);
         command.arg("soak").args(arguments(&self.wish)).args(["--case", &case.to_string()]);
@@ -90,7 +90,7 @@ impl Launcher {
     /// Runs a scene file.
     ///
     /// # Errors
-    /// Where no process can be started, in words.
+    /// A message if no process can be started.
     pub fn file(&self, path: &Path) -> Result<Outcome, String> {
         let mut command = Command::new(&self.program);
         command.arg("soak").args(["--set", self.wish.set.name()]).arg("--scene").arg(path);
@@ -125,7 +125,7 @@ impl Launcher {
         self.without_outcome(&text, case, ended)
     }
 
-    /// The outcome of a process that told none: it was killed, or ended by itself.
+    /// The outcome of a process that sent none: it was killed, or ended on its own.
     fn without_outcome(
         &self,
         text: &str,
@@ -141,7 +141,7 @@ impl Launcher {
     }
 }
 
-/// The arguments that draw the same scenes.
+/// The arguments that reproduce the same scenes.
 pub fn arguments(wish: &CaseOptions) -> Vec<String> {
     let mut words = vec!["--seed".into(), wish.seed.to_string()];
     if wish.set != CaseSet::Random {
@@ -155,7 +155,7 @@ pub fn arguments(wish: &CaseOptions) -> Vec<String> {
     words
 }
 
-/// What `--solids` calls a class.
+/// The value of `--solids` for a class.
 fn solids(class: super::Class) -> &'static str {
     match class {
         super::Class::Liquid => "none",
@@ -163,7 +163,7 @@ fn solids(class: super::Class) -> &'static str {
     }
 }
 
-/// Waits for a process, and kills one that takes more than all that its own guard allows.
+/// Waits for a process, and kills it if it exceeds all limits of its own guard.
 fn wait(child: &mut Child, most: f64) -> (&'static str, String) {
     let start = Instant::now();
     loop {

@@ -1,8 +1,8 @@
-//! The soak: random small scenes under invariants.
+//! The soak: random small scenes checked against invariants.
 //!
-//! A case is a scene that a seed and a number name (`draw/`), a scene file like any other, and is run as `meniscus run` would,
-//! in a process of its own, step by step under the invariants of [`judge::invariants`]. What breaks one is written with the
-//! checkpoint before it.
+//! A case is a scene generated from a seed and a number (`draw/`). It is a scene file like any other and runs as with `meniscus run`, in
+//! its own process, checked at every step against the invariants of [`judge::invariants`]. A scene that breaks one is written with the
+//! checkpoint before the violation.
 
 mod cpu_time;
 mod draw;
@@ -22,16 +22,16 @@ use meniscus_scene::file::{Material, Scene};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// What a case is drawn from; the same wish and number give the same scene.
+/// Options of the random cases; the same options and number give the same scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseOptions {
-    /// The set.
+    /// The set of scenes.
     pub set: CaseSet,
     /// The seed.
     pub seed: u64,
-    /// 2 or 3; either without it.
+    /// 2 or 3; both if none.
     pub dimension: Option<usize>,
-    /// The class; any without it.
+    /// The class; any if none.
     pub class: Option<Class>,
     /// Small and short scenes.
     pub quick: bool,
@@ -40,9 +40,9 @@ pub struct CaseOptions {
 /// Sets of scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CaseSet {
-    /// Random ones from the whole grammar.
+    /// Random scenes from the whole grammar.
     Random,
-    /// The drop test (`drops.rs`): soft solids that fall, under the energy law of every step as well.
+    /// The drop test (`draw/drop_test.rs`): falling deformable solids, also checked against the energy law of every step.
     DropTest,
 }
 
@@ -56,7 +56,7 @@ impl CaseSet {
     }
 }
 
-/// Classes of scenes, after the solids in them.
+/// Classes of scenes by their solids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Class {
@@ -64,15 +64,15 @@ pub enum Class {
     Liquid,
     /// Rigid solids.
     Rigid,
-    /// At least one solid that deforms.
+    /// At least one deformable solid.
     Soft,
 }
 
 impl Class {
-    /// All of them.
+    /// All classes.
     pub const ALL: [Self; 3] = [Self::Liquid, Self::Rigid, Self::Soft];
 
-    /// That of a scene.
+    /// The class of a scene.
     pub fn of(scene: &Scene) -> Self {
         match scene.solids.iter().any(|s| s.material.deforms()) {
             true => Self::Soft,
@@ -91,17 +91,17 @@ impl Class {
     }
 }
 
-/// A scene to run under the invariants.
+/// A scene to check.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Subject {
-    /// A drawn one.
+    /// A random case.
     Case(CaseOptions, u64),
-    /// A scene file, under the invariants of a set.
+    /// A scene file, checked against the invariants of a set.
     File(PathBuf, CaseSet),
 }
 
 impl Subject {
-    /// The set whose invariants hold for it.
+    /// The set whose invariants apply.
     pub fn set(&self) -> CaseSet {
         match self {
             Self::Case(wish, _) => wish.set,
@@ -110,53 +110,53 @@ impl Subject {
     }
 }
 
-/// An invariant that a run broke.
+/// A violated invariant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Violation {
     /// Name of the invariant.
     pub kind: String,
-    /// The step that broke it.
+    /// The step of the violation.
     pub step: u64,
     /// Simulated time, s.
     pub time: f64,
-    /// What was found.
+    /// The value found.
     pub value: f64,
-    /// The worst that was found until the end of the run.
+    /// The worst value until the end of the run.
     pub worst: f64,
-    /// What is allowed.
+    /// The bound.
     pub bar: f64,
-    /// More in words.
+    /// Further description.
     pub words: String,
 }
 
 impl Violation {
-    /// One of which there are only words.
+    /// A violation with a description only.
     pub fn described(kind: &str, step: u64, time: f64, words: String) -> Self {
         Self { kind: kind.into(), step, time, value: 0.0, worst: 0.0, bar: 0.0, words }
     }
 }
 
-/// How the energy went from step to step.
+/// Statistics of the energy from step to step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyLaw {
-    /// Steps that were compared with the one before.
+    /// Steps that were compared with the previous one.
     pub steps: u64,
-    /// Those in which the energy rose by more than is allowed.
+    /// Steps in which the energy rose by more than the bound.
     pub rises: u64,
     /// Sum of these rises over the scale of the energy.
     pub sum: f64,
     /// The largest rise in a step over the scale.
     pub largest: f64,
-    /// The step of it.
+    /// The step of the largest rise.
     pub step: u64,
     /// Its time, s.
     pub time: f64,
-    /// What each kind of energy changed by in it, over the scale: kinetic, elastic, of barriers, of the surface, of gravity.
+    /// Changes of the kinds of energy in it, over the scale: kinetic, elastic, barriers, surface, gravity.
     pub terms: [f64; 5],
 }
 
 impl EnergyLaw {
-    /// The largest rise with what it is made of, in words.
+    /// Description of the largest rise with its parts.
     pub fn words(&self) -> String {
         let terms: Vec<String> = judge::energy::ENERGY_TERMS
             .iter()
@@ -173,7 +173,7 @@ impl EnergyLaw {
     }
 }
 
-/// What came of a case.
+/// Outcome of a case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     /// Name of the scene.
@@ -184,11 +184,11 @@ pub struct Outcome {
     pub dimension: usize,
     /// The class of the scene.
     pub class: Class,
-    /// What the solids are, in words.
+    /// Descriptions of the solids.
     pub solids: Vec<String>,
-    /// Why earlier draws of the case were refused.
+    /// Reasons why earlier attempts of the case were refused.
     pub refused: Vec<String>,
-    /// Steps done.
+    /// Number of steps.
     pub steps: u64,
     /// Simulated time, s.
     pub time: f64,
@@ -196,23 +196,23 @@ pub struct Outcome {
     pub seconds: f64,
     /// The longest step, s.
     pub slowest_step: f64,
-    /// The step that half of all are shorter than, s.
+    /// Median duration of a step, s.
     pub median_step: f64,
-    /// Peak memory, bytes, where it can be told.
+    /// Peak memory, bytes, if known.
     pub memory: Option<u64>,
-    /// What the run was repeated for, if it was.
+    /// Kind of the repetition, if the run was repeated.
     pub repeated: Option<String>,
-    /// Why it was ended early without breaking anything.
+    /// Why the run ended early without a violation.
     pub cut: Option<String>,
-    /// How the energy went from step to step, in a set where that must hold.
+    /// The energy law, in a set where it must hold.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy_law: Option<EnergyLaw>,
-    /// The first violation of every kind, in the order in which they appeared.
+    /// The first violation of every kind, in order of appearance.
     pub violations: Vec<Violation>,
 }
 
 impl Outcome {
-    /// That of a scene that has not begun.
+    /// The outcome of a scene before its run.
     pub fn at_start(scene: &Scene, case: u64, refused: Vec<String>) -> Self {
         Self {
             name: scene.name.clone(),

@@ -1,4 +1,4 @@
-//! The results of a soak, as a table for people and JSON for machines.
+//! The results of a soak as a table and as JSON.
 
 use super::judge::invariants::INVARIANTS;
 use super::{Class, Outcome};
@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// One case in a line or two: what it is, and what it broke.
+/// One or two lines per case: its scene and its violations.
 pub fn line(outcome: &Outcome) -> String {
     let solids =
         if outcome.solids.is_empty() { String::new() } else { format!(" ({})", outcome.solids.join(", ")) };
@@ -33,7 +33,7 @@ pub fn line(outcome: &Outcome) -> String {
     out
 }
 
-/// The closing table: for every class the cases that broke an invariant, and of those in brackets the ones that broke it first.
+/// The final table: per class the cases with a violation of each invariant, and in brackets those that violated it first.
 pub fn table(outcomes: &[Outcome]) -> String {
     let mut out = String::new();
     let of = |class: Class| outcomes.iter().filter(move |o| o.class == class);
@@ -87,7 +87,7 @@ fn counted(title: &str, all: &BTreeMap<String, usize>) -> String {
     format!("{title}:\n{}", lines.collect::<String>())
 }
 
-/// A message without its numbers and names, so that those of a kind are one.
+/// A message without its numbers and names, which groups messages of one kind.
 fn kind_of(message: &str) -> String {
     let mut out = String::new();
     for word in message.split_inclusive(' ') {
@@ -120,7 +120,7 @@ fn count(all: impl Iterator<Item = String>) -> BTreeMap<String, usize> {
     counts
 }
 
-/// The same for machines: every case with its violations.
+/// The results as JSON: every case with its violations.
 pub fn json(seed: u64, outcomes: &[Outcome]) -> Value {
     let violating = outcomes.iter().filter(|o| !o.violations.is_empty()).count();
     json!({

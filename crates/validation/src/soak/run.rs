@@ -1,4 +1,4 @@
-//! Runs a case: step by step as `meniscus run` does, under the invariants, and guarded by a second thread that ends what hangs.
+//! Runs a case step by step as `meniscus run` does, checks the invariants, and ends hanging steps from a second thread.
 
 use super::judge::invariant_checks::InvariantChecks;
 use super::judge::invariants::{
@@ -21,21 +21,21 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Time between the looks of the guard.
+/// Time between polls of the guard.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
-/// What the worker and its guard share.
+/// Data shared by the worker and its guard.
 struct Record<const D: usize> {
     outcome: Outcome,
     model: Model<D>,
-    /// The state before the step that goes on, and its tally.
+    /// The state before the current step, and its statistics.
     state_before_step: Option<(State<D>, RunStatistics)>,
-    /// Processor time at which the step that goes on began, s; none between steps.
+    /// Processor time at the start of the current step, s; none between steps.
     step_began: Option<f64>,
     written: bool,
 }
 
-/// The scene of a case and where its evidence goes.
+/// The scene of a case and the folder of its evidence.
 struct Case {
     scene: Scene,
     text: String,
@@ -43,18 +43,18 @@ struct Case {
     set: CaseSet,
 }
 
-/// Runs a subject. `tell` sees the text of every scene before it is tried. Where a step hangs, `hung` is given the outcome from
-/// another thread, and must end the process: nothing else stops a step.
+/// Runs a subject. `tell` receives the text of every scene before it is tried. If a step hangs, `hung` receives the outcome on another
+/// thread and must end the process, because nothing else stops a step.
 ///
 /// # Errors
-/// In words: why there is no scene, or why nothing could be written.
+/// A message if there is no scene or nothing can be written.
 pub fn run(
     subject: &Subject,
     out: &Path,
     tell: &mut (dyn FnMut(&str) + Send),
     hung: fn(&Outcome),
 ) -> Result<Outcome, String> {
-    // A step takes about as long on one thread: two cases side by side keep two cores busy.
+    // On one thread a step takes about as long, and two cases side by side keep two cores busy.
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|e| e.to_string())?;
     one.install(|| {
         let AcceptedScene { text, scene, setup, refused } = accepted_scene(subject, tell)?;
@@ -69,7 +69,7 @@ pub fn run(
     })
 }
 
-/// What a case is repeated for: a share of drawn ones, each of four.
+/// Kind of the repetition of a random case; half of the cases are not repeated.
 fn repeat_for(subject: &Subject) -> Option<&'static str> {
     let Subject::Case(wish, case) = subject else { return None };
     if wish.set != CaseSet::Random {
@@ -134,13 +134,13 @@ impl<const D: usize> Record<D> {
         self.add(kind, (0.0, 0.0), words);
     }
 
-    /// A violation in the step that goes on.
+    /// Adds a violation in the current step.
     fn add(&mut self, kind: &str, (value, bar): (f64, f64), words: String) {
         let (step, time) = (self.outcome.steps + 1, self.outcome.time);
         self.note(Violation { value, worst: value, bar, ..Violation::described(kind, step, time, words) });
     }
 
-    /// Keeps the first violation of a kind, and how much worse it becomes.
+    /// Keeps the first violation of a kind, and its worst value.
     fn note(&mut self, violation: Violation) {
         match self.outcome.violations.iter_mut().find(|v| v.kind == violation.kind) {
             Some(first) if first.words != violation.words => {}
@@ -150,7 +150,7 @@ impl<const D: usize> Record<D> {
         }
     }
 
-    /// Writes scene and checkpoint, once: those before the first violation.
+    /// Writes scene and checkpoint before the first violation, once.
     fn save(&mut self, case: &Case) -> Result<(), String> {
         if std::mem::replace(&mut self.written, true) {
             return Ok(());
@@ -164,13 +164,13 @@ impl<const D: usize> Record<D> {
     }
 }
 
-/// Begins the peak of memory anew: scenes that were drawn and refused may have taken more. Only Linux can; elsewhere the peak of the
-/// whole process counts.
+/// Resets the peak memory, because refused scenes may have taken more. Only Linux supports it; elsewhere the peak of the whole process
+/// counts.
 fn forget_peak_memory() {
     let _ = std::fs::write("/proc/self/clear_refs", "5");
 }
 
-/// Steps, and takes their times.
+/// Performs and times the steps.
 struct Worker<const D: usize> {
     record: Arc<Mutex<Record<D>>>,
     case: Arc<Case>,
@@ -211,7 +211,7 @@ impl<const D: usize> Worker<D> {
         self.save();
     }
 
-    /// One step; whether the run has come to an end with it.
+    /// Performs one step. Returns whether the run has ended.
     fn step(
         &mut self,
         walk: &mut ScheduledSimulation<D>,
@@ -225,7 +225,7 @@ impl<const D: usize> Worker<D> {
         }
         let (wall, processor) = (Instant::now(), cpu_time::of_this_process());
         let done = walk.step();
-        // Whichever is less: the wall's clock tells of others, the processor's of ticks.
+        // The smaller of both: the wall clock includes the load of others, processor time comes in ticks.
         let seconds = wall.elapsed().as_secs_f64().min((cpu_time::of_this_process() - processor).max(0.01));
         self.times.push(seconds);
         let mut record = lock(&self.record);
@@ -255,7 +255,7 @@ impl<const D: usize> Worker<D> {
         !is_finite
     }
 
-    /// Writes what there is to write, if anything is broken.
+    /// Writes the evidence if there is a violation.
     fn save(&self) {
         let mut record = lock(&self.record);
         if !record.outcome.violations.is_empty()
@@ -280,7 +280,7 @@ impl<const D: usize> Worker<D> {
         record.outcome.cut.is_none()
     }
 
-    /// What only the whole run tells: its longest step, and its memory.
+    /// Checks of the whole run: its longest step, and its memory.
     fn close(&mut self) {
         let mut record = lock(&self.record);
         record.step_began = None;

@@ -1,26 +1,26 @@
-//! A simulation that goes the steps of `meniscus run`.
+//! A simulation with the step schedule of `meniscus run`.
 
 use meniscus_scene::build::Setup;
 use meniscus_scene::file::Scene;
 use meniscus_scene::job::Schedule;
 use meniscus_sim::{Simulation, StepError, StepReport};
 
-/// A simulation that goes the steps of `meniscus run`.
+/// A simulation with the step schedule of `meniscus run`.
 pub struct ScheduledSimulation<const D: usize> {
     /// The simulation.
     pub simulation: Simulation<D>,
     schedule: Schedule,
-    /// The frame to which it is on its way.
+    /// The next frame.
     pub frame: u64,
 }
 
 impl<const D: usize> ScheduledSimulation<D> {
-    /// From the start.
+    /// Starts at time zero.
     pub fn start(setup: &Setup<D>, scene: &Scene) -> Self {
         Self::from(setup.simulation(), scene, 1)
     }
 
-    /// From anywhere, on the way to a frame.
+    /// Continues from any state on the way to a frame.
     pub fn from(simulation: Simulation<D>, scene: &Scene, frame: u64) -> Self {
         let schedule = Schedule::new(scene.output.frame_interval, scene.output.duration);
         Self { simulation, schedule, frame }

@@ -38,7 +38,7 @@ fn drop() -> Scene {
     Scene::from_text("drop.toml", DROP, Path::new(""), &LoadOptions::default()).unwrap()
 }
 
-/// The books of a drop in flight, and the report of its third step.
+/// The checks of a drop in flight, and the report of its third step.
 fn books() -> (InvariantChecks<2>, ScheduledSimulation<2>, StepReport<2>) {
     let scene = drop();
     let mut walk = ScheduledSimulation::start(&setup::<2>(&scene).unwrap(), &scene);

@@ -1,4 +1,4 @@
-//! The angle at which a drop's free surface, continued as a circle, a sphere or an ellipse, meets a body.
+//! Contact angle from a circle, ellipse, sphere or spheroid fitted to the free surface and intersected with a body.
 
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::{Ellipsoid, Sphere};
@@ -9,53 +9,53 @@ use super::contact::{LinePoint, WettedPatch};
 use super::solid_boundary::SolidBoundary;
 use super::stored_line::AngleAt;
 
-/// The surface nearer to the line than this is not fitted, in cells.
+/// Distance from the contact line, in cells, within which the surface is not fitted.
 const FIT_START_CELLS: f64 = 1.5;
-/// The band next to it, in cells, in which the fit must hold for the angle to be trusted.
+/// Width of the adjacent band, in cells, in which the residual is also bounded.
 const FIT_BAND_CELLS: f64 = 3.0;
-/// An ellipse is taken where the circle misses by more than this, in cells, and the ellipse by less than half of it.
+/// Residual of the circle, in cells, above which an ellipse is tried. The ellipse must reduce it by the factor below.
 const MAX_CIRCLE_RESIDUAL_CELLS: f64 = 0.03;
 const ELLIPSE_IMPROVEMENT: f64 = 0.5;
-/// A fit that misses by more than this, in cells, is none: drops on their way are no caps, flat puddles no ellipses (one that
-/// missed a puddle by 0.13 cells met its plate at 137 degrees, where the drop did at 90).
+/// Largest residual of a fit, in cells. Moving drops and flat puddles exceed it (an ellipse with 0.13 cells gave 137 degrees
+/// for a puddle at 90).
 const MAX_FIT_RESIDUAL_CELLS: f64 = 0.1;
-/// A fit needs as many points.
+/// Least number of points of a fit.
 const MIN_FIT_POINTS: usize = 12;
-/// How far the foot of the fitted surface may lie from the line that facets show, in cells.
+/// Largest distance of the fitted line from the line of the facets, in cells.
 const MAX_LINE_OFFSET_CELLS: f64 = 8.0;
 
-/// The shape that was fitted.
+/// Shape of a fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FitShape {
     /// A circle (2D).
     Circle,
-    /// An ellipse with a level axis (2D).
+    /// An ellipse with a horizontal axis (2D).
     Ellipse,
     /// A sphere (3D).
     Sphere,
-    /// A spheroid about an upright axis (3D).
+    /// A spheroid about a vertical axis (3D).
     Spheroid,
 }
 
 /// An angle from a shape fitted to the free surface.
 #[derive(Clone, Debug, Serialize)]
 pub struct FittedAngle {
-    /// Mean over the line, degrees through the liquid.
+    /// Mean over the contact line, degrees, measured through the liquid.
     pub value: f64,
-    /// Standard uncertainty, degrees: the spread along the line, and the residual next to the line over three cells.
+    /// Standard uncertainty, degrees: spread along the line combined with the tilt of the residual over three cells.
     pub uncertainty: f64,
     /// Standard deviation along the line, degrees (2D: half the difference of the two ends).
     pub spread: f64,
-    /// What was fitted.
+    /// Shape of the fit.
     pub shape: FitShape,
-    /// Half its level and its upright axis, m.
+    /// Horizontal and vertical semi-axis, m.
     pub radii: [f64; 2],
-    /// Root mean square distance of the surface from it, next to the line or on the whole, whichever is more, m.
+    /// Root mean square distance of the surface from the fit, m: the larger of the band next to the line and the whole.
     pub residual: f64,
-    /// Points of the surface that it was fitted to.
+    /// Number of fitted points.
     pub points: usize,
-    /// In 2D where it meets the solid, from left to right.
+    /// In 2D the intersections with the solid, from left to right.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub places: Vec<AngleAt>,
 }
@@ -64,14 +64,14 @@ pub struct FittedAngle {
 #[derive(Clone, Debug)]
 pub(super) struct CapFit<const D: usize> {
     ellipsoid: Ellipsoid<D>,
-    /// 1 where the liquid is within the shape, −1 where it is around it.
+    /// 1 where the liquid is inside the shape, −1 where it is outside.
     liquid_side: f64,
     shape: FitShape,
     residual: f64,
     points: usize,
 }
 
-/// Where a fitted shape meets a body: the angle (degrees), the feet and how far each is beyond the facets' line (m).
+/// Intersection of a fit with a body: the angle (degrees), the points, and their distance outside the line of the facets (m).
 pub(super) struct FittedLine<const D: usize> {
     pub angle: FittedAngle,
     pub points: Vec<LinePoint<D>>,
@@ -79,7 +79,7 @@ pub(super) struct FittedLine<const D: usize> {
 }
 
 impl<const D: usize> CapFit<D> {
-    /// Fits the surface of a drop away from its contact lines; `dx` is the cell width (m).
+    /// Fits the free surface of a drop away from its contact lines; `dx` is the cell size (m).
     pub(super) fn of(
         drop: &Component<D>,
         patches: &[WettedPatch<D>],
@@ -116,7 +116,7 @@ impl<const D: usize> CapFit<D> {
         })
     }
 
-    /// Where it meets a body, sought from a line; none where it does not meet it along most of the line.
+    /// Intersects the fit with a body, starting from a line; `None` if at most half of the line has an intersection.
     pub(super) fn intersect(
         &self,
         line: &[LinePoint<D>],
@@ -151,7 +151,7 @@ impl<const D: usize> CapFit<D> {
         Some(FittedLine { angle, points: found.into_iter().map(|f| f.0).collect(), outward_offsets })
     }
 
-    /// Slides a point along the body to the fitted shape: the foot, the angle there (degrees), the way outwards (m).
+    /// Slides a point along the body to the fitted shape. Returns the point, the angle (degrees) and the outward offset (m).
     fn intersect_from(
         &self,
         from: &LinePoint<D>,
@@ -185,7 +185,7 @@ impl<const D: usize> CapFit<D> {
 
 type WeightedPoints<const D: usize> = Vec<(Vector<D>, f64)>;
 
-/// The vertices of the free surface with their shares of its area: all away from the lines, and those just so.
+/// Vertices of the free surface with their areas: those away from the lines, and the subset in the band next to them.
 fn free_surface_points<const D: usize>(
     drop: &Component<D>,
     patches: &[WettedPatch<D>],
@@ -200,7 +200,7 @@ fn free_surface_points<const D: usize>(
     let (mut all, mut near) = (Vec::new(), Vec::new());
     for (v, &x) in drop.mesh.positions.iter().enumerate().filter(|(v, _)| drop.kinds[*v] == 0) {
         let reach = (FIT_START_CELLS + FIT_BAND_CELLS) * dx;
-        // Far from a body is far from its line: most points need no look at the line.
+        // A point far from a body is far from its line, so most points need no search of the line.
         let close = patches.iter().filter(|p| bodies[p.body].is_near(&x, reach));
         let squares = close.flat_map(|p| &p.line).map(|p| (p.at - x).norm_squared());
         let distance = squares.fold(f64::INFINITY, f64::min).sqrt();

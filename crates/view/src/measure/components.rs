@@ -1,4 +1,4 @@
-//! The drops of a frame: the connected parts of the liquid's surface, bubbles with the drop they are in.
+//! Drops of a frame: connected components of the liquid's surface. Bubbles belong to the drop around them.
 
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::SurfaceMesh;
@@ -6,9 +6,9 @@ use meniscus_numerics::mesh::SurfaceMesh;
 /// The surface of one drop.
 #[derive(Clone, Debug)]
 pub(super) struct Component<const D: usize> {
-    /// Its surface, that of its bubbles included.
+    /// Its surface, including that of its bubbles.
     pub mesh: SurfaceMesh<D>,
-    /// For each vertex 0 liquid–air, 1 liquid–solid, 2 contact line.
+    /// Kind of each vertex: 0 liquid–air, 1 liquid–solid, 2 contact line.
     pub kinds: Vec<u8>,
     /// Enclosed volume, m³ (2D: m²).
     pub volume: f64,
@@ -17,7 +17,7 @@ pub(super) struct Component<const D: usize> {
 }
 
 impl<const D: usize> Component<D> {
-    /// The drops of a surface, the largest first.
+    /// The drops of a surface, by decreasing volume.
     pub(super) fn all(mesh: &SurfaceMesh<D>, kinds: &[u8]) -> Vec<Self> {
         let mut parts = connected_components(mesh, kinds);
         parts.sort_by(|a, b| b.volume.total_cmp(&a.volume));
@@ -28,7 +28,7 @@ impl<const D: usize> Component<D> {
                 let (l, h) = drop.mesh.bounds();
                 (0..D).all(|a| l[a] <= low[a] && high[a] <= h[a])
             };
-            // The smallest drop around it is the last one.
+            // The last match is the smallest drop around it.
             if let Some(drop) = parts.iter_mut().rev().find(holds) {
                 drop.absorb(&bubble);
             }
@@ -50,7 +50,7 @@ impl<const D: usize> Component<D> {
     }
 }
 
-/// The connected parts of a surface, in the order of their first vertices.
+/// The connected components of a surface, in the order of their first vertices.
 fn connected_components<const D: usize>(mesh: &SurfaceMesh<D>, kinds: &[u8]) -> Vec<Component<D>> {
     let mut root: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     fn find(root: &mut [u32], mut v: u32) -> u32 {
@@ -63,7 +63,7 @@ fn connected_components<const D: usize>(mesh: &SurfaceMesh<D>, kinds: &[u8]) -> 
     for facet in &mesh.facets {
         for k in 1..D {
             let (a, b) = (find(&mut root, facet[0]), find(&mut root, facet[k]));
-            // The smaller number stays the root, so that parts come in the order of their first vertices.
+            // The smaller index stays the root, so components keep the order of their first vertices.
             root[a.max(b) as usize] = a.min(b);
         }
     }
@@ -89,7 +89,7 @@ fn connected_components<const D: usize>(mesh: &SurfaceMesh<D>, kinds: &[u8]) -> 
     whole.map(|(mesh, kinds)| Component::new(mesh, kinds)).collect()
 }
 
-/// Volume (m³, 2D: m²) and centre of mass (m) of what a surface encloses.
+/// Volume (m³, 2D: m²) and centre of mass (m) of the region inside a surface.
 fn moments<const D: usize>(mesh: &SurfaceMesh<D>) -> (f64, Vector<D>) {
     let Some(&origin) = mesh.positions.first() else { return (0.0, Vector::zeros()) };
     let (mut volume, mut moment) = (0.0, Vector::<D>::zeros());

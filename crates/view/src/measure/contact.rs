@@ -1,4 +1,4 @@
-//! Where a drop touches a body: the wetted facets and the line around them.
+//! Contact of a drop with a body: the wetted facets and the line around them.
 
 use meniscus_numerics::Vector;
 use rayon::prelude::*;
@@ -6,32 +6,32 @@ use rayon::prelude::*;
 use super::components::Component;
 use super::solid_boundary::SolidBoundary;
 
-/// Wetted facets lie no farther from a body than this, in cells.
+/// Largest distance of a wetted facet from a body, in cells.
 const MAX_WETTED_DISTANCE_CELLS: f64 = 1.0;
-/// Facets of the contact line alone are wetted if they face the body with at least this cosine.
+/// Least cosine between the directions of facet and body for a facet with only contact-line vertices to be wetted.
 const MIN_FACING_COSINE: f64 = 0.7;
 
-/// A point of the contact line, as far as facets show it.
+/// A point of the contact line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LinePoint<const D: usize> {
-    /// Where, m.
+    /// Position, m.
     pub at: Vector<D>,
-    /// The length of line that it stands for, m (2D: 1).
+    /// Length of line that it represents, m (2D: 1).
     pub weight: f64,
 }
 
 /// The contact of a drop with one body.
 #[derive(Clone, Debug)]
 pub(super) struct WettedPatch<const D: usize> {
-    /// Place of the body in the list.
+    /// Index of the body in the list.
     pub body: usize,
     /// Area of the wetted facets, m² (2D: m).
     pub area: f64,
-    /// The edge of the wetted part towards air; empty where no air is.
+    /// Boundary between wetted facets and the free surface; empty if there is no free surface.
     pub line: Vec<LinePoint<D>>,
 }
 
-/// The contacts of a drop, in the order of the bodies; `dx` is the cell width (m).
+/// The contacts of a drop, in the order of the bodies; `dx` is the cell size (m).
 pub(super) fn patches<const D: usize>(
     drop: &Component<D>,
     bodies: &[SolidBoundary<D>],
@@ -57,7 +57,7 @@ pub(super) fn patches<const D: usize>(
     (0..bodies.len()).filter(|&b| touched(b)).map(patch).collect()
 }
 
-/// The body that a facet lies on.
+/// The body that a facet touches.
 fn wetted_boundary<const D: usize>(
     drop: &Component<D>,
     facet: usize,
@@ -76,7 +76,7 @@ fn wetted_boundary<const D: usize>(
     (kinds.contains(&1) || outward.dot(&foot.normal) < -MIN_FACING_COSINE).then_some(body)
 }
 
-/// The ridges (2D: vertices, 3D: edges) of all facets, each with the facet.
+/// The edges of all facets (2D: vertices), each with its facet.
 fn facet_edges<const D: usize>(drop: &Component<D>) -> Vec<([u32; 2], usize)> {
     let of = |(f, facet): (usize, &[u32; D])| {
         let facet = *facet;

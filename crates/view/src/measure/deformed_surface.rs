@@ -1,25 +1,25 @@
-//! The surfaces of a solid that deforms, in a frame and at the start.
+//! The surface of a deformable solid in the reference configuration and in a frame.
 
 use meniscus_numerics::Vector;
 
-/// The surface of a solid at first and now.
+/// The surface of a solid in the reference and the current configuration.
 pub(super) struct DeformedSurface {
-    /// Vertices at first, m.
+    /// Vertices in the reference configuration, m.
     pub reference: Vec<Vector<3>>,
-    /// Vertices now, m.
+    /// Current vertices, m.
     pub current: Vec<Vector<3>>,
-    /// Vertices now less the rigid motion, m; where something is held as they are.
+    /// Current vertices without the rigid motion, m; unchanged if the solid has anchored vertices.
     pub deformed: Vec<Vector<3>>,
-    /// Triangles; in 2D edges with the first vertex again.
+    /// Triangles; in 2D edges with the first vertex repeated.
     pub facets: Vec<[u32; 3]>,
-    /// Area vector of each facet at first, outward, m² (2D: m).
+    /// Outward area vector of each facet in the reference configuration, m² (2D: m).
     pub area_vectors: Vec<Vector<3>>,
-    /// Area that belongs to each vertex at first.
+    /// Area of each vertex in the reference configuration, m² (2D: m).
     pub vertex_areas: Vec<f64>,
-    /// Vertices that are where they started, in the frame and in the last one. Empty where that is all of them: it does not tell
-    /// which are held.
+    /// Whether each vertex is anchored: at its reference position both in this frame and in the last one. Empty if all vertices
+    /// are, since the anchored ones are then unknown.
     pub anchored: Vec<bool>,
-    /// Largest extent at first, m.
+    /// Largest extent in the reference configuration, m.
     pub size: f64,
     /// Whether it lies in a plane.
     pub is_planar: bool,

@@ -1,40 +1,40 @@
-//! The line along the middle of a plate or strip: how it is bent and folded.
+//! Midline of a plate or strip: slopes, curvature and folding.
 //!
-//! It runs along the longest axis, halfway between the two faces, through the middle of the width. Slopes are angles between it
-//! and that axis, in the plane of its length and its thickness: what is curved at first has slopes from the start.
+//! The line runs along the longest axis, halfway between the two faces and through the middle of the width. A slope is the angle
+//! to that axis in the plane of length and thickness, so an initially curved strip has slopes from the start.
 
 use meniscus_numerics::Vector;
 use serde::Serialize;
 
 use super::deformed_surface::DeformedSurface;
 
-/// Thickness over length of a plate, at most.
+/// Largest ratio of thickness to length of a plate.
 const MAX_THICKNESS_RATIO: f64 = 0.3;
-/// Cosine between a facet's normal and the plate's from which on it belongs to a face.
+/// Least cosine between the normals of a facet and of the plate for the facet to belong to a face.
 const MIN_FACE_COSINE: f64 = 0.7;
-/// Places along the line: one for every two edges, but not fewer or more than these.
+/// Bounds on the number of intervals along the line; between them there is one for every two edges.
 const SAMPLE_COUNT_RANGE: [f64; 2] = [8.0, 60.0];
-/// Half the width of what counts as the middle, in edges.
+/// Half width, in edges, of the band of vertices taken as the middle.
 const MIDLINE_HALF_WIDTH_EDGES: f64 = 0.75;
 
-/// The middle line of a plate or strip. Lengths in m, angles in degrees.
+/// Midline of a plate or strip. Lengths in m, angles in degrees.
 #[derive(Clone, Debug, Serialize)]
 pub struct Midline {
-    /// Its length at first.
+    /// Reference length.
     pub length: f64,
-    /// Its slope at both ends.
+    /// Slopes at both ends.
     pub slopes: [f64; 2],
-    /// By how much it turns from one end to the other: 360 degrees of a closed ring.
+    /// Change of slope between the ends: 360 degrees for a closed ring.
     pub fold_angle: f64,
-    /// Its largest curvature, 1/m, with its sign.
+    /// Curvature of largest magnitude, 1/m, signed.
     pub curvature: f64,
-    /// Distance between its ends over its length at first.
+    /// Distance between the ends relative to the reference length.
     pub opening: f64,
-    /// Place along it at first, from its middle, and how far it has gone across.
+    /// Reference position along the line, from its middle, and current displacement across it.
     pub profile: Vec<[f64; 2]>,
 }
 
-/// The middle line of a surface; none of one that is no plate.
+/// The midline of a surface; `None` if it is not a plate.
 pub(super) fn midline(surface: &DeformedSurface) -> Option<Midline> {
     let (axes, extents) = surface.axes();
     let thin = if surface.is_planar { 1 } else { 2 };
@@ -71,7 +71,7 @@ pub(super) fn midline(surface: &DeformedSurface) -> Option<Midline> {
     })
 }
 
-/// Mean length of the edges of the facets at first, m.
+/// Mean edge length of the facets in the reference configuration, m.
 fn mean_edge(surface: &DeformedSurface) -> f64 {
     let sides: &[[usize; 2]] = if surface.is_planar { &[[0, 1]] } else { &[[0, 1], [1, 2], [2, 0]] };
     let length = |f: &[u32; 3], s: &[usize; 2]| {
@@ -81,7 +81,7 @@ fn mean_edge(surface: &DeformedSurface) -> f64 {
     sum / (surface.facets.len() * sides.len()).max(1) as f64
 }
 
-/// The vertices of the face on one side.
+/// The vertices of the face on the side `side` (±1) of the normal.
 fn face_vertices(surface: &DeformedSurface, normal: &Vector<3>, side: f64) -> Vec<usize> {
     let mut vertices: Vec<usize> = surface
         .facets
@@ -95,7 +95,7 @@ fn face_vertices(surface: &DeformedSurface, normal: &Vector<3>, side: f64) -> Ve
     vertices
 }
 
-/// The middle of a face as a line: places along it at first, rising, and where they are now, m. None with fewer than four.
+/// Centreline of a face: increasing reference position along it, and current position, m. `None` with fewer than four points.
 fn face_centerline(
     surface: &DeformedSurface,
     axes: &[Vector<3>; 3],
@@ -114,7 +114,7 @@ fn face_centerline(
         .map(|v| (surface.reference[*v].dot(&axes[0]), surface.deformed[*v]))
         .collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Rows of vertices across become one point each.
+    // Merge each transverse row of vertices into one point.
     let mut line: Vec<(f64, Vector<3>, f64, f64)> = Vec::new();
     for (s, x) in all {
         match line.last_mut() {
@@ -129,7 +129,7 @@ fn face_centerline(
     (line.len() >= 4).then(|| line.into_iter().map(|(s, x, n, _)| (s / n, x / n)).collect())
 }
 
-/// A point of a line of four or more by the cubic through the nearest four.
+/// Cubic interpolation of a line through the four closest of its points.
 fn interpolate(line: &[(f64, Vector<3>)], s: f64) -> Vector<3> {
     let next = line.partition_point(|p| p.0 < s);
     let first = next.saturating_sub(2).min(line.len() - 4);
@@ -141,7 +141,7 @@ fn interpolate(line: &[(f64, Vector<3>)], s: f64) -> Vector<3> {
     (0..4).map(|k| near[k].1 * weight(k)).sum()
 }
 
-/// Slopes at the ends, rad, and the largest curvature, 1/m.
+/// Slopes at the ends, rad, and curvature of largest magnitude, 1/m.
 struct MidlineBending {
     slopes: [f64; 2],
     curvature: f64,
@@ -153,7 +153,7 @@ impl MidlineBending {
         let mut angles: Vec<f64> = Vec::new();
         for way in &segments {
             let angle = way.dot(normal).atan2(way.dot(along));
-            // By less than half a turn from one to the next.
+            // Unwrap the angle: successive angles differ by less than half a turn.
             let before = angles.last().copied().unwrap_or(0.0);
             let turns = ((before - angle) / std::f64::consts::TAU).round();
             angles.push(angle + turns * std::f64::consts::TAU);

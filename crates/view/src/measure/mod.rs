@@ -1,8 +1,8 @@
-//! A goniometer for stored frames: what drops and solids are like where they touch.
+//! Measurements of a stored frame: contact angles, drops, solids.
 //!
-//! It needs nothing but an output folder. Angles go through the liquid. A circle or sphere, or an ellipse or spheroid
-//! where that fits clearly better, is fitted to the free surface away from the contact line, and met with the solid: the
-//! angle that an optical goniometer would show. The angles stored with the contact line are told beside it.
+//! The only input is an output folder. Angles are measured through the liquid. As in an optical goniometer, the contact angle is
+//! that between the solid and a shape fitted to the free surface away from the contact line: a circle or sphere, or an ellipse or
+//! spheroid if its residual is clearly smaller. The angles stored with the contact line are reported too.
 
 mod averaging;
 mod cap_fit;
@@ -36,92 +36,91 @@ use components::Component;
 use contact::{LinePoint, WettedPatch};
 use solid_boundary::SolidBoundary;
 
-/// Drops smaller than this many cells are counted but not measured.
+/// Least volume of a measured drop, in cells; smaller drops are only counted.
 const MIN_MEASURED_CELLS: f64 = 8.0;
 
-/// Which frame is measured, and over how long means are taken.
+/// Frame and averaging window of a measurement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeasureOptions {
-    /// The time of the frame, s: the nearest one is taken; the last frame without it.
+    /// Time of the frame, s; the closest frame is taken. `None`: the last frame.
     pub at: Option<f64>,
-    /// Length of the window of time that means are taken over, s; it ends with the frame. A tenth of the simulated time without
-    /// it.
+    /// Length of the averaging window that ends with the frame, s. `None`: a tenth of the simulated time.
     pub window: Option<f64>,
 }
 
-/// What was measured in one frame of a run. SI units; in 2D areas are lengths and volumes areas.
+/// Measurement of one frame of a run. SI units; in 2D areas are lengths and volumes areas.
 #[derive(Clone, Debug, Serialize)]
 pub struct Measurement {
     /// Name of the scene.
     pub scene: String,
     /// 2 or 3.
     pub dimension: usize,
-    /// Cell width, m.
+    /// Cell size, m.
     pub dx: f64,
-    /// Number of the frame.
+    /// Frame number.
     pub frame: u32,
-    /// Its time, s, where it is known.
+    /// Time of the frame, s, if known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<f64>,
-    /// The steps that means are taken over; none where the time series has none.
+    /// Averaging window; `None` if the time series has no steps in it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub window: Option<TimeWindow>,
-    /// Drops that the solver counted, by its cells. Liquid that is joined only where a film is thinner than the drawn surface, or
-    /// within a solid, is one drop there and several here.
+    /// Number of drops by the solver's cell-based count. Liquid connected only inside a solid, or by a film too thin for the stored
+    /// surface, is one drop there and several here.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drops_of_solver: Option<usize>,
-    /// Drops too small to be measured.
+    /// Number of drops too small to be measured.
     pub small_drops: usize,
-    /// The drops, the largest first.
+    /// The drops, by decreasing volume.
     pub drops: Vec<ComponentMeasure>,
     /// The solids.
     pub solids: Vec<SolidMeasure>,
 }
 
-/// A connected part of the liquid.
+/// A connected component of the liquid.
 #[derive(Clone, Debug, Serialize)]
 pub struct ComponentMeasure {
-    /// Its volume, m³ (2D: m²).
+    /// Volume, m³ (2D: m²).
     pub volume: f64,
-    /// Its centre of mass, m.
+    /// Centre of mass, m.
     pub centroid: Vec<f64>,
-    /// Lower corner of its box, m.
+    /// Lower corner of its bounding box, m.
     pub lower: Vec<f64>,
-    /// Upper corner of its box, m.
+    /// Upper corner of its bounding box, m.
     pub upper: Vec<f64>,
-    /// What it touches.
+    /// Contacts with solids and walls.
     pub contacts: Vec<ContactMeasure>,
 }
 
-/// Where a drop touches a solid or a wall of the domain.
+/// Contact of a drop with a solid or a wall of the domain.
 #[derive(Clone, Debug, Serialize)]
 pub struct ContactMeasure {
     /// Name of the solid, or the wall's side: `bottom`, `left`, ….
     pub solid: String,
     /// Whether it is a wall of the domain.
     pub wall: bool,
-    /// The angle by a fit of the free surface.
+    /// Contact angle from a fit of the free surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<FittedAngle>,
-    /// Why there is no angle by a fit.
+    /// Why there is no fitted angle.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle_reason: Option<&'static str>,
-    /// The angles along the contact line, where they are stored.
+    /// The angles stored along the contact line.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub local_angle: Option<LocalAngle>,
-    /// Mean distance of the line from its middle, m; none without a line.
+    /// Mean distance of the contact line from its centroid, m; `None` without a line.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub base_radius: Option<f64>,
-    /// Largest distance of the drop from the surface of the solid, m.
+    /// Largest distance between a point of the drop's surface and the solid, m.
     pub height: f64,
     /// Wetted area, m² (2D: m).
     pub contact_area: f64,
 }
 
-/// Measures a run in one of its frames.
+/// Measures one frame of a run.
 ///
 /// # Errors
-/// [`ViewError`], also for a time beyond the frames.
+/// [`ViewError`], also for a time outside the frames.
 pub fn measure(dir: &Path, options: &MeasureOptions) -> Result<Measurement> {
     let folder = RunFolder::open(dir)?;
     let Some(dx) = folder.dx else {
@@ -141,7 +140,7 @@ pub fn measure(dir: &Path, options: &MeasureOptions) -> Result<Measurement> {
     }
 }
 
-/// The frame nearest to a time, the last one without a time.
+/// The frame closest to a time, or the last one without a time.
 fn frame_at(folder: &RunFolder, at: Option<f64>) -> Result<Frame> {
     let last = folder.frame(folder.frame_numbers[folder.frame_numbers.len() - 1])?;
     let Some(at) = at else { return Ok(last) };
@@ -153,7 +152,7 @@ fn frame_at(folder: &RunFolder, at: Option<f64>) -> Result<Frame> {
         times.push(time);
     }
     let (first, end) = (times[0], times[times.len() - 1]);
-    // A time half a frame beyond the ends still has a nearest frame that is meant.
+    // Accept times up to half a frame interval outside the frames.
     let slack = if times.len() > 1 { 0.5 * (end - first) / (times.len() - 1) as f64 } else { 0.0 };
     if !(first - slack..=end + slack).contains(&at) {
         return Err(ViewError::Time { path: folder.dir.clone(), at, first, last: end });
@@ -223,7 +222,7 @@ fn measure_contact<const D: usize>(
     stored: &stored_line::StoredLine<D>,
     dx: f64,
 ) -> ContactMeasure {
-    // The stored line is the better start; facets show it to a cell only.
+    // Line for the base radius without a fit. The stored line is preferred: facets locate it only to a cell.
     let line = if stored.points.is_empty() { &patch.line } else { &stored.points };
     let feet = fit.and_then(|fit| fit.intersect(&patch.line, body, dx));
     let area_correction = |feet: &FittedLine<D>| {
@@ -250,7 +249,7 @@ fn measure_contact<const D: usize>(
     }
 }
 
-/// Mean distance of the points of a line from their middle, m.
+/// Mean distance of the points of a line from their centroid, m.
 fn base_radius<const D: usize>(line: &[LinePoint<D>]) -> Option<f64> {
     let weight: f64 = line.iter().map(|p| p.weight).sum();
     if weight <= 0.0 || line.len() < 2 {

@@ -1,8 +1,7 @@
-//! How far a solid that deforms is bent: displacements, its tip, the line along its middle, what of it is wetted, and the ridge
-//! that a contact line pulls up.
+//! Deformation of a solid: displacements, tip, midline, wetted share, and the ridge pulled up by a contact line.
 //!
-//! All of it comes from the solid's surface in one frame, with the way that each vertex has come; of frames without that
-//! from the surface in the first frame, too: its vertices are the same.
+//! The input is the solid's surface in one frame with the displacement of each vertex. Without stored displacements the first frame
+//! serves as the reference configuration: its vertices are the same.
 
 use crate::measure::deformed_surface::DeformedSurface;
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -16,53 +15,53 @@ use super::midline::{self, Midline};
 use crate::error;
 use crate::folder::{Frame, RunFolder};
 
-/// Deformation over size that is rounding: such a solid is rigid, or has not moved yet.
+/// Ratio of deformation to size attributed to rounding: the solid is rigid or has not moved yet.
 const RIGID_TOLERANCE: f64 = 1e-7;
-/// Distance from its place at first over the size of a solid, below which a vertex is held.
+/// Ratio of displacement to size below which a vertex is anchored.
 const ANCHORED_TOLERANCE: f64 = 1e-12;
-/// Part of a size within which vertices are equally far away.
+/// Difference of distances, relative to the size, within which vertices count as equally far.
 const EQUAL_DISTANCE_TOLERANCE: f64 = 1e-6;
-/// Reach of a ridge's profile on both sides of the line, and its steps, in cells. `phi_c` ends at five cells: it is the same for
-/// all that is farther away.
+/// Reach of the ridge profile on both sides of the line, and its step, in cells. `phi_c` is cut off at five cells, so the reach
+/// is smaller.
 const PROFILE_REACH_CELLS: f64 = 4.5;
 const PROFILE_STEP_CELLS: f64 = 0.5;
-/// Most held vertices that distances are measured from.
+/// Largest number of anchored vertices from which distances are measured.
 const MAX_ANCHOR_SAMPLES: usize = 2000;
-/// Difference of two moments, as a part of them, below which a plate is as wide as long.
+/// Relative difference of two moments below which a plate counts as square.
 const ISOTROPY_TOLERANCE: f64 = 0.02;
-/// Area vector around a vertex over its area, below which the surface has a rim there.
+/// Ratio of the norm of the area vector around a vertex to its area, below which the vertex is on a sharp edge.
 const RIM_THRESHOLD: f64 = 0.9;
 
-/// What was measured of a solid that has deformed. Lengths in m, angles in degrees.
+/// Deformation of a solid. Lengths in m, angles in degrees.
 #[derive(Clone, Debug, Serialize)]
 pub struct SoftMeasure {
-    /// The largest way of a point of its surface from where it started.
+    /// Largest displacement of the surface.
     pub largest_displacement: f64,
-    /// The mean way of its surface, by area.
+    /// Area-weighted mean displacement of the surface.
     pub mean_displacement: f64,
-    /// The largest of these ways less the rigid motion that is nearest to all: of a solid that moves freely, how far it is bent.
+    /// Largest displacement after subtraction of the best-fitting rigid motion; without subtraction if the solid is anchored.
     pub largest_deflection: f64,
-    /// The mean of them, by area.
+    /// Area-weighted mean of these displacements.
     pub mean_deflection: f64,
-    /// Whether part of its surface is where it started, to rounding: the deflections of such a solid are its displacements.
+    /// Whether part of the surface is anchored; the deflections are then the displacements.
     pub held: bool,
-    /// Where its tip is: of its surface at first the part farthest from what is held, or from its middle. None where not even the
-    /// last frame tells what is held.
+    /// Tip: the part of the reference surface farthest from the anchored part, or from the centroid; its current position. `None` if
+    /// the anchored part is unknown because nothing has moved by the last frame.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tip: Option<[f64; 3]>,
-    /// The way of the tip.
+    /// Displacement of the tip.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tip_displacement: Option<[f64; 3]>,
     /// Why there is no tip.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tip_reason: Option<&'static str>,
-    /// What is wetted of its surface, 0 to 1, where the contact line is stored.
+    /// Wetted share of the surface, 0 to 1, if the contact line is stored.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wetted: Option<f64>,
-    /// The line along the middle of a plate or strip; none of solids that are none.
+    /// Midline of a plate or strip; `None` for other solids.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strip: Option<Midline>,
-    /// The ridge that the contact line pulls up, where the surface has one.
+    /// Ridge pulled up by the contact line, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ridge: Option<Ridge>,
     /// Why there is no ridge.
@@ -70,16 +69,16 @@ pub struct SoftMeasure {
     pub ridge_reason: Option<&'static str>,
 }
 
-/// The profile of the ridge along a contact line.
+/// Ridge along a contact line.
 #[derive(Clone, Debug, Serialize)]
 pub struct Ridge {
-    /// Height of the ridge: of the profile at the line over the mean of its ends.
+    /// Height of the ridge: value of the profile at the line minus the mean of its ends.
     pub height: f64,
-    /// Distance from the line along the surface (negative where wetted) and the mean way out of the surface there.
+    /// Distance from the line along the surface (negative where wetted) and mean normal displacement there.
     pub profile: Vec<[f64; 2]>,
 }
 
-/// Measures a solid of a frame; none of a rigid one.
+/// Measures a solid of a frame; `None` for a rigid one.
 pub(super) fn measure(
     folder: &RunFolder,
     frame: &Frame,
@@ -106,7 +105,7 @@ pub(super) fn measure(
     Ok(surfaces.is_deformed().then(|| surfaces.measure(now, dx)))
 }
 
-/// Where the surface was at rest, if it is stored how far it has come from there.
+/// The reference surface from stored displacements; `None` without them.
 fn rest_surface(now: &PlyMesh) -> Option<PlyMesh> {
     let mut start = now.clone();
     for (a, name) in ["ux", "uy", "uz"].into_iter().enumerate() {
@@ -165,7 +164,7 @@ impl DeformedSurface {
         }
     }
 
-    /// The largest and the mean way, by area, of the surface from where it started, m.
+    /// Largest and area-weighted mean distance of the vertices `to` from the reference configuration, m.
     fn max_and_mean_displacement(&self, to: &[Vector<3>]) -> (f64, f64) {
         let displacement = |k: usize| (to[k] - self.reference[k]).norm();
         let all: f64 = self.vertex_areas.iter().sum();
@@ -173,12 +172,12 @@ impl DeformedSurface {
         ((0..to.len()).map(displacement).fold(0.0, f64::max), sum / all)
     }
 
-    /// Whether it is deformed by more than rounding.
+    /// Whether the deformation exceeds rounding.
     fn is_deformed(&self) -> bool {
         self.max_and_mean_displacement(&self.deformed).0 > RIGID_TOLERANCE * self.size
     }
 
-    /// All that is measured.
+    /// All measurements.
     fn measure(&self, mesh: &PlyMesh, dx: f64) -> SoftMeasure {
         let (largest_displacement, mean_displacement) = self.max_and_mean_displacement(&self.current);
         let (largest_deflection, mean_deflection) = self.max_and_mean_displacement(&self.deformed);
@@ -201,7 +200,7 @@ impl DeformedSurface {
         }
     }
 
-    /// Where the tip is, and how far it has come, m.
+    /// Current position and displacement of the tip, m.
     fn tip(&self) -> (Vector<3>, Vector<3>) {
         let held: Vec<Vector<3>> =
             self.reference.iter().zip(&self.anchored).filter(|(_, held)| **held).map(|(x, _)| *x).collect();
@@ -226,7 +225,7 @@ impl DeformedSurface {
         (sums.0 / sums.2, sums.1 / sums.2)
     }
 
-    /// The wetted part of the surface as it is now: where the distance to the line, linear on each facet, is negative.
+    /// Wetted share of the current surface, where the distance to the line, linear on each facet, is negative.
     fn wetted(&self, phi: &[f64]) -> Option<f64> {
         let (mut wet, mut all) = (0.0, 0.0);
         for facet in &self.facets {
@@ -242,8 +241,8 @@ impl DeformedSurface {
         (all > 0.0).then(|| wet / all)
     }
 
-    /// The profile of the ridge around the line, or why there is none. A ridge is a crest along the line: the profile is highest
-    /// there. Bending of the whole solid has no crest at the line; at an edge the profile would go around the corner.
+    /// Profile of the ridge around the line, or why there is none. A ridge has its maximum at the line. Bending of the whole solid has
+    /// no maximum there, and the profile must not extend around an edge.
     fn ridge(&self, phi: &[f64], dx: f64) -> Result<Ridge, &'static str> {
         if self.has_edge_near_line(phi, PROFILE_REACH_CELLS * dx) {
             return Err("the contact line is at an edge of the solid");
@@ -269,7 +268,7 @@ impl DeformedSurface {
         let (a, b) = (profile[next - 1], profile[next]);
         let at_line = a[1] + (b[1] - a[1]) * (-a[0] / (b[0] - a[0]));
         let crest = profile.iter().max_by(|p, q| p[1].total_cmp(&q[1])).map_or(f64::NAN, |p| p[0]);
-        // The profile is known to half a step.
+        // The profile is resolved to half a step.
         if crest.abs() > PROFILE_STEP_CELLS * dx || last[0] <= 0.0 {
             return Err(
                 "the surface is not highest along the contact line: the solid is bent, or nothing lifts it there",
@@ -278,8 +277,8 @@ impl DeformedSurface {
         Ok(Ridge { height: at_line - 0.5 * (first[1] + last[1]), profile })
     }
 
-    /// Whether an edge of the solid lies within `reach` (m) of the contact line and runs rather along it than across: in 2D, where
-    /// an edge is a corner, whether one lies within reach.
+    /// Whether an edge of the solid within `reach` (m) of the contact line runs more along it than across; in 2D whether a corner
+    /// lies within reach.
     fn has_edge_near_line(&self, phi: &[f64], reach: f64) -> bool {
         let normals = self.normals();
         let near = |v: u32| normals[v as usize] == Vector::<3>::zeros() && phi[v as usize].abs() < reach;
@@ -293,7 +292,7 @@ impl DeformedSurface {
         self.facets.iter().any(|f| along(f[0], f[1]) || along(f[1], f[2]) || along(f[2], f[0]))
     }
 
-    /// Unit normals of the vertices at first, outward; 0 at rims, where the surface has none.
+    /// Unit outward normals of the vertices in the reference configuration; zero on sharp edges.
     fn normals(&self) -> Vec<Vector<3>> {
         let corners = self.corners();
         let mut sums = vec![Vector::<3>::zeros(); self.reference.len()];
@@ -305,12 +304,12 @@ impl DeformedSurface {
         sums.iter().zip(&self.vertex_areas).map(normal).collect()
     }
 
-    /// Corners of a facet.
+    /// Number of corners of a facet.
     fn corners(&self) -> usize {
         if self.is_planar { 2 } else { 3 }
     }
 
-    /// Its moments about its middle at first, m⁴ (2D: m³).
+    /// Second moments of the reference surface about its centroid, m⁴ (2D: m³).
     fn moments(&self) -> Matrix<3> {
         let all: f64 = self.vertex_areas.iter().sum();
         let middle =
@@ -320,14 +319,15 @@ impl DeformedSurface {
         for (facet, area) in self.facets.iter().zip(&self.area_vectors) {
             let at = facet.map(|v| self.reference[v as usize] - middle);
             let sum = at[..self.corners()].iter().sum::<Vector<3>>();
-            // Exact on a facet: its corners, and n² times its middle, which is their sum over n.
+            // Exact on a facet: ∫ x xᵀ = A/(n(n+1)) (Σ xᵢ xᵢᵀ + s sᵀ), s = Σ xᵢ.
             let own: Matrix<3> = at[..self.corners()].iter().map(|x| x * x.transpose()).sum();
             moments += (own + sum * sum.transpose()) * (area.norm() / (n * (n + 1.0)));
         }
         moments
     }
 
-    /// The axes of its moments and its extents along them at first, the longest first. In a plane the third is the plane's normal.
+    /// Principal axes by decreasing moment, and extents of the reference surface along them. In 2D the third axis is normal to the
+    /// plane.
     pub fn axes(&self) -> ([Vector<3>; 3], [f64; 3]) {
         let eigen = self.moments().symmetric_eigen();
         let mut order = [0, 1, 2];
@@ -335,7 +335,7 @@ impl DeformedSurface {
         let mut axes = order.map(|k| eigen.eigenvectors.column(k).into_owned());
         let [one, two, _] = order.map(|k| eigen.eigenvalues[k]);
         if !self.is_planar && two > (1.0 - ISOTROPY_TOLERANCE) * one {
-            // As wide as long: along the coordinates.
+            // For a square plate choose the axes along the coordinates.
             let within = |a: usize| {
                 let e = Vector::<3>::from_fn(|b, _| if a == b { 1.0 } else { 0.0 });
                 e - axes[2] * axes[2].dot(&e)
@@ -361,7 +361,7 @@ fn area_vector(points: &[Vector<3>], facet: &[u32; 3], flat: bool) -> Vector<3> 
     if flat { Vector::<3>::new(b[1] - a[1], a[0] - b[0], 0.0) } else { (b - a).cross(&(c - a)) * 0.5 }
 }
 
-/// Part of a facet where a linear function with these values at its corners, rising, is negative.
+/// Share of a facet where a linear function with the given ascending corner values is negative.
 fn negative_share(at: &[f64]) -> f64 {
     match at {
         [a, b] if *a < 0.0 && *b >= 0.0 => a / (a - b),

@@ -1,4 +1,4 @@
-//! What liquid can touch: solids by their meshes, the domain's walls by their planes.
+//! Boundaries that liquid can touch: solids as meshes, domain walls as planes.
 
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::ply::PlyMesh;
@@ -6,26 +6,26 @@ use meniscus_numerics::mesh::{FacetBvh, SurfaceMesh};
 
 use crate::folder::{Frame, RunFolder};
 
-/// Facets are smoothed into each other where their normals lie within this cosine; sharper edges stay sharp.
+/// Cosine between facet normals above which they are smoothed; sharper edges stay sharp.
 const CREASE_COSINE: f64 = 0.87;
 
-/// A point of a body's surface.
+/// Closest point of a body's surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ClosestPoint<const D: usize> {
-    /// Where, m.
+    /// Position, m.
     pub at: Vector<D>,
     /// Unit normal out of the body.
     pub normal: Vector<D>,
-    /// Distance of the point that was asked for, m.
+    /// Distance from the query point, m.
     pub distance: f64,
 }
 
 /// A solid or a wall.
 #[derive(Debug)]
 pub(super) struct SolidBoundary<const D: usize> {
-    /// The solid's name, or the wall's side.
+    /// Name of the solid, or side of the wall.
     pub name: String,
-    /// Whether it is one of the domain's walls.
+    /// Whether it is a wall of the domain.
     pub is_wall: bool,
     surface: Surface<D>,
 }
@@ -56,14 +56,14 @@ impl<const D: usize> SolidBoundary<D> {
         bodies
     }
 
-    /// A solid by its mesh.
+    /// The boundary of a solid with this mesh.
     pub(super) fn solid(name: &str, mesh: &SurfaceMesh<D>) -> Self {
         let normals = corner_normals(mesh);
         let surface = Surface::Mesh { mesh: mesh.clone(), tree: FacetBvh::new(mesh), normals };
         Self { name: name.into(), is_wall: false, surface }
     }
 
-    /// The closest point of the surface; none if there is no surface.
+    /// The closest point of the surface; `None` if there is no surface.
     pub(super) fn closest(&self, x: &Vector<D>) -> Option<ClosestPoint<D>> {
         match &self.surface {
             Surface::Wall { axis, at, inward } => {
@@ -84,7 +84,7 @@ impl<const D: usize> SolidBoundary<D> {
         }
     }
 
-    /// Whether a point is nearer than `reach` (m); cheaper than [`Self::closest`].
+    /// Whether a point is closer than `reach` (m); cheaper than [`Self::closest`].
     pub(super) fn is_near(&self, x: &Vector<D>, reach: f64) -> bool {
         match &self.surface {
             Surface::Wall { axis, at, .. } => (x[*axis] - at).abs() < reach,
@@ -92,7 +92,7 @@ impl<const D: usize> SolidBoundary<D> {
         }
     }
 
-    /// The lower and upper corner of its box; none of a wall.
+    /// Lower and upper corner of the bounding box; `None` for a wall.
     pub(super) fn bounds(&self) -> Option<(Vector<D>, Vector<D>)> {
         match &self.surface {
             Surface::Mesh { mesh, .. } if !mesh.positions.is_empty() => Some(mesh.bounds()),
@@ -101,7 +101,7 @@ impl<const D: usize> SolidBoundary<D> {
     }
 }
 
-/// For each corner of each facet the mean normal of the facets about it that are no crease away, weighted by their areas.
+/// Normal at each facet corner: area-weighted mean over the facets around the vertex within the crease angle.
 fn corner_normals<const D: usize>(mesh: &SurfaceMesh<D>) -> Vec<[Vector<D>; D]> {
     let areas: Vec<Vector<D>> = (0..mesh.facets.len()).map(|f| mesh.area_vector(f)).collect();
     let mut around = vec![Vec::new(); mesh.positions.len()];
@@ -117,7 +117,7 @@ fn corner_normals<const D: usize>(mesh: &SurfaceMesh<D>) -> Vec<[Vector<D>; D]> 
     mesh.facets.iter().enumerate().map(|(f, facet)| facet.map(|v| corner(f, v))).collect()
 }
 
-/// A mesh of a file in `D` dimensions: its triangles in 3D, its edges in 2D.
+/// The mesh of a file in `D` dimensions: its triangles in 3D, its edges in 2D.
 pub(super) fn surface<const D: usize>(mesh: &PlyMesh) -> SurfaceMesh<D> {
     let positions = mesh.positions.iter().map(|p| Vector::from_fn(|a, _| p[a])).collect();
     let facets = if D == 2 {

@@ -1,4 +1,4 @@
-//! What solids do: how deep they float, what pulls at them, when they were touched.
+//! Measurements of solids: floating depth, forces, contact times.
 
 use meniscus_numerics::Vector;
 use rayon::prelude::*;
@@ -15,68 +15,68 @@ use crate::error::Result;
 use crate::folder::{Frame, RunFolder};
 use crate::page::time_series::TimeSeries;
 
-/// A solid is touched where a wetted vertex lies nearer to it than this, in cells.
+/// Distance of a wetted vertex from a solid, in cells, below which the liquid touches the solid.
 const TOUCHING_CELLS: f64 = 0.75;
-/// Liquid that comes nearer than this to the domain's sides, in cells, stands in it as in a tank.
+/// Distance of the liquid from the domain's sides, in cells, below which it fills the domain as a tank.
 const AT_SIDE_CELLS: f64 = 0.5;
-/// The part of a tank's surface, the farthest from all solids, that shows the undisturbed level.
+/// Share of a tank's surface, farthest from all solids, whose mean height is the undisturbed level.
 const UNDISTURBED_SHARE: f64 = 0.25;
 
-/// What was measured of a solid.
+/// Measurement of a solid.
 #[derive(Clone, Debug, Serialize)]
 pub struct SolidMeasure {
     /// Its name.
     pub name: String,
-    /// How it floats, where the liquid fills the domain as a tank.
+    /// Floating depth, if the liquid fills the domain as a tank.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub floating: Option<Floating>,
-    /// The forces of the liquid on it in the step that ends with the frame; before the end of the run only their sum is stored.
+    /// Forces of the liquid in the step that ends with the frame. Before the end of the run only their sum is stored.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub forces: Option<Forces>,
-    /// How it is deformed; none of a rigid solid.
+    /// Deformation; `None` for a rigid solid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub soft: Option<SoftMeasure>,
-    /// Means over the window of what the time series has of it: `force_x`, `angle_left`, `base_radius`, `wetted`, `deflection`,
-    /// `tip_x`, …; in the units of those columns.
+    /// Statistics over the window of the solid's columns in the time series: `force_x`, `angle_left`, `base_radius`, `wetted`,
+    /// `deflection`, `tip_x`, …; in the units of those columns.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub window: BTreeMap<String, TimeStatistics>,
-    /// When liquid touched it, by the frames of the whole run.
+    /// Intervals of contact with the liquid, over all frames of the run.
     pub touches: Vec<ContactInterval>,
 }
 
-/// How a solid lies in the liquid of a tank.
+/// Position of a solid relative to the surface of a tank.
 #[derive(Clone, Debug, Serialize)]
 pub struct Floating {
     /// Height of the undisturbed surface, m.
     pub level: f64,
-    /// Height of the middle of the solid over it, m.
+    /// Height of the middle of the solid's bounding box above it, m.
     pub centre_above_level: f64,
-    /// Depth of the solid's lowest point below it, m.
+    /// Depth of the lowest point of the solid below it, m.
     pub depth: f64,
 }
 
 /// Forces of the liquid on a solid, N (2D: N/m).
 #[derive(Clone, Debug, Serialize)]
 pub struct Forces {
-    /// All of it.
+    /// Total force.
     pub net: Vec<f64>,
-    /// The part of the pressure.
+    /// Pressure force.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Vec<f64>>,
-    /// The part of the contact line.
+    /// Contact-line force.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line: Option<Vec<f64>>,
 }
 
-/// A stretch of frames with contact, s. Each end is known to a frame's interval.
+/// An interval of contact, s. Each end is known to one frame interval.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactInterval {
     /// Time of the first frame with contact.
     pub start: f64,
-    /// Time of the last one.
+    /// Time of the last frame with contact.
     pub end: f64,
-    /// From the middle between the last frame without and the first with contact to the same at the end; none where the
-    /// contact began before the first frame or goes on after the last.
+    /// Duration, with each end halfway between a frame with contact and the next one without. `None` if the contact began before the
+    /// first frame or continues after the last.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub duration: Option<f64>,
 }
@@ -110,7 +110,7 @@ pub(super) fn measure<const D: usize>(
     solids.iter().enumerate().map(one).collect()
 }
 
-/// For each frame its time, and for each solid whether liquid touches it.
+/// For each frame its time, and whether liquid touches each solid.
 fn contacts_by_frame<const D: usize>(
     folder: &RunFolder,
     solids: &[&SolidBoundary<D>],
@@ -133,7 +133,7 @@ fn contacts_by_frame<const D: usize>(
     folder.frame_numbers.par_iter().map(one).collect()
 }
 
-/// The stretches of contact in a row of frames: time and whether there is contact.
+/// The intervals of contact in a sequence of frames (time, contact).
 fn contact_intervals(frames: &[(f64, bool)]) -> Vec<ContactInterval> {
     let mut out = Vec::new();
     let mut from = 0;
@@ -150,7 +150,7 @@ fn contact_intervals(frames: &[(f64, bool)]) -> Vec<ContactInterval> {
     out
 }
 
-/// The forces on a solid: those that the summary tells at the end of the run, before it the sum that the series has.
+/// Forces on a solid: from the summary at the end of the run, otherwise the sum from the time series.
 fn forces(folder: &RunFolder, frame: &Frame, name: &str, series: &TimeSeries) -> Option<Forces> {
     forces_at_end(folder, frame, name).or_else(|| {
         let row = row_at(series, frame.time?)?;
@@ -160,7 +160,7 @@ fn forces(folder: &RunFolder, frame: &Frame, name: &str, series: &TimeSeries) ->
     })
 }
 
-/// The forces on a solid at the end of the run, where the frame is that.
+/// Forces on a solid from the summary, if the frame is at the end of the run.
 fn forces_at_end(folder: &RunFolder, frame: &Frame, name: &str) -> Option<Forces> {
     let end = folder.summary.get("simulated_seconds")?.as_f64()?;
     let is_end = frame.time.is_some_and(|t| (t - end).abs() <= 1e-9 * end.abs());
@@ -173,8 +173,8 @@ fn forces_at_end(folder: &RunFolder, frame: &Frame, name: &str) -> Option<Forces
     Some(Forces { net, pressure: list("pressure_force"), line: list("line_force") })
 }
 
-/// The height of a tank's undisturbed surface, m: the mean of the quarter that is farthest from all solids, as seen from
-/// above. None where the liquid does not reach the bottom and all sides.
+/// Height of a tank's undisturbed surface, m: the mean over the quarter of its area horizontally farthest from all solids.
+/// `None` if the liquid does not reach the bottom and all sides.
 fn undisturbed_level<const D: usize>(
     folder: &RunFolder,
     drops: &[Component<D>],

@@ -1,4 +1,4 @@
-//! The stored contact line, shared out to the drops and bodies that it belongs to.
+//! Assignment of the stored contact line to drops and bodies.
 
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::FacetBvh;
@@ -9,20 +9,20 @@ use super::contact::LinePoint;
 use super::solid_boundary::SolidBoundary;
 use crate::folder::{Frame, RunFolder};
 
-/// A point of the line lies no farther from its drop than this, in cells.
+/// Largest distance of a point of the line from its drop, in cells.
 const MAX_LINE_DISTANCE_CELLS: f64 = 3.0;
 
-/// The angle at a place of a contact line in 2D.
+/// Contact angle at a point of a contact line in 2D.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AngleAt {
-    /// The place, m.
+    /// Position, m.
     pub at: [f64; 2],
-    /// The angle there, degrees through the liquid.
+    /// Contact angle, degrees, measured through the liquid.
     pub angle: f64,
 }
 
 impl AngleAt {
-    /// Places with their angles from left to right, of one above the other from low to high; none in 3D.
+    /// Points with their angles from left to right, then from low to high; empty in 3D.
     pub(super) fn ordered<const D: usize>(known: impl Iterator<Item = (Vector<D>, f64)>) -> Vec<Self> {
         if D == 3 {
             return Vec::new();
@@ -34,7 +34,7 @@ impl AngleAt {
     }
 }
 
-/// The angles along a contact line, degrees through the liquid; weighted with the length of the line in 3D.
+/// Statistics of the angles along a contact line, degrees, measured through the liquid; weighted by length in 3D.
 #[derive(Clone, Debug, Serialize)]
 pub struct LocalAngle {
     /// Mean.
@@ -45,11 +45,11 @@ pub struct LocalAngle {
     pub min: f64,
     /// Largest.
     pub max: f64,
-    /// Points of the line.
+    /// Number of points of the line.
     pub points: usize,
     /// Length of the line, m (2D: 0).
     pub length: f64,
-    /// In 2D each point of the line, from left to right.
+    /// In 2D the points of the line, from left to right.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub places: Vec<AngleAt>,
 }
@@ -58,12 +58,12 @@ pub struct LocalAngle {
 #[derive(Clone, Debug)]
 pub(super) struct StoredLine<const D: usize> {
     pub points: Vec<LinePoint<D>>,
-    /// The angle at each point, degrees; NaN where none is stored.
+    /// Angle at each point, degrees; NaN if not stored.
     angles: Vec<f64>,
 }
 
 impl<const D: usize> StoredLine<D> {
-    /// What the stored angles come to; none where there are none.
+    /// Statistics of the stored angles; `None` without angles.
     pub(super) fn angles(&self) -> Option<LocalAngle> {
         let known: Vec<(f64, f64)> = self
             .points
@@ -92,7 +92,7 @@ impl<const D: usize> StoredLine<D> {
     }
 }
 
-/// For each drop and each body the part of the stored line that is theirs; all empty if no line is stored.
+/// The part of the stored line between each drop and each body; all empty if no line is stored.
 pub(super) fn assign<const D: usize>(
     folder: &RunFolder,
     frame: &Frame,

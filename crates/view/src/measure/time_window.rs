@@ -1,7 +1,7 @@
-//! Means over a window of time: of a solid's force and of what else the time series has of it in every step.
+//! Time averages of a solid's force and of its other columns in the time series.
 //!
-//! The force of a single step swings by as much as a third of a drop's weight about its mean, with the drop at rest. So the value
-//! of one step is told beside the mean over a window that ends with the frame.
+//! The force of a single step fluctuates by up to a third of a drop's weight even when the drop is at rest. Both the value of the
+//! last step and the mean over a window that ends with the frame are reported.
 
 use std::collections::BTreeMap;
 
@@ -9,41 +9,41 @@ use serde::Serialize;
 
 use crate::page::time_series::TimeSeries;
 
-/// Part of the simulated time that a window is long, if nothing is asked for.
+/// Default length of a window as a share of the simulated time.
 const DEFAULT_WINDOW_SHARE: f64 = 0.1;
-/// Difference of two times, as a part of them, that is rounding of seven digits.
+/// Relative difference of two times attributed to rounding to seven digits.
 const TIME_TOLERANCE: f64 = 1e-6;
 
-/// The rows of the time series in a window.
+/// The rows of the time series in a time window.
 #[derive(Clone, Debug, Serialize)]
 pub struct TimeWindow {
-    /// After this time, s.
+    /// Start, excluded, s.
     pub from: f64,
-    /// Up to this time, that of the frame, s.
+    /// End, included, s; the time of the frame.
     pub to: f64,
-    /// Steps in it.
+    /// Number of steps.
     pub steps: usize,
-    /// Their places in the series.
+    /// Indices of the rows in the series.
     #[serde(skip)]
     rows: Vec<usize>,
 }
 
-/// A quantity over a window, in its own unit. Each step counts by its length.
+/// Statistics of a quantity over a window, in its own unit, weighted by the step lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TimeStatistics {
     /// Mean.
     pub mean: f64,
     /// Standard deviation.
     pub std: f64,
-    /// Least.
+    /// Smallest.
     pub least: f64,
     /// Largest.
     pub largest: f64,
 }
 
 impl TimeWindow {
-    /// The window of a length (s; a tenth of the simulated time without it) that ends with a frame's time; none where the series
-    /// has no step in it.
+    /// The window of the given length (s; default a tenth of the simulated time) that ends at time `to` of a frame. `None` if it
+    /// contains no step.
     pub(super) fn of(series: &TimeSeries, to: f64, length: Option<f64>) -> Option<Self> {
         let times = series.column("time")?;
         let end = times.iter().flatten().copied().fold(0.0, f64::max);
@@ -53,7 +53,7 @@ impl TimeWindow {
         (!rows.is_empty()).then_some(Self { from, to, steps: rows.len(), rows })
     }
 
-    /// The mean of a column; none where it has no value in the window.
+    /// The statistics of a column; `None` without values in the window.
     pub(super) fn mean(&self, series: &TimeSeries, column: &str) -> Option<TimeStatistics> {
         let (values, steps) = (series.column(column)?, series.column("dt"));
         let weight = |row: usize| steps.and_then(|dt| dt[row]).unwrap_or(1.0);
@@ -74,8 +74,7 @@ impl TimeWindow {
         })
     }
 
-    /// The means of all columns of a solid, named without it: `force_x`, `angle_left`, `base_radius`, `wetted`, `deflection`,
-    /// `tip_x`, ….
+    /// The statistics of all columns of a solid, without its name in the keys: `force_x`, `angle_left`, `base_radius`, ….
     pub(super) fn of_solid(&self, series: &TimeSeries, solid: &str) -> BTreeMap<String, TimeStatistics> {
         let own = |column: &String| Some((quantity(column, solid)?, self.mean(series, column)?));
         series.names.iter().filter_map(own).collect()
@@ -90,7 +89,7 @@ pub(super) fn row_at(series: &TimeSeries, time: f64) -> Option<usize> {
         .position(|t| t.is_some_and(|t| (t - time).abs() <= TIME_TOLERANCE * time.abs()))
 }
 
-/// The quantity of a column `QUANTITY_SOLID` or `QUANTITY_SOLID_PART` of a solid; none of other columns.
+/// The quantity of a column `QUANTITY_SOLID` or `QUANTITY_SOLID_PART` of this solid; `None` for other columns.
 fn quantity(column: &str, solid: &str) -> Option<String> {
     let parts = |quantity: &'static str, parts: &'static [&'static str]| {
         let rest = column.strip_prefix(quantity)?.strip_prefix('_')?.strip_prefix(solid)?;

@@ -1,4 +1,4 @@
-//! The result page: one HTML file with everything in it.
+//! The result page: a single self-contained HTML file.
 
 mod packed_mesh;
 pub(crate) mod time_series;
@@ -14,22 +14,22 @@ use crate::error::{Result, ViewError};
 use crate::folder::RunFolder;
 use time_series::TimeSeries;
 
-/// The page without data, as built from `web/`.
+/// The page without data, built from `web/`.
 const BUNDLE: &str = include_str!("../../assets/page.html");
-/// What stands in the bundle where the data belongs.
+/// Placeholder of the data in the bundle.
 const DATA_PLACEHOLDER: &str = "\"MENISCUS_DATA\"";
 
 /// The bundle's title.
 const TITLE: &str = "<title>Meniscus</title>";
 
-/// How the page is made.
+/// Options of the page.
 #[derive(Clone, Debug)]
 pub struct PageOptions {
-    /// Only each `every`-th frame.
+    /// Include only each `every`-th frame.
     pub every: usize,
-    /// The size that the page may have (MB); more frames are left out until it fits.
+    /// Largest size of the page, MB; frames are left out until it fits.
     pub max_mb: f64,
-    /// The file to write; `None` for `page/index.html` in the output folder.
+    /// Output file; `None` for `page/index.html` in the output folder.
     pub to: Option<PathBuf>,
 }
 
@@ -39,16 +39,16 @@ impl Default for PageOptions {
     }
 }
 
-/// What has been written.
+/// Report on a written page.
 #[derive(Clone, Debug)]
 pub struct PageReport {
     /// The page.
     pub path: PathBuf,
     /// Its size in bytes.
     pub bytes: u64,
-    /// The frames in it.
+    /// Number of frames in it.
     pub frames: usize,
-    /// Each how many-th frame of the run is in it.
+    /// Stride of its frames in the run.
     pub every: usize,
 }
 
@@ -67,7 +67,7 @@ impl PackedFrame {
     }
 }
 
-/// One frame as places in the list of meshes.
+/// One frame as indices into the list of meshes.
 #[derive(Serialize)]
 struct PageFrame {
     number: u32,
@@ -77,16 +77,16 @@ struct PageFrame {
     solids: BTreeMap<String, usize>,
 }
 
-/// Values that solids can be coloured by.
+/// A quantity that can colour solids.
 #[derive(Serialize)]
 struct PageShade {
     name: &'static str,
     unit: Option<char>,
-    /// None where nothing is stored.
+    /// `None` where nothing is stored.
     range: Option<ScalarRange>,
 }
 
-/// What the page is given.
+/// The data of the page.
 #[derive(Serialize)]
 struct Payload<'a> {
     format: u32,
@@ -96,7 +96,7 @@ struct Payload<'a> {
     domain: Option<[f64; 3]>,
     dx: Option<f64>,
     notes: Vec<String>,
-    /// What solids can be coloured by, in the order of [`ColorBy::STORED`].
+    /// Quantities that can colour solids, in the order of [`ColorBy::STORED`].
     shades: Vec<PageShade>,
     frames: Vec<PageFrame>,
     meshes: Vec<&'a str>,
@@ -110,7 +110,7 @@ pub fn write_page(dir: &Path, options: &PageOptions) -> Result<PathBuf> {
     make_page(dir, options).map(|report| report.path)
 }
 
-/// Writes the page of the output folder `dir` and tells what is in it.
+/// Writes the page of the output folder `dir` and reports its contents.
 pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
     let folder = RunFolder::open(dir)?;
     let asked = options.every.max(1);
@@ -167,14 +167,14 @@ fn pack(folder: &RunFolder, number: u32, ranges: &packed_mesh::ScalarRanges) -> 
     })
 }
 
-/// The bytes of the meshes of each `skip`-th frame, equal ones counted once.
+/// Size of the meshes of each `skip`-th frame, bytes; equal meshes count once.
 fn size(packed: &[PackedFrame], skip: usize) -> usize {
     let mut seen = HashSet::new();
     let meshes = packed.iter().step_by(skip).flat_map(PackedFrame::meshes);
     meshes.filter(|m| seen.insert(m.as_str())).map(|m| m.len() + 3).sum()
 }
 
-/// Frames that name their meshes by place in a list without doubles.
+/// Frames as indices into a list of distinct meshes.
 fn deduplicate_meshes<'a>(packed: &[&'a PackedFrame]) -> (Vec<PageFrame>, Vec<&'a str>) {
     let mut meshes: Vec<&str> = Vec::new();
     let mut known: HashMap<&str, usize> = HashMap::new();
@@ -197,7 +197,7 @@ fn deduplicate_meshes<'a>(packed: &[&'a PackedFrame]) -> (Vec<PageFrame>, Vec<&'
     (frames, meshes)
 }
 
-/// What the page says about what was left out.
+/// Notes on omitted data.
 fn notes(
     folder: &RunFolder,
     options: &PageOptions,
@@ -229,16 +229,16 @@ fn ordinal(n: usize) -> String {
     format!("{n}{end}")
 }
 
-/// The bundle with the data in it.
+/// The bundle with the data inserted.
 fn insert_data(payload: &Payload, path: &Path) -> Result<String> {
     let json = serde_json::to_string(payload).map_err(|e| ViewError::content(path, e.to_string()))?;
     let (before, after) = BUNDLE
         .split_once(DATA_PLACEHOLDER)
         .ok_or_else(|| ViewError::content(path, "the built-in page has no place for data"))?;
-    // The name of a tab, before any script runs.
+    // Title of the browser tab before any script runs.
     let name: String = payload.name.chars().filter(|c| !"<>&".contains(*c)).collect();
     let before = before.replacen(TITLE, &format!("<title>{name} – Meniscus</title>"), 1);
-    // A `<` could end the script element that holds the data; in JSON it stands only within strings.
+    // A `<` could end the script element with the data; in JSON it occurs only in strings.
     Ok([&before, &json.replace('<', "\\u003c"), after].concat())
 }
 

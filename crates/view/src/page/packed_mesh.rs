@@ -1,12 +1,12 @@
-//! Meshes packed for the page: positions as 16-bit numbers in the mesh's box, differences from one to the
-//! next, then gzip and base64.
+//! Mesh format of the page: 16-bit positions in the mesh's box, stored as differences, then gzip and base64.
 //!
-//! Before gzip, little-endian: `MESH`, vertex count, element count, corners per element (2 or 3) + 256 if
-//! kinds follow + 512, 1024, 2048 for each of [`ColorBy::STORED`] whose values do (u32 each); lower and upper corner of the
-//! box (f32 each); per axis the low bytes, then the
-//! high bytes of the differences between successive positions (wrapping u16); the differences between
-//! successive vertex indices as zigzag LEB128; one byte per vertex for its kind; one for the place of each value in
-//! its range.
+//! Layout before gzip, little-endian:
+//! - `MESH`, vertex count, element count, corners per element (2 or 3) + 256 if kinds follow + 512, 1024, 2048 for each of
+//!   [`ColorBy::STORED`] whose values follow (u32 each);
+//! - lower and upper corner of the box (f32 each);
+//! - per axis the low bytes, then the high bytes of the differences of successive positions (wrapping u16);
+//! - differences of successive vertex indices as zigzag LEB128;
+//! - one byte per vertex for its kind, then one per value, normalised to its range.
 
 use std::io::Write;
 
@@ -20,11 +20,11 @@ use crate::folder::Bounds;
 /// The ranges of [`ColorBy::STORED`].
 pub(crate) type ScalarRanges = [Option<ScalarRange>; 3];
 
-/// Packs a mesh: its triangles, or its edges if it has no triangles, and the values that have a range.
+/// Packs a mesh: its triangles, or its edges if it has no triangles, and the values with a range.
 pub(crate) fn pack(mesh: &PlyMesh, ranges: &ScalarRanges) -> String {
     let raw = encode(mesh, ranges);
     let mut gzip = GzEncoder::new(Vec::new(), Compression::new(7));
-    // Writing into memory does not fail; if it did, the page would show an empty mesh.
+    // Writing to memory does not fail; otherwise the page would show an empty mesh.
     let packed = gzip.write_all(&raw).and_then(|()| gzip.finish()).unwrap_or_default();
     base64(&packed)
 }
@@ -80,7 +80,7 @@ fn differences(values: impl Iterator<Item = u16>) -> Vec<u16> {
         .collect()
 }
 
-/// Appends a signed number, seven bits a byte.
+/// Appends a signed number as zigzag LEB128.
 fn varint(out: &mut Vec<u8>, x: i64) {
     let mut z = ((x << 1) ^ (x >> 63)) as u64;
     while z >= 128 {
@@ -90,7 +90,7 @@ fn varint(out: &mut Vec<u8>, x: i64) {
     out.push(z as u8);
 }
 
-/// Bytes as text.
+/// Encodes bytes as base64.
 pub(crate) fn base64(bytes: &[u8]) -> String {
     const SIGNS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
@@ -128,7 +128,7 @@ pub(crate) mod tests {
         out
     }
 
-    /// Undoes [`pack`], as the page does it.
+    /// Inverse of [`pack`], as implemented by the page.
     pub(crate) fn unpack(text: &str) -> PlyMesh {
         let mut raw = Vec::new();
         flate2::read::GzDecoder::new(&unbase64(text)[..]).read_to_end(&mut raw).unwrap();

@@ -1,4 +1,4 @@
-//! `timeseries.csv` as columns of numbers.
+//! Reads `timeseries.csv` as columns of numbers.
 
 use std::path::Path;
 
@@ -6,29 +6,29 @@ use serde::Serialize;
 
 use crate::error::{Result, ViewError};
 
-/// Rows that plots are given at most.
+/// Largest number of rows for plots.
 const MAX_PLOT_ROWS: usize = 4000;
 
 /// The columns of a time series.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct TimeSeries {
-    /// Their names.
+    /// Names of the columns.
     pub names: Vec<String>,
-    /// Their values; `null` where a cell is empty.
+    /// Values of the columns; `null` for an empty cell.
     pub columns: Vec<Vec<Option<f64>>>,
-    /// Rows in the file.
+    /// Number of rows in the file.
     pub rows: usize,
-    /// Each how many-th row is kept.
+    /// Stride of the kept rows.
     pub stride: usize,
 }
 
 impl TimeSeries {
-    /// Reads a file, thinned for plots; a missing one has no columns.
+    /// Reads a file, thinned for plots; a missing file gives no columns.
     pub(crate) fn load_for_plots(path: &Path) -> Result<Self> {
         Self::of_file(path, MAX_PLOT_ROWS)
     }
 
-    /// Reads every row of a file; a missing one has no columns.
+    /// Reads every row of a file; a missing file gives no columns.
     pub(crate) fn load_all(path: &Path) -> Result<Self> {
         Self::of_file(path, usize::MAX)
     }
@@ -40,13 +40,13 @@ impl TimeSeries {
         Ok(Self::parse(&std::fs::read_to_string(path).map_err(ViewError::io(path))?, most))
     }
 
-    /// The values of a column; none if there is none of that name.
+    /// The values of a column; `None` if there is no such column.
     pub(crate) fn column(&self, name: &str) -> Option<&[Option<f64>]> {
         let place = self.names.iter().position(|n| n == name)?;
         Some(&self.columns[place])
     }
 
-    /// Reads the text of a file, `most` rows of it at most. Rows with a wrong number of cells (a row just being written) are left out.
+    /// Parses a file, thinned to about `most` rows. Rows with a wrong number of cells, such as one being written, are skipped.
     pub(crate) fn parse(text: &str, most: usize) -> Self {
         let mut lines = text.lines();
         let names: Vec<String> = lines
@@ -66,7 +66,7 @@ impl TimeSeries {
     }
 }
 
-/// A number rounded to seven digits, which is all that a plot shows.
+/// Parses a number and rounds it to seven digits, enough for plots.
 fn parse_rounded(cell: &str) -> Option<f64> {
     let x: f64 = cell.trim().parse().ok()?;
     if !x.is_finite() {

@@ -1,16 +1,16 @@
-//! The camera: where it stands and which ray belongs to a point of the picture.
+//! The camera: its position and the rays through points of the picture.
 
 use super::tracer::bvh::Ray;
 use crate::folder::{Bounds, V3};
 
-/// Where the camera stands, as seen from the middle of the picture.
+/// Position of the camera relative to the centre of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// The angle about the vertical (degrees); 0 looks along +y, 90 along −x.
+    /// Azimuth about the vertical, degrees; 0 looks along +y, 90 along −x.
     pub azimuth: f64,
-    /// The angle above the horizontal (degrees).
+    /// Elevation above the horizontal, degrees.
     pub elevation: f64,
-    /// The distance to the middle (m); `None` fits what is to be seen into the picture.
+    /// Distance to the centre, m; `None` fits the visible bounds into the picture.
     pub distance: Option<f64>,
 }
 
@@ -20,12 +20,12 @@ impl Default for Camera {
     }
 }
 
-/// Half the vertical field of view, as a tangent.
+/// Tangent of half the vertical field of view.
 const HALF_FOV_TANGENT: f64 = 0.24;
-/// The part of the picture that is filled, each way.
+/// Share of the picture's width and height that the visible bounds fill.
 const FILLED_SHARE: f64 = 0.74;
 
-/// A camera made ready for one picture size.
+/// A camera for one picture size.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View {
     pub eye: V3,
@@ -37,7 +37,7 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// A view of `visible`; all lengths are in the picture's coordinates, `unit` metres each.
+    /// A view of the bounds `visible`. All lengths are in picture coordinates, in which 1 is `unit` metres.
     pub(crate) fn new(camera: &Camera, visible: &Bounds, unit: f64, size: (u32, u32)) -> Self {
         let (az, el) = (camera.azimuth.to_radians(), camera.elevation.clamp(-89.0, 89.0).to_radians());
         let forward = V3::new(-az.sin() * el.cos(), az.cos() * el.cos(), -el.sin());
@@ -58,19 +58,19 @@ impl View {
         Self { eye: target - forward * distance, forward, right, up, half, size }
     }
 
-    /// Width and height of the picture, pixels.
+    /// Width and height of the picture in pixels.
     pub(crate) fn size(&self) -> [f64; 2] {
         self.size
     }
 
-    /// The ray through a point of the picture (pixels, from its upper left corner).
+    /// The ray through a point of the picture, in pixels from its upper left corner.
     pub(crate) fn ray(&self, x: f64, y: f64) -> Ray {
         let u = (2.0 * x / self.size[0] - 1.0) * self.half[0];
         let v = (1.0 - 2.0 * y / self.size[1]) * self.half[1];
         Ray::new(self.eye, (self.forward + self.right * u + self.up * v).normalize())
     }
 
-    /// Where a point lies in the picture (pixels) and its depth; `None` behind the camera.
+    /// The projection of a point, in pixels, and its depth; `None` behind the camera.
     pub(crate) fn project(&self, p: &V3) -> Option<(f64, f64, f64)> {
         let q = p - self.eye;
         let depth = q.dot(&self.forward);
@@ -81,13 +81,13 @@ impl View {
         })
     }
 
-    /// The angle that a pixel takes up.
+    /// Angle subtended by a pixel, rad.
     pub(crate) fn pixel_angle(&self) -> f64 {
         2.0 * self.half[1] / self.size[1]
     }
 }
 
-/// The eight corners of a box; bit `a` of the place says upper or lower along axis `a`.
+/// The eight corners of a box; bit `a` of the index selects the upper corner along axis `a`.
 pub(crate) fn corners(b: &Bounds) -> [V3; 8] {
     std::array::from_fn(|i| {
         let pick = |a: usize| if i >> a & 1 == 1 { b.upper[a] } else { b.lower[a] };

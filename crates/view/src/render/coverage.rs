@@ -1,11 +1,11 @@
-//! Filling outlines in the plane: how much of each pixel lies inside.
+//! Antialiased fill of outlines in the plane.
 
 use rayon::prelude::*;
 
-/// Lines per pixel row along which the outline is cut.
+/// Scan lines per pixel row.
 const SCANLINES_PER_PIXEL: usize = 16;
 
-/// The part of each pixel inside an outline (even-odd rule). The segments are in pixels, y down.
+/// The share of each pixel inside an outline (even-odd rule). Segments are in pixels, y down.
 pub(crate) fn coverage(segments: &[[[f64; 2]; 2]], width: usize, height: usize) -> Vec<f64> {
     let mut rows: Vec<Vec<u32>> = vec![Vec::new(); height];
     for (i, s) in segments.iter().enumerate() {
@@ -30,7 +30,7 @@ pub(crate) fn coverage(segments: &[[[f64; 2]; 2]], width: usize, height: usize) 
     cover
 }
 
-/// Where a segment crosses a horizontal line; the upper end counts, the lower does not.
+/// Crossing of a segment with a horizontal line. The upper end is included, the lower is not.
 fn scanline_crossing([a, b]: &[[f64; 2]; 2], y: f64) -> Option<f64> {
     if (a[1] <= y) == (b[1] <= y) {
         return None;
@@ -38,7 +38,7 @@ fn scanline_crossing([a, b]: &[[f64; 2]; 2], y: f64) -> Option<f64> {
     Some(a[0] + (b[0] - a[0]) * ((y - a[1]) / (b[1] - a[1])))
 }
 
-/// Adds `weight` times the covered part to the pixels between two places of a row.
+/// Adds `weight` times the covered share to the pixels between two positions in a row.
 fn add_span(pixels: &mut [f64], from: f64, to: f64, weight: f64) {
     let end = pixels.len() as f64;
     let (from, to) = (from.clamp(0.0, end), to.clamp(0.0, end));

@@ -1,13 +1,13 @@
-//! A film of the pictures, made by `ffmpeg` where it is installed.
+//! A film of the pictures, made by `ffmpeg` if it is installed.
 
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The film's file.
+/// File name of the film.
 pub(crate) const NAME: &str = "film.mp4";
 
-/// Writes `film.mp4` into the folder `to`; the error says why not.
+/// Writes `film.mp4` into the folder `to`; the error is a message.
 pub(crate) fn make(to: &Path, images: &[PathBuf], rate: u32) -> Result<PathBuf, String> {
     let film = to.join(NAME);
     let mut command = Command::new("ffmpeg");

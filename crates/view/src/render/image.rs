@@ -1,4 +1,4 @@
-//! Pictures in memory, lines over them, and PNG files.
+//! Images in memory, line drawing and PNG files.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -8,7 +8,7 @@ use std::path::Path;
 use crate::error::{Result, ViewError};
 use crate::folder::V3;
 
-/// A picture with linear colours.
+/// An image in linear colours.
 #[derive(Clone, Debug)]
 pub(crate) struct Canvas {
     pub width: usize,
@@ -16,7 +16,7 @@ pub(crate) struct Canvas {
     pub pixels: Vec<V3>,
 }
 
-/// A finished picture: 8-bit sRGB, rows from the top.
+/// An image in 8-bit sRGB, rows from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Image {
     /// Pixels per row.
@@ -33,13 +33,13 @@ impl Canvas {
         Self { width, height, pixels: vec![color; width * height] }
     }
 
-    /// Lays `color` over a pixel.
+    /// Blends `color` over a pixel.
     pub(crate) fn blend(&mut self, x: usize, y: usize, color: &V3, alpha: f64) {
         let p = &mut self.pixels[y * self.width + x];
         *p = *p * (1.0 - alpha) + color * alpha;
     }
 
-    /// Draws a line with round ends. `alpha` is asked with the pixel and the place along the line (0 to 1).
+    /// Draws a line with round ends. `alpha` is a function of the pixel and of the position along the line (0 to 1).
     pub(crate) fn line(
         &mut self,
         a: [f64; 2],
@@ -61,7 +61,7 @@ impl Canvas {
         }
     }
 
-    /// Raises each pixel's first component to the part of it that a line covers.
+    /// Raises the first component of each pixel to the share of it that a line covers.
     pub(crate) fn cover(&mut self, a: [f64; 2], b: [f64; 2], width: f64) {
         let Some((xs, ys)) = self.range(a, b, width * 0.5 + 1.0) else { return };
         for y in ys {
@@ -72,7 +72,7 @@ impl Canvas {
         }
     }
 
-    /// The pixels about a line, if any are in the picture.
+    /// Ranges of the pixels around a line; `None` outside the picture.
     fn range(&self, a: [f64; 2], b: [f64; 2], reach: f64) -> Option<(Range<usize>, Range<usize>)> {
         let span = |k: usize, n: usize| {
             let from = (a[k].min(b[k]) - reach).floor().clamp(0.0, n as f64);
@@ -82,7 +82,7 @@ impl Canvas {
         Some((span(0, self.width)?, span(1, self.height)?))
     }
 
-    /// The finished picture.
+    /// Encodes the image with the tone curve `curve`.
     pub(crate) fn to_image(&self, curve: impl Fn(&V3) -> [u8; 3]) -> Image {
         Image {
             width: self.width as u32,
@@ -92,7 +92,7 @@ impl Canvas {
     }
 }
 
-/// The part of a pixel that a line with round ends covers, and the nearest place along the line (0 to 1).
+/// The share of a pixel that a line with round ends covers, and the closest position along the line (0 to 1).
 fn line_coverage(a: [f64; 2], b: [f64; 2], width: f64, x: usize, y: usize) -> (f64, f64) {
     let d = [b[0] - a[0], b[1] - a[1]];
     let length = d[0] * d[0] + d[1] * d[1];
@@ -103,7 +103,7 @@ fn line_coverage(a: [f64; 2], b: [f64; 2], width: f64, x: usize, y: usize) -> (f
 }
 
 impl Image {
-    /// Writes the picture as a PNG file.
+    /// Writes the image as a PNG file.
     pub fn save(&self, path: &Path) -> Result<()> {
         let file = File::create(path).map_err(ViewError::io(path))?;
         let mut encoder = png::Encoder::new(BufWriter::new(file), self.width, self.height);

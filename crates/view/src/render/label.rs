@@ -1,10 +1,10 @@
-//! Short labels (numbers and units) drawn with strokes.
+//! Short labels (numbers and units) drawn as strokes.
 
 use super::image::Canvas;
 use crate::folder::V3;
 
-/// The strokes of a sign on a grid 4 wide and 6 high: points as digit pairs, strokes parted by spaces. The
-/// baseline is at 0, y points up.
+/// Strokes of a character on a grid 4 wide and 6 high: points as digit pairs, strokes separated by spaces. The baseline is at
+/// 0; y points up.
 fn strokes(sign: char) -> &'static str {
     match sign {
         '0' => "10304145361605 0110 0105",
@@ -38,7 +38,7 @@ fn strokes(sign: char) -> &'static str {
     }
 }
 
-/// The polylines of a sign.
+/// The polylines of a character.
 fn polylines(sign: char) -> Vec<Vec<[f64; 2]>> {
     if sign == 'm' {
         let arch = |x: f64| vec![[x, 3.0], [x + 0.6, 4.0], [x + 1.4, 4.0], [x + 2.0, 3.0], [x + 2.0, 0.0]];
@@ -61,7 +61,7 @@ fn polylines(sign: char) -> Vec<Vec<[f64; 2]>> {
     lines
 }
 
-/// The width of a text of the given height.
+/// Width of a text of the given height.
 pub(crate) fn width(text: &str, height: f64) -> f64 {
     text.chars().map(advance).sum::<f64>() * height / 6.0
 }
@@ -89,7 +89,7 @@ pub(crate) fn draw(canvas: &mut Canvas, text: &str, at: [f64; 2], height: f64, c
     }
 }
 
-/// A length or a time with a prefix that makes its number handy, such as `12.5 mm`.
+/// A length or a time with a suitable SI prefix, such as `12.5 mm`.
 pub(crate) fn quantity(x: f64, unit: char) -> String {
     const PREFIXES: [(f64, &str); 5] = [(1e-9, "n"), (1e-6, "u"), (1e-3, "m"), (1.0, ""), (1e3, "k")];
     if unit == 'm' && (0.01..1.0).contains(&x.abs()) {
@@ -109,7 +109,7 @@ pub(crate) fn value(x: f64, unit: Option<char>) -> String {
     }
 }
 
-/// A number with four significant digits at most.
+/// A number with at most four significant digits.
 fn round(x: f64) -> String {
     let decimals = if x.abs() >= 99.95 { 1 } else { 2 };
     let text = format!("{x:.decimals$}");

@@ -1,4 +1,4 @@
-//! Colours of solids that show values, and what they mean.
+//! Colours of solids by value, and their legend.
 
 use meniscus_numerics::mesh::ply::PlyMesh;
 
@@ -8,7 +8,7 @@ use crate::color_map::{ColorBy, ScalarRange, linear_from_srgb, scalar_ranges};
 use crate::error::{Result, ViewError};
 use crate::folder::RunFolder;
 
-/// What solids are coloured by in all pictures of a run.
+/// Mapping of values to colours, the same for all pictures of a run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ColorMapping {
     pub shade: ColorBy,
@@ -16,10 +16,10 @@ pub(crate) struct ColorMapping {
 }
 
 impl ColorMapping {
-    /// That of a run; none where solids have their own colours.
+    /// The mapping of a run; `None` where solids have their own colours.
     ///
     /// # Errors
-    /// A run that has no such values, or frames that cannot be read.
+    /// If the run has no such values, or frames cannot be read.
     pub(crate) fn of(folder: &RunFolder, shade: ColorBy) -> Result<Option<Self>> {
         if shade == ColorBy::Plain {
             return Ok(None);
@@ -32,13 +32,13 @@ impl ColorMapping {
         Ok(Some(Self { shade, range: range.ok_or_else(nothing)? }))
     }
 
-    /// Where the values at a mesh's vertices lie in the range; empty where there are none.
+    /// Normalised values at a mesh's vertices; empty where there are none.
     pub(crate) fn places(&self, mesh: &PlyMesh) -> Vec<f64> {
         let values = self.shade.values(mesh).unwrap_or_default();
         values.into_iter().map(|v| self.range.normalised(v)).collect()
     }
 
-    /// Draws a bar of the colours with the ends of the range.
+    /// Draws a colour bar with the ends of the range.
     pub(crate) fn legend(&self, canvas: &mut Canvas) {
         let (w, h) = (canvas.width as f64, canvas.height as f64);
         let (height, ink) = ((h / 28.0).max(8.0), linear_from_srgb(0x0033_3d47));

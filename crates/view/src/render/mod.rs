@@ -1,4 +1,4 @@
-//! Pictures of a run: own ray tracer on the CPU, the same bits for any number of threads.
+//! Pictures of a run by a ray tracer on the CPU. The result is bitwise the same for any number of threads.
 
 mod camera;
 mod coverage;
@@ -21,10 +21,10 @@ use crate::error::{Result, ViewError};
 use crate::folder::{Frame, RunFolder};
 use legend::ColorMapping;
 
-/// Frames looked at to find out how much of the picture is filled.
+/// Number of frames sampled for the filled share of the picture.
 const SAMPLED_FRAMES: usize = 8;
 
-/// Makes pictures of the frames of one run.
+/// Renders the frames of one run.
 #[derive(Debug)]
 pub struct Renderer {
     folder: RunFolder,
@@ -42,7 +42,7 @@ enum RenderMode {
 }
 
 impl Renderer {
-    /// Reads through the output folder `dir` and sets up the camera for all its frames.
+    /// Opens the output folder `dir` and sets up the camera for all its frames.
     pub fn open(dir: &Path, options: &RenderOptions) -> Result<Self> {
         let folder = RunFolder::open(dir)?;
         let wanted = |n: &u32| options.frames.as_ref().is_none_or(|range| range.contains(n));
@@ -79,17 +79,17 @@ impl Renderer {
         Ok(Self { folder, numbers, options: options.clone(), mode, shading, filled_share })
     }
 
-    /// The numbers of the frames to picture.
+    /// Numbers of the frames to render.
     pub fn numbers(&self) -> &[u32] {
         &self.numbers
     }
 
-    /// The picture of the frame with a number.
+    /// Renders the frame with a number.
     pub fn image(&self, number: u32) -> Result<Image> {
         Ok(self.picture(&self.folder.frame(number)?))
     }
 
-    /// The picture of a frame.
+    /// Renders a frame.
     fn picture(&self, frame: &Frame) -> Image {
         let shading = self.shading.as_ref();
         match &self.mode {
@@ -104,7 +104,7 @@ impl Renderer {
     }
 }
 
-/// The largest part of the picture, in any of some frames, of the box around the liquid and the solids.
+/// Largest share of the picture, over sampled frames, covered by the bounding box of the liquid and the solids.
 fn max_filled_share(folder: &RunFolder, numbers: &[u32], look: &RenderMode) -> Result<f64> {
     let mut most = 0.0f64;
     for number in RunFolder::evenly_spaced(numbers, SAMPLED_FRAMES) {
@@ -124,7 +124,7 @@ fn max_filled_share(folder: &RunFolder, numbers: &[u32], look: &RenderMode) -> R
     Ok(most)
 }
 
-/// The part of a picture (pixels) that the box around some points takes up.
+/// Share of a picture of the given size, in pixels, covered by the bounding box of points.
 fn covered_share(points: impl Iterator<Item = [f64; 2]>, size: [f64; 2]) -> f64 {
     let start = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     let (low, high) = points.fold(start, |(low, high), p| {
@@ -133,7 +133,7 @@ fn covered_share(points: impl Iterator<Item = [f64; 2]>, size: [f64; 2]) -> f64 
     (0..2).map(|a| (high[a].min(size[a]) - low[a].max(0.0)).max(0.0) / size[a]).product()
 }
 
-/// The pictures and films that an earlier call has left in a folder, but for those of some numbers.
+/// The pictures and films of an earlier call in a folder, except the pictures with the given numbers.
 fn stale_images(to: &Path, numbers: &[u32]) -> Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(to).map_err(ViewError::io(to))? {
@@ -149,13 +149,13 @@ fn stale_images(to: &Path, numbers: &[u32]) -> Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// Writes a picture `frame_NNNN.png` of each wanted frame of the output folder `dir`, and a film of them. Pictures of an earlier
-/// call that this one does not write again are removed from `render` in the output folder, so that what lies there is of one
-/// call. `done` is told after each picture how many are made and how many there will be.
+/// Writes a picture `frame_NNNN.png` of each requested frame of the output folder `dir`, and a film of them. Pictures of an
+/// earlier call that this one does not overwrite are removed from `render` in the output folder. After each picture, `done` is
+/// called with the number of pictures made and their total.
 ///
 /// # Errors
-/// [`ViewError`], also where nothing of the run lies in the picture, and where a folder given in the options has pictures that
-/// this call would not write.
+/// [`ViewError`], also if nothing of the run is in the picture, and if a folder given in the options has pictures that this
+/// call would not overwrite.
 pub fn render(dir: &Path, options: &RenderOptions, mut done: impl FnMut(usize, usize)) -> Result<Rendered> {
     let renderer = Renderer::open(dir, options)?;
     let to = options.to.clone().unwrap_or_else(|| dir.join("render"));

@@ -1,34 +1,34 @@
-//! How a run is to be drawn, and what was.
+//! Options and report of rendering.
 
 use crate::color_map::ColorBy;
 use crate::render::camera::Camera;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
-/// How the liquid looks in three dimensions.
+/// Look of the liquid in three dimensions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Style {
-    /// Clear: refracts, reflects, tints a little.
+    /// Clear: refracting, reflecting, slightly tinted.
     #[default]
     Glass,
     /// Opaque blue.
     Matte,
 }
 
-/// What is drawn beside the liquid and the solids, and in which colours; those of the program where none is given.
+/// Optional elements and colours. `None` stands for the default colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Appearance {
-    /// Whether the checkered floor is drawn (3D).
+    /// Draw the checkered floor (3D).
     pub floor: bool,
-    /// Whether the edges of the domain are drawn.
+    /// Draw the edges of the domain.
     pub domain: bool,
-    /// Whether the contact line is drawn.
+    /// Draw the contact line.
     pub line: bool,
-    /// The colour behind everything, 0xRRGGBB; bright ones come out a little darker in 3D, as highlights are rolled off.
+    /// Background colour, 0xRRGGBB. In 3D tone mapping darkens bright colours slightly.
     pub background: Option<u32>,
-    /// The colour of the liquid, 0xRRGGBB; of glass the colour that it takes on where it is as thick as it is wide.
+    /// Colour of the liquid, 0xRRGGBB; for glass the colour at a thickness of one typical width.
     pub liquid: Option<u32>,
-    /// The colour of all solids, 0xRRGGBB.
+    /// Colour of all solids, 0xRRGGBB.
     pub solids: Option<u32>,
 }
 
@@ -38,30 +38,30 @@ impl Default for Appearance {
     }
 }
 
-/// How pictures are made.
+/// Options of rendering.
 #[derive(Clone, Debug)]
 pub struct RenderOptions {
-    /// Width and height (pixels).
+    /// Width and height in pixels.
     pub size: (u32, u32),
-    /// The camera, in 3D only; `None` looks a little from above at all that is to be seen.
+    /// The camera, in 3D only; `None` looks slightly from above and shows everything.
     pub camera: Option<Camera>,
-    /// The look of the liquid.
+    /// Look of the liquid.
     pub style: Style,
-    /// What else is drawn, and colours.
+    /// Optional elements and colours.
     pub appearance: Appearance,
-    /// What solids are coloured by.
+    /// Quantity that colours solids.
     pub shade: ColorBy,
-    /// Samples per pixel; three times as many where the liquid is seen.
+    /// Samples per pixel; three times as many on the liquid.
     pub samples: u32,
-    /// The frame numbers to picture; `None` for all.
+    /// Numbers of the frames to render; `None` for all.
     pub frames: Option<RangeInclusive<u32>>,
-    /// Only each `every`-th frame.
+    /// Render only each `every`-th frame.
     pub every: usize,
-    /// Where the pictures go; `None` for `render` in the output folder.
+    /// Folder of the pictures; `None` for `render` in the output folder.
     pub to: Option<PathBuf>,
-    /// Make a film of them with `ffmpeg`, if it is on the path.
+    /// Make a film with `ffmpeg`, if it is on the path.
     pub film: bool,
-    /// The film's pictures per second.
+    /// Frame rate of the film, 1/s.
     pub rate: u32,
 }
 
@@ -83,19 +83,19 @@ impl Default for RenderOptions {
     }
 }
 
-/// What has been made.
+/// Report on rendered pictures.
 #[derive(Clone, Debug, Default)]
 pub struct Rendered {
     /// The pictures, in order.
     pub images: Vec<PathBuf>,
-    /// Frames of the run.
+    /// Number of frames of the run.
     pub frames: usize,
-    /// The part of the picture that the box around what is to be seen takes up, in the frame where it is largest.
+    /// Largest share of the picture, over sampled frames, covered by the bounding box of the liquid and the solids.
     pub filled_share: f64,
-    /// Pictures of an earlier call that were removed.
+    /// Number of removed pictures of an earlier call.
     pub removed: usize,
     /// The film, if it was made.
     pub film: Option<PathBuf>,
-    /// Why there is no film, if one was wanted.
+    /// Why a requested film was not made.
     pub no_film: Option<String>,
 }

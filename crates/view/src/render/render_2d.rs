@@ -12,14 +12,14 @@ use super::{Appearance, label};
 use crate::color_map::linear_from_srgb;
 use crate::folder::{Bounds, Frame, RunFolder, V3};
 
-/// The window leaves the whole domain where that shows the liquid more than this many times larger.
+/// Magnification of the liquid above which the window shows less than the whole domain.
 const ZOOM_THRESHOLD: f64 = 1.7;
 
-/// How far wetted vertices may be off a solid, and how far below its surface they are put, in cells.
+/// Largest distance of a wetted vertex from a solid, and its depth below the solid's surface after snapping, in cells.
 const SNAP_DISTANCE_CELLS: f64 = 1.0;
 const SNAP_DEPTH_CELLS: f64 = 0.3;
 
-/// The window of the plane that is shown, and how it lies in the picture.
+/// Window of the plane and its mapping to the picture.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Viewport {
     center: [f64; 2],
@@ -27,11 +27,11 @@ pub(crate) struct Viewport {
     scale: f64,
     size: (u32, u32),
     domain: Option<[f64; 2]>,
-    /// Width of a cell, m, where it is known.
+    /// Cell size, m, if known.
     dx: Option<f64>,
 }
 
-/// A linear colour as 8-bit sRGB, without any change of tone.
+/// Encodes a linear colour as 8-bit sRGB without tone mapping.
 fn encode_srgb(c: &V3) -> [u8; 3] {
     [c.x, c.y, c.z].map(|x| {
         let s = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
@@ -40,7 +40,7 @@ fn encode_srgb(c: &V3) -> [u8; 3] {
 }
 
 impl Viewport {
-    /// A window that shows the domain, or what is to be seen where that makes it much larger.
+    /// A window that shows the domain, or only the bounds `seen` if these are much smaller.
     pub(crate) fn new(folder: &RunFolder, seen: &Bounds, size: (u32, u32)) -> Self {
         let domain = folder.domain.map(|d| [d[0], d[1]]);
         let (w, h) = (f64::from(size.0), f64::from(size.1));
@@ -64,12 +64,12 @@ impl Viewport {
         Self { center, scale: scale(&lower, &upper), size, domain, dx: folder.dx }
     }
 
-    /// Width and height of the picture, pixels.
+    /// Width and height of the picture in pixels.
     pub(crate) fn size(&self) -> [f64; 2] {
         [f64::from(self.size.0), f64::from(self.size.1)]
     }
 
-    /// Where a point lies in the picture, pixels.
+    /// Position of a point in the picture, in pixels.
     pub(crate) fn place(&self, p: &[f64]) -> [f64; 2] {
         [
             0.5 * f64::from(self.size.0) + (p[0] - self.center[0]) * self.scale,
@@ -82,7 +82,7 @@ impl Viewport {
     }
 }
 
-/// The picture of one frame.
+/// Renders one frame.
 pub(crate) fn picture(
     window: &Viewport,
     frame: &Frame,
@@ -98,7 +98,7 @@ pub(crate) fn picture(
         fill(&mut canvas, &walls, &air, &air);
         strokes(&mut canvas, &walls, thick * 1.2, &linear_from_srgb(0x0055_5f69));
     }
-    // The solids are drawn over the liquid, whose wetted vertices lie below their surfaces.
+    // The solids are drawn over the liquid, whose wetted vertices lie below the solids' surfaces.
     let outline = window.segments(&snapped_to_solids(&frame.liquid, frame, window.dx));
     let [top, bottom, edge] = fill_and_edge_colors(set.liquid, [0x0062_b0e8, 0x0023_74bf, 0x0010_4b86]);
     fill(&mut canvas, &outline, &top, &bottom);
@@ -127,14 +127,14 @@ pub(crate) fn picture(
     canvas.to_image(encode_srgb)
 }
 
-/// The colours of an upper and a lower end and of an edge: shades of one that is given, else the usual ones.
+/// Colours at the top, at the bottom and of the edge: shades of a given colour, or the defaults.
 fn fill_and_edge_colors(given: Option<u32>, usual: [u32; 3]) -> [V3; 3] {
     given.map_or(usual.map(linear_from_srgb), |color| {
         [1.0, 0.75, 0.35].map(|part| linear_from_srgb(color) * part)
     })
 }
 
-/// The liquid with its wetted vertices a little below the surface of the solid that they are on.
+/// The liquid with its wetted vertices moved slightly below the surface of the closest solid.
 fn snapped_to_solids(liquid: &PlyMesh, frame: &Frame, dx: Option<f64>) -> PlyMesh {
     let mut out = liquid.clone();
     let (Some(dx), Some(kinds)) = (dx, liquid.scalars.get("kind")) else { return out };
@@ -159,7 +159,7 @@ fn snapped_to_solids(liquid: &PlyMesh, frame: &Frame, dx: Option<f64>) -> PlyMes
     out
 }
 
-/// Fills an outline; the colour goes from `top` to `bottom` over the height of the outline.
+/// Fills an outline with a vertical gradient from `top` to `bottom`.
 fn fill(canvas: &mut Canvas, outline: &[[[f64; 2]; 2]], top: &V3, bottom: &V3) {
     let heights = || outline.iter().flatten().map(|p| p[1]);
     let (high, low) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
@@ -171,7 +171,7 @@ fn fill(canvas: &mut Canvas, outline: &[[[f64; 2]; 2]], top: &V3, bottom: &V3) {
     }
 }
 
-/// Draws an outline. Where pieces meet the darker of the two counts, so that joints leave no dots.
+/// Draws an outline. Overlapping segments are combined by their maximum, so that joints show no dots.
 fn strokes(canvas: &mut Canvas, outline: &[[[f64; 2]; 2]], width: f64, color: &V3) {
     let mut mask = Canvas::new((canvas.width as u32, canvas.height as u32), V3::zeros());
     for [a, b] in outline {
@@ -182,7 +182,7 @@ fn strokes(canvas: &mut Canvas, outline: &[[[f64; 2]; 2]], width: f64, color: &V
     }
 }
 
-/// The scale bar and the time.
+/// Draws the scale bar and the time.
 fn labels(window: &Viewport, frame: &Frame, canvas: &mut Canvas) {
     let (w, h) = (f64::from(window.size.0), f64::from(window.size.1));
     let (ink, height) = (linear_from_srgb(0x0033_3d47), (h / 28.0).max(8.0));

@@ -1,4 +1,4 @@
-//! What stays the same over all frames of a run: the picture's coordinates, the domain, the camera.
+//! Data common to all pictures of a run: picture coordinates, domain, camera.
 
 use std::collections::BTreeMap;
 
@@ -9,42 +9,42 @@ use crate::color_map::linear_from_srgb;
 use crate::error::Result;
 use crate::folder::{Bounds, Frame, RunFolder, V3};
 
-/// Frames looked at to find out what is to be seen.
+/// Number of frames sampled for the visible bounds.
 const SAMPLED_FRAMES: usize = 24;
 
-/// The fixed parts of all pictures of a run.
+/// Data common to all 3D pictures of a run.
 #[derive(Clone, Debug)]
 pub(crate) struct RenderSetup {
-    /// Metres per unit of the picture's coordinates.
+    /// Unit of the picture coordinates, m.
     pub unit: f64,
-    /// The point (m) that is the origin of the picture's coordinates, on the ground.
+    /// Origin of the picture coordinates, m; it lies on the ground.
     origin: V3,
-    /// The domain in the picture's coordinates, if it is known.
+    /// The domain in picture coordinates, if known.
     pub domain: Option<Bounds>,
-    /// The cell width in the picture's coordinates, if it is known.
+    /// Cell size in picture coordinates, if known.
     pub dx: Option<f64>,
-    /// The typical width of the liquid in the picture's coordinates.
+    /// Typical width of the liquid in picture coordinates.
     pub liquid: f64,
-    /// The distance of lines on the ground.
+    /// Spacing of the ground pattern.
     pub grid: f64,
-    /// Where lines on the ground cross.
+    /// Origin of the ground pattern.
     pub grid_origin: [f64; 2],
     pub view: View,
     pub environment: Environment,
-    /// What is drawn beside the liquid and the solids.
+    /// Optional elements and colours.
     pub appearance: Appearance,
 }
 
-/// A solid larger than this many times the liquid is shown near the liquid only.
+/// Ratio of sizes of solid and liquid above which only the part of the solid near the liquid is shown.
 const LARGE_SOLID_RATIO: f64 = 1.5;
-/// How far around the liquid, in its diagonals, such a solid is shown.
+/// Margin around the liquid in which such a solid is shown, in diagonals of the liquid.
 const LARGE_SOLID_MARGIN: f64 = 0.25;
 
-/// What is to be seen of the frames, and the largest volume of the liquid: the liquid, solids of about its size, and the
-/// part near the liquid of those so large that the liquid would be lost on them.
+/// Visible bounds over the frames, and the largest volume of the liquid. The bounds contain the liquid, solids of similar size,
+/// and the parts of larger solids near the liquid.
 pub(crate) fn visible_bounds(folder: &RunFolder) -> Result<(Bounds, f64)> {
     let (mut liquid, mut volume) = (Bounds::EMPTY, 0.0f64);
-    // Each solid's way, and its largest size in any frame.
+    // Bounds over all frames and largest size of each solid.
     let mut solids: BTreeMap<String, (Bounds, f64)> = BTreeMap::new();
     for number in RunFolder::evenly_spaced(&folder.frame_numbers, SAMPLED_FRAMES) {
         let frame = folder.frame(number)?;
@@ -79,14 +79,14 @@ pub(crate) fn visible_bounds(folder: &RunFolder) -> Result<(Bounds, f64)> {
     Ok((all, volume))
 }
 
-/// The volume enclosed by the liquid's surface.
+/// Volume enclosed by the surface of the liquid.
 fn enclosed_volume(frame: &Frame) -> f64 {
     let p = |i: u32| V3::from(frame.liquid.positions[i as usize]);
     let part = |f: &[u32; 3]| p(f[0]).dot(&p(f[1]).cross(&p(f[2])));
     frame.liquid.faces.iter().map(part).sum::<f64>().abs() / 6.0
 }
 
-/// The number of the form 1, 2 or 5 times a power of ten that is nearest below `x`.
+/// The largest number of the form 1, 2 or 5 times a power of ten that does not exceed `x`.
 pub(crate) fn round_length(x: f64) -> f64 {
     let power = 10f64.powf(x.max(1e-300).log10().floor());
     let digit = [5.0, 2.0, 1.0].into_iter().find(|d| d * power <= x * (1.0 + 1e-9)).unwrap_or(1.0);
@@ -127,12 +127,12 @@ impl RenderSetup {
         })
     }
 
-    /// What is seen in a direction where nothing stands.
+    /// Radiance of the background in a direction.
     pub(crate) fn backdrop(&self, direction: &V3) -> V3 {
         self.appearance.background.map_or_else(|| self.environment.backdrop(direction), linear_from_srgb)
     }
 
-    /// Points in the picture's coordinates, none below the ground.
+    /// Points in picture coordinates, clamped to the ground from below.
     pub(crate) fn to_picture_coordinates(&self, positions: &[[f64; 3]]) -> Vec<V3> {
         let place = |p: &[f64; 3]| {
             let q = (V3::from(*p) - self.origin) / self.unit;
@@ -141,7 +141,7 @@ impl RenderSetup {
         positions.iter().map(place).collect()
     }
 
-    /// Which vertices of the liquid lie on something opaque: a solid or the ground, not a side wall.
+    /// Whether each vertex of the liquid touches a solid or the ground; side walls do not count.
     pub(crate) fn wetted(&self, frame: &Frame, points: &[V3]) -> Vec<bool> {
         let kind = frame.liquid.scalars.get("kind");
         let near = self.dx.map_or(2e-3, |dx| 1.5 * dx);

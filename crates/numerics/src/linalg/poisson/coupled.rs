@@ -1,11 +1,11 @@
-//! A pressure system with bodies that the pressure sets in motion.
+//! A pressure system coupled with bodies that move under the pressure.
 //!
-//! Together they add `F B⁻¹ Fᵀ`, where `F` are the flows into cells by the bodies' degrees of freedom and `B` is their own matrix,
-//! which is known by its solve only: the system stays symmetric positive definite, whatever `F` is. Of a rigid body that moves as many
-//! eigenvalues apart as it has degrees of freedom, and costs about as many iterations (D. Aanjaneya, "An efficient solver for two-way
-//! coupling rigid bodies with incompressible flow", CGF 2018). Of a body that deforms the multigrid sees what each cell by itself would
-//! give way, as if the wall were porous (design, numerics §1): the caller adds that to the Dirichlet coefficients, and here it is taken
-//! off again.
+//! The bodies add `F B⁻¹ Fᵀ` to the system. `F` holds the flow into the cells per degree of freedom of the bodies, and
+//! `B` is the bodies' own matrix, known by its solve only. The system stays symmetric positive definite for any `F`. A
+//! rigid body separates as many eigenvalues as it has degrees of freedom, and costs about as many iterations (D.
+//! Aanjaneya, "An efficient solver for two-way coupling rigid bodies with incompressible flow", CGF 2018). For a
+//! deformable body the multigrid uses the compliance of each cell by itself, as if the wall were porous: the caller adds
+//! this lumped compliance to the Dirichlet coefficients, and it is subtracted here.
 
 use super::schwarz::{Schwarz, SubdomainInverse};
 use super::solver::{PressureSolver, UnconvergedIterate};
@@ -15,36 +15,35 @@ use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock};
 
-/// Entries of a column: the cell (by its place in memory) and the value.
+/// Entries of a column: the index of the cell, and the value.
 pub type SparseColumn = Vec<(u32, f64)>;
 
-/// A function that overwrites a vector with another.
+/// A linear solve that overwrites the right-hand side with the solution.
 pub type InPlaceSolve<'a> = dyn Fn(&mut [f64]) + Sync + 'a;
 
 /// Bodies that move under the pressure.
 pub struct CoupledBodies<'a> {
     /// Number of their degrees of freedom.
     pub dof_count: usize,
-    /// `F`: for each cell at their surfaces the degrees of freedom that flow into it, and how much.
+    /// `F`: for each cell at the bodies' surfaces, the degrees of freedom that flow into it, with coefficients.
     pub flux_rows: Vec<(u32, Vec<(u32, f64)>)>,
-    /// For each of these cells what the system's Dirichlet coefficient has already of `F B⁻¹ Fᵀ`.
+    /// For each of these cells, the part of `F B⁻¹ Fᵀ` that the system's Dirichlet coefficient already contains.
     pub lumped_compliance: Vec<f64>,
-    /// `x → B⁻¹ x` for the degrees of freedom in `flows`, where `x` is 0 for all others; of one vector or several, one after another.
+    /// `x → B⁻¹ x` for the degrees of freedom in `flux_rows`; `x` is 0 at all others. It takes one vector, or several one after another.
     pub solve: Box<InPlaceSolve<'a>>,
-    /// Columns whose sums over a component of the liquid tell whether the bodies determine its mean pressure: they do not where each sum
-    /// is zero.
+    /// Columns that tell whether the bodies determine the mean pressure of a component of the liquid: they do not where
+    /// each column sums to zero over it.
     pub mean_pressure_probes: Vec<SparseColumn>,
-    /// The exact inverse on these cells, once a solve was too slow without; nothing in it where there is none.
+    /// The exact inverse on these cells, built once a solve without it was too slow; contains `None` where it does not exist.
     pub subdomain_inverse: OnceLock<Option<SubdomainInverse>>,
 }
 
-/// Bodies' solves that are done at once for the exact inverse on their cells.
+/// Number of body solves per batch when the exact inverse is assembled.
 const SOLVES_PER_BATCH: usize = 16;
-/// Bodies' solves done at once that take as long as one by itself: an estimate for supernodal factors, which changes the cost only.
+/// Number of batched body solves that take as long as a single one: an estimate for supernodal factors, which affects the cost only.
 const BATCH_SPEEDUP: usize = 4;
 
-/// Degrees of freedom of bodies from which on another thread solves for them while the liquid's part is worked out: to wake one takes
-/// some 10 µs.
+/// Number of body degrees of freedom from which the bodies are solved for on another thread: waking it takes some 10 µs.
 const MIN_PARALLEL_DOFS: usize = 1 << 14;
 
 struct CoupledOperator<'a, const D: usize> {
@@ -90,11 +89,12 @@ impl<const D: usize> LinearOperator for CoupledOperator<'_, D> {
 }
 
 impl<const D: usize> PressureSolver<D> {
-    /// Solves `(A + F B⁻¹ Fᵀ − porous) x = rhs` as [`solve`](Self::solve) does without bodies. What they say of cells that are no
-    /// unknowns is left out. A component without Dirichlet values floats only if no body feels a constant on it.
+    /// Solves `(A + F B⁻¹ Fᵀ − diag(lumped_compliance)) x = rhs` as [`solve`](Self::solve) does without bodies. Entries
+    /// of bodies at cells that are no unknowns are ignored. A component without Dirichlet values floats only if a
+    /// constant pressure on it acts on no body.
     ///
     /// # Errors
-    /// As [`solve`](Self::solve), but that `x` may hold an iterate then.
+    /// As [`solve`](Self::solve), except that `x` may then hold an iterate.
     pub fn solve_coupled(
         &self,
         bodies: Option<&CoupledBodies<'_>>,
@@ -112,8 +112,8 @@ impl<const D: usize> PressureSolver<D> {
         let floats = self.floating_with_columns(&feelers);
         let entries = body.flux_rows.iter().map(|(cell, _)| entry(*cell)).collect();
         let coupled = CoupledOperator { system: self, body, entries };
-        // Multigrid alone may go on for as long as it takes to find the exact inverse on the bodies' cells: at most twice the time of
-        // whichever of both is faster (ski rental).
+        // Multigrid alone may take as long as building the exact inverse on the bodies' cells would: the total is at most
+        // twice the time of the faster of both (ski rental).
         let (tolerance, most) = limits;
         let mut done = 0;
         if body.subdomain_inverse.get().is_none() {
@@ -161,8 +161,8 @@ impl<const D: usize> CoupledOperator<'_, D> {
         SubdomainInverse::new(entries, matrix)
     }
 
-    /// The system's entries between cells. `x + 2 y + 3 z` modulo `2 D + 1` is another one for a cell and each of its neighbours: so many
-    /// products with the system tell all entries.
+    /// The system's entries between cells. The colour `x + 2 y + 3 z` modulo `2 D + 1` differs for a cell and all its
+    /// neighbours, so that as many products with the system give all entries.
     fn subdomain_matrix(&self, cells: &BTreeMap<usize, [usize; D]>, entries: &[usize]) -> DMatrix<f64> {
         let colours = 2 * D + 1;
         let colour =
@@ -187,7 +187,7 @@ impl<const D: usize> CoupledOperator<'_, D> {
         matrix
     }
 
-    /// Adds what the bodies do to the cells' matrix.
+    /// Adds `F B⁻¹ Fᵀ − diag(lumped_compliance)` to the cells' matrix.
     fn add_compliance(&self, entries: &[usize], matrix: &mut DMatrix<f64>) {
         let body = self.body;
         let mut flows: Vec<Vec<(u32, f64)>> = vec![Vec::new(); entries.len()];

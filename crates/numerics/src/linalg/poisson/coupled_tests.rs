@@ -4,7 +4,7 @@ use super::tests::{System, slab};
 use nalgebra::{DMatrix, DVector};
 use std::sync::OnceLock;
 
-/// Rigid bodies: degrees of freedom with a mass of their own, and no part in the preconditioner.
+/// Rigid bodies: degrees of freedom with unit mass (`B = I`) and no lumped compliance.
 fn rigid_solution_matches<const D: usize>(system: &System<D>, scale: f64) {
     let solver = PressureSolver::new(&system.input());
     let (rhs, mut x) = (system.random_field(5), system.random_field(6));
@@ -46,7 +46,7 @@ fn rigid_bodies_are_part_of_the_system() {
         rigid_solution_matches(&slab::<2>(), scale);
         rigid_solution_matches(&slab::<3>(), scale);
     }
-    // All that holds this one is the body.
+    // Only the body determines the mean pressure of this one.
     rigid_solution_matches(&System::new([12, 9], |_| true, || 1.0, |_| 0.0), 1.0);
 }
 

@@ -1,10 +1,9 @@
-//! Components of the pressure system where faces without flux cut through the liquid.
+//! Connected components of the pressure system, where faces without flux may cut the liquid apart.
 
 use super::PoissonInput;
 use crate::grid::{Run, Runs};
 
-/// The unknowns in components that are connected by positive coefficients; runs are split at faces without
-/// flux.
+/// The unknowns, labelled with components connected by positive coefficients; runs are split at faces without flux.
 pub(super) fn flux_components<const D: usize>(input: &PoissonInput<D>) -> Runs {
     let mut pieces = split_at_zero_coefficients(input);
     let mut parents: Vec<u32> = (0..pieces.len() as u32).collect();

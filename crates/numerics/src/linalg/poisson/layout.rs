@@ -1,13 +1,12 @@
 //! Compact storage of the unknowns: blocks of a row, split by colour.
 //!
-//! A *block* is [`BLOCK_CELLS`] consecutive cells of a row (aligned in absolute cell numbers), stored where it
-//! holds at least one unknown. A vector over the unknowns consists of two halves, one per colour of the
-//! chessboard; cell `i` of a row of parity `s` (sum of the other coordinates mod 2) has colour `(i + s) mod
-//! 2` and lies at entry `i / 2` of its row in that half. So the neighbours of a cell are entries of the other
-//! half at the *same* entry of the neighbouring rows, and at the same and one adjacent entry of its own row:
-//! every sweep over one colour runs at unit stride. Consecutive blocks of a row are contiguous, followed by
-//! one entry that stays zero. Each half starts with a stretch of zeros which stands for every row that is not
-//! stored.
+//! A *block* is [`BLOCK_CELLS`] consecutive cells of a row (aligned in absolute cell numbers). It is stored if it
+//! contains an unknown. A vector over the unknowns consists of two halves, one per colour of the chessboard: cell `i` of
+//! a row of parity `s` (sum of the other coordinates mod 2) has colour `(i + s) mod 2` and lies at entry `i / 2` of its
+//! row in that half. The neighbours of a cell are therefore entries of the other half: the *same* entry of the
+//! neighbouring rows, and the same and one adjacent entry of its own row. Every sweep over one colour runs at unit
+//! stride. Consecutive blocks of a row are contiguous, followed by one entry that stays zero. Each half starts with zeros
+//! that represent every row that is not stored.
 
 use crate::grid::Runs;
 use std::ops::Range;
@@ -16,14 +15,14 @@ use std::ops::Range;
 pub(super) const LANES: usize = 8;
 /// Cells of a block.
 pub(super) const BLOCK_CELLS: usize = 2 * LANES;
-/// Longest span of blocks handled at once.
+/// Maximum number of blocks in a span.
 pub(super) const MAX_SPAN_BLOCKS: usize = 64;
-/// Where the zeros stand that replace rows that are not stored.
+/// Entry of the zeros that represent rows that are not stored.
 pub(super) const ZERO_ENTRY: u32 = 1;
 /// First entry that belongs to a block.
 const FIRST_BLOCK_ENTRY: usize = MAX_SPAN_BLOCKS * LANES + 2;
 
-/// A maximal stretch of stored blocks of one row.
+/// A maximal run of stored blocks of one row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BlockRun {
     /// Row number.
@@ -43,11 +42,11 @@ pub(super) struct BlockRun {
 pub(super) struct Layout<const D: usize> {
     /// Cells along each axis.
     pub extent: [usize; D],
-    /// Stored stretches, by row.
+    /// The stored block runs, by row.
     pub block_runs: Vec<BlockRun>,
-    /// For each row its first stretch (one more entry than rows).
+    /// For each row its first block run (one more entry than rows).
     row_starts: Vec<u32>,
-    /// For each stored block which of its cells are unknowns.
+    /// For each stored block, the bit mask of its unknowns.
     pub masks: Vec<u16>,
     /// Entries of half a vector.
     pub half_length: usize,
@@ -162,7 +161,7 @@ impl<const D: usize> Layout<D> {
         (1..D).rev().fold(0, |row, a| row * self.extent[a] + at[a])
     }
 
-    /// The stretches of a row.
+    /// The block runs of a row.
     pub fn runs_of_row(&self, row: usize) -> &[BlockRun] {
         &self.block_runs[self.row_starts[row] as usize..self.row_starts[row + 1] as usize]
     }
@@ -191,8 +190,8 @@ impl<const D: usize> Layout<D> {
         at[1..].iter().sum::<usize>() % 2
     }
 
-    /// Makes a used buffer ready to hold a vector of `halves` halves: right length, zeros wherever no block
-    /// is. The blocks keep whatever they held.
+    /// Prepares a used buffer for a vector of `halves` halves: sets its length, and zeros wherever there is no block. The
+    /// contents of blocks are left as they were.
     pub fn prepare<T: Copy + Default>(&self, buffer: &mut Vec<T>, halves: usize) {
         let length = halves * self.half_length;
         if buffer.capacity() < length {
@@ -208,8 +207,7 @@ impl<const D: usize> Layout<D> {
         }
     }
 
-    /// Ranges of stretches to be worked on in parallel; whole rows, about equal in size, the same for any
-    /// number of threads.
+    /// Ranges of block runs for parallel work: whole rows, about equal in size, the same for any number of threads.
     pub fn chunks(&self) -> Vec<Range<usize>> {
         let size = (self.masks.len() / 32).max(1024);
         let (mut ranges, mut start, mut blocks) = (Vec::new(), 0, 0);
@@ -236,7 +234,7 @@ fn mark_cells(masks: &mut [u16], start: usize, end: usize) {
     }
 }
 
-/// The eight pairs of a mask, one bit each.
+/// Reduces each of the eight pairs of a mask to one bit.
 fn coarsened_mask(mask: u16) -> u16 {
     (0..LANES).fold(0, |half, l| half | (u16::from(mask >> (2 * l) & 3 != 0) << l))
 }

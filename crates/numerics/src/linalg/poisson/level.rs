@@ -15,7 +15,7 @@ pub(super) trait Real:
     + Mul<Output = Self>
     + Div<Output = Self>
 {
-    /// Rounds.
+    /// Rounds to this type.
     fn from_f64(value: f64) -> Self;
 }
 impl Real for f64 {
@@ -32,16 +32,15 @@ impl Real for f32 {
 /// Coefficients of the cells of one colour of a block: toward the lower and upper neighbour along each axis,
 /// then at [`DIAGONAL`] their sum plus the Dirichlet coefficient (1 where the row is empty).
 pub(super) type CoefficientPack<T> = [[T; LANES]; 7];
-/// Where the diagonal stands in a [`CoefficientPack`].
+/// Index of the diagonal in a [`CoefficientPack`].
 pub(super) const DIAGONAL: usize = 6;
 
 /// The coefficients of a span.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum SpanCoefficients {
-    /// All cells and their neighbours are unknowns and all coefficients have this value, Dirichlet ones are
-    /// zero.
+    /// All cells and their neighbours are unknowns, all coefficients have this value, and Dirichlet ones are zero.
     Uniform(f64),
-    /// From this one on in the list of packs of the chunk.
+    /// Index of the first pack in the list of the chunk.
     General(u32),
 }
 
@@ -64,7 +63,7 @@ pub(super) struct Span {
 /// A part of a level that one task works on.
 #[derive(Debug, Default)]
 pub(super) struct Chunk {
-    /// Stretches it covers.
+    /// Block runs it covers.
     pub block_runs: Range<usize>,
     /// Entries it covers.
     pub entries: Range<usize>,
@@ -75,9 +74,9 @@ pub(super) struct Chunk {
     pub packs_f32: [Vec<CoefficientPack<f32>>; 2],
     /// Dirichlet coefficients beside `packs_f64`, while the hierarchy is built.
     pub dirichlet: [Vec<[f64; LANES]>; 2],
-    /// For each block, while the hierarchy is built, what it is.
+    /// Coefficients of each block, while the hierarchy is built.
     pub block_coefficients: Vec<SpanCoefficients>,
-    /// For each block where its children are on the finer level: two blocks of up to four rows.
+    /// Entries of each block's children on the finer level: two blocks of up to four rows.
     pub children: Vec<[u32; 8]>,
 }
 
@@ -117,8 +116,7 @@ impl BlockCoefficients {
     }
 }
 
-/// Builds the chunks of a level. `coefficients` gives the value of a uniform block or sets the packs of
-/// another.
+/// Builds the chunks of a level. `coefficients` returns the value of a uniform block or sets the packs of another.
 pub(super) fn build_chunks<const D: usize>(
     layout: &Layout<D>,
     coarse: Option<&Layout<D>>,
@@ -187,7 +185,7 @@ fn neighbour_rows<const D: usize>(layout: &Layout<D>, row: usize, at: [usize; D]
     rows
 }
 
-/// Where the neighbours of a block are, and which are unknowns.
+/// The entries of a block's neighbours, and which of them are unknowns.
 fn find_neighbours<const D: usize>(
     layout: &Layout<D>,
     row: usize,
@@ -236,8 +234,8 @@ fn push_block(spans: &mut Vec<Span>, block: Span) {
     spans.push(block);
 }
 
-/// Sums the coefficients of the finer level over the children of a block (Galerkin with piecewise constants).
-/// `kinds` and `packs` belong to the finer level.
+/// Sums the coefficients of the finer level over the children of a block (Galerkin with piecewise constants). `chunks`
+/// and `kinds` belong to the finer level.
 pub(super) fn aggregate<const D: usize>(
     fine: &Layout<D>,
     chunks: &[Chunk],

@@ -1,5 +1,5 @@
-//! The pressure's system: a variable-coefficient Poisson equation on runs of cells, coupled with solids, by conjugate gradients with
-//! multigrid.
+//! The pressure system: a variable-coefficient Poisson equation on runs of cells, coupled with solids, solved by
+//! conjugate gradients with multigrid.
 
 mod coupled;
 #[cfg(test)]

@@ -1,10 +1,9 @@
 //! Aggregation multigrid: the preconditioner of the pressure solve.
 //!
-//! Aggregates of `2^D` cells, piecewise-constant prolongation, Galerkin coarse operators (their coefficients
-//! are sums of fine ones, so no cell has to be classified anew on a coarse level), over-correction of the
-//! coarse-grid correction (Braess, Computing 55 (1995) 379; Stüben, J. Comput. Appl. Math. 128 (2001) 281),
-//! red-black Gauss-Seidel in one order before and in the reverse order after the correction, which keeps the
-//! V-cycle symmetric. The cycle runs in single precision.
+//! Aggregates have `2^D` cells, and the prolongation is piecewise constant. Galerkin coarse operators have sums of fine coefficients, so
+//! no cell has to be classified again on a coarse level. The coarse-grid correction is over-corrected (Braess, Computing 55 (1995) 379;
+//! Stüben, J. Comput. Appl. Math. 128 (2001) 281). Red-black Gauss-Seidel runs in one order before and in the reverse order after the
+//! correction, which keeps the V-cycle symmetric. The cycle runs in single precision.
 
 use super::layout::{Layout, ZERO_ENTRY};
 use super::level::{
@@ -31,7 +30,7 @@ pub(super) struct Level<const D: usize> {
     pub chunks: Vec<Chunk>,
 }
 
-/// What a level works with, by colour.
+/// Work vectors of a level, by colour.
 #[derive(Debug, Default)]
 pub(super) struct Workspace {
     x: [Vec<f32>; 2],
@@ -76,7 +75,7 @@ impl<const D: usize> Hierarchy<D> {
         Self { levels, scale, work: Mutex::new(work) }
     }
 
-    /// The memory, for the next hierarchy.
+    /// The work memory, for the next hierarchy.
     pub fn into_work(self) -> Vec<Workspace> {
         self.work.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
@@ -180,7 +179,7 @@ pub(super) fn coarsened<const D: usize>(layout: &Layout<D>) -> Option<Layout<D>>
     layout.extent.iter().any(|n| *n > COARSEST_MAX_CELLS).then(|| layout.coarsened())
 }
 
-/// For each block its chunk and what it is.
+/// For each block its chunk and its coefficients.
 fn block_coefficients(chunks: &[Chunk]) -> Vec<(u32, SpanCoefficients)> {
     chunks
         .iter()
@@ -189,7 +188,7 @@ fn block_coefficients(chunks: &[Chunk]) -> Vec<(u32, SpanCoefficients)> {
         .collect()
 }
 
-/// Notes for each block where its children are.
+/// Stores where the children of each block are.
 fn set_children<const D: usize>(chunk: &mut Chunk, layout: &Layout<D>, fine: &Layout<D>) {
     for stretch in &layout.block_runs[chunk.block_runs.clone()] {
         let at = layout.row_coordinates(stretch.row as usize);
@@ -203,7 +202,7 @@ fn set_children<const D: usize>(chunk: &mut Chunk, layout: &Layout<D>, fine: &La
     }
 }
 
-/// The largest diagonal of a level (1 where there is none).
+/// The largest coefficient of a level (1 if there is none).
 fn max_coefficient(chunks: &[Chunk]) -> f64 {
     let of_chunk = |chunk: &Chunk| {
         let packs = chunk.packs_f64.iter().flatten().zip(chunk.dirichlet.iter().flatten());
@@ -219,7 +218,7 @@ fn max_coefficient(chunks: &[Chunk]) -> f64 {
     if largest > 0.0 { largest } else { 1.0 }
 }
 
-/// Rounds the coefficients to single precision and drops what was only needed to build the hierarchy.
+/// Rounds the coefficients to single precision and drops data that only building the hierarchy needs.
 fn round_to_single(chunk: &mut Chunk, scale: f64, coarse: bool) {
     for colour in 0..2 {
         let rounded = chunk.packs_f64[colour].iter().map(|pack| {
@@ -228,7 +227,7 @@ fn round_to_single(chunk: &mut Chunk, scale: f64, coarse: bool) {
                 *out = (wide * scale) as f32;
             }
             for (out, wide) in out[DIAGONAL].iter_mut().zip(&pack[DIAGONAL]) {
-                // The diagonal of an empty row is 1 before scaling; any positive value will do.
+                // The diagonal of an empty row is 1 before scaling; any positive value is valid.
                 *out = ((wide * scale) as f32).max(f32::MIN_POSITIVE);
             }
             out

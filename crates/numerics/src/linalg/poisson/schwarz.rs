@@ -1,15 +1,14 @@
-//! The exact inverse on the cells that bodies touch, for a pressure system with bodies that multigrid alone does not precondition
-//! well.
+//! Schwarz preconditioner for a pressure system with bodies that multigrid alone preconditions poorly.
 //!
-//! With `w` the cells into which bodies flow, and `n` all others, the system `S = A + F B⁻¹ Fᵀ − lumped_compliance` has its full block `S_ww`
-//! there only. The preconditioner is the symmetric multiplicative Schwarz method of the two: exact on `w`, multigrid `M` on the rest
-//! (B. Smith, P. Bjørstad, W. Gropp, "Domain Decomposition", 1996):
+//! Let `w` be the cells into which bodies flow, and `n` all others. The bodies change only the block `S_ww` of the system
+//! `S = A + F B⁻¹ Fᵀ − diag(lumped_compliance)`. The preconditioner is the symmetric multiplicative Schwarz method: exact
+//! on `w`, multigrid `M` on the rest (B. Smith, P. Bjørstad, W. Gropp, "Domain Decomposition", 1996):
 //!
 //! ```text
 //! z_n = (M (0, r_n − A_nw S_ww⁻¹ r_w))_n,   z_w = S_ww⁻¹ (r_w − A_wn z_n)
 //! ```
 //!
-//! It asks for none of the bodies' solves. Limit: `S_ww` is dense; its factors take a third of the cube of the number of cells.
+//! Applying it needs no solve of the bodies. Limit: `S_ww` is dense; its factorisation costs a third of the cube of the number of cells.
 
 use crate::linalg::operator::{LinearOperator, Preconditioner};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -24,13 +23,13 @@ pub struct SubdomainInverse {
 }
 
 impl SubdomainInverse {
-    /// Of a matrix on the cells' entries; nothing where it is not positive definite, as where all cells of a component without a free
-    /// surface are among them.
+    /// Factorises a matrix on the cells' entries. `None` if it is not positive definite, as where all cells of a
+    /// component without a free surface are among them.
     pub fn new(entries: Vec<usize>, matrix: DMatrix<f64>) -> Option<Self> {
         Some(Self { entries, factor: Cholesky::new(matrix)? })
     }
 
-    /// `S_ww⁻¹` of the values at the cells.
+    /// Applies `S_ww⁻¹` to the values at the cells.
     fn solve(&self, values: impl Fn(usize) -> f64) -> DVector<f64> {
         self.factor
             .solve(&DVector::from_iterator(self.entries.len(), self.entries.iter().map(|e| values(*e))))
@@ -45,7 +44,7 @@ pub struct Schwarz<'a, S, M> {
     pub multigrid: &'a M,
     /// The exact inverse.
     pub subdomain: &'a SubdomainInverse,
-    /// Two vectors of the system, whose entries that are no unknowns are zero.
+    /// Two work vectors of the system, zero at entries that are no unknowns.
     pub work: Mutex<[Vec<f64>; 2]>,
 }
 
@@ -54,7 +53,7 @@ impl<S: LinearOperator, M: Preconditioner> Preconditioner for Schwarz<'_, S, M> 
         let mut memory = self.work.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let [first, second] = &mut *memory;
         let (wetted, entries) = (self.subdomain, &self.subdomain.entries);
-        // The residual of the cells without bodies after those with bodies are solved for.
+        // The residual of the other cells after the exact solve on the bodies' cells.
         let alone = wetted.solve(|e| r[e]);
         first.fill(0.0);
         entries.iter().zip(&alone).for_each(|(e, v)| first[*e] = *v);

@@ -17,41 +17,37 @@ use std::sync::{Mutex, PoisonError};
 /// Whether a solve that did not reach the tolerance returns its last iterate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum UnconvergedIterate {
-    /// The field stays as it was.
+    /// The field is not changed.
     Discard,
-    /// The field gets it: another solve goes on from there.
+    /// The field gets the iterate, from which another solve continues.
     Keep,
 }
 
-/// A pressure system made ready to be solved.
+/// A pressure system prepared for solving.
 ///
-/// Inside, vectors hold the unknowns in an order of their own, with some entries between that are always
-/// zero; [`gather`](Self::gather), [`scatter`](Self::scatter) and [`entry`](Self::entry) translate. Cells
-/// whose row is all zeros (no face, no Dirichlet value) get the solution 0, whatever the right-hand side
-/// says. In components (by positive coefficients) without any Dirichlet value the mean is taken off the
-/// right-hand side and off the solution.
+/// Internally, vectors hold the unknowns in an order of their own, with some entries between that are always zero;
+/// [`gather`](Self::gather), [`scatter`](Self::scatter) and [`entry`](Self::entry) convert. Isolated cells, whose row is all zeros (no
+/// face, no Dirichlet value), get the solution 0 for any right-hand side. In floating components (connected by positive coefficients,
+/// without any Dirichlet value) the mean is subtracted from the right-hand side and from the solution.
 #[derive(Debug)]
 pub struct PressureSolver<const D: usize> {
     grid: Grid<D>,
     hierarchy: Hierarchy<D>,
     /// Entries of the cells whose row is all zeros.
     isolated: Vec<usize>,
-    /// Vectors at rest.
+    /// Vectors that are not in use.
     pool: Mutex<Vec<Vec<f64>>>,
-    /// The runs of each component that has no Dirichlet value, and the number of cells of it that are not
-    /// isolated.
+    /// The runs of each floating component, and the number of its cells that are not isolated.
     pub(super) floating: Vec<(Vec<Run>, usize)>,
 }
 
 impl<const D: usize> PressureSolver<D> {
-    /// Builds the multigrid hierarchy. Time and memory follow the number of unknowns (plus one word per grid
-    /// row).
+    /// Builds the multigrid hierarchy. Time and memory scale with the number of unknowns (plus one word per grid row).
     pub fn new(input: &PoissonInput<D>) -> Self {
         Self::reusing_memory(None, input)
     }
 
-    /// The same in the memory of a solver that is no longer needed, which saves the system from clearing new
-    /// pages.
+    /// The same in the memory of a solver that is no longer needed, which avoids clearing new pages.
     pub fn reusing_memory(used: Option<Self>, input: &PoissonInput<D>) -> Self {
         let (work, pool) = used.map_or_else(Default::default, |used| (used.hierarchy.into_work(), used.pool));
         let layout = Layout::<D>::new(input.grid.cells, input.unknowns);
@@ -62,19 +58,18 @@ impl<const D: usize> PressureSolver<D> {
         let isolated = isolated(&layout, &chunks);
         let hierarchy = Hierarchy::new(Level { layout, chunks }, coarse, work);
         let mut solver = Self { grid: input.grid, hierarchy, isolated, pool, floating: Vec::new() };
-        // Faces without flux may cut components apart that the caller, going by cells, sees as one.
+        // Faces without flux may split components that the caller, who goes by cells, sees as one.
         let relabelled = severed.into_inner().then(|| flux_components(input));
         solver.floating = solver.floating_components(input, relabelled.as_ref().unwrap_or(input.unknowns));
         solver
     }
 
-    /// Solves `A x = rhs` to `‖rhs − A x‖₂ ≤ tolerance ‖rhs‖₂` from the initial guess in `x`. Both are dense
-    /// and cell-indexed; cells that are no unknowns are neither read nor written. Floating components and
-    /// isolated cells: see [`PressureSolver`]; the norm is that of the right-hand side as amended there.
+    /// Solves `A x = rhs` to `‖rhs − A x‖₂ ≤ tolerance ‖rhs‖₂` from the initial guess in `x`. Both are dense and
+    /// cell-indexed; cells that are no unknowns are neither read nor written. Floating components and isolated cells: see
+    /// [`PressureSolver`]; the norm is that of the right-hand side as corrected there.
     ///
     /// # Errors
-    /// [`SolveError`] when the tolerance was not reached or a number is not finite; `x` is then left as it
-    /// was.
+    /// [`SolveError`] if the tolerance was not reached or a number is not finite; `x` is then unchanged.
     pub fn solve(
         &self,
         rhs: &CellField<D>,
@@ -108,7 +103,7 @@ impl<const D: usize> PressureSolver<D> {
         )
     }
 
-    /// The same for an operator built upon this one; `floats` are the floating components that float in it too.
+    /// The same for an operator built on this one; `floats` are the floating components that float in it too.
     pub(super) fn solve_system(
         &self,
         operator: &impl LinearOperator,
@@ -138,7 +133,7 @@ impl<const D: usize> PressureSolver<D> {
         report
     }
 
-    /// A vector with zeros wherever there is no unknown's block.
+    /// A vector with zeros wherever there is no block.
     fn take(&self) -> Vec<f64> {
         let used = self.pool.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let mut vector = used.unwrap_or_default();
@@ -195,7 +190,7 @@ impl<const D: usize> PressureSolver<D> {
         });
     }
 
-    /// Writes a vector of the unknowns into a dense cell-indexed field; leaves the other cells alone.
+    /// Writes a vector of the unknowns into a dense cell-indexed field; other cells are not changed.
     pub fn scatter(&self, vector: &[f64], field: &mut [f64]) {
         let Level { layout, chunks } = self.finest();
         let row = self.grid.cells[0];
@@ -254,7 +249,7 @@ impl<const D: usize> PressureSolver<D> {
         diagonal
     }
 
-    /// Takes the mean off in every floating component and sets isolated cells to zero.
+    /// Subtracts the mean in every floating component and sets isolated cells to zero.
     pub fn project(&self, vector: &mut [f64]) {
         self.project_on(&(0..self.floating.len()).collect::<Vec<_>>(), vector);
     }
@@ -275,7 +270,7 @@ impl<const D: usize> PressureSolver<D> {
         self.isolated.iter().for_each(|entry| vector[*entry] = 0.0);
     }
 
-    /// The floating components on which no column (entries and values) feels a constant.
+    /// The floating components over which every column (entries and values) sums to zero.
     pub(super) fn floating_with_columns(&self, columns: &[Vec<(usize, f64)>]) -> Vec<usize> {
         let blind = |floating: &&usize| {
             let runs = self.floating[**floating].0.iter();
@@ -391,8 +386,8 @@ impl<const D: usize> LinearOperator for PressureSolver<D> {
     }
 }
 
-/// Reads the coefficients of a block of the finest level; gives the value if they are all the same. Notes in
-/// `severed` whether one between two unknowns is zero.
+/// Reads the coefficients of a block of the finest level; returns the value if they are all equal. Sets `severed` if one
+/// between two unknowns is zero.
 fn assemble<const D: usize>(
     input: &PoissonInput<D>,
     site: &BlockSite<D>,

@@ -45,7 +45,7 @@ pub(super) fn over_chunks_pair<T: Send, R: Send>(
     jobs.into_par_iter().with_max_len(1).map(|(chunk, parts)| work(chunk, parts)).collect()
 }
 
-/// What one entry of a sweep is made from.
+/// Inputs of one entry of a sweep.
 #[derive(Clone, Copy)]
 pub(super) struct StencilRow<T> {
     /// Entry of the first array passed in.
@@ -60,7 +60,7 @@ pub(super) struct StencilRow<T> {
     pub inverse: T,
 }
 
-/// What a sweep over the cells of one colour reads.
+/// Inputs of a sweep over the cells of one colour.
 pub(super) struct Operands<'a, T> {
     pub colour: usize,
     /// The coefficients.
@@ -135,7 +135,7 @@ fn sweep_uniform<T: Real, const D: usize>(
     let diagonal = T::from_f64(value * (2 * D) as f64);
     let inverse = T::from_f64(1.0 / (value * (2 * D) as f64));
     for j in 0..blocks {
-        // Costs nothing, and keeps the compiler from vectorising across blocks, with gathers.
+        // Keeps the compiler from vectorising across blocks with gathers, at no cost.
         std::hint::black_box(());
         let mut values = [T::default(); LANES];
         for l in 0..LANES {
@@ -166,7 +166,7 @@ fn sweep_general<T: Real, const D: usize>(
     let packs = &operands.packs[pack..pack + blocks];
     let out = &mut out.as_chunks_mut::<LANES>().0[..blocks];
     for j in 0..blocks {
-        // Costs nothing, and keeps the compiler from vectorising across blocks, with gathers.
+        // Keeps the compiler from vectorising across blocks with gathers, at no cost.
         std::hint::black_box(());
         let c = &packs[j];
         let mut values = [T::default(); LANES];
@@ -184,8 +184,7 @@ fn sweep_general<T: Real, const D: usize>(
     }
 }
 
-/// Sets the two halves of a coarse right-hand side to the sums of the residual (of colour 0, that of colour 1
-/// being zero) over the children.
+/// Sets the two halves of a coarse right-hand side to the sums of the residual over the children. The residual of colour 1 is zero.
 pub(super) fn restrict<const D: usize>(chunk: &Chunk, fine: &[f32], out: [&mut [f32]; 2]) {
     let [even_out, odd_out] = out;
     let mut block = 0;

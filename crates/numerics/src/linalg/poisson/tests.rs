@@ -3,7 +3,7 @@ use crate::grid::{CellField, FaceField, Grid, Run, Runs};
 use crate::linalg::{Jacobi, LinearOperator, Preconditioner, PressureSolver, SolveError, conjugate_gradient};
 use nalgebra::{DMatrix, DVector};
 
-/// A system with everything it needs.
+/// A pressure system and the fields of its input.
 pub struct System<const D: usize> {
     pub grid: Grid<D>,
     pub unknowns: Runs,
@@ -189,7 +189,7 @@ fn operator_equals_the_assembled_matrix() {
     operator_matches(&slab::<3>());
 }
 
-/// Removes what no solution can give, as the solver documents it.
+/// Projects a right-hand side onto the range of the system, as the solver documents it.
 fn consistent<const D: usize>(system: &System<D>, rhs: &CellField<D>) -> CellField<D> {
     let mut rhs = rhs.clone();
     PressureSolver::new(&system.input()).tap_project(&mut rhs);
@@ -213,7 +213,7 @@ fn solution_matches<const D: usize>(system: &System<D>) {
     let residual = &dense * system.values(&x) - system.values(&rhs);
     assert!(residual.norm() <= 2e-12 * system.values(&rhs).norm());
     assert!((residual.norm() / system.values(&rhs).norm() - report.residual).abs() < 1e-14);
-    // Against the dense solution of the matrix with the constants of floating components lifted.
+    // Reference: dense solution of the matrix with the constants of floating components lifted.
     let mut lifted = dense.clone();
     for i in 0..lifted.nrows() {
         lifted[(i, i)] += f64::from(u8::from(lifted[(i, i)] == 0.0));

@@ -1,9 +1,9 @@
-//! Reading closed surfaces from files: `.obj`, `.stl` and `.ply` in 3D, closed polylines (`.obj` elements
-//! `l`, `.ply` edges) in 2D. Coordinates are taken as metres.
+//! Import of closed surfaces: `.obj`, `.stl` and `.ply` in 3D, closed polylines (`.obj` elements `l`, `.ply` edges)
+//! in 2D. Coordinates are in metres.
 //!
-//! Vertices at one place are welded (STL repeats them per triangle, OBJ per group), facets that vanish
-//! thereby are dropped, a surface that is inside out is turned. A polyline's direction means nothing: its
-//! outermost loops are filled, loops within them are holes, and so on.
+//! Coincident vertices are welded (STL repeats them per triangle, OBJ per group). Facets that become degenerate are
+//! dropped, and an inverted surface is flipped. The direction of a polyline is ignored: its outermost loops are filled,
+//! loops within them are holes, and so on.
 
 use super::ply::{PlyError, PlyMesh};
 use crate::Vector;
@@ -13,7 +13,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why a mesh file cannot be used. Each message says how to mend the file.
+/// Why a mesh file cannot be used. Each message says how to repair the file.
 #[derive(Debug, Error)]
 pub enum ImportError {
     /// The file could not be read.
@@ -21,10 +21,10 @@ pub enum ImportError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The file is not what its name says.
+    /// The content does not match the file name extension.
     #[error("{}: not a readable mesh: {what}; export it again as .obj, .stl or .ply", path.display())]
     Content {
         /// The file.
@@ -32,26 +32,26 @@ pub enum ImportError {
         /// What is wrong.
         what: String,
     },
-    /// The name's ending is not that of a format read here.
+    /// The extension is not that of a supported format.
     #[error("{}: {found:?} is not a mesh format of a {dimension}D scene; use {accepted}", path.display())]
     Format {
         /// The file.
         path: PathBuf,
-        /// The ending found.
+        /// Extension found.
         found: String,
-        /// Dimension asked for.
+        /// Dimension requested.
         dimension: usize,
-        /// Endings accepted.
+        /// Extensions accepted.
         accepted: &'static str,
     },
-    /// There is nothing in it.
+    /// The file has no facets.
     #[error("{}: holds no {element}; a {dimension}D scene needs a closed surface of them", path.display())]
     Empty {
         /// The file.
         path: PathBuf,
-        /// What is missing: triangles or edges.
+        /// Missing elements: triangles or edges.
         element: &'static str,
-        /// Dimension asked for.
+        /// Dimension requested.
         dimension: usize,
     },
     /// A coordinate is not a finite number or an index points past the vertices.
@@ -64,7 +64,7 @@ pub enum ImportError {
         /// Number of the facet, from 0.
         facet: usize,
     },
-    /// The surface passes through itself.
+    /// The surface intersects itself.
     #[error(
         "{}: the surface passes through itself, or lies on itself, near {at:?}; mend it (Blender: Boolean union, \
          or 3D-Print Toolbox, Make Manifold)", path.display()
@@ -72,7 +72,7 @@ pub enum ImportError {
     SelfIntersection {
         /// The file.
         path: PathBuf,
-        /// Where, in the file's coordinates.
+        /// Location in the file's coordinates.
         at: Vec<f64>,
     },
     /// A 2D outline does not lie in the plane z = 0.
@@ -82,7 +82,7 @@ pub enum ImportError {
         path: PathBuf,
         /// Number of the vertex, from 0.
         vertex: usize,
-        /// Its z.
+        /// Its z coordinate.
         z: f64,
     },
     /// The surface has holes.
@@ -96,10 +96,10 @@ pub enum ImportError {
         path: PathBuf,
         /// Number of open ridges.
         open: usize,
-        /// Where the first is, m.
+        /// Location of the first, m.
         near: Vec<f64>,
     },
-    /// Neighbouring facets face opposite sides.
+    /// Neighbouring facets have opposite orientation.
     #[error(
         "{}: {ridges} edges lie between facets that face opposite sides, the first near {near:?}; \
          make the normals consistent (Blender: Mesh > Normals > Recalculate Outside)", path.display()
@@ -109,10 +109,10 @@ pub enum ImportError {
         path: PathBuf,
         /// Number of such ridges.
         ridges: usize,
-        /// Where the first is, m.
+        /// Location of the first, m.
         near: Vec<f64>,
     },
-    /// A triangle is so thin that it has no area.
+    /// A triangle is degenerate: it has no area.
     #[error(
         "{}: {facets} triangles have no area, the first near {near:?}; remove them \
          (Blender: Mesh > Clean Up > Degenerate Dissolve)", path.display()
@@ -122,10 +122,10 @@ pub enum ImportError {
         path: PathBuf,
         /// Number of such triangles.
         facets: usize,
-        /// Where the first is, m.
+        /// Location of the first, m.
         near: Vec<f64>,
     },
-    /// It encloses no volume.
+    /// The surface encloses no volume.
     #[error("{}: the surface encloses no volume; give the shape a thickness", path.display())]
     NoVolume {
         /// The file.
@@ -133,10 +133,10 @@ pub enum ImportError {
     },
 }
 
-/// Vertices and facets as a file has them.
+/// Vertices and facets as in the file.
 type Raw = (Vec<[f64; 3]>, Vec<Vec<u32>>);
 
-/// Reads a closed surface, checked and outward; positions in m.
+/// Reads and checks a closed surface and orients it outward; positions in m.
 pub fn load<const D: usize>(path: &Path) -> Result<SurfaceMesh<D>, ImportError> {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let read = || std::fs::read(path).map_err(|source| ImportError::Read { path: path.into(), source });
@@ -154,8 +154,8 @@ pub fn load<const D: usize>(path: &Path) -> Result<SurfaceMesh<D>, ImportError> 
     from_raw(path, raw, tolerance)
 }
 
-/// Checks what a file holds and makes an outward closed surface of it. `tolerance` is the weld distance over
-/// the diagonal of the mesh.
+/// Checks the content of a file and makes a closed outward surface of it. `tolerance` is the weld distance over the
+/// diagonal of the mesh.
 fn from_raw<const D: usize>(
     path: &Path,
     (points, facets): Raw,
@@ -205,7 +205,7 @@ fn from_raw<const D: usize>(
     Ok(mesh)
 }
 
-/// Joins vertices nearer than `tolerance` times the diagonal, drops unused ones and facets that vanish.
+/// Merges vertices nearer than `tolerance` times the diagonal; drops unused vertices and degenerate facets.
 pub fn weld<const D: usize>(mesh: &SurfaceMesh<D>, tolerance: f64) -> SurfaceMesh<D> {
     let used = mesh.facets.iter().flatten().map(|v| mesh.positions[*v as usize]);
     let start = (Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY));
@@ -243,7 +243,7 @@ pub fn weld<const D: usize>(mesh: &SurfaceMesh<D>, tolerance: f64) -> SurfaceMes
     out
 }
 
-/// Whether each ridge bounds an even number of facets, half of them in each direction.
+/// Checks that each ridge bounds an even number of facets, half of them in each direction.
 fn check_closed<const D: usize>(path: &Path, mesh: &SurfaceMesh<D>) -> Result<(), ImportError> {
     let near = |v: u32| mesh.positions[v as usize].as_slice().to_vec();
     let ridges = mesh.ridges();
@@ -264,7 +264,7 @@ fn check_closed<const D: usize>(path: &Path, mesh: &SurfaceMesh<D>) -> Result<()
     Ok(())
 }
 
-/// Chains edges into loops, outer loops counter-clockwise, loops within an odd number of others clockwise.
+/// Chains edges into loops; those within an odd number of others run clockwise, all others counter-clockwise.
 fn orient_loops<const D: usize>(mesh: &mut SurfaceMesh<D>) {
     let mut touching: Vec<Vec<usize>> = vec![Vec::new(); mesh.positions.len()];
     for (f, facet) in mesh.facets.iter().enumerate() {
@@ -318,7 +318,7 @@ fn from_ply<const D: usize>(path: &Path) -> Result<Raw, ImportError> {
     Ok((mesh.positions, facets))
 }
 
-/// The triangles of an OBJ file, all groups together, polygons cut into fans.
+/// The triangles of all groups of an OBJ file; polygons are split into fans.
 fn obj_faces(bytes: &[u8]) -> Result<Raw, String> {
     let options = tobj::LoadOptions {
         triangulate: true,
@@ -367,7 +367,7 @@ fn obj_lines(text: &str) -> Result<Raw, String> {
     Ok((points, edges))
 }
 
-/// The triangles of an STL file, ASCII or binary. A binary file is known by its length, whatever its title says.
+/// The triangles of an STL file, ASCII or binary. A binary file is recognised by its length, not by its title.
 fn stl_faces(bytes: &[u8]) -> Result<Raw, String> {
     let mut bytes = bytes.to_vec();
     let count = bytes.get(80..84).map(|b| u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])));

@@ -1,11 +1,11 @@
-//! Files good and bad.
+//! Import of valid and broken files.
 
 use super::*;
 use crate::Matrix;
 use crate::shape::{MeshShape, Shape};
 use std::sync::Arc;
 
-/// A file of the given content in a fresh folder.
+/// A file with the given content in a new folder.
 fn file(name: &str, content: &[u8]) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("meniscus-import-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
@@ -61,7 +61,7 @@ fn mesh_import_of_a_cube_in_all_formats() {
 
 #[test]
 fn mesh_import_of_outlines() {
-    // A square with a hole, drawn in whatever direction, and an island in the hole.
+    // A square with a hole, drawn in either direction, and an island in the hole.
     let square = |r: f64, first: usize, closing: &str| {
         format!("v {r} {r} 0\nv {r} -{r} 0\nv -{r} -{r} 0\nv -{r} {r} 0\n{closing}")
             .replace('#', &first.to_string())
@@ -111,7 +111,7 @@ fn a_surface_that_passes_through_itself_is_refused() {
     let load = |text: &str| {
         MeshShape::<3>::load(&file("two.obj", text.as_bytes()), 1.0, &Matrix::identity(), &Vector::zeros())
     };
-    // The cube and another one beside it, one that overlaps it by half, one that shares a side with it.
+    // The cube and a second one: beside it, overlapping it by half, or sharing a side with it.
     let pair = |shift: f64| {
         let vertex = |line: &str| {
             let x: Vec<f64> = line.split(' ').skip(1).map(|x| x.parse().unwrap()).collect();
@@ -150,7 +150,7 @@ fn mesh_shape_agrees_with_the_box_it_is() {
     assert!((mirrored.volume() - 64.0).abs() < 1e-12);
 }
 
-/// Whatever the bytes, the answer is a closed surface or an error.
+/// Any bytes give a closed surface or an error.
 #[test]
 fn mesh_import_survives_broken_files() {
     let cube = load::<3>(&file("whole.obj", CUBE.as_bytes())).unwrap();

@@ -1,4 +1,4 @@
-//! Files of surface meshes.
+//! File input and output of surface meshes.
 
 pub mod import;
 pub mod ply;

@@ -1,13 +1,13 @@
-//! Reading and writing surface meshes as PLY files.
+//! Reading and writing of surface meshes as PLY files.
 //!
-//! The reader takes ASCII and binary files of either byte order with any scalar types; polygons are split
-//! into fans of triangles. The writer makes binary little-endian files with positions in double precision.
+//! The reader accepts ASCII and binary files of either byte order with any scalar types; polygons are split into fans of
+//! triangles. The writer makes binary little-endian files with positions in double precision.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// A surface mesh as a PLY file holds it: vertices, triangles, edges and values per vertex.
+/// Content of a PLY file: vertices, triangles, edges and values per vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlyMesh {
     /// Vertex positions (m); in 2D the third coordinate is 0.
@@ -22,7 +22,7 @@ pub struct PlyMesh {
     pub comments: Vec<String>,
 }
 
-/// What can go wrong with a PLY file.
+/// Error of reading or writing a PLY file.
 #[derive(Debug, thiserror::Error)]
 pub enum PlyError {
     /// The file could not be read or written.
@@ -30,7 +30,7 @@ pub enum PlyError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The content is not a PLY mesh.
@@ -55,7 +55,7 @@ impl PlyMesh {
         parse(bytes).map_err(|what| PlyError::Format { path: "<memory>".into(), what })
     }
 
-    /// Writes a binary little-endian file, first under a temporary name beside it.
+    /// Writes a binary little-endian file, first under a temporary name in the same folder.
     pub fn save(&self, path: &Path) -> Result<(), PlyError> {
         let fail = |source| PlyError::Io { path: path.into(), source };
         let mut bytes = Vec::new();
@@ -66,7 +66,7 @@ impl PlyMesh {
     }
 
     /// Writes the mesh, binary little-endian. The values `kind` become `uchar`, `solid` becomes `int`, all
-    /// others `double`; an array of values shorter than the vertices is filled up with 0.
+    /// others `double`; missing values at the end of an array are 0.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let mut head = String::from("ply\nformat binary_little_endian 1.0\n");
         for c in &self.comments {
@@ -89,7 +89,7 @@ impl PlyMesh {
         out.write_all(&self.body())
     }
 
-    /// The time (s) given by a comment `time T`, if there is one.
+    /// The time (s) in a comment `time T`, if there is one.
     pub fn time(&self) -> Option<f64> {
         self.comments.iter().find_map(|c| c.strip_prefix("time ")?.trim().parse().ok())
     }
@@ -120,7 +120,7 @@ impl PlyMesh {
     }
 }
 
-/// The type a value per vertex is written as.
+/// PLY type in which a value per vertex is written.
 fn scalar_type(name: &str) -> &'static str {
     match name {
         "kind" => "uchar",
@@ -194,7 +194,7 @@ struct Header {
     length: usize,
 }
 
-/// The next line from `at` without its end, and where the one after it starts.
+/// The line at `at` without its end, and the start of the next one.
 fn line(bytes: &[u8], at: usize) -> Result<(&str, usize), String> {
     let rest = bytes.get(at..).unwrap_or_default();
     let end = rest.iter().position(|&b| b == b'\n').ok_or("the header does not end")?;
@@ -248,7 +248,7 @@ fn parse_property(words: &[&str], text: &str) -> Result<Property, String> {
     }
 }
 
-/// Takes one value after another from the bytes after the header.
+/// Reader of consecutive values after the header.
 struct Cursor<'a> {
     bytes: &'a [u8],
     encoding: Encoding,
@@ -293,7 +293,7 @@ impl Cursor<'_> {
         })
     }
 
-    /// Refuses a count that the rest of the file cannot hold, before memory is taken for it.
+    /// Rejects a count that the rest of the file cannot hold, before memory is allocated for it.
     fn check(&self, element: &Element) -> Result<(), String> {
         let ascii = self.encoding == Encoding::Ascii;
         let size = |p: &Property| if ascii { 1 } else { p.count.unwrap_or(p.value).size() };
@@ -331,7 +331,7 @@ fn parse(bytes: &[u8]) -> Result<PlyMesh, String> {
     }
 }
 
-/// Reads one element and hands on (property, place in its list, value) for each value.
+/// Reads one element and calls `each` with (property, place in its list, value) for each value.
 fn read_row(
     cursor: &mut Cursor,
     element: &Element,

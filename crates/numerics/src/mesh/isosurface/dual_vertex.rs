@@ -1,10 +1,9 @@
-//! Where the vertex of a surface-nets cube lies.
+//! Position of the vertex of a surface-nets cube.
 //!
-//! Within the cube the level set is the product cubic (Lagrange, four points along each axis) of the cell
-//! values; beyond a wall it is continued linearly. The vertex starts at the mean of the crossings of the
-//! cube's edges, the crossings being roots of the cubic along the edge, then steps twice by $-\varphi
-//! \nabla\varphi / |\nabla\varphi|^2$ and is kept in the cube. In a padded cube (one at a wall) the
-//! coordinate across the wall is fixed in its plane.
+//! Within the cube the level set is the tensor-product cubic (Lagrange, four points along each axis) of the cell
+//! values; beyond a wall it is extrapolated linearly. The vertex starts at the mean of the crossings of the cube's
+//! edges, each a root of the cubic along its edge. Two projection steps $-\varphi \nabla\varphi / |\nabla\varphi|^2$
+//! follow, clamped to the cube. In a padded cube (one at a wall) the coordinate normal to the wall is fixed in its plane.
 
 use super::{CONTACT_LINE, LIQUID_AIR, LIQUID_SOLID};
 use crate::Vector;
@@ -13,8 +12,8 @@ use crate::grid::CellField;
 /// Projection steps onto the zero set.
 const PROJECTION_STEPS: usize = 2;
 
-/// Position (m) and kind of the vertex of the cube between the cells `at - 1` and `at`; bit `Σ_a o_a 2^a` of
-/// `corners` tells whether its corner `o` is liquid.
+/// Position (m) and label of the vertex of the cube between the cells `at - 1` and `at`. Bit `Σ_a o_a 2^a` of `corners`
+/// is set if corner `o` is liquid.
 pub(super) fn dual_vertex<const D: usize>(
     phi: &CellField<D>,
     at: [usize; D],
@@ -44,12 +43,12 @@ pub(super) fn dual_vertex<const D: usize>(
     )
 }
 
-/// Whether a corner of a cube is a cell rather than padding.
+/// Whether a corner of a cube is a cell and not padding.
 fn is_cell<const D: usize>(at: [usize; D], cells: &[usize; D], corner: usize) -> bool {
     corner >> D == 0 && (0..D).all(|a| (at[a] + (corner >> a & 1)).wrapping_sub(1) < cells[a])
 }
 
-/// Whether the cells among a cube's corners are of both kinds.
+/// Whether the cells among a cube's corners include both liquid and air.
 fn has_sign_change<const D: usize>(at: [usize; D], cells: &[usize; D], corners: u8) -> bool {
     let mut seen = [false; 2];
     for o in (0..1 << D).filter(|&o| is_cell(at, cells, o)) {
@@ -58,7 +57,7 @@ fn has_sign_change<const D: usize>(at: [usize; D], cells: &[usize; D], corners: 
     seen == [true; 2]
 }
 
-/// The $4^D$ values around a cube, first axis fastest; along each axis points 1 and 2 are the cube's corners.
+/// The $4^D$ values around a cube, first axis fastest. Along each axis points 1 and 2 are the cube's corners.
 struct Patch<const D: usize> {
     values: [f64; 64],
 }
@@ -89,8 +88,7 @@ impl<const D: usize> Patch<D> {
         patch
     }
 
-    /// Overwrites the points beyond a wall along an axis by linear continuation of the two cells next to the
-    /// wall.
+    /// Overwrites the points beyond a wall along an axis by linear extrapolation from the two cells next to it.
     fn continue_linearly(&mut self, axis: usize, at: usize, extent: usize) {
         if extent < 2 {
             return;
@@ -99,7 +97,7 @@ impl<const D: usize> Patch<D> {
         let (first, last) = (2usize.saturating_sub(at), (extent + 1 - at).min(3));
         for start in (0..1 << (2 * D)).filter(|i| (i / stride).is_multiple_of(4)) {
             let v = |k: usize| start + k * stride;
-            // Where the wall's second cell lies outside the patch the neighbour inside repeats the first.
+            // If the second cell from the wall lies outside the patch, the inner neighbour repeats the first.
             let (a, b) = (self.values[v(first)], self.values[v((first + 1).min(3))]);
             (0..first).for_each(|k| self.values[v(k)] = a + (a - b) * (first - k) as f64);
             let (a, b) = (self.values[v(last)], self.values[v(last.saturating_sub(1))]);
@@ -107,8 +105,7 @@ impl<const D: usize> Patch<D> {
         }
     }
 
-    /// Mean of the crossings of the edges between two cells of different kind, in the cube's coordinates
-    /// 0..1.
+    /// Mean of the crossings of the edges between liquid and air cells, in cube coordinates 0 to 1.
     fn mean_crossing(&self, corners: u8, real: &[bool; 8]) -> Vector<D> {
         let (mut sum, mut count) = (Vector::<D>::zeros(), 0.0);
         for a in 0..D {
@@ -127,7 +124,7 @@ impl<const D: usize> Patch<D> {
         if count > 0.0 { sum / count } else { Vector::repeat(0.5) }
     }
 
-    /// One step towards the zero set along the gradient, fixed coordinates kept, ending in the cube.
+    /// One projection step onto the zero set; keeps fixed coordinates and clamps to the cube.
     fn project(&self, s: &mut Vector<D>, fixed: &[bool; D]) {
         let (value, mut gradient) = self.sample(s);
         for (g, _) in gradient.iter_mut().zip(fixed).filter(|(_, f)| **f) {
@@ -140,7 +137,7 @@ impl<const D: usize> Patch<D> {
         }
     }
 
-    /// Value and gradient of the product cubic.
+    /// Value and gradient of the tensor-product cubic.
     fn sample(&self, s: &Vector<D>) -> (f64, Vector<D>) {
         let w: [[[f64; 4]; 2]; D] = std::array::from_fn(|a| cubic_weights(s[a]));
         let mut value = 0.0;
@@ -160,7 +157,7 @@ impl<const D: usize> Patch<D> {
     }
 }
 
-/// Lagrange weights and their derivatives at `s` for points at -1, 0, 1, 2.
+/// Lagrange weights at `s` for the points -1, 0, 1, 2, and their derivatives.
 fn cubic_weights(s: f64) -> [[f64; 4]; 2] {
     let (l, r, rr) = (s + 1.0, s - 1.0, s - 2.0);
     let value = [-s * r * rr / 6.0, l * r * rr / 2.0, -l * s * rr / 2.0, l * s * r / 6.0];
@@ -174,8 +171,8 @@ fn cubic_weights(s: f64) -> [[f64; 4]; 2] {
     [value, slope]
 }
 
-/// The crossing between the second and the third of four values: a root of their cubic, 0..1. Midway if those
-/// two do not differ in sign.
+/// Crossing between the second and third of four values: a root of their cubic, 0 to 1; 0.5 if those two do not differ in
+/// sign.
 fn edge_crossing(v: [f64; 4]) -> f64 {
     if (v[1] < 0.0) == (v[2] < 0.0) {
         return 0.5;

@@ -1,8 +1,8 @@
-//! Labels of the parts of the liquid's surface: liquid–air, liquid–solid, contact line.
+//! Labels of the liquid's surface: liquid–air, liquid–solid, contact line.
 
-/// A vertex between liquid and air.
+/// A vertex or facet between liquid and air.
 pub const LIQUID_AIR: u8 = 0;
-/// A vertex or facet in the plane of a wall, wetted all around.
+/// A facet in the plane of a wall, or a vertex whose surroundings in that plane are wetted.
 pub const LIQUID_SOLID: u8 = 1;
-/// A vertex in the plane of a wall at the edge of the wetted part.
+/// A vertex in the plane of a wall at the edge of the wetted area.
 pub const CONTACT_LINE: u8 = 2;

@@ -1,4 +1,4 @@
-//! The liquid's surface as a mesh: surface nets of a distance, cut at solids.
+//! Surface mesh of the liquid: surface nets of a level set, closed at walls.
 
 mod dual_vertex;
 mod labels;

@@ -1,19 +1,17 @@
-//! The liquid's surface from a level set on the grid, by surface nets.
+//! Extraction of the liquid's surface from a level set on the grid by surface nets.
 //!
-//! The lattice of cell centres is padded by one ring of air beyond the walls. Each *cube* between $2^D$
-//! neighbouring lattice points that are not all on one side carries one vertex, each lattice edge between
-//! liquid and air one dual facet through the vertices of the $2^{D-1}$ cubes around it (S. Gibson,
-//! "Constrained elastic surface nets", MICCAI 1998, extended by a projection onto the zero set; see
-//! `dual_vertex.rs`). The facet is a segment in 2D, in 3D a quad cut along its shorter diagonal. A vertex of
-//! a padded cube lies in the wall plane, so that liquid at a wall is closed by facets exactly in that plane.
-//! Each vertex stays in its cube: facets of different cubes do not fold over.
+//! The lattice of cell centres is padded by one ring of air beyond the walls. Each *cube* of $2^D$ neighbouring lattice
+//! points that are not all on one side carries one vertex. Each lattice edge between liquid and air carries one dual
+//! facet through the vertices of the $2^{D-1}$ cubes around it (S. Gibson, "Constrained elastic surface nets", MICCAI
+//! 1998, extended by a projection onto the zero set; see `dual_vertex.rs`). The facet is a segment in 2D and a quad cut
+//! along its shorter diagonal in 3D. The vertex of a padded cube lies in the wall plane, so liquid at a wall is closed
+//! by facets exactly in that plane. Each vertex stays in its cube, so facets of different cubes do not fold over.
 //!
-//! Liquid is given as runs; each row of cubes is walked from change to change of the $2^{D-1}$ rows of cells
-//! around it, so that the cost follows the liquid's surface and its number of runs, not the box. Vertices are
-//! numbered by cube, facets by the lattice edge's lower end: the result does not depend on the number of
-//! threads.
+//! The liquid is given as runs. Each row of cubes is scanned from change to change of the $2^{D-1}$ rows of cells around
+//! it, so the cost scales with the surface and the number of runs. Vertices are numbered by cube and facets by the lower
+//! end of the lattice edge, so the result does not depend on the number of threads.
 //!
-//! Known limit: a cube has one vertex, so that two sheets of surface within one cube touch there.
+//! Limit: a cube has one vertex, so two sheets of surface within one cube touch there.
 
 use super::dual_vertex::dual_vertex;
 use crate::Vector;
@@ -22,7 +20,7 @@ use crate::mesh::SurfaceMesh;
 use crate::mesh::isosurface::{LIQUID_AIR, LIQUID_SOLID};
 use rayon::prelude::*;
 
-/// Rows of cubes walked by one task.
+/// Rows of cubes scanned by one task.
 const CUBE_ROWS_PER_TASK: usize = 32;
 
 /// The closed surface of the liquid.
@@ -30,23 +28,23 @@ const CUBE_ROWS_PER_TASK: usize = 32;
 pub struct Isosurface<const D: usize> {
     /// Vertices (m) and facets, outward.
     pub mesh: SurfaceMesh<D>,
-    /// For each vertex [`LIQUID_AIR`], [`LIQUID_SOLID`] or [`super::CONTACT_LINE`].
+    /// Label of each vertex: [`LIQUID_AIR`], [`LIQUID_SOLID`] or [`super::CONTACT_LINE`].
     pub vertex_kind: Vec<u8>,
-    /// For each facet [`LIQUID_AIR`] or [`LIQUID_SOLID`].
+    /// Label of each facet: [`LIQUID_AIR`] or [`LIQUID_SOLID`].
     pub facet_kind: Vec<u8>,
 }
 
 impl<const D: usize> Isosurface<D> {
-    /// Area of the facets of one kind, m² (2D: m).
+    /// Area of the facets with a label, m² (2D: m).
     pub fn area_of_kind(&self, kind: u8) -> f64 {
         let area = |f: usize| if self.facet_kind[f] == kind { self.mesh.area_vector(f).norm() } else { 0.0 };
         crate::par::sum(self.facet_kind.len(), area)
     }
 }
 
-/// The surface of the cells in `liquid`, placed on the zero set of `phi` (negative inside, any unit).
+/// Surface of the cells in `liquid`, placed on the zero set of `phi` (negative inside, any unit).
 ///
-/// Where neighbouring cells differ in `liquid` but not in the sign of `phi`, the surface passes midway.
+/// Where neighbouring cells differ in `liquid` but not in the sign of `phi`, the surface crosses midway.
 pub fn extract_isosurface<const D: usize>(phi: &CellField<D>, liquid: &Runs) -> Isosurface<D> {
     let rows = CellRows::new(phi, liquid);
     let blocks: Vec<Block> = (0..rows.count().div_ceil(CUBE_ROWS_PER_TASK))
@@ -69,7 +67,7 @@ pub fn extract_isosurface<const D: usize>(phi: &CellField<D>, liquid: &Runs) -> 
     assemble(vertices, parts)
 }
 
-/// Joins the vertices and facets of all blocks and cuts the quads.
+/// Joins the vertices and facets of all blocks and triangulates the quads.
 fn assemble<const D: usize>(vertices: Vec<Vec<(Vector<D>, u8)>>, parts: Vec<DualFaces<D>>) -> Isosurface<D> {
     let mut out = Isosurface::<D>::default();
     let count = vertices.iter().map(Vec::len).sum();
@@ -94,7 +92,7 @@ fn assemble<const D: usize>(vertices: Vec<Vec<(Vector<D>, u8)>>, parts: Vec<Dual
     out
 }
 
-/// The facets of a dual face: itself in 2D, two triangles along the shorter diagonal of the quad in 3D.
+/// Facets of a dual face: itself in 2D, two triangles along the shorter diagonal of the quad in 3D.
 fn triangulate<const D: usize>(
     positions: &[Vector<D>],
     v: [u32; 4],
@@ -112,10 +110,10 @@ fn triangulate<const D: usize>(
     std::iter::once((pick(first), kind)).chain((D == 3).then(|| (pick(second), kind)))
 }
 
-/// Dual faces, ordered: four cube vertices (2D: two, the last repeated) and the kind.
+/// Dual faces in order: four cube vertices (2D: two, the last repeated) and the label.
 type DualFaces<const D: usize> = Vec<([u32; 4], u8)>;
 
-/// Consecutive cubes of a row that carry a vertex: cubes `start..end`, the first one's vertex.
+/// Consecutive cubes `start..end` of a row that carry a vertex, and the first one's vertex.
 #[derive(Clone, Copy)]
 struct CubeRun {
     start: u32,
@@ -127,9 +125,9 @@ struct CubeRun {
 #[derive(Default)]
 struct Block {
     runs: Vec<CubeRun>,
-    /// For each row the number of stretches up to its end.
+    /// Number of cube runs up to the end of each row.
     ends: Vec<u32>,
-    /// For each cube which of its corners are liquid, bit `Σ_a o_a 2^a`.
+    /// Liquid corners of each cube: bit `Σ_a o_a 2^a` for corner `o`.
     corners: Vec<u8>,
 }
 
@@ -137,7 +135,7 @@ struct Block {
 #[derive(Default)]
 struct ActiveCubes {
     runs: Vec<CubeRun>,
-    /// Row `r` has the stretches `first[r]..first[r + 1]`.
+    /// Row `r` has the cube runs `first[r]..first[r + 1]`.
     first: Vec<u32>,
     corners: Vec<u8>,
 }
@@ -171,7 +169,7 @@ impl<'a, const D: usize> CellRows<'a, D> {
         self.phi.grid.cells[1..].iter().map(|n| n + 1).product()
     }
 
-    /// Coordinates of a row of cubes, the first unused: cube `c` lies between the cells `c - 1` and `c`.
+    /// Coordinates of a row of cubes; the first is unused. Cube `c` lies between the cells `c - 1` and `c`.
     fn row_coordinates(&self, mut row: usize) -> [usize; D] {
         let mut at = [0; D];
         for (c, cells) in at.iter_mut().zip(self.phi.grid.cells).skip(1) {
@@ -186,8 +184,7 @@ impl<'a, const D: usize> CellRows<'a, D> {
         block * CUBE_ROWS_PER_TASK..((block + 1) * CUBE_ROWS_PER_TASK).min(self.count())
     }
 
-    /// The runs in the rows of cells around a row of cubes; bit `a - 1` of the position is the side along
-    /// axis `a`.
+    /// Runs of the rows of cells around a row of cubes. Bit `a - 1` of the index is the side along axis `a`.
     fn adjacent_runs(&self, row: usize) -> [&'a [Run]; 4] {
         let at = self.row_coordinates(row);
         let cells = &self.phi.grid.cells;
@@ -218,13 +215,13 @@ impl<'a, const D: usize> CellRows<'a, D> {
         out
     }
 
-    /// Walks a row of cubes from change to change of the cells around it.
+    /// Scans a row of cubes from change to change of the cells around it.
     fn walk_row(&self, row: usize, out: &mut Block) {
         let full = (1u8 << (1 << (D - 1))) - 1;
         let mut around = self.adjacent_runs(row);
-        let mut inside = 0u8; // which of the rows are liquid just before `from`
+        let mut inside = 0u8; // bit q: row q is liquid just before `from`
         let mut from = 0u32;
-        let mut open = false; // whether the last stretch of `out` may be extended
+        let mut open = false; // whether the last cube run of `out` may be extended
         loop {
             let before = inside;
             let next = |q: usize, runs: &[Run]| {
@@ -234,8 +231,7 @@ impl<'a, const D: usize> CellRows<'a, D> {
             if to == u32::MAX {
                 break;
             }
-            // Cubes between cells of one pattern: from + 1 .. to (the cube at `from` was added with the
-            // change).
+            // Cubes `from + 1..to` lie between cells of one pattern. Cube `from` was added at the change.
             if before != 0 && before != full {
                 (from + 1..to).for_each(|c| push_cube(out, &mut open, c, interleave_zeros(before) * 3));
             }
@@ -254,7 +250,7 @@ impl<'a, const D: usize> CellRows<'a, D> {
         }
     }
 
-    /// Positions (m) and kinds of the vertices of a block.
+    /// Positions (m) and labels of the vertices of a block.
     fn dual_vertices_of(&self, block: usize, cubes: &ActiveCubes) -> Vec<(Vector<D>, u8)> {
         let mut out = Vec::new();
         for row in self.rows_of(block) {
@@ -269,7 +265,7 @@ impl<'a, const D: usize> CellRows<'a, D> {
         out
     }
 
-    /// The dual faces of the lattice edges that start at the lowest corners of the cubes of a block.
+    /// Dual faces of the lattice edges that start at the lowest corners of the cubes of a block.
     fn dual_faces_of(&self, block: usize, cubes: &ActiveCubes) -> DualFaces<D> {
         let mut out = Vec::new();
         for row in self.rows_of(block) {
@@ -289,7 +285,7 @@ impl<'a, const D: usize> CellRows<'a, D> {
         out
     }
 
-    /// The dual faces of the edges from the lowest corner of a cube to its neighbours along the axes.
+    /// Dual faces of the edges from the lowest corner of a cube to its neighbours along the axes.
     fn add_faces_of_cube(&self, at: [usize; D], code: u8, below: &mut LowerCubes, out: &mut DualFaces<D>) {
         let low = code & 1;
         for a in 0..D {
@@ -298,7 +294,7 @@ impl<'a, const D: usize> CellRows<'a, D> {
             }
             let mut face = [0; 4];
             let (b, c) = ((a + 1) % D, (a + 2) % D);
-            // Counter-clockwise about axis a; in 2D from the lower to the upper cube along y, back along x.
+            // Counter-clockwise about axis a; in 2D from the lower to the upper cube along y, and back along x.
             let steps = if D == 3 {
                 [1 << b | 1 << c, 1 << c, 0, 1 << b]
             } else if a == 0 {
@@ -322,7 +318,7 @@ impl<'a, const D: usize> CellRows<'a, D> {
     }
 }
 
-/// Adds a cube to the row's stretches.
+/// Appends a cube to the cube runs of the row.
 fn push_cube(out: &mut Block, open: &mut bool, cube: u32, code: u8) {
     match out.runs.last_mut() {
         Some(s) if *open && s.end == cube => s.end += 1,
@@ -337,9 +333,9 @@ fn interleave_zeros(q: u8) -> u8 {
     (q & 1) | ((q & 2) << 1) | ((q & 4) << 2) | ((q & 8) << 3)
 }
 
-/// Looks up vertices of the cubes at and below a cube that moves up along its row.
+/// Lookup of the vertices of the cubes at and below a cube that advances along its row.
 struct LowerCubes<'a> {
-    /// The stretches of the row itself and of the rows below along the second, the third and both axes.
+    /// Cube runs of the row itself and of the rows below along the second, the third and both axes.
     rows: [&'a [CubeRun]; 4],
 }
 
@@ -360,11 +356,10 @@ impl<'a> LowerCubes<'a> {
         }
     }
 
-    /// The vertex of the cube `step` (bit a: one down along axis a) from cube `c` of the row. Asked for with
-    /// `c` rising.
+    /// Vertex of the cube at `step` (bit a: one down along axis a) from cube `c` of the row. `c` must not decrease between calls.
     fn vertex(&mut self, c: u32, step: usize) -> u32 {
         let (c, q) = (c - (step as u32 & 1), step >> 1);
-        // One cube of slack: the next question may be about the cube before this one.
+        // One cube of slack: the next call may be for the cube before this one.
         while self.rows[q].first().is_some_and(|s| s.end + 1 < c) {
             self.rows[q] = &self.rows[q][1..];
         }

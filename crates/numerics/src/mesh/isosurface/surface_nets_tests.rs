@@ -64,7 +64,7 @@ fn isosurface_of_a_ball_converges() {
     check_convergence::<3>();
 }
 
-/// A small generator of numbers in -1..1 (SplitMix64).
+/// Random numbers in -1..1 (SplitMix64).
 fn random(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {
@@ -129,7 +129,7 @@ fn check_tank<const D: usize>() {
             assert_eq!(*kind != LIQUID_SOLID, (p[D - 1] - level).abs() < 1e-12);
         }
     }
-    // Full: the box itself. Tilted, to a plane that meets the walls: exact but for the floor's rounded edge.
+    // A full box, then a tilted plane that meets the walls: exact except for the rounded edge at the floor.
     let s = surface(&CellField::new(grid, -1.0));
     assert!((s.mesh.volume() / grid.domain_upper().product() - 1.0).abs() < 1e-12);
     let tilted = surface(&field(grid, |x| x[D - 1] - 0.4 - 0.3 * (x[0] - 0.5)));
@@ -145,8 +145,7 @@ fn isosurface_of_a_tank_is_exact() {
 
 #[test]
 fn isosurface_meets_the_wall_at_the_angle_of_the_level_set() {
-    // A cap on the floor: the contact line is the circle of the sphere in the plane of the wall, to second
-    // order.
+    // A cap on the floor: the contact line converges to the circle of the sphere in the wall plane at second order.
     let error = |n: usize| {
         let center = Vector::from([0.5, 0.5, 0.1]);
         let s = surface(&field(Grid::<3>::new([n; 3], 1.0 / n as f64), |x| (x - center).norm() - 0.3));

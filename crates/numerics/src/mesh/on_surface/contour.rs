@@ -1,7 +1,7 @@
-//! Where values on a surface's vertices change sign: marching triangles (2D: marching segments).
+//! Zero contour of vertex values on a surface: marching triangles (2D: marching segments).
 //!
-//! The contour of values that are linear on each facet (W. Lorensen and H. Cline, SIGGRAPH 1987, in one dimension less;
-//! paper, 4.3.1). On a closed surface it is made of closed loops.
+//! The values are linear on each facet (W. Lorensen and H. Cline, SIGGRAPH 1987, in one dimension less; Liu et al., Hydrophobic and
+//! Hydrophilic Solid-Fluid Interaction, 4.3.1). On a closed surface the contour consists of closed loops.
 
 use crate::Vector;
 use crate::mesh::SurfaceMesh;
@@ -9,27 +9,27 @@ use crate::mesh::SurfaceMesh;
 /// A point of a contour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourPoint {
-    /// The vertices of the edge that it lies on, the lower number first.
+    /// Vertices of its edge, the lower number first.
     pub edge: [u32; 2],
-    /// How far along the edge, 0 to 1.
+    /// Position along the edge, 0 to 1.
     pub fraction: f64,
-    /// One of the facets that it lies in.
+    /// One of the facets that contain it.
     pub facet: u32,
 }
 
-/// The line (2D: the points) where values on the vertices of a surface are zero.
+/// The line (2D: the points) where vertex values on a surface are zero.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contour {
-    /// Its points, sorted by their edges.
+    /// Its points, sorted by edge.
     pub points: Vec<ContourPoint>,
-    /// Its segments as numbers of points: seen from outside, negative values lie on their left. None in 2D.
+    /// Its segments as point numbers. Seen from outside, negative values lie on their left. None in 2D.
     pub segments: Vec<[u32; 2]>,
     /// The facet of each segment.
     pub facets: Vec<u32>,
 }
 
 impl Contour {
-    /// The contour on some facets of a mesh. Vertices of facets with a value that is not finite are left out.
+    /// The contour on the given facets of a mesh. Facets with a value that is not finite are skipped.
     pub fn of<const D: usize>(facets: &[[u32; D]], values: &[f64]) -> Self {
         let is_negative = |v: u32| values[v as usize] < 0.0;
         let crossed = |f: &&u32| {
@@ -62,28 +62,28 @@ impl Contour {
         contour
     }
 
-    /// Where its points are, m.
+    /// Positions of its points, m.
     pub fn positions<const D: usize>(&self, mesh: &SurfaceMesh<D>) -> Vec<Vector<D>> {
         self.points.iter().map(|p| p.position(mesh)).collect()
     }
 }
 
 impl ContourPoint {
-    /// Where it is, m.
+    /// Its position, m.
     pub fn position<const D: usize>(&self, mesh: &SurfaceMesh<D>) -> Vector<D> {
         let [a, b] = self.edge.map(|v| mesh.positions[v as usize]);
         a + (b - a) * self.fraction
     }
 }
 
-/// The edges of a crossed facet on which the sign changes; in 3D first the one on which it changes from positive to
-/// negative, going around.
+/// The edges of a crossed facet on which the sign changes. In 3D the one on which it changes from negative to positive,
+/// counter-clockwise, comes first.
 fn crossings<const D: usize>(facet: &[u32; D], is_negative: &impl Fn(u32) -> bool) -> [Option<[u32; 2]>; 2] {
     let mut out = [None; 2];
     for k in 0..D {
         let (a, b) = (facet[k], facet[(k + 1) % D]);
         if is_negative(a) != is_negative(b) && (D == 3 || k == 0) {
-            // Counter-clockwise, what is wet begins at the segment's end and stops at its start: it lies on the left.
+            // Counter-clockwise, the wetted part begins at the segment's end and stops at its start: it lies on the left.
             out[usize::from(is_negative(b) && D == 3)] = Some([a.min(b), a.max(b)]);
         }
     }

@@ -1,15 +1,13 @@
 //! Distance along a surface from a contour on it, by fast marching.
 //!
-//! In the plane of a triangle the distance at a corner `v` is the least of `T(q) + |v q|` over the points `q` of the
-//! opposite side (R. Kimmel and J. Sethian, PNAS 95 (1998) 8431). There `T` is the cubic through the values and slopes at
-//! its ends, so that fronts may be curved: every vertex keeps the direction from which the front came, as an angle in a
-//! frame of its own in which the angles of the facets around it add up to a full turn; that is right across creases as
-//! well. (With planar fronts, `T` linear, the error is five times larger and of first order: design, validation 18a.) Obtuse
-//! triangles: the triangles beyond the opposite side are unfolded into the plane until a vertex splits the angle into two
-//! acute ones.
+//! In the plane of a triangle the distance at a corner `v` is the minimum of `T(q) + |v q|` over the points `q` of the
+//! opposite edge (R. Kimmel and J. Sethian, PNAS 95 (1998) 8431). `T` is the cubic through the distances and slopes at the
+//! ends of the edge, so fronts may be curved. (Linear `T`, that is planar fronts, is first order with five times the error.)
+//! Each vertex stores the direction of the distance's gradient as an angle in its own frame, in which the angles of the
+//! facets around it add up to 2π; this holds across creases as well. For an obtuse angle the triangles beyond the opposite
+//! edge are unfolded into the plane until a vertex splits the angle into two acute ones.
 //!
-//! It starts from the segments of the contour, wherever they cross the triangles. In 2D the distance is that along the
-//! segments.
+//! The seeds are the contour's segments, which may cross triangles anywhere. In 2D the distance is that along the segments.
 
 use crate::Vector;
 use crate::mesh::{Contour, SurfaceMesh};
@@ -19,16 +17,16 @@ use std::f64::consts::{PI, TAU};
 
 /// No facet.
 const NO_FACET: u32 = u32::MAX;
-/// Most triangles that are unfolded.
+/// Most triangles unfolded for an obtuse angle.
 const MAX_UNFOLDED_TRIANGLES: usize = 12;
-/// Difference of a slope at an end from the mean slope beyond which fronts meet: then no cubic is put through them.
+/// Largest deviation of the slope at an end from the mean slope. Beyond it fronts collide and `T` is linear.
 const MAX_SLOPE_DEVIATION: f64 = 0.5;
-/// Steps of Newton's method for where a front came from.
+/// Newton iterations for the point of an edge that the front came through.
 const NEWTON_ITERATIONS: usize = 4;
 
 type Point = [f64; 2];
 
-/// A surface prepared for distances along it.
+/// A surface prepared for geodesic distances.
 #[derive(Clone, Debug)]
 pub struct Geodesic<const D: usize> {
     facets: Vec<[u32; D]>,
@@ -39,33 +37,33 @@ pub struct Geodesic<const D: usize> {
     star: Vec<u32>,
     /// The facet across the edge opposite to each corner.
     opposite_facets: Vec<[u32; D]>,
-    /// Direction, in the corner's vertex' frame, of the edge from each corner to the next.
+    /// Angle of the edge from each corner to the next in the frame of the corner's vertex, rad.
     edge_angles: Vec<[f64; D]>,
-    /// What the angles around each vertex are multiplied by.
+    /// Factor by which the angles around each vertex are multiplied.
     angle_scales: Vec<f64>,
 }
 
-/// A front that is under way.
+/// State of the fast marching.
 struct MarchingFront<'a> {
     negative: &'a dyn Fn(u32) -> bool,
     distance: Vec<f64>,
-    /// Direction of the distance's slope in each vertex' frame.
+    /// Direction of the distance's gradient in each vertex' frame, rad.
     gradient_angles: Vec<f64>,
     accepted: Vec<bool>,
     heap: BinaryHeap<Reverse<(u64, u32)>>,
 }
 
-/// A vertex that the front has passed, in the plane of an unfolded triangle.
+/// An accepted vertex in the plane of an unfolded triangle.
 #[derive(Clone, Copy)]
 struct AcceptedVertex {
     at: Point,
     distance: f64,
-    /// Direction of the slope in the plane.
+    /// Direction of the distance's gradient in the plane, rad.
     gradient_angle: f64,
 }
 
 impl<const D: usize> Geodesic<D> {
-    /// Prepares some facets of a surface that are oriented alike; it may have a border.
+    /// Prepares consistently oriented facets of a surface, which may have a border.
     pub fn new(positions: &[Vector<D>], facets: &[[u32; D]]) -> Self {
         let length = |a: u32, b: u32| (positions[a as usize] - positions[b as usize]).norm();
         let lengths = |f: &[u32; D]| std::array::from_fn(|k| length(f[(k + 1) % D], f[(k + D - 1) % D]));
@@ -97,8 +95,8 @@ impl<const D: usize> Geodesic<D> {
         out
     }
 
-    /// Signed distance from a contour of these facets in a band of width `band` (m) on both sides, `±band` beyond;
-    /// `values` tell the sides.
+    /// Signed distance (m) from a contour on these facets within `band` (m) on both sides, `±band` beyond. The signs of
+    /// `values` tell the side of each vertex.
     pub fn distance(&self, mesh: &SurfaceMesh<D>, contour: &Contour, values: &[f64], band: f64) -> Vec<f64> {
         let negative = |v: u32| values[v as usize] < 0.0;
         let mut front = MarchingFront::new(&negative, values.len());
@@ -115,7 +113,7 @@ impl<const D: usize> Geodesic<D> {
             }
         }
         while let Some(v) = front.pop_nearest(band) {
-            // A vertex that splits an obtuse angle may have been passed since a neighbour told.
+            // A vertex that splits an obtuse angle may have been accepted since the last update.
             for &f in self.vertex_star(v) {
                 let k = self.corner(f, v);
                 if self.is_obtuse(f, k) {
@@ -138,7 +136,7 @@ impl<const D: usize> Geodesic<D> {
         &self.star[self.star_starts[v as usize] as usize..self.star_starts[v as usize + 1] as usize]
     }
 
-    /// The corner of a facet that is a vertex.
+    /// The corner of facet `f` that is vertex `v`.
     fn corner(&self, f: u32, v: u32) -> usize {
         self.facets[f as usize].iter().position(|w| *w == v).unwrap_or(0)
     }
@@ -155,7 +153,7 @@ impl<const D: usize> Geodesic<D> {
         D == 3 && l[k] > l[(k + 1) % D] + l[(k + 2) % D]
     }
 
-    /// The next two corners of a triangle in its plane, corner `k` at the origin and the next on the first axis.
+    /// The next two corners of a triangle in its plane, with corner `k` at the origin and the next one on the first axis.
     fn unfold(&self, f: u32, k: usize) -> [Point; 2] {
         let l = &self.lengths[f as usize];
         let (opposite, to_last, to_next) = (l[k], l[(k + 1) % D], l[(k + 2) % D]);
@@ -164,7 +162,7 @@ impl<const D: usize> Geodesic<D> {
         [[to_next, 0.0], [x, (to_last * to_last - x * x).max(0.0).sqrt()]]
     }
 
-    /// Corner `j` of a triangle across a side that leads from `from` to `to` and has all before it on its left.
+    /// Corner `j` of the triangle across the edge from `from` to `to`; the triangles before it lie on the left of this edge.
     fn unfold_apex(&self, g: u32, j: usize, from: Point, to: Point) -> Point {
         let l = &self.lengths[g as usize];
         let (length, to_to, to_from) = (l[j].max(f64::MIN_POSITIVE), l[(j + 2) % D], l[(j + 1) % D]);
@@ -174,13 +172,13 @@ impl<const D: usize> Geodesic<D> {
         [from[0] + x * a + y * b, from[1] + x * b - y * a]
     }
 
-    /// Gives every edge from a vertex its direction in the vertex' frame.
+    /// Sets the angle of every edge from a vertex in the vertex' frame.
     fn set_vertex_frame(&mut self, v: u32) {
         let star = self.vertex_star(v).to_vec();
         let (mut turned, mut total, mut closed) = (0, 0.0, false);
         let mut seen = vec![false; star.len()];
         while let Some(s) = seen.iter().position(|s| !s) {
-            // Back to the border, if there is one, then forth.
+            // Back to the border, if there is one, then forward.
             let mut f = star[s];
             for _ in 0..star.len() {
                 match self.opposite_facets[f as usize][(self.corner(f, v) + 2) % D] {
@@ -214,7 +212,7 @@ impl<const D: usize> Geodesic<D> {
         }
     }
 
-    /// Starts a front at a segment in a triangle.
+    /// Seeds the front from a contour segment in a triangle.
     fn seed_from_segment(
         &self,
         front: &mut MarchingFront<'_>,
@@ -232,7 +230,7 @@ impl<const D: usize> Geodesic<D> {
             let e = minus(q, p);
             let t = (-dot(p, e) / dot(e, e).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
             let foot = [p[0] + t * e[0], p[1] + t * e[1]];
-            // Towards a segment through the corner itself: across it.
+            // If the segment passes through the corner itself, take the direction across it.
             let near = dot(foot, foot) < 1e-12 * dot(e, e);
             let to = if near { [e[1], -e[0]] } else { foot };
             let v = self.facets[f as usize][k];
@@ -242,8 +240,8 @@ impl<const D: usize> Geodesic<D> {
         }
     }
 
-    /// Starts a front at a segment in the plane of corner `k` of a triangle for the vertex across the opposite side: the
-    /// nearest point of the contour need not lie in a triangle of the vertex.
+    /// Seeds the vertex across the edge opposite to corner `k` from a segment in the plane of the triangle. The point of the
+    /// contour nearest to a vertex need not lie in one of its own triangles.
     fn seed_opposite_vertex(&self, front: &mut MarchingFront<'_>, f: u32, k: usize, [p, q]: [Point; 2]) {
         let g = self.opposite_facets[f as usize][k];
         if g == NO_FACET {
@@ -263,14 +261,14 @@ impl<const D: usize> Geodesic<D> {
         }
     }
 
-    /// Direction of the slope, in the frame of corner `k`, of a front that comes from the direction `towards` in the
+    /// Gradient angle, in the frame of the vertex at corner `k`, of a front that comes from the direction `towards` in the
     /// facet's plane.
     fn gradient_angle(&self, f: u32, k: usize, towards: f64) -> f64 {
         let v = self.facets[f as usize][k] as usize;
         self.edge_angles[f as usize][k] + towards * self.angle_scales[v] + PI
     }
 
-    /// Lets the front come to corner `k` of a facet from the others.
+    /// Updates corner `k` of a facet from the other corners.
     fn update_corner(&self, front: &mut MarchingFront<'_>, f: u32, k: usize) {
         let facet = &self.facets[f as usize];
         let v = facet[k];
@@ -306,7 +304,7 @@ impl<const D: usize> Geodesic<D> {
         }
     }
 
-    /// What the front left at corner `k` of a facet, which lies at `at`; `next` is the way to the next corner.
+    /// The accepted vertex at corner `k` of a facet, placed at `at`; `next` is the vector to the next corner.
     fn accepted_vertex(
         &self,
         front: &MarchingFront<'_>,
@@ -320,7 +318,7 @@ impl<const D: usize> Geodesic<D> {
         AcceptedVertex { at, distance: front.distance[v], gradient_angle }
     }
 
-    /// The vertex that splits the obtuse angle at corner `k` into acute ones, if there is one that the front has passed.
+    /// The vertex that splits the obtuse angle at corner `k` into acute ones, if there is one and it is accepted.
     fn obtuse_split_vertex(&self, front: &MarchingFront<'_>, f: u32, k: usize) -> Option<AcceptedVertex> {
         let v = self.facets[f as usize][k];
         let [mut from, mut to] = self.unfold(f, k);
@@ -336,7 +334,7 @@ impl<const D: usize> Geodesic<D> {
             let at = self.unfold_apex(g, j, from, to);
             let turn = direction(at);
             if turn > 0.5 * PI {
-                // Too near to the last corner: the next triangle lies beyond the side from the first one.
+                // Too close to the last corner: continue across the edge towards the first one.
                 (g, to, edge[1]) = (self.opposite_facets[g as usize][(j + 1) % D], at, c);
             } else if turn < whole - 0.5 * PI {
                 (g, from, edge[0]) = (self.opposite_facets[g as usize][(j + 2) % D], at, c);
@@ -354,22 +352,22 @@ impl<'a> MarchingFront<'a> {
         Self { negative, distance, gradient_angles, accepted: vec![false; count], heap: BinaryHeap::new() }
     }
 
-    /// Whether it has passed `w`, on the side of the contour where `v` is.
+    /// Whether vertex `w` is accepted and on the same side of the contour as `v`.
     fn is_accepted(&self, w: u32, v: u32) -> bool {
         self.accepted[w as usize] && (self.negative)(w) == (self.negative)(v)
     }
 
-    /// A vertex may be this far.
+    /// Proposes a distance (m) and gradient angle for a vertex; the smallest distance is kept.
     fn propose(&mut self, v: u32, distance: f64, slope: f64) {
         if distance < self.distance[v as usize] {
             self.distance[v as usize] = distance;
             self.gradient_angles[v as usize] = slope;
-            // The bits of numbers that are not negative are in order.
+            // The bit patterns of non-negative numbers sort like the numbers.
             self.heap.push(Reverse((distance.to_bits(), v)));
         }
     }
 
-    /// The nearest vertex not yet passed (and yet to be marked so), within a band.
+    /// The nearest vertex within the band that is not accepted. It is not marked as accepted here.
     fn pop_nearest(&mut self, band: f64) -> Option<u32> {
         while let Some(Reverse((bits, v))) = self.heap.pop() {
             if f64::from_bits(bits) > band {
@@ -383,8 +381,8 @@ impl<'a> MarchingFront<'a> {
     }
 }
 
-/// Distance of the origin behind a front that comes through the side between two points, and the direction to where it
-/// came through; `None` if it did not come between them.
+/// Distance at the origin of a front that passes through the edge between two vertices, and the direction to the point
+/// of passage; `None` if the front does not pass between them.
 fn update_through_side(p: &AcceptedVertex, q: &AcceptedVertex) -> Option<(f64, f64)> {
     let side = minus(q.at, p.at);
     let length = norm(side);
@@ -396,7 +394,7 @@ fn update_through_side(p: &AcceptedVertex, q: &AcceptedVertex) -> Option<(f64, f
     let slopes = [p, q].map(|p| (p.gradient_angle - direction(side)).cos());
     let [first, last] =
         if slopes.iter().all(|s| (s - mean).abs() < MAX_SLOPE_DEVIATION) { slopes } else { [mean; 2] };
-    // T = p + x (mean + (1 − s) (first − mean) + ...), s = x / length.
+    // T = p + x (mean + (1 − s)² (first − mean) − s (1 − s) (last − mean)), s = x / length.
     let (u, w) = ((first - mean) * length, (last - mean) * length);
     let cubic = |s: f64| p.distance + mean * length * s + s * (1.0 - s) * (u * (1.0 - s) - w * s);
     let rise = |s: f64| mean * length + u * (1.0 - s) * (1.0 - 3.0 * s) + w * s * (3.0 * s - 2.0);
@@ -418,7 +416,7 @@ fn update_through_side(p: &AcceptedVertex, q: &AcceptedVertex) -> Option<(f64, f
     ((0.0..=1.0).contains(&s)).then(|| (cubic(s) + norm(at(s)), direction(at(s))))
 }
 
-/// The facets across the edges opposite to each corner; where more than two meet in an edge, they are paired in order.
+/// The facet across the edge opposite to each corner. Where more than two share an edge, they are paired in order.
 fn opposite_facets<const D: usize>(facets: &[[u32; D]]) -> Vec<[u32; D]> {
     let mut out = vec![[NO_FACET; D]; facets.len()];
     if D == 2 {

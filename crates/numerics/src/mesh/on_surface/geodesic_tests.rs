@@ -1,7 +1,7 @@
 use super::*;
 use crate::mesh::icosphere::icosphere;
 
-/// Mean and largest error of the distance from the circle of colatitude 1 about `pole` up to `band` from it, and the
+/// Mean and largest error of the distance from the circle of colatitude 1 about `pole` within `band` of it, and the
 /// relative error of its length.
 fn errors(mesh: &SurfaceMesh<3>, pole: Vector<3>, band: f64) -> (f64, f64, f64) {
     let exact: Vec<f64> = mesh.positions.iter().map(|x| x.normalize().dot(&pole).acos() - 1.0).collect();
@@ -16,7 +16,7 @@ fn errors(mesh: &SurfaceMesh<3>, pole: Vector<3>, band: f64) -> (f64, f64, f64) 
     (mean, errors.iter().fold(0.0, |m, e| e.max(m)), length / (TAU * 1.0f64.sin()) - 1.0)
 }
 
-/// A sphere squeezed and spread so that many triangles are obtuse, its vertices put back on it.
+/// A sphere stretched so that many triangles are obtuse, with its vertices projected back onto it.
 fn squeezed(level: usize) -> (SurfaceMesh<3>, usize) {
     let mut mesh = icosphere(level);
     let squeeze = |x: &Vector<3>| Vector::<3>::new(x[0], 0.7 * x[1] + 0.2 * x[0], 1.6 * x[2]).normalize();
@@ -56,7 +56,7 @@ fn geodesic_distance_on_obtuse_triangles() {
 
 #[test]
 fn geodesic_distance_across_a_crease_and_along_segments() {
-    // A sheet folded at right angles: the distance is that of the flat sheet.
+    // For a sheet folded at a right angle the distance equals that on the flat sheet.
     let n = 24;
     let flat = |i: usize, j: usize| [i as f64 / n as f64 + 0.013 * (j % 2) as f64, j as f64 / n as f64];
     let fold = |[x, y]: [f64; 2]| {
@@ -76,7 +76,7 @@ fn geodesic_distance_across_a_crease_and_along_segments() {
     let exact: Vec<f64> = points.iter().map(|[x, y]| 0.8 * x + 0.6 * y - 0.43).collect();
     let contour = Contour::of(&mesh.facets, &exact);
     let found = Geodesic::new(&mesh.positions, &mesh.facets).distance(&mesh, &contour, &exact, 2.0);
-    // Where the front comes straight from the line and not from its ends.
+    // Points whose nearest point of the line is not one of its ends.
     let from_line = |p: &[f64; 2], d: f64| {
         let foot = [p[0] - 0.8 * d, p[1] - 0.6 * d];
         foot.iter().all(|c| (0.15..0.85).contains(c))

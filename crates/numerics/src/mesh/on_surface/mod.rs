@@ -1,4 +1,4 @@
-//! Contours and distances on surface meshes.
+//! Contours and geodesic distances on surface meshes.
 
 mod contour;
 mod geodesic;

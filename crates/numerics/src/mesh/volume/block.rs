@@ -1,22 +1,22 @@
 //! Boxes as lattices of cells cut into simplices.
 //!
-//! Every cell is cut around the same diagonal, one simplex for each order of the axes: two triangles, six tetrahedra
-//! (H. W. Kuhn, "Some combinatorial lemmas in topology", IBM J. Res. Dev. 4 (1960)). Cells are as nearly cubes as the box allows.
-//! Of quadratic simplices there is one for every two cells along each axis.
+//! Every cell is cut around the same diagonal, with one simplex for each order of the axes: two triangles, six tetrahedra
+//! (H. W. Kuhn, "Some combinatorial lemmas in topology", IBM J. Res. Dev. 4 (1960)). Cells are as close to cubes as the box
+//! allows. A mesh of quadratic simplices has half as many cells along each axis and is then subdivided.
 
 use super::quadratic::ElementOrder;
 use super::{Simplex, VolumeMesh};
 use crate::{Matrix, Vector};
 use thiserror::Error;
 
-/// Most vertices of a block: a solid's matrices take some 8 kB of memory for each in 3D.
+/// Most vertices of a block. A solid's matrices need about 8 kB per vertex in 3D.
 const MAX_VERTICES: f64 = 2e6;
-/// The orders of the axes; the first two of the plane's.
+/// Orders of the axes; the first two are those of the plane.
 const AXIS_ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 0, 2], [0, 2, 1], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
-/// Fewest cells along an axis.
+/// Least number of cells along an axis.
 const MIN_CELLS: usize = 2;
 
-/// Why a box cannot be a lattice.
+/// Why a box cannot be meshed.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum BlockError {
     /// A side or an edge is not a positive length.
@@ -24,21 +24,21 @@ pub enum BlockError {
     Size {
         /// Sides, m.
         size: Vec<f64>,
-        /// Edge asked for, m.
+        /// Edge requested, m.
         edge: f64,
     },
-    /// It would take too many vertices.
+    /// The mesh would have too many vertices.
     #[error("edges of {edge} m would take about {vertices:e} vertices; give longer ones")]
     TooFine {
-        /// Edge asked for, m.
+        /// Edge requested, m.
         edge: f64,
-        /// Vertices that it takes.
+        /// Number of vertices that it needs.
         vertices: f64,
     },
 }
 
-/// Numbers of cells of a block of the given size (m) with edges about `edge` long (m): at least two along the shortest side,
-/// and along the others as many as make them cubes; multiples of `step`.
+/// Numbers of cells of a block of the given size (m) with edges about `edge` (m) long, multiples of `step`. There are at
+/// least two along the shortest side; the other sides get the number that makes the cells nearly cubes.
 pub fn block_cells<const D: usize>(size: &Vector<D>, edge: f64, step: usize) -> [usize; D] {
     let shortest = size.min();
     let edge = shortest / cell_count(shortest, edge, step) as f64;
@@ -48,13 +48,13 @@ pub fn block_cells<const D: usize>(size: &Vector<D>, edge: f64, step: usize) -> 
 /// Number of cells along a side: a multiple of `step`, at least two.
 pub(super) fn cell_count(side: f64, edge: f64, step: usize) -> usize {
     let wanted = (side / edge).max(0.0);
-    // The next lower and higher number; the nearer one by the ratio of edges.
+    // The next lower and higher number; the nearer one in terms of the ratio of edges.
     let lower = ((wanted / step as f64) as usize * step).max(MIN_CELLS);
     let higher = lower + step;
     if wanted * wanted > lower as f64 * higher as f64 { higher } else { lower }
 }
 
-/// A block about the origin, of the given size (m), with given numbers of cells along the axes.
+/// A block centred at the origin with the given size (m) and numbers of cells along the axes.
 pub fn block<const D: usize>(cells: [usize; D], size: &Vector<D>) -> VolumeMesh<D> {
     let mut stride = [1usize; D];
     (1..D).for_each(|a| stride[a] = stride[a - 1] * (cells[a - 1] + 1));
@@ -81,11 +81,11 @@ pub fn block<const D: usize>(cells: [usize; D], size: &Vector<D>) -> VolumeMesh<
 }
 
 impl<const D: usize> VolumeMesh<D> {
-    /// A box with vertices about `edge` apart (m): centre and half sizes in m, and a rotation whose columns are the box's own
+    /// A box with vertices about `edge` (m) apart: centre and half sizes in m, and a rotation whose columns are the box's
     /// axes, as in [`Shape::Box`](crate::shape::Shape::Box). There are at least two cells along every axis.
     ///
     /// # Errors
-    /// Lengths that are none, edges too short for memory.
+    /// A length is not positive and finite, or the mesh would have too many vertices.
     pub fn of_box(
         center: &Vector<D>,
         half_size: &Vector<D>,
@@ -145,7 +145,7 @@ mod tests {
         assert_eq!(block_cells(&Vector::from([1.0, 0.29, 0.2]), 0.1, 1), [10, 3, 2]);
         assert_eq!(block_cells(&Vector::from([1.0, 0.29, 0.2]), 0.1, 2), [10, 4, 2]);
         assert_eq!(block_cells(&Vector::from([1.04, 0.01]), 0.1, 1), [208, 2]);
-        // The plate of Fig. 15.
+        // The plate of Fig. 15 of Liu et al. (2022).
         let plate = block::<3>([96, 96, 2], &Vector::from([3.33, 3.33, 0.0693]));
         assert_eq!((plate.positions.len(), plate.simplices.len()), (28_227, 110_592));
     }

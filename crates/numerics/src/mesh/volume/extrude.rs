@@ -1,10 +1,10 @@
-//! Flat outlines given a thickness: prisms on triangles, cut into tetrahedra.
+//! Extrusion of triangulated outlines: prisms over the triangles, cut into tetrahedra.
 //!
-//! A prism is cut into three along diagonals that rise from the vertex of the lower colour to that of the higher one, so
-//! that neighbours agree and no prism is cut in a circle (J. Dompierre et al., "How to subdivide pyramids, prisms and
-//! hexahedra into tetrahedra", 8th Int. Meshing Roundtable, 1999). Colours change from vertex to vertex, so no direction is
-//! preferred. Layers are mirror images of their neighbours and even in number: the mesh is as symmetric as its
-//! triangulation, and from above as from below.
+//! A prism is cut into three along diagonals that rise from the vertex of lower colour to that of higher colour. So
+//! neighbours agree and the diagonals of a prism form no cycle (J. Dompierre et al., "How to subdivide pyramids, prisms
+//! and hexahedra into tetrahedra", 8th Int. Meshing Roundtable, 1999). Neighbouring vertices differ in colour, so no direction
+//! is preferred. Adjacent layers are mirror images and their number is even, so the mesh has the symmetries of the
+//! triangulation and is symmetric about its mid-plane.
 
 use super::block::cell_count;
 use super::outline::{Outline, OutlineError};
@@ -15,7 +15,7 @@ use crate::shape::MeshShape;
 use crate::{Matrix, Vector};
 
 impl PlanarTriangulation {
-    /// Prisms on the triangles in layers about the plane, cut into tetrahedra; `thickness` (m) of all together. An even
+    /// Prisms over the triangles in layers about the plane, cut into tetrahedra; `thickness` (m) is the total. An even
     /// number of layers makes both sides alike.
     pub fn extruded(&self, layers: usize, thickness: f64) -> VolumeMesh<3> {
         let flat = &self.mesh.positions;
@@ -42,13 +42,13 @@ impl PlanarTriangulation {
 }
 
 impl<const D: usize> VolumeMesh<D> {
-    /// An outline with vertices about `edge` apart (m), given a thickness along the last axis (2D: what it encloses, whatever
-    /// the thickness). The outline's origin goes to `center` (m), halfway up the thickness (m); the columns of `rotation`
-    /// are its axes, as in [`Shape::Extrusion`](crate::shape::Shape::Extrusion). There are at least two layers. A square is
-    /// a [`block`](super::block::block).
+    /// An outline with vertices about `edge` (m) apart, extruded by `thickness` (m) along the last axis (2D: its interior,
+    /// `thickness` is ignored). The outline's origin goes to `center` (m), in the middle of the thickness. The columns of
+    /// `rotation` are its axes, as in [`Shape::Extrusion`](crate::shape::Shape::Extrusion). There are at least two layers. A
+    /// square becomes a [`block`](super::block::block).
     ///
     /// # Errors
-    /// Lengths that are none, edges too short for memory or too long for the outline.
+    /// A length is not positive and finite, there would be too many vertices, or edges are too long for the outline.
     pub fn of_outline(
         outline: &Outline,
         center: &Vector<D>,
@@ -99,7 +99,7 @@ impl<const D: usize> VolumeMesh<D> {
     }
 }
 
-/// How far nodes on the edges of an extruded triangulation go to reach the outline, m.
+/// Displacements (m) of edge nodes of an extruded triangulation onto the outline.
 fn outline_displacements<const D: usize>(
     outline: &Outline,
     planar: &PlanarTriangulation,

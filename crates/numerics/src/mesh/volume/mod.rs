@@ -1,8 +1,8 @@
-//! Volumes made of simplices: triangles in 2D, tetrahedra in 3D.
+//! Volume meshes of simplices: triangles in 2D, tetrahedra in 3D.
 //!
-//! Boxes are lattices ([`block`]), flat outlines are triangulated and given a thickness ([`planar`], [`extrude`]), any
-//! signed distance is filled by isosurface stuffing ([`stuffing`]), files are read ([`read`]); [`quality`] measures and
-//! checks what came of it. Any of them may be of quadratic simplices, which [`quadratic`] divides into the mesh's linear ones.
+//! Boxes are lattices ([`block`]). Flat outlines are triangulated and extruded ([`planar`], [`extrude`]). Regions with a
+//! signed distance are filled by isosurface stuffing ([`stuffing`]). Files are imported ([`read`]). [`quality`] measures and
+//! checks a mesh. Every mesh can have quadratic simplices, which [`quadratic`] divides into the mesh's linear ones.
 
 pub mod block;
 pub mod extrude;

@@ -1,7 +1,7 @@
-//! Flat outlines: closed curves in the plane, named ones and lists of points.
+//! Flat outlines: closed curves in the plane, either named or given as a list of points.
 //!
-//! A named outline is given by the part between two neighbouring mirror lines; its triangulation is made there and
-//! mirrored, so that it has all symmetries of the outline.
+//! A named outline is given by its part between two neighbouring mirror lines, the fundamental arc. It is triangulated
+//! there and mirrored, so the mesh has all symmetries of the outline.
 
 use super::block::BlockError;
 use crate::Vector;
@@ -9,23 +9,23 @@ use crate::mesh::{FacetBvh, SurfaceMesh};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6, PI, TAU};
 use thiserror::Error;
 
-/// Points of a curved part between two mirror lines.
+/// Number of points of a curved fundamental arc.
 const CURVE_POINTS: usize = 240;
-/// Radius of the narrowest place between petals over that of their tips.
+/// Smallest radius between petals over the radius of their tips.
 const PETAL_WAIST: f64 = 0.38;
 /// Width of the leaf over its length.
 const LEAF_WIDTH: f64 = 0.5;
-/// Gap between the squares of the cross, and width of the bridges over it, in sides of a square.
+/// Gap between the squares of the cross and width of the bridges over it, in sides of a square.
 const CROSS_GAP: f64 = 0.1;
 const CROSS_BRIDGE: f64 = 0.25;
 
-/// Why points are no outline, or an outline cannot be triangulated. Points count from 0.
+/// Why points do not form an outline, or why an outline cannot be triangulated. Points count from 0.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum OutlineError {
     /// There are fewer than three points.
     #[error("an outline of {count} points; give three or more")]
     TooFew {
-        /// How many there are.
+        /// Number of points.
         count: usize,
     },
     /// A coordinate is not a finite number.
@@ -34,20 +34,20 @@ pub enum OutlineError {
         /// Number of the point.
         point: usize,
     },
-    /// Two points that follow each other are at one place.
+    /// Two consecutive points coincide.
     #[error("points {point} and the next of the outline are at one place; remove one")]
     Repeated {
         /// Number of the first.
         point: usize,
     },
-    /// The outline passes through itself or touches itself.
+    /// The outline intersects or touches itself.
     #[error(
         "the sides of the outline after points {first} and {second} meet; an outline may not touch itself"
     )]
     SelfIntersection {
-        /// Point that the first side starts from.
+        /// Start point of the first side.
         first: usize,
-        /// Point that the second side starts from.
+        /// Start point of the second side.
         second: usize,
     },
     /// A length is not a positive number.
@@ -58,56 +58,56 @@ pub enum OutlineError {
         /// Its value, m.
         value: f64,
     },
-    /// It would take too many vertices.
+    /// The mesh would have too many vertices.
     #[error("edges of {edge} m would take about {vertices:e} vertices; give longer ones")]
     TooFine {
-        /// Edge asked for, m.
+        /// Edge requested, m.
         edge: f64,
-        /// Vertices that it takes.
+        /// Number of vertices that it needs.
         vertices: f64,
     },
-    /// The square that it is cannot be a lattice.
+    /// The outline is a square that cannot be a lattice.
     #[error(transparent)]
     Block(#[from] BlockError),
-    /// The outline is in places thinner than the edges are long.
+    /// The outline is locally thinner than the edge length.
     #[error("the outline is too thin near {near:?} for edges of {edge} m; give shorter ones")]
     TooCoarse {
-        /// Edge asked for, m.
+        /// Edge requested, m.
         edge: f64,
-        /// Where, m.
+        /// Location, m.
         near: [f64; 2],
     },
 }
 
-/// A closed curve in the plane and what it encloses.
+/// A closed curve in the plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
-    /// Points from one mirror line counter-clockwise to the next; all points where there are no mirror lines. m.
+    /// Points (m) from one mirror line counter-clockwise to the next; all points if there are no mirror lines.
     pub(super) fundamental_arc: Vec<Vector<2>>,
     /// Number of mirror lines through the origin, 0 if none is known.
     pub(super) mirror_count: usize,
-    /// Angle of the line that `part` starts on, rad.
+    /// Angle of the mirror line on which `fundamental_arc` starts, rad.
     pub(super) start_angle: f64,
-    /// Side of the square that it is, m.
+    /// Side, m, if the outline is a square.
     pub(super) square_side: Option<f64>,
 }
 
 impl Outline {
-    /// A square of side `size` (m) about the origin, its sides along the axes.
+    /// A square of side `size` (m), centred at the origin, with sides along the axes.
     pub fn square(size: f64) -> Self {
         let h = 0.5 * size;
         Self { square_side: Some(size), ..Self::mirrored(4, 0.0, vec![[h, 0.0], [h, h]]) }
     }
 
-    /// An equilateral triangle of side `size` (m), its centre in the origin, one tip up.
+    /// An equilateral triangle of side `size` (m), centred at the origin, with one tip up.
     pub fn triangle(size: f64) -> Self {
         let tip = [0.0, size / 3.0f64.sqrt()];
         let r = 0.5 * tip[1];
         Self::mirrored(3, FRAC_PI_6, vec![[r * FRAC_PI_6.cos(), r * FRAC_PI_6.sin()], tip])
     }
 
-    /// Petals around the origin, the first towards the first axis, `size` (m) across from the tip of one to the other side
-    /// of the circle through all tips: `r = R (1 + c cos nθ) / (1 + c)`, a smooth curve. At least two.
+    /// Petals around the origin, at least two, the first along the first axis: `r = R (1 + c cos nθ) / (1 + c)`. `size` (m) is
+    /// the diameter 2R of the circle through the tips.
     pub fn petals(count: usize, size: f64) -> Self {
         let n = count.max(2);
         let c = (1.0 - PETAL_WAIST) / (1.0 + PETAL_WAIST);
@@ -119,7 +119,7 @@ impl Outline {
         Self::mirrored(n, 0.0, (0..=CURVE_POINTS).map(point).collect())
     }
 
-    /// The unfolded box of the paper's Fig. 18: five squares in a cross, joined by bridges that fold; `size` (m) across.
+    /// The unfolded box of Liu et al. (2022), Fig. 18: a cross of five squares joined by bridges that fold; `size` (m) across.
     pub fn cross(size: f64) -> Self {
         let side = size / (3.0 + 2.0 * CROSS_GAP);
         let [half, bridge, far] = [0.5, 0.5 * CROSS_BRIDGE, 0.5 + CROSS_GAP].map(|x| x * side);
@@ -128,7 +128,7 @@ impl Outline {
         Self::mirrored(4, 0.0, part.to_vec())
     }
 
-    /// A leaf: two arcs of circles that meet in tips on the first axis, `size` (m) from tip to tip, half as wide.
+    /// A leaf: two circular arcs that meet in tips on the first axis, `size` (m) from tip to tip, half as wide.
     pub fn leaf(size: f64) -> Self {
         let (a, b) = (0.5 * size, 0.5 * size * LEAF_WIDTH);
         // The circle through the tips and (0, b).
@@ -143,10 +143,10 @@ impl Outline {
         Self::mirrored(2, 0.0, part)
     }
 
-    /// The outline through points (m), in either direction; the last is joined to the first.
+    /// The outline through points (m) in either direction; the last is connected to the first.
     ///
     /// # Errors
-    /// Points that are no outline.
+    /// The points do not form an outline.
     pub fn polygon(points: &[[f64; 2]]) -> Result<Self, OutlineError> {
         if points.len() < 3 {
             return Err(OutlineError::TooFew { count: points.len() });
@@ -178,11 +178,11 @@ impl Outline {
         }
     }
 
-    /// What it encloses as a surface in the plane; curves are polygons of some hundred sides.
+    /// The outline as a surface in the plane; curves become polygons of some hundred sides.
     pub fn surface(&self) -> SurfaceMesh<2> {
         let mut positions = Vec::new();
         for k in 0..self.mirror_count {
-            // The part and its mirror image, without the points on the mirror lines that the next ones bring.
+            // The arc and its mirror image, without the points on mirror lines that the next ones add.
             positions.extend(
                 self.fundamental_arc[..self.fundamental_arc.len() - 1]
                     .iter()
@@ -197,12 +197,12 @@ impl Outline {
         SurfaceMesh { positions, facets: (0..n).map(|i| [i, (i + 1) % n]).collect() }
     }
 
-    /// The tree that knows distances to the outline.
+    /// Bounding volume hierarchy for distances to the outline.
     pub fn tree(&self) -> FacetBvh<2> {
         FacetBvh::new(&self.surface())
     }
 
-    /// A point of the part between mirror lines turned to the `k`-th such part, or mirrored into the one before.
+    /// A point of the fundamental arc rotated to the `k`-th sector, or mirrored into the one before it.
     pub(super) fn image(&self, x: &Vector<2>, k: usize, mirrored: bool) -> Vector<2> {
         let turn = TAU * (k % self.mirror_count.max(1)) as f64 / self.mirror_count.max(1) as f64;
         let reflected = |x: &Vector<2>| {
@@ -215,7 +215,7 @@ impl Outline {
     }
 }
 
-/// Sine and cosine of an angle of whole quarters of a turn without rounding.
+/// Sine and cosine, exact for multiples of a right angle.
 fn exact_sin_cos(angle: f64) -> (f64, f64) {
     let quarters = angle / FRAC_PI_2;
     if (quarters - quarters.round()).abs() < 1e-12 {
@@ -224,7 +224,7 @@ fn exact_sin_cos(angle: f64) -> (f64, f64) {
     angle.sin_cos()
 }
 
-/// Two sides of a polygon that have a point in common besides the corner between neighbours.
+/// Two sides of a polygon that share a point other than the corner between neighbours.
 fn self_intersection(points: &[Vector<2>]) -> Option<[usize; 2]> {
     let n = points.len();
     let turn = |a: &Vector<2>, b: &Vector<2>, c: &Vector<2>| (b - a).perp(&(c - a));
@@ -232,7 +232,7 @@ fn self_intersection(points: &[Vector<2>]) -> Option<[usize; 2]> {
     let meet = |i: usize, j: usize| {
         let [a, b, c, d] = [i, (i + 1) % n, j, (j + 1) % n].map(|k| &points[k]);
         if (i + 1) % n == j || (j + 1) % n == i {
-            // Neighbours meet where one folds back onto the other.
+            // Neighbours overlap if one folds back onto the other.
             let [before, at, after] = if (i + 1) % n == j { [a, b, d] } else { [c, a, b] };
             return turn(before, at, after) == 0.0 && (before - at).dot(&(after - at)) > 0.0;
         }

@@ -1,8 +1,8 @@
-//! What an outline encloses as triangles of one size.
+//! Triangulation of the interior of an outline with triangles of uniform size.
 //!
-//! The outline is divided evenly between its corners; points inside start on a triangular lattice and are moved, joined and
-//! added until the constrained Delaunay triangulation of all is well shaped: each goes to the mean of the circumcentres of its
-//! triangles, weighted by their areas (L. Chen, "Mesh smoothing schemes based on optimal Delaunay triangulations", 13th Int.
+//! The outline is divided evenly between its corners. Interior points start on a triangular lattice and are moved, merged
+//! and inserted until the constrained Delaunay triangulation is well shaped. Each point moves to the area-weighted mean of
+//! the circumcentres of its triangles (L. Chen, "Mesh smoothing schemes based on optimal Delaunay triangulations", 13th Int.
 //! Meshing Roundtable, 2004). An outline with mirror lines is triangulated between two of them and mirrored.
 
 use super::outline::{Outline, OutlineError};
@@ -11,40 +11,40 @@ use crate::Vector;
 use crate::mesh::{FacetBvh, SurfaceMesh};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-/// Cosine of the turn above which a point of an outline is no corner.
+/// Cosine of the turning angle below which a point of an outline is a corner.
 const MIN_SMOOTH_COSINE: f64 = 0.94;
-/// Sides longer than this, in edges, meet in a corner however little they turn.
+/// Two sides longer than this, in edges, meet in a corner at any turning angle.
 const LONG_SIDE_EDGES: f64 = 0.5;
-/// Least distance of a point inside from the outline, in edges: at first, and when it is moved.
+/// Least distance of an interior point from the outline, in edges: initially, and when it is moved.
 const MIN_INSET_EDGES: [f64; 2] = [0.6, 0.4];
-/// Rounds of moving, and how many pass between rounds of joining and adding.
+/// Number of smoothing rounds, and the interval between rounds of merging and insertion.
 const SMOOTHING_ROUNDS: usize = 80;
 const ROUNDS_PER_REFINEMENT: usize = 10;
-/// Points nearer than this are joined, in edges.
+/// Distance below which points are merged, in edges.
 const MERGE_DISTANCE_EDGES: f64 = 0.7;
-/// Triangles with a larger circumradius get a point, in edges (that of a regular one: 0.58).
+/// Circumradius above which a triangle gets a new point, in edges (regular triangle: 0.58).
 const MAX_CIRCUMRADIUS_EDGES: f64 = 0.78;
-/// Area below which a triangle is rounding, in squares of the edge.
+/// Area below which a triangle is treated as rounding, in squares of the edge.
 const MIN_AREA_SQUARE_EDGES: f64 = 1e-9;
 /// Most vertices.
 const MAX_VERTICES: f64 = 1e6;
 
-/// A triangulation of what an outline encloses.
+/// Triangulation of the interior of an outline.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanarTriangulation {
     /// The triangles.
     pub mesh: VolumeMesh<2>,
-    /// A colour for each vertex, no two neighbours alike, as symmetric as the mesh: the order in which prisms on the
-    /// triangles are cut.
+    /// Colour of each vertex, different from its neighbours' and as symmetric as the mesh. It gives the order in which
+    /// prisms over the triangles are cut.
     pub color: Vec<u32>,
 }
 
 impl Outline {
-    /// What it encloses as triangles with edges about `edge` (m) long. The boundary's vertices lie on the outline, its
-    /// corners are among them. Where the outline is thinner than two edges, triangles are flatter.
+    /// Triangulates the interior with edges about `edge` (m) long. Boundary vertices lie on the outline and include its
+    /// corners. Where the outline is thinner than two edges, triangles are flatter.
     ///
     /// # Errors
-    /// Edges that are no length, too short for memory, or too long for the outline.
+    /// `edge` is not positive and finite, there would be too many vertices, or edges are too long for the outline.
     pub fn triangulate(&self, edge: f64) -> Result<PlanarTriangulation, OutlineError> {
         if !(edge > 0.0 && edge.is_finite()) {
             return Err(OutlineError::Size { what: "edges", value: edge });
@@ -62,7 +62,7 @@ impl Outline {
         Ok(self.unfold(&wedge))
     }
 
-    /// The loop around what is triangulated, divided: the outline, or its part between two mirror lines and these.
+    /// The divided boundary of the triangulated region: the outline, or its fundamental arc and the two mirror lines.
     fn boundary(&self, edge: f64) -> DividedLoop {
         let mut out = DividedLoop::default();
         if self.mirror_count == 0 {
@@ -78,7 +78,7 @@ impl Outline {
         divide_polyline(&[middle, first], edge, ON_FIRST, &mut out);
         divide_polyline(&self.fundamental_arc, edge, 0, &mut out);
         divide_polyline(&[last, middle], edge, ON_LAST, &mut out);
-        // A division starts with what belongs to the last one as well.
+        // The first point of a division also lies on the previous line.
         let lines = [ON_FIRST, ON_LAST];
         for (x, on) in out.points.iter().zip(&mut out.on) {
             *on |= if *x == middle { lines[0] | lines[1] } else { 0 };
@@ -88,7 +88,7 @@ impl Outline {
         out
     }
 
-    /// All images of the part between two mirror lines.
+    /// All images of the region between two mirror lines.
     fn unfold(&self, wedge: &Triangulator) -> PlanarTriangulation {
         let color = wedge.greedy_coloring();
         if self.mirror_count == 0 {
@@ -98,7 +98,7 @@ impl Outline {
         let on = |v: usize| wedge.on.get(v).copied().unwrap_or(0);
         let mut mesh = VolumeMesh::<2>::default();
         let mut colors = Vec::new();
-        // Number of a point's image; one on a mirror line is that of both neighbours, the middle that of all.
+        // Vertex of each image of a point. Two sectors share the images on a mirror line, all share the centre.
         let mut number = vec![u32::MAX; 2 * n * count];
         for k in 0..n {
             for mirrored in [true, false] {
@@ -128,18 +128,18 @@ impl Outline {
     }
 }
 
-/// Bits of points on the first and the last mirror line.
+/// Flags of points on the first and the last mirror line.
 const ON_FIRST: u8 = 1;
 const ON_LAST: u8 = 2;
 
-/// A divided loop and the mirror lines that its points lie on.
+/// A divided closed polyline, and flags of the mirror lines that contain its points.
 #[derive(Default)]
 struct DividedLoop {
     points: Vec<Vector<2>>,
     on: Vec<u8>,
 }
 
-/// The points of a polyline that must be vertices; closed: the last is followed by the first.
+/// The points of a polyline that must be vertices. In a closed one the last point is followed by the first.
 fn corners(line: &[Vector<2>], closed: bool, edge: f64) -> Vec<usize> {
     let n = line.len();
     let corner = |i: &usize| {
@@ -168,12 +168,12 @@ fn divide_polyline(line: &[Vector<2>], edge: f64, on: u8, out: &mut DividedLoop)
     }
 }
 
-/// A region under triangulation.
+/// State of a triangulation.
 struct Triangulator {
     edge: f64,
-    /// The divided boundary, then the points inside.
+    /// Points of the divided boundary, then interior points.
     points: Vec<Vector<2>>,
-    /// The mirror lines that each point of the boundary lies on.
+    /// Mirror line flags of each boundary point.
     on: Vec<u8>,
     /// The boundary.
     tree: FacetBvh<2>,
@@ -188,7 +188,7 @@ impl Triangulator {
         let surface = SurfaceMesh { positions: points.clone(), facets };
         let tree = FacetBvh::new(&surface);
         let (lower, upper) = surface.bounds();
-        // A triangular lattice with a point where the mirror lines meet, one of its directions along the first.
+        // A triangular lattice through the intersection of the mirror lines, with one direction along the first.
         let middle = if outline.mirror_count > 0 { Vector::zeros() } else { (lower + upper) * 0.5 };
         let (s, c) = outline.start_angle.sin_cos();
         let [along, across] = [[c, s], [-s, c]].map(|d| Vector::from(d) * edge);
@@ -227,7 +227,7 @@ impl Triangulator {
         }
     }
 
-    /// The constrained Delaunay triangulation of the points inside the boundary.
+    /// Constrained Delaunay triangulation of the points inside the boundary.
     fn triangulate_points(&mut self) -> Result<(), OutlineError> {
         let (n, edge) = (self.on.len(), self.edge);
         let near = |v: usize| self.points.get(v).map_or([0.0; 2], |x| [x[0], x[1]]);
@@ -245,7 +245,7 @@ impl Triangulator {
         for face in cdt.inner_faces() {
             let t = face.vertices().map(|v| v.fix().index() as u32);
             let center = t.iter().map(|v| self.points[*v as usize]).sum::<Vector<2>>() / 3.0;
-            // Between points on a straight side that rounding bends inwards.
+            // Rounding can leave flat triangles along a straight side.
             let flat = circumcenter(&self.corners(&t)).1 < MIN_AREA_SQUARE_EDGES * edge * edge;
             if !flat && self.tree.contains(&center) {
                 triangles.push(t);
@@ -259,13 +259,13 @@ impl Triangulator {
         t.map(|v| self.points[v as usize])
     }
 
-    /// Moves every point inside to the mean of the circumcentres around it.
+    /// Moves every interior point to the area-weighted mean of the circumcentres around it.
     fn smooth(&mut self) {
         let mut sums = vec![(Vector::<2>::zeros(), 0.0); self.points.len()];
         for t in &self.triangles {
             let corners = self.corners(t);
             let (center, area) = circumcenter(&corners);
-            // Beyond the longest side of an obtuse triangle the circumcentre may be anywhere.
+            // The circumcentre of an obtuse triangle can be far away: limit it to one edge from the centroid.
             let middle = corners.iter().sum::<Vector<2>>() / 3.0;
             let to = center - middle;
             let center = middle + to * (self.edge / to.norm().max(self.edge));
@@ -282,7 +282,7 @@ impl Triangulator {
         }
     }
 
-    /// Removes points inside that are too near to others.
+    /// Removes interior points that are too close to others.
     fn merge_close_points(&mut self) {
         let n = self.on.len();
         let mut gone = vec![false; self.points.len()];
@@ -300,7 +300,7 @@ impl Triangulator {
         self.points.retain(|_| kept.next().unwrap_or(true));
     }
 
-    /// Adds points in the middle of large triangles.
+    /// Inserts points at the centroids of large triangles.
     fn insert_points(&mut self) {
         let mut large: Vec<(f64, Vector<2>)> = Vec::new();
         for t in &self.triangles {
@@ -321,7 +321,7 @@ impl Triangulator {
         self.points.extend(added);
     }
 
-    /// A colour for each point, the least that none of its earlier neighbours has.
+    /// Greedy colouring: each point gets the least colour that no neighbour has yet.
     fn greedy_coloring(&self) -> Vec<u32> {
         let n = self.points.len();
         let mut pairs: Vec<[u32; 2]> = Vec::new();
@@ -334,7 +334,7 @@ impl Triangulator {
         let around =
             |v: u32| &pairs[pairs.partition_point(|p| p[0] < v)..pairs.partition_point(|p| p[0] <= v)];
         let mut color = vec![u32::MAX; n];
-        // From neighbour to neighbour, so that a regular lattice needs three colours only.
+        // Breadth first, so that a regular lattice needs only three colours.
         let mut queue: Vec<u32> = Vec::new();
         for start in 0..n as u32 {
             let mut at = queue.len();

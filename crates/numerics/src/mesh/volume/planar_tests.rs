@@ -50,7 +50,7 @@ fn outlines_are_triangulated_well() {
     }
 }
 
-/// Mirror lines and turns map the triangles onto themselves.
+/// Reflections and rotations of the outline map the triangles onto themselves.
 #[test]
 fn triangulations_have_the_symmetry_of_their_outline() {
     for (name, outline) in outlines() {
@@ -80,7 +80,7 @@ fn triangulation_refuses_what_cannot_be() {
     assert!(matches!(square.triangulate(1e-5), Err(OutlineError::TooFine { .. })));
 }
 
-/// Edges longer than the outline is wide: a mesh, or an error that says so.
+/// Edges longer than the width of the outline give a mesh or an error.
 #[test]
 fn long_edges_make_a_mesh_or_an_error() {
     for (name, outline) in outlines() {
@@ -114,7 +114,7 @@ fn extruded<const D: usize>() {
             let (surface, _) = mesh.surface();
             let off = |x: &&Vector<D>| shape.signed_distance(x).abs() >= 1e-12;
             let off = surface.positions.iter().filter(off).count();
-            // Where triangles are flat, nodes of quadratic ones stay on straight edges.
+            // Quadratic nodes on flat triangles stay on straight edges.
             assert!(
                 off * 50 <= surface.positions.len() && (order == ElementOrder::Quadratic || off == 0),
                 "{name} {off}"

@@ -1,42 +1,41 @@
-//! Quadratic simplices as meshes of linear ones: each divided at the middles of its edges.
+//! Quadratic simplices, stored as linear ones by subdivision at the edge midpoints.
 //!
-//! A quadratic simplex has nodes at its corners `x_i` and on its edges, `x_ij`; a place within it with barycentric coordinates `b` is
+//! A quadratic simplex has nodes at its corners `x_i` and on its edges, `x_ij`. At barycentric coordinates `b` the position is
 //!
 //! ```text
 //! x = Σ_i b_i (2 b_i − 1) x_i + 4 Σ_{i<j} b_i b_j x_ij
 //! ```
 //!
-//! (Zienkiewicz & Taylor, "The Finite Element Method", vol. 1, on the quadratic triangle and tetrahedron). Divided regularly it is `2^D`
-//! linear simplices on the same nodes: one at each corner, and what remains in the middle, in 3D an octahedron that is cut into four
-//! around its shortest diagonal (J. Bey, "Tetrahedral grid refinement", Computing 55 (1995) 355). All that asks for surfaces, volumes
-//! or places uses the linear simplices; only what is elastic knows that they belong together. They follow each other in the mesh,
-//! `2^D` of each parent, those at the corners first, and the simplex at corner `i` has node `x_ij` as its vertex `j`: so the
-//! parents need no memory of their own ([`VolumeMesh::parents`]).
+//! (Zienkiewicz & Taylor, "The Finite Element Method", vol. 1). Subdivision gives `2^D` linear simplices on the same nodes: one at
+//! each corner, and those in the middle, in 3D an octahedron that is cut into four around its shortest diagonal (J. Bey,
+//! "Tetrahedral grid refinement", Computing 55 (1995) 355). Surfaces, volumes and positions use the linear simplices; only elasticity
+//! uses the quadratic ones. The `2^D` parts of a parent are consecutive in the mesh, those at the corners first, and the part at corner
+//! `i` has node `x_ij` as its vertex `j`, so parents need no storage ([`VolumeMesh::quadratic_simplices`]).
 
 use super::{Simplex, VolumeMesh};
 use crate::mesh::surface::area_vector;
 use crate::{Matrix, Vector};
 
-/// Nodes of a quadratic simplex in 3D, the most.
+/// Nodes of a quadratic simplex in 3D.
 const MAX_NODES: usize = 10;
-/// How far a node goes to reach a surface, over the length of its edge. The map along a straight quadratic edge folds where its middle
-/// has moved by this much; across the edge it makes an arc of 127 degrees.
+/// Largest displacement of an edge node, over the length of the edge. A displacement by this much along a straight edge makes the map
+/// singular; across the edge it gives an arc of 106 degrees.
 pub(super) const MAX_NODE_DISPLACEMENT_EDGES: f64 = 0.25;
-/// Least volume of a part, and least derivative of volume at a node, of a curved quadratic simplex over those of the straight one.
-/// They fall in proportion to how far nodes go: at half of the way to the fold, half is left.
+/// Smallest allowed ratio of curved to straight volume of a part, and of the Jacobian determinants at a node. The ratios fall linearly
+/// with the displacement: half way to a singular map, half is left.
 const MIN_VOLUME_RATIO: f64 = 0.5;
 
-/// The order of the polynomials on the simplices of a mesh.
+/// Polynomial order of the simplices of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ElementOrder {
-    /// The simplices of the mesh are linear, each by itself.
+    /// Each simplex of the mesh is a linear one.
     Linear,
-    /// Groups of `2^D` simplices of the mesh are the parts of a quadratic one.
+    /// Each group of `2^D` simplices of the mesh forms a quadratic one.
     #[default]
     Quadratic,
 }
 
-/// The nodes of a quadratic simplex: its `D + 1` corners, then those on its edges in the order of [`edges`].
+/// Nodes of a quadratic simplex: its `D + 1` corners, then those on its edges in the order of [`edge_pairs`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct QuadraticSimplex<const D: usize> {
     nodes: [u32; MAX_NODES],
@@ -48,7 +47,7 @@ impl<const D: usize> QuadraticSimplex<D> {
         &self.nodes[..(D + 1) * (D + 2) / 2]
     }
 
-    /// The derivative of places by barycentric coordinates 1 to D, where the shape functions have these [`slopes`], m.
+    /// Jacobian of the position by barycentric coordinates 1 to D, from the [`shape_function_gradients`] `slopes`, m.
     pub fn jacobian(&self, slopes: &[Vector<D>], positions: &[Vector<D>]) -> Matrix<D> {
         let at = self.nodes().iter().map(|v| positions[*v as usize]);
         at.zip(slopes).fold(Matrix::zeros(), |sum, (x, slope)| sum + x * slope.transpose())
@@ -60,8 +59,8 @@ pub fn edge_pairs<const D: usize>() -> impl Iterator<Item = (usize, usize)> {
     (0..=D).flat_map(|i| (i + 1..=D).map(move |j| (i, j)))
 }
 
-/// Slopes of the shape functions of all nodes along barycentric coordinates 1 to D at a place with coordinates `b`; coordinate 0 is
-/// what remains of 1.
+/// Gradients of the shape functions of all nodes by barycentric coordinates 1 to D at coordinates `b`; coordinate 0 is 1 minus the
+/// others.
 pub fn shape_function_gradients<const D: usize>(b: &[f64]) -> Vec<Vector<D>> {
     let along = |i: usize| Vector::<D>::from_fn(|r, _| if i == 0 { -1.0 } else { f64::from(r + 1 == i) });
     let corner = |i: usize| along(i) * (4.0 * b[i] - 1.0);
@@ -70,8 +69,8 @@ pub fn shape_function_gradients<const D: usize>(b: &[f64]) -> Vec<Vector<D>> {
 }
 
 impl<const D: usize> VolumeMesh<D> {
-    /// Every simplex divided into `2^D` at the middles of its edges: a mesh of quadratic simplices. The vertices keep their numbers,
-    /// the middles follow.
+    /// Divides every simplex into `2^D` at the midpoints of its edges: a mesh of quadratic simplices. The vertices keep their numbers;
+    /// the midpoints follow.
     pub fn subdivided(&self) -> Self {
         let all = self.edges();
         let count = self.positions.len();
@@ -94,8 +93,8 @@ impl<const D: usize> VolumeMesh<D> {
         Self { positions, simplices }
     }
 
-    /// As [`subdivided`](Self::divided), with the nodes on some edges shifted (m), as far as simplices stay well shaped. The edges have
-    /// their lower vertices first.
+    /// As [`subdivided`](Self::subdivided), with the nodes on the given edges shifted (m) where simplices stay well shaped. Edges have
+    /// their lower vertex first.
     pub fn subdivided_curved(&self, shifts: &[([u32; 2], Vector<D>)]) -> Self {
         let (mut mesh, all) = (self.subdivided(), self.edges());
         let Some(parents) = mesh.quadratic_simplices() else { return mesh };
@@ -118,8 +117,7 @@ impl<const D: usize> VolumeMesh<D> {
         mesh
     }
 
-    /// The quadratic simplices that the mesh's simplices are the parts of, as [`subdivided`](Self::divided) leaves them; none where they
-    /// are of no such.
+    /// The quadratic simplices whose parts are the mesh's simplices in the order of [`subdivided`](Self::subdivided), if they are.
     pub fn quadratic_simplices(&self) -> Option<Vec<QuadraticSimplex<D>>> {
         let parts = self.simplices.chunks_exact(1 << D);
         if !parts.remainder().is_empty() {
@@ -132,7 +130,7 @@ impl<const D: usize> VolumeMesh<D> {
         self.positions[v as usize]
     }
 
-    /// The edges of the boundary, sorted, with the unit normal there.
+    /// The edges of the boundary, sorted, each with its mean unit normal.
     pub(super) fn boundary_edges(&self) -> Vec<([u32; 2], Vector<D>)> {
         let mut sides: Vec<([u32; 2], Vector<D>)> = Vec::new();
         for facet in self.boundary() {
@@ -149,7 +147,7 @@ impl<const D: usize> VolumeMesh<D> {
         sides.chunk_by(|a, b| a.0 == b.0).filter_map(mean).collect()
     }
 
-    /// Whether a quadratic simplex, the `number`-th, is well shaped by what it is where nodes are at the `straight` places.
+    /// Whether the quadratic simplex `number` keeps enough of the volumes that it has with nodes at `straight`.
     fn is_well_shaped(&self, parent: &QuadraticSimplex<D>, number: usize, straight: &[Vector<D>]) -> bool {
         let parts = &self.simplices[number << D..(number + 1) << D];
         let fair = |s: &Simplex<D>| s.volume(&self.positions) >= MIN_VOLUME_RATIO * s.volume(straight);
@@ -168,7 +166,7 @@ impl<const D: usize> VolumeMesh<D> {
     }
 }
 
-/// Adds the simplices between those at the corners; `node` tells the node on an edge.
+/// Adds the simplices between those at the corners; `node` gives the node on an edge.
 fn push_inner_simplices<const D: usize>(
     node: &dyn Fn(usize, usize) -> u32,
     positions: &[Vector<D>],
@@ -187,7 +185,7 @@ fn push_inner_simplices<const D: usize>(
         (positions[node(*a, *b) as usize] - positions[node(*c, *d) as usize]).norm()
     };
     let shortest = diagonals.iter().map(length).fold(f64::INFINITY, f64::min);
-    // Of diagonals that are alike to rounding the first, so that moved meshes are divided alike.
+    // Of diagonals equal to rounding the first, so that moved meshes are divided alike.
     let Some((a, b, c, d)) = diagonals.iter().find(|e| length(e) <= shortest * (1.0 + 1e-9)).copied() else {
         return;
     };
@@ -197,7 +195,7 @@ fn push_inner_simplices<const D: usize>(
     }
 }
 
-/// The quadratic simplex of `2^D` parts.
+/// The quadratic simplex with the given `2^D` parts, if they form one.
 fn quadratic_simplex<const D: usize>(parts: &[Simplex<D>]) -> Option<QuadraticSimplex<D>> {
     let vertex = |i: usize, j: usize| if j == 0 { parts[i].root } else { parts[i].others[j - 1] };
     let mut nodes = [0; MAX_NODES];
@@ -244,7 +242,7 @@ mod tests {
         division::<3>();
     }
 
-    /// Nodes on a ball's surface: the volume of its mesh is that with edges half as long.
+    /// Nodes on a ball's surface reduce the volume error about as much as halving the edges.
     fn curved<const D: usize>(volume: f64) {
         let distance = |x: &Vector<D>| x.norm() - 1.0;
         let (low, high) = (Vector::repeat(-1.0), Vector::repeat(1.0));

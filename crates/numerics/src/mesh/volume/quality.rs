@@ -1,18 +1,18 @@
-//! How good a volume mesh is, and what makes one useless.
+//! Quality measures of a volume mesh, and checks for defects.
 //!
-//! The shape of a simplex is measured by its dihedral angles (2D: angles) and by its radius ratio, `D` times the radius of
-//! the inscribed ball over that of the circumscribed one: 1 for a regular simplex, 0 for a flat one (J. Shewchuk, "What is a
-//! good linear finite element?", 2002). Both follow from the gradients of the barycentric coordinates in any dimension.
+//! The shape of a simplex is measured by its dihedral angles (2D: angles) and by its radius ratio, `D` times the inradius
+//! over the circumradius: 1 for a regular simplex, 0 for a flat one (J. Shewchuk, "What is a good linear finite element?",
+//! 2002). Both follow from the gradients of the barycentric coordinates in any dimension.
 
 use super::{Simplex, VolumeMesh};
 use crate::Vector;
 use std::fmt;
 use thiserror::Error;
 
-/// Volume of a simplex over the cube (2D: square) of its longest edge below which it counts as flat.
+/// Volume of a simplex, over the cube (2D: square) of its longest edge, below which it is degenerate.
 const MIN_RELATIVE_VOLUME: f64 = 1e-9;
 
-/// Measures of a volume mesh. Angles in radians.
+/// Quality measures of a volume mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshQuality {
     /// Number of vertices.
@@ -21,35 +21,35 @@ pub struct MeshQuality {
     pub simplices: usize,
     /// Number of facets of the boundary.
     pub boundary_facets: usize,
-    /// Number of parts that no facet joins.
+    /// Number of connected components; facets connect simplices.
     pub components: usize,
-    /// Length of the shortest edge, of all edges in the mean, of the longest, m.
+    /// Length of the shortest edge, mean length, length of the longest edge, m.
     pub edge_lengths: [f64; 3],
-    /// The smallest dihedral angle (2D: angle), rad, and the simplex that has it.
+    /// Smallest dihedral angle (2D: angle), rad, and its simplex.
     pub smallest_angle: (f64, usize),
-    /// The largest dihedral angle (2D: angle), rad, and the simplex that has it.
+    /// Largest dihedral angle (2D: angle), rad, and its simplex.
     pub largest_angle: (f64, usize),
-    /// The smallest volume of a simplex, m³ (2D: m²), and which that is.
+    /// Smallest volume of a simplex, m³ (2D: m²), and that simplex.
     pub smallest_volume: (f64, usize),
-    /// The smallest radius ratio (1: regular, 0: flat), and the simplex that has it.
+    /// Smallest radius ratio (1: regular, 0: flat), and its simplex.
     pub worst_radius_ratio: (f64, usize),
-    /// Volume of all, m³ (2D: m²).
+    /// Total volume, m³ (2D: m²).
     pub volume: f64,
 }
 
 /// Shape of one simplex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimplexShape {
-    /// The smallest and the largest dihedral angle (2D: angle), rad.
+    /// Smallest and largest dihedral angle (2D: angle), rad.
     pub angles: [f64; 2],
-    /// `D` times the inscribed over the circumscribed radius: 1 for a regular simplex, 0 for a flat one.
+    /// `D` times the inradius over the circumradius: 1 for a regular simplex, 0 for a flat one.
     pub radius_ratio: f64,
 }
 
-/// What makes a volume mesh useless. Numbers count from 0.
+/// Defects that make a volume mesh unusable. Numbers count from 0.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum MeshDefect {
-    /// A simplex has a vertex that does not exist, or one twice.
+    /// A vertex of a simplex does not exist or is repeated.
     #[error("element {simplex} has a vertex that does not exist, or the same one twice")]
     Vertex {
         /// Number of the simplex.
@@ -66,7 +66,7 @@ pub enum MeshDefect {
         "{count} elements are inverted, the first is element {simplex} near {near:?} with volume {volume:e}"
     )]
     Inverted {
-        /// How many.
+        /// Number of inverted simplices.
         count: usize,
         /// Number of the first.
         simplex: usize,
@@ -75,10 +75,10 @@ pub enum MeshDefect {
         /// Its centre, m.
         near: Vec<f64>,
     },
-    /// Simplices are flat.
+    /// Simplices are degenerate.
     #[error("{count} elements are flat, the first is element {simplex} near {near:?} with volume {volume:e}")]
     Degenerate {
-        /// How many.
+        /// Number of degenerate simplices.
         count: usize,
         /// Number of the first.
         simplex: usize,
@@ -87,36 +87,36 @@ pub enum MeshDefect {
         /// Its centre, m.
         near: Vec<f64>,
     },
-    /// More than two simplices have a facet, or two lie on the same side of it.
+    /// More than two simplices share a facet, or two lie on the same side of it.
     #[error("the elements on facet {facet:?} near {near:?} overlap")]
     Overlap {
         /// The facet's vertices.
         facet: Vec<u32>,
-        /// Its first vertex, m.
+        /// Position of its first vertex, m.
         near: Vec<f64>,
     },
-    /// The boundary touches itself in a vertex or along an edge.
+    /// The boundary touches itself at a vertex or along an edge.
     #[error("the boundary touches itself at vertex {vertex} near {near:?}")]
     NonManifold {
         /// Number of the vertex.
         vertex: usize,
-        /// Where it is, m.
+        /// Its position, m.
         near: Vec<f64>,
     },
-    /// The mesh falls into parts that no facet joins.
+    /// The mesh has several connected components.
     #[error("the mesh falls into {count} parts")]
     Disconnected {
-        /// How many.
+        /// Number of components.
         count: usize,
     },
 }
 
 impl<const D: usize> Simplex<D> {
-    /// Its angles and its radius ratio; none if it is flat.
+    /// Its angles and radius ratio; `None` if it is flat.
     pub fn shape(&self, positions: &[Vector<D>]) -> Option<SimplexShape> {
         let edges = self.edges(positions);
         let inverse = edges.try_inverse()?;
-        // Gradients of the barycentric coordinates: those of all vertices but the first, then the first's.
+        // Gradients of the barycentric coordinates: those of all vertices but the first, then that of the first.
         let mut gradients = [Vector::<D>::zeros(); 4];
         let mut circumcenter = Vector::<D>::zeros();
         for k in 0..D {
@@ -161,7 +161,7 @@ impl<const D: usize> VolumeMesh<D> {
         edges
     }
 
-    /// Measures the mesh. Its vertices must exist; a flat simplex has angle and radius ratio 0.
+    /// Measures the mesh. All vertices must exist. A flat simplex gets angle and radius ratio 0.
     pub fn quality(&self) -> MeshQuality {
         let edges = self.edges();
         let length = |e: &[u32; 2]| (self.positions[e[0] as usize] - self.positions[e[1] as usize]).norm();
@@ -197,7 +197,7 @@ impl<const D: usize> VolumeMesh<D> {
         out
     }
 
-    /// Number of parts that no facet joins.
+    /// Number of connected components; facets connect simplices.
     pub fn component_count(&self) -> usize {
         let mut facets = Vec::with_capacity(self.simplices.len() * (D + 1));
         for (i, simplex) in self.simplices.iter().enumerate() {
@@ -220,7 +220,7 @@ impl<const D: usize> VolumeMesh<D> {
         count
     }
 
-    /// The number of the piece that each vertex belongs to, from 0; pieces have no vertex in common.
+    /// The connected component of each vertex, counted from 0; here common vertices connect simplices.
     pub fn vertex_components(&self) -> Vec<u32> {
         let mut parent: Vec<usize> = (0..self.positions.len()).collect();
         for simplex in &self.simplices {
@@ -229,7 +229,7 @@ impl<const D: usize> VolumeMesh<D> {
                 parent[a.max(b)] = a.min(b);
             }
         }
-        // A root is the first vertex of its piece.
+        // A root is the first vertex of its component.
         let mut numbers = vec![0; parent.len()];
         let mut count = 0;
         for v in 0..parent.len() {
@@ -244,10 +244,10 @@ impl<const D: usize> VolumeMesh<D> {
         numbers
     }
 
-    /// Whether the mesh can carry a simulation as one body.
+    /// Checks that the mesh is usable and has one component.
     ///
     /// # Errors
-    /// The first of its defects.
+    /// The first defect found.
     pub fn check(&self) -> Result<(), MeshDefect> {
         self.check_elements()?;
         match self.component_count() {
@@ -256,10 +256,10 @@ impl<const D: usize> VolumeMesh<D> {
         }
     }
 
-    /// As [`check`](Self::check), but the mesh may fall into parts.
+    /// As [`check`](Self::check), but several components are allowed.
     ///
     /// # Errors
-    /// The first of its defects.
+    /// The first defect found.
     pub fn check_elements(&self) -> Result<(), MeshDefect> {
         self.check_vertices()?;
         self.check_volumes()?;
@@ -294,7 +294,7 @@ impl<const D: usize> VolumeMesh<D> {
         if let Some((count, simplex, volume, near)) = found(&|v| v < -MIN_RELATIVE_VOLUME) {
             return Err(MeshDefect::Inverted { count, simplex, volume, near });
         }
-        // What is not a number is flat too.
+        // NaN counts as degenerate.
         if let Some((count, simplex, volume, near)) =
             found(&|v| v.is_nan() || (-MIN_RELATIVE_VOLUME..MIN_RELATIVE_VOLUME).contains(&v))
         {
@@ -334,8 +334,7 @@ impl<const D: usize> VolumeMesh<D> {
     }
 }
 
-/// A vertex around which the facets of a closed boundary do not form one fan (2D: that has not two facets), if there is
-/// one.
+/// A vertex around which the facets of a closed boundary do not form a single fan (2D: without exactly two facets), if any.
 pub(super) fn non_manifold_vertex<const D: usize>(boundary: &[[u32; D]]) -> Option<u32> {
     let mut stars: Vec<(u32, usize)> =
         boundary.iter().enumerate().flat_map(|(i, f)| f.map(|v| (v, i))).collect();
@@ -345,7 +344,7 @@ pub(super) fn non_manifold_vertex<const D: usize>(boundary: &[[u32; D]]) -> Opti
         if D == 2 {
             return star.len() != 2;
         }
-        // From facet to facet across the edges at the vertex: each edge leads from one facet to one other.
+        // Walk from facet to facet across the edges at the vertex; each edge joins two facets.
         let others = |f: &[u32; D]| -> Vec<u32> { f.iter().copied().filter(|w| *w != v).collect() };
         let edges: Vec<Vec<u32>> = star.iter().map(|s| others(&boundary[s.1])).collect();
         let (mut at, mut through) = (0, edges[0][0]);
@@ -363,13 +362,13 @@ pub(super) fn non_manifold_vertex<const D: usize>(boundary: &[[u32; D]]) -> Opti
     stars.chunk_by(|a, b| a.0 == b.0).find(|star| torn(star)).map(|star| star[0].0)
 }
 
-/// Whether sorting the vertices of a facet takes an even number of exchanges.
+/// Whether the permutation that sorts the vertices of a facet is even.
 fn is_even_permutation<const D: usize>(facet: &[u32; D]) -> bool {
     let inversions = (0..D).map(|i| (0..i).filter(|j| facet[*j] > facet[i]).count()).sum::<usize>();
     inversions.is_multiple_of(2)
 }
 
-/// The representative of a set, its path shortened.
+/// The representative of a set, with path compression.
 fn root(parent: &mut [usize], mut i: usize) -> usize {
     while parent[i] != i {
         parent[i] = parent[parent[i]];
@@ -403,8 +402,7 @@ mod tests {
     use super::*;
     use crate::mesh::volume::block::block;
 
-    /// The regular simplex with edges √2 on the axes of one dimension more is not at hand: D unit vectors and the point
-    /// (c, …, c) at the same distance from all of them.
+    /// A regular simplex: the D unit vectors and the point (c, …, c) at the same distance from each of them.
     fn regular<const D: usize>() -> VolumeMesh<D> {
         let unit = |a: usize| Vector::<D>::from_fn(|b, _| if a == b { 1.0 } else { 0.0 });
         let c = (1.0 - (1.0 + D as f64).sqrt()) / D as f64;
@@ -443,7 +441,7 @@ mod tests {
         infinite.positions[1][0] = f64::NAN;
         assert_eq!(infinite.check(), Err(MeshDefect::NotFinite { vertex: 1 }));
 
-        // A second one that shares only the last vertex, then one that shares none.
+        // A second simplex that shares only the last vertex, then one that shares none.
         let mut pinched = mesh.clone();
         pinched.positions.extend((0..D).map(|k| mesh.positions[D] * 2.0 - mesh.positions[k]));
         let others = std::array::from_fn(|k| (D + 1 + k) as u32);

@@ -1,14 +1,9 @@
-//! Volumes made of simplices: triangles in 2D, tetrahedra in 3D.
-//!
-//! Boxes are lattices ([`box_mesh`]), flat outlines are triangulated and given a thickness ([`planar`], [`extrude`]), any
-//! signed distance is filled by isosurface stuffing ([`stuffing`]), files are read ([`read`]); [`quality`] measures and
-//! checks what came of it. Any of them may be of quadratic simplices, which [`quadratic_cube_mesh`] divides into the mesh's linear ones.
+//! Mesh of a volume by simplices: triangles in 2D, tetrahedra in 3D.
 
 use crate::mesh::SurfaceMesh;
 use crate::{Matrix, Vector};
 
-/// The vertices of a triangle (2D) or tetrahedron (3D) by number: one, and the others. Its volume is positive if
-/// `det [x₁−x₀ … x_D−x₀]` is.
+/// Triangle (2D) or tetrahedron (3D), given by vertex numbers. Its volume is positive if `det [x₁−x₀ … x_D−x₀]` is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Simplex<const D: usize> {
     /// The first vertex, `x₀`.
@@ -42,7 +37,7 @@ impl<const D: usize> Simplex<D> {
         }
     }
 
-    /// The same vertices in an order that makes its volume positive, if it has one.
+    /// The same vertices in an order with positive volume, if the volume is not zero.
     pub fn oriented(mut self, positions: &[Vector<D>]) -> Self {
         if self.volume(positions) < 0.0 {
             self.others.swap(0, 1);
@@ -54,7 +49,7 @@ impl<const D: usize> Simplex<D> {
     pub fn facet(&self, k: usize) -> [u32; D] {
         let mut facet = self.others;
         if k > 0 {
-            // The root takes the place of the vertex left out, which turns the facet over.
+            // The root replaces the omitted vertex, which reverses the orientation.
             facet[k - 1] = self.root;
             facet.swap(0, 1);
         }
@@ -62,7 +57,7 @@ impl<const D: usize> Simplex<D> {
     }
 }
 
-/// A body of simplices.
+/// Volume mesh of simplices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VolumeMesh<const D: usize> {
     /// Vertices, m.
@@ -77,13 +72,13 @@ impl<const D: usize> VolumeMesh<D> {
         crate::par::sum(self.simplices.len(), |i| self.simplices[i].volume(&self.positions))
     }
 
-    /// The mesh rotated about the origin, then moved by `translate` (m). `rotation` must be one: a mirror image is inverted.
+    /// The mesh rotated about the origin, then translated by `translate` (m). A reflection as `rotation` inverts the simplices.
     pub fn transformed(mut self, rotation: &Matrix<D>, translate: &Vector<D>) -> Self {
         self.positions.iter_mut().for_each(|x| *x = rotation * *x + translate);
         self
     }
 
-    /// The mesh without vertices that no simplex has; the others keep their order.
+    /// The mesh without unused vertices; the others keep their order.
     pub fn compacted(&self) -> Self {
         let mut number = vec![u32::MAX; self.positions.len()];
         self.simplices.iter().flat_map(|s| s.vertices()).for_each(|v| number[v as usize] = 0);
@@ -99,7 +94,7 @@ impl<const D: usize> VolumeMesh<D> {
         Self { positions, simplices: self.simplices.iter().map(renumbered).collect() }
     }
 
-    /// The facets that bound it, outward, on the mesh's own vertices: those that only one simplex has.
+    /// Outward boundary facets with the mesh's vertex numbers: those of only one simplex.
     pub fn boundary(&self) -> Vec<[u32; D]> {
         let mut facets: Vec<([u32; D], [u32; D])> = Vec::with_capacity(self.simplices.len() * (D + 1));
         for simplex in &self.simplices {
@@ -114,7 +109,7 @@ impl<const D: usize> VolumeMesh<D> {
         facets.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1).map(|same| same[0].1).collect()
     }
 
-    /// Its surface on vertices of its own, and for each of these the mesh's vertex.
+    /// The boundary as a surface with its own vertex numbers, and the mesh's vertex for each of its vertices.
     pub fn surface(&self) -> (SurfaceMesh<D>, Vec<u32>) {
         let facets = self.boundary();
         let mut own: Vec<u32> = facets.iter().flatten().copied().collect();

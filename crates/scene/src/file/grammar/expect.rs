@@ -1,10 +1,10 @@
-//! `[predict_motions]`: what is checked at the end of a run.
+//! `[expect]`: what is checked at the end of a run.
 
 use crate::file::{Angle, Frequency, Length, RepairsFile, Speed, Time};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `[predict_motions]`. Every key that is given is checked.
+/// `[expect]`. Every key that is given is checked.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExpectFile {

@@ -15,7 +15,7 @@ pub(crate) const HELP_MARK: char = '\u{1f}';
 struct UnitVisitor(Dimension);
 
 impl UnitVisitor {
-    fn without_unit<E: serde::de::Error>(&self, number: impl fmt::Display, zero: bool) -> Result<Parsed, E> {
+    fn bare<E: serde::de::Error>(&self, number: impl fmt::Display, zero: bool) -> Result<Parsed, E> {
         if zero {
             return Ok(Parsed { value: 0.0, in_cells: false });
         }
@@ -39,15 +39,15 @@ impl Visitor<'_> for UnitVisitor {
     }
 
     fn visit_i64<E: serde::de::Error>(self, v: i64) -> Result<Parsed, E> {
-        self.without_unit(v, v == 0)
+        self.bare(v, v == 0)
     }
 
     fn visit_u64<E: serde::de::Error>(self, v: u64) -> Result<Parsed, E> {
-        self.without_unit(v, v == 0)
+        self.bare(v, v == 0)
     }
 
     fn visit_f64<E: serde::de::Error>(self, v: f64) -> Result<Parsed, E> {
-        self.without_unit(v, v == 0.0)
+        self.bare(v, v == 0.0)
     }
 }
 

@@ -1,4 +1,4 @@
-//! `[predict_motions] repairs`: how much may have been mended in a run.
+//! `[expect] repairs`: how much may have been mended in a run.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

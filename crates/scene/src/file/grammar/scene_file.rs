@@ -150,7 +150,7 @@ pub struct BodyFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity: Option<Vec<Speed>>,
     /// Solids are meant to cut off what they overlap of it at the start, as where half a ball is laid on a plate: without this key
-    /// `check_closed` and `run` warn of a ball or an ellipsoid that a solid cuts by more than a cell.
+    /// `check` and `run` warn of a ball or an ellipsoid that a solid cuts by more than a cell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displaced: Option<bool>,
 }

@@ -20,7 +20,7 @@ pub enum ShapeFile {
     Capsule(CapsuleFile),
     /// An ellipsoid (2D: an ellipse).
     Ellipsoid(EllipsoidFile),
-    /// A ball with radius `r = R (1 + amplitude P_mode(mode_cosine θ))`, θ from the last axis (2D: `mode_cosine mode θ`).
+    /// A ball with radius `r = R (1 + amplitude P_mode(cos θ))`, θ from the last axis (2D: `cos mode θ`).
     PerturbedBall(PerturbedBallFile),
     /// Everything below a cosine wave along x.
     Wave(WaveFile),
@@ -106,7 +106,7 @@ pub struct CylinderFile {
     pub height: Length,
 }
 
-/// `intersect_capsule`.
+/// `capsule`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CapsuleFile {
@@ -145,7 +145,7 @@ pub struct PerturbedBallFile {
     pub amplitude: f64,
 }
 
-/// `wave`: filled where the last coordinate is below `level + amplitude mode_cosine(2π x / wavelength + phase)`.
+/// `wave`: filled where the last coordinate is below `level + amplitude cos(2π x / wavelength + phase)`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WaveFile {
@@ -225,7 +225,7 @@ pub struct CowFile {
     pub rotation: Option<RotationFile>,
 }
 
-/// `symmetric_difference_area`.
+/// `difference`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DifferenceFile {
@@ -235,7 +235,7 @@ pub struct DifferenceFile {
     pub minus: Box<ShapeFile>,
 }
 
-/// `rest_mesh`.
+/// `mesh`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {

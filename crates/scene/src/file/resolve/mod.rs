@@ -1,4 +1,4 @@
-//! From the file to a scene that makes sense: defaults, grid, SI, and errors that point at the value.
+//! Resolves a scene file to a scene: defaults, grid, SI units, checks. Errors point at the value.
 
 mod repairs;
 mod scene;

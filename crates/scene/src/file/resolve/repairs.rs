@@ -1,11 +1,11 @@
-//! Bounds of repairs, resolved.
+//! Resolves bounds of repairs.
 
 use super::scene::Resolver;
 use crate::error::SceneError;
 use crate::file::{ExpectFile, Expectation, RepairsFile};
 
 impl Resolver {
-    /// The bounds of repairs.
+    /// Appends the bounds of repairs to `out`.
     pub fn expect_repairs(&self, e: &ExpectFile, out: &mut Vec<Expectation>) -> Result<(), SceneError> {
         for (name, max) in e.repairs.iter().flat_map(RepairsFile::bounds) {
             let max = self.not_negative(&format!("expect.repairs.{name}"), "a bound", max)?;

@@ -1,31 +1,31 @@
-//! From the file to a scene that makes sense: defaults, grid, SI, and errors that point at the value.
+//! Resolves a scene file to a scene: defaults, grid, SI units, checks. Errors point at the value.
 
 use crate::error::SceneError;
 use crate::file::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::{Path, PathBuf};
 
-/// The most cells along a side.
+/// Largest number of cells along a side.
 const MAX_CELLS: u32 = 16_384;
 
-/// How fine a scene is run.
+/// Resolution at which a scene is run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quality {
-    /// `domain.quality.draft`, or half the resolution.
+    /// The resolution of `domain.quality.draft`, or half the stated one.
     Draft,
-    /// As the scene says.
+    /// The resolution stated in the scene.
     #[default]
     Normal,
-    /// `domain.quality.paper`.
+    /// The resolution of `domain.quality.paper`.
     Paper,
 }
 
 /// How a scene is loaded.
 #[derive(Clone, Debug, Default)]
 pub struct LoadOptions {
-    /// `path=value`, in order.
+    /// Overrides `path=value`, applied in order.
     pub sets: Vec<String>,
-    /// How fine.
+    /// Resolution.
     pub quality: Quality,
 }
 
@@ -33,7 +33,7 @@ impl Scene {
     /// Reads a scene file.
     ///
     /// # Errors
-    /// [`SceneError`]: of kind `Io` if the file cannot be read, else what is wrong and where.
+    /// [`SceneError`]: of kind `Io` if the file cannot be read, otherwise with message and position.
     pub fn load(path: &Path, options: &LoadOptions) -> Result<Self, SceneError> {
         let name = path.display().to_string();
         let text = std::fs::read_to_string(path)
@@ -41,10 +41,10 @@ impl Scene {
         Self::from_text(&name, &text, path.parent().unwrap_or(Path::new("")), options)
     }
 
-    /// Reads a scene from text; meshes are looked for relative to `base`.
+    /// Reads a scene from text; paths of meshes and images are relative to `base`.
     ///
     /// # Errors
-    /// [`SceneError`]: what is wrong and where.
+    /// [`SceneError`] with message and position.
     pub fn from_text(name: &str, text: &str, base: &Path, options: &LoadOptions) -> Result<Self, SceneError> {
         let mut document = Document::parse(name, text)?;
         for set in &options.sets {
@@ -55,7 +55,7 @@ impl Scene {
     }
 }
 
-/// What is known while a scene is resolved.
+/// State of the resolution of a scene.
 pub(super) struct Resolver {
     pub source: Source,
     pub base: PathBuf,
@@ -103,8 +103,8 @@ fn resolve(file: SceneFile, source: Source, base: &Path, quality: Quality) -> Re
     })
 }
 
-/// All that has a contact angle, by name, and Young's angle there, rad (of what is wetted totally 0, of what is dry π); none
-/// where it varies.
+/// Young's angle, rad, of every solid and of wetting walls, by name; 0 for total wetting, π for total dewetting, `None` where
+/// the angle varies.
 fn young_angles<'a>(
     names: &[&'a str],
     tension: &Tensions,
@@ -131,7 +131,7 @@ impl Resolver {
         self.warnings.push(Warning { path: path.to_owned(), message: message.into() });
     }
 
-    /// A name that is safe as a file name.
+    /// Refuses a name that is not safe as a file name.
     pub fn check_file_name(&self, path: &str, name: &str) -> Result<(), SceneError> {
         let fine = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
         if name.is_empty() || name.len() > 100 || name.starts_with('.') || !name.chars().all(fine) {
@@ -223,7 +223,7 @@ impl Resolver {
         Ok(Domain { dimension: self.dim, size, cells, dx: self.dx, walls, wall_contact_angle: angle })
     }
 
-    /// Cells along each axis; sets `dx` and rounds the size to whole cells.
+    /// Number of cells along each axis; sets `dx` and rounds the size to whole cells.
     fn grid(&mut self, d: &DomainFile, quality: Quality) -> Result<Vec<usize>, SceneError> {
         let longest = self.size.iter().copied().fold(0.0, f64::max);
         let stated = match (d.resolution, d.dx) {
@@ -339,8 +339,8 @@ impl Resolver {
         Ok(Liquid { density, kinematic_viscosity, gravity, bodies })
     }
 
-    /// A body outside the domain is an error, one that sticks out is not: walls may cut it. Round shapes get a warning,
-    /// boxes, cylinders and the like are made to reach beyond walls.
+    /// Refuses a body outside the domain. Walls may cut a body; a cut round shape gets a warning, since boxes, cylinders and the
+    /// like are often extended beyond walls on purpose.
     fn check_liquid_inside(&mut self, path: &str, shape: &ShapeSpec) -> Result<(), SceneError> {
         let Some((lower, upper)) = shape.bounds(self.dim) else { return Ok(()) };
         let mut cut = false;

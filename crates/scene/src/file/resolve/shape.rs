@@ -1,4 +1,4 @@
-//! Shapes resolved to SI.
+//! Resolves shapes to SI units.
 
 use super::scene::Resolver;
 use crate::error::SceneError;
@@ -121,7 +121,7 @@ impl Resolver {
             .collect()
     }
 
-    /// A unit vector; one that is already of unit length stays as it is, bit for bit.
+    /// Normalises a vector. A vector of unit length is returned unchanged, bit for bit.
     pub fn direction(&self, path: &str, value: &[f64], entries: usize) -> Result<Vec<f64>, SceneError> {
         if value.len() != entries {
             let message = format!("found {} entries in a direction", value.len());
@@ -290,7 +290,7 @@ impl Resolver {
         })
     }
 
-    /// Where the mesh file of this name is; one that is built in keeps its name.
+    /// Absolute path of a mesh file; the name itself for a built-in one.
     fn mesh_file(&self, path: &str, name: &str, file: &Path) -> Result<PathBuf, SceneError> {
         if let Some(of) = builtin_meshes::builtin_name(name) {
             return match builtin_meshes::unknown_mesh_message(of) {

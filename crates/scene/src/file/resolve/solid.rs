@@ -1,4 +1,4 @@
-//! Solids, the contact line and expectations, resolved to SI.
+//! Resolves solids, the contact line and expectations to SI units.
 
 use super::scene::Resolver;
 use crate::error::{SceneError, nearest};
@@ -69,7 +69,7 @@ impl Resolver {
         Ok(out)
     }
 
-    /// Restitution and friction.
+    /// Restitution and friction coefficients.
     fn collision(&self, path: &str, c: Option<&CollisionFile>) -> Result<(f64, f64), SceneError> {
         let restitution = c.and_then(|c| c.restitution).unwrap_or(meniscus_sim::DEFAULT_RESTITUTION);
         let friction = c.and_then(|c| c.friction).unwrap_or(meniscus_sim::DEFAULT_FRICTION);
@@ -90,7 +90,7 @@ impl Resolver {
         }
     }
 
-    /// Elements fill what has an end, and are as long as they are asked to be where there is room.
+    /// Refuses an unbounded deformable solid. Warns if the requested edge length exceeds the thickness of a box.
     fn check_meshable(
         &mut self,
         path: &str,
@@ -209,7 +209,7 @@ impl Resolver {
         Ok(Material::Kinematic { velocity, angular_velocity: angular, keyframes })
     }
 
-    /// Parts that go as told.
+    /// Parts with prescribed motion.
     fn prescribed_parts(&mut self, path: &str, files: &[MovedFile]) -> Result<Vec<Moved>, SceneError> {
         let mut out = Vec::new();
         for (j, m) in files.iter().enumerate() {
@@ -239,7 +239,7 @@ impl Resolver {
         Ok(out)
     }
 
-    /// Times, s, and displacements, m.
+    /// Keyframes as times, s, and displacements, m.
     fn keyframes(
         &self,
         path: &str,
@@ -262,7 +262,7 @@ impl Resolver {
         Ok(keyframes)
     }
 
-    /// An error if a solid that goes as told is faster than sound in air (m/s): no liquid is incompressible then.
+    /// Refuses a prescribed speed above the speed of sound in air (m/s): liquids are not incompressible there.
     fn check_prescribed_speed(&self, path: &str, speed: f64) -> Result<(), SceneError> {
         if speed <= SPEED_OF_SOUND {
             return Ok(());
@@ -272,7 +272,7 @@ impl Resolver {
         Err(self.error(&self.source.first_inside(path), message, "give it more time, or a shorter way"))
     }
 
-    /// An error if no solid has this name.
+    /// Returns an error if no solid has this name.
     pub fn check_known_solid(
         &self,
         path: &str,
@@ -326,8 +326,8 @@ impl Resolver {
         Ok(ContactLine { enabled, radius, neumann, friction, friction_of, hysteresis })
     }
 
-    /// The expectations; `names` are the solids', `angles` those of what has a contact angle, with Young's, `soft` those of what
-    /// deforms.
+    /// The expectations. `names`: all solids; `angles`: solids and walls with a contact angle, with Young's angle (rad); `soft`:
+    /// deformable solids.
     pub fn expect(
         &mut self,
         e: &ExpectFile,
@@ -501,7 +501,7 @@ impl Resolver {
     }
 }
 
-/// Whether keyframes have a displacement at time 0: linear between two, that of the first before it.
+/// Whether the displacement at time 0 is not zero. It is linear between keyframes and constant before the first.
 fn starts_displaced(keyframes: &[(f64, Vec<f64>)]) -> bool {
     let next = keyframes.partition_point(|k| k.0 <= 0.0);
     let start: Vec<f64> = match &keyframes[next.saturating_sub(1)..(next + 1).min(keyframes.len())] {

@@ -1,4 +1,4 @@
-//! Tensions, patterns of the contact angle and hysteresis, resolved to SI.
+//! Resolves tensions, patterns of the contact angle and hysteresis to SI units.
 
 use super::scene::Resolver;
 use crate::error::SceneError;
@@ -63,7 +63,7 @@ impl Resolver {
         })
     }
 
-    /// Tensions of which too much or too little is given.
+    /// The error for missing or conflicting tensions.
     fn tension_error(&self, path: &str, s: &SolidTensionFile) -> SceneError {
         let keys = [
             ("liquid_solid", s.liquid_solid.is_some()),
@@ -88,7 +88,7 @@ impl Resolver {
         self.error(path, message, help)
     }
 
-    /// `bounds`: those of the solid.
+    /// `bounds`: bounds of the solid.
     fn patches(
         &mut self,
         path: &str,
@@ -111,14 +111,14 @@ impl Resolver {
         Ok(out)
     }
 
-    /// Whether boxes are apart along any axis that both have.
+    /// Whether two boxes are disjoint along any axis that both have.
     fn are_bounds_apart(&self, one: &Bounds, other: &Bounds) -> bool {
         let slack = 1e-6 * self.dx;
         let along = |(low, high): (&f64, &f64)| low > &(high + slack);
         one.0.iter().zip(&other.1).any(along) || other.0.iter().zip(&one.1).any(along)
     }
 
-    /// `bounds`: those of the solid.
+    /// `bounds`: bounds of the solid.
     fn image(
         &self,
         path: &str,
@@ -191,7 +191,7 @@ impl Resolver {
         }
     }
 
-    /// Young's angle lies between the receding and the advancing one, and does not vary where those do not.
+    /// Checks that Young's angle is uniform and lies between the receding and the advancing angle where both are given.
     pub fn check_hysteresis_range(
         &self,
         tension: &Tensions,

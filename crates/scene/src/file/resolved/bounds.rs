@@ -1,13 +1,13 @@
-//! What a shape fills: bounds, points inside, a typical radius.
+//! Geometry of shapes: bounds, point containment, typical radius.
 
 use crate::file::{Rotation, ShapeSpec, short};
 use meniscus_numerics::shape::SmoothUnion;
 use std::f64::consts::PI;
 
-/// Lower and upper corner, m; infinite where the shape has no end.
+/// Lower and upper corner, m; infinite where the shape is unbounded.
 pub type Bounds = (Vec<f64>, Vec<f64>);
 
-/// How far something reaches that is not inside the domain, and how far that does, in words; bounds without an end may leave it.
+/// Describes bounds that leave the domain: their extent and that of the domain. Unbounded directions may leave it.
 pub(crate) fn describe_outside(
     (lower, upper): &Bounds,
     size: &[f64],
@@ -25,7 +25,7 @@ pub(crate) fn describe_outside(
 }
 
 impl ShapeSpec {
-    /// This shape and all that it is made of.
+    /// This shape and all its parts, recursively.
     pub fn parts(&self) -> Vec<&Self> {
         let within: Vec<&Self> = match self {
             Self::Union(list) | Self::SmoothUnion { parts: list, .. } => list.iter().collect(),
@@ -35,7 +35,7 @@ impl ShapeSpec {
         std::iter::once(self).chain(within.into_iter().flat_map(Self::parts)).collect()
     }
 
-    /// A box around the shape in `dim` dimensions; none for a mesh, whose file is not read here.
+    /// A bounding box of the shape in `dim` dimensions; `None` for a mesh, whose file is not read here.
     pub fn bounds(&self, dim: usize) -> Option<Bounds> {
         let around = |center: &[f64], reach: &[f64]| {
             let lower = center.iter().zip(reach).map(|(c, r)| c - r).collect();
@@ -105,7 +105,7 @@ impl ShapeSpec {
         }
     }
 
-    /// Whether a point is inside; none where only a numerical shape can tell.
+    /// Whether a point is inside; `None` where this needs a numerical shape.
     pub fn contains(&self, p: &[f64]) -> Option<bool> {
         let distance2 = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum::<f64>();
         Some(match self {
@@ -154,7 +154,7 @@ impl ShapeSpec {
         })
     }
 
-    /// The length that a grid has to resolve, m: a radius, or half the thickness. None for what has no such length.
+    /// The length that a grid has to resolve, m: a radius, or half the thickness. `None` for shapes without such a length.
     pub fn radius(&self) -> Option<f64> {
         let least = |v: &[f64]| v.iter().copied().fold(f64::INFINITY, f64::min);
         match self {
@@ -177,7 +177,7 @@ impl ShapeSpec {
     }
 }
 
-/// A box around one of half sizes `half` about `middle` (m, in its own frame) that is turned and moved to `center`, m.
+/// Bounds of a box of half sizes `half` about `middle` (m, in its own frame) after rotation and translation to `center`, m.
 fn rotated_box_bounds(center: &[f64], middle: &[f64; 3], half: &[f64; 3], rotation: &Rotation) -> Bounds {
     let m = rotation.matrix();
     let end = |i: usize, sign: f64| {
@@ -188,7 +188,7 @@ fn rotated_box_bounds(center: &[f64], middle: &[f64; 3], half: &[f64; 3], rotati
     (side(-1.0), side(1.0))
 }
 
-/// The box around a cow's parts, m.
+/// Bounds of the cow's parts, m.
 fn cow_bounds<const D: usize>(at: &[f64], length: f64, rotation: &Rotation) -> Bounds {
     let cow =
         SmoothUnion::<D>::cow(length, &super::geometry::vector(at), &super::geometry::rotation(rotation));
@@ -196,7 +196,7 @@ fn cow_bounds<const D: usize>(at: &[f64], length: f64, rotation: &Rotation) -> B
     (lower.as_slice().to_vec(), upper.as_slice().to_vec())
 }
 
-/// A half-space has an end along an axis only if its normal lies in that axis.
+/// Bounds of a half-space: finite along an axis only if its normal is parallel to that axis.
 fn half_space_bounds(point: &[f64], normal: &[f64]) -> Bounds {
     let mut lower = vec![f64::NEG_INFINITY; point.len()];
     let mut upper = vec![f64::INFINITY; point.len()];
@@ -210,7 +210,7 @@ fn half_space_bounds(point: &[f64], normal: &[f64]) -> Bounds {
     (lower, upper)
 }
 
-/// The point in the frame of the shape.
+/// The point in the local frame of the shape.
 fn to_local_frame(p: &[f64], center: &[f64], matrix: &[[f64; 3]; 3]) -> Vec<f64> {
     (0..p.len()).map(|j| (0..p.len()).map(|i| matrix[i][j] * (p[i] - center[i])).sum()).collect()
 }

@@ -1,11 +1,11 @@
-//! What a resolved scene expects of its end.
+//! Expectations of a resolved scene.
 
 use crate::file::Side;
 
 /// What is checked at the end of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Expectation {
-    /// Worst relative change of volume of the run.
+    /// Largest relative change of volume during the run.
     VolumeDrift {
         /// Bound.
         max: f64,
@@ -15,16 +15,16 @@ pub enum Expectation {
         /// Bound.
         max: f64,
     },
-    /// Growth of the total energy over its start, relative to the largest kind of energy there.
+    /// Growth of the total energy since the start, relative to the largest kind of energy at the start.
     EnergyGrowth {
         /// Bound.
         max: f64,
     },
-    /// Something that was mended in the run.
+    /// A repair during the run.
     Repair {
         /// Its name among the repairs of the summary.
         name: String,
-        /// Bound, as [`crate::atomic_file::RepairsFile`] has it.
+        /// Bound, in the unit of [`crate::file::RepairsFile`].
         max: f64,
     },
     /// Largest speed at the end.
@@ -52,7 +52,7 @@ pub enum Expectation {
     },
     /// Contact angle at the end.
     ContactAngle {
-        /// Name of the solid, or [`crate::atomic_file::WALL_CASES`].
+        /// Name of the solid, or [`crate::file::WALLS`].
         solid: String,
         /// Expected, rad.
         value: f64,
@@ -61,40 +61,40 @@ pub enum Expectation {
     },
     /// Connected components of the liquid at the end.
     Drops {
-        /// At least.
+        /// Least number.
         min: u32,
-        /// At most.
+        /// Largest number.
         max: u32,
     },
-    /// How far the liquid reaches towards a side at the end.
+    /// Extent of the liquid towards a side at the end.
     Reach {
-        /// Towards which side.
+        /// The side.
         side: Side,
         /// Expected coordinate, m.
         value: f64,
         /// Accepted deviation, m.
         tolerance: f64,
     },
-    /// The liquid carries a solid at the end, which sticks out of it.
+    /// At the end the liquid carries a solid that is not fully submerged.
     Floats {
         /// Name of the solid.
         solid: String,
     },
-    /// A solid is wholly wetted at the end.
+    /// A solid is fully wetted at the end.
     Sinks {
         /// Name of the solid.
         solid: String,
     },
-    /// Share of a solid's surface that is wetted at the end.
+    /// Wetted share of a solid's surface at the end.
     Wetted {
         /// Name of the solid.
         solid: String,
-        /// At least.
+        /// Least share.
         min: f64,
-        /// At most.
+        /// Largest share.
         max: f64,
     },
-    /// Where the centre of mass of a solid is at the end.
+    /// Centre of mass of a solid at the end.
     Position {
         /// Name of the solid.
         solid: String,
@@ -102,16 +102,16 @@ pub enum Expectation {
         value: Vec<f64>,
         /// Accepted distance from it, m.
         tolerance: f64,
-        /// Unit direction along which alone the distance counts.
+        /// Unit direction along which the distance is measured; `None` for the full distance.
         along: Option<Vec<f64>>,
     },
-    /// How far a solid that deforms is bent at the end.
+    /// Deflection of a deformable solid at the end.
     Deflection {
         /// Name of the solid.
         solid: String,
-        /// At least, m.
+        /// Least deflection, m.
         min: f64,
-        /// At most, m; infinite if there is no bound.
+        /// Largest deflection, m; infinite if there is no bound.
         max: f64,
     },
 }

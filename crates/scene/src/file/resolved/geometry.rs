@@ -1,4 +1,4 @@
-//! Places, rotations and outlines of a resolved scene as those of `meniscus_numerics`.
+//! Converts points, rotations and outlines of a resolved scene to types of `meniscus_numerics`.
 
 use super::scene::{Outline as OutlineSpec, Rotation};
 use crate::error::SceneError;
@@ -6,7 +6,7 @@ use crate::file::OutlineName;
 use meniscus_numerics::mesh::volume::Outline;
 use meniscus_numerics::{Matrix, Vector};
 
-/// A place, or a size along each axis.
+/// A point, or a size along each axis.
 pub(crate) fn vector<const D: usize>(values: &[f64]) -> Vector<D> {
     Vector::from_fn(|a, _| values.get(a).copied().unwrap_or(0.0))
 }

@@ -1,4 +1,4 @@
-//! A resolved scene: SI, defaults filled in, checked for sense.
+//! A resolved scene in SI units, with defaults filled in and checked.
 
 mod bounds;
 mod expectation;

@@ -1,24 +1,24 @@
-//! A resolved scene: SI, defaults filled in, checked for sense. Vectors have `dimension` entries.
+//! A resolved scene in SI units, with defaults filled in and checked. Vectors have `dimension` entries.
 
 use crate::file::{ContactLine, Expectation, Format, OutlineName, Scheme, Source, Tensions, Wall};
 use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
 
-/// What the closed sides are called where solids have names.
+/// Name of the closed sides of the domain where a solid's name is expected.
 pub const WALLS: &str = "walls";
 
-/// A scene that makes sense. What of it can run today: [`crate::atomic_file::ensure_runnable`].
+/// A valid scene. [`crate::file::ensure_runnable`] checks that this version can run it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// Name, also of the output folder.
     pub name: String,
-    /// Where it comes from.
+    /// Source of the scene.
     pub based_on: Option<String>,
-    /// What it shows.
+    /// Description.
     pub description: Option<String>,
-    /// What it takes to run, in words.
+    /// Cost of a run, in words.
     pub cost: Option<String>,
-    /// The box that is simulated.
+    /// Simulated domain.
     pub domain: Domain,
     /// The liquid.
     pub liquid: Liquid,
@@ -30,17 +30,17 @@ pub struct Scene {
     pub contact_line: ContactLine,
     /// Choices of the discretisation.
     pub numerics: Numerics,
-    /// What is written.
+    /// Output options.
     pub output: Output,
-    /// What is checked at the end.
+    /// Expectations, checked at the end of a run.
     pub expect: Vec<Expectation>,
-    /// What looks odd but runs; no part of equality.
+    /// Warnings; not part of equality.
     pub warnings: Warnings,
-    /// Where everything stands, for errors; no part of equality.
+    /// Source positions for errors; not part of equality.
     pub source: Source,
 }
 
-/// The box that is simulated: from the origin to `size`.
+/// The simulated box, from the origin to `size`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Domain {
     /// 2 or 3.
@@ -51,9 +51,9 @@ pub struct Domain {
     pub cells: Vec<usize>,
     /// Size of a cell, m.
     pub dx: f64,
-    /// Lower and upper side along each axis.
+    /// Walls on the lower and upper side along each axis.
     pub walls: Vec<[Wall; 2]>,
-    /// Angle at which the liquid meets the closed sides, rad.
+    /// Contact angle at the closed sides, rad.
     pub wall_contact_angle: f64,
 }
 
@@ -63,19 +63,19 @@ impl Domain {
         self.cells.iter().map(|&n| n as f64).product()
     }
 
-    /// Whether the angle at the closed sides is another one than 90 degrees, that of a mirror.
+    /// Whether the contact angle at the closed sides differs from 90 degrees, the angle of a mirror.
     pub fn walls_are_wetting(&self) -> bool {
         (self.wall_contact_angle - FRAC_PI_2).abs() > 1e-9
     }
 }
 
 impl Scene {
-    /// Whether liquid meets the closed sides at another angle than 90 degrees.
+    /// Whether the contact angle at the closed sides differs from 90 degrees and the contact line is enabled.
     pub fn has_wetting_walls(&self) -> bool {
         self.domain.walls_are_wetting() && self.contact_line.enabled
     }
 
-    /// Number of cells of the grid: those of the domain, and those beyond sides that are open or wet.
+    /// Number of cells of the grid, including the margins beyond open and wetting sides.
     pub fn grid_cells(&self) -> f64 {
         let beyond = |w: &Wall| match w {
             Wall::Open => meniscus_sim::OPEN_SIDE_MARGIN_CELLS,
@@ -96,22 +96,22 @@ pub struct Liquid {
     pub kinematic_viscosity: f64,
     /// Gravity, m/s².
     pub gravity: Vec<f64>,
-    /// Bodies at the start; where they overlap the first counts.
+    /// Bodies at the start; where they overlap the first one counts.
     pub bodies: Vec<Body>,
 }
 
 /// A body of liquid at the start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
-    /// What it fills.
+    /// Region.
     pub shape: ShapeSpec,
     /// Start velocity, m/s.
     pub velocity: Vec<f64>,
-    /// Whether solids are meant to cut it at the start.
+    /// Whether solids cut it at the start on purpose; suppresses the warning.
     pub displaced: bool,
 }
 
-/// A shape, lengths in m; directions have unit length.
+/// A shape. Lengths are in m; directions have unit length.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ShapeSpec {
     /// A ball.
@@ -130,11 +130,11 @@ pub enum ShapeSpec {
         /// Rotation about the centre.
         rotation: Rotation,
     },
-    /// Everything on the side of a plane that the normal points away from.
+    /// The half-space on the side opposite to the normal.
     HalfSpace {
         /// A point of the plane, m.
         point: Vec<f64>,
-        /// Unit normal out of the filled side.
+        /// Unit normal out of the half-space.
         normal: Vec<f64>,
     },
     /// A circular cylinder, 3D.
@@ -148,7 +148,7 @@ pub enum ShapeSpec {
         /// Length along the axis, m.
         height: f64,
     },
-    /// All points nearer than the radius to a segment.
+    /// All points within the radius of a segment.
     Capsule {
         /// One end, m.
         a: Vec<f64>,
@@ -166,8 +166,8 @@ pub enum ShapeSpec {
         /// Rotation about the centre.
         rotation: Rotation,
     },
-    /// A ball whose radius is `radius (1 + amplitude P_mode(mode_cosine θ))`, θ from the last axis; in 2D
-    /// `radius (1 + amplitude mode_cosine(mode θ))`.
+    /// A ball with radius `radius (1 + amplitude P_mode(cos θ))`, θ from the last axis; in 2D
+    /// `radius (1 + amplitude cos(mode θ))`.
     PerturbedBall {
         /// Centre, m.
         center: Vec<f64>,
@@ -175,10 +175,10 @@ pub enum ShapeSpec {
         radius: f64,
         /// Mode number.
         mode: u32,
-        /// Amplitude over radius.
+        /// Amplitude relative to the radius.
         amplitude: f64,
     },
-    /// Filled where the last coordinate is below `level + amplitude mode_cosine(2π x / wavelength + phase)`.
+    /// The region where the last coordinate is below `level + amplitude cos(2π x / wavelength + phase)`.
     Wave {
         /// Mean height, m.
         level: f64,
@@ -189,7 +189,7 @@ pub enum ShapeSpec {
         /// Phase, rad.
         phase: f64,
     },
-    /// A flat outline of some thickness, 3D.
+    /// A flat outline with a thickness, 3D.
     Extrusion {
         /// The outline.
         outline: Outline,
@@ -200,20 +200,20 @@ pub enum ShapeSpec {
         /// Rotation about the centre.
         rotation: Rotation,
     },
-    /// What any of them fills.
+    /// Union.
     Union(Vec<ShapeSpec>),
-    /// What any of them fills, with fillets.
+    /// Union with fillets.
     SmoothUnion {
         /// The parts.
         parts: Vec<ShapeSpec>,
         /// Width of the fillets, m.
         width: f64,
     },
-    /// What `of` fills and `minus` does not.
+    /// The part of `of` outside `minus`.
     Difference {
-        /// The shape that is cut.
+        /// The first shape.
         of: Box<ShapeSpec>,
-        /// The shape that is taken away.
+        /// The subtracted shape.
         minus: Box<ShapeSpec>,
     },
     /// A cow.
@@ -231,7 +231,7 @@ pub enum ShapeSpec {
         path: PathBuf,
         /// Metres per unit of the file.
         scale: f64,
-        /// Moved by, m, after scale and rotation.
+        /// Translation, m, applied after scale and rotation.
         translate: Vec<f64>,
         /// Rotation about the file's origin.
         rotation: Rotation,
@@ -260,7 +260,7 @@ impl Rotation {
     /// No rotation.
     pub const NONE: Self = Self { axis: [0.0, 0.0, 1.0], angle: 0.0 };
 
-    /// The rotation matrix by rows; in 2D its upper left part.
+    /// The rotation matrix by rows; in 2D its upper left block.
     pub fn matrix(&self) -> [[f64; 3]; 3] {
         let (s, c) = self.angle.sin_cos();
         let [x, y, z] = self.axis;
@@ -278,39 +278,39 @@ impl Rotation {
 pub struct Solid {
     /// Name.
     pub name: String,
-    /// Density, kg/m³; none if it does not move freely and none was given.
+    /// Density, kg/m³; `None` if it was not given for a solid that does not move freely.
     pub density: Option<f64>,
     /// Shape.
     pub shape: ShapeSpec,
     /// Edge length of its mesh, m.
     pub mesh_edge: f64,
-    /// What it is made of.
+    /// Material.
     pub material: Material,
     /// Start velocity, m/s.
     pub velocity: Vec<f64>,
-    /// Speed after a hit over that before it.
+    /// Coefficient of restitution.
     pub restitution: f64,
     /// Coefficient of friction between solids.
     pub friction: f64,
     /// Vertices inside these shapes do not move.
     pub fixed: Vec<ShapeSpec>,
-    /// Vertices inside these shapes go as told.
+    /// Parts with prescribed motion.
     pub moved: Vec<Moved>,
 }
 
-/// A part of a solid that goes as told.
+/// A part of a solid with prescribed motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moved {
-    /// What holds it at the start.
+    /// Region that selects its vertices at the start.
     pub shape: ShapeSpec,
-    /// Constant velocity, m/s, where there are no keyframes.
+    /// Constant velocity, m/s, used without keyframes.
     pub velocity: Vec<f64>,
     /// Time, s, and displacement, m; times increase.
     pub keyframes: Vec<(f64, Vec<f64>)>,
 }
 
 impl ShapeSpec {
-    /// The file of a mesh whose own elements fill it, if it is one.
+    /// The mesh file of this shape, if it holds volume elements.
     pub fn volume_file(&self) -> Option<&std::path::Path> {
         let Self::Mesh { path, .. } = self else { return None };
         let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase)?;
@@ -318,18 +318,18 @@ impl ShapeSpec {
     }
 }
 
-/// Endings of files that hold volumes.
+/// Extensions of files with volume elements.
 pub(crate) const VOLUME_EXTENSIONS: [&str; 4] = ["msh", "node", "ele", "vtk"];
 
-/// What a solid is made of.
+/// Material of a solid.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Material {
-    /// Does not deform.
+    /// Rigid.
     Rigid {
-        /// Does not move at all.
+        /// Whether it is fixed in space.
         fixed: bool,
     },
-    /// Moves as prescribed.
+    /// Prescribed motion.
     Kinematic {
         /// Constant velocity, m/s.
         velocity: Vec<f64>,
@@ -338,7 +338,7 @@ pub enum Material {
         /// Time, s, and displacement, m; times increase.
         keyframes: Vec<(f64, Vec<f64>)>,
     },
-    /// Mass and springs.
+    /// Mass-spring network.
     Springs {
         /// Stiffness, N/m.
         stiffness: f64,
@@ -349,14 +349,14 @@ pub enum Material {
     NeoHookean(Elastic),
     /// Corotated linear elasticity.
     Corotated(Elastic),
-    /// A thin sheet.
+    /// Thin shell.
     Shell {
         /// Constants.
         elastic: Elastic,
         /// Thickness, m.
         thickness: f64,
     },
-    /// A thin thread.
+    /// Thin rod.
     Rod {
         /// Young modulus, Pa.
         young_modulus: f64,
@@ -368,7 +368,7 @@ pub enum Material {
 }
 
 impl Material {
-    /// Whether a mesh of it deforms.
+    /// Whether a solid of this material deforms.
     pub fn deforms(&self) -> bool {
         matches!(self, Self::Springs { .. } | Self::NeoHookean(_) | Self::Corotated(_))
     }
@@ -385,32 +385,32 @@ pub struct Elastic {
     pub damping_ratio: f64,
 }
 
-/// Choices of the discretisation.
+/// Parameters of the discretisation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numerics {
     /// The scheme.
     pub scheme: Scheme,
-    /// Largest distance of a step in cells.
+    /// CFL number: largest displacement per step, in cells.
     pub cfl: f64,
     /// Largest step, s; infinite if there is none.
     pub max_step: f64,
-    /// Relative residual.
+    /// Tolerance on the relative residual.
     pub tolerance: f64,
-    /// Most iterations of a solve.
+    /// Largest number of iterations of a linear solve.
     pub max_iterations: usize,
     /// Largest step as a multiple of the explicit capillary limit.
     pub capillary_step: f64,
-    /// Newton's iterations of a step where solids deform.
+    /// Newton iterations per step with deformable solids.
     pub newton_iterations: u32,
-    /// The same step always, s.
+    /// Fixed time step, s.
     pub fixed_step: Option<f64>,
-    /// Give back the momentum that the discretisation loses.
+    /// Restore the momentum that the discretisation loses.
     pub restore_momentum: bool,
-    /// Threads; none: as many as there are.
+    /// Number of threads; `None`: all available.
     pub threads: Option<usize>,
 }
 
-/// What is written.
+/// Output options.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Output {
     /// Simulated time, s.
@@ -423,7 +423,7 @@ pub struct Output {
     pub checkpoint_every: usize,
 }
 
-/// What looks odd but runs.
+/// Warnings: suspicious values that do not prevent a run.
 #[derive(Clone, Debug, Default)]
 pub struct Warnings(pub Vec<Warning>);
 
@@ -433,11 +433,11 @@ impl PartialEq for Warnings {
     }
 }
 
-/// One thing that looks odd.
+/// A warning.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Warning {
     /// Dotted path of the value.
     pub path: String,
-    /// What is odd about it.
+    /// Message.
     pub message: String,
 }

@@ -1,4 +1,4 @@
-//! How the liquid meets its solids, resolved to SI.
+//! Surface tensions, wetting patterns and contact-line parameters, resolved to SI.
 
 use crate::file::ShapeSpec;
 use std::path::PathBuf;
@@ -12,18 +12,18 @@ pub struct Tensions {
     pub solids: Vec<(String, Wetting)>,
 }
 
-/// How a solid is wetted: its tensions, and what lies over them where the angle varies.
+/// Wetting of a solid: its tensions and the patterns of the angle over them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wetting {
     /// Its tensions.
     pub tension: SolidTension,
-    /// A picture of the angle over that.
+    /// An image of the contact angle that overrides the tensions.
     pub image: Option<WettingImage>,
-    /// Shapes and the contact angles, rad, of what they have of the surface, over both; the last on top.
+    /// Shapes with the contact angle, rad, of the surface inside them. They override both; the last one wins.
     pub patches: Vec<(ShapeSpec, f64)>,
 }
 
-/// A picture of the contact angle.
+/// An image of the contact angle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WettingImage {
     /// Absolute path of an existing file.
@@ -45,7 +45,7 @@ impl Wetting {
         even && self.image.is_none() && self.patches.is_empty()
     }
 
-    /// Smallest and largest cosine of Young's angle that it has; beyond ±1 there is none (wetted or dry).
+    /// Smallest and largest cosine of Young's angle. Beyond ±1 there is no such angle (total wetting or dewetting).
     pub fn cosines(&self, liquid_air: f64) -> [f64; 2] {
         let image = self.image.iter().flat_map(|i| [i.black.cos(), i.white.cos()]);
         let patches = self.patches.iter().map(|(_, angle)| angle.cos());
@@ -66,17 +66,17 @@ pub enum SolidTension {
     },
     /// The contact angle, rad.
     Angle(f64),
-    /// The cosine of the angle is linear between two places, constant before and beyond.
+    /// The cosine of the angle is linear between two points and constant beyond them.
     Gradient {
-        /// Where it starts, m, and the angle there, rad.
+        /// Start point, m, and the angle there, rad.
         from: (Vec<f64>, f64),
-        /// Where it ends, m, and the angle there, rad.
+        /// End point, m, and the angle there, rad.
         to: (Vec<f64>, f64),
     },
 }
 
 impl SolidTension {
-    /// Cosine of Young's angle, of a gradient where it starts; beyond ±1 there is none (the solid is wetted or dry).
+    /// Cosine of Young's angle, for a gradient at its start. Beyond ±1 there is no such angle (total wetting or dewetting).
     pub fn young_cosine(&self, liquid_air: f64) -> f64 {
         match self {
             Self::Energies { liquid_solid, solid_air } => (solid_air - liquid_solid) / liquid_air,
@@ -84,7 +84,7 @@ impl SolidTension {
         }
     }
 
-    /// The same, of a gradient at both ends.
+    /// [`Self::young_cosine`] at both ends of a gradient.
     fn cosines(&self, liquid_air: f64) -> [f64; 2] {
         let first = self.young_cosine(liquid_air);
         if let Self::Gradient { to: (_, angle), .. } = self { [first, angle.cos()] } else { [first; 2] }
@@ -94,21 +94,21 @@ impl SolidTension {
 /// The contact line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactLine {
-    /// Off: traditional two-way coupling.
+    /// Contact-line forces on; off: traditional two-way coupling.
     pub enabled: bool,
-    /// The paper's R, m, over which the line's pull is spread on solids that deform; without it the line pulls where it is.
+    /// Radius R of the paper, m, over which the line force on deformable solids is spread. `None`: the force acts at the line.
     pub radius: Option<f64>,
-    /// Solids that deform feel the tensions of their own surface.
+    /// Deformable solids are subject to the tension of their own surface.
     pub neumann: bool,
-    /// Friction of every solid that is not named, Pa s.
+    /// Contact-line friction of every unnamed solid, Pa s.
     pub friction: f64,
-    /// Friction per solid, Pa s, in alphabetical order.
+    /// Contact-line friction per solid, Pa s, in alphabetical order.
     pub friction_of: Vec<(String, f64)>,
-    /// The angles between which a line rests.
+    /// Hysteresis of the contact angle.
     pub hysteresis: Option<Hysteresis>,
 }
 
-/// The angles between which a contact line rests, rad.
+/// Contact angles between which the line does not move, rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hysteresis {
     /// The same everywhere.
@@ -118,11 +118,11 @@ pub enum Hysteresis {
         /// The receding angle.
         receding: f64,
     },
-    /// Around Young's angle of each place.
+    /// Relative to Young's angle at each point.
     Around {
-        /// By how much the advancing angle is larger.
+        /// Advancing angle minus Young's angle.
         above: f64,
-        /// By how much the receding angle is smaller.
+        /// Young's angle minus the receding angle.
         below: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! What solids that deform overlap where they are: with that no run can start.
+//! Overlaps of deformable solids in a given configuration. A run cannot start with any.
 
 use super::Overlap;
 use super::surfaces::DeformableSurfaces;
@@ -12,8 +12,8 @@ use meniscus_numerics::mesh::surface::area_vector;
 use meniscus_numerics::mesh::volume::Simplex;
 use meniscus_numerics::shape::SurfaceSample;
 
-/// Overlaps of solids that deform with sides, rigid solids, each other, and themselves. What is held may be beyond a side
-/// and within solids that nothing moves.
+/// Overlaps of deformable solids with sides, rigid solids, each other and themselves. Anchored vertices may be beyond a side or inside a
+/// solid with prescribed motion.
 pub fn soft_overlaps<const D: usize>(
     model: &Model<D>,
     solids: &[SolidState<D>],
@@ -42,7 +42,7 @@ pub fn soft_overlaps<const D: usize>(
         {
             let solid = &model.solids[j];
             let within = |x: &Vector<D>| -solid.distance(other, x);
-            // It may be held within what stays or goes as told.
+            // Anchored vertices may lie inside a solid with prescribed motion.
             let is_prescribed = solid.motion.is_prescribed();
             let mut depth =
                 if is_prescribed { &unanchored } else { vertices }.iter().map(within).fold(0.0, f64::max);
@@ -54,7 +54,7 @@ pub fn soft_overlaps<const D: usize>(
                 };
                 depth = probes[j].iter().map(inside).fold(depth, f64::max);
             }
-            // Surfaces that lie on each other do not tell; what is inside does.
+            // Coincident surfaces are ambiguous; element centres are not.
             depth = element_centers(&soft.state.positions, elastic.rest_mesh(), solid.bounds(other))
                 .filter(|_| !is_anchored_inside)
                 .map(|x| within(&x))
@@ -67,7 +67,7 @@ pub fn soft_overlaps<const D: usize>(
     all
 }
 
-/// The middles of the elements of a mesh, with its vertices where they are now, that lie within bounds.
+/// Current centres of the elements that lie within a box.
 fn element_centers<const D: usize>(
     now: &[Vector<D>],
     mesh: &VolumeMesh<D>,
@@ -78,7 +78,7 @@ fn element_centers<const D: usize>(
     mesh.simplices.iter().map(middle).filter(inside)
 }
 
-/// Surfaces that cross, their own as well.
+/// Crossings of surfaces, including self-intersections.
 fn surface_crossings<const D: usize>(skins: &DeformableSurfaces<D>) -> Vec<Overlap> {
     let lines: Vec<[u32; 2]> = match D {
         2 => skins.facets.iter().map(|f| [f[0], f[1]]).collect(),
@@ -103,7 +103,7 @@ fn surface_crossings<const D: usize>(skins: &DeformableSurfaces<D>) -> Vec<Overl
     overlapping_pairs(&boxes, &facets).into_iter().filter_map(crossing).collect()
 }
 
-/// How far a line goes through a facet, by its shorter part, m; nothing if it does not.
+/// Depth by which a line crosses a facet, m: the distance of the nearer end from its plane; `None` if they do not cross.
 fn crossing_depth<const D: usize>(line: [Vector<D>; 2], facet: &[Vector<D>; D]) -> Option<f64> {
     let normal = area_vector(facet).try_normalize(0.0)?;
     let [from, to] = line.map(|x| (x - facet[0]).dot(&normal));

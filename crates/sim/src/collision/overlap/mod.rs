@@ -1,7 +1,7 @@
-//! Overlaps of solids: where they start there may be none, and no step makes any.
+//! Overlaps of solids. There may be none at the start, and no step creates any.
 //!
-//! Rigid solids are held against each other by probes of their surfaces and the other's signed distance; the surfaces of solids that
-//! deform by their points, facets and edges ([`clamped_radiance`]). The resolution is that of the probes, half a cell.
+//! Rigid solids are tested with sample points of one surface and the signed distance of the other. Surfaces of deformable solids are
+//! tested with their points, facets and edges ([`surfaces`]). The resolution is the spacing of the sample points, half a cell.
 
 mod deformable;
 mod rigid;
@@ -9,6 +9,5 @@ mod surfaces;
 
 pub use rigid::overlaps;
 
-/// Numbers of two solids that overlap, and how deep, m; no second one for a side of the domain, the same twice for a solid
-/// that runs through itself.
+/// Numbers of two overlapping solids, and the depth, m. `None` is a side of the domain; equal numbers are a self-intersection.
 pub type Overlap = (usize, Option<usize>, f64);

@@ -6,10 +6,10 @@ use crate::solid::{Motion, Solid, SolidState};
 use meniscus_numerics::Vector;
 use meniscus_numerics::shape::SurfaceSample;
 
-/// Distance of probes, in cells.
+/// Spacing of the sample points, in cells.
 const PROBE_SPACING_CELLS: f64 = 0.5;
 
-/// What solids overlap where they are. Those that nothing moves may.
+/// All overlaps in the current configuration. Solids with prescribed motion may overlap each other.
 pub fn overlaps<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> Vec<Overlap> {
     if model.solids.iter().all(|s| s.motion.is_prescribed()) {
         return Vec::new();
@@ -44,13 +44,13 @@ pub fn overlaps<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> V
     all.into_iter().filter(|o| o.2 > 0.0).chain(soft).collect()
 }
 
-/// The probes of a rigid solid where it starts. The sides of the domain are met as such.
+/// Initial sample points of a rigid solid; none for the sides of the domain, which are tested as planes.
 fn probes<const D: usize>(model: &Model<D>, number: usize, solid: &Solid<D>) -> Vec<SurfaceSample<D>> {
     let own = model.wetting_wall_solid() != Some(number) && solid.elastic().is_none();
     if own { solid.shape.surface_samples(PROBE_SPACING_CELLS * model.grid.dx) } else { Vec::new() }
 }
 
-/// The ball around a rigid solid's centre that lies within it: surfaces that lie on each other do not tell whether one is in the other.
+/// Ball around the centre of mass that lies within the solid. It detects a solid inside another one with the same surface.
 fn inscribed<const D: usize>(solid: &Solid<D>, now: &SolidState<D>) -> Option<SurfaceSample<D>> {
     let radius = -solid.shape.signed_distance(&solid.mass_properties.center);
     (radius > 0.0 && radius.is_finite()).then_some(SurfaceSample {
@@ -60,7 +60,7 @@ fn inscribed<const D: usize>(solid: &Solid<D>, now: &SolidState<D>) -> Option<Su
     })
 }
 
-/// How far a probe is beyond the closed sides, m.
+/// Depth of a sample point beyond the closed sides, m.
 fn depth_beyond_sides<const D: usize>(model: &Model<D>, p: &SurfaceSample<D>) -> f64 {
     let upper: Vector<D> = model.grid.domain_upper();
     let side = |a: usize| {

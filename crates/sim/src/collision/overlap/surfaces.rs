@@ -1,22 +1,22 @@
-//! The surfaces of solids that deform: points, and the facets and edges between them.
+//! Surfaces of deformable solids: points, facets and edges.
 
 use crate::solid::SolidState;
 use meniscus_numerics::Vector;
 
-/// The surfaces of all solids that deform.
+/// Surfaces of all deformable solids.
 pub struct DeformableSurfaces<const D: usize> {
-    /// Where their points are, m.
+    /// Positions of the points, m.
     pub positions: Vec<Vector<D>>,
-    /// Number of the solid that each is part of.
+    /// Number of the solid of each point.
     pub owner: Vec<usize>,
-    /// The facets, as numbers of points.
+    /// Facets, as numbers of points.
     pub facets: Vec<[u32; D]>,
-    /// The edges, in 3D.
+    /// Edges, in 3D only.
     pub edges: Vec<[u32; 2]>,
 }
 
 impl<const D: usize> DeformableSurfaces<D> {
-    /// Where they are now.
+    /// Surfaces in the current configuration.
     pub fn new(solids: &[SolidState<D>]) -> Self {
         let mut skins =
             Self { positions: Vec::new(), owner: Vec::new(), facets: Vec::new(), edges: Vec::new() };

@@ -1,16 +1,16 @@
 //! Barriers between solids in the potential of a step.
 //!
-//! A barrier with the energy `B` is felt at the end of the coming step, after `a`, where nothing may overlap (M. Li et al. 2020). Pairs that
-//! came towards each other with the old velocities feel it at the nearer of two places, there or at the time of the new velocities, after
-//! `l`, where the step keeps its books of energy ([`crate::simulation::max_next_dt`]):
+//! The energy `B` of a barrier is evaluated at the end of the coming step, after the time `a`, where nothing may overlap (M. Li et al.
+//! 2020). Pairs that approached with the old velocities use the nearer of two configurations: that one, or the one at the time of the new
+//! velocities, after `l`, at which the scheme conserves energy ([`crate::model::time_step::unbounded_impulse_time`]). The term is
 //!
 //! ```text
 //! h max ((B(x + a v) − B(x))/a, (B(x + l v) − B(x))/l)
 //! ```
 //!
-//! with the time `h` for which forces act. So what comes loses at least what is stored, also in the step in which it turns, and what
-//! parts gets at most that: a convex `B` rises by less than its slope at a nearer place, and falls by more than that at a farther one.
-//! Limit: what comes back in the step after it parted can win energy. Rigid solids feel a dashpot besides ([`super::dashpot`]).
+//! with the impulse time `h`. As a convex `B` lies above its tangents, approaching pairs lose at least the stored energy, also in the
+//! step of the turning point, and separating pairs gain at most that. Limit: a pair that approaches again in the step after it separated
+//! can gain energy. Pairs of rigid solids have a dashpot in addition ([`super::dashpot`]).
 
 use super::incremental_potential::Potential;
 use super::term::{PotentialTerm, distance_derivatives};
@@ -22,19 +22,18 @@ use meniscus_contact::{Barrier, Contact};
 use meniscus_numerics::Vector;
 use rayon::prelude::*;
 
-/// Part of the softer solid's Young's modulus in the stiffness of the barrier: under a stress that strains it by a tenth the gap is half
-/// the reach.
+/// Fraction of the softer solid's Young's modulus in the barrier stiffness. At a strain of a tenth half the gap is left.
 const ELASTIC_STIFFNESS_FRACTION: f64 = 0.1;
 
-/// A point and the nearest place of what it meets.
+/// A point and the closest point of a rigid solid or side.
 pub struct SdfContact<const D: usize> {
     /// Number of the point.
     pub point: u32,
     /// Distance, m.
     pub distance: f64,
-    /// Direction away from the other.
+    /// Direction from the other feature to the point.
     pub normal: Vector<D>,
-    /// The other place, where it moves.
+    /// The closest point of the other solid; `None` for a side.
     pub other: Option<PointOwner<D>>,
 }
 
@@ -44,12 +43,12 @@ impl<'a, const D: usize> Potential<'a, D> {
         self.configuration_after(velocities, self.lookahead)
     }
 
-    /// The solids after a time with these velocities.
+    /// The solids after the time `time` (s) with these velocities.
     pub fn configuration_after<'b>(&'b self, velocities: &'b [Vector<D>], time: f64) -> Configuration<'b, D> {
         Configuration::new(self.model, self.solids, self.points, velocities, time)
     }
 
-    /// The moments of a step with these velocities.
+    /// Time levels of the step with these velocities.
     pub fn time_levels<'b>(&'b self, velocities: &'b [Vector<D>]) -> TimeLevels<'b, D> {
         let after =
             |velocities: &'b [Vector<D>], time| TimeLevel::new(self.configuration_after(velocities, time));
@@ -60,9 +59,9 @@ impl<'a, const D: usize> Potential<'a, D> {
         }
     }
 
-    /// Stiffness of the barrier, Pa, between a solid and another, or a side: the pressures that there can be, tension's in a drop of a
-    /// cell, that of a column of liquid through the domain, of the solids' weight and start, and what presses the softer one by a tenth.
-    /// Solids that press each other so much rest half the reach apart.
+    /// Barrier stiffness, Pa, between a solid and another one or a side: the sum of the capillary pressure of a drop of one cell, the
+    /// hydrostatic pressure of the whole domain, the pressure of the solids' weight and initial speed, and a tenth of the smaller Young's
+    /// modulus. Under this pressure solids rest at about half the activation distance.
     pub fn barrier_stiffness(&self, solid: usize, other: Option<usize>) -> f64 {
         let model = self.model;
         let speed = model.grid.dx / model.capillary_dt_limit();
@@ -76,7 +75,7 @@ impl<'a, const D: usize> Potential<'a, D> {
         model.density * (speed * speed + column) + heavier + elastic
     }
 
-    /// The barrier between a point and what has no facets.
+    /// Barrier between a point and a rigid solid or side.
     pub fn point_barrier(&self, point: u32) -> Barrier {
         Barrier {
             activation_distance: self
@@ -86,7 +85,7 @@ impl<'a, const D: usize> Potential<'a, D> {
         }
     }
 
-    /// The contacts within reach at the end.
+    /// Active contacts at the positions `at`.
     pub fn contacts(&self, candidates: &CandidatePairs, at: &[Vector<D>]) -> Vec<Contact> {
         let solid = |p: u32| self.points.owners[p as usize].solid();
         candidates.feature_pairs.contacts(self.barrier.activation_distance, at, |p, q| {
@@ -94,7 +93,7 @@ impl<'a, const D: usize> Potential<'a, D> {
         })
     }
 
-    /// A point that feels something without facets; nothing where it is out of reach.
+    /// Contact of a point with a rigid solid or side; `None` beyond the activation distance.
     pub fn sdf_contact(
         &self,
         meeting: &SdfPair,
@@ -117,7 +116,7 @@ impl<'a, const D: usize> Potential<'a, D> {
         Some(SdfContact { point, distance, normal, other })
     }
 
-    /// The pairs that feel their barrier early with these velocities.
+    /// Pairs that use the early time level with these velocities.
     pub fn find_early_pairs(&self, velocities: &[Vector<D>], candidates: &CandidatePairs) -> EarlyPairs {
         let moments = self.time_levels(velocities);
         let contacts = self.contacts(candidates, &moments.early.positions).into_iter();
@@ -134,20 +133,20 @@ impl<'a, const D: usize> Potential<'a, D> {
         }
     }
 
-    /// The contacts that are felt within reach at one of both moments.
+    /// Active contacts that use this time level.
     pub fn active_contacts(&self, candidates: &CandidatePairs, felt: &BarrierLevel<'_, D>) -> Vec<Contact> {
         let mut contacts = self.contacts(candidates, &felt.time_level().positions);
         contacts.retain(|c| self.early_pairs.contacts.contains(&c.stencil) == felt.early);
         contacts
     }
 
-    /// A point that feels something without facets at one of both moments.
+    /// Contact of a point with a rigid solid or side, if the pair uses this time level.
     pub fn active_sdf_contact(&self, meeting: &SdfPair, felt: &BarrierLevel<'_, D>) -> Option<SdfContact<D>> {
         let (now, felt_now) = (felt.time_level(), self.early_pairs.sdf_pairs.contains(meeting) == felt.early);
         if felt_now { self.sdf_contact(meeting, &now.configuration, &now.positions) } else { None }
     }
 
-    /// The sum of the barriers over the times until they are felt, W (2D: W/m): as that of what they gain, but for a constant.
+    /// Sum of the barriers' energies over the times to their levels, W (2D: W/m): up to a constant the mean power that they store.
     pub fn barrier_power(&self, velocities: &[Vector<D>], candidates: &CandidatePairs) -> f64 {
         let moments = self.time_levels(velocities);
         let of = |felt: &BarrierLevel<'_, D>| {
@@ -162,7 +161,7 @@ impl<'a, const D: usize> Potential<'a, D> {
         moments.barrier_levels().iter().map(of).sum()
     }
 
-    /// Energy of the barriers where solids are, J (2D: J/m).
+    /// Energy of the barriers in the current configuration, J (2D: J/m).
     pub fn barrier_energy(&self, candidates: &CandidatePairs) -> f64 {
         let now = &self.old_levels.start;
         let contacts = self.contacts(candidates, &now.positions);
@@ -170,7 +169,7 @@ impl<'a, const D: usize> Potential<'a, D> {
         between + candidates.sdf_pairs.iter().map(|m| self.sdf_barrier_energy(m, now)).sum::<f64>()
     }
 
-    /// Energy of the barrier between a point and what has no facets, J (2D: J/m).
+    /// Energy of the barrier between a point and a rigid solid or side, J (2D: J/m).
     fn sdf_barrier_energy(&self, meeting: &SdfPair, now: &TimeLevel<'_, D>) -> f64 {
         let point = meeting.point();
         let distance = meeting.distance(&now.configuration, &now.positions[point as usize])
@@ -179,14 +178,14 @@ impl<'a, const D: usize> Potential<'a, D> {
         if energy > 0.0 { self.barrier_force_scale(meeting) * energy } else { 0.0 }
     }
 
-    /// The area of a point times the stiffness of the barrier between it and what has no facets, N (2D: N/m).
+    /// Area of a point times the barrier stiffness of the pair, N (2D: N/m).
     pub fn barrier_force_scale(&self, meeting: &SdfPair) -> f64 {
         let point = meeting.point();
         let solid = self.points.owners[point as usize].solid();
         self.points.surface.area(point) * self.barrier_stiffness(solid, meeting.solid())
     }
 
-    /// The terms of all barriers and dashpots, or the positive part of their second derivatives.
+    /// Terms of all barriers and dashpots; with `positive` their Hessians are projected to be positive semidefinite.
     pub fn barrier_terms(
         &self,
         velocities: &[Vector<D>],
@@ -201,7 +200,7 @@ impl<'a, const D: usize> Potential<'a, D> {
         terms.chain(self.damping_terms(velocities, &candidates.sdf_pairs)).collect()
     }
 
-    /// The terms of the barriers that are felt now.
+    /// Terms of the barriers that use this time level.
     fn barrier_terms_at(
         &self,
         candidates: &CandidatePairs,

@@ -1,17 +1,17 @@
 //! Damping of contacts between rigid solids.
 //!
-//! A rigid solid has no dissipation of its own in which it would come to rest on another one: on the barrier alone it swings for ever, and
-//! as a contact that swings holds friction's force in turns, what should stay creeps and what should slide slowly slides too far. So the
-//! barrier `B` of a pair of rigid solids has a dashpot beside it, which acts while they approach and never pulls (one-sided Kelvin–Voigt;
-//! the spring-dashpot contact of P. A. Cundall, O. D. L. Strack 1979, with the normal force not below zero):
+//! The barrier alone does not dissipate, so a rigid solid would oscillate on another one forever. The oscillating normal force would make
+//! friction intermittent: resting solids would creep, and slowly sliding ones slide too far. Each barrier `B` between rigid solids
+//! therefore has a parallel dashpot that acts on approach and never pulls (one-sided Kelvin–Voigt; spring-dashpot contact of P. A.
+//! Cundall, O. D. L. Strack 1979, with a non-negative normal force):
 //!
 //! ```text
 //! h ½ c min(v_n, 0)²,   c = (τ − a) B''(d)
 //! ```
 //!
-//! with the velocity `v_n` with which they part, the distance `d` where the step starts, and the time `h` for which forces act. The
-//! barrier at the end of the coming step, after `a`, damps as `a B''` does by itself; with `τ = 2 √(m/k)` the damping of a solid that rests
-//! on one side is critical. Limit: bounces are events ([`crate::collision::impact`]), which this leaves alone only outside the barrier's reach.
+//! Here `v_n` is the separation velocity, `d` the distance at the start, and `h` the impulse time. The barrier at the end of the coming
+//! step, after `a`, itself damps as `a B''`. With `τ = 2 √(m/k)` the damping of a solid that rests on one side is critical. Limit:
+//! bounces ([`crate::collision::impact`]) are unaffected only outside the barrier's activation distance.
 
 use super::barrier::SdfContact;
 use super::incremental_potential::{Potential, SolidTerm};
@@ -20,18 +20,18 @@ use crate::collision::configuration::NodeJacobian;
 use crate::collision::points::{PointOwner, SdfPair};
 use meniscus_numerics::Vector;
 
-/// A dashpot between a point of a rigid solid and what it meets.
+/// A dashpot between a point of a rigid solid and another rigid solid or side.
 struct Dashpot<const D: usize> {
-    /// How velocities of nodes move both where the step starts.
+    /// Jacobians of both points at the start of the step.
     node_jacobians: Vec<Vec<NodeJacobian<D>>>,
-    /// Direction away from the other.
+    /// Direction from the other feature to the point.
     normal: Vector<D>,
     /// `c`, kg/s (2D: kg/(m s)).
     coefficient: f64,
 }
 
 impl<const D: usize> Dashpot<D> {
-    /// The velocity with which both approach, m/s; none below 0.
+    /// Approach speed, m/s; 0 on separation.
     fn approach_speed(&self, velocities: &[Vector<D>]) -> f64 {
         let of = |levers: &Vec<NodeJacobian<D>>| {
             levers.iter().map(|(node, by)| by * velocities[*node]).sum::<Vector<D>>()
@@ -42,8 +42,8 @@ impl<const D: usize> Dashpot<D> {
 }
 
 impl<const D: usize> Potential<'_, D> {
-    /// `τ` of the slowest free rigid solid, s: `m` is its mass, `k` the stiffness around half the reach of the barrier under one of the
-    /// `2 D` sides of its surface. At least the length of the coming step.
+    /// Settling time `τ` of the slowest free rigid solid, s, at least the length of the coming step. `m` is its mass, `k` the barrier's
+    /// tangent stiffness at half the activation distance under one of the `2 D` sides of its surface.
     pub fn settling_time(&self) -> f64 {
         let [_, _, bend] = self.barrier.derivatives_by_distance(0.5 * self.barrier.activation_distance);
         let of = |(k, part): (usize, &SolidTerm<'_, D>)| match part {
@@ -75,12 +75,12 @@ impl<const D: usize> Potential<'_, D> {
         Some(Dashpot { node_jacobians, normal, coefficient })
     }
 
-    /// The force of the dashpot of a pair, N (2D: N/m).
+    /// Force of the dashpot of a pair, N (2D: N/m).
     pub fn damping_force(&self, meeting: &SdfPair, velocities: &[Vector<D>]) -> f64 {
         self.dashpot(meeting).map_or(0.0, |dashpot| dashpot.coefficient * dashpot.approach_speed(velocities))
     }
 
-    /// The dissipation potential of all dashpots over `h`, W (2D: W/m).
+    /// Dissipation potential of all dashpots over `h`, W (2D: W/m).
     pub fn dissipation(&self, velocities: &[Vector<D>], meetings: &[SdfPair]) -> f64 {
         let of = |m: &SdfPair| {
             self.dashpot(m)
@@ -89,14 +89,14 @@ impl<const D: usize> Potential<'_, D> {
         meetings.iter().map(of).sum()
     }
 
-    /// The terms of all dashpots.
+    /// Terms of all dashpots.
     pub fn damping_terms(&self, velocities: &[Vector<D>], meetings: &[SdfPair]) -> Vec<PotentialTerm<D>> {
         let of = |m: &SdfPair| {
             let dashpot = self.dashpot(m)?;
             let approach = dashpot.approach_speed(velocities);
             let Dashpot { node_jacobians, normal, coefficient } = dashpot;
             let (slope, bend) = (-coefficient * approach, if approach > 0.0 { coefficient } else { 0.0 });
-            // Velocities are the places after a second.
+            // Velocities are displacements after one second.
             Some(PotentialTerm {
                 derivatives: distance_derivatives(&normal, node_jacobians.len(), slope, bend),
                 node_jacobians,

@@ -1,4 +1,4 @@
-//! What rubs in a step, and the elastic slips of friction that are carried from step to step.
+//! Friction contacts of a step, and the elastic slips that are carried from step to step.
 
 use super::barrier::SdfContact;
 use super::incremental_potential::Potential;
@@ -12,7 +12,7 @@ use meniscus_numerics::Vector;
 use std::collections::BTreeMap;
 
 impl<const D: usize> Potential<'_, D> {
-    /// What rubs with these velocities.
+    /// Friction contacts with the normal forces at these velocities.
     pub fn friction_contacts(
         &self,
         velocities: &[Vector<D>],
@@ -35,10 +35,10 @@ impl<const D: usize> Potential<'_, D> {
         rubs
     }
 
-    /// The slips that the next step starts from, with these velocities.
+    /// Elastic slips at the start of the next step, with these velocities.
     pub fn next_slips(&self, velocities: &[Vector<D>]) -> Slips<D> {
         let places = self.configuration(velocities);
-        // Sums over what is one contact: the hold, and the normal and the rate times the hold.
+        // Sums over each contact: the friction limit, and the normal and the rate weighted by it.
         let mut sums: BTreeMap<ContactKey, (Slip<D>, Vector<D>)> = BTreeMap::new();
         for r in &self.friction_contacts {
             let to = r.owners.map(|o| places.position(&o));
@@ -66,13 +66,13 @@ impl<const D: usize> Potential<'_, D> {
         sums.into_iter().map(mean).collect()
     }
 
-    /// The coefficient of friction of a solid and another, the geometric mean of both, or a side.
+    /// Friction coefficient of two solids, the geometric mean of both, or of a solid and a side.
     fn friction_coefficient(&self, first: usize, second: Option<usize>) -> f64 {
         let of = |k: usize| self.model.solids[k].friction;
         second.map_or(of(first), |second| (of(first) * of(second)).sqrt())
     }
 
-    /// Points and facets, edges and edges that rub.
+    /// Friction of point–facet and edge–edge contacts.
     fn mesh_friction(
         &self,
         from: &Configuration<'_, D>,
@@ -92,7 +92,7 @@ impl<const D: usize> Potential<'_, D> {
             let mut own = [first; 4];
             own.iter_mut().zip(points).for_each(|(o, p)| *o = owners[*p as usize]);
             if let PointOwner::Rigid { solid, .. } = first {
-                // Both get it at one place, that on the facet.
+                // Both solids receive the force at one point, on the facet.
                 let on: Vector<D> = points
                     .iter()
                     .zip(rubbing.weights)
@@ -113,7 +113,7 @@ impl<const D: usize> Potential<'_, D> {
         rubs
     }
 
-    /// A point and what has no facets, if they rub; `damped` is the force of their dashpot.
+    /// Friction of a point with a rigid solid or side; `damped` is the force of the pair's dashpot.
     fn sdf_friction(
         &self,
         from: &Configuration<'_, D>,
@@ -138,7 +138,7 @@ impl<const D: usize> Potential<'_, D> {
             owners = [at_place(solid); 4];
         }
         other.iter().for_each(|o| owners[1] = at_place(*o));
-        // The other end of what rubs against a side does not move.
+        // A side does not move.
         let weights = if other.is_some() { [1.0, -1.0, 0.0, 0.0] } else { [1.0, 0.0, 0.0, 0.0] };
         let stencil = Stencil { kind: StencilKind::PointSegment, points: [0, 1, 2, 3] };
         let number = match *meeting {
@@ -153,8 +153,8 @@ impl<const D: usize> Potential<'_, D> {
         })
     }
 
-    /// Where friction acts between a point at `x` and something without facets: midway between the two surfaces, so that both get it at
-    /// one place; on a vertex of a solid that deforms at the vertex.
+    /// Point where friction acts between a point at `x` and a rigid solid or side: midway between the two surfaces, so that both receive
+    /// the force at one point. At a vertex of a deformable solid it is the vertex.
     fn friction_point(&self, meeting: &SdfPair, x: Vector<D>, distance: f64, normal: Vector<D>) -> Vector<D> {
         let point = meeting.point();
         match self.points.owners[point as usize] {

@@ -1,8 +1,7 @@
-//! What the velocities of all solids make least in a step: an incremental potential (M. Li et al. 2020).
+//! The incremental potential of a step, which the velocities of all solids minimise (M. Li et al. 2020).
 //!
-//! Of each solid that deforms that of [`IncrementalPotential`], of each rigid one `½ (V − V*)ᵀ M (V − V*)` about the velocities `V*` that all
-//! other forces give it; of all together `h/a` times the barriers between them at the end of the coming step, of length `a`, and what
-//! friction holds them with on the way there.
+//! The sum of [`IncrementalPotential`] for each deformable solid, `½ (V − V*)ᵀ M (V − V*)` for each free rigid solid, where `V*` are the
+//! velocities after all other forces, and `h` times the barriers, dashpots and friction between them.
 
 use super::slips::{FrictionContact, Slips, friction_law};
 use super::term::PotentialTerm;
@@ -16,33 +15,33 @@ use meniscus_contact::{Barrier, Clearance};
 use meniscus_elastic::{AssemblyStructure, BlockMatrix, Cliques, IncrementalPotential};
 use meniscus_numerics::{Matrix, Vector};
 
-/// A rigid solid in the potential.
+/// Term of a free rigid solid.
 #[derive(Clone, Copy, Debug)]
 pub struct RigidTerm<const D: usize> {
     /// Mass, kg.
     pub mass: f64,
-    /// Moments of inertia, kg m², for a node's angular velocity.
+    /// Inertia tensor, kg m², for the angular velocity of a node.
     pub inertia: Matrix<D>,
-    /// Velocities of its nodes that all other forces give it.
+    /// Velocities of its nodes after all other forces.
     pub target_velocities: [Vector<D>; 2],
 }
 
-/// The part of a solid.
+/// Term of a solid.
 #[derive(Clone, Debug)]
 pub enum SolidTerm<'a, const D: usize> {
-    /// It deforms.
+    /// A deformable solid.
     Soft(IncrementalPotential<'a, D>),
-    /// It is rigid, and free.
+    /// A free rigid solid.
     Free(RigidTerm<D>),
-    /// Nothing moves it but what it is told.
+    /// A solid with prescribed motion.
     Prescribed,
 }
 
-/// In what order the unknowns of the solids' matrix are eliminated.
+/// Elimination order of the unknowns in the joint matrix.
 pub struct EliminationOrder<const D: usize> {
-    /// Of the last matrix.
+    /// Structure of the last matrix.
     pub structure: Option<AssemblyStructure>,
-    /// Where nodes are when the forces act, m: the order is by these.
+    /// Positions of the nodes when the forces act, m, which determine the order.
     pub positions: Vec<Vector<D>>,
 }
 
@@ -50,36 +49,36 @@ pub struct EliminationOrder<const D: usize> {
 pub struct Potential<'a, const D: usize> {
     /// The model.
     pub model: &'a Model<D>,
-    /// The solids where the step ends.
+    /// The solids at the end of the step.
     pub solids: &'a [SolidState<D>],
-    /// Their points.
+    /// Their collision points.
     pub points: &'a CollisionPoints<D>,
-    /// The solids' own parts.
+    /// Terms of the solids.
     pub parts: Vec<SolidTerm<'a, D>>,
-    /// The barrier between all of them.
+    /// Barrier between the solids.
     pub barrier: Barrier,
-    /// For how long the forces act, s.
+    /// Impulse time: the time for which the forces act, s.
     pub impulse_time: f64,
-    /// How far the velocities are then ahead of the positions, s.
+    /// Time by which the new velocities are ahead of the positions, s.
     pub velocity_lead: f64,
-    /// The longest that the coming step can be, s.
+    /// Maximum length of the coming step, s.
     pub lookahead: f64,
-    /// The time in which rigid solids settle on each other, s.
+    /// Settling time of rigid solids in contact, s.
     pub settling_time: f64,
-    /// Where solids are now, and where they were at the time of the old velocities.
+    /// Configurations now and at the time of the old velocities.
     pub old_levels: OldTimeLevels<'a, D>,
-    /// The elastic slips where the step ends.
+    /// Elastic slips at the end of the step.
     pub elastic_slips: &'a Slips<D>,
-    /// The pairs that feel their barrier early.
+    /// Pairs whose barrier uses the early time level.
     pub early_pairs: EarlyPairs,
-    /// What rubs.
+    /// Friction contacts.
     pub friction_contacts: Vec<FrictionContact<D>>,
     /// Impulses of the pressure on the nodes, N s.
     pub pressure_impulses: Vec<Vector<D>>,
 }
 
 impl<'a, const D: usize> Potential<'a, D> {
-    /// Its value, J (2D: J/m).
+    /// Value, J (2D: J/m).
     pub fn value(&self, velocities: &[Vector<D>], candidates: &CandidatePairs) -> f64 {
         let own: f64 =
             self.parts.iter().enumerate().map(|(k, part)| self.own_value(k, part, velocities)).sum();
@@ -133,7 +132,7 @@ impl<'a, const D: usize> Potential<'a, D> {
         }
     }
 
-    /// Its gradient, N s (2D: N s/m).
+    /// Gradient, N s (2D: N s/m).
     pub fn gradient(&self, velocities: &[Vector<D>], candidates: &CandidatePairs) -> Vec<Vector<D>> {
         let mut gradient: Vec<Vector<D>> = self.pressure_impulses.iter().map(|j| -j).collect();
         for (k, part) in self.parts.iter().enumerate() {
@@ -159,7 +158,7 @@ impl<'a, const D: usize> Potential<'a, D> {
         gradient
     }
 
-    /// Impulses, N s (2D: N s/m), that contacts and friction give to the nodes.
+    /// Impulses of contacts and friction on the nodes, N s (2D: N s/m).
     pub fn contact_impulses(&self, velocities: &[Vector<D>], candidates: &CandidatePairs) -> Vec<Vector<D>> {
         let mut impulses = vec![Vector::zeros(); velocities.len()];
         for PotentialTerm { node_jacobians, derivatives, .. } in &self.terms(velocities, candidates, false) {
@@ -172,8 +171,8 @@ impl<'a, const D: usize> Potential<'a, D> {
         impulses
     }
 
-    /// Its second derivatives, kg (2D: kg/m), or their `positive` part; nothing where a solid's matrix cannot be. `ties` add their
-    /// masses. The order of elimination becomes that of this matrix.
+    /// Hessian, kg (2D: kg/m), with the masses of `ties`; `project_positive` projects each term. `None` if a matrix cannot be assembled.
+    /// Updates the elimination order.
     pub fn hessian(
         &self,
         velocities: &[Vector<D>],
@@ -235,8 +234,8 @@ impl<'a, const D: usize> Potential<'a, D> {
         Some(matrix)
     }
 
-    /// What may meet on the way to the end of the coming step between two choices of velocities, and on the way from the start to that of
-    /// the second one, or feels a barrier before; with a `margin`, m, to what is near.
+    /// Pairs that may touch, or activate a barrier, while the velocities change from `from` to `to` or during the coming step with `to`;
+    /// `margin` (m) widens the search.
     pub fn candidates(&self, from: &[Vector<D>], to: &[Vector<D>], margin: f64) -> CandidatePairs {
         let (start, end) = (self.time_levels(from), self.time_levels(to));
         let still = vec![Vector::zeros(); to.len()];
@@ -247,8 +246,8 @@ impl<'a, const D: usize> Potential<'a, D> {
         CandidatePairs::on(&[late, early, all], self.barrier.activation_distance, margin)
     }
 
-    /// The largest part of the way from some velocities along a change of them, up to all of it, on which nothing gives up more than
-    /// `1 − retain_common` of what keeps it from meeting and from turning inside out.
+    /// Largest fraction of `change`, at most 1, that leaves each pair at least `kept_fraction` of its distance and each element that
+    /// fraction of its volume.
     pub fn max_step_fraction(
         &self,
         from: &[Vector<D>],

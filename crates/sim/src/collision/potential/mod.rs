@@ -1,4 +1,4 @@
-//! What the velocities of all solids make least in a step, and its terms between solids.
+//! The incremental potential of a step, and its terms between solids.
 
 pub mod barrier;
 pub mod dashpot;

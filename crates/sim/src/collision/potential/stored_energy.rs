@@ -1,7 +1,6 @@
-//! What the barriers between solids hold: their energy and friction's where solids are now, and the narrowest gap that they keep
-//! open.
+//! Energy of the barriers and of friction in the current configuration, and the narrowest gap between solids.
 //!
-//! No step asks for it; the books of a study do, as a body at rest on another has a part of its energy there.
+//! The time step does not use these; they are for energy balances, because a solid at rest on another stores energy in the barrier.
 
 use super::incremental_potential::Potential;
 use super::slips::{Slips, advance_slips, friction_law};
@@ -15,7 +14,7 @@ use crate::state::State;
 use meniscus_contact::Barrier;
 use meniscus_numerics::Vector;
 
-/// Solids, and the elastic slips between them, after a time (s) with the velocities that they have.
+/// Solids, and the elastic slips between them, after a time (s) with their current velocities.
 pub fn advanced_solids<const D: usize>(
     model: &Model<D>,
     state: &State<D>,
@@ -27,19 +26,19 @@ pub fn advanced_solids<const D: usize>(
     (solids, slips)
 }
 
-/// The barriers of a model, as they are from its start on.
+/// Barriers of a model, with the activation distances of its start.
 #[derive(Clone, Debug)]
 pub struct Barriers<const D: usize> {
     points: CollisionPoints<D>,
 }
 
 impl<const D: usize> Barriers<D> {
-    /// Of a model.
+    /// Barriers of a model.
     pub fn of(model: &Model<D>) -> Self {
         Self { points: CollisionPoints::of(model) }
     }
 
-    /// Their energy, and that of friction's elastic slips, J (2D: J/m).
+    /// Energy of the barriers and the elastic slips, J (2D: J/m).
     pub fn energy(&self, model: &Model<D>, solids: &[SolidState<D>], elastic_slips: &Slips<D>) -> f64 {
         let still = vec![Vector::zeros(); self.points.node_count()];
         let potential = Potential {
@@ -67,8 +66,8 @@ impl<const D: usize> Barriers<D> {
         potential.barrier_energy(&candidates) + friction_energy
     }
 
-    /// The narrowest gap, m, between surfaces of solids, and of these and the sides of the domain; infinite where all are wider than
-    /// the barrier's reach, not above zero where something overlaps.
+    /// The narrowest gap, m, between surfaces of solids or between these and the sides of the domain. It is infinite if all gaps exceed
+    /// the barrier's activation distance, and not positive if solids overlap.
     pub fn narrowest_gap(&self, model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
         let still = vec![Vector::zeros(); self.points.node_count()];
         let places = Configuration::new(model, solids, &self.points, &still, 0.0);

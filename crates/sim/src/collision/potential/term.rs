@@ -4,18 +4,18 @@ use crate::collision::configuration::NodeJacobian;
 use meniscus_contact::LocalDerivatives;
 use meniscus_numerics::Vector;
 
-/// A term: the points that it is of, with their levers, and its derivatives by their positions.
+/// A term with its points, their Jacobians, and the derivatives by their positions.
 pub struct PotentialTerm<const D: usize> {
-    /// How velocities of nodes move the points.
+    /// Jacobians of the points by the velocities of the nodes.
     pub node_jacobians: Vec<Vec<NodeJacobian<D>>>,
-    /// Derivatives.
+    /// Gradient and Hessian by the points' positions.
     pub derivatives: LocalDerivatives<D>,
-    /// For how long the points go with the velocities until they are where the derivatives are taken, s.
+    /// Time for which the points move with the velocities to where the derivatives are evaluated, s.
     pub time: f64,
 }
 
-/// Derivatives, by one or two points, of a function of their distance with this slope and bend; the `normal` is the direction away from
-/// the second.
+/// Derivatives, by one or two points, of a function of their distance with the first and second derivatives `slope` and `bend`. The
+/// `normal` points away from the second point.
 pub fn distance_derivatives<const D: usize>(
     normal: &Vector<D>,
     count: usize,

@@ -1,4 +1,4 @@
-//! The moments of a step at which distances between solids are compared, and which pairs feel their barrier at which.
+//! Time levels of a step at which distances between solids are evaluated, and the pairs whose barrier uses each.
 
 use crate::collision::configuration::Configuration;
 use crate::collision::points::{CollisionPoints, SdfPair};
@@ -8,15 +8,15 @@ use meniscus_contact::Stencil;
 use meniscus_numerics::Vector;
 use std::collections::BTreeSet;
 
-/// Solids at a time, and their points.
+/// Configuration of the solids at a time.
 pub struct TimeLevel<'a, const D: usize> {
     /// The solids.
     pub configuration: Configuration<'a, D>,
-    /// Where all points are, m.
+    /// Positions of all points, m.
     pub positions: Vec<Vector<D>>,
 }
 
-/// The two moments of a step that do not depend on the new velocities.
+/// The two time levels that do not depend on the new velocities.
 pub struct OldTimeLevels<'a, const D: usize> {
     /// At the time of the old velocities.
     before: TimeLevel<'a, D>,
@@ -25,7 +25,7 @@ pub struct OldTimeLevels<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> OldTimeLevels<'a, D> {
-    /// Of solids that have gone with the old velocities of their nodes for a time `since`, s.
+    /// Levels of solids that have moved with the old velocities of their nodes for the time `since`, s.
     pub fn new(
         model: &'a Model<D>,
         solids: &'a [SolidState<D>],
@@ -39,7 +39,7 @@ impl<'a, const D: usize> OldTimeLevels<'a, D> {
     }
 }
 
-/// The moments of a step at which distances between solids are compared.
+/// All time levels of a step.
 pub struct TimeLevels<'a, const D: usize> {
     pub(super) past: &'a OldTimeLevels<'a, D>,
     /// At the time of the new velocities.
@@ -48,9 +48,8 @@ pub struct TimeLevels<'a, const D: usize> {
     pub late: TimeLevel<'a, D>,
 }
 
-/// The pairs that feel their barrier at the time of the new velocities, the others at the end of the coming step. Which do depends on the
-/// velocities, and where it changes the potential jumps, so that Newton's method would end at the jump: it is lagged, as friction's
-/// normal forces are.
+/// The pairs whose barrier is evaluated at the time of the new velocities instead of the end of the coming step. The choice depends on
+/// the velocities and makes the potential discontinuous, so it is lagged, like the normal forces of friction.
 #[derive(Clone, Debug, Default)]
 pub struct EarlyPairs {
     pub(super) contacts: BTreeSet<Stencil>,
@@ -58,34 +57,34 @@ pub struct EarlyPairs {
 }
 
 impl EarlyPairs {
-    /// Keeps those that are among others, too. Pairs that may only leave within Newton's iterations do not go to and fro.
+    /// Keeps only pairs that are also in `others`. As pairs can only leave during the Newton iterations, the set cannot alternate.
     pub fn retain_common(&mut self, others: &Self) {
         self.contacts.retain(|c| others.contacts.contains(c));
         self.sdf_pairs.retain(|m| others.sdf_pairs.contains(m));
     }
 }
 
-/// One of the two moments at which barriers are felt.
+/// One of the two time levels at which barriers are evaluated.
 pub struct BarrierLevel<'a, const D: usize> {
     moments: &'a TimeLevels<'a, D>,
     pub(super) early: bool,
 }
 
 impl<'a, const D: usize> TimeLevels<'a, D> {
-    /// Whether a pair that came towards each other is nearer at the time of the new velocities than at the end of the coming step.
+    /// Whether an approaching pair is nearer at the time of the new velocities than at the end of the coming step.
     pub(super) fn is_early(&self, distance: impl Fn(&TimeLevel<'a, D>) -> f64) -> bool {
         let TimeLevels { past, early, late } = self;
         distance(early) < distance(late) && distance(&past.before) > distance(&past.start)
     }
 
-    /// Both moments at which barriers are felt.
+    /// Both time levels at which barriers are evaluated.
     pub fn barrier_levels(&'a self) -> [BarrierLevel<'a, D>; 2] {
         [false, true].map(|early| BarrierLevel { moments: self, early })
     }
 }
 
 impl<'a, const D: usize> BarrierLevel<'a, D> {
-    /// The moment.
+    /// The time level.
     pub fn time_level(&self) -> &'a TimeLevel<'a, D> {
         if self.early { &self.moments.early } else { &self.moments.late }
     }

@@ -1,4 +1,4 @@
-//! Elastic beams by themselves, against the theories of thin and of thick beams.
+//! Elastic beams without liquid, against the theories of thin and of thick beams.
 
 use crate::measure::checks_or_failure;
 use crate::{Case, Check, Mode};
@@ -21,9 +21,9 @@ pub const BEAM: Case = Case {
 };
 
 const NAME: &str = "elastic-beam";
-/// The wave numbers of a clamped beam over its length, and the mean squares of their modes' slopes.
+/// Wave numbers of the modes of a clamped beam times its length, and the mean squares of the modes' slopes.
 const MODE_CONSTANTS: [(f64, f64); 3] = [(1.875104069, 4.6478), (4.694091133, 32.417), (7.854757438, 77.299)];
-/// Load, and the tip's drop and place over the length, by the elastica.
+/// Load, and drop and axial position of the tip over the length, by the elastica.
 const ELASTICA: [(f64, f64, f64); 4] = [
     (1.0, 0.123471, 0.991246),
     (2.0, 0.238507, 0.966893),
@@ -35,7 +35,7 @@ const THICKNESS: f64 = 0.2;
 const DENSITY: f64 = 1.2;
 const YOUNG: f64 = 1e8;
 const POISSON: f64 = 0.3;
-/// Stiffness of the plate.
+/// Bending stiffness of the plate.
 const BENDING_STIFFNESS: f64 = YOUNG / (1.0 - POISSON * POISSON) * THICKNESS * THICKNESS * THICKNESS / 12.0;
 const STEP: f64 = 1e-3;
 
@@ -72,8 +72,8 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// Frequencies of Timoshenko's beam, rad/s: those of the thin beam, corrected for rotary inertia and shear to first order (S.
-/// Timoshenko, Phil. Mag. 43 (1922) 125).
+/// Frequencies of Timoshenko's beam, rad/s: those of the thin beam, corrected for rotary inertia and shear to first order (S. Timoshenko,
+/// Phil. Mag. 43 (1922) 125).
 fn frequencies() -> [f64; 3] {
     let stiffness = YOUNG / (1.0 - POISSON * POISSON);
     let shear = YOUNG / (2.0 * (1.0 + POISSON)) * 10.0 * (1.0 + POISSON) / (12.0 + 11.0 * POISSON);
@@ -84,7 +84,7 @@ fn frequencies() -> [f64; 3] {
     })
 }
 
-/// A beam along the first axis, clamped where that is 0.
+/// A beam along the first axis, clamped at 0.
 fn cantilever(layers: usize, damping_ratio: f64) -> Result<Elastic<2>, ElasticError> {
     let half = Vector::<2>::new(0.5 * LENGTH, 0.5 * THICKNESS);
     let mesh = VolumeMesh::of_box(
@@ -104,7 +104,7 @@ fn cantilever(layers: usize, damping_ratio: f64) -> Result<Elastic<2>, ElasticEr
     Elastic::new(ElasticSpecification { mesh, density: DENSITY, law, damping_ratio, anchors })
 }
 
-/// Drop and place of the end's middle over the length, at rest under a load `q L³/B`.
+/// Drop and axial position of the middle of the tip over the length, at rest under a load `q L³/B`.
 fn tip_deflection(body: &Elastic<2>, load: f64) -> Result<(f64, f64), ElasticError> {
     let gravity = load * BENDING_STIFFNESS / (DENSITY * THICKNESS * LENGTH.powi(3));
     let weight: Vec<Vector<2>> = body.masses().iter().map(|m| Vector::<2>::new(0.0, -gravity * m)).collect();

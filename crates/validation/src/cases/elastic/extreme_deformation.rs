@@ -1,7 +1,7 @@
-//! Soft solids that are treated badly: twisted, crushed, pulled through a slit, chained.
+//! Deformable solids under extreme deformation: twisted, crushed, pulled through a slit, chained.
 //!
-//! Without liquid. What must hold is what the method promises whatever happens: surfaces never cross (IPC), elements never turn
-//! inside out, and where nothing is led any more the energy does not rise in any step.
+//! There is no liquid. The method guarantees the invariants under any load: surfaces never cross (IPC), elements never invert, and
+//! without prescribed motion the energy rises in no step.
 
 use crate::measure::{at_least, at_most, checks_or_failure};
 use crate::setup::run_to;
@@ -34,7 +34,7 @@ pub const CASE: Case = Case {
 const NAME: &str = "violence";
 const DX: f64 = 1.0 / 24.0;
 const STEP: f64 = 5e-3;
-/// When what is led comes to its end, and how long it is held there.
+/// End of the prescribed motions, and how long the solids are held after it.
 const PRESCRIBED_DURATION: f64 = 1.0;
 const HOLD_DURATION: f64 = 0.25;
 const BALL_RADIUS: f64 = 0.3;
@@ -51,7 +51,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// The checks of a part, which may break off without the others.
+/// The checks of a part; a part that fails does not stop the others.
 fn labelled_checks(part: &str, checks: Result<Vec<Check>, StepError>) -> Vec<Check> {
     let of = |check: Check| Check { quantity: format!("{part}: {}", check.quantity), ..check };
     checks_or_failure(NAME, checks).into_iter().map(of).collect()
@@ -61,14 +61,14 @@ fn material() -> SoftMaterial {
     SoftMaterial { young: 1000.0, poisson: 0.4, density: 2.0, damping: 0.1, friction: 0.3 }
 }
 
-/// Without sides.
+/// A simulation without domain walls.
 fn without_walls<const D: usize>(solids: Vec<Solid<D>>) -> Simulation<D> {
     let mut simulation = simulation_without_liquid(([8; D], DX), solids, Vector::zeros(), STEP);
     simulation.model.walls = [[Wall::Open; 2]; D];
     Simulation::resume(simulation.model, simulation.state)
 }
 
-/// Runs to an end; between `held` times nothing is led.
+/// Runs to an end. `still` tells at which times no motion is prescribed.
 fn run_monitored<const D: usize>(
     simulation: &mut Simulation<D>,
     end: f64,
@@ -78,7 +78,7 @@ fn run_monitored<const D: usize>(
     let mut max_elastic_energy = 0f64;
     run_to(simulation, end, |s, report| {
         max_elastic_energy = max_elastic_energy.max(report.diagnostics.elastic_energy);
-        // What is told its velocity for the coming step may not be moving in the one before, either.
+        // Prescribed velocities of the next step must vanish in the step before as well.
         let now = s.state.time;
         watch.observe(s, &report.diagnostics, still(now - 2.0 * STEP) && still(now + 2.0 * STEP));
     })?;
@@ -97,7 +97,7 @@ fn run_monitored<const D: usize>(
     ])
 }
 
-/// A direction along the last axis.
+/// A vector along the last axis.
 fn up<const D: usize>(y: f64) -> Vector<D> {
     Vector::from_fn(|a, _| if a + 1 == D { y } else { 0.0 })
 }
@@ -106,7 +106,7 @@ fn crush<const D: usize>(n: usize) -> Result<Vec<Check>, StepError> {
     let ball =
         soft(mapped(quadratic_cube_mesh([n; D]), |x| cube_to_ball(x) * BALL_RADIUS), material(), Vec::new())?;
     let mut solids = vec![ball];
-    // To a fifth of the height between the plates, which are a fifth of a cell away at the start.
+    // The plates start a fifth of a cell away and compress the ball to a fifth of its height.
     let (gap, way) = (0.2 * DX, 0.8 * BALL_RADIUS + 0.2 * DX);
     for side in [-1.0, 1.0] {
         let keyframes = vec![
@@ -138,7 +138,7 @@ fn slit<const D: usize>(n: [usize; D]) -> Result<Vec<Check>, StepError> {
     const THICK: f64 = 0.2;
     const SLIT: f64 = 0.12;
     const POST: f64 = 0.25;
-    // The head hangs through the slit, and is narrower than that.
+    // The head hangs through the slit and is narrower than it.
     let narrow = |y: f64| if y < -0.8 { 0.35 } else { (0.35 + 0.65 * (y + 0.8) / 0.3).min(1.0) };
     let place = |x: &Vector<D>| {
         let y = x[D - 1];
@@ -180,7 +180,7 @@ fn slit<const D: usize>(n: [usize; D]) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// The way of a vertex whose end of a strip is turned about the first axis and moved along it.
+/// Motion of a vertex of a strip's end that is turned about the first axis and moved along it.
 fn twist_keyframes(x: &Vector<3>, turns: f64, way: f64) -> AnchorMotion<3> {
     const FRAMES: usize = 96;
     let frame = |k: usize| {
@@ -205,14 +205,14 @@ fn twist() -> Result<Vec<Check>, StepError> {
     run_monitored(&mut simulation, PRESCRIBED_DURATION + HOLD_DURATION, |t| t > PRESCRIBED_DURATION)
 }
 
-/// A ring about an axis: a bar of square section whose ends are one.
+/// A ring about an axis: a bar of square section whose ends coincide.
 fn ring(center: Vector<3>, upright: bool) -> VolumeMesh<3> {
     const AROUND: usize = 24;
     const WIDE: usize = 3;
     const RADIUS: f64 = 0.3;
     const HALF: f64 = 0.05;
     let layer = (WIDE + 1) * (WIDE + 1);
-    // The last layer is the first one.
+    // The last layer is identified with the first.
     let bar = cube_mesh([AROUND, WIDE, WIDE]);
     let own = |v: u32| (v as usize % (AROUND + 1), v as usize / (AROUND + 1));
     let number = |v: u32| {
@@ -242,7 +242,7 @@ fn chain() -> Result<Vec<Check>, StepError> {
     let mut solids = Vec::new();
     for k in 0..3 {
         let mesh = ring(Vector::<3>::new(0.4 * (k as f64 - 1.0), 0.0, 0.0), k == 1);
-        // The outer halves of the outer rings' ends are led, to both sides.
+        // The outer halves of the outer rings have prescribed motion, away from each other.
         let side = k as f64 - 1.0;
         let mut outer = Anchor::within(&mesh, |x: &Vector<3>| side * x[0] > 0.66);
         outer.motion = AnchorMotion::Keyframes(vec![

@@ -1,13 +1,13 @@
-//! A soft ball between two plates, against Hertz.
+//! An elastic ball between two plates, against Hertz's theory.
 //!
-//! Without liquid. The references are for small strains: of a cylinder (2D, plane strain, force `P` on a length, `E* = E/(1 − ν²)`)
-//! the half-width `a² = 4 P R/π E*` of the contact, the pressure in its middle `2 P/π a`, and the flattening of each side
-//! `δ = P/π E* (2 ln(4R/a) − 1)` (K. L. Johnson, "Contact Mechanics", 1985, eq. 5.57); of a ball `a³ = 3 F R/4 E*`, `3 F/2 π a²`, and
-//! `a²/R`, which is that of a half-space: a ball that is pressed from both sides is flattened less, as its exact solution under
-//! both pressures tells ([`flattening`]), by 0.95 at `a = 0.2 R`.
+//! There is no liquid. The references hold for small strains. Cylinder (2D, plane strain, force `P` per length, `E* = E/(1 − ν²)`):
+//! half-width of the contact `a² = 4 P R/π E*`, pressure in its middle `2 P/π a`, flattening of each side `δ = P/π E* (2 ln(4R/a) − 1)`
+//! (K. L. Johnson, "Contact Mechanics", 1985, eq. 5.57). Ball: `a³ = 3 F R/4 E*`, `3 F/2 π a²`, and `a²/R`, which holds for a half-space.
+//! A ball pressed from both sides is flattened less, by its exact solution under both pressures (`ball_flattening_ratio`) by a factor
+//! of 0.95 at `a = 0.2 R`.
 //!
-//! The barrier holds the plates off by a part of its reach that depends on the pressure: as if they had a soft layer. Its reach is a
-//! quarter of a cell, which is made small; the flattening is the ball's own.
+//! The barrier separates ball and plates by a pressure-dependent part of its activation distance, like a soft layer. That distance is a
+//! quarter of a cell, which is made small; the flattening is measured on the ball itself.
 
 use crate::measure::{at_least, checks_or_failure};
 use crate::setup::run_to;
@@ -40,9 +40,9 @@ const YOUNG: f64 = 1000.0;
 const POISSON: f64 = 0.3;
 const STIFFNESS: f64 = YOUNG / (1.0 - POISSON * POISSON);
 const STEP: f64 = 1e-2;
-/// Time in which the plates come together, and in which the ball comes to rest.
+/// Time for the plates to close, and for the ball to come to rest.
 const PHASE_DURATIONS: [f64; 2] = [0.4, 0.4];
-/// Power by which the mesh is finer where it touches.
+/// Exponent of the refinement of the mesh towards the contacts.
 const GRADING_EXPONENT: f64 = 1.7;
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -55,7 +55,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// The ball between its plates, which come together by `way` each.
+/// The ball between its plates, each of which closes in by `way`.
 fn ball_between_plates<const D: usize>(n: [usize; D], dx: f64, way: f64) -> Result<Simulation<D>, StepError> {
     let material = SoftMaterial { young: YOUNG, poisson: POISSON, density: 2.0, damping: 1.0, friction: 0.0 };
     let graded = |x: &Vector<D>| {
@@ -74,17 +74,17 @@ fn ball_between_plates<const D: usize>(n: [usize; D], dx: f64, way: f64) -> Resu
         solids.push(plate);
     }
     let mut simulation = simulation_without_liquid(([8; D], dx), solids, Vector::zeros(), STEP);
-    // No side is in the way; the few cells are there as there must be some.
+    // Open sides, so that the domain does not interfere; the grid needs only a few cells.
     simulation.model.walls = [[Wall::Open; 2]; D];
     Ok(Simulation::resume(simulation.model, simulation.state))
 }
 
-/// What the plates' pressure is found to be.
+/// Measures of the contact pressure.
 struct PressureMeasure {
     force: f64,
     /// Half-width of the contact.
     half_width: f64,
-    /// Pressure in its middle.
+    /// Pressure in the middle of the contact.
     peak_pressure: f64,
     /// Flattening of a side.
     flattening: f64,
@@ -138,7 +138,7 @@ fn hertz_flattening_ratio<const D: usize>(wide: f64) -> f64 {
     if D == 2 { 0.25 * (2.0 * (4.0 / wide).ln() - 1.0) } else { ball_flattening_ratio(wide) }
 }
 
-/// What presses on the upper side, at rest: the opposite of the elastic forces.
+/// The pressure on the upper side at rest: the negative of the elastic forces.
 fn measure_contact<const D: usize>(simulation: &Simulation<D>) -> Option<PressureMeasure> {
     let elastic = simulation.model.solids[0].elastic()?;
     let now = vertices(simulation, 0);
@@ -168,11 +168,11 @@ fn measure_contact<const D: usize>(simulation: &Simulation<D>) -> Option<Pressur
     Some(PressureMeasure { force, half_width, peak_pressure: push / share, flattening })
 }
 
-/// The flattening of a ball at the poles under Hertz's pressures on caps of radius `a` (over the ball's) about both, over that of a
-/// half-space, `a²/R`.
+/// Flattening of a ball at the poles over that of a half-space, `a²/R`, under Hertz's pressures on caps of radius `a` (over the ball's)
+/// about both poles.
 ///
-/// The radial traction is a sum of Legendre polynomials `p_n P_n(mode_cosine θ)`. With Lur'e's displacements
-/// `u_r = [A (n+1)(n−2+4ν) r^(n+1) + B n r^(n−1)] P_n` and no shear at `r = 1`, `B = −A (n²+2n−1+2ν)/(n−1)`, and
+/// The radial traction is a sum of Legendre polynomials `p_n P_n(cos θ)`. Lur'e's displacements are
+/// `u_r = [A (n+1)(n−2+4ν) r^(n+1) + B n r^(n−1)] P_n` with `B = −A (n²+2n−1+2ν)/(n−1)`, so that there is no shear at `r = 1`, and
 /// `p_n = 2G A [(n+1)(n²−n−2−2ν) − n (n²+2n−1+2ν)]`.
 fn ball_flattening_ratio(a: f64) -> f64 {
     const POINTS: usize = 600;
@@ -212,6 +212,6 @@ fn ball_flattening_ratio(a: f64) -> f64 {
             sum += share * ((n + 1.0) * (n - 2.0 + 4.0 * nu) - n * shear / (n - 1.0));
         }
     }
-    // In a half-space of the same stiffness it is π a/2 E* under a pressure of 1 in the middle.
+    // For a half-space of the same stiffness and unit pressure in the middle it is π a/2 E*.
     -sum / (0.5 * PI * a * (1.0 - nu * nu))
 }

@@ -1,4 +1,4 @@
-//! Solids that deform, without liquid: beams, contact, energy.
+//! Deformable solids without liquid: beams, contact, energy.
 
 pub mod beam;
 pub mod extreme_deformation;

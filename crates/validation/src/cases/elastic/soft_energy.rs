@@ -1,4 +1,4 @@
-//! The energy law of dry soft solids that fall.
+//! The energy law of falling deformable solids without liquid.
 
 use crate::measure::{at_least, at_most, checks_or_failure};
 use crate::setup::run_to;
@@ -44,7 +44,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// A ball, or a block that is turned by an angle, degrees.
+/// A ball, or a block rotated by an angle, degrees.
 fn check_fall<const D: usize>(n: usize, young: f64, turned: f64, step: f64) -> Result<Vec<Check>, StepError> {
     let material = SoftMaterial { young, poisson: 0.3, density: 2.0, damping: 0.0, friction: 0.3 };
     let half = 0.12;

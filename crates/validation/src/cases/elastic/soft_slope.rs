@@ -1,4 +1,4 @@
-//! Soft blocks on slopes, with friction.
+//! Deformable blocks on slopes, with friction.
 
 use crate::measure::{at_least, at_most, checks_or_failure};
 use crate::setup::run_to;
@@ -31,9 +31,9 @@ const HALF_SIZE: f64 = 0.08;
 const CELLS: usize = 24;
 const DX: f64 = 1.0 / CELLS as f64;
 const STEP: f64 = 1e-3;
-/// Between these times the way of what slides is measured: it rests on the slope, and does not reach the lower end.
+/// Time window for sliding blocks: after the landing and before the lower end of the slope.
 const SLIDING_WINDOW: [f64; 2] = [0.1, 0.35];
-/// The same of what stays. Until it lies on the slope it slides, and what friction then hardly holds stops late.
+/// Time window for resting blocks, which slide until they lie on the slope; near the critical slope they stop late.
 const RESTING_WINDOW: [f64; 2] = [0.4, 0.6];
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -162,7 +162,7 @@ fn check_slope<const D: usize>(
     Ok(checks)
 }
 
-/// The acceleration of the parabola that fits places at times best.
+/// Acceleration of the least-squares parabola through positions at times.
 fn acceleration(seen: &[(f64, f64)]) -> f64 {
     let count = seen.len() as f64;
     let middle = seen.iter().map(|s| s.0).sum::<f64>() / count;

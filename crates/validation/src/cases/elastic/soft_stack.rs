@@ -1,4 +1,4 @@
-//! Five soft blocks that stand on each other.
+//! A stack of five deformable blocks.
 
 use crate::measure::{at_least, at_most, checks_or_failure};
 use crate::setup::run_to;
@@ -31,7 +31,7 @@ const DX: f64 = 1.0 / 32.0;
 const YOUNG: f64 = 1e4;
 const DENSITY: f64 = 2.0;
 const STEP: f64 = 2.5e-3;
-/// When the blocks have come to rest, and for how long they are looked at then.
+/// Time for the blocks to come to rest, and duration of the measurement.
 const SETTLING_TIME: f64 = 1.0;
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -46,7 +46,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 fn stack<const D: usize>(n: [usize; D], poisson: f64) -> Result<Simulation<D>, StepError> {
     let material = SoftMaterial { young: YOUNG, poisson, density: DENSITY, damping: 0.5, friction: 0.3 };
     let half = Vector::<D>::from_fn(|a, _| HALF_SIZE[usize::from(a + 1 == D)]);
-    // About as far apart as they come to rest.
+    // Close to their distance at rest.
     let gap = 0.15 * DX;
     let place = |k: usize| point_at::<D>(0.5, gap + HALF_SIZE[1] + k as f64 * (2.0 * HALF_SIZE[1] + gap));
     let solids: Result<Vec<_>, _> =
@@ -54,8 +54,8 @@ fn stack<const D: usize>(n: [usize; D], poisson: f64) -> Result<Simulation<D>, S
     Ok(simulation_without_liquid(([32; D], DX), solids?, gravity(), STEP))
 }
 
-/// Height of a block: between the means over its upper and over its lower side, whatever shape these have. By the virtual work of
-/// an even compression what is left of it without lateral contraction is told by the loads alone, however they are spread.
+/// Height of a block between the means over its upper and its lower side. By virtual work with a uniform compression, its change without
+/// lateral contraction depends on the loads alone, not on their distribution.
 fn height<const D: usize>(simulation: &Simulation<D>, solid: usize) -> f64 {
     let Some(elastic) = simulation.model.solids[solid].elastic() else { return f64::NAN };
     let now = vertices(simulation, solid);

@@ -1,4 +1,4 @@
-//! The flag of Turek and Hron by itself.
+//! The flag of Turek and Hron without fluid.
 
 use crate::measure::checks_or_failure;
 use crate::{Case, Check, Mode};
@@ -27,11 +27,11 @@ const STEP: f64 = 0.005;
 const END: f64 = 10.0;
 const RADIUS: f64 = 0.05;
 const THICKNESS: f64 = 0.02;
-/// Where the flag ends, m from the cylinder's axis.
+/// End of the flag, m from the cylinder's axis.
 const TIP: f64 = 0.4;
-/// Cells along the flag for each layer of them.
+/// Cells along the flag per layer.
 const CELLS_ALONG_PER_LAYER: usize = 17;
-/// Mean and amplitude of the tip's way along and across, mm.
+/// Mean and amplitude of the tip's displacement along and across, mm.
 const REFERENCE: [(f64, f64); 2] = [(-14.279, 14.280), (-63.541, 65.094)];
 const FREQUENCY: f64 = 1.0995;
 
@@ -59,12 +59,12 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// The way of the tip's middle in the second half of the time, m.
+/// Displacement of the middle of the tip in the second half of the time, m.
 fn tip_displacements(layers: usize) -> Result<Vec<Vector<2>>, ElasticError> {
     let (body, tip) = flag(layers)?;
     let weight: Vec<Vector<2>> = body.masses().iter().map(|m| Vector::<2>::new(0.0, -GRAVITY * m)).collect();
     let mut state = body.rest_state(STEP);
-    // Velocities are half a step ahead: forces act for half a step before the first.
+    // Velocities lead by half a step, so forces act for half a step before the first.
     for (v, _) in state.velocities.iter_mut().zip(body.anchored()).filter(|(_, held)| !**held) {
         v[1] = -0.5 * STEP * GRAVITY;
     }
@@ -76,7 +76,7 @@ fn tip_displacements(layers: usize) -> Result<Vec<Vector<2>>, ElasticError> {
     Ok(path.split_off(path.len() / 2))
 }
 
-/// The flag from the cylinder to its tip, and its tip's middle vertex.
+/// The flag from the cylinder to its tip, and the middle vertex of the tip.
 fn flag(layers: usize) -> Result<(Elastic<2>, usize), ElasticError> {
     let half = Vector::<2>::new(0.5 * THICKNESS * CELLS_ALONG_PER_LAYER as f64, 0.5 * THICKNESS);
     let edge = THICKNESS / layers as f64;
@@ -99,7 +99,7 @@ fn flag(layers: usize) -> Result<(Elastic<2>, usize), ElasticError> {
     Ok((Elastic::new(description)?, tip))
 }
 
-/// How often in a second the tip rises through a height, Hz.
+/// Frequency at which the tip rises through a height, Hz.
 fn frequency(path: &[Vector<2>], height: f64) -> f64 {
     let rises: Vec<f64> = (1..path.len())
         .filter(|k| path[k - 1][1] < height && path[*k][1] >= height)

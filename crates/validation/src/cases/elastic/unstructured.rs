@@ -1,9 +1,9 @@
-//! Elastic beams on meshes without order, against the theory of thick beams and against themselves on finer meshes.
+//! Elastic beams on unstructured meshes, against the theory of thick beams and against refined meshes.
 //!
-//! In 2D a rectangle is triangulated, and its deflection `q L⁴/8B + q L²/2S` and lowest frequency are those of Timoshenko's beam, in
-//! plane strain. In 3D a box that is turned about its length is stuffed: creases are cut off, differently on each mesh. So each body is
-//! compared with itself: the same polyhedron, held in the same elements, on elements half as large. Limit: these have an error of
-//! about a quarter of that which is measured, which is thus a little too small.
+//! In 2D a rectangle is triangulated; its deflection `q L⁴/8B + q L²/2S` and lowest frequency are those of Timoshenko's beam in plane
+//! strain. In 3D a box rotated about its length is meshed by isosurface stuffing, which cuts off its edges differently on each mesh. Each
+//! body is therefore compared with itself: the same polyhedron, clamped in the same elements, on elements half as large. Limit: the finer
+//! elements have about a quarter of the measured error, which is thus slightly too small.
 
 use crate::measure::checks_or_failure;
 use crate::{Case, Check, Mode};
@@ -31,16 +31,16 @@ pub const CASE: Case = Case {
 
 const NAME: &str = "elastic-unstructured";
 const POISSONS: [f64; 2] = [0.3, 0.45];
-/// Length of the beam in 2D over its thickness.
+/// Length of the 2D beam over its thickness.
 const LENGTH: f64 = 20.0;
-/// The strip in 3D over its thickness, and to where its elements are held.
+/// Size of the 3D strip over its thickness, and the length that is clamped.
 const STRIP: [f64; 3] = [9.0, 3.0, 1.0];
 const CLAMPED_LENGTH: f64 = 1.5;
-/// Its turn about its length, rad.
+/// Rotation about its length, rad.
 const ROLL_ANGLE: f64 = 0.35;
-/// Wave number of the lowest mode of a clamped beam over its length, and the mean square of the mode's slope.
+/// Wave number of the lowest mode of a clamped beam times its length, and the mean square of the mode's slope.
 const MODE_CONSTANTS: (f64, f64) = (1.875104069, 4.6478);
-/// Errors that must not be, and that should not.
+/// Tolerance, and that of the state of the art.
 const TOLERANCES: (f64, f64) = (0.03, 0.01);
 
 /// Deflection, and lowest frequency, rad/s.
@@ -93,7 +93,7 @@ fn mesh_failure(error: impl ToString) -> StepError {
     StepError::TooShort { time: 0.0, dt: 0.0, reason: error.to_string() }
 }
 
-/// Deflection under a unit of weight, and lowest frequency, of Timoshenko's beam with a unit modulus, density and thickness.
+/// Deflection per unit of weight, and lowest frequency, of Timoshenko's beam of unit modulus, density and thickness.
 fn timoshenko(poisson: f64) -> BeamResponse {
     let bending = 1.0 / (1.0 - poisson * poisson) / 12.0;
     let shear = 1.0 / (2.0 * (1.0 + poisson)) * 10.0 * (1.0 + poisson) / (12.0 + 11.0 * poisson);
@@ -102,14 +102,14 @@ fn timoshenko(poisson: f64) -> BeamResponse {
     [LENGTH.powi(4) / (8.0 * bending) + LENGTH * LENGTH / (2.0 * shear), thin / (1.0 + ratio).sqrt()]
 }
 
-/// The beam in 2D, of quadratic triangles with edges of a length.
+/// The 2D beam of quadratic triangles with the given edge length.
 fn triangulated(edge: f64) -> Result<VolumeMesh<2>, StepError> {
     let outline = Outline::polygon(&[[0.0, 0.0], [LENGTH, 0.0], [LENGTH, 1.0], [0.0, 1.0]]);
     let planar = outline.and_then(|o| o.triangulate(edge)).map_err(mesh_failure)?;
     Ok(planar.mesh.subdivided())
 }
 
-/// The strip in 3D, of linear tetrahedra with edges of a length.
+/// The 3D strip of linear tetrahedra with the given edge length.
 fn stuffed(edge: f64) -> Result<VolumeMesh<3>, StepError> {
     let (s, c) = ROLL_ANGLE.sin_cos();
     let rotation = Matrix::<3>::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c);
@@ -117,11 +117,11 @@ fn stuffed(edge: f64) -> Result<VolumeMesh<3>, StepError> {
     let shape = Shape::Box { center: half, half_size: half, rotation };
     let (lower, upper) = shape.bounds();
     let mesh = stuff(&|x| shape.signed_distance(x), &lower, &upper, edge).map_err(mesh_failure)?;
-    // Back about the middle, so that the thickness is along the last axis.
+    // Rotated back about the middle, so that the thickness is along the last axis.
     Ok(mesh.transformed(&rotation.transpose(), &(half - rotation.transpose() * half)))
 }
 
-/// The vertices of elements of the strip that lie in its held part as wholes; each has been divided some times.
+/// The vertices of elements that lie entirely in the clamped part of the strip; each has been divided `times` times.
 fn clamped_vertices(mesh: &VolumeMesh<3>, times: u32) -> Vec<u32> {
     let mut held: Vec<u32> = Vec::new();
     for parts in mesh.simplices.chunks(1 << (3 * times)) {
@@ -135,7 +135,7 @@ fn clamped_vertices(mesh: &VolumeMesh<3>, times: u32) -> Vec<u32> {
     held
 }
 
-/// Mean deflection under its weight, across, of the part of a beam that `counts`, and lowest frequency.
+/// Mean transverse deflection, under its weight, of the part of a beam selected by `counts`, and lowest frequency.
 fn beam_response<const D: usize>(
     mesh: VolumeMesh<D>,
     held: Vec<u32>,

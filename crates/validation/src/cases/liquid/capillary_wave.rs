@@ -33,7 +33,7 @@ const OMEGA: f64 = 157.496_1;
 /// Times ω0 t of the table.
 const TIMES: [f64; 8] = [1.0, 2.0, PI, 5.0, TAU, 10.0, 2.0 * TAU, 20.0];
 
-/// Viscosity and a/a0 at the times.
+/// Viscosity and a/a0 at these times.
 const EXACT: [(f64, [f64; 8]); 3] = [
     (0.01, [0.541770, -0.407793, -0.985282, 0.271580, 0.970218, -0.803095, 0.941204, 0.377379]),
     (0.1, [0.553915, -0.342070, -0.877068, 0.172686, 0.758063, -0.574403, 0.571863, 0.224056]),
@@ -73,7 +73,7 @@ fn wave(cells: usize, viscosity: f64) -> Result<Vec<f64>, StepError> {
     Ok(found)
 }
 
-/// Signed distance to y = depth + height cos 2πx: the closest point by Newton's iteration.
+/// Signed distance to y = depth + height cos 2πx; Newton iteration for the closest point.
 fn wave_distance(x: &Vector<2>) -> f64 {
     let level = |s: f64| DEPTH + AMPLITUDE * (TAU * s).cos() - x[1];
     let mut s = x[0];

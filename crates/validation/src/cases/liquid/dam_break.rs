@@ -29,11 +29,11 @@ const WIDTH: f64 = 0.05715;
 /// Gravity, m/s².
 const GRAVITY: f64 = 9.81;
 
-/// T and x/a as measured.
+/// T and measured x/a.
 const MEASURED_FRONT: [(f64, f64); 6] =
     [(0.832, 1.217), (1.219, 1.474), (1.997, 2.292), (2.547, 2.995), (3.345, 4.134), (4.034, 4.944)];
 
-/// t√(g/a) and height of the column as measured, while T ≤ 4 (table 6, as transcribed in TormodLandet/Ocellaris).
+/// t√(g/a) and measured height of the column for T ≤ 4 (table 6, as transcribed in TormodLandet/Ocellaris).
 const MEASURED_HEIGHT: [(f64, f64); 12] = [
     (0.56, 0.94),
     (0.77, 0.89),
@@ -63,17 +63,17 @@ const POTENTIAL_FLOW: [(f64, f64, f64); 10] = [
     (4.0, 5.782, 0.319),
 ];
 
-/// Longest delay of the release that is tried, in units of T.
+/// Largest tested delay of the release, in units of T.
 const MAX_RELEASE_DELAY: f64 = 0.5;
 
-/// The value of a series at a time, linear between its points.
+/// Linear interpolation of a series at a time.
 fn interpolate(times: &[f64], values: &[f64], time: f64) -> f64 {
     let k = times.partition_point(|t| *t < time).clamp(1, times.len() - 1);
     let part = (time - times[k - 1]) / (times[k] - times[k - 1]);
     values[k - 1] + part * (values[k] - values[k - 1])
 }
 
-/// A collapse: T, x/a of the front and height of the column, step after step.
+/// A collapse: T, x/a of the front and height of the column at every step.
 struct Collapse {
     times: Vec<f64>,
     fronts: Vec<f64>,
@@ -126,7 +126,7 @@ fn collapse(cells: usize, surface_tension: f64) -> Result<Collapse, StepError> {
     Ok(c)
 }
 
-/// The largest of some relative deviations by size.
+/// The largest absolute value of some relative deviations.
 fn largest(deviations: impl Iterator<Item = f64>) -> f64 {
     deviations.fold(0.0, |m, e| m.max(e.abs()))
 }

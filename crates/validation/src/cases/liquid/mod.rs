@@ -1,4 +1,4 @@
-//! The liquid alone: drops, waves, jets, transport, volume and momentum.
+//! Liquid without solids: drops, waves, jets, transport, volume and momentum.
 
 pub mod capillary_wave;
 pub mod dam_break;

@@ -22,13 +22,13 @@ pub const CASE: Case = Case {
     run: |mode| checks_or_failure("momentum", run(mode)),
 };
 
-/// Angular velocity of the spinning drop.
+/// Angular velocity of the rotating drop.
 const ANGULAR_VELOCITY: f64 = 5.0;
-/// Bars of what is restored: the sizes of all steps together stay below what a force of γL would give in the whole time
-/// (8 cells, 2D: 0.39 and 0.28 were measured).
+/// Bounds of the restored momenta: the sum of all steps over the effect of a force γL during the whole run (measured with 8 cells in 2D:
+/// 0.39 and 0.28).
 const MAX_MOMENTUM_RESTORED: f64 = 1.0;
 const MAX_ANGULAR_MOMENTUM_RESTORED: f64 = 1.0;
-/// Relative amplitude of its mode.
+/// Relative amplitude of the mode.
 const AMPLITUDE: f64 = 0.1;
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -98,7 +98,7 @@ fn momentum_change<const D: usize>(before: &Diagnostics<D>, now: &Diagnostics<D>
     (linear, (0..3).map(turn).sum::<f64>().sqrt())
 }
 
-/// The three drops, and how long to run.
+/// The three drops, and the duration of the run.
 fn start<const D: usize>(cells: usize) -> (Simulation<D>, f64) {
     let dx = RADIUS / cells as f64;
     let size = [8.5, 9.5, 4.5];
@@ -127,7 +127,7 @@ fn start<const D: usize>(cells: usize) -> (Simulation<D>, f64) {
     (Simulation::resume(model, state), 0.15)
 }
 
-/// Lets the drop around `center` spin about the last axis, in the velocity as well as in its books.
+/// Adds a rotation about the last axis to the drop around `center`, in the velocity and in its component's momenta.
 fn add_rotation<const D: usize>(sim: &mut Simulation<D>, center: &Vector<D>) {
     let grid = sim.model.grid;
     for a in 0..2 {

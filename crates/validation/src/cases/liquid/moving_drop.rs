@@ -1,4 +1,4 @@
-//! A drop that flies: Galilean invariance.
+//! A moving drop: Galilean invariance.
 
 use crate::measure::{at_most, checks_or_failure, volume_and_centroid};
 use crate::setup::{RADIUS, TENSION, grid_offset, model, roundness, run_to};
@@ -21,14 +21,14 @@ pub const CASE: Case = Case {
     run: |mode| checks_or_failure("moving-drop", run(mode)),
 };
 
-/// Distance to fly, in radii.
+/// Distance of flight, in radii.
 const FLIGHT_RADII: f64 = 12.0;
 /// Speed along the first axis.
 const SPEED: f64 = 10.0;
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     if mode == Mode::Quick {
-        // What moves inside is judged on the full grids only.
+        // Internal motion is checked on the full grids only.
         let mut checks = fly::<2>(8, 0.03)?;
         checks.retain(|c| !c.quantity.contains("max|u|"));
         return Ok(checks);

@@ -1,4 +1,4 @@
-//! Liquid that leaves through open sides.
+//! Outflow through open sides.
 
 use crate::measure::{at_most, checks_or_failure};
 use crate::setup::model;
@@ -22,9 +22,9 @@ pub const CASE: Case = Case {
 
 /// Radius of the ball.
 const RADIUS: f64 = 0.2;
-/// Bar of the column's share, whose surfaces stay flat: a fiftieth of a cell of 1/16 in its height of 0.6.
+/// Tolerance of the column's share, whose surfaces stay flat: a fiftieth of a cell of 1/16 over its height of 0.6.
 const COLUMN_TOLERANCE: f64 = 0.002;
-/// Bar of the growth of the energy: half of what scenes of the project are allowed.
+/// Tolerance of the growth of the energy: half of that allowed in the project's scenes.
 const ENERGY_TOLERANCE: f64 = 0.005;
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -36,13 +36,13 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// Kinetic and other energy of what is left and of what has left.
+/// Kinetic and other energy of the remaining liquid and of the outflow.
 fn energies<const D: usize>(sim: &Simulation<D>, ledger: &Diagnostics<D>) -> [f64; 2] {
     let stored = ledger.surface_energy + ledger.potential_energy + sim.state.outflow_stored_energy;
     [ledger.kinetic_energy + sim.state.outflow_kinetic_energy, stored]
 }
 
-/// Runs until `end`. Gives back the share of the volume that has left, and the largest growth of the energy over `scale`.
+/// Runs until `end`. Returns the share of the volume that left, and the largest growth of the energy over `scale`.
 fn run_outflow<const D: usize>(
     sim: &mut Simulation<D>,
     end: f64,
@@ -54,7 +54,7 @@ fn run_outflow<const D: usize>(
     while sim.state.time < end * (1.0 - 1e-12) {
         let ledger = sim.step(end - sim.state.time, &mut |_| ())?.diagnostics;
         let [kinetic, stored] = energies(sim, &ledger);
-        // The velocity is half a step ahead of the positions.
+        // The velocity leads the positions by half a step.
         growth = growth.max((0.5 * (before + kinetic) + stored - first) / scale);
         before = kinetic;
     }

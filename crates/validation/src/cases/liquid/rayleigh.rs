@@ -1,4 +1,4 @@
-//! Drops that oscillate: frequency, damping, step length, viscosity.
+//! Oscillating drops: frequency, damping, step length, viscosity.
 
 use crate::measure::{at_least, at_most, checks_or_failure, convergence_order, fit_oscillation};
 use crate::setup::{DropHistory, DropRun, RADIUS, rayleigh_frequency, run_drop};
@@ -6,7 +6,7 @@ use crate::{Case, Check, Mode};
 use meniscus_sim::StepError;
 use std::f64::consts::TAU;
 
-/// Relative amplitude of the perturbation; where convergence is measured, as theory is that of small ones.
+/// Relative amplitude of the perturbation, and the smaller one for convergence, as the theory is linear.
 const AMPLITUDE: f64 = 0.02;
 const SMALL_AMPLITUDE: f64 = 0.005;
 
@@ -114,7 +114,7 @@ fn modes<const D: usize>(name: &str, mode: Mode) -> Result<Vec<Check>, StepError
     Ok(checks)
 }
 
-/// Order of convergence of the frequency of n = 2, at steps that shrink with the cells.
+/// Order of convergence of the frequency of n = 2, with steps proportional to the cells.
 fn order<const D: usize>(name: &str, quick: bool) -> Result<Check, StepError> {
     let grids: [usize; 3] = match (D, quick) {
         (2, false) => [8, 16, 32],

@@ -1,4 +1,4 @@
-//! A liquid column that breaks up.
+//! Breakup of a liquid column.
 
 use crate::measure::{checks_or_failure, fit_growth, surface_points};
 use crate::setup::{RADIUS, TENSION, grid_offset, model, run_to};
@@ -23,7 +23,7 @@ pub const CASE: Case = Case {
 
 /// Wave number times radius.
 const WAVENUMBER_TIMES_RADIUS: f64 = 0.7;
-/// Relative amplitude at the start.
+/// Relative initial amplitude.
 const AMPLITUDE: f64 = 0.01;
 
 /// Rayleigh's growth rate, 1/s.
@@ -94,7 +94,7 @@ mod tests {
     fn bessel_functions_and_rate() {
         assert!((bessel(0, 1.0) - 1.266_065_877_752_008).abs() < 1e-14);
         assert!((bessel(1, 1.0) - 0.565_159_103_992_485).abs() < 1e-14);
-        // Rayleigh's largest rate, 0.3433 √(γ/ρR³), is near kR = 0.697.
+        // Rayleigh's largest rate, 0.3433 √(γ/ρR³), lies near kR = 0.697.
         assert!((growth_rate() / (TENSION / RADIUS.powi(3)).sqrt() - 0.3433).abs() < 1e-4);
     }
 }

@@ -1,4 +1,4 @@
-//! A drop at rest: Laplace's pressure and parasitic currents.
+//! A drop at rest: Laplace pressure and parasitic currents.
 
 use crate::measure::{at_most, checks_or_failure};
 use crate::setup::{DropRun, RADIUS, TENSION, run_drop};

@@ -33,7 +33,7 @@ pub const VORTEX: Case = Case {
     run: vortex,
 };
 
-/// What a run gave.
+/// Result of a run.
 struct AdvectionResult {
     area: f64,
     error: f64,
@@ -83,7 +83,7 @@ fn checks(
     checks
 }
 
-/// Carries a shape that returns to its place.
+/// Advects a shape that returns to its initial position.
 fn advect(
     grid: Grid<2>,
     distance: &(dyn Fn(&Vector<2>) -> f64 + Sync),
@@ -102,7 +102,7 @@ fn advect(
     AdvectionResult { area, error: symmetric_difference_area(&liquid.model, &start, &liquid.state.phi) }
 }
 
-/// Area where two fields differ in sign: ten by ten points in every cell near either surface.
+/// Area where two fields differ in sign, by ten by ten points in every cell near either surface.
 fn symmetric_difference_area(model: &Model<2>, a: &CellField<2>, b: &CellField<2>) -> f64 {
     let (grid, edges) = (&model.grid, model.scalar_boundary());
     let samplers = [a, b].map(|field| Sampler::cells(grid, &field.data, edges));
@@ -138,7 +138,7 @@ fn slotted(x: &Vector<2>) -> f64 {
     let disc = px.hypot(py) - DISC.1;
     let inside = disc < 0.0 && !(px < SLOT.0 && py < top);
     let mut size = (px - SLOT.0).hypot(py - py.clamp(foot, top)).min((px - px.min(SLOT.0)).hypot(py - top));
-    // The circle counts where its closest point is not cut away.
+    // The circle counts where its closest point is outside the slot.
     if px * -foot >= -py * SLOT.0 || py > 0.0 {
         size = size.min(disc.abs());
     }

@@ -1,4 +1,4 @@
-//! Volume through a collision.
+//! Volume conservation through a collision.
 
 use crate::measure::{at_most, checks_or_failure};
 use crate::setup::{RADIUS, grid_offset, model};
@@ -21,8 +21,8 @@ pub const CASE: Case = Case {
     run: |mode| checks_or_failure("volume", run(mode)),
 };
 
-/// Bars of the volume that the shift of φ moves in a step and in all steps, over that of the liquid. They are not measured yet:
-/// the case has not run since they were added.
+/// Bounds of the volume moved by the shift of φ in one step and in all steps, over that of the liquid. The case has not run with them
+/// yet.
 const MAX_VOLUME_SHIFT: f64 = 1e-2;
 const MAX_TOTAL_VOLUME_SHIFT: f64 = 1e-1;
 

@@ -1,4 +1,4 @@
-//! Drops that bounce off a wall they do not wet.
+//! Drops that bounce off a non-wetting wall.
 
 use crate::cases::wetting::sessile::sessile_model;
 use crate::measure::{checks_or_failure, surface_points};
@@ -9,7 +9,7 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{LiquidRegion, Motion, Simulation, Solid, StepError};
 
-/// Drops of water that bounce.
+/// Bouncing water drops.
 pub const CASE: Case = Case {
     name: "bounce",
     title: "Drops that bounce off a wall, 3D",
@@ -22,7 +22,7 @@ pub const CASE: Case = Case {
     run: |_| checks_or_failure("bounce", bounces()),
 };
 
-/// √(ρR³/γ) that a drop touches the wall.
+/// Contact time of a drop with the wall, √(ρR³/γ).
 const CONTACT_TIME: f64 = 2.6;
 
 fn bounces() -> Result<Vec<Check>, StepError> {
@@ -56,9 +56,9 @@ fn bounces() -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// What came of a bounce.
+/// Result of a bounce.
 struct Bounce {
-    /// For how long the drop touched the wall.
+    /// Contact time with the wall.
     contact_time: f64,
     /// Largest diameter, over the drop's.
     max_spread: f64,

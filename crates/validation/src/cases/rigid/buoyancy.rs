@@ -1,4 +1,4 @@
-//! Bodies in liquid without surface tension: Archimedes, and the liquid that moves with them.
+//! Solids in liquid without surface tension: Archimedes' principle and added mass.
 
 use super::floating::{TIME, level_at_sides, tank};
 use crate::measure::checks_or_failure;
@@ -10,7 +10,7 @@ use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
-/// Light bodies that float.
+/// Light floating solids.
 pub const BUOYANCY: Case = Case {
     name: "buoyancy",
     title: "A light cylinder afloat, without tension",
@@ -21,7 +21,7 @@ pub const BUOYANCY: Case = Case {
     run: |mode| checks_or_failure("buoyancy", buoyancy(mode)),
 };
 
-/// Bodies that start to rise or fall in full shells.
+/// Solids that start to rise or sink in liquid-filled shells.
 pub const ADDED_MASS: Case = Case {
     name: "added-mass",
     title: "Added mass in a shell full of liquid",
@@ -41,7 +41,7 @@ fn buoyancy(mode: Mode) -> Result<Vec<Check>, StepError> {
 }
 
 fn check_floating_height(density: f64, cells: usize, time: f64) -> Result<Check, StepError> {
-    // Half the angle that the level cuts out of the circle, from below.
+    // Half the angle of the circle's arc below the level.
     let (mut low, mut high) = (0.0, PI);
     while high - low > 1e-12 {
         let middle: f64 = 0.5 * (low + high);

@@ -1,4 +1,4 @@
-//! Heavy bodies that the surface carries, and the force on a held one.
+//! Heavy solids carried by the surface, and the force on a fixed one.
 
 use crate::measure::{at_most, checks_or_failure, surface_points};
 use crate::setup::run_to;
@@ -9,7 +9,7 @@ use meniscus_numerics::shape::Shape;
 use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
-/// Bodies that float and sink.
+/// Floating and sinking solids.
 pub const FREE_BODY: Case = Case {
     name: "floating",
     title: "Heavy bodies on the surface",
@@ -24,7 +24,7 @@ pub const FREE_BODY: Case = Case {
     run: |mode| checks_or_failure(FLOATING, free_body(mode)),
 };
 
-/// Held bodies.
+/// Fixed solids.
 pub const FIXED_BODY: Case = Case {
     name: "floating-force",
     title: "Force on a held cylinder in the surface",
@@ -38,27 +38,27 @@ pub const FIXED_BODY: Case = Case {
 
 const FLOATING: &str = "floating";
 const FORCE: &str = "floating-force";
-/// How far above equilibrium bodies are released, R.
+/// Height above equilibrium at which solids are released, R.
 const RELEASE_HEIGHT: f64 = 0.1;
-/// How long they are left alone, √(R/g).
+/// Duration of the runs, √(R/g).
 pub(super) const TIME: f64 = 40.0;
 /// Depth of the tank, and room above the level, R.
 const DEPTH: f64 = 6.2;
 const HEADSPACE: f64 = 1.5;
 
-/// A cylinder of radius one in the surface of a liquid, all angles in rad.
+/// A cylinder of radius one at the surface of a liquid; all angles in rad.
 #[derive(Clone, Copy)]
 struct Cylinder {
     bond: f64,
     angle: f64,
 }
 
-/// Where its contact line lies and what follows from it.
+/// Position of its contact line, and the quantities that follow from it.
 #[derive(Clone, Copy)]
 struct EquilibriumLine {
     /// Angle of the line from the bottom.
     polar: f64,
-    /// Slope angle of the meniscus there.
+    /// Slope angle of the meniscus at the line.
     slope: f64,
     /// Its depth below the undisturbed level, R.
     depth: f64,
@@ -77,23 +77,23 @@ impl Cylinder {
         EquilibriumLine { polar, slope, depth, center: c - depth, force }
     }
 
-    /// All places of the line, from the bottom up.
+    /// All positions of the line, from the bottom up.
     fn lines(&self) -> impl Iterator<Item = EquilibriumLine> {
         (1..20_000).map(|i| self.line_at(PI * f64::from(i) / 20_000.0))
     }
 
-    /// Where a body floats that is denser than the liquid by a factor: where the force, growing, first is its weight.
+    /// Equilibrium of a solid denser than the liquid by a factor: the first line, from below, whose force carries its weight.
     fn floating(&self, density: f64) -> Option<EquilibriumLine> {
         let weight = PI * self.bond * density;
         self.lines().find(|l| l.slope.abs() < PI && l.force >= weight)
     }
 
-    /// The line of the densest body that floats.
+    /// The line of the densest solid that floats.
     fn heaviest(&self) -> EquilibriumLine {
         self.lines().max_by(|a, b| a.force.total_cmp(&b.force)).unwrap_or_else(|| self.line_at(0.5 * PI))
     }
 
-    /// The line of one held at a height over the level.
+    /// The line of a solid fixed at a height over the level.
     fn line_at_height(&self, center: f64) -> EquilibriumLine {
         let miss = |l: &EquilibriumLine| (l.center - center).abs();
         self.lines().min_by(|a, b| miss(a).total_cmp(&miss(b))).unwrap_or_else(|| self.line_at(0.5 * PI))
@@ -134,8 +134,8 @@ fn free_body(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// A tank as many radii wide to each side, and a body in it with its centre so high above the level; `surface` tells
-/// the height of the liquid's surface over the level as a function of the distance from the axis.
+/// A tank with a given half-width in radii and a solid whose centre lies at a height above the level. `surface` is the height of the
+/// liquid's surface over the level as a function of the distance from the axis.
 pub(crate) fn tank<const D: usize>(
     (bond, angle, density): (f64, f64, f64),
     (cells, width): (usize, f64),
@@ -174,7 +174,7 @@ pub(crate) fn tank<const D: usize>(
     Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
 }
 
-/// Height of the level where the liquid starts.
+/// Initial height of the level.
 fn initial_level() -> f64 {
     DEPTH + 0.0123
 }
@@ -191,15 +191,15 @@ pub(crate) fn level_at_sides<const D: usize>(sim: &Simulation<D>) -> f64 {
     sum / weight
 }
 
-/// Height of the undisturbed level: at the sides the meniscus is `depth / cosh((L − edge)/lc)` below it, if the contact
-/// line lies at `edge`, so deep.
+/// Height of the undisturbed level. At the sides the meniscus is `depth / cosh((L − edge)/lc)` below it, if the contact line lies at
+/// `edge` in this depth.
 fn undisturbed_level(sim: &Simulation<2>, edge: f64, depth: f64) -> f64 {
     let length = (sim.model.surface_tension / (sim.model.density * sim.model.gravity.norm())).sqrt();
     let wide = 0.5 * sim.model.grid.domain_upper()[0];
     level_at_sides(sim) + depth / ((wide - edge) / length).cosh()
 }
 
-/// Height where the pressure of liquid at rest would vanish, by that at the bottom.
+/// Height where the pressure of liquid at rest vanishes, from the pressure at the bottom.
 pub(crate) fn level_by_pressure<const D: usize>(sim: &Simulation<D>) -> f64 {
     let fall = sim.model.density * sim.model.gravity.norm();
     sim.state.pressure(sim.model.density, 0) / fall + 0.5 * sim.model.grid.dx
@@ -232,7 +232,7 @@ fn floats_at(bond: f64, angle: f64, cells: usize, time: f64) -> Result<Vec<Check
     ])
 }
 
-/// One that is `share` times as dense as the densest that floats, released where it, or that one, rests.
+/// A solid `share` times as dense as the densest that floats, released in its equilibrium or in that of the densest one.
 fn floats_or_sinks(
     bond: f64,
     angle: f64,
@@ -252,7 +252,7 @@ fn floats_or_sinks(
     Ok(Check::absolute(FLOATING, &text, floats, if share < 1.0 { 1.0 } else { 0.0 }, 0.0, None, ""))
 }
 
-/// A sphere with Bo = 1 and 120 degrees; place of line and centre from the axisymmetric meniscus (design, validation §3).
+/// A sphere with Bo = 1 and 120 degrees; the positions of line and centre are those of the axisymmetric meniscus.
 fn sphere_floats_at(cells: usize) -> Result<Vec<Check>, StepError> {
     let (polar, center) = (102.185_f64.to_radians(), -0.7127);
     let (edge, depth) = (polar.sin(), polar.cos() - center);
@@ -279,14 +279,14 @@ fn fixed_body(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// The cylinder of the tables, R = 0.5, held `height` R above a level that starts flat.
+/// The cylinder of the tables, R = 0.5, fixed `height` R above an initially flat level.
 fn force(angle: f64, height: f64, cells: usize) -> Result<Vec<Check>, StepError> {
     let (radius, tension, fall) = (0.5, 150.0, 981.0);
     let cylinder = Cylinder { bond: fall * radius * radius / tension, angle: f64::to_radians(angle) };
     let mut sim =
         tank::<2>((cylinder.bond, angle, 1.0), (cells, 6.0 / cylinder.bond.sqrt()), height, &|_| 0.0);
     sim.model.solids[0].motion = Motion::Fixed;
-    // In units of R, ρ and g; forces are those of ρ g R².
+    // In units of R, ρ and g; forces in ρ g R².
     let mut mean = (0.0, 0.0);
     run_to(&mut sim, 0.5 * TIME, |sim, report| {
         if sim.state.time > 0.45 * TIME {
@@ -302,7 +302,7 @@ fn force(angle: f64, height: f64, cells: usize) -> Result<Vec<Check>, StepError>
     let above = center - undisturbed_level(&sim, near.polar.sin(), near.depth);
     let expected = cylinder.line_at_height(above).force * tension;
     let what = |text: &str| format!("{text}, θ = {angle}°, z = {height} R, {cells} cells/R");
-    // The liquid carries what it would weigh in the room that body and meniscus take under the level.
+    // The force equals the weight of the liquid displaced by solid and meniscus below the level.
     let level = level_by_pressure(&sim);
     let displaced = (sim.model.grid.domain_upper()[0] * level - sim.diagnostics().volume) * scale;
     Ok(vec![

@@ -1,4 +1,4 @@
-//! A closed cup that is moved, tilted and shaken, and what gets through its wall.
+//! A closed cup that is moved, tilted and shaken: leakage through its wall.
 
 use crate::measure::{at_most, checks_or_failure};
 use crate::{Case, Check, Mode};
@@ -27,14 +27,14 @@ pub const CASE: Case = Case {
 
 const NAME: &str = "leak";
 const STEPS: u64 = 1000;
-/// Cells in the wall's thickness, and whether the liquid meets it padded, as scenes have it.
+/// Thickness of the wall in cells, and whether it is padded for the liquid, as in scenes.
 const WALL_CASES: [(f64, bool); 3] = [(2.0, false), (2.0, true), (1.5, true)];
-/// Farthest place of the keyframes from the start along each axis, and time between them.
+/// Largest displacement of the keyframes along each axis, and time between them.
 const AMPLITUDE: f64 = 0.45;
 const KEYFRAME_INTERVAL: f64 = 0.5;
-/// Bar of the volume that is deleted in all steps, over that of the liquid. It was set after 0.0037 had been measured with the wall
-/// of 2 cells as it is, 0.0002 padded, and nothing with 1.5 cells (2D, 60 degrees). That this volume is what receding lines leave in
-/// the wall, and none of it came through, is told by [`meniscus_sim::Repairs::leaked_volume`] alone.
+/// Bound of the volume deleted in all steps, over that of the liquid. Measured in 2D at 60 degrees: 0.0037 with an unpadded wall of 2
+/// cells, 0.0002 padded, none with 1.5 cells. Only [`meniscus_sim::Repairs::leaked_volume`] tells that this volume remained in the wall
+/// at receding lines and did not pass through it.
 const MAX_DELETED_VOLUME: f64 = 0.01;
 
 fn run(mode: Mode) -> Vec<Check> {
@@ -49,11 +49,11 @@ fn run(mode: Mode) -> Vec<Check> {
     all.flat_map(both).flat_map(|checks| checks_or_failure(NAME, checks)).collect()
 }
 
-/// Where the cup goes: to and fro along each axis, in another order along each.
+/// Motion of the cup: to and fro along each axis, in a different order along each.
 fn cup_path<const D: usize>() -> PrescribedMotion<D> {
     let place = |k: u32| {
         Vector::from_fn(|a, _| {
-            // The golden ratio's multiples never repeat; even ones go to one side, odd ones to the other.
+            // Multiples of the golden ratio never repeat; even ones go to one side, odd ones to the other.
             let share = (f64::from(k * (a as u32 + 1)) * 0.618_033_988_75).fract();
             let side = if (k >> a).is_multiple_of(2) { 1.0 } else { -1.0 };
             if k == 0 { 0.0 } else { AMPLITUDE * side * (1.0 + 2.0 * share) / 3.0 }
@@ -64,12 +64,12 @@ fn cup_path<const D: usize>() -> PrescribedMotion<D> {
     PrescribedMotion { velocity: Vector::zeros(), angular_velocity, keyframes }
 }
 
-/// The cup with a wall of so many cells, padded or not, and its liquid, which meets it at an angle (degrees).
+/// The cup with a wall of the given thickness (cells), padded or not, and its liquid at a contact angle (degrees).
 fn start<const D: usize>((wall, padded): (f64, bool), angle: f64) -> Simulation<D> {
-    // Cells per half the cavity's width.
+    // Cells per half-width of the cavity.
     let cells = if D == 2 { 12.0 } else { 8.0 };
     let dx = 1.0 / cells;
-    // Room for the diagonal, the way, and three cells.
+    // Room for the diagonal, the motion, and three cells.
     let half = (1.0 + wall * dx) * (D as f64).sqrt() + AMPLITUDE + 3.0 * dx;
     let grid = Grid::<D>::new([2 * (half * cells).ceil() as usize; D], dx);
     let center = grid.domain_upper() * 0.5 + crate::setup::grid_offset(dx);
@@ -92,7 +92,7 @@ fn start<const D: usize>((wall, padded): (f64, bool), angle: f64) -> Simulation<
         solids: vec![cup],
         numerics: Numerics::default(),
     };
-    // What lies within the wall is cut off.
+    // The part within the wall is cut off.
     let inside = shape(1.0 + 0.5 * wall * dx);
     let distance = |x: &Vector<D>| (x[D - 1] - center[D - 1]).max(inside.signed_distance(x));
     Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
@@ -136,7 +136,7 @@ fn check_shaken_cup<const D: usize>(wall: (f64, bool), angle: f64) -> Result<Vec
     ])
 }
 
-/// Volume of the parts of liquid cells that are beyond the wall of so many cells.
+/// Volume of the parts of liquid cells beyond a wall of the given thickness.
 fn volume_beyond_wall<const D: usize>(sim: &Simulation<D>, wall: f64) -> f64 {
     const FINE: usize = 4;
     let (cup, now) = (&sim.model.solids[0], &sim.state.solids[0]);

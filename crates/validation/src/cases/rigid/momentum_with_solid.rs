@@ -1,4 +1,4 @@
-//! Momentum of drops and the free plate that they wet.
+//! Momentum of drops and of the free plate that they wet.
 
 use crate::measure::{at_most, checks_or_failure, volume_and_centroid_outside};
 use crate::setup::{grid_offset, run_to};
@@ -33,7 +33,7 @@ const DENSITY: f64 = 1.25;
 struct Pair {
     text: &'static str,
     angle: f64,
-    /// Where along the plate there are drops on the upper side, and on the lower.
+    /// Positions along the plate of the drops on its upper and on its lower side.
     drops: [&'static [f64]; 2],
     friction: f64,
 }
@@ -87,7 +87,7 @@ fn isolated<const D: usize>(pair: &Pair, cells: usize) -> Result<Vec<Check>, Ste
     ])
 }
 
-/// A drop aside of the middle of a plate that is `density` times as dense.
+/// A drop beside the middle of a plate that is `density` times as dense.
 pub(crate) fn plate_and_drop<const D: usize>(cells: usize, density: f64) -> Simulation<D> {
     let mut sim = start(&PAIRS[0], cells);
     let body = &mut sim.model.solids[0].mass_properties;
@@ -142,14 +142,14 @@ fn start<const D: usize>(pair: &Pair, cells: usize) -> Simulation<D> {
     Simulation::new(model, &bodies)
 }
 
-/// The centre of mass of liquid and plate.
+/// Centre of mass of liquid and plate.
 fn center_of_mass<const D: usize>(sim: &Simulation<D>) -> Vector<D> {
     let (volume, center) = volume_and_centroid_outside(sim);
     let (liquid, plate) = (sim.model.density * volume, sim.model.solids[0].mass_properties.mass);
     (center * liquid + sim.state.solids[0].center * plate) / (liquid + plate)
 }
 
-/// Linear and angular momentum of liquid and plate, their sizes.
+/// Magnitudes of the linear and angular momentum of liquid and plate.
 fn momentum<const D: usize>(sim: &Simulation<D>) -> (f64, f64) {
     let (books, plate, now) = (sim.diagnostics(), &sim.model.solids[0], &sim.state.solids[0]);
     let own = now.velocity * plate.mass_properties.mass;

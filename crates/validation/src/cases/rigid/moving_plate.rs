@@ -44,13 +44,13 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// The drop's angle, degrees, at nine times in the last third of the run.
+/// The contact angle of the drop, degrees, at nine times in the last third of the run.
 fn angles_on(cells: usize, angle: f64, velocity: Vector<2>) -> Result<Vec<f64>, StepError> {
     let dx = 1.0 / cells as f64;
     let young = angle.to_radians();
     let radius = cap_radius::<2>(young);
     let base = radius * young.sin();
-    // Room for the widest state, which overshoots, and for the way.
+    // Room for the overshooting drop and for the motion.
     let displacement = velocity * TIME;
     let half = 1.3 * base.max(1.0) + 0.3;
     let height = 1.3 * (radius * (1.0 - young.cos())).max(1.0) + 0.3;

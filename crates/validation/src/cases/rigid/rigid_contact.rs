@@ -1,4 +1,4 @@
-//! Rigid solids that hit and rest on each other, by themselves.
+//! Collisions and resting contacts of rigid solids without liquid.
 
 use crate::measure::{at_most, checks_or_failure};
 use crate::setup::run_to;
@@ -59,7 +59,7 @@ fn bounce<const D: usize>(restitution: f64) -> Result<Vec<Check>, StepError> {
     let fall = speed / GRAVITY;
     let (mut low, mut high, mut touched) = (f64::INFINITY, 0f64, 0.0);
     let (mut lowest_at, mut before) = (0.0, None);
-    // A solid touches the floor where the barrier begins, not where a step happens to find it lowest.
+    // Contact with the floor starts at the activation distance, not at the lowest sampled position.
     let floor = 0.25 * DX;
     run_to(&mut simulation, fall * (1.0 + 2.0 * restitution), |s, report| {
         let now = &s.state.solids[0];
@@ -70,7 +70,7 @@ fn bounce<const D: usize>(restitution: f64) -> Result<Vec<Check>, StepError> {
         if s.state.time > lowest_at {
             high = high.max(place);
         }
-        // Gravity changes the velocity by that for a step, the floor by as much as there was.
+        // The change of velocity in a step beyond that of gravity.
         let change = before.map_or(0.0, |before: f64| falls - before);
         touched += if change > 0.01 * speed && s.state.time < 1.2 * fall { report.dt } else { 0.0 };
         before = Some(falls);
@@ -92,7 +92,7 @@ fn bounce<const D: usize>(restitution: f64) -> Result<Vec<Check>, StepError> {
     ])
 }
 
-/// How far the speeds are from those of the cradle, at most.
+/// Largest difference of the speeds from those of the cradle.
 fn cradle<const D: usize>(moving: usize) -> Result<Check, StepError> {
     let radius = 0.05;
     let mut balls: Vec<Solid<D>> = (0..5)

@@ -1,10 +1,10 @@
-//! Drops whose contact lines rest at the edges of a plate.
+//! Drops whose contact lines are pinned at the edges of a plate.
 //!
-//! The steadiness of force and moment is not met in this version: the force on the plate jumps from step to step, with a standard
-//! deviation of 2 to 104 % of the drop's weight, about a mean that is right within 0.6 %, and shorter steps do not help. The cause
-//! is not settled. A line that an edge holds crosses a kink of the surface's energy from step to step; but on an even wall, too,
-//! the push of a cap at Young's angle varies by a tenth of the tension, with jumps, as its line moves through a cell. The case has
-//! the bars that a drop at rest should meet; it is no part of `verify --quick`.
+//! Limit: force and moment are not steady in this version. The force on the plate jumps from step to step, with a standard deviation of 2
+//! to 104 % of the drop's weight, about a mean that is right within 0.6 %; shorter steps do not help. The cause is not known. A line
+//! pinned at an edge crosses a kink of the surface energy from step to step; but on a flat wall, too, the force of a cap at Young's
+//! angle varies by a tenth of the tension, with jumps, as its line moves through a cell. The case has the tolerances of a drop at rest;
+//! it is not part of `verify --quick`.
 
 use crate::measure::{TimeMean, at_most, checks_or_failure, external_load, liquid_force};
 use crate::setup::run_to;
@@ -43,11 +43,11 @@ const DENSITY: f64 = 1100.0;
 const BOND: f64 = 0.3;
 const HALF_WIDTH: f64 = 2.0 * MM;
 const THICKNESS: f64 = 0.6 * MM;
-/// Middle of the plate's upper side, m, off the lattice's points.
+/// Middle of the plate's upper side, m, off the lattice points.
 const TOP: [f64; 2] = [6.03 * MM, 3.02 * MM];
-/// Half the width of what is held of the soft plate, m: the lower half of its thickness.
+/// Half-width of the clamped part of the deformable plate, m: the lower half of its thickness.
 const CLAMP_HALF_WIDTH: f64 = 0.4 * MM;
-/// Time from which, and to which, means are taken, s: the largest drop (R = 4 mm) still settles by 3 % from 0.15 to 0.3 s.
+/// Time window of the means, s: the largest drop (R = 4 mm) still settles by 3 % from 0.15 to 0.3 s.
 const AVERAGING_WINDOW: [f64; 2] = [0.45, 0.6];
 
 fn run() -> Result<Vec<Check>, StepError> {
@@ -62,7 +62,7 @@ fn run() -> Result<Vec<Check>, StepError> {
 
 /// A drop on a plate.
 struct PinnedDrop {
-    /// The apparent angle at the edges, degrees.
+    /// The apparent contact angle at the edges, degrees.
     apparent: f64,
     /// Whether the plate deforms.
     soft: bool,
@@ -130,7 +130,7 @@ impl PinnedDrop {
     }
 }
 
-/// What the soft plate is made of, on a mesh of edges of a length, m.
+/// The motion of the deformable plate, on a mesh with edges of the given length, m.
 fn elastic(shape: &Shape<2>, edge: f64) -> Result<Motion<2>, StepError> {
     let mesh = VolumeMesh::of_shape(shape, edge, ElementOrder::Quadratic).unwrap_or_default();
     let held = |x: &Vector<2>| (x[0] - TOP[0]).abs() <= CLAMP_HALF_WIDTH && x[1] <= TOP[1] - 0.5 * THICKNESS;

@@ -1,4 +1,4 @@
-//! A drop that holds a sheet by its ends.
+//! A drop pinned at the ends of a sheet.
 
 use crate::elastica::{Sheet, Unknowns};
 use crate::measure::checks_or_failure;
@@ -21,18 +21,18 @@ pub const CASE: Case = Case {
 
 const NAME: &str = "elastica-drop";
 const LENGTH: f64 = 6.0;
-/// What the contact angle is less than the drop's at the start, on the flat sheet, degrees: the line stays at the ends.
+/// Difference, degrees, between the drop's initial angle on the flat sheet and the contact angle, which pins the line at the ends.
 const ANGLE_MARGIN_DEGREES: f64 = 15.0;
-/// l/L above which a drop that dries up closes its sheet.
+/// l/L above which an evaporating drop closes its sheet.
 const CLOSING_THRESHOLD: f64 = 3.5412;
-/// A/l² from which and to which it dries up: the threshold is at 0.14, where the sheet opens again or goes on. At 1.1 times the
-/// threshold its ends come together as the drop goes: with the thickness in the theory 2 x_e/l is 0.33 at 0.11, 0.15 at 0.08.
+/// Initial and final A/l² of the evaporation. At the threshold, 0.14, the sheet reopens or closes. At 1.1 times the threshold its ends
+/// meet: the theory with thickness gives 2 x_e/l = 0.33 at 0.11 and 0.15 at 0.08.
 const DRYING_AREAS: [f64; 2] = [0.2, 0.08];
-/// For how long, and for how long the sheet is watched after that.
+/// Duration of the evaporation, and of the observation after it.
 const DRYING_TIME: [f64; 2] = [40.0, 10.0];
-/// Distance between the ends over l, half of that of the last open state, at which the sheet is closing.
+/// Distance between the ends over l at which the sheet is closing: half of that of the last open state.
 const CLOSED_GAP_RATIO: f64 = 0.3;
-/// l/L, A/l², and the sheet's without thickness: p l/γ, κ l in the middle, angle of the liquid with the sheet (degrees).
+/// l/L, A/l², and for the sheet without thickness: p l/γ, κ l in the middle, angle of the liquid with the sheet (degrees).
 const SHAPES: [(f64, f64, f64, f64, f64); 7] = [
     (3.0, 0.2, 1.20033, 2.50209, 76.77),
     (2.0, 0.1, 0.73628, 0.57756, 32.26),
@@ -81,7 +81,7 @@ fn plate_setup(cells: usize, ratio: f64, area: f64) -> PlateSetup {
     }
 }
 
-/// The angle, degrees, of a cap of a given area over the square of its width.
+/// The angle, degrees, of a cap from the ratio of its area to the square of its width.
 fn cap_angle(area: f64) -> f64 {
     let over = |angle: f64| (angle - angle.sin() * angle.cos()) / (2.0 * angle.sin()).powi(2);
     let (mut low, mut high) = (1e-3, 3.0);
@@ -111,7 +111,7 @@ fn shape(
     Ok(vec![check("place along", x, told[0]), check("height", y, told[1])])
 }
 
-/// Where the ends are, by theory; `row` is the pressure, the curvature and the angle without thickness.
+/// Theoretical positions of the ends; `row` has pressure, curvature and angle without thickness.
 fn theoretical_ends(
     setting: &PlateSetup,
     (pressure, curvature, apparent): (f64, f64, f64),
@@ -120,7 +120,7 @@ fn theoretical_ends(
     let (thickness, area, angle) = (setting.thickness, setting.area, setting.angle);
     let sheet = Sheet { bending, thickness, area, angle, pinned_half_length: Some(half_length) };
     let thin = Sheet { thickness: 0.0, ..sheet };
-    // κ = (1 − q²)/2pB in the middle.
+    // In the middle κ = (1 − q²)/2pB.
     let root = (1.0 - 2.0 * pressure * curvature * bending).max(0.0).sqrt();
     let guesses = [root, -root].map(|scaled_center_height| Unknowns {
         pressure,
@@ -132,7 +132,7 @@ fn theoretical_ends(
     sheet.shape(guesses.iter().find(right)?).map(|s| s.end)
 }
 
-/// Whether the ends meet while the drop dries up.
+/// Whether the ends meet while the drop evaporates.
 fn closes_up(plate: &mut Plate) -> Result<bool, StepError> {
     let [drying, watched] = DRYING_TIME;
     let mut area = DRYING_AREAS[0];

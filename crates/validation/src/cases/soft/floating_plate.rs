@@ -1,4 +1,4 @@
-//! A heavy soft plate that the surface carries: the paper's Fig. 21.
+//! A heavy deformable plate carried by the surface: the paper's Fig. 21.
 
 use crate::measure::checks_or_failure;
 use crate::setup::run_to;
@@ -25,8 +25,7 @@ pub const CASE: Case = Case {
 };
 
 const NAME: &str = "floating-plate";
-/// Lengths in cm: cell, half the tank's width, the level that the liquid has without the plate, half the plate's width, and its
-/// thickness.
+/// Lengths in cm: cell, half-width of the tank, level of the liquid without the plate, half-width of the plate, and its thickness.
 const DX: f64 = 0.052;
 const TANK_HALF_WIDTH: f64 = 48.0 * DX;
 const INITIAL_LEVEL: f64 = 48.0 * DX;
@@ -36,24 +35,24 @@ const THICKNESS: f64 = 4.0 * DX / 1.5;
 const DENSITY: f64 = 5.0;
 const TENSION: f64 = 200.0;
 const GRAVITY: f64 = 981.0;
-/// Nodes of the theory along half the tank.
+/// Nodes of the reference solution along half the tank.
 const NODES: usize = 106;
-/// Over-relaxation, and the change of a depth in a sweep, cm, that is nothing.
+/// Over-relaxation factor, and tolerance of the change of a depth in a sweep, cm.
 const RELAXATION_FACTOR: f64 = 1.7;
 const DEPTH_TOLERANCE: f64 = 1e-9;
-/// Times, s, between which the depth is taken.
+/// Time window, s, in which the depth is averaged.
 const AVERAGING_START: f64 = 0.35;
 const AVERAGING_END: f64 = 0.6;
 
-/// The dimple around the plate: depths under the level on a quarter of the tank, from the middle on, cm.
+/// The dimple around the plate: depths below the level on a quarter of the tank, from the middle, cm.
 struct Dimple {
     depths: Vec<[f64; NODES + 1]>,
-    /// Nodes that the plate reaches.
+    /// Number of nodes under the plate.
     plate: usize,
 }
 
 impl Dimple {
-    /// Where the plate's upper edge is at a depth: `∇·(∇u/√(1 + |∇u|²)) = u ρg/γ`, no slope at the sides. By over-relaxation.
+    /// Solves `∇·(∇u/√(1 + |∇u|²)) = u ρg/γ` with the plate's upper edge at a depth and zero slope at the sides, by over-relaxation.
     fn of(depth: f64) -> Self {
         let plate = (PLATE_HALF_WIDTH / TANK_HALF_WIDTH * NODES as f64).round() as usize;
         let mut dimple = Self { depths: vec![[0.0; NODES + 1]; NODES + 1], plate };
@@ -62,7 +61,7 @@ impl Dimple {
         dimple
     }
 
-    /// A sweep; the largest change.
+    /// One sweep. Returns the largest change.
     fn relax(&mut self) -> f64 {
         let h = TANK_HALF_WIDTH / NODES as f64;
         let weight = h * h * GRAVITY / TENSION;
@@ -97,7 +96,7 @@ impl Dimple {
         self.depths[i as usize][j as usize]
     }
 
-    /// The depth at a place off the middle.
+    /// The depth at a point, relative to the middle.
     fn depth(&self, x: f64, y: f64) -> f64 {
         let [x, y] = [x, y].map(|c| (c.abs() / TANK_HALF_WIDTH * NODES as f64).min(NODES as f64));
         let [i, j] = [x, y].map(|c| (c as isize).min(NODES as isize - 1));
@@ -106,8 +105,7 @@ impl Dimple {
         row(i) * (1.0 - s) + row(i + 1) * s
     }
 
-    /// What the plate has under it, were it liquid up to the level, and the dimple beside it, over its own volume: its density
-    /// if it floats so.
+    /// Volume displaced by the plate and the dimple below the level, over that of the plate: the density that floats at this depth.
     fn displaced(&self) -> f64 {
         let h = TANK_HALF_WIDTH / NODES as f64;
         let half = |k: usize, end: usize| if k == 0 || k == end { 0.5 } else { 1.0 };
@@ -123,7 +121,7 @@ impl Dimple {
     }
 }
 
-/// The dimple of a plate that floats: the density that it carries grows with its depth.
+/// The dimple of the floating plate, by the secant method for the depth.
 fn equilibrium() -> Dimple {
     let [mut shallow, mut deep] =
         [(0.15, Dimple::of(0.15).displaced()), (0.25, Dimple::of(0.25).displaced())];
@@ -137,7 +135,7 @@ fn equilibrium() -> Dimple {
 fn run() -> Result<Vec<Check>, StepError> {
     let dimple = equilibrium();
     let depth = dimple.depth(0.0, 0.0);
-    // It displaces its weight, by which the level rises.
+    // It displaces its weight, which raises the level.
     let level = INITIAL_LEVEL + DENSITY * THICKNESS * (PLATE_HALF_WIDTH / TANK_HALF_WIDTH).powi(2);
     let middle = Vector::<3>::new(TANK_HALF_WIDTH, TANK_HALF_WIDTH, level - depth - 0.5 * THICKNESS);
     let half_size = Vector::<3>::new(PLATE_HALF_WIDTH, PLATE_HALF_WIDTH, 0.5 * THICKNESS);
@@ -190,7 +188,7 @@ mod tests {
         let depth = dimple.depth(0.0, 0.0);
         // Half as many nodes give 0.2152.
         assert!((depth - 0.2160).abs() < 2e-4, "{depth}");
-        // A plane meniscus of this depth would carry less: corners help.
+        // A plane meniscus of this depth carries less; the corners add to it.
         let plane = TENSION
             * (2.0 * PLATE_HALF_WIDTH)
             * 4.0

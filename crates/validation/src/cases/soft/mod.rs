@@ -1,4 +1,4 @@
-//! Liquid and solids that deform.
+//! Liquid and deformable solids.
 
 pub mod edge_pinned;
 pub mod elastica_drop;

@@ -1,4 +1,4 @@
-//! Newton's iterations of steps in which a soft solid turns far.
+//! Newton iterations of steps in which a deformable solid rotates far.
 
 use crate::measure::{at_most, checks_or_failure};
 use crate::{Case, Check, Mode};
@@ -44,7 +44,7 @@ fn spinning<const D: usize>() -> Result<Vec<Check>, StepError> {
     ])
 }
 
-/// The largest change of the angular momentum, over it.
+/// Largest relative change of the angular momentum.
 fn angular_momentum_drift<const D: usize>(iterations: u32) -> Result<f64, StepError> {
     let mut sim = start::<D>(iterations)?;
     let turning = |sim: &Simulation<D>| {
@@ -60,7 +60,7 @@ fn angular_momentum_drift<const D: usize>(iterations: u32) -> Result<f64, StepEr
     Ok(most)
 }
 
-/// The block, spinning about the last axis (2D: about its centre).
+/// The block, rotating about the last axis (2D: about its centre).
 fn start<const D: usize>(iterations: u32) -> Result<Simulation<D>, StepError> {
     let (center, half) = (Vector::repeat(1.0), Vector::from_fn(|a, _| if a == 0 { 0.5 } else { 0.25 }));
     let mesh = VolumeMesh::of_box(&center, &half, &Matrix::identity(), 0.125, ElementOrder::Quadratic)

@@ -1,4 +1,4 @@
-//! Drops on solids that deform, against the theory of plates.
+//! Drops on deformable solids, against plate theory.
 
 use crate::measure::{at_most, checks_or_failure};
 use crate::plate::{Plate, PlateSetup, PlateSupport};
@@ -20,7 +20,7 @@ pub const KINK: Case = Case {
     run: |mode| checks_or_failure("soft-kink", kinks(mode)),
 };
 
-/// A free strip and a drop.
+/// A free strip with a drop.
 pub const STRIP: Case = Case {
     name: "soft-strip",
     title: "A soft strip and a drop keep their momentum and their place",
@@ -31,7 +31,7 @@ pub const STRIP: Case = Case {
     run: |mode| checks_or_failure("soft-strip", strip(mode)),
 };
 
-/// A solid too stiff to deform.
+/// A solid of such stiffness that it does not deform.
 pub const STIFF: Case = Case {
     name: "soft-stiff",
     title: "On a stiff elastic plate drops have the angle that they have on a rigid one",

@@ -1,4 +1,4 @@
-//! A drop falls on a soft plate at three resolutions, as in the paper's Fig. 14.
+//! Impact of a drop on a deformable plate at three resolutions, as in the paper's Fig. 14.
 
 use crate::measure::at_least;
 use crate::setup::run_to;
@@ -65,7 +65,7 @@ fn outermost(sim: &Simulation<2>, tracker: &LineTracker<2>) -> Option<[Vector<2>
     points.first().zip(points.last()).filter(|(p, q)| p[0] < q[0]).map(|(p, q)| [*p, *q])
 }
 
-/// Mean distance of the points of two histories, m, at the times when both have some.
+/// Mean distance of the points of two histories, m, at the times when both have points.
 fn mean_distance(one: &History, other: &History) -> f64 {
     let both = one.iter().zip(other).filter_map(|(p, q)| p.zip(*q));
     let each: Vec<f64> = both.flat_map(|(p, q)| [0, 1].map(|k| (p[k] - q[k]).norm())).collect();

@@ -34,18 +34,18 @@ const DENSITY: f64 = 1100.0;
 const LIQUID_DENSITY: f64 = 1000.0;
 const GRAVITY: f64 = 9.81;
 const THICKNESS: f64 = 0.4 * MM;
-/// Where the beam starts and ends, and how high its lower side is, m.
+/// Ends of the beam, and height of its lower side, m.
 const BEAM: [f64; 2] = [MM, 10.0 * MM];
 const BEAM_BOTTOM: f64 = 3.6 * MM;
-/// Where the clamp ends, m.
+/// End of the clamp, m.
 const CLAMP_END: f64 = 1.5 * MM;
-/// Where moments are compared, m: all over a plate's thickness from the clamp and from the liquid.
+/// Positions where moments are compared, m: more than a plate's thickness from the clamp and from the liquid.
 const STATIONS: [f64; 4] = [2.5 * MM, 3.0 * MM, 3.5 * MM, 4.0 * MM];
-/// Half the length over which the curvature is fitted, m.
+/// Half the length of the fit of the curvature, m.
 const FIT_HALF_LENGTH: f64 = 0.6 * MM;
 
-/// Time from which, and to which, means are taken, s. Beam and drop swing with a period of 0.07 s, which lines at the edge keep up:
-/// means over two of them differ by several per cent.
+/// Time window of the means, s. Beam and drop oscillate with a period of 0.07 s, sustained by the lines at the edges: means over two
+/// periods differ by several per cent.
 const AVERAGING_WINDOW: [f64; 2] = [0.3, 0.8];
 
 /// A drop on the beam.
@@ -74,12 +74,12 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 
 /// Means over time.
 struct Means {
-    /// Points of the middle line, by place at rest: the place, and where the point is.
+    /// Points of the middle line: position at rest, and mean position.
     middle: Vec<(f64, [TimeMean; 2])>,
-    /// Weight of the liquid, N/m, and the place of its centre, m.
+    /// Weight of the liquid, N/m, and the position of its centre, m.
     weight: TimeMean,
     center: TimeMean,
-    /// Upward force of the liquid by its own account, N/m; moment by the clamp's reaction about the clamp's end, N.
+    /// Upward force reported for the liquid, N/m; moment of the clamp's reaction about the clamp's end, N.
     force: TimeMean,
     moment: TimeMean,
 }
@@ -167,7 +167,7 @@ impl DropCase {
     }
 }
 
-/// Places along the beam at rest, in order, and the vertices of the upper and the lower side there.
+/// Positions along the beam at rest, in order, and the vertices of the upper and the lower side there.
 fn middle_line(sim: &Simulation<2>) -> Vec<(f64, [usize; 2])> {
     let Some(elastic) = sim.model.solids[0].elastic() else { return Vec::new() };
     let side = |height: f64| {
@@ -190,7 +190,7 @@ impl Means {
         self.middle.iter().map(|(s, x)| (*s, Vector::<2>::new(x[0].mean(), x[1].mean()))).collect()
     }
 
-    /// B κ at a place along the beam, N; positive where it bends down.
+    /// B κ at a position along the beam, N; positive where it bends down.
     fn bending_moment(&self, place: f64) -> f64 {
         let line = self.line();
         let near = line.windows(2).filter_map(|pair| {
@@ -203,7 +203,7 @@ impl Means {
         least_squares(near).map_or(f64::NAN, |fit| -stiffness * fit[1] / FIT_HALF_LENGTH)
     }
 
-    /// The moment by statics of what hangs beyond a place along the beam, N.
+    /// Static moment of the part beyond a position along the beam, N.
     fn static_moment(&self, place: f64) -> f64 {
         let line = self.line();
         let next = line.partition_point(|(s, _)| *s < place).clamp(1, line.len() - 1);

@@ -1,4 +1,4 @@
-//! An elastic body that is stretched and let go in liquid.
+//! An elastic solid that is stretched and released in liquid.
 
 use crate::measure::{at_least, at_most, checks_or_failure};
 use crate::setup::{grid_offset, run_to};
@@ -27,7 +27,7 @@ pub const CASE: Case = Case {
 const NAME: &str = "soft-release";
 const RADIUS: f64 = 0.45;
 const DENSITY: f64 = 1.3;
-/// Stretch along the first axis; all others shrink so that the volume stays.
+/// Stretch along the first axis; the others shrink, so that the volume is conserved.
 const STRETCH: f64 = 1.25;
 const STEP: f64 = 0.01;
 
@@ -40,7 +40,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// The stretched body in its liquid.
+/// The stretched solid in its liquid.
 fn start<const D: usize>(cells: usize) -> Result<Simulation<D>, StepError> {
     let dx = 1.0 / cells as f64;
     let middle = Vector::repeat(1.6) + grid_offset(dx);

@@ -1,4 +1,4 @@
-//! A drop at rest on a soft plate that its weight bends, with friction of its line.
+//! A drop at rest on a deformable plate that its weight bends, with contact-line friction.
 
 use crate::measure::checks_or_failure;
 use crate::setup::run_to;
@@ -24,7 +24,7 @@ pub const CASE: Case = Case {
 };
 
 const NAME: &str = "soft-sag";
-/// The paper's cell, m.
+/// Cell size of the paper, m.
 const DX: f64 = 0.52e-3;
 const LENGTH: f64 = 64.0 * DX;
 /// Four layers of elements of Δ/1.5.

@@ -35,7 +35,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let cells = if mode == Mode::Quick { 10.0 } else { 15.0 };
     let dx = 1.0 / cells;
     let grid = Grid::<2>::new([(LENGTH * cells) as usize, (8.8 * cells) as usize], dx);
-    // The plate goes on within the walls, where it is held.
+    // The plate extends into the walls, where it is anchored.
     let (center, half) =
         (Vector::<2>::new(0.5 * LENGTH, PLATE_HEIGHT), Vector::<2>::new(0.5 * LENGTH + 0.4, 0.5 * THICKNESS));
     let shape = Shape::Box { center, half_size: half, rotation: Matrix::identity() };

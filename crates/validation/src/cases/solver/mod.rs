@@ -1,4 +1,4 @@
-//! Solvers and geometry: the pressure system, iterations, distances along surfaces.
+//! Solvers and geometry: pressure system, iteration counts, geodesic distances.
 
 pub mod pressure_iterations;
 pub mod pressure_iterations_soft;

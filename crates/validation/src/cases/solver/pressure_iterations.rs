@@ -1,4 +1,4 @@
-//! How many iterations the pressure takes with free solids.
+//! Iterations of the pressure solve with free solids.
 
 use crate::cases::rigid::floating::tank;
 use crate::cases::rigid::momentum_with_solid::plate_and_drop;
@@ -45,7 +45,7 @@ fn checks<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
     Ok(all)
 }
 
-/// The most iterations of any solve.
+/// Most iterations of a solve.
 fn max_iterations<const D: usize>(mut sim: Simulation<D>) -> Result<f64, StepError> {
     let mut most = 0;
     while sim.state.step < STEPS {

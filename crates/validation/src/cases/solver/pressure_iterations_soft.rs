@@ -1,4 +1,4 @@
-//! How many iterations the pressure takes with soft sheets.
+//! Iterations of the pressure solve with deformable sheets.
 
 use crate::measure::{at_most, checks_or_failure};
 use crate::setup::grid_offset;
@@ -81,7 +81,7 @@ fn start<const D: usize>(cells: usize, light: f64, bending: f64) -> Result<Simul
     Ok(Simulation::new(model, &[LiquidRegion { signed_distance: &liquid, velocity: Vector::zeros() }]))
 }
 
-/// The most iterations of any solve.
+/// Most iterations of a solve.
 fn max_iterations<const D: usize>(mut sim: Simulation<D>) -> Result<f64, StepError> {
     let mut most = 0;
     while sim.state.step < STEPS {

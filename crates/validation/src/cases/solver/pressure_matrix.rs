@@ -42,7 +42,7 @@ struct System {
 }
 
 impl System {
-    /// Liquid in a bumpy ball that touches a wall; beyond its surface the pressure is known.
+    /// Liquid in a bumpy ball that touches a wall; the pressure beyond its surface is given.
     fn new(random: &mut Random) -> Self {
         let grid = Grid::new([CELLS; 3], 1.0);
         let lattice = grid.lattice();
@@ -99,7 +99,7 @@ impl System {
         matrix
     }
 
-    /// The matrix that the operator applies.
+    /// The matrix of the operator, column by column.
     fn applied(&self, solver: &PressureSolver<3>) -> Vec<Vec<f64>> {
         let column = |cell: &usize| {
             let mut unit = CellField::new(self.grid, 0.0);
@@ -113,7 +113,7 @@ impl System {
     }
 }
 
-/// The runs of the cells that hold.
+/// The runs of the cells where `holds` is true.
 fn runs(lattice: &Lattice<3>, holds: &[bool]) -> Runs {
     let mut runs: Vec<Run> = Vec::new();
     for cell in (0..lattice.len()).filter(|c| holds[*c]) {

@@ -1,4 +1,4 @@
-//! Distances and lengths on a solid's surface: what the tracked contact line is made with.
+//! Distances and lengths on a solid's surface, on which the contact-line extraction relies.
 
 use crate::measure::{at_least, at_most, convergence_order};
 use crate::{Case, Check};
@@ -31,12 +31,12 @@ pub const LENGTH: Case = Case {
 
 /// Colatitude of the circle, rad.
 const COLATITUDE: f64 = 1.0;
-/// Half the width of the band in which distances count, rad.
+/// Half-width of the band in which distances are compared, rad.
 const BAND: f64 = 0.5;
-/// Levels of the icospheres.
+/// Subdivision levels of the icospheres.
 const LEVELS: [usize; 3] = [3, 4, 5];
 
-/// Mean error of the distance and relative error of the length, on one sphere.
+/// Mean error of the distance and relative error of the length on one sphere.
 fn errors(level: usize, pole: &Vector<3>) -> [f64; 2] {
     let mesh = icosphere(level);
     let exact: Vec<f64> =
@@ -51,7 +51,7 @@ fn errors(level: usize, pole: &Vector<3>) -> [f64; 2] {
     [mean, (length / (TAU * COLATITUDE.sin()) - 1.0).abs()]
 }
 
-/// The larger errors of the two poles, against the mean edge, sphere by sphere.
+/// The larger errors of the two poles, against the mean edge length, per sphere.
 fn worst(which: usize) -> Vec<(f64, f64)> {
     let poles = [Vector::<3>::new(0.0, 0.0, 1.0), Vector::<3>::new(0.36, -0.48, 0.8)];
     let error = |level: usize| poles.iter().map(|p| errors(level, p)[which]).fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! Closed sides of the domain that wet.
+//! Wetting at closed sides of the domain.
 
 use super::meniscus::surface_height;
 use super::sessile::{fit_cap, rms_and_mean_speed};
@@ -10,7 +10,7 @@ use meniscus_numerics::grid::Grid;
 use meniscus_sim::{LineTracker, LiquidRegion, Model, Numerics, Simulation, StepError, Wall};
 use std::f64::consts::SQRT_2;
 
-/// A tank, and drops in its corners.
+/// A tank, and drops in corners.
 pub const CASE: Case = Case {
     name: NAME,
     title: "Sides of the domain that wet: a tank, and drops in its corners",
@@ -23,7 +23,7 @@ pub const CASE: Case = Case {
 };
 
 const NAME: &str = "walls";
-/// Half the width of the tank, lc: the level in the middle is undisturbed to e⁻⁷.
+/// Half-width of the tank, lc; the level in the middle is undisturbed to e⁻⁷.
 const HALF_WIDTH: f64 = 7.0;
 const TIME: f64 = 25.0;
 
@@ -44,7 +44,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// A box with closed sides that liquid (ρ = γ = 1) meets at an angle (degrees).
+/// A box with closed sides and liquid (ρ = γ = 1) at a contact angle (degrees).
 fn walled<const D: usize>(grid: Grid<D>, angle: f64) -> Model<D> {
     let model = Model {
         grid,
@@ -59,7 +59,7 @@ fn walled<const D: usize>(grid: Grid<D>, angle: f64) -> Model<D> {
     model.with_wetting_walls(angle.to_radians().cos(), 0.0, None)
 }
 
-/// How high a bath climbs the sides.
+/// Rise of a bath at the sides.
 fn tank(angle: f64, cells: usize) -> Result<Vec<Check>, StepError> {
     let dx = 1.0 / cells as f64;
     let mut model = walled(Grid::<2>::new([(2.0 * HALF_WIDTH) as usize * cells, 5 * cells], dx), angle);
@@ -83,7 +83,7 @@ fn tank(angle: f64, cells: usize) -> Result<Vec<Check>, StepError> {
     ])
 }
 
-/// The shape of a drop where a side for each axis meet.
+/// The shape of a drop in the corner of one side per axis.
 fn corner<const D: usize>(angle: f64, cells: usize) -> Result<Vec<Check>, StepError> {
     let (dx, wide) = (1.0 / cells as f64, if D == 2 { 3 * cells } else { 2 * cells });
     let mut model = walled(Grid::<D>::new([wide; D], dx), angle);

@@ -1,4 +1,4 @@
-//! Drops that rest on slopes, held by its contact lines.
+//! Drops on slopes, pinned by their contact lines.
 
 use crate::measure::{at_least, at_most, checks_or_failure};
 use crate::setup::run_to;
@@ -24,7 +24,7 @@ pub const CASE: Case = Case {
     run: |mode| checks_or_failure("hysteresis", slopes(if mode == Mode::Quick { 8 } else { 16 })),
 };
 
-/// Share of γ times its width times the difference of the cosines that a round drop holds.
+/// Largest retention force of a round drop over γ times its width times the difference of the cosines.
 const ROUND_DROP_FACTOR: f64 = 24.0 / (PI * PI * PI);
 
 fn slopes(cells: usize) -> Result<Vec<Check>, StepError> {
@@ -37,7 +37,8 @@ fn slopes(cells: usize) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// One that must rest, and one that must not: share of the critical pull, and the pull over γ (cos θ_r − cos θ_a).
+/// Checks a drop that must rest and one that must slide; each is given by its share of the critical force, and the force over γ (cos θ_r
+/// − cos θ_a).
 fn check_pull<const D: usize>(cells: usize, [rest, slide]: [(f64, f64); 2]) -> Result<Vec<Check>, StepError> {
     let what = |share: f64| format!("way / R at {share} of the critical pull, {D}D, {cells} cells/R");
     let (stays, goes) = (sliding_distance::<D>(cells, rest.1)?.abs(), sliding_distance::<D>(cells, slide.1)?);
@@ -47,7 +48,7 @@ fn check_pull<const D: usize>(cells: usize, [rest, slide]: [(f64, f64); 2]) -> R
     ])
 }
 
-/// How far the drop's middle goes from the sixth to the twelfth capillary time; `pull` over γ (cos θ_r − cos θ_a).
+/// Displacement of the drop's centre from the sixth to the twelfth capillary time; `pull` is the force over γ (cos θ_r − cos θ_a).
 fn sliding_distance<const D: usize>(cells: usize, pull: f64) -> Result<f64, StepError> {
     let dx = 1.0 / cells as f64;
     let point = Vector::<D>::from_fn(|a, _| if a + 1 == D { 6.3 * dx } else { 2.0 });

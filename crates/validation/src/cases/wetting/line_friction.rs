@@ -1,4 +1,4 @@
-//! The friction of contact lines: how fast a drop spreads that nothing else holds back.
+//! Contact-line friction: spreading of a drop limited by friction alone.
 
 use super::sessile::{cap_radius, fit_cap, sessile_model};
 use crate::measure::{at_most, checks_or_failure};
@@ -29,7 +29,7 @@ const NAME: &str = "line-friction";
 const TIMES: [f64; 4] = [2.0, 4.0, 6.0, 8.0];
 /// Viscosity of the liquid, √(γR/ρ).
 const VISCOSITY: f64 = 0.02;
-/// The friction over √(ργR).
+/// Friction coefficient over √(ργR).
 const FRICTION: f64 = 3.0;
 const YOUNG: f64 = 60.0;
 
@@ -65,7 +65,7 @@ fn spreading(cells: usize) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// The angle (degrees) that the law tells.
+/// The angle (degrees) by the friction law.
 fn angle_at(time: f64) -> f64 {
     const STEPS: usize = 1000;
     let h = time / STEPS as f64;
@@ -81,7 +81,7 @@ fn angle_at(time: f64) -> f64 {
     angle_of(width).to_degrees()
 }
 
-/// The angle (rad) of the segment of the drop's area that is `2 width` wide.
+/// The angle (rad) of a circular segment with the drop's area and a width of `2 width`.
 fn angle_of(width: f64) -> f64 {
     let (mut low, mut high) = (0.01, PI - 0.01);
     for _ in 0..60 {
@@ -91,7 +91,7 @@ fn angle_of(width: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The momentum that a free plate and a drop, off its middle and moving, gain together.
+/// The total momentum gained by a free plate and a moving drop beside its middle.
 fn momentum<const D: usize>(cells: usize, steps: usize) -> Result<Check, StepError> {
     const RADIUS: f64 = 0.16;
     let mut center = Vector::repeat(0.51);

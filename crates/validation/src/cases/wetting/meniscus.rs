@@ -1,4 +1,4 @@
-//! Baths that climb walls, or shun them: plates, gaps and tubes.
+//! Menisci at wetting and non-wetting walls: plates, gaps and tubes.
 
 use super::sessile::{rms_and_mean_speed, sessile_model};
 use crate::cases::rigid::floating::level_by_pressure;
@@ -11,7 +11,7 @@ use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{LineTracker, LiquidRegion, Model, Motion, Simulation, Solid, StepError};
 use std::f64::consts::{PI, SQRT_2};
 
-/// Plates and gaps in the plane.
+/// Plates and gaps in 2D.
 pub const CASE_2D: Case = Case {
     name: "meniscus-2d",
     title: "Menisci at plates and between them, 2D",
@@ -25,7 +25,7 @@ pub const CASE_2D: Case = Case {
     run: |mode| checks_or_failure(PLANE_NAME, plane(mode)),
 };
 
-/// Tubes in space.
+/// Tubes in 3D.
 pub const TUBE: Case = Case {
     name: "tube",
     title: "A tube in a bath, 3D",
@@ -39,11 +39,11 @@ pub const TUBE: Case = Case {
 };
 
 const TUBE_NAME: &str = "tube";
-/// Angle (degrees), and height at the middle of a tube of radius lc/2 over lc.
+/// Angle (degrees), and height in the middle of a tube of radius lc/2 over lc.
 const TUBES: [(f64, f64); 3] = [(30.0, 3.33983), (60.0, 1.93611), (120.0, -1.93611)];
 const PLANE_NAME: &str = "meniscus-2d";
 const ANGLES: [f64; 4] = [30.0, 60.0, 120.0, 150.0];
-/// Half the gap over lc, angle (degrees), height at the middle over lc.
+/// Half the gap over lc, angle (degrees), height in the middle over lc.
 const GAPS: [(f64, f64, f64); 4] =
     [(0.5, 30.0, 1.65156), (0.5, 60.0, 0.95797), (1.0, 30.0, 0.72221), (1.0, 60.0, 0.42316)];
 /// Distance from a plate to the tank's end, lc.
@@ -65,7 +65,7 @@ fn plane(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// A tank with a solid that the liquid meets at an angle (degrees).
+/// A tank with a solid that the liquid meets at a contact angle (degrees).
 fn tank<const D: usize>(grid: Grid<D>, shape: Shape<D>, angle: f64) -> Model<D> {
     let mut solid = Solid::new(shape, Motion::Fixed, 1.0);
     solid.young_cosine = angle.to_radians().cos();
@@ -75,13 +75,13 @@ fn tank<const D: usize>(grid: Grid<D>, shape: Shape<D>, angle: f64) -> Model<D> 
     model
 }
 
-/// The tank filled up to a level.
+/// The tank filled to a level.
 fn bath<const D: usize>(model: Model<D>, level: f64) -> Simulation<D> {
     let distance = |x: &Vector<D>| x[D - 1] - level;
     Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
 }
 
-/// Height of the surface over or under a point.
+/// Height of the surface above or below a point.
 pub(crate) fn surface_height<const D: usize>(sim: &Simulation<D>, mut x: Vector<D>) -> f64 {
     let grid = &sim.model.grid;
     let sampler = Sampler::cells(grid, &sim.state.phi.data, sim.model.scalar_boundary());
@@ -101,12 +101,12 @@ pub(crate) fn surface_height<const D: usize>(sim: &Simulation<D>, mut x: Vector<
     0.5 * (low + high)
 }
 
-/// How lively the bath still is.
+/// Checks the residual motion of the bath.
 fn check_at_rest<const D: usize>(case: &str, what: &str, sim: &Simulation<D>) -> Check {
     at_most(case, &format!("u_rms / √(g lc), {what}"), rms_and_mean_speed(sim).0, 1e-2, Some(1e-3), "")
 }
 
-/// 6a: an upright wall.
+/// Case 6a: an upright wall.
 fn wall(angle: f64) -> Result<Vec<Check>, StepError> {
     let dx = 0.125;
     let x = 4.3 * dx;
@@ -128,7 +128,7 @@ fn wall(angle: f64) -> Result<Vec<Check>, StepError> {
     ])
 }
 
-/// 6b: a plate held in the middle of a tank.
+/// Case 6b: a plate in the middle of a tank.
 fn plate(angle: f64) -> Result<Vec<Check>, StepError> {
     const THICK: f64 = 1.0;
     let dx = 0.125;
@@ -162,7 +162,7 @@ fn plate(angle: f64) -> Result<Vec<Check>, StepError> {
     ])
 }
 
-/// 6c: half a gap beside a plane of symmetry, its plate, and the bath beyond.
+/// Case 6c: half a gap beside a plane of symmetry, its plate, and the bath beyond it.
 fn gap((half, angle, should): (f64, f64, f64)) -> Result<Vec<Check>, StepError> {
     let (dx, thick) = (0.08, 1.0);
     let grid = Grid::<2>::new([((half + thick + PLATE_TO_END_DISTANCE) / dx).ceil() as usize, 66], dx);
@@ -188,12 +188,12 @@ fn tubes(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks.into_iter().flatten().collect())
 }
 
-/// 6d: a quarter of a tube, its axis the vertical edge of the domain.
+/// Case 6d: a quarter of a tube whose axis is the vertical edge of the domain.
 fn tube((angle, should): (f64, f64), cells: usize) -> Result<Vec<Check>, StepError> {
     let (radius, thick, side) = (0.5, 0.25, 1.5);
     let dx = radius / cells as f64;
     let round = |x: f64| (x / dx).ceil() as usize;
-    // How deep the tube must dip, and how far it must stand out, with a lc to spare.
+    // Depth and height of the tube below and above the level, with a margin of lc.
     let (below, above) = (1.0 + f64::max(-should, 0.0), 1.0 + f64::max(should, 0.0));
     let bottom = 0.6 + 0.3 * dx;
     let start = bottom + below;
@@ -207,10 +207,10 @@ fn tube((angle, should): (f64, f64), cells: usize) -> Result<Vec<Check>, StepErr
     };
     let hole = Shape::Cylinder { center: axis * bottom, axis, radius, height: 40.0 * above };
     let shape = Shape::Difference { of: Box::new(long(radius + thick)), minus: Box::new(hole) };
-    // What the lines carry above the level is missing in the bath: the level starts higher.
+    // The volume that the lines lift comes from the bath, so the initial level is higher.
     let lines = angle.to_radians().cos() * 0.5 * PI * (2.0 * radius + thick);
     let taken = lines / (side * side - 0.25 * PI * thick * (2.0 * radius + thick));
-    // With ν = 1 the way into the tube alone would hold the column back for 60 √(lc/g).
+    // With ν = 1 the flow into the tube alone would delay the column by 60 √(lc/g).
     let mut model = tank(grid, shape, angle);
     model.kinematic_viscosity = 0.2;
     model.solids[0].line_friction = 0.3;

@@ -1,4 +1,4 @@
-//! Contact lines: angles, menisci, friction, hysteresis, patterns, thin sheets that drops wrap.
+//! Contact lines: angles, menisci, friction, hysteresis, patterns, sheets wrapped around drops.
 
 pub mod domain_walls;
 pub mod hysteresis;

@@ -1,4 +1,4 @@
-//! The ridge that a contact line lifts on a soft layer.
+//! The wetting ridge of a contact line on a deformable layer.
 
 use crate::measure::{at_least, checks_or_failure};
 use crate::plate::{PlateSetup, PlateSupport};
@@ -23,27 +23,27 @@ pub const CASE: Case = Case {
 
 const NAME: &str = "wetting-ridge";
 
-/// A layer of thickness one, clamped at its bottom, in plane strain, and what its lines do; units of γ and h.
+/// A layer of unit thickness, clamped at its bottom, in plane strain, and its line loads; units of γ and h.
 #[derive(Clone, Copy)]
 struct ElasticLayer {
     young: f64,
     poisson: f64,
-    /// Its own tension.
+    /// Surface tension of the solid.
     tension: f64,
-    /// Distance over which lines are spread.
+    /// Half-width over which line loads are spread.
     width: f64,
 }
 
-/// Layers whose lines are spread.
+/// Layer with spread line loads.
 const SPREAD_LINE_LAYER: ElasticLayer = ElasticLayer { young: 50.0, poisson: 0.3, tension: 0.0, width: 0.1 };
-/// Layers with a tension of their own.
+/// Layer with a surface tension of its own.
 const TENSIONED_LAYER: ElasticLayer = ElasticLayer { young: 20.0, poisson: 0.3, tension: 4.0, width: 0.0 };
 
 impl ElasticLayer {
-    /// Displacement of its surface under a load `cos kx` (Style and Dufresne 2012).
+    /// Surface displacement under a load `cos kx` (Style and Dufresne 2012).
     fn compliance(&self, k: f64) -> f64 {
         let (nu, shear) = (self.poisson, self.young / (2.0 * (1.0 + self.poisson)));
-        // Both parts over e^2k, that they stay finite.
+        // Both parts are scaled by e^-2k, so that they stay finite.
         let (near, far) = ((-2.0 * k).exp(), (-4.0 * k).exp());
         let above = (3.0 - 4.0 * nu) * 0.5 * (1.0 - far) - 2.0 * k * near;
         let rest = 2.0 * k * k + 5.0 - 12.0 * nu + 8.0 * nu * nu;
@@ -51,20 +51,20 @@ impl ElasticLayer {
         1.0 / (shear * k / (1.0 - nu) * below / above + self.tension * k * k)
     }
 
-    /// `∫ load(k) dk / π` of what the surface gives way, over all wave numbers.
+    /// `∫ c(k) load(k) dk / π` over all wave numbers, with the compliance c.
     fn integral(&self, load: impl Fn(f64) -> f64) -> f64 {
         const STEP: f64 = 5e-3;
         let place = |i: u32| (f64::from(i) + 0.5) * STEP;
         (0..400_000).map(place).map(|k| self.compliance(k) * load(k)).sum::<f64>() * STEP / PI
     }
 
-    /// The transform of a line.
+    /// The Fourier transform of a line load.
     fn line_load_transform(&self, k: f64) -> f64 {
         if self.width > 0.0 { (k * self.width).sin() / (k * self.width) } else { 1.0 }
     }
 
-    /// The same as [`Self::measure`] of a drop of radius one before it sinks in: lines at ±1, and its pressure. The
-    /// layer's slope at the lines, where it has the contact angle, and what sinks in make the drop wider.
+    /// Expected values of [`Self::measure`] for a drop of radius one: lines at ±1 and the drop's pressure. The drop is wider due to the
+    /// layer's slope at the lines, where the contact angle holds, and due to the volume that sinks in.
     fn expected(&self) -> [f64; 3] {
         let drop = |k: f64| 2.0 * k.cos() * self.line_load_transform(k) - 2.0 * k.sin() / k;
         let [high, deep] = [1.0, 0.0].map(|x: f64| self.integral(|k| drop(k) * (k * x).cos()));
@@ -75,7 +75,7 @@ impl ElasticLayer {
         [((FRAC_PI_2 - sunk) / cap).sqrt(), high, deep]
     }
 
-    /// Half the wetted width, height at the lines and under the drop's middle, of a drop at rest.
+    /// Half the wetted width, and heights at the lines and under the middle, for a drop at rest.
     fn measure(&self, cells: usize) -> Result<[f64; 3], StepError> {
         let setting = PlateSetup {
             cells,
@@ -135,7 +135,7 @@ fn ridge(cells: usize, layer: &ElasticLayer) -> Result<(Vec<Check>, f64), StepEr
     let ElasticLayer { poisson, width, tension, .. } = layer;
     let which = if *width > 0.0 { format!("w = {width} h") } else { format!("own tension {tension} γ") };
     let what = |text: &str| format!("{text}, ν = {poisson}, {which}, {cells} cells/h");
-    // The width has the bars of a drop's shape on a sheet (`elastica-drop`).
+    // The width has the tolerances of a drop's shape on a sheet (`elastica-drop`).
     let checks = vec![
         Check::relative(NAME, &what("height of the ridge"), high, should[1], 0.08, Some(0.03), "h"),
         Check::relative(NAME, &what("depth under the drop"), deep, should[2], 0.08, Some(0.03), "h"),
@@ -168,7 +168,7 @@ mod tests {
             (tense(0.49, 0.1), 0.004522 / 0.1),
         ];
         for (layer, should) in rows {
-            // Beyond the sum's last wave number, 2000, a tension of its own is all that holds.
+            // Beyond the sum's last wave number, 2000, only the surface tension of the solid resists.
             let rest = if layer.tension > 0.0 { 1.0 / (PI * layer.tension * 2000.0) } else { 0.0 };
             let found = layer.integral(|k| layer.line_load_transform(k)) + rest;
             assert!((found / should - 1.0).abs() < 3e-3, "{found} {should}");

@@ -1,4 +1,4 @@
-//! Drops on solids without gravity: Young's angle on planes of any place and slope, on a cylinder and a ball.
+//! Drops on solids without gravity: Young's angle on planes of any position and slope, on a cylinder and a ball.
 
 use crate::measure::{at_least, at_most, checks_or_failure, convergence_order, surface_points};
 use crate::setup::run_to;
@@ -10,7 +10,7 @@ use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
-/// Drops on lines in the plane.
+/// Drops on planes in 2D.
 pub const CASE_2D: Case = Case {
     name: "sessile-2d",
     title: "Drops on a wall, 2D",
@@ -26,7 +26,7 @@ pub const CASE_2D: Case = Case {
     },
 };
 
-/// Drops on planes in space.
+/// Drops on planes in 3D.
 pub const CASE_3D: Case = Case {
     name: "sessile-3d",
     title: "Drops on a wall, 3D",
@@ -70,7 +70,7 @@ pub const STEPS: Case = Case {
     run: |_| checks_or_failure("sessile-steps", steps()),
 };
 
-/// Drops on plates as thin as those of the paper.
+/// Drops on plates as thin as in the paper.
 pub const THIN: Case = Case {
     name: "sessile-thin",
     title: "Drops on thin plates, 2D",
@@ -81,7 +81,7 @@ pub const THIN: Case = Case {
     run: |mode| checks_or_failure("sessile-thin", thin(mode)),
 };
 
-/// Where a wall lies: cells off the grid's faces, and tilt in degrees.
+/// Placement of a wall: offset from the grid's faces in cells, and tilt in degrees.
 type WallPlacement = (f64, f64);
 
 const ANGLES: [f64; 7] = [30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 150.0];
@@ -89,24 +89,24 @@ const SOME_ANGLES: [f64; 5] = [30.0, 60.0, 90.0, 120.0, 150.0];
 const PLACES: [WallPlacement; 5] = [(0.0, 0.0), (0.3, 0.0), (0.7, 0.0), (0.0, 22.5), (0.0, 45.0)];
 const TILTED: [WallPlacement; 2] = [(0.0, 22.5), (0.0, 45.0)];
 const SOME_PLACES: [WallPlacement; 2] = [(0.3, 0.0), (0.0, 22.5)];
-/// Contact angle, degrees, from which on half a ball that contracts is thrown off its wall.
+/// Contact angle, degrees, from which a contracting half ball jumps off its wall.
 const DETACHMENT_ANGLE_DEGREES: f64 = 140.0;
-/// The usual length of steps over the explicit capillary limit.
+/// Default step over the explicit capillary limit.
 const DEFAULT_STEP_FACTOR: f64 = 5.0;
-/// How long drops are left alone, in √(ρR³/γ).
+/// Duration of the runs, √(ρR³/γ).
 const TIME: f64 = 12.0;
 
-/// What came of a drop.
+/// Result for a drop.
 struct SessileResult {
-    /// Angle less Young's, degrees.
+    /// Angle minus Young's angle, degrees.
     angle: f64,
-    /// Base radius and height over those of the circle, less one.
+    /// Base radius and height over those of the circle, minus one.
     sizes: [f64; 2],
-    /// Root mean square of the speed within the drop, over √(γ/ρR).
+    /// Root mean square speed in the drop, over √(γ/ρR).
     speed: f64,
-    /// Speed of the drop as a whole, over the same.
+    /// Speed of the drop's centre of mass, over the same.
     mean_speed: f64,
-    /// By how much the angle changed in the last third, degrees.
+    /// Change of the angle in the last third, degrees.
     angle_change: f64,
 }
 
@@ -123,7 +123,7 @@ pub(crate) fn sessile_model<const D: usize>(grid: Grid<D>, solid: Solid<D>) -> M
     }
 }
 
-/// Radius of the circle or sphere whose cap of this angle (rad) is as large as half of that of radius one.
+/// Radius of the circle or sphere whose cap of this angle (rad) has half the size of the unit disc or ball.
 pub(crate) fn cap_radius<const D: usize>(angle: f64) -> f64 {
     let (s, c) = angle.sin_cos();
     if D == 2 { (0.5 * PI / (angle - s * c)).sqrt() } else { (2.0 / ((2.0 + c) * (1.0 - c).powi(2))).cbrt() }
@@ -190,8 +190,8 @@ fn thin(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// What comes of half a disc or ball on a plane: the side of a plate so many cells thick, or of one without end; `step` is
-/// the steps' length over the explicit capillary limit.
+/// Relaxes half a disc or ball on a plane: the side of a plate of a given thickness (cells), or of a half-space. `step` is the step over
+/// the explicit capillary limit.
 fn drop_on_plane<const D: usize>(
     cells: usize,
     angle: f64,
@@ -202,7 +202,7 @@ fn drop_on_plane<const D: usize>(
     let young = angle.to_radians();
     let radius = cap_radius::<D>(young);
     let (base, height) = (radius * young.sin(), radius * (1.0 - young.cos()));
-    // Room for the widest state, which overshoots, around a wall through the middle.
+    // Room for the overshooting drop around a wall through the middle.
     let half = (1.25 * base.max(1.0).max(height) + 1.0) * cells as f64;
     let grid = Grid::<D>::new([2 * half.ceil() as usize; D], dx);
     let (tilt, azimuth) = (place.1.to_radians(), if D == 2 { 0.0 } else { PI / 6.0 });
@@ -231,7 +231,7 @@ fn drop_on_plane<const D: usize>(
     if D == 3 && angle > DETACHMENT_ANGLE_DEGREES {
         model.kinematic_viscosity = 1.0;
     }
-    // Where the liquid meets it.
+    // The surface at which the liquid meets the solid.
     let side = point + normal * model.solids[0].padding;
     let mut sim = Simulation::new(model, &[body]);
     let measure = |sim: &Simulation<D>| {
@@ -254,14 +254,14 @@ fn drop_on_plane<const D: usize>(
     })
 }
 
-/// The rotation that turns the last axis to a direction other than its opposite.
+/// The rotation of the last axis to a direction other than its opposite.
 fn rotation_to<const D: usize>(normal: &Vector<D>) -> Matrix<D> {
     let up = Vector::<D>::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
     let both = up + normal;
     Matrix::identity() - both * both.transpose() / (1.0 + normal[D - 1]) + normal * up.transpose() * 2.0
 }
 
-/// The cap that the surface is part of, by its points for which `counts` holds.
+/// Fits a cap to the points of the surface selected by `counts`.
 pub(crate) fn fit_cap<const D: usize>(sim: &Simulation<D>, counts: impl Fn(&Vector<D>) -> bool) -> Sphere<D> {
     let mut points = surface_points(&sim.model, &sim.state.phi);
     points.retain(|p| counts(&p.at));
@@ -269,7 +269,7 @@ pub(crate) fn fit_cap<const D: usize>(sim: &Simulation<D>, counts: impl Fn(&Vect
     Sphere::fit(&points).unwrap_or(Sphere { center: Vector::zeros(), radius: f64::NAN })
 }
 
-/// Root mean square of the speed about the mean, and the mean's.
+/// Root mean square of the speed about the mean velocity, and the mean speed.
 pub(crate) fn rms_and_mean_speed<const D: usize>(sim: &Simulation<D>) -> (f64, f64) {
     let books = sim.diagnostics();
     let mass = sim.model.density * books.volume;
@@ -298,7 +298,7 @@ fn steps() -> Result<Vec<Check>, StepError> {
 
 fn curved() -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
-    // Apex of the drop over the solid's, in radii of the solid (design, validation §2).
+    // Height of the drop's apex over the solid's, in radii of the solid.
     let plane = [(30.0, 0.44273), (60.0, 0.60972), (90.0, 0.74911), (120.0, 0.86908), (150.0, 0.96114)];
     let space = [(60.0, 0.51405), (120.0, 0.84051)];
     for (angle, apex) in plane {
@@ -310,7 +310,7 @@ fn curved() -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// A drop of half the size of a ball of radius 1.25 on that ball, 16 cells per radius of the drop's disc or ball.
+/// A drop with half the size of a ball of radius 1.25, on that ball; 16 cells per radius of a disc or ball of the drop's size.
 fn drop_on_ball<const D: usize>(angle: f64, apex: f64) -> Result<Vec<Check>, StepError> {
     let (cells, solid) = (16.0, 1.25);
     let dx = 1.0 / cells;
@@ -321,7 +321,7 @@ fn drop_on_ball<const D: usize>(angle: f64, apex: f64) -> Result<Vec<Check>, Ste
     center[D - 1] = 1.4;
     let mut ball = Solid::new(Shape::Ball { center, radius: solid }, Motion::Fixed, 1.0);
     ball.young_cosine = angle.to_radians().cos();
-    // A ball around the top, so large that what the solid leaves of it is the drop.
+    // A ball around the top of the solid, whose part outside the solid has the drop's volume.
     let volume = if D == 2 { 0.25 * PI * solid * solid } else { PI / 6.0 * solid.powi(3) };
     let up = Vector::<D>::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
     let start = |radius: f64| {

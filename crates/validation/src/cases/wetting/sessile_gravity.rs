@@ -1,4 +1,4 @@
-//! Drops that gravity flattens, and what they do to the solid under them.
+//! Sessile drops under gravity, and their force on the solid.
 
 use super::sessile::{fit_cap, rms_and_mean_speed, sessile_model};
 use crate::measure::{at_most, checks_or_failure, surface_points};
@@ -11,7 +11,7 @@ use meniscus_numerics::shape::Shape;
 use meniscus_sim::{LineTracker, LiquidRegion, Motion, Simulation, Solid, StepError};
 use std::f64::consts::PI;
 
-/// Drops under gravity in the plane.
+/// Drops under gravity in 2D.
 pub const CASE_2D: Case = Case {
     name: "sessile-gravity-2d",
     title: "Drops on a wall under gravity, 2D",
@@ -25,7 +25,7 @@ pub const CASE_2D: Case = Case {
     run: |mode| checks_or_failure("sessile-gravity-2d", plane(mode)),
 };
 
-/// Drops under gravity in space.
+/// Drops under gravity in 3D.
 pub const CASE_3D: Case = Case {
     name: "sessile-gravity-3d",
     title: "Drops on a wall under gravity, 3D",
@@ -60,7 +60,7 @@ const ROWS_3D: [Row; 6] = [
     (120.0, 1.0, 1.25865, 1.12230),
     (120.0, 5.0, 0.80148, 1.44373),
 ];
-/// How long drops are left alone, √(ρR0³/γ), and thin ones, which are slower.
+/// Duration of the runs, √(ρR0³/γ); thin drops are slower.
 const TIME_2D: f64 = 30.0;
 const SLOW_ANGLE_AND_TIME: (f64, f64) = (30.0, 60.0);
 const TIME_3D: f64 = 20.0;
@@ -93,19 +93,19 @@ fn space(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// A drop on a wall, and the point of the wall in the middle under it.
+/// A drop on a wall, and the point of the wall under its middle.
 struct WallDrop<const D: usize> {
     sim: Simulation<D>,
     point: Vector<D>,
 }
 
-/// Share of a drop that is in the domain: in 3D a quarter, beside two planes of symmetry.
+/// Share of a drop in the domain: in 3D a quarter, beside two planes of symmetry.
 const fn share<const D: usize>() -> f64 {
     if D == 3 { 0.25 } else { 1.0 }
 }
 
-/// Half an ellipse on a wall, `volume` large and with a base of `base`; room for a drop `widest` wide to each side. In 3D
-/// a quarter of half an ellipsoid around the vertical edge of the domain.
+/// Half an ellipse on a wall, with the given volume and base, and room for a drop of half-width `widest`. In 3D a quarter of half an
+/// ellipsoid around the vertical edge of the domain.
 fn start_drop<const D: usize>(
     cells: usize,
     (angle, gravity): (f64, f64),
@@ -137,7 +137,7 @@ fn start_drop<const D: usize>(
             &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }],
         )
     };
-    // What the lattice makes of the shape is not quite its volume.
+    // Corrects the volume, which is sampled on the lattice.
     for _ in 0..4 {
         height *= share::<D>() * volume / start(height).diagnostics().volume;
     }
@@ -163,7 +163,7 @@ fn drop<const D: usize>(case: &str, cells: usize, row: Row, time: f64) -> Result
     ])
 }
 
-/// A drop without weight: the contact line's pull against the pressure's push.
+/// A drop without gravity: contact-line force against pressure force.
 fn weightless(case: &str, cells: usize, angle: f64) -> Result<Vec<Check>, StepError> {
     let WallDrop { mut sim, point } = start_drop::<2>(cells, (angle, 0.0), 0.5 * PI, (1.0, 1.4));
     run_to(&mut sim, 12.0, |_, _| ())?;
@@ -181,7 +181,7 @@ fn weightless(case: &str, cells: usize, angle: f64) -> Result<Vec<Check>, StepEr
     ])
 }
 
-/// Means until `end` of the upward force of the contact line on the wall, and of all the liquid's.
+/// Means until `end` of the upward contact-line force on the wall, and of the total force of the liquid.
 fn mean_forces<const D: usize>(sim: &mut Simulation<D>, end: f64) -> Result<(f64, f64), StepError> {
     let start = sim.state.time;
     let (mut pull, mut all) = (0.0, 0.0);
@@ -194,7 +194,7 @@ fn mean_forces<const D: usize>(sim: &mut Simulation<D>, end: f64) -> Result<(f64
     Ok((pull / time, all / time))
 }
 
-/// Height over a horizontal wall through a point, radius of the base, and mean of the angle along the line, degrees.
+/// Height over a horizontal wall through a point, base radius, and mean angle along the line, degrees.
 fn drop_dimensions<const D: usize>(sim: &Simulation<D>, point: &Vector<D>) -> (f64, f64, f64) {
     let dx = sim.model.grid.dx;
     let line = LineTracker::new(&sim.model, &[dx / 1.5]).extract(sim);

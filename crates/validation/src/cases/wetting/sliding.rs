@@ -1,4 +1,4 @@
-//! Drops on slopes without hysteresis and friction: nothing holds them.
+//! Drops on slopes without hysteresis and friction, which slide freely.
 
 use super::sessile::sessile_model;
 use crate::measure::checks_or_failure;
@@ -47,12 +47,12 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// The drop's way along the slope over that of free fall.
+/// The drop's displacement along the slope over that of free fall.
 fn sliding_ratio(cells: usize, tilt: f64, angle: f64) -> Result<f64, StepError> {
     let dx = 1.0 / cells as f64;
     let (s, c) = tilt.to_radians().sin_cos();
     let (along, normal) = (Vector::<2>::new(c, -s), Vector::<2>::new(s, c));
-    // Half the way of the drop to either side of the middle, room for its spreading and the wall's slope.
+    // Half the displacement to either side of the middle, with room for the spreading and the wall's slope.
     let size = Vector::<2>::new(4.2 + 2.5 * c, 2.6 + 4.2 * s);
     let grid = Grid::<2>::new([0, 1].map(|a| (size[a] * cells as f64).ceil() as usize), dx);
     let middle = Vector::<2>::new(0.5 * size[0], 0.45 * size[1] - 0.75 * c + 0.27 * dx);

@@ -1,4 +1,4 @@
-//! A drop on a slope whose front is at a step of the wettability.
+//! A drop on a slope, pinned with its front at a step of the wettability.
 
 use super::sessile::sessile_model;
 use crate::measure::checks_or_failure;
@@ -25,11 +25,11 @@ pub const CASE: Case = Case {
 };
 
 const NAME: &str = "wettability-step";
-/// `ρ g A / γ` of the design's table: γ = 100 dyn/cm, A = 0.2 cm².
+/// `ρ g A / γ`: γ = 100 dyn/cm, A = 0.2 cm².
 const WEIGHT_RATIO: f64 = 1.962;
-/// How long the drop has to let go.
+/// Duration of the runs, in which the drop may depin.
 const TIME: f64 = 60.0;
-/// Angles, degrees, between which the critical one is looked for.
+/// Angles, degrees, between which the critical one is sought.
 const ANGLE_RANGE: [f64; 2] = [21.0, 40.0];
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -50,7 +50,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// Whether the drop lets go of the step at an angle (degrees): on a slope that slants, or on a wall along the grid.
+/// Whether the drop depins at an angle (degrees), on a wall oblique to the grid or along it.
 fn depins(cells: usize, angle: f64, slanting: bool) -> Result<bool, StepError> {
     let dx = 1.0 / cells as f64;
     let (s, c) = angle.to_radians().sin_cos();
@@ -58,7 +58,7 @@ fn depins(cells: usize, angle: f64, slanting: bool) -> Result<bool, StepError> {
     let [along, normal] =
         if slanting { [[c, -s], [s, c]] } else { [[1.0, 0.0], [0.0, 1.0]] }.map(Vector::<2>::from);
     let gravity = (if slanting { Vector::<2>::new(0.0, -1.0) } else { gravity }) * down;
-    // Room for the drop and the way that tells that it has let go.
+    // Room for the drop and for the displacement that indicates depinning.
     let size = if slanting { Vector::<2>::new(5.5, 4.5) } else { Vector::<2>::new(5.5, 2.5) };
     let step = if slanting { Vector::<2>::new(3.2, 1.8) } else { Vector::<2>::new(3.2, 0.5 + 0.3 * dx) };
     let grid = Grid::<2>::new([0, 1].map(|a| (size[a] * cells as f64) as usize), dx);

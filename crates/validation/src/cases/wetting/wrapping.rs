@@ -1,4 +1,4 @@
-//! Drops on long soft sheets: how far they bend them, and from what size on the sheet wraps them up.
+//! Drops on long deformable sheets: bending, and the threshold of wrapping.
 
 use crate::measure::checks_or_failure;
 use crate::plate::{Plate, PlateSetup, PlateSupport};
@@ -53,7 +53,7 @@ const THRESHOLDS: [(f64, f64); 7] = [
     (135.0, 1.423),
 ];
 const CELLS: usize = 16;
-/// Length of the ends whose slope is measured.
+/// Length of the ends where the slope is measured.
 const END_LENGTH: f64 = 0.5;
 
 /// A drop on a sheet with R0/L = `ratio`.

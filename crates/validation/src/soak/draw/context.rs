@@ -1,4 +1,4 @@
-//! The frame of a drawn scene: domain, liquid, gravity, step and duration, and what room is left in it.
+//! The context of a random scene: domain, liquid, gravity, step, duration, and the free room.
 
 use super::random::Random;
 use crate::soak::CaseOptions;
@@ -6,12 +6,12 @@ use std::fmt::Write as _;
 
 /// Standard gravity, m/s².
 const GRAVITY: f64 = 9.81;
-/// Steps that a run should take: enough that solids and drops meet, few enough that a case takes seconds.
+/// Steps that a run should take: enough for solids and drops to meet, few enough for a case to take seconds.
 const STEP_COUNT_RANGE: [f64; 2] = [200.0, 600.0];
-/// Tries to find room for something.
+/// Most tries to find room for an object.
 const MAX_PLACEMENT_TRIES: usize = 30;
 
-/// What is drawn first, SI.
+/// The first random choices of a scene, SI.
 pub struct SceneContext {
     /// 2 or 3.
     pub dimension: usize,
@@ -29,20 +29,20 @@ pub struct SceneContext {
     pub viscosity: f64,
     /// Gravity, m/s².
     pub gravity: Vec<f64>,
-    /// Largest step over the explicit capillary limit; none where the scene leaves it open.
+    /// Largest step over the explicit capillary limit; none for the default.
     pub capillary_step: Option<f64>,
-    /// Speed of the bodies of liquid, m/s.
+    /// Speed of the liquid bodies, m/s.
     pub speed: f64,
     /// Duration, s.
     pub duration: f64,
-    /// Height below which there is a floor, m.
+    /// Height of the floor, m.
     pub floor: f64,
-    /// Balls around what is there already: centre and radius, m.
+    /// Balls around the placed objects: centre and radius, m.
     pub occupied: Vec<(Vec<f64>, f64)>,
 }
 
 impl SceneContext {
-    /// Draws it.
+    /// Draws the context.
     pub fn draw(random: &mut Random, wish: &CaseOptions) -> Self {
         let dimension = wish.dimension.unwrap_or(if random.bernoulli(0.8) { 2 } else { 3 });
         let (fewest, most) = match (dimension, wish.quick) {
@@ -52,7 +52,7 @@ impl SceneContext {
             (_, true) => (20.0, 24.0),
         };
         let longest = random.log_uniform(4e-3, 16e-3);
-        // Small ones are more frequent: a case costs some power of the number of cells.
+        // Small resolutions are more frequent, because the cost is a power of the number of cells.
         let resolution = random.log_uniform(fewest, most + 0.99).floor();
         let dx = longest / resolution;
         let wide = random.index_below(dimension);
@@ -87,8 +87,8 @@ impl SceneContext {
         world
     }
 
-    /// The time in which drops fall or fly through the domain and swing a few times, within [`STEP_COUNT_RANGE`], s. A drop of water of
-    /// two millimetres takes 60 ms.
+    /// The time in which drops cross the domain and oscillate a few times, limited by [`STEP_COUNT_RANGE`], s. A water drop of two
+    /// millimetres takes 60 ms.
     fn suitable_duration(&self, across: f64) -> f64 {
         let height = self.size[self.dimension - 1];
         let fall = self.gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
@@ -109,8 +109,8 @@ impl SceneContext {
         self.size.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// Finds room for a ball of a radius (m), marks it as taken and gives back its centre; where there is none it overlaps
-    /// something, and the program has to refuse it.
+    /// Finds room for a ball of a radius (m), marks it as occupied and returns its centre. If there is none the ball overlaps another,
+    /// and the program must refuse the scene.
     pub fn place_ball(&mut self, random: &mut Random, reach: f64) -> Vec<f64> {
         let gap = 0.5 * self.dx;
         let last = self.dimension - 1;
@@ -162,7 +162,7 @@ impl SceneContext {
     }
 }
 
-/// Down, seldom none, seldom askew.
+/// A gravity vector: mostly down, seldom zero or oblique.
 fn gravity(random: &mut Random, dimension: usize) -> Vec<f64> {
     let mut gravity = vec![0.0; dimension];
     if random.bernoulli(0.75) {
@@ -183,7 +183,7 @@ fn walls(random: &mut Random, dimension: usize) -> String {
     format!("walls = {{ {} }}\n", sides.join(", "))
 }
 
-/// A contact angle, degrees; the ends and the middle are frequent.
+/// A contact angle, degrees; the extremes and the middle are frequent.
 pub fn angle(random: &mut Random) -> f64 {
     match random.weighted_index(&[0.1, 0.1, 0.1, 0.7]) {
         0 => 0.0,
@@ -198,24 +198,24 @@ pub fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt()
 }
 
-/// A length as in a scene file.
+/// A length in scene-file syntax.
 pub fn length(x: f64) -> String {
     format!("\"{:.5} mm\"", x * 1e3)
 }
 
-/// A point as in a scene file.
+/// A point in scene-file syntax.
 pub fn lengths(x: &[f64]) -> String {
     let all: Vec<String> = x.iter().map(|x| length(*x)).collect();
     format!("[{}]", all.join(", "))
 }
 
-/// A vector of a unit as in a scene file.
+/// A vector with a unit in scene-file syntax.
 pub fn list(x: &[f64], unit: &str) -> String {
     let all: Vec<String> = x.iter().map(|x| format!("\"{x:.5} {unit}\"")).collect();
     format!("[{}]", all.join(", "))
 }
 
-/// A direction as in a scene file.
+/// A direction in scene-file syntax.
 pub fn numbers(x: &[f64]) -> String {
     let all: Vec<String> = x.iter().map(|x| format!("{x:.6}")).collect();
     format!("[{}]", all.join(", "))

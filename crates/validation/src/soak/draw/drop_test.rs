@@ -1,28 +1,27 @@
-//! The drop test: a designed set of soft solids that fall on all sorts of ground, with water between.
+//! The drop test: a designed set of deformable solids that fall on various grounds, with liquid between.
 //!
-//! The set is a Latin hypercube (M. D. McKay, R. J. Beckman, W. J. Conover, Technometrics 21 (1979) 239): a round has as many cases
-//! as every continuous factor has strata, and each stratum of each factor occurs once in a round, in an order that the seed gives.
-//! Shapes and grounds go through all of their pairs in 24 cases.
+//! The set is a Latin hypercube (M. D. McKay, R. J. Beckman, W. J. Conover, Technometrics 21 (1979) 239). A round has as many cases as a
+//! continuous factor has strata; each stratum of each factor occurs once per round, in an order given by the seed. Shapes and grounds
+//! take all of their pairs in 24 cases.
 //!
-//! The factors are those that a fall depends on: the solid's shape; Young's modulus, 300 Pa to 10 MPa; density, 0.2 to 8 times the
-//! liquid's; height of the fall, 1 to 20 mm; contact angle, 20 to 160 degrees; tilt, up to 30 degrees to both sides. Nothing damps the
-//! solids, so that what the method itself loses or wins shows.
+//! Factors: the solid's shape; Young's modulus, 300 Pa to 10 MPa; density, 0.2 to 8 times the liquid's; height of the fall, 1 to 20 mm;
+//! contact angle, 20 to 160 degrees; tilt, up to 30 degrees to both sides. The solids are undamped, so that any gain or loss of energy by
+//! the method shows.
 //!
-//! A fall starts shortly above the ground with the speed that the rest of its height gives: flight through air, which there is none
-//! of, takes time and shows nothing.
+//! A fall starts shortly above the ground with the speed of the remaining height, because there is no air and the flight only costs time.
 
 use super::context::{length, lengths, list};
 use super::random::Random;
 use crate::soak::{CaseOptions, CaseSet};
 use std::fmt::Write as _;
 
-/// Strata of a factor, and cases of a round: 2D, 3D.
+/// Strata of a factor, and cases per round: 2D, 3D.
 pub const STRATA: [u64; 2] = [60, 12];
 const GRAVITY: f64 = 9.81;
 const WATER_DENSITY: f64 = 1000.0;
-/// Room between the solid and what it falls on at the start, m.
+/// Initial gap between the solid and the ground, m.
 const START_GAP: f64 = 0.5e-3;
-/// Time after the solid has come down, s: 2D, 3D. Solids of the longest period rebound and return in it.
+/// Time after the impact, s: 2D, 3D; enough for solids of the longest period to rebound and return.
 const TIME_AFTER_IMPACT: [f64; 2] = [30e-3, 15e-3];
 
 const SHAPES: [&str; 4] = ["block", "ball", "plate", "strip"];
@@ -33,7 +32,7 @@ struct Case {
     dimension: usize,
     shape: usize,
     ground: usize,
-    /// Young's moduli of the solid and of the one that it may fall on, Pa.
+    /// Young's moduli of the solid and of the one below it, Pa.
     young: [f64; 2],
     /// Poisson's ratio.
     poisson: f64,
@@ -45,13 +44,13 @@ struct Case {
     angle: f64,
     /// Tilt, rad.
     tilt: f64,
-    /// Way off the middle, m.
+    /// Offset from the middle, m.
     lateral_offset: f64,
-    /// Frames and duration are shorter.
+    /// Whether frames and duration are shorter.
     quick: bool,
 }
 
-/// The text of a scene file of the set, the same on every machine.
+/// The text of a scene file of the set; identical on every machine.
 pub fn scene(wish: &CaseOptions, case: u64) -> String {
     let dimension = wish.dimension.unwrap_or(2);
     let design = LatinHypercube { seed: wish.seed, dimension, case };
@@ -74,7 +73,7 @@ pub fn scene(wish: &CaseOptions, case: u64) -> String {
     drawn.text(&format!("{}-{dimension}d-{}-{case}", CaseSet::DropTest.name(), wish.seed))
 }
 
-/// Where the strata of a case come from.
+/// Generator of the strata of a case.
 struct LatinHypercube {
     seed: u64,
     dimension: usize,
@@ -82,7 +81,7 @@ struct LatinHypercube {
 }
 
 impl LatinHypercube {
-    /// The place of the case in a factor's range, 0 to 1: its stratum in a random order of all, and at random within that.
+    /// The case's value of a factor in its range, 0 to 1: its stratum in a random permutation, and a random position within it.
     fn stratum(&self, factor: u64) -> f64 {
         let count = STRATA[self.dimension - 2];
         let (round, number) = (self.case / count, (self.case % count) as usize);
@@ -95,7 +94,7 @@ impl LatinHypercube {
 }
 
 impl Case {
-    /// Half the size of the solid without its tilt, m; a ball's is its radius in all directions.
+    /// Half-size of the solid without its tilt, m; for a ball its radius in all directions.
     fn half(&self) -> Vec<f64> {
         let (wide, high) = match SHAPES[self.shape] {
             "block" => (1.5e-3, 1.2e-3),
@@ -107,7 +106,7 @@ impl Case {
         if self.dimension == 2 { vec![wide, high] } else { vec![wide, deep, high] }
     }
 
-    /// How far the solid reaches to the side and down from its middle, m.
+    /// Half-extents of the tilted solid to the side and down from its middle, m.
     fn half_extents(&self) -> [f64; 2] {
         let half = self.half();
         let (wide, high) = (half[0], half[self.dimension - 1]);
@@ -122,7 +121,7 @@ impl Case {
         if self.dimension == 2 { vec![16e-3, 12e-3] } else { vec![12e-3, 8e-3, 10e-3] }
     }
 
-    /// A point, m, from its place along the first and the last axis; in the middle along the other.
+    /// A point, m, from its positions along the first and the last axis; in the middle along the other.
     fn at(&self, x: f64, y: f64) -> Vec<f64> {
         if self.dimension == 2 { vec![x, y] } else { vec![x, 0.5 * self.size()[1], y] }
     }
@@ -133,7 +132,7 @@ impl Case {
         let x =
             if GROUNDS[self.ground] == "corner" { wide + START_GAP } else { middle + self.lateral_offset };
         let center = self.at(x, ground.top + START_GAP + low);
-        // What is left of the height after the room that there is.
+        // The remaining height of the fall beyond the available room.
         let fallen = (self.height - (ground.top - ground.level) - START_GAP).max(0.0);
         let speed = (2.0 * GRAVITY * fallen).sqrt();
         let mut velocity = vec![0.0; self.dimension];
@@ -168,7 +167,7 @@ impl Case {
         (0..self.dimension).map(|a| if a + 1 == self.dimension { -GRAVITY } else { 0.0 }).collect()
     }
 
-    /// What the solid falls on.
+    /// The ground under the solid.
     fn ground(&self) -> Ground {
         let middle = 0.5 * self.size()[0];
         let drop = |x: f64, y: f64, radius: f64| Some((self.at(x, y), radius));
@@ -214,7 +213,7 @@ impl Case {
             let normal: Vec<f64> = (0..self.dimension).map(|a| f64::from(u8::from(a == last))).collect();
             return body(format!("{{ half_space = {{ point = {point}, normal = {normal:?} }} }}"));
         }
-        // On its upper side, across the tilt; half of it is within the solid, and counts as nothing.
+        // On its upper side, across the tilt; its half within the solid is not counted as liquid.
         let high = self.half()[last];
         let mut top = center.to_vec();
         let tilt = if SHAPES[self.shape] == "ball" { 0.0 } else { self.tilt };
@@ -230,7 +229,7 @@ impl Case {
         } else {
             let size: Vec<f64> = half.iter().map(|h| 2.0 * h).collect();
             let degrees = self.tilt.to_degrees();
-            // About the second axis the first turns down: the opposite of the tilt in 2D.
+            // A positive rotation about the second axis turns the first axis down: opposite to the tilt in 2D.
             let rotation = if self.dimension == 2 {
                 format!("\"{degrees:.3} deg\"")
             } else {
@@ -268,14 +267,14 @@ impl Case {
     }
 }
 
-/// What a solid falls on.
+/// The ground under the solid.
 struct Ground {
-    /// Its height, m, from which falls are counted.
+    /// Height of the ground, m, from which falls are counted.
     level: f64,
-    /// The height of the liquid on it, m.
+    /// Height of the liquid on it, m.
     top: f64,
     /// Centre and radius of a drop on it, m.
     drop: Option<(Vec<f64>, f64)>,
-    /// Its section `[[solid]]`, if it is one.
+    /// Its section `[[solid]]`, if it is a solid.
     solid: String,
 }

@@ -1,4 +1,4 @@
-//! Scenes, drawn at random.
+//! Random scenes.
 
 pub mod context;
 pub mod drop_test;

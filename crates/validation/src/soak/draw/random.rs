@@ -1,7 +1,7 @@
-//! Random numbers of the soak: SplitMix64 (Steele, Lea and Flood 2014) as a function of a key and a counter, so that a seed, a
-//! case and an attempt name a stream on every machine.
+//! Random numbers of the soak: SplitMix64 (Steele, Lea and Flood 2014) as a function of a key and a counter, so that a seed, a case and
+//! an attempt give the same stream on every machine.
 
-/// The step of the counter: the golden ratio in 64 bits.
+/// Increment of the counter: the golden ratio in 64 bits.
 const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// A stream of random numbers.
@@ -11,7 +11,7 @@ pub struct Random {
 }
 
 impl Random {
-    /// The stream that a list of numbers names.
+    /// The stream with the given keys.
     pub fn of(keys: &[u64]) -> Self {
         Self { state: keys.iter().fold(0, |state, key| mix(state ^ mix(key.wrapping_add(GOLDEN_GAMMA)))) }
     }
@@ -21,32 +21,32 @@ impl Random {
         mix(self.state)
     }
 
-    /// A number from 0 to below 1.
+    /// A uniform number in [0, 1).
     pub fn uniform_unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// A number between two, each equally likely.
+    /// A uniform number between two bounds.
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.uniform_unit()
     }
 
-    /// A number between two above zero, each order of magnitude equally likely.
+    /// A log-uniform number between two positive bounds.
     pub fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.uniform_unit())
     }
 
-    /// A whole number from 0 to below `count`.
+    /// A uniform integer in [0, `count`).
     pub fn index_below(&mut self, count: usize) -> usize {
         ((self.uniform_unit() * count as f64) as usize).min(count.saturating_sub(1))
     }
 
-    /// Whether something of a probability happens.
+    /// True with the given probability.
     pub fn bernoulli(&mut self, probability: f64) -> bool {
         self.uniform_unit() < probability
     }
 
-    /// The number of one of several things that are as likely as their weights.
+    /// A random index with the given weights.
     pub fn weighted_index(&mut self, weights: &[f64]) -> usize {
         let mut rest = self.uniform_unit() * weights.iter().sum::<f64>();
         let within = |weight: &f64| {
@@ -56,7 +56,7 @@ impl Random {
         weights.iter().position(within).unwrap_or(weights.len().saturating_sub(1))
     }
 
-    /// A direction in so many dimensions; all are equally likely.
+    /// A uniformly distributed direction.
     pub fn direction(&mut self, dimension: usize) -> Vec<f64> {
         loop {
             let v: Vec<f64> = (0..dimension).map(|_| self.uniform(-1.0, 1.0)).collect();

@@ -1,7 +1,7 @@
-//! Draws a scene file from the whole grammar.
+//! Generates a random scene file from the whole grammar.
 //!
-//! It is left out: images of the angle and mesh files of the user's, as they need files; thin sheets and threads, which no
-//! version runs yet; studies of the step (`fixed_step`, `restore_momentum = false`).
+//! Not covered: images of the angle and the user's mesh files, which need files; thin sheets and threads, which no version runs yet;
+//! numerical options for studies (`fixed_step`, `restore_momentum = false`).
 
 use super::context::{SceneContext, length, lengths, list, numbers};
 use super::random::Random;
@@ -10,7 +10,7 @@ use super::solids::Solids;
 use crate::soak::{CaseOptions, Class};
 use std::fmt::Write as _;
 
-/// The text of a scene file, the same for the same wish, seed, case and attempt on every machine.
+/// The text of a scene file; the same for the same options, case and attempt on every machine.
 pub fn scene(wish: &CaseOptions, case: u64, attempt: u64) -> String {
     let class = wish.class.map_or(0, |c| 1 + c as u64);
     let kind = 2 * class + u64::from(wish.quick);
@@ -39,7 +39,7 @@ pub fn scene(wish: &CaseOptions, case: u64, attempt: u64) -> String {
     )
 }
 
-/// A body that fills the lower part of the domain.
+/// A liquid body that fills the lower part of the domain.
 fn bath(random: &mut Random, world: &SceneContext) -> String {
     let last = world.dimension - 1;
     let level = world.floor + random.uniform(0.12, 0.4) * (world.size[last] - world.floor);
@@ -66,7 +66,7 @@ fn bath(random: &mut Random, world: &SceneContext) -> String {
     format!("\n[[liquid.body]]\nshape = {shape}\n")
 }
 
-/// A body with an end, at rest or on its way.
+/// A bounded liquid body, at rest or moving.
 fn body(random: &mut Random, world: &mut SceneContext) -> String {
     let radius = random.log_uniform(4.0 * world.dx, (0.25 * world.shortest_side()).max(5.0 * world.dx));
     let center = world.place_ball(random, radius);
@@ -74,7 +74,7 @@ fn body(random: &mut Random, world: &mut SceneContext) -> String {
     let mut text = format!("\n[[liquid.body]]\nshape = {shape}\n");
     if world.speed > 0.0 {
         let mut along = random.direction(world.dimension);
-        // Most fall on what is below.
+        // Half of the directions are made to point down, towards the objects below.
         if random.bernoulli(0.5) {
             let last = world.dimension - 1;
             along[last] = -along[last].abs();

@@ -1,28 +1,28 @@
-//! Shapes with an end, of solids and liquid.
+//! Bounded random shapes of solids and liquid.
 
 use super::context::{SceneContext, length, lengths, numbers};
 use super::random::Random;
 
-/// What a shape is for.
+/// Use of a shape.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Use {
-    /// Liquid: no part of it is thinner than four cells.
+    /// Liquid; no part is thinner than four cells.
     Liquid,
     /// A rigid solid.
     Rigid,
-    /// A solid that deforms.
+    /// A deformable solid.
     Soft,
 }
 
-/// A shape that lies within a ball.
+/// The region and use of a shape.
 pub struct ShapeRegion<'a> {
-    /// The frame of the scene.
+    /// The context of the scene.
     pub world: &'a SceneContext,
     /// Centre of the ball, m.
     pub center: Vec<f64>,
     /// Its radius, m.
     pub radius: f64,
-    /// What it is for.
+    /// Use of the shape.
     pub used: Use,
 }
 
@@ -63,7 +63,7 @@ impl ShapeRegion<'_> {
         }
     }
 
-    /// The least thickness that is drawn, m.
+    /// The smallest thickness to draw, m.
     fn thinnest(&self) -> f64 {
         self.world.dx * if self.used == Use::Liquid { 4.0 } else { 1.5 }
     }
@@ -76,7 +76,7 @@ impl ShapeRegion<'_> {
         format!("{{ ball = {{ center = {}, radius = {} }} }}", lengths(center), length(radius))
     }
 
-    /// A box of any proportion, often a thin one, turned or not.
+    /// A box of random proportions, often thin, rotated or not.
     fn plate(&self, random: &mut Random) -> String {
         let d = self.world.dimension;
         let mut size: Vec<f64> = (0..d).map(|_| random.uniform(0.4, 1.0)).collect();
@@ -138,7 +138,7 @@ impl ShapeRegion<'_> {
         )
     }
 
-    /// Two balls that overlap, and how far they reach.
+    /// Two overlapping balls, and their extent.
     fn two(&self, random: &mut Random) -> [String; 2] {
         let along = random.direction(self.world.dimension);
         let off = random.uniform(0.3, 0.45) * self.radius;
@@ -158,7 +158,7 @@ impl ShapeRegion<'_> {
         format!("{{ smooth_union = {{ parts = [{parts}], width = {} }} }}", length(0.3 * self.radius))
     }
 
-    /// A ball with a bite.
+    /// A ball from which another ball is cut.
     fn difference(&self, random: &mut Random) -> String {
         let along = random.direction(self.world.dimension);
         let at: Vec<f64> = self.center.iter().zip(&along).map(|(c, a)| c + self.radius * a).collect();
@@ -185,7 +185,7 @@ impl ShapeRegion<'_> {
         )
     }
 
-    /// The duck of the program is about two units long; its frame starts at its middle.
+    /// The built-in duck is about two units long; its origin is at its middle.
     fn duck(&self) -> String {
         let scale = format!("{:.6e}", 0.5 * self.radius);
         format!(

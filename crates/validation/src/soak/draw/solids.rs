@@ -1,4 +1,4 @@
-//! Solids of a drawn scene: what they are made of, where they are, how they move, and how liquid meets them.
+//! Random solids: material, position, motion, and wetting.
 
 use super::context::{SceneContext, angle, length, lengths, list, numbers};
 use super::random::Random;
@@ -15,7 +15,7 @@ enum MotionKind {
     Soft,
 }
 
-/// What is drawn of a scene's solids.
+/// The random solids of a scene.
 #[derive(Default)]
 pub struct Solids {
     /// The sections `[[solid]]`.
@@ -24,7 +24,7 @@ pub struct Solids {
     pub tension: String,
     /// Names of the solids.
     pub names: Vec<String>,
-    /// Whether any of them has both of its own tensions given, and all that deform have.
+    /// Whether any solid has both of its surface tensions given, and all deformable ones have.
     pub neumann: bool,
 }
 
@@ -36,7 +36,7 @@ impl Solids {
             return solids;
         }
         let count = 1 + random.weighted_index(&[0.5, 0.25, 0.15, 0.1]);
-        // One of the class' own kind first: the rest may be of any kind that the class has.
+        // The first solid is of the class's own kind; the rest may be of any kind in the class.
         let first = match class {
             Class::Soft => MotionKind::Soft,
             _ => [MotionKind::Fixed, MotionKind::Kinematic, MotionKind::Free]
@@ -110,7 +110,7 @@ impl Solids {
     }
 }
 
-/// A solid with an end: its shape, the centre (m) and the radius (m) of a ball around it.
+/// A bounded solid: its shape, and the centre (m) and radius (m) of a ball around it.
 fn bounded(random: &mut Random, world: &mut SceneContext, kind: MotionKind) -> (String, Vec<f64>, f64) {
     let used = if kind == MotionKind::Soft { Use::Soft } else { Use::Rigid };
     let least = 2.5 * world.dx;
@@ -120,7 +120,7 @@ fn bounded(random: &mut Random, world: &mut SceneContext, kind: MotionKind) -> (
     (place.shape(random), center, radius)
 }
 
-/// A floor, a slope, or a shelf from wall to wall; everything else is above it.
+/// A floor, a slope, or a shelf from wall to wall; everything else lies above it.
 fn ground_shape(random: &mut Random, world: &mut SceneContext) -> (String, Vec<f64>, f64) {
     let last = world.dimension - 1;
     let thick = random.log_uniform(1.5 * world.dx, 0.25 * world.size[last]);
@@ -145,7 +145,7 @@ fn ground_shape(random: &mut Random, world: &mut SceneContext) -> (String, Vec<f
     (shape, top, reach)
 }
 
-/// A motion that ends before the sides of the domain, by keyframes or with a constant velocity.
+/// A prescribed motion that stays inside the domain, by keyframes or with a constant velocity.
 fn kinematic(random: &mut Random, world: &SceneContext, center: &[f64], reach: f64) -> String {
     let way = |random: &mut Random| -> Vec<f64> {
         let along = |a: usize| {
@@ -177,7 +177,7 @@ fn kinematic(random: &mut Random, world: &SceneContext, center: &[f64], reach: f
     )
 }
 
-/// The material of a solid that deforms, its mesh, and what holds it.
+/// The material of a deformable solid, its mesh, and its anchored part.
 fn soft(random: &mut Random, world: &SceneContext, center: &[f64], reach: f64) -> String {
     let young = random.log_uniform(10.0, 1e9);
     let damping = if random.bernoulli(0.5) { 0.0 } else { random.uniform(0.0, 0.3) };
@@ -206,7 +206,7 @@ fn soft(random: &mut Random, world: &SceneContext, center: &[f64], reach: f64) -
     text
 }
 
-/// Holds or moves what lies to one side of a plane through the ball around a solid.
+/// Anchors or moves the part on one side of a plane through the ball around a solid.
 fn anchored_part(random: &mut Random, world: &SceneContext, center: &[f64], reach: f64) -> String {
     let (axis, low) = (random.index_below(world.dimension), random.bernoulli(0.5));
     let depth = random.uniform(0.2, 0.7) * reach;
@@ -225,7 +225,7 @@ fn anchored_part(random: &mut Random, world: &SceneContext, center: &[f64], reac
     format!("moved = [{{ shape = {{ {part} }}, velocity = {} }}]", list(&velocity, "m/s"))
 }
 
-/// How liquid meets a solid: an angle, both tensions, a gradient, and patches over them.
+/// Wetting of a solid: an angle, both tensions, a gradient, and patches over them.
 fn wetting(random: &mut Random, world: &SceneContext, center: &[f64], reach: f64) -> String {
     let base = match random.weighted_index(&[0.7, 0.15, 0.15]) {
         0 => format!("contact_angle = \"{:.2} deg\"", angle(random)),
@@ -255,7 +255,7 @@ fn wetting(random: &mut Random, world: &SceneContext, center: &[f64], reach: f64
     )
 }
 
-/// Both tensions of a solid, at an angle between 10 and 170 degrees.
+/// Both surface tensions of a solid, for an angle between 10 and 170 degrees.
 fn energies(random: &mut Random, tension: f64) -> String {
     let difference = tension * random.uniform(10.0f64, 170.0).to_radians().cos();
     let wet = random.uniform(0.0, 1.0) * tension + (-difference).max(0.0);

@@ -1,16 +1,16 @@
-//! The energy law of a step: in a scene on which nothing does work the energy never rises.
+//! The energy law of a step: without external work the energy never rises.
 //!
-//! A step moves positions with velocities that are a time `l` ahead of them, `x' = x + h v`, and then finds the coming velocities. What
-//! a step keeps that dissipates nothing is the energy at the time of the velocities, where solids are at `q = x + l v`
+//! A step moves positions with velocities that lead them by a time `l`, `x' = x + h v`, and then computes the next velocities. The
+//! conserved energy of a step without dissipation is that at the time of the velocities, where solids are at `q = x + l v`
 //! (`meniscus_elastic::IncrementalPotential`):
 //!
 //! ```text
 //! E = T(v) + Ψ(q) + B(q) + S + l/h (S' − S) + P + l/h (P' − P):
 //! ```
 //!
-//! kinetic, elastic (with what keeps elements upright), that of the barriers and of friction's elastic slips, that of the surface, and that
-//! of gravity. For solids it is exact. The surface's and gravity's are between two times, with an error of second order in the step for
-//! liquid. Liquid and rigid solids have no energy but `T`, `B`, `S` and `P`.
+//! The terms are kinetic, elastic (with the barrier against inversion), contact barriers with elastic slips of friction, surface, and
+//! gravity. For solids the law is exact. Surface and gravity are interpolated between two times, with a second-order error for liquid.
+//! Liquid and rigid solids have only `T`, `B`, `S` and `P`.
 
 use super::invariants::MAX_ENERGY_RISE_PER_STEP;
 use crate::soak::EnergyLaw;
@@ -19,21 +19,21 @@ use meniscus_sim::{Barriers, Diagnostics, Model, Simulation, Solid, SolidState, 
 /// Kinds of energy, in the order of [`EnergyLaw::terms`].
 pub const ENERGY_TERMS: [&str; 5] = ["kinetic", "elastic", "barrier", "surface", "potential"];
 
-/// The books of the energy from step to step.
+/// Monitors the energy from step to step.
 pub struct EnergyMonitor<const D: usize> {
     barriers: Barriers<D>,
     scale: f64,
-    /// What was true at the start of the step that goes on.
+    /// Quantities at the start of the current step.
     start: Option<StepStart<D>>,
-    /// The energies of the step before, J.
+    /// The energies of the previous step, J.
     previous: Option<[f64; 5]>,
     law: EnergyLaw,
 }
 
-/// The positions of a time, and velocities of the step from there.
+/// Quantities at the start of a step, with the velocities of that step.
 struct StepStart<const D: usize> {
     time: f64,
-    /// How far the velocities are ahead, s.
+    /// Time by which the velocities lead, s.
     velocity_lead: f64,
     kinetic: f64,
     surface: f64,
@@ -43,15 +43,15 @@ struct StepStart<const D: usize> {
 }
 
 impl<const D: usize> EnergyMonitor<D> {
-    /// The books of a model; `scale` is the energy, J, that rises are compared with.
+    /// A monitor for a model; `scale` is the energy, J, that scales rises.
     pub fn new(model: &Model<D>, scale: f64) -> Self {
         Self { barriers: Barriers::of(model), scale, start: None, previous: None, law: EnergyLaw::default() }
     }
 
-    /// Takes a step to the books; gives back the energy within the step, J, from the second step on.
+    /// Records a step. Returns the energy within the step, J, from the second step on.
     pub fn record(&mut self, simulation: &Simulation<D>, ledger: &Diagnostics<D>) -> Option<f64> {
         let (model, state) = (&simulation.model, &simulation.state);
-        // Energy of liquid that has left through open sides is part of the sum.
+        // The energy of liquid that left through open sides is part of the sum.
         let potential = ledger.potential_energy + state.outflow_stored_energy;
         let (solids, slips) = advanced_solids(model, state, state.velocity_lead);
         let now = StepStart {
@@ -69,13 +69,13 @@ impl<const D: usize> EnergyMonitor<D> {
             start.kinetic,
             start.elastic,
             start.barrier,
-            // Beyond the end of a step that is shorter than the lead nothing is known of the surface.
+            // If the step is shorter than the lead, the surface energy beyond its end is unknown.
             start.surface + part.min(1.0) * (ledger.surface_energy - start.surface),
             start.potential + part * (potential - start.potential),
         ];
         let total: f64 = energies.iter().sum();
         if !total.is_finite() {
-            // The step was shorter than the lead: beyond its end solids need not be apart and upright.
+            // If the step is shorter than the lead, solids may overlap or be inverted beyond its end.
             self.previous = None;
             return None;
         }
@@ -89,23 +89,23 @@ impl<const D: usize> EnergyMonitor<D> {
         }
         if rise > self.law.largest {
             (self.law.largest, self.law.terms) = (rise, terms);
-            // The energy is that within the step that ended here.
+            // The energy is that within the step that ends here.
             (self.law.step, self.law.time) = (state.step, state.time);
         }
         Some(total)
     }
 
-    /// The energy of barriers and of friction's elastic slips where solids are, J.
+    /// The energy of barriers and of elastic slips of friction at the solids' positions, J.
     pub fn barrier_energy(&self, model: &Model<D>, state: &State<D>) -> f64 {
         self.barriers.energy(model, &state.solids, &state.elastic_slips)
     }
 
-    /// Begins anew with the next step: what goes on until then is not compared.
+    /// Restarts with the next step, which is not compared with earlier ones.
     pub fn reset(&mut self) {
         (self.start, self.previous) = (None, None);
     }
 
-    /// What was found.
+    /// The recorded law.
     pub fn law(&self) -> &EnergyLaw {
         &self.law
     }

@@ -1,4 +1,4 @@
-//! The books of a run: what is compared with the invariants after every step.
+//! Checks the invariants of a run after every step.
 
 use super::invariants::{
     MAX_ENERGY_GROWTH, MAX_LIQUID_DEPTH_CELLS, MAX_MOMENTUM_ERROR, MAX_OVERLAP_CELLS, MAX_SPEED_RATIO,
@@ -11,22 +11,22 @@ use meniscus_sim::{Diagnostics, Model, Motion, Simulation, SolidState, State, St
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
-/// Steps between the looks at what costs as much as a step: fields, overlaps, liquid within solids.
+/// Steps between checks that cost as much as a step: fields, overlaps, liquid within solids.
 const CHECK_INTERVAL_STEPS: u64 = 4;
-/// Steps over which the energy is averaged where it is compared with its least value.
+/// Steps over which the energy is averaged for the comparison with its minimum.
 const AVERAGING_STEPS: usize = 8;
-/// Cells to a side within which something may touch it.
+/// Distance to a side, in cells, within which something may touch it.
 const SIDE_CONTACT_CELLS: f64 = 3.0;
 
-/// What a run began with, and its books so far.
+/// Initial quantities and running checks of a run.
 pub struct InvariantChecks<const D: usize> {
     energy: f64,
     /// Largest kind of energy at the start, J.
     scale: f64,
-    /// The energies after the last [`AVERAGING_STEPS`] steps, J, and the least mean of so many so far.
+    /// The energies after the last [`AVERAGING_STEPS`] steps, J, and the smallest mean over as many steps so far.
     recent_energies: VecDeque<f64>,
     least_energy: f64,
-    /// The energy of every step.
+    /// Monitor of the energy of every step.
     steps: EnergyMonitor<D>,
     volume: f64,
     momentum: Vector<D>,
@@ -35,16 +35,16 @@ pub struct InvariantChecks<const D: usize> {
     overlap: f64,
     /// The largest physical speed, m/s.
     speed: f64,
-    /// Whether nothing does work from outside.
+    /// Whether there is no external work.
     is_isolated: bool,
-    /// Whether no solid is led, so that overlaps can be resolved.
+    /// Whether no solid has prescribed motion, so that overlaps can be resolved.
     has_no_prescribed_motion: bool,
-    /// Whether nothing has touched a side so far, and no solid is held or led.
+    /// Whether nothing has touched a side so far, and no solid is anchored or has prescribed motion.
     conserves_momentum: bool,
 }
 
 impl<const D: usize> InvariantChecks<D> {
-    /// The books of a simulation at its start.
+    /// The checks of a simulation at its start.
     pub fn at_start(simulation: &Simulation<D>, scene: &Scene) -> Self {
         let (model, ledger) = (&simulation.model, simulation.diagnostics());
         let prescribed = model.solids.iter().any(|s| matches!(s.motion, Motion::Prescribed(_)));
@@ -73,17 +73,17 @@ impl<const D: usize> InvariantChecks<D> {
         }
     }
 
-    /// The energy over its scale that a run is compared by.
+    /// The scale of the energy, J.
     pub fn scale(&self) -> f64 {
         self.scale
     }
 
-    /// How the energy went from step to step; nothing where something does work from outside.
+    /// The energy law of the run; none with external work.
     pub fn energy_law(&self) -> Option<&EnergyLaw> {
         self.is_isolated.then(|| self.steps.law())
     }
 
-    /// What the step that led to this state broke.
+    /// The violations of the step that led to this state.
     pub fn check(&mut self, simulation: &Simulation<D>, report: &StepReport<D>) -> Vec<Violation> {
         let (model, state, ledger) = (&simulation.model, &simulation.state, &report.diagnostics);
         let mut found = StepViolations { step: state.step, time: state.time, all: Vec::new() };
@@ -126,12 +126,12 @@ impl<const D: usize> InvariantChecks<D> {
         found.all
     }
 
-    /// The energy is that at the time of the velocities ([`EnergyMonitor`]), where that of solids is kept: where a step does not resolve a
-    /// vibration, the elastic energy at the positions is above the vibration's. Where a solid goes as it is told it does work that
-    /// steps do not report: there the energy is left out. What has left through open sides counts.
+    /// The energy is taken at the time of the velocities ([`EnergyMonitor`]), where it is conserved for solids; at the positions the
+    /// elastic energy of an unresolved vibration is too large. Steps do not report the work of prescribed motion, so the check is then
+    /// skipped. Energy that left through open sides counts.
     ///
-    /// What steps of many capillary limits keep is a neighbour of the energy, which itself swings about that from step to step
-    /// by `(ω h)²` of what the fastest waves have. So it is a mean over some steps that must not rise again.
+    /// Steps of many capillary limits conserve a modified energy, about which the energy oscillates by `(ω h)²` of that of the fastest
+    /// waves. So the mean over some steps must not rise again.
     fn check_energy(
         &mut self,
         found: &mut StepViolations,
@@ -184,7 +184,7 @@ struct StepViolations {
 }
 
 impl StepViolations {
-    /// Adds a violation where a value is above its bar, or none.
+    /// Adds a violation if a value exceeds its bound or is NaN.
     fn at_most(&mut self, kind: &str, value: f64, bar: f64, words: &str) {
         if value.is_nan() || value > bar {
             self.add(kind, value, bar, words);
@@ -216,8 +216,8 @@ fn potential_and_stored<const D: usize>(ledger: &Diagnostics<D>) -> f64 {
     ledger.surface_energy + ledger.elastic_energy + ledger.potential_energy
 }
 
-/// The largest kind of energy at the start, J: of motion, of height over the lowest corner, of the surface, which is at least
-/// that of one ball of all the liquid (what wets may have none left).
+/// The largest kind of energy at the start, J: kinetic, potential over the lowest corner, surface. The surface energy is at least that of
+/// one ball of all the liquid, because wetting liquid may have none left.
 fn energy_scale<const D: usize>(model: &Model<D>, ledger: &Diagnostics<D>) -> f64 {
     let lowest: f64 = (0..D).map(|a| (model.gravity[a] * model.grid.domain_upper()[a]).max(0.0)).sum();
     let height = ledger.potential_energy + mass(model, ledger) * lowest;
@@ -246,12 +246,12 @@ fn momentum<const D: usize>(
     free.fold(ledger.momentum, |sum, (solid, now)| sum + now.velocity * solid.mass_properties.mass)
 }
 
-/// How deep solids overlap, m.
+/// Depth of the deepest overlap of solids, m.
 fn deepest_overlap<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
     overlaps(model, solids).into_iter().map(|o| o.2).fold(0.0, f64::max)
 }
 
-/// How deep the centre of a liquid cell lies within a solid, m.
+/// Depth of the deepest centre of a liquid cell within a solid, m.
 fn deepest_liquid<const D: usize>(simulation: &Simulation<D>) -> f64 {
     let grid = &simulation.model.grid;
     if simulation.model.solids.is_empty() {
@@ -271,15 +271,15 @@ fn touches_a_side<const D: usize>(model: &Model<D>, state: &State<D>) -> bool {
         || solids.into_iter().any(|[low, high]| out(&low, &high))
 }
 
-/// The largest speed that the energy of a scene can give liquid, m/s, as the root of a sum of `2 E/m`:
+/// The largest speed that the energy of a scene can give the liquid, m/s, as the root of a sum of `2 E/m`:
 ///
-/// - `v₀²`, of what is fastest at the start or as it is told: an impact turns it, and pushes liquid aside as fast;
-/// - `2 g H`, of a fall through all the domain;
-/// - `2 γ A₀ / ρ V`, if all of the surface at the start vanished and moved all of the liquid;
-/// - `γ / ρ Δ`, as a sheet of two cells, the thinnest that the grid has, draws back (Taylor 1959, Culick 1960:
-///   `√(2 γ / ρ h)`): tension moves little liquid no faster, threads of that size alike.
+/// - `v₀²`, the largest initial or prescribed speed: an impact redirects it and displaces liquid as fast;
+/// - `2 g H`, a fall through the whole domain;
+/// - `2 γ A₀ / ρ V`, the initial surface energy in all of the liquid;
+/// - `γ / ρ Δ`, the retraction of a sheet of two cells, the thinnest on the grid (Taylor 1959, Culick 1960: `√(2 γ / ρ h)`); threads of
+///   that size are as fast.
 ///
-/// Splashes and jets of what is resolved reach one to two times this speed; the bar is three times.
+/// Splashes and jets of resolved liquid reach one to two times this speed; the bound is three times.
 fn max_physical_speed<const D: usize>(
     simulation: &Simulation<D>,
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! The invariants: their names, their bars, and where the bars come from.
+//! The invariants: their names, bounds, and reasons of the bounds.
 
 /// An invariant of every run.
 #[derive(Clone, Copy, Debug)]
@@ -9,47 +9,47 @@ pub struct Invariant {
     pub holds: &'static str,
 }
 
-/// Growth of the energy over what it was, relative to its scale at the start: 1 %. Discretisation errors of the
-/// surface's area at eight cells a radius are a tenth of it.
+/// Growth of the energy relative to its initial scale: 1 %. Discretisation errors of the surface area at eight cells per radius are a
+/// tenth of it.
 pub const MAX_ENERGY_GROWTH: f64 = 0.01;
-/// Rise of the energy in a step, relative to its scale, in sets where no step may have one: rounding and the pressure's residual
-/// (1e-6 of its right side) are below it.
+/// Rise of the energy in a step, relative to its scale, in sets where no step may have one. Rounding and the pressure residual (relative
+/// tolerance 1e-6) are smaller.
 pub const MAX_ENERGY_RISE_PER_STEP: f64 = 1e-6;
-/// Momentum that nothing gave, over that of all mass at the largest root mean square speed. What the discretisation loses is
-/// given back, so only rounding and the solver's residual (1e-6) are left.
+/// Unexplained momentum over that of all mass at the largest root mean square speed. Discretisation losses are restored, so only rounding
+/// and the solver's residual (1e-6) remain.
 pub const MAX_MOMENTUM_ERROR: f64 = 1e-5;
-/// Volume lost or gained, relative.
+/// Relative volume error.
 pub const MAX_VOLUME_ERROR: f64 = 1e-3;
-/// Overlap of solids beyond that at the start, in cells: what `[predict_motions]` allows everywhere.
+/// Overlap of solids beyond that at the start, in cells; `[expect]` has the same tolerance.
 pub const MAX_OVERLAP_CELLS: f64 = 0.01;
 /// Depth of liquid within a solid, in cells.
 pub const MAX_LIQUID_DEPTH_CELLS: f64 = 1.0;
 /// Largest speed over the largest physical one.
 pub const MAX_SPEED_RATIO: f64 = 3.0;
-/// Longest step over the median's, and the least that counts, s: below it is noise of the machine.
+/// Longest step over the median, and the shortest that counts, s; below it machine noise dominates.
 pub const SLOW_STEP_LIMITS: (f64, f64) = (50.0, 1.0);
-/// Memory over what `check` tells, and what the program takes without a scene, bytes (its code, tables, threads and what the
-/// allocator keeps). The estimate is for large scenes, where it is right within a third; twice it is a fault of its own.
+/// Memory over the estimate of `check`, and the program's memory without a scene, bytes (code, tables, threads, allocator). The estimate
+/// of large scenes is right within a third; twice it counts as a violation.
 pub const MEMORY_LIMITS: (f64, f64) = (2.0, 64e6);
-/// Processor time of one step that hangs, s.
+/// Processor time of a step that counts as hanging, s.
 pub const HANG_CPU_SECONDS: f64 = 20.0;
 /// Processor time after which a case ends without a verdict, s: 2D, 3D.
 pub const CPU_BUDGET_SECONDS: [f64; 2] = [60.0, 150.0];
-/// Steps after which a case ends without a verdict: twice what a drawn scene should take.
+/// Steps after which a case ends without a verdict: twice the expected number.
 pub const MAX_STEPS: u64 = 1200;
-/// The same two bounds in the drop test, whose cases are longer.
+/// The same for the drop test, whose cases are longer, s.
 pub const DROP_TEST_CPU_BUDGET_SECONDS: [f64; 2] = [180.0, 900.0];
-/// Steps of a case of the drop test at most.
+/// Steps of a drop-test case after which it ends without a verdict.
 pub const DROP_TEST_MAX_STEPS: u64 = 6000;
-/// Difference of a mirrored run after [`COMPARED_STEPS`] steps: of the energy over its scale, and of the centre of mass in cells. Rounding
-/// and the solver's residual (1e-6) make it, and what the flow does to them in so short a time.
+/// Tolerances of a mirrored run after [`COMPARED_STEPS`] steps: energy over its scale, and centre of mass in cells. The differences come
+/// from rounding and the solver's residual (1e-6), amplified by the flow.
 pub const MIRROR_TOLERANCES: (f64, f64) = (0.01, 0.1);
-/// The same of a shifted one: the error of second order of drops of four cells a radius, `(1/4)²`, the smallest that are drawn.
+/// The same for a shifted run: the second-order error of drops of four cells per radius, `(1/4)²`, the smallest that are drawn.
 pub const SHIFT_TOLERANCES: (f64, f64) = (0.06, 0.25);
 /// Steps after which repeated runs are compared.
 pub const COMPARED_STEPS: u64 = 60;
 
-/// All of them, worst first.
+/// All invariants, worst first.
 pub const INVARIANTS: [Invariant; 22] = [
     Invariant { name: "panic", holds: "the program does not end by itself" },
     Invariant { name: "hang", holds: "no step takes 20 s" },

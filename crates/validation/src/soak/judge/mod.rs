@@ -1,4 +1,4 @@
-//! What every step is compared with.
+//! The invariants and their checks after every step.
 
 pub mod energy;
 pub mod invariant_checks;

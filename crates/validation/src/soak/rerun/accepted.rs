@@ -1,4 +1,4 @@
-//! Drawing until the program takes the scene: what it refuses is drawn again.
+//! Generates scenes until the program accepts one.
 
 use crate::soak::{CaseSet, Subject};
 use meniscus_scene::build::AnySetup;
@@ -6,25 +6,25 @@ use meniscus_scene::error::SceneError;
 use meniscus_scene::file::{LoadOptions, Scene, ensure_runnable};
 use std::path::Path;
 
-/// Draws of a case before it is given up.
+/// Most attempts of a case.
 const MAX_ATTEMPTS: u64 = 200;
 
-/// A scene that the program takes.
+/// A scene accepted by the program.
 pub struct AcceptedScene {
     /// Its text.
     pub text: String,
     /// The scene.
     pub scene: Scene,
-    /// Its start.
+    /// The setup of the scene.
     pub setup: AnySetup,
-    /// Why earlier draws were refused.
+    /// Reasons why earlier attempts were refused.
     pub refused: Vec<String>,
 }
 
-/// The scene of a subject. `tell` sees every text before it is tried: one may take for ever.
+/// The scene of a subject. `tell` receives every text before it is tried, because a trial may hang.
 ///
 /// # Errors
-/// Why there is none, in words.
+/// A message if there is no scene.
 pub fn accepted_scene(subject: &Subject, tell: &mut dyn FnMut(&str)) -> Result<AcceptedScene, String> {
     let mut refused = Vec::new();
     match subject {
@@ -57,7 +57,7 @@ pub fn accepted_scene(subject: &Subject, tell: &mut dyn FnMut(&str)) -> Result<A
     }
 }
 
-/// The scene of a text, as `run` would take it.
+/// Parses a scene and sets it up as `run` does.
 fn parse_and_set_up(text: &str, base: &Path) -> Result<(Scene, AnySetup), SceneError> {
     let scene = Scene::from_text("drawn.toml", text, base, &LoadOptions::default())?;
     ensure_runnable(&scene)?;
@@ -65,7 +65,7 @@ fn parse_and_set_up(text: &str, base: &Path) -> Result<(Scene, AnySetup), SceneE
     Ok((scene, setup))
 }
 
-/// A scene that was changed, as the program takes it.
+/// A modified scene after a round trip through its text.
 pub fn round_tripped(scene: &Scene) -> Option<(Scene, AnySetup)> {
     parse_and_set_up(&scene.to_toml().ok()?, Path::new("")).ok()
 }

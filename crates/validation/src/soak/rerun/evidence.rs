@@ -1,5 +1,5 @@
-//! The evidence of a violation: the scene as a file, and an output folder with the checkpoint before it, from which `meniscus run
-//! SCENE --out FOLDER --resume` goes on.
+//! Evidence of a violation: the scene as a file, and an output folder with the checkpoint before it, from which `meniscus run SCENE --out
+//! FOLDER --resume` continues.
 
 use meniscus_scene::file::Scene;
 use meniscus_scene::output::time_series::TimeSeriesWriter;
@@ -43,10 +43,10 @@ pub fn write_scene(out: &Path, name: &str, text: &str) -> Result<(), FileError> 
     atomic_file::write_atomically(&out.join(format!("{name}.toml")), |w| w.write_all(text.as_bytes()))
 }
 
-/// A state written to a checkpoint in a folder and read back.
+/// Writes a state to a checkpoint in a folder and reads it back.
 ///
 /// # Errors
-/// Why that cannot be done, in words.
+/// A message if it fails.
 pub fn checkpoint_round_trip<const D: usize>(folder: &Path, state: &State<D>) -> Result<State<D>, String> {
     atomic_file::create_folder(folder).map_err(|e| e.to_string())?;
     let path = checkpoint::write(folder, 0, state, &RunStatistics::default()).map_err(|e| e.to_string())?;

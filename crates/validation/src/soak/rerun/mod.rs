@@ -1,4 +1,4 @@
-//! Runs done again: from checkpoints, on other threads, mirrored, shifted; scenes made smaller.
+//! Repeated runs: from checkpoints, on other threads, mirrored, shifted; shrunk scenes.
 
 pub mod accepted;
 pub mod evidence;

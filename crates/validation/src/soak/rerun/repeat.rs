@@ -1,4 +1,4 @@
-//! Runs a case again in another way that must give the same: on two threads, from a checkpoint, mirrored, shifted.
+//! Repeats a case in a way that must give the same result: on two threads, from a checkpoint, mirrored, shifted.
 
 use super::accepted::round_tripped;
 use super::evidence::checkpoint_round_trip;
@@ -11,19 +11,19 @@ use meniscus_scene::file::Scene;
 use meniscus_scene::run::Setup;
 use meniscus_sim::{Simulation, State};
 
-/// How far the shifted run is shifted, in cells: no fraction that a grid favours.
+/// Shift of the shifted run, in cells; not a simple fraction.
 const SHIFT_CELLS: f64 = 0.37;
 
-/// A state of the run that is compared with.
+/// A state of the original run for comparison.
 pub struct Waypoint<const D: usize> {
     /// The state after a step.
     pub state: State<D>,
-    /// The frame to which the run was on its way.
+    /// The next frame at that state.
     pub frame: u64,
 }
 
-/// Repeats a run from its start or its middle to the end of its first [`COMPARED_STEPS`] steps; nothing where the scene has no such
-/// image. `scale` is that of its energy, J; `begins` is called before every step.
+/// Repeats a run from its start or its middle to the end of its first [`COMPARED_STEPS`] steps; none if the scene has no such image.
+/// `scale` is that of its energy, J; `begins` is called before every step.
 pub fn repeat<const D: usize>(
     how: &str,
     scene: &Scene,
@@ -68,7 +68,7 @@ fn broken(how: &str, words: String) -> Violation {
     Violation::described(how, COMPARED_STEPS, 0.0, words)
 }
 
-/// The state after some steps, or why there is none.
+/// The state after some steps, or a message if there is none.
 fn steps<const D: usize>(
     mut walk: ScheduledSimulation<D>,
     count: u64,
@@ -133,7 +133,7 @@ impl<const D: usize> Pair<'_, D> {
             - stored(other.surface_energy, other.elastic_energy)
             - other.kinetic_energy;
         let wanted = self.image.point(own.centroid.as_slice());
-        // Of what has left through open sides no centre is known.
+        // The centre of the liquid that left through open sides is unknown.
         let share = own.volume.min(other.volume) / start;
         let off = other.centroid.iter().zip(&wanted).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
         let mut found = Vec::new();

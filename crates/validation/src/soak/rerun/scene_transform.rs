@@ -2,9 +2,9 @@
 
 use meniscus_scene::file::{Material, Rotation, Scene, ShapeSpec, Solid, SolidTension};
 
-/// Where everything goes: mirrored at the middle of the domain, then shifted, along the first axis.
+/// A transformation along the first axis: a reflection at the middle of the domain, then a shift.
 pub struct SceneTransform {
-    /// Whether it is mirrored.
+    /// Whether to reflect.
     pub mirrored: bool,
     /// Size of the domain along the first axis, m.
     pub size: f64,
@@ -13,12 +13,12 @@ pub struct SceneTransform {
 }
 
 impl SceneTransform {
-    /// The image of a scene; none of one that has none: a shift along with something that ends at a side, or a mirror image of
-    /// a shape or a mesh of elements that is not built the same way.
+    /// The image of a scene; none if it has none: a shift of an object that ends at a side, or a reflection of a shape or an element mesh
+    /// that is not built symmetrically.
     pub fn scene(&self, scene: &Scene) -> Option<Scene> {
         let mut scene = scene.clone();
         if self.mirrored {
-            // Meshes of elements are no mirror images of each other, nor are files.
+            // Element meshes and files have no exact mirror images.
             if scene.solids.iter().any(|s| s.material.deforms()) {
                 return None;
             }
@@ -48,7 +48,7 @@ impl SceneTransform {
         Some(scene)
     }
 
-    /// Whether a body ends before the sides that the shift is along.
+    /// Whether a shape ends before the sides of the shift.
     fn is_inside(&self, shape: &ShapeSpec, dimension: usize) -> bool {
         shape.bounds(dimension).is_some_and(|(low, high)| low[0] > 0.0 && high[0] < self.size - self.shift)
     }
@@ -85,7 +85,7 @@ impl SceneTransform {
         v
     }
 
-    /// The image of an angular velocity: a mirror turns the parts of it that lie in it.
+    /// The image of an angular velocity: a reflection reverses the components in its plane.
     fn angular_velocity(&self, w: &[f64]) -> Vec<f64> {
         if !self.mirrored {
             return w.to_vec();
@@ -102,7 +102,7 @@ impl SceneTransform {
         if !self.mirrored || r.angle == 0.0 {
             return *r;
         }
-        // In the plane the axis stays as it is and the angle turns; in space the axis is an angular velocity.
+        // In 2D the axis stays and the angle is reversed; in 3D the axis is an angular velocity.
         if r.axis == Rotation::NONE.axis {
             Rotation { angle: -r.angle, ..*r }
         } else {
@@ -142,7 +142,7 @@ impl SceneTransform {
                 radii: radii.clone(),
                 rotation: self.rotation(rotation),
             },
-            // In the plane odd modes point along the first axis.
+            // In 2D odd modes point along the first axis.
             ShapeSpec::PerturbedBall { mode, center, .. }
                 if self.mirrored && center.len() == 2 && mode % 2 == 1 =>
             {
@@ -161,7 +161,7 @@ impl SceneTransform {
             ShapeSpec::Difference { of, minus } => {
                 ShapeSpec::Difference { of: Box::new(self.shape(of)?), minus: Box::new(self.shape(minus)?) }
             }
-            // Waves fill the domain; the rest looks to one side.
+            // Waves fill the domain; the other shapes have a direction.
             ShapeSpec::Wave { .. }
             | ShapeSpec::Extrusion { .. }
             | ShapeSpec::Cow { .. }

@@ -1,4 +1,4 @@
-//! Makes a scene that breaks an invariant smaller, as long as it still breaks it.
+//! Shrinks a scene as long as it violates an invariant.
 
 use super::accepted::round_tripped;
 use super::evidence;
@@ -8,25 +8,25 @@ use meniscus_scene::file::{Scene, ShapeSpec, SolidTension, Wall};
 use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
 
-/// Runs of changed scenes at most.
+/// Most runs of modified scenes.
 const MAX_TRIES: usize = 60;
-/// How much longer than until the violation a shrunk scene runs.
+/// Duration of a shrunk scene over the time of the violation.
 const DURATION_FACTOR: f64 = 1.05;
 
-/// A scene that still breaks the invariant.
+/// A scene that still violates the invariant.
 pub struct Shrunk {
-    /// Where it is.
+    /// Path of its file.
     pub path: PathBuf,
-    /// What was left out, in order.
+    /// Removed parts, in order.
     pub dropped: Vec<String>,
-    /// What came of it.
+    /// Its outcome.
     pub outcome: Outcome,
 }
 
-/// Leaves out of a scene, which breaks `kind`, what it can: solids, bodies, then features. `each` sees what is tried.
+/// Removes from a scene that violates `kind` what is not needed: solids, liquid bodies, then features. `each` receives every attempt.
 ///
 /// # Errors
-/// In words: where nothing can be written or started.
+/// A message if nothing can be written or started.
 pub fn shrink(
     launch: &Launcher,
     (scene, first): (Scene, Outcome),
@@ -37,7 +37,7 @@ pub fn shrink(
     let mut scene = Scene { name: name.clone(), ..scene };
     let path = launch.out.join(format!("{name}.toml"));
     let (mut outcome, mut dropped, mut tries) = (first, Vec::new(), 0);
-    // What could not be left out is not tried again.
+    // A part that could not be removed is not tried again.
     let mut needed: Vec<String> = Vec::new();
     let broke = |outcome: &Outcome| outcome.violations.iter().any(|v| v.kind == kind);
     loop {
@@ -69,7 +69,7 @@ pub fn shrink(
     Ok(Shrunk { path, dropped, outcome })
 }
 
-/// Scenes with something less, largest parts first.
+/// Scenes with one part less, largest parts first.
 fn candidates(scene: &Scene, outcome: &Outcome, kind: &str) -> Vec<(String, Scene)> {
     let mut all = Vec::new();
     for i in 0..scene.solids.len() {
@@ -96,7 +96,7 @@ fn candidates(scene: &Scene, outcome: &Outcome, kind: &str) -> Vec<(String, Scen
     all
 }
 
-/// Scenes with a feature less.
+/// Scenes with one feature less.
 fn features(scene: &Scene) -> Vec<(String, Scene)> {
     let mut all = Vec::new();
     let mut less = |what: &str, change: &dyn Fn(&mut Scene)| {

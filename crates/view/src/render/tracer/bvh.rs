@@ -1,17 +1,17 @@
-//! A bounding volume hierarchy over boxes, for any primitive that can be put into a box.
+//! A bounding volume hierarchy over bounding boxes of any primitives.
 
 use crate::folder::{Bounds, V3};
 
-/// Boxes a leaf holds at most, unless they cannot be parted.
+/// Largest number of boxes in a leaf that can still be split.
 const MAX_LEAF_SIZE: usize = 4;
-/// Bins per axis in which the surface area heuristic looks for a cut.
+/// Bins per axis of the surface area heuristic.
 const BINS: usize = 12;
-/// Below this depth cuts go through the median, which bounds the depth of the whole tree.
+/// Depth from which nodes are split at the median, which bounds the depth of the tree.
 const MAX_SAH_DEPTH: usize = 40;
-/// Nodes that can wait while one is visited.
+/// Capacity of the stack of pending nodes.
 const STACK_SIZE: usize = 96;
 
-/// A ray with the reciprocals of its direction.
+/// A ray with the reciprocals of its direction's components.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ray {
     pub origin: V3,
@@ -34,13 +34,13 @@ impl Ray {
 struct Node {
     lower: [f64; 3],
     upper: [f64; 3],
-    /// A leaf's first place in `order`, or the second child (the first one follows its parent).
+    /// Leaf: index of its first box in `order`. Inner node: its second child (the first one follows the node).
     first: u32,
-    /// Boxes in a leaf; 0 for an inner node.
+    /// Number of boxes in a leaf; 0 for an inner node.
     count: u32,
 }
 
-/// The hierarchy. Primitives are known by their place in the list of boxes.
+/// The hierarchy. Primitives are identified by the index of their box.
 #[derive(Debug, Default)]
 pub(crate) struct Bvh {
     nodes: Vec<Node>,
@@ -54,7 +54,7 @@ struct Builder<'a> {
 }
 
 impl Bvh {
-    /// Builds the hierarchy of `boxes`.
+    /// Builds the hierarchy over `boxes`.
     pub(crate) fn new(boxes: &[Bounds]) -> Self {
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
         let centers = boxes.iter().map(|b| b.center().into()).collect();
@@ -65,13 +65,13 @@ impl Bvh {
         Self { nodes: builder.nodes, order }
     }
 
-    /// The primitives in the order in which leaves hold them.
+    /// The primitives in the order of the leaves.
     pub(crate) fn order(&self) -> &[u32] {
         &self.order
     }
 
-    /// Visits the primitives whose boxes the ray meets before `limit`, near boxes first. `hit` gets the place
-    /// in [`Self::order`] and the present limit, and returns the new limit; a negative one ends the search.
+    /// Visits the primitives whose boxes the ray enters before `limit`, near boxes first. `hit` receives the index in
+    /// [`Self::order`] and the current limit, and returns the new limit; a negative one ends the traversal.
     pub(crate) fn visit(&self, ray: &Ray, mut limit: f64, mut hit: impl FnMut(usize, f64) -> f64) {
         let mut stack = [(0u32, 0.0f64); STACK_SIZE];
         let mut top = 0;
@@ -116,7 +116,7 @@ impl Bvh {
 }
 
 impl Node {
-    /// Where the ray enters the box, if it does so before `limit`.
+    /// Distance at which the ray enters the box, if before `limit`.
     fn enter(&self, ray: &Ray, limit: f64) -> Option<f64> {
         let (mut near, mut far) = (0.0f64, limit);
         for a in 0..3 {
@@ -130,7 +130,7 @@ impl Node {
 }
 
 impl Builder<'_> {
-    /// Builds the node of the boxes in `order`, which is `offset` places into the whole.
+    /// Builds the node over the boxes in `order`, a slice that starts at `offset` of the whole.
     fn build(&mut self, order: &mut [u32], offset: usize, depth: usize) {
         let mut all = Bounds::EMPTY;
         order.iter().for_each(|&i| all.join(&self.boxes[i as usize]));
@@ -160,7 +160,7 @@ impl Builder<'_> {
         b
     }
 
-    /// Parts at the median along the longest axis.
+    /// Splits at the median along the longest axis.
     fn median(&self, order: &mut [u32]) -> usize {
         let axis = self.centers(order).size().imax();
         let key = |i: &u32| self.centers[*i as usize][axis];
@@ -168,7 +168,7 @@ impl Builder<'_> {
         order.len() / 2
     }
 
-    /// Parts where the surface area heuristic is least; `None` if no cut leaves boxes on both sides.
+    /// Splits at the minimum of the surface area heuristic; `None` if no split leaves boxes on both sides.
     fn split(&self, order: &mut [u32]) -> Option<usize> {
         let centers = self.centers(order);
         let axis = centers.size().imax();

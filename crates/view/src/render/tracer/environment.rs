@@ -1,24 +1,24 @@
-//! The studio that surrounds the picture: backdrop, soft boxes, key light. It turns with the camera.
+//! Environment lighting: backdrop, soft boxes, key light. It turns with the camera.
 
 use super::sampling::smoothstep;
 use crate::folder::V3;
 
-/// The tangent of the key light's half angle.
+/// Tangent of the key light's half angle.
 pub(crate) const KEY_HALF_ANGLE_TANGENT: f64 = 0.09;
-/// What the key light adds to a white surface that faces it.
+/// Radiance that the key light adds to a white surface facing it.
 pub(crate) const KEY_IRRADIANCE: f64 = 0.56;
-/// What the surroundings add to a white surface that sees all of them.
+/// Radiance that the environment adds to a white unoccluded surface.
 pub(crate) const AMBIENT_IRRADIANCE: f64 = 0.47;
 
-/// The surroundings.
+/// The environment.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Environment {
-    /// Where the camera looks, without its slope.
+    /// Horizontal viewing direction.
     forward: V3,
     right: V3,
-    /// Towards the key light.
+    /// Direction towards the key light.
     pub key: V3,
-    /// Towards the second soft box.
+    /// Direction towards the second soft box.
     rim: V3,
 }
 
@@ -31,7 +31,7 @@ fn mix(a: V3, b: V3, t: f64) -> V3 {
     a * (1.0 - t) + b * t
 }
 
-/// How much of a soft box of half size (`w`, `h`) about the direction `at` a ray in direction `d` sees.
+/// Share of a soft box of half size (`w`, `h`) around the direction `at` that is visible in direction `d`.
 fn soft_box(d: &V3, at: &V3, w: f64, h: f64) -> f64 {
     let along = d.dot(at);
     if along <= 0.05 {
@@ -45,7 +45,7 @@ fn soft_box(d: &V3, at: &V3, w: f64, h: f64) -> f64 {
 }
 
 impl Environment {
-    /// A studio for a camera that looks along `view`.
+    /// The environment of a camera with viewing direction `view`.
     pub(crate) fn new(view: &V3) -> Self {
         let flat = V3::new(view.x, view.y, 0.0);
         let forward = flat.try_normalize(1e-9).unwrap_or_else(V3::y);
@@ -58,7 +58,7 @@ impl Environment {
         }
     }
 
-    /// The backdrop alone, as the ground fades into it.
+    /// Radiance of the backdrop without lamps; the ground fades into it.
     pub(crate) fn backdrop(&self, d: &V3) -> V3 {
         let horizon = rgb(0.52, 0.565, 0.615);
         let zenith = rgb(0.26, 0.33, 0.43);
@@ -70,7 +70,7 @@ impl Environment {
         mix(mix(room, horizon, lit), mix(room * 0.8, zenith, lit.max(0.35)), height)
     }
 
-    /// What a ray in direction `d` sees that hits nothing.
+    /// Radiance of the environment along a ray in direction `d`.
     pub(crate) fn radiance(&self, d: &V3) -> V3 {
         let key = soft_box(d, &self.key, 0.30, 0.38) * 15.0;
         let rim = soft_box(d, &self.rim, 0.12, 0.55) * 8.0;
@@ -80,19 +80,19 @@ impl Environment {
         self.backdrop(d) + rgb(1.0, 0.98, 0.95) * key + rgb(0.93, 0.97, 1.0) * (rim + fill + top)
     }
 
-    /// The radiance with lamps capped, for rays whose weight is too small to follow further.
+    /// The radiance with lamps clamped, for rays whose weight is too small to trace further.
     pub(crate) fn clamped_radiance(&self, d: &V3) -> V3 {
         self.radiance(d).map(|x| x.min(1.2))
     }
 
-    /// The light that surroundings send to a surface with normal `n`, all of them visible.
+    /// Ambient irradiance on an unoccluded surface with normal `n`.
     pub(crate) fn ambient(&self, n: &V3) -> V3 {
         let sky = mix(rgb(0.70, 0.71, 0.72), rgb(0.98, 1.0, 1.03), 0.5 + 0.5 * n.z);
         sky * (AMBIENT_IRRADIANCE * (0.86 + 0.14 * n.dot(&self.forward)))
     }
 }
 
-/// A linear colour as 8-bit sRGB, highlights rolled off.
+/// Encodes a linear colour as 8-bit sRGB with compressed highlights.
 pub(crate) fn tone_map(c: &V3) -> [u8; 3] {
     let curve = |x: f64| if x <= 0.7 { x.max(0.0) } else { shoulder(x) };
     let encode = |x: f64| {
@@ -102,7 +102,7 @@ pub(crate) fn tone_map(c: &V3) -> [u8; 3] {
     [c.x, c.y, c.z].map(|x| encode(curve(x)))
 }
 
-/// Rises from 0.7 to 1 ever more slowly.
+/// Rises monotonically from 0.7 towards 1.
 fn shoulder(x: f64) -> f64 {
     0.7 + 0.3 * (1.0 - (-(x - 0.7) / 0.3).exp())
 }

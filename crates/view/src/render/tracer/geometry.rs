@@ -1,21 +1,21 @@
-//! Things that rays hit: triangle meshes and capsules.
+//! Ray intersection with triangle meshes and capsules.
 
 use meniscus_numerics::mesh::ply::PlyMesh;
 
 use super::bvh::{Bvh, Ray};
 use crate::folder::{Bounds, V3};
 
-/// Where a ray meets a surface.
+/// Intersection of a ray with a surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hit {
     pub t: f64,
-    /// The outward normal of the facet.
+    /// Outward normal of the facet.
     pub geometric_normal: V3,
-    /// The outward normal, smooth over the facets.
+    /// Interpolated outward normal.
     pub shading_normal: V3,
     /// Whether the facet touches something opaque (see [`TriMesh::new`]).
     pub wetted: bool,
-    /// How far from its plain colour the surface is, 0 to 1.
+    /// Tint of the surface, 0 (plain colour) to 1.
     pub tint: f64,
 }
 
@@ -29,7 +29,7 @@ struct Triangle {
     tint: [f64; 3],
 }
 
-/// A triangle mesh with smooth normals.
+/// A triangle mesh with interpolated normals.
 #[derive(Debug, Default)]
 pub(crate) struct TriMesh {
     bvh: Bvh,
@@ -38,13 +38,13 @@ pub(crate) struct TriMesh {
 }
 
 impl TriMesh {
-    /// A mesh of points already in the picture's coordinates. A facet is wetted if `wetted` says so of all
-    /// its vertices. Edges sharper than `crease` (cosine) are kept sharp.
+    /// A mesh of points in picture coordinates. A facet is wetted if `wetted` is true at all its vertices. Edges sharper than
+    /// `crease` (cosine) stay sharp.
     pub(crate) fn new(points: &[V3], faces: &[[u32; 3]], wetted: &[bool], crease: f64) -> Self {
         Self::tinted(points, faces, (wetted, &[]), crease)
     }
 
-    /// The same with a tint at each vertex, 0 (as without one) to 1.
+    /// Like [`TriMesh::new`], with a tint at each vertex, 0 (none) to 1.
     pub(crate) fn tinted(
         points: &[V3],
         faces: &[[u32; 3]],
@@ -95,7 +95,7 @@ impl TriMesh {
         Some(Hit { t, geometric_normal, shading_normal, wetted: tri.wetted, tint })
     }
 
-    /// Whether anything is hit with `least < t < limit`.
+    /// Whether there is a hit with `least < t < limit`.
     pub(crate) fn occludes(&self, ray: &Ray, least: f64, limit: f64) -> bool {
         let mut found = false;
         self.bvh.visit(ray, limit, |place, limit| match self.triangles[place].intersect(ray) {
@@ -133,8 +133,8 @@ impl Triangle {
     }
 }
 
-/// Normals at corners: the mean over the facets about a vertex that lie within the crease angle of the
-/// corner's own facet, weighted with the angle at the vertex. Equal normals are shared.
+/// Normals at facet corners: the mean over those facets around the vertex that are within the crease angle of the corner's
+/// facet, weighted by their angle at the vertex. Equal normals are shared.
 fn corner_normals(points: &[V3], faces: &[[u32; 3]], crease: f64) -> (Vec<V3>, Vec<[u32; 3]>) {
     let facet = |f: &[u32; 3]| {
         let [a, b, c] = f.map(|i| points[i as usize]);
@@ -168,7 +168,7 @@ fn corner_normals(points: &[V3], faces: &[[u32; 3]], crease: f64) -> (Vec<V3>, V
     (normals, corners)
 }
 
-/// Round tubes along edges.
+/// Capsules along edges.
 #[derive(Debug, Default)]
 pub(crate) struct Capsules {
     bvh: Bvh,
@@ -209,7 +209,7 @@ impl Capsules {
     }
 }
 
-/// Where a ray enters the capsule between two points, and the normal there.
+/// Distance at which a ray enters the capsule between two points, and the normal there.
 fn intersect_capsule(ray: &Ray, [a, b]: [V3; 2], radius: f64) -> Option<(f64, V3)> {
     let (ba, oa) = (b - a, ray.origin - a);
     let (baba, bard, baoa) = (ba.dot(&ba), ba.dot(&ray.dir), ba.dot(&oa));

@@ -1,5 +1,5 @@
-//! Light on the ground and on top of solids, worked out before the picture: soft shadows, and the light that
-//! the liquid gathers (caustics), followed from the lamp.
+//! Precomputed light on the ground and on top of solids: soft shadows, and light focused by the liquid (caustics), traced from
+//! the lamp.
 
 use rayon::prelude::*;
 
@@ -13,30 +13,30 @@ use crate::render::Style;
 
 /// Texels along each side of the map.
 const MAP_SIDE_TEXELS: usize = 240;
-/// Light paths along each side of their grid.
+/// Light paths along each side of the grid of paths.
 const PATHS_PER_SIDE: u32 = 420;
-/// Rays to the lamp per texel.
+/// Shadow rays to the lamp per texel.
 const KEY_RAYS: u32 = 12;
-/// Rays to the surroundings per texel.
+/// Rays to the environment per texel.
 const SKY_RAYS: u32 = 20;
-/// The part of the surroundings' light that passes the liquid.
+/// Transmittance of the liquid for light of the environment.
 const SKY_TRANSMITTANCE: f64 = 0.80;
-/// Interfaces a light path may cross.
+/// Largest number of interfaces along a light path.
 const MAX_CROSSINGS: usize = 10;
 
-/// The light on horizontal surfaces about the liquid.
+/// Light on horizontal surfaces around the liquid.
 #[derive(Debug)]
 pub(crate) struct LightMap {
     corner: [f64; 2],
     cell: f64,
-    /// Per texel on the ground: the part of the surroundings seen, the part of the lamp seen.
+    /// Per ground texel: visible share of the environment, visible share of the lamp.
     visibility: Vec<[f64; 2]>,
-    /// Per texel: light through the liquid on the ground, and on solids.
+    /// Per texel: light transmitted through the liquid to the ground, and to solids.
     caustics: [Vec<V3>; 2],
 }
 
 impl LightMap {
-    /// Works out the light of a scene.
+    /// Computes the light map of a scene.
     pub(crate) fn new(scene: &Scene) -> Self {
         let region = shadow_region(scene);
         let width = region.size().x.max(region.size().y);
@@ -61,7 +61,7 @@ impl LightMap {
         map
     }
 
-    /// The part of the surroundings and the light of the lamp that reach a point on the ground.
+    /// Share of the environment and light of the lamp that reach a point on the ground.
     pub(crate) fn ground(&self, x: f64, y: f64) -> (f64, V3) {
         let (Some(at), inside) = (self.texels(x, y), self.inside(x, y)) else {
             return (1.0, V3::repeat(1.0));
@@ -77,13 +77,13 @@ impl LightMap {
         (1.0 + (light[0] - 1.0) * inside, V3::repeat(1.0) + (key - V3::repeat(1.0)) * inside)
     }
 
-    /// The light that reaches the top of a solid through the liquid.
+    /// Light transmitted through the liquid to the top of a solid.
     pub(crate) fn on_solid(&self, x: f64, y: f64) -> V3 {
         let Some(at) = self.texels(x, y) else { return V3::zeros() };
         at.into_iter().fold(V3::zeros(), |sum, (i, w)| sum + self.caustics[1][i] * w)
     }
 
-    /// The four texels about a point with their weights.
+    /// The four texels around a point with their bilinear weights.
     fn texels(&self, x: f64, y: f64) -> Option<[(usize, f64); 4]> {
         let u = (x - self.corner[0]) / self.cell - 0.5;
         let v = (y - self.corner[1]) / self.cell - 0.5;
@@ -101,14 +101,14 @@ impl LightMap {
         ])
     }
 
-    /// 1 in the middle of the map, falling to 0 at its border.
+    /// Weight of the map: 1 in the middle, 0 at the border.
     fn inside(&self, x: f64, y: f64) -> f64 {
         let width = self.cell * MAP_SIDE_TEXELS as f64;
         let edge = |p: f64| smoothstep(0.0, 0.08, p.min(1.0 - p));
         edge((x - self.corner[0]) / width) * edge((y - self.corner[1]) / width)
     }
 
-    /// The parts of the surroundings and of the lamp that a texel sees past the liquid and the solids.
+    /// Visible shares of the environment and of the lamp at a texel, with occlusion by the liquid and the solids.
     fn texel_visibility(&self, scene: &Scene, texel: usize) -> [f64; 2] {
         let (i, j) = (texel % MAP_SIDE_TEXELS, texel / MAP_SIDE_TEXELS);
         let at = |i: usize, c: f64| c + (i as f64 + 0.5) * self.cell;
@@ -138,7 +138,7 @@ impl LightMap {
         [sky / f64::from(SKY_RAYS), key / f64::from(KEY_RAYS)]
     }
 
-    /// Follows light through the liquid to the ground and to solids.
+    /// Traces light through the liquid to the ground and to solids.
     fn trace_caustics(&self, scene: &Scene) -> [Vec<V3>; 2] {
         let mut maps = [
             vec![V3::zeros(); MAP_SIDE_TEXELS * MAP_SIDE_TEXELS],
@@ -172,7 +172,7 @@ impl LightMap {
     }
 }
 
-/// Follows one ray of the lamp; where it ends after it went through the liquid: layer, point, light left.
+/// Traces one ray of the lamp. Returns layer, end point and remaining light if it went through the liquid.
 fn trace_light_path(scene: &Scene, mut ray: Ray) -> Option<(usize, V3, V3)> {
     let mut light = V3::repeat(1.0);
     let mut wet = false;
@@ -201,12 +201,12 @@ fn trace_light_path(scene: &Scene, mut ray: Ray) -> Option<(usize, V3, V3)> {
     None
 }
 
-/// Takes the strongest light back, as an eye does.
+/// Compresses light above 1.
 fn compress_highlight(light: f64) -> f64 {
     if light > 1.0 { 1.0 + (light - 1.0) / (1.0 + 0.30 * (light - 1.0)) } else { light }
 }
 
-/// The part of the ground that the liquid and the solids can darken.
+/// Region of the ground that the liquid and the solids can shadow.
 fn shadow_region(scene: &Scene) -> Bounds {
     let mut all = Bounds::EMPTY;
     let lamp = scene.setup.environment.key;
@@ -224,7 +224,7 @@ fn shadow_region(scene: &Scene) -> Bounds {
     Bounds { lower: center - half, upper: center + half }
 }
 
-/// A Gaussian blur of a map, rows then columns. `add` adds a weighted value to a sum.
+/// Separable Gaussian blur of a map. `add` adds a weighted value to a sum.
 fn blur<T: Copy + Send + Sync>(
     map: &[T],
     sigma: f64,

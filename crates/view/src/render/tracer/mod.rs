@@ -1,4 +1,4 @@
-//! Pictures in three dimensions, by tracing rays.
+//! Pictures in three dimensions by ray tracing.
 
 pub mod bvh;
 pub mod environment;

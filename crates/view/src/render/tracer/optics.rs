@@ -1,25 +1,25 @@
-//! What a ray does where it meets the liquid's surface.
+//! Reflection and refraction of a ray at the surface of the liquid.
 
 use super::geometry::Hit;
 use crate::folder::V3;
 
-/// The refractive index of the liquid.
+/// Refractive index of the liquid.
 const REFRACTIVE_INDEX: f64 = 1.33;
 
-/// The two ways on from a point of the surface.
+/// Reflected and refracted ray at a point of the surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FresnelSplit {
-    /// The part that is reflected.
+    /// Fresnel reflectance, unpolarised.
     pub reflectance: f64,
     pub reflected: V3,
-    /// `None` where all is reflected.
+    /// `None` for total internal reflection.
     pub refracted: Option<V3>,
     /// Whether the ray comes from outside.
     pub entering: bool,
 }
 
 impl FresnelSplit {
-    /// For a ray in direction `d`. A wetted facet lets it pass as if it were not there.
+    /// The split for a ray in direction `d`. A wetted facet transmits it unchanged.
     pub(crate) fn new(d: &V3, hit: &Hit) -> Self {
         let entering = d.dot(&hit.geometric_normal) < 0.0;
         if hit.wetted {
@@ -43,7 +43,7 @@ impl FresnelSplit {
     }
 }
 
-/// The smooth normal, turned towards the facet's as far as the ray must come from its front.
+/// The interpolated normal, turned towards the facet's normal so far that the ray arrives from its front.
 fn facing(smooth: &V3, facet: &V3, d: &V3) -> V3 {
     const LEAST: f64 = 0.02;
     let front = -d.dot(smooth);
@@ -54,7 +54,7 @@ fn facing(smooth: &V3, facet: &V3, d: &V3) -> V3 {
     (smooth * (1.0 - turn) + facet * turn).try_normalize(1e-9).unwrap_or(*facet)
 }
 
-/// The direction, lifted to the side that the facet's normal points to.
+/// The direction, corrected to the side of the facet's normal.
 fn above(d: V3, facet: &V3) -> V3 {
     const LEAST: f64 = 1e-3;
     let up = d.dot(facet);

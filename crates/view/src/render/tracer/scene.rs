@@ -1,4 +1,4 @@
-//! The things in one picture, and the first of them that a ray meets.
+//! The surfaces of one picture, and their first intersection with a ray.
 
 use super::bvh::Ray;
 use super::geometry::{Capsules, Hit, TriMesh};
@@ -10,25 +10,25 @@ use crate::render::{RenderOptions, Style};
 use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_numerics::mesh::{FacetBvh, SurfaceMesh};
 
-/// How far below the domain's floor the ground is drawn, so that the liquid's own bottom is met first.
+/// Height of the drawn ground. It lies below the domain's floor, so that rays hit the bottom of the liquid first.
 const GROUND_HEIGHT: f64 = -2e-4;
-/// Hits nearer than this belong to the surface that the ray starts from.
+/// Smallest distance of a hit; closer ones belong to the surface that the ray starts from.
 pub(crate) const RAY_EPSILON: f64 = 1e-6;
-/// How much nearer the liquid must be to be met before a solid.
+/// Distance by which a solid must be nearer than the liquid to be hit first.
 const LIQUID_TIE_BREAK: f64 = 1e-5;
-/// Half the width of the contact line: in typical widths of the liquid, and in pixels at least.
+/// Half width of the contact line, in typical widths of the liquid, and its lower bound in pixels.
 const LINE_RADIUS: f64 = 0.02;
 const MIN_LINE_RADIUS_PIXELS: f64 = 1.1;
-/// How far off a solid, in cells, wetted vertices can be, and their neighbours that go with them.
+/// Largest distance from a solid, in cells, of wetted vertices and of their neighbours that are snapped.
 const SNAP_DISTANCE_CELLS: f64 = 1.0;
 const NEIGHBOUR_SNAP_DISTANCE_CELLS: f64 = 0.6;
-/// How far below the solid's surface they are put, in cells.
+/// Depth of snapped vertices below the solid's surface, in cells.
 const SNAP_DEPTH_CELLS: f64 = 0.05;
 
-/// The least part of a colour that a tinted liquid lets through over its own width.
+/// Smallest transmittance of a tinted liquid per typical width.
 const MIN_TRANSMITTANCE: f64 = 0.02;
 
-/// What a ray has met.
+/// Object hit by a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum HitObject {
     Liquid,
@@ -44,14 +44,14 @@ pub(crate) struct Scene<'a> {
     pub style: Style,
     pub liquid: TriMesh,
     pub solids: Vec<TriMesh>,
-    /// What each solid's tint shows: nothing but a wetting pattern, or values.
+    /// Quantity shown by each solid's tint; `None` for a wetting pattern.
     pub shades: Vec<Option<ColorBy>>,
     pub line: Capsules,
-    /// The liquid's extent.
+    /// Bounds of the liquid.
     pub bounds: Bounds,
-    /// The extent of the solids.
+    /// Bounds of the solids.
     pub solid_bounds: Bounds,
-    /// What a unit of way through the liquid takes of each colour (natural logarithm).
+    /// Absorption coefficient of the liquid per colour, in inverse picture units.
     pub absorption: V3,
 }
 
@@ -78,7 +78,7 @@ impl<'a> Scene<'a> {
             surfaces.push(SurfaceMesh { positions: points, facets: mesh.faces.clone() });
         }
         snap_to_solids(&mut points, &frame.liquid.faces, &wetted, &surfaces, setup.dx.unwrap_or(0.0));
-        // However far the camera is, the line is to be seen.
+        // The line stays visible at any distance of the camera.
         let thinnest =
             MIN_LINE_RADIUS_PIXELS * setup.view.pixel_angle() * (bounds.center() - setup.view.eye).norm();
         let radius = (LINE_RADIUS * setup.liquid).max(thinnest);
@@ -102,7 +102,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The first thing met beyond [`RAY_EPSILON`].
+    /// The first hit beyond [`RAY_EPSILON`].
     pub(crate) fn first_hit(&self, ray: &Ray) -> Option<(HitObject, Hit)> {
         let mut best: Option<(HitObject, Hit)> = None;
         let mut limit = f64::INFINITY;
@@ -132,25 +132,25 @@ impl<'a> Scene<'a> {
         best
     }
 
-    /// Whether a solid lies on the ray before `limit`.
+    /// Whether a solid intersects the ray before `limit`.
     pub(crate) fn occluded_by_solid(&self, ray: &Ray, limit: f64) -> bool {
         self.solids.iter().any(|s| s.occludes(ray, 1e-4, limit))
     }
 
-    /// Whether the liquid lies on the ray before `limit`.
+    /// Whether the liquid intersects the ray before `limit`.
     pub(crate) fn occluded_by_liquid(&self, ray: &Ray, limit: f64) -> bool {
         self.liquid.occludes(ray, 1e-4, limit)
     }
 }
 
-/// What the liquid takes of each colour over its own width (natural logarithm); all but a tint where a colour is given.
+/// Optical depth per colour over one typical width of the liquid: −ln of the given colour, or the default tint.
 fn absorption(color: Option<u32>) -> V3 {
     color.map_or(V3::new(0.62, 0.17, 0.07), |color| {
         linear_from_srgb(color).map(|c| -c.max(MIN_TRANSMITTANCE).ln())
     })
 }
 
-/// Where the contact angle of a solid varies: 0 where it is largest, 1 where it is smallest.
+/// Normalised contact angle of a solid: 0 where it is largest, 1 where it is smallest.
 fn tint(mesh: &PlyMesh) -> Vec<f64> {
     let Some(angles) = mesh.scalars.get("young") else { return Vec::new() };
     let low = angles.iter().copied().fold(f64::INFINITY, f64::min);
@@ -158,9 +158,8 @@ fn tint(mesh: &PlyMesh) -> Vec<f64> {
     angles.iter().map(|angle| (high - angle) / (high - low).max(1e-9)).collect()
 }
 
-/// Puts wetted vertices of the liquid, and the ragged ring next to them, a little below the surface of the solid that
-/// they are on. The two meshes are made apart and fit to a part of a cell; a gap between them would show as a bright seam
-/// around the drop's foot.
+/// Moves wetted vertices of the liquid, and their neighbours, slightly below the surface of the closest solid. The two meshes
+/// match only to a fraction of a cell, and a gap would appear as a bright seam around the drop's foot.
 fn snap_to_solids(
     points: &mut [V3],
     faces: &[[u32; 3]],

@@ -1,4 +1,4 @@
-//! Follows rays from the camera and tells what light comes back along them.
+//! Traces rays from the camera and computes their radiance.
 
 use rayon::prelude::*;
 
@@ -15,34 +15,34 @@ use crate::render::Style;
 use crate::render::camera::corners;
 use crate::render::image::Canvas;
 
-/// Branches of a path with less weight than this end in the surroundings.
+/// Weight of a path below which it ends in the environment.
 const MIN_PATH_WEIGHT: f64 = 0.03;
-/// Surfaces a path may meet.
+/// Largest number of surfaces along a path.
 const MAX_DEPTH: u32 = 9;
-/// The brightest a sample can be.
+/// Upper bound on the radiance of a sample.
 const MAX_SAMPLE_RADIANCE: f64 = 1.8;
-/// How many times the samples are taken where the liquid is seen.
+/// Factor on the number of samples of pixels that show the liquid.
 const LIQUID_SAMPLE_FACTOR: u32 = 3;
-/// Rays to the lamp, and to the surroundings, per sample of a matte surface.
+/// Rays to the lamp, and to the environment, per sample of a matte surface.
 const SHADE_RAYS: u32 = 4;
 /// The colours of solids.
 const SOLID_COLORS: [[f64; 3]; 5] =
     [[0.50, 0.37, 0.28], [0.34, 0.40, 0.46], [0.38, 0.45, 0.31], [0.52, 0.41, 0.22], [0.43, 0.33, 0.43]];
-/// The colour of patterned solids where liquid wets them most.
+/// Colour of patterned solids where the contact angle is smallest.
 const WETTED_COLOR: V3 = V3::new(0.16, 0.33, 0.45);
-/// The colour of the liquid where it is drawn matte.
+/// Default colour of matte liquid.
 const MATTE_COLOR: V3 = V3::new(0.10, 0.34, 0.62);
 /// The colour of the contact line.
 const LINE_COLOR: V3 = V3::new(0.85, 0.06, 0.04);
 
-/// A sample of the picture on its way.
+/// State of a camera path.
 #[derive(Clone, Copy)]
 struct Path {
     weight: f64,
     depth: u32,
-    /// The way from the camera so far.
+    /// Length of the path from the camera.
     length: f64,
-    /// Which of the pixel's samples it is, and the pixel's own shift of patterns.
+    /// Index of the sample in its pixel, and the pixel's shift of the patterns.
     sample: u32,
     shift: [f64; 2],
 }
@@ -52,7 +52,7 @@ struct Tracer<'a> {
     light: LightMap,
 }
 
-/// The picture of a scene.
+/// Renders a scene.
 pub(crate) fn picture(scene: &Scene, size: (u32, u32), samples: u32) -> Canvas {
     let tracer = Tracer { scene, light: LightMap::new(scene) };
     let mut canvas = Canvas::new(size, V3::zeros());
@@ -84,7 +84,7 @@ pub(crate) fn picture(scene: &Scene, size: (u32, u32), samples: u32) -> Canvas {
     canvas
 }
 
-/// Draws the edges of the domain, where nothing is before them.
+/// Draws the visible edges of the domain.
 fn outline(scene: &Scene, canvas: &mut Canvas, depth: &[f64]) {
     let Some(domain) = scene.setup.domain.filter(|_| scene.setup.appearance.domain) else { return };
     let view = &scene.setup.view;
@@ -92,7 +92,7 @@ fn outline(scene: &Scene, canvas: &mut Canvas, depth: &[f64]) {
     let (width, thick) = (canvas.width, (canvas.height as f64 / 400.0).max(0.8));
     for i in 0..8 {
         for j in (0..3).map(|a| i | 1 << a).filter(|&j| j != i) {
-            // Short pieces, so that an end behind the camera does not take the whole edge away.
+            // Draw short pieces: a piece with an end behind the camera is skipped.
             for k in 0..24 {
                 let at = |k: i32| corners[i] + (corners[j] - corners[i]) * (f64::from(k) / 24.0);
                 let (Some(a), Some(b)) = (view.project(&at(k)), view.project(&at(k + 1))) else { continue };
@@ -106,20 +106,20 @@ fn outline(scene: &Scene, canvas: &mut Canvas, depth: &[f64]) {
     }
 }
 
-/// Draws a piece of a line that does not reach over its end, so that pieces join without dots.
+/// Draws a piece of a line without round ends, so that overlapping pieces show no dots.
 fn piece(canvas: &mut Canvas, a: [f64; 2], b: [f64; 2], thick: f64, seen: impl Fn(usize, usize, f64) -> f64) {
     let inner = |x, y, t: f64| if t > 0.0 && t < 1.0 { seen(x, y, t) } else { 0.0 };
     canvas.line(a, b, thick, &V3::new(0.10, 0.13, 0.17), inner);
 }
 
 impl Tracer<'_> {
-    /// The light that comes back along a ray, what it met and how far away.
+    /// Radiance along a ray, the object it hits and its distance.
     fn follow(&self, ray: &Ray, path: Path) -> (V3, Option<(HitObject, f64)>) {
         let studio = &self.scene.setup.environment;
         let Some((thing, hit)) = self.scene.first_hit(ray) else {
             let light =
                 if path.depth == 0 { self.scene.setup.backdrop(&ray.dir) } else { studio.radiance(&ray.dir) };
-            // A lamp seen through the drop rather than mirrored in it would outshine everything.
+            // A lamp seen through the drop would be far too bright; limit the weighted radiance.
             let light = light.map(|c| c.min(MAX_SAMPLE_RADIANCE / path.weight.max(MIN_PATH_WEIGHT)));
             return (light, None);
         };
@@ -169,7 +169,7 @@ impl Tracer<'_> {
         light
     }
 
-    /// The light of one way on, weighted; `wet` if it goes through the liquid.
+    /// Weighted radiance of the reflected or refracted ray; `wet` if it runs in the liquid.
     fn branch(&self, point: &V3, dir: &V3, path: Path, part: f64, wet: bool) -> V3 {
         let weight = path.weight * part;
         if weight < MIN_PATH_WEIGHT || path.depth >= MAX_DEPTH {
@@ -181,7 +181,7 @@ impl Tracer<'_> {
         light.component_mul(&(self.scene.absorption * -t).map(f64::exp)) * part
     }
 
-    /// The ground: fine squares that fade into the backdrop.
+    /// Shades the ground: fine squares that fade into the backdrop.
     fn ground(&self, ray: &Ray, point: &V3, path: &Path) -> V3 {
         let stage = self.scene.setup;
         let blurred = path.length * stage.view.pixel_angle() * if path.depth > 0 { 2.5 } else { 1.2 };
@@ -200,7 +200,7 @@ impl Tracer<'_> {
         shown * (1.0 - fade) + stage.backdrop(&ray.dir) * fade
     }
 
-    /// A rough surface in the light of the lamp and the surroundings.
+    /// Shades a diffuse surface lit by the lamp and the environment.
     fn diffuse(&self, point: &V3, normal: &V3, color: &V3, path: &Path) -> V3 {
         let studio = &self.scene.setup.environment;
         let rays = if path.depth == 0 { SHADE_RAYS } else { 2 };
@@ -223,7 +223,7 @@ impl Tracer<'_> {
         color.component_mul(&light)
     }
 
-    /// The part of the lamp's light that the liquid leaves; on upward faces the light paths bring it back.
+    /// Share of the lamp's direct light behind the liquid. On upward faces the caustics of the light map replace it.
     fn lit_through_liquid(&self, to_lamp: &Ray, normal: &V3) -> f64 {
         if !self.scene.occluded_by_liquid(to_lamp, f64::INFINITY) {
             return 1.0;
@@ -231,7 +231,7 @@ impl Tracer<'_> {
         if self.scene.style == Style::Matte { 0.0 } else { 0.7 * (1.0 - upward(normal)) }
     }
 
-    /// A coloured surface with a clear coat.
+    /// Shades a coloured surface with a clear coat.
     fn clear_coat(&self, ray: &Ray, point: &V3, hit: &Hit, color: V3, path: &Path) -> V3 {
         let dry = Hit { wetted: false, ..*hit };
         let normal =
@@ -246,12 +246,12 @@ impl Tracer<'_> {
     }
 }
 
-/// How far a face counts as horizontal, where light paths end: 1 facing up, 0 where it is steep, gradual between.
+/// Degree to which a face is horizontal, where the light map applies: 1 facing up, 0 on steep faces.
 fn upward(normal: &V3) -> f64 {
     smoothstep(0.15, 0.75, normal.z)
 }
 
-/// A board of squares averaged over a window of the given width: 0 or 1 far from edges.
+/// Checkerboard averaged over a window of the given width: 0 or 1 far from edges.
 fn squares(x: f64, y: f64, width: f64) -> f64 {
     let w = width.max(1e-4);
     let wave = |p: f64| {

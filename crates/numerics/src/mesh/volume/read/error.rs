@@ -1,11 +1,11 @@
-//! Why a file of a volume mesh cannot be used.
+//! Errors of the import of volume meshes.
 
 use crate::mesh::volume::MeshDefect;
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// Why a file cannot be used. Each message says how to mend the file.
+/// Why a file cannot be used. Each message says how to repair the file.
 #[derive(Debug, Error)]
 pub enum VolumeImportError {
     /// The file could not be read.
@@ -13,50 +13,50 @@ pub enum VolumeImportError {
     Read {
         /// The file.
         path: PathBuf,
-        /// The error of the operating system.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The name's ending is not that of a format read here.
+    /// The extension is not that of a supported format.
     #[error("{}: {found:?} is no volume mesh; use .msh (Gmsh), .node with .ele (TetGen, Triangle) or .vtk", path.display())]
     Format {
         /// The file.
         path: PathBuf,
-        /// The ending found.
+        /// Extension found.
         found: String,
     },
-    /// The file is not what its name says.
+    /// The content does not match the file name extension.
     #[error("{}, {place}: {what}; export the mesh again (Gmsh: 4.1 or 2.2, VTK: legacy)", path.display())]
     Content {
         /// The file.
         path: PathBuf,
-        /// The line, or the byte of a binary part.
+        /// Line, or byte of a binary part.
         place: String,
         /// What is wrong.
         what: String,
     },
-    /// There is nothing in it.
+    /// The file has no elements of the required dimension.
     #[error("{}: holds no {element}; a {dimension}D solid needs them", path.display())]
     Empty {
         /// The file.
         path: PathBuf,
-        /// What is missing: triangles or tetrahedra.
+        /// Missing elements: triangles or tetrahedra.
         element: &'static str,
-        /// Dimension asked for.
+        /// Dimension requested.
         dimension: usize,
     },
-    /// An element is not one that is read here.
+    /// An element has an unsupported type.
     #[error("{}: element {element} is {what}; mesh with {wanted} of first order", path.display())]
     Element {
         /// The file.
         path: PathBuf,
         /// Its number in the file.
         element: u64,
-        /// What it is.
+        /// Its type.
         what: String,
-        /// What is wanted: triangles or tetrahedra.
+        /// Required type: triangles or tetrahedra.
         wanted: &'static str,
     },
-    /// A vertex of an element does not exist, or is there twice.
+    /// A vertex of an element does not exist or is repeated.
     #[error("{}: element {element} has a vertex that does not exist, or the same one twice; export again", path.display())]
     Vertex {
         /// The file.
@@ -71,10 +71,10 @@ pub enum VolumeImportError {
         path: PathBuf,
         /// The element's number in the file.
         element: u64,
-        /// The vertex' z.
+        /// The vertex' z coordinate.
         z: f64,
     },
-    /// Some elements are inverted, others not.
+    /// Some but not all elements are inverted.
     #[error(
         "{}: {count} of {total} elements are inverted, the first is element {element} near {near:?}; \
          mend the mesh (Gmsh: -optimize, or mesh again with another size)", path.display()
@@ -82,16 +82,16 @@ pub enum VolumeImportError {
     Inverted {
         /// The file.
         path: PathBuf,
-        /// How many.
+        /// Number of inverted elements.
         count: usize,
-        /// Of how many.
+        /// Number of all elements.
         total: usize,
-        /// Number of the first in the file.
+        /// The first one's number in the file.
         element: u64,
         /// Its centre, m.
         near: Vec<f64>,
     },
-    /// Elements are flat.
+    /// Elements are degenerate: they have no volume.
     #[error(
         "{}: {count} elements have no volume, the first is element {element} near {near:?}; \
          mend the mesh (Gmsh: -optimize, or mesh again with another size)", path.display()
@@ -99,9 +99,9 @@ pub enum VolumeImportError {
     Flat {
         /// The file.
         path: PathBuf,
-        /// How many.
+        /// Number of degenerate elements.
         count: usize,
-        /// Number of the first in the file.
+        /// The first one's number in the file.
         element: u64,
         /// Its centre, m.
         near: Vec<f64>,

@@ -1,5 +1,5 @@
-//! Gmsh `.msh`, formats 2.2 and 4.1, text and binary (Gmsh reference manual, "File formats"). Elements of all physical
-//! groups are taken together.
+//! Gmsh `.msh`, formats 2.2 and 4.1, text and binary (Gmsh reference manual, "File formats"). The elements of all physical
+//! groups are merged.
 
 use super::raw_mesh::{ElementUse, RawMesh};
 use super::reader::{ReadFault, Reader};
@@ -10,7 +10,7 @@ type Numbers = Vec<(u64, u32)>;
 /// Format of a file.
 #[derive(Clone, Copy, PartialEq)]
 struct Format {
-    /// 2 or 4; 0 where it is not known yet.
+    /// 2 or 4; 0 if not yet known.
     version: u8,
     binary: bool,
 }
@@ -53,7 +53,7 @@ pub(super) fn read<const D: usize>(bytes: &[u8]) -> Result<RawMesh, ReadFault> {
     Ok(raw)
 }
 
-/// The section `$MeshFormat`.
+/// Reads the section `$MeshFormat`.
 fn read_format(from: &mut Reader) -> Result<Format, ReadFault> {
     let version = from.word().unwrap_or_default();
     let known = match version {
@@ -79,7 +79,7 @@ fn point(from: &mut Reader) -> Result<[f64; 3], ReadFault> {
     Ok([from.f64("a coordinate")?, from.f64("a coordinate")?, from.f64("a coordinate")?])
 }
 
-/// Sorts vertices by number; one may be there once.
+/// Sorts vertices by number and rejects duplicates.
 fn sorted(from: &Reader, mut numbers: Numbers) -> Result<Numbers, ReadFault> {
     numbers.sort_unstable();
     match numbers.windows(2).find(|n| n[0].0 == n[1].0) {
@@ -136,7 +136,7 @@ fn elements_2<const D: usize>(
     from.binary = binary;
     let mut read = 0;
     while read < count {
-        // Binary elements come in blocks of one type, their numbers after the block's head.
+        // Binary elements come in blocks of one type; the element numbers follow the block's head.
         let first = from.i32("an element's number or type")?;
         let (kind, many) = if binary {
             (first, from.i32("a number of elements")?)
@@ -185,7 +185,7 @@ fn elements_4<const D: usize>(
     Ok(())
 }
 
-/// Adds an element if it is wanted.
+/// Adds an element if its type is accepted.
 fn add_element<const D: usize>(
     element: u64,
     kind: i32,
@@ -215,7 +215,7 @@ fn node_count(from: &Reader, kind: i32) -> Result<usize, ReadFault> {
     nodes.ok_or_else(|| from.fault(format!("elements of type {kind} are not known")))
 }
 
-/// What is done with elements of a type.
+/// Use of elements of a type.
 fn element_use<const D: usize>(kind: i32) -> ElementUse {
     match (D, kind) {
         (2, 2) | (3, 4) => ElementUse::Accepted,

@@ -1,8 +1,8 @@
-//! Reading volume meshes from files: Gmsh `.msh` (2.2 and 4.1), TetGen and Triangle `.node` with `.ele`, VTK legacy `.vtk`;
-//! tetrahedra in 3D, triangles in 2D. Gmsh and VTK files may be text or binary. Coordinates are taken as metres.
+//! Import of volume meshes: Gmsh `.msh` (2.2 and 4.1), TetGen and Triangle `.node` with `.ele`, VTK legacy `.vtk`;
+//! tetrahedra in 3D, triangles in 2D. Gmsh and VTK files may be text or binary. Coordinates are in metres.
 //!
-//! Elements of lower dimension (the sides of a Gmsh mesh) are passed over, vertices that no element has are dropped, and if
-//! all elements are inverted they are turned: then the file counts the other way around.
+//! Elements of lower dimension (the boundary in a Gmsh mesh) are skipped, and unused vertices are dropped. If all elements
+//! are inverted, they are reversed: the file uses the opposite vertex order.
 
 use super::reader::ReadFault;
 use crate::Vector;
@@ -11,13 +11,13 @@ use crate::mesh::volume::read::raw_mesh::RawMesh;
 use crate::mesh::volume::{Simplex, VolumeMesh};
 use std::path::{Path, PathBuf};
 
-/// Volume of an element over the power of its longest edge below which it is flat.
+/// Volume of an element, over the power `D` of its longest edge, below which it is degenerate.
 const MIN_RELATIVE_VOLUME: f64 = 1e-9;
 
-/// Reads a mesh, checked; positions in m. It may fall into parts that no facet joins.
+/// Reads and checks a mesh; positions in m. It may have several components.
 ///
 /// # Errors
-/// What the file lacks and how to mend it.
+/// The file cannot be read or used; the message says how to repair it.
 pub fn load<const D: usize>(path: &Path) -> Result<VolumeMesh<D>, VolumeImportError> {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let bytes = |path: &Path| {
@@ -45,12 +45,12 @@ pub fn load<const D: usize>(path: &Path) -> Result<VolumeMesh<D>, VolumeImportEr
     from_raw(&at, &raw)
 }
 
-/// What elements are called.
+/// Name of the elements.
 fn element_name<const D: usize>() -> &'static str {
     if D == 2 { "triangles" } else { "tetrahedra" }
 }
 
-/// Checks what a file holds and makes a mesh of it.
+/// Checks the content of a file and makes a mesh of it.
 fn from_raw<const D: usize>(path: &Path, raw: &RawMesh) -> Result<VolumeMesh<D>, VolumeImportError> {
     let path = || path.to_owned();
     if raw.elements.is_empty() {
@@ -76,7 +76,7 @@ fn from_raw<const D: usize>(path: &Path, raw: &RawMesh) -> Result<VolumeMesh<D>,
     Ok(mesh)
 }
 
-/// Turns all elements if all are inverted; refuses some that are, and flat ones.
+/// Reverses all elements if all are inverted; rejects meshes with some inverted or degenerate elements.
 fn orient<const D: usize>(
     mesh: &mut VolumeMesh<D>,
     elements: &[(u64, Vec<u32>)],

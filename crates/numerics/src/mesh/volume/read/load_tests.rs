@@ -1,10 +1,10 @@
-//! Files good and bad.
+//! Import of valid and broken files.
 
 use super::*;
 use crate::mesh::volume::block::block;
 use std::fmt::Write;
 
-/// A file of the given content in a fresh folder.
+/// A file with the given content in a new folder.
 fn file(name: &str, content: &[u8]) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("meniscus-volume-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
@@ -25,12 +25,12 @@ fn vertices<const D: usize>(s: &Simplex<D>) -> Vec<u32> {
     s.vertices().collect()
 }
 
-/// Text with words between spaces.
+/// Words separated by spaces.
 fn words(x: impl IntoIterator<Item = impl std::fmt::Display>) -> String {
     x.into_iter().map(|x| x.to_string()).collect::<Vec<_>>().join(" ")
 }
 
-/// Gmsh 2.2 with a line and a point of the boundary, numbers from 11 up.
+/// Gmsh 2.2 file with a line and a point of the boundary; numbers start at 11.
 fn msh_2<const D: usize>(mesh: &VolumeMesh<D>, binary: bool) -> Vec<u8> {
     let kind = if D == 2 { 2 } else { 4 };
     let mut out = format!("$MeshFormat\n2.2 {} 8\n", u8::from(binary)).into_bytes();
@@ -66,7 +66,7 @@ fn msh_2<const D: usize>(mesh: &VolumeMesh<D>, binary: bool) -> Vec<u8> {
     out
 }
 
-/// Gmsh 4.1 in two blocks of vertices, the second with parameters.
+/// Gmsh 4.1 file with two blocks of vertices, the second with parameters.
 fn msh_4<const D: usize>(mesh: &VolumeMesh<D>, binary: bool) -> Vec<u8> {
     let mut out = format!("$MeshFormat\n4.1 {} 8\n", u8::from(binary)).into_bytes();
     let text = !binary;
@@ -126,7 +126,7 @@ fn vtk<const D: usize>(mesh: &VolumeMesh<D>, binary: bool, version: u8) -> Vec<u
     let mut out = format!("# vtk DataFile Version {version}.1\na title\n").into_bytes();
     out.extend(if binary { "BINARY\n" } else { "ASCII\n" }.bytes());
     out.extend(b"DATASET UNSTRUCTURED_GRID\nFIELD FieldData 2\nTIME 1 1 double\n");
-    // Bytes that are no text, or look like the next section.
+    // Bytes that are not text or that look like the next section.
     out.extend(if binary { 0.25f64.to_be_bytes().to_vec() } else { b"0.25".to_vec() });
     out.extend(b"\nSTEPS 2 3 short\n");
     out.extend(if binary { b"\nPOINTS 0 \n\n".to_vec() } else { b"1 2 3 4 5 6".to_vec() });
@@ -292,7 +292,7 @@ fn volume_import_names_the_defect() {
     assert!(huge.contains("more than the file can hold"), "{huge}");
 }
 
-/// Whatever the bytes, the answer is a mesh or an error.
+/// Any bytes give a mesh or an error.
 #[test]
 fn volume_import_survives_broken_files() {
     let mesh = example::<2>();

@@ -1,4 +1,4 @@
-//! Reading volume meshes from files.
+//! Import of volume meshes.
 
 mod error;
 mod gmsh;

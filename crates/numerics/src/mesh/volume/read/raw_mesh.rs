@@ -1,20 +1,20 @@
-//! What a file of a volume mesh holds.
+//! Unchecked content of a volume mesh file.
 
-/// What a file holds.
+/// Vertices and elements of a file.
 #[derive(Default)]
 pub struct RawMesh {
-    /// Coordinates of the vertices.
+    /// Coordinates of the vertices, m.
     pub points: Vec<[f64; 3]>,
-    /// Elements: number in the file, places of the vertices in `points`.
+    /// Elements: number in the file, and vertices as indices into `points`.
     pub elements: Vec<(u64, Vec<u32>)>,
 }
 
-/// What is done with an element of a kind.
+/// Use of the elements of a type.
 pub enum ElementUse {
-    /// It is a simplex of the mesh's dimension.
+    /// A simplex of the mesh's dimension.
     Accepted,
-    /// It has a lower dimension.
+    /// An element of lower dimension.
     Skipped,
-    /// It cannot be used; its name.
+    /// An unsupported element; its name.
     Rejected(&'static str),
 }

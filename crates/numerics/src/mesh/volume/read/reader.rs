@@ -1,24 +1,24 @@
-//! Words, lines and numbers of a file that is text, binary, or one within the other.
+//! Reader of words, lines and numbers from files with text parts and binary parts.
 
 use std::str::FromStr;
 
-/// What is wrong with a file.
+/// Error in the content of a file.
 pub(super) enum ReadFault {
-    /// Something cannot be understood.
+    /// Content that cannot be parsed.
     Content { place: String, what: String },
-    /// An element that cannot be used.
+    /// An unsupported element.
     Element { element: u64, what: String },
     /// An element with a vertex that does not exist.
     Vertex { element: u64 },
 }
 
-/// A place in a file.
+/// Position in a file.
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     at: usize,
-    /// Lines that begin with it are passed over.
+    /// First character of comment lines, which are skipped.
     comment: Option<u8>,
-    /// Whether numbers are binary, and if so whether the highest byte comes first.
+    /// Whether numbers are binary, and whether they are big-endian.
     pub binary: bool,
     pub big_endian: bool,
 }
@@ -28,7 +28,7 @@ impl<'a> Reader<'a> {
         Self { bytes, at: 0, comment, binary: false, big_endian: false }
     }
 
-    /// Something wrong at this place.
+    /// An error at this position.
     pub fn fault(&self, what: impl Into<String>) -> ReadFault {
         let place = if self.binary {
             format!("byte {}", self.at)
@@ -43,7 +43,7 @@ impl<'a> Reader<'a> {
         self.bytes.get(self.at).copied()
     }
 
-    /// Whether nothing follows.
+    /// Whether the end of the file is reached.
     pub fn ended(&self) -> bool {
         self.at >= self.bytes.len()
     }
@@ -66,7 +66,7 @@ impl<'a> Reader<'a> {
         std::str::from_utf8(&self.bytes[start..self.at]).ok().filter(|w| !w.is_empty())
     }
 
-    /// The rest of this line.
+    /// The rest of the current line.
     pub fn line(&mut self) -> String {
         let start = self.at;
         while self.peek().is_some_and(|b| b != b'\n') {
@@ -77,7 +77,7 @@ impl<'a> Reader<'a> {
         line
     }
 
-    /// Passes over everything up to the end of the next place where `text` stands.
+    /// Skips to the end of the next occurrence of `text`.
     pub fn skip_past(&mut self, text: &str) -> Result<(), ReadFault> {
         let found = self.bytes[self.at..].windows(text.len()).position(|w| w == text.as_bytes());
         let Some(by) = found else { return Err(self.fault(format!("`{text}` is missing"))) };
@@ -85,25 +85,25 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The next word as a number of the text.
+    /// The next word as a number in text form.
     pub fn number<T: FromStr>(&mut self, what: &str) -> Result<T, ReadFault> {
         let Some(word) = self.word() else { return Err(self.fault(format!("{what} is missing"))) };
         word.parse().map_err(|_| self.fault(format!("`{}` where {what} should be", word.escape_debug())))
     }
 
-    /// A count, not more than the file could hold.
+    /// A count in text form; an error if the file cannot hold as many items.
     pub fn count(&mut self, what: &str) -> Result<usize, ReadFault> {
         let count: u64 = self.number(what)?;
         self.checked_count(count, what)
     }
 
-    /// A count, if the file can hold as many things.
+    /// Checks a count; an error if the file cannot hold as many items.
     pub fn checked_count(&self, count: u64, what: &str) -> Result<usize, ReadFault> {
         let fits = usize::try_from(count).ok().filter(|n| *n <= self.bytes.len());
         fits.ok_or_else(|| self.fault(format!("{what} is {count}, more than the file can hold")))
     }
 
-    /// Passes over so many bytes.
+    /// Skips a number of bytes.
     pub fn skip(&mut self, bytes: usize) -> Result<(), ReadFault> {
         if bytes > self.bytes.len() - self.at {
             return Err(self.fault("the file ends too early"));
@@ -122,23 +122,23 @@ impl<'a> Reader<'a> {
         Ok(bytes)
     }
 
-    /// A 32-bit integer of a binary part, or a number of the text.
+    /// A 32-bit integer, binary or text.
     pub fn i32(&mut self, what: &str) -> Result<i32, ReadFault> {
         if self.binary { self.take().map(i32::from_le_bytes) } else { self.number(what) }
     }
 
-    /// A 64-bit integer of a binary part, or a number of the text.
+    /// A 64-bit integer, binary or text.
     pub fn u64(&mut self, what: &str) -> Result<u64, ReadFault> {
         if self.binary { self.take().map(u64::from_le_bytes) } else { self.number(what) }
     }
 
-    /// A double of a binary part, or a number of the text; finite.
+    /// A finite double, binary or text.
     pub fn f64(&mut self, what: &str) -> Result<f64, ReadFault> {
         let x = if self.binary { self.take().map(f64::from_le_bytes)? } else { self.number(what)? };
         if x.is_finite() { Ok(x) } else { Err(self.fault(format!("{what} is {x}"))) }
     }
 
-    /// A float of a binary part, or a number of the text; finite.
+    /// A finite float, binary or text.
     pub fn f32(&mut self, what: &str) -> Result<f64, ReadFault> {
         if !self.binary {
             return self.f64(what);

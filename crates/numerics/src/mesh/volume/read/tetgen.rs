@@ -1,16 +1,16 @@
-//! TetGen's `.node` and `.ele` files, and those of Triangle in 2D (H. Si, TetGen manual, 5.2; J. Shewchuk, Triangle).
+//! TetGen `.node` and `.ele` files, and Triangle's in 2D (H. Si, TetGen manual, 5.2; J. Shewchuk, Triangle).
 
 use super::raw_mesh::RawMesh;
 use super::reader::{ReadFault, Reader};
 
-/// The vertices of a `.node` file, and the number of the first.
+/// Vertices of a `.node` file, and the number of the first.
 pub(super) struct Nodes {
     raw: RawMesh,
     first: u64,
 }
 
-/// Reads a `.node` file: count, dimension, numbers of attributes and of markers; for each vertex its number, coordinates,
-/// attributes and markers.
+/// Reads a `.node` file: number of vertices, dimension, numbers of attributes and markers; then for each vertex its number,
+/// coordinates, attributes and markers.
 pub(super) fn nodes<const D: usize>(bytes: &[u8]) -> Result<Nodes, ReadFault> {
     let mut from = Reader::new(bytes, Some(b'#'));
     let count = from.count("the number of vertices")?;
@@ -37,7 +37,7 @@ pub(super) fn nodes<const D: usize>(bytes: &[u8]) -> Result<Nodes, ReadFault> {
     Ok(Nodes { raw, first })
 }
 
-/// Reads an `.ele` file: count, vertices of an element, attributes; for each element its number and vertices.
+/// Reads an `.ele` file: number of elements, vertices per element, number of attributes; then each element's number and vertices.
 pub(super) fn elements<const D: usize>(bytes: &[u8], nodes: Nodes) -> Result<RawMesh, ReadFault> {
     let Nodes { mut raw, first } = nodes;
     let mut from = Reader::new(bytes, Some(b'#'));
@@ -62,7 +62,7 @@ pub(super) fn elements<const D: usize>(bytes: &[u8], nodes: Nodes) -> Result<Raw
     Ok(raw)
 }
 
-/// Refuses what follows the last of a list.
+/// Rejects content after the end of a list.
 fn expect_end(from: &mut Reader, count: usize) -> Result<(), ReadFault> {
     match from.word() {
         Some(_) => Err(from.fault(format!("more lines than the {count} of the file's head"))),

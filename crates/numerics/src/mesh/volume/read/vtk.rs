@@ -1,5 +1,5 @@
-//! VTK's legacy files with an unstructured grid, versions up to 5.1, text and binary (The VTK User's Guide, "Simple legacy
-//! formats"). Binary numbers have the highest byte first.
+//! VTK legacy files with an unstructured grid, versions up to 5.1, text and binary (The VTK User's Guide, "Simple legacy
+//! formats"). Binary numbers are big-endian.
 
 use super::raw_mesh::{ElementUse, RawMesh};
 use super::reader::{ReadFault, Reader};
@@ -34,7 +34,7 @@ pub(super) fn read<const D: usize>(bytes: &[u8]) -> Result<RawMesh, ReadFault> {
             }
             "FIELD" => fields(&mut from, binary)?,
             "METADATA" => {
-                // It ends with an empty line, or with the file.
+                // The section ends at an empty line or at the end of the file.
                 from.line();
                 while !from.ended() && !from.line().is_empty() {}
             }
@@ -64,7 +64,7 @@ fn points(from: &mut Reader, binary: bool, raw: &mut RawMesh) -> Result<(), Read
     Ok(())
 }
 
-/// Passes over arrays that belong to the whole, such as a time.
+/// Skips field data of the whole data set, such as a time.
 fn fields(from: &mut Reader, binary: bool) -> Result<(), ReadFault> {
     from.word();
     for _ in 0..from.count("the number of arrays")? {
@@ -91,7 +91,7 @@ fn fields(from: &mut Reader, binary: bool) -> Result<(), ReadFault> {
     Ok(())
 }
 
-/// Up to version 4: for each cell the number of its vertices, and these.
+/// Cells up to version 4: for each cell the number of its vertices, then the vertices.
 fn cells_by_counts(from: &mut Reader, binary: bool) -> Result<Vec<Vec<u32>>, ReadFault> {
     let count = from.count("the number of cells")?;
     from.count("the number of entries")?;
@@ -106,7 +106,7 @@ fn cells_by_counts(from: &mut Reader, binary: bool) -> Result<Vec<Vec<u32>>, Rea
     Ok(cells)
 }
 
-/// From version 5: where each cell's vertices begin, then the vertices of all.
+/// Cells from version 5: the offset of each cell's vertices, then the vertices of all cells.
 fn cells_by_offsets(from: &mut Reader, binary: bool) -> Result<Vec<Vec<u32>>, ReadFault> {
     let sizes = [from.count("the number of offsets")?, from.count("the number of entries")?];
     let mut lists: [Vec<u64>; 2] = Default::default();
@@ -134,7 +134,7 @@ fn cells_by_offsets(from: &mut Reader, binary: bool) -> Result<Vec<Vec<u32>>, Re
         .ok_or_else(|| from.fault("offsets beyond the vertices"))
 }
 
-/// The types of the cells; those wanted are taken.
+/// Reads the types of the cells and keeps the cells that are accepted.
 fn types<const D: usize>(
     from: &mut Reader,
     binary: bool,
@@ -158,7 +158,7 @@ fn types<const D: usize>(
     Ok(())
 }
 
-/// What is done with cells of a type.
+/// Use of cells of a type.
 fn element_use<const D: usize>(kind: i32) -> ElementUse {
     match (D, kind) {
         (2, 5) | (3, 10) => ElementUse::Accepted,

@@ -1,19 +1,19 @@
-//! Isosurface stuffing: any region given by a signed distance, filled with simplices of good shape.
+//! Isosurface stuffing: fills a region given by a signed distance with well-shaped simplices.
 //!
 //! F. Labelle and J. Shewchuk, "Isosurface Stuffing: Fast Tetrahedral Meshes with Good Dihedral Angles", ACM Trans. Graph. 26
-//! (2007) 57. Space is filled by the simplices of a lattice. Where the surface crosses one of its edges near a vertex the
-//! vertex is moved there; the simplices that are still crossed are cut at the crossings. So all vertices of the boundary lie
-//! on the surface to rounding, its facets within second order of the edge, and no angle is small. Creases are cut off by up
-//! to an edge, and what is thinner than an edge may be lost.
+//! (2007) 57. The simplices of a lattice fill space. A vertex with a crossing of the surface near it on one of its edges is
+//! warped to the crossing. Simplices that are still crossed are cut at the crossings. So boundary vertices lie on the surface
+//! to rounding, facets are second-order accurate, and no angle is small.
 //!
 //! The lattice is that of the permutohedron, $A_D^*$: triangular in 2D, body-centred cubic in 3D. Its vectors $v_1 … v_D$ and
-//! $v_0 = -\sum v_k$ are alike; the simplices at a vertex are the paths along $v_{\pi 1} … v_{\pi D}$, one for each order π.
-//! In 3D their edges along one $v$ are the short ones, those along two are the long ones, longer by $2 / \sqrt 3$.
+//! $v_0 = -\sum v_k$ are equivalent. The simplices at a vertex are the paths along $v_{\pi 1} … v_{\pi D}$, one for each order
+//! π. In 3D edges along one $v$ are short; those along two are longer by $2 / \sqrt 3$.
 //!
-//! A crossed simplex is bisected at its crossings one after another, in an order that all simplices share, so that what
-//! neighbours make of their common facet agrees without any table of cases: long edges before short ones, as in the article's
-//! stencils, then those of which more is kept. Measured, in degrees: dihedral angles of 17 to 141 at plane surfaces however
-//! they lie, of 11 to 164 whatever the signs at the vertices (the article proves 10.7 to 164.8); in 2D angles of 16 to 139.
+//! A crossed simplex is bisected at its crossings one after another in a global order, so neighbours agree on their common
+//! facet without tables of cases: long edges before short ones, as in the article's stencils, then edges with the larger
+//! inside fraction. Measured angles in degrees: 17 to 141 (dihedral) at planes, 11 to 164 for random signs at the vertices
+//! (the article proves 10.7 to 164.8); in 2D 16 to 139. Limit: creases are cut off by up to an edge, and parts thinner than
+//! an edge may be lost.
 
 use crate::Vector;
 use crate::mesh::volume::block::BlockError;
@@ -21,43 +21,43 @@ use crate::mesh::volume::{MeshDefect, Simplex, VolumeMesh};
 use rayon::prelude::*;
 use thiserror::Error;
 
-/// Share of an edge within which a crossing draws the vertex to itself: long edges, short edges (article, Table 1).
+/// Fraction of an edge within which a crossing warps the vertex: long edges, short edges (article, Table 1).
 const WARP_THRESHOLDS_3D: [f64; 2] = [0.249_99, 0.411_89];
-/// The same in 2D, where all edges are alike: with it the smallest angle that can be is largest (measured).
+/// The same in 2D, where all edges are alike; this value maximises the smallest angle (measured).
 const WARP_THRESHOLDS_2D: [f64; 2] = [0.4, 0.4];
-/// Length of the mesh's mean edge over that of the lattice's longest one.
+/// Mean edge of the mesh over the longest edge of the lattice.
 const MEAN_EDGE_3D: f64 = 0.923;
-/// Most vertices of a lattice, half of which a compact body fills: its matrices take some 8 kB of memory for each in 3D.
+/// Most vertices of a lattice, half of which a compact body fills. A solid's matrices need about 8 kB per vertex in 3D.
 const MAX_LATTICE_VERTICES: usize = 1 << 22;
-/// Most steps to a crossing, and how close to it they stop, in edges.
+/// Most iterations of the root search along an edge, and its tolerance, in edges.
 const MAX_ROOT_ITERATIONS: usize = 60;
 const ROOT_TOLERANCE: f64 = 1e-13;
 
-/// How much farther than the nearest crossing others may be to count as near as it.
+/// Relative difference of distance up to which crossings count as equally near.
 const EQUAL_DISTANCE_TOLERANCE: f64 = 1e-6;
 
 /// A signed distance, negative inside; point and distance in m.
 pub type Distance<'a, const D: usize> = dyn Fn(&Vector<D>) -> f64 + Sync + 'a;
 
-/// Why a region cannot be filled.
+/// Why a region cannot be meshed.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum StuffingError {
-    /// The edge is no positive length, or the bounds are not finite.
+    /// The edge is not positive and finite, or the bounds are not finite.
     #[error(
         "edges of {edge} m within {lower:?} to {upper:?} cannot be; give a positive edge and finite bounds"
     )]
     Size {
-        /// Edge asked for, m.
+        /// Edge requested, m.
         edge: f64,
         /// Lower bounds, m.
         lower: Vec<f64>,
         /// Upper bounds, m.
         upper: Vec<f64>,
     },
-    /// It would take too many vertices.
+    /// The lattice would have too many vertices.
     #[error("edges of {edge} m would take {vertices:e} vertices; give longer ones")]
     TooFine {
-        /// Edge asked for, m.
+        /// Edge requested, m.
         edge: f64,
         /// Vertices of the lattice.
         vertices: f64,
@@ -67,37 +67,37 @@ pub enum StuffingError {
         "no vertex of a lattice with edges of {edge} m lies in the region: give shorter edges, or a region with something in it"
     )]
     Empty {
-        /// Edge asked for, m.
+        /// Edge requested, m.
         edge: f64,
     },
-    /// The region goes on beyond the bounds.
+    /// The region extends beyond the bounds.
     #[error("the region goes on beyond its bounds near {near:?}")]
     Beyond {
-        /// A point of it outside, m.
+        /// A point of the region outside the bounds, m.
         near: Vec<f64>,
     },
-    /// A box that cannot be a lattice.
+    /// The shape is a box that cannot be a lattice.
     #[error(transparent)]
     Block(#[from] BlockError),
-    /// The region is in places thinner than an edge, so that the mesh touches itself there.
+    /// The region is locally thinner than an edge, so the mesh touches itself.
     #[error("with edges of {edge} m {defect}; give shorter edges")]
     Defect {
-        /// Edge asked for, m.
+        /// Edge requested, m.
         edge: f64,
-        /// What is wrong with the mesh.
+        /// Defect of the mesh.
         defect: MeshDefect,
     },
 }
 
-/// Fills the region where a signed distance (m) is negative with simplices whose edges are about `edge` (m) long. Between
-/// neighbouring vertices of the lattice only the sign of the distance and its zero matter, so that any continuous function
-/// that is negative inside will do. `lower` and `upper` (m) bound the region; a vertex of the lattice lies in the middle
-/// between them, so that a region with mirror planes through there along the axes has a mesh with them.
+/// Fills the region where a signed distance (m) is negative with simplices whose edges are about `edge` (m) long. Only the
+/// sign and the zeros of the distance between neighbouring lattice vertices matter, so any continuous function that is
+/// negative inside will do. `lower` and `upper` (m) bound the region. A lattice vertex lies at the centre of the bounds, so
+/// the mesh keeps mirror planes of the region through it along the axes.
 ///
 /// Cost: one distance for each vertex of a lattice that fills the bounds, a few for each crossing.
 ///
 /// # Errors
-/// Sizes that cannot be, a region that is empty, goes on beyond its bounds or is too thin.
+/// Invalid sizes, or a region that is empty, extends beyond its bounds or is too thin.
 pub fn stuff<const D: usize>(
     distance: &Distance<D>,
     lower: &Vector<D>,
@@ -115,7 +115,7 @@ pub fn stuff<const D: usize>(
     Ok(mesh)
 }
 
-/// As [`stuff`], with given shares of an edge within which vertices are drawn to crossings, and without a check.
+/// As [`stuff`], with given warp thresholds and without a check.
 fn stuff_unchecked<const D: usize>(
     distance: &Distance<D>,
     lower: &Vector<D>,
@@ -138,14 +138,14 @@ fn stuff_unchecked<const D: usize>(
     Ok(VolumeMesh { positions: stuffing.positions, simplices }.compacted())
 }
 
-/// The lattice around the bounds. A vertex is at `middle + scale q` for whole `q` of one parity (3D), or whose sum is even
+/// The lattice around the bounds. A vertex is at `middle + scale q` for integers `q` of one parity (3D) or with an even sum
 /// (2D). Vertices are numbered densely.
 struct PermutohedralLattice<const D: usize> {
     middle: Vector<D>,
     scale: Vector<D>,
-    /// What is added to `q` so that it is not negative; even.
+    /// Even offset that makes `q` non-negative.
     offset: [i32; D],
-    /// How many vertices lie along an axis; in 3D for each parity.
+    /// Number of vertices along each axis; in 3D for each parity.
     extent: [usize; D],
 }
 
@@ -161,7 +161,7 @@ impl<const D: usize> PermutohedralLattice<D> {
             (2, _) => 0.75f64.sqrt() * edge,
             _ => 0.5 * edge / MEAN_EDGE_3D,
         });
-        // Three more on each side than fit: the outermost of them are where it is known to end.
+        // The lattice extends at least four steps beyond the bounds; the region must not reach the outermost ones.
         let steps = (size * 0.5).component_div(&scale).map(|s| (s / 2.0).ceil() * 2.0 + 4.0);
         let vertices = steps.iter().map(|s| s + 1.0).product::<f64>() * (D - 1) as f64;
         if vertices > MAX_LATTICE_VERTICES as f64 {
@@ -176,7 +176,7 @@ impl<const D: usize> PermutohedralLattice<D> {
         self.extent.iter().product::<usize>() * (D - 1)
     }
 
-    /// The vectors along which a simplex' path goes.
+    /// The vectors of the paths of simplices.
     fn vectors() -> [[i32; D]; D] {
         if D == 2 {
             std::array::from_fn(|k| std::array::from_fn(|a| [[2, 0], [-1, 1]][k][a]))
@@ -185,7 +185,7 @@ impl<const D: usize> PermutohedralLattice<D> {
         }
     }
 
-    /// The vertex' number, if the lattice has it.
+    /// The number of a vertex, if the lattice contains it.
     fn index(&self, q: &[i32; D]) -> Option<usize> {
         let q: [i32; D] = std::array::from_fn(|a| q[a] + self.offset[a]);
         let parity = q[D - 1] & 1;
@@ -201,7 +201,7 @@ impl<const D: usize> PermutohedralLattice<D> {
         Some(if D == 3 { 2 * index + parity as usize } else { index })
     }
 
-    /// The vertex of a number.
+    /// The vertex with a number.
     fn point(&self, index: usize) -> [i32; D] {
         let mut rest = if D == 3 { index / 2 } else { index };
         let mut i = [0; D];
@@ -219,13 +219,13 @@ impl<const D: usize> PermutohedralLattice<D> {
         Vector::from_fn(|a, _| self.middle[a] + self.scale[a] * f64::from(q[a]))
     }
 
-    /// Whether the vertex lies farther out than the bounds by an edge or more.
+    /// Whether a vertex lies outside the bounds by an edge or more.
     fn at_border(&self, index: usize) -> bool {
         let q = self.point(index);
         (0..D).any(|a| q[a].abs() >= self.offset[a] - 1)
     }
 
-    /// Where a point is moved to along some of the vectors (bits of `along`).
+    /// A point moved along some of the vectors (bits of `along`).
     fn translated(q: &[i32; D], along: usize) -> [i32; D] {
         let vectors = Self::vectors();
         std::array::from_fn(|a| {
@@ -234,18 +234,18 @@ impl<const D: usize> PermutohedralLattice<D> {
     }
 }
 
-/// Where the surface crosses an edge.
+/// Crossing of the surface with an edge.
 #[derive(Clone, Copy)]
 struct EdgeCrossing<const D: usize> {
-    /// The vertex inside and the one outside.
+    /// The inside and the outside vertex.
     ends: [u32; 2],
-    /// How far along the edge from inside, 0 to 1.
+    /// Position along the edge from the inside vertex, 0 to 1.
     fraction: f64,
     long: bool,
     position: Vector<D>,
 }
 
-/// The crossings, sorted by their edges' lower and higher vertex.
+/// Crossings, sorted by the lower and higher vertex of their edges.
 struct EdgeCrossings<const D: usize> {
     all: Vec<EdgeCrossing<D>>,
 }
@@ -283,7 +283,7 @@ impl<const D: usize> EdgeCrossings<D> {
         Self { all }
     }
 
-    /// The number of the crossing between two vertices.
+    /// The index of the crossing between two vertices.
     fn between(&self, a: u32, b: u32) -> Option<usize> {
         self.all.binary_search_by_key(&[a.min(b), a.max(b)], EdgeCrossing::key).ok()
     }
@@ -292,12 +292,12 @@ impl<const D: usize> EdgeCrossings<D> {
 /// The lattice warped to the surface.
 struct Stuffing<'a, const D: usize> {
     lattice: &'a PermutohedralLattice<D>,
-    /// Of the lattice's vertices, then of the crossings.
+    /// Positions of the lattice's vertices, then of the crossings.
     positions: Vec<Vector<D>>,
-    /// -1 inside, 0 on the surface, 1 outside; of the lattice's vertices.
+    /// Side of each lattice vertex: -1 inside, 0 on the surface, 1 outside.
     side: Vec<i8>,
     cuts: EdgeCrossings<D>,
-    /// Place of each crossing in the order of cutting.
+    /// Rank of each crossing in the order of cutting.
     rank: Vec<u32>,
 }
 
@@ -313,7 +313,7 @@ impl<'a, const D: usize> Stuffing<'a, D> {
         let mut side: Vec<i8> = values.iter().map(sign).collect();
         let mut positions: Vec<Vector<D>> =
             (0..lattice.len()).map(|i| lattice.position(&lattice.point(i))).collect();
-        // Each vertex goes to the nearest of the crossings that draw it.
+        // Each vertex is warped to the nearest crossing within the threshold.
         let mut draws: Vec<(u32, f64, usize)> = Vec::new();
         for (k, cut) in cuts.all.iter().enumerate() {
             let reach = warp_thresholds[usize::from(!cut.long)];
@@ -342,7 +342,7 @@ impl<'a, const D: usize> Stuffing<'a, D> {
         Self { lattice, positions, side, cuts, rank }
     }
 
-    /// All simplices inside.
+    /// All simplices of the region.
     fn simplices(&self, distance: &Distance<D>) -> Vec<Simplex<D>> {
         const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 0, 2], [0, 2, 1], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
         let orders = &ORDERS[..if D == 2 { 2 } else { 6 }];
@@ -367,7 +367,7 @@ impl<'a, const D: usize> Stuffing<'a, D> {
         (0..self.side.len()).into_par_iter().flat_map_iter(at).collect()
     }
 
-    /// Adds what of a simplex (its first `D + 1` vertices) is inside.
+    /// Adds the inside part of a simplex (its first `D + 1` vertices).
     fn clip(&self, vertices: [u32; 4], distance: &Distance<D>, out: &mut Vec<Simplex<D>>) {
         let used = &vertices[..=D];
         let side = |v: u32| self.side.get(v as usize).copied().unwrap_or(0);
@@ -378,7 +378,7 @@ impl<'a, const D: usize> Stuffing<'a, D> {
         for i in 0..=D {
             for j in 0..i {
                 if side(used[i]) * side(used[j]) < 0 {
-                    // Two vertices of the lattice on different sides have a crossing between them.
+                    // Two lattice vertices on different sides have a crossing between them.
                     let Some(k) = self.cuts.between(used[i], used[j]) else { return };
                     if first.is_none_or(|f| self.rank[k] < f.0) {
                         first = Some((self.rank[k], k, [i, j]));
@@ -403,8 +403,8 @@ impl<'a, const D: usize> Stuffing<'a, D> {
     }
 }
 
-/// Where a vertex goes that crossings at one distance draw: to the crossing, or to the surface in the direction of their
-/// mean, so that mirror images stay mirror images.
+/// Warped position of a vertex with equally near crossings: a single crossing itself, else the surface in the direction of
+/// their mean, which preserves mirror symmetry.
 fn warped_position<const D: usize>(
     vertex: &Vector<D>,
     value: f64,
@@ -424,7 +424,7 @@ fn warped_position<const D: usize>(
     })
 }
 
-/// Where a surface is on a way to both sides of a place; nothing where it is not, or nearer than rounding.
+/// Crossing of a surface with the segment to `from + displacement` from inside, to `from - displacement` from outside, if any.
 pub(super) fn surface_crossing<const D: usize>(
     from: &Vector<D>,
     displacement: &Vector<D>,
@@ -444,7 +444,7 @@ pub(super) fn surface_crossing<const D: usize>(
 }
 
 /// The zero, 0 to 1, of a function that is negative at 0 and positive at 1, with the given values there: false position with
-/// halved weights (Illinois), or by bisection.
+/// halved weights (Illinois), and bisection steps.
 fn root(f: &dyn Fn(f64) -> f64, [mut low_value, mut high_value]: [f64; 2]) -> f64 {
     let (mut low, mut high, mut last) = (0.0, 1.0, 0);
     let mut t = 0.5;

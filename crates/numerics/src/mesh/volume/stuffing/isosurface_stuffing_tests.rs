@@ -1,4 +1,4 @@
-//! Angles and distances of filled regions.
+//! Angles and distance errors of meshed regions.
 
 use super::*;
 use crate::Matrix;
@@ -6,7 +6,7 @@ use crate::mesh::volume::quadratic::ElementOrder;
 use crate::shape::{MeshShape, Shape};
 use std::sync::Arc;
 
-/// Points that look random but are not.
+/// Deterministic pseudo-random numbers, 0 to 1.
 struct Random(u64);
 
 impl Random {
@@ -40,8 +40,7 @@ fn planes<const D: usize>(count: usize, drawn: [f64; 2]) -> [f64; 2] {
     worst
 }
 
-/// Smallest and largest angle in degrees where the sign at every vertex of the lattice is as good as random: the worst that
-/// can be.
+/// Smallest and largest angle in degrees if the signs at the lattice's vertices are nearly random: the worst case.
 fn noise<const D: usize>(half: f64, drawn: [f64; 2]) -> [f64; 2] {
     let mut random = Random(3);
     let mut wave = || (Vector::<D>::from_fn(|_, _| 12.0 * (random.next() - 0.5)), 6.3 * random.next());
@@ -71,7 +70,7 @@ fn scan() {
     }
 }
 
-/// Greatest distance of the boundary's vertices from the surface, and of its facets' centres, in edges.
+/// Largest distance of boundary vertices from the surface, and of facet centres, in edges.
 fn off<const D: usize>(mesh: &VolumeMesh<D>, distance: &dyn Fn(&Vector<D>) -> f64, edge: f64) -> [f64; 2] {
     let (surface, _) = mesh.surface();
     let vertices = surface.positions.iter().map(|x| distance(x).abs()).fold(0.0, f64::max);
@@ -140,7 +139,7 @@ fn stuffing_keeps_angles() {
     assert!(solid[0][0] > 17.0 && solid[0][1] < 141.0 && solid[1][0] > 10.7 && solid[1][1] < 164.8);
 }
 
-/// Mirror images of the mesh of a ball are the mesh.
+/// Mirror images of the mesh of a ball equal the mesh.
 #[test]
 fn stuffing_is_symmetric() {
     let shape = Shape::<3>::Ball { center: Vector::repeat(0.3), radius: 0.2 };

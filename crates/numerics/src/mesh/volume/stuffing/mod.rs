@@ -1,4 +1,4 @@
-//! Regions given by a signed distance, filled with simplices of good shape.
+//! Meshing of regions given by a signed distance with well-shaped simplices.
 
 mod isosurface_stuffing;
 mod of_shape;

@@ -1,4 +1,4 @@
-//! Shapes filled with simplices.
+//! Meshing of shapes.
 
 use crate::mesh::volume::VolumeMesh;
 use crate::mesh::volume::quadratic::ElementOrder;
@@ -6,8 +6,8 @@ use crate::mesh::volume::stuffing::{StuffingError, stuff_with_order};
 use crate::shape::Shape;
 
 impl<const D: usize> VolumeMesh<D> {
-    /// A shape filled with simplices, vertices about `edge` (m) apart: a box as a lattice, anything else by [`super::stuff`]. Outlines
-    /// keep their corners when they are made with [`of_outline`](Self::of_outline).
+    /// A mesh of a shape with vertices about `edge` (m) apart: a box as a lattice, other shapes by [`super::stuff`]. Outlines keep their
+    /// corners only with [`of_outline`](Self::of_outline).
     ///
     /// # Errors
     /// As [`super::stuff`].

@@ -1,4 +1,4 @@
-//! Regions filled with quadratic simplices, whose nodes lie on the surface.
+//! Meshing of regions with quadratic simplices whose boundary nodes lie on the surface.
 
 use crate::Vector;
 use crate::mesh::volume::VolumeMesh;
@@ -6,12 +6,12 @@ use crate::mesh::volume::quadratic::{ElementOrder, MAX_NODE_DISPLACEMENT_EDGES};
 use crate::mesh::volume::stuffing::isosurface_stuffing::surface_crossing;
 use crate::mesh::volume::stuffing::{Distance, StuffingError, stuff};
 
-/// Part of a volume that large quadratic simplices may lose of what linear ones have with the same vertices: that of a solid's mass
-/// and of its stiffness against being pulled.
+/// Largest fraction of the linear mesh's volume that quadratic simplices of twice the size may lose. A solid's mass and its
+/// stiffness in tension fall by the same fraction.
 const MAX_VOLUME_LOSS: f64 = 0.05;
 
-/// As [`stuff`], of simplices of an order, with vertices about `edge` (m) apart. Quadratic simplices are twice as large, unless that
-/// loses what is thin: then they are not, and vertices are nearer to each other.
+/// As [`stuff`], for simplices of the given order with vertices about `edge` (m) apart. Quadratic simplices are twice as large as
+/// linear ones. If that loses thin parts, they are of the same size and vertices are closer.
 ///
 /// # Errors
 /// As [`stuff`].
@@ -34,8 +34,8 @@ pub fn stuff_with_order<const D: usize>(
 }
 
 impl<const D: usize> VolumeMesh<D> {
-    /// As [`subdivided`](Self::divided), with the nodes on the boundary's edges moved onto the surface of a signed distance (m), as far
-    /// as simplices stay well shaped.
+    /// As [`subdivided`](Self::subdivided), with the nodes on boundary edges moved onto the zero set of a signed distance (m) where
+    /// simplices stay well shaped.
     pub fn subdivided_onto(&self, distance: &Distance<D>) -> Self {
         let moved = |(edge, normal): ([u32; 2], Vector<D>)| {
             let [a, b] = edge.map(|v| self.position(v));
