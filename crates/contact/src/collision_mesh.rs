@@ -131,13 +131,12 @@ impl<const D: usize> CollisionMesh<D> {
         moves && first.iter().all(|p| !second.contains(p))
     }
 
-    /// Pairs that come closer than `activation_distance`, or their own where it is less, plus `margin` on straight paths between
+    /// Pairs that come closer than `activation_distance`, or their own where it is less, on straight paths between
     /// `configurations`; the result may contain other pairs. All lengths in m.
     pub fn nearby_pairs(
         &self,
         configurations: &[Vec<Vector<D>>],
         activation_distance: f64,
-        margin: f64,
         is_rigid: impl Fn(u32) -> bool + Sync,
         is_immovable: impl Fn(u32) -> bool + Sync,
     ) -> FeaturePairs {
@@ -150,7 +149,7 @@ impl<const D: usize> CollisionMesh<D> {
             [low.add_scalar(-wider), high.add_scalar(wider)]
         };
         let within = |points: &[u32]| {
-            points.iter().map(|p| self.activation_distance(*p)).fold(activation_distance, f64::min) + margin
+            points.iter().map(|p| self.activation_distance(*p)).fold(activation_distance, f64::min)
         };
         let boxes = |list: &[[u32; D]]| list.par_iter().map(|f| swept(f, within(f))).collect::<Vec<_>>();
         let points: Vec<Aabb<D>> = self.points.par_iter().map(|p| swept(&[*p], self.radius(*p))).collect();
@@ -188,15 +187,15 @@ impl<const D: usize> CollisionMesh<D> {
         let pairs = pairs
             .into_par_iter()
             .with_min_len(256)
-            .filter(|p| p.comes_near(configurations, activation_distance, margin));
+            .filter(|p| p.comes_near(configurations, activation_distance));
         FeaturePairs { pairs: pairs.collect() }
     }
 }
 
 impl FeaturePair {
-    /// Whether the features may come closer than `reach`, or their own activation distance, plus `margin` between configurations. The
+    /// Whether the features may come closer than `reach`, or their own activation distance, between configurations. The
     /// distance decreases by no more than the relative motion of their points.
-    fn comes_near<const D: usize>(&self, configurations: &[Vec<Vector<D>>], reach: f64, margin: f64) -> bool {
+    fn comes_near<const D: usize>(&self, configurations: &[Vec<Vector<D>>], reach: f64) -> bool {
         let Some((first, others)) = configurations.split_first() else { return false };
         let (kind, start) = (self.stencil.kind, self.stencil.positions(first));
         let motion = |x: &Vec<Vector<D>>| {
@@ -204,7 +203,7 @@ impl FeaturePair {
             kind.relative_motion(&std::array::from_fn(|k| at[k] - start[k]))
         };
         let motion = others.iter().map(motion).fold(0.0, f64::max);
-        let limit = reach.min(self.activation_distance) + margin + self.thickness + motion;
+        let limit = reach.min(self.activation_distance) + self.thickness + motion;
         kind.least_distance(&start) < limit && ClosestPair::new(kind, &start).distance() < limit
     }
 }

@@ -309,7 +309,7 @@ fn what_is_near_is_found() {
     let x = [square([0.0, 0.0]), square([0.2, 1.05])].concat();
     let facets = (0..8u32).map(|k| [k, k / 4 * 4 + (k + 1) % 4]).collect();
     let surface = CollisionMesh::new(facets, &x, (0..8).map(|k| k / 4).collect());
-    let near = surface.nearby_pairs(std::slice::from_ref(&x), 0.1, 0.0, |_| false, |_| false);
+    let near = surface.nearby_pairs(std::slice::from_ref(&x), 0.1, |_| false, |_| false);
     let contacts = near.contacts(0.1, &x, |_, _| 1.0);
     // Corner 2 of the lower square and corner 4 of the upper one are beside a side of the other square.
     let points: Vec<u32> = contacts.iter().map(|c| c.stencil.points[0]).collect();

@@ -3,15 +3,13 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use meniscus_elastic::Elastic;
-use meniscus_numerics::Vector;
-use meniscus_numerics::mesh::ply::PlyMesh;
+use meniscus_numerics::{Vector, mesh::ply::PlyMesh};
 use meniscus_scene::build::{self, AnySetup};
-use meniscus_scene::error::SceneError;
-use meniscus_scene::expect;
 use meniscus_scene::file::{LoadOptions, Quality, Scene, ensure_runnable};
 use meniscus_scene::output::Folder;
 use meniscus_scene::output::time_series::{COLUMNS, TimeSeries};
 use meniscus_scene::run::{ExistingRun, Job, Outcome, Schedule, SilentObserver};
+use meniscus_scene::{error::SceneError, expect};
 use std::path::{Path, PathBuf};
 
 const SCENE: &str = r#"format = 1

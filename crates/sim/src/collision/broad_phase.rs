@@ -15,8 +15,8 @@ pub struct CandidatePairs {
 }
 
 impl CandidatePairs {
-    /// All pairs whose distance falls below `reach + margin` (m) during one of the sweeps `ways`. A few others may be included.
-    pub fn on<const D: usize>(ways: &[Sweep<'_, D>], reach: f64, margin: f64) -> Self {
+    /// All pairs whose distance falls below `reach` (m) during one of the sweeps `ways`. A few others may be included.
+    pub fn on<const D: usize>(ways: &[Sweep<'_, D>], reach: f64) -> Self {
         let Some(Configuration { model, points, .. }) = ways.first().map(|way| way.from) else {
             return Self::default();
         };
@@ -24,12 +24,12 @@ impl CandidatePairs {
             ways.iter().flat_map(|way| [way.from.positions(), way.to.positions()]).collect();
         let rigid = |body: u32| model.solids[body as usize].elastic().is_none();
         let feature_pairs =
-            points.surface.nearby_pairs(&configurations, reach, margin, rigid, |p| points.is_prescribed(p));
+            points.surface.nearby_pairs(&configurations, reach, rigid, |p| points.is_prescribed(p));
         let ends = configurations.chunks_exact(2);
         let mut sdf_pairs: Vec<SdfPair> = ways
             .iter()
             .zip(ends)
-            .flat_map(|(way, ends)| find_sdf_pairs(*way, &ends[0], &ends[1], reach + margin))
+            .flat_map(|(way, ends)| find_sdf_pairs(*way, &ends[0], &ends[1], reach))
             .collect();
         sdf_pairs.sort_unstable();
         sdf_pairs.dedup();

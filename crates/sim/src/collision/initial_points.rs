@@ -93,11 +93,11 @@ impl<const D: usize> CollisionPoints<D> {
         let start: Vec<SolidState<D>> = model.solids.iter().map(Solid::initial_state).collect();
         let places = Configuration::new(model, &start, self, &still, 0.0);
         let at = places.positions();
-        let near = CandidatePairs::on(&[Sweep { from: &places, to: &places }], reach, 0.0).feature_pairs;
+        let near = CandidatePairs::on(&[Sweep { from: &places, to: &places }], reach).feature_pairs;
         self.retract_points(&near, &at, MIN_REACH_FRACTION * reach);
         let places = Configuration::new(model, &start, self, &still, 0.0);
         let at = places.positions();
-        let candidates = CandidatePairs::on(&[Sweep { from: &places, to: &places }], reach, 0.0);
+        let candidates = CandidatePairs::on(&[Sweep { from: &places, to: &places }], reach);
         let mut reaches = candidates.feature_pairs.min_distances(&at);
         let mut lifts = BTreeMap::new();
         for meeting in &candidates.sdf_pairs {
@@ -147,7 +147,7 @@ fn gaps<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> (Vec<Gap>
     let still = vec![Vector::zeros(); points.node_count()];
     let places = Configuration::new(model, solids, &points, &still, 0.0);
     let found =
-        CandidatePairs::on(&[Sweep { from: &places, to: &places }], BARRIER_REACH_CELLS * model.grid.dx, 0.0);
+        CandidatePairs::on(&[Sweep { from: &places, to: &places }], BARRIER_REACH_CELLS * model.grid.dx);
     let at = places.positions();
     let solid = |point: u32| points.owners[point as usize].solid();
     let facets = found.feature_pairs.gaps(&at).map(|(stencil, gap)| {

@@ -43,8 +43,6 @@ const LOOSE_SOLVE_TOLERANCE: f64 = 1e-3;
 const FAR_FROM_CONVERGENCE: f64 = 100.0;
 /// Maximum number of updates of the lagged friction in a step.
 const MAX_FRICTION_UPDATES: usize = 2;
-/// Maximum number of chord iterations (solids only, old Hessian) after a Newton iteration. Each reduces the error about a hundredfold.
-const CHORDS: usize = 4;
 
 /// Loads on a deformable solid in a step.
 pub struct DeformableLoads<const D: usize> {
@@ -100,6 +98,8 @@ pub struct NewtonSolver<'a, const D: usize> {
     iteration: usize,
     /// Whether [`LOOSE_SOLVE_TOLERANCE`] applies to the pressure solve.
     is_loose: bool,
+    /// The response of the last iteration, where the next can do with its Hessian.
+    response: Option<SolidResponse<D>>,
     friction_updates: usize,
     /// Iterations whose Hessian was not positive definite.
     pub indefinite_iterations: u64,
@@ -193,12 +193,13 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             candidates: CandidatePairs::default(),
             iteration: 0,
             is_loose: false,
+            response: None,
             friction_updates: 0,
             indefinite_iterations: 0,
         };
         // Initial guess: the velocities do not change.
         let guess = descent.prescribed.clone();
-        let on_the_way = descent.potential.candidates(&descent.velocities, &guess, descent.margin());
+        let on_the_way = descent.potential.candidates(&descent.velocities, &guess);
         descent.potential.friction_contacts =
             descent.potential.friction_contacts(&descent.velocities, &on_the_way);
         descent.go(&guess, on_the_way, false);
@@ -221,6 +222,13 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         let failed = SolveError::NotPositiveDefinite { step: self.potential.impulse_time };
         self.potential.pressure_impulses.fill(Vector::zeros());
         let ties = self.ties(dragged, phi, open);
+        let Potential { model, points, solids: before, .. } = self.potential;
+        points.set_node_velocities(model, solids, &self.velocities);
+        let gradient = self.potential.gradient(&self.velocities, &self.candidates);
+        let mut base: Vec<Vector<D>> = gradient.iter().map(|g| -g).collect();
+        if let Some(response) = self.response.take() {
+            return Ok(response.about(base, ties));
+        }
         let (potential, candidates, elimination) = (&self.potential, &self.candidates, &mut self.elimination);
         let mut inverse = |positive| {
             let matrix = potential.hessian(&self.velocities, candidates, &ties, elimination, positive)?;
@@ -233,16 +241,12 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         let indefinite = whole.is_none();
         let (matrix, solution) = whole.or_else(|| inverse(true)).ok_or(failed)?;
         self.indefinite_iterations += u64::from(indefinite);
-        let gradient = self.potential.gradient(&self.velocities, &self.candidates);
-        let mut base: Vec<Vector<D>> = gradient.iter().map(|g| -g).collect();
         let prescribed_change = self.prescribed_change();
         if prescribed_change.iter().any(|t| t.norm_squared() > 0.0) {
             let mut pushed = vec![Vector::zeros(); self.velocities.len()];
             matrix.add_product(&prescribed_change, &mut pushed);
             base.iter_mut().zip(&pushed).for_each(|(r, p)| *r -= p);
         }
-        let Potential { model, points, solids: before, .. } = self.potential;
-        points.set_node_velocities(model, solids, &self.velocities);
         Ok(SolidResponse::new(model, before, points, solution, (base, prescribed_change), ties))
     }
 
@@ -363,7 +367,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
     pub fn take_step(
         &mut self,
         solids: &mut [SolidState<D>],
-        response: &SolidResponse<D>,
+        response: SolidResponse<D>,
         change: &[Vector<D>],
         pressed: Vec<Vector<D>>,
     ) -> Result<bool, SolveError> {
@@ -378,64 +382,46 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         let limit =
             CONVERGENCE_TOLERANCE * self.potential.barrier.activation_distance / self.potential.lookahead;
         let size = to.iter().zip(&self.velocities).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-        let on_the_way = self.potential.candidates(&self.velocities, &to, self.margin());
+        let on_the_way = self.potential.candidates(&self.velocities, &to);
         let whole = self.go(&to, on_the_way, !prescribed_moves && size > limit);
         self.iteration += 1;
         self.recentre();
         let early = self.potential.find_early_pairs(&self.velocities, &self.candidates);
         self.potential.early_pairs.retain_common(&early);
-        let (off, settled) = if whole { self.finish(response, limit) } else { (f64::INFINITY, false) };
+        let (off, settled) = if whole { self.convergence(&response, limit) } else { (f64::INFINITY, false) };
         let exact = !std::mem::replace(&mut self.is_loose, off > FAR_FROM_CONVERGENCE * limit);
         if settled && exact && self.iteration > model.numerics.newton_iterations as usize {
             points.set_node_velocities(model, solids, &self.velocities);
             return Ok(true);
         }
+        // What is left is of the lagged forces, which no Hessian knows.
+        self.response = (off < limit).then_some(response);
         if self.iteration >= MAX_NEWTON_ITERATIONS {
             return Err(SolveError::NewtonNotConverged { iterations: self.iteration, off: off / limit });
         }
         Ok(false)
     }
 
-    /// Ends a full Newton step. If the next change is below `limit` (m/s), too small for another pressure solve, it updates the lagged
-    /// friction and iterates on the solids alone with the same Hessian. Returns the next change, m/s, and whether the method converged.
-    fn finish(&mut self, response: &SolidResponse<D>, limit: f64) -> (f64, bool) {
-        let (mut change, mut off) = self.correction(response);
-        let mut tolerance = limit;
-        if off < limit && self.friction_updates < MAX_FRICTION_UPDATES {
-            self.potential.early_pairs = self.potential.find_early_pairs(&self.velocities, &self.candidates);
-            self.potential.friction_contacts =
-                self.potential.friction_contacts(&self.velocities, &self.candidates);
-            self.friction_updates += 1;
-            (change, off) = self.correction(response);
-            tolerance = FRICTION_LAG_TOLERANCE * limit;
+    /// How far the next iteration would go, m/s, after one that went all the way, and whether the method has converged. Where no velocity
+    /// would change by `limit` (m/s) any more, the lagged friction is updated first.
+    fn convergence(&mut self, response: &SolidResponse<D>, limit: f64) -> (f64, bool) {
+        let off = self.next_step_size(response);
+        if off >= limit || self.friction_updates == MAX_FRICTION_UPDATES {
+            return (off, off < limit);
         }
-        for _ in 0..CHORDS {
-            if off >= limit || off < FRICTION_LAG_TOLERANCE * limit {
-                break;
-            }
-            let to: Vec<Vector<D>> = self.velocities.iter().zip(&change).map(|(v, c)| v + c).collect();
-            let candidates = std::mem::take(&mut self.candidates);
-            if !self.go(&to, candidates, false) {
-                return (f64::INFINITY, false);
-            }
-            self.recentre();
-            (change, off) = self.correction(response);
-        }
-        (off, off < tolerance)
+        self.potential.early_pairs = self.potential.find_early_pairs(&self.velocities, &self.candidates);
+        self.potential.friction_contacts =
+            self.potential.friction_contacts(&self.velocities, &self.candidates);
+        self.friction_updates += 1;
+        let off = self.next_step_size(response);
+        (off, off < FRICTION_LAG_TOLERANCE * limit)
     }
 
-    /// Next change of the velocities with this response and the same pressure, and its largest norm, m/s.
-    fn correction(&self, response: &SolidResponse<D>) -> (Vec<Vector<D>>, f64) {
-        let mut change = self.potential.gradient(&self.velocities, &self.candidates);
-        response.solve(&mut change);
-        change.iter_mut().for_each(|c| *c = -*c);
-        let largest = change.iter().map(Vector::norm).fold(0.0, f64::max);
-        (change, largest)
-    }
-
-    /// Bound, m, of the distance by which solids approach each other in [`Self::finish`].
-    fn margin(&self) -> f64 {
-        2.0 * CHORDS as f64 * CONVERGENCE_TOLERANCE * self.potential.barrier.activation_distance
+    /// The largest change of a velocity, m/s, in the next iteration with this response and pressure.
+    fn next_step_size(&self, response: &SolidResponse<D>) -> f64 {
+        let mut gradient = self.potential.gradient(&self.velocities, &self.candidates);
+        response.solve(&mut gradient);
+        gradient.iter().map(Vector::norm).fold(0.0, f64::max)
     }
 
     /// Moves towards the velocities `to` up to the first collision of the `candidates` and, if `falls`, while the potential decreases.
@@ -443,8 +429,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
     fn go(&mut self, to: &[Vector<D>], candidates: CandidatePairs, falls: bool) -> bool {
         let (next, whole) = self.line_search(to, &candidates, falls);
         // Points of rotating solids leave the straight path between its ends.
-        self.candidates =
-            if whole { candidates } else { self.potential.candidates(&next, &next, self.margin()) };
+        self.candidates = if whole { candidates } else { self.potential.candidates(&next, &next) };
         self.velocities = next;
         whole
     }

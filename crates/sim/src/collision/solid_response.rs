@@ -65,6 +65,13 @@ impl<const D: usize> SolidResponse<D> {
         }
     }
 
+    /// The same inverse matrix about other velocities, which no prescribed node has to change any more: `base_impulses` (N s) and `ties` are
+    /// those there.
+    pub fn about(self, base_impulses: Vec<Vector<D>>, ties: Vec<TiedFace<D>>) -> Self {
+        let prescribed_change = vec![Vector::zeros(); base_impulses.len()];
+        Self { base_impulses, prescribed_change, ties, ..self }
+    }
+
     /// Number of degrees of freedom.
     pub fn dof_count(&self) -> usize {
         D * self.masses.len()

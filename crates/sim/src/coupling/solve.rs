@@ -197,7 +197,7 @@ fn solve_with_dynamic_solids<const D: usize>(
         let mut node_impulses = pressure.clone();
         node_impulses.extend(&friction);
         let node_impulses = response.node_impulses(model, before, &node_impulses);
-        if newton.take_step(&mut state.solids, &response, &node_velocity_change, node_impulses)? {
+        if newton.take_step(&mut state.solids, response, &node_velocity_change, node_impulses)? {
             (state.collision_free_dt, state.elastic_slips) =
                 (newton.collision_free_dt(), newton.next_slips());
             work.repairs.indefinite_iterations += newton.indefinite_iterations;

@@ -7,18 +7,17 @@ use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{
     LiquidRegion, Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, SolidState, Wall,
-    narrowest_current_gap,
 };
 
 const GRAVITY: f64 = 10.0;
 const CELLS: usize = 24;
-const DX: f64 = 1.0 / CELLS as f64;
+pub const DX: f64 = 1.0 / CELLS as f64;
 /// The barrier's reach: impacts happen there, and what rests is nearer.
 const REACH: f64 = 0.25 * DX;
 /// A step longer than any that is taken.
-const LONG: f64 = 0.5;
+pub const LONG: f64 = 0.5;
 
-fn dry<const D: usize>(solids: Vec<Solid<D>>, gravity: Vector<D>, max_step: f64) -> Simulation<D> {
+pub fn dry<const D: usize>(solids: Vec<Solid<D>>, gravity: Vector<D>, max_step: f64) -> Simulation<D> {
     let model = Model {
         grid: Grid::new([CELLS; D], DX),
         walls: [[Wall::Slip; 2]; D],
@@ -49,7 +48,7 @@ fn ball<const D: usize>(center: Vector<D>, radius: f64, velocity: Vector<D>) -> 
     ball
 }
 
-fn block<const D: usize>(center: Vector<D>, half_size: Vector<D>, motion: Motion<D>) -> Solid<D> {
+pub fn block<const D: usize>(center: Vector<D>, half_size: Vector<D>, motion: Motion<D>) -> Solid<D> {
     Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, motion, 2.0)
 }
 
@@ -478,33 +477,4 @@ fn a_hit_is_not_given_back_to_the_drop() {
     let after = after.expect("a hit");
     // An elastic hit turns the plate's momentum round, and no other.
     assert!((after[0] - start[0] - 2.0 * mass).abs() < 0.05 * mass, "{after} of {start}");
-}
-
-/// The narrowest gap is told with the numbers of both solids, of a solid and a side, or not at all.
-fn narrow_gaps_are_told<const D: usize>() {
-    let half = Vector::repeat(0.1);
-    let at = |height: f64| {
-        let mut center = Vector::repeat(0.5);
-        center[D - 1] = height;
-        block::<D>(center, half, Motion::Free)
-    };
-    let narrowest = |heights: &[f64]| {
-        let simulation = dry(heights.iter().map(|h| at(*h)).collect(), Vector::zeros(), LONG);
-        narrowest_current_gap(&simulation.model, &simulation.state.solids)
-    };
-    let gap = 0.2 * DX;
-    let (one, other, between) = narrowest(&[0.3, 0.5 + gap]).expect("a gap between two");
-    assert!(
-        [(0, Some(1)), (1, Some(0))].contains(&(one, other)) && (between - gap).abs() < 1e-9,
-        "{between}"
-    );
-    let (one, other, below) = narrowest(&[0.1 + gap, 0.6]).expect("a gap over the floor");
-    assert!(one == 0 && other.is_none() && (below - gap).abs() < 1e-9, "{below}");
-    assert!(narrowest(&[0.3, 0.6]).is_none());
-}
-
-#[test]
-fn narrow_gaps() {
-    narrow_gaps_are_told::<2>();
-    narrow_gaps_are_told::<3>();
 }

@@ -46,8 +46,7 @@ fn stirred(iterations: u32) -> Vec<Vector<2>> {
 }
 
 /// With the liquid's pressure in them, iterations come to an end: those beyond what Newton's method asks for itself change little, and
-/// from the second on each at most a fifth of what the one before did (the lagged part of the forces converges linearly, by about 0.05
-/// here). The first undoes what solids went alone, without the inertia of the liquid around them, to end the step.
+/// each at most a fifth of what the one before did (the lagged part of the forces converges linearly, by about 0.05 here).
 #[test]
 fn iterations_converge_in_liquid() {
     let all: Vec<Vec<Vector<2>>> = (0..8).map(stirred).collect();
@@ -59,8 +58,7 @@ fn iterations_converge_in_liquid() {
     let changes: Vec<f64> = (0..7).map(change).filter(|c| *c > 0.0).collect();
     println!("{changes:?}");
     assert!(changes.len() >= 3 && changes[0] < 1e-5, "{changes:?}");
-    assert!(changes[1..].array_windows().all(|[one, next]| *next < 0.2 * one), "{changes:?}");
-    assert!(changes[1] < changes[0], "{changes:?}");
+    assert!(changes.array_windows().all(|[one, next]| *next < 0.2 * one), "{changes:?}");
 }
 
 /// What rests on the floor, pressed by a fifth under its weight, is as high with more iterations as without.

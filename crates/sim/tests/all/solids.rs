@@ -2,10 +2,13 @@
 
 #![allow(clippy::expect_used)]
 
+use crate::collisions::{DX, LONG, block, dry};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, Wall};
+use meniscus_sim::{
+    LiquidRegion, Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, Wall, narrowest_current_gap,
+};
 
 const GRAVITY: f64 = 10.0;
 
@@ -185,4 +188,33 @@ fn small_drops_on_free_solids_do_not_whirl() {
         let report = sim.step(0.02 - sim.state.time, &mut |_| ()).expect("a step");
         assert!(report.diagnostics.max_speed < radius.powf(-0.5), "{}", report.diagnostics.max_speed);
     }
+}
+
+/// The narrowest gap is told with the numbers of both solids, of a solid and a side, or not at all.
+fn narrow_gaps_are_told<const D: usize>() {
+    let half = Vector::repeat(0.1);
+    let at = |height: f64| {
+        let mut center = Vector::repeat(0.5);
+        center[D - 1] = height;
+        block::<D>(center, half, Motion::Free)
+    };
+    let narrowest = |heights: &[f64]| {
+        let simulation = dry(heights.iter().map(|h| at(*h)).collect(), Vector::zeros(), LONG);
+        narrowest_current_gap(&simulation.model, &simulation.state.solids)
+    };
+    let gap = 0.2 * DX;
+    let (one, other, between) = narrowest(&[0.3, 0.5 + gap]).expect("a gap between two");
+    assert!(
+        [(0, Some(1)), (1, Some(0))].contains(&(one, other)) && (between - gap).abs() < 1e-9,
+        "{between}"
+    );
+    let (one, other, below) = narrowest(&[0.1 + gap, 0.6]).expect("a gap over the floor");
+    assert!(one == 0 && other.is_none() && (below - gap).abs() < 1e-9, "{below}");
+    assert!(narrowest(&[0.3, 0.6]).is_none());
+}
+
+#[test]
+fn narrow_gaps() {
+    narrow_gaps_are_told::<2>();
+    narrow_gaps_are_told::<3>();
 }

@@ -1,5 +1,6 @@
 //! Resolves a scene file to a scene: defaults, grid, SI units, checks. Errors point at the value.
 
+mod expectation;
 mod repairs;
 mod scene;
 mod shape;

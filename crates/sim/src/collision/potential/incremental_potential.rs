@@ -234,16 +234,15 @@ impl<'a, const D: usize> Potential<'a, D> {
         Some(matrix)
     }
 
-    /// Pairs that may touch, or activate a barrier, while the velocities change from `from` to `to` or during the coming step with `to`;
-    /// `margin` (m) widens the search.
-    pub fn candidates(&self, from: &[Vector<D>], to: &[Vector<D>], margin: f64) -> CandidatePairs {
+    /// Pairs that may touch, or activate a barrier, while the velocities change from `from` to `to` or during the coming step with `to`.
+    pub fn candidates(&self, from: &[Vector<D>], to: &[Vector<D>]) -> CandidatePairs {
         let (start, end) = (self.time_levels(from), self.time_levels(to));
         let still = vec![Vector::zeros(); to.len()];
         let now = self.configuration_after(&still, 0.0);
         let late = Sweep { from: &start.late.configuration, to: &end.late.configuration };
         let early = Sweep { from: &start.early.configuration, to: &end.early.configuration };
         let all = Sweep { from: &now, to: &end.late.configuration };
-        CandidatePairs::on(&[late, early, all], self.barrier.activation_distance, margin)
+        CandidatePairs::on(&[late, early, all], self.barrier.activation_distance)
     }
 
     /// Largest fraction of `change`, at most 1, that leaves each pair at least `kept_fraction` of its distance and each element that

@@ -57,7 +57,7 @@ impl<const D: usize> Barriers<D> {
             friction_contacts: Vec::new(),
             pressure_impulses: Vec::new(),
         };
-        let candidates = potential.candidates(&still, &still, 0.0);
+        let candidates = potential.candidates(&still, &still);
         let friction = friction_law(model);
         let friction_energy: f64 = elastic_slips
             .values()
@@ -72,11 +72,8 @@ impl<const D: usize> Barriers<D> {
         let still = vec![Vector::zeros(); self.points.node_count()];
         let places = Configuration::new(model, solids, &self.points, &still, 0.0);
         let at = places.positions();
-        let all = CandidatePairs::on(
-            &[Sweep { from: &places, to: &places }],
-            BARRIER_REACH_CELLS * model.grid.dx,
-            0.0,
-        );
+        let all =
+            CandidatePairs::on(&[Sweep { from: &places, to: &places }], BARRIER_REACH_CELLS * model.grid.dx);
         let of_meeting = all.sdf_pairs.iter().map(|m| {
             let point = m.point();
             m.distance(&places, &at[point as usize]) - self.points.surface.radius(point)
