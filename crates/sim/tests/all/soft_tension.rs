@@ -7,8 +7,8 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_sim::{LiquidRegion, Model, Numerics, Simulation, Wall};
 
-/// Under liquid altogether there is no line, and yet the surface's tension, more by `−γ mode_cosine θ` than where it is dry, presses
-/// it together: the mean stress of a square of side 2 a is `γ mode_cosine θ / a` along both axes, whatever the stress within is.
+/// Under liquid altogether there is no line, and yet the surface's tension, more by `−γ cos θ` than where it is dry, presses
+/// it together: the mean stress of a square of side 2 a is `γ cos θ / a` along both axes, whatever the stress within is.
 #[test]
 fn what_is_under_liquid_is_pressed_by_its_tension() {
     const CELLS: usize = 32;
