@@ -347,3 +347,67 @@ fn points_stay_off_planes() {
     assert!((step(-0.8) - 0.5).abs() < 1e-15);
     assert_eq!([step(-0.4), step(0.0), step(9.0)], [1.0; 3]);
 }
+
+/// Brute force: whichever two features come within reach of each other on a straight path between configurations are among the pairs,
+/// and bounds on their distance and motion hold.
+fn pairs_that_come_near_are_found<const D: usize>() {
+    let random = |k: usize| (k as f64 * 0.618_034 + (k * k) as f64 * 0.324_718).fract();
+    let facet_count = 24;
+    let facets: Vec<[u32; D]> =
+        (0..facet_count).map(|f| std::array::from_fn(|k| (f * D + k) as u32)).collect();
+    let at = |p: usize, spread: f64, seed: usize| {
+        let origin = Vector::<D>::from_fn(|a, _| 2.0 * random(p / D * 7 + a));
+        origin + Vector::from_fn(|a, _| spread * (random(p * 11 + a + seed) - 0.5))
+    };
+    let count = facet_count * D;
+    let rest: Vec<Vector<D>> = (0..count).map(|p| at(p, 0.5, 3)).collect();
+    let moved = |seed| (0..count).map(|p| rest[p] + at(p, 0.4, seed) - at(p, 0.0, 0)).collect();
+    let configurations: Vec<Vec<Vector<D>>> = vec![rest.clone(), moved(101), moved(211)];
+    let (reach, own): (f64, Vec<f64>) = (0.08, (0..count).map(|p| 0.02 + 0.12 * random(p + 5)).collect());
+    let bodies = (0..count).map(|p| (p / D) as u32).collect();
+    let mesh = CollisionMesh::new(facets.clone(), &rest, bodies).with_activation_distances(own.clone());
+    let found = mesh.nearby_pairs(&configurations, reach, |_| false, |_| false);
+    let found: Vec<Stencil> = found.gaps(&rest).map(|(stencil, _)| stencil).collect();
+    let mut all: Vec<Stencil> = (0..count as u32)
+        .flat_map(|p| facets.iter().filter(move |f| !f.contains(&p)).map(move |f| Stencil::point_facet(p, f)))
+        .collect();
+    if D == 3 {
+        let edges: Vec<[u32; 2]> =
+            facets.iter().flat_map(|f| [[0, 1], [0, 2], [1, 2]].map(|e| e.map(|k| f[k]))).collect();
+        let apart = |(i, j): (usize, usize)| i / 3 != j / 3;
+        let pairs = (0..edges.len()).flat_map(|j| (0..j).map(move |i| (i, j))).filter(|p| apart(*p));
+        all.extend(pairs.map(|(i, j)| Stencil::edge_edge(edges[i], edges[j])));
+    }
+    let mut near = 0;
+    for stencil in &all {
+        let own = stencil.points().iter().map(|p| own[*p as usize]).fold(reach, f64::min);
+        let distance = |one: &[Vector<D>], other: &[Vector<D>], part: f64| {
+            let (a, b) = (stencil.positions(one), stencil.positions(other));
+            let x = std::array::from_fn(|k| a[k] + (b[k] - a[k]) * part);
+            let (distance, ways) =
+                (ClosestPair::new(stencil.kind, &x).distance(), std::array::from_fn(|k| x[k] - a[k]));
+            let before = ClosestPair::new(stencil.kind, &a).distance();
+            assert!(stencil.kind.least_distance(&x) <= distance + 1e-12);
+            assert!(distance >= before - stencil.kind.relative_motion(&ways) - 1e-12);
+            distance
+        };
+        let paths = [(0, 1), (0, 2), (1, 2)].map(|(a, b)| (&configurations[a], &configurations[b]));
+        let samples = paths.iter().flat_map(|(a, b)| (0..=20).map(|t| distance(a, b, f64::from(t) / 20.0)));
+        if samples.fold(f64::INFINITY, f64::min) < own {
+            near += 1;
+            assert!(found.contains(stencil), "{D}D: {stencil:?} comes within {own} and is not found");
+        }
+    }
+    assert!(
+        near > 20 && found.len() < all.len() / 2,
+        "{D}D: {near} near, {} found of {}",
+        found.len(),
+        all.len()
+    );
+}
+
+#[test]
+fn no_near_pair_is_left_out() {
+    pairs_that_come_near_are_found::<2>();
+    pairs_that_come_near_are_found::<3>();
+}

@@ -14,7 +14,7 @@ pub struct Builtin {
     pub dimension: u32,
     /// The figure of the paper that it follows, if any.
     pub figure: Option<&'static str>,
-    /// What the scene shows, in one line.
+    /// One-line summary of the scene.
     pub line: &'static str,
     /// Approximate cost of a run on two cores.
     pub cost: &'static str,

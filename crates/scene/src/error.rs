@@ -19,9 +19,9 @@ pub enum ErrorKind {
 pub struct SceneError {
     /// Decides the exit status.
     pub kind: ErrorKind,
-    /// What was found and why it is refused, in one sentence.
+    /// The error: one sentence that names the value and the reason.
     pub message: String,
-    /// What is accepted and how to correct it.
+    /// The remedy: accepted values and how to correct the file.
     pub help: Option<String>,
     /// The offending text: a byte range of `source_text` that starts and ends at characters.
     pub span: Option<Range<usize>>,

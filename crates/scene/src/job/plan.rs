@@ -1,9 +1,9 @@
-//! What a run needs of a scene beside the physics.
+//! The plan of a run: what a scene says of its output, duration and numerics apart from the physics.
 
 use super::schedule::Schedule;
 use crate::estimate::parameters::Parameter;
 
-/// What a run needs of a scene beside the physics.
+/// The part of a scene that controls a run and is not physics.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {
     /// Name of the scene.
@@ -30,7 +30,7 @@ pub struct Job {
     pub parameters: Vec<Parameter>,
 }
 
-/// What to do with an output folder that already holds a run.
+/// Treatment of an output folder that already holds a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExistingRun {
     /// Refuse.

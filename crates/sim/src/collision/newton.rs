@@ -98,7 +98,7 @@ pub struct NewtonSolver<'a, const D: usize> {
     iteration: usize,
     /// Whether [`LOOSE_SOLVE_TOLERANCE`] applies to the pressure solve.
     is_loose: bool,
-    /// The response of the last iteration, where the next can do with its Hessian.
+    /// Response of the last iteration, if the next iteration keeps its Hessian.
     response: Option<SolidResponse<D>>,
     friction_updates: usize,
     /// Iterations whose Hessian was not positive definite.
@@ -149,9 +149,9 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             }
             _ => SolidTerm::Prescribed,
         };
-        let place = |velocities: &SolidState<D>| match &velocities.soft {
+        let node_positions = |solid: &SolidState<D>| match &solid.soft {
             Some(soft) => soft.state.positions.clone(),
-            None => vec![velocities.center; 2],
+            None => vec![solid.center; 2],
         };
         let mut prescribed = points.node_velocities(model, before);
         for (k, solid) in model.solids.iter().enumerate() {
@@ -183,9 +183,9 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             pressure_impulses: vec![Vector::zeros(); points.node_count()],
         };
         potential.settling_time = potential.settling_time();
-        let positions = before.iter().flat_map(place).collect();
+        let positions = before.iter().flat_map(node_positions).collect();
         let velocities = vec![Vector::zeros(); points.node_count()];
-        let mut descent = Self {
+        let mut newton = Self {
             potential,
             prescribed,
             elimination: EliminationOrder { structure: None, positions },
@@ -198,15 +198,15 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             indefinite_iterations: 0,
         };
         // Initial guess: the velocities do not change.
-        let guess = descent.prescribed.clone();
-        let on_the_way = descent.potential.candidates(&descent.velocities, &guess);
-        descent.potential.friction_contacts =
-            descent.potential.friction_contacts(&descent.velocities, &on_the_way);
-        descent.go(&guess, on_the_way, false);
-        descent.recentre();
-        descent.potential.early_pairs =
-            descent.potential.find_early_pairs(&descent.velocities, &descent.candidates);
-        descent
+        let guess = newton.prescribed.clone();
+        let on_the_way = newton.potential.candidates(&newton.velocities, &guess);
+        newton.potential.friction_contacts =
+            newton.potential.friction_contacts(&newton.velocities, &on_the_way);
+        newton.move_to(&guess, on_the_way, false);
+        newton.update_lagged();
+        newton.potential.early_pairs =
+            newton.potential.find_early_pairs(&newton.velocities, &newton.candidates);
+        newton
     }
 
     /// Response of the solids about the current velocities. The `solids` get these velocities; `dragged` faces are tied to them.
@@ -260,7 +260,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
     }
 
     /// Updates the lagged elastic forces and viscosities to the current velocities.
-    fn recentre(&mut self) {
+    fn update_lagged(&mut self) {
         for (part, first) in self.potential.parts.iter_mut().zip(&self.potential.points.first_node) {
             if let SolidTerm::Soft(soft) = part {
                 let count = soft.impulses.len();
@@ -383,9 +383,9 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             CONVERGENCE_TOLERANCE * self.potential.barrier.activation_distance / self.potential.lookahead;
         let size = to.iter().zip(&self.velocities).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         let on_the_way = self.potential.candidates(&self.velocities, &to);
-        let whole = self.go(&to, on_the_way, !prescribed_moves && size > limit);
+        let whole = self.move_to(&to, on_the_way, !prescribed_moves && size > limit);
         self.iteration += 1;
-        self.recentre();
+        self.update_lagged();
         let early = self.potential.find_early_pairs(&self.velocities, &self.candidates);
         self.potential.early_pairs.retain_common(&early);
         let (off, settled) = if whole { self.convergence(&response, limit) } else { (f64::INFINITY, false) };
@@ -394,7 +394,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             points.set_node_velocities(model, solids, &self.velocities);
             return Ok(true);
         }
-        // What is left is of the lagged forces, which no Hessian knows.
+        // Only changes of the lagged forces and of friction are left: the same Hessian serves.
         self.response = (off < limit).then_some(response);
         if self.iteration >= MAX_NEWTON_ITERATIONS {
             return Err(SolveError::NewtonNotConverged { iterations: self.iteration, off: off / limit });
@@ -402,8 +402,8 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         Ok(false)
     }
 
-    /// How far the next iteration would go, m/s, after one that went all the way, and whether the method has converged. Where no velocity
-    /// would change by `limit` (m/s) any more, the lagged friction is updated first.
+    /// Predicted size of the next iteration, m/s, after a full Newton step, and whether the method has converged. If that size is below
+    /// `limit` (m/s), the lagged friction is updated and the size predicted again.
     fn convergence(&mut self, response: &SolidResponse<D>, limit: f64) -> (f64, bool) {
         let off = self.next_step_size(response);
         if off >= limit || self.friction_updates == MAX_FRICTION_UPDATES {
@@ -424,10 +424,10 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         gradient.iter().map(Vector::norm).fold(0.0, f64::max)
     }
 
-    /// Moves towards the velocities `to` up to the first collision of the `candidates` and, if `falls`, while the potential decreases.
+    /// Moves towards the velocities `to` up to the first collision of the `candidates` and, if `must_decrease`, while the potential decreases.
     /// Returns whether it made the full step.
-    fn go(&mut self, to: &[Vector<D>], candidates: CandidatePairs, falls: bool) -> bool {
-        let (next, whole) = self.line_search(to, &candidates, falls);
+    fn move_to(&mut self, to: &[Vector<D>], candidates: CandidatePairs, must_decrease: bool) -> bool {
+        let (next, whole) = self.line_search(to, &candidates, must_decrease);
         // Points of rotating solids leave the straight path between its ends.
         self.candidates = if whole { candidates } else { self.potential.candidates(&next, &next) };
         self.velocities = next;

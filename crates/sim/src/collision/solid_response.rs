@@ -65,8 +65,8 @@ impl<const D: usize> SolidResponse<D> {
         }
     }
 
-    /// The same inverse matrix about other velocities, which no prescribed node has to change any more: `base_impulses` (N s) and `ties` are
-    /// those there.
+    /// Response about other velocities with the same inverse matrix: `base_impulses` (N s) and `ties` are evaluated there. The prescribed
+    /// nodes must already have their velocities.
     pub fn about(self, base_impulses: Vec<Vector<D>>, ties: Vec<TiedFace<D>>) -> Self {
         let prescribed_change = vec![Vector::zeros(); base_impulses.len()];
         Self { base_impulses, prescribed_change, ties, ..self }
