@@ -124,13 +124,6 @@ impl<const D: usize> CutCells<D> {
         self.center_distances_cells.get(cell).copied().unwrap_or(FAR_DISTANCE_CELLS)
     }
 
-    /// Whether a point lies in a cell whose centre is inside a solid.
-    pub fn is_in_solid_cell(&self, x: &Vector<D>) -> bool {
-        let grid = &self.open_fraction.grid;
-        !self.center_distances_cells.is_empty()
-            && self.distance_cells(grid.lattice().index(grid.cell_at(x))) < 0.0
-    }
-
     /// Whether an open face connects a cell to one where `phi` is not negative.
     pub fn has_air_neighbour(&self, cell: usize, phi: &[f64]) -> bool {
         let lattice = self.open_fraction.grid.lattice();

@@ -252,9 +252,8 @@ impl<const D: usize> Workspace<D> {
     pub fn extend_velocity(&mut self, model: &Model<D>, state: &mut State<D>) -> u64 {
         let distance = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
         let closed = |a: usize, side: usize| model.walls[a][side] == crate::Wall::Slip;
-        let solid = |x: &Vector<D>| self.cut_cells.is_in_solid_cell(x);
         let (velocity, phi) = (&mut state.velocity, &state.phi.data);
-        self.known_faces.extrapolate(velocity, &self.band, phi, &distance, solid, closed);
+        self.known_faces.extrapolate(velocity, &self.band, phi, &distance, closed);
         if self.cut_cells.cells.is_empty() {
             return 0;
         }
