@@ -6,6 +6,7 @@ mod failure;
 mod progress;
 mod scenes;
 mod stop;
+mod values;
 
 use crate::args::{Cli, Command, LogFormat};
 use crate::failure::{Failure, Result};
@@ -44,7 +45,7 @@ fn fail(failure: Failure, json: bool) -> ExitCode {
 fn dispatch(command: Command) -> Result {
     match command {
         Command::Run(args) => commands::run::run(&args),
-        Command::Scenes(args) => commands::scenes::list(args.json),
+        Command::Scenes(args) => commands::scenes::list(&args),
         Command::New(args) => commands::scenes::new(&args),
         Command::Check(args) => commands::check::check(&args),
         Command::Verify(args) => commands::verify::verify(&args),

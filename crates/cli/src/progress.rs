@@ -54,7 +54,7 @@ impl RemoteObserver for RemoteReporter {
     fn abandon(&self, reason: &str) {
         match &self.style {
             Style::Json => eprintln!("{}", serde_json::json!({ "event": "end", "reason": reason })),
-            _ => eprintln!("{reason}. Go on with:\n  {}", self.resume_command),
+            _ => eprintln!("{reason}. Resume with:\n  {}", self.resume_command),
         }
         std::process::exit(STOPPED.into());
     }
@@ -71,7 +71,7 @@ fn long_step(event: &Event) -> String {
     let Event::LongStep { step, seconds, median, dt_before, phase } = event else { return String::new() };
     let median = median.map_or_else(String::new, |m| format!(" (median {m:.3} s)"));
     format!(
-        "step {step} has taken {} so far{median}; dt of the step before {dt_before:.1e} s; phase: {phase}",
+        "time step {step} has taken {} of wall time so far{median}; length of the previous step {dt_before:.1e} s; phase: {phase}",
         format_wall_time(*seconds)
     )
 }
@@ -134,7 +134,7 @@ impl Reporter {
                     folder.display()
                 );
                 if let Some(time) = resumed_at {
-                    line += &format!(", on from {}", self::format_simulated_time(*time, *time));
+                    line += &format!(", resumed at {}", self::format_simulated_time(*time, *time));
                 }
                 self.say(&line);
             }

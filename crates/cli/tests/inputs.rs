@@ -83,6 +83,12 @@ fn output_that_cannot_be_written_is_named() {
     refused(&place, "run small.toml --out /dev/null/run", 4, &["/dev/null/run"]);
     refused(&place, "run small.toml --out file", 4, &["file"]);
     refused(&place, "new static-drop -o small.toml", 4, &["small.toml", "exists"]);
+    refused(
+        &place,
+        "verify contour-length --markdown file/results.md",
+        4,
+        &["cannot write", "file/results.md"],
+    );
     assert_eq!(std::fs::read_to_string(place.path("file")).unwrap(), "in the way");
 }
 
@@ -99,6 +105,9 @@ fn wrong_usage_is_status_2() {
         "run small.toml --threads 0",
         "verify no-such-case",
         "bench no-such-bench",
+        "bench --markdown",
+        "bench table1 step --markdown",
+        "scenes --json --markdown",
         "new no-such-scene",
         "render small --size 3",
         "export out --to obj",
@@ -118,6 +127,7 @@ fn commands_that_only_tell() {
         ("--version", "meniscus 0"),
         ("--help", "Exit status"),
         ("scenes", "oscillating-drop"),
+        ("scenes --markdown", "| 2D |"),
         ("info", "meniscus 0"),
         ("new --list", "oscillating-drop"),
         ("new static-drop", "[domain]"),

@@ -14,6 +14,12 @@ fn of_readme() -> Vec<String> {
     blocks.flat_map(str::lines).filter(|line| !line.trim().is_empty()).map(String::from).collect()
 }
 
+/// The README's scene: its first `toml` block.
+fn scene_of_readme() -> &'static str {
+    let block = README.split("```toml\n").nth(1).expect("a `toml` block");
+    block.split("```").next().unwrap()
+}
+
 /// The examples of `meniscus --help`.
 fn of_help(place: &Place) -> Vec<String> {
     let help = text(&place.run("--help").stdout);
@@ -91,7 +97,9 @@ fn all_work(place: &Place, lines: &[String], least: usize) {
 
 #[test]
 fn commands_of_the_readme_work() {
-    all_work(&Place::new("readme"), &of_readme(), 6);
+    let place = Place::new("readme");
+    std::fs::write(place.path("drop.toml"), scene_of_readme()).unwrap();
+    all_work(&place, &of_readme(), 6);
 }
 
 #[test]

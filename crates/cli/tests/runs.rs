@@ -154,7 +154,7 @@ fn damaged_and_foreign_checkpoints() {
     std::fs::write(&newest, good).unwrap();
     damage(&newest);
     let said = words(&place.expect("run small.toml --until 3ms --out a --resume", 0));
-    assert!(said.contains("damaged") && said.contains("trying the one before it"), "{said}");
+    assert!(said.contains("damaged") && said.contains("the previous checkpoint is tried"), "{said}");
     assert_same(&place.path("whole"), &a);
 
     for entry in std::fs::read_dir(a.join("checkpoints")).unwrap() {

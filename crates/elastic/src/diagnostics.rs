@@ -21,8 +21,9 @@ impl<const D: usize> Elastic<D> {
 
     /// Elastic and kinetic energy at the time of the velocities, J (2D: J/m).
     ///
-    /// Velocities lead positions by half a step, so the elastic energy is taken at `x + ½ dt v`. For a linear solid without
-    /// dissipation the sum is constant to rounding.
+    /// Velocities lead positions by half a step, so the elastic energy is taken at `x + ½ dt v`. In steps of
+    /// equal length, without damping, loads, moved anchors and crushed elements the sum is constant at any
+    /// strain, to the tolerance of Newton's method.
     pub fn energy(&self, state: &ElasticState<D>, dt: f64) -> f64 {
         let ahead = state.positions.iter().zip(&state.velocities).map(|(x, v)| x + v * (0.5 * dt));
         self.elastic_energy(&ahead.collect::<Vec<_>>()) + self.kinetic_energy(&state.velocities)

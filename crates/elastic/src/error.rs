@@ -6,23 +6,25 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ElasticError {
     /// The mesh has no element.
-    #[error("the solid has no element; give it a volume that is at least a mesh cell thick")]
+    #[error("the solid has no elements; make it at least one mesh edge thick")]
     Empty,
     /// Quadratic elements are requested on a mesh whose simplices are not the parts of quadratic ones.
     #[error(
-        "the simplices of the mesh are not the parts of quadratic ones; divide it (`VolumeMesh::divided`)"
+        "the mesh is not subdivided as quadratic elements require; subdivide it (`VolumeMesh::subdivided`)"
     )]
     NotQuadratic,
     /// A quadratic element has no positive volume at a quadrature point at rest.
     #[error(
-        "the quadratic element {element} is folded at rest; move the nodes on its edges nearer to their middles"
+        "quadratic element {element} is inverted at rest; move the nodes on its edges closer to the edge midpoints"
     )]
     Folded {
         /// Number of the element.
         element: usize,
     },
     /// An element refers to a vertex that does not exist.
-    #[error("element {element} names vertex {vertex}, but there are only {count}; the mesh is damaged")]
+    #[error(
+        "element {element} refers to vertex {vertex}, but the mesh has only {count} vertices; check the mesh"
+    )]
     NoSuchVertex {
         /// Number of the element.
         element: usize,
@@ -32,7 +34,7 @@ pub enum ElasticError {
         count: usize,
     },
     /// A rest position is not finite.
-    #[error("vertex {vertex} of the mesh at rest is not at a finite place")]
+    #[error("the rest position of vertex {vertex} is not finite; check the mesh")]
     NonFinitePosition {
         /// Number of the vertex.
         vertex: usize,
@@ -49,8 +51,8 @@ pub enum ElasticError {
     },
     /// An element is nearly flat.
     #[error(
-        "element {element} at {center:?} is flat: {quality:e} of the volume of a regular one with its longest edge; \
-         mesh the solid anew, or merge vertices that are too close"
+        "element {element} at {center:?} is nearly flat: it has {quality:e} of the volume of a regular element with its \
+         longest edge; mesh the solid again, or merge vertices that are too close"
     )]
     Flat {
         /// Number of the element.
@@ -62,7 +64,7 @@ pub enum ElasticError {
     },
     /// A vertex belongs to no element.
     #[error(
-        "vertex {vertex} at {place:?} belongs to no element and would have no mass; leave it out of the mesh"
+        "vertex {vertex} at {place:?} belongs to no element and would have no mass; remove it from the mesh"
     )]
     UnreferencedVertex {
         /// Number of the vertex.
@@ -81,15 +83,13 @@ pub enum ElasticError {
         allowed: &'static str,
     },
     /// An anchor has no vertex.
-    #[error(
-        "anchor {anchor} touches no vertex of the solid; move its region onto the solid or make it larger"
-    )]
+    #[error("anchor {anchor} contains no vertex of the solid; move its region onto the solid or enlarge it")]
     EmptyAnchor {
         /// Number of the anchor.
         anchor: usize,
     },
     /// An anchor refers to a vertex that does not exist.
-    #[error("anchor {anchor} holds vertex {vertex}, but there are only {count}")]
+    #[error("anchor {anchor} refers to vertex {vertex}, but the mesh has only {count} vertices")]
     NoSuchAnchorVertex {
         /// Number of the anchor.
         anchor: usize,
@@ -100,7 +100,7 @@ pub enum ElasticError {
     },
     /// Times of keyframes are not finite or do not increase.
     #[error(
-        "anchor {anchor}: the times of its keyframes must be finite and rise; they do not at keyframe {keyframe}"
+        "anchor {anchor}: the times of its keyframes must be finite and increase; keyframe {keyframe} violates this"
     )]
     Keyframes {
         /// Number of the anchor.
@@ -109,7 +109,7 @@ pub enum ElasticError {
         keyframe: usize,
     },
     /// Two anchors contain the same vertex.
-    #[error("anchors {first} and {second} both hold vertex {vertex}; let their regions not overlap")]
+    #[error("anchors {first} and {second} both contain vertex {vertex}; make their regions disjoint")]
     OverlappingAnchors {
         /// Number of one of the two.
         first: usize,
@@ -119,18 +119,20 @@ pub enum ElasticError {
         vertex: u32,
     },
     /// All vertices are anchored.
-    #[error("every vertex of the solid is held; make it a rigid solid")]
+    #[error("every vertex of the solid is fixed or moved; use a rigid or kinematic solid instead")]
     AllAnchored,
     /// There is not enough memory for the factors.
-    #[error("the factors of a solid of {vertices} vertices do not fit into memory; make its mesh coarser")]
+    #[error(
+        "the factorised matrix of a solid with {vertices} vertices does not fit into memory; use a coarser mesh"
+    )]
     TooLarge {
         /// Vertices of the mesh.
         vertices: usize,
     },
     /// A matrix is not positive definite.
     #[error(
-        "the solid's matrix is not positive definite (step {step:e} s): its stiffness is too large for the step to be \
-         resolved in double precision, or not a number"
+        "the matrix of the solid is not positive definite (time step {step:e} s): its stiffness is too large for this step in \
+         double precision, or not a number; use a softer material or shorter steps"
     )]
     NotPositiveDefinite {
         /// Length of the step, s; infinite in a static solve.
@@ -138,7 +140,7 @@ pub enum ElasticError {
     },
     /// Newton's method did not converge.
     #[error(
-        "the velocities of a step of {step:e} s did not converge in {iterations} iterations; take shorter steps"
+        "the velocities in a time step of {step:e} s did not converge in {iterations} iterations; use shorter steps"
     )]
     NotConverged {
         /// Number of Newton iterations.
@@ -147,7 +149,7 @@ pub enum ElasticError {
         step: f64,
     },
     /// Extra stiffness couples vertices that share no element.
-    #[error("extra stiffness between vertices {first} and {second}, which share no element")]
+    #[error("extra stiffness couples vertices {first} and {second}, which share no element")]
     NotNeighbours {
         /// Number of one of the two.
         first: u32,
@@ -155,7 +157,7 @@ pub enum ElasticError {
         second: u32,
     },
     /// A velocity is not finite.
-    #[error("the velocity of vertex {vertex} is no longer finite at {time} s; take shorter steps")]
+    #[error("the velocity of vertex {vertex} is no longer finite at {time} s; use shorter steps")]
     NotFinite {
         /// Number of the vertex.
         vertex: usize,

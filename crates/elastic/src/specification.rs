@@ -69,12 +69,9 @@ impl ConstitutiveLaw {
                     "between -1 and 0.5; rubber has 0.45 to 0.49",
                 )
             }
-            Self::Springs { stiffness } => check_material_constant(
-                "the springs' stiffness",
-                stiffness,
-                stiffness > 0.0,
-                "more than 0 N/m",
-            ),
+            Self::Springs { stiffness } => {
+                check_material_constant("the spring stiffness", stiffness, stiffness > 0.0, "more than 0 N/m")
+            }
         }
     }
 }

@@ -41,9 +41,9 @@ macro_rules! scene {
 
 /// Every built-in scene, cheap ones first.
 pub const BUILTINS: [Builtin; 58] = [
-    scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm swings in its second mode", "a few seconds"),
+    scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm radius oscillates in mode 2", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
-    scene!("dam-break-2d", 2, "Martin and Moyce's collapsing column of water", "a few seconds"),
+    scene!("dam-break-2d", 2, "A column of water collapses in a tank (Martin and Moyce)", "a few seconds"),
     scene!(
         "fig12-contact-angle-90-2d",
         2,
@@ -69,43 +69,49 @@ pub const BUILTINS: [Builtin; 58] = [
         "fig13-escaping-sphere",
         2,
         Some("Fig. 13"),
-        "A hydrophobic sphere in a drop breaks through its surface and is pushed out",
+        "A hydrophobic sphere breaks through the surface of a drop and is expelled",
         "under half a minute"
     ),
     scene!(
         "fig13-hydrophilic-twin",
         2,
         Some("Fig. 13"),
-        "The same sphere, hydrophilic, stays in the drop",
+        "A hydrophilic sphere at the surface of a drop stays there",
         "under half a minute"
     ),
     scene!(
         "fig17a-kinematic-sphere",
         2,
         Some("Fig. 17 (a)"),
-        "A hydrophilic sphere dips into a pool and takes the liquid up with it",
+        "A hydrophilic sphere dips into a pool and lifts liquid as it is drawn out",
         "half a minute"
     ),
     scene!(
         "fig17a-kinematic-sphere-hydrophobic",
         2,
         Some("Fig. 17 (a)"),
-        "The same sphere, hydrophobic, leaves the pool dry",
+        "A hydrophobic sphere dips into a pool and comes out dry",
         "half a minute"
     ),
     scene!(
         "fig17a-kinematic-sphere-no-line",
         2,
         Some("Fig. 17 (a)"),
-        "The same without a contact line: the liquid does not climb the sphere",
+        "A sphere dips into a pool without a contact line: the liquid does not climb it",
         "half a minute"
     ),
-    scene!("fig17c-sink", 2, Some("Fig. 17 (c)"), "The same sphere, hydrophilic, sinks", "half a minute"),
+    scene!(
+        "fig17c-sink",
+        2,
+        Some("Fig. 17 (c)"),
+        "A hydrophilic sphere twice as dense as the liquid sinks",
+        "half a minute"
+    ),
     scene!(
         "fig17c-sink-heavy",
         2,
         Some("Fig. 17 (c)"),
-        "A hydrophobic sphere that is too heavy sinks",
+        "A hydrophobic sphere 3.5 times as dense as the liquid sinks",
         "half a minute"
     ),
     scene!(
@@ -118,16 +124,21 @@ pub const BUILTINS: [Builtin; 58] = [
     scene!(
         "static-drop",
         3,
-        "A water drop of 1 mm radius at rest; whatever moves is an error",
+        "A water drop of 1 mm radius at rest: any velocity is an error",
         "about half a minute"
     ),
     scene!(
         "oscillating-drop",
         3,
-        "A water drop of 1 mm swings in its second mode with Rayleigh's period",
+        "A water drop of 1 mm radius oscillates in mode 2 with Rayleigh's period",
         "one to two minutes"
     ),
-    scene!("drop-on-incline", 3, "A drop slides down a slope that nothing holds it on", "one to two minutes"),
+    scene!(
+        "drop-on-incline",
+        3,
+        "A drop slides down a plane without hysteresis and contact-line friction",
+        "one to two minutes"
+    ),
     scene!(
         "fig12-contact-angle-180",
         3,
@@ -160,14 +171,14 @@ pub const BUILTINS: [Builtin; 58] = [
         "drop-on-sphere",
         3,
         None,
-        "A drop spreads on a ball until it meets it at 60 degrees",
+        "A drop spreads on a ball to a contact angle of 60 degrees",
         "a few minutes"
     ),
     scene!(
         "capillary-bridge",
         3,
         None,
-        "A drop between two plates becomes a bridge that pulls them together",
+        "A drop between two plates becomes a capillary bridge",
         "a few minutes"
     ),
     scene!(
@@ -176,7 +187,7 @@ pub const BUILTINS: [Builtin; 58] = [
         "Hysteresis of the contact angle holds a drop on a slope",
         "a few minutes"
     ),
-    scene!("bouncing-drop", 3, None, "A drop bounces off a plate that repels it", "a few minutes"),
+    scene!("bouncing-drop", 3, None, "A drop bounces off a hydrophobic plate", "a few minutes"),
     scene!(
         "raindrop-on-window",
         3,
@@ -186,13 +197,13 @@ pub const BUILTINS: [Builtin; 58] = [
     scene!(
         "textured-wettability",
         3,
-        "A drop lands on a plate that repels it but for a cross, and takes its shape",
+        "A drop lands on a hydrophobic plate and takes the shape of a hydrophilic cross",
         "a few minutes"
     ),
     scene!(
         "drop-on-soft-plate-2d",
         2,
-        "A drop falls on a soft plate, which gives way, swings and bends around it",
+        "A drop falls on a soft plate, which oscillates and bends around it",
         "under half a minute"
     ),
     scene!(
@@ -204,55 +215,55 @@ pub const BUILTINS: [Builtin; 58] = [
     scene!(
         "drop-on-beam-2d-160",
         2,
-        "The same beam, which repels the drop: it rolls down and falls off the end",
+        "A drop on a hydrophobic beam clamped at one end rolls down and falls off its free end",
         "half a minute"
     ),
     scene!(
         "fig17b-wrapping",
         2,
         Some("Fig. 17 (b)"),
-        "A drop that wets a soft strip well is wrapped up in it",
+        "A soft hydrophilic strip wraps a drop",
         "four minutes"
     ),
     scene!(
         "fig17b-open",
         2,
         Some("Fig. 17 (b)"),
-        "The same drop and strip, hydrophobic: the strip bends, and stays open",
+        "A soft hydrophobic strip bends under a drop and stays open",
         "a minute"
     ),
     scene!(
         "fig17b-no-line",
         2,
         Some("Fig. 17 (b)"),
-        "The same drop and strip without a contact line: nothing bends the strip",
+        "A drop on a soft strip without a contact line: the strip does not bend",
         "a minute"
     ),
     scene!(
         "fig14-soft-plate",
         2,
         Some("Fig. 14"),
-        "A drop falls on a soft plate that repels it and bends",
+        "A drop falls on a soft hydrophobic plate and bends it",
         "ten minutes"
     ),
     scene!(
         "drop-on-soft-plate",
         3,
-        "A drop falls on a soft plate, which gives way, swings and bends around it",
+        "A drop falls on a soft plate, which oscillates and bends around it",
         "a few minutes"
     ),
     scene!(
         "drop-on-leaf",
         3,
         Some("Fig. 11"),
-        "A raindrop bends a soft leaf down, runs off and lets it swing back",
+        "A raindrop bends a soft leaf down and runs off, and the leaf swings back",
         "ten minutes; --quality draft: three"
     ),
     scene!(
         "drop-on-leaf-paper-constants",
         3,
         Some("Fig. 11"),
-        "The same with the stiffness and density that the paper has: the leaf hardly bends",
+        "A raindrop hits a leaf with the paper's stiffness and density, which hardly bends",
         "ten minutes; --quality draft: three"
     ),
     scene!(
@@ -265,10 +276,10 @@ pub const BUILTINS: [Builtin; 58] = [
         "drop-on-cantilever",
         3,
         Some("Fig. 19"),
-        "A drop hits the end of a beam, which swings with it",
+        "A drop hits the end of a beam, which oscillates with the drop on it",
         "five minutes"
     ),
-    scene!("capillary-rise", 3, "Liquid climbs in a tube and stops at Jurin's height", "ten minutes"),
+    scene!("capillary-rise", 3, "Liquid rises in a tube to Jurin's height", "ten minutes"),
     scene!(
         "floating-sphere",
         3,
@@ -277,32 +288,37 @@ pub const BUILTINS: [Builtin; 58] = [
         "ten minutes"
     ),
     scene!("cheerios", 3, "Two floating discs attract each other and meet", "ten minutes"),
-    scene!("colliding-drops", 3, "Two water drops meet slowly (We = 10), merge and wobble", "a few minutes"),
+    scene!(
+        "colliding-drops",
+        3,
+        "Two water drops meet slowly (We = 10), merge and oscillate",
+        "a few minutes"
+    ),
     scene!("filament-breakup", 3, "A thread of water bulges, necks and breaks into drops", "a few minutes"),
     scene!(
         "colliding-drops-fast",
         3,
-        "Two water drops meet fast and off centre (We = 61), merge and tear apart again",
+        "Two water drops meet fast and off centre (We = 61), merge and separate again",
         "two to ten minutes"
     ),
     scene!(
         "fig21-tank-float",
         3,
         Some("Fig. 21"),
-        "A soft plate five times as dense as the liquid floats on its strong surface",
+        "A soft plate five times as dense as the liquid floats by surface tension",
         "an hour; --quality draft: half an hour"
     ),
     scene!(
         "fig21-tank-sink",
         3,
         Some("Fig. 21"),
-        "A soft plate five times as dense as the liquid sinks through a weak surface",
+        "A soft plate five times as dense as the liquid sinks at a low surface tension",
         "half an hour; --quality draft: four minutes"
     ),
     scene!(
         "soft-pillars",
         3,
-        "Soft hairs are drawn out of a bath, and the liquid that drains draws them together",
+        "Soft hairs are drawn out of a bath, and surface tension pulls them together",
         "an hour; --quality draft: twenty minutes"
     ),
     scene!(
@@ -316,35 +332,35 @@ pub const BUILTINS: [Builtin; 58] = [
         "fig15-origami-square-paper-constants",
         3,
         Some("Fig. 15"),
-        "The same with the springs that the paper prints: the sheet is too stiff to fold",
+        "A drop on a square sheet with the paper's springs, which is too stiff to fold",
         "an hour"
     ),
     scene!(
         "fig22-plate-90",
         3,
         Some("Fig. 22"),
-        "A drop rests on a soft plate at 90 degrees",
+        "A drop rests on a soft plate at a contact angle of 90 degrees",
         "half an hour; --quality draft: a quarter"
     ),
     scene!(
         "fig22-plate-90-paper-constants",
         3,
         Some("Fig. 22"),
-        "The same with the springs that the paper prints: the plate is stiff",
+        "A drop rests on a plate with the paper's springs, which is stiff (90 degrees)",
         "half an hour; --quality draft: a quarter"
     ),
     scene!(
         "fig22-plate-180",
         3,
         Some("Fig. 22"),
-        "A drop rests on a soft plate that it hardly wets (97.7 degrees)",
+        "A drop rests on a soft plate at a contact angle of 97.7 degrees",
         "half an hour; --quality draft: a quarter"
     ),
     scene!(
         "fig22-plate-180-paper-constants",
         3,
         Some("Fig. 22"),
-        "The same with the springs that the paper prints: the plate is stiff",
+        "A drop rests on a plate with the paper's springs, which is stiff (97.7 degrees)",
         "half an hour; --quality draft: a quarter"
     ),
     scene!(
@@ -358,7 +374,7 @@ pub const BUILTINS: [Builtin; 58] = [
         "fig22-plate-0-paper-constants",
         3,
         Some("Fig. 22"),
-        "The same with the springs and tensions that the paper prints: it runs off a stiff plate in a film",
+        "A drop with the paper's tensions runs off a stiff plate in a film",
         "half an hour; --quality draft: a quarter"
     ),
     scene!(
@@ -395,7 +411,8 @@ pub fn open(scene: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
     }
     let near = nearest(scene, BUILTINS.iter().map(|b| b.name));
     let near = near.map_or_else(String::new, |n| format!("did you mean `{n}`? "));
-    let help = format!("{near}`meniscus scenes` lists the built-in scenes; a file ends in .toml");
+    let help =
+        format!("{near}`meniscus scenes` lists the built-in scenes; the name of a scene file ends in .toml");
     let error = SceneError::new(format!("there is no built-in scene `{}`", scene.escape_debug()));
     Err(SceneError { kind: ErrorKind::Io, ..error.with_help(help) })
 }

@@ -22,7 +22,7 @@ pub fn evaluate(scene: &Scene, summary: &Summary, series: &TimeSeries) -> Vec<Ve
 /// The invariants of deformable solids.
 fn solid_integrity(summary: &Summary) -> impl Iterator<Item = Verdict> {
     let element = summary.least_element.map(|least| Verdict {
-        quantity: "smallest element over its volume at rest".into(),
+        quantity: "smallest ratio of an element's volume to its volume at rest".into(),
         bar: "above 0".into(),
         value: Some(least),
         unit: String::new(),
@@ -120,7 +120,7 @@ fn verdict(expectation: &Expectation, summary: &Summary, series: &TimeSeries) ->
                     None => off.map(|d| d * d).sum::<f64>().sqrt(),
                 }
             });
-            at_most(&format!("distance of {solid} from its place"), off, *tolerance, "m")
+            at_most(&format!("distance of {solid} from its expected position"), off, *tolerance, "m")
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The JSON Schema of scene files for editors, and the same as a Markdown page.
 
 use crate::file::SceneFile;
+use crate::output::markdown::{cell, one_line};
 use serde_json::Value;
 use std::collections::VecDeque;
 use std::fmt::Write as _;
@@ -12,14 +13,17 @@ pub fn json_schema() -> String {
 }
 
 const HEAD: &str = "# The scene file\n\n\
-    A scene is a TOML file. This page is made from the JSON Schema (`meniscus schema --markdown > docs/scene.md`); \
-    a test fails when it is stale. `meniscus check SCENE` tells what is wrong in a file, and where.\n\n\
-    **Units.** Every value with a dimension is text with a unit, such as `\"1.2 mm\"`; only `0` needs none. Vectors have an entry \
-    for each axis; the last axis is up. In 2D all is per metre of depth.\n\n\
+    A scene is a TOML file. This page is generated from the JSON Schema \
+    (`meniscus schema --markdown > docs/scene.md`); a test fails if it is out of date. \
+    `meniscus check SCENE` reports errors in a file and where they are.\n\n\
+    **Units.** Every value with a dimension is text with a unit, such as `\"1.2 mm\"`; only `0` needs no \
+    unit. Vectors have one entry for each axis; the last axis points up. In 2D all quantities are per metre \
+    of depth.\n\n\
     **Editors.** With the schema in a file (`meniscus schema > scene.schema.json`), the line \
-    `#:schema ./scene.schema.json` at the top of a scene lets editors that use Taplo (Even Better TOML of VS Code, and others) \
-    complete keys and mark mistakes.\n\n\
-    **Tables with one key** name a kind: `shape.ball = { … }`, `material.rigid = { fixed = true }`.\n";
+    `#:schema ./scene.schema.json` at the top of a scene lets editors that use Taplo (Even Better TOML of \
+    VS Code, and others) complete keys and mark errors.\n\n\
+    **Tables with one key** select one of several kinds: `shape.ball = { … }`, \
+    `material.rigid = { fixed = true }`.\n";
 
 /// The grammar as a page of Markdown: one section per table of a scene, in order of appearance.
 pub fn markdown() -> String {
@@ -85,12 +89,7 @@ fn table(out: &mut String, node: &Value, found: &mut Vec<String>) {
 }
 
 fn text_of(node: &Value) -> String {
-    node["description"].as_str().map(|t| one_line(t).replace('|', "\\|")).unwrap_or_default()
-}
-
-/// A text without line breaks and documentation links.
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    node["description"].as_str().map(cell).unwrap_or_default()
 }
 
 /// The type of a value in words.

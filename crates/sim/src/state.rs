@@ -35,7 +35,8 @@ pub struct State<const D: usize> {
     pub solids: Vec<SolidState<D>>,
     /// Elastic slips of friction between solids in contact.
     pub elastic_slips: Slips<D>,
-    /// Volume of components that became too small for the grid, m³ (2D: m²), since the start.
+    /// Lost volume, m³ (2D: m²), since the start. It grows only when no liquid is left: the volume of a
+    /// component that vanishes goes to the nearest one.
     pub lost_volume: f64,
     /// Volume that has left through open sides, m³ (2D: m²), since the start.
     pub outflow_volume: f64,

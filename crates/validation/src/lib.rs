@@ -15,7 +15,7 @@ pub mod solids_only;
 
 pub use crate::case::{Case, Check, Mode, Outcome};
 
-/// All cases, in the order of the table.
+/// All cases, group by group.
 pub fn cases() -> &'static [Case] {
     cases::all()
 }

@@ -1,6 +1,8 @@
-//! The results of the validation suite as text, JSON and HTML.
+//! The results of the validation suite as text, JSON, HTML and Markdown.
 
-use crate::{Check, Outcome};
+use crate::cases::groups;
+use crate::{Check, Mode, Outcome};
+use meniscus_scene::output::markdown::{one_line, row};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -67,9 +69,52 @@ th:first-child,td:first-child{text-align:left}.pass td:last-child{color:#0a7d3c}
 .time{color:#789;font-size:.85rem}</style></head><body>
 ";
 
-fn count(outcomes: &[Outcome]) -> (usize, usize) {
-    let checks = || outcomes.iter().flat_map(|o| &o.checks);
-    (checks().filter(|c| c.pass).count(), checks().count())
+/// The results as a page of Markdown: totals, then a table for each group of cases. `version` is that of the program.
+pub fn markdown(outcomes: &[Outcome], mode: Mode, version: &str) -> String {
+    let command = match mode {
+        Mode::Quick => "meniscus verify --quick",
+        Mode::Full => "meniscus verify",
+    };
+    let mut out = format!(
+        "# Results of the validation suite\n\nMeniscus {version}, `{command}`: {} cases; {}. Errors are relative, or in the unit of \
+         the value; a check passes if the size of its error is at most the bar.\n\n\
+         | group | cases | checks | passed |\n|---|---|---|---|\n",
+        outcomes.len(),
+        summary(outcomes).trim_end(),
+    );
+    let mut tables = String::new();
+    for group in groups() {
+        let of_group = |o: &&Outcome| group.cases.iter().any(|case| case.name == o.name);
+        let ours: Vec<&Outcome> = outcomes.iter().filter(of_group).collect();
+        if !ours.is_empty() {
+            let (passed, all) = count(ours.iter().copied());
+            out += &row(&[group.title, &ours.len().to_string(), &all.to_string(), &passed.to_string()]);
+            tables += &markdown_table(group.title, &ours);
+        }
+    }
+    out + &tables
+}
+
+/// A group's section: the titles of its cases, and a table of their checks.
+fn markdown_table(title: &str, outcomes: &[&Outcome]) -> String {
+    let mut out = format!("\n## {title}\n\n");
+    for outcome in outcomes {
+        let _ =
+            writeln!(out, "- `{}`: {} ({:.0} s)", outcome.name, one_line(&outcome.title), outcome.seconds);
+    }
+    out += "\n| case | quantity | value | reference | error | bar | |\n|---|---|---|---|---|---|---|\n";
+    for check in outcomes.iter().flat_map(|o| &o.checks) {
+        let [case, quantity, value, reference, error, bar, ..] = cells(check);
+        let verdict = if check.pass { "pass" } else { "**FAIL**" };
+        out += &row(&[format!("`{case}`"), quantity, value, reference, error, bar, verdict.to_string()]);
+    }
+    out
+}
+
+/// The numbers of passed and of all checks.
+fn count<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>) -> (usize, usize) {
+    let checks: Vec<&Check> = outcomes.into_iter().flat_map(|o| &o.checks).collect();
+    (checks.iter().filter(|c| c.pass).count(), checks.len())
 }
 
 fn cells(check: &Check) -> [String; 8] {
@@ -131,5 +176,30 @@ mod tests {
         assert!(summary(std::slice::from_ref(&outcome)).contains("1 of 2 checks"));
         assert!(html(std::slice::from_ref(&outcome)).contains("A &lt;drop&gt;"));
         assert_eq!(json(&[outcome])["passed"], 1);
+    }
+
+    #[test]
+    fn markdown_has_a_table_for_each_group() {
+        let outcome = |name: &str, check| Outcome {
+            name: name.into(),
+            title: "A drop".into(),
+            theory: String::new(),
+            seconds: 2.0,
+            checks: vec![check],
+        };
+        let speed = Check::absolute("static-2d", "max|u|", 0.5, 0.0, 1.0, Some(0.1), "");
+        let angle = Check::absolute("sessile-2d", "angle", 93.5, 90.0, 3.0, None, "deg");
+        let outcomes = [outcome("static-2d", speed), outcome("sessile-2d", angle)];
+        let page = markdown(&outcomes, Mode::Quick, "0.1.0");
+        for part in [
+            "Meniscus 0.1.0, `meniscus verify --quick`: 2 cases; 1 of 2 checks passed in 4 s.",
+            "| Liquid without solids | 1 | 1 | 1 |\n| Contact lines | 1 | 1 | 0 |\n\n## Liquid without solids\n",
+            "- `static-2d`: A drop (2 s)\n",
+            "| `static-2d` | max\\|u\\| | 0.5000 | 0 | 0.5000 | 1.000 | pass |\n",
+            "| `sessile-2d` | angle | 93.50 deg | 90.00 deg | 3.500 | 3.000 | **FAIL** |\n",
+        ] {
+            assert!(page.contains(part), "no {part} in\n{page}");
+        }
+        assert!(!page.contains("## Rigid solids"), "{page}");
     }
 }

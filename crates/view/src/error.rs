@@ -28,7 +28,7 @@ pub enum ViewError {
         what: String,
     },
     /// A requested time lies outside the frames.
-    #[error("{}: there is no frame near {at} s: its frames go from {first} s to {last} s", path.display())]
+    #[error("{}: there is no frame near {at} s: the frames range from {first} s to {last} s", path.display())]
     Time {
         /// The folder.
         path: PathBuf,

@@ -108,7 +108,7 @@ impl RunFolder {
         frame_numbers.sort_unstable();
         frame_numbers.dedup();
         if frame_numbers.is_empty() {
-            return Err(ViewError::content(&frames, "there is no liquid_NNNN.ply in it"));
+            return Err(ViewError::content(&frames, "the folder contains no file liquid_NNNN.ply"));
         }
         let mut folder = Self {
             dir: dir.into(),

@@ -17,8 +17,12 @@ use std::path::Path;
 pub fn bench(args: &BenchArgs) -> Result {
     let known = ["pressure", "step", "table1"];
     if let Some(name) = args.names.iter().find(|name| !known.contains(&name.as_str())) {
-        let help = format!("there are: {}", known.join(", "));
+        let help = format!("available benchmarks: {}", known.join(", "));
         return Err(Failure::new(USAGE, format!("there is no benchmark `{name}`")).help(help));
+    }
+    if args.markdown && args.names != ["table1"] {
+        let help = "use `meniscus bench table1 --markdown`";
+        return Err(Failure::new(USAGE, "--markdown prints the table of `table1` alone").help(help));
     }
     with_threads(args.threads.map(usize::from), || measure(args))
 }
@@ -36,7 +40,7 @@ fn measure(args: &BenchArgs) -> Result {
     }
     // It takes long, so it runs only on request.
     if args.names.iter().any(|n| n == "table1") {
-        results["table1"] = table1(args.quick)?;
+        results["table1"] = table1(args.quick, args.markdown)?;
     }
     if let Some(path) = &args.json {
         save(path, &format!("{results:#}\n"))?;
@@ -89,7 +93,7 @@ fn steps(quick: bool) -> Result<Value> {
     let mut rows = Vec::new();
     for (name, scene) in scenes {
         if let Err(error) = memory::check_liquid_memory(&scene, memory::machine_memory()) {
-            eprintln!("{name}: left out: {error}");
+            eprintln!("{name}: skipped: {error}");
             continue;
         }
         let row = step(name, &scene, count)?;

@@ -27,7 +27,10 @@ pub fn check(args: &CheckArgs) -> Result {
         }
         if !report.warnings.is_empty() {
             let count = report.warnings.len();
-            return Err(Failure::new(SCENE, format!("{count} warnings, and --strict takes them as errors")));
+            return Err(Failure::new(
+                SCENE,
+                format!("the scene has {count} warnings, which --strict treats as errors"),
+            ));
         }
     }
     Ok(0)

@@ -32,9 +32,9 @@ fn time(flag: &str, text: &str) -> Result<f64> {
 fn failure(error: ViewError) -> Failure {
     match error {
         ViewError::Time { .. } => {
-            Failure::new(USAGE, error.to_string()).help("choose a time within them for --at")
+            Failure::new(USAGE, error.to_string()).help("choose a time in this range for --at")
         }
-        _ => Failure::new(OUTPUT, error.to_string()).help("measure takes the output folder of a run"),
+        _ => Failure::new(OUTPUT, error.to_string()).help("give the output folder of a run"),
     }
 }
 

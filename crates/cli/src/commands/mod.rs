@@ -27,6 +27,21 @@ pub fn print(text: &str) -> Result<()> {
     }
 }
 
+/// The version of this program, and the commit if the environment variable `MENISCUS_COMMIT` named it at compilation.
+pub fn version() -> String {
+    let version = env!("CARGO_PKG_VERSION");
+    option_env!("MENISCUS_COMMIT").map_or(version.to_owned(), |commit| format!("{version}, commit {commit}"))
+}
+
+/// Cells along the axes, such as `192³` or `96 × 96 × 80`.
+pub fn grid_text(cells: &[usize]) -> String {
+    match cells {
+        [n, m] if n == m => format!("{n}²"),
+        [n, m, k] if n == m && n == k => format!("{n}³"),
+        _ => cells.iter().map(ToString::to_string).collect::<Vec<_>>().join(" × "),
+    }
+}
+
 /// Writes a file of results.
 pub fn save(path: &Path, text: &str) -> Result<()> {
     std::fs::write(path, text).map_err(Failure::file("write", path))

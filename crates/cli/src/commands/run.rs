@@ -34,7 +34,7 @@ pub fn run(args: &RunArgs) -> Result {
 fn simulate(args: &RunArgs, scene: &Scene, folder: Option<PathBuf>) -> Result {
     let out = args.out.clone().or(folder).unwrap_or_else(|| Path::new("out").join(&scene.name));
     let watch = StopMonitor::begin(args.walltime)
-        .map_err(|e| Failure::new(1, format!("cannot watch for signals: {e}")))?;
+        .map_err(|e| Failure::new(1, format!("cannot install the signal handlers: {e}")))?;
     let mut job = Job::of(scene, scene.to_toml()?);
     job.frames = args.frames;
     let existing = match (args.resume, args.force) {
@@ -74,7 +74,7 @@ fn load(args: &RunArgs) -> Result<Loaded> {
     if output.duration.min(last) < whole * (1.0 - 1e-9) && !loaded.scene.expect.is_empty() {
         loaded.scene.expect.clear();
         if !args.quiet && args.log == LogFormat::Text {
-            eprintln!("the run is cut short: the scene's [expect] is not checked");
+            eprintln!("the run is shorter than the scene's duration: [expect] is not checked");
         }
     }
     Ok(loaded)
@@ -88,7 +88,7 @@ fn duration(time: &str) -> String {
 fn stopped(args: &RunArgs, summary: &Summary, out: &Path) -> Result {
     if args.log == LogFormat::Text {
         let at = format_simulated_time(summary.simulated_seconds, summary.simulated_seconds);
-        eprintln!("{} at {at}. Go on with:\n  {}", summary.exit_reason, resume_command(args, out));
+        eprintln!("{} at {at}. Resume with:\n  {}", summary.exit_reason, resume_command(args, out));
     }
     Ok(STOPPED)
 }
@@ -188,7 +188,7 @@ fn verdicts(whose: &str, verdicts: &[Verdict]) -> String {
     for v in verdicts {
         let value = v.value.map_or_else(|| "not measured".into(), |x| expect::format_value(x, &v.unit));
         let verdict = if v.pass { "met" } else { MISSED_WORD };
-        let _ = writeln!(out, "{whose:<10}{}: {value} (bar: {}) {verdict}", v.quantity, v.bar);
+        let _ = writeln!(out, "{whose:<10}{}: {value} (required: {}) {verdict}", v.quantity, v.bar);
     }
     out
 }

@@ -21,7 +21,7 @@ pub fn soak(args: &SoakArgs) -> Result {
         return child(args, wish);
     }
     let program = std::env::current_exe().map_err(|e| {
-        Failure::new(1, format!("cannot tell where this program is, which runs each case: {e}"))
+        Failure::new(1, format!("cannot find the path of this program, which runs each case: {e}"))
     })?;
     let launch = Launcher { program, wish, out: args.out.clone() };
     match (&args.scene, args.case) {
@@ -92,11 +92,18 @@ fn many(args: &SoakArgs, launch: &Launcher) -> Result {
         save(path, &format!("{:#}\n", report::json(args.seed, &outcomes)))?;
     }
     if extent.scenes.is_some_and(|count| outcomes.len() < count as usize) && hours.is_none() {
-        return Err(Failure::new(1, "some cases could not be run: the program cannot start itself"));
+        return Err(Failure::new(
+            1,
+            "some cases could not be run: no process of this program could be started for them",
+        ));
     }
     let new: Vec<&Outcome> = outcomes.iter().filter(|o| !is_known(o, &known)).collect();
     for outcome in outcomes.iter().filter(|o| known.contains_key(&o.name)) {
-        let word = if outcome.violations.is_empty() { "holds now: take it off the list" } else { "known" };
+        let word = if outcome.violations.is_empty() {
+            "no longer violated: remove it from the list"
+        } else {
+            "known"
+        };
         print(&format!("{}: {word}\n", outcome.name))?;
     }
     if new.is_empty() {
@@ -104,7 +111,7 @@ fn many(args: &SoakArgs, launch: &Launcher) -> Result {
     }
     let again = format!("meniscus soak {} --case", arguments(&launch.wish).join(" "));
     print(&format!(
-        "scenes and checkpoints are in {}; again, one by one: {again} {}\n",
+        "scenes and checkpoints are in {}; to run a single case again: {again} {}\n",
         args.out.display(),
         new.first().map_or(0, |o| o.case)
     ))?;
@@ -130,25 +137,29 @@ fn known(path: Option<&Path>) -> Result<BTreeMap<String, Vec<String>>> {
 fn one(args: &SoakArgs, launch: &Launcher, outcome: Outcome, path: Option<&Path>) -> Result {
     print(&report::line(&outcome))?;
     let Some(first) = outcome.violations.first().cloned() else {
-        print("nothing is broken\n")?;
+        print("no invariant is violated\n")?;
         return Ok(0);
     };
     let written = args.out.join(&outcome.name);
     let scene = path.map_or_else(|| append(&written, ".toml"), Path::to_path_buf);
     print(&format!(
-        "from the step before: meniscus run {} --out {} --resume\n",
+        "to resume before the violation: meniscus run {} --out {} --resume\n",
         scene.display(),
         written.display()
     ))?;
     if args.shrink {
         let kind = args.kind.clone().unwrap_or(first.kind);
         if outcome.violations.iter().all(|v| v.kind != kind) {
-            return Err(Failure::new(USAGE, format!("this scene does not break `{kind}`")));
+            return Err(Failure::new(USAGE, format!("this scene does not violate the invariant `{kind}`")));
         }
         let loaded = Scene::load(&scene, &LoadOptions::default())?;
         let mut each = |words: &str| eprintln!("  {words}");
         let small = shrink::shrink(launch, (loaded, outcome), &kind, &mut each).map_err(internal)?;
-        print(&format!("without {}:\n{}", small.dropped.join(", "), report::line(&small.outcome)))?;
+        print(&format!(
+            "still violated without {}:\n{}",
+            small.dropped.join(", "),
+            report::line(&small.outcome)
+        ))?;
         print(&format!("{}\n", small.path.display()))?;
     }
     Ok(MISSED)

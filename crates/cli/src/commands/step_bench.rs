@@ -11,7 +11,7 @@ use std::time::Instant;
 const WARM_UP_STEPS: usize = 2;
 
 /// Time per phase of whole steps.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 pub struct StepBench {
     pub name: String,
     pub cells: usize,
@@ -21,7 +21,8 @@ pub struct StepBench {
     pub vertices: usize,
     /// Their elements.
     pub elements: usize,
-    steps: usize,
+    /// Timed steps.
+    pub steps: usize,
     /// Mean length of a step, s.
     pub time_step: f64,
     /// Wall time of a step, s.

@@ -1,6 +1,6 @@
 //! `meniscus verify`.
 
-use super::{print, save, with_threads};
+use super::{print, save, version, with_threads};
 use crate::args::VerifyArgs;
 use crate::failure::{Failure, MISSED, Result, USAGE};
 use meniscus_validation::{Case, Mode, Outcome, cases, report};
@@ -26,6 +26,9 @@ pub fn verify(args: &VerifyArgs) -> Result {
     }
     if let Some(path) = &args.html {
         save(path, &report::html(&outcomes))?;
+    }
+    if let Some(path) = &args.markdown {
+        save(path, &report::markdown(&outcomes, mode, &version()))?;
     }
     let passed = outcomes.iter().all(|o| o.checks.iter().all(|c| c.pass));
     Ok(if passed { 0 } else { MISSED })

@@ -66,8 +66,8 @@ fn camera(text: &str) -> Result<Camera> {
         [azimuth, elevation, distance] if distance > 0.0 => {
             Ok(Camera { azimuth, elevation, distance: Some(distance) })
         }
-        _ => Err(Failure::new(USAGE, format!("`{text}` is no camera")).help(
-            "give azimuth,elevation in degrees, and the distance in metres if wanted: 30,15 or 30,15,0.4",
+        _ => Err(Failure::new(USAGE, format!("`{text}` is not a camera position")).help(
+            "give azimuth,elevation in degrees, and optionally the distance in metres: 30,15 or 30,15,0.4",
         )),
     }
 }
@@ -131,7 +131,7 @@ pub fn make_page(dir: &Path, every: u32, max_mb: f64) -> Result<PathBuf> {
     let megabytes = report.bytes as f64 * 1e-6;
     if megabytes > max_mb {
         eprintln!(
-            "warning: the page takes {megabytes:.2} MB, more than {max_mb} MB: the page itself and one frame take as much"
+            "warning: the page takes {megabytes:.2} MB, more than the limit of {max_mb} MB: the page with a single frame is as large"
         );
     }
     Ok(report.path)

@@ -12,7 +12,8 @@ use meniscus_numerics::{Matrix, Vector};
 /// Volume ratio `J₀` below which the barrier acts: milder strains obey the law alone.
 pub const CRUSHED_VOLUME_RATIO: f64 = 0.3;
 
-/// Energy density of the barrier; `κ` is the first Lamé parameter.
+/// Energy density of the barrier. `κ` is passed as the first Lamé parameter: `λ + 2 μ` of the law, or for
+/// springs of the stiffness `k` `k l²/V` with the volume `V` and the mean square edge `l²` of the element.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InversionBarrier;
 

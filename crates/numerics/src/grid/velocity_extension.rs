@@ -14,7 +14,6 @@
 //! Outflow is not fed back, and limiting it makes contact lines advance too slowly (apparent angles 2 degrees too large).
 
 use super::{Band, FaceField, Grid, Sampler, Segment};
-use crate::Vector;
 use rayon::prelude::*;
 
 /// Mark of the faces of the first layer.
@@ -271,6 +270,7 @@ fn face_normal<const D: usize>(axis: usize, at: [usize; D], distance: &Sampler<'
 mod tests {
     use super::super::{BoundaryExtension, Tiles};
     use super::*;
+    use crate::Vector;
 
     fn linear_fields_go_on_linearly<const D: usize>() {
         let grid = Grid::<D>::new([20; D], 0.05);

@@ -32,31 +32,31 @@ pub fn anchors<const D: usize>(
             Anchor::within(mesh, |x| region.signed_distance(x) <= ANCHOR_TOLERANCE_EDGES * spec.mesh_edge);
         let refuse = |message: &str, help: &str| Err(at(&key, SceneError::new(message).with_help(help)));
         if inside.vertices.is_empty() {
-            let message = format!("this holds no vertex of the solid `{}`", spec.name);
-            return refuse(&message, "make it larger, or move it onto the solid");
+            let message = format!("this region contains no vertex of the solid `{}`", spec.name);
+            return refuse(&message, "enlarge it, or move it onto the solid");
         }
         let holder = |v: &u32| anchor_of_vertex[*v as usize].map(|k| &anchors[k].motion);
         let conflicting =
             inside.vertices.iter().filter(|v| holder(v).is_some_and(|other| *other != motion)).count();
         if conflicting > 0 {
             let message = format!(
-                "{conflicting} vertices that this holds are held by a part before it, which moves otherwise"
+                "{conflicting} vertices of this region belong to an earlier region of `fixed` or `moved` with another motion"
             );
-            return refuse(&message, "let no two parts overlap that do not move alike");
+            return refuse(&message, "regions with different motions must not overlap");
         }
         let vertices: Vec<u32> =
             inside.vertices.into_iter().filter(|v| anchor_of_vertex[*v as usize].is_none()).collect();
         if vertices.is_empty() {
             return refuse(
-                "what this holds is held by the parts before it already",
-                "remove it, or make it reach farther",
+                "all vertices of this region belong to earlier regions of `fixed` or `moved`",
+                "remove this region, or enlarge it",
             );
         }
         if let Some(time) = domain_exit_time(mesh, &vertices, &motion, &scene.domain, scene.output.duration) {
-            let message = format!("this part has left the domain at {time} s, through a closed side");
+            let message = format!("this region has left the domain through a closed side at {time} s");
             return refuse(
                 &message,
-                "move it less far, give it less time, or open the side (`domain.walls`)",
+                "reduce its velocity or displacement, shorten the run, or open the side (`domain.walls`)",
             );
         }
         vertices.iter().for_each(|v| anchor_of_vertex[*v as usize] = Some(anchors.len()));

@@ -67,17 +67,18 @@ fn dry_surface_tension(scene: &Scene, spec: &SolidSpec) -> Result<Option<f64>, S
                 return Ok(Some(*solid_air));
             }
             let message = format!(
-                "no three tensions balance at a line on the solid `{name}`: it wets totally, or not at all"
+                "no Neumann balance exists at a contact line on the solid `{name}`: `solid_air` and `liquid_solid` differ by \
+                 more than `liquid_air` (total wetting or no wetting)"
             );
             refuse(
                 message,
-                format!("bring the tensions of `tension.{name}` nearer to each other, or remove `neumann`"),
+                format!("bring the tensions of `tension.{name}` closer together, or remove `neumann`"),
             )
         }
         _ => refuse(
-            format!("the tensions of the solid `{name}` are not known, which balance at the line"),
+            format!("`neumann` needs uniform tensions `liquid_solid` and `solid_air` of the solid `{name}`"),
             format!(
-                "give both: `tension.{name} = {{ liquid_solid = \"30 mN/m\", solid_air = \"50 mN/m\" }}`, or remove `neumann`"
+                "give both, without `image` and `patches`: `tension.{name} = {{ liquid_solid = \"30 mN/m\", solid_air = \"50 mN/m\" }}`, or remove `neumann`"
             ),
         ),
     }

@@ -55,8 +55,9 @@ pub fn check_displaced(scene: &Scene, all: &[DisplacedBody]) -> Result<Vec<Warni
         let path = format!("liquid.body.{}.shape", d.body);
         let share = d.displaced / d.volume.max(f64::MIN_POSITIVE);
         if d.volume > 0.0 && d.displaced >= d.volume {
-            let error = SceneError::new("nothing is left of this body: it lies wholly inside solids");
-            let error = error.with_help("move it out of the solids");
+            let error =
+                SceneError::new("this liquid body lies entirely inside solids: nothing remains of it");
+            let error = error.with_help("move it so that at least a part of it lies outside the solids");
             return Err(scene.source.at_value(error, &scene.source.first_inside(&path)));
         }
         let body = &scene.liquid.bodies[d.body];
@@ -66,8 +67,8 @@ pub fn check_displaced(scene: &Scene, all: &[DisplacedBody]) -> Result<Vec<Warni
             && d.depth > OVERLAP_WARNING_CELLS * scene.domain.dx
         {
             let message = format!(
-                "this body overlaps a solid by {}: {} of it ({:.1} %) are cut off; move it, or write \
-                 `displaced = true` in this body if that is meant",
+                "this liquid body overlaps a solid by {}: {} of it ({:.1} %) are removed; move it, or set \
+                 `displaced = true` in this body if the overlap is intended",
                 format_si(d.depth, "m"),
                 format_volume(d.displaced, scene.domain.dimension),
                 100.0 * share

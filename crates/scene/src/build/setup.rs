@@ -176,9 +176,9 @@ fn check_mesh_inside_domain<const D: usize>(
     let Some((reach, help)) = describe_outside(&bounds, &scene.domain.size, 1e-6 * scene.domain.dx) else {
         return Ok(());
     };
-    let error = SceneError::new(format!("the solid `{}` is outside the domain: it {reach}", spec.name))
+    let error = SceneError::new(format!("the solid `{}` extends outside the domain: it {reach}", spec.name))
         .with_help(format!(
-            "{help}; `scale` tells how long a unit of the file is, `translate` where it goes"
+            "{help}; `scale` sets the length of a unit of the mesh file, `translate` the position of its origin"
         ));
     let number = scene.solids.iter().position(|s| s.name == spec.name).unwrap_or(0);
     Err(scene.source.at_value(error, &scene.source.first_inside(&format!("solid.{number}.shape"))))
@@ -191,8 +191,9 @@ fn check_solids_apart<const D: usize>(scene: &Scene, model: &Model<D>) -> Result
     let free = |s: &SolidSpec| matches!(s.material, Material::Rigid { fixed: false });
     for (i, solid) in model.solids.iter().enumerate() {
         if free(&scene.solids[i]) && solid.motion != Motion::Free {
-            let error = SceneError::new(format!("the solid `{}` has no bounds, and so no mass", name(i)));
-            let help = "use rigid = { fixed = true }, or another shape";
+            let error =
+                SceneError::new(format!("the free solid `{}` is unbounded and has no finite mass", name(i)));
+            let help = "use material.rigid = { fixed = true }, or a bounded shape";
             return Err(scene.source.at_value(error.with_help(help), &at(i, "material")));
         }
     }
@@ -206,7 +207,7 @@ fn check_solids_apart<const D: usize>(scene: &Scene, model: &Model<D>) -> Result
     let (i, other) = other.map_or((i, None), |j| (i.max(j), Some(i.min(j))));
     let what = other.map_or("a closed side of the domain".to_owned(), |j| format!("the solid `{}`", name(j)));
     let error = SceneError::new(format!("the solid `{}` overlaps {what} by {depth:.3e} m", name(i)));
-    let error = error.with_help("move them apart: they may touch");
+    let error = error.with_help("move them apart; contact without overlap is allowed");
     Err(scene.source.at_value(error, &scene.source.first_inside(&at(i, "shape"))))
 }
 
@@ -219,8 +220,8 @@ fn check_initial_gaps<const D: usize>(scene: &Scene, model: &Model<D>) -> Result
     let (i, j) = (i.max(j), i.min(j));
     let name = |i: usize| &scene.solids[i].name;
     let other = if i == j { "itself".to_owned() } else { format!("the solid `{}`", name(j)) };
-    let error = SceneError::new(format!("the solid `{}`, which deforms, touches {other}", name(i)));
-    let help = format!("leave a gap of {:.1e} m or more", 2.0 * CONTACT_TOLERANCE_CELLS * dx);
+    let error = SceneError::new(format!("the deformable solid `{}` touches {other}", name(i)));
+    let help = format!("leave a gap of at least {:.1e} m", 2.0 * CONTACT_TOLERANCE_CELLS * dx);
     Err(scene.source.at_value(error.with_help(help), &scene.source.first_inside(&format!("solid.{i}.shape"))))
 }
 

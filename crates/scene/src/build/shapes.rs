@@ -91,7 +91,8 @@ pub(crate) fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneE
         ShapeSpec::Wave { .. } => {
             let help = "use ball, box, half_space, cylinder, capsule, ellipsoid, perturbed_ball, extrusion, \
                         union, smooth_union, difference, cow or mesh";
-            return Err(SceneError::new("this shape is not yet in this version").with_help(help));
+            let message = "this version supports the shape `wave` only for liquid bodies and their unions and differences";
+            return Err(SceneError::new(message).with_help(help));
         }
     })
 }
@@ -99,7 +100,7 @@ pub(crate) fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneE
 /// The elements of a volume mesh file, in scene coordinates; the error is a message.
 pub(crate) fn file_volume_mesh<const D: usize>(spec: &ShapeSpec) -> Result<VolumeMesh<D>, String> {
     let ShapeSpec::Mesh { path, scale, translate, rotation: turned } = spec else {
-        return Err("this shape has no elements of its own".to_owned());
+        return Err("this shape is not read from a volume mesh file".to_owned());
     };
     let mut mesh = crate::file::read_mesh_file(path, read::load::<D>)?;
     mesh.positions.iter_mut().for_each(|x| *x *= *scale);

@@ -47,11 +47,11 @@ pub fn pad_thin_solids<const D: usize>(scene: &Scene, model: &Model<D>) -> Resul
         let error = match soft {
             true => too_thin_error(scene, solid, thin, mean_thickness(&surface, min_cells * dx, &inside)),
             false => SceneError::new(format!(
-                "the solid `{}` is thinner than a cell ({dx:.3e} m) behind {:.0} % of its surface: liquid would pass",
+                "the solid `{}` is thinner than a cell ({dx:.3e} m) over {:.0} % of its surface: liquid would leak through it",
                 solid.name,
                 100.0 * thin
             ))
-            .with_help("make it thicker (two cells are well seen), or the resolution finer"),
+            .with_help("make it thicker (two cells resolve it well), or increase the resolution"),
         };
         return Err(scene.source.at_value(error, &scene.source.first_inside(&format!("solid.{i}.shape"))));
     }
@@ -63,14 +63,14 @@ fn too_thin_error(scene: &Scene, solid: &SolidSpec, part: f64, thickness: f64) -
     let dx = scene.domain.dx;
     let longest = scene.domain.cells.iter().max().copied().unwrap_or(1) as f64;
     let message = format!(
-        "the solid `{}` is {:.2} cells ({thickness:.3e} m) thick behind {:.0} % of its surface: liquid on both sides of what \
-         deforms is told apart from {MIN_SOFT_THICKNESS_CELLS} cells on",
+        "the solid `{}` is {:.2} cells ({thickness:.3e} m) thick over {:.0} % of its surface: a deformable solid must be at \
+         least {MIN_SOFT_THICKNESS_CELLS} cells thick to separate the liquid on its two sides",
         solid.name,
         thickness / dx,
         100.0 * part
     );
     SceneError::new(message).with_help(format!(
-        "make it {:.3e} m thick or more (four cells are well seen), or the cells smaller: resolution = {:.0}",
+        "make it at least {:.3e} m thick (four cells resolve it well), or make the cells smaller: resolution = {:.0}",
         MIN_SOFT_THICKNESS_CELLS * dx,
         (longest * MIN_SOFT_THICKNESS_CELLS * dx / thickness).ceil()
     ))

@@ -59,7 +59,9 @@ fn picture(image: &WettingImage) -> Result<CosineImage, String> {
     let mut reader = decoder.read_info().map_err(|e| e.to_string())?;
     let size = [reader.info().width as usize, reader.info().height as usize];
     let length = reader.output_buffer_size().filter(|_| size[0] * size[1] <= MAX_PIXELS);
-    let Some(length) = length else { return Err(format!("{} x {} pixels are too many", size[0], size[1])) };
+    let Some(length) = length else {
+        return Err(format!("its {} x {} pixels exceed the limit of {MAX_PIXELS}", size[0], size[1]));
+    };
     let mut bytes = vec![0; length];
     let frame = reader.next_frame(&mut bytes).map_err(|e| e.to_string())?;
     let samples = frame.color_type.samples();

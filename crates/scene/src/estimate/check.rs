@@ -204,7 +204,7 @@ fn unresolved_share(scene: &Scene, setup: &AnySetup, warnings: &mut Vec<Warning>
     if let Some(place) = place.filter(|_| share > thin_liquid::WARNING_SHARE) {
         let place: Vec<String> = place.iter().map(|x| format_si(*x, "m")).collect();
         let message = format!(
-            "{:.1} % of the liquid are thinner than two cells, near ({}): it is not resolved there",
+            "{:.1} % of the liquid is in regions thinner than two cells, near ({}): the grid does not resolve it there",
             100.0 * share,
             place.join(", ")
         );
@@ -279,24 +279,29 @@ fn pairs(scene: &Scene) -> Vec<PairReport> {
 fn more_warnings(scene: &Scene, bodies: &[BodyReport], capillary: Option<f64>, out: &mut Vec<Warning>) {
     for b in bodies {
         if let Some(n) = b.cells_per_radius.filter(|n| 2.0 * n < MIN_CELLS_ACROSS) {
-            let message =
-                format!("only {:.1} cells across this body; {MIN_CELLS_ACROSS} or more are wanted", 2.0 * n);
+            let message = format!(
+                "this liquid body is only {:.1} cells across; at least {MIN_CELLS_ACROSS} are recommended",
+                2.0 * n
+            );
             out.push(Warning { path: format!("liquid.body.{}.shape", b.index), message });
         }
     }
     if let Some(n) = capillary.map(|c| c / scene.domain.dx).filter(|n| *n < 1.0) {
         let message =
-            format!("the capillary length is only {n:.2} cells: surface tension is hardly resolved");
+            format!("the capillary length is only {n:.2} cells: the grid hardly resolves capillary effects");
         out.push(Warning { path: "tension.liquid_air".to_owned(), message });
     }
     for s in &scene.solids {
         if !scene.tension.solids.iter().any(|t| t.0 == s.name) {
-            let message = format!("the solid `{}` has no tension: 90 degrees", s.name);
+            let message = format!(
+                "no tension or contact angle is given for the solid `{}`: a contact angle of 90 degrees is used",
+                s.name
+            );
             out.push(Warning { path: "tension".to_owned(), message });
         }
     }
     if scene.expect.is_empty() {
-        let message = "nothing is checked at the end: add [expect]".to_owned();
+        let message = "no results are checked at the end of the run: add [expect]".to_owned();
         out.push(Warning { path: "expect".to_owned(), message });
     }
 }

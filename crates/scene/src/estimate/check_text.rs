@@ -90,7 +90,7 @@ impl Report {
             .map(|p| p.solid.as_str())
             .collect();
         if !free.is_empty() {
-            let hint = "contact lines run at inertial speed (contact_line.friction; water on a plate: about 0.1 Pa s)";
+            let hint = "contact lines move at inertial speed (see contact_line.friction; water on a plate: about 0.1 Pa s)";
             line("no line friction", format!("on {}: {hint}", free.join(", ")));
         }
         for (name, value) in self.soft.iter().flat_map(|s| s.lines(self.dimension)) {

@@ -126,8 +126,8 @@ impl SoftReport {
             if dimension == 2 { ("triangles", "angles") } else { ("tetrahedra", "dihedral angles") };
         let unit = if dimension == 2 { "kg/m" } else { "kg" };
         let held = match self.held {
-            0 => "none held: it moves freely and falls".to_owned(),
-            held => format!("{held} held"),
+            0 => "none fixed or moved: the solid is free".to_owned(),
+            held => format!("{held} fixed or moved"),
         };
         let mut lines = vec![(
             format!("{} deforms", self.solid),
@@ -141,28 +141,25 @@ impl SoftReport {
         )];
         let mut line = |value: String| lines.push((String::new(), value));
         let factors = match self.factorised {
-            true => format!("its matrix factorised in {:.1} MB", self.solver_bytes * 1e-6),
-            false => "its matrix solved by iterations (factors would take over 2 GB)".into(),
+            true => format!("matrix factorised in {:.1} MB", self.solver_bytes * 1e-6),
+            false => "matrix solved iteratively (its factors would need more than 2 GB)".into(),
         };
         line(format!(
             "{angle} of {:.1} to {:.1} deg, worst radius ratio {:.3}, {factors}",
             self.smallest_angle, self.largest_angle, self.worst_radius_ratio,
         ));
         if let (Some(speed), Some(edges)) = (self.wave_speed, self.edges_per_step) {
-            line(format!(
-                "elastic waves of {}, which pass {edges:.1} edges of the mesh in a step",
-                format_si(speed, "m/s")
-            ));
+            line(format!("elastic wave speed {}, {edges:.1} mesh edges per step", format_si(speed, "m/s")));
         }
         if let (Some(f), Some(steps)) = (self.frequency, self.steps_per_period) {
-            let few = if steps < 20.0 { ": too few to swing as it should" } else { "" };
-            line(format!("lowest frequency {}, {steps:.1} steps a period{few}", format_si(f, "Hz")));
+            let few = if steps < 20.0 { ": too few to resolve this vibration" } else { "" };
+            line(format!("lowest frequency {}, {steps:.1} steps per period{few}", format_si(f, "Hz")));
         }
         let mut plate = String::new();
         if let Some(cells) = self.thickness_cells {
             let _ = write!(plate, "a plate of {cells:.2} cells");
             if cells < MIN_PLATE_THICKNESS_CELLS {
-                let _ = write!(plate, ", which the liquid meets as one of {MIN_PLATE_THICKNESS_CELLS}");
+                let _ = write!(plate, ", padded to {MIN_PLATE_THICKNESS_CELLS} cells for the liquid");
             }
         }
         if let (Some(b), Some(l)) = (self.bending_stiffness, self.bending_elastocapillary_length) {

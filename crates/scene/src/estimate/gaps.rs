@@ -34,7 +34,7 @@ pub(crate) fn warnings<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<W
             let cells = pattern_search(width, narrowest, model.grid.dx) / model.grid.dx;
             if cells > CONTACT_GAP_CELLS && cells < RESOLVED_GAP_CELLS {
                 let message = format!(
-                    "between `{}` and `{}` are {cells:.2} cells: liquid there is not resolved (2 are wanted)",
+                    "the gap between `{}` and `{}` is {cells:.2} cells wide: liquid in it is not resolved (this needs at least 2 cells)",
                     scene.solids[i].name, scene.solids[j].name
                 );
                 out.push(Warning { path: format!("solid.{j}.shape"), message });

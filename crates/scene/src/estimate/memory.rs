@@ -56,8 +56,9 @@ pub fn check_liquid_memory(scene: &Scene, limit: Option<u64>) -> Result<(), Scen
     }
     let longest = scene.domain.cells.iter().copied().max().unwrap_or(1) as f64;
     let fit = (longest * (0.9 * limit / need).powf(1.0 / scene.domain.dimension as f64)).floor();
-    let error =
-        insufficient_memory(need, limit).with_help(format!("at most about `resolution = {fit}` fits here"));
+    let error = insufficient_memory(need, limit).with_help(format!(
+        "reduce the resolution: about `resolution = {fit}` is the most that fits into this memory"
+    ));
     let path = if scene.source.has("domain.dx") { "domain.dx" } else { "domain.resolution" };
     Err(scene.source.at_value(error, path))
 }
@@ -80,7 +81,7 @@ pub fn check_solid_memory(scene: &Scene, setup: &AnySetup, limit: Option<u64>) -
     let (number, bytes, vertices) = most;
     let name = scene.solids.get(*number).map_or("", |s| s.name.as_str());
     let error = insufficient_memory(need, limit as f64).with_help(format!(
-        "{} are the solid `{name}`'s, of {vertices} vertices: give it a coarser mesh (`mesh.edge`), or a coarser grid",
+        "{} of it are for the solid `{name}` with {vertices} vertices: use a coarser mesh (`mesh.edge`) or a coarser grid",
         format_bytes(*bytes)
     ));
     Err(scene.source.at_value(error, &scene.source.first_inside(&format!("solid.{number}.shape"))))

@@ -100,14 +100,14 @@ pub fn check_stiffness<const D: usize>(
         return Ok(());
     }
     let message = format!(
-        "the solid `{}` is too stiff for any step to follow: in one of {step:.2e} s its elastic waves ({speed:.2e} m/s) cross \
-         {crossed:.1e} elements of {shortest:.2e} m, and beyond {MAX_CROSSED_ELEMENTS:.0e} rounding hides its mass",
+        "the solid `{}` is too stiff for the time step: in {step:.2e} s its elastic waves ({speed:.2e} m/s) cross {crossed:.1e} \
+         elements of {shortest:.2e} m; beyond {MAX_CROSSED_ELEMENTS:.0e} elements its mass is lost to rounding errors",
         spec.name
     );
     // Rounded up, so that the advice suffices.
     let more = (crossed / MAX_CROSSED_ELEMENTS).powi(2) * 1.05;
     let help = format!(
-        "make it {more:.1e} times softer, or rigid, or set numerics.max_step = \"{:.1e} s\"",
+        "make it {more:.1e} times softer, use material.rigid, or set numerics.max_step = \"{:.1e} s\"",
         0.95 * step * MAX_CROSSED_ELEMENTS / crossed
     );
     Err(SceneError::new(message).with_help(help))

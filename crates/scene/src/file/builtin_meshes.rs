@@ -29,7 +29,10 @@ pub(crate) fn unknown_mesh_message(name: &str) -> Option<(String, String)> {
     let names = MESHES.map(|(known, _)| format!("{PREFIX}{known}")).join(", ");
     let near = nearest(name, MESHES.iter().map(|(known, _)| *known));
     let near = near.map_or_else(String::new, |n| format!("did you mean `{PREFIX}{n}`? "));
-    Some((format!("there is no built-in mesh `{}`", name.escape_debug()), format!("{near}built in: {names}")))
+    Some((
+        format!("there is no built-in mesh `{}`", name.escape_debug()),
+        format!("{near}built-in meshes: {names}"),
+    ))
 }
 
 /// Reads a mesh file, built in or not, with `reader`. Readers take paths because some formats consist of several files; a

@@ -133,8 +133,11 @@ impl<'i> Document<'i> {
         let mut source = Source::default();
         source.add(name, text);
         if text.len() > MAX_TEXT {
-            let error = SceneError::new(format!("a scene of {} bytes is too long", text.len()));
-            return Err(error.with_help("meshes go into files of their own"));
+            let error = SceneError::new(format!(
+                "the scene has {} bytes, but at most {MAX_TEXT} are read",
+                text.len()
+            ));
+            return Err(error.with_help("put meshes into separate files"));
         }
         match DeTable::parse(text) {
             Ok(root) => Ok(Self { source, root }),
@@ -150,14 +153,18 @@ impl<'i> Document<'i> {
     pub fn apply_set(&mut self, setting: &'i str) -> Result<(), SceneError> {
         let start = self.source.add("--set", setting);
         let Some((path, text)) = setting.split_once('=') else {
-            let error = SceneError::new(format!("`{setting}` sets nothing"))
-                .with_help("write path=value, like domain.resolution=64");
+            let error = SceneError::new(format!("`{setting}` is not of the form path=value"))
+                .with_help("write, for example, domain.resolution=64");
             return Err(self.source.point(error, Some(start..start + setting.len())));
         };
         let value_start = start + path.len() + 1;
         let value = parse_set_value(text).map_err(|e| {
             let span = e.span().map(|s| s.start + value_start..s.end + value_start);
-            self.source.point(SceneError::new(e.message()).with_help("text goes in quotes"), span)
+            self.source.point(
+                SceneError::new(e.message())
+                    .with_help("close all quotes and brackets, and put text in quotes"),
+                span,
+            )
         })?;
         let value = shift(value, value_start);
         let mut segments = Vec::new();
@@ -169,7 +176,7 @@ impl<'i> Document<'i> {
             at += word.len() + 1;
         }
         if segments.len() > 60 {
-            let error = SceneError::new("the path is too deep");
+            let error = SceneError::new("the path has more than 60 parts");
             return Err(self.source.point(error, Some(start..value_start)));
         }
         self.remove_conflicting_key(path.trim());
@@ -209,7 +216,7 @@ fn parse_set_value(text: &str) -> Result<Spanned<DeValue<'_>>, toml::de::Error> 
     match DeValue::parse(trimmed) {
         Ok(v) => Ok(shift(v, lead)),
         Err(e) if trimmed.starts_with(['"', '\'', '[', '{']) => Err(e),
-        Err(_) if trimmed.is_empty() => Err(toml::de::Error::custom("no value")),
+        Err(_) if trimmed.is_empty() => Err(toml::de::Error::custom("the value after `=` is missing")),
         Err(_) => Ok(Spanned::new(lead..lead + trimmed.len(), DeValue::String(Cow::Borrowed(trimmed)))),
     }
 }
@@ -246,7 +253,7 @@ fn set_in_table<'i>(
 ) -> Result<(), SetError> {
     let Some(((word, span), rest)) = path.split_first() else { return Ok(()) };
     if word.is_empty() {
-        let error = SceneError::new("the path has an empty part");
+        let error = SceneError::new("the path has an empty part: a dot too many");
         return Err(Box::new((error.with_help("write path=value, like domain.resolution=64"), span.clone())));
     }
     if rest.is_empty() {
@@ -281,8 +288,11 @@ fn set_in_value<'i>(
                 let error = SceneError::new(format!("`{name}` has no entry `{word}`"));
                 let names: Vec<String> = names.into_iter().flatten().collect();
                 let help = match names.is_empty() {
-                    true => format!("it has {count}, counted from 0"),
-                    false => format!("it has {count}, counted from 0, or by name: {}", names.join(", ")),
+                    true => format!("it has {count} entries, numbered from 0"),
+                    false => format!(
+                        "it has {count} entries, given by their number (from 0) or by name: {}",
+                        names.join(", ")
+                    ),
                 };
                 return Err(Box::new((error.with_help(help), span.clone())));
             };
@@ -357,20 +367,22 @@ fn reword(raw: &str) -> (String, String) {
     }
     if let (true, Some(key)) = (raw.starts_with("missing field `"), quoted.first()) {
         let help = match *key {
-            "format" => "add `format = 1` at the top: the version of the grammar".to_owned(),
+            "format" => {
+                "add `format = 1`, the version of the scene format, at the top of the file".to_owned()
+            }
             key => format!("add `{key} = …` to this table"),
         };
         return (format!("the key `{key}` is missing"), help);
     }
     if let (true, Some(key)) = (raw.starts_with("duplicate key"), quoted.first()) {
-        return (format!("the key `{key}` is given twice"), "remove one".to_owned());
+        return (format!("the key `{key}` is given twice"), "remove one of them".to_owned());
     }
     if let Some((found, wanted)) = raw.strip_prefix("invalid ").and_then(|r| r.split_once(", expected ")) {
         let found = found.split_once(": ").map_or(found, |f| f.1);
         return (format!("found {}", found), format!("expected {}", plain_type(wanted)));
     }
     if raw.starts_with("wanted exactly 1 element") {
-        let help = "exactly one of them is wanted: remove the others";
+        let help = "keep exactly one of its keys, and remove the others";
         return (
             raw.replace("wanted exactly 1 element, found", "this table has").to_owned(),
             help.to_owned(),

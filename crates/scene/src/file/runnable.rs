@@ -9,7 +9,7 @@ use crate::error::SceneError;
 /// [`SceneError`] of kind `Invalid` (exit status 3) that points at the unsupported value.
 pub fn ensure_runnable(scene: &Scene) -> Result<(), SceneError> {
     let refuse = |path: &str, what: &str, help: &str| {
-        let error = SceneError::new(format!("this version cannot run {what} yet")).with_help(help);
+        let error = SceneError::new(format!("this version does not support {what} yet")).with_help(help);
         Err(scene.source.at_value(error, path))
     };
     let is_wave = |s: &ShapeSpec| matches!(s, ShapeSpec::Wave { .. });
@@ -17,9 +17,12 @@ pub fn ensure_runnable(scene: &Scene) -> Result<(), SceneError> {
         let at = |key: &str| format!("solid.{i}.{key}");
         match solid.material {
             Material::Shell { .. } | Material::Rod { .. } => {
-                let help =
-                    "use neo_hookean, corotated or springs; `meniscus check` reads such scenes in full";
-                return refuse(&at("material"), "thin sheets and threads", help);
+                let help = "use material.neo_hookean, corotated or springs; `meniscus check` still checks such scenes";
+                return refuse(
+                    &at("material"),
+                    "thin sheets and threads (material.shell, material.rod)",
+                    help,
+                );
             }
             _ => {}
         }
@@ -28,7 +31,7 @@ pub fn ensure_runnable(scene: &Scene) -> Result<(), SceneError> {
             return refuse(&at("fixed.0"), "fixed parts of a solid that does not deform", "remove `fixed`");
         }
         if rigid && !solid.moved.is_empty() {
-            let help = "use material.kinematic to move all of it, or a material that deforms";
+            let help = "use material.kinematic to move the whole solid, or a deformable material";
             return refuse(&at("moved.0"), "moved parts of a solid that does not deform", help);
         }
         if solid.shape.parts().into_iter().any(is_wave) {
@@ -54,7 +57,7 @@ pub fn ensure_runnable(scene: &Scene) -> Result<(), SceneError> {
         return refuse("output.formats", &what, "accepted: \"ply\", \"page\"");
     }
     if scene.contact_line.neumann && !scene.solids.iter().any(|s| s.material.deforms()) {
-        let error = SceneError::new("no solid deforms that could feel the tension of its own surface");
+        let error = SceneError::new("`neumann` needs a deformable solid, but no solid deforms");
         return Err(scene.source.at_value(error.with_help("remove `neumann`"), "contact_line.neumann"));
     }
     Ok(())

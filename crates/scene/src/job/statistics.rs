@@ -152,7 +152,8 @@ mod repairs {
 
     pub fn deserialize<'de, De: Deserializer<'de>>(d: De) -> Result<Repairs, De::Error> {
         let values = Vec::<f64>::deserialize(d)?;
-        Repairs::from_values(&values).ok_or_else(|| De::Error::custom("another number of repairs"))
+        Repairs::from_values(&values)
+            .ok_or_else(|| De::Error::custom("the number of repair counters differs"))
     }
 }
 

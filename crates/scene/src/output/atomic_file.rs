@@ -34,12 +34,12 @@ impl FileError {
                 "raise the file size limit (ulimit -f), then continue with --resume"
             }
             io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
-                "choose a folder you may write to with --out DIR"
+                "choose a folder with write permission with --out DIR"
             }
             io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
-                "a file is in the way: choose another folder with --out DIR"
+                "a file exists where a folder is needed: choose another folder with --out DIR"
             }
-            _ => "check that the path exists and can be used",
+            _ => "check that the path exists and is accessible",
         }
     }
 }

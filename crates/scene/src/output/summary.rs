@@ -76,7 +76,7 @@ pub struct Summary {
     /// Liquid thinner than two cells, which the grid does not resolve.
     #[serde(default)]
     pub thin_liquid: ThinLiquidStatistics,
-    /// Volume of drops that became too small to resolve, m³ (2D: m²).
+    /// Volume that was lost as the last of the liquid vanished, m³ (2D: m²).
     pub lost_volume: f64,
     /// Volume that left through open sides, m³ (2D: m²).
     #[serde(default)]
@@ -277,7 +277,7 @@ impl Summary {
             volume_error: tally.volume_error,
             momentum_error: (!constrained).then_some(tally.momentum_error),
             momentum_error_reason: constrained
-                .then(|| "what holds or moves the solids takes and gives momentum".to_string()),
+                .then(|| "fixed, held or moved solids exchange momentum with their supports".to_string()),
             max_divergence: tally.max_divergence,
             max_speed: tally.max_speed,
             least_element: tally.least_element,

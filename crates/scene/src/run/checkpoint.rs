@@ -38,7 +38,7 @@ pub enum CheckpointError {
         what: String,
     },
     /// The checkpoint belongs to another scene, grid or the like.
-    #[error("the checkpoint `{}` is of another {what}", path.display())]
+    #[error("the checkpoint `{}` belongs to another {what}", path.display())]
     Foreign {
         /// The file.
         path: PathBuf,
@@ -323,7 +323,7 @@ pub fn read<const D: usize>(
         Fault::Version => foreign("version of Meniscus"),
         Fault::Damage(what) => damaged(what),
     })?;
-    let header: Header = postcard::from_bytes(head).map_err(|_| damaged("its header is not readable"))?;
+    let header: Header = postcard::from_bytes(head).map_err(|_| damaged("its header cannot be read"))?;
     if header.scene != scene {
         return Err(foreign("scene"));
     }
@@ -331,7 +331,7 @@ pub fn read<const D: usize>(
     if !same_cells || header.dx.to_bits() != grid.dx.to_bits() {
         return Err(foreign("grid"));
     }
-    let state = decode_state(&header, body, grid).ok_or_else(|| damaged("its fields are not complete"))?;
+    let state = decode_state(&header, body, grid).ok_or_else(|| damaged("its fields are incomplete"))?;
     Ok((state, header.tally))
 }
 
@@ -342,10 +342,10 @@ enum Fault {
 
 /// Checks magic, version and checksum. Returns the header and the bytes after it.
 fn verify(bytes: &[u8]) -> Result<(&[u8], &[u8]), Fault> {
-    let cut = Fault::Damage("it is cut off");
+    let cut = Fault::Damage("it is truncated");
     let Some((start, rest)) = bytes.split_at_checked(20) else { return Err(cut) };
     if start[..8] != *MAGIC {
-        return Err(Fault::Damage("it does not begin as a checkpoint does"));
+        return Err(Fault::Damage("it does not start with the signature of a checkpoint"));
     }
     if start[8..12] != VERSION.to_le_bytes() {
         return Err(Fault::Version);

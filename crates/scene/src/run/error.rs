@@ -17,7 +17,7 @@ pub enum RunError {
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
     /// The folder holds a run of another scene.
-    #[error("the run in `{}` is of another scene", .0.display())]
+    #[error("the folder `{}` contains a run of another scene", .0.display())]
     OtherScene(PathBuf),
     /// The output failed during the run.
     #[error("{error}")]
@@ -28,7 +28,7 @@ pub enum RunError {
         checkpoint: Option<PathBuf>,
     },
     /// The solver failed.
-    #[error("the solver could not go on: {error}")]
+    #[error("the solver cannot continue: {error}")]
     Step {
         /// What failed.
         error: StepError,
@@ -37,8 +37,8 @@ pub enum RunError {
     },
     /// The matrix of the solids could not be factorised.
     #[error(
-        "the solver could not go on: at time {time:.6e} s the matrix of the solids is not positive definite for a step of \
-         {step:.3e} s: a solid is too stiff for rounding, elements are crushed, or solids leave each other no room{narrowest}"
+        "the solver cannot continue: at time {time:.6e} s the matrix of the solids is not positive definite for a time step of \
+         {step:.3e} s: a solid is too stiff for double precision, elements are crushed, or solids are jammed{narrowest}"
     )]
     Solids {
         /// Time of the last good state, s.
@@ -51,7 +51,7 @@ pub enum RunError {
         checkpoint: Option<PathBuf>,
     },
     /// A number was not finite.
-    #[error("the solver could not go on: the {what} is not finite at time {time:.6e} s")]
+    #[error("the solver cannot continue: the {what} is not finite at time {time:.6e} s")]
     NotFinite {
         /// Name of the quantity.
         what: &'static str,
@@ -105,21 +105,21 @@ impl RunError {
                 error.advice().into()
             }
             Self::Checkpoint(CheckpointError::Damaged { .. }) => {
-                "no checkpoint of this run is whole: start again with --force".into()
+                "no checkpoint of this run can be used: start the run again with --force".into()
             }
             Self::Checkpoint(CheckpointError::Foreign { .. }) | Self::OtherScene(_) => {
-                "run the scene as it was (scene.toml in the folder), or start again with --force or another --out DIR"
+                "resume with the unchanged scene (scene.toml in the folder), or start a new run with --force or another --out DIR"
                     .into()
             }
             Self::Output { error, .. } => error.advice().into(),
             Self::Solids { .. } => {
-                "look at the last frame: where elements are crushed use a finer mesh, more damping_ratio or a smaller \
-                 numerics.max_step; where a solid that is moved presses others, give them room; else a softer material, or \
-                 material.rigid"
+                "look at the last frame: if elements are crushed, use a finer mesh, a larger damping_ratio or a smaller \
+                 numerics.max_step; if a moved solid presses against others, give them more room; otherwise use a softer \
+                 material or material.rigid"
                     .into()
             }
             Self::Step { .. } | Self::NotFinite { .. } => {
-                "try a finer resolution or a smaller numerics.max_step; `meniscus check` shows what the scene asks for"
+                "try a finer resolution or a smaller numerics.max_step; `meniscus check` shows how well the scene is resolved"
                     .into()
             }
         }

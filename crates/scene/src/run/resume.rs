@@ -30,7 +30,7 @@ pub(super) fn resume<'a, const D: usize>(
                     tally.next_frame -= 1;
                 }
                 let Some(series) = TimeSeriesWriter::reopen(&folder.series(), tally.series_bytes)? else {
-                    let what = "timeseries.csv is shorter than it was".to_string();
+                    let what = "timeseries.csv is shorter than when it was written".to_string();
                     failure.get_or_insert(CheckpointError::Damaged { path, what });
                     continue;
                 };
@@ -42,7 +42,7 @@ pub(super) fn resume<'a, const D: usize>(
             }
             Err(error @ CheckpointError::Foreign { .. }) => return Err(error.into()),
             Err(error) => {
-                let message = format!("{error}: trying the one before it");
+                let message = format!("{error}; the previous checkpoint is tried");
                 observer.notify(&Event::Warning { message });
                 failure.get_or_insert(error);
             }

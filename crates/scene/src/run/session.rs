@@ -253,7 +253,7 @@ impl<'a, const D: usize> Session<'a, D> {
         let ledger = &report.diagnostics;
         let sums = [ledger.volume, ledger.kinetic_energy, ledger.surface_energy, ledger.max_speed];
         if !sums.into_iter().chain(ledger.momentum.iter().copied()).all(f64::is_finite) {
-            return Err(self.not_finite("sum over the liquid"));
+            return Err(self.not_finite("volume, energy or momentum of the liquid"));
         }
         let time = self.simulation.state.time;
         let momentum_error = self.statistics.add_step(&self.simulation.model, time, &report);
@@ -313,8 +313,8 @@ impl<'a, const D: usize> Session<'a, D> {
         let Some(place) = thin.place.filter(|_| first) else { return Ok(()) };
         let place: Vec<String> = place.iter().map(|x| format_si(*x, "m")).collect();
         let message = format!(
-            "at {} {:.1} % of the liquid is thinner than two cells, near ({}): films, threads and gaps there are not \
-             resolved (`thin_liquid` in summary.json has the worst)",
+            "at time {} {:.1} % of the liquid is in regions thinner than two cells, near ({}): the grid does not resolve films, \
+             threads and gaps there (`thin_liquid` in summary.json has the largest share)",
             format_si(time, "s"),
             100.0 * thin.share,
             place.join(", ")

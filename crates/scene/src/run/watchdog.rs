@@ -137,7 +137,7 @@ impl Watchdog {
         pulse.durations.push(taken);
         long.map(|median| {
             let median = median.map_or_else(String::new, |m| format!(" (median {:.3} s)", m.as_secs_f64()));
-            format!("step {step} of {dt:.1e} s took {:.1} s{median}", taken.as_secs_f64())
+            format!("time step {step} ({dt:.1e} s) took {:.1} s of wall time{median}", taken.as_secs_f64())
         })
     }
 
@@ -169,8 +169,10 @@ impl Watchdog {
                 write_log(&mut log, &event);
             }
             let Some(stop) = stop() else { continue };
-            let reason =
-                format!("{}, within step {step}; the state is that of the last checkpoint", stop.reason());
+            let reason = format!(
+                "{}, within step {step}; the saved state is that of the last checkpoint",
+                stop.reason()
+            );
             let first = *asked.get_or_insert_with(|| {
                 // The lock is held meanwhile, so that the step cannot end and write the summary.
                 write_exit_reason(summary, &reason);
@@ -268,7 +270,7 @@ mod tests {
         let (said, reason, long) = watched(&|| None, "long");
         assert!(said[0].contains("\"step\":6") && said[0].contains("\"phase\":\"pressure\""), "{said:?}");
         assert!(said.len() < 8 && reason == "running", "{said:?} {reason}");
-        assert!(long.is_some_and(|l| l.contains("step 6 of 1.0e-4 s took")));
+        assert!(long.is_some_and(|l| l.contains("time step 6 (1.0e-4 s) took")));
     }
 
     #[test]

@@ -72,12 +72,12 @@ fn what_makes_no_sense_is_refused_where_it_stands() {
             patch(
                 "shape.wave = { level = 0, amplitude = 0, wavelength = \"1 mm\" }, contact_angle = \"9 deg\"",
             ),
-            "cannot run patches of this shape",
+            "does not support patches of this shape",
             "shape",
         ),
         (
             image("file = \"a.jpg\", lower = [0, 0], upper = [0, 0], black = 0, white = 0"),
-            "no image that can be read",
+            "not a supported image file",
             "\"a.jpg\"",
         ),
         (
@@ -87,7 +87,7 @@ fn what_makes_no_sense_is_refused_where_it_stands() {
         ),
         (
             format!("{{ gradient = {{ {}, {} }} }}", end("from", "10"), end("to", "20")),
-            "ends where it starts",
+            "points of the gradient are the same",
             "[0, 0, 0]",
         ),
         (
@@ -115,7 +115,7 @@ fn lines_on_patterns_rest_around_youngs_angle() {
     let e = load("advancing = \"100 deg\", receding = \"20 deg\"").unwrap_err();
     assert!(e.message.contains("`plate` varies") && e.render().contains("above ="), "{}", e.render());
     let e = load("advancing = \"100 deg\", below = \"20 deg\"").unwrap_err();
-    assert!(e.message.contains("not fixed by these keys"), "{}", e.render());
+    assert!(e.message.contains("do not define the hysteresis"), "{}", e.render());
     let scene = load("above = \"10 deg\", below = \"5 deg\"").unwrap_or_else(|e| panic!("{}", e.render()));
     let setup = build::setup::<3>(&scene).unwrap();
     let bounds = setup.model.solids[0].hysteresis.unwrap().cosine_bounds(30f64.to_radians().cos());

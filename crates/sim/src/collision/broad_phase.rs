@@ -83,12 +83,14 @@ pub struct Sweep<'a, const D: usize> {
     pub to: &'a Configuration<'a, D>,
 }
 
-/// Bound of the length of a point's path in the frame of a rigid solid, relative to its chord. For a rotation by `θ` the ratio is
-/// `(θ/2)/sin(θ/2)`, which stays below this value up to 2.6 radians a step.
+/// Bound of the length of a point's path in the frame of a rigid solid, relative to its chord. For a rotation
+/// by `θ` the ratio is `(θ/2)/sin(θ/2)`, which stays below this value up to 2.99 radians a step. For a general
+/// relative motion it is a bound to second order in `θ` only.
 const MAX_ARC_CHORD_RATIO: f64 = 1.5;
 
 impl<const D: usize> Sweep<'_, D> {
-    /// Upper bound, m, of the length of a point's path from `start` to `end` in the frame of a rigid solid.
+    /// Bound, m, of the length of a point's path from `start` to `end` in the frame of a rigid solid
+    /// ([`MAX_ARC_CHORD_RATIO`]).
     pub fn path_length_bound(&self, solid: usize, start: &Vector<D>, end: &Vector<D>) -> f64 {
         (self.to.to_reference(solid, end) - self.from.to_reference(solid, start)).norm() * MAX_ARC_CHORD_RATIO
     }

@@ -212,7 +212,8 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
     /// Response of the solids about the current velocities. The `solids` get these velocities; `dragged` faces are tied to them.
     ///
     /// # Errors
-    /// [`SolveError::NotPositiveDefinite`].
+    /// [`SolveError::NotPositiveDefinite`], also where the memory for the matrix or its factor does not
+    /// suffice.
     pub fn linearise(
         &mut self,
         solids: &mut [SolidState<D>],

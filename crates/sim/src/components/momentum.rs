@@ -1,10 +1,11 @@
 //! Momentum of the liquid's components, and its restoration.
 //!
-//! Advection and surface tension are accurate but not conservative. A component that touches nothing must keep its mean velocity
-//! (except for gravity) and its angular momentum: after each step a uniform velocity and a rigid rotation restore both. Rigid motions
-//! are divergence-free, so nothing else changes. Components that merge or split in a step form one [`RigidMotion`], whose angular
-//! momentum includes that of their orbits. A centre is that of the volume within the interface, which the volume correction keeps on
-//! its path; the centres of the faces (one per axis) jitter.
+//! Advection and surface tension are accurate but not conservative. A component that touches nothing must keep
+//! its mean velocity (except for gravity) and its angular momentum: after each step a uniform velocity and a
+//! rigid rotation restore both. Rigid motions are divergence-free, except in cells that a free solid cuts,
+//! where they leave a divergence. Components that merge or split in a step form one [`RigidMotion`], whose
+//! angular momentum includes that of their orbits. A centre is that of the volume within the interface, which
+//! the volume correction keeps on its path; the centres of the faces (one per axis) jitter.
 
 use super::group::ComponentGroup;
 use crate::components::group::RigidMotion;

@@ -1,16 +1,19 @@
 //! Forces of contact lines on solids.
 //!
-//! Normal to its surface a solid feels the tension of the free surface, `γ sin θ n` with the actual angle `θ`; along its
-//! surface it feels `γ cos θ_Y t` with Young's angle. The unbalanced tangential part accelerates the liquid. The tangential
-//! force on a plane wall adds up to zero, as the energy does not change when the liquid moves along it. In equilibrium both
-//! parts together are the tension of the free surface, `γ t_la`.
+//! Normal to its surface a solid feels the tension of the free surface, `γ sin θ n` with the actual angle `θ`;
+//! along its surface it feels `γ cos θ_c t` with the angle of the energy: Young's, or with hysteresis that of
+//! [`super::hysteresis`]. The unbalanced tangential part accelerates the liquid. The tangential force on a
+//! plane wall with one angle adds up to zero, as the energy does not change when the liquid moves along it. In
+//! equilibrium both parts together are the tension of the free surface, `γ t_la`.
 //!
-//! The dual cells give these forces to a percent or two. For a component of liquid that touches only solids the sum is
-//! known exactly: it balances the capillary impulse on the liquid. The difference normal to the solids is therefore
-//! distributed over the lines of the component, and liquid and solids together conserve momentum and angular momentum. The
-//! exception are lines on a deformable solid that all lie within [`MIN_RESOLVED_RADIUS_CELLS`] cells of one point: they
-//! carry no moment, and the repairs record what is left out. Along the solids the dual cells are right, and the liquid gets
-//! the difference; otherwise a drop that spreads on a tilted wall starts to glide along it.
+//! The dual cells give these forces to a percent or two. For a component of liquid that touches only solids the
+//! sum is known exactly: it balances the capillary impulse on the liquid. The difference normal to the solids
+//! is therefore distributed over the lines of the component, and liquid and solids together conserve momentum
+//! and angular momentum. The exception are lines on a deformable solid that all lie within
+//! [`MIN_RESOLVED_RADIUS_CELLS`] cells of one point: they carry no moment, and the repairs record what is left
+//! out. Along the solids the dual cells are right, and the liquid gets the difference; otherwise a drop that
+//! spreads on a tilted wall starts to glide along it. The liquid's share is dropped if the component is smaller
+//! than a ball of that radius (`coupling/solve.rs`).
 //!
 //! A deformable solid also feels the tension of its own surface ([`super::solid_tension`]), which balances the line force
 //! along the solid. The force of each piece of a line follows from the balance of the free surface around it

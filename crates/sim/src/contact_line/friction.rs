@@ -91,10 +91,10 @@ impl DraggedFace {
 
 /// Computes the faces that the contact lines drag during `impulse_time` (s), and sets the mobility of the interface faces.
 ///
-/// `bodies` are the solids with the velocities of the last step, or the prescribed ones: the lines drag towards these. The
-/// velocities in `state` are provisional and contain only some of the forces; with them drops on soft plates were stirred, and had
-/// angles too small by up to 6 degrees (`verify clamped_radiance-sag`). On a solid that accelerates by `a` they lag by `a h`
-/// behind the step's end.
+/// `bodies` are the solids with the velocities of the last step, or the prescribed ones: the lines drag towards
+/// these. The velocities in `state` are provisional and contain only some of the forces; with them drops on
+/// soft plates were stirred, and had angles too small by up to 6 degrees (`verify soft-sag`). On a solid that
+/// accelerates by `a` the velocities in `bodies` lag by `a h` behind the step's end.
 pub fn dragged_faces<const D: usize>(
     model: &Model<D>,
     (state, bodies): (&State<D>, &[SolidState<D>]),

@@ -53,9 +53,10 @@ pub fn wetted_tension_forces<const D: usize>(
     skins
 }
 
-/// The positive part of the stiffness of these forces, for the matrix of each solid ([`meniscus_elastic::Elastic::system`]): where
-/// wetting raises the tension, beyond 90 degrees. Elsewhere the stiffness is negative and left out. The wetted area is that before
-/// the liquid moves, since the matrices are factorised meanwhile; an added or omitted positive part leaves the step as stable.
+/// The positive part of the stiffness of these forces, for the potential of each solid
+/// ([`meniscus_elastic::IncrementalPotential::extra_stiffness`]): where wetting raises the tension, beyond 90
+/// degrees. Elsewhere the stiffness is negative and left out. The wetted area is that of the forces, after the
+/// liquid has moved.
 pub fn wetted_tension_stiffness<const D: usize>(
     model: &Model<D>,
     state: &State<D>,

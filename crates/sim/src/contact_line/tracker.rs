@@ -69,8 +69,9 @@ pub struct LinePoint<const D: usize> {
     /// Speed of the liquid across the line, along the solid and relative to it, m/s, positive where the line advances; half a
     /// step ahead, as the velocity is.
     pub speed: f64,
-    /// Force on the solid per length of the line, N/m (2D: per point, N/m): `γ sin θ n − γ cos θ_Y m`, with the solid's normal
-    /// `n`, its tangent `m` out of the liquid, and Young's angle `θ_Y`.
+    /// Force on the solid per length of the line, N/m (2D: per point, N/m): `γ sin θ n − γ cos θ_Y m`, with the
+    /// solid's normal `n`, its tangent `m` out of the liquid, and Young's angle `θ_Y`. The force in the step
+    /// has the angle of the energy in place of `θ_Y` (`force.rs`); with hysteresis the two differ.
     pub force: Vector<D>,
     /// Length of the line that the point represents, m (2D: 1).
     pub length: f64,

@@ -7,8 +7,9 @@
 //! positive semidefinite term `ρ F A⁻¹ Fᵀ`, so that light solids are as stable as heavy ones (C. Batty, F. Bertails, R. Bridson, "A fast
 //! variational framework for accurate solid-fluid coupling", SIGGRAPH 2007).
 //!
-//! In this system a surface feels the pressure at the centre of its cell, up to half a cell away. The gradient of a first solution gives
-//! the missing impulse on the solids ([`PressureCoupling::off_center_impulses`]), which acts before a second solve.
+//! In this system a surface feels the pressure at the centre of its cell, up to half a diagonal of the cell
+//! away. The gradient of a first solution gives the missing impulse on the solids
+//! ([`PressureCoupling::off_center_impulses`]), which acts before a second solve.
 
 use super::impulses::{CouplingImpulses, Impulse};
 use crate::collision::points::angular_to_node;

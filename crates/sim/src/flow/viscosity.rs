@@ -6,9 +6,10 @@
 //! cell for the diagonal terms, the box around an edge (2D: a node) for the shear. The traction at the free surface then vanishes by
 //! itself, and rigid motions are unchanged.
 //!
-//! The mass `m_f` of a face is that of the pressure solve (1 between liquid cells, otherwise the fraction θ of the way to the
-//! interface), so that this step and the projection are symmetric in the same inner product. Faces outside the liquid that a term needs
-//! are unknowns without mass, which follow the liquid.
+//! The mass `m_f` of a face is nearly that of the pressure solve (1 between liquid cells, otherwise the
+//! fraction θ of the way to the interface, here by linear interpolation of φ, there by a cubic root), so that
+//! this step and the projection are symmetric in nearly the same inner product. Faces outside the liquid that a
+//! term needs are unknowns without mass, which follow the liquid.
 //!
 //! Walls and solids are frictionless: edges on sides or in solids carry no shear, and faces on closed sides keep their velocity. In cut
 //! cells fractions and masses are those of the open part. Faces closed by solids have no mass and follow the liquid; as fixed values

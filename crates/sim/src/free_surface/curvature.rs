@@ -1,13 +1,15 @@
 //! Curvature of the free surface on the cells of the band.
 //!
-//! Differences of the signed distance ([`level_set::curvature`]) give it; near solids and kinks the energy gradient
-//! `(∂A/∂φ) / (∂V/∂φ)` ([`super::energy`]) replaces them. The energy gradient alone has ripples of the grid's period: a drop's
-//! frequency then varies by ±0.5 % with its position, and its damping by more than all the viscous damping of Lamb's case.
+//! Differences of the signed distance ([`level_set::curvature`]) give it; near solids and kinks the energy
+//! gradient `(∂E/∂φ) / (∂V/∂φ)` ([`super::energy`]) replaces them. The energy gradient alone has ripples of the
+//! grid's period: a drop's frequency then varies by ±0.5 % with its position, and its damping by more than all
+//! the viscous damping of Lamb's case.
 //!
-//! The implicit biharmonic filter `F = (W + s² L W⁻¹ L)⁻¹ W`, with the surface measure `W = ∂V/∂φ`, `s² = c/k_c⁴ + b Δ⁴` and
-//! `k_c = (4ρ/(γ h²))^⅓`, keeps capillary waves stable at steps `h` far beyond the explicit limit (`c`) and removes noise between
-//! neighbours (`b`). A band-pass term damps the waves in between, which the step does not resolve. `F` preserves constants: a drop
-//! at rest stays at rest.
+//! The implicit biharmonic filter `F = (W + s² L W⁻¹ L)⁻¹ W`, with the surface measure `W = −∂V/∂φ`,
+//! `s² = c/k_c⁴ + b Δ⁴` and `k_c = (4ρ/(γ h t))^⅓`, keeps capillary waves stable at steps `h` with the impulse
+//! time `t` far beyond the explicit limit (`c`) and removes noise between neighbours (`b`). A band-pass term
+//! damps the waves in between, which the step does not resolve. `F` preserves constants: a drop at rest stays
+//! at rest.
 
 use super::curvature_filter::{FilterResult, Graph};
 use super::dual_cell::DualCell;
@@ -17,17 +19,20 @@ use meniscus_numerics::grid::{Band, CutCells, Grid, Sampler};
 use meniscus_numerics::{Vector, level_set};
 use rayon::prelude::*;
 
-/// Strength `c` of the filter: stable from 0.4725 on, 2 measured best.
+/// Strength `c` of the filter. Long steps are stable from 0.4725 on with the filter alone, from 1.70 on with
+/// the band-pass damping (book/theory/free-surface.md). The value 2 measured best.
 const FILTER_STRENGTH: f64 = 2.0;
 /// Width `b` of the filter that always acts, in cells⁴. It slows a wave by `b k⁴/2`; below 0.3 noise tore a flying drop of 8
 /// cells a radius (with cubic distances; not tested with quintic ones).
 const BASE_FILTER_CELLS4: f64 = 0.5;
-/// Width of the band that is always damped, in cells⁴: 1 left a flying drop noisy, with 16 one that hits a wall blew up. A wave
-/// is damped by `ω²/2 · DAMPING_TIME · b k⁴` per unit of time.
+/// Width of the band that is always damped, in cells⁴: 1 left a flying drop noisy, with 16 one that hits a wall
+/// blew up. In steps shorter than [`DAMPING_TIME`] a wave with `b k⁴ ≪ 1` is damped by
+/// `ω²/2 · DAMPING_TIME · b k⁴` per unit of time.
 const DAMPING_FILTER_CELLS4: f64 = 4.0;
-/// Time scale of this damping, in √(ρΔ³/γ): shorter steps damp as much per time as a step of this length. Half of it still kept a
-/// flying drop round, a quarter with twice the width did not. It adds 2 % (2D) and 3 % (3D) to the viscous damping of Lamb's case
-/// (steps of half the explicit limit).
+/// Time scale of this damping, in √(ρΔ³/γ): where the impulse time is the length of the step, shorter steps
+/// damp about as much per time as a step of this length. Half of it still kept a flying drop round, a quarter
+/// with twice the width did not. It adds 2 % (2D) and 3 % (3D) to the viscous damping of Lamb's case (steps of
+/// half the explicit limit).
 const DAMPING_TIME: f64 = 1.0;
 /// Distance from solids, in cells, up to which the curvature is the energy gradient.
 const CURVATURE_BLEND_START_CELLS: f64 = 3.0;
@@ -55,7 +60,7 @@ impl Curvature {
 
 /// What the filter needs of the step, in cells.
 pub struct FilterStep<const D: usize> {
-    /// `γ h² / (ρ Δ³)`.
+    /// `γ h t / (ρ Δ³)` with the length `h` of the step and the impulse time `t`.
     pub capillary_cfl_squared: f64,
     /// Normal and displacement during the step at each cell of the band.
     pub displacements: Vec<InterfaceDisplacement<D>>,
@@ -283,8 +288,9 @@ fn binomial<const D: usize>(grid: &Grid<D>, band: &Band<D>, values: &[[f64; 2]],
     sum
 }
 
-/// Change of the curvature, in 1/cells, by the displacement times `stretch`: `n · L u`, which is zero for a translation.
-/// (`L (n · u)` is not: the grid noise of the Laplacian would grow with the speed.)
+/// Change of the curvature, in 1/cells, by the displacement times `stretch`, to the leading order in the
+/// wavenumber: `n · W⁻¹ L u`, which is zero for a translation. (`W⁻¹ L (n · u)` is not: the grid noise of the
+/// Laplacian would grow with the speed.)
 fn curvature_rate<const D: usize>(
     graph: &Graph,
     displacement: &[InterfaceDisplacement<D>],

@@ -5,11 +5,12 @@
 //! (Young), and `∂E/∂φ_c / ∂V/∂φ_c` is the curvature, that of the contact line included. Walls mirror: a cube that reaches beyond
 //! a wall counts half.
 //!
-//! Beside solids the energy includes gravity, `E = A − W cos θ + ∫ w·x dV` with `w = −ρ g/γ`. In equilibrium the ratio is then
-//! the same constant everywhere, however large a part of the surface a cell represents, and the curvature is the ratio minus
-//! `w·x`. Without gravity the surface within two cells of a wall got the curvature of a cell farther off, and a meniscus of 8
-//! cells a capillary length was 4 % too low. Limit: liquid in free fall with its solid has no hydrostatic pressure; the angle of
-//! a drop with Bo = 1 on a falling plate is wrong by half a degree (28 cells a radius).
+//! If the scene has any solid, the energy includes gravity everywhere, `E = A − W cos θ + ∫ w·x dV` with
+//! `w = −ρ g/γ`. In equilibrium the ratio is then the same constant everywhere, however large a part of the
+//! surface a cell represents, and the curvature is the ratio minus `w·x`. Without gravity the surface within
+//! two cells of a wall got the curvature of a cell farther off, and a meniscus of 8 cells a capillary length
+//! was 4 % too low. Limit: liquid in free fall with its solid has no hydrostatic pressure; the angle of a
+//! drop with Bo = 1 on a falling plate is wrong by half a degree (28 cells a radius).
 
 use super::dual_cell::{DualCell, SimplexSplit, away_from_zero};
 use meniscus_numerics::grid::{Band, CutCells, Grid, Lattice, Runs, par_lattice_points};

@@ -34,8 +34,10 @@ const MAX_EXPOSED_DEPTH_CELLS: f64 = 3.0;
 const SAMPLE_HEIGHT_CELLS: f64 = 1.0;
 /// Depth, in cells, under a side up to which its continuation counts: stencils reach no farther.
 const MAX_OPPOSITE_DEPTH_CELLS: f64 = 2.5;
-/// Bound of |φ| over the depth, in cells that take the opposite continuation. Between there and a clear cell on the nearest side,
-/// where |φ| is at least [`SAMPLE_HEIGHT_CELLS`] plus its height, the sign changes within the solid up to twice this ratio.
+/// Bound `b` of |φ| over the depth, in cells that take the opposite continuation. Between there and a clear
+/// cell at the height `s` (cells) on the nearest side, where |φ| is at least [`SAMPLE_HEIGHT_CELLS`] plus `s`,
+/// the sign changes within the solid if `b ≤ 1 + 1/s`. In 3D `s` is below `√3` less
+/// [`MIN_COVERED_DEPTH_CELLS`], so that up to 1.67 would do.
 const MAX_PHI_DEPTH_RATIO: f64 = 1.5;
 /// The same beside cells that are not clear: the sign changes half-way between two distances.
 const UNCLEAR_PHI_DEPTH_RATIO: f64 = 0.5;

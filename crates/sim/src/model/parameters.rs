@@ -61,7 +61,8 @@ pub struct Numerics {
     /// Distance, m, from the contact line on deformable solids over which its force is spread evenly (the paper's R). With 0
     /// the force acts at the line, and the lift of a thick solid depends on the mesh.
     pub line_radius: f64,
-    /// Least number of Newton iterations after the first in steps with deformable solids; each repeats the pressure solve.
+    /// Least number of Newton iterations after the first if any solid is free or deformable; each repeats the
+    /// pressure solve.
     pub newton_iterations: u32,
 }
 

@@ -6,7 +6,8 @@
 pub const MIN_RESOLVED_RADIUS_CELLS: f64 = 2.0;
 /// Largest |φ| stored, in cells: the half width of the narrow band.
 pub const BAND_WIDTH_CELLS: f64 = 5.0;
-/// Layers of the band: enough for [`BAND_WIDTH_CELLS`] if the interface is oblique to the axes.
+/// Layers of the band. They reach 5.7 cells in 2D, more than [`BAND_WIDTH_CELLS`], where the interface is
+/// normal to a diagonal of the grid; in 3D, normal to (1, 1, 1), only 4.6.
 pub const BAND_LAYERS: usize = 8;
 /// Error of |∇φ| at the interface above which φ is redistanced: the accuracy of the gradient.
 pub const GRADIENT_NORM_TOLERANCE: f64 = 0.1;

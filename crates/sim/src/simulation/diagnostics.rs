@@ -55,7 +55,8 @@ pub struct Diagnostics<const D: usize> {
 pub struct StepReport<const D: usize> {
     /// Step length, s.
     pub dt: f64,
-    /// Courant number: displacement of the fastest liquid or solid, in cells.
+    /// Courant number: `dt/Δ` times the larger of the liquid's largest velocity component and the speed of the
+    /// fastest solid, before the step.
     pub cfl: f64,
     /// The pressure solves: one for the forces, and a short one for viscosity and the second-order correction at the interface.
     pub solves: [SolveReport; 2],

@@ -29,11 +29,12 @@ pub struct LiquidRegion<'a, const D: usize> {
     pub velocity: Vector<D>,
 }
 
-/// Reason why a step failed. The state is as it was before the step.
+/// Reason why a step failed. The state is as it was before the step, except that the initial guess of the
+/// pressure is zero, and that φ at its bound within solids may have the sign of the failed step.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum StepError {
     /// The solve failed even with the shortest step tried.
-    #[error("time {time:.6e} s, step {dt:.3e} s: {source}")]
+    #[error("at time {time:.6e} s, in a time step of {dt:.3e} s: {source}")]
     SolveFailed {
         /// Time of the last good state, s.
         time: f64,
@@ -51,7 +52,7 @@ pub enum StepError {
         what: &'static str,
     },
     /// The step was halved too often.
-    #[error("at time {time:.6e} s even a step of {dt:.3e} s fails: {reason}")]
+    #[error("at time {time:.6e} s even a time step of {dt:.3e} s fails: {reason}")]
     TooShort {
         /// Time of the last good state, s.
         time: f64,
@@ -183,7 +184,7 @@ impl<const D: usize> Simulation<D> {
     /// that steps of equal length end at `max_dt`.
     ///
     /// # Errors
-    /// [`StepError`]; the state is then the one before the step.
+    /// [`StepError`], which tells how the state is then.
     pub fn step(&mut self, max_dt: f64, phase_end: PhaseEnd<'_>) -> Result<StepReport<D>, StepError> {
         by_dimension(self, (max_dt, phase_end), step_2, step_3)
     }
@@ -237,7 +238,8 @@ impl<const D: usize> Simulation<D> {
                             diagnostics: self.diagnostics(),
                         });
                     }
-                    let reason = format!("the liquid would go {displacement_cells:.1e} cells in a step");
+                    let reason =
+                        format!("the liquid would move by {displacement_cells:.1e} cells in one step");
                     match displacement_cells.is_finite() {
                         true if is_bounded => None,
                         true => Some(StepError::TooShort { time, dt, reason }),
@@ -275,7 +277,7 @@ impl<const D: usize> Simulation<D> {
         let dt_at_rest = stable_dt(&self.model, 0.0);
         let dt = stable_dt(&self.model, speed);
         if dt_at_rest.is_finite() && dt < MIN_DT_RATIO * dt_at_rest {
-            let reason = format!("{fastest} runs away, at {speed:.3e} m/s");
+            let reason = format!("the speed of {fastest} has diverged to {speed:.3e} m/s");
             return Err(StepError::TooShort { time: self.state.time, dt, reason });
         }
         Ok(dt)

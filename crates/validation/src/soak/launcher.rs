@@ -133,7 +133,7 @@ impl Launcher {
         (kind, words): (&str, String),
     ) -> Result<Outcome, String> {
         let scene = Scene::from_text("drawn.toml", text, Path::new(""), &LoadOptions::default());
-        let scene = scene.map_err(|e| format!("case {case}: {words}; its scene: {e}"))?;
+        let scene = scene.map_err(|e| format!("case {case}: {words}; error in its scene: {e}"))?;
         super::rerun::evidence::write_scene(&self.out, &scene.name, text).map_err(|e| e.to_string())?;
         let mut outcome = Outcome::at_start(&scene, case, Vec::new());
         outcome.violations.push(Violation::described(kind, 0, 0.0, words));
@@ -170,13 +170,13 @@ fn wait(child: &mut Child, most: f64) -> (&'static str, String) {
         match child.try_wait() {
             Ok(Some(status)) => return ("panic", format!("the process ended with {status}")),
             Ok(None) => {}
-            Err(error) => return ("panic", format!("the process is gone: {error}")),
+            Err(error) => return ("panic", format!("the state of the process is unknown: {error}")),
         }
         let seconds = cpu_time::of_process(child.id()).unwrap_or_else(|| start.elapsed().as_secs_f64());
         if seconds > most {
             let _ = child.kill();
             let _ = child.wait();
-            return ("hang", format!("killed after {seconds:.0} s before its first step or after its last"));
+            return ("hang", format!("killed after {seconds:.0} s, before the first step or after the last"));
         }
         std::thread::sleep(POLL_INTERVAL);
     }

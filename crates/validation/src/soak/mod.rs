@@ -164,7 +164,7 @@ impl EnergyLaw {
             .map(|(name, change)| format!("{name} {change:+.2e}"))
             .collect();
         format!(
-            "in {} of {} steps, by {:.2e} together; the largest: {}",
+            "rises in {} of {} steps, {:.2e} in total; the largest rise: {}",
             self.rises,
             self.steps,
             self.sum,

@@ -26,7 +26,7 @@ pub fn line(outcome: &Outcome) -> String {
     for v in &outcome.violations {
         let _ = writeln!(
             out,
-            "    {} at step {}, {:.4e} s: {:.4e}, bar {:.4e} ({}); worst {:.4e}",
+            "    {} at step {}, {:.4e} s: {:.4e}, limit {:.4e} ({}); worst {:.4e}",
             v.kind, v.step, v.time, v.value, v.bar, v.words, v.worst
         );
     }

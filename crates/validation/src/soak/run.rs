@@ -120,7 +120,7 @@ fn guard<const D: usize>(record: &Mutex<Record<D>>, case: &Case, hung: fn(&Outco
             continue;
         };
         if seconds > HANG_CPU_SECONDS {
-            record.add("hang", (seconds, HANG_CPU_SECONDS), "s of processor time in a step".into());
+            record.add("hang", (seconds, HANG_CPU_SECONDS), "s of processor time in one step".into());
             let saved = record.save(case);
             saved.err().into_iter().for_each(|error| record.outcome.cut = Some(error));
             record.outcome.seconds = cpu_time::of_this_process();
@@ -307,7 +307,11 @@ impl<const D: usize> Worker<D> {
         let estimate = check(&self.case.scene, 1).memory_bytes;
         let bar = MEMORY_LIMITS.0 * estimate + MEMORY_LIMITS.1;
         if let Some(bytes) = record.outcome.memory.map(|m| m as f64).filter(|bytes| *bytes > bar) {
-            record.add("memory", (bytes, bar), format!("bytes, where check tells {estimate:.3e}"));
+            record.add(
+                "memory",
+                (bytes, bar),
+                format!("bytes; estimate of `meniscus check`: {estimate:.3e}"),
+            );
         }
     }
 }

@@ -125,8 +125,11 @@ pub fn measure(dir: &Path, options: &MeasureOptions) -> Result<Measurement> {
     let folder = RunFolder::open(dir)?;
     let Some(dx) = folder.dx else {
         let summary = dir.join("summary.json");
-        let what =
-            if summary.is_file() { "it tells no cell width `dx`" } else { "there is none: is this a run?" };
+        let what = if summary.is_file() {
+            "the cell width `dx` is missing"
+        } else {
+            "the file does not exist: is this the output folder of a run?"
+        };
         return Err(ViewError::content(&summary, what));
     };
     let frame = frame_at(&folder, options.at)?;

@@ -192,7 +192,7 @@ impl DeformedSurface {
             held: self.anchored.contains(&true),
             tip: tip.map(|tip| tip.0.into()),
             tip_displacement: tip.map(|tip| tip.1.into()),
-            tip_reason: tip.is_none().then_some("it has not moved yet, so what is held is not known"),
+            tip_reason: tip.is_none().then_some("the solid has not moved yet, so its held part is unknown"),
             wetted: phi.and_then(|phi| self.wetted(phi)),
             strip: midline::midline(self),
             ridge_reason: ridge.as_ref().err().copied(),
@@ -271,7 +271,7 @@ impl DeformedSurface {
         // The profile is resolved to half a step.
         if crest.abs() > PROFILE_STEP_CELLS * dx || last[0] <= 0.0 {
             return Err(
-                "the surface is not highest along the contact line: the solid is bent, or nothing lifts it there",
+                "the surface is not highest along the contact line: the solid is bent, or has no ridge there",
             );
         }
         Ok(Ridge { height: at_line - 0.5 * (first[1] + last[1]), profile })

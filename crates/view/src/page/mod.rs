@@ -234,7 +234,7 @@ fn insert_data(payload: &Payload, path: &Path) -> Result<String> {
     let json = serde_json::to_string(payload).map_err(|e| ViewError::content(path, e.to_string()))?;
     let (before, after) = BUNDLE
         .split_once(DATA_PLACEHOLDER)
-        .ok_or_else(|| ViewError::content(path, "the built-in page has no place for data"))?;
+        .ok_or_else(|| ViewError::content(path, "the built-in page has no placeholder for the data"))?;
     // Title of the browser tab before any script runs.
     let name: String = payload.name.chars().filter(|c| !"<>&".contains(*c)).collect();
     let before = before.replacen(TITLE, &format!("<title>{name} – Meniscus</title>"), 1);

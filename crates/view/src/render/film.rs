@@ -17,16 +17,16 @@ pub(crate) fn make(to: &Path, images: &[PathBuf], rate: u32) -> Result<PathBuf, 
     command.args(["-c:v", "libx264", "-crf", "17", "-movflags", "+faststart"]).arg(&film);
     let started = command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
     let mut child = started.map_err(|e| match e.kind() {
-        ErrorKind::NotFound => "ffmpeg is not on the path".to_string(),
-        _ => format!("ffmpeg does not start: {e}"),
+        ErrorKind::NotFound => "ffmpeg was not found (PATH)".to_string(),
+        _ => format!("ffmpeg cannot be started: {e}"),
     })?;
     let fed = child.stdin.take().map(|mut pipe| feed(&mut pipe, images));
     let output = child.wait_with_output().map_err(|e| format!("ffmpeg: {e}"))?;
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr);
-        return Err(format!("ffmpeg failed: {}", said.lines().last().unwrap_or("it gave no reason")));
+        return Err(format!("ffmpeg failed: {}", said.lines().last().unwrap_or("no message")));
     }
-    fed.unwrap_or(Ok(())).map_err(|e| format!("ffmpeg took no pictures: {e}"))?;
+    fed.unwrap_or(Ok(())).map_err(|e| format!("the pictures cannot be passed to ffmpeg: {e}"))?;
     Ok(film)
 }
 

@@ -26,7 +26,7 @@ impl ColorMapping {
         }
         let [range] = scalar_ranges(folder, [shade])?;
         let nothing = || {
-            let what = format!("no solid in its frames has values of `{}`", shade.name());
+            let what = format!("no solid in the frames has values of `{}`", shade.name());
             ViewError::content(&folder.dir, what)
         };
         Ok(Some(Self { shade, range: range.ok_or_else(nothing)? }))

@@ -53,14 +53,11 @@ impl Renderer {
                 (folder.frame_numbers[0], folder.frame_numbers[folder.frame_numbers.len() - 1]);
             return Err(ViewError::content(
                 dir,
-                format!("none of its frames {first} to {last} is asked for"),
+                format!("the requested frames do not exist: the run has frames {first} to {last}"),
             ));
         }
         if folder.dimension == 2 && options.camera.is_some() {
-            return Err(ViewError::content(
-                dir,
-                "this run is in 2D: it is shown flat, and a camera is for 3D",
-            ));
+            return Err(ViewError::content(dir, "this run is 2D, but a camera is for 3D runs only"));
         }
         let mode = if folder.dimension == 2 {
             let (seen, _) = setup::visible_bounds(&folder)?;
@@ -72,7 +69,7 @@ impl Renderer {
         if filled_share <= 0.0 && options.camera.is_some() {
             return Err(ViewError::content(
                 dir,
-                "the pictures would be empty: nothing of the run lies before this camera",
+                "the pictures would be empty: neither liquid nor solids are in the view of this camera",
             ));
         }
         let shading = ColorMapping::of(&folder, options.shade)?;
@@ -162,7 +159,10 @@ pub fn render(dir: &Path, options: &RenderOptions, mut done: impl FnMut(usize, u
     std::fs::create_dir_all(&to).map_err(ViewError::io(&to))?;
     let old = stale_images(&to, renderer.numbers())?;
     if options.to.is_some() && !old.is_empty() {
-        let what = format!("it has {} pictures or films that this call would not write", old.len());
+        let what = format!(
+            "the folder contains {} pictures or films that this call would not overwrite: remove them, or choose another folder",
+            old.len()
+        );
         return Err(ViewError::content(&to, what));
     }
     old.iter().try_for_each(|path| std::fs::remove_file(path).map_err(ViewError::io(path)))?;

@@ -304,7 +304,10 @@ fn folders_that_hold_no_run_are_refused() {
     let place = folder("no-summary", 2, &[("liquid", &arc(0.01, 0.016, 0.016, 0.0))]);
     std::fs::remove_file(place.0.join("summary.json")).unwrap();
     let error = measure(&place.0, &MeasureOptions::default()).unwrap_err().to_string();
-    assert!(error.contains("summary.json") && error.contains("is this a run?"), "{error}");
+    assert!(
+        error.contains("summary.json") && error.contains("is this the output folder of a run?"),
+        "{error}"
+    );
     std::fs::remove_file(place.0.join("frames/liquid_0000.ply")).unwrap();
     assert!(
         measure(&place.0, &MeasureOptions::default()).unwrap_err().to_string().contains("liquid_NNNN.ply")

@@ -61,7 +61,7 @@ fn files_are_written_for_the_wanted_frames() {
     assert_eq!((reader.info().width, reader.info().height), (96, 64));
     let shaded = RenderOptions { shade: ColorBy::Strain, ..small() };
     let missing = render(&dir, &shaded, |_, _| ()).unwrap_err().to_string();
-    assert!(missing.contains("no solid in its frames has values of `strain`"), "{missing}");
+    assert!(missing.contains("no solid in the frames has values of `strain`"), "{missing}");
     let none = RenderOptions { frames: Some(70..=80), ..small() };
     assert!(render(&dir, &none, |_, _| ()).is_err());
     std::fs::remove_dir_all(dir).unwrap();
@@ -85,7 +85,7 @@ fn pictures_of_an_earlier_call_do_not_stay() {
     assert_eq!(left("render"), ["frame_0000.png", "frame_0003.png", "mine.png"]);
     // A folder that was asked for may hold what is not ours: nothing is removed from it.
     let other = RenderOptions { frames: Some(1..=1), to: Some(dir.join("render")), ..small() };
-    assert!(render(&dir, &other, |_, _| ()).unwrap_err().to_string().contains("would not write"));
+    assert!(render(&dir, &other, |_, _| ()).unwrap_err().to_string().contains("would not overwrite"));
     assert_eq!(left("render").len(), 3);
     std::fs::remove_dir_all(dir).unwrap();
 }

@@ -4,63 +4,68 @@ use crate::file::{Angle, Frequency, Length, RepairsFile, Speed, Time};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `[expect]`. Every key that is given is checked.
+/// `[expect]`: expected results. Every key that is given is checked at the end of the run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExpectFile {
-    /// Worst relative change of the liquid's volume.
+    /// Largest volume error of the run: differences between measured and target volumes, summed over the
+    /// components, over the volume of the liquid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub volume_drift: Option<MaxFile>,
-    /// Relative error of momentum.
+    /// Largest momentum error of the run: momentum that does not come from gravity, over that of all the liquid
+    /// at its largest root mean square speed. It is not defined, and the check fails, where solids are fixed,
+    /// kinematic or anchored.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub momentum_error: Option<MaxFile>,
-    /// Growth of the total energy over its start, relative to the largest kind of energy there.
+    /// Largest growth of the total energy since the start, over the largest of the kinetic, surface, elastic
+    /// and potential energy at the start. Energy that left through open sides is included.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy_growth: Option<MaxFile>,
-    /// Largest repairs of the run that are accepted.
+    /// Largest accepted repairs of the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repairs: Option<RepairsFile>,
-    /// Largest speed at the end.
+    /// Largest velocity component of the liquid at the end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_speed: Option<MaxSpeedFile>,
-    /// Period of the oscillation.
+    /// Period of an oscillation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub period: Option<PeriodFile>,
-    /// Frequency of the oscillation; instead of `period`.
+    /// Frequency of an oscillation; given instead of `period`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frequency: Option<FrequencyFile>,
-    /// Contact angle on solids at the end.
+    /// Mean contact angle on solids at the end.
     #[serde(default, skip_serializing_if = "Vec::is_empty", with = "one_or_many")]
     #[schemars(with = "crate::file::Either<ContactAngleFile, Vec<ContactAngleFile>>")]
     pub contact_angle: Vec<ContactAngleFile>,
-    /// Connected components of the liquid at the end.
+    /// Number of drops, that is connected components of the liquid, at the end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drops: Option<DropsFile>,
-    /// How far the liquid reaches at the end.
+    /// Extent of the liquid towards sides of the domain at the end.
     #[serde(default, skip_serializing_if = "Vec::is_empty", with = "one_or_many")]
     #[schemars(with = "crate::file::Either<ReachFile, Vec<ReachFile>>")]
     pub reach: Vec<ReachFile>,
-    /// Solids that the liquid carries at the end: wetted in part, and nothing else holds them up.
+    /// Solids that float at the end: partly wetted, by less than 98 % of their surface, and carried by the
+    /// liquid alone.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub floats: Vec<String>,
-    /// Solids that are wholly under the liquid's surface at the end.
+    /// Solids that are submerged at the end: at least 98 % of their surface is wetted.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sinks: Vec<String>,
-    /// How much of solids is wetted at the end.
+    /// Wetted fraction of solids at the end.
     #[serde(default, skip_serializing_if = "Vec::is_empty", with = "one_or_many")]
     #[schemars(with = "crate::file::Either<WettedFile, Vec<WettedFile>>")]
     pub wetted: Vec<WettedFile>,
-    /// Where solids are at the end.
+    /// Position of solids at the end.
     #[serde(default, skip_serializing_if = "Vec::is_empty", with = "one_or_many")]
     #[schemars(with = "crate::file::Either<PositionFile, Vec<PositionFile>>")]
     pub position: Vec<PositionFile>,
-    /// How far solids that deform are bent at the end.
+    /// Deflection of deformable solids at the end.
     #[serde(default, skip_serializing_if = "Vec::is_empty", with = "one_or_many")]
     #[schemars(with = "crate::file::Either<DeflectionFile, Vec<DeflectionFile>>")]
     pub deflection: Vec<DeflectionFile>,
 }
 
-/// An upper bound of a pure number.
+/// An upper bound, 0 or more.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaxFile {
@@ -68,7 +73,7 @@ pub struct MaxFile {
     pub max: f64,
 }
 
-/// An upper bound of a speed.
+/// An upper bound of a speed, 0 or more.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaxSpeedFile {
@@ -76,102 +81,104 @@ pub struct MaxSpeedFile {
     pub max: Speed,
 }
 
-/// A period. It is measured from the kinetic energy, which peaks twice in each.
+/// A period, measured from the maxima of the kinetic energy, of which each period has two.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PeriodFile {
-    /// Mode number, for the record.
+    /// Mode number, for information only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mode: Option<u32>,
-    /// Expected period.
+    /// Expected period, above 0.
     pub value: Time,
-    /// Accepted relative deviation.
+    /// Accepted relative deviation, above 0.
     pub tolerance: f64,
 }
 
-/// A frequency, measured like a period.
+/// A frequency, measured as the inverse of a period.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FrequencyFile {
-    /// Mode number, for the record.
+    /// Mode number, for information only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mode: Option<u32>,
-    /// Expected frequency.
+    /// Expected frequency, above 0.
     pub value: Frequency,
-    /// Accepted relative deviation.
+    /// Accepted relative deviation, above 0.
     pub tolerance: f64,
 }
 
-/// A contact angle.
+/// An expected contact angle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactAngleFile {
-    /// Name of the solid; `walls` for the closed sides of the domain, if no solid is called so.
+    /// Name of the solid, or `walls` for the closed sides of the domain if no solid has this name.
     pub solid: String,
-    /// Expected angle; without it Young's, which follows from the tensions.
+    /// Expected angle, 0 to 180 degrees; Young's angle by default. Required where the angle varies over the
+    /// solid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value: Option<Angle>,
-    /// Accepted deviation.
+    /// Accepted deviation, above 0.
     pub tolerance: Angle,
 }
 
-/// A number of drops: `count`, or bounds.
+/// An expected number of drops: `count`, or `min`, `max` or both.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DropsFile {
-    /// Exactly so many.
+    /// Exact number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub count: Option<u32>,
-    /// At least so many.
+    /// Smallest accepted number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub min: Option<u32>,
-    /// At most so many.
+    /// Largest accepted number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max: Option<u32>,
 }
 
-/// How far the liquid reaches towards a side of the domain.
+/// An expected extent of the liquid towards a side of the domain.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReachFile {
-    /// Towards which side.
+    /// Side of the domain.
     pub side: Side,
-    /// Expected coordinate along that side's axis.
+    /// Expected coordinate of the liquid's outermost point towards this side, along the axis of the side.
     pub value: Length,
-    /// Accepted deviation.
+    /// Accepted deviation, above 0.
     pub tolerance: Length,
 }
 
-/// The wetted share of a solid's surface, 0 to 1: one bound, or both.
+/// An expected wetted fraction of a solid's surface, 0 to 1: `min`, `max` or both.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WettedFile {
     /// Name of the solid.
     pub solid: String,
-    /// At least so much.
+    /// Smallest accepted fraction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub min: Option<f64>,
-    /// At most so much.
+    /// Largest accepted fraction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max: Option<f64>,
 }
 
-/// The largest way of a part of a solid that deforms from where it started (of one that moves freely, from where it would be
-/// had it moved as a rigid one; of one whose held parts go as told, from where they would have carried it): one bound, or both.
+/// An expected deflection of a deformable solid: `min`, `max` or both. The deflection is the largest
+/// displacement of a point of the solid from its place at the start, less the rigid motion of the anchored
+/// parts, or of the whole solid if it has none.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeflectionFile {
     /// Name of the solid.
     pub solid: String,
-    /// At least so far.
+    /// Smallest accepted deflection, 0 or more.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub min: Option<Length>,
-    /// At most so far.
+    /// Largest accepted deflection, 0 or more.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max: Option<Length>,
 }
 
-/// Where a solid's centre of mass is.
+/// An expected centre of mass of a solid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PositionFile {
@@ -179,9 +186,10 @@ pub struct PositionFile {
     pub solid: String,
     /// Expected centre of mass.
     pub value: Vec<Length>,
-    /// Accepted distance from it.
+    /// Accepted distance from it, above 0.
     pub tolerance: Length,
-    /// Only the distance along this direction counts (pure numbers), where nothing holds the solid in others.
+    /// Direction along which alone the distance is measured, for a solid that is free to move in others: pure
+    /// numbers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub along: Option<Vec<f64>>,
 }
@@ -190,13 +198,13 @@ pub struct PositionFile {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
-    /// Lower x.
+    /// Lower end of x.
     Left,
-    /// Upper x.
+    /// Upper end of x.
     Right,
-    /// Lower y (3D).
+    /// Lower end of y (3D only).
     Front,
-    /// Upper y (3D).
+    /// Upper end of y (3D only).
     Back,
     /// Lower end of the last axis.
     Bottom,

@@ -157,7 +157,7 @@ impl JsonSchema for Length {
     }
 }
 
-/// Metres per unit of a mesh file: a pure number, or the length of one unit (`"1 mm"`).
+/// Length of one unit of a mesh file: a pure number of metres, or text with a unit (`"1 mm"`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshScale(pub f64);
 
@@ -176,7 +176,7 @@ impl<'de> Deserialize<'de> for MeshScale {
             fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<MeshScale, E> {
                 let p = UnitVisitor(Dimension::Length).visit_str(text)?;
                 if p.in_cells {
-                    return Err(E::custom("the unit of a mesh file cannot be counted in cells"));
+                    return Err(E::custom("the unit of a mesh file cannot be given in cells (dx)"));
                 }
                 Ok(MeshScale(p.value))
             }
@@ -206,7 +206,7 @@ impl JsonSchema for MeshScale {
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         json_schema!({
-            "description": "Metres per unit of the mesh file, or the length of one unit.",
+            "description": "Length of one unit of a mesh file: a pure number of metres, or text with a unit.",
             "type": ["number", "string"],
         })
     }
@@ -333,9 +333,9 @@ impl<T: JsonSchema> JsonSchema for Named<T> {
 /// `[tension]`: `liquid_air` and one key per solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TensionFile {
-    /// Tension of the liquid–air interface, N/m.
+    /// Surface tension of the liquid, N/m.
     pub liquid_air: Tension,
-    /// What each solid has, by name.
+    /// Wetting of the solids, by name.
     pub solids: Vec<(String, crate::file::SolidTensionFile)>,
 }
 
@@ -385,11 +385,16 @@ impl JsonSchema for TensionFile {
     }
 
     fn json_schema(g: &mut SchemaGenerator) -> Schema {
+        let mut liquid_air = g.subschema_for::<Tension>();
+        liquid_air.insert("description".into(), "Surface tension of the liquid, above 0.".into());
+        let mut solid = g.subschema_for::<crate::file::SolidTensionFile>();
+        solid.insert("description".into(), "Wetting of a solid; contact angle 90 degrees by default.".into());
         json_schema!({
+            "description": "`[tension]`: surface tension of the liquid, and wetting of the solids.",
             "type": "object",
-            "properties": { "liquid_air": g.subschema_for::<Tension>() },
+            "properties": { "liquid_air": liquid_air },
             "required": ["liquid_air"],
-            "additionalProperties": g.subschema_for::<crate::file::SolidTensionFile>(),
+            "additionalProperties": solid,
         })
     }
 }

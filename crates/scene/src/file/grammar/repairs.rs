@@ -6,9 +6,10 @@ use serde::{Deserialize, Serialize};
 /// Makes the table and its list of bounds from one list of entries.
 macro_rules! bounds {
     ($($(#[$doc:meta])* $name:ident,)*) => {
-        /// Largest repairs of a run that are accepted, as named in `repairs` of `summary.json`. Counts are plain numbers, volumes are
-        /// relative to the liquid's volume at the start, momenta to that of all the liquid at the largest root mean square speed of
-        /// the run, angular momenta to that times the size of a cube of the start volume, lengths are in cells.
+        /// Largest accepted repairs of a run, named as in `repairs` of `summary.json`. Counts are plain
+        /// numbers. Volumes are relative to the volume of the liquid at the start, momenta to that of all the
+        /// liquid at its largest root mean square speed of the run, angular momenta to this momentum times the
+        /// edge of a cube of the start volume. Lengths are in cells.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields)]
         pub struct RepairsFile {
@@ -31,79 +32,84 @@ macro_rules! bounds {
 }
 
 bounds! {
-    /// Volume of the liquid that was deleted: components within solids, or that had come through one.
+    /// Volume of deleted liquid: components that lay entirely within solids or had leaked through one.
     deleted_volume,
-    /// The part of it that had come through a solid.
+    /// The part of `deleted_volume` that had leaked through a solid.
     leaked_volume,
-    /// Liquid cells that were deleted with it.
+    /// Number of liquid cells that were deleted with `deleted_volume`.
     deleted_cells,
-    /// Volume that was moved to keep every component's volume, summed over components and steps.
+    /// Volume that was moved to restore the volume of every component, summed over components and steps.
     volume_shift,
-    /// The same with its sign; its size counts.
+    /// Volume that was moved to restore the volume of every component, summed with its sign: positive where
+    /// liquid was added. The bound is for its absolute value.
     volume_shift_net,
     /// The largest `volume_shift` of a step, over the volume of the liquid.
     volume_shift_largest,
-    /// Largest distance, in cells, by which a component's centre of mass was put back onto its path.
+    /// Largest distance, in cells, by which the centre of mass of a component was moved back onto its predicted
+    /// path.
     center_shift,
-    /// Volume of components that left no cell behind.
+    /// Volume of components that left no cell behind; the nearest component inherits it.
     vanished_volume,
-    /// Their momentum.
+    /// Momentum of the components of `vanished_volume`.
     vanished_momentum,
-    /// Volume of components that appeared where no liquid was.
+    /// Volume of components that appeared where no liquid was; they take it from the nearest component.
     appeared_volume,
-    /// Their momentum.
+    /// Momentum of the components of `appeared_volume`.
     appeared_momentum,
-    /// Momentum that was restored to liquid that no held solid or side touches.
+    /// Momentum that was restored to liquid that touches no constrained solid and no side.
     momentum_restored,
-    /// Angular momentum that was restored to it.
+    /// Angular momentum that was restored to liquid that touches no constrained solid and no side.
     spin_restored,
-    /// Momentum that was restored, once it was carried along, to liquid that solids hold.
+    /// Momentum that was restored after advection to liquid that touches constrained solids.
     carried_momentum_restored,
-    /// Angular momentum that was restored to it.
+    /// Angular momentum that was restored after advection to liquid that touches constrained solids.
     carried_spin_restored,
-    /// Moment of the liquid's surface that contact lines too close together did not give to solids that deform.
+    /// Moment of surface tension that deformable solids did not receive because their contact lines are too
+    /// close together.
     line_moment_lost,
-    /// Cells of the surface whose curvature was cut down to the largest that the grid knows.
+    /// Cells at the free surface whose curvature was reduced to the largest one allowed, 2 per cell.
     clamped_curvatures,
-    /// Faces at the surface whose curvature was unknown.
+    /// Faces at the free surface whose curvature is not known on either side: no surface tension acts there.
     unknown_curvatures,
-    /// Solves of the curvature's filter that did not converge.
+    /// Solves of the curvature filter that did not converge.
     filter_unconverged,
-    /// Largest relative residual that such a solve ended with.
+    /// Largest relative residual of a solve of the curvature filter that did not converge.
     filter_residual,
-    /// Steps in which Newton's iterations for the volumes did not converge.
+    /// Steps in which Newton's iteration for the volumes of the components did not converge.
     volume_unconverged,
-    /// Largest volume error that they left, over the volume of the liquid.
+    /// Largest volume error that remained in a step of `volume_unconverged`, over the volume of the liquid.
     volume_residual,
-    /// Newton's iterations of solids for which only the positive part of the second derivatives could be used.
+    /// Newton iterations of solids with an indefinite Hessian, which was replaced by its positive part.
     indefinite_iterations,
-    /// Largest share of the liquid's weight that the filter of the curvature beside solids leaves out.
+    /// Largest share of the liquid's weight that the energy beside solids leaves out.
     weight_left_out,
-    /// Rounds of impacts whose Gauss-Seidel iterations ended at the largest number of sweeps.
+    /// Rounds of impacts whose Gauss-Seidel iteration did not converge within the largest number of sweeps.
     contact_sweeps,
-    /// Steps in which rigid solids still hit one another after the largest number of rounds.
+    /// Steps in which rigid solids still collided after the largest number of rounds of impacts.
     contact_rounds,
-    /// Rounds of impacts that did not bounce, as that would have made energy.
+    /// Rounds of impacts without restitution, because with it they would have created energy.
     stopped_bounces,
-    /// Elements below three tenths of their volume, which an extra energy keeps upright, summed over the steps.
+    /// Elements with less than three tenths of their rest volume, where the inversion barrier acts, summed over
+    /// the steps.
     crushed_elements,
-    /// Free solids without an inverse of their inertia, summed over the steps.
+    /// Free solids with a singular inertia matrix, summed over the steps.
     singular_inertia,
-    /// Bodies of liquid between solids whose momentum was not restored, summed over the steps.
+    /// Groups of components between solids whose momentum was not restored, summed over the steps.
     unrestored,
-    /// Times that a liquid cell had no component.
+    /// Look-ups of the component of a liquid cell that has none.
     unlabelled,
-    /// Faces within solids that found no solid to slip along.
+    /// Faces within solids for which no solid was found to slip along: their velocity is zero.
     slip_unknown,
-    /// Steps whose forces acted for another time than the scheme asks for.
+    /// Steps whose impulse time was bounded because the step had changed by too much.
     limited_kicks,
-    /// Steps that were accepted although volume or energy changed by more than is credible.
+    /// Steps that were accepted although volume or energy changed by more than the bounds.
     doubtful_steps,
-    /// Steps that were done again with half the length.
+    /// Steps that were undone and repeated with half the length.
     redone,
-    /// Those of them in which a solve failed or the liquid ran away.
+    /// Steps of `redone` in which a solve failed or the velocity became too large.
     failed_tries,
-    /// Iterations of all kinds that ended before they converged.
+    /// Iterations that ended before they converged: the sum of `filter_unconverged`, `volume_unconverged`,
+    /// `contact_sweeps` and `contact_rounds`.
     unconverged,
 }
 

@@ -12,104 +12,106 @@ use serde::{Deserialize, Serialize};
 pub struct SceneFile {
     /// Version of the grammar: 1.
     pub format: u32,
-    /// Name of the scene and of its output folder: letters, digits, `-`, `_`, `.`.
+    /// Name of the scene and of its output folder: letters, digits, `-`, `_` and `.`, at most 100, not starting
+    /// with `.`.
     pub name: String,
-    /// Where the scene comes from, such as a figure of the paper.
+    /// Source of the scene, such as a figure of the paper.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub based_on: Option<String>,
-    /// What it shows, in a line or two.
+    /// Description of the scene in one or two lines.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
-    /// What it takes to run, in words.
+    /// Approximate cost of a run, as free text.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cost: Option<String>,
-    /// The box that is simulated.
+    /// The simulated box and its grid.
     pub domain: DomainFile,
-    /// The liquid.
+    /// The liquid and its state at the start.
     pub liquid: LiquidFile,
     /// The solids.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub solid: Vec<SolidFile>,
-    /// The tensions of the interfaces.
+    /// Surface tension of the liquid, and tensions or contact angles of the solids.
     pub tension: TensionFile,
-    /// The contact line.
+    /// Properties of the contact line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_line: Option<ContactLineFile>,
-    /// Choices of the discretisation.
+    /// Parameters of the discretisation.
     #[serde(default)]
     pub numerics: NumericsFile,
-    /// How long, how often, in which formats.
+    /// Duration of the run, and the files that it writes.
     pub output: OutputFile,
-    /// What is checked at the end.
+    /// Expected results, checked at the end of the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub expect: Option<ExpectFile>,
 }
 
-/// `[domain]`.
+/// `[domain]`: the simulated box and its grid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DomainFile {
-    /// 2 or 3; the last axis is up, the lower corner is the origin.
+    /// Number of dimensions, 2 or 3. The last axis points up; the lower corner of the domain is the origin.
     pub dimension: u32,
-    /// Size along each axis.
+    /// Length along each axis, above 0. It is rounded to a whole number of cells.
     pub size: Vec<Length>,
-    /// Cells along the longest side; instead of `dx`.
+    /// Number of cells along the longest side, 4 to 16384; given instead of `dx`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub resolution: Option<u32>,
-    /// Size of a cell; instead of `resolution`.
+    /// Cell size, above 0; given instead of `resolution`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dx: Option<Length>,
-    /// Cells along the longest side for `--quality draft` and `--quality paper`.
+    /// Number of cells along the longest side for `--quality draft` and `--quality paper`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quality: Option<QualityFile>,
-    /// What each side is.
+    /// Type of each side of the domain.
     #[serde(default)]
     pub walls: WallsFile,
-    /// Angle at which the liquid meets the closed sides, through the liquid. At 90 degrees, as without this key, they are
-    /// mirrors: no contact line is seen on them, and it has neither friction nor hysteresis.
+    /// Contact angle at the closed sides, through the liquid: 0 to 180 degrees, 90 degrees by default. At 90
+    /// degrees the closed sides are planes of symmetry: no contact line is written on them, and contact-line
+    /// friction and hysteresis do not act there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wall_contact_angle: Option<Angle>,
 }
 
-/// Cells along the longest side for other qualities than `normal`.
+/// Number of cells along the longest side for qualities other than `normal`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct QualityFile {
-    /// For `--quality draft`; without it half of the scene's.
+    /// For `--quality draft`; half of the scene's resolution by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub draft: Option<u32>,
-    /// For `--quality paper`.
+    /// For `--quality paper`, which the scene does not have without this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paper: Option<u32>,
 }
 
-/// What a side of the domain is.
+/// Type of a side of the domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Wall {
-    /// Impermeable, without friction.
+    /// Closed side: impermeable, without friction.
     Slip,
-    /// Air: liquid that passes the side leaves; none comes in.
+    /// Open side: beyond it is air. Liquid leaves through it, and none enters.
     Open,
 }
 
-/// `walls`: `all`, and any side that differs.
+/// `walls`: types of the sides of the domain.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WallsFile {
-    /// Every side that is not named; slip without it.
+    /// Type of all sides that are not named; `slip` by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub all: Option<Wall>,
-    /// Lower x.
+    /// Lower end of x.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub left: Option<Wall>,
-    /// Upper x.
+    /// Upper end of x.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub right: Option<Wall>,
-    /// Lower y (3D).
+    /// Lower end of y (3D only).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub front: Option<Wall>,
-    /// Upper y (3D).
+    /// Upper end of y (3D only).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub back: Option<Wall>,
     /// Lower end of the last axis.
@@ -120,115 +122,121 @@ pub struct WallsFile {
     pub top: Option<Wall>,
 }
 
-/// `[liquid]`.
+/// `[liquid]`: properties of the liquid, gravity, and the bodies of liquid at the start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LiquidFile {
-    /// Density.
+    /// Density, above 0.
     pub density: Density,
-    /// Kinematic viscosity; or `dynamic_viscosity`.
+    /// Kinematic viscosity, 0 or more. Either this key or `dynamic_viscosity` is required.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kinematic_viscosity: Option<KinematicViscosity>,
-    /// Dynamic viscosity, instead of `kinematic_viscosity`.
+    /// Dynamic viscosity, 0 or more; given instead of `kinematic_viscosity`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_viscosity: Option<DynamicViscosity>,
-    /// Gravity along each axis; none without it.
+    /// Gravitational acceleration along each axis; 0 by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Vec<Acceleration>>,
-    /// The bodies of liquid at the start.
+    /// Bodies of liquid at the start, at least one. Where bodies overlap, the first one counts.
     #[serde(default)]
     pub body: Vec<BodyFile>,
 }
 
-/// `[[liquid.body]]`.
+/// `[[liquid.body]]`: a region of liquid at the start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BodyFile {
-    /// What it fills.
+    /// Shape of the region. Solids and the sides of the domain cut off the part that they overlap.
     pub shape: ShapeFile,
-    /// Start velocity; at rest without it.
+    /// Velocity at the start; 0 by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity: Option<Vec<Speed>>,
-    /// Solids are meant to cut off what they overlap of it at the start, as where half a ball is laid on a plate: without this key
-    /// `check` and `run` warn of a ball or an ellipsoid that a solid cuts by more than a cell.
+    /// Whether solids cut off a part of the body on purpose, as where half a ball of liquid is placed on a
+    /// plate; `false` by default. With `false`, `check` and `run` warn if a solid cuts a ball, an ellipsoid or
+    /// a perturbed ball by more than a cell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displaced: Option<bool>,
 }
 
-/// `[numerics]`.
+/// `[numerics]`: parameters of the discretisation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NumericsFile {
-    /// The scheme; `meniscus` without it.
+    /// Scheme of a time step; `meniscus` by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scheme: Option<Scheme>,
-    /// Largest distance the liquid may move in a step, in cells; 0.7 without it.
+    /// Courant number: largest displacement of the liquid or of a solid in a step, in cells; 0.01 to 10, 0.7 by
+    /// default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cfl: Option<f64>,
-    /// Largest step; none without it.
+    /// Largest step, above 0; not bounded by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_step: Option<Time>,
-    /// Relative residual of the solves; 1e-6 without it.
+    /// Relative residual at which a pressure solve ends; 1e-14 to 0.1, 1e-6 by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
-    /// Most iterations of a solve; 1000 without it.
+    /// Largest number of iterations of a pressure solve; 1 to 1000000, 1000 by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_iterations: Option<u32>,
-    /// Largest step as a multiple of the explicit capillary limit; 5 without it.
+    /// Largest step as a multiple of the explicit capillary limit, 0.36 √(ρ Δ³ / γ); 0.01 to 1000, 5 by
+    /// default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub capillary_step: Option<f64>,
-    /// Newton's iterations of a step where solids deform go on for at least so many after the first, which keeps their angular momentum
-    /// to rounding; without it they end where nothing moves by a thousandth of a contact's reach.
+    /// Newton's iterations of a step where solids move freely or deform go on for at least so many after the
+    /// first, which keeps the angular momentum of those that deform to rounding; without it they end where
+    /// nothing moves by a thousandth of a contact's reach.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub newton_iterations: Option<u32>,
-    /// The same step length always, whatever stability asks for.
+    /// Constant step, above 0, without any bound by stability. Only a step that fails is repeated with half the
+    /// length.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fixed_step: Option<Time>,
-    /// Give back the momentum that the discretisation loses; yes without it.
+    /// Whether the momentum that the discretisation loses is restored; `true` by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub restore_momentum: Option<bool>,
-    /// Threads; as many as there are without it. The result does not depend on it.
+    /// Number of threads, 1 to 1024; all available ones by default. The result does not depend on it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub threads: Option<u32>,
 }
 
-/// How a step is done.
+/// Scheme of a time step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Scheme {
-    /// One coupled solve a step, energy-gradient capillarity.
+    /// One coupled solve per step; capillary forces are gradients of the surface energy.
     #[default]
     Meniscus,
-    /// The seven steps of the paper's Section 6, which this version does not have.
+    /// The seven steps of the paper's Section 6. This version does not run it.
     #[schemars(skip)]
     Paper,
 }
 
-/// `[output]`.
+/// `[output]`: duration of the run, and the files that it writes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutputFile {
-    /// Simulated time.
+    /// Simulated time of the run, above 0.
     pub duration: Time,
-    /// Time between frames; a hundredth of the duration without it.
+    /// Simulated time between frames, above 0; a hundredth of the duration by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame_interval: Option<Time>,
-    /// Formats of the frames; `ply` is always written.
+    /// Formats of the output; `ply` and `page` by default. `ply` is always written.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub formats: Option<Vec<Format>>,
-    /// Frames between checkpoints; 20 without it.
+    /// Number of frames between checkpoints, 1 or more; 20 by default. A checkpoint is also written when the
+    /// last one is a minute old.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub checkpoint_every: Option<u32>,
 }
 
-/// A format of frames. Those that this version does not write are read, so that they are refused by name; the schema does not
-/// offer them.
+/// A format of the output. Formats that this version does not write can be read, so that the error names them;
+/// the schema omits them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Format {
-    /// Surfaces, binary PLY; always written.
+    /// Surfaces of each frame as binary PLY; always written.
     Ply,
-    /// One self-contained HTML page.
+    /// One self-contained HTML page of the run.
     Page,
     /// VTK XML with a `.pvd`.
     #[schemars(skip)]

@@ -4,37 +4,38 @@ use crate::file::{Angle, Either, Length, MeshScale};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A shape, of liquid or solid. Points and vectors have as many entries as the scene has dimensions.
+/// A shape of liquid or of a solid. Points and vectors have one entry for each dimension of the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ShapeFile {
     /// A ball (2D: a disc).
     Ball(BallFile),
-    /// A box, by corners or by centre and size.
+    /// A box, given by two corners or by centre and size.
     Box(BoxFile),
-    /// Everything on the side of a plane that the normal points away from.
+    /// The half space on the side of a plane that the normal points away from.
     HalfSpace(HalfSpaceFile),
-    /// A circular cylinder (3D).
+    /// A circular cylinder (3D only).
     Cylinder(CylinderFile),
-    /// All points nearer than the radius to a segment.
+    /// All points within a radius of a line segment.
     Capsule(CapsuleFile),
     /// An ellipsoid (2D: an ellipse).
     Ellipsoid(EllipsoidFile),
-    /// A ball with radius `r = R (1 + amplitude P_mode(cos θ))`, θ from the last axis (2D: `cos mode θ`).
+    /// A ball with the radius `r = R (1 + amplitude P_mode(cos θ))`, with θ from the last axis; in 2D `r = R (1
+    /// + amplitude cos(mode θ))`, with θ from the first axis.
     PerturbedBall(PerturbedBallFile),
-    /// Everything below a cosine wave along x.
+    /// The region below a cosine wave along x; for liquid only.
     Wave(WaveFile),
-    /// A flat outline of some thickness (3D).
+    /// A flat outline with a thickness (3D only).
     Extrusion(ExtrusionFile),
-    /// What any of the shapes fills.
+    /// The union of shapes: all points within any of them.
     Union(Vec<ShapeFile>),
-    /// What shapes fill that melt into each other.
+    /// The union of shapes with fillets where they meet.
     SmoothUnion(SmoothUnionFile),
-    /// What `of` fills and `minus` does not.
+    /// All points of the shape `of` that are not in the shape `minus`.
     Difference(DifferenceFile),
     /// A cow.
     Cow(CowFile),
-    /// A closed surface, or a volume of triangles (2D) or tetrahedra (3D), from a file.
+    /// A closed surface, or a volume mesh of triangles (2D) or tetrahedra (3D), from a file.
     Mesh(MeshFile),
 }
 
@@ -48,7 +49,7 @@ pub struct BallFile {
     pub radius: Length,
 }
 
-/// `box`: `lower` and `upper`, or `center`, `size` and perhaps `rotation`.
+/// `box`: `lower` and `upper`, or `center`, `size` and optionally `rotation`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoxFile {
@@ -78,7 +79,7 @@ pub type RotationFile = Either<Angle, AxisAngleFile>;
 pub struct AxisAngleFile {
     /// Direction of the axis: three pure numbers.
     pub axis: Vec<f64>,
-    /// Angle, right-handed.
+    /// Angle of the rotation, right-handed about the axis.
     pub angle: Angle,
 }
 
@@ -88,7 +89,7 @@ pub struct AxisAngleFile {
 pub struct HalfSpaceFile {
     /// A point of the plane.
     pub point: Vec<Length>,
-    /// Direction out of the filled side: pure numbers.
+    /// Normal of the plane, out of the half space: pure numbers.
     pub normal: Vec<f64>,
 }
 
@@ -137,25 +138,25 @@ pub struct EllipsoidFile {
 pub struct PerturbedBallFile {
     /// Centre.
     pub center: Vec<Length>,
-    /// Radius of the ball.
+    /// Radius R of the unperturbed ball.
     pub radius: Length,
-    /// Mode number, 2 or more.
+    /// Mode number, 2 to 64.
     pub mode: u32,
-    /// Amplitude as a fraction of the radius: a pure number.
+    /// Amplitude over the radius: a pure number, -0.9 to 0.9.
     pub amplitude: f64,
 }
 
-/// `wave`: filled where the last coordinate is below `level + amplitude cos(2π x / wavelength + phase)`.
+/// `wave`: the region where the last coordinate is below `level + amplitude cos(2π x / wavelength + phase)`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WaveFile {
     /// Mean height.
     pub level: Length,
-    /// Amplitude.
+    /// Amplitude, 0 or more.
     pub amplitude: Length,
     /// Wavelength.
     pub wavelength: Length,
-    /// Phase at x = 0; a crest without it.
+    /// Phase at x = 0; 0 by default, which is a crest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub phase: Option<Angle>,
 }
@@ -164,9 +165,9 @@ pub struct WaveFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExtrusionFile {
-    /// A named outline or a list of points in the plane.
+    /// Name of an outline, or a list of at least three points of a plane.
     pub outline: Either<OutlineName, Vec<Vec<Length>>>,
-    /// Size of a named outline across; needed with a name.
+    /// Size of a named outline; required with a name, not allowed with a list of points.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub size: Option<Length>,
     /// Thickness.
@@ -181,44 +182,44 @@ pub struct ExtrusionFile {
 /// A named outline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum OutlineName {
-    /// A square.
+    /// A square; the size is its side.
     #[serde(rename = "square")]
     Square,
-    /// An equilateral triangle.
+    /// An equilateral triangle; the size is its side.
     #[serde(rename = "triangle")]
     Triangle,
-    /// Four petals.
+    /// Four petals; the size is the diameter of the circle through their tips.
     #[serde(rename = "petals-4")]
     Petals4,
-    /// Six petals.
+    /// Six petals; the size is the diameter of the circle through their tips.
     #[serde(rename = "petals-6")]
     Petals6,
-    /// A cross.
+    /// A cross of five squares joined by bridges; the size is the distance of opposite ends.
     #[serde(rename = "cross")]
     Cross,
-    /// A leaf.
+    /// A leaf; the size is the distance of its two tips, and its width is half of it.
     #[serde(rename = "leaf")]
     Leaf,
 }
 
-/// `smooth_union`: as a union, with fillets where two parts meet.
+/// `smooth_union`: a union with fillets where parts meet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SmoothUnionFile {
-    /// The parts.
+    /// The parts, at least one, none of them unbounded.
     pub parts: Vec<ShapeFile>,
-    /// Width of the fillets: parts that are farther apart than this do not change each other.
+    /// Width of the fillets: parts that are farther apart than this do not affect each other.
     pub width: Length,
 }
 
-/// `cow`: body, head, legs, horns and tail. It looks along x, and up is the last axis; in 2D it is seen from the side. Its
-/// thinnest parts are a twentieth of its length thick.
+/// `cow`: a cow with body, head, legs, horns, ears and tail. It faces along x, and its up direction is the last
+/// axis; in 2D it is a side view. Its thinnest parts are a twentieth of its length thick.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CowFile {
-    /// The point that it stands at: between its feet, on their height.
+    /// Point between the feet, at the height of their soles.
     pub at: Vec<Length>,
-    /// From its rump to its muzzle; it is 0.85 times as high and 0.4 times as wide.
+    /// Length from rump to muzzle. The height is 0.85 of it, the width 0.35.
     pub length: Length,
     /// Rotation about `at`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -229,9 +230,9 @@ pub struct CowFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DifferenceFile {
-    /// The shape that is cut.
+    /// Shape from which `minus` is subtracted.
     pub of: Box<ShapeFile>,
-    /// The shape that is taken away.
+    /// Subtracted shape.
     pub minus: Box<ShapeFile>,
 }
 
@@ -239,17 +240,18 @@ pub struct DifferenceFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshFile {
-    /// Path, relative to the scene file. Closed surfaces (2D: closed lines): `.obj`, `.ply`, `.stl` (3D). Volumes, whose
-    /// elements a solid that deforms takes over: `.msh` (Gmsh 2.2, 4.1), `.node` with `.ele` (TetGen, Triangle), `.vtk`.
-    /// `builtin:duck.obj` and `builtin:leaf.msh` come with the program.
+    /// Path of the file, relative to the scene file. Closed surfaces (2D: closed lines) are `.obj`, `.ply` and
+    /// `.stl` (3D only). Volume meshes, whose elements a deformable solid keeps, are `.msh` (Gmsh 2.2, 4.1),
+    /// `.node` with `.ele` (TetGen, Triangle) and `.vtk`. Built-in files are `builtin:duck.obj` and
+    /// `builtin:leaf.msh`.
     pub file: String,
-    /// Metres per unit of the file; 1 without it.
+    /// Length of one unit of the file, above 0; 1 m by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<MeshScale>,
-    /// Moved by, after scale and rotation.
+    /// Translation after scaling and rotation; 0 by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub translate: Option<Vec<Length>>,
-    /// Rotation about the file's origin.
+    /// Rotation about the origin of the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rotation: Option<RotationFile>,
 }

@@ -7,84 +7,87 @@ use crate::file::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `[[solid]]`.
+/// `[[solid]]`: a solid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SolidFile {
-    /// Name, used in `[tension]` and in file names.
+    /// Name, used in `[tension]`, `[expect]` and file names. It has the characters of a scene's name, and is
+    /// not `liquid_air`.
     pub name: String,
-    /// Density; needed unless the solid does not move freely.
+    /// Density, above 0; required unless the solid is fixed or kinematic.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<Density>,
-    /// Shape.
+    /// Shape at the start.
     pub shape: ShapeFile,
-    /// How it is meshed.
+    /// Mesh of the solid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mesh: Option<SolidMeshFile>,
-    /// What it is made of.
+    /// Material, which also determines whether the solid moves and deforms.
     pub material: MaterialFile,
-    /// Start velocity; at rest without it.
+    /// Velocity at the start of a solid that moves freely or deforms; 0 by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity: Option<Vec<Speed>>,
-    /// How it collides with other solids and the domain's closed sides.
+    /// Collisions with other solids and with the closed sides of the domain.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub collision: Option<CollisionFile>,
-    /// Vertices inside these shapes do not move.
+    /// Shapes within which the vertices of a deformable solid are fixed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fixed: Vec<ShapeFile>,
-    /// Vertices inside these shapes go as told.
+    /// Parts of a deformable solid with prescribed motion.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub moved: Vec<MovedFile>,
 }
 
-/// A part of a solid that deforms which goes as told: with a velocity, or by keyframes.
+/// A part of a deformable solid with prescribed motion: a velocity, or keyframes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MovedFile {
-    /// What holds it, where the solid starts.
+    /// Shape that contains the vertices of the part at the start.
     pub shape: ShapeFile,
     /// Constant velocity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity: Option<Vec<Speed>>,
-    /// Displacement at given times, linear in between.
+    /// Displacements at given times: linear in between, constant before and after, 0 at time 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub keyframes: Option<Vec<KeyframeFile>>,
 }
 
-/// How a solid collides. Of two solids the geometric mean of both counts; a side of the domain has the solid's own.
+/// Coefficients of collisions. For two solids the geometric mean of their coefficients applies, at a side of
+/// the domain that of the solid.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CollisionFile {
-    /// Speed after a hit over that before it, 0 to 1; 0.3 without it.
+    /// Restitution of a rigid solid: speed after an impact over that before it; 0 to 1, 0.3 by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub restitution: Option<f64>,
-    /// Coulomb's coefficient of friction; 0.3 without it.
+    /// Coefficient of Coulomb friction, 0 or more; 0.3 by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
 }
 
-/// How a solid is meshed.
+/// Mesh of a solid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SolidMeshFile {
-    /// Edge length; dx / 1.5 without it.
+    /// Length of the edges of the mesh, above 0; `dx / 1.5` by default. Not allowed with a volume mesh from a
+    /// file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edge: Option<Length>,
 }
 
-/// What a solid is made of.
+/// Material of a solid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum MaterialFile {
-    /// Does not deform.
+    /// Rigid: moves freely, or is fixed.
     Rigid(RigidFile),
-    /// Moves as prescribed.
+    /// Rigid, with prescribed motion.
     Kinematic(KinematicFile),
-    /// Mass and springs, as in the paper.
+    /// Deformable: masses and springs, as in the paper.
     Springs(SpringsFile),
-    /// Compressible neo-Hookean solid.
+    /// Deformable: compressible neo-Hookean solid.
     NeoHookean(ElasticFile),
-    /// Corotated linear elasticity.
+    /// Deformable: corotated linear elasticity.
     Corotated(ElasticFile),
     /// A thin sheet. This version does not run it.
     #[schemars(skip)]
@@ -98,33 +101,33 @@ pub enum MaterialFile {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RigidFile {
-    /// Does not move at all.
+    /// Whether the solid is fixed; `false` by default.
     #[serde(default)]
     pub fixed: bool,
 }
 
-/// `kinematic`: a velocity, or keyframes.
+/// `kinematic`: prescribed motion by velocities or by keyframes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct KinematicFile {
-    /// Constant velocity.
+    /// Constant velocity; 0 by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity: Option<Vec<Speed>>,
-    /// Constant angular velocity: one entry in 2D, three in 3D.
+    /// Constant angular velocity, one entry in 2D and three in 3D; 0 by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angular_velocity: Option<Vec<AngularVelocity>>,
-    /// Displacement at given times, linear in between.
+    /// Displacements at given times: linear in between, constant before and after.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub keyframes: Option<Vec<KeyframeFile>>,
 }
 
-/// Where a kinematic solid is at a time.
+/// Prescribed displacement at one time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct KeyframeFile {
-    /// Time.
+    /// Time; it increases from one keyframe to the next.
     pub time: Time,
-    /// Displacement from the start.
+    /// Displacement from the position at the start.
     pub translate: Vec<Length>,
 }
 
@@ -132,9 +135,9 @@ pub struct KeyframeFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringsFile {
-    /// Spring stiffness.
+    /// Stiffness of each spring, above 0.
     pub stiffness: Tension,
-    /// Fraction of critical damping; 0 without it.
+    /// Damping ratio of the lowest elastic mode: damping over critical damping; 0 to 100, 0 by default.
     #[serde(default)]
     pub damping_ratio: f64,
 }
@@ -143,11 +146,11 @@ pub struct SpringsFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ElasticFile {
-    /// Young modulus.
+    /// Young's modulus, above 0.
     pub young_modulus: Pressure,
-    /// Poisson ratio, above -1 and below 0.5.
+    /// Poisson's ratio, -0.99 to 0.499.
     pub poisson_ratio: f64,
-    /// Fraction of critical damping; 0 without it.
+    /// Damping ratio of the lowest elastic mode: damping over critical damping; 0 to 100, 0 by default.
     #[serde(default)]
     pub damping_ratio: f64,
 }
@@ -156,13 +159,13 @@ pub struct ElasticFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShellFile {
-    /// Young modulus.
+    /// Young's modulus, above 0.
     pub young_modulus: Pressure,
-    /// Poisson ratio, above -1 and below 0.5.
+    /// Poisson's ratio, -0.99 to 0.499.
     pub poisson_ratio: f64,
     /// Thickness.
     pub thickness: Length,
-    /// Fraction of critical damping; 0 without it.
+    /// Damping ratio of the lowest elastic mode: damping over critical damping; 0 to 100, 0 by default.
     #[serde(default)]
     pub damping_ratio: f64,
 }
@@ -171,126 +174,132 @@ pub struct ShellFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RodFile {
-    /// Young modulus.
+    /// Young's modulus, above 0.
     pub young_modulus: Pressure,
-    /// Radius of the section.
+    /// Radius of the cross-section.
     pub radius: Length,
-    /// Fraction of critical damping; 0 without it.
+    /// Damping ratio of the lowest elastic mode: damping over critical damping; 0 to 100, 0 by default.
     #[serde(default)]
     pub damping_ratio: f64,
 }
 
-/// Tensions of a solid: both interface energies, the contact angle, or a gradient of it; where the angle varies, an image
-/// over that, and patches over both.
+/// Wetting of a solid, by one of these: both tensions, the contact angle, or a gradient of it. An image
+/// overrides them, and patches override both.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SolidTensionFile {
-    /// Liquid–solid tension.
+    /// Tension of the liquid–solid interface, 0 or more; requires `solid_air`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub liquid_solid: Option<Tension>,
-    /// Solid–air tension.
+    /// Tension of the solid–air interface, 0 or more; requires `liquid_solid`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub solid_air: Option<Tension>,
-    /// Contact angle through the liquid.
+    /// Contact angle, through the liquid: 0 to 180 degrees.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_angle: Option<Angle>,
-    /// The cosine of the contact angle varies from one place to another.
+    /// Contact angle that varies between two points.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gradient: Option<GradientFile>,
-    /// A picture of the contact angle.
+    /// Image of the contact angle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub image: Option<WettingImageFile>,
-    /// Parts of the surface with an angle of their own; where they overlap the later one counts.
+    /// Parts of the surface with a contact angle of their own. Where patches overlap, the last one counts.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub patches: Vec<PatchFile>,
 }
 
-/// `gradient`: the cosine of the angle is linear between two places, and constant before and beyond. Places are those of the
-/// solid at its start: it takes them along.
+/// `gradient`: the cosine of the contact angle is linear along the line through two points, and constant beyond
+/// them. The points are given for the position of the solid at the start; the pattern moves with the solid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GradientFile {
-    /// Where it starts.
+    /// Start of the gradient.
     pub from: AngleAtFile,
-    /// Where it ends.
+    /// End of the gradient.
     pub to: AngleAtFile,
 }
 
-/// A contact angle and its place.
+/// A contact angle at a point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AngleAtFile {
-    /// The place, where the solid starts.
+    /// The point, where the solid is at the start.
     pub point: Vec<Length>,
-    /// The angle there.
+    /// Contact angle there, 0 to 180 degrees.
     pub contact_angle: Angle,
 }
 
-/// `image`: grey values tell the contact angle, seen along the vertical axis (2D: its middle row, along x). Cosines are
-/// interpolated between the pixels' middles; clear pixels show what is below.
+/// `image`: the grey value of a pixel gives the contact angle. The image is projected along the vertical axis;
+/// in 2D its middle row lies along x. Cosines are interpolated between the centres of the pixels. Where pixels
+/// are transparent, the angle without the image applies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WettingImageFile {
-    /// Path of a `.png`, relative to the scene file.
+    /// Path of a `.png` file, relative to the scene file.
     pub file: String,
-    /// Where its lower left corner lies, seen from above: x and y (2D: x), where the solid starts.
+    /// Position of the lower left corner, seen from above, where the solid is at the start: x and y (2D: x).
     pub lower: Vec<Length>,
-    /// Where its upper right corner lies.
+    /// Position of the upper right corner; each entry is larger than that of `lower`.
     pub upper: Vec<Length>,
-    /// Contact angle of black.
+    /// Contact angle of black pixels, 0 to 180 degrees.
     pub black: Angle,
-    /// Contact angle of white.
+    /// Contact angle of white pixels, 0 to 180 degrees.
     pub white: Angle,
 }
 
-/// A part of a solid's surface with an angle of its own: what lies within a shape.
+/// The part of a solid's surface within a shape, with a contact angle of its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PatchFile {
-    /// The shape, where the solid starts; it may reach beyond the solid.
+    /// The shape, where the solid is at the start. It may extend beyond the solid.
     pub shape: ShapeFile,
-    /// The angle there.
+    /// Contact angle there, 0 to 180 degrees.
     pub contact_angle: Angle,
 }
 
-/// `[contact_line]`.
+/// `[contact_line]`: properties of the contact line.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactLineFile {
-    /// Off: the traditional two-way coupling, for comparison; on without it.
+    /// Whether contact lines exert forces; `true` by default. With `false` liquid and solids are coupled by
+    /// pressure alone, as in traditional two-way coupling, and all contact angles are 90 degrees; for
+    /// comparison.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub enabled: Option<bool>,
-    /// The paper's R: distance from the line along solids that deform over which its pull is spread; without it the line pulls
-    /// where it is.
+    /// Line radius, the paper's R, above 0: distance from the line over which its force is spread along a
+    /// deformable solid. By default the force acts at the line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radius: Option<Length>,
-    /// On: solids that deform feel the tensions of their own surface, `liquid_solid` where it is wetted and `solid_air` where
-    /// it is dry, and at the line three tensions balance (Neumann); off without it: Young's balance along the solid only.
+    /// Whether deformable solids are subject to the tensions of their own surface, `liquid_solid` where it is
+    /// wetted and `solid_air` where it is dry, so that three tensions balance at the line (Neumann). Both
+    /// tensions must be given. `false` by default: only the balance along the solid holds (Young).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub neumann: Option<bool>,
-    /// Contact-line friction, or a table of it per solid.
+    /// Contact-line friction, a force per length and speed, 0 or more: one value, or a table by solid; 0 by
+    /// default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Either<DynamicViscosity, Named<DynamicViscosity>>>,
-    /// The line rests between these angles.
+    /// Range of contact angles at which the line rests; none by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hysteresis: Option<HysteresisFile>,
 }
 
-/// The angles between which a contact line rests: `advancing` and `receding`, or `above` and `below` Young's angle of the
-/// place, which is how patterns have it.
+/// Range of contact angles at which the contact line rests: `advancing` and `receding`, or `above` and `below`,
+/// which are relative to Young's angle at each point. Where the contact angle varies over a solid, `above` and
+/// `below` are required.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HysteresisFile {
-    /// The line advances above this angle.
+    /// Advancing angle, above which the line advances; 0 to 180 degrees.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub advancing: Option<Angle>,
-    /// The line recedes below this angle.
+    /// Receding angle, below which the line recedes; 0 degrees to the advancing angle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub receding: Option<Angle>,
-    /// The line advances this much above Young's angle.
+    /// Advancing angle minus Young's angle, 0 to 180 degrees.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub above: Option<Angle>,
-    /// The line recedes this much below Young's angle.
+    /// Young's angle minus the receding angle, 0 to 180 degrees.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub below: Option<Angle>,
 }

@@ -57,7 +57,11 @@ impl Resolver {
                 }
                 _ => {
                     let help = "give `count`, or `min` and/or `max`";
-                    return Err(self.error("expect.drops", "the number of drops is not fixed", help));
+                    return Err(self.error(
+                        "expect.drops",
+                        "the expected number of drops is not given",
+                        help,
+                    ));
                 }
             };
             if min > max {
@@ -70,7 +74,11 @@ impl Resolver {
             let p = if e.reach.len() == 1 { "expect.reach".to_owned() } else { format!("expect.reach.{i}") };
             if self.dim == 2 && matches!(r.side, Side::Front | Side::Back) {
                 let help = "accepted: left, right, bottom, top";
-                return Err(self.error(&format!("{p}.side"), "no such side in 2 dimensions", help));
+                return Err(self.error(
+                    &format!("{p}.side"),
+                    "a scene of 2 dimensions has no such side",
+                    help,
+                ));
             }
             let tolerance = self.positive_length(&format!("{p}.tolerance"), "the tolerance", r.tolerance)?;
             out.push(Expectation::Reach { side: r.side, value: r.value.resolve(self.dx), tolerance });
@@ -93,7 +101,7 @@ impl Resolver {
             let young = angles.iter().find(|a| a.0 == c.solid).and_then(|a| a.1);
             let Some(value) = c.value.or(young.map(Angle)) else {
                 let message =
-                    format!("Young's angle varies over `{}`: there is no one angle to expect", c.solid);
+                    format!("Young's angle varies over `{}`: the expected angle must be given", c.solid);
                 return Err(self.error(&p, message, "add `value = \"90 deg\"`"));
             };
             let value = self.angle(&format!("{p}.value"), value)?;

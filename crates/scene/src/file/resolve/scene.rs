@@ -69,7 +69,7 @@ fn resolve(file: SceneFile, source: Source, base: &Path, quality: Quality) -> Re
     let base = base.to_path_buf();
     let mut r = Resolver { source, base, dim: 0, dx: 0.0, size: Vec::new(), warnings: Vec::new() };
     if file.format != 1 {
-        let message = format!("format {} is not known", file.format);
+        let message = format!("format {} is not a known version of the scene format", file.format);
         return Err(r.error("format", message, "this version reads `format = 1`"));
     }
     r.check_file_name("name", &file.name)?;
@@ -135,8 +135,8 @@ impl Resolver {
     pub fn check_file_name(&self, path: &str, name: &str) -> Result<(), SceneError> {
         let fine = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
         if name.is_empty() || name.len() > 100 || name.starts_with('.') || !name.chars().all(fine) {
-            let message = format!("`{}` cannot name a file", name.escape_debug());
-            let help = "use letters, digits, `-`, `_`, `.` (not first), at most 100";
+            let message = format!("the name `{}` cannot be used as a file name", name.escape_debug());
+            let help = "use at most 100 characters: letters, digits, `-`, `_` and, except at the start, `.`";
             return Err(self.error(path, message, help));
         }
         Ok(())
@@ -184,7 +184,7 @@ impl Resolver {
         if found == self.dim {
             return Ok(());
         }
-        let message = format!("found {found} entries in a scene of {} dimensions", self.dim);
+        let message = format!("found {found} entries, but the scene has {} dimensions", self.dim);
         Err(self.error(path, message, format!("give {} entries", self.dim)))
     }
 
@@ -202,7 +202,7 @@ impl Resolver {
 
     fn domain(&mut self, d: &DomainFile, quality: Quality) -> Result<Domain, SceneError> {
         if !(2..=3).contains(&d.dimension) {
-            let message = format!("{} dimensions cannot be simulated", d.dimension);
+            let message = format!("a domain of {} dimensions cannot be simulated", d.dimension);
             return Err(self.error("domain.dimension", message, "accepted: 2, 3"));
         }
         self.dim = d.dimension as usize;
@@ -211,7 +211,7 @@ impl Resolver {
             let path = format!("domain.size.{i}");
             if l.in_cells {
                 let help = "give it in m, cm, mm or um";
-                return Err(self.error(&path, "the size of the domain cannot be counted in cells", help));
+                return Err(self.error(&path, "the size of the domain cannot be given in cells (dx)", help));
             }
             self.size.push(self.positive(&path, "the size of the domain", l.value)?);
         }
@@ -231,14 +231,18 @@ impl Resolver {
             (None, Some(dx)) if dx.in_cells => {
                 return Err(self.error(
                     "domain.dx",
-                    "the cell size cannot be counted in cells",
-                    "like \"0.5 mm\"",
+                    "the cell size cannot be given in cells (dx)",
+                    "give a length such as \"0.5 mm\"",
                 ));
             }
             (None, Some(dx)) => (longest / self.positive("domain.dx", "the cell size", dx.value)?).round(),
             (Some(_), Some(_)) => {
                 let message = "both `resolution` and `dx` are given";
-                return Err(self.error("domain.dx", message, "remove one: each fixes the other"));
+                return Err(self.error(
+                    "domain.dx",
+                    message,
+                    "remove one of them: each determines the other",
+                ));
             }
             (None, None) => {
                 let help = "add `resolution = 64` (cells along the longest side) or `dx = \"0.5 mm\"`";
@@ -270,14 +274,14 @@ impl Resolver {
             let path = format!("domain.size.{i}");
             let n = (self.size[i] / self.dx).round();
             if n < 2.0 {
-                let help = "make the domain larger or the cells smaller";
-                return Err(self.error(&path, format!("this side has only {n} cells"), help));
+                let help = "at least 2 are needed: make the domain larger or the cells smaller";
+                return Err(self.error(&path, format!("this side of the domain has only {n} cells"), help));
             }
             let size = if n >= count { fit } else { n * self.dx };
             if (size - self.size[i]).abs() > 1e-6 * self.dx {
                 let old = self.size[i];
                 let used = short(size);
-                self.warn(&path, format!("{old} m is no whole number of cells; {used} m is used"));
+                self.warn(&path, format!("{old} m is not a whole number of cells; {used} m is used instead"));
                 self.size[i] = size;
             }
             cells.push(n as usize);
@@ -311,10 +315,10 @@ impl Resolver {
             (None, Some(v)) => self.not_negative("liquid.dynamic_viscosity", "the viscosity", v.0)? / density,
             (Some(_), Some(_)) => {
                 let message = "both `kinematic_viscosity` and `dynamic_viscosity` are given";
-                return Err(self.error("liquid.dynamic_viscosity", message, "remove one"));
+                return Err(self.error("liquid.dynamic_viscosity", message, "remove one of them"));
             }
             (None, None) => {
-                let help = "add `kinematic_viscosity = \"1 mm^2/s\"` (0 for none)";
+                let help = "add `kinematic_viscosity = \"1 mm^2/s\"` (0 for an inviscid liquid)";
                 return Err(self.error("liquid", "the viscosity is missing", help));
             }
         };
@@ -326,7 +330,11 @@ impl Resolver {
             None => vec![0.0; self.dim],
         };
         if l.body.is_empty() {
-            return Err(self.error("liquid", "there is no liquid", "add a [[liquid.body]] with a shape"));
+            return Err(self.error(
+                "liquid",
+                "the scene has no liquid body",
+                "add a [[liquid.body]] with a shape",
+            ));
         }
         let mut bodies = Vec::new();
         for (i, b) in l.body.iter().enumerate() {
@@ -364,7 +372,7 @@ impl Resolver {
             ShapeSpec::Ball { .. } | ShapeSpec::PerturbedBall { .. } | ShapeSpec::Ellipsoid { .. }
         );
         if cut && round {
-            self.warn(path, "the liquid sticks out of the domain; the walls cut it");
+            self.warn(path, "the liquid body extends outside the domain; the part outside is removed");
         }
         Ok(())
     }
@@ -413,9 +421,9 @@ impl Resolver {
 
     fn newton(&mut self, iterations: u32, soft: bool) -> Result<u32, SceneError> {
         let key = "numerics.newton_iterations";
-        self.within(key, "the number of Newton's iterations", iterations.into(), 0.0, 20.0)?;
+        self.within(key, "the number of Newton iterations", iterations.into(), 0.0, 20.0)?;
         if iterations > 0 && !soft {
-            self.warn(key, "Newton's iterations have no effect: no solid deforms");
+            self.warn(key, "`newton_iterations` has no effect: no solid deforms");
         }
         Ok(iterations)
     }
@@ -426,10 +434,17 @@ impl Resolver {
         let interval = o.frame_interval.map_or(duration / 100.0, |t| t.0);
         let frame_interval = self.positive(path, "the time between frames", interval)?;
         if duration / frame_interval > 1e6 {
-            return Err(self.error(path, "that is more than a million frames", "make the interval longer"));
+            return Err(self.error(
+                path,
+                "this interval gives more than a million frames",
+                "use a longer interval",
+            ));
         }
         if frame_interval > duration {
-            self.warn(path, "longer than the run: only the first and the last frame are written");
+            self.warn(
+                path,
+                "the frame interval exceeds the duration: only the first and the last frame are written",
+            );
         }
         let mut formats = o.formats.clone().unwrap_or_else(|| vec![Format::Ply, Format::Page]);
         formats.push(Format::Ply);
@@ -437,8 +452,12 @@ impl Resolver {
         formats.dedup();
         let checkpoint_every = o.checkpoint_every.unwrap_or(20) as usize;
         if checkpoint_every == 0 {
-            let help = "give the number of frames between checkpoints, 1 or more";
-            return Err(self.error("output.checkpoint_every", "0 frames between checkpoints", help));
+            let help = "give a number of frames of at least 1";
+            return Err(self.error(
+                "output.checkpoint_every",
+                "the number of frames between checkpoints is 0",
+                help,
+            ));
         }
         Ok(Output { duration, frame_interval, formats, checkpoint_every })
     }

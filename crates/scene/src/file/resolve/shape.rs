@@ -79,22 +79,21 @@ impl Resolver {
         let width = self.positive_length(&format!("{path}.width"), "the width of the fillets", u.width)?;
         let at = format!("{path}.parts");
         let ShapeSpec::Union(parts) = self.union(&at, &u.parts)? else {
-            return Err(self.error(&at, "a union of nothing", "list at least one shape"));
+            return Err(self.error(&at, "the union contains no shape", "list at least one shape"));
         };
         let endless = |s: &ShapeSpec| {
             s.bounds(self.dim).is_some_and(|(l, u)| l.iter().chain(&u).any(|x| !x.is_finite()))
         };
         if let Some(i) = parts.iter().position(endless) {
-            let help =
-                "use ball, box, capsule, ellipsoid, cylinder, extrusion, cow or mesh, or a plain union";
-            return Err(self.error(&format!("{at}.{i}"), "a part of a smooth union without bounds", help));
+            let help = "use ball, box, capsule, ellipsoid, cylinder, extrusion, cow or mesh, or `union` in place of `smooth_union`";
+            return Err(self.error(&format!("{at}.{i}"), "this part of the smooth union is unbounded", help));
         }
         Ok(ShapeSpec::SmoothUnion { parts, width })
     }
 
     fn union(&mut self, path: &str, list: &[ShapeFile]) -> Result<ShapeSpec, SceneError> {
         if list.is_empty() {
-            return Err(self.error(path, "a union of nothing", "list at least one shape"));
+            return Err(self.error(path, "the union contains no shape", "list at least one shape"));
         }
         let mut out = Vec::new();
         for (i, s) in list.iter().enumerate() {
@@ -124,13 +123,13 @@ impl Resolver {
     /// Normalises a vector. A vector of unit length is returned unchanged, bit for bit.
     pub fn direction(&self, path: &str, value: &[f64], entries: usize) -> Result<Vec<f64>, SceneError> {
         if value.len() != entries {
-            let message = format!("found {} entries in a direction", value.len());
+            let message = format!("found {} entries in this direction vector", value.len());
             return Err(self.error(path, message, format!("give {entries} entries")));
         }
         let largest = value.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         if !(largest > 0.0 && largest.is_finite()) || value.iter().any(|v| !v.is_finite()) {
-            let help = "give pure numbers that are not all zero";
-            return Err(self.error(path, "this is no direction", help));
+            let help = "give finite numbers without units that are not all zero";
+            return Err(self.error(path, "this vector does not define a direction", help));
         }
         let norm = value.iter().map(|v| (v / largest).powi(2)).sum::<f64>().sqrt() * largest;
         if (norm - 1.0).abs() < 1e-12 {
@@ -147,12 +146,14 @@ impl Resolver {
                 let axis = self.direction(&format!("{path}.axis"), &r.axis, 3)?;
                 Ok(Rotation { axis: [axis[0], axis[1], axis[2]], angle: r.angle.0 })
             }
-            (Some(_), 2) => {
-                Err(self.error(path, "a rotation about an axis in 2 dimensions", "like \"30 deg\""))
-            }
+            (Some(_), 2) => Err(self.error(
+                path,
+                "a rotation in 2 dimensions takes no axis",
+                "give the angle only, such as \"30 deg\"",
+            )),
             (Some(_), _) => {
-                let help = "like { axis = [0, 0, 1], angle = \"30 deg\" }";
-                Err(self.error(path, "a rotation without an axis in 3 dimensions", help))
+                let help = "give an axis and an angle, such as { axis = [0, 0, 1], angle = \"30 deg\" }";
+                Err(self.error(path, "a rotation in 3 dimensions needs an axis", help))
             }
         }
     }
@@ -164,7 +165,7 @@ impl Resolver {
                     let help = "give `center` and `size` instead of `lower` and `upper`";
                     return Err(self.error(
                         &format!("{path}.rotation"),
-                        "a box by corners cannot turn",
+                        "a box given by its corners cannot be rotated",
                         help,
                     ));
                 }
@@ -173,7 +174,7 @@ impl Resolver {
                 for i in 0..self.dim {
                     if low[i] >= up[i] {
                         let message = format!("`upper` ({} m) is not above `lower` ({} m)", up[i], low[i]);
-                        let help = "give the lower corner first: every entry of `upper` is larger";
+                        let help = "every entry of `upper` must be larger than that of `lower`";
                         return Err(self.error(&format!("{path}.upper.{i}"), message, help));
                     }
                 }
@@ -192,16 +193,16 @@ impl Resolver {
                 })
             }
             _ => {
-                let help = "give `lower` and `upper`, or `center` and `size` (and perhaps `rotation`)";
-                Err(self.error(path, "the box is not fixed by these keys", help))
+                let help = "give `lower` and `upper`, or `center` and `size` (optionally with `rotation`)";
+                Err(self.error(path, "these keys do not define the box", help))
             }
         }
     }
 
     fn perturbed_ball(&self, path: &str, b: &PerturbedBallFile) -> Result<ShapeSpec, SceneError> {
         if !(2..=64).contains(&b.mode) {
-            let help = "accepted: 2 to 64 (0 changes the volume, 1 moves the ball)";
-            let message = format!("mode {} is no oscillation of a drop", b.mode);
+            let help = "accepted: 2 to 64 (mode 0 changes the volume, mode 1 moves the ball)";
+            let message = format!("mode {} is not an oscillation mode of a drop", b.mode);
             return Err(self.error(&format!("{path}.mode"), message, help));
         }
         Ok(ShapeSpec::PerturbedBall {
@@ -235,23 +236,27 @@ impl Resolver {
                 Outline::Named(*name, self.positive_length(&at("size"), "the size", size)?)
             }
             (Either::Text(_), None) => {
-                return Err(self.error(path, "a named outline has no size", "add `size = \"1 cm\"`"));
+                return Err(self.error(path, "a named outline needs a size", "add `size = \"1 cm\"`"));
             }
             (Either::Rich(_), Some(_)) => {
-                return Err(self.error(&at("size"), "a list of points has its own size", "remove `size`"));
+                return Err(self.error(
+                    &at("size"),
+                    "an outline given as a list of points takes no `size`",
+                    "remove `size`",
+                ));
             }
             (Either::Rich(points), None) => {
                 let mut out = Vec::new();
                 for (i, p) in points.iter().enumerate() {
                     let &[x, y] = p.as_slice() else {
-                        let message = format!("a point of an outline with {} entries", p.len());
+                        let message = format!("found {} entries in this point of the outline", p.len());
                         return Err(self.error(&format!("{path}.outline.{i}"), message, "give 2 entries"));
                     };
                     out.push([x.resolve(self.dx), y.resolve(self.dx)]);
                 }
                 if out.len() < 3 {
                     let help = "give three points or more";
-                    return Err(self.error(&at("outline"), "an outline needs three points", help));
+                    return Err(self.error(&at("outline"), "the outline has fewer than three points", help));
                 }
                 Outline::Points(out)
             }
@@ -271,10 +276,13 @@ impl Resolver {
             file.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).unwrap_or_default();
         let surfaces = if self.dim == 2 { &["obj", "ply"][..] } else { &["obj", "ply", "stl"] };
         if !surfaces.iter().chain(&VOLUME_EXTENSIONS).any(|e| *e == known) {
-            let message = format!("`{}` is no mesh that can be read", m.file.escape_debug());
+            let message = format!("`{}` is not a supported mesh file", m.file.escape_debug());
             let names = |list: &[&str]| list.iter().map(|e| format!(".{e}")).collect::<Vec<_>>().join(", ");
-            let help =
-                format!("accepted: surfaces {}, volumes {}", names(surfaces), names(&VOLUME_EXTENSIONS));
+            let help = format!(
+                "accepted: surface meshes {}, volume meshes {}",
+                names(surfaces),
+                names(&VOLUME_EXTENSIONS)
+            );
             return Err(self.error(&at("file"), message, help));
         }
         let file = self.mesh_file(&at("file"), &m.file, &file)?;

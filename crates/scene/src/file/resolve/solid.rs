@@ -15,12 +15,13 @@ impl Resolver {
             let at = |key: &str| format!("{path}.{key}");
             self.check_file_name(&at("name"), &s.name)?;
             if s.name == "liquid_air" {
-                let help = "`tension.liquid_air` is the liquid's surface";
+                let help = "choose another name: `tension.liquid_air` is the tension of the liquid's surface";
                 return Err(self.error(&at("name"), "a solid cannot be called `liquid_air`", help));
             }
             if let Some(first) = out.iter().position(|o| o.name == s.name) {
                 let message = format!("two solids are called `{}`", s.name);
-                let help = format!("entry {first} (from 0) has that name already: rename one");
+                let help =
+                    format!("solid {first} (counted from 0) already has this name: rename one of them");
                 return Err(self.error(&at("name"), message, help));
             }
             let shape = self.shape(&at("shape"), &s.shape)?;
@@ -36,7 +37,7 @@ impl Resolver {
             let mesh_edge = match s.mesh.as_ref().and_then(|m| m.edge) {
                 Some(_) if shape.volume_file().is_some() => {
                     let help = "remove `mesh`, or give a closed surface (.obj, .ply, .stl) to be filled with elements";
-                    let message = "the elements of this solid come from its file: `edge` has no effect";
+                    let message = "the elements of this solid come from its mesh file: `edge` has no effect";
                     return Err(self.error(&at("mesh.edge"), message, help));
                 }
                 Some(e) => self.positive_length(&at("mesh.edge"), "the edge length", e)?,
@@ -83,7 +84,7 @@ impl Resolver {
         let Some(bounds) = shape.bounds(self.dim) else { return Ok(()) };
         match crate::file::describe_outside(&bounds, &self.size, 1e-6 * self.dx) {
             Some((reach, help)) => {
-                let message = format!("the solid `{name}` is outside the domain: it {reach}");
+                let message = format!("the solid `{name}` extends outside the domain: it {reach}");
                 Err(self.error(&self.source.first_inside(path), message, help))
             }
             None => Ok(()),
@@ -101,16 +102,20 @@ impl Resolver {
         let Some((lower, upper)) = shape.bounds(self.dim) else { return Ok(()) };
         let sides: Vec<f64> = lower.iter().zip(&upper).map(|(l, u)| u - l).collect();
         if sides.iter().any(|side| !side.is_finite()) {
-            let message = format!("the solid `{name}` deforms but goes on for ever: no elements can fill it");
+            let message = format!("the deformable solid `{name}` is unbounded: it cannot be meshed");
             let at = self.source.first_inside(&format!("{path}.shape"));
-            return Err(self.error(&at, message, "give it an end: a box instead of a half space"));
+            return Err(self.error(
+                &at,
+                message,
+                "use a bounded shape, such as a box in place of a half_space",
+            ));
         }
         let ShapeSpec::Box { half_size, .. } = shape else { return Ok(()) };
         let thinnest = 2.0 * half_size.iter().copied().fold(f64::INFINITY, f64::min);
         let at = format!("{path}.mesh.edge");
         if self.source.has(&at) && edge > thinnest * (1.0 + 1e-9) {
             let message = format!(
-                "edges of {edge:.3e} m are longer than `{name}` is thick ({thinnest:.3e} m): they are shorter there"
+                "a mesh edge of {edge:.3e} m exceeds the thickness of `{name}` ({thinnest:.3e} m): shorter edges are used"
             );
             self.warn(&at, message);
         }
@@ -134,8 +139,9 @@ impl Resolver {
 
     fn poisson(&self, path: &str, ratio: f64) -> Result<f64, SceneError> {
         if ratio >= 0.5 {
-            let message =
-                format!("the Poisson ratio is {ratio}: from 0.5 on no volume could change, or it would grow");
+            let message = format!(
+                "the Poisson ratio is {ratio}, but must be below 0.5, the limit of incompressibility"
+            );
             return Err(self.error(
                 path,
                 message,
@@ -190,16 +196,16 @@ impl Resolver {
             .as_ref()
             .map_or(vec![0.0; rotation_components], |w| w.iter().map(|x| x.0).collect());
         if angular.len() != rotation_components {
-            let message = format!("found {} entries of angular velocity", angular.len());
+            let message = format!("found {} entries in the angular velocity", angular.len());
             return Err(self.error(
                 &format!("{path}.angular_velocity"),
                 message,
-                format!("give {rotation_components}"),
+                format!("give {rotation_components} in a scene of {} dimensions", self.dim),
             ));
         }
         let keyframes = self.keyframes(path, k.keyframes.as_deref())?;
         if !keyframes.is_empty() && (k.velocity.is_some() || k.angular_velocity.is_some()) {
-            return Err(self.error(path, "both a velocity and keyframes are given", "remove one"));
+            return Err(self.error(path, "both a velocity and keyframes are given", "remove one of them"));
         }
         let velocity = self.velocity(&format!("{path}.velocity"), k.velocity.as_ref())?;
         self.check_prescribed_speed(
@@ -218,18 +224,25 @@ impl Resolver {
             let keyframes = self.keyframes(&p, m.keyframes.as_deref())?;
             match (m.velocity.is_some(), keyframes.is_empty()) {
                 (true, false) => {
-                    return Err(self.error(&p, "both a velocity and keyframes are given", "remove one"));
+                    return Err(self.error(
+                        &p,
+                        "both a velocity and keyframes are given",
+                        "remove one of them",
+                    ));
                 }
                 (false, true) => {
-                    let help = "give `velocity` or `keyframes`; what does not move goes into `fixed`";
-                    return Err(self.error(&p, "it is not told how this part moves", help));
+                    let help = "give `velocity` or `keyframes`; list parts that do not move under `fixed`";
+                    return Err(self.error(&p, "the motion of this part is not given", help));
                 }
                 _ => {}
             }
             if starts_displaced(&keyframes) {
-                let help = "let the displacement be 0 at time 0, before the first keyframe it is the first one's: at its start the \
-                            solid is at rest";
-                return Err(self.error(&format!("{p}.keyframes.0"), "the solid would start strained", help));
+                let help = "make the displacement 0 at time 0; before the first keyframe it is that of the first keyframe";
+                return Err(self.error(
+                    &format!("{p}.keyframes.0"),
+                    "the keyframes displace this part at time 0: the solid would be strained at the start",
+                    help,
+                ));
             }
             let velocity = self.velocity(&format!("{p}.velocity"), m.velocity.as_ref())?;
             let speed = velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
@@ -249,7 +262,7 @@ impl Resolver {
         for (i, f) in files.iter().copied().flatten().enumerate() {
             let p = format!("{path}.keyframes.{i}");
             if keyframes.last().is_some_and(|l| l.0 >= f.time.0) {
-                let message = "the time of this keyframe is not after the one before";
+                let message = "the time of this keyframe is not later than that of the previous one";
                 return Err(self.error(&format!("{p}.time"), message, "sort the keyframes by time"));
             }
             let to = self.point(&format!("{p}.translate"), &f.translate)?;
@@ -267,9 +280,15 @@ impl Resolver {
         if speed <= SPEED_OF_SOUND {
             return Ok(());
         }
-        let message =
-            format!("the solid would jump: with {} m/s it is faster than sound", crate::file::short(speed));
-        Err(self.error(&self.source.first_inside(path), message, "give it more time, or a shorter way"))
+        let message = format!(
+            "the prescribed speed of {} m/s is above the speed of sound in air",
+            crate::file::short(speed)
+        );
+        Err(self.error(
+            &self.source.first_inside(path),
+            message,
+            "reduce the velocity, or give the displacement more time",
+        ))
     }
 
     /// Returns an error if no solid has this name.
@@ -319,7 +338,7 @@ impl Resolver {
             ("neumann", neumann),
         ];
         if let Some((key, _)) = given.iter().find(|(_, given)| *given && !enabled) {
-            let error = SceneError::new(format!("`{key}` of a contact line that is switched off"));
+            let error = SceneError::new(format!("`{key}` has no effect: the contact line is switched off"));
             let error = error.with_help(format!("remove `{key}`, or `enabled = false`"));
             return Err(self.source.at_value(error, &format!("contact_line.{key}")));
         }

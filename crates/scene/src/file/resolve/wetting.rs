@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 impl Resolver {
     pub fn tension(&mut self, t: &TensionFile, all: &[Solid]) -> Result<Tensions, SceneError> {
-        let liquid_air = self.positive("tension.liquid_air", "the tension", t.liquid_air.0)?;
+        let liquid_air = self.positive("tension.liquid_air", "the surface tension", t.liquid_air.0)?;
         let names: Vec<&str> = all.iter().map(|s| s.name.as_str()).collect();
         let mut solids = Vec::new();
         for (name, s) in &t.solids {
@@ -23,10 +23,11 @@ impl Resolver {
             };
             let cosine = wetting.tension.young_cosine(liquid_air);
             if cosine.abs() > 1.0 {
-                let state = if cosine > 0.0 { "wets it totally" } else { "does not wet it at all" };
+                let state =
+                    if cosine > 0.0 { "wets the solid totally" } else { "does not wet the solid at all" };
                 self.warn(
                     &path,
-                    format!("there is no Young angle (its cosine is {cosine:.3}): the liquid {state}"),
+                    format!("there is no Young angle (its cosine would be {cosine:.3}): the liquid {state}"),
                 );
             }
             solids.push((name.clone(), wetting));
@@ -51,9 +52,9 @@ impl Resolver {
                 };
                 let (from, to) = (end("from", &g.from)?, end("to", &g.to)?);
                 if from.0 == to.0 {
-                    let help = "give two places that differ";
+                    let help = "give two different points";
                     let path = at("gradient.to.point");
-                    return Err(self.error(&path, "the gradient ends where it starts", help));
+                    return Err(self.error(&path, "the two points of the gradient are the same", help));
                 }
                 SolidTension::Gradient { from, to }
             }
@@ -101,7 +102,7 @@ impl Resolver {
             let shape = self.shape(&p, &patch.shape)?;
             let own = shape.bounds(self.dim);
             if bounds.zip(own.as_ref()).is_some_and(|(solid, own)| self.are_bounds_apart(solid, own)) {
-                let help = "patches lie where the solid is at the start";
+                let help = "place the patch on the solid as it is at the start";
                 let p = self.source.first_inside(&p);
                 return Err(self.error(&p, "the patch does not reach the solid", help));
             }
@@ -130,8 +131,8 @@ impl Resolver {
         let corner = |key: &str, value: &[Length]| {
             let wanted = self.dim - 1;
             if value.len() != wanted {
-                let message = format!("found {} entries of an image's corner", value.len());
-                let help = format!("give {wanted}: it is seen along the vertical axis");
+                let message = format!("found {} entries in this corner of the image", value.len());
+                let help = format!("give {wanted}: the image is projected along the vertical axis");
                 return Err(self.error(&at(key), message, help));
             }
             Ok(value.iter().map(|l| l.resolve(self.dx)).collect::<Vec<f64>>())
@@ -140,12 +141,12 @@ impl Resolver {
         for (a, (low, high)) in lower.iter().zip(&upper).enumerate() {
             if low >= high {
                 let message = format!("`upper` ({high} m) is not above `lower` ({low} m)");
-                let help = "give the lower corner first: every entry of `upper` is larger";
+                let help = "every entry of `upper` must be larger than that of `lower`";
                 return Err(self.error(&at(&format!("upper.{a}")), message, help));
             }
         }
         if bounds.is_some_and(|solid| self.are_bounds_apart(solid, &(lower.clone(), upper.clone()))) {
-            let help = "images lie where the solid is at the start";
+            let help = "place the image on the solid as it is at the start";
             return Err(self.error(&at("lower"), "the image does not reach the solid", help));
         }
         let black = self.angle(&at("black"), i.black)?;
@@ -156,7 +157,7 @@ impl Resolver {
     fn image_file(&self, path: &str, name: &str) -> Result<PathBuf, SceneError> {
         let file = self.base.join(name);
         if !file.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-            let message = format!("`{}` is no image that can be read", name.escape_debug());
+            let message = format!("`{}` is not a supported image file", name.escape_debug());
             return Err(self.error(path, message, "accepted: .png"));
         }
         match std::fs::canonicalize(&file) {
@@ -185,8 +186,9 @@ impl Resolver {
                 below: within("below", "the angle (rad)", below, PI)?,
             }),
             _ => {
-                let help = "give `advancing` and `receding`, or `above` and `below` (Young's angle)";
-                Err(self.error(path, "the angles are not fixed by these keys", help))
+                let help =
+                    "give `advancing` and `receding`, or `above` and `below` (relative to Young's angle)";
+                Err(self.error(path, "these keys do not define the hysteresis", help))
             }
         }
     }
@@ -205,11 +207,11 @@ impl Resolver {
         for (name, solid) in &tension.solids {
             if !solid.is_uniform() {
                 let message = format!(
-                    "the contact angle of `{name}` varies, and the angles between which its lines rest do not"
+                    "the contact angle of `{name}` varies, but the advancing and receding angles do not"
                 );
                 return refuse(
                     message,
-                    "give them around Young's angle: { above = \"10 deg\", below = \"10 deg\" }",
+                    "give them relative to Young's angle: { above = \"10 deg\", below = \"10 deg\" }",
                 );
             }
             all.push((name, solid.tension.young_cosine(tension.liquid_air).clamp(-1.0, 1.0).acos()));
@@ -218,8 +220,8 @@ impl Resolver {
             if !(receding - 1e-9..=advancing + 1e-9).contains(&angle) {
                 let [young, advancing, receding] = [angle, advancing, receding].map(f64::to_degrees);
                 let message = format!(
-                    "the contact angle of `{name}`, {young:.1} deg, is not between the receding one, {receding:.1} deg, \
-                     and the advancing one, {advancing:.1} deg"
+                    "the contact angle of `{name}`, {young:.1} deg, is not between the receding angle, {receding:.1} deg, \
+                     and the advancing angle, {advancing:.1} deg"
                 );
                 let help =
                     "change `contact_line.hysteresis`, the solid's tensions or `domain.wall_contact_angle`";

@@ -400,7 +400,7 @@ pub struct Numerics {
     pub max_iterations: usize,
     /// Largest step as a multiple of the explicit capillary limit.
     pub capillary_step: f64,
-    /// Newton iterations per step with deformable solids.
+    /// Least number of Newton iterations of a step after the first, if any solid is free or deformable.
     pub newton_iterations: u32,
     /// Fixed time step, s.
     pub fixed_step: Option<f64>,

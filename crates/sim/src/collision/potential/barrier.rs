@@ -1,16 +1,20 @@
 //! Barriers between solids in the potential of a step.
 //!
-//! The energy `B` of a barrier is evaluated at the end of the coming step, after the time `a`, where nothing may overlap (M. Li et al.
-//! 2020). Pairs that approached with the old velocities use the nearer of two configurations: that one, or the one at the time of the new
-//! velocities, after `l`, at which the scheme conserves energy ([`crate::model::time_step::unbounded_impulse_time`]). The term is
+//! With the impulse time `h` the term of a barrier with the energy `B` is
 //!
 //! ```text
-//! h max ((B(x + a v) − B(x))/a, (B(x + l v) − B(x))/l)
+//! h B(x + a v)/a  (late)    or    h B(x + l v)/l  (early)
 //! ```
 //!
-//! with the impulse time `h`. As a convex `B` lies above its tangents, approaching pairs lose at least the stored energy, also in the
-//! step of the turning point, and separating pairs gain at most that. Limit: a pair that approaches again in the step after it separated
-//! can gain energy. Pairs of rigid solids have a dashpot in addition ([`super::dashpot`]).
+//! The late configuration is the end of the coming step, after the time `a`, where nothing may overlap (M. Li
+//! et al. 2020). The early one is that at the time of the new velocities, after `l`, at which the scheme
+//! conserves energy ([`crate::model::time_step::unbounded_impulse_time`]). Pairs that approached with the old
+//! velocities and are nearer at the early one use it; which pairs these are is lagged ([`EarlyPairs`]).
+//!
+//! As `B` is convex, approaching pairs lose at least the stored energy, also in the step of the turning point,
+//! and separating pairs gain at most that (book/theory/contact.md). Limit: a pair that approaches again in the
+//! step after it separated can gain energy. Pairs of rigid solids have a dashpot in addition
+//! ([`super::dashpot`]).
 
 use super::incremental_potential::Potential;
 use super::term::{PotentialTerm, distance_derivatives};
@@ -59,9 +63,10 @@ impl<'a, const D: usize> Potential<'a, D> {
         }
     }
 
-    /// Barrier stiffness, Pa, between a solid and another one or a side: the sum of the capillary pressure of a drop of one cell, the
-    /// hydrostatic pressure of the whole domain, the pressure of the solids' weight and initial speed, and a tenth of the smaller Young's
-    /// modulus. Under this pressure solids rest at about half the activation distance.
+    /// Barrier stiffness, Pa, between a solid and another one or a side: the sum of `ρ (Δ/Δt_c)² = 7.7 γ/Δ`
+    /// with the explicit capillary limit `Δt_c`, the hydrostatic pressure of the whole domain, the pressure of
+    /// the solids' weight and initial speed, and a tenth of the smaller Young's modulus. Under this pressure
+    /// solids rest at about half the activation distance.
     pub fn barrier_stiffness(&self, solid: usize, other: Option<usize>) -> f64 {
         let model = self.model;
         let speed = model.grid.dx / model.capillary_dt_limit();

@@ -12,13 +12,12 @@ use std::f64::consts::{PI, TAU};
 pub const CASE: Case = Case {
     name: "capillary-wave",
     title: "Viscous capillary wave",
-    theory: "A standing wave of length 1 and height 0.01 (γ = 100, ρ = 1, depth 1.5, slip sides) on a viscous liquid \
-        under nothing, released at rest, against the exact linear solution of the initial-value problem (Prosperetti, \
-        Phys. Fluids 24, 1981, one fluid; the values of a/a0 were computed for the design and checked by Laplace \
-        inversion): root mean square of (a − a_exact)/a0 over ω0 t = 1, 2, π, 5, 2π, 10, 4π, 20. The Laplace values \
-        are for ν = 0.01, 0.1 and 1; for ν = 0 they are cos ω0 t. Steps of a quarter of the explicit capillary limit. \
-        Full: 32 cells \
-        per length; quick: 16, bar 8 %.",
+    theory: "A standing wave of length 1 and height 0.01 (γ = 100, ρ = 1, depth 1.5, slip sides) on a viscous \
+        liquid under nothing, released at rest, against the exact linear solution of the initial-value problem \
+        (Prosperetti, Phys. Fluids 24, 1981, one fluid; the values of a/a0 were computed from it and checked \
+        by Laplace inversion): root mean square of (a − a_exact)/a0 over ω0 t = 1, 2, π, 5, 2π, 10, 4π, 20. \
+        The Laplace values are for ν = 0.01, 0.1 and 1; for ν = 0 they are cos ω0 t. Steps of a quarter of the \
+        explicit capillary limit. Full: 32 cells per length; quick: 16, bar 8 %.",
     quick: false,
     run: |mode| checks_or_failure("capillary-wave", run(mode)),
 };

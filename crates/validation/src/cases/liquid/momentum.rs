@@ -24,8 +24,7 @@ pub const CASE: Case = Case {
 
 /// Angular velocity of the rotating drop.
 const ANGULAR_VELOCITY: f64 = 5.0;
-/// Bounds of the restored momenta: the sum of all steps over the effect of a force γL during the whole run (measured with 8 cells in 2D:
-/// 0.39 and 0.28).
+/// Bounds of the restored momenta: the sum of all steps over the effect of a force γL during the whole run.
 const MAX_MOMENTUM_RESTORED: f64 = 1.0;
 const MAX_ANGULAR_MOMENTUM_RESTORED: f64 = 1.0;
 /// Relative amplitude of the mode.

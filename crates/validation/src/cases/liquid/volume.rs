@@ -68,7 +68,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
             Some(1e-8),
             "",
         ),
-        at_most("volume", "volume of vanished components", lost, 1e-4, Some(1e-8), ""),
+        at_most("volume", "volume lost with the last component", lost, 1e-4, Some(1e-8), ""),
         at_most(
             "volume",
             "volume moved in a step",

@@ -13,11 +13,11 @@ use meniscus_sim::{LiquidRegion, Motion, Simulation, Solid, StepError};
 pub const CASE: Case = Case {
     name: "bounce",
     title: "Drops that bounce off a wall, 3D",
-    theory: "A drop (radius 1, γ = ρ = 1, viscosity of a drop of water of 1 mm, no gravity, 16 cells per radius) hits a wall that \
-        it does not wet (180 degrees). It touches the wall for 2.6 √(ρR³/γ), however fast it is (D. Richard, C. Clanet, \
-        D. Quéré, 'Contact time of a bouncing drop', 2002), and spreads to D/D0 = We^¼, We = ρU²D0/γ (C. Clanet et al., \
-        'Maximal deformation of an impacting drop', 2004); We of water of 1 mm at 20, 50 and 100 cm/s (design, validation \
-        §5, 12a and 12b).",
+    theory: "A drop (radius 1, γ = ρ = 1, viscosity of a drop of water of 1 mm, no gravity, 16 cells per \
+        radius) hits a wall that it does not wet (180 degrees). It touches the wall for 2.6 √(ρR³/γ), however \
+        fast it is (D. Richard, C. Clanet, D. Quéré, 'Contact time of a bouncing drop', 2002), and spreads to \
+        D/D0 = We^¼, We = ρU²D0/γ (C. Clanet et al., 'Maximal deformation of an impacting drop', 2004); We of \
+        water of 1 mm at 20, 50 and 100 cm/s.",
     quick: false,
     run: |_| checks_or_failure("bounce", bounces()),
 };

@@ -13,13 +13,14 @@ use std::f64::consts::PI;
 pub const FREE_BODY: Case = Case {
     name: "floating",
     title: "Heavy bodies on the surface",
-    theory: "A cylinder (2D; R = ρ = g = 1, γ = 1/Bo, ν = 1) twice as dense as the liquid floats: height of its centre over \
-        the undisturbed level by the closed form of the plane meniscus (design, validation §3; Keller 1998). The tank is \
-        6 capillary lengths wide to each side and 6.2 R deep, its sides meet the liquid at 90 degrees, the level is that at \
-        the sides, and what the meniscus still is below it there. Released at rest 0.1 R above equilibrium with a meniscus that decays as exp(−x/lc); time 40 √(R/g). \
-        And 0.9 and 1.1 times as dense as the densest that floats, released at rest at equilibrium: floats, sinks. 12 \
-        cells per radius; the sphere (3D) 8, in a tank of 4 capillary lengths, the level by the pressure at its bottom. \
-        Quick: 8, time 20.",
+    theory: "A cylinder (2D; R = ρ = g = 1, γ = 1/Bo, ν = 1) twice as dense as the liquid floats: height of \
+        its centre over the undisturbed level by the closed form of the plane meniscus (Keller 1998). The tank \
+        is 6 capillary lengths wide to each side and 6.2 R deep, its sides meet the liquid at 90 degrees, the \
+        level is that at the sides, and what the meniscus still is below it there. Released at rest 0.1 R \
+        above equilibrium with a meniscus that decays as exp(−x/lc); time 40 √(R/g). And 0.9 and 1.1 times as \
+        dense as the densest that floats, released at rest at equilibrium: floats, sinks. 12 cells per radius; \
+        the sphere (3D) 8, in a tank of 4 capillary lengths, the level by the pressure at its bottom. Quick: \
+        8, time 20.",
     quick: true,
     run: |mode| checks_or_failure(FLOATING, free_body(mode)),
 };
@@ -28,10 +29,11 @@ pub const FREE_BODY: Case = Case {
 pub const FIXED_BODY: Case = Case {
     name: "floating-force",
     title: "Force on a held cylinder in the surface",
-    theory: "A cylinder (R = 0.5, γ = 150, ρ = 1, g = 981, ν = 11) held at z/R = −0.5, 0, 0.5 in a level that starts flat: \
-        the upward force of pressure and contact line at rest over the closed form (design, validation §3) for the height \
-        over the level at the tank's sides, 6 capillary lengths off; and over the weight of the \
-        liquid that body and meniscus displace under the level that the pressure at the bottom tells. 12 cells per radius. Quick: 8, z = 0, 90 and 150 degrees.",
+    theory: "A cylinder (R = 0.5, γ = 150, ρ = 1, g = 981, ν = 11) held at z/R = −0.5, 0, 0.5 in a level that \
+        starts flat: the upward force of pressure and contact line at rest over the closed form (as in \
+        `floating`) for the height over the level at the tank's sides, 6 capillary lengths off; and over the \
+        weight of the liquid that body and meniscus displace under the level that the pressure at the bottom \
+        tells. 12 cells per radius. Quick: 8, z = 0, 90 and 150 degrees.",
     quick: false,
     run: |mode| checks_or_failure(FORCE, fixed_body(mode)),
 };

@@ -10,11 +10,13 @@ use meniscus_sim::StepError;
 pub const CASE: Case = Case {
     name: "elastica-drop",
     title: "A drop on a short soft sheet holds its ends and folds it",
-    theory: "2D, no gravity: a drop of area A wets a free sheet of length l = 6 (γ = ρ = 1, ν = 0.5) to its ends, where the line \
-        is pinned: places of the ends, seen from the middle, by the theory of the sheet with its thickness (design, validation \
-        §4, 8: without it; 4 cells, 20 cells a unit, t/l = 0.033; quick: 16, 0.042). And while the drop dries up slowly the \
-        sheet folds and opens again below l/L = 3.541, L = √(B/γ), and closes above it (with the thickness in the theory above \
-        3.57): at 0.9 and at 1.1 times that.",
+    theory: "2D, no gravity: a drop of area A wets a free sheet of length l = 6 (γ = ρ = 1, ν = 0.5) to its \
+        ends, where the line is pinned: places of the ends, seen from the middle, by the theory of the sheet \
+        with its thickness (an elastica, B κ' = −p T·(U − O), with the tangent T and the wetted side U of the \
+        sheet, the pressure p and the centre O of the free surface; 4 cells, 20 cells a unit, t/l = 0.033; \
+        quick: 16, 0.042). And while the drop dries up slowly the sheet folds and opens again below l/L = \
+        3.541, L = √(B/γ), and closes above it (by the theory without thickness; with it above 3.57): at 0.9 \
+        and at 1.1 times that.",
     quick: false,
     run: |mode| checks_or_failure(NAME, run(mode)),
 };

@@ -12,10 +12,11 @@ use std::f64::consts::FRAC_PI_2;
 pub const KINK: Case = Case {
     name: "soft-kink",
     title: "A drop bends a thin plate",
-    theory: "2D, no gravity: a drop (γ = ρ = 1, area π/2, ν = 0.15) on a plate of bending stiffness B = 20. Its lines lift, its \
-        pressure presses: the plate's outer parts are inclined to each other by (2/3) γ sin θ a²/B (small slopes; a is half \
-        the wetted width), and where one end is clamped the part between stays straight (design, validation §4, 8c). \
-        Plates of 4 to 1.5 cells, 16 cells a unit; quick: 12.",
+    theory: "2D, no gravity: a drop (γ = ρ = 1, area π/2, ν = 0.15) on a plate of bending stiffness B = 20. \
+        Its lines lift, its pressure presses: the plate's outer parts are inclined to each other by (2/3) γ \
+        sin θ a²/B (small slopes; a is half the wetted width, over which the moment is γ sin θ (a² − x²)/2a), \
+        and where one end is clamped the part between stays straight. Plates of 4 to 1.5 cells, 16 cells a \
+        unit; quick: 12.",
     quick: true,
     run: |mode| checks_or_failure("soft-kink", kinks(mode)),
 };
@@ -24,9 +25,9 @@ pub const KINK: Case = Case {
 pub const STRIP: Case = Case {
     name: "soft-strip",
     title: "A soft strip and a drop keep their momentum and their place",
-    theory: "2D, no gravity, nothing holds them: a drop (radius 1, γ = ρ = 1, ν = 0.02) out of the middle of a strip 5 long and \
-        4 cells thick, √(B/γ) = 2.3 (it bends by 20 degrees). Momentum and angular momentum over γt and γLt, and the way of \
-        the centre of mass (design, validation §6, 16f).",
+    theory: "2D, no gravity, nothing holds them: a drop (radius 1, γ = ρ = 1, ν = 0.02) out of the middle of a \
+        strip 5 long and 4 cells thick, √(B/γ) = 2.3 (it bends by 20 degrees). Momentum and angular momentum \
+        over γt and γLt, and the way of the centre of mass.",
     quick: true,
     run: |mode| checks_or_failure("soft-strip", strip(mode)),
 };

@@ -13,9 +13,10 @@ use meniscus_sim::{LineTracker, Simulation};
 pub const CASE: Case = Case {
     name: "soft-impact",
     title: "A drop falls on a soft plate: the contact points' histories converge",
-    theory: "2D: the scene fig14-soft-plate at 256², 512² and 1024² cells, to 20 ms: it touches, spreads to its widest and \
-        starts back. How far the outermost contact points of two resolutions are apart, as a mean over times from the first \
-        contact on: from the coarse to the middle one over from the middle to the fine one (design, validation §7: it halves).",
+    theory: "2D: the scene fig14-soft-plate at 256², 512² and 1024² cells, to 20 ms: it touches, spreads to \
+        its widest and starts back. How far the outermost contact points of two resolutions are apart, as a \
+        mean over times from the first contact on: from the coarse to the middle one over from the middle to \
+        the fine one (the distance has to halve).",
     quick: false,
     run,
 };

@@ -15,11 +15,12 @@ use std::sync::Arc;
 pub const CASE: Case = Case {
     name: "soft-release",
     title: "An elastic body let go in liquid keeps momentum and wins no energy",
-    theory: "No gravity, no surface tension: a ball (radius 0.45, density 1.3, E = 10, ν = 0.4, no damping) in a ball of liquid \
-        (radius 1, ρ = 1, ν = 0.003), off its middle, stretched by a quarter along an axis and let go. Momentum over √(2 E0 m) of \
-        both together, angular momentum over that times the radius, and the largest rise of the energy over that at the start, \
-        E0, when all of it is elastic (design, validation §6, 16f). Motion at a step's start: the mean of those half a step \
-        before and after. 16 cells a unit, in 3D 8; quick: 12, 2D only.",
+    theory: "No gravity, no surface tension: a ball (radius 0.45, density 1.3, E = 10, ν = 0.4, no damping) in \
+        a ball of liquid (radius 1, ρ = 1, ν = 0.003), off its middle, stretched by a quarter along an axis \
+        and let go. Momentum over √(2 E0 m) of both together, angular momentum over that times the radius, and \
+        the largest rise of the energy over that at the start, E0, when all of it is elastic. Motion at a \
+        step's start: the mean of those half a step before and after. 16 cells a unit, in 3D 8; quick: 12, 2D \
+        only.",
     quick: true,
     run: |mode| checks_or_failure(NAME, run(mode)),
 };

@@ -15,10 +15,11 @@ use std::sync::Arc;
 pub const CASE: Case = Case {
     name: "iterations-soft",
     title: "Iterations of the pressure solve with soft sheets",
-    theory: "A free sheet 2.67 cells thick in the middle of a pool (side 3, depth 1.5, sheet 1.5 wide, g = 1), as light and as soft \
-        as the design's table has it (numerics §1): r = ρΔ/ρ_s t of 1 to 100 with the thickness t, bending stiffness times \
-        h²/ρ_s tΔ⁴ of 1 to 10⁶. Multigrid-preconditioned conjugate gradients to a relative residual of 1e-6: the most iterations of \
-        any solve of 8 steps of h = 0.005, the first of which starts from a pressure of zero. 3D, 16 cells a unit; quick: 2D, 12.",
+    theory: "A free sheet 2.67 cells thick in the middle of a pool (side 3, depth 1.5, sheet 1.5 wide, g = 1), \
+        heavy or light, soft or stiff: r = ρΔ/ρ_s t of 1 to 100 with the thickness t, bending stiffness times \
+        h²/ρ_s tΔ⁴ of 1 to 10⁶. Multigrid-preconditioned conjugate gradients to a relative residual of 1e-6: \
+        the most iterations of any solve of 8 steps of h = 0.005, the first of which starts from a pressure of \
+        zero. 3D, 16 cells a unit; quick: 2D, 12.",
     quick: true,
     run: |mode| checks_or_failure(NAME, run(mode)),
 };

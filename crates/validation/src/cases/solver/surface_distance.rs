@@ -11,10 +11,10 @@ use std::f64::consts::TAU;
 pub const DISTANCE: Case = Case {
     name: "mesh-distance",
     title: "Distance along a surface",
-    theory: "On the unit sphere as 642, 2562 and 10242 vertices (icosphere) the distance from the circle of colatitude \
-        1 rad is the difference in colatitude. Fast marching from the circle's contour, mean error within 0.5 rad of it, \
-        the worse of a pole on an axis and off all axes. Planar fronts, as in the paper, have 1.05e-3 at 2562 vertices \
-        and order 1 (design, validation 18a); exact distances on the polyhedron are of second order.",
+    theory: "On the unit sphere as 642, 2562 and 10242 vertices (icosphere) the distance from the circle of \
+        colatitude 1 rad is the difference in colatitude. Fast marching from the circle's contour, mean error \
+        within 0.5 rad of it, the worse of a pole on an axis and off all axes. Planar fronts, as in the paper, \
+        have 1.05e-3 at 2562 vertices and order 1; exact distances on the polyhedron are of second order.",
     quick: true,
     run: |_| distance(),
 };

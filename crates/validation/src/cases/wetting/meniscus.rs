@@ -15,12 +15,12 @@ use std::f64::consts::{PI, SQRT_2};
 pub const CASE_2D: Case = Case {
     name: "meniscus-2d",
     title: "Menisci at plates and between them, 2D",
-    theory: "A bath (ρ = g = γ = 1, so the capillary length lc is 1; ν = 1, 8 cells per lc, 12.5 for gaps) that starts level. At an \
-        upright wall the contact line rises √(2 (1 − sin θ)) lc, or sinks, 8 lc from the tank's end, where the level is \
-        measured (6a). A plate 1 lc thick that reaches 2 lc below the level is borne by its buoyancy up to the level less \
-        γ cos θ for each side (6b, Wilhelmy). Between plates a distance of 2a apart, dipping into a bath, the liquid \
-        stands, at the middle, as high as the Young–Laplace equation says (6c). Design, validation §2. Quick: 60 degrees, \
-        wall and plate.",
+    theory: "A bath (ρ = g = γ = 1, so the capillary length lc is 1; ν = 1, 8 cells per lc, 12.5 for gaps) \
+        that starts level. At an upright wall the contact line rises √(2 (1 − sin θ)) lc, or sinks, 8 lc from \
+        the tank's end, where the level is measured. A plate 1 lc thick that reaches 2 lc below the level is \
+        borne by its buoyancy up to the level less γ cos θ for each side (Wilhelmy). Between plates a distance \
+        of 2a apart, dipping into a bath, the liquid stands, at the middle, as high as the Young–Laplace \
+        equation says. Quick: 60 degrees, wall and plate.",
     quick: false,
     run: |mode| checks_or_failure(PLANE_NAME, plane(mode)),
 };
@@ -29,11 +29,11 @@ pub const CASE_2D: Case = Case {
 pub const TUBE: Case = Case {
     name: "tube",
     title: "A tube in a bath, 3D",
-    theory: "A round tube of radius a = lc/2 dips one lc into a bath (ρ = g = γ = 1; ν = 0.2, and friction of the contact line, \
-        0.3, so that the column neither swings nor creeps). A quarter of it, beside two planes of symmetry, 8 cells per radius. The \
-        height of the meniscus in the middle over the level at which the pressure at the bath's bottom would vanish is \
-        that of the axisymmetric Young–Laplace equation (design, validation §2, 6d; Jurin). Time 25 √(lc/g). Quick: 60 \
-        degrees, 6 cells.",
+    theory: "A round tube of radius a = lc/2 dips one lc into a bath (ρ = g = γ = 1; ν = 0.2, and friction of \
+        the contact line, 0.3, so that the column neither swings nor creeps). A quarter of it, beside two \
+        planes of symmetry, 8 cells per radius. The height of the meniscus in the middle over the level at \
+        which the pressure at the bath's bottom would vanish is that of the axisymmetric Young–Laplace \
+        equation (Jurin). Time 25 √(lc/g). Quick: 60 degrees, 6 cells.",
     quick: false,
     run: |mode| checks_or_failure(TUBE_NAME, tubes(mode)),
 };

@@ -11,12 +11,14 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub const CASE: Case = Case {
     name: NAME,
     title: "A drop lifts a ridge on a soft layer",
-    theory: "2D, no gravity: a drop (area π/2, θ = 90°, γ = ρ = 1, ν = 0.3) on a layer of thickness h = 1 clamped at its bottom \
-        and ends. Its lines lift the layer, its pressure presses: linear elasticity in plane strain tells how high the layer \
-        stands at the lines, how deep under the drop's middle, and how wide the drop is on it (design, validation §4, 9). Either \
-        each line is spread evenly over w to both sides (`contact_line.radius`; E = 50 γ/h), or the layer has a tension of its \
-        own, 4 γ on both sides of the line (`contact_line.neumann`; E = 20 γ/h). The ridge is 2 to 3 % of h high. 16 cells a \
-        unit, 24 with own tension: that of the mesh's edges rounds the tip off. Steps of twice the explicit limit; quick: 12.",
+    theory: "2D, no gravity: a drop (area π/2, θ = 90°, γ = ρ = 1, ν = 0.3) on a layer of thickness h = 1 \
+        clamped at its bottom and ends. Its lines lift the layer, its pressure presses: linear elasticity in \
+        plane strain tells how high the layer stands at the lines, how deep under the drop's middle, and how \
+        wide the drop is on it (by Fourier transform; Style and Dufresne 2012). Either each line is spread \
+        evenly over w to both sides (`contact_line.radius`; E = 50 γ/h), or the layer has a tension of its \
+        own, 4 γ on both sides of the line (`contact_line.neumann`; E = 20 γ/h). The ridge is 2 to 3 % of h \
+        high. 16 cells a unit, 24 with own tension: that of the mesh's edges rounds the tip off. Steps of \
+        twice the explicit limit; quick: 12.",
     quick: true,
     run: |mode| checks_or_failure(NAME, ridges(mode)),
 };

@@ -41,10 +41,10 @@ pub const CASE_3D: Case = Case {
 pub const CURVED: Case = Case {
     name: "sessile-curved",
     title: "Drops on a cylinder and a ball, and convergence",
-    theory: "A drop of a quarter of the area of a disc (2D), an eighth of the volume of a ball (3D), on it: circles and \
-        spheres that meet at Young's angle (design, validation §2, 5a and 5b); ν = 1, so that what contracts is not thrown \
-        off. And the order of the error of the angle on a \
-        wall tilted by 22.5 degrees, 8, 16 and 32 cells per radius, root mean square over 60, 90 and 120 degrees (2D).",
+    theory: "A drop of a quarter of the area of a disc (2D), an eighth of the volume of a ball (3D), on it: \
+        circles and spheres that meet at Young's angle; ν = 1, so that what contracts is not thrown off. And \
+        the order of the error of the angle on a wall tilted by 22.5 degrees, 8, 16 and 32 cells per radius, \
+        root mean square over 60, 90 and 120 degrees (2D).",
     quick: false,
     run: |_| {
         checks_or_failure(

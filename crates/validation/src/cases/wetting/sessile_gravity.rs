@@ -15,12 +15,13 @@ use std::f64::consts::PI;
 pub const CASE_2D: Case = Case {
     name: "sessile-gravity-2d",
     title: "Drops on a wall under gravity, 2D",
-    theory: "A drop as large as a disc of radius R0 = 1 (γ = ρ = 1, ν = 1, Bo = ρgR0²/γ of 1 and 5) on a wall without \
-        friction 0.3 cells off the grid's faces, 16 cells per R0; it starts as half an ellipse with 85 % of the base that \
-        it should have and is left alone for 30 √(ρR0³/γ), at 30 degrees 60. Base radius (from the contact line's points) and height (a parabola through the surface around the \
-        top) from the Young–Laplace equation (design, validation §2, 4g), and Young's angle along the line. The force on the wall is the drop's weight (4f), \
-        the mean over the last tenth of the run; without gravity the contact line pulls with 2γ sin θ what the pressure of \
-        the drop pushes. Quick: θ = 60 degrees at Bo = 1, half as long.",
+    theory: "A drop as large as a disc of radius R0 = 1 (γ = ρ = 1, ν = 1, Bo = ρgR0²/γ of 1 and 5) on a wall \
+        without friction 0.3 cells off the grid's faces, 16 cells per R0; it starts as half an ellipse with 85 \
+        % of the base that it should have and is left alone for 30 √(ρR0³/γ), at 30 degrees 60. Base radius \
+        (from the contact line's points) and height (a parabola through the surface around the top) from the \
+        Young–Laplace equation, and Young's angle along the line. The force on the wall is the drop's weight, \
+        the mean over the last tenth of the run; without gravity the contact line pulls with 2γ sin θ what the \
+        pressure of the drop pushes. Quick: θ = 60 degrees at Bo = 1, half as long.",
     quick: true,
     run: |mode| checks_or_failure("sessile-gravity-2d", plane(mode)),
 };

@@ -13,10 +13,11 @@ use meniscus_sim::{LiquidRegion, Model, Motion, Simulation, Solid, StepError};
 pub const CASE: Case = Case {
     name: "sliding",
     title: "Drops slide on every slope that does not hold their lines",
-    theory: "2D: half a disc (radius 1, γ = ρ = 1, ν = 0.5, g = 1.25) on a frictionless slope that it meets at the same angle \
-        everywhere. Its lines pull it nowhere along the slope, so that it slides as if it fell: ½ g sin α t² (design, \
-        validation §2, 5e). Its way along the slope over that, after 12 capillary times or 2.5 radii: what cells or a \
-        wrong pull of the lines hold it with shows most on the flattest. 16 cells per radius; quick: 8, two slopes.",
+    theory: "2D: half a disc (radius 1, γ = ρ = 1, ν = 0.5, g = 1.25) on a frictionless slope that it meets at \
+        the same angle everywhere. Its lines pull it nowhere along the slope, so that it slides as if it fell: \
+        ½ g sin α t² (book/theory/contact-line.md). Its way along the slope over that, after 12 capillary \
+        times or 2.5 radii: what cells or a wrong pull of the lines hold it with shows most on the flattest. \
+        16 cells per radius; quick: 8, two slopes.",
     quick: true,
     run: |mode| checks_or_failure(NAME, run(mode)),
 };

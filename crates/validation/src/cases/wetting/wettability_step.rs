@@ -14,12 +14,13 @@ use std::f64::consts::PI;
 pub const CASE: Case = Case {
     name: "wettability-step",
     title: "A drop held on a slope by a step of the wettability",
-    theory: "2D: half a disc (radius 1, γ = ρ = 1, ν = 0.5, contact-line friction 1, ρ g A = 1.962 γ) on a slope that it meets \
-        at 60° above a step and at 120° below, its front on the step (design, validation §2, 5d: γ = 100 dyn/cm, A = 0.2 \
-        cm²). It is held as long as ρ g A sin α is less than γ (cos 60° − cos 120°): up to 30.643°. The angle at which it \
-        lets go within 60 capillary times, by bisection to 0.3°; it has let go when its middle is half a radius below the \
-        step. A slope across the grid under gravity along it, and a wall along the grid 0.3 cells off its faces under \
-        gravity that is tilted. 16 cells per radius; quick: 8, the slope alone, to 1.2°.",
+    theory: "2D: half a disc (radius 1, γ = ρ = 1, ν = 0.5, contact-line friction 1, ρ g A = 1.962 γ) on a \
+        slope that it meets at 60° above a step and at 120° below, its front on the step (γ = 100 dyn/cm, A = \
+        0.2 cm²). It is held as long as ρ g A sin α is less than γ (cos 60° − cos 120°): up to 30.643°. The \
+        angle at which it lets go within 60 capillary times, by bisection to 0.3°; it has let go when its \
+        middle is half a radius below the step. A slope across the grid under gravity along it, and a wall \
+        along the grid 0.3 cells off its faces under gravity that is tilted. 16 cells per radius; quick: 8, \
+        the slope alone, to 1.2°.",
     quick: true,
     run: |mode| checks_or_failure(NAME, run(mode)),
 };

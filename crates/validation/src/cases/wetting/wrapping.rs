@@ -11,10 +11,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub const OPEN: Case = Case {
     name: "soft-sheet",
     title: "A drop on a soft sheet: wetted length and slope of the sheet's ends",
-    theory: "2D, no gravity: a drop (area π, radius R0 = 1, γ = ρ = 1, ν = 0.5) on a free sheet 6.4 long of bending stiffness \
-        B = γ L². Its lines lift the sheet, its pressure presses: wetted length and slope of the dry ends by the theory of sheets \
-        without thickness (design, validation §4, 8b). Sheets of 4 cells, 16 cells a unit, t/R0 = 0.25 (with that thickness in \
-        the theory: slopes up to 4.3 % more, lengths 0.2 %).",
+    theory: "2D, no gravity: a drop (area π, radius R0 = 1, γ = ρ = 1, ν = 0.5) on a free sheet 6.4 long of \
+        bending stiffness B = γ L². Its lines lift the sheet, its pressure presses: wetted length and slope of \
+        the dry ends by the theory of sheets without thickness, κ = (r² − ρ²)/2rL² where the sheet is ρ away \
+        from the centre of the free surface, an arc of radius r. Sheets of 4 cells, 16 cells a unit, t/R0 = \
+        0.25 (with that thickness in the theory: slopes up to 4.3 % more, lengths 0.2 %).",
     quick: true,
     run: |mode| checks_or_failure("soft-sheet", open(mode)),
 };
@@ -23,9 +24,10 @@ pub const OPEN: Case = Case {
 pub const WRAP: Case = Case {
     name: "soft-wrapping",
     title: "From what size on a soft sheet wraps up a drop",
-    theory: "2D, no gravity: the same drop and sheet. Above a threshold of R0/L, L = √(B/γ), no open state exists (design, \
-        validation §4, 8b): at 0.9 times it the sheet stays open, at 1.1 times it wraps the drop, its ends beyond 90 degrees. \
-        Sheets of 4 cells, 16 cells a unit, t/R0 = 0.25 (with that thickness in the theory the thresholds are 6 % lower).",
+    theory: "2D, no gravity: the same drop and sheet. Above a threshold of R0/L, L = √(B/γ), no open state of \
+        that theory exists: at 0.9 times it the sheet stays open, at 1.1 times it wraps the drop, its ends \
+        beyond 90 degrees. Sheets of 4 cells, 16 cells a unit, t/R0 = 0.25 (with that thickness in the theory \
+        the thresholds are 6 % lower).",
     quick: true,
     run: |mode| checks_or_failure("soft-wrapping", wrap(mode)),
 };

@@ -87,30 +87,50 @@ impl<const D: usize> InvariantChecks<D> {
     pub fn check(&mut self, simulation: &Simulation<D>, report: &StepReport<D>) -> Vec<Violation> {
         let (model, state, ledger) = (&simulation.model, &simulation.state, &report.diagnostics);
         let mut found = StepViolations { step: state.step, time: state.time, all: Vec::new() };
-        found.at_most("not-finite", count_not_finite(ledger) as f64, 0.0, "sums over the liquid");
+        found.at_most(
+            "not-finite",
+            count_not_finite(ledger) as f64,
+            0.0,
+            "sums over the liquid that are not finite",
+        );
         self.check_energy(&mut found, simulation, ledger);
         self.check_momentum(&mut found, simulation, ledger);
         found.at_most(
             "volume-before",
             report.repairs.volume_shift / self.volume,
             MAX_VOLUME_ERROR,
-            "shifted in a step",
+            "share of the volume shifted in a step",
         );
         let leaked = report.repairs.leaked_volume / self.volume;
-        found.at_most("leak", leaked, MAX_VOLUME_ERROR, "came through a solid in a step");
+        found.at_most(
+            "leak",
+            leaked,
+            MAX_VOLUME_ERROR,
+            "share of the volume leaked through a solid in a step",
+        );
         let misplaced = ledger.volume_error.abs() * ledger.target_volume / self.volume;
-        found.at_most("volume", misplaced, MAX_VOLUME_ERROR, "misplaced");
-        found.at_most("volume", state.lost_volume / self.volume, MAX_VOLUME_ERROR, "lost");
+        found.at_most("volume", misplaced, MAX_VOLUME_ERROR, "share of the volume misplaced");
+        found.at_most(
+            "volume",
+            state.lost_volume / self.volume,
+            MAX_VOLUME_ERROR,
+            "share of the volume lost",
+        );
         found.at_most("speed", ledger.max_speed, MAX_SPEED_RATIO * self.speed, "m/s");
         let rigid = model.solids.iter().zip(&state.solids).filter(|(s, _)| s.motion == Motion::Free);
         let fastest = rigid.map(|(s, now)| s.max_speed(now)).fold(0.0, f64::max);
         found.at_most("solid-speed", fastest, MAX_SPEED_RATIO * self.speed, "m/s");
         if let Some(least) = ledger.least_element.filter(|least| *least <= 0.0) {
-            found.add("inverted", least, 0.0, "volume of an element over that at rest");
+            found.add("inverted", least, 0.0, "ratio of an element's volume to that at rest");
         }
         if state.step.is_multiple_of(CHECK_INTERVAL_STEPS) {
             let fields = state.velocity.axes.iter().chain([&state.phi.data]).flatten();
-            found.at_most("not-finite", fields.filter(|v| !v.is_finite()).count() as f64, 0.0, "fields");
+            found.at_most(
+                "not-finite",
+                fields.filter(|v| !v.is_finite()).count() as f64,
+                0.0,
+                "values of fields that are not finite",
+            );
             let allowed =
                 (MAX_OVERLAP_CELLS * model.grid.dx).max(self.overlap + MAX_OVERLAP_CELLS * model.grid.dx);
             if self.has_no_prescribed_motion {
@@ -144,7 +164,7 @@ impl<const D: usize> InvariantChecks<D> {
             "energy",
             (energy - self.energy) / self.scale,
             MAX_ENERGY_GROWTH,
-            "of its scale, over the start",
+            "energy above its initial value, over its scale",
         );
         self.recent_energies.push_back(energy);
         if self.recent_energies.len() > AVERAGING_STEPS {
@@ -152,7 +172,12 @@ impl<const D: usize> InvariantChecks<D> {
             let mean = self.recent_energies.iter().sum::<f64>() / AVERAGING_STEPS as f64;
             self.least_energy = self.least_energy.min(mean);
             let risen = (mean - self.least_energy) / self.scale;
-            found.at_most("energy-again", risen, MAX_ENERGY_GROWTH, "of its scale, over its least");
+            found.at_most(
+                "energy-again",
+                risen,
+                MAX_ENERGY_GROWTH,
+                "mean energy above its minimum, over its scale",
+            );
         }
     }
 
@@ -172,7 +197,7 @@ impl<const D: usize> InvariantChecks<D> {
         }
         let given = model.gravity * (self.mass * (state.time + state.velocity_lead));
         let off = (momentum(model, &state.solids, ledger) - self.momentum - given).norm();
-        found.at_most("momentum", off / scale, MAX_MOMENTUM_ERROR, "of the largest momentum");
+        found.at_most("momentum", off / scale, MAX_MOMENTUM_ERROR, "share of the largest momentum");
     }
 }
 

@@ -50,7 +50,7 @@ pub fn accepted_scene(subject: &Subject, tell: &mut dyn FnMut(&str)) -> Result<A
                 }
             }
             Err(format!(
-                "{MAX_ATTEMPTS} draws were refused, the last as {}",
+                "all {MAX_ATTEMPTS} generated scenes were refused, the last one because {}",
                 refused.last().map_or("", |r| r)
             ))
         }

@@ -96,11 +96,11 @@ fn same_bits<const D: usize>(
             let (one, other) = (fields(state), fields(wanted));
             let differ = one.iter().zip(&other).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
             let words =
-                format!("numbers of φ and velocity differ; time {:e} and {:e} s", state.time, wanted.time);
+                format!("values of φ and velocity differ; times {:e} and {:e} s", state.time, wanted.time);
             let value = differ as f64;
             vec![Violation { value, worst: value, time: wanted.time, ..broken(how, words) }]
         }
-        Err(error) => vec![broken(how, format!("the repeated run ends: {error}"))],
+        Err(error) => vec![broken(how, format!("the repeated run failed: {error}"))],
     }
 }
 
@@ -123,7 +123,7 @@ impl<const D: usize> Pair<'_, D> {
         while simulation.state.time < time * (1.0 - 1e-12) {
             (self.begins)();
             if let Err(error) = simulation.step(time - simulation.state.time, &mut |_| ()) {
-                return Some(vec![broken(self.how, format!("the image ends: {error}"))]);
+                return Some(vec![broken(self.how, format!("the transformed run failed: {error}"))]);
             }
         }
         let own = Simulation::resume(self.setup.model.clone(), self.end.state.clone()).diagnostics();
@@ -143,8 +143,8 @@ impl<const D: usize> Pair<'_, D> {
             }
         };
         let (of_energy, of_place) = if self.image.mirrored { MIRROR_TOLERANCES } else { SHIFT_TOLERANCES };
-        at_most(energies.abs() / self.scale, of_energy, "of the energy's scale");
-        at_most(share * off / scene.domain.dx, of_place, "cells between the centres of mass");
+        at_most(energies.abs() / self.scale, of_energy, "energy difference over the energy scale");
+        at_most(share * off / scene.domain.dx, of_place, "distance of the centres of mass, cells");
         Some(found)
     }
 }

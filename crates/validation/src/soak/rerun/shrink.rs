@@ -52,12 +52,12 @@ pub fn shrink(
             evidence::write_scene(&launch.out, &name, &text).map_err(|e| e.to_string())?;
             let its = launch.file(&path)?;
             if broke(&its) {
-                each(&format!("without {what}: still"));
+                each(&format!("without {what}: still violated"));
                 (scene, outcome, smaller) = (candidate, its, true);
                 dropped.push(what);
                 break;
             }
-            each(&format!("without {what}: no more"));
+            each(&format!("without {what}: no longer violated"));
             needed.push(what);
         }
         if !smaller {
@@ -82,7 +82,7 @@ fn candidates(scene: &Scene, outcome: &Outcome, kind: &str) -> Vec<(String, Scen
     for i in (0..scene.liquid.bodies.len()).filter(|_| scene.liquid.bodies.len() > 1) {
         let mut less = scene.clone();
         less.liquid.bodies.remove(i);
-        all.push((format!("a body of liquid ({i})"), less));
+        all.push((format!("liquid body {i}"), less));
     }
     let failed = outcome.violations.iter().find(|v| v.kind == kind && v.time > 0.0);
     if let Some(end) =
@@ -90,7 +90,7 @@ fn candidates(scene: &Scene, outcome: &Outcome, kind: &str) -> Vec<(String, Scen
     {
         let mut less = scene.clone();
         less.output.duration = end;
-        all.push(("the time after it".into(), less));
+        all.push(("the time after the violation".into(), less));
     }
     all.extend(features(scene));
     all
@@ -109,11 +109,11 @@ fn features(scene: &Scene) -> Vec<(String, Scene)> {
     less("open walls", &|s| s.domain.walls.iter_mut().flatten().for_each(|w| *w = Wall::Slip));
     less("wetting walls", &|s| s.domain.wall_contact_angle = FRAC_PI_2);
     less("hysteresis", &|s| s.contact_line.hysteresis = None);
-    less("the line's friction", &|s| s.contact_line.friction = 0.0);
-    less("the line's radius", &|s| s.contact_line.radius = None);
-    less("Neumann's balance", &|s| s.contact_line.neumann = false);
+    less("the contact-line friction", &|s| s.contact_line.friction = 0.0);
+    less("the contact-line radius", &|s| s.contact_line.radius = None);
+    less("the Neumann balance", &|s| s.contact_line.neumann = false);
     less("patches", &|s| s.tension.solids.iter_mut().for_each(|(_, w)| w.patches.clear()));
-    less("gradients of the angle", &|s| {
+    less("gradients of the contact angle", &|s| {
         for (_, wetting) in &mut s.tension.solids {
             if let SolidTension::Gradient { from, .. } = &wetting.tension {
                 wetting.tension = SolidTension::Angle(from.1);
@@ -125,8 +125,8 @@ fn features(scene: &Scene) -> Vec<(String, Scene)> {
     less("the liquid's velocity", &|s| s.liquid.bodies.iter_mut().for_each(|b| b.velocity.fill(0.0)));
     less("the solids' velocity", &|s| s.solids.iter_mut().for_each(|b| b.velocity.fill(0.0)));
     less("long or short steps", &|s| s.numerics.capillary_step = 5.0);
-    less("Newton's iterations", &|s| s.numerics.newton_iterations = 0);
-    less("angles other than 90 degrees", &|s| {
+    less("Newton iterations", &|s| s.numerics.newton_iterations = 0);
+    less("contact angles other than 90 degrees", &|s| {
         s.tension.solids.iter_mut().for_each(|(_, w)| w.tension = SolidTension::Angle(FRAC_PI_2));
     });
     less("shapes of liquid other than balls", &|s| {
