@@ -51,8 +51,8 @@ fn links(page: &str) -> Vec<(String, String)> {
 fn named_item(text: &str) -> Option<&str> {
     let name = text.strip_prefix('`')?.strip_suffix('`')?;
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
-    let words = name.split(|c| !is_word(c)).filter(|word| !word.is_empty());
-    words.last().filter(|_| !name.contains('.') && !name.contains('/'))
+    let mut words = name.split(|c| !is_word(c)).filter(|word| !word.is_empty());
+    words.next_back().filter(|_| !name.contains('.') && !name.contains('/'))
 }
 
 /// Whether a text contains a whole word.
@@ -73,10 +73,10 @@ fn links_lead_to_files_that_have_the_named_items() {
             let path = page.parent().unwrap().join(file);
             if !path.exists() {
                 wrong.push(format!("{}: no file {target}", page.display()));
-            } else if let Some(item) = named_item(&name).filter(|_| file.ends_with(".rs")) {
-                if !has_word(&std::fs::read_to_string(&path).unwrap(), item) {
-                    wrong.push(format!("{}: no `{item}` in {target}", page.display()));
-                }
+            } else if let Some(item) = named_item(&name).filter(|_| file.ends_with(".rs"))
+                && !has_word(&std::fs::read_to_string(&path).unwrap(), item)
+            {
+                wrong.push(format!("{}: no `{item}` in {target}", page.display()));
             }
         }
     }

@@ -146,12 +146,13 @@ fn finish(args: &RunArgs, scene: &Scene, mut summary: Summary, folder: &Folder) 
     report += shown.as_deref().unwrap_or_default();
     report += &repairs(&summary);
     let (expected, always) = summary.expect.split_at(scene.expect.len());
-    let verdicts = verdicts("expect", expected) + &verdicts("always", always);
+    let (expected, always) = (expected.iter().map(|v| ("expect", v)), always.iter().map(|v| ("always", v)));
+    let verdicts = expected.chain(always);
     if text {
-        print(&(report + &verdicts))?;
+        let lines: String = verdicts.map(|(group, v)| verdict_line(group, v) + "\n").collect();
+        print(&(report + &lines))?;
     } else if args.log == LogFormat::Text {
-        let missed = verdicts.lines().filter(|line| line.ends_with(MISSED_WORD));
-        missed.for_each(|line| eprintln!("{line}"));
+        verdicts.filter(|(_, v)| !v.pass).for_each(|(group, v)| eprintln!("{}", verdict_line(group, v)));
     }
     shown?;
     Ok(if summary.expect.iter().all(|v| v.pass) { 0 } else { MISSED })
@@ -179,16 +180,9 @@ fn short(value: f64) -> String {
     if value.fract() == 0.0 && value < 1e6 { format!("{value}") } else { format!("{value:.1e}") }
 }
 
-/// The last word of the line of a missed expectation.
-const MISSED_WORD: &str = "MISSED";
-
-/// A line per verdict; `whose` is `expect` for those of the scene, or `always` for the invariants.
-fn verdicts(whose: &str, verdicts: &[Verdict]) -> String {
-    let mut out = String::new();
-    for v in verdicts {
-        let value = v.value.map_or_else(|| "not measured".into(), |x| expect::format_value(x, &v.unit));
-        let verdict = if v.pass { "met" } else { MISSED_WORD };
-        let _ = writeln!(out, "{whose:<10}{}: {value} (required: {}) {verdict}", v.quantity, v.bar);
-    }
-    out
+/// The line of a verdict; `group` is `expect` for those of the scene, or `always` for the invariants.
+fn verdict_line(group: &str, v: &Verdict) -> String {
+    let value = v.value.map_or_else(|| "not measured".into(), |x| expect::format_value(x, &v.unit));
+    let verdict = if v.pass { "met" } else { "MISSED" };
+    format!("{group:<10}{}: {value} (required: {}) {verdict}", v.quantity, v.bar)
 }

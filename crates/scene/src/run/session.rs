@@ -143,7 +143,13 @@ impl<'a, const D: usize> Session<'a, D> {
             Ok(LoopExit::StopRequested(stop)) => stop.reason().to_string(),
             Err(error) => format!("failed: {error}"),
         };
-        let closed = self.close(&reason, left.is_ok(), observer);
+        // After the solver failed the state is the last good one; after a failure of the output it may be unwritable.
+        let is_state_good = match &left {
+            Ok(_) => true,
+            Err(RunError::Step { .. } | RunError::Solids { .. }) => self.state_is_finite(),
+            Err(_) => false,
+        };
+        let closed = self.close(&reason, is_state_good, observer);
         match (left, closed) {
             (Err(error), _) => Err(self.with_checkpoint(error)),
             (Ok(_), Err(error)) => Err(self.with_checkpoint(error)),
@@ -338,9 +344,13 @@ impl<'a, const D: usize> Session<'a, D> {
     }
 
     /// Writes the remaining output, after a failure as far as possible. The state is the last good one unless it is not finite.
-    fn close(&mut self, reason: &str, good: bool, observer: &mut dyn Observer) -> Result<Summary, RunError> {
-        let is_savable = good || reason.starts_with("failed: the solver") && self.state_is_finite();
-        let saved = if is_savable { self.write_checkpoint(observer) } else { Ok(()) };
+    fn close(
+        &mut self,
+        reason: &str,
+        is_state_good: bool,
+        observer: &mut dyn Observer,
+    ) -> Result<Summary, RunError> {
+        let saved = if is_state_good { self.write_checkpoint(observer) } else { Ok(()) };
         let written = self.series.sync();
         self.statistics.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
         let summary = self.summary(reason);
