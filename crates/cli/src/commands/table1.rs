@@ -32,7 +32,7 @@ struct Row {
     seconds: f64,
     /// Settings of the scene with which its first steps cost as much as later ones.
     set: &'static [&'static str],
-    /// What is special about the scene, after its name in the table.
+    /// A remark on the scene, which follows its name in the table.
     note: &'static str,
 }
 
@@ -167,7 +167,7 @@ fn page(rows: &[Compared], quick: bool, threads: usize) -> String {
     out
 }
 
-/// What was measured, where, and how the two columns of numbers may be compared.
+/// The text above the table: machine, program, quality, and how the paper's times differ from these.
 fn caption(quick: bool, threads: usize) -> String {
     let quality = if quick {
         "This is a trial: one step of each scene, on the coarse grids of `--quality draft`."

@@ -76,10 +76,12 @@ impl RunError {
 
     /// Exit status of a program that ends with this error.
     pub fn exit_status(&self) -> u8 {
-        match self {
-            Self::Step { .. } | Self::Solids { .. } | Self::NotFinite { .. } => 5,
-            _ => 4,
-        }
+        if self.is_solver_failure() { 5 } else { 4 }
+    }
+
+    /// Whether the solver failed, not input or output.
+    pub fn is_solver_failure(&self) -> bool {
+        matches!(self, Self::Step { .. } | Self::Solids { .. } | Self::NotFinite { .. })
     }
 
     /// The last good checkpoint, if there is one.

@@ -143,11 +143,10 @@ impl<'a, const D: usize> Session<'a, D> {
             Ok(LoopExit::StopRequested(stop)) => stop.reason().to_string(),
             Err(error) => format!("failed: {error}"),
         };
-        // After the solver failed the state is the last good one; after a failure of the output it may be unwritable.
+        // After a failure of the solver the state is the last good one, unless it is not finite.
         let is_state_good = match &left {
             Ok(_) => true,
-            Err(RunError::Step { .. } | RunError::Solids { .. }) => self.state_is_finite(),
-            Err(_) => false,
+            Err(error) => error.is_solver_failure() && self.state_is_finite(),
         };
         let closed = self.close(&reason, is_state_good, observer);
         match (left, closed) {
