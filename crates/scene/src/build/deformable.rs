@@ -51,10 +51,11 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
     })
 }
 
-/// Tension of the dry surface, N/m, for solids with surface tension. The liquid and the contact line add the difference where wetted.
+/// Tension of the dry surface, N/m: the given one under `neumann`, else the least that is admissible. The liquid and the contact
+/// line add the difference where it is wetted.
 fn dry_surface_tension(scene: &Scene, spec: &SolidSpec) -> Result<Option<f64>, SceneError> {
     if !scene.contact_line.neumann {
-        return Ok(None);
+        return Ok(least_dry_tension(scene, spec));
     }
     let name = &spec.name;
     let refuse = |message: String, help: String| {
@@ -82,6 +83,15 @@ fn dry_surface_tension(scene: &Scene, spec: &SolidSpec) -> Result<Option<f64>, S
             ),
         ),
     }
+}
+
+/// The least tension of a dry surface, N/m, with which its tension where liquid wets it, `γ_sa − γ cos θ_Y`, is nowhere negative. A
+/// negative tension has no ground state: a surface soft enough to be stretched by it folds at the size of its facets.
+fn least_dry_tension(scene: &Scene, spec: &SolidSpec) -> Option<f64> {
+    let (_, wetting) = scene.tension.solids.iter().find(|(name, _)| *name == spec.name)?;
+    let [_, largest_cosine] = wetting.cosines(scene.tension.liquid_air);
+    let is_needed = scene.contact_line.enabled && largest_cosine > 0.0;
+    is_needed.then(|| scene.tension.liquid_air * largest_cosine.min(1.0))
 }
 
 /// The constitutive law of a deformable solid, and its damping ratio.

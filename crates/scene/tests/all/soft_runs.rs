@@ -105,3 +105,28 @@ fn newton_iterations_are_asked_for() {
     let warnings = load(&format!("{rigid}{}", with(2))).unwrap().warnings.0;
     assert!(warnings.iter().any(|w| w.message.contains("no solid deforms")), "{warnings:?}");
 }
+
+/// The energy of the surface of the block at rest, over its perimeter, N/m.
+fn dry_tension(own: &str) -> f64 {
+    let text = SCENE.replace("LEVEL", "\"6 mm\"").replace("block = { contact_angle = \"90 deg\" }", own);
+    let scene = Scene::from_text("soft-runs.toml", &text, Path::new(""), &LoadOptions::default());
+    let scene = scene.unwrap_or_else(|e| panic!("{}", e.render()));
+    let setup = build::setup::<2>(&scene).unwrap_or_else(|e| panic!("{}", e.render()));
+    let body = setup.model.solids[0].elastic().expect("a solid that deforms");
+    body.elastic_energy(&body.rest_mesh().positions) / 28e-3
+}
+
+/// The tension of a wetted surface, that of the dry one less `γ cos θ`, is zero below 90 degrees and positive above.
+#[test]
+fn no_tension_of_a_solid_is_negative() {
+    for (own, tension) in [
+        ("block = { contact_angle = \"60 deg\" }", 0.01),
+        ("block = { contact_angle = \"120 deg\" }", 0.0),
+        ("block = { liquid_solid = \"10 mN/m\", solid_air = \"24 mN/m\" }", 0.014),
+        ("block = { liquid_solid = \"10 mN/m\", solid_air = \"94 mN/m\" }", 0.02),
+        ("block = { contact_angle = \"60 deg\" }\n[contact_line]\nenabled = false", 0.0),
+    ] {
+        let found = dry_tension(own);
+        assert!((found - tension).abs() < 1e-12, "{own}: {found}");
+    }
+}

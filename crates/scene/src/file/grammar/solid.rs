@@ -272,7 +272,8 @@ pub struct ContactLineFile {
     pub radius: Option<Length>,
     /// Whether deformable solids are subject to the tensions of their own surface, `liquid_solid` where it is
     /// wetted and `solid_air` where it is dry, so that three tensions balance at the line (Neumann). Both
-    /// tensions must be given. `false` by default: only the balance along the solid holds (Young).
+    /// tensions must be given. `false` by default: only the balance along the solid holds (Young), and the
+    /// tensions are the least that give the contact angle and are not negative.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub neumann: Option<bool>,
     /// Contact-line friction, a force per length and speed, 0 or more: one value, or a table by solid; 0 by
