@@ -1,9 +1,10 @@
 //! State of a deformable solid.
 
 use meniscus_numerics::Vector;
+use serde::{Deserialize, Serialize};
 
 /// Positions and velocities of the vertices of a solid.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ElasticState<const D: usize> {
     /// Positions, m.
     pub positions: Vec<Vector<D>>,

@@ -5,9 +5,10 @@ use crate::components::group::RigidMotion;
 use crate::solid::SolidState;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, FaceField, Grid};
+use serde::{Deserialize, Serialize};
 
 /// All data that a time step reads and updates. Plain data: a state that is written to a checkpoint and read back has the same bits.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State<const D: usize> {
     /// Time, s.
     pub time: f64,
@@ -51,7 +52,7 @@ pub struct State<const D: usize> {
 }
 
 /// A connected component of the liquid.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Component<const D: usize> {
     /// Target volume, m³ (2D: m²).
     pub target_volume: f64,

@@ -7,6 +7,7 @@ mod field;
 mod interpolate;
 mod runs;
 mod segment;
+mod serialise;
 mod tiles;
 mod velocity_extension;
 

@@ -1,25 +1,25 @@
 //! Checkpoints: all that a run needs to continue bit for bit.
 //!
-//! A file consists of: magic, format version, length of the header, header (`postcard`), the fields of the state as little-endian `f64`
-//! in LZ4 blocks, and a checksum of everything before it. Files are written atomically. The last two are kept, so that a damaged one
-//! costs some steps and not the run.
+//! A file consists of: magic, format version, blocks, and a checksum of everything before it. The blocks hold the `Content` (`postcard`,
+//! numbers with all their bits) in LZ4, each after its length; an empty one is the last. Files are written atomically. The last two are
+//! kept, so that a damaged one costs some steps and not the run.
 
 use crate::job::RunStatistics;
 use crate::output::atomic_file::{self, FileError};
-use meniscus_elastic::ElasticState;
 use meniscus_numerics::grid::Grid;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Component, ContactKey, Slip, Slips, Soft, SolidState, State};
+use meniscus_sim::State;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 const MAGIC: &[u8; 8] = b"MENISCKP";
-const VERSION: u32 = 14;
-/// Values per compressed block (4 MiB).
-const VALUES_PER_BLOCK: usize = 1 << 19;
+const VERSION: u32 = 15;
+/// Bytes per block before compression.
+const BLOCK_BYTES: usize = 1 << 22;
+/// Blocks that are compressed side by side.
+const BLOCKS_TOGETHER: usize = 8;
 /// Number of checkpoints that are kept.
 const CHECKPOINTS_KEPT: usize = 2;
 
@@ -47,143 +47,12 @@ pub enum CheckpointError {
     },
 }
 
+/// What a checkpoint holds: `S` is the state, or a reference to it where it is written.
 #[derive(Serialize, Deserialize)]
-struct Header {
+struct Content<S> {
     scene: u64,
-    cells: Vec<u64>,
-    dx: f64,
-    step: u64,
-    /// The scalar fields of the state, in the order in which `write` lists them.
-    scalars: [f64; 12],
-    components: Vec<ComponentRecord>,
-    /// Per solid: centre, rotation by columns, velocity, angular velocity, forces, contact acceleration; for a deformable solid also its
-    /// time, all positions, and all velocities.
-    solids: Vec<Vec<f64>>,
-    /// Per elastic slip the two points and the other solid.
-    contacts: Vec<[u32; 3]>,
-    /// Per elastic slip its record of numbers.
-    slips: Vec<f64>,
-    tally: RunStatistics,
-    /// Bytes of each compressed block, per array: φ, pressure impulse, then the velocity along each axis.
-    blocks: Vec<Vec<u64>>,
-}
-
-#[derive(Serialize, Deserialize)]
-struct ComponentRecord {
-    target_volume: f64,
-    volume: f64,
-    /// Centroid, lower, upper, velocity.
-    vectors: [Vec<f64>; 4],
-    angular_momentum_per_density: [f64; 3],
-}
-
-fn solid_record<'a, const D: usize>(solid: &'a SolidState<D>) -> Vec<f64> {
-    let SolidState {
-        center,
-        rotation,
-        velocity,
-        angular_velocity,
-        pressure_force,
-        contact_line_force,
-        contact_acceleration,
-        soft,
-    } = solid;
-    let motion = center.iter().chain(rotation).chain(velocity).chain(angular_velocity);
-    let vertices = |s: &'a Soft<D>| s.state.positions.iter().chain(&s.state.velocities);
-    let vertices = soft.iter().flat_map(vertices).flatten();
-    let time = soft.iter().map(|s| &s.state.time);
-    let forces = pressure_force.iter().chain(contact_line_force).chain(contact_acceleration);
-    motion.chain(forces).chain(time).chain(vertices).copied().collect()
-}
-
-fn decode_solid<const D: usize>(record: &[f64]) -> Option<SolidState<D>> {
-    let (record, vertices) = record.split_at_checked(5 * D + D * D + 3)?;
-    let (time, vertices) = vertices.split_at(vertices.len().min(1));
-    let (vertices, rest) = vertices.as_chunks::<D>();
-    if !rest.is_empty() || vertices.len() % 2 != 0 {
-        return None;
-    }
-    let vertices: Vec<Vector<D>> = vertices.iter().map(|v| Vector::from(*v)).collect();
-    let (positions, velocities) = vertices.split_at(vertices.len() / 2);
-    let (positions, velocities) = (positions.to_vec(), velocities.to_vec());
-    let soft = |time: &f64| Soft::without_surface(ElasticState { positions, velocities, time: *time });
-    let soft = time.first().map(soft);
-    let (center, rest) = record.split_at(D);
-    let (rotation, rest) = rest.split_at(D * D);
-    let (velocity, rest) = rest.split_at(D);
-    let (angular_velocity, rest) = rest.split_at(3);
-    let (pressure_force, rest) = rest.split_at(D);
-    let (line_force, rest) = rest.split_at(D);
-    Some(SolidState {
-        center: Vector::from_column_slice(center),
-        rotation: Matrix::from_column_slice(rotation),
-        velocity: Vector::from_column_slice(velocity),
-        angular_velocity: angular_velocity.try_into().ok()?,
-        pressure_force: Vector::from_column_slice(pressure_force),
-        contact_line_force: Vector::from_column_slice(line_force),
-        contact_acceleration: Vector::from_column_slice(rest),
-        soft,
-    })
-}
-
-fn slip_record<const D: usize>(slip: &Slip<D>) -> Vec<f64> {
-    let Slip { displacement, rate, friction_limit } = slip;
-    displacement.iter().chain(rate).chain([friction_limit]).copied().collect()
-}
-
-fn decode_slips<const D: usize>(touches: &[[u32; 3]], slips: &[f64]) -> Option<Slips<D>> {
-    let records = slips.chunks_exact(2 * D + 1);
-    if slips.len() != touches.len() * (2 * D + 1) {
-        return None;
-    }
-    let slip = |([first, last, other], record): (&[u32; 3], &[f64])| {
-        let (displacement, rest) = record.split_at(D);
-        let (rate, hold) = rest.split_at(D);
-        let (displacement, rate) = (Vector::from_column_slice(displacement), Vector::from_column_slice(rate));
-        (
-            ContactKey { points: [*first, *last], other: *other },
-            Slip { displacement, rate, friction_limit: hold[0] },
-        )
-    };
-    Some(touches.iter().zip(records).map(slip).collect())
-}
-
-impl ComponentRecord {
-    fn of<const D: usize>(drop: &Component<D>) -> Self {
-        let Component {
-            target_volume,
-            volume,
-            centroid,
-            lower,
-            upper,
-            velocity,
-            angular_momentum_per_density,
-        } = drop;
-        let vectors = [centroid, lower, upper, velocity].map(|v| v.iter().copied().collect());
-        Self {
-            target_volume: *target_volume,
-            volume: *volume,
-            vectors,
-            angular_momentum_per_density: *angular_momentum_per_density,
-        }
-    }
-
-    fn decode<const D: usize>(&self) -> Option<Component<D>> {
-        if self.vectors.iter().any(|v| v.len() != D) {
-            return None;
-        }
-        let [centroid, lower, upper, velocity] =
-            [0, 1, 2, 3].map(|i| Vector::<D>::from_fn(|a, _| self.vectors[i][a]));
-        Some(Component {
-            target_volume: self.target_volume,
-            volume: self.volume,
-            centroid,
-            lower,
-            upper,
-            velocity,
-            angular_momentum_per_density: self.angular_momentum_per_density,
-        })
-    }
+    statistics: RunStatistics,
+    state: S,
 }
 
 /// Writes the checkpoint of a state into a folder, then removes those that are too old.
@@ -196,87 +65,78 @@ pub fn write<const D: usize>(
     state: &State<D>,
     tally: &RunStatistics,
 ) -> Result<PathBuf, FileError> {
-    // Every field is named: a new field must be written to the file, or a resumed run differs.
-    let State {
-        time,
-        step,
-        last_dt,
-        velocity_lead,
-        impulse_time,
-        collision_free_dt,
-        displacement_since_redistancing,
-        phi,
-        velocity,
-        pressure_impulse,
-        components,
-        solids,
-        elastic_slips,
-        lost_volume,
-        outflow_volume,
-        outflow_kinetic_energy,
-        outflow_stored_energy,
-        kinetic_energy,
-        effective_surface_area,
-    } = state;
-    let fields = [&phi.data, &pressure_impulse.data].into_iter().chain(&velocity.axes);
-    let arrays: Vec<Vec<Vec<u8>>> = fields.map(|array| compress(array)).collect();
-    let header = Header {
-        scene,
-        cells: phi.grid.cells.iter().map(|&n| n as u64).collect(),
-        dx: phi.grid.dx,
-        step: *step,
-        scalars: [
-            *time,
-            *last_dt,
-            *velocity_lead,
-            *impulse_time,
-            *collision_free_dt,
-            *displacement_since_redistancing,
-            *lost_volume,
-            *outflow_volume,
-            *outflow_kinetic_energy,
-            *outflow_stored_energy,
-            *kinetic_energy,
-            *effective_surface_area,
-        ],
-        components: components.iter().map(ComponentRecord::of).collect(),
-        solids: solids.iter().map(solid_record).collect(),
-        contacts: elastic_slips.keys().map(|t| [t.points[0], t.points[1], t.other]).collect(),
-        slips: elastic_slips.values().flat_map(slip_record).collect(),
-        tally: tally.clone(),
-        blocks: arrays.iter().map(|blocks| blocks.iter().map(|b| b.len() as u64).collect()).collect(),
-    };
-    let path = folder.join(format!("step_{step:08}.ckpt"));
-    let header = postcard::to_stdvec(&header).map_err(|e| FileError {
-        action: "write",
-        path: path.clone(),
-        source: std::io::Error::other(e),
-    })?;
+    let path = folder.join(format!("step_{:08}.ckpt", state.step));
+    let content = Content { scene, statistics: tally.clone(), state };
     atomic_file::write_atomically(&path, |writer| {
-        let mut sum = Checksum::default();
-        let mut put = |bytes: &[u8]| {
-            sum.update(bytes);
-            writer.write_all(bytes)
-        };
-        put(MAGIC)?;
-        put(&VERSION.to_le_bytes())?;
-        put(&(header.len() as u64).to_le_bytes())?;
-        put(&header)?;
-        arrays.iter().flatten().try_for_each(|block| put(block))?;
-        writer.write_all(&sum.value().to_le_bytes())
+        let mut file = Summed { writer, sum: Checksum::default() };
+        file.write_all(MAGIC)?;
+        file.write_all(&VERSION.to_le_bytes())?;
+        let blocks = Blocks { file: &mut file, waiting: Vec::new() };
+        postcard::to_io(&content, blocks).map_err(io::Error::other)?.finish()?;
+        let sum = file.sum.value();
+        file.writer.write_all(&sum.to_le_bytes())
     })?;
     remove_old(folder);
     Ok(path)
 }
 
-fn compress(array: &[f64]) -> Vec<Vec<u8>> {
-    array
-        .par_chunks(VALUES_PER_BLOCK)
-        .map(|values| {
-            let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-            lz4_flex::block::compress(&bytes)
+/// A writer that sums up what it writes.
+struct Summed<W> {
+    writer: W,
+    sum: Checksum,
+}
+
+impl<W: Write> Write for Summed<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.writer.write(bytes)?;
+        self.sum.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
+    }
+}
+
+/// A writer of compressed blocks.
+struct Blocks<W> {
+    file: W,
+    waiting: Vec<u8>,
+}
+
+impl<W: Write> Blocks<W> {
+    /// Compresses and writes all that waits.
+    fn write_blocks(&mut self) -> io::Result<()> {
+        let compressed: Vec<Vec<u8>> =
+            self.waiting.par_chunks(BLOCK_BYTES).map(lz4_flex::block::compress_prepend_size).collect();
+        self.waiting.clear();
+        compressed.iter().try_for_each(|block| {
+            self.file.write_all(&(block.len() as u64).to_le_bytes())?;
+            self.file.write_all(block)
         })
-        .collect()
+    }
+
+    /// Writes what waits, and the end of the blocks.
+    fn finish(mut self) -> io::Result<()> {
+        self.write_blocks()?;
+        self.file.write_all(&0u64.to_le_bytes())
+    }
+}
+
+impl<W: Write> Write for Blocks<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let room = BLOCK_BYTES * BLOCKS_TOGETHER - self.waiting.len();
+        let taken = bytes.len().min(room);
+        self.waiting.extend_from_slice(&bytes[..taken]);
+        if taken == room {
+            self.write_blocks()?;
+        }
+        Ok(taken)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 fn remove_old(folder: &Path) {
@@ -319,20 +179,23 @@ pub fn read<const D: usize>(
     let bytes = std::fs::read(path).map_err(FileError::of("read", path))?;
     let foreign = |what| CheckpointError::Foreign { path: path.to_path_buf(), what };
     let damaged = |what: &str| CheckpointError::Damaged { path: path.to_path_buf(), what: what.to_string() };
-    let (head, body) = verify(&bytes).map_err(|what| match what {
+    let blocks = verify(&bytes).map_err(|what| match what {
         Fault::Version => foreign("version of Meniscus"),
         Fault::Damage(what) => damaged(what),
     })?;
-    let header: Header = postcard::from_bytes(head).map_err(|_| damaged("its header cannot be read"))?;
-    if header.scene != scene {
+    let content = decompress(blocks).ok_or_else(|| damaged("its blocks cannot be read"))?;
+    // The scene comes first: a state of another one may have another number of dimensions.
+    let (own, _): (u64, _) =
+        postcard::take_from_bytes(&content).map_err(|_| damaged("it does not name its scene"))?;
+    if own != scene {
         return Err(foreign("scene"));
     }
-    let same_cells = header.cells.iter().map(|&n| n as usize).eq(grid.cells);
-    if !same_cells || header.dx.to_bits() != grid.dx.to_bits() {
+    let content: Content<State<D>> =
+        postcard::from_bytes(&content).map_err(|_| damaged("its state cannot be read"))?;
+    if content.state.phi.grid != grid {
         return Err(foreign("grid"));
     }
-    let state = decode_state(&header, body, grid).ok_or_else(|| damaged("its fields are incomplete"))?;
-    Ok((state, header.tally))
+    Ok((content.state, content.statistics))
 }
 
 enum Fault {
@@ -340,75 +203,41 @@ enum Fault {
     Damage(&'static str),
 }
 
-/// Checks magic, version and checksum. Returns the header and the bytes after it.
-fn verify(bytes: &[u8]) -> Result<(&[u8], &[u8]), Fault> {
+/// Checks magic, version and checksum. Returns the blocks.
+fn verify(bytes: &[u8]) -> Result<&[u8], Fault> {
     let cut = Fault::Damage("it is truncated");
-    let Some((start, rest)) = bytes.split_at_checked(20) else { return Err(cut) };
+    let Some((start, rest)) = bytes.split_at_checked(12) else { return Err(cut) };
     if start[..8] != *MAGIC {
         return Err(Fault::Damage("it does not start with the signature of a checkpoint"));
     }
     if start[8..12] != VERSION.to_le_bytes() {
         return Err(Fault::Version);
     }
-    let Some(covered) = bytes.len().checked_sub(8).filter(|&n| n >= 20) else { return Err(cut) };
+    let Some(covered) = bytes.len().checked_sub(8).filter(|&n| n >= 12) else { return Err(cut) };
     let mut sum = Checksum::default();
     sum.update(&bytes[..covered]);
     if bytes[covered..] != sum.value().to_le_bytes() {
         return Err(Fault::Damage("its checksum is wrong"));
     }
-    let length = start[12..].iter().rev().fold(0u64, |n, &b| (n << 8) | u64::from(b));
-    rest[..covered - 20].split_at_checked(length as usize).ok_or(cut)
+    rest.get(..covered - 12).ok_or(cut)
 }
 
-fn decode_state<const D: usize>(header: &Header, body: &[u8], grid: Grid<D>) -> Option<State<D>> {
-    if header.blocks.len() != D + 2 {
-        return None;
-    }
-    let mut state = State::empty(grid);
-    let mut rest = body;
-    let arrays =
-        [&mut state.phi.data, &mut state.pressure_impulse.data].into_iter().chain(&mut state.velocity.axes);
-    for (array, blocks) in arrays.zip(&header.blocks) {
-        rest = decompress(array, blocks, rest)?;
-    }
-    let n = header.scalars;
-    [
-        state.time,
-        state.last_dt,
-        state.velocity_lead,
-        state.impulse_time,
-        state.collision_free_dt,
-        state.displacement_since_redistancing,
-        state.lost_volume,
-        ..,
-    ] = n;
-    [.., state.outflow_volume, state.outflow_kinetic_energy, state.outflow_stored_energy, _, _] = n;
-    [.., state.kinetic_energy, state.effective_surface_area] = n;
-    state.step = header.step;
-    state.components = header.components.iter().map(ComponentRecord::decode).collect::<Option<_>>()?;
-    state.solids = header.solids.iter().map(|r| decode_solid(r)).collect::<Option<_>>()?;
-    state.elastic_slips = decode_slips(&header.contacts, &header.slips)?;
-    Some(state)
-}
-
-fn decompress<'a>(array: &mut [f64], blocks: &[u64], body: &'a [u8]) -> Option<&'a [u8]> {
-    if blocks.len() != array.len().div_ceil(VALUES_PER_BLOCK) {
-        return None;
-    }
-    let mut rest = body;
-    for (values, &length) in array.chunks_mut(VALUES_PER_BLOCK).zip(blocks) {
-        let (block, after) = rest.split_at_checked(length as usize)?;
-        let raw = lz4_flex::block::decompress(block, values.len() * 8).ok()?;
-        let (words, tail) = raw.as_chunks::<8>();
-        if words.len() != values.len() || !tail.is_empty() {
-            return None;
+/// The content of blocks.
+fn decompress(mut blocks: &[u8]) -> Option<Vec<u8>> {
+    let mut compressed = Vec::new();
+    loop {
+        let (length, rest) = blocks.split_first_chunk::<8>()?;
+        let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
+        if length == 0 {
+            break;
         }
-        for (value, word) in values.iter_mut().zip(words) {
-            *value = f64::from_le_bytes(*word);
-        }
-        rest = after;
+        let (block, rest) = rest.split_at_checked(length)?;
+        compressed.push(block);
+        blocks = rest;
     }
-    Some(rest)
+    let parts: Option<Vec<Vec<u8>>> =
+        compressed.par_iter().map(|block| lz4_flex::block::decompress_size_prepended(block).ok()).collect();
+    Some(parts?.concat())
 }
 
 /// A 64-bit checksum that detects any single damaged bit: FNV-1a over 8-byte words. Independent of how the bytes are chunked.

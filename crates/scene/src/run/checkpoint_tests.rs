@@ -1,7 +1,9 @@
 //! Tests: checkpoints hold a whole state, and damaged or foreign ones are refused.
 
 use super::*;
-use meniscus_sim::Repairs;
+use meniscus_elastic::ElasticState;
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{Component, ContactKey, Repairs, Slip, Soft, SolidState};
 
 fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("meniscus-{name}-{}", std::process::id()));

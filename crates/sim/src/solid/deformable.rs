@@ -8,6 +8,7 @@ use super::surface::{SolidSurface, SurfacePoint};
 use meniscus_elastic::{Elastic, ElasticState};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::SurfaceMesh;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Time, s, of the difference that gives anchored vertices their initial velocity.
@@ -17,12 +18,17 @@ const INITIAL_DIFFERENCE_TIME: f64 = 1e-9;
 pub type FluxRow = (u32, Vec<(u32, f64)>);
 
 /// Position and velocity of a deformable solid.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Soft<const D: usize> {
     /// Positions and velocities of the mesh's vertices.
     pub state: ElasticState<D>,
-    /// The surface at these positions.
+    /// The surface at these positions. It follows from them: it is not written, and [`crate::Simulation::resume`] makes it anew.
+    #[serde(skip, default = "no_surface")]
     pub surface: Arc<SolidSurface<D>>,
+}
+
+fn no_surface<const D: usize>() -> Arc<SolidSurface<D>> {
+    Arc::new(SolidSurface::new(SurfaceMesh::default(), Vec::new()))
 }
 
 impl<const D: usize> PartialEq for Soft<D> {
@@ -42,7 +48,7 @@ impl<const D: usize> Soft<D> {
 
     /// The solid as stored in a checkpoint; [`crate::Simulation::resume`] adds its surface.
     pub fn without_surface(state: ElasticState<D>) -> Self {
-        Self { state, surface: Arc::new(SolidSurface::new(SurfaceMesh::default(), Vec::new())) }
+        Self { state, surface: no_surface() }
     }
 
     /// The solid in a given state.

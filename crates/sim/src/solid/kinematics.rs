@@ -11,6 +11,7 @@ use meniscus_elastic::Elastic;
 use meniscus_numerics::grid::EmbeddedBoundary;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// A solid, rigid or deformable.
@@ -91,7 +92,7 @@ pub struct PrescribedMotion<const D: usize> {
 }
 
 /// Position and motion of a solid. Plain data.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolidState<const D: usize> {
     /// Centre of mass, m.
     pub center: Vector<D>,

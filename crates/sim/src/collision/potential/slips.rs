@@ -4,6 +4,7 @@ use crate::collision::points::{BARRIER_REACH_CELLS, PointOwner};
 use crate::model::Model;
 use meniscus_contact::{Friction, FrictionPair};
 use meniscus_numerics::Vector;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Elastic slip at which sliding starts, in activation distances of the barrier. It is a few times `CONVERGENCE_TOLERANCE` of
@@ -13,7 +14,7 @@ const MAX_ELASTIC_SLIP_REACHES: f64 = 3e-3;
 
 /// Identifies the contact of a slip. A point or an edge has one contact with all facets and edges of another solid, so its slip persists
 /// when it slides from one to the next.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct ContactKey {
     /// Points of the first edge; twice the same for a point.
     pub points: [u32; 2],
@@ -22,7 +23,7 @@ pub struct ContactKey {
 }
 
 /// Elastic slip of a contact. Limit: it does not rotate with a common rotation of both solids about the normal.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Slip<const D: usize> {
     /// Current slip of the first feature along the other, m.
     pub displacement: Vector<D>,
