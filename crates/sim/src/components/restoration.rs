@@ -23,8 +23,8 @@ pub fn subtract_solid_impulses<const D: usize>(
 ) {
     let count = groups.iter().flat_map(|g| &g.new).max().map_or(0, |c| c + 1);
     let mut sums = vec![Impulse::zero(); count];
-    for ((component, _), impulse) in given.iter().flat_map(|g| &g.pairs) {
-        sums[*component as usize].add(impulse, 1.0);
+    for (pair, impulse) in given.iter().flat_map(|g| &g.pairs) {
+        sums[pair.component as usize].add(impulse, 1.0);
     }
     for group in groups {
         let Some(whole) = &mut group.target_motion else { continue };

@@ -13,7 +13,7 @@
 //! compromise, not a derivation: sliding drops roll more, and are too fast by a factor of 1.3 (ν = 1) to 1.7 (ν = 0.03, 12
 //! cells a radius) in 2D and up to 2.6 in 3D.
 
-use crate::coupling::impulses::CouplingImpulses;
+use crate::coupling::impulses::{ComponentSolid, CouplingImpulses};
 use crate::free_surface::dual_cell::DualCell;
 use crate::free_surface::interface_faces::InterfaceFace;
 use crate::model::Model;
@@ -221,7 +221,8 @@ pub fn line_friction_impulses<const D: usize>(
             let mut impulse = Vector::<D>::zeros();
             impulse[f.axis] =
                 model.density * model.grid.cell_volume() * f.volume_cells * hold.impulse_on_solid(u);
-            exchange.add_at((component, hold.solid), &state.solids[hold.solid as usize], &x, impulse);
+            let pair = ComponentSolid { component, solid: hold.solid };
+            exchange.add_at(pair, &state.solids[hold.solid as usize], &x, impulse);
         }
     }
     exchange

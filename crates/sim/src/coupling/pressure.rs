@@ -11,7 +11,7 @@
 //! away. The gradient of a first solution gives the missing impulse on the solids
 //! ([`PressureCoupling::off_center_impulses`]), which acts before a second solve.
 
-use super::impulses::{CouplingImpulses, Impulse};
+use super::impulses::{ComponentSolid, CouplingImpulses, Impulse};
 use crate::collision::points::angular_to_node;
 use crate::collision::solid_response::SolidResponse;
 use crate::model::Model;
@@ -184,11 +184,12 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
         for (w, grip) in self.wetted_surfaces {
             let Some(component) = label(w.cell as usize) else { continue };
             let (linear, angular) = push(w);
+            let pair = ComponentSolid { component, solid: w.solid };
             match grip {
-                Some(grip) => exchange.add_at_surface_point((component, w.solid), grip, linear * scale),
+                Some(grip) => exchange.add_at_surface_point(pair, grip, linear * scale),
                 None => {
                     let angular = angular * (scale * self.model.grid.dx);
-                    exchange.add((component, w.solid), &Impulse { linear: linear * scale, angular }, 1.0);
+                    exchange.add(pair, &Impulse { linear: linear * scale, angular }, 1.0);
                 }
             }
         }

@@ -267,9 +267,9 @@ pub fn prescribed_solid_work<const D: usize>(
     given: &[CouplingImpulses<D>; 3],
 ) -> f64 {
     let mut work = 0.0;
-    for ((_, solid), impulse) in given.iter().flat_map(|g| &g.pairs) {
-        let now = &state.solids[*solid as usize];
-        if model.solids[*solid as usize].motion.is_prescribed() {
+    for (pair, impulse) in given.iter().flat_map(|g| &g.pairs) {
+        let now = &state.solids[pair.solid as usize];
+        if model.solids[pair.solid as usize].motion.is_prescribed() {
             let turning = impulse.moment_about(&now.center).dot(&Vector::<3>::from(now.angular_velocity));
             work -= impulse.linear.dot(&now.velocity) + turning;
         }
