@@ -5,6 +5,7 @@
 //! velocities. The line search prevents collisions and inversion up to the end of the coming step, and makes the potential decrease.
 
 use super::points::BARRIER_REACH_CELLS;
+use super::solid_response::BaseLoads;
 pub use super::solid_response::SolidResponse;
 
 pub use super::points::{CollisionPoints, angular_to_node};
@@ -210,6 +211,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
     }
 
     /// Response of the solids about the current velocities. The `solids` get these velocities; `dragged` faces are tied to them.
+    /// `phi` is the signed distance to the interface in each cell (m), and `open` holds the open fractions of the faces.
     ///
     /// # Errors
     /// [`SolveError::NotPositiveDefinite`], also where the memory for the matrix or its factor does not
@@ -218,7 +220,8 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         &mut self,
         solids: &mut [SolidState<D>],
         dragged: &mut [DraggedFace],
-        (phi, open): (&[f64], &FaceField<D>),
+        phi: &[f64],
+        open: &FaceField<D>,
     ) -> Result<SolidResponse<D>, SolveError> {
         let failed = SolveError::NotPositiveDefinite { step: self.potential.impulse_time };
         self.potential.pressure_impulses.fill(Vector::zeros());
@@ -248,7 +251,8 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             matrix.add_product(&prescribed_change, &mut pushed);
             base.iter_mut().zip(&pushed).for_each(|(r, p)| *r -= p);
         }
-        Ok(SolidResponse::new(model, before, points, solution, (base, prescribed_change), ties))
+        let loads = BaseLoads { impulses: base, prescribed_change, ties };
+        Ok(SolidResponse::new(model, before, points, solution, loads))
     }
 
     /// Options of the pressure solve in this iteration.

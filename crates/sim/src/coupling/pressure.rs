@@ -52,11 +52,12 @@ pub fn wetted_surfaces<const D: usize>(
 }
 
 impl<'a, const D: usize> PressureCoupling<'a, D> {
-    /// Coupling at these surfaces.
+    /// Coupling at these surfaces; `response` is that of the solids, if any is movable.
     pub fn new(
         model: &'a Model<D>,
         wetted_surfaces: &'a [WettedSurface<D>],
-        (solids, response): (&'a [SolidState<D>], Option<&'a SolidResponse<D>>),
+        solids: &'a [SolidState<D>],
+        response: Option<&'a SolidResponse<D>>,
     ) -> Self {
         Self { model, solids, response, wetted_surfaces }
     }
@@ -372,7 +373,7 @@ mod tests {
         let open = FaceField::zeros(model.grid);
         model
             .has_dynamic_solids()
-            .then(|| descent.linearise(&mut solids.to_vec(), &mut [], (&[], &open)).unwrap())
+            .then(|| descent.linearise(&mut solids.to_vec(), &mut [], &[], &open).unwrap())
     }
 
     fn ball<const D: usize>(radius: f64) -> Shape<D> {

@@ -185,7 +185,7 @@ fn solve_with_dynamic_solids<const D: usize>(
     loop {
         iteration += 1;
         let response =
-            newton.linearise(&mut state.solids, dragged, (&state.phi.data, &work.cut_cells.open_fraction))?;
+            newton.linearise(&mut state.solids, dragged, &state.phi.data, &work.cut_cells.open_fraction)?;
         state.velocity.clone_from(&start);
         let parts =
             (&work.band, &work.liquid, work.known_faces.liquid_faces(), &mut work.cut_cells, &wet[..]);

@@ -273,7 +273,7 @@ impl<'a, const D: usize> Potential<'a, D> {
                 }
                 SdfPair::Rigid(p, solid, part_of) => {
                     let (start, end) = (&start[p as usize], &end[p as usize]);
-                    let far = one.distance_to_rigid((solid, part_of), start) - thickness;
+                    let far = one.distance_to_rigid(solid, part_of, start) - thickness;
                     let length = Sweep { from: &one, to: &other }.path_length_bound(solid, start, end);
                     if length > (1.0 - kept_fraction) * far {
                         part = part.min((1.0 - kept_fraction) * far / length);
