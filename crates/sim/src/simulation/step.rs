@@ -10,7 +10,7 @@ use super::workspace::Workspace;
 use crate::components::restoration::{restore_advected_momentum, restore_momentum, subtract_solid_impulses};
 use crate::components::tracking::{ComponentChange, predict_motions, restore_volume};
 use crate::components::volume::band_labels;
-use crate::contact_line::friction::dragged_faces;
+use crate::contact_line::friction::LineFriction;
 use crate::contact_line::hysteresis::pin_contact_lines;
 use crate::coupling::solve::{PressureSolution, prescribed_solid_work, solve_pressure};
 use crate::flow::advection::{advect_interface, advect_velocity, pack};
@@ -176,13 +176,15 @@ fn apply_forces<const D: usize>(
     work.repairs.add(&kappa.repairs);
     work.repairs.unknown_curvatures +=
         interface_faces.iter().filter(|face| !face.is_curvature_known).count() as u64;
-    let mut dragged = dragged_faces(
+    let lines = LineFriction {
         model,
-        (state, &before),
-        &change.dual_cells,
-        (&mut interface_faces, &work.cut_cells),
+        state,
+        solids_before: &before,
+        dual_cells: &change.dual_cells,
+        cut_cells: &work.cut_cells,
         impulse_time,
-    );
+    };
+    let mut dragged = lines.dragged_faces(&mut interface_faces);
     phase_end("curvature");
 
     // One solve for the pressure. The liquid loses the impulses that pressure and contact line give to solids.
