@@ -1,7 +1,7 @@
 //! Tracking of the liquid's components in a step: which become which, and the volume, position and momentum each must have.
 
 use super::group::ComponentGroup;
-use super::momentum::combined;
+use super::momentum::{MomentumTargets, combined};
 use super::volume::{
     ComponentMatch, VolumeMeasurement, band_labels, centroid_corrections, match_components, target_volumes,
 };
@@ -59,6 +59,16 @@ impl<const D: usize> ComponentChange<D> {
             centers,
             volume_error_cells: 0.0,
             repairs: Repairs::default(),
+        }
+    }
+
+    /// The motions that the components must have after gravity has acted for `gravity_time` (s).
+    pub fn momentum_targets(&self, gravity_time: f64) -> MomentumTargets<'_, D> {
+        MomentumTargets {
+            groups: &self.groups,
+            volumes: &self.target_volumes,
+            centers: &self.centers,
+            gravity_time,
         }
     }
 }

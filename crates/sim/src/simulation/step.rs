@@ -210,7 +210,7 @@ fn apply_forces<const D: usize>(
 
     // Momentum lost by the discretisation is restored; the velocity is extended beyond the liquid.
     let restored =
-        restore_momentum(model, state, work, &interface_faces, (change, &change.groups), impulse_time);
+        restore_momentum(model, state, work, &interface_faces, &change.momentum_targets(impulse_time));
     let slip_unknown = work.extend_velocity(model, state);
     work.repairs.add(&Repairs {
         momentum_restored: restored.momentum,
