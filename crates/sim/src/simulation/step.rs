@@ -12,7 +12,7 @@ use crate::components::tracking::{ComponentChange, predict_motions, restore_volu
 use crate::components::volume::band_labels;
 use crate::contact_line::friction::LineFriction;
 use crate::contact_line::hysteresis::pin_contact_lines;
-use crate::coupling::solve::{PressureSolution, prescribed_solid_work, solve_pressure};
+use crate::coupling::solve::{PressureSolution, PressureStep, prescribed_solid_work, solve_pressure};
 use crate::flow::advection::{advect_interface, advect_velocity, pack};
 use crate::flow::outflow::remove_outflow;
 use crate::free_surface::curvature::{FilterStep, InterfaceDisplacement, SolidContext, curvature};
@@ -195,15 +195,14 @@ fn apply_forces<const D: usize>(
     let is_first = state.last_dt == 0.0;
     let velocity_lead = if is_first { 0.5 * impulse_time } else { state.velocity_lead };
     let times = StepTimes { dt, impulse_time, velocity_lead, lookahead: state.collision_free_dt, is_first };
-    let PressureSolution { solves, solid_impulses, contact_work, newton_iterations } = solve_pressure(
-        model,
-        (state, &before),
-        work,
-        change,
-        (&interface_faces, &mut dragged),
+    let pressure_step = PressureStep {
+        solids_before: &before,
+        interface_faces: &interface_faces,
+        dragged_faces: &mut dragged,
         times,
-        phase_end,
-    )?;
+    };
+    let PressureSolution { solves, solid_impulses, contact_work, newton_iterations } =
+        solve_pressure(model, state, work, change, pressure_step, phase_end)?;
     let prescribed_work = prescribed_solid_work(model, state, &solid_impulses) + contact_work;
     subtract_solid_impulses(model, &mut change.groups, &solid_impulses);
     phase_end("pressure");
