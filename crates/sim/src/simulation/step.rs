@@ -15,7 +15,9 @@ use crate::contact_line::hysteresis::pin_contact_lines;
 use crate::coupling::solve::{PressureSolution, PressureStep, prescribed_solid_work, solve_pressure};
 use crate::flow::advection::{advect_interface, advect_velocity, pack};
 use crate::flow::outflow::remove_outflow;
-use crate::free_surface::curvature::{FilterStep, InterfaceDisplacement, SolidContext, curvature};
+use crate::free_surface::curvature::{
+    FilterStep, InterfaceDisplacement, InterfaceLayers, SolidContext, curvature,
+};
 use crate::free_surface::extension::{extend_into_solids, ghost_cells};
 use crate::free_surface::interface_faces::interface_faces;
 use crate::model::Model;
@@ -170,8 +172,14 @@ fn apply_forces<const D: usize>(
     let ghosts = ghost_cells(model, state, &work.band, &work.cut_cells);
     let beside =
         SolidContext { cut_cells: &work.cut_cells, ghosts: &ghosts, bond_vector: model.cell_bond_vector() };
-    let kappa =
-        curvature(&model.grid, &work.band, CURVATURE_LAYERS, &phi, &change.dual_cells, &beside, &filter);
+    let interface = InterfaceLayers {
+        grid: &model.grid,
+        band: &work.band,
+        layers: CURVATURE_LAYERS,
+        phi: &phi,
+        dual_cells: &change.dual_cells,
+    };
+    let kappa = curvature(&interface, &beside, &filter);
     let mut interface_faces = interface_faces(model, &state.phi, &work.band, &kappa, &work.cut_cells);
     work.repairs.add(&kappa.repairs);
     work.repairs.unknown_curvatures +=
