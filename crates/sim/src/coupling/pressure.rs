@@ -250,8 +250,9 @@ pub fn apply_impulses_to_rigid<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collision::newton::{DeformableLoads, NewtonSolver};
+    use crate::collision::newton::NewtonSolver;
     use crate::collision::points::CollisionPoints;
+    use crate::collision::potential::solid_terms::DeformableLoads;
     use crate::flow::pressure::{Projection, ProjectionOptions};
     use crate::free_surface::curvature::Curvature;
     use crate::free_surface::interface_faces::interface_faces;

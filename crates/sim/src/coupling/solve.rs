@@ -6,7 +6,8 @@
 use super::impulses::CouplingImpulses;
 use super::pressure::{WettedSurface, apply_impulses_to_rigid, wetted_surfaces};
 use crate::collision::impact::resolve_impacts;
-use crate::collision::newton::{DeformableLoads, NewtonSolver, OldSolids};
+use crate::collision::newton::{NewtonSolver, OldSolids};
+use crate::collision::potential::solid_terms::DeformableLoads;
 use crate::components::restoration::{ComponentLabels, component_faces};
 use crate::components::tracking::{ComponentChange, band_component, min_resolved_volume};
 use crate::contact_line::force::{ContactLineForces, LineImpulses};
