@@ -61,6 +61,8 @@ pub struct NewtonSolver<'a, const D: usize> {
     elimination: EliminationOrder<D>,
     /// Current velocities.
     velocities: Vec<Vector<D>>,
+    /// Gradients of the solids' own terms at these velocities.
+    own_gradients: Vec<Vec<Vector<D>>>,
     /// Pairs that may touch with these velocities.
     candidates: CandidatePairs,
     iteration: usize,
@@ -112,6 +114,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             prescribed: prescribed_velocities(model, points, before, times.impulse_time),
             elimination: EliminationOrder { structure: None, positions: node_positions(before) },
             velocities: vec![Vector::zeros(); points.node_count()],
+            own_gradients: Vec::new(),
             candidates: CandidatePairs::default(),
             iteration: 0,
             is_loose: false,
@@ -151,7 +154,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         let ties = self.ties(dragged, phi, open);
         let Potential { model, points, solids: before, .. } = self.potential;
         points.set_node_velocities(model, solids, &self.velocities);
-        let gradient = self.potential.gradient(&self.velocities, &self.candidates);
+        let gradient = self.gradient();
         let mut base: Vec<Vector<D>> = gradient.iter().map(|g| -g).collect();
         if let Some(response) = self.response.take() {
             return Ok(response.about(base, ties));
@@ -187,7 +190,12 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         }
     }
 
-    /// Updates the lagged elastic forces and viscosities to the current velocities.
+    /// Gradient of the potential at the current velocities, N s (2D: N s/m).
+    fn gradient(&self) -> Vec<Vector<D>> {
+        self.potential.gradient(&self.own_gradients, &self.velocities, &self.candidates)
+    }
+
+    /// Updates the lagged elastic forces and viscosities, and the gradients that they enter, to the current velocities.
     fn update_lagged(&mut self) {
         for (part, first) in self.potential.parts.iter_mut().zip(&self.potential.points.first_node) {
             if let SolidTerm::Soft(soft) = part {
@@ -195,6 +203,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
                 soft.update_lagged(&self.velocities[*first..first + count]);
             }
         }
+        self.own_gradients = self.potential.own_gradients(&self.velocities);
     }
 
     /// Ties the dragged faces to the solids, which have the current velocities.
@@ -347,7 +356,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
 
     /// The largest change of a velocity, m/s, in the next iteration with this response and pressure.
     fn next_step_size(&self, response: &SolidResponse<D>) -> f64 {
-        let mut gradient = self.potential.gradient(&self.velocities, &self.candidates);
+        let mut gradient = self.gradient();
         response.solve(&mut gradient);
         gradient.iter().map(Vector::norm).fold(0.0, f64::max)
     }
