@@ -66,7 +66,7 @@ fn find_sdf_pairs<const D: usize>(
             let near = reach + points.surface.radius(*p) + sweep.path_length_bound(solid, &start[k], &end[k]);
             let far = |a: usize| (low[a] - start[k][a]).max(start[k][a] - high[a]) > near;
             if !(0..D).any(far) && points.may_collide(model, *p, solid) {
-                let close = |part: &usize| sweep.from.distance_to_rigid((solid, *part), &start[k]) < near;
+                let close = |part: &usize| sweep.from.distance_to_rigid(solid, *part, &start[k]) < near;
                 meetings.extend((0..parts).filter(close).map(|part| SdfPair::Rigid(*p, solid, part)));
             }
         }

@@ -13,7 +13,7 @@ impl SdfPair {
     /// Distance from the point, at `x`, to the other feature, m.
     pub fn distance<const D: usize>(&self, places: &Configuration<'_, D>, x: &Vector<D>) -> f64 {
         match *self {
-            Self::Rigid(_, solid, part) => places.distance_to_rigid((solid, part), x),
+            Self::Rigid(_, solid, part) => places.distance_to_rigid(solid, part, x),
             Self::Side(_, side) => places.points.domain_sides[side].distance(x),
         }
     }
@@ -111,12 +111,12 @@ impl<'a, const D: usize> Configuration<'a, D> {
     }
 
     /// Signed distance of a point from a part of a rigid solid, m.
-    pub fn distance_to_rigid(&self, (solid, part): (usize, usize), x: &Vector<D>) -> f64 {
+    pub fn distance_to_rigid(&self, solid: usize, part: usize, x: &Vector<D>) -> f64 {
         self.part(solid, part).signed_distance(&self.to_reference(solid, x))
     }
 
     /// Outward normal of that part at `x`; the last axis if the distance has no gradient.
-    pub fn rigid_normal(&self, (solid, part): (usize, usize), x: &Vector<D>) -> Vector<D> {
+    pub fn rigid_normal(&self, solid: usize, part: usize, x: &Vector<D>) -> Vector<D> {
         let up = Vector::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
         let normal = self
             .part(solid, part)

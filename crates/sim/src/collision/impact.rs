@@ -135,7 +135,7 @@ impl<const D: usize> ImpactSolver<'_, D> {
             let x = from.position(owner);
             let distance = m.distance(&from, &x);
             let (other, normal) = match *m {
-                SdfPair::Rigid(_, other, part) => (Some(other), from.rigid_normal((other, part), &x)),
+                SdfPair::Rigid(_, other, part) => (Some(other), from.rigid_normal(other, part, &x)),
                 SdfPair::Side(_, side) => (None, points.domain_sides[side].normal),
             };
             let radius = points.surface.radius(m.point());

@@ -17,68 +17,27 @@ use std::collections::BTreeMap;
 const MIN_REACH_FRACTION: f64 = 0.1;
 /// Spacing of the sample points of rigid solids, in cells. Between them a surface of radius five cells bulges by less than 0.01 cells.
 const PROBE_SPACING_CELLS: f64 = 0.5;
+
 impl<const D: usize> CollisionPoints<D> {
     /// Collision points of a model.
     pub fn of(model: &Model<D>) -> Self {
-        let (mut owners, mut facets, mut rest, mut bodies) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let (mut first_node, mut nodes) = (Vec::new(), 0);
-        for (solid, is) in model.solids.iter().enumerate() {
-            first_node.push(nodes);
-            nodes += is.elastic().map_or(2, |elastic| elastic.masses().len());
-            let Some(elastic) = is.elastic() else { continue };
-            let (surface, vertices) = elastic.rest_mesh().surface();
-            let from = owners.len() as u32;
-            owners.extend(vertices.iter().map(|v| PointOwner::Vertex { solid, vertex: *v as usize }));
-            rest.extend_from_slice(&surface.positions);
-            facets.extend(surface.facets.iter().map(|f| f.map(|v| v + from)));
-        }
-        bodies.extend(owners.iter().map(|o: &PointOwner<D>| o.solid() as u32));
-        let (edge, mut probes, mut exposed) =
-            (PROBE_SPACING_CELLS * model.grid.dx, Vec::new(), vec![true; owners.len()]);
-        for (solid, is) in model.solids.iter().enumerate() {
-            if is.elastic().is_some() || model.wetting_wall_solid() == Some(solid) {
-                continue;
-            }
-            for probe in is.shape.surface_samples(edge) {
-                probes.push((owners.len() as u32, edge.powi(D as i32 - 1), probe.radius));
-                owners.push(PointOwner::Rigid { solid, at: probe.position });
-                rest.push(probe.position);
-                bodies.push(solid as u32);
-                exposed.push(probe.sharp || probe.radius > 0.0);
-            }
-        }
-        let surface = CollisionMesh::new(facets, &rest, bodies).with_points(probes);
+        let sampled = SampledSurfaces::of(model);
+        let surface = sampled.collision_mesh();
+        let SampledSurfaces { owners, exposed, .. } = sampled;
         let mut areas = vec![0.0; model.solids.len()];
         surface.points().iter().for_each(|p| areas[owners[*p as usize].solid()] += surface.area(*p));
-        let fastest = model.solids.iter().map(initial_speed).fold(0.0, f64::max);
-        let stop = 0.5 * fastest * fastest / (BARRIER_REACH_CELLS * model.grid.dx);
-        let pressure = |(solid, area): (&Solid<D>, &f64)| {
-            let is_prescribed = solid.motion.is_prescribed() || *area == 0.0;
-            let weight = model.gravity.norm() * (2 * D) as f64;
-            if is_prescribed { 0.0 } else { solid.mass_properties.mass * (weight + stop) / area }
-        };
-        let weight_pressures = model.solids.iter().zip(&areas).map(pressure).collect();
-        let mean_side_areas = areas.iter().map(|area| area / (2 * D) as f64).collect();
-        let prescribed_nodes = prescribed_nodes(model);
-        let deforming = model
-            .solids
-            .iter()
-            .zip(&first_node)
-            .filter_map(|(s, first_node)| Some((*first_node, s.elastic()?)));
-        let deforming: Vec<(usize, &Elastic<D>)> = deforming.collect();
-        let assembly = Assembly::new(&deforming, prescribed_nodes.clone());
-        let (domain_sides, gap_offsets, probe_sets) =
-            (domain_sides(model), BTreeMap::new(), probe_sets(model));
+        let (first_node, prescribed_nodes) = (first_nodes(model), prescribed_nodes(model));
+        let assembly = assembly(model, &first_node, prescribed_nodes.clone());
         let mut all = Self {
             surface,
             owners,
             first_node,
             prescribed_nodes,
-            weight_pressures,
-            mean_side_areas,
-            domain_sides,
-            gap_offsets,
-            probe_sets,
+            weight_pressures: weight_pressures(model, &areas),
+            mean_side_areas: areas.iter().map(|area| area / (2 * D) as f64).collect(),
+            domain_sides: domain_sides(model),
+            gap_offsets: BTreeMap::new(),
+            probe_sets: probe_sets(model),
             exposed,
             assembly,
         };
@@ -134,6 +93,104 @@ impl<const D: usize> CollisionPoints<D> {
             }
         }
     }
+}
+
+/// Points on the surfaces of all solids at the start: vertices of deformable ones, followed by samples of rigid ones.
+struct SampledSurfaces<const D: usize> {
+    owners: Vec<PointOwner<D>>,
+    /// Facets of deformable solids.
+    facets: Vec<[u32; D]>,
+    /// Positions, m.
+    positions: Vec<Vector<D>>,
+    /// Whether a point lies on a sharp edge or corner, or is the centre of a ball; true for vertices.
+    exposed: Vec<bool>,
+    /// Points of rigid solids, each with its area (m², 2D: m) and the radius (m) of a ball around it.
+    probes: Vec<(u32, f64, f64)>,
+}
+
+impl<const D: usize> SampledSurfaces<D> {
+    /// The points of all solids but the wall that wets the domain's sides.
+    fn of(model: &Model<D>) -> Self {
+        let mut all = Self {
+            owners: Vec::new(),
+            facets: Vec::new(),
+            positions: Vec::new(),
+            exposed: Vec::new(),
+            probes: Vec::new(),
+        };
+        for (number, solid) in model.solids.iter().enumerate() {
+            if let Some(elastic) = solid.elastic() {
+                all.add_vertices(number, elastic);
+            }
+        }
+        for (number, solid) in model.solids.iter().enumerate() {
+            if solid.elastic().is_none() && model.wetting_wall_solid() != Some(number) {
+                all.add_samples(number, &solid.shape, PROBE_SPACING_CELLS * model.grid.dx);
+            }
+        }
+        all
+    }
+
+    /// Adds the surface of a deformable solid.
+    fn add_vertices(&mut self, solid: usize, elastic: &Elastic<D>) {
+        let (surface, vertices) = elastic.rest_mesh().surface();
+        let from = self.owners.len() as u32;
+        self.owners.extend(vertices.iter().map(|v| PointOwner::Vertex { solid, vertex: *v as usize }));
+        self.positions.extend_from_slice(&surface.positions);
+        self.facets.extend(surface.facets.iter().map(|f| f.map(|v| v + from)));
+        self.exposed.resize(self.owners.len(), true);
+    }
+
+    /// Adds samples, at most `edge` (m) apart, of the surface of a rigid solid.
+    fn add_samples(&mut self, solid: usize, shape: &Shape<D>, edge: f64) {
+        for sample in shape.surface_samples(edge) {
+            self.probes.push((self.owners.len() as u32, edge.powi(D as i32 - 1), sample.radius));
+            self.owners.push(PointOwner::Rigid { solid, at: sample.position });
+            self.positions.push(sample.position);
+            self.exposed.push(sample.sharp || sample.radius > 0.0);
+        }
+    }
+
+    /// The mesh of all surfaces.
+    fn collision_mesh(&self) -> CollisionMesh<D> {
+        let bodies = self.owners.iter().map(|owner| owner.solid() as u32).collect();
+        CollisionMesh::new(self.facets.clone(), &self.positions, bodies)
+            .with_points(self.probes.iter().copied())
+    }
+}
+
+/// The first node of each solid.
+fn first_nodes<const D: usize>(model: &Model<D>) -> Vec<usize> {
+    let next = |nodes: &mut usize, solid: &Solid<D>| {
+        let first = *nodes;
+        *nodes += solid.elastic().map_or(2, |elastic| elastic.masses().len());
+        Some(first)
+    };
+    model.solids.iter().scan(0, next).collect()
+}
+
+/// Pressure scale of each solid, Pa ([`CollisionPoints::weight_pressures`]); `areas` are those of the solids' surfaces.
+fn weight_pressures<const D: usize>(model: &Model<D>, areas: &[f64]) -> Vec<f64> {
+    let fastest = model.solids.iter().map(initial_speed).fold(0.0, f64::max);
+    let stop = 0.5 * fastest * fastest / (BARRIER_REACH_CELLS * model.grid.dx);
+    let pressure = |(solid, area): (&Solid<D>, &f64)| {
+        let is_prescribed = solid.motion.is_prescribed() || *area == 0.0;
+        let weight = model.gravity.norm() * (2 * D) as f64;
+        if is_prescribed { 0.0 } else { solid.mass_properties.mass * (weight + stop) / area }
+    };
+    model.solids.iter().zip(areas).map(pressure).collect()
+}
+
+/// Block structure of the joint matrix of all solids; `None` if it exceeds the memory.
+fn assembly<const D: usize>(
+    model: &Model<D>,
+    first_node: &[usize],
+    prescribed_nodes: Vec<bool>,
+) -> Option<Assembly> {
+    let deforming = model.solids.iter().zip(first_node);
+    let deforming: Vec<(usize, &Elastic<D>)> =
+        deforming.filter_map(|(solid, first)| Some((*first, solid.elastic()?))).collect();
+    Assembly::new(&deforming, prescribed_nodes)
 }
 
 /// Numbers of two solids, and the gap between them, m.

@@ -5,6 +5,7 @@
 //! velocities. The line search prevents collisions and inversion up to the end of the coming step, and makes the potential decrease.
 
 use super::points::BARRIER_REACH_CELLS;
+use super::solid_response::BaseLoads;
 pub use super::solid_response::SolidResponse;
 
 pub use super::points::{CollisionPoints, angular_to_node};
@@ -14,21 +15,18 @@ pub use super::potential::slips::Slips;
 use super::tied_face::{TiedFace, TiedSolid};
 
 use super::broad_phase::CandidatePairs;
-use super::potential::incremental_potential::{EliminationOrder, Potential, RigidTerm, SolidTerm};
+use super::potential::incremental_potential::{EliminationOrder, Potential, SolidTerm};
+use super::potential::solid_terms::{DeformableLoads, solid_terms};
 use crate::contact_line::friction::DraggedFace;
-use crate::coupling::impulses::CouplingImpulses;
 use crate::flow::pressure::ProjectionOptions;
 use crate::model::Model;
 use crate::model::time_step::StepTimes;
 use crate::solid::{Motion, SolidState};
 use meniscus_contact::Barrier;
-use meniscus_elastic::{
-    Elastic, IncrementalPotential, KEPT_FRACTION, MAX_LINE_SEARCH_HALVINGS, MAX_NEWTON_ITERATIONS,
-    StiffnessBlock,
-};
+use meniscus_elastic::{KEPT_FRACTION, MAX_LINE_SEARCH_HALVINGS, MAX_NEWTON_ITERATIONS};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::FaceField;
 use meniscus_numerics::linalg::SolveError;
-use meniscus_numerics::{Matrix, Vector};
 
 /// Fraction of a pair's distance and of an element's volume that remains on the straight path to the end of the coming step.
 const MIN_CLEARANCE_FRACTION: f64 = 0.01;
@@ -43,36 +41,6 @@ const LOOSE_SOLVE_TOLERANCE: f64 = 1e-3;
 const FAR_FROM_CONVERGENCE: f64 = 100.0;
 /// Maximum number of updates of the lagged friction in a step.
 const MAX_FRICTION_UPDATES: usize = 2;
-
-/// Loads on a deformable solid in a step.
-pub struct DeformableLoads<const D: usize> {
-    /// Impulses of all forces but the pressure on its vertices, N s.
-    impulses: Vec<Vector<D>>,
-    /// Stiffness of forces other than the elastic ones.
-    extra_stiffness: Vec<StiffnessBlock<D>>,
-}
-
-impl<const D: usize> DeformableLoads<D> {
-    /// Loads on all solids. `line` holds the impulses of contact lines in the time `impulse_time` (s).
-    pub fn of_solids(
-        model: &Model<D>,
-        line: &CouplingImpulses<D>,
-        extra_stiffness: Vec<Vec<StiffnessBlock<D>>>,
-        impulse_time: f64,
-    ) -> Vec<Option<Self>> {
-        let start = |(k, extra_stiffness): (usize, Vec<StiffnessBlock<D>>)| {
-            let elastic = model.solids[k].elastic()?;
-            let mut impulses: Vec<Vector<D>> =
-                elastic.masses().iter().map(|m| model.gravity * (m * impulse_time)).collect();
-            line.point_impulses
-                .get(&(k as u32))
-                .iter()
-                .for_each(|grips| crate::solid::deformable::distribute_to_vertices(grips, &mut impulses));
-            Some(Self { impulses, extra_stiffness })
-        };
-        extra_stiffness.into_iter().enumerate().map(start).collect()
-    }
-}
 
 /// The solids at the time when the forces of a step act.
 #[derive(Clone, Copy)]
@@ -93,6 +61,8 @@ pub struct NewtonSolver<'a, const D: usize> {
     elimination: EliminationOrder<D>,
     /// Current velocities.
     velocities: Vec<Vector<D>>,
+    /// Gradients of the solids' own terms at these velocities.
+    own_gradients: Vec<Vec<Vector<D>>>,
     /// Pairs that may touch with these velocities.
     candidates: CandidatePairs,
     iteration: usize,
@@ -116,55 +86,11 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         times: StepTimes,
     ) -> Self {
         let OldSolids { solids: before, velocities: old, elastic_slips } = before;
-        let part = |k: usize| match (&model.solids[k].motion, &loads[k], &before[k].soft) {
-            (Motion::Soft(elastic), Some(start), Some(soft)) => {
-                let elastic: &'a Elastic<D> = elastic;
-                // Initial velocities that disagree with the anchors decay with the full lead; the centred scheme would reverse them.
-                let has_anchors = times.is_first && elastic.anchored().contains(&true);
-                SolidTerm::Soft(IncrementalPotential {
-                    elastic,
-                    state: &soft.state,
-                    viscosity_positions: soft.state.positions.clone(),
-                    discrete_gradient_correction: vec![Vector::zeros(); start.impulses.len()],
-                    extra_stiffness: &start.extra_stiffness,
-                    impulses: &start.impulses,
-                    impulse_time: times.impulse_time,
-                    velocity_lead: if has_anchors { times.impulse_time } else { times.velocity_lead },
-                    lookahead: times.lookahead,
-                })
-            }
-            (Motion::Free, ..) => {
-                let inertia = model.solids[k].inertia(&before[k]);
-                let inertia = Matrix::<D>::from_fn(|r, c| match D {
-                    2 if r == 0 && c == 0 => inertia[(2, 2)],
-                    2 => f64::from(u8::from(r == c)),
-                    _ => inertia[(r, c)],
-                });
-                let target_velocities = [forced[k].velocity, angular_to_node(&forced[k].angular_velocity)];
-                SolidTerm::Free(RigidTerm {
-                    mass: model.solids[k].mass_properties.mass,
-                    inertia,
-                    target_velocities,
-                })
-            }
-            _ => SolidTerm::Prescribed,
-        };
-        let node_positions = |solid: &SolidState<D>| match &solid.soft {
-            Some(soft) => soft.state.positions.clone(),
-            None => vec![solid.center; 2],
-        };
-        let mut prescribed = points.node_velocities(model, before);
-        for (k, solid) in model.solids.iter().enumerate() {
-            let (Some(elastic), Some(soft)) = (solid.elastic(), &before[k].soft) else { continue };
-            for (v, velocity) in elastic.anchored_velocities(soft.state.time, times.impulse_time) {
-                prescribed[points.first_node[k] + v] = velocity;
-            }
-        }
         let mut potential = Potential {
             model,
             solids: before,
             points,
-            parts: (0..model.solids.len()).map(part).collect(),
+            parts: solid_terms(model, before, forced, loads, times),
             barrier: Barrier { activation_distance: BARRIER_REACH_CELLS * model.grid.dx },
             impulse_time: times.impulse_time,
             velocity_lead: times.velocity_lead,
@@ -183,13 +109,12 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             pressure_impulses: vec![Vector::zeros(); points.node_count()],
         };
         potential.settling_time = potential.settling_time();
-        let positions = before.iter().flat_map(node_positions).collect();
-        let velocities = vec![Vector::zeros(); points.node_count()];
         let mut newton = Self {
             potential,
-            prescribed,
-            elimination: EliminationOrder { structure: None, positions },
-            velocities,
+            prescribed: prescribed_velocities(model, points, before, times.impulse_time),
+            elimination: EliminationOrder { structure: None, positions: node_positions(before) },
+            velocities: vec![Vector::zeros(); points.node_count()],
+            own_gradients: Vec::new(),
             candidates: CandidatePairs::default(),
             iteration: 0,
             is_loose: false,
@@ -197,19 +122,22 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             friction_updates: 0,
             indefinite_iterations: 0,
         };
-        // Initial guess: the velocities do not change.
-        let guess = newton.prescribed.clone();
-        let on_the_way = newton.potential.candidates(&newton.velocities, &guess);
-        newton.potential.friction_contacts =
-            newton.potential.friction_contacts(&newton.velocities, &on_the_way);
-        newton.move_to(&guess, on_the_way, false);
-        newton.update_lagged();
-        newton.potential.early_pairs =
-            newton.potential.find_early_pairs(&newton.velocities, &newton.candidates);
+        newton.move_to_initial_guess();
         newton
     }
 
+    /// Moves to the initial guess that the velocities do not change, and finds the contacts that lag there.
+    fn move_to_initial_guess(&mut self) {
+        let guess = self.prescribed.clone();
+        let on_the_way = self.potential.candidates(&self.velocities, &guess);
+        self.potential.friction_contacts = self.potential.friction_contacts(&self.velocities, &on_the_way);
+        self.move_to(&guess, on_the_way, false);
+        self.update_lagged();
+        self.potential.early_pairs = self.potential.find_early_pairs(&self.velocities, &self.candidates);
+    }
+
     /// Response of the solids about the current velocities. The `solids` get these velocities; `dragged` faces are tied to them.
+    /// `phi` is the signed distance to the interface in each cell (m), and `open` holds the open fractions of the faces.
     ///
     /// # Errors
     /// [`SolveError::NotPositiveDefinite`], also where the memory for the matrix or its factor does not
@@ -218,14 +146,15 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         &mut self,
         solids: &mut [SolidState<D>],
         dragged: &mut [DraggedFace],
-        (phi, open): (&[f64], &FaceField<D>),
+        phi: &[f64],
+        open: &FaceField<D>,
     ) -> Result<SolidResponse<D>, SolveError> {
         let failed = SolveError::NotPositiveDefinite { step: self.potential.impulse_time };
         self.potential.pressure_impulses.fill(Vector::zeros());
         let ties = self.ties(dragged, phi, open);
         let Potential { model, points, solids: before, .. } = self.potential;
         points.set_node_velocities(model, solids, &self.velocities);
-        let gradient = self.potential.gradient(&self.velocities, &self.candidates);
+        let gradient = self.gradient();
         let mut base: Vec<Vector<D>> = gradient.iter().map(|g| -g).collect();
         if let Some(response) = self.response.take() {
             return Ok(response.about(base, ties));
@@ -248,7 +177,8 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             matrix.add_product(&prescribed_change, &mut pushed);
             base.iter_mut().zip(&pushed).for_each(|(r, p)| *r -= p);
         }
-        Ok(SolidResponse::new(model, before, points, solution, (base, prescribed_change), ties))
+        let loads = BaseLoads { impulses: base, prescribed_change, ties };
+        Ok(SolidResponse::new(model, before, points, solution, loads))
     }
 
     /// Options of the pressure solve in this iteration.
@@ -260,7 +190,12 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         }
     }
 
-    /// Updates the lagged elastic forces and viscosities to the current velocities.
+    /// Gradient of the potential at the current velocities, N s (2D: N s/m).
+    fn gradient(&self) -> Vec<Vector<D>> {
+        self.potential.gradient(&self.own_gradients, &self.velocities, &self.candidates)
+    }
+
+    /// Updates the lagged elastic forces and viscosities, and the gradients that they enter, to the current velocities.
     fn update_lagged(&mut self) {
         for (part, first) in self.potential.parts.iter_mut().zip(&self.potential.points.first_node) {
             if let SolidTerm::Soft(soft) = part {
@@ -268,6 +203,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
                 soft.update_lagged(&self.velocities[*first..first + count]);
             }
         }
+        self.own_gradients = self.potential.own_gradients(&self.velocities);
     }
 
     /// Ties the dragged faces to the solids, which have the current velocities.
@@ -420,7 +356,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
 
     /// The largest change of a velocity, m/s, in the next iteration with this response and pressure.
     fn next_step_size(&self, response: &SolidResponse<D>) -> f64 {
-        let mut gradient = self.potential.gradient(&self.velocities, &self.candidates);
+        let mut gradient = self.gradient();
         response.solve(&mut gradient);
         gradient.iter().map(Vector::norm).fold(0.0, f64::max)
     }
@@ -465,6 +401,32 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         }
         (self.velocities.clone(), false)
     }
+}
+
+/// Positions of all nodes, m.
+fn node_positions<const D: usize>(solids: &[SolidState<D>]) -> Vec<Vector<D>> {
+    let of = |solid: &SolidState<D>| match &solid.soft {
+        Some(soft) => soft.state.positions.clone(),
+        None => vec![solid.center; 2],
+    };
+    solids.iter().flat_map(of).collect()
+}
+
+/// Velocities of all nodes: prescribed ones at the end of the step, and the old ones of the others.
+fn prescribed_velocities<const D: usize>(
+    model: &Model<D>,
+    points: &CollisionPoints<D>,
+    before: &[SolidState<D>],
+    impulse_time: f64,
+) -> Vec<Vector<D>> {
+    let mut prescribed = points.node_velocities(model, before);
+    for (k, solid) in model.solids.iter().enumerate() {
+        let (Some(elastic), Some(soft)) = (solid.elastic(), &before[k].soft) else { continue };
+        for (v, velocity) in elastic.anchored_velocities(soft.state.time, impulse_time) {
+            prescribed[points.first_node[k] + v] = velocity;
+        }
+    }
+    prescribed
 }
 
 /// Velocity along `axis` of the solid's point closest to `x`, as weights of its nodes; `first` is the solid's first node.

@@ -28,23 +28,29 @@ pub struct SolidResponse<const D: usize> {
     masses: Vec<f64>,
     /// Whether each node belongs to a rigid solid.
     rigid: Vec<bool>,
-    /// Impulses on the nodes without the pressure, N s.
-    base_impulses: Vec<Vector<D>>,
+    /// Loads at the velocities about which the response is linearised.
+    loads: BaseLoads<D>,
+}
+
+/// What changes the nodes' velocities without the pressure.
+#[derive(Debug)]
+pub struct BaseLoads<const D: usize> {
+    /// Impulses on the nodes, N s.
+    pub impulses: Vec<Vector<D>>,
     /// Prescribed minus current velocities of the prescribed nodes, m/s.
-    prescribed_change: Vec<Vector<D>>,
+    pub prescribed_change: Vec<Vector<D>>,
     /// Faces that contact lines tie to solids.
-    ties: Vec<TiedFace<D>>,
+    pub ties: Vec<TiedFace<D>>,
 }
 
 impl<const D: usize> SolidResponse<D> {
-    /// Response with the inverse matrix `solution`.
+    /// Response with the inverse matrix `solution`, about the velocities that have these loads.
     pub fn new(
         model: &Model<D>,
         solids: &[SolidState<D>],
         points: &CollisionPoints<D>,
         solution: AssemblyInverse<D>,
-        (base_impulses, prescribed_change): (Vec<Vector<D>>, Vec<Vector<D>>),
-        ties: Vec<TiedFace<D>>,
+        loads: BaseLoads<D>,
     ) -> Self {
         let of = |(solid, now): (&Solid<D>, &SolidState<D>)| match solid.elastic() {
             Some(elastic) => elastic.masses().to_vec(),
@@ -54,22 +60,14 @@ impl<const D: usize> SolidResponse<D> {
         let nodes = |solid: &Solid<D>| solid.elastic().map_or(2, |e| e.masses().len());
         let rigid = |solid: &Solid<D>| vec![solid.elastic().is_none(); nodes(solid)];
         let rigid = model.solids.iter().flat_map(rigid).collect();
-        Self {
-            solution,
-            first_node: points.first_node.clone(),
-            masses,
-            rigid,
-            base_impulses,
-            prescribed_change,
-            ties,
-        }
+        Self { solution, first_node: points.first_node.clone(), masses, rigid, loads }
     }
 
-    /// Response about other velocities with the same inverse matrix: `base_impulses` (N s) and `ties` are evaluated there. The prescribed
+    /// Response about other velocities with the same inverse matrix: `impulses` (N s) and `ties` are evaluated there. The prescribed
     /// nodes must already have their velocities.
-    pub fn about(self, base_impulses: Vec<Vector<D>>, ties: Vec<TiedFace<D>>) -> Self {
-        let prescribed_change = vec![Vector::zeros(); base_impulses.len()];
-        Self { base_impulses, prescribed_change, ties, ..self }
+    pub fn about(self, impulses: Vec<Vector<D>>, ties: Vec<TiedFace<D>>) -> Self {
+        let prescribed_change = vec![Vector::zeros(); impulses.len()];
+        Self { loads: BaseLoads { impulses, prescribed_change, ties }, ..self }
     }
 
     /// Number of degrees of freedom.
@@ -198,7 +196,7 @@ impl<const D: usize> SolidResponse<D> {
             };
             tie.cells.iter().map(|(cell, sign)| (*cell, entries(*sign))).collect::<Vec<_>>()
         };
-        self.ties.iter().flat_map(of).collect()
+        self.loads.ties.iter().flat_map(of).collect()
     }
 
     /// Change of the nodes' velocities without the pressure of the cells. It is due to the base impulses, the tied faces with their
@@ -212,9 +210,9 @@ impl<const D: usize> SolidResponse<D> {
         more: Option<Vec<Vector<D>>>,
     ) -> Vec<Vector<D>> {
         let weight = model.density * model.grid.cell_volume();
-        let mut impulses = self.base_impulses.clone();
+        let mut impulses = self.loads.impulses.clone();
         more.iter().flatten().zip(&mut impulses).for_each(|(more, j)| *j += more);
-        for tie in &self.ties {
+        for tie in &self.loads.ties {
             let f = &dragged[tie.dragged_face];
             let pulled = tension.get(&(f.axis, f.face)).copied().unwrap_or(0.0) * tie.mobility;
             for end in &tie.solids {
@@ -225,7 +223,7 @@ impl<const D: usize> SolidResponse<D> {
             }
         }
         self.solve(&mut impulses);
-        impulses.iter().zip(&self.prescribed_change).map(|(c, lead)| c + lead).collect()
+        impulses.iter().zip(&self.loads.prescribed_change).map(|(c, lead)| c + lead).collect()
     }
 
     /// Adds the change of the nodes' velocities to the solids' velocities at tied faces. `velocity` receives the change of each face.
@@ -235,7 +233,7 @@ impl<const D: usize> SolidResponse<D> {
         change: &[Vector<D>],
         mut velocity: impl FnMut(&DraggedFace, f64),
     ) {
-        for tie in &self.ties {
+        for tie in &self.loads.ties {
             let f = &mut dragged[tie.dragged_face];
             let mut sum = 0.0;
             for end in &tie.solids {

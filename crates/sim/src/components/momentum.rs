@@ -181,6 +181,19 @@ pub struct MomentumRestoration<const D: usize> {
     pub unlabelled: u64,
 }
 
+/// The motions that components must have.
+#[derive(Clone, Copy)]
+pub struct MomentumTargets<'a, const D: usize> {
+    /// Groups of components; those without a target motion are left as they are.
+    pub groups: &'a [ComponentGroup<D>],
+    /// Target volume of each component, m³ (2D: m²).
+    pub volumes: &'a [f64],
+    /// Centre of mass of each component, m.
+    pub centers: &'a [Vector<D>],
+    /// Time for which gravity has accelerated the groups since their target motions, s.
+    pub gravity_time: f64,
+}
+
 /// Iterates over the faces of each component.
 pub struct ComponentFaces<'a, const D: usize> {
     /// The model.
@@ -271,14 +284,11 @@ impl<const D: usize> ComponentFaces<'_, D> {
         faces.max(cells) <= MAX_MASS_RATIO * faces.min(cells)
     }
 
-    /// Restores momentum and angular momentum of every group; `centers` are those of the components.
+    /// Restores momentum and angular momentum of every group.
     pub fn restore(
         &self,
         velocity: &mut FaceField<D>,
-        groups: &[ComponentGroup<D>],
-        targets: &[f64],
-        centers: &[Vector<D>],
-        dt: f64,
+        targets: &MomentumTargets<'_, D>,
     ) -> MomentumRestoration<D> {
         let moments = self.moments(velocity);
         let mut restored = MomentumRestoration {
@@ -289,52 +299,54 @@ impl<const D: usize> ComponentFaces<'_, D> {
             unlabelled: 0,
         };
         let mut motions: Vec<Option<VelocityCorrection<D>>> = vec![None; self.component_count];
-        for group in groups {
-            let Some(mut target) = group.target_motion.clone() else { continue };
-            if !self.is_mass_consistent(group, &moments, targets) {
+        for group in targets.groups {
+            let Some(target) = group.target_motion.clone() else { continue };
+            if !self.is_mass_consistent(group, &moments, targets.volumes) {
                 restored.unrestored += 1;
                 continue;
             }
-            let parts: Vec<Moments<D>> =
-                group.new.iter().map(|&j| moments[j].scaled_to_mass(targets[j])).collect();
-            let now = combined(zip(&group.new, &parts).map(|(&j, m)| m.rigid_motion(centers[j])));
-            if !group.unconstrained_projector.is_identity(0.0) {
-                target = target.moved_to(now.center);
-            }
-            let arms: Vec<Vector<D>> = group.new.iter().map(|&j| centers[j] - target.center).collect();
-            let shift = target.velocity + self.model.gravity * dt - now.velocity;
-            let missing: [f64; 3] = std::array::from_fn(|i| {
-                target.angular_momentum_per_density[i] - now.angular_momentum_per_density[i]
-            });
-            restored.momentum += self.model.density * target.volume * shift.norm();
+            let lack = self.lacking_motion(group, target, &moments, targets);
+            restored.momentum += self.model.density * lack.volume * lack.velocity.norm();
+            let mut rate = [0.0; 3];
             if group.keeps_angular_momentum {
+                let missing = lack.angular_momentum_per_density;
                 restored.angular_momentum += self.model.density * Vector::<3>::from(missing).norm();
+                let least = 1e-6 * lack.volume * self.model.grid.dx.powi(2);
+                rate = rotation_rate::<D>(missing, least, |a, b, c| lack.second_moment(a, b, c));
             }
-            let spread = |a: usize, b: usize, c: usize| {
-                zip(&parts, &arms)
-                    .map(|(m, r)| m.central_second_moment(a, b, c) + m.mass[a] * r[b] * r[c])
-                    .sum()
-            };
-            let least = 1e-6 * target.volume * self.model.grid.dx.powi(2);
-            let rotation_rate = if group.keeps_angular_momentum {
-                rotation_rate::<D>(missing, least, spread)
-            } else {
-                [0.0; 3]
-            };
-            for ((&j, m), arm) in zip(&group.new, parts).zip(&arms) {
-                let mean_positions = m.mean_positions();
-                motions[j] = Some(VelocityCorrection {
-                    velocity: shift + rotational_velocity(&rotation_rate, arm),
-                    rotation_rate,
-                    mean_positions,
-                });
-            }
+            zip(&group.new, lack.corrections(rate)).for_each(|(&j, motion)| motions[j] = Some(motion));
         }
         if motions.iter().all(Option::is_none) {
             return MomentumRestoration { moments, ..restored };
         }
         self.add_rigid_velocities(velocity, &motions);
         MomentumRestoration { moments: self.moments(velocity), ..restored }
+    }
+
+    /// What a group with these `moments` lacks of its `target` motion and of the velocity by gravity.
+    fn lacking_motion(
+        &self,
+        group: &ComponentGroup<D>,
+        mut target: RigidMotion<D>,
+        moments: &[Moments<D>],
+        targets: &MomentumTargets<'_, D>,
+    ) -> LackingMotion<D> {
+        let MomentumTargets { volumes, centers, gravity_time, .. } = *targets;
+        let parts: Vec<Moments<D>> =
+            group.new.iter().map(|&j| moments[j].scaled_to_mass(volumes[j])).collect();
+        let now = combined(zip(&group.new, &parts).map(|(&j, m)| m.rigid_motion(centers[j])));
+        if !group.unconstrained_projector.is_identity(0.0) {
+            target = target.moved_to(now.center);
+        }
+        LackingMotion {
+            parts,
+            arms: group.new.iter().map(|&j| centers[j] - target.center).collect(),
+            volume: target.volume,
+            velocity: target.velocity + self.model.gravity * gravity_time - now.velocity,
+            angular_momentum_per_density: std::array::from_fn(|i| {
+                target.angular_momentum_per_density[i] - now.angular_momentum_per_density[i]
+            }),
+        }
     }
 
     /// Adds a velocity to each component.
@@ -376,6 +388,38 @@ impl<const D: usize> ComponentFaces<'_, D> {
                 self.model.grid.face_center(f.axis, self.model.grid.face_lattice(f.axis).coordinates(f.face));
             velocity.axes[f.axis][f.face] += motion(f.axis, &x, (self.label)(f.cell));
         }
+    }
+}
+
+/// Motion that a group lacks, and the components that must get it.
+struct LackingMotion<const D: usize> {
+    /// Moments of the components, with their target volumes as mass.
+    parts: Vec<Moments<D>>,
+    /// Positions of their centres relative to that of the group, m.
+    arms: Vec<Vector<D>>,
+    /// Target volume of the group, m³ (2D: m²).
+    volume: f64,
+    /// Velocity that the group lacks, m/s.
+    velocity: Vector<D>,
+    /// Angular momentum that it lacks, over density.
+    angular_momentum_per_density: [f64; 3],
+}
+
+impl<const D: usize> LackingMotion<D> {
+    /// Σ m x_b x_c over the group's faces of axis `a`, about the group's centre.
+    fn second_moment(&self, a: usize, b: usize, c: usize) -> f64 {
+        zip(&self.parts, &self.arms)
+            .map(|(m, r)| m.central_second_moment(a, b, c) + m.mass[a] * r[b] * r[c])
+            .sum()
+    }
+
+    /// The correction of each component's velocity if the group turns at this angular velocity.
+    fn corrections(&self, rotation_rate: [f64; 3]) -> impl Iterator<Item = VelocityCorrection<D>> {
+        zip(&self.parts, &self.arms).map(move |(part, arm)| VelocityCorrection {
+            velocity: self.velocity + rotational_velocity(&rotation_rate, arm),
+            rotation_rate,
+            mean_positions: part.mean_positions(),
+        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Restoration of momentum: after advection, and after the forces, for liquid that touches nothing and for liquid with free solids.
 
 use super::group::ComponentGroup;
-use super::momentum::{ComponentFaces, MomentumRestoration};
+use super::momentum::{ComponentFaces, MomentumRestoration, MomentumTargets};
 use super::tracking::{ComponentChange, min_rotation_volume};
 use crate::coupling::impulses::{CouplingImpulses, Impulse};
 use crate::free_surface::curvature::Curvature;
@@ -23,8 +23,8 @@ pub fn subtract_solid_impulses<const D: usize>(
 ) {
     let count = groups.iter().flat_map(|g| &g.new).max().map_or(0, |c| c + 1);
     let mut sums = vec![Impulse::zero(); count];
-    for ((component, _), impulse) in given.iter().flat_map(|g| &g.pairs) {
-        sums[*component as usize].add(impulse, 1.0);
+    for (pair, impulse) in given.iter().flat_map(|g| &g.pairs) {
+        sums[pair.component as usize].add(impulse, 1.0);
     }
     for group in groups {
         let Some(whole) = &mut group.target_motion else { continue };
@@ -56,7 +56,8 @@ pub fn restore_advected_momentum<const D: usize>(
     let groups: Vec<ComponentGroup<D>> = change.groups.iter().map(carried).collect();
     let flat = Curvature::unknown();
     let interface_faces = interface_faces(model, &state.phi, &work.band, &flat, &work.cut_cells);
-    let restored = restore_momentum(model, state, work, &interface_faces, (change, &groups), 0.0);
+    let targets = MomentumTargets { groups: &groups, ..change.momentum_targets(0.0) };
+    let restored = restore_momentum(model, state, work, &interface_faces, &targets);
     Repairs {
         carried_momentum_restored: restored.momentum,
         carried_spin_restored: restored.angular_momentum,
@@ -97,14 +98,13 @@ pub fn restore_momentum<const D: usize>(
     state: &mut State<D>,
     work: &Workspace<D>,
     interface_faces: &[InterfaceFace],
-    (change, groups): (&ComponentChange<D>, &[ComponentGroup<D>]),
-    dt: f64,
+    targets: &MomentumTargets<'_, D>,
 ) -> MomentumRestoration<D> {
     let of = work.liquid.component_lookup(&model.grid);
     let labels = ComponentLabels::new(&of);
     let label = |cell: usize| labels.of(cell);
     let faces = component_faces(model, &state.phi, work, interface_faces, &label);
-    let restored = faces.restore(&mut state.velocity, groups, &change.target_volumes, &change.centers, dt);
+    let restored = faces.restore(&mut state.velocity, targets);
     MomentumRestoration { unlabelled: labels.missing(), ..restored }
 }
 

@@ -1,7 +1,7 @@
 //! Tracking of the liquid's components in a step: which become which, and the volume, position and momentum each must have.
 
 use super::group::ComponentGroup;
-use super::momentum::combined;
+use super::momentum::{MomentumTargets, combined};
 use super::volume::{
     ComponentMatch, VolumeMeasurement, band_labels, centroid_corrections, match_components, target_volumes,
 };
@@ -61,6 +61,16 @@ impl<const D: usize> ComponentChange<D> {
             repairs: Repairs::default(),
         }
     }
+
+    /// The motions that the components must have after gravity has acted for `gravity_time` (s).
+    pub fn momentum_targets(&self, gravity_time: f64) -> MomentumTargets<'_, D> {
+        MomentumTargets {
+            groups: &self.groups,
+            volumes: &self.target_volumes,
+            centers: &self.centers,
+            gravity_time,
+        }
+    }
 }
 
 /// Tracks the components and restores their volumes and centres of mass.
@@ -81,35 +91,15 @@ pub fn restore_volume<const D: usize>(
     let mut followed =
         match_components(before, &work.liquid, &state.components, &measured.centers, dt, has_left);
     let groups = &mut followed.groups;
-    let mut unpulled = unconstrained_projectors(
-        &measured.dual_cells,
-        &work.cut_cells.cells,
-        &band_component(&work.band, &band_labels),
-        measured_volumes.len(),
-    );
-    let free =
-        work.facing_wetted_fraction(&unpulled).into_iter().map(|share| share < MAX_FACING_WETTED_FRACTION);
-    unpulled.iter_mut().zip(free).filter(|(_, free)| !free).for_each(|(part, _)| part.fill(0.0));
+    let unpulled = unpulled_directions(work, &band_labels, &measured);
     predict_motions(model, state, work, groups, &unpulled, dt);
-    let (target_volumes, mut lost) = target_volumes(groups, &state.components, &measured_volumes);
-    for old in groups.iter().filter(|g| g.new.is_empty()).flat_map(|g| &g.old) {
-        let drop = state.components[*old].clone();
-        if has_left(&drop) {
-            lost -= drop.target_volume;
-            state.record_component_outflow(&drop, model.density, &model.gravity);
-        }
-    }
-    state.lost_volume += lost;
+    let (target_volumes, lost) = target_volumes(groups, &state.components, &measured_volumes);
+    record_lost_volume(model, state, groups, lost, has_left);
     let mut repairs = volume_repairs(model, state, &followed, &measured_volumes, &target_volumes);
     let offsets = centroid_corrections(&followed.groups, &target_volumes, &measured.centers);
     repairs.center_shift = offsets.iter().map(Vector::norm).fold(0.0, f64::max);
     let groups = followed.groups;
-    // An unresolved drop loses its shape in any step and must not shorten the steps of the others.
-    let is_resolved = |c: &usize| target_volumes[*c] > min_resolved_volume(model);
-    let depths = (0..measured_volumes.len())
-        .filter(is_resolved)
-        .map(|c| layer_thickness_cells(model, measured_volumes[c] - target_volumes[c], target_volumes[c]));
-    let volume_error_cells = depths.fold(0.0, f64::max);
+    let volume_error_cells = largest_volume_error_cells(model, &measured_volumes, &target_volumes);
     let limit = BAND_WIDTH_CELLS * model.grid.dx;
     let (corrected, converged) = liquid.correct(&mut state.phi, measured, &target_volumes, &groups, limit);
     let VolumeMeasurement { dual_cells, volumes, mut centers } = corrected;
@@ -130,6 +120,53 @@ pub fn restore_volume<const D: usize>(
         volume_error_cells,
         repairs,
     }
+}
+
+/// For each component the projector onto the directions in which its lines pull at no solid. It is zero for those that solids hold in these
+/// directions as a vessel does.
+fn unpulled_directions<const D: usize>(
+    work: &Workspace<D>,
+    band_labels: &[u32],
+    measured: &VolumeMeasurement<D>,
+) -> Vec<Matrix<D>> {
+    let mut unpulled = unconstrained_projectors(
+        &measured.dual_cells,
+        &work.cut_cells.cells,
+        &band_component(&work.band, band_labels),
+        measured.volumes.len(),
+    );
+    let free =
+        work.facing_wetted_fraction(&unpulled).into_iter().map(|share| share < MAX_FACING_WETTED_FRACTION);
+    unpulled.iter_mut().zip(free).filter(|(_, free)| !free).for_each(|(part, _)| part.fill(0.0));
+    unpulled
+}
+
+/// Records in the state the volume `lost` by components that vanished, and as outflow that of those that have left the domain.
+fn record_lost_volume<const D: usize>(
+    model: &Model<D>,
+    state: &mut State<D>,
+    groups: &[ComponentGroup<D>],
+    mut lost: f64,
+    has_left: impl Fn(&Component<D>) -> bool,
+) {
+    for old in groups.iter().filter(|g| g.new.is_empty()).flat_map(|g| &g.old) {
+        let drop = state.components[*old].clone();
+        if has_left(&drop) {
+            lost -= drop.target_volume;
+            state.record_component_outflow(&drop, model.density, &model.gravity);
+        }
+    }
+    state.lost_volume += lost;
+}
+
+/// Largest volume error of a resolved component, as the thickness of a layer on a ball of its target volume, in cells. An unresolved drop
+/// loses its shape in any step and must not shorten the steps of the others.
+fn largest_volume_error_cells<const D: usize>(model: &Model<D>, volumes: &[f64], targets: &[f64]) -> f64 {
+    let is_resolved = |c: &usize| targets[*c] > min_resolved_volume(model);
+    let depths = (0..volumes.len())
+        .filter(is_resolved)
+        .map(|c| layer_thickness_cells(model, volumes[c] - targets[c], targets[c]));
+    depths.fold(0.0, f64::max)
 }
 
 /// Volume about to be moved, and components that vanished or appeared; `raw` are the measured volumes.

@@ -39,21 +39,11 @@ pub fn match_components<const D: usize>(
     left: impl Fn(&Component<D>) -> bool,
 ) -> ComponentMatch<D> {
     let (m, n) = (before.components as usize, after.components as usize);
-    let mut parent: Vec<usize> = (0..m + n).collect();
-    fn find(parent: &[usize], mut i: usize) -> usize {
-        while parent[i] != i {
-            i = parent[i];
-        }
-        i
-    }
-    let mut link = |i: usize, j: usize| {
-        let (a, b) = (find(&parent, i), find(&parent, j));
-        parent[a.max(b)] = a.min(b);
-    };
+    let mut links = LinkedComponents { parent: (0..m + n).collect(), old_count: m };
     let overlaps = before.overlaps(after);
     let mut matched = vec![false; m + n];
     for &(a, b, _) in &overlaps {
-        link(a as usize, m + b as usize);
+        links.link(a as usize, m + b as usize);
         (matched[a as usize], matched[m + b as usize]) = (true, true);
     }
     // A small drop may leave its cells in a step, vanish or appear: it joins the nearest component, so that
@@ -68,7 +58,7 @@ pub fn match_components<const D: usize>(
             (0..m).filter(|i| !matched[*i]).min_by(|a, b| distance(*a, j).total_cmp(&distance(*b, j)));
         let any = (0..m).min_by(|a, b| distance(*a, j).total_cmp(&distance(*b, j)));
         if let Some(i) = missing.or(any) {
-            link(i, m + j);
+            links.link(i, m + j);
             if missing.is_none() {
                 appeared.push((j, i));
             }
@@ -81,16 +71,46 @@ pub fn match_components<const D: usize>(
         }
         vanished.push(i);
         if let Some(j) = (0..n).min_by(|a, b| distance(i, *a).total_cmp(&distance(i, *b))) {
-            link(i, m + j);
+            links.link(i, m + j);
         }
     }
-    let mut groups: Vec<ComponentGroup<D>> = vec![ComponentGroup::new(Vec::new(), Vec::new()); m + n];
-    for i in 0..m + n {
-        let root = find(&parent, i);
-        if i < m { groups[root].old.push(i) } else { groups[root].new.push(i - m) }
+    ComponentMatch { groups: links.groups(), vanished, appeared }
+}
+
+/// Old components, followed by new ones, of which some are linked: a forest whose trees are the groups.
+struct LinkedComponents {
+    /// The component above each one in its tree; a root is above itself.
+    parent: Vec<usize>,
+    /// Number of old components.
+    old_count: usize,
+}
+
+impl LinkedComponents {
+    /// The root of a component's tree.
+    fn root(&self, mut i: usize) -> usize {
+        while self.parent[i] != i {
+            i = self.parent[i];
+        }
+        i
     }
-    groups.retain(|g| !g.old.is_empty() || !g.new.is_empty());
-    ComponentMatch { groups, vanished, appeared }
+
+    /// Makes one group of those of two components.
+    fn link(&mut self, i: usize, j: usize) {
+        let (a, b) = (self.root(i), self.root(j));
+        self.parent[a.max(b)] = a.min(b);
+    }
+
+    /// All groups, in the order of their first components.
+    fn groups<const D: usize>(&self) -> Vec<ComponentGroup<D>> {
+        let (m, count) = (self.old_count, self.parent.len());
+        let mut groups: Vec<ComponentGroup<D>> = vec![ComponentGroup::new(Vec::new(), Vec::new()); count];
+        for i in 0..count {
+            let root = self.root(i);
+            if i < m { groups[root].old.push(i) } else { groups[root].new.push(i - m) }
+        }
+        groups.retain(|g| !g.old.is_empty() || !g.new.is_empty());
+        groups
+    }
 }
 
 /// Target volumes of the new components, and the volume of vanished ones, m³ (2D: m²).

@@ -21,7 +21,7 @@
 
 use super::local_balance::LineNeighbourhood;
 use super::solid_tension::WettedTensions;
-use crate::coupling::impulses::{CouplingImpulses, Impulse, moment};
+use crate::coupling::impulses::{ComponentSolid, CouplingImpulses, Impulse, moment};
 use crate::free_surface::dual_cell::DualCell;
 use crate::free_surface::interface_faces::InterfaceFace;
 use crate::model::Model;
@@ -36,9 +36,9 @@ use std::collections::BTreeMap;
 /// first moments (cells times m).
 struct LinePulls<const D: usize> {
     impulses: CouplingImpulses<D>,
-    lengths: BTreeMap<(u32, u32), (f64, Vector<D>)>,
+    lengths: BTreeMap<ComponentSolid, (f64, Vector<D>)>,
     /// Load points of the lines on deformable solids.
-    loads: BTreeMap<(u32, u32), Vec<LineLoad<D>>>,
+    loads: BTreeMap<ComponentSolid, Vec<LineLoad<D>>>,
     /// Pieces of all lines, and of the surface's rims at sides of the domain; each has its part of the surface around it.
     /// Positions, m, and impulses over `γ h Δ^(D−2)`.
     pieces: Vec<(Vector<D>, Vector<D>)>,
@@ -151,9 +151,9 @@ impl<const D: usize> ContactLineForces<'_, D> {
         }
         let across = normal_projectors(self.dual_cells, self.wet, self.label, self.touches_no_side.len());
         let mut total = vec![0.0; self.touches_no_side.len()];
-        lengths.iter().for_each(|((c, _), (length, _))| total[*c as usize] += length);
+        lengths.iter().for_each(|(pair, (length, _))| total[pair.component as usize] += length);
         let mut missing = self.capillary_impulses(impulse_time);
-        impulses.pairs.iter().for_each(|((c, _), pull)| missing[*c as usize].add(pull, 1.0));
+        impulses.pairs.iter().for_each(|(pair, pull)| missing[pair.component as usize].add(pull, 1.0));
         let mut along = vec![Vector::zeros(); self.touches_no_side.len()];
         let (sides, mut moment_lost) = (self.side_axes(), 0.0);
         for c in (0..along.len()).filter(|&c| total[c] > 0.0) {
@@ -167,8 +167,10 @@ impl<const D: usize> ContactLineForces<'_, D> {
             }
             missing[c].linear = linear;
         }
-        for (pair, (length, middle)) in lengths.iter().filter(|(pair, _)| total[pair.0 as usize] > 0.0) {
-            let c = pair.0 as usize;
+        for (pair, (length, middle)) in
+            lengths.iter().filter(|(pair, _)| total[pair.component as usize] > 0.0)
+        {
+            let c = pair.component as usize;
             let mut rest = Impulse::zero();
             let at_middle = Impulse::at(&(middle / *length), missing[c].linear);
             rest.add(if self.touches_no_side[c] { &missing[c] } else { &at_middle }, -length / total[c]);
@@ -176,10 +178,7 @@ impl<const D: usize> ContactLineForces<'_, D> {
             if let Some(loads) = loads.get(pair)
                 && let Some(all) = impulses.pairs.remove(pair)
             {
-                let skin = self.wetted_tensions.get(pair).map_or(&[][..], |skin| skin);
-                let shortest_lever = MIN_RESOLVED_RADIUS_CELLS * self.model.grid.dx;
-                moment_lost +=
-                    load_deformable(loads, shortest_lever, (skin, impulse_time), *pair, &all, &mut impulses);
+                moment_lost += self.load_deformable(*pair, loads, &all, impulse_time, &mut impulses);
             }
         }
         // Without a contact line the tension of the wetted surface is in balance by itself.
@@ -189,6 +188,31 @@ impl<const D: usize> ContactLineForces<'_, D> {
                 .for_each(|(grip, force)| impulses.add_at_surface_point(*pair, grip, force * impulse_time));
         }
         LineImpulses { on_solids: impulses, on_liquid: along, moment_lost }
+    }
+
+    /// Applies the impulse `all` of a component to a deformable solid: the lines' impulses at their load points (`feet`), that of the
+    /// tension of the wetted surface, and the rest distributed over all load points. Returns the size of the moment that
+    /// [`distribute_rigidly`] leaves out, kg m²/s (2D: kg m/s).
+    fn load_deformable(
+        &self,
+        pair: ComponentSolid,
+        feet: &[LineLoad<D>],
+        all: &Impulse<D>,
+        impulse_time: f64,
+        exchange: &mut CouplingImpulses<D>,
+    ) -> f64 {
+        let skin = self.wetted_tensions.get(&pair).map_or(&[][..], |skin| skin);
+        let shortest_lever = MIN_RESOLVED_RADIUS_CELLS * self.model.grid.dx;
+        let mut rest = *all;
+        feet.iter().for_each(|f| rest.add(&Impulse::at(&f.point.point, f.impulse), -1.0));
+        skin.iter().for_each(|(grip, force)| rest.add(&Impulse::at(&grip.point, *force), -impulse_time));
+        skin.iter().for_each(|(grip, force)| exchange.add_at_surface_point(pair, grip, force * impulse_time));
+        let asked = rest;
+        for (foot, more) in feet.iter().zip(distribute_rigidly(feet, shortest_lever, &asked)) {
+            exchange.add_at_surface_point(pair, &foot.point, foot.impulse + more);
+            rest.add(&Impulse::at(&foot.point.point, more), -1.0);
+        }
+        rest.angular.norm()
     }
 
     /// The axes along which sides of the domain pull at the surface of each component: the normals of the sides.
@@ -224,10 +248,11 @@ impl<const D: usize> ContactLineForces<'_, D> {
             let grips = now.surface_patch(&foot, self.model.numerics.line_radius);
             let number = pieces.len();
             pieces.push((foot, Vector::from_fn(|a, _| pull[a])));
-            cube.distribute(self.label, |c, part| {
-                impulses.add((c, cube.solid), &impulse, part);
+            cube.distribute(self.label, |component, part| {
+                let pair = ComponentSolid { component, solid: cube.solid };
+                impulses.add(pair, &impulse, part);
                 for &(point, share) in &grips {
-                    let (part, loads) = (part * share, loads.entry((c, cube.solid)).or_insert_with(Vec::new));
+                    let (part, loads) = (part * share, loads.entry(pair).or_insert_with(Vec::new));
                     let pull = Vector::from_fn(|a, _| strength * part * pull[a]);
                     loads.push(LineLoad {
                         point,
@@ -236,7 +261,7 @@ impl<const D: usize> ContactLineForces<'_, D> {
                         impulse: pull,
                     });
                 }
-                let (length, moment) = lengths.entry((c, cube.solid)).or_insert((0.0, Vector::zeros()));
+                let (length, moment) = lengths.entry(pair).or_insert((0.0, Vector::zeros()));
                 *length += part * size;
                 *moment += place * (part * size);
             });
@@ -279,29 +304,6 @@ impl<const D: usize> ContactLineForces<'_, D> {
         }
         pushes
     }
-}
-
-/// Applies the impulse `all` to a deformable solid: the lines' impulses at their load points, that of the tension of the
-/// wetted surface (`skin`) during `impulse_time` (s), and the rest distributed over all load points. Returns the size of
-/// the moment that [`distribute_rigidly`] leaves out, kg m²/s (2D: kg m/s).
-fn load_deformable<const D: usize>(
-    feet: &[LineLoad<D>],
-    shortest_lever: f64,
-    (skin, impulse_time): (&[(SurfacePoint<D>, Vector<D>)], f64),
-    pair: (u32, u32),
-    all: &Impulse<D>,
-    exchange: &mut CouplingImpulses<D>,
-) -> f64 {
-    let mut rest = *all;
-    feet.iter().for_each(|f| rest.add(&Impulse::at(&f.point.point, f.impulse), -1.0));
-    skin.iter().for_each(|(grip, force)| rest.add(&Impulse::at(&grip.point, *force), -impulse_time));
-    skin.iter().for_each(|(grip, force)| exchange.add_at_surface_point(pair, grip, force * impulse_time));
-    let asked = rest;
-    for (foot, more) in feet.iter().zip(distribute_rigidly(feet, shortest_lever, &asked)) {
-        exchange.add_at_surface_point(pair, &foot.point, foot.impulse + more);
-        rest.add(&Impulse::at(&foot.point.point, more), -1.0);
-    }
-    rest.angular.norm()
 }
 
 /// Distributes an impulse over load points on a deformable solid, weighted by length, as the accelerations of a rigid body

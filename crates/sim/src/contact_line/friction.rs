@@ -13,7 +13,7 @@
 //! compromise, not a derivation: sliding drops roll more, and are too fast by a factor of 1.3 (ν = 1) to 1.7 (ν = 0.03, 12
 //! cells a radius) in 2D and up to 2.6 in 3D.
 
-use crate::coupling::impulses::CouplingImpulses;
+use crate::coupling::impulses::{ComponentSolid, CouplingImpulses};
 use crate::free_surface::dual_cell::DualCell;
 use crate::free_surface::interface_faces::InterfaceFace;
 use crate::model::Model;
@@ -89,99 +89,107 @@ impl DraggedFace {
     }
 }
 
-/// Computes the faces that the contact lines drag during `impulse_time` (s), and sets the mobility of the interface faces.
+/// Contact lines that drag the liquid towards the solids.
 ///
-/// `bodies` are the solids with the velocities of the last step, or the prescribed ones: the lines drag towards
-/// these. The velocities in `state` are provisional and contain only some of the forces; with them drops on
-/// soft plates were stirred, and had angles too small by up to 6 degrees (`verify soft-sag`). On a solid that
-/// accelerates by `a` the velocities in `bodies` lag by `a h` behind the step's end.
-pub fn dragged_faces<const D: usize>(
-    model: &Model<D>,
-    (state, bodies): (&State<D>, &[SolidState<D>]),
-    dual_cells: &[DualCell],
-    (interface_faces, solids): (&mut [InterfaceFace], &CutCells<D>),
-    impulse_time: f64,
-) -> Vec<DraggedFace> {
-    let unit = impulse_time / (model.density * model.grid.dx * model.grid.dx);
-    let strength = |cube: &DualCell| {
-        let friction = model.solids.get(cube.solid as usize).map_or(0.0, |s| s.line_friction);
-        if cube.pinned { PINNED_DRAG } else { unit * friction }
-    };
-    let line_cells: Vec<&DualCell> =
-        dual_cells.iter().filter(|c| c.line_length() > 0.0 && strength(c) > 0.0).collect();
-    let mut faces: BTreeMap<(usize, usize), DraggedFace> = BTreeMap::new();
-    for cube in &line_cells {
-        for (axis, face, sides) in faces_around(model, cube) {
-            let Some(cell) = sides.into_iter().find(|c| state.phi.data[*c] < 0.0) else { continue };
-            let inner = sides.iter().all(|c| state.phi.data[*c] < 0.0);
-            let volume_cells = if inner { solids.open_fraction.axes[axis][face] } else { 0.0 };
-            faces.entry((axis, face)).or_insert(DraggedFace {
-                axis,
-                face,
-                cell,
-                volume_cells,
-                is_interface: false,
-                drags: Vec::new(),
-            });
-        }
-    }
-    if faces.is_empty() {
-        return Vec::new();
-    }
-    for f in interface_faces.iter() {
-        if let Some(dragged) = faces.get_mut(&(f.axis, f.face)) {
-            dragged.volume_cells = f.theta * f.open_fraction;
-            dragged.is_interface = f.open_fraction > 0.0;
-        }
-    }
-    for cube in line_cells {
-        add_drag(model, (state, bodies), cube, strength(cube), &mut faces);
-    }
-    for f in interface_faces {
-        f.mobility = faces.get(&(f.axis, f.face)).map_or(1.0, DraggedFace::mobility);
-    }
-    faces.into_values().filter(|f| !f.drags.is_empty()).collect()
+/// The lines drag towards the velocities that the solids had in the last step, or towards the prescribed ones. The velocities in `state`
+/// are provisional and contain only some of the forces; with them drops on soft plates were stirred, and had angles too small by up to 6
+/// degrees (`verify soft-sag`). On a solid that accelerates by `a` the velocities in `solids_before` lag by `a h` behind the step's end.
+pub struct LineFriction<'a, const D: usize> {
+    /// The model.
+    pub model: &'a Model<D>,
+    /// The state, with a provisional velocity.
+    pub state: &'a State<D>,
+    /// The solids before the forces of this step.
+    pub solids_before: &'a [SolidState<D>],
+    /// The dual cells with interface or wetted solid.
+    pub dual_cells: &'a [DualCell],
+    /// What the solids cut.
+    pub cut_cells: &'a CutCells<D>,
+    /// Impulse time, s.
+    pub impulse_time: f64,
 }
 
-/// Adds the drag of the line in a dual cell to the faces around it; `strength` is `ζ h / (ρ Δ²)`.
-fn add_drag<const D: usize>(
-    model: &Model<D>,
-    (state, bodies): (&State<D>, &[SolidState<D>]),
-    cube: &DualCell,
-    strength: f64,
-    faces: &mut BTreeMap<(usize, usize), DraggedFace>,
-) {
-    let (mut mass, mut crossed) = ([0.0; D], [0.0; D]);
-    let (mut velocity, mut surface) = (Vector::<D>::zeros(), Vector::<D>::zeros());
-    for (a, face, _) in faces_around(model, cube) {
-        let Some(f) = faces.get(&(a, face)) else { continue };
-        let u = state.velocity.axes[a][face];
-        mass[a] += f.volume_cells;
-        velocity[a] += f.volume_cells * u;
-        crossed[a] += f64::from(f.is_interface);
-        surface[a] += if f.is_interface { u } else { 0.0 };
+/// Dragged faces by axis and position in the face lattice.
+type FacesByPosition = BTreeMap<(usize, usize), DraggedFace>;
+
+impl<const D: usize> LineFriction<'_, D> {
+    /// Computes the faces that the lines drag, and sets the mobility of the interface faces.
+    pub fn dragged_faces(&self, interface_faces: &mut [InterfaceFace]) -> Vec<DraggedFace> {
+        let unit = self.impulse_time / (self.model.density * self.model.grid.dx * self.model.grid.dx);
+        let strength = |cube: &DualCell| {
+            let friction = self.model.solids.get(cube.solid as usize).map_or(0.0, |s| s.line_friction);
+            if cube.pinned { PINNED_DRAG } else { unit * friction }
+        };
+        let line_cells: Vec<&DualCell> =
+            self.dual_cells.iter().filter(|c| c.line_length() > 0.0 && strength(c) > 0.0).collect();
+        let mut faces: FacesByPosition = BTreeMap::new();
+        for cube in &line_cells {
+            for (axis, face, sides) in faces_around(self.model, cube) {
+                let Some(cell) = sides.into_iter().find(|c| self.state.phi.data[*c] < 0.0) else { continue };
+                let inner = sides.iter().all(|c| self.state.phi.data[*c] < 0.0);
+                let volume_cells = if inner { self.cut_cells.open_fraction.axes[axis][face] } else { 0.0 };
+                faces.entry((axis, face)).or_insert(DraggedFace {
+                    axis,
+                    face,
+                    cell,
+                    volume_cells,
+                    is_interface: false,
+                    drags: Vec::new(),
+                });
+            }
+        }
+        if faces.is_empty() {
+            return Vec::new();
+        }
+        for f in interface_faces.iter() {
+            if let Some(dragged) = faces.get_mut(&(f.axis, f.face)) {
+                dragged.volume_cells = f.theta * f.open_fraction;
+                dragged.is_interface = f.open_fraction > 0.0;
+            }
+        }
+        for cube in line_cells {
+            self.add_drag(cube, strength(cube), &mut faces);
+        }
+        for f in interface_faces {
+            f.mobility = faces.get(&(f.axis, f.face)).map_or(1.0, DraggedFace::mobility);
+        }
+        faces.into_values().filter(|f| !f.drags.is_empty()).collect()
     }
-    (0..D).for_each(|a| velocity[a] /= mass[a].max(1e-300));
-    let over = |a: usize| if crossed[a] > 0.0 { surface[a] / crossed[a] - velocity[a] } else { 0.0 };
-    let outward = -Vector::<D>::from_fn(|a, _| cube.wetting_direction[a]) / cube.line_length();
-    let rolling = if cube.pinned { 0.0 } else { 0.5 * (0..D).map(|a| outward[a] * over(a)).sum::<f64>() };
-    let now = &bodies[cube.solid as usize];
-    let along = cube.line_direction();
-    for (a, face, _) in faces_around(model, cube) {
-        let Some(f) = faces.get_mut(&(a, face)).filter(|f| f.volume_cells > 0.0) else { continue };
-        let x = model.grid.face_center(a, model.grid.face_lattice(a).coordinates(face));
-        let solid = now.velocity_at(&x);
-        // A pinned line also drags along itself: where it bends, liquid that slides along one part would cross the next.
-        let slides = if cube.pinned { 0.0 } else { 1.0 };
-        let along: [f64; D] = std::array::from_fn(|b| slides * along[b]);
-        // No drag along the line: the tensor is `1 − t tᵀ`, whose diagonal is implicit.
-        let others = (0..D).filter(|b| *b != a);
-        let sliding: f64 = others.map(|b| along[b] * (velocity[b] - solid[b])).sum();
-        let whole = strength * cube.line_length() / mass[a];
-        let hold = f.drag_on(cube.solid);
-        hold.drag += whole * (1.0 - along[a] * along[a]);
-        hold.lagged_impulse += whole * (along[a] * sliding - outward[a] * rolling);
-        hold.solid_velocity = solid[a];
+
+    /// Adds the drag of the line in a dual cell to the faces around it; `strength` is `ζ h / (ρ Δ²)`.
+    fn add_drag(&self, cube: &DualCell, strength: f64, faces: &mut FacesByPosition) {
+        let (mut mass, mut crossed) = ([0.0; D], [0.0; D]);
+        let (mut velocity, mut surface) = (Vector::<D>::zeros(), Vector::<D>::zeros());
+        for (a, face, _) in faces_around(self.model, cube) {
+            let Some(f) = faces.get(&(a, face)) else { continue };
+            let u = self.state.velocity.axes[a][face];
+            mass[a] += f.volume_cells;
+            velocity[a] += f.volume_cells * u;
+            crossed[a] += f64::from(f.is_interface);
+            surface[a] += if f.is_interface { u } else { 0.0 };
+        }
+        (0..D).for_each(|a| velocity[a] /= mass[a].max(1e-300));
+        let over = |a: usize| if crossed[a] > 0.0 { surface[a] / crossed[a] - velocity[a] } else { 0.0 };
+        let outward = -Vector::<D>::from_fn(|a, _| cube.wetting_direction[a]) / cube.line_length();
+        let rolling = if cube.pinned { 0.0 } else { 0.5 * (0..D).map(|a| outward[a] * over(a)).sum::<f64>() };
+        let now = &self.solids_before[cube.solid as usize];
+        let along = cube.line_direction();
+        for (a, face, _) in faces_around(self.model, cube) {
+            let Some(f) = faces.get_mut(&(a, face)).filter(|f| f.volume_cells > 0.0) else { continue };
+            let x = self.model.grid.face_center(a, self.model.grid.face_lattice(a).coordinates(face));
+            let solid = now.velocity_at(&x);
+            // A pinned line also drags along itself: where it bends, liquid that slides along one part would cross the next.
+            let slides = if cube.pinned { 0.0 } else { 1.0 };
+            let along: [f64; D] = std::array::from_fn(|b| slides * along[b]);
+            // No drag along the line: the tensor is `1 − t tᵀ`, whose diagonal is implicit.
+            let others = (0..D).filter(|b| *b != a);
+            let sliding: f64 = others.map(|b| along[b] * (velocity[b] - solid[b])).sum();
+            let whole = strength * cube.line_length() / mass[a];
+            let hold = f.drag_on(cube.solid);
+            hold.drag += whole * (1.0 - along[a] * along[a]);
+            hold.lagged_impulse += whole * (along[a] * sliding - outward[a] * rolling);
+            hold.solid_velocity = solid[a];
+        }
     }
 }
 
@@ -221,7 +229,8 @@ pub fn line_friction_impulses<const D: usize>(
             let mut impulse = Vector::<D>::zeros();
             impulse[f.axis] =
                 model.density * model.grid.cell_volume() * f.volume_cells * hold.impulse_on_solid(u);
-            exchange.add_at((component, hold.solid), &state.solids[hold.solid as usize], &x, impulse);
+            let pair = ComponentSolid { component, solid: hold.solid };
+            exchange.add_at(pair, &state.solids[hold.solid as usize], &x, impulse);
         }
     }
     exchange

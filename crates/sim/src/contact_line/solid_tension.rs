@@ -8,6 +8,7 @@
 //! The force on a vertex is `−∂A/∂x` times the tension difference, with `A` the wetted area of its facets.
 
 use super::sampling::phi_at_solid;
+use crate::coupling::impulses::ComponentSolid;
 use crate::model::Model;
 use crate::solid::SolidState;
 use crate::solid::surface::{SolidSurface, SurfacePoint};
@@ -27,7 +28,7 @@ const SAMPLE_HEIGHTS_CELLS: [f64; 3] = [0.5, 1.0, 1.5];
 pub type VertexForces<const D: usize> = Vec<(SurfacePoint<D>, Vector<D>)>;
 
 /// Tension forces by liquid component and deformable solid.
-pub type WettedTensions<const D: usize> = BTreeMap<(u32, u32), VertexForces<D>>;
+pub type WettedTensions<const D: usize> = BTreeMap<ComponentSolid, VertexForces<D>>;
 
 /// Computes the tension forces of wetted surfaces on deformable solids; `label` is the component of a liquid cell.
 pub fn wetted_tension_forces<const D: usize>(
@@ -47,7 +48,7 @@ pub fn wetted_tension_forces<const D: usize>(
                 point: soft.surface.mesh.positions[v as usize],
             };
             let pulled = forces.into_iter().map(|(v, force)| (grip(v), force)).collect();
-            skins.insert((component, number as u32), pulled);
+            skins.insert(ComponentSolid { component, solid: number as u32 }, pulled);
         }
     }
     skins

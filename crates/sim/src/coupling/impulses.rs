@@ -44,11 +44,20 @@ pub fn moment<const D: usize>(r: &Vector<D>, f: &Vector<D>) -> Vector<3> {
     sum
 }
 
+/// A component of the liquid and a solid that exchange impulses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ComponentSolid {
+    /// Number of the component.
+    pub component: u32,
+    /// Index of the solid.
+    pub solid: u32,
+}
+
 /// Impulses of the liquid on the solids.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CouplingImpulses<const D: usize> {
-    /// Impulses by the numbers of the liquid component and the solid.
-    pub pairs: BTreeMap<(u32, u32), Impulse<D>>,
+    /// Impulses of each liquid component on each solid.
+    pub pairs: BTreeMap<ComponentSolid, Impulse<D>>,
     /// Impulses at surface points, N s (2D: per metre), by the number of the deformable solid.
     pub point_impulses: BTreeMap<u32, Vec<(SurfacePoint<D>, Vector<D>)>>,
 }
@@ -60,18 +69,18 @@ impl<const D: usize> CouplingImpulses<D> {
     }
 
     /// Adds `scale` times an impulse of a component on a solid.
-    pub fn add(&mut self, pair: (u32, u32), impulse: &Impulse<D>, scale: f64) {
+    pub fn add(&mut self, pair: ComponentSolid, impulse: &Impulse<D>, scale: f64) {
         self.pairs.entry(pair).or_insert_with(Impulse::zero).add(impulse, scale);
     }
 
     /// Adds an impulse at a surface point of a deformable solid.
-    pub fn add_at_surface_point(&mut self, pair: (u32, u32), grip: &SurfacePoint<D>, linear: Vector<D>) {
+    pub fn add_at_surface_point(&mut self, pair: ComponentSolid, grip: &SurfacePoint<D>, linear: Vector<D>) {
         self.add(pair, &Impulse::at(&grip.point, linear), 1.0);
-        self.point_impulses.entry(pair.1).or_default().push((*grip, linear));
+        self.point_impulses.entry(pair.solid).or_default().push((*grip, linear));
     }
 
     /// Adds an impulse at a point of a rigid solid, or at the closest surface point of a deformable one.
-    pub fn add_at(&mut self, pair: (u32, u32), solid: &SolidState<D>, x: &Vector<D>, linear: Vector<D>) {
+    pub fn add_at(&mut self, pair: ComponentSolid, solid: &SolidState<D>, x: &Vector<D>, linear: Vector<D>) {
         match solid.surface_point(x) {
             Some(grip) => self.add_at_surface_point(pair, &grip, linear),
             None => self.add(pair, &Impulse::at(x, linear), 1.0),
@@ -90,7 +99,7 @@ impl<const D: usize> CouplingImpulses<D> {
     /// Sums over all components, by solid.
     pub fn by_solid(&self, solids: usize) -> Vec<Impulse<D>> {
         let mut sums = vec![Impulse::zero(); solids];
-        self.pairs.iter().for_each(|((_, solid), impulse)| sums[*solid as usize].add(impulse, 1.0));
+        self.pairs.iter().for_each(|(pair, impulse)| sums[pair.solid as usize].add(impulse, 1.0));
         sums
     }
 

@@ -11,7 +11,7 @@
 //! away. The gradient of a first solution gives the missing impulse on the solids
 //! ([`PressureCoupling::off_center_impulses`]), which acts before a second solve.
 
-use super::impulses::{CouplingImpulses, Impulse};
+use super::impulses::{ComponentSolid, CouplingImpulses, Impulse};
 use crate::collision::points::angular_to_node;
 use crate::collision::solid_response::SolidResponse;
 use crate::model::Model;
@@ -52,11 +52,12 @@ pub fn wetted_surfaces<const D: usize>(
 }
 
 impl<'a, const D: usize> PressureCoupling<'a, D> {
-    /// Coupling at these surfaces.
+    /// Coupling at these surfaces; `response` is that of the solids, if any is movable.
     pub fn new(
         model: &'a Model<D>,
         wetted_surfaces: &'a [WettedSurface<D>],
-        (solids, response): (&'a [SolidState<D>], Option<&'a SolidResponse<D>>),
+        solids: &'a [SolidState<D>],
+        response: Option<&'a SolidResponse<D>>,
     ) -> Self {
         Self { model, solids, response, wetted_surfaces }
     }
@@ -184,11 +185,12 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
         for (w, grip) in self.wetted_surfaces {
             let Some(component) = label(w.cell as usize) else { continue };
             let (linear, angular) = push(w);
+            let pair = ComponentSolid { component, solid: w.solid };
             match grip {
-                Some(grip) => exchange.add_at_surface_point((component, w.solid), grip, linear * scale),
+                Some(grip) => exchange.add_at_surface_point(pair, grip, linear * scale),
                 None => {
                     let angular = angular * (scale * self.model.grid.dx);
-                    exchange.add((component, w.solid), &Impulse { linear: linear * scale, angular }, 1.0);
+                    exchange.add(pair, &Impulse { linear: linear * scale, angular }, 1.0);
                 }
             }
         }
@@ -248,8 +250,9 @@ pub fn apply_impulses_to_rigid<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collision::newton::{DeformableLoads, NewtonSolver};
+    use crate::collision::newton::NewtonSolver;
     use crate::collision::points::CollisionPoints;
+    use crate::collision::potential::solid_terms::DeformableLoads;
     use crate::flow::pressure::{Projection, ProjectionOptions};
     use crate::free_surface::curvature::Curvature;
     use crate::free_surface::interface_faces::interface_faces;
@@ -371,7 +374,7 @@ mod tests {
         let open = FaceField::zeros(model.grid);
         model
             .has_dynamic_solids()
-            .then(|| descent.linearise(&mut solids.to_vec(), &mut [], (&[], &open)).unwrap())
+            .then(|| descent.linearise(&mut solids.to_vec(), &mut [], &[], &open).unwrap())
     }
 
     fn ball<const D: usize>(radius: f64) -> Shape<D> {

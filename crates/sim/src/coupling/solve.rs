@@ -6,7 +6,8 @@
 use super::impulses::CouplingImpulses;
 use super::pressure::{WettedSurface, apply_impulses_to_rigid, wetted_surfaces};
 use crate::collision::impact::resolve_impacts;
-use crate::collision::newton::{DeformableLoads, NewtonSolver, OldSolids};
+use crate::collision::newton::{NewtonSolver, OldSolids};
+use crate::collision::potential::solid_terms::DeformableLoads;
 use crate::components::restoration::{ComponentLabels, component_faces};
 use crate::components::tracking::{ComponentChange, band_component, min_resolved_volume};
 use crate::contact_line::force::{ContactLineForces, LineImpulses};
@@ -35,42 +36,39 @@ pub struct PressureSolution<const D: usize> {
     pub newton_iterations: u64,
 }
 
-/// Makes the velocity divergence-free and applies the impulses to the solids; `before` are the solids before the forces of this step.
+/// What the pressure solve of a step must know beside state and grid.
+pub struct PressureStep<'a, const D: usize> {
+    /// The solids before the forces of this step.
+    pub solids_before: &'a [SolidState<D>],
+    /// The faces at the interface.
+    pub interface_faces: &'a [InterfaceFace],
+    /// The faces that contact lines drag.
+    pub dragged_faces: &'a mut [DraggedFace],
+    /// Times of the step.
+    pub times: StepTimes,
+}
+
+/// Makes the velocity divergence-free and applies the impulses to the solids.
 ///
 /// # Errors
 /// A solve does not converge, or a matrix is not positive definite.
 pub fn solve_pressure<const D: usize>(
     model: &Model<D>,
-    (state, before): (&mut State<D>, &[SolidState<D>]),
+    state: &mut State<D>,
     work: &mut Workspace<D>,
     change: &ComponentChange<D>,
-    (interface_faces, dragged): (&[InterfaceFace], &mut [DraggedFace]),
-    times: StepTimes,
+    step: PressureStep<'_, D>,
     phase_end: PhaseEnd<'_>,
 ) -> Result<PressureSolution<D>, SolveError> {
-    let line = apply_contact_line_forces(model, state, work, change, interface_faces, times.impulse_time);
+    let impulse_time = step.times.impulse_time;
+    let line = apply_contact_line_forces(model, state, work, change, step.interface_faces, impulse_time);
     let SolidImpulses { solves, impulses: [pressure, friction], contact_work, newton_iterations } =
         match model.has_dynamic_solids() {
-            true => solve_with_dynamic_solids(
-                model,
-                (state, before),
-                work,
-                (interface_faces, dragged),
-                &line,
-                times,
-                phase_end,
-            )?,
-            false => solve_with_prescribed_solids(
-                model,
-                state,
-                work,
-                (interface_faces, dragged),
-                times,
-                phase_end,
-            )?,
+            true => solve_with_dynamic_solids(model, state, work, step, &line, phase_end)?,
+            false => solve_with_prescribed_solids(model, state, work, step, phase_end)?,
         };
     let solid_impulses = [line, pressure, friction];
-    store_solid_forces(&mut state.solids, &solid_impulses, times.impulse_time);
+    store_solid_forces(&mut state.solids, &solid_impulses, impulse_time);
     Ok(PressureSolution { solves, solid_impulses, contact_work, newton_iterations })
 }
 
@@ -139,19 +137,24 @@ fn solve_with_prescribed_solids<const D: usize>(
     model: &Model<D>,
     state: &mut State<D>,
     work: &mut Workspace<D>,
-    (interface_faces, dragged): (&[InterfaceFace], &mut [DraggedFace]),
-    times: StepTimes,
+    mut step: PressureStep<'_, D>,
     phase_end: PhaseEnd<'_>,
 ) -> Result<SolidImpulses<D>, SolveError> {
     let label = work.liquid.component_lookup(&model.grid);
     let wet = wetted_surfaces(model, &work.cut_cells, &state.solids, &state.phi.data);
-    let parts = (&work.band, &work.liquid, work.known_faces.liquid_faces(), &mut work.cut_cells, &wet[..]);
-    let mut projection =
-        build_projection(model, state, parts, (interface_faces, dragged, &label), times.impulse_time);
+    let domain = ProjectionDomain {
+        band: &work.band,
+        liquid: &work.liquid,
+        liquid_faces: work.known_faces.liquid_faces(),
+        cut_cells: &mut work.cut_cells,
+        wetted_surfaces: &wet,
+        label: &label,
+    };
+    let mut projection = build_projection(model, state, domain, &mut step);
     let pass = ProjectionOptions { warm_start: false, tolerance: model.numerics.tolerance };
     let ProjectionResult { solves, pressure_impulses, .. } =
         work.pressure.project(model, &mut projection, None, pass, phase_end)?;
-    let friction = line_friction_impulses(model, state, dragged, &label);
+    let friction = line_friction_impulses(model, state, step.dragged_faces, &label);
     Ok(SolidImpulses {
         solves,
         impulses: [pressure_impulses, friction],
@@ -163,13 +166,13 @@ fn solve_with_prescribed_solids<const D: usize>(
 /// Joint solve of pressure, movable solids and contacts by Newton's method.
 fn solve_with_dynamic_solids<const D: usize>(
     model: &Model<D>,
-    (state, before): (&mut State<D>, &[SolidState<D>]),
+    state: &mut State<D>,
     work: &mut Workspace<D>,
-    (interface_faces, dragged): (&[InterfaceFace], &mut [DraggedFace]),
+    mut step: PressureStep<'_, D>,
     line: &CouplingImpulses<D>,
-    times: StepTimes,
     phase_end: PhaseEnd<'_>,
 ) -> Result<SolidImpulses<D>, SolveError> {
+    let (before, times) = (step.solids_before, step.times);
     let loads =
         DeformableLoads::of_solids(model, line, wetted_tension_stiffness(model, state), times.impulse_time);
     apply_impulses_to_rigid(model, &mut state.solids, line);
@@ -184,17 +187,26 @@ fn solve_with_dynamic_solids<const D: usize>(
     let mut iteration = 0;
     loop {
         iteration += 1;
-        let response =
-            newton.linearise(&mut state.solids, dragged, (&state.phi.data, &work.cut_cells.open_fraction))?;
+        let response = newton.linearise(
+            &mut state.solids,
+            step.dragged_faces,
+            &state.phi.data,
+            &work.cut_cells.open_fraction,
+        )?;
         state.velocity.clone_from(&start);
-        let parts =
-            (&work.band, &work.liquid, work.known_faces.liquid_faces(), &mut work.cut_cells, &wet[..]);
-        let mut projection =
-            build_projection(model, state, parts, (interface_faces, dragged, &label), times.impulse_time);
+        let domain = ProjectionDomain {
+            band: &work.band,
+            liquid: &work.liquid,
+            liquid_faces: work.known_faces.liquid_faces(),
+            cut_cells: &mut work.cut_cells,
+            wetted_surfaces: &wet,
+            label: &label,
+        };
+        let mut projection = build_projection(model, state, domain, &mut step);
         let ProjectionResult { solves, pressure_impulses: pressure, node_velocity_change } = work
             .pressure
             .project(model, &mut projection, Some(&response), newton.projection_options(), phase_end)?;
-        let friction = line_friction_impulses(model, state, dragged, &label);
+        let friction = line_friction_impulses(model, state, step.dragged_faces, &label);
         let mut node_impulses = pressure.clone();
         node_impulses.extend(&friction);
         let node_impulses = response.node_impulses(model, before, &node_impulses);
@@ -213,34 +225,38 @@ fn solve_with_dynamic_solids<const D: usize>(
     }
 }
 
-/// Faces at the interface, faces that contact lines drag, and the component of a liquid cell.
-type FaceArguments<'a> =
-    (&'a [InterfaceFace], &'a mut [DraggedFace], &'a (dyn Fn(usize) -> Option<u32> + Sync));
+/// Where a projection makes the velocity divergence-free.
+struct ProjectionDomain<'a, const D: usize> {
+    band: &'a Band<D>,
+    liquid: &'a Runs,
+    liquid_faces: &'a [Vec<Segment>; D],
+    cut_cells: &'a mut CutCells<D>,
+    wetted_surfaces: &'a [WettedSurface<D>],
+    /// Component of a liquid cell.
+    label: &'a (dyn Fn(usize) -> Option<u32> + Sync),
+}
 
-/// Grid data of a projection: band, liquid, its faces, cut cells, and wetted surfaces.
-type GridArguments<'a, const D: usize> =
-    (&'a Band<D>, &'a Runs, &'a [Vec<Segment>; D], &'a mut CutCells<D>, &'a [WettedSurface<D>]);
-
+/// The projection of the velocity in `state`.
 fn build_projection<'a, const D: usize>(
     model: &Model<D>,
     state: &'a mut State<D>,
-    (band, liquid, liquid_faces, cut_cells, wetted_surfaces): GridArguments<'a, D>,
-    (interface_faces, dragged_faces, label): FaceArguments<'a>,
-    impulse_time: f64,
+    domain: ProjectionDomain<'a, D>,
+    step: &'a mut PressureStep<'_, D>,
 ) -> Projection<'a, D> {
+    let impulse_time = step.times.impulse_time;
     Projection {
         velocity: &mut state.velocity,
         pressure_impulse: &mut state.pressure_impulse,
         phi: &state.phi,
-        band,
-        liquid,
-        liquid_faces,
-        interface_faces,
-        dragged_faces,
-        cut_cells,
+        band: domain.band,
+        liquid: domain.liquid,
+        liquid_faces: domain.liquid_faces,
+        interface_faces: step.interface_faces,
+        dragged_faces: step.dragged_faces,
+        cut_cells: domain.cut_cells,
         solids: &state.solids,
-        wetted_surfaces,
-        label,
+        wetted_surfaces: domain.wetted_surfaces,
+        label: domain.label,
         tension_impulse: model.surface_tension * impulse_time / (model.density * model.grid.dx),
         impulse_time,
     }
@@ -267,9 +283,9 @@ pub fn prescribed_solid_work<const D: usize>(
     given: &[CouplingImpulses<D>; 3],
 ) -> f64 {
     let mut work = 0.0;
-    for ((_, solid), impulse) in given.iter().flat_map(|g| &g.pairs) {
-        let now = &state.solids[*solid as usize];
-        if model.solids[*solid as usize].motion.is_prescribed() {
+    for (pair, impulse) in given.iter().flat_map(|g| &g.pairs) {
+        let now = &state.solids[pair.solid as usize];
+        if model.solids[pair.solid as usize].motion.is_prescribed() {
             let turning = impulse.moment_about(&now.center).dot(&Vector::<3>::from(now.angular_velocity));
             work -= impulse.linear.dot(&now.velocity) + turning;
         }

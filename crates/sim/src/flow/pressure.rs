@@ -108,7 +108,7 @@ impl<const D: usize> PressureFields<D> {
         phase_end: PhaseEnd<'_>,
     ) -> Result<ProjectionResult<D>, SolveError> {
         apply_line_drag(p);
-        let coupling = PressureCoupling::new(model, p.wetted_surfaces, (p.solids, response));
+        let coupling = PressureCoupling::new(model, p.wetted_surfaces, p.solids, response);
         let compliance = coupling.compliance();
         let start = change_without_pressure(model, p, response, &[], None);
         self.assemble(model, p, &coupling, &start);
@@ -393,7 +393,7 @@ pub fn divergence_max<const D: usize>(
     let lattice = model.grid.lattice();
     let mut fluxes = BTreeMap::new();
     let wet = wetted_surfaces(model, cut_cells, &state.solids, &state.phi.data);
-    PressureCoupling::new(model, &wet, (&state.solids, None)).for_each_flux(|cell, flux| {
+    PressureCoupling::new(model, &wet, &state.solids, None).for_each_flux(|cell, flux| {
         fluxes.insert(cell, flux);
     });
     let worst = |s: &Segment| {

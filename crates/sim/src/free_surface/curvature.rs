@@ -85,60 +85,36 @@ pub struct SolidContext<'a, const D: usize> {
     pub bond_vector: Vector<D>,
 }
 
-/// Computes the filtered curvature on the first `layers` layers of the band; `phi` samples the signed distance.
+/// The interface on the first layers of the band.
+pub struct InterfaceLayers<'a, const D: usize> {
+    /// The grid.
+    pub grid: &'a Grid<D>,
+    /// The band.
+    pub band: &'a Band<D>,
+    /// Number of layers.
+    pub layers: usize,
+    /// The signed distance, m.
+    pub phi: &'a Sampler<'a, D>,
+    /// The dual cells, with the slopes of energy and volume.
+    pub dual_cells: &'a [DualCell],
+}
+
+/// Computes the filtered curvature on these layers.
 pub fn curvature<const D: usize>(
-    grid: &Grid<D>,
-    band: &Band<D>,
-    layers: usize,
-    phi: &Sampler<'_, D>,
-    dual_cells: &[DualCell],
+    interface: &InterfaceLayers<'_, D>,
     solids: &SolidContext<'_, D>,
     step: &FilterStep<D>,
 ) -> Curvature {
-    let count = band.first_layers(layers).end;
-    // The slopes of energy and volume.
-    let mut slopes = vec![[0.0; 2]; count];
-    for cube in dual_cells {
-        for k in 0..1 << D {
-            if let Some(s) = band.slot(cube.corners[k] as usize).filter(|s| *s < count) {
-                slopes[s][0] += cube.energy_slope[k];
-                slopes[s][1] += cube.volume_slope[k];
-            }
-        }
-    }
+    let InterfaceLayers { grid, band, .. } = *interface;
+    let mut slopes = interface.slopes();
     let ghosts = solids.move_slopes_out_of_solids(grid, band, &mut slopes);
     let weight: Vec<f64> = slopes.iter().map(|s| s[1]).collect();
     let graph = Graph::new(grid, band, &weight);
-    let lattice = grid.lattice();
-    // `w·x` at the surface point of a cell: the energy gradient contains it, the curvature does not.
-    let hydrostatic = |slot: usize| {
-        if solids.bond_vector.norm_squared() == 0.0 {
-            return 0.0;
-        }
-        let at = lattice.coordinates(band.cells[slot] as usize);
-        let foot = grid.center(at) / grid.dx
-            - step.displacements[slot].normal * (phi.value(at.map(|i| i as isize)) / grid.dx);
-        solids.bond_vector.dot(&foot)
-    };
-    let near = solids.smoothed_energy_curvature(grid, band, &slopes, hydrostatic);
-    let raw_curvature = |&slot: &u32| {
-        let s = slot as usize;
-        let cell = band.cells[s] as usize;
-        let off = ((solids.cut_cells.distance_cells(cell) - CURVATURE_BLEND_START_CELLS)
-            / (CURVATURE_BLEND_END_CELLS - CURVATURE_BLEND_START_CELLS))
-            .clamp(0.0, 1.0);
-        let differences = || {
-            let curvature = level_set::curvature(phi, grid.dx, lattice.coordinates(cell));
-            curvature.map_or_else(|| slopes[s][0] / slopes[s][1], |k| k * grid.dx + hydrostatic(s))
-        };
-        let differences = if off > 0.0 { off * differences() } else { 0.0 };
-        let (kappa, cut) = if off < 1.0 { near[s] } else { (0.0, false) };
-        (differences + if off < 1.0 { (1.0 - off) * kappa } else { 0.0 }, cut)
-    };
-    let (raw, clamped): (Vec<f64>, Vec<bool>) =
-        graph.slots.par_iter().with_min_len(512).map(raw_curvature).unzip();
+    let hydrostatic = |slot: usize| interface.hydrostatic(slot, &solids.bond_vector, step);
+    let (raw, clamped) = raw_curvature(interface, solids, &graph, &slopes, hydrostatic);
     let mut repairs = Repairs::default();
     let filtered = filter_curvature(&graph, &raw, step, &mut repairs);
+    let count = slopes.len();
     let (mut kappa, mut known, mut cut) = (vec![0.0; count], vec![false; count], vec![false; count]);
     graph.slots.iter().zip(clamped).for_each(|(slot, clamped)| cut[*slot as usize] = clamped);
     for (&slot, value) in graph.slots.iter().zip(filtered) {
@@ -146,8 +122,8 @@ pub fn curvature<const D: usize>(
         known[slot as usize] = true;
     }
     for (slot, outside) in ghosts {
-        let raw_curvature = outside.iter().filter(|(s, _)| known[*s]);
-        let (sum, all) = raw_curvature.fold((0.0, 0.0), |(sum, all), (s, w)| (sum + w * kappa[*s], all + w));
+        let known_outside = outside.iter().filter(|(s, _)| known[*s]);
+        let (sum, all) = known_outside.fold((0.0, 0.0), |(sum, all), (s, w)| (sum + w * kappa[*s], all + w));
         if all > 0.0 {
             kappa[slot] = sum / all;
             known[slot] = true;
@@ -159,6 +135,63 @@ pub fn curvature<const D: usize>(
         repairs.clamped_curvatures += u64::from(cut[slot] || kappa[slot] != free);
     }
     Curvature { kappa, known, repairs }
+}
+
+impl<const D: usize> InterfaceLayers<'_, D> {
+    /// The slopes of energy and volume by φ in each cell of the layers.
+    fn slopes(&self) -> Vec<[f64; 2]> {
+        let count = self.band.first_layers(self.layers).end;
+        let mut slopes = vec![[0.0; 2]; count];
+        for cube in self.dual_cells {
+            for k in 0..1 << D {
+                if let Some(s) = self.band.slot(cube.corners[k] as usize).filter(|s| *s < count) {
+                    slopes[s][0] += cube.energy_slope[k];
+                    slopes[s][1] += cube.volume_slope[k];
+                }
+            }
+        }
+        slopes
+    }
+
+    /// `w·x` at the surface point of a cell, with the liquid's weight `w` ([`SolidContext::bond_vector`]): the energy gradient contains it,
+    /// the curvature does not.
+    fn hydrostatic(&self, slot: usize, bond_vector: &Vector<D>, step: &FilterStep<D>) -> f64 {
+        if bond_vector.norm_squared() == 0.0 {
+            return 0.0;
+        }
+        let (grid, at) = (self.grid, self.grid.lattice().coordinates(self.band.cells[slot] as usize));
+        let foot = grid.center(at) / grid.dx
+            - step.displacements[slot].normal * (self.phi.value(at.map(|i| i as isize)) / grid.dx);
+        bond_vector.dot(&foot)
+    }
+}
+
+/// The curvature before the filter on the graph, with `hydrostatic` in it, and whether it was clamped. Near solids it is the smoothed
+/// energy gradient, far from them it comes from differences of φ, and it is a blend in between.
+fn raw_curvature<const D: usize>(
+    interface: &InterfaceLayers<'_, D>,
+    solids: &SolidContext<'_, D>,
+    graph: &Graph,
+    slopes: &[[f64; 2]],
+    hydrostatic: impl Fn(usize) -> f64 + Sync,
+) -> (Vec<f64>, Vec<bool>) {
+    let InterfaceLayers { grid, band, phi, .. } = *interface;
+    let near = solids.smoothed_energy_curvature(grid, band, slopes, &hydrostatic);
+    let of_slot = |&slot: &u32| {
+        let s = slot as usize;
+        let cell = band.cells[s] as usize;
+        let off = ((solids.cut_cells.distance_cells(cell) - CURVATURE_BLEND_START_CELLS)
+            / (CURVATURE_BLEND_END_CELLS - CURVATURE_BLEND_START_CELLS))
+            .clamp(0.0, 1.0);
+        let differences = || {
+            let curvature = level_set::curvature(phi, grid.dx, grid.lattice().coordinates(cell));
+            curvature.map_or_else(|| slopes[s][0] / slopes[s][1], |k| k * grid.dx + hydrostatic(s))
+        };
+        let differences = if off > 0.0 { off * differences() } else { 0.0 };
+        let (kappa, cut) = if off < 1.0 { near[s] } else { (0.0, false) };
+        (differences + if off < 1.0 { (1.0 - off) * kappa } else { 0.0 }, cut)
+    };
+    graph.slots.par_iter().with_min_len(512).map(of_slot).unzip()
 }
 
 /// The filtered curvature on the graph; `repairs` records solves that did not converge.

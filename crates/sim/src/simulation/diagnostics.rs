@@ -1,7 +1,7 @@
 //! Diagnostics of a state: volume, momentum and energy.
 
 use super::workspace::{Workspace, component_bounds};
-use crate::components::momentum::{Moments, combined};
+use crate::components::momentum::{Moments, MomentumTargets, combined};
 use crate::components::restoration::restore_momentum;
 use crate::components::tracking::ComponentChange;
 use crate::flow::pressure::divergence_max;
@@ -192,7 +192,8 @@ pub fn update_diagnostics<const D: usize>(model: &Model<D>, state: &mut State<D>
     let change = ComponentChange::unchanged(model, state, work);
     let flat = Curvature::unknown();
     let interface_faces = interface_faces(model, &state.phi, &work.band, &flat, &work.cut_cells);
-    let moments = restore_momentum(model, state, work, &interface_faces, (&change, &[]), 0.0).moments;
+    let targets = MomentumTargets { groups: &[], ..change.momentum_targets(0.0) };
+    let moments = restore_momentum(model, state, work, &interface_faces, &targets).moments;
     state.components = measure_components(model, work, &interface_faces, &moments, &change);
     state.kinetic_energy = kinetic_energy(model, &moments, &change.target_volumes);
     state.effective_surface_area = effective_surface_area(model, &change.dual_cells);

@@ -10,12 +10,14 @@ use super::workspace::Workspace;
 use crate::components::restoration::{restore_advected_momentum, restore_momentum, subtract_solid_impulses};
 use crate::components::tracking::{ComponentChange, predict_motions, restore_volume};
 use crate::components::volume::band_labels;
-use crate::contact_line::friction::dragged_faces;
+use crate::contact_line::friction::LineFriction;
 use crate::contact_line::hysteresis::pin_contact_lines;
-use crate::coupling::solve::{PressureSolution, prescribed_solid_work, solve_pressure};
+use crate::coupling::solve::{PressureSolution, PressureStep, prescribed_solid_work, solve_pressure};
 use crate::flow::advection::{advect_interface, advect_velocity, pack};
 use crate::flow::outflow::remove_outflow;
-use crate::free_surface::curvature::{FilterStep, InterfaceDisplacement, SolidContext, curvature};
+use crate::free_surface::curvature::{
+    FilterStep, InterfaceDisplacement, InterfaceLayers, SolidContext, curvature,
+};
 use crate::free_surface::extension::{extend_into_solids, ghost_cells};
 use crate::free_surface::interface_faces::interface_faces;
 use crate::model::Model;
@@ -170,19 +172,27 @@ fn apply_forces<const D: usize>(
     let ghosts = ghost_cells(model, state, &work.band, &work.cut_cells);
     let beside =
         SolidContext { cut_cells: &work.cut_cells, ghosts: &ghosts, bond_vector: model.cell_bond_vector() };
-    let kappa =
-        curvature(&model.grid, &work.band, CURVATURE_LAYERS, &phi, &change.dual_cells, &beside, &filter);
+    let interface = InterfaceLayers {
+        grid: &model.grid,
+        band: &work.band,
+        layers: CURVATURE_LAYERS,
+        phi: &phi,
+        dual_cells: &change.dual_cells,
+    };
+    let kappa = curvature(&interface, &beside, &filter);
     let mut interface_faces = interface_faces(model, &state.phi, &work.band, &kappa, &work.cut_cells);
     work.repairs.add(&kappa.repairs);
     work.repairs.unknown_curvatures +=
         interface_faces.iter().filter(|face| !face.is_curvature_known).count() as u64;
-    let mut dragged = dragged_faces(
+    let lines = LineFriction {
         model,
-        (state, &before),
-        &change.dual_cells,
-        (&mut interface_faces, &work.cut_cells),
+        state,
+        solids_before: &before,
+        dual_cells: &change.dual_cells,
+        cut_cells: &work.cut_cells,
         impulse_time,
-    );
+    };
+    let mut dragged = lines.dragged_faces(&mut interface_faces);
     phase_end("curvature");
 
     // One solve for the pressure. The liquid loses the impulses that pressure and contact line give to solids.
@@ -193,22 +203,21 @@ fn apply_forces<const D: usize>(
     let is_first = state.last_dt == 0.0;
     let velocity_lead = if is_first { 0.5 * impulse_time } else { state.velocity_lead };
     let times = StepTimes { dt, impulse_time, velocity_lead, lookahead: state.collision_free_dt, is_first };
-    let PressureSolution { solves, solid_impulses, contact_work, newton_iterations } = solve_pressure(
-        model,
-        (state, &before),
-        work,
-        change,
-        (&interface_faces, &mut dragged),
+    let pressure_step = PressureStep {
+        solids_before: &before,
+        interface_faces: &interface_faces,
+        dragged_faces: &mut dragged,
         times,
-        phase_end,
-    )?;
+    };
+    let PressureSolution { solves, solid_impulses, contact_work, newton_iterations } =
+        solve_pressure(model, state, work, change, pressure_step, phase_end)?;
     let prescribed_work = prescribed_solid_work(model, state, &solid_impulses) + contact_work;
     subtract_solid_impulses(model, &mut change.groups, &solid_impulses);
     phase_end("pressure");
 
     // Momentum lost by the discretisation is restored; the velocity is extended beyond the liquid.
     let restored =
-        restore_momentum(model, state, work, &interface_faces, (change, &change.groups), impulse_time);
+        restore_momentum(model, state, work, &interface_faces, &change.momentum_targets(impulse_time));
     let slip_unknown = work.extend_velocity(model, state);
     work.repairs.add(&Repairs {
         momentum_restored: restored.momentum,

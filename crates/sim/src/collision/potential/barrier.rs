@@ -113,7 +113,7 @@ impl<'a, const D: usize> Potential<'a, D> {
         }
         let (normal, other) = match *meeting {
             SdfPair::Rigid(_, solid, part) => {
-                let normal = places.rigid_normal((solid, part), x);
+                let normal = places.rigid_normal(solid, part, x);
                 (normal, Some(PointOwner::Rigid { solid, at: places.to_reference(solid, x) }))
             }
             SdfPair::Side(_, side) => (self.points.domain_sides[side].normal, None),

@@ -132,24 +132,32 @@ impl<'a, const D: usize> Potential<'a, D> {
         }
     }
 
-    /// Gradient, N s (2D: N s/m).
-    pub fn gradient(&self, velocities: &[Vector<D>], candidates: &CandidatePairs) -> Vec<Vector<D>> {
-        let mut gradient: Vec<Vector<D>> = self.pressure_impulses.iter().map(|j| -j).collect();
-        for (k, part) in self.parts.iter().enumerate() {
-            let first = self.points.first_node[k];
+    /// Gradient of each solid's own term, N s (2D: N s/m), on its nodes; empty for prescribed motion.
+    pub fn own_gradients(&self, velocities: &[Vector<D>]) -> Vec<Vec<Vector<D>>> {
+        let of = |(part, first): (&SolidTerm<'a, D>, &usize)| {
+            let own = &velocities[*first..];
             match part {
-                SolidTerm::Soft(soft) => {
-                    let own = first..first + soft.impulses.len();
-                    let of = soft.gradient(&velocities[own.clone()]);
-                    gradient[own].iter_mut().zip(of).for_each(|(g, of)| *g += of);
-                }
-                SolidTerm::Free(rigid) => {
-                    gradient[first] += (velocities[first] - rigid.target_velocities[0]) * rigid.mass;
-                    gradient[first + 1] +=
-                        rigid.inertia * (velocities[first + 1] - rigid.target_velocities[1]);
-                }
-                SolidTerm::Prescribed => {}
+                SolidTerm::Soft(soft) => soft.gradient(&own[..soft.impulses.len()]),
+                SolidTerm::Free(rigid) => vec![
+                    (own[0] - rigid.target_velocities[0]) * rigid.mass,
+                    rigid.inertia * (own[1] - rigid.target_velocities[1]),
+                ],
+                SolidTerm::Prescribed => Vec::new(),
             }
+        };
+        self.parts.iter().zip(&self.points.first_node).map(of).collect()
+    }
+
+    /// Gradient, N s (2D: N s/m); `own` are the [`Self::own_gradients`] at the same velocities.
+    pub fn gradient(
+        &self,
+        own: &[Vec<Vector<D>>],
+        velocities: &[Vector<D>],
+        candidates: &CandidatePairs,
+    ) -> Vec<Vector<D>> {
+        let mut gradient: Vec<Vector<D>> = self.pressure_impulses.iter().map(|j| -j).collect();
+        for (own, first) in own.iter().zip(&self.points.first_node) {
+            gradient[*first..].iter_mut().zip(own).for_each(|(g, own)| *g += own);
         }
         gradient
             .iter_mut()
@@ -273,7 +281,7 @@ impl<'a, const D: usize> Potential<'a, D> {
                 }
                 SdfPair::Rigid(p, solid, part_of) => {
                     let (start, end) = (&start[p as usize], &end[p as usize]);
-                    let far = one.distance_to_rigid((solid, part_of), start) - thickness;
+                    let far = one.distance_to_rigid(solid, part_of, start) - thickness;
                     let length = Sweep { from: &one, to: &other }.path_length_bound(solid, start, end);
                     if length > (1.0 - kept_fraction) * far {
                         part = part.min((1.0 - kept_fraction) * far / length);
