@@ -3,7 +3,7 @@
 use crate::components::tracking::restore_volume;
 use crate::model::Model;
 use crate::simulation::diagnostics::update_diagnostics;
-use crate::simulation::step::{move_interface, restore_signed_distance};
+use crate::simulation::transport::{move_interface, restore_signed_distance};
 use crate::simulation::workspace::Workspace;
 use crate::simulation::{LiquidRegion, Simulation};
 use crate::state::State;

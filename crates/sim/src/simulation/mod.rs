@@ -4,6 +4,7 @@ pub mod diagnostics;
 pub mod dimension;
 pub mod step;
 pub mod stepper;
+pub mod transport;
 pub mod workspace;
 
 pub use stepper::{LiquidRegion, Simulation, StepError};

@@ -5,7 +5,8 @@ use super::diagnostics::{
     update_diagnostics,
 };
 use super::dimension::by_dimension;
-use super::step::{restore_signed_distance, step};
+use super::step::{StepResult, step};
+use super::transport::restore_signed_distance;
 use super::workspace::{Snapshot, Workspace};
 use crate::contact_line::sampling::phi_at_solid;
 use crate::model::Model;
@@ -78,6 +79,32 @@ const MAX_ENERGY_GROWTH: f64 = 0.05;
 const MAX_DISPLACEMENT_CELLS: f64 = 30.0;
 /// Displacement in a step and height of fall, in cells, whose energy is treated as rounding.
 const NEGLIGIBLE_DISPLACEMENT_CELLS: f64 = 1e-6;
+
+/// What a step is judged by: the state before it.
+struct StepStart {
+    /// Time, s.
+    time: f64,
+    /// Largest speed of liquid and solids, m/s.
+    speed: f64,
+    /// Energy without gravity, J (2D: J/m).
+    energy: f64,
+    /// All energy, with what has left, J (2D: J/m).
+    total_energy: f64,
+    /// Longest stable step, s.
+    max_stable_dt: f64,
+    /// Shortest step tried, s.
+    min_dt: f64,
+}
+
+/// What becomes of a step.
+enum Verdict {
+    /// It counts; if it is doubtful, it is too short to be tried once more.
+    Accepted { doubtful: bool },
+    /// It is tried once more with half its length.
+    Doubtful,
+    /// It is tried once more with half its length, or ends the run.
+    Failed(StepError),
+}
 
 /// A model, its state, and the workspace of a step.
 pub struct Simulation<const D: usize> {
@@ -190,72 +217,79 @@ impl<const D: usize> Simulation<D> {
     }
 
     fn advance(&mut self, max_dt: f64, phase_end: PhaseEnd<'_>) -> Result<StepReport<D>, StepError> {
+        let start = self.step_start()?;
+        let mut dt = self.choose_dt(start.max_stable_dt, max_dt);
+        let (mut redone, mut failed_tries) = (0, 0);
+        // Ends after [`MAX_RETRIES`] and [`MAX_ACCURACY_HALVINGS`].
+        loop {
+            self.workspace.repairs = Repairs::default();
+            let snapshot = Snapshot::take(&self.model, &self.state, &mut self.workspace);
+            let result = step(&self.model, &mut self.state, &mut self.workspace, dt, phase_end);
+            let failure = match result.map(|result| (self.judge(&start, &result, dt), result)) {
+                Ok((Verdict::Accepted { doubtful }, result)) => {
+                    let doubtful_steps = u64::from(doubtful);
+                    let own = std::mem::take(&mut self.workspace.repairs);
+                    let repairs = Repairs { redone, failed_tries, doubtful_steps, ..own };
+                    let (solves, newton_iterations) = (result.solves, result.newton_iterations);
+                    let (cfl, diagnostics) = (start.speed * dt / self.model.grid.dx, self.diagnostics());
+                    return Ok(StepReport { dt, cfl, solves, newton_iterations, repairs, diagnostics });
+                }
+                Ok((Verdict::Doubtful, _)) => None,
+                Ok((Verdict::Failed(error), _)) => Some(error),
+                Err(source) => Some(StepError::SolveFailed { time: start.time, dt, source }),
+            };
+            snapshot.restore(&self.model, &mut self.state, &mut self.workspace);
+            redone += 1;
+            failed_tries += u64::from(failure.is_some());
+            let is_last =
+                redone > MAX_RETRIES || 0.5 * dt < start.min_dt && self.model.numerics.fixed_step.is_none();
+            if let Some(failure) = failure.filter(|_| is_last) {
+                return Err(failure);
+            }
+            dt *= 0.5;
+        }
+    }
+
+    /// Measures the state before a step.
+    fn step_start(&self) -> Result<StepStart, StepError> {
         let solids = self.model.solids.iter().zip(&self.state.solids).map(|(s, now)| s.max_speed(now));
         let liquid = max_velocity_component(&self.model, &self.state, &self.workspace);
         let solids = solids.fold(0.0, f64::max);
         let speed = liquid.max(solids);
         let max_stable_dt =
             self.max_stable_dt(speed, if solids > liquid { "a solid" } else { "the liquid" })?;
-        let mut dt = self.choose_dt(max_stable_dt, max_dt);
-        let accept_below_dt = 1.5 * 0.5f64.powi(MAX_ACCURACY_HALVINGS as i32) * max_stable_dt;
         let dt_at_rest = stable_dt(&self.model, 0.0);
-        let min_dt = if dt_at_rest.is_finite() { MIN_DT_RATIO * dt_at_rest } else { 0.0 };
         let energy = energy_without_gravity(&self.model, &self.state);
-        let total_energy = energy + potential_energy(&self.model, &self.state) + self.state.outflow_energy();
-        let time = self.state.time;
-        let (mut redone, mut failed) = (0, 0);
-        // Ends after [`MAX_RETRIES`] and [`MAX_ACCURACY_HALVINGS`].
-        loop {
-            self.workspace.repairs = Repairs::default();
-            let snapshot = Snapshot::take(&self.model, &self.state, &mut self.workspace);
-            let result = step(&self.model, &mut self.state, &mut self.workspace, dt, phase_end);
-            let failure = match result {
-                Ok(result) => {
-                    let displacement_cells =
-                        max_velocity_component(&self.model, &self.state, &self.workspace) * dt
-                            / self.model.grid.dx;
-                    let is_bounded =
-                        self.state.kinetic_energy.is_finite() && displacement_cells < MAX_DISPLACEMENT_CELLS;
-                    let own = energy_without_gravity(&self.model, &self.state) + self.state.outflow_energy();
-                    let energy_gain = own + potential_energy(&self.model, &self.state)
-                        - total_energy
-                        - result.prescribed_work;
-                    let doubtful = result.volume_error_cells > MAX_VOLUME_ERROR_CELLS
-                        || energy_gain > MAX_ENERGY_GROWTH * energy.abs() + self.negligible_energy(dt);
-                    if is_bounded
-                        && (!doubtful || dt < accept_below_dt || self.model.numerics.fixed_step.is_some())
-                    {
-                        let cfl = speed * dt / self.model.grid.dx;
-                        let mut repairs = std::mem::take(&mut self.workspace.repairs);
-                        (repairs.redone, repairs.failed_tries) = (redone, failed);
-                        repairs.doubtful_steps = u64::from(doubtful);
-                        return Ok(StepReport {
-                            dt,
-                            cfl,
-                            solves: result.solves,
-                            newton_iterations: result.newton_iterations,
-                            repairs,
-                            diagnostics: self.diagnostics(),
-                        });
-                    }
-                    let reason =
-                        format!("the liquid would move by {displacement_cells:.1e} cells in one step");
-                    match displacement_cells.is_finite() {
-                        true if is_bounded => None,
-                        true => Some(StepError::TooShort { time, dt, reason }),
-                        false => Some(StepError::NotFinite { time, what: "velocity" }),
-                    }
-                }
-                Err(source) => Some(StepError::SolveFailed { time, dt, source }),
-            };
-            snapshot.restore(&self.model, &mut self.state, &mut self.workspace);
-            redone += 1;
-            failed += u64::from(failure.is_some());
-            let last = redone > MAX_RETRIES || 0.5 * dt < min_dt && self.model.numerics.fixed_step.is_none();
-            if let Some(failure) = failure.filter(|_| last) {
-                return Err(failure);
-            }
-            dt *= 0.5;
+        Ok(StepStart {
+            time: self.state.time,
+            speed,
+            energy,
+            total_energy: energy + potential_energy(&self.model, &self.state) + self.state.outflow_energy(),
+            max_stable_dt,
+            min_dt: if dt_at_rest.is_finite() { MIN_DT_RATIO * dt_at_rest } else { 0.0 },
+        })
+    }
+
+    /// Judges a step of `dt` (s) from the state after it: it fails where the liquid runs away, and is doubtful where energy or
+    /// volume appears, until it is short enough.
+    fn judge(&self, start: &StepStart, result: &StepResult, dt: f64) -> Verdict {
+        let (model, state) = (&self.model, &self.state);
+        let displacement_cells = max_velocity_component(model, state, &self.workspace) * dt / model.grid.dx;
+        if !displacement_cells.is_finite() {
+            return Verdict::Failed(StepError::NotFinite { time: start.time, what: "velocity" });
+        }
+        if !state.kinetic_energy.is_finite() || displacement_cells >= MAX_DISPLACEMENT_CELLS {
+            let reason = format!("the liquid would move by {displacement_cells:.1e} cells in one step");
+            return Verdict::Failed(StepError::TooShort { time: start.time, dt, reason });
+        }
+        let own = energy_without_gravity(model, state) + state.outflow_energy();
+        let energy_gain = own + potential_energy(model, state) - start.total_energy - result.prescribed_work;
+        let doubtful = result.volume_error_cells > MAX_VOLUME_ERROR_CELLS
+            || energy_gain > MAX_ENERGY_GROWTH * start.energy.abs() + self.negligible_energy(dt);
+        let accept_below_dt = 1.5 * 0.5f64.powi(MAX_ACCURACY_HALVINGS as i32) * start.max_stable_dt;
+        match doubtful && dt >= accept_below_dt && model.numerics.fixed_step.is_none() {
+            true => Verdict::Doubtful,
+            false => Verdict::Accepted { doubtful },
         }
     }
 
