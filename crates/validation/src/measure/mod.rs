@@ -5,7 +5,7 @@ mod reaction;
 mod signal;
 mod surface;
 
-pub use checks::{at_least, at_most, checks_or_failure};
+pub use checks::{at_least, at_most, bar, bars, checks_or_failure};
 pub use reaction::{TimeMean, Wrench, external_load, liquid_force};
 pub use signal::{Oscillation, convergence_order, fit_growth, fit_oscillation};
 pub use surface::{

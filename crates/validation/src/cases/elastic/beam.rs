@@ -1,6 +1,6 @@
 //! Elastic beams without liquid, against the theories of thin and of thick beams.
 
-use crate::measure::checks_or_failure;
+use crate::measure::{bars, checks_or_failure};
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{
     Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder, lowest_modes,
@@ -48,25 +48,17 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
         let modes = lowest_modes(&cantilever(layers, 0.0).map_err(failed)?, 3).map_err(failed)?;
         for (k, (mode, told)) in modes.iter().zip(frequencies()).enumerate() {
             let text = what(&format!("frequency {}", k + 1));
-            checks.push(Check::relative(NAME, &text, mode.frequency, told, 0.04, Some(0.01), "rad/s"));
+            checks.push(Check::relative(NAME, text, mode.frequency, told, bars(0.04, 0.01)).in_unit("rad/s"));
         }
         let body = cantilever(layers, 0.7).map_err(failed)?;
         let small = 1e-3;
         let (drop, _) = tip_deflection(&body, small).map_err(failed)?;
-        checks.push(Check::relative(
-            NAME,
-            &what("small deflection"),
-            drop,
-            small / 8.0,
-            0.04,
-            Some(0.01),
-            "",
-        ));
+        checks.push(Check::relative(NAME, what("small deflection"), drop, small / 8.0, bars(0.04, 0.01)));
         for (load, drop, along) in ELASTICA {
             let (d, a) = tip_deflection(&body, load).map_err(failed)?;
             let text = |what_of: &str| what(&format!("{what_of}, q L³/B = {load}"));
-            checks.push(Check::relative(NAME, &text("tip's drop / L"), d, drop, 0.04, Some(0.02), ""));
-            checks.push(Check::relative(NAME, &text("tip's place / L"), a, along, 0.04, Some(0.02), ""));
+            checks.push(Check::relative(NAME, text("tip's drop / L"), d, drop, bars(0.04, 0.02)));
+            checks.push(Check::relative(NAME, text("tip's place / L"), a, along, bars(0.04, 0.02)));
         }
     }
     Ok(checks)

@@ -3,7 +3,7 @@
 //! There is no liquid. The method guarantees the invariants under any load: surfaces never cross (IPC), elements never invert, and
 //! without prescribed motion the energy rises in no step.
 
-use crate::measure::{at_least, at_most, checks_or_failure};
+use crate::measure::{at_least, at_most, bar, bars, checks_or_failure};
 use crate::setup::run_to;
 use crate::solids_only::{
     ContactMonitor, SoftMaterial, cube_mesh, cube_to_ball, mapped, prescribed_motion, quadratic_cube_mesh,
@@ -85,7 +85,7 @@ fn run_monitored<const D: usize>(
     let law = watch.law().largest / max_elastic_energy;
     Ok(vec![
         at_least(NAME, "narrowest gap / cell", watch.narrowest_gap / DX, f64::MIN_POSITIVE, 1e-3),
-        at_most(NAME, "deepest overlap / cell", watch.deepest_overlap / DX, 0.0, None, ""),
+        at_most(NAME, "deepest overlap / cell", watch.deepest_overlap / DX, bar(0.0)),
         at_least(
             NAME,
             "least volume of an element over that at rest",
@@ -93,7 +93,7 @@ fn run_monitored<const D: usize>(
             f64::MIN_POSITIVE,
             1e-2,
         ),
-        at_most(NAME, "largest rise of the energy in a step / elastic", law, 1e-6, Some(1e-9), ""),
+        at_most(NAME, "largest rise of the energy in a step / elastic", law, bars(1e-6, 1e-9)),
     ])
 }
 
@@ -129,7 +129,7 @@ fn crush<const D: usize>(n: usize) -> Result<Vec<Check>, StepError> {
         places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min)
     };
     let again = height(vertices(&simulation, 0)) / (2.0 * BALL_RADIUS);
-    checks.push(Check::relative(NAME, "height after it was let go", again, 1.0, 0.03, Some(0.01), ""));
+    checks.push(Check::relative(NAME, "height after it was let go", again, 1.0, bars(0.03, 0.01)));
     Ok(checks)
 }
 
@@ -173,9 +173,7 @@ fn slit<const D: usize>(n: [usize; D]) -> Result<Vec<Check>, StepError> {
         NAME,
         "upper end over the middle of the slit: it is through",
         top.max(0.0),
-        0.0,
-        None,
-        "",
+        bar(0.0),
     ));
     Ok(checks)
 }

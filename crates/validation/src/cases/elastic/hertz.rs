@@ -9,7 +9,7 @@
 //! The barrier separates ball and plates by a pressure-dependent part of its activation distance, like a soft layer. That distance is a
 //! quarter of a cell, which is made small; the flattening is measured on the ball itself.
 
-use crate::measure::{at_least, checks_or_failure};
+use crate::measure::{at_least, bars, checks_or_failure};
 use crate::setup::run_to;
 use crate::solids_only::{
     ContactMonitor, SoftMaterial, cube_to_ball, mapped, prescribed_motion, quadratic_cube_mesh,
@@ -110,24 +110,16 @@ fn squeeze<const D: usize>(n: [usize; D], dx: f64, wide: f64) -> Result<Vec<Chec
     let cells = RADIUS / dx;
     let what = |text: &str| format!("{text}, {D}D, a = {wide} R, {cells} cells/R");
     let mut checks = vec![
-        Check::relative(NAME, &what("half-width"), found.half_width, width, 0.03, Some(0.01), ""),
-        Check::relative(
-            NAME,
-            &what("pressure in the middle"),
-            found.peak_pressure,
-            peak,
-            0.03,
-            Some(0.01),
-            "",
-        ),
-        Check::relative(NAME, &what("flattening"), found.flattening, flat, 0.03, Some(0.01), ""),
-        at_least(NAME, &what("narrowest gap / cell"), watch.narrowest_gap / dx, f64::MIN_POSITIVE, 0.02),
+        Check::relative(NAME, what("half-width"), found.half_width, width, bars(0.03, 0.01)),
+        Check::relative(NAME, what("pressure in the middle"), found.peak_pressure, peak, bars(0.03, 0.01)),
+        Check::relative(NAME, what("flattening"), found.flattening, flat, bars(0.03, 0.01)),
+        at_least(NAME, what("narrowest gap / cell"), watch.narrowest_gap / dx, f64::MIN_POSITIVE, 0.02),
     ];
     if D == 3 {
         let hertz = 4.0 / 3.0 * STIFFNESS * RADIUS.sqrt() * found.flattening.powf(1.5);
         let told = hertz_flattening_ratio::<D>(width / RADIUS).powf(-1.5);
         let text = what("force / (4/3 E* √R δ^1.5)");
-        checks.push(Check::relative(NAME, &text, force / hertz, told, 0.03, Some(0.01), ""));
+        checks.push(Check::relative(NAME, text, force / hertz, told, bars(0.03, 0.01)));
     }
     Ok(checks)
 }

@@ -1,6 +1,6 @@
 //! The energy law of falling deformable solids without liquid.
 
-use crate::measure::{at_least, at_most, checks_or_failure};
+use crate::measure::{at_least, at_most, bar, bars, checks_or_failure};
 use crate::setup::run_to;
 use crate::solids_only::{
     ContactMonitor, GRAVITY, SoftMaterial, cube_to_ball, gravity, mapped, point_at, quadratic_cube_mesh,
@@ -69,15 +69,13 @@ fn check_fall<const D: usize>(n: usize, young: f64, turned: f64, step: f64) -> R
     let shape = if turned == 0.0 { "ball" } else { "block" };
     let what = |text: &str| format!("{text}, {shape}, E = {young}, {steps} steps, {D}D");
     Ok(vec![
-        at_most(NAME, &what("largest rise in a step"), law.largest, 1e-6, Some(1e-9), ""),
+        at_most(NAME, what("largest rise in a step"), law.largest, bars(1e-6, 1e-9)),
         at_most(
             NAME,
-            &what("share of the steps that rise"),
+            what("share of the steps that rise"),
             law.rises as f64 / law.steps.max(1) as f64,
-            0.0,
-            None,
-            "",
+            bar(0.0),
         ),
-        at_least(NAME, &what("narrowest gap / cell"), watch.narrowest_gap / DX, f64::MIN_POSITIVE, 1e-2),
+        at_least(NAME, what("narrowest gap / cell"), watch.narrowest_gap / DX, f64::MIN_POSITIVE, 1e-2),
     ])
 }

@@ -1,6 +1,6 @@
 //! Deformable blocks on slopes, with friction.
 
-use crate::measure::{at_least, at_most, checks_or_failure};
+use crate::measure::{at_least, at_most, bars, checks_or_failure};
 use crate::setup::run_to;
 use crate::solids_only::{
     ContactMonitor, GRAVITY, SoftMaterial, box_mesh, mapped, point_at, quadratic_cube_mesh,
@@ -136,16 +136,16 @@ fn check_slope<const D: usize>(
     if acceleration_expected > 0.0 {
         let found = acceleration(&samples) / free;
         let text = what("acceleration / g sin α");
-        checks.push(Check::absolute(NAME, &text, found, acceleration_expected / free, 0.01, Some(2e-3), ""));
+        checks.push(Check::absolute(NAME, text, found, acceleration_expected / free, bars(0.01, 2e-3)));
     } else {
         let displacement =
             samples.last().zip(samples.first()).map_or(f64::NAN, |(end, start)| end.1 - start.1);
         let creep = displacement / (to - from) / (2.0 * HALF_SIZE);
-        checks.push(at_most(NAME, &what("it stays: creep in a second / side"), creep, 1e-3, Some(1e-5), ""));
+        checks.push(at_most(NAME, what("it stays: creep in a second / side"), creep, bars(1e-3, 1e-5)));
     }
     checks.push(at_least(
         NAME,
-        &what("narrowest gap / cell"),
+        what("narrowest gap / cell"),
         watch.narrowest_gap / DX,
         f64::MIN_POSITIVE,
         0.02,
@@ -153,11 +153,9 @@ fn check_slope<const D: usize>(
     let law = watch.law().largest;
     checks.push(at_most(
         NAME,
-        &what("largest rise of the energy in a step / m g side"),
+        what("largest rise of the energy in a step / m g side"),
         law,
-        1e-6,
-        Some(1e-9),
-        "",
+        bars(1e-6, 1e-9),
     ));
     Ok(checks)
 }

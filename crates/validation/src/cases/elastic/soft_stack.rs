@@ -1,6 +1,6 @@
 //! A stack of five deformable blocks.
 
-use crate::measure::{at_least, at_most, checks_or_failure};
+use crate::measure::{at_least, at_most, bars, checks_or_failure};
 use crate::setup::run_to;
 use crate::solids_only::{
     ContactMonitor, GRAVITY, SoftMaterial, box_mesh, gravity, point_at, simulation_without_liquid, soft,
@@ -99,34 +99,25 @@ fn check_stack<const D: usize>(n: [usize; D], poisson: f64, mode: Mode) -> Resul
         let above: f64 = weights[k..].iter().sum();
         let pushed: f64 = (k..BLOCKS).map(|j| weights[j] * contact_load[j] / steps).sum();
         let text = what(&format!("force below block {} over the weight above", k + 1));
-        checks.push(Check::relative(NAME, &text, pushed / above, 1.0, 0.01, Some(1e-3), ""));
+        checks.push(Check::relative(NAME, text, pushed / above, 1.0, bars(0.01, 1e-3)));
         if poisson == 0.0 {
             let told = (above - 0.5 * weights[k]) / (bottom * YOUNG);
             let pressed = 1.0 - height(&simulation, k) / (2.0 * HALF_SIZE[1]);
             let text = what(&format!("block {} is pressed together", k + 1));
-            checks.push(Check::relative(NAME, &text, pressed, told, 0.01, Some(3e-3), ""));
+            checks.push(Check::relative(NAME, text, pressed, told, bars(0.01, 3e-3)));
         }
     }
     let over = 1.0 / (2.0 * HALF_SIZE[0] * time);
     checks.push(at_most(
         NAME,
-        &what("creep to the side in a second / width"),
+        what("creep to the side in a second / width"),
         drift[0] * over,
-        1e-3,
-        Some(1e-6),
-        "",
+        bars(1e-3, 1e-6),
     ));
-    checks.push(at_most(
-        NAME,
-        &what("creep down in a second / width"),
-        drift[1] * over,
-        1e-3,
-        Some(1e-6),
-        "",
-    ));
+    checks.push(at_most(NAME, what("creep down in a second / width"), drift[1] * over, bars(1e-3, 1e-6)));
     checks.push(at_least(
         NAME,
-        &what("narrowest gap / cell"),
+        what("narrowest gap / cell"),
         watch.narrowest_gap / DX,
         f64::MIN_POSITIVE,
         0.02,
@@ -134,11 +125,9 @@ fn check_stack<const D: usize>(n: [usize; D], poisson: f64, mode: Mode) -> Resul
     let law = watch.law().largest;
     checks.push(at_most(
         NAME,
-        &what("largest rise of the energy in a step / weight × height"),
+        what("largest rise of the energy in a step / weight × height"),
         law,
-        1e-6,
-        Some(1e-9),
-        "",
+        bars(1e-6, 1e-9),
     ));
     Ok(checks)
 }

@@ -1,6 +1,6 @@
 //! The flag of Turek and Hron without fluid.
 
-use crate::measure::checks_or_failure;
+use crate::measure::{bars, checks_or_failure};
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{
     Anchor, AnchorMotion, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder,
@@ -43,7 +43,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
         let path = tip_displacements(layers).map_err(failed)?;
         let mut check = |what: &str, value: f64, told: f64, unit: &'static str| {
             let what = format!("{what}, {layers} layers");
-            checks.push(Check::relative(NAME, &what, value, told, 0.04, Some(0.01), unit));
+            checks.push(Check::relative(NAME, what, value, told, bars(0.04, 0.01)).in_unit(unit));
         };
         for (a, axis) in ["along", "across"].into_iter().enumerate() {
             let ways = || path.iter().map(|u| 1e3 * u[a]);

@@ -5,7 +5,7 @@
 //! body is therefore compared with itself: the same polyhedron, clamped in the same elements, on elements half as large. Limit: the finer
 //! elements have about a quarter of the measured error, which is thus slightly too small.
 
-use crate::measure::checks_or_failure;
+use crate::measure::{bars, checks_or_failure};
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{
     Anchor, AnchorMotion, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder,
@@ -51,15 +51,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut add = |dimension: usize, layers: usize, poisson: f64, found: BeamResponse, told: BeamResponse| {
         for (k, what) in ["deflection", "frequency"].iter().enumerate() {
             let what = format!("{what}, {dimension}D, {layers} layers, ν = {poisson}");
-            checks.push(Check::relative(
-                NAME,
-                &what,
-                found[k],
-                told[k],
-                TOLERANCES.0,
-                Some(TOLERANCES.1),
-                "",
-            ));
+            checks.push(Check::relative(NAME, what, found[k], told[k], bars(TOLERANCES.0, TOLERANCES.1)));
         }
     };
     for poisson in POISSONS {

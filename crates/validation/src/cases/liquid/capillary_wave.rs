@@ -1,6 +1,6 @@
 //! Prosperetti's capillary wave.
 
-use crate::measure::{SurfacePoint, checks_or_failure, surface_points};
+use crate::measure::{SurfacePoint, bars, checks_or_failure, surface_points};
 use crate::setup::{model, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -48,7 +48,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
         let square: f64 = found.iter().zip(exact).map(|(a, e)| (a - e).powi(2)).sum();
         let rms = (square / exact.len() as f64).sqrt();
         let quantity = format!("RMS error / a0, ν = {viscosity}");
-        checks.push(Check::absolute("capillary-wave", &quantity, rms, 0.0, must, Some(0.007), ""));
+        checks.push(Check::absolute("capillary-wave", quantity, rms, 0.0, bars(must, 0.007)));
     }
     Ok(checks)
 }

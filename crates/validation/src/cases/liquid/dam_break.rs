@@ -1,6 +1,6 @@
 //! A collapsing column of water.
 
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -154,12 +154,12 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let column = format!("largest deviation of the column's height (all: {} %)", percent(&sunk));
     let case = "dam-break";
     Ok(vec![
-        at_most(case, &front, size(0.0), must, Some(0.05), ""),
-        at_most(case, "mean deviation of the front", mean, must, Some(0.05), ""),
-        at_most(case, &later, size(delay), must, Some(0.05), ""),
-        at_most(case, &column, largest(sunk.into_iter()), must, Some(0.05), ""),
-        at_most(case, "front against potential flow", lead, exact, Some(0.005), ""),
-        at_most(case, "height of the column against potential flow", fall, exact, Some(0.005), ""),
-        at_most(case, "volume error", water.volume_error, 1e-4, Some(1e-8), ""),
+        at_most(case, front, size(0.0), bars(must, 0.05)),
+        at_most(case, "mean deviation of the front", mean, bars(must, 0.05)),
+        at_most(case, later, size(delay), bars(must, 0.05)),
+        at_most(case, column, largest(sunk.into_iter()), bars(must, 0.05)),
+        at_most(case, "front against potential flow", lead, bars(exact, 0.005)),
+        at_most(case, "height of the column against potential flow", fall, bars(exact, 0.005)),
+        at_most(case, "volume error", water.volume_error, bars(1e-4, 1e-8)),
     ])
 }

@@ -1,6 +1,6 @@
 //! A tank at rest.
 
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure};
 use crate::setup::{TENSION, model};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -52,7 +52,7 @@ fn tank<const D: usize>(cells: usize, tension: f64) -> Result<Vec<Check>, StepEr
     let speeds = format!("max|u| / √(gH), {D}D, γ = {tension}");
     let bottoms = format!("pressure at the bottom, {D}D, γ = {tension}");
     Ok(vec![
-        at_most("hydrostatic", &speeds, speed / unit, 1e-6, Some(1e-12), ""),
-        Check::relative("hydrostatic", &bottoms, pressure, bottom, 1e-6, Some(1e-10), ""),
+        at_most("hydrostatic", speeds, speed / unit, bars(1e-6, 1e-12)),
+        Check::relative("hydrostatic", bottoms, pressure, bottom, bars(1e-6, 1e-10)),
     ])
 }

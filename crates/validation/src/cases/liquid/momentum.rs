@@ -1,6 +1,6 @@
 //! Momentum of an isolated system.
 
-use crate::measure::{at_most, checks_or_failure, volume_and_centroid};
+use crate::measure::{at_most, bar, bars, checks_or_failure, volume_and_centroid};
 use crate::setup::{RADIUS, TENSION, grid_offset, model, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -60,33 +60,22 @@ fn isolated<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
     let what = |text: &str| format!("{text}, {D}D");
     let case = "momentum";
     Ok(vec![
-        at_most(case, &what("drift of momentum / γLt"), linear, 1e-8, Some(1e-12), ""),
-        at_most(case, &what("drift of angular momentum / γL²t"), angular, 1e-8, Some(1e-12), ""),
+        at_most(case, what("drift of momentum / γLt"), linear, bars(1e-8, 1e-12)),
+        at_most(case, what("drift of angular momentum / γL²t"), angular, bars(1e-8, 1e-12)),
         at_most(
             case,
-            &what("momentum restored / γLt"),
+            what("momentum restored / γLt"),
             repairs.momentum_restored / unit,
-            MAX_MOMENTUM_RESTORED,
-            Some(1e-4),
-            "",
+            bars(MAX_MOMENTUM_RESTORED, 1e-4),
         ),
         at_most(
             case,
-            &what("angular momentum restored / γL²t"),
+            what("angular momentum restored / γL²t"),
             repairs.spin_restored / (unit * RADIUS),
-            MAX_ANGULAR_MOMENTUM_RESTORED,
-            Some(1e-4),
-            "",
+            bars(MAX_ANGULAR_MOMENTUM_RESTORED, 1e-4),
         ),
-        at_most(
-            case,
-            &what("centre of mass off its straight path / Δ"),
-            centroid_deviation,
-            0.1,
-            Some(0.01),
-            "",
-        ),
-        Check::absolute(case, &what("drops at the end (merged)"), components, 2.0, 0.0, None, ""),
+        at_most(case, what("centre of mass off its straight path / Δ"), centroid_deviation, bars(0.1, 0.01)),
+        Check::absolute(case, what("drops at the end (merged)"), components, 2.0, bar(0.0)),
     ])
 }
 

@@ -1,6 +1,6 @@
 //! A moving drop: Galilean invariance.
 
-use crate::measure::{at_most, checks_or_failure, volume_and_centroid};
+use crate::measure::{at_most, bars, checks_or_failure, volume_and_centroid};
 use crate::setup::{RADIUS, TENSION, grid_offset, model, roundness, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -71,17 +71,10 @@ fn fly<const D: usize>(cells: usize, round: f64) -> Result<Vec<Check>, StepError
     let case = "moving-drop";
     let inner = (sim.diagnostics().max_speed - SPEED).abs() / (TENSION / (2.0 * RADIUS)).sqrt();
     Ok(vec![
-        at_most(case, &what("largest deviation from round / R"), deviation, round, Some(0.003), ""),
-        at_most(case, &what("volume error"), volume, 1e-4, Some(1e-8), ""),
-        at_most(
-            case,
-            &what("centre of mass off its straight path / Δ"),
-            centroid_deviation,
-            0.1,
-            Some(0.01),
-            "",
-        ),
-        at_most(case, &what("(max|u| − U) / √(γ/ρD) at the end"), inner, 0.01, Some(0.001), ""),
-        Check::relative(case, &what("Laplace pressure at the end"), pressure, laplace, 0.03, Some(0.005), ""),
+        at_most(case, what("largest deviation from round / R"), deviation, bars(round, 0.003)),
+        at_most(case, what("volume error"), volume, bars(1e-4, 1e-8)),
+        at_most(case, what("centre of mass off its straight path / Δ"), centroid_deviation, bars(0.1, 0.01)),
+        at_most(case, what("(max|u| − U) / √(γ/ρD) at the end"), inner, bars(0.01, 0.001)),
+        Check::relative(case, what("Laplace pressure at the end"), pressure, laplace, bars(0.03, 0.005)),
     ])
 }

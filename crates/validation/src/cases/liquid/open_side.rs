@@ -1,6 +1,6 @@
 //! Outflow through open sides.
 
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure};
 use crate::setup::model;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -76,8 +76,8 @@ fn column<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
         (format!("share of a column that has left, {D}D"), format!("its energy's growth, {D}D"));
     let exact = 0.5 * end * end / height;
     Ok(vec![
-        Check::relative("open-side", &share, left, exact, COLUMN_TOLERANCE, Some(1e-3), ""),
-        at_most("open-side", &energy, growth, ENERGY_TOLERANCE, Some(1e-3), ""),
+        Check::relative("open-side", share, left, exact, bars(COLUMN_TOLERANCE, 1e-3)),
+        at_most("open-side", energy, growth, bars(ENERGY_TOLERANCE, 1e-3)),
     ])
 }
 
@@ -98,7 +98,7 @@ fn ball<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
     // The surface is of second order: its error is that of a chord of a cell.
     let bar = (1.0 / (cells as f64 * RADIUS)).powi(2).min(0.02);
     Ok(vec![
-        Check::relative("open-side", &share, left, 0.5, bar, Some(0.25 * bar), ""),
-        at_most("open-side", &energy, growth, ENERGY_TOLERANCE, Some(1e-3), ""),
+        Check::relative("open-side", share, left, 0.5, bars(bar, 0.25 * bar)),
+        at_most("open-side", energy, growth, bars(ENERGY_TOLERANCE, 1e-3)),
     ])
 }

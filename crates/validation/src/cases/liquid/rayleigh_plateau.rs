@@ -1,6 +1,6 @@
 //! Breakup of a liquid column.
 
-use crate::measure::{checks_or_failure, fit_growth, surface_points};
+use crate::measure::{bars, checks_or_failure, fit_growth, surface_points};
 use crate::setup::{RADIUS, TENSION, grid_offset, model, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -50,7 +50,9 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let sigma = measured_growth_rate(length)?;
     let cells = length as f64 * WAVENUMBER_TIMES_RADIUS / PI;
     let quantity = format!("growth rate, {cells:.1} cells per radius");
-    Ok(vec![Check::relative("rayleigh-plateau", &quantity, sigma, growth_rate(), must, Some(0.03), "1/s")])
+    Ok(vec![
+        Check::relative("rayleigh-plateau", quantity, sigma, growth_rate(), bars(must, 0.03)).in_unit("1/s"),
+    ])
 }
 
 fn measured_growth_rate(length: usize) -> Result<f64, StepError> {

@@ -1,6 +1,6 @@
 //! Surfaces in prescribed flows: Zalesak's disc and the vortex in a box.
 
-use crate::measure::{at_most, volume_and_centroid};
+use crate::measure::{at_most, bars, volume_and_centroid};
 use crate::setup::model;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -76,9 +76,9 @@ fn checks(
     for (keep, text) in [(false, "volume correction off"), (true, "volume correction on")] {
         let outcome = run(keep);
         let quantity = format!("area, {text}");
-        checks.push(Check::relative(case, &quantity, outcome.area, area, must.0, Some(aim.0), ""));
+        checks.push(Check::relative(case, quantity, outcome.area, area, bars(must.0, aim.0)));
         let quantity = format!("L1 error, {text}");
-        checks.push(at_most(case, &quantity, outcome.error / length, must.1, Some(aim.1), ""));
+        checks.push(at_most(case, quantity, outcome.error / length, bars(must.1, aim.1)));
     }
     checks
 }

@@ -1,6 +1,6 @@
 //! Volume conservation through a collision.
 
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure};
 use crate::setup::{RADIUS, grid_offset, model};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -59,31 +59,25 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let drops = sim.state.components.len();
     let lost = sim.state.lost_volume / start;
     Ok(vec![
-        at_most("volume", "drift of a component", worst, 1e-4, Some(1e-8), ""),
+        at_most("volume", "drift of a component", worst, bars(1e-4, 1e-8)),
         at_most(
             "volume",
-            &format!("drift of the sum ({drops} components at the end)"),
+            format!("drift of the sum ({drops} components at the end)"),
             total,
-            1e-4,
-            Some(1e-8),
-            "",
+            bars(1e-4, 1e-8),
         ),
-        at_most("volume", "volume lost with the last component", lost, 1e-4, Some(1e-8), ""),
+        at_most("volume", "volume lost with the last component", lost, bars(1e-4, 1e-8)),
         at_most(
             "volume",
             "volume moved in a step",
             repairs.volume_shift_largest,
-            MAX_VOLUME_SHIFT,
-            Some(1e-6),
-            "",
+            bars(MAX_VOLUME_SHIFT, 1e-6),
         ),
         at_most(
             "volume",
             "volume moved in all steps",
             repairs.volume_shift / start,
-            MAX_TOTAL_VOLUME_SHIFT,
-            Some(1e-3),
-            "",
+            bars(MAX_TOTAL_VOLUME_SHIFT, 1e-3),
         ),
     ])
 }

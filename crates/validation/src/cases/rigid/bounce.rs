@@ -1,7 +1,7 @@
 //! Drops that bounce off a non-wetting wall.
 
 use crate::cases::wetting::sessile::sessile_model;
-use crate::measure::{checks_or_failure, surface_points};
+use crate::measure::{bars, checks_or_failure, surface_points};
 use crate::setup::run_to;
 use crate::{Case, Check};
 use meniscus_numerics::Vector;
@@ -31,26 +31,10 @@ fn bounces() -> Result<Vec<Check>, StepError> {
         let bounce = bounce(16, weber)?;
         let what = |text: &str| format!("{text}, We = {weber}");
         let touched = bounce.contact_time;
-        checks.push(Check::relative(
-            "bounce",
-            &what("contact time"),
-            touched,
-            CONTACT_TIME,
-            0.15,
-            Some(0.08),
-            "",
-        ));
+        checks.push(Check::relative("bounce", what("contact time"), touched, CONTACT_TIME, bars(0.15, 0.08)));
         if spreads {
             let width = weber.sqrt().sqrt();
-            checks.push(Check::relative(
-                "bounce",
-                &what("D/D0"),
-                bounce.max_spread,
-                width,
-                0.15,
-                Some(0.08),
-                "",
-            ));
+            checks.push(Check::relative("bounce", what("D/D0"), bounce.max_spread, width, bars(0.15, 0.08)));
         }
     }
     Ok(checks)

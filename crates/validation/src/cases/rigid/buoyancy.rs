@@ -1,7 +1,7 @@
 //! Solids in liquid without surface tension: Archimedes' principle and added mass.
 
 use super::floating::{TIME, level_at_sides, tank};
-use crate::measure::checks_or_failure;
+use crate::measure::{bars, checks_or_failure};
 use crate::setup::{grid_offset, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::Grid;
@@ -53,7 +53,7 @@ fn check_floating_height(density: f64, cells: usize, time: f64) -> Result<Check,
     run_to(&mut sim, time, |_, _| ())?;
     let found = sim.state.solids[0].center[1] - level_at_sides(&sim);
     let text = format!("centre / R, D = {density}, {cells} cells/R");
-    Ok(Check::absolute("buoyancy", &text, found, expected, 0.02, Some(0.01), ""))
+    Ok(Check::absolute("buoyancy", text, found, expected, bars(0.02, 0.01)))
 }
 
 fn added_mass(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -103,5 +103,5 @@ fn added_mass_in_shell<const D: usize>(ratio: f64, density: f64) -> Result<Check
     let risen = sim.state.solids[0].center[D - 1] - start;
     let found = 0.5 * (1.0 - density) * sim.state.time.powi(2) / risen - density;
     let text = format!("added over displaced mass, {D}D, Ro/Ri = {ratio}, D = {density}");
-    Ok(Check::relative("added-mass", &text, found, expected, 0.04, Some(0.01), ""))
+    Ok(Check::relative("added-mass", text, found, expected, bars(0.04, 0.01)))
 }

@@ -1,6 +1,6 @@
 //! Heavy solids carried by the surface, and the force on a fixed one.
 
-use crate::measure::{at_most, checks_or_failure, surface_points};
+use crate::measure::{at_most, bar, bars, checks_or_failure, surface_points};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -222,15 +222,8 @@ fn floats_at(bond: f64, angle: f64, cells: usize, time: f64) -> Result<Vec<Check
     let found = height(&sim);
     let what = |text: &str| format!("{text}, 2D, Bo = {bond}, θ = {angle}°, {cells} cells/R");
     Ok(vec![
-        Check::absolute(FLOATING, &what("centre / R"), found, line.center, 0.06, Some(0.02), ""),
-        at_most(
-            FLOATING,
-            &what("still moving in the last quarter / R"),
-            found - before,
-            0.02,
-            Some(0.005),
-            "",
-        ),
+        Check::absolute(FLOATING, what("centre / R"), found, line.center, bars(0.06, 0.02)),
+        at_most(FLOATING, what("still moving in the last quarter / R"), found - before, bars(0.02, 0.005)),
     ])
 }
 
@@ -251,7 +244,7 @@ fn floats_or_sinks(
     run_to(&mut sim, time, |_, _| ())?;
     let floats = if sim.wetted_fraction(0) < 0.999 { 1.0 } else { 0.0 };
     let text = format!("floats, D = {share} D_max, 2D, Bo = {bond}, θ = {angle}°, {cells} cells/R");
-    Ok(Check::absolute(FLOATING, &text, floats, if share < 1.0 { 1.0 } else { 0.0 }, 0.0, None, ""))
+    Ok(Check::absolute(FLOATING, text, floats, if share < 1.0 { 1.0 } else { 0.0 }, bar(0.0)))
 }
 
 /// A sphere with Bo = 1 and 120 degrees; the positions of line and centre are those of the axisymmetric meniscus.
@@ -266,7 +259,7 @@ fn sphere_floats_at(cells: usize) -> Result<Vec<Check>, StepError> {
     run_to(&mut sim, 0.5 * TIME, |_, _| ())?;
     let found = sim.state.solids[0].center[2] - level_by_pressure(&sim);
     let text = format!("centre / R, 3D, Bo = 1, θ = 120°, {cells} cells/R");
-    Ok(vec![Check::absolute(FLOATING, &text, found, center, 0.06, Some(0.02), "")])
+    Ok(vec![Check::absolute(FLOATING, text, found, center, bars(0.06, 0.02))])
 }
 
 fn fixed_body(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -308,16 +301,9 @@ fn force(angle: f64, height: f64, cells: usize) -> Result<Vec<Check>, StepError>
     let level = level_by_pressure(&sim);
     let displaced = (sim.model.grid.domain_upper()[0] * level - sim.diagnostics().volume) * scale;
     Ok(vec![
-        Check::relative(FORCE, &what("upward force"), found, expected, 0.02, Some(0.01), "dyn/cm"),
-        Check::relative(
-            FORCE,
-            &what("against the liquid displaced"),
-            found,
-            displaced,
-            0.02,
-            Some(0.01),
-            "dyn/cm",
-        ),
+        Check::relative(FORCE, what("upward force"), found, expected, bars(0.02, 0.01)).in_unit("dyn/cm"),
+        Check::relative(FORCE, what("against the liquid displaced"), found, displaced, bars(0.02, 0.01))
+            .in_unit("dyn/cm"),
     ])
 }
 

@@ -1,6 +1,6 @@
 //! A closed cup that is moved, tilted and shaken: leakage through its wall.
 
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
@@ -118,24 +118,15 @@ fn check_shaken_cup<const D: usize>(wall: (f64, bool), angle: f64) -> Result<Vec
     Ok(vec![
         at_most(
             NAME,
-            &what("volume outside in the end"),
+            what("volume outside in the end"),
             volume_beyond_wall(&sim, wall) / full,
-            1e-6,
-            Some(0.0),
-            "",
+            bars(1e-6, 0.0),
         ),
-        at_most(NAME, &what("volume outside in any step"), outside, 1e-6, Some(0.0), ""),
-        at_most(NAME, &what("volume that came through"), repairs.leaked_volume / full, 1e-6, Some(0.0), ""),
-        at_most(
-            NAME,
-            &what("volume deleted"),
-            repairs.deleted_volume / full,
-            MAX_DELETED_VOLUME,
-            Some(0.0),
-            "",
-        ),
-        at_most(NAME, &what("change of the volume"), change, 1e-6, Some(1e-12), ""),
-        at_most(NAME, &what("volume lost with the last droplet"), lost, 1e-4, Some(1e-8), ""),
+        at_most(NAME, what("volume outside in any step"), outside, bars(1e-6, 0.0)),
+        at_most(NAME, what("volume that came through"), repairs.leaked_volume / full, bars(1e-6, 0.0)),
+        at_most(NAME, what("volume deleted"), repairs.deleted_volume / full, bars(MAX_DELETED_VOLUME, 0.0)),
+        at_most(NAME, what("change of the volume"), change, bars(1e-6, 1e-12)),
+        at_most(NAME, what("volume lost with the last droplet"), lost, bars(1e-4, 1e-8)),
     ])
 }
 

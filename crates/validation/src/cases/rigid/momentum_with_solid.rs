@@ -1,6 +1,6 @@
 //! Momentum of drops and of the free plate that they wet.
 
-use crate::measure::{at_most, checks_or_failure, volume_and_centroid_outside};
+use crate::measure::{at_most, bars, checks_or_failure, volume_and_centroid_outside};
 use crate::setup::{grid_offset, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::Grid;
@@ -81,9 +81,9 @@ fn isolated<const D: usize>(pair: &Pair, cells: usize) -> Result<Vec<Check>, Ste
     })?;
     let what = |text: &str| format!("{text}, {D}D, {}, θ = {}°, {cells} cells/R", pair.text, pair.angle);
     Ok(vec![
-        at_most(NAME, &what("momentum / γLt"), linear, 1e-6, Some(1e-12), ""),
-        at_most(NAME, &what("angular momentum / γL²t"), angular, 1e-4, Some(1e-12), ""),
-        at_most(NAME, &what("way of the centre of mass / Δ"), centroid_deviation, 0.1, Some(0.01), ""),
+        at_most(NAME, what("momentum / γLt"), linear, bars(1e-6, 1e-12)),
+        at_most(NAME, what("angular momentum / γL²t"), angular, bars(1e-4, 1e-12)),
+        at_most(NAME, what("way of the centre of mass / Δ"), centroid_deviation, bars(0.1, 0.01)),
     ])
 }
 

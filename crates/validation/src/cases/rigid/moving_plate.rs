@@ -1,7 +1,7 @@
 //! Drops on plates that move through the grid.
 
 use crate::cases::wetting::sessile::{cap_radius, fit_cap, sessile_model};
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -38,7 +38,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
             let change = moving.iter().zip(&rest).map(|(m, r)| m - r);
             let worst = change.fold(0.0f64, |w, c| if c.abs() > w.abs() { c } else { w });
             let text = format!("change of the angle, {what}, θ = {angle}°, {cells} cells/R");
-            checks.push(at_most(NAME, &text, worst, 2.0, Some(1.0), "deg"));
+            checks.push(at_most(NAME, text, worst, bars(2.0, 1.0)).in_unit("deg"));
         }
     }
     Ok(checks)

@@ -1,6 +1,6 @@
 //! Collisions and resting contacts of rigid solids without liquid.
 
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bar, bars, checks_or_failure};
 use crate::setup::run_to;
 use crate::solids_only::{GRAVITY, gravity, point_at, rigid_box, simulation_without_liquid};
 use crate::{Case, Check, Mode};
@@ -80,15 +80,8 @@ fn bounce<const D: usize>(restitution: f64) -> Result<Vec<Check>, StepError> {
     let max_contact_time = 0.5 * DX / speed;
     let back = (high - floor) / (height - floor);
     Ok(vec![
-        Check::relative(NAME, &what("height of the rebound"), back, told, 0.01, Some(1e-3), ""),
-        at_most(
-            NAME,
-            &what("time of contact / (half a cell / speed)"),
-            touched / max_contact_time,
-            1.0,
-            None,
-            "",
-        ),
+        Check::relative(NAME, what("height of the rebound"), back, told, bars(0.01, 1e-3)),
+        at_most(NAME, what("time of contact / (half a cell / speed)"), touched / max_contact_time, bar(1.0)),
     ])
 }
 
@@ -109,7 +102,7 @@ fn cradle<const D: usize>(moving: usize) -> Result<Check, StepError> {
         (now.velocity[0] - told).abs()
     });
     let text = format!("cradle, {moving} of 5 balls, {D}D: error of the speeds");
-    Ok(at_most(NAME, &text, speed_errors.fold(0.0, f64::max), 0.02, Some(1e-3), ""))
+    Ok(at_most(NAME, text, speed_errors.fold(0.0, f64::max), bars(0.02, 1e-3)))
 }
 
 fn tower<const D: usize>(count: usize) -> Result<Vec<Check>, StepError> {
@@ -134,13 +127,11 @@ fn tower<const D: usize>(count: usize) -> Result<Vec<Check>, StepError> {
     Ok(vec![
         at_most(
             NAME,
-            &what("tower of ten: drift in 2 s / height"),
+            what("tower of ten: drift in 2 s / height"),
             drift / (2.0 * half[D - 1]),
-            1e-3,
-            Some(1e-6),
-            "",
+            bars(1e-3, 1e-6),
         ),
-        at_most(NAME, &what("tower of ten: speed / g h"), fastest / (GRAVITY * STEP), 0.05, Some(1e-6), ""),
-        at_most(NAME, &what("tower of ten: deepest overlap / cell"), deepest / DX, 0.0, None, ""),
+        at_most(NAME, what("tower of ten: speed / g h"), fastest / (GRAVITY * STEP), bars(0.05, 1e-6)),
+        at_most(NAME, what("tower of ten: deepest overlap / cell"), deepest / DX, bar(0.0)),
     ])
 }

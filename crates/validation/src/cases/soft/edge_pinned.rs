@@ -6,7 +6,7 @@
 //! angle varies by a tenth of the tension, with jumps, as its line moves through a cell. The case has the tolerances of a drop at rest;
 //! it is not part of `verify --quick`.
 
-use crate::measure::{TimeMean, at_most, checks_or_failure, external_load, liquid_force};
+use crate::measure::{TimeMean, at_most, bars, checks_or_failure, external_load, liquid_force};
 use crate::setup::run_to;
 use crate::{Case, Check};
 use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
@@ -88,9 +88,9 @@ impl PinnedDrop {
         })?;
         let plate = if self.soft { "soft" } else { "rigid" };
         let what = |text: &str| format!("{text}, {plate} plate, {}°", self.apparent);
-        let zero = |text: &str, value: f64| at_most(NAME, &what(text), value, 0.02, Some(0.01), "");
+        let zero = |text: &str, value: f64| at_most(NAME, what(text), value, bars(0.02, 0.01));
         let mut checks = vec![
-            Check::relative(NAME, &what("force over weight"), up.mean(), 1.0, 0.02, Some(0.01), ""),
+            Check::relative(NAME, what("force over weight"), up.mean(), 1.0, bars(0.02, 0.01)),
             zero("force along the plate over weight", along.mean()),
             zero("deviation of the force over time", up.deviation().hypot(along.deviation())),
         ];

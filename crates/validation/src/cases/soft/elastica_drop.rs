@@ -1,7 +1,7 @@
 //! A drop pinned at the ends of a sheet.
 
 use crate::elastica::{Sheet, Unknowns};
-use crate::measure::checks_or_failure;
+use crate::measure::{bars, checks_or_failure};
 use crate::plate::{Plate, PlateSetup, PlateSupport};
 use crate::{Case, Check, Mode};
 use meniscus_sim::StepError;
@@ -56,7 +56,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
         let mut plate = plate_setup(cells, part * CLOSING_THRESHOLD, DRYING_AREAS[0]).start()?;
         let closed = closes_up(&mut plate)?;
         let text = format!("closes at {part} times the threshold, {cells} cells a unit");
-        checks.push(Check::absolute(NAME, &text, f64::from(u8::from(closed)), closes, 0.0, Some(0.0), ""));
+        checks.push(Check::absolute(NAME, text, f64::from(u8::from(closed)), closes, bars(0.0, 0.0)));
     }
     Ok(checks)
 }
@@ -108,7 +108,7 @@ fn shape(
     let text = |what: &str| format!("{what} of the ends, l/L = {ratio}, A/l² = {area}, {cells} cells a unit");
     let check = |what: &str, value: f64, told: f64| {
         let (value, told) = (value / LENGTH, told / LENGTH);
-        Check::relative(NAME, &text(what), value, told, 0.05, Some(0.02), "l")
+        Check::relative(NAME, text(what), value, told, bars(0.05, 0.02)).in_unit("l")
     };
     Ok(vec![check("place along", x, told[0]), check("height", y, told[1])])
 }

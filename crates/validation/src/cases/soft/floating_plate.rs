@@ -1,6 +1,6 @@
 //! A heavy deformable plate carried by the surface: the paper's Fig. 21.
 
-use crate::measure::checks_or_failure;
+use crate::measure::{bars, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check};
 use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
@@ -174,7 +174,7 @@ fn run() -> Result<Vec<Check>, StepError> {
         }
     })?;
     let what = "depth of the upper face";
-    Ok(vec![Check::relative(NAME, what, sum / time, depth, 0.1, Some(0.04), "cm")])
+    Ok(vec![Check::relative(NAME, what, sum / time, depth, bars(0.1, 0.04)).in_unit("cm")])
 }
 
 #[cfg(test)]

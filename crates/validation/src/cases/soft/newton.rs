@@ -1,6 +1,6 @@
 //! Newton iterations of steps in which a deformable solid rotates far.
 
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure};
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
 use meniscus_numerics::grid::Grid;
@@ -39,8 +39,8 @@ fn spinning<const D: usize>() -> Result<Vec<Check>, StepError> {
     let (few, more) = (angular_momentum_drift::<D>(0)?, angular_momentum_drift::<D>(8)?);
     let what = |text: &str| format!("change of the angular momentum, {text}, {D}D");
     Ok(vec![
-        at_most(NAME, &what("as it comes"), few, 1e-6, Some(1e-9), ""),
-        at_most(NAME, &what("8 iterations"), more, 1e-9, Some(1e-9), ""),
+        at_most(NAME, what("as it comes"), few, bars(1e-6, 1e-9)),
+        at_most(NAME, what("8 iterations"), more, bars(1e-9, 1e-9)),
     ])
 }
 

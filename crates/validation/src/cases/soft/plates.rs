@@ -1,6 +1,6 @@
 //! Drops on deformable solids, against plate theory.
 
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure};
 use crate::plate::{Plate, PlateSetup, PlateSupport};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
@@ -88,7 +88,7 @@ fn kinks(mode: Mode) -> Result<Vec<Check>, StepError> {
                     "bend of a free plate"
                 };
                 let text = format!("{what}, {thick} cells thick, θ = {angle}°, {cells} cells/R");
-                checks.push(Check::relative("soft-kink", &text, value, exact, 0.08, Some(0.03), ""));
+                checks.push(Check::relative("soft-kink", text, value, exact, bars(0.08, 0.03)));
             }
         }
     }
@@ -138,9 +138,9 @@ fn strip(mode: Mode) -> Result<Vec<Check>, StepError> {
         })?;
         let what = |text: &str| format!("{text}, θ = {angle}°, {cells} cells/R");
         checks.extend([
-            at_most("soft-strip", &what("momentum / γt"), linear, 1e-8, Some(1e-12), ""),
-            at_most("soft-strip", &what("angular momentum / γRt"), angular, 1e-3, Some(1e-12), ""),
-            at_most("soft-strip", &what("way of the centre of mass / Δ"), wander, 0.1, Some(0.01), ""),
+            at_most("soft-strip", what("momentum / γt"), linear, bars(1e-8, 1e-12)),
+            at_most("soft-strip", what("angular momentum / γRt"), angular, bars(1e-3, 1e-12)),
+            at_most("soft-strip", what("way of the centre of mass / Δ"), wander, bars(0.1, 0.01)),
         ]);
     }
     Ok(checks)
@@ -179,7 +179,7 @@ fn stiff(mode: Mode) -> Result<Vec<Check>, StepError> {
         };
         let (soft, rigid) = (contact(PlateSupport::Bottom)?, contact(PlateSupport::Rigid)?);
         let text = format!("contact angle, θ = {angle}°, {cells} cells/R");
-        checks.push(Check::absolute("soft-stiff", &text, soft, rigid, 1.0, Some(0.5), "°"));
+        checks.push(Check::absolute("soft-stiff", text, soft, rigid, bars(1.0, 0.5)).in_unit("°"));
     }
     Ok(checks)
 }

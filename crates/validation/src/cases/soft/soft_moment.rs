@@ -1,6 +1,6 @@
 //! The bending moment of a beam that carries a drop, against statics.
 
-use crate::measure::{TimeMean, checks_or_failure, external_load, liquid_force};
+use crate::measure::{TimeMean, bars, checks_or_failure, external_load, liquid_force};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
@@ -94,14 +94,14 @@ impl DropCase {
             .map(|&place| {
                 let text = what(&format!("moment at s = {} mm", place / MM));
                 let told = means.static_moment(place);
-                Check::relative(NAME, &text, means.bending_moment(place), told, 0.03, Some(0.01), "N")
+                Check::relative(NAME, text, means.bending_moment(place), told, bars(0.03, 0.01)).in_unit("N")
             })
             .collect();
         let torque = weight * (center - CLAMP_END);
         let (found, text) = (-means.moment.mean(), what("moment of the liquid about the clamp"));
-        checks.push(Check::relative(NAME, &text, found, torque, 0.03, Some(0.01), "N"));
+        checks.push(Check::relative(NAME, text, found, torque, bars(0.03, 0.01)).in_unit("N"));
         let (found, text) = (-means.force.mean(), what("force of the liquid"));
-        checks.push(Check::relative(NAME, &text, found, weight, 0.02, Some(0.01), "N/m"));
+        checks.push(Check::relative(NAME, text, found, weight, bars(0.02, 0.01)).in_unit("N/m"));
         Ok(checks)
     }
 

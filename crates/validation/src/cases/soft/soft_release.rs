@@ -1,6 +1,6 @@
 //! An elastic solid that is stretched and released in liquid.
 
-use crate::measure::{at_least, at_most, checks_or_failure};
+use crate::measure::{at_least, at_most, bars, checks_or_failure};
 use crate::setup::{grid_offset, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
@@ -109,9 +109,9 @@ fn release<const D: usize>(cells: usize, time: f64) -> Result<Vec<Check>, StepEr
     })?;
     let what = |text: &str| format!("{text}, {D}D, {cells} cells a unit");
     Ok(vec![
-        at_most(NAME, &what("momentum / √(2 E0 m)"), linear, 1e-8, Some(1e-12), ""),
-        at_most(NAME, &what("angular momentum / R √(2 E0 m)"), turning, 1e-3, Some(1e-8), ""),
-        at_most(NAME, &what("rise of the energy / E0"), rise, 1e-3, Some(1e-4), ""),
-        at_least(NAME, &what("largest kinetic energy / E0: it swings"), moving, 0.3, 0.5),
+        at_most(NAME, what("momentum / √(2 E0 m)"), linear, bars(1e-8, 1e-12)),
+        at_most(NAME, what("angular momentum / R √(2 E0 m)"), turning, bars(1e-3, 1e-8)),
+        at_most(NAME, what("rise of the energy / E0"), rise, bars(1e-3, 1e-4)),
+        at_least(NAME, what("largest kinetic energy / E0: it swings"), moving, 0.3, 0.5),
     ])
 }

@@ -1,6 +1,6 @@
 //! A drop at rest on a deformable plate that its weight bends, with contact-line friction.
 
-use crate::measure::checks_or_failure;
+use crate::measure::{bars, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
@@ -47,7 +47,7 @@ fn check(step: f64) -> Result<Check, StepError> {
         count += 1.0;
     })?;
     let text = format!("angle with steps of {step} times the explicit limit");
-    Ok(Check::absolute(NAME, &text, sum / count, 90.0, 1.5, Some(0.75), "°"))
+    Ok(Check::absolute(NAME, text, sum / count, 90.0, bars(1.5, 0.75)).in_unit("°"))
 }
 
 fn start(step: f64) -> Simulation<2> {

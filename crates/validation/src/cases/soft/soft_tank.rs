@@ -1,6 +1,6 @@
 //! An elastic plate as the bottom of a tank.
 
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
@@ -73,7 +73,8 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let sunk = middle.iter().map(sunk).sum::<f64>() / middle.len() as f64;
     let text = |what: &str| format!("{what}, {cells} cells a unit");
     Ok(vec![
-        Check::relative(NAME, &text("deflection of the middle"), sunk, 0.0119435, 0.04, Some(0.01), "cm"),
-        at_most(NAME, &text("largest speed / √(gH)"), speed, 1e-4, Some(1e-6), ""),
+        Check::relative(NAME, text("deflection of the middle"), sunk, 0.0119435, bars(0.04, 0.01))
+            .in_unit("cm"),
+        at_most(NAME, text("largest speed / √(gH)"), speed, bars(1e-4, 1e-6)),
     ])
 }

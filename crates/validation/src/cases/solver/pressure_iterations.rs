@@ -2,7 +2,7 @@
 
 use crate::cases::rigid::floating::tank;
 use crate::cases::rigid::momentum_with_solid::plate_and_drop;
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bar, checks_or_failure};
 use crate::{Case, Check, Mode};
 use meniscus_sim::{Simulation, StepError};
 
@@ -39,7 +39,7 @@ fn checks<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
         let pool = tank::<D>((1.0, 90.0, density), (cells, 4.0), 0.0, &|_| 0.0);
         for (what, sim) in [("drop on a plate", plate), ("body in a pool", pool)] {
             let text = format!("iterations of a solve, {what}, {D}D, D = {density}, {cells} cells/R");
-            all.push(at_most(NAME, &text, max_iterations(sim)?, 20.0, None, ""));
+            all.push(at_most(NAME, text, max_iterations(sim)?, bar(20.0)));
         }
     }
     Ok(all)

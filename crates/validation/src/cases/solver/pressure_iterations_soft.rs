@@ -1,6 +1,6 @@
 //! Iterations of the pressure solve with deformable sheets.
 
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure};
 use crate::setup::grid_offset;
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
@@ -45,7 +45,7 @@ fn checks<const D: usize>(cells: usize, settings: &[(f64, f64)]) -> Result<Vec<C
     let check = |(light, bending): &(f64, f64)| {
         let most = max_iterations(start::<D>(cells, *light, *bending)?)?;
         let text = format!("iterations of a solve, r = {light}, k_b = {bending}, {D}D, {cells} cells a unit");
-        Ok(at_most(NAME, &text, most, 60.0, Some(30.0), ""))
+        Ok(at_most(NAME, text, most, bars(60.0, 30.0)))
     };
     settings.iter().map(check).collect()
 }

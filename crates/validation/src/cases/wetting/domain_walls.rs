@@ -2,7 +2,7 @@
 
 use super::meniscus::surface_height;
 use super::sessile::{fit_cap, rms_and_mean_speed};
-use crate::measure::{at_most, checks_or_failure, surface_points};
+use crate::measure::{at_most, bars, checks_or_failure, surface_points};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -78,8 +78,8 @@ fn tank(angle: f64, cells: usize) -> Result<Vec<Check>, StepError> {
     let should = (SQRT_2 * (1.0 - angle.to_radians().sin()).sqrt()).copysign(90.0 - angle);
     let what = |text: &str| format!("{text}, tank, θ = {angle}°");
     Ok(vec![
-        Check::relative(NAME, &what("height"), risen, should, 0.02, Some(0.01), "lc"),
-        at_most(NAME, &what("u_rms / √(g lc)"), rms_and_mean_speed(&sim).0, 1e-2, Some(1e-3), ""),
+        Check::relative(NAME, what("height"), risen, should, bars(0.02, 0.01)).in_unit("lc"),
+        at_most(NAME, what("u_rms / √(g lc)"), rms_and_mean_speed(&sim).0, bars(1e-2, 1e-3)),
     ])
 }
 
@@ -105,8 +105,9 @@ fn corner<const D: usize>(angle: f64, cells: usize) -> Result<Vec<Check>, StepEr
     let off = off.fold(0.0, f64::max) / ball.radius;
     let what = |text: &str| format!("{text}, {D}D corner, θ = {angle}°");
     Ok(vec![
-        Check::absolute(NAME, &what("angle, the worst of the sides"), found, angle, 2.0, Some(1.0), "deg"),
-        at_most(NAME, &what("distance from a ball / its radius"), off, 1e-2, Some(5e-3), ""),
-        at_most(NAME, &what("u_rms √(ρ R / γ)"), rms_and_mean_speed(&sim).0, 1e-2, Some(1e-3), ""),
+        Check::absolute(NAME, what("angle, the worst of the sides"), found, angle, bars(2.0, 1.0))
+            .in_unit("deg"),
+        at_most(NAME, what("distance from a ball / its radius"), off, bars(1e-2, 5e-3)),
+        at_most(NAME, what("u_rms √(ρ R / γ)"), rms_and_mean_speed(&sim).0, bars(1e-2, 1e-3)),
     ])
 }

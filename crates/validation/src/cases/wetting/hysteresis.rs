@@ -1,6 +1,6 @@
 //! Drops on slopes, pinned by their contact lines.
 
-use crate::measure::{at_least, at_most, checks_or_failure};
+use crate::measure::{at_least, at_most, bars, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -43,8 +43,8 @@ fn check_pull<const D: usize>(cells: usize, [rest, slide]: [(f64, f64); 2]) -> R
     let what = |share: f64| format!("way / R at {share} of the critical pull, {D}D, {cells} cells/R");
     let (stays, goes) = (sliding_distance::<D>(cells, rest.1)?.abs(), sliding_distance::<D>(cells, slide.1)?);
     Ok(vec![
-        at_most("hysteresis", &what(rest.0), stays, 0.02, Some(0.005), ""),
-        at_least("hysteresis", &what(slide.0), goes, 0.1, 0.2),
+        at_most("hysteresis", what(rest.0), stays, bars(0.02, 0.005)),
+        at_least("hysteresis", what(slide.0), goes, 0.1, 0.2),
     ])
 }
 

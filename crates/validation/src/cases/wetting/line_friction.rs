@@ -1,7 +1,7 @@
 //! Contact-line friction: spreading of a drop limited by friction alone.
 
 use super::sessile::{cap_radius, fit_cap, sessile_model};
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::Grid;
@@ -60,7 +60,7 @@ fn spreading(cells: usize) -> Result<Vec<Check>, StepError> {
         let cap = fit_cap(&sim, |x| x[1] - point[1] > 1.5 * dx);
         let found = cap.angle_on_plane(&point, &normal);
         let what = format!("angle at t = {time}, {cells} cells/R");
-        checks.push(Check::absolute(NAME, &what, found, angle_at(time), 1.5, Some(0.7), "deg"));
+        checks.push(Check::absolute(NAME, what, found, angle_at(time), bars(1.5, 0.7)).in_unit("deg"));
     }
     Ok(checks)
 }
@@ -116,5 +116,5 @@ fn momentum<const D: usize>(cells: usize, steps: usize) -> Result<Check, StepErr
         sim.step(f64::INFINITY, &mut |_| ())?;
     }
     let gained = (sum(&sim) - start).norm() / (RADIUS.powi(D as i32 - 1) * sim.state.time);
-    Ok(at_most(NAME, &format!("momentum of drop and free plate, {D}D"), gained, 1e-6, Some(1e-10), ""))
+    Ok(at_most(NAME, format!("momentum of drop and free plate, {D}D"), gained, bars(1e-6, 1e-10)))
 }

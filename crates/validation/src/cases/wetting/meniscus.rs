@@ -2,7 +2,7 @@
 
 use super::sessile::{rms_and_mean_speed, sessile_model};
 use crate::cases::rigid::floating::level_by_pressure;
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::{Grid, Sampler};
@@ -103,7 +103,7 @@ pub(crate) fn surface_height<const D: usize>(sim: &Simulation<D>, mut x: Vector<
 
 /// Checks the residual motion of the bath.
 fn check_at_rest<const D: usize>(case: &str, what: &str, sim: &Simulation<D>) -> Check {
-    at_most(case, &format!("u_rms / √(g lc), {what}"), rms_and_mean_speed(sim).0, 1e-2, Some(1e-3), "")
+    at_most(case, format!("u_rms / √(g lc), {what}"), rms_and_mean_speed(sim).0, bars(1e-2, 1e-3))
 }
 
 /// Case 6a: an upright wall.
@@ -123,7 +123,7 @@ fn wall(angle: f64) -> Result<Vec<Check>, StepError> {
     let should = (SQRT_2 * (1.0 - sine).sqrt()).copysign(90.0 - angle);
     let what = format!("wall, θ = {angle}°");
     Ok(vec![
-        Check::relative(PLANE_NAME, &format!("height, {what}"), risen, should, 0.02, Some(0.01), "lc"),
+        Check::relative(PLANE_NAME, format!("height, {what}"), risen, should, bars(0.02, 0.01)).in_unit("lc"),
         check_at_rest(PLANE_NAME, &what, &sim),
     ])
 }
@@ -156,8 +156,9 @@ fn plate(angle: f64) -> Result<Vec<Check>, StepError> {
     let name = |text: &str| format!("{text}, {what}");
     let line = -0.5 * side / time;
     Ok(vec![
-        Check::relative(PLANE_NAME, &name("force less buoyancy"), pull, should, 0.02, Some(0.01), "γ"),
-        Check::relative(PLANE_NAME, &name("pull of the contact line"), line, should, 0.02, Some(0.01), "γ"),
+        Check::relative(PLANE_NAME, name("force less buoyancy"), pull, should, bars(0.02, 0.01)).in_unit("γ"),
+        Check::relative(PLANE_NAME, name("pull of the contact line"), line, should, bars(0.02, 0.01))
+            .in_unit("γ"),
         check_at_rest(PLANE_NAME, &what, &sim),
     ])
 }
@@ -177,7 +178,7 @@ fn gap((half, angle, should): (f64, f64, f64)) -> Result<Vec<Check>, StepError> 
     let risen = surface_height(&sim, Vector::zeros()) - surface_height(&sim, grid.domain_upper());
     let what = format!("gap, a = {half} lc, θ = {angle}°");
     Ok(vec![
-        Check::relative(PLANE_NAME, &format!("height, {what}"), risen, should, 0.02, Some(0.01), "lc"),
+        Check::relative(PLANE_NAME, format!("height, {what}"), risen, should, bars(0.02, 0.01)).in_unit("lc"),
         check_at_rest(PLANE_NAME, &what, &sim),
     ])
 }
@@ -219,7 +220,7 @@ fn tube((angle, should): (f64, f64), cells: usize) -> Result<Vec<Check>, StepErr
     let risen = surface_height(&sim, Vector::zeros()) - level_by_pressure(&sim);
     let what = format!("tube, a = {radius} lc, θ = {angle}°, {cells} cells/a");
     Ok(vec![
-        Check::relative(TUBE_NAME, &format!("height, {what}"), risen, should, 0.04, Some(0.01), "lc"),
+        Check::relative(TUBE_NAME, format!("height, {what}"), risen, should, bars(0.04, 0.01)).in_unit("lc"),
         check_at_rest(TUBE_NAME, &what, &sim),
     ])
 }

@@ -1,6 +1,6 @@
 //! The wetting ridge of a contact line on a deformable layer.
 
-use crate::measure::{at_least, checks_or_failure};
+use crate::measure::{at_least, bars, checks_or_failure};
 use crate::plate::{PlateSetup, PlateSupport};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -139,9 +139,9 @@ fn ridge(cells: usize, layer: &ElasticLayer) -> Result<(Vec<Check>, f64), StepEr
     let what = |text: &str| format!("{text}, ν = {poisson}, {which}, {cells} cells/h");
     // The width has the tolerances of a drop's shape on a sheet (`elastica-drop`).
     let checks = vec![
-        Check::relative(NAME, &what("height of the ridge"), high, should[1], 0.08, Some(0.03), "h"),
-        Check::relative(NAME, &what("depth under the drop"), deep, should[2], 0.08, Some(0.03), "h"),
-        Check::relative(NAME, &what("half the wetted width"), half, should[0], 0.05, Some(0.02), "h"),
+        Check::relative(NAME, what("height of the ridge"), high, should[1], bars(0.08, 0.03)).in_unit("h"),
+        Check::relative(NAME, what("depth under the drop"), deep, should[2], bars(0.08, 0.03)).in_unit("h"),
+        Check::relative(NAME, what("half the wetted width"), half, should[0], bars(0.05, 0.02)).in_unit("h"),
     ];
     Ok((checks, high / should[1] - 1.0))
 }

@@ -1,6 +1,6 @@
 //! Drops on solids without gravity: Young's angle on planes of any position and slope, on a cylinder and a ball.
 
-use crate::measure::{at_least, at_most, checks_or_failure, convergence_order, surface_points};
+use crate::measure::{at_least, at_most, bar, bars, checks_or_failure, convergence_order, surface_points};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::fit::Sphere;
@@ -146,21 +146,23 @@ fn planes<const D: usize>(
             rests.iter().map(f).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
         };
         let middle = (45.0..=135.0).contains(&angle);
-        let bars = if middle { (1.5, 0.5) } else { (3.0, 1.5) };
+        let of_angle = if middle { bars(1.5, 0.5) } else { bars(3.0, 1.5) };
         let what = |text: &str| format!("{text}, θ = {angle}°, {cells} cells/R");
         let found = angle + worst(&|r| r.angle);
-        checks.push(Check::absolute(case, &what("angle"), found, angle, bars.0, Some(bars.1), "deg"));
+        checks.push(Check::absolute(case, what("angle"), found, angle, of_angle).in_unit("deg"));
         if mode == Mode::Full {
             if (45.0..=120.0).contains(&angle) {
                 let base = 1.0 + worst(&|r| r.sizes[0]);
                 let height = 1.0 + worst(&|r| r.sizes[1]);
-                checks.push(Check::relative(case, &what("base radius"), base, 1.0, 0.02, Some(0.007), ""));
-                checks.push(Check::relative(case, &what("height"), height, 1.0, 0.02, Some(0.007), ""));
+                checks.push(Check::relative(case, what("base radius"), base, 1.0, bars(0.02, 0.007)));
+                checks.push(Check::relative(case, what("height"), height, 1.0, bars(0.02, 0.007)));
             }
-            checks.push(at_most(case, &what("u_rms √(ρR/γ)"), worst(&|r| r.speed), 1e-2, Some(1e-3), ""));
+            checks.push(at_most(case, what("u_rms √(ρR/γ)"), worst(&|r| r.speed), bars(1e-2, 1e-3)));
             let glide = worst(&|r| r.mean_speed);
-            checks.push(at_most(case, &what("gliding √(ρR/γ)"), glide, 1e-2, Some(1e-3), ""));
-            checks.push(at_most(case, &what("creep"), worst(&|r| r.angle_change), 0.5, Some(0.1), "deg"));
+            checks.push(at_most(case, what("gliding √(ρR/γ)"), glide, bars(1e-2, 1e-3)));
+            checks.push(
+                at_most(case, what("creep"), worst(&|r| r.angle_change), bars(0.5, 0.1)).in_unit("deg"),
+            );
         }
     }
     Ok(checks)
@@ -182,9 +184,11 @@ fn thin(mode: Mode) -> Result<Vec<Check>, StepError> {
             };
             let what = |text: &str| format!("{text}, {thick:.2} cells thick, θ = {angle}°, {cells} cells/R");
             let found = angle + off(&|r| r.angle);
-            checks.push(Check::absolute("sessile-thin", &what("angle"), found, angle, 3.0, Some(1.5), "deg"));
+            checks.push(
+                Check::absolute("sessile-thin", what("angle"), found, angle, bars(3.0, 1.5)).in_unit("deg"),
+            );
             let speed = off(&|r| r.speed);
-            checks.push(at_most("sessile-thin", &what("u_rms √(ρR/γ)"), speed, 1e-2, Some(1e-3), ""));
+            checks.push(at_most("sessile-thin", what("u_rms √(ρR/γ)"), speed, bars(1e-2, 1e-3)));
         }
     }
     Ok(checks)
@@ -290,7 +294,7 @@ fn steps() -> Result<Vec<Check>, StepError> {
         for step in [0.5, 10.0, 20.0] {
             let turned = angles(step)?.iter().zip(&usual).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             let what = format!("change of the angle, {step} times the limit, θ = {angle}°");
-            checks.push(at_most("sessile-steps", &what, turned, 0.5, None, "deg"));
+            checks.push(at_most("sessile-steps", what, turned, bar(0.5)).in_unit("deg"));
         }
     }
     Ok(checks)
@@ -341,8 +345,8 @@ fn drop_on_ball<const D: usize>(angle: f64, apex: f64) -> Result<Vec<Check>, Ste
     let what = |text: &str| format!("{text} on a {}, θ = {angle}°", if D == 2 { "cylinder" } else { "ball" });
     let case = "sessile-curved";
     Ok(vec![
-        Check::absolute(case, &what("angle"), found, angle, 2.0, Some(1.0), "deg"),
-        Check::relative(case, &what("height / R"), top / solid, apex, 0.02, Some(0.01), ""),
+        Check::absolute(case, what("angle"), found, angle, bars(2.0, 1.0)).in_unit("deg"),
+        Check::relative(case, what("height / R"), top / solid, apex, bars(0.02, 0.01)),
     ])
 }
 
@@ -360,5 +364,5 @@ fn order() -> Result<Vec<Check>, StepError> {
     }
     let text =
         format!("order of the angle's error ({:.2}, {:.2}, {:.2}°)", errors[0].1, errors[1].1, errors[2].1);
-    Ok(vec![at_least("sessile-curved", &text, convergence_order(&errors), 1.0, 1.5)])
+    Ok(vec![at_least("sessile-curved", text, convergence_order(&errors), 1.0, 1.5)])
 }

@@ -1,7 +1,7 @@
 //! Sessile drops under gravity, and their force on the solid.
 
 use super::sessile::{fit_cap, rms_and_mean_speed, sessile_model};
-use crate::measure::{at_most, checks_or_failure, surface_points};
+use crate::measure::{at_most, bars, checks_or_failure, surface_points};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -152,15 +152,15 @@ fn drop<const D: usize>(case: &str, cells: usize, row: Row, time: f64) -> Result
     run_to(&mut sim, 0.9 * time, |_, _| ())?;
     let (_, force) = mean_forces(&mut sim, time)?;
     let (found_height, found_base, found_angle) = drop_dimensions(&sim, &point);
-    let bars = if angle < 45.0 { (3.0, 1.5) } else { (1.5, 0.5) };
+    let of_angle = if angle < 45.0 { bars(3.0, 1.5) } else { bars(1.5, 0.5) };
     let what = |text: &str| format!("{text}, θ = {angle}°, Bo = {bond}, {cells} cells/R0");
     let weight = share::<D>() * volume * bond;
     Ok(vec![
-        Check::relative(case, &what("height"), found_height, height, 0.02, Some(0.007), "R0"),
-        Check::relative(case, &what("base radius"), found_base, base, 0.02, Some(0.007), "R0"),
-        Check::relative(case, &what("force on the wall"), -force, weight, 0.02, Some(0.005), ""),
-        Check::absolute(case, &what("angle along the line"), found_angle, angle, bars.0, Some(bars.1), "deg"),
-        at_most(case, &what("u_rms √(ρR0/γ)"), rms_and_mean_speed(&sim).0, 1e-2, Some(1e-3), ""),
+        Check::relative(case, what("height"), found_height, height, bars(0.02, 0.007)).in_unit("R0"),
+        Check::relative(case, what("base radius"), found_base, base, bars(0.02, 0.007)).in_unit("R0"),
+        Check::relative(case, what("force on the wall"), -force, weight, bars(0.02, 0.005)),
+        Check::absolute(case, what("angle along the line"), found_angle, angle, of_angle).in_unit("deg"),
+        at_most(case, what("u_rms √(ρR0/γ)"), rms_and_mean_speed(&sim).0, bars(1e-2, 1e-3)),
     ])
 }
 
@@ -175,10 +175,10 @@ fn weightless(case: &str, cells: usize, angle: f64) -> Result<Vec<Check>, StepEr
     let what = |text: &str| format!("{text}, θ = {angle}°, no gravity");
     let should = 2.0 * angle.to_radians().sin();
     Ok(vec![
-        Check::relative(case, &what("pull of the contact line"), pull, should, 0.02, Some(0.005), ""),
-        Check::relative(case, &what("push of the pressure"), pull - sum, should, 0.02, Some(0.005), ""),
-        Check::relative(case, &what("2 a γ/R of the drop's shape"), laplace, should, 0.02, Some(0.005), ""),
-        at_most(case, &what("force on the wall over γ"), sum, 0.02, Some(0.005), ""),
+        Check::relative(case, what("pull of the contact line"), pull, should, bars(0.02, 0.005)),
+        Check::relative(case, what("push of the pressure"), pull - sum, should, bars(0.02, 0.005)),
+        Check::relative(case, what("2 a γ/R of the drop's shape"), laplace, should, bars(0.02, 0.005)),
+        at_most(case, what("force on the wall over γ"), sum, bars(0.02, 0.005)),
     ])
 }
 

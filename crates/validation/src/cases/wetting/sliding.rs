@@ -1,7 +1,7 @@
 //! Drops on slopes without hysteresis and friction, which slide freely.
 
 use super::sessile::sessile_model;
-use crate::measure::checks_or_failure;
+use crate::measure::{bars, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -36,12 +36,10 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
             let text = format!("way over ½ g sin α t², α = {tilt}°, θ = {angle}°, {cells} cells/R");
             checks.push(Check::relative(
                 NAME,
-                &text,
+                text,
                 sliding_ratio(cells, tilt, angle)?,
                 1.0,
-                0.05,
-                Some(0.01),
-                "",
+                bars(0.05, 0.01),
             ));
         }
     }

@@ -1,7 +1,7 @@
 //! A drop on a slope, pinned with its front at a step of the wettability.
 
 use super::sessile::sessile_model;
-use crate::measure::checks_or_failure;
+use crate::measure::{bars, checks_or_failure};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -46,7 +46,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
         }
         let text = format!("critical angle, {what}, {cells} cells/R");
         let found = 0.5 * (range[0] + range[1]);
-        checks.push(Check::absolute(NAME, &text, found, exact, 3.0, Some(1.5), "deg"));
+        checks.push(Check::absolute(NAME, text, found, exact, bars(3.0, 1.5)).in_unit("deg"));
     }
     Ok(checks)
 }

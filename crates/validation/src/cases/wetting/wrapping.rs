@@ -1,6 +1,6 @@
 //! Drops on long deformable sheets: bending, and the threshold of wrapping.
 
-use crate::measure::checks_or_failure;
+use crate::measure::{bars, checks_or_failure};
 use crate::plate::{Plate, PlateSetup, PlateSupport};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
@@ -89,8 +89,9 @@ fn open(mode: Mode) -> Result<Vec<Check>, StepError> {
         let text = |what: &str| format!("{what}, R0/L = {ratio}, θ = {angle}°, {CELLS} cells/R0");
         let long = plate.wetted_length(&tracker);
         checks.extend([
-            Check::relative("soft-sheet", &text("wetted length / R0"), long, wetted, 0.1, Some(0.04), ""),
-            Check::relative("soft-sheet", &text("slope of the ends"), found, slope, 0.1, Some(0.04), "°"),
+            Check::relative("soft-sheet", text("wetted length / R0"), long, wetted, bars(0.1, 0.04)),
+            Check::relative("soft-sheet", text("slope of the ends"), found, slope, bars(0.1, 0.04))
+                .in_unit("°"),
         ]);
     }
     Ok(checks)
@@ -104,7 +105,7 @@ fn wrap(mode: Mode) -> Result<Vec<Check>, StepError> {
             let mut plate = plate_setup(angle, part * threshold).start()?;
             let value = if ends_wrapped(&mut plate)? { 1.0 } else { 0.0 };
             let text = format!("wraps at {part} times the threshold, θ = {angle}°");
-            checks.push(Check::absolute("soft-wrapping", &text, value, wraps, 0.0, Some(0.0), ""));
+            checks.push(Check::absolute("soft-wrapping", text, value, wraps, bars(0.0, 0.0)));
         }
     }
     Ok(checks)
