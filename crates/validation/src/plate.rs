@@ -1,6 +1,6 @@
 //! Deformable plates with a drop on them, shared by the cases.
 
-use crate::setup::run_to;
+use crate::setup::{at_rest, run_to};
 use meniscus_elastic::{
     Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder, SurfaceTension,
 };
@@ -8,7 +8,7 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LineTracker, LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LineTracker, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::iter::Sum;
 use std::ops::Div;
 use std::sync::Arc;
@@ -125,8 +125,7 @@ impl PlateSetup {
             solids: vec![solid],
             numerics: Numerics::default(),
         };
-        let sim =
-            Simulation::new(model, &[LiquidRegion { signed_distance: &drop, velocity: Vector::zeros() }]);
+        let sim = at_rest(model, &drop);
         Ok(Plate { sim, middle, bottom, top })
     }
 

@@ -30,6 +30,36 @@ pub fn grid_offset<const D: usize>(dx: f64) -> Vector<D> {
     Vector::from_fn(|a, _| dx * [0.141_421_356, 0.273_205_081, 0.367_879_441][a])
 }
 
+/// A simulation with one body of liquid at rest, given by its signed distance.
+pub fn at_rest<const D: usize>(
+    model: Model<D>,
+    signed_distance: &(dyn Fn(&Vector<D>) -> f64 + Sync),
+) -> Simulation<D> {
+    in_flight(model, signed_distance, Vector::zeros())
+}
+
+/// A simulation with one body of liquid that moves with a velocity.
+pub fn in_flight<const D: usize>(
+    model: Model<D>,
+    signed_distance: &(dyn Fn(&Vector<D>) -> f64 + Sync),
+    velocity: Vector<D>,
+) -> Simulation<D> {
+    Simulation::new(model, &[LiquidRegion { signed_distance, velocity }])
+}
+
+/// A simulation with bodies of liquid of given shapes and velocities.
+pub fn with_bodies<const D: usize>(model: Model<D>, bodies: &[(Shape<D>, Vector<D>)]) -> Simulation<D> {
+    let distances: Vec<_> =
+        bodies.iter().map(|(shape, _)| |x: &Vector<D>| shape.signed_distance(x)).collect();
+    let velocities = bodies.iter().map(|(_, velocity)| *velocity);
+    let regions: Vec<LiquidRegion<'_, D>> = distances
+        .iter()
+        .zip(velocities)
+        .map(|(signed_distance, velocity)| LiquidRegion { signed_distance, velocity })
+        .collect();
+    Simulation::new(model, &regions)
+}
+
 /// Steps to a time; `each` is called after every step.
 ///
 /// # Errors
@@ -102,9 +132,7 @@ pub fn run_drop<const D: usize>(run: &DropRun) -> Result<DropHistory, StepError>
     model.numerics.fixed_step = Some(run.step * model.capillary_dt_limit());
     let center = model.grid.domain_upper() * 0.5 + grid_offset(dx);
     let shape = Shape::PerturbedBall { center, radius: RADIUS, mode: run.mode, amplitude: run.amplitude };
-    let distance = |x: &Vector<D>| shape.signed_distance(x);
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = with_bodies(model, &[(shape, Vector::zeros())]);
     let mut history = DropHistory::default();
     history.record(&sim, run.mode);
     run_to(&mut sim, run.time, |sim, report| {

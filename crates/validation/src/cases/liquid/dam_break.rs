@@ -1,11 +1,11 @@
 //! A collapsing column of water.
 
 use crate::measure::{at_most, bars, checks_or_failure};
-use crate::setup::run_to;
+use crate::setup::{at_rest, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Component, LiquidRegion, Model, Numerics, Simulation, StepError, Wall};
+use meniscus_sim::{Component, Model, Numerics, StepError, Wall};
 use std::f64::consts::SQRT_2;
 
 /// The case.
@@ -107,8 +107,7 @@ fn collapse(cells: usize, surface_tension: f64) -> Result<Collapse, StepError> {
         let (right, top) = (x[0] - WIDTH, x[1] - 2.0 * WIDTH);
         right.max(top).min(0.0) + right.max(0.0).hypot(top.max(0.0))
     };
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &distance);
     let unit = (2.0 * GRAVITY / WIDTH).sqrt();
     let mut c = Collapse { times: vec![0.0], fronts: vec![1.0], heights: vec![1.0], volume_error: 0.0 };
     run_to(

@@ -1,12 +1,12 @@
 //! Momentum of an isolated system.
 
 use crate::measure::{at_most, bar, bars, checks_or_failure, volume_and_centroid};
-use crate::setup::{RADIUS, TENSION, grid_offset, model, run_to};
+use crate::setup::{RADIUS, TENSION, grid_offset, model, run_to, with_bodies};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Diagnostics, LiquidRegion, Repairs, Simulation, StepError, Wall};
+use meniscus_sim::{Diagnostics, Repairs, Simulation, StepError, Wall};
 use std::f64::consts::{PI, TAU};
 
 /// The case.
@@ -97,19 +97,13 @@ fn start<const D: usize>(cells: usize) -> (Simulation<D>, f64) {
     let flow = |x: f64, y: f64| Vector::from_fn(|a, _| [x, y, 0.5][a]);
     let ball = |center: Vector<D>| Shape::Ball { center, radius: RADIUS };
     let top = place(4.2, 7.0);
-    let shapes = [
-        ball(place(2.6, 2.2)),
-        ball(place(5.4, 3.1)),
-        Shape::PerturbedBall { center: top, radius: RADIUS, mode: 2, amplitude: AMPLITUDE },
+    let spinning = Shape::PerturbedBall { center: top, radius: RADIUS, mode: 2, amplitude: AMPLITUDE };
+    let bodies = [
+        (ball(place(2.6, 2.2)), flow(6.0, 0.3)),
+        (ball(place(5.4, 3.1)), flow(-5.0, 0.0)),
+        (spinning, flow(0.7, -0.4)),
     ];
-    let speeds = [flow(6.0, 0.3), flow(-5.0, 0.0), flow(0.7, -0.4)];
-    let distances: Vec<_> = shapes.iter().map(|s| |x: &Vector<D>| s.signed_distance(x)).collect();
-    let bodies: Vec<LiquidRegion<'_, D>> = distances
-        .iter()
-        .zip(speeds)
-        .map(|(signed_distance, velocity)| LiquidRegion { signed_distance, velocity })
-        .collect();
-    let mut sim = Simulation::new(model, &bodies);
+    let mut sim = with_bodies(model, &bodies);
     add_rotation(&mut sim, &top);
     let Simulation { model, state, .. } = sim;
     (Simulation::resume(model, state), 0.15)

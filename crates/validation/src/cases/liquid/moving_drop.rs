@@ -1,12 +1,12 @@
 //! A moving drop: Galilean invariance.
 
 use crate::measure::{at_most, bars, checks_or_failure, volume_and_centroid};
-use crate::setup::{RADIUS, TENSION, grid_offset, model, roundness, run_to};
+use crate::setup::{RADIUS, TENSION, grid_offset, model, roundness, run_to, with_bodies};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Simulation, StepError, Wall};
+use meniscus_sim::{Simulation, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -48,8 +48,7 @@ fn fly<const D: usize>(cells: usize, round: f64) -> Result<Vec<Check>, StepError
     let center = Vector::from_element(1.6 * RADIUS) + grid_offset::<D>(dx);
     let velocity = Vector::from_fn(|a, _| if a == 0 { SPEED } else { SPEED / 10.0 });
     let shape = Shape::Ball { center, radius: RADIUS };
-    let distance = |x: &Vector<D>| shape.signed_distance(x);
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity }]);
+    let mut sim = with_bodies(model, &[(shape, velocity)]);
     let (mut deviation, mut volume, mut centroid_deviation, mut pressure): (f64, f64, f64, f64) =
         (0.0, 0.0, 0.0, 0.0);
     let measured = |sim: &Simulation<D>| volume_and_centroid(&sim.model, &sim.state.phi);

@@ -1,11 +1,11 @@
 //! Outflow through open sides.
 
 use crate::measure::{at_most, bars, checks_or_failure};
-use crate::setup::model;
+use crate::setup::{at_rest, in_flight, model};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Diagnostics, LiquidRegion, Simulation, StepError, Wall};
+use meniscus_sim::{Diagnostics, Simulation, StepError, Wall};
 use std::f64::consts::PI;
 
 /// The case.
@@ -68,8 +68,7 @@ fn column<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
     let mut model = model(Grid::<D>::new([cells; D], 1.0 / cells as f64), walls).with_open_sides();
     model.gravity[D - 1] = -1.0;
     let distance = |x: &Vector<D>| x[D - 1] - height;
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &distance);
     let scale = sim.diagnostics().potential_energy;
     let (left, growth) = run_outflow(&mut sim, end, scale)?;
     let (share, energy) =
@@ -89,7 +88,7 @@ fn ball<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
     center[0] = 0.7;
     let distance = |x: &Vector<D>| (x - center).norm() - RADIUS;
     let velocity = Vector::from_fn(|a, _| if a == 0 { 1.0 } else { 0.0 });
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity }]);
+    let mut sim = in_flight(model, &distance, velocity);
     let volume = if D == 2 { PI * RADIUS.powi(2) } else { 4.0 / 3.0 * PI * RADIUS.powi(3) };
     let scale = 0.5 * sim.model.density * volume;
     let (left, growth) = run_outflow(&mut sim, 0.3, scale)?;

@@ -2,12 +2,12 @@
 
 use crate::cases::wetting::sessile::sessile_model;
 use crate::measure::{bars, checks_or_failure, surface_points};
-use crate::setup::run_to;
+use crate::setup::{in_flight, run_to};
 use crate::{Case, Check};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{Motion, Solid, StepError};
 
 /// Bouncing water drops.
 pub const CASE: Case = Case {
@@ -62,7 +62,7 @@ fn bounce(cells: usize, weber: f64) -> Result<Bounce, StepError> {
     let center = point + Vector::<3>::z() * 1.2;
     let ball = |x: &Vector<3>| (x - center).norm() - 1.0;
     let velocity = Vector::<3>::z() * -(0.5 * weber).sqrt();
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &ball, velocity }]);
+    let mut sim = in_flight(model, &ball, velocity);
     let mut span = None;
     let mut max_spread = 0.0f64;
     let end = 0.2 / velocity.norm() + 1.6 * CONTACT_TIME;

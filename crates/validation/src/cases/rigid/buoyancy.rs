@@ -2,12 +2,12 @@
 
 use super::floating::{TIME, level_at_sides, tank};
 use crate::measure::{bars, checks_or_failure};
-use crate::setup::{grid_offset, run_to};
+use crate::setup::{at_rest, grid_offset, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Numerics, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Light floating solids.
@@ -93,8 +93,7 @@ fn added_mass_in_shell<const D: usize>(ratio: f64, density: f64) -> Result<Check
     let (d, outer) = (D as f64 - 1.0, ratio.powi(D as i32));
     let expected = (outer + d) / (d * (outer - 1.0));
     let full = |x: &Vector<D>| x[D - 1] - 100.0 * ratio;
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &full, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &full);
     let start = sim.state.solids[0].center[D - 1];
     let time = (2.0 * way * (density + expected) / (1.0 - density).abs()).sqrt();
     for _ in 0..STEPS {

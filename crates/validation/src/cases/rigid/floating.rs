@@ -1,12 +1,12 @@
 //! Heavy solids carried by the surface, and the force on a fixed one.
 
 use crate::measure::{at_most, bar, bars, checks_or_failure, surface_points};
-use crate::setup::run_to;
+use crate::setup::{at_rest, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Floating and sinking solids.
@@ -173,7 +173,7 @@ pub(crate) fn tank<const D: usize>(
         let slope = (surface(r + 0.5 * dx) - surface((r - 0.5 * dx).abs())) / dx;
         (x[D - 1] - level - surface(r)) / (1.0 + slope * slope).sqrt()
     };
-    Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
+    at_rest(model, &distance)
 }
 
 /// Initial height of the level.

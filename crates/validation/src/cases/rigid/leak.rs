@@ -1,13 +1,12 @@
 //! A closed cup that is moved, tilted and shaken: leakage through its wall.
 
 use crate::measure::{at_most, bars, checks_or_failure};
+use crate::setup::at_rest;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{
-    LiquidRegion, Model, Motion, Numerics, PrescribedMotion, Repairs, Simulation, Solid, StepError, Wall,
-};
+use meniscus_sim::{Model, Motion, Numerics, PrescribedMotion, Repairs, Simulation, Solid, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -98,7 +97,7 @@ fn start<const D: usize>((wall, padded): (f64, bool), angle: f64) -> Simulation<
     // The part within the wall is cut off.
     let inside = shape(1.0 + 0.5 * wall * dx);
     let distance = |x: &Vector<D>| (x[D - 1] - center[D - 1]).max(inside.signed_distance(x));
-    Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
+    at_rest(model, &distance)
 }
 
 fn check_shaken_cup<const D: usize>(wall: (f64, bool), angle: f64) -> Result<Vec<Check>, StepError> {

@@ -2,12 +2,12 @@
 
 use crate::cases::wetting::sessile::{cap_radius, fit_cap, sessile_model};
 use crate::measure::{at_most, bars, checks_or_failure};
-use crate::setup::run_to;
+use crate::setup::{in_flight, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Motion, PrescribedMotion, Simulation, Solid, StepError};
+use meniscus_sim::{Motion, PrescribedMotion, Solid, StepError};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -64,8 +64,7 @@ fn angles_on(cells: usize, angle: f64, velocity: Vector<2>) -> Result<Vec<f64>, 
     let mut plate = Solid::new(Shape::HalfSpace { point, normal }, motion, 1.0);
     plate.young_cosine = young.cos();
     let start = |x: &Vector<2>| (x - point).norm() - 1.0;
-    let mut sim =
-        Simulation::new(sessile_model(grid, plate), &[LiquidRegion { signed_distance: &start, velocity }]);
+    let mut sim = in_flight(sessile_model(grid, plate), &start, velocity);
     let mut angles = Vec::new();
     for k in 0..=8 {
         run_to(&mut sim, TIME * (2.0 + f64::from(k) / 8.0) / 3.0, |_, _| ())?;

@@ -7,14 +7,14 @@
 //! it is not part of `verify --quick`.
 
 use crate::measure::{TimeMean, at_most, bars, checks_or_failure, external_load, liquid_force};
-use crate::setup::run_to;
+use crate::setup::{at_rest, run_to};
 use crate::{Case, Check};
 use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -127,7 +127,7 @@ impl PinnedDrop {
         };
         let center = Vector::<2>::new(TOP[0], TOP[1] - radius * angle.cos());
         let cap = move |x: &Vector<2>| ((x - center).norm() - radius).max(TOP[1] - x[1]);
-        Ok(Simulation::new(model, &[LiquidRegion { signed_distance: &cap, velocity: Vector::zeros() }]))
+        Ok(at_rest(model, &cap))
     }
 }
 

@@ -1,14 +1,14 @@
 //! A heavy deformable plate carried by the surface: the paper's Fig. 21.
 
 use crate::measure::{bars, checks_or_failure};
-use crate::setup::run_to;
+use crate::setup::{at_rest, run_to};
 use crate::{Case, Check};
 use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Numerics, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -162,8 +162,7 @@ fn run() -> Result<Vec<Check>, StepError> {
         numerics: Numerics::default(),
     };
     let bath = |x: &Vector<3>| x[2] - level + dimple.depth(x[0] - TANK_HALF_WIDTH, x[1] - TANK_HALF_WIDTH);
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &bath, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &bath);
     let (mut sum, mut time, mut last) = (0.0, 0.0, 0.0);
     run_to(&mut sim, AVERAGING_END, |sim, _| {
         let step = sim.state.time - last;

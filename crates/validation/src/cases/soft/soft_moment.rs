@@ -1,7 +1,7 @@
 //! The bending moment of a beam that carries a drop, against statics.
 
 use crate::measure::{TimeMean, bars, checks_or_failure, external_load, liquid_force};
-use crate::setup::run_to;
+use crate::setup::{at_rest, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
 use meniscus_numerics::fit::least_squares;
@@ -9,7 +9,7 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Hysteresis, LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Hysteresis, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -163,7 +163,7 @@ impl DropCase {
         };
         let center = Vector::<2>::new(6.0 * MM, 5.05 * MM);
         let ball = move |x: &Vector<2>| (x - center).norm() - MM;
-        Ok(Simulation::new(model, &[LiquidRegion { signed_distance: &ball, velocity: Vector::zeros() }]))
+        Ok(at_rest(model, &ball))
     }
 }
 

@@ -1,14 +1,14 @@
 //! An elastic solid that is stretched and released in liquid.
 
 use crate::measure::{at_least, at_most, bars, checks_or_failure};
-use crate::setup::{grid_offset, run_to};
+use crate::setup::{at_rest, grid_offset, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Soft, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Numerics, Simulation, Soft, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -67,8 +67,7 @@ fn start<const D: usize>(cells: usize) -> Result<Simulation<D>, StepError> {
         numerics: Numerics { max_step: STEP, tolerance: 1e-8, ..Numerics::default() },
     };
     let liquid = move |x: &Vector<D>| (x - middle).norm() - 1.0;
-    let still =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &liquid, velocity: Vector::zeros() }]);
+    let still = at_rest(model, &liquid);
     let Simulation { model, mut state, .. } = still;
     let now = &mut state.solids[0];
     let center = now.center;

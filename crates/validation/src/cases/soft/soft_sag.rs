@@ -1,14 +1,14 @@
 //! A drop at rest on a deformable plate that its weight bends, with contact-line friction.
 
 use crate::measure::{bars, checks_or_failure};
-use crate::setup::run_to;
+use crate::setup::{at_rest, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LineTracker, LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LineTracker, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -77,5 +77,5 @@ fn start(step: f64) -> Simulation<2> {
     };
     let middle = center + Vector::<2>::new(0.0, half[1] + RADIUS);
     let drop = |x: &Vector<2>| (x - middle).norm() - RADIUS;
-    Simulation::new(model, &[LiquidRegion { signed_distance: &drop, velocity: Vector::zeros() }])
+    at_rest(model, &drop)
 }

@@ -1,14 +1,14 @@
 //! An elastic plate as the bottom of a tank.
 
 use crate::measure::{at_most, bars, checks_or_failure};
-use crate::setup::run_to;
+use crate::setup::{at_rest, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Numerics, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -63,8 +63,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     };
     let top = PLATE_HEIGHT + 0.5 * THICKNESS + DEPTH;
     let water = |x: &Vector<2>| (x[1] - top).max(PLATE_HEIGHT - x[1]);
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &water, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &water);
     run_to(&mut sim, 1.0, |_, _| ())?;
     let speed = sim.diagnostics().max_speed / (GRAVITY * DEPTH).sqrt();
     let sunk = |k: &usize| {

@@ -1,14 +1,14 @@
 //! Iterations of the pressure solve with deformable sheets.
 
 use crate::measure::{at_most, bars, checks_or_failure};
-use crate::setup::grid_offset;
+use crate::setup::{at_rest, grid_offset};
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -79,7 +79,7 @@ fn start<const D: usize>(cells: usize, light: f64, bending: f64) -> Result<Simul
         numerics: Numerics { max_step: STEP, ..Numerics::default() },
     };
     let liquid = |x: &Vector<D>| x[D - 1] - 1.5;
-    Ok(Simulation::new(model, &[LiquidRegion { signed_distance: &liquid, velocity: Vector::zeros() }]))
+    Ok(at_rest(model, &liquid))
 }
 
 /// Most iterations of a solve.

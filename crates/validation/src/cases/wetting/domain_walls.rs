@@ -3,11 +3,11 @@
 use super::meniscus::surface_height;
 use super::sessile::{fit_cap, rms_and_mean_speed};
 use crate::measure::{at_most, bars, checks_or_failure, surface_points};
-use crate::setup::run_to;
+use crate::setup::{at_rest, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{LineTracker, LiquidRegion, Model, Numerics, Simulation, StepError, Wall};
+use meniscus_sim::{LineTracker, Model, Numerics, StepError, Wall};
 use std::f64::consts::SQRT_2;
 
 /// A tank, and drops in corners.
@@ -65,8 +65,7 @@ fn tank(angle: f64, cells: usize) -> Result<Vec<Check>, StepError> {
     let mut model = walled(Grid::<2>::new([(2.0 * HALF_WIDTH) as usize * cells, 5 * cells], dx), angle);
     model.gravity[1] = -1.0;
     let distance = |x: &Vector<2>| x[1] - 2.43;
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &distance);
     run_to(&mut sim, TIME, |_, _| ())?;
     let line = LineTracker::new(&sim.model, &[dx / 1.5]).extract(&sim);
     let risen = match line.points[..] {
@@ -90,8 +89,7 @@ fn corner<const D: usize>(angle: f64, cells: usize) -> Result<Vec<Check>, StepEr
     model.kinematic_viscosity = 0.3;
     let middle = Vector::from_fn(|a, _| [0.31, 0.17, 0.05][a]);
     let distance = |x: &Vector<D>| (x - middle).norm() - 1.0;
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &distance);
     run_to(&mut sim, TIME, |_, _| ())?;
     let away = |x: &Vector<D>| x.min() > 1.5 * dx;
     let ball = fit_cap(&sim, away);

@@ -1,12 +1,12 @@
 //! Drops on slopes, pinned by their contact lines.
 
 use crate::measure::{at_least, at_most, bars, checks_or_failure};
-use crate::setup::run_to;
+use crate::setup::{at_rest, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Hysteresis, LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Hysteresis, Model, Motion, Numerics, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// A drop on a slope.
@@ -69,8 +69,7 @@ fn sliding_distance<const D: usize>(cells: usize, pull: f64) -> Result<f64, Step
         numerics: Numerics::default(),
     };
     let half = |x: &Vector<D>| (x - point).norm() - 1.0;
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &half, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &half);
     run_to(&mut sim, 6.0, |_, _| ())?;
     let before = sim.diagnostics().centroid[0];
     run_to(&mut sim, 12.0, |_, _| ())?;

@@ -2,12 +2,12 @@
 
 use super::sessile::{cap_radius, fit_cap, sessile_model};
 use crate::measure::{at_most, bars, checks_or_failure};
-use crate::setup::run_to;
+use crate::setup::{at_rest, in_flight, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Model, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{Model, Motion, Simulation, Solid, StepError};
 use std::f64::consts::PI;
 
 /// The case.
@@ -52,8 +52,7 @@ fn spreading(cells: usize) -> Result<Vec<Check>, StepError> {
     wall.line_friction = FRICTION;
     let start = |x: &Vector<2>| (x - point).norm() - 1.0;
     let model = Model { kinematic_viscosity: VISCOSITY, ..sessile_model(grid, wall) };
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &start, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &start);
     let mut checks = Vec::new();
     for time in TIMES {
         run_to(&mut sim, time, |_, _| ())?;
@@ -105,9 +104,7 @@ fn momentum<const D: usize>(cells: usize, steps: usize) -> Result<Check, StepErr
     model.numerics.tolerance = 1e-10;
     let middle = center + Vector::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.08 });
     let above = |x: &Vector<D>| ((x - middle).norm() - RADIUS).max(center[D - 1] - x[D - 1]);
-    let body =
-        LiquidRegion { signed_distance: &above, velocity: Vector::from_fn(|a, _| 0.3 - 0.2 * a as f64) };
-    let mut sim = Simulation::new(model, &[body]);
+    let mut sim = in_flight(model, &above, Vector::from_fn(|a, _| 0.3 - 0.2 * a as f64));
     let sum = |sim: &Simulation<D>| {
         sim.diagnostics().momentum + sim.state.solids[0].velocity * sim.model.solids[0].mass_properties.mass
     };

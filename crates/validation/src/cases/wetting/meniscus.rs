@@ -3,12 +3,12 @@
 use super::sessile::{rms_and_mean_speed, sessile_model};
 use crate::cases::rigid::floating::level_by_pressure;
 use crate::measure::{at_most, bars, checks_or_failure};
-use crate::setup::run_to;
+use crate::setup::{at_rest, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::{Grid, Sampler};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LineTracker, LiquidRegion, Model, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{LineTracker, Model, Motion, Simulation, Solid, StepError};
 use std::f64::consts::{PI, SQRT_2};
 
 /// Plates and gaps in 2D.
@@ -78,7 +78,7 @@ fn tank<const D: usize>(grid: Grid<D>, shape: Shape<D>, angle: f64) -> Model<D> 
 /// The tank filled to a level.
 fn bath<const D: usize>(model: Model<D>, level: f64) -> Simulation<D> {
     let distance = |x: &Vector<D>| x[D - 1] - level;
-    Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
+    at_rest(model, &distance)
 }
 
 /// Height of the surface above or below a point.

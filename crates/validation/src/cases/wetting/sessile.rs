@@ -1,13 +1,13 @@
 //! Drops on solids without gravity: Young's angle on planes of any position and slope, on a cylinder and a ball.
 
 use crate::measure::{at_least, at_most, bar, bars, checks_or_failure, convergence_order, surface_points};
-use crate::setup::run_to;
+use crate::setup::{at_rest, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::fit::Sphere;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Drops on planes in 2D.
@@ -229,7 +229,6 @@ fn drop_on_plane<const D: usize>(
     wall.young_cosine = young.cos();
     let depth = |x: &Vector<D>| (point - x).dot(&normal);
     let start = |x: &Vector<D>| ((x - point).norm() - 1.0).max(depth(x) - 0.5 * thick * dx);
-    let body = LiquidRegion { signed_distance: &start, velocity: Vector::zeros() };
     let mut model = sessile_model(grid, wall);
     model.numerics.capillary_step = step;
     if D == 3 && angle > DETACHMENT_ANGLE_DEGREES {
@@ -237,7 +236,7 @@ fn drop_on_plane<const D: usize>(
     }
     // The surface at which the liquid meets the solid.
     let side = point + normal * model.solids[0].padding;
-    let mut sim = Simulation::new(model, &[body]);
+    let mut sim = at_rest(model, &start);
     let measure = |sim: &Simulation<D>| {
         let above = |x: &Vector<D>| (x - side).dot(&normal) > 1.5 * dx;
         let cap = fit_cap(sim, above);
@@ -330,8 +329,7 @@ fn drop_on_ball<const D: usize>(angle: f64, apex: f64) -> Result<Vec<Check>, Ste
     let up = Vector::<D>::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
     let start = |radius: f64| {
         let distance = |x: &Vector<D>| (x - center - up * solid).norm() - radius;
-        let body = LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() };
-        Simulation::new(Model { kinematic_viscosity: 1.0, ..sessile_model(grid, ball.clone()) }, &[body])
+        at_rest(Model { kinematic_viscosity: 1.0, ..sessile_model(grid, ball.clone()) }, &distance)
     };
     let mut radius = 1.0;
     for _ in 0..8 {

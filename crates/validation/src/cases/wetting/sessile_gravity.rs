@@ -2,13 +2,13 @@
 
 use super::sessile::{fit_cap, rms_and_mean_speed, sessile_model};
 use crate::measure::{at_most, bars, checks_or_failure, surface_points};
-use crate::setup::run_to;
+use crate::setup::{at_rest, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LineTracker, LiquidRegion, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{LineTracker, Motion, Simulation, Solid, StepError};
 use std::f64::consts::PI;
 
 /// Drops under gravity in 2D.
@@ -133,10 +133,7 @@ fn start_drop<const D: usize>(
         let ellipsoid =
             Shape::Ellipsoid { center: point, radii, rotation: meniscus_numerics::Matrix::identity() };
         let distance = |x: &Vector<D>| ellipsoid.signed_distance(x);
-        Simulation::new(
-            model.clone(),
-            &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }],
-        )
+        at_rest(model.clone(), &distance)
     };
     // Corrects the volume, which is sampled on the lattice.
     for _ in 0..4 {

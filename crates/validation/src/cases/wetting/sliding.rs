@@ -2,12 +2,12 @@
 
 use super::sessile::sessile_model;
 use crate::measure::{bars, checks_or_failure};
-use crate::setup::run_to;
+use crate::setup::{at_rest, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Model, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{Model, Motion, Solid, StepError};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -62,8 +62,7 @@ fn sliding_ratio(cells: usize, tilt: f64, angle: f64) -> Result<f64, StepError> 
     let way = 0.5 * pull * time * time;
     let start = |x: &Vector<2>| (x - (middle - along * (0.5 * way))).norm() - 1.0;
     let gravity = Vector::<2>::new(0.0, -GRAVITY);
-    let body = LiquidRegion { signed_distance: &start, velocity: Vector::zeros() };
-    let mut sim = Simulation::new(Model { gravity, ..sessile_model(grid, wall) }, &[body]);
+    let mut sim = at_rest(Model { gravity, ..sessile_model(grid, wall) }, &start);
     let before = sim.diagnostics().centroid;
     run_to(&mut sim, time, |_, _| ())?;
     Ok((sim.diagnostics().centroid - before).dot(&along) / way)

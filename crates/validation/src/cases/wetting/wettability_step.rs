@@ -2,12 +2,12 @@
 
 use super::sessile::sessile_model;
 use crate::measure::{bars, checks_or_failure};
-use crate::setup::run_to;
+use crate::setup::{at_rest, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Model, Motion, Simulation, Solid, StepError, WettabilityLayer};
+use meniscus_sim::{Model, Motion, Simulation, Solid, StepError, WettabilityLayer};
 use std::f64::consts::PI;
 
 /// The case.
@@ -69,8 +69,7 @@ fn depins(cells: usize, angle: f64, slanting: bool) -> Result<bool, StepError> {
     wall.pattern = vec![WettabilityLayer::Patch { shape: below, cosine: 120f64.to_radians().cos() }];
     wall.line_friction = 1.0;
     let start = |x: &Vector<2>| (x - (step - along)).norm() - 1.0;
-    let body = LiquidRegion { signed_distance: &start, velocity: Vector::zeros() };
-    let mut sim = Simulation::new(Model { gravity, ..sessile_model(grid, wall) }, &[body]);
+    let mut sim = at_rest(Model { gravity, ..sessile_model(grid, wall) }, &start);
     let below = |sim: &Simulation<2>| (sim.diagnostics().centroid - step).dot(&along) > 0.5;
     for k in 1..=60 {
         run_to(&mut sim, TIME * f64::from(k) / 60.0, |_, _| ())?;
