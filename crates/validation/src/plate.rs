@@ -1,14 +1,13 @@
 //! Deformable plates with a drop on them, shared by the cases.
 
-use crate::setup::{at_rest, run_to};
+use crate::setup::{at_rest, block, run_to, unit_model};
 use meniscus_elastic::{
     Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder, SurfaceTension,
 };
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LineTracker, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LineTracker, Model, Motion, Simulation, Solid, StepError, Wall};
 use std::iter::Sum;
 use std::ops::Div;
 use std::sync::Arc;
@@ -92,7 +91,7 @@ impl PlateSetup {
         let grid = Grid::<2>::new([0, 1].map(|a| (room[a] * self.cells as f64) as usize), dx);
         let middle = Vector::<2>::new(0.5 * room[0] + 0.13 * dx, self.domain_and_plate_height[1] + 0.3 * dx);
         let half = Vector::<2>::new(0.5 * self.length, 0.5 * self.thickness);
-        let shape = Shape::Box { center: middle, half_size: half, rotation: Matrix::identity() };
+        let shape = block(middle, half);
         let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, ElementOrder::Quadratic).unwrap_or_default();
         let low = middle - half;
         let side = |height: f64| {
@@ -116,14 +115,9 @@ impl PlateSetup {
         let beside = move |x: &Vector<2>| (middle[1] + side - x[1]).min((x[0] - middle[0]).abs() - half[0]);
         let drop = move |x: &Vector<2>| ((x - center).norm() - radius).max(middle[1] - x[1]).max(beside(x));
         let model = Model {
-            grid,
-            walls: [[Wall::Open; 2]; 2],
-            density: 1.0,
             kinematic_viscosity: self.viscosity,
-            surface_tension: 1.0,
-            gravity: Vector::zeros(),
             solids: vec![solid],
-            numerics: Numerics::default(),
+            ..unit_model(grid, [[Wall::Open; 2]; 2])
         };
         let sim = at_rest(model, &drop);
         Ok(Plate { sim, middle, bottom, top })

@@ -1,9 +1,9 @@
 //! Models and drops shared by the cases, in any consistent units.
 
 use crate::measure::{Roundness, fit_mode, surface_points};
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
+use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{LiquidRegion, Model, Numerics, Simulation, StepError, StepReport, Wall};
 
 /// Radius of the drops.
@@ -13,12 +13,17 @@ pub const TENSION: f64 = 100.0;
 
 /// A liquid without viscosity and gravity: density 1, tension 100.
 pub fn model<const D: usize>(grid: Grid<D>, walls: [[Wall; 2]; D]) -> Model<D> {
+    Model { surface_tension: TENSION, ..unit_model(grid, walls) }
+}
+
+/// A liquid without viscosity and gravity: density 1, tension 1.
+pub fn unit_model<const D: usize>(grid: Grid<D>, walls: [[Wall; 2]; D]) -> Model<D> {
     Model {
         grid,
         walls,
         density: 1.0,
         kinematic_viscosity: 0.0,
-        surface_tension: TENSION,
+        surface_tension: 1.0,
         gravity: Vector::zeros(),
         solids: Vec::new(),
         numerics: Numerics::default(),
@@ -28,6 +33,21 @@ pub fn model<const D: usize>(grid: Grid<D>, walls: [[Wall; 2]; D]) -> Model<D> {
 /// A shift by irrational fractions of a cell, which avoids symmetries of the grid.
 pub fn grid_offset<const D: usize>(dx: f64) -> Vector<D> {
     Vector::from_fn(|a, _| dx * [0.141_421_356, 0.273_205_081, 0.367_879_441][a])
+}
+
+/// A vector with a component along the last axis, and the same one along each of the others.
+pub fn across_and_up<const D: usize>(across: f64, up: f64) -> Vector<D> {
+    Vector::from_fn(|a, _| if a + 1 == D { up } else { across })
+}
+
+/// A vector along the last axis.
+pub fn up<const D: usize>(height: f64) -> Vector<D> {
+    across_and_up(0.0, height)
+}
+
+/// A box along the axes.
+pub fn block<const D: usize>(center: Vector<D>, half_size: Vector<D>) -> Shape<D> {
+    Shape::Box { center, half_size, rotation: Matrix::identity() }
 }
 
 /// A simulation with one body of liquid at rest, given by its signed distance.

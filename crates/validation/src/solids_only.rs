@@ -1,11 +1,12 @@
 //! Solids without liquid for the contact cases: meshes, models, and monitors.
 
+use crate::setup::{block, unit_model, up};
 use crate::soak::{EnergyLaw, EnergyMonitor};
 use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{
     Barriers, Diagnostics, Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, StepError, Wall,
     overlaps,
@@ -126,7 +127,7 @@ pub fn soft<const D: usize>(
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
     let elastic = Elastic::new(description).map_err(failed)?;
     let (center, half_size) = ((low + high) * 0.5, (high - low) * 0.5);
-    let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
+    let shape = block(center, half_size);
     let mut solid = Solid::new(shape, Motion::Soft(Arc::new(elastic)), density);
     solid.friction = friction;
     Ok(solid)
@@ -134,12 +135,11 @@ pub fn soft<const D: usize>(
 
 /// A rigid box along the axes.
 pub fn rigid_box<const D: usize>(center: Vector<D>, half_size: Vector<D>, motion: Motion<D>) -> Solid<D> {
-    Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, motion, 1.0)
+    Solid::new(block(center, half_size), motion, 1.0)
 }
 
 /// A rigid half-space with its face at a height, towards the middle.
 pub fn rigid_half_space<const D: usize>(height: f64, motion: Motion<D>) -> Solid<D> {
-    let up = |y: f64| Vector::from_fn(|a, _| if a + 1 == D { y } else { 0.0 });
     let shape = Shape::HalfSpace { point: up(height), normal: up(-height.signum()) };
     Solid::new(shape, motion, 1.0)
 }
@@ -157,21 +157,18 @@ pub fn simulation_without_liquid<const D: usize>(
     max_step: f64,
 ) -> Simulation<D> {
     let model = Model {
-        grid: Grid::new(cells, dx),
-        walls: [[Wall::Slip; 2]; D],
-        density: 1.0,
-        kinematic_viscosity: 0.0,
         surface_tension: 0.0,
         gravity,
         solids,
         numerics: Numerics { max_step, ..Numerics::default() },
+        ..unit_model(Grid::new(cells, dx), [[Wall::Slip; 2]; D])
     };
     Simulation::new(model, &[])
 }
 
 /// Gravity along the last axis.
 pub fn gravity<const D: usize>() -> Vector<D> {
-    Vector::from_fn(|a, _| if a + 1 == D { -GRAVITY } else { 0.0 })
+    up(-GRAVITY)
 }
 
 /// Positions of the vertices of a deformable solid; none for a rigid one.

@@ -4,7 +4,7 @@
 //! without prescribed motion the energy rises in no step.
 
 use crate::measure::{at_least, at_most, bar, bars, checks_or_failure};
-use crate::setup::run_to;
+use crate::setup::{run_to, up};
 use crate::solids_only::{
     ContactMonitor, SoftMaterial, cube_mesh, cube_to_ball, mapped, prescribed_motion, quadratic_cube_mesh,
     rigid_half_space, simulation_without_liquid, soft, vertices,
@@ -95,11 +95,6 @@ fn run_monitored<const D: usize>(
         ),
         at_most(NAME, "largest rise of the energy in a step / elastic", law, bars(1e-6, 1e-9)),
     ])
-}
-
-/// A vector along the last axis.
-fn up<const D: usize>(y: f64) -> Vector<D> {
-    Vector::from_fn(|a, _| if a + 1 == D { y } else { 0.0 })
 }
 
 fn crush<const D: usize>(n: usize) -> Result<Vec<Check>, StepError> {

@@ -10,7 +10,7 @@
 //! quarter of a cell, which is made small; the flattening is measured on the ball itself.
 
 use crate::measure::{at_least, bars, checks_or_failure};
-use crate::setup::run_to;
+use crate::setup::{run_to, up};
 use crate::solids_only::{
     ContactMonitor, SoftMaterial, cube_to_ball, mapped, prescribed_motion, quadratic_cube_mesh,
     rigid_half_space, simulation_without_liquid, soft, vertex_area_vectors, vertices,
@@ -67,7 +67,6 @@ fn ball_between_plates<const D: usize>(n: [usize; D], dx: f64, way: f64) -> Resu
         soft(mapped(quadratic_cube_mesh(n), |x| cube_to_ball(&graded(x)) * RADIUS), material, Vec::new())?;
     let mut solids = vec![ball];
     for side in [-1.0, 1.0] {
-        let up = |y: f64| Vector::<D>::from_fn(|a, _| if a + 1 == D { y } else { 0.0 });
         let motion = prescribed_motion(vec![(0.0, up(0.0)), (PHASE_DURATIONS[0], up(-side * way))]);
         let mut plate = rigid_half_space(side * (RADIUS + 0.25 * dx), motion);
         plate.friction = 0.0;
@@ -148,12 +147,8 @@ fn measure_contact<const D: usize>(simulation: &Simulation<D>) -> Option<Pressur
         share += areas[*v][D - 1] * (1.0 - across(*v) / (half_width * half_width)).sqrt();
     }
     let high = upper.iter().map(|v| now[*v][D - 1]).fold(0.0, f64::max);
-    let pole = |up: f64| {
-        let of = |v: &usize| {
-            (elastic.rest_mesh().positions[*v]
-                - Vector::<D>::from_fn(|a, _| if a + 1 == D { up } else { 0.0 }))
-            .norm()
-        };
+    let pole = |height: f64| {
+        let of = |v: &usize| (elastic.rest_mesh().positions[*v] - up::<D>(height)).norm();
         (0..now.len()).min_by(|a, b| of(a).total_cmp(&of(b))).map_or(high, |v| now[v][D - 1])
     };
     let flattening = RADIUS - 0.5 * (pole(RADIUS) - pole(-RADIUS));

@@ -1,9 +1,9 @@
 //! Deformable blocks on slopes, with friction.
 
 use crate::measure::{at_least, at_most, bars, checks_or_failure};
-use crate::setup::run_to;
+use crate::setup::{run_to, up};
 use crate::solids_only::{
-    ContactMonitor, GRAVITY, SoftMaterial, box_mesh, mapped, point_at, quadratic_cube_mesh,
+    ContactMonitor, GRAVITY, SoftMaterial, box_mesh, gravity, mapped, point_at, quadratic_cube_mesh,
     simulation_without_liquid, soft,
 };
 use crate::{Case, Check, Mode};
@@ -84,15 +84,13 @@ fn on_rigid<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
         middle + y
     };
     let block = soft(mapped(quadratic_cube_mesh([4; D]), place), material(friction), Vec::new())?;
-    let gravity = Vector::from_fn(|a, _| if a + 1 == D { -GRAVITY } else { 0.0 });
-    Ok((simulation_without_liquid(([CELLS; D], DX), vec![floor, block], gravity, STEP), along))
+    Ok((simulation_without_liquid(([CELLS; D], DX), vec![floor, block], gravity(), STEP), along))
 }
 
 fn on_soft<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
     let high = 0.1;
     let half = Vector::<D>::from_fn(|a, _| [0.49, 0.2, 0.2][if a + 1 == D { 2 } else { a }]);
-    let half =
-        half.map(|h| h.min(0.49)) - Vector::from_fn(|a, _| if a + 1 == D { 0.2 - 0.5 * high } else { 0.0 });
+    let half = half.map(|h| h.min(0.49)) - up(0.2 - 0.5 * high);
     let cells: [usize; D] = std::array::from_fn(|a| {
         if a == 0 {
             24

@@ -6,6 +6,7 @@
 //! elements have about a quarter of the measured error, which is thus slightly too small.
 
 use crate::measure::{bars, checks_or_failure};
+use crate::setup::up;
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{
     Anchor, AnchorMotion, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder,
@@ -140,7 +141,7 @@ fn beam_response<const D: usize>(
     let body = Elastic::new(ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors })?;
     let modes = lowest_modes(&body, 1)?;
     let positions = &body.rest_mesh().positions;
-    let weight = |m: &f64| Vector::from_fn(|a, _| if a + 1 == D { *m } else { 0.0 });
+    let weight = |m: &f64| up(*m);
     let weight: Vec<Vector<D>> = body.masses().iter().map(weight).collect();
     let moved = body.linear_static_displacements(&weight, &[])?;
     let part = (0..positions.len()).filter(|v| counts(&positions[*v]));

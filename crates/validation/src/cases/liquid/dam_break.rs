@@ -1,11 +1,11 @@
 //! A collapsing column of water.
 
 use crate::measure::{at_most, bars, checks_or_failure};
-use crate::setup::{at_rest, run_to};
+use crate::setup::{at_rest, run_to, unit_model};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Component, Model, Numerics, StepError, Wall};
+use meniscus_sim::{Component, Model, StepError, Wall};
 use std::f64::consts::SQRT_2;
 
 /// The case.
@@ -94,14 +94,11 @@ impl Collapse {
 fn collapse(cells: usize, surface_tension: f64) -> Result<Collapse, StepError> {
     let dx = WIDTH / cells as f64;
     let model = Model {
-        grid: Grid::<2>::new([6 * cells, 5 * cells / 2], dx),
-        walls: [[Wall::Slip; 2]; 2],
         density: 998.0,
         kinematic_viscosity: 1e-6,
         surface_tension,
         gravity: Vector::<2>::new(0.0, -GRAVITY),
-        solids: Vec::new(),
-        numerics: Numerics::default(),
+        ..unit_model(Grid::<2>::new([6 * cells, 5 * cells / 2], dx), [[Wall::Slip; 2]; 2])
     };
     let distance = |x: &Vector<2>| {
         let (right, top) = (x[0] - WIDTH, x[1] - 2.0 * WIDTH);

@@ -2,12 +2,12 @@
 
 use super::floating::{TIME, level_at_sides, tank};
 use crate::measure::{bars, checks_or_failure};
-use crate::setup::{at_rest, grid_offset, run_to};
+use crate::setup::{at_rest, block, grid_offset, run_to, unit_model, up};
 use crate::{Case, Check, Mode};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Model, Motion, Numerics, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Light floating solids.
@@ -76,19 +76,15 @@ fn added_mass_in_shell<const D: usize>(ratio: f64, density: f64) -> Result<Check
     let dx = 1.0 / cells;
     let grid = Grid::<D>::new([((2.0 * ratio + 0.5) * cells) as usize; D], dx);
     let center = grid.domain_upper() * 0.5 + grid_offset(dx);
-    let all = Shape::Box { center, half_size: Vector::repeat(2.0 * ratio), rotation: Matrix::identity() };
+    let all = block(center, Vector::repeat(2.0 * ratio));
     let hole = Shape::Ball { center, radius: ratio };
     let shell = Shape::Difference { of: Box::new(all), minus: Box::new(hole) };
     let inner = Solid::new(Shape::Ball { center, radius: 1.0 }, Motion::Free, density);
     let model = Model {
-        grid,
-        walls: [[Wall::Slip; 2]; D],
-        density: 1.0,
-        kinematic_viscosity: 0.0,
         surface_tension: 0.0,
-        gravity: Vector::from_fn(|a, _| if a + 1 == D { -1.0 } else { 0.0 }),
+        gravity: up(-1.0),
         solids: vec![inner, Solid::new(shell, Motion::Fixed, 1.0)],
-        numerics: Numerics::default(),
+        ..unit_model(grid, [[Wall::Slip; 2]; D])
     };
     let (d, outer) = (D as f64 - 1.0, ratio.powi(D as i32));
     let expected = (outer + d) / (d * (outer - 1.0));

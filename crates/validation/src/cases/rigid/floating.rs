@@ -1,12 +1,12 @@
 //! Heavy solids carried by the surface, and the force on a fixed one.
 
 use crate::measure::{at_most, bar, bars, checks_or_failure, surface_points};
-use crate::setup::{at_rest, run_to};
+use crate::setup::{at_rest, run_to, unit_model, up};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Simulation, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Floating and sinking solids.
@@ -156,14 +156,11 @@ pub(crate) fn tank<const D: usize>(
     let mut walls = [[Wall::Slip; 2]; D];
     walls[D - 1][1] = Wall::Open;
     let model = Model {
-        grid,
-        walls,
-        density: 1.0,
         kinematic_viscosity: 1.0,
         surface_tension: 1.0 / bond,
-        gravity: Vector::from_fn(|a, _| if a + 1 == D { -1.0 } else { 0.0 }),
+        gravity: up(-1.0),
         solids: vec![body],
-        numerics: Numerics::default(),
+        ..unit_model(grid, walls)
     };
     let distance = |x: &Vector<D>| {
         let mut arm = x - middle;

@@ -1,12 +1,12 @@
 //! A closed cup that is moved, tilted and shaken: leakage through its wall.
 
 use crate::measure::{at_most, bars, checks_or_failure};
-use crate::setup::at_rest;
+use crate::setup::{at_rest, block, unit_model, up};
 use crate::{Case, Check, Mode};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Model, Motion, Numerics, PrescribedMotion, Repairs, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, PrescribedMotion, Repairs, Simulation, Solid, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -75,24 +75,16 @@ fn start<const D: usize>((wall, padded): (f64, bool), angle: f64) -> Simulation<
     let half = (1.0 + wall * dx) * (D as f64).sqrt() + AMPLITUDE + 3.0 * dx;
     let grid = Grid::<D>::new([2 * (half * cells).ceil() as usize; D], dx);
     let center = grid.domain_upper() * 0.5 + crate::setup::grid_offset(dx);
-    let shape = |half_size: f64| Shape::Box {
-        center,
-        half_size: Vector::repeat(half_size),
-        rotation: Matrix::identity(),
-    };
+    let shape = |half_size: f64| block(center, Vector::repeat(half_size));
     let hollow = Shape::Difference { of: Box::new(shape(1.0 + wall * dx)), minus: Box::new(shape(1.0)) };
     let cup = Solid::new(hollow, Motion::Prescribed(cup_path()), 1.0);
     let mut cup = if padded { cup.padded(wall * dx, dx) } else { cup };
     cup.young_cosine = angle.to_radians().cos();
     let model = Model {
-        grid,
-        walls: [[Wall::Slip; 2]; D],
-        density: 1.0,
         kinematic_viscosity: 0.01,
-        surface_tension: 1.0,
-        gravity: Vector::from_fn(|a, _| if a + 1 == D { -1.0 } else { 0.0 }),
+        gravity: up(-1.0),
         solids: vec![cup],
-        numerics: Numerics::default(),
+        ..unit_model(grid, [[Wall::Slip; 2]; D])
     };
     // The part within the wall is cut off.
     let inside = shape(1.0 + 0.5 * wall * dx);
@@ -135,7 +127,7 @@ fn volume_beyond_wall<const D: usize>(sim: &Simulation<D>, wall: f64) -> f64 {
     let (cup, now) = (&sim.model.solids[0], &sim.state.solids[0]);
     let grid = sim.model.grid;
     let half_size = Vector::repeat(1.0 + wall * grid.dx);
-    let hull = Shape::Box { center: cup.mass_properties.center, half_size, rotation: Matrix::identity() };
+    let hull = block(cup.mass_properties.center, half_size);
     let outside = |x: &Vector<D>| hull.signed_distance(&cup.to_reference(now, x)) > 0.0;
     let row = grid.cells[0];
     let cells = sim

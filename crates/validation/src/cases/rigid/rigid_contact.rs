@@ -1,7 +1,7 @@
 //! Collisions and resting contacts of rigid solids without liquid.
 
 use crate::measure::{at_most, bar, bars, checks_or_failure};
-use crate::setup::run_to;
+use crate::setup::{across_and_up, run_to};
 use crate::solids_only::{GRAVITY, gravity, point_at, rigid_box, simulation_without_liquid};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -106,7 +106,7 @@ fn cradle<const D: usize>(moving: usize) -> Result<Check, StepError> {
 }
 
 fn tower<const D: usize>(count: usize) -> Result<Vec<Check>, StepError> {
-    let half = Vector::<D>::from_fn(|a, _| if a + 1 == D { 0.04 } else { 0.2 });
+    let half = across_and_up::<D>(0.2, 0.04);
     let gap = 0.05 * DX;
     let place = |k: usize| point_at::<D>(0.5, gap + half[D - 1] + k as f64 * (2.0 * half[D - 1] + gap));
     let solids = (0..count).map(|k| rigid_box(place(k), half, Motion::Free)).collect();

@@ -7,14 +7,14 @@
 //! it is not part of `verify --quick`.
 
 use crate::measure::{TimeMean, at_most, bars, checks_or_failure, external_load, liquid_force};
-use crate::setup::{at_rest, run_to};
+use crate::setup::{at_rest, block, run_to, unit_model};
 use crate::{Case, Check};
 use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -105,25 +105,22 @@ impl PinnedDrop {
         let dx = MM / CELLS as f64;
         let angle = self.apparent.to_radians();
         let radius = HALF_WIDTH / angle.sin();
-        let shape = Shape::Box {
-            center: Vector::<2>::new(TOP[0], TOP[1] - 0.5 * THICKNESS),
-            half_size: Vector::<2>::new(HALF_WIDTH, 0.5 * THICKNESS),
-            rotation: Matrix::identity(),
-        };
+        let shape = block(
+            Vector::<2>::new(TOP[0], TOP[1] - 0.5 * THICKNESS),
+            Vector::<2>::new(HALF_WIDTH, 0.5 * THICKNESS),
+        );
         let motion = if self.soft { elastic(&shape, dx / 1.5)? } else { Motion::Fixed };
         let mut plate = Solid::new(shape, motion, DENSITY);
         let young = 0.5 * (self.apparent + (self.apparent - 90.0).max(0.0));
         plate.young_cosine = young.to_radians().cos();
         plate.line_friction = 0.3;
         let model = Model {
-            grid: Grid::<2>::new([12 * CELLS, 12 * CELLS], dx),
-            walls: [[Wall::Slip; 2]; 2],
             density: LIQUID_DENSITY,
             kinematic_viscosity: 1e-4,
             surface_tension: TENSION,
             gravity: Vector::<2>::new(0.0, -BOND * TENSION / (LIQUID_DENSITY * radius * radius)),
             solids: vec![plate],
-            numerics: Numerics::default(),
+            ..unit_model(Grid::<2>::new([12 * CELLS, 12 * CELLS], dx), [[Wall::Slip; 2]; 2])
         };
         let center = Vector::<2>::new(TOP[0], TOP[1] - radius * angle.cos());
         let cap = move |x: &Vector<2>| ((x - center).norm() - radius).max(TOP[1] - x[1]);

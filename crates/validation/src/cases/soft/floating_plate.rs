@@ -1,14 +1,13 @@
 //! A heavy deformable plate carried by the surface: the paper's Fig. 21.
 
 use crate::measure::{bars, checks_or_failure};
-use crate::setup::{at_rest, run_to};
+use crate::setup::{at_rest, block, run_to, unit_model};
 use crate::{Case, Check};
 use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Model, Motion, Numerics, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -139,7 +138,7 @@ fn run() -> Result<Vec<Check>, StepError> {
     let level = INITIAL_LEVEL + DENSITY * THICKNESS * (PLATE_HALF_WIDTH / TANK_HALF_WIDTH).powi(2);
     let middle = Vector::<3>::new(TANK_HALF_WIDTH, TANK_HALF_WIDTH, level - depth - 0.5 * THICKNESS);
     let half_size = Vector::<3>::new(PLATE_HALF_WIDTH, PLATE_HALF_WIDTH, 0.5 * THICKNESS);
-    let shape = Shape::Box { center: middle, half_size, rotation: Matrix::identity() };
+    let shape = block(middle, half_size);
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
     let description = ElasticSpecification {
         mesh: VolumeMesh::of_shape(&shape, DX / 1.5, ElementOrder::Linear).unwrap_or_default(),
@@ -152,14 +151,11 @@ fn run() -> Result<Vec<Check>, StepError> {
     let mut plate = Solid::new(shape, Motion::Soft(Arc::new(elastic)), DENSITY);
     (plate.young_cosine, plate.line_friction) = (-0.2, 3.0);
     let model = Model {
-        grid: Grid::<3>::new([96, 96, 80], DX),
-        walls: [[Wall::Slip; 2]; 3],
-        density: 1.0,
         kinematic_viscosity: 0.5,
         surface_tension: TENSION,
         gravity: Vector::<3>::new(0.0, 0.0, -GRAVITY),
         solids: vec![plate],
-        numerics: Numerics::default(),
+        ..unit_model(Grid::<3>::new([96, 96, 80], DX), [[Wall::Slip; 2]; 3])
     };
     let bath = |x: &Vector<3>| x[2] - level + dimple.depth(x[0] - TANK_HALF_WIDTH, x[1] - TANK_HALF_WIDTH);
     let mut sim = at_rest(model, &bath);

@@ -1,11 +1,11 @@
 //! Newton iterations of steps in which a deformable solid rotates far.
 
 use crate::measure::{at_most, bars, checks_or_failure};
+use crate::setup::{block, unit_model};
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
@@ -74,16 +74,12 @@ fn start<const D: usize>(iterations: u32) -> Result<Simulation<D>, StepError> {
     let description = ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors };
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
     let elastic = Arc::new(Elastic::new(description).map_err(failed)?);
-    let shape = Shape::Box { center, half_size: half, rotation: Matrix::identity() };
+    let shape = block(center, half);
     let model = Model {
-        grid: Grid::<D>::new([20; D], 0.1),
-        walls: [[Wall::Open; 2]; D],
-        density: 1.0,
-        kinematic_viscosity: 0.0,
         surface_tension: 0.0,
-        gravity: Vector::zeros(),
         solids: vec![Solid::new(shape, Motion::Soft(elastic), 1.0)],
         numerics: Numerics { max_step: STEP, newton_iterations: iterations, ..Numerics::default() },
+        ..unit_model(Grid::<D>::new([20; D], 0.1), [[Wall::Open; 2]; D])
     };
     let mut sim = Simulation::new(model, &[]);
     if let Some(soft) = &mut sim.state.solids[0].soft {

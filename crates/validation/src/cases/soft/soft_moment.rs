@@ -1,15 +1,14 @@
 //! The bending moment of a beam that carries a drop, against statics.
 
 use crate::measure::{TimeMean, bars, checks_or_failure, external_load, liquid_force};
-use crate::setup::{at_rest, run_to};
+use crate::setup::{at_rest, block, run_to, unit_model};
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
+use meniscus_numerics::Vector;
 use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Hysteresis, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Hysteresis, Model, Motion, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -131,11 +130,10 @@ impl DropCase {
 
     fn start(&self, cells: usize) -> Result<Simulation<2>, StepError> {
         let dx = MM / cells as f64;
-        let shape = Shape::Box {
-            center: Vector::<2>::new(0.5 * (BEAM[0] + BEAM[1]), BEAM_BOTTOM + 0.5 * THICKNESS),
-            half_size: Vector::<2>::new(0.5 * (BEAM[1] - BEAM[0]), 0.5 * THICKNESS),
-            rotation: Matrix::identity(),
-        };
+        let shape = block(
+            Vector::<2>::new(0.5 * (BEAM[0] + BEAM[1]), BEAM_BOTTOM + 0.5 * THICKNESS),
+            Vector::<2>::new(0.5 * (BEAM[1] - BEAM[0]), 0.5 * THICKNESS),
+        );
         let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, ElementOrder::Quadratic).unwrap_or_default();
         let anchors = vec![Anchor::within(&mesh, |x| x[0] <= CLAMP_END)];
         let law = ConstitutiveLaw::NeoHookean {
@@ -152,14 +150,12 @@ impl DropCase {
         beam.line_friction = 0.3;
         beam.hysteresis = self.hysteresis.map(|by| Hysteresis::Around([by.to_radians(); 2]));
         let model = Model {
-            grid: Grid::<2>::new([14 * cells, 8 * cells], dx),
-            walls: [[Wall::Slip; 2]; 2],
             density: LIQUID_DENSITY,
             kinematic_viscosity: 1e-6,
             surface_tension: 72.8e-3,
             gravity: Vector::<2>::new(0.0, -GRAVITY),
             solids: vec![beam],
-            numerics: Numerics::default(),
+            ..unit_model(Grid::<2>::new([14 * cells, 8 * cells], dx), [[Wall::Slip; 2]; 2])
         };
         let center = Vector::<2>::new(6.0 * MM, 5.05 * MM);
         let ball = move |x: &Vector<2>| (x - center).norm() - MM;

@@ -1,7 +1,7 @@
 //! An elastic solid that is stretched and released in liquid.
 
 use crate::measure::{at_least, at_most, bars, checks_or_failure};
-use crate::setup::{at_rest, grid_offset, run_to};
+use crate::setup::{at_rest, grid_offset, run_to, unit_model};
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
 use meniscus_numerics::Vector;
@@ -57,14 +57,11 @@ fn start<const D: usize>(cells: usize) -> Result<Simulation<D>, StepError> {
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
     let elastic = Arc::new(Elastic::new(description).map_err(failed)?);
     let model = Model {
-        grid: Grid::<D>::new([(3.2 * cells as f64) as usize; D], dx),
-        walls: [[Wall::Open; 2]; D],
-        density: 1.0,
         kinematic_viscosity: 0.003,
         surface_tension: 0.0,
-        gravity: Vector::zeros(),
         solids: vec![Solid::new(shape, Motion::Soft(elastic.clone()), DENSITY)],
         numerics: Numerics { max_step: STEP, tolerance: 1e-8, ..Numerics::default() },
+        ..unit_model(Grid::<D>::new([(3.2 * cells as f64) as usize; D], dx), [[Wall::Open; 2]; D])
     };
     let liquid = move |x: &Vector<D>| (x - middle).norm() - 1.0;
     let still = at_rest(model, &liquid);

@@ -1,13 +1,12 @@
 //! A drop at rest on a deformable plate that its weight bends, with contact-line friction.
 
 use crate::measure::{bars, checks_or_failure};
-use crate::setup::{at_rest, run_to};
+use crate::setup::{at_rest, block, run_to, unit_model};
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{LineTracker, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
 
@@ -54,7 +53,7 @@ fn start(step: f64) -> Simulation<2> {
     let grid = Grid::<2>::new([96, 64], DX);
     let center = Vector::<2>::new(48.0 * DX, 21.0 * DX);
     let half = Vector::<2>::new(0.5 * LENGTH, 0.5 * THICKNESS);
-    let shape = Shape::Box { center, half_size: half, rotation: Matrix::identity() };
+    let shape = block(center, half);
     let mesh = VolumeMesh::of_shape(&shape, DX / 1.5, ElementOrder::Quadratic).unwrap_or_default();
     let clamped = half[0] - 1.3 * DX;
     let anchors = vec![Anchor::within(&mesh, |x| (x[0] - center[0]).abs() > clamped)];
@@ -66,14 +65,13 @@ fn start(step: f64) -> Simulation<2> {
     let mut solid = Solid::new(shape, plate.map_or(Motion::Fixed, |e| Motion::Soft(Arc::new(e))), 2500.0);
     solid.line_friction = 0.3;
     let model = Model {
-        grid,
-        walls: [[Wall::Slip; 2]; 2],
         density: 1000.0,
         kinematic_viscosity: 5e-5,
         surface_tension: 0.1,
         gravity: Vector::<2>::new(0.0, -9.81),
         solids: vec![solid],
         numerics: Numerics { capillary_step: step, ..Numerics::default() },
+        ..unit_model(grid, [[Wall::Slip; 2]; 2])
     };
     let middle = center + Vector::<2>::new(0.0, half[1] + RADIUS);
     let drop = |x: &Vector<2>| (x - middle).norm() - RADIUS;

@@ -1,14 +1,13 @@
 //! An elastic plate as the bottom of a tank.
 
 use crate::measure::{at_most, bars, checks_or_failure};
-use crate::setup::{at_rest, run_to};
+use crate::setup::{at_rest, block, run_to, unit_model};
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Model, Motion, Numerics, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -39,7 +38,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     // The plate extends into the walls, where it is anchored.
     let (center, half) =
         (Vector::<2>::new(0.5 * LENGTH, PLATE_HEIGHT), Vector::<2>::new(0.5 * LENGTH + 0.4, 0.5 * THICKNESS));
-    let shape = Shape::Box { center, half_size: half, rotation: Matrix::identity() };
+    let shape = block(center, half);
     let mesh = VolumeMesh::of_shape(&shape, 0.1f64.min(dx), ElementOrder::Quadratic).unwrap_or_default();
     let middle = mesh.positions.iter().enumerate();
     let middle: Vec<usize> = middle.filter(|(_, x)| (*x - center).norm() < 0.06).map(|(k, _)| k).collect();
@@ -52,14 +51,11 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let plate = Elastic::new(ElasticSpecification { mesh, density: 1.2, law, damping_ratio: 1.0, anchors });
     let motion = plate.map_or(Motion::Fixed, |e| Motion::Soft(Arc::new(e)));
     let model = Model {
-        grid,
-        walls: [[Wall::Slip; 2]; 2],
-        density: 1.0,
         kinematic_viscosity: 5.0,
         surface_tension: 72.0,
         gravity: Vector::<2>::new(0.0, -GRAVITY),
         solids: vec![Solid::new(shape, motion, 1.2)],
-        numerics: Numerics::default(),
+        ..unit_model(grid, [[Wall::Slip; 2]; 2])
     };
     let top = PLATE_HEIGHT + 0.5 * THICKNESS + DEPTH;
     let water = |x: &Vector<2>| (x[1] - top).max(PLATE_HEIGHT - x[1]);

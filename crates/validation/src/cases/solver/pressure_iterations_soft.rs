@@ -1,13 +1,12 @@
 //! Iterations of the pressure solve with deformable sheets.
 
 use crate::measure::{at_most, bars, checks_or_failure};
-use crate::setup::{at_rest, grid_offset};
+use crate::setup::{across_and_up, at_rest, block, grid_offset, unit_model, up};
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
 
@@ -57,10 +56,10 @@ fn start<const D: usize>(cells: usize, light: f64, bending: f64) -> Result<Simul
     let density = dx / (light * thickness);
     let young_modulus =
         bending * density * dx.powi(4) * 12.0 * (1.0 - POISSON * POISSON) / (STEP * thickness).powi(2);
-    let room = Vector::<D>::from_fn(|a, _| if a == D - 1 { 2.0 } else { 3.0 });
-    let center = Vector::from_fn(|a, _| if a == D - 1 { 0.9 } else { 1.5 }) + grid_offset(dx);
-    let half_size = Vector::from_fn(|a, _| if a == D - 1 { 0.5 * thickness } else { 0.75 });
-    let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
+    let room = across_and_up::<D>(3.0, 2.0);
+    let center = across_and_up(1.5, 0.9) + grid_offset(dx);
+    let half_size = across_and_up(0.75, 0.5 * thickness);
+    let shape = block(center, half_size);
     let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, ElementOrder::Quadratic).unwrap_or_default();
     let law =
         ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio: POISSON, order: ElementOrder::Quadratic };
@@ -69,14 +68,14 @@ fn start<const D: usize>(cells: usize, light: f64, bending: f64) -> Result<Simul
     let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
     let elastic = Elastic::new(description).map_err(failed)?;
     let model = Model {
-        grid: Grid::<D>::new(std::array::from_fn(|a| (room[a] * cells as f64) as usize), dx),
-        walls: [[Wall::Slip; 2]; D],
-        density: 1.0,
-        kinematic_viscosity: 0.0,
         surface_tension: 0.0,
-        gravity: Vector::from_fn(|a, _| if a == D - 1 { -1.0 } else { 0.0 }),
+        gravity: up(-1.0),
         solids: vec![Solid::new(shape, Motion::Soft(Arc::new(elastic)), density)],
         numerics: Numerics { max_step: STEP, ..Numerics::default() },
+        ..unit_model(
+            Grid::<D>::new(std::array::from_fn(|a| (room[a] * cells as f64) as usize), dx),
+            [[Wall::Slip; 2]; D],
+        )
     };
     let liquid = |x: &Vector<D>| x[D - 1] - 1.5;
     Ok(at_rest(model, &liquid))

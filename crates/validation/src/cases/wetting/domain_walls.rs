@@ -3,11 +3,11 @@
 use super::meniscus::surface_height;
 use super::sessile::{fit_cap, rms_and_mean_speed};
 use crate::measure::{at_most, bars, checks_or_failure, surface_points};
-use crate::setup::{at_rest, run_to};
+use crate::setup::{at_rest, run_to, unit_model};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{LineTracker, Model, Numerics, StepError, Wall};
+use meniscus_sim::{LineTracker, Model, StepError, Wall};
 use std::f64::consts::SQRT_2;
 
 /// A tank, and drops in corners.
@@ -46,16 +46,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 
 /// A box with closed sides and liquid (ρ = γ = 1) at a contact angle (degrees).
 fn walled<const D: usize>(grid: Grid<D>, angle: f64) -> Model<D> {
-    let model = Model {
-        grid,
-        walls: [[Wall::Slip; 2]; D],
-        density: 1.0,
-        kinematic_viscosity: 1.0,
-        surface_tension: 1.0,
-        gravity: Vector::zeros(),
-        solids: Vec::new(),
-        numerics: Numerics::default(),
-    };
+    let model = Model { kinematic_viscosity: 1.0, ..unit_model(grid, [[Wall::Slip; 2]; D]) };
     model.with_wetting_walls(angle.to_radians().cos(), 0.0, None)
 }
 

@@ -1,12 +1,12 @@
 //! Drops on slopes, pinned by their contact lines.
 
 use crate::measure::{at_least, at_most, bars, checks_or_failure};
-use crate::setup::{at_rest, run_to};
+use crate::setup::{across_and_up, at_rest, run_to, unit_model, up};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Hysteresis, Model, Motion, Numerics, Solid, StepError, Wall};
+use meniscus_sim::{Hysteresis, Model, Motion, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// A drop on a slope.
@@ -51,22 +51,18 @@ fn check_pull<const D: usize>(cells: usize, [rest, slide]: [(f64, f64); 2]) -> R
 /// Displacement of the drop's centre from the sixth to the twelfth capillary time; `pull` is the force over γ (cos θ_r − cos θ_a).
 fn sliding_distance<const D: usize>(cells: usize, pull: f64) -> Result<f64, StepError> {
     let dx = 1.0 / cells as f64;
-    let point = Vector::<D>::from_fn(|a, _| if a + 1 == D { 6.3 * dx } else { 2.0 });
-    let normal = Vector::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
+    let point = across_and_up::<D>(2.0, 6.3 * dx);
+    let normal = up(1.0);
     let shape = Shape::HalfSpace { point, normal };
     let mut wall = Solid::new(shape, Motion::Fixed, 1.0);
     let [advancing, receding] = [110.0f64, 70.0].map(|angle| angle.to_radians().cos());
     (wall.hysteresis, wall.line_friction) = (Some(Hysteresis::Between([advancing, receding])), 0.3);
     let wide = [7, if D == 2 { 3 } else { 4 }, 3];
     let model = Model {
-        grid: Grid::new(std::array::from_fn(|a| wide[a] * cells), dx),
-        walls: [[Wall::Slip; 2]; D],
-        density: 1.0,
         kinematic_viscosity: 0.3,
-        surface_tension: 1.0,
         gravity: Vector::from_fn(|a, _| if a == 0 { pull * (receding - advancing) } else { 0.0 }),
         solids: vec![wall],
-        numerics: Numerics::default(),
+        ..unit_model(Grid::new(std::array::from_fn(|a| wide[a] * cells), dx), [[Wall::Slip; 2]; D])
     };
     let half = |x: &Vector<D>| (x - point).norm() - 1.0;
     let mut sim = at_rest(model, &half);

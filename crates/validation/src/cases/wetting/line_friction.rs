@@ -2,11 +2,11 @@
 
 use super::sessile::{cap_radius, fit_cap, sessile_model};
 use crate::measure::{at_most, bars, checks_or_failure};
-use crate::setup::{at_rest, in_flight, run_to};
+use crate::setup::{across_and_up, at_rest, block, in_flight, run_to};
 use crate::{Case, Check, Mode};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{Model, Motion, Simulation, Solid, StepError};
 use std::f64::consts::PI;
 
@@ -95,14 +95,14 @@ fn momentum<const D: usize>(cells: usize, steps: usize) -> Result<Check, StepErr
     const RADIUS: f64 = 0.16;
     let mut center = Vector::repeat(0.51);
     center[D - 1] = 0.4;
-    let half_size = Vector::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.34 });
-    let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
+    let half_size = across_and_up(0.34, 0.06);
+    let shape = block(center, half_size);
     let mut plate = Solid::new(shape, Motion::Free, 1.25);
     plate.young_cosine = 0.5;
     plate.line_friction = FRICTION * RADIUS.sqrt();
     let mut model = sessile_model(Grid::<D>::new([cells; D], 1.0 / cells as f64), plate);
     model.numerics.tolerance = 1e-10;
-    let middle = center + Vector::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.08 });
+    let middle = center + across_and_up(0.08, 0.06);
     let above = |x: &Vector<D>| ((x - middle).norm() - RADIUS).max(center[D - 1] - x[D - 1]);
     let mut sim = in_flight(model, &above, Vector::from_fn(|a, _| 0.3 - 0.2 * a as f64));
     let sum = |sim: &Simulation<D>| {

@@ -3,11 +3,11 @@
 use super::sessile::{rms_and_mean_speed, sessile_model};
 use crate::cases::rigid::floating::level_by_pressure;
 use crate::measure::{at_most, bars, checks_or_failure};
-use crate::setup::{at_rest, run_to};
+use crate::setup::{at_rest, block, run_to};
 use crate::{Case, Check, Mode};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Grid, Sampler};
 use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{LineTracker, Model, Motion, Simulation, Solid, StepError};
 use std::f64::consts::{PI, SQRT_2};
 
@@ -134,11 +134,10 @@ fn plate(angle: f64) -> Result<Vec<Check>, StepError> {
     let dx = 0.125;
     let grid = Grid::<2>::new([((2.0 * PLATE_TO_END_DISTANCE + THICK) / dx) as usize + 1, 46], dx);
     let (bottom, top) = (1.5 + 0.3 * dx, 10.0);
-    let shape = Shape::Box {
-        center: Vector::<2>::new(0.5 * grid.domain_upper()[0] + 0.17 * dx, 0.5 * (bottom + top)),
-        half_size: Vector::<2>::new(0.5 * THICK, 0.5 * (top - bottom)),
-        rotation: Matrix::identity(),
-    };
+    let shape = block(
+        Vector::<2>::new(0.5 * grid.domain_upper()[0] + 0.17 * dx, 0.5 * (bottom + top)),
+        Vector::<2>::new(0.5 * THICK, 0.5 * (top - bottom)),
+    );
     let mut sim = bath(tank(grid, shape, angle), bottom + 2.0);
     run_to(&mut sim, TIME, |_, _| ())?;
     let (start, mut force, mut side) = (sim.state.time, 0.0, 0.0);
@@ -168,11 +167,10 @@ fn gap((half, angle, should): (f64, f64, f64)) -> Result<Vec<Check>, StepError> 
     let (dx, thick) = (0.08, 1.0);
     let grid = Grid::<2>::new([((half + thick + PLATE_TO_END_DISTANCE) / dx).ceil() as usize, 66], dx);
     let (bottom, top) = (1.2 + 0.3 * dx, 10.0);
-    let shape = Shape::Box {
-        center: Vector::<2>::new(half + 0.5 * thick, 0.5 * (bottom + top)),
-        half_size: Vector::<2>::new(0.5 * thick, 0.5 * (top - bottom)),
-        rotation: Matrix::identity(),
-    };
+    let shape = block(
+        Vector::<2>::new(half + 0.5 * thick, 0.5 * (bottom + top)),
+        Vector::<2>::new(0.5 * thick, 0.5 * (top - bottom)),
+    );
     let mut sim = bath(tank(grid, shape, angle), 2.73);
     run_to(&mut sim, 1.5 * TIME, |_, _| ())?;
     let risen = surface_height(&sim, Vector::zeros()) - surface_height(&sim, grid.domain_upper());

@@ -1,13 +1,13 @@
 //! Drops on solids without gravity: Young's angle on planes of any position and slope, on a cylinder and a ball.
 
 use crate::measure::{at_least, at_most, bar, bars, checks_or_failure, convergence_order, surface_points};
-use crate::setup::{at_rest, run_to};
+use crate::setup::{at_rest, run_to, unit_model, up};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::fit::Sphere;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Simulation, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Drops on planes in 2D.
@@ -111,16 +111,7 @@ struct SessileResult {
 }
 
 pub(crate) fn sessile_model<const D: usize>(grid: Grid<D>, solid: Solid<D>) -> Model<D> {
-    Model {
-        grid,
-        walls: [[Wall::Slip; 2]; D],
-        density: 1.0,
-        kinematic_viscosity: 0.5,
-        surface_tension: 1.0,
-        gravity: Vector::zeros(),
-        solids: vec![solid],
-        numerics: Numerics::default(),
-    }
+    Model { kinematic_viscosity: 0.5, solids: vec![solid], ..unit_model(grid, [[Wall::Slip; 2]; D]) }
 }
 
 /// Radius of the circle or sphere whose cap of this angle (rad) has half the size of the unit disc or ball.
@@ -259,7 +250,7 @@ fn drop_on_plane<const D: usize>(
 
 /// The rotation of the last axis to a direction other than its opposite.
 fn rotation_to<const D: usize>(normal: &Vector<D>) -> Matrix<D> {
-    let up = Vector::<D>::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
+    let up = up::<D>(1.0);
     let both = up + normal;
     Matrix::identity() - both * both.transpose() / (1.0 + normal[D - 1]) + normal * up.transpose() * 2.0
 }
@@ -326,7 +317,7 @@ fn drop_on_ball<const D: usize>(angle: f64, apex: f64) -> Result<Vec<Check>, Ste
     ball.young_cosine = angle.to_radians().cos();
     // A ball around the top of the solid, whose part outside the solid has the drop's volume.
     let volume = if D == 2 { 0.25 * PI * solid * solid } else { PI / 6.0 * solid.powi(3) };
-    let up = Vector::<D>::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
+    let up = up::<D>(1.0);
     let start = |radius: f64| {
         let distance = |x: &Vector<D>| (x - center - up * solid).norm() - radius;
         at_rest(Model { kinematic_viscosity: 1.0, ..sessile_model(grid, ball.clone()) }, &distance)

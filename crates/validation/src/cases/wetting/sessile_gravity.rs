@@ -2,7 +2,7 @@
 
 use super::sessile::{fit_cap, rms_and_mean_speed, sessile_model};
 use crate::measure::{at_most, bars, checks_or_failure, surface_points};
-use crate::setup::{at_rest, run_to};
+use crate::setup::{across_and_up, at_rest, run_to, up};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::least_squares;
@@ -122,14 +122,14 @@ fn start_drop<const D: usize>(
     let grid = Grid::<D>::new(size, dx);
     let mut point = if D == 3 { Vector::zeros() } else { grid.domain_upper() * 0.5 };
     point[D - 1] = (0.4 * cells as f64).floor() * dx + 0.3 * dx;
-    let normal = Vector::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
+    let normal = up(1.0);
     let mut wall = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
     wall.young_cosine = angle.to_radians().cos();
     let mut model = sessile_model(grid, wall);
     model.kinematic_viscosity = 1.0;
     model.gravity[D - 1] = -gravity;
     let start = |height: f64| {
-        let radii = Vector::from_fn(|a, _| if a + 1 == D { height } else { base });
+        let radii = across_and_up(base, height);
         let ellipsoid =
             Shape::Ellipsoid { center: point, radii, rotation: meniscus_numerics::Matrix::identity() };
         let distance = |x: &Vector<D>| ellipsoid.signed_distance(x);
@@ -200,8 +200,7 @@ fn drop_dimensions<const D: usize>(sim: &Simulation<D>, point: &Vector<D>) -> (f
     let middle = line.points.iter().map(|p| p.at * p.length).sum::<Vector<D>>() / length;
     // A quarter of a drop has its middle at the edge of the domain.
     let quarter = D == 3;
-    let middle =
-        if quarter { Vector::from_fn(|a, _| if a + 1 == D { middle[a] } else { 0.0 }) } else { middle };
+    let middle = if quarter { up(middle[D - 1]) } else { middle };
     let base = line.points.iter().map(|p| (p.at - middle).norm() * p.length).sum::<f64>() / length;
     let points = surface_points(&sim.model, &sim.state.phi);
     let top = points.iter().filter_map(|p| {
