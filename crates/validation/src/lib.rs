@@ -11,6 +11,7 @@ pub mod pressure_bench;
 pub mod report;
 pub mod setup;
 pub mod soak;
+pub mod soft;
 pub mod solids_only;
 
 pub use crate::case::{Bars, Case, Check, Mode, Outcome};

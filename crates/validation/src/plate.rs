@@ -1,9 +1,8 @@
 //! Deformable plates with a drop on them, shared by the cases.
 
 use crate::setup::{at_rest, block, run_to, unit_model};
-use meniscus_elastic::{
-    Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder, SurfaceTension,
-};
+use crate::soft::{SoftMaterial, not_made};
+use meniscus_elastic::{Anchor, Elastic, ElementOrder, SurfaceTension};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
@@ -124,8 +123,7 @@ impl PlateSetup {
     }
 
     fn elastic(&self, mesh: VolumeMesh<2>, low: &Vector<2>) -> Result<Elastic<2>, StepError> {
-        let young_modulus =
-            12.0 * self.bending * (1.0 - self.poisson * self.poisson) / self.thickness.powi(3);
+        let young = 12.0 * self.bending * (1.0 - self.poisson * self.poisson) / self.thickness.powi(3);
         let anchors = match self.support {
             PlateSupport::LeftEnd => vec![Anchor::within(&mesh, |x| x[0] < low[0] + 1e-9)],
             PlateSupport::Bottom => vec![Anchor::within(&mesh, |x| x[1] < low[1] + 1e-9)],
@@ -135,16 +133,10 @@ impl PlateSetup {
             }
             _ => Vec::new(),
         };
-        let law = ConstitutiveLaw::NeoHookean {
-            young_modulus,
-            poisson_ratio: self.poisson,
-            order: ElementOrder::Quadratic,
-        };
-        let (density, damping_ratio) = (self.density, self.damping);
-        let description = ElasticSpecification { mesh, density, law, damping_ratio, anchors };
-        let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
+        let (poisson, density, damping) = (self.poisson, self.density, self.damping);
+        let description = SoftMaterial { young, poisson, density, damping }.specification(mesh, anchors);
         let tension = SurfaceTension::new(&description.mesh, self.own_tension);
-        Elastic::with_terms(description, vec![Box::new(tension)]).map_err(failed)
+        Elastic::with_terms(description, vec![Box::new(tension)]).map_err(not_made)
     }
 }
 

@@ -2,7 +2,8 @@
 
 use crate::setup::{block, unit_model, up};
 use crate::soak::{EnergyLaw, EnergyMonitor};
-use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
+use crate::soft::{SoftMaterial, not_made};
+use meniscus_elastic::{Anchor, Elastic};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
@@ -15,21 +16,6 @@ use std::sync::Arc;
 
 /// Gravity in the cases that have it.
 pub const GRAVITY: f64 = 10.0;
-
-/// A neo-Hookean material.
-#[derive(Clone, Copy, Debug)]
-pub struct SoftMaterial {
-    /// Young's modulus.
-    pub young: f64,
-    /// Poisson's ratio.
-    pub poisson: f64,
-    /// Density.
-    pub density: f64,
-    /// Damping ratio of the lowest mode.
-    pub damping: f64,
-    /// Coulomb's coefficient of friction.
-    pub friction: f64,
-}
 
 /// The cube [−1, 1]^D with `n` cells along each axis, of simplices whose diagonals are mirrored about the middle.
 pub fn cube_mesh<const D: usize>(n: [usize; D]) -> VolumeMesh<D> {
@@ -108,27 +94,22 @@ pub fn point_at<const D: usize>(first: f64, last: f64) -> Vector<D> {
     })
 }
 
-/// A deformable solid.
+/// A deformable solid with a coefficient of friction.
 ///
 /// # Errors
 /// What the mesh lacks.
 pub fn soft<const D: usize>(
     mesh: VolumeMesh<D>,
     material: SoftMaterial,
+    friction: f64,
     anchors: Vec<Anchor<D>>,
 ) -> Result<Solid<D>, StepError> {
     let low = mesh.positions.iter().fold(Vector::repeat(f64::INFINITY), |l: Vector<D>, x| l.inf(x));
     let high = mesh.positions.iter().fold(Vector::repeat(f64::NEG_INFINITY), |l: Vector<D>, x| l.sup(x));
-    let SoftMaterial { young: young_modulus, poisson: poisson_ratio, density, damping, friction } = material;
-    let order =
-        if mesh.quadratic_simplices().is_some() { ElementOrder::Quadratic } else { ElementOrder::Linear };
-    let law = ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order };
-    let description = ElasticSpecification { mesh, density, law, damping_ratio: damping, anchors };
-    let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
-    let elastic = Elastic::new(description).map_err(failed)?;
+    let elastic = material.elastic(mesh, anchors).map_err(not_made)?;
     let (center, half_size) = ((low + high) * 0.5, (high - low) * 0.5);
     let shape = block(center, half_size);
-    let mut solid = Solid::new(shape, Motion::Soft(Arc::new(elastic)), density);
+    let mut solid = Solid::new(shape, Motion::Soft(Arc::new(elastic)), material.density);
     solid.friction = friction;
     Ok(solid)
 }

@@ -5,8 +5,9 @@
 
 use crate::measure::{at_least, at_most, bar, bars, checks_or_failure};
 use crate::setup::{run_to, up};
+use crate::soft::SoftMaterial;
 use crate::solids_only::{
-    ContactMonitor, SoftMaterial, cube_mesh, cube_to_ball, mapped, prescribed_motion, quadratic_cube_mesh,
+    ContactMonitor, cube_mesh, cube_to_ball, mapped, prescribed_motion, quadratic_cube_mesh,
     rigid_half_space, simulation_without_liquid, soft, vertices,
 };
 use crate::{Case, Check, Mode};
@@ -57,9 +58,9 @@ fn labelled_checks(part: &str, checks: Result<Vec<Check>, StepError>) -> Vec<Che
     checks_or_failure(NAME, checks).into_iter().map(of).collect()
 }
 
-fn material() -> SoftMaterial {
-    SoftMaterial { young: 1000.0, poisson: 0.4, density: 2.0, damping: 0.1, friction: 0.3 }
-}
+/// The solids' material.
+const MATERIAL: SoftMaterial = SoftMaterial { young: 1000.0, poisson: 0.4, density: 2.0, damping: 0.1 };
+const FRICTION: f64 = 0.3;
 
 /// A simulation without domain walls.
 fn without_walls<const D: usize>(solids: Vec<Solid<D>>) -> Simulation<D> {
@@ -98,8 +99,12 @@ fn run_monitored<const D: usize>(
 }
 
 fn crush<const D: usize>(n: usize) -> Result<Vec<Check>, StepError> {
-    let ball =
-        soft(mapped(quadratic_cube_mesh([n; D]), |x| cube_to_ball(x) * BALL_RADIUS), material(), Vec::new())?;
+    let ball = soft(
+        mapped(quadratic_cube_mesh([n; D]), |x| cube_to_ball(x) * BALL_RADIUS),
+        MATERIAL,
+        FRICTION,
+        Vec::new(),
+    )?;
     let mut solids = vec![ball];
     // The plates start a fifth of a cell away and compress the ball to a fifth of its height.
     let (gap, way) = (0.2 * DX, 0.8 * BALL_RADIUS + 0.2 * DX);
@@ -148,7 +153,7 @@ fn slit<const D: usize>(n: [usize; D]) -> Result<Vec<Check>, StepError> {
     let mut pulled = Anchor::within(&mesh, |x: &Vector<D>| x[D - 1] < head);
     let way = LONG + 1.0;
     pulled.motion = AnchorMotion::Keyframes(vec![(0.0, up(0.0)), (PRESCRIBED_DURATION, up(-way))]);
-    let strip = soft(mesh, material(), vec![pulled])?;
+    let strip = soft(mesh, MATERIAL, FRICTION, vec![pulled])?;
     let mut solids = vec![strip];
     for side in [-1.0, 1.0] {
         let center = Vector::from_fn(|a, _| if a == 0 { side * (0.5 * SLIT + POST) } else { 0.0 });
@@ -194,7 +199,7 @@ fn twist() -> Result<Vec<Check>, StepError> {
         own.map(|v| Anchor { vertices: vec![v as u32], motion: motion(v) }).collect::<Vec<_>>()
     };
     let anchors = [end(-1.0), end(1.0)].concat();
-    let mut simulation = without_walls(vec![soft(mesh.clone(), material(), anchors)?]);
+    let mut simulation = without_walls(vec![soft(mesh.clone(), MATERIAL, FRICTION, anchors)?]);
     run_monitored(&mut simulation, PRESCRIBED_DURATION + HOLD_DURATION, |t| t > PRESCRIBED_DURATION)
 }
 
@@ -243,7 +248,7 @@ fn chain() -> Result<Vec<Check>, StepError> {
             (PRESCRIBED_DURATION, Vector::<3>::new(0.35 * side, 0.0, 0.0)),
         ]);
         let anchors = if k == 1 { Vec::new() } else { vec![outer] };
-        solids.push(soft(mesh, material(), anchors)?);
+        solids.push(soft(mesh, MATERIAL, FRICTION, anchors)?);
     }
     run_monitored(&mut without_walls(solids), PRESCRIBED_DURATION + HOLD_DURATION, |t| {
         t > PRESCRIBED_DURATION

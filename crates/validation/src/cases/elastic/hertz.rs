@@ -11,9 +11,10 @@
 
 use crate::measure::{at_least, bars, checks_or_failure};
 use crate::setup::{run_to, up};
+use crate::soft::SoftMaterial;
 use crate::solids_only::{
-    ContactMonitor, SoftMaterial, cube_to_ball, mapped, prescribed_motion, quadratic_cube_mesh,
-    rigid_half_space, simulation_without_liquid, soft, vertex_area_vectors, vertices,
+    ContactMonitor, cube_to_ball, mapped, prescribed_motion, quadratic_cube_mesh, rigid_half_space,
+    simulation_without_liquid, soft, vertex_area_vectors, vertices,
 };
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -57,14 +58,18 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 
 /// The ball between its plates, each of which closes in by `way`.
 fn ball_between_plates<const D: usize>(n: [usize; D], dx: f64, way: f64) -> Result<Simulation<D>, StepError> {
-    let material = SoftMaterial { young: YOUNG, poisson: POISSON, density: 2.0, damping: 1.0, friction: 0.0 };
+    let material = SoftMaterial { young: YOUNG, poisson: POISSON, density: 2.0, damping: 1.0 };
     let graded = |x: &Vector<D>| {
         let across = x.map(|c| c.abs().powf(GRADING_EXPONENT).copysign(c));
         let along = x.map(|c| (1.0 - (1.0 - c.abs()).powf(GRADING_EXPONENT)).copysign(c));
         Vector::from_fn(|a, _| if a + 1 == D { along[a] } else { across[a] })
     };
-    let ball =
-        soft(mapped(quadratic_cube_mesh(n), |x| cube_to_ball(&graded(x)) * RADIUS), material, Vec::new())?;
+    let ball = soft(
+        mapped(quadratic_cube_mesh(n), |x| cube_to_ball(&graded(x)) * RADIUS),
+        material,
+        0.0,
+        Vec::new(),
+    )?;
     let mut solids = vec![ball];
     for side in [-1.0, 1.0] {
         let motion = prescribed_motion(vec![(0.0, up(0.0)), (PHASE_DURATIONS[0], up(-side * way))]);

@@ -2,8 +2,9 @@
 
 use crate::measure::{at_least, at_most, bar, bars, checks_or_failure};
 use crate::setup::run_to;
+use crate::soft::SoftMaterial;
 use crate::solids_only::{
-    ContactMonitor, GRAVITY, SoftMaterial, cube_to_ball, gravity, mapped, point_at, quadratic_cube_mesh,
+    ContactMonitor, GRAVITY, cube_to_ball, gravity, mapped, point_at, quadratic_cube_mesh,
     simulation_without_liquid, soft,
 };
 use crate::{Case, Check, Mode};
@@ -46,7 +47,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 
 /// A ball, or a block rotated by an angle, degrees.
 fn check_fall<const D: usize>(n: usize, young: f64, turned: f64, step: f64) -> Result<Vec<Check>, StepError> {
-    let material = SoftMaterial { young, poisson: 0.3, density: 2.0, damping: 0.0, friction: 0.3 };
+    let material = SoftMaterial { young, poisson: 0.3, density: 2.0, damping: 0.0 };
     let half = 0.12;
     let (s, c) = turned.to_radians().sin_cos();
     let low = if turned == 0.0 { 0.15 } else { half * (s + c) };
@@ -59,7 +60,7 @@ fn check_fall<const D: usize>(n: usize, young: f64, turned: f64, step: f64) -> R
         (y[0], y[D - 1]) = (half * (c * x[0] - s * x[D - 1]), half * (s * x[0] + c * x[D - 1]));
         center + y
     };
-    let solid = soft(mapped(quadratic_cube_mesh([n; D]), place), material, Vec::new())?;
+    let solid = soft(mapped(quadratic_cube_mesh([n; D]), place), material, 0.3, Vec::new())?;
     let scale = solid.mass_properties.mass * GRAVITY * FALL_HEIGHT;
     let mut simulation = simulation_without_liquid(([24; D], DX), vec![solid], gravity(), step);
     let mut watch = ContactMonitor::new(&simulation.model, scale);

@@ -2,8 +2,9 @@
 
 use crate::measure::{at_least, at_most, bars, checks_or_failure};
 use crate::setup::{run_to, up};
+use crate::soft::SoftMaterial;
 use crate::solids_only::{
-    ContactMonitor, GRAVITY, SoftMaterial, box_mesh, gravity, mapped, point_at, quadratic_cube_mesh,
+    ContactMonitor, GRAVITY, box_mesh, gravity, mapped, point_at, quadratic_cube_mesh,
     simulation_without_liquid, soft,
 };
 use crate::{Case, Check, Mode};
@@ -59,9 +60,8 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 /// A simulation, its sliding solid, and the direction down the slope.
 type Slope<const D: usize> = (Simulation<D>, Vector<D>);
 
-fn material(friction: f64) -> SoftMaterial {
-    SoftMaterial { young: 1e4, poisson: 0.3, density: 2.0, damping: 0.5, friction }
-}
+/// The solids' material.
+const MATERIAL: SoftMaterial = SoftMaterial { young: 1e4, poisson: 0.3, density: 2.0, damping: 0.5 };
 
 fn on_rigid<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
     let turned = |x: f64, y: f64| {
@@ -83,7 +83,7 @@ fn on_rigid<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
         }
         middle + y
     };
-    let block = soft(mapped(quadratic_cube_mesh([4; D]), place), material(friction), Vec::new())?;
+    let block = soft(mapped(quadratic_cube_mesh([4; D]), place), MATERIAL, friction, Vec::new())?;
     Ok((simulation_without_liquid(([CELLS; D], DX), vec![floor, block], gravity(), STEP), along))
 }
 
@@ -102,9 +102,9 @@ fn on_soft<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
     });
     let mesh = box_mesh(cells, point_at::<D>(0.5, 0.1 + 0.5 * high), half);
     let held = Anchor::within(&mesh, |x: &Vector<D>| x[D - 1] < 0.1 + 1e-9);
-    let slab = soft(mesh, material(friction), vec![held])?;
+    let slab = soft(mesh, MATERIAL, friction, vec![held])?;
     let center = point_at::<D>(0.2, 0.1 + high + HALF_SIZE + 0.2 * DX);
-    let body = soft(box_mesh([4; D], center, Vector::repeat(HALF_SIZE)), material(friction), Vec::new())?;
+    let body = soft(box_mesh([4; D], center, Vector::repeat(HALF_SIZE)), MATERIAL, friction, Vec::new())?;
     let mut gravity = Vector::<D>::zeros();
     (gravity[0], gravity[D - 1]) = (GRAVITY * SLOPE_ANGLE.sin(), -GRAVITY * SLOPE_ANGLE.cos());
     let along = Vector::from_fn(|a, _| if a == 0 { 1.0 } else { 0.0 });

@@ -2,8 +2,9 @@
 
 use crate::measure::{at_least, at_most, bars, checks_or_failure};
 use crate::setup::run_to;
+use crate::soft::SoftMaterial;
 use crate::solids_only::{
-    ContactMonitor, GRAVITY, SoftMaterial, box_mesh, gravity, point_at, simulation_without_liquid, soft,
+    ContactMonitor, GRAVITY, box_mesh, gravity, point_at, simulation_without_liquid, soft,
     vertex_area_vectors, vertices,
 };
 use crate::{Case, Check, Mode};
@@ -44,13 +45,13 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 }
 
 fn stack<const D: usize>(n: [usize; D], poisson: f64) -> Result<Simulation<D>, StepError> {
-    let material = SoftMaterial { young: YOUNG, poisson, density: DENSITY, damping: 0.5, friction: 0.3 };
+    let material = SoftMaterial { young: YOUNG, poisson, density: DENSITY, damping: 0.5 };
     let half = Vector::<D>::from_fn(|a, _| HALF_SIZE[usize::from(a + 1 == D)]);
     // Close to their distance at rest.
     let gap = 0.15 * DX;
     let place = |k: usize| point_at::<D>(0.5, gap + HALF_SIZE[1] + k as f64 * (2.0 * HALF_SIZE[1] + gap));
     let solids: Result<Vec<_>, _> =
-        (0..BLOCKS).map(|k| soft(box_mesh(n, place(k), half), material, Vec::new())).collect();
+        (0..BLOCKS).map(|k| soft(box_mesh(n, place(k), half), material, 0.3, Vec::new())).collect();
     Ok(simulation_without_liquid(([32; D], DX), solids?, gravity(), STEP))
 }
 

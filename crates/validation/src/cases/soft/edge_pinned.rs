@@ -8,14 +8,12 @@
 
 use crate::measure::{TimeMean, at_most, bars, checks_or_failure, external_load, liquid_force};
 use crate::setup::{at_rest, block, run_to, unit_model};
+use crate::soft::SoftMaterial;
 use crate::{Case, Check};
-use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{Model, Motion, Simulation, Solid, StepError, Wall};
-use std::sync::Arc;
 
 /// The case.
 pub const CASE: Case = Case {
@@ -109,8 +107,8 @@ impl PinnedDrop {
             Vector::<2>::new(TOP[0], TOP[1] - 0.5 * THICKNESS),
             Vector::<2>::new(HALF_WIDTH, 0.5 * THICKNESS),
         );
-        let motion = if self.soft { elastic(&shape, dx / 1.5)? } else { Motion::Fixed };
-        let mut plate = Solid::new(shape, motion, DENSITY);
+        let mut plate =
+            if self.soft { soft_plate(shape, dx / 1.5)? } else { Solid::new(shape, Motion::Fixed, DENSITY) };
         let young = 0.5 * (self.apparent + (self.apparent - 90.0).max(0.0));
         plate.young_cosine = young.to_radians().cos();
         plate.line_friction = 0.3;
@@ -128,18 +126,8 @@ impl PinnedDrop {
     }
 }
 
-/// The motion of the deformable plate, on a mesh with edges of the given length, m.
-fn elastic(shape: &Shape<2>, edge: f64) -> Result<Motion<2>, StepError> {
-    let mesh = VolumeMesh::of_shape(shape, edge, ElementOrder::Quadratic).unwrap_or_default();
+/// The deformable plate, on a mesh with edges of the given length, m.
+fn soft_plate(shape: Shape<2>, edge: f64) -> Result<Solid<2>, StepError> {
     let held = |x: &Vector<2>| (x[0] - TOP[0]).abs() <= CLAMP_HALF_WIDTH && x[1] <= TOP[1] - 0.5 * THICKNESS;
-    let anchors = vec![Anchor::within(&mesh, held)];
-    let law = ConstitutiveLaw::NeoHookean {
-        young_modulus: 10e6,
-        poisson_ratio: 0.3,
-        order: ElementOrder::Quadratic,
-    };
-    let damping_ratio = 0.1;
-    let plate = Elastic::new(ElasticSpecification { mesh, density: DENSITY, law, damping_ratio, anchors });
-    let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
-    plate.map(|plate| Motion::Soft(Arc::new(plate))).map_err(failed)
+    SoftMaterial { young: 10e6, poisson: 0.3, density: DENSITY, damping: 0.1 }.solid(shape, edge, held)
 }

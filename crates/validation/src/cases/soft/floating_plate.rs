@@ -2,8 +2,9 @@
 
 use crate::measure::{bars, checks_or_failure};
 use crate::setup::{at_rest, block, run_to, unit_model};
+use crate::soft::not_made;
 use crate::{Case, Check};
-use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
+use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
@@ -139,7 +140,6 @@ fn run() -> Result<Vec<Check>, StepError> {
     let middle = Vector::<3>::new(TANK_HALF_WIDTH, TANK_HALF_WIDTH, level - depth - 0.5 * THICKNESS);
     let half_size = Vector::<3>::new(PLATE_HALF_WIDTH, PLATE_HALF_WIDTH, 0.5 * THICKNESS);
     let shape = block(middle, half_size);
-    let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
     let description = ElasticSpecification {
         mesh: VolumeMesh::of_shape(&shape, DX / 1.5, ElementOrder::Linear).unwrap_or_default(),
         density: DENSITY,
@@ -147,7 +147,7 @@ fn run() -> Result<Vec<Check>, StepError> {
         damping_ratio: 0.1,
         anchors: Vec::new(),
     };
-    let elastic = Elastic::new(description).map_err(failed)?;
+    let elastic = Elastic::new(description).map_err(not_made)?;
     let mut plate = Solid::new(shape, Motion::Soft(Arc::new(elastic)), DENSITY);
     (plate.young_cosine, plate.line_friction) = (-0.2, 3.0);
     let model = Model {

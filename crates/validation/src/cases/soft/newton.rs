@@ -2,8 +2,9 @@
 
 use crate::measure::{at_most, bars, checks_or_failure};
 use crate::setup::{block, unit_model};
+use crate::soft::{SoftMaterial, not_made};
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
+use meniscus_elastic::ElementOrder;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector};
@@ -65,15 +66,8 @@ fn start<const D: usize>(iterations: u32) -> Result<Simulation<D>, StepError> {
     let (center, half) = (Vector::repeat(1.0), Vector::from_fn(|a, _| if a == 0 { 0.5 } else { 0.25 }));
     let mesh = VolumeMesh::of_box(&center, &half, &Matrix::identity(), 0.125, ElementOrder::Quadratic)
         .unwrap_or_default();
-    let law = ConstitutiveLaw::NeoHookean {
-        young_modulus: 1e3,
-        poisson_ratio: 0.3,
-        order: ElementOrder::Quadratic,
-    };
-    let anchors = Vec::new();
-    let description = ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors };
-    let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
-    let elastic = Arc::new(Elastic::new(description).map_err(failed)?);
+    let material = SoftMaterial { young: 1e3, poisson: 0.3, density: 1.0, damping: 0.0 };
+    let elastic = Arc::new(material.elastic(mesh, Vec::new()).map_err(not_made)?);
     let shape = block(center, half);
     let model = Model {
         surface_tension: 0.0,

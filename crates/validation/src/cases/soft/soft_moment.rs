@@ -2,14 +2,12 @@
 
 use crate::measure::{TimeMean, bars, checks_or_failure, external_load, liquid_force};
 use crate::setup::{at_rest, block, run_to, unit_model};
+use crate::soft::SoftMaterial;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::Grid;
-use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_sim::{Hysteresis, Model, Motion, Simulation, Solid, StepError, Wall};
-use std::sync::Arc;
+use meniscus_sim::{Hysteresis, Model, Simulation, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -134,18 +132,9 @@ impl DropCase {
             Vector::<2>::new(0.5 * (BEAM[0] + BEAM[1]), BEAM_BOTTOM + 0.5 * THICKNESS),
             Vector::<2>::new(0.5 * (BEAM[1] - BEAM[0]), 0.5 * THICKNESS),
         );
-        let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, ElementOrder::Quadratic).unwrap_or_default();
-        let anchors = vec![Anchor::within(&mesh, |x| x[0] <= CLAMP_END)];
-        let law = ConstitutiveLaw::NeoHookean {
-            young_modulus: YOUNG,
-            poisson_ratio: POISSON,
-            order: ElementOrder::Quadratic,
-        };
-        let damping_ratio = self.damping;
-        let elastic =
-            Elastic::new(ElasticSpecification { mesh, density: DENSITY, law, damping_ratio, anchors });
-        let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
-        let mut beam = Solid::new(shape, Motion::Soft(Arc::new(elastic.map_err(failed)?)), DENSITY);
+        let material =
+            SoftMaterial { young: YOUNG, poisson: POISSON, density: DENSITY, damping: self.damping };
+        let mut beam = material.solid(shape, dx / 1.5, |x| x[0] <= CLAMP_END)?;
         beam.young_cosine = self.angle.to_radians().cos();
         beam.line_friction = 0.3;
         beam.hysteresis = self.hysteresis.map(|by| Hysteresis::Around([by.to_radians(); 2]));

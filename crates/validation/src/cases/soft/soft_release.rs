@@ -2,14 +2,12 @@
 
 use crate::measure::{at_least, at_most, bars, checks_or_failure};
 use crate::setup::{at_rest, grid_offset, run_to, unit_model};
+use crate::soft::SoftMaterial;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Motion, Numerics, Simulation, Soft, Solid, StepError, Wall};
-use std::sync::Arc;
+use meniscus_sim::{Model, Numerics, Simulation, Soft, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -46,20 +44,12 @@ fn start<const D: usize>(cells: usize) -> Result<Simulation<D>, StepError> {
     let dx = 1.0 / cells as f64;
     let middle = Vector::repeat(1.6) + grid_offset(dx);
     let shape = Shape::Ball { center: middle + Vector::from_fn(|a, _| [0.2, 0.1, -0.1][a]), radius: RADIUS };
-    let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, ElementOrder::Quadratic).unwrap_or_default();
-    let law = ConstitutiveLaw::NeoHookean {
-        young_modulus: 10.0,
-        poisson_ratio: 0.4,
-        order: ElementOrder::Quadratic,
-    };
-    let anchors = Vec::new();
-    let description = ElasticSpecification { mesh, density: DENSITY, law, damping_ratio: 0.0, anchors };
-    let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
-    let elastic = Arc::new(Elastic::new(description).map_err(failed)?);
+    let material = SoftMaterial { young: 10.0, poisson: 0.4, density: DENSITY, damping: 0.0 };
+    let solid = material.solid(shape, dx / 1.5, |_| false)?;
     let model = Model {
         kinematic_viscosity: 0.003,
         surface_tension: 0.0,
-        solids: vec![Solid::new(shape, Motion::Soft(elastic.clone()), DENSITY)],
+        solids: vec![solid],
         numerics: Numerics { max_step: STEP, tolerance: 1e-8, ..Numerics::default() },
         ..unit_model(Grid::<D>::new([(3.2 * cells as f64) as usize; D], dx), [[Wall::Open; 2]; D])
     };
@@ -77,7 +67,9 @@ fn start<const D: usize>(cells: usize) -> Result<Simulation<D>, StepError> {
         body.positions.iter_mut().for_each(|x| *x = stretched(x));
         *soft = Soft::without_surface(body);
     }
-    now.update_center_of_mass(&elastic);
+    if let Some(elastic) = model.solids[0].elastic() {
+        now.update_center_of_mass(elastic);
+    }
     Ok(Simulation::resume(model, state))
 }
 

@@ -2,13 +2,11 @@
 
 use crate::measure::{bars, checks_or_failure};
 use crate::setup::{at_rest, block, run_to, unit_model};
+use crate::soft::SoftMaterial;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_sim::{LineTracker, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
-use std::sync::Arc;
+use meniscus_sim::{LineTracker, Model, Numerics, Simulation, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -37,7 +35,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 }
 
 fn check(step: f64) -> Result<Check, StepError> {
-    let mut sim = start(step);
+    let mut sim = start(step)?;
     let tracker = LineTracker::new(&sim.model, &[DX / 1.5]);
     run_to(&mut sim, 0.5, |_, _| ())?;
     let (mut sum, mut count) = (0.0, 0.0);
@@ -49,20 +47,16 @@ fn check(step: f64) -> Result<Check, StepError> {
     Ok(Check::absolute(NAME, text, sum / count, 90.0, bars(1.5, 0.75)).in_unit("°"))
 }
 
-fn start(step: f64) -> Simulation<2> {
+fn start(step: f64) -> Result<Simulation<2>, StepError> {
     let grid = Grid::<2>::new([96, 64], DX);
     let center = Vector::<2>::new(48.0 * DX, 21.0 * DX);
     let half = Vector::<2>::new(0.5 * LENGTH, 0.5 * THICKNESS);
     let shape = block(center, half);
-    let mesh = VolumeMesh::of_shape(&shape, DX / 1.5, ElementOrder::Quadratic).unwrap_or_default();
     let clamped = half[0] - 1.3 * DX;
-    let anchors = vec![Anchor::within(&mesh, |x| (x[0] - center[0]).abs() > clamped)];
-    let young_modulus = 5e-5 * 12.0 * (1.0 - POISSON * POISSON) / THICKNESS.powi(3);
-    let law =
-        ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio: POISSON, order: ElementOrder::Quadratic };
-    let plate =
-        Elastic::new(ElasticSpecification { mesh, density: 2500.0, law, damping_ratio: 0.2, anchors });
-    let mut solid = Solid::new(shape, plate.map_or(Motion::Fixed, |e| Motion::Soft(Arc::new(e))), 2500.0);
+    let young = 5e-5 * 12.0 * (1.0 - POISSON * POISSON) / THICKNESS.powi(3);
+    let material = SoftMaterial { young, poisson: POISSON, density: 2500.0, damping: 0.2 };
+    let held = |x: &Vector<2>| (x[0] - center[0]).abs() > clamped;
+    let mut solid = material.solid(shape, DX / 1.5, held)?;
     solid.line_friction = 0.3;
     let model = Model {
         density: 1000.0,
@@ -75,5 +69,5 @@ fn start(step: f64) -> Simulation<2> {
     };
     let middle = center + Vector::<2>::new(0.0, half[1] + RADIUS);
     let drop = |x: &Vector<2>| (x - middle).norm() - RADIUS;
-    at_rest(model, &drop)
+    Ok(at_rest(model, &drop))
 }

@@ -2,13 +2,11 @@
 
 use crate::measure::{at_most, bars, checks_or_failure};
 use crate::setup::{at_rest, block, run_to, unit_model};
+use crate::soft::SoftMaterial;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_sim::{Model, Motion, Solid, StepError, Wall};
-use std::sync::Arc;
+use meniscus_sim::{Model, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -39,22 +37,15 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let (center, half) =
         (Vector::<2>::new(0.5 * LENGTH, PLATE_HEIGHT), Vector::<2>::new(0.5 * LENGTH + 0.4, 0.5 * THICKNESS));
     let shape = block(center, half);
-    let mesh = VolumeMesh::of_shape(&shape, 0.1f64.min(dx), ElementOrder::Quadratic).unwrap_or_default();
-    let middle = mesh.positions.iter().enumerate();
-    let middle: Vec<usize> = middle.filter(|(_, x)| (*x - center).norm() < 0.06).map(|(k, _)| k).collect();
-    let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9 || x[0] > LENGTH - 1e-9)];
-    let law = ConstitutiveLaw::NeoHookean {
-        young_modulus: 2e9,
-        poisson_ratio: 0.3,
-        order: ElementOrder::Quadratic,
-    };
-    let plate = Elastic::new(ElasticSpecification { mesh, density: 1.2, law, damping_ratio: 1.0, anchors });
-    let motion = plate.map_or(Motion::Fixed, |e| Motion::Soft(Arc::new(e)));
+    let material = SoftMaterial { young: 2e9, poisson: 0.3, density: 1.2, damping: 1.0 };
+    let plate = material.solid(shape, 0.1f64.min(dx), |x| x[0] < 1e-9 || x[0] > LENGTH - 1e-9)?;
+    let rest = plate.elastic().map_or(&[][..], |elastic| &elastic.rest_mesh().positions);
+    let middle: Vec<usize> = (0..rest.len()).filter(|k| (rest[*k] - center).norm() < 0.06).collect();
     let model = Model {
         kinematic_viscosity: 5.0,
         surface_tension: 72.0,
         gravity: Vector::<2>::new(0.0, -GRAVITY),
-        solids: vec![Solid::new(shape, motion, 1.2)],
+        solids: vec![plate],
         ..unit_model(grid, [[Wall::Slip; 2]; 2])
     };
     let top = PLATE_HEIGHT + 0.5 * THICKNESS + DEPTH;

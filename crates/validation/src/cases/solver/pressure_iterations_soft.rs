@@ -2,13 +2,11 @@
 
 use crate::measure::{at_most, bars, checks_or_failure};
 use crate::setup::{across_and_up, at_rest, block, grid_offset, unit_model, up};
+use crate::soft::SoftMaterial;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_sim::{Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
-use std::sync::Arc;
+use meniscus_sim::{Model, Numerics, Simulation, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -54,23 +52,18 @@ fn start<const D: usize>(cells: usize, light: f64, bending: f64) -> Result<Simul
     let dx = 1.0 / cells as f64;
     let thickness = THICKNESS * dx;
     let density = dx / (light * thickness);
-    let young_modulus =
+    let young =
         bending * density * dx.powi(4) * 12.0 * (1.0 - POISSON * POISSON) / (STEP * thickness).powi(2);
     let room = across_and_up::<D>(3.0, 2.0);
     let center = across_and_up(1.5, 0.9) + grid_offset(dx);
     let half_size = across_and_up(0.75, 0.5 * thickness);
     let shape = block(center, half_size);
-    let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, ElementOrder::Quadratic).unwrap_or_default();
-    let law =
-        ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio: POISSON, order: ElementOrder::Quadratic };
-    let anchors = Vec::new();
-    let description = ElasticSpecification { mesh, density, law, damping_ratio: 0.0, anchors };
-    let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
-    let elastic = Elastic::new(description).map_err(failed)?;
+    let material = SoftMaterial { young, poisson: POISSON, density, damping: 0.0 };
+    let sheet = material.solid(shape, dx / 1.5, |_| false)?;
     let model = Model {
         surface_tension: 0.0,
         gravity: up(-1.0),
-        solids: vec![Solid::new(shape, Motion::Soft(Arc::new(elastic)), density)],
+        solids: vec![sheet],
         numerics: Numerics { max_step: STEP, ..Numerics::default() },
         ..unit_model(
             Grid::<D>::new(std::array::from_fn(|a| (room[a] * cells as f64) as usize), dx),
