@@ -1,5 +1,7 @@
 //! Solids without liquid for the contact cases: meshes, models, and monitors.
 
+use crate::Check;
+use crate::measure::{at_least, at_most, bars};
 use crate::setup::{block, unit_model, up};
 use crate::soak::{EnergyLaw, EnergyMonitor};
 use crate::soft::{SoftMaterial, not_made};
@@ -130,9 +132,9 @@ pub fn prescribed_motion<const D: usize>(keyframes: Vec<(f64, Vector<D>)>) -> Mo
     Motion::Prescribed(PrescribedMotion { velocity: Vector::zeros(), angular_velocity: [0.0; 3], keyframes })
 }
 
-/// A domain of `cells` cells of a size without liquid.
+/// A domain without liquid.
 pub fn simulation_without_liquid<const D: usize>(
-    (cells, dx): ([usize; D], f64),
+    grid: Grid<D>,
     solids: Vec<Solid<D>>,
     gravity: Vector<D>,
     max_step: f64,
@@ -142,7 +144,7 @@ pub fn simulation_without_liquid<const D: usize>(
         gravity,
         solids,
         numerics: Numerics { max_step, ..Numerics::default() },
-        ..unit_model(Grid::new(cells, dx), [[Wall::Slip; 2]; D])
+        ..unit_model(grid, [[Wall::Slip; 2]; D])
     };
     Simulation::new(model, &[])
 }
@@ -219,6 +221,16 @@ impl<const D: usize> ContactMonitor<D> {
         } else {
             self.energy.reset();
         }
+    }
+
+    /// Checks that solids never touched: the narrowest gap over the size of a cell.
+    pub fn check_gap(&self, case: &str, quantity: impl Into<String>, dx: f64, aim: f64) -> Check {
+        at_least(case, quantity, self.narrowest_gap / dx, f64::MIN_POSITIVE, aim)
+    }
+
+    /// Checks the largest rise of the energy in an isolated step over the scale.
+    pub fn check_rise(&self, case: &str, quantity: impl Into<String>) -> Check {
+        at_most(case, quantity, self.law().largest, bars(1e-6, 1e-9))
     }
 
     /// The energy law in the isolated steps.

@@ -13,6 +13,7 @@ use crate::solids_only::{
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{Anchor, AnchorMotion};
 use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{Motion, Simulation, Solid, StepError, Wall};
@@ -64,7 +65,7 @@ const FRICTION: f64 = 0.3;
 
 /// A simulation without domain walls.
 fn without_walls<const D: usize>(solids: Vec<Solid<D>>) -> Simulation<D> {
-    let mut simulation = simulation_without_liquid(([8; D], DX), solids, Vector::zeros(), STEP);
+    let mut simulation = simulation_without_liquid(Grid::new([8; D], DX), solids, Vector::zeros(), STEP);
     simulation.model.walls = [[Wall::Open; 2]; D];
     Simulation::resume(simulation.model, simulation.state)
 }
@@ -85,7 +86,7 @@ fn run_monitored<const D: usize>(
     })?;
     let law = watch.law().largest / max_elastic_energy;
     Ok(vec![
-        at_least(NAME, "narrowest gap / cell", watch.narrowest_gap / DX, f64::MIN_POSITIVE, 1e-3),
+        watch.check_gap(NAME, "narrowest gap / cell", DX, 1e-3),
         at_most(NAME, "deepest overlap / cell", watch.deepest_overlap / DX, bar(0.0)),
         at_least(
             NAME,

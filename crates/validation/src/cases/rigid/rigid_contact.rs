@@ -5,6 +5,7 @@ use crate::setup::{across_and_up, run_to};
 use crate::solids_only::{GRAVITY, gravity, point_at, rigid_box, simulation_without_liquid};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{Motion, Simulation, Solid, StepError, overlaps};
 
@@ -54,7 +55,7 @@ fn ball<const D: usize>(center: Vector<D>, radius: f64, restitution: f64) -> Sol
 fn bounce<const D: usize>(restitution: f64) -> Result<Vec<Check>, StepError> {
     let (radius, height) = (0.1, 0.5);
     let solid = ball::<D>(point_at(0.5, radius + height), radius, restitution);
-    let mut simulation = simulation_without_liquid(([24; D], DX), vec![solid], gravity(), STEP);
+    let mut simulation = simulation_without_liquid(Grid::new([24; D], DX), vec![solid], gravity(), STEP);
     let speed = (2.0 * GRAVITY * height).sqrt();
     let fall = speed / GRAVITY;
     let (mut low, mut high, mut touched) = (f64::INFINITY, 0f64, 0.0);
@@ -95,7 +96,7 @@ fn cradle<const D: usize>(moving: usize) -> Result<Check, StepError> {
         })
         .collect();
     balls[..moving].iter_mut().for_each(|b| b.initial_velocity[0] = 1.0);
-    let mut simulation = simulation_without_liquid(([24; D], DX), balls, Vector::zeros(), STEP);
+    let mut simulation = simulation_without_liquid(Grid::new([24; D], DX), balls, Vector::zeros(), STEP);
     run_to(&mut simulation, 0.3, |_, _| ())?;
     let speed_errors = simulation.state.solids.iter().enumerate().map(|(k, now)| {
         let told = if k >= 5 - moving { 1.0 } else { 0.0 };
@@ -110,7 +111,7 @@ fn tower<const D: usize>(count: usize) -> Result<Vec<Check>, StepError> {
     let gap = 0.05 * DX;
     let place = |k: usize| point_at::<D>(0.5, gap + half[D - 1] + k as f64 * (2.0 * half[D - 1] + gap));
     let solids = (0..count).map(|k| rigid_box(place(k), half, Motion::Free)).collect();
-    let mut simulation = simulation_without_liquid::<D>(([24; D], DX), solids, gravity(), STEP);
+    let mut simulation = simulation_without_liquid::<D>(Grid::new([24; D], DX), solids, gravity(), STEP);
     let middle = |s: &Simulation<D>| s.state.solids.iter().map(|s| s.center).collect::<Vec<_>>();
     run_to(&mut simulation, 1.0, |_, _| ())?;
     let start = middle(&simulation);

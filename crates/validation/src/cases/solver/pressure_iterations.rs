@@ -39,18 +39,18 @@ fn checks<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
         let pool = tank::<D>((1.0, 90.0, density), (cells, 4.0), 0.0, &|_| 0.0);
         for (what, sim) in [("drop on a plate", plate), ("body in a pool", pool)] {
             let text = format!("iterations of a solve, {what}, {D}D, D = {density}, {cells} cells/R");
-            all.push(at_most(NAME, text, max_iterations(sim)?, bar(20.0)));
+            all.push(at_most(NAME, text, max_iterations(sim, STEPS)?, bar(20.0)));
         }
     }
     Ok(all)
 }
 
-/// Most iterations of a solve.
-fn max_iterations<const D: usize>(mut sim: Simulation<D>) -> Result<f64, StepError> {
+/// Most iterations of a solve in a number of steps.
+pub(super) fn max_iterations<const D: usize>(mut sim: Simulation<D>, steps: u64) -> Result<f64, StepError> {
     let mut most = 0;
-    while sim.state.step < STEPS {
-        most =
-            sim.step(f64::INFINITY, &mut |_| ())?.solves.iter().map(|s| s.iterations).fold(most, usize::max);
+    while sim.state.step < steps {
+        let solves = sim.step(f64::INFINITY, &mut |_| ())?.solves;
+        most = solves.iter().map(|s| s.iterations).fold(most, usize::max);
     }
     Ok(most as f64)
 }

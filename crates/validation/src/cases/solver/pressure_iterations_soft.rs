@@ -1,5 +1,6 @@
 //! Iterations of the pressure solve with deformable sheets.
 
+use super::pressure_iterations::max_iterations;
 use crate::measure::{at_most, bars, checks_or_failure};
 use crate::setup::{across_and_up, at_rest, block, grid_offset, unit_model, up};
 use crate::soft::SoftMaterial;
@@ -40,7 +41,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 
 fn checks<const D: usize>(cells: usize, settings: &[(f64, f64)]) -> Result<Vec<Check>, StepError> {
     let check = |(light, bending): &(f64, f64)| {
-        let most = max_iterations(start::<D>(cells, *light, *bending)?)?;
+        let most = max_iterations(start::<D>(cells, *light, *bending)?, STEPS)?;
         let text = format!("iterations of a solve, r = {light}, k_b = {bending}, {D}D, {cells} cells a unit");
         Ok(at_most(NAME, text, most, bars(60.0, 30.0)))
     };
@@ -72,14 +73,4 @@ fn start<const D: usize>(cells: usize, light: f64, bending: f64) -> Result<Simul
     };
     let liquid = |x: &Vector<D>| x[D - 1] - 1.5;
     Ok(at_rest(model, &liquid))
-}
-
-/// Most iterations of a solve.
-fn max_iterations<const D: usize>(mut sim: Simulation<D>) -> Result<f64, StepError> {
-    let mut most = 0;
-    while sim.state.step < STEPS {
-        let solves = sim.step(f64::INFINITY, &mut |_| ())?.solves;
-        most = solves.iter().map(|s| s.iterations).fold(most, usize::max);
-    }
-    Ok(most as f64)
 }
