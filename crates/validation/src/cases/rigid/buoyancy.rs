@@ -1,6 +1,6 @@
 //! Solids in liquid without surface tension: Archimedes' principle and added mass.
 
-use super::floating::{TIME, level_at_sides, tank};
+use super::floating::{TIME, Tank, level_at_sides};
 use crate::measure::{bars, checks_or_failure};
 use crate::setup::{at_rest, block, grid_offset, run_to, unit_model, up};
 use crate::{Case, Check, Mode};
@@ -48,7 +48,8 @@ fn check_floating_height(density: f64, cells: usize, time: f64) -> Result<Check,
         if middle - 0.5 * (2.0 * middle).sin() < PI * density { low = middle } else { high = middle }
     }
     let expected = low.cos();
-    let mut sim = tank::<2>((f64::INFINITY, 90.0, density), (cells, 6.0), expected + 0.1, &|_| 0.0);
+    let (bond, center) = (f64::INFINITY, expected + 0.1);
+    let mut sim = Tank { bond, angle: 90.0, density, cells, width: 6.0, center }.start::<2>(&|_| 0.0);
     sim.model.numerics.max_step = 0.1;
     run_to(&mut sim, time, |_, _| ())?;
     let found = sim.state.solids[0].center[1] - level_at_sides(&sim);

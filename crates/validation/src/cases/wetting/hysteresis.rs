@@ -29,22 +29,29 @@ const ROUND_DROP_FACTOR: f64 = 24.0 / (PI * PI * PI);
 
 fn slopes(cells: usize) -> Result<Vec<Check>, StepError> {
     let (area, volume) = (0.5 * PI, 2.0 / 3.0 * PI);
-    let mut checks = check_pull::<2>(cells, [0.9, 1.1].map(|share| (share, share / area)))?;
-    checks.extend(check_pull::<3>(
-        8,
-        [(0.7, 0.7 * ROUND_DROP_FACTOR * 2.0 / volume), (1.1, 1.1 * 2.0 / volume)],
-    )?);
+    let plane = |share: f64| Pull { share, force: share / area };
+    let mut checks = check_pulls::<2>(cells, plane(0.9), plane(1.1))?;
+    let rest = Pull { share: 0.7, force: 0.7 * ROUND_DROP_FACTOR * 2.0 / volume };
+    checks.extend(check_pulls::<3>(8, rest, Pull { share: 1.1, force: 1.1 * 2.0 / volume })?);
     Ok(checks)
 }
 
-/// Checks a drop that must rest and one that must slide; each is given by its share of the critical force, and the force over γ (cos θ_r
-/// − cos θ_a).
-fn check_pull<const D: usize>(cells: usize, [rest, slide]: [(f64, f64); 2]) -> Result<Vec<Check>, StepError> {
+/// A pull along the wall.
+struct Pull {
+    /// Its share of the critical one.
+    share: f64,
+    /// The force over γ (cos θ_r − cos θ_a).
+    force: f64,
+}
+
+/// Checks a drop that must rest and one that must slide.
+fn check_pulls<const D: usize>(cells: usize, rest: Pull, slide: Pull) -> Result<Vec<Check>, StepError> {
     let what = |share: f64| format!("way / R at {share} of the critical pull, {D}D, {cells} cells/R");
-    let (stays, goes) = (sliding_distance::<D>(cells, rest.1)?.abs(), sliding_distance::<D>(cells, slide.1)?);
+    let stays = sliding_distance::<D>(cells, rest.force)?.abs();
+    let goes = sliding_distance::<D>(cells, slide.force)?;
     Ok(vec![
-        at_most("hysteresis", what(rest.0), stays, bars(0.02, 0.005)),
-        at_least("hysteresis", what(slide.0), goes, 0.1, 0.2),
+        at_most("hysteresis", what(rest.share), stays, bars(0.02, 0.005)),
+        at_least("hysteresis", what(slide.share), goes, 0.1, 0.2),
     ])
 }
 

@@ -59,8 +59,8 @@ fn plane(mode: Mode) -> Result<Vec<Check>, StepError> {
     for &angle in angles {
         checks.extend(plate(angle)?);
     }
-    for row in GAPS.iter().filter(|_| mode == Mode::Full) {
-        checks.extend(gap(*row)?);
+    for &(half, angle, should) in GAPS.iter().filter(|_| mode == Mode::Full) {
+        checks.extend(gap(half, angle, should)?);
     }
     Ok(checks)
 }
@@ -163,7 +163,7 @@ fn plate(angle: f64) -> Result<Vec<Check>, StepError> {
 }
 
 /// Case 6c: half a gap beside a plane of symmetry, its plate, and the bath beyond it.
-fn gap((half, angle, should): (f64, f64, f64)) -> Result<Vec<Check>, StepError> {
+fn gap(half: f64, angle: f64, should: f64) -> Result<Vec<Check>, StepError> {
     let (dx, thick) = (0.08, 1.0);
     let grid = Grid::<2>::new([((half + thick + PLATE_TO_END_DISTANCE) / dx).ceil() as usize, 66], dx);
     let (bottom, top) = (1.2 + 0.3 * dx, 10.0);
@@ -183,12 +183,13 @@ fn gap((half, angle, should): (f64, f64, f64)) -> Result<Vec<Check>, StepError> 
 
 fn tubes(mode: Mode) -> Result<Vec<Check>, StepError> {
     let (cells, rows) = if mode == Mode::Quick { (6, &TUBES[1..2]) } else { (8, &TUBES[..]) };
-    let checks: Vec<_> = rows.iter().map(|row| tube(*row, cells)).collect::<Result<_, _>>()?;
+    let checks: Vec<_> =
+        rows.iter().map(|(angle, should)| tube(*angle, *should, cells)).collect::<Result<_, _>>()?;
     Ok(checks.into_iter().flatten().collect())
 }
 
 /// Case 6d: a quarter of a tube whose axis is the vertical edge of the domain.
-fn tube((angle, should): (f64, f64), cells: usize) -> Result<Vec<Check>, StepError> {
+fn tube(angle: f64, should: f64, cells: usize) -> Result<Vec<Check>, StepError> {
     let (radius, thick, side) = (0.5, 0.25, 1.5);
     let dx = radius / cells as f64;
     let round = |x: f64| (x / dx).ceil() as usize;
