@@ -7,6 +7,7 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_sim::{LineTracker, Model, Motion, Simulation, Solid, StepError, Wall};
+use std::f64::consts::FRAC_PI_2;
 use std::iter::Sum;
 use std::ops::Div;
 use std::sync::Arc;
@@ -74,6 +75,28 @@ pub struct Plate {
 }
 
 impl PlateSetup {
+    /// A free plate of length 5 and stiffness 1 in the middle of a domain, with a drop of half a disc's area at its contact angle;
+    /// without a thickness.
+    pub fn free(cells: usize, angle: f64) -> Self {
+        Self {
+            cells,
+            angle,
+            initial_angle: angle,
+            length: 5.0,
+            thickness: 0.0,
+            bending: 1.0,
+            poisson: 0.3,
+            own_tension: 0.0,
+            density: 1.0,
+            damping: 0.3,
+            area: FRAC_PI_2,
+            drop_offset: 0.0,
+            viscosity: 0.3,
+            support: PlateSupport::Free,
+            domain_and_plate_height: [4.0, 1.4],
+        }
+    }
+
     /// Half the width wetted by the drop on a flat plate at a contact angle, degrees.
     pub fn half_width(&self, angle: f64) -> f64 {
         let t = angle.to_radians();

@@ -1,5 +1,6 @@
 //! Points of the free surface, and measures of drops from them.
 
+use super::bisect;
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::{CellField, Sampler};
@@ -59,11 +60,7 @@ fn root(v: &[f64; 4]) -> f64 {
             + v[2] * (-(t + 1.0) * t * (t - 2.0) / 2.0)
             + v[3] * ((t + 1.0) * t * (t - 1.0) / 6.0)
     };
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if (cubic(middle) < 0.0) == (v[1] < 0.0) { low = middle } else { high = middle }
-    }
+    let [low, high] = bisect([0.0, 1.0], 50, |t| (cubic(t) < 0.0) == (v[1] < 0.0));
     0.5 * (low + high)
 }
 

@@ -1,7 +1,7 @@
 //! Solids in liquid without surface tension: Archimedes' principle and added mass.
 
 use super::floating::{TIME, Tank, level_at_sides};
-use crate::measure::{bars, checks_or_failure};
+use crate::measure::{bars, bisect, checks_or_failure};
 use crate::setup::{at_rest, block, grid_offset, run_to, unit_model, up};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -42,12 +42,8 @@ fn buoyancy(mode: Mode) -> Result<Vec<Check>, StepError> {
 
 fn check_floating_height(density: f64, cells: usize, time: f64) -> Result<Check, StepError> {
     // Half the angle of the circle's arc below the level.
-    let (mut low, mut high) = (0.0, PI);
-    while high - low > 1e-12 {
-        let middle: f64 = 0.5 * (low + high);
-        if middle - 0.5 * (2.0 * middle).sin() < PI * density { low = middle } else { high = middle }
-    }
-    let expected = low.cos();
+    let is_low = |half: f64| half - 0.5 * (2.0 * half).sin() < PI * density;
+    let expected = bisect([0.0, PI], 42, is_low)[0].cos();
     let (bond, center) = (f64::INFINITY, expected + 0.1);
     let mut sim = Tank { bond, angle: 90.0, density, cells, width: 6.0, center }.start::<2>(&|_| 0.0);
     sim.model.numerics.max_step = 0.1;

@@ -1,8 +1,8 @@
 //! A drop pinned at the ends of a sheet.
 
 use crate::elastica::{Sheet, Unknowns};
-use crate::measure::{bars, checks_or_failure};
-use crate::plate::{Plate, PlateSetup, PlateSupport};
+use crate::measure::{bars, bisect, checks_or_failure};
+use crate::plate::{Plate, PlateSetup};
 use crate::{Case, Check, Mode};
 use meniscus_sim::StepError;
 
@@ -80,33 +80,22 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 fn plate_setup(cells: usize, ratio: f64, area: f64) -> PlateSetup {
     let initial_angle = cap_angle(area);
     PlateSetup {
-        cells,
-        angle: initial_angle - ANGLE_MARGIN_DEGREES,
         initial_angle,
         length: LENGTH,
         thickness: 4.0 / cells as f64,
         bending: (LENGTH / ratio).powi(2),
-        poisson: 0.3,
-        own_tension: 0.0,
-        density: 1.0,
         damping: 1.0,
         area: area * LENGTH * LENGTH,
-        drop_offset: 0.0,
         viscosity: 0.5,
-        support: PlateSupport::Free,
         domain_and_plate_height: [5.6, 2.2],
+        ..PlateSetup::free(cells, initial_angle - ANGLE_MARGIN_DEGREES)
     }
 }
 
 /// The angle, degrees, of a cap from the ratio of its area to the square of its width.
 fn cap_angle(area: f64) -> f64 {
     let over = |angle: f64| (angle - angle.sin() * angle.cos()) / (2.0 * angle.sin()).powi(2);
-    let (mut low, mut high) = (1e-3, 3.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if over(middle) < area { low = middle } else { high = middle }
-    }
-    low.to_degrees()
+    bisect([1e-3, 3.0], 60, |angle| over(angle) < area)[0].to_degrees()
 }
 
 fn shape(cells: usize, row: &Folded) -> Result<Vec<Check>, StepError> {

@@ -6,7 +6,6 @@ use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_sim::{LineTracker, Simulation, StepError};
-use std::f64::consts::FRAC_PI_2;
 
 /// Drops that bend plates.
 pub const KINK: Case = Case {
@@ -55,21 +54,13 @@ fn kinks(mode: Mode) -> Result<Vec<Check>, StepError> {
                 let (length, drop_offset) =
                     if support == PlateSupport::LeftEnd { (6.0, 0.5) } else { (5.6, 0.0) };
                 let setting = PlateSetup {
-                    cells,
-                    angle,
-                    initial_angle: angle,
                     length,
                     thickness,
                     bending: 20.0,
-                    poisson: 0.3,
-                    own_tension: 0.0,
-                    density: 1.0,
-                    damping: 0.3,
-                    area: FRAC_PI_2,
                     drop_offset,
                     viscosity: 0.15,
                     support,
-                    domain_and_plate_height: [4.0, 1.4],
+                    ..PlateSetup::free(cells, angle)
                 };
                 let a = setting.half_width(angle);
                 let exact = 2.0 / 3.0 * angle.to_radians().sin() * a * a / 20.0;
@@ -102,21 +93,11 @@ fn strip(mode: Mode) -> Result<Vec<Check>, StepError> {
     for &angle in angles {
         let time = 10.0;
         let setting = PlateSetup {
-            cells,
-            angle,
-            initial_angle: angle,
-            length: 5.0,
             thickness: 4.0 / cells as f64,
             bending: 5.5,
-            poisson: 0.3,
-            own_tension: 0.0,
-            density: 1.0,
-            damping: 0.3,
-            area: FRAC_PI_2,
             drop_offset: 0.4,
             viscosity: 0.02,
-            support: PlateSupport::Free,
-            domain_and_plate_height: [4.0, 1.4],
+            ..PlateSetup::free(cells, angle)
         };
         let Plate { mut sim, .. } = setting.start()?;
         let sums = |sim: &Simulation<2>| {
@@ -155,21 +136,11 @@ fn stiff(mode: Mode) -> Result<Vec<Check>, StepError> {
     for &angle in angles {
         let contact = |support: PlateSupport| {
             let setting = PlateSetup {
-                cells,
-                angle,
                 initial_angle: 90.0,
-                length: 5.0,
                 thickness: 6.0 / cells as f64,
                 bending: 1e5,
-                poisson: 0.3,
-                own_tension: 0.0,
-                density: 1.0,
-                damping: 0.3,
-                area: FRAC_PI_2,
-                drop_offset: 0.0,
-                viscosity: 0.3,
                 support,
-                domain_and_plate_height: [4.0, 1.4],
+                ..PlateSetup::free(cells, angle)
             };
             let mut plate = setting.start()?;
             let tracker = LineTracker::new(&plate.sim.model, &[plate.sim.model.grid.dx / 1.5]);

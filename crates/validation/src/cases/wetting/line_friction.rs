@@ -1,7 +1,7 @@
 //! Contact-line friction: spreading of a drop limited by friction alone.
 
 use super::sessile::{cap_radius, fit_cap, sessile_model};
-use crate::measure::{at_most, bars, checks_or_failure};
+use crate::measure::{at_most, bars, bisect, checks_or_failure};
 use crate::setup::{across_and_up, at_rest, block, in_flight, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -82,11 +82,7 @@ fn angle_at(time: f64) -> f64 {
 
 /// The angle (rad) of a circular segment with the drop's area and a width of `2 width`.
 fn angle_of(width: f64) -> f64 {
-    let (mut low, mut high) = (0.01, PI - 0.01);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if cap_radius::<2>(middle) * middle.sin() > width { low = middle } else { high = middle }
-    }
+    let [low, high] = bisect([0.01, PI - 0.01], 60, |angle| cap_radius::<2>(angle) * angle.sin() > width);
     0.5 * (low + high)
 }
 

@@ -2,7 +2,7 @@
 
 use super::sessile::{rms_and_mean_speed, sessile_model};
 use crate::cases::rigid::floating::level_by_pressure;
-use crate::measure::{at_most, bars, checks_or_failure};
+use crate::measure::{at_most, bars, bisect, checks_or_failure};
 use crate::setup::{at_rest, block, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -82,10 +82,11 @@ fn bath<const D: usize>(model: Model<D>, level: f64) -> Simulation<D> {
 }
 
 /// Height of the surface above or below a point.
-pub(crate) fn surface_height<const D: usize>(sim: &Simulation<D>, mut x: Vector<D>) -> f64 {
+pub(crate) fn surface_height<const D: usize>(sim: &Simulation<D>, x: Vector<D>) -> f64 {
     let grid = &sim.model.grid;
     let sampler = Sampler::cells(grid, &sim.state.phi.data, sim.model.scalar_boundary());
-    let mut at = |height: f64| {
+    let at = |height: f64| {
+        let mut x = x;
         x[D - 1] = height;
         sampler.cubic(&x)
     };
@@ -94,10 +95,7 @@ pub(crate) fn surface_height<const D: usize>(sim: &Simulation<D>, mut x: Vector<
     while low > 0.0 && at(low) >= 0.0 {
         (low, high) = (low - grid.dx, low);
     }
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if at(middle) < 0.0 { low = middle } else { high = middle }
-    }
+    let [low, high] = bisect([low, high], 50, |height| at(height) < 0.0);
     0.5 * (low + high)
 }
 

@@ -80,21 +80,15 @@ impl ElasticLayer {
     /// Half the wetted width, and heights at the lines and under the middle, for a drop at rest.
     fn measure(&self, cells: usize) -> Result<[f64; 3], StepError> {
         let setting = PlateSetup {
-            cells,
-            angle: 90.0,
-            initial_angle: 90.0,
             length: 8.0,
             thickness: 1.0,
             bending: self.young / (12.0 * (1.0 - self.poisson * self.poisson)),
             poisson: self.poisson,
             own_tension: self.tension,
-            density: 1.0,
             damping: 0.7,
-            area: FRAC_PI_2,
-            drop_offset: 0.0,
-            viscosity: 0.3,
             support: PlateSupport::BottomAndEnds,
             domain_and_plate_height: [3.2, 0.8],
+            ..PlateSetup::free(cells, 90.0)
         };
         let mut plate = setting.start()?;
         plate.sim.model.numerics.line_radius = self.width;

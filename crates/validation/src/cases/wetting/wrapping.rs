@@ -1,7 +1,7 @@
 //! Drops on long deformable sheets: bending, and the threshold of wrapping.
 
 use crate::measure::{bars, checks_or_failure};
-use crate::plate::{Plate, PlateSetup, PlateSupport};
+use crate::plate::{Plate, PlateSetup};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_sim::{LineTracker, StepError};
@@ -61,21 +61,14 @@ const END_LENGTH: f64 = 0.5;
 /// A drop on a sheet with R0/L = `ratio`.
 fn plate_setup(angle: f64, ratio: f64) -> PlateSetup {
     PlateSetup {
-        cells: CELLS,
-        angle,
-        initial_angle: angle,
         length: 6.4,
         thickness: 4.0 / CELLS as f64,
         bending: ratio.powi(-2),
-        poisson: 0.3,
-        own_tension: 0.0,
-        density: 1.0,
         damping: 1.0,
         area: PI,
-        drop_offset: 0.0,
         viscosity: 0.5,
-        support: PlateSupport::Free,
         domain_and_plate_height: [6.4, 2.2],
+        ..PlateSetup::free(CELLS, angle)
     }
 }
 
