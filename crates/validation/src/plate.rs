@@ -116,12 +116,7 @@ impl PlateSetup {
         let shape = block(middle, half);
         let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, ElementOrder::Quadratic).unwrap_or_default();
         let low = middle - half;
-        let side = |height: f64| {
-            let on = mesh.positions.iter().enumerate().filter(|(_, x)| (x[1] - height).abs() < 1e-9);
-            let mut on: Vec<(usize, f64)> = on.map(|(k, x)| (k, x[0] - middle[0])).collect();
-            on.sort_by(|a, b| a.1.total_cmp(&b.1));
-            on
-        };
+        let side = |height: f64| vertices_at_height(&mesh.positions, height, middle[0]);
         let (bottom, top) = (side(low[1]), side(low[1] + self.thickness));
         let motion = match self.support {
             PlateSupport::Rigid => Motion::Fixed,
@@ -242,6 +237,14 @@ impl Plate {
         });
         Ok(values.sum::<Result<T, StepError>>()? / f64::from(TIMES))
     }
+}
+
+/// The vertices at a height with their positions along the first axis from an origin, in their order along it.
+pub fn vertices_at_height(positions: &[Vector<2>], height: f64, origin: f64) -> Vec<(usize, f64)> {
+    let on = positions.iter().enumerate().filter(|(_, x)| (x[1] - height).abs() < 1e-9);
+    let mut on: Vec<(usize, f64)> = on.map(|(k, x)| (k, x[0] - origin)).collect();
+    on.sort_by(|a, b| a.1.total_cmp(&b.1));
+    on
 }
 
 /// Arc length along a curve at the point closest to `x`.

@@ -4,7 +4,7 @@ use super::bisect;
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::{CellField, Sampler};
-use meniscus_sim::{Model, Simulation};
+use meniscus_sim::{LineTracker, Model, Simulation};
 
 /// Crossing of the surface with a line between the centres of neighbouring cells.
 #[derive(Clone, Copy, Debug)]
@@ -113,6 +113,11 @@ fn sampled_volume_and_centroid<const D: usize>(
         }
     }
     (volume * grid.cell_volume(), moment / volume)
+}
+
+/// A tracker of the contact lines on solids with the mesh that the program gives them.
+pub fn line_tracker<const D: usize>(sim: &Simulation<D>) -> LineTracker<D> {
+    LineTracker::new(&sim.model, &[sim.model.grid.dx / 1.5])
 }
 
 /// A mode of a drop as a function of the direction from its centre: `cos nθ`, θ from the first axis, in 2D and the

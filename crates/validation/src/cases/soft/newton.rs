@@ -1,6 +1,6 @@
 //! Newton iterations of steps in which a deformable solid rotates far.
 
-use crate::measure::{at_most, bars, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure, soft_motion};
 use crate::setup::{block, unit_model};
 use crate::soft::{SoftMaterial, not_made};
 use crate::{Case, Check, Mode};
@@ -48,10 +48,7 @@ fn spinning<const D: usize>() -> Result<Vec<Check>, StepError> {
 /// Largest relative change of the angular momentum.
 fn angular_momentum_drift<const D: usize>(iterations: u32) -> Result<f64, StepError> {
     let mut sim = start::<D>(iterations)?;
-    let turning = |sim: &Simulation<D>| {
-        let soft = sim.model.solids[0].elastic().zip(sim.state.solids[0].soft.as_ref());
-        soft.map_or(Vector::<3>::zeros(), |(e, soft)| Vector::from(e.angular_momentum(&soft.state)))
-    };
+    let turning = |sim: &Simulation<D>| soft_motion(sim, 0).angular_momentum;
     let before = turning(&sim);
     let mut most = 0f64;
     for _ in 0..STEPS {

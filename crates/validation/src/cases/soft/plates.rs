@@ -1,11 +1,10 @@
 //! Drops on deformable solids, against plate theory.
 
-use crate::measure::{at_most, bars, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure, line_tracker, soft_motion};
 use crate::plate::{Plate, PlateSetup, PlateSupport};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
-use meniscus_numerics::Vector;
-use meniscus_sim::{LineTracker, Simulation, StepError};
+use meniscus_sim::{Simulation, StepError};
 
 /// Drops that bend plates.
 pub const KINK: Case = Case {
@@ -102,13 +101,15 @@ fn strip(mode: Mode) -> Result<Vec<Check>, StepError> {
         let Plate { mut sim, .. } = setting.start()?;
         let sums = |sim: &Simulation<2>| {
             let (books, now) = (sim.diagnostics(), &sim.state.solids[0]);
-            let own = sim.model.solids[0].elastic().zip(now.soft.as_ref());
-            let (p, l, mass) = own.map_or((Vector::zeros(), 0.0, 0.0), |(e, soft)| {
-                (e.momentum(&soft.state), e.angular_momentum(&soft.state)[2], e.masses().iter().sum())
-            });
+            let own = soft_motion(sim, 0);
+            let mass = own.mass;
             let center =
                 (books.centroid * books.target_volume + now.center * mass) / (books.target_volume + mass);
-            ((books.momentum + p).norm(), (books.angular_momentum[2] + l).abs(), center)
+            (
+                (books.momentum + own.momentum).norm(),
+                (books.angular_momentum[2] + own.angular_momentum[2]).abs(),
+                center,
+            )
         };
         let (first, dx) = (sums(&sim).2, sim.model.grid.dx);
         let (mut linear, mut angular, mut wander) = (0f64, 0f64, 0f64);
@@ -143,7 +144,7 @@ fn stiff(mode: Mode) -> Result<Vec<Check>, StepError> {
                 ..PlateSetup::free(cells, angle)
             };
             let mut plate = setting.start()?;
-            let tracker = LineTracker::new(&plate.sim.model, &[plate.sim.model.grid.dx / 1.5]);
+            let tracker = line_tracker(&plate.sim);
             plate.mean_over_last_fifth(15.0, |p| {
                 tracker.extract(&p.sim).angle_statistics(None).map_or(0.0, |a| a.0)
             })

@@ -1,6 +1,7 @@
 //! The bending moment of a beam that carries a drop, against statics.
 
 use crate::measure::{TimeMean, bars, checks_or_failure, external_load, liquid_force};
+use crate::plate::vertices_at_height;
 use crate::setup::{at_rest, block, run_to, unit_model};
 use crate::soft::SoftMaterial;
 use crate::{Case, Check, Mode};
@@ -155,18 +156,9 @@ impl DropCase {
 /// Positions along the beam at rest, in order, and the vertices of the upper and the lower side there.
 fn middle_line(sim: &Simulation<2>) -> Vec<(f64, [usize; 2])> {
     let Some(elastic) = sim.model.solids[0].elastic() else { return Vec::new() };
-    let side = |height: f64| {
-        let on =
-            elastic.rest_mesh().positions.iter().enumerate().filter(|(_, x)| (x[1] - height).abs() < 1e-9);
-        let mut on: Vec<(f64, usize)> = on.map(|(k, x)| (x[0], k)).collect();
-        on.sort_by(|a, b| a.0.total_cmp(&b.0));
-        on
-    };
-    side(BEAM_BOTTOM + THICKNESS)
-        .into_iter()
-        .zip(side(BEAM_BOTTOM))
-        .map(|((s, top), (_, bottom))| (s, [top, bottom]))
-        .collect()
+    let side = |height: f64| vertices_at_height(&elastic.rest_mesh().positions, height, 0.0);
+    let pairs = side(BEAM_BOTTOM + THICKNESS).into_iter().zip(side(BEAM_BOTTOM));
+    pairs.map(|((top, s), (bottom, _))| (s, [top, bottom])).collect()
 }
 
 impl Means {

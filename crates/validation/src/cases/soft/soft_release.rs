@@ -1,6 +1,6 @@
 //! An elastic solid that is stretched and released in liquid.
 
-use crate::measure::{at_least, at_most, bars, checks_or_failure};
+use crate::measure::{at_least, at_most, bars, checks_or_failure, soft_motion};
 use crate::setup::{at_rest, grid_offset, run_to, unit_model};
 use crate::soft::SoftMaterial;
 use crate::{Case, Check, Mode};
@@ -75,22 +75,16 @@ fn start<const D: usize>(cells: usize) -> Result<Simulation<D>, StepError> {
 
 fn release<const D: usize>(cells: usize, time: f64) -> Result<Vec<Check>, StepError> {
     let mut sim = start::<D>(cells)?;
-    let own = |sim: &Simulation<D>| {
-        let soft = sim.model.solids[0].elastic().zip(sim.state.solids[0].soft.as_ref());
-        soft.map_or((Vector::zeros(), Vector::<3>::zeros(), 0.0), |(e, soft)| {
-            let turning = Vector::<3>::from(e.angular_momentum(&soft.state));
-            (e.momentum(&soft.state), turning, e.masses().iter().sum::<f64>())
-        })
-    };
     let books = sim.diagnostics();
     let start = books.elastic_energy;
-    let scale = (2.0 * start * (books.target_volume + own(&sim).2)).sqrt();
+    let scale = (2.0 * start * (books.target_volume + soft_motion(&sim, 0).mass)).sqrt();
     let (mut linear, mut turning, mut rise, mut moving) = (0f64, 0f64, 0f64, 0f64);
     run_to(&mut sim, time, |sim, report| {
-        let (p, l, _) = own(sim);
+        let own = soft_motion(sim, 0);
         let books = &report.diagnostics;
-        linear = linear.max((books.momentum + p).norm() / scale);
-        turning = turning.max((Vector::<3>::from(books.angular_momentum) + l).norm() / scale);
+        linear = linear.max((books.momentum + own.momentum).norm() / scale);
+        turning =
+            turning.max((Vector::<3>::from(books.angular_momentum) + own.angular_momentum).norm() / scale);
         let (moves, stretches) = (books.kinetic_energy, books.elastic_energy);
         rise = rise.max((moves + stretches) / start - 1.0);
         moving = moving.max(moves / start);

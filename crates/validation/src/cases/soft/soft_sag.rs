@@ -1,12 +1,12 @@
 //! A drop at rest on a deformable plate that its weight bends, with contact-line friction.
 
-use crate::measure::{bars, checks_or_failure};
+use crate::measure::{bars, checks_or_failure, line_tracker};
 use crate::setup::{at_rest, block, run_to, unit_model};
 use crate::soft::SoftMaterial;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{LineTracker, Model, Numerics, Simulation, StepError, Wall};
+use meniscus_sim::{Model, Numerics, Simulation, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -36,7 +36,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 
 fn check(step: f64) -> Result<Check, StepError> {
     let mut sim = start(step)?;
-    let tracker = LineTracker::new(&sim.model, &[DX / 1.5]);
+    let tracker = line_tracker(&sim);
     run_to(&mut sim, 0.5, |_, _| ())?;
     let (mut sum, mut count) = (0.0, 0.0);
     run_to(&mut sim, 0.6, |sim, _| {

@@ -2,12 +2,12 @@
 
 use super::meniscus::surface_height;
 use super::sessile::{fit_cap, rms_and_mean_speed};
-use crate::measure::{at_most, bars, checks_or_failure, surface_points};
+use crate::measure::{at_most, bars, checks_or_failure, line_tracker, surface_points};
 use crate::setup::{at_rest, run_to, unit_model};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{LineTracker, Model, StepError, Wall};
+use meniscus_sim::{Model, StepError, Wall};
 use std::f64::consts::SQRT_2;
 
 /// A tank, and drops in corners.
@@ -58,7 +58,7 @@ fn tank(angle: f64, cells: usize) -> Result<Vec<Check>, StepError> {
     let distance = |x: &Vector<2>| x[1] - 2.43;
     let mut sim = at_rest(model, &distance);
     run_to(&mut sim, TIME, |_, _| ())?;
-    let line = LineTracker::new(&sim.model, &[dx / 1.5]).extract(&sim);
+    let line = line_tracker(&sim).extract(&sim);
     let risen = match line.points[..] {
         [left, right] => {
             0.5 * (left.at[1] + right.at[1]) - surface_height(&sim, sim.model.grid.domain_upper() * 0.5)

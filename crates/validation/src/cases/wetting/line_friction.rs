@@ -2,7 +2,7 @@
 
 use super::sessile::{cap_radius, fit_cap, sessile_model};
 use crate::measure::{at_most, bars, bisect, checks_or_failure};
-use crate::setup::{across_and_up, at_rest, block, in_flight, run_to};
+use crate::setup::{across_and_up, at_rest, block, in_flight, run_to, wetted};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
@@ -47,8 +47,7 @@ fn spreading(cells: usize) -> Result<Vec<Check>, StepError> {
     let grid = Grid::<2>::new([4 * cells, 2 * cells], dx);
     let point = Vector::<2>::new(2.0, (0.5 * cells as f64).floor() * dx + 0.3 * dx);
     let normal = Vector::<2>::new(0.0, 1.0);
-    let mut wall = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
-    wall.young_cosine = YOUNG.to_radians().cos();
+    let mut wall = wetted(Shape::HalfSpace { point, normal }, YOUNG);
     wall.line_friction = FRICTION;
     let start = |x: &Vector<2>| (x - point).norm() - 1.0;
     let model = Model { kinematic_viscosity: VISCOSITY, ..sessile_model(grid, wall) };

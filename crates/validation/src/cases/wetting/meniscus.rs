@@ -2,13 +2,13 @@
 
 use super::sessile::{rms_and_mean_speed, sessile_model};
 use crate::cases::rigid::floating::level_by_pressure;
-use crate::measure::{at_most, bars, bisect, checks_or_failure};
-use crate::setup::{at_rest, block, run_to};
+use crate::measure::{at_most, bars, bisect, checks_or_failure, line_tracker};
+use crate::setup::{at_rest, block, run_to, wetted};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Grid, Sampler};
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LineTracker, Model, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{Model, Simulation, StepError};
 use std::f64::consts::{PI, SQRT_2};
 
 /// Plates and gaps in 2D.
@@ -67,8 +67,7 @@ fn plane(mode: Mode) -> Result<Vec<Check>, StepError> {
 
 /// A tank with a solid that the liquid meets at a contact angle (degrees).
 fn tank<const D: usize>(grid: Grid<D>, shape: Shape<D>, angle: f64) -> Model<D> {
-    let mut solid = Solid::new(shape, Motion::Fixed, 1.0);
-    solid.young_cosine = angle.to_radians().cos();
+    let solid = wetted(shape, angle);
     let mut model = sessile_model(grid, solid);
     model.kinematic_viscosity = 1.0;
     model.gravity[D - 1] = -1.0;
@@ -112,7 +111,7 @@ fn wall(angle: f64) -> Result<Vec<Check>, StepError> {
     let shape = Shape::HalfSpace { point: Vector::<2>::new(x, 0.0), normal: Vector::<2>::new(1.0, 0.0) };
     let mut sim = bath(tank(grid, shape, angle), 2.43);
     run_to(&mut sim, TIME, |_, _| ())?;
-    let line = LineTracker::new(&sim.model, &[dx / 1.5]).extract(&sim);
+    let line = line_tracker(&sim).extract(&sim);
     let risen = match line.points[..] {
         [point] => point.at[1] - surface_height(&sim, grid.domain_upper()),
         _ => f64::NAN,

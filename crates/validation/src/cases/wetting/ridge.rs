@@ -1,10 +1,10 @@
 //! The wetting ridge of a contact line on a deformable layer.
 
-use crate::measure::{at_least, bars, checks_or_failure};
+use crate::measure::{at_least, bars, checks_or_failure, line_tracker};
 use crate::plate::{PlateSetup, PlateSupport};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
-use meniscus_sim::{LineTracker, StepError};
+use meniscus_sim::StepError;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Drops on layers.
@@ -92,7 +92,7 @@ impl ElasticLayer {
         };
         let mut plate = setting.start()?;
         plate.sim.model.numerics.line_radius = self.width;
-        let tracker = LineTracker::new(&plate.sim.model, &[plate.sim.model.grid.dx / 1.5]);
+        let tracker = line_tracker(&plate.sim);
         plate
             .mean_over_last_fifth(8.0, |p| {
                 let points = tracker.extract(&p.sim).points;

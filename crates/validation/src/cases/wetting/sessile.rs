@@ -1,7 +1,7 @@
 //! Drops on solids without gravity: Young's angle on planes of any position and slope, on a cylinder and a ball.
 
 use crate::measure::{at_least, at_most, bar, bars, checks_or_failure, convergence_order, surface_points};
-use crate::setup::{at_rest, run_to, unit_model, up};
+use crate::setup::{at_rest, run_to, unit_model, up, wetted};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::fit::Sphere;
 use meniscus_numerics::grid::Grid;
@@ -343,8 +343,7 @@ fn drop_on_ball<const D: usize>(angle: f64, apex: f64) -> Result<Vec<Check>, Ste
         Grid::<D>::new(std::array::from_fn(|a| (size[if a + 1 == D { 2 } else { a }] * cells) as usize), dx);
     let mut center = grid.domain_upper() * 0.5 + Vector::from_fn(|a, _| dx * [0.141, 0.273, 0.368][a]);
     center[D - 1] = 1.4;
-    let mut ball = Solid::new(Shape::Ball { center, radius: solid }, Motion::Fixed, 1.0);
-    ball.young_cosine = angle.to_radians().cos();
+    let ball = wetted(Shape::Ball { center, radius: solid }, angle);
     // A ball around the top of the solid, whose part outside the solid has the drop's volume.
     let volume = if D == 2 { 0.25 * PI * solid * solid } else { PI / 6.0 * solid.powi(3) };
     let up = up::<D>(1.0);

@@ -1,14 +1,14 @@
 //! Sessile drops under gravity, and their force on the solid.
 
 use super::sessile::{fit_cap, rms_and_mean_speed, sessile_model};
-use crate::measure::{at_most, bars, checks_or_failure, surface_points};
-use crate::setup::{across_and_up, at_rest, run_to, up};
+use crate::measure::{at_most, bars, checks_or_failure, line_tracker, surface_points};
+use crate::setup::{across_and_up, at_rest, run_to, up, wetted};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LineTracker, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{Simulation, StepError};
 use std::f64::consts::PI;
 
 /// Drops under gravity in 2D.
@@ -135,8 +135,7 @@ fn start_drop<const D: usize>(
     let mut point = if D == 3 { Vector::zeros() } else { grid.domain_upper() * 0.5 };
     point[D - 1] = (0.4 * cells as f64).floor() * dx + 0.3 * dx;
     let normal = up(1.0);
-    let mut wall = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
-    wall.young_cosine = angle.to_radians().cos();
+    let wall = wetted(Shape::HalfSpace { point, normal }, angle);
     let mut model = sessile_model(grid, wall);
     model.kinematic_viscosity = 1.0;
     model.gravity[D - 1] = -gravity;
@@ -206,7 +205,7 @@ fn mean_forces<const D: usize>(sim: &mut Simulation<D>, end: f64) -> Result<(f64
 /// Height over a horizontal wall through a point, base radius, and mean angle along the line, degrees.
 fn drop_dimensions<const D: usize>(sim: &Simulation<D>, point: &Vector<D>) -> (f64, f64, f64) {
     let dx = sim.model.grid.dx;
-    let line = LineTracker::new(&sim.model, &[dx / 1.5]).extract(sim);
+    let line = line_tracker(sim).extract(sim);
     let length: f64 = line.points.iter().map(|p| p.length).sum();
     let middle = line.points.iter().map(|p| p.at * p.length).sum::<Vector<D>>() / length;
     // A quarter of a drop has its middle at the edge of the domain.

@@ -2,12 +2,12 @@
 
 use super::sessile::sessile_model;
 use crate::measure::{bars, checks_or_failure};
-use crate::setup::{at_rest, run_to};
+use crate::setup::{at_rest, run_to, wetted};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Motion, Solid, StepError};
+use meniscus_sim::{Model, StepError};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -55,8 +55,7 @@ fn sliding_ratio(cells: usize, tilt: f64, angle: f64) -> Result<f64, StepError> 
     let size = Vector::<2>::new(4.2 + 2.5 * c, 2.6 + 4.2 * s);
     let grid = Grid::<2>::new([0, 1].map(|a| (size[a] * cells as f64).ceil() as usize), dx);
     let middle = Vector::<2>::new(0.5 * size[0], 0.45 * size[1] - 0.75 * c + 0.27 * dx);
-    let mut wall = Solid::new(Shape::HalfSpace { point: middle, normal }, Motion::Fixed, 1.0);
-    wall.young_cosine = angle.to_radians().cos();
+    let wall = wetted(Shape::HalfSpace { point: middle, normal }, angle);
     let pull = GRAVITY * s;
     let time = 12f64.min((2.0 * 2.5 / pull).sqrt());
     let way = 0.5 * pull * time * time;

@@ -2,12 +2,12 @@
 
 use super::sessile::sessile_model;
 use crate::measure::{bars, checks_or_failure};
-use crate::setup::{at_rest, run_to};
+use crate::setup::{at_rest, run_to, wetted};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Motion, Simulation, Solid, StepError, WettabilityLayer};
+use meniscus_sim::{Model, Simulation, StepError, WettabilityLayer};
 use std::f64::consts::PI;
 
 /// The case.
@@ -63,8 +63,7 @@ fn depins(cells: usize, angle: f64, slanting: bool) -> Result<bool, StepError> {
     let size = if slanting { Vector::<2>::new(5.5, 4.5) } else { Vector::<2>::new(5.5, 2.5) };
     let step = if slanting { Vector::<2>::new(3.2, 1.8) } else { Vector::<2>::new(3.2, 0.5 + 0.3 * dx) };
     let grid = Grid::<2>::new([0, 1].map(|a| (size[a] * cells as f64) as usize), dx);
-    let mut wall = Solid::new(Shape::HalfSpace { point: step, normal }, Motion::Fixed, 1.0);
-    wall.young_cosine = 60f64.to_radians().cos();
+    let mut wall = wetted(Shape::HalfSpace { point: step, normal }, 60.0);
     let below = Shape::HalfSpace { point: step, normal: -along };
     wall.pattern = vec![WettabilityLayer::Patch { shape: below, cosine: 120f64.to_radians().cos() }];
     wall.line_friction = 1.0;

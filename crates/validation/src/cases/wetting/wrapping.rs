@@ -1,10 +1,10 @@
 //! Drops on long deformable sheets: bending, and the threshold of wrapping.
 
-use crate::measure::{bars, checks_or_failure};
+use crate::measure::{bars, checks_or_failure, line_tracker};
 use crate::plate::{Plate, PlateSetup};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
-use meniscus_sim::{LineTracker, StepError};
+use meniscus_sim::StepError;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Open sheets.
@@ -77,7 +77,7 @@ fn open(mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
     for &(ratio, angle, wetted, slope) in rows {
         let mut plate = plate_setup(angle, ratio).start()?;
-        let tracker = LineTracker::new(&plate.sim.model, &[plate.sim.model.grid.dx / 1.5]);
+        let tracker = line_tracker(&plate.sim);
         let found = plate.mean_over_last_fifth(25.0, |p| p.end_slope(END_LENGTH).to_degrees())?;
         let text = |what: &str| format!("{what}, R0/L = {ratio}, θ = {angle}°, {CELLS} cells/R0");
         let long = plate.wetted_length(&tracker);
