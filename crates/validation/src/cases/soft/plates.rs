@@ -48,13 +48,13 @@ fn kinks(mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
     for &thick in layers {
         for &angle in angles {
-            for support in [PlateSupport::Free, PlateSupport::LeftEnd] {
-                let thickness = thick / cells as f64;
-                let (length, drop_offset) =
-                    if support == PlateSupport::LeftEnd { (6.0, 0.5) } else { (5.6, 0.0) };
+            for (support, length, drop_offset, time, what) in [
+                (PlateSupport::Free, 5.6, 0.0, 10.0, "bend of a free plate"),
+                (PlateSupport::LeftEnd, 6.0, 0.5, 30.0, "slope of a cantilever's tip"),
+            ] {
                 let setting = PlateSetup {
                     length,
-                    thickness,
+                    thickness: thick / cells as f64,
                     bending: 20.0,
                     drop_offset,
                     viscosity: 0.15,
@@ -63,20 +63,11 @@ fn kinks(mode: Mode) -> Result<Vec<Check>, StepError> {
                 };
                 let a = setting.half_width(angle);
                 let exact = 2.0 / 3.0 * angle.to_radians().sin() * a * a / 20.0;
-                let mut plate = setting.start()?;
                 let (end, left, right) = (0.5 * length, drop_offset - a - 0.2, drop_offset + a + 0.2);
-                let bend = |p: &Plate| p.slope(right, end) - p.slope(-end, left);
-                let tip = |p: &Plate| p.slope(right, end);
-                let value = if support == PlateSupport::LeftEnd {
-                    plate.mean_over_last_fifth(30.0, tip)?
-                } else {
-                    plate.mean_over_last_fifth(10.0, bend)?
-                };
-                let what = if support == PlateSupport::LeftEnd {
-                    "slope of a cantilever's tip"
-                } else {
-                    "bend of a free plate"
-                };
+                let value = setting.start()?.mean_over_last_fifth(time, |p| {
+                    let tip = p.slope(right, end);
+                    if support == PlateSupport::LeftEnd { tip } else { tip - p.slope(-end, left) }
+                })?;
                 let text = format!("{what}, {thick} cells thick, θ = {angle}°, {cells} cells/R");
                 checks.push(Check::relative("soft-kink", text, value, exact, bars(0.08, 0.03)));
             }
